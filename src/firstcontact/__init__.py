@@ -1,0 +1,74 @@
+"""When, where and with which faces do two moving shapes first touch?  Exact answers, with proof.
+
+>>> import firstcontact as fc
+>>> cube = fc.examples.box((1, 1, 1))
+>>> hit = fc.first_contact(cube.translated((-3, 0, 0)).moving(fc.Translation((4, 0, 0))), cube)
+>>> hit.status.name, hit.time
+('CONTACT', 0.5)
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from firstcontact import examples as examples
+    from firstcontact.body.moving import Moving as Moving
+    from firstcontact.body.polyhedron import Polyhedron as Polyhedron
+    from firstcontact.errors import FirstContactError as FirstContactError
+    from firstcontact.errors import InputError as InputError
+    from firstcontact.errors import UnsupportedPair as UnsupportedPair
+    from firstcontact.motion.rotation import Rotation as Rotation
+    from firstcontact.motion.sequence import Sequence as Sequence
+    from firstcontact.motion.translation import Translation as Translation
+    from firstcontact.query import contact_intervals as contact_intervals
+    from firstcontact.query import contact_pairs as contact_pairs
+    from firstcontact.query import first_contact as first_contact
+    from firstcontact.result import AlgebraicNumber as AlgebraicNumber
+    from firstcontact.result import ContactInterval as ContactInterval
+    from firstcontact.result import ContactIntervals as ContactIntervals
+    from firstcontact.result import ContactPairs as ContactPairs
+    from firstcontact.result import Element as Element
+    from firstcontact.result import ExactAngle as ExactAngle
+    from firstcontact.result import FirstContact as FirstContact
+    from firstcontact.result import Status as Status
+
+__version__ = "0.1.0"
+
+_HOME = {
+    "Moving": "body.moving",
+    "Polyhedron": "body.polyhedron",
+    "FirstContactError": "errors",
+    "InputError": "errors",
+    "UnsupportedPair": "errors",
+    "Rotation": "motion.rotation",
+    "Sequence": "motion.sequence",
+    "Translation": "motion.translation",
+    "contact_intervals": "query",
+    "contact_pairs": "query",
+    "first_contact": "query",
+    "AlgebraicNumber": "result",
+    "ContactInterval": "result",
+    "ContactIntervals": "result",
+    "ContactPairs": "result",
+    "Element": "result",
+    "ExactAngle": "result",
+    "FirstContact": "result",
+    "Status": "result",
+}
+_MODULES = ("examples",)
+__all__ = [*_HOME, *_MODULES, "__version__"]  # noqa: PLE0604
+
+
+def __getattr__(name: str) -> Any:
+    if name in _HOME:
+        value = getattr(import_module(f"firstcontact.{_HOME[name]}"), name)
+    elif name in _MODULES:
+        value = import_module(f"firstcontact.{name}")
+    else:
+        raise AttributeError(f"module 'firstcontact' has no attribute {name!r}")
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -1,0 +1,1 @@
+"""Bodies: shapes at rest and in motion."""

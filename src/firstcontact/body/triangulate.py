@@ -1,0 +1,142 @@
+"""Planar polygons, also non-convex and with holes, cut into triangles by ear clipping (Meisters 1975).
+
+All turns are decided exactly: floats behind an error bound first, rationals behind them.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from flint import fmpq
+
+from firstcontact.errors import InputError
+
+# A polygon counts as planar when no corner is farther from its plane than this fraction of its size.
+PLANARITY = 1e-9
+
+Point = tuple[float, float]
+
+
+def triangulate(body: Any, rings: list[list[int]], who: str) -> list[tuple[int, int, int]]:
+    """Triangles (vertex indices, orientation of the outer ring) that fill the polygon.
+
+    rings: the outer ring and then the holes, vertex indices, any orientation.
+    Raises InputError when the polygon is not planar or its rings cross.
+    """
+    if len(rings) == 1 and len(rings[0]) == 3:
+        a, b, c = rings[0]
+        return [(a, b, c)]
+    plane = _project(body.vertices, rings, who)
+    turn = _Turn(plane)
+    outer, *holes = rings
+    flipped = _signed_area(plane, outer) < 0
+    outer = outer[::-1] if flipped else outer
+    holes = [hole if _signed_area(plane, hole) < 0 else hole[::-1] for hole in holes]
+    loop = list(outer)
+    for hole in sorted(holes, key=lambda h: -max(plane[i] for i in h)[0]):
+        loop = _bridge(plane, turn, loop, hole, who)
+    triangles = _clip_ears(plane, turn, loop, who)
+    return [(c, b, a) for a, b, c in triangles] if flipped else triangles
+
+
+def _project(vertices: np.ndarray, rings: list[list[int]], who: str) -> dict[int, Point]:
+    """Corners in the plane of the two coordinates in which the polygon is widest."""
+    corners = vertices[rings[0]]
+    centre = corners.mean(axis=0)
+    following = np.roll(corners, -1, axis=0)
+    normal = np.cross(corners - centre, following - centre).sum(axis=0)
+    length = np.linalg.norm(normal)
+    every = vertices[[i for ring in rings for i in ring]]
+    size = np.abs(every - centre).max()
+    if length == 0 or np.abs((every - centre) @ (normal / length)).max() > PLANARITY * size:
+        raise InputError(f"{who} is not a planar polygon; split it into triangles")
+    k = int(np.argmax(np.abs(normal)))
+    i, j = (k + 1) % 3, (k + 2) % 3
+    return {v: (float(vertices[v, i]), float(vertices[v, j])) for ring in rings for v in ring}
+
+
+class _Turn:
+    """Sign of the turn a, b, c: 1 left, -1 right, 0 straight; exact."""
+
+    def __init__(self, plane: dict[int, Point]) -> None:
+        self.plane = plane
+
+    def __call__(self, a: int, b: int, c: int) -> int:
+        (ax, ay), (bx, by), (cx, cy) = self.plane[a], self.plane[b], self.plane[c]
+        left, right = (bx - ax) * (cy - ay), (by - ay) * (cx - ax)
+        det = left - right
+        # each side carries 3 roundings, the difference one more: 4 * 2^-53 of the sum is a bound
+        if abs(det) > 1e-15 * (abs(left) + abs(right)) + 1e-300:
+            return 1 if det > 0 else -1
+        axq, ayq, bxq, byq, cxq, cyq = (fmpq(*x.as_integer_ratio()) for x in (ax, ay, bx, by, cx, cy))
+        exact = (bxq - axq) * (cyq - ayq) - (byq - ayq) * (cxq - axq)
+        return (exact > 0) - (exact < 0)
+
+
+def _signed_area(plane: dict[int, Point], ring: list[int]) -> float:
+    points = np.array([plane[i] for i in ring])
+    x, y = (points - points.mean(axis=0)).T
+    return float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
+
+
+def _inside(turn: _Turn, a: int, b: int, c: int, p: int) -> bool:
+    return turn(a, b, p) >= 0 and turn(b, c, p) >= 0 and turn(c, a, p) >= 0
+
+
+def _clip_ears(plane: dict[int, Point], turn: _Turn, loop: list[int], who: str) -> list[tuple[int, int, int]]:
+    """Each turn of the loop removes one corner, so this ends after len(loop) - 2 turns."""
+    loop = list(loop)
+    triangles = []
+    while len(loop) > 3:
+        for k in range(len(loop)):
+            a, b, c = loop[k - 1], loop[k], loop[(k + 1) % len(loop)]
+            corners = {plane[a], plane[b], plane[c]}
+            if turn(a, b, c) <= 0 or any(
+                plane[p] not in corners and _inside(turn, a, b, c, p) for p in loop
+            ):
+                continue
+            triangles.append((a, b, c))
+            del loop[k]
+            break
+        else:
+            if all(turn(loop[k - 1], loop[k], loop[(k + 1) % len(loop)]) == 0 for k in range(len(loop))):
+                break  # what is left has no area: fans of flat triangles keep its corners on the face
+            raise InputError(f"{who}: the rings of the polygon cross; split it into simple polygons")
+    triangles += [(loop[0], loop[k], loop[k + 1]) for k in range(1, len(loop) - 1)]
+    return triangles
+
+
+def _bridge(
+    plane: dict[int, Point], turn: _Turn, loop: list[int], hole: list[int], who: str
+) -> list[int]:
+    """The loop with the hole joined by a bridge from the hole's rightmost corner to a corner it sees."""
+    start = max(range(len(hole)), key=lambda k: plane[hole[k]])
+    h = hole[start]
+    order = sorted(range(len(loop)), key=lambda k: _distance2(plane[loop[k]], plane[h]))
+    for k in order:
+        if plane[loop[k]] != plane[h] and _sees(plane, turn, loop, hole, h, k):
+            ring = hole[start:] + hole[:start]
+            return loop[: k + 1] + ring + [h] + loop[k:]
+    raise InputError(f"{who}: a hole lies outside the outer ring or crosses it")
+
+
+def _distance2(p: Point, q: Point) -> float:
+    return (p[0] - q[0]) ** 2 + (p[1] - q[1]) ** 2
+
+
+def _sees(plane: dict[int, Point], turn: _Turn, loop: list[int], hole: list[int], h: int, k: int) -> bool:
+    """Whether the segment from hole corner h to loop[k] lies inside the loop and crosses no side."""
+    v, before, after = loop[k], loop[k - 1], loop[(k + 1) % len(loop)]
+    convex = turn(before, v, after) >= 0
+    left, right = turn(before, v, h) > 0, turn(v, after, h) > 0
+    if not (left and right if convex else left or right):
+        return False
+    sides = list(zip(loop, loop[1:] + loop[:1], strict=True)) + list(zip(hole, hole[1:] + hole[:1], strict=True))
+    return not any(
+        plane[p] not in (plane[h], plane[v])
+        and plane[q] not in (plane[h], plane[v])
+        and turn(h, v, p) * turn(h, v, q) <= 0
+        and turn(p, q, h) * turn(p, q, v) <= 0
+        for p, q in sides
+    )

@@ -1,0 +1,69 @@
+"""The command `firstcontact`: one file per subcommand, errors in one line, exit codes with a meaning.
+
+Nothing heavy is imported until a subcommand runs, so that --help stays quick.
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+import sys
+
+import click
+
+from firstcontact import __version__
+from firstcontact.cli.check import check
+from firstcontact.cli.info import info
+from firstcontact.cli.intervals import intervals
+from firstcontact.cli.warmup import warmup
+from firstcontact.errors import FirstContactError
+
+BAD_INPUT = 3
+INTERRUPTED = 130
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, prog_name="firstcontact")
+def cli() -> None:
+    """When, where and with which faces do two moving shapes first touch?
+
+    Exit codes: 0 no contact (proved), 1 contact, 2 undecided, 3 bad input or usage, 130 interrupted.
+    """
+
+
+for command in (check, intervals, info, warmup):
+    cli.add_command(command)
+
+
+def main() -> None:
+    """Run the command line and leave with its exit code."""
+    logging.getLogger("trimesh").addHandler(logging.NullHandler())  # its warnings would double our one line
+    sys.exit(run(sys.argv[1:]))
+
+
+def run(arguments: list[str]) -> int:
+    """The exit code; every error on purpose becomes one line on stderr."""
+    try:
+        code = cli.main(arguments, prog_name="firstcontact", standalone_mode=False)
+        sys.stdout.flush()
+        return int(code or 0)
+    except click.exceptions.NoArgsIsHelpError as error:
+        click.echo(error.format_message())
+        return _fail(f"name a command: {', '.join(cli.commands)}")
+    except click.UsageError as error:
+        command = error.ctx.command_path if error.ctx else "firstcontact"
+        return _fail(f"{error.format_message()} See '{command} --help'.")
+    except FirstContactError as error:
+        return _fail(str(error))
+    except (KeyboardInterrupt, click.Abort):
+        click.echo("firstcontact: interrupted", err=True)
+        return INTERRUPTED
+    except BrokenPipeError:
+        # The reader of our output (head, less) has left; keep Python from complaining about it at exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+
+
+def _fail(message: str) -> int:
+    click.echo(f"firstcontact: {' '.join(message.splitlines())}", err=True)
+    return BAD_INPUT

@@ -1,0 +1,172 @@
+"""What `check` and `intervals` share: their options, the walk over a scene's checks, their outputs."""
+
+from __future__ import annotations
+
+import functools
+import json
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import click
+
+from firstcontact.errors import FirstContactError, InputError
+
+FREE, CONTACT, UNDECIDED = 0, 1, 2
+
+
+@dataclass(frozen=True)
+class Options:
+    """What the command line asks beyond the scene; None and False leave the scene's word."""
+
+    json: str | None
+    html: str | None
+    exact: bool
+    span: tuple[str, str] | None
+    progress: bool | None
+
+
+def scene_command(function: Callable[..., int]) -> click.Command:
+    """Turn `function(scene, options, **others)` into a command over a scene file."""
+
+    @functools.wraps(function)
+    def command(
+        scene: str,
+        json: str | None,
+        html: str | None,
+        exact: bool,
+        span: tuple[str, str] | None,
+        progress: bool | None,
+        **others: Any,
+    ) -> int:
+        return function(scene, Options(json, html, exact, span, progress), **others)
+
+    decorators = (
+        click.argument("scene"),
+        click.option("--json", metavar="F|-", help="Write the results as JSON; - prints only them."),
+        click.option("--html", metavar="F", help="Write a page that shows the results, offline."),
+        click.option("--exact", is_flag=True, help="Decide in exact arithmetic and give exact times."),
+        click.option("--span", nargs=2, metavar="A B", help='From time A to time B: 0.5, 1/3, "inf".'),
+        click.option("--progress/--no-progress", default=None, help="Progress on stderr (default: on a tty)"),
+    )
+    for decorator in reversed(decorators):
+        command = decorator(command)
+    return click.command(name=function.__name__)(command)
+
+
+def answer_checks(scene_file: str, options: Options, verb_name: str) -> list[Any]:
+    """The verb's results for all checks of the scene, in order."""
+    from firstcontact.cli.progress import Progress
+    from firstcontact.scene import load_scene
+
+    _check_targets(options.json, options.html)
+    span = _parse_span(options.span)
+    scene = load_scene(scene_file)
+    if not scene.checks:
+        raise InputError(f"{scene.path}: a single body has nothing to touch; add a second [body.NAME]")
+    from firstcontact import query
+
+    verb = getattr(query, verb_name)
+    announce_compilation()
+    results = []
+    with Progress(options.progress, len(scene.checks)) as progress:
+        for check in scene.checks:
+            arguments = check.arguments()
+            if span is not None:
+                arguments["span"] = span
+            arguments["exact"] = check.exact or options.exact
+            progress.start(f"{check.a} / {check.b}")
+            try:
+                result = verb(
+                    scene.bodies[check.a], scene.bodies[check.b], progress=progress.report, **arguments
+                )
+            except FirstContactError as error:
+                raise type(error)(f"{scene.path}: check {check.a} / {check.b}: {error}") from error
+            results.append(result)
+    return results
+
+
+def announce_compilation() -> None:
+    """Say on stderr, once per machine and version, why the first run takes longer."""
+    from firstcontact.kernels.jit import is_compiled
+
+    if not is_compiled():
+        click.echo("firstcontact: first run here, compiling the kernels (some seconds, once)", err=True)
+
+
+def deliver(results: list[Any], options: Options) -> None:
+    """Text or JSON to stdout, and the files that were asked for."""
+    if options.json is not None:
+        text = json.dumps(_document(results), indent=1)
+        if options.json == "-":
+            click.echo(text)
+        else:
+            _write(options.json, lambda path: path.write_text(text + "\n", encoding="utf-8"))
+    if options.json != "-":
+        for result in results:
+            click.echo(str(result))
+    if options.html is not None:
+        from firstcontact.view.html import write_page
+
+        _write(options.html, lambda path: write_page(path, results))
+
+
+def exit_code(statuses: list[str]) -> int:
+    """1 when any pair is in contact, else 2 when any is undecided, else 0."""
+    if any(status in ("CONTACT", "INITIAL_CONTACT") for status in statuses):
+        return CONTACT
+    return UNDECIDED if "UNDECIDED" in statuses else FREE
+
+
+def write_png(path: str, results: list[Any]) -> None:
+    """A picture of the first result in contact, else of the first result."""
+    from firstcontact.view.png import write_png
+
+    touching = [result for result in results if exit_code([result.status.name]) == CONTACT]
+    _write(path, lambda target: write_png(target, (touching or results)[0]))
+
+
+def check_target(path: str | None) -> None:
+    """Refuse an output path in a folder that is not there, before the work begins."""
+    if path is not None and path != "-" and (not Path(path).parent.is_dir() or Path(path).is_dir()):
+        raise InputError(f"{path}: cannot be written; give a file in a folder that exists")
+
+
+def _check_targets(*paths: str | None) -> None:
+    for path in paths:
+        check_target(path)
+
+
+def _parse_span(span: tuple[str, str] | None) -> tuple[Any, Any] | None:
+    from firstcontact.scene import parse_time
+
+    if span is None:
+        return None
+    try:
+        return parse_time(span[0]), parse_time(span[1])
+    except ValueError as error:
+        raise InputError(f"--span: {error}") from error
+
+
+def _write(path: str, write: Callable[[Path], Any]) -> None:
+    try:
+        write(Path(path))
+    except OSError as error:
+        raise InputError(f"{path}: {(error.strerror or str(error)).lower()}; choose another file") from error
+
+
+def _document(results: list[Any]) -> dict[str, Any]:
+    from firstcontact import __version__
+
+    return {"schema": 1, "version": __version__, "checks": [_plain(r.to_dict()) for r in results]}
+
+
+def _plain(value: Any) -> Any:
+    """The same, with infinities as strings: JSON has none."""
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_plain(item) for item in value]
+    return str(value) if isinstance(value, float) and not math.isfinite(value) else value

@@ -1,0 +1,79 @@
+"""`firstcontact info`: what is in a mesh or scene file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+
+@click.command()
+@click.argument("file")
+def info(file: str) -> int:
+    """Tell what is in a mesh or scene file.
+
+    FILE: a scene (.toml) or a mesh.  Printed: sizes, components, closed or open, bounds.
+    """
+    lines = _scene_lines(file) if Path(file).suffix.lower() == ".toml" else _mesh_lines(file)
+    for line in lines:
+        click.echo(line)
+    return 0
+
+
+def _mesh_lines(file: str) -> list[str]:
+    from firstcontact.body.polyhedron import Polyhedron
+
+    return [file, *_body_lines(Polyhedron.load(file))]
+
+
+def _scene_lines(file: str) -> list[str]:
+    from firstcontact.scene import load_scene
+
+    scene = load_scene(file)
+    lines = [f"{file}: {_count(len(scene.bodies), 'body', 'bodies')}, {_count(len(scene.checks), 'check')}"]
+    for key, body in scene.bodies.items():
+        motion = getattr(body, "motion", None)
+        lines.append(f"body {key}: {'at rest' if motion is None else repr(motion)}")
+        lines += _body_lines(body if motion is None else body.body)
+    for check in scene.checks:
+        span = "" if check.span is None else f", span {check.span[0]} to {check.span[1]}"
+        lines.append(f"check {check.a} / {check.b}{span}{', exact' if check.exact else ''}")
+    return lines
+
+
+def _body_lines(body: Any) -> list[str]:
+    lo, hi = body.bounds()
+    return [
+        f"  {_count(len(body.vertices), 'vertex', 'vertices')}, {_count(len(body.edges), 'edge')}, "
+        f"{_count(body.n_faces, 'face')}, {_count(_components(body), 'component')}",
+        f"  {_kind(body)}",
+        f"  from ({_point(lo)}) to ({_point(hi)})",
+    ]
+
+
+def _kind(body: Any) -> str:
+    if not body.n_faces:
+        return "bare edges" if len(body.edges) else "bare points"
+    if body.closed:
+        return "closed, a solid" if body.solid else "closed, taken as a surface"
+    return "open, a surface (no interior)"
+
+
+def _components(body: Any) -> int:
+    """Connected pieces of vertices and edges; vertices that nothing uses are not counted beside edges."""
+    import numpy as np
+
+    from firstcontact.body.topology import component_of_vertices
+
+    piece = component_of_vertices(body.edges, len(body.vertices))
+    used = np.unique(body.edges) if len(body.edges) else np.arange(len(body.vertices))
+    return len(np.unique(piece[used]))
+
+
+def _point(corner: Any) -> str:
+    return ", ".join(f"{x:.9g}" for x in corner)
+
+
+def _count(n: int, one: str, many: str | None = None) -> str:
+    return f"{n:,} {one if n == 1 else many or one + 's'}"

@@ -1,0 +1,111 @@
+"""Rationals and balls: how numbers of users become exact, and how exact ones become doubles.
+
+Two kinds of numbers flow through the exact faces of the pair files: ``fmpq`` (always decidable) and ``arb``
+balls (poses that no rational number describes).  `sign` is the only place that tells them apart.
+"""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from typing import Any
+
+from flint import arb, ctx, fmpq
+
+from firstcontact.errors import InputError
+
+# Precisions (bits) tried in turn where balls have to decide a sign; behind the last one: Undecidable.
+PRECISIONS = (128, 256, 512, 1024, 2048)
+
+
+class Undecidable(Exception):
+    """A ball still contains zero at this precision; the caller raises it or answers UNDECIDED."""
+
+
+def sign(x: Any) -> int:
+    """Sign of an fmpq (always) or of an arb ball (Undecidable when it straddles zero)."""
+    if isinstance(x, arb):
+        if x > 0:
+            return 1
+        if x < 0:
+            return -1
+        if x.is_zero():
+            return 0
+        raise Undecidable
+    return (x > 0) - (x < 0)
+
+
+def rational(x: Any, what: str) -> fmpq:
+    """The exact value of a double, int, Fraction, fmpq or of a string such as "1/3" or "0.1".
+
+    `what` names the argument in the InputError for anything else, NaN and infinities included.
+    """
+    if isinstance(x, float):
+        if not math.isfinite(x):
+            raise InputError(f"{what} is {x}; give a finite number")
+        return fmpq(*x.as_integer_ratio())
+    if isinstance(x, fmpq):
+        return x
+    if isinstance(x, int):
+        return fmpq(int(x))
+    if isinstance(x, Fraction):
+        return fmpq(x.numerator, x.denominator)
+    if isinstance(x, str):
+        try:
+            f = Fraction(x)
+        except (ValueError, ZeroDivisionError) as error:
+            raise InputError(f"{what} is {x!r}; give a number such as 0.5, '1/3' or '0.1'") from error
+        return fmpq(f.numerator, f.denominator)
+    try:
+        return rational(x.item(), what)  # NumPy scalars
+    except (AttributeError, ValueError) as error:
+        raise InputError(f"{what} is {x!r}; give a number") from error
+
+
+def fraction(x: fmpq) -> Fraction:
+    return Fraction(int(x.p), int(x.q))
+
+
+def to_double(x: fmpq) -> float:
+    """The double nearest x (ties to even)."""
+    return int(x.p) / int(x.q)  # Python's integer division rounds correctly
+
+
+def ball(x: Any) -> arb:
+    """An enclosure of x at the present precision."""
+    return x if isinstance(x, arb) else arb(x)
+
+
+def ball_bounds(x: arb) -> tuple[float, float]:
+    """Doubles lo <= x <= hi, at most one step wider than the ball."""
+    return (
+        math.nextafter(float(x.lower()), -math.inf),
+        math.nextafter(float(x.upper()), math.inf),
+    )
+
+
+def nearest_double(x: arb) -> float | None:
+    """The double nearest every point of the ball, or None when the ball is too wide to tell."""
+    lo, hi = to_double(_dyadic(x.lower())), to_double(_dyadic(x.upper()))
+    return lo if lo == hi else None
+
+
+def _dyadic(x: arb) -> fmpq:
+    """The exact value of an arb of radius zero."""
+    mantissa, exponent = x.man_exp()
+    e = int(exponent)
+    return fmpq(mantissa) * (fmpq(2) ** e if e >= 0 else 1 / (fmpq(2) ** -e))
+
+
+class precision:  # noqa: N801 - reads as `with precision(256):`
+    """Context: work with balls of that many bits."""
+
+    def __init__(self, bits: int) -> None:
+        self.bits = bits
+
+    def __enter__(self) -> None:
+        self.before = ctx.prec
+        ctx.prec = self.bits
+
+    def __exit__(self, *exception: object) -> None:
+        ctx.prec = self.before

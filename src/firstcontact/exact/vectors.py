@@ -1,0 +1,36 @@
+"""Three-dimensional vectors of exact numbers as plain tuples; the same code runs on fmpq and on balls."""
+
+from __future__ import annotations
+
+from typing import Any
+
+Vector = tuple[Any, Any, Any]
+
+
+def sub(x: Vector, y: Vector) -> Vector:
+    return x[0] - y[0], x[1] - y[1], x[2] - y[2]
+
+
+def add(x: Vector, y: Vector) -> Vector:
+    return x[0] + y[0], x[1] + y[1], x[2] + y[2]
+
+
+def scaled(k: Any, x: Vector) -> Vector:
+    return k * x[0], k * x[1], k * x[2]
+
+
+def dot(x: Vector, y: Vector) -> Any:
+    return x[0] * y[0] + x[1] * y[1] + x[2] * y[2]
+
+
+def cross(x: Vector, y: Vector) -> Vector:
+    return (
+        x[1] * y[2] - x[2] * y[1],
+        x[2] * y[0] - x[0] * y[2],
+        x[0] * y[1] - x[1] * y[0],
+    )
+
+
+def along(p: Vector, t: Any, v: Vector) -> Vector:
+    """p + t v."""
+    return p[0] + t * v[0], p[1] + t * v[1], p[2] + t * v[2]

@@ -1,0 +1,1 @@
+"""Float kernels: Numba only, nothing exact, nothing of the layers above."""

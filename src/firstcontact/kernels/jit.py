@@ -1,0 +1,58 @@
+"""The one decorator that compiles kernels.
+
+Numba's disk cache does not notice edits in another file that a cached function calls, so all kernels of the
+library share a cache folder named by a digest of all kernel sources and of the numba and numpy versions.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numba
+import numpy as np
+from numba import njit
+
+_PACKAGE = Path(__file__).resolve().parent.parent
+
+
+def _user_cache() -> Path:
+    if override := os.environ.get("FIRSTCONTACT_CACHE"):
+        return Path(override)
+    if sys.platform == "win32":
+        base = os.environ.get("LOCALAPPDATA") or str(Path.home())
+    elif sys.platform == "darwin":
+        base = str(Path.home() / "Library" / "Caches")
+    else:
+        base = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
+    return Path(base) / "firstcontact"
+
+
+def _digest() -> str:
+    h = hashlib.sha256(f"{numba.__version__} {np.__version__}".encode())
+    for folder in ("body", "kernels", "pairs", "search"):
+        for file in sorted((_PACKAGE / folder).glob("*.py")):
+            h.update(file.read_bytes())
+    return h.hexdigest()[:24]
+
+
+CACHE = _user_cache() / _digest()
+
+
+def kernel(function: Callable[..., Any]) -> Any:
+    """Compile `function` on its first call, cached on disk.  No fastmath: it would undo the error bounds."""
+    previous = numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = str(CACHE)
+    try:
+        return njit(cache=True, nogil=True, error_model="numpy")(function)
+    finally:
+        numba.config.CACHE_DIR = previous
+
+
+def is_compiled() -> bool:
+    """Whether the cache folder of this version holds anything yet."""
+    return CACHE.is_dir() and any(CACHE.rglob("*.nbi"))

@@ -1,0 +1,1 @@
+"""Motions: one file each; `relative` turns two moving bodies into one."""

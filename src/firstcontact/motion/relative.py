@@ -1,0 +1,217 @@
+"""Two moving bodies -> one: pieces of time in which the relative motion is one translation or one rotation.
+
+In every piece both bodies stand placed at its start, b is at rest in the working frame, and a moves
+in it.  The working frame itself follows b: `carry` brings points of it back to the world.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from flint import fmpq
+
+from firstcontact.body.moving import Moving
+from firstcontact.errors import InputError, UnsupportedPair
+from firstcontact.exact.numbers import rational, to_double
+from firstcontact.exact.vectors import cross, dot, scaled, sub
+from firstcontact.motion.placement import Placement, Turn
+from firstcontact.motion.rotation import Rotation, rotation_matrix
+from firstcontact.motion.sequence import Sequence
+from firstcontact.motion.translation import Translation
+
+_0 = fmpq(0)
+REST = Translation((0, 0, 0))
+
+
+@dataclass(frozen=True, slots=True)
+class Piece:
+    """Relative motion of a seen from b during [start, end] (end None: for ever); local time is t - start.
+
+    velocity (translation) per unit of time, or axis, point and rate (radians, turns) per unit of time.
+    """
+
+    start: fmpq
+    end: fmpq | None
+    place_a: Placement
+    place_b: Placement
+    velocity: tuple[fmpq, fmpq, fmpq] | None
+    axis: tuple[fmpq, fmpq, fmpq] | None
+    point: tuple[fmpq, fmpq, fmpq] | None
+    rate: tuple[fmpq, fmpq]
+    carry_velocity: tuple[fmpq, fmpq, fmpq] | None = None
+    carry_rate: tuple[fmpq, fmpq] | None = None
+
+    def carry(self, t: float) -> np.ndarray | None:
+        """Float pose (4, 4) of the working frame in the world at time t; None where it rests."""
+        local = t - to_double(self.start)
+        if self.carry_velocity is not None:
+            pose = np.eye(4)
+            pose[:3, 3] = [to_double(x) * local for x in self.carry_velocity]
+            return pose
+        if self.carry_rate is not None and self.axis is not None and self.point is not None:
+            angle = (to_double(self.carry_rate[0]) + 2 * np.pi * to_double(self.carry_rate[1])) * local
+            axis, point = (np.array([to_double(x) for x in v]) for v in (self.axis, self.point))
+            return rotation_matrix(axis, point, angle)
+        return None
+
+
+def pieces(a: Any, b: Any, span: Any) -> tuple[list[Piece], fmpq, fmpq | None]:
+    """The pieces of the relative motion over the span, in time order, and the span itself.
+
+    Raises InputError for a bad span, UnsupportedPair where a piece is neither one translation nor one rotation.
+    """
+    first, last = _span(a, b, span)
+    steps_a, steps_b = list(_steps(a)), list(_steps(b))
+    if len(steps_a) == len(steps_b) == 1:
+        return [_reduce(a, b, steps_a[0], steps_b[0], first, last)], first, last
+    assert last is not None  # sequences have bounded spans
+    cuts = {first, last}
+    cuts.update(t for s in (*steps_a, *steps_b) for t in (s.start, s.end) if t is not None and first < t < last)
+    times = sorted(cuts)
+    if len(times) == 1:
+        times = [first, last]
+    out = []
+    for t0, t1 in zip(times, times[1:], strict=False):
+        step_a = next(s for s in steps_a if s.end is None or t0 < s.end or s is steps_a[-1])
+        step_b = next(s for s in steps_b if s.end is None or t0 < s.end or s is steps_b[-1])
+        out.append(_reduce(a, b, step_a, step_b, t0, t1))
+    return out, first, last
+
+
+@dataclass(frozen=True, slots=True)
+class _Step:
+    """A step of one body's motion: over [start, end] it makes `motion`, from the pose `before`."""
+
+    start: fmpq
+    end: fmpq | None
+    motion: Translation | Rotation
+    before: Placement
+
+    @property
+    def duration(self) -> fmpq:
+        return fmpq(1) if self.end is None else self.end - self.start
+
+
+def _steps(body: Any) -> Iterator[_Step]:
+    motion = body.motion if isinstance(body, Moving) else REST
+    if not isinstance(motion, Sequence):
+        if not isinstance(motion, Translation | Rotation):
+            raise UnsupportedPair(f"{motion!r} of {_who(body)}: give Translation, Rotation or a Sequence of them")
+        yield _Step(_0, None, motion, Placement())
+        return
+    start, before = _0, Placement()
+    for step, end in zip(motion.steps, motion.ends, strict=True):
+        yield _Step(start, end, step, before)
+        before = _advance(before, step, fmpq(1))
+        start = end
+
+
+def _advance(before: Placement, motion: Translation | Rotation, share: fmpq) -> Placement:
+    """The pose after `share` of the motion."""
+    if share == 0:
+        return before
+    if isinstance(motion, Translation):
+        return before.shifted(scaled(share, motion.vector))
+    radians, turns = _angle(motion, share)
+    return before.then(Turn(motion.axis, motion.point, radians, turns))
+
+
+def _angle(motion: Rotation, share: fmpq) -> tuple[fmpq, fmpq]:
+    """(radians, turns) of that share of a rotation."""
+    angle = motion.angle * share
+    return (angle, _0) if motion.unit == "radians" else (_0, angle)
+
+
+def _rests(motion: Translation | Rotation) -> bool:
+    return not any(motion.vector) if isinstance(motion, Translation) else motion.angle == 0
+
+
+def _reduce(a: Any, b: Any, step_a: _Step, step_b: _Step, start: fmpq, end: fmpq | None) -> Piece:
+    """One piece; the table of section 6 of the derivation: which pairs of motions are one motion."""
+    motion_a, motion_b = step_a.motion, step_b.motion
+    rest_a, rest_b = _rests(motion_a), _rests(motion_b)
+    straight_a = rest_a or isinstance(motion_a, Translation)
+    straight_b = rest_b or isinstance(motion_b, Translation)
+    if straight_a and straight_b:
+        v_a, v_b = _velocity(step_a, rest_a), _velocity(step_b, rest_b)
+        return Piece(
+            start, end, _placed(step_a, start), _placed(step_b, start),
+            sub(v_a, v_b), None, None, (_0, _0),
+            carry_velocity=v_b if any(v_b) else None,
+        )  # fmt: skip
+    if (straight_a and not rest_a) or (straight_b and not rest_b):
+        raise _unsupported(a, b, motion_a, motion_b, "their relative motion is a screw or a spiral")
+    lead = motion_b if rest_a else motion_a
+    assert isinstance(lead, Rotation)
+    rate_a, rate_b = _rate(step_a, rest_a, lead), _rate(step_b, rest_b, lead)
+    if rate_a is None or rate_b is None:
+        raise _unsupported(a, b, motion_a, motion_b, "their axes differ")
+    rate = rate_a[0] - rate_b[0], rate_a[1] - rate_b[1]
+    placed = _placed(step_a, start), _placed(step_b, start)
+    carry_rate = rate_b if any(rate_b) else None
+    if not any(rate):
+        zero = (_0, _0, _0)
+        return Piece(start, end, *placed, zero, lead.axis, lead.point, rate, carry_rate=carry_rate)
+    return Piece(start, end, *placed, None, lead.axis, lead.point, rate, carry_rate=carry_rate)
+
+
+def _velocity(step: _Step, rests: bool) -> tuple[fmpq, fmpq, fmpq]:
+    if rests or not isinstance(step.motion, Translation):
+        return (_0, _0, _0)
+    return step.motion.vector if step.end is None else scaled(1 / step.duration, step.motion.vector)
+
+
+def _rate(step: _Step, rests: bool, lead: Rotation) -> tuple[fmpq, fmpq] | None:
+    """(radians, turns) per unit of time about the axis of `lead`; None when the axes differ."""
+    if rests:
+        return (_0, _0)
+    motion = step.motion
+    assert isinstance(motion, Rotation)
+    if any(cross(motion.axis, lead.axis)) or any(cross(sub(motion.point, lead.point), lead.axis)):
+        return None
+    sense = 1 if dot(motion.axis, lead.axis) > 0 else -1
+    radians, turns = _angle(motion, sense / step.duration)
+    return radians, turns
+
+
+def _placed(step: _Step, time: fmpq) -> Placement:
+    """The body's pose at `time` of the step."""
+    return _advance(step.before, step.motion, (time - step.start) / step.duration)
+
+
+def _unsupported(a: Any, b: Any, motion_a: Any, motion_b: Any, why: str) -> UnsupportedPair:
+    return UnsupportedPair(
+        f"{type(motion_a).__name__} of {_who(a, 'a')} with {type(motion_b).__name__} of {_who(b, 'b')}: {why}; "
+        "supported are two translations, two rotations about one axis, and one moving body"
+    )
+
+
+def _who(body: Any, default: str = "a body") -> str:
+    return repr(body.name) if getattr(body, "name", None) else f"body {default}" if len(default) == 1 else default
+
+
+def _span(a: Any, b: Any, span: Any) -> tuple[fmpq, fmpq | None]:
+    """The exact span; the intersection of the motions' spans by default."""
+    motions = [m.motion for m in (a, b) if isinstance(m, Moving)]
+    bounded = [m for m in motions if isinstance(m, Sequence)]
+    if span is None:
+        ends = [m.ends[-1] for m in bounded] + [fmpq(1) for m in motions if not isinstance(m, Sequence)]
+        return _0, min(ends, default=fmpq(1))
+    try:
+        lo, hi = span
+    except (TypeError, ValueError) as error:
+        raise InputError(f"span is {span!r}; give two times (first, last)") from error
+    first = rational(lo, "span start")
+    endless = isinstance(hi, float) and hi == float("inf")
+    last = None if endless else rational(hi, "span end")
+    if last is not None and last < first:
+        raise InputError(f"span is {span!r}; its end lies before its start")
+    for m in bounded:
+        if first < 0 or last is None or last > m.ends[-1]:
+            raise InputError(f"span {span!r} leaves the span {m.span} of the Sequence")
+    if endless and any(isinstance(m, Rotation) and m.angle != 0 for m in motions):
+        return first, None
+    return first, last

@@ -1,0 +1,96 @@
+"""Turn about a fixed axis at constant speed, right-hand rule."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from flint import arb, fmpq
+
+from firstcontact.errors import InputError
+from firstcontact.exact.numbers import fraction, rational, to_double
+from firstcontact.motion.translation import SPAN, vector3
+
+
+class Rotation:
+    """Turn about the line through ``point`` along ``axis``, right-hand rule, at constant speed.
+
+    axis: three numbers, not all zero, any length.  point: any point of the axis.
+    Exactly one of ``radians``, ``degrees``, ``turns`` gives the angle over the default span (0, 1); it may be
+    negative or more than a full turn, and it is exact ("1/3" of a turn is exactly that).
+
+    >>> Rotation((0, 0, 1), degrees=90)(1.0)[:3, :3].round(6) + 0.0
+    array([[ 0., -1.,  0.],
+           [ 1.,  0.,  0.],
+           [ 0.,  0.,  1.]])
+    """
+
+    __slots__ = ("axis", "point", "angle", "unit")
+    span = SPAN
+    extends = True
+
+    def __init__(
+        self,
+        axis: Iterable[Any],
+        point: Iterable[Any] = (0, 0, 0),
+        *,
+        radians: Any = None,
+        degrees: Any = None,
+        turns: Any = None,
+    ) -> None:
+        self.axis = vector3(axis, "Rotation axis")
+        if not any(self.axis):
+            raise InputError("Rotation axis is zero; give a direction such as (0, 0, 1)")
+        self.point = vector3(point, "Rotation point")
+        if (radians is not None) + (degrees is not None) + (turns is not None) != 1:
+            raise InputError("Rotation needs exactly one of radians=, degrees=, turns=")
+        self.unit = "radians" if radians is not None else "turns"
+        """What one unit of `angle` is: an angle in "radians" or in "turns"."""
+        if radians is not None:
+            self.angle = rational(radians, "Rotation radians")
+        elif degrees is not None:
+            self.angle = rational(degrees, "Rotation degrees") / 360
+        else:
+            self.angle = rational(turns, "Rotation turns")
+
+    def __call__(self, t: float) -> np.ndarray:
+        """The (4, 4) float64 pose at time t."""
+        return rotation_matrix(
+            np.array([to_double(x) for x in self.axis]),
+            np.array([to_double(x) for x in self.point]),
+            float(t) * self.radians,
+        )
+
+    @property
+    def radians(self) -> float:
+        """The angle over the span (0, 1), rounded."""
+        return to_double(self.angle) * (1.0 if self.unit == "radians" else 2 * math.pi)
+
+    def __repr__(self) -> str:
+        axis, point = (tuple(map(to_double, v)) for v in (self.axis, self.point))
+        return f"Rotation({axis}, point={point}, {self.unit}={to_double(self.angle)})"
+
+    def __reduce__(self) -> Any:
+        axis, point = (tuple(map(fraction, v)) for v in (self.axis, self.point))
+        return _rebuild, (axis, point, self.unit, fraction(self.angle))
+
+
+def _rebuild(axis: Any, point: Any, unit: str, angle: Any) -> Rotation:
+    return Rotation(axis, point, **{unit: angle})
+
+
+def rotation_matrix(axis: np.ndarray, point: np.ndarray, radians: float) -> np.ndarray:
+    """Float pose (4, 4) of a turn by `radians` about the line through `point` along `axis`."""
+    x, y, z = axis / np.linalg.norm(axis)
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    pose = np.eye(4)
+    pose[:3, :3] += math.sin(radians) * cross + (1 - math.cos(radians)) * (cross @ cross)
+    pose[:3, 3] = point - pose[:3, :3] @ point
+    return pose
+
+
+def angle_ball(angle: fmpq, unit: str) -> arb:
+    """Enclosure of an angle in radians at the present precision."""
+    return arb(angle) if unit == "radians" else 2 * arb(angle) * arb.pi()

@@ -1,0 +1,76 @@
+"""Steps executed one after the other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from flint import fmpq
+
+from firstcontact.errors import InputError
+from firstcontact.exact.numbers import fraction, rational, to_double
+from firstcontact.motion.rotation import Rotation
+from firstcontact.motion.translation import Translation
+
+Step = Translation | Rotation
+
+
+class Sequence:
+    """Steps one after the other, each with axes and vectors fixed in the world.
+
+    steps: Translation or Rotation objects; a step starts in the pose where the one before it ended.
+    durations: one positive number per step, default equal parts of 1.  The span is (0, sum of durations).
+
+    >>> Sequence([Translation((1, 0, 0)), Translation((0, 2, 0))])(0.75)[:3, 3]
+    array([1., 1., 0.])
+    """
+
+    __slots__ = ("steps", "ends")
+    extends = False
+
+    def __init__(self, steps: Iterable[Step], durations: Iterable[Any] | None = None) -> None:
+        self.steps = tuple(steps)
+        if not self.steps:
+            raise InputError("Sequence has no steps; give at least one motion")
+        for k, step in enumerate(self.steps):
+            if not isinstance(step, Translation | Rotation):
+                raise InputError(f"Sequence step {k} is {step!r}; give a Translation or a Rotation")
+        if durations is None:
+            parts = [fmpq(1, len(self.steps))] * len(self.steps)
+        else:
+            parts = [rational(d, f"Sequence durations[{k}]") for k, d in enumerate(durations)]
+        if len(parts) != len(self.steps):
+            raise InputError(f"Sequence has {len(self.steps)} steps but {len(parts)} durations")
+        total = fmpq(0)
+        self.ends: tuple[fmpq, ...] = ()
+        for k, part in enumerate(parts):
+            if part <= 0:
+                raise InputError(f"Sequence durations[{k}] is {part}; give a positive number")
+            total += part
+            self.ends += (total,)
+
+    @property
+    def span(self) -> tuple[float, float]:
+        return 0.0, to_double(self.ends[-1])
+
+    def __call__(self, t: float) -> np.ndarray:
+        """The (4, 4) float64 pose at time t of the span."""
+        if not 0 <= t <= self.span[1]:
+            raise InputError(f"time {t} is outside the span {self.span} of the Sequence")
+        pose = np.eye(4)
+        start = fmpq(0)
+        for step, end in zip(self.steps, self.ends, strict=True):
+            local = (float(t) - to_double(start)) / to_double(end - start)
+            pose = step(min(local, 1.0)) @ pose
+            if local <= 1.0:
+                break
+            start = end
+        return pose
+
+    def __repr__(self) -> str:
+        return f"Sequence({list(self.steps)!r})"
+
+    def __reduce__(self) -> Any:
+        starts = (fmpq(0), *self.ends[:-1])
+        return Sequence, (self.steps, tuple(fraction(e - s) for s, e in zip(starts, self.ends, strict=True)))

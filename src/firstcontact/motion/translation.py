@@ -1,0 +1,55 @@
+"""Straight motion at constant velocity."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from flint import fmpq
+
+from firstcontact.errors import InputError
+from firstcontact.exact.numbers import rational, to_double
+
+SPAN = (0.0, 1.0)
+
+
+def vector3(values: Iterable[Any], what: str) -> tuple[fmpq, fmpq, fmpq]:
+    """Three exact numbers; InputError names `what`."""
+    try:
+        x, y, z = values
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{what} is {values!r}; give three numbers") from error
+    return rational(x, f"{what}[0]"), rational(y, f"{what}[1]"), rational(z, f"{what}[2]")
+
+
+class Translation:
+    """Motion by ``t * vector``: over the default span (0, 1) the body moves by ``vector``.
+
+    vector: three finite numbers (doubles are the exact binary rationals they are; "1/3", Fraction exact).
+    The motion goes on at constant speed beyond (0, 1), to infinity too, when the query's span asks for it.
+
+    >>> Translation((1, 0, 0))(0.25)[:3, 3]
+    array([0.25, 0.  , 0.  ])
+    """
+
+    __slots__ = ("vector",)
+    span = SPAN
+    extends = True
+
+    def __init__(self, vector: Iterable[Any]) -> None:
+        self.vector = vector3(vector, "Translation vector")
+
+    def __call__(self, t: float) -> np.ndarray:
+        """The (4, 4) float64 pose at time t."""
+        pose = np.eye(4)
+        pose[:3, 3] = [float(t) * to_double(x) for x in self.vector]
+        return pose
+
+    def __repr__(self) -> str:
+        return "Translation(({}, {}, {}))".format(*map(to_double, self.vector))
+
+    def __reduce__(self) -> Any:
+        from firstcontact.exact.numbers import fraction
+
+        return Translation, (tuple(map(fraction, self.vector)),)

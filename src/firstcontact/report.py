@@ -1,0 +1,135 @@
+"""From what the search proved to the result users read: elements, points, normals, times in the world."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from firstcontact.body.moving import Moving
+from firstcontact.exact.numbers import PRECISIONS, Undecidable, ball, nearest_double, precision, sign
+from firstcontact.exact.vectors import Vector, dot
+from firstcontact.result import Element, ElementPair, FirstContact, Stats, Status
+from firstcontact.search.earliest import Found, Pair
+from firstcontact.search.elements import EDGE, FACE, VERTEX, Feature
+from firstcontact.search.overlap import initial_kind
+
+_NAMES = {VERTEX: "vertex", EDGE: "edge", FACE: "face"}
+_ORDER = {"vertex": 0, "edge": 1, "face": 2}
+MOST_OTHERS = 100
+
+
+def element(body: Any, found: Feature, default: str) -> Element:
+    """The element of the user's body: polygons instead of triangles, points instead of their stand-ins."""
+    if isinstance(body, Moving):
+        body = body.body
+    kind, index = found
+    name = body.name or default
+    if kind == FACE:
+        return Element("face", name, int(body.triangle_face[index]), name)
+    if kind == EDGE and index >= len(body._segments):
+        return Element("vertex", name, index - len(body._segments), name)
+    if kind == EDGE and index >= len(body.edges):  # a diagonal of a polygon belongs to its face
+        triangle = int(np.argwhere(body._side_edge == index)[0, 0])
+        return Element("face", name, int(body.triangle_face[triangle]), name)
+    return Element(_NAMES[kind], name, index, name)
+
+
+def element_pairs(a: Any, b: Any, pairs: list[Pair]) -> list[tuple[ElementPair, Pair]]:
+    """The pairs in users' terms with the search's own behind each, each once, lowest first."""
+    seen: dict[ElementPair, Pair] = {}
+    for pair in pairs:
+        seen.setdefault(ElementPair(element(a, pair[1], "a"), element(b, pair[2], "b")), pair)
+    return sorted(seen.items(), key=lambda item: _rank(item[0]))
+
+
+def _rank(pair: ElementPair) -> tuple[int, int, int, int]:
+    x, y = pair.element_a, pair.element_b
+    return _ORDER[x.kind], x.index, _ORDER[y.kind], y.index
+
+
+def contact_of(problem: Any, found: Found, exact: bool, stats: Stats, shared: dict[str, Any]) -> FirstContact:
+    """The CONTACT result of a search that found one."""
+    named = element_pairs(shared["a"], shared["b"], found.pairs)
+    (lowest, pair), *rest = named
+    time, interval = problem.world_instant(found.instant)
+    point, normal = _place(problem, pair, found.instant, time)
+    return FirstContact(
+        Status.CONTACT,
+        time,
+        interval,
+        problem.world_exact(found.instant) if exact else None,
+        point,
+        normal,
+        lowest.element_a,
+        lowest.element_b,
+        tuple(p for p, _ in rest[:MOST_OTHERS]),
+        len(named),
+        "point" if len(named) == 1 and normal is not None else None,
+        free_until=interval[0],
+        stats=stats,
+        **shared,
+    )
+
+
+def initial_contact(problem: Any, found: Found, stats: Stats, shared: dict[str, Any]) -> FirstContact:
+    """The INITIAL_CONTACT result: the surfaces share a point at the start of the span."""
+    start = shared["span"][0]
+    pairs = [pair for pair, _ in found.start] or found.pairs
+    named = element_pairs(shared["a"], shared["b"], pairs)
+    lowest, pair = named[0]
+    kind = initial_kind(problem, found)
+    return FirstContact(
+        Status.INITIAL_CONTACT,
+        start,
+        (start, start),
+        point=_start_point(problem, pair),
+        element_a=lowest.element_a,
+        element_b=lowest.element_b,
+        others=tuple(p for p, _ in named[1 : 1 + MOST_OTHERS]),
+        multiplicity=len(named),
+        initial=kind,
+        free_until=start,
+        stats=stats,
+        **shared,
+    )
+
+
+def _start_point(problem: Any, pair: Pair) -> np.ndarray | None:
+    with precision(PRECISIONS[0]):
+        try:
+            return floats(problem.start_point(pair[1], pair[2]))
+        except Undecidable:
+            return None
+
+
+def _place(problem: Any, pair: Pair, instant: Any, time: float) -> tuple[np.ndarray, np.ndarray | None]:
+    """Contact point and unit normal (from b towards a) in the world."""
+    with precision(PRECISIONS[0]):
+        point = floats(problem.point(pair[1], pair[2], instant))
+        direction, velocity = problem.normal(pair[1], pair[2], instant)
+        try:
+            towards = sign(dot(direction, velocity))
+        except Undecidable:
+            towards = 0
+        normal = _unit(direction, -towards) if towards else None
+    pose = problem.piece.carry(time)
+    if pose is not None:
+        point = pose[:3, :3] @ point + pose[:3, 3]
+        normal = None if normal is None else pose[:3, :3] @ normal
+    return point, normal
+
+
+def _unit(direction: Vector, factor: int) -> np.ndarray:
+    x, y, z = (ball(c) for c in direction)
+    length = (x * x + y * y + z * z).sqrt()
+    return np.array([float(factor * c / length) for c in (x, y, z)])
+
+
+def floats(v: Vector) -> np.ndarray:
+    """The doubles nearest exact coordinates."""
+    out = []
+    for x in v:
+        near = nearest_double(ball(x))
+        out.append(float(ball(x)) if near is None else near)
+    return np.array(out)

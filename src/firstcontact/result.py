@@ -1,0 +1,338 @@
+"""What the verbs answer: small immutable records.
+
+A result never converts to bool: write ``hit.status is Status.FREE``.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, fields
+from enum import Enum
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+
+class Status(Enum):
+    """How a query ended; the value says what is proved and what to do next."""
+
+    FREE = "no shared point in the span; proved"
+    CONTACT = "first shared point found; time_interval encloses its time"
+    INITIAL_CONTACT = "shared points at the start of the span; ask for contact_intervals"
+    UNDECIDED = "free_until is proved; raise the budget, shorten the span or see reason"
+
+    def __bool__(self) -> bool:
+        raise TypeError("a Status has no truth value; write `status is Status.FREE`")
+
+
+class _NoTruth:
+    __slots__ = ()
+
+    def __bool__(self) -> bool:
+        raise TypeError(f"a {type(self).__name__} has no truth value; look at .status")
+
+
+@dataclass(frozen=True, slots=True)
+class Stats(Mapping[str, float]):
+    """Work done by one query; readable as attributes and as a mapping."""
+
+    node_visits: int = 0
+    pair_tests: int = 0
+    undecided: int = 0
+    """Pair tests the floats could not decide."""
+    exact_evaluations: int = 0
+    seconds: float = 0.0
+
+    def __getitem__(self, key: str) -> float:
+        if key not in self.__slots__:
+            raise KeyError(key)
+        return getattr(self, key)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.__slots__)
+
+    def __len__(self) -> int:
+        return len(self.__slots__)
+
+    def __add__(self, other: Stats) -> Stats:
+        return Stats(*(getattr(self, k) + getattr(other, k) for k in self.__slots__))
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Element:
+    """One element of a body: ``kind`` is "vertex", "edge" or "face"; ``index`` counts within the body."""
+
+    kind: str
+    body: str
+    index: int
+    label: str
+
+    def __str__(self) -> str:
+        return f"{self.label} {self.kind} {self.index}"
+
+    def to_dict(self) -> dict[str, Any]:
+        return {"kind": self.kind, "body": self.body, "index": self.index, "label": self.label}
+
+
+@dataclass(frozen=True, slots=True)
+class AlgebraicNumber:
+    """The only root of ``polynomial`` (integers, ascending) in the closed interval [lo, hi]."""
+
+    polynomial: tuple[int, ...]
+    lo: Fraction
+    hi: Fraction
+
+    def __float__(self) -> float:
+        """The double nearest the root."""
+        lo, hi = self.lo, self.hi
+        sign_lo = self._sign(lo)
+        if sign_lo == 0:
+            return float(lo)
+        while float(lo) != float(hi):
+            mid = (lo + hi) / 2
+            sign = self._sign(mid)
+            if sign == 0:
+                return float(mid)
+            lo, hi = (mid, hi) if sign == sign_lo else (lo, mid)
+        return float(lo)
+
+    def _sign(self, x: Fraction) -> int:
+        value = Fraction(0)
+        for coefficient in reversed(self.polynomial):
+            value = value * x + coefficient
+        return (value > 0) - (value < 0)
+
+    def __str__(self) -> str:
+        terms = " + ".join(f"{c}*x^{k}" for k, c in enumerate(self.polynomial) if c)
+        return f"root of {terms} in [{self.lo}, {self.hi}]"
+
+
+@dataclass(frozen=True, slots=True)
+class ExactAngle:
+    """A contact time under rotation: the angle with this cosine and sine, in [0, 2 pi), as a time.
+
+    ``float()`` is the time (a parameter of the motion), correctly rounded.
+    """
+
+    cosine: AlgebraicNumber | Fraction
+    sine: AlgebraicNumber | Fraction
+    time: float
+
+    def __float__(self) -> float:
+        return self.time
+
+    def __str__(self) -> str:
+        return f"angle with cosine {self.cosine}, sine {self.sine}"
+
+
+ExactTime = Fraction | AlgebraicNumber | ExactAngle
+
+
+@dataclass(frozen=True, slots=True)
+class ElementPair:
+    """Two elements that meet: ``element_a`` on body a, ``element_b`` on body b."""
+
+    element_a: Element
+    element_b: Element
+
+    def __str__(self) -> str:
+        return f"{self.element_a} and {self.element_b}"
+
+
+@dataclass(frozen=True, slots=True)
+class FirstContact(_NoTruth):
+    """The earliest time at which two moving bodies share a point, or the proof that they share none.
+
+    status          Status.FREE proves that they share no point at any time of ``span``.
+    time            the double nearest the true time (the motion's parameter); None when free.
+    time_interval   (lo, hi) doubles that enclose the true time.
+    time_exact      the time itself (``exact=True``): Fraction, AlgebraicNumber or ExactAngle.
+    point, normal   (3,) float64, world frame at that time; normal is unit, from b towards a, None where
+                    undefined (grazing, parallel edges, a start in contact).
+    element_a/_b    the two elements; among simultaneous pairs the lowest (kind, index).
+    others          further pairs at that time, at most 100; ``multiplicity`` counts all of them.
+    contact_set     "point", or None where the shared set was not computed.
+    initial         for INITIAL_CONTACT: "touching", "overlapping" or "containment".
+    free_until      no shared point before this time; proved.
+    reason          for UNDECIDED: "budget" or "precision".
+    """
+
+    status: Status
+    time: float | None = None
+    time_interval: tuple[float, float] | None = None
+    time_exact: ExactTime | None = None
+    point: np.ndarray | None = None
+    normal: np.ndarray | None = None
+    element_a: Element | None = None
+    element_b: Element | None = None
+    others: tuple[ElementPair, ...] = ()
+    multiplicity: int = 0
+    contact_set: str | None = None
+    initial: str | None = None
+    free_until: float | None = None
+    reason: str | None = None
+    stats: Stats = field(default_factory=Stats)
+    a: Any = field(default=None, repr=False)
+    b: Any = field(default=None, repr=False)
+    span: tuple[float, float] = (0.0, 1.0)
+
+    def __str__(self) -> str:
+        names = f"{_name(self.a, 'a')} and {_name(self.b, 'b')}"
+        lo, hi = self.span
+        if self.status is Status.FREE:
+            return f"{names}: FREE over [{lo:g}, {hi:g}]\n  no shared point at any time of the span; proved"
+        if self.status is Status.UNDECIDED:
+            return f"{names}: UNDECIDED ({self.reason})\n  proved free until {self.free_until!r}"
+        where = "" if self.point is None else " at ({:.9g}, {:.9g}, {:.9g})".format(*self.point)
+        elements = "" if self.element_a is None else f"; {self.element_a} meets {self.element_b}"
+        if self.status is Status.INITIAL_CONTACT:
+            return f"{names}: INITIAL_CONTACT ({self.initial}) at time {self.time!r}\n {where}{elements}"
+        assert self.time_interval is not None
+        more = f" (and {self.multiplicity - 1} more pairs)" if self.multiplicity > 1 else ""
+        return (
+            f"{names}: CONTACT at time {self.time!r}{where}\n"
+            f"  {self.element_a} meets {self.element_b}{more}; "
+            f"time in [{self.time_interval[0]!r}, {self.time_interval[1]!r}]"
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """One entry of "checks" in the JSON output; exact numbers are strings."""
+        return {
+            "a": _name(self.a, "a"),
+            "b": _name(self.b, "b"),
+            "status": self.status.name,
+            "time": self.time,
+            "time_interval": None if self.time_interval is None else list(self.time_interval),
+            "time_exact": None if self.time_exact is None else str(self.time_exact),
+            "point": None if self.point is None else [float(x) for x in self.point],
+            "normal": None if self.normal is None else [float(x) for x in self.normal],
+            "element_a": None if self.element_a is None else self.element_a.to_dict(),
+            "element_b": None if self.element_b is None else self.element_b.to_dict(),
+            "others": [[p.element_a.to_dict(), p.element_b.to_dict()] for p in self.others],
+            "multiplicity": self.multiplicity,
+            "initial": self.initial,
+            "contact_set": self.contact_set,
+            "free_until": self.free_until,
+            "reason": self.reason,
+            "stats": dict(self.stats),
+        }
+
+    def to_json(self) -> str:
+        return json.dumps(self.to_dict())
+
+    def show(self, path: str | None = None) -> Any:
+        """Write the page that shows this result (open it in the browser when no path is given)."""
+        from firstcontact.view.html import write_page
+
+        return write_page(path, [self])
+
+
+@dataclass(frozen=True, slots=True)
+class ContactInterval(_NoTruth):
+    """A maximal closed interval of times at which the bodies share a point.
+
+    start, end                     doubles nearest the true ends
+    start_interval, end_interval   (lo, hi) enclosures
+    start_exact, end_exact         the ends themselves when ``exact=True``
+    """
+
+    start: float
+    end: float
+    start_interval: tuple[float, float]
+    end_interval: tuple[float, float]
+    start_exact: ExactTime | None = None
+    end_exact: ExactTime | None = None
+
+    def __str__(self) -> str:
+        return f"[{self.start!r}, {self.end!r}]"
+
+    def to_dict(self) -> dict[str, Any]:
+        out: dict[str, Any] = {}
+        for f in fields(self):
+            value = getattr(self, f.name)
+            if f.name.endswith("_exact"):
+                value = None if value is None else str(value)
+            elif isinstance(value, tuple):
+                value = list(value)
+            out[f.name] = value
+        return out
+
+
+@dataclass(frozen=True, slots=True)
+class ContactIntervals(_NoTruth, Sequence[ContactInterval]):
+    """All closed times of the span at which the bodies share a point: disjoint, ascending.
+
+    With Status.UNDECIDED the list is what is proved of [start of span, ``free_until``].
+    """
+
+    intervals: tuple[ContactInterval, ...]
+    status: Status
+    free_until: float | None = None
+    reason: str | None = None
+    stats: Stats = field(default_factory=Stats)
+    a: Any = field(default=None, repr=False)
+    b: Any = field(default=None, repr=False)
+    span: tuple[float, float] = (0.0, 1.0)
+
+    def __len__(self) -> int:
+        return len(self.intervals)
+
+    def __getitem__(self, index):  # type: ignore[no-untyped-def]
+        return self.intervals[index]
+
+    def __str__(self) -> str:
+        head = f"{_name(self.a, 'a')} and {_name(self.b, 'b')}: {self.status.name}"
+        if self.status is Status.UNDECIDED:
+            head += f" ({self.reason}); decided until {self.free_until!r}"
+        return "\n".join([head, *(f"  {interval}" for interval in self.intervals)])
+
+    def to_dict(self) -> dict[str, Any]:
+        return {
+            "a": _name(self.a, "a"),
+            "b": _name(self.b, "b"),
+            "status": self.status.name,
+            "intervals": [interval.to_dict() for interval in self.intervals],
+            "free_until": self.free_until,
+            "reason": self.reason,
+            "stats": dict(self.stats),
+        }
+
+    def to_json(self) -> str:
+        return json.dumps(self.to_dict())
+
+    def show(self, path: str | None = None) -> Any:
+        """Write the page that shows these intervals (open it in the browser when no path is given)."""
+        from firstcontact.view.html import write_page
+
+        return write_page(path, [self])
+
+
+@dataclass(frozen=True, slots=True)
+class ContactPairs(_NoTruth, Sequence[ElementPair]):
+    """The element pairs that meet during the span: vertex/face, edge/edge, face/vertex, sorted.
+
+    ``piercing`` lists edge/face and face/edge pairs that meet at the start of the span already.
+    """
+
+    pairs: tuple[ElementPair, ...]
+    piercing: tuple[ElementPair, ...] = ()
+    stats: Stats = field(default_factory=Stats)
+
+    def __len__(self) -> int:
+        return len(self.pairs)
+
+    def __getitem__(self, index):  # type: ignore[no-untyped-def]
+        return self.pairs[index]
+
+    @property
+    def count(self) -> int:
+        return len(self.pairs)
+
+    def __str__(self) -> str:
+        return f"{len(self.pairs)} element pairs meet, {len(self.piercing)} pierced at the start"
+
+
+def _name(body: Any, default: str) -> str:
+    return getattr(body, "name", None) or default

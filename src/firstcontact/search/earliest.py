@@ -1,0 +1,271 @@
+"""The earliest contact of one piece of motion: the float walk, its undecided pairs, the exact winner."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+from firstcontact.exact.numbers import PRECISIONS, Undecidable, ball_bounds, precision
+from firstcontact.search.elements import KINDS, Feature, feature
+from firstcontact.search.state import (
+    CANDIDATES,
+    CROSSING_FOUND,
+    DECIDE,
+    DONE,
+    EDGE_FACE,
+    FULL,
+    KEY,
+    BEST,
+    SLICE,
+    SLICE_SPENT,
+    TESTS,
+    UNSURE_COUNT,
+    UNSURE_TOTAL,
+    VISITS,
+    WalkState,
+    borrow_state,
+    return_state,
+)
+
+Progress = Callable[[float, int], None]
+
+# A pair of elements in contact: kind (see `state`), element of a, element of b.
+Pair = tuple[int, Feature, Feature]
+
+
+class Problem(Protocol):
+    """One piece of relative motion, as the search sees it."""
+
+    tree_a: Any
+    tree_b: Any
+
+    def window(self) -> tuple[float, float]: ...
+    def advance(self, state: WalkState, limit: int, with_start: bool, all_sides: bool) -> int: ...
+    def contact(self, element_a: Feature, element_b: Feature) -> Any: ...
+    def start_relation(self, element_a: Feature, element_b: Feature) -> int: ...
+
+
+@dataclass(slots=True)
+class Found:
+    """What a search proved.
+
+    instant   exact time of the first contact, None when there is none
+    pairs     the pairs that realise it, lowest first; flat sides (see `tree`) included
+    start     pairs (edge, facet) that share a point at the start: (pair, crossing) - then no events were sought
+    open      None, or "budget" / "precision": what stopped the search; free_until (local) is proved
+    """
+
+    instant: Any = None
+    pairs: list[Pair] = field(default_factory=list)
+    start: list[tuple[Pair, bool]] = field(default_factory=list)
+    open: str | None = None
+    free_until: float = 0.0
+    visits: int = 0
+    tests: int = 0
+    unsure: int = 0
+    exact: int = 0
+
+    @property
+    def work(self) -> int:
+        return self.visits + self.tests
+
+
+class BudgetSpent(Exception):
+    """The search has used up its budget of node visits and pair tests."""
+
+
+def earliest(
+    problem: Problem, budget: int | None = None, progress: Progress | None = None, with_start: bool = True
+) -> Found:
+    """The first contact of the piece, proved.
+
+    The float walk returns pairs that certainly meet and pairs it cannot decide.  Every undecided pair that could
+    still be first is decided exactly; at the end the certain ones are recomputed exactly too, in the order of
+    their lower bounds, until the next bound lies behind the best exact time.
+    """
+    state = borrow_state()
+    found = Found()
+    try:
+        _Search(problem, state, found, budget, progress).run(with_start)
+    finally:
+        found.visits += int(state.integers[VISITS])
+        found.tests += int(state.integers[TESTS])
+        found.unsure += int(state.integers[UNSURE_TOTAL])
+        return_state(state)
+    return found
+
+
+class _Search:
+    def __init__(
+        self, problem: Problem, state: WalkState, found: Found, budget: int | None, progress: Progress | None
+    ) -> None:
+        self.problem, self.state, self.found = problem, state, found
+        self.budget, self.progress = budget, progress
+        self.waiting: dict[Pair, float] = {}  # pairs the floats are sure of, with their lower bounds
+        self.decided: dict[Pair, Any] = {}  # exact times
+        self.doubtful: dict[Pair, float] = {}  # pairs no precision decides, with their lower bounds
+        self.best: Any = None
+        """The earliest exact time so far."""
+
+    def run(self, with_start: bool) -> None:
+        last, sure_last = self.problem.window()
+        self.state.start(0.0, 0.0, last, sure_last)
+        if not self._walk(with_start, all_sides=False):
+            return
+        self._settle_waiting()
+        if self.found.start:
+            return
+        self._conclude()
+
+    # -- the walk -------------------------------------------------------------------------------------------
+
+    def _walk(self, with_start: bool, all_sides: bool) -> bool:
+        """Walk to the end, answering what the floats ask; False when the budget ended it."""
+        state, integers = self.state, self.state.integers
+        while True:
+            limit = int(integers[VISITS]) + SLICE
+            if self.budget is not None:
+                limit = min(limit, self.budget - self.found.work - int(integers[TESTS]))
+            reason = self.problem.advance(state, limit, with_start, all_sides)
+            if reason == FULL:
+                self._collect()
+                state.grow()
+            elif reason == DECIDE:
+                self._collect()
+                if self.found.start:
+                    return True
+            elif reason in (DONE, CROSSING_FOUND):
+                self._collect()
+                return True
+            else:
+                assert reason == SLICE_SPENT
+                self._collect()
+                work = self.found.work + int(integers[VISITS] + integers[TESTS])
+                if self.progress is not None:
+                    self.progress(float(state.floats[KEY]), work)
+                if self.budget is not None and work >= self.budget:
+                    self.found.open = "budget"
+                    self.found.free_until = min(float(state.floats[KEY]), float(state.floats[BEST]))
+                    return False
+
+    def _collect(self) -> None:
+        """Take the candidates over; decide the unsure ones now, they may end the walk."""
+        integers = self.state.integers
+        n = int(integers[CANDIDATES])
+        if n == 0:
+            return
+        times = self.state.times[:n].tolist()
+        rows = self.state.candidates[:n].tolist()
+        integers[CANDIDATES] = 0
+        integers[UNSURE_COUNT] = 0
+        unsure = []
+        for (lo, _), (kind, part_a, local_a, part_b, local_b) in zip(times, rows, strict=True):
+            certain = kind >= 8
+            kind -= 8 if certain else 0
+            kind_a, kind_b = KINDS[kind]
+            pair = (
+                kind,
+                feature(self.problem.tree_a, kind_a, part_a, local_a),
+                feature(self.problem.tree_b, kind_b, part_b, local_b),
+            )
+            if kind >= EDGE_FACE:
+                self._decide_start(pair, certain)
+            elif certain:
+                self.waiting[pair] = lo
+            elif pair not in self.decided:
+                unsure.append((lo, pair))
+        unsure.sort()
+        for lo, pair in unsure:
+            if lo <= self.state.floats[BEST]:
+                self._decide(pair, lo)
+
+    def _decide_start(self, pair: Pair, certain: bool) -> None:
+        if certain:
+            self.found.start.append((pair, True))
+            return
+        self.found.exact += 1
+        relation = self._exactly(lambda: self.problem.start_relation(pair[1], pair[2]))
+        if relation is None:
+            self.doubtful[pair] = 0.0
+        elif relation:
+            self.found.start.append((pair, relation == 2))
+
+    def _decide(self, pair: Pair, lo: float) -> None:
+        """The exact time of the pair; a contact shortens the walk."""
+        if pair in self.decided:
+            return
+        self.found.exact += 1
+        instant = self._exactly(lambda: (self.problem.contact(pair[1], pair[2]),))
+        if instant is None:
+            self.doubtful[pair] = lo
+            return
+        self.decided[pair] = instant[0]
+        if instant[0] is not None:
+            hi = ball_bounds(instant[0].local())[1]
+            floats = self.state.floats
+            floats[BEST] = min(floats[BEST], hi)
+            if self.best is None or self._before(instant[0], self.best):
+                self.best = instant[0]
+
+    def _exactly(self, question: Callable[[], Any]) -> Any:
+        """The answer of the exact face, at rising precision where it is in balls; None when none decides."""
+        for bits in PRECISIONS:
+            with precision(bits):
+                try:
+                    return question()
+                except Undecidable:
+                    continue
+        return None
+
+    def _before(self, x: Any, y: Any) -> bool:
+        try:
+            return x.compare(y) < 0
+        except Undecidable:
+            return bool(x.local() < y.local())
+
+    # -- the end --------------------------------------------------------------------------------------------
+
+    def _settle_waiting(self) -> None:
+        """Exact times of the certain pairs, until the next lower bound lies behind the best."""
+        for pair, lo in sorted(self.waiting.items(), key=lambda item: item[1]):
+            if lo > self.state.floats[BEST]:
+                break
+            self._decide(pair, lo)
+        self.waiting.clear()
+
+    def _conclude(self) -> None:
+        found = self.found
+        horizon = float(self.state.floats[BEST])
+        open_until = min(self.doubtful.values(), default=float("inf"))
+        if self.doubtful and open_until <= horizon:
+            found.open = "precision"
+            found.free_until = open_until
+            return
+        found.free_until = horizon
+        if self.best is None:
+            return
+        found.instant = self.best
+        if self.problem.tree_a.has_flat_sides or self.problem.tree_b.has_flat_sides:
+            self._walk_at_best()
+        found.pairs = sorted(p for p, t in self.decided.items() if t is not None and self._same(t, self.best))
+
+    def _walk_at_best(self) -> None:
+        """Collect the pairs of flat sides that meet at the best time: a walk over that instant alone."""
+        integers = self.state.integers
+        self.found.visits += int(integers[VISITS])
+        self.found.tests += int(integers[TESTS])
+        self.found.unsure += int(integers[UNSURE_TOTAL])
+        lo, hi = ball_bounds(self.best.local())
+        lo = max(lo, 0.0)
+        self.state.start(lo, float("inf"), hi, float("-inf"))
+        finished = self._walk(with_start=False, all_sides=True)
+        assert finished or self.found.open == "budget"
+
+    def _same(self, x: Any, y: Any) -> bool:
+        try:
+            return x.compare(y) == 0
+        except Undecidable:
+            return True
+
+

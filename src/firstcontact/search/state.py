@@ -1,0 +1,73 @@
+"""The state of one walk over two trees, in arrays that kernels fill and Python reads between slices."""
+
+from __future__ import annotations
+
+import threading
+
+import numpy as np
+
+# Kinds of candidate pairs: element of a, element of b.  In this order the lowest kind is reported.
+VERTEX_FACE, EDGE_EDGE, FACE_VERTEX, EDGE_FACE, FACE_EDGE = range(5)
+
+# Why a kernel came back.
+DONE, SLICE_SPENT, FULL, DECIDE, CROSSING_FOUND = range(5)
+
+# Slots of the integer state.
+HEAP, STACK, CANDIDATES, VISITS, TESTS, UNSURE_COUNT, UNSURE_TOTAL = range(7)
+# Slots of the float state: earliest time, the same certain, latest certain, best time so far, present key.
+FIRST, SURE_FIRST, SURE_LAST, BEST, KEY = range(5)
+
+# A slice of work between two looks at the keyboard and the progress bar: about 0.1 s.
+SLICE = 1_000_000
+# Undecided pairs that send the walk back for exact answers: few, because each may end the search.
+UNSURE_BATCH = 16
+# Room a leaf pair may need among the candidates: 9 edge/edge, 6 vertex/face, 6 edge/face.
+LEAF_ROOM = 32
+
+
+class WalkState:
+    """Scratch arrays of a walk.  `keys`/`pairs`: heap; `stack`: pairs that overlap at the start."""
+
+    __slots__ = ("floats", "integers", "keys", "pairs", "stack", "times", "candidates")
+
+    def __init__(self) -> None:
+        self.keys = np.empty(4096)
+        self.pairs = np.empty((4096, 2), np.int32)
+        self.stack = np.empty((1024, 2), np.int32)
+        self.times = np.empty((512, 2))
+        self.candidates = np.empty((512, 5), np.int32)  # kind, part a, feature a, part b, feature b
+        self.floats = np.zeros(5)
+        self.integers = np.zeros(7, np.int64)
+
+    def start(self, first: float, sure_first: float, last: float, sure_last: float) -> None:
+        """Ready for a new walk over [first, last]; contacts count as certain inside the sure window."""
+        self.floats[:] = (first, sure_first, sure_last, last, first)
+        self.integers[:] = (0, 1, 0, 0, 0, 0, 0)
+        self.stack[0] = 0
+
+    def grow(self) -> None:
+        """Double every array that is close to full."""
+        n = self.integers
+        if n[HEAP] + 4 > len(self.keys):
+            self.keys = np.concatenate([self.keys, np.empty_like(self.keys)])
+            self.pairs = np.concatenate([self.pairs, np.empty_like(self.pairs)])
+        if n[STACK] + 4 > len(self.stack):
+            self.stack = np.concatenate([self.stack, np.empty_like(self.stack)])
+        if n[CANDIDATES] + LEAF_ROOM > len(self.times):
+            self.times = np.concatenate([self.times, np.empty_like(self.times)])
+            self.candidates = np.concatenate([self.candidates, np.empty_like(self.candidates)])
+
+
+_local = threading.local()
+
+
+def borrow_state() -> WalkState:
+    """This thread's scratch, so that short queries allocate nothing."""
+    state = getattr(_local, "state", None)
+    _local.state = None
+    return state or WalkState()
+
+
+def return_state(state: WalkState) -> None:
+    if len(state.keys) <= 1 << 18:
+        _local.state = state

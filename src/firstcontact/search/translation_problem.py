@@ -1,0 +1,118 @@
+"""One piece of relative translation: the walk over two trees, and exact answers for pairs of elements."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from flint import fmpq
+
+from firstcontact.exact.instants import RationalInstant, enclose
+from firstcontact.exact.numbers import fraction, to_double
+from firstcontact.exact.vectors import Vector, along
+from firstcontact.exact.windows import clip
+from firstcontact.motion.relative import Piece
+from firstcontact.pairs import line_line, point_plane, segment_facet
+from firstcontact.search.elements import EDGE, VERTEX, Feature, corners_of
+from firstcontact.search.state import WalkState
+from firstcontact.search.translate import walk
+from firstcontact.search.tree import tree_of
+
+ZERO = fmpq(0)
+
+
+class TranslationProblem:
+    """Body a moves by t v over the local times [0, last] (last None: for ever), body b rests."""
+
+    def __init__(self, a: Any, b: Any, piece: Piece) -> None:
+        assert piece.velocity is not None
+        self.a, self.b, self.piece, self.v = a, b, piece, piece.velocity
+        self.last = None if piece.end is None else piece.end - piece.start
+        self.tree_a, self.tree_b = tree_of(a), tree_of(b)
+        self.velocity = np.empty(6)
+        self.velocity[:3] = [to_double(x) for x in self.v]
+        with np.errstate(divide="ignore", over="ignore"):
+            self.velocity[3:] = 1.0 / self.velocity[:3]
+
+    def window(self) -> tuple[float, float]:
+        """(last, sure last): outward and inward doubles around the end of the window."""
+        if self.last is None:
+            return math.inf, math.inf
+        last = to_double(self.last)
+        if fmpq(*last.as_integer_ratio()) == self.last:
+            return last, last
+        return math.nextafter(last, math.inf), math.nextafter(last, -math.inf)
+
+    def advance(self, state: WalkState, limit: int, with_start: bool, all_sides: bool) -> int:
+        """Go on with the walk; the reason it came back."""
+        a, b = self.tree_a, self.tree_b
+        return walk(
+            a.boxes, a.links, a.xyz, a.ids, b.boxes, b.links, b.xyz, b.ids,
+            self.velocity, a.error, b.error, with_start, all_sides, limit,
+            state.floats, state.integers, state.keys, state.pairs, state.stack, state.times, state.candidates,
+        )  # fmt: skip
+
+    def contact(self, element_a: Feature, element_b: Feature) -> RationalInstant | None:
+        """The earliest time of the window at which the two elements share a point; exact."""
+        corners_a, corners_b = corners_of(self.a, element_a), corners_of(self.b, element_b)
+        if element_a[0] == VERTEX:
+            window = point_plane.translation_window(corners_a[0], *corners_b, self.v)
+        elif element_b[0] == VERTEX:
+            back = (-self.v[0], -self.v[1], -self.v[2])
+            window = point_plane.translation_window(corners_b[0], *corners_a, back)
+        else:
+            window = line_line.translation_window(*corners_a, *corners_b, self.v)
+        clipped = clip(window, (ZERO, self.last))
+        return None if clipped is None else RationalInstant(clipped[0])
+
+    def start_relation(self, element_a: Feature, element_b: Feature) -> int:
+        """How an edge and a facet relate at the start of the window (`segment_facet.relation`); exact."""
+        corners_a, corners_b = corners_of(self.a, element_a), corners_of(self.b, element_b)
+        segment, facet = (corners_a, corners_b) if element_a[0] == EDGE else (corners_b, corners_a)
+        return segment_facet.relation(*segment, *facet)
+
+    def start_point(self, element_a: Feature, element_b: Feature) -> Vector:
+        """A shared point of the two elements at the start, given that there is one; exact."""
+        corners_a, corners_b = corners_of(self.a, element_a), corners_of(self.b, element_b)
+        return segment_facet.start_point(corners_a, corners_b)
+
+    def world_instant(self, at: RationalInstant) -> tuple[float, tuple[float, float]]:
+        """(nearest double, enclosure) of the instant in the motions' clock."""
+        return enclose(lambda: self.piece.start + at.value)
+
+    def world_exact(self, at: RationalInstant) -> Fraction | None:
+        value = self.piece.start + at.value
+        return fraction(value) if isinstance(value, fmpq) else None
+
+    def world_time(self, local: float) -> float:
+        """A double not later than the local time, in the motions' clock."""
+        if math.isinf(local):
+            return local
+        t = to_double(self.piece.start)
+        return local if t == 0.0 else math.nextafter(t + local, -math.inf)
+
+    def point(self, element_a: Feature, element_b: Feature, at: RationalInstant) -> Vector:
+        """A shared point of the two elements at the time `at`, in the working frame; exact."""
+        corners_a, corners_b = corners_of(self.a, element_a), corners_of(self.b, element_b)
+        if element_a[0] == VERTEX:
+            return along(corners_a[0], at.value, self.v)
+        if element_b[0] == VERTEX:
+            return corners_b[0]
+        return line_line.contact_point(*corners_a, *corners_b, self.v, at.value)
+
+    def normal(self, element_a: Feature, element_b: Feature, at: RationalInstant) -> tuple[Vector, Vector]:
+        """(direction across the contact, velocity of a there), working frame; exact."""
+        corners_a, corners_b = corners_of(self.a, element_a), corners_of(self.b, element_b)
+        if element_a[0] == VERTEX:
+            n = facet_normal(*corners_b)
+        elif element_b[0] == VERTEX:
+            n = facet_normal(*corners_a)
+        else:
+            n = line_line.normal(*corners_a, *corners_b)
+        return n, self.v
+
+
+def facet_normal(a: Vector, b: Vector, c: Vector) -> Vector:
+    return line_line.normal(a, b, a, c)

@@ -1,0 +1,382 @@
+"""The tree of boxes over one body: built once in its own frame, refitted where a query needs another frame.
+
+Leaves hold one part each: a triangle, the part of a long triangle inside a cell (early split clipping, Ernst
+& Greiner 2007), a bare edge (a, b, b) or a bare point (p, p, p).  Every edge and vertex is owned by one of
+the primitives that hold it, so that a walk over two trees meets every pair of elements once (split triangles:
+at least once).  The split is the binned surface-area heuristic (Wald 2007).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from firstcontact.kernels.boxes import CLIP_EPS, clip_to_box, segment_meets_box
+from firstcontact.kernels.jit import kernel
+
+if TYPE_CHECKING:
+    from firstcontact.body.polyhedron import Polyhedron
+
+# Bits of a part's mask: which of its three sides and corners it owns here, and what it is.
+SIDE, CORNER, FLAT_SIDE = 0, 3, 6  # bit of side 0, corner 0, flat side 0
+FACET, BARE, POINT, SPLIT = 1 << 9, 1 << 10, 1 << 11, 1 << 12
+
+# Triangles longer than this many times the median are split into at most MAX_PARTS parts: boxes of long
+# triangles overlap everything.  Purely a matter of speed.
+SPLIT_FACTOR = 4.0
+MAX_PARTS = 24
+
+_BINS = 16
+
+
+@dataclass(slots=True)
+class Tree:
+    """boxes (q, 6) lo, hi; links (q, 2): inner (left, right), leaf (part, -1); parts xyz (m, 9), ids (m, 2):
+    primitive, mask.  Primitives: corners (k, 3) vertex and sides (k, 3) segment indices, -1 for none.
+
+    `error` bounds |true coordinate - coordinate| over boxes and parts.
+    """
+
+    boxes: np.ndarray
+    links: np.ndarray
+    xyz: np.ndarray
+    ids: np.ndarray
+    corners: np.ndarray
+    sides: np.ndarray
+    error: float
+    has_flat_sides: bool
+
+
+def tree_of(body: Polyhedron) -> Tree:
+    """The body's tree in its own frame, built on first use and kept on the body."""
+    tree = body._search.get("tree")
+    if tree is None:
+        tree = body._search["tree"] = _build(body)
+    return tree
+
+
+def _build(body: Polyhedron) -> Tree:
+    corners, sides, kind = _primitives(body)
+    masks = _owners(corners, sides, kind, body.vertices, len(body._segments))
+    corner_xyz = body.vertices[corners].reshape(len(corners), 9)
+    part_box, part_ids = _parts(corner_xyz, masks, SPLIT_FACTOR, MAX_PARTS)
+    boxes, links, order = _split(part_box)
+    ids = part_ids[order]
+    return Tree(boxes, links, corner_xyz[ids[:, 0]], ids, corners, sides, body.error, bool(np.any(masks & (7 << FLAT_SIDE))))
+
+
+def _primitives(body: Polyhedron) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Triangles, then segments on no triangle, then vertices on neither; with the kind bits of each."""
+    triangles, side_edge, segments = body.triangles, body._side_edge, body._segments
+    loose = np.ones(len(segments), bool)
+    loose[side_edge[side_edge >= 0]] = False
+    bare = np.flatnonzero(loose).astype(np.int32)
+    lonely = np.ones(len(body.vertices), bool)
+    lonely[triangles.ravel()] = False
+    lonely[segments[bare].ravel()] = False
+    # a mesh file may carry vertices that nothing uses; only a pure point set means its points
+    points = np.flatnonzero(lonely).astype(np.int32) if not len(triangles) and not len(segments) else bare[:0]
+    none = np.full_like(bare, -1)
+    corners = np.concatenate([
+        triangles,
+        np.stack([segments[bare, 0], segments[bare, 1], segments[bare, 1]], axis=1),
+        np.stack([points] * 3, axis=1),
+    ])  # fmt: skip
+    sides = np.concatenate([
+        side_edge,
+        np.stack([bare, none, none], axis=1),
+        np.stack([len(segments) + points, np.full_like(points, -1), np.full_like(points, -1)], axis=1),
+    ])  # fmt: skip
+    kind = np.repeat(
+        np.array([FACET, BARE, BARE | POINT], np.int32), [len(triangles), len(bare), len(points)]
+    )
+    return np.ascontiguousarray(corners, np.int32), np.ascontiguousarray(sides, np.int32), kind
+
+
+@kernel
+def _owners(corners, sides, kind, vertices, n_segments):
+    """Masks (k,) int32: the first primitive that holds an edge or vertex owns it.
+
+    A side is flat when it lies between exactly two triangles in one axis-parallel plane: contacts there are
+    contacts of the true edges or of the face as well, so a search for the first contact may pass over it.
+    """
+    n = corners.shape[0]
+    masks = kind.copy()
+    first = np.full(n_segments, -1, np.int64)
+    second = np.full(n_segments, -1, np.int64)  # -2: more than two
+    vertex_taken = np.zeros(vertices.shape[0], np.bool_)
+    for p in range(n):
+        if kind[p] & FACET:
+            for s in range(3):
+                e = sides[p, s]
+                if e >= 0:
+                    if first[e] < 0:
+                        first[e] = 3 * p + s
+                    else:
+                        second[e] = 3 * p + s if second[e] == -1 else -2
+    for p in range(n):
+        for s in range(3):
+            e, v = sides[p, s], corners[p, s]
+            if not vertex_taken[v] and not (kind[p] & BARE and s == 2):
+                vertex_taken[v] = True
+                masks[p] |= 1 << (CORNER + s)
+            if e < 0:
+                continue
+            if kind[p] & BARE:
+                masks[p] |= 1 << SIDE
+            elif first[e] == 3 * p + s:
+                flat = second[e] >= 0 and _coplanar(vertices, corners, p, s, second[e])
+                masks[p] |= 1 << ((FLAT_SIDE if flat else SIDE) + s)
+    return masks
+
+
+@kernel
+def _coplanar(vertices, corners, p, s, other):
+    """Whether the triangles on both sides of a side lie in one axis-parallel plane, opposite each other."""
+    a, b = corners[p, s], corners[p, (s + 1) % 3]
+    c, d = corners[p, (s + 2) % 3], corners[other // 3, (other % 3 + 2) % 3]
+    for k in range(3):
+        h = vertices[a, k]
+        if vertices[b, k] == h and vertices[c, k] == h and vertices[d, k] == h:
+            i, j = (k + 1) % 3, (k + 2) % 3
+            ex, ey = vertices[b, i] - vertices[a, i], vertices[b, j] - vertices[a, j]
+            left = ex * (vertices[c, j] - vertices[a, j]) - ey * (vertices[c, i] - vertices[a, i])
+            right = ex * (vertices[d, j] - vertices[a, j]) - ey * (vertices[d, i] - vertices[a, i])
+            size = abs(ex) + abs(ey)
+            reach = max(
+                max(abs(vertices[c, i] - vertices[a, i]), abs(vertices[c, j] - vertices[a, j])),
+                max(abs(vertices[d, i] - vertices[a, i]), abs(vertices[d, j] - vertices[a, j])),
+            )
+            bound = 1e-15 * size * reach + 1e-290  # 4 roundings per product, one difference
+            return (left > bound and right < -bound) or (left < -bound and right > bound)
+    return False
+
+
+@kernel
+def _parts(xyz, masks, factor, max_parts):
+    """Boxes (m, 6) and (primitive, mask) (m, 2) int32 of the parts; long triangles give several."""
+    n = xyz.shape[0]
+    extent = np.empty(n)
+    whole = np.empty((n, 6))
+    largest = 0.0
+    for p in range(n):
+        extent[p] = 0.0
+        for k in range(3):
+            lo = min(xyz[p, k], xyz[p, k + 3], xyz[p, k + 6])
+            hi = max(xyz[p, k], xyz[p, k + 3], xyz[p, k + 6])
+            whole[p, k], whole[p, k + 3] = lo, hi
+            extent[p] = max(extent[p], hi - lo)
+            largest = max(largest, abs(lo), abs(hi))
+    limit = factor * np.median(extent)
+    pad = CLIP_EPS * largest
+    box = np.empty((n, 6))
+    ids = np.empty((n, 2), np.int32)
+    stack = np.empty((64, 6))
+    polygon, scratch = np.empty((12, 3)), np.empty((12, 3))
+    m = 0
+    for p in range(n):
+        stack[0] = whole[p]
+        depth, emitted = 1, 0
+        splitting = extent[p] > limit and limit > 0.0 and masks[p] & FACET
+        while depth > 0:
+            depth -= 1
+            cell = stack[depth].copy() if splitting else stack[depth]
+            axis = 0
+            for k in range(1, 3):
+                if cell[k + 3] - cell[k] > cell[axis + 3] - cell[axis]:
+                    axis = k
+            if splitting and cell[axis + 3] - cell[axis] > limit and emitted + depth + 2 <= max_parts:
+                middle = 0.5 * (cell[axis] + cell[axis + 3])
+                for upper in range(2):
+                    child = stack[depth]
+                    child[:] = cell
+                    child[axis + 3 * (1 - upper)] = middle
+                    count = clip_to_box(xyz[p], child, polygon, scratch)
+                    if count > 0:
+                        _shrink(child, polygon, count, pad)
+                        depth += 1
+                continue
+            if m == box.shape[0]:
+                box, ids = _grown(box, ids)
+            box[m] = cell
+            ids[m, 0], ids[m, 1] = p, masks[p]
+            if splitting:
+                ids[m, 1] = _clipped_mask(masks[p], xyz[p], cell, pad) | SPLIT
+            m += 1
+            emitted += 1
+    return box[:m].copy(), ids[:m].copy()
+
+
+@kernel
+def _shrink(cell, polygon, count, pad):
+    """Shrink the cell to the polygon's corners, `pad` wider."""
+    for k in range(3):
+        lo, hi = polygon[0, k], polygon[0, k]
+        for j in range(1, count):
+            lo, hi = min(lo, polygon[j, k]), max(hi, polygon[j, k])
+        cell[k] = max(cell[k], lo - pad)
+        cell[k + 3] = min(cell[k + 3], hi + pad)
+
+
+@kernel
+def _clipped_mask(mask, xyz, cell, pad):
+    """The mask without sides and corners that certainly miss the cell."""
+    for s in range(3):
+        p, q = xyz[3 * s : 3 * s + 3], xyz[3 * ((s + 1) % 3) : 3 * ((s + 1) % 3) + 3]
+        if not segment_meets_box(p, q, cell, pad):
+            mask &= ~((1 << (SIDE + s)) | (1 << (FLAT_SIDE + s)))
+        for k in range(3):
+            if p[k] < cell[k] - pad or p[k] > cell[k + 3] + pad:
+                mask &= ~(1 << (CORNER + s))
+    return mask
+
+
+@kernel
+def _grown(box, ids):
+    n = box.shape[0]
+    new_box, new_ids = np.empty((2 * n + 64, 6)), np.empty((2 * n + 64, 2), np.int32)
+    new_box[:n], new_ids[:n] = box, ids
+    return new_box, new_ids
+
+
+@kernel
+def _split(part_box):
+    """Top-down binned SAH.  Returns boxes (2m - 1, 6), links (2m - 1, 2) int32 and the order of the parts.
+
+    Children follow their parent, so one backward sweep refits all boxes.
+    """
+    m = part_box.shape[0]
+    order = np.arange(m)
+    boxes = np.empty((2 * m - 1, 6))
+    links = np.empty((2 * m - 1, 2), np.int32)
+    stack = np.empty((128, 3), np.int64)
+    stack[0] = 0, 0, m
+    depth, used = 1, 1
+    count = np.empty(_BINS, np.int64)
+    bin_box = np.empty((_BINS, 6))
+    area_right = np.empty(_BINS)
+    while depth > 0:
+        depth -= 1
+        node, first, last = stack[depth]
+        lo0 = lo1 = lo2 = np.inf
+        hi0 = hi1 = hi2 = -np.inf
+        c_lo0 = c_lo1 = c_lo2 = np.inf
+        c_hi0 = c_hi1 = c_hi2 = -np.inf
+        for i in range(first, last):
+            b = part_box[order[i]]
+            lo0, lo1, lo2 = min(lo0, b[0]), min(lo1, b[1]), min(lo2, b[2])
+            hi0, hi1, hi2 = max(hi0, b[3]), max(hi1, b[4]), max(hi2, b[5])
+            c0, c1, c2 = b[0] + b[3], b[1] + b[4], b[2] + b[5]
+            c_lo0, c_lo1, c_lo2 = min(c_lo0, c0), min(c_lo1, c1), min(c_lo2, c2)
+            c_hi0, c_hi1, c_hi2 = max(c_hi0, c0), max(c_hi1, c1), max(c_hi2, c2)
+        boxes[node, 0], boxes[node, 1], boxes[node, 2] = lo0, lo1, lo2
+        boxes[node, 3], boxes[node, 4], boxes[node, 5] = hi0, hi1, hi2
+        if last - first == 1:
+            links[node, 0], links[node, 1] = first, -1
+            continue
+        middle = first
+        c_lo, c_hi = (c_lo0, c_lo1, c_lo2), (c_hi0, c_hi1, c_hi2)
+        if last - first > 4:
+            axis, limit = _best_bin(part_box, order, first, last, c_lo, c_hi, count, bin_box, area_right)
+            if axis >= 0:
+                middle = _partition(part_box, order, first, last, axis, limit)
+        if middle == first or middle == last or (depth > 60 and last - first > 4):
+            middle = (first + last) // 2  # few parts, or coincident centres: halves by the widest axis
+            axis = 0
+            if c_hi1 - c_lo1 > c_hi0 - c_lo0:
+                axis = 1
+            if c_hi2 - c_lo2 > max(c_hi0 - c_lo0, c_hi1 - c_lo1):
+                axis = 2
+            if last - first <= 4:
+                _insertion(part_box, order, first, last, axis)
+            else:
+                centre = part_box[order[first:last], axis] + part_box[order[first:last], axis + 3]
+                order[first:last] = order[first:last][np.argsort(centre)]
+        links[node, 0], links[node, 1] = used, used + 1
+        # the smaller half last: it is taken first, which keeps the stack logarithmic
+        big, small = (used, first, middle), (used + 1, middle, last)
+        if last - middle > middle - first:
+            big, small = small, big
+        stack[depth, 0], stack[depth, 1], stack[depth, 2] = big
+        stack[depth + 1, 0], stack[depth + 1, 1], stack[depth + 1, 2] = small
+        depth += 2
+        used += 2
+    return boxes, links, order
+
+
+@kernel
+def _best_bin(part_box, order, first, last, c_lo, c_hi, count, bin_box, area_right):
+    """(axis, limit on lo + hi) of the cheapest split by surface area; axis -1 when nothing separates."""
+    best, best_axis, best_limit = np.inf, -1, 0.0
+    for axis in range(3):
+        width = c_hi[axis] - c_lo[axis]
+        if not width > 0.0:
+            continue
+        scale = _BINS * (1.0 - 1e-9) / width
+        if not scale < np.inf:
+            continue
+        for b in range(_BINS):
+            count[b] = 0
+            for k in range(3):
+                bin_box[b, k], bin_box[b, k + 3] = np.inf, -np.inf
+        for i in range(first, last):
+            box = part_box[order[i]]
+            b = int((box[axis] + box[axis + 3] - c_lo[axis]) * scale)
+            count[b] += 1
+            for k in range(3):
+                bin_box[b, k] = min(bin_box[b, k], box[k])
+                bin_box[b, k + 3] = max(bin_box[b, k + 3], box[k + 3])
+        x0 = y0 = z0 = np.inf
+        x1 = y1 = z1 = -np.inf
+        n = 0
+        for b in range(_BINS - 1, 0, -1):
+            box = bin_box[b]
+            x0, y0, z0 = min(x0, box[0]), min(y0, box[1]), min(z0, box[2])
+            x1, y1, z1 = max(x1, box[3]), max(y1, box[4]), max(z1, box[5])
+            n += count[b]
+            area_right[b] = n * _area(x1 - x0, y1 - y0, z1 - z0)
+        x0 = y0 = z0 = np.inf
+        x1 = y1 = z1 = -np.inf
+        n = 0
+        for b in range(_BINS - 1):
+            box = bin_box[b]
+            x0, y0, z0 = min(x0, box[0]), min(y0, box[1]), min(z0, box[2])
+            x1, y1, z1 = max(x1, box[3]), max(y1, box[4]), max(z1, box[5])
+            n += count[b]
+            if n == 0 or n == last - first:
+                continue
+            cost = n * _area(x1 - x0, y1 - y0, z1 - z0) + area_right[b + 1]
+            if cost < best:
+                best, best_axis, best_limit = cost, axis, c_lo[axis] + (b + 1) / scale
+    return best_axis, best_limit
+
+
+@kernel
+def _area(x, y, z):
+    return x * y + y * z + z * x if x >= 0.0 else 0.0
+
+
+@kernel
+def _partition(part_box, order, first, last, axis, limit):
+    i, j = first, last - 1
+    while i <= j:
+        if part_box[order[i], axis] + part_box[order[i], axis + 3] < limit:
+            i += 1
+        else:
+            order[i], order[j] = order[j], order[i]
+            j -= 1
+    return i
+
+
+@kernel
+def _insertion(part_box, order, first, last, axis):
+    for i in range(first + 1, last):
+        j = i
+        while j > first:
+            c, d = order[j], order[j - 1]
+            if part_box[c, axis] + part_box[c, axis + 3] >= part_box[d, axis] + part_box[d, axis + 3]:
+                break
+            order[j], order[j - 1] = d, c
+            j -= 1

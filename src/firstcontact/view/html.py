@@ -1,0 +1,240 @@
+"""One self-contained offline HTML page that shows results: both bodies, their motion, and the contact."""
+
+from __future__ import annotations
+
+import base64
+import html
+import json
+import math
+import tempfile
+import webbrowser
+from collections.abc import Iterable
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from firstcontact.body.polyhedron import Polyhedron
+from firstcontact.result import ContactIntervals, Element, FirstContact, Status
+from firstcontact.view.geometry import element_vertices, face_outline, sharp_edges
+from firstcontact.view.pair import Pair, at_rest, is_moving, pairs_of, pose
+from firstcontact.view.poses import sample_poses
+
+# Most contact intervals written out as text; the timeline shows them all.
+MOST_LISTED = 6
+
+
+def write_page(path: str | Path | None, results: Iterable[FirstContact | ContactIntervals]) -> Path:
+    """Write the page and return its path; without a path, into a temporary file that is opened in the browser.
+
+    Several results about the same two bodies share one view; the page lets the reader choose among pairs.
+    """
+    text = page_text(results)
+    if path is not None:
+        target = Path(path)
+        target.write_text(text, encoding="utf-8")
+        return target
+    with tempfile.NamedTemporaryFile(
+        "w", prefix="firstcontact-", suffix=".html", delete=False, encoding="utf-8"
+    ) as file:
+        file.write(text)
+    target = Path(file.name)
+    webbrowser.open(target.as_uri())
+    return target
+
+
+def page_text(results: Iterable[FirstContact | ContactIntervals]) -> str:
+    """The page as one string; it refers to nothing outside itself."""
+    pairs = pairs_of(results)
+    meshes = _Meshes()
+    drawn = [_pair(pair, meshes) for pair in pairs]
+    data = json.dumps({"meshes": meshes.written, "pairs": drawn}, allow_nan=False)
+    parts = {
+        "title": html.escape(drawn[0]["title"] + ("" if len(drawn) == 1 else f" and {len(drawn) - 1} more")),
+        "style": _asset("page.css"),
+        "licence": html.escape(_asset("three.LICENSE.txt")),
+        "three": _asset("three.js"),
+        # "<" could close the script element from inside a body's name.
+        "data": data.replace("<", "\\u003c"),
+        "script": _asset("page.js"),
+    }
+    text = _asset("page.html")
+    pieces = text.split("@@")  # literal text and part names take turns
+    return "".join(parts[piece] if k % 2 else piece for k, piece in enumerate(pieces))
+
+
+def _asset(name: str) -> str:
+    return (files("firstcontact.view") / "page" / name).read_text(encoding="utf-8")
+
+
+class _Meshes:
+    """The meshes of a page, each written once however many pairs name it."""
+
+    def __init__(self) -> None:
+        self.written: list[dict[str, Any]] = []
+        self._index: dict[int, int] = {}
+        self._bodies: list[Polyhedron] = []  # keeps the ids above alive
+
+    def index(self, body: Polyhedron) -> int:
+        if id(body) not in self._index:
+            self._index[id(body)] = len(self.written)
+            self._bodies.append(body)
+            self.written.append(_mesh(body))
+        return self._index[id(body)]
+
+
+def _mesh(body: Polyhedron) -> dict[str, Any]:
+    """Vertices as float32 about the body's centre in units of its size: large coordinates keep small features."""
+    centre, size = _frame(body)
+    wide = len(body.vertices) > 65535  # index 65535 means "restart" to WebGL
+    index_type = np.uint32 if wide else np.uint16
+    return {
+        "vertices": _base64((body.vertices - centre) / size, np.float32),
+        "triangles": _base64(body.triangles, index_type),
+        "lines": _base64(sharp_edges(body), index_type),
+        "wide": wide,
+    }
+
+
+def _base64(array: np.ndarray, dtype: Any) -> str:
+    return base64.b64encode(np.ascontiguousarray(array, np.dtype(dtype).newbyteorder("<"))).decode("ascii")
+
+
+def _frame(body: Polyhedron) -> tuple[np.ndarray, float]:
+    """Centre (3,) of the body's box, and the power of two just above the body's radius about it."""
+    centre = 0.5 * (body.vertices.min(axis=0) + body.vertices.max(axis=0))
+    radius = float(np.linalg.norm(body.vertices - centre, axis=1).max())
+    return centre, 2.0 ** math.frexp(radius)[1] if radius > 0 else 1.0
+
+
+@dataclass(frozen=True)
+class _View:
+    """The coordinates of the page: (world - origin) / unit, so that float32 is sharp near what is looked at."""
+
+    origin: np.ndarray
+    unit: float
+
+    @classmethod
+    def of(cls, pair: Pair) -> _View:
+        (centre, size_b), (_, size_a) = _frame(at_rest(pair.b)), _frame(at_rest(pair.a))
+        if pair.first is not None and pair.first.point is not None:
+            origin = np.asarray(pair.first.point, float)
+        else:
+            start = pose(pair.b, pair.window[0])
+            origin = start[:3, :3] @ centre + start[:3, 3]
+        return cls(origin, max(size_a, size_b))
+
+    def pose(self, body: Any, centre: np.ndarray, t: float) -> np.ndarray:
+        """(4, 4) from the frame at the body's centre to the page's frame, lengths in `unit` on both sides."""
+        m = pose(body, t)
+        m[:3, 3] = (m[:3, 3] + m[:3, :3] @ centre - self.origin) / self.unit
+        return m
+
+
+def _pair(pair: Pair, meshes: _Meshes) -> dict[str, Any]:
+    """Everything the page needs about one pair."""
+    first = pair.first
+    view = _View.of(pair)
+    point = None if first is None or first.point is None else np.zeros(3)  # it is the origin
+    bodies = [
+        _body(pair, body, elements, view, meshes)
+        for body, elements in zip((pair.a, pair.b), pair.elements, strict=True)
+    ]
+    return {
+        "title": " and ".join(pair.names),
+        "names": pair.names,
+        "status": pair.status.name,
+        "text": str(pair.intervals if first is None else first),
+        "rows": _rows(pair),
+        "window": pair.window,
+        "span": [_number(t) for t in pair.span],
+        "contact": pair.contact_time,
+        "point": None if point is None else point.tolist(),
+        "normal": None if first is None or first.normal is None else [float(x) for x in first.normal],
+        "timeline": pair.timeline,
+        "bodies": bodies,
+    }
+
+
+def _body(pair: Pair, body: Any, elements: list[Element], view: _View, meshes: _Meshes) -> dict[str, Any]:
+    rest = at_rest(body)
+    centre, size = _frame(rest)
+    lo, hi = pair.window
+    times = sorted({lo, hi, *(t for t in pair.moments if lo <= t <= hi)}) if is_moving(body) else [lo]
+    samples, poses = sample_poses(lambda t: view.pose(body, centre, t), times, size / view.unit)
+    return {
+        "mesh": meshes.index(rest),
+        "moving": is_moving(body),
+        "size": size / view.unit,
+        "times": _base64(samples, np.float64),
+        "poses": _base64(poses[:, :3, :], np.float64),
+        "carried": _carried_point(pair, body, centre, view).tolist(),
+        "elements": [_element(rest, element, centre, size) for element in elements],
+    }
+
+
+def _carried_point(pair: Pair, body: Any, centre: np.ndarray, view: _View) -> np.ndarray:
+    """The point of the body whose path is drawn, in its own frame: where it touches, or its centre."""
+    if pair.first is None or pair.first.point is None or pair.contact_time is None:
+        return np.zeros(3)
+    m = view.pose(body, centre, pair.contact_time)
+    return -m[:3, :3].T @ m[:3, 3]
+
+
+def _element(body: Polyhedron, element: Element, centre: np.ndarray, size: float) -> dict[str, Any]:
+    """Corners and, for a face, border of an element in the coordinates of its mesh."""
+    outline = face_outline(body, element.index) - centre if element.kind == "face" else np.empty((0, 3))
+    return {
+        "kind": element.kind,
+        "index": element.index,
+        "name": str(element),
+        "vertices": ((element_vertices(body, element) - centre) / size).ravel().tolist(),
+        "outline": (outline / size).ravel().tolist(),
+    }
+
+
+def _rows(pair: Pair) -> list[tuple[str, str]]:
+    """Label and text of the facts beside the picture."""
+    rows: list[tuple[str, str]] = []
+    first, intervals = pair.first, pair.intervals
+    if first is not None:
+        rows += _rows_of_first(first)
+    if intervals is not None:
+        listed = [str(interval) for interval in intervals[:MOST_LISTED]]
+        if len(intervals) > MOST_LISTED:
+            listed.append(f"and {len(intervals) - MOST_LISTED} more")
+        rows.append(("in contact", "\n".join(listed) or "never"))
+        if intervals.status is Status.UNDECIDED and first is None:
+            rows += [("decided until", repr(intervals.free_until)), ("reason", str(intervals.reason))]
+    return rows
+
+
+def _rows_of_first(first: FirstContact) -> list[tuple[str, str]]:
+    if first.status is Status.FREE:
+        return [("proved", f"no shared point at any time of [{first.span[0]:g}, {first.span[1]:g}]")]
+    if first.status is Status.UNDECIDED:
+        return [("free until", f"{first.free_until!r}"), ("reason", str(first.reason))]
+    rows = [("time", repr(first.time))]
+    if first.time_interval is not None and first.status is Status.CONTACT:
+        rows.append(("enclosed in", "[{!r}, {!r}]".format(*first.time_interval)))
+    if first.time_exact is not None:
+        rows.append(("exactly", str(first.time_exact)))
+    if first.initial is not None:
+        rows.append(("at the start", first.initial))
+    if first.point is not None:
+        rows.append(("point", _vector(first.point)))
+    if first.normal is not None:
+        rows.append(("normal", _vector(first.normal)))
+    if first.multiplicity > 1:
+        rows.append(("also", f"{first.multiplicity - 1} more element pairs"))
+    return rows
+
+
+def _vector(values: np.ndarray) -> str:
+    return "({:.6g}, {:.6g}, {:.6g})".format(*(x + 0.0 for x in values))
+
+
+def _number(t: float) -> str:
+    return f"{t:g}".replace("inf", "\N{INFINITY}")

@@ -1,0 +1,686 @@
+"use strict";
+// The page: draws one pair of bodies at a time t, which the slider, the player or the URL hash sets.
+// Positions are in the frame of the page (see html.py); T is a plain array of 12 numbers, a 3x4 pose by rows.
+(() => {
+  const DATA = JSON.parse(document.getElementById("data").textContent);
+  const $ = (id) => document.getElementById(id);
+  const COLOURS = ["#4f7fa8", "#d9a766"];
+  const DARK = ["#1f3e5a", "#7c5217"];
+  const ACCENT = "#d02f42";
+  const SECONDS = 5; // one run through the window
+  const DWELL = 0.9; // seconds the player rests at the contact
+  const PATH_STEPS = 240;
+  const STATUS = {
+    CONTACT: "contact", FREE: "free", INITIAL_CONTACT: "contact at the start", UNDECIDED: "undecided",
+  };
+
+  // -- reading ----------------------------------------------------------------------------------------------
+
+  function decode(text, Type) {
+    const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+    return new Type(bytes.buffer);
+  }
+
+  // -- poses ------------------------------------------------------------------------------------------------
+
+  const cross = (p, q) => [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]];
+  const apply = (T, p) => [0, 4, 8].map((r) => T[r] * p[0] + T[r + 1] * p[1] + T[r + 2] * p[2] + T[r + 3]);
+  const turn = (T, p) => [0, 4, 8].map((r) => T[r] * p[0] + T[r + 1] * p[1] + T[r + 2] * p[2]);
+
+  // The screw that carries pose S to pose E: rotation vector w and linear part u. The turn is below pi.
+  function twist(S, E) {
+    const R = [];
+    for (let i = 0; i < 3; i++) for (let k = 0; k < 3; k++) {
+      R.push(E[4 * i] * S[4 * k] + E[4 * i + 1] * S[4 * k + 1] + E[4 * i + 2] * S[4 * k + 2]);
+    }
+    const d = [0, 1, 2].map((i) => E[4 * i + 3] - R[3 * i] * S[3] - R[3 * i + 1] * S[7] - R[3 * i + 2] * S[11]);
+    let w = [(R[7] - R[5]) / 2, (R[2] - R[6]) / 2, (R[3] - R[1]) / 2];
+    const sine = Math.hypot(...w);
+    const angle = Math.atan2(sine, (R[0] + R[4] + R[8] - 1) / 2);
+    if (sine > 0) w = w.map((x) => (x * angle) / sine);
+    const k = angle < 1e-4 ? 1 / 12 : 1 / angle ** 2 - (1 + Math.cos(angle)) / (2 * angle * Math.sin(angle));
+    const once = cross(w, d);
+    const twice = cross(w, once);
+    return { w, u: d.map((x, i) => x - once[i] / 2 + k * twice[i]) };
+  }
+
+  // Pose S after the given part of a screw.
+  function screwed(S, { w, u }, part) {
+    const v = w.map((x) => x * part);
+    const l = u.map((x) => x * part);
+    const angle = Math.hypot(...v);
+    const small = angle < 1e-4;
+    const A = small ? 1 : Math.sin(angle) / angle;
+    const B = small ? 0.5 : (1 - Math.cos(angle)) / angle ** 2;
+    const C = small ? 1 / 6 : (angle - Math.sin(angle)) / angle ** 3;
+    const mix = (p, f, g) => {
+      const once = cross(v, p);
+      const twice = cross(v, once);
+      return p.map((x, i) => x + f * once[i] + g * twice[i]);
+    };
+    const columns = [0, 1, 2, 3].map((k) => mix([S[k], S[4 + k], S[8 + k]], A, B));
+    const shift = mix(l, B, C);
+    return [0, 1, 2].flatMap((i) => [columns[0][i], columns[1][i], columns[2][i], columns[3][i] + shift[i]]);
+  }
+
+  // A body's pose as a function of time: exact at the samples, a constant-speed screw between them.
+  class Motion {
+    constructor(times, poses) {
+      this.times = times;
+      this.poses = Array.from(times, (_, k) => Array.from(poses.subarray(12 * k, 12 * k + 12)));
+      this.twists = [];
+    }
+    at(t) {
+      const { times, poses, twists } = this;
+      const last = times.length - 1;
+      if (!(t > times[0])) return poses[0];
+      if (t >= times[last]) return poses[last];
+      let lo = 0;
+      let hi = last; // times[lo] <= t < times[hi]
+      while (hi - lo > 1) {
+        const mid = (lo + hi) >> 1;
+        if (times[mid] <= t) lo = mid;
+        else hi = mid;
+      }
+      if (times[lo] === t) return poses[lo];
+      twists[lo] ??= twist(poses[lo], poses[lo + 1]);
+      return screwed(poses[lo], twists[lo], (t - times[lo]) / (times[hi] - times[lo]));
+    }
+  }
+
+  // -- scene objects ----------------------------------------------------------------------------------------
+
+  const named = (object, name, order = 0) => {
+    object.name = name;
+    object.renderOrder = order;
+    return object;
+  };
+
+  function geometryOf(index) {
+    const mesh = DATA.meshes[index];
+    if (!mesh.surface) {
+      const Index = mesh.wide ? Uint32Array : Uint16Array;
+      const position = new THREE.BufferAttribute(decode(mesh.vertices, Float32Array), 3);
+      const indexed = (text) => {
+        const g = new THREE.BufferGeometry();
+        g.setAttribute("position", position);
+        g.setIndex(new THREE.BufferAttribute(decode(text, Index), 1));
+        return g;
+      };
+      mesh.surface = indexed(mesh.triangles);
+      mesh.outline = indexed(mesh.lines);
+    }
+    return mesh;
+  }
+
+  function fatLines(positions, colour, width, options = {}) {
+    const geometry = new THREE.LineSegmentsGeometry();
+    geometry.setPositions(positions);
+    return new THREE.LineSegments2(geometry, new THREE.LineMaterial({ color: colour, linewidth: width, ...options }));
+  }
+
+  // Everything of one body: surface, sharp edges, and corners when it has no faces.
+  function bodyObject(body, which, name) {
+    const { surface, outline } = geometryOf(body.mesh);
+    const group = new THREE.Group();
+    const hasFaces = surface.index.count > 0;
+    const hasLines = outline.index.count > 0;
+    if (hasFaces) {
+      group.add(named(new THREE.Mesh(surface, new THREE.MeshLambertMaterial({
+        color: COLOURS[which], flatShading: true, side: THREE.DoubleSide,
+        polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1,
+      })), `${name} surface`));
+    }
+    if (hasLines) {
+      group.add(named(new THREE.LineSegments(outline, new THREE.LineBasicMaterial({
+        color: hasFaces ? DARK[which] : COLOURS[which], transparent: hasFaces, opacity: hasFaces ? 0.55 : 1,
+      })), `${name} edges`));
+    }
+    if (!hasFaces) {
+      const material = new THREE.PointsMaterial({ color: COLOURS[which], size: 6, sizeAttenuation: false });
+      group.add(named(new THREE.Points(surface, material), `${name} points`));
+      group.children.at(-1).geometry = surface.clone().setIndex(null);
+    }
+    return placed(named(group, `body ${name}`));
+  }
+
+  // The start pose of a moving body, faint.
+  function ghostObject(body, which, name) {
+    const { surface, outline } = geometryOf(body.mesh);
+    const group = new THREE.Group();
+    group.add(new THREE.Mesh(surface, new THREE.MeshBasicMaterial({
+      color: COLOURS[which], transparent: true, opacity: 0.09, depthWrite: false, side: THREE.DoubleSide,
+    })));
+    group.add(new THREE.LineSegments(outline, new THREE.LineBasicMaterial({
+      color: COLOURS[which], transparent: true, opacity: 0.45, depthWrite: false,
+    })));
+    return placed(named(group, `ghost of ${name}`, 1));
+  }
+
+  // Touched elements: solid where they are in sight, a faint shine where the bodies hide them.
+  function elementObject(element, strong) {
+    const group = named(new THREE.Group(), `element ${element.name}`);
+    const strength = strong ? 1 : 0.55;
+    const both = (make) => {
+      group.add(named(make({ transparent: true, opacity: strength, depthWrite: false }), "", 4));
+      group.add(named(make({ transparent: true, opacity: 0.3 * strength, depthTest: false, depthWrite: false }), "", 5));
+    };
+    if (element.kind === "vertex") group.add(dot(element.vertices, 4.5, ACCENT, 6));
+    if (element.kind === "edge") both((o) => fatLines(element.vertices, ACCENT, strong ? 4 : 2.5, o));
+    if (element.kind === "face") {
+      const surface = new THREE.BufferGeometry();
+      surface.setAttribute("position", new THREE.BufferAttribute(new Float32Array(element.vertices), 3));
+      const fill = { color: ACCENT, side: THREE.DoubleSide, polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -1 };
+      both((o) => new THREE.Mesh(surface, new THREE.MeshBasicMaterial({ ...fill, ...o, opacity: 0.6 * o.opacity })));
+      both((o) => fatLines(element.outline, ACCENT, strong ? 2.5 : 1.5, o));
+    }
+    return group;
+  }
+
+  const pixelSized = []; // objects whose scale is kept so that one unit is `userData.pixels` on the screen
+
+  function dot(position, pixels, colour, order) {
+    const material = new THREE.MeshBasicMaterial({ color: colour, depthTest: false, depthWrite: false, transparent: true });
+    const ball = named(new THREE.Mesh(new THREE.SphereGeometry(1, 24, 16), material), "dot", order);
+    ball.position.set(...position);
+    ball.userData.pixels = pixels;
+    pixelSized.push(ball);
+    return ball;
+  }
+
+  // The contact point with its normal, over everything else.
+  function markerObject(point, normal) {
+    const marker = named(new THREE.Group(), "contact");
+    marker.position.set(...point);
+    marker.userData.pixels = 1;
+    pixelSized.push(marker);
+    const solid = (colour) => new THREE.MeshBasicMaterial({ color: colour, depthTest: false, depthWrite: false, transparent: true });
+    const piece = (geometry, colour, order, name) => named(new THREE.Mesh(geometry, solid(colour)), name, order);
+    if (normal) {
+      const arrow = named(new THREE.Group(), "normal");
+      const shape = (grow, colour, order) => {
+        const shaft = piece(new THREE.CylinderGeometry(1.6 + grow, 1.6 + grow, 58, 16), colour, order, "shaft");
+        shaft.position.y = 29;
+        const head = piece(new THREE.ConeGeometry(6.5 + 1.6 * grow, 18 + 2 * grow, 24), colour, order, "head");
+        head.position.y = 66;
+        arrow.add(shaft, head);
+      };
+      shape(1.3, "#ffffff", 20);
+      shape(0, ACCENT, 21);
+      arrow.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), new THREE.Vector3(...normal).normalize());
+      marker.add(arrow);
+    }
+    marker.add(piece(new THREE.SphereGeometry(8, 24, 16), "#ffffff", 22, "halo"));
+    marker.add(piece(new THREE.SphereGeometry(5.8, 24, 16), ACCENT, 23, "dot"));
+    return marker;
+  }
+
+  function pathObject(body, which, name, lo, hi) {
+    const times = new Set(body.motion.times.length < 400 ? body.motion.times : []);
+    for (let k = 0; k <= PATH_STEPS; k++) times.add(lo + ((hi - lo) * k) / PATH_STEPS);
+    body.pathTimes = [...times].sort((x, y) => x - y);
+    const points = body.pathTimes.flatMap((t) => apply(body.motion.at(t), body.carried));
+    const line = (opacity, width) => {
+      const geometry = new THREE.LineGeometry();
+      geometry.setPositions(points);
+      return new THREE.Line2(geometry, new THREE.LineMaterial({
+        color: DARK[which], linewidth: width, transparent: true, opacity, depthWrite: false,
+      }));
+    };
+    const group = named(new THREE.Group(), `path of ${name}`);
+    const ahead = named(line(0.28, 1.5), "path ahead", 2);
+    body.travelled = named(line(0.9, 2.25), "path travelled", 3);
+    group.add(ahead, body.travelled);
+    return group;
+  }
+
+  // An object whose matrix is set by hand.
+  function placed(object) {
+    object.matrixAutoUpdate = false;
+    return object;
+  }
+
+  function place(object, T, size) {
+    const [a, b, c, x, d, e, f, y, g, h, i, z] = T;
+    const s = size;
+    object.matrix.set(a * s, b * s, c * s, x, d * s, e * s, f * s, y, g * s, h * s, i * s, z, 0, 0, 0, 1);
+    object.matrixWorldNeedsUpdate = true;
+  }
+
+  // -- the stage --------------------------------------------------------------------------------------------
+
+  const state = { pair: 0, t: 0, playing: false, dwell: 0, passedContact: false, moved: false };
+  const scene = new THREE.Scene();
+  const camera = new THREE.PerspectiveCamera(24, 1, 0.01, 100);
+  camera.up.set(0, 0, 1);
+  const content = named(new THREE.Group(), "content");
+  scene.add(content, camera);
+  let renderer = null;
+  let controls = null;
+  let pair = null; // the chosen entry of DATA.pairs
+  let marker = null;
+  let lastFrame = null;
+  let wanted = false; // a frame is asked for
+
+  function setUpStage() {
+    try {
+      renderer = new THREE.WebGLRenderer({ canvas: $("stage"), antialias: true, alpha: true });
+    } catch (error) {
+      $("trouble").textContent = "This browser offers no WebGL, so the bodies cannot be drawn. The facts beside are complete.";
+      $("trouble").hidden = false;
+      return;
+    }
+    renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    scene.add(new THREE.HemisphereLight("#ffffff", "#d8d2c6", 2.0));
+    const key = new THREE.DirectionalLight("#fffaf0", 1.7);
+    key.position.set(-0.6, 0.9, 0.7); // in the camera's frame: from the upper left
+    camera.add(key, key.target);
+    key.target.position.set(0, 0, -1);
+    controls = new THREE.OrbitControls(camera, $("stage"));
+    controls.zoomToCursor = true;
+    controls.addEventListener("change", requestFrame);
+    controls.addEventListener("end", () => { state.moved = true; writeHash(); });
+    addEventListener("resize", () => { resize(); requestFrame(); });
+  }
+
+  // The free part of the window: right of the card and above the bar.
+  function freeArea() {
+    const card = $("card").getBoundingClientRect();
+    const bar = $("bar").getBoundingClientRect();
+    const narrow = innerWidth <= 760;
+    const left = narrow ? 0 : card.right;
+    const top = narrow ? card.bottom : 0;
+    return { left, top, width: innerWidth - left, height: Math.max(bar.top - top, 50) };
+  }
+
+  function resize() {
+    if (!renderer) return;
+    renderer.setSize(innerWidth, innerHeight, false);
+    camera.aspect = innerWidth / innerHeight;
+    const area = freeArea();
+    const x = area.left + area.width / 2 - innerWidth / 2;
+    const y = area.top + area.height / 2 - innerHeight / 2;
+    camera.setViewOffset(innerWidth, innerHeight, -x, -y, innerWidth, innerHeight); // also updates the projection
+  }
+
+  function choosePair(index) {
+    state.pair = index;
+    pair = DATA.pairs[index];
+    content.clear();
+    pixelSized.length = 0;
+    const [lo, hi] = pair.window;
+    pair.bodies.forEach((body, which) => {
+      const name = pair.names[which];
+      body.motion ??= new Motion(decode(body.times, Float64Array), decode(body.poses, Float64Array));
+      body.object = bodyObject(body, which, name);
+      body.elements.forEach((element, k) => body.object.add(elementObject(element, k === 0)));
+      content.add(body.object);
+      body.ghost = null;
+      if (body.moving && hi > lo) {
+        body.ghost = ghostObject(body, which, name);
+        place(body.ghost, body.motion.at(lo), body.size);
+        content.add(body.ghost, pathObject(body, which, name, lo, hi));
+      }
+    });
+    marker = pair.point ? markerObject(pair.point, pair.normal) : null;
+    if (marker) content.add(marker);
+    state.playing = false;
+    showFacts();
+    resize();
+    setTime(pair.contact ?? lo);
+    resetView();
+  }
+
+  // -- camera -----------------------------------------------------------------------------------------------
+
+  // Sphere around both bodies where they touch (or end) and where they start, unless the start is far away.
+  function framing() {
+    const boxAt = (t) => {
+      const box = new THREE.Box3();
+      for (const body of pair.bodies) {
+        const { surface } = geometryOf(body.mesh);
+        surface.boundingBox ?? surface.computeBoundingBox();
+        const m = new THREE.Group();
+        place(m, body.motion.at(t), body.size);
+        box.union(surface.boundingBox.clone().applyMatrix4(m.matrix));
+      }
+      return box;
+    };
+    const [lo, hi] = pair.window;
+    const here = boxAt(pair.contact ?? hi);
+    const both = here.clone().union(boxAt(lo));
+    const size = (box) => box.getSize(new THREE.Vector3()).length();
+    const box = size(both) <= 3 * size(here) || pair.contact === null ? both : here;
+    return { centre: box.getCenter(new THREE.Vector3()), radius: Math.max(size(box) / 2, 1e-6) };
+  }
+
+  function distanceFor(radius) {
+    const area = freeArea();
+    const half = Math.tan((camera.fov * Math.PI) / 360);
+    const part = Math.min(area.width, area.height) / innerHeight;
+    return radius / (half * part);
+  }
+
+  // A direction from which the contact point is in sight, with the normal across the picture, near the usual one.
+  function viewDirection() {
+    const usual = new THREE.Vector3(0.5, -0.75, 0.45).normalize();
+    if (!marker) return usual;
+    const normal = pair.normal ? new THREE.Vector3(...pair.normal) : new THREE.Vector3();
+    const choices = [];
+    for (const elevation of [0.04, 0.15, 0.32, 0.55, -0.15]) {
+      for (let k = 0; k < 16; k++) {
+        const d = new THREE.Vector3(Math.cos((k * Math.PI) / 8), Math.sin((k * Math.PI) / 8), Math.tan(elevation)).normalize();
+        choices.push({ d, score: 1.5 * d.dot(usual) - Math.abs(d.dot(normal)) });
+      }
+    }
+    choices.sort((p, q) => q.score - p.score);
+    return (choices.find(({ d }) => inSight(d)) ?? choices[0]).d;
+  }
+
+  function inSight(direction) {
+    const { radius } = framing();
+    const from = new THREE.Vector3(...pair.point).addScaledVector(direction, 0.004 * radius);
+    const ray = new THREE.Raycaster(from, direction);
+    content.updateMatrixWorld(true);
+    return pair.bodies.every((body) => {
+      const surface = body.object.children[0];
+      return !surface.isMesh || ray.intersectObject(surface, false).length === 0;
+    });
+  }
+
+  function look(target, distance, direction) {
+    controls.target.copy(target);
+    camera.position.copy(target).addScaledVector(direction, distance);
+    controls.update();
+    requestFrame();
+  }
+
+  function resetView() {
+    if (!controls) return;
+    const { centre, radius } = framing();
+    pair.direction ??= viewDirection();
+    look(centre, distanceFor(radius * 0.95), pair.direction);
+    state.moved = false;
+    writeHash();
+  }
+
+  // Near enough that the smaller body fills the picture.
+  function lookAtContact() {
+    if (!controls || !marker) return;
+    const direction = camera.position.clone().sub(controls.target).normalize();
+    const radius = Math.min(...pair.bodies.map((body) => body.size));
+    look(new THREE.Vector3(...pair.point), distanceFor(radius * 0.3), direction);
+    state.moved = true;
+    writeHash();
+  }
+
+  // -- time -------------------------------------------------------------------------------------------------
+
+  const clamp = (t) => Math.min(Math.max(t, pair.window[0]), pair.window[1]);
+
+  function setTime(t) {
+    state.t = clamp(t);
+    for (const body of pair.bodies) {
+      place(body.object, body.motion.at(state.t), body.size);
+      if (body.ghost) {
+        body.ghost.visible = state.t > pair.window[0];
+        body.travelled.geometry.instanceCount = body.pathTimes.filter((s) => s <= state.t).length - 1;
+        body.travelled.visible = body.travelled.geometry.instanceCount > 0;
+      }
+    }
+    if (marker) fade(marker, atContact() ? 1 : 0.4);
+    showTime();
+    requestFrame();
+  }
+
+  const atContact = () => pair.contact !== null && state.t === clamp(pair.contact);
+
+  function fade(object, opacity) {
+    object.traverse((part) => { if (part.material) part.material.opacity = opacity; });
+  }
+
+  function play(on) {
+    if (on && state.t >= pair.window[1]) setTime(pair.window[0]);
+    state.playing = on && pair.window[1] > pair.window[0];
+    state.dwell = 0;
+    lastFrame = null;
+    showTime();
+    writeHash();
+    requestFrame();
+  }
+
+  // Moves the time on by `seconds` of the player, resting exactly at the contact on the way.
+  function advance(seconds) {
+    if (state.dwell > 0) {
+      state.dwell -= seconds;
+      return;
+    }
+    const [lo, hi] = pair.window;
+    const next = state.t + (seconds * (hi - lo)) / SECONDS;
+    if (pair.contact !== null && state.t < pair.contact && next >= pair.contact) {
+      setTime(pair.contact);
+      state.dwell = DWELL;
+    } else {
+      setTime(next);
+    }
+    if (state.t >= hi && state.dwell <= 0) play(false);
+    writeHash(true);
+  }
+
+  // -- frames -----------------------------------------------------------------------------------------------
+
+  function requestFrame() {
+    if (wanted) return;
+    wanted = true;
+    requestAnimationFrame(frame);
+  }
+
+  function frame(now) {
+    wanted = false;
+    if (state.playing) {
+      advance(lastFrame === null ? 0 : Math.min((now - lastFrame) / 1000, 0.25));
+      lastFrame = now;
+      requestFrame();
+    }
+    if (renderer) draw();
+  }
+
+  function draw() {
+    const distance = camera.position.distanceTo(controls.target);
+    const { radius } = (pair.frame ??= framing());
+    camera.near = Math.max(distance / 500, (distance - 20 * radius) / 2);
+    camera.far = distance + 40 * radius;
+    camera.updateProjectionMatrix();
+    scene.updateMatrixWorld(true);
+    const perPixel = (2 * Math.tan((camera.fov * Math.PI) / 360)) / innerHeight;
+    const place3 = new THREE.Vector3();
+    for (const object of pixelSized) {
+      const depth = -object.getWorldPosition(place3).applyMatrix4(camera.matrixWorldInverse).z;
+      const parent = object.parent.getWorldScale(new THREE.Vector3()).x;
+      object.scale.setScalar((object.userData.pixels * perPixel * Math.max(depth, camera.near)) / parent);
+    }
+    renderer.render(scene, camera);
+  }
+
+  // -- words and controls -----------------------------------------------------------------------------------
+
+  function element(tag, text, className = "") {
+    const node = document.createElement(tag);
+    node.textContent = text;
+    if (className) node.className = className;
+    return node;
+  }
+
+  function showFacts() {
+    const many = DATA.pairs.length > 1;
+    $("title").textContent = pair.title;
+    $("title").hidden = many;
+    $("pairs").hidden = !many;
+    $("pairs").value = String(state.pair);
+    $("status").textContent = STATUS[pair.status];
+    $("status").className = pair.status;
+    $("rows").replaceChildren(...pair.rows.flatMap(([label, text]) => [element("dt", label), element("dd", text)]));
+    $("text").textContent = pair.text;
+    $("elements").replaceChildren(...pair.names.map((name, which) => {
+      const item = element("li", "");
+      const body = pair.bodies[which];
+      item.style.setProperty("--colour", COLOURS[which]);
+      const touched = body.elements.length ? `${body.elements[0].kind} ${body.elements[0].index}` : "";
+      item.append(element("span", name), element("span", touched || (body.moving ? "moves" : "rests")));
+      return item;
+    }));
+    $("contact").disabled = pair.contact === null;
+    $("closer").hidden = !pair.point;
+    showTimeline();
+  }
+
+  function showTimeline() {
+    const [lo, hi] = pair.window;
+    const percent = (t) => (hi > lo ? (100 * (clamp(t) - lo)) / (hi - lo) : 0);
+    const kindClass = (kind) => kind.replace(" ", "-");
+    const bars = pair.timeline.map(([start, end, kind]) => {
+      const bar = element("i", "", kindClass(kind));
+      bar.style.left = `${percent(start)}%`;
+      bar.style.width = `${hi > lo ? percent(end) - percent(start) : 100}%`;
+      bar.title = `${kind}: ${start} to ${end}`;
+      return bar;
+    });
+    bars.at(-1)?.classList.add("last");
+    if (pair.contact !== null) {
+      const tick = element("b", "");
+      tick.style.left = `${percent(pair.contact)}%`;
+      bars.push(tick);
+    }
+    $("timeline").replaceChildren(...bars);
+    $("scaleStart").textContent = pair.span[0];
+    $("scaleEnd").textContent = pair.span[1];
+    const words = { contact: "in contact", "not asked": "after the first contact" };
+    if (pair.status === "INITIAL_CONTACT") words["not asked"] = "not asked";
+    $("legend").replaceChildren(...[...new Set(pair.timeline.map((s) => s[2]))].map((kind) => {
+      const entry = element("span", "");
+      entry.append(element("i", "", kindClass(kind)), words[kind] ?? kind);
+      return entry;
+    }));
+    Object.assign($("slider"), { min: lo, max: hi, disabled: !(hi > lo) });
+    $("play").disabled = !(hi > lo);
+  }
+
+  function showTime() {
+    const [lo, hi] = pair.window;
+    const digits = Math.min(Math.max(4 - Math.floor(Math.log10(hi - lo || 1)), 0), 12);
+    $("time").textContent = state.t.toFixed(Math.abs(state.t) < 1e7 ? digits : 0);
+    $("time").className = atContact() ? "now" : "";
+    if ($("slider").valueAsNumber !== state.t) $("slider").value = String(state.t);
+    $("playShape").setAttribute("d", state.playing ? "M5 3h4v14H5zM11 3h4v14h-4z" : "M6 3l11 7-11 7z");
+    $("play").setAttribute("aria-label", state.playing ? "pause" : "play");
+  }
+
+  function setUpControls() {
+    $("pairs").replaceChildren(...DATA.pairs.map((p, k) => {
+      const option = element("option", `${p.title}: ${STATUS[p.status]}`);
+      option.value = String(k);
+      return option;
+    }));
+    $("pairs").addEventListener("change", () => choosePair(Number($("pairs").value)));
+    $("slider").addEventListener("input", () => { stopAt($("slider").valueAsNumber); });
+    $("play").addEventListener("click", () => play(!state.playing));
+    $("contact").addEventListener("click", toContact);
+    $("whole").addEventListener("click", resetView);
+    $("closer").addEventListener("click", lookAtContact);
+    addEventListener("keydown", (event) => {
+      if (event.target.closest("select, button") && event.key === " ") return;
+      const act = { " ": () => play(!state.playing), c: toContact, r: resetView, z: lookAtContact }[event.key];
+      if (!act || event.ctrlKey || event.metaKey || event.altKey) return;
+      event.preventDefault();
+      act();
+    });
+    addEventListener("hashchange", readHash);
+  }
+
+  function stopAt(t) {
+    state.playing = false;
+    setTime(t);
+    writeHash();
+  }
+
+  function toContact() {
+    if (pair.contact !== null) stopAt(pair.contact);
+  }
+
+  // -- the URL hash: #t=0.4&pair=1&camera=eye x,y,z,target x,y,z ----------------------------------------------
+
+  let hashTimer = null;
+
+  // Browsers refuse more than about a hundred changes of the address in half a minute: while playing, a few
+  // per second must do.
+  function writeHash(lazily = false) {
+    if (lazily && hashTimer !== null) return;
+    clearTimeout(hashTimer);
+    hashTimer = setTimeout(() => {
+      hashTimer = null;
+      const parts = [`t=${state.t}`];
+      if (DATA.pairs.length > 1) parts.push(`pair=${state.pair}`);
+      if (state.moved && controls) {
+        const numbers = [...camera.position.toArray(), ...controls.target.toArray()];
+        parts.push(`camera=${numbers.map((x) => Number(x.toPrecision(6))).join(",")}`);
+      }
+      history.replaceState(null, "", `#${parts.join("&")}`);
+    }, lazily ? 400 : 60);
+  }
+
+  function readHash() {
+    clearTimeout(hashTimer); // what the reader typed wins over what was about to be written
+    hashTimer = null;
+    const given = new URLSearchParams(location.hash.slice(1));
+    const index = Number(given.get("pair") ?? state.pair);
+    if (index !== state.pair && DATA.pairs[index]) choosePair(index);
+    const t = Number.parseFloat(given.get("t"));
+    if (Number.isFinite(t)) stopAt(t);
+    const numbers = (given.get("camera") ?? "").split(",").map(Number);
+    if (controls && numbers.length === 6 && numbers.every(Number.isFinite)) {
+      camera.position.set(...numbers.slice(0, 3));
+      controls.target.set(...numbers.slice(3));
+      controls.update();
+      state.moved = true;
+      requestFrame();
+    }
+  }
+
+  // -- for scripts ------------------------------------------------------------------------------------------
+
+  // Pixel (x, y) of the window where a point of the page's frame is drawn.
+  function project(point) {
+    camera.updateMatrixWorld(true);
+    const p = new THREE.Vector3(...point).project(camera);
+    return [((p.x + 1) / 2) * innerWidth, ((1 - p.y) / 2) * innerHeight];
+  }
+
+  function objects() {
+    const list = [];
+    content.traverse((o) => { if (o.name) list.push({ name: o.name, type: o.type, visible: o.visible }); });
+    return list;
+  }
+
+  window.firstcontact = {
+    get time() { return state.t; },
+    get window() { return pair.window; },
+    get contactTime() { return pair.contact; },
+    get isPlaying() { return state.playing; },
+    get atContact() { return atContact(); },
+    get contactVisible() { return marker !== null && marker.visible; },
+    get contactPixel() { return marker && project(pair.point); },
+    get status() { return pair.status; },
+    get pair() { return state.pair; },
+    get pairCount() { return DATA.pairs.length; },
+    get objects() { return objects(); },
+    get camera() { return [...camera.position.toArray(), ...(controls?.target.toArray() ?? [])]; },
+    pose: (which) => [...pair.bodies[which].motion.at(state.t)],
+    centrePixel: (which) => project(apply(pair.bodies[which].motion.at(state.t), [0, 0, 0])),
+    setTime: stopAt, play: () => play(true), pause: () => play(false), toContact, resetView, lookAtContact,
+  };
+
+  setUpStage();
+  setUpControls();
+  choosePair(0);
+  readHash();
+})();

@@ -1,0 +1,144 @@
+"""What a picture of one pair of bodies needs, gathered from the results about that pair."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from firstcontact.body.polyhedron import Polyhedron
+from firstcontact.errors import InputError
+from firstcontact.result import ContactIntervals, Element, FirstContact, Status
+
+# What a stretch of the timeline says about the two bodies.
+FREE, CONTACT, UNDECIDED, NOT_ASKED = "free", "contact", "undecided", "not asked"
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two bodies and what is known about them: a first contact, the contact intervals, or both."""
+
+    a: Any
+    b: Any
+    span: tuple[float, float]
+    first: FirstContact | None = None
+    intervals: ContactIntervals | None = None
+
+    @property
+    def names(self) -> tuple[str, str]:
+        return self.a.name or "a", self.b.name or "b"
+
+    @property
+    def status(self) -> Status:
+        result = self.intervals if self.first is None else self.first
+        assert result is not None
+        return result.status
+
+    @property
+    def contact_time(self) -> float | None:
+        """The first time at which the bodies share a point, where it is known."""
+        if self.first is not None and self.first.time is not None:
+            return self.first.time
+        if self.intervals is not None and len(self.intervals):
+            return self.intervals[0].start
+        return None
+
+    @property
+    def elements(self) -> tuple[list[Element], list[Element]]:
+        """The elements that touch at the contact time: of a, and of b; the reported pair comes first."""
+        if self.first is None or self.first.element_a is None or self.first.element_b is None:
+            return [], []
+        on_a = [self.first.element_a, *(pair.element_a for pair in self.first.others)]
+        on_b = [self.first.element_b, *(pair.element_b for pair in self.first.others)]
+        return list(dict.fromkeys(on_a)), list(dict.fromkeys(on_b))
+
+    @property
+    def moments(self) -> list[float]:
+        """The finite times at which something happens, ascending: contact time and ends of intervals."""
+        times = [] if self.contact_time is None else [self.contact_time]
+        if self.intervals is not None:
+            times += [t for interval in self.intervals for t in (interval.start, interval.end)]
+        if self.first is not None and self.first.free_until is not None:
+            times.append(self.first.free_until)
+        return sorted({float(t) for t in times if math.isfinite(t)})
+
+    @property
+    def window(self) -> tuple[float, float]:
+        """The finite stretch of the span that the picture shows: all of it, or all moments and some more."""
+        lo, hi = self.span
+        known = [t for t in (lo, hi) if math.isfinite(t)] + self.moments or [0.0]
+        margin = max(1.0, 0.5 * (max(known) - min(known)))
+        return (
+            lo if math.isfinite(lo) else min(known) - margin,
+            hi if math.isfinite(hi) else max(known) + margin,
+        )
+
+    @property
+    def timeline(self) -> list[tuple[float, float, str]]:
+        """Stretches (start, end, kind) that cover the window, ascending."""
+        lo, hi = self.window
+        if self.intervals is not None:
+            return _timeline_of_intervals(self.intervals, lo, hi)
+        first = self.first
+        assert first is not None
+        if first.status is Status.FREE:
+            return [(lo, hi, FREE)]
+        if first.status is Status.INITIAL_CONTACT:
+            return [(lo, hi, NOT_ASKED)]
+        known = first.time if first.status is Status.CONTACT else first.free_until
+        known = lo if known is None else min(max(known, lo), hi)
+        after = NOT_ASKED if first.status is Status.CONTACT else UNDECIDED
+        return [(lo, known, FREE), (known, hi, after)]
+
+
+def _timeline_of_intervals(intervals: ContactIntervals, lo: float, hi: float) -> list[tuple[float, float, str]]:
+    known = hi
+    if intervals.status is Status.UNDECIDED:
+        known = lo if intervals.free_until is None else min(max(intervals.free_until, lo), hi)
+    stretches, t = [], lo
+    for interval in intervals:
+        start, end = max(interval.start, lo), min(interval.end, hi)
+        stretches += [(t, start, FREE), (start, end, CONTACT)]
+        t = end
+    known = max(known, t)
+    stretches += [(t, known, FREE), (known, hi, UNDECIDED)]
+    # Contact at a single time stays in; an empty stretch of anything else says nothing.
+    return [s for s in stretches if s[0] < s[1] or s[2] == CONTACT]
+
+
+def pairs_of(results: Iterable[FirstContact | ContactIntervals]) -> list[Pair]:
+    """One Pair for every two bodies, in the order of the results; both kinds of result about them share it."""
+    pairs: list[Pair] = []
+    for result in results:
+        if not isinstance(result, FirstContact | ContactIntervals):
+            raise InputError(f"cannot draw {result!r}; give results of first_contact or contact_intervals")
+        if result.a is None or result.b is None:
+            raise InputError("cannot draw a result without its two bodies (fields a and b)")
+        field = "first" if isinstance(result, FirstContact) else "intervals"
+        for k, pair in enumerate(pairs):
+            if pair.a is result.a and pair.b is result.b and pair.span == result.span:
+                if getattr(pair, field) is None:
+                    pairs[k] = Pair(**{**vars(pair), field: result})
+                    break
+        else:
+            pairs.append(Pair(result.a, result.b, result.span, **{field: result}))
+    if not pairs:
+        raise InputError("nothing to draw: the list of results is empty")
+    return pairs
+
+
+def at_rest(body: Any) -> Polyhedron:
+    """The body itself, without its motion."""
+    return getattr(body, "body", body)
+
+
+def is_moving(body: Any) -> bool:
+    return hasattr(body, "motion")
+
+
+def pose(body: Any, t: float) -> np.ndarray:
+    """The (4, 4) float64 pose of a body at time t, resting or moving."""
+    return np.asarray(body.motion(t), float) if is_moving(body) else np.eye(4)

@@ -1,0 +1,224 @@
+"""A still picture of one result as PNG, through pyvista (extra `view`), without a window."""
+
+from __future__ import annotations
+
+import ctypes.util
+import os
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from firstcontact.body.polyhedron import Polyhedron
+from firstcontact.errors import InputError
+from firstcontact.result import ContactIntervals, Element, FirstContact
+from firstcontact.view.geometry import element_vertices, face_outline, sharp_edges
+from firstcontact.view.pair import Pair, at_rest, is_moving, pairs_of, pose
+
+BODY_COLOURS = "#6f9cc2", "#e3b87c"
+LINE_COLOURS = "#1f3e5a", "#7c5217"
+ACCENT = "#d02f42"
+PAPER = "#fbfaf7"
+PATH_POINTS = 240
+SAMPLES = 2
+"""Samples across a pixel, each way; drawn large and averaged, since off-screen drivers differ in smoothing."""
+VIEW_ANGLE = 24.0
+"""Degrees from the bottom to the top of the picture."""
+
+
+def write_png(
+    path: str | Path, result: FirstContact | ContactIntervals, size: tuple[int, int] = (1200, 900)
+) -> Path:
+    """Draw the bodies at the contact time (at the start when there is none) and return the file's path.
+
+    size: width and height in pixels.  Raises InputError saying what to install when drawing is impossible.
+    """
+    _require_drawing()
+    if sys.platform.startswith("linux") and "DISPLAY" not in os.environ:
+        os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")  # else it looks for X, and warns
+    import pyvista
+    from PIL import Image
+
+    (pair,) = pairs_of([result])
+    width, height = size
+    plotter = pyvista.Plotter(off_screen=True, window_size=[SAMPLES * width, SAMPLES * height])
+    try:
+        plotter.set_background(PAPER)
+        _draw(plotter, pair)
+        pixels = plotter.screenshot(return_img=True)
+    finally:
+        plotter.close()
+    fine = np.asarray(pixels, float).reshape(height, SAMPLES, width, SAMPLES, 3)
+    Image.fromarray(fine.mean(axis=(1, 3)).round().astype(np.uint8)).save(path, format="PNG")
+    return Path(path)
+
+
+def _require_drawing() -> None:
+    """Fail with one line instead of a missing module, or of VTK ending the process without a libGL."""
+    if find_spec("pyvista") is None:
+        raise InputError("drawing a PNG needs pyvista: pip install 'firstcontact[view]'")
+    if sys.platform.startswith("linux"):
+        missing = [name for name in ("EGL", "GL") if ctypes.util.find_library(name) is None]
+        if missing:
+            names = " and ".join(f"lib{name}" for name in missing)
+            raise InputError(f"drawing a PNG needs {names}: apt-get install libegl1 libgl1")
+
+
+def _draw(plotter: Any, pair: Pair) -> None:
+    t = pair.window[0] if pair.contact_time is None else pair.contact_time
+    posed = []
+    for which, body in enumerate((pair.a, pair.b)):
+        rest = at_rest(body)
+        vertices = _posed(rest.vertices, pose(body, t))
+        posed.append(_surface(rest, vertices))
+        _draw_body(plotter, rest, vertices, which)
+        if is_moving(body):
+            _draw_motion(plotter, pair, body, which, t)
+        for element in pair.elements[which]:
+            _draw_element(plotter, rest, element, pose(body, t))
+    point, normal = (None, None) if pair.first is None else (pair.first.point, pair.first.normal)
+    radius = _aim(plotter, pair, posed, point, normal)
+    if point is not None:
+        _draw_contact(plotter, np.asarray(point, float), normal, 0.17 * radius)
+
+
+def _posed(points: np.ndarray, m: np.ndarray) -> np.ndarray:
+    return points @ m[:3, :3].T + m[:3, 3]
+
+
+def _surface(body: Polyhedron, vertices: np.ndarray) -> Any:
+    import pyvista
+
+    if not len(body.triangles):
+        return pyvista.PolyData(vertices)
+    return pyvista.PolyData.from_regular_faces(vertices, body.triangles)
+
+
+def _segments(points: np.ndarray, ends: np.ndarray) -> Any:
+    """Lines between points (n, 3); ends: (k, 2) indices."""
+    import pyvista
+
+    lines = np.column_stack([np.full(len(ends), 2), ends]).ravel()
+    return pyvista.PolyData(points, lines=lines)
+
+
+def _draw_body(plotter: Any, body: Polyhedron, vertices: np.ndarray, which: int) -> None:
+    plotter.add_mesh(
+        _surface(body, vertices), color=BODY_COLOURS[which], ambient=0.3, diffuse=0.75, point_size=8 * SAMPLES,
+        render_points_as_spheres=not len(body.triangles),
+    )  # fmt: skip
+    ends = sharp_edges(body)
+    if len(ends):
+        plotter.add_mesh(_segments(vertices, ends), color=LINE_COLOURS[which], opacity=0.6, line_width=1.5 * SAMPLES)
+
+
+def _draw_motion(plotter: Any, pair: Pair, body: Any, which: int, t: float) -> None:
+    """The start pose, faint, and the path of the touching point (of the centre when there is none)."""
+    rest = at_rest(body)
+    lo, hi = pair.window
+    if t > lo:
+        ghost = _surface(rest, _posed(rest.vertices, pose(body, lo)))
+        plotter.add_mesh(ghost, color=BODY_COLOURS[which], opacity=0.15, lighting=False)
+    if pair.first is not None and pair.first.point is not None:
+        m = pose(body, t)
+        carried = m[:3, :3].T @ (np.asarray(pair.first.point, float) - m[:3, 3])
+    else:
+        carried = 0.5 * (rest.vertices.min(axis=0) + rest.vertices.max(axis=0))
+    times = np.linspace(lo, hi, PATH_POINTS + 1)
+    path = np.array([_posed(carried, pose(body, float(s))) for s in times])
+    ends = np.column_stack([np.arange(PATH_POINTS), np.arange(1, PATH_POINTS + 1)])
+    plotter.add_mesh(_segments(path, ends), color=LINE_COLOURS[which], line_width=2.5 * SAMPLES, opacity=0.7)
+
+
+def _draw_element(plotter: Any, body: Polyhedron, element: Element, m: np.ndarray) -> None:
+    import pyvista
+
+    corners = _posed(element_vertices(body, element), m)
+    if element.kind == "face":
+        triangles = np.arange(len(corners)).reshape(-1, 3)
+        fill = pyvista.PolyData.from_regular_faces(corners, triangles)
+        _in_front(plotter.add_mesh(fill, color=ACCENT, opacity=0.6, lighting=False), -2)
+        corners = _posed(face_outline(body, element.index), m)
+    if len(corners) > 1:
+        ends = np.arange(len(corners)).reshape(-1, 2)
+        _in_front(plotter.add_mesh(_segments(corners, ends), color=ACCENT, line_width=4 * SAMPLES, lighting=False), -4)
+
+
+def _in_front(actor: Any, units: float) -> None:
+    """Draw an actor as if it were a little nearer, so that it wins over the surface it lies in."""
+    mapper = actor.mapper
+    mapper.SetResolveCoincidentTopologyToPolygonOffset()
+    mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(0, units)
+    mapper.SetRelativeCoincidentTopologyLineOffsetParameters(0, units)
+    mapper.SetRelativeCoincidentTopologyPointOffsetParameter(units)
+
+
+def _draw_contact(plotter: Any, point: np.ndarray, normal: np.ndarray | None, length: float) -> None:
+    """The contact point and its normal on layers of their own, which nothing hides."""
+    import pyvista
+    from vtkmodules.vtkRenderingCore import vtkRenderer
+
+    top, halo = [(pyvista.Sphere(radius=0.06 * length, center=point), ACCENT)], []
+    halo.append((pyvista.Sphere(radius=0.085 * length, center=point), "white"))
+    if normal is not None:
+        shape = {"tip_length": 0.24, "tip_radius": 0.075, "shaft_radius": 0.02}
+        top.append((pyvista.Arrow(start=point, direction=normal, scale=length, **shape), ACCENT))
+    plotter.render_window.SetNumberOfLayers(3)
+    for layer, meshes in ((1, halo), (2, top)):
+        overlay = vtkRenderer()
+        overlay.SetLayer(layer)
+        overlay.SetActiveCamera(plotter.camera)
+        for mesh, colour in meshes:
+            actor = pyvista.Actor(mapper=pyvista.DataSetMapper(mesh))
+            actor.prop.color, actor.prop.lighting = colour, False
+            overlay.AddActor(actor)
+        plotter.render_window.AddRenderer(overlay)
+
+
+def _aim(plotter: Any, pair: Pair, posed: list[Any], point: Any, normal: Any) -> float:
+    """Look at both bodies, from where the contact point is in sight; the radius of what is looked at."""
+    corners = [mesh.bounds for mesh in posed]
+    for body in (pair.a, pair.b):
+        rest = at_rest(body)
+        corners.append(_surface(rest, _posed(rest.vertices, pose(body, pair.window[0]))).bounds)
+    boxes = np.array([[[b[0], b[2], b[4]], [b[1], b[3], b[5]]] for b in corners])
+    everything, touching = (
+        (part[:, 0].min(axis=0), part[:, 1].max(axis=0)) for part in (boxes, boxes[:2])
+    )
+    if pair.contact_time is not None and _diagonal(*everything) > 3 * _diagonal(*touching):
+        everything = touching
+    centre, radius = sum(everything) / 2, _diagonal(*everything) / 2 or 1.0
+    surfaces = [
+        mesh for mesh, body in zip(posed, (pair.a, pair.b), strict=True) if len(at_rest(body).triangles)
+    ]
+    direction = _view_direction(surfaces, point, normal, radius)
+    distance = radius / np.sin(np.radians(VIEW_ANGLE / 2)) * 0.92
+    plotter.camera.focal_point = centre
+    plotter.camera.position = centre + distance * direction
+    plotter.camera.up = (0, 0, 1)
+    plotter.camera.view_angle = VIEW_ANGLE
+    plotter.reset_camera_clipping_range()
+    return radius
+
+
+def _diagonal(lower: np.ndarray, upper: np.ndarray) -> float:
+    return float(np.linalg.norm(upper - lower))
+
+
+def _view_direction(solid: list[Any], point: Any, normal: Any, radius: float) -> np.ndarray:
+    """Unit vector to the eye: near the usual one, across the normal, the contact point in sight if possible."""
+    usual = np.array([0.5, -0.75, 0.45]) / np.linalg.norm([0.5, -0.75, 0.45])
+    if point is None:
+        return usual
+    azimuth, elevation = (g.ravel() for g in np.meshgrid(np.arange(16) * np.pi / 8, [0.04, 0.15, 0.32, 0.55, -0.15]))
+    flat = np.cos(elevation)
+    choices = np.column_stack([flat * np.cos(azimuth), flat * np.sin(azimuth), np.sin(elevation)])
+    score = 1.5 * choices @ usual - (0 if normal is None else np.abs(choices @ np.asarray(normal)))
+    ranked = choices[np.argsort(-score)]
+    for direction in ranked:
+        start, end = point + 0.004 * radius * direction, point + 10 * radius * direction
+        if all(not len(mesh.ray_trace(start, end, first_point=True)[0]) for mesh in solid):
+            return direction
+    return ranked[0]
