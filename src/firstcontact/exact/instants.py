@@ -13,7 +13,17 @@ from typing import Any
 
 from flint import arb, fmpq
 
-from firstcontact.exact.numbers import PRECISIONS, ball, ball_bounds, nearest_double, precision, sign, to_double
+from firstcontact.exact.numbers import (
+    PRECISIONS,
+    Undecidable,
+    ball,
+    ball_bounds,
+    nearest_double,
+    precision,
+    sign,
+    to_double,
+)
+from firstcontact.exact.surd import Surd, sign_two_radicals, surd
 
 
 def enclose(number: Callable[[], Any]) -> tuple[float, tuple[float, float]]:
@@ -39,6 +49,14 @@ def enclose(number: Callable[[], Any]) -> tuple[float, tuple[float, float]]:
     return float(x.mid()) if t is None else t, (lo, hi)
 
 
+def same_instant(x: Any, y: Any) -> bool:
+    """Whether two instants are equal, or cannot be told apart at the present precision."""
+    try:
+        return x.compare(y) == 0
+    except Undecidable:
+        return bool(x.local().overlaps(y.local()))
+
+
 class RationalInstant:
     """The time `value` (fmpq, or a ball) in the local clock."""
 
@@ -59,3 +77,78 @@ class RationalInstant:
 
     def is_exact(self) -> bool:
         return isinstance(self.value, fmpq)
+
+
+class AngleInstant:
+    """The time at which the turn has reached the angle with cosine X/R and sine sqrt(K) Y/R, in [0, 2 pi).
+
+    X, Y, R > 0 are Surds over one radical.
+    """
+
+    __slots__ = ("K", "R", "X", "Y")
+
+    def __init__(self, X: Any, Y: Any, R: Any, K: Any) -> None:  # noqa: N803
+        self.X, self.Y, self.R, self.K = surd(X), surd(Y), surd(R), K
+
+    def _half(self) -> int:
+        s = self.Y.sign()
+        return 0 if s > 0 or (s == 0 and self.X.sign() >= 0) else 1
+
+    def is_zero(self) -> bool:
+        return self.Y.sign() == 0 and self.X.sign() >= 0
+
+    def compare(self, other: AngleInstant) -> int:
+        """-1, 0, 1: before, at, after the other, exactly: half turns first, then the sign of X1 Y2 - Y1 X2."""
+        mine, its = self.local(), other.local()
+        if mine < its:
+            return -1
+        if mine > its:
+            return 1
+        if not (self._rational() and other._rational()):
+            raise Undecidable
+        if self._half() != other._half():
+            return self._half() - other._half()
+        x1, y1, x2, y2 = self.X, self.Y, other.X, other.Y
+        d1 = x1._d(y1)
+        # X1 Y2 - Y1 X2 = P + Q sqrt(d2) with P, Q over sqrt(d1)
+        p = Surd(x1.x * y2.x - y1.x * x2.x, x1.y * y2.x - y1.y * x2.x, d1)
+        q = Surd(x1.x * y2.y - y1.x * x2.y, x1.y * y2.y - y1.y * x2.y, d1)
+        return -sign_two_radicals(p, q, x2._d(y2))
+
+    def _rational(self) -> bool:
+        return all(isinstance(v, fmpq) for s in (self.X, self.Y) for v in (s.x, s.y, s.d))
+
+    def local(self) -> arb:
+        """The angle in radians, enclosed at the present precision."""
+        if self._rational():
+            if self.is_zero():
+                return arb(0)
+            flat = self.Y.sign() == 0
+        else:
+            flat = False
+        x, y = self.X.ball(), self.Y.ball() * ball(self.K).sqrt()
+        if flat:
+            return arb.pi()
+        angle = arb.atan2(y, x)
+        if y > 0:
+            return angle
+        if y < 0:
+            return angle + 2 * arb.pi()
+        if x < 0:  # y straddles zero about the angle pi: turn the vector by pi first
+            return arb.atan2(-y, -x) + arb.pi()
+        raise Undecidable
+
+    def is_rational(self) -> bool:
+        """Whether its numbers are rational or square roots of rationals, not balls."""
+        return self._rational()
+
+    def quarter(self) -> int | None:
+        """0 .. 3 when the angle is that many quarter turns exactly."""
+        x, y = self.X.sign(), self.Y.sign()
+        return {(1, 0): 0, (0, 1): 1, (-1, 0): 2, (0, -1): 3}.get((x, y))
+
+    def cosine_sine(self) -> tuple[Surd, Surd]:
+        """(cos, sin / sqrt(K)) as Surds."""
+        n = self.R.x * self.R.x - self.R.y * self.R.y * self.R.d
+        inverse = Surd(self.R.x / n, -self.R.y / n, self.R.d)
+        return self.X * inverse, self.Y * inverse

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
+from firstcontact.exact.instants import same_instant
 from firstcontact.exact.numbers import PRECISIONS, Undecidable, ball_bounds, precision
 from firstcontact.search.elements import KINDS, Feature, feature
 from firstcontact.search.state import (
@@ -248,7 +249,7 @@ class _Search:
         found.instant = self.best
         if self.problem.tree_a.has_flat_sides or self.problem.tree_b.has_flat_sides:
             self._walk_at_best()
-        found.pairs = sorted(p for p, t in self.decided.items() if t is not None and self._same(t, self.best))
+        found.pairs = sorted(p for p, t in self.decided.items() if t is not None and same_instant(t, self.best))
 
     def _walk_at_best(self) -> None:
         """Collect the pairs of flat sides that meet at the best time: a walk over that instant alone."""
@@ -261,11 +262,3 @@ class _Search:
         self.state.start(lo, float("inf"), hi, float("-inf"))
         finished = self._walk(with_start=False, all_sides=True)
         assert finished or self.found.open == "budget"
-
-    def _same(self, x: Any, y: Any) -> bool:
-        try:
-            return x.compare(y) == 0
-        except Undecidable:
-            return True
-
-

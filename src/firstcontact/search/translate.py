@@ -1,47 +1,18 @@
-"""Best-first walk over two trees under a relative translation.
-
-Two boxes meet first at the time of the slab test, so that time bounds every contact inside them from below.
-Invariant: every contact earlier than `best` lies in a pair on the heap, on the stack, or among the candidates.
-"""
+"""The walk under a relative translation: `motion` is an array (6,), v and 1/v of body a."""
 
 from __future__ import annotations
 
 import numpy as np
+from numba import types
+from numba.extending import overload
 
-from firstcontact.kernels.heap import heap_pop, heap_push
 from firstcontact.kernels.jit import kernel
-from firstcontact.kernels.verdict import CERTAIN, NONE
+from firstcontact.kernels.verdict import NONE
 from firstcontact.pairs.line_line import translation_filter as edge_edge
 from firstcontact.pairs.point_plane import translation_filter as vertex_facet
-from firstcontact.pairs.segment_facet import crossing_filter
-from firstcontact.search.state import (
-    BEST,
-    CANDIDATES,
-    CROSSING_FOUND,
-    DECIDE,
-    DONE,
-    EDGE_EDGE,
-    EDGE_FACE,
-    FACE_EDGE,
-    FACE_VERTEX,
-    FIRST,
-    FULL,
-    HEAP,
-    KEY,
-    LEAF_ROOM,
-    SLICE_SPENT,
-    STACK,
-    SURE_FIRST,
-    SURE_LAST,
-    TESTS,
-    UNSURE_BATCH,
-    UNSURE_COUNT,
-    UNSURE_TOTAL,
-    VERTEX_FACE,
-    VISITS,
-)
-from firstcontact.search.tree import FACET, FLAT_SIDE, POINT, SIDE
-from firstcontact.search.tree import CORNER as CORNER_BIT
+from firstcontact.search.state import BEST, EDGE_EDGE, FACE_VERTEX, FIRST, TESTS, VERTEX_FACE
+from firstcontact.search.tree import CORNER, FACET, POINT
+from firstcontact.search.walk import earliest_meeting, record, test_events
 
 
 @kernel
@@ -67,70 +38,10 @@ def entry_time(box_a, box_b, velocity, pad, first, last):
     return lo if lo <= hi else np.inf
 
 
-@kernel
-def area(box):
-    x, y, z = box[3] - box[0], box[4] - box[1], box[5] - box[2]
-    return x * y + y * z + z * x
-
-
-@kernel
-def record(floats, integers, times, candidates, kind, part_a, side_a, part_b, side_b, verdict, lo, hi):
-    """Note a contact that is certain or unsure; a certain one bounds the search."""
-    if verdict == CERTAIN and (lo < floats[SURE_FIRST] or hi > floats[SURE_LAST]):
-        verdict = 2
-    lo = max(lo, floats[KEY])
-    if lo > floats[BEST]:
-        return
-    n = integers[CANDIDATES]
-    times[n, 0], times[n, 1] = lo, hi
-    candidates[n, 0], candidates[n, 1], candidates[n, 2] = kind, part_a, side_a
-    candidates[n, 3], candidates[n, 4] = part_b, side_b
-    if verdict == CERTAIN:
-        floats[BEST] = min(floats[BEST], hi)
-        candidates[n, 0] += 8  # certain: needs no exact answer before the end
-    else:
-        integers[UNSURE_COUNT] += 1
-        integers[UNSURE_TOTAL] += 1
-    integers[CANDIDATES] = n + 1
-
-
-@kernel
-def test_start(pa, mask_a, xa, pb, mask_b, xb, err_a, err_b, floats, integers, times, candidates):
-    """Edges of either part against the facet of the other at the start; True when they certainly cross."""
-    for s in range(3):
-        if mask_a & (1 << (SIDE + s)) and mask_b & FACET:
-            i, j = 3 * s, 3 * ((s + 1) % 3)
-            integers[TESTS] += 1
-            verdict = crossing_filter(
-                xa[i], xa[i + 1], xa[i + 2], xa[j], xa[j + 1], xa[j + 2],
-                xb[0], xb[1], xb[2], xb[3], xb[4], xb[5], xb[6], xb[7], xb[8], err_a, err_b,
-            )  # fmt: skip
-            if verdict != NONE:
-                first = floats[FIRST]
-                record(floats, integers, times, candidates, EDGE_FACE, pa, s, pb, 0, verdict, first, first)
-                if verdict == CERTAIN:
-                    return True
-        if mask_b & (1 << (SIDE + s)) and mask_a & FACET:
-            i, j = 3 * s, 3 * ((s + 1) % 3)
-            integers[TESTS] += 1
-            verdict = crossing_filter(
-                xb[i], xb[i + 1], xb[i + 2], xb[j], xb[j + 1], xb[j + 2],
-                xa[0], xa[1], xa[2], xa[3], xa[4], xa[5], xa[6], xa[7], xa[8], err_b, err_a,
-            )  # fmt: skip
-            if verdict != NONE:
-                first = floats[FIRST]
-                record(floats, integers, times, candidates, FACE_EDGE, pa, 0, pb, s, verdict, first, first)
-                if verdict == CERTAIN:
-                    return True
-    return False
-
-
-@kernel
-def test_events(
-    pa, mask_a, xa, pb, mask_b, xb, velocity, sides, err_a, err_b, floats, integers, times, candidates
+def _events(
+    motion, pa, mask_a, xa, pb, mask_b, xb, sides, err_a, err_b, floats, integers, times, candidates
 ):
-    """Edge/edge, vertex/face and face/vertex contacts of two parts; `sides`: the side bits that count."""
-    v0, v1, v2 = velocity[0], velocity[1], velocity[2]
+    v0, v1, v2 = motion[0], motion[1], motion[2]
     first = floats[FIRST]
     points_only = (mask_a & POINT and mask_b & FACET) or (mask_b & POINT and mask_a & FACET)
     for s in range(3):
@@ -151,7 +62,7 @@ def test_events(
                 record(floats, integers, times, candidates, EDGE_EDGE, pa, s, pb, r, verdict, lo, hi)
     for s in range(3):
         i = 3 * s
-        if mask_a & (1 << (CORNER_BIT + s)) and mask_b & FACET:
+        if mask_a & (1 << (CORNER + s)) and mask_b & FACET:
             integers[TESTS] += 1
             verdict, lo, hi = vertex_facet(
                 xa[i], xa[i + 1], xa[i + 2],
@@ -160,7 +71,7 @@ def test_events(
             )  # fmt: skip
             if verdict != NONE:
                 record(floats, integers, times, candidates, VERTEX_FACE, pa, s, pb, 0, verdict, lo, hi)
-        if mask_b & (1 << (CORNER_BIT + s)) and mask_a & FACET:
+        if mask_b & (1 << (CORNER + s)) and mask_a & FACET:
             integers[TESTS] += 1
             verdict, lo, hi = vertex_facet(
                 xb[i], xb[i + 1], xb[i + 2],
@@ -171,89 +82,19 @@ def test_events(
                 record(floats, integers, times, candidates, FACE_VERTEX, pa, 0, pb, s, verdict, lo, hi)
 
 
-@kernel
-def walk(
-    boxes_a, links_a, xyz_a, ids_a, boxes_b, links_b, xyz_b, ids_b,
-    velocity, err_a, err_b, with_start, all_sides, limit,
-    floats, integers, keys, pairs, stack, times, candidates,
-):  # fmt: skip
-    """Go on with the walk until one of the reasons of `state` to come back; returns it.
+@overload(earliest_meeting)
+def _earliest_meeting(motion, boxes_a, a, boxes_b, b, pad, first, last):
+    if isinstance(motion, types.Array):
+        return lambda motion, boxes_a, a, boxes_b, b, pad, first, last: entry_time(
+            boxes_a[a], boxes_b[b], motion, pad, first, last
+        )
+    return None
 
-    with_start: test edges against facets at the start of the window.  all_sides: flat sides count too.
-    limit: node visits after which to come back.
-    """
-    pad = 2.0 * (err_a + err_b)  # twice: differences of coordinates round by far less than the errors
-    sides = (1 << SIDE) | ((1 << FLAT_SIDE) if all_sides else 0)
-    first = floats[FIRST]
-    while True:
-        if integers[STACK] > 0:
-            if integers[STACK] + 4 > stack.shape[0]:
-                return FULL
-            integers[STACK] -= 1
-            a, b = stack[integers[STACK], 0], stack[integers[STACK], 1]
-            key = first
-        elif integers[HEAP] > 0:
-            key = keys[0]
-            floats[KEY] = key
-            if key > floats[BEST]:
-                return DONE
-            if integers[HEAP] + 4 > keys.shape[0]:
-                return FULL
-            a, b = pairs[0, 0], pairs[0, 1]
-            integers[HEAP] = heap_pop(keys, pairs, integers[HEAP])
-        else:
-            floats[KEY] = floats[BEST]
-            return DONE
-        # descend as long as a child may meet as early as anything that waits
-        while True:
-            floats[KEY] = key
-            integers[VISITS] += 1
-            leaf_a, leaf_b = links_a[a, 1] < 0, links_b[b, 1] < 0
-            if leaf_a and leaf_b:
-                pa, pb = links_a[a, 0], links_b[b, 0]
-                mask_a, mask_b = ids_a[pa, 1], ids_b[pb, 1]
-                xa, xb = xyz_a[pa], xyz_b[pb]
-                if with_start and key <= first and test_start(
-                    pa, mask_a, xa, pb, mask_b, xb, err_a, err_b, floats, integers, times, candidates
-                ):
-                    return CROSSING_FOUND
-                test_events(
-                    pa, mask_a, xa, pb, mask_b, xb, velocity, sides, err_a, err_b,
-                    floats, integers, times, candidates,
-                )  # fmt: skip
-                break
-            if leaf_b or (not leaf_a and area(boxes_a[a]) >= area(boxes_b[b])):
-                a0, b0, a1, b1 = links_a[a, 0], b, links_a[a, 1], b
-            else:
-                a0, b0, a1, b1 = a, links_b[b, 0], a, links_b[b, 1]
-            best = floats[BEST]
-            key0 = entry_time(boxes_a[a0], boxes_b[b0], velocity, pad, first, best)
-            key1 = entry_time(boxes_a[a1], boxes_b[b1], velocity, pad, first, best)
-            if key1 < key0:
-                key0, key1 = key1, key0
-                a0, b0, a1, b1 = a1, b1, a0, b0
-            if key0 == np.inf:
-                break
-            if key1 <= first:
-                stack[integers[STACK], 0], stack[integers[STACK], 1] = a1, b1
-                integers[STACK] += 1
-            elif key1 != np.inf:
-                integers[HEAP] = heap_push(keys, pairs, integers[HEAP], key1, a1, b1)
-            full = integers[STACK] + 4 > stack.shape[0] or integers[HEAP] + 4 > keys.shape[0]
-            if key0 <= first and not full:
-                a, b, key = a0, b0, key0
-                continue
-            if integers[STACK] > 0 or full or (integers[HEAP] > 0 and keys[0] < key0):
-                if key0 <= first:
-                    stack[integers[STACK], 0], stack[integers[STACK], 1] = a0, b0
-                    integers[STACK] += 1
-                else:
-                    integers[HEAP] = heap_push(keys, pairs, integers[HEAP], key0, a0, b0)
-                break
-            a, b, key = a0, b0, key0
-        if integers[CANDIDATES] + LEAF_ROOM > times.shape[0]:
-            return FULL
-        if integers[UNSURE_COUNT] >= UNSURE_BATCH:
-            return DECIDE
-        if integers[VISITS] >= limit:
-            return SLICE_SPENT
+
+@overload(test_events)
+def _test_events(
+    motion, pa, mask_a, xa, pb, mask_b, xb, sides, err_a, err_b, floats, integers, times, candidates
+):
+    if isinstance(motion, types.Array):
+        return _events
+    return None

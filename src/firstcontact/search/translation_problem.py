@@ -15,10 +15,11 @@ from firstcontact.exact.vectors import Vector, along
 from firstcontact.exact.windows import clip
 from firstcontact.motion.relative import Piece
 from firstcontact.pairs import line_line, point_plane, segment_facet
+from firstcontact.search import translate  # noqa: F401 - the walk under this motion
 from firstcontact.search.elements import EDGE, VERTEX, Feature, corners_of
 from firstcontact.search.state import WalkState
-from firstcontact.search.translate import walk
 from firstcontact.search.tree import tree_of
+from firstcontact.search.walk import walk
 
 ZERO = fmpq(0)
 

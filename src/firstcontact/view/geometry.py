@@ -33,7 +33,7 @@ def sharp_edges(body: Polyhedron) -> np.ndarray:
 
 
 def element_vertices(body: Polyhedron, element: Element) -> np.ndarray:
-    """Corners of an element, in the body's frame: (1, 3) vertex, (2, 3) edge, (3 m, 3) triangles of a face."""
+    """Corners of an element in the body's frame: (1, 3) vertex, (2, 3) edge, (3 m, 3) triangles of a face."""
     if element.kind == "vertex":
         return body.vertices[[element.index]]
     if element.kind == "edge":

@@ -27,7 +27,7 @@ MOST_LISTED = 6
 
 
 def write_page(path: str | Path | None, results: Iterable[FirstContact | ContactIntervals]) -> Path:
-    """Write the page and return its path; without a path, into a temporary file that is opened in the browser.
+    """Write the page and return its path; without a path: a temporary file, opened in the browser.
 
     Several results about the same two bodies share one view; the page lets the reader choose among pairs.
     """
@@ -86,7 +86,7 @@ class _Meshes:
 
 
 def _mesh(body: Polyhedron) -> dict[str, Any]:
-    """Vertices as float32 about the body's centre in units of its size: large coordinates keep small features."""
+    """Vertices about the body's centre in units of its size: float32 keeps what is small beside it."""
     centre, size = _frame(body)
     wide = len(body.vertices) > 65535  # index 65535 means "restart" to WebGL
     index_type = np.uint32 if wide else np.uint16
@@ -99,7 +99,7 @@ def _mesh(body: Polyhedron) -> dict[str, Any]:
 
 
 def _base64(array: np.ndarray, dtype: Any) -> str:
-    return base64.b64encode(np.ascontiguousarray(array, np.dtype(dtype).newbyteorder("<"))).decode("ascii")
+    return base64.b64encode(array.astype(np.dtype(dtype).newbyteorder("<")).tobytes()).decode("ascii")
 
 
 def _frame(body: Polyhedron) -> tuple[np.ndarray, float]:
@@ -111,7 +111,7 @@ def _frame(body: Polyhedron) -> tuple[np.ndarray, float]:
 
 @dataclass(frozen=True)
 class _View:
-    """The coordinates of the page: (world - origin) / unit, so that float32 is sharp near what is looked at."""
+    """The coordinates of the page: (world - origin) / unit, so that float32 is sharp near the contact."""
 
     origin: np.ndarray
     unit: float

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -94,7 +94,9 @@ class Pair:
         return [(lo, known, FREE), (known, hi, after)]
 
 
-def _timeline_of_intervals(intervals: ContactIntervals, lo: float, hi: float) -> list[tuple[float, float, str]]:
+def _timeline_of_intervals(
+    intervals: ContactIntervals, lo: float, hi: float
+) -> list[tuple[float, float, str]]:
     known = hi
     if intervals.status is Status.UNDECIDED:
         known = lo if intervals.free_until is None else min(max(intervals.free_until, lo), hi)
@@ -110,21 +112,22 @@ def _timeline_of_intervals(intervals: ContactIntervals, lo: float, hi: float) ->
 
 
 def pairs_of(results: Iterable[FirstContact | ContactIntervals]) -> list[Pair]:
-    """One Pair for every two bodies, in the order of the results; both kinds of result about them share it."""
+    """One Pair for every two bodies, in the order of the results; both kinds of result share it."""
     pairs: list[Pair] = []
     for result in results:
         if not isinstance(result, FirstContact | ContactIntervals):
             raise InputError(f"cannot draw {result!r}; give results of first_contact or contact_intervals")
         if result.a is None or result.b is None:
             raise InputError("cannot draw a result without its two bodies (fields a and b)")
-        field = "first" if isinstance(result, FirstContact) else "intervals"
+        kind = "first" if isinstance(result, FirstContact) else "intervals"
+        added: dict[str, Any] = {kind: result}
         for k, pair in enumerate(pairs):
-            if pair.a is result.a and pair.b is result.b and pair.span == result.span:
-                if getattr(pair, field) is None:
-                    pairs[k] = Pair(**{**vars(pair), field: result})
-                    break
+            same = pair.a is result.a and pair.b is result.b and pair.span == result.span
+            if same and getattr(pair, kind) is None:
+                pairs[k] = replace(pair, **added)
+                break
         else:
-            pairs.append(Pair(result.a, result.b, result.span, **{field: result}))
+            pairs.append(Pair(result.a, result.b, result.span, **added))
     if not pairs:
         raise InputError("nothing to draw: the list of results is empty")
     return pairs

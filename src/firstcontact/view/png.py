@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes.util
 import os
 import sys
+from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -23,7 +24,7 @@ ACCENT = "#d02f42"
 PAPER = "#fbfaf7"
 PATH_POINTS = 240
 SAMPLES = 2
-"""Samples across a pixel, each way; drawn large and averaged, since off-screen drivers differ in smoothing."""
+"""Samples across a pixel, each way: drawn large and averaged, as off-screen drivers differ in smoothing."""
 VIEW_ANGLE = 24.0
 """Degrees from the bottom to the top of the picture."""
 
@@ -37,13 +38,13 @@ def write_png(
     """
     _require_drawing()
     if sys.platform.startswith("linux") and "DISPLAY" not in os.environ:
-        os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")  # else it looks for X, and warns
-    import pyvista
+        # without this VTK looks for an X server first, and warns on stderr
+        os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
     from PIL import Image
 
     (pair,) = pairs_of([result])
     width, height = size
-    plotter = pyvista.Plotter(off_screen=True, window_size=[SAMPLES * width, SAMPLES * height])
+    plotter = _pyvista().Plotter(off_screen=True, window_size=[SAMPLES * width, SAMPLES * height])
     try:
         plotter.set_background(PAPER)
         _draw(plotter, pair)
@@ -66,6 +67,11 @@ def _require_drawing() -> None:
             raise InputError(f"drawing a PNG needs {names}: apt-get install libegl1 libgl1")
 
 
+def _pyvista() -> Any:
+    """The module, imported when a picture is drawn: it takes a second."""
+    return import_module("pyvista")
+
+
 def _draw(plotter: Any, pair: Pair) -> None:
     t = pair.window[0] if pair.contact_time is None else pair.contact_time
     posed = []
@@ -76,8 +82,8 @@ def _draw(plotter: Any, pair: Pair) -> None:
         _draw_body(plotter, rest, vertices, which)
         if is_moving(body):
             _draw_motion(plotter, pair, body, which, t)
-        for element in pair.elements[which]:
-            _draw_element(plotter, rest, element, pose(body, t))
+        for k, element in enumerate(pair.elements[which]):
+            _draw_element(plotter, rest, element, pose(body, t), strong=k == 0)
     point, normal = (None, None) if pair.first is None else (pair.first.point, pair.first.normal)
     radius = _aim(plotter, pair, posed, point, normal)
     if point is not None:
@@ -89,29 +95,30 @@ def _posed(points: np.ndarray, m: np.ndarray) -> np.ndarray:
 
 
 def _surface(body: Polyhedron, vertices: np.ndarray) -> Any:
-    import pyvista
-
     if not len(body.triangles):
-        return pyvista.PolyData(vertices)
-    return pyvista.PolyData.from_regular_faces(vertices, body.triangles)
+        return _pyvista().PolyData(vertices)
+    return _pyvista().PolyData.from_regular_faces(vertices, body.triangles)
 
 
 def _segments(points: np.ndarray, ends: np.ndarray) -> Any:
     """Lines between points (n, 3); ends: (k, 2) indices."""
-    import pyvista
-
     lines = np.column_stack([np.full(len(ends), 2), ends]).ravel()
-    return pyvista.PolyData(points, lines=lines)
+    return _pyvista().PolyData(points, lines=lines)
 
 
 def _draw_body(plotter: Any, body: Polyhedron, vertices: np.ndarray, which: int) -> None:
     plotter.add_mesh(
-        _surface(body, vertices), color=BODY_COLOURS[which], ambient=0.3, diffuse=0.75, point_size=8 * SAMPLES,
+        _surface(body, vertices),
+        color=BODY_COLOURS[which],
+        ambient=0.3,
+        diffuse=0.75,
+        point_size=8 * SAMPLES,
         render_points_as_spheres=not len(body.triangles),
-    )  # fmt: skip
+    )
     ends = sharp_edges(body)
     if len(ends):
-        plotter.add_mesh(_segments(vertices, ends), color=LINE_COLOURS[which], opacity=0.6, line_width=1.5 * SAMPLES)
+        lines = _segments(vertices, ends)
+        plotter.add_mesh(lines, color=LINE_COLOURS[which], opacity=0.6, line_width=1.5 * SAMPLES)
 
 
 def _draw_motion(plotter: Any, pair: Pair, body: Any, which: int, t: float) -> None:
@@ -132,18 +139,19 @@ def _draw_motion(plotter: Any, pair: Pair, body: Any, which: int, t: float) -> N
     plotter.add_mesh(_segments(path, ends), color=LINE_COLOURS[which], line_width=2.5 * SAMPLES, opacity=0.7)
 
 
-def _draw_element(plotter: Any, body: Polyhedron, element: Element, m: np.ndarray) -> None:
-    import pyvista
-
+def _draw_element(plotter: Any, body: Polyhedron, element: Element, m: np.ndarray, strong: bool) -> None:
+    """A touched element; of faces beside the reported one only the outline."""
     corners = _posed(element_vertices(body, element), m)
     if element.kind == "face":
-        triangles = np.arange(len(corners)).reshape(-1, 3)
-        fill = pyvista.PolyData.from_regular_faces(corners, triangles)
-        _in_front(plotter.add_mesh(fill, color=ACCENT, opacity=0.6, lighting=False), -2)
+        if strong:
+            triangles = np.arange(len(corners)).reshape(-1, 3)
+            fill = _pyvista().PolyData.from_regular_faces(corners, triangles)
+            _in_front(plotter.add_mesh(fill, color=ACCENT, opacity=0.6, lighting=False), -2)
         corners = _posed(face_outline(body, element.index), m)
     if len(corners) > 1:
         ends = np.arange(len(corners)).reshape(-1, 2)
-        _in_front(plotter.add_mesh(_segments(corners, ends), color=ACCENT, line_width=4 * SAMPLES, lighting=False), -4)
+        lines = _segments(corners, ends)
+        _in_front(plotter.add_mesh(lines, color=ACCENT, line_width=(4 if strong else 2) * SAMPLES), -4)
 
 
 def _in_front(actor: Any, units: float) -> None:
@@ -157,21 +165,20 @@ def _in_front(actor: Any, units: float) -> None:
 
 def _draw_contact(plotter: Any, point: np.ndarray, normal: np.ndarray | None, length: float) -> None:
     """The contact point and its normal on layers of their own, which nothing hides."""
-    import pyvista
     from vtkmodules.vtkRenderingCore import vtkRenderer
 
-    top, halo = [(pyvista.Sphere(radius=0.06 * length, center=point), ACCENT)], []
-    halo.append((pyvista.Sphere(radius=0.085 * length, center=point), "white"))
+    top, halo = [(_pyvista().Sphere(radius=0.06 * length, center=point), ACCENT)], []
+    halo.append((_pyvista().Sphere(radius=0.085 * length, center=point), "white"))
     if normal is not None:
         shape = {"tip_length": 0.24, "tip_radius": 0.075, "shaft_radius": 0.02}
-        top.append((pyvista.Arrow(start=point, direction=normal, scale=length, **shape), ACCENT))
+        top.append((_pyvista().Arrow(start=point, direction=normal, scale=length, **shape), ACCENT))
     plotter.render_window.SetNumberOfLayers(3)
     for layer, meshes in ((1, halo), (2, top)):
         overlay = vtkRenderer()
         overlay.SetLayer(layer)
         overlay.SetActiveCamera(plotter.camera)
         for mesh, colour in meshes:
-            actor = pyvista.Actor(mapper=pyvista.DataSetMapper(mesh))
+            actor = _pyvista().Actor(mapper=_pyvista().DataSetMapper(mesh))
             actor.prop.color, actor.prop.lighting = colour, False
             overlay.AddActor(actor)
         plotter.render_window.AddRenderer(overlay)
@@ -208,14 +215,16 @@ def _diagonal(lower: np.ndarray, upper: np.ndarray) -> float:
 
 
 def _view_direction(solid: list[Any], point: Any, normal: Any, radius: float) -> np.ndarray:
-    """Unit vector to the eye: near the usual one, across the normal, the contact point in sight if possible."""
+    """Unit vector to the eye: near the usual one, across the normal, the contact in sight if possible."""
     usual = np.array([0.5, -0.75, 0.45]) / np.linalg.norm([0.5, -0.75, 0.45])
     if point is None:
         return usual
-    azimuth, elevation = (g.ravel() for g in np.meshgrid(np.arange(16) * np.pi / 8, [0.04, 0.15, 0.32, 0.55, -0.15]))
+    grid = np.meshgrid((np.arange(16) + 0.5) * np.pi / 8, [0.04, 0.15, 0.32, 0.55, -0.15])
+    azimuth, elevation = (g.ravel() for g in grid)
     flat = np.cos(elevation)
     choices = np.column_stack([flat * np.cos(azimuth), flat * np.sin(azimuth), np.sin(elevation)])
-    score = 1.5 * choices @ usual - (0 if normal is None else np.abs(choices @ np.asarray(normal)))
+    along = np.zeros(len(choices)) if normal is None else np.abs(choices @ np.asarray(normal))
+    score = 1.5 * choices @ usual - np.maximum(along - 0.4, 0)
     ranked = choices[np.argsort(-score)]
     for direction in ranked:
         start, end = point + 0.004 * radius * direction, point + 10 * radius * direction

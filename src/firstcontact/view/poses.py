@@ -57,7 +57,7 @@ def _is_close(
 
 
 def _twist(start: Pose, end: Pose) -> tuple[np.ndarray, np.ndarray]:
-    """Rotation vector and linear part of the screw that carries pose `start` to pose `end` (turns below pi)."""
+    """Rotation vector and linear part of the screw that carries `start` to `end` (turn below pi)."""
     rotation = end[:3, :3] @ start[:3, :3].T
     displacement = end[:3, 3] - rotation @ start[:3, 3]
     skew = rotation - rotation.T

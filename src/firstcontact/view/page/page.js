@@ -128,7 +128,8 @@
     if (hasFaces) {
       group.add(named(new THREE.Mesh(surface, new THREE.MeshLambertMaterial({
         color: COLOURS[which], flatShading: true, side: THREE.DoubleSide,
-        polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1,
+        // behind the edges; and where faces of both bodies coincide, a is drawn rather than a patchwork
+        polygonOffset: true, polygonOffsetFactor: 1 + which, polygonOffsetUnits: 1 + 2 * which,
       })), `${name} surface`));
     }
     if (hasLines) {
@@ -157,7 +158,8 @@
     return placed(named(group, `ghost of ${name}`, 1));
   }
 
-  // Touched elements: solid where they are in sight, a faint shine where the bodies hide them.
+  // Touched elements: solid where they are in sight, a faint shine where the bodies hide them. The reported
+  // one of each body is strong; of further faces only the outline is drawn, for several may cover a body.
   function elementObject(element, strong) {
     const group = named(new THREE.Group(), `element ${element.name}`);
     const strength = strong ? 1 : 0.55;
@@ -171,7 +173,7 @@
       const surface = new THREE.BufferGeometry();
       surface.setAttribute("position", new THREE.BufferAttribute(new Float32Array(element.vertices), 3));
       const fill = { color: ACCENT, side: THREE.DoubleSide, polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -1 };
-      both((o) => new THREE.Mesh(surface, new THREE.MeshBasicMaterial({ ...fill, ...o, opacity: 0.6 * o.opacity })));
+      if (strong) both((o) => new THREE.Mesh(surface, new THREE.MeshBasicMaterial({ ...fill, ...o, opacity: 0.6 * o.opacity })));
       both((o) => fatLines(element.outline, ACCENT, strong ? 2.5 : 1.5, o));
     }
     return group;
@@ -333,25 +335,32 @@
 
   // -- camera -----------------------------------------------------------------------------------------------
 
-  // Sphere around both bodies where they touch (or end) and where they start, unless the start is far away.
-  function framing() {
-    const boxAt = (t) => {
-      const box = new THREE.Box3();
-      for (const body of pair.bodies) {
-        const { surface } = geometryOf(body.mesh);
-        surface.boundingBox ?? surface.computeBoundingBox();
-        const m = new THREE.Group();
-        place(m, body.motion.at(t), body.size);
-        box.union(surface.boundingBox.clone().applyMatrix4(m.matrix));
-      }
-      return box;
-    };
+  // Points of both bodies where they touch (or end) and where they start, unless the start is far away.
+  function framedPoints() {
     const [lo, hi] = pair.window;
-    const here = boxAt(pair.contact ?? hi);
-    const both = here.clone().union(boxAt(lo));
-    const size = (box) => box.getSize(new THREE.Vector3()).length();
-    const box = size(both) <= 3 * size(here) || pair.contact === null ? both : here;
-    return { centre: box.getCenter(new THREE.Vector3()), radius: Math.max(size(box) / 2, 1e-6) };
+    const here = pointsAt(pair.contact ?? hi);
+    const both = here.concat(pointsAt(lo));
+    const size = (points) => new THREE.Box3().setFromPoints(points).getSize(new THREE.Vector3()).length();
+    return pair.contact === null || size(both) <= 3 * size(here) ? both : here;
+  }
+
+  function pointsAt(t) {
+    return pair.bodies.flatMap((body) => {
+      const positions = geometryOf(body.mesh).surface.getAttribute("position");
+      const step = Math.ceil(positions.count / 3000);
+      const m = new THREE.Group();
+      place(m, body.motion.at(t), body.size);
+      const points = [];
+      for (let k = 0; k < positions.count; k += step) {
+        points.push(new THREE.Vector3().fromBufferAttribute(positions, k).applyMatrix4(m.matrix));
+      }
+      return points;
+    });
+  }
+
+  function framedRadius() {
+    pair.radius ??= Math.max(new THREE.Box3().setFromPoints(framedPoints()).getSize(new THREE.Vector3()).length() / 2, 1e-6);
+    return pair.radius;
   }
 
   function distanceFor(radius) {
@@ -369,8 +378,9 @@
     const choices = [];
     for (const elevation of [0.04, 0.15, 0.32, 0.55, -0.15]) {
       for (let k = 0; k < 16; k++) {
-        const d = new THREE.Vector3(Math.cos((k * Math.PI) / 8), Math.sin((k * Math.PI) / 8), Math.tan(elevation)).normalize();
-        choices.push({ d, score: 1.5 * d.dot(usual) - Math.abs(d.dot(normal)) });
+        const azimuth = ((k + 0.5) * Math.PI) / 8; // never along a face of an upright box
+        const d = new THREE.Vector3(Math.cos(azimuth), Math.sin(azimuth), Math.tan(elevation)).normalize();
+        choices.push({ d, score: 1.5 * d.dot(usual) - Math.max(Math.abs(d.dot(normal)) - 0.4, 0) });
       }
     }
     choices.sort((p, q) => q.score - p.score);
@@ -378,7 +388,7 @@
   }
 
   function inSight(direction) {
-    const { radius } = framing();
+    const radius = framedRadius();
     const from = new THREE.Vector3(...pair.point).addScaledVector(direction, 0.004 * radius);
     const ray = new THREE.Raycaster(from, direction);
     content.updateMatrixWorld(true);
@@ -395,11 +405,24 @@
     requestFrame();
   }
 
+  // Everything in the picture, as large as the free part of the window allows.
   function resetView() {
     if (!controls) return;
-    const { centre, radius } = framing();
-    pair.direction ??= viewDirection();
-    look(centre, distanceFor(radius * 0.95), pair.direction);
+    const direction = (pair.direction ??= viewDirection());
+    const right = new THREE.Vector3().crossVectors(camera.up, direction).normalize();
+    const upward = new THREE.Vector3().crossVectors(direction, right);
+    const points = framedPoints();
+    const target = new THREE.Vector3();
+    const [across, along, deep] = [right, upward, direction].map((axis) => {
+      const values = points.map((p) => p.dot(axis));
+      const [least, most] = [values.reduce((x, y) => Math.min(x, y)), values.reduce((x, y) => Math.max(x, y))];
+      target.addScaledVector(axis, (least + most) / 2);
+      return (most - least) / 2;
+    });
+    const area = freeArea();
+    const fitting = Math.max((across * area.height) / area.width, along, 1e-3 * framedRadius());
+    const height = Math.min(area.width, area.height);
+    look(target, deep + distanceFor((1.18 * fitting * height) / area.height), direction);
     state.moved = false;
     writeHash();
   }
@@ -487,7 +510,7 @@
 
   function draw() {
     const distance = camera.position.distanceTo(controls.target);
-    const { radius } = (pair.frame ??= framing());
+    const radius = framedRadius();
     camera.near = Math.max(distance / 500, (distance - 20 * radius) / 2);
     camera.far = distance + 40 * radius;
     camera.updateProjectionMatrix();

@@ -1,0 +1,99 @@
+"""Numbers x + y sqrt(d) with exact signs; on balls the same class works with their enclosures."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from flint import arb, fmpq
+
+from firstcontact.exact.numbers import ball, sign
+
+ZERO = fmpq(0)
+
+
+class Surd:
+    """x + y sqrt(d), d >= 0.  Sums and products need one common d (or y = 0)."""
+
+    __slots__ = ("d", "x", "y")
+
+    def __init__(self, x: Any, y: Any = ZERO, d: Any = ZERO) -> None:
+        self.x, self.y, self.d = x, y, d
+
+    def _d(self, other: Surd) -> Any:
+        return self.d if not (isinstance(self.y, fmpq) and self.y == 0) else other.d
+
+    def __add__(self, other: Any) -> Surd:
+        if not isinstance(other, Surd):
+            return Surd(self.x + other, self.y, self.d)
+        return Surd(self.x + other.x, self.y + other.y, self._d(other))
+
+    __radd__ = __add__
+
+    def __neg__(self) -> Surd:
+        return Surd(-self.x, -self.y, self.d)
+
+    def __sub__(self, other: Any) -> Surd:
+        return self + (-other)
+
+    def __rsub__(self, other: Any) -> Surd:
+        return -self + other
+
+    def __mul__(self, other: Any) -> Surd:
+        if not isinstance(other, Surd):
+            return Surd(self.x * other, self.y * other, self.d)
+        d = self._d(other)
+        return Surd(self.x * other.x + self.y * other.y * d, self.x * other.y + self.y * other.x, d)
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Any) -> Surd:
+        return Surd(self.x / other, self.y / other, self.d)
+
+    def sign(self) -> int:
+        """Exact: equal signs decide, otherwise x^2 against y^2 d."""
+        if isinstance(self.x, arb) or isinstance(self.y, arb) or isinstance(self.d, arb):
+            return sign(self.ball())
+        sx = sign(self.x)
+        sy = sign(self.y) if self.d != 0 else 0
+        if sx == sy or sy == 0:
+            return sx
+        if sx == 0:
+            return sy
+        return sx * sign(self.x * self.x - self.y * self.y * self.d)
+
+    def ball(self) -> arb:
+        return ball(self.x) + ball(self.y) * ball(self.d).sqrt()
+
+
+def surd(x: Any) -> Surd:
+    return x if isinstance(x, Surd) else Surd(fmpq(x) if isinstance(x, int) else x)
+
+
+def sign_of(x: Any) -> int:
+    """Sign of a Surd, fmpq or ball."""
+    return x.sign() if isinstance(x, Surd) else sign(x)
+
+
+def sign_two_radicals(p: Surd, q: Surd, d: Any) -> int:
+    """Sign of p + q sqrt(d) with p, q over one common radical of their own; all rational."""
+    sp, sq = p.sign(), q.sign()
+    if d == 0 or sq == 0:
+        return sp
+    if sp == sq or sp == 0:
+        return sq
+    return sp * (p * p - q * q * d).sign()
+
+
+def quadratic_roots(a: Any, b: Any, c: Any) -> list[Surd] | None:
+    """Real roots of a s^2 + 2 b s + c, ascending multiplicity ignored; None when identically zero."""
+    if sign(a) == 0:
+        if sign(b) == 0:
+            return None if sign(c) == 0 else []
+        return [Surd(-c / (2 * b))]
+    d = b * b - a * c
+    s = sign(d)
+    if s < 0:
+        return []
+    if s == 0:
+        return [Surd(-b / a)]
+    return [Surd(-b / a, -1 / a, d), Surd(-b / a, 1 / a, d)]

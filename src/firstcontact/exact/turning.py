@@ -1,0 +1,31 @@
+"""Rational invariants of points under rotation about an axis through the origin along h, any length.
+
+With K = h.h:  height(x) = h.x is |h| times the height, `perp` K times the dot product and `turn` |h| times the
+cross product of the parts perpendicular to the axis; the angle from x to y is atan2(sqrt(K) turn, perp).
+Arguments may be Surds.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from firstcontact.exact.vectors import Vector, cross, dot
+
+
+class Axis:
+    """A direction h with its K = h.h."""
+
+    __slots__ = ("K", "h")
+
+    def __init__(self, h: Vector) -> None:
+        self.h = h
+        self.K = dot(h, h)
+
+    def height(self, x: Vector) -> Any:
+        return dot(x, self.h)
+
+    def perp(self, x: Vector, y: Vector) -> Any:
+        return dot(x, y) * self.K - self.height(x) * self.height(y)
+
+    def turn(self, x: Vector, y: Vector) -> Any:
+        return dot(cross(x, y), self.h)

@@ -1,0 +1,302 @@
+"""Edge against edge under rotation: edge ab turns about an axis through the origin, edge cd rests.
+
+A contact joins points of equal height and radius.  Equal height is one linear equation between the parameters
+lam on ab and mu on cd; along it the difference of the squared radii is a quadratic, whose roots are the contacts;
+the angle between the two points is their time (form (B) of the derivation; Schoemer & Thiel 1995, section 4.2, give
+the equivalent time form, equation (6)).
+"""
+
+from __future__ import annotations
+
+from firstcontact.exact.instants import AngleInstant
+from firstcontact.exact.numbers import sign
+from firstcontact.exact.surd import quadratic_roots
+from firstcontact.exact.turning import Axis
+from firstcontact.exact.vectors import Vector, along, sub
+from firstcontact.kernels.angle import TWO_PI, angle_bounds
+from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.running import add, cross2, div, dot2, mul, root
+from firstcontact.kernels.running import sub as minus
+from firstcontact.kernels.verdict import CERTAIN, NONE, UNSURE
+from firstcontact.pairs import point_line_rotation
+from firstcontact.pairs.line_line import contact_point, segments_meet
+from firstcontact.pairs.point_line_rotation import Contact, angle_between
+
+
+@kernel
+def rotation_filter(a0, a1, a2, b0, b1, b2, c0, c1, c2, d0, d1, d2, err_a, err_b):
+    """Two (verdict, lo, hi) of the possible contacts of ab, turning about +z, with cd; angles in [0, 2 pi].
+
+    err_a, err_b bound the error of every coordinate of ab and of cd.
+    """
+    none = NONE, 0.0, 0.0, NONE, 0.0, 0.0
+    if min(a2, b2) - err_a > max(c2, d2) + err_b or min(c2, d2) - err_b > max(a2, b2) + err_a:
+        return none
+    ez, eez = minus(b2, err_a, a2, err_a)
+    fz, efz = minus(d2, err_b, c2, err_b)
+    if abs(ez) <= eez and abs(fz) <= efz:
+        lo = planar_bound(a0, a1, b0, b1, c0, c1, d0, d1, err_a, err_b)
+        return (UNSURE, lo, TWO_PI, NONE, 0.0, 0.0) if lo < TWO_PI else none
+    if abs(ez) < abs(fz):
+        # exchange the edges: turning cd backwards meets ab at the same angles; a mirror image turns it forwards
+        v0, lo0, hi0, v1, lo1, hi1 = _steeper_first(
+            c0, -c1, c2, d0, -d1, d2, a0, -a1, a2, b0, -b1, b2, fz, efz, ez, eez, err_b, err_a
+        )
+    else:
+        v0, lo0, hi0, v1, lo1, hi1 = _steeper_first(
+            a0, a1, a2, b0, b1, b2, c0, c1, c2, d0, d1, d2, ez, eez, fz, efz, err_a, err_b
+        )
+    if v0 == UNSURE or v1 == UNSURE:
+        # projected along the axis the edges must meet as well: a bound where heights tell little
+        lo = planar_bound(a0, a1, b0, b1, c0, c1, d0, d1, err_a, err_b)
+        if lo >= TWO_PI:
+            return none
+        lo0, lo1 = max(lo0, lo), max(lo1, lo)
+        if v0 == UNSURE and lo0 > hi0:
+            v0 = NONE
+        if v1 == UNSURE and lo1 > hi1:
+            v1 = NONE
+    return v0, lo0, hi0, v1, lo1, hi1
+
+
+@kernel
+def _steeper_first(a0, a1, a2, b0, b1, b2, c0, c1, c2, d0, d1, d2, ez, eez, fz, efz, err_a, err_b):
+    """The filter for |ez| >= |fz|, |ez| > its error: parametrised by mu on cd, lam = (wz + mu fz) / ez."""
+    none = NONE, 0.0, 0.0, NONE, 0.0, 0.0
+    wz, ewz = minus(c2, err_b, a2, err_a)
+    lam0, elam0 = div(wz, ewz, ez, eez)
+    slope, eslope = div(fz, efz, ez, eez)
+    e0, ee0 = minus(b0, err_a, a0, err_a)
+    e1, ee1 = minus(b1, err_a, a1, err_a)
+    f0, ef0 = minus(d0, err_b, c0, err_b)
+    f1, ef1 = minus(d1, err_b, c1, err_b)
+    # P(mu) = P + mu G on the line of ab, Q(mu) = C + mu F on the line of cd, both at one height
+    t, et = mul(lam0, elam0, e0, ee0)
+    p0, ep0 = add(a0, err_a, t, et)
+    t, et = mul(lam0, elam0, e1, ee1)
+    p1, ep1 = add(a1, err_a, t, et)
+    g0, eg0 = mul(slope, eslope, e0, ee0)
+    g1, eg1 = mul(slope, eslope, e1, ee1)
+    ep, eg, ef = max(ep0, ep1), max(eg0, eg1), max(ef0, ef1)
+    gg, egg = dot2(g0, g1, eg, g0, g1, eg)
+    ff, eff = dot2(f0, f1, ef, f0, f1, ef)
+    pg, epg = dot2(p0, p1, ep, g0, g1, eg)
+    cf, ecf = dot2(c0, c1, err_b, f0, f1, ef)
+    pp, epp = dot2(p0, p1, ep, p0, p1, ep)
+    cc, ecc = dot2(c0, c1, err_b, c0, c1, err_b)
+    qa, eqa = minus(gg, egg, ff, eff)
+    qb, eqb = minus(pg, epg, cf, ecf)
+    qc, eqc = minus(pp, epp, cc, ecc)
+    if abs(qc) - eqc > (abs(qa) + eqa + 2.0 * (abs(qb) + eqb)) * (1.0 + 1e-15):
+        return none  # the radii differ all along cd
+    t, et = mul(qb, eqb, qb, eqb)
+    s, es = mul(qa, eqa, qc, eqc)
+    disc, edisc = minus(t, et, s, es)
+    if disc < -edisc:
+        return none
+    w, ew = root(disc, edisc)
+    if qb >= 0.0:
+        k, ek = add(qb, eqb, w, ew)
+    else:
+        k, ek = minus(qb, eqb, w, ew)
+    k = -k
+    if abs(k) <= ek:
+        return UNSURE, 0.0, TWO_PI, NONE, 0.0, 0.0
+    v0, lo0, hi0 = NONE, 0.0, 0.0
+    if abs(qa) > eqa:
+        mu, emu = div(k, ek, qa, eqa)
+        v0, lo0, hi0 = _at(
+            mu, emu, lam0, elam0, slope, eslope, p0, p1, ep, g0, g1, eg, c0, c1, err_b, f0, f1, ef
+        )
+    elif abs(k) - ek <= (abs(qa) + eqa) * (1.0 + 1e-15):
+        v0, lo0, hi0 = UNSURE, 0.0, TWO_PI
+    mu, emu = div(qc, eqc, k, ek)
+    v1, lo1, hi1 = _at(
+        mu, emu, lam0, elam0, slope, eslope, p0, p1, ep, g0, g1, eg, c0, c1, err_b, f0, f1, ef
+    )
+    if disc <= edisc:
+        v0, v1 = (UNSURE if v0 != NONE else NONE), (UNSURE if v1 != NONE else NONE)
+    return v0, lo0, hi0, v1, lo1, hi1
+
+
+@kernel
+def _at(mu, emu, lam0, elam0, slope, eslope, p0, p1, ep, g0, g1, eg, c0, c1, ec, f0, f1, ef):
+    """(verdict, lo, hi) of the contact at parameter mu."""
+    if mu + emu < 0.0 or mu - emu > 1.0:
+        return NONE, 0.0, 0.0
+    t, et = mul(mu, emu, slope, eslope)
+    lam, elam = add(lam0, elam0, t, et)
+    if lam + elam < 0.0 or lam - elam > 1.0:
+        return NONE, 0.0, 0.0
+    t, et = mul(mu, emu, g0, eg)
+    x0, ex0 = add(p0, ep, t, et)
+    t, et = mul(mu, emu, g1, eg)
+    x1, ex1 = add(p1, ep, t, et)
+    t, et = mul(mu, emu, f0, ef)
+    y0, ey0 = add(c0, ec, t, et)
+    t, et = mul(mu, emu, f1, ef)
+    y1, ey1 = add(c1, ec, t, et)
+    x, ex = dot2(x0, x1, max(ex0, ex1), y0, y1, max(ey0, ey1))
+    y, ey = cross2(x0, x1, max(ex0, ex1), y0, y1, max(ey0, ey1))
+    lo, hi = angle_bounds(x, ex, y, ey)
+    inside = mu > emu and mu < 1.0 - emu and lam > elam and lam < 1.0 - elam
+    return (CERTAIN if inside and hi < TWO_PI else UNSURE), lo, hi
+
+
+@kernel
+def planar_bound(a0, a1, b0, b1, c0, c1, d0, d1, err_a, err_b):
+    """A lower bound of the angles at which ab, turning about the origin of the plane, meets cd; 2 pi for never.
+
+    Segments that do not meet at angle 0 first meet at an end point of one of them.
+    """
+    if _may_cross(a0, a1, b0, b1, c0, c1, d0, d1, err_a + err_b):
+        return 0.0
+    lo = planar_point_bound(a0, a1, c0, c1, d0, d1, err_a, err_b)
+    lo = min(lo, planar_point_bound(b0, b1, c0, c1, d0, d1, err_a, err_b))
+    lo = min(lo, planar_point_bound(c0, -c1, a0, -a1, b0, -b1, err_b, err_a))
+    return min(lo, planar_point_bound(d0, -d1, a0, -a1, b0, -b1, err_b, err_a))
+
+
+@kernel
+def _may_cross(a0, a1, b0, b1, c0, c1, d0, d1, err):
+    """False when the plane segments ab and cd certainly share no point."""
+    s = planar_turn(a0, a1, b0, b1, c0, c1, err) * planar_turn(a0, a1, b0, b1, d0, d1, err)
+    r = planar_turn(c0, c1, d0, d1, a0, a1, err) * planar_turn(c0, c1, d0, d1, b0, b1, err)
+    if s > 0 or r > 0:
+        return False
+    return not (
+        max(a0, b0) + err < min(c0, d0) or max(c0, d0) + err < min(a0, b0)
+        or max(a1, b1) + err < min(c1, d1) or max(c1, d1) + err < min(a1, b1)
+    )  # fmt: skip
+
+
+@kernel
+def planar_turn(a0, a1, b0, b1, p0, p1, err):
+    """Certain sign of the turn a, b, p; 0 when unsure."""
+    e0, ee0 = minus(b0, err, a0, err)
+    e1, ee1 = minus(b1, err, a1, err)
+    p, ep = minus(p0, err, a0, err)
+    q, eq = minus(p1, err, a1, err)
+    t, et = cross2(e0, e1, max(ee0, ee1), p, q, max(ep, eq))
+    return 1 if t > et else -1 if t < -et else 0
+
+
+@kernel
+def planar_point_bound(p0, p1, c0, c1, d0, d1, err_p, err_c):
+    """A lower bound of the angles at which p, turning about the origin, meets the segment cd; 2 pi: never."""
+    f0, ef0 = minus(d0, err_c, c0, err_c)
+    f1, ef1 = minus(d1, err_c, c1, err_c)
+    ef = max(ef0, ef1)
+    qa, eqa = dot2(f0, f1, ef, f0, f1, ef)
+    qb, eqb = dot2(c0, c1, err_c, f0, f1, ef)
+    cc, ecc = dot2(c0, c1, err_c, c0, c1, err_c)
+    pp, epp = dot2(p0, p1, err_p, p0, p1, err_p)
+    qc, eqc = minus(cc, ecc, pp, epp)
+    if abs(qc) - eqc > (abs(qa) + eqa + 2.0 * (abs(qb) + eqb)) * (1.0 + 1e-15):
+        return TWO_PI
+    t, et = mul(qb, eqb, qb, eqb)
+    s, es = mul(qa, eqa, qc, eqc)
+    disc, edisc = minus(t, et, s, es)
+    if disc < -edisc:
+        return TWO_PI
+    w, ew = root(disc, edisc)
+    if qb >= 0.0:
+        k, ek = add(qb, eqb, w, ew)
+    else:
+        k, ek = minus(qb, eqb, w, ew)
+    k = -k
+    if abs(k) <= ek or abs(qa) <= eqa:
+        return 0.0
+    mu, emu = div(k, ek, qa, eqa)
+    lo = _bound_at(mu, emu, p0, p1, err_p, c0, c1, err_c, f0, f1, ef)
+    mu, emu = div(qc, eqc, k, ek)
+    return min(lo, _bound_at(mu, emu, p0, p1, err_p, c0, c1, err_c, f0, f1, ef))
+
+
+@kernel
+def _bound_at(mu, emu, p0, p1, ep, c0, c1, ec, f0, f1, ef):
+    if mu + emu < 0.0 or mu - emu > 1.0:
+        return TWO_PI
+    t, et = mul(mu, emu, f0, ef)
+    y0, ey0 = add(c0, ec, t, et)
+    t, et = mul(mu, emu, f1, ef)
+    y1, ey1 = add(c1, ec, t, et)
+    ey = max(ey0, ey1)
+    x, ex = dot2(p0, p1, ep, y0, y1, ey)
+    y, ey2 = cross2(p0, p1, ep, y0, y1, ey)
+    lo, _ = angle_bounds(x, ex, y, ey2)
+    return lo
+
+
+def rotation_contacts(axis: Axis, a: Vector, b: Vector, c: Vector, d: Vector) -> list[Contact]:
+    """The isolated contacts of ab, turning, with cd; exact.
+
+    Where the edges stay in contact over a whole window of angles, the ends of the window are listed
+    (angle 0 when they meet at the start).
+    """
+    e, f, w = sub(b, a), sub(d, c), sub(c, a)
+    ez, fz, wz = axis.height(e), axis.height(f), axis.height(w)
+    if sign(ez) == 0 and sign(fz) == 0:
+        return _horizontal(axis, a, b, c, d) if sign(wz) == 0 else []
+    n = ez * ez + fz * fz
+    lam0, mu0 = wz * ez / n, -wz * fz / n
+    p, q = along(a, lam0, e), along(c, mu0, f)
+    u, v = tuple(fz * x for x in e), tuple(ez * x for x in f)
+    qa = axis.perp(u, u) - axis.perp(v, v)  # type: ignore[arg-type]
+    qb = axis.perp(p, u) - axis.perp(q, v)  # type: ignore[arg-type]
+    qc = axis.perp(p, p) - axis.perp(q, q)
+    roots = quadratic_roots(qa, qb, qc)
+    if roots is None:
+        return _same_surface(axis, a, b, c, d, lam0, mu0, ez, fz, p, q, u, v)  # type: ignore[arg-type]
+    found: list[Contact] = []
+    for s in roots:
+        lam, mu = s * fz + lam0, s * ez + mu0
+        if lam.sign() < 0 or (1 - lam).sign() < 0 or mu.sign() < 0 or (1 - mu).sign() < 0:
+            continue
+        at_p, at_q = along(p, s, u), along(q, s, v)  # type: ignore[arg-type]
+        found.append((angle_between(axis, at_p, at_q), at_q))
+    return found
+
+
+def _horizontal(axis: Axis, a: Vector, b: Vector, c: Vector, d: Vector) -> list[Contact]:
+    """Both edges lie in one plane across the axis: contacts begin and end at end points."""
+    found = point_line_rotation.rotation_contacts(axis, a, c, d)
+    found += point_line_rotation.rotation_contacts(axis, b, c, d)
+    back = Axis((-axis.h[0], -axis.h[1], -axis.h[2]))
+    for end in (c, d):
+        found += [(at, end) for at, _ in point_line_rotation.rotation_contacts(back, end, a, b)]
+    return found + _at_start(axis, a, b, c, d)
+
+
+def _at_start(axis: Axis, a: Vector, b: Vector, c: Vector, d: Vector) -> list[Contact]:
+    if not segments_meet(a, b, c, d):
+        return []
+    return [(AngleInstant(1, 0, 1, axis.K), contact_point(a, b, c, d, (0, 0, 0), 0))]
+
+
+def _same_surface(
+    axis: Axis, a: Vector, b: Vector, c: Vector, d: Vector,
+    lam0: object, mu0: object, ez: object, fz: object, p: Vector, q: Vector, u: Vector, v: Vector,
+) -> list[Contact]:  # fmt: skip
+    """Both lines lie on one surface of revolution.
+
+    The angle is monotone or piecewise constant along them, so contacts begin at the ends of the common range of
+    heights, or at the start.
+    """
+    lo, hi = None, None
+    for base, rate in ((lam0, fz), (mu0, ez)):
+        if sign(rate) == 0:
+            if sign(base) < 0 or sign(1 - base) < 0:  # type: ignore[operator]
+                return []
+            continue
+        s0, s1 = -base / rate, (1 - base) / rate  # type: ignore[operator]
+        if sign(s1 - s0) < 0:
+            s0, s1 = s1, s0
+        lo = s0 if lo is None or sign(s0 - lo) > 0 else lo
+        hi = s1 if hi is None or sign(hi - s1) > 0 else hi
+    if sign(hi - lo) < 0:  # type: ignore[operator]
+        return []
+    ends = [(along(p, s, u), along(q, s, v)) for s in (lo, hi)]
+    return [(angle_between(axis, x, y), y) for x, y in ends] + _at_start(axis, a, b, c, d)
+
+

@@ -1,0 +1,104 @@
+"""The frame of a rotation axis, and the view of a tree in it: the same tree, refitted.
+
+A frame is a matrix with orthonormal rows, the last one along the axis.  Axes along coordinate axes give signed
+permutations, which are exact; others are rounded, and the rounding is part of the view's error.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from firstcontact.kernels.boxes import CLIP_EPS, clip_to_box
+from firstcontact.kernels.jit import kernel
+from firstcontact.search.tree import SPLIT, Tree, tree_of
+
+Frame = tuple[tuple[float, float, float], ...]
+
+_ALONG = {
+    (1, 0, 0): ((0, 1, 0), (0, 0, 1), (1, 0, 0)),
+    (0, 1, 0): ((0, 0, 1), (1, 0, 0), (0, 1, 0)),
+    (0, 0, 1): ((1, 0, 0), (0, 1, 0), (0, 0, 1)),
+    (-1, 0, 0): ((0, 0, 1), (0, 1, 0), (-1, 0, 0)),
+    (0, -1, 0): ((1, 0, 0), (0, 0, 1), (0, -1, 0)),
+    (0, 0, -1): ((0, 1, 0), (1, 0, 0), (0, 0, -1)),
+}
+
+# |entry of the rounded frame - entry of an exact frame with the same axis| <= FRAME_EPS: a handful of roundings
+# of numbers at most 1, starting from an axis rounded once.  See test_frame_is_orthonormal.
+FRAME_EPS = 1e-15
+
+
+def frame_of(axis: tuple[float, float, float]) -> Frame:
+    """The frame of an axis given by doubles, right-handed."""
+    direction = tuple((x > 0) - (x < 0) for x in axis)
+    if direction in _ALONG and sum(map(abs, direction)) == 1:
+        return _ALONG[direction]  # type: ignore[index]
+    h = np.array(axis)
+    h = h / np.abs(h).max()
+    h /= np.linalg.norm(h)
+    seed = np.zeros(3)
+    seed[int(np.argmin(np.abs(h)))] = 1.0
+    u = np.cross(seed, h)
+    u /= np.linalg.norm(u)
+    v = np.cross(h, u)
+    return tuple(map(tuple, np.array([u, v, h]).tolist()))  # type: ignore[return-value]
+
+
+def view_in(body: Any, frame: Frame) -> Tree:
+    """The body's tree with boxes and coordinates in the frame; kept on the body for the next query."""
+    tree = tree_of(body)
+    if frame == _ALONG[0, 0, 1]:
+        return tree
+    cached = body._search.get("view")
+    if cached is None or cached[0] != frame:
+        cached = body._search["view"] = frame, _refit_tree(tree, np.array(frame, float))
+    return cached[1]
+
+
+def _refit_tree(tree: Tree, frame: np.ndarray) -> Tree:
+    exact = bool(np.all((frame == 0) | (np.abs(frame) == 1)))
+    size = float(np.abs(tree.boxes[0]).max())
+    # three products and two sums, 1-norm of a row at most sqrt(3), entries off by FRAME_EPS
+    error = tree.error if exact else 1.8 * tree.error + 3.0 * size * (FRAME_EPS + 4.0 * 2.0**-53)
+    boxes, xyz = refit(tree.boxes, tree.links, tree.xyz, tree.ids, frame)
+    return replace(tree, boxes=boxes, xyz=xyz, error=error)
+
+
+@kernel
+def refit(boxes, links, xyz, ids, frame):
+    """Boxes (q, 6) and parts (m, 9) in the frame (3, 3)."""
+    new_boxes, new_xyz = np.empty_like(boxes), np.empty_like(xyz)
+    polygon, scratch = np.empty((12, 3)), np.empty((12, 3))
+    largest = 0.0
+    for k in range(6):
+        largest = max(largest, abs(boxes[0, k]))
+    pad = CLIP_EPS * largest * 3.0
+    for node in range(boxes.shape[0] - 1, -1, -1):
+        box = new_boxes[node]
+        if links[node, 1] >= 0:
+            left, right = new_boxes[links[node, 0]], new_boxes[links[node, 1]]
+            for k in range(3):
+                box[k], box[k + 3] = min(left[k], right[k]), max(left[k + 3], right[k + 3])
+            continue
+        part = links[node, 0]
+        x, y = xyz[part], new_xyz[part]
+        for c in range(3):
+            for k in range(3):
+                y[3 * c + k] = (
+                    frame[k, 0] * x[3 * c] + frame[k, 1] * x[3 * c + 1] + frame[k, 2] * x[3 * c + 2]
+                )
+        split = ids[part, 1] & SPLIT
+        count = clip_to_box(x, boxes[node], polygon, scratch) if split else 0
+        for k in range(3):
+            if count == 0:
+                box[k], box[k + 3] = min(y[k], y[k + 3], y[k + 6]), max(y[k], y[k + 3], y[k + 6])
+                continue
+            lo, hi = np.inf, -np.inf
+            for c in range(count):
+                v = frame[k, 0] * polygon[c, 0] + frame[k, 1] * polygon[c, 1] + frame[k, 2] * polygon[c, 2]
+                lo, hi = min(lo, v), max(hi, v)
+            box[k], box[k + 3] = lo - pad, hi + pad
+    return new_boxes, new_xyz
