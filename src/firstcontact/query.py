@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
+import math
 import time as clock
 from typing import Any
 
-import numpy as np
-
 from firstcontact.body.moving import Moving
 from firstcontact.body.polyhedron import Polyhedron
-from firstcontact.errors import InputError, UnsupportedPair
-from firstcontact.exact.numbers import Undecidable, rational, to_double
-from firstcontact.motion.relative import Piece, pieces
-from firstcontact.report import contact_of, initial_contact
-from firstcontact.result import FirstContact, Stats, Status
+from firstcontact.errors import FirstContactError, InputError, UnsupportedPair
+from firstcontact.exact.numbers import Undecidable, to_double
+from firstcontact.motion.relative import pieces
+from firstcontact.report import JoinedInterval, contact_of, element_pairs, initial_contact, interval_of, join
+from firstcontact.result import ContactIntervals, ContactPairs, FirstContact, Stats, Status
 from firstcontact.search.containment import contained
-from firstcontact.search.earliest import Found, Progress, earliest
+from firstcontact.search.earliest import Found, Pair, Progress, all_pairs, earliest
+from firstcontact.search.intervals import contact_windows
 from firstcontact.search.problem import problem_of
 
 
@@ -53,7 +53,7 @@ def first_contact(
     _check(a, b, method, engine, tolerance, budget)
     parts, first, last = pieces(a, b, span)
     stats = Stats()
-    window = (to_double(first), float("inf") if last is None else to_double(last))
+    window = (to_double(first), math.inf if last is None else to_double(last))
     shared = {"a": a, "b": b, "span": window}
     for k, piece in enumerate(parts):
         problem = problem_of(a, b, piece)
@@ -64,7 +64,7 @@ def first_contact(
             return _undecided(found.open, problem.world_time(found.free_until), stats, begin, shared)
         at_start = k == 0 and (found.start or _starts_at_once(found))
         if at_start:
-            return initial_contact(problem, found, _timed(stats, begin), shared)
+            return initial_contact(problem, found, exact, _timed(stats, begin), shared)
         if k == 0:
             try:
                 inner = contained(problem.a, problem.b)
@@ -72,12 +72,89 @@ def first_contact(
                 return _undecided("precision", window[0], stats, begin, shared)
             if inner is not None:
                 return FirstContact(
-                    Status.INITIAL_CONTACT, window[0], (window[0], window[0]), initial="containment",
-                    stats=_timed(stats, begin), **shared,
+                    Status.INITIAL_CONTACT, window[0], (window[0], window[0]),
+                    problem.world_exact(problem.start_instant()) if exact else None, initial="containment",
+                    free_until=window[0], stats=_timed(stats, begin), **shared,
                 )  # fmt: skip
         if found.instant is not None:
             return contact_of(problem, found, exact, _timed(stats, begin), shared)
     return FirstContact(Status.FREE, free_until=window[1], stats=_timed(stats, begin), **shared)
+
+
+def contact_intervals(
+    a: Any,
+    b: Any,
+    span: Any = None,
+    *,
+    exact: bool = False,
+    tolerance: float = 1e-12,
+    budget: int | None = None,
+    progress: Progress | None = None,
+) -> ContactIntervals:
+    """All closed times of the span at which a and b share a point, as disjoint intervals; exact ends.
+
+    Arguments as in `first_contact`.  The cost grows with the number of element pairs that meet near the ends of
+    the intervals.  Status.FREE proves that there are none.
+
+    >>> import firstcontact as fc
+    >>> cube = fc.examples.box((1, 1, 1))
+    >>> print(fc.contact_intervals(cube.moving(fc.Translation((8, 0, 0))), cube.translated((3, 0, 0))))
+    a and b: CONTACT
+      [0.25, 0.5]
+    """
+    begin = clock.perf_counter()
+    _check(a, b, "auto", "auto", tolerance, budget)
+    parts, first, last = pieces(a, b, span)
+    stats = Stats()
+    window = (to_double(first), math.inf if last is None else to_double(last))
+    shared = {"a": a, "b": b, "span": window}
+    ends: list[JoinedInterval] = []
+    for piece in parts:
+        problem = problem_of(a, b, piece)
+        left = None if budget is None else max(0, budget - int(stats.node_visits + stats.pair_tests))
+        found = contact_windows(problem, left, progress)
+        stats += Stats(found.visits, found.tests, found.unsure, found.exact)
+        if found.open is not None:
+            intervals = tuple(interval_of(e, exact) for e in ends)
+            until = to_double(piece.start)
+            return ContactIntervals(
+                intervals, Status.UNDECIDED, until, found.open, _timed(stats, begin), **shared
+            )
+        ends = join(ends, problem, found.windows)
+    intervals = tuple(interval_of(e, exact) for e in ends)
+    status = Status.FREE if not ends else Status.INITIAL_CONTACT if ends[0].at_start(parts[0]) else Status.CONTACT
+    until = window[1] if not ends else intervals[0].start
+    return ContactIntervals(intervals, status, until, None, _timed(stats, begin), **shared)
+
+
+def contact_pairs(a: Any, b: Any, span: Any = None) -> ContactPairs:
+    """All element pairs (vertex/face, edge/edge, face/vertex) that meet during the span.
+
+    Arguments as in `first_contact`; diagonals inside polygons count as their faces.
+
+    >>> import firstcontact as fc
+    >>> rod = fc.Polyhedron([[-1, 0, 0], [1, 0, 0]], [], edges=[[0, 1]])
+    >>> print(fc.contact_pairs(rod.moving(fc.Translation((0, 0, 2))), rod.rotated((0, 0, 1), degrees=90)))
+    1 element pairs meet, 0 pierced at the start
+    """
+    begin = clock.perf_counter()
+    _check(a, b, "auto", "auto", 1.0, None)
+    parts, _, _ = pieces(a, b, span)
+    stats = Stats()
+    met: list[Pair] = []
+    pierced: list[Pair] = []
+    for k, piece in enumerate(parts):
+        found = all_pairs(problem_of(a, b, piece))
+        if found.open is not None:
+            raise FirstContactError("a pair of elements cannot be decided in this irrational pose")
+        stats += Stats(found.visits, found.tests, found.unsure, found.exact)
+        met += found.pairs
+        pierced += [pair for pair, _ in found.start] if k == 0 else []
+    return ContactPairs(
+        tuple(p for p, _ in element_pairs(a, b, met)),
+        tuple(p for p, _ in element_pairs(a, b, pierced)),
+        _timed(stats, begin),
+    )
 
 
 def _starts_at_once(found: Found) -> bool:

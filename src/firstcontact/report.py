@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy as np
 from firstcontact.body.moving import Moving
 from firstcontact.exact.numbers import PRECISIONS, Undecidable, ball, nearest_double, precision, sign
 from firstcontact.exact.vectors import Vector, dot
-from firstcontact.result import Element, ElementPair, FirstContact, Stats, Status
+from firstcontact.result import ContactInterval, Element, ElementPair, FirstContact, Stats, Status
 from firstcontact.search.earliest import Found, Pair
 from firstcontact.search.elements import EDGE, FACE, VERTEX, Feature
 from firstcontact.search.overlap import initial_kind
@@ -72,7 +73,7 @@ def contact_of(problem: Any, found: Found, exact: bool, stats: Stats, shared: di
     )
 
 
-def initial_contact(problem: Any, found: Found, stats: Stats, shared: dict[str, Any]) -> FirstContact:
+def initial_contact(problem: Any, found: Found, exact: bool, stats: Stats, shared: dict[str, Any]) -> FirstContact:
     """The INITIAL_CONTACT result: the surfaces share a point at the start of the span."""
     start = shared["span"][0]
     pairs = [pair for pair, _ in found.start] or found.pairs
@@ -88,10 +89,54 @@ def initial_contact(problem: Any, found: Found, stats: Stats, shared: dict[str, 
         element_b=lowest.element_b,
         others=tuple(p for p, _ in named[1 : 1 + MOST_OTHERS]),
         multiplicity=len(named),
+        time_exact=problem.world_exact(problem.start_instant()) if exact else None,
         initial=kind,
         free_until=start,
         stats=stats,
         **shared,
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class JoinedInterval:
+    """A window of contact, its ends each in the clock of the piece that holds it: (problem, instant, turn)."""
+
+    start: tuple[Any, Any, int]
+    end: tuple[Any, Any, int]
+
+    def at_start(self, piece: Any) -> bool:
+        """Whether it begins with that piece."""
+        problem, instant, turn = self.start
+        return problem.piece is piece and turn == 0 and instant.is_zero()
+
+
+def join(intervals: list[JoinedInterval], problem: Any, windows: list[Any]) -> list[JoinedInterval]:
+    """The intervals with the next piece's windows; contact at the joint of two pieces goes on."""
+    out = list(intervals)
+    for start, turn, end, last in problem.repeated(windows):
+        if out and turn == 0 and start.is_zero() and out[-1].end[0] is not problem and _ends_piece(out[-1]):
+            out[-1] = JoinedInterval(out[-1].start, (problem, end, last))
+        else:
+            out.append(JoinedInterval((problem, start, turn), (problem, end, last)))
+    return out
+
+
+def _ends_piece(interval: JoinedInterval) -> bool:
+    problem, instant, turn = interval.end
+    return problem.is_end(instant, turn)
+
+
+def interval_of(joined: JoinedInterval, exact: bool) -> ContactInterval:
+    (problem, start, turn), (problem_end, end, turn_end) = joined.start, joined.end
+    t0, lo = problem.world_instant(start, turn)
+    t1, hi = problem_end.world_instant(end, turn_end)
+    return ContactInterval(
+        t0,
+        t1,
+        lo,
+        hi,
+        problem.world_exact(start, turn) if exact else None,
+        problem_end.world_exact(end, turn_end) if exact else None,
     )
 
 

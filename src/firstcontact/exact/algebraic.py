@@ -6,7 +6,7 @@ from fractions import Fraction
 
 from flint import arb, fmpq, fmpq_poly
 
-from firstcontact.exact.numbers import PRECISIONS, _dyadic, ball, fraction, precision
+from firstcontact.exact.numbers import PRECISIONS, dyadic, ball, fraction, precision
 from firstcontact.exact.rigid import rational_sqrt
 from firstcontact.exact.surd import Surd
 from firstcontact.result import AlgebraicNumber
@@ -44,7 +44,7 @@ def _isolate(polynomial: fmpq_poly, x: Surd, k: fmpq) -> AlgebraicNumber | Fract
         (factor,) = candidates
         if factor.degree() == 1:
             return fraction(-fmpq(factor[0]) / fmpq(factor[1]))
-        lo, hi = _dyadic(value.lower()), _dyadic(value.upper())
+        lo, hi = dyadic(value.lower()), dyadic(value.upper())
         with precision(bits):
             if _value(factor.derivative(), value).contains(0):
                 continue

@@ -152,3 +152,44 @@ class AngleInstant:
         n = self.R.x * self.R.x - self.R.y * self.R.y * self.R.d
         inverse = Surd(self.R.x / n, -self.R.y / n, self.R.d)
         return self.X * inverse, self.Y * inverse
+
+
+class LimitInstant:
+    """A given angle: rational radians plus rational turns, such as the end of a motion.
+
+    It equals no contact angle unless the radians are zero (Lindemann); two angles that agree to 2048 bits count as
+    equal.
+    """
+
+    __slots__ = ("radians", "turns")
+
+    def __init__(self, radians: fmpq, turns: fmpq) -> None:
+        self.radians, self.turns = radians, turns
+
+    def local(self) -> arb:
+        return arb(self.radians) + 2 * arb(self.turns) * arb.pi()
+
+    def is_zero(self) -> bool:
+        return self.radians == 0 and self.turns == 0
+
+    def is_rational(self) -> bool:
+        return False
+
+    def compare(self, other: Any) -> int:
+        return compare_angles(self, other)
+
+
+def compare_angles(x: Any, y: Any) -> int:
+    """-1, 0, 1: x before, at, after y; any two instants of a rotation."""
+    if isinstance(x, AngleInstant) and isinstance(y, AngleInstant):
+        return x.compare(y)
+    if x.is_zero() or y.is_zero():
+        return y.is_zero() - x.is_zero() if x.is_zero() != y.is_zero() else 0
+    for bits in PRECISIONS:
+        with precision(bits):
+            gap = x.local() - y.local()
+            if gap > 0:
+                return 1
+            if gap < 0:
+                return -1
+    return 0

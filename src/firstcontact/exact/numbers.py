@@ -86,11 +86,11 @@ def ball_bounds(x: arb) -> tuple[float, float]:
 
 def nearest_double(x: arb) -> float | None:
     """The double nearest every point of the ball, or None when the ball is too wide to tell."""
-    lo, hi = to_double(_dyadic(x.lower())), to_double(_dyadic(x.upper()))
+    lo, hi = to_double(dyadic(x.lower())), to_double(dyadic(x.upper()))
     return lo if lo == hi else None
 
 
-def _dyadic(x: arb) -> fmpq:
+def dyadic(x: arb) -> fmpq:
     """The exact value of an arb of radius zero."""
     mantissa, exponent = x.man_exp()
     e = int(exponent)

@@ -13,6 +13,7 @@ from flint import fmpq
 
 from firstcontact.body.topology import component_of_vertices
 from firstcontact.exact.numbers import PRECISIONS, Undecidable, precision, sign, to_double
+from firstcontact.exact.rigid import apply, transpose_rotation
 from firstcontact.exact.vectors import Vector, cross, dot, sub
 from firstcontact.kernels.jit import kernel
 from firstcontact.kernels.verdict import DET_EPS, TINY, cross_size
@@ -154,6 +155,24 @@ def contained(a: Any, b: Any) -> tuple[str, int] | None:
                 if decide(lambda v=v: contains(outer, tree, inner.exact_vertex(v))):  # noqa: B023
                     return side, v
     return None
+
+
+def contained_at(problem: Any, left: Any, right: Any) -> bool:
+    """Whether one body lies inside the other at a time between two instants without surface contact.
+
+    Raises Undecidable.
+    """
+    a, b = problem.a, problem.b
+    pose = problem.pose_between(left, right)
+    back = transpose_rotation(pose)
+    for inner, outer, to_outer in ((a, b, pose), (b, a, back)):
+        if not outer.solid:
+            continue
+        tree = tree_of(outer)
+        for v in component_vertices(inner):
+            if decide(lambda v=v: contains(outer, tree, apply(to_outer, inner.exact_vertex(v)))):  # noqa: B023
+                return True
+    return False
 
 
 def decide(question: Any) -> Any:

@@ -10,6 +10,7 @@ from firstcontact.exact.instants import same_instant
 from firstcontact.exact.numbers import PRECISIONS, Undecidable, ball_bounds, precision
 from firstcontact.search.elements import KINDS, Feature, feature
 from firstcontact.search.state import (
+    ALL,
     CANDIDATES,
     CROSSING_FOUND,
     DECIDE,
@@ -97,6 +98,29 @@ def earliest(
     return found
 
 
+def all_pairs(problem: Problem) -> Found:
+    """`pairs`: every vertex/face, edge/edge and face/vertex pair that meets in the piece; `start`: edges through
+
+    faces at its start.  Undecided pairs are decided exactly.
+    """
+    state = borrow_state()
+    found = Found()
+    try:
+        search = _Search(problem, state, found, None, None)
+        last, sure_last = problem.window()
+        state.start(0.0, 0.0, last, sure_last, want_all=True)
+        search.stop_at_start = False
+        search.walk(with_start=True, all_sides=True)
+        met = [pair for pair, instant in search.decided.items() if instant is not None]
+        found.pairs = sorted({*met, *search.waiting})
+        if search.doubtful:
+            found.open = "precision"
+    finally:
+        found.visits, found.tests = int(state.integers[VISITS]), int(state.integers[TESTS])
+        return_state(state)
+    return found
+
+
 class _Search:
     def __init__(
         self, problem: Problem, state: WalkState, found: Found, budget: int | None, progress: Progress | None
@@ -106,13 +130,14 @@ class _Search:
         self.waiting: dict[Pair, float] = {}  # pairs the floats are sure of, with their lower bounds
         self.decided: dict[Pair, Any] = {}  # exact times
         self.doubtful: dict[Pair, float] = {}  # pairs no precision decides, with their lower bounds
+        self.stop_at_start = True
         self.best: Any = None
         """The earliest exact time so far."""
 
     def run(self, with_start: bool) -> None:
         last, sure_last = self.problem.window()
         self.state.start(0.0, 0.0, last, sure_last)
-        if not self._walk(with_start, all_sides=False):
+        if not self.walk(with_start, all_sides=False):
             return
         self._settle_waiting()
         if self.found.start:
@@ -121,7 +146,7 @@ class _Search:
 
     # -- the walk -------------------------------------------------------------------------------------------
 
-    def _walk(self, with_start: bool, all_sides: bool) -> bool:
+    def walk(self, with_start: bool, all_sides: bool) -> bool:
         """Walk to the end, answering what the floats ask; False when the budget ended it."""
         state, integers = self.state, self.state.integers
         while True:
@@ -134,7 +159,7 @@ class _Search:
                 state.grow()
             elif reason == DECIDE:
                 self._collect()
-                if self.found.start:
+                if self.found.start and self.stop_at_start:
                     return True
             elif reason in (DONE, CROSSING_FOUND):
                 self._collect()
@@ -205,7 +230,8 @@ class _Search:
         if instant[0] is not None:
             hi = ball_bounds(instant[0].local())[1]
             floats = self.state.floats
-            floats[BEST] = min(floats[BEST], hi)
+            if floats[ALL] == 0.0:
+                floats[BEST] = min(floats[BEST], hi)
             if self.best is None or self._before(instant[0], self.best):
                 self.best = instant[0]
 
@@ -260,5 +286,5 @@ class _Search:
         lo, hi = ball_bounds(self.best.local())
         lo = max(lo, 0.0)
         self.state.start(lo, float("inf"), hi, float("-inf"))
-        finished = self._walk(with_start=False, all_sides=True)
+        finished = self.walk(with_start=False, all_sides=True)
         assert finished or self.found.open == "budget"

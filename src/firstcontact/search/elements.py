@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from firstcontact.exact.rigid import Matrix, apply
+from firstcontact.pairs.line_line import segments_meet
+from firstcontact.pairs.segment_facet import APART, relation
 from firstcontact.search.state import EDGE_EDGE, EDGE_FACE, FACE_EDGE, FACE_VERTEX, VERTEX_FACE
 from firstcontact.search.tree import Tree
 
@@ -42,3 +45,37 @@ def corners_of(body: Any, element: Feature) -> list[Any]:
         i, j = body._segments[index].tolist()
         return [body.exact_vertex(i), body.exact_vertex(j)]
     return [body.exact_vertex(i) for i in body.triangles[index].tolist()]
+
+
+class Primitive:
+    """A triangle, bare edge or bare point with its exact corners."""
+
+    __slots__ = ("corners", "is_facet", "sides")
+
+    def __init__(self, body: Any, tree: Tree, index: int) -> None:
+        self.is_facet = index < len(body.triangles)
+        corners = [body.exact_vertex(i) for i in tree.corners[index].tolist()]
+        self.corners = corners if self.is_facet else corners[:2]
+        self._find_sides()
+
+    def _find_sides(self) -> None:
+        c = self.corners
+        self.sides = [(c[0], c[1]), (c[1], c[2]), (c[2], c[0])] if self.is_facet else [(c[0], c[1])]
+
+    def moved(self, pose: Matrix) -> Primitive:
+        other = object.__new__(Primitive)
+        other.is_facet = self.is_facet
+        other.corners = [apply(pose, p) for p in self.corners]
+        other._find_sides()
+        return other
+
+    def meets(self, other: Primitive) -> bool:
+        """Whether the two, at rest, share a point."""
+        if not (self.is_facet or other.is_facet):
+            return segments_meet(*self.sides[0], *other.sides[0])
+        return any(
+            relation(*side, *facet.corners) != APART
+            for facet, edges in ((self, other), (other, self))
+            if facet.is_facet
+            for side in edges.sides
+        )

@@ -15,12 +15,14 @@ from numba.extending import overload
 
 from firstcontact.kernels.angle import ANGLE_EPS, TWO_PI, angle_of
 from firstcontact.kernels.jit import kernel
-from firstcontact.kernels.verdict import NONE
+from firstcontact.kernels.verdict import CERTAIN, NONE, UNSURE
 from firstcontact.pairs.line_line_rotation import rotation_filter as edge_edge
 from firstcontact.pairs.point_plane_rotation import rotation_filter as vertex_facet
+from firstcontact.pairs.segment_facet import crossing_filter
 from firstcontact.search.state import BEST, EDGE_EDGE, FACE_VERTEX, FIRST, TESTS, VERTEX_FACE
 from firstcontact.search.tree import CORNER, FACET, POINT
 from firstcontact.search.walk import earliest_meeting, record, test_events
+from firstcontact.search.windows import meeting_window, part_windows
 
 _FULL = 2.0 * TWO_PI  # width of a box around the axis: overlaps every range of angles
 _SLACK = 8.0 * ANGLE_EPS  # two angles, their difference and a sum, each within ANGLE_EPS
@@ -147,4 +149,160 @@ def _test_events(
 ):
     if isinstance(motion, types.BaseTuple):
         return _events
+    return None
+
+
+@kernel
+def angle_window(motion, boxes_a, a, boxes_b, b, pad, last):
+    """(entry, exit) of the angles in [0, last] at which the boxes may overlap; entry inf for none."""
+    entry = entry_angle(motion, boxes_a, a, boxes_b, b, pad, 0.0, last)
+    if entry == np.inf:
+        return np.inf, np.inf
+    ranges_a, ranges_b = motion[0], motion[2]
+    ahead = ranges_b[b, 2] - ranges_a[a, 2]
+    if ahead < 0.0:
+        ahead += TWO_PI
+    leave = ahead + ranges_b[b, 3] + _SLACK
+    if leave >= TWO_PI or entry == 0.0:
+        return entry, last  # it may come around: no need to say when it leaves
+    return entry, min(leave, last)
+
+
+@kernel
+def _add_event(scratch, n, verdict, lo, hi):
+    """Note a certain event; -1 when the floats are unsure or there is no room."""
+    if n < 0 or verdict == UNSURE or n == scratch.shape[0]:
+        return -1 if verdict != NONE or n < 0 else n
+    if verdict == NONE:
+        return n
+    k = n
+    while k > 0 and scratch[k - 1, 0] > lo:
+        scratch[k, 0], scratch[k, 1] = scratch[k - 1, 0], scratch[k - 1, 1]
+        k -= 1
+    scratch[k, 0], scratch[k, 1] = lo, hi
+    return n + 1
+
+
+@kernel
+def _crossing_at(angle, xa, sides_a, facet_a, xb, sides_b, facet_b, cx, cy, err_a, err_b, turned):
+    """1: the parts certainly cross when a has turned by about `angle`; 0: certainly apart; -1: unsure.
+
+    The turn used is the rational one of the double tan(angle / 2): within a few roundings of `angle`.
+    """
+    tau = np.tan(0.5 * angle)
+    c, s = (1.0 - tau * tau) / (1.0 + tau * tau), 2.0 * tau / (1.0 + tau * tau)
+    size = 0.0
+    for k in range(3):
+        x, y = xa[3 * k] - cx, xa[3 * k + 1] - cy
+        size = max(size, abs(x) + abs(y))
+        turned[3 * k], turned[3 * k + 1], turned[3 * k + 2] = c * x - s * y, s * x + c * y, xa[3 * k + 2]
+    err = 1.5 * err_a + 16.0 * 2.0**-53 * size  # c and s carry 4 roundings each, the sums 3
+    unsure = False
+    for k in range(3):
+        i, j = 3 * k, 3 * ((k + 1) % 3)
+        if facet_b and k < sides_a:
+            verdict = crossing_filter(
+                turned[i], turned[i + 1], turned[i + 2], turned[j], turned[j + 1], turned[j + 2],
+                xb[0] - cx, xb[1] - cy, xb[2], xb[3] - cx, xb[4] - cy, xb[5], xb[6] - cx, xb[7] - cy, xb[8],
+                err, err_b,
+            )  # fmt: skip
+            if verdict == CERTAIN:
+                return 1
+            unsure = unsure or verdict != NONE
+        if facet_a and k < sides_b:
+            verdict = crossing_filter(
+                xb[i] - cx, xb[i + 1] - cy, xb[i + 2], xb[j] - cx, xb[j + 1] - cy, xb[j + 2],
+                turned[0], turned[1], turned[2], turned[3], turned[4], turned[5], turned[6], turned[7], turned[8],
+                err_b, err,
+            )  # fmt: skip
+            if verdict == CERTAIN:
+                return 1
+            unsure = unsure or verdict != NONE
+    return -1 if unsure else 0
+
+
+def _windows(motion, mask_a, xa, mask_b, xb, err_a, err_b, last, scratch, out):
+    # between two consecutive events nothing changes: one look into each gap decides it
+    cx, cy = motion[4][0], motion[4][1]
+    facet_a, facet_b = mask_a & FACET != 0, mask_b & FACET != 0
+    sides_a, sides_b = 3 if facet_a else 1, 3 if facet_b else 1
+    n = 0
+    for s in range(sides_a):
+        i, j = 3 * s, 3 * ((s + 1) % 3)
+        for r in range(sides_b):
+            k, m = 3 * r, 3 * ((r + 1) % 3)
+            v0, lo0, hi0, v1, lo1, hi1 = edge_edge(
+                xa[i] - cx, xa[i + 1] - cy, xa[i + 2], xa[j] - cx, xa[j + 1] - cy, xa[j + 2],
+                xb[k] - cx, xb[k + 1] - cy, xb[k + 2], xb[m] - cx, xb[m + 1] - cy, xb[m + 2], err_a, err_b,
+            )  # fmt: skip
+            n = _add_event(scratch, n, v0, lo0, hi0)
+            n = _add_event(scratch, n, v1, lo1, hi1)
+            if n < 0:
+                return -1
+    for s in range(3):
+        i = 3 * s
+        if facet_b and s <= sides_a:
+            v0, lo0, hi0, v1, lo1, hi1 = vertex_facet(
+                xa[i] - cx, xa[i + 1] - cy, xa[i + 2], xb[0] - cx, xb[1] - cy, xb[2],
+                xb[3] - cx, xb[4] - cy, xb[5], xb[6] - cx, xb[7] - cy, xb[8], err_a, err_b,
+            )  # fmt: skip
+            n = _add_event(scratch, n, v0, lo0, hi0)
+            n = _add_event(scratch, n, v1, lo1, hi1)
+        if facet_a and s <= sides_b:
+            v0, lo0, hi0, v1, lo1, hi1 = vertex_facet(
+                xb[i] - cx, cy - xb[i + 1], xb[i + 2], xa[0] - cx, cy - xa[1], xa[2],
+                xa[3] - cx, cy - xa[4], xa[5], xa[6] - cx, cy - xa[7], xa[8], err_b, err_a,
+            )  # fmt: skip
+            n = _add_event(scratch, n, v0, lo0, hi0)
+            n = _add_event(scratch, n, v1, lo1, hi1)
+        if n < 0:
+            return -1
+    turned = np.empty(9)
+    count = 0
+    open_window = False
+    for k in range(n + 1):
+        lo = 0.0 if k == 0 else scratch[k - 1, 1]
+        hi = last if k == n else scratch[k, 0]
+        if k < n and (not hi > lo + 1e-13 or (hi <= last + 1e-14 and scratch[k, 1] >= last - 1e-14)):
+            return -1  # too close to another event or to the end to look in between
+        inside = 0
+        if hi > lo:
+            inside = _crossing_at(
+                0.5 * (lo + hi), xa, sides_a, facet_a, xb, sides_b, facet_b, cx, cy, err_a, err_b, turned
+            )
+        if inside < 0:
+            return -1
+        if inside and not open_window:
+            out[count, 0], out[count, 1] = (0.0, 0.0) if k == 0 else (scratch[k - 1, 0], scratch[k - 1, 1])
+            open_window = True
+        elif not inside:
+            if open_window:
+                out[count, 2], out[count, 3] = scratch[k - 1, 0], scratch[k - 1, 1]
+                count += 1
+                open_window = False
+            elif k > 0:  # an instant between two gaps without contact
+                out[count, 0], out[count, 1] = scratch[k - 1, 0], scratch[k - 1, 1]
+                out[count, 2], out[count, 3] = scratch[k - 1, 0], scratch[k - 1, 1]
+                count += 1
+        if hi >= last:
+            break
+    if open_window:
+        out[count, 2], out[count, 3] = last, last
+        count += 1
+    return count
+
+
+@overload(meeting_window)
+def _meeting_window(motion, boxes_a, a, boxes_b, b, pad, last):
+    if isinstance(motion, types.BaseTuple):
+        return lambda motion, boxes_a, a, boxes_b, b, pad, last: angle_window(
+            motion, boxes_a, a, boxes_b, b, pad, last
+        )
+    return None
+
+
+@overload(part_windows)
+def _part_windows(motion, mask_a, xa, mask_b, xb, err_a, err_b, last, scratch, out):
+    if isinstance(motion, types.BaseTuple):
+        return _windows
     return None

@@ -14,8 +14,9 @@ DONE, SLICE_SPENT, FULL, DECIDE, CROSSING_FOUND = range(5)
 
 # Slots of the integer state.
 HEAP, STACK, CANDIDATES, VISITS, TESTS, UNSURE_COUNT, UNSURE_TOTAL = range(7)
-# Slots of the float state: earliest time, the same certain, latest certain, best time so far, present key.
-FIRST, SURE_FIRST, SURE_LAST, BEST, KEY = range(5)
+# Slots of the float state: earliest time, the same certain, latest certain, best time so far, present key, and
+# whether all contacts are wanted (then certain ones do not lower the best time).
+FIRST, SURE_FIRST, SURE_LAST, BEST, KEY, ALL = range(6)
 
 # A slice of work between two looks at the keyboard and the progress bar: about 0.1 s.
 SLICE = 1_000_000
@@ -36,12 +37,14 @@ class WalkState:
         self.stack = np.empty((1024, 2), np.int32)
         self.times = np.empty((512, 2))
         self.candidates = np.empty((512, 5), np.int32)  # kind, part a, feature a, part b, feature b
-        self.floats = np.zeros(5)
+        self.floats = np.zeros(6)
         self.integers = np.zeros(7, np.int64)
 
-    def start(self, first: float, sure_first: float, last: float, sure_last: float) -> None:
+    def start(
+        self, first: float, sure_first: float, last: float, sure_last: float, want_all: bool = False
+    ) -> None:
         """Ready for a new walk over [first, last]; contacts count as certain inside the sure window."""
-        self.floats[:] = (first, sure_first, sure_last, last, first)
+        self.floats[:] = (first, sure_first, sure_last, last, first, want_all)
         self.integers[:] = (0, 1, 0, 0, 0, 0, 0)
         self.stack[0] = 0
 

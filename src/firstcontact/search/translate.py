@@ -7,12 +7,13 @@ from numba import types
 from numba.extending import overload
 
 from firstcontact.kernels.jit import kernel
-from firstcontact.kernels.verdict import NONE
+from firstcontact.kernels.verdict import NONE, UNSURE
 from firstcontact.pairs.line_line import translation_filter as edge_edge
 from firstcontact.pairs.point_plane import translation_filter as vertex_facet
 from firstcontact.search.state import BEST, EDGE_EDGE, FACE_VERTEX, FIRST, TESTS, VERTEX_FACE
 from firstcontact.search.tree import CORNER, FACET, POINT
 from firstcontact.search.walk import earliest_meeting, record, test_events
+from firstcontact.search.windows import meeting_window, part_windows
 
 
 @kernel
@@ -97,4 +98,89 @@ def _test_events(
 ):
     if isinstance(motion, types.Array):
         return _events
+    return None
+
+
+@kernel
+def slab_window(box_a, box_b, motion, pad, last):
+    """(entry, exit) of the slab test in [0, last]; entry inf when the boxes never overlap there."""
+    lo, hi = 0.0, last
+    for k in range(3):
+        ahead = box_b[k] - box_a[k + 3] - pad
+        behind = box_b[k + 3] - box_a[k] + pad
+        if motion[k] == 0.0:
+            if ahead > 0.0 or behind < 0.0:
+                return np.inf, np.inf
+            continue
+        t0, t1 = ahead * motion[k + 3], behind * motion[k + 3]
+        if motion[k] < 0.0:
+            t0, t1 = t1, t0
+        lo, hi = max(lo, t0 - 1e-15 * abs(t0)), min(hi, t1 + 1e-15 * abs(t1))
+    return (lo, hi) if lo <= hi else (np.inf, np.inf)
+
+
+def _windows(motion, mask_a, xa, mask_b, xb, err_a, err_b, last, scratch, out):
+    # parts of convex elements: the times form one interval, from the first event to the last
+    v0, v1, v2 = motion[0], motion[1], motion[2]
+    sides_a = 3 if mask_a & FACET else 1
+    sides_b = 3 if mask_b & FACET else 1
+    first_lo = first_hi = np.inf
+    last_lo = last_hi = -np.inf
+    for s in range(sides_a):
+        i, j = 3 * s, 3 * ((s + 1) % 3)
+        for r in range(sides_b):
+            k, m = 3 * r, 3 * ((r + 1) % 3)
+            verdict, lo, hi = edge_edge(
+                xa[i], xa[i + 1], xa[i + 2], xa[j], xa[j + 1], xa[j + 2],
+                xb[k], xb[k + 1], xb[k + 2], xb[m], xb[m + 1], xb[m + 2],
+                v0, v1, v2, -np.inf, np.inf, err_a, err_b,
+            )  # fmt: skip
+            if verdict == UNSURE:
+                return -1
+            if verdict != NONE:
+                first_lo, first_hi = min(first_lo, lo), min(first_hi, hi)
+                last_lo, last_hi = max(last_lo, lo), max(last_hi, hi)
+    for s in range(3):
+        i = 3 * s
+        for swap in range(2):
+            if swap == 0:
+                if not mask_b & FACET or s > sides_a:
+                    continue
+                verdict, lo, hi = vertex_facet(
+                    xa[i], xa[i + 1], xa[i + 2],
+                    xb[0], xb[1], xb[2], xb[3], xb[4], xb[5], xb[6], xb[7], xb[8],
+                    v0, v1, v2, -np.inf, np.inf, err_a, err_b,
+                )  # fmt: skip
+            else:
+                if not mask_a & FACET or s > sides_b:
+                    continue
+                verdict, lo, hi = vertex_facet(
+                    xb[i], xb[i + 1], xb[i + 2],
+                    xa[0], xa[1], xa[2], xa[3], xa[4], xa[5], xa[6], xa[7], xa[8],
+                    -v0, -v1, -v2, -np.inf, np.inf, err_b, err_a,
+                )  # fmt: skip
+            if verdict == UNSURE:
+                return -1
+            if verdict != NONE:
+                first_lo, first_hi = min(first_lo, lo), min(first_hi, hi)
+                last_lo, last_hi = max(last_lo, lo), max(last_hi, hi)
+    if first_lo > last or last_hi < 0.0 or first_lo == np.inf:
+        return 0
+    out[0, 0], out[0, 1], out[0, 2], out[0, 3] = first_lo, first_hi, last_lo, last_hi
+    return 1
+
+
+@overload(meeting_window)
+def _meeting_window(motion, boxes_a, a, boxes_b, b, pad, last):
+    if isinstance(motion, types.Array):
+        return lambda motion, boxes_a, a, boxes_b, b, pad, last: slab_window(
+            boxes_a[a], boxes_b[b], motion, pad, last
+        )
+    return None
+
+
+@overload(part_windows)
+def _part_windows(motion, mask_a, xa, mask_b, xb, err_a, err_b, last, scratch, out):
+    if isinstance(motion, types.Array):
+        return _windows
     return None

@@ -7,19 +7,21 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
-from flint import fmpq
+from flint import arb, fmpq
 
 from firstcontact.exact.instants import RationalInstant, enclose
-from firstcontact.exact.numbers import fraction, to_double
+from firstcontact.exact.numbers import dyadic, fraction, sign, to_double
 from firstcontact.exact.vectors import Vector, along
-from firstcontact.exact.windows import clip
+from firstcontact.exact.rigid import Matrix, shift
+from firstcontact.exact.windows import ALWAYS, Window, clip, hull
 from firstcontact.motion.relative import Piece
 from firstcontact.pairs import line_line, point_plane, segment_facet
 from firstcontact.search import translate  # noqa: F401 - the walk under this motion
-from firstcontact.search.elements import EDGE, VERTEX, Feature, corners_of
+from firstcontact.search.elements import EDGE, VERTEX, Feature, Primitive, corners_of
 from firstcontact.search.state import WalkState
 from firstcontact.search.tree import tree_of
 from firstcontact.search.walk import walk
+from firstcontact.search.windows import collect
 
 ZERO = fmpq(0)
 
@@ -68,6 +70,63 @@ class TranslationProblem:
         clipped = clip(window, (ZERO, self.last))
         return None if clipped is None else RationalInstant(clipped[0])
 
+    # -- all windows ----------------------------------------------------------------------------------------
+
+    def collect(self, limit: int, integers: Any, stack: Any, cover: Any, times: Any, parts: Any) -> int:
+        """Go on collecting windows (`windows.collect`)."""
+        a, b = self.tree_a, self.tree_b
+        return collect(
+            a.boxes, a.links, a.xyz, a.ids, b.boxes, b.links, b.xyz, b.ids,
+            self.velocity, a.error, b.error, self.window()[0], limit, integers, stack, cover, times, parts,
+        )  # fmt: skip
+
+    def windows_of(self, primitive_a: int, primitive_b: int) -> list[tuple[RationalInstant, RationalInstant | None]]:
+        """The windows of contact of two primitives, exact: at most one, both are convex."""
+        a, b = Primitive(self.a, self.tree_a, primitive_a), Primitive(self.b, self.tree_b, primitive_b)
+        back = (-self.v[0], -self.v[1], -self.v[2])
+        if not any(sign(x) for x in self.v):
+            found: Window | None = ALWAYS if a.meets(b) else None
+        else:
+            found = hull(
+                [line_line.translation_window(*x, *y, self.v) for x in a.sides for y in b.sides]
+                + [point_plane.translation_window(x, *b.corners, self.v) for x in a.corners if b.is_facet]
+                + [point_plane.translation_window(y, *a.corners, back) for y in b.corners if a.is_facet]
+            )
+        clipped = clip(found, (ZERO, self.last))
+        if clipped is None:
+            return []
+        return [(RationalInstant(clipped[0]), None if clipped[1] is None else RationalInstant(clipped[1]))]
+
+    def float_window(self, lo: float, hi: float) -> tuple[RationalInstant, RationalInstant | None]:
+        """A certain window given by doubles, clipped to the piece."""
+        first = fmpq(*max(lo, 0.0).as_integer_ratio())
+        if math.isinf(hi):
+            return RationalInstant(first), self.end_instant()
+        end = fmpq(*hi.as_integer_ratio())
+        return RationalInstant(first), RationalInstant(end if self.last is None or end < self.last else self.last)
+
+    def start_instant(self) -> RationalInstant:
+        return RationalInstant(ZERO)
+
+    def end_instant(self) -> RationalInstant | None:
+        """The end of the piece; None: never."""
+        return None if self.last is None else RationalInstant(self.last)
+
+    def order(self, x: RationalInstant | None, y: RationalInstant | None) -> int:
+        """-1, 0, 1: x before, at, after y (None: never)."""
+        if x is None or y is None:
+            return (x is None) - (y is None)
+        return x.compare(y)
+
+    def pose_between(self, x: RationalInstant, y: RationalInstant | None) -> Matrix:
+        """The pose of a at a time strictly between x and y (at x when they are equal); exact."""
+        time = x.value + 1 if y is None else (x.value + y.value) / 2
+        if isinstance(time, arb):
+            time = dyadic(time.mid())
+        return shift((time * self.v[0], time * self.v[1], time * self.v[2]))
+
+    # -- answers --------------------------------------------------------------------------------------------
+
     def start_relation(self, element_a: Feature, element_b: Feature) -> int:
         """How an edge and a facet relate at the start of the window (`segment_facet.relation`); exact."""
         corners_a, corners_b = corners_of(self.a, element_a), corners_of(self.b, element_b)
@@ -79,11 +138,23 @@ class TranslationProblem:
         corners_a, corners_b = corners_of(self.a, element_a), corners_of(self.b, element_b)
         return segment_facet.start_point(corners_a, corners_b)
 
-    def world_instant(self, at: RationalInstant) -> tuple[float, tuple[float, float]]:
+    def world_instant(self, at: RationalInstant | None, turn: int = 0) -> tuple[float, tuple[float, float]]:
         """(nearest double, enclosure) of the instant in the motions' clock."""
+        if at is None:
+            return math.inf, (math.inf, math.inf)
         return enclose(lambda: self.piece.start + at.value)
 
-    def world_exact(self, at: RationalInstant) -> Fraction | None:
+    def is_end(self, at: RationalInstant | None, turn: int) -> bool:
+        """Whether the instant is the end of the piece."""
+        return self.order(at, self.end_instant()) == 0
+
+    def repeated(self, windows: list[tuple[Any, Any]]) -> list[tuple[Any, int, Any, int]]:
+        """The windows as (start, turn, end, turn): a translation has no turns."""
+        return [(start, 0, end, 0) for start, end in windows]
+
+    def world_exact(self, at: RationalInstant | None, turn: int = 0) -> Fraction | None:
+        if at is None:
+            return None
         value = self.piece.start + at.value
         return fraction(value) if isinstance(value, fmpq) else None
 

@@ -14,6 +14,7 @@ from firstcontact.kernels.jit import kernel
 from firstcontact.kernels.verdict import CERTAIN, NONE, UNSURE
 from firstcontact.pairs.segment_facet import crossing_filter
 from firstcontact.search.state import (
+    ALL,
     BEST,
     CANDIDATES,
     CROSSING_FOUND,
@@ -71,7 +72,8 @@ def record(floats, integers, times, candidates, kind, part_a, side_a, part_b, si
     candidates[n, 0], candidates[n, 1], candidates[n, 2] = kind, part_a, side_a
     candidates[n, 3], candidates[n, 4] = part_b, side_b
     if verdict == CERTAIN:
-        floats[BEST] = min(floats[BEST], hi)
+        if floats[ALL] == 0.0:
+            floats[BEST] = min(floats[BEST], hi)
         candidates[n, 0] += 8  # certain: needs no exact answer before the end
     else:
         integers[UNSURE_COUNT] += 1
@@ -101,7 +103,7 @@ def meet_at_start(pa, mask_a, xa, pb, mask_b, xb, err_a, err_b, floats, integers
             if verdict != NONE:
                 first = floats[FIRST]
                 record(floats, integers, times, candidates, EDGE_FACE, pa, s, pb, 0, verdict, first, first)
-                if verdict == CERTAIN:
+                if verdict == CERTAIN and floats[ALL] == 0.0:
                     return True
         if mask_b & (1 << (SIDE + s)) and mask_a & FACET:
             i, j = 3 * s, 3 * ((s + 1) % 3)
@@ -113,7 +115,7 @@ def meet_at_start(pa, mask_a, xa, pb, mask_b, xb, err_a, err_b, floats, integers
             if verdict != NONE:
                 first = floats[FIRST]
                 record(floats, integers, times, candidates, FACE_EDGE, pa, 0, pb, s, verdict, first, first)
-                if verdict == CERTAIN:
+                if verdict == CERTAIN and floats[ALL] == 0.0:
                     return True
     return False
 

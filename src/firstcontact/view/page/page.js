@@ -282,7 +282,11 @@
     controls.zoomToCursor = true;
     controls.addEventListener("change", requestFrame);
     controls.addEventListener("end", () => { state.moved = true; writeHash(); });
-    addEventListener("resize", () => { resize(); requestFrame(); });
+    addEventListener("resize", () => {
+      resize();
+      if (!state.moved) resetView();
+      requestFrame();
+    });
   }
 
   // The free part of the window: right of the card and above the bar.
@@ -363,11 +367,9 @@
     return pair.radius;
   }
 
-  function distanceFor(radius) {
-    const area = freeArea();
-    const half = Math.tan((camera.fov * Math.PI) / 360);
-    const part = Math.min(area.width, area.height) / innerHeight;
-    return radius / (half * part);
+  // Distance at which a length of `half` (seen square on) takes half the height of the free part.
+  function distanceFor(half) {
+    return (half * innerHeight) / (freeArea().height * Math.tan((camera.fov * Math.PI) / 360));
   }
 
   // A direction from which the contact point is in sight, with the normal across the picture, near the usual one.
@@ -420,9 +422,8 @@
       return (most - least) / 2;
     });
     const area = freeArea();
-    const fitting = Math.max((across * area.height) / area.width, along, 1e-3 * framedRadius());
-    const height = Math.min(area.width, area.height);
-    look(target, deep + distanceFor((1.18 * fitting * height) / area.height), direction);
+    const half = Math.max((across * area.height) / area.width, along, 1e-3 * framedRadius());
+    look(target, deep + distanceFor(1.18 * half), direction);
     state.moved = false;
     writeHash();
   }
