@@ -15,6 +15,7 @@ from firstcontact.report import JoinedInterval, contact_of, element_pairs, initi
 from firstcontact.result import ContactIntervals, ContactPairs, FirstContact, Stats, Status
 from firstcontact.search.containment import contained
 from firstcontact.search.earliest import Found, Pair, Progress, all_pairs, earliest
+from firstcontact.search.overlap import initial_kind
 from firstcontact.search.intervals import contact_windows
 from firstcontact.search.problem import problem_of
 
@@ -64,7 +65,11 @@ def first_contact(
             return _undecided(found.open, problem.world_time(found.free_until), stats, begin, shared)
         at_start = k == 0 and (found.start or _starts_at_once(found))
         if at_start:
-            return initial_contact(problem, found, exact, _timed(stats, begin), shared)
+            try:
+                kind = initial_kind(problem, found)
+            except Undecidable:
+                kind = None
+            return initial_contact(problem, found, kind, exact, _timed(stats, begin), shared)
         if k == 0:
             try:
                 inner = contained(problem.a, problem.b)

@@ -13,7 +13,6 @@ from firstcontact.exact.vectors import Vector, dot
 from firstcontact.result import ContactInterval, Element, ElementPair, FirstContact, Stats, Status
 from firstcontact.search.earliest import Found, Pair
 from firstcontact.search.elements import EDGE, FACE, VERTEX, Feature
-from firstcontact.search.overlap import initial_kind
 
 _NAMES = {VERTEX: "vertex", EDGE: "edge", FACE: "face"}
 _ORDER = {"vertex": 0, "edge": 1, "face": 2}
@@ -73,13 +72,14 @@ def contact_of(problem: Any, found: Found, exact: bool, stats: Stats, shared: di
     )
 
 
-def initial_contact(problem: Any, found: Found, exact: bool, stats: Stats, shared: dict[str, Any]) -> FirstContact:
+def initial_contact(
+    problem: Any, found: Found, kind: str | None, exact: bool, stats: Stats, shared: dict[str, Any]
+) -> FirstContact:
     """The INITIAL_CONTACT result: the surfaces share a point at the start of the span."""
     start = shared["span"][0]
     pairs = [pair for pair, _ in found.start] or found.pairs
     named = element_pairs(shared["a"], shared["b"], pairs)
     lowest, pair = named[0]
-    kind = initial_kind(problem, found)
     return FirstContact(
         Status.INITIAL_CONTACT,
         start,

@@ -20,6 +20,8 @@ from firstcontact.errors import FirstContactError
 
 BAD_INPUT = 3
 INTERRUPTED = 130
+READER_LEFT = 141
+"""Of a pipe: neither 0 nor 1, which would claim an answer."""
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
@@ -44,9 +46,13 @@ def main() -> None:
 def run(arguments: list[str]) -> int:
     """The exit code; every error on purpose becomes one line on stderr."""
     try:
-        code = cli.main(arguments, prog_name="firstcontact", standalone_mode=False)
+        # Not cli.main(): that turns a broken pipe into exit code 1, which means contact here.
+        with cli.make_context("firstcontact", arguments) as context:
+            code = cli.invoke(context)
         sys.stdout.flush()
-        return int(code or 0)
+        return int(code)
+    except click.exceptions.Exit as end:  # --help, --version
+        return end.exit_code
     except click.exceptions.NoArgsIsHelpError as error:
         click.echo(error.format_message())
         return _fail(f"name a command: {', '.join(cli.commands)}")
@@ -55,13 +61,13 @@ def run(arguments: list[str]) -> int:
         return _fail(f"{error.format_message()} See '{command} --help'.")
     except FirstContactError as error:
         return _fail(str(error))
-    except (KeyboardInterrupt, click.Abort):
+    except KeyboardInterrupt:
         click.echo("firstcontact: interrupted", err=True)
         return INTERRUPTED
     except BrokenPipeError:
-        # The reader of our output (head, less) has left; keep Python from complaining about it at exit.
+        # Keep Python from complaining about the unwritten rest at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
+        return READER_LEFT
 
 
 def _fail(message: str) -> int:

@@ -11,7 +11,7 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from flint import arb, fmpq
+from flint import arb, ctx, fmpq
 
 from firstcontact.exact.numbers import (
     PRECISIONS,
@@ -119,24 +119,21 @@ class AngleInstant:
         return all(isinstance(v, fmpq) for s in (self.X, self.Y) for v in (s.x, s.y, s.d))
 
     def local(self) -> arb:
-        """The angle in radians, enclosed at the present precision."""
-        if self._rational():
-            if self.is_zero():
-                return arb(0)
-            flat = self.Y.sign() == 0
-        else:
-            flat = False
-        x, y = self.X.ball(), self.Y.ball() * ball(self.K).sqrt()
-        if flat:
-            return arb.pi()
-        angle = arb.atan2(y, x)
-        if y > 0:
-            return angle
-        if y < 0:
-            return angle + 2 * arb.pi()
-        if x < 0:  # y straddles zero about the angle pi: turn the vector by pi first
-            return arb.atan2(-y, -x) + arb.pi()
-        raise Undecidable
+        """The angle in radians, enclosed at the present precision or, where the numbers cancel, a higher one.
+
+        Raises Undecidable for balls around the origin or the direction of angle 0.
+        """
+        if not self._rational():
+            return _angle(self.X.ball(), self.Y.ball() * ball(self.K).sqrt())
+        if self.Y.sign() == 0:
+            return arb(0) if self.X.sign() >= 0 else arb.pi()
+        bits = ctx.prec
+        while True:  # Y is not zero: some precision shows its sign
+            with precision(bits):
+                y = self.Y.ball() * ball(self.K).sqrt()
+                if y > 0 or y < 0:
+                    return _angle(self.X.ball(), y)
+            bits *= 2
 
     def is_rational(self) -> bool:
         """Whether its numbers are rational or square roots of rationals, not balls."""
@@ -152,6 +149,17 @@ class AngleInstant:
         n = self.R.x * self.R.x - self.R.y * self.R.y * self.R.d
         inverse = Surd(self.R.x / n, -self.R.y / n, self.R.d)
         return self.X * inverse, self.Y * inverse
+
+
+def _angle(x: arb, y: arb) -> arb:
+    """The angle of the vector (x, y) in [0, 2 pi)."""
+    if y > 0:
+        return arb.atan2(y, x)
+    if y < 0:
+        return arb.atan2(y, x) + 2 * arb.pi()
+    if x < 0:  # y straddles zero about the angle pi: turn the vector by pi first
+        return arb.atan2(-y, -x) + arb.pi()
+    raise Undecidable
 
 
 class LimitInstant:

@@ -16,8 +16,8 @@ def clip(window: Window | None, other: Window) -> Window | None:
         return None
     lo = _later(window[0], other[0])
     hi = _earlier(window[1], other[1])
-    if lo is not None and hi is not None and sign(hi - lo) < 0:
-        return None
+    if lo is not None and hi is not None and lo is not hi and sign(hi - lo) < 0:
+        return None  # (an instant is one object twice: no ball need tell its ends apart)
     return lo, hi
 
 

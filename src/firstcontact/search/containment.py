@@ -122,6 +122,14 @@ def _shifted_side(q: Vector, r: Vector) -> int:
     return 0
 
 
+def component_labels(body: Any) -> np.ndarray:
+    """(n,) for every vertex the smallest vertex of its component."""
+    cached = body._search.get("labels")
+    if cached is None:
+        cached = body._search["labels"] = component_of_vertices(body._segments, len(body.vertices))
+    return cached
+
+
 def component_vertices(body: Any) -> list[int]:
     """One vertex of every connected component of the body."""
     cached = body._search.get("components")
@@ -131,8 +139,7 @@ def component_vertices(body: Any) -> list[int]:
         used[body._segments.ravel()] = True
         if not used.any():
             used[:] = True
-        label = component_of_vertices(body._segments, len(body.vertices))
-        cached = body._search["components"] = np.unique(label[used]).tolist()
+        cached = body._search["components"] = np.unique(component_labels(body)[used]).tolist()
     return cached
 
 

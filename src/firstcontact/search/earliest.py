@@ -121,6 +121,21 @@ def all_pairs(problem: Problem) -> Found:
     return found
 
 
+def pairs_at_start(problem: Problem) -> list[tuple[Pair, bool]]:
+    """All (edge, facet) pairs that share a point at the start of the piece, and whether they cross."""
+    state = borrow_state()
+    try:
+        search = _Search(problem, state, Found(), None, None)
+        state.start(0.0, float("inf"), 0.0, float("-inf"), want_all=True)
+        search.stop_at_start = False
+        search.walk(with_start=True, all_sides=False)
+        if search.doubtful:
+            raise Undecidable
+        return search.found.start
+    finally:
+        return_state(state)
+
+
 class _Search:
     def __init__(
         self, problem: Problem, state: WalkState, found: Found, budget: int | None, progress: Progress | None
@@ -222,18 +237,23 @@ class _Search:
         if pair in self.decided:
             return
         self.found.exact += 1
-        instant = self._exactly(lambda: (self.problem.contact(pair[1], pair[2]),))
-        if instant is None:
+        answer = self._exactly(lambda: self._contact_and_bound(pair))
+        if answer is None:
             self.doubtful[pair] = lo
             return
-        self.decided[pair] = instant[0]
-        if instant[0] is not None:
-            hi = ball_bounds(instant[0].local())[1]
+        instant, hi = answer
+        self.decided[pair] = instant
+        if instant is not None:
             floats = self.state.floats
             if floats[ALL] == 0.0:
                 floats[BEST] = min(floats[BEST], hi)
-            if self.best is None or self._before(instant[0], self.best):
-                self.best = instant[0]
+            if self.best is None or self._before(instant, self.best):
+                self.best = instant
+
+    def _contact_and_bound(self, pair: Pair) -> tuple[Any, float]:
+        """The exact time of the pair and a double not before it."""
+        instant = self.problem.contact(pair[1], pair[2])
+        return instant, 0.0 if instant is None else ball_bounds(instant.local())[1]
 
     def _exactly(self, question: Callable[[], Any]) -> Any:
         """The answer of the exact face, at rising precision where it is in balls; None when none decides."""

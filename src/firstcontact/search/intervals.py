@@ -38,7 +38,9 @@ def contact_windows(problem: Any, budget: int | None, progress: Progress | None)
         return answer
     cover, parts = collected
     try:
-        items = [problem.float_window(lo, hi) for lo, hi in cover]
+        last = problem.window()[0]
+        items = [problem.float_window(lo, hi) for lo, hi in cover if hi >= 0.0 and lo <= last]
+        items = [(start, end) for start, end in items if problem.order(start, end) <= 0]
         for part_a, part_b in parts:
             answer.exact += 1
             items += decide(lambda a=part_a, b=part_b: problem.windows_of(a, b))
