@@ -133,7 +133,10 @@ class Polyhedron:
         if self._fractions is not None:
             x, y, z = (rational(c, "vertex") for c in self._fractions[i])
         else:
-            x, y, z = (fmpq(*c.as_integer_ratio()) for c in self._base[i].tolist())
+            x, y, z = self._base[i].tolist()
+            x, y, z = fmpq(*x.as_integer_ratio()), fmpq(*y.as_integer_ratio()), fmpq(*z.as_integer_ratio())
+            if self._matrix is IDENTITY and self._pose is None:
+                return x, y, z
         if self._pose is not None:
             x, y, z = apply(self._pose.matrix(), apply(self._matrix, (x, y, z)))
             return x, y, z
@@ -208,6 +211,7 @@ class Polyhedron:
     _closed: bool
     _side_edge: np.ndarray
     _segments: np.ndarray
+    _given_edges: int
     _search: dict[Any, Any]
 
 
@@ -345,6 +349,7 @@ def _derive(body: Polyhedron, given: np.ndarray | None, solid: bool | None, who:
     n_edges = len(segments)
     if given is not None or body._sides is not None:  # type: ignore[attr-defined]
         segments, n_edges, side_edge = _renumber(body, segments, side_edge, given, n)
+    body._given_edges = 0 if given is None else len(given)
     body._segments = segments
     body._side_edge = side_edge
     body.edges = segments[:n_edges]

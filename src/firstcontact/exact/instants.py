@@ -52,7 +52,7 @@ def enclose(number: Callable[[], Any]) -> tuple[float, tuple[float, float]]:
 def same_instant(x: Any, y: Any) -> bool:
     """Whether two instants are equal, or cannot be told apart at the present precision."""
     try:
-        return x.compare(y) == 0
+        return x is y or x.compare(y) == 0
     except Undecidable:
         return bool(x.local().overlaps(y.local()))
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from firstcontact.exact.instants import AngleInstant
 from firstcontact.exact.numbers import sign
-from firstcontact.exact.surd import Surd, sign_of
+from firstcontact.exact.surd import Surd
 from firstcontact.exact.turning import Axis
 from firstcontact.exact.vectors import Vector, along, cross, dot, scaled, sub
 from firstcontact.kernels.angle import TWO_PI, angle_bounds
@@ -143,13 +143,20 @@ def rotation_contacts(axis: Axis, p: Vector, a: Vector, b: Vector, c: Vector) ->
     s = sign(d)
     if s < 0:
         return []
+    # q(phi) lies inside side v w iff m.(q - v) >= 0, m = n x (w - v): linear in cosine and sine
+    inside = []
+    for v, w in ((a, b), (b, c), (c, a)):
+        m = cross(n, sub(w, v))
+        inside.append((dot(m, sub(foot, v)), dot(m, arm), dot(m, side)))
     found: list[Contact] = []
     for way in (-1, 1) if s else (1,):
         cosine = Surd(gamma * alpha / norm, -way * beta / norm, d)
         sine = Surd(gamma * beta / (K * norm), way * alpha / norm, d)  # over sqrt K
-        q = tuple(f + cosine * x + sine * y for f, x, y in zip(foot, arm, side, strict=True))
-        if all(sign_of(dot(n, cross(sub(w, v), sub(q, v)))) >= 0 for v, w in ((a, b), (b, c), (c, a))):  # type: ignore[arg-type]
-            found.append((AngleInstant(cosine, sine, 1, K), q))  # type: ignore[arg-type]
+        if all(
+            Surd(k + cosine.x * x + sine.x * y, cosine.y * x + sine.y * y, d).sign() >= 0 for k, x, y in inside
+        ):
+            q = along(along(foot, cosine, arm), sine, side)
+            found.append((AngleInstant(cosine, sine, 1, K), q))
     return found
 
 

@@ -12,6 +12,7 @@ from firstcontact.search.elements import KINDS, Feature, feature
 from firstcontact.search.state import (
     ALL,
     CANDIDATES,
+    CERTAIN_KIND,
     CROSSING_FOUND,
     DECIDE,
     DONE,
@@ -53,7 +54,7 @@ class Found:
     """What a search proved.
 
     instant   exact time of the first contact, None when there is none
-    pairs     the pairs that realise it, lowest first; flat sides (see `tree`) included
+    pairs     the pairs that realise it, lowest first
     start     pairs (edge, facet) that share a point at the start: (pair, crossing) - then no events were sought
     open      None, or "budget" / "precision": what stopped the search; free_until (local) is proved
     """
@@ -112,7 +113,7 @@ def all_pairs(problem: Problem) -> Found:
         search.stop_at_start = False
         search.walk(with_start=True, all_sides=True)
         met = [pair for pair, instant in search.decided.items() if instant is not None]
-        found.pairs = sorted({*met, *search.waiting})
+        found.pairs = sorted({*met, *(search._pair(row) for _, row in search.waiting)})
         if search.doubtful:
             found.open = "precision"
     finally:
@@ -142,7 +143,7 @@ class _Search:
     ) -> None:
         self.problem, self.state, self.found = problem, state, found
         self.budget, self.progress = budget, progress
-        self.waiting: dict[Pair, float] = {}  # pairs the floats are sure of, with their lower bounds
+        self.waiting: list[tuple[float, list[int]]] = []  # candidates the floats are sure of: bound, row
         self.decided: dict[Pair, Any] = {}  # exact times
         self.doubtful: dict[Pair, float] = {}  # pairs no precision decides, with their lower bounds
         self.stop_at_start = True
@@ -200,26 +201,34 @@ class _Search:
         rows = self.state.candidates[:n].tolist()
         integers[CANDIDATES] = 0
         integers[UNSURE_COUNT] = 0
+        best = float(self.state.floats[BEST])
         unsure = []
-        for (lo, _), (kind, part_a, local_a, part_b, local_b) in zip(times, rows, strict=True):
-            certain = kind >= 8
-            kind -= 8 if certain else 0
-            kind_a, kind_b = KINDS[kind]
-            pair = (
-                kind,
-                feature(self.problem.tree_a, kind_a, part_a, local_a),
-                feature(self.problem.tree_b, kind_b, part_b, local_b),
-            )
-            if kind >= EDGE_FACE:
-                self._decide_start(pair, certain)
-            elif certain:
-                self.waiting[pair] = lo
-            elif pair not in self.decided:
+        for (lo, _), row in zip(times, rows, strict=True):
+            if lo > best:
+                continue
+            if row[0] >= CERTAIN_KIND:
+                if row[0] >= CERTAIN_KIND + EDGE_FACE:
+                    self._decide_start(self._pair(row), certain=True)
+                else:
+                    self.waiting.append((lo, row))
+            elif row[0] >= EDGE_FACE:
+                self._decide_start(self._pair(row), certain=False)
+            elif (pair := self._pair(row)) not in self.decided:
                 unsure.append((lo, pair))
         unsure.sort()
         for lo, pair in unsure:
             if lo <= self.state.floats[BEST]:
                 self._decide(pair, lo)
+
+    def _pair(self, row: list[int]) -> Pair:
+        kind, part_a, local_a, part_b, local_b = row
+        kind %= CERTAIN_KIND
+        kind_a, kind_b = KINDS[kind]
+        return (
+            kind,
+            feature(self.problem.tree_a, kind_a, part_a, local_a),
+            feature(self.problem.tree_b, kind_b, part_b, local_b),
+        )
 
     def _decide_start(self, pair: Pair, certain: bool) -> None:
         if certain:
@@ -275,10 +284,10 @@ class _Search:
 
     def _settle_waiting(self) -> None:
         """Exact times of the certain pairs, until the next lower bound lies behind the best."""
-        for pair, lo in sorted(self.waiting.items(), key=lambda item: item[1]):
+        for lo, row in sorted(self.waiting):
             if lo > self.state.floats[BEST]:
                 break
-            self._decide(pair, lo)
+            self._decide(self._pair(row), lo)
         self.waiting.clear()
 
     def _conclude(self) -> None:
@@ -293,18 +302,4 @@ class _Search:
         if self.best is None:
             return
         found.instant = self.best
-        if self.problem.tree_a.has_flat_sides or self.problem.tree_b.has_flat_sides:
-            self._walk_at_best()
         found.pairs = sorted(p for p, t in self.decided.items() if t is not None and same_instant(t, self.best))
-
-    def _walk_at_best(self) -> None:
-        """Collect the pairs of flat sides that meet at the best time: a walk over that instant alone."""
-        integers = self.state.integers
-        self.found.visits += int(integers[VISITS])
-        self.found.tests += int(integers[TESTS])
-        self.found.unsure += int(integers[UNSURE_TOTAL])
-        lo, hi = ball_bounds(self.best.local())
-        lo = max(lo, 0.0)
-        self.state.start(lo, float("inf"), hi, float("-inf"))
-        finished = self.walk(with_start=False, all_sides=True)
-        assert finished or self.found.open == "budget"

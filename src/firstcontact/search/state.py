@@ -9,6 +9,9 @@ import numpy as np
 # Kinds of candidate pairs: element of a, element of b.  In this order the lowest kind is reported.
 VERTEX_FACE, EDGE_EDGE, FACE_VERTEX, EDGE_FACE, FACE_EDGE = range(5)
 
+# Added to the kind of a candidate that needs no exact answer to count.
+CERTAIN_KIND = 8
+
 # Why a kernel came back.
 DONE, SLICE_SPENT, FULL, DECIDE, CROSSING_FOUND = range(5)
 

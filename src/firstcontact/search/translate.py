@@ -17,25 +17,24 @@ from firstcontact.search.windows import meeting_window, part_windows
 
 
 @kernel
-def entry_time(box_a, box_b, velocity, pad, first, last):
-    """A time not later than any contact of the two boxes in [first, last]; inf when there is none.
+def entry_time(motion, boxes_a, a, boxes_b, b, pad, first, last):
+    """A time not later than any contact of box a and box b in [first, last]; inf when there is none.
 
-    velocity: (6,): v and 1/v of box a.  Each time carries at most 4 roundings: widen by 1e-15 relative.
+    Each time carries at most 4 roundings: widen by 1e-15 relative.
     """
     lo, hi = first, last
     for k in range(3):
-        ahead = box_b[k] - box_a[k + 3] - pad
-        behind = box_b[k + 3] - box_a[k] + pad
-        if velocity[k] == 0.0:
+        ahead = boxes_b[b, k] - boxes_a[a, k + 3] - pad
+        behind = boxes_b[b, k + 3] - boxes_a[a, k] + pad
+        v = motion[k + 3]
+        if motion[k] == 0.0:
             if ahead > 0.0 or behind < 0.0:
                 return np.inf
             continue
-        t0, t1 = ahead * velocity[k + 3], behind * velocity[k + 3]
-        if velocity[k] < 0.0:
+        t0, t1 = ahead * v, behind * v
+        if v < 0.0:
             t0, t1 = t1, t0
-        t0 -= 1e-15 * abs(t0)
-        t1 += 1e-15 * abs(t1)
-        lo, hi = max(lo, t0), min(hi, t1)
+        lo, hi = max(lo, t0 - 1e-15 * abs(t0)), min(hi, t1 + 1e-15 * abs(t1))
     return lo if lo <= hi else np.inf
 
 
@@ -87,7 +86,7 @@ def _events(
 def _earliest_meeting(motion, boxes_a, a, boxes_b, b, pad, first, last):
     if isinstance(motion, types.Array):
         return lambda motion, boxes_a, a, boxes_b, b, pad, first, last: entry_time(
-            boxes_a[a], boxes_b[b], motion, pad, first, last
+            motion, boxes_a, a, boxes_b, b, pad, first, last
         )
     return None
 

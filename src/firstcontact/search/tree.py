@@ -46,7 +46,6 @@ class Tree:
     corners: np.ndarray
     sides: np.ndarray
     error: float
-    has_flat_sides: bool
 
 
 def tree_of(body: Polyhedron) -> Tree:
@@ -59,12 +58,12 @@ def tree_of(body: Polyhedron) -> Tree:
 
 def _build(body: Polyhedron) -> Tree:
     corners, sides, kind = _primitives(body)
-    masks = _owners(corners, sides, kind, body.vertices, len(body._segments))
+    masks = _owners(corners, sides, kind, body.vertices, len(body._segments), body._given_edges)
     corner_xyz = body.vertices[corners].reshape(len(corners), 9)
     part_box, part_ids = _parts(corner_xyz, masks, SPLIT_FACTOR, MAX_PARTS)
     boxes, links, order = _split(part_box)
     ids = part_ids[order]
-    return Tree(boxes, links, corner_xyz[ids[:, 0]], ids, corners, sides, body.error, bool(np.any(masks & (7 << FLAT_SIDE))))
+    return Tree(boxes, links, corner_xyz[ids[:, 0]], ids, corners, sides, body.error)
 
 
 def _primitives(body: Polyhedron) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -96,11 +95,12 @@ def _primitives(body: Polyhedron) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 @kernel
-def _owners(corners, sides, kind, vertices, n_segments):
+def _owners(corners, sides, kind, vertices, n_segments, n_given):
     """Masks (k,) int32: the first primitive that holds an edge or vertex owns it.
 
     A side is flat when it lies between exactly two triangles in one axis-parallel plane: contacts there are
     contacts of the true edges or of the face as well, so a search for the first contact may pass over it.
+    The first n_given segments are edges because the user said so, and never flat.
     """
     n = corners.shape[0]
     masks = kind.copy()
@@ -127,7 +127,7 @@ def _owners(corners, sides, kind, vertices, n_segments):
             if kind[p] & BARE:
                 masks[p] |= 1 << SIDE
             elif first[e] == 3 * p + s:
-                flat = second[e] >= 0 and _coplanar(vertices, corners, p, s, second[e])
+                flat = e >= n_given and second[e] >= 0 and _coplanar(vertices, corners, p, s, second[e])
                 masks[p] |= 1 << ((FLAT_SIDE if flat else SIDE) + s)
     return masks
 

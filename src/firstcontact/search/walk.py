@@ -17,6 +17,7 @@ from firstcontact.search.state import (
     ALL,
     BEST,
     CANDIDATES,
+    CERTAIN_KIND,
     CROSSING_FOUND,
     DECIDE,
     DONE,
@@ -54,8 +55,8 @@ test_events.__test__ = False  # type: ignore[attr-defined]  # no test, whatever 
 
 
 @kernel
-def area(box):
-    x, y, z = box[3] - box[0], box[4] - box[1], box[5] - box[2]
+def area(boxes, node):
+    x, y, z = boxes[node, 3] - boxes[node, 0], boxes[node, 4] - boxes[node, 1], boxes[node, 5] - boxes[node, 2]
     return x * y + y * z + z * x
 
 
@@ -74,7 +75,7 @@ def record(floats, integers, times, candidates, kind, part_a, side_a, part_b, si
     if verdict == CERTAIN:
         if floats[ALL] == 0.0:
             floats[BEST] = min(floats[BEST], hi)
-        candidates[n, 0] += 8  # certain: needs no exact answer before the end
+        candidates[n, 0] += CERTAIN_KIND
     else:
         integers[UNSURE_COUNT] += 1
         integers[UNSURE_TOTAL] += 1
@@ -171,7 +172,7 @@ def walk(
                     floats, integers, times, candidates,
                 )  # fmt: skip
                 break
-            if leaf_b or (not leaf_a and area(boxes_a[a]) >= area(boxes_b[b])):
+            if leaf_b or (not leaf_a and area(boxes_a, a) >= area(boxes_b, b)):
                 a0, b0, a1, b1 = links_a[a, 0], b, links_a[a, 1], b
             else:
                 a0, b0, a1, b1 = a, links_b[b, 0], a, links_b[b, 1]

@@ -83,7 +83,7 @@ def collect(
         leaf_a, leaf_b = links_a[a, 1] < 0, links_b[b, 1] < 0
         if not (leaf_a and leaf_b):
             n = integers[STACK]
-            if leaf_b or (not leaf_a and area(boxes_a[a]) >= area(boxes_b[b])):
+            if leaf_b or (not leaf_a and area(boxes_a, a) >= area(boxes_b, b)):
                 stack[n, 0], stack[n, 1], stack[n + 1, 0], stack[n + 1, 1] = links_a[a, 0], b, links_a[a, 1], b
             else:
                 stack[n, 0], stack[n, 1], stack[n + 1, 0], stack[n + 1, 1] = a, links_b[b, 0], a, links_b[b, 1]
