@@ -13,11 +13,10 @@ from firstcontact.exact.numbers import Undecidable, to_double
 from firstcontact.motion.relative import pieces
 from firstcontact.report import JoinedInterval, contact_of, element_pairs, initial_contact, interval_of, join
 from firstcontact.result import ContactIntervals, ContactPairs, FirstContact, Stats, Status
-from firstcontact.search.containment import contained
 from firstcontact.search.earliest import Found, Pair, Progress, all_pairs, earliest
 from firstcontact.search.overlap import initial_kind
 from firstcontact.search.intervals import contact_windows
-from firstcontact.search.problem import problem_of
+from firstcontact.search.problem import problem_of, problems_in_order
 
 
 def first_contact(
@@ -56,8 +55,7 @@ def first_contact(
     stats = Stats()
     window = (to_double(first), math.inf if last is None else to_double(last))
     shared = {"a": a, "b": b, "span": window}
-    for k, piece in enumerate(parts):
-        problem = problem_of(a, b, piece)
+    for k, problem in enumerate(problems_in_order(a, b, parts)):
         left = None if budget is None else max(0, budget - int(stats.node_visits + stats.pair_tests))
         found = earliest(problem, left, progress, with_start=k == 0)
         stats += Stats(found.visits, found.tests, found.unsure, found.exact)
@@ -72,10 +70,10 @@ def first_contact(
             return initial_contact(problem, found, kind, exact, _timed(stats, begin), shared)
         if k == 0:
             try:
-                inner = contained(problem.a, problem.b)
+                inside = problem.is_contained()
             except Undecidable:
                 return _undecided("precision", window[0], stats, begin, shared)
-            if inner is not None:
+            if inside:
                 return FirstContact(
                     Status.INITIAL_CONTACT, window[0], (window[0], window[0]),
                     problem.world_exact(problem.start_instant()) if exact else None, initial="containment",
@@ -148,13 +146,13 @@ def contact_pairs(a: Any, b: Any, span: Any = None) -> ContactPairs:
     stats = Stats()
     met: list[Pair] = []
     pierced: list[Pair] = []
-    for k, piece in enumerate(parts):
-        found = all_pairs(problem_of(a, b, piece))
+    for k, problem in enumerate(problems_in_order(a, b, parts)):
+        found = all_pairs(problem, with_start=k == 0)
         if found.open is not None:
             raise FirstContactError("a pair of elements cannot be decided in this irrational pose")
         stats += Stats(found.visits, found.tests, found.unsure, found.exact)
         met += found.pairs
-        pierced += [pair for pair, _ in found.start] if k == 0 else []
+        pierced += [pair for pair, _ in found.start]
     return ContactPairs(
         tuple(p for p, _ in element_pairs(a, b, met)),
         tuple(p for p, _ in element_pairs(a, b, pierced)),

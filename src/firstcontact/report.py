@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 
 from firstcontact.body.moving import Moving
-from firstcontact.exact.numbers import PRECISIONS, Undecidable, ball, nearest_double, precision, sign
-from firstcontact.exact.vectors import Vector, dot
+from firstcontact.exact.numbers import PRECISIONS, Undecidable, precision
 from firstcontact.result import ContactInterval, Element, ElementPair, FirstContact, Stats, Status
 from firstcontact.search.earliest import Found, Pair
 from firstcontact.search.elements import EDGE, FACE, VERTEX, Feature
+from firstcontact.search.touch import doubles
 
 _NAMES = {VERTEX: "vertex", EDGE: "edge", FACE: "face"}
 _ORDER = {"vertex": 0, "edge": 1, "face": 2}
@@ -143,38 +143,16 @@ def interval_of(joined: JoinedInterval, exact: bool) -> ContactInterval:
 def _start_point(problem: Any, pair: Pair) -> np.ndarray | None:
     with precision(PRECISIONS[0]):
         try:
-            return floats(problem.start_point(pair[1], pair[2]))
+            return doubles(problem.start_point(pair[1], pair[2]))
         except Undecidable:
             return None
 
 
 def _place(problem: Any, pair: Pair, instant: Any, time: float) -> tuple[np.ndarray, np.ndarray | None]:
     """Contact point and unit normal (from b towards a) in the world."""
-    with precision(PRECISIONS[0]):
-        point = floats(problem.point(pair[1], pair[2], instant))
-        direction, velocity = problem.normal(pair[1], pair[2], instant)
-        try:
-            towards = sign(dot(direction, velocity))
-        except Undecidable:
-            towards = 0
-        normal = _unit(direction, -towards) if towards else None
+    point, normal = problem.touch(pair[1], pair[2], instant)
     pose = problem.piece.carry(time)
     if pose is not None:
         point = pose[:3, :3] @ point + pose[:3, 3]
         normal = None if normal is None else pose[:3, :3] @ normal
     return point, normal
-
-
-def _unit(direction: Vector, factor: int) -> np.ndarray:
-    x, y, z = (ball(c) for c in direction)
-    length = (x * x + y * y + z * z).sqrt()
-    return np.array([float(factor * c / length) for c in (x, y, z)])
-
-
-def floats(v: Vector) -> np.ndarray:
-    """The doubles nearest exact coordinates."""
-    out = []
-    for x in v:
-        near = nearest_double(ball(x))
-        out.append(float(ball(x)) if near is None else near)
-    return np.array(out)

@@ -57,7 +57,13 @@ class Stats(Mapping[str, float]):
         return len(self.__slots__)
 
     def __add__(self, other: Stats) -> Stats:
-        return Stats(*(getattr(self, k) + getattr(other, k) for k in self.__slots__))
+        return Stats(
+            self.node_visits + other.node_visits,
+            self.pair_tests + other.pair_tests,
+            self.undecided + other.undecided,
+            self.exact_evaluations + other.exact_evaluations,
+            self.seconds + other.seconds,
+        )
 
 
 @dataclass(frozen=True, slots=True, order=True)

@@ -1,7 +1,10 @@
 """Two moving bodies -> one: pieces of time in which the relative motion is one translation or one rotation.
 
-In every piece both bodies stand placed at its start, b is at rest in the working frame, and a moves
+In every piece both bodies stand placed at its reference time, b is at rest in the working frame, and a moves
 in it.  The working frame itself follows b: `carry` brings points of it back to the world.
+
+The reference is the start of the piece, but where a rotation's pose is irrational there: then it is the
+time at which the rotation began in a rational pose, and the piece is a window of its angles.
 """
 
 from __future__ import annotations
@@ -28,13 +31,14 @@ REST = Translation((0, 0, 0))
 
 @dataclass(frozen=True, slots=True)
 class Piece:
-    """Relative motion of a seen from b during [start, end] (end None: for ever); local time is t - start.
+    """Relative motion of a seen from b during [start, end] (end None: for ever); local time is t - reference.
 
     velocity (translation) per unit of time, or axis, point and rate (radians, turns) per unit of time.
     """
 
     start: fmpq
     end: fmpq | None
+    reference: fmpq
     place_a: Placement
     place_b: Placement
     velocity: tuple[fmpq, fmpq, fmpq] | None
@@ -46,7 +50,7 @@ class Piece:
 
     def carry(self, t: float) -> np.ndarray | None:
         """Float pose (4, 4) of the working frame in the world at time t; None where it rests."""
-        local = t - to_double(self.start)
+        local = t - to_double(self.reference)
         if self.carry_velocity is not None:
             pose = np.eye(4)
             pose[:3, 3] = [to_double(x) * local for x in self.carry_velocity]
@@ -56,6 +60,19 @@ class Piece:
             axis, point = (np.array([to_double(x) for x in v]) for v in (self.axis, self.point))
             return rotation_matrix(axis, point, angle)
         return None
+
+    def angle_at(self, time: fmpq) -> tuple[fmpq, fmpq]:
+        """(radians, turns) from the reference to that time."""
+        return _times(time - self.reference, self.rate)
+
+    def at_start(self) -> Piece:
+        """The instant in which a rotation's window starts, both bodies as they stand in the world then."""
+        assert self.axis is not None and self.point is not None
+        passed, carry = self.start - self.reference, self.carry_rate or (_0, _0)
+        rate_a = self.rate[0] + carry[0], self.rate[1] + carry[1]
+        turn_a, turn_b = (Turn(self.axis, self.point, *_times(passed, rate)) for rate in (rate_a, carry))
+        placed = self.place_a.then(turn_a), self.place_b.then(turn_b)
+        return Piece(self.start, self.start, self.start, *placed, (_0, _0, _0), None, None, (_0, _0))
 
 
 def pieces(a: Any, b: Any, span: Any) -> tuple[list[Piece], fmpq, fmpq | None]:
@@ -125,6 +142,10 @@ def _angle(motion: Rotation, share: fmpq) -> tuple[fmpq, fmpq]:
     return (angle, _0) if motion.unit == "radians" else (_0, angle)
 
 
+def _times(factor: fmpq, rate: tuple[fmpq, fmpq]) -> tuple[fmpq, fmpq]:
+    return factor * rate[0], factor * rate[1]
+
+
 def _rests(motion: Translation | Rotation) -> bool:
     return not any(motion.vector) if isinstance(motion, Translation) else motion.angle == 0
 
@@ -138,7 +159,7 @@ def _reduce(a: Any, b: Any, step_a: _Step, step_b: _Step, start: fmpq, end: fmpq
     if straight_a and straight_b:
         v_a, v_b = _velocity(step_a, rest_a), _velocity(step_b, rest_b)
         return Piece(
-            start, end, _placed(step_a, start), _placed(step_b, start),
+            start, end, start, _placed(step_a, start), _placed(step_b, start),
             sub(v_a, v_b), None, None, (_0, _0),
             carry_velocity=v_b if any(v_b) else None,
         )  # fmt: skip
@@ -154,8 +175,13 @@ def _reduce(a: Any, b: Any, step_a: _Step, step_b: _Step, start: fmpq, end: fmpq
     carry_rate = rate_b if any(rate_b) else None
     if not any(rate):
         zero = (_0, _0, _0)
-        return Piece(start, end, *placed, zero, lead.axis, lead.point, rate, carry_rate=carry_rate)
-    return Piece(start, end, *placed, None, lead.axis, lead.point, rate, carry_rate=carry_rate)
+        return Piece(start, end, start, *placed, zero, lead.axis, lead.point, rate, carry_rate=carry_rate)
+    reference = start
+    if not (placed[0].is_exact and placed[1].is_exact):
+        begins = {step.start for step, rests in ((step_a, rest_a), (step_b, rest_b)) if not rests}
+        if len(begins) == 1 and step_a.before.is_exact and step_b.before.is_exact:
+            reference, placed = begins.pop(), (step_a.before, step_b.before)
+    return Piece(start, end, reference, *placed, None, lead.axis, lead.point, rate, carry_rate=carry_rate)
 
 
 def _velocity(step: _Step, rests: bool) -> tuple[fmpq, fmpq, fmpq]:

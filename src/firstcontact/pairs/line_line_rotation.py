@@ -34,6 +34,8 @@ def rotation_filter(a0, a1, a2, b0, b1, b2, c0, c1, c2, d0, d1, d2, err_a, err_b
         return none
     ez, eez = minus(b2, err_a, a2, err_a)
     fz, efz = minus(d2, err_b, c2, err_b)
+    if _radii_differ(a0, a1, a2, b0, b1, b2, c0, c1, c2, d0, d1, d2, ez, fz, err_a, err_b):
+        return none
     if abs(ez) <= eez and abs(fz) <= efz:
         lo = planar_bound(a0, a1, b0, b1, c0, c1, d0, d1, err_a, err_b)
         return (UNSURE, lo, TWO_PI, NONE, 0.0, 0.0) if lo < TWO_PI else none
@@ -57,6 +59,36 @@ def rotation_filter(a0, a1, a2, b0, b1, b2, c0, c1, c2, d0, d1, d2, err_a, err_b
         if v1 == UNSURE and lo1 > hi1:
             v1 = NONE
     return v0, lo0, hi0, v1, lo1, hi1
+
+
+@kernel
+def _radii_differ(a0, a1, a2, b0, b1, b2, c0, c1, c2, d0, d1, d2, ez, fz, err_a, err_b):
+    """Whether the radii of ab and cd certainly differ at all common heights: cheap, rejects most pairs.
+
+    Over the common heights the difference of the squared radii is a quadratic with the values q0, q1 at the ends
+    and a second-order part of at most ||P1 - P0|^2 - |Q1 - Q0|^2| / 4 in between.  Points of an edge are within
+    `delta` of their place: the parameter carries the errors of heights over the edge's own height.
+    """
+    if ez == 0.0 or fz == 0.0:
+        return False
+    z0, z1 = max(min(a2, b2), min(c2, d2)), min(max(a2, b2), max(c2, d2))
+    z_err = 8.0 * 2.0**-53 * (abs(a2) + abs(b2) + abs(c2) + abs(d2)) + 4.0 * (err_a + err_b)
+    i, j = 1.0 / ez, 1.0 / fz
+    e0, e1, f0, f1 = b0 - a0, b1 - a1, d0 - c0, d1 - c1
+    s, t = (z0 - a2) * i, (z1 - a2) * i
+    p0, p1, r0, r1 = a0 + s * e0, a1 + s * e1, a0 + t * e0, a1 + t * e1
+    s, t = (z0 - c2) * j, (z1 - c2) * j
+    q0, q1, u0, u1 = c0 + s * f0, c1 + s * f1, c0 + t * f0, c1 + t * f1
+    size_a, size_b = abs(a0) + abs(a1) + abs(b0) + abs(b1), abs(c0) + abs(c1) + abs(d0) + abs(d1)
+    delta_a = (abs(e0) + abs(e1)) * abs(i) * z_err + 16.0 * 2.0**-53 * size_a + 4.0 * err_a
+    delta_b = (abs(f0) + abs(f1)) * abs(j) * z_err + 16.0 * 2.0**-53 * size_b + 4.0 * err_b
+    first = p0 * p0 + p1 * p1 - q0 * q0 - q1 * q1
+    last = r0 * r0 + r1 * r1 - u0 * u0 - u1 * u1
+    x0, x1, y0, y1 = r0 - p0, r1 - p1, u0 - q0, u1 - q1
+    bow = 0.25 * abs(x0 * x0 + x1 * x1 - y0 * y0 - y1 * y1)
+    margin = 8.0 * ((size_a + delta_a) * delta_a + (size_b + delta_b) * delta_b)
+    margin += 32.0 * 2.0**-53 * (size_a * size_a + size_b * size_b)
+    return (first > 0.0) == (last > 0.0) and min(abs(first), abs(last)) > bow + margin
 
 
 @kernel

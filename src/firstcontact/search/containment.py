@@ -151,11 +151,12 @@ def contained(a: Any, b: Any) -> tuple[str, int] | None:
     for inner, outer, side in ((a, b, "a"), (b, a, "b")):
         if not outer.solid:
             continue
-        tree = tree_of(outer)
-        lo, hi = tree.boxes[0, :3] - outer.error, tree.boxes[0, 3:] + outer.error
-        own = tree_of(inner).boxes[0]
-        if np.any(own[:3] - inner.error > hi) or np.any(own[3:] + inner.error < lo):
+        tree, pad = tree_of(outer), outer.error + inner.error
+        x0, y0, z0, x1, y1, z1 = tree.boxes[0].tolist()
+        u0, v0, w0, u1, v1, w1 = tree_of(inner).boxes[0].tolist()
+        if u0 > x1 + pad or v0 > y1 + pad or w0 > z1 + pad or x0 > u1 + pad or y0 > v1 + pad or z0 > w1 + pad:
             return None
+        lo, hi = tree.boxes[0, :3] - outer.error, tree.boxes[0, 3:] + outer.error
         for v in component_vertices(inner):
             x = inner.vertices[v]
             if np.all(x >= lo - inner.error) and np.all(x <= hi + inner.error):

@@ -43,6 +43,8 @@ class Problem(Protocol):
     tree_a: Any
     tree_b: Any
 
+    @property
+    def begin(self) -> tuple[float, float]: ...
     def window(self) -> tuple[float, float]: ...
     def advance(self, state: WalkState, limit: int, with_start: bool, all_sides: bool) -> int: ...
     def contact(self, element_a: Feature, element_b: Feature) -> Any: ...
@@ -99,7 +101,7 @@ def earliest(
     return found
 
 
-def all_pairs(problem: Problem) -> Found:
+def all_pairs(problem: Problem, with_start: bool = True) -> Found:
     """`pairs`: every vertex/face, edge/edge and face/vertex pair that meets in the piece; `start`: edges through
 
     faces at its start.  Undecided pairs are decided exactly.
@@ -109,9 +111,9 @@ def all_pairs(problem: Problem) -> Found:
     try:
         search = _Search(problem, state, found, None, None)
         last, sure_last = problem.window()
-        state.start(0.0, 0.0, last, sure_last, want_all=True)
+        state.start(*problem.begin, last, sure_last, want_all=True)
         search.stop_at_start = False
-        search.walk(with_start=True, all_sides=True)
+        search.walk(with_start, all_sides=True)
         met = [pair for pair, instant in search.decided.items() if instant is not None]
         found.pairs = sorted({*met, *(search._pair(row) for _, row in search.waiting)})
         if search.doubtful:
@@ -152,7 +154,7 @@ class _Search:
 
     def run(self, with_start: bool) -> None:
         last, sure_last = self.problem.window()
-        self.state.start(0.0, 0.0, last, sure_last)
+        self.state.start(*self.problem.begin, last, sure_last)
         if not self.walk(with_start, all_sides=False):
             return
         self._settle_waiting()
@@ -266,6 +268,10 @@ class _Search:
 
     def _exactly(self, question: Callable[[], Any]) -> Any:
         """The answer of the exact face, at rising precision where it is in balls; None when none decides."""
+        try:
+            return question()  # rational numbers need no precision
+        except Undecidable:
+            pass
         for bits in PRECISIONS:
             with precision(bits):
                 try:

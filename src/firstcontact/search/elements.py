@@ -62,12 +62,17 @@ class Primitive:
         c = self.corners
         self.sides = [(c[0], c[1]), (c[1], c[2]), (c[2], c[0])] if self.is_facet else [(c[0], c[1])]
 
-    def moved(self, pose: Matrix) -> Primitive:
-        other = object.__new__(Primitive)
-        other.is_facet = self.is_facet
-        other.corners = [apply(pose, p) for p in self.corners]
+    @classmethod
+    def of(cls, corners: list[Any]) -> Primitive:
+        """The primitive spanned by one, two or three corners."""
+        other = object.__new__(cls)
+        other.is_facet = len(corners) == 3
+        other.corners = corners if len(corners) > 1 else corners * 2
         other._find_sides()
         return other
+
+    def moved(self, pose: Matrix) -> Primitive:
+        return self.of([apply(pose, p) for p in self.corners])
 
     def meets(self, other: Primitive) -> bool:
         """Whether the two, at rest, share a point."""

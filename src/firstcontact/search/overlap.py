@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from flint import fmpq
 
-from firstcontact.exact.numbers import sign, to_double
+from firstcontact.exact.numbers import Undecidable, sign, to_double
 from firstcontact.exact.vectors import Vector, add, along, cross, dot, scaled, sub
 from firstcontact.pairs import point_line
 from firstcontact.pairs.line_line import segments_meet
@@ -47,6 +47,8 @@ def initial_kind(problem: Any, found: Found) -> str:
     touching = [pair for pair, _ in pairs] or found.pairs
     if _separated(a, b, touching):
         return "touching"
+    if a._pose is not None or b._pose is not None:
+        raise Undecidable  # what follows asks whether numbers are equal: no question for balls
     if _component_inside(a, b, [p[1] for p in touching]) or _component_inside(b, a, [p[2] for p in touching]):
         return "overlapping"
     shared = {x for pair in touching for x in _shared_vertices(a, b, pair)}

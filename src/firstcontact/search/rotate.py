@@ -3,14 +3,14 @@
 In cylindrical coordinates about the axis a box has ranges of squared radius and angle, computed when a walk first
 visits it.  Boxes whose ranges of height and radius overlap meet no earlier than the gap of their angles.
 
-`motion` is the tuple (ranges_a, seen_a, ranges_b, seen_b, centre): ranges (q, 4) squared radius lo, hi, first
-angle, width; seen (q,) uint8; centre (x, y) where the axis meets the plane z = 0 of the frame of both trees.
+`motion` is one array (q + r + 1, 5): a row per node of a, then per node of b, with squared radius lo, hi, first
+angle, width, and 1 when it is filled; the last row holds the point (x, y) where the axis meets the plane z = 0 of
+the frame of both trees, and q.  (One array, because every further one costs reference counts in the inner loop.)
 """
 
 from __future__ import annotations
 
 import numpy as np
-from numba import types
 from numba.extending import overload
 
 from firstcontact.kernels.angle import ANGLE_EPS, TWO_PI, angle_of
@@ -29,16 +29,18 @@ _SLACK = 8.0 * ANGLE_EPS  # two angles, their difference and a sum, each within 
 
 
 @kernel
-def find_range(box, centre, pad, out):
-    """Fill out (4,): squared radii lo, hi and angles first, width of the box grown by `pad` about the axis."""
-    x0, x1 = box[0] - centre[0] - pad, box[3] - centre[0] + pad
-    y0, y1 = box[1] - centre[1] - pad, box[4] - centre[1] + pad
+def find_range(boxes, node, motion, row, pad):
+    """Fill a row: squared radii lo, hi and angles first, width of the box grown by `pad` about the axis."""
+    end = motion.shape[0] - 1
+    cx, cy = motion[end, 0], motion[end, 1]
+    x0, x1 = boxes[node, 0] - cx - pad, boxes[node, 3] - cx + pad
+    y0, y1 = boxes[node, 1] - cy - pad, boxes[node, 4] - cy + pad
     # the differences round by 2^-53 relative to their own size: widen by twice that
     x0, x1, y0, y1 = x0 - 4e-16 * abs(x0), x1 + 4e-16 * abs(x1), y0 - 4e-16 * abs(y0), y1 + 4e-16 * abs(y1)
     dx, dy = max(x0, -x1, 0.0), max(y0, -y1, 0.0)
     fx, fy = max(-x0, x1), max(-y0, y1)
-    out[0] = (dx * dx + dy * dy) * (1.0 - 1e-15)
-    out[1] = (fx * fx + fy * fy) * (1.0 + 1e-15)
+    motion[row, 0] = (dx * dx + dy * dy) * (1.0 - 1e-15)
+    motion[row, 1] = (fx * fx + fy * fy) * (1.0 + 1e-15)
     if x0 > 0.0:
         first = angle_of(x0 if y0 < 0.0 else x1, y0)
         last = angle_of(x0 if y1 > 0.0 else x1, y1)
@@ -50,38 +52,35 @@ def find_range(box, centre, pad, out):
     elif y1 < 0.0:
         first, last = angle_of(x0, y1), angle_of(x1, y1)
     else:
-        out[2], out[3] = 0.0, _FULL
-        return
-    out[2] = first
-    out[3] = last - first if last >= first else last - first + TWO_PI
+        first, last = 0.0, _FULL
+    motion[row, 2] = first
+    motion[row, 3] = last - first if last >= first else last - first + TWO_PI
+    motion[row, 4] = 1.0
 
 
 @kernel
 def entry_angle(motion, boxes_a, a, boxes_b, b, pad, first, last):
-    """An angle not later than any contact of the two boxes in [first, last]; inf when there is none."""
-    ranges_a, seen_a, ranges_b, seen_b, centre = motion
+    """An angle not later than any contact of box a and box b in [first, last]; inf when there is none."""
     if boxes_a[a, 2] > boxes_b[b, 5] + pad or boxes_b[b, 2] > boxes_a[a, 5] + pad:
         return np.inf
-    if not seen_a[a]:
-        find_range(boxes_a[a], centre, pad, ranges_a[a])
-        seen_a[a] = 1
-    if not seen_b[b]:
-        find_range(boxes_b[b], centre, pad, ranges_b[b])
-        seen_b[b] = 1
-    if ranges_a[a, 0] > ranges_b[b, 1] or ranges_b[b, 0] > ranges_a[a, 1]:
+    i, j = a, int(motion[motion.shape[0] - 1, 2]) + b
+    if motion[i, 4] == 0.0:
+        find_range(boxes_a, a, motion, i, pad)
+    if motion[j, 4] == 0.0:
+        find_range(boxes_b, b, motion, j, pad)
+    if motion[i, 0] > motion[j, 1] or motion[j, 0] > motion[i, 1]:
         return np.inf
-    phi_a, width_a, phi_b, width_b = ranges_a[a, 2], ranges_a[a, 3], ranges_b[b, 2], ranges_b[b, 3]
-    ahead = phi_b - phi_a
+    # a covers [phi, phi + width] and moves forward; b's range begins `ahead` of phi and ends at `leave`
+    ahead = motion[j, 2] - motion[i, 2]
     if ahead < 0.0:
         ahead += TWO_PI
-    # a covers [phi_a, phi_a + width_a] and moves forward; b's range begins `ahead` of phi_a
-    gap = ahead - width_a - _SLACK
-    leave = ahead + width_b + _SLACK  # the angle at which a has left b's range, once around at most
+    gap = ahead - motion[i, 3] - _SLACK
+    leave = ahead + motion[j, 3] + _SLACK
     if gap <= first:
-        if leave >= first or ahead + width_b + _SLACK >= TWO_PI:
+        if leave >= first or leave >= TWO_PI:
             return first
         return np.inf if TWO_PI + gap > last else max(first, TWO_PI + gap)
-    if ahead + width_b + _SLACK >= TWO_PI and ahead + width_b - TWO_PI + _SLACK >= first:
+    if leave - TWO_PI >= first:
         return first  # b's range reaches around to where a's begins
     return gap if gap <= last else np.inf
 
@@ -89,7 +88,8 @@ def entry_angle(motion, boxes_a, a, boxes_b, b, pad, first, last):
 def _events(
     motion, pa, mask_a, xa, pb, mask_b, xb, sides, err_a, err_b, floats, integers, times, candidates
 ):
-    cx, cy = motion[4][0], motion[4][1]
+    end = motion.shape[0] - 1
+    cx, cy = motion[end, 0], motion[end, 1]
     points_only = (mask_a & POINT and mask_b & FACET) or (mask_b & POINT and mask_a & FACET)
     for s in range(3):
         if not mask_a & (sides << s) or points_only:
@@ -136,7 +136,7 @@ def note(floats, integers, times, candidates, kind, part_a, side_a, part_b, side
 
 @overload(earliest_meeting)
 def _earliest_meeting(motion, boxes_a, a, boxes_b, b, pad, first, last):
-    if isinstance(motion, types.BaseTuple):
+    if motion.ndim == 2:
         return lambda motion, boxes_a, a, boxes_b, b, pad, first, last: entry_angle(
             motion, boxes_a, a, boxes_b, b, pad, first, last
         )
@@ -147,7 +147,7 @@ def _earliest_meeting(motion, boxes_a, a, boxes_b, b, pad, first, last):
 def _test_events(
     motion, pa, mask_a, xa, pb, mask_b, xb, sides, err_a, err_b, floats, integers, times, candidates
 ):
-    if isinstance(motion, types.BaseTuple):
+    if motion.ndim == 2:
         return _events
     return None
 
@@ -158,11 +158,11 @@ def angle_window(motion, boxes_a, a, boxes_b, b, pad, last):
     entry = entry_angle(motion, boxes_a, a, boxes_b, b, pad, 0.0, last)
     if entry == np.inf:
         return np.inf, np.inf
-    ranges_a, ranges_b = motion[0], motion[2]
-    ahead = ranges_b[b, 2] - ranges_a[a, 2]
+    i, j = a, int(motion[motion.shape[0] - 1, 2]) + b
+    ahead = motion[j, 2] - motion[i, 2]
     if ahead < 0.0:
         ahead += TWO_PI
-    leave = ahead + ranges_b[b, 3] + _SLACK
+    leave = ahead + motion[j, 3] + _SLACK
     if leave >= TWO_PI or entry == 0.0:
         return entry, last  # it may come around: no need to say when it leaves
     return entry, min(leave, last)
@@ -223,7 +223,8 @@ def _crossing_at(angle, xa, sides_a, facet_a, xb, sides_b, facet_b, cx, cy, err_
 
 def _windows(motion, mask_a, xa, mask_b, xb, err_a, err_b, last, scratch, out):
     # between two consecutive events nothing changes: one look into each gap decides it
-    cx, cy = motion[4][0], motion[4][1]
+    end = motion.shape[0] - 1
+    cx, cy = motion[end, 0], motion[end, 1]
     facet_a, facet_b = mask_a & FACET != 0, mask_b & FACET != 0
     sides_a, sides_b = 3 if facet_a else 1, 3 if facet_b else 1
     n = 0
@@ -294,7 +295,7 @@ def _windows(motion, mask_a, xa, mask_b, xb, err_a, err_b, last, scratch, out):
 
 @overload(meeting_window)
 def _meeting_window(motion, boxes_a, a, boxes_b, b, pad, last):
-    if isinstance(motion, types.BaseTuple):
+    if motion.ndim == 2:
         return lambda motion, boxes_a, a, boxes_b, b, pad, last: angle_window(
             motion, boxes_a, a, boxes_b, b, pad, last
         )
@@ -303,6 +304,6 @@ def _meeting_window(motion, boxes_a, a, boxes_b, b, pad, last):
 
 @overload(part_windows)
 def _part_windows(motion, mask_a, xa, mask_b, xb, err_a, err_b, last, scratch, out):
-    if isinstance(motion, types.BaseTuple):
+    if motion.ndim == 2:
         return _windows
     return None

@@ -1,10 +1,12 @@
 """One piece of relative rotation: the walk over two trees, and exact answers for pairs of elements.
 
-The local clock of the search is the angle in radians, forward about `axis`; the piece's own rate turns it into time.
+The local clock of the search is the angle in radians, forward about `axis`, from the pose at the piece's
+reference time; the piece's own rate turns it into time.
 """
 
 from __future__ import annotations
 
+import copy
 import math
 from functools import cmp_to_key
 from fractions import Fraction
@@ -38,27 +40,88 @@ from firstcontact.pairs import line_line, line_line_rotation, point_plane_rotati
 from firstcontact.pairs.point_line_rotation import Contact
 from firstcontact.result import ExactAngle
 from firstcontact.search import rotate  # noqa: F401 - the walk under this motion
+from firstcontact.search.containment import contained
 from firstcontact.search.elements import EDGE, VERTEX, Feature, Primitive, corners_of
 from firstcontact.search.frame import frame_of, view_in
 from firstcontact.search.state import WalkState
+from firstcontact.search.touch import Touch, doubles, rotation_touch
+from firstcontact.search.tree import Tree
 from firstcontact.search.walk import walk
 from firstcontact.search.windows import collect
 
 
+_ZERO = fmpq(0), fmpq(0)
+_FULL = fmpq(0), fmpq(1)
+
+
+class WindowBegin(LimitInstant):
+    """The angle at which a piece begins that is a window of a turn: the zero of the piece's time."""
+
+    def is_zero(self) -> bool:
+        return True
+
+
 class RotationProblem:
-    """Body a turns forward about an axis by angles [0, total], body b rests."""
+    """Body a turns forward about an axis by angles [first, last] after `turn` whole turns, body b rests.
+
+    Angles are pairs (radians, turns).  A piece that starts at another time than its reference starts at the angle
+    `opening` of the first turn; the problem searches that turn from zero, its `parts` from there.
+    """
 
     def __init__(self, a: Any, b: Any, piece: Piece) -> None:
         assert piece.axis is not None and piece.point is not None
         self.a, self.b, self.piece = a, b, piece
+        self.is_exact = a._pose is None and b._pose is None
+        self._contacts: dict[tuple[Feature, Feature], list[Contact]] = {}
         self.backward = _sign_of_angle(piece.rate) < 0
         sense = -1 if self.backward else 1
         self.rate = sense * piece.rate[0], sense * piece.rate[1]
         h, self.origin = piece.axis, piece.point
         self.axis = Axis((-h[0], -h[1], -h[2]) if self.backward else h)
-        span = None if piece.end is None else piece.end - piece.start
-        self.total = None if span is None else (self.rate[0] * span, self.rate[1] * span)
+        self.first, self.opening, self.turn = _ZERO, _ZERO, 0
+        if piece.reference != piece.start:
+            radians, turns = self._angle_at(piece.start)
+            self.turn = _whole_turns(radians, turns)
+            self.opening = radians, turns - self.turn
+        self.last = None if piece.end is None else self._angle_at(piece.end)
+        if self.last is not None and self.turn:
+            self.last = self.last[0], self.last[1] - self.turn
         self._prepare()
+
+    def _angle_at(self, time: fmpq) -> tuple[fmpq, fmpq]:
+        """(radians, turns) forward from the reference."""
+        passed = time - self.piece.reference
+        return self.rate[0] * passed, self.rate[1] * passed
+
+    def parts(self) -> list[RotationProblem]:
+        """The problem from its opening on, one turn at most, as problems within one turn each."""
+        if self.opening == _ZERO:
+            return [self]
+        opening = LimitInstant(*self.opening)
+        head = self._part(0, self.opening, self.last)
+        if self.last is not None and compare_angles(LimitInstant(*self.last), LimitInstant(*_FULL)) <= 0:
+            return [head]
+        head.last = _FULL
+        rest = self.opening if self.last is None else (self.last[0], self.last[1] - 1)
+        if compare_angles(LimitInstant(*rest), opening) > 0:
+            rest = self.opening
+        return [head, self._part(1, _ZERO, rest)]
+
+    def _part(
+        self, turn: int, first: tuple[fmpq, fmpq], last: tuple[fmpq, fmpq] | None
+    ) -> RotationProblem:
+        part = copy.copy(self)
+        part.turn, part.first, part.last, part.opening = self.turn + turn, first, last, _ZERO
+        return part
+
+    def after_opening(self) -> RotationProblem:
+        """The rest of the first turn from the opening on, whenever the piece ends."""
+        return self._part(0, self.opening, _FULL)
+
+    @property
+    def begin(self) -> tuple[float, float]:
+        """Doubles (not after, not before) around the angle `first`."""
+        return (0.0, 0.0) if self.first is _ZERO else ball_bounds(LimitInstant(*self.first).local())
 
     def _prepare(self) -> None:
         """Views of both trees in the axis frame, with the ranges of their boxes about this axis."""
@@ -75,23 +138,23 @@ class RotationProblem:
         self.error_a, self.error_b = self.tree_a.error + shifted, self.tree_b.error + shifted
         pad = 2.0 * (self.error_a + self.error_b)
         key = (frame, tuple(self.centre.tolist()), pad)
-        self.motion = (*_ranges(self.a, self.tree_a, key), *_ranges(self.b, self.tree_b, key), self.centre)
+        self.motion = _ranges(self.a, self.tree_a, self.tree_b, key)
 
     def window(self) -> tuple[float, float]:
         """(last, sure last) in radians; a full turn at most."""
-        if self.total is None or self._beyond_full_turn():
+        if self.last is None or self._beyond_full_turn():
             return TWO_PI + 1e-14, TWO_PI + 1e-14
-        lo, hi = ball_bounds(self._total_ball())
+        lo, hi = ball_bounds(self._last_ball())
         return hi, lo
 
     def _beyond_full_turn(self) -> bool:
-        assert self.total is not None
-        radians, turns = self.total
-        return turns >= 1 if radians == 0 else bool(self._total_ball() >= 2 * arb.pi())
+        assert self.last is not None
+        radians, turns = self.last
+        return turns >= 1 if radians == 0 else bool(self._last_ball() >= 2 * arb.pi())
 
-    def _total_ball(self) -> arb:
-        assert self.total is not None
-        return angle_ball(self.total[0], "radians") + angle_ball(self.total[1], "turns")
+    def _last_ball(self) -> arb:
+        assert self.last is not None
+        return angle_ball(self.last[0], "radians") + angle_ball(self.last[1], "turns")
 
     def advance(self, state: WalkState, limit: int, with_start: bool, all_sides: bool) -> int:
         """Go on with the walk; the reason it came back."""
@@ -112,6 +175,14 @@ class RotationProblem:
 
     def contacts(self, element_a: Feature, element_b: Feature) -> list[Contact]:
         """All contacts of the two elements during one full turn: (instant, point of b about `origin`)."""
+        if not self.is_exact:  # balls depend on the precision
+            return self._find_contacts(element_a, element_b)
+        known = self._contacts.get((element_a, element_b))
+        if known is None:
+            known = self._contacts[element_a, element_b] = self._find_contacts(element_a, element_b)
+        return known
+
+    def _find_contacts(self, element_a: Feature, element_b: Feature) -> list[Contact]:
         corners_a, corners_b = self._corners(element_a, element_b)
         if element_a[0] == VERTEX:
             return point_plane_rotation.rotation_contacts(self.axis, corners_a[0], *corners_b)
@@ -130,16 +201,18 @@ class RotationProblem:
         return best
 
     def _in_window(self, instant: AngleInstant) -> bool:
-        """Whether the angle is at most the total, exactly.
+        """Whether the angle lies in [first, last], exactly.
 
-        A total of nonzero rational radians equals no contact angle (Lindemann), so balls decide; whole turns are
+        A limit of nonzero rational radians equals no contact angle (Lindemann), so balls decide; whole turns are
         compared with a full turn.  Two algebraic angles that agree to 2048 bits count as equal.
         """
-        if self.total is None or self._beyond_full_turn() or instant.is_zero():
+        if self.first is not _ZERO and compare_angles(instant, LimitInstant(*self.first)) < 0:
+            return False
+        if self.last is None or self._beyond_full_turn() or instant.is_zero():
             return True
         for bits in PRECISIONS:
             with precision(bits):
-                gap = self._total_ball() - instant.local()
+                gap = self._last_ball() - instant.local()
                 if gap > 0 or gap < 0:
                     return bool(gap > 0)
         return True
@@ -155,11 +228,20 @@ class RotationProblem:
         )  # fmt: skip
 
     def windows_of(self, primitive_a: int, primitive_b: int) -> list[tuple[Any, Any]]:
-        """The windows of contact of two primitives in the first turn, exact.
+        """The windows of contact of two primitives in the first turn, exact."""
+        return self._windows(Primitive(self.a, self.tree_a, primitive_a), Primitive(self.b, self.tree_b, primitive_b))
 
-        Between two consecutive events nothing changes: one look into each gap decides it.
-        """
-        a, b = Primitive(self.a, self.tree_a, primitive_a), Primitive(self.b, self.tree_b, primitive_b)
+    def meet_at_opening(self, element_a: Feature, element_b: Feature) -> bool:
+        """Whether the two elements share a point at the opening; exact, as it asks only the pose at angle zero."""
+        a, b = Primitive.of(corners_of(self.a, element_a)), Primitive.of(corners_of(self.b, element_b))
+        opening = LimitInstant(*self.opening)
+        return any(
+            compare_angles(start, opening) <= 0 <= compare_angles(end, opening)
+            for start, end in self._windows(a, b)
+        )
+
+    def _windows(self, a: Primitive, b: Primitive) -> list[tuple[Any, Any]]:
+        """Between two consecutive events nothing changes: one look into each gap decides it."""
         begin, end = self.start_instant(), self.end_instant()
         events = [begin]
         for event in sorted(self._events(a, b), key=cmp_to_key(compare_angles)):
@@ -216,13 +298,13 @@ class RotationProblem:
         return start, last if compare_angles(last, end) < 0 else end
 
     def start_instant(self) -> LimitInstant:
-        return LimitInstant(fmpq(0), fmpq(0))
+        return LimitInstant(*self.first)
 
     def end_instant(self) -> LimitInstant:
-        """The end of the piece, a full turn at most."""
-        if self.total is None or self._beyond_full_turn():
-            return LimitInstant(fmpq(0), fmpq(1))
-        return LimitInstant(*self.total)
+        """The end of the search, a full turn at most."""
+        if self.last is None or self._beyond_full_turn():
+            return LimitInstant(*_FULL)
+        return LimitInstant(*self.last)
 
     def order(self, x: Any, y: Any) -> int:
         """-1, 0, 1: x before, at, after y."""
@@ -252,70 +334,43 @@ class RotationProblem:
     def start_point(self, element_a: Feature, element_b: Feature) -> Vector:
         return segment_facet.start_point(corners_of(self.a, element_a), corners_of(self.b, element_b))
 
+    def is_contained(self) -> bool:
+        """Whether a body lies inside the other one at the start; their surfaces share no point."""
+        return contained(self.a, self.b) is not None
+
     # -- what users read ------------------------------------------------------------------------------------
 
-    def _moved(self, corners: list[Vector], at: AngleInstant) -> list[Vector]:
-        """Corners of a (about `origin`) turned to the instant, as balls."""
-        cosine, sine = at.cosine_sine()
-        c, s = cosine.ball(), sine.ball()
-        h, k = tuple(ball(x) for x in self.axis.h), ball(self.axis.K)
-        out = []
-        for p in corners:
-            x = tuple(ball(v) for v in p)
-            along_axis = sum((u * v for u, v in zip(h, x, strict=True)), arb(0)) / k
-            foot = tuple(along_axis * v for v in h)
-            side = cross(h, x)  # type: ignore[arg-type]
-            out.append(tuple(f + c * (v - f) + s * w for f, v, w in zip(foot, x, side, strict=True)))
-        return out  # type: ignore[return-value]
-
-    def point(self, element_a: Feature, element_b: Feature, at: AngleInstant) -> Vector:
-        """A shared point of the two elements at the instant, in the working frame, as balls."""
-        for instant, q in self.contacts(element_a, element_b):
-            if same_instant(instant, at):
-                return add(tuple(x.ball() if isinstance(x, Surd) else ball(x) for x in q), self.origin)  # type: ignore[arg-type]
-        raise ArithmeticError("the elements do not meet at this instant")
-
-    def normal(self, element_a: Feature, element_b: Feature, at: AngleInstant) -> tuple[Vector, Vector]:
-        """(direction across the contact, velocity of a there), working frame, as balls.
-
-        The direction is zero where exact arithmetic says that it is undefined: parallel edges, grazing.
-        """
+    def touch(self, element_a: Feature, element_b: Feature, at: AngleInstant) -> Touch:
+        """(point, unit normal or None) of the two elements at the instant, working frame."""
         corners_a, corners_b = self._corners(element_a, element_b)
-        moved = self._moved(corners_a, at)
-        if element_a[0] == VERTEX:
-            n = line_line.normal(corners_b[0], corners_b[1], corners_b[0], corners_b[2])
-        elif element_b[0] == VERTEX:
-            n = line_line.normal(moved[0], moved[1], moved[0], moved[2])
-        else:
-            n = line_line.normal(*moved, *corners_b)
-        point = sub(self.point(element_a, element_b, at), self.origin)
-        return n, cross(self.axis.h, point)
+        contacts = self.contacts(element_a, element_b)
+        point, normal = rotation_touch(element_a, corners_a, element_b, corners_b, self.axis, contacts, at)
+        return point + doubles(self.origin), normal
 
     def world_instant(self, at: Any, turn: int = 0) -> tuple[float, tuple[float, float]]:
         """(nearest double, enclosure) of the instant, `turn` full turns later, in the motions' clock."""
         exact = self._rational_time(at, turn)
-        return enclose(lambda: self._time(at.local() + 2 * turn * arb.pi()) if exact is None else exact)
+        return enclose(lambda: self._time(at.local(), turn) if exact is None else exact)
 
-    def _time(self, angle: arb) -> arb:
+    def _time(self, angle: arb, turn: int = 0) -> arb:
         per_time = angle_ball(self.rate[0], "radians") + angle_ball(self.rate[1], "turns")
-        return self.piece.start + angle / per_time
+        return self.piece.reference + (angle + 2 * (turn + self.turn) * arb.pi()) / per_time
 
     def _rational_time(self, at: Any, turn: int = 0) -> fmpq | None:
-        """The time where it is rational because the angle is: quarter turns, the end of the motion."""
+        """The time where it is rational because the angle is: quarter turns, the limits of the motion."""
         if isinstance(at, LimitInstant):
-            if self.total is not None and (at.radians, at.turns + turn) == self.total:
-                return self.piece.end
-            share, turns = at.radians, at.turns + turn
+            share, turns = at.radians, at.turns + turn + self.turn
         else:
             quarter = at.quarter() if at.is_rational() else None
             if quarter is None:
                 return None
-            share, turns = fmpq(0), fmpq(quarter, 4) + turn
-        if share == 0 and turns == 0:
-            return self.piece.start
+            share, turns = fmpq(0), fmpq(quarter, 4) + turn + self.turn
+        for time in (self.piece.start, self.piece.end):
+            if time is not None and self._angle_at(time) == (share, turns):
+                return time
         for unit, other, angle in ((0, 1, share), (1, 0, turns)):
             if self.rate[other] == 0 and (share, turns)[other] == 0:
-                return self.piece.start + angle / self.rate[unit]
+                return self.piece.reference + angle / self.rate[unit]
         return None
 
     def world_exact(self, at: Any, turn: int = 0) -> Fraction | ExactAngle | None:
@@ -330,18 +385,19 @@ class RotationProblem:
 
     def is_end(self, at: Any, turn: int) -> bool:
         """Whether the instant, `turn` full turns later, is the end of the piece."""
-        return self.total is not None and compare_angles(at, LimitInstant(self.total[0], self.total[1] - turn)) == 0
+        return self.last is not None and compare_angles(at, LimitInstant(self.last[0], self.last[1] - turn)) == 0
 
     def repeated(self, windows: list[tuple[Any, Any]]) -> list[tuple[Any, int, Any, int]]:
         """The windows of the first turn, (start, turn, end, turn), through all turns of the piece."""
-        if self.total is None:
+        if self.last is None:
             raise InputError("contact_intervals needs a bounded span for a rotation; give span=(first, last)")
+        opened = self._from_opening(windows)
         if not self._beyond_full_turn():
-            return [(start, 0, end, 0) for start, end in windows]
+            return [(start, 0, end, 0) for start, end in opened]
         out: list[tuple[Any, int, Any, int]] = []
         full, turn = LimitInstant(fmpq(0), fmpq(1)), 0
-        while compare_angles(left := LimitInstant(self.total[0], self.total[1] - turn), self.start_instant()) >= 0:
-            for start, end in windows:
+        while compare_angles(left := LimitInstant(self.last[0], self.last[1] - turn), self.start_instant()) >= 0:
+            for start, end in windows if turn else opened:
                 if compare_angles(start, left) > 0:
                     break
                 end, last = (end, turn) if compare_angles(end, left) <= 0 else (left, turn)
@@ -355,12 +411,23 @@ class RotationProblem:
             turn += 1
         return out
 
+    def _from_opening(self, windows: list[tuple[Any, Any]]) -> list[tuple[Any, Any]]:
+        """The windows of the first turn, from the opening on."""
+        if self.opening == _ZERO:
+            return windows
+        opening = LimitInstant(*self.opening)
+        return [
+            (start if compare_angles(start, opening) > 0 else WindowBegin(*self.opening), end)
+            for start, end in windows
+            if compare_angles(end, opening) >= 0
+        ]
+
     def world_time(self, local: float) -> float:
         """A double not later than the local angle, in the motions' clock."""
-        if math.isinf(local) or local >= TWO_PI:
+        if local >= TWO_PI and self.first is _ZERO:  # a whole turn without contact: so are all others
             return math.inf if self.piece.end is None else to_double(self.piece.end)
         with precision(PRECISIONS[0]):
-            t = ball_bounds(self._time(arb(max(local, 0.0))))[0]
+            t = ball_bounds(self._time(arb(min(max(local, 0.0), TWO_PI))))[0]
         return max(t, to_double(self.piece.start))
 
 
@@ -375,10 +442,25 @@ def _sign_of_angle(rate: tuple[fmpq, fmpq]) -> int:
     raise Undecidable
 
 
-def _ranges(body: Any, tree: Any, key: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Arrays for the ranges of the tree's boxes about the axis; kept while the axis stays the same."""
+def _whole_turns(radians: fmpq, turns: fmpq) -> int:
+    """The largest whole number of turns not beyond the angle."""
+    if radians == 0:
+        return int(turns.p) // int(turns.q)
+    bits = PRECISIONS[0]
+    while True:  # nonzero rational radians are no rational number of turns: some precision tells
+        with precision(bits):
+            whole = (arb(radians) / (2 * arb.pi()) + arb(turns)).floor().unique_fmpz()
+        if whole is not None:
+            return int(whole)
+        bits *= 2
+
+
+def _ranges(body: Any, tree_a: Tree, tree_b: Tree, key: Any) -> np.ndarray:
+    """The array `rotate` fills with ranges of boxes; kept while trees and axis stay the same."""
     cached = body._search.get("ranges")
-    if cached is None or cached[0] != key:
-        n = len(tree.boxes)
-        cached = body._search["ranges"] = key, np.empty((n, 4)), np.zeros(n, np.uint8)
-    return cached[1], cached[2]
+    if cached is None or cached[0] != key or cached[1] is not tree_a or cached[2] is not tree_b:
+        q, r = len(tree_a.boxes), len(tree_b.boxes)
+        ranges = np.zeros((q + r + 1, 5))
+        ranges[-1, :3] = (*key[1], q)
+        cached = body._search["ranges"] = key, tree_a, tree_b, ranges
+    return cached[3]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import types
 from numba.extending import overload
 
 from firstcontact.kernels.jit import kernel
@@ -84,7 +83,7 @@ def _events(
 
 @overload(earliest_meeting)
 def _earliest_meeting(motion, boxes_a, a, boxes_b, b, pad, first, last):
-    if isinstance(motion, types.Array):
+    if motion.ndim == 1:
         return lambda motion, boxes_a, a, boxes_b, b, pad, first, last: entry_time(
             motion, boxes_a, a, boxes_b, b, pad, first, last
         )
@@ -95,7 +94,7 @@ def _earliest_meeting(motion, boxes_a, a, boxes_b, b, pad, first, last):
 def _test_events(
     motion, pa, mask_a, xa, pb, mask_b, xb, sides, err_a, err_b, floats, integers, times, candidates
 ):
-    if isinstance(motion, types.Array):
+    if motion.ndim == 1:
         return _events
     return None
 
@@ -171,7 +170,7 @@ def _windows(motion, mask_a, xa, mask_b, xb, err_a, err_b, last, scratch, out):
 
 @overload(meeting_window)
 def _meeting_window(motion, boxes_a, a, boxes_b, b, pad, last):
-    if isinstance(motion, types.Array):
+    if motion.ndim == 1:
         return lambda motion, boxes_a, a, boxes_b, b, pad, last: slab_window(
             boxes_a[a], boxes_b[b], motion, pad, last
         )
@@ -180,6 +179,6 @@ def _meeting_window(motion, boxes_a, a, boxes_b, b, pad, last):
 
 @overload(part_windows)
 def _part_windows(motion, mask_a, xa, mask_b, xb, err_a, err_b, last, scratch, out):
-    if isinstance(motion, types.Array):
+    if motion.ndim == 1:
         return _windows
     return None

@@ -17,8 +17,10 @@ from firstcontact.exact.windows import ALWAYS, Window, clip, hull
 from firstcontact.motion.relative import Piece
 from firstcontact.pairs import line_line, point_plane, segment_facet
 from firstcontact.search import translate  # noqa: F401 - the walk under this motion
+from firstcontact.search.containment import contained
 from firstcontact.search.elements import EDGE, VERTEX, Feature, Primitive, corners_of
 from firstcontact.search.state import WalkState
+from firstcontact.search.touch import Touch, translation_touch
 from firstcontact.search.tree import tree_of
 from firstcontact.search.walk import walk
 from firstcontact.search.windows import collect
@@ -28,6 +30,8 @@ ZERO = fmpq(0)
 
 class TranslationProblem:
     """Body a moves by t v over the local times [0, last] (last None: for ever), body b rests."""
+
+    begin = 0.0, 0.0
 
     def __init__(self, a: Any, b: Any, piece: Piece) -> None:
         assert piece.velocity is not None
@@ -138,6 +142,10 @@ class TranslationProblem:
         corners_a, corners_b = corners_of(self.a, element_a), corners_of(self.b, element_b)
         return segment_facet.start_point(corners_a, corners_b)
 
+    def is_contained(self) -> bool:
+        """Whether a body lies inside the other one at the start; their surfaces share no point."""
+        return contained(self.a, self.b) is not None
+
     def world_instant(self, at: RationalInstant | None, turn: int = 0) -> tuple[float, tuple[float, float]]:
         """(nearest double, enclosure) of the instant in the motions' clock."""
         if at is None:
@@ -165,26 +173,7 @@ class TranslationProblem:
         t = to_double(self.piece.start)
         return local if t == 0.0 else math.nextafter(t + local, -math.inf)
 
-    def point(self, element_a: Feature, element_b: Feature, at: RationalInstant) -> Vector:
-        """A shared point of the two elements at the time `at`, in the working frame; exact."""
+    def touch(self, element_a: Feature, element_b: Feature, at: RationalInstant) -> Touch:
+        """(point, unit normal or None) of the two elements at the instant, working frame."""
         corners_a, corners_b = corners_of(self.a, element_a), corners_of(self.b, element_b)
-        if element_a[0] == VERTEX:
-            return along(corners_a[0], at.value, self.v)
-        if element_b[0] == VERTEX:
-            return corners_b[0]
-        return line_line.contact_point(*corners_a, *corners_b, self.v, at.value)
-
-    def normal(self, element_a: Feature, element_b: Feature, at: RationalInstant) -> tuple[Vector, Vector]:
-        """(direction across the contact, velocity of a there), working frame; exact."""
-        corners_a, corners_b = corners_of(self.a, element_a), corners_of(self.b, element_b)
-        if element_a[0] == VERTEX:
-            n = facet_normal(*corners_b)
-        elif element_b[0] == VERTEX:
-            n = facet_normal(*corners_a)
-        else:
-            n = line_line.normal(*corners_a, *corners_b)
-        return n, self.v
-
-
-def facet_normal(a: Vector, b: Vector, c: Vector) -> Vector:
-    return line_line.normal(a, b, a, c)
+        return translation_touch(element_a, corners_a, element_b, corners_b, self.v, at)
