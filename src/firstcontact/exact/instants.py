@@ -72,6 +72,10 @@ class RationalInstant:
     def local(self) -> arb:
         return ball(self.value)
 
+    def bounds(self) -> tuple[float, float]:
+        """Doubles around the time."""
+        return ball_bounds(self.local())
+
     def is_zero(self) -> bool:
         return sign(self.value) == 0
 
@@ -85,10 +89,18 @@ class AngleInstant:
     X, Y, R > 0 are Surds over one radical.
     """
 
-    __slots__ = ("K", "R", "X", "Y")
+    __slots__ = ("K", "R", "X", "Y", "_bounds", "_rational")
 
     def __init__(self, X: Any, Y: Any, R: Any, K: Any) -> None:  # noqa: N803
         self.X, self.Y, self.R, self.K = surd(X), surd(Y), surd(R), K
+        self._rational = all(type(v) is fmpq for s in (self.X, self.Y) for v in (s.x, s.y, s.d))
+        self._bounds: tuple[float, float] | None = None
+
+    def bounds(self) -> tuple[float, float]:
+        """Doubles around the angle in radians."""
+        if self._bounds is None or not self._rational:  # balls may be known better at another precision
+            self._bounds = ball_bounds(self.local())
+        return self._bounds
 
     def _half(self) -> int:
         s = self.Y.sign()
@@ -99,13 +111,13 @@ class AngleInstant:
 
     def compare(self, other: AngleInstant) -> int:
         """-1, 0, 1: before, at, after the other, exactly: half turns first, then the sign of X1 Y2 - Y1 X2."""
-        mine, its = self.local(), other.local()
-        if mine < its:
+        (lo, hi), (other_lo, other_hi) = self.bounds(), other.bounds()
+        if hi < other_lo:
             return -1
-        if mine > its:
+        if lo > other_hi:
             return 1
-        if not (self._rational() and other._rational()):
-            raise Undecidable
+        if not (self._rational and other._rational):
+            return sign(self.local() - other.local())
         if self._half() != other._half():
             return self._half() - other._half()
         x1, y1, x2, y2 = self.X, self.Y, other.X, other.Y
@@ -115,15 +127,12 @@ class AngleInstant:
         q = Surd(x1.x * y2.y - y1.x * x2.y, x1.y * y2.y - y1.y * x2.y, d1)
         return -sign_two_radicals(p, q, x2._d(y2))
 
-    def _rational(self) -> bool:
-        return all(isinstance(v, fmpq) for s in (self.X, self.Y) for v in (s.x, s.y, s.d))
-
     def local(self) -> arb:
         """The angle in radians, enclosed at the present precision or, where the numbers cancel, a higher one.
 
         Raises Undecidable for balls around the origin or the direction of angle 0.
         """
-        if not self._rational():
+        if not self._rational:
             return _angle(self.X.ball(), self.Y.ball() * ball(self.K).sqrt())
         if self.Y.sign() == 0:
             return arb(0) if self.X.sign() >= 0 else arb.pi()
@@ -137,7 +146,7 @@ class AngleInstant:
 
     def is_rational(self) -> bool:
         """Whether its numbers are rational or square roots of rationals, not balls."""
-        return self._rational()
+        return self._rational
 
     def quarter(self) -> int | None:
         """0 .. 3 when the angle is that many quarter turns exactly."""
@@ -173,6 +182,9 @@ class LimitInstant:
 
     def __init__(self, radians: fmpq, turns: fmpq) -> None:
         self.radians, self.turns = radians, turns
+
+    def bounds(self) -> tuple[float, float]:
+        return ball_bounds(self.local())
 
     def local(self) -> arb:
         return arb(self.radians) + 2 * arb(self.turns) * arb.pi()

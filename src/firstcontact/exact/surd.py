@@ -20,10 +20,10 @@ class Surd:
         self.x, self.y, self.d = x, y, d
 
     def _d(self, other: Surd) -> Any:
-        return self.d if not (isinstance(self.y, fmpq) and self.y == 0) else other.d
+        return other.d if type(self.y) is fmpq and not self.y else self.d
 
     def __add__(self, other: Any) -> Surd:
-        if not isinstance(other, Surd):
+        if type(other) is not Surd:
             return Surd(self.x + other, self.y, self.d)
         return Surd(self.x + other.x, self.y + other.y, self._d(other))
 
@@ -39,7 +39,7 @@ class Surd:
         return -self + other
 
     def __mul__(self, other: Any) -> Surd:
-        if not isinstance(other, Surd):
+        if type(other) is not Surd:
             return Surd(self.x * other, self.y * other, self.d)
         d = self._d(other)
         return Surd(self.x * other.x + self.y * other.y * d, self.x * other.y + self.y * other.x, d)
@@ -51,15 +51,16 @@ class Surd:
 
     def sign(self) -> int:
         """Exact: equal signs decide, otherwise x^2 against y^2 d."""
-        if isinstance(self.x, arb) or isinstance(self.y, arb) or isinstance(self.d, arb):
+        x, y, d = self.x, self.y, self.d
+        if type(x) is not fmpq or type(y) is not fmpq or type(d) is not fmpq:
             return sign(self.ball())
-        sx = sign(self.x)
-        sy = sign(self.y) if self.d != 0 else 0
+        sx, sy = (x > 0) - (x < 0), (y > 0) - (y < 0) if d else 0
         if sx == sy or sy == 0:
             return sx
         if sx == 0:
             return sy
-        return sx * sign(self.x * self.x - self.y * self.y * self.d)
+        gap = x * x - y * y * d
+        return sx * ((gap > 0) - (gap < 0))
 
     def ball(self) -> arb:
         return ball(self.x) + ball(self.y) * ball(self.d).sqrt()

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 from firstcontact.exact.instants import same_instant
-from firstcontact.exact.numbers import PRECISIONS, Undecidable, ball_bounds, precision
+from firstcontact.exact.numbers import PRECISIONS, Undecidable, precision
 from firstcontact.search.elements import KINDS, Feature, feature
 from firstcontact.search.state import (
     ALL,
@@ -264,7 +264,7 @@ class _Search:
     def _contact_and_bound(self, pair: Pair) -> tuple[Any, float]:
         """The exact time of the pair and a double not before it."""
         instant = self.problem.contact(pair[1], pair[2])
-        return instant, 0.0 if instant is None else ball_bounds(instant.local())[1]
+        return instant, 0.0 if instant is None else instant.bounds()[1]
 
     def _exactly(self, question: Callable[[], Any]) -> Any:
         """The answer of the exact face, at rising precision where it is in balls; None when none decides."""
