@@ -26,6 +26,10 @@ from firstcontact.exact.numbers import (
 from firstcontact.exact.surd import Surd, sign_two_radicals, surd
 
 
+# Precision of the balls that stand in for exact angles at first.
+BALL_BITS = 192
+
+
 def enclose(number: Callable[[], Any]) -> tuple[float, tuple[float, float]]:
     """(nearest double, (lo, hi) doubles around it) of a number given at the present precision.
 
@@ -89,16 +93,17 @@ class AngleInstant:
     X, Y, R > 0 are Surds over one radical.
     """
 
-    __slots__ = ("K", "R", "X", "Y", "_bounds", "_rational")
+    __slots__ = ("K", "R", "X", "Y", "_bounds", "_rational", "_settled")
 
     def __init__(self, X: Any, Y: Any, R: Any, K: Any) -> None:  # noqa: N803
         self.X, self.Y, self.R, self.K = surd(X), surd(Y), surd(R), K
         self._rational = all(type(v) is fmpq for s in (self.X, self.Y) for v in (s.x, s.y, s.d))
         self._bounds: tuple[float, float] | None = None
+        self._settled = self._rational  # balls may be known better at another precision
 
     def bounds(self) -> tuple[float, float]:
         """Doubles around the angle in radians."""
-        if self._bounds is None or not self._rational:  # balls may be known better at another precision
+        if self._bounds is None or not self._settled:
             self._bounds = ball_bounds(self.local())
         return self._bounds
 
@@ -109,13 +114,14 @@ class AngleInstant:
     def is_zero(self) -> bool:
         return self.Y.sign() == 0 and self.X.sign() >= 0
 
-    def compare(self, other: AngleInstant) -> int:
+    def compare(self, other: Any) -> int:
         """-1, 0, 1: before, at, after the other, exactly: half turns first, then the sign of X1 Y2 - Y1 X2."""
         (lo, hi), (other_lo, other_hi) = self.bounds(), other.bounds()
         if hi < other_lo:
             return -1
         if lo > other_hi:
             return 1
+        other = exact_angle(other)
         if not (self._rational and other._rational):
             return sign(self.local() - other.local())
         if self._half() != other._half():
@@ -160,6 +166,56 @@ class AngleInstant:
         return self.X * inverse, self.Y * inverse
 
 
+class DeferredInstant:
+    """An angle known as a ball, from the same formulas at BALL_BITS; its exact form is made where that is not enough.
+
+    Most instants are compared with others far away and rounded to a double: the ball does both.
+    """
+
+    __slots__ = ("_exact", "_make", "near")
+
+    def __init__(self, near: AngleInstant, make: Callable[[], AngleInstant]) -> None:
+        self.near, self._make = near, make
+        self._exact: AngleInstant | None = None
+        near._bounds = ball_bounds(near.local())
+        near._settled = True
+
+    def exact(self) -> AngleInstant:
+        if self._exact is None:
+            self._exact = self._make()
+        return self._exact
+
+    def bounds(self) -> tuple[float, float]:
+        return self.near.bounds()
+
+    def local(self) -> arb:
+        return self.near.local() if ctx.prec <= BALL_BITS else self.exact().local()
+
+    def compare(self, other: Any) -> int:
+        (lo, hi), (other_lo, other_hi) = self.bounds(), other.bounds()
+        if hi < other_lo or lo > other_hi:
+            return -1 if hi < other_lo else 1
+        return self.exact().compare(exact_angle(other))
+
+    def is_zero(self) -> bool:
+        return self.bounds()[0] <= 0.0 and self.exact().is_zero()
+
+    def is_rational(self) -> bool:
+        return True
+
+    def quarter(self) -> int | None:
+        x, y = self.near.X.ball(), self.near.Y.ball()
+        return None if not (x.contains(0) or y.contains(0)) else self.exact().quarter()
+
+    def cosine_sine(self) -> tuple[Surd, Surd]:
+        return self.exact().cosine_sine()
+
+
+def exact_angle(x: Any) -> Any:
+    """The exact form of an instant of a rotation."""
+    return x.exact() if isinstance(x, DeferredInstant) else x
+
+
 def _angle(x: arb, y: arb) -> arb:
     """The angle of the vector (x, y) in [0, 2 pi)."""
     if y > 0:
@@ -201,7 +257,7 @@ class LimitInstant:
 
 def compare_angles(x: Any, y: Any) -> int:
     """-1, 0, 1: x before, at, after y; any two instants of a rotation."""
-    if isinstance(x, AngleInstant) and isinstance(y, AngleInstant):
+    if not (isinstance(x, LimitInstant) or isinstance(y, LimitInstant)):
         return x.compare(y)
     if x.is_zero() or y.is_zero():
         return y.is_zero() - x.is_zero() if x.is_zero() != y.is_zero() else 0

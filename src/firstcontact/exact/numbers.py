@@ -86,7 +86,7 @@ def ball_bounds(x: arb) -> tuple[float, float]:
 
 def nearest_double(x: arb) -> float | None:
     """The double nearest every point of the ball, or None when the ball is too wide to tell."""
-    lo, hi = to_double(dyadic(x.lower())), to_double(dyadic(x.upper()))
+    lo, hi = float(x.lower()), float(x.upper())  # each rounds to nearest, which is monotone
     return lo if lo == hi else None
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from firstcontact.exact.numbers import ball
 from firstcontact.exact.vectors import Vector, cross, dot
 
 
@@ -20,6 +21,14 @@ class Axis:
     def __init__(self, h: Vector) -> None:
         self.h = h
         self.K = dot(h, h)
+
+    def reversed(self) -> Axis:
+        """The axis that turns the other way."""
+        return Axis((-self.h[0], -self.h[1], -self.h[2]))
+
+    def as_balls(self) -> Axis:
+        """The axis in balls of the present precision."""
+        return Axis((ball(self.h[0]), ball(self.h[1]), ball(self.h[2])))
 
     def height(self, x: Vector) -> Any:
         return dot(x, self.h)

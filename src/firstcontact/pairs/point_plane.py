@@ -8,7 +8,7 @@ have one common sign, zeros allowed (Schoemer & Thiel 1995, section 6).
 from __future__ import annotations
 
 from firstcontact.exact.numbers import sign
-from firstcontact.exact.vectors import Vector, along, cross, dot, sub
+from firstcontact.exact.vectors import Vector, cross, dot, sub
 from firstcontact.exact.windows import ALWAYS, Window, hull
 from firstcontact.kernels.jit import kernel
 from firstcontact.kernels.verdict import CERTAIN, DET_EPS, NONE, TINY, UNSURE, quotient, slack3
@@ -77,9 +77,14 @@ def translation_window(p: Vector, a: Vector, b: Vector, c: Vector, v: Vector) ->
     """The times t at which p + t v lies in the closed triangle abc; exact, one closed interval."""
     n = cross(sub(b, a), sub(c, a))
     den = dot(n, v)
-    if sign(den) != 0:
-        t = dot(n, sub(a, p)) / den
-        return (t, t) if in_triangle(along(p, t, v), a, b, c, n) else None
+    side = sign(den)
+    if side != 0:
+        x, y, z = sub(a, p), sub(b, p), sub(c, p)
+        h = cross(v, y)
+        if -sign(dot(h, x)) * side < 0 or sign(dot(h, z)) * side < 0 or sign(dot(cross(v, z), x)) * side < 0:
+            return None
+        t = dot(n, x) / den
+        return t, t
     sides = [point_line.translation_window(p, v, q, r) for q, r in ((a, b), (b, c), (c, a))]
     if all(sign(x) == 0 for x in n):
         return hull(sides)

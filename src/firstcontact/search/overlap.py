@@ -22,8 +22,9 @@ from firstcontact.pairs.line_line import segments_meet
 from firstcontact.pairs.point_plane import in_triangle
 from firstcontact.pairs.segment_facet import APART, relation
 from firstcontact.search.containment import component_labels, component_vertices, contains
-from firstcontact.search.earliest import Found, Pair, pairs_at_start
+from firstcontact.search.earliest import Found, Pair, earliest, pairs_at_start
 from firstcontact.search.elements import EDGE, FACE, VERTEX, Feature, corners_of
+from firstcontact.search.standstill import Standstill
 from firstcontact.search.tree import tree_of
 
 # Separating planes are sought among this many facets and edge pairs in contact before looking at every point.
@@ -44,11 +45,15 @@ def initial_kind(problem: Any, found: Found) -> str:
     pairs = pairs_at_start(problem)
     if any(crossing for _, crossing in pairs):
         return "overlapping"
+    if a._pose is not None or b._pose is not None:
+        # what follows asks whether numbers are equal: no question for balls
+        if not isinstance(problem, Standstill):
+            raise Undecidable
+        nearby = problem.soon()
+        return initial_kind(nearby, earliest(nearby))
     touching = [pair for pair, _ in pairs] or found.pairs
     if _separated(a, b, touching):
         return "touching"
-    if a._pose is not None or b._pose is not None:
-        raise Undecidable  # what follows asks whether numbers are equal: no question for balls
     if _component_inside(a, b, [p[1] for p in touching]) or _component_inside(b, a, [p[2] for p in touching]):
         return "overlapping"
     shared = {x for pair in touching for x in _shared_vertices(a, b, pair)}

@@ -17,7 +17,7 @@ from flint import arb, fmpq
 
 from firstcontact.errors import InputError
 from firstcontact.exact.algebraic import algebraic
-from firstcontact.exact.instants import AngleInstant, LimitInstant, compare_angles, enclose, same_instant
+from firstcontact.exact.instants import BALL_BITS, AngleInstant, DeferredInstant, LimitInstant, compare_angles, enclose, same_instant
 from firstcontact.exact.numbers import (
     PRECISIONS,
     Undecidable,
@@ -25,6 +25,7 @@ from firstcontact.exact.numbers import (
     ball_bounds,
     dyadic,
     fraction,
+    nearest_double,
     precision,
     sign,
     to_double,
@@ -44,12 +45,13 @@ from firstcontact.search.containment import contained
 from firstcontact.search.elements import EDGE, VERTEX, Feature, Primitive, corners_of
 from firstcontact.search.frame import frame_of, view_in
 from firstcontact.search.state import WalkState
-from firstcontact.search.touch import Touch, doubles, rotation_touch
+from firstcontact.search.touch import Touch, as_ball, as_balls, doubles, rotation_touch
 from firstcontact.search.tree import Tree
 from firstcontact.search.walk import walk
 from firstcontact.search.windows import collect
 
 
+Angle = tuple[fmpq, fmpq]  # radians, turns
 _ZERO = fmpq(0), fmpq(0)
 _FULL = fmpq(0), fmpq(1)
 
@@ -64,15 +66,16 @@ class WindowBegin(LimitInstant):
 class RotationProblem:
     """Body a turns forward about an axis by angles [first, last] after `turn` whole turns, body b rests.
 
-    Angles are pairs (radians, turns).  A piece that starts at another time than its reference starts at the angle
-    `opening` of the first turn; the problem searches that turn from zero, its `parts` from there.
+    Angles are pairs (radians, turns).  A piece that starts at another time than its reference starts at the
+    angle `opening` of the first turn; the problem searches that turn from zero, its `parts` from there.
     """
 
     def __init__(self, a: Any, b: Any, piece: Piece) -> None:
         assert piece.axis is not None and piece.point is not None
         self.a, self.b, self.piece = a, b, piece
         self.is_exact = a._pose is None and b._pose is None
-        self._contacts: dict[tuple[Feature, Feature], list[Contact]] = {}
+        self._contacts: dict[tuple[Feature, Feature], list[Any]] = {}
+        self._exact_contacts: dict[tuple[Feature, Feature], list[Contact]] = {}
         self.backward = _sign_of_angle(piece.rate) < 0
         sense = -1 if self.backward else 1
         self.rate = sense * piece.rate[0], sense * piece.rate[1]
@@ -97,19 +100,14 @@ class RotationProblem:
         """The problem from its opening on, one turn at most, as problems within one turn each."""
         if self.opening == _ZERO:
             return [self]
-        opening = LimitInstant(*self.opening)
-        head = self._part(0, self.opening, self.last)
         if self.last is not None and compare_angles(LimitInstant(*self.last), LimitInstant(*_FULL)) <= 0:
-            return [head]
-        head.last = _FULL
+            return [self._part(0, self.opening, self.last)]
         rest = self.opening if self.last is None else (self.last[0], self.last[1] - 1)
-        if compare_angles(LimitInstant(*rest), opening) > 0:
+        if compare_angles(LimitInstant(*rest), LimitInstant(*self.opening)) > 0:
             rest = self.opening
-        return [head, self._part(1, _ZERO, rest)]
+        return [self.after_opening(), self._part(1, _ZERO, rest)]
 
-    def _part(
-        self, turn: int, first: tuple[fmpq, fmpq], last: tuple[fmpq, fmpq] | None
-    ) -> RotationProblem:
+    def _part(self, turn: int, first: Angle, last: Angle) -> RotationProblem:
         part = copy.copy(self)
         part.turn, part.first, part.last, part.opening = self.turn + turn, first, last, _ZERO
         return part
@@ -173,24 +171,51 @@ class RotationProblem:
             [sub(p, o) for p in corners_of(self.b, element_b)],
         )
 
-    def contacts(self, element_a: Feature, element_b: Feature) -> list[Contact]:
-        """All contacts of the two elements during one full turn: (instant, point of b about `origin`)."""
-        if not self.is_exact:  # balls depend on the precision
-            return self._find_contacts(element_a, element_b)
-        known = self._contacts.get((element_a, element_b))
-        if known is None:
-            known = self._contacts[element_a, element_b] = self._find_contacts(element_a, element_b)
-        return known
+    def contacts(self, element_a: Feature, element_b: Feature) -> list[Any]:
+        """All contacts of the two elements during one full turn: (instant, point of b about `origin`).
 
-    def _find_contacts(self, element_a: Feature, element_b: Feature) -> list[Contact]:
+        Instants of rational bodies are balls first; the rational form, much longer, is made where they do not do.
+        """
+        if not self.is_exact:  # balls depend on the precision
+            return self._find_contacts(self.axis, element_a, element_b, *self._corners(element_a, element_b))
+        key = element_a, element_b
+        if key not in self._contacts:
+            self._contacts[key] = self._deferred_contacts(element_a, element_b)
+        return self._contacts[key]
+
+    def exact_contacts(self, element_a: Feature, element_b: Feature) -> list[Contact]:
+        """The same with all numbers rational, or square roots of rationals."""
+        key = element_a, element_b
+        if key not in self._exact_contacts:
+            corners = self._corners(*key)
+            self._exact_contacts[key] = self._find_contacts(self.axis, *key, *corners)
+        return self._exact_contacts[key]
+
+    def _deferred_contacts(self, element_a: Feature, element_b: Feature) -> list[Any]:
         corners_a, corners_b = self._corners(element_a, element_b)
+        with precision(BALL_BITS):
+            try:
+                found = self._find_contacts(
+                    self.axis.as_balls(), element_a, element_b,
+                    [as_balls(p) for p in corners_a], [as_balls(p) for p in corners_b],
+                )  # fmt: skip
+                # certain signs lead the exact formulas the same way: the lists correspond
+                return [
+                    (DeferredInstant(at, lambda k=k: self.exact_contacts(element_a, element_b)[k][0]), point)  # type: ignore[misc]
+                    for k, (at, point) in enumerate(found)
+                ]
+            except Undecidable:
+                return self.exact_contacts(element_a, element_b)
+
+    def _find_contacts(
+        self, axis: Axis, element_a: Feature, element_b: Feature, corners_a: list[Vector], corners_b: list[Vector]
+    ) -> list[Contact]:
         if element_a[0] == VERTEX:
-            return point_plane_rotation.rotation_contacts(self.axis, corners_a[0], *corners_b)
+            return point_plane_rotation.rotation_contacts(axis, corners_a[0], *corners_b)
         if element_b[0] == VERTEX:
-            back = Axis((-self.axis.h[0], -self.axis.h[1], -self.axis.h[2]))
-            found = point_plane_rotation.rotation_contacts(back, corners_b[0], *corners_a)
+            found = point_plane_rotation.rotation_contacts(axis.reversed(), corners_b[0], *corners_a)
             return [(instant, corners_b[0]) for instant, _ in found]
-        return line_line_rotation.rotation_contacts(self.axis, *corners_a, *corners_b)
+        return line_line_rotation.rotation_contacts(axis, *corners_a, *corners_b)
 
     def contact(self, element_a: Feature, element_b: Feature) -> AngleInstant | None:
         """The earliest angle of the window at which the two elements share a point; exact."""
@@ -203,8 +228,8 @@ class RotationProblem:
     def _in_window(self, instant: AngleInstant) -> bool:
         """Whether the angle lies in [first, last], exactly.
 
-        A limit of nonzero rational radians equals no contact angle (Lindemann), so balls decide; whole turns are
-        compared with a full turn.  Two algebraic angles that agree to 2048 bits count as equal.
+        A limit of nonzero rational radians equals no contact angle (Lindemann), so balls decide; whole turns
+        are compared with a full turn.  Two algebraic angles that agree to 2048 bits count as equal.
         """
         if self.first is not _ZERO and compare_angles(instant, LimitInstant(*self.first)) < 0:
             return False
@@ -229,10 +254,11 @@ class RotationProblem:
 
     def windows_of(self, primitive_a: int, primitive_b: int) -> list[tuple[Any, Any]]:
         """The windows of contact of two primitives in the first turn, exact."""
-        return self._windows(Primitive(self.a, self.tree_a, primitive_a), Primitive(self.b, self.tree_b, primitive_b))
+        a, b = Primitive(self.a, self.tree_a, primitive_a), Primitive(self.b, self.tree_b, primitive_b)
+        return self._windows(a, b)
 
     def meet_at_opening(self, element_a: Feature, element_b: Feature) -> bool:
-        """Whether the two elements share a point at the opening; exact, as it asks only the pose at angle zero."""
+        """Whether the two elements share a point at the opening; exact: it asks only the rational pose."""
         a, b = Primitive.of(corners_of(self.a, element_a)), Primitive.of(corners_of(self.b, element_b))
         opening = LimitInstant(*self.opening)
         return any(
@@ -242,8 +268,8 @@ class RotationProblem:
 
     def _windows(self, a: Primitive, b: Primitive) -> list[tuple[Any, Any]]:
         """Between two consecutive events nothing changes: one look into each gap decides it."""
-        begin, end = self.start_instant(), self.end_instant()
-        events = [begin]
+        end: Any = self.end_instant()
+        events: list[Any] = [self.start_instant()]
         for event in sorted(self._events(a, b), key=cmp_to_key(compare_angles)):
             if compare_angles(event, events[-1]) > 0 and compare_angles(event, end) < 0:
                 events.append(event)
@@ -340,12 +366,15 @@ class RotationProblem:
 
     # -- what users read ------------------------------------------------------------------------------------
 
-    def touch(self, element_a: Feature, element_b: Feature, at: AngleInstant) -> Touch:
+    def touch(self, element_a: Feature, element_b: Feature, at: Any) -> Touch:
         """(point, unit normal or None) of the two elements at the instant, working frame."""
         corners_a, corners_b = self._corners(element_a, element_b)
         contacts = self.contacts(element_a, element_b)
-        point, normal = rotation_touch(element_a, corners_a, element_b, corners_b, self.axis, contacts, at)
-        return point + doubles(self.origin), normal
+        point = next(q for instant, q in contacts if same_instant(instant, at))
+        if self.is_exact and any(nearest_double(as_ball(x)) is None for x in point):
+            point = next(q for instant, q in self.exact_contacts(element_a, element_b) if same_instant(instant, at))
+        where, normal = rotation_touch(element_a, corners_a, element_b, corners_b, self.axis, point, at)
+        return where + doubles(self.origin), normal
 
     def world_instant(self, at: Any, turn: int = 0) -> tuple[float, tuple[float, float]]:
         """(nearest double, enclosure) of the instant, `turn` full turns later, in the motions' clock."""
@@ -385,7 +414,9 @@ class RotationProblem:
 
     def is_end(self, at: Any, turn: int) -> bool:
         """Whether the instant, `turn` full turns later, is the end of the piece."""
-        return self.last is not None and compare_angles(at, LimitInstant(self.last[0], self.last[1] - turn)) == 0
+        if self.last is None:
+            return False
+        return compare_angles(at, LimitInstant(self.last[0], self.last[1] - turn)) == 0
 
     def repeated(self, windows: list[tuple[Any, Any]]) -> list[tuple[Any, int, Any, int]]:
         """The windows of the first turn, (start, turn, end, turn), through all turns of the piece."""

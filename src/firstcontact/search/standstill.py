@@ -2,6 +2,7 @@
 
 Balls decide what is generic.  What they leave open, such as contact that lasts while the body turns, the turn
 decides exactly: it knows all windows of contact of two elements from the rational pose in which it began.
+Between two events nothing changes: neither which elements meet, nor whether the bodies overlap.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from firstcontact.exact.instants import RationalInstant
 from firstcontact.exact.numbers import Undecidable
 from firstcontact.motion.relative import Piece
 from firstcontact.pairs.segment_facet import APART, TOUCHING
-from firstcontact.search.containment import contained_at, decide
+from firstcontact.search.containment import decide
 from firstcontact.search.earliest import earliest
 from firstcontact.search.elements import Feature
 from firstcontact.search.rotation_problem import RotationProblem
@@ -41,10 +42,19 @@ class Standstill(TranslationProblem):
             return TOUCHING if self.turn.meet_at_opening(element_a, element_b) else APART
 
     def is_contained(self) -> bool:
-        """Nothing changes until the turn brings the surfaces together: any pose before that tells."""
         try:
             return super().is_contained()
         except Undecidable:
-            turn = self.turn.after_opening()
-            until = earliest(turn, with_start=False).instant or turn.end_instant()
-            return contained_at(turn, turn.start_instant(), until)
+            return self.soon().is_contained()
+
+    def soon(self) -> TranslationProblem:
+        """The bodies in a rational pose soon after, before anything changes: the turn's next event.
+
+        Raises Undecidable where the instant itself is an event.
+        """
+        turn = self.turn.after_opening()
+        begin = turn.start_instant()
+        event = earliest(turn, with_start=False).instant or turn.end_instant()
+        if turn.order(begin, event) == 0:
+            raise Undecidable
+        return TranslationProblem(turn.a._mapped(turn.pose_between(begin, event)), turn.b, self.piece)

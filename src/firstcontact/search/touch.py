@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from flint import arb, fmpq
 
-from firstcontact.exact.instants import AngleInstant, RationalInstant, same_instant
+from firstcontact.exact.instants import DeferredInstant, RationalInstant
 from firstcontact.exact.numbers import PRECISIONS, Undecidable, ball, nearest_double, precision, sign, to_double
 from firstcontact.exact.surd import Surd
 from firstcontact.exact.turning import Axis
@@ -71,7 +71,7 @@ def doubles(v: Vector) -> np.ndarray:
 def _double(x: Any) -> float:
     for bits in PRECISIONS:
         with precision(bits):
-            value = x.ball() if isinstance(x, Surd) else ball(x)
+            value = as_ball(x)
             near = nearest_double(value)
         if near is not None:
             return near
@@ -80,12 +80,12 @@ def _double(x: Any) -> float:
 
 def rotation_touch(
     element_a: Feature, corners_a: list[Vector], element_b: Feature, corners_b: list[Vector],
-    axis: Axis, contacts: list[tuple[AngleInstant, Vector]], at: AngleInstant,
+    axis: Axis, point: Vector, at: Any,
 ) -> Touch:  # fmt: skip
     """(point, unit normal from b towards a or None); exact corners at angle 0, all about a point of the axis."""
-    point = next(q for instant, q in contacts if same_instant(instant, at))
     q = doubles(point)
-    cosine, sine = (_double(x) for x in at.cosine_sine())
+    near = at.near if isinstance(at, DeferredInstant) else at
+    cosine, sine = (_double(x) for x in near.cosine_sine())
     h = doubles(axis.h).tolist()
     velocity = cross(h, q.tolist())
     n, size = _float_normal(element_a, corners_a, element_b, corners_b, h, cosine, sine)
@@ -98,8 +98,8 @@ def rotation_touch(
     for bits in PRECISIONS:
         with precision(bits):
             moved = _turned(axis, corners_a, at)
-            direction = _normal(element_a, moved, element_b, [_balls(p) for p in corners_b])
-            normal = _exact_normal(direction, cross(axis.h, _balls(point)))
+            direction = _normal(element_a, moved, element_b, [as_balls(p) for p in corners_b])
+            normal = _exact_normal(direction, cross(axis.h, as_balls(point)))
         if normal is not None:
             return q, normal
     return q, None
@@ -137,18 +137,22 @@ def _norm(v: Any) -> float:
     return math.hypot(v[0], v[1], v[2])
 
 
-def _balls(p: Vector) -> Vector:
-    x, y, z = (c.ball() if isinstance(c, Surd) else ball(c) for c in p)
-    return x, y, z
+def as_ball(x: Any) -> arb:
+    """An enclosure of a Surd, fmpq or ball at the present precision."""
+    return x.ball() if isinstance(x, Surd) else ball(x)
 
 
-def _turned(axis: Axis, corners: list[Vector], at: AngleInstant) -> list[Vector]:
+def as_balls(p: Vector) -> Vector:
+    return as_ball(p[0]), as_ball(p[1]), as_ball(p[2])
+
+
+def _turned(axis: Axis, corners: list[Vector], at: Any) -> list[Vector]:
     """Corners turned to the instant, as balls."""
     c, s = (x.ball() for x in at.cosine_sine())
-    h, k = _balls(axis.h), ball(axis.K)
+    h, k = as_balls(axis.h), ball(axis.K)
     out = []
     for p in corners:
-        x = _balls(p)
+        x = as_balls(p)
         share: arb = dot(h, x) / k
         foot = (share * h[0], share * h[1], share * h[2])
         out.append(add(along(foot, c, sub(x, foot)), tuple(s * w for w in cross(h, x))))  # type: ignore[arg-type]

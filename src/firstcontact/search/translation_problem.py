@@ -36,6 +36,8 @@ class TranslationProblem:
     def __init__(self, a: Any, b: Any, piece: Piece) -> None:
         assert piece.velocity is not None
         self.a, self.b, self.piece, self.v = a, b, piece, piece.velocity
+        self.is_exact = a._pose is None and b._pose is None
+        self._known_corners: dict[tuple[Feature, Feature], tuple[list[Vector], list[Vector]]] = {}
         self.last = None if piece.end is None else piece.end - piece.start
         self.tree_a, self.tree_b = tree_of(a), tree_of(b)
         self.velocity = np.empty(6)
@@ -61,9 +63,19 @@ class TranslationProblem:
             state.floats, state.integers, state.keys, state.pairs, state.stack, state.times, state.candidates,
         )  # fmt: skip
 
+    def _corners(self, element_a: Feature, element_b: Feature) -> tuple[list[Vector], list[Vector]]:
+        """Exact corners of the two elements; of rational bodies they are kept, precision does not change them."""
+        key = element_a, element_b
+        found = self._known_corners.get(key)
+        if found is None:
+            found = corners_of(self.a, element_a), corners_of(self.b, element_b)
+            if self.is_exact:
+                self._known_corners[key] = found
+        return found
+
     def contact(self, element_a: Feature, element_b: Feature) -> RationalInstant | None:
         """The earliest time of the window at which the two elements share a point; exact."""
-        corners_a, corners_b = corners_of(self.a, element_a), corners_of(self.b, element_b)
+        corners_a, corners_b = self._corners(element_a, element_b)
         if element_a[0] == VERTEX:
             window = point_plane.translation_window(corners_a[0], *corners_b, self.v)
         elif element_b[0] == VERTEX:
@@ -175,5 +187,5 @@ class TranslationProblem:
 
     def touch(self, element_a: Feature, element_b: Feature, at: RationalInstant) -> Touch:
         """(point, unit normal or None) of the two elements at the instant, working frame."""
-        corners_a, corners_b = corners_of(self.a, element_a), corners_of(self.b, element_b)
+        corners_a, corners_b = self._corners(element_a, element_b)
         return translation_touch(element_a, corners_a, element_b, corners_b, self.v, at)
