@@ -14,8 +14,8 @@ from firstcontact.motion.relative import pieces
 from firstcontact.report import JoinedInterval, contact_of, element_pairs, initial_contact, interval_of, join
 from firstcontact.result import ContactIntervals, ContactPairs, FirstContact, Stats, Status
 from firstcontact.search.earliest import Found, Pair, Progress, all_pairs, earliest
-from firstcontact.search.overlap import initial_kind
 from firstcontact.search.intervals import contact_windows
+from firstcontact.search.overlap import initial_kind
 from firstcontact.search.problem import problem_of, problems_in_order
 
 

@@ -46,15 +46,15 @@ class Stats(Mapping[str, float]):
     seconds: float = 0.0
 
     def __getitem__(self, key: str) -> float:
-        if key not in self.__slots__:
+        if key not in list(self):
             raise KeyError(key)
         return getattr(self, key)
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self.__slots__)
+        return (f.name for f in fields(self))
 
     def __len__(self) -> int:
-        return len(self.__slots__)
+        return len(fields(self))
 
     def __add__(self, other: Stats) -> Stats:
         return Stats(
@@ -331,10 +331,6 @@ class ContactPairs(_NoTruth, Sequence[ElementPair]):
 
     def __getitem__(self, index):  # type: ignore[no-untyped-def]
         return self.pairs[index]
-
-    @property
-    def count(self) -> int:
-        return len(self.pairs)
 
     def __str__(self) -> str:
         return f"{len(self.pairs)} element pairs meet, {len(self.piercing)} pierced at the start"

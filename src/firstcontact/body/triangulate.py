@@ -132,7 +132,7 @@ def _sees(plane: dict[int, Point], turn: _Turn, loop: list[int], hole: list[int]
     left, right = turn(before, v, h) > 0, turn(v, after, h) > 0
     if not (left and right if convex else left or right):
         return False
-    sides = list(zip(loop, loop[1:] + loop[:1], strict=True)) + list(zip(hole, hole[1:] + hole[:1], strict=True))
+    sides = [side for ring in (loop, hole) for side in zip(ring, ring[1:] + ring[:1], strict=True)]
     return not any(
         plane[p] not in (plane[h], plane[v])
         and plane[q] not in (plane[h], plane[v])

@@ -6,7 +6,7 @@ from fractions import Fraction
 
 from flint import arb, fmpq, fmpq_poly
 
-from firstcontact.exact.numbers import PRECISIONS, dyadic, ball, fraction, precision
+from firstcontact.exact.numbers import PRECISIONS, ball, dyadic, fraction, precision
 from firstcontact.exact.rigid import rational_sqrt
 from firstcontact.exact.surd import Surd
 from firstcontact.result import AlgebraicNumber
@@ -28,7 +28,8 @@ def algebraic(x: Surd, k: fmpq) -> AlgebraicNumber | Fraction:
     else:
         # s = x sqrt k: (s^2 - k (p^2 + q^2 d))^2 = 4 k^2 p^2 q^2 d
         middle = k * (x.x * x.x + x.y * x.y * x.d)
-        polynomial = fmpq_poly([middle * middle - 4 * k * k * x.x * x.x * x.y * x.y * x.d, 0, -2 * middle, 0, 1])
+        product = 2 * k * x.x * x.y
+        polynomial = fmpq_poly([middle * middle - product * product * x.d, 0, -2 * middle, 0, 1])
     return _isolate(polynomial, x, k)
 
 

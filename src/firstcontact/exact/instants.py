@@ -25,7 +25,6 @@ from firstcontact.exact.numbers import (
 )
 from firstcontact.exact.surd import Surd, sign_two_radicals, surd
 
-
 # Precision of the balls that stand in for exact angles at first.
 BALL_BITS = 192
 
@@ -46,11 +45,10 @@ def enclose(number: Callable[[], Any]) -> tuple[float, tuple[float, float]]:
     for bits in PRECISIONS:
         with precision(bits):
             x = ball(number())
-            t = nearest_double(x)
-        if t is not None:
-            break
-    lo, hi = ball_bounds(x)
-    return float(x.mid()) if t is None else t, (lo, hi)
+            near = nearest_double(x)
+        if near is not None:
+            return near, ball_bounds(x)
+    return float(x.mid()), ball_bounds(x)
 
 
 def same_instant(x: Any, y: Any) -> bool:
@@ -172,12 +170,13 @@ class DeferredInstant:
     Most instants are compared with others far away and rounded to a double: the ball does both.
     """
 
-    __slots__ = ("_exact", "_make", "near")
+    __slots__ = ("_ball", "_exact", "_make", "near")
 
     def __init__(self, near: AngleInstant, make: Callable[[], AngleInstant]) -> None:
         self.near, self._make = near, make
         self._exact: AngleInstant | None = None
-        near._bounds = ball_bounds(near.local())
+        self._ball = near.local()  # at BALL_BITS: evaluated again with fewer, its balls may straddle zero
+        near._bounds = ball_bounds(self._ball)
         near._settled = True
 
     def exact(self) -> AngleInstant:
@@ -189,7 +188,7 @@ class DeferredInstant:
         return self.near.bounds()
 
     def local(self) -> arb:
-        return self.near.local() if ctx.prec <= BALL_BITS else self.exact().local()
+        return self._ball if ctx.prec <= BALL_BITS else self.exact().local()
 
     def compare(self, other: Any) -> int:
         (lo, hi), (other_lo, other_hi) = self.bounds(), other.bounds()

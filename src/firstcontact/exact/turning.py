@@ -1,7 +1,7 @@
 """Rational invariants of points under rotation about an axis through the origin along h, any length.
 
-With K = h.h:  height(x) = h.x is |h| times the height, `perp` K times the dot product and `turn` |h| times the
-cross product of the parts perpendicular to the axis; the angle from x to y is atan2(sqrt(K) turn, perp).
+With K = h.h:  height(x) = h.x is |h| times the height, `perp` K times the dot product and `turn` |h| times
+the cross product of the parts perpendicular to the axis; the angle from x to y is atan2(sqrt(K) turn, perp).
 Arguments may be Surds.
 """
 

@@ -45,12 +45,13 @@ CACHE = _user_cache() / _digest()
 
 def kernel(function: Callable[..., Any]) -> Any:
     """Compile `function` on its first call, cached on disk.  No fastmath: it would undo the error bounds."""
-    previous = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = str(CACHE)
+    config: Any = numba.config
+    previous = config.CACHE_DIR
+    config.CACHE_DIR = str(CACHE)
     try:
         return njit(cache=True, nogil=True, error_model="numpy")(function)
     finally:
-        numba.config.CACHE_DIR = previous
+        config.CACHE_DIR = previous
 
 
 def is_compiled() -> bool:

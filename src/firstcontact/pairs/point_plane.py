@@ -11,9 +11,8 @@ from firstcontact.exact.numbers import sign
 from firstcontact.exact.vectors import Vector, cross, dot, sub
 from firstcontact.exact.windows import ALWAYS, Window, hull
 from firstcontact.kernels.jit import kernel
-from firstcontact.kernels.verdict import CERTAIN, DET_EPS, NONE, TINY, UNSURE, quotient, slack3
+from firstcontact.kernels.verdict import CERTAIN, DET_EPS, NONE, TINY, UNSURE, cross_size, quotient, slack3
 from firstcontact.kernels.verdict import cross as cross_f
-from firstcontact.kernels.verdict import cross_size
 from firstcontact.pairs import point_line
 
 

@@ -6,12 +6,13 @@ triangle iff its side products with the three sides have no two opposite signs.
 
 from __future__ import annotations
 
+from typing import Any
+
 from firstcontact.exact.numbers import sign
 from firstcontact.exact.vectors import Vector, along, cross, dot, sub
 from firstcontact.kernels.jit import kernel
-from firstcontact.kernels.verdict import CERTAIN, DET_EPS, NONE, TINY, UNSURE, slack3
+from firstcontact.kernels.verdict import CERTAIN, DET_EPS, NONE, TINY, UNSURE, cross_size, slack3
 from firstcontact.kernels.verdict import cross as cross_f
-from firstcontact.kernels.verdict import cross_size
 from firstcontact.pairs.line_line import contact_point, segments_meet
 from firstcontact.pairs.point_plane import in_triangle
 
@@ -78,7 +79,7 @@ def relation(p: Vector, q: Vector, a: Vector, b: Vector, c: Vector) -> int:
     return CROSSING if op * oq < 0 and 0 not in signs else TOUCHING
 
 
-def start_point(x: list[Vector], y: list[Vector]) -> Vector:
+def start_point(x: Any, y: Any) -> Vector:
     """A shared point of two elements given by their corners (one, two or three each), one known to exist."""
     if len(x) > len(y):
         x, y = y, x

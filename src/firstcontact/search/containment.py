@@ -92,7 +92,10 @@ def contains(solid: Any, tree: Tree, point: Vector) -> bool:
     Raises Undecidable where irrational poses leave it open.
     """
     p = np.array([to_double(x) if isinstance(x, fmpq) else float(x) for x in point])
-    exact = all(isinstance(x, fmpq) and fmpq(*y.as_integer_ratio()) == x for x, y in zip(point, p.tolist(), strict=True))
+    doubles = p.tolist()
+    exact = all(
+        isinstance(x, fmpq) and fmpq(*y.as_integer_ratio()) == x for x, y in zip(point, doubles, strict=True)
+    )
     err = 2.0 * tree.error + (0.0 if exact else float(np.abs(p).max()) * 2.0**-51 + 1e-300)
     hits = np.empty((64, 2), np.int64)
     while (n := ray_crossings(tree.boxes, tree.links, tree.xyz, tree.ids, p, err, hits)) < 0:

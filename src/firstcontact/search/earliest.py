@@ -11,6 +11,7 @@ from firstcontact.exact.numbers import PRECISIONS, Undecidable, precision
 from firstcontact.search.elements import KINDS, Feature, feature
 from firstcontact.search.state import (
     ALL,
+    BEST,
     CANDIDATES,
     CERTAIN_KIND,
     CROSSING_FOUND,
@@ -19,7 +20,6 @@ from firstcontact.search.state import (
     EDGE_FACE,
     FULL,
     KEY,
-    BEST,
     SLICE,
     SLICE_SPENT,
     TESTS,

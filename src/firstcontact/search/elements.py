@@ -51,6 +51,8 @@ class Primitive:
     """A triangle, bare edge or bare point with its exact corners."""
 
     __slots__ = ("corners", "is_facet", "sides")
+    corners: Any
+    sides: Any
 
     def __init__(self, body: Any, tree: Tree, index: int) -> None:
         self.is_facet = index < len(body.triangles)

@@ -124,7 +124,7 @@ def _with_containment(problem: Any, windows: list[Window]) -> list[Window]:
     The surfaces share no point in a gap, so one time in it decides the whole gap.
     """
     begin, end = problem.start_instant(), problem.end_instant()
-    ends = [(None, begin), *windows, (end, None)]
+    ends: list[Any] = [(None, begin), *windows, (end, None)]
     out: list[Window] = []
     for (_, left), (right, _) in zip(ends, ends[1:], strict=False):
         if windows and problem.order(left, right) >= 0:

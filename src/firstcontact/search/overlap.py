@@ -24,7 +24,6 @@ from firstcontact.pairs.segment_facet import APART, relation
 from firstcontact.search.containment import component_labels, component_vertices, contains
 from firstcontact.search.earliest import Found, Pair, earliest, pairs_at_start
 from firstcontact.search.elements import EDGE, FACE, VERTEX, Feature, corners_of
-from firstcontact.search.standstill import Standstill
 from firstcontact.search.tree import tree_of
 
 # Separating planes are sought among this many facets and edge pairs in contact before looking at every point.
@@ -47,6 +46,8 @@ def initial_kind(problem: Any, found: Found) -> str:
         return "overlapping"
     if a._pose is not None or b._pose is not None:
         # what follows asks whether numbers are equal: no question for balls
+        from firstcontact.search.standstill import Standstill  # loads the walk of rotations
+
         if not isinstance(problem, Standstill):
             raise Undecidable
         nearby = problem.soon()
@@ -146,7 +147,7 @@ def _shared_vertices(a: Any, b: Any, pair: Pair) -> Iterator[Vector]:
             yield along(r, dot(cross(sub(r, p), e), n) / dot(n, n), f)
 
 
-def _on(p: Vector, corners: list[Vector]) -> bool:
+def _on(p: Vector, corners: Any) -> bool:
     """Whether p lies on the closed vertex, edge or triangle."""
     if len(corners) == 1:
         return p == corners[0]
@@ -155,7 +156,7 @@ def _on(p: Vector, corners: list[Vector]) -> bool:
     n = cross(sub(corners[1], corners[0]), sub(corners[2], corners[0]))
     if not any(n):
         return any(point_line.on_segment(p, *side) for side in _sides_of(corners))
-    return dot(n, sub(p, corners[0])) == 0 and in_triangle(p, *corners, n)
+    return dot(n, sub(p, corners[0])) == 0 and in_triangle(p, *corners, n=n)
 
 
 def _facets_at(body: Any, x: Vector) -> list[list[Vector]]:

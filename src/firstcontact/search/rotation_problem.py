@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import copy
 import math
-from functools import cmp_to_key
 from fractions import Fraction
+from functools import cmp_to_key
 from typing import Any
 
 import numpy as np
@@ -17,7 +17,15 @@ from flint import arb, fmpq
 
 from firstcontact.errors import InputError
 from firstcontact.exact.algebraic import algebraic
-from firstcontact.exact.instants import BALL_BITS, AngleInstant, DeferredInstant, LimitInstant, compare_angles, enclose, same_instant
+from firstcontact.exact.instants import (
+    BALL_BITS,
+    AngleInstant,
+    DeferredInstant,
+    LimitInstant,
+    compare_angles,
+    enclose,
+    same_instant,
+)
 from firstcontact.exact.numbers import (
     PRECISIONS,
     Undecidable,
@@ -31,13 +39,12 @@ from firstcontact.exact.numbers import (
     to_double,
 )
 from firstcontact.exact.rigid import Matrix, quaternion_rotation
-from firstcontact.exact.surd import Surd
 from firstcontact.exact.turning import Axis
-from firstcontact.exact.vectors import Vector, add, cross, sub
+from firstcontact.exact.vectors import Vector, sub
 from firstcontact.kernels.angle import TWO_PI
 from firstcontact.motion.relative import Piece
 from firstcontact.motion.rotation import angle_ball
-from firstcontact.pairs import line_line, line_line_rotation, point_plane_rotation, segment_facet
+from firstcontact.pairs import line_line_rotation, point_plane_rotation, segment_facet
 from firstcontact.pairs.point_line_rotation import Contact
 from firstcontact.result import ExactAngle
 from firstcontact.search import rotate  # noqa: F401 - the walk under this motion
@@ -49,7 +56,6 @@ from firstcontact.search.touch import Touch, as_ball, as_balls, doubles, rotatio
 from firstcontact.search.tree import Tree
 from firstcontact.search.walk import walk
 from firstcontact.search.windows import collect
-
 
 Angle = tuple[fmpq, fmpq]  # radians, turns
 _ZERO = fmpq(0), fmpq(0)
@@ -410,7 +416,7 @@ class RotationProblem:
         if not at.is_rational():
             return None
         cosine, sine = at.cosine_sine()
-        return ExactAngle(algebraic(cosine, fmpq(1)), algebraic(sine, at.K), self.world_instant(at, turn)[0])
+        return ExactAngle(algebraic(cosine, fmpq(1)), algebraic(sine, self.axis.K), self.world_instant(at, turn)[0])
 
     def is_end(self, at: Any, turn: int) -> bool:
         """Whether the instant, `turn` full turns later, is the end of the piece."""

@@ -28,7 +28,7 @@ DOUBTFUL = 1e-3
 
 
 def translation_touch(
-    element_a: Feature, corners_a: list[Vector], element_b: Feature, corners_b: list[Vector],
+    element_a: Feature, corners_a: Any, element_b: Feature, corners_b: Any,
     v: Vector, at: RationalInstant,
 ) -> Touch:  # fmt: skip
     """(point, unit normal from b towards a or None); exact corners at time 0."""
@@ -37,7 +37,7 @@ def translation_touch(
     elif element_b[0] == VERTEX:
         point, n = corners_b[0], _facet_normal(corners_a)
     else:
-        point = line_line.contact_point(*corners_a, *corners_b, v, at.value)
+        point = line_line.contact_point(*corners_a, *corners_b, v=v, t=at.value)
         n = line_line.normal(*corners_a, *corners_b)
     return doubles(point), _exact_normal(n, v)
 
@@ -115,13 +115,13 @@ def _normal(element_a: Feature, a: list[Any], element_b: Feature, b: list[Any]) 
 
 def _float_normal(
     element_a: Feature, corners_a: list[Vector], element_b: Feature, corners_b: list[Vector],
-    h: list[float], cosine: float, sine: float,
+    h: Any, cosine: float, sine: float,
 ) -> tuple[Floats, float]:  # fmt: skip
     """The normal in doubles and the product of the lengths it is made of."""
     k = h[0] * h[0] + h[1] * h[1] + h[2] * h[2]
     moved = []
     for p in corners_a:
-        x = doubles(p).tolist()
+        x: Any = doubles(p).tolist()
         s = dot(h, x) / k
         moved.append(
             tuple(s * f + cosine * (c - s * f) + sine * w for f, c, w in zip(h, x, cross(h, x), strict=True))

@@ -11,8 +11,8 @@ from flint import arb, fmpq
 
 from firstcontact.exact.instants import RationalInstant, enclose
 from firstcontact.exact.numbers import dyadic, fraction, sign, to_double
-from firstcontact.exact.vectors import Vector, along
 from firstcontact.exact.rigid import Matrix, shift
+from firstcontact.exact.vectors import Vector
 from firstcontact.exact.windows import ALWAYS, Window, clip, hull
 from firstcontact.motion.relative import Piece
 from firstcontact.pairs import line_line, point_plane, segment_facet
@@ -63,7 +63,7 @@ class TranslationProblem:
             state.floats, state.integers, state.keys, state.pairs, state.stack, state.times, state.candidates,
         )  # fmt: skip
 
-    def _corners(self, element_a: Feature, element_b: Feature) -> tuple[list[Vector], list[Vector]]:
+    def _corners(self, element_a: Feature, element_b: Feature) -> tuple[Any, Any]:
         """Exact corners of the two elements; of rational bodies they are kept, precision does not change them."""
         key = element_a, element_b
         found = self._known_corners.get(key)
@@ -77,12 +77,12 @@ class TranslationProblem:
         """The earliest time of the window at which the two elements share a point; exact."""
         corners_a, corners_b = self._corners(element_a, element_b)
         if element_a[0] == VERTEX:
-            window = point_plane.translation_window(corners_a[0], *corners_b, self.v)
+            window = point_plane.translation_window(corners_a[0], *corners_b, v=self.v)
         elif element_b[0] == VERTEX:
             back = (-self.v[0], -self.v[1], -self.v[2])
-            window = point_plane.translation_window(corners_b[0], *corners_a, back)
+            window = point_plane.translation_window(corners_b[0], *corners_a, v=back)
         else:
-            window = line_line.translation_window(*corners_a, *corners_b, self.v)
+            window = line_line.translation_window(*corners_a, *corners_b, v=self.v)
         clipped = clip(window, (ZERO, self.last))
         return None if clipped is None else RationalInstant(clipped[0])
 
@@ -104,9 +104,9 @@ class TranslationProblem:
             found: Window | None = ALWAYS if a.meets(b) else None
         else:
             found = hull(
-                [line_line.translation_window(*x, *y, self.v) for x in a.sides for y in b.sides]
-                + [point_plane.translation_window(x, *b.corners, self.v) for x in a.corners if b.is_facet]
-                + [point_plane.translation_window(y, *a.corners, back) for y in b.corners if a.is_facet]
+                [line_line.translation_window(*x, *y, v=self.v) for x in a.sides for y in b.sides]
+                + [point_plane.translation_window(x, *b.corners, v=self.v) for x in a.corners if b.is_facet]
+                + [point_plane.translation_window(y, *a.corners, v=back) for y in b.corners if a.is_facet]
             )
         clipped = clip(found, (ZERO, self.last))
         if clipped is None:

@@ -23,10 +23,12 @@ if TYPE_CHECKING:
 SIDE, CORNER, FLAT_SIDE = 0, 3, 6  # bit of side 0, corner 0, flat side 0
 FACET, BARE, POINT, SPLIT = 1 << 9, 1 << 10, 1 << 11, 1 << 12
 
-# Triangles longer than this many times the median are split into at most MAX_PARTS parts: boxes of long
-# triangles overlap everything.  Purely a matter of speed.
-SPLIT_FACTOR = 4.0
-MAX_PARTS = 24
+# Boxes of long oblique triangles overlap everything, so triangles whose box is wide (by the area of its largest
+# side) are cut into parts: at most MAX_PARTS each and PARTS_BUDGET times the triangles in all, and none whose box
+# is no wider than WIDE times the average.  Purely a matter of speed.
+MAX_PARTS = 64
+PARTS_BUDGET = 1.6
+WIDE = 16.0
 
 _BINS = 16
 
@@ -60,7 +62,7 @@ def _build(body: Polyhedron) -> Tree:
     corners, sides, kind = _primitives(body)
     masks = _owners(corners, sides, kind, body.vertices, len(body._segments), body._given_edges)
     corner_xyz = body.vertices[corners].reshape(len(corners), 9)
-    part_box, part_ids = _parts(corner_xyz, masks, SPLIT_FACTOR, MAX_PARTS)
+    part_box, part_ids = _parts(corner_xyz, masks, WIDE, PARTS_BUDGET, MAX_PARTS)
     boxes, links, order = _split(part_box)
     ids = part_ids[order]
     return Tree(boxes, links, corner_xyz[ids[:, 0]], ids, corners, sides, body.error)
@@ -155,21 +157,24 @@ def _coplanar(vertices, corners, p, s, other):
 
 
 @kernel
-def _parts(xyz, masks, factor, max_parts):
-    """Boxes (m, 6) and (primitive, mask) (m, 2) int32 of the parts; long triangles give several."""
+def _parts(xyz, masks, wide, budget, max_parts):
+    """Boxes (m, 6) and (primitive, mask) (m, 2) int32 of the parts; wide triangles give several."""
     n = xyz.shape[0]
-    extent = np.empty(n)
+    width = np.empty(n)
     whole = np.empty((n, 6))
-    largest = 0.0
+    largest = flat_area = 0.0
     for p in range(n):
-        extent[p] = 0.0
         for k in range(3):
             lo = min(xyz[p, k], xyz[p, k + 3], xyz[p, k + 6])
             hi = max(xyz[p, k], xyz[p, k + 3], xyz[p, k + 6])
             whole[p, k], whole[p, k + 3] = lo, hi
-            extent[p] = max(extent[p], hi - lo)
             largest = max(largest, abs(lo), abs(hi))
-    limit = factor * np.median(extent)
+        x, y, z = whole[p, 3] - whole[p, 0], whole[p, 4] - whole[p, 1], whole[p, 5] - whole[p, 2]
+        width[p] = max(x * y, y * z, z * x) if masks[p] & FACET else 0.0
+        flat_area += _twice_area(xyz, p) if masks[p] & FACET else 0.0
+    limit = wide * flat_area / max(n, 1)
+    while _count_parts(width, limit, max_parts) > budget * n:
+        limit *= 2.0
     pad = CLIP_EPS * largest
     box = np.empty((n, 6))
     ids = np.empty((n, 2), np.int32)
@@ -179,7 +184,7 @@ def _parts(xyz, masks, factor, max_parts):
     for p in range(n):
         stack[0] = whole[p]
         depth, emitted = 1, 0
-        splitting = extent[p] > limit and limit > 0.0 and masks[p] & FACET
+        splitting = width[p] > limit and limit > 0.0
         while depth > 0:
             depth -= 1
             cell = stack[depth].copy() if splitting else stack[depth]
@@ -187,7 +192,8 @@ def _parts(xyz, masks, factor, max_parts):
             for k in range(1, 3):
                 if cell[k + 3] - cell[k] > cell[axis + 3] - cell[axis]:
                     axis = k
-            if splitting and cell[axis + 3] - cell[axis] > limit and emitted + depth + 2 <= max_parts:
+            x, y, z = cell[3] - cell[0], cell[4] - cell[1], cell[5] - cell[2]
+            if splitting and max(x * y, y * z, z * x) > limit and emitted + depth + 2 <= max_parts:
                 middle = 0.5 * (cell[axis] + cell[axis + 3])
                 for upper in range(2):
                     child = stack[depth]
@@ -207,6 +213,23 @@ def _parts(xyz, masks, factor, max_parts):
             m += 1
             emitted += 1
     return box[:m].copy(), ids[:m].copy()
+
+
+@kernel
+def _twice_area(xyz, p):
+    e0, e1, e2 = xyz[p, 3] - xyz[p, 0], xyz[p, 4] - xyz[p, 1], xyz[p, 5] - xyz[p, 2]
+    f0, f1, f2 = xyz[p, 6] - xyz[p, 0], xyz[p, 7] - xyz[p, 1], xyz[p, 8] - xyz[p, 2]
+    x, y, z = e1 * f2 - e2 * f1, e2 * f0 - e0 * f2, e0 * f1 - e1 * f0
+    return np.sqrt(x * x + y * y + z * z)
+
+
+@kernel
+def _count_parts(width, limit, max_parts):
+    """About how many parts boxes of those widths give: cutting into k divides the width by k squared or less."""
+    total = 0.0
+    for p in range(width.shape[0]):
+        total += min(np.sqrt(width[p] / limit) + 1.0, max_parts) if width[p] > limit > 0.0 else 1.0
+    return total
 
 
 @kernel

@@ -1,0 +1,78 @@
+"""Usage and errors of the whole command: one line, exit code 3; help without heavy imports."""
+
+import pytest
+
+import firstcontact as fc
+
+HEAVY = ("numba", "numpy", "flint", "pydantic", "rich", "trimesh")
+MAIN = "from firstcontact.cli import main; main()"
+
+
+def test_the_command_is_importable_without_heavy_modules(python):
+    code = f"import sys, firstcontact.cli; print([m for m in {HEAVY!r} if m in sys.modules])"
+    assert python(code).stdout == "[]\n"
+
+
+def test_help_and_version(command):
+    for subcommand in ([], ["check"], ["intervals"], ["info"], ["warmup"]):
+        code, out, err = command(*subcommand, "--help")
+        assert code == 0 and out.startswith("Usage: firstcontact") and err == ""
+    assert command("--version").out == f"firstcontact, version {fc.__version__}\n"
+
+
+def test_main_leaves_with_the_exit_code(python, tmp_path):
+    done = python(MAIN, "check", tmp_path / "none.toml")
+    assert done.returncode == 3 and done.stdout == ""
+    fault = "no such file or directory; give the path of a scene file (TOML)"
+    assert done.stderr == f"firstcontact: {tmp_path / 'none.toml'}: {fault}\n"
+
+
+BAD_USAGE = {
+    "unknown command": (["chek"], "No such command 'chek'"),
+    "unknown option": (["check", "SCENE", "--jsn"], "--jsn"),
+    "no scene": (["check"], "SCENE"),
+    "two scenes": (["check", "SCENE", "other.toml"], "other.toml"),
+    "half a span": (["check", "SCENE", "--span", "0"], "--span"),
+    "word in a span": (["check", "SCENE", "--span", "0", "soon"], "--span: 'soon' is not a number"),
+    "nan in a span": (["check", "SCENE", "--span", "nan", "1"], "--span: 'nan' is not a number"),
+    "json into nowhere": (["check", "SCENE", "--json", "/none/x.json"], "/none/x.json: cannot be written"),
+    "html into nowhere": (["intervals", "SCENE", "--html", "/none/x.html"], "x.html: cannot be written"),
+    "png into nowhere": (["check", "SCENE", "--png", "/none/x.png"], "/none/x.png: cannot be written"),
+    "json into a folder": (["check", "SCENE", "--json", "/"], "cannot be written"),
+    "a scene that is a folder": (["check", "/"], "/: is a directory"),
+    "a mesh that is a scene": (["info", "scene.tml"], "unknown mesh format '.tml'"),
+}
+
+
+@pytest.mark.parametrize("case", BAD_USAGE)
+def test_bad_usage_is_one_line_and_3(command, cubes, case):
+    arguments, says = BAD_USAGE[case]
+    scene = str(cubes("1.1"))
+    code, out, err = command(*[scene if a == "SCENE" else a for a in arguments])
+    assert code == 3 and out == ""
+    assert err.count("\n") == 1 and err.startswith("firstcontact: ") and says in err
+
+
+def test_no_command_shows_the_help_and_returns_3(command):
+    code, out, err = command()
+    assert code == 3 and "Commands:" in out and err.count("\n") == 1 and "warmup" in err
+
+
+def test_a_scene_with_one_body_says_what_is_missing(command, scene):
+    path = scene('[body.a]\nshape = "polyhedron"\nvertices = [[0, 0, 0]]\n')
+    code, _, err = command("check", path)
+    assert code == 3 and "add a second [body.NAME]" in err
+
+
+def test_damaged_meshes_give_one_line_in_spite_of_reader_warnings(python, tmp_path):
+    mesh = tmp_path / "damaged.glb"
+    mesh.write_bytes(b"glTF" + bytes(40))
+    done = python(MAIN, "info", mesh)
+    assert done.returncode == 3 and done.stderr.count("\n") == 1 and str(mesh) in done.stderr
+
+
+def test_a_reader_that_leaves_early_gets_neither_an_answer_nor_a_complaint(python, cubes):
+    # The pipe's reading end is closed before anything is printed, as `head` does after its last line.
+    closed = f"import os; read, write = os.pipe(); os.close(read); os.dup2(write, 1); {MAIN}"
+    done = python(closed, "info", cubes("1.1"))
+    assert done.returncode == 141 and done.stderr == ""

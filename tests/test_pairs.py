@@ -1,0 +1,59 @@
+"""All element pairs that meet during a span, against the slow truth."""
+
+from __future__ import annotations
+
+import pytest
+
+import firstcontact as fc
+import generators as g
+import naive
+from agreement import polyhedron, question, reference_motion
+from generators import Scene, lattice_scene
+from vectors import Body
+
+
+def with_edges(body: Body) -> Body:
+    """The same body, its edges numbered as the reference numbers them."""
+    return Body(
+        body.v, [list(e) for e in naive.shape(body.v, body.e, body.f).edges] if body.f else body.e, body.f
+    )
+
+
+def found_pairs(pairs: fc.ContactPairs) -> set[tuple]:
+    rows = [(p.element_a, p.element_b) for p in pairs]
+    assert len(rows) == pairs.count
+    return {(x.kind, x.index, y.kind, y.index) for x, y in rows}
+
+
+@pytest.mark.parametrize("rotating", [False, True], ids=["translation", "rotation"])
+@pytest.mark.parametrize("first", [0, 100])
+def test_lattice_scenes(first, rotating):
+    most = 0
+    for seed in range(first, first + 100):
+        s = lattice_scene(seed, rotating)
+        if not (s.a.f or s.a.e) or not (s.b.f or s.b.e):
+            continue  # a point set has no edges to number
+        scene = Scene(with_edges(s.a), with_edges(s.b), s.translation, s.rotation, s.until)
+        a, b = scene.a, scene.b
+        truth = naive.meeting_pairs(a.v, a.e, a.f, b.v, b.e, b.f, reference_motion(scene), scene.until)
+        found = found_pairs(fc.contact_pairs(*question(scene)))
+        assert found == truth, f"too many {found - truth}, missed {truth - found}: {scene}"
+        most = max(most, len(truth))
+    assert most > 20
+
+
+def test_a_cube_meeting_a_cube():
+    a, b = polyhedron(g.box()), polyhedron(g.box((1, 1, 1), (3, 0.25, 0.25)))
+    pairs = fc.contact_pairs(a.moving(fc.Translation((2, 0, 0))), b)
+    assert pairs.count == len(pairs) > 0
+    assert not pairs.piercing
+    assert fc.contact_pairs(a.moving(fc.Translation((1, 0, 0))), b).count == 0
+
+
+def test_what_pierces_at_the_start_is_told_apart():
+    needle = polyhedron(Body([[0.25, 0.25, -1], [0.25, 0.25, 1]], [[0, 1]], []))
+    plate = polyhedron(Body([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [], [[0, 1, 2]]))
+    pairs = fc.contact_pairs(needle.moving(fc.Translation((0, 0, 0.5))), plate)
+    assert pairs.count == 0
+    (pierced,) = pairs.piercing
+    assert (pierced.element_a.kind, pierced.element_b.kind) == ("edge", "face")

@@ -1,0 +1,72 @@
+"""The README's words hold: its example prints what stands under it, its scene loads, its files exist."""
+
+import contextlib
+import io
+import re
+import runpy
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from firstcontact.cli import run
+from firstcontact.io.meshes import read_mesh
+
+ROOT = Path(__file__).resolve().parents[1]
+TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def block(language):
+    (found,) = re.findall(rf"```{language}\n(.*?)```", TEXT, flags=re.DOTALL)
+    return found
+
+
+def test_the_example_prints_what_the_readme_says(monkeypatch):
+    monkeypatch.chdir(ROOT)
+    printed = io.StringIO()
+    with contextlib.redirect_stdout(printed):
+        exec(compile(block("python"), "README.md", "exec"), {})
+    assert printed.getvalue() == block("text")
+
+
+def test_the_main_command_gives_the_same_answer(capsys):
+    assert run(["check", str(ROOT / "examples" / "lid.toml")]) == 1
+    assert block("text").startswith(capsys.readouterr().out)
+
+
+def test_the_scene_runs(tmp_path, capsys):
+    path = tmp_path / "scene.toml"
+    path.write_text(block("toml").replace('file = "', f'file = "{ROOT}/examples/'))
+    assert run(["check", str(path)]) == 1
+    assert capsys.readouterr().out.startswith("lid and box: CONTACT at time 2.7399243754625")
+
+
+def test_every_file_it_names_exists():
+    for name in re.findall(r"\]\(([^)]+)\)", TEXT) + re.findall(r"examples/[\w.]+\w", TEXT):
+        assert (ROOT / name).exists(), name
+    for name in re.findall(r"`(\w+\.toml)`", TEXT):
+        assert (ROOT / "examples" / name).exists(), name
+
+
+SCENES = {"lid.toml": 1, "gears.toml": 1, "cubes.toml": 1, "lift.toml": 0}
+
+
+def test_no_example_is_left_out():
+    assert {path.name for path in (ROOT / "examples").glob("*.toml")} == set(SCENES)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_examples_end_as_announced(name, capsys):
+    assert run(["check", str(ROOT / "examples" / name)]) == SCENES[name]
+
+
+def test_the_meshes_are_those_of_make_meshes(tmp_path):
+    make = runpy.run_path(str(ROOT / "examples" / "make_meshes.py"))
+    make["main"](tmp_path)
+    made = sorted(path.name for path in tmp_path.iterdir())
+    assert made == ["box.stl", "gear12.ply", "gear20.ply", "lid.stl"]
+    for name in made:
+        vertices, triangles = read_mesh(tmp_path / name)
+        committed_vertices, committed_triangles = read_mesh(ROOT / "examples" / name)
+        assert np.array_equal(triangles, committed_triangles)
+        assert np.allclose(vertices, committed_vertices, rtol=0, atol=1e-6)  # float32, other maths libraries

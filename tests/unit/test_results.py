@@ -1,0 +1,165 @@
+"""Results: no truth value, exact numbers that become the nearest double, pickling."""
+
+from __future__ import annotations
+
+import functools
+import json
+import math
+import pickle
+from fractions import Fraction
+
+import pytest
+
+import firstcontact as fc
+
+CUBE = fc.examples.box((1, 1, 1))
+TARGET = CUBE.translated((3, 0.25, 0.125))
+
+
+@functools.cache
+def hits() -> dict[str, fc.FirstContact]:
+    slide, swing = fc.Translation((7, 0, 0)), fc.Rotation((0, 0, 1), point=(0, 4, 0), turns="1/3")
+    return {
+        "contact": fc.first_contact(CUBE.moving(slide), TARGET, exact=True),
+        "turn": fc.first_contact(CUBE.moving(swing), TARGET, exact=True),
+        "free": fc.first_contact(CUBE.moving(fc.Translation((1, 0, 0))), TARGET),
+        "start": fc.first_contact(CUBE.moving(slide), CUBE.translated((0.5, 0, 0))),
+        "budget": fc.first_contact(CUBE.moving(slide), TARGET, budget=0),
+    }
+
+
+STATUS = {
+    "contact": "CONTACT",
+    "turn": "CONTACT",
+    "free": "FREE",
+    "start": "INITIAL_CONTACT",
+    "budget": "UNDECIDED",
+}
+
+
+@pytest.mark.parametrize("name", STATUS)
+def test_results_have_no_truth_value(name):
+    hit = hits()[name]
+    assert hit.status is fc.Status[STATUS[name]]
+    for thing in (hit, hit.status):
+        with pytest.raises(TypeError, match="no truth value"):
+            bool(thing)
+        with pytest.raises(TypeError, match="no truth value"):
+            if thing:
+                pass
+
+
+def test_intervals_and_pairs_have_no_truth_value():
+    moving = CUBE.moving(fc.Translation((7, 0, 0)))
+    intervals, pairs = fc.contact_intervals(moving, TARGET), fc.contact_pairs(moving, TARGET)
+    assert len(intervals) == 1 and len(pairs) == pairs.count > 0
+    for thing in (intervals, intervals[0], pairs):
+        with pytest.raises(TypeError, match="no truth value"):
+            bool(thing)
+
+
+@pytest.mark.parametrize("name", STATUS)
+def test_results_survive_pickling(name):
+    hit = hits()[name]
+    again = pickle.loads(pickle.dumps(hit))
+    assert again.to_dict() == hit.to_dict() and again.span == hit.span and str(again) == str(hit)
+    assert again.time_exact == hit.time_exact
+    assert again.status is hit.status
+
+
+@pytest.mark.parametrize("name", STATUS)
+def test_results_are_json(name):
+    data = json.loads(hits()[name].to_json())
+    assert data["status"] == STATUS[name]
+    assert data["time"] == hits()[name].time
+
+
+def test_results_do_not_change():
+    with pytest.raises(AttributeError):
+        hits()["contact"].time = 3
+    with pytest.raises(AttributeError):
+        hits()["contact"].element_a.index = 3
+
+
+def test_exact_time_of_a_translation_is_a_fraction():
+    hit = hits()["contact"]
+    assert hit.time_exact == Fraction(2, 7) and hit.time == 2 / 7
+    lo, hi = hit.time_interval
+    assert Fraction(lo) <= Fraction(2, 7) <= Fraction(hi)
+
+
+def test_exact_time_of_a_turn_is_an_angle():
+    hit = hits()["turn"]
+    exact = hit.time_exact
+    assert isinstance(exact, fc.ExactAngle)
+    cosine, sine = float(exact.cosine), float(exact.sine)
+    assert cosine**2 + sine**2 == pytest.approx(1, abs=1e-15)
+    assert math.atan2(sine, cosine) / (2 * math.pi / 3) == pytest.approx(hit.time, rel=1e-15)
+    assert float(exact) == hit.time
+
+
+@pytest.mark.parametrize("kind", ["turns", "degrees"])
+def test_quarter_turns_have_rational_times(kind):
+    post = fc.Polyhedron([[1, 0, 0.5]], [])
+    wall = fc.Polyhedron([[0, 0, 0], [0, 3, 0], [0, 0, 3]], [[0, 1, 2]])
+    turn = fc.Rotation((0, 0, 1), **({"turns": "1/3"} if kind == "turns" else {"degrees": 120}))
+    assert fc.first_contact(post.moving(turn), wall, exact=True).time_exact == Fraction(3, 4)
+
+
+# ---------------------------------------------------------------------------------------- algebraic numbers
+
+
+def root_of(polynomial, lo, hi) -> fc.AlgebraicNumber:
+    return fc.AlgebraicNumber(tuple(polynomial), Fraction(lo), Fraction(hi))
+
+
+@pytest.mark.parametrize(
+    ("number", "square"),
+    [
+        (root_of((-2, 0, 1), 1, 2), 2),
+        (root_of((-3, 0, 1), 0, 9), 3),
+        (root_of((-1, 0, 10**40), 0, 1), Fraction(1, 10**40)),
+    ],
+)
+def test_algebraic_numbers_become_the_nearest_double(number, square):
+    x = float(number)
+    below, above = (Fraction(math.nextafter(x, way)) for way in (-math.inf, math.inf))
+    halfway = ((below + Fraction(x)) / 2) ** 2, ((above + Fraction(x)) / 2) ** 2
+    assert halfway[0] <= square <= halfway[1]
+
+
+def test_algebraic_numbers_at_the_ends_of_their_interval():
+    assert float(root_of((-2, 1), 2, 3)) == 2.0
+    assert float(root_of((-3, 1), 2, 3)) == 3.0
+    assert float(root_of((-1, 3), 0, 1)) == 1 / 3
+    assert float(root_of((2, 0, -1), -2, -1)) == -math.sqrt(2)
+    assert float(root_of((0, 1), -1, 1)) == 0.0
+
+
+def test_algebraic_numbers_print_their_polynomial():
+    assert str(root_of((-2, 0, 1), 1, 2)) == "root of -2*x^0 + 1*x^2 in [1, 2]"
+
+
+def test_stats_read_both_ways():
+    stats = hits()["contact"].stats
+    assert stats.node_visits == stats["node_visits"] > 0
+    assert set(stats) == {"node_visits", "pair_tests", "undecided", "exact_evaluations", "seconds"}
+    with pytest.raises(KeyError):
+        stats["nonsense"]
+
+
+@pytest.mark.parametrize("keyword", [{"method": "magic"}, {"engine": "warp"}])
+def test_unknown_methods_are_unsupported(keyword):
+    with pytest.raises(fc.UnsupportedPair, match="unknown"):
+        fc.first_contact(CUBE.moving(fc.Translation((1, 0, 0))), TARGET, **keyword)
+
+
+@pytest.mark.parametrize("keyword", [{"tolerance": 0}, {"tolerance": -1}, {"budget": -1}, {"budget": 1.5}])
+def test_bad_settings_are_named(keyword):
+    with pytest.raises(fc.InputError, match=next(iter(keyword))):
+        fc.first_contact(CUBE.moving(fc.Translation((1, 0, 0))), TARGET, **keyword)
+
+
+def test_only_polyhedra_are_bodies():
+    with pytest.raises(fc.UnsupportedPair, match="no Polyhedron"):
+        fc.first_contact("lid", CUBE)

@@ -1,0 +1,173 @@
+"""The page as text: complete, valid, offline, and exact at the contact."""
+
+import base64
+import json
+import re
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+import firstcontact as fc
+from firstcontact import examples
+from firstcontact.errors import InputError
+from firstcontact.motion.translation import Translation
+from firstcontact.result import FirstContact, Status
+from firstcontact.view import html
+from view import scenes
+
+VOID = {"meta", "link", "input"}
+
+
+class Outline(HTMLParser):
+    """Checks that tags nest, and collects attributes and the text of scripts."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.open, self.attributes, self.texts = [], [], {}
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag, attrs):
+        self.attributes += [(tag, name, value) for name, value in attrs]
+        if tag not in VOID:
+            self.open.append((tag, dict(attrs).get("id")))
+
+    def handle_endtag(self, tag):
+        assert self.open, f"</{tag}> closes nothing"
+        assert self.open.pop()[0] == tag
+
+    def handle_data(self, data):
+        if self.open:
+            self.texts[self.open[-1]] = self.texts.get(self.open[-1], "") + data
+
+
+@pytest.fixture(scope="module")
+def text():
+    a, b = scenes.falling_spike()
+    return html.page_text([fc.first_contact(a, b), fc.contact_intervals(a, b)])
+
+
+def page_data(text):
+    return json.loads(Outline(text).texts["script", "data"])
+
+
+def doubles(encoded):
+    return np.frombuffer(base64.b64decode(encoded), "<f8")
+
+
+def test_page_is_well_formed(text):
+    outline = Outline(text)
+    assert outline.open == []
+    ids = [value for _, name, value in outline.attributes if name == "id"]
+    assert len(ids) == len(set(ids))
+    assert "@@" not in text.replace(html._asset("three.js"), "")
+
+
+def test_page_names_nothing_outside_itself(text):
+    for _, name, value in Outline(text).attributes:
+        if name in ("src", "href", "action", "data", "poster"):
+            assert value.startswith("data:")
+    # the only address in it is the name of the XHTML namespace, which is never fetched
+    assert set(re.findall(r"https?://[\w./-]+", text)) <= {"http://www.w3.org/1999/xhtml"}
+    assert "default-src 'none'" in text
+
+
+def test_page_keeps_the_licence_of_three(text):
+    assert "Permission is hereby granted, free of charge" in text
+    assert "three.js authors" in text
+
+
+def test_contact_time_is_an_exact_sample(text):
+    (pair,) = page_data(text)["pairs"]
+    assert pair["contact"] == 0.5
+    moving = pair["bodies"][0]
+    times, poses = doubles(moving["times"]), doubles(moving["poses"]).reshape(-1, 3, 4)
+    (k,) = np.flatnonzero(times == 0.5)
+    apex = np.array(moving["elements"][0]["vertices"]) * moving["size"]
+    # the page's zero is the contact point
+    assert np.array_equal(poses[k] @ [*apex, 1.0], np.zeros(3))
+
+
+def test_facts_of_a_contact(text):
+    (pair,) = page_data(text)["pairs"]
+    rows = dict(pair["rows"])
+    assert rows["time"] == "0.5"
+    assert rows["point"] == "(0.125, 0.25, 0.5)"
+    assert rows["in contact"] == "[0.5, 1.0]"
+    assert [(e["kind"], e["index"]) for body in pair["bodies"] for e in body["elements"][:1]] == [
+        ("vertex", scenes.APEX),
+        ("face", scenes.TOP),
+    ]
+    assert pair["text"] == str(scenes.first_hit())
+
+
+def test_names_cannot_break_out_of_the_page():
+    result = fc.first_contact(*scenes.passing_by())
+    text = html.page_text([result])
+    outline = Outline(text)
+    assert outline.open == []
+    assert page_data(text)["pairs"][0]["names"][0] == "<b>mover</b></script>"
+    assert "b" not in {tag for tag, _, _ in outline.attributes}
+
+
+def test_two_results_about_one_pair_share_a_view():
+    a, b = scenes.falling_spike()
+    text = html.page_text([fc.first_contact(a, b), fc.contact_intervals(a, b), scenes.overlapping_at_start()])
+    data = page_data(text)
+    assert [pair["names"] for pair in data["pairs"]] == [["spike", "box"], ["mover", "box"]]
+
+
+def test_a_mesh_is_written_once():
+    a, b = scenes.falling_spike()
+    results = [fc.first_contact(a, b), fc.first_contact(b.moving(Translation((0, 0, -1))), b)]
+    assert len(page_data(html.page_text(results))["meshes"]) == 2
+
+
+def test_page_of_large_meshes_stays_small():
+    a = examples.noisy_sphere(100_000)
+    b = examples.torus(100_000)
+    result = FirstContact(Status.FREE, free_until=1.0, a=a.moving(Translation((0, 0, -1))), b=b)
+    triangles = len(a.triangles) + len(b.triangles)
+    assert len(html.page_text([result])) < 700_000 + 21 * triangles
+
+
+@pytest.mark.parametrize("scale", [2.0**100, 2.0**-100])
+def test_page_does_not_depend_on_the_unit(scale):
+    def data(s):
+        a, b = scenes.spike(), scenes.cube("box")
+        big = [body.transformed(np.diag([s, s, s, 1.0])) for body in (a, b)]
+        hit = fc.first_contact(big[0].moving(Translation((0, 0, -2 * s))), big[1])
+        return page_data(html.page_text([hit]))
+
+    one, other = data(1.0), data(scale)
+    assert one["meshes"] == other["meshes"]
+    poses = [[body["poses"] for body in d["pairs"][0]["bodies"]] for d in (one, other)]
+    assert poses[0] == poses[1]
+
+
+def test_write_page_returns_its_path(tmp_path):
+    hit = scenes.first_hit()
+    path = html.write_page(tmp_path / "hit.html", [hit])
+    assert path.read_text(encoding="utf-8") == html.page_text([hit])
+    assert hit.show(tmp_path / "again.html") == tmp_path / "again.html"
+
+
+def test_write_page_without_a_path_opens_the_browser(monkeypatch):
+    opened = []
+    monkeypatch.setattr("webbrowser.open", opened.append)
+    path = html.write_page(None, [scenes.first_hit()])
+    try:
+        assert opened == [path.as_uri()]
+        assert path.read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
+    finally:
+        path.unlink()
+
+
+def test_nothing_to_draw_is_an_input_error():
+    with pytest.raises(InputError, match="empty"):
+        html.page_text([])
+    with pytest.raises(InputError, match="without its two bodies"):
+        html.page_text([FirstContact(Status.FREE)])
+    with pytest.raises(InputError, match="cannot draw 3"):
+        html.page_text([3])

@@ -1,0 +1,304 @@
+"""The page in a real browser: its pixels, its objects, its controls and its address.
+
+Skipped where there is no Chromium with its driver; with FIRSTCONTACT_REQUIRE_BROWSER=1 that is a failure.
+"""
+
+import base64
+import json
+import os
+import shutil
+import time
+
+import numpy as np
+import pytest
+
+import firstcontact as fc
+from firstcontact.view.html import write_page
+from view import scenes
+
+WINDOW = "960,780"  # the page gets some 140 pixels less in height
+FLAGS = [
+    "--headless",
+    "--no-sandbox",
+    "--enable-unsafe-swiftshader",  # WebGL without a graphics card
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--hide-scrollbars",
+    "--force-device-scale-factor=1",
+    f"--window-size={WINDOW}",
+]
+
+
+def missing(what):
+    if os.environ.get("FIRSTCONTACT_REQUIRE_BROWSER") == "1":
+        pytest.fail(f"{what} not found, but FIRSTCONTACT_REQUIRE_BROWSER=1")
+    pytest.skip(f"{what} not found: the page is not tried in a browser")
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory):
+    chromium = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+    driver = shutil.which("chromedriver")
+    if chromium is None or driver is None:
+        missing("chromium with chromedriver")
+    try:
+        from selenium import webdriver
+    except ModuleNotFoundError:
+        missing("selenium")
+    options = webdriver.ChromeOptions()
+    options.binary_location = chromium  # given, as the driver is: nothing is looked up or downloaded
+    for flag in [*FLAGS, f"--user-data-dir={tmp_path_factory.mktemp('chromium')}"]:
+        options.add_argument(flag)
+    options.set_capability("goog:loggingPrefs", {"performance": "ALL", "browser": "ALL"})
+    running = webdriver.Chrome(options=options, service=webdriver.ChromeService(executable_path=driver))
+    running.get("about:blank")
+    running.get_log("performance")  # what the browser's own start page asked for
+    yield running
+    running.quit()
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory):
+    """Address of a page with five pairs: a contact with its intervals, then one for each other status."""
+    a, b = scenes.falling_spike()
+    results = [
+        fc.first_contact(a, b),
+        fc.contact_intervals(a, b),
+        fc.first_contact(*scenes.passing_by()),
+        scenes.undecided(),
+        scenes.overlapping_at_start(),
+    ]
+    return write_page(tmp_path_factory.mktemp("page") / "all.html", results).as_uri()
+
+
+@pytest.fixture
+def opened(browser, page):
+    """The page, freshly loaded; afterwards nothing may have gone wrong and nothing been fetched."""
+    show(browser, page)
+    yield browser
+    complaints = [entry["message"] for entry in browser.get_log("browser")]
+    assert [text for text in complaints if "GL Driver" not in text] == []
+    messages = [json.loads(entry["message"])["message"] for entry in browser.get_log("performance")]
+    asked = [m["params"]["request"]["url"] for m in messages if m["method"] == "Network.requestWillBeSent"]
+    assert asked != [] and all(url.startswith(("file:", "data:", "about:")) for url in asked)
+
+
+def show(browser, address):
+    browser.get("about:blank")  # else another hash on the same file would not load it again
+    browser.get(address)
+
+
+def state(browser, expression):
+    return browser.execute_script(f"return window.firstcontact.{expression}")
+
+
+def wait_until(condition, seconds=5.0):
+    end = time.monotonic() + seconds
+    while not (value := condition()):
+        assert time.monotonic() < end, "waited in vain"
+        time.sleep(0.03)
+    return value
+
+
+def press(browser, identifier):
+    browser.find_element("id", identifier).click()
+
+
+def hash_of(browser):
+    text = browser.execute_script("return location.hash.slice(1)")
+    return dict(part.split("=") for part in text.split("&") if part)
+
+
+def picture(browser):
+    """(height, width, 3) int: what the window shows, without the card, the bar and the buttons."""
+    hide = "for (const id of ['card', 'bar', 'views']) document.getElementById(id).style.opacity = 0"
+    browser.execute_script(hide)
+    browser.execute_async_script("requestAnimationFrame(() => requestAnimationFrame(arguments[0]))")
+    encoded = browser.execute_async_script(
+        """const [png, done] = arguments;
+        const image = new Image();
+        image.onload = () => {
+          const {width, height} = image;
+          const context = Object.assign(document.createElement("canvas"), {width, height}).getContext("2d");
+          context.drawImage(image, 0, 0);
+          const bytes = context.getImageData(0, 0, width, height).data;
+          let text = "";
+          for (let k = 0; k < bytes.length; k += 30000) {
+            text += String.fromCharCode(...bytes.subarray(k, k + 30000));
+          }
+          done([width, height, btoa(text)]);
+        };
+        image.src = "data:image/png;base64," + png;""",
+        browser.get_screenshot_as_base64(),
+    )
+    width, height, pixels = encoded
+    return np.frombuffer(base64.b64decode(pixels), np.uint8).reshape(height, width, 4)[..., :3].astype(int)
+
+
+def is_blue(pixels):
+    return (pixels[..., 2] > pixels[..., 0] + 45) & (pixels[..., 0] < 130)  # the ghost is paler
+
+
+def is_sand(pixels):
+    return (pixels[..., 0] > pixels[..., 2] + 45) & (pixels[..., 1] > pixels[..., 2] + 15)
+
+
+def is_accent(pixels):
+    return (pixels[..., 0] > 180) & (pixels[..., 1] < 90) & (pixels[..., 2] < 110)
+
+
+def around(pixels, place, reach=2):
+    x, y = (round(c) for c in place)
+    return pixels[y - reach : y + reach + 1, x - reach : x + reach + 1]
+
+
+def test_the_picture_at_contact(opened):
+    assert state(opened, "atContact") and state(opened, "time") == 0.5
+    pixels = picture(opened)
+    assert is_blue(pixels).sum() > 3000
+    assert is_sand(pixels).sum() > 3000
+    assert is_accent(around(pixels, state(opened, "contactPixel"))).all()
+    # the marker and the arrow of the normal, which points up from the box
+    x, y = (round(c) for c in state(opened, "contactPixel"))
+    arrow = is_accent(pixels[y - 60 : y - 12, x - 30 : x + 31])
+    assert arrow.any(axis=1).all()
+
+
+def test_the_bodies_are_where_the_motion_puts_them(opened):
+    beside = np.array([-14, -14])  # the arrow covers the middle of the spike
+    state(opened, "setTime(0)")
+    before, start = picture(opened), np.add(state(opened, "centrePixel(0)"), beside)
+    state(opened, "toContact()")
+    after, end = picture(opened), np.add(state(opened, "centrePixel(0)"), beside)
+    assert end[1] > start[1] + 100 and abs(end[0] - start[0]) < 10  # it falls
+    assert is_blue(around(before, start)).all() and is_blue(around(after, end)).all()
+    assert not is_blue(around(after, start)).any()  # the ghost there is faint
+    # at t = 1/2 the spike's centre is 1/2 above the contact point, which is the page's zero, and falls by 2 t
+    half = state(opened, "pose(0)")[11]
+    state(opened, "setTime(0.625)")
+    assert state(opened, "pose(0)")[11] == pytest.approx(half / 2, rel=1e-12)
+
+
+def test_the_objects_of_the_scene(opened):
+    names = [entry["name"] for entry in state(opened, "objects")]
+    for name in ("body spike", "body box", "ghost of spike", "path of spike", "contact", "normal"):
+        assert names.count(name) == 1
+    assert f"element spike vertex {scenes.APEX}" in names
+    assert f"element box face {scenes.TOP}" in names
+    assert "ghost of box" not in names and "path of box" not in names
+    assert state(opened, "contactVisible") is True
+    assert state(opened, "contactTime") == 0.5
+
+
+def test_the_facts_beside_the_picture(opened):
+    card = opened.find_element("id", "card").text
+    for text in ("contact", "vertex 0", "face 1", "0.5", "(0.125, 0.25, 0.5)", "(0, 0, 1)", "[0.5, 1.0]"):
+        assert text in card
+    assert str(scenes.first_hit()).splitlines()[0] in card
+
+
+def test_play_moves_time_on_and_rests_at_the_contact(opened):
+    state(opened, "setTime(0.4)")
+    press(opened, "play")
+    assert state(opened, "isPlaying") is True
+    wait_until(lambda: 0.42 < state(opened, "time") < 0.5)
+    wait_until(lambda: state(opened, "atContact"))
+    assert state(opened, "time") == 0.5 and state(opened, "isPlaying") is True
+    wait_until(lambda: state(opened, "time") > 0.55)
+    press(opened, "play")
+    stopped = state(opened, "time")
+    assert state(opened, "isPlaying") is False
+    time.sleep(0.2)
+    assert state(opened, "time") == stopped
+    press(opened, "contact")
+    assert state(opened, "time") == 0.5
+
+
+def test_play_ends_at_the_end(opened):
+    state(opened, "setTime(0.97)")
+    press(opened, "play")
+    wait_until(lambda: not state(opened, "isPlaying"))
+    assert state(opened, "time") == 1.0
+
+
+def test_the_slider_changes_time_and_address(opened):
+    from selenium.webdriver import ActionChains
+
+    slider = opened.find_element("id", "slider")
+    ActionChains(opened).drag_and_drop_by_offset(slider, -120, 0).perform()
+    moved = state(opened, "time")
+    assert 0.0 < moved < 0.49
+    wait_until(lambda: hash_of(opened).get("t") == repr(moved))
+    ActionChains(opened).click(slider).perform()
+    assert state(opened, "time") == pytest.approx(0.5, abs=0.01)
+    assert float(opened.find_element("id", "time").text) == pytest.approx(state(opened, "time"), abs=1e-4)
+
+
+def test_the_address_sets_the_time(opened, page):
+    show(opened, f"{page}#t=0.4")
+    assert state(opened, "time") == 0.4
+    assert state(opened, "atContact") is False
+    opened.execute_script("location.hash = '#t=0.75'")
+    wait_until(lambda: state(opened, "time") == 0.75)
+    opened.execute_script("location.hash = '#t=nonsense'")
+    time.sleep(0.1)
+    assert state(opened, "time") == 0.75
+
+
+def test_the_address_keeps_the_camera(opened, page):
+    from selenium.webdriver import ActionChains
+
+    before = state(opened, "camera")
+    stage = opened.find_element("id", "stage")
+    ActionChains(opened).drag_and_drop_by_offset(stage, 90, 30).perform()
+    turned = state(opened, "camera")
+    assert np.abs(np.subtract(turned, before)).max() > 0.1
+    kept = wait_until(lambda: hash_of(opened).get("camera"))
+    show(opened, f"{page}#t=0.5&camera={kept}")
+    assert state(opened, "camera") == pytest.approx(turned, rel=1e-4, abs=1e-4)
+    press(opened, "whole")
+    assert state(opened, "camera") == pytest.approx(before, rel=1e-6, abs=1e-6)
+    wait_until(lambda: "camera" not in hash_of(opened))
+
+
+def test_the_timeline(opened):
+    bars = "[...document.querySelectorAll('#timeline i')]"
+    kinds = opened.execute_script(f"return {bars}.map(i => [i.className, i.style.left, i.style.width])")
+    assert kinds == [["free", "0%", "50%"], ["contact last", "50%", "50%"]]
+    tick = opened.execute_script("return document.querySelector('#timeline b').style.left")
+    assert tick == "50%"
+
+
+@pytest.mark.parametrize(
+    "pair, status, kinds, moment",
+    [
+        (1, "FREE", ["free last"], None),
+        (2, "UNDECIDED", ["free", "undecided last"], None),
+        (3, "INITIAL_CONTACT", ["not-asked last"], 0.0),
+    ],
+)
+def test_other_answers(opened, pair, status, kinds, moment):
+    from selenium.webdriver.support.ui import Select
+
+    Select(opened.find_element("id", "pairs")).select_by_index(pair)
+    assert (state(opened, "pair"), state(opened, "status")) == (pair, status)
+    assert state(opened, "time") == 0.0 and state(opened, "contactTime") == moment
+    assert opened.find_element("id", "contact").is_enabled() is (moment is not None)
+    bars = "[...document.querySelectorAll('#timeline i')]"
+    assert opened.execute_script(f"return {bars}.map(i => i.className)") == kinds
+    pixels = picture(opened)
+    assert is_blue(pixels).sum() > 2000 and is_sand(pixels).sum() > 2000
+    wait_until(lambda: hash_of(opened) == {"t": "0", "pair": str(pair)})
+
+
+def test_a_name_is_text_and_steps_are_followed(opened, page):
+    show(opened, f"{page}#pair=1&t=2")
+    names = [entry["name"] for entry in state(opened, "objects")]
+    assert "body <b>mover</b></script>" in names
+    turned = state(opened, "pose(0)")
+    # after step one and half of the three quarter turns: (3, 0, 1) turned by 135 degrees about z
+    c = np.sqrt(0.5)
+    assert [turned[0], turned[1], turned[4]] == pytest.approx([-c, -c, c], abs=1e-5)
