@@ -37,7 +37,8 @@ def first_contact(
     the motions' own; ``inf`` as last for translations.  Contact is between closed sets: grazing counts, solids own
     their interior.  Status.FREE proves that they share no point at any time of the span.
 
-    exact: add `time_exact`.  tolerance: largest width of `time_interval`, relative to the span.
+    exact: add `time_exact`.  tolerance: largest width of `time_interval`, relative to the span (enclosures
+    come out a few units in the last place wide, whatever is asked).
     budget: node visits plus pair tests after which to answer UNDECIDED.  progress: called with
     (free until, work) now and then.
 

@@ -332,6 +332,11 @@ class ContactPairs(_NoTruth, Sequence[ElementPair]):
     def __getitem__(self, index):  # type: ignore[no-untyped-def]
         return self.pairs[index]
 
+    @property
+    def count(self) -> int:  # type: ignore[override]
+        """How many pairs meet, those pierced at the start not counted."""
+        return len(self.pairs)
+
     def __str__(self) -> str:
         return f"{len(self.pairs)} element pairs meet, {len(self.piercing)} pierced at the start"
 

@@ -118,9 +118,7 @@ def test_edge_sets_and_point_sets():
 
 
 def test_the_number_of_a_given_edge_is_reported():
-    rods = fc.Polyhedron(
-        [[-1, 0, 0], [1, 0, 0], [-1, 5, 0], [1, 5, 0]], [], edges=[[2, 3], [0, 1]], name="rods"
-    )
+    rods = fc.Polyhedron([[-1, 0, 0], [1, 0, 0], [-1, 5, 0], [1, 5, 0]], [], edges=[[2, 3], [0, 1]], name="rods")
     bar = fc.Polyhedron([[0, -1, 2], [0, 1, 2]], [], edges=[[0, 1]])
     hit = fc.first_contact(rods.moving(fc.Translation((0, 0, 4))), bar)
     assert (hit.element_a.kind, hit.element_a.index, hit.element_a.label) == ("edge", 1, "rods")
@@ -141,9 +139,12 @@ def test_bad_coordinates_are_named(bad):
     ("arguments", "says"),
     [
         (dict(vertices=[], faces=[]), "no vertices"),
-        (dict(vertices=[[0, 0], [1, 1]], faces=[]), r"shape \(2, 2\)"),
+        (dict(vertices=[[0, 0], [1, 1]], faces=[]), "do not form"),
         (dict(vertices=[[0, 0, 0], [1, 1]], faces=[]), "do not form"),
         (dict(vertices=[[0, 0, "x"]], faces=[]), "vertex 0, coordinate 2 is 'x'"),
+        (dict(vertices=[[10**400, 0, 0]], faces=[]), "vertex 0, coordinate 0 is inf"),
+        (dict(vertices=TRIANGLE, faces=None), "faces is None"),
+        (dict(vertices=TRIANGLE, faces=[[0, 1, 2], [0, 1.7, 2, 1]]), "face 1 is"),
         (dict(vertices=TRIANGLE, faces=[[0, 1, 3]]), "face 0 is .0, 1, 3., but there are 3 vertices"),
         (dict(vertices=TRIANGLE, faces=[[0, 1, 2], [0, -1, 2]]), "face 1 is"),
         (dict(vertices=TRIANGLE, faces=np.array([[0.0, 1.0, 2.0]])), "integer"),
@@ -159,9 +160,7 @@ def test_bad_input_is_named(arguments, says):
 def test_an_open_mesh_is_no_solid():
     body = g.box()
     with pytest.raises(fc.InputError, match=r"lid: solid=True, but the mesh is open .*vertices \[0, 1\]"):
-        fc.Polyhedron(
-            body.v, [f for f in body.f if not {0, 1} <= set(f)] + [[0, 1, 5]], solid=True, name="lid"
-        )
+        fc.Polyhedron(body.v, [f for f in body.f if not {0, 1} <= set(f)] + [[0, 1, 5]], solid=True, name="lid")
     assert not fc.Polyhedron(body.v, body.f[1:]).solid
     assert fc.Polyhedron(body.v, body.f, solid=True).solid
     assert not fc.Polyhedron(body.v, body.f, solid=False).solid
@@ -188,9 +187,7 @@ def test_bodies_do_not_change():
 
 
 def fractions_of(body: fc.Polyhedron) -> list[tuple[Fraction, ...]]:
-    return [
-        tuple(Fraction(int(x.p), int(x.q)) for x in body.exact_vertex(i)) for i in range(len(body.vertices))
-    ]
+    return [tuple(Fraction(int(x.p), int(x.q)) for x in body.exact_vertex(i)) for i in range(len(body.vertices))]
 
 
 def assert_error_holds(body: fc.Polyhedron) -> None:
@@ -214,6 +211,18 @@ def test_numbers_stay_what_they_are():
     assert fractions_of(small)[0] == tuple(Fraction(float(np.float32(x))) for x in (0.1, 0.2, 0.3))
     whole = fc.Polyhedron([[2**60 + 1, 0, 0]], [])
     assert fractions_of(whole)[0][0] == 2**60 + 1 and whole.error > 0
+
+
+def test_numbers_of_several_kinds_in_one_list():
+    """Each stays what it is: no common type for the whole list."""
+    body = fc.Polyhedron([[2**60 + 1, 0.5, "1/3"], [0.1, Fraction(1, 10), 0]], [])
+    assert fractions_of(body) == [
+        (Fraction(2**60 + 1), Fraction(1, 2), Fraction(1, 3)),
+        (Fraction(0.1), Fraction(1, 10), Fraction(0)),
+    ]
+    long = fc.Polyhedron(np.array([[1, 2, 3]], np.longdouble) / 3, [])
+    assert fractions_of(long)[0][2] == 1
+    assert abs(fractions_of(long)[0][0] - Fraction(1, 3)) <= Fraction(1, 2**53)
 
 
 def random_body(seed: int) -> fc.Polyhedron:
@@ -241,9 +250,7 @@ def test_maps_that_doubles_hold_leave_no_error():
     ):
         assert exact.error == 0
         assert fractions_of(exact) == [tuple(map(Fraction, p)) for p in exact.vertices.tolist()]
-    assert body.rotated((0, 0, 1), degrees=90).vertices.tolist() == [
-        [-y, x, z] for x, y, z in body.vertices.tolist()
-    ]
+    assert body.rotated((0, 0, 1), degrees=90).vertices.tolist() == [[-y, x, z] for x, y, z in body.vertices.tolist()]
 
 
 def test_a_map_that_only_looks_exact_is_not():
@@ -305,9 +312,7 @@ def test_mirrored_bodies_stay_solid_and_meet_at_the_mirrored_place():
     mirror = np.diag([-1.0, 1.0, 1.0, 1.0])
     wall = fc.examples.box((1, 9, 9)).translated((5, 0, 0))
     right = fc.first_contact(body.moving(fc.Translation((9, 0, 0))), wall)
-    left = fc.first_contact(
-        body.transformed(mirror).moving(fc.Translation((-9, 0, 0))), wall.transformed(mirror)
-    )
+    left = fc.first_contact(body.transformed(mirror).moving(fc.Translation((-9, 0, 0))), wall.transformed(mirror))
     assert body.transformed(mirror).solid and body.transformed(mirror).error == 0
     assert right.time == left.time and right.element_a.index == left.element_a.index
     assert (right.point * [-1, 1, 1]).tolist() == left.point.tolist()
@@ -378,9 +383,7 @@ def test_bodies_survive_pickling(body):
     assert fractions_of(old) == fractions_of(new) and old.solid == new.solid
     assert repr(again) == repr(body)
     target = fc.examples.box((1, 1, 1)).translated((30, 0, 0))
-    moving, its = (
-        x if isinstance(x, fc.Moving) else x.moving(fc.Translation((60, 0, 0))) for x in (body, again)
-    )
+    moving, its = (x if isinstance(x, fc.Moving) else x.moving(fc.Translation((60, 0, 0))) for x in (body, again))
     one, two = fc.first_contact(moving, target), fc.first_contact(its, target)
     assert (one.status, one.time, one.time_interval) == (two.status, two.time, two.time_interval)
 
@@ -428,6 +431,4 @@ def test_bounds_of_a_body_at_rest():
     body = fc.Polyhedron(MIXED, [[0, 1, 2]])
     lo, hi = body.bounds()
     for p in fractions_of(body):
-        assert all(
-            Fraction(a) <= x <= Fraction(b) for a, x, b in zip(lo.tolist(), p, hi.tolist(), strict=True)
-        )
+        assert all(Fraction(a) <= x <= Fraction(b) for a, x, b in zip(lo.tolist(), p, hi.tolist(), strict=True))

@@ -24,19 +24,12 @@ def kernel_det(x, y, z):
 
 
 def exact_det(x, y, z):
-    return (
-        x[0] * (y[1] * z[2] - y[2] * z[1])
-        + x[1] * (y[2] * z[0] - y[0] * z[2])
-        + x[2] * (y[0] * z[1] - y[1] * z[0])
-    )
+    return x[0] * (y[1] * z[2] - y[2] * z[1]) + x[1] * (y[2] * z[0] - y[0] * z[2]) + x[2] * (y[0] * z[1] - y[1] * z[0])
 
 
 def det_ratio(points, origins) -> float:
     """|computed - true| over the computed bound, for three differences point - origin of doubles."""
-    rows = [
-        [p - o for p, o in zip(point, origin, strict=True)]
-        for point, origin in zip(points, origins, strict=True)
-    ]
+    rows = [[p - o for p, o in zip(point, origin, strict=True)] for point, origin in zip(points, origins, strict=True)]
     true = exact_det(*[
         [Fraction(p) - Fraction(o) for p, o in zip(point, origin, strict=True)]
         for point, origin in zip(points, origins, strict=True)
@@ -234,9 +227,7 @@ def test_angle_bounds_enclose():
             if tx == ty == 0:
                 continue
             with precision(200):
-                true = arb.atan2(
-                    arb(fmpq(ty.numerator, ty.denominator)), arb(fmpq(tx.numerator, tx.denominator))
-                )
+                true = arb.atan2(arb(fmpq(ty.numerator, ty.denominator)), arb(fmpq(tx.numerator, tx.denominator)))
                 true = true + 2 * arb.pi() if ty < 0 else true
                 assert not (true < arb(lo)) and not (true > arb(hi) + arb(5e-16) * (hi == angle.TWO_PI))
     assert narrow > 1000
@@ -361,18 +352,14 @@ def test_frame_is_orthonormal():
             exact = exact_frame(axis, frame)
             gap = max(float(abs(arb(f) - e).upper()) for row, other in zip(frame, exact, strict=True)
                       for f, e in zip(row, other, strict=True))  # fmt: skip
-            handed = sum(
-                (a * b for a, b in zip(arb_cross(exact[0], exact[1]), exact[2], strict=True)), arb(0)
-            )
+            handed = sum((a * b for a, b in zip(arb_cross(exact[0], exact[1]), exact[2], strict=True)), arb(0))
             assert handed > 0
         worst = max(worst, gap)
         assert gap < FRAME_EPS, axis
     assert worst > 1e-17
 
 
-@pytest.mark.parametrize(
-    "axis", [(s * (k == 0), s * (k == 1), s * (k == 2)) for k in range(3) for s in (2.0, -5.0)]
-)
+@pytest.mark.parametrize("axis", [(s * (k == 0), s * (k == 1), s * (k == 2)) for k in range(3) for s in (2.0, -5.0)])
 def test_frames_of_coordinate_axes_are_exact(axis):
     frame = np.array(frame_of(axis))
     assert np.array_equal(frame @ frame.T, np.eye(3)) and np.linalg.det(frame) == 1

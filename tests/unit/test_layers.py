@@ -81,9 +81,7 @@ def test_exact_uses_of_the_results_only_its_numbers():
 
 
 def test_kernels_know_nothing_exact_and_nothing_above():
-    above = inside(
-        "body", "motion", "search", "pairs", "view", "cli", "io", "exact", "query", "result", "scene"
-    )
+    above = inside("body", "motion", "search", "pairs", "view", "cli", "io", "exact", "query", "result", "scene")
     assert not offenders("kernels", ("flint", "fractions", *above))
 
 
@@ -93,31 +91,25 @@ def test_records_and_errors_stand_alone(file):
 
 
 def test_pairs_do_not_know_bodies_trees_or_motions():
-    assert not offenders(
-        "pairs", inside("body", "motion", "search", "view", "cli", "query", "result", "scene")
-    )
+    assert not offenders("pairs", inside("body", "motion", "search", "view", "cli", "query", "result", "scene"))
 
 
 def test_nobody_imports_pages_or_commands_when_imported():
     for file in sorted(PACKAGE.rglob("*.py")):
         own = file.relative_to(PACKAGE).parts[0]
-        banned = [
-            f"firstcontact.{n}" for n in ("view", "cli") if n != own and not (own == "cli" and n == "view")
-        ]
+        banned = [f"firstcontact.{n}" for n in ("view", "cli") if n != own and not (own == "cli" and n == "view")]
         late = imports(file, lazy=False)
         assert not [n for n in late if any(n == b or n.startswith(b + ".") for b in banned)], file
 
 
 def test_importing_the_package_loads_nothing_heavy():
-    code = "import sys, firstcontact; print([m for m in ('numpy', 'numba', 'flint', 'trimesh') if m in sys.modules])"
-    assert fresh_python(code) == "[]"
+    heavy = ("numpy", "numba", "flint", "trimesh")
+    assert fresh_python(f"import sys, firstcontact; print([m for m in {heavy} if m in sys.modules])") == "[]"
 
 
 def fresh_python(code: str) -> str:
     environment = {**os.environ, "PYTHONPATH": str(PACKAGE.parent)}
-    done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, env=environment, timeout=120
-    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment, timeout=120)
     assert done.returncode == 0, done.stderr
     return done.stdout.strip()
 

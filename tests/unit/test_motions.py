@@ -73,6 +73,8 @@ def test_sequence_poses():
         (lambda: fc.Rotation((0, 0, 1), turns=1, degrees=3), "exactly one of"),
         (lambda: fc.Rotation((0, 0, 1), point=(0, 0), turns=1), "Rotation point is"),
         (lambda: fc.Rotation((0, 0, 1), degrees=math.inf), "Rotation degrees is inf"),
+        (lambda: fc.Translation((10**400, 0, 0)), "Translation vector"),
+        (lambda: fc.Rotation((0, 0, 10**400), turns=1), "Rotation axis"),
         (lambda: fc.Sequence([]), "no steps"),
         (lambda: fc.Sequence([fc.Translation((1, 0, 0)), "turn"]), "step 1 is 'turn'"),
         (lambda: fc.Sequence([fc.Translation((1, 0, 0))], durations=[1, 2]), "1 steps but 2 durations"),

@@ -21,9 +21,7 @@ def scenes():
     for k in range(40):
         a, b = (rng.integers(-2, 3, (4, 3)).astype(float) + shift for shift in ([0, 0, 0], [3, 0, 0]))
         a, b = (fc.Polyhedron(x, TETRAHEDRON, solid=False) for x in (a, b))
-        motion = (
-            fc.Rotation((1, 1, 1), point=(1, 0, 0), radians=6) if k % 2 else fc.Translation((3, 0.5, -0.25))
-        )
+        motion = fc.Rotation((1, 1, 1), point=(1, 0, 0), radians=6) if k % 2 else fc.Translation((3, 0.5, -0.25))
         out.append((a.moving(motion), b))
     return out
 

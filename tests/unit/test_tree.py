@@ -21,16 +21,17 @@ def polyhedron(body) -> fc.Polyhedron:
     return fc.Polyhedron(body.v, body.f, edges=body.e or None)
 
 
-def needles(seed: int, n: int = 40) -> fc.Polyhedron:
-    """Small triangles and some very long ones: the long ones are split."""
+def needles(seed: int, n: int = 150) -> fc.Polyhedron:
+    """Small triangles and a few long oblique slivers, which are split."""
     rng = np.random.default_rng(seed)
     p = rng.uniform(-1, 1, (n, 1, 3)) + 0.05 * rng.uniform(-1, 1, (n, 3, 3))
-    p[::5] = rng.uniform(-8, 8, (len(p[::5]), 3, 3))
-    p[1::10, :, 2] = 0.3  # flat in a coordinate plane
-    p[2::10, 1:, :2] = p[2::10, :1, :2] + rng.uniform(
-        -9, 9, (len(p[2::10]), 2, 1)
-    )  # upright in a diagonal one
-    p[3::10] = rng.integers(-8, 9, (len(p[3::10]), 3, 3))
+    long = p[::25]
+    long[:, 0] = rng.uniform(-8, -4, (len(long), 3))
+    long[:, 1] = rng.uniform(4, 8, (len(long), 3))
+    long[:, 2] = long[:, 0] + rng.uniform(-0.1, 0.1, (len(long), 3))
+    long[1, :, 2] = 0.3  # flat in a coordinate plane
+    long[2, :, 1] = long[2, :, 0]  # upright in a diagonal plane
+    long[3] = np.round(long[3])
     return fc.Polyhedron(p.reshape(-1, 3), np.arange(3 * n).reshape(n, 3), solid=False)
 
 
@@ -46,15 +47,13 @@ BODIES = {
     "sphere": lambda: polyhedron(g.icosphere(2, 1.0, 0.05, 1)),
     "torus": lambda: polyhedron(g.torus(12, 7, 0.1, 2)),
     "needles": lambda: needles(1),
-    "more needles": lambda: needles(2, 150),
+    "more needles": lambda: needles(2, 400),
     "edges": lambda: polyhedron(g.woven(30, 3)[0]),
     "mixed": mixed_edges,
     "points": lambda: fc.Polyhedron(np.random.default_rng(4).uniform(-1, 1, (20, 3)), []),
     "one point": lambda: fc.Polyhedron([[1, 2, 3]], []),
     "coincident": lambda: fc.Polyhedron([[1, 2, 3]] * 12, [[3 * k, 3 * k + 1, 3 * k + 2] for k in range(4)]),
-    "polygons": lambda: fc.Polyhedron(
-        [[0, 0, 0], [4, 0, 0], [4, 4, 0], [2, 1, 0], [0, 4, 0]], [[0, 1, 2, 3, 4]]
-    ),
+    "polygons": lambda: fc.Polyhedron([[0, 0, 0], [4, 0, 0], [4, 4, 0], [2, 1, 0], [0, 4, 0]], [[0, 1, 2, 3, 4]]),
     "soup": lambda: fc.Polyhedron(
         np.random.default_rng(6).uniform(-1, 1, (30, 3)),
         np.random.default_rng(7).integers(0, 30, (60, 3)),
@@ -166,7 +165,7 @@ def test_split_parts_own_their_edges_where_they_run(name):
     for part, (primitive, _) in enumerate(tree.ids.tolist()):
         parts_of.setdefault(primitive, []).append(part)
     long = [p for p, parts in parts_of.items() if len(parts) > 1]
-    assert len(long) >= 5
+    assert len(long) >= 4
     for primitive in long:
         parts = parts_of[primitive]
         corner = [[Fraction(x) for x in c] for c in tree.xyz[parts[0]].reshape(3, 3).tolist()]
@@ -183,6 +182,7 @@ def test_splitting_makes_the_boxes_smaller():
     tree = tree_of(BODIES["needles"]())
     leaf = leaf_of_part(tree)
     split = [p for p in range(len(tree.ids)) if tree.ids[p, 1] & SPLIT]
+    assert len(split) > 20
     for part in split:
         corners = tree.xyz[part].reshape(3, 3)
         whole = corners.max(axis=0) - corners.min(axis=0)
@@ -213,8 +213,7 @@ def test_refitted_boxes_hold_the_turned_body(name, axis):
                 turned = [sum((m * c for m, c in zip(row, x, strict=True)), arb(0)) for row in rows]
                 assert any(
                     all(
-                        not (t < arb(box[k]) - arb(view.error))
-                        and not (t > arb(box[k + 3]) + arb(view.error))
+                        not (t < arb(box[k]) - arb(view.error)) and not (t > arb(box[k + 3]) + arb(view.error))
                         for k, t in enumerate(turned)
                     )
                     for box in (view.boxes[leaf[p]] for p in parts)

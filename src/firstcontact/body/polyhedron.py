@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from fractions import Fraction
+from operator import index
 from pathlib import Path
 from typing import Any
 
@@ -102,7 +103,7 @@ class Polyhedron:
         return self._mapped(near_rotation(h, vector3(point, "rotation point"), turns))
 
     def transformed(self, matrix4: Any) -> Polyhedron:
-        """The body under a (4, 4) affine map, exactly; mirrored and scaled maps are fine, singular ones not."""
+        """The body under a (4, 4) affine map, exactly; maps may mirror and scale, but not be singular."""
         rows = [list(row) for row in matrix4]
         if len(rows) != 4 or any(len(row) != 4 for row in rows):
             raise InputError("transformed() needs a 4x4 matrix")
@@ -217,34 +218,42 @@ class Polyhedron:
 
 def _read_vertices(vertices: Any, who: str) -> tuple[np.ndarray, list[tuple[Fraction, ...]] | None]:
     """The coordinates as doubles, and exactly where a double does not hold them."""
-    try:
-        array = np.asarray(vertices)
-    except ValueError as error:
-        raise InputError(f"{who}: vertices do not form an (n, 3) array") from error
-    if array.size == 0:
-        raise InputError(f"{who}: no vertices; give an (n, 3) array")
-    if array.ndim != 2 or array.shape[1] != 3:
-        raise InputError(f"{who}: vertices have shape {array.shape}; give an (n, 3) array")
-    exact = None
-    if array.dtype.kind == "f" and array.dtype.itemsize <= 8:
-        floats = np.array(array, np.float64, order="C")
+    if isinstance(vertices, np.ndarray) and vertices.dtype.kind == "f" and vertices.dtype.itemsize <= 8:
+        _check_shape(vertices.shape, who)
+        floats, exact = np.array(vertices, np.float64, order="C"), None
     else:
-        rows = [
-            tuple(fraction(rational(x, f"{who}: vertex {i}, coordinate {k}")) for k, x in enumerate(row))
-            for i, row in enumerate(array.tolist())
-        ]
-        floats = np.array([[_double(x) for x in row] for row in rows])
-        if any(Fraction(f) != x for row, xs in zip(floats.tolist(), rows, strict=True)
-               for f, x in zip(row, xs, strict=True)):
-            exact = rows
+        rows = [tuple(row) if np.iterable(row) else (row,) for row in vertices] if np.iterable(vertices) else []
+        widths = {len(row) for row in rows} - {3}
+        _check_shape((len(rows), widths.pop() if widths else 3), who)
+        if all(type(x) is float for row in rows for x in row):
+            floats, exact = np.array(rows), None
+        else:
+            floats, exact = _read_exact(rows, who)
     bad = ~(np.abs(floats) < LARGEST)
     if bad.any():
         i, k = np.argwhere(bad)[0]
-        raise InputError(
-            f"{who}: vertex {i}, coordinate {k} is {floats[i, k]}; give finite coordinates below 2^150"
-        )
+        raise InputError(f"{who}: vertex {i}, coordinate {k} is {floats[i, k]}; give finite coordinates below 2^150")
     floats.flags.writeable = False
     return floats, exact
+
+
+def _check_shape(shape: tuple[int, ...], who: str) -> None:
+    if shape and shape[0] == 0:
+        raise InputError(f"{who}: no vertices; give an (n, 3) array")
+    if len(shape) != 2 or shape[1] != 3:
+        raise InputError(f"{who}: vertices have shape {shape}; give an (n, 3) array")
+
+
+def _read_exact(rows: list[Any], who: str) -> tuple[np.ndarray, list[tuple[Fraction, ...]] | None]:
+    """Doubles of numbers of any kind, each taken for what it is, and the numbers where doubles do not hold them."""
+    exact = [
+        tuple(fraction(rational(x, f"{who}: vertex {i}, coordinate {k}")) for k, x in enumerate(row))
+        for i, row in enumerate(rows)
+    ]
+    floats = np.array([[_double(x) for x in row] for row in exact])
+    pairs = zip(floats.ravel().tolist(), (x for row in exact for x in row), strict=True)
+    held = all(abs(f) < LARGEST and Fraction(f) == x for f, x in pairs)
+    return floats, None if held else exact
 
 
 def _double(x: Fraction) -> float:
@@ -261,6 +270,8 @@ def _rounding_error(exact: list[tuple[Fraction, ...]] | None, floats: np.ndarray
 def _read_faces(body: Polyhedron, faces: Any, who: str) -> None:
     """Set triangles (m, 3), triangle_face (m,), n_faces and the polygon sides `_sides` (None: triangles)."""
     n = len(body.vertices)
+    if not np.iterable(faces) or not hasattr(faces, "__len__"):
+        raise InputError(f"{who}: faces is {faces!r}; give index triples, polygons or []")
     array = faces if isinstance(faces, np.ndarray) else None
     if array is None and all(_is_triangle(face) for face in faces):
         array = np.array(faces).reshape(-1, 3) if len(faces) else np.empty((0, 3), np.int32)
@@ -300,7 +311,7 @@ def _rings(face: Any, n: int, who: str) -> list[list[int]]:
     """The rings of a polygon given flat or as [outer, hole, ...]."""
     try:
         nested = len(face) > 0 and np.ndim(face[0]) == 1
-        rings = [[int(i) for i in ring] for ring in face] if nested else [[int(i) for i in face]]
+        rings = [[index(i) for i in ring] for ring in face] if nested else [[index(i) for i in face]]
     except (TypeError, ValueError) as error:
         raise InputError(f"{who} is {face!r}; give vertex indices or a list of rings") from error
     for ring in rings:

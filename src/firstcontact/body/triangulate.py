@@ -37,6 +37,9 @@ def triangulate(body: Any, rings: list[list[int]], who: str) -> list[tuple[int, 
     for hole in sorted(holes, key=lambda h: -max(plane[i] for i in h)[0]):
         loop = _bridge(plane, turn, loop, hole, who)
     triangles = _clip_ears(plane, turn, loop, who)
+    area = sum((abs(_twice_area(plane, *t)) for t in triangles), fmpq(0))
+    if area != abs(sum((_twice_area(plane, loop[0], *side) for side in zip(loop, loop[1:], strict=False)), fmpq(0))):
+        raise InputError(f"{who}: the rings of the polygon cross; split it into simple polygons")
     return [(c, b, a) for a, b, c in triangles] if flipped else triangles
 
 
@@ -72,6 +75,12 @@ class _Turn:
         axq, ayq, bxq, byq, cxq, cyq = (fmpq(*x.as_integer_ratio()) for x in (ax, ay, bx, by, cx, cy))
         exact = (bxq - axq) * (cyq - ayq) - (byq - ayq) * (cxq - axq)
         return (exact > 0) - (exact < 0)
+
+
+def _twice_area(plane: dict[int, Point], a: int, b: int, c: int) -> fmpq:
+    """Twice the signed area of a triangle, exact."""
+    (ax, ay), (bx, by), (cx, cy) = ([fmpq(*x.as_integer_ratio()) for x in plane[v]] for v in (a, b, c))
+    return (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
 
 
 def _signed_area(plane: dict[int, Point], ring: list[int]) -> float:

@@ -8,6 +8,7 @@ comparing may raise Undecidable.
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Callable
 from typing import Any
 
@@ -35,9 +36,13 @@ def enclose(number: Callable[[], Any]) -> tuple[float, tuple[float, float]]:
     The precision rises until the double is certain; a number that lies exactly between two doubles, or is known
     as a ball only, ends with the best there is.
     """
-    value = number()
+    with precision(PRECISIONS[0]):
+        value = number()
     if isinstance(value, fmpq):
         t = to_double(value)
+        if math.isinf(t):
+            largest = math.copysign(sys.float_info.max, t)
+            return t, (min(t, largest), max(t, largest))
         exact = fmpq(*t.as_integer_ratio())
         if exact == value:
             return t, (t, t)
@@ -45,10 +50,10 @@ def enclose(number: Callable[[], Any]) -> tuple[float, tuple[float, float]]:
     for bits in PRECISIONS:
         with precision(bits):
             x = ball(number())
-            near = nearest_double(x)
+            near, around = nearest_double(x), ball_bounds(x)
         if near is not None:
-            return near, ball_bounds(x)
-    return float(x.mid()), ball_bounds(x)
+            return near, around
+    return float(x.mid()), around
 
 
 def same_instant(x: Any, y: Any) -> bool:
@@ -76,7 +81,8 @@ class RationalInstant:
 
     def bounds(self) -> tuple[float, float]:
         """Doubles around the time."""
-        return ball_bounds(self.local())
+        with precision(PRECISIONS[0]):
+            return ball_bounds(self.local())
 
     def is_zero(self) -> bool:
         return sign(self.value) == 0
@@ -102,7 +108,8 @@ class AngleInstant:
     def bounds(self) -> tuple[float, float]:
         """Doubles around the angle in radians."""
         if self._bounds is None or not self._settled:
-            self._bounds = ball_bounds(self.local())
+            with precision(max(ctx.prec, 64)):
+                self._bounds = ball_bounds(self.local())
         return self._bounds
 
     def _half(self) -> int:
@@ -239,7 +246,8 @@ class LimitInstant:
         self.radians, self.turns = radians, turns
 
     def bounds(self) -> tuple[float, float]:
-        return ball_bounds(self.local())
+        with precision(PRECISIONS[0]):
+            return ball_bounds(self.local())
 
     def local(self) -> arb:
         return arb(self.radians) + 2 * arb(self.turns) * arb.pi()

@@ -7,6 +7,7 @@ balls (poses that no rational number describes).  `sign` is the only place that 
 from __future__ import annotations
 
 import math
+import threading
 from fractions import Fraction
 from typing import Any
 
@@ -50,6 +51,10 @@ def rational(x: Any, what: str) -> fmpq:
         return fmpq(int(x))
     if isinstance(x, Fraction):
         return fmpq(x.numerator, x.denominator)
+    if hasattr(x, "as_integer_ratio"):  # NumPy's other floats
+        if not math.isfinite(x):
+            raise InputError(f"{what} is {x}; give a finite number")
+        return fmpq(*map(int, x.as_integer_ratio()))
     if isinstance(x, str):
         try:
             f = Fraction(x)
@@ -67,8 +72,11 @@ def fraction(x: fmpq) -> Fraction:
 
 
 def to_double(x: fmpq) -> float:
-    """The double nearest x (ties to even)."""
-    return int(x.p) / int(x.q)  # Python's integer division rounds correctly
+    """The double nearest x (ties to even), infinite beyond the largest."""
+    try:
+        return int(x.p) / int(x.q)  # Python's integer division rounds correctly
+    except OverflowError:
+        return math.inf if x > 0 else -math.inf
 
 
 def ball(x: Any) -> arb:
@@ -97,15 +105,21 @@ def dyadic(x: arb) -> fmpq:
     return fmpq(mantissa) * (fmpq(2) ** e if e >= 0 else 1 / (fmpq(2) ** -e))
 
 
+# FLINT keeps one working precision for the whole process; whoever computes with balls holds this lock.
+_lock = threading.RLock()
+
+
 class precision:  # noqa: N801 - reads as `with precision(256):`
-    """Context: work with balls of that many bits."""
+    """Context: work with balls of that many bits, one thread at a time."""
 
     def __init__(self, bits: int) -> None:
         self.bits = bits
 
     def __enter__(self) -> None:
+        _lock.acquire()
         self.before = ctx.prec
         ctx.prec = self.bits
 
     def __exit__(self, *exception: object) -> None:
         ctx.prec = self.before
+        _lock.release()

@@ -44,7 +44,7 @@ def root(x, ex):
     hi = math.sqrt(x + ex) if x + ex > 0.0 else 0.0
     lo = math.sqrt(x - ex) if x - ex > 0.0 else 0.0
     r = 0.5 * (lo + hi)
-    return r, (0.5 * (hi - lo) + 2.0 * U * hi) * (1.0 + 8.0 * U)
+    return r, (0.5 * (hi - lo) + 3.0 * U * hi) * (1.0 + 8.0 * U)
 
 
 @kernel

@@ -13,6 +13,9 @@ from firstcontact.exact.numbers import rational, to_double
 
 SPAN = (0.0, 1.0)
 
+# Largest number of a motion: with coordinates below the same bound nothing overflows.
+LARGEST = fmpq(2) ** 150
+
 
 def vector3(values: Iterable[Any], what: str) -> tuple[fmpq, fmpq, fmpq]:
     """Three exact numbers; InputError names `what`."""
@@ -20,7 +23,11 @@ def vector3(values: Iterable[Any], what: str) -> tuple[fmpq, fmpq, fmpq]:
         x, y, z = values
     except (TypeError, ValueError) as error:
         raise InputError(f"{what} is {values!r}; give three numbers") from error
-    return rational(x, f"{what}[0]"), rational(y, f"{what}[1]"), rational(z, f"{what}[2]")
+    vector = rational(x, f"{what}[0]"), rational(y, f"{what}[1]"), rational(z, f"{what}[2]")
+    for k, value in enumerate(vector):
+        if abs(value) >= LARGEST:
+            raise InputError(f"{what}[{k}] is {(x, y, z)[k]}; give a number below 2^150")
+    return vector
 
 
 class Translation:

@@ -39,7 +39,8 @@ def rotation_filter(a0, a1, a2, b0, b1, b2, c0, c1, c2, d0, d1, d2, err_a, err_b
     if abs(ez) <= eez and abs(fz) <= efz:
         lo = planar_bound(a0, a1, b0, b1, c0, c1, d0, d1, err_a, err_b)
         return (UNSURE, lo, TWO_PI, NONE, 0.0, 0.0) if lo < TWO_PI else none
-    if abs(ez) < abs(fz):
+    # the divisor of the parametrisation must be certain, and is better the larger one
+    if abs(ez) <= eez or (abs(fz) > efz and abs(ez) < abs(fz)):
         # exchange the edges: turning cd backwards meets ab at the same angles; a mirror image turns it forwards
         v0, lo0, hi0, v1, lo1, hi1 = _steeper_first(
             c0, -c1, c2, d0, -d1, d2, a0, -a1, a2, b0, -b1, b2, fz, efz, ez, eez, err_b, err_a
@@ -67,12 +68,13 @@ def _radii_differ(a0, a1, a2, b0, b1, b2, c0, c1, c2, d0, d1, d2, ez, fz, err_a,
 
     Over the common heights the difference of the squared radii is a quadratic with the values q0, q1 at the ends
     and a second-order part of at most ||P1 - P0|^2 - |Q1 - Q0|^2| / 4 in between.  Points of an edge are within
-    `delta` of their place: the parameter carries the errors of heights over the edge's own height.
+    2 `delta` of their place: the parameter carries the errors of heights over the edge's own height, at least four
+    times as large.  Two squares then err by 8 R delta in all, half of the margin.
     """
-    if ez == 0.0 or fz == 0.0:
-        return False
     z0, z1 = max(min(a2, b2), min(c2, d2)), min(max(a2, b2), max(c2, d2))
     z_err = 8.0 * 2.0**-53 * (abs(a2) + abs(b2) + abs(c2) + abs(d2)) + 4.0 * (err_a + err_b)
+    if not (abs(ez) > 4.0 * z_err and abs(fz) > 4.0 * z_err):
+        return False
     i, j = 1.0 / ez, 1.0 / fz
     e0, e1, f0, f1 = b0 - a0, b1 - a1, d0 - c0, d1 - c1
     s, t = (z0 - a2) * i, (z1 - a2) * i
@@ -86,7 +88,7 @@ def _radii_differ(a0, a1, a2, b0, b1, b2, c0, c1, c2, d0, d1, d2, ez, fz, err_a,
     last = r0 * r0 + r1 * r1 - u0 * u0 - u1 * u1
     x0, x1, y0, y1 = r0 - p0, r1 - p1, u0 - q0, u1 - q1
     bow = 0.25 * abs(x0 * x0 + x1 * x1 - y0 * y0 - y1 * y1)
-    margin = 8.0 * ((size_a + delta_a) * delta_a + (size_b + delta_b) * delta_b)
+    margin = 16.0 * ((size_a + delta_a) * delta_a + (size_b + delta_b) * delta_b)
     margin += 32.0 * 2.0**-53 * (size_a * size_a + size_b * size_b)
     return (first > 0.0) == (last > 0.0) and min(abs(first), abs(last)) > bow + margin
 

@@ -102,7 +102,7 @@ def _radius_misses(p0, p1, p2, a0, a1, a2, b0, b1, b2, c0, c1, c2, err_p, err_f)
         return False
     delta = max(eu, ev)
     size = abs(u0) + abs(u1) + abs(v0) + abs(v1) + abs(p0) + abs(p1)
-    margin = 4.0 * (size + delta) * (delta + err_p) + 32.0 * 2.0**-53 * size * size
+    margin = 8.0 * (size + delta) * (delta + err_p) + 32.0 * 2.0**-53 * size * size
     radius, far = p0 * p0 + p1 * p1, max(u0 * u0 + u1 * u1, v0 * v0 + v1 * v1)
     if radius > far + margin:
         return True

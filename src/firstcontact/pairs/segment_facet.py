@@ -87,14 +87,14 @@ def start_point(x: Any, y: Any) -> Vector:
         return x[0]
     p, q = x
     if len(y) == 2:
-        return contact_point(p, q, *y, (0, 0, 0), 0)
+        return contact_point(p, q, y[0], y[1], (0, 0, 0), 0)
     n = cross(sub(y[1], y[0]), sub(y[2], y[0]))
     op, oq = dot(n, sub(p, y[0])), dot(n, sub(q, y[0]))
     if sign(op - oq) != 0:
         return along(p, op / (op - oq), sub(q, p))
     for end in (p, q):
-        if any(sign(c) != 0 for c in n) and in_triangle(end, *y, n):
+        if any(sign(c) != 0 for c in n) and in_triangle(end, y[0], y[1], y[2], n):
             return end
     sides = ((y[0], y[1]), (y[1], y[2]), (y[2], y[0]))
     side = next(side for side in sides if segments_meet(p, q, *side))
-    return contact_point(p, q, *side, (0, 0, 0), 0)
+    return contact_point(p, q, side[0], side[1], (0, 0, 0), 0)

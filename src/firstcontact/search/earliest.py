@@ -268,10 +268,6 @@ class _Search:
 
     def _exactly(self, question: Callable[[], Any]) -> Any:
         """The answer of the exact face, at rising precision where it is in balls; None when none decides."""
-        try:
-            return question()  # rational numbers need no precision
-        except Undecidable:
-            pass
         for bits in PRECISIONS:
             with precision(bits):
                 try:

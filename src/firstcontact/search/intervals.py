@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cmp_to_key
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -126,7 +127,7 @@ def _with_containment(problem: Any, windows: list[Window]) -> list[Window]:
     begin, end = problem.start_instant(), problem.end_instant()
     ends: list[Any] = [(None, begin), *windows, (end, None)]
     out: list[Window] = []
-    for (_, left), (right, _) in zip(ends, ends[1:], strict=False):
+    for (_, left), (right, _) in pairwise(ends):
         if windows and problem.order(left, right) >= 0:
             continue
         if contained_at(problem, left, right):

@@ -156,7 +156,7 @@ def _on(p: Vector, corners: Any) -> bool:
     n = cross(sub(corners[1], corners[0]), sub(corners[2], corners[0]))
     if not any(n):
         return any(point_line.on_segment(p, *side) for side in _sides_of(corners))
-    return dot(n, sub(p, corners[0])) == 0 and in_triangle(p, *corners, n=n)
+    return dot(n, sub(p, corners[0])) == 0 and in_triangle(p, *corners, n)  # type: ignore[call-arg]
 
 
 def _facets_at(body: Any, x: Vector) -> list[list[Vector]]:

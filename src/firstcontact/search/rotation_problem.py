@@ -129,7 +129,8 @@ class RotationProblem:
 
     def _prepare(self) -> None:
         """Views of both trees in the axis frame, with the ranges of their boxes about this axis."""
-        frame = frame_of(tuple(to_double(x) for x in self.axis.h))  # type: ignore[arg-type]
+        longest = max(abs(x) for x in self.axis.h)
+        frame = frame_of(tuple(to_double(x / longest) for x in self.axis.h))  # type: ignore[arg-type]
         self.tree_a, self.tree_b = view_in(self.a, frame), view_in(self.b, frame)
         origin = [to_double(x) for x in self.origin]
         self.centre = np.array(frame, float)[:2] @ np.array(origin)
@@ -377,7 +378,9 @@ class RotationProblem:
         corners_a, corners_b = self._corners(element_a, element_b)
         contacts = self.contacts(element_a, element_b)
         point = next(q for instant, q in contacts if same_instant(instant, at))
-        if self.is_exact and any(nearest_double(as_ball(x)) is None for x in point):
+        with precision(BALL_BITS):
+            blurred = self.is_exact and any(nearest_double(as_ball(x)) is None for x in point)
+        if blurred:
             point = next(q for instant, q in self.exact_contacts(element_a, element_b) if same_instant(instant, at))
         where, normal = rotation_touch(element_a, corners_a, element_b, corners_b, self.axis, point, at)
         return where + doubles(self.origin), normal

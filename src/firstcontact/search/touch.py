@@ -37,7 +37,7 @@ def translation_touch(
     elif element_b[0] == VERTEX:
         point, n = corners_b[0], _facet_normal(corners_a)
     else:
-        point = line_line.contact_point(*corners_a, *corners_b, v=v, t=at.value)
+        point = line_line.contact_point(*corners_a, *corners_b, v, at.value)  # type: ignore[call-arg]
         n = line_line.normal(*corners_a, *corners_b)
     return doubles(point), _exact_normal(n, v)
 

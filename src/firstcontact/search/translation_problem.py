@@ -77,12 +77,12 @@ class TranslationProblem:
         """The earliest time of the window at which the two elements share a point; exact."""
         corners_a, corners_b = self._corners(element_a, element_b)
         if element_a[0] == VERTEX:
-            window = point_plane.translation_window(corners_a[0], *corners_b, v=self.v)
+            window = _vertex_window(corners_a[0], corners_b, self.v)
         elif element_b[0] == VERTEX:
             back = (-self.v[0], -self.v[1], -self.v[2])
-            window = point_plane.translation_window(corners_b[0], *corners_a, v=back)
+            window = _vertex_window(corners_b[0], corners_a, back)
         else:
-            window = line_line.translation_window(*corners_a, *corners_b, v=self.v)
+            window = _edge_window(corners_a, corners_b, self.v)
         clipped = clip(window, (ZERO, self.last))
         return None if clipped is None else RationalInstant(clipped[0])
 
@@ -104,9 +104,9 @@ class TranslationProblem:
             found: Window | None = ALWAYS if a.meets(b) else None
         else:
             found = hull(
-                [line_line.translation_window(*x, *y, v=self.v) for x in a.sides for y in b.sides]
-                + [point_plane.translation_window(x, *b.corners, v=self.v) for x in a.corners if b.is_facet]
-                + [point_plane.translation_window(y, *a.corners, v=back) for y in b.corners if a.is_facet]
+                [_edge_window(x, y, self.v) for x in a.sides for y in b.sides]
+                + [_vertex_window(x, b.corners, self.v) for x in a.corners if b.is_facet]
+                + [_vertex_window(y, a.corners, back) for y in b.corners if a.is_facet]
             )
         clipped = clip(found, (ZERO, self.last))
         if clipped is None:
@@ -189,3 +189,13 @@ class TranslationProblem:
         """(point, unit normal or None) of the two elements at the instant, working frame."""
         corners_a, corners_b = self._corners(element_a, element_b)
         return translation_touch(element_a, corners_a, element_b, corners_b, self.v, at)
+
+
+def _vertex_window(p: Vector, facet: Any, v: Vector) -> Window | None:
+    a, b, c = facet
+    return point_plane.translation_window(p, a, b, c, v)
+
+
+def _edge_window(x: Any, y: Any, v: Vector) -> Window | None:
+    (a, b), (c, d) = x, y
+    return line_line.translation_window(a, b, c, d, v)

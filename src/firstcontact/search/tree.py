@@ -173,7 +173,7 @@ def _parts(xyz, masks, wide, budget, max_parts):
         width[p] = max(x * y, y * z, z * x) if masks[p] & FACET else 0.0
         flat_area += _twice_area(xyz, p) if masks[p] & FACET else 0.0
     limit = wide * flat_area / max(n, 1)
-    while _count_parts(width, limit, max_parts) > budget * n:
+    while _count_parts(width, limit, max_parts) > budget * n + 256:
         limit *= 2.0
     pad = CLIP_EPS * largest
     box = np.empty((n, 6))
