@@ -48,7 +48,7 @@ def first_contact(
     >>> cube = fc.examples.box((2, 2, 2))
     >>> hit = fc.first_contact(cube.moving(fc.Translation((0, 0, 6))), cube.translated((0.5, 0.5, 5)))
     >>> hit.time, hit.point.tolist()
-    (0.5, [-0.5, -0.5, 4.0])
+    (0.5, [1.0, 1.0, 4.0])
     """
     begin = clock.perf_counter()
     _check(a, b, method, engine, tolerance, budget)
@@ -103,7 +103,7 @@ def contact_intervals(
     >>> import firstcontact as fc
     >>> cube = fc.examples.box((1, 1, 1))
     >>> print(fc.contact_intervals(cube.moving(fc.Translation((8, 0, 0))), cube.translated((3, 0, 0))))
-    a and b: CONTACT
+    box and box: CONTACT
       [0.25, 0.5]
     """
     begin = clock.perf_counter()

@@ -17,7 +17,7 @@ FAMILIES = ("random", *SHAKE)
 
 def count(family: str) -> int:
     """How many inputs of the family a test takes."""
-    return 20_000 if family in ("random", "lattice", "shaken") else 5000
+    return 20_000 if family in ("random", "lattice", "shaken") else 3000
 
 
 def points(family: str, rng, n: int, k: int) -> np.ndarray:

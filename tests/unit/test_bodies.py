@@ -139,8 +139,8 @@ def test_bad_coordinates_are_named(bad):
     ("arguments", "says"),
     [
         (dict(vertices=[], faces=[]), "no vertices"),
-        (dict(vertices=[[0, 0], [1, 1]], faces=[]), "do not form"),
-        (dict(vertices=[[0, 0, 0], [1, 1]], faces=[]), "do not form"),
+        (dict(vertices=[[0, 0], [1, 1]], faces=[]), r"\(n, 3\) array"),
+        (dict(vertices=[[0, 0, 0], [1, 1]], faces=[]), r"\(n, 3\) array"),
         (dict(vertices=[[0, 0, "x"]], faces=[]), "vertex 0, coordinate 2 is 'x'"),
         (dict(vertices=[[10**400, 0, 0]], faces=[]), "vertex 0, coordinate 0 is inf"),
         (dict(vertices=TRIANGLE, faces=None), "faces is None"),

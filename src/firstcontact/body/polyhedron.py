@@ -270,9 +270,9 @@ def _rounding_error(exact: list[tuple[Fraction, ...]] | None, floats: np.ndarray
 def _read_faces(body: Polyhedron, faces: Any, who: str) -> None:
     """Set triangles (m, 3), triangle_face (m,), n_faces and the polygon sides `_sides` (None: triangles)."""
     n = len(body.vertices)
-    if not np.iterable(faces) or not hasattr(faces, "__len__"):
+    if not hasattr(faces, "__len__"):
         raise InputError(f"{who}: faces is {faces!r}; give index triples, polygons or []")
-    array = faces if isinstance(faces, np.ndarray) else None
+    array: Any = faces if isinstance(faces, np.ndarray) else None
     if array is None and all(_is_triangle(face) for face in faces):
         array = np.array(faces).reshape(-1, 3) if len(faces) else np.empty((0, 3), np.int32)
     if array is not None and array.ndim == 2 and array.shape[1] == 3:

@@ -201,6 +201,10 @@ class DeferredInstant:
         (lo, hi), (other_lo, other_hi) = self.bounds(), other.bounds()
         if hi < other_lo or lo > other_hi:
             return -1 if hi < other_lo else 1
+        with precision(BALL_BITS):
+            gap = self._ball - other.local()
+        if gap > 0 or gap < 0:
+            return 1 if gap > 0 else -1
         return self.exact().compare(exact_angle(other))
 
     def is_zero(self) -> bool:

@@ -6,7 +6,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
-from firstcontact.exact.instants import same_instant
 from firstcontact.exact.numbers import PRECISIONS, Undecidable, precision
 from firstcontact.search.elements import KINDS, Feature, feature
 from firstcontact.search.state import (
@@ -150,7 +149,8 @@ class _Search:
         self.doubtful: dict[Pair, float] = {}  # pairs no precision decides, with their lower bounds
         self.stop_at_start = True
         self.best: Any = None
-        """The earliest exact time so far."""
+        """The earliest exact time so far, and the pairs that realise it."""
+        self.tied: list[Pair] = []
 
     def run(self, with_start: bool) -> None:
         last, sure_last = self.problem.window()
@@ -258,8 +258,11 @@ class _Search:
             floats = self.state.floats
             if floats[ALL] == 0.0:
                 floats[BEST] = min(floats[BEST], hi)
-            if self.best is None or self._before(instant, self.best):
-                self.best = instant
+            order = -1 if self.best is None else self._order(instant, self.best)
+            if order < 0:
+                self.best, self.tied = instant, [pair]
+            elif order == 0:
+                self.tied.append(pair)
 
     def _contact_and_bound(self, pair: Pair) -> tuple[Any, float]:
         """The exact time of the pair and a double not before it."""
@@ -276,11 +279,15 @@ class _Search:
                     continue
         return None
 
-    def _before(self, x: Any, y: Any) -> bool:
-        try:
-            return x.compare(y) < 0
-        except Undecidable:
-            return bool(x.local() < y.local())
+    def _order(self, x: Any, y: Any) -> int:
+        """-1, 0, 1: x before, at, after y; 0 also where no ball tells them apart."""
+        for bits in PRECISIONS:
+            with precision(bits):
+                try:
+                    return x.compare(y)
+                except Undecidable:
+                    continue
+        return 0
 
     # -- the end --------------------------------------------------------------------------------------------
 
@@ -304,4 +311,4 @@ class _Search:
         if self.best is None:
             return
         found.instant = self.best
-        found.pairs = sorted(p for p, t in self.decided.items() if t is not None and same_instant(t, self.best))
+        found.pairs = sorted(self.tied)

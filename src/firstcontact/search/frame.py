@@ -47,6 +47,66 @@ def frame_of(axis: tuple[float, float, float]) -> Frame:
     return tuple(map(tuple, np.array([u, v, h]).tolist()))  # type: ignore[return-value]
 
 
+# A direction counts as natural to a body when faces across it make up this share of the area.
+NATURAL_SHARE = 0.1
+_SAMPLE = 4096
+
+
+def shared_frame(a: Any, b: Any) -> Frame | None:
+    """The frame natural to the body with the larger flat faces; None where the world's axes do as well."""
+    (share_a, frame_a), (share_b, frame_b) = natural_frame(a), natural_frame(b)
+    return frame_a if share_a > share_b else frame_b
+
+
+def natural_frame(body: Any) -> tuple[float, Frame | None]:
+    """(share of the area across the main direction, frame with that direction last); kept on the body.
+
+    Boxes along the faces of a body are flat; in another frame they are fat.  Looks at some thousand triangles.
+    """
+    known = body._search.get("natural")
+    if known is None:
+        known = body._search["natural"] = _find_natural_frame(body)
+    return known
+
+
+def _find_natural_frame(body: Any) -> tuple[float, Frame | None]:
+    step = max(1, len(body.triangles) // _SAMPLE)
+    x = body.vertices[body.triangles[::step]]
+    normals = np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
+    areas = np.linalg.norm(normals, axis=1)
+    normals, areas = normals[areas > 0], areas[areas > 0]
+    if len(areas) == 0:
+        return 0.0, None
+    share, main = _main_direction(normals / areas[:, None], areas)
+    if share < NATURAL_SHARE:
+        return 0.0, None
+    units = normals / areas[:, None]
+    across = np.abs(units @ main) < 0.05
+    second = np.zeros(3)
+    if areas[across].sum() > 0:
+        share_2, direction = _main_direction(units[across], areas[across])
+        if share_2 > NATURAL_SHARE:
+            second = direction
+    if np.abs(main).max() > 1 - 1e-12 and (not second.any() or np.abs(second).max() > 1 - 1e-12):
+        return share, None
+    if not second.any():
+        second[int(np.argmin(np.abs(main)))] = 1.0
+    u = second - (second @ main) * main
+    u /= np.linalg.norm(u)
+    return share, tuple(map(tuple, np.array([u, np.cross(main, u), main]).tolist()))  # type: ignore[return-value]
+
+
+def _main_direction(units: np.ndarray, areas: np.ndarray) -> tuple[float, np.ndarray]:
+    """(share of the area, unit direction) of the most common normal, up to sign and about a degree."""
+    largest = np.take_along_axis(units, np.abs(units).argmax(axis=1)[:, None], axis=1)
+    units = units * np.sign(largest)
+    _, group = np.unique(np.rint(units * 64).astype(np.int64) @ (1, 1000, 1000000), return_inverse=True)
+    weights = np.bincount(group, areas)
+    best = group == weights.argmax()
+    direction = (units[best] * areas[best, None]).sum(axis=0)
+    return float(weights.max() / areas.sum()), direction / np.linalg.norm(direction)
+
+
 def view_in(body: Any, frame: Frame) -> Tree:
     """The body's tree with boxes and coordinates in the frame; kept on the body for the next query."""
     tree = tree_of(body)

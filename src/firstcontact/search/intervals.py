@@ -108,7 +108,11 @@ def _drop_covered(
 
 def _union(items: list[Window], problem: Any) -> list[Window]:
     """The union of closed windows as disjoint windows, ascending; windows that touch become one."""
-    items = sorted(items, key=cmp_to_key(lambda x, y: problem.order(x[0], y[0])))
+
+    def by_start(x: Window, y: Window) -> int:
+        return problem.order(x[0], y[0])
+
+    items = sorted(items, key=cmp_to_key(by_start))
     out: list[Window] = []
     for start, end in items:
         if out and problem.order(start, out[-1][1]) <= 0:
@@ -125,9 +129,10 @@ def _with_containment(problem: Any, windows: list[Window]) -> list[Window]:
     The surfaces share no point in a gap, so one time in it decides the whole gap.
     """
     begin, end = problem.start_instant(), problem.end_instant()
-    ends: list[Any] = [(None, begin), *windows, (end, None)]
+    ends: list[Window] = [(None, begin), *windows, (end, None)]
     out: list[Window] = []
-    for (_, left), (right, _) in pairwise(ends):
+    for before, after in pairwise(ends):
+        left, right = before[1], after[0]
         if windows and problem.order(left, right) >= 0:
             continue
         if contained_at(problem, left, right):

@@ -227,7 +227,7 @@ def _windows(motion, mask_a, xa, mask_b, xb, err_a, err_b, last, scratch, out):
     cx, cy = motion[end, 0], motion[end, 1]
     facet_a, facet_b = mask_a & FACET != 0, mask_b & FACET != 0
     sides_a, sides_b = 3 if facet_a else 1, 3 if facet_b else 1
-    n = 0
+    n = np.int64(0)
     for s in range(sides_a):
         i, j = 3 * s, 3 * ((s + 1) % 3)
         for r in range(sides_b):

@@ -134,15 +134,14 @@ class RotationProblem:
         self.tree_a, self.tree_b = view_in(self.a, frame), view_in(self.b, frame)
         origin = [to_double(x) for x in self.origin]
         self.centre = np.array(frame, float)[:2] @ np.array(origin)
-        pad = 2.0 * (self.tree_a.error + self.tree_b.error)
         shifted = 0.0
         if any(origin):
             # the centre and the differences to it round: 2^-53 of the sizes each, a few times
             size = max(float(np.abs(t.boxes[0]).max()) for t in (self.tree_a, self.tree_b))
             shifted = 2.0**-50 * (size + 3.0 * max(map(abs, origin)))
         self.error_a, self.error_b = self.tree_a.error + shifted, self.tree_b.error + shifted
-        pad = 2.0 * (self.error_a + self.error_b)
-        key = (frame, tuple(self.centre.tolist()), pad)
+        self.pad = 2.0 * (self.error_a + self.error_b)
+        key = (frame, tuple(self.centre.tolist()), self.pad)
         self.motion = _ranges(self.a, self.tree_a, self.tree_b, key)
 
     def window(self) -> tuple[float, float]:
@@ -166,7 +165,7 @@ class RotationProblem:
         a, b = self.tree_a, self.tree_b
         return walk(
             a.boxes, a.links, a.xyz, a.ids, b.boxes, b.links, b.xyz, b.ids,
-            self.motion, self.error_a, self.error_b, with_start, all_sides, limit,
+            self.motion, self.error_a, self.error_b, self.pad, with_start, all_sides, limit,
             state.floats, state.integers, state.keys, state.pairs, state.stack, state.times, state.candidates,
         )  # fmt: skip
 
@@ -256,7 +255,7 @@ class RotationProblem:
         a, b = self.tree_a, self.tree_b
         return collect(
             a.boxes, a.links, a.xyz, a.ids, b.boxes, b.links, b.xyz, b.ids, self.motion,
-            self.error_a, self.error_b, self.window()[0], limit, integers, stack, cover, times, parts,
+            self.error_a, self.error_b, self.pad, self.window()[0], limit, integers, stack, cover, times, parts,
         )  # fmt: skip
 
     def windows_of(self, primitive_a: int, primitive_b: int) -> list[tuple[Any, Any]]:

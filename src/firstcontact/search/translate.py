@@ -1,4 +1,5 @@
-"""The walk under a relative translation: `motion` is an array (6,), v and 1/v of body a."""
+"""The walk under a relative translation: `motion` is an array (9,): v and 1/v of body a in the frame of the
+boxes, and v in that of the parts."""
 
 from __future__ import annotations
 
@@ -40,7 +41,7 @@ def entry_time(motion, boxes_a, a, boxes_b, b, pad, first, last):
 def _events(
     motion, pa, mask_a, xa, pb, mask_b, xb, sides, err_a, err_b, floats, integers, times, candidates
 ):
-    v0, v1, v2 = motion[0], motion[1], motion[2]
+    v0, v1, v2 = motion[6], motion[7], motion[8]
     first = floats[FIRST]
     points_only = (mask_a & POINT and mask_b & FACET) or (mask_b & POINT and mask_a & FACET)
     for s in range(3):
@@ -119,7 +120,7 @@ def slab_window(box_a, box_b, motion, pad, last):
 
 def _windows(motion, mask_a, xa, mask_b, xb, err_a, err_b, last, scratch, out):
     # parts of convex elements: the times form one interval, from the first event to the last
-    v0, v1, v2 = motion[0], motion[1], motion[2]
+    v0, v1, v2 = motion[6], motion[7], motion[8]
     sides_a = 3 if mask_a & FACET else 1
     sides_b = 3 if mask_b & FACET else 1
     first_lo = first_hi = np.inf

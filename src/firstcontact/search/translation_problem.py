@@ -19,6 +19,7 @@ from firstcontact.pairs import line_line, point_plane, segment_facet
 from firstcontact.search import translate  # noqa: F401 - the walk under this motion
 from firstcontact.search.containment import contained
 from firstcontact.search.elements import EDGE, VERTEX, Feature, Primitive, corners_of
+from firstcontact.search.frame import shared_frame, view_in
 from firstcontact.search.state import WalkState
 from firstcontact.search.touch import Touch, translation_touch
 from firstcontact.search.tree import tree_of
@@ -40,10 +41,26 @@ class TranslationProblem:
         self._known_corners: dict[tuple[Feature, Feature], tuple[list[Vector], list[Vector]]] = {}
         self.last = None if piece.end is None else piece.end - piece.start
         self.tree_a, self.tree_b = tree_of(a), tree_of(b)
-        self.velocity = np.empty(6)
-        self.velocity[:3] = [to_double(x) for x in self.v]
+        self._prepare()
+
+    def _prepare(self) -> None:
+        """Boxes and their velocity in the frame that suits the bodies; parts and their velocity as they are."""
+        v = np.array([to_double(x) for x in self.v])
+        frame = None if self.last is None else shared_frame(self.a, self.b)
+        if frame is None:
+            self.boxes_a, self.boxes_b, framed = self.tree_a.boxes, self.tree_b.boxes, v
+            self.pad = 2.0 * (self.tree_a.error + self.tree_b.error)
+        else:
+            view_a, view_b = view_in(self.a, frame), view_in(self.b, frame)
+            self.boxes_a, self.boxes_b, framed = view_a.boxes, view_b.boxes, np.array(frame) @ v
+            # the framed velocity is off by 4 roundings of sums over |v|: so much per unit of time
+            drift = 2.0**-50 * float(np.abs(v).sum()) * self.window()[0]
+            self.pad = 2.0 * (view_a.error + view_b.error + drift)
+            framed[np.abs(framed) < 1e-300] = 0.0
+        self.velocity = np.empty(9)
+        self.velocity[:3], self.velocity[6:] = framed, v
         with np.errstate(divide="ignore", over="ignore"):
-            self.velocity[3:] = 1.0 / self.velocity[:3]
+            np.divide(1.0, framed, out=self.velocity[3:6])
 
     def window(self) -> tuple[float, float]:
         """(last, sure last): outward and inward doubles around the end of the window."""
@@ -58,8 +75,8 @@ class TranslationProblem:
         """Go on with the walk; the reason it came back."""
         a, b = self.tree_a, self.tree_b
         return walk(
-            a.boxes, a.links, a.xyz, a.ids, b.boxes, b.links, b.xyz, b.ids,
-            self.velocity, a.error, b.error, with_start, all_sides, limit,
+            self.boxes_a, a.links, a.xyz, a.ids, self.boxes_b, b.links, b.xyz, b.ids,
+            self.velocity, a.error, b.error, self.pad, with_start, all_sides, limit,
             state.floats, state.integers, state.keys, state.pairs, state.stack, state.times, state.candidates,
         )  # fmt: skip
 
@@ -92,8 +109,8 @@ class TranslationProblem:
         """Go on collecting windows (`windows.collect`)."""
         a, b = self.tree_a, self.tree_b
         return collect(
-            a.boxes, a.links, a.xyz, a.ids, b.boxes, b.links, b.xyz, b.ids,
-            self.velocity, a.error, b.error, self.window()[0], limit, integers, stack, cover, times, parts,
+            self.boxes_a, a.links, a.xyz, a.ids, self.boxes_b, b.links, b.xyz, b.ids,
+            self.velocity, a.error, b.error, self.pad, self.window()[0], limit, integers, stack, cover, times, parts,
         )  # fmt: skip
 
     def windows_of(self, primitive_a: int, primitive_b: int) -> list[tuple[RationalInstant, RationalInstant | None]]:

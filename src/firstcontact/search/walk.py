@@ -124,15 +124,15 @@ def meet_at_start(pa, mask_a, xa, pb, mask_b, xb, err_a, err_b, floats, integers
 @kernel
 def walk(
     boxes_a, links_a, xyz_a, ids_a, boxes_b, links_b, xyz_b, ids_b,
-    motion, err_a, err_b, with_start, all_sides, limit,
+    motion, err_a, err_b, pad, with_start, all_sides, limit,
     floats, integers, keys, pairs, stack, times, candidates,
 ):  # fmt: skip
     """Go on with the walk until one of the reasons of `state` to come back; returns it.
 
+    err_a, err_b: errors of the parts' coordinates.  pad: how much two boxes may be apart and still overlap in truth.
     with_start: test edges against facets at the start of the window.  all_sides: flat sides count too.
     limit: node visits after which to come back.
     """
-    pad = 2.0 * (err_a + err_b)  # twice: differences of coordinates round by far less than the errors
     sides = (1 << SIDE) | ((1 << FLAT_SIDE) if all_sides else 0)
     first = floats[FIRST]
     while True:

@@ -63,13 +63,12 @@ def extend_cover(cover, n, lo, hi):
 @kernel
 def collect(
     boxes_a, links_a, xyz_a, ids_a, boxes_b, links_b, xyz_b, ids_b,
-    motion, err_a, err_b, last, limit, integers, stack, cover, times, parts,
+    motion, err_a, err_b, pad, last, limit, integers, stack, cover, times, parts,
 ):  # fmt: skip
     """Go on collecting: times (n, 4), parts (n, 2) of the windows that may matter.
 
     A pair the floats are unsure of has times[0] > times[3].
     """
-    pad = 2.0 * (err_a + err_b)
     scratch = np.empty((PART_ROOM, 2))
     out = np.empty((PART_ROOM, 4))
     while integers[STACK] > 0:
