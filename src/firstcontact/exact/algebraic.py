@@ -45,8 +45,8 @@ def _isolate(polynomial: fmpq_poly, x: Surd, k: fmpq) -> AlgebraicNumber | Fract
         (factor,) = candidates
         if factor.degree() == 1:
             return fraction(-fmpq(factor[0]) / fmpq(factor[1]))
-        lo, hi = dyadic(value.lower()), dyadic(value.upper())
         with precision(bits):
+            lo, hi = dyadic(value.lower()), dyadic(value.upper())
             if _value(factor.derivative(), value).contains(0):
                 continue
         whole = factor * factor.denom()
