@@ -38,6 +38,7 @@ def main() -> None:
         _at_full_size(results, options)
     if not options.scenes_only:
         results.start = start_up(ROOT / "examples" / "lid.toml")
+    options.out.mkdir(parents=True, exist_ok=True)
     write_csv(results, options.out / "results.csv")
     write_markdown(results, options.out / "RESULTS.md")
     print(f"wrote {options.out / 'RESULTS.md'} and results.csv", file=sys.stderr)

@@ -40,7 +40,7 @@ from firstcontact.exact.numbers import (
 )
 from firstcontact.exact.rigid import Matrix, quaternion_rotation
 from firstcontact.exact.turning import Axis
-from firstcontact.exact.vectors import Vector, sub
+from firstcontact.exact.vectors import Vector, scaled, sub
 from firstcontact.kernels.angle import TWO_PI
 from firstcontact.motion.relative import Piece
 from firstcontact.motion.rotation import angle_ball
@@ -58,6 +58,9 @@ from firstcontact.search.walk import walk
 from firstcontact.search.windows import collect
 
 Angle = tuple[fmpq, fmpq]  # radians, turns
+# Length (bits) of the squared axis up to which rational angles are as quick as balls.
+SHORT_AXIS = 40
+
 _ZERO = fmpq(0), fmpq(0)
 _FULL = fmpq(0), fmpq(1)
 
@@ -86,7 +89,8 @@ class RotationProblem:
         sense = -1 if self.backward else 1
         self.rate = sense * piece.rate[0], sense * piece.rate[1]
         h, self.origin = piece.axis, piece.point
-        self.axis = Axis((-h[0], -h[1], -h[2]) if self.backward else h)
+        whole = fmpq((-1 if self.backward else 1) * math.lcm(*(int(x.q) for x in h)))
+        self.axis = Axis(scaled(whole, h))
         self.first, self.opening, self.turn = _ZERO, _ZERO, 0
         if piece.reference != piece.start:
             radians, turns = self._angle_at(piece.start)
@@ -95,6 +99,7 @@ class RotationProblem:
         self.last = None if piece.end is None else self._angle_at(piece.end)
         if self.last is not None and self.turn:
             self.last = self.last[0], self.last[1] - self.turn
+        self._sure_last: float | None = None
         self._prepare()
 
     def _angle_at(self, time: fmpq) -> tuple[fmpq, fmpq]:
@@ -115,6 +120,7 @@ class RotationProblem:
 
     def _part(self, turn: int, first: Angle, last: Angle) -> RotationProblem:
         part = copy.copy(self)
+        part._sure_last = None
         part.turn, part.first, part.last, part.opening = self.turn + turn, first, last, _ZERO
         return part
 
@@ -148,7 +154,8 @@ class RotationProblem:
         """(last, sure last) in radians; a full turn at most."""
         if self.last is None or self._beyond_full_turn():
             return TWO_PI + 1e-14, TWO_PI + 1e-14
-        lo, hi = ball_bounds(self._last_ball())
+        with precision(PRECISIONS[0]):
+            lo, hi = ball_bounds(self._last_ball())
         return hi, lo
 
     def _beyond_full_turn(self) -> bool:
@@ -180,22 +187,30 @@ class RotationProblem:
     def contacts(self, element_a: Feature, element_b: Feature) -> list[Any]:
         """All contacts of the two elements during one full turn: (instant, point of b about `origin`).
 
-        Instants of rational bodies are balls first; the rational form, much longer, is made where they do not do.
+        About an oblique axis the rational numbers grow long: instants are balls first, rational where they must be.
         """
         if not self.is_exact:  # balls depend on the precision
             return self._find_contacts(self.axis, element_a, element_b, *self._corners(element_a, element_b))
         key = element_a, element_b
         if key not in self._contacts:
-            self._contacts[key] = self._deferred_contacts(element_a, element_b)
+            short = self.axis.K.p.bit_length() <= SHORT_AXIS
+            self._contacts[key] = self.exact_contacts(*key) if short else self._deferred_contacts(*key)
         return self._contacts[key]
 
     def exact_contacts(self, element_a: Feature, element_b: Feature) -> list[Contact]:
         """The same with all numbers rational, or square roots of rationals."""
         key = element_a, element_b
         if key not in self._exact_contacts:
-            corners = self._corners(*key)
-            self._exact_contacts[key] = self._find_contacts(self.axis, *key, *corners)
+            self._exact_contacts[key] = self._whole_contacts(*key)
         return self._exact_contacts[key]
+
+    def _whole_contacts(self, element_a: Feature, element_b: Feature) -> list[Contact]:
+        """Exact contacts of corners scaled to whole numbers: angles stay, and no sum has to find a denominator."""
+        corners_a, corners_b = self._corners(element_a, element_b)
+        scale = fmpq(math.lcm(*(int(x.q) for p in (*corners_a, *corners_b) for x in p)))
+        whole_a, whole_b = ([scaled(scale, p) for p in corners] for corners in (corners_a, corners_b))
+        found = self._find_contacts(self.axis, element_a, element_b, whole_a, whole_b)
+        return [(instant, scaled(1 / scale, point)) for instant, point in found]
 
     def _deferred_contacts(self, element_a: Feature, element_b: Feature) -> list[Any]:
         corners_a, corners_b = self._corners(element_a, element_b)
@@ -239,6 +254,10 @@ class RotationProblem:
         """
         if self.first is not _ZERO and compare_angles(instant, LimitInstant(*self.first)) < 0:
             return False
+        if self._sure_last is None:
+            self._sure_last = self.window()[1]
+        if instant.bounds()[1] <= self._sure_last:
+            return True
         if self.last is None or self._beyond_full_turn() or instant.is_zero():
             return True
         for bits in PRECISIONS:
