@@ -6,6 +6,7 @@ A result never converts to bool: write ``hit.status is Status.FREE``.
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from enum import Enum
@@ -226,7 +227,7 @@ class FirstContact(_NoTruth):
         }
 
     def to_json(self) -> str:
-        return json.dumps(self.to_dict())
+        return json.dumps(finite(self.to_dict()))
 
     def show(self, path: str | None = None) -> Any:
         """Write the page that shows this result (open it in the browser when no path is given)."""
@@ -306,7 +307,7 @@ class ContactIntervals(_NoTruth, Sequence[ContactInterval]):
         }
 
     def to_json(self) -> str:
-        return json.dumps(self.to_dict())
+        return json.dumps(finite(self.to_dict()))
 
     def show(self, path: str | None = None) -> Any:
         """Write the page that shows these intervals (open it in the browser when no path is given)."""
@@ -339,6 +340,15 @@ class ContactPairs(_NoTruth, Sequence[ElementPair]):
 
     def __str__(self) -> str:
         return f"{len(self.pairs)} element pairs meet, {len(self.piercing)} pierced at the start"
+
+
+def finite(value: Any) -> Any:
+    """The value with infinite numbers as strings ("inf"): JSON has none of its own."""
+    if isinstance(value, dict):
+        return {k: finite(v) for k, v in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(v) for v in value]
+    return str(value) if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def _name(body: Any, default: str) -> str:

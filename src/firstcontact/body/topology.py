@@ -58,19 +58,19 @@ def derive_edges(triangles, n_vertices):
 
 @kernel
 def _sort_bucket(far, side, first, last):
-    """Sort far[first:last] ascending and carry `side` along; buckets are as small as vertex degrees."""
-    if last - first > 48:
-        order = np.argsort(far[first:last])
-        far[first:last] = far[first:last][order]
-        side[first:last] = side[first:last][order]
-        return
-    for k in range(first + 1, last):
-        f, s = far[k], side[k]
-        j = k
-        while j > first and far[j - 1] > f:
-            far[j], side[j] = far[j - 1], side[j - 1]
-            j -= 1
-        far[j], side[j] = f, s
+    """Sort far[first:last] ascending and carry `side` along (Shell 1959): most buckets hold a few, some thousands."""
+    gap = 1
+    while gap < (last - first) // 9:
+        gap = 3 * gap + 1
+    while gap > 0:
+        for k in range(first + gap, last):
+            f, s = far[k], side[k]
+            j = k
+            while j >= first + gap and far[j - gap] > f:
+                far[j], side[j] = far[j - gap], side[j - gap]
+                j -= gap
+            far[j], side[j] = f, s
+        gap //= 3
 
 
 @kernel

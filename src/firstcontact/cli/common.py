@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import json
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -159,14 +158,6 @@ def _write(path: str, write: Callable[[Path], Any]) -> None:
 
 def _document(results: list[Any]) -> dict[str, Any]:
     from firstcontact import __version__
+    from firstcontact.result import finite
 
-    return {"schema": 1, "version": __version__, "checks": [_plain(r.to_dict()) for r in results]}
-
-
-def _plain(value: Any) -> Any:
-    """The same, with infinities as strings: JSON has none."""
-    if isinstance(value, dict):
-        return {key: _plain(item) for key, item in value.items()}
-    if isinstance(value, list):
-        return [_plain(item) for item in value]
-    return str(value) if isinstance(value, float) and not math.isfinite(value) else value
+    return {"schema": 1, "version": __version__, "checks": [finite(r.to_dict()) for r in results]}

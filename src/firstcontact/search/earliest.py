@@ -190,8 +190,13 @@ class _Search:
                     self.progress(float(state.floats[KEY]), work)
                 if self.budget is not None and work >= self.budget:
                     self.found.open = "budget"
-                    self.found.free_until = min(float(state.floats[KEY]), float(state.floats[BEST]))
+                    self.found.free_until = self._proved_free()
                     return False
+
+    def _proved_free(self) -> float:
+        """No contact before this: neither among the nodes that wait nor among the pairs that may or do meet."""
+        bounds = [float(self.state.floats[KEY]), *(lo for lo, _ in self.waiting), *self.doubtful.values()]
+        return min(bounds if self.best is None else [*bounds, self.best.bounds()[0]])
 
     def _collect(self) -> None:
         """Take the candidates over; decide the unsure ones now, they may end the walk."""

@@ -306,7 +306,7 @@ def _split(part_box):
             if axis >= 0:
                 middle = _partition(part_box, order, first, last, axis, limit)
         if middle == first or middle == last or (depth > 60 and last - first > 4):
-            middle = (first + last) // 2  # few parts, or coincident centres: halves by the widest axis
+            middle = (first + last) // 2  # few parts: halves by the widest axis; coincident centres: any halves
             axis = 0
             if c_hi1 - c_lo1 > c_hi0 - c_lo0:
                 axis = 1
@@ -314,9 +314,6 @@ def _split(part_box):
                 axis = 2
             if last - first <= 4:
                 _insertion(part_box, order, first, last, axis)
-            else:
-                centre = part_box[order[first:last], axis] + part_box[order[first:last], axis + 3]
-                order[first:last] = order[first:last][np.argsort(centre)]
         links[node, 0], links[node, 1] = used, used + 1
         # the smaller half last: it is taken first, which keeps the stack logarithmic
         big, small = (used, first, middle), (used + 1, middle, last)
