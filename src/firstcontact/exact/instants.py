@@ -81,6 +81,9 @@ class RationalInstant:
 
     def bounds(self) -> tuple[float, float]:
         """Doubles around the time."""
+        if type(self.value) is fmpq:
+            t = to_double(self.value)
+            return math.nextafter(t, -math.inf), math.nextafter(t, math.inf)
         with precision(PRECISIONS[0]):
             return ball_bounds(self.local())
 

@@ -6,6 +6,7 @@ ray passes through no edge and no vertex; floats decide the triangles it certain
 
 from __future__ import annotations
 
+import weakref
 from typing import Any
 
 import numpy as np
@@ -149,8 +150,17 @@ def component_vertices(body: Any) -> list[int]:
 def contained(a: Any, b: Any) -> tuple[str, int] | None:
     """("a", vertex) when a component of a lies inside the solid b, ("b", vertex) the other way round, or None.
 
-    The surfaces share no point.  Raises Undecidable.
+    The surfaces share no point.  The answer is kept for the next motion of the same two bodies.
+    Raises Undecidable.
     """
+    known = a._search.get("contained")
+    if known is None or known[0]() is not b:
+        known = a._search["contained"] = weakref.ref(b), _find_contained(a, b)
+    return known[1]
+
+
+def _find_contained(a: Any, b: Any) -> tuple[str, int] | None:
+    """The answer of `contained`."""
     for inner, outer, side in ((a, b, "a"), (b, a, "b")):
         if not outer.solid:
             continue

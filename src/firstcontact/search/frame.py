@@ -7,6 +7,7 @@ permutations, which are exact; others are rounded, and the rounding is part of t
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -31,6 +32,7 @@ _ALONG = {
 FRAME_EPS = 1e-15
 
 
+@lru_cache(maxsize=64)
 def frame_of(axis: tuple[float, float, float]) -> Frame:
     """The frame of an axis given by doubles, right-handed."""
     direction = tuple((x > 0) - (x < 0) for x in axis)
