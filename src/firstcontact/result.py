@@ -148,7 +148,7 @@ class ElementPair:
         return f"{self.element_a} and {self.element_b}"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)  # arrays have no single truth: results compare by identity
 class FirstContact(_NoTruth):
     """The earliest time at which two moving bodies share a point, or the proof that they share none.
 
