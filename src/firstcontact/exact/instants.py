@@ -90,9 +90,6 @@ class RationalInstant:
     def is_zero(self) -> bool:
         return sign(self.value) == 0
 
-    def is_exact(self) -> bool:
-        return isinstance(self.value, fmpq)
-
 
 class AngleInstant:
     """The time at which the turn has reached the angle with cosine X/R and sine sqrt(K) Y/R, in [0, 2 pi).

@@ -61,10 +61,6 @@ class Piece:
             return rotation_matrix(axis, point, angle)
         return None
 
-    def angle_at(self, time: fmpq) -> tuple[fmpq, fmpq]:
-        """(radians, turns) from the reference to that time."""
-        return _times(time - self.reference, self.rate)
-
     def at_start(self) -> Piece:
         """The instant in which a rotation's window starts, both bodies as they stand in the world then."""
         assert self.axis is not None and self.point is not None

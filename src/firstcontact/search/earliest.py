@@ -75,10 +75,6 @@ class Found:
         return self.visits + self.tests
 
 
-class BudgetSpent(Exception):
-    """The search has used up its budget of node visits and pair tests."""
-
-
 def earliest(
     problem: Problem, budget: int | None = None, progress: Progress | None = None, with_start: bool = True
 ) -> Found:
