@@ -101,7 +101,7 @@ class AngleInstant:
 
     def __init__(self, X: Any, Y: Any, R: Any, K: Any) -> None:  # noqa: N803
         self.X, self.Y, self.R, self.K = surd(X), surd(Y), surd(R), K
-        self._rational = all(type(v) is fmpq for s in (self.X, self.Y) for v in (s.x, s.y, s.d))
+        self._rational = not any(type(v) is arb for s in (self.X, self.Y) for v in (s.x, s.y, s.d))
         self._bounds: tuple[float, float] | None = None
         self._settled = self._rational  # balls may be known better at another precision
 
@@ -166,9 +166,10 @@ class AngleInstant:
 
     def cosine_sine(self) -> tuple[Surd, Surd]:
         """(cos, sin / sqrt(K)) as Surds."""
-        n = self.R.x * self.R.x - self.R.y * self.R.y * self.R.d
-        inverse = Surd(self.R.x / n, -self.R.y / n, self.R.d)
-        return self.X * inverse, self.Y * inverse
+        X, Y, R = (s.divisible() for s in (self.X, self.Y, self.R))  # noqa: N806
+        n = R.x * R.x - R.y * R.y * R.d
+        inverse = Surd(R.x / n, -R.y / n, R.d)
+        return X * inverse, Y * inverse
 
 
 class DeferredInstant:

@@ -1,10 +1,10 @@
-"""Numbers x + y sqrt(d) with exact signs; on balls the same class works with their enclosures."""
+"""Numbers x + y sqrt(d), x and y rational or whole, with exact signs; on balls the same class works with enclosures."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from flint import arb, fmpq
+from flint import arb, fmpq, fmpz
 
 from firstcontact.exact.numbers import ball, sign
 
@@ -20,7 +20,7 @@ class Surd:
         self.x, self.y, self.d = x, y, d
 
     def _d(self, other: Surd) -> Any:
-        return other.d if type(self.y) is fmpq and not self.y else self.d
+        return other.d if type(self.y) is not arb and not self.y else self.d
 
     def __add__(self, other: Any) -> Surd:
         if type(other) is not Surd:
@@ -52,7 +52,7 @@ class Surd:
     def sign(self) -> int:
         """Exact: equal signs decide, otherwise x^2 against y^2 d."""
         x, y, d = self.x, self.y, self.d
-        if type(x) is not fmpq or type(y) is not fmpq or type(d) is not fmpq:
+        if type(x) is arb or type(y) is arb or type(d) is arb:
             return sign(self.ball())
         sx, sy = (x > 0) - (x < 0), (y > 0) - (y < 0) if d else 0
         if sx == sy or sy == 0:
@@ -61,6 +61,10 @@ class Surd:
             return sy
         gap = x * x - y * y * d
         return sx * ((gap > 0) - (gap < 0))
+
+    def divisible(self) -> Surd:
+        """The same number of numbers that divide: fmpq for fmpz."""
+        return Surd(*(fmpq(v) if type(v) is fmpz else v for v in (self.x, self.y, self.d)))
 
     def ball(self) -> arb:
         return ball(self.x) + ball(self.y) * ball(self.d).sqrt()

@@ -1,8 +1,10 @@
-"""Three-dimensional vectors of exact numbers as plain tuples; the same code runs on fmpq and on balls."""
+"""Three-dimensional vectors of exact numbers as plain tuples; the same code runs on fmpz, fmpq and balls."""
 
 from __future__ import annotations
 
 from typing import Any
+
+from flint import fmpq, fmpz
 
 Vector = tuple[Any, Any, Any]
 
@@ -34,3 +36,8 @@ def cross(x: Vector, y: Vector) -> Vector:
 def along(p: Vector, t: Any, v: Vector) -> Vector:
     """p + t v."""
     return p[0] + t * v[0], p[1] + t * v[1], p[2] + t * v[2]
+
+
+def divisible(*vectors: Vector) -> tuple[Vector, ...]:
+    """The same vectors of numbers that divide: fmpq for fmpz."""
+    return tuple(tuple(fmpq(x) if type(x) is fmpz else x for x in v) for v in vectors)  # type: ignore[misc]

@@ -8,11 +8,13 @@ the equivalent time form, equation (6)).
 
 from __future__ import annotations
 
+from typing import Any
+
 from firstcontact.exact.instants import AngleInstant
 from firstcontact.exact.numbers import sign
-from firstcontact.exact.surd import quadratic_roots
+from firstcontact.exact.surd import Surd
 from firstcontact.exact.turning import Axis
-from firstcontact.exact.vectors import Vector, along, sub
+from firstcontact.exact.vectors import Vector, along, cross, divisible, dot, scaled, sub
 from firstcontact.kernels.angle import TWO_PI, angle_bounds
 from firstcontact.kernels.jit import kernel
 from firstcontact.kernels.running import add, cross2, div, dot2, mul, root
@@ -263,7 +265,7 @@ def _bound_at(mu, emu, p0, p1, ep, c0, c1, ec, f0, f1, ef):
 
 
 def rotation_contacts(axis: Axis, a: Vector, b: Vector, c: Vector, d: Vector) -> list[Contact]:
-    """The isolated contacts of ab, turning, with cd; exact.
+    """The isolated contacts of ab, turning, with cd; exact, without divisions.
 
     Where the edges stay in contact over a whole window of angles, the ends of the window are listed
     (angle 0 when they meet at the start).
@@ -272,65 +274,95 @@ def rotation_contacts(axis: Axis, a: Vector, b: Vector, c: Vector, d: Vector) ->
     ez, fz, wz = axis.height(e), axis.height(f), axis.height(w)
     if sign(ez) == 0 and sign(fz) == 0:
         return _horizontal(axis, a, b, c, d) if sign(wz) == 0 else []
-    n = ez * ez + fz * fz
-    lam0, mu0 = wz * ez / n, -wz * fz / n
-    p, q = along(a, lam0, e), along(c, mu0, f)
-    u, v = tuple(fz * x for x in e), tuple(ez * x for x in f)
-    qa = axis.perp(u, u) - axis.perp(v, v)  # type: ignore[arg-type]
-    qb = axis.perp(p, u) - axis.perp(q, v)  # type: ignore[arg-type]
+    # points of equal heights: a + lam e and c + mu f, n lam = k + s fz, n mu = l + s ez; p + s u and q + s v are n
+    # times these points
+    n, k, l = ez * ez + fz * fz, wz * ez, -wz * fz  # noqa: E741
+    p, q = along(scaled(n, a), k, e), along(scaled(n, c), l, f)
+    u, v = scaled(fz, e), scaled(ez, f)
+    qa = axis.perp(u, u) - axis.perp(v, v)
+    qb = axis.perp(p, u) - axis.perp(q, v)
     qc = axis.perp(p, p) - axis.perp(q, q)
-    roots = quadratic_roots(qa, qb, qc)
-    if roots is None:
-        return _same_surface(axis, a, b, c, d, lam0, mu0, ez, fz, p, q, u, v)  # type: ignore[arg-type]
+    if sign(qa) == 0 and sign(qb) == 0:
+        return _same_surface(axis, *divisible(a, b, c, d)) if sign(qc) == 0 else []
     found: list[Contact] = []
-    for s in roots:
-        lam, mu = s * fz + lam0, s * ez + mu0
-        if lam.sign() < 0 or (1 - lam).sign() < 0 or mu.sign() < 0 or (1 - mu).sign() < 0:
+    for s, z in _roots(qa, qb, qc):  # s / z, z > 0
+        lam, mu, whole = s * fz + k * z, s * ez + l * z, n * z
+        if lam.sign() < 0 or (whole - lam).sign() < 0 or mu.sign() < 0 or (whole - mu).sign() < 0:
             continue
-        at_p, at_q = along(p, s, u), along(q, s, v)  # type: ignore[arg-type]
-        found.append((angle_between(axis, at_p, at_q), at_q))
+        at_p, at_q = (along(scaled(z, p), s.x, u), scaled(s.y, u)), (along(scaled(z, q), s.x, v), scaled(s.y, v))
+        place = tuple(Surd(x, y, s.d) for x, y in zip(*at_q, strict=True))
+        found.append((_angle_between_surds(axis, at_p, at_q, s.d), (*place, whole)))  # type: ignore[arg-type]
     return found
+
+
+def _angle_between_surds(
+    axis: Axis, p: tuple[Vector, Vector], q: tuple[Vector, Vector], d: Any
+) -> AngleInstant:
+    """`angle_between` of points p[0] + p[1] sqrt(d) and q likewise, of equal heights and radii."""
+    (p0, p1), (q0, q1), h, K = p, q, axis.h, axis.K  # noqa: N806
+    z0, z1 = dot(h, q0), dot(h, q1)
+    square, twice = z0 * z0 + z1 * z1 * d, 2 * (z0 * z1)
+    r = Surd(K * (dot(q0, q0) + d * dot(q1, q1)) - square, 2 * (K * dot(q0, q1)) - twice, d)
+    if r.sign() == 0:
+        return AngleInstant(1, 0, 1, K)
+    x = Surd(K * (dot(p0, q0) + d * dot(p1, q1)) - square, K * (dot(p0, q1) + dot(p1, q0)) - twice, d)
+    y = Surd(dot(h, cross(p0, q0)) + d * dot(h, cross(p1, q1)), dot(h, cross(p0, q1)) + dot(h, cross(p1, q0)), d)
+    return AngleInstant(x, y, r, K)
+
+
+def _roots(a: Any, b: Any, c: Any) -> list[tuple[Surd, Any]]:
+    """Real roots of a s^2 + 2 b s + c, not constant, as (numerator, positive denominator)."""
+    if sign(a) == 0:
+        return [(Surd(-c * sign(b)), 2 * b * sign(b))]
+    way = sign(a)
+    d = b * b - a * c
+    s = sign(d)
+    if s < 0:
+        return []
+    b, a = b * way, a * way
+    return [(Surd(-b, y * way, d), a) for y in (-1, 1)] if s else [(Surd(-b), a)]
 
 
 def _horizontal(axis: Axis, a: Vector, b: Vector, c: Vector, d: Vector) -> list[Contact]:
     """Both edges lie in one plane across the axis: contacts begin and end at end points."""
     found = point_line_rotation.rotation_contacts(axis, a, c, d)
     found += point_line_rotation.rotation_contacts(axis, b, c, d)
-    back = Axis((-axis.h[0], -axis.h[1], -axis.h[2]))
     for end in (c, d):
-        found += [(at, end) for at, _ in point_line_rotation.rotation_contacts(back, end, a, b)]
+        found += [(at, (*end, 1)) for at, _ in point_line_rotation.rotation_contacts(axis.reversed(), end, a, b)]
     return found + _at_start(axis, a, b, c, d)
 
 
 def _at_start(axis: Axis, a: Vector, b: Vector, c: Vector, d: Vector) -> list[Contact]:
+    a, b, c, d = divisible(a, b, c, d)
     if not segments_meet(a, b, c, d):
         return []
-    return [(AngleInstant(1, 0, 1, axis.K), contact_point(a, b, c, d, (0, 0, 0), 0))]
+    point = contact_point(a, b, c, d, (0, 0, 0), 0)
+    return [(AngleInstant(1, 0, 1, axis.K), (*point, 1))]
 
 
-def _same_surface(
-    axis: Axis, a: Vector, b: Vector, c: Vector, d: Vector,
-    lam0: object, mu0: object, ez: object, fz: object, p: Vector, q: Vector, u: Vector, v: Vector,
-) -> list[Contact]:  # fmt: skip
+def _same_surface(axis: Axis, a: Vector, b: Vector, c: Vector, d: Vector) -> list[Contact]:
     """Both lines lie on one surface of revolution.
 
     The angle is monotone or piecewise constant along them, so contacts begin at the ends of the common range of
     heights, or at the start.
     """
+    e, f = sub(b, a), sub(d, c)
+    ez, fz, wz = axis.height(e), axis.height(f), axis.height(sub(c, a))
+    n = ez * ez + fz * fz
     lo, hi = None, None
-    for base, rate in ((lam0, fz), (mu0, ez)):
+    for base, rate in ((wz * ez / n, fz), (-wz * fz / n, ez)):  # lam and mu of `rotation_contacts`
         if sign(rate) == 0:
-            if sign(base) < 0 or sign(1 - base) < 0:  # type: ignore[operator]
+            if sign(base) < 0 or sign(1 - base) < 0:
                 return []
             continue
-        s0, s1 = -base / rate, (1 - base) / rate  # type: ignore[operator]
+        s0, s1 = -base / rate, (1 - base) / rate
         if sign(s1 - s0) < 0:
             s0, s1 = s1, s0
         lo = s0 if lo is None or sign(s0 - lo) > 0 else lo
         hi = s1 if hi is None or sign(hi - s1) > 0 else hi
     if sign(hi - lo) < 0:  # type: ignore[operator]
         return []
-    ends = [(along(p, s, u), along(q, s, v)) for s in (lo, hi)]
-    return [(angle_between(axis, x, y), y) for x, y in ends] + _at_start(axis, a, b, c, d)
-
-
+    ends = [
+        (along(a, wz * ez / n + s * fz, e), along(c, -wz * fz / n + s * ez, f)) for s in (lo, hi)  # type: ignore[operator]
+    ]
+    return [(angle_between(axis, x, y), (*y, 1)) for x, y in ends] + _at_start(axis, a, b, c, d)

@@ -171,48 +171,49 @@ def _flat_bound(p0, p1, a0, a1, b0, b1, c0, c1, err_p, err_f):
 
 
 def rotation_contacts(axis: Axis, p: Vector, a: Vector, b: Vector, c: Vector) -> list[Contact]:
-    """The isolated contacts of p, turning, with the closed triangle abc; exact.
+    """The isolated contacts of p, turning, with the closed triangle abc; exact, without divisions.
 
     Where p stays in the facet over a whole window of angles, the ends of the window are listed.
     """
     n = cross(sub(b, a), sub(c, a))
     K, h = axis.K, axis.h  # noqa: N806
-    foot = scaled(axis.height(p) / K, h)
-    arm = sub(p, foot)
+    height = axis.height(p)
+    arm, side = sub(scaled(K, p), scaled(height, h)), cross(h, p)
+    # K p(phi) = height h + cos phi arm + sqrt(K) sin phi side
     if all(sign(x) == 0 for x in arm):
-        return _resting(axis, p, a, b, c, n)
-    side = cross(h, p)  # p(phi) = foot + cos phi arm + (sin phi / sqrt K) side
-    alpha, beta, gamma = dot(n, arm), dot(n, side), dot(n, sub(a, foot))
-    norm = alpha * alpha + beta * beta / K
+        return _resting(axis, p, a, b, c)
+    alpha, beta, gamma = dot(n, arm), dot(n, side), K * dot(n, a) - height * dot(n, h)
+    # n.(p(phi) - a) = 0:  alpha cos phi + sqrt(K) beta sin phi = gamma
+    norm = alpha * alpha + K * (beta * beta)
     if sign(norm) == 0:
-        return _resting(axis, p, a, b, c, n) if sign(gamma) == 0 else []
-    d = (norm - gamma * gamma) / K
+        return _resting(axis, p, a, b, c) if sign(gamma) == 0 else []
+    d = K * (norm - gamma * gamma)
     s = sign(d)
     if s < 0:
         return []
+    R, Kb = K * norm, K * beta  # noqa: N806
     # q(phi) lies inside side v w iff m.(q - v) >= 0, m = n x (w - v): linear in cosine and sine
     inside = []
     for v, w in ((a, b), (b, c), (c, a)):
         m = cross(n, sub(w, v))
-        inside.append((dot(m, sub(foot, v)), dot(m, arm), dot(m, side)))
+        inside.append((R * (height * dot(m, h) - K * dot(m, v)), dot(m, arm), K * dot(m, side)))
     found: list[Contact] = []
     for way in (-1, 1) if s else (1,):
-        cosine = Surd(gamma * alpha / norm, -way * beta / norm, d)
-        sine = Surd(gamma * beta / (K * norm), way * alpha / norm, d)  # over sqrt K
-        if all(
-            Surd(k + cosine.x * x + sine.x * y, cosine.y * x + sine.y * y, d).sign() >= 0 for k, x, y in inside
-        ):
-            q = along(along(foot, cosine, arm), sine, side)
-            found.append((AngleInstant(cosine, sine, 1, K), q))
+        Xx, Xy, Yx, Yy = K * (gamma * alpha), -way * Kb, gamma * Kb, way * alpha  # noqa: N806
+        if all(Surd(k + Xx * x + Yx * y, Xy * x + Yy * y, d).sign() >= 0 for k, x, y in inside):
+            X, Y = Surd(Xx, Xy, d), Surd(Yx, Yy, d)  # noqa: N806
+            q = along(along(scaled(R * height, h), X, arm), Y * K, side)
+            found.append((AngleInstant(X, Y, R, K), (*q, K * R)))
     return found
 
 
-def _resting(axis: Axis, p: Vector, a: Vector, b: Vector, c: Vector, n: Vector) -> list[Contact]:
+def _resting(axis: Axis, p: Vector, a: Vector, b: Vector, c: Vector) -> list[Contact]:
     """p stays in the facet's plane (or does not move, or the facet has no area): it enters through sides."""
     sides = ((a, b), (b, c), (c, a))
+    n = cross(sub(b, a), sub(c, a))
     found = [contact for q, r in sides for contact in point_line_rotation.rotation_contacts(axis, p, q, r)]
     flat = all(sign(x) == 0 for x in n)
     if not flat and sign(dot(n, sub(p, a))) == 0:
         if all(sign(dot(n, cross(sub(w, v), sub(p, v)))) >= 0 for v, w in sides):
-            found.append((AngleInstant(1, 0, 1, axis.K), p))
+            found.append((AngleInstant(1, 0, 1, axis.K), (*p, 1)))
     return found

@@ -9,11 +9,11 @@ from __future__ import annotations
 import copy
 import math
 from fractions import Fraction
-from functools import cmp_to_key
+from functools import cmp_to_key, reduce
 from typing import Any
 
 import numpy as np
-from flint import arb, fmpq
+from flint import arb, fmpq, fmpz
 
 from firstcontact.errors import InputError
 from firstcontact.exact.algebraic import algebraic
@@ -52,7 +52,7 @@ from firstcontact.search.containment import contained
 from firstcontact.search.elements import EDGE, VERTEX, Feature, Primitive, corners_of
 from firstcontact.search.frame import frame_of, view_in
 from firstcontact.search.state import WalkState
-from firstcontact.search.touch import Touch, as_ball, as_balls, doubles, rotation_touch
+from firstcontact.search.touch import Touch, as_balls, doubles, place_ball, rotation_touch
 from firstcontact.search.tree import Tree
 from firstcontact.search.walk import walk
 from firstcontact.search.windows import collect
@@ -91,6 +91,7 @@ class RotationProblem:
         h, self.origin = piece.axis, piece.point
         whole = fmpq((-1 if self.backward else 1) * math.lcm(*(int(x.q) for x in h)))
         self.axis = Axis(scaled(whole, h))
+        self._whole_axis = Axis(tuple(x.p for x in self.axis.h))  # type: ignore[arg-type]
         self.first, self.opening, self.turn = _ZERO, _ZERO, 0
         if piece.reference != piece.start:
             radians, turns = self._angle_at(piece.start)
@@ -207,10 +208,10 @@ class RotationProblem:
     def _whole_contacts(self, element_a: Feature, element_b: Feature) -> list[Contact]:
         """Exact contacts of corners scaled to whole numbers: angles stay, and no sum has to find a denominator."""
         corners_a, corners_b = self._corners(element_a, element_b)
-        scale = fmpq(math.lcm(*(int(x.q) for p in (*corners_a, *corners_b) for x in p)))
-        whole_a, whole_b = ([scaled(scale, p) for p in corners] for corners in (corners_a, corners_b))
-        found = self._find_contacts(self.axis, element_a, element_b, whole_a, whole_b)
-        return [(instant, scaled(1 / scale, point)) for instant, point in found]
+        scale = reduce(fmpz.lcm, (x.q for p in (*corners_a, *corners_b) for x in p))
+        whole_a, whole_b = ([_whole(scale, p) for p in corners] for corners in (corners_a, corners_b))
+        found = self._find_contacts(self._whole_axis, element_a, element_b, whole_a, whole_b)
+        return [(instant, (x, y, z, w * scale)) for instant, (x, y, z, w) in found]
 
     def _deferred_contacts(self, element_a: Feature, element_b: Feature) -> list[Any]:
         corners_a, corners_b = self._corners(element_a, element_b)
@@ -235,7 +236,7 @@ class RotationProblem:
             return point_plane_rotation.rotation_contacts(axis, corners_a[0], *corners_b)
         if element_b[0] == VERTEX:
             found = point_plane_rotation.rotation_contacts(axis.reversed(), corners_b[0], *corners_a)
-            return [(instant, corners_b[0]) for instant, _ in found]
+            return [(instant, (*corners_b[0], 1)) for instant, _ in found]
         return line_line_rotation.rotation_contacts(axis, *corners_a, *corners_b)
 
     def contact(self, element_a: Feature, element_b: Feature) -> AngleInstant | None:
@@ -397,7 +398,7 @@ class RotationProblem:
         contacts = self.contacts(element_a, element_b)
         point = next(q for instant, q in contacts if same_instant(instant, at))
         with precision(BALL_BITS):
-            blurred = self.is_exact and any(nearest_double(as_ball(x)) is None for x in point)
+            blurred = self.is_exact and any(nearest_double(x) is None for x in place_ball(point))
         if blurred:
             point = next(q for instant, q in self.exact_contacts(element_a, element_b) if same_instant(instant, at))
         where, normal = rotation_touch(element_a, corners_a, element_b, corners_b, self.axis, point, at)
@@ -487,6 +488,11 @@ class RotationProblem:
         with precision(PRECISIONS[0]):
             t = ball_bounds(self._time(arb(min(max(local, 0.0), TWO_PI))))[0]
         return max(t, to_double(self.piece.start))
+
+
+def _whole(scale: fmpz, p: Vector) -> Vector:
+    """scale p, where it is whole."""
+    return tuple(x.p * (scale / x.q) for x in p)  # type: ignore[return-value]
 
 
 def _sign_of_angle(rate: tuple[fmpq, fmpq]) -> int:

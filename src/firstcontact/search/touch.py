@@ -12,12 +12,13 @@ from typing import Any
 import numpy as np
 from flint import arb, fmpq
 
-from firstcontact.exact.instants import DeferredInstant, RationalInstant
+from firstcontact.exact.instants import RationalInstant
 from firstcontact.exact.numbers import PRECISIONS, Undecidable, ball, nearest_double, precision, sign, to_double
 from firstcontact.exact.surd import Surd
 from firstcontact.exact.turning import Axis
 from firstcontact.exact.vectors import Vector, add, along, cross, dot, sub
 from firstcontact.pairs import line_line
+from firstcontact.pairs.point_line_rotation import Place
 from firstcontact.search.elements import VERTEX, Feature
 
 Touch = tuple[np.ndarray, np.ndarray | None]
@@ -65,33 +66,50 @@ def _unit(n: Any, factor: float) -> np.ndarray:
 
 def doubles(v: Vector) -> np.ndarray:
     """The doubles nearest exact coordinates; the middles of balls."""
-    return np.array([to_double(x) if isinstance(x, fmpq) else _double(x) for x in v])
+    return np.array(_floats(v))
 
 
-def _double(x: Any) -> float:
+def _floats(v: Vector) -> Any:
+    return [to_double(x) if type(x) is fmpq else _double(x) for x in v]
+
+
+def _double(x: Any, w: Any = 1) -> float:
+    """The double nearest x / w."""
     for bits in PRECISIONS:
         with precision(bits):
-            value = as_ball(x)
+            value = as_ball(x) / as_ball(w)
             near = nearest_double(value)
         if near is not None:
             return near
     return float(value.mid())  # half way between two doubles, or known as a ball only
 
 
+def place_doubles(place: Place) -> np.ndarray:
+    """The doubles nearest the coordinates of a place."""
+    x, y, z, w = place
+    return np.array([_double(x, w), _double(y, w), _double(z, w)])
+
+
+def place_ball(place: Place) -> Vector:
+    """An enclosure of a place at the present precision."""
+    x, y, z, w = map(as_ball, place)
+    return x / w, y / w, z / w
+
+
 def rotation_touch(
     element_a: Feature, corners_a: list[Vector], element_b: Feature, corners_b: list[Vector],
-    axis: Axis, point: Vector, at: Any,
+    axis: Axis, place: Place, at: Any,
 ) -> Touch:  # fmt: skip
     """(point, unit normal from b towards a or None); exact corners at angle 0, all about a point of the axis."""
-    q = doubles(point)
-    near = at.near if isinstance(at, DeferredInstant) else at
-    cosine, sine = (_double(x) for x in near.cosine_sine())
-    h = doubles(axis.h).tolist()
+    q = place_doubles(place)
+    h: Any = [to_double(x) for x in axis.h]
+    angle = at.bounds()[0]
+    cosine, sine = math.cos(angle), math.sin(angle) / math.sqrt(dot(h, h))
     velocity = cross(h, q.tolist())
     n, size = _float_normal(element_a, corners_a, element_b, corners_b, h, cosine, sine)
     speed = dot(n, velocity)
     n_size, v_size = _norm(n), _norm(velocity)
-    scale = max(_norm(p.tolist()) for p in map(doubles, (*corners_a, *corners_b)))
+    scale = max(_norm(p) for p in map(_floats, (*corners_a, *corners_b)))
     clear = n_size > DOUBTFUL * size and v_size > DOUBTFUL * _norm(h) * scale
     if clear and abs(speed) > DOUBTFUL * n_size * v_size:
         return q, _unit(n, -1.0 if speed > 0 else 1.0)
@@ -99,7 +117,7 @@ def rotation_touch(
         with precision(bits):
             moved = _turned(axis, corners_a, at)
             direction = _normal(element_a, moved, element_b, [as_balls(p) for p in corners_b])
-            normal = _exact_normal(direction, cross(axis.h, as_balls(point)))
+            normal = _exact_normal(direction, cross(axis.h, place_ball(place)))
         if normal is not None:
             return q, normal
     return q, None
@@ -121,12 +139,12 @@ def _float_normal(
     k = h[0] * h[0] + h[1] * h[1] + h[2] * h[2]
     moved = []
     for p in corners_a:
-        x: Any = doubles(p).tolist()
+        x = _floats(p)
         s = dot(h, x) / k
         moved.append(
             tuple(s * f + cosine * (c - s * f) + sine * w for f, c, w in zip(h, x, cross(h, x), strict=True))
         )
-    rest = [doubles(p).tolist() for p in corners_b]
+    rest = [_floats(p) for p in corners_b]
     n = _normal(element_a, moved, element_b, rest)
     x, y = (rest, rest) if element_a[0] == VERTEX else (moved, moved) if element_b[0] == VERTEX else (moved, rest)
     other = 2 if x is y else 1
@@ -155,5 +173,5 @@ def _turned(axis: Axis, corners: list[Vector], at: Any) -> list[Vector]:
         x = as_balls(p)
         share: arb = dot(h, x) / k
         foot = (share * h[0], share * h[1], share * h[2])
-        out.append(add(along(foot, c, sub(x, foot)), tuple(s * w for w in cross(h, x))))  # type: ignore[arg-type]
+        out.append(add(along(foot, c, sub(x, foot)), tuple(s * w for w in cross(h, x))))
     return out
