@@ -12,8 +12,8 @@ from flint import arb
 import firstcontact as fc
 import generators as g
 from firstcontact.exact.numbers import precision
-from firstcontact.search.frame import frame_of, view_in
-from firstcontact.search.tree import BARE, CORNER, FACET, FLAT_SIDE, SIDE, SPLIT, tree_of
+from firstcontact.search.frame import frame_of, natural_frame, tree_of, view_in
+from firstcontact.search.tree import BARE, CORNER, FACET, FLAT_SIDE, SIDE, SPLIT
 from unit.test_constants import exact_frame
 
 
@@ -41,8 +41,18 @@ def mixed_edges() -> fc.Polyhedron:
     return fc.Polyhedron(rng.uniform(-1, 1, (8, 3)), [[0, 1, 2], [2, 1, 3]], edges=[[4, 5], [0, 1], [5, 6]])
 
 
+def slabs() -> fc.Polyhedron:
+    """A fine strip of triangles and some long slivers beside it, all in two directions: natural axes, and splits."""
+    strip = [[[k, 0, 0], [k + 1, 0, 0], [k, 1, 0]] for k in range(200)]
+    slivers = [[[-40, 5 + k / 8, 3], [300, 90 + k / 8, 3], [-40, 5.1 + k / 8, 3]] for k in range(6)]
+    walls = [[[0, k, 7], [0, k + 1, 7], [0, k, 9]] for k in range(40)]
+    triangles = np.array(strip + slivers + walls, float)
+    return fc.Polyhedron(triangles.reshape(-1, 3), np.arange(3 * len(triangles)).reshape(-1, 3), solid=False)
+
+
 BODIES = {
     "box": lambda: fc.examples.box((1, 2, 3)),
+    "turned slabs": lambda: slabs().rotated((1, 2, 3), degrees=50),
     "one triangle": lambda: fc.Polyhedron([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]),
     "sphere": lambda: polyhedron(g.icosphere(2, 1.0, 0.05, 1)),
     "torus": lambda: polyhedron(g.torus(12, 7, 0.1, 2)),
@@ -232,3 +242,11 @@ def test_edges_that_the_user_gave_are_never_flat():
     given = [segments[e].tolist() for e in diagonals]
     edges, flat, _ = owners(tree_of(fc.Polyhedron(body.v, body.f, edges=given[:4])))
     assert len(flat) == 2 and {0, 1, 2, 3} <= set(edges)
+
+
+def test_turned_bodies_are_built_in_their_own_axes():
+    body = BODIES["turned slabs"]()
+    assert natural_frame(body)[1] is not None
+    assert np.any(tree_of(body).ids[:, 1] & SPLIT)
+    tree = tree_of(body)
+    assert np.array_equal(tree.xyz, body.vertices[tree.corners[tree.ids[:, 0]]].reshape(-1, 9))

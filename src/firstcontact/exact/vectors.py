@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import reduce
 from typing import Any
 
 from flint import fmpq, fmpz
@@ -36,6 +37,17 @@ def cross(x: Vector, y: Vector) -> Vector:
 def along(p: Vector, t: Any, v: Vector) -> Vector:
     """p + t v."""
     return p[0] + t * v[0], p[1] + t * v[1], p[2] + t * v[2]
+
+
+def whole(*points: Vector) -> tuple[fmpz, list[Vector]]:
+    """(scale > 0, the rational points times it as fmpz): sums of whole numbers have no denominators to find."""
+    scale = reduce(fmpz.lcm, (x.q for p in points for x in p))
+    return scale, [tuple(x.p * (scale / x.q) for x in p) for p in points]  # type: ignore[misc]
+
+
+def ratio(x: Any, y: Any) -> Any:
+    """x / y, whole numbers included."""
+    return fmpq(x, y) if type(x) is fmpz else x / y
 
 
 def divisible(*vectors: Vector) -> tuple[Vector, ...]:

@@ -11,7 +11,7 @@ D lam, D (1 - lam), D mu and D (1 - mu) to have one common sign, zeros allowed, 
 from __future__ import annotations
 
 from firstcontact.exact.numbers import sign
-from firstcontact.exact.vectors import Vector, cross, dot, sub
+from firstcontact.exact.vectors import Vector, cross, dot, ratio, sub
 from firstcontact.exact.windows import ALWAYS, Window, hull
 from firstcontact.kernels.jit import kernel
 from firstcontact.kernels.verdict import CERTAIN, DET_EPS, NONE, TINY, UNSURE, cross_size, quotient, slack3
@@ -97,7 +97,7 @@ def translation_window(a: Vector, b: Vector, c: Vector, d: Vector, v: Vector) ->
         return None
     if sign(dot(h, e)) * s < 0 or sign(dot(cross(v, sub(a, d)), e)) * s < 0:
         return None
-    t = dot(w, g) / den
+    t = ratio(dot(w, g), den)
     return t, t
 
 

@@ -6,7 +6,7 @@ Schoemer and Thiel leave these to the tests with closed facets; bare edge sets n
 from __future__ import annotations
 
 from firstcontact.exact.numbers import sign
-from firstcontact.exact.vectors import Vector, cross, dot, sub
+from firstcontact.exact.vectors import Vector, cross, dot, ratio, sub
 from firstcontact.exact.windows import ALWAYS, Window
 
 
@@ -21,14 +21,14 @@ def translation_window(p: Vector, v: Vector, c: Vector, d: Vector) -> Window | N
         mu = dot(cross(w, v), n)
         if sign(mu) < 0 or sign(nn - mu) < 0:
             return None
-        t = dot(cross(w, f), n) / nn
+        t = ratio(dot(cross(w, f), n), nn)
         return t, t
     vv = dot(v, v)
     if sign(vv) == 0:
         return ALWAYS if on_segment(p, c, d) else None
     if any(sign(x) != 0 for x in cross(w, v)):
         return None
-    t0, t1 = dot(w, v) / vv, dot(sub(d, p), v) / vv
+    t0, t1 = ratio(dot(w, v), vv), ratio(dot(sub(d, p), v), vv)
     return (t0, t1) if sign(t1 - t0) >= 0 else (t1, t0)
 
 

@@ -8,7 +8,7 @@ have one common sign, zeros allowed (Schoemer & Thiel 1995, section 6).
 from __future__ import annotations
 
 from firstcontact.exact.numbers import sign
-from firstcontact.exact.vectors import Vector, cross, dot, sub
+from firstcontact.exact.vectors import Vector, cross, dot, ratio, sub
 from firstcontact.exact.windows import ALWAYS, Window, hull
 from firstcontact.kernels.jit import kernel
 from firstcontact.kernels.verdict import CERTAIN, DET_EPS, NONE, TINY, UNSURE, cross_size, quotient, slack3
@@ -82,7 +82,7 @@ def translation_window(p: Vector, a: Vector, b: Vector, c: Vector, v: Vector) ->
         h = cross(v, y)
         if -sign(dot(h, x)) * side < 0 or sign(dot(h, z)) * side < 0 or sign(dot(cross(v, z), x)) * side < 0:
             return None
-        t = dot(n, x) / den
+        t = ratio(dot(n, x), den)
         return t, t
     sides = [point_line.translation_window(p, v, q, r) for q, r in ((a, b), (b, c), (c, a))]
     if all(sign(x) == 0 for x in n):

@@ -19,7 +19,8 @@ from firstcontact.exact.vectors import Vector, cross, dot, sub
 from firstcontact.kernels.jit import kernel
 from firstcontact.kernels.verdict import DET_EPS, TINY, cross_size
 from firstcontact.kernels.verdict import cross as cross_f
-from firstcontact.search.tree import FACET, Tree, tree_of
+from firstcontact.search.frame import tree_of
+from firstcontact.search.tree import FACET, Tree
 
 
 @kernel

@@ -24,7 +24,7 @@ from firstcontact.pairs.segment_facet import APART, relation
 from firstcontact.search.containment import component_labels, component_vertices, contains
 from firstcontact.search.earliest import Found, Pair, earliest, pairs_at_start
 from firstcontact.search.elements import EDGE, FACE, VERTEX, Feature, corners_of
-from firstcontact.search.tree import tree_of
+from firstcontact.search.frame import tree_of
 
 # Separating planes are sought among this many facets and edge pairs in contact before looking at every point.
 PLANES_TRIED = 12

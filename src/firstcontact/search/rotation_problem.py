@@ -9,11 +9,11 @@ from __future__ import annotations
 import copy
 import math
 from fractions import Fraction
-from functools import cmp_to_key, reduce
+from functools import cmp_to_key
 from typing import Any
 
 import numpy as np
-from flint import arb, fmpq, fmpz
+from flint import arb, fmpq
 
 from firstcontact.errors import InputError
 from firstcontact.exact.algebraic import algebraic
@@ -40,7 +40,7 @@ from firstcontact.exact.numbers import (
 )
 from firstcontact.exact.rigid import Matrix, quaternion_rotation
 from firstcontact.exact.turning import Axis
-from firstcontact.exact.vectors import Vector, scaled, sub
+from firstcontact.exact.vectors import Vector, divisible, scaled, sub, whole
 from firstcontact.kernels.angle import TWO_PI
 from firstcontact.motion.relative import Piece
 from firstcontact.motion.rotation import angle_ball
@@ -89,9 +89,9 @@ class RotationProblem:
         sense = -1 if self.backward else 1
         self.rate = sense * piece.rate[0], sense * piece.rate[1]
         h, self.origin = piece.axis, piece.point
-        whole = fmpq((-1 if self.backward else 1) * math.lcm(*(int(x.q) for x in h)))
-        self.axis = Axis(scaled(whole, h))
-        self._whole_axis = Axis(tuple(x.p for x in self.axis.h))  # type: ignore[arg-type]
+        _, (direction,) = whole(h)
+        self._whole_axis = Axis(scaled(-1 if self.backward else 1, direction))
+        self.axis = Axis(*divisible(self._whole_axis.h))
         self.first, self.opening, self.turn = _ZERO, _ZERO, 0
         if piece.reference != piece.start:
             radians, turns = self._angle_at(piece.start)
@@ -208,9 +208,9 @@ class RotationProblem:
     def _whole_contacts(self, element_a: Feature, element_b: Feature) -> list[Contact]:
         """Exact contacts of corners scaled to whole numbers: angles stay, and no sum has to find a denominator."""
         corners_a, corners_b = self._corners(element_a, element_b)
-        scale = reduce(fmpz.lcm, (x.q for p in (*corners_a, *corners_b) for x in p))
-        whole_a, whole_b = ([_whole(scale, p) for p in corners] for corners in (corners_a, corners_b))
-        found = self._find_contacts(self._whole_axis, element_a, element_b, whole_a, whole_b)
+        scale, corners = whole(*corners_a, *corners_b)
+        n = len(corners_a)
+        found = self._find_contacts(self._whole_axis, element_a, element_b, corners[:n], corners[n:])
         return [(instant, (x, y, z, w * scale)) for instant, (x, y, z, w) in found]
 
     def _deferred_contacts(self, element_a: Feature, element_b: Feature) -> list[Any]:
@@ -488,11 +488,6 @@ class RotationProblem:
         with precision(PRECISIONS[0]):
             t = ball_bounds(self._time(arb(min(max(local, 0.0), TWO_PI))))[0]
         return max(t, to_double(self.piece.start))
-
-
-def _whole(scale: fmpz, p: Vector) -> Vector:
-    """scale p, where it is whole."""
-    return tuple(x.p * (scale / x.q) for x in p)  # type: ignore[return-value]
 
 
 def _sign_of_angle(rate: tuple[fmpq, fmpq]) -> int:

@@ -12,17 +12,16 @@ from flint import arb, fmpq
 from firstcontact.exact.instants import RationalInstant, enclose
 from firstcontact.exact.numbers import dyadic, fraction, sign, to_double
 from firstcontact.exact.rigid import Matrix, shift
-from firstcontact.exact.vectors import Vector
+from firstcontact.exact.vectors import Vector, whole
 from firstcontact.exact.windows import ALWAYS, Window, clip, hull
 from firstcontact.motion.relative import Piece
 from firstcontact.pairs import line_line, point_plane, segment_facet
 from firstcontact.search import translate  # noqa: F401 - the walk under this motion
 from firstcontact.search.containment import contained
 from firstcontact.search.elements import EDGE, VERTEX, Feature, Primitive, corners_of
-from firstcontact.search.frame import shared_frame, view_in
+from firstcontact.search.frame import shared_frame, tree_of, view_in
 from firstcontact.search.state import WalkState
 from firstcontact.search.touch import Touch, translation_touch
-from firstcontact.search.tree import tree_of
 from firstcontact.search.walk import walk
 from firstcontact.search.windows import collect
 
@@ -38,6 +37,8 @@ class TranslationProblem:
         assert piece.velocity is not None
         self.a, self.b, self.piece, self.v = a, b, piece, piece.velocity
         self.is_exact = a._pose is None and b._pose is None
+        per, (v,) = whole(self.v)
+        self._whole_velocity = per, v
         self._known_corners: dict[tuple[Feature, Feature], tuple[list[Vector], list[Vector]]] = {}
         self.last = None if piece.end is None else piece.end - piece.start
         self.tree_a, self.tree_b = tree_of(a), tree_of(b)
@@ -93,13 +94,15 @@ class TranslationProblem:
     def contact(self, element_a: Feature, element_b: Feature) -> RationalInstant | None:
         """The earliest time of the window at which the two elements share a point; exact."""
         corners_a, corners_b = self._corners(element_a, element_b)
-        if element_a[0] == VERTEX:
-            window = _vertex_window(corners_a[0], corners_b, self.v)
-        elif element_b[0] == VERTEX:
-            back = (-self.v[0], -self.v[1], -self.v[2])
-            window = _vertex_window(corners_b[0], corners_a, back)
+        if not self.is_exact:
+            window = _window(element_a, corners_a, element_b, corners_b, self.v)
         else:
-            window = _edge_window(corners_a, corners_b, self.v)
+            # S (p + t v) = S p + (S t / m) m v, in whole numbers but for the time
+            scale, corners = whole(*corners_a, *corners_b)
+            n, (per, v) = len(corners_a), self._whole_velocity
+            window = _window(element_a, corners[:n], element_b, corners[n:], v)
+            unit = fmpq(per, scale)
+            window = window and tuple(t if t is None else unit * t for t in window)  # type: ignore[assignment]
         clipped = clip(window, (ZERO, self.last))
         return None if clipped is None else RationalInstant(clipped[0])
 
@@ -206,6 +209,15 @@ class TranslationProblem:
         """(point, unit normal or None) of the two elements at the instant, working frame."""
         corners_a, corners_b = self._corners(element_a, element_b)
         return translation_touch(element_a, corners_a, element_b, corners_b, self.v, at)
+
+
+def _window(element_a: Feature, a: Any, element_b: Feature, b: Any, v: Vector) -> Window | None:
+    """The times at which two elements with those corners meet, the first moving by v per unit of time."""
+    if element_a[0] == VERTEX:
+        return _vertex_window(a[0], b, v)
+    if element_b[0] == VERTEX:
+        return _vertex_window(b[0], a, (-v[0], -v[1], -v[2]))
+    return _edge_window(a, b, v)
 
 
 def _vertex_window(p: Vector, facet: Any, v: Vector) -> Window | None:

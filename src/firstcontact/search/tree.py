@@ -1,4 +1,4 @@
-"""The tree of boxes over one body: built once in its own frame, refitted where a query needs another frame.
+"""The tree of boxes over one body: built once in the frame that suits it, refitted where a query needs another.
 
 Leaves hold one part each: a triangle, the part of a long triangle inside a cell (early split clipping, Ernst
 & Greiner 2007), a bare edge (a, b, b) or a bare point (p, p, p).  Every edge and vertex is owned by one of
@@ -50,22 +50,15 @@ class Tree:
     error: float
 
 
-def tree_of(body: Polyhedron) -> Tree:
-    """The body's tree in its own frame, built on first use and kept on the body."""
-    tree = body._search.get("tree")
-    if tree is None:
-        tree = body._search["tree"] = _build(body)
-    return tree
-
-
-def _build(body: Polyhedron) -> Tree:
+def build(body: Polyhedron, vertices: np.ndarray, error: float) -> Tree:
+    """The tree over the vertices (n, 3) of the body in some frame, each within `error` of its true place there."""
     corners, sides, kind = _primitives(body)
     masks = _owners(corners, sides, kind, body.vertices, len(body._segments), body._given_edges)
-    corner_xyz = body.vertices[corners].reshape(len(corners), 9)
+    corner_xyz = vertices[corners].reshape(len(corners), 9)
     part_box, part_ids = _parts(corner_xyz, masks, WIDE, PARTS_BUDGET, MAX_PARTS)
     boxes, links, order = _split(part_box)
     ids = part_ids[order]
-    return Tree(boxes, links, corner_xyz[ids[:, 0]], ids, corners, sides, body.error)
+    return Tree(boxes, links, corner_xyz[ids[:, 0]], ids, corners, sides, error)
 
 
 def _primitives(body: Polyhedron) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
