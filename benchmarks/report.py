@@ -19,6 +19,7 @@ BARS = {
     "translation gears": {"built": (12, 20, 40), "turned": (5, 1.5, 2)},
     "rotation lid": {"built": (30, 60, 35), "turned": (25, 35, 10)},
     "rotation arm": {"built": (20, 20, 15), "turned": (15, 12, 6)},
+    "rotation arm past posts": {"built": (20, 20, 15), "turned": (15, 12, 6)},
     "rotation gears": {"built": (8, 25, 15), "turned": (8, 5, 2.5)},
 }
 WIDTH_BAR = 1e-12

@@ -25,6 +25,7 @@ BARRED = (
     "translation gears",
     "rotation lid",
     "rotation arm",
+    "rotation arm past posts",
     "rotation gears",
 )
 
@@ -178,6 +179,11 @@ def rotation_arm(n: int) -> Scene:
     return _rotation("rotation arm", a, b, (0.0, 0.0, 1.0), 1.6)
 
 
+def rotation_arm_past_posts(n: int) -> Scene:
+    """An arm sweeps below two hanging posts, at a gap of 0.02, until it hits a standing one."""
+    return _rotation("rotation arm past posts", *_arm_and_three_posts(n), (0.0, 0.0, 1.0), 2.4)
+
+
 def rotation_arm_turns_free(n: int) -> Scene:
     """An arm turns three and a half times, its hand passing under a post that hangs within its reach."""
     a, b = _arm_and_post(n, (0.6, 0.74, 0.85))
@@ -215,6 +221,7 @@ _MAKERS: tuple[Callable[[int], Scene], ...] = (
     translation_gears,
     rotation_lid,
     rotation_arm,
+    rotation_arm_past_posts,
     rotation_gears,
     translation_gears_slivers,
     rotation_gears_slivers,
@@ -311,3 +318,18 @@ def _lid_and_box(n: int) -> tuple[Mesh, Mesh]:
 def _arm_and_post(n: int, foot: tuple[float, float, float]) -> tuple[Mesh, Mesh]:
     vb, fb = _mesh(examples.post(n, seed=6))
     return _mesh(examples.arm(n, seed=5)), (vb + foot, fb)
+
+
+def _arm_and_three_posts(n: int) -> tuple[Mesh, Mesh]:
+    """The posts share n triangles; the hanging ones end above the highest point of the arm at their distance."""
+    va, fa = _mesh(examples.arm(n, seed=5))
+    below = np.abs(np.hypot(va[:, 0], va[:, 1]) - 0.72) < 0.12
+    hanging = va[below, 2].max() + 0.02 + 0.6  # a post is 1.2 long
+    vertices, faces, count = [], [], 0
+    for k, (distance, degrees, height) in enumerate([(0.72, 28, hanging), (0.72, 62, hanging), (0.85, 100, -0.1)]):
+        v, f = _mesh(examples.post(n // 3, seed=6 + k))
+        angle = degrees * pi / 180
+        vertices.append(v + [distance * cos(angle), distance * sin(angle), height])
+        faces.append(f + count)
+        count += len(v)
+    return (va, fa), (np.concatenate(vertices), np.concatenate(faces))

@@ -10,6 +10,7 @@ import pytest
 
 from firstcontact.kernels.angle import TWO_PI
 from firstcontact.kernels.boxes import CLIP_EPS, clip_to_box, segment_meets_box
+from firstcontact.search.cylinder import COLUMNS, range_of_box
 from firstcontact.search.rotate import angle_window, entry_angle
 from firstcontact.search.translate import entry_time, slab_window
 
@@ -117,10 +118,12 @@ def planted(rng, kind: str):
     return np.concatenate([lo, lo + size]), np.concatenate([q - down, q + up]), centre, phi
 
 
-def turning(centre) -> np.ndarray:
-    """The motion array of two trees of one node each (see `search.rotate`)."""
-    motion = np.zeros((3, 5))
+def turning(centre, a, b, pad) -> np.ndarray:
+    """The motion array of two trees of one box each (see `search.rotate`)."""
+    motion = np.zeros((3, COLUMNS))
     motion[2, :3] = centre[0], centre[1], 1
+    for row, box in zip(motion, (a, b), strict=False):
+        row[:6] = range_of_box(box, centre[0], centre[1], pad)
     return motion
 
 
@@ -132,10 +135,10 @@ def test_entry_angle_is_never_late(kind):
     pad = 1e-12  # the plant itself is rounded
     for _ in range(8000):
         a, b, centre, phi = planted(rng, kind)
-        motion = turning(centre)
+        motion = turning(centre, a, b, pad)
         for first in (0.0, phi * float(rng.uniform(0, 1)), phi):
             for last in (phi, float(rng.uniform(phi, TWO_PI)), TWO_PI + 1e-14):
-                got = entry_angle(motion, a[None], 0, b[None], 0, pad, first, max(first, last))
+                got = entry_angle(motion, 0, 0, pad, first, max(first, last))
                 assert got <= phi, (a, b, centre, first, last)
                 assert got >= first
                 later_than_first += got > first
@@ -149,21 +152,22 @@ def test_angle_window_encloses(kind):
     for _ in range(8000):
         a, b, centre, phi = planted(rng, kind)
         last = max(phi, float(rng.uniform(0, TWO_PI)))
-        entry, leave = angle_window(turning(centre), a[None], 0, b[None], 0, 1e-12, last)
+        entry, leave = angle_window(turning(centre, a, b, 1e-12), 0, 0, 1e-12, last)
         assert entry <= phi <= leave
         early_exit += leave < last
     assert early_exit > 100
 
 
 def test_boxes_that_cannot_meet_in_a_turn():
-    one = np.array([[2.0, -0.1, 0.0, 2.2, 0.1, 1.0]])
-    higher = np.array([[-2.2, -0.1, 1.5, -2.0, 0.1, 2.0]])
-    nearer = np.array([[-1.2, -0.1, 0.0, -1.0, 0.1, 1.0]])
-    behind = np.array([[-0.1, -2.2, 0.0, 0.1, -2.0, 1.0]])  # reached after three quarters
+    one = np.array([2.0, -0.1, 0.0, 2.2, 0.1, 1.0])
+    higher = np.array([-2.2, -0.1, 1.5, -2.0, 0.1, 2.0])
+    nearer = np.array([-1.2, -0.1, 0.0, -1.0, 0.1, 1.0])
+    behind = np.array([-0.1, -2.2, 0.0, 0.1, -2.0, 1.0])  # reached after three quarters
     for other in (higher, nearer):
-        assert entry_angle(turning((0, 0)), one, 0, other, 0, 1e-9, 0.0, TWO_PI) == INF
-    assert 4.5 < entry_angle(turning((0, 0)), one, 0, behind, 0, 1e-9, 0.0, TWO_PI) < 3 * math.pi / 2
-    assert entry_angle(turning((0, 0)), one, 0, behind, 0, 1e-9, 0.0, 4.5) == INF
+        assert entry_angle(turning((0, 0), one, other, 1e-9), 0, 0, 1e-9, 0.0, TWO_PI) == INF
+    motion = turning((0, 0), one, behind, 1e-9)
+    assert 4.5 < entry_angle(motion, 0, 0, 1e-9, 0.0, TWO_PI) < 3 * math.pi / 2
+    assert entry_angle(motion, 0, 0, 1e-9, 0.0, 4.5) == INF
 
 
 # ------------------------------------------------------------------------------------------------- clipping

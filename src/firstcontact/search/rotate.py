@@ -1,11 +1,11 @@
 """The walk under a rotation about +z: a rotation is a translation of the angle.
 
-In cylindrical coordinates about the axis a box has ranges of squared radius and angle, computed when a walk first
-visits it.  Boxes whose ranges of height and radius overlap meet no earlier than the gap of their angles.
+In cylindrical coordinates about the axis a node has ranges of radius, angle and height (see `cylinder`).  Nodes whose
+ranges of height and radius overlap meet no earlier than the gap of their angles.
 
-`motion` is one array (q + r + 1, 5): a row per node of a, then per node of b, with squared radius lo, hi, first
-angle, width, and 1 when it is filled; the last row holds the point (x, y) where the axis meets the plane z = 0 of
-the frame of both trees, and q.  (One array, because every further one costs reference counts in the inner loop.)
+`motion` is one array (q + r + 1, 8): a row per node of a, then per node of b; the last row holds the point (x, y)
+where the axis meets the plane z = 0 of the frame of both trees, and q.  (One array, because every further one costs
+reference counts in the inner loop; rows as long as a cache line, with all that a visit reads.)
 """
 
 from __future__ import annotations
@@ -13,69 +13,35 @@ from __future__ import annotations
 import numpy as np
 from numba.extending import overload
 
-from firstcontact.kernels.angle import ANGLE_EPS, TWO_PI, angle_of
+from firstcontact.kernels.angle import ANGLE_EPS, TWO_PI
 from firstcontact.kernels.jit import kernel
 from firstcontact.kernels.verdict import CERTAIN, NONE, UNSURE
 from firstcontact.pairs.line_line_rotation import rotation_filter as edge_edge
 from firstcontact.pairs.point_plane_rotation import rotation_filter as vertex_facet
 from firstcontact.pairs.segment_facet import crossing_filter
+from firstcontact.search.cylinder import KNOWN, PHI, R_HI, R_LO, SIZE, WIDTH, Z_HI, Z_LO, learn
 from firstcontact.search.state import BEST, EDGE_EDGE, FACE_VERTEX, FIRST, TESTS, VERTEX_FACE
 from firstcontact.search.tree import CORNER, FACET, POINT
-from firstcontact.search.walk import earliest_meeting, record, test_events
+from firstcontact.search.walk import earliest_meeting, first_is_larger, get_ready, is_new, record, test_events
 from firstcontact.search.windows import meeting_window, part_windows
 
-_FULL = 2.0 * TWO_PI  # width of a box around the axis: overlaps every range of angles
 _SLACK = 8.0 * ANGLE_EPS  # two angles, their difference and a sum, each within ANGLE_EPS
 
 
 @kernel
-def find_range(boxes, node, motion, row, pad):
-    """Fill a row: squared radii lo, hi and angles first, width of the box grown by `pad` about the axis."""
-    end = motion.shape[0] - 1
-    cx, cy = motion[end, 0], motion[end, 1]
-    x0, x1 = boxes[node, 0] - cx - pad, boxes[node, 3] - cx + pad
-    y0, y1 = boxes[node, 1] - cy - pad, boxes[node, 4] - cy + pad
-    # the differences round by 2^-53 relative to their own size: widen by twice that
-    x0, x1, y0, y1 = x0 - 4e-16 * abs(x0), x1 + 4e-16 * abs(x1), y0 - 4e-16 * abs(y0), y1 + 4e-16 * abs(y1)
-    dx, dy = max(x0, -x1, 0.0), max(y0, -y1, 0.0)
-    fx, fy = max(-x0, x1), max(-y0, y1)
-    motion[row, 0] = (dx * dx + dy * dy) * (1.0 - 1e-15)
-    motion[row, 1] = (fx * fx + fy * fy) * (1.0 + 1e-15)
-    if x0 > 0.0:
-        first = angle_of(x0 if y0 < 0.0 else x1, y0)
-        last = angle_of(x0 if y1 > 0.0 else x1, y1)
-    elif x1 < 0.0:
-        first = angle_of(x1 if y1 > 0.0 else x0, y1)
-        last = angle_of(x1 if y0 < 0.0 else x0, y0)
-    elif y0 > 0.0:
-        first, last = angle_of(x1, y0), angle_of(x0, y0)
-    elif y1 < 0.0:
-        first, last = angle_of(x0, y1), angle_of(x1, y1)
-    else:
-        first, last = 0.0, _FULL
-    motion[row, 2] = first
-    motion[row, 3] = last - first if last >= first else last - first + TWO_PI
-    motion[row, 4] = 1.0
-
-
-@kernel
-def entry_angle(motion, boxes_a, a, boxes_b, b, pad, first, last):
-    """An angle not later than any contact of box a and box b in [first, last]; inf when there is none."""
-    if boxes_a[a, 2] > boxes_b[b, 5] + pad or boxes_b[b, 2] > boxes_a[a, 5] + pad:
-        return np.inf
+def entry_angle(motion, a, b, pad, first, last):
+    """An angle not later than any contact of nodes a and b in [first, last]; inf when there is none."""
     i, j = a, int(motion[motion.shape[0] - 1, 2]) + b
-    if motion[i, 4] == 0.0:
-        find_range(boxes_a, a, motion, i, pad)
-    if motion[j, 4] == 0.0:
-        find_range(boxes_b, b, motion, j, pad)
-    if motion[i, 0] > motion[j, 1] or motion[j, 0] > motion[i, 1]:
+    if motion[i, Z_LO] > motion[j, Z_HI] + pad or motion[j, Z_LO] > motion[i, Z_HI] + pad:
+        return np.inf
+    if motion[i, R_LO] > motion[j, R_HI] or motion[j, R_LO] > motion[i, R_HI]:
         return np.inf
     # a covers [phi, phi + width] and moves forward; b's range begins `ahead` of phi and ends at `leave`
-    ahead = motion[j, 2] - motion[i, 2]
+    ahead = motion[j, PHI] - motion[i, PHI]
     if ahead < 0.0:
         ahead += TWO_PI
-    gap = ahead - motion[i, 3] - _SLACK
-    leave = ahead + motion[j, 3] + _SLACK
+    gap = ahead - motion[i, WIDTH] - _SLACK
+    leave = ahead + motion[j, WIDTH] + _SLACK
     if gap <= first:
         if leave >= first or leave >= TWO_PI:
             return first
@@ -138,7 +104,34 @@ def note(floats, integers, times, candidates, kind, part_a, side_a, part_b, side
 def _earliest_meeting(motion, boxes_a, a, boxes_b, b, pad, first, last):
     if motion.ndim == 2:
         return lambda motion, boxes_a, a, boxes_b, b, pad, first, last: entry_angle(
-            motion, boxes_a, a, boxes_b, b, pad, first, last
+            motion, a, b, pad, first, last
+        )
+    return None
+
+
+@overload(is_new)
+def _is_new(motion, side, node):
+    if motion.ndim == 2:
+        return lambda motion, side, node: (
+            motion[node + (int(motion[motion.shape[0] - 1, 2]) if side else 0), KNOWN] == 0.0
+        )
+    return None
+
+
+@overload(get_ready)
+def _get_ready(motion, side, boxes, links, xyz, ids, node, pad):
+    if motion.ndim == 2:
+        return lambda motion, side, boxes, links, xyz, ids, node, pad: learn(
+            motion, int(motion[motion.shape[0] - 1, 2]) if side else 0, boxes, links, xyz, ids, node, pad
+        )
+    return None
+
+
+@overload(first_is_larger)
+def _first_is_larger(motion, boxes_a, a, boxes_b, b):
+    if motion.ndim == 2:
+        return lambda motion, boxes_a, a, boxes_b, b: (
+            motion[a, SIZE] >= motion[int(motion[motion.shape[0] - 1, 2]) + b, SIZE]
         )
     return None
 
@@ -153,16 +146,16 @@ def _test_events(
 
 
 @kernel
-def angle_window(motion, boxes_a, a, boxes_b, b, pad, last):
-    """(entry, exit) of the angles in [0, last] at which the boxes may overlap; entry inf for none."""
-    entry = entry_angle(motion, boxes_a, a, boxes_b, b, pad, 0.0, last)
+def angle_window(motion, a, b, pad, last):
+    """(entry, exit) of the angles in [0, last] at which the nodes may overlap; entry inf for none."""
+    entry = entry_angle(motion, a, b, pad, 0.0, last)
     if entry == np.inf:
         return np.inf, np.inf
     i, j = a, int(motion[motion.shape[0] - 1, 2]) + b
-    ahead = motion[j, 2] - motion[i, 2]
+    ahead = motion[j, PHI] - motion[i, PHI]
     if ahead < 0.0:
         ahead += TWO_PI
-    leave = ahead + motion[j, 3] + _SLACK
+    leave = ahead + motion[j, WIDTH] + _SLACK
     if leave >= TWO_PI or entry == 0.0:
         return entry, last  # it may come around: no need to say when it leaves
     return entry, min(leave, last)
@@ -296,9 +289,7 @@ def _windows(motion, mask_a, xa, mask_b, xb, err_a, err_b, last, scratch, out):
 @overload(meeting_window)
 def _meeting_window(motion, boxes_a, a, boxes_b, b, pad, last):
     if motion.ndim == 2:
-        return lambda motion, boxes_a, a, boxes_b, b, pad, last: angle_window(
-            motion, boxes_a, a, boxes_b, b, pad, last
-        )
+        return lambda motion, boxes_a, a, boxes_b, b, pad, last: angle_window(motion, a, b, pad, last)
     return None
 
 

@@ -49,6 +49,7 @@ from firstcontact.pairs.point_line_rotation import Contact
 from firstcontact.result import ExactAngle
 from firstcontact.search import rotate  # noqa: F401 - the walk under this motion
 from firstcontact.search.containment import contained
+from firstcontact.search.cylinder import COLUMNS
 from firstcontact.search.elements import EDGE, VERTEX, Feature, Primitive, corners_of
 from firstcontact.search.frame import frame_of, view_in
 from firstcontact.search.state import WalkState
@@ -515,11 +516,11 @@ def _whole_turns(radians: fmpq, turns: fmpq) -> int:
 
 
 def _ranges(body: Any, tree_a: Tree, tree_b: Tree, key: Any) -> np.ndarray:
-    """The array `rotate` fills with ranges of boxes; kept while trees and axis stay the same."""
+    """The array walks fill with ranges of nodes; kept while trees and axis stay the same."""
     cached = body._search.get("ranges")
     if cached is None or cached[0] != key or cached[1] is not tree_a or cached[2] is not tree_b:
         q, r = len(tree_a.boxes), len(tree_b.boxes)
-        ranges = np.zeros((q + r + 1, 5))
+        ranges = np.zeros((q + r + 1, COLUMNS))
         ranges[-1, :3] = (*key[1], q)
         cached = body._search["ranges"] = key, tree_a, tree_b, ranges
     return cached[3]

@@ -12,7 +12,15 @@ from firstcontact.pairs.line_line import translation_filter as edge_edge
 from firstcontact.pairs.point_plane import translation_filter as vertex_facet
 from firstcontact.search.state import BEST, EDGE_EDGE, FACE_VERTEX, FIRST, TESTS, VERTEX_FACE
 from firstcontact.search.tree import CORNER, FACET, POINT
-from firstcontact.search.walk import earliest_meeting, record, test_events
+from firstcontact.search.walk import (
+    area,
+    earliest_meeting,
+    first_is_larger,
+    get_ready,
+    is_new,
+    record,
+    test_events,
+)
 from firstcontact.search.windows import meeting_window, part_windows
 
 
@@ -88,6 +96,23 @@ def _earliest_meeting(motion, boxes_a, a, boxes_b, b, pad, first, last):
         return lambda motion, boxes_a, a, boxes_b, b, pad, first, last: entry_time(
             motion, boxes_a, a, boxes_b, b, pad, first, last
         )
+    return None
+
+
+@overload(is_new)
+def _is_new(motion, side, node):
+    return (lambda motion, side, node: False) if motion.ndim == 1 else None
+
+
+@overload(get_ready)
+def _get_ready(motion, side, boxes, links, xyz, ids, node, pad):
+    return (lambda motion, side, boxes, links, xyz, ids, node, pad: None) if motion.ndim == 1 else None
+
+
+@overload(first_is_larger)
+def _first_is_larger(motion, boxes_a, a, boxes_b, b):
+    if motion.ndim == 1:
+        return lambda motion, boxes_a, a, boxes_b, b: area(boxes_a, a) >= area(boxes_b, b)
     return None
 
 

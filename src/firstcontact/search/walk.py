@@ -1,7 +1,8 @@
 """Best-first walk over two trees, whatever the motion.
 
 What depends on the motion is chosen by the type of the `motion` argument (see `translate` and `rotate`):
-`earliest_meeting` bounds the contact time of two boxes from below, `test_events` looks at two parts.
+`earliest_meeting` bounds the contact time of two boxes from below, `first_is_larger` says which one to open,
+`test_events` looks at two parts.
 Invariant: every contact earlier than `best` lies in a pair on the heap, on the stack, or among the candidates.
 """
 
@@ -43,6 +44,21 @@ from firstcontact.search.tree import FACET, FLAT_SIDE, SIDE
 
 def earliest_meeting(motion, boxes_a, a, boxes_b, b, pad, first, last):
     """A time not later than any contact inside box a and box b in [first, last]; inf when there is none."""
+    raise NotImplementedError("compiled only, by the type of the motion")
+
+
+def is_new(motion, side, node):
+    """Whether a node of a (side 0) or b (side 1) is to be got ready before its first meeting."""
+    raise NotImplementedError("compiled only, by the type of the motion")
+
+
+def get_ready(motion, side, boxes, links, xyz, ids, node, pad):
+    """Work out what `earliest_meeting` needs to know of the node."""
+    raise NotImplementedError("compiled only, by the type of the motion")
+
+
+def first_is_larger(motion, boxes_a, a, boxes_b, b):
+    """Whether box a is the one to open before box b; a matter of speed."""
     raise NotImplementedError("compiled only, by the type of the motion")
 
 
@@ -135,6 +151,10 @@ def walk(
     """
     sides = (1 << SIDE) | ((1 << FLAT_SIDE) if all_sides else 0)
     first = floats[FIRST]
+    if is_new(motion, 0, 0):
+        get_ready(motion, 0, boxes_a, links_a, xyz_a, ids_a, 0, pad)
+    if is_new(motion, 1, 0):
+        get_ready(motion, 1, boxes_b, links_b, xyz_b, ids_b, 0, pad)
     while True:
         if integers[STACK] > 0:
             if integers[STACK] + 4 > stack.shape[0]:
@@ -172,11 +192,16 @@ def walk(
                     floats, integers, times, candidates,
                 )  # fmt: skip
                 break
-            if leaf_b or (not leaf_a and area(boxes_a, a) >= area(boxes_b, b)):
+            if leaf_b or (not leaf_a and first_is_larger(motion, boxes_a, a, boxes_b, b)):
                 a0, b0, a1, b1 = links_a[a, 0], b, links_a[a, 1], b
             else:
                 a0, b0, a1, b1 = a, links_b[b, 0], a, links_b[b, 1]
             best = floats[BEST]
+            for k in range(2):
+                if is_new(motion, 0, a1 if k else a0):
+                    get_ready(motion, 0, boxes_a, links_a, xyz_a, ids_a, a1 if k else a0, pad)
+                if is_new(motion, 1, b1 if k else b0):
+                    get_ready(motion, 1, boxes_b, links_b, xyz_b, ids_b, b1 if k else b0, pad)
             key0 = earliest_meeting(motion, boxes_a, a0, boxes_b, b0, pad, first, best)
             key1 = earliest_meeting(motion, boxes_a, a1, boxes_b, b1, pad, first, best)
             if key1 < key0:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from firstcontact.kernels.jit import kernel
-from firstcontact.search.walk import area
+from firstcontact.search.walk import first_is_larger, get_ready, is_new
 
 # Slots of `integers`.
 STACK, FOUND, COVERS, VISITS, TESTS = range(5)
@@ -79,13 +79,17 @@ def collect(
         integers[STACK] -= 1
         a, b = stack[integers[STACK], 0], stack[integers[STACK], 1]
         integers[VISITS] += 1
+        if is_new(motion, 0, a):
+            get_ready(motion, 0, boxes_a, links_a, xyz_a, ids_a, a, pad)
+        if is_new(motion, 1, b):
+            get_ready(motion, 1, boxes_b, links_b, xyz_b, ids_b, b, pad)
         entry, leave = meeting_window(motion, boxes_a, a, boxes_b, b, pad, last)
         if entry == np.inf or covered(cover, integers[COVERS], entry, leave):
             continue
         leaf_a, leaf_b = links_a[a, 1] < 0, links_b[b, 1] < 0
         if not (leaf_a and leaf_b):
             n = integers[STACK]
-            if leaf_b or (not leaf_a and area(boxes_a, a) >= area(boxes_b, b)):
+            if leaf_b or (not leaf_a and first_is_larger(motion, boxes_a, a, boxes_b, b)):
                 stack[n, 0], stack[n, 1], stack[n + 1, 0], stack[n + 1, 1] = links_a[a, 0], b, links_a[a, 1], b
             else:
                 stack[n, 0], stack[n, 1], stack[n + 1, 0], stack[n + 1, 1] = a, links_b[b, 0], a, links_b[b, 1]
