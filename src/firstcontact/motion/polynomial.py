@@ -18,7 +18,7 @@ from firstcontact.errors import InputError, UnsupportedPair
 from firstcontact.exact.numbers import dyadic, fraction, precision
 from firstcontact.exact.rigid import IDENTITY, compose, exact_rotation, near_rotation, rational_sqrt, shift
 from firstcontact.exact.rigid import Matrix as Fixed
-from firstcontact.exact.vectors import Vector, dot, scaled
+from firstcontact.exact.vectors import Vector, cross, dot, scaled, sub
 from firstcontact.motion import projective
 from firstcontact.motion.clocks import AngleClock, StraightClock
 from firstcontact.motion.projective import Matrix
@@ -47,7 +47,8 @@ class PolynomialPiece:
     exact     False: the step starts in a pose that is irrational, and stands in a rational one within 2^-60 radians
               for each rotation that led to it.
     of        the motion and its body, as error texts name them.
-    frame     relative pieces only: the pose of b in the same u; it carries the points of `pose` to the world.
+    frame     relative pieces only: the pose of b in the same u; it carries the points of `pose` to the world.  None
+              for bodies that turn about one line at different speeds.
     """
 
     start: fmpq
@@ -91,19 +92,8 @@ def polynomial_pieces(body: Any, first: fmpq, last: fmpq | None) -> Iterator[Pol
     of anything: a screw that turns and advances.  A step of a Sequence that starts after a rotation by an angle
     without rational cosine and sine starts in a rational pose within 2^-60 radians; its pieces have `exact` False.
     """
-    motion = body.motion if isinstance(body, Moving) else body if callable(body) else REST
-    who = repr(name) if (name := getattr(body, "name", None)) else "a body"
-    own = limits(motion)
-    if own is not None and (first < own[0] or last is None or last > own[1]):
-        raise InputError(f"{type(motion).__name__} of {who} has no poses outside its span {motion.span}")
-    found = False
-    for step in _steps(motion):
-        begin = first if step.start is None else max(first, step.start)
-        end = last if step.end is None else step.end if last is None else min(last, step.end)
-        if end is not None and (end < begin or (end == begin and (found or first != last))):
-            continue
-        found = True
-        yield from _step_pieces(step, begin, end, f"{type(step.motion).__name__} of {who}")
+    for step, begin, end, of in _windows(body, first, last):
+        yield from _step_pieces(step, begin, end, of)
 
 
 def relative(a: PolynomialPiece, b: PolynomialPiece) -> PolynomialPiece:
@@ -124,13 +114,39 @@ def relative(a: PolynomialPiece, b: PolynomialPiece) -> PolynomialPiece:
 
 
 def relative_pieces(a: Any, b: Any, first: fmpq, last: fmpq | None) -> Iterator[PolynomialPiece]:
-    """The pieces of the motion of body a as seen from body b over [first, last], in time order."""
-    pieces_a, pieces_b = polynomial_pieces(a, first, last), polynomial_pieces(b, first, last)
+    """The pieces of the motion of body a as seen from body b over [first, last], in time order.
+
+    As `relative`; besides, two rotations about one line are one rotation by the difference of their angles.  The frame
+    of such a piece is None: it is no rational function of u.
+    """
+    windows_a, windows_b = _windows(a, first, last), _windows(b, first, last)
+    x, y = next(windows_a, None), next(windows_b, None)
+    # x and y are the steps at the time reached; the one that ends first is followed by its successor.
+    while x is not None and y is not None:
+        (step_a, start_a, end_a, of_a), (step_b, start_b, end_b, of_b) = x, y
+        begin = max(start_a, start_b)
+        end = end_b if end_a is None else end_a if end_b is None else min(end_a, end_b)
+        if end is None or begin < end or first == last:
+            turn = _difference(step_a, step_b)
+            if turn is not None:
+                yield from _step_pieces(turn, begin, end, f"{of_a} as seen from {of_b}")
+            else:
+                pieces_a, pieces_b = _step_pieces(step_a, begin, end, of_a), _step_pieces(step_b, begin, end, of_b)
+                yield from _overlaps(pieces_a, pieces_b, first == last)
+        if end_b is None or (end_a is not None and end_a <= end_b):
+            x = next(windows_a, None)
+        else:
+            y = next(windows_b, None)
+
+
+def _overlaps(
+    pieces_a: Iterator[PolynomialPiece], pieces_b: Iterator[PolynomialPiece], instant: bool
+) -> Iterator[PolynomialPiece]:
+    """The relative pieces of two runs of pieces over the same time."""
     x, y = next(pieces_a, None), next(pieces_b, None)
-    # x and y are the pieces at the time reached; the one that ends first is followed by its successor.
     while x is not None and y is not None:
         ends = [z.end for z in (x, y) if z.end is not None]
-        if not ends or max(x.start, y.start) < min(ends) or first == last:
+        if instant or not ends or max(x.start, y.start) < min(ends):
             yield relative(x, y)
         if y.end is None or (x.end is not None and x.end <= y.end):
             x = next(pieces_a, None)
@@ -149,7 +165,7 @@ def _common(a: PolynomialPiece, b: PolynomialPiece) -> tuple[Matrix, Matrix, Str
         return a.pose, projective.substituted(b.pose, fmpq_poly([_0, factor])), a.clock
     raise UnsupportedPair(
         f"{a.of} with {b.of}: their relative motion is no rational function of one parameter; supported are two "
-        "straight or rational motions, two rotations of equal angular speed and phase, and one moving body"
+        "straight or rational motions, two rotations about one line or of equal speed and phase, and one moving body"
     )
 
 
@@ -158,35 +174,70 @@ def _common(a: PolynomialPiece, b: PolynomialPiece) -> tuple[Matrix, Matrix, Str
 
 @dataclass(frozen=True, slots=True)
 class _Step:
-    """`motion` over [start, end] (None: it goes on), applied after the rational pose `before`."""
+    """`motion`, after the rational pose `before` and followed by the fixed map `after`, over [start, end].
+
+    start, end None: it goes on.  Its own time is (t - origin) / unit.
+    """
 
     motion: Any
     start: fmpq | None
     end: fmpq | None
     before: Fixed
     exact: bool
+    origin: fmpq = _0
+    unit: fmpq = _1
+    after: Matrix | None = None
 
-    def clock(self) -> tuple[fmpq, fmpq]:
-        """(time at which the motion's own time is 0, duration of its unit)."""
-        if self.start is None or self.end is None:
-            return _0, _1
-        return self.start, self.end - self.start
+
+def _windows(body: Any, first: fmpq, last: fmpq | None) -> Iterator[tuple[_Step, fmpq, fmpq | None, str]]:
+    """(step, begin, end, name) of the steps of a body or motion in [first, last]; for an instant, one of them."""
+    motion = body.motion if isinstance(body, Moving) else body if callable(body) else REST
+    who = repr(name) if (name := getattr(body, "name", None)) else "a body"
+    own = limits(motion)
+    if own is not None and (first < own[0] or last is None or last > own[1]):
+        raise InputError(f"{type(motion).__name__} of {who} has no poses outside its span {motion.span}")
+    found = False
+    for step in _steps(motion):
+        begin = first if step.start is None else max(first, step.start)
+        end = last if step.end is None else step.end if last is None else min(last, step.end)
+        if end is not None and (end < begin or (end == begin and (found or first != last))):
+            continue
+        found = True
+        yield step, begin, end, f"{type(step.motion).__name__} of {who}"
 
 
 def _steps(motion: Any) -> Iterator[_Step]:
     if isinstance(motion, Trajectory):
-        for k, step in enumerate(motion.steps):
-            yield _Step(_simple(step), motion.times[k], motion.times[k + 1], motion.before(k), True)
+        for k, (step, start, end) in enumerate(zip(motion.steps, motion.times, motion.ends, strict=False)):
+            yield _Step(_simple(step), start, end, motion.before(k), True, start, end - start)
     elif isinstance(motion, Sequence):
         before, exact, start = IDENTITY, True, _0
         for step, end in zip(map(_simple, motion.steps), motion.ends, strict=True):
-            yield _Step(step, start, end, before, exact)
+            yield _Step(step, start, end, before, exact, start, end - start)
             after, known = _pose_at_end(step)
             before, exact, start = compose(after, before), exact and known, end
-    elif isinstance(motion, RationalMotion):
-        yield _Step(motion, _0, _1, IDENTITY, True)
     else:
         yield _Step(_simple(motion), None, None, IDENTITY, True)
+
+
+def _difference(a: _Step, b: _Step) -> _Step | None:
+    """The rotation of a as seen from b where both turn about one line at different speeds, else None.
+
+    Turns about one line commute: with angles p (t - s) and q (t - r) it is the turn by (p - q) (t - o), between a's
+    pose before it and the inverse of b's, with o = (p s - q r) / (p - q).
+    """
+    x, y = a.motion, b.motion
+    if not (isinstance(x, Rotation) and isinstance(y, Rotation)) or x.angle == 0 or y.angle == 0 or x.unit != y.unit:
+        return None
+    if any(cross(x.axis, y.axis)) or any(cross(sub(x.point, y.point), x.axis)):
+        return None
+    p, q = x.angle / a.unit, y.angle / b.unit * (1 if dot(x.axis, y.axis) > 0 else -1)
+    if p == q:
+        return None
+    turn = Rotation(x.axis, x.point, **{x.unit: p - q})
+    after = projective.inverse(projective.fixed(b.before), _0)
+    origin = (p * a.origin - q * b.origin) / (p - q)
+    return _Step(turn, None, None, a.before, a.exact and b.exact, origin, _1, after)
 
 
 def _simple(step: Any) -> Any:
@@ -217,13 +268,9 @@ def _step_pieces(step: _Step, first: fmpq, last: fmpq | None, of: str) -> Iterat
         return
     pose = projective.fixed(step.before)
     if not isinstance(motion, Rotation):
-        own = _own_pose(motion, of)
-        start, unit = step.clock()
-        local = fmpq_poly([-start / unit, 1 / unit])
-        pose = projective.product(projective.substituted(own, local), pose)
-    yield PolynomialPiece(
-        first, last, projective.reduced(pose, first), first, last, StraightClock(), step.exact, of
-    )
+        local = fmpq_poly([-step.origin / step.unit, 1 / step.unit])
+        pose = projective.product(projective.substituted(_own_pose(motion, of), local), pose)
+    yield PolynomialPiece(first, last, projective.reduced(pose, first), first, last, StraightClock(), step.exact, of)
 
 
 def _own_pose(motion: Any, of: str) -> Matrix:
@@ -244,9 +291,8 @@ def _turn_pieces(
     step: _Step, motion: Rotation, first: fmpq, last: fmpq | None, of: str
 ) -> Iterator[PolynomialPiece]:
     """The pieces of a rotation, cut where it has turned an odd number of quarter turns since its start."""
-    origin, unit = step.clock()
     axis = _primitive(motion.axis if motion.angle > 0 else scaled(-1, motion.axis))
-    clock = AngleClock(origin, abs(motion.angle) / unit, motion.unit, dot(axis, axis), 0)
+    clock = AngleClock(step.origin, abs(motion.angle) / step.unit, motion.unit, dot(axis, axis), 0)
     clock = replace(clock, halves=_half_turns(clock, first))
     while clock.cut() <= first and clock.cut() != last:
         clock = replace(clock, halves=clock.halves + 1)
@@ -255,6 +301,8 @@ def _turn_pieces(
     while True:
         end = clock.cut() if last is None else min(clock.cut(), last)
         pose = projective.product(_turn_pose(clock, axis, motion.point), before)
+        if step.after is not None:
+            pose = projective.product(step.after, pose)
         u_lo, u_hi = clock.parameters(first, end)
         yield PolynomialPiece(first, end, projective.reduced(pose, u_lo), u_lo, u_hi, clock, step.exact, of)
         if end == last:
