@@ -14,6 +14,7 @@ from scipy.spatial.transform import Rotation as Turn
 import firstcontact as fc
 from firstcontact.exact.numbers import precision, to_double
 from firstcontact.motion import projective
+from firstcontact.motion.clocks import _is_part_of_half_turn
 from firstcontact.motion.polynomial import polynomial_pieces, relative, relative_pieces
 
 CUBE = fc.examples.box((1, 1, 1)).named("cube")
@@ -432,3 +433,18 @@ def test_pieces_meet_in_time():
     a, b = (next(polynomial_pieces(fc.Translation(v), ZERO, ONE)) for v in ((1, 0, 0), (0, 1, 0)))
     piece = relative(a, b)
     assert piece.of == "Translation of a body as seen from Translation of a body" and piece.frame == b.pose
+
+
+@pytest.mark.parametrize("square", [fmpq(1), fmpq(3), fmpq(2, 5)])
+def test_tangents_of_parts_of_a_half_turn(square):
+    """All tan(pi a / b) / sqrt(square), b < 40, by their minimal polynomials: no degree bound drops one of them."""
+    for b in range(1, 40):
+        odd = [math.comb(b, j) * (-square) ** (j // 2) if j % 2 else 0 for j in range(b + 1)]
+        part = fmpq_poly(odd)  # the imaginary part of (1 + i sqrt(square) u)^b, over sqrt(square)
+        for factor, _ in part.factor()[1]:
+            p = (factor * factor.denom()).numer()
+            root = next(float(z.real) for z, _ in p.complex_roots() if z.imag == 0)
+            share = math.atan(root * to_double(square) ** 0.5) / math.pi
+            lowest = next(n for n in range(1, b + 1) if abs(share * n - round(share * n)) < 1e-9)
+            for n in (lowest, 2 * lowest, lowest + 1, 5 * lowest - 1):
+                assert _is_part_of_half_turn(p, square, n) is (n % lowest == 0), (b, p, n)
