@@ -137,7 +137,7 @@ FAULTS = {
     "no angle": (bodies(TURN + "axis = [0, 0, 1]"), ["body.a.motion", "exactly one of"]),
     "two angles": (bodies(TURN + "axis = [0, 0, 1]\nturns = 1\ndegrees = 3"), ["body.a.motion", "exactly"]),
     "motion key": (bodies(SHIFT + "vectr = [1, 0, 0]"), ["body.a.motion: unknown key 'vectr'", "vector"]),
-    "later motion": (bodies('[body.a.motion]\ntype = "screw"'), ["body.a.motion", "'screw'", "'sequence'"]),
+    "later motion": (bodies('[body.a.motion]\ntype = "spline"'), ["body.a.motion", "'spline'", "'trajectory'"]),
     "no type": (bodies("[body.a.motion]\nvector = [1, 0, 0]"), ["body.a.motion", "'type' is missing"]),
     "no vector": (bodies(SHIFT), ["body.a.motion.vector: missing"]),
     "no steps": (bodies("motion = {type = 'sequence', steps = []}"), ["body.a.motion", "no steps"]),

@@ -17,8 +17,11 @@ if TYPE_CHECKING:
     from firstcontact.errors import FirstContactError as FirstContactError
     from firstcontact.errors import InputError as InputError
     from firstcontact.errors import UnsupportedPair as UnsupportedPair
+    from firstcontact.motion.rational import RationalMotion as RationalMotion
     from firstcontact.motion.rotation import Rotation as Rotation
+    from firstcontact.motion.screw import Screw as Screw
     from firstcontact.motion.sequence import Sequence as Sequence
+    from firstcontact.motion.trajectory import Trajectory as Trajectory
     from firstcontact.motion.translation import Translation as Translation
     from firstcontact.query import contact_intervals as contact_intervals
     from firstcontact.query import contact_pairs as contact_pairs
@@ -40,8 +43,11 @@ _HOME = {
     "FirstContactError": "errors",
     "InputError": "errors",
     "UnsupportedPair": "errors",
+    "RationalMotion": "motion.rational",
     "Rotation": "motion.rotation",
+    "Screw": "motion.screw",
     "Sequence": "motion.sequence",
+    "Trajectory": "motion.trajectory",
     "Translation": "motion.translation",
     "contact_intervals": "query",
     "contact_pairs": "query",

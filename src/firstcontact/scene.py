@@ -29,8 +29,11 @@ from pydantic import (
 
 from firstcontact.body.polyhedron import Polyhedron
 from firstcontact.errors import FirstContactError, InputError
+from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.rotation import Rotation
+from firstcontact.motion.screw import Screw
 from firstcontact.motion.sequence import Sequence
+from firstcontact.motion.trajectory import Trajectory
 from firstcontact.motion.translation import Translation
 
 # Digits "1/3", "-0.1", "2.5e-3".  The short exponent keeps a typing error from asking for gigabytes.
@@ -81,6 +84,23 @@ def _list_of(count: int, what: str) -> BeforeValidator:
     return BeforeValidator(check)
 
 
+def _matrix(value: Any) -> Any:
+    """Four rows of four numbers."""
+    if not isinstance(value, list) or len(value) != 4 or any(not isinstance(r, list) or len(r) != 4 for r in value):
+        raise ValueError(f"{value!r} is not a 4x4 matrix; write four rows [a, b, c, d]")
+    return [[parse_number(x) for x in row] for row in value]
+
+
+def _pose(value: Any) -> Any:
+    """A 4x4 matrix, or a vector whose rotation stands in quat_xyzw or quat_wxyz."""
+    if isinstance(value, list) and len(value) == 3 and not any(isinstance(x, list) for x in value):
+        return [parse_number(x) for x in value]
+    try:
+        return _matrix(value)
+    except ValueError as error:
+        raise ValueError(f"{error}, or a vector [x, y, z] with quat_xyzw or quat_wxyz") from error
+
+
 def _face(value: Any) -> Any:
     """A ring of vertex numbers, or a list of such rings (the outer one, then its holes)."""
     rings = value if isinstance(value, list) and value and isinstance(value[0], list) else [value]
@@ -95,6 +115,9 @@ Time = Annotated[Any, BeforeValidator(parse_time)]
 Vector = Annotated[tuple[Number, Number, Number], _list_of(3, "three numbers; write [x, y, z]")]
 Pair = Annotated[tuple[StrictStr, StrictStr], _list_of(2, "two body names; write [\"a\", \"b\"]")]
 Span = Annotated[tuple[Time, Time], _list_of(2, "two times; write [start, end]")]
+Quaternion = Annotated[tuple[Number, Number, Number, Number], _list_of(4, "four numbers; write [a, b, c, d]")]
+Matrix = Annotated[Any, BeforeValidator(_matrix)]
+Pose = Annotated[Any, BeforeValidator(_pose)]
 Index = Annotated[StrictInt, Field(ge=0)]
 Edge = Annotated[tuple[Index, Index], _list_of(2, "two vertex numbers; write [i, j]")]
 Face = Annotated[Any, BeforeValidator(_face)]
@@ -130,19 +153,79 @@ class TranslationTable(_Table):
         return Translation(self.vector)
 
 
-class RotationTable(_Table):
-    type: Literal["rotation"]
+class _Turn(_Table):
     axis: Vector
     point: Vector = (0, 0, 0)
     radians: Number = None
     degrees: Number = None
     turns: Number = None
 
+    def _angle(self) -> dict[str, Any]:
+        return {"radians": self.radians, "degrees": self.degrees, "turns": self.turns}
+
+
+class RotationTable(_Turn):
+    type: Literal["rotation"]
+
     def build(self) -> Rotation:
-        return Rotation(self.axis, self.point, radians=self.radians, degrees=self.degrees, turns=self.turns)
+        return Rotation(self.axis, self.point, **self._angle())
 
 
-Step = Annotated[TranslationTable | RotationTable, Field(discriminator="type")]
+class ScrewTable(_Turn):
+    type: Literal["screw"]
+    advance: Number = 0
+
+    def build(self) -> Screw:
+        return Screw(self.axis, self.point, **self._angle(), advance=self.advance)
+
+
+class RationalTable(_Table):
+    type: Literal["rational"]
+    coefficients: list[Matrix]
+
+    def build(self) -> RationalMotion:
+        return RationalMotion(self.coefficients)
+
+
+class _Quaternions(_Table):
+    quat_xyzw: list[Quaternion] | None = None
+    quat_wxyz: list[Quaternion] | None = None
+
+    def _check(self, **poses: Any) -> dict[str, Any]:
+        """The quaternions, after a look whether the poses are of the kind that goes with them."""
+        given = self.quat_xyzw is not None or self.quat_wxyz is not None
+        for key, pose in poses.items():
+            if given and len(pose) != 3:
+                raise InputError(f"{key} is a matrix, but quaternions are given too; write a vector [x, y, z]")
+            if not given and len(pose) == 3:
+                raise InputError(f"{key} is a vector; add quat_xyzw or quat_wxyz, or write a 4x4 matrix")
+        return {"quat_xyzw": self.quat_xyzw, "quat_wxyz": self.quat_wxyz}
+
+
+class BetweenTable(_Quaternions):
+    type: Literal["between"]
+    pose0: Pose
+    pose1: Pose
+
+    def build(self) -> RationalMotion:
+        quaternions = self._check(pose0=self.pose0, pose1=self.pose1)
+        return RationalMotion.between(self.pose0, self.pose1, **quaternions)
+
+
+class TrajectoryTable(_Quaternions):
+    type: Literal["trajectory"]
+    times: list[Number]
+    poses: list[Pose]
+    interpolation: Literal["linear-quaternion", "screw"] = "linear-quaternion"
+
+    def build(self) -> Trajectory:
+        quaternions = self._check(**{f"poses[{k}]": pose for k, pose in enumerate(self.poses)})
+        return Trajectory(self.times, self.poses, self.interpolation, **quaternions)
+
+
+Step = Annotated[
+    TranslationTable | RotationTable | ScrewTable | RationalTable | BetweenTable, Field(discriminator="type")
+]
 
 
 class SequenceTable(_Table):
@@ -154,7 +237,10 @@ class SequenceTable(_Table):
         return Sequence([step.build() for step in self.steps], durations=self.durations)
 
 
-Motion = Annotated[TranslationTable | RotationTable | SequenceTable, Field(discriminator="type")]
+Motion = Annotated[
+    TranslationTable | RotationTable | ScrewTable | RationalTable | BetweenTable | SequenceTable | TrajectoryTable,
+    Field(discriminator="type"),
+]
 
 
 class _Body(_Table):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from fractions import Fraction
 
 from flint import arb, fmpq, fmpq_poly
@@ -30,15 +31,15 @@ def algebraic(x: Surd, k: fmpq) -> AlgebraicNumber | Fraction:
         middle = k * (x.x * x.x + x.y * x.y * x.d)
         product = 2 * k * x.x * x.y
         polynomial = fmpq_poly([middle * middle - product * product * x.d, 0, -2 * middle, 0, 1])
-    return _isolate(polynomial, x, k)
+    return isolate(polynomial, lambda: x.ball() * ball(k).sqrt())
 
 
-def _isolate(polynomial: fmpq_poly, x: Surd, k: fmpq) -> AlgebraicNumber | Fraction:
-    """The factor with the root, and an interval that holds this root alone."""
+def isolate(polynomial: fmpq_poly, enclose: Callable[[], arb]) -> AlgebraicNumber | Fraction:
+    """The root of the polynomial that `enclose` encloses at the present precision: factor and isolating interval."""
     _, factors = polynomial.factor()
     for bits in PRECISIONS:
         with precision(bits):
-            value = x.ball() * ball(k).sqrt()
+            value = enclose()
             candidates = [f for f, _ in factors if _value(f, value).contains(0)]
         if len(candidates) != 1:
             continue

@@ -17,12 +17,13 @@ import numpy as np
 from flint import fmpq
 
 from firstcontact.body.moving import Moving
-from firstcontact.errors import InputError, UnsupportedPair
-from firstcontact.exact.numbers import rational, to_double
+from firstcontact.errors import UnsupportedPair
+from firstcontact.exact.numbers import to_double
 from firstcontact.exact.vectors import cross, dot, scaled, sub
 from firstcontact.motion.placement import Placement, Turn
 from firstcontact.motion.rotation import Rotation, rotation_matrix
 from firstcontact.motion.sequence import Sequence
+from firstcontact.motion.span import common_span
 from firstcontact.motion.translation import Translation
 
 _0 = fmpq(0)
@@ -76,7 +77,7 @@ def pieces(a: Any, b: Any, span: Any) -> tuple[list[Piece], fmpq, fmpq | None]:
 
     Raises InputError for a bad span, UnsupportedPair where a piece is neither one translation nor one rotation.
     """
-    first, last = _span(a, b, span)
+    first, last = common_span(a, b, span)
     steps_a, steps_b = list(_steps(a)), list(_steps(b))
     if len(steps_a) == len(steps_b) == 1:
         return [_reduce(a, b, steps_a[0], steps_b[0], first, last)], first, last
@@ -111,15 +112,23 @@ class _Step:
 def _steps(body: Any) -> Iterator[_Step]:
     motion = body.motion if isinstance(body, Moving) else REST
     if not isinstance(motion, Sequence):
-        if not isinstance(motion, Translation | Rotation):
-            raise UnsupportedPair(f"{motion!r} of {_who(body)}: give Translation, Rotation or a Sequence of them")
-        yield _Step(_0, None, motion, Placement())
+        yield _Step(_0, None, _supported(body, motion), Placement())
         return
     start, before = _0, Placement()
-    for step, end in zip(motion.steps, motion.ends, strict=True):
+    for k, (part, end) in enumerate(zip(motion.steps, motion.ends, strict=True)):
+        step = _supported(body, part, f"step {k} of the Sequence, ")
         yield _Step(start, end, step, before)
         before = _advance(before, step, fmpq(1))
         start = end
+
+
+def _supported(body: Any, motion: Any, where: str = "") -> Translation | Rotation:
+    """The motion, if polyhedra can be followed under it."""
+    if not isinstance(motion, Translation | Rotation):
+        raise UnsupportedPair(
+            f"{where}{motion!r} of {_who(body)}: polyhedra take Translation, Rotation and a Sequence of them"
+        )
+    return motion
 
 
 def _advance(before: Placement, motion: Translation | Rotation, share: fmpq) -> Placement:
@@ -213,27 +222,3 @@ def _unsupported(a: Any, b: Any, motion_a: Any, motion_b: Any, why: str) -> Unsu
 
 def _who(body: Any, default: str = "a body") -> str:
     return repr(body.name) if getattr(body, "name", None) else f"body {default}" if len(default) == 1 else default
-
-
-def _span(a: Any, b: Any, span: Any) -> tuple[fmpq, fmpq | None]:
-    """The exact span; the intersection of the motions' spans by default."""
-    motions = [m.motion for m in (a, b) if isinstance(m, Moving)]
-    bounded = [m for m in motions if isinstance(m, Sequence)]
-    if span is None:
-        ends = [m.ends[-1] for m in bounded] + [fmpq(1) for m in motions if not isinstance(m, Sequence)]
-        return _0, min(ends, default=fmpq(1))
-    try:
-        lo, hi = span
-    except (TypeError, ValueError) as error:
-        raise InputError(f"span is {span!r}; give two times (first, last)") from error
-    first = rational(lo, "span start")
-    endless = isinstance(hi, float) and hi == float("inf")
-    last = None if endless else rational(hi, "span end")
-    if last is not None and last < first:
-        raise InputError(f"span is {span!r}; its end lies before its start")
-    for m in bounded:
-        if first < 0 or last is None or last > m.ends[-1]:
-            raise InputError(f"span {span!r} leaves the span {m.span} of the Sequence")
-    if endless and any(isinstance(m, Rotation) and m.angle != 0 for m in motions):
-        return first, None
-    return first, last

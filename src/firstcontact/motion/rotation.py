@@ -40,20 +40,10 @@ class Rotation:
         degrees: Any = None,
         turns: Any = None,
     ) -> None:
-        self.axis = vector3(axis, "Rotation axis")
-        if not any(self.axis):
-            raise InputError("Rotation axis is zero; give a direction such as (0, 0, 1)")
+        self.axis = direction(axis, "Rotation axis")
         self.point = vector3(point, "Rotation point")
-        if (radians is not None) + (degrees is not None) + (turns is not None) != 1:
-            raise InputError("Rotation needs exactly one of radians=, degrees=, turns=")
-        self.unit = "radians" if radians is not None else "turns"
-        """What one unit of `angle` is: an angle in "radians" or in "turns"."""
-        if radians is not None:
-            self.angle = rational(radians, "Rotation radians")
-        elif degrees is not None:
-            self.angle = rational(degrees, "Rotation degrees") / 360
-        else:
-            self.angle = rational(turns, "Rotation turns")
+        self.angle, self.unit = read_angle("Rotation", radians, degrees, turns)
+        """`unit` is what one unit of `angle` is: an angle in "radians" or in "turns"."""
 
     def __call__(self, t: float) -> np.ndarray:
         """The (4, 4) float64 pose at time t."""
@@ -75,6 +65,25 @@ class Rotation:
     def __reduce__(self) -> Any:
         axis, point = (tuple(map(fraction, v)) for v in (self.axis, self.point))
         return _rebuild, (axis, point, self.unit, fraction(self.angle))
+
+
+def direction(values: Iterable[Any], what: str) -> tuple[fmpq, fmpq, fmpq]:
+    """Three exact numbers, not all zero; InputError names `what`."""
+    vector = vector3(values, what)
+    if not any(vector):
+        raise InputError(f"{what} is zero; give a direction such as (0, 0, 1)")
+    return vector
+
+
+def read_angle(what: str, radians: Any, degrees: Any, turns: Any) -> tuple[fmpq, str]:
+    """(angle, "radians" | "turns") of the one keyword given."""
+    if (radians is not None) + (degrees is not None) + (turns is not None) != 1:
+        raise InputError(f"{what} needs exactly one of radians=, degrees=, turns=")
+    if radians is not None:
+        return rational(radians, f"{what} radians"), "radians"
+    if degrees is not None:
+        return rational(degrees, f"{what} degrees") / 360, "turns"
+    return rational(turns, f"{what} turns"), "turns"
 
 
 def _rebuild(axis: Any, point: Any, unit: str, angle: Any) -> Rotation:

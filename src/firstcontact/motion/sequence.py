@@ -10,16 +10,20 @@ from flint import fmpq
 
 from firstcontact.errors import InputError
 from firstcontact.exact.numbers import fraction, rational, to_double
+from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.rotation import Rotation
+from firstcontact.motion.screw import Screw
 from firstcontact.motion.translation import Translation
 
-Step = Translation | Rotation
+Step = Translation | Rotation | Screw | RationalMotion
 
 
 class Sequence:
     """Steps one after the other, each with axes and vectors fixed in the world.
 
-    steps: Translation or Rotation objects; a step starts in the pose where the one before it ended.
+    steps: Translation, Rotation, Screw or RationalMotion objects.  A step runs from its t = 0 to its t = 1 and is
+    applied after (multiplied from the left to) the pose in which the step before it ended.  The first three start
+    where that one ended; a RationalMotion does when its own pose at t = 0 is the identity, else the body jumps.
     durations: one positive number per step, default equal parts of 1.  The span is (0, sum of durations).
 
     >>> Sequence([Translation((1, 0, 0)), Translation((0, 2, 0))])(0.75)[:3, 3]
@@ -34,8 +38,10 @@ class Sequence:
         if not self.steps:
             raise InputError("Sequence has no steps; give at least one motion")
         for k, step in enumerate(self.steps):
-            if not isinstance(step, Translation | Rotation):
-                raise InputError(f"Sequence step {k} is {step!r}; give a Translation or a Rotation")
+            if not isinstance(step, Step):
+                raise InputError(
+                    f"Sequence step {k} is {step!r}; give a Translation, Rotation, Screw or RationalMotion"
+                )
         if durations is None:
             parts = [fmpq(1, len(self.steps))] * len(self.steps)
         else:
@@ -62,7 +68,7 @@ class Sequence:
         start = fmpq(0)
         for step, end in zip(self.steps, self.ends, strict=True):
             local = (float(t) - to_double(start)) / to_double(end - start)
-            pose = step(min(local, 1.0)) @ pose
+            pose = step(min(max(local, 0.0), 1.0)) @ pose
             if local <= 1.0:
                 break
             start = end

@@ -1,0 +1,179 @@
+"""Rigid poses as users give them, as an exact quaternion and vector.
+
+A pose is a 4x4 array, or (scipy Rotation, vector); with ``quat_xyzw=`` or ``quat_wxyz=`` it is a vector, and the
+quaternions stand beside, one per pose.  A quaternion of any length counts as given: it is the rotation
+x -> q x q^-1.  A matrix that is exactly a rotation is taken exactly; one that is a rotation up to rounding (1e-9)
+becomes the nearest rotation, by a rational quaternion within 2^-60.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+from flint import fmpq, fmpz
+
+from firstcontact.errors import InputError
+from firstcontact.exact.numbers import fraction, rational
+from firstcontact.exact.rigid import Matrix, quaternion_rotation
+from firstcontact.exact.vectors import Vector
+from firstcontact.motion.translation import vector3
+
+Quaternion = tuple[fmpq, fmpq, fmpq, fmpq]
+Rows = list[list[fmpq]]
+
+# Largest |R^T R - 1| of a matrix that counts as a rounded rotation; twelve printed digits stay below it.
+ROUNDED = fmpq(1, 10**9)
+# Bits of a quaternion that stands for a rounded rotation: its angle is then within 2^-60.
+BITS = 64
+
+
+@dataclass(frozen=True, slots=True)
+class Pose:
+    """Rotation by the quaternion (w, x, y, z), coprime integers, followed by a shift by `vector`."""
+
+    quaternion: Quaternion
+    vector: Vector
+
+    def matrix(self) -> Matrix:
+        """The exact 3x4 matrix."""
+        w, x, y, z = self.quaternion
+        rows = quaternion_rotation(w, (x, y, z), (fmpq(0), fmpq(0), fmpq(0)))
+        return tuple((*row[:3], shift) for row, shift in zip(rows, self.vector, strict=True))  # type: ignore[return-value]
+
+    def __reduce__(self) -> Any:
+        return _rebuild, (tuple(map(fraction, self.quaternion)), tuple(map(fraction, self.vector)))
+
+
+def _rebuild(quaternion: Any, vector: Any) -> Pose:
+    return Pose(tuple(rational(x, "quaternion") for x in quaternion), vector3(vector, "vector"))  # type: ignore[arg-type]
+
+
+def read_poses(poses: Iterable[Any], names: Iterable[str], quat_xyzw: Any = None, quat_wxyz: Any = None) -> list[Pose]:
+    """The poses, named in errors by `names`; with quaternions given, `poses` are their vectors (n, 3)."""
+    poses, names = list(poses), list(names)
+    if quat_xyzw is None and quat_wxyz is None:
+        return [read_pose(pose, name) for pose, name in zip(poses, names, strict=True)]
+    if quat_xyzw is not None and quat_wxyz is not None:
+        raise InputError("quat_xyzw= and quat_wxyz= are both given; give one of them")
+    key, values = ("quat_xyzw", quat_xyzw) if quat_xyzw is not None else ("quat_wxyz", quat_wxyz)
+    try:
+        quaternions = list(values)
+    except TypeError as error:
+        raise InputError(f"{key} is {values!r}; give one quaternion for each of the {len(poses)} poses") from error
+    if len(quaternions) != len(poses):
+        raise InputError(f"{key} has {len(quaternions)} quaternions for {len(poses)} poses; give one for each")
+    return [
+        Pose(_quaternion(quaternion, f"{key}[{k}]", key == "quat_wxyz"), vector3(pose, name))
+        for k, (quaternion, pose, name) in enumerate(zip(quaternions, poses, names, strict=True))
+    ]
+
+
+def read_pose(pose: Any, name: str) -> Pose:
+    """One pose: a 4x4 array, or (scipy Rotation, vector)."""
+    parts = list(pose) if hasattr(pose, "__iter__") else []
+    if len(parts) == 2 and hasattr(parts[0], "as_quat"):
+        return Pose(_quaternion(parts[0].as_quat(), f"{name}[0]", False), vector3(parts[1], f"{name}[1]"))
+    if len(parts) != 4:
+        raise InputError(
+            f"{name} is {pose!r}; give a 4x4 array, (scipy Rotation, vector), or a vector and quat_xyzw= or quat_wxyz="
+        )
+    rows = read_rows(parts, name)
+    if rows[3] != [0, 0, 0, 1]:
+        raise InputError(f"{name}: the last row is not (0, 0, 0, 1); give a rigid pose")
+    return Pose(_quaternion_of(rows, name), vector3([row[3] for row in rows[:3]], name))
+
+
+def read_rows(values: Any, name: str) -> Rows:
+    """Four rows of four exact numbers."""
+    try:
+        rows = [list(row) for row in values]
+    except TypeError as error:
+        raise InputError(f"{name} is {values!r}; give four rows of four numbers") from error
+    if len(rows) != 4 or any(len(row) != 4 for row in rows):
+        raise InputError(f"{name} is no 4x4 matrix; give four rows of four numbers")
+    return [[rational(x, f"{name}[{i}][{j}]") for j, x in enumerate(row)] for i, row in enumerate(rows)]
+
+
+def _quaternion(values: Any, name: str, scalar_first: bool) -> Quaternion:
+    try:
+        parts = [rational(x, f"{name}[{k}]") for k, x in enumerate(values)]
+    except TypeError as error:
+        raise InputError(f"{name} is {values!r}; give four numbers") from error
+    if len(parts) != 4 or not any(parts):
+        raise InputError(f"{name} is {values!r}; give four numbers, not all zero")
+    return _primitive(parts if scalar_first else [parts[3], *parts[:3]])
+
+
+def _primitive(q: list[fmpq]) -> Quaternion:
+    """The coprime integers in the same ratio."""
+    below, content = fmpz(1), fmpz(0)
+    for x in q:
+        below = below.lcm(x.q)
+    for x in q:
+        content = content.gcd((x * below).p)
+    return tuple(x * below / content for x in q)  # type: ignore[return-value]
+
+
+def _quaternion_of(rows: Rows, name: str) -> Quaternion:
+    """The quaternion of a rotation matrix, exact where the matrix is."""
+    r = [row[:3] for row in rows[:3]]
+    defect = _defect(r)
+    if defect > ROUNDED or _determinant(r) < 0:
+        raise InputError(
+            f"{name}: the linear part is no rotation (it misses one by {float(defect.p) / float(defect.q):.1g}); "
+            "give a rotation, or RationalMotion(coefficients) for affine motions"
+        )
+    while defect != 0 and defect > fmpq(1, 2**80):
+        r = _nearer_rotation(r)
+        defect = _defect(r)
+    q = _dominant(r)
+    return _primitive(q) if defect == 0 else _rounded(q)
+
+
+def _defect(r: Rows) -> fmpq:
+    """The largest entry of |R^T R - 1|."""
+    entries = (
+        sum((r[k][i] * r[k][j] for k in range(3)), fmpq(0)) - (i == j) for i in range(3) for j in range(i, 3)
+    )
+    return max(abs(x) for x in entries)
+
+
+def _determinant(r: Rows) -> fmpq:
+    (a, b, c), (d, e, f), (g, h, i) = r
+    return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
+
+
+def _nearer_rotation(r: Rows) -> Rows:
+    """One step R (3 - R^T R) / 2 towards the nearest rotation: the defect is squared."""
+    gram = [[sum((r[k][i] * r[k][j] for k in range(3)), fmpq(0)) for j in range(3)] for i in range(3)]
+    half = [[(3 * (i == j) - gram[i][j]) / 2 for j in range(3)] for i in range(3)]
+    return [[sum((row[k] * half[k][j] for k in range(3)), fmpq(0)) for j in range(3)] for row in r]
+
+
+def _dominant(r: Rows) -> list[fmpq]:
+    """A multiple of the quaternion: of the four rows of 4 q q^T the one with the largest diagonal entry."""
+    (a, b, c), (d, e, f), (g, h, i) = r
+    rows = [
+        [1 + a + e + i, h - f, c - g, d - b],
+        [h - f, 1 + a - e - i, b + d, c + g],
+        [c - g, b + d, 1 - a + e - i, f + h],
+        [d - b, c + g, f + h, 1 - a - e + i],
+    ]
+    return max(zip(rows, range(4), strict=True), key=lambda pair: pair[0][pair[1]])[0]
+
+
+def _rounded(q: list[fmpq]) -> Quaternion:
+    """The unit quaternion in the direction of q, each entry to within 2^-64."""
+    length = sqrt_near(sum((x * x for x in q), fmpq(0)), 2 * BITS)
+    return _primitive([fmpq((x / length * 2**BITS + fmpq(1, 2)).floor()) for x in q])
+
+
+def sqrt_near(x: fmpq, bits: int) -> fmpq:
+    """The square root of x > 0, exact where it is rational, else within a relative 2^-bits."""
+    p, q = x.p.isqrt(), x.q.isqrt()
+    if p * p == x.p and q * q == x.q:
+        return fmpq(p, q)
+    shift = max(bits + 2 - (int(x.p).bit_length() - int(x.q).bit_length()) // 2, 0)
+    return fmpq(fmpz((int(x.p) << 2 * shift) // int(x.q)).isqrt(), fmpz(1) << shift)

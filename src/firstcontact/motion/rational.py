@@ -1,0 +1,180 @@
+"""Motions whose pose is a rational function of the time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from flint import fmpq, fmpq_poly, fmpz_poly
+
+from firstcontact.errors import InputError
+from firstcontact.exact import bernstein
+from firstcontact.exact.numbers import fraction, rational, to_double
+from firstcontact.motion import projective
+from firstcontact.motion.poses import BITS, Pose, read_poses, read_rows, sqrt_near
+from firstcontact.motion.translation import LARGEST, SPAN
+
+_0, _1 = fmpq(0), fmpq(1)
+# How near (in time) an error text names a zero of the weight or of the determinant.
+NEAR = fmpq(1, 10**6)
+# Square of the cosine of half the angle below which two poses count as half a turn apart: 1e-12 radians.
+HALF_TURN = fmpq(1, 10**24)
+
+
+class RationalMotion:
+    """Motion by M(t) / w(t), M a polynomial with 4x4 matrices as coefficients and w its entry [3, 3].
+
+    coefficients: (d+1, 4, 4) numbers, power basis, ascending; every number is taken exactly.  The last row of each is
+    (0, 0, 0, weight).  Proved at construction: on the closed span (0, 1) the weight has no zero and the linear part
+    is never singular (an affine motion may stretch or mirror the body).  There are no poses outside the span.
+
+    >>> half = RationalMotion([
+    ...     [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]],
+    ...     [[0, -2, 0, 4], [2, 0, 0, 0], [0, 0, 0, 0], [0, 0, 0, 0]],
+    ...     [[-1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]],
+    ... ])
+    >>> half(1.0)[:3]  # a quarter turn about z, and a shift by 2
+    array([[ 0., -1.,  0.,  2.],
+           [ 1.,  0.,  0.,  0.],
+           [ 0.,  0.,  1.,  0.]])
+    >>> half.rigid, half.degree
+    (True, 2)
+    """
+
+    __slots__ = ("coefficients", "pose", "rigid")
+    span = SPAN
+    extends = False
+
+    coefficients: tuple[tuple[tuple[fmpq, ...], ...], ...]
+    pose: projective.Matrix
+    """The motion as integer polynomials without common factor, weight positive on the span."""
+    rigid: bool
+    """Whether the linear part is a rotation times the weight, exactly."""
+
+    def __init__(self, coefficients: Iterable[Any]) -> None:
+        self.coefficients = _read(coefficients)
+        entries = [
+            [fmpq_poly([matrix[i][j] for matrix in self.coefficients]) for j in range(4)] for i in range(4)
+        ]
+        self.pose = _checked(projective.integral(entries))
+        self.rigid = projective.is_rigid(self.pose)
+
+    @classmethod
+    def between(cls, pose0: Any, pose1: Any, *, quat_xyzw: Any = None, quat_wxyz: Any = None) -> RationalMotion:
+        """The motion from pose0 (t = 0) to pose1 (t = 1): straight line of unit quaternions, linear translation.
+
+        pose0, pose1: 4x4 arrays or (scipy Rotation, vector); with ``quat_xyzw=`` or ``quat_wxyz=`` (two quaternions
+        of any length) they are the two vectors.  The body turns the short way; poses half a turn apart leave the way
+        open and are an InputError.  Rotation of degree 2, motion of degree 3 in t; rotation rate not constant.
+
+        Both end poses are met exactly where they are rational rotations; a 4x4 array of doubles that is one only up
+        to rounding stands for the nearest rotation, within 2^-60.  The lengths of the quaternions, which set the
+        speed along the way, are rational within 2^-60.
+
+        >>> turn = RationalMotion.between((0, 0, 0), (4, 0, 0), quat_xyzw=[(0, 0, 0, 1), (0, 0, 1, 1)])
+        >>> turn(1.0)[:3].astype(int).tolist()
+        [[0, -1, 0, 4], [1, 0, 0, 0], [0, 0, 1, 0]]
+        """
+        start, end = read_poses((pose0, pose1), ("pose0", "pose1"), quat_xyzw, quat_wxyz)
+        return join(start, end, "pose0 and pose1")
+
+    @property
+    def degree(self) -> int:
+        """Degree in t of the coefficients given."""
+        return len(self.coefficients) - 1
+
+    def __call__(self, t: float) -> np.ndarray:
+        """The (4, 4) float64 pose at time t of the span: every entry the double nearest the truth."""
+        if not 0 <= t <= 1:
+            raise InputError(f"time {t} is outside the span {self.span} of the RationalMotion")
+        return np.array([[to_double(x) for x in row] for row in self.exact(rational(t, "time"))])
+
+    def exact(self, t: fmpq) -> list[list[fmpq]]:
+        """The exact 4x4 pose at time t."""
+        return projective.value(self.pose, t)
+
+    def controls(self, t0: fmpq, t1: fmpq, parts: int) -> np.ndarray:
+        """(m, 4, 4) float64 poses: a point stays, from t0 to t1, in the hull of what they make of it.
+
+        They are the Bernstein coefficients over each of `parts` equal parts, divided by those of the weight; a part
+        is halved where one of these is not positive.  Their rounding is that of one double each.
+        """
+        waiting = [(t0 + (t1 - t0) * k / parts, t0 + (t1 - t0) * (k + 1) / parts) for k in range(parts)]
+        out, n = [], projective.degree(self.pose)
+        # The weight is positive on the span: on short parts its coefficients, which tend to its values, are too.
+        while waiting:
+            lo, hi = waiting.pop()
+            weights = bernstein.coefficients(self.pose[3][3], lo, hi, n)
+            if min(weights) <= 0:
+                waiting += [(lo, (lo + hi) / 2), ((lo + hi) / 2, hi)]
+                continue
+            entries = [[bernstein.coefficients(x, lo, hi, n) for x in row] for row in self.pose]
+            out += [[[to_double(x[i] / w) for x in row] for row in entries] for i, w in enumerate(weights)]
+        return np.array(out)
+
+    def __repr__(self) -> str:
+        return f"<RationalMotion: degree {self.degree}, {'rigid' if self.rigid else 'affine'}>"
+
+    def __reduce__(self) -> Any:
+        rows = tuple(tuple(tuple(map(fraction, row)) for row in matrix) for matrix in self.coefficients)
+        return RationalMotion, (rows,)
+
+
+def join(start: Pose, end: Pose, names: str) -> RationalMotion:
+    """The motion between two poses; `names` is how an error text calls them."""
+    p, q = start.quaternion, end.quaternion
+    cosine = sum((x * y for x, y in zip(p, q, strict=True)), _0)
+    square_p, square_q = (sum((x * x for x in r), _0) for r in (p, q))
+    refuse_half_turn(cosine, square_p, square_q, names)
+    # q is brought to the length of p: then the line is that of unit quaternions, up to a factor (here a power of 2).
+    ratio = sqrt_near(square_p / square_q, BITS) * (1 if cosine > 0 else -1)
+    unit = fmpq(1, 1 << int(max(abs(x) for x in p).p).bit_length())
+    line = [fmpq_poly([unit * x, unit * (ratio * y - x)]) for x, y in zip(p, q, strict=True)]
+    vector = [fmpq_poly([x, y - x]) for x, y in zip(start.vector, end.vector, strict=True)]
+    rows = projective.of_quaternion(line, vector)
+    degree = max(x.degree() for row in rows for x in row)
+    return RationalMotion([[[fmpq(x[k]) for x in row] for row in rows] for k in range(degree + 1)])
+
+
+def refuse_half_turn(cosine: fmpq, square_p: fmpq, square_q: fmpq, names: str) -> None:
+    """InputError where quaternions with this scalar product and squared lengths are half a turn apart."""
+    if cosine * cosine <= HALF_TURN * square_p * square_q:
+        raise InputError(
+            f"{names} are half a turn apart, so neither way round is the short one; give a pose between them"
+        )
+
+
+def _read(coefficients: Iterable[Any]) -> tuple[tuple[tuple[fmpq, ...], ...], ...]:
+    try:
+        matrices = list(coefficients)
+    except TypeError as error:
+        raise InputError(f"RationalMotion coefficients are {coefficients!r}; give (d+1, 4, 4) numbers") from error
+    if not matrices:
+        raise InputError("RationalMotion has no coefficients; give (d+1, 4, 4) numbers")
+    out = []
+    for k, matrix in enumerate(matrices):
+        rows = read_rows(matrix, f"coefficients[{k}]")
+        if any(rows[3][:3]):
+            raise InputError(f"coefficients[{k}]: the last row is not (0, 0, 0, weight); give an affine motion")
+        if any(abs(x) >= LARGEST for row in rows for x in row):
+            raise InputError(f"coefficients[{k}] has an entry of 2^150 or more; give smaller numbers")
+        out.append(tuple(map(tuple, rows)))
+    return tuple(out)
+
+
+def _checked(pose: projective.Matrix) -> projective.Matrix:
+    """The reduced pose, proved to be defined and invertible on the closed span."""
+    _refuse_zero(pose[3][3], "the weight, entry [3][3], is zero")
+    pose = projective.reduced(pose, _0)
+    _refuse_zero(projective.linear_determinant(pose), "the linear part is singular")
+    return pose
+
+
+def _refuse_zero(p: fmpz_poly, what: str) -> None:
+    if p == 0:
+        raise InputError(f"RationalMotion: {what} at all times; give an invertible motion")
+    zero = bernstein.zero_between(p, _0, _1, NEAR)
+    if zero is not None:
+        time = to_double((zero[0] + zero[1]) / 2)
+        raise InputError(f"RationalMotion: {what} at time {time:.6g} of the span (0, 1); give an invertible motion")

@@ -1,0 +1,98 @@
+"""Turn about a fixed axis and advance along it, both at constant speed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from flint import arb, fmpq
+
+from firstcontact.exact.numbers import fraction, precision, rational, to_double
+from firstcontact.exact.rigid import ball_rotation, rational_sqrt
+from firstcontact.exact.vectors import dot, scaled
+from firstcontact.motion.rotation import Rotation, angle_ball, direction, read_angle
+from firstcontact.motion.translation import SPAN, Translation, vector3
+
+# Bits at which a pose is enclosed before it is rounded: even an axis 2^60 away leaves more than a double holds.
+POSE_BITS = 256
+
+
+class Screw:
+    """Turn about the line through ``point`` along ``axis``, and advance along ``axis`` meanwhile.
+
+    axis: three numbers, not all zero, any length.  point: any point of the axis.
+    Exactly one of ``radians``, ``degrees``, ``turns`` gives the angle over the default span (0, 1), right-hand rule;
+    ``advance`` is the length of the way along the axis over that span.  Both may be negative; both are exact.
+    The motion goes on at constant speed beyond (0, 1).
+
+    >>> Screw((0, 0, 1), degrees=90, advance=3)(1.0)[:3].round(6) + 0.0
+    array([[ 0., -1.,  0.,  0.],
+           [ 1.,  0.,  0.,  0.],
+           [ 0.,  0.,  1.,  3.]])
+    """
+
+    __slots__ = ("axis", "point", "angle", "unit", "advance")
+    span = SPAN
+    extends = True
+
+    def __init__(
+        self,
+        axis: Iterable[Any],
+        point: Iterable[Any] = (0, 0, 0),
+        *,
+        radians: Any = None,
+        degrees: Any = None,
+        turns: Any = None,
+        advance: Any = 0,
+    ) -> None:
+        self.axis = direction(axis, "Screw axis")
+        self.point = vector3(point, "Screw point")
+        self.angle, self.unit = read_angle("Screw", radians, degrees, turns)
+        self.advance = rational(advance, "Screw advance")
+
+    def __call__(self, t: float) -> np.ndarray:
+        """The (4, 4) float64 pose at time t, from an enclosure at 256 bits."""
+        return self.pose(rational(float(t), "time"))
+
+    def pose(self, t: fmpq) -> np.ndarray:
+        """The (4, 4) float64 pose at the exact time t."""
+        with precision(POSE_BITS):
+            rows = ball_rotation(self.axis, self.point, t * angle_ball(self.angle, self.unit))
+            ahead = arb(t * self.advance) / arb(dot(self.axis, self.axis)).sqrt()
+            doubles = [
+                [*(float(x) for x in row[:3]), float(row[3] + ahead * arb(h))]
+                for row, h in zip(rows, self.axis, strict=True)
+            ]
+        return np.array([*doubles, [0.0, 0.0, 0.0, 1.0]])
+
+    @property
+    def radians(self) -> float:
+        """The angle over the span (0, 1), rounded."""
+        return to_double(self.angle) * (1.0 if self.unit == "radians" else 2 * math.pi)
+
+    def reduced(self) -> Screw | Rotation | Translation:
+        """The same motion as a Rotation where it does not advance, a Translation where it does not turn.
+
+        A Screw still: one that does both, and one that advances along an axis of irrational length.
+        """
+        if self.advance == 0:
+            return Rotation(self.axis, self.point, **{self.unit: self.angle})
+        length = rational_sqrt(dot(self.axis, self.axis))
+        if self.angle == 0 and length is not None:
+            return Translation(scaled(self.advance / length, self.axis))
+        return self
+
+    def __repr__(self) -> str:
+        axis, point = (tuple(map(to_double, v)) for v in (self.axis, self.point))
+        angle, advance = to_double(self.angle), to_double(self.advance)
+        return f"Screw({axis}, point={point}, {self.unit}={angle}, advance={advance})"
+
+    def __reduce__(self) -> Any:
+        axis, point = (tuple(map(fraction, v)) for v in (self.axis, self.point))
+        return _rebuild, (axis, point, self.unit, fraction(self.angle), fraction(self.advance))
+
+
+def _rebuild(axis: Any, point: Any, unit: str, angle: Any, advance: Any) -> Screw:
+    return Screw(axis, point, **{unit: angle}, advance=advance)

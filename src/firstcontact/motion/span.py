@@ -1,0 +1,54 @@
+"""The times over which a query runs."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from flint import fmpq
+
+from firstcontact.body.moving import Moving
+from firstcontact.errors import InputError
+from firstcontact.exact.numbers import rational, to_double
+from firstcontact.motion.rational import RationalMotion
+from firstcontact.motion.sequence import Sequence
+from firstcontact.motion.trajectory import Trajectory
+
+UNIT = fmpq(0), fmpq(1)
+
+
+def limits(motion: Any) -> tuple[fmpq, fmpq] | None:
+    """The exact first and last time at which the motion has a pose; None when it goes on beyond its span."""
+    if isinstance(motion, Sequence):
+        return fmpq(0), motion.ends[-1]
+    if isinstance(motion, Trajectory):
+        return motion.times[0], motion.times[-1]
+    return UNIT if isinstance(motion, RationalMotion) else None
+
+
+def common_span(a: Any, b: Any, span: Any) -> tuple[fmpq, fmpq | None]:
+    """The exact span (None: without end) of a query; by default the intersection of the motions' spans.
+
+    InputError where a motion has no poses in all of it, where it is malformed, or where the motions share no time.
+    """
+    motions = [m.motion for m in (a, b) if isinstance(m, Moving)]
+    bounded = [(m, ends) for m in motions if (ends := limits(m)) is not None]
+    if span is None:
+        spans = [limits(m) or UNIT for m in motions] or [UNIT]
+        first, end = max(s[0] for s in spans), min(s[1] for s in spans)
+        if end < first:
+            raise InputError(f"the spans {' and '.join(str(m.span) for m in motions)} of the motions share no time")
+        return first, end
+    try:
+        lo, hi = span
+    except (TypeError, ValueError) as error:
+        raise InputError(f"span is {span!r}; give two times (first, last)") from error
+    first = rational(lo, "span start")
+    endless = isinstance(hi, float) and hi == float("inf")
+    last = None if endless else rational(hi, "span end")
+    if last is not None and last < first:
+        raise InputError(f"span is {span!r}; its end lies before its start")
+    for motion, (begin, end) in bounded:
+        if first < begin or last is None or last > end:
+            own = to_double(begin), to_double(end)
+            raise InputError(f"span {span!r} leaves the span {own} of the {type(motion).__name__}")
+    return first, last

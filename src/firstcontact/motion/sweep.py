@@ -1,0 +1,131 @@
+"""Boxes that hold points under a motion at all times of a span; floats, rounded outward."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from flint import fmpq
+
+from firstcontact.errors import InputError
+from firstcontact.exact.numbers import to_double
+from firstcontact.motion.rational import RationalMotion
+from firstcontact.motion.rotation import Rotation
+from firstcontact.motion.screw import Screw
+from firstcontact.motion.sequence import Sequence
+from firstcontact.motion.trajectory import Trajectory
+from firstcontact.motion.translation import Translation
+
+Box = tuple[np.ndarray, np.ndarray]
+
+# Poses per full turn that stand for an arc.  Between two of them, an angle x apart, a point is at most r x^2 / 8 off
+# its chord c = 2 r sin(x / 2), in any direction across the axis, and level with it along the axis: BULGE x c.
+PER_TURN = 64
+BULGE = 0.1252  # > (x / 2) / sin(x / 2) / 8 for x <= 2 pi / 64
+# Far more than the rounding of a few products of poses, relative to the largest number in them.
+ROUNDING = 1e-13
+# Equal parts of a rational motion whose control points are taken.
+PARTS = 8
+
+
+def swept_box(motion: Any, first: float, last: float, points: np.ndarray, error: float) -> Box:
+    """(lower, upper) corner (3,) of a box with all that lies within `error` of the points (n, 3), while they move.
+
+    last may be infinite; so is the box then where a translation or a screw goes on for ever.
+    """
+    lo, hi = np.full(3, np.inf), np.full(3, -np.inf)
+    for step, t0, t1, before in _steps(motion, first, last):
+        linear, shift = before[:, :3], before[:, 3]
+        placed = points @ linear.T + shift
+        size = max(np.abs(points).max() * np.abs(linear).sum(axis=1).max(), np.abs(shift).max())
+        blur = error * _stretch(linear) + ROUNDING * size
+        step_lo, step_hi = _step_box(step, t0, t1, placed, blur)
+        lo, hi = np.minimum(lo, step_lo), np.maximum(hi, step_hi)
+    return lo, hi
+
+
+def _steps(motion: Any, first: float, last: float) -> Iterator[tuple[Any, float, float, np.ndarray]]:
+    """(step, t0, t1, pose (3, 4) before it), t0 and t1 in the step's own clock, rounded outward."""
+    if not isinstance(motion, Sequence | Trajectory):
+        yield motion, first, last, np.eye(4)[:3]
+        return
+    pose, starts = np.eye(4), (fmpq(0), *motion.ends) if isinstance(motion, Sequence) else motion.times
+    for k, (step, begin, end) in enumerate(zip(motion.steps, starts, motion.ends, strict=False)):
+        if isinstance(motion, Trajectory):
+            pose[:3] = [[to_double(x) for x in row] for row in motion.before(k)]
+        start, length = to_double(begin), to_double(end) - to_double(begin)
+        slack = 4e-16 * (abs(start) + length) / length
+        t0, t1 = (first - start) / length - slack, (last - start) / length + slack
+        if t0 <= 1 and t1 >= 0:
+            yield step, max(t0, 0.0), min(t1, 1.0), pose[:3].copy()
+        if isinstance(motion, Sequence):
+            pose = _precise(step)(1.0) @ pose
+
+
+def _step_box(step: Any, t0: float, t1: float, points: np.ndarray, blur: float) -> Box:
+    """The box of points, each within `blur`, under one step."""
+    if isinstance(step, Translation):
+        lo, hi = _ahead(np.array([to_double(x) for x in step.vector]), t0, t1)
+        return _grown(points.min(axis=0) + lo, points.max(axis=0) + hi, blur, points)
+    if isinstance(step, RationalMotion):
+        controls = step.controls(fmpq(*t0.as_integer_ratio()), fmpq(*t1.as_integer_ratio()), PARTS)
+        lo, hi, _, size = _hull(controls, points)
+        return _grown(lo, hi, blur * max(map(_stretch, controls[:, :3, :3])), size)
+    step = _precise(step)
+    if not isinstance(step, Screw):
+        raise InputError(f"the bounds of a body under {step!r} are not known; give one of the motions of firstcontact")
+    turns = abs(step.radians) * (t1 - t0) / (2 * math.pi) if step.radians else 0.0
+    advance, ahead = _advance(step), (np.zeros(3), np.zeros(3))
+    if turns > 1 or math.isinf(t1):  # the circle, or the point where nothing turns, with all of the advance added
+        step, ahead = Screw(step.axis, step.point, **{step.unit: step.angle}), _ahead(advance, t0, t1)
+        t0, t1 = (0.0, 2 * math.pi / abs(step.radians)) if turns else (0.0, 0.0)
+        turns = min(turns, 1.0)
+    parts = max(1, math.ceil(PER_TURN * turns))
+    lo, hi, chord, size = _hull([step(float(t)) for t in np.linspace(t0, t1, parts + 1)], points)
+    bulge = BULGE * (2 * math.pi * turns / parts) * chord
+    return _grown(lo + ahead[0], hi + ahead[1], blur + bulge, size)
+
+
+def _precise(step: Any) -> Any:
+    """A Rotation as a Screw, whose poses are rounded once, however far the axis or large the angle."""
+    return Screw(step.axis, step.point, **{step.unit: step.angle}) if isinstance(step, Rotation) else step
+
+
+def _hull(poses: Any, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, float, float]:
+    """Box of the points in all poses, longest way of a point between neighbouring poses, largest number met."""
+    lo, hi, chord, size, last = np.full(3, np.inf), np.full(3, -np.inf), 0.0, 0.0, None
+    for pose in poses:
+        linear, shift = pose[:3, :3], pose[:3, 3]
+        moved = points @ linear.T + shift
+        lo, hi = np.minimum(lo, moved.min(axis=0)), np.maximum(hi, moved.max(axis=0))
+        if last is not None:
+            chord = max(chord, float(np.linalg.norm(moved - last, axis=1).max()))
+        size = max(size, np.abs(points).max() * np.abs(linear).sum(axis=1).max(), np.abs(shift).max())
+        last = moved
+    return lo, hi, chord, size
+
+
+def _advance(step: Screw) -> np.ndarray:
+    """Velocity (3,) along the axis."""
+    axis = np.array([to_double(x) for x in step.axis])
+    return to_double(step.advance) * axis / np.linalg.norm(axis)
+
+
+def _ahead(velocity: np.ndarray, t0: float, t1: float) -> Box:
+    """Least and largest shift (3,) from t0 to t1; zero velocity stays zero for ever."""
+    ways = [np.where(velocity == 0, 0.0, velocity) * t if math.isfinite(t) else
+            np.where(velocity == 0, 0.0, np.copysign(np.inf, velocity)) for t in (t0, t1)]  # fmt: skip
+    return np.minimum(*ways), np.maximum(*ways)
+
+
+def _stretch(linear: np.ndarray) -> float:
+    """Bound of how much a linear map (3, 3) lengthens a vector."""
+    return float(np.linalg.norm(linear)) * (1 + 1e-12)
+
+
+def _grown(lo: np.ndarray, hi: np.ndarray, blur: float, *sizes: Any) -> Box:
+    size = max(float(np.abs(x).max()) for x in (*sizes, *(np.where(np.isfinite(x), x, 0.0) for x in (lo, hi))))
+    pad = blur + ROUNDING * size
+    return lo - pad, hi + pad

@@ -1,0 +1,177 @@
+"""Motion through given poses at given times."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from flint import arb, fmpq
+
+from firstcontact.errors import InputError
+from firstcontact.exact.numbers import dyadic, fraction, precision, rational, to_double
+from firstcontact.exact.rigid import IDENTITY, Matrix
+from firstcontact.exact.vectors import Vector, add, cross, dot, scaled, sub
+from firstcontact.motion.poses import BITS, Pose, Quaternion, read_poses, sqrt_near
+from firstcontact.motion.rational import RationalMotion, join, refuse_half_turn
+from firstcontact.motion.screw import Screw
+from firstcontact.motion.translation import Translation
+
+INTERPOLATIONS = ("linear-quaternion", "screw")
+
+
+class Trajectory:
+    """The body stands in ``poses[k]`` at ``times[k]`` and moves from each pose to the next one meanwhile.
+
+    times: two or more numbers, ascending; the span is (times[0], times[-1]).
+    poses: one per time, 4x4 arrays or (scipy Rotation, vector); with ``quat_xyzw=`` or ``quat_wxyz=`` (one quaternion
+    per time, any length) ``poses`` are the vectors.
+    interpolation: "linear-quaternion": each step is ``RationalMotion.between``; "screw": each step turns and advances
+    at constant speed about the one axis that carries a pose to the next.  Both take the short way round, and both
+    refuse neighbouring poses half a turn apart.
+
+    Poses are exact where they are rational rotations, otherwise within 2^-60 (see `RationalMotion.between`).  A step
+    starts exactly in its pose; under "linear-quaternion" it also ends exactly in the next one.  Under "screw" axis and
+    point are exact, angle and advance are irrational in general: they are rational within 2^-60 (the angle in radians,
+    the advance relative to itself), so a step ends that near the start of the next one.
+
+    >>> path = Trajectory([0, 2, 3], [(0, 0, 0), (4, 0, 0), (4, 4, 0)], quat_wxyz=[(1, 0, 0, 0)] * 3)
+    >>> path.span, path(2.5)[:3, 3]
+    ((0.0, 3.0), array([4., 2., 0.]))
+    """
+
+    __slots__ = ("times", "poses", "interpolation", "steps")
+    extends = False
+
+    times: tuple[fmpq, ...]
+    poses: tuple[Pose, ...]
+    steps: tuple[RationalMotion | Screw | Translation, ...]
+    """The motion from each pose to the next over (0, 1); see `before`."""
+
+    def __init__(
+        self,
+        times: Iterable[Any],
+        poses: Iterable[Any],
+        interpolation: str = "linear-quaternion",
+        *,
+        quat_xyzw: Any = None,
+        quat_wxyz: Any = None,
+    ) -> None:
+        if interpolation not in INTERPOLATIONS:
+            raise InputError(f"Trajectory interpolation is {interpolation!r}; use one of {INTERPOLATIONS}")
+        self.interpolation = interpolation
+        self.times = _times(times)
+        poses = _listed(poses, "poses")
+        if len(poses) != len(self.times):
+            raise InputError(f"Trajectory has {len(self.times)} times but {len(poses)} poses; give one for each")
+        names = [f"Trajectory poses[{k}]" for k in range(len(poses))]
+        self.poses = tuple(read_poses(poses, names, quat_xyzw, quat_wxyz))
+        step = join if interpolation == "linear-quaternion" else screw_between
+        self.steps = tuple(
+            step(p, q, f"Trajectory poses[{k}] and poses[{k + 1}]")
+            for k, (p, q) in enumerate(zip(self.poses, self.poses[1:], strict=False))
+        )
+
+    @property
+    def span(self) -> tuple[float, float]:
+        return to_double(self.times[0]), to_double(self.times[-1])
+
+    @property
+    def ends(self) -> tuple[fmpq, ...]:
+        """When each step ends."""
+        return self.times[1:]
+
+    def before(self, k: int) -> Matrix:
+        """The exact pose that step k is applied to: the identity where the step contains it."""
+        return IDENTITY if isinstance(self.steps[k], RationalMotion) else self.poses[k].matrix()
+
+    def __call__(self, t: float) -> np.ndarray:
+        """The (4, 4) float64 pose at time t of the span."""
+        if not self.span[0] <= t <= self.span[1]:
+            raise InputError(f"time {t} is outside the span {self.span} of the Trajectory")
+        time = min(max(rational(float(t), "time"), self.times[0]), self.times[-1])
+        k = min(bisect_right(self.times, time), len(self.steps)) - 1
+        share = (time - self.times[k]) / (self.times[k + 1] - self.times[k])
+        step = self.steps[k]
+        if isinstance(step, RationalMotion):
+            return np.array([[to_double(x) for x in row] for row in step.exact(share)])
+        start = np.array([*([to_double(x) for x in row] for row in self.before(k)), [0.0, 0.0, 0.0, 1.0]])
+        if isinstance(step, Translation):
+            start[:3, 3] = [to_double(x + share * v) for x, v in zip(self.poses[k].vector, step.vector, strict=True)]
+            return start
+        return step.pose(share) @ start
+
+    def __repr__(self) -> str:
+        first, last = self.span
+        return f"<Trajectory: {len(self.times)} poses from {first:g} to {last:g}, {self.interpolation}>"
+
+    def __reduce__(self) -> Any:
+        vectors, quaternions = zip(*((p.vector, p.quaternion) for p in self.poses), strict=True)
+        rows = [tuple(map(fraction, v)) for v in vectors], [tuple(map(fraction, q)) for q in quaternions]
+        return _rebuild, (tuple(map(fraction, self.times)), *rows, self.interpolation)
+
+
+def _rebuild(times: Any, vectors: Any, quaternions: Any, interpolation: str) -> Trajectory:
+    return Trajectory(times, vectors, interpolation, quat_wxyz=quaternions)
+
+
+def _times(values: Any) -> tuple[fmpq, ...]:
+    times = tuple(rational(t, f"Trajectory times[{k}]") for k, t in enumerate(_listed(values, "times")))
+    if len(times) < 2:
+        raise InputError(f"Trajectory has {len(times)} times; give at least two")
+    for k, (early, late) in enumerate(zip(times, times[1:], strict=False)):
+        if not early < late:
+            raise InputError(f"Trajectory times[{k + 1}] does not lie after times[{k}]; give ascending times")
+    return times
+
+
+def _listed(values: Any, key: str) -> list[Any]:
+    try:
+        return list(values)
+    except TypeError as error:
+        raise InputError(f"Trajectory {key} is {values!r}; give a list") from error
+
+
+def screw_between(start: Pose, end: Pose, names: str) -> Screw | Translation:
+    """The motion S over (0, 1) with S(1) start = end: about one axis, the short way round.
+
+    With the quaternion (w, v) of the relative rotation R and its displacement d (end = R start + d): the angle is
+    2 atan(|v| / w), the advance d.v / |v|, and the axis passes through d' / 2 + (w / 2) v x d' / v.v, where d' is
+    the part of d across v.  Axis and point are rational; angle and advance within 2^-60.
+    """
+    p, q = start.quaternion, end.quaternion
+    w, axis = _quotient(q, p)
+    square = dot(axis, axis)
+    refuse_half_turn(w, w * w + square, fmpq(1), names)
+    if not any(axis):
+        return Translation(sub(end.vector, start.vector))
+    displacement = sub(end.vector, _turned(w, axis, start.vector))
+    along = dot(displacement, axis)
+    across = sub(displacement, scaled(along / square, axis))
+    point = scaled(fmpq(1, 2), add(across, scaled(w / square, cross(axis, across))))
+    advance = along / sqrt_near(square, BITS)
+    return Screw(axis, point, radians=_twice_arctangent(square, w), advance=advance)
+
+
+def _quotient(q: Quaternion, p: Quaternion) -> tuple[fmpq, Vector]:
+    """The quaternion q p^-1 up to a positive factor, as (scalar >= 0, vector)."""
+    (a, *x), (b, *y) = q, p
+    v, u = (x[0], x[1], x[2]), (y[0], y[1], y[2])
+    scalar, vector = a * b + dot(v, u), sub(sub(scaled(b, v), scaled(a, u)), cross(v, u))
+    size: fmpq = max(abs(c) for c in (scalar, *vector))
+    return abs(scalar) / size, scaled((1 if scalar >= 0 else -1) / size, vector)
+
+
+def _turned(w: fmpq, v: Vector, x: Vector) -> Vector:
+    """x turned by the quaternion (w, v)."""
+    once = cross(v, x)
+    return add(x, scaled(2 / (w * w + dot(v, v)), add(scaled(w, once), cross(v, once))))
+
+
+def _twice_arctangent(square: fmpq, w: fmpq) -> fmpq:
+    """2 atan(sqrt(square) / w) within 2^-62 of itself."""
+    with precision(4 * BITS):
+        angle = dyadic((2 * arb.atan2(arb(square).sqrt(), arb(w))).mid())
+    places = 1 << max(BITS + int(angle.q).bit_length() - int(angle.p).bit_length(), 0)
+    return fmpq((angle * places + fmpq(1, 2)).floor(), places)
