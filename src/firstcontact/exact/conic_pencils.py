@@ -22,6 +22,7 @@ from firstcontact.exact.pencils import (
     discriminant,
     member,
     multiple_roots,
+    singular_point,
 )
 from firstcontact.exact.polynomial_matrix import congruent
 
@@ -166,7 +167,8 @@ def conic_contacts(a: Rows, b: Rows, coefficients: Sequence[Any] | None = None) 
 def _tangency(a: Rows, b: Rows, alpha: Any, beta: Any, multiplicity: int) -> ConicTangency:
     g = member(a, b, alpha, beta)
     other = b if is_zero(beta) else a
-    null = null_space(g)
+    vertex = singular_point(g)
+    null = null_space(g) if vertex is None else [vertex]
     rank = 3 - len(null)
 
     def found(meeting: ConicMeeting, points: tuple[Vector, ...] = ()) -> ConicTangency:
