@@ -135,6 +135,28 @@ class Point:
 
 
 @dataclass(frozen=True, slots=True)
+class AlgebraicPoint:
+    """(x, y, z, 1), each a polynomial in one root of an irreducible polynomial.
+
+    polynomial: integers, ascending; lo, hi: rational ends of an interval with that root and no other.
+    coordinates: x, y, z as ascending rational coefficients, of lower degree than the polynomial.
+    """
+
+    polynomial: Vector
+    lo: fmpq
+    hi: fmpq
+    coordinates: Rows
+
+
+@dataclass(frozen=True, slots=True)
+class EnclosedPoint:
+    """A common point of three surfaces, in the box of half-width `radius` about `centre` and nowhere else in it."""
+
+    centre: Vector
+    radius: fmpq
+
+
+@dataclass(frozen=True, slots=True)
 class QuarticCurve:
     """The common curve of two quadrics: of degree 4, or conics in planes that no rational matrix describes."""
 
