@@ -19,6 +19,8 @@ from firstcontact.exact.numbers import to_double
 Vector = tuple[fmpq, ...]
 Rows = tuple[Vector, ...]
 """A matrix as a tuple of its rows."""
+Box = tuple[Vector, Vector]
+"""Lower and upper corner."""
 
 ZERO, ONE = fmpq(0), fmpq(1)
 
@@ -150,10 +152,15 @@ class AlgebraicPoint:
 
 @dataclass(frozen=True, slots=True)
 class EnclosedPoint:
-    """A common point of three surfaces, in the box of half-width `radius` about `centre` and nowhere else in it."""
+    """A common point of three surfaces near `centre`.
+
+    proved: it exists in the box of half-width `radius` about the centre, and no second one does (Krawczyk's test).
+    Not so where the gradients of the surfaces are dependent: then `radius` is the last step of Newton's method.
+    """
 
     centre: Vector
     radius: fmpq
+    proved: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -279,5 +286,6 @@ def upright(vector: Vector) -> Vector:
 
 
 def doubles(rows: Rows) -> list[list[float]]:
-    """Each entry as the nearest double."""
-    return [[to_double(x) for x in row] for row in rows]
+    """The matrix divided by its largest entry (integers of exact rotations exceed all doubles), rounded."""
+    largest = max((abs(x) for row in rows for x in row), default=ONE) or ONE
+    return [[to_double(x / largest) for x in row] for row in rows]

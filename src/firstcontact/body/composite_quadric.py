@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from flint import fmpq
 
-from firstcontact.body.carriers import ONE, ZERO, Plane, Quadric, Rows, Surface, Vector, doubles, inverse, upright
+from firstcontact.body.carriers import ONE, ZERO, Box, Plane, Quadric, Rows, Surface, Vector, doubles, inverse, upright
 from firstcontact.body.csg import And, Leaf, Not, Or, Tree, inside, outcomes, pattern, possible, renumbered
 from firstcontact.body.features import Edge, Face, Features, Vertex, derive
 from firstcontact.body.moving import Moving
@@ -19,9 +19,6 @@ from firstcontact.errors import InputError
 from firstcontact.exact.numbers import rational, to_double
 from firstcontact.exact.rigid import Matrix, apply, determinant, near_rotation, shift
 from firstcontact.motion.translation import LARGEST, vector3
-
-Box = tuple[Vector, Vector]
-"""Lower and upper corner."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,7 +102,7 @@ class CompositeQuadric:
 
     def _features(self) -> Features:
         if self._derived is None:
-            self._derived = derive(self.tree, self.surfaces, _Names(self))
+            self._derived = derive(self.tree, self.surfaces, _Names(self), self._rough_box)
         return self._derived
 
     # -- combining ------------------------------------------------------------------------------------------
@@ -277,6 +274,13 @@ class CompositeQuadric:
             self._tight_box = tight_box(self, box)
         lo, hi = self._tight_box
         return lo.copy(), hi.copy()
+
+    def _rough_box(self) -> tuple[np.ndarray, np.ndarray] | None:
+        """Float corners of a box that holds the solid, found without its edges."""
+        from firstcontact.body.extent import hull_of_cells
+
+        box = self._finite_box()
+        return None if box is None else hull_of_cells(self, box)
 
     def _finite_box(self) -> Box | None:
         if self._box is None:

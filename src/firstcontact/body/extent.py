@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from flint import fmpq
 
-from firstcontact.body.carriers import Plane, Quadric, QuarticCurve, Surface, doubles, inverse
+from firstcontact.body.carriers import Box, Plane, Quadric, QuarticCurve, Surface, doubles, inverse
 from firstcontact.body.csg import Tree, possible
 from firstcontact.exact.numbers import to_double
 
 if TYPE_CHECKING:
-    from firstcontact.body.composite_quadric import Box, CompositeQuadric
+    from firstcontact.body.composite_quadric import CompositeQuadric
     from firstcontact.body.features import Edge
 
 # Half-widths tried for the first box, in the units of the model; a solid that reaches further counts as unbounded.
@@ -71,7 +71,7 @@ def _moved(centre: np.ndarray, axes: np.ndarray, half: float, s: int, t: int) ->
 def _form_f(surface: Surface) -> np.ndarray:
     """(4,) for a plane, (4, 4) for a quadric, float64."""
     if isinstance(surface, Plane):
-        return np.array([to_double(x) for x in surface.normal])
+        return np.array(doubles((surface.normal,))[0])
     return np.array(doubles(surface.form))
 
 
@@ -100,11 +100,10 @@ def tight_box(body: CompositeQuadric, box: Box) -> tuple[np.ndarray, np.ndarray]
     A coordinate is largest at a vertex, on an edge or where a face's tangent plane is level; on cones and cylinders
     such points form rulings, which end on edges.  Where edges are of degree 4, cells that may be inside are used.
     """
-    lo = np.array([math.nextafter(to_double(x), -math.inf) for x in box[0]])
-    hi = np.array([math.nextafter(to_double(x), math.inf) for x in box[1]])
+    lo, hi = _outward(box)
     curves = [*body.edges, *body.seams]
     if any(isinstance(e.carrier, QuarticCurve) for e in curves):
-        new_lo, new_hi = _hull_of_cells(body, lo, hi)
+        new_lo, new_hi = hull_of_cells(body, box)
     else:
         points = [np.array([v.position for v in body.vertices]).reshape(-1, 3)]
         points += [_extremes_on_edge(edge) for edge in curves]
@@ -162,8 +161,14 @@ def _level_points(body: CompositeQuadric, surface: Quadric) -> np.ndarray:
     return points[may_in & may_out]
 
 
-def _hull_of_cells(body: CompositeQuadric, lo: np.ndarray, hi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The hull of the cells of a grid that may hold points of the solid."""
+def _outward(box: Box) -> tuple[np.ndarray, np.ndarray]:
+    lo = np.array([math.nextafter(to_double(x), -math.inf) for x in box[0]])
+    return lo, np.array([math.nextafter(to_double(x), math.inf) for x in box[1]])
+
+
+def hull_of_cells(body: CompositeQuadric, box: Box) -> tuple[np.ndarray, np.ndarray]:
+    """The hull of the cells of ever finer grids that may hold points of the solid, (3,) float64 corners."""
+    lo, hi = _outward(box)
     forms = [_form_f(s) for s in body.surfaces]
     for _ in range(3):
         centre, half = cells_of(lo, hi, 16)

@@ -7,7 +7,7 @@ Every curve common to two surfaces is cut at all the others; a sample point of e
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
@@ -84,7 +84,7 @@ class Edge:
     pieces: tuple[Piece, ...]
     faces: tuple[int, ...]
     frame: Any
-    """(4, 2) float64: X(s) = frame (s, 1); (4, 3): X(t) = frame (1, cos t, sin t); (n, 3): points along a quartic."""
+    """(4, 2) float64: X(s) = frame (s, 1), s a length; (4, 3): X(t) = frame (1, cos t, sin t); (n, 3): points along a quartic."""
 
     def points(self, parameters: Any) -> np.ndarray:
         """(n, 3) float64 points of the curve at the (n,) parameters."""
@@ -138,26 +138,26 @@ class _Traced:
     profiles: tuple[Profile, ...]
 
 
-def derive(tree: Tree, surfaces: Sequence[Surface], names: Any) -> Features:
-    """All features; `names` tells how to call them (`surface_name`, `edge_name`)."""
+def derive(tree: Tree, surfaces: Sequence[Surface], names: Any, box: Callable[[], Any]) -> Features:
+    """All features; `names` tells how to call them, `box` finds a box that holds the solid (asked only if needed)."""
     traced, quartics = _traced_curves(tree, surfaces)
     sides = {side for t in traced for profile in t.profiles for side in profile.faces}
-    sides |= _sides_of_whole_surfaces(tree, surfaces, sides)
     corners = _Corners(surfaces)
+    for t in traced:
+        corners.collect(t)
     quartic_edges: list[Any] = []
     if quartics:
         from firstcontact.body.quartic_edges import trace_quartics
 
-        quartic_edges, new_sides = trace_quartics(tree, surfaces, quartics, corners)
+        quartic_edges, new_sides = trace_quartics(tree, surfaces, quartics, corners, box())
         sides |= new_sides
+    sides |= _sides_of_whole_surfaces(tree, surfaces, sides)
     faces = _faces(sides, surfaces, names)
     numbers = {(f.surfaces[0], f.orientation): f.index for f in faces}
-    for t in traced:
-        corners.collect(t)
     corners.add_apexes(tree)
     vertices = corners.numbered(names)
     found = [e for t in traced for e in _edges_of(t, corners, names, numbers)]
-    found += [edge.finished(corners, names, numbers) for edge in quartic_edges]
+    found += [e for edge in quartic_edges for e in edge.finished(names, numbers)]
     edges = [e for e in found if e["convexity"] != "smooth"]
     seams = [e for e in found if e["convexity"] == "smooth"]
     return Features(
@@ -479,26 +479,34 @@ def _runs(traced: _Traced, corners: _Corners) -> list[_Run]:
 def curve_frame(curve: Line | Conic, loop: Loop, sample: Arc) -> np.ndarray:
     """(4, 2) or (4, 3) float64, as in `Edge.frame`; a pair of lines gives the one the sample is on."""
     if isinstance(curve, Line):
-        return np.array(doubles(curve.basis))
-    parts = sorted(diagonalised(curve.form), key=lambda part: part[0])
+        direction, foot = transposed(curve.basis)
+        unit = np.array(doubles((direction,))[0])
+        return np.column_stack([unit / np.linalg.norm(unit), [to_double(x) for x in foot]])
+    # directions of the basis to length about one, exactly
+    scales = [max(abs(x) for x in column) for column in transposed(curve.basis)[:2]] + [ONE]
+    basis = np.array([[to_double(x / s) for x, s in zip(row, scales, strict=True)] for row in curve.basis])
+    form = tuple(tuple(x / (s * t) for x, t in zip(row, scales, strict=True)) for row, s in zip(curve.form, scales, strict=True))
+    parts = sorted(diagonalised(form), key=lambda part: part[0])
     if not all(value for value, _ in parts):
         return _line_frame(loop, sample)
-    basis = np.array(doubles(curve.basis))
-    block = np.array(doubles(tuple(row[:2] for row in curve.form[:2])))
-    if curve.form[0][0] * curve.form[1][1] > curve.form[0][1] ** 2:  # an ellipse: centre and semi-axes
-        b = fmpq_mat([[-row[2]] for row in curve.form[:2]])
-        (x,), (y,) = fmpq_mat([list(row[:2]) for row in curve.form[:2]]).solve(b).tolist()
-        depth = -sum(c * v for c, v in zip(curve.form[2], (x, y, ONE), strict=True))
-        scale = basis[:3, :2].T @ basis[:3, :2]  # the basis directions are orthogonal, not unit
-        lengths = np.sqrt(np.diag(scale))
-        values, vectors = np.linalg.eigh(block / np.outer(lengths, lengths))
-        axes = (vectors / lengths[:, None]) * np.sqrt(to_double(depth) / values)
-        centre = basis @ [to_double(x), to_double(y), 1.0]
-        return np.column_stack([centre, basis[:, :2] @ axes])
+    if form[0][0] * form[1][1] > form[0][1] ** 2:
+        return _ellipse_frame(form, basis)
     (k, o), (p, u), (q, v) = parts
     columns_f = [np.array([to_double(x) for x in y]) for y in (o, u, v)]
-    scales = [1.0, math.sqrt(to_double(-k / p)), math.sqrt(to_double(-k / q))]
-    return basis @ np.column_stack([s * c for s, c in zip(scales, columns_f, strict=True)])
+    lengths = [1.0, math.sqrt(to_double(-k / p)), math.sqrt(to_double(-k / q))]
+    return basis @ np.column_stack([s * c for s, c in zip(lengths, columns_f, strict=True)])
+
+
+def _ellipse_frame(form: Rows, basis: np.ndarray) -> np.ndarray:
+    """Centre and semi-axes."""
+    block = [list(row[:2]) for row in form[:2]]
+    (x,), (y,) = fmpq_mat(block).solve(fmpq_mat([[-row[2]] for row in form[:2]])).tolist()
+    depth = -dot(form[2], (x, y, ONE))
+    lengths = np.linalg.norm(basis[:3, :2], axis=0)  # the directions are orthogonal
+    scaled = np.array([[to_double(c / depth) for c in row] for row in block]) / np.outer(lengths, lengths)
+    values, vectors = np.linalg.eigh(scaled)
+    axes = vectors / lengths[:, None] / np.sqrt(values)
+    return np.column_stack([basis @ [to_double(x), to_double(y), 1.0], basis[:, :2] @ axes])
 
 
 def _line_frame(loop: Loop, sample: Arc) -> np.ndarray:

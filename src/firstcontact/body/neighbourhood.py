@@ -122,8 +122,8 @@ def _radius(surfaces: Sequence[Surface], gradients: dict[int, Any]) -> arb:
     for i, g in gradients.items():
         surface = surfaces[i]
         if isinstance(surface, Quadric):
-            bend = max(abs(to_double(x)) for row in surface.form[:3] for x in row[:3])
-            radii.append(float(dot(g, g).sqrt()) / bend)
+            bend = max(abs(x) for row in surface.form[:3] for x in row[:3])
+            radii.append(float(dot(g, g).sqrt() / bend))
     return arb(CIRCLE * min(radii))
 
 
