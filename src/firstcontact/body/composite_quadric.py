@@ -345,7 +345,7 @@ class CompositeQuadric:
         return 0 not in signs and inside(self.tree, [s < 0 for s in signs]) == wanted
 
     def _anywhere(self) -> bool | None:
-        """The Boolean value at some point where no form vanishes; for solids without faces it is the same everywhere."""
+        """The Boolean value at some point where no form vanishes; for solids without faces it is the same all over."""
         for k in range(100):
             signs = self.signs((fmpq(k, 97), fmpq(k * k, 89), fmpq(1, 83), ONE))
             if 0 not in signs:

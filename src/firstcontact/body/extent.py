@@ -148,7 +148,7 @@ def _level_points(body: CompositeQuadric, surface: Quadric) -> np.ndarray:
     found = []
     for k in range(3):
         a, b, c = dual[3, 3], -2 * dual[k, 3], dual[k, k]
-        for root in np.roots(np.trim_zeros([a, b, c], "f")) if a or b else ():
+        for root in np.roots(np.trim_zeros(np.array([a, b, c]), "f")) if a or b else ():
             if abs(root.imag) > 1e-7 * (1 + abs(root)):
                 continue
             normal = np.zeros(4)
@@ -175,6 +175,8 @@ def hull_of_cells(body: CompositeQuadric, box: Box) -> tuple[np.ndarray, np.ndar
         x = np.column_stack([centre, np.ones(len(centre))])
         h = np.column_stack([np.tile(half * 1.0000001, (len(x), 1)), np.zeros(len(x))])
         kept: Any = centre[_may_be_inside(body.tree, forms, x, h)]
+        if not len(kept):  # proved empty
+            return lo, lo
         lo, hi = np.maximum(lo, kept.min(axis=0) - 1.000001 * half), np.minimum(hi, kept.max(axis=0) + 1.000001 * half)
     return lo, hi
 

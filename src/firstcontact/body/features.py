@@ -31,15 +31,15 @@ from firstcontact.body.carriers import (
     Vector,
     columns,
     diagonalised,
-    doubles,
     dot,
+    doubles,
     null_space,
     transposed,
 )
 from firstcontact.body.csg import Tree, inside, outcomes, pattern
 from firstcontact.body.intersections import common_curves, line
 from firstcontact.body.neighbourhood import Profile, around_curve, patterns
-from firstcontact.body.trimming import BITS, INFINITY, Arc, Break, Loop, Trimmed, trim
+from firstcontact.body.trimming import BITS, INFINITY, Arc, Break, Loop, Trimmed, largest, trim
 from firstcontact.exact.numbers import dyadic, precision, to_double
 
 EDGE_KINDS = ("convex", "reentrant", "smooth")
@@ -84,14 +84,18 @@ class Edge:
     pieces: tuple[Piece, ...]
     faces: tuple[int, ...]
     frame: Any
-    """(4, 2) float64: X(s) = frame (s, 1), s a length; (4, 3): X(t) = frame (1, cos t, sin t); (n, 3): points along a quartic."""
+    """(4, 2) float64: X(s) = frame (s, 1), s a length; (4, 3): X(t) = frame (1, cos t, sin t).
+    Quartics: (n, 3) points, the parameter counts along them."""
 
     def points(self, parameters: Any) -> np.ndarray:
         """(n, 3) float64 points of the curve at the (n,) parameters."""
         t = np.asarray(parameters, float)
         if isinstance(self.carrier, QuarticCurve):
+            from firstcontact.body.quartic_edges import PairF
+
             steps = np.arange(len(self.frame))
-            return np.stack([np.interp(t, steps, self.frame[:, k]) for k in range(3)], axis=-1)
+            chord = np.stack([np.interp(t, steps, self.frame[:, k]) for k in range(3)], axis=-1)
+            return PairF(self.carrier.first, self.carrier.second).pulled(chord)
         if self.frame.shape[1] == 2:
             return (self.frame @ np.stack([t, np.ones_like(t)]))[:3].T
         x = self.frame @ np.stack([np.ones_like(t), np.cos(t), np.sin(t)])
@@ -227,7 +231,11 @@ def sides_along(tree: Tree, surfaces: Sequence[Surface], probe: Line) -> set[tup
 
 
 # Slopes of the probing lines: no special position relative to the usual axes and planes.
-_SLOPES = ((1, fmpq(1, 97), fmpq(1, 89)), (fmpq(1, 83), 1, fmpq(1, 79)), (fmpq(1, 73), fmpq(1, 71), 1))
+_SLOPES: tuple[Vector, ...] = (
+    (ONE, fmpq(1, 97), fmpq(1, 89)),
+    (fmpq(1, 83), ONE, fmpq(1, 79)),
+    (fmpq(1, 73), fmpq(1, 71), ONE),
+)
 
 
 def _probes(surface: Surface) -> list[Line]:
@@ -332,7 +340,7 @@ class _Corners:
 
     def add_apexes(self, tree: Tree) -> None:
         """Tips of cones on the boundary."""
-        for i, surface in enumerate(self.surfaces):
+        for surface in self.surfaces:
             tip = surface.apex if isinstance(surface, Quadric) else None
             if tip is None:
                 continue
@@ -345,7 +353,7 @@ class _Corners:
                 corner.apex = True
 
     def numbered(self, names: Any) -> tuple[Vertex, ...]:
-        vertices = []
+        vertices: list[Vertex] = []
         for corner in self.all():
             if corner.is_vertex:
                 corner.index = len(vertices)
@@ -485,14 +493,18 @@ def curve_frame(curve: Line | Conic, loop: Loop, sample: Arc) -> np.ndarray:
     # directions of the basis to length about one, exactly
     scales = [max(abs(x) for x in column) for column in transposed(curve.basis)[:2]] + [ONE]
     basis = np.array([[to_double(x / s) for x, s in zip(row, scales, strict=True)] for row in curve.basis])
-    form = tuple(tuple(x / (s * t) for x, t in zip(row, scales, strict=True)) for row, s in zip(curve.form, scales, strict=True))
+    form = tuple(
+        tuple(x / (s * t) for x, t in zip(row, scales, strict=True))
+        for row, s in zip(curve.form, scales, strict=True)
+    )
     parts = sorted(diagonalised(form), key=lambda part: part[0])
     if not all(value for value, _ in parts):
         return _line_frame(loop, sample)
     if form[0][0] * form[1][1] > form[0][1] ** 2:
         return _ellipse_frame(form, basis)
-    (k, o), (p, u), (q, v) = parts
-    columns_f = [np.array([to_double(x) for x in y]) for y in (o, u, v)]
+    sizes = [max(abs(x) for x in vector) for _, vector in parts]
+    columns_f = [np.array([to_double(x / s) for x in v]) for (_, v), s in zip(parts, sizes, strict=True)]
+    k, p, q = (value / s**2 for (value, _), s in zip(parts, sizes, strict=True))
     lengths = [1.0, math.sqrt(to_double(-k / p)), math.sqrt(to_double(-k / q))]
     return basis @ np.column_stack([s * c for s, c in zip(lengths, columns_f, strict=True)])
 
@@ -514,7 +526,9 @@ def _line_frame(loop: Loop, sample: Arc) -> np.ndarray:
         m = arb(sample.m)
         x, dx = loop.point(m, sample.sheet), loop.tangent(m, sample.sheet)
         p = [float(c / x[3]) for c in x[:3]]
-        d = np.array([float(a * x[3] - b * dx[3]) for a, b in zip(dx[:3], x[:3], strict=True)])
+        along = [a * x[3] - b * dx[3] for a, b in zip(dx[:3], x[:3], strict=True)]
+        size = largest(along)
+        d = np.array([float(c / size) for c in along])
     d /= np.linalg.norm(d)
     foot = np.array(p) - d * (d @ p)
     return np.array([[*d, 0.0], [*foot, 1.0]]).T
@@ -553,7 +567,7 @@ def _line_piece(ends: list[float], finite: list[bool], at: float, numbers: list[
 def _homogeneous(loop: Loop, m: Any, sheet: int) -> np.ndarray:
     with precision(BITS):
         x = loop.point(arb(m), sheet)
-        size = max((c.mid() for c in x), key=abs)
+        size = largest(x)
         return np.array([float(c / size) for c in x])
 
 

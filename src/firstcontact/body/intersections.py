@@ -142,7 +142,8 @@ def _contained_line(ends: list[Vector], quadric: Quadric) -> list[Curve]:
 
 
 def member(first: Quadric, second: Quadric, root: fmpq) -> Rows:
-    return tuple(tuple(root * a - b for a, b in zip(*rows, strict=True)) for rows in zip(first.form, second.form))
+    pairs = zip(first.form, second.form, strict=True)
+    return tuple(tuple(root * a - b for a, b in zip(*rows, strict=True)) for rows in pairs)
 
 
 def rank_two_members(first: Quadric, second: Quadric) -> list[fmpq]:

@@ -8,7 +8,18 @@ from typing import Any
 import numpy as np
 from flint import fmpq
 
-from firstcontact.body.carriers import ONE, ZERO, Plane, Quadric, Rows, Vector, diagonalised, inertia, primitive
+from firstcontact.body.carriers import (
+    ONE,
+    ZERO,
+    Plane,
+    Quadric,
+    Rows,
+    Surface,
+    Vector,
+    diagonalised,
+    inertia,
+    primitive,
+)
 from firstcontact.body.composite_quadric import CompositeQuadric, Part, form_of, solid
 from firstcontact.body.csg import And, Leaf, Not, Or
 from firstcontact.body.intersections import linear_factors
@@ -26,7 +37,7 @@ def box(size: Iterable[Any], *, name: str | None = None) -> CompositeQuadric:
     <CompositeQuadric: 6 faces, 12 edges, 8 vertices>
     """
     half = tuple(x / 2 for x in _positive3(size, "box size"))
-    leaves = []
+    leaves: list[tuple[str, Surface]] = []
     for k in range(3):
         for sign, mark in ((-1, "-"), (1, "+")):
             normal = tuple(fmpq(sign if i == k else 0) for i in range(3))
@@ -60,7 +71,8 @@ def cylinder(radius: Any, height: Any, *, name: str | None = None) -> CompositeQ
     """
     a, b = _radii(radius, "cylinder radius")
     h = _positive(height, "cylinder height") / 2
-    leaves = [("side", diagonal(1 / a**2, 1 / b**2, ZERO, -ONE)), ("top", up(h)), ("bottom", down(-h))]
+    side: Surface = diagonal(1 / a**2, 1 / b**2, ZERO, -ONE)
+    leaves = [("side", side), ("top", up(h)), ("bottom", down(-h))]
     return solid(leaves, RIMS, box=((-a, -b, -h), (a, b, h)), witness=ORIGIN, name=name)
 
 
@@ -74,10 +86,10 @@ def cone(radius: Any, height: Any, *, name: str | None = None) -> CompositeQuadr
 
 def frustum(bottom: Any, top: Any, height: Any, *, name: str | None = None) -> CompositeQuadric:
     """The truncated cone about z: radius `bottom` at z = 0 and `top` at z = height; one of them may be 0."""
-    radii = tuple(_not_negative(r, what) for r, what in ((bottom, "frustum bottom"), (top, "frustum top")))
-    if not any(radii):
+    r0, r1 = _not_negative(bottom, "frustum bottom"), _not_negative(top, "frustum top")
+    if r0 == r1 == 0:
         raise InputError("frustum bottom and top are both 0; give at least one positive radius")
-    return _frustum(*radii, _positive(height, "frustum height"), name)
+    return _frustum(r0, r1, _positive(height, "frustum height"), name)
 
 
 def _frustum(r0: fmpq, r1: fmpq, h: fmpq, name: str | None) -> CompositeQuadric:
@@ -86,7 +98,7 @@ def _frustum(r0: fmpq, r1: fmpq, h: fmpq, name: str | None) -> CompositeQuadric:
         ((ONE, ZERO, ZERO, ZERO), (ZERO, ONE, ZERO, ZERO), (ZERO, ZERO, -k * k, r0 * k), (ZERO, ZERO, r0 * k, -r0 * r0))
     )
     r = max(r0, r1)
-    leaves = [("side", side), ("top", up(h)), ("bottom", down(ZERO))]
+    leaves: list[tuple[str, Surface]] = [("side", side), ("top", up(h)), ("bottom", down(ZERO))]
     return solid(leaves, RIMS, box=((-r, -r, ZERO), (r, r, h)), witness=(ZERO, ZERO, h / 2), name=name)
 
 

@@ -120,7 +120,7 @@ def _in_pencil(first: Surface, second: Surface, other: Surface) -> bool:
 # -- tracing ------------------------------------------------------------------------------------------------
 
 
-class _PairF:
+class PairF:
     """Both forms in doubles."""
 
     def __init__(self, first: Quadric, second: Quadric) -> None:
@@ -152,7 +152,7 @@ def _polylines(first: Quadric, second: Quadric, box: BoxF) -> list[tuple[np.ndar
     pad = 0.01 * (hi - lo).max()
     lo, hi = lo - pad, hi + pad
     step = float(np.linalg.norm(hi - lo)) / STEPS
-    pair = _PairF(first, second)
+    pair = PairF(first, second)
     seeds = _seeds(pair, lo, hi)
     found: list[tuple[np.ndarray, bool]] = []
     while len(seeds):
@@ -166,7 +166,7 @@ def _polylines(first: Quadric, second: Quadric, box: BoxF) -> list[tuple[np.ndar
     return [(points, closed) for points, closed in found if len(points) > 2]
 
 
-def _seeds(pair: _PairF, lo: np.ndarray, hi: np.ndarray) -> np.ndarray:
+def _seeds(pair: PairF, lo: np.ndarray, hi: np.ndarray) -> np.ndarray:
     """Points of the curve near the centres of all cells that it may pass through."""
     centre, half = cells_of(lo, hi, GRID)
     x = np.column_stack([centre, np.ones(len(centre))])
@@ -182,7 +182,7 @@ def _seeds(pair: _PairF, lo: np.ndarray, hi: np.ndarray) -> np.ndarray:
     return p[good]
 
 
-def _traced(pair: _PairF, seed: np.ndarray, step: float, lo: np.ndarray, hi: np.ndarray) -> tuple[np.ndarray, bool]:
+def _traced(pair: PairF, seed: np.ndarray, step: float, lo: np.ndarray, hi: np.ndarray) -> tuple[np.ndarray, bool]:
     """Both ways from the seed, until the box is left or the start is met again."""
     ahead, closed = _one_way(pair, seed, step, lo, hi, 1.0)
     if closed:
@@ -192,7 +192,7 @@ def _traced(pair: _PairF, seed: np.ndarray, step: float, lo: np.ndarray, hi: np.
 
 
 def _one_way(
-    pair: _PairF, seed: np.ndarray, step: float, lo: np.ndarray, hi: np.ndarray, way: float
+    pair: PairF, seed: np.ndarray, step: float, lo: np.ndarray, hi: np.ndarray, way: float
 ) -> tuple[list[np.ndarray], bool]:
     points, direction = [seed], None
     for count in range(40 * STEPS):
@@ -231,7 +231,7 @@ def _stretches(
     positive = np.array([values[k] > 0 for k in rest]).reshape(len(rest), len(points))
     changes = np.any(positive[:, 1:] != positive[:, :-1], axis=0)
     n = len(points)
-    cuts = [k + 1 for k in np.flatnonzero(changes)]
+    cuts = [int(k) + 1 for k in np.flatnonzero(changes)]
     if closed and cuts:
         points, positive = np.roll(points, -cuts[0], axis=0), np.roll(positive, -cuts[0], axis=1)
         cuts = [c - cuts[0] for c in cuts[1:]]
@@ -239,8 +239,9 @@ def _stretches(
     else:
         wraps = False
     bounds = [0, *cuts, n]
-    parts = [(a, b) for a, b in zip(bounds, bounds[1:], strict=False)]
-    profiles = [_profile_at(tree, surfaces, on, rest, points[(a + b) // 2], positive[:, (a + b) // 2]) for a, b in parts]
+    parts = list(zip(bounds[:-1], bounds[1:], strict=True))
+    middles = [(a + b) // 2 for a, b in parts]
+    profiles = [_profile_at(tree, surfaces, on, rest, points[m], positive[:, m]) for m in middles]
     if closed and len(parts) == 1 and not wraps:
         whole = np.concatenate([points, points[:1]])
         return [_Stretch(whole, profiles[0], None, None)] if profiles[0].kind in EDGE_KINDS else []

@@ -227,7 +227,10 @@ def _conic_loop(curve: Conic, frame: list[Vector], k: int, j: int) -> Loop:
     polar = [bilinear(curve.form, centre, d) for d in (first, second)]
     g = fmpq_poly(polar)
     f = _square(curve.form, first, second)
-    a, b = (_mapped(curve.basis, _plus(_scaled(weight, d), -p, centre)) for d, p in zip((first, second), polar))
+    a, b = (
+        _mapped(curve.basis, _plus(_scaled(weight, d), -p, centre))
+        for d, p in zip((first, second), polar, strict=True)
+    )
     return Loop(a, b, _mapped(curve.basis, centre), (ZERO,) * 4, g * g - f * weight, (1, -1), True)
 
 
@@ -254,7 +257,8 @@ def _breaks(loop: Loop, crossings: dict[int, Crossing | None]) -> dict[int, list
     found: dict[int, list[Break]] = {sheet: [] for sheet in loop.sheets}
     with precision(BITS):
         for factor, on in factors.values():
-            for value, _ in factor.complex_roots():
+            for found_root in factor.complex_roots():
+                value: Any = found_root[0]  # type: ignore[index]
                 if value.imag != 0:
                     continue
                 root = Root(factor, arb(value.real))
@@ -338,3 +342,12 @@ def _signs(
     return tuple(
         0 if i in containing else value(s) * (w if isinstance(s, Plane) else 1) for i, s in enumerate(surfaces)
     )
+
+
+def largest(values: Sequence[arb]) -> arb:
+    """The largest midpoint in absolute value: to divide by before rounding, since balls may exceed all doubles."""
+    size = abs(values[0].mid())
+    for value in values[1:]:
+        if abs(value.mid()) > size:
+            size = abs(value.mid())
+    return arb(size)
