@@ -22,7 +22,7 @@ from firstcontact.body.features import EDGE_KINDS, Piece
 from firstcontact.body.neighbourhood import Profile, around_curve
 from firstcontact.body.trimming import BITS
 from firstcontact.errors import UnsupportedPair
-from firstcontact.exact.numbers import dyadic, precision
+from firstcontact.exact.numbers import dyadic, precision, to_double
 
 BoxF = tuple[np.ndarray, np.ndarray]
 """Corners, (3,) float64 each."""
@@ -88,23 +88,29 @@ def trace_quartics(
     """All degree-4 edges inside the box, and the sides of surfaces that they bound."""
     edges: list[QuarticEdge] = []
     sides: set[tuple[int, int]] = set()
-    done: set[frozenset[int]] = set()
+    walks: dict[tuple[int, ...], list[_Walk]] = {}
     for i, j in pairs:
         on = tuple(k for k in range(len(surfaces)) if _in_pencil(surfaces[i], surfaces[j], surfaces[k]))
-        if frozenset(on) in done:
+        if on in walks:
             continue
-        done.add(frozenset(on))
         if box is None:
             raise UnsupportedPair(
                 f"surfaces {i} and {j} meet in a curve of degree 4, and no bound of the solid is known; "
                 "intersect it with a box"
             )
-        first, second = surfaces[i], surfaces[j]
+        first, second = surfaces[on[0]], surfaces[on[1]]
         assert isinstance(first, Quadric) and isinstance(second, Quadric)
-        stretches: list[_Stretch] = []
-        for polyline, closed in _polylines(first, second, box):
-            stretches += _stretches(tree, surfaces, on, polyline, closed, corners)
+        pair = PairF(first, second)
+        walks[on] = [
+            _Walk(on, list(points), [None] * len(points), closed, pair) for points, closed in _polylines(pair, box)
+        ]
+    if box is not None:
+        _cut_walks([w for own in walks.values() for w in own], surfaces, corners, _step(box))
+    for on, own in walks.items():
+        stretches = [s for walk in own for s in _stretches(tree, surfaces, walk)]
         sides |= {side for s in stretches for side in s.profile.faces}
+        first, second = surfaces[on[0]], surfaces[on[1]]
+        assert isinstance(first, Quadric) and isinstance(second, Quadric)
         edges.append(QuarticEdge(QuarticCurve(first, second), on, tuple(stretches)))
     return edges, sides
 
@@ -146,13 +152,15 @@ class PairF:
         return 2 * np.einsum("sij,nj->nsi", self.forms, x)[..., :3]
 
 
-def _polylines(first: Quadric, second: Quadric, box: BoxF) -> list[tuple[np.ndarray, bool]]:
+def _step(box: BoxF) -> float:
+    return float(np.linalg.norm(box[1] - box[0])) / STEPS
+
+
+def _polylines(pair: PairF, box: BoxF) -> list[tuple[np.ndarray, bool]]:
     """(points (n, 3), closed) of every branch inside the box, neighbours at most one step apart."""
     lo, hi = box
-    pad = 0.01 * (hi - lo).max()
-    lo, hi = lo - pad, hi + pad
-    step = float(np.linalg.norm(hi - lo)) / STEPS
-    pair = PairF(first, second)
+    step = _step(box)
+    lo, hi = lo - 3 * step, hi + 3 * step
     seeds = _seeds(pair, lo, hi)
     found: list[tuple[np.ndarray, bool]] = []
     while len(seeds):
@@ -194,75 +202,168 @@ def _traced(pair: PairF, seed: np.ndarray, step: float, lo: np.ndarray, hi: np.n
 def _one_way(
     pair: PairF, seed: np.ndarray, step: float, lo: np.ndarray, hi: np.ndarray, way: float
 ) -> tuple[list[np.ndarray], bool]:
-    points, direction = [seed], None
-    for count in range(40 * STEPS):
+    """Points from the seed on; the step is halved where the curve bends by more than a third of it."""
+    points, direction, length = [seed], None, step
+    travelled = 0.0
+    for _ in range(200 * STEPS):
         p = points[-1]
-        a, b = pair.gradients(p[None])[0]
-        tangent = np.array(cross(a, b))
-        length = np.linalg.norm(tangent)
-        if length < 1e-6 * np.linalg.norm(a) * np.linalg.norm(b):  # a crossing of branches: straight on
-            if direction is None:
-                return points, False
-            tangent = direction
-        elif direction is None:
-            tangent = way * tangent / length
-        else:
-            tangent = math.copysign(1.0, tangent @ direction) * tangent / length
-        new = pair.pulled((p + step * tangent)[None], 4)[0]
-        direction = tangent
-        if not np.all((new >= lo) & (new <= hi)) or np.linalg.norm(new - p) > 2 * step:
+        tangent = _tangent(pair, p, direction, way)
+        if tangent is None:
             return points, False
-        if count > 2 and np.linalg.norm(new - seed) < 0.8 * step and tangent @ (points[1] - seed) > 0:
+        new = pair.pulled((p + length * tangent)[None], 4)[0]
+        if np.linalg.norm(new - p - length * tangent) > length / 3 and length > step / 256:
+            length /= 2
+            continue
+        direction = tangent
+        if not np.all((new >= lo) & (new <= hi)) or np.linalg.norm(new - p) > 2 * length:
+            return points, False
+        if travelled > 2 * step and np.linalg.norm(new - seed) < 0.8 * step and tangent @ (points[1] - seed) > 0:
             return points, True
+        travelled += length
         points.append(new)
+        length = min(2 * length, step)
     return points, False
+
+
+def _tangent(pair: PairF, p: np.ndarray, direction: np.ndarray | None, way: float) -> np.ndarray | None:
+    """The unit tangent that goes on in `direction`; straight on where branches cross, None if that has no meaning."""
+    a, b = pair.gradients(p[None])[0]
+    tangent = np.array(cross(a, b))
+    length = np.linalg.norm(tangent)
+    if length < 1e-6 * np.linalg.norm(a) * np.linalg.norm(b):
+        return direction
+    sign = way if direction is None else math.copysign(1.0, tangent @ direction)
+    return sign * tangent / length
 
 
 # -- stretches between crossings ----------------------------------------------------------------------------
 
 
-def _stretches(
-    tree: Tree, surfaces: Sequence[Surface], on: tuple[int, ...], points: np.ndarray, closed: bool, corners: Any
-) -> list[_Stretch]:
-    """The polyline cut where other surfaces cross it; only stretches that bound the solid."""
-    x = np.column_stack([points, np.ones(len(points))])
-    rest = [k for k in range(len(surfaces)) if k not in on]
-    values = {k: np.einsum("ni,ij,nj->n", x, np.array(doubles(surfaces[k].matrix())), x) for k in rest}
-    positive = np.array([values[k] > 0 for k in rest]).reshape(len(rest), len(points))
-    changes = np.any(positive[:, 1:] != positive[:, :-1], axis=0)
-    n = len(points)
-    cuts = [int(k) + 1 for k in np.flatnonzero(changes)]
-    if closed and cuts:
-        points, positive = np.roll(points, -cuts[0], axis=0), np.roll(positive, -cuts[0], axis=1)
-        cuts = [c - cuts[0] for c in cuts[1:]]
-        wraps = bool(np.any(positive[:, 0] != positive[:, -1]))
-    else:
-        wraps = False
-    bounds = [0, *cuts, n]
-    parts = list(zip(bounds[:-1], bounds[1:], strict=True))
-    middles = [(a + b) // 2 for a, b in parts]
-    profiles = [_profile_at(tree, surfaces, on, rest, points[m], positive[:, m]) for m in middles]
-    if closed and len(parts) == 1 and not wraps:
-        whole = np.concatenate([points, points[:1]])
-        return [_Stretch(whole, profiles[0], None, None)] if profiles[0].kind in EDGE_KINDS else []
-    ends = _Ends(surfaces, on, rest, points, positive, corners)
-    kinds = [p.kind if p.kind in EDGE_KINDS else None for p in profiles]
+@dataclass(eq=False)
+class _Walk:
+    """One polyline on the common curve of the surfaces `on`; corners[k]: what lies at point k, if anything."""
+
+    on: tuple[int, ...]
+    points: list[np.ndarray]
+    corners: list[Any]
+    closed: bool
+    pair: PairF
+
+    def insert(self, after: int, point: np.ndarray, corner: Any) -> None:
+        self.points.insert(after + 1, point)
+        self.corners.insert(after + 1, corner)
+
+    def visit(self, corner: Any, step: float) -> None:
+        """Put a corner known from elsewhere where the polyline passes it."""
+        p = np.array(corner.position)
+        if any(c is corner for c in self.corners):
+            return
+        points = np.array(self.points)
+        k = int(np.linalg.norm(points - p, axis=1).argmin())
+        if np.linalg.norm(points[k] - p) > step:
+            return
+        n = len(points)
+        along = points[(k + 1) % n if self.closed else min(k + 1, n - 1)] - points[k - 1 if self.closed or k else 0]
+        self.insert(k if (p - points[k]) @ along > 0 else k - 1, p, corner)
+
+    def gaps(self) -> list[tuple[int, int]]:
+        """Neighbouring numbers."""
+        n = len(self.points)
+        return [(k, k + 1) for k in range(n - 1)] + ([(n - 1, 0)] if self.closed else [])
+
+    def fill(self) -> None:
+        """A point of the curve between any two corners that follow each other."""
+        for k, after in reversed(self.gaps()):
+            if self.corners[k] is not None and self.corners[after] is not None:
+                middle = self.pair.pulled(((self.points[k] + self.points[after]) / 2)[None])[0]
+                self.insert(k, middle, None)
+
+
+def _cut_walks(walks: list[_Walk], surfaces: Sequence[Surface], corners: Any, step: float) -> None:
+    """Corners wherever a surface is crossed; corners of one curve are offered to the others, until nothing is new."""
+    known = -1
+    while known != len(corners.all()):
+        known = len(corners.all())
+        for walk in walks:
+            for corner in corners.all():
+                if set(walk.on) <= corner.surfaces:
+                    walk.visit(corner, step)
+            walk.fill()
+            _cross(walk, surfaces, corners, step)
+            walk.fill()
+
+
+def _cross(walk: _Walk, surfaces: Sequence[Surface], corners: Any, step: float) -> None:
+    """Add a corner wherever a surface changes its sign between plain points and no corner between explains it."""
+    rest = [k for k in range(len(surfaces)) if k not in walk.on]
+    signs = _signs_f(np.array(walk.points), surfaces, rest)
+    plain = [k for k, corner in enumerate(walk.corners) if corner is None]
+    pairs = list(zip(plain, plain[1:], strict=False))
+    if walk.closed and len(plain) > 1:
+        pairs.append((plain[-1], plain[0]))
     found = []
+    n = len(walk.points)
+    for k, after in pairs:
+        between = [walk.corners[(k + j) % n] for j in range(1, (after - k) % n)]
+        explained = {i for corner in between for i in corner.surfaces}
+        for i, changed in zip(rest, signs[:, k] != signs[:, after], strict=True):
+            if changed and i not in explained:
+                start = (walk.points[k] + walk.points[after]) / 2
+                point = enclosed((surfaces[walk.on[0]], surfaces[walk.on[1]], surfaces[i]), start)
+                position = np.array([to_double(x) for x in point.centre])
+                if np.linalg.norm(position - start) < 2 * step:
+                    found.append(corners.merged(_all_on(point, walk.on, rest, surfaces), point))
+    for corner in found:
+        walk.visit(corner, 3 * step)
+
+
+def _signs_f(points: np.ndarray, surfaces: Sequence[Surface], rest: list[int]) -> np.ndarray:
+    """(len(rest), n) bools: where the forms are positive."""
+    x = np.column_stack([points, np.ones(len(points))])
+    forms = np.array([doubles(surfaces[k].matrix()) for k in rest]).reshape(-1, 4, 4)
+    return np.einsum("ni,sij,nj->sn", x, forms, x) > 0
+
+
+def _all_on(point: EnclosedPoint, on: tuple[int, ...], rest: list[int], surfaces: Sequence[Surface]) -> frozenset[int]:
+    """The surfaces whose forms cannot be told from zero at the point."""
+    with precision(BITS):
+        x = [arb(c, point.radius) for c in point.centre]
+        values = {k: surfaces[k].value([*x, arb(1)]) for k in rest}
+        return frozenset(on) | {k for k, value in values.items() if not (value > 0 or value < 0)}
+
+
+def _stretches(tree: Tree, surfaces: Sequence[Surface], walk: _Walk) -> list[_Stretch]:
+    """The parts between corners that bound the solid; tells the corners where edges end."""
+    rest = [k for k in range(len(surfaces)) if k not in walk.on]
+    cuts = [k for k, corner in enumerate(walk.corners) if corner is not None]
+    n = len(walk.points)
+    if walk.closed and cuts:
+        walk.points = walk.points[cuts[0] :] + walk.points[: cuts[0] + 1]
+        walk.corners = walk.corners[cuts[0] :] + walk.corners[: cuts[0] + 1]
+        cuts = [k for k, corner in enumerate(walk.corners) if corner is not None]
+        bounds = cuts
+    elif walk.closed:
+        walk.points, walk.corners = [*walk.points, walk.points[0]], [None] * (n + 1)
+        bounds = [0, n]
+    else:
+        bounds = sorted({0, *cuts, n - 1})
+    parts = list(zip(bounds[:-1], bounds[1:], strict=True))
+    points = np.array(walk.points)
+    signs = _signs_f(points, surfaces, rest)
+    found = []
+    kinds: list[str | None] = []
+    for a, b in parts:
+        middle = next((m for m in sorted(range(a, b + 1), key=lambda m: abs(2 * m - a - b)) if not walk.corners[m]), a)
+        profile = _profile_at(tree, surfaces, walk.on, rest, points[middle], signs[:, middle])
+        kinds.append(profile.kind if profile.kind in EDGE_KINDS else None)
+        if kinds[-1]:
+            found.append(_Stretch(points[a : b + 1], profile, walk.corners[a], walk.corners[b]))
     for k, (a, b) in enumerate(parts):
-        if kinds[k] is None:
-            continue
-        inner = closed or (k > 0)
-        start = ends.corner((a - 1) % n, a) if inner else None
-        end = ends.corner(b - 1, b % n) if closed or k < len(parts) - 1 else None
-        for corner, other in ((start, kinds[k - 1] if inner else None), (end, kinds[(k + 1) % len(kinds)])):
-            if corner is not None:
+        before = kinds[k - 1] if walk.closed or k else None
+        after = kinds[(k + 1) % len(kinds)] if walk.closed or k + 1 < len(kinds) else None
+        for corner, other in ((walk.corners[a], before), (walk.corners[b], after)):
+            if corner is not None and kinds[k]:
                 corner.ends |= other != kinds[k]
-        run = [points[a:b]]
-        if start is not None:
-            run.insert(0, np.array([start.position]))
-        if end is not None:
-            run.append(np.array([end.position]))
-        found.append(_Stretch(np.concatenate(run), profiles[k], start, end))
     return found
 
 
@@ -292,36 +393,6 @@ def _newton_least(first: Surface, second: Surface, p: list[arb]) -> list[arb]:
     det = aa * bb - ab * ab
     s, t = (bb * f - ab * g) / det, (aa * g - ab * f) / det
     return [arb((x - s * u - t * v).mid()) for x, u, v in zip(p, a, b, strict=True)]
-
-
-class _Ends:
-    """Corners where the polyline passes from one side of a surface to the other."""
-
-    def __init__(
-        self,
-        surfaces: Sequence[Surface],
-        on: tuple[int, ...],
-        rest: list[int],
-        points: np.ndarray,
-        positive: np.ndarray,
-        corners: Any,
-    ) -> None:
-        self.surfaces, self.on, self.rest, self.points = surfaces, on, rest, points
-        self.positive, self.corners = positive, corners
-
-    def corner(self, before: int, after: int) -> Any:
-        changed = [k for k, row in zip(self.rest, self.positive, strict=True) if row[before] != row[after]]
-        start = (self.points[before] + self.points[after]) / 2
-        system = (self.surfaces[self.on[0]], self.surfaces[self.on[1]], self.surfaces[changed[0]])
-        point = enclosed(system, start)
-        here = frozenset(self.on) | {k for k in self.rest if self._vanishes(k, point)}
-        return self.corners.merged(here, point)
-
-    def _vanishes(self, k: int, point: EnclosedPoint) -> bool:
-        with precision(BITS):
-            x = [arb(c, point.radius) for c in point.centre[:3]]
-            value = self.surfaces[k].value([*x, arb(1)])
-            return not (value > 0 or value < 0)
 
 
 def enclosed(system: Sequence[Surface], start: np.ndarray) -> EnclosedPoint:
