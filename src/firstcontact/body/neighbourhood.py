@@ -46,7 +46,8 @@ def around_curve(
     on = [i for i, sign in enumerate(signs) if sign == 0]
     p = [c / x[3] for c in x[:3]]
     tangent = _unit([d * x[3] - c * dx[3] for c, d in zip(x[:3], dx[:3], strict=True)])
-    gradients = {i: surfaces[i].gradient([*p, arb(1)]) for i in on}
+    full = {i: [arb(c) for c in surfaces[i].gradient([*p, arb(1)])] for i in on}
+    gradients = {i: _unit(g) for i, g in full.items()}
     across = _frame(tangent, gradients)
     angles = sorted(_half_branches(across, gradients), key=lambda half: float(half[0]))
     gaps = [float(b[0] - a[0]) for a, b in zip(angles, angles[1:], strict=False)]
@@ -54,7 +55,7 @@ def around_curve(
         probe = _first_order(across, gradients)
         halves = [(angle, i, angle) for angle, i in angles]
     else:
-        radius = _radius(surfaces, gradients)
+        radius = _radius(surfaces, full)
         probe = _on_circle(p, across, radius, surfaces)
         moved = [(_settled(angle, i, p, across, radius, surfaces), i, angle) for angle, i in angles]
         halves = sorted(moved, key=lambda half: _Exact(half[0]))

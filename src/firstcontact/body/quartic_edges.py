@@ -53,7 +53,7 @@ class QuarticEdge:
         """Keyword arguments of Edge, one for each convexity that occurs."""
         found = []
         for kind in EDGE_KINDS:
-            own = [s for s in self.stretches if s.profile.kind == kind]
+            own = _joined([s for s in self.stretches if s.profile.kind == kind])
             if not own:
                 continue
             frame = np.concatenate([s.points for s in own])
@@ -76,6 +76,25 @@ class QuarticEdge:
                 )
             )
         return found
+
+
+def _joined(stretches: list[_Stretch]) -> list[_Stretch]:
+    """Stretches that follow each other made one where no vertex parts them."""
+    joined: list[_Stretch] = []
+    for stretch in stretches:
+        last = joined[-1] if joined else None
+        if last is not None and _follows(last, stretch):
+            points = np.concatenate([last.points, stretch.points[1:]])
+            joined[-1] = _Stretch(points, last.profile, last.start, stretch.end)
+        else:
+            joined.append(stretch)
+    return joined
+
+
+def _follows(first: _Stretch, second: _Stretch) -> bool:
+    corner = first.end
+    same = corner is not None and corner is second.start and first.profile.faces == second.profile.faces
+    return same and not corner.is_vertex
 
 
 def _number(corner: Any) -> int | None:

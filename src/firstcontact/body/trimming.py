@@ -146,14 +146,23 @@ class Trimmed:
 
 def trim(curve: Line | Conic, surfaces: Sequence[Surface]) -> list[Trimmed]:
     """The curve cut at all surfaces and at infinity; one entry per loop."""
+    for bits in (BITS, 4 * BITS, 16 * BITS):
+        try:
+            return _trimmed(curve, surfaces, bits)
+        except Undecidable:
+            continue
+    raise Undecidable
+
+
+def _trimmed(curve: Line | Conic, surfaces: Sequence[Surface], bits: int) -> list[Trimmed]:
     loop, crossings = _generic_loop(curve, surfaces)
     containing = tuple(i for i, crossing in crossings.items() if crossing is None)
-    breaks = _breaks(loop, crossings)
+    breaks = _breaks(loop, crossings, bits)
     groups = [loop.sheets] if loop.joined else [(sheet,) for sheet in loop.sheets]
     found = []
     for sheets in groups:
         own = [b for sheet in sheets for b in breaks[sheet]]
-        arcs = _arcs(loop, sheets, own, breaks, surfaces, containing)
+        arcs = _arcs(loop, sheets, own, surfaces, containing, bits)
         found.append(Trimmed(loop, containing, tuple(arcs)))
     return found
 
@@ -200,10 +209,12 @@ def _is_generic(loop: Loop, crossing: Crossing, i: int, surfaces: Sequence[Surfa
 def parametrised(curve: Line | Conic, k: int, j: int) -> Loop:
     """The curve as a Loop; (k, j) choose among equivalent parametrisations."""
     zero = (ZERO,) * 4
+    curve = balanced(curve)
     if isinstance(curve, Line):
         direction, point = transposed(curve.basis)
         return Loop(direction, _plus(point, k * ONE + j * fmpq(1, 7), direction), zero, zero, fmpq_poly(0), (1,), False)
-    parts = sorted(diagonalised(curve.form), key=lambda part: part[0])
+    sizes = [(value, vector, power_of_two(vector)) for value, vector in diagonalised(curve.form)]
+    parts = sorted(((value / s**2, _scaled(1 / s, vector)) for value, vector, s in sizes), key=lambda part: part[0])
     if all(value for value, _ in parts):
         return _conic_loop(curve, [vector for _, vector in parts], k, j)
     (p, u), (_, vertex), (q, v) = parts
@@ -212,6 +223,24 @@ def parametrised(curve: Line | Conic, k: int, j: int) -> Loop:
     b = tuple(q * x + j * y for x, y in zip(up, kernel, strict=True))
     e = tuple(x + k * y for x, y in zip(vp, kernel, strict=True))
     return Loop(kernel, b, zero, e, fmpq_poly([-p * q]), (1, -1), False)
+
+
+def balanced(curve: Line | Conic) -> Line | Conic:
+    """The same curve with basis columns of length about one: exact rotations make integers of hundreds of digits."""
+    sizes = [power_of_two(column) for column in transposed(curve.basis)]
+    basis = tuple(tuple(x / s for x, s in zip(row, sizes, strict=True)) for row in curve.basis)
+    if isinstance(curve, Line):
+        return Line(basis)
+    form = [[x / (s * t) for x, t in zip(row, sizes, strict=True)] for row, s in zip(curve.form, sizes, strict=True)]
+    size = power_of_two([x for row in form for x in row])
+    return Conic(basis, tuple(tuple(x / size for x in row) for row in form))
+
+
+def power_of_two(vector: Sequence[fmpq]) -> fmpq:
+    """A power of two within a factor of four of the largest entry."""
+    largest = max(abs(x) for x in vector)
+    bits = int(largest.p).bit_length() - int(largest.q).bit_length()
+    return fmpq(2) ** bits if bits >= 0 else 1 / fmpq(2) ** -bits
 
 
 def _conic_loop(curve: Conic, frame: list[Vector], k: int, j: int) -> Loop:
@@ -246,7 +275,7 @@ def _mapped(rows: Rows, y: Vector) -> Vector:
     return tuple(row[0] for row in times(rows, tuple((x,) for x in y)))
 
 
-def _breaks(loop: Loop, crossings: dict[int, Crossing | None]) -> dict[int, list[Break]]:
+def _breaks(loop: Loop, crossings: dict[int, Crossing | None], bits: int) -> dict[int, list[Break]]:
     """For each sheet the breaks in ascending order of m."""
     factors: dict[tuple[Any, ...], tuple[fmpz_poly, list[int]]] = {}
     for i, crossing in crossings.items():
@@ -255,7 +284,7 @@ def _breaks(loop: Loop, crossings: dict[int, Crossing | None]) -> dict[int, list
                 if factor.degree() > 0:
                     factors.setdefault(tuple(factor.coeffs()), (factor, []))[1].append(i)
     found: dict[int, list[Break]] = {sheet: [] for sheet in loop.sheets}
-    with precision(BITS):
+    with precision(bits):
         for factor, on in factors.values():
             for found_root in factor.complex_roots():
                 value: Any = found_root[0]  # type: ignore[index]
@@ -293,9 +322,9 @@ def _arcs(
     loop: Loop,
     sheets: tuple[int, ...],
     cycle: list[Break],
-    breaks: dict[int, list[Break]],
     surfaces: Sequence[Surface],
     containing: tuple[int, ...],
+    bits: int,
 ) -> list[Arc]:
     """The arcs between the breaks of one cycle."""
 
@@ -305,7 +334,7 @@ def _arcs(
     if not cycle:
         return [arc(None, None, ZERO, sheets[0])]
     arcs = []
-    with precision(BITS):
+    with precision(bits):
         for start, end in zip(cycle, cycle[1:] + cycle[:1], strict=True):
             follows = start.sheet == end.sheet and start is not end and start.root.ball < end.root.ball
             m = between(start.root.ball, end.root.ball) if follows else beyond(start.root.ball)
