@@ -16,7 +16,7 @@ from flint import arb, fmpq, fmpz_poly
 
 from firstcontact.exact.number_field import NumberField
 from firstcontact.exact.numbers import precision
-from firstcontact.exact.polynomial_matrix import Matrix
+from firstcontact.exact.polynomial_matrix import Matrix, determinant
 from firstcontact.exact.roots import AlgebraicRoot
 
 Vector = tuple[Any, ...]
@@ -260,18 +260,6 @@ def restrict(form: Form, basis: tuple[Vector, ...]) -> Form:
     images = [apply(form, b) for b in basis]
     rows = [[dot(images[i], basis[j]) if j >= i else None for j in range(len(basis))] for i in range(len(basis))]
     return tuple(tuple(rows[min(i, j)][max(i, j)] for j in range(len(basis))) for i in range(len(basis)))
-
-
-def determinant(rows: Any) -> Any:
-    """By cofactors, n <= 4; any commutative ring."""
-    n = len(rows)
-    if n == 1:
-        return rows[0][0]
-    if n == 2:
-        return rows[0][0] * rows[1][1] - rows[0][1] * rows[1][0]
-    if n == 3:
-        return determinant3(*rows)
-    return dot(plane_through(*rows[:3]), rows[3])
 
 
 def null_space(form: Form) -> tuple[Vector, ...]:

@@ -20,13 +20,13 @@ from firstcontact.pairs.carrier_contact import (
     apply,
     at,
     finite,
+    nothing,
     null_space,
     number_field,
     restrict,
     value,
     vector_at,
 )
-from firstcontact.pairs.carrier_contact import determinant as minor
 
 RANK_3 = "exempt: the plane touches a cone or cylinder in a ruling, which ends on an edge that sees the same time"
 
@@ -47,7 +47,7 @@ def contacts(plane: Vector, quadric: Matrix, root: AlgebraicRoot) -> Contacts:
     q, n = at(field, quadric), vector_at(field, plane)
     pole = apply(at(field, adjugate(quadric)), n)
     section = restrict(q, points_of_plane(n))
-    return finite((pole,), note=CROSSING if indefinite(section) else "")
+    return nothing(CROSSING) if indefinite(section) else finite((pole,))
 
 
 def points_of_plane(n: Vector) -> tuple[Vector, ...]:
@@ -58,5 +58,5 @@ def points_of_plane(n: Vector) -> tuple[Vector, ...]:
 def indefinite(section: Form) -> bool:
     """Whether a singular 3x3 form is a pair of real lines: one principal 2x2 minor is negative."""
     return any(
-        minor([[section[i][j] for j in kept] for i in kept]).sign() < 0 for kept in combinations(range(3), 2)
+        determinant([[section[i][j] for j in kept] for i in kept]).sign() < 0 for kept in combinations(range(3), 2)
     )
