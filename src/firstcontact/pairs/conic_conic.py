@@ -10,7 +10,10 @@ from __future__ import annotations
 
 from flint import fmpz_poly
 
-from firstcontact.exact.polynomial_matrix import Matrix, adjugate, congruent, determinant, product
+from firstcontact.exact.conic_pencils import line_resultant, proportional, shared_points
+from firstcontact.exact.number_field import NumberField
+from firstcontact.exact.pencils import combination
+from firstcontact.exact.polynomial_matrix import congruent, determinant, product, transpose
 from firstcontact.exact.roots import AlgebraicRoot
 from firstcontact.pairs import planar_conics
 from firstcontact.pairs.carrier_contact import (
@@ -21,28 +24,24 @@ from firstcontact.pairs.carrier_contact import (
     Equation,
     Form,
     Vector,
-    at,
-    binary_roots,
     columns,
-    combine,
     common_factor,
     cross,
     finite,
     gather,
     left_inverse,
     nothing,
-    number_field,
     plane_through,
     pull_plane,
     zero,
 )
 
-Side = tuple[Matrix, Matrix]  # basis P (4x3) and conic C (3x3, rank 3)
+Side = tuple[Form, Form]  # basis P (4x3) and conic C (3x3, rank 3)
 
 
 def equation(a: Side, b: Side) -> Equation:
     """Res(h, g), with the u at which the planes are parallel or equal in `parallel`."""
-    normal_a, normal_b = (plane_through(*columns(basis)) for basis, _ in (a, b))
+    normal_a, normal_b = (normal_of(basis) for basis, _ in (a, b))
     n = pull_plane(a[0], normal_b)
     together = common_factor(n)
     if together == 0:
@@ -50,61 +49,52 @@ def equation(a: Side, b: Side) -> Equation:
     direction = common_factor(cross(normal_a[:3], normal_b[:3]))
     if direction == 0:
         return Equation(ONE, "planes parallel for all u: case VIII where they coincide", together)
-    h, g, scale = common_line(a, b, n)
-    if not any(cross(coefficients(h), coefficients(g))):
+    h, g, scale = common_line(a, b, tuple(x // together for x in n))
+    if proportional(h, g):
         # both common points are permanent, they become real where they meet
-        polynomial = determinant(h) // (scale * together) ** 2
+        polynomial = determinant(h) // scale**2
         return Equation(polynomial, "two common points for all u", together)
-    polynomial = resultant(h, g) // (scale * together) ** 4
+    polynomial = line_resultant(h, g) // scale**4
     if polynomial == 0:
         return Equation(None, "identically zero: a common point slides along both conics")
     # The paper writes the common line as d, |d|^2 p with d = n1 x n2: that multiplies Res(h, g) by |d|^8.
     return Equation(polynomial, parallel=together**4 * direction**8)
 
 
-def coefficients(h: Form) -> Vector:
-    """Of s^2, s t, t^2."""
-    return h[0][0], 2 * h[0][1], h[1][1]
-
-
-def resultant(h: Form, g: Form) -> fmpz_poly:
-    (a0, a1), (_, a2) = h
-    (b0, b1), (_, b2) = g
-    mixed = a0 * b2 + a2 * b0 - 2 * a1 * b1
-    return mixed * mixed - 4 * (a0 * a2 - a1 * a1) * (b0 * b2 - b1 * b1)
+def normal_of(basis: Matrix) -> Vector:
+    """The plane of a basis without its common factor."""
+    plane = plane_through(*columns(basis))
+    divisor = common_factor(plane)
+    return tuple(x // divisor for x in plane)
 
 
 def common_line(a: Side, b: Side, n: Vector) -> tuple[Form, Form, fmpz_poly]:
-    """h, g on the two e that are unit vectors off the index k, and n_k != 0, the scale of this choice."""
-    k = min((i for i in range(3) if not is_zero(n[i])), key=lambda i: size(n[i]))
-    points_a, points_b = line_points(a[0], b[0], n, k)
-    return congruent(points_a, a[1]), congruent(points_b, b[1]), n[k]
+    """h, g on the two e that are unit vectors off the index k, and n_k != 0, the scale of this choice.
+
+    The forms on all e have no common factor with n left, so n_k^2 divides det(h) and n_k^4 divides Res(h, g).
+    """
+    k = min((i for i in range(3) if n[i] != 0), key=lambda i: int(n[i].degree()))
+    points_a, points_b = line_points(a[0], b[0], n)
+    divisor = common_factor(x for row in points_b for x in row)
+    points_b = tuple(tuple(x // divisor for x in row) for row in points_b)
+    return congruent(off(points_a, k), a[1]), congruent(off(points_b, k), b[1]), n[k]
 
 
-def is_zero(x: object) -> bool:
-    return x == 0 if isinstance(x, fmpz_poly) else x.is_zero()  # type: ignore[attr-defined]
+def off(points: Form, k: int) -> Form:
+    """The two other columns."""
+    return tuple(tuple(x for i, x in enumerate(row) if i != k) for row in points)
 
 
-def size(x: object) -> int:
-    return x.degree() if isinstance(x, fmpz_poly) else 0
-
-
-def line_points(basis_a: Matrix, basis_b: Matrix, n: Vector, k: int) -> tuple[Matrix, Matrix]:
-    """Two points of the common line in the coordinates of both planes: two 3x2 matrices, columns e x n and W e."""
+def line_points(basis_a: Form, basis_b: Form, n: Vector) -> tuple[Form, Form]:
+    """Three points of the common line in the coordinates of both planes: e x n and W e for the unit vectors e."""
     a, (b0, b1, b2) = columns(basis_a), columns(basis_b)
-    zero_ = n[k] * 0
-    in_a, in_b = [], []
-    for i in range(3):
-        if i == k:
-            continue
-        j, m = (i + 1) % 3, (i + 2) % 3
-        point = [zero_] * 3
-        point[j], point[m] = -n[m], n[j]
-        in_a.append(tuple(point))
-        in_b.append(
-            (determinant((a[j], a[m], b1, b2)), determinant((a[j], a[m], b2, b0)), determinant((a[j], a[m], b0, b1)))
-        )
-    return tuple(zip(*in_a, strict=True)), tuple(zip(*in_b, strict=True))
+    zero_ = n[0] * 0
+    in_a = ((zero_, n[2], -n[1]), (-n[2], zero_, n[0]), (n[1], -n[0], zero_))
+    in_b = []
+    for j, m in ((1, 2), (2, 0), (0, 1)):
+        p, q = a[j], a[m]
+        in_b.append(tuple(determinant((p, q, r, s)) for r, s in ((b1, b2), (b2, b0), (b0, b1))))
+    return in_a, transpose(in_b)
 
 
 def _planar_equation(a: Side, b: Side) -> Equation:
@@ -112,7 +102,7 @@ def _planar_equation(a: Side, b: Side) -> Equation:
     return Equation(found.polynomial, found.reason or "coplanar for all u: case VIII")
 
 
-def in_plane_of(a: Side, b: Side) -> Matrix:
+def in_plane_of(a: Side, b: Side) -> Form:
     """The conic of a as a form of the coordinates of the plane of b, given that the planes are one.
 
     P2 y = P1 z with z = S P2 y up to a positive factor.
@@ -123,8 +113,8 @@ def in_plane_of(a: Side, b: Side) -> Matrix:
 
 def contacts(a: Side, b: Side, root: AlgebraicRoot) -> Contacts:
     """Real common points; where the planes coincide, the tangencies of case VIII."""
-    field = number_field(root)
-    a, b = (at(field, a[0]), at(field, a[1])), (at(field, b[0]), at(field, b[1]))
+    field = NumberField(root)
+    a, b = ((field.matrix(basis), field.matrix(conic)) for basis, conic in (a, b))
     span = columns(a[0])
     normal = plane_through(*columns(b[0]))
     n = pull_plane(a[0], normal)
@@ -134,16 +124,7 @@ def contacts(a: Side, b: Side, root: AlgebraicRoot) -> Contacts:
     if zero(cross(n, tuple(x[3] for x in span))):
         return nothing(PARALLEL)
     k = next(i for i in range(3) if not n[i].is_zero())
-    points_a, points_b = line_points(a[0], b[0], n, k)
-    shared = common_points(congruent(points_a, a[1]), congruent(points_b, b[1]))
+    points_a, points_b = (off(points, k) for points in line_points(a[0], b[0], n))
+    shared = shared_points(congruent(points_a, a[1]), congruent(points_b, b[1]))
     line = columns(points_a)
-    return gather([finite((combine(span, combine(line, y)),)) for y in shared], IMAGINARY)
-
-
-def common_points(h: Form, g: Form) -> list[Vector]:
-    """Real common points of two binary quadratic forms with Res(h, g) = 0, over a field; h is not zero."""
-    v = cross(coefficients(h), coefficients(g))
-    if zero(v):  # proportional: all points of h
-        return binary_roots(h)
-    # v is proportional to (s^2, s t, t^2)
-    return [(v[0], v[1])] if not zero(v[:2]) else [(v[1], v[2])]
+    return gather([finite((combination(span, combination(line, y)),)) for y in shared], IMAGINARY)

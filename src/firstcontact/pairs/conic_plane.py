@@ -1,4 +1,4 @@
-"""Case IV: conic against plane.  With n = P^T N, the plane's trace in the conic's plane, it touches where n^T adj(C) n = 0.
+"""Case IV: conic against plane.  With n = P^T N, the trace in the conic's plane, it touches where n^T adj(C) n = 0.
 
 The point is the pole X = P adj(C) n (Choi et al. 2014, plane/conic).  Where n = 0 the whole conic lies in the plane;
 n is left with that common factor, because those times are contacts too.
@@ -6,6 +6,9 @@ n is left with that common factor, because those times are contacts too.
 
 from __future__ import annotations
 
+from firstcontact.exact.inertia import times, value
+from firstcontact.exact.number_field import NumberField
+from firstcontact.exact.pencils import combination
 from firstcontact.exact.polynomial_matrix import Matrix, adjugate
 from firstcontact.exact.roots import AlgebraicRoot
 from firstcontact.pairs.carrier_contact import (
@@ -13,16 +16,11 @@ from firstcontact.pairs.carrier_contact import (
     Contacts,
     Equation,
     Vector,
-    apply,
-    at,
     columns,
-    combine,
     cross,
     finite,
     nothing,
-    number_field,
     pull_plane,
-    value,
     vector_at,
     zero,
 )
@@ -41,12 +39,12 @@ def equation(basis: Matrix, conic: Matrix, plane: Vector) -> Equation:
 
 def contacts(basis: Matrix, conic: Matrix, plane: Vector, root: AlgebraicRoot) -> Contacts:
     """The point of tangency, or the conic itself where its plane is the given one."""
-    field = number_field(root)
+    field = NumberField(root)
     span = tuple(vector_at(field, column) for column in columns(basis))
     n = vector_at(field, pull_plane(basis, plane))
-    form = at(field, conic)
+    form = field.matrix(conic)
     if zero(n):
         return finite(span, form=form, note="coplanar")
     if zero(cross(n, tuple(x[3] for x in span))):
         return nothing(PARALLEL)
-    return finite((combine(span, apply(at(field, adjugate(conic)), n)),))
+    return finite((combination(span, times(field.matrix(adjugate(conic)), n)),))

@@ -6,10 +6,11 @@ needs no case of its own.
 
 from __future__ import annotations
 
+from firstcontact.exact.number_field import NumberField
 from firstcontact.exact.polynomial_matrix import Matrix, congruent, minors
 from firstcontact.exact.roots import AlgebraicRoot
 from firstcontact.pairs import planar_conics
-from firstcontact.pairs.carrier_contact import Contacts, Equation, at, columns, number_field, vector_at
+from firstcontact.pairs.carrier_contact import Contacts, Equation, columns, vector_at
 
 
 def equation(basis: Matrix, conic: Matrix, quadric: Matrix) -> Equation:
@@ -22,6 +23,6 @@ def equation(basis: Matrix, conic: Matrix, quadric: Matrix) -> Equation:
 
 def contacts(basis: Matrix, conic: Matrix, quadric: Matrix, root: AlgebraicRoot) -> Contacts:
     """Points of tangency, or the conic where the surface contains it; multiplier -1: the conic is outside."""
-    field = number_field(root)
+    field = NumberField(root)
     span = tuple(vector_at(field, column) for column in columns(basis))
-    return planar_conics.contacts(at(field, conic), at(field, congruent(basis, quadric)), span)
+    return planar_conics.contacts(field.matrix(conic), field.matrix(congruent(basis, quadric)), span)

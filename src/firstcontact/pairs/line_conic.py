@@ -10,6 +10,9 @@ from __future__ import annotations
 
 from flint import fmpz_poly
 
+from firstcontact.exact.inertia import null_space, value
+from firstcontact.exact.number_field import NumberField
+from firstcontact.exact.pencils import binary_zeros, combination
 from firstcontact.exact.polynomial_matrix import Matrix, congruent, determinant, product
 from firstcontact.exact.roots import AlgebraicRoot
 from firstcontact.pairs.carrier_contact import (
@@ -19,18 +22,12 @@ from firstcontact.pairs.carrier_contact import (
     Equation,
     Form,
     Vector,
-    at,
-    binary_roots,
     columns,
-    combine,
     common_factor,
     finite,
     gather,
     left_inverse,
     nothing,
-    null_space,
-    number_field,
-    value,
     zero,
 )
 
@@ -43,27 +40,27 @@ def equation(line: Matrix, basis: Matrix, conic: Matrix) -> Equation:
         return _planar_equation(in_plane(line, basis), conic)
     polynomial = value(conic, tuple(x // together for x in z))
     if polynomial == 0:
-        if combine(columns(basis), z)[3] == 0:
+        if combination(columns(basis), z)[3] == 0:
             return Equation(ONE, "parallel for all u to an asymptote", together)
         return Equation(None, "identically zero: the line slides along the conic")
     return Equation(polynomial, parallel=together * together)
 
 
-def _planar_equation(line: Matrix, conic: Matrix) -> Equation:
+def _planar_equation(line: Form, conic: Matrix) -> Equation:
     polynomial = determinant(congruent(line, conic))
     if polynomial == 0:
         return Equation(None, "identically zero: the line stays tangent to the conic in its plane")
     return Equation(polynomial, "coplanar for all u: case X")
 
 
-def crossing(line: Matrix, basis: Matrix) -> Vector:
+def crossing(line: Form, basis: Form) -> Vector:
     """z: the line meets the plane of `basis` at `basis` z; all zero where it lies in that plane."""
     p, q = columns(line)
     a, b, c = columns(basis)
     return determinant((p, q, b, c)), -determinant((p, q, a, c)), determinant((p, q, a, b))
 
 
-def in_plane(line: Matrix, basis: Matrix) -> Matrix:
+def in_plane(line: Form, basis: Form) -> Form:
     """The line (4x2) in the plane's coordinates (3x2), given that it lies in the plane; positive factor."""
     inverse, _ = left_inverse(basis)
     return product(inverse, line)
@@ -71,12 +68,12 @@ def in_plane(line: Matrix, basis: Matrix) -> Matrix:
 
 def contacts(line: Matrix, basis: Matrix, conic: Matrix, root: AlgebraicRoot) -> Contacts:
     """The common point; where the line lies in the plane, its point of tangency or both points it cuts out."""
-    field = number_field(root)
-    p, span, form = at(field, line), at(field, basis), at(field, conic)
+    field = NumberField(root)
+    p, span, form = field.matrix(line), field.matrix(basis), field.matrix(conic)
     z = crossing(p, span)
     if zero(z):
         return _planar_contacts(in_plane(p, span), form, columns(span))
-    touching = finite((combine(columns(span), z),))
+    touching = finite((combination(columns(span), z),))
     return touching if touching.found else nothing("parallel")
 
 
@@ -84,6 +81,6 @@ def _planar_contacts(line: Form, conic: Form, span: tuple[Vector, ...]) -> Conta
     """Real common points of a line and a conic of one plane, over a field."""
     ends = columns(line)
     restricted = congruent(line, conic)
-    points = [combine(ends, y) for y in binary_roots(restricted)]
+    points = [combination(ends, y) for y in binary_zeros(restricted)]
     note = "coplanar" if len(null_space(restricted)) == 1 else "coplanar: crossing"
-    return gather([finite((combine(span, x),), note=note) for x in points], IMAGINARY)
+    return gather([finite((combination(span, x),), note=note) for x in points], IMAGINARY)

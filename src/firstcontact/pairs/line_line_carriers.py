@@ -6,18 +6,17 @@ Where the lines are parallel at a root they meet at infinity only; lines that co
 
 from __future__ import annotations
 
+from firstcontact.exact.number_field import NumberField
+from firstcontact.exact.pencils import combination
 from firstcontact.exact.polynomial_matrix import Matrix, adjugate, determinant
 from firstcontact.exact.roots import AlgebraicRoot
 from firstcontact.pairs.carrier_contact import (
     AT_INFINITY,
     Contacts,
     Equation,
-    at,
     columns,
-    combine,
     finite,
     nothing,
-    number_field,
     vector_at,
     zero,
 )
@@ -33,12 +32,12 @@ def equation(line_a: Matrix, line_b: Matrix) -> Equation:
 
 def contacts(line_a: Matrix, line_b: Matrix, root: AlgebraicRoot) -> Contacts:
     """The common point, or the line itself when they coincide."""
-    field = number_field(root)
+    field = NumberField(root)
     basis = tuple(vector_at(field, column) for column in columns(line_a))
     # P1 y = -P2 z: (y, z) spans the null space, and so does every nonzero column of the adjugate.
-    for null in columns(adjugate(at(field, beside(line_a, line_b)))):
+    for null in columns(adjugate(field.matrix(beside(line_a, line_b)))):
         if not zero(null):
-            touching = finite((combine(basis, null[:2]),))
+            touching = finite((combination(basis, null[:2]),))
             return nothing("parallel") if touching.reason == AT_INFINITY else touching
     return finite(basis)
 

@@ -8,19 +8,17 @@ from __future__ import annotations
 
 from flint import fmpz_poly
 
+from firstcontact.exact.inertia import null_space, times
+from firstcontact.exact.number_field import NumberField
+from firstcontact.exact.pencils import combination
 from firstcontact.exact.polynomial_matrix import Matrix, congruent, determinant
 from firstcontact.exact.roots import AlgebraicRoot
 from firstcontact.pairs.carrier_contact import (
     Contact,
     Contacts,
     Equation,
-    apply,
-    at,
-    combine,
     columns,
     finite,
-    null_space,
-    number_field,
     vector_at,
     zero,
 )
@@ -39,13 +37,13 @@ def equation(line: Matrix, quadric: Matrix) -> Equation:
 
 def contacts(line: Matrix, quadric: Matrix, root: AlgebraicRoot) -> Contacts:
     """The null vector of the restricted form; the whole line where that form vanishes."""
-    field = number_field(root)
+    field = NumberField(root)
     basis = tuple(vector_at(field, column) for column in columns(line))
-    q = at(field, quadric)
-    null = null_space(at(field, congruent(line, quadric)))
+    q = field.matrix(quadric)
+    null = null_space(field.matrix(congruent(line, quadric)))
     if len(null) == 2:
         return finite(basis)
-    touching = finite((combine(basis, null[0]),))
-    if touching.found and zero(apply(q, touching.found[0].span[0])):
+    touching = finite((combination(basis, null[0]),))
+    if touching.found and zero(times(q, touching.found[0].span[0])):
         return Contacts((Contact("point", touching.found[0].span, note="apex"),))
     return touching

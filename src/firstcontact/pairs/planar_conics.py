@@ -3,61 +3,63 @@
 Both are given by symmetric 3x3 matrices A (rank 3) and B in one basis of the plane.  They touch where the cubic
 f(l) = det(l A - B) has a multiple root l0: at the null vector of l0 A - B, at the real points of A on the double line
 if that has rank 1, and all along A if it vanishes (Choi et al. 2014, conics in a plane; permanent multiple roots, as
-those of concentric circles, re-derived: see `multiple_roots`).
+those of concentric circles, re-derived: see `exact.pencils`).
 """
 
 from __future__ import annotations
 
-from typing import Any
+from flint import fmpz_poly
 
-from firstcontact.exact.polynomial_matrix import Matrix, adjugate
+from firstcontact.exact.conic_pencils import ConicMeeting, conic_contacts
+from firstcontact.exact.number_field import sign
+from firstcontact.exact.pencils import characteristic, combination, contact_equation
+from firstcontact.exact.polynomial_matrix import Matrix
 from firstcontact.pairs.carrier_contact import (
     CROSSING,
     IMAGINARY,
+    ONE,
     Contacts,
     Equation,
     Form,
     Vector,
-    binary_roots,
-    combine,
-    dot,
+    common_factor,
     finite,
     gather,
     nothing,
-    null_space,
-    restrict,
-    sign,
 )
-from firstcontact.pairs.multiple_roots import multiple_root_equation, multiple_roots
+
+PERMANENT = "a multiple root for all u is divided out"
 
 
 def equation(a: Matrix, b: Matrix) -> Equation:
     """The u at which det(l A - B) has a multiple root that it does not have for all u."""
-    return multiple_root_equation(characteristic(a, b))
+    return pencil_equation(characteristic(a, b))
 
 
-def characteristic(a: Any, b: Any) -> list[Any]:
-    """det(l A - B), ascending in l; any commutative ring."""
-    adj_a, adj_b = adjugate(a), adjugate(b)
-    flat_a, flat_b, of_a, of_b = (tuple(x for row in m for x in row) for m in (a, b, adj_a, adj_b))
-    return [-dot(b[0], of_b[::3]), dot(flat_a, of_b), -dot(of_a, flat_b), dot(a[0], of_a[::3])]
+def pencil_equation(coefficients: list[fmpz_poly]) -> Equation:
+    """One polynomial for a pencil; it also vanishes where the pencil is degenerate at one u only."""
+    found = contact_equation(coefficients)
+    if found.reason is not None:
+        return Equation(None, f"identically zero: {found.reason}")
+    polynomial = ONE
+    for factor in found.factors:
+        polynomial *= factor
+    if found.deflated or not found.factors:
+        polynomial *= common_factor(coefficients)
+    return Equation(polynomial, PERMANENT if found.deflated else "")
 
 
 def contacts(a: Form, b: Form, span: tuple[Vector, ...]) -> Contacts:
     """Contact sets of the conics A (rank 3) and B over a field; `span`: the basis of their plane in space."""
-    roots, _ = multiple_roots(characteristic(a, b))
-    if not roots:
-        return nothing("no common tangency")
-    ((p, q, multiplicity),) = roots  # a cubic has one
-    multiplier = sign(p) * sign(q)
-    g = tuple(tuple(p * x - q * y for x, y in zip(*rows, strict=True)) for rows in zip(a, b, strict=True))
-    null = null_space(g)
-    if len(null) == 1:
-        if multiplicity == 3:  # they osculate: three common points in one, so each changes sides
-            return nothing(CROSSING)
-        return finite((combine(span, null[0]),), multiplier=multiplier)
-    if len(null) == 3:
-        return finite(span, form=a, multiplier=multiplier)
-    line = tuple(combine(span, y) for y in null)
-    points = [combine(line, y) for y in binary_roots(restrict(a, null))]
-    return gather([finite((x,), multiplier=multiplier) for x in points], IMAGINARY)
+    sets = []
+    for found in conic_contacts(a, b).tangencies:  # a cubic has one multiple root at most
+        side = sign(found.alpha) * sign(found.beta)
+        if found.meeting is ConicMeeting.SAME:
+            sets.append(finite(span, form=a, multiplier=side))
+        elif found.meeting is ConicMeeting.OSCULATING:
+            sets.append(nothing(CROSSING))
+        elif found.meeting is ConicMeeting.IMAGINARY:
+            sets.append(nothing(IMAGINARY))
+        else:
+            sets += [finite((combination(span, y),), multiplier=side) for y in found.points]
+    return gather(sets, "no common tangency")

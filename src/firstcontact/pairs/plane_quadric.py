@@ -7,24 +7,17 @@ the faces, where cases III to VI see the same time (re-derived; Choi et al. 2014
 
 from __future__ import annotations
 
-from itertools import combinations
-
-from firstcontact.exact.polynomial_matrix import Matrix, adjugate, determinant
+from firstcontact.exact.inertia import inertia, null_space, times, value
+from firstcontact.exact.number_field import NumberField
+from firstcontact.exact.polynomial_matrix import Matrix, adjugate, congruent, determinant, transpose
 from firstcontact.exact.roots import AlgebraicRoot
 from firstcontact.pairs.carrier_contact import (
     CROSSING,
     Contacts,
     Equation,
-    Form,
     Vector,
-    apply,
-    at,
     finite,
     nothing,
-    null_space,
-    number_field,
-    restrict,
-    value,
     vector_at,
 )
 
@@ -43,20 +36,9 @@ def equation(plane: Vector, quadric: Matrix) -> Equation:
 
 def contacts(plane: Vector, quadric: Matrix, root: AlgebraicRoot) -> Contacts:
     """The pole of the plane; a crossing tangency where the plane cuts the quadric in two real lines."""
-    field = number_field(root)
-    q, n = at(field, quadric), vector_at(field, plane)
-    pole = apply(at(field, adjugate(quadric)), n)
-    section = restrict(q, points_of_plane(n))
-    return nothing(CROSSING) if indefinite(section) else finite((pole,))
-
-
-def points_of_plane(n: Vector) -> tuple[Vector, ...]:
-    """Three points that span the plane n.X = 0 over a field."""
-    return null_space(tuple(tuple(x * y for y in n) for x in n))
-
-
-def indefinite(section: Form) -> bool:
-    """Whether a singular 3x3 form is a pair of real lines: one principal 2x2 minor is negative."""
-    return any(
-        determinant([[section[i][j] for j in kept] for i in kept]).sign() < 0 for kept in combinations(range(3), 2)
-    )
+    field = NumberField(root)
+    q, n = field.matrix(quadric), vector_at(field, plane)
+    pole = times(field.matrix(adjugate(quadric)), n)
+    section = congruent(transpose(null_space([n])), q)
+    positive, negative, _ = inertia(section)
+    return nothing(CROSSING) if positive and negative else finite((pole,))

@@ -8,19 +8,16 @@ from __future__ import annotations
 
 from typing import Any
 
+from firstcontact.exact.inertia import dot, times, value
+from firstcontact.exact.number_field import NumberField
 from firstcontact.exact.polynomial_matrix import Matrix
 from firstcontact.exact.roots import AlgebraicRoot
 from firstcontact.pairs.carrier_contact import (
     Contacts,
     Equation,
     Vector,
-    apply,
-    at,
     columns,
-    dot,
     finite,
-    number_field,
-    value,
     vector_at,
     zero,
 )
@@ -45,11 +42,11 @@ def _equation(polynomial: Any, surface: str) -> Equation:
 
 def plane_contacts(point: Matrix, plane: Vector, root: AlgebraicRoot) -> Contacts:
     """The vertex itself."""
-    return finite((vector_at(number_field(root), columns(point)[0]),))
+    return finite((vector_at(NumberField(root), columns(point)[0]),))
 
 
 def quadric_contacts(point: Matrix, quadric: Matrix, root: AlgebraicRoot) -> Contacts:
     """The vertex itself, with the note "apex" where the quadric has no tangent plane."""
-    field = number_field(root)
+    field = NumberField(root)
     x = vector_at(field, columns(point)[0])
-    return finite((x,), note="apex" if zero(apply(at(field, quadric), x)) else "")
+    return finite((x,), note="apex" if zero(times(field.matrix(quadric), x)) else "")
