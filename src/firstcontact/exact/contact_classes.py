@@ -139,7 +139,7 @@ def signature_sequence(p: Pencil) -> Signatures:
     indices = [inertia(member(p.a, p.b, x, 1))[0] for x in samples]
     out: list[Any] = [indices[0]]
     for k, (lo, hi) in enumerate(cells):
-        here = [(x, m) for x, _, m in multiple if sign(x - lo) > 0 and sign(x - hi) < 0]
+        here = [(x / y, m) for x, y, m in multiple if sign(x / y - lo) > 0 and sign(x / y - hi) < 0]
         if here:
             positive, negative, _ = inertia(member(p.a, p.b, here[0][0], 1))
             out.append((positive, negative, here[0][1]))

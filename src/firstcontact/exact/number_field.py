@@ -117,10 +117,18 @@ class FieldElement:
         return self._sign
 
     def ball(self, bits: int) -> arb:
-        """An enclosure, evaluated with `bits` bits and the root known as well."""
-        x = self.field.root.enclosure(bits)
-        with precision(bits):
-            return self.value.numer()(x) / arb(self.value.denom())
+        """An enclosure with `bits` correct bits, relative to its size; exactly 0 for zero."""
+        if self.value.degree() <= 0:
+            with precision(bits):
+                return arb(self.value[0])
+        work = bits + 32
+        while True:
+            x = self.field.root.enclosure(work)
+            with precision(work):
+                found = self.value.numer()(x) / arb(self.value.denom())
+            if found.rel_accuracy_bits() >= bits:
+                return found
+            work *= 2
 
     def __repr__(self) -> str:
         return f"FieldElement({self.ball(64).str(12)})"
@@ -192,9 +200,17 @@ class QuadraticElement:
         return sx * sign(self.x * self.x - self.y * self.y * self.d)
 
     def ball(self, bits: int) -> arb:
-        x, y, d = ball(self.x, bits), ball(self.y, bits), ball(self.d, bits)
-        with precision(bits):
-            return x + y * d.nonnegative_part().sqrt()
+        """As that of a FieldElement."""
+        if self.is_zero():
+            return arb(0)
+        work = bits + 32
+        while True:
+            x, y, d = ball(self.x, work), ball(self.y, work), ball(self.d, work)
+            with precision(work):
+                found = x + y * d.nonnegative_part().sqrt()
+            if found.rel_accuracy_bits() >= bits:
+                return found
+            work *= 2
 
     def __repr__(self) -> str:
         return f"QuadraticElement({self.ball(64).str(12)})"

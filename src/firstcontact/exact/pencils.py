@@ -17,7 +17,7 @@ from flint import Ordering, fmpz_mpoly_ctx, fmpz_poly
 
 from firstcontact.exact.inertia import Rows, inertia, null_space, times
 from firstcontact.exact.number_field import is_zero, sign, square_root
-from firstcontact.exact.polynomial_matrix import congruent
+from firstcontact.exact.polynomial_matrix import congruent, determinant
 
 Vector = tuple[Any, ...]
 IDENTICALLY_DEGENERATE = "identically degenerate pencil"
@@ -175,7 +175,8 @@ def multiple_roots(c: Sequence[Any]) -> list[tuple[Any, Any, int]]:
     """(alpha, beta, multiplicity) of the real projective roots l = alpha / beta of multiplicity 2 or more.
 
     c: coefficients of a binary form of degree 2 to 4, ascending, over a field with exact signs, not all zero.
-    beta is 1 or 0.  Two conjugate double roots lie in a quadratic extension; complex ones are not returned.
+    Two conjugate double roots lie in a quadratic extension; complex ones are not returned.  One double root alone,
+    the generic case, is found without divisions: over fields of high degree they dwarf everything else.
     """
     c = list(c)
     zero, one = c[0] * 0, c[0] * 0 + 1
@@ -191,9 +192,14 @@ def multiple_roots(c: Sequence[Any]) -> list[tuple[Any, Any, int]]:
         found.append((zero, one, at_zero))
     if at_infinity > 1:
         found.append((one, zero, at_infinity))
+    if len(c) < 3 or not is_zero(discriminant(c)):
+        return found
+    s0, s1 = double_root(c)
+    if not is_zero(s1):
+        return [*found, (-s0, s1, 2)]
     h = polynomial_gcd(c, derivative(c))
     if len(h) == 2:
-        found.append((-h[0] / h[1], one, 2))
+        found.append((-h[0], h[1], 2))
     elif len(h) == 3:
         d = h[1] * h[1] - 4 * (h[0] * h[2])
         if is_zero(d):
@@ -204,6 +210,26 @@ def multiple_roots(c: Sequence[Any]) -> list[tuple[Any, Any, int]]:
     elif len(h) == 4:
         found.append((-h[2] / (3 * h[3]), one, 4))
     return found
+
+
+def double_root(c: Sequence[Any]) -> tuple[Any, Any]:
+    """(s0, s1) of the subresultant s1 l + s0 of f and f', for degree 2, 3, 4 (up to a factor).
+
+    Where the discriminant is zero and s1 is not, -s0 / s1 is the only multiple root, and double.
+    """
+    if len(c) == 3:
+        return c[1], 2 * c[2]
+    if len(c) == 4:
+        d, x, b, a = c
+        return b * x - 9 * (a * d), 2 * (b * b - 3 * (a * x))
+    e, d, x, b, a = c
+    # 16 a f - (4 a l + b) f' = p l^2 + q l + r
+    p, q, r = 8 * (a * x) - 3 * (b * b), 12 * (a * d) - 2 * (b * x), 16 * (a * e) - b * d
+    if is_zero(p):
+        return r, q
+    k = 3 * (b * p) - 4 * (a * q)
+    pp = p * p
+    return d * pp - k * r, 2 * (x * pp) - 4 * (a * (p * r)) - k * q
 
 
 def derivative(c: Sequence[Any]) -> list[Any]:
@@ -321,15 +347,30 @@ def tangency(a: Rows, b: Rows, alpha: Any, beta: Any, multiplicity: int) -> Tang
     """What the multiple root alpha : beta of the pencil means (the local criterion; re-derived)."""
     g = member(a, b, alpha, beta)
     other = b if is_zero(beta) else a  # a form of the pencil independent of g
+    vertex = singular_point(g)
+    if vertex is not None:
+        return _at_point(_Maker(alpha, beta, multiplicity, 3), g, other, vertex)
     null = null_space(g)
     make = _Maker(alpha, beta, multiplicity, 4 - len(null))
-    if len(null) == 1:
-        return _at_point(make, g, other, null[0])
     if len(null) == 2:
         return _on_line(make, g, other, null)
     if len(null) == 3:
         return _on_plane(make, other, null)
     return make(Meeting.SURFACE)
+
+
+def singular_point(g: Rows) -> Vector | None:
+    """The only null vector of a singular symmetric matrix, without divisions; None where there are more."""
+    n = len(g)
+    for i in range(n):
+        minor = [[g[r][c] for c in range(n)] for r in range(n) if r != i]
+        x = []
+        for j in range(n):
+            cofactor = determinant([[row[c] for c in range(n) if c != j] for row in minor])
+            x.append(cofactor if (i + j) % 2 == 0 else -cofactor)
+        if not all(is_zero(y) for y in x):
+            return tuple(x)
+    return None
 
 
 @dataclass(frozen=True, slots=True)
@@ -345,16 +386,30 @@ class _Maker:
 
 
 def _at_point(make: _Maker, g: Rows, other: Rows, x: Vector) -> Tangency:
-    """Rank 3: the sign of g on the tangent plane at its vertex tells isolated points from crossings."""
+    """Rank 3: the sign of g on the tangent plane at its vertex tells isolated points from crossings.
+
+    There g has the null vector x and two more eigenvalues; their product is the second coefficient of the
+    characteristic polynomial.
+    """
     gradient = times(other, x)
-    if all(is_zero(y) for y in gradient):
+    k = next((i for i, y in enumerate(gradient) if not is_zero(y)), None)
+    if k is None:
         return make(Meeting.SINGULAR, points=(x,))
-    tangent = null_space([gradient])
-    positive, negative, zero = inertia(congruent(tuple(zip(*tangent, strict=True)), g))
-    if zero > 1:
-        meeting = Meeting.CUSP
-    else:
-        meeting = Meeting.CROSSING if positive and negative else Meeting.POINT
+    # basis of the tangent plane: h_k e_i - h_i e_k for the gradient h
+    rest, h = [i for i in range(4) if i != k], gradient[k]
+    f = {
+        (i, j): h * (h * g[i][j] - gradient[j] * g[i][k] - gradient[i] * g[k][j]) + gradient[i] * gradient[j] * g[k][k]
+        for i in rest
+        for j in rest
+        if i <= j
+    }
+    i, j, n = rest
+    second = (
+        f[i, i] * f[j, j] - f[i, j] * f[i, j]
+        + f[i, i] * f[n, n] - f[i, n] * f[i, n]
+        + f[j, j] * f[n, n] - f[j, n] * f[j, n]
+    )  # fmt: skip
+    meeting = {1: Meeting.POINT, -1: Meeting.CROSSING, 0: Meeting.CUSP}[sign(second)]
     return make(meeting, points=(x,))
 
 
