@@ -10,9 +10,9 @@ import time
 from math import sqrt
 
 import pytest
-from carriers import SPAN, candidates, diagonal, level, moved_plane, moved_quadric, points, pose
 from flint import fmpq, fmpz_poly
 
+from carriers_by_hand import SPAN, candidates, diagonal, level, moved_plane, moved_quadric, points, pose
 from firstcontact.exact.roots import real_roots
 from firstcontact.pairs import conic_conic, conic_plane, conic_quadric, quadric_quadric
 
@@ -129,7 +129,7 @@ def test_sides():
         (("FB1", "EA2"), 0, "imaginary"),
         (("EA1", "EB2"), 0.5, "planes parallel"),
         (("EA1", "EB2"), 0.875, "imaginary"),
-        (("EA1", "EB1"), 0.5, "coplanar: no common tangency"),
+        (("EA1", "EB1"), 0.5, "coplanar: no common point"),
     ],
 )
 def test_roots_without_contact(pair, t, reason):
@@ -157,17 +157,17 @@ def test_a_rim_in_the_plane_of_a_cap():
     assert (contact.kind, contact.note) == ("conic", "coplanar")
 
 
-def test_the_algebraic_path_takes_well_under_sixty_milliseconds():
+def test_the_algebraic_path_takes_well_under_sixty_milliseconds_of_processor_time():
     best = min(_seconds() for _ in range(5))
     assert best < 0.06, best
 
 
 def _seconds() -> float:
-    start = time.perf_counter()
+    start = time.process_time()
     for pair in TABLE:
         equation, contacts = solver(*pair)
         for root in real_roots(equation.candidates, fmpq(0), fmpq(1)):
             for contact in contacts(root).found:
                 if contact.kind == "point":
                     contact.point()
-    return time.perf_counter() - start
+    return time.process_time() - start

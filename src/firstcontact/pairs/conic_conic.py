@@ -61,7 +61,7 @@ def equation(a: Side, b: Side) -> Equation:
     return Equation(polynomial, parallel=together**4 * direction**8)
 
 
-def normal_of(basis: Matrix) -> Vector:
+def normal_of(basis: Form) -> Vector:
     """The plane of a basis without its common factor."""
     plane = plane_through(*columns(basis))
     divisor = common_factor(plane)
@@ -98,17 +98,25 @@ def line_points(basis_a: Form, basis_b: Form, n: Vector) -> tuple[Form, Form]:
 
 
 def _planar_equation(a: Side, b: Side) -> Equation:
-    found = planar_conics.equation(in_plane_of(a, b), b[1])
+    inverse, positive = left_inverse(a[0])
+    conic = without_factors(in_plane_of(a, b, inverse), positive)
+    found = planar_conics.equation(conic, b[1])
     return Equation(found.polynomial, found.reason or "coplanar for all u: case VIII")
 
 
-def in_plane_of(a: Side, b: Side) -> Form:
+def in_plane_of(a: Side, b: Side, inverse: Form) -> Form:
     """The conic of a as a form of the coordinates of the plane of b, given that the planes are one.
 
     P2 y = P1 z with z = S P2 y up to a positive factor.
     """
-    inverse, _ = left_inverse(a[0])
     return congruent(product(inverse, b[0]), a[1])
+
+
+def without_factors(form: Form, positive: fmpz_poly) -> Form:
+    """The form without the factors it shares with a polynomial that is positive everywhere: they are too."""
+    while (common := common_factor([positive, *sum(form, ())])).degree() > 0:
+        form = tuple(tuple(x // common for x in row) for row in form)
+    return form
 
 
 def contacts(a: Side, b: Side, root: AlgebraicRoot) -> Contacts:
@@ -119,8 +127,8 @@ def contacts(a: Side, b: Side, root: AlgebraicRoot) -> Contacts:
     normal = plane_through(*columns(b[0]))
     n = pull_plane(a[0], normal)
     if zero(n):
-        touching = planar_conics.contacts(in_plane_of(a, b), b[1], columns(b[0]))
-        return touching if touching.found else nothing(f"coplanar: {touching.reason}")
+        inverse, _ = left_inverse(a[0])
+        return coplanar_contacts(in_plane_of(a, b, inverse), b[1], columns(b[0]))
     if zero(cross(n, tuple(x[3] for x in span))):
         return nothing(PARALLEL)
     k = next(i for i in range(3) if not n[i].is_zero())
@@ -128,3 +136,14 @@ def contacts(a: Side, b: Side, root: AlgebraicRoot) -> Contacts:
     shared = shared_points(congruent(points_a, a[1]), congruent(points_b, b[1]))
     line = columns(points_a)
     return gather([finite((combination(span, combination(line, y)),)) for y in shared], IMAGINARY)
+
+
+def coplanar_contacts(a: Form, b: Form, span: tuple[Vector, ...]) -> Contacts:
+    """Tangencies of two conics of one plane, or whether they cross there without one.
+
+    Where they cross, the faces in that plane see the event (case IV), if the conics bound such faces.
+    """
+    touching = planar_conics.contacts(a, b, span)
+    if touching.found or touching.reason != planar_conics.NO_TANGENCY:
+        return touching
+    return nothing("coplanar: the conics cross" if planar_conics.cross(a, b) else "coplanar: no common point")

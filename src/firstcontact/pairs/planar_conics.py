@@ -8,11 +8,15 @@ those of concentric circles, re-derived: see `exact.pencils`).
 
 from __future__ import annotations
 
-from flint import fmpz_poly
+from typing import Any
+
+from flint import acb_poly, fmpq, fmpz_poly
 
 from firstcontact.exact.conic_pencils import ConicMeeting, conic_contacts
-from firstcontact.exact.number_field import sign
-from firstcontact.exact.pencils import characteristic, combination, contact_equation
+from firstcontact.exact.inertia import inertia
+from firstcontact.exact.number_field import ball, sign
+from firstcontact.exact.numbers import PRECISIONS, Undecidable, dyadic, precision
+from firstcontact.exact.pencils import characteristic, combination, contact_equation, discriminant, member
 from firstcontact.exact.polynomial_matrix import Matrix
 from firstcontact.pairs.carrier_contact import (
     CROSSING,
@@ -28,6 +32,7 @@ from firstcontact.pairs.carrier_contact import (
     nothing,
 )
 
+NO_TANGENCY = "no common tangency"
 PERMANENT = "a multiple root for all u is divided out"
 
 
@@ -62,4 +67,31 @@ def contacts(a: Form, b: Form, span: tuple[Vector, ...]) -> Contacts:
             sets.append(nothing(IMAGINARY))
         else:
             sets += [finite((combination(span, y),), multiplier=side) for y in found.points]
-    return gather(sets, "no common tangency")
+    return gather(sets, NO_TANGENCY)
+
+
+def cross(a: Form, b: Form) -> bool:
+    """Whether two conics have a real point in common, for a pencil without multiple roots: no member is definite.
+
+    (Finsler's theorem: forms in three variables without a common real zero have a definite combination.)  Inertia
+    changes at the roots of det(l A - B) only, so one rational l of each interval between them is enough.
+    """
+    f = characteristic(a, b)
+    if sign(discriminant(f)) < 0:
+        return True  # two real and two complex points
+    return not any(0 in inertia(member(a, b, sample, 1))[:2] for sample in _between_roots(f))
+
+
+def _between_roots(f: list[Any]) -> list[fmpq]:
+    """Rationals that separate the three simple real roots of a cubic, and one beyond each end."""
+    for bits in PRECISIONS:
+        with precision(bits):
+            try:
+                roots = acb_poly([ball(c, bits) for c in f]).roots()
+            except ValueError:  # not isolated at this precision
+                continue
+            x = sorted((root.real for root in roots), key=lambda r: r.mid())
+            if x[0] < x[1] < x[2]:
+                ends = [x[0].lower() - 1, x[2].upper() + 1]
+                return [dyadic(r.mid()) for r in (*ends, (x[0] + x[1]) / 2, (x[1] + x[2]) / 2)]
+    raise Undecidable

@@ -3,7 +3,7 @@
 The surfaces touch at X where (l0 A - B) X = 0 for a multiple root l0 of det(l A - B), or at an apex of one of them
 (Choi et al. 2014, theorem on the pencil; Tu et al. 2009).  Roots l = 0 and l = inf that are there for all u belong to
 surfaces of rank 3 and mean their apex: case VI, so they are divided out.  Other permanent multiple roots (spheres,
-homothetic quadrics, surfaces of revolution about one axis) are left out as `multiple_roots` says (re-derived).
+homothetic quadrics, surfaces of revolution about one axis) are left out as `exact.pencils` says (re-derived).
 Pencils that are degenerate for all u: two cylinders with parallel axes are cut by a coordinate plane, which leaves
 case VIII and contact along rulings; apexes (case VI) and rims (case III) see the events of all others (re-derived).
 """
