@@ -106,3 +106,19 @@ def test_inertia_at_an_algebraic_number():
     m = [[r * r - 1, one], [one, r]]
     assert inertia(m) == (1, 0, 1) and len(null_space(m)) == 1
     assert inertia([[r * r - 1, one, zero], [one, r + fmpq(1, 10**30), zero], [zero, zero, -r]]) == (2, 1, 0)
+
+
+def test_fields_of_high_degree_keep_products_unreduced():
+    """x^21 = 7 x + 1: the same zeros and signs with and without reduction."""
+    field = field_of([-1, -7] + [0] * 19 + [1], 1, 2)
+    r = field.generator()
+    power = r
+    for _ in range(20):
+        power = power * r
+    assert power.value.degree() == 21
+    assert (power - 7 * r - 1).is_zero() and (power - 7 * r - 1).sign() == 0 and power == 7 * r + 1
+    assert (power - 7 * r).sign() == 1 and not (power - 7 * r - fmpq(10**40 + 1, 10**40)).is_zero()
+    assert (power - 7 * r - fmpq(10**40 + 1, 10**40)).sign() == -1
+    assert (1 / power) * (7 * r + 1) == 1 and (power - 7 * r - 1).ball(64).is_zero()
+    with pytest.raises(ZeroDivisionError):
+        1 / (power - 7 * r - 1)

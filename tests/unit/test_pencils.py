@@ -30,7 +30,7 @@ from firstcontact.exact.pencils import (
     pencil_contacts,
     resultant,
 )
-from firstcontact.exact.polynomial_matrix import adjugate, congruent, constant, determinant, evaluate
+from firstcontact.exact.polynomial_matrix import adjugate, congruent, constant, determinant, evaluate, primitive
 from firstcontact.exact.roots import AlgebraicRoot, real_roots
 
 
@@ -332,3 +332,36 @@ def test_rational_time_gives_the_same_as_its_field():
     rational = pencil_contacts(evaluate(a, fmpq(1)), evaluate(b, fmpq(1))).contacts
     assert [t.meeting for t in over_field] == [t.meeting for t in rational] == [Meeting.POINT]
     assert all(is_zero(x - y) for x, y in zip(over_field[0].points[0], rational[0].points[0], strict=True))
+
+
+def rotating(q, t):
+    """Pose with the quaternion polynomial q and translation t."""
+    a, b, c, d = q
+    w = a * a + b * b + c * c + d * d
+    rows = (
+        (a * a + b * b - c * c - d * d, 2 * (b * c - a * d), 2 * (b * d + a * c)),
+        (2 * (b * c + a * d), a * a - b * b + c * c - d * d, 2 * (c * d - a * b)),
+        (2 * (b * d - a * c), 2 * (c * d + a * b), a * a - b * b - c * c + d * d),
+    )
+    return (*((*row, w * x) for row, x in zip(rows, t, strict=True)), (NONE, NONE, NONE, w))
+
+
+def test_two_rotating_ellipsoids():
+    """Coefficients of degree 16, 18, 18, 18, 16, discriminant (60)(2)^12(2)^12: contacts over a field of degree 60."""
+    one, span = fmpz_poly([1]), (fmpq(0), fmpq(1))
+    pose_a = rotating((1 + 2 * U, 3 - U, U, 2 * one), (5 - 9 * U, U, 2 * U - 1))
+    pose_b = rotating((3 - U, one, 2 * U, 1 - U), (NONE, U - 1, 1 - 3 * U))
+    a = primitive(congruent(adjugate(pose_a), constant(form("6x2+3y2+2z2-6w2"))), span)
+    b = primitive(congruent(adjugate(pose_b), constant(form("3x2+12y2+8z2-12w2"))), span)
+    f = characteristic(a, b)
+    assert [c.degree() for c in f] == [16, 18, 18, 18, 16]
+    (equation,) = contact_equation(f).factors
+    assert sorted((p.degree(), k) for p, k in equation.factor()[1]) == [(2, 12), (2, 12), (60, 1)]
+    first, last = real_roots(equation, *span)
+    for root in (first, last):
+        field = NumberField(root)
+        c, d = field.matrix(a), field.matrix(b)
+        (t,) = pencil_contacts(c, d, [field(x) for x in f]).tangencies
+        (x,) = t.points
+        assert t.meeting is Meeting.POINT and t.side == -1
+        assert is_zero(value(c, x)) and is_zero(value(d, x))

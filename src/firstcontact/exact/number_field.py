@@ -6,12 +6,20 @@ and `ball` below take all three.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from flint import arb, fmpq, fmpq_poly, fmpz_poly
 
-from firstcontact.exact.numbers import precision
+from firstcontact.exact.numbers import PRECISIONS, precision
 from firstcontact.exact.roots import AlgebraicRoot
+
+Rows = Sequence[Sequence[Any]]
+
+# Up to this degree products are reduced at once.  A reduction costs as many factors of the leading coefficient as it
+# lowers the degree, so in fields of high degree unreduced products stay far smaller: at degree 60, a contact of two
+# ellipsoids was classified in 130 ms with reductions, 6 ms without.  Any value is correct.
+EAGER_DEGREE = 8
 
 
 class NumberField:
@@ -32,9 +40,13 @@ class NumberField:
         if isinstance(q, fmpz_poly | fmpq_poly):
             if self.root.rational is not None:
                 return FieldElement(self, fmpq_poly([q(self.root.rational)]))
-            q = fmpq_poly(q)
-            return FieldElement(self, q % self.modulus if q.degree() >= self.modulus.degree() else q)
+            return FieldElement(self, self.reduced(fmpq_poly(q)))
         return FieldElement(self, fmpq_poly([q]))
+
+    def reduced(self, q: fmpq_poly) -> fmpq_poly:
+        """q modulo the minimal polynomial, where that is cheap."""
+        degree = self.modulus.degree()
+        return q % self.modulus if degree <= q.degree() and degree <= EAGER_DEGREE else q
 
     def generator(self) -> FieldElement:
         """The root itself."""
@@ -46,7 +58,7 @@ class NumberField:
 
 
 class FieldElement:
-    """A polynomial in the root, reduced modulo its minimal polynomial: zero only as the zero polynomial."""
+    """A polynomial in the root: zero exactly where the minimal polynomial divides it."""
 
     __slots__ = ("_sign", "field", "value")
 
@@ -79,18 +91,16 @@ class FieldElement:
         y = self._of(other)
         if y is None:
             return NotImplemented
-        product = self.value * y
-        modulus = self.field.modulus
-        return FieldElement(self.field, product % modulus if product.degree() >= modulus.degree() else product)
+        return FieldElement(self.field, self.field.reduced(self.value * y))
 
     __rmul__ = __mul__
 
     def inverse(self) -> FieldElement:
-        if self.value.is_zero():
+        if self.is_zero():
             raise ZeroDivisionError("1 / 0 in a number field")
         if self.value.degree() == 0:
             return FieldElement(self.field, fmpq_poly([1 / self.value[0]]))
-        _, s, _ = self.value.xgcd(self.field.modulus)
+        _, s, _ = (self.value % self.field.modulus).xgcd(self.field.modulus)
         return FieldElement(self.field, s)
 
     def __truediv__(self, other: Any) -> FieldElement:
@@ -103,12 +113,14 @@ class FieldElement:
 
     def __eq__(self, other: object) -> bool:
         y = self._of(other)
-        return NotImplemented if y is None else bool(self.value == y)
+        return NotImplemented if y is None else FieldElement(self.field, self.value - y).is_zero()
 
     __hash__ = None  # type: ignore[assignment]  # equal to rationals, which hash otherwise
 
     def is_zero(self) -> bool:
-        return bool(self.value.is_zero())
+        if self.value.degree() < self.field.modulus.degree():
+            return bool(self.value.is_zero())
+        return self.sign() == 0
 
     def sign(self) -> int:
         """-1, 0, 1, exactly."""
@@ -118,6 +130,8 @@ class FieldElement:
 
     def ball(self, bits: int) -> arb:
         """An enclosure with `bits` correct bits, relative to its size; exactly 0 for zero."""
+        if self.value.degree() > 0 and self.is_zero():
+            return arb(0)
         if self.value.degree() <= 0:
             with precision(bits):
                 return arb(self.value[0])
@@ -230,6 +244,18 @@ def ball(x: Any, bits: int) -> arb:
         return x.ball(bits)
     with precision(bits):
         return arb(x)
+
+
+def filtered_sign(formula: Callable[[Rows], Any], rows: Rows) -> int:
+    """Sign of formula(rows), a polynomial in the entries: by balls where they decide, exactly otherwise."""
+    if not all(type(x) is fmpq for row in rows for x in row):
+        for bits in PRECISIONS[:3]:
+            balls = [[ball(x, bits) for x in row] for row in rows]
+            with precision(bits):
+                value = formula(balls)
+            if value > 0 or value < 0:
+                return 1 if value > 0 else -1
+    return sign(formula(rows))
 
 
 def square_root(d: Any) -> Any:

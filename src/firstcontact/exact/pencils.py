@@ -16,7 +16,7 @@ from typing import Any
 from flint import Ordering, fmpz_mpoly_ctx, fmpz_poly
 
 from firstcontact.exact.inertia import Rows, inertia, null_space, times
-from firstcontact.exact.number_field import is_zero, sign, square_root
+from firstcontact.exact.number_field import filtered_sign, is_zero, sign, square_root
 from firstcontact.exact.polynomial_matrix import congruent, determinant
 
 Vector = tuple[Any, ...]
@@ -395,22 +395,23 @@ def _at_point(make: _Maker, g: Rows, other: Rows, x: Vector) -> Tangency:
     k = next((i for i, y in enumerate(gradient) if not is_zero(y)), None)
     if k is None:
         return make(Meeting.SINGULAR, points=(x,))
-    # basis of the tangent plane: h_k e_i - h_i e_k for the gradient h
-    rest, h = [i for i in range(4) if i != k], gradient[k]
+    rows = [*g, gradient]
+    found = filtered_sign(lambda m: _second_coefficient(m[:4], m[4], k), rows)
+    meeting = {1: Meeting.POINT, -1: Meeting.CROSSING, 0: Meeting.CUSP}[found]
+    return make(meeting, points=(x,))
+
+
+def _second_coefficient(g: Rows, h: Sequence[Any], k: int) -> Any:
+    """Sum of the principal 2x2 minors of g on the plane h: in the basis h_k e_i - h_i e_k, h_k not zero."""
+    rest, scale = [i for i in range(4) if i != k], h[k]
     f = {
-        (i, j): h * (h * g[i][j] - gradient[j] * g[i][k] - gradient[i] * g[k][j]) + gradient[i] * gradient[j] * g[k][k]
+        (i, j): scale * (scale * g[i][j] - h[j] * g[i][k] - h[i] * g[k][j]) + h[i] * h[j] * g[k][k]
         for i in rest
         for j in rest
         if i <= j
     }
-    i, j, n = rest
-    second = (
-        f[i, i] * f[j, j] - f[i, j] * f[i, j]
-        + f[i, i] * f[n, n] - f[i, n] * f[i, n]
-        + f[j, j] * f[n, n] - f[j, n] * f[j, n]
-    )  # fmt: skip
-    meeting = {1: Meeting.POINT, -1: Meeting.CROSSING, 0: Meeting.CUSP}[sign(second)]
-    return make(meeting, points=(x,))
+    minors = [f[i, i] * f[j, j] - f[i, j] * f[i, j] for i, j in f if i < j]
+    return minors[0] + minors[1] + minors[2]
 
 
 def _on_line(make: _Maker, g: Rows, other: Rows, null: list[Vector]) -> Tangency:

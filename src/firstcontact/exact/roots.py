@@ -16,7 +16,7 @@ from __future__ import annotations
 from fractions import Fraction
 from functools import cmp_to_key
 
-from flint import arb, fmpq, fmpq_poly, fmpz, fmpz_poly
+from flint import arb, fmpq, fmpq_poly, fmpz, fmpz_poly, nmod_poly
 
 from firstcontact.exact.numbers import fraction, nearest_double, precision, sign, to_double
 from firstcontact.result import AlgebraicNumber
@@ -24,6 +24,7 @@ from firstcontact.result import AlgebraicNumber
 # Bits of the first enclosure: enough for most signs and for the nearest double.
 FIRST_BITS = 96
 _0 = fmpz(0)
+_PRIME = 2**61 - 1
 _HALF = fmpq(1, 2)
 _HALVE = fmpz_poly([1, 2])
 _SHIFT = fmpz_poly([1, 1])
@@ -142,9 +143,20 @@ class AlgebraicRoot:
                 return 1
             if value < 0:
                 return -1
-            if bits == FIRST_BITS and (fmpq_poly(q) % fmpq_poly(self.polynomial)).is_zero():
+            if bits == FIRST_BITS and self._divides(q):
                 return 0
             bits *= 2
+
+    def _divides(self, q: fmpz_poly) -> bool:
+        if q.degree() < self.polynomial.degree():
+            return bool(q.is_zero())
+        f = self.polynomial
+        if int(f.leading_coefficient()) % _PRIME:
+            # a remainder modulo a prime proves that there is one, at a small part of the price
+            small = nmod_poly(q.coeffs(), _PRIME) % nmod_poly(f.coeffs(), _PRIME)
+            if small.degree() >= 0:
+                return False
+        return bool((fmpq_poly(q) % fmpq_poly(f)).is_zero())
 
     def compare(self, other: AlgebraicRoot | fmpq) -> int:
         """-1, 0, 1: this root is below, equal to, above the other, exactly."""
