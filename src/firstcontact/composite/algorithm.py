@@ -1,0 +1,139 @@
+"""First contact of two composite quadric models by Algorithm 1 of Choi et al. 2014.
+
+All subproblems give candidate times; the earliest candidate at which both trimmed models hold a point of the contact
+set is the first contact.  Between two candidates nothing changes, so one look shortly after the start tells whether
+the models overlapped all along.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import cmp_to_key
+from typing import Any
+
+from flint import fmpq
+
+from firstcontact.body.features import Edge, Face, Vertex
+from firstcontact.composite.at_rest import overlap
+from firstcontact.composite.contact_sets import Shared, shared_part
+from firstcontact.composite.moving_pair import Pair
+from firstcontact.composite.subproblems import Subproblem, subproblems
+from firstcontact.exact.roots import AlgebraicRoot
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A root of a subproblem's contact equation."""
+
+    subproblem: Subproblem
+    root: AlgebraicRoot
+
+
+@dataclass(frozen=True)
+class Meeting:
+    """A candidate whose contact set is shared by both models."""
+
+    candidate: Candidate
+    shared: Shared
+    multiplier: int
+
+
+@dataclass
+class Search:
+    """One piece of the motion: its subproblems, candidates in order of time, and the verdicts given so far."""
+
+    pair: Pair
+    tasks: list[Subproblem] = field(default_factory=list)
+    candidates: list[Candidate] = field(default_factory=list)
+    verdicts: dict[int, tuple[list[Meeting], str]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.tasks = list(subproblems(self.pair))
+        self.candidates = [Candidate(task, root) for task in self.tasks for root in task.roots()]
+        self.candidates.sort(key=cmp_to_key(lambda x, y: x.root.compare(y.root)))
+
+    def verdict(self, candidate: Candidate) -> tuple[list[Meeting], str]:
+        """The shared parts of the candidate's contact sets, or why there are none."""
+        key = id(candidate)
+        if key not in self.verdicts:
+            self.verdicts[key] = _validated(candidate)
+        return self.verdicts[key]
+
+    def groups(self) -> Iterator[list[Candidate]]:
+        """The candidates, those of one time together, ascending."""
+        group: list[Candidate] = []
+        for candidate in self.candidates:
+            if group and candidate.root.compare(group[0].root) != 0:
+                yield group
+                group = []
+            group.append(candidate)
+        if group:
+            yield group
+
+    def meetings(self, group: list[Candidate]) -> list[Meeting]:
+        """All contacts at one time."""
+        return [meeting for candidate in group for meeting in self.verdict(candidate)[0]]
+
+    def first(self) -> list[Meeting]:
+        """The contacts at the earliest time that has any."""
+        return next((found for group in self.groups() if (found := self.meetings(group))), [])
+
+    def overlaps_after_start(self) -> bool:
+        """Whether the interiors overlap at the times between the start and the next candidate."""
+        return overlap(self.pair, self.moment_after_start())
+
+    def moment_after_start(self) -> fmpq:
+        """A rational u after the start of the piece and before every later candidate."""
+        piece = self.pair.piece
+        lo = piece.u_lo
+        for group in self.groups():
+            root = group[0].root
+            if piece.clock.compare(root, piece.start) > 0:
+                return between(lo, root)
+        assert piece.u_hi is not None
+        return (lo + piece.u_hi) / 2
+
+
+def between(lo: fmpq, root: AlgebraicRoot) -> fmpq:
+    """A rational number strictly between lo and the root, lo < root."""
+    if root.rational is not None:
+        return (lo + root.rational) / 2
+    bits = 64
+    while True:
+        from firstcontact.exact.numbers import dyadic, precision
+
+        with precision(bits):
+            below = root.enclosure(bits).lower()
+        if dyadic(below) > lo:
+            return (lo + dyadic(below)) / 2
+        bits *= 2
+
+
+def _validated(candidate: Candidate) -> tuple[list[Meeting], str]:
+    task, root = candidate.subproblem, candidate.root
+    contacts = task.contacts(root)
+    if not contacts.found:
+        return [], contacts.reason
+    on_a, on_b = _surfaces(task.a), _surfaces(task.b)
+    meetings, reasons = [], []
+    for contact in contacts.found:
+        shared, reason = shared_part(task.pair, contact, root, on_a, on_b)
+        meetings += [Meeting(candidate, part, contact.multiplier) for part in shared]
+        if reason:
+            reasons.append(reason)
+    return meetings, "" if meetings else "; ".join(dict.fromkeys(reasons))
+
+
+def _surfaces(feature: Face | Edge | Vertex) -> frozenset[int]:
+    return frozenset(feature.surfaces)
+
+
+def pieces_of(a: Any, b: Any, first: fmpq, last: fmpq | None) -> Iterator[Pair]:
+    """The models over the pieces of their relative motion, in time order."""
+    from firstcontact.body.moving import Moving
+    from firstcontact.motion.polynomial import relative_pieces
+
+    bodies = [x.body if isinstance(x, Moving) else x for x in (a, b)]
+    for piece in relative_pieces(a, b, first, last):
+        yield Pair(*bodies, piece)
