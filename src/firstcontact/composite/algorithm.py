@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cmp_to_key
-from typing import Any
 
 from flint import fmpq
 
@@ -19,6 +18,7 @@ from firstcontact.composite.at_rest import overlap
 from firstcontact.composite.contact_sets import Shared, shared_part
 from firstcontact.composite.moving_pair import Pair
 from firstcontact.composite.subproblems import Subproblem, subproblems
+from firstcontact.exact.numbers import dyadic, precision
 from firstcontact.exact.roots import AlgebraicRoot
 
 
@@ -79,6 +79,14 @@ class Search:
         """The contacts at the earliest time that has any."""
         return next((found for group in self.groups() if (found := self.meetings(group))), [])
 
+    def is_at_start(self, root: AlgebraicRoot) -> bool:
+        return self.pair.piece.clock.compare(root, self.pair.piece.start) == 0
+
+    @property
+    def starts_rational(self) -> bool:
+        """Whether the parameter bound u_lo is the start itself."""
+        return self.is_at_start(AlgebraicRoot.of(self.pair.piece.u_lo))
+
     def overlaps_after_start(self) -> bool:
         """Whether the interiors overlap at the times between the start and the next candidate."""
         return overlap(self.pair, self.moment_after_start())
@@ -86,13 +94,24 @@ class Search:
     def moment_after_start(self) -> fmpq:
         """A rational u after the start of the piece and before every later candidate."""
         piece = self.pair.piece
-        lo = piece.u_lo
         for group in self.groups():
-            root = group[0].root
-            if piece.clock.compare(root, piece.start) > 0:
-                return between(lo, root)
+            if not self.is_at_start(group[0].root):
+                return between(piece.u_lo, group[0].root)
         assert piece.u_hi is not None
-        return (lo + piece.u_hi) / 2
+        return (piece.u_lo + piece.u_hi) / 2
+
+    def beyond(self, root: AlgebraicRoot) -> fmpq:
+        """A rational u not before the root, and before every later candidate."""
+        if root.rational is not None:
+            return root.rational
+        later = next((c.root for c in self.candidates if c.root.compare(root) > 0), None)
+        bits = 64
+        while True:
+            with precision(bits):
+                above = dyadic(root.enclosure(bits).upper())
+            if later is None or later.compare(above) > 0:
+                return above
+            bits *= 2
 
 
 def between(lo: fmpq, root: AlgebraicRoot) -> fmpq:
@@ -101,8 +120,6 @@ def between(lo: fmpq, root: AlgebraicRoot) -> fmpq:
         return (lo + root.rational) / 2
     bits = 64
     while True:
-        from firstcontact.exact.numbers import dyadic, precision
-
         with precision(bits):
             below = root.enclosure(bits).lower()
         if dyadic(below) > lo:
@@ -127,13 +144,3 @@ def _validated(candidate: Candidate) -> tuple[list[Meeting], str]:
 
 def _surfaces(feature: Face | Edge | Vertex) -> frozenset[int]:
     return frozenset(feature.surfaces)
-
-
-def pieces_of(a: Any, b: Any, first: fmpq, last: fmpq | None) -> Iterator[Pair]:
-    """The models over the pieces of their relative motion, in time order."""
-    from firstcontact.body.moving import Moving
-    from firstcontact.motion.polynomial import relative_pieces
-
-    bodies = [x.body if isinstance(x, Moving) else x for x in (a, b)]
-    for piece in relative_pieces(a, b, first, last):
-        yield Pair(*bodies, piece)

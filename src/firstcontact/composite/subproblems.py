@@ -11,8 +11,6 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-from flint import fmpq
-
 from firstcontact.body.carriers import Conic, Line, Plane, Point, QuarticCurve
 from firstcontact.body.features import Edge, Face, Vertex
 from firstcontact.composite.moving_pair import Pair
@@ -53,13 +51,13 @@ class Subproblem:
     def equation(self) -> Equation:
         return self._equation()
 
-    def roots(self, hi: fmpq | None = None) -> list[AlgebraicRoot]:
+    def roots(self) -> list[AlgebraicRoot]:
         """The candidates in the piece, ascending, with their multiplicities; none where the equation vanishes."""
         polynomial, piece = self.equation.candidates, self.pair.piece
         if polynomial is None:
             return []
-        found = real_roots(polynomial, piece.u_lo, piece.u_hi if hi is None else hi)
-        return [root for root in found if piece.contains(root)]
+        assert piece.u_hi is not None
+        return [root for root in real_roots(polynomial, piece.u_lo, piece.u_hi) if piece.contains(root)]
 
 
 @dataclass(frozen=True)
