@@ -14,8 +14,10 @@ from firstcontact.composite.algorithm import Candidate, Meeting, Search
 from firstcontact.composite.contact_sets import cartesian
 from firstcontact.composite.membership import Vector, form_at, in_both, is_plane
 from firstcontact.composite.moving_pair import Pair
+from firstcontact.composite.polyhedra import face_at
 from firstcontact.exact.instants import enclose
 from firstcontact.exact.numbers import precision
+from firstcontact.exact.polynomial_matrix import Matrix
 from firstcontact.exact.roots import AlgebraicRoot
 from firstcontact.report import MOST_OTHERS
 from firstcontact.result import CandidateTime, ContactSet, Element, ElementPair, FirstContact, Status, Subproblem
@@ -29,13 +31,14 @@ def contact_of(search: Search, meetings: Sequence[Meeting], exact: bool, shared:
     pair, root = search.pair, meetings[0].candidate.root
     named = ranked(pair, meetings)
     (lowest, meeting), *rest = named
+    normals = (normal(m, m.shared.points[0]) for _, m in named[:MOST_OTHERS])
     time, interval = world_time(pair, root)
     where = cartesian(meeting.shared.at)
     return FirstContact(
         Status.CONTACT, time, interval,
         pair.piece.exact_time(root) if exact else None,
         to_world(pair, root, where[None], shared["b"], time)[0],
-        _turned(pair, root, normal(meeting, where), shared["b"], time),
+        _turned(pair, root, next((n for n in normals if n is not None), None), shared["b"], time),
         lowest.element_a, lowest.element_b,
         tuple(p for p, _ in rest[:MOST_OTHERS]), len(named),
         contact_set(pair, root, meetings, shared["b"], time),
@@ -48,8 +51,15 @@ def ranked(pair: Pair, meetings: Sequence[Meeting]) -> list[tuple[ElementPair, M
     """Each pair of elements once, lowest first."""
     seen: dict[ElementPair, Meeting] = {}
     for meeting in meetings:
-        task = meeting.candidate.subproblem
-        seen.setdefault(ElementPair(element(pair, task.a, "a"), element(pair, task.b, "b")), meeting)
+        task, where = meeting.candidate.subproblem, meeting.shared.points[0]
+        in_a = _pose(pair.piece.pose, meeting.candidate.root)
+        seen.setdefault(
+            ElementPair(
+                element(pair, task.a, "a", np.linalg.solve(in_a[:3, :3], where - in_a[:3, 3])),
+                element(pair, task.b, "b", where),
+            ),
+            meeting,
+        )
 
     def rank(item: tuple[ElementPair, Meeting]) -> tuple[int, int, int, int]:
         x, y = item[0].element_a, item[0].element_b
@@ -58,8 +68,15 @@ def ranked(pair: Pair, meetings: Sequence[Meeting]) -> list[tuple[ElementPair, M
     return sorted(seen.items(), key=rank)
 
 
-def element(pair: Pair, feature: Face | Edge | Vertex, which: str) -> Element:
+def element(pair: Pair, feature: Face | Edge | Vertex, which: str, where: np.ndarray | None = None) -> Element:
+    """The feature as users see it; of coplanar faces of a polyhedron the one that holds `where`, in its own frame."""
     body = pair.a if which == "a" else pair.b
+    if body.source is not None:
+        index = feature.index
+        if isinstance(feature, Face) and where is not None:
+            index = face_at(body.source, index, where)
+        name = body.name or which
+        return Element(type(feature).__name__.lower(), name, index, name)
     kind = "face" if isinstance(feature, Face) else "edge" if isinstance(feature, Edge) else "vertex"
     if kind == "vertex" and feature.name.endswith("apex"):
         kind = "apex"
@@ -100,9 +117,14 @@ def _pose_of_b(pair: Pair, root: AlgebraicRoot, b: Any, time: float) -> np.ndarr
     frame = pair.piece.frame
     if frame is None:  # bodies that turn about one line at different speeds
         return b.motion(time)
+    return _pose(frame, root)
+
+
+def _pose(matrix: Matrix, root: AlgebraicRoot) -> np.ndarray:
+    """(4, 4) doubles of a polynomial pose at the root."""
     u = root.enclosure(BITS)
     with precision(BITS):
-        rows = [[x(u) for x in row] for row in frame]
+        rows = [[x(u) for x in row] for row in matrix]
         return np.array([[float((x / rows[3][3]).mid()) for x in row] for row in rows])
 
 
@@ -135,11 +157,10 @@ def _outward(
 ) -> list[np.ndarray]:
     """Outward unit normals of the faces that hold the feature, at a point of it."""
     body, forms = (pair.a, pair.forms_a) if moving else (pair.b, pair.forms_b)
-    numbers = [feature.index] if isinstance(feature, Face) else getattr(feature, "faces", ())
+    faces = [feature] if isinstance(feature, Face) else [body.faces[k] for k in getattr(feature, "faces", ())]
     u, x = root.enclosure(BITS), np.append(where, 1.0)
     found = []
-    for k in numbers:
-        face = body.faces[k]
+    for face in faces:
         form = forms[face.surfaces[0]]
         with precision(BITS):
             at = form_at(form, u)

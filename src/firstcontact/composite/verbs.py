@@ -11,10 +11,12 @@ from flint import fmpq
 
 from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.moving import Moving
+from firstcontact.body.polyhedron import Polyhedron
 from firstcontact.composite.algorithm import Meeting, Search, between
 from firstcontact.composite.answer import contact_of, listed, world_time
 from firstcontact.composite.at_rest import is_containment, overlap
 from firstcontact.composite.moving_pair import Pair
+from firstcontact.composite.polyhedra import as_model
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import fraction, to_double
 from firstcontact.exact.roots import AlgebraicRoot
@@ -76,9 +78,8 @@ def _span(a: Any, b: Any, span: Any) -> tuple[fmpq, fmpq]:
 
 
 def _model(body: Any) -> CompositeQuadric:
-    model: Any = body.body if isinstance(body, Moving) else body
-    assert isinstance(model, CompositeQuadric)
-    return model
+    shape: Any = body.body if isinstance(body, Moving) else body
+    return as_model(shape) if isinstance(shape, Polyhedron) else shape
 
 
 def _searches(a: Any, b: Any, first: fmpq, last: fmpq) -> Iterator[Search]:
