@@ -79,6 +79,16 @@ class Search:
         """The contacts at the earliest time that has any."""
         return next((found for group in self.groups() if (found := self.meetings(group))), [])
 
+    def at_start(self) -> list[Meeting]:
+        """The contacts at the start: candidates there, and features that slide in one another all the time."""
+        found = [m for c in self.candidates if self.is_at_start(c.root) for m in self.verdict(c)[0]]
+        if self.starts_rational:
+            start = AlgebraicRoot.of(self.pair.piece.u_lo)
+            for task in self.tasks:
+                if task.equation.candidates is None:
+                    found += _validated(Candidate(task, start))[0]
+        return found
+
     def is_at_start(self, root: AlgebraicRoot) -> bool:
         return self.pair.piece.clock.compare(root, self.pair.piece.start) == 0
 

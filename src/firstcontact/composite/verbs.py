@@ -93,14 +93,12 @@ def _searches(a: Any, b: Any, first: fmpq, last: fmpq) -> Iterator[Search]:
 
 def _answer(search: Search, at_start: bool, exact: bool, shared: dict[str, Any]) -> FirstContact | None:
     """The answer if the piece has one; None when it is free."""
-    meetings = search.first()
     if at_start:
-        touching = [m for m in meetings if search.is_at_start(m.candidate.root)]
+        touching = search.at_start()
         if touching or search.overlaps_after_start():
             return _initial(search, touching, exact, shared)
-    if meetings:
-        return contact_of(search, meetings, exact, shared)
-    return None
+    meetings = search.first()
+    return contact_of(search, meetings, exact, shared) if meetings else None
 
 
 def _initial(search: Search, touching: list[Meeting], exact: bool, shared: dict[str, Any]) -> FirstContact:
