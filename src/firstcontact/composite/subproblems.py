@@ -11,9 +11,9 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-from flint import fmpq
+from flint import fmpq, fmpz_poly
 
-from firstcontact.body.carriers import Conic, Line, Plane, Point, QuarticCurve
+from firstcontact.body.carriers import AlgebraicPoint, Conic, Line, Plane, Point, QuarticCurve
 from firstcontact.body.features import Edge, Face, Vertex
 from firstcontact.composite.moving_pair import Pair
 from firstcontact.errors import UnsupportedPair
@@ -21,6 +21,7 @@ from firstcontact.exact.inertia import rank
 from firstcontact.exact.polynomial_matrix import constant
 from firstcontact.exact.roots import AlgebraicRoot, real_roots
 from firstcontact.pairs import (
+    algebraic_points,
     conic_conic,
     conic_plane,
     conic_quadric,
@@ -108,7 +109,7 @@ def _subproblem(pair: Pair, x: _Carrier, y: _Carrier, case: Case) -> Subproblem:
 
 
 def case_order(kind: str) -> int:
-    return ("point", "line", "conic", "plane", "quadric").index(kind)
+    return ("algebraic point", "point", "line", "conic", "plane", "quadric").index(kind)
 
 
 def _conics(solver: Any) -> tuple[Any, Any]:
@@ -127,6 +128,8 @@ SOLVERS: dict[tuple[str, str], tuple[Callable[..., Equation], Callable[..., Cont
     ("line", "quadric"): (line_quadric.equation, line_quadric.contacts),
     ("point", "quadric"): (point_carriers.quadric_equation, point_carriers.quadric_contacts),
     ("point", "plane"): (point_carriers.plane_equation, point_carriers.plane_contacts),
+    ("algebraic point", "quadric"): (algebraic_points.quadric_equation, algebraic_points.quadric_contacts),
+    ("algebraic point", "plane"): (algebraic_points.plane_equation, algebraic_points.plane_contacts),
     ("conic", "conic"): _conics(conic_conic),
     ("line", "conic"): (line_conic.equation, line_conic.contacts),
     ("line", "line"): (line_line_carriers.equation, line_line_carriers.contacts),
@@ -164,7 +167,12 @@ def _edges(pair: Pair, moving: bool) -> list[_Carrier]:
 def _corners(pair: Pair, moving: bool) -> list[_Carrier]:
     found = []
     for vertex in (pair.a if moving else pair.b).vertices:
-        if not isinstance(vertex.carrier, Point):
-            raise UnsupportedPair(f"{vertex.name}: a vertex without rational coordinates has no contact equation yet")
-        found.append(_Carrier(vertex, "point", (pair.basis(vertex.carrier, moving),)))
+        point = vertex.carrier
+        if isinstance(point, AlgebraicPoint):
+            number = AlgebraicRoot(fmpz_poly([c.p for c in point.polynomial]), point.lo, point.hi)
+            found.append(_Carrier(vertex, "algebraic point", (pair.basis(point, moving), number)))
+        elif isinstance(point, Point):
+            found.append(_Carrier(vertex, "point", (pair.basis(point, moving),)))
+        else:
+            raise UnsupportedPair(f"{vertex.name}: a vertex without algebraic coordinates has no contact equation yet")
     return found
