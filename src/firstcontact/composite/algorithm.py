@@ -18,16 +18,25 @@ from firstcontact.body.features import Edge, Face, Vertex
 from firstcontact.composite.at_rest import overlap
 from firstcontact.composite.contact_sets import Shared, shared_part
 from firstcontact.composite.moving_pair import Pair
+from firstcontact.composite.square_subproblems import SquareSubproblem
 from firstcontact.composite.subproblems import Subproblem, subproblems
+from firstcontact.exact.numbers import Undecidable
 from firstcontact.exact.roots import AlgebraicRoot
+from firstcontact.exact.square_systems import EnclosedRoot, OpenRoot
+
+Root = AlgebraicRoot | EnclosedRoot | OpenRoot
+"""When a candidate is: an algebraic number, a proved enclosure, or a stretch where nothing was decided.
+
+All have `compare`, `enclosure(bits)`, `sign_of`, `rational` (None where it is not), `multiplicity` and `float()`.
+"""
 
 
 @dataclass(frozen=True)
 class Candidate:
-    """A root of a subproblem's contact equation."""
+    """A root of a subproblem's contact equation or system."""
 
-    subproblem: Subproblem
-    root: AlgebraicRoot
+    subproblem: Subproblem | SquareSubproblem
+    root: Root
 
 
 @dataclass(frozen=True)
@@ -41,12 +50,16 @@ class Meeting:
 
 @dataclass
 class Search:
-    """One piece of the motion: its subproblems, candidates in order of time, and the verdicts given so far."""
+    """One piece of the motion: its subproblems, candidates in order of time, and the verdicts given so far.
+
+    undecided: candidates (by id) whose verdict is open, and why.
+    """
 
     pair: Pair
-    tasks: list[Subproblem] = field(default_factory=list)
+    tasks: list[Subproblem | SquareSubproblem] = field(default_factory=list)
     candidates: list[Candidate] = field(default_factory=list)
     verdicts: dict[int, tuple[list[Meeting], str]] = field(default_factory=dict)
+    undecided: dict[int, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.tasks = list(subproblems(self.pair))
@@ -57,7 +70,11 @@ class Search:
         """The shared parts of the candidate's contact sets, or why there are none."""
         key = id(candidate)
         if key not in self.verdicts:
-            self.verdicts[key] = _validated(candidate)
+            try:
+                self.verdicts[key] = _validated(candidate)
+            except Undecidable as error:
+                self.undecided[key] = str(error)
+                self.verdicts[key] = [], str(error)
         return self.verdicts[key]
 
     def groups(self) -> Iterator[list[Candidate]]:
@@ -76,8 +93,22 @@ class Search:
         return [meeting for candidate in group for meeting in self.verdict(candidate)[0]]
 
     def first(self) -> list[Meeting]:
-        """The contacts at the earliest time that has any."""
-        return next((found for group in self.groups() if (found := self.meetings(group))), [])
+        """The contacts at the earliest time that has any; none where an undecided candidate comes before (`stop`)."""
+        for group in self.groups():
+            found = self.meetings(group)
+            if found or any(id(candidate) in self.undecided for candidate in group):
+                return found
+        return []
+
+    def stop(self) -> tuple[Candidate, str] | None:
+        """The candidate before the first contact that could not be decided, and why."""
+        for group in self.groups():
+            if self.meetings(group):
+                return None
+            for candidate in group:
+                if id(candidate) in self.undecided:
+                    return candidate, self.undecided[id(candidate)]
+        return None
 
     def overlaps_after_start(self) -> bool:
         """Whether the interiors overlap at the times between the start and the next candidate."""
@@ -95,7 +126,7 @@ class Search:
         return (lo + piece.u_hi) / 2
 
 
-def between(lo: fmpq, root: AlgebraicRoot) -> fmpq:
+def between(lo: fmpq, root: Root) -> fmpq:
     """A rational number strictly between lo and the root, lo < root."""
     if root.rational is not None:
         return (lo + root.rational) / 2
@@ -112,6 +143,8 @@ def between(lo: fmpq, root: AlgebraicRoot) -> fmpq:
 
 def _validated(candidate: Candidate) -> tuple[list[Meeting], str]:
     task, root = candidate.subproblem, candidate.root
+    if isinstance(root, OpenRoot):
+        raise Undecidable(root.reason)
     contacts = task.contacts(root)
     if not contacts.found:
         return [], contacts.reason

@@ -39,7 +39,7 @@ class Pair:
     def basis(self, carrier: Line | Conic | Point | AlgebraicPoint, moving: bool) -> Matrix:
         """The parameter matrix of a curve or point in the frame of b; an algebraic point's are the powers of its s."""
         basis = constant(_powers(carrier) if isinstance(carrier, AlgebraicPoint) else carrier.basis)
-        return _without_factor(product(self.piece.pose, basis), self.piece.u_lo) if moving else basis
+        return without_factor(product(self.piece.pose, basis), self.piece.u_lo) if moving else basis
 
 
 def _powers(point: AlgebraicPoint) -> Rows:
@@ -63,7 +63,7 @@ def _moved_form(surface: Plane | Quadric, inverse: Matrix) -> Form:
     return congruent(inverse, form)
 
 
-def _without_factor(m: Matrix, u: fmpq) -> Matrix:
+def without_factor(m: Matrix, u: fmpq) -> Matrix:
     """m over the common factor of its entries, with its sign at u."""
     common = fmpz_poly([0])
     for row in m:

@@ -16,7 +16,7 @@ from flint import fmpq, fmpz_poly
 from firstcontact.body.carriers import AlgebraicPoint, Conic, Line, Plane, Point, QuarticCurve
 from firstcontact.body.features import Edge, Face, Vertex
 from firstcontact.composite.moving_pair import Pair
-from firstcontact.errors import UnsupportedPair
+from firstcontact.composite.square_subproblems import SquareSubproblem, square_subproblems
 from firstcontact.exact.inertia import rank
 from firstcontact.exact.polynomial_matrix import constant
 from firstcontact.exact.roots import AlgebraicRoot, real_roots
@@ -47,7 +47,7 @@ class Subproblem:
     b: Feature
     case: str
     _equation: Callable[[], Equation]
-    contacts: Callable[[AlgebraicRoot], Contacts]
+    contacts: Callable[[Any], Contacts]
     """The real contact sets of the two carriers at a root."""
 
     @cached_property
@@ -74,8 +74,14 @@ class _Carrier:
     """A quadric of rank 3: cone or cylinder."""
 
 
-def subproblems(pair: Pair) -> Iterator[Subproblem]:
-    """All of them: faces against faces, edges against faces, vertices against faces, edges against edges.
+def subproblems(pair: Pair) -> Iterator[Subproblem | SquareSubproblem]:
+    """All of them."""
+    yield from algebraic_subproblems(pair)
+    yield from square_subproblems(pair)
+
+
+def algebraic_subproblems(pair: Pair) -> Iterator[Subproblem]:
+    """Those with a contact equation: faces, edges and vertices against faces, edges against edges.
 
     Reentrant edges need none (nothing touches one without touching a face beside it), seams neither.  A plane
     touches a cone or cylinder in a ruling, whose end lies on an edge that sees the same time (re-derived).
@@ -154,7 +160,7 @@ def _edges(pair: Pair, moving: bool) -> list[_Carrier]:
         if edge.convexity == "reentrant":
             continue
         if isinstance(edge.carrier, QuarticCurve):
-            raise UnsupportedPair(f"{edge.name}: an edge of degree 4 has no contact equation yet")
+            continue  # `square_subproblems`
         basis = pair.basis(edge.carrier, moving)
         if isinstance(edge.carrier, Conic):
             found.append(_Carrier(edge, "conic", (basis, constant(edge.carrier.form))))
@@ -173,6 +179,4 @@ def _corners(pair: Pair, moving: bool) -> list[_Carrier]:
             found.append(_Carrier(vertex, "algebraic point", (pair.basis(point, moving), number)))
         elif isinstance(point, Point):
             found.append(_Carrier(vertex, "point", (pair.basis(point, moving),)))
-        else:
-            raise UnsupportedPair(f"{vertex.name}: a vertex without algebraic coordinates has no contact equation yet")
     return found
