@@ -9,12 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from functools import cmp_to_key
+from functools import cached_property, cmp_to_key
 from typing import Any
 
 from flint import fmpq
 
-from firstcontact.body.features import Edge, Face, Vertex
 from firstcontact.composite.at_rest import overlap
 from firstcontact.composite.contact_sets import Shared, shared_part
 from firstcontact.composite.moving_pair import Pair
@@ -23,6 +22,9 @@ from firstcontact.composite.subproblems import Subproblem, subproblems
 from firstcontact.exact.numbers import Undecidable
 from firstcontact.exact.roots import AlgebraicRoot
 from firstcontact.exact.square_systems import EnclosedRoot, OpenRoot
+
+NARROW = fmpq(1, 10**12)
+"""Of the span of a piece: what an enclosure of a time of contact may be wide."""
 
 Root = AlgebraicRoot | EnclosedRoot | OpenRoot
 """When a candidate is: an algebraic number, a proved enclosure, or a stretch where nothing was decided.
@@ -94,21 +96,41 @@ class Search:
 
     def first(self) -> list[Meeting]:
         """The contacts at the earliest time that has any; none where an undecided candidate comes before (`stop`)."""
-        for group in self.groups():
-            found = self.meetings(group)
-            if found or any(id(candidate) in self.undecided for candidate in group):
-                return found
-        return []
+        return self._outcome[0]
 
     def stop(self) -> tuple[Candidate, str] | None:
         """The candidate before the first contact that could not be decided, and why."""
+        candidate = self._outcome[1]
+        if candidate is None or self._outcome[0]:
+            return None
+        return candidate, self.undecided[id(candidate)]
+
+    def open_from(self) -> fmpq | None:
+        """Where the first contact is known to be in [open_from, its root] only: a stretch narrower than NARROW."""
+        found, candidate = self._outcome
+        return candidate.root.lo if found and candidate is not None else None
+
+    @cached_property
+    def _outcome(self) -> tuple[list[Meeting], Candidate | None]:
+        """The first contacts, and the first undecided candidate before them."""
+        open_: Candidate | None = None
         for group in self.groups():
-            if self.meetings(group):
-                return None
+            if open_ is not None and group[0].root.compare(open_.root.hi) > 0:
+                return [], open_
+            found = self.meetings(group)
+            if found:
+                return found, open_
             for candidate in group:
-                if id(candidate) in self.undecided:
-                    return candidate, self.undecided[id(candidate)]
-        return None
+                if open_ is None and id(candidate) in self.undecided:
+                    open_ = candidate
+                    if not self._is_narrow(candidate.root):
+                        return [], open_
+        return [], open_
+
+    def _is_narrow(self, root: Root) -> bool:
+        piece = self.pair.piece
+        assert piece.u_hi is not None
+        return root.hi - root.lo < NARROW * (piece.u_hi - piece.u_lo)
 
     def overlaps_after_start(self) -> bool:
         """Whether the interiors overlap at the times between the start and the next candidate."""
@@ -148,7 +170,7 @@ def _validated(candidate: Candidate) -> tuple[list[Meeting], str]:
     contacts = task.contacts(root)
     if not contacts.found:
         return [], contacts.reason
-    on_a, on_b = _surfaces(task.a), _surfaces(task.b)
+    on_a, on_b = task.on
     meetings, reasons = [], []
     for contact in contacts.found:
         shared, reason = shared_part(task.pair, contact, root, on_a, on_b)
@@ -156,10 +178,6 @@ def _validated(candidate: Candidate) -> tuple[list[Meeting], str]:
         if reason:
             reasons.append(reason)
     return meetings, "" if meetings else "; ".join(dict.fromkeys(reasons))
-
-
-def _surfaces(feature: Face | Edge | Vertex) -> frozenset[int]:
-    return frozenset(feature.surfaces)
 
 
 def pieces_of(a: Any, b: Any, first: fmpq, last: fmpq | None) -> Iterator[Pair]:

@@ -7,22 +7,21 @@ vertex {A, B, C} against a surface D: A = B = C = D = 0.  Unknowns are the point
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
 from typing import Any
 
 import numpy as np
-from flint import fmpq, fmpz_poly
+from flint import fmpq, fmpq_mat, fmpz_poly
 
-from firstcontact.body.carriers import EnclosedPoint, Plane, QuarticCurve
+from firstcontact.body.carriers import EnclosedPoint, Plane, QuarticCurve, doubles
 from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.features import Edge, Face, Vertex
 from firstcontact.composite.moving_pair import Form, Pair, without_factor
 from firstcontact.composite.system_search import Solid, zeros_within
 from firstcontact.errors import UnsupportedPair
-from firstcontact.exact.numbers import to_double
 from firstcontact.exact.polynomial_matrix import Matrix, congruent, constant
 from firstcontact.exact.square_systems import EnclosedNumber, EnclosedRoot, OpenRoot, SquareSystem, Zero
 from firstcontact.pairs.carrier_contact import Contacts, Equation, Vector, finite
@@ -75,6 +74,16 @@ class View:
         )
 
 
+def _rank_at_many(rows: Sequence[Sequence[fmpz_poly]]) -> int:
+    """The rank over Q(u): the largest at more values of u than a minor has roots."""
+    degree = sum(max(int(p.degree()) for p in row) for row in rows)
+    return max(fmpq_mat([[fmpq(p(u)) for p in row] for row in rows]).rank() for u in range(degree + 1))
+
+
+def _entries(form: Matrix) -> tuple[fmpz_poly, ...]:
+    return tuple(form[i][j] for i in range(4) for j in range(i + 1))
+
+
 def _matrix(form: Form) -> Matrix:
     """A plane's N.X w, twice, as a symmetric matrix; a quadric's own."""
     if isinstance(form[0], tuple):
@@ -97,17 +106,41 @@ class SquareSubproblem:
     system_text: str
     box: BoxQ
 
-    @property
+    @cached_property
     def equation(self) -> Equation:
+        if self.slides:
+            return Equation(None, f"identically dependent: {self.system_text}")
         return Equation(None, f"a square system: {self.system_text}")
+
+    @cached_property
+    def slides(self) -> bool:
+        """Whether the forms are dependent for all u: a feature slides in a surface, and faces beside it see events."""
+        *rest, last = self.system.forms
+        return self._is_dependent(rest, last)
+
+    @cached_property
+    def on(self) -> tuple[frozenset[int], frozenset[int]]:
+        """The surfaces of a and of b that hold the zeros: their forms are combinations of the system's for all u."""
+        own, other = (
+            frozenset(k for k, form in enumerate(forms) if self._is_dependent(self.system.forms, form))
+            for forms in (self.view.own_forms, self.view.other_forms)
+        )
+        return (own, other) if self.view.moving else (other, own)
+
+    def _is_dependent(self, forms: Sequence[Matrix], form: Matrix) -> bool:
+        rows = [_entries(f) for f in (*forms, form)]
+        u = self.pair.piece.u_lo + fmpq(355, 113 * 1024)  # at one u first: ranks fall at few
+        if fmpq_mat([[fmpq(p(u)) for p in row] for row in rows]).rank() == len(rows):
+            return False
+        return _rank_at_many(rows) < len(rows)
 
     @cached_property
     def _found(self) -> list[EnclosedRoot | OpenRoot]:
         piece = self.pair.piece
-        if piece.is_constant or piece.u_hi is None or piece.u_hi <= piece.u_lo:
+        if piece.is_constant or piece.u_hi is None or piece.u_hi <= piece.u_lo or self.slides:
             return []
-        own, other = (self.a, self.b) if self.view.moving else (self.b, self.a)
-        solids = self.view.solids(frozenset(own.surfaces), frozenset(other.surfaces))
+        on_a, on_b = self.on
+        solids = self.view.solids(*((on_a, on_b) if self.view.moving else (on_b, on_a)))
         slabs = max(1, self.system.degree // 4)
         found = zeros_within(self.system, solids, self.box, (piece.u_lo, piece.u_hi), slabs)
         roots: list[EnclosedRoot | OpenRoot] = [EnclosedRoot(zero) for zero in found.zeros]
@@ -194,7 +227,7 @@ def _three_surfaces(body: CompositeQuadric, vertex: Vertex) -> tuple[int, ...]:
     x = [fmpq(*float(c).as_integer_ratio()) for c in vertex.position]
 
     def volume(chosen: tuple[int, ...]) -> float:
-        rows = np.array([[to_double(c) for c in body.surfaces[k].gradient((*x, fmpq(1)))] for k in chosen])
+        rows = np.array([doubles((body.surfaces[k].gradient((*x, fmpq(1))),))[0] for k in chosen])
         return float(abs(np.linalg.det(rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), 1e-300))))
 
     return max(combinations(vertex.surfaces, 3), key=volume)

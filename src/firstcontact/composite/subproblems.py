@@ -54,6 +54,11 @@ class Subproblem:
     def equation(self) -> Equation:
         return self._equation()
 
+    @property
+    def on(self) -> tuple[frozenset[int], frozenset[int]]:
+        """The surfaces of a and of b that hold the contact sets."""
+        return frozenset(self.a.surfaces), frozenset(self.b.surfaces)
+
     def roots(self, hi: fmpq | None = None) -> list[AlgebraicRoot]:
         """The candidates in the piece, ascending, with their multiplicities; none where the equation vanishes."""
         polynomial, piece = self.equation.candidates, self.pair.piece

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from flint import fmpq, fmpq_poly
@@ -23,12 +22,16 @@ EPSILON = 4e-16
 """Twice the unit roundoff, and a little."""
 SMALL = 1e-5
 """Half-width, in units of the whole box, from which on Krawczyk's test is tried."""
-LEAST = 1e-11
+LEAST = 1e-9
 """Half-width at which a box stays open."""
-MOST_BOXES = 1_500_000
+MOST_BOXES = 400_000
 """Boxes looked at in one slab before what is left stays open."""
+OVERLAP = 1.02
+"""Halves are larger than half by this, so that a zero at their border lies inside one."""
+TRIES = 40
+"""Boxes of one slab that stay small without a sure zero, for which Krawczyk's test is tried all the same."""
 CHUNK = 20_000
-OPEN_ENOUGH = 64
+OPEN_ENOUGH = 4000
 """Open boxes of one slab after which the rest stays open too: zeros are not isolated there."""
 
 
@@ -233,7 +236,7 @@ class _Slab:
         pending = [(middle, half)]
         owned: list[Zero] = []
         given_up: list[tuple[np.ndarray, np.ndarray]] = []
-        looked = 0
+        looked = tries = 0
         while pending:
             middle, half = pending.pop()
             if len(middle) > CHUNK:
@@ -243,26 +246,27 @@ class _Slab:
             if looked > MOST_BOXES or len(given_up) > OPEN_ENOUGH:
                 given_up += list(zip(middle, half, strict=True))
                 continue
-            middle, half, steep = self._pruned(middle, half)
-            small = np.max(half, axis=1, initial=0) < SMALL
-            for m, h in zip(middle[small], half[small], strict=True):
-                rest = self._settled(m, h, owned)
-                if rest is not None and np.max(h) < LEAST:
-                    given_up.append((m, h))
-                elif rest is not None:
-                    pending.append(_halves(m[None], h[None], h[None]))
-            middle, half, steep = middle[~small], half[~small], steep[~small]
-            if len(middle):
-                pending.append(_halves(middle, half, steep))
+            middle, half, steep, inner = self._pruned(middle, half)
+            size = np.max(half, axis=1, initial=0)
+            least = size < LEAST
+            for k in np.flatnonzero(((size < SMALL) & inner) | least):
+                tries += least[k] and not inner[k]
+                if (inner[k] or tries < TRIES) and self._settled(middle[k], half[k], owned):
+                    size[k] = 0.0
+                elif least[k]:
+                    given_up.append((middle[k], half[k]))
+            rest = size >= LEAST
+            if rest.any():
+                pending.append(_halves(middle[rest], half[rest], steep[rest]))
         found.boxes += looked
         for zero in owned:
             if not any(zero.is_same(other) for other in found.zeros):
                 found.zeros.append(zero)
-        if given_up:
-            lo = min(m[3] - h[3] for m, h in given_up)
-            hi = max(m[3] + h[3] for m, h in given_up)
-            found.open.append(tuple(self.frame.middle + self.frame.reach * fmpq(*float(v).as_integer_ratio())
-                                    for v in (lo, hi)))  # type: ignore[arg-type]  # fmt: skip
+        for lo, hi in _stretches([(m[3] - h[3], m[3] + h[3]) for m, h in given_up]):
+            found.open.append((self._u(lo), self._u(hi)))
+
+    def _u(self, v: float) -> fmpq:
+        return self.frame.middle + self.frame.reach * fmpq(*float(v).as_integer_ratio())
 
     def _models(self, middle: np.ndarray, half: np.ndarray) -> list[_Model]:
         parts = [_parts(form, middle, half) for form in self.forms]
@@ -271,8 +275,8 @@ class _Slab:
             models.append(_tangency([_gradient(p, half) for p in parts], half))
         return models
 
-    def _pruned(self, middle: np.ndarray, half: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """The boxes that may hold zeros, narrowed, and by how much each side matters."""
+    def _pruned(self, middle: np.ndarray, half: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """The boxes that may hold zeros, narrowed; by how much each side matters; and which hold a zero."""
         for _ in range(3):
             models = self._models(middle, half)
             keep = np.ones(len(middle), bool)
@@ -282,11 +286,12 @@ class _Slab:
             middle, half = middle[keep], half[keep]
             models = [_Model(m.value[keep], m.slope[keep], m.rest[keep]) for m in models]
             before = half
-            middle, half, keep, steep = _narrowed(models, middle, half)
-            middle, half, before, steep = middle[keep], half[keep], before[keep], steep[keep]
+            middle, half, keep, steep, inner = _narrowed(models, middle, half)
+            middle, half, before = middle[keep], half[keep], before[keep]
+            steep, inner = steep[keep], inner[keep]
             if not len(half) or np.mean(np.max(half / np.maximum(before, 1e-300), axis=1) < 0.6) < 0.3:
                 break
-        return middle, half, steep
+        return middle, half, steep, inner
 
     def _in_both(self, middle: np.ndarray, half: np.ndarray) -> np.ndarray:
         """False proves that a box has no point of one of the solids."""
@@ -305,20 +310,30 @@ class _Slab:
             keep &= possible(tree, below, above)[0]
         return keep
 
-    def _settled(self, middle: np.ndarray, half: np.ndarray, owned: list[Zero]) -> Any:
-        """None when the box is settled: its zero is known, or proved now."""
+    def _settled(self, middle: np.ndarray, half: np.ndarray, owned: list[Zero]) -> bool:
+        """Whether the zero of the box is known, or proved now."""
         f = self.frame
         centre = [o + f.scale * fmpq(*float(c).as_integer_ratio()) for o, c in zip(f.origin, middle[:3], strict=True)]
         centre.append(f.middle + f.reach * fmpq(*float(middle[3]).as_integer_ratio()))
         sizes = (f.scale, f.scale, f.scale, f.reach)
         radii = [s * fmpq(*float(h).as_integer_ratio()) for s, h in zip(sizes, half, strict=True)]
         if any(zero.owns(centre, radii) for zero in owned):
-            return None
+            return True
         zero = certified(self.system, centre, radii)
-        if zero is None:
-            return middle
-        owned.append(zero)
-        return None
+        if zero is not None:
+            owned.append(zero)
+        return zero is not None
+
+
+def _stretches(intervals: list[tuple[float, float]]) -> list[tuple[float, float]]:
+    """Their union, overlapping ones (and those less than LEAST apart) as one."""
+    joined: list[tuple[float, float]] = []
+    for lo, hi in sorted(intervals):
+        if joined and lo <= joined[-1][1] + LEAST:
+            joined[-1] = joined[-1][0], max(hi, joined[-1][1])
+        else:
+            joined.append((lo, hi))
+    return joined
 
 
 def _halves(middle: np.ndarray, half: np.ndarray, weight: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -329,14 +344,15 @@ def _halves(middle: np.ndarray, half: np.ndarray, weight: np.ndarray) -> tuple[n
     half[rows, side] *= 0.5
     shift = np.zeros_like(half)
     shift[rows, side] = half[rows, side]
-    half[rows, side] *= 1 + 1e-12
+    half[rows, side] *= OVERLAP
     return np.concatenate([middle - shift, middle + shift]), np.concatenate([half, half])
 
 
 def _narrowed(
     models: list[_Model], middle: np.ndarray, half: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Boxes cut to what the linear parts leave, which are not empty, and the weight of each side for splitting.
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Boxes cut to what the linear parts leave; which are not empty; each side's weight for splitting; which hold a
+    zero by Brouwer's theorem, since what is left lies inside.
 
     A zero d has G d = -c - r, so d = Y (-c - r) + (1 - Y G) d for any Y.
     """
@@ -351,8 +367,9 @@ def _narrowed(
     scaled = scaled / np.maximum(norms, 1e-300)
     regular = np.abs(np.linalg.det(scaled)) > 1e-6 if len(g) else np.zeros(0, bool)
     keep = np.ones(len(middle), bool)
+    inner = np.zeros(len(middle), bool)
     if not regular.any():
-        return middle, half, keep, weight
+        return middle, half, keep, weight, inner
     y = np.linalg.inv(g[regular])
     at = -np.einsum("nij,nj->ni", y, c[regular])
     size = np.abs(y)
@@ -360,6 +377,7 @@ def _narrowed(
     spread = np.einsum("nij,nj->ni", size, r[regular] + 16 * EPSILON * np.abs(c[regular]))
     spread = (spread + np.einsum("nij,nj->ni", off, half[regular])) * (1 + 1e-12)
     h = half[regular]
+    inner[regular] = np.all(np.abs(at) + spread < h, axis=1)
     lo, hi = np.maximum(at - spread, -h), np.minimum(at + spread, h)
     keep[regular] = np.all(lo <= hi, axis=1)
     lo, hi = np.minimum(lo, hi), np.maximum(lo, hi)
@@ -367,4 +385,4 @@ def _narrowed(
     new = middle[regular] + (lo + hi) / 2
     half[regular] = (hi - lo) / 2 * (1 + 1e-12) + 4 * EPSILON * (1 + np.abs(new))
     middle[regular] = new
-    return middle, half, keep, weight
+    return middle, half, keep, weight, inner
