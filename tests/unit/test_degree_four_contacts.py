@@ -102,7 +102,8 @@ def test_the_net_of_the_three_quadrics_is_singular_at_the_contact(worked):
 
 def net_gradient(forms, weights):
     """Derivatives of det(sum w_i F_i) by the weights: trace of adj times F_i, by cofactors of rank-one changes."""
-    net = [[sum((w * f[i][j] for w, f in zip(weights, forms, strict=True)), arb(0)) for j in range(4)] for i in range(4)]
+    weighted = list(zip(weights, forms, strict=True))
+    net = [[sum((w * f[i][j] for w, f in weighted), arb(0)) for j in range(4)] for i in range(4)]
     found = []
     for form in forms:
         total = arb(0)
@@ -133,7 +134,8 @@ def test_a_plane_touches_the_edge_at_every_extremum_of_its_normal():
 
 
 def test_two_points_of_an_edge_meet_a_wall_at_once():
-    found = search(crossed(1, Fraction(3, 4)), fc.box((1, 9, 9)).translated((4, 0, 0)).moving(fc.Translation((-4, 0, 0))))
+    wall = fc.box((1, 9, 9)).translated((4, 0, 0))
+    found = search(crossed(1, Fraction(3, 4)), wall.moving(fc.Translation((-4, 0, 0))))
     meetings = [m for m in found.first() if isinstance(m.candidate.root, EnclosedRoot)]
     assert [float(m.candidate.root) for m in meetings] == [0.6875, 0.6875]
     y = math.sqrt(7) / 4
@@ -169,8 +171,8 @@ def test_an_edge_meets_a_straight_edge():
     block = fc.box((1, 1, 1)).rotated((1, 0, 1), degrees=45).translated((3, 0, 1))
     found = search(crossed(1, Fraction(3, 4)).rotated((0, 0, 1), degrees=45), block.moving(fc.Translation((-3, 0, 0))))
     (meeting,) = found.first()
-    pair = meeting.candidate.subproblem.a, meeting.candidate.subproblem.b
-    assert isinstance(pair[0].carrier, QuarticCurve) and pair[1].frame.shape == (4, 2)
+    task = meeting.candidate.subproblem
+    assert isinstance(task.a.carrier, QuarticCurve) and task.b.frame.shape == (4, 2)
     assert_first(found)
 
 
@@ -179,7 +181,8 @@ def test_edges_of_degree_4_meet_each_other():
     b = crossed(1, Fraction(3, 4)).rotated((1, -3, 1), degrees=70).translated((2, Fraction(4, 3), 1))
     found = search(a, b.moving(fc.Translation((-2, 0, 0))))
     (meeting,) = found.first()
-    assert all(isinstance(f.carrier, QuarticCurve) for f in (meeting.candidate.subproblem.a, meeting.candidate.subproblem.b))
+    task = meeting.candidate.subproblem
+    assert isinstance(task.a.carrier, QuarticCurve) and isinstance(task.b.carrier, QuarticCurve)
     assert_first(found)
 
 
