@@ -9,25 +9,35 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from functools import cmp_to_key
+from functools import cached_property, cmp_to_key
 
 from flint import fmpq
 
-from firstcontact.body.features import Edge, Face, Vertex
 from firstcontact.composite.at_rest import overlap
 from firstcontact.composite.contact_sets import Shared, shared_part
 from firstcontact.composite.moving_pair import Pair
+from firstcontact.composite.square_subproblems import SquareSubproblem
 from firstcontact.composite.subproblems import Subproblem, subproblems
-from firstcontact.exact.numbers import dyadic, precision
+from firstcontact.exact.numbers import Undecidable, dyadic, precision
 from firstcontact.exact.roots import AlgebraicRoot
+from firstcontact.exact.square_systems import EnclosedRoot, OpenRoot
+
+NARROW = fmpq(1, 10**12)
+"""Of the span of a piece: what an enclosure of a time of contact may be wide."""
+
+Root = AlgebraicRoot | EnclosedRoot | OpenRoot
+"""When a candidate is: an algebraic number, a proved enclosure, or a stretch where nothing was decided.
+
+All have `compare`, `enclosure(bits)`, `sign_of`, `rational` (None where it is not), `multiplicity` and `float()`.
+"""
 
 
 @dataclass(frozen=True)
 class Candidate:
-    """A root of a subproblem's contact equation."""
+    """A root of a subproblem's contact equation or system."""
 
-    subproblem: Subproblem
-    root: AlgebraicRoot
+    subproblem: Subproblem | SquareSubproblem
+    root: Root
 
 
 @dataclass(frozen=True)
@@ -41,12 +51,16 @@ class Meeting:
 
 @dataclass
 class Search:
-    """One piece of the motion: its subproblems, candidates in order of time, and the verdicts given so far."""
+    """One piece of the motion: its subproblems, candidates in order of time, and the verdicts given so far.
+
+    undecided: candidates (by id) whose verdict is open, and why.
+    """
 
     pair: Pair
-    tasks: list[Subproblem] = field(default_factory=list)
+    tasks: list[Subproblem | SquareSubproblem] = field(default_factory=list)
     candidates: list[Candidate] = field(default_factory=list)
     verdicts: dict[int, tuple[list[Meeting], str]] = field(default_factory=dict)
+    undecided: dict[int, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.tasks = list(subproblems(self.pair))
@@ -57,7 +71,11 @@ class Search:
         """The shared parts of the candidate's contact sets, or why there are none."""
         key = id(candidate)
         if key not in self.verdicts:
-            self.verdicts[key] = _validated(candidate)
+            try:
+                self.verdicts[key] = _validated(candidate)
+            except Undecidable as error:
+                self.undecided[key] = str(error)
+                self.verdicts[key] = [], str(error)
         return self.verdicts[key]
 
     def groups(self) -> Iterator[list[Candidate]]:
@@ -76,8 +94,42 @@ class Search:
         return [meeting for candidate in group for meeting in self.verdict(candidate)[0]]
 
     def first(self) -> list[Meeting]:
-        """The contacts at the earliest time that has any."""
-        return next((found for group in self.groups() if (found := self.meetings(group))), [])
+        """The contacts at the earliest time that has any; none where an undecided candidate comes before (`stop`)."""
+        return self._outcome[0]
+
+    def stop(self) -> tuple[Candidate, str] | None:
+        """The candidate before the first contact that could not be decided, and why."""
+        candidate = self._outcome[1]
+        if candidate is None or self._outcome[0]:
+            return None
+        return candidate, self.undecided[id(candidate)]
+
+    def open_from(self) -> fmpq | None:
+        """Where the first contact is known to be in [open_from, its root] only: a stretch narrower than NARROW."""
+        found, candidate = self._outcome
+        return candidate.root.lo if found and candidate is not None else None
+
+    @cached_property
+    def _outcome(self) -> tuple[list[Meeting], Candidate | None]:
+        """The first contacts, and the first undecided candidate before them."""
+        open_: Candidate | None = None
+        for group in self.groups():
+            if open_ is not None and group[0].root.compare(open_.root.hi) > 0:
+                return [], open_
+            found = self.meetings(group)
+            if found:
+                return found, open_
+            for candidate in group:
+                if open_ is None and id(candidate) in self.undecided:
+                    open_ = candidate
+                    if not self._is_narrow(candidate.root):
+                        return [], open_
+        return [], open_
+
+    def _is_narrow(self, root: Root) -> bool:
+        piece = self.pair.piece
+        assert piece.u_hi is not None
+        return root.hi - root.lo < NARROW * (piece.u_hi - piece.u_lo)
 
     def at_start(self) -> list[Meeting]:
         """The contacts at the start: candidates there, and features that slide in one another all the time."""
@@ -87,14 +139,14 @@ class Search:
     def sliding(self, u: fmpq) -> list[Meeting]:
         """The contacts at a rational u of features that slide in one another: their equations vanish at all times."""
         at = AlgebraicRoot.of(u)
-        tasks = [task for task in self.tasks if task.equation.candidates is None]
+        tasks = [t for t in self.tasks if isinstance(t, Subproblem) and t.equation.candidates is None]
         return [meeting for task in tasks for meeting in _validated(Candidate(task, at))[0]]
 
     def share_a_point(self, u: fmpq) -> bool:
         """Whether the models share a point at a rational u that is no candidate."""
         return bool(self.sliding(u)) or overlap(self.pair, u)
 
-    def is_at_start(self, root: AlgebraicRoot) -> bool:
+    def is_at_start(self, root: Root) -> bool:
         return self.pair.piece.clock.compare(root, self.pair.piece.start) == 0
 
     @property
@@ -115,7 +167,7 @@ class Search:
         assert piece.u_hi is not None
         return (piece.u_lo + piece.u_hi) / 2
 
-    def beyond(self, root: AlgebraicRoot) -> fmpq:
+    def beyond(self, root: Root) -> fmpq:
         """A rational u not before the root, and before every later candidate."""
         if root.rational is not None:
             return root.rational
@@ -129,7 +181,7 @@ class Search:
             bits *= 2
 
 
-def between(lo: fmpq, root: AlgebraicRoot) -> fmpq:
+def between(lo: fmpq, root: Root) -> fmpq:
     """A rational number strictly between lo and the root, lo < root."""
     if root.rational is not None:
         return (lo + root.rational) / 2
@@ -144,10 +196,12 @@ def between(lo: fmpq, root: AlgebraicRoot) -> fmpq:
 
 def _validated(candidate: Candidate) -> tuple[list[Meeting], str]:
     task, root = candidate.subproblem, candidate.root
+    if isinstance(root, OpenRoot):
+        raise Undecidable(root.reason)
     contacts = task.contacts(root)
     if not contacts.found:
         return [], contacts.reason
-    on_a, on_b = _surfaces(task.a), _surfaces(task.b)
+    on_a, on_b = task.on
     meetings, reasons = [], []
     for contact in contacts.found:
         shared, reason = shared_part(task.pair, contact, root, on_a, on_b)
@@ -155,7 +209,3 @@ def _validated(candidate: Candidate) -> tuple[list[Meeting], str]:
         if reason:
             reasons.append(reason)
     return meetings, "" if meetings else "; ".join(dict.fromkeys(reasons))
-
-
-def _surfaces(feature: Face | Edge | Vertex) -> frozenset[int]:
-    return frozenset(feature.surfaces)

@@ -10,7 +10,7 @@ import numpy as np
 from flint import arb, ctx
 
 from firstcontact.body.features import Edge, Face, Vertex
-from firstcontact.composite.algorithm import Candidate, Meeting, Search
+from firstcontact.composite.algorithm import Candidate, Meeting, Root, Search
 from firstcontact.composite.contact_sets import cartesian
 from firstcontact.composite.membership import Vector, form_at, in_both, is_plane
 from firstcontact.composite.moving_pair import Pair
@@ -19,6 +19,7 @@ from firstcontact.exact.instants import enclose
 from firstcontact.exact.numbers import precision
 from firstcontact.exact.polynomial_matrix import Matrix
 from firstcontact.exact.roots import AlgebraicRoot
+from firstcontact.exact.square_systems import OpenRoot
 from firstcontact.report import MOST_OTHERS
 from firstcontact.result import CandidateTime, ContactSet, Element, ElementPair, FirstContact, Status, Subproblem
 
@@ -33,6 +34,8 @@ def contact_of(search: Search, meetings: Sequence[Meeting], exact: bool, shared:
     (lowest, meeting), *rest = named
     normals = (normal(m, m.shared.points[0]) for _, m in named[:MOST_OTHERS])
     time, interval = world_time(pair, root)
+    if (open_from := search.open_from()) is not None:  # narrower than any tolerance, but not decided
+        interval = world_time(pair, AlgebraicRoot.of(open_from))[1][0], interval[1]
     where = cartesian(meeting.shared.at)
     return FirstContact(
         Status.CONTACT, time, interval,
@@ -86,7 +89,7 @@ def element(pair: Pair, feature: Face | Edge | Vertex, which: str, where: np.nda
 # -- times and frames -----------------------------------------------------------------------------------------
 
 
-def world_time(pair: Pair, root: AlgebraicRoot) -> tuple[float, tuple[float, float]]:
+def world_time(pair: Pair, root: Root) -> tuple[float, tuple[float, float]]:
     """(nearest double, enclosure) of a root's time."""
     value = root.rational
 
@@ -99,13 +102,13 @@ def world_time(pair: Pair, root: AlgebraicRoot) -> tuple[float, tuple[float, flo
     return enclose(number)
 
 
-def to_world(pair: Pair, root: AlgebraicRoot, points: np.ndarray, b: Any, time: float) -> np.ndarray:
+def to_world(pair: Pair, root: Root, points: np.ndarray, b: Any, time: float) -> np.ndarray:
     """(n, 3) points of the frame of b in the world at the root."""
     pose = _pose_of_b(pair, root, b, time)
     return points @ pose[:3, :3].T + pose[:3, 3]
 
 
-def _turned(pair: Pair, root: AlgebraicRoot, n: np.ndarray | None, b: Any, time: float) -> np.ndarray | None:
+def _turned(pair: Pair, root: Root, n: np.ndarray | None, b: Any, time: float) -> np.ndarray | None:
     """A normal of the frame of b in the world: by the inverse transpose."""
     if n is None:
         return None
@@ -113,14 +116,14 @@ def _turned(pair: Pair, root: AlgebraicRoot, n: np.ndarray | None, b: Any, time:
     return turned / np.linalg.norm(turned)
 
 
-def _pose_of_b(pair: Pair, root: AlgebraicRoot, b: Any, time: float) -> np.ndarray:
+def _pose_of_b(pair: Pair, root: Root, b: Any, time: float) -> np.ndarray:
     frame = pair.piece.frame
     if frame is None:  # bodies that turn about one line at different speeds
         return b.motion(time)
     return _pose(frame, root)
 
 
-def _pose(matrix: Matrix, root: AlgebraicRoot) -> np.ndarray:
+def _pose(matrix: Matrix, root: Root) -> np.ndarray:
     """(4, 4) doubles of a polynomial pose at the root."""
     u = root.enclosure(BITS)
     with precision(BITS):
@@ -153,7 +156,7 @@ def normal(meeting: Meeting, where: np.ndarray) -> np.ndarray | None:
 
 
 def _outward(
-    pair: Pair, feature: Face | Edge | Vertex, moving: bool, root: AlgebraicRoot, where: np.ndarray
+    pair: Pair, feature: Face | Edge | Vertex, moving: bool, root: Root, where: np.ndarray
 ) -> list[np.ndarray]:
     """Outward unit normals of the faces that hold the feature, at a point of it."""
     body, forms = (pair.a, pair.forms_a) if moving else (pair.b, pair.forms_b)
@@ -186,7 +189,7 @@ def _unit(v: np.ndarray) -> np.ndarray | None:
 
 
 def contact_set(
-    pair: Pair, root: AlgebraicRoot, meetings: Sequence[Meeting], b: Any, time: float
+    pair: Pair, root: Root, meetings: Sequence[Meeting], b: Any, time: float
 ) -> ContactSet:
     """The largest connected set the models share: arcs and segments of meetings, or what their points span.
 
@@ -196,7 +199,7 @@ def contact_set(
     return ContactSet(kind, to_world(pair, root, points, b, time))
 
 
-def _largest_set(pair: Pair, root: AlgebraicRoot, meetings: Sequence[Meeting]) -> tuple[str, np.ndarray]:
+def _largest_set(pair: Pair, root: Root, meetings: Sequence[Meeting]) -> tuple[str, np.ndarray]:
     for meeting in meetings:
         if meeting.shared.kind == "conic arc":
             return "conic arc", meeting.shared.points
@@ -225,8 +228,8 @@ def _largest_set(pair: Pair, root: AlgebraicRoot, meetings: Sequence[Meeting]) -
     return ("segment", best[1]) if best is not None else ("point", points[0][1][None])
 
 
-def _holds(pair: Pair, root: AlgebraicRoot, x: Vector | None) -> bool:
-    return x is not None and not in_both(pair, x, root, (), ())
+def _holds(pair: Pair, root: Root, x: Vector | None) -> bool:
+    return x is not None and not isinstance(root, OpenRoot) and not in_both(pair, x, root, (), ())
 
 
 def _middle(points: Sequence[Vector]) -> Vector | None:

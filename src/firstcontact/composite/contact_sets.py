@@ -40,7 +40,7 @@ class Shared:
 
 
 def shared_part(
-    pair: Pair, contact: Contact, root: AlgebraicRoot, on_a: Collection[int], on_b: Collection[int]
+    pair: Pair, contact: Contact, root: Any, on_a: Collection[int], on_b: Collection[int]
 ) -> tuple[list[Shared], str]:
     """The parts of the contact set that both models hold, or the reason why there is none."""
     if contact.kind == "point":

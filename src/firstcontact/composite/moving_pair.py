@@ -8,7 +8,7 @@ from typing import Any
 
 from flint import fmpq, fmpz_poly
 
-from firstcontact.body.carriers import Conic, Line, Plane, Point, Quadric
+from firstcontact.body.carriers import AlgebraicPoint, Conic, Line, Plane, Point, Quadric, Rows
 from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.exact.polynomial_matrix import Matrix, congruent, constant, product
 from firstcontact.motion import projective
@@ -36,10 +36,17 @@ class Pair:
     def forms_b(self) -> list[Form]:
         return [_form(surface) for surface in self.b.surfaces]
 
-    def basis(self, carrier: Line | Conic | Point, moving: bool) -> Matrix:
-        """The parameter matrix of a curve or point in the frame of b."""
-        basis = constant(carrier.basis)
-        return _without_factor(product(self.piece.pose, basis), self.piece.u_lo) if moving else basis
+    def basis(self, carrier: Line | Conic | Point | AlgebraicPoint, moving: bool) -> Matrix:
+        """The parameter matrix of a curve or point in the frame of b; an algebraic point's are the powers of its s."""
+        basis = constant(_powers(carrier) if isinstance(carrier, AlgebraicPoint) else carrier.basis)
+        return without_factor(product(self.piece.pose, basis), self.piece.u_lo) if moving else basis
+
+
+def _powers(point: AlgebraicPoint) -> Rows:
+    """4xn: the point is this times (1, s, ..., s^(n-1))."""
+    n = max(len(row) for row in point.coordinates)
+    rows = (*point.coordinates, (fmpq(1),))
+    return tuple((*row, *(fmpq(0),) * (n - len(row))) for row in rows)
 
 
 def _form(surface: Plane | Quadric) -> Form:
@@ -56,7 +63,7 @@ def _moved_form(surface: Plane | Quadric, inverse: Matrix) -> Form:
     return congruent(inverse, form)
 
 
-def _without_factor(m: Matrix, u: fmpq) -> Matrix:
+def without_factor(m: Matrix, u: fmpq) -> Matrix:
     """m over the common factor of its entries, with its sign at u."""
     common = fmpz_poly([0])
     for row in m:

@@ -11,14 +11,17 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-from firstcontact.body.carriers import Conic, Line, Plane, Point, QuarticCurve
+from flint import fmpz_poly
+
+from firstcontact.body.carriers import AlgebraicPoint, Conic, Line, Plane, Point, QuarticCurve
 from firstcontact.body.features import Edge, Face, Vertex
 from firstcontact.composite.moving_pair import Pair
-from firstcontact.errors import UnsupportedPair
+from firstcontact.composite.square_subproblems import SquareSubproblem, square_subproblems
 from firstcontact.exact.inertia import rank
 from firstcontact.exact.polynomial_matrix import constant
 from firstcontact.exact.roots import AlgebraicRoot, real_roots
 from firstcontact.pairs import (
+    algebraic_points,
     conic_conic,
     conic_plane,
     conic_quadric,
@@ -44,12 +47,17 @@ class Subproblem:
     b: Feature
     case: str
     _equation: Callable[[], Equation]
-    contacts: Callable[[AlgebraicRoot], Contacts]
+    contacts: Callable[[Any], Contacts]
     """The real contact sets of the two carriers at a root."""
 
     @cached_property
     def equation(self) -> Equation:
         return self._equation()
+
+    @property
+    def on(self) -> tuple[frozenset[int], frozenset[int]]:
+        """The surfaces of a and of b that hold the contact sets."""
+        return frozenset(self.a.surfaces), frozenset(self.b.surfaces)
 
     def roots(self) -> list[AlgebraicRoot]:
         """The candidates in the piece, ascending, with their multiplicities; none where the equation vanishes."""
@@ -71,8 +79,14 @@ class _Carrier:
     """A quadric of rank 3: cone or cylinder."""
 
 
-def subproblems(pair: Pair) -> Iterator[Subproblem]:
-    """All of them: faces against faces, edges against faces, vertices against faces, edges against edges.
+def subproblems(pair: Pair) -> Iterator[Subproblem | SquareSubproblem]:
+    """All of them."""
+    yield from algebraic_subproblems(pair)
+    yield from square_subproblems(pair)
+
+
+def algebraic_subproblems(pair: Pair) -> Iterator[Subproblem]:
+    """Those with a contact equation: faces, edges and vertices against faces, edges against edges.
 
     Reentrant edges need none (nothing touches one without touching a face beside it), seams neither.  A plane
     touches a cone or cylinder in a ruling, whose end lies on an edge that sees the same time (re-derived).
@@ -106,7 +120,7 @@ def _subproblem(pair: Pair, x: _Carrier, y: _Carrier, case: Case) -> Subproblem:
 
 
 def case_order(kind: str) -> int:
-    return ("point", "line", "conic", "plane", "quadric").index(kind)
+    return ("algebraic point", "point", "line", "conic", "plane", "quadric").index(kind)
 
 
 def _conics(solver: Any) -> tuple[Any, Any]:
@@ -125,6 +139,8 @@ SOLVERS: dict[tuple[str, str], tuple[Callable[..., Equation], Callable[..., Cont
     ("line", "quadric"): (line_quadric.equation, line_quadric.contacts),
     ("point", "quadric"): (point_carriers.quadric_equation, point_carriers.quadric_contacts),
     ("point", "plane"): (point_carriers.plane_equation, point_carriers.plane_contacts),
+    ("algebraic point", "quadric"): (algebraic_points.quadric_equation, algebraic_points.quadric_contacts),
+    ("algebraic point", "plane"): (algebraic_points.plane_equation, algebraic_points.plane_contacts),
     ("conic", "conic"): _conics(conic_conic),
     ("line", "conic"): (line_conic.equation, line_conic.contacts),
     ("line", "line"): (line_line_carriers.equation, line_line_carriers.contacts),
@@ -149,7 +165,7 @@ def _edges(pair: Pair, moving: bool) -> list[_Carrier]:
         if edge.convexity == "reentrant":
             continue
         if isinstance(edge.carrier, QuarticCurve):
-            raise UnsupportedPair(f"{edge.name}: an edge of degree 4 has no contact equation yet")
+            continue  # `square_subproblems`
         basis = pair.basis(edge.carrier, moving)
         if isinstance(edge.carrier, Conic):
             found.append(_Carrier(edge, "conic", (basis, constant(edge.carrier.form))))
@@ -162,7 +178,10 @@ def _edges(pair: Pair, moving: bool) -> list[_Carrier]:
 def _corners(pair: Pair, moving: bool) -> list[_Carrier]:
     found = []
     for vertex in (pair.a if moving else pair.b).vertices:
-        if not isinstance(vertex.carrier, Point):
-            raise UnsupportedPair(f"{vertex.name}: a vertex without rational coordinates has no contact equation yet")
-        found.append(_Carrier(vertex, "point", (pair.basis(vertex.carrier, moving),)))
+        point = vertex.carrier
+        if isinstance(point, AlgebraicPoint):
+            number = AlgebraicRoot(fmpz_poly([c.p for c in point.polynomial]), point.lo, point.hi)
+            found.append(_Carrier(vertex, "algebraic point", (pair.basis(point, moving), number)))
+        elif isinstance(point, Point):
+            found.append(_Carrier(vertex, "point", (pair.basis(point, moving),)))
     return found

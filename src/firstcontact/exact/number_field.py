@@ -57,7 +57,22 @@ class NumberField:
         return tuple(tuple(self(x) for x in row) for row in m)
 
 
-class FieldElement:
+class ExactNumber:
+    """A number with `sign()`, `is_zero()` and `ball(bits)`: what `sign`, `is_zero` and `ball` below ask of it."""
+
+    __slots__ = ()
+
+    def sign(self) -> int:
+        raise NotImplementedError
+
+    def is_zero(self) -> bool:
+        return self.sign() == 0
+
+    def ball(self, bits: int) -> arb:
+        raise NotImplementedError
+
+
+class FieldElement(ExactNumber):
     """A polynomial in the root: zero exactly where the minimal polynomial divides it."""
 
     __slots__ = ("_sign", "field", "value")
@@ -148,7 +163,7 @@ class FieldElement:
         return f"FieldElement({self.ball(64).str(12)})"
 
 
-class QuadraticElement:
+class QuadraticElement(ExactNumber):
     """x + y sqrt(d), d >= 0, for x, y, d of one field: fmpq, FieldElement or QuadraticElement."""
 
     __slots__ = ("d", "x", "y")
@@ -232,15 +247,15 @@ class QuadraticElement:
 
 def sign(x: Any) -> int:
     """Exact sign of an fmpq, a field element or an int."""
-    return x.sign() if type(x) is FieldElement or type(x) is QuadraticElement else (x > 0) - (x < 0)
+    return x.sign() if isinstance(x, ExactNumber) else (x > 0) - (x < 0)
 
 
 def is_zero(x: Any) -> bool:
-    return x.is_zero() if type(x) is FieldElement or type(x) is QuadraticElement else x == 0
+    return x.is_zero() if isinstance(x, ExactNumber) else x == 0
 
 
 def ball(x: Any, bits: int) -> arb:
-    if type(x) is FieldElement or type(x) is QuadraticElement:
+    if isinstance(x, ExactNumber):
         return x.ball(bits)
     with precision(bits):
         return arb(x)

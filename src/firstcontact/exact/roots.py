@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 from functools import cmp_to_key
+from typing import Any
 
 from flint import arb, fmpq, fmpq_poly, fmpz, fmpz_poly, nmod_poly
 
@@ -158,9 +159,14 @@ class AlgebraicRoot:
                 return False
         return bool((fmpq_poly(q) % fmpq_poly(f)).is_zero())
 
-    def compare(self, other: AlgebraicRoot | fmpq) -> int:
-        """-1, 0, 1: this root is below, equal to, above the other, exactly."""
+    def compare(self, other: Any) -> int:
+        """-1, 0, 1: this root is below, equal to, above the other (a root or fmpq), exactly.
+
+        Roots of other kinds know how they compare with this one.
+        """
         if not isinstance(other, AlgebraicRoot):
+            if not isinstance(other, fmpq):
+                return -other.compare(self)
             other = AlgebraicRoot.of(other)
         if self._equals(other):
             return 0

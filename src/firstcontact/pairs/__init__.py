@@ -8,6 +8,7 @@ Algebraic carriers under any rational motion, each with its contact equation and
 (`carrier_cases` is their table, `carrier_contact` what they share):
 
 point_carriers       vertex against plane or quadric              VI
+algebraic_points     vertex with algebraic coordinates            VI
 line_line_carriers   line against line                            XI
 line_conic           line against conic, in space or in a plane   IX, X
 line_quadric         line against quadric                         V

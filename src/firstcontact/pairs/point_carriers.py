@@ -2,11 +2,10 @@
 
 Point by its matrix P (4x1), plane N (4), quadric Q (4x4), all over fmpz_poly in one frame (Choi et al. 2014,
 section on vertices).  A cone apex is a vertex too; the note says when the surface itself has its apex there.
+A vertex that slides in a cone for all u still meets its apex: then the equation is Q X = 0 (re-derived).
 """
 
 from __future__ import annotations
-
-from typing import Any
 
 from firstcontact.exact.inertia import dot, times, value
 from firstcontact.exact.number_field import NumberField
@@ -17,27 +16,33 @@ from firstcontact.pairs.carrier_contact import (
     Equation,
     Vector,
     columns,
+    common_factor,
     finite,
     vector_at,
     zero,
 )
 
+APEXES = "the vertex slides in the cone: where it meets the apex"
+
 
 def plane_equation(point: Matrix, plane: Vector) -> Equation:
     """N.X."""
-    return _equation(dot(columns(point)[0], plane), "plane")
+    form = dot(columns(point)[0], plane)
+    return sliding("plane") if form == 0 else Equation(form)
 
 
 def quadric_equation(point: Matrix, quadric: Matrix) -> Equation:
-    """X^T Q X."""
+    """X^T Q X; where that vanishes for all u, the common divisor of the entries of Q X."""
     (x,) = columns(point)
-    return _equation(value(quadric, x), "quadric")
+    form = value(quadric, x)
+    if form != 0:
+        return Equation(form)
+    apex = common_factor(times(quadric, x))
+    return Equation(apex, APEXES) if apex.degree() > 0 else sliding("quadric")
 
 
-def _equation(polynomial: Any, surface: str) -> Equation:
-    if polynomial == 0:
-        return Equation(None, f"identically zero: the vertex slides in the {surface}")
-    return Equation(polynomial)
+def sliding(surface: str) -> Equation:
+    return Equation(None, f"identically zero: the vertex slides in the {surface}")
 
 
 def plane_contacts(point: Matrix, plane: Vector, root: AlgebraicRoot) -> Contacts:
