@@ -12,8 +12,19 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from firstcontact import examples as examples
+    from firstcontact.body.composite_quadric import CompositeQuadric as CompositeQuadric
     from firstcontact.body.moving import Moving as Moving
     from firstcontact.body.polyhedron import Polyhedron as Polyhedron
+    from firstcontact.body.primitives import box as box
+    from firstcontact.body.primitives import cone as cone
+    from firstcontact.body.primitives import cylinder as cylinder
+    from firstcontact.body.primitives import ellipsoid as ellipsoid
+    from firstcontact.body.primitives import frustum as frustum
+    from firstcontact.body.primitives import half_space as half_space
+    from firstcontact.body.primitives import hyperboloid as hyperboloid
+    from firstcontact.body.primitives import paraboloid as paraboloid
+    from firstcontact.body.primitives import quadric as quadric
+    from firstcontact.body.primitives import sphere as sphere
     from firstcontact.errors import FirstContactError as FirstContactError
     from firstcontact.errors import InputError as InputError
     from firstcontact.errors import UnsupportedPair as UnsupportedPair
@@ -38,8 +49,19 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _HOME = {
+    "CompositeQuadric": "body.composite_quadric",
     "Moving": "body.moving",
     "Polyhedron": "body.polyhedron",
+    "box": "body.primitives",
+    "cone": "body.primitives",
+    "cylinder": "body.primitives",
+    "ellipsoid": "body.primitives",
+    "frustum": "body.primitives",
+    "half_space": "body.primitives",
+    "hyperboloid": "body.primitives",
+    "paraboloid": "body.primitives",
+    "quadric": "body.primitives",
+    "sphere": "body.primitives",
     "FirstContactError": "errors",
     "InputError": "errors",
     "UnsupportedPair": "errors",

@@ -1,0 +1,481 @@
+"""Composite quadric models: solids bounded by planes and quadrics, combined by Boolean operations."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+from typing import Any
+
+import numpy as np
+from flint import fmpq
+
+from firstcontact.body.carriers import ONE, ZERO, Box, Plane, Quadric, Rows, Surface, Vector, doubles, inverse, upright
+from firstcontact.body.csg import And, Leaf, Not, Or, Tree, inside, outcomes, pattern, possible, renumbered
+from firstcontact.body.features import Edge, Face, Features, Vertex, derive
+from firstcontact.body.moving import Moving
+from firstcontact.body.neighbourhood import patterns
+from firstcontact.errors import InputError
+from firstcontact.exact.numbers import rational, to_double
+from firstcontact.exact.rigid import Matrix, apply, determinant, near_rotation, shift
+from firstcontact.motion.translation import LARGEST, vector3
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """How one primitive calls its features.
+
+    path: names of the solids around it, outermost first, joined by dots.
+    labels: (surface, side, label), side as `Face.orientation`.
+    edges: (label, label, name of the edge between them).
+    """
+
+    path: str
+    labels: tuple[tuple[int, int, str], ...]
+    edges: tuple[tuple[str, str, str], ...] = ()
+
+    def full(self, label: str) -> str:
+        return f"{self.path}.{label}" if self.path else label
+
+
+class CompositeQuadric:
+    """A solid of planes and quadrics at rest, closed and regularised (no dangling faces); immutable.
+
+    Made by the builders (`fc.box`, `fc.cylinder`, ...) and combined with ``|`` (union), ``&`` (intersection) and
+    ``-`` (difference).  All numbers are exact: doubles are the binary rationals they are, "1/3" and Fraction stay
+    exact.  Raises InputError when the combination holds no interior point, or all of space.
+
+    >>> from firstcontact.body.primitives import box, cylinder
+    >>> plate = (box((4, 4, 1)) - cylinder(1, 2).named("hole")).named("plate")
+    >>> plate
+    <CompositeQuadric 'plate': 7 faces, 14 edges, 8 vertices>
+    >>> plate.faces[6].name, plate.contains([(0, 0, 0), (1, 0, 0)]).tolist()
+    ('plate.hole.side', [False, True])
+    """
+
+    def __init__(
+        self,
+        surfaces: Sequence[Surface],
+        tree: Tree,
+        parts: Sequence[Part] = (),
+        *,
+        box: Box | None = None,
+        witness: Vector | None = None,
+        name: str | None = None,
+    ) -> None:
+        """surfaces: different ones; tree: leaf i is where surface i's form is <= 0.
+
+        box: exact corners of a box that holds the solid, if known.  witness: a point likely in the interior.
+        """
+        self.name = name
+        self.surfaces = tuple(surfaces)
+        """The complete surfaces, as `Plane` and `Quadric`; features refer to them by number."""
+        self.tree = tree
+        self.parts = tuple(parts)
+        self._box = box
+        self._forms_f = np.array([doubles(s.matrix()) for s in self.surfaces])
+        self._derived: Features | None = None
+        self._tight_box: tuple[np.ndarray, np.ndarray] | None = None
+        self._witness = witness
+        self._validate()
+
+    # -- features -------------------------------------------------------------------------------------------
+
+    @property
+    def faces(self) -> tuple[Face, ...]:
+        return self._features().faces
+
+    @property
+    def edges(self) -> tuple[Edge, ...]:
+        """The sharp edges, convex and reentrant."""
+        return self._features().edges
+
+    @property
+    def seams(self) -> tuple[Edge, ...]:
+        """Curves where two faces meet smoothly."""
+        return self._features().seams
+
+    @property
+    def vertices(self) -> tuple[Vertex, ...]:
+        """End points and crossings of edges, and tips of cones."""
+        return self._features().vertices
+
+    def _features(self) -> Features:
+        if self._derived is None:
+            self._derived = derive(self.tree, self.surfaces, _Names(self), self._rough_box)
+        return self._derived
+
+    # -- combining ------------------------------------------------------------------------------------------
+
+    def __or__(self, other: CompositeQuadric) -> CompositeQuadric:
+        return self._combined(other, Or)
+
+    def __and__(self, other: CompositeQuadric) -> CompositeQuadric:
+        return self._combined(other, And)
+
+    def __sub__(self, other: CompositeQuadric) -> CompositeQuadric:
+        return self._combined(other, lambda a, b: And(a, Not(b)), subtract=True)
+
+    def _combined(self, other: Any, operation: Any, *, subtract: bool = False) -> CompositeQuadric:
+        if not isinstance(other, CompositeQuadric):
+            return NotImplemented
+        surfaces, tree = joined(self.surfaces, other.surfaces, other.tree)
+        parts = [*self._inner_parts(), *other._inner_parts(surfaces, flipped=subtract)]
+        if subtract:
+            box, tree = self._box, And(self.tree, tree.inner if isinstance(tree, Not) else Not(tree))
+        else:
+            tree = operation(self.tree, tree)
+            box = _hull(self._box, other._box) if operation is Or else _overlap(self._box, other._box)
+        return CompositeQuadric(surfaces, tree, parts, box=box, witness=self._witness or other._witness)
+
+    def _inner_parts(self, surfaces: Sequence[Surface] | None = None, *, flipped: bool = False) -> list[Part]:
+        """The parts with this solid's name in front, for surfaces numbered as in `surfaces`."""
+        parts = []
+        for part in self.parts:
+            path = ".".join(p for p in (self.name, part.path) if p)
+            labels = part.labels
+            if surfaces is not None:
+                place = [_place(surfaces, s) for s in self.surfaces]
+                labels = tuple(
+                    (place[i][0], side * place[i][1] * (-1 if flipped else 1), label) for i, side, label in labels
+                )
+            parts.append(Part(path, labels, part.edges))
+        return parts
+
+    # -- placing --------------------------------------------------------------------------------------------
+
+    def named(self, name: str) -> CompositeQuadric:
+        return self._with(name=name, _derived=None)
+
+    def translated(self, v: Iterable[Any]) -> CompositeQuadric:
+        """The body shifted by v, exactly."""
+        return self._mapped(shift(vector3(v, "translation")))
+
+    def rotated(self, axis: Iterable[Any], *, degrees: Any, point: Iterable[Any] = (0, 0, 0)) -> CompositeQuadric:
+        """The body turned about an axis, right-hand rule.
+
+        The rotation used is rational and within 2^-60 of the angle (exact for half turns, and for quarter
+        turns about axes of rational length).
+        """
+        h = vector3(axis, "rotation axis")
+        if not any(h):
+            raise InputError("rotation axis is zero; give a direction such as (0, 0, 1)")
+        turns = rational(degrees, "rotation degrees") / 360
+        return self._mapped(near_rotation(h, vector3(point, "rotation point"), turns))
+
+    def transformed(self, matrix4: Any) -> CompositeQuadric:
+        """The body under a (4, 4) affine map, exactly; maps may mirror and scale, but not be singular."""
+        rows = [list(row) for row in matrix4]
+        if len(rows) != 4 or any(len(row) != 4 for row in rows):
+            raise InputError("transformed() needs a 4x4 matrix")
+        m = [[rational(x, f"matrix[{i}][{j}]") for j, x in enumerate(row)] for i, row in enumerate(rows)]
+        if m[3] != [0, 0, 0, 1]:
+            raise InputError("the last row of the matrix is not (0, 0, 0, 1); give an affine map")
+        matrix: Matrix = (tuple(m[0]), tuple(m[1]), tuple(m[2]))  # type: ignore[assignment]
+        if determinant(matrix) == 0:
+            raise InputError("the matrix is singular; give an invertible affine map")
+        return self._mapped(matrix)
+
+    def moving(self, motion: Any) -> Moving:
+        """This body under a motion."""
+        return Moving(self, motion)  # type: ignore[arg-type]
+
+    def at(self, t: float) -> CompositeQuadric:
+        """Itself: a body at rest is in the same pose at all times."""
+        return self
+
+    def _with(self, **changes: Any) -> CompositeQuadric:
+        other = object.__new__(CompositeQuadric)
+        other.__dict__.update(self.__dict__)
+        other.__dict__.update(changes)
+        return other
+
+    def _mapped(self, matrix: Matrix) -> CompositeQuadric:
+        back = inverse((*matrix, (ZERO, ZERO, ZERO, ONE)))
+        surfaces = tuple(s.placed(back) for s in self.surfaces)
+        box = self._box
+        if box is not None:
+            corners = [apply(matrix, corner) for corner in product(*zip(*box, strict=True))]  # type: ignore[arg-type]
+            box = tuple(min(c) for c in zip(*corners, strict=True)), tuple(max(c) for c in zip(*corners, strict=True))
+            if any(abs(x) >= LARGEST for corner in box for x in corner):
+                raise InputError(f"{self._who}: coordinates leave the range 2^150 under this map")
+        witness = None if self._witness is None else apply(matrix, self._witness)  # type: ignore[arg-type]
+        return self._with(
+            surfaces=surfaces,
+            _forms_f=np.array([doubles(s.matrix()) for s in surfaces]),
+            _box=box,
+            _witness=witness,
+            _derived=None,
+            _tight_box=None,
+        )
+
+    # -- looking --------------------------------------------------------------------------------------------
+
+    def contains(self, points: Any) -> np.ndarray:
+        """(n,) bools: whether each of the (n, 3) points is in the closed solid; one bool for one (3,) point.
+
+        Exact for the coordinates given: floats decide only where their error bound lets them.
+        """
+        p = np.asarray(points, float)
+        single = p.ndim == 1
+        rows = [points] if single else points
+        p = np.atleast_2d(p)
+        if p.ndim != 2 or p.shape[1] != 3:
+            raise InputError(f"points have shape {np.shape(points)}; give an (n, 3) array")
+        if not np.all(np.isfinite(p)):
+            raise InputError("points hold a value that is not finite")
+        may_in, may_out = self._possible(p)
+        answer = may_in & ~may_out
+        for k in np.flatnonzero(may_in & may_out):
+            answer[k] = self.contains_exactly(vector3(rows[k], f"point {k}"))
+        return answer[0] if single else answer
+
+    def contains_exactly(self, point: Vector) -> bool:
+        """Whether the rational point (x, y, z) is in the closed solid."""
+        x = (*point, ONE)
+        signs = self.signs(x)
+        values = outcomes(self.tree, signs)
+        if len(values) == 1:
+            return True in values
+        on = [i for i, sign in enumerate(signs) if sign == 0]
+        return any(inside(self.tree, pattern(signs, on, p)) for p in patterns(x, self.surfaces, on))
+
+    def signs(self, x: Vector) -> list[int]:
+        """Exact sign of every surface's form at the homogeneous point x, w > 0."""
+        values = (s.value(x) for s in self.surfaces)
+        return [(v > 0) - (v < 0) for v in values]
+
+    def _possible(self, p: np.ndarray, slack: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
+        """(may be inside, may be outside), (n,) bools each, at (n, 3) float64 points.
+
+        Forms smaller than their rounding error, and than `slack` times the size of their terms, may have either sign.
+        """
+        x = np.column_stack([p, np.ones(len(p))])
+        values = np.einsum("ni,sij,nj->sn", x, self._forms_f, x, optimize=True)
+        sizes = np.einsum("ni,sij,nj->sn", np.abs(x), np.abs(self._forms_f), np.abs(x), optimize=True)
+        # coefficients, products and sums of sixteen terms: fewer than 32 roundings of relative size 2^-53;
+        # input numbers that are no doubles add one more per coordinate
+        error = sizes * max(40 * 2.0**-53, slack) + 1e-290
+        return possible(self.tree, values < error, values > -error)
+
+    @property
+    def bounded(self) -> bool:
+        """True proves that the solid is bounded; False where no bound was found."""
+        return self._finite_box() is not None
+
+    def bounds(self, span: tuple[float, float] | None = None) -> tuple[np.ndarray, np.ndarray]:
+        """Lower and upper corner, (3,) float64 each, of a box that holds the body; infinite where no bound is known."""
+        from firstcontact.body.extent import tight_box
+
+        box = self._finite_box()
+        if box is None:
+            return np.full(3, -np.inf), np.full(3, np.inf)
+        if self._tight_box is None:
+            self._tight_box = tight_box(self, box)
+        lo, hi = self._tight_box
+        return lo.copy(), hi.copy()
+
+    def _rough_box(self) -> tuple[np.ndarray, np.ndarray] | None:
+        """Float corners of a box that holds the solid, found without its edges."""
+        from firstcontact.body.extent import hull_of_cells
+
+        box = self._finite_box()
+        return None if box is None else hull_of_cells(self, box)
+
+    def _finite_box(self) -> Box | None:
+        if self._box is None:
+            from firstcontact.body.extent import proved_box
+
+            self._box = proved_box(self.tree, self.surfaces)
+        return self._box
+
+    def to_mesh(self, tolerance: float) -> Any:
+        """A Polyhedron of triangles with all vertices on the surfaces, at most `tolerance` from the solid's faces."""
+        from firstcontact.body.quadric_mesh import mesh
+
+        return mesh(self, tolerance)
+
+    def __repr__(self) -> str:
+        name = f" {self.name!r}" if self.name else ""
+        counts = (len(self.faces), "face"), (len(self.edges), "edge"), (len(self.vertices), "vertex")
+        return f"<CompositeQuadric{name}: {', '.join(_count(n, what) for n, what in counts)}>"
+
+    # -- inside ---------------------------------------------------------------------------------------------
+
+    @property
+    def _who(self) -> str:
+        return self.name or "solid"
+
+    def _validate(self) -> None:
+        """An interior and an exterior point: looked for at random first, then decided by the faces."""
+        for x in (x for form in self._forms_f for x in form.ravel()):
+            if not abs(x) < np.inf:
+                raise InputError(f"{self._who}: a coefficient is beyond the range of doubles")
+        self._witness = self._strict_point(True)
+        if self._witness is not None and (self._box is not None or self._strict_point(False) is not None):
+            return
+        if not self.faces:
+            values = outcomes(self.tree, [-1] * len(self.surfaces)) if not self.surfaces else None
+            sample = self._anywhere()
+            full = values == {True} or (sample is not None and sample)
+            what = "fills all of space" if full else "is empty: its conditions contradict each other"
+            raise InputError(f"{self._who} {what}; check the operands")
+
+    def _strict_point(self, wanted: bool) -> Vector | None:
+        """A rational point with no form zero, whose Boolean value is the one wanted; None when none was met."""
+        if wanted and self._witness is not None and self._is_strict(self._witness, True):
+            return self._witness
+        rng = np.random.default_rng(0)
+        for scale in (1.0, 30.0, 1000.0):
+            if self._box is not None:
+                lo, hi = (np.array([to_double(x) for x in corner]) for corner in self._box)
+                p = rng.uniform(lo, hi, (1000, 3))
+            else:
+                p = rng.normal(0, scale, (1000, 3))
+            may_in, may_out = self._possible(p)
+            good = may_in & ~may_out if wanted else may_out & ~may_in
+            for k in np.flatnonzero(good)[:3]:
+                x = tuple(fmpq(*float(c).as_integer_ratio()) for c in p[k])
+                if self._is_strict(x, wanted):
+                    return x
+        return None
+
+    def _is_strict(self, x: Vector, wanted: bool) -> bool:
+        signs = self.signs((*x, ONE))
+        return 0 not in signs and inside(self.tree, [s < 0 for s in signs]) == wanted
+
+    def _anywhere(self) -> bool | None:
+        """The Boolean value at some point where no form vanishes; for solids without faces it is the same all over."""
+        for k in range(100):
+            signs = self.signs((fmpq(k, 97), fmpq(k * k, 89), fmpq(1, 83), ONE))
+            if 0 not in signs:
+                return bool(inside(self.tree, [s < 0 for s in signs]))
+        return None
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_derived": None}
+
+
+def _count(n: int, what: str) -> str:
+    plural = "vertices" if what == "vertex" else what + "s"
+    return f"{n} {what if n == 1 else plural}"
+
+
+# -- surfaces of operands -----------------------------------------------------------------------------------
+
+
+def _key(surface: Surface) -> Vector:
+    """The same for a form and all its multiples."""
+    flat = surface.normal if isinstance(surface, Plane) else tuple(x for row in surface.form for x in row)
+    return upright(flat)
+
+
+def _place(surfaces: Sequence[Surface], surface: Surface) -> tuple[int, int]:
+    """(number, +-1): where the surface stands in the list, and whether with the same sign."""
+    i = next(i for i, other in enumerate(surfaces) if _key(other) == _key(surface))
+    return i, 1 if surfaces[i] == surface else -1
+
+
+def joined(first: Sequence[Surface], second: Sequence[Surface], tree: Tree) -> tuple[list[Surface], Tree]:
+    """All surfaces, equal ones once; and the second solid's tree in the new numbers.
+
+    Half-spaces on the two sides of one surface become one leaf and its negation: so solids that touch along a
+    surface leave no wall there.
+    """
+    surfaces = list(first)
+    keys = {_key(s): i for i, s in enumerate(surfaces)}
+    leaves: list[Tree] = []
+    for surface in second:
+        i = keys.setdefault(_key(surface), len(surfaces))
+        if i == len(surfaces):
+            surfaces.append(surface)
+        leaves.append(Leaf(i) if surfaces[i] == surface else Not(Leaf(i)))
+    return surfaces, renumbered(tree, leaves)
+
+
+def _hull(first: Box | None, second: Box | None) -> Box | None:
+    if first is None or second is None:
+        return None
+    return tuple(map(min, first[0], second[0])), tuple(map(max, first[1], second[1]))
+
+
+def _overlap(first: Box | None, second: Box | None) -> Box | None:
+    if first is None or second is None:
+        return first or second
+    lo, hi = tuple(map(max, first[0], second[0])), tuple(map(min, first[1], second[1]))
+    return lo, tuple(map(max, lo, hi))
+
+
+# -- names --------------------------------------------------------------------------------------------------
+
+
+class _Names:
+    """Names of features from the labels of the primitives they come from."""
+
+    def __init__(self, body: CompositeQuadric) -> None:
+        self.parts = [replace(p, path=".".join(x for x in (body.name, p.path) if x)) for p in body.parts]
+        self.count = len(body.surfaces)
+
+    def _owner(self, surface: int, side: int | None) -> tuple[Part, str] | None:
+        any_side = None
+        for part in self.parts:
+            for i, own, label in part.labels:
+                if i == surface:
+                    if side is None or own == side:
+                        return part, label
+                    any_side = any_side or (part, label)
+        return any_side
+
+    def surface_name(self, surface: int, side: int | None = None) -> str:
+        owner = self._owner(surface, side)
+        return f"surface {surface}" if owner is None else owner[0].full(owner[1])
+
+    def edge_name(self, surfaces: Sequence[int], kind: str) -> str:
+        for part in self.parts:
+            labels = {label for i, _, label in part.labels if i in surfaces}
+            for first, second, name in part.edges:
+                if {first, second} <= labels:
+                    return part.full(name)
+        return _shared_prefix([self.surface_name(i) for i in surfaces])
+
+    def vertex_name(self, surfaces: Sequence[int], apex: bool) -> str:
+        if apex:
+            for part in self.parts:
+                for i, _, label in part.labels:
+                    if i in surfaces and label == "side":
+                        return part.full("apex")
+        return _shared_prefix([self.surface_name(i) for i in surfaces])
+
+
+def _shared_prefix(names: list[str]) -> str:
+    """ "plate.x+/y+" for "plate.x+" and "plate.y+"."""
+    paths = [name.split(".") for name in names]
+    shared = 0
+    while all(len(path) > shared + 1 and path[shared] == paths[0][shared] for path in paths):
+        shared += 1
+    tail = "/".join(".".join(path[shared:]) for path in paths)
+    return ".".join([*paths[0][:shared], tail])
+
+
+def solid(
+    leaves: Sequence[tuple[str, Surface]], edges: Sequence[tuple[str, str, str]] = (), **known: Any
+) -> CompositeQuadric:
+    """The intersection of named half-spaces."""
+    from firstcontact.body.csg import conjunction
+
+    surfaces: list[Surface] = []
+    trees: list[Tree] = []
+    labels = []
+    for label, surface in leaves:
+        surfaces, tree = joined(surfaces, [surface], Leaf(0))
+        trees.append(tree)
+        number = tree.inner if isinstance(tree, Not) else tree
+        assert isinstance(number, Leaf)
+        labels.append((number.surface, -1 if isinstance(tree, Not) else 1, label))
+    return CompositeQuadric(surfaces, conjunction(trees), [Part("", tuple(labels), tuple(edges))], **known)
+
+
+def form_of(rows: Rows) -> Quadric:
+    from firstcontact.body.carriers import primitive_rows
+
+    return Quadric(primitive_rows(rows))

@@ -1,0 +1,106 @@
+"""Boolean combinations of half-spaces, and what they make of the signs of their surfaces.
+
+A leaf is the half-space where its surface's form is <= 0.  Where no form vanishes at a point the Boolean value alone
+tells inside from outside.  Where some vanish, the sign patterns around the point decide (regularised sets, Choi et
+al. 2014, section 2; the rule for dependent gradients is re-derived): inside and outside both occur on the boundary.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+
+@dataclass(frozen=True, slots=True)
+class Leaf:
+    """Where the form of surface `surface` is negative."""
+
+    surface: int
+
+
+@dataclass(frozen=True, slots=True)
+class And:
+    first: Tree
+    second: Tree
+
+
+@dataclass(frozen=True, slots=True)
+class Or:
+    first: Tree
+    second: Tree
+
+
+@dataclass(frozen=True, slots=True)
+class Not:
+    inner: Tree
+
+
+Tree = Leaf | And | Or | Not
+
+
+def inside(tree: Tree, negative: Sequence[Any]) -> Any:
+    """The raw Boolean value; negative[i]: whether form i is negative, as bools or as arrays of bools."""
+    if isinstance(tree, Leaf):
+        return negative[tree.surface]
+    if isinstance(tree, Not):
+        value = inside(tree.inner, negative)
+        return not value if isinstance(value, bool) else ~value
+    first, second = inside(tree.first, negative), inside(tree.second, negative)
+    return first & second if isinstance(tree, And) else first | second
+
+
+def possible(tree: Tree, below: Sequence[Any], above: Sequence[Any]) -> tuple[Any, Any]:
+    """(may be inside, may be outside), arrays of bools, where form i may be negative (below) or positive (above)."""
+    if isinstance(tree, Leaf):
+        return below[tree.surface], above[tree.surface]
+    if isinstance(tree, Not):
+        in_, out = possible(tree.inner, below, above)
+        return out, in_
+    (in_a, out_a), (in_b, out_b) = possible(tree.first, below, above), possible(tree.second, below, above)
+    return (in_a & in_b, out_a | out_b) if isinstance(tree, And) else (in_a | in_b, out_a & out_b)
+
+
+def outcomes(tree: Tree, signs: Sequence[int]) -> set[bool]:
+    """The Boolean values of all patterns that agree with `signs` (-1, 0, 1), a 0 standing for either sign.
+
+    {True, False}: a point with these signs is on the regularised boundary if the vanishing forms have independent
+    gradients there.  {False}: it is outside, {True}: inside, whatever the gradients.
+    """
+    on = [i for i, sign in enumerate(signs) if sign == 0]
+    return {inside(tree, pattern(signs, on, choice)) for choice in product((True, False), repeat=len(on))}
+
+
+def pattern(signs: Sequence[int], on: Iterable[int], negative: Iterable[bool]) -> list[bool]:
+    """`signs` as booleans, with those of the surfaces `on` replaced."""
+    values = [sign < 0 for sign in signs]
+    for i, value in zip(on, negative, strict=True):
+        values[i] = value
+    return values
+
+
+def renumbered(tree: Tree, leaves: Sequence[Tree]) -> Tree:
+    """The tree with leaf i replaced by leaves[i]."""
+    if isinstance(tree, Leaf):
+        return leaves[tree.surface]
+    if isinstance(tree, Not):
+        inner = renumbered(tree.inner, leaves)
+        return inner.inner if isinstance(inner, Not) else Not(inner)
+    return type(tree)(renumbered(tree.first, leaves), renumbered(tree.second, leaves))
+
+
+def surfaces_of(tree: Tree) -> set[int]:
+    if isinstance(tree, Leaf):
+        return {tree.surface}
+    if isinstance(tree, Not):
+        return surfaces_of(tree.inner)
+    return surfaces_of(tree.first) | surfaces_of(tree.second)
+
+
+def conjunction(trees: Sequence[Tree]) -> Tree:
+    """The intersection of all, nested evenly so that depth grows with the logarithm."""
+    if len(trees) == 1:
+        return trees[0]
+    half = len(trees) // 2
+    return And(conjunction(trees[:half]), conjunction(trees[half:]))
