@@ -2,10 +2,26 @@
 
 from __future__ import annotations
 
+import math
+
 from firstcontact.kernels.jit import kernel
 from firstcontact.kernels.separation import placed
-from firstcontact.kernels.support import form_gradient, form_value
+from firstcontact.kernels.support import FORMS, form_gradient, form_value
 from firstcontact.kernels.touch_system import local_point, moving_form, solve
+from firstcontact.kernels.workspace import (
+    ACTIVE,
+    COUNT,
+    FORM,
+    GRADIENTS,
+    INVERSE_A,
+    MATRIX,
+    POSE_A,
+    POSE_B,
+    RIGHT,
+    SIDE_A,
+    SIDE_B,
+    UNKNOWN,
+)
 
 U = 2.0**-53
 # Relative rounding error of a form: three of each coefficient, twelve of the sum; see test_form_bound.
@@ -15,14 +31,14 @@ FORM_EPS = 20.0 * U
 @kernel
 def _inside(p, i, y0, y1, y2, off):
     """Whether all points within `off` (per coordinate) of a local point are certainly inside piece i."""
-    for k in range(p.ranges[i, 6], p.ranges[i, 7]):
-        value, size = form_value(p.leaves, k, y0, y1, y2)
+    for k in range(int(p[i, FORMS]), int(p[i, FORMS + 1])):
+        value, size = form_value(p, k, y0, y1, y2)
         margin = FORM_EPS * size
         if off > 0.0:
-            g0, g1, g2 = form_gradient(p.leaves, k, y0, y1, y2)
+            g0, g1, g2 = form_gradient(p, k, y0, y1, y2)
             bend = 0.0
             for c in range(6):
-                bend += abs(p.leaves[k, c])
+                bend += abs(p[k, c])
             margin += 1.0001 * ((abs(g0) + abs(g1) + abs(g2)) * off + bend * off * off) + FORM_EPS * size
         if value + margin > 0.0:
             return False
@@ -30,85 +46,83 @@ def _inside(p, i, y0, y1, y2, off):
 
 
 @kernel
-def _inverse_bound(pose, inverse):
+def _inverse_bound(w, side):
     """Bound of the largest row sum of |R^-1|, -1 where the computed inverse proves none."""
     norm, defect = 0.0, 0.0
+    pose, inverse = POSE_A + side, INVERSE_A + side
     for r in range(3):
         row, off = 0.0, 0.0
         for c in range(3):
-            row += abs(inverse[3 * r + c])
-            e = inverse[3 * r] * pose[c] + inverse[3 * r + 1] * pose[3 + c] + inverse[3 * r + 2] * pose[6 + c]
+            row += abs(w[inverse, 3 * r + c])
+            e = w[inverse, 3 * r] * w[pose, c] + w[inverse, 3 * r + 1] * w[pose, 3 + c] + w[inverse, 3 * r + 2] * w[pose, 6 + c]
             off += abs(e - (1.0 if r == c else 0.0))
         norm, defect = max(norm, row), max(defect, off)
-    defect += norm * 3.0 * pose[12] + 1e-14
+    defect += norm * 3.0 * w[pose, 12] + 1e-14
     return norm / (1.0 - defect) if defect < 0.5 else -1.0
 
 
 @kernel
-def proves_shared(a, i, b, j, frames, x, y, z, vertex_a, vertex_b):
-    """True proves that the pieces share a point, near (x, y, z), in the poses of `frames`.
+def proves_shared(a, i, b, j, w, side, vertex, x, y, z):
+    """True proves that the pieces share a point, near (x, y, z), in the poses of the frames.
 
-    vertex_a, vertex_b: number of a vertex that is the point, -1 for none; it is in its piece by itself.
+    The point is fixed in the body of `side`; vertex: its row there when it is a vertex (x, y, z do not count then,
+    and it is in its piece by itself), else -1.
     """
-    first, second = (a, b) if vertex_b < 0 else (b, a)
-    i, j = (i, j) if vertex_b < 0 else (j, i)
-    own, other = (0, 1) if vertex_b < 0 else (1, 0)
-    number = max(vertex_a, vertex_b)
-    pose, far = frames[own], frames[other]
-    # the point is exactly R y + T of the first body, for the doubles y or the true vertex near them
+    p, q = (a, b) if side == 0 else (b, a)
+    i, j = (i, j) if side == 0 else (j, i)
+    pose, far = POSE_A + side, POSE_B - side
+    # the point is exactly R y + T for the doubles y, or the true vertex near them
     off = 0.0
-    if number >= 0:
-        y0, y1, y2 = first.vertices[number, 0], first.vertices[number, 1], first.vertices[number, 2]
-        off = first.vertices[number, 3]
+    if vertex >= 0:
+        y0, y1, y2, off = p[vertex, 0], p[vertex, 1], p[vertex, 2], p[vertex, 3]
     else:
-        y0, y1, y2 = local_point(pose, frames[4 + own], x, y, z)
-        if not _inside(first, i, y0, y1, y2, 0.0):
+        y0, y1, y2 = local_point(w, side, x, y, z)
+        if not _inside(p, i, y0, y1, y2, off):
             return False
-    x, y, z = placed(pose, y0, y1, y2)
-    z0, z1, z2 = local_point(far, frames[4 + other], x, y, z)
-    u, v, w = placed(far, z0, z1, z2)
-    rows = 0.0
+    x, y, z = placed(w, pose, y0, y1, y2)
+    z0, z1, z2 = local_point(w, 1 - side, x, y, z)
+    u0, u1, u2 = placed(w, far, z0, z1, z2)
+    rows, shifts = 0.0, 0.0
     for r in range(3):
-        rows = max(rows, abs(pose[3 * r]) + abs(pose[3 * r + 1]) + abs(pose[3 * r + 2]))
-    size = abs(y0) + abs(y1) + abs(y2)
-    size_far = abs(z0) + abs(z1) + abs(z2)
-    shifts = abs(pose[9]) + abs(pose[10]) + abs(pose[11]) + abs(far[9]) + abs(far[10]) + abs(far[11])
-    rounding = 8.0 * U * (rows * (size + size_far) + shifts + abs(x) + abs(y) + abs(z))
-    rounding += pose[12] * size + pose[13] + far[12] * size_far + far[13] + rows * off
-    away = max(abs(x - u), abs(y - v), abs(z - w)) + rounding
-    bound = _inverse_bound(far, frames[4 + other])
-    return bound > 0.0 and _inside(second, j, z0, z1, z2, bound * away)
+        rows = max(rows, abs(w[pose, 3 * r]) + abs(w[pose, 3 * r + 1]) + abs(w[pose, 3 * r + 2]))
+        rows = max(rows, abs(w[far, 3 * r]) + abs(w[far, 3 * r + 1]) + abs(w[far, 3 * r + 2]))
+        shifts += abs(w[pose, 9 + r]) + abs(w[far, 9 + r])
+    size, size_far = abs(y0) + abs(y1) + abs(y2), abs(z0) + abs(z1) + abs(z2)
+    rounding = 8.0 * U * (rows * (size + size_far) + shifts)
+    rounding += w[pose, 12] * size + w[pose, 13] + w[far, 12] * size_far + w[far, 13] + rows * off
+    away = max(abs(x - u0), abs(y - u1), abs(z - u2)) + rounding * 1.001
+    bound = _inverse_bound(w, 1 - side)
+    return bound > 0.0 and _inside(q, j, z0, z1, z2, bound * away)
 
 
 @kernel
-def deepen(a, b, active, counts, frames, unknown, forms, matrix, right, columns, gradients):
-    """The world point near unknown[0:3] that lies equally deep behind all active forms, to first order.
+def deepen(a, b, w, c):
+    """The world point near the solution that lies equally deep behind all active forms, to first order.
 
     Solves g_k.d + depth |g_k| = -value_k for d in the span of the gradients; the multipliers give the depth.
     """
-    p, n = counts[0], counts[0] + counts[1]
+    p, n = c[COUNT], c[COUNT] + c[COUNT + 1]
+    x, y, z = w[UNKNOWN, 0], w[UNKNOWN, 1], w[UNKNOWN, 2]
     above, below = 0.0, 0.0
     for k in range(n):
-        side = 0 if k < p else 1
-        leaves = a.leaves if k < p else b.leaves
-        x, y, z = unknown[0], unknown[1], unknown[2]
-        moving_form(leaves, active[k], frames[side], frames[2 + side], frames[4 + side], x, y, z, forms)
-        length = (forms[1] * forms[1] + forms[2] * forms[2] + forms[3] * forms[3]) ** 0.5
-        gradients[k, 0], gradients[k, 1], gradients[k, 2], gradients[k, 3] = forms[1], forms[2], forms[3], length
-        right[k] = -forms[0]
-        above -= unknown[4 + k] * forms[0]
-        below += unknown[4 + k] * length
+        moving_form(a if k < p else b, c[ACTIVE + k], w, SIDE_A if k < p else SIDE_B, x, y, z)
+        length = math.sqrt(w[FORM, 1] ** 2 + w[FORM, 2] ** 2 + w[FORM, 3] ** 2)
+        for r in range(3):
+            w[GRADIENTS + k, r] = w[FORM, 1 + r]
+        w[GRADIENTS + k, 3] = length
+        w[RIGHT, k] = -w[FORM, 0]
+        above -= w[UNKNOWN, 4 + k] * w[FORM, 0]
+        below += w[UNKNOWN, 4 + k] * length
     depth = above / below if below != 0.0 else 0.0
     for k in range(n):
-        right[k] -= depth * gradients[k, 3]
+        w[RIGHT, k] -= depth * w[GRADIENTS + k, 3]
         for r in range(n):
-            matrix[k, r] = 0.0
-            for c in range(3):
-                matrix[k, r] += gradients[k, c] * gradients[r, c]
-    solve(matrix, right, n, columns)
-    x, y, z = unknown[0], unknown[1], unknown[2]
+            w[MATRIX + k, r] = 0.0
+            for col in range(3):
+                w[MATRIX + k, r] += w[GRADIENTS + k, col] * w[GRADIENTS + r, col]
+    solve(w, c, n)
     for k in range(n):
-        x += right[k] * gradients[k, 0]
-        y += right[k] * gradients[k, 1]
-        z += right[k] * gradients[k, 2]
+        x += w[RIGHT, k] * w[GRADIENTS + k, 0]
+        y += w[RIGHT, k] * w[GRADIENTS + k, 1]
+        z += w[RIGHT, k] * w[GRADIENTS + k, 2]
     return x, y, z

@@ -13,171 +13,191 @@ import math
 from firstcontact.kernels.jit import kernel
 from firstcontact.kernels.poses import pose_at, velocity_at
 from firstcontact.kernels.support import form_gradient, form_value
+from firstcontact.kernels.workspace import (
+    ACTIVE,
+    COUNT,
+    FORM,
+    INVERSE_A,
+    MATRIX,
+    ORDER,
+    POSE_A,
+    RATES_A,
+    RIGHT,
+    SIDE_A,
+    SIDE_B,
+    UNKNOWN,
+)
 
 
 @kernel
-def solve(matrix, right, n, columns):
-    """Solve in place by elimination with full pivoting; unknowns that nothing fixes get 0.  right becomes the answer.
+def solve(w, c, n):
+    """Solve w[MATRIX] x = w[RIGHT] by elimination with full pivoting, n unknowns, those that nothing fixes get 0.
 
-    columns (n,) int64: scratch.  Returns the number of unknowns fixed.
+    The answer replaces w[RIGHT], the matrix is lost.
     """
     for k in range(n):
-        columns[k] = k
+        c[ORDER + k] = k
     first, rank = 0.0, n
     for k in range(n):
         best, p, q = -1.0, k, k
-        for r in range(k, n):
-            for c in range(k, n):
-                if abs(matrix[r, c]) > best:
-                    best, p, q = abs(matrix[r, c]), r, c
+        for row in range(k, n):
+            for col in range(k, n):
+                if abs(w[MATRIX + row, col]) > best:
+                    best, p, q = abs(w[MATRIX + row, col]), row, col
         if k == 0:
             first = best
         if not best > 1e-11 * first:
             rank = k
             break
-        for c in range(n):
-            matrix[k, c], matrix[p, c] = matrix[p, c], matrix[k, c]
-        right[k], right[p] = right[p], right[k]
-        for r in range(n):
-            matrix[r, k], matrix[r, q] = matrix[r, q], matrix[r, k]
-        columns[k], columns[q] = columns[q], columns[k]
-        for r in range(k + 1, n):
-            f = matrix[r, k] / matrix[k, k]
+        for col in range(n):
+            w[MATRIX + k, col], w[MATRIX + p, col] = w[MATRIX + p, col], w[MATRIX + k, col]
+        w[RIGHT, k], w[RIGHT, p] = w[RIGHT, p], w[RIGHT, k]
+        for row in range(n):
+            w[MATRIX + row, k], w[MATRIX + row, q] = w[MATRIX + row, q], w[MATRIX + row, k]
+        c[ORDER + k], c[ORDER + q] = c[ORDER + q], c[ORDER + k]
+        for row in range(k + 1, n):
+            f = w[MATRIX + row, k] / w[MATRIX + k, k]
             if f != 0.0:
-                for c in range(k + 1, n):
-                    matrix[r, c] -= f * matrix[k, c]
-                right[r] -= f * right[k]
-    for k in range(rank, n):
-        right[k] = 0.0
+                for col in range(k + 1, n):
+                    w[MATRIX + row, col] -= f * w[MATRIX + k, col]
+                w[RIGHT, row] -= f * w[RIGHT, k]
     for k in range(rank - 1, -1, -1):
-        for c in range(k + 1, rank):
-            right[k] -= matrix[k, c] * right[c]
-        right[k] /= matrix[k, k]
-    for k in range(n):  # matrix row 0 as scratch for the order of the unknowns
-        matrix[0, columns[k]] = right[k]
+        for col in range(k + 1, rank):
+            w[RIGHT, k] -= w[MATRIX + k, col] * w[RIGHT, col]
+        w[RIGHT, k] /= w[MATRIX + k, k]
+    for k in range(n):  # the first row of the matrix is free by now
+        w[MATRIX, c[ORDER + k]] = w[RIGHT, k] if k < rank else 0.0
     for k in range(n):
-        right[k] = matrix[0, k]
-    return rank
+        w[RIGHT, k] = w[MATRIX, k]
 
 
 @kernel
-def invert(pose, out):
-    """R^-1 by the adjugate into out (9,); False where R is singular."""
-    a, b, c, d, e, f, g, h, k = pose[0], pose[1], pose[2], pose[3], pose[4], pose[5], pose[6], pose[7], pose[8]
-    out[0], out[1], out[2] = e * k - f * h, c * h - b * k, b * f - c * e
-    out[3], out[4], out[5] = f * g - d * k, a * k - c * g, c * d - a * f
-    out[6], out[7], out[8] = d * h - e * g, b * g - a * h, a * e - b * d
-    determinant = a * out[0] + b * out[3] + c * out[6]
+def invert(w, side):
+    """R^-1 of a side's pose by the adjugate; False where R is singular."""
+    row, out = POSE_A + side, INVERSE_A + side
+    for r in range(3):
+        for c in range(3):
+            # cofactors with cyclic indices carry their signs
+            p, q, u, v = (c + 1) % 3, (c + 2) % 3, (r + 1) % 3, (r + 2) % 3
+            w[out, 3 * r + c] = w[row, 3 * p + u] * w[row, 3 * q + v] - w[row, 3 * p + v] * w[row, 3 * q + u]
+    determinant = w[row, 0] * w[out, 0] + w[row, 1] * w[out, 3] + w[row, 2] * w[out, 6]
     if determinant == 0.0:
         return False
-    for n in range(9):
-        out[n] /= determinant
+    for k in range(9):
+        w[out, k] /= determinant
     return True
 
 
 @kernel
-def local_point(pose, inverse, x, y, z):
-    x, y, z = x - pose[9], y - pose[10], z - pose[11]
+def local_point(w, side, x, y, z):
+    """R^-1 ((x, y, z) - T) of a side."""
+    row, inverse = POSE_A + side, INVERSE_A + side
+    x, y, z = x - w[row, 9], y - w[row, 10], z - w[row, 11]
     return (
-        inverse[0] * x + inverse[1] * y + inverse[2] * z,
-        inverse[3] * x + inverse[4] * y + inverse[5] * z,
-        inverse[6] * x + inverse[7] * y + inverse[8] * z,
+        w[inverse, 0] * x + w[inverse, 1] * y + w[inverse, 2] * z,
+        w[inverse, 3] * x + w[inverse, 4] * y + w[inverse, 5] * z,
+        w[inverse, 6] * x + w[inverse, 7] * y + w[inverse, 8] * z,
     )
 
 
 @kernel
-def _back(inverse, x, y, z):
+def _back(w, inverse, x, y, z):
     """R^-T (x, y, z)."""
     return (
-        inverse[0] * x + inverse[3] * y + inverse[6] * z,
-        inverse[1] * x + inverse[4] * y + inverse[7] * z,
-        inverse[2] * x + inverse[5] * y + inverse[8] * z,
+        w[inverse, 0] * x + w[inverse, 3] * y + w[inverse, 6] * z,
+        w[inverse, 1] * x + w[inverse, 4] * y + w[inverse, 7] * z,
+        w[inverse, 2] * x + w[inverse, 5] * y + w[inverse, 8] * z,
     )
 
 
 @kernel
-def moving_form(leaves, k, pose, rates, inverse, x, y, z, out):
-    """Of form k at the world point x, y, z: value, gradient (3), rate by time, rate of the gradient (3); out (8,)."""
-    y0, y1, y2 = local_point(pose, inverse, x, y, z)
-    value, _ = form_value(leaves, k, y0, y1, y2)
-    g0, g1, g2 = form_gradient(leaves, k, y0, y1, y2)
-    G0, G1, G2 = _back(inverse, g0, g1, g2)
-    u0 = rates[0] * y0 + rates[1] * y1 + rates[2] * y2 + rates[9]
-    u1 = rates[3] * y0 + rates[4] * y1 + rates[5] * y2 + rates[10]
-    u2 = rates[6] * y0 + rates[7] * y1 + rates[8] * y2 + rates[11]
-    # the local point runs back by R^-1 u
-    v0 = -(inverse[0] * u0 + inverse[1] * u1 + inverse[2] * u2)
-    v1 = -(inverse[3] * u0 + inverse[4] * u1 + inverse[5] * u2)
-    v2 = -(inverse[6] * u0 + inverse[7] * u1 + inverse[8] * u2)
-    h0 = 2.0 * leaves[k, 0] * v0 + leaves[k, 3] * v1 + leaves[k, 4] * v2
-    h1 = leaves[k, 3] * v0 + 2.0 * leaves[k, 1] * v1 + leaves[k, 5] * v2
-    h2 = leaves[k, 4] * v0 + leaves[k, 5] * v1 + 2.0 * leaves[k, 2] * v2
-    h0 -= rates[0] * G0 + rates[3] * G1 + rates[6] * G2
-    h1 -= rates[1] * G0 + rates[4] * G1 + rates[7] * G2
-    h2 -= rates[2] * G0 + rates[5] * G1 + rates[8] * G2
-    H0, H1, H2 = _back(inverse, h0, h1, h2)
-    out[0], out[1], out[2], out[3], out[4] = value, G0, G1, G2, -(G0 * u0 + G1 * u1 + G2 * u2)
-    out[5], out[6], out[7] = H0, H1, H2
+def moving_form(p, k, w, side, x, y, z):
+    """Of form k at the world point x, y, z: value, gradient (3), rate by time, rate of the gradient (3).
 
-
-@kernel
-def add_hessian(leaves, k, inverse, factor, matrix, row):
-    """Add factor R^-T (second derivatives of form k) R^-1 to the 3x3 block at (row, 0)."""
-    for c in range(3):
-        i0, i1, i2 = inverse[c], inverse[3 + c], inverse[6 + c]
-        h0 = 2.0 * leaves[k, 0] * i0 + leaves[k, 3] * i1 + leaves[k, 4] * i2
-        h1 = leaves[k, 3] * i0 + 2.0 * leaves[k, 1] * i1 + leaves[k, 5] * i2
-        h2 = leaves[k, 4] * i0 + leaves[k, 5] * i1 + 2.0 * leaves[k, 2] * i2
-        H0, H1, H2 = _back(inverse, h0, h1, h2)
-        matrix[row, c] += factor * H0
-        matrix[row + 1, c] += factor * H1
-        matrix[row + 2, c] += factor * H2
-
-
-@kernel
-def newton_step(a, b, active, counts, frames, unknown, forms, matrix, right, columns, span):
-    """One step of Newton's method; the size of the step relative to the last unknowns, -1 where it is singular.
-
-    active (8,) int64: form numbers, a's first; counts (2,): how many of each; frames (6, 14): poses, rates and
-    inverses of a and b; unknown: X, t, multipliers.  Columns of t are scaled by `span`.
+    Into w[FORM], from the frames of a side.
     """
-    p, q = counts[0], counts[1]
+    rates, inverse = RATES_A + side, INVERSE_A + side
+    y0, y1, y2 = local_point(w, side, x, y, z)
+    value, _ = form_value(p, k, y0, y1, y2)
+    g0, g1, g2 = form_gradient(p, k, y0, y1, y2)
+    G0, G1, G2 = _back(w, inverse, g0, g1, g2)
+    u0 = w[rates, 0] * y0 + w[rates, 1] * y1 + w[rates, 2] * y2 + w[rates, 9]
+    u1 = w[rates, 3] * y0 + w[rates, 4] * y1 + w[rates, 5] * y2 + w[rates, 10]
+    u2 = w[rates, 6] * y0 + w[rates, 7] * y1 + w[rates, 8] * y2 + w[rates, 11]
+    # the local point runs back by R^-1 u
+    v0 = -(w[inverse, 0] * u0 + w[inverse, 1] * u1 + w[inverse, 2] * u2)
+    v1 = -(w[inverse, 3] * u0 + w[inverse, 4] * u1 + w[inverse, 5] * u2)
+    v2 = -(w[inverse, 6] * u0 + w[inverse, 7] * u1 + w[inverse, 8] * u2)
+    h0 = 2.0 * p[k, 0] * v0 + p[k, 3] * v1 + p[k, 4] * v2
+    h1 = p[k, 3] * v0 + 2.0 * p[k, 1] * v1 + p[k, 5] * v2
+    h2 = p[k, 4] * v0 + p[k, 5] * v1 + 2.0 * p[k, 2] * v2
+    h0 -= w[rates, 0] * G0 + w[rates, 3] * G1 + w[rates, 6] * G2
+    h1 -= w[rates, 1] * G0 + w[rates, 4] * G1 + w[rates, 7] * G2
+    h2 -= w[rates, 2] * G0 + w[rates, 5] * G1 + w[rates, 8] * G2
+    H0, H1, H2 = _back(w, inverse, h0, h1, h2)
+    w[FORM, 0], w[FORM, 1], w[FORM, 2], w[FORM, 3], w[FORM, 4] = value, G0, G1, G2, -(G0 * u0 + G1 * u1 + G2 * u2)
+    w[FORM, 5], w[FORM, 6], w[FORM, 7] = H0, H1, H2
+
+
+@kernel
+def add_hessian(p, k, w, side, factor, row):
+    """Add factor R^-T (second derivatives of form k) R^-1 to the 3x3 block of the matrix at (row, 0)."""
+    inverse = INVERSE_A + side
+    for c in range(3):
+        i0, i1, i2 = w[inverse, c], w[inverse, 3 + c], w[inverse, 6 + c]
+        h0 = 2.0 * p[k, 0] * i0 + p[k, 3] * i1 + p[k, 4] * i2
+        h1 = p[k, 3] * i0 + 2.0 * p[k, 1] * i1 + p[k, 5] * i2
+        h2 = p[k, 4] * i0 + p[k, 5] * i1 + 2.0 * p[k, 2] * i2
+        H0, H1, H2 = _back(w, inverse, h0, h1, h2)
+        w[MATRIX + row, c] += factor * H0
+        w[MATRIX + row + 1, c] += factor * H1
+        w[MATRIX + row + 2, c] += factor * H2
+
+
+@kernel
+def newton_step(a, b, w, c, span):
+    """One step of Newton's method on X, t and the multipliers; the size of the step, -1 where it is not finite.
+
+    The frames are those at t; lengths of the step in t count as parts of `span`.
+    """
+    p, q = c[COUNT], c[COUNT + 1]
     n = 4 + p + q
     for r in range(n):
-        right[r] = 0.0
-        for c in range(n):
-            matrix[r, c] = 0.0
+        w[RIGHT, r] = 0.0
+        for col in range(n):
+            w[MATRIX + r, col] = 0.0
     total = 0.0
     for k in range(p + q):
-        side = 0 if k < p else 1
-        leaves = a.leaves if k < p else b.leaves
-        moving_form(
-            leaves, active[k], frames[side], frames[2 + side], frames[4 + side], unknown[0], unknown[1], unknown[2], forms
-        )
-        m = unknown[4 + k]
-        matrix[k, 0], matrix[k, 1], matrix[k, 2], matrix[k, 3] = forms[1], forms[2], forms[3], forms[4] * span
-        right[k] = -forms[0]
-        for c in range(3):
-            matrix[p + q + c, 4 + k] = forms[1 + c]
-            matrix[p + q + c, 3] += m * forms[5 + c] * span
-            right[p + q + c] -= m * forms[1 + c]
-        add_hessian(leaves, active[k], frames[4 + side], m, matrix, p + q)
-        matrix[n - 1, 4 + k] = 1.0
+        side = SIDE_A if k < p else SIDE_B
+        forms = a if k < p else b
+        moving_form(forms, c[ACTIVE + k], w, side, w[UNKNOWN, 0], w[UNKNOWN, 1], w[UNKNOWN, 2])
+        m = w[UNKNOWN, 4 + k]
+        w[MATRIX + k, 3] = w[FORM, 4] * span
+        w[RIGHT, k] = -w[FORM, 0]
+        for r in range(3):
+            w[MATRIX + k, r] = w[FORM, 1 + r]
+            w[MATRIX + p + q + r, 4 + k] = w[FORM, 1 + r]
+            w[MATRIX + p + q + r, 3] += m * w[FORM, 5 + r] * span
+            w[RIGHT, p + q + r] -= m * w[FORM, 1 + r]
+        add_hessian(forms, c[ACTIVE + k], w, side, m, p + q)
+        w[MATRIX + n - 1, 4 + k] = 1.0
         total += m
-    right[n - 1] = 1.0 - total
-    solve(matrix, right, n, columns)
+    w[RIGHT, n - 1] = 1.0 - total
+    solve(w, c, n)
     for k in range(n):
-        if not math.isfinite(right[k]):
+        if not math.isfinite(w[RIGHT, k]):
             return -1.0
-        unknown[k] += right[k] * (span if k == 3 else 1.0)
-    return abs(right[0]) + abs(right[1]) + abs(right[2]) + abs(right[3])
+        w[UNKNOWN, k] += w[RIGHT, k] * (span if k == 3 else 1.0)
+    return abs(w[RIGHT, 0]) + abs(w[RIGHT, 1]) + abs(w[RIGHT, 2]) + abs(w[RIGHT, 3])
 
 
 @kernel
-def place_frames(head_a, coef_a, head_b, coef_b, t, frames):
+def place_frames(ma, mb, t, w):
     """Poses, rates and inverses of both bodies at t; False where one is singular."""
-    pose_at(head_a, coef_a, t, frames[0])
-    pose_at(head_b, coef_b, t, frames[1])
-    velocity_at(head_a, coef_a, t, frames[2])
-    velocity_at(head_b, coef_b, t, frames[3])
-    return invert(frames[0], frames[4]) and invert(frames[1], frames[5])
+    for side in range(2):
+        m = ma if side == 0 else mb
+        pose_at(m, t, w, POSE_A + side)
+        velocity_at(m, t, w, RATES_A + side)
+        if not invert(w, side):
+            return False
+    return True

@@ -15,30 +15,34 @@ from flint import fmpq
 
 from firstcontact.body.moving import Moving
 from firstcontact.kernels.advancement import (
-    ACTIVE,
+    BY_FORMS,
+    BY_VERTEX_A,
     CONTACT,
-    COUNT_A,
-    COUNT_B,
     FREE,
+    INITIAL,
+    SPENT,
+    advance_pieces,
+)
+from firstcontact.kernels.workspace import (
+    ACTIVE,
+    COUNT,
     FREE_UNTIL,
     GAP,
     GAPS,
     HI,
-    INITIAL,
     LO,
     MODE,
     NEWTON,
     NORMAL,
     POINT,
-    SPENT,
+    RESULTS,
     STEPS,
     TIME,
     VERTEX,
-    advance_pieces,
+    workspace,
 )
-from firstcontact.kernels.candidate import FORMS, VERTEX_A
 from firstcontact.search.convex import ConvexPieces, NotConvex, convex_pieces
-from firstcontact.search.stretches import Untold, Window, above, below, windows
+from firstcontact.search.stretches import Untold, Window, below, windows
 
 REASONS = {SPENT: "budget"}
 Feature = tuple[str, int]
@@ -101,8 +105,8 @@ class _Search:
         self.windows = stretches
         self.width = tolerance * (stretches[-1].last - stretches[0].first)
         self.budget = budget
-        self.counters = np.zeros(16, np.int64)
-        self.results = np.zeros(11)
+        self.workspace, self.counters = workspace()
+        self.results = self.workspace[RESULTS]
 
     def run(self) -> Advance:
         for k, window in enumerate(self.windows):
@@ -127,8 +131,8 @@ class _Search:
         limit = window.last
         for i, j in self._pairs(window):
             outcome = advance_pieces(
-                self.a.arrays, i, *window.a, self.b.arrays, j, *window.b,
-                window.first, limit, window.inner, self.width, self.budget, self.results, self.counters,
+                self.a.array, i, window.a, self.b.array, j, window.b,
+                window.first, limit, window.inner, self.width, self.budget, self.workspace, self.counters,
             )  # fmt: skip
             if outcome == FREE:
                 continue
@@ -138,7 +142,7 @@ class _Search:
                     point=self.results[POINT : POINT + 3].copy(),
                 )  # fmt: skip
             if outcome == CONTACT:
-                best = self._earlier(best, self._contact(i, j))
+                best = self._earlier(best, self._contact())
                 assert best.time_interval is not None
                 limit = min(limit, best.time_interval[1])
             elif stuck is None or self.results[FREE_UNTIL] < stuck.free_until:
@@ -148,8 +152,8 @@ class _Search:
         return best
 
     def _pairs(self, window: Window) -> Iterator[tuple[int, int]]:
-        for i in range(len(self.a.labels)):
-            for j in range(len(self.b.labels)):
+        for i in range(self.a.count):
+            for j in range(self.b.count):
                 yield i, j
 
     def _earlier(self, best: Advance | None, found: Advance) -> Advance:
@@ -164,27 +168,27 @@ class _Search:
         fields["time"] = min(max(fields["time"], lo), hi)
         return self._answer("contact", lo, time_interval=(lo, hi), **fields)
 
-    def _contact(self, i: int, j: int) -> Advance:
+    def _contact(self) -> Advance:
         r = self.results
-        features = self._features(i, j)
+        features = self._features()
         return self._answer(
             "contact", float(r[LO]), time=float(r[TIME]), time_interval=(float(r[LO]), float(r[HI])),
             point=r[POINT : POINT + 3].copy(), normal=-r[NORMAL : NORMAL + 3],
             features_a=features[0], features_b=features[1],
         )  # fmt: skip
 
-    def _features(self, i: int, j: int) -> tuple[tuple[Feature, ...], tuple[Feature, ...]]:
+    def _features(self) -> tuple[tuple[Feature, ...], tuple[Feature, ...]]:
         c = self.counters
-        if c[MODE] == FORMS:
-            n, m = int(c[COUNT_A]), int(c[COUNT_B])
+        if c[MODE] == BY_FORMS:
+            n, m = int(c[COUNT]), int(c[COUNT + 1])
             return (
-                _named(self.a, i, c[ACTIVE : ACTIVE + n].tolist()),
-                _named(self.b, j, c[ACTIVE + n : ACTIVE + n + m].tolist()),
+                _named(self.a, c[ACTIVE : ACTIVE + n].tolist()),
+                _named(self.b, c[ACTIVE + n : ACTIVE + n + m].tolist()),
             )
         form, vertex = [int(c[ACTIVE])], int(c[VERTEX])
-        if c[MODE] == VERTEX_A:
-            return _at_vertex(self.a, vertex), _named(self.b, j, form)
-        return _named(self.a, i, form), _at_vertex(self.b, vertex)
+        if c[MODE] == BY_VERTEX_A:
+            return _at_vertex(self.a, vertex), _named(self.b, form)
+        return _named(self.a, form), _at_vertex(self.b, vertex)
 
     def _open(self, reason: str) -> Advance:
         return self._answer("open", float(self.results[FREE_UNTIL]), reason=reason)
@@ -197,10 +201,10 @@ class _Search:
         )  # fmt: skip
 
 
-def _named(pieces: ConvexPieces, i: int, forms: list[int]) -> tuple[Feature, ...]:
+def _named(pieces: ConvexPieces, forms: list[int]) -> tuple[Feature, ...]:
     """The feature of the body on all these forms; their faces where pieces meet inside the body."""
-    surfaces = [int(pieces.arrays.leaves[k, 10]) for k in forms]
-    labels = pieces.labels[i]
+    surfaces = [int(pieces.array[k, 10]) for k in forms]
+    labels = pieces.labels
     if frozenset(surfaces) in labels:
         return (labels[frozenset(surfaces)],)
     return tuple(labels[frozenset([s])] for s in surfaces if frozenset([s]) in labels)
@@ -209,5 +213,3 @@ def _named(pieces: ConvexPieces, i: int, forms: list[int]) -> tuple[Feature, ...
 def _at_vertex(pieces: ConvexPieces, row: int) -> tuple[Feature, ...]:
     return (("vertex", row),)
 
-
-__all__ = ["Advance", "above", "advance"]

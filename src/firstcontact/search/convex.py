@@ -27,13 +27,14 @@ from firstcontact.body.carriers import (
     null_space,
 )
 from firstcontact.body.composite_quadric import CompositeQuadric
-from firstcontact.body.csg import And, Leaf, Not, Or, Tree, conjunction
+from firstcontact.body.csg import Leaf, Not, Or, Tree, conjunction
 from firstcontact.body.features import Edge, Face
 from firstcontact.errors import InputError
 from firstcontact.exact.numbers import precision, to_double
-from firstcontact.kernels.support import BALL, BOWL, SHEET, Pieces, support
+from firstcontact.kernels.support import BALL, BOWL, BOX, SHEET, support
 
 U = 2.0**-53
+WIDTH = 14
 BITS = 192
 # Conjunctions tried before a combination counts as too involved for the fast path.
 MOST_PIECES = 64
@@ -47,10 +48,11 @@ class NotConvex(Exception):
 
 @dataclass(frozen=True, eq=False)
 class ConvexPieces:
-    """arrays: as `Pieces`; features: per piece the (kind, index) in the body of its vertices, arcs and faces."""
+    """array: as `kernels.support` tells, `count` pieces; labels: (kind, index) of the body's features by surfaces."""
 
-    arrays: Pieces
-    labels: tuple[dict[frozenset[int], tuple[str, int]], ...]
+    array: np.ndarray
+    count: int
+    labels: dict[frozenset[int], tuple[str, int]]
 
 
 def convex_pieces(body: CompositeQuadric) -> ConvexPieces:
@@ -71,24 +73,23 @@ def _compiled(body: CompositeQuadric) -> ConvexPieces:
     clauses = [c for c in _clauses(body.tree, True) if c is not None]
     if len(clauses) > MOST_PIECES:
         raise NotConvex("too many pieces")
-    tables: list[list[Any]] = [[], [], [], []]
-    ranges, labels = [], []
+    labels = _labels(body)
+    parts = []
     for clause in clauses:
         solid = body if len(clauses) == 1 else _solid(body, clause)
-        if solid is None:
-            continue
-        parts, label = _piece(body, solid, sorted(clause))
-        row = []
-        for table, rows in zip(tables, parts, strict=True):
-            row += [len(table), len(table) + len(rows)]
-            table += rows
-        ranges.append(row)
-        labels.append(label)
-    widths = (4, 13, 14, 11)
-    arrays = [np.array(t, float).reshape(-1, w) for t, w in zip(tables, widths, strict=True)]
-    pieces = Pieces(*arrays, np.array(ranges, np.int64).reshape(-1, 8), np.zeros((len(ranges), 6)))
-    _fill_boxes(pieces)
-    return ConvexPieces(pieces, tuple(labels))
+        if solid is not None:
+            parts.append(_piece(body, solid, sorted(clause)))
+    # rows of the pieces first, then those of their parts
+    rows, heads = [], np.zeros((len(parts), WIDTH))
+    for head, tables in zip(heads, parts, strict=True):
+        for k, table in enumerate(tables):
+            head[2 * k] = len(parts) + len(rows)
+            rows += [[*row, *[0.0] * (WIDTH - len(row))] for row in table]
+            head[2 * k + 1] = len(parts) + len(rows)
+    arrays = np.vstack([heads, np.array(rows, float).reshape(-1, WIDTH)])
+    for i in range(len(parts)):
+        _fill_box(arrays, i)
+    return ConvexPieces(arrays, len(parts), labels)
 
 
 # -- convex pieces of the tree ------------------------------------------------------------------------------
@@ -123,8 +124,8 @@ def _solid(body: CompositeQuadric, clause: frozenset[tuple[int, bool]]) -> Compo
 
 def _piece(
     body: CompositeQuadric, solid: CompositeQuadric, signed: Sequence[tuple[int, bool]]
-) -> tuple[list[list[Any]], dict[frozenset[int], tuple[str, int]]]:
-    """Rows of vertices, arcs, smooth faces and leaves of one piece, and the body's features by surfaces."""
+) -> list[list[Any]]:
+    """Rows of vertices, arcs, curved faces and forms of one piece."""
     forms = [body.surfaces[i] if side else body.surfaces[i].negated() for i, side in signed]
     for form in forms:
         _require_convex(form, forms, solid)
@@ -138,7 +139,7 @@ def _piece(
     points = [np.array(row[:3]) for row in (*vertices, *arcs, *smooth)]
     size = max(float(np.abs(row[:12]).max()) for row in (*vertices, *arcs, *smooth)) or 1.0
     leaves = [_leaf(form, number, points, size) for form, (number, _) in zip(forms, signed, strict=True)]
-    return [vertices, arcs, smooth, leaves], _labels(body)
+    return [vertices, arcs, smooth, leaves]
 
 
 def _labels(body: CompositeQuadric) -> dict[frozenset[int], tuple[str, int]]:
@@ -302,20 +303,16 @@ def _leaf(form: Surface, number: int, points: Sequence[np.ndarray], size: float)
     ]  # fmt: skip
 
 
-def _fill_boxes(pieces: Pieces) -> None:
-    """Boxes from the support function along the axes; big ones first, since it reads the piece's size."""
-    for i in range(len(pieces.ranges)):
-        v0, v1, a0, a1, s0, s1 = pieces.ranges[i, :6]
-        rows = (pieces.vertices[v0:v1, :3], pieces.arcs[a0:a1, :9], pieces.smooth[s0:s1, :12])
-        pieces.boxes[i, 3:] = max(float(np.abs(r).max()) for r in rows if r.size)
-        lo, hi = np.empty(3), np.empty(3)
-        for k, axis in enumerate(np.eye(3)):
-            hi[k] = support(pieces, i, *axis)[0]
-            lo[k] = -support(pieces, i, *-axis)[0]
-        if not np.all(np.isfinite(hi - lo)):
-            raise NotConvex("not bounded")
-        middle = 0.5 * (lo + hi)
-        pieces.boxes[i] = *middle, *((np.maximum(hi - middle, middle - lo)) * (1 + 1e-15) + 1e-300)
-
-
-__all__ = ["And", "ConvexPieces", "NotConvex", "convex_pieces"]
+def _fill_box(array: np.ndarray, i: int) -> None:
+    """The box from the support function along the axes; a big one first, since that reads the piece's size."""
+    bounds = (int(array[i, k]) for k in range(6))
+    parts = [array[lo:hi, :n] for (lo, hi), n in zip(zip(bounds, bounds, strict=True), (3, 9, 12), strict=True)]
+    array[i, BOX + 3 :] = max(float(np.abs(p).max()) for p in parts if p.size)
+    lo, hi = np.empty(3), np.empty(3)
+    for k, axis in enumerate(np.eye(3)):
+        hi[k] = support(array, i, *axis)[0]
+        lo[k] = -support(array, i, *-axis)[0]
+    if not np.all(np.isfinite(hi - lo)):
+        raise NotConvex("not bounded")
+    middle = 0.5 * (lo + hi)
+    array[i, BOX:] = *middle, *(np.maximum(hi - middle, middle - lo) * (1 + 1e-15) + 1e-300)

@@ -14,12 +14,12 @@ from firstcontact.exact.numbers import precision, to_double
 from firstcontact.exact.rigid import ball_rotation, compose
 from firstcontact.exact.vectors import dot
 from firstcontact.kernels.poses import (
+    CENTRE,
+    DEGREE,
     ERROR_R,
     ERROR_T,
     ERROR_W,
-    INVERSE,
     KIND,
-    MIDDLE,
     OMEGA,
     PER_HALF,
     RATIONAL,
@@ -42,21 +42,14 @@ class Untold(Exception):
     """A motion that the kernels cannot follow; the text says why."""
 
 
-class Stretch(NamedTuple):
-    """The pose over one stretch of time, as `kernels.poses` tells: head (9,), coefficients (13, n)."""
-
-    head: np.ndarray
-    coefficients: np.ndarray
-
-
 class Window(NamedTuple):
-    """Both bodies' stretches over [first, last] (exact times, rounded outward); inner: `last` rounded inward."""
+    """Both motions as (14, n) arrays over [first, last] (exact times, rounded outward); inner: `last` rounded inward."""
 
     first: float
     last: float
     inner: float
-    a: Stretch
-    b: Stretch
+    a: np.ndarray
+    b: np.ndarray
 
 
 def windows(a: Any, b: Any, first: fmpq, last: fmpq) -> list[Window]:
@@ -99,14 +92,14 @@ def above(t: fmpq) -> float:
 
 
 @lru_cache(maxsize=256)
-def _stretch(motion: Any, index: int, begin: fmpq, end: fmpq) -> Stretch:
+def _stretch(motion: Any, index: int, begin: fmpq, end: fmpq) -> np.ndarray:
     step = known_steps(motion)[index]
     middle = to_double((begin + end) / 2)
     half = max(to_double(end - begin) / 2 * (1 + 1e-9), 1e-300)
     if end == begin:
         half = 1.0
     head = np.zeros(9)
-    head[MIDDLE], head[PER_HALF] = middle, 1.0 / half
+    head[CENTRE], head[PER_HALF] = middle, 1.0 / half
     # the exact scale that the kernel uses is that of the double 1 / half
     centre, scale = fmpq(*middle.as_integer_ratio()), 1 / fmpq(*float(head[PER_HALF]).as_integer_ratio())
     turns = isinstance(step.motion, Rotation | Screw)
@@ -115,9 +108,11 @@ def _stretch(motion: Any, index: int, begin: fmpq, end: fmpq) -> Stretch:
         size = float(np.abs(coefficients[:12]).sum())
         head[ERROR_R] += 2.0**-58 * (index + 1) * size
         head[ERROR_T] += 2.0**-58 * (index + 1) * size
-    if not np.all(np.isfinite(coefficients)) or not np.all(np.isfinite(head)):
+    table = np.zeros((14, max(len(head), coefficients.shape[1])))
+    table[0, : len(head)], table[1:, : coefficients.shape[1]] = head, coefficients
+    if not np.all(np.isfinite(table)):
         raise Untold("numbers beyond the range of doubles")
-    return Stretch(head, coefficients)
+    return table
 
 
 def _rational(step: _Step, centre: fmpq, scale: fmpq, head: np.ndarray) -> np.ndarray:
@@ -145,7 +140,7 @@ def _rational(step: _Step, centre: fmpq, scale: fmpq, head: np.ndarray) -> np.nd
     sums = np.abs(table) @ (8.0 * np.arange(n) + 3.0) * U
     head[ERROR_R], head[ERROR_T] = sums[:9].max(), sums[9:12].max()
     head[ERROR_W] = 0.0 if straight else sums[12]
-    head[INVERSE] = 0.0
+    head[DEGREE] = n - 1
     return table
 
 
