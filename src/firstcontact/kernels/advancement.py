@@ -1,18 +1,19 @@
 """Certified advancement: the first contact of two moving convex pieces, every interval left behind proved free.
 
-For a fixed direction n the gap g(t) = min n.(y - x) over x in a, y in b is a minimum of functions whose second
-derivatives by time are at most K.  Each stays above its chord less K s (1 - s) h^2 / 2, and chords of minima are
-below minima of chords, so
-    sqrt(g(t0)) + sqrt(g(t1)) > sqrt(K / 2) (t1 - t0),  g(t0), g(t1) > 0
-proves g > 0 on all of [t0, t1]: two support values and a bound of accelerations, no bound of speeds (re-derived; for
-translations K = 0).  With the normal of the contact itself the last interval reaches down to rounding errors at once.
+Let a direction n(t) run straight from n0 at t0 to n1 at t1.  For points x of a, y of b the function n(t).(y - x) has
+a second derivative of at most K, so it stays above its chord less K s (1 - s) (t1 - t0)^2 / 2, 0 <= s <= 1; and its
+values at t0 and t1 are at least the gaps g0, g1 = min n.(y - x) there.  So g0, g1 > 0 and
+    sqrt(g0) + sqrt(g1) > sqrt(K / 2) (t1 - t0)
+prove the bodies apart on all of [t0, t1]: two support values and a bound of accelerations (re-derived; for a
+translation and n0 = n1 it is K = 0).  With the normal of the contact itself for n1 the last interval reaches down to
+rounding errors at once, since K times its length falls faster than the gap.
 """
 
 from __future__ import annotations
 
 import math
 
-from firstcontact.kernels.candidate import contact_normal, guess_by_forms, guess_by_vertex, witness
+from firstcontact.kernels.candidate import guess_by_forms, guess_by_vertex, normal_at, vertex_normal_at, witness
 from firstcontact.kernels.jit import kernel
 from firstcontact.kernels.poses import pose_at
 from firstcontact.kernels.separation import bending, gap, separating_direction
@@ -56,9 +57,9 @@ def _gap_at(a, i, ma, b, j, mb, t, n0, n1, n2, w, c):
 
 
 @kernel
-def _provable(a, i, ma, b, j, mb, t0, t1, g0, g1, n0, n1, n2, w):
-    """The length that the gaps g0 at t0, g1 at t1 would prove free: [t0, t1] where it is longer."""
-    bend = bending(a, i, ma, b, j, mb, t0, t1, n0, n1, n2, w)
+def _provable(a, i, ma, b, j, mb, t0, t1, g0, g1, n0, n1, n2, e0, e1, e2, w):
+    """The length that the gaps g0 along n at t0, g1 along e at t1 prove free: all of [t0, t1] where it is longer."""
+    bend = bending(a, i, ma, b, j, mb, t0, t1, n0, n1, n2, e0, e1, e2, w)
     roots = (math.sqrt(g0) + math.sqrt(g1)) * (1.0 - 1e-12)
     return roots / math.sqrt(0.5 * bend) if bend > 0.0 else math.inf
 
@@ -99,7 +100,7 @@ def stride(a, i, ma, b, j, mb, t, g, end, n0, n1, n2, w, c):
             break
         length = 0.5 * (s - t)
         if gs > 0.0:
-            length = _provable(a, i, ma, b, j, mb, t, s, g, gs, n0, n1, n2, w)
+            length = _provable(a, i, ma, b, j, mb, t, s, g, gs, n0, n1, n2, n0, n1, n2, w)
             if length > s - t:
                 return s, gs
             length = max(min(0.9 * length, 0.7 * (s - t)), 0.1 * (s - t))
@@ -110,30 +111,39 @@ def stride(a, i, ma, b, j, mb, t, g, end, n0, n1, n2, w, c):
 
 @kernel
 def _guess(a, i, ma, b, j, mb, mode, t, first, last, count, n0, n1, n2, size, w, c):
-    """Whether there is a guess by this mode: X, t in w[UNKNOWN], the normal from a to b in the results."""
+    """Whether this mode has a guess that lies ahead of t: X, t in w[UNKNOWN]."""
     if mode == BY_FORMS:
         taken = guess_by_forms(a, i, ma, b, j, mb, t, first, last, count, n0, n1, n2, size, w, c)
-        if taken > 0:
-            c0, c1, c2 = contact_normal(a, w, c)
-            w[RESULTS, NORMAL], w[RESULTS, NORMAL + 1], w[RESULTS, NORMAL + 2] = c0, c1, c2
     else:
         taken = guess_by_vertex(a, i, ma, b, j, mb, t, first, last, count, mode - BY_VERTEX_A, w, c)
     c[NEWTON] += abs(taken)
     c[MODE] = mode
-    return taken > 0
+    return taken > 0 and w[UNKNOWN, 3] > t
 
 
 @kernel
-def _promising(a, i, ma, b, j, mb, t, last, width, w, c):
-    """The gap at t along the guess's normal, 0 where the guess cannot be the first contact beyond t."""
+def _normal(a, ma, b, mb, t, size, w, c):
+    """The guess's normal, from a to b, at a time t near that of the guess."""
+    if c[MODE] == BY_FORMS:
+        return normal_at(a, ma, b, mb, t, size, w, c)
+    return vertex_normal_at(a, ma, b, mb, t, w, c)
+
+
+@kernel
+def _aim(a, i, ma, b, j, mb, t, last, near, width, size, w, c):
+    """(time, normal, gap): the latest time before the guess's at which its normal proves the bodies apart.
+
+    gap 0: none within `width`, or the guess is beyond `last`.
+    """
     t_c = w[UNKNOWN, 3]
-    n0, n1, n2 = w[RESULTS, NORMAL], w[RESULTS, NORMAL + 1], w[RESULTS, NORMAL + 2]
-    if not t < t_c <= last + width:
-        return 0.0
-    lo = t_c - 0.45 * width
-    if t < lo < last and _gap_at(a, i, ma, b, j, mb, lo, n0, n1, n2, w, c) <= 0.0:
-        return 0.0
-    return max(_gap_at(a, i, ma, b, j, mb, t, n0, n1, n2, w, c), 0.0)
+    if t_c <= last + width:
+        for attempt in range(2):
+            s = min(t_c - (near if attempt == 0 else 0.45 * width), last)
+            e0, e1, e2 = _normal(a, ma, b, mb, s, size, w, c)
+            g = _gap_at(a, i, ma, b, j, mb, s, e0, e1, e2, w, c)
+            if g > 0.0:
+                return s, e0, e1, e2, g
+    return t, 0.0, 0.0, 0.0, 0.0
 
 
 @kernel
@@ -153,7 +163,7 @@ def _at_start(a, i, ma, b, j, mb, first, count, w):
 
 @kernel
 def _upper_end(a, i, ma, b, j, mb, lo, near, width, inner, w, c):
-    """CONTACT with a proved common point at a time after lo, as soon as can be within `width`; else PRECISION."""
+    """CONTACT with a proved common point at a time after lo, as soon as can be within `width`; else -1."""
     t_c = w[UNKNOWN, 3]
     for attempt in range(2):
         hi = min(t_c + (near if attempt == 0 else 0.45 * width), inner)
@@ -170,34 +180,36 @@ def _upper_end(a, i, ma, b, j, mb, lo, near, width, inner, w, c):
             for k in range(3):
                 w[RESULTS, POINT + k] = w[UNKNOWN, k]
             return CONTACT
-    return PRECISION
+    return -1
 
 
 @kernel
-def _close_in(a, i, ma, b, j, mb, t, g, near, width, last, inner, w, c):
-    """An outcome, or -1 with the proved free time advanced along the guess's normal as far as may be.
+def _directed(a, i, ma, b, j, mb, t, n0, n1, n2, w, c):
+    """(distance, n, rows of the simplex, gap): a separating direction at t, searched from n on."""
+    pose_at(ma, t, w, HERE_A)
+    pose_at(mb, t, w, HERE_B)
+    distance, n0, n1, n2, count = separating_direction(a, i, b, j, n0, n1, n2, w)
+    c[GAPS] += 1
+    return distance, n0, n1, n2, count, gap(a, i, b, j, n0, n1, n2, w)
 
-    The lower end is tried `near` the guess, then as far off as `width` allows.
-    """
-    t_c = w[UNKNOWN, 3]
-    n0, n1, n2 = w[RESULTS, NORMAL], w[RESULTS, NORMAL + 1], w[RESULTS, NORMAL + 2]
-    s = t
-    for attempt in range(2):
-        aim = min(t_c - (near if attempt == 0 else 0.45 * width), last)
-        if aim <= t:
+
+@kernel
+def _toward(a, i, ma, b, j, mb, t, g, aim, n0, n1, n2, e0, e1, e2, w, c):
+    """(t1, gap, direction) with [t, t1] proved free; t1 = aim where e at aim allows it, t where nothing is proved."""
+    s = aim
+    gs = _gap_at(a, i, ma, b, j, mb, s, e0, e1, e2, w, c)
+    for _ in range(60):
+        length = 0.5 * (s - t)
+        if gs > 0.0:
+            length = _provable(a, i, ma, b, j, mb, t, s, g, gs, n0, n1, n2, e0, e1, e2, w)
+            if length > s - t:
+                return s, gs, e0, e1, e2
+            length = max(min(0.9 * length, 0.7 * (s - t)), 0.1 * (s - t))
+        s = t + length
+        if s <= t:
             break
-        if _gap_at(a, i, ma, b, j, mb, aim, n0, n1, n2, w, c) <= 0.0:
-            continue
-        s, gs = stride(a, i, ma, b, j, mb, t, g, aim, n0, n1, n2, w, c)
-        w[RESULTS, FREE_UNTIL], w[RESULTS, GAP] = s, gs
-        if s >= last:
-            return FREE
-        if s < aim:
-            return -1
-        break
-    if s < t_c - width:
-        return -1
-    return _upper_end(a, i, ma, b, j, mb, s, near, width, inner, w, c)
+        _, e0, e1, e2, _, gs = _directed(a, i, ma, b, j, mb, s, e0, e1, e2, w, c)
+    return t, g, n0, n1, n2
 
 
 @kernel
@@ -217,13 +229,12 @@ def advance_pieces(a, i, ma, b, j, mb, first, last, inner, width, budget, w, c):
     n0, n1, n2 = w[HERE_B, 9] - w[HERE_A, 9], w[HERE_B, 10] - w[HERE_A, 10], w[HERE_B, 11] - w[HERE_A, 11]
     if n0 == 0.0 and n1 == 0.0 and n2 == 0.0:
         n0 = 1.0
-    distance, n0, n1, n2, count = separating_direction(a, i, b, j, n0, n1, n2, w)
-    g = gap(a, i, b, j, n0, n1, n2, w)
-    w[RESULTS, FREE_UNTIL], w[RESULTS, GAP] = first, max(g, 0.0)
+    distance, n0, n1, n2, count, g = _directed(a, i, ma, b, j, mb, t, n0, n1, n2, w, c)
+    w[RESULTS, FREE_UNTIL], w[RESULTS, GAP] = t, max(g, 0.0)
     if g <= 0.0:
         return _at_start(a, i, ma, b, j, mb, first, count, w)
     tried = math.inf  # the distance at the last attempt to guess the contact
-    guessed = False
+    guessed, aim, e0, e1, e2 = False, last, 0.0, 0.0, 0.0
     for _ in range(budget):
         # Invariant: [first, t] is proved free, and the gap along n at t is g > 0.
         c[STEPS] += 1
@@ -231,20 +242,23 @@ def advance_pieces(a, i, ma, b, j, mb, first, last, inner, width, budget, w, c):
             tried = distance
             for mode in range(3):
                 if _guess(a, i, ma, b, j, mb, mode, t, first, last, count, n0, n1, n2, size, w, c):
-                    better = _promising(a, i, ma, b, j, mb, t, last, width, w, c)
-                    if better > 0.0:
-                        guessed, g = True, better
-                        n0, n1, n2 = w[RESULTS, NORMAL], w[RESULTS, NORMAL + 1], w[RESULTS, NORMAL + 2]
+                    aim, e0, e1, e2, better = _aim(a, i, ma, b, j, mb, t, last, near, width, size, w, c)
+                    guessed = better > 0.0
+                    if guessed:
                         break
         before = t
         if guessed:
-            outcome = _close_in(a, i, ma, b, j, mb, t, g, near, width, last, inner, w, c)
-            if outcome >= 0:
-                return outcome
-            t, g = w[RESULTS, FREE_UNTIL], w[RESULTS, GAP]
-            guessed = t > before
-            if guessed:
-                continue
+            if aim > t:
+                t, g, n0, n1, n2 = _toward(a, i, ma, b, j, mb, t, g, aim, n0, n1, n2, e0, e1, e2, w, c)
+                w[RESULTS, FREE_UNTIL], w[RESULTS, GAP] = t, g
+            if t >= last:
+                return FREE
+            if t >= aim:
+                if _upper_end(a, i, ma, b, j, mb, t, near, width, inner, w, c) == CONTACT:
+                    w[RESULTS, NORMAL], w[RESULTS, NORMAL + 1], w[RESULTS, NORMAL + 2] = e0, e1, e2
+                    return CONTACT
+                guessed = False
+            guessed = guessed and t > before
         else:
             t, g = stride(a, i, ma, b, j, mb, t, g, last, n0, n1, n2, w, c)
             w[RESULTS, FREE_UNTIL], w[RESULTS, GAP] = t, g
@@ -252,11 +266,8 @@ def advance_pieces(a, i, ma, b, j, mb, first, last, inner, width, budget, w, c):
                 return FREE
             if t - before <= 1e-15 * (last - first):
                 return PRECISION
-        pose_at(ma, t, w, HERE_A)
-        pose_at(mb, t, w, HERE_B)
-        distance, m0, m1, m2, count = separating_direction(a, i, b, j, n0, n1, n2, w)
-        better = gap(a, i, b, j, m0, m1, m2, w)
-        c[GAPS] += 1
-        if better > g:
-            n0, n1, n2, g = m0, m1, m2, better
+        if not guessed:
+            distance, m0, m1, m2, count, better = _directed(a, i, ma, b, j, mb, t, n0, n1, n2, w, c)
+            if better > g:
+                n0, n1, n2, g = m0, m1, m2, better
     return SPENT

@@ -11,13 +11,13 @@ from firstcontact.kernels.touch_system import local_point, moving_form, newton_s
 from firstcontact.kernels.workspace import (
     ACTIVE,
     COUNT,
+    DEPTH,
     FORM,
     GRADIENTS,
     MATRIX,
-    NORMAL,
+    MODE,
     POSE_A,
     RATES_A,
-    RESULTS,
     RIGHT,
     SIDE_A,
     SIDE_B,
@@ -171,7 +171,7 @@ def guess_by_forms(a, i, ma, b, j, mb, t, first, last, count, n0, n1, n2, size, 
         for _ in range(MOST_STEPS):
             settled = moved <= 1e-10 * size
             taken += 1
-            moved = newton_step(a, b, w, c, span)
+            moved = newton_step(a, b, w, c, span, size, True)
             if moved < 0.0 or not (first - span <= w[UNKNOWN, 3] <= last + span):
                 return -taken
             if not place_frames(ma, mb, w[UNKNOWN, 3], w):
@@ -202,10 +202,39 @@ def contact_normal(a, w, c):
 
 
 @kernel
+def normal_at(a, ma, b, mb, t, size, w, c):
+    """Unit normal from a to b at a time t near that of the guess by forms, where the bodies are apart by the depth.
+
+    Edges and rulings that touch stay square to it: along the normal of another time their ends would overlap.
+    """
+    x, y, z = w[UNKNOWN, 0], w[UNKNOWN, 1], w[UNKNOWN, 2]
+    w[UNKNOWN, DEPTH] = 0.0
+    if place_frames(ma, mb, t, w):
+        newton_step(a, b, w, c, 1.0, size, False)
+        newton_step(a, b, w, c, 1.0, size, False)
+    n0, n1, n2 = contact_normal(a, w, c)
+    w[UNKNOWN, 0], w[UNKNOWN, 1], w[UNKNOWN, 2] = x, y, z
+    return n0, n1, n2
+
+
+@kernel
+def vertex_normal_at(a, ma, b, mb, t, w, c):
+    """As `normal_at`, for the guess by a vertex."""
+    side = c[MODE] - 1
+    if place_frames(ma, mb, t, w):
+        p, far = (a if side == 0 else b), SIDE_B - side
+        x, y, z = placed(w, POSE_A + side, p[c[VERTEX], 0], p[c[VERTEX], 1], p[c[VERTEX], 2])
+        moving_form(b if side == 0 else a, c[ACTIVE], w, far, x, y, z)
+    length = math.sqrt(w[FORM, 1] ** 2 + w[FORM, 2] ** 2 + w[FORM, 3] ** 2)
+    sign = (2.0 * side - 1.0) / length if length > 0.0 else 0.0
+    return sign * w[FORM, 1], sign * w[FORM, 2], sign * w[FORM, 3]
+
+
+@kernel
 def guess_by_vertex(a, i, ma, b, j, mb, t, first, last, count, side, w, c):
     """Newton steps taken, negative without a guess: the vertex of a `side` nearest its witness meets a form of the other.
 
-    Leaves the point and t in w[UNKNOWN], the normal from a to b in the results, vertex and form in the integers.
+    Leaves the point and t in w[UNKNOWN], vertex and form in the integers.
     """
     p, q = (a, b) if side == 0 else (b, a)
     i, j = (i, j) if side == 0 else (j, i)
@@ -235,12 +264,6 @@ def guess_by_vertex(a, i, ma, b, j, mb, t, first, last, count, side, w, c):
         x, y, z = placed(w, POSE_A + side, p[vertex, 0], p[vertex, 1], p[vertex, 2])
         if abs(change) <= 4e-16 * span:
             break
-    length = math.sqrt(w[FORM, 1] ** 2 + w[FORM, 2] ** 2 + w[FORM, 3] ** 2)
-    if length == 0.0:
-        return -1 - MOST_STEPS
-    sign = (2.0 * side - 1.0) / length
-    for k in range(3):
-        w[RESULTS, NORMAL + k] = sign * w[FORM, 1 + k]
     w[UNKNOWN, 0], w[UNKNOWN, 1], w[UNKNOWN, 2], w[UNKNOWN, 3] = x, y, z, t
     c[VERTEX], c[ACTIVE] = vertex, form
     return step + 1

@@ -8,7 +8,7 @@ polynomials in s over the weight; kind TURNING: they are linear in 1, sin(omega 
 from __future__ import annotations
 
 from firstcontact.kernels.jit import kernel
-from firstcontact.kernels.workspace import MIDDLE, RADIUS
+from firstcontact.kernels.workspace import MIDDLE, RADIUS, SPEED, SPREAD
 
 U = 2.0**-53
 RATIONAL, TURNING = 0.0, 1.0
@@ -141,7 +141,7 @@ def _taylor(m, row, x, reach):
 def accelerations(m, t0, t1, w):
     """Enclosures w[MIDDLE] +- w[RADIUS] of the second derivatives by time of the entries of R and T over [t0, t1].
 
-    Proved; roundings are covered by the last factor and term.
+    And w[SPEED] +- w[SPREAD] of the first ones.  Proved; roundings are covered by the last factor and term.
     """
     x = (0.5 * (t0 + t1) - m[0, CENTRE]) * m[0, PER_HALF]
     r = 0.5 * (t1 - t0) * m[0, PER_HALF] * (1.0 + 1e-12) + 1e-15
@@ -154,6 +154,9 @@ def accelerations(m, t0, t1, w):
             w[MIDDLE, e] = omega * omega * (b * cosine - a * sine) * square
             size = omega * omega * (abs(a) + abs(b)) * square
             w[RADIUS, e] = size * (min(abs(omega) * r, 2.0) * (1.0 + 1e-12) + 1e-13)
+            w[SPEED, e] = (omega * (a * cosine + b * sine) + m[1 + e, 3]) * m[0, PER_HALF]
+            size = abs(omega) * (abs(a) + abs(b)) * m[0, PER_HALF]
+            w[SPREAD, e] = size * (min(abs(omega) * r, 2.0) * (1.0 + 1e-12) + 1e-13) + 1e-14 * abs(w[SPEED, e])
         return
     reach = abs(x) + r
     w0, w1, w2, wr0, wr1, wr2 = 1.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -167,7 +170,7 @@ def accelerations(m, t0, t1, w):
             continue
         below = w0 - wr0
         if below <= 0.0:
-            w[MIDDLE, row - 1], w[RADIUS, row - 1] = 0.0, 1e300
+            w[MIDDLE, row - 1], w[RADIUS, row - 1], w[SPEED, row - 1], w[SPREAD, row - 1] = 0.0, 1e300, 0.0, 1e300
             continue
         # y = P / w, y' = (P' - y w') / w, y'' = (P'' - 2 y' w' - y w'') / w, as balls
         y0 = p0 / w0
@@ -179,3 +182,5 @@ def accelerations(m, t0, t1, w):
         yr2 = (yr2 + abs(y2) * wr0) / below
         size = (abs(p2) + 2.0 * abs(y1 * w1) + abs(y0 * w2)) / w0
         w[MIDDLE, row - 1], w[RADIUS, row - 1] = y2 * square, (yr2 + 1e-13 * size) * square * (1.0 + 1e-12)
+        size = (abs(p1) + abs(y0 * w1)) / w0
+        w[SPEED, row - 1], w[SPREAD, row - 1] = y1 * m[0, PER_HALF], (yr1 + 1e-13 * size) * m[0, PER_HALF] * (1.0 + 1e-12)

@@ -8,7 +8,7 @@ from firstcontact.kernels.jit import kernel
 from firstcontact.kernels.poses import accelerations
 from firstcontact.kernels.simplex import nearest
 from firstcontact.kernels.support import BOX, support
-from firstcontact.kernels.workspace import HERE_A, HERE_B, MIDDLE, RADIUS, SIMPLEX
+from firstcontact.kernels.workspace import HERE_A, HERE_B, MIDDLE, RADIUS, SIMPLEX, SPEED, SPREAD
 
 U = 2.0**-53
 # The search for the nearest points ends when the gap along its direction is this part of the distance: directions
@@ -115,29 +115,35 @@ def separating_direction(a, i, b, j, n0, n1, n2, w):
 
 
 @kernel
-def _bend(p, i, n0, n1, n2, w):
-    """Upper bound of n.x'' over the points of a piece, with the enclosures of its accelerations."""
+def _highest(p, i, middle, radius, n0, n1, n2, w):
+    """Upper bound of n.(R x + T) over a piece for R, T in the enclosure of rows `middle` and `radius`."""
     total, size = 0.0, 0.0
     for k in range(3):
-        m = n0 * w[MIDDLE, k] + n1 * w[MIDDLE, 3 + k] + n2 * w[MIDDLE, 6 + k]
-        r = abs(n0) * w[RADIUS, k] + abs(n1) * w[RADIUS, 3 + k] + abs(n2) * w[RADIUS, 6 + k]
+        m = n0 * w[middle, k] + n1 * w[middle, 3 + k] + n2 * w[middle, 6 + k]
+        r = abs(n0) * w[radius, k] + abs(n1) * w[radius, 3 + k] + abs(n2) * w[radius, 6 + k]
         c, h = p[i, BOX + k], p[i, BOX + 3 + k]
         total += m * c + abs(m) * h + r * (abs(c) + h)
-        size += abs(m) * (abs(c) + h)
-    total += n0 * w[MIDDLE, 9] + n1 * w[MIDDLE, 10] + n2 * w[MIDDLE, 11]
-    size += abs(n0 * w[MIDDLE, 9]) + abs(n1 * w[MIDDLE, 10]) + abs(n2 * w[MIDDLE, 11])
-    total += abs(n0) * w[RADIUS, 9] + abs(n1) * w[RADIUS, 10] + abs(n2) * w[RADIUS, 11]
+        size += (abs(n0 * w[middle, k]) + abs(n1 * w[middle, 3 + k]) + abs(n2 * w[middle, 6 + k])) * (abs(c) + h)
+    total += n0 * w[middle, 9] + n1 * w[middle, 10] + n2 * w[middle, 11]
+    size += abs(n0 * w[middle, 9]) + abs(n1 * w[middle, 10]) + abs(n2 * w[middle, 11])
+    total += abs(n0) * w[radius, 9] + abs(n1) * w[radius, 10] + abs(n2) * w[radius, 11]
     return total + 20.0 * U * size
 
 
 @kernel
-def bending(a, i, ma, b, j, mb, t0, t1, n0, n1, n2, w):
-    """Upper bound, at least 0, of the second derivative by time of n.(y - x) for all points x of a, y of b.
+def bending(a, i, ma, b, j, mb, t0, t1, n0, n1, n2, e0, e1, e2, w):
+    """Upper bound, at least 0, of f''(t) over [t0, t1] for all points x of a, y of b, f = n(t).(y - x).
 
-    A function with this bound stays above its chord less bound * s (1 - s) (t1 - t0)^2 / 2, 0 <= s <= 1.
+    n(t) runs straight from n at t0 to e at t1: f'' = n(t).(y - x)'' + 2 n'.(y - x)'.
     """
-    accelerations(ma, t0, t1, w)
-    total = _bend(a, i, -n0, -n1, -n2, w)
-    accelerations(mb, t0, t1, w)
-    total += _bend(b, j, n0, n1, n2, w)
-    return max(total, 0.0) * (1.0 + 1e-12)
+    d0, d1, d2 = (e0 - n0) / (t1 - t0), (e1 - n1) / (t1 - t0), (e2 - n2) / (t1 - t0)
+    at_n, at_e, turning = 0.0, 0.0, 0.0
+    for side in range(2):
+        p, k, s = (a, i, -1.0) if side == 0 else (b, j, 1.0)
+        accelerations(ma if side == 0 else mb, t0, t1, w)
+        at_n += _highest(p, k, MIDDLE, RADIUS, s * n0, s * n1, s * n2, w)
+        at_e += _highest(p, k, MIDDLE, RADIUS, s * e0, s * e1, s * e2, w)
+        turning += _highest(p, k, SPEED, SPREAD, s * d0, s * d1, s * d2, w)
+    # directions between n and e: their bounds lie between; differences of doubles have errors of U, covered here
+    slack = 4.0 * U * (abs(d0) + abs(d1) + abs(d2)) * (abs(turning) + 1.0)
+    return max(max(at_n, at_e) + 2.0 * turning + slack, 0.0) * (1.0 + 1e-12)

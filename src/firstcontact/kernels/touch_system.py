@@ -16,6 +16,7 @@ from firstcontact.kernels.support import form_gradient, form_value
 from firstcontact.kernels.workspace import (
     ACTIVE,
     COUNT,
+    DEPTH,
     FORM,
     INVERSE_A,
     MATRIX,
@@ -155,10 +156,11 @@ def add_hessian(p, k, w, side, factor, row):
 
 
 @kernel
-def newton_step(a, b, w, c, span):
-    """One step of Newton's method on X, t and the multipliers; the size of the step, -1 where it is not finite.
+def newton_step(a, b, w, c, span, size, in_time):
+    """One step of Newton's method on X, t and the multipliers; how far it was off and moved, -1 where not finite.
 
-    The frames are those at t; lengths of the step in t count as parts of `span`.
+    The frames are those at t; steps in t count as parts of `span`.  in_time False: t stays, and the forms shall have
+    one common value instead of 0, w[UNKNOWN, DEPTH]: nearest or deepest points at that time.
     """
     p, q = c[COUNT], c[COUNT + 1]
     n = 4 + p + q
@@ -172,23 +174,29 @@ def newton_step(a, b, w, c, span):
         forms = a if k < p else b
         moving_form(forms, c[ACTIVE + k], w, side, w[UNKNOWN, 0], w[UNKNOWN, 1], w[UNKNOWN, 2])
         m = w[UNKNOWN, 4 + k]
-        w[MATRIX + k, 3] = w[FORM, 4] * span
-        w[RIGHT, k] = -w[FORM, 0]
+        w[MATRIX + k, 3] = w[FORM, 4] * span if in_time else -1.0
+        w[RIGHT, k] = (0.0 if in_time else w[UNKNOWN, DEPTH]) - w[FORM, 0]
         for r in range(3):
             w[MATRIX + k, r] = w[FORM, 1 + r]
             w[MATRIX + p + q + r, 4 + k] = w[FORM, 1 + r]
-            w[MATRIX + p + q + r, 3] += m * w[FORM, 5 + r] * span
+            w[MATRIX + p + q + r, 3] += m * w[FORM, 5 + r] * span if in_time else 0.0
             w[RIGHT, p + q + r] -= m * w[FORM, 1 + r]
         add_hessian(forms, c[ACTIVE + k], w, side, m, p + q)
         w[MATRIX + n - 1, 4 + k] = 1.0
         total += m
     w[RIGHT, n - 1] = 1.0 - total
+    off = 0.0
+    for k in range(n):  # values of the forms are lengths, sums of unit normals are made so by the size
+        off += abs(w[RIGHT, k]) * (1.0 if k < p + q else size)
     solve(w, c, n)
     for k in range(n):
         if not math.isfinite(w[RIGHT, k]):
             return -1.0
-        w[UNKNOWN, k] += w[RIGHT, k] * (span if k == 3 else 1.0)
-    return abs(w[RIGHT, 0]) + abs(w[RIGHT, 1]) + abs(w[RIGHT, 2]) + abs(w[RIGHT, 3])
+        if k == 3 and not in_time:
+            w[UNKNOWN, DEPTH] += w[RIGHT, k]
+        else:
+            w[UNKNOWN, k] += w[RIGHT, k] * (span if k == 3 else 1.0)
+    return off + abs(w[RIGHT, 0]) + abs(w[RIGHT, 1]) + abs(w[RIGHT, 2]) + abs(w[RIGHT, 3])
 
 
 @kernel

@@ -18,10 +18,12 @@ POSE_A, POSE_B, RATES_A, RATES_B, INVERSE_A, INVERSE_B = _rows(0, 1, 2, 3, 4, 5)
 # Poses in which gaps are evaluated; enclosure of accelerations; unknowns X, t, multipliers; value, gradient, rates
 # of a form; right side of a linear system; weights of a simplex.
 HERE_A, HERE_B, MIDDLE, RADIUS, UNKNOWN, FORM, RIGHT, WEIGHTS = _rows(6, 7, 8, 9, 10, 11, 12, 13)
-# Four rows of points of a - b, of a and of b; eight of gradients; twelve of a matrix; results.
-SIMPLEX, GRADIENTS, MATRIX, RESULTS = _rows(14, 18, 26, 38)
-ROWS, WIDTH = 39, 14
+# Four rows of points of a - b, of a and of b; eight of gradients; twelve of a matrix; results; enclosure of velocities.
+SIMPLEX, GRADIENTS, MATRIX, RESULTS, SPEED, SPREAD = _rows(14, 18, 26, 38, 39, 40)
+ROWS, WIDTH = 41, 14
 
+# Slot of the unknowns: the common value of the active forms.
+DEPTH = 12
 SIDE_A, SIDE_B, NO_VERTEX = _rows(0, 1, -1)
 # Slots of the row of results: free until, gap there, time, lo, hi, point, normal (from a to b).
 FREE_UNTIL, GAP, TIME, LO, HI, POINT, NORMAL = 0, 1, 2, 3, 4, 5, 8
