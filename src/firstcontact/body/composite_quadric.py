@@ -77,6 +77,8 @@ class CompositeQuadric:
         self._derived: Features | None = None
         self._tight_box: tuple[np.ndarray, np.ndarray] | None = None
         self._witness = witness
+        self.source: Any = None
+        """The polyhedron this model stands for, if it does."""
         self._validate()
 
     # -- features -------------------------------------------------------------------------------------------

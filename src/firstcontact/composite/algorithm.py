@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property, cmp_to_key
-from typing import Any
 
 from flint import fmpq
 
@@ -19,7 +18,7 @@ from firstcontact.composite.contact_sets import Shared, shared_part
 from firstcontact.composite.moving_pair import Pair
 from firstcontact.composite.square_subproblems import SquareSubproblem
 from firstcontact.composite.subproblems import Subproblem, subproblems
-from firstcontact.exact.numbers import Undecidable
+from firstcontact.exact.numbers import Undecidable, dyadic, precision
 from firstcontact.exact.roots import AlgebraicRoot
 from firstcontact.exact.square_systems import EnclosedRoot, OpenRoot
 
@@ -132,6 +131,24 @@ class Search:
         assert piece.u_hi is not None
         return root.hi - root.lo < NARROW * (piece.u_hi - piece.u_lo)
 
+    def at_start(self) -> list[Meeting]:
+        """The contacts at the start: candidates there, and features that slide in one another all the time."""
+        found = [m for c in self.candidates if self.is_at_start(c.root) for m in self.verdict(c)[0]]
+        if self.starts_rational:
+            start = AlgebraicRoot.of(self.pair.piece.u_lo)
+            for task in self.tasks:
+                if task.equation.candidates is None:
+                    found += _validated(Candidate(task, start))[0]
+        return found
+
+    def is_at_start(self, root: Root) -> bool:
+        return self.pair.piece.clock.compare(root, self.pair.piece.start) == 0
+
+    @property
+    def starts_rational(self) -> bool:
+        """Whether the parameter bound u_lo is the start itself."""
+        return self.is_at_start(AlgebraicRoot.of(self.pair.piece.u_lo))
+
     def overlaps_after_start(self) -> bool:
         """Whether the interiors overlap at the times between the start and the next candidate."""
         return overlap(self.pair, self.moment_after_start())
@@ -139,13 +156,24 @@ class Search:
     def moment_after_start(self) -> fmpq:
         """A rational u after the start of the piece and before every later candidate."""
         piece = self.pair.piece
-        lo = piece.u_lo
         for group in self.groups():
-            root = group[0].root
-            if piece.clock.compare(root, piece.start) > 0:
-                return between(lo, root)
+            if not self.is_at_start(group[0].root):
+                return between(piece.u_lo, group[0].root)
         assert piece.u_hi is not None
-        return (lo + piece.u_hi) / 2
+        return (piece.u_lo + piece.u_hi) / 2
+
+    def beyond(self, root: Root) -> fmpq:
+        """A rational u not before the root, and before every later candidate."""
+        if root.rational is not None:
+            return root.rational
+        later = next((c.root for c in self.candidates if c.root.compare(root) > 0), None)
+        bits = 64
+        while True:
+            with precision(bits):
+                above = dyadic(root.enclosure(bits).upper())
+            if later is None or later.compare(above) > 0:
+                return above
+            bits *= 2
 
 
 def between(lo: fmpq, root: Root) -> fmpq:
@@ -154,8 +182,6 @@ def between(lo: fmpq, root: Root) -> fmpq:
         return (lo + root.rational) / 2
     bits = 64
     while True:
-        from firstcontact.exact.numbers import dyadic, precision
-
         with precision(bits):
             below = root.enclosure(bits).lower()
         if dyadic(below) > lo:
@@ -178,13 +204,3 @@ def _validated(candidate: Candidate) -> tuple[list[Meeting], str]:
         if reason:
             reasons.append(reason)
     return meetings, "" if meetings else "; ".join(dict.fromkeys(reasons))
-
-
-def pieces_of(a: Any, b: Any, first: fmpq, last: fmpq | None) -> Iterator[Pair]:
-    """The models over the pieces of their relative motion, in time order."""
-    from firstcontact.body.moving import Moving
-    from firstcontact.motion.polynomial import relative_pieces
-
-    bodies = [x.body if isinstance(x, Moving) else x for x in (a, b)]
-    for piece in relative_pieces(a, b, first, last):
-        yield Pair(*bodies, piece)

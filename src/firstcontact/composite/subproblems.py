@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-from flint import fmpq, fmpz_poly
+from flint import fmpz_poly
 
 from firstcontact.body.carriers import AlgebraicPoint, Conic, Line, Plane, Point, QuarticCurve
 from firstcontact.body.features import Edge, Face, Vertex
@@ -59,13 +59,13 @@ class Subproblem:
         """The surfaces of a and of b that hold the contact sets."""
         return frozenset(self.a.surfaces), frozenset(self.b.surfaces)
 
-    def roots(self, hi: fmpq | None = None) -> list[AlgebraicRoot]:
+    def roots(self) -> list[AlgebraicRoot]:
         """The candidates in the piece, ascending, with their multiplicities; none where the equation vanishes."""
         polynomial, piece = self.equation.candidates, self.pair.piece
         if polynomial is None:
             return []
-        found = real_roots(polynomial, piece.u_lo, piece.u_hi if hi is None else hi)
-        return [root for root in found if piece.contains(root)]
+        assert piece.u_hi is not None
+        return [root for root in real_roots(polynomial, piece.u_lo, piece.u_hi) if piece.contains(root)]
 
 
 @dataclass(frozen=True)
