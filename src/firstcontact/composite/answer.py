@@ -17,8 +17,8 @@ from firstcontact.composite.moving_pair import Pair
 from firstcontact.composite.polyhedra import face_at
 from firstcontact.exact.instants import enclose
 from firstcontact.exact.numbers import precision
-from firstcontact.exact.square_systems import OpenRoot
 from firstcontact.exact.polynomial_matrix import Matrix
+from firstcontact.exact.square_systems import OpenRoot
 from firstcontact.report import MOST_OTHERS
 from firstcontact.result import CandidateTime, ContactSet, Element, ElementPair, FirstContact, Status, Subproblem
 
