@@ -78,3 +78,26 @@ def test_what_cannot_be_a_model():
         fc.first_contact(ball, dented.translated((5, 0, 0)))
     with pytest.raises(fc.UnsupportedPair, match="solid"):
         fc.first_contact(ball, fc.Polyhedron([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]))
+
+
+@pytest.mark.parametrize("lattice", [False, True])
+def test_intervals_agree_with_polyhedra(lattice):
+    rng = np.random.default_rng(2017 + lattice)
+    found_some = 0
+    for _ in range(24 if lattice else 8):
+        a, b = random_hull(rng, lattice), random_hull(rng, lattice)
+        moving = a.moving(random_motion(rng, "translation", lattice))
+        expected, found = fc.contact_intervals(moving, b), verbs.contact_intervals(moving, b, None, False)
+        assert [t for i in found for t in (i.start, i.end)] == pytest.approx(
+            [t for i in expected for t in (i.start, i.end)], abs=1e-15
+        )
+        found_some += len(found)
+    assert found_some >= 1
+
+
+def test_a_box_that_slides_along_a_shelf_touches_it_all_the_time():
+    shelf, parcel = fc.box((2, 2, 2)), fc.box((1, 1, 1)).translated((-4, 0, 1.5))
+    found = fc.contact_intervals(parcel.moving(fc.Translation((8, 0, 0))), shelf)
+    assert [(i.start, i.end) for i in found] == [(0.3125, 0.6875)]
+    hit = fc.first_contact(parcel.moving(fc.Translation((8, 0, 0))), shelf)
+    assert hit.time == 0.3125

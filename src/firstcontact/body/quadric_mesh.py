@@ -34,9 +34,7 @@ def mesh(body: CompositeQuadric, tolerance: float) -> Polyhedron:
         raise InputError(f"to_mesh tolerance is {tolerance!r}; give a positive length")
     if not body.bounded:
         raise UnsupportedPair(f"{body.name or 'solid'}: no bound is known; intersect it with a box to mesh it")
-    lo, hi = body.bounds()
-    found = [_surface_triangles(body, i, tolerance, lo, hi) for i in sorted({f.surfaces[0] for f in body.faces})]
-    triangles = np.concatenate(found)
+    triangles, _ = face_triangles(body, tolerance, *body.bounds())
     grain = 1e-10 * float(np.abs(triangles).max() + np.ptp(triangles))
     flat = triangles.reshape(-1, 3)
     _, first, number = np.unique(np.round(flat / grain), axis=0, return_index=True, return_inverse=True)
@@ -45,9 +43,26 @@ def mesh(body: CompositeQuadric, tolerance: float) -> Polyhedron:
     return Polyhedron(flat[first], corners[proper].astype(np.int32), solid=False, name=body.name)
 
 
+def face_triangles(
+    body: CompositeQuadric, tolerance: float, lo: np.ndarray, hi: np.ndarray
+) -> tuple[Triangles, np.ndarray]:
+    """The faces as triangles that look outwards, and the number (n,) of each one's face.
+
+    lo, hi: (3,) corners of a box; of faces without end the part is covered that is near it.
+    """
+    numbers = {(f.surfaces[0], f.orientation): f.index for f in body.faces}
+    found, owners = [], []
+    for i in sorted({surface for surface, _ in numbers}):
+        triangles, below = _surface_triangles(body, i, tolerance, lo, hi)
+        found.append(triangles)
+        owners.append(np.where(below, numbers.get((i, 1), -1), numbers.get((i, -1), -1)))
+    return np.concatenate(found), np.concatenate(owners)
+
+
 def _surface_triangles(
     body: CompositeQuadric, i: int, tolerance: float, lo: np.ndarray, hi: np.ndarray
-) -> Triangles:
+) -> tuple[Triangles, np.ndarray]:
+    """The triangles of surface i, and whether the body is where its form is negative, (n,) bools."""
     surface = body.surfaces[i]
     reach = float(np.linalg.norm(hi - lo))
     centre = (lo + hi) / 2
@@ -300,8 +315,8 @@ def _crossing(
     return np.round(points, 13)
 
 
-def _kept(body: CompositeQuadric, i: int, others: list[int], triangles: Triangles) -> Triangles:
-    """The triangles that bound the solid, turned so that their normals point outwards.
+def _kept(body: CompositeQuadric, i: int, others: list[int], triangles: Triangles) -> tuple[Triangles, np.ndarray]:
+    """The triangles that bound the solid and the side it is on, turned so that their normals point outwards.
 
     Triangles are on one side of the surfaces they were cut along: the corner farthest from one tells which.
     """
@@ -322,4 +337,4 @@ def _kept(body: CompositeQuadric, i: int, others: list[int], triangles: Triangle
     normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     backwards = np.sum(normal * outward, axis=1) < 0
     triangles[backwards] = triangles[backwards][:, ::-1]
-    return triangles
+    return triangles, below

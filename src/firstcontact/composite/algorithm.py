@@ -134,12 +134,17 @@ class Search:
     def at_start(self) -> list[Meeting]:
         """The contacts at the start: candidates there, and features that slide in one another all the time."""
         found = [m for c in self.candidates if self.is_at_start(c.root) for m in self.verdict(c)[0]]
-        if self.starts_rational:
-            start = AlgebraicRoot.of(self.pair.piece.u_lo)
-            for task in self.tasks:
-                if task.equation.candidates is None:
-                    found += _validated(Candidate(task, start))[0]
-        return found
+        return found + self.sliding(self.pair.piece.u_lo) if self.starts_rational else found
+
+    def sliding(self, u: fmpq) -> list[Meeting]:
+        """The contacts at a rational u of features that slide in one another: their equations vanish at all times."""
+        at = AlgebraicRoot.of(u)
+        tasks = [task for task in self.tasks if task.equation.candidates is None]
+        return [meeting for task in tasks for meeting in _validated(Candidate(task, at))[0]]
+
+    def share_a_point(self, u: fmpq) -> bool:
+        """Whether the models share a point at a rational u that is no candidate."""
+        return bool(self.sliding(u)) or overlap(self.pair, u)
 
     def is_at_start(self, root: Root) -> bool:
         return self.pair.piece.clock.compare(root, self.pair.piece.start) == 0

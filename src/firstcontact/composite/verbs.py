@@ -148,7 +148,7 @@ class _End:
 
 
 def _windows(search: Search) -> Iterator[tuple[_End, _End]]:
-    """The closed windows of contact in one piece."""
+    """The closed windows of contact in one piece: between two candidates nothing changes."""
     piece = search.pair.piece
     start: _End | None = None
     lo = piece.u_lo
@@ -156,7 +156,7 @@ def _windows(search: Search) -> Iterator[tuple[_End, _End]]:
     for group in search.groups():
         root = group[0].root
         if piece.clock.compare(root, piece.start) > 0:
-            if overlap(search.pair, between(lo, root)):
+            if search.share_a_point(between(lo, root)):
                 start = start or before
             elif start is not None:
                 yield start, before
@@ -167,7 +167,7 @@ def _windows(search: Search) -> Iterator[tuple[_End, _End]]:
         before, lo = here, search.beyond(root)
     assert piece.u_hi is not None and piece.end is not None
     if before.root is None or piece.clock.compare(before.root, piece.end) < 0:
-        if overlap(search.pair, (lo + piece.u_hi) / 2):
+        if search.share_a_point((lo + piece.u_hi) / 2):
             yield start or before, _End(search, None, piece.end)
             return
     if start is not None:
