@@ -18,6 +18,7 @@ from firstcontact.composite.polyhedra import face_at
 from firstcontact.exact.instants import enclose
 from firstcontact.exact.numbers import precision
 from firstcontact.exact.polynomial_matrix import Matrix
+from firstcontact.exact.roots import AlgebraicRoot
 from firstcontact.exact.square_systems import OpenRoot
 from firstcontact.report import MOST_OTHERS
 from firstcontact.result import CandidateTime, ContactSet, Element, ElementPair, FirstContact, Status, Subproblem
@@ -33,6 +34,8 @@ def contact_of(search: Search, meetings: Sequence[Meeting], exact: bool, shared:
     (lowest, meeting), *rest = named
     normals = (normal(m, m.shared.points[0]) for _, m in named[:MOST_OTHERS])
     time, interval = world_time(pair, root)
+    if (open_from := search.open_from()) is not None:  # narrower than any tolerance, but not decided
+        interval = world_time(pair, AlgebraicRoot.of(open_from))[1][0], interval[1]
     where = cartesian(meeting.shared.at)
     return FirstContact(
         Status.CONTACT, time, interval,

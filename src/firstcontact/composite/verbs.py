@@ -19,6 +19,8 @@ from firstcontact.composite.moving_pair import Pair
 from firstcontact.composite.polyhedra import as_model
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import fraction, to_double
+from firstcontact.exact.roots import AlgebraicRoot
+from firstcontact.exact.square_systems import OpenRoot
 from firstcontact.motion.polynomial import relative_pieces
 from firstcontact.motion.span import common_span
 from firstcontact.result import ContactInterval, ContactIntervals, FirstContact, Stats, Status
@@ -97,7 +99,21 @@ def _answer(search: Search, at_start: bool, exact: bool, shared: dict[str, Any])
         if touching or search.overlaps_after_start():
             return _initial(search, touching, exact, shared)
     meetings = search.first()
-    return contact_of(search, meetings, exact, shared) if meetings else None
+    if not meetings:
+        stopped = search.stop()
+        return None if stopped is None else _open(search, stopped[0].root, shared)
+    root = meetings[0].candidate.root
+    if exact and not isinstance(root, AlgebraicRoot):
+        return _open(search, root, shared)
+    return contact_of(search, meetings, exact, shared)
+
+
+def _open(search: Search, root: Root, shared: dict[str, Any]) -> FirstContact:
+    """UNDECIDED: nothing was found before the root's enclosure, and exact arithmetic does not reach further."""
+    until = world_time(search.pair, AlgebraicRoot.of(root.lo))[1][0]
+    return FirstContact(
+        Status.UNDECIDED, free_until=max(until, shared["span"][0]), reason="precision", **shared
+    )
 
 
 def _initial(search: Search, touching: list[Meeting], exact: bool, shared: dict[str, Any]) -> FirstContact:
@@ -144,13 +160,16 @@ class _End:
             t = to_double(self.time)
             return t, (t, t), fraction(self.time) if exact else None
         t, around = world_time(self.search.pair, self.root)
-        return t, around, self.search.pair.piece.exact_time(self.root) if exact else None
+        known = exact and isinstance(self.root, AlgebraicRoot)
+        return t, around, self.search.pair.piece.exact_time(self.root) if known else None
 
 
 def _windows(search: Search) -> Iterator[tuple[_End, _End]]:
     """The closed windows of contact in one piece: between two candidates nothing changes."""
     piece = search.pair.piece
     start: _End | None = None
+    if any(isinstance(candidate.root, OpenRoot) for candidate in search.candidates):
+        raise UnsupportedPair("an edge of degree 4 leaves a stretch of time undecided; its intervals are not supported")
     lo = piece.u_lo
     before = _End(search, None, piece.start)
     for group in search.groups():
