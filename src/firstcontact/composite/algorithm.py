@@ -18,6 +18,7 @@ from firstcontact.composite.contact_sets import Shared, shared_part
 from firstcontact.composite.moving_pair import Pair
 from firstcontact.composite.square_subproblems import SquareSubproblem
 from firstcontact.composite.subproblems import Subproblem, subproblems
+from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import Undecidable, dyadic, precision
 from firstcontact.exact.roots import AlgebraicRoot
 from firstcontact.exact.square_systems import EnclosedRoot, OpenRoot
@@ -140,7 +141,13 @@ class Search:
         """The contacts at a rational u of features that slide in one another: their equations vanish at all times."""
         at = AlgebraicRoot.of(u)
         tasks = [t for t in self.tasks if isinstance(t, Subproblem) and t.equation.candidates is None]
-        return [meeting for task in tasks for meeting in _validated(Candidate(task, at))[0]]
+        found: list[Meeting] = []
+        for task in tasks:
+            try:
+                found += _validated(Candidate(task, at))[0]
+            except Undecidable as error:
+                raise UnsupportedPair(f"{task.a.name} slides in {task.b.name}; not decided: {error}") from error
+        return found
 
     def share_a_point(self, u: fmpq) -> bool:
         """Whether the models share a point at a rational u that is no candidate."""

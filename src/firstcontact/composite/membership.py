@@ -14,7 +14,7 @@ from firstcontact.exact.inertia import dot, value
 from firstcontact.exact.number_field import NumberField, ball, sign
 from firstcontact.exact.numbers import Undecidable, precision
 from firstcontact.exact.roots import AlgebraicRoot
-from firstcontact.exact.square_systems import EnclosedRoot
+from firstcontact.exact.square_systems import EnclosedNumber, EnclosedRoot
 
 Vector = tuple[Any, ...]
 Root = AlgebraicRoot | EnclosedRoot
@@ -59,8 +59,9 @@ def sign_at(form: Form, x: Vector, root: Root) -> int | None:
                 found = found * balls[3]
         if found > 0 or found < 0:
             return 1 if found > 0 else -1
-    if isinstance(root, EnclosedRoot):
+    if any(isinstance(c, EnclosedNumber) for c in x):
         return None
+    assert isinstance(root, AlgebraicRoot)
     field = NumberField(root)
     if is_plane(form):
         return sign(dot([field(c) for c in form], x)) * sign(x[3])

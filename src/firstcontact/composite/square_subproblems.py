@@ -11,7 +11,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
-from typing import Any
 
 import numpy as np
 from flint import fmpq, fmpq_mat, fmpz_poly
@@ -23,8 +22,16 @@ from firstcontact.composite.moving_pair import Form, Pair, without_factor
 from firstcontact.composite.system_search import Solid, zeros_within
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.polynomial_matrix import Matrix, congruent, constant
-from firstcontact.exact.square_systems import EnclosedNumber, EnclosedRoot, OpenRoot, SquareSystem, Zero
-from firstcontact.pairs.carrier_contact import Contacts, Equation, Vector, finite
+from firstcontact.exact.roots import AlgebraicRoot
+from firstcontact.exact.square_systems import (
+    EnclosedNumber,
+    EnclosedRoot,
+    OpenRoot,
+    SquareSystem,
+    Zero,
+    certified,
+)
+from firstcontact.pairs.carrier_contact import Contacts, Equation, Vector, finite, gather, nothing
 
 Feature = Face | Edge | Vertex
 BoxQ = tuple[tuple[fmpq, ...], tuple[fmpq, ...]]
@@ -78,6 +85,27 @@ def _rank_at_many(rows: Sequence[Sequence[fmpz_poly]]) -> int:
     """The rank over Q(u): the largest at more values of u than a minor has roots."""
     degree = sum(max(int(p.degree()) for p in row) for row in rows)
     return max(fmpq_mat([[fmpq(p(u)) for p in row] for row in rows]).rank() for u in range(degree + 1))
+
+
+def _samples(edge: Edge) -> np.ndarray:
+    """(n, 3) points inside the pieces."""
+    parts = [np.linspace(piece.lo, piece.hi, 9)[1:-1] for piece in edge.pieces]
+    return edge.points(np.concatenate(parts))
+
+
+def _across(body: CompositeQuadric, edge: Edge, p: np.ndarray) -> Matrix:
+    """The plane through p across the edge."""
+    x = (*map(_rational, p), fmpq(1))
+    a, b = (np.array(doubles((body.surfaces[k].gradient(x),))[0]) for k in edge.surfaces[:2])
+    normal = np.cross(a, b)
+    normal /= np.abs(normal).max() or 1.0
+    return constant(Plane((*map(_rational, normal), -_rational(float(normal @ p)))).matrix())
+
+
+def _instant(u: fmpq) -> Matrix:
+    """The form with the value (u' - u) q at every point, q the denominator of u."""
+    nil = fmpz_poly([0])
+    return ((nil,) * 4, (nil,) * 4, (nil,) * 4, (nil, nil, nil, fmpz_poly([-u.p, u.q])))
 
 
 def _entries(form: Matrix) -> tuple[fmpz_poly, ...]:
@@ -147,14 +175,33 @@ class SquareSubproblem:
         reason = f"precision: {self.a.name} with {self.b.name}, {self.system_text}"
         return roots + [OpenRoot(max(lo, piece.u_lo), min(hi, piece.u_hi), reason) for lo, hi in found.open]
 
-    def roots(self, hi: fmpq | None = None) -> list[EnclosedRoot | OpenRoot]:
+    def roots(self) -> list[EnclosedRoot | OpenRoot]:
         """The candidates in the piece whose points both closed models may hold."""
-        found = [root for root in self._found if isinstance(root, OpenRoot) or self.pair.piece.contains(root)]
-        return [root for root in found if hi is None or root.compare(hi) <= 0]
+        return [root for root in self._found if isinstance(root, OpenRoot) or self.pair.piece.contains(root)]
 
-    def contacts(self, root: Any) -> Contacts:
-        """The point of the zero; root: one of this system's."""
-        return finite((self.view.in_frame_of_b(root.zero),))
+    def contacts(self, root: EnclosedRoot | AlgebraicRoot) -> Contacts:
+        """The point of a zero of the system; at a rational u, points of a feature that slides in a surface."""
+        if isinstance(root, EnclosedRoot):
+            return finite((self.view.in_frame_of_b(root.zero),))
+        if not self.slides or root.rational is None:
+            return nothing("no zero of the system")
+        zeros = self._sliding_points(root.rational)
+        return gather([finite((self.view.in_frame_of_b(zero),)) for zero in zeros], "no point proved")
+
+    def _sliding_points(self, u: fmpq) -> Iterator[Zero]:
+        """Points of the feature of degree 4 or of three quadrics at u, proved."""
+        own = self.a if self.view.moving else self.b
+        if isinstance(own, Vertex):
+            guides: list[tuple[np.ndarray, tuple[Matrix, ...]]] = [(np.array(own.position), ())]
+        else:
+            assert isinstance(own, Edge)
+            guides = [(p, (_across(self.view.own, own, p),)) for p in _samples(own)]
+        for p, planes in guides:
+            fixed = self.system.forms[: 3 - len(planes)]
+            system = SquareSystem([*fixed, *planes, _instant(u)])
+            zero = certified(system, [*map(_rational, p), u], [fmpq(1, 10**8)] * 4)
+            if zero is not None:
+                yield zero
 
 
 def square_subproblems(pair: Pair) -> Iterator[SquareSubproblem]:

@@ -231,16 +231,20 @@ class EnclosedRoot:
 class OpenRoot:
     """A stretch lo <= u <= hi in which a contact could neither be found nor excluded; in order of time it is its lo."""
 
-    rational = None
     polynomial = None
     multiplicity = 0
 
     def __init__(self, lo: fmpq, hi: fmpq, reason: str) -> None:
         self.lo, self.hi, self.reason = lo, hi, reason
 
+    @property
+    def rational(self) -> fmpq:
+        return self.lo
+
     def enclosure(self, bits: int) -> arb:
+        """That of lo."""
         with precision(bits):
-            return arb(self.lo).union(arb(self.hi))
+            return arb(self.lo)
 
     def sign_of(self, q: fmpz_poly) -> int:
         value = q(self.lo)
