@@ -5,10 +5,12 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+import firstcontact as fc
 from firstcontact.errors import InputError
 from firstcontact.exact.numbers import fraction
 from firstcontact.io.meshes import write_mesh
 from firstcontact.scene import load_scene, parse_number, parse_time
+from firstcontact.scene_solids import combined
 
 TETRAHEDRON = """
 shape = "polyhedron"
@@ -100,16 +102,137 @@ faces = [[[0, 1, 2, 3], [4, 7, 6, 5]]]
     assert frame.n_faces == 1 and len(frame.edges) == 8
 
 
+SHAPES = {
+    "box": ("size = [1, 2, '1/3']", lambda: fc.box((1, 2, "1/3"))),
+    "sphere": ("radius = '0.1'", lambda: fc.sphere("0.1")),
+    "ellipsoid": ("radii = [1, 2, 3]", lambda: fc.ellipsoid((1, 2, 3))),
+    "cylinder": ("radii = [5, 10]\nheight = 10", lambda: fc.cylinder(radii=(5, 10), height=10)),
+    "cone": ("radius = 1\nheight = 2", lambda: fc.cone(1, 2)),
+    "frustum": ("bottom = 2\ntop = 1\nheight = 1", lambda: fc.frustum(2, 1, 1)),
+    "paraboloid": ("radii = 1\nheight = 4", lambda: fc.paraboloid(1, 4)),
+    "hyperboloid": ("radii = [1, 1, 1]\nheight = 2\nsheets = 2", lambda: fc.hyperboloid((1, 1, 1), 2, sheets=2)),
+    "half_space": ("normal = [1, 2, 2]\noffset = 3", lambda: fc.half_space((1, 2, 2), 3)),
+    "quadric": (
+        "matrix = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 0], [0, 0, 0, '-1/3']]",
+        lambda: fc.quadric([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 0], [0, 0, 0, "-1/3"]]),
+    ),
+}
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_every_builder_is_a_shape(scene_of, shape):
+    keys, make = SHAPES[shape]
+    placing = "\nat = ['1/3', 0, 1]\nrotate = { axis = [0, 1, 0], degrees = 90 }\n"
+    body = scene_of(f"[body.a]\nshape = '{shape}'\n{keys}{placing}{SHIFT}vector = [1, 0, 0]\n").bodies["a"]
+    expected = make().rotated((0, 1, 0), degrees=90).translated(("1/3", 0, 1))
+    assert body.body.surfaces == expected.surfaces and body.name == "a"
+    assert body.motion.span == (0.0, 1.0)
+
+
+PLATE = """[body.plate]
+shape = "csg"
+expression = "slab - (bore | counterbore)"
+[body.plate.part.slab]
+shape = "box"
+size = [4, 4, 1]
+[body.plate.part.bore]
+shape = "cylinder"
+radius = "1/2"
+height = 2
+[body.plate.part.counterbore]
+shape = "cylinder"
+radius = 1
+height = "1/2"
+at = [0, 0, "1/2"]
+"""
+
+
+def test_csg_names_its_parts(scene_of):
+    plate = scene_of(PLATE).bodies["plate"]
+    faces = {face.name for face in plate.faces}
+    assert {"plate.slab.z+", "plate.bore.side", "plate.counterbore.bottom"} < faces
+    assert {edge.name for edge in plate.edges} > {
+        "plate.counterbore.rim.top", "plate.bore.rim.top", "plate.bore.rim.bottom",
+    }  # fmt: skip
+    assert plate.contains([(0, 0, 0), (0.75, 0, 0), (0.75, 0, 0.375)]).tolist() == [False, True, False]
+
+
+def test_a_part_may_be_a_csg_and_a_body_may_have_another_name(scene_of):
+    text = PLATE.replace("[body.plate", "[body.stack.part.plate").replace("[body.stack.part.plate]", "", 1)
+    stack = "[body.stack]\nshape = 'csg'\nexpression = 'plate'\nname = 'pile'\n[body.stack.part.plate]\n"
+    ball = "[body.stack.part.ball]\nshape = 'sphere'\nradius = 1\nat = [0, 0, 2]\n"
+    text = stack.replace("'plate'", "'plate | ball'") + text + ball
+    faces = [face.name for face in scene_of(text).bodies["stack"].faces]
+    assert "pile.plate.bore.side" in faces and "pile.ball.surface" in faces
+
+
+@pytest.mark.parametrize(
+    ("expression", "expected"),
+    [
+        ("a | b & c - d", lambda a, b, c, d: a | b & c - d),
+        ("(a | b) & c - d", lambda a, b, c, d: (a | b) & c - d),
+        ("a - b - c | d", lambda a, b, c, d: a - b - c | d),
+        ("a -\n  (b - (c & d))", lambda a, b, c, d: a - (b - (c & d))),
+    ],
+)
+def test_expressions_have_the_precedence_of_python(expression, expected):
+    solids = {name: fc.box((4, 4, 4)).translated((k, k % 2, k / 2)) for k, name in enumerate("abcd")}
+    found, wanted = combined(expression, solids), expected(*solids.values())
+    points = np.random.default_rng(3).uniform(-4, 6, (4000, 3))
+    assert np.array_equal(found.contains(points), wanted.contains(points))
+    assert 0 < np.sum(found.contains(points)) < 2000
+
+
 SHIFT = '[body.a.motion]\ntype = "translation"\n'
 TURN = '[body.a.motion]\ntype = "rotation"\n'
 CHECK = bodies() + "[[check]]\n"
+CYLINDER = '[body.a]\nshape = "cylinder"\n'
+
+
+def csg(expression, more=""):
+    return PLATE.replace("slab - (bore | counterbore)", expression) + more
+
+
 FAULTS = {
+    "solid key": (CYLINDER + "radus = 1\nheight = 1", ["body.a: unknown key 'radus'", "radii, height"]),
+    "solid length": (CYLINDER + "radii = [1, 2, 3]\nheight = 1", ["body.a.radii", "one number or two"]),
+    "radius and radii": (CYLINDER + "radius = 1\nradii = 1\nheight = 1", ["body.a: cylinder", "exactly one"]),
+    "no radius": (CYLINDER + "height = 1", ["body.a: cylinder needs exactly one of radius and radii"]),
+    "no height": (CYLINDER + "radius = 1", ["body.a.height: missing"]),
+    "negative radius": (CYLINDER + "radius = '-1/2'\nheight = 1", ["body.a: cylinder radius is -1/2", "positive"]),
+    "solid of a solid": (CYLINDER + "radius = 1\nheight = 1\nsolid = true", ["body.a: unknown key 'solid'"]),
+    "skew matrix": (
+        "[body.a]\nshape = 'quadric'\nmatrix = [[1,1,0,0],[0,1,0,0],[0,0,0,0],[0,0,0,-1]]", ["body.a", "symmetric"]
+    ),
+    "unknown part": (csg("slab - hole"), ["body.plate.expression: no part 'hole'", "'slab', 'bore', 'counterbore'"]),
+    "no expression": (csg("x").replace('expression = "x"', ""), ["body.plate.expression: missing"]),
+    "no parts": ("[body.a]\nshape = 'csg'\nexpression = 'b'", ["body.a.expression: no part 'b'", "body.NAME.part"]),
+    "empty expression": (csg(" "), ["body.plate.expression: ''", "combine part names"]),
+    "unfinished": (csg("slab - "), ["body.plate.expression: 'slab -'", "column 6"]),
+    "open bracket": (csg("(slab - bore"), ["body.plate.expression", "'(' in column 1"]),
+    "two operators": (csg("slab - - bore"), ["body.plate.expression", "'-' in column 8"]),
+    "other operator": (csg("slab - (bore + counterbore)"), ["body.plate.expression", "'+' in column 14"]),
+    "and": (csg("slab and bore"), ["body.plate.expression", "column 1", "-, &, |"]),
+    "call": (csg("slab - open('f')"), ["body.plate.expression", "'o' in column 8"]),
+    "attribute": (csg("slab.tree"), ["body.plate.expression", "'s' in column 1"]),
+    "number": (csg("slab - 3"), ["body.plate.expression", "'3' in column 8"]),
+    "comment": (csg("slab # - bore"), ["body.plate.expression", "'#' in column 6"]),
+    "null": (csg("slab\\u0000"), ["body.plate.expression"]),
+    "endless brackets": (csg("(" * 5000 + "slab" + ")" * 5000), ["body.plate.expression"]),
+    "empty solid": (csg("bore - slab - bore"), ["body.plate.expression", "is empty", "check the operands"]),
+    "part key": (csg("slab", "hight = 3"), ["body.plate.part.counterbore: unknown key 'hight'", "height"]),
+    "moving part": (csg("slab", "motion = {}"), ["body.plate.part.counterbore: unknown key 'motion'"]),
+    "part value": (csg("slab", "rotate = {axis = [0, 0, 0], degrees = 1}"), ["counterbore.rotate", "axis is zero"]),
+    "part radius": (csg("slab").replace('"1/2"', "0"), ["body.plate.part.bore: cylinder radius is 0"]),
+    "part shape": (csg("slab").replace('"box"', '"mesh"'), ["body.plate.part.slab", "'mesh' is not supp", "'csg'"]),
+    "part name": (csg("slab").replace("part.bore", "part.bore-1"), ["body.plate.part.bore-1", "letters, digits"]),
+    "keyword": (csg("slab").replace("part.bore", "part.in"), ["body.plate.part.in", "cannot stand"]),
     "syntax": ("[body.a\n", ["not valid TOML", "line 1"]),
     "duplicate key": ("[body.a]\nshape = 'mesh'\nshape = 'mesh'\n", ["not valid TOML", "line 3"]),
     "nothing": ("", ["body: missing"]),
     "unknown table": (bodies() + "[bodies]\n", ["unknown key 'bodies'", "body, check"]),
     "unknown key": (bodies("sold = true"), ["body.a: unknown key 'sold'", "solid"]),
-    "later shape": ('[body.a]\nshape = "cylinder"\n', ["body.a: shape 'cylinder'", "'mesh', 'polyhedron'"]),
+    "later shape": ('[body.a]\nshape = "ruled"\n', ["body.a: shape 'ruled'", "'mesh', 'polyhedron', 'box'"]),
     "shape type": ("[body.a]\nshape = ['mesh']\n", ["body.a", "'mesh', 'polyhedron'"]),
     "no shape": ("[body.a]\nfile = 'a.stl'\n", ["body.a", "'shape' is missing"]),
     "not a table": ("body = 3\n", ["body"]),

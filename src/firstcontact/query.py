@@ -52,6 +52,10 @@ def first_contact(
     """
     begin = clock.perf_counter()
     _check(a, b, method, engine, tolerance, budget)
+    if _curved(a, b):
+        from firstcontact.composite import verbs
+
+        return verbs.first_contact(a, b, span, exact, method == "algebraic")
     parts, first, last = pieces(a, b, span)
     stats = Stats()
     window = (to_double(first), math.inf if last is None else to_double(last))
@@ -108,6 +112,10 @@ def contact_intervals(
     """
     begin = clock.perf_counter()
     _check(a, b, "auto", "auto", tolerance, budget)
+    if _curved(a, b):
+        from firstcontact.composite import verbs
+
+        return verbs.contact_intervals(a, b, span, exact)
     parts, first, last = pieces(a, b, span)
     stats = Stats()
     window = (to_double(first), math.inf if last is None else to_double(last))
@@ -143,6 +151,8 @@ def contact_pairs(a: Any, b: Any, span: Any = None) -> ContactPairs:
     """
     begin = clock.perf_counter()
     _check(a, b, "auto", "auto", 1.0, None)
+    if _curved(a, b):
+        raise UnsupportedPair("contact_pairs is for polyhedra; first_contact(..., method='algebraic') lists features")
     parts, _, _ = pieces(a, b, span)
     stats = Stats()
     met: list[Pair] = []
@@ -159,6 +169,20 @@ def contact_pairs(a: Any, b: Any, span: Any = None) -> ContactPairs:
         tuple(p for p, _ in element_pairs(a, b, pierced)),
         _timed(stats, begin),
     )
+
+
+def _kind(body: Any) -> str:
+    """"polyhedron" or "curved"; UnsupportedPair for what is no body."""
+    shape: Any = body.body if isinstance(body, Moving) else body
+    if isinstance(shape, Polyhedron):
+        return "polyhedron"
+    if type(shape).__name__ == "CompositeQuadric":  # asked by name: meshes need not load curved models
+        return "curved"
+    raise UnsupportedPair(f"{body!r} is no body; give a Polyhedron or a CompositeQuadric, at rest or moving")
+
+
+def _curved(a: Any, b: Any) -> bool:
+    return _kind(a) == "curved" or _kind(b) == "curved"
 
 
 def _starts_at_once(found: Found) -> bool:
@@ -181,8 +205,7 @@ ENGINES = ("auto", "boxes")
 
 def _check(a: Any, b: Any, method: str, engine: str, tolerance: float, budget: int | None) -> None:
     for body in (a, b):
-        if not isinstance(body.body if isinstance(body, Moving) else body, Polyhedron):
-            raise UnsupportedPair(f"{body!r} is no Polyhedron; only polyhedra are supported")
+        _kind(body)
     if method not in METHODS:
         raise UnsupportedPair(f"method {method!r} is unknown; choose one of {', '.join(METHODS)}")
     if engine not in ENGINES:

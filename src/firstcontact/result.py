@@ -148,6 +148,63 @@ class ElementPair:
         return f"{self.element_a} and {self.element_b}"
 
 
+class ContactSet(str):
+    """What two bodies share at a time of contact: "point", "segment", "conic arc" or "patch".
+
+    points: (n, 3) float64, world frame: the point, the two ends, points along the arc, or corners of the patch.
+    """
+
+    points: np.ndarray
+
+    def __new__(cls, kind: str, points: Any) -> ContactSet:
+        self = super().__new__(cls, kind)
+        self.points = np.asarray(points, float)
+        return self
+
+    def __reduce__(self) -> Any:
+        return ContactSet, (str(self), self.points)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CandidateTime:
+    """A root of a contact equation.
+
+    time, multiplicity   of the root.
+    point                (3,) float64, world: where the features meet, None when they do not.
+    verdict              "contact" where both bodies hold the point, else "no contact"; reason says why.
+    """
+
+    time: float
+    multiplicity: int
+    point: np.ndarray | None
+    verdict: str
+    reason: str
+
+    def __str__(self) -> str:
+        where = "" if self.point is None else " at ({:.9g}, {:.9g}, {:.9g})".format(*self.point)
+        why = f" ({self.reason})" if self.reason else ""
+        return f"{self.time!r} x{self.multiplicity}: {self.verdict}{where}{why}"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Subproblem:
+    """Two features, their case (Choi et al. 2014, "I" to "XI") and all candidate times of their contact equation.
+
+    reason: why the pair has no equation (its features slide in one another), else "".
+    """
+
+    element_a: Element
+    element_b: Element
+    case: str
+    candidates: tuple[CandidateTime, ...]
+    reason: str = ""
+
+    def __str__(self) -> str:
+        head = f"case {self.case}: {self.element_a.label} and {self.element_b.label}"
+        lines = [self.reason] if self.reason else [str(c) for c in self.candidates] or ["no candidate"]
+        return "\n".join([head, *(f"  {line}" for line in lines)])
+
+
 @dataclass(frozen=True, slots=True, eq=False)  # arrays have no single truth: results compare by identity
 class FirstContact(_NoTruth):
     """The earliest time at which two moving bodies share a point, or the proof that they share none.
@@ -160,7 +217,8 @@ class FirstContact(_NoTruth):
                     undefined (grazing, parallel edges, a start in contact).
     element_a/_b    the two elements; among simultaneous pairs the lowest (kind, index).
     others          further pairs at that time, at most 100; ``multiplicity`` counts all of them.
-    contact_set     "point", or None where the shared set was not computed.
+    contact_set     "point", "segment", "conic arc" or "patch"; None where the shared set was not computed.
+    subproblems     curved models with ``method="algebraic"``: every pair of features that is not exempt.
     initial         for INITIAL_CONTACT: "touching", "overlapping" or "containment".
     free_until      no shared point before this time; proved.
     reason          for UNDECIDED: "budget" or "precision".
@@ -184,6 +242,7 @@ class FirstContact(_NoTruth):
     a: Any = field(default=None, repr=False)
     b: Any = field(default=None, repr=False)
     span: tuple[float, float] = (0.0, 1.0)
+    subproblems: tuple[Subproblem, ...] = field(default=(), repr=False)
 
     def __str__(self) -> str:
         names = f"{_name(self.a, 'a')} and {_name(self.b, 'b')}"

@@ -7,145 +7,45 @@ Keys are the constructors' argument names.  A bare TOML float is the double it d
 from __future__ import annotations
 
 import itertools
-import math
-import re
 import tomllib
 from dataclasses import dataclass
-from fractions import Fraction
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import (
-    BaseModel,
-    BeforeValidator,
-    ConfigDict,
-    Field,
-    StrictBool,
-    StrictInt,
-    StrictStr,
-    ValidationError,
-    model_validator,
-)
+from pydantic import Field, StrictBool, StrictInt, StrictStr, ValidationError
 
+from firstcontact import scene_solids as solids
 from firstcontact.body.polyhedron import Polyhedron
-from firstcontact.errors import FirstContactError, InputError
+from firstcontact.errors import InputError
 from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.sequence import Sequence
 from firstcontact.motion.trajectory import Trajectory
 from firstcontact.motion.translation import Translation
+from firstcontact.scene_values import (
+    Edge,
+    Face,
+    KeyFault,
+    Matrix,
+    Number,
+    Pair,
+    Placed,
+    Pose,
+    Quaternion,
+    Span,
+    Table,
+    Vector,
+    at_key,
+    parse_number,
+    parse_time,
+    placed,
+)
 
-# Digits "1/3", "-0.1", "2.5e-3".  The short exponent keeps a typing error from asking for gigabytes.
-_EXACT = re.compile(r"[+-]?(\d+(\s*/\s*\d+)?|(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,3})?)")
-
-
-def parse_number(value: Any) -> float | int | Fraction:
-    """A finite number: floats and integers as they are, strings exactly; ValueError says what is wrong."""
-    number = _exact(value) if isinstance(value, str) else value
-    if isinstance(number, bool) or not isinstance(number, int | float | Fraction):
-        raise ValueError(f"{value!r} is not a number; write 0.5, or \"1/3\" for an exact one")
-    try:
-        finite = math.isfinite(float(number))
-    except OverflowError:
-        finite = False
-    if not finite:
-        raise ValueError(f"{value!r} is not a finite double; give a finite number")
-    return number
-
-
-def parse_time(value: Any) -> float | int | Fraction:
-    """An end of a span: a number, or an infinity ("inf" and "-inf" too)."""
-    if isinstance(value, float) and math.isinf(value):
-        return value
-    if isinstance(value, str) and re.fullmatch(r"[+-]?inf", value.strip()):
-        return float(value)
-    return parse_number(value)
+__all__ = ["Check", "Scene", "load_scene", "parse_number", "parse_time"]
 
 
-def _exact(text: str) -> Fraction:
-    text = text.strip()
-    if not _EXACT.fullmatch(text):
-        raise ValueError(f"{text!r} is not a number; write 0.5, \"1/3\" or \"0.1\"")
-    try:
-        return Fraction(re.sub(r"\s", "", text))
-    except ZeroDivisionError as error:
-        raise ValueError(f"{text!r} divides by zero; give a finite number") from error
-
-
-def _list_of(count: int, what: str) -> BeforeValidator:
-    """Check a list's length first: pydantic would report every missing item by itself."""
-
-    def check(value: Any) -> Any:
-        if not isinstance(value, list) or len(value) != count:
-            raise ValueError(f"{value!r} is not {what}")
-        return tuple(value)
-
-    return BeforeValidator(check)
-
-
-def _matrix(value: Any) -> Any:
-    """Four rows of four numbers."""
-    if not isinstance(value, list) or len(value) != 4 or any(not isinstance(r, list) or len(r) != 4 for r in value):
-        raise ValueError(f"{value!r} is not a 4x4 matrix; write four rows [a, b, c, d]")
-    return [[parse_number(x) for x in row] for row in value]
-
-
-def _pose(value: Any) -> Any:
-    """A 4x4 matrix, or a vector whose rotation stands in quat_xyzw or quat_wxyz."""
-    if isinstance(value, list) and len(value) == 3 and not any(isinstance(x, list) for x in value):
-        return [parse_number(x) for x in value]
-    try:
-        return _matrix(value)
-    except ValueError as error:
-        raise ValueError(f"{error}, or a vector [x, y, z] with quat_xyzw or quat_wxyz") from error
-
-
-def _face(value: Any) -> Any:
-    """A ring of vertex numbers, or a list of such rings (the outer one, then its holes)."""
-    rings = value if isinstance(value, list) and value and isinstance(value[0], list) else [value]
-    for ring in rings:
-        if not isinstance(ring, list) or not all(type(i) is int for i in ring):
-            raise ValueError(f"{value!r} is not a face; write [0, 1, 2], or [[...], [...]] with holes")
-    return value
-
-
-Number = Annotated[Any, BeforeValidator(parse_number)]
-Time = Annotated[Any, BeforeValidator(parse_time)]
-Vector = Annotated[tuple[Number, Number, Number], _list_of(3, "three numbers; write [x, y, z]")]
-Pair = Annotated[tuple[StrictStr, StrictStr], _list_of(2, "two body names; write [\"a\", \"b\"]")]
-Span = Annotated[tuple[Time, Time], _list_of(2, "two times; write [start, end]")]
-Quaternion = Annotated[tuple[Number, Number, Number, Number], _list_of(4, "four numbers; write [a, b, c, d]")]
-Matrix = Annotated[Any, BeforeValidator(_matrix)]
-Pose = Annotated[Any, BeforeValidator(_pose)]
-Index = Annotated[StrictInt, Field(ge=0)]
-Edge = Annotated[tuple[Index, Index], _list_of(2, "two vertex numbers; write [i, j]")]
-Face = Annotated[Any, BeforeValidator(_face)]
-
-
-class _Table(BaseModel):
-    """A TOML table: unknown keys are refused with the known ones listed."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-    @model_validator(mode="before")
-    @classmethod
-    def _known_keys(cls, table: Any) -> Any:
-        if not isinstance(table, dict):
-            raise ValueError(f"{table!r} is not a table; use one with keys {', '.join(cls.model_fields)}")
-        for key in table:
-            if key not in cls.model_fields:
-                raise ValueError(f"unknown key {key!r}; keys here are {', '.join(cls.model_fields)}")
-        return table
-
-
-class RotateTable(_Table):
-    axis: Vector
-    degrees: Number
-    point: Vector = (0, 0, 0)
-
-
-class TranslationTable(_Table):
+class TranslationTable(Table):
     type: Literal["translation"]
     vector: Vector
 
@@ -153,7 +53,7 @@ class TranslationTable(_Table):
         return Translation(self.vector)
 
 
-class _Turn(_Table):
+class _Turn(Table):
     axis: Vector
     point: Vector = (0, 0, 0)
     radians: Number = None
@@ -179,7 +79,7 @@ class ScrewTable(_Turn):
         return Screw(self.axis, self.point, **self._angle(), advance=self.advance)
 
 
-class RationalTable(_Table):
+class RationalTable(Table):
     type: Literal["rational"]
     coefficients: list[Matrix]
 
@@ -187,7 +87,7 @@ class RationalTable(_Table):
         return RationalMotion(self.coefficients)
 
 
-class _Quaternions(_Table):
+class _Quaternions(Table):
     quat_xyzw: list[Quaternion] | None = None
     quat_wxyz: list[Quaternion] | None = None
 
@@ -228,7 +128,7 @@ Step = Annotated[
 ]
 
 
-class SequenceTable(_Table):
+class SequenceTable(Table):
     type: Literal["sequence"]
     steps: list[Step]
     durations: list[Number] | None = None
@@ -243,17 +143,15 @@ Motion = Annotated[
 ]
 
 
-class _Body(_Table):
+class _Body(Placed):
     name: StrictStr | None = None
-    solid: StrictBool | None = None
-    at: Vector | None = None
-    rotate: RotateTable | None = None
     motion: Motion | None = None
 
 
 class MeshBody(_Body):
     shape: Literal["mesh"]
     file: StrictStr
+    solid: StrictBool | None = None
 
     def build(self, key: str, folder: Path) -> Polyhedron:
         return Polyhedron.load(folder / self.file, solid=self.solid, name=self.name or key)
@@ -264,13 +162,70 @@ class PolyhedronBody(_Body):
     vertices: list[Vector]
     faces: list[Face] = []
     edges: list[Edge] | None = None
+    solid: StrictBool | None = None
 
     def build(self, key: str, folder: Path) -> Polyhedron:
         name = self.name or key
         return Polyhedron(self.vertices, self.faces, edges=self.edges, solid=self.solid, name=name)
 
 
-class CheckTable(_Table):
+class _SolidBody(_Body, solids.Solid):
+    def build(self, key: str, folder: Path) -> Any:
+        return self.solid().named(self.name or key)
+
+
+class BoxBody(solids.Box, _SolidBody): ...
+
+
+class SphereBody(solids.Sphere, _SolidBody): ...
+
+
+class EllipsoidBody(solids.Ellipsoid, _SolidBody): ...
+
+
+class CylinderBody(solids.Cylinder, _SolidBody): ...
+
+
+class ConeBody(solids.Cone, _SolidBody): ...
+
+
+class FrustumBody(solids.Frustum, _SolidBody): ...
+
+
+class ParaboloidBody(solids.Paraboloid, _SolidBody): ...
+
+
+class HyperboloidBody(solids.Hyperboloid, _SolidBody): ...
+
+
+class HalfSpaceBody(solids.HalfSpace, _SolidBody): ...
+
+
+class QuadricBody(solids.Quadric, _SolidBody): ...
+
+
+class CsgBody(solids.Csg, _SolidBody): ...
+
+
+Body = Annotated[
+    MeshBody
+    | PolyhedronBody
+    | BoxBody
+    | SphereBody
+    | EllipsoidBody
+    | CylinderBody
+    | ConeBody
+    | FrustumBody
+    | ParaboloidBody
+    | HyperboloidBody
+    | HalfSpaceBody
+    | QuadricBody
+    | CsgBody,
+    Field(discriminator="shape"),
+]
+
+
+class CheckTable(Table):
     pair: Pair
     span: Span | None = None
     exact: StrictBool = False
@@ -278,8 +233,8 @@ class CheckTable(_Table):
     budget: Annotated[StrictInt, Field(gt=0)] | None = None
 
 
-class SceneTable(_Table):
-    body: dict[str, Annotated[MeshBody | PolyhedronBody, Field(discriminator="shape")]]
+class SceneTable(Table):
+    body: dict[str, Body]
     check: list[CheckTable] = []
 
 
@@ -301,7 +256,7 @@ class Check:
 
 @dataclass(frozen=True)
 class Scene:
-    """Bodies by key (a Polyhedron at rest, or a Moving one) and the checks to run on them."""
+    """Bodies by key (a Polyhedron or CompositeQuadric at rest, or a Moving one) and the checks to run on them."""
 
     path: Path
     bodies: dict[str, Any]
@@ -332,24 +287,17 @@ def _read(path: Path) -> dict[str, Any]:
         raise InputError(f"{path}: not valid TOML: {error}; mend it there") from error
 
 
-def _build(path: Path, key: str, table: MeshBody | PolyhedronBody) -> Any:
-    """The body in its place: turned by `rotate`, then moved by `at`, then given its motion."""
-    where = f"body.{key}"
+def _build(path: Path, key: str, table: Any) -> Any:
+    """The body in its place, given its motion."""
     try:
-        body = table.build(key, path.parent)
-        if table.rotate is not None:
-            where = f"body.{key}.rotate"
-            turn = table.rotate
-            body = body.rotated(turn.axis, degrees=turn.degrees, point=turn.point)
-        if table.at is not None:
-            where = f"body.{key}.at"
-            body = body.translated(table.at)
-        if table.motion is None:
-            return body
-        where = f"body.{key}.motion"
-        return body.moving(table.motion.build())
-    except FirstContactError as error:
-        raise type(error)(f"{path}: {where}: {error}") from error
+        with at_key(f"body.{key}"):
+            body = placed(table.build(key, path.parent), table)
+            if table.motion is None:
+                return body
+            with at_key("motion"):
+                return body.moving(table.motion.build())
+    except KeyFault as error:
+        raise InputError(f"{path}: {error}") from error
 
 
 def _checks(path: Path, scene: SceneTable) -> list[Check]:

@@ -41,6 +41,44 @@ def test_a_scene_lists_bodies_and_checks(command, cubes):
     assert lines[-1] == "check left / right, span 0 to 1/3, exact"
 
 
+def test_a_solid_is_listed_by_its_features(command, scene):
+    text = """[body.tip]
+shape = "cone"
+radius = 1
+height = 2
+[body.floor]
+shape = "half_space"
+normal = [0, 0, 1]
+offset = -1
+[body.shaft]
+shape = "csg"
+expression = "bar - flat"
+[body.shaft.part.bar]
+shape = "cylinder"
+radius = 1
+height = 2
+[body.shaft.part.flat]
+shape = "half_space"
+normal = [-1, 0, 0]
+offset = "-1/2"
+"""
+    code, out, _ = command("info", scene(text))
+    assert code == 0
+    lines = out.splitlines()
+    assert lines[0].endswith("scene.toml: 3 bodies, 3 checks")
+    tip = lines.index("body tip: at rest")
+    assert lines[tip + 1 : tip + 3] == ["  2 faces, 1 edge, 1 vertex", "  a solid of planes and quadrics"]
+    assert lines[tip + 4 : tip + 8] == [
+        "  face 0: tip.side, quadric",
+        "  face 1: tip.bottom, plane",
+        "  edge 0: tip.rim.bottom, conic, convex",
+        "  vertex 0: tip.apex, at (0, 0, 2)",
+    ]
+    assert "  unbounded" in lines and "  face 0: floor.plane, plane" in lines
+    assert sum(line.startswith("  edge") and ": shaft.flat.rim.side" in line for line in lines) == 2
+    assert "  edge 2: shaft.flat.rim.side, line, convex" in lines
+
+
 def test_a_missing_file_is_named(command, tmp_path):
     code, out, err = command("info", tmp_path / "none.stl")
     assert code == 3 and out == "" and err.count("\n") == 1 and "none.stl: no such file" in err

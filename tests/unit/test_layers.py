@@ -24,6 +24,8 @@ ABOVE_EXACT = (
     "io",
     "query",
     "scene",
+    "scene_solids",
+    "scene_values",
     "kernels",
     "report",
 )

@@ -320,3 +320,25 @@ def test_bounds_of_an_unknown_motion_are_refused():
 
     with pytest.raises(fc.InputError, match="are not known"):
         CUBE.moving(Odd()).bounds()
+
+
+TURNS_AND_SHIFTS = [fc.Translation((1, -2, 3)), fc.Rotation((1, 1, 0), degrees=300)]
+
+
+@pytest.mark.parametrize("motion", [*MOTIONS, *TURNS_AND_SHIFTS], ids=repr)
+def test_bounds_hold_a_moving_solid(motion):
+    solid = fc.cylinder(1, 3) - fc.sphere(1).translated((0, 0, 1))
+    solid = solid.rotated((1, 2, 3), degrees=20).translated((2, 0, 0))
+    points = solid.to_mesh(0.05).vertices
+    begin, end = motion.span
+    span = (begin + 0.2 * (end - begin), begin + 0.9 * (end - begin))
+    lo, hi = solid.moving(motion).bounds(span)
+    poses = [motion(t) for t in np.linspace(*span, 400).tolist()]
+    seen = np.concatenate([(points @ m[:3, :3].T + m[:3, 3]) / m[3, 3] for m in poses])
+    assert np.all(lo <= seen.min(axis=0)) and np.all(seen.max(axis=0) <= hi)
+    assert np.linalg.norm(hi - lo) < 1.6 * np.linalg.norm(np.ptp(seen, axis=0))
+
+
+def test_bounds_of_an_unbounded_moving_solid_are_infinite():
+    lo, hi = fc.half_space((0, 0, 1), 0).moving(fc.Screw((0, 0, 1), degrees=20, advance=1)).bounds()
+    assert np.all(np.isinf(lo)) and np.all(np.isinf(hi))

@@ -1,11 +1,13 @@
 """Small scenes with answers known by hand, one for every way a query can end."""
 
+import numpy as np
+
 import firstcontact as fc
 from firstcontact.body.polyhedron import Polyhedron
 from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.sequence import Sequence
 from firstcontact.motion.translation import Translation
-from firstcontact.result import FirstContact, Status
+from firstcontact.result import Element, FirstContact, Status
 
 SQUARE = ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))
 CUBE_FACES = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
@@ -52,3 +54,53 @@ def undecided():
 def overlapping_at_start():
     mover = cube("mover").translated((0.5, 0.25, 0.25)).moving(Translation((2, 0, 0)))
     return fc.first_contact(mover, cube("box"))
+
+
+class SharedCurve(str):
+    """The kind of a contact set, with its points (n, 3) in the world."""
+
+    def __new__(cls, kind, points):
+        shared = super().__new__(cls, kind)
+        shared.points = np.asarray(points, float)
+        return shared
+
+
+def plate():
+    """A plate 4 x 4 x 1 about the origin with a hole of radius 1."""
+    return (fc.box((4, 4, 1)).named("slab") - fc.cylinder(1, 2).named("hole")).named("plate")
+
+
+def plug():
+    """A cone, its tip at the bottom: radius 2 at z = 3, tip at z = 0."""
+    return fc.cone(2, 3).rotated((1, 0, 0), degrees=180).translated((0, 0, 3)).named("plug")
+
+
+def element(which, body, kind, name):
+    features = {"face": body.faces, "edge": body.edges, "vertex": body.vertices, "apex": body.vertices}[kind]
+    (feature,) = [f for f in features if f.name == name]
+    return Element(kind, which, feature.index, name)
+
+
+def plugged():
+    """The plug falls by 4 from 2 above the origin and touches the rim of the hole, z = 1/2, all around.
+
+    The cone has radius 1 at 3/2 above its tip: the tip is at z = -1, after 3/4 of the way.
+    """
+    a, b = plug().translated((0, 0, 2)).moving(Translation((0, 0, -4))), plate()
+    angles = np.linspace(0, 2 * np.pi, 91)
+    circle = np.column_stack([np.cos(angles), np.sin(angles), np.full(91, 0.5)])
+    return FirstContact(
+        Status.CONTACT, time=0.75, time_interval=(0.75, 0.75), point=np.array([1.0, 0.0, 0.5]),
+        element_a=element("a", a.body, "face", "plug.side"), element_b=element("b", b, "edge", "plate.hole.rim.top"),
+        multiplicity=1, contact_set=SharedCurve("conic arc", circle), a=a, b=b,
+    )  # fmt: skip
+
+
+def tip_on_floor():
+    """The plug's tip falls on a floor without end, z = 0, after half of the way."""
+    a, b = plug().translated((0, 0, 2)).moving(Translation((0, 0, -4))), fc.half_space((0, 0, 1), 0, name="floor")
+    return FirstContact(
+        Status.CONTACT, time=0.5, time_interval=(0.5, 0.5), point=np.zeros(3), normal=np.array([0.0, 0.0, 1.0]),
+        element_a=element("a", a.body, "vertex", "plug.apex"), element_b=element("b", b, "face", "floor.plane"),
+        multiplicity=1, contact_set="point", a=a, b=b,
+    )  # fmt: skip

@@ -171,3 +171,38 @@ def test_nothing_to_draw_is_an_input_error():
         html.page_text([FirstContact(Status.FREE)])
     with pytest.raises(InputError, match="cannot draw 3"):
         html.page_text([3])
+
+
+def test_a_solid_has_normals_and_a_mesh_has_none(text):
+    assert all("normals" not in mesh for mesh in page_data(text)["meshes"])
+    assert page_data(text)["pairs"][0]["shared"] == []
+    for mesh in page_data(html.page_text([scenes.plugged()]))["meshes"]:
+        vertices, normals = (np.frombuffer(base64.b64decode(mesh[key]), "<f4") for key in ("vertices", "normals"))
+        assert len(vertices) == len(normals)
+
+
+def test_the_contact_curve_of_solids_is_written_about_the_contact_point():
+    (pair,) = page_data(html.page_text([scenes.plugged()]))["pairs"]
+    shared = np.array(pair["shared"]).reshape(-1, 3)
+    unit = np.linalg.norm(shared[0] - shared[45]) / 2  # half the diameter of the circle of radius 1
+    assert np.allclose(shared / unit, scenes.plugged().contact_set.points - [1, 0, 0.5], atol=1e-12)
+    assert dict(pair["rows"])["they share"] == "a conic arc"
+    labels = [body["elements"][0]["label"] for body in pair["bodies"]]
+    assert labels == ["plug.side", "plate.hole.rim.top"]
+
+
+def test_touched_elements_of_solids_lie_at_the_contact():
+    (pair,) = page_data(html.page_text([scenes.plugged()]))["pairs"]
+    plate = pair["bodies"][1]
+    rim = np.array(plate["elements"][0]["vertices"]).reshape(-1, 3) * plate["size"]
+    pose = doubles(plate["poses"]).reshape(-1, 3, 4)[0]
+    world = rim @ pose[:, :3].T + pose[:, 3]
+    assert np.abs(world).min(axis=0)[2] == pytest.approx(0, abs=1e-12)  # the rim is level with the contact point
+    assert np.linalg.norm(world, axis=1).min() < 1e-9
+
+
+def test_an_unbounded_body_is_drawn_anew_for_every_pair():
+    result = scenes.tip_on_floor()
+    elsewhere = FirstContact(Status.FREE, free_until=1.0, a=scenes.plug().translated((99, 0, 5)), b=result.b)
+    data = page_data(html.page_text([result, elsewhere]))
+    assert len(data["meshes"]) == 4

@@ -62,7 +62,7 @@ def browser(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def page(tmp_path_factory):
-    """Address of a page with five pairs: a contact with its intervals, then one for each other status."""
+    """Address of a page with six pairs: a contact with its intervals, one for each other status, and two solids."""
     a, b = scenes.falling_spike()
     results = [
         fc.first_contact(a, b),
@@ -70,6 +70,8 @@ def page(tmp_path_factory):
         fc.first_contact(*scenes.passing_by()),
         scenes.undecided(),
         scenes.overlapping_at_start(),
+        scenes.plugged(),
+        scenes.tip_on_floor(),
     ]
     return write_page(tmp_path_factory.mktemp("page") / "all.html", results).as_uri()
 
@@ -302,3 +304,62 @@ def test_a_name_is_text_and_steps_are_followed(opened, page):
     # after step one and half of the three quarter turns: (3, 0, 1) turned by 135 degrees about z
     c = np.sqrt(0.5)
     assert [turned[0], turned[1], turned[4]] == pytest.approx([-c, -c, c], abs=1e-5)
+
+
+SOLIDS, ON_FLOOR = 4, 5
+
+
+def test_solids_are_drawn_with_their_contact_curve(opened, page):
+    show(opened, f"{page}#pair={SOLIDS}")
+    wait_until(lambda: state(opened, "pair") == SOLIDS)
+    assert state(opened, "time") == 0.75 and state(opened, "atContact") is True
+    names = [entry["name"] for entry in state(opened, "objects")]
+    for name in ("body plug", "body plate", "plate edges", "ghost of plug", "path of plug", "contact set"):
+        assert names.count(name) == 1
+    assert "normal" not in names  # it is not the same all around
+    assert "element plug.side face 0" in names
+    assert any(name.startswith("element plate.hole.rim.top edge") for name in names)
+    card = opened.find_element("id", "card").text
+    for text in ("plug.side", "plate.hole.rim.top", "a conic arc", "0.75"):
+        assert text in card
+    pixels = picture(opened)
+    assert is_blue(pixels).sum() > 2000 and is_sand(pixels).sum() > 3000
+    assert is_accent(around(pixels, state(opened, "contactPixel"))).all()
+
+
+def test_the_contact_curve_is_where_the_circle_is(opened, page):
+    show(opened, f"{page}#pair={SOLIDS}")
+    wait_until(lambda: state(opened, "pair") == SOLIDS)
+    pixels = picture(opened)
+    curve = state(opened, "contactCurve")
+    assert len(curve) == 91
+    assert np.allclose(curve[0], state(opened, "contactPixel"), atol=0.5)
+    on_screen = [is_accent(around(pixels, place, reach=1)).any() for place in curve]
+    assert np.mean(on_screen) > 0.95
+
+
+def test_solids_are_shaded_smoothly_and_meshes_flat(opened, page):
+    smooth = {entry["name"]: entry["smooth"] for entry in state(opened, "objects")}
+    assert smooth["spike surface"] is False and smooth["box surface"] is False
+    show(opened, f"{page}#pair={ON_FLOOR}")
+    wait_until(lambda: state(opened, "pair") == ON_FLOOR)
+    smooth = {entry["name"]: entry["smooth"] for entry in state(opened, "objects")}
+    assert smooth["plug surface"] is True and smooth["floor surface"] is True
+    press(opened, "closer")
+    pixels = picture(opened)
+    x, y = (round(c) for c in state(opened, "contactPixel"))
+    row = pixels[y - 100, x - 200 : x + 200]
+    brightness = row[is_blue(row)].sum(axis=1)
+    assert len(brightness) > 60 and np.ptp(brightness) > 20  # round: lit from one side
+    assert np.percentile(np.abs(np.diff(brightness)), 80) <= 4
+
+
+def test_the_slider_moves_solids(opened, page):
+    show(opened, f"{page}#pair={ON_FLOOR}&t=0.25")
+    wait_until(lambda: state(opened, "time") == 0.25)
+    assert state(opened, "atContact") is False
+    above = state(opened, "centrePixel(0)")
+    press(opened, "contact")
+    assert state(opened, "time") == 0.5
+    assert state(opened, "centrePixel(0)")[1] > above[1] + 20
+    assert "element plug.apex vertex 0" in [entry["name"] for entry in state(opened, "objects")]

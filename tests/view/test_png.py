@@ -18,7 +18,8 @@ DRAWS = importlib.util.find_spec("pyvista") is not None and (
 
 @pytest.mark.skipif(not DRAWS, reason="needs the extra view, libEGL and libGL")
 @pytest.mark.parametrize(
-    "make, touching", [(scenes.first_hit, True), (scenes.undecided, False)]
+    "make, touching",
+    [(scenes.first_hit, 400), (scenes.undecided, 0), (scenes.plugged, 1000), (scenes.tip_on_floor, 10)],
 )
 def test_both_bodies_and_the_contact_are_drawn(make, touching, tmp_path):
     from PIL import Image
@@ -28,10 +29,10 @@ def test_both_bodies_and_the_contact_are_drawn(make, touching, tmp_path):
         assert image.size == (400, 300)
         pixels = np.asarray(image.convert("RGB"), int)
     red, green, blue = np.moveaxis(pixels, 2, 0)
-    assert np.sum(blue > red + 35) > 2000  # body a
+    assert np.sum(blue > red + 35) > 1200  # body a
     assert np.sum((red > blue + 35) & (green > blue + 15)) > 2000  # body b
     accent = np.sum((red > 150) & (green < 90) & (blue < 110))
-    assert accent > 100 if touching else accent == 0
+    assert accent > touching if touching else accent == 0  # marker, arrow, shared curve, touched elements
 
 
 def test_missing_pyvista_is_one_line(monkeypatch, tmp_path):

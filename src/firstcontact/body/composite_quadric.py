@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any
 
@@ -12,6 +11,7 @@ from flint import fmpq
 
 from firstcontact.body.carriers import ONE, ZERO, Box, Plane, Quadric, Rows, Surface, Vector, doubles, inverse, upright
 from firstcontact.body.csg import And, Leaf, Not, Or, Tree, inside, outcomes, pattern, possible, renumbered
+from firstcontact.body.feature_names import Names, Part
 from firstcontact.body.features import Edge, Face, Features, Vertex, derive
 from firstcontact.body.moving import Moving
 from firstcontact.body.neighbourhood import patterns
@@ -19,23 +19,6 @@ from firstcontact.errors import InputError
 from firstcontact.exact.numbers import rational, to_double
 from firstcontact.exact.rigid import Matrix, apply, determinant, near_rotation, shift
 from firstcontact.motion.translation import LARGEST, vector3
-
-
-@dataclass(frozen=True, slots=True)
-class Part:
-    """How one primitive calls its features.
-
-    path: names of the solids around it, outermost first, joined by dots.
-    labels: (surface, side, label), side as `Face.orientation`.
-    edges: (label, label, name of the edge between them).
-    """
-
-    path: str
-    labels: tuple[tuple[int, int, str], ...]
-    edges: tuple[tuple[str, str, str], ...] = ()
-
-    def full(self, label: str) -> str:
-        return f"{self.path}.{label}" if self.path else label
 
 
 class CompositeQuadric:
@@ -77,6 +60,8 @@ class CompositeQuadric:
         self._derived: Features | None = None
         self._tight_box: tuple[np.ndarray, np.ndarray] | None = None
         self._witness = witness
+        self.source: Any = None
+        """The polyhedron this model stands for, if it does."""
         self._validate()
 
     # -- features -------------------------------------------------------------------------------------------
@@ -102,7 +87,8 @@ class CompositeQuadric:
 
     def _features(self) -> Features:
         if self._derived is None:
-            self._derived = derive(self.tree, self.surfaces, _Names(self), self._rough_box)
+            names = Names(self.name, self.parts, self.surfaces)
+            self._derived = derive(self.tree, self.surfaces, names, self._rough_box)
         return self._derived
 
     # -- combining ------------------------------------------------------------------------------------------
@@ -139,7 +125,7 @@ class CompositeQuadric:
                 labels = tuple(
                     (place[i][0], side * place[i][1] * (-1 if flipped else 1), label) for i, side, label in labels
                 )
-            parts.append(Part(path, labels, part.edges))
+            parts.append(Part(path, labels, part.edges, part.cuts + flipped))
         return parts
 
     # -- placing --------------------------------------------------------------------------------------------
@@ -406,55 +392,7 @@ def _overlap(first: Box | None, second: Box | None) -> Box | None:
     return lo, tuple(map(max, lo, hi))
 
 
-# -- names --------------------------------------------------------------------------------------------------
-
-
-class _Names:
-    """Names of features from the labels of the primitives they come from."""
-
-    def __init__(self, body: CompositeQuadric) -> None:
-        self.parts = [replace(p, path=".".join(x for x in (body.name, p.path) if x)) for p in body.parts]
-        self.count = len(body.surfaces)
-
-    def _owner(self, surface: int, side: int | None) -> tuple[Part, str] | None:
-        any_side = None
-        for part in self.parts:
-            for i, own, label in part.labels:
-                if i == surface:
-                    if side is None or own == side:
-                        return part, label
-                    any_side = any_side or (part, label)
-        return any_side
-
-    def surface_name(self, surface: int, side: int | None = None) -> str:
-        owner = self._owner(surface, side)
-        return f"surface {surface}" if owner is None else owner[0].full(owner[1])
-
-    def edge_name(self, surfaces: Sequence[int], kind: str) -> str:
-        for part in self.parts:
-            labels = {label for i, _, label in part.labels if i in surfaces}
-            for first, second, name in part.edges:
-                if {first, second} <= labels:
-                    return part.full(name)
-        return _shared_prefix([self.surface_name(i) for i in surfaces])
-
-    def vertex_name(self, surfaces: Sequence[int], apex: bool) -> str:
-        if apex:
-            for part in self.parts:
-                for i, _, label in part.labels:
-                    if i in surfaces and label == "side":
-                        return part.full("apex")
-        return _shared_prefix([self.surface_name(i) for i in surfaces])
-
-
-def _shared_prefix(names: list[str]) -> str:
-    """ "plate.x+/y+" for "plate.x+" and "plate.y+"."""
-    paths = [name.split(".") for name in names]
-    shared = 0
-    while all(len(path) > shared + 1 and path[shared] == paths[0][shared] for path in paths):
-        shared += 1
-    tail = "/".join(".".join(path[shared:]) for path in paths)
-    return ".".join([*paths[0][:shared], tail])
+# -- intersections of half-spaces --------------------------------------------------------------------------
 
 
 def solid(

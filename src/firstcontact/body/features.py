@@ -160,8 +160,9 @@ def derive(tree: Tree, surfaces: Sequence[Surface], names: Any, box: Callable[[]
     numbers = {(f.surfaces[0], f.orientation): f.index for f in faces}
     corners.add_apexes(tree)
     vertices = corners.numbered(names)
-    found = [e for t in traced for e in _edges_of(t, corners, names, numbers)]
-    found += [e for edge in quartic_edges for e in edge.finished(names, numbers)]
+    found = [e for t in traced for e in _edges_of(t, corners, numbers)]
+    found += [e for edge in quartic_edges for e in edge.finished(numbers)]
+    found = [{"name": name, **e} for name, e in zip(names.edges(found, faces), found, strict=True)]
     edges = [e for e in found if e["convexity"] != "smooth"]
     seams = [e for e in found if e["convexity"] == "smooth"]
     return Features(
@@ -269,9 +270,10 @@ def middle(quadric: Quadric) -> Vector:
 
 def _faces(sides: set[tuple[int, int]], surfaces: Sequence[Surface], names: Any) -> tuple[Face, ...]:
     faces = []
-    for index, (i, side) in enumerate(sorted(sides, key=lambda s: (s[0], -s[1]))):
+    ordered = sorted(sides, key=lambda s: (s[0], -s[1]))
+    for index, ((i, side), name) in enumerate(zip(ordered, names.faces(ordered), strict=True)):
         carrier = surfaces[i] if side > 0 else surfaces[i].negated()
-        faces.append(Face(index, names.surface_name(i, side), carrier, (i,), side))
+        faces.append(Face(index, name, carrier, (i,), side))
     return tuple(faces)
 
 
@@ -353,15 +355,13 @@ class _Corners:
                 corner.apex = True
 
     def numbered(self, names: Any) -> tuple[Vertex, ...]:
-        vertices: list[Vertex] = []
-        for corner in self.all():
-            if corner.is_vertex:
-                corner.index = len(vertices)
-                surfaces = tuple(sorted(corner.surfaces))
-                name = names.vertex_name(surfaces, corner.apex)
-                vertices.append(
-                    Vertex(corner.index, name, corner.carrier, surfaces, corner.position, corner.error)
-                )
+        corners = [corner for corner in self.all() if corner.is_vertex]
+        surfaces = [tuple(sorted(corner.surfaces)) for corner in corners]
+        called = names.vertices([(on, corner.apex) for on, corner in zip(surfaces, corners, strict=True)])
+        vertices = []
+        for index, (corner, on, name) in enumerate(zip(corners, surfaces, called, strict=True)):
+            corner.index = index
+            vertices.append(Vertex(index, name, corner.carrier, on, corner.position, corner.error))
         return tuple(vertices)
 
     def vertex_at(self, crossing: Break | None) -> int | None:
@@ -437,8 +437,8 @@ def _same_point(corner: _Corner, carrier: Any, position: tuple[float, float, flo
 # -- edges --------------------------------------------------------------------------------------------------
 
 
-def _edges_of(traced: _Traced, corners: _Corners, names: Any, numbers: dict[tuple[int, int], int]) -> list[Any]:
-    """The edges on one loop, one for each convexity that occurs, as keyword arguments of Edge without its index."""
+def _edges_of(traced: _Traced, corners: _Corners, numbers: dict[tuple[int, int], int]) -> list[dict[str, Any]]:
+    """The edges on one loop, one for each convexity that occurs: keyword arguments of Edge but index and name."""
     trimmed = traced.trimmed
     runs = _runs(traced, corners)
     found = []
@@ -450,7 +450,6 @@ def _edges_of(traced: _Traced, corners: _Corners, names: Any, numbers: dict[tupl
         sides = sorted({numbers[side] for run in own for side in run.faces})
         found.append(
             dict(
-                name=names.edge_name(trimmed.surfaces, kind),
                 carrier=traced.curve,
                 surfaces=trimmed.surfaces,
                 convexity=kind,

@@ -61,15 +61,21 @@ def _ellipsoid(radii: Vector, name: str | None) -> CompositeQuadric:
     return solid([("surface", surface)], box=(tuple(-r for r in radii), radii), witness=ORIGIN, name=name)
 
 
-def cylinder(radius: Any, height: Any, *, name: str | None = None) -> CompositeQuadric:
-    """The cylinder about z with |z| <= height/2; radius: one number, or (a, b) for an elliptic one.
+def cylinder(
+    radius: Any = None, height: Any = None, *, radii: Any = None, name: str | None = None
+) -> CompositeQuadric:
+    """The cylinder about z with |z| <= height/2; radius or radii: one number, or (a, b) for an elliptic one.
 
     Faces "side", "top", "bottom", edges "rim.top", "rim.bottom".
 
     >>> cylinder(1, 2)
     <CompositeQuadric: 3 faces, 2 edges, 0 vertices>
     """
-    a, b = _radii(radius, "cylinder radius")
+    if (radius is None) == (radii is None):
+        raise InputError("cylinder needs exactly one of radius and radii; give radius=r or radii=(a, b)")
+    if height is None:
+        raise InputError("cylinder height is missing; give a positive number")
+    a, b = _radii(radius, "cylinder radius") if radii is None else _radii(radii, "cylinder radii")
     h = _positive(height, "cylinder height") / 2
     side: Surface = diagonal(1 / a**2, 1 / b**2, ZERO, -ONE)
     leaves = [("side", side), ("top", up(h)), ("bottom", down(-h))]

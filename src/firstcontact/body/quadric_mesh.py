@@ -34,9 +34,7 @@ def mesh(body: CompositeQuadric, tolerance: float) -> Polyhedron:
         raise InputError(f"to_mesh tolerance is {tolerance!r}; give a positive length")
     if not body.bounded:
         raise UnsupportedPair(f"{body.name or 'solid'}: no bound is known; intersect it with a box to mesh it")
-    lo, hi = body.bounds()
-    found = [_surface_triangles(body, i, tolerance, lo, hi) for i in sorted({f.surfaces[0] for f in body.faces})]
-    triangles = np.concatenate(found)
+    triangles, _ = face_triangles(body, tolerance, *body.bounds())
     grain = 1e-10 * float(np.abs(triangles).max() + np.ptp(triangles))
     flat = triangles.reshape(-1, 3)
     _, first, number = np.unique(np.round(flat / grain), axis=0, return_index=True, return_inverse=True)
@@ -45,9 +43,26 @@ def mesh(body: CompositeQuadric, tolerance: float) -> Polyhedron:
     return Polyhedron(flat[first], corners[proper].astype(np.int32), solid=False, name=body.name)
 
 
+def face_triangles(
+    body: CompositeQuadric, tolerance: float, lo: np.ndarray, hi: np.ndarray
+) -> tuple[Triangles, np.ndarray]:
+    """The faces as triangles that look outwards, and the number (n,) of each one's face.
+
+    lo, hi: (3,) corners of a box; of faces without end the part is covered that is near it.
+    """
+    numbers = {(f.surfaces[0], f.orientation): f.index for f in body.faces}
+    found, owners = [], []
+    for i in sorted({surface for surface, _ in numbers}):
+        triangles, below = _surface_triangles(body, i, tolerance, lo, hi)
+        found.append(triangles)
+        owners.append(np.where(below, numbers.get((i, 1), -1), numbers.get((i, -1), -1)))
+    return np.concatenate(found), np.concatenate(owners)
+
+
 def _surface_triangles(
     body: CompositeQuadric, i: int, tolerance: float, lo: np.ndarray, hi: np.ndarray
-) -> Triangles:
+) -> tuple[Triangles, np.ndarray]:
+    """The triangles of surface i, and whether the body is where its form is negative, (n,) bools."""
     surface = body.surfaces[i]
     reach = float(np.linalg.norm(hi - lo))
     centre = (lo + hi) / 2
@@ -58,9 +73,9 @@ def _surface_triangles(
     for j, size in zip(others, sizes, strict=True):
         if isinstance(body.surfaces[j], Quadric):
             triangles = _refined(body, i, j, triangles, size)
-    for j in others:
-        triangles = _cut(body, i, j, triangles)
-    return _kept(body, i, triangles)
+    for k, j in enumerate(others):
+        triangles = _cut(body, i, j, others[:k], triangles)
+    return _kept(body, i, others, triangles)
 
 
 # -- covering a surface -------------------------------------------------------------------------------------
@@ -255,8 +270,8 @@ def _refined(body: CompositeQuadric, i: int, j: int, triangles: Triangles, size:
     return np.concatenate(done)
 
 
-def _cut(body: CompositeQuadric, i: int, j: int, triangles: Triangles) -> Triangles:
-    """Every triangle with corners on both sides of surface j cut into three along it."""
+def _cut(body: CompositeQuadric, i: int, j: int, before: list[int], triangles: Triangles) -> Triangles:
+    """Every triangle with corners on both sides of surface j cut into three along it; `before`: cut at already."""
     values = _value(body, j, triangles)
     values[np.abs(values) < 1e-11 * (np.abs(values).max() + 1e-300)] = 0.0
     crossed = (values.max(axis=1) > 0) & (values.min(axis=1) < 0)
@@ -271,27 +286,48 @@ def _cut(body: CompositeQuadric, i: int, j: int, triangles: Triangles) -> Triang
     (a, b, c), (fa, fb, fc) = (
         tuple(x[rows, (first + k) % 3] for k in range(3)) for x in (triangles, values)
     )
-    bc = _crossing(body, i, j, b[zero], c[zero], fb[zero], fc[zero])
+    bc = _crossing(body, i, j, before, b[zero], c[zero], fb[zero], fc[zero])
     through = [np.stack([a[zero], b[zero], bc], axis=1), np.stack([a[zero], bc, c[zero]], axis=1)]
     one = ~zero
-    ab = _crossing(body, i, j, a[one], b[one], fa[one], fb[one])
-    ac = _crossing(body, i, j, a[one], c[one], fa[one], fc[one])
+    ab = _crossing(body, i, j, before, a[one], b[one], fa[one], fb[one])
+    ac = _crossing(body, i, j, before, a[one], c[one], fa[one], fc[one])
     tip, rest = np.stack([a[one], ab, ac], axis=1), np.stack([ab, b[one], c[one]], axis=1)
     return np.concatenate([whole, *through, tip, rest, np.stack([ab, c[one], ac], axis=1)])
 
 
 def _crossing(
-    body: CompositeQuadric, i: int, j: int, p: np.ndarray, q: np.ndarray, fp: np.ndarray, fq: np.ndarray
+    body: CompositeQuadric,
+    i: int,
+    j: int,
+    before: list[int],
+    p: np.ndarray,
+    q: np.ndarray,
+    fp: np.ndarray,
+    fq: np.ndarray,
 ) -> np.ndarray:
-    """Where the sides p q meet surface j, on both surfaces; symmetric, so that neighbours get the same point."""
+    """Where the sides p q meet surface j, on both surfaces; and on a third one if the whole side is an edge there."""
     start = (p * fq[:, None] - q * fp[:, None]) / (fq - fp)[:, None]
-    return np.round(_onto(body, (i, j), start), 13)
+    points = _onto(body, (i, j), start)
+    for k in before:
+        along = np.maximum(np.abs(_value(body, k, p)), np.abs(_value(body, k, q))) < 1e-11
+        if along.any():
+            points[along] = _onto(body, (i, j, k), start[along])
+    return np.round(points, 13)
 
 
-def _kept(body: CompositeQuadric, i: int, triangles: Triangles) -> Triangles:
-    """The triangles that bound the solid, turned so that their normals point outwards."""
+def _kept(body: CompositeQuadric, i: int, others: list[int], triangles: Triangles) -> tuple[Triangles, np.ndarray]:
+    """The triangles that bound the solid and the side it is on, turned so that their normals point outwards.
+
+    Triangles are on one side of the surfaces they were cut along: the corner farthest from one tells which.
+    """
     centre = _onto(body, (i,), triangles.mean(axis=1))
     negative = [_value(body, j, centre) < 0 for j in range(len(body.surfaces))]
+    rows = np.arange(len(triangles))
+    for j in others:
+        values = _value(body, j, triangles)
+        far = values[rows, np.abs(values).argmax(axis=1)]
+        clear = np.abs(far) > 1e-10
+        negative[j] = np.where(clear, far < 0, negative[j])
     shape = np.zeros(len(centre), bool)
     below = inside(body.tree, [shape | True if j == i else n for j, n in enumerate(negative)]) | shape
     above = inside(body.tree, [shape if j == i else n for j, n in enumerate(negative)]) | shape
@@ -301,4 +337,4 @@ def _kept(body: CompositeQuadric, i: int, triangles: Triangles) -> Triangles:
     normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     backwards = np.sum(normal * outward, axis=1) < 0
     triangles[backwards] = triangles[backwards][:, ::-1]
-    return triangles
+    return triangles, below

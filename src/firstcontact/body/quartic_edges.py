@@ -49,8 +49,8 @@ class QuarticEdge:
     surfaces: tuple[int, ...]
     stretches: tuple[_Stretch, ...]
 
-    def finished(self, names: Any, numbers: dict[tuple[int, int], int]) -> list[dict[str, Any]]:
-        """Keyword arguments of Edge, one for each convexity that occurs."""
+    def finished(self, numbers: dict[tuple[int, int], int]) -> list[dict[str, Any]]:
+        """Keyword arguments of Edge but index and name, one for each convexity that occurs."""
         found = []
         for kind in EDGE_KINDS:
             own = _joined([s for s in self.stretches if s.profile.kind == kind])
@@ -63,10 +63,8 @@ class QuarticEdge:
                 for s, end in zip(own, last, strict=True)
             )
             sides = sorted({numbers[side] for s in own for side in s.profile.faces})
-            name = names.edge_name(self.surfaces, kind)
             found.append(
                 dict(
-                    name=name,
                     carrier=self.carrier,
                     surfaces=self.surfaces,
                     convexity=kind,

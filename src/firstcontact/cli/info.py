@@ -13,7 +13,8 @@ import click
 def info(file: str) -> int:
     """Tell what is in a mesh or scene file.
 
-    FILE: a scene (.toml) or a mesh.  Printed: sizes, components, closed or open, bounds.
+    FILE: a scene (.toml) or a mesh.  Printed: sizes, components, closed or open, bounds; of solids of planes and
+    quadrics every face, edge and vertex by name.
     """
     lines = _scene_lines(file) if Path(file).suffix.lower() == ".toml" else _mesh_lines(file)
     for line in lines:
@@ -43,6 +44,10 @@ def _scene_lines(file: str) -> list[str]:
 
 
 def _body_lines(body: Any) -> list[str]:
+    from firstcontact.body.composite_quadric import CompositeQuadric
+
+    if isinstance(body, CompositeQuadric):
+        return _solid_lines(body)
     lo, hi = body.bounds()
     return [
         f"  {_count(len(body.vertices), 'vertex', 'vertices')}, {_count(len(body.edges), 'edge')}, "
@@ -50,6 +55,33 @@ def _body_lines(body: Any) -> list[str]:
         f"  {_kind(body)}",
         f"  from ({_point(lo)}) to ({_point(hi)})",
     ]
+
+
+def _solid_lines(body: Any) -> list[str]:
+    """Counts and bounds of a solid of planes and quadrics, then every face, edge and vertex by name."""
+    lo, hi = body.bounds()
+    counts = (
+        _count(len(body.faces), "face"),
+        _count(len(body.edges), "edge"),
+        _count(len(body.vertices), "vertex", "vertices"),
+    )
+    lines = [
+        f"  {', '.join(counts)}",
+        "  a solid of planes and quadrics",
+        f"  from ({_point(lo)}) to ({_point(hi)})" if body.bounded else "  unbounded",
+    ]
+    lines += [f"  face {face.index}: {face.name}, {_carrier(face)}" for face in body.faces]
+    lines += [f"  edge {edge.index}: {edge.name}, {_carrier(edge)}, {edge.convexity}" for edge in body.edges]
+    lines += [f"  vertex {v.index}: {v.name}, at ({_point(v.position)})" for v in body.vertices]
+    return lines
+
+
+def _carrier(feature: Any) -> str:
+    """What kind of surface or curve a face or edge lies on."""
+    kind = type(feature.carrier).__name__
+    if kind == "Conic" and feature.frame.shape[1] == 2:  # a pair of lines whose numbers are irrational
+        return "line"
+    return {"QuarticCurve": "curve of degree 4"}.get(kind, kind.lower())
 
 
 def _kind(body: Any) -> str:

@@ -1,7 +1,7 @@
 """From the parameter u of a polynomial piece of motion to the time, exactly.
 
 A root is the parameter of an event: an algebraic number with `polynomial` (irreducible), `rational`, `enclosure(bits)`,
-`sign_of(polynomial)` and `number()`.
+`sign_of(polynomial)` and `number()`; or one known by enclosures only, with `polynomial` None.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from firstcontact.exact.algebraic import algebraic, isolate
 from firstcontact.exact.instants import enclose
 from firstcontact.exact.numbers import ball, dyadic, fraction, precision
 from firstcontact.exact.rigid import rational_sqrt
+from firstcontact.exact.square_systems import MOST_BITS
 from firstcontact.exact.surd import Surd
 from firstcontact.result import AlgebraicNumber, ExactAngle
 
@@ -114,6 +115,7 @@ class AngleClock:
 
         Balls decide all but equality.  Radians: no angle but 0 has an algebraic tangent (Lindemann).  Turns: equality
         is decided in the field of the root; two angles that could be confused differ by pi over the denominator.
+        Roots known by enclosures count as equal to times that they cannot be told from.
         """
         share = (2 * self.rate * (time - self.origin) - self.halves) / 2
         bits, equal, apart = 128, None, fmpq(1, 2 * int(share.q))
@@ -124,6 +126,11 @@ class AngleClock:
                 if gap > 0 or gap < 0:
                     return 1 if gap > 0 else -1
                 near = abs(gap) < arb(apart) * arb.pi()
+            if root.polynomial is None:
+                if bits >= MOST_BITS:
+                    return 0
+                bits *= 2
+                continue
             if equal is None:
                 if self.unit == "radians":
                     equal = time == self.reference_time() and root.sign_of(fmpz_poly([0, 1])) == 0

@@ -70,8 +70,13 @@ class PolynomialPiece:
         """An enclosure of the time at u (a ball or fmpq), at the present precision."""
         return self.clock.time(u)
 
-    def exact_time(self, root: Any) -> ExactTime:
-        """The time of a root in u: Fraction, AlgebraicNumber, or ExactAngle where it is neither."""
+    def exact_time(self, root: Any) -> ExactTime | None:
+        """The time of a root in u: Fraction, AlgebraicNumber, or ExactAngle where it is neither.
+
+        None for roots that are known by enclosures only.
+        """
+        if root.polynomial is None:
+            return None
         if isinstance(self.clock, AngleClock):
             for time in (self.start, self.end):
                 if time is not None and self.clock.compare(root, time) == 0:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import html
 import json
-import math
 import tempfile
 import webbrowser
 from collections.abc import Iterable
@@ -16,10 +15,9 @@ from typing import Any
 
 import numpy as np
 
-from firstcontact.body.polyhedron import Polyhedron
 from firstcontact.result import ContactIntervals, Element, FirstContact, Status
-from firstcontact.view.geometry import element_vertices, face_outline, sharp_edges
-from firstcontact.view.pair import Pair, at_rest, is_moving, pairs_of, pose
+from firstcontact.view.drawing import Drawing, contact_curve, drawings
+from firstcontact.view.pair import Pair, is_moving, pairs_of, pose
 from firstcontact.view.poses import sample_poses
 
 # Most contact intervals written out as text; the timeline shows them all.
@@ -74,39 +72,36 @@ class _Meshes:
 
     def __init__(self) -> None:
         self.written: list[dict[str, Any]] = []
+        self.known: dict[int, Drawing] = {}  # of bodies by their ids, which it keeps alive
         self._index: dict[int, int] = {}
-        self._bodies: list[Polyhedron] = []  # keeps the ids above alive
+        self._drawings: list[Drawing] = []  # keeps the ids above alive
 
-    def index(self, body: Polyhedron) -> int:
-        if id(body) not in self._index:
-            self._index[id(body)] = len(self.written)
-            self._bodies.append(body)
-            self.written.append(_mesh(body))
-        return self._index[id(body)]
+    def index(self, drawing: Drawing) -> int:
+        if id(drawing) not in self._index:
+            self._index[id(drawing)] = len(self.written)
+            self._drawings.append(drawing)
+            self.written.append(_mesh(drawing))
+        return self._index[id(drawing)]
 
 
-def _mesh(body: Polyhedron) -> dict[str, Any]:
+def _mesh(drawing: Drawing) -> dict[str, Any]:
     """Vertices about the body's centre in units of its size: float32 keeps what is small beside it."""
-    centre, size = _frame(body)
-    wide = len(body.vertices) > 65535  # index 65535 means "restart" to WebGL
+    centre, size = drawing.frame
+    wide = len(drawing.vertices) > 65535  # index 65535 means "restart" to WebGL
     index_type = np.uint32 if wide else np.uint16
-    return {
-        "vertices": _base64((body.vertices - centre) / size, np.float32),
-        "triangles": _base64(body.triangles, index_type),
-        "lines": _base64(sharp_edges(body), index_type),
+    mesh = {
+        "vertices": _base64((drawing.vertices - centre) / size, np.float32),
+        "triangles": _base64(drawing.triangles, index_type),
+        "lines": _base64(drawing.lines, index_type),
         "wide": wide,
     }
+    if drawing.normals is not None:
+        mesh["normals"] = _base64(drawing.normals, np.float32)
+    return mesh
 
 
 def _base64(array: np.ndarray, dtype: Any) -> str:
     return base64.b64encode(array.astype(np.dtype(dtype).newbyteorder("<")).tobytes()).decode("ascii")
-
-
-def _frame(body: Polyhedron) -> tuple[np.ndarray, float]:
-    """Centre (3,) of the body's box, and the power of two just above the body's radius about it."""
-    centre = 0.5 * (body.vertices.min(axis=0) + body.vertices.max(axis=0))
-    radius = float(np.linalg.norm(body.vertices - centre, axis=1).max())
-    return centre, 2.0 ** math.frexp(radius)[1] if radius > 0 else 1.0
 
 
 @dataclass(frozen=True)
@@ -117,8 +112,8 @@ class _View:
     unit: float
 
     @classmethod
-    def of(cls, pair: Pair) -> _View:
-        (centre, size_b), (_, size_a) = _frame(at_rest(pair.b)), _frame(at_rest(pair.a))
+    def of(cls, pair: Pair, drawn: tuple[Drawing, Drawing]) -> _View:
+        (_, size_a), (centre, size_b) = (drawing.frame for drawing in drawn)
         if pair.first is not None and pair.first.point is not None:
             origin = np.asarray(pair.first.point, float)
         else:
@@ -136,11 +131,12 @@ class _View:
 def _pair(pair: Pair, meshes: _Meshes) -> dict[str, Any]:
     """Everything the page needs about one pair."""
     first = pair.first
-    view = _View.of(pair)
+    drawn = drawings(pair, meshes.known)
+    view = _View.of(pair, drawn)
     point = None if first is None or first.point is None else np.zeros(3)  # it is the origin
     bodies = [
-        _body(pair, body, elements, view, meshes)
-        for body, elements in zip((pair.a, pair.b), pair.elements, strict=True)
+        _body(pair, body, drawing, elements, view, meshes)
+        for body, drawing, elements in zip((pair.a, pair.b), drawn, pair.elements, strict=True)
     ]
     return {
         "title": " and ".join(pair.names),
@@ -153,25 +149,27 @@ def _pair(pair: Pair, meshes: _Meshes) -> dict[str, Any]:
         "contact": pair.contact_time,
         "point": None if point is None else point.tolist(),
         "normal": None if first is None or first.normal is None else [float(x) for x in first.normal],
+        "shared": ((contact_curve(pair) - view.origin) / view.unit).ravel().tolist(),
         "timeline": pair.timeline,
         "bodies": bodies,
     }
 
 
-def _body(pair: Pair, body: Any, elements: list[Element], view: _View, meshes: _Meshes) -> dict[str, Any]:
-    rest = at_rest(body)
-    centre, size = _frame(rest)
+def _body(
+    pair: Pair, body: Any, drawing: Drawing, elements: list[Element], view: _View, meshes: _Meshes
+) -> dict[str, Any]:
+    centre, size = drawing.frame
     lo, hi = pair.window
     times = sorted({lo, hi, *(t for t in pair.moments if lo <= t <= hi)}) if is_moving(body) else [lo]
     samples, poses = sample_poses(lambda t: view.pose(body, centre, t), times, size / view.unit)
     return {
-        "mesh": meshes.index(rest),
+        "mesh": meshes.index(drawing),
         "moving": is_moving(body),
         "size": size / view.unit,
         "times": _base64(samples, np.float64),
         "poses": _base64(poses[:, :3, :], np.float64),
         "carried": _carried_point(pair, body, centre, view).tolist(),
-        "elements": [_element(rest, element, centre, size) for element in elements],
+        "elements": [_element(drawing, element, pair.names) for element in elements],
     }
 
 
@@ -183,14 +181,16 @@ def _carried_point(pair: Pair, body: Any, centre: np.ndarray, view: _View) -> np
     return -m[:3, :3].T @ m[:3, 3]
 
 
-def _element(body: Polyhedron, element: Element, centre: np.ndarray, size: float) -> dict[str, Any]:
+def _element(drawing: Drawing, element: Element, names: tuple[str, str]) -> dict[str, Any]:
     """Corners and, for a face, border of an element in the coordinates of its mesh."""
-    outline = face_outline(body, element.index) - centre if element.kind == "face" else np.empty((0, 3))
+    centre, size = drawing.frame
+    outline = drawing.outline(element.index) - centre if element.kind == "face" else np.empty((0, 3))
     return {
         "kind": element.kind,
         "index": element.index,
         "name": str(element),
-        "vertices": ((element_vertices(body, element) - centre) / size).ravel().tolist(),
+        "label": "" if element.label in names else element.label,
+        "vertices": ((drawing.corners(element) - centre) / size).ravel().tolist(),
         "outline": (outline / size).ravel().tolist(),
     }
 
@@ -227,6 +227,8 @@ def _rows_of_first(first: FirstContact) -> list[tuple[str, str]]:
         rows.append(("point", _vector(first.point)))
     if first.normal is not None:
         rows.append(("normal", _vector(first.normal)))
+    if first.contact_set not in (None, "point"):
+        rows.append(("they share", f"a {first.contact_set}"))
     if first.multiplicity > 1:
         rows.append(("also", f"{first.multiplicity - 1} more element pairs"))
     return rows

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from firstcontact.body.polyhedron import Polyhedron
 from firstcontact.errors import InputError
 from firstcontact.result import ContactIntervals, Element, FirstContact, Status
 
@@ -133,7 +132,7 @@ def pairs_of(results: Iterable[FirstContact | ContactIntervals]) -> list[Pair]:
     return pairs
 
 
-def at_rest(body: Any) -> Polyhedron:
+def at_rest(body: Any) -> Any:
     """The body itself, without its motion."""
     return getattr(body, "body", body)
 

@@ -12,11 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from firstcontact.body.polyhedron import Polyhedron
 from firstcontact.errors import InputError
 from firstcontact.result import ContactIntervals, Element, FirstContact
-from firstcontact.view.geometry import element_vertices, face_outline, sharp_edges
-from firstcontact.view.pair import Pair, at_rest, is_moving, pairs_of, pose
+from firstcontact.view.drawing import Drawing, contact_curve, drawings
+from firstcontact.view.pair import Pair, is_moving, pairs_of, pose
 
 BODY_COLOURS = "#6f9cc2", "#e3b87c"
 LINE_COLOURS = "#1f3e5a", "#7c5217"
@@ -74,30 +73,36 @@ def _pyvista() -> Any:
 
 def _draw(plotter: Any, pair: Pair) -> None:
     t = pair.window[0] if pair.contact_time is None else pair.contact_time
+    drawn = drawings(pair)
     posed = []
-    for which, body in enumerate((pair.a, pair.b)):
-        rest = at_rest(body)
-        vertices = _posed(rest.vertices, pose(body, t))
-        posed.append(_surface(rest, vertices))
-        _draw_body(plotter, rest, vertices, which)
+    for which, (body, drawing) in enumerate(zip((pair.a, pair.b), drawn, strict=True)):
+        posed.append(_surface(drawing, pose(body, t)))
+        _draw_body(plotter, drawing, posed[-1], which)
         if is_moving(body):
-            _draw_motion(plotter, pair, body, which, t)
+            _draw_motion(plotter, pair, body, drawing, which, t)
         for k, element in enumerate(pair.elements[which]):
-            _draw_element(plotter, rest, element, pose(body, t), strong=k == 0)
+            _draw_element(plotter, drawing, element, pose(body, t), strong=k == 0)
     point, normal = (None, None) if pair.first is None else (pair.first.point, pair.first.normal)
-    radius = _aim(plotter, pair, posed, point, normal)
+    radius = _aim(plotter, pair, drawn, posed, point, normal)
     if point is not None:
-        _draw_contact(plotter, np.asarray(point, float), normal, 0.17 * radius)
+        _draw_contact(plotter, np.asarray(point, float), normal, contact_curve(pair), 0.17 * radius)
 
 
 def _posed(points: np.ndarray, m: np.ndarray) -> np.ndarray:
     return points @ m[:3, :3].T + m[:3, 3]
 
 
-def _surface(body: Polyhedron, vertices: np.ndarray) -> Any:
-    if not len(body.triangles):
+def _surface(drawing: Drawing, m: np.ndarray) -> Any:
+    """The body in pose m (4, 4); smooth where the drawing has normals."""
+    vertices = _posed(drawing.vertices, m)
+    if not len(drawing.triangles):
         return _pyvista().PolyData(vertices)
-    return _pyvista().PolyData.from_regular_faces(vertices, body.triangles)
+    surface = _pyvista().PolyData.from_regular_faces(vertices, drawing.triangles)
+    if drawing.normals is not None:
+        normals = drawing.normals @ np.linalg.inv(m[:3, :3])
+        length = np.linalg.norm(normals, axis=1, keepdims=True)
+        surface.point_data.active_normals = normals / np.where(length > 0, length, 1.0)
+    return surface
 
 
 def _segments(points: np.ndarray, ends: np.ndarray) -> Any:
@@ -106,48 +111,48 @@ def _segments(points: np.ndarray, ends: np.ndarray) -> Any:
     return _pyvista().PolyData(points, lines=lines)
 
 
-def _draw_body(plotter: Any, body: Polyhedron, vertices: np.ndarray, which: int) -> None:
-    plotter.add_mesh(
-        _surface(body, vertices),
+def _draw_body(plotter: Any, drawing: Drawing, surface: Any, which: int) -> None:
+    actor = plotter.add_mesh(
+        surface,
         color=BODY_COLOURS[which],
         ambient=0.3,
         diffuse=0.75,
         point_size=8 * SAMPLES,
-        render_points_as_spheres=not len(body.triangles),
+        render_points_as_spheres=not len(drawing.triangles),
     )
-    ends = sharp_edges(body)
-    if len(ends):
-        lines = _segments(vertices, ends)
+    if drawing.normals is not None:
+        actor.prop.interpolation = "Phong"
+    if len(drawing.lines):
+        lines = _segments(surface.points, drawing.lines)
         plotter.add_mesh(lines, color=LINE_COLOURS[which], opacity=0.6, line_width=1.5 * SAMPLES)
 
 
-def _draw_motion(plotter: Any, pair: Pair, body: Any, which: int, t: float) -> None:
+def _draw_motion(plotter: Any, pair: Pair, body: Any, drawing: Drawing, which: int, t: float) -> None:
     """The start pose, faint, and the path of the touching point (of the centre when there is none)."""
-    rest = at_rest(body)
     lo, hi = pair.window
     if t > lo:
-        ghost = _surface(rest, _posed(rest.vertices, pose(body, lo)))
+        ghost = _surface(drawing, pose(body, lo))
         plotter.add_mesh(ghost, color=BODY_COLOURS[which], opacity=0.15, lighting=False)
     if pair.first is not None and pair.first.point is not None:
         m = pose(body, t)
         carried = m[:3, :3].T @ (np.asarray(pair.first.point, float) - m[:3, 3])
     else:
-        carried = 0.5 * (rest.vertices.min(axis=0) + rest.vertices.max(axis=0))
+        carried, _ = drawing.frame
     times = np.linspace(lo, hi, PATH_POINTS + 1)
     path = np.array([_posed(carried, pose(body, float(s))) for s in times])
     ends = np.column_stack([np.arange(PATH_POINTS), np.arange(1, PATH_POINTS + 1)])
     plotter.add_mesh(_segments(path, ends), color=LINE_COLOURS[which], line_width=2.5 * SAMPLES, opacity=0.7)
 
 
-def _draw_element(plotter: Any, body: Polyhedron, element: Element, m: np.ndarray, strong: bool) -> None:
+def _draw_element(plotter: Any, drawing: Drawing, element: Element, m: np.ndarray, strong: bool) -> None:
     """A touched element; of faces beside the reported one only the outline."""
-    corners = _posed(element_vertices(body, element), m)
+    corners = _posed(drawing.corners(element), m)
     if element.kind == "face":
-        if strong:
+        if strong and len(corners):
             triangles = np.arange(len(corners)).reshape(-1, 3)
             fill = _pyvista().PolyData.from_regular_faces(corners, triangles)
             _in_front(plotter.add_mesh(fill, color=ACCENT, opacity=0.6, lighting=False), -2)
-        corners = _posed(face_outline(body, element.index), m)
+        corners = _posed(drawing.outline(element.index), m)
     if len(corners) > 1:
         ends = np.arange(len(corners)).reshape(-1, 2)
         lines = _segments(corners, ends)
@@ -158,13 +163,15 @@ def _in_front(actor: Any, units: float) -> None:
     """Draw an actor as if it were a little nearer, so that it wins over the surface it lies in."""
     mapper = actor.mapper
     mapper.SetResolveCoincidentTopologyToPolygonOffset()
-    mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(0, units)
+    mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(-1, units)
     mapper.SetRelativeCoincidentTopologyLineOffsetParameters(0, units)
     mapper.SetRelativeCoincidentTopologyPointOffsetParameter(units)
 
 
-def _draw_contact(plotter: Any, point: np.ndarray, normal: np.ndarray | None, length: float) -> None:
-    """The contact point and its normal on layers of their own, which nothing hides."""
+def _draw_contact(
+    plotter: Any, point: np.ndarray, normal: np.ndarray | None, curve: np.ndarray, length: float
+) -> None:
+    """The contact point, its normal and the shared curve (n, 3) on layers of their own, which nothing hides."""
     from vtkmodules.vtkRenderingCore import vtkRenderer
 
     top, halo = [(_pyvista().Sphere(radius=0.06 * length, center=point), ACCENT)], []
@@ -172,6 +179,10 @@ def _draw_contact(plotter: Any, point: np.ndarray, normal: np.ndarray | None, le
     if normal is not None:
         shape = {"tip_length": 0.24, "tip_radius": 0.075, "shaft_radius": 0.02}
         top.append((_pyvista().Arrow(start=point, direction=normal, scale=length, **shape), ACCENT))
+    if len(curve):
+        line = _pyvista().MultipleLines(curve)
+        top.append((line.tube(radius=0.03 * length), ACCENT))
+        halo.append((line.tube(radius=0.045 * length), "white"))
     plotter.render_window.SetNumberOfLayers(3)
     for layer, meshes in ((1, halo), (2, top)):
         overlay = vtkRenderer()
@@ -184,12 +195,13 @@ def _draw_contact(plotter: Any, point: np.ndarray, normal: np.ndarray | None, le
         plotter.render_window.AddRenderer(overlay)
 
 
-def _aim(plotter: Any, pair: Pair, posed: list[Any], point: Any, normal: Any) -> float:
+def _aim(
+    plotter: Any, pair: Pair, drawn: tuple[Drawing, Drawing], posed: list[Any], point: Any, normal: Any
+) -> float:
     """Look at both bodies, from where the contact point is in sight; the radius of what is looked at."""
     corners = [mesh.bounds for mesh in posed]
-    for body in (pair.a, pair.b):
-        rest = at_rest(body)
-        corners.append(_surface(rest, _posed(rest.vertices, pose(body, pair.window[0]))).bounds)
+    for body, drawing in zip((pair.a, pair.b), drawn, strict=True):
+        corners.append(_surface(drawing, pose(body, pair.window[0])).bounds)
     boxes = np.array([[[b[0], b[2], b[4]], [b[1], b[3], b[5]]] for b in corners])
     everything, touching = (
         (part[:, 0].min(axis=0), part[:, 1].max(axis=0)) for part in (boxes, boxes[:2])
@@ -197,9 +209,7 @@ def _aim(plotter: Any, pair: Pair, posed: list[Any], point: Any, normal: Any) ->
     if pair.contact_time is not None and _diagonal(*everything) > 3 * _diagonal(*touching):
         everything = touching
     centre, radius = sum(everything) / 2, _diagonal(*everything) / 2 or 1.0
-    surfaces = [
-        mesh for mesh, body in zip(posed, (pair.a, pair.b), strict=True) if len(at_rest(body).triangles)
-    ]
+    surfaces = [mesh for mesh, drawing in zip(posed, drawn, strict=True) if len(drawing.triangles)]
     direction = _view_direction(surfaces, point, normal, radius)
     distance = radius / np.sin(np.radians(VIEW_ANGLE / 2)) * 0.92
     plotter.camera.focal_point = centre

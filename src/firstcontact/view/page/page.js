@@ -108,6 +108,7 @@
         return g;
       };
       mesh.surface = indexed(mesh.triangles);
+      if (mesh.normals) mesh.surface.setAttribute("normal", new THREE.BufferAttribute(decode(mesh.normals, Float32Array), 3));
       mesh.outline = indexed(mesh.lines);
     }
     return mesh;
@@ -121,13 +122,13 @@
 
   // Everything of one body: surface, sharp edges, and corners when it has no faces.
   function bodyObject(body, which, name) {
-    const { surface, outline } = geometryOf(body.mesh);
+    const { surface, outline, normals } = geometryOf(body.mesh);
     const group = new THREE.Group();
     const hasFaces = surface.index.count > 0;
     const hasLines = outline.index.count > 0;
     if (hasFaces) {
       group.add(named(new THREE.Mesh(surface, new THREE.MeshLambertMaterial({
-        color: COLOURS[which], flatShading: true, side: THREE.DoubleSide,
+        color: COLOURS[which], flatShading: !normals, side: THREE.DoubleSide,
         // behind the edges; and where faces of both bodies coincide, a is drawn rather than a patchwork
         polygonOffset: true, polygonOffsetFactor: 1 + which, polygonOffsetUnits: 1 + 2 * which,
       })), `${name} surface`));
@@ -167,14 +168,14 @@
       group.add(named(make({ transparent: true, opacity: strength, depthWrite: false }), "", 4));
       group.add(named(make({ transparent: true, opacity: 0.3 * strength, depthTest: false, depthWrite: false }), "", 5));
     };
-    if (element.kind === "vertex") group.add(dot(element.vertices, 4.5, ACCENT, 6));
+    if (element.kind === "vertex" || element.kind === "apex") group.add(dot(element.vertices, 4.5, ACCENT, 6));
     if (element.kind === "edge") both((o) => fatLines(element.vertices, ACCENT, strong ? 4 : 2.5, o));
     if (element.kind === "face") {
       const surface = new THREE.BufferGeometry();
       surface.setAttribute("position", new THREE.BufferAttribute(new Float32Array(element.vertices), 3));
       const fill = { color: ACCENT, side: THREE.DoubleSide, polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -1 };
-      if (strong) both((o) => new THREE.Mesh(surface, new THREE.MeshBasicMaterial({ ...fill, ...o, opacity: 0.6 * o.opacity })));
-      both((o) => fatLines(element.outline, ACCENT, strong ? 2.5 : 1.5, o));
+      if (strong && element.vertices.length) both((o) => new THREE.Mesh(surface, new THREE.MeshBasicMaterial({ ...fill, ...o, opacity: 0.6 * o.opacity })));
+      if (element.outline.length) both((o) => fatLines(element.outline, ACCENT, strong ? 2.5 : 1.5, o));
     }
     return group;
   }
@@ -215,6 +216,19 @@
     marker.add(piece(new THREE.SphereGeometry(8, 24, 16), "#ffffff", 22, "halo"));
     marker.add(piece(new THREE.SphereGeometry(5.8, 24, 16), ACCENT, 23, "dot"));
     return marker;
+  }
+
+  // The curve that the bodies share, over everything else: a thick line on a white one.
+  function sharedObject(points) {
+    const group = named(new THREE.Group(), "contact set");
+    const line = (colour, width, order) => {
+      const geometry = new THREE.LineGeometry();
+      geometry.setPositions(points);
+      const material = { color: colour, linewidth: width, transparent: true, depthTest: false, depthWrite: false };
+      return named(new THREE.Line2(geometry, new THREE.LineMaterial(material)), "contact line", order);
+    };
+    group.add(line("#ffffff", 8, 18), line(ACCENT, 5, 19));
+    return group;
   }
 
   function pathObject(body, which, name, lo, hi) {
@@ -261,6 +275,7 @@
   let controls = null;
   let pair = null; // the chosen entry of DATA.pairs
   let marker = null;
+  let shared = null; // the drawn contact set, where it is more than a point
   let lastFrame = null;
   let wanted = false; // a frame is asked for
 
@@ -330,6 +345,8 @@
     });
     marker = pair.point ? markerObject(pair.point, pair.normal) : null;
     if (marker) content.add(marker);
+    shared = pair.shared.length > 3 ? sharedObject(pair.shared) : null;
+    if (shared) content.add(shared);
     state.playing = false;
     showFacts();
     resize();
@@ -453,6 +470,7 @@
       }
     }
     if (marker) fade(marker, atContact() ? 1 : 0.4);
+    if (shared) fade(shared, atContact() ? 1 : 0.4);
     showTime();
     requestFrame();
   }
@@ -549,7 +567,8 @@
       const item = element("li", "");
       const body = pair.bodies[which];
       item.style.setProperty("--colour", COLOURS[which]);
-      const touched = body.elements.length ? `${body.elements[0].kind} ${body.elements[0].index}` : "";
+      const [first] = body.elements;
+      const touched = first ? first.label || `${first.kind} ${first.index}` : "";
       item.append(element("span", name), element("span", touched || (body.moving ? "moves" : "rests")));
       return item;
     }));
@@ -681,7 +700,9 @@
 
   function objects() {
     const list = [];
-    content.traverse((o) => { if (o.name) list.push({ name: o.name, type: o.type, visible: o.visible }); });
+    content.traverse((o) => {
+      if (o.name) list.push({ name: o.name, type: o.type, visible: o.visible, smooth: o.material?.flatShading === false });
+    });
     return list;
   }
 
@@ -693,6 +714,9 @@
     get atContact() { return atContact(); },
     get contactVisible() { return marker !== null && marker.visible; },
     get contactPixel() { return marker && project(pair.point); },
+    get contactCurve() {
+      return Array.from({ length: pair.shared.length / 3 }, (_, k) => project(pair.shared.slice(3 * k, 3 * k + 3)));
+    },
     get status() { return pair.status; },
     get pair() { return state.pair; },
     get pairCount() { return DATA.pairs.length; },

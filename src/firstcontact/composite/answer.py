@@ -1,0 +1,278 @@
+"""From meetings of features to the result users read: elements, points, normals, contact sets, times."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+from flint import arb, ctx
+
+from firstcontact.body.features import Edge, Face, Vertex
+from firstcontact.composite.algorithm import Candidate, Meeting, Root, Search
+from firstcontact.composite.contact_sets import cartesian
+from firstcontact.composite.membership import Vector, form_at, in_both, is_plane
+from firstcontact.composite.moving_pair import Pair
+from firstcontact.composite.polyhedra import face_at
+from firstcontact.exact.instants import enclose
+from firstcontact.exact.numbers import precision
+from firstcontact.exact.polynomial_matrix import Matrix
+from firstcontact.exact.roots import AlgebraicRoot
+from firstcontact.exact.square_systems import OpenRoot
+from firstcontact.report import MOST_OTHERS
+from firstcontact.result import CandidateTime, ContactSet, Element, ElementPair, FirstContact, Status, Subproblem
+
+_ORDER = {"vertex": 0, "apex": 0, "edge": 1, "face": 2}
+BITS = 128
+
+
+def contact_of(search: Search, meetings: Sequence[Meeting], exact: bool, shared: dict[str, Any]) -> FirstContact:
+    """The CONTACT result, the lowest (kind, index) of the simultaneous pairs first."""
+    pair, root = search.pair, meetings[0].candidate.root
+    named = ranked(pair, meetings)
+    (lowest, meeting), *rest = named
+    normals = (normal(m, m.shared.points[0]) for _, m in named[:MOST_OTHERS])
+    time, interval = world_time(pair, root)
+    if (open_from := search.open_from()) is not None:  # narrower than any tolerance, but not decided
+        interval = world_time(pair, AlgebraicRoot.of(open_from))[1][0], interval[1]
+    where = cartesian(meeting.shared.at)
+    return FirstContact(
+        Status.CONTACT, time, interval,
+        pair.piece.exact_time(root) if exact else None,
+        to_world(pair, root, where[None], shared["b"], time)[0],
+        _turned(pair, root, next((n for n in normals if n is not None), None), shared["b"], time),
+        lowest.element_a, lowest.element_b,
+        tuple(p for p, _ in rest[:MOST_OTHERS]), len(named),
+        contact_set(pair, root, meetings, shared["b"], time),
+        free_until=interval[0],
+        **shared,
+    )  # fmt: skip
+
+
+def ranked(pair: Pair, meetings: Sequence[Meeting]) -> list[tuple[ElementPair, Meeting]]:
+    """Each pair of elements once, lowest first."""
+    seen: dict[ElementPair, Meeting] = {}
+    for meeting in meetings:
+        task, where = meeting.candidate.subproblem, meeting.shared.points[0]
+        in_a = _pose(pair.piece.pose, meeting.candidate.root)
+        seen.setdefault(
+            ElementPair(
+                element(pair, task.a, "a", np.linalg.solve(in_a[:3, :3], where - in_a[:3, 3])),
+                element(pair, task.b, "b", where),
+            ),
+            meeting,
+        )
+
+    def rank(item: tuple[ElementPair, Meeting]) -> tuple[int, int, int, int]:
+        x, y = item[0].element_a, item[0].element_b
+        return _ORDER[x.kind], x.index, _ORDER[y.kind], y.index
+
+    return sorted(seen.items(), key=rank)
+
+
+def element(pair: Pair, feature: Face | Edge | Vertex, which: str, where: np.ndarray | None = None) -> Element:
+    """The feature as users see it; of coplanar faces of a polyhedron the one that holds `where`, in its own frame."""
+    body = pair.a if which == "a" else pair.b
+    if body.source is not None:
+        index = feature.index
+        if isinstance(feature, Face) and where is not None:
+            index = face_at(body.source, index, where)
+        name = body.name or which
+        return Element(type(feature).__name__.lower(), name, index, name)
+    kind = "face" if isinstance(feature, Face) else "edge" if isinstance(feature, Edge) else "vertex"
+    if kind == "vertex" and feature.name.endswith("apex"):
+        kind = "apex"
+    return Element(kind, body.name or which, feature.index, feature.name)
+
+
+# -- times and frames -----------------------------------------------------------------------------------------
+
+
+def world_time(pair: Pair, root: Root) -> tuple[float, tuple[float, float]]:
+    """(nearest double, enclosure) of a root's time."""
+    value = root.rational
+
+    def number() -> Any:
+        u = root.enclosure(ctx.prec) if value is None else arb(value)
+        return pair.piece.time_of(u)
+
+    if value is not None and type(pair.piece.clock).__name__ == "StraightClock":
+        return enclose(lambda: value)
+    return enclose(number)
+
+
+def to_world(pair: Pair, root: Root, points: np.ndarray, b: Any, time: float) -> np.ndarray:
+    """(n, 3) points of the frame of b in the world at the root."""
+    pose = _pose_of_b(pair, root, b, time)
+    return points @ pose[:3, :3].T + pose[:3, 3]
+
+
+def _turned(pair: Pair, root: Root, n: np.ndarray | None, b: Any, time: float) -> np.ndarray | None:
+    """A normal of the frame of b in the world: by the inverse transpose."""
+    if n is None:
+        return None
+    turned = n @ np.linalg.inv(_pose_of_b(pair, root, b, time)[:3, :3])
+    return turned / np.linalg.norm(turned)
+
+
+def _pose_of_b(pair: Pair, root: Root, b: Any, time: float) -> np.ndarray:
+    frame = pair.piece.frame
+    if frame is None:  # bodies that turn about one line at different speeds
+        return b.motion(time)
+    return _pose(frame, root)
+
+
+def _pose(matrix: Matrix, root: Root) -> np.ndarray:
+    """(4, 4) doubles of a polynomial pose at the root."""
+    u = root.enclosure(BITS)
+    with precision(BITS):
+        rows = [[x(u) for x in row] for row in matrix]
+        return np.array([[float((x / rows[3][3]).mid()) for x in row] for row in rows])
+
+
+# -- normals --------------------------------------------------------------------------------------------------
+
+
+def normal(meeting: Meeting, where: np.ndarray) -> np.ndarray | None:
+    """Unit normal from b towards a in the frame of b, in doubles; None where no plane separates the features.
+
+    A face decides by its gradient; two edges by their tangents, on the side of the faces beside them.
+    """
+    task, root = meeting.candidate.subproblem, meeting.candidate.root
+    outward_a = _outward(task.pair, task.a, True, root, where)
+    outward_b = _outward(task.pair, task.b, False, root, where)
+    if isinstance(task.b, Face):
+        return _unit(outward_b[0])
+    if isinstance(task.a, Face):
+        return _unit(-outward_a[0])
+    if not (isinstance(task.a, Edge) and isinstance(task.b, Edge)):
+        return None
+    n = _unit(np.cross(np.cross(outward_a[0], outward_a[1]), np.cross(outward_b[0], outward_b[1])))
+    if n is None:
+        return None
+    way = float(n @ (outward_b[0] + outward_b[1] - outward_a[0] - outward_a[1]))
+    return None if abs(way) < 1e-9 else n * np.sign(way)
+
+
+def _outward(
+    pair: Pair, feature: Face | Edge | Vertex, moving: bool, root: Root, where: np.ndarray
+) -> list[np.ndarray]:
+    """Outward unit normals of the faces that hold the feature, at a point of it."""
+    body, forms = (pair.a, pair.forms_a) if moving else (pair.b, pair.forms_b)
+    faces = [feature] if isinstance(feature, Face) else [body.faces[k] for k in getattr(feature, "faces", ())]
+    u, x = root.enclosure(BITS), np.append(where, 1.0)
+    found = []
+    for face in faces:
+        form = forms[face.surfaces[0]]
+        with precision(BITS):
+            at = form_at(form, u)
+            if is_plane(form):
+                gradient = np.array([float(c.mid()) for c in at[:3]])
+            else:
+                gradient = np.array([float(sum((r * arb(c) for r, c in zip(row, x, strict=True)), arb(0)).mid())
+                                     for row in at[:3]])  # fmt: skip
+        unit = _unit(gradient * face.orientation)
+        found.append(np.zeros(3) if unit is None else unit)
+    return found
+
+
+def _unit(v: np.ndarray) -> np.ndarray | None:
+    largest = np.abs(v).max()
+    if not largest > 0:
+        return None
+    v = v / largest
+    return v / np.linalg.norm(v)
+
+
+# -- contact sets ---------------------------------------------------------------------------------------------
+
+
+def contact_set(
+    pair: Pair, root: Root, meetings: Sequence[Meeting], b: Any, time: float
+) -> ContactSet:
+    """The largest connected set the models share: arcs and segments of meetings, or what their points span.
+
+    Points of flat contacts are corners of a common segment or patch; points between them, placed exactly, tell.
+    """
+    kind, points = _largest_set(pair, root, meetings)
+    return ContactSet(kind, to_world(pair, root, points, b, time))
+
+
+def _largest_set(pair: Pair, root: Root, meetings: Sequence[Meeting]) -> tuple[str, np.ndarray]:
+    for meeting in meetings:
+        if meeting.shared.kind == "conic arc":
+            return "conic arc", meeting.shared.points
+    points: list[tuple[Vector, np.ndarray]] = []
+    for meeting in meetings:
+        if meeting.shared.kind == "segment":
+            return "segment", meeting.shared.points
+        where = meeting.shared.points[0]
+        size = 1.0 + np.abs(where).max()
+        if all(np.abs(where - other).max() > 1e-9 * size for _, other in points):
+            points.append((meeting.shared.at, where))
+    for x, y, z in combinations(points[:12], 3):
+        area = np.linalg.norm(np.cross(y[1] - x[1], z[1] - x[1]))
+        far = max(np.linalg.norm(y[1] - x[1]), np.linalg.norm(z[1] - x[1]))
+        if area > 1e-9 * far * far and _holds(pair, root, _middle([x[0], y[0], z[0]])):
+            return "patch", np.array([p for _, p in points])
+    best = max(
+        (
+            (float(np.linalg.norm(y[1] - x[1])), np.array([x[1], y[1]]))
+            for x, y in combinations(points[:40], 2)
+            if _holds(pair, root, _middle([x[0], y[0]]))
+        ),
+        key=lambda item: item[0],
+        default=None,
+    )
+    return ("segment", best[1]) if best is not None else ("point", points[0][1][None])
+
+
+def _holds(pair: Pair, root: Root, x: Vector | None) -> bool:
+    return x is not None and not isinstance(root, OpenRoot) and not in_both(pair, x, root, (), ())
+
+
+def _middle(points: Sequence[Vector]) -> Vector | None:
+    """The centroid of finite homogeneous points; None where they lie in different extensions of the field."""
+    weights = [p[3] for p in points]
+    try:
+        total = None
+        for k, p in enumerate(points):
+            factor = None
+            for j, w in enumerate(weights):
+                if j != k:
+                    factor = w if factor is None else factor * w
+            term = tuple(c * factor for c in p)
+            total = term if total is None else tuple(s + c for s, c in zip(total, term, strict=True))
+    except TypeError:
+        return None
+    return total
+
+
+# -- the list of subproblems ----------------------------------------------------------------------------------
+
+
+def listed(searches: Sequence[Search], b: Any) -> tuple[Subproblem, ...]:
+    """Every pair of features with its candidate times over all pieces, judged."""
+    rows: dict[tuple[Element, Element, str], list[CandidateTime]] = {}
+    reasons: dict[tuple[Element, Element, str], str] = {}
+    for search in searches:
+        by_task: dict[int, list[Candidate]] = {}
+        for candidate in search.candidates:
+            by_task.setdefault(id(candidate.subproblem), []).append(candidate)
+        for task in search.tasks:
+            key = element(search.pair, task.a, "a"), element(search.pair, task.b, "b"), task.case
+            reasons[key] = task.equation.reason if task.equation.candidates is None else ""
+            rows.setdefault(key, []).extend(_judged(search, c, b) for c in by_task.get(id(task), []))
+    return tuple(Subproblem(*key, tuple(found), reasons[key]) for key, found in rows.items())
+
+
+def _judged(search: Search, candidate: Candidate, b: Any) -> CandidateTime:
+    meetings, reason = search.verdict(candidate)
+    time, _ = world_time(search.pair, candidate.root)
+    point = None
+    if meetings:
+        where = cartesian(meetings[0].shared.at)
+        point = to_world(search.pair, candidate.root, where[None], b, time)[0]
+    verdict = "contact" if meetings else "no contact"
+    return CandidateTime(time, candidate.root.multiplicity, point, verdict, reason)

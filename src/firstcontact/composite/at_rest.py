@@ -1,0 +1,115 @@
+"""Two models at one rational instant: do their interiors overlap, and does one hold the other?"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import product
+from typing import Any
+
+import numpy as np
+from flint import fmpq
+
+from firstcontact.body.carriers import Line, Plane, Point, Rows, Vector, cross, dot, times, upright
+from firstcontact.body.composite_quadric import CompositeQuadric
+from firstcontact.body.csg import And, Leaf, Not, Tree
+from firstcontact.composite.moving_pair import Pair
+from firstcontact.errors import InputError
+from firstcontact.exact.numbers import to_double
+
+
+def placed(pair: Pair, u: fmpq) -> CompositeQuadric:
+    """Model a where it stands at u, in the frame of b; exact."""
+    pose = [[x(u) for x in row] for row in pair.piece.pose]
+    weight = pose[3][3]
+    return pair.a.transformed([[x / weight for x in row] for row in pose])
+
+
+def overlap(pair: Pair, u: fmpq) -> bool:
+    """Whether the interiors of the two models share a point at u; exact (the Boolean intersection is not empty)."""
+    (lo, hi), (low, high) = _box_of_a(pair, u), pair.b.bounds()
+    if np.any(lo > high) or np.any(low > hi):
+        return False
+    if _is_polytope(pair.a) and _is_polytope(pair.b):
+        return not _separated(pair, u)
+    return _meet(placed(pair, u), pair.b)
+
+
+def _is_polytope(model: CompositeQuadric) -> bool:
+    """Whether the model is bounded and the intersection of half-spaces, with rational vertices."""
+    return (
+        model.bounded
+        and all(isinstance(surface, Plane) for surface in model.surfaces)
+        and all(isinstance(vertex.carrier, Point) for vertex in model.vertices)
+        and _is_conjunction(model.tree)
+    )
+
+
+def _is_conjunction(tree: Tree) -> bool:
+    if isinstance(tree, And):
+        return _is_conjunction(tree.first) and _is_conjunction(tree.second)
+    return isinstance(tree, Leaf) or (isinstance(tree, Not) and isinstance(tree.inner, Leaf))
+
+
+def _separated(pair: Pair, u: fmpq) -> bool:
+    """Whether a plane along a face of one polytope, or along an edge of each, has their interiors on two sides."""
+    pose = tuple(tuple(x(u) / pair.piece.pose[3][3](u) for x in row) for row in pair.piece.pose)
+    points_a, edges_a = _skeleton(pair.a, pose)
+    points_b, edges_b = _skeleton(pair.b, None)
+    normals = [tuple(c(u) for c in form[:3]) for form in (*pair.forms_a, *pair.forms_b)]
+    normals += [cross(d, e) for d in edges_a for e in edges_b]
+    for n in {upright(n) for n in normals if any(n)}:
+        a, b = [dot(n, p) for p in points_a], [dot(n, p) for p in points_b]
+        if max(a) <= min(b) or max(b) <= min(a):
+            return True
+    return False
+
+
+def _skeleton(model: CompositeQuadric, pose: Rows | None) -> tuple[list[Vector], list[Vector]]:
+    """Vertices (x, y, z) and directions of edges, in the pose if there is one."""
+    bases: list[list[Rows]] = [[], []]
+    kinds: tuple[Sequence[Any], ...] = (model.vertices, model.edges)
+    for k, features in enumerate(kinds):
+        for feature in features:
+            assert isinstance(feature.carrier, Point | Line)
+            bases[k].append(feature.carrier.basis if pose is None else times(pose, feature.carrier.basis))
+    points, edges = bases
+    return (
+        [tuple(row[0] / basis[3][0] for row in basis[:3]) for basis in points],
+        [tuple(row[0] for row in basis[:3]) for basis in edges],
+    )
+
+
+def _box_of_a(pair: Pair, u: fmpq) -> tuple[np.ndarray, np.ndarray]:
+    """Corners of a box around model a at u, in the frame of b: that of the turned corners of its own box."""
+    lo, hi = pair.a.bounds()
+    if not np.all(np.isfinite([lo, hi])):
+        return np.full(3, -np.inf), np.full(3, np.inf)
+    rows = [[x(u) for x in row] for row in pair.piece.pose]
+    pose = np.array([[to_double(x / rows[3][3]) for x in row] for row in rows[:3]])
+    corners = np.array(list(product(*zip(lo, hi, strict=True))))
+    moved = corners @ pose[:, :3].T + pose[:, 3]
+    # entries, products and sums: a handful of roundings relative to the sizes of the terms
+    pad = 1e-14 * (np.abs(corners) @ np.abs(pose[:, :3]).T + np.abs(pose[:, 3])).max(axis=0)
+    return moved.min(axis=0) - pad, moved.max(axis=0) + pad
+
+
+def is_containment(pair: Pair, u: fmpq) -> bool:
+    """Whether one model holds the other at u, for models whose interiors overlap."""
+    a = placed(pair, u)
+    return not _meet_difference(a, pair.b) or not _meet_difference(pair.b, a)
+
+
+def _meet(a: CompositeQuadric, b: CompositeQuadric) -> bool:
+    try:
+        a & b
+    except InputError:
+        return False
+    return True
+
+
+def _meet_difference(a: CompositeQuadric, b: CompositeQuadric) -> bool:
+    try:
+        a - b
+    except InputError:
+        return False
+    return True

@@ -1,0 +1,189 @@
+"""What of a contact set of two whole carriers lies in both models: points, segments of lines, arcs of conics.
+
+Where a set is more than a point its ends and a sample point inside are found in doubles; the sample point is then
+placed exactly and decides.  Ends of segments and arcs lie on edges, so pieces that doubles miss are seen there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from flint import fmpq
+
+from firstcontact.body.csg import possible
+from firstcontact.composite.membership import Vector, form_at, in_both, is_plane
+from firstcontact.composite.moving_pair import Pair
+from firstcontact.exact.number_field import QuadraticElement, ball, sign
+from firstcontact.exact.numbers import precision
+from firstcontact.exact.roots import AlgebraicRoot
+from firstcontact.pairs.carrier_contact import Contact
+
+SAMPLES = 720
+"""Points of a conic looked at in doubles."""
+
+
+@dataclass(frozen=True)
+class Shared:
+    """A connected part of a contact set in both models.
+
+    kind: "point", "segment" or "conic arc"; at: one of its points, exact, homogeneous, in the frame of b;
+    points: (n, 3) float64, the point, the two ends, or points along the arc; closed: a whole ellipse.
+    """
+
+    kind: str
+    at: Vector
+    points: np.ndarray
+    closed: bool = False
+
+
+def shared_part(
+    pair: Pair, contact: Contact, root: Any, on_a: Collection[int], on_b: Collection[int]
+) -> tuple[list[Shared], str]:
+    """The parts of the contact set that both models hold, or the reason why there is none."""
+    if contact.kind == "point":
+        (x,) = contact.span
+        reason = in_both(pair, x, root, on_a, on_b)
+        return ([], reason) if reason else ([Shared("point", x, cartesian(x)[None])], "")
+    trim = _Trim(pair, root, on_a, on_b)
+    parts = _segments(contact, trim) if contact.kind == "line" else _arcs(contact, trim)
+    found = [part for part in parts if not in_both(pair, part.at, root, on_a, on_b)]
+    return found, "" if found else "outside the faces"
+
+
+def cartesian(x: Vector) -> np.ndarray:
+    """(3,) doubles nearest the point, or nearly."""
+    values = [ball(c, 128) for c in x]
+    with precision(128):
+        return np.array([float((c / values[3]).mid()) for c in values[:3]])
+
+
+class _Trim:
+    """The forms of both models in doubles at the root, and where points lie in both."""
+
+    def __init__(self, pair: Pair, root: AlgebraicRoot, on_a: Collection[int], on_b: Collection[int]) -> None:
+        u = root.enclosure(128)
+        self.models = []
+        for body, forms, on in ((pair.a, pair.forms_a, on_a), (pair.b, pair.forms_b, on_b)):
+            with precision(128):
+                matrices = np.array([_matrix(form_at(form, u), is_plane(form)) for form in forms])
+            self.models.append((body.tree, matrices, np.isin(np.arange(len(forms)), list(on))))
+
+    def breaks(self, origin: np.ndarray, direction: np.ndarray) -> Iterator[float]:
+        """Parameters s at which origin + s direction crosses a surface of either model."""
+        for _, matrices, on in self.models:
+            for form in matrices[~on]:
+                coefficients = direction @ form @ direction, 2 * origin @ form @ direction, origin @ form @ origin
+                if not np.any(coefficients[:2]):
+                    continue
+                yield from (s.real for s in np.roots(coefficients) if abs(s.imag) < 1e-9 * (1 + abs(s)))
+
+    def inside(self, points: np.ndarray) -> np.ndarray:
+        """(n,) bools for (n, 4) points: in both closed models, as far as doubles tell."""
+        answer = np.ones(len(points), bool)
+        for tree, matrices, on in self.models:
+            values = np.einsum("ni,sij,nj->sn", points, matrices, points)
+            slack = 1e-10 * np.einsum("ni,sij,nj->sn", abs(points), abs(matrices), abs(points))
+            slack[on] = np.inf
+            answer &= possible(tree, values < slack, values > -slack)[0]
+        return answer
+
+
+def _matrix(form: Any, plane: bool) -> np.ndarray:
+    if not plane:
+        m = np.array([[float(x.mid()) for x in row] for row in form])
+    else:
+        m = np.zeros((4, 4))
+        m[3] = m[:, 3] = [float(x.mid()) / 2 for x in form]
+        m[3, 3] *= 2
+    return m / np.abs(m).max()
+
+
+def _segments(contact: Contact, trim: _Trim) -> Iterator[Shared]:
+    first, second = contact.span
+    if sign(first[3]) == 0:
+        first, second = second, first
+    # X(s) = first + s second, first finite: a scale near 1 for doubles, any for the exact point
+    direction, origin = _floats(second), _floats(first)
+    origin = origin / origin[3]
+    ends = sorted(set(trim.breaks(origin, direction)))
+    for lo, hi in zip(ends, ends[1:], strict=False):
+        middle = 0.5 * (lo + hi)
+        x = origin + middle * direction
+        if hi - lo > 1e-9 * (1 + abs(middle)) and trim.inside(x[None])[0] and abs(x[3]) > 1e-12:
+            at = _at(first, second, middle, origin, direction)
+            points = np.array([(origin + s * direction)[:3] / (origin + s * direction)[3] for s in (lo, hi)])
+            yield Shared("segment", at, points)
+
+
+def _at(first: Vector, second: Vector, s: float, origin: np.ndarray, direction: np.ndarray) -> Vector:
+    """The exact point near origin + s direction: first + r second with rational r."""
+    ratio = _scale(second, direction) / _scale(first, origin)
+    r = fmpq(*float(s / ratio).as_integer_ratio())
+    return tuple(a + b * r for a, b in zip(first, second, strict=True))
+
+
+def _scale(x: Vector, floats: np.ndarray) -> float:
+    """x / floats, for proportional vectors."""
+    k = int(np.argmax(np.abs(floats)))
+    return float(ball(x[k], 64).mid()) / floats[k]
+
+
+def _floats(x: Vector) -> np.ndarray:
+    """x divided by its largest coordinate, in doubles."""
+    values = [ball(c, 64) for c in x]
+    largest = max(values, key=lambda v: abs(v.mid()))
+    with precision(64):
+        return np.array([float((v / abs(largest.mid())).mid()) for v in values])
+
+
+def _arcs(contact: Contact, trim: _Trim) -> Iterator[Shared]:
+    span = np.array([[float(ball(c, 64).mid()) for c in column] for column in contact.span]).T
+    form = np.array([[float(ball(c, 64).mid()) for c in row] for row in contact.form or ()])
+    values, vectors = np.linalg.eigh(form)
+    if values[1] > 0:  # signs (-, +, +): the odd one last
+        values, vectors = values[::-1], vectors[:, ::-1]
+    if not values[2] * values[1] < 0 < values[0] * values[1]:
+        return  # no proper real conic: the lines of a pair are other pairs' contacts
+    axes = vectors / np.sqrt(np.abs(values))
+    angles = np.linspace(0, 2 * np.pi, SAMPLES, endpoint=False)
+    y = np.stack([np.cos(angles), np.sin(angles), np.ones(SAMPLES)])
+    x = (span @ axes @ y).T
+    good = trim.inside(x) & (np.abs(x[:, 3]) > 1e-9 * np.abs(x).max())
+    if not good.any():
+        return
+    runs = [np.arange(SAMPLES)] if good.all() else _runs(good)
+    for run in runs:
+        on_conic = axes @ y[:, run[len(run) // 2]]
+        at = _on_conic(contact, axes[:, 2], on_conic)
+        yield Shared("conic arc", at, x[run, :3] / x[run, 3:], closed=len(run) == SAMPLES)
+
+
+def _runs(good: np.ndarray) -> list[np.ndarray]:
+    """The runs of True around the circle, as indices."""
+    start = int(np.flatnonzero(~good)[0])
+    order = (np.arange(len(good)) + start) % len(good)
+    cuts = np.flatnonzero(np.diff(good[order].astype(int))) + 1
+    return [run for run in np.split(order, cuts) if good[run[0]]]
+
+
+def _on_conic(contact: Contact, inner: np.ndarray, near: np.ndarray) -> Vector:
+    """The exact point of the conic near y = `near`, on the line from the rational point `inner` within it."""
+    c = [fmpq(*float(v).as_integer_ratio()) for v in inner]
+    d = [fmpq(*float(v).as_integer_ratio()) - w for v, w in zip(near, c, strict=True)]
+    form = contact.form
+    assert form is not None
+
+    def bilinear(p: list[fmpq], q: list[fmpq]) -> Any:
+        return sum((form[i][j] * (p[i] * q[j]) for i in range(3) for j in range(3)), form[0][0] * 0)
+
+    a, b, k = bilinear(d, d), bilinear(c, d), bilinear(c, c)
+    root = b * b - a * k
+    inverse = 1 / a
+    way = 1 if sign(a) > 0 else -1  # the larger root, near 1: k and the value at d have different signs
+    t = QuadraticElement(-b * inverse, inverse * way, root)
+    y = [t * w + v for v, w in zip(c, d, strict=True)]
+    x = [sum((y[j] * column[k] for j, column in enumerate(contact.span)), t * 0) for k in range(4)]
+    return tuple(x)

@@ -1,0 +1,233 @@
+"""Subproblems without a single contact equation: edges of degree 4, and vertices where three quadrics meet.
+
+Their candidates are the zeros of direct square systems (re-derived; Choi et al. 2014 leave them out).  Edge {A, B}
+against a surface C: A = B = C = 0 and det(grad A, grad B, grad C) = 0; against the edge {C, D}: A = B = C = D = 0;
+vertex {A, B, C} against a surface D: A = B = C = D = 0.  Unknowns are the point and the motion parameter u.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+from flint import fmpq, fmpq_mat, fmpz_poly
+
+from firstcontact.body.carriers import EnclosedPoint, Plane, QuarticCurve, doubles
+from firstcontact.body.composite_quadric import CompositeQuadric
+from firstcontact.body.features import Edge, Face, Vertex
+from firstcontact.composite.moving_pair import Form, Pair, without_factor
+from firstcontact.composite.system_search import Solid, zeros_within
+from firstcontact.errors import UnsupportedPair
+from firstcontact.exact.polynomial_matrix import Matrix, congruent, constant
+from firstcontact.exact.square_systems import EnclosedNumber, EnclosedRoot, OpenRoot, SquareSystem, Zero
+from firstcontact.pairs.carrier_contact import Contacts, Equation, Vector, finite
+
+Feature = Face | Edge | Vertex
+BoxQ = tuple[tuple[fmpq, ...], tuple[fmpq, ...]]
+
+EDGE_SURFACE = "A = B = C = det(grad A, grad B, grad C) = 0"
+CROSSING = "A = B = C = D = 0"
+
+
+@dataclass(frozen=True)
+class View:
+    """One model of a pair at rest, the other as seen from it."""
+
+    pair: Pair
+    moving: bool
+    """Whether the model at rest is the one that moves in the pair."""
+
+    @property
+    def own(self) -> CompositeQuadric:
+        return self.pair.a if self.moving else self.pair.b
+
+    @property
+    def other(self) -> CompositeQuadric:
+        return self.pair.b if self.moving else self.pair.a
+
+    @cached_property
+    def own_forms(self) -> list[Matrix]:
+        return [constant(surface.matrix()) for surface in self.own.surfaces]
+
+    @cached_property
+    def other_forms(self) -> list[Matrix]:
+        if not self.moving:
+            return [_matrix(form) for form in self.pair.forms_a]
+        pose, lo = self.pair.piece.pose, self.pair.piece.u_lo
+        return [without_factor(congruent(pose, _matrix(form)), lo) for form in self.pair.forms_b]
+
+    def solids(self, own: frozenset[int], other: frozenset[int]) -> list[Solid]:
+        """Both, with the surfaces that hold the zeros."""
+        return [Solid(self.own.tree, self.own_forms, own), Solid(self.other.tree, self.other_forms, other)]
+
+    def in_frame_of_b(self, zero: Zero) -> Vector:
+        """The point of a zero, homogeneous."""
+        if not self.moving:
+            return (*(EnclosedNumber(zero, lambda x, k=k: x[k]) for k in range(3)), 1)
+        return tuple(
+            EnclosedNumber(zero, lambda x, r=row: sum((r[k](x[3]) * x[k] for k in range(3)), r[3](x[3])))
+            for row in self.pair.piece.pose
+        )
+
+
+def _rank_at_many(rows: Sequence[Sequence[fmpz_poly]]) -> int:
+    """The rank over Q(u): the largest at more values of u than a minor has roots."""
+    degree = sum(max(int(p.degree()) for p in row) for row in rows)
+    return max(fmpq_mat([[fmpq(p(u)) for p in row] for row in rows]).rank() for u in range(degree + 1))
+
+
+def _entries(form: Matrix) -> tuple[fmpz_poly, ...]:
+    return tuple(form[i][j] for i in range(4) for j in range(i + 1))
+
+
+def _matrix(form: Form) -> Matrix:
+    """A plane's N.X w, twice, as a symmetric matrix; a quadric's own."""
+    if isinstance(form[0], tuple):
+        return form
+    a, b, c, d = form
+    nil = fmpz_poly([0])
+    return ((nil, nil, nil, a), (nil, nil, nil, b), (nil, nil, nil, c), (a, b, c, 2 * d))
+
+
+@dataclass(frozen=True)
+class SquareSubproblem:
+    """Two features and their system; as `Subproblem`, but its roots are enclosed, and `OpenRoot` what stays open."""
+
+    pair: Pair
+    a: Feature
+    b: Feature
+    case: str
+    view: View
+    system: SquareSystem
+    system_text: str
+    box: BoxQ
+
+    @cached_property
+    def equation(self) -> Equation:
+        if self.slides:
+            return Equation(None, f"identically dependent: {self.system_text}")
+        return Equation(None, f"a square system: {self.system_text}")
+
+    @cached_property
+    def slides(self) -> bool:
+        """Whether the forms are dependent for all u: a feature slides in a surface, and faces beside it see events."""
+        *rest, last = self.system.forms
+        return self._is_dependent(rest, last)
+
+    @cached_property
+    def on(self) -> tuple[frozenset[int], frozenset[int]]:
+        """The surfaces of a and of b that hold the zeros: their forms are combinations of the system's for all u."""
+        own, other = (
+            frozenset(k for k, form in enumerate(forms) if self._is_dependent(self.system.forms, form))
+            for forms in (self.view.own_forms, self.view.other_forms)
+        )
+        return (own, other) if self.view.moving else (other, own)
+
+    def _is_dependent(self, forms: Sequence[Matrix], form: Matrix) -> bool:
+        rows = [_entries(f) for f in (*forms, form)]
+        u = self.pair.piece.u_lo + fmpq(355, 113 * 1024)  # at one u first: ranks fall at few
+        if fmpq_mat([[fmpq(p(u)) for p in row] for row in rows]).rank() == len(rows):
+            return False
+        return _rank_at_many(rows) < len(rows)
+
+    @cached_property
+    def _found(self) -> list[EnclosedRoot | OpenRoot]:
+        piece = self.pair.piece
+        if piece.is_constant or piece.u_hi is None or piece.u_hi <= piece.u_lo or self.slides:
+            return []
+        on_a, on_b = self.on
+        solids = self.view.solids(*((on_a, on_b) if self.view.moving else (on_b, on_a)))
+        slabs = max(1, self.system.degree // 4)
+        found = zeros_within(self.system, solids, self.box, (piece.u_lo, piece.u_hi), slabs)
+        roots: list[EnclosedRoot | OpenRoot] = [EnclosedRoot(zero) for zero in found.zeros]
+        reason = f"precision: {self.a.name} with {self.b.name}, {self.system_text}"
+        return roots + [OpenRoot(max(lo, piece.u_lo), min(hi, piece.u_hi), reason) for lo, hi in found.open]
+
+    def roots(self, hi: fmpq | None = None) -> list[EnclosedRoot | OpenRoot]:
+        """The candidates in the piece whose points both closed models may hold."""
+        found = [root for root in self._found if isinstance(root, OpenRoot) or self.pair.piece.contains(root)]
+        return [root for root in found if hi is None or root.compare(hi) <= 0]
+
+    def contacts(self, root: Any) -> Contacts:
+        """The point of the zero; root: one of this system's."""
+        return finite((self.view.in_frame_of_b(root.zero),))
+
+
+def square_subproblems(pair: Pair) -> Iterator[SquareSubproblem]:
+    """Edges of degree 4 against faces and edges, enclosed vertices against faces."""
+    for moving in (True, False):
+        view = View(pair, moving)
+        for edge in quartic_edges(view.own):
+            yield from _of_edge(view, edge, quartics_too=moving)
+        for vertex in view.own.vertices:
+            if isinstance(vertex.carrier, EnclosedPoint):
+                yield from _of_vertex(view, vertex, vertex.carrier)
+
+
+def quartic_edges(body: CompositeQuadric) -> list[Edge]:
+    return [e for e in body.edges if isinstance(e.carrier, QuarticCurve) and e.convexity != "reentrant"]
+
+
+def _of_edge(view: View, edge: Edge, quartics_too: bool) -> Iterator[SquareSubproblem]:
+    box = _box_of(view.own, edge)
+    first = [view.own_forms[k] for k in edge.surfaces[:2]]
+    for face in view.other.faces:
+        forms = [*first, view.other_forms[face.surfaces[0]]]
+        yield _task(view, edge, face, forms, EDGE_SURFACE, box)
+    for other in view.other.edges:
+        if other.convexity == "reentrant" or (isinstance(other.carrier, QuarticCurve) and not quartics_too):
+            continue
+        forms = [*first, *(view.other_forms[k] for k in _two_surfaces(view.other, other))]
+        yield _task(view, edge, other, forms, CROSSING, box)
+
+
+def _of_vertex(view: View, vertex: Vertex, point: EnclosedPoint) -> Iterator[SquareSubproblem]:
+    forms = [view.own_forms[k] for k in _three_surfaces(view.own, vertex)]
+    radius = point.radius + fmpq(1, 2**40) * (1 + max(abs(c) for c in point.centre))
+    box = tuple(c - radius for c in point.centre[:3]), tuple(c + radius for c in point.centre[:3])
+    for face in view.other.faces:
+        yield _task(view, vertex, face, [*forms, view.other_forms[face.surfaces[0]]], CROSSING, box)
+
+
+def _task(
+    view: View, own: Feature, other: Feature, forms: list[Matrix], text: str, box: BoxQ
+) -> SquareSubproblem:
+    a, b = (own, other) if view.moving else (other, own)
+    return SquareSubproblem(view.pair, a, b, "degree 4", view, SquareSystem(forms), text, box)
+
+
+def _box_of(body: CompositeQuadric, edge: Edge) -> BoxQ:
+    """A box that holds the body, with a little room."""
+    lo, hi = body.bounds()
+    if not np.all(np.isfinite([lo, hi])):
+        raise UnsupportedPair(f"{edge.name}: no bound of its body is known; intersect it with a box")
+    room = 1e-6 * float(np.max(hi - lo))
+    return tuple(_rational(x - room) for x in lo), tuple(_rational(x + room) for x in hi)
+
+
+def _rational(x: float) -> fmpq:
+    return fmpq(*float(x).as_integer_ratio())
+
+
+def _two_surfaces(body: CompositeQuadric, edge: Edge) -> list[int]:
+    """Of the surfaces that hold the edge, two that cross there: those of its faces."""
+    if isinstance(edge.carrier, QuarticCurve):
+        return list(edge.surfaces[:2])
+    numbers = dict.fromkeys(body.faces[k].surfaces[0] for k in edge.faces)
+    ordered = sorted(numbers, key=lambda k: not isinstance(body.surfaces[k], Plane))
+    return ordered[:2]
+
+
+def _three_surfaces(body: CompositeQuadric, vertex: Vertex) -> tuple[int, ...]:
+    """Of the surfaces through the vertex, the three whose normals there are farthest from dependent."""
+    x = [fmpq(*float(c).as_integer_ratio()) for c in vertex.position]
+
+    def volume(chosen: tuple[int, ...]) -> float:
+        rows = np.array([doubles((body.surfaces[k].gradient((*x, fmpq(1))),))[0] for k in chosen])
+        return float(abs(np.linalg.det(rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), 1e-300))))
+
+    return max(combinations(vertex.surfaces, 3), key=volume)

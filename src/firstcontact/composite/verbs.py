@@ -1,0 +1,198 @@
+"""`first_contact` and `contact_intervals` of composite quadric models."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+from flint import fmpq
+
+from firstcontact.body.composite_quadric import CompositeQuadric
+from firstcontact.body.moving import Moving
+from firstcontact.body.polyhedron import Polyhedron
+from firstcontact.composite.algorithm import Meeting, Root, Search, between
+from firstcontact.composite.answer import contact_of, listed, world_time
+from firstcontact.composite.at_rest import is_containment, overlap
+from firstcontact.composite.moving_pair import Pair
+from firstcontact.composite.polyhedra import as_model
+from firstcontact.errors import UnsupportedPair
+from firstcontact.exact.numbers import fraction, to_double
+from firstcontact.exact.roots import AlgebraicRoot
+from firstcontact.exact.square_systems import OpenRoot
+from firstcontact.motion.polynomial import relative_pieces
+from firstcontact.motion.span import common_span
+from firstcontact.result import ContactInterval, ContactIntervals, FirstContact, Stats, Status
+
+
+def first_contact(a: Any, b: Any, span: Any, exact: bool, with_list: bool) -> FirstContact:
+    """The first contact over the span, decided exactly; with_list: judge and list every subproblem."""
+    begin = clock.perf_counter()
+    first, last = _span(a, b, span)
+    shared = {"a": a, "b": b, "span": (to_double(first), to_double(last))}
+    searches: list[Search] = []
+    answer: FirstContact | None = None
+    for search in _searches(a, b, first, last):
+        searches.append(search)
+        if answer is None:
+            answer = _answer(search, len(searches) == 1, exact, shared)
+        if answer is not None and not with_list:
+            break
+    if answer is None:
+        answer = FirstContact(Status.FREE, free_until=to_double(last), **shared)
+    evaluations = sum(len(search.verdicts) for search in searches)
+    stats = Stats(0, sum(len(s.tasks) for s in searches), 0, evaluations, clock.perf_counter() - begin)
+    return _with(answer, stats=stats, subproblems=listed(searches, b) if with_list else ())
+
+
+def contact_intervals(a: Any, b: Any, span: Any, exact: bool) -> ContactIntervals:
+    """All closed times of contact: between two candidates the models overlap all the time or not at all."""
+    begin = clock.perf_counter()
+    first, last = _span(a, b, span)
+    shared = {"a": a, "b": b, "span": (to_double(first), to_double(last))}
+    found: list[tuple[_End, _End]] = []
+    tests = evaluations = 0
+    for search in _searches(a, b, first, last):
+        for start, end in _windows(search):
+            if found and found[-1][1].is_same_time(start):
+                found[-1] = found[-1][0], end
+            else:
+                found.append((start, end))
+        tests, evaluations = tests + len(search.tasks), evaluations + len(search.verdicts)
+    intervals = tuple(_interval(start, end, exact) for start, end in found)
+    at_start = bool(found) and found[0][0].is_at(first)
+    status = Status.FREE if not found else Status.INITIAL_CONTACT if at_start else Status.CONTACT
+    until = intervals[0].start if intervals else to_double(last)
+    stats = Stats(0, tests, 0, evaluations, clock.perf_counter() - begin)
+    return ContactIntervals(intervals, status, until, None, stats, **shared)
+
+
+def _span(a: Any, b: Any, span: Any) -> tuple[fmpq, fmpq]:
+    first, last = common_span(a, b, span)
+    if last is None:
+        raise UnsupportedPair("curved models need a bounded span; give span=(first, last)")
+    model_a, model_b = _model(a), _model(b)
+    if not (model_a.bounded or model_b.bounded):
+        raise UnsupportedPair(f"{model_a!r} and {model_b!r} are both unbounded; one of them must be bounded")
+    return first, last
+
+
+def _model(body: Any) -> CompositeQuadric:
+    shape: Any = body.body if isinstance(body, Moving) else body
+    return as_model(shape) if isinstance(shape, Polyhedron) else shape
+
+
+def _searches(a: Any, b: Any, first: fmpq, last: fmpq) -> Iterator[Search]:
+    """One for every piece of the relative motion, in time order."""
+    model_a, model_b = _model(a), _model(b)
+    for piece in relative_pieces(a, b, first, last):
+        if not piece.exact:
+            raise UnsupportedPair(f"{piece.of}: the pose before this step is irrational; such steps are not supported")
+        yield Search(Pair(model_a, model_b, piece))
+
+
+def _answer(search: Search, at_start: bool, exact: bool, shared: dict[str, Any]) -> FirstContact | None:
+    """The answer if the piece has one; None when it is free."""
+    if at_start:
+        touching = search.at_start()
+        if touching or search.overlaps_after_start():
+            return _initial(search, touching, exact, shared)
+    meetings = search.first()
+    if not meetings:
+        stopped = search.stop()
+        return None if stopped is None else _open(search, stopped[0].root, shared)
+    root = meetings[0].candidate.root
+    if exact and not isinstance(root, AlgebraicRoot):
+        return _open(search, root, shared)
+    return contact_of(search, meetings, exact, shared)
+
+
+def _open(search: Search, root: Root, shared: dict[str, Any]) -> FirstContact:
+    """UNDECIDED: nothing was found before the root's enclosure, and exact arithmetic does not reach further."""
+    until = world_time(search.pair, AlgebraicRoot.of(root.lo))[1][0]
+    return FirstContact(
+        Status.UNDECIDED, free_until=max(until, shared["span"][0]), reason="precision", **shared
+    )
+
+
+def _initial(search: Search, touching: list[Meeting], exact: bool, shared: dict[str, Any]) -> FirstContact:
+    """INITIAL_CONTACT; whether the interiors overlap is asked of the start itself, where its pose is rational."""
+    pair, start = search.pair, shared["span"][0]
+    u = pair.piece.u_lo if search.starts_rational else search.moment_after_start()
+    kind = "touching"
+    if overlap(pair, u):
+        kind = "containment" if not touching and is_containment(pair, u) else "overlapping"
+    found = FirstContact(
+        Status.INITIAL_CONTACT, start, (start, start), fraction(pair.piece.start) if exact else None, **shared
+    )
+    if touching:
+        point = contact_of(search, touching, False, shared)
+        found = _with(
+            found, point=point.point, element_a=point.element_a, element_b=point.element_b, others=point.others,
+            multiplicity=point.multiplicity, contact_set=point.contact_set,
+        )  # fmt: skip
+    return _with(found, initial=kind, free_until=start)
+
+
+def _with(answer: FirstContact, **changes: Any) -> FirstContact:
+    return replace(answer, **changes)
+
+
+class _End:
+    """An end of an interval of contact: a root of the piece's u, or one of the piece's ends."""
+
+    def __init__(self, search: Search, root: Root | None, time: fmpq | None = None) -> None:
+        self.search, self.root, self.time = search, root, time
+
+    def is_at(self, time: fmpq) -> bool:
+        if self.root is None:
+            return self.time == time
+        return self.search.pair.piece.clock.compare(self.root, time) == 0
+
+    def is_same_time(self, other: _End) -> bool:
+        """For an end of one piece and a start of the next: they can only meet where the pieces do."""
+        return self.is_at(other.search.pair.piece.start) and other.is_at(other.search.pair.piece.start)
+
+    def value(self, exact: bool) -> tuple[float, tuple[float, float], Any]:
+        if self.root is None:
+            assert self.time is not None
+            t = to_double(self.time)
+            return t, (t, t), fraction(self.time) if exact else None
+        t, around = world_time(self.search.pair, self.root)
+        known = exact and isinstance(self.root, AlgebraicRoot)
+        return t, around, self.search.pair.piece.exact_time(self.root) if known else None
+
+
+def _windows(search: Search) -> Iterator[tuple[_End, _End]]:
+    """The closed windows of contact in one piece: between two candidates nothing changes."""
+    piece = search.pair.piece
+    start: _End | None = None
+    if any(isinstance(candidate.root, OpenRoot) for candidate in search.candidates):
+        raise UnsupportedPair("an edge of degree 4 leaves a stretch of time undecided; its intervals are not supported")
+    lo = piece.u_lo
+    before = _End(search, None, piece.start)
+    for group in search.groups():
+        root = group[0].root
+        if piece.clock.compare(root, piece.start) > 0:
+            if search.share_a_point(between(lo, root)):
+                start = start or before
+            elif start is not None:
+                yield start, before
+                start = None
+        here = _End(search, root)
+        if start is None and search.meetings(group):
+            start = here
+        before, lo = here, search.beyond(root)
+    assert piece.u_hi is not None and piece.end is not None
+    if before.root is None or piece.clock.compare(before.root, piece.end) < 0:
+        if search.share_a_point((lo + piece.u_hi) / 2):
+            yield start or before, _End(search, None, piece.end)
+            return
+    if start is not None:
+        yield start, before
+
+
+def _interval(start: _End, end: _End, exact: bool) -> ContactInterval:
+    (t0, lo, exact0), (t1, hi, exact1) = start.value(exact), end.value(exact)
+    return ContactInterval(t0, t1, lo, hi, exact0, exact1)

@@ -1,0 +1,286 @@
+"""Contacts that no single polynomial describes: simple zeros (x, y, z, u) of four equations, proved and refined.
+
+The equations are quadratic forms of X = (x, y, z, 1) with polynomials in u as coefficients; three forms come with the
+determinant of their gradients, which vanishes where the curve of two of them touches the third (for the curve of
+degree 4 of two quadrics: re-derived).  Krawczyk's test in ball arithmetic proves that a box holds exactly one zero.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from flint import arb, arb_mat, fmpq, fmpz_poly
+
+from firstcontact.exact.number_field import ExactNumber
+from firstcontact.exact.numbers import Undecidable, dyadic, nearest_double, precision
+from firstcontact.exact.polynomial_matrix import Matrix
+from firstcontact.exact.roots import AlgebraicRoot
+
+MOST_BITS = 512
+"""Roots closer than this count as one; signs that do not show by then stay open."""
+
+
+class SquareSystem:
+    """forms: four symmetric 4x4 matrices over fmpz_poly, or three, which stand with the tangency determinant."""
+
+    def __init__(self, forms: Sequence[Matrix]) -> None:
+        self.forms = tuple(forms)
+        self.slopes = tuple(tuple(tuple(p.derivative() for p in row) for row in form) for form in forms)
+        self.degree = max(1, *(p.degree() for form in forms for row in form for p in row))
+
+    def values(self, x: Sequence[arb]) -> list[arb]:
+        """The four left sides at the balls x, y, z, u."""
+        point = [*x[:3], arb(1)]
+        images = [_image(form, point, x[3]) for form in self.forms]
+        found = [_dot(point, image) for image in images]
+        return found if len(found) == 4 else [*found, _det([image[:3] for image in images])]
+
+    def jacobian(self, x: Sequence[arb]) -> list[list[arb]]:
+        """Their derivatives by x, y, z, u, row by row."""
+        point = [*x[:3], arb(1)]
+        images = [_image(form, point, x[3]) for form in self.forms]
+        moved = [_image(slope, point, x[3]) for slope in self.slopes]
+        rows = [[*(2 * c for c in g[:3]), _dot(point, m)] for g, m in zip(images, moved, strict=True)]
+        if len(rows) == 4:
+            return rows
+        gradients = [image[:3] for image in images]
+        last = []
+        for k in range(4):
+            by = [m[:3] if k == 3 else [form[j][k](x[3]) for j in range(3)]
+                  for m, form in zip(moved, self.forms, strict=True)]  # fmt: skip
+            terms = [_det([by[j] if i == j else g for i, g in enumerate(gradients)]) for j in range(3)]
+            last.append(terms[0] + terms[1] + terms[2])
+        return [*rows, last]
+
+    def newton(self, x: Sequence[arb], bits: int) -> list[arb] | None:
+        """The zero that Newton's method finds from the midpoints of x, as midpoints; None if it finds none."""
+        point = [arb(c.mid()) for c in x]
+        for _ in range(12 + bits.bit_length()):
+            try:
+                step = arb_mat(self.jacobian(point)).solve(arb_mat([[v] for v in self.values(point)]))
+            except ZeroDivisionError:
+                return None
+            point = [arb((c - d).mid()) for c, (d,) in zip(point, step.tolist(), strict=True)]
+            if not all(c.is_finite() for c in point):
+                return None
+            least = arb(2) ** -bits
+            if all(abs(d.mid()) <= least * (1 + abs(c)) for c, (d,) in zip(point, step.tolist(), strict=True)):
+                return point
+        return None
+
+    def krawczyk(self, centre: Sequence[arb], radii: Sequence[arb]) -> list[arb] | None:
+        """An enclosure of the only zero in the box centre +- radii; None where this is not proved.
+
+        It lies inside c - Y f(c) + (1 - Y J(box)) (box - c) when that is inside the box (Krawczyk 1969).
+        """
+        try:
+            y = arb_mat([[arb(c.mid()) for c in row] for row in self.jacobian(centre)]).inv()
+        except ZeroDivisionError:
+            return None
+        y = arb_mat([[arb(c.mid()) for c in row] for row in y.tolist()])
+        offset = [arb(0, r) for r in radii]
+        box = [c + d for c, d in zip(centre, offset, strict=True)]
+        one = arb_mat(4, 4, [int(i == j) for i in range(4) for j in range(4)])
+        rest = (one - y * arb_mat(self.jacobian(box))) * arb_mat([[d] for d in offset])
+        image = (rest - y * arb_mat([[v] for v in self.values(centre)])).tolist()
+        if not all(d.contains_interior(i) for d, (i,) in zip(offset, image, strict=True)):
+            return None
+        return [c + i for c, (i,) in zip(centre, image, strict=True)]
+
+
+def _image(form: Matrix, x: Sequence[arb], u: arb) -> list[arb]:
+    return [_dot([p(u) for p in row], x) for row in form]
+
+
+def _dot(x: Sequence[arb], y: Sequence[arb]) -> arb:
+    total = x[0] * y[0]
+    for a, b in zip(x[1:], y[1:], strict=True):
+        total += a * b
+    return total
+
+
+def _det(rows: Sequence[Sequence[arb]]) -> arb:
+    (a, b, c), (d, e, f), (g, h, i) = rows
+    return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
+
+
+def certified(system: SquareSystem, centre: Sequence[fmpq], radii: Sequence[fmpq], bits: int = 192) -> Zero | None:
+    """The only zero near the box, if one box that holds all of it proves to have exactly one."""
+    with precision(bits):
+        start = system.newton([arb(c) for c in centre], bits // 2)
+        if start is None:
+            return None
+        reach = [2 * (abs(s - arb(c)) + arb(r)) for s, c, r in zip(start, centre, radii, strict=True)]
+        reach = [arb(r.upper()) for r in reach]
+        found = system.krawczyk(start, reach)
+        return None if found is None else Zero(system, start, reach, found)
+
+
+class Zero:
+    """A simple zero of a system, unique in the box centre +- reach."""
+
+    def __init__(self, system: SquareSystem, centre: list[arb], reach: list[arb], balls: list[arb]) -> None:
+        self.system, self.centre, self.reach = system, centre, reach
+        self._balls, self._bits = balls, 0
+        if not self._refined(96):
+            self._bits = 1
+
+    def owns(self, centre: Sequence[fmpq], radii: Sequence[fmpq]) -> bool:
+        """Whether the box lies inside the one with this zero only."""
+        with precision(128):
+            return all(
+                abs(arb(c) - m) + arb(r) < s
+                for c, r, m, s in zip(centre, radii, self.centre, self.reach, strict=True)
+            )
+
+    def balls(self, bits: int) -> list[arb]:
+        """x, y, z, u within about 2^-bits; wider where the precision that asks for is beyond reason."""
+        if self._bits < bits <= 8 * MOST_BITS:
+            self._refined(bits)
+        return self._balls
+
+    def _refined(self, bits: int) -> bool:
+        work = 2 * bits + 64
+        with precision(work):
+            point = self.system.newton(self._balls, bits + 32)
+            if point is None:
+                return False
+            found = self.system.krawczyk(point, [arb(2) ** (-bits - 8) * (1 + abs(c)).upper() for c in point])
+            if found is None or not all(x.overlaps(y) for x, y in zip(found, self._balls, strict=True)):
+                return False
+            self._balls, self._bits = found, bits
+            return True
+
+    def is_same(self, other: Zero) -> bool:
+        """Whether both are one zero: found again where only one is."""
+        x = other.balls(128)
+        with precision(256):
+            return all(arb(m, r).contains(c) for m, r, c in zip(self.centre, self.reach, x, strict=True))
+
+
+class EnclosedRoot:
+    """The u of a zero.  It is compared with others by enclosures: nearer than MOST_BITS bits counts as equal."""
+
+    rational = None
+    polynomial = None
+    multiplicity = 1
+
+    def __init__(self, zero: Zero) -> None:
+        self.zero = zero
+
+    @property
+    def lo(self) -> fmpq:
+        with precision(160):
+            return dyadic(arb(self.enclosure(96).lower()))
+
+    @property
+    def hi(self) -> fmpq:
+        with precision(160):
+            return dyadic(arb(self.enclosure(96).upper()))
+
+    def enclosure(self, bits: int) -> arb:
+        return self.zero.balls(bits)[3]
+
+    def sign_of(self, q: Any) -> int:
+        """Sign of the polynomial at the root; 0 also where MOST_BITS bits do not tell."""
+        bits = 96
+        while bits <= MOST_BITS:
+            x = self.enclosure(bits)
+            with precision(bits):
+                value = q(x)
+            if value > 0 or value < 0:
+                return 1 if value > 0 else -1
+            bits *= 2
+        return 0
+
+    def compare(self, other: AlgebraicRoot | EnclosedRoot | OpenRoot | fmpq) -> int:
+        """-1, 0, 1: below, not told apart, above."""
+        if isinstance(other, OpenRoot):
+            return -other.compare(self)
+        bits = 96
+        while bits <= MOST_BITS:
+            x = self.enclosure(bits)
+            with precision(bits):
+                y = arb(other) if isinstance(other, fmpq) else other.enclosure(bits)
+                if x < y:
+                    return -1
+                if x > y:
+                    return 1
+            bits *= 2
+        return 0
+
+    def __float__(self) -> float:
+        bits = 96
+        while True:
+            x = self.enclosure(bits)
+            with precision(2 * bits):
+                near = nearest_double(x)
+            if near is not None or bits > MOST_BITS:
+                return float(x.mid()) if near is None else near
+            bits *= 2
+
+    def number(self) -> None:
+        """No exact form of it is known."""
+        return None
+
+    def __repr__(self) -> str:
+        return f"EnclosedRoot({float(self)!r})"
+
+
+class OpenRoot:
+    """A stretch lo <= u <= hi in which a contact could neither be found nor excluded; in order of time it is its lo."""
+
+    rational = None
+    polynomial = None
+    multiplicity = 0
+
+    def __init__(self, lo: fmpq, hi: fmpq, reason: str) -> None:
+        self.lo, self.hi, self.reason = lo, hi, reason
+
+    def enclosure(self, bits: int) -> arb:
+        with precision(bits):
+            return arb(self.lo).union(arb(self.hi))
+
+    def sign_of(self, q: fmpz_poly) -> int:
+        value = q(self.lo)
+        return (value > 0) - (value < 0)
+
+    def compare(self, other: Any) -> int:
+        if isinstance(other, OpenRoot):
+            return (self.lo > other.lo) - (self.lo < other.lo)
+        # before what it may be simultaneous with
+        return -1 if other.compare(self.lo) >= 0 else 1
+
+    def __float__(self) -> float:
+        with precision(96):
+            return float(arb(self.lo).mid())
+
+    def number(self) -> None:
+        return None
+
+    def __repr__(self) -> str:
+        return f"OpenRoot({float(self)!r}, {self.reason})"
+
+
+class EnclosedNumber(ExactNumber):
+    """A function of a zero, known by balls as small as asked."""
+
+    __slots__ = ("function", "zero")
+
+    def __init__(self, zero: Zero, function: Any) -> None:
+        self.zero, self.function = zero, function
+
+    def ball(self, bits: int) -> arb:
+        x = self.zero.balls(bits)
+        with precision(bits + 64):
+            return self.function(x)
+
+    def sign(self) -> int:
+        bits = 96
+        while bits <= MOST_BITS:
+            x = self.ball(bits)
+            if x > 0 or x < 0:
+                return 1 if x > 0 else -1
+            bits *= 2
+        raise Undecidable("a sign at a contact of degree-4 edges")

@@ -1,0 +1,160 @@
+"""Values of scene files: exact numbers, vectors, matrices, and tables that refuse unknown keys."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from fractions import Fraction
+from typing import Annotated, Any
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StrictInt, StrictStr, model_validator
+
+from firstcontact.errors import FirstContactError, InputError
+
+# Digits "1/3", "-0.1", "2.5e-3".  The short exponent keeps a typing error from asking for gigabytes.
+_EXACT = re.compile(r"[+-]?(\d+(\s*/\s*\d+)?|(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,3})?)")
+
+
+def parse_number(value: Any) -> float | int | Fraction:
+    """A finite number: floats and integers as they are, strings exactly; ValueError says what is wrong."""
+    number = _exact(value) if isinstance(value, str) else value
+    if isinstance(number, bool) or not isinstance(number, int | float | Fraction):
+        raise ValueError(f"{value!r} is not a number; write 0.5, or \"1/3\" for an exact one")
+    try:
+        finite = math.isfinite(float(number))
+    except OverflowError:
+        finite = False
+    if not finite:
+        raise ValueError(f"{value!r} is not a finite double; give a finite number")
+    return number
+
+
+def parse_time(value: Any) -> float | int | Fraction:
+    """An end of a span: a number, or an infinity ("inf" and "-inf" too)."""
+    if isinstance(value, float) and math.isinf(value):
+        return value
+    if isinstance(value, str) and re.fullmatch(r"[+-]?inf", value.strip()):
+        return float(value)
+    return parse_number(value)
+
+
+def _exact(text: str) -> Fraction:
+    text = text.strip()
+    if not _EXACT.fullmatch(text):
+        raise ValueError(f"{text!r} is not a number; write 0.5, \"1/3\" or \"0.1\"")
+    try:
+        return Fraction(re.sub(r"\s", "", text))
+    except ZeroDivisionError as error:
+        raise ValueError(f"{text!r} divides by zero; give a finite number") from error
+
+
+def list_of(count: int, what: str) -> BeforeValidator:
+    """Check a list's length first: pydantic would report every missing item by itself."""
+
+    def check(value: Any) -> Any:
+        if not isinstance(value, list) or len(value) != count:
+            raise ValueError(f"{value!r} is not {what}")
+        return tuple(value)
+
+    return BeforeValidator(check)
+
+
+def _matrix(value: Any) -> Any:
+    """Four rows of four numbers."""
+    if not isinstance(value, list) or len(value) != 4 or any(not isinstance(r, list) or len(r) != 4 for r in value):
+        raise ValueError(f"{value!r} is not a 4x4 matrix; write four rows [a, b, c, d]")
+    return [[parse_number(x) for x in row] for row in value]
+
+
+def _pose(value: Any) -> Any:
+    """A 4x4 matrix, or a vector whose rotation stands in quat_xyzw or quat_wxyz."""
+    if isinstance(value, list) and len(value) == 3 and not any(isinstance(x, list) for x in value):
+        return [parse_number(x) for x in value]
+    try:
+        return _matrix(value)
+    except ValueError as error:
+        raise ValueError(f"{error}, or a vector [x, y, z] with quat_xyzw or quat_wxyz") from error
+
+
+def _face(value: Any) -> Any:
+    """A ring of vertex numbers, or a list of such rings (the outer one, then its holes)."""
+    rings = value if isinstance(value, list) and value and isinstance(value[0], list) else [value]
+    for ring in rings:
+        if not isinstance(ring, list) or not all(type(i) is int for i in ring):
+            raise ValueError(f"{value!r} is not a face; write [0, 1, 2], or [[...], [...]] with holes")
+    return value
+
+
+Number = Annotated[Any, BeforeValidator(parse_number)]
+Time = Annotated[Any, BeforeValidator(parse_time)]
+Vector = Annotated[tuple[Number, Number, Number], list_of(3, "three numbers; write [x, y, z]")]
+Pair = Annotated[tuple[StrictStr, StrictStr], list_of(2, "two body names; write [\"a\", \"b\"]")]
+Span = Annotated[tuple[Time, Time], list_of(2, "two times; write [start, end]")]
+Quaternion = Annotated[tuple[Number, Number, Number, Number], list_of(4, "four numbers; write [a, b, c, d]")]
+Matrix = Annotated[Any, BeforeValidator(_matrix)]
+Pose = Annotated[Any, BeforeValidator(_pose)]
+Index = Annotated[StrictInt, Field(ge=0)]
+Edge = Annotated[tuple[Index, Index], list_of(2, "two vertex numbers; write [i, j]")]
+Face = Annotated[Any, BeforeValidator(_face)]
+
+
+class Table(BaseModel):
+    """A TOML table: unknown keys are refused with the known ones listed."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _known_keys(cls, table: Any) -> Any:
+        if not isinstance(table, dict):
+            raise ValueError(f"{table!r} is not a table; use one with keys {', '.join(cls.model_fields)}")
+        for key in table:
+            if key not in cls.model_fields:
+                raise ValueError(f"unknown key {key!r}; keys here are {', '.join(cls.model_fields)}")
+        return table
+
+
+class RotateTable(Table):
+    axis: Vector
+    degrees: Number
+    point: Vector = (0, 0, 0)
+
+
+class Placed(Table):
+    """What has a place: turned by `rotate` first, then shifted by `at`."""
+
+    at: Vector | None = None
+    rotate: RotateTable | None = None
+
+
+def placed(body: Any, table: Placed) -> Any:
+    """The body in its place."""
+    if table.rotate is not None:
+        with at_key("rotate"):
+            turn = table.rotate
+            body = body.rotated(turn.axis, degrees=turn.degrees, point=turn.point)
+    if table.at is not None:
+        with at_key("at"):
+            body = body.translated(table.at)
+    return body
+
+
+class KeyFault(InputError):
+    """A fault with the key of the scene file that it stands under."""
+
+    def __init__(self, key: str, fault: str) -> None:
+        super().__init__(f"{key}: {fault}")
+        self.key, self.fault = key, fault
+
+
+@contextmanager
+def at_key(key: str) -> Iterator[None]:
+    """Errors of the block as KeyFaults under this key; blocks within each other join their keys by dots."""
+    try:
+        yield
+    except KeyFault as error:
+        raise KeyFault(f"{key}.{error.key}", error.fault) from error
+    except FirstContactError as error:
+        raise KeyFault(key, str(error)) from error

@@ -1,0 +1,61 @@
+"""The scene of a pin and a plunger above a counterbored hole, checked against samples of the touching circle."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from firstcontact.scene import load_scene
+
+SCENE = Path(__file__).parents[1] / "examples" / "pin_in_plate.toml"
+
+
+@pytest.fixture(scope="module")
+def scene():
+    return load_scene(SCENE)
+
+
+def test_bodies_and_names(scene):
+    assert [(check.a, check.b) for check in scene.checks] == [("pin", "plate"), ("plunger", "plate")]
+    bodies = scene.bodies
+    assert {face.name for face in bodies["pin"].body.faces} == {
+        "pin.shaft.side", "pin.shaft.top", "pin.chamfer.side", "pin.chamfer.bottom",
+    }  # fmt: skip
+    assert {edge.name for edge in bodies["plate"].edges} > {"plate.counterbore.rim.top", "plate.bore.rim.top"}
+    assert type(bodies["pin"].motion).__name__ == "Screw"
+    assert type(bodies["plunger"].motion).__name__ == "RationalMotion"
+
+
+def inside_at(scene, who, t, points):
+    """Which of the points of the resting plate lie in the moving body at time t; and all in the body's frame."""
+    m = scene.bodies[who].motion(t)
+    local = (points - m[:3, 3]) @ np.linalg.inv(m[:3, :3]).T
+    return scene.bodies[who].body.contains(local), local
+
+
+@pytest.mark.parametrize(
+    ("who", "circle", "time"),
+    [("pin", (12, 5), 0.67871408997), ("plunger", (8, 2), 0.78761542757)],
+)
+def test_a_rim_of_the_plate_is_touched_first(scene, who, circle, time):
+    radius, height = circle
+    angles = np.linspace(0, 2 * np.pi, 20_001)
+    rim = np.column_stack([radius * np.cos(angles), radius * np.sin(angles), np.full(len(angles), height)])
+    before, _ = inside_at(scene, who, time - 1e-6, rim)
+    after, local = inside_at(scene, who, time + 1e-6, rim)
+    assert not before.any() and after.any()
+    at = local[after].mean(axis=0)
+    surface = next(f for f in scene.bodies[who].body.faces if f.name in ("pin.chamfer.side", "plunger.nose.surface"))
+    x = np.array([*at, 1.0])
+    form = np.array([[float(str(c.p)) / float(str(c.q)) for c in row] for row in surface.carrier.form])
+    assert abs(x @ form @ x) < 1e-4 * np.abs(form).max() * (x @ x)
+
+
+@pytest.mark.parametrize(("who", "time"), [("pin", 0.67871408997), ("plunger", 0.78761542757)])
+def test_nothing_else_is_met_before(scene, who, time):
+    plate, body = scene.bodies["plate"], scene.bodies[who]
+    points, others = body.body.to_mesh(0.05).vertices, plate.to_mesh(0.05).vertices
+    for t in np.linspace(0, time - 1e-3, 120).tolist():
+        m = body.motion(t)
+        assert not plate.contains(points @ m[:3, :3].T + m[:3, 3]).any()
+        assert not inside_at(scene, who, t, others)[0].any()
