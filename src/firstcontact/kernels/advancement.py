@@ -110,10 +110,12 @@ def stride(a, i, ma, b, j, mb, t, g, end, n0, n1, n2, w, c):
 
 
 @kernel
-def _guess(a, i, ma, b, j, mb, mode, t, first, last, count, n0, n1, n2, size, w, c):
-    """Whether this mode has a guess that lies ahead of t: X, t in w[UNKNOWN]."""
+def _guess(a, i, ma, b, j, mb, attempt, t, first, last, count, n0, n1, n2, size, w, c):
+    """Whether an attempt (0 to 3) has a guess that lies ahead of t: X, t in w[UNKNOWN]."""
+    mode = max(attempt - 1, 0)
     if mode == BY_FORMS:
-        taken = guess_by_forms(a, i, ma, b, j, mb, t, first, last, count, n0, n1, n2, size, w, c)
+        slack = 0.05 if attempt == 0 else 0.5
+        taken = guess_by_forms(a, i, ma, b, j, mb, t, first, last, count, slack, n0, n1, n2, size, w, c)
     else:
         taken = guess_by_vertex(a, i, ma, b, j, mb, t, first, last, count, mode - BY_VERTEX_A, w, c)
     c[NEWTON] += abs(taken)
@@ -240,8 +242,8 @@ def advance_pieces(a, i, ma, b, j, mb, first, last, inner, width, budget, w, c):
         c[STEPS] += 1
         if not guessed and distance < 0.3 * tried:
             tried = distance
-            for mode in range(3):
-                if _guess(a, i, ma, b, j, mb, mode, t, first, last, count, n0, n1, n2, size, w, c):
+            for attempt in range(4):
+                if _guess(a, i, ma, b, j, mb, attempt, t, first, last, count, n0, n1, n2, size, w, c):
                     aim, e0, e1, e2, better = _aim(a, i, ma, b, j, mb, t, last, near, width, size, w, c)
                     guessed = better > 0.0
                     if guessed:

@@ -11,13 +11,15 @@ from firstcontact.kernels.touch_system import local_point, moving_form, newton_s
 from firstcontact.kernels.workspace import (
     ACTIVE,
     COUNT,
-    DEPTH,
+    AWAY,
     FORM,
     GRADIENTS,
     MATRIX,
     MODE,
+    NORMAL,
     POSE_A,
     RATES_A,
+    RESULTS,
     RIGHT,
     SIDE_A,
     SIDE_B,
@@ -143,8 +145,11 @@ def _revise(a, i, b, j, w, c, size):
 
 
 @kernel
-def guess_by_forms(a, i, ma, b, j, mb, t, first, last, count, n0, n1, n2, size, w, c):
-    """Newton steps taken, negative without a guess; else w[UNKNOWN] is X, t, multipliers and the frames are those at t."""
+def guess_by_forms(a, i, ma, b, j, mb, t, first, last, count, slack, n0, n1, n2, size, w, c):
+    """Newton steps taken, negative without a guess; else w[UNKNOWN] is X, t, multipliers and the frames are those at t.
+
+    slack: forms are active at first that are this part of the distance from the witnesses.
+    """
     if not place_frames(ma, mb, t, w):
         return -1
     distance = 0.0
@@ -157,7 +162,7 @@ def guess_by_forms(a, i, ma, b, j, mb, t, first, last, count, n0, n1, n2, size, 
         w[UNKNOWN, 2] += 0.5 * z
         distance += (x * n0 + y * n1 + z * n2) * (2.0 * side - 1.0)
     w[UNKNOWN, 3] = t
-    slack = 0.05 * abs(distance) + 1e-9 * size
+    slack = slack * abs(distance) + 1e-9 * size
     for side in range(2):
         x, y, z = witness(w, count, 3 + 3 * side)
         y0, y1, y2 = local_point(w, side, x, y, z)
@@ -203,15 +208,16 @@ def contact_normal(a, w, c):
 
 @kernel
 def normal_at(a, ma, b, mb, t, size, w, c):
-    """Unit normal from a to b at a time t near that of the guess by forms, where the bodies are apart by the depth.
+    """Unit normal from a to b at a time t near that of the guess by forms, where the bodies are a little apart.
 
     Edges and rulings that touch stay square to it: along the normal of another time their ends would overlap.
     """
     x, y, z = w[UNKNOWN, 0], w[UNKNOWN, 1], w[UNKNOWN, 2]
-    w[UNKNOWN, DEPTH] = 0.0
+    n0, n1, n2 = contact_normal(a, w, c)
+    w[RESULTS, NORMAL], w[RESULTS, NORMAL + 1], w[RESULTS, NORMAL + 2], w[UNKNOWN, AWAY] = n0, n1, n2, 0.0
     if place_frames(ma, mb, t, w):
-        newton_step(a, b, w, c, 1.0, size, False)
-        newton_step(a, b, w, c, 1.0, size, False)
+        for _ in range(3):
+            newton_step(a, b, w, c, 1.0, size, False)
     n0, n1, n2 = contact_normal(a, w, c)
     w[UNKNOWN, 0], w[UNKNOWN, 1], w[UNKNOWN, 2] = x, y, z
     return n0, n1, n2

@@ -13,7 +13,7 @@ from firstcontact.kernels.workspace import HERE_A, HERE_B, MIDDLE, RADIUS, SIMPL
 U = 2.0**-53
 # The search for the nearest points ends when the gap along its direction is this part of the distance: directions
 # need not be the best ones, every one is judged by its own proved gap.
-CLOSE = 0.9
+CLOSE = 0.98
 MOST_ROUNDS = 40
 
 

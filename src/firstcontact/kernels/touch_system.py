@@ -15,14 +15,16 @@ from firstcontact.kernels.poses import pose_at, velocity_at
 from firstcontact.kernels.support import form_gradient, form_value
 from firstcontact.kernels.workspace import (
     ACTIVE,
+    AWAY,
     COUNT,
-    DEPTH,
     FORM,
     INVERSE_A,
     MATRIX,
+    NORMAL,
     ORDER,
     POSE_A,
     RATES_A,
+    RESULTS,
     RIGHT,
     SIDE_A,
     SIDE_B,
@@ -159,8 +161,8 @@ def add_hessian(p, k, w, side, factor, row):
 def newton_step(a, b, w, c, span, size, in_time):
     """One step of Newton's method on X, t and the multipliers; how far it was off and moved, -1 where not finite.
 
-    The frames are those at t; steps in t count as parts of `span`.  in_time False: t stays, and the forms shall have
-    one common value instead of 0, w[UNKNOWN, DEPTH]: nearest or deepest points at that time.
+    The frames are those at t; steps in t count as parts of `span`.  in_time False: t stays, X is on
+    a and X + d n on b, for the n kept in w[RESULTS, NORMAL] and d in w[UNKNOWN, AWAY]: the nearest points at that time.
     """
     p, q = c[COUNT], c[COUNT + 1]
     n = 4 + p + q
@@ -172,10 +174,16 @@ def newton_step(a, b, w, c, span, size, in_time):
     for k in range(p + q):
         side = SIDE_A if k < p else SIDE_B
         forms = a if k < p else b
-        moving_form(forms, c[ACTIVE + k], w, side, w[UNKNOWN, 0], w[UNKNOWN, 1], w[UNKNOWN, 2])
+        d = 0.0 if in_time or k < p else w[UNKNOWN, AWAY]
+        n0, n1, n2 = w[RESULTS, NORMAL], w[RESULTS, NORMAL + 1], w[RESULTS, NORMAL + 2]
+        x, y, z = w[UNKNOWN, 0] + d * n0, w[UNKNOWN, 1] + d * n1, w[UNKNOWN, 2] + d * n2
+        moving_form(forms, c[ACTIVE + k], w, side, x, y, z)
         m = w[UNKNOWN, 4 + k]
-        w[MATRIX + k, 3] = w[FORM, 4] * span if in_time else -1.0
-        w[RIGHT, k] = (0.0 if in_time else w[UNKNOWN, DEPTH]) - w[FORM, 0]
+        if in_time:
+            w[MATRIX + k, 3] = w[FORM, 4] * span
+        elif k >= p:  # the bend of the form along n is left out: d is small, and a few steps make up for it
+            w[MATRIX + k, 3] = w[FORM, 1] * n0 + w[FORM, 2] * n1 + w[FORM, 3] * n2
+        w[RIGHT, k] = -w[FORM, 0]
         for r in range(3):
             w[MATRIX + k, r] = w[FORM, 1 + r]
             w[MATRIX + p + q + r, 4 + k] = w[FORM, 1 + r]
@@ -193,7 +201,7 @@ def newton_step(a, b, w, c, span, size, in_time):
         if not math.isfinite(w[RIGHT, k]):
             return -1.0
         if k == 3 and not in_time:
-            w[UNKNOWN, DEPTH] += w[RIGHT, k]
+            w[UNKNOWN, AWAY] += w[RIGHT, k]
         else:
             w[UNKNOWN, k] += w[RIGHT, k] * (span if k == 3 else 1.0)
     return off + abs(w[RIGHT, 0]) + abs(w[RIGHT, 1]) + abs(w[RIGHT, 2]) + abs(w[RIGHT, 3])

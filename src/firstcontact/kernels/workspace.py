@@ -22,8 +22,8 @@ HERE_A, HERE_B, MIDDLE, RADIUS, UNKNOWN, FORM, RIGHT, WEIGHTS = _rows(6, 7, 8, 9
 SIMPLEX, GRADIENTS, MATRIX, RESULTS, SPEED, SPREAD = _rows(14, 18, 26, 38, 39, 40)
 ROWS, WIDTH = 41, 14
 
-# Slot of the unknowns: the common value of the active forms.
-DEPTH = 12
+# Slot of the unknowns: the distance, for times at which the bodies are apart.
+AWAY = 12
 SIDE_A, SIDE_B, NO_VERTEX = _rows(0, 1, -1)
 # Slots of the row of results: free until, gap there, time, lo, hi, point, normal (from a to b).
 FREE_UNTIL, GAP, TIME, LO, HI, POINT, NORMAL = 0, 1, 2, 3, 4, 5, 8
