@@ -371,3 +371,36 @@ def test_box_of_a_raw_intersection_is_found():
     lo, hi = body.bounds()
     assert np.all(lo <= (-1, -0.8, -0.8)) and np.all(hi >= (1, 0.8, 0.8)) and np.all(hi < 1.2)
     assert len(body.edges) == 1 and len(body.vertices) == 0
+
+
+def test_faces_without_edges_are_found_beside_ones_with():
+    """Whole components of surfaces: a face that no curve bounds, on surfaces that others meet and on two-piece ones."""
+    block = fc.box((8, 8, 8)) - fc.sphere(1).translated((2, 0, 0))
+    assert len(block.faces) == 7
+    hyperboloid = fc.quadric(np.diag([1, 1, -1, 1]))  # two sheets
+    cut = hyperboloid & fc.half_space((0, 0, -1), 2)  # the upper sheet whole, a cap of the lower one
+    assert counts(cut) == (2, 1, 0)
+    assert cut.contains([(0, 0, 5), (0, 0, -1.5), (0, 0, -3)]).tolist() == [True, True, False]
+    slab = fc.half_space((0, 0, 1), 1) & fc.half_space((0, 0, -1), 1)
+    assert counts(slab) == (2, 0, 0)
+    tangent = fc.sphere(1) | fc.half_space((0, 0, 1), -1)
+    assert len(tangent.faces) == 2
+    nappes = fc.quadric(np.diag([1, 1, -1, 0])) & fc.half_space((0, 0, 1), 1)  # both nappes, one cut
+    assert counts(nappes) == (2, 1, 1)
+
+
+@pytest.mark.parametrize(
+    ("form", "connected"),
+    [
+        (np.diag([1, 2, 3, -1]), True), (np.diag([1, 1, -1, -1]), True), (np.diag([1, 1, -1, 1]), False),
+        (np.diag([1, 1, -1, 0]), False), (np.diag([1, 1, 0, -1]), True), (np.diag([1, -1, 0, -1]), False),
+        ([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 1], [0, 0, 1, 0]], True),
+        ([[1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1], [0, 0, 1, 0]], True),
+        ([[1, 0, 0, 0], [0, 0, 0, 1], [0, 0, 0, 0], [0, 1, 0, 0]], True),
+    ],
+)  # fmt: skip
+def test_which_surfaces_are_one_piece(form, connected):
+    from firstcontact.body.features import _is_connected
+
+    (surface,) = fc.quadric(form).surfaces
+    assert _is_connected(surface) is _is_connected(surface.negated()) is connected

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from operator import mul
 from typing import Any
 
 from flint import fmpq, fmpq_mat, fmpz
@@ -182,7 +183,7 @@ Curve = Line | Conic | QuarticCurve
 
 
 def dot(x: Sequence[Any], y: Sequence[Any]) -> Any:
-    return sum(a * b for a, b in zip(x, y, strict=True))
+    return sum(map(mul, x, y))
 
 
 def cross(x: Sequence[Any], y: Sequence[Any]) -> tuple[Any, Any, Any]:
@@ -250,8 +251,10 @@ def diagonalised(form: Rows) -> list[tuple[fmpq, Vector]]:
         value = bilinear(form, pivot, pivot)
         found.append((value, pivot))
         rest.remove(pivot)
+        shares = [bilinear(form, pivot, v) / value for v in rest]
         rest = [
-            primitive(a - bilinear(form, pivot, v) / value * b for a, b in zip(v, pivot, strict=True)) for v in rest
+            primitive(a - k * b for a, b in zip(v, pivot, strict=True)) if k else primitive(v)
+            for v, k in zip(rest, shares, strict=True)
         ]
     return found
 

@@ -33,6 +33,7 @@ from firstcontact.body.carriers import (
     diagonalised,
     dot,
     doubles,
+    inertia,
     null_space,
     transposed,
 )
@@ -155,7 +156,8 @@ def derive(tree: Tree, surfaces: Sequence[Surface], names: Any, box: Callable[[]
 
         quartic_edges, new_sides = trace_quartics(tree, surfaces, quartics, corners, box())
         sides |= new_sides
-    sides |= _sides_of_whole_surfaces(tree, surfaces, sides)
+    met = {i for t in traced for i in t.trimmed.surfaces} - {i for pair in quartics for i in pair}
+    sides |= _sides_of_whole_surfaces(tree, surfaces, sides, met)
     faces = _faces(sides, surfaces, names)
     numbers = {(f.surfaces[0], f.orientation): f.index for f in faces}
     corners.add_apexes(tree)
@@ -204,16 +206,34 @@ def _profile(tree: Tree, surfaces: Sequence[Surface], loop: Loop, arc: Arc) -> P
 
 
 def _sides_of_whole_surfaces(
-    tree: Tree, surfaces: Sequence[Surface], known: set[tuple[int, int]]
+    tree: Tree, surfaces: Sequence[Surface], known: set[tuple[int, int]], met: set[int]
 ) -> set[tuple[int, int]]:
-    """Sides seen by lines through the middle of each surface: finds the faces that no curve bounds."""
+    """Sides seen by lines through the middle of each surface: finds the faces that no curve bounds.
+
+    Such a face is a whole component of its surface.  On connected surfaces with a curve of their own (`met`) it
+    would hold that curve and be known from it.
+    """
     found: set[tuple[int, int]] = set()
     for i, surface in enumerate(surfaces):
-        if {(i, 1), (i, -1)} <= known | found:
+        if {(i, 1), (i, -1)} <= known | found or (i in met and _is_connected(surface)):
             continue
         for probe in _probes(surface):
             found |= sides_along(tree, surfaces, probe)
     return found
+
+
+def _is_connected(surface: Surface) -> bool:
+    """Whether the regular points of the surface are one piece: told by signatures; False for cones, two nappes."""
+    if isinstance(surface, Plane):
+        return True
+    whole, block = inertia(surface.form), inertia(tuple(row[:3] for row in surface.form[:3]))
+    match sum(block):
+        case 3:
+            return 0 in block or whole == (2, 2)  # ellipsoid, hyperboloid of one sheet
+        case 2:
+            return sum(whole) == 4 or (sum(whole) == 3 and 0 in block)  # paraboloids, elliptic cylinder
+        case _:
+            return sum(block) == 1 and sum(whole) == 3  # parabolic cylinder
 
 
 def sides_along(tree: Tree, surfaces: Sequence[Surface], probe: Line) -> set[tuple[int, int]]:

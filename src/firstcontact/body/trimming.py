@@ -162,7 +162,7 @@ def _trimmed(curve: Line | Conic, surfaces: Sequence[Surface], bits: int) -> lis
     found = []
     for sheets in groups:
         own = [b for sheet in sheets for b in breaks[sheet]]
-        arcs = _arcs(loop, sheets, own, surfaces, containing, bits)
+        arcs = _arcs(loop, sheets, own, surfaces, crossings, bits)
         found.append(Trimmed(loop, containing, tuple(arcs)))
     return found
 
@@ -323,13 +323,13 @@ def _arcs(
     sheets: tuple[int, ...],
     cycle: list[Break],
     surfaces: Sequence[Surface],
-    containing: tuple[int, ...],
+    crossings: dict[int, Crossing | None],
     bits: int,
 ) -> list[Arc]:
     """The arcs between the breaks of one cycle."""
 
     def arc(start: Break | None, end: Break | None, m: fmpq, sheet: int) -> Arc:
-        return Arc(start, end, m, sheet, _signs(loop, m, sheet, surfaces, containing))
+        return Arc(start, end, m, sheet, _signs(loop, m, sheet, surfaces, crossings))
 
     if not cycle:
         return [arc(None, None, ZERO, sheets[0])]
@@ -358,19 +358,19 @@ def beyond(x: arb) -> fmpq:
 
 
 def _signs(
-    loop: Loop, m: fmpq, sheet: int, surfaces: Sequence[Surface], containing: tuple[int, ...]
+    loop: Loop, m: fmpq, sheet: int, surfaces: Sequence[Surface], crossings: dict[int, Crossing | None]
 ) -> tuple[int, ...]:
     """Exact signs of all forms at X(m), taken at positive w."""
     n = _at(loop.n, m)
 
-    def value(surface: Surface | None) -> int:
-        u, v = loop.restricted(surface)
+    def value(crossing: Crossing | None) -> int:
+        if crossing is None:
+            return 0
+        u, v, _ = crossing
         return Surd(_at(u, m), sheet * _at(v, m), n).sign()
 
-    w = value(None)
-    return tuple(
-        0 if i in containing else value(s) * (w if isinstance(s, Plane) else 1) for i, s in enumerate(surfaces)
-    )
+    w = value(crossings[INFINITY])
+    return tuple(value(crossings[i]) * (w if isinstance(s, Plane) else 1) for i, s in enumerate(surfaces))
 
 
 def largest(values: Sequence[arb]) -> arb:
