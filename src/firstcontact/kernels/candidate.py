@@ -10,8 +10,8 @@ from firstcontact.kernels.support import FORMS, VERTICES, form_value
 from firstcontact.kernels.touch_system import local_point, moving_form, newton_step, place_frames, solve
 from firstcontact.kernels.workspace import (
     ACTIVE,
-    COUNT,
     AWAY,
+    COUNT,
     FORM,
     GRADIENTS,
     MATRIX,
