@@ -81,10 +81,14 @@ class View:
         )
 
 
-def _rank_at_many(rows: Sequence[Sequence[fmpz_poly]]) -> int:
+def _rank_at(rows: Sequence[Sequence[fmpz_poly]], u: fmpq) -> int:
+    return int(fmpq_mat([[fmpq(p(u)) for p in row] for row in rows]).rank())
+
+
+def _rank(rows: Sequence[Sequence[fmpz_poly]]) -> int:
     """The rank over Q(u): the largest at more values of u than a minor has roots."""
     degree = sum(max(int(p.degree()) for p in row) for row in rows)
-    return max(fmpq_mat([[fmpq(p(u)) for p in row] for row in rows]).rank() for u in range(degree + 1))
+    return max(_rank_at(rows, fmpq(u)) for u in range(degree + 1))
 
 
 def _samples(edge: Edge) -> np.ndarray:
@@ -156,11 +160,12 @@ class SquareSubproblem:
         return (own, other) if self.view.moving else (other, own)
 
     def _is_dependent(self, forms: Sequence[Matrix], form: Matrix) -> bool:
+        """Whether the form is a combination of the others over Q(u)."""
         rows = [_entries(f) for f in (*forms, form)]
         u = self.pair.piece.u_lo + fmpq(355, 113 * 1024)  # at one u first: ranks fall at few
-        if fmpq_mat([[fmpq(p(u)) for p in row] for row in rows]).rank() == len(rows):
+        if _rank_at(rows, u) == len(rows):
             return False
-        return _rank_at_many(rows) < len(rows)
+        return _rank(rows) == _rank(rows[:-1])
 
     @cached_property
     def _found(self) -> list[EnclosedRoot | OpenRoot]:
@@ -185,6 +190,8 @@ class SquareSubproblem:
             return finite((self.view.in_frame_of_b(root.zero),))
         if not self.slides or root.rational is None:
             return nothing("no zero of the system")
+        if isinstance(self.a, Edge) and isinstance(self.b, Edge):
+            return nothing("the faces beside the edges see where they meet")
         zeros = self._sliding_points(root.rational)
         return gather([finite((self.view.in_frame_of_b(zero),)) for zero in zeros], "no point proved")
 
