@@ -46,7 +46,7 @@ def test_planes_only_agree_with_polyhedra(kind, lattice):
         a, b = random_hull(rng, lattice), random_hull(rng, lattice)
         moving = a.moving(random_motion(rng, kind, lattice))
         expected = fc.first_contact(moving, b)
-        found = verbs.first_contact(moving, b, None, False, False)
+        found = verbs.first_contact(moving, b, None, False, "algebraic", 1e-12, None)
         assert found.status is expected.status, (moving, b)
         seen.add(found.status)
         if found.status is fc.Status.CONTACT:

@@ -55,7 +55,7 @@ def first_contact(
     if _curved(a, b):
         from firstcontact.composite import verbs
 
-        return verbs.first_contact(a, b, span, exact, method == "algebraic")
+        return verbs.first_contact(a, b, span, exact, method, tolerance, budget)
     parts, first, last = pieces(a, b, span)
     stats = Stats()
     window = (to_double(first), math.inf if last is None else to_double(last))

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from flint import arb, ctx
 
+from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.features import Edge, Face, Vertex
 from firstcontact.composite.algorithm import Candidate, Meeting, Root, Search
 from firstcontact.composite.contact_sets import cartesian
@@ -58,22 +59,24 @@ def ranked(pair: Pair, meetings: Sequence[Meeting]) -> list[tuple[ElementPair, M
         in_a = _pose(pair.piece.pose, meeting.candidate.root)
         seen.setdefault(
             ElementPair(
-                element(pair, task.a, "a", np.linalg.solve(in_a[:3, :3], where - in_a[:3, 3])),
-                element(pair, task.b, "b", where),
+                element(pair.a, task.a, "a", np.linalg.solve(in_a[:3, :3], where - in_a[:3, 3])),
+                element(pair.b, task.b, "b", where),
             ),
             meeting,
         )
 
-    def rank(item: tuple[ElementPair, Meeting]) -> tuple[int, int, int, int]:
-        x, y = item[0].element_a, item[0].element_b
-        return _ORDER[x.kind], x.index, _ORDER[y.kind], y.index
-
-    return sorted(seen.items(), key=rank)
+    return sorted(seen.items(), key=lambda item: (*rank(item[0].element_a), *rank(item[0].element_b)))
 
 
-def element(pair: Pair, feature: Face | Edge | Vertex, which: str, where: np.ndarray | None = None) -> Element:
+def rank(x: Element) -> tuple[int, int]:
+    """Vertices before edges before faces."""
+    return _ORDER[x.kind], x.index
+
+
+def element(
+    body: CompositeQuadric, feature: Face | Edge | Vertex, which: str, where: np.ndarray | None = None
+) -> Element:
     """The feature as users see it; of coplanar faces of a polyhedron the one that holds `where`, in its own frame."""
-    body = pair.a if which == "a" else pair.b
     if body.source is not None:
         index = feature.index
         if isinstance(feature, Face) and where is not None:
@@ -261,7 +264,7 @@ def listed(searches: Sequence[Search], b: Any) -> tuple[Subproblem, ...]:
         for candidate in search.candidates:
             by_task.setdefault(id(candidate.subproblem), []).append(candidate)
         for task in search.tasks:
-            key = element(search.pair, task.a, "a"), element(search.pair, task.b, "b"), task.case
+            key = element(search.pair.a, task.a, "a"), element(search.pair.b, task.b, "b"), task.case
             reasons[key] = task.equation.reason if task.equation.candidates is None else ""
             rows.setdefault(key, []).extend(_judged(search, c, b) for c in by_task.get(id(task), []))
     return tuple(Subproblem(*key, tuple(found), reasons[key]) for key, found in rows.items())

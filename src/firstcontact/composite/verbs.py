@@ -15,6 +15,7 @@ from firstcontact.body.polyhedron import Polyhedron
 from firstcontact.composite.algorithm import Meeting, Root, Search, between
 from firstcontact.composite.answer import contact_of, listed, world_time
 from firstcontact.composite.at_rest import is_containment, overlap
+from firstcontact.composite.certified import contact, settle
 from firstcontact.composite.moving_pair import Pair
 from firstcontact.composite.polyhedra import as_model
 from firstcontact.errors import UnsupportedPair
@@ -26,11 +27,55 @@ from firstcontact.motion.span import common_span
 from firstcontact.result import ContactInterval, ContactIntervals, FirstContact, Stats, Status
 
 
-def first_contact(a: Any, b: Any, span: Any, exact: bool, with_list: bool) -> FirstContact:
-    """The first contact over the span, decided exactly; with_list: judge and list every subproblem."""
+def first_contact(
+    a: Any, b: Any, span: Any, exact: bool, method: str, tolerance: float, budget: int | None
+) -> FirstContact:
+    """The first contact over the span: certified in doubles where that settles it, else decided exactly.
+
+    exact, or method "algebraic": exactly at once; "algebraic" judges and lists every subproblem too.
+    """
     begin = clock.perf_counter()
     first, last = _span(a, b, span)
     shared = {"a": a, "b": b, "span": (to_double(first), to_double(last))}
+    if exact or method == "algebraic":
+        return _decided(a, b, first, last, exact, method == "algebraic", begin, shared)
+    models = _models(a, b)
+    answer, proved = settle(models, first, last, tolerance, budget, shared)
+    if answer is None and proved.reason == "budget":
+        answer = FirstContact(Status.UNDECIDED, free_until=proved.free_until, reason="budget", **shared)
+    if answer is not None:
+        return _with(answer, stats=_with_time(answer.stats, begin))
+    try:
+        return _decided(a, b, first, last, False, False, begin, shared)
+    except UnsupportedPair:
+        if proved.status == "contact":  # flat features that may share more than the point
+            seen = contact(models, proved, Stats(proved.steps, proved.gaps), shared)
+            if seen is not None:
+                return _with(seen, stats=_with_time(seen.stats, begin))
+        if proved.reason != "precision":
+            raise
+    stats = _with_time(Stats(proved.steps, proved.gaps), begin)
+    return FirstContact(Status.UNDECIDED, free_until=proved.free_until, reason="precision", stats=stats, **shared)
+
+
+def _models(a: Any, b: Any) -> tuple[Any, Any]:
+    """Both as models, at rest or moving as they were."""
+    return _as_model(a), _as_model(b)
+
+
+def _as_model(body: Any) -> Any:
+    model: Any = _model(body)
+    return Moving(model, body.motion) if isinstance(body, Moving) else model
+
+
+def _with_time(stats: Stats, begin: float) -> Stats:
+    return stats + Stats(seconds=clock.perf_counter() - begin)
+
+
+def _decided(
+    a: Any, b: Any, first: fmpq, last: fmpq, exact: bool, with_list: bool, begin: float, shared: dict[str, Any]
+) -> FirstContact:
+    """The answer of exact arithmetic."""
     searches: list[Search] = []
     answer: FirstContact | None = None
     for search in _searches(a, b, first, last):

@@ -1,0 +1,215 @@
+"""The certified fast path: first contact of composite quadric models by advancement over their convex pieces.
+
+Every interval passed is proved free, a reported contact is enclosed by a proved free time and a time with a proved
+common point; what neither settles is "open" (see `kernels.advancement`).  No tessellation, any motion.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from flint import fmpq
+
+from firstcontact.body.moving import Moving
+from firstcontact.kernels.advancement import (
+    BY_FORMS,
+    BY_VERTEX_A,
+    CONTACT,
+    FREE,
+    INITIAL,
+    SPENT,
+    advance_pieces,
+)
+from firstcontact.kernels.workspace import (
+    ACTIVE,
+    COUNT,
+    FREE_UNTIL,
+    GAP,
+    GAPS,
+    HI,
+    LO,
+    MODE,
+    NEWTON,
+    NORMAL,
+    POINT,
+    RESULTS,
+    STEPS,
+    TIME,
+    VERTEX,
+    workspace,
+)
+from firstcontact.search.convex import ConvexPieces, NotConvex, convex_pieces
+from firstcontact.search.stretches import Untold, Window, below, windows
+
+REASONS = {SPENT: "budget"}
+Feature = tuple[str, int]
+
+
+@dataclass(frozen=True, slots=True)
+class Advance:
+    """What the fast path proved.
+
+    status         "free": no common point in the span; "contact"; "initial": a common point at the start; "open".
+    free_until     no common point at any time before it (for "open" it may be the start), in the query's clock.
+    time           the contact time, rounded; time_interval (lo, hi): no common point before lo, one at or before hi.
+    point, normal  (3,) world frame, normal unit, from b towards a; None where there are none.
+    features_a/_b  (kind, index) of the touching features of either body.
+    gap            proved distance along the last direction at `free_until`, of the pair of pieces last advanced.
+    reason         of "open": "precision", "budget", or what of the model or motion is beyond this path.
+    """
+
+    status: str
+    free_until: float
+    time: float | None = None
+    time_interval: tuple[float, float] | None = None
+    point: np.ndarray | None = None
+    normal: np.ndarray | None = None
+    features_a: tuple[Feature, ...] = ()
+    features_b: tuple[Feature, ...] = ()
+    gap: float = 0.0
+    reason: str | None = None
+    steps: int = 0
+    newton: int = 0
+    gaps: int = 0
+
+
+def advance(a: Any, b: Any, first: Any, last: Any, tolerance: float = 1e-12, budget: int = 10_000) -> Advance:
+    """The first common point of two bodies (CompositeQuadric, or Moving ones) over the closed [first, last].
+
+    first, last: finite fmpq or numbers; tolerance: width of `time_interval` over the span; budget: strides at most.
+    """
+    begin, end = _exact(first), _exact(last)
+    try:
+        bodies = [x.body if isinstance(x, Moving) else x for x in (a, b)]
+        pieces = [convex_pieces(body) for body in bodies]
+        stretches = windows(a, b, begin, end)
+    except (NotConvex, Untold) as reason:
+        return Advance("open", below(begin), reason=str(reason))
+    return _Search(pieces[0], pieces[1], stretches, tolerance, budget).run()
+
+
+def _exact(t: Any) -> fmpq:
+    return t if isinstance(t, fmpq) else fmpq(*float(t).as_integer_ratio())
+
+
+class _Search:
+    """One query: windows in time order, in each all pairs of pieces, clipped at the earliest contact so far."""
+
+    def __init__(
+        self, a: ConvexPieces, b: ConvexPieces, stretches: list[Window], tolerance: float, budget: int
+    ) -> None:
+        self.a, self.b = a, b
+        self.windows = stretches
+        self.width = tolerance * (stretches[-1].last - stretches[0].first)
+        self.budget = budget
+        self.workspace, self.counters = workspace()
+        self.results = self.workspace[RESULTS]
+
+    def run(self) -> Advance:
+        for k, window in enumerate(self.windows):
+            found = self._window(window)
+            if found is None:
+                continue
+            if k > 0 and found.status == "initial":
+                return self._at_seam(window, found)
+            return found
+        return self._answer("free", self.windows[-1].last)
+
+    def _at_seam(self, window: Window, found: Advance) -> Advance:
+        """A common point at the start of a later window: all before it was proved free."""
+        return self._answer(
+            "contact", window.first, time=window.first, time_interval=(window.first, window.first), point=found.point
+        )
+
+    def _window(self, window: Window) -> Advance | None:
+        """The answer if there is one in this window; None proves it free."""
+        best: Advance | None = None
+        stuck: Advance | None = None
+        limit = window.last
+        for i, j in self._pairs(window):
+            outcome = advance_pieces(
+                self.a.array, i, window.a, self.b.array, j, window.b,
+                window.first, limit, window.inner, self.width, self.budget, self.workspace, self.counters,
+            )  # fmt: skip
+            if outcome == FREE:
+                continue
+            if outcome == INITIAL:
+                return self._answer(
+                    "initial", window.first, time=window.first, time_interval=(window.first, window.first),
+                    point=self.results[POINT : POINT + 3].copy(),
+                )  # fmt: skip
+            if outcome == CONTACT:
+                best = self._earlier(best, self._contact())
+                assert best.time_interval is not None
+                limit = min(limit, best.time_interval[1])
+            elif stuck is None or self.results[FREE_UNTIL] < stuck.free_until:
+                stuck = self._open(REASONS.get(outcome, "precision"))
+        if stuck is not None and (best is None or best.time_interval is None or stuck.free_until < best.time_interval[0]):
+            return stuck
+        return best
+
+    def _pairs(self, window: Window) -> Iterator[tuple[int, int]]:
+        for i in range(self.a.count):
+            for j in range(self.b.count):
+                yield i, j
+
+    def _earlier(self, best: Advance | None, found: Advance) -> Advance:
+        """The earlier contact, with an interval that holds for both pairs."""
+        if best is None:
+            return found
+        assert best.time_interval and found.time_interval and best.time is not None and found.time is not None
+        first, other = (best, found) if best.time <= found.time else (found, best)
+        lo = min(best.time_interval[0], found.time_interval[0])
+        hi = min(best.time_interval[1], found.time_interval[1])
+        fields = {name: getattr(first, name) for name in ("time", "point", "normal", "features_a", "features_b")}
+        fields["time"] = min(max(fields["time"], lo), hi)
+        return self._answer("contact", lo, time_interval=(lo, hi), **fields)
+
+    def _contact(self) -> Advance:
+        r = self.results
+        features = self._features()
+        return self._answer(
+            "contact", float(r[LO]), time=float(r[TIME]), time_interval=(float(r[LO]), float(r[HI])),
+            point=r[POINT : POINT + 3].copy(), normal=-r[NORMAL : NORMAL + 3],
+            features_a=features[0], features_b=features[1],
+        )  # fmt: skip
+
+    def _features(self) -> tuple[tuple[Feature, ...], tuple[Feature, ...]]:
+        c = self.counters
+        if c[MODE] == BY_FORMS:
+            n, m = int(c[COUNT]), int(c[COUNT + 1])
+            return (
+                _named(self.a, c[ACTIVE : ACTIVE + n].tolist()),
+                _named(self.b, c[ACTIVE + n : ACTIVE + n + m].tolist()),
+            )
+        form, vertex = [int(c[ACTIVE])], int(c[VERTEX])
+        if c[MODE] == BY_VERTEX_A:
+            return _at_vertex(self.a, vertex), _named(self.b, form)
+        return _named(self.a, form), _at_vertex(self.b, vertex)
+
+    def _open(self, reason: str) -> Advance:
+        return self._answer("open", float(self.results[FREE_UNTIL]), reason=reason)
+
+    def _answer(self, status: str, free_until: float, **fields: Any) -> Advance:
+        c = self.counters
+        return Advance(
+            status, free_until, gap=float(self.results[GAP]),
+            steps=int(c[STEPS]), newton=int(c[NEWTON]), gaps=int(c[GAPS]), **fields,
+        )  # fmt: skip
+
+
+def _named(pieces: ConvexPieces, forms: list[int]) -> tuple[Feature, ...]:
+    """The feature of the body on all these forms; their faces where pieces meet inside the body."""
+    surfaces = [int(pieces.array[k, 10]) for k in forms]
+    labels = pieces.labels
+    if frozenset(surfaces) in labels:
+        return (labels[frozenset(surfaces)],)
+    return tuple(labels[frozenset([s])] for s in surfaces if frozenset([s]) in labels)
+
+
+def _at_vertex(pieces: ConvexPieces, row: int) -> tuple[Feature, ...]:
+    return (("vertex", row),)
+

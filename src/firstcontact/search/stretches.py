@@ -1,0 +1,189 @@
+"""Motions as stretches of time in the form that the kernels of `kernels.poses` read, with proved errors."""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from flint import arb, fmpq, fmpq_poly
+
+from firstcontact.body.moving import Moving
+from firstcontact.exact.numbers import precision, to_double
+from firstcontact.exact.rigid import ball_rotation, compose
+from firstcontact.exact.vectors import dot
+from firstcontact.kernels.poses import (
+    CENTRE,
+    DEGREE,
+    ERROR_R,
+    ERROR_T,
+    ERROR_W,
+    KIND,
+    OMEGA,
+    PER_HALF,
+    RATIONAL,
+    SINE_EPS,
+    STRAIGHT,
+    TURNING,
+)
+from firstcontact.motion import projective
+from firstcontact.motion.polynomial import REST, _own_pose, _Step, _steps
+from firstcontact.motion.rotation import Rotation, angle_ball
+from firstcontact.motion.screw import Screw
+
+U = 2.0**-53
+BITS = 192
+# Largest half angle (radians) of one stretch: `sine_cosine` reduces arguments below 2^10.
+MOST_RADIANS = 1000.0
+
+
+class Untold(Exception):
+    """A motion that the kernels cannot follow; the text says why."""
+
+
+class Window(NamedTuple):
+    """Both motions as (14, n) arrays over [first, last] (exact times, rounded outward); inner: `last` rounded inward."""
+
+    first: float
+    last: float
+    inner: float
+    a: np.ndarray
+    b: np.ndarray
+
+
+def windows(a: Any, b: Any, first: fmpq, last: fmpq) -> list[Window]:
+    """The windows of time in which both bodies follow one step each, in order."""
+    motions = [x.motion if isinstance(x, Moving) else REST for x in (a, b)]
+    steps = [known_steps(m) for m in motions]
+    cuts = {first, last}
+    for own in steps:
+        for step in own:
+            cuts |= {t for t in (step.start, step.end) if t is not None and first < t < last}
+    times = sorted(cuts)
+    found = []
+    for begin, end in zip(times, times[1:] or times, strict=False):
+        pair = [_stretch(m, _index(own, begin, end), begin, end) for m, own in zip(motions, steps, strict=True)]
+        found.append(Window(below(begin), above(end), below(end), *pair))
+    return found
+
+
+@lru_cache(maxsize=128)
+def known_steps(motion: Any) -> tuple[_Step, ...]:
+    return tuple(_steps(motion))
+
+
+def _index(steps: tuple[_Step, ...], begin: fmpq, end: fmpq) -> int:
+    """The step in charge of [begin, end]."""
+    for k, step in enumerate(steps):
+        if (step.start is None or step.start <= begin) and (step.end is None or end <= step.end):
+            return k
+    raise Untold("no pose")
+
+
+def below(t: fmpq) -> float:
+    """The largest double <= t."""
+    x = to_double(t)
+    return x if fmpq(*x.as_integer_ratio()) <= t else math.nextafter(x, -math.inf)
+
+
+def above(t: fmpq) -> float:
+    return -below(-t)
+
+
+@lru_cache(maxsize=256)
+def _stretch(motion: Any, index: int, begin: fmpq, end: fmpq) -> np.ndarray:
+    step = known_steps(motion)[index]
+    middle = to_double((begin + end) / 2)
+    half = max(to_double(end - begin) / 2 * (1 + 1e-9), 1e-300)
+    if end == begin:
+        half = 1.0
+    head = np.zeros(9)
+    head[CENTRE], head[PER_HALF] = middle, 1.0 / half
+    # the exact scale that the kernel uses is that of the double 1 / half
+    centre, scale = fmpq(*middle.as_integer_ratio()), 1 / fmpq(*float(head[PER_HALF]).as_integer_ratio())
+    turns = isinstance(step.motion, Rotation | Screw)
+    coefficients = (_turning if turns else _rational)(step, centre, scale, head)
+    if not step.exact:  # its start is within 2^-60 radians per rotation before it
+        size = float(np.abs(coefficients[:12]).sum())
+        head[ERROR_R] += 2.0**-58 * (index + 1) * size
+        head[ERROR_T] += 2.0**-58 * (index + 1) * size
+    table = np.zeros((14, max(len(head), coefficients.shape[1])))
+    table[0, : len(head)], table[1:, : coefficients.shape[1]] = head, coefficients
+    if not np.all(np.isfinite(table)):
+        raise Untold("numbers beyond the range of doubles")
+    return table
+
+
+def _rational(step: _Step, centre: fmpq, scale: fmpq, head: np.ndarray) -> np.ndarray:
+    """Polynomials in s = (t - centre) / scale."""
+    head[KIND] = RATIONAL
+    local = fmpq_poly([(centre - step.origin) / step.unit, scale / step.unit])
+    pose = projective.product(
+        projective.substituted(_own_pose(step.motion, "a body"), local), projective.fixed(step.before)
+    )
+    rows = [[fmpq_poly(x) for x in row] for row in pose]
+    weight = rows[3][3]
+    largest = max(abs(x) for x in weight.coeffs())
+    straight = weight.degree() == 0
+    factor = (1 if not straight or weight[0] > 0 else -1) / largest
+    entries = [rows[i][j] for i in range(3) for j in range(3)] + [rows[i][3] for i in range(3)] + [weight]
+    n = 1 + max(x.degree() for x in entries)
+    table = np.zeros((13, n))
+    for e, p in enumerate(entries):
+        for k, x in enumerate(p.coeffs()):
+            table[e, k] = to_double(x * factor)
+    if not straight and table[12] @ np.array([0.0**k for k in range(n)]) < 0:
+        table = -table
+    head[STRAIGHT] = float(straight)
+    # coefficients rounded once; two roundings per step of Horner's rule; s itself within 4 U
+    sums = np.abs(table) @ (8.0 * np.arange(n) + 3.0) * U
+    head[ERROR_R], head[ERROR_T] = sums[:9].max(), sums[9:12].max()
+    head[ERROR_W] = 0.0 if straight else sums[12]
+    head[DEGREE] = n - 1
+    return table
+
+
+def _turning(step: _Step, centre: fmpq, scale: fmpq, head: np.ndarray) -> np.ndarray:
+    """Linear in 1, sin, 1 - cos of the angle turned since `centre`, and s = (t - centre) / scale."""
+    motion = step.motion
+    head[KIND] = TURNING
+    advance = motion.advance if isinstance(motion, Screw) else fmpq(0)
+    local = (centre - step.origin) / step.unit
+    with precision(BITS):
+        length = arb(dot(motion.axis, motion.axis)).sqrt()
+        k = [arb(x) / length for x in motion.axis]
+        p = [arb(x) for x in motion.point]
+        omega = angle_ball(motion.angle * scale / step.unit, motion.unit)
+        turned = ball_rotation(motion.axis, motion.point, angle_ball(motion.angle * local, motion.unit))
+        base = compose(turned, tuple(tuple(arb(x) for x in row) for row in step.before))  # type: ignore[arg-type]
+        columns = [[base[i][j] for i in range(3)] for j in range(3)]
+        shift = [base[i][3] for i in range(3)]
+        arm = [s - q for s, q in zip(shift, p, strict=True)]
+        once = [_cross(k, c) for c in (*columns, arm)]
+        twice = [_cross(k, c) for c in once]
+        far = [s + arb(advance * local) * x for s, x in zip(shift, k, strict=True)]
+        slope = [arb(advance * scale / step.unit) * x for x in k]
+        order = [(i, j) for i in range(3) for j in range(3)] + [(i, 3) for i in range(3)]
+        zeroth = [*columns, far]
+        table = np.array([
+            [_middle(zeroth[j][i]), _middle(once[j][i]), _middle(twice[j][i]), _middle(slope[i]) if j == 3 else 0.0]
+            for i, j in order
+        ])  # fmt: skip
+        head[OMEGA] = _middle(omega)
+    if abs(head[OMEGA]) > MOST_RADIANS:
+        raise Untold("too many turns")
+    # entries and omega rounded once, the sum of four terms, s within 4 U, the sine within SINE_EPS
+    off = np.array([8 * U, 8 * U, 16 * U, 12 * U])
+    wobble = SINE_EPS + 8 * U * abs(head[OMEGA])
+    errors = np.abs(table) @ off + (np.abs(table[:, 1]) + np.abs(table[:, 2])) * wobble
+    head[ERROR_R], head[ERROR_T] = errors[:9].max(), errors[9:].max()
+    return np.vstack([table, np.zeros(4)])
+
+
+def _cross(x: list[arb], y: list[arb]) -> list[arb]:
+    return [x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]]
+
+
+def _middle(x: arb) -> float:
+    return float(x.mid())
