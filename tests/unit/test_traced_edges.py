@@ -41,8 +41,9 @@ def test_all_marked_points_are_on_traced_edges(body, count):
     assert untraced(body, _box_of(body)) == []
     for x, _ in points:
         point = (*(fmpq(*float(c).as_integer_ratio()) for c in x), fmpq(1))
-        away = [abs(float(s.value(point))) / np.linalg.norm([float(c) for c in s.gradient(point)]) for s in body.surfaces]
-        assert sum(distance < 1e-14 for distance in away) >= 2
+        values = [abs(float(s.value(point))) for s in body.surfaces]
+        slopes = [np.linalg.norm([float(c) for c in s.gradient(point)]) for s in body.surfaces]
+        assert sum(v < 1e-14 * slope for v, slope in zip(values, slopes, strict=True)) >= 2
 
 
 def test_a_missing_edge_is_noticed():
