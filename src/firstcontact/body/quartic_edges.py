@@ -1,8 +1,11 @@
 """Edges of degree 4: common curves of two quadrics that no rational planes hold.
 
 The curves are traced in doubles (seeds from a grid, tangent steps, Newton's method back onto both quadrics); what an
-arc is, is decided at one of its points, taken to 400 bits; its ends are proved by Krawczyk's test.  A piece that
-starts and ends within one step (a 300th of the box) can be missed.
+arc is, is decided at one of its points, taken to 400 bits; its ends are proved by Krawczyk's test.
+
+Not proved here: that every branch has a seed (grid cells that may hold the curve are tried at their centres), that no
+step jumps to another branch, and that a surface crossed twice within one step (a 300th of the box) is seen.
+`composite.traced_edges` proves that no piece farther than two steps from the traced ones is missing.
 """
 
 from __future__ import annotations

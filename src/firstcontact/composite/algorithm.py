@@ -140,7 +140,7 @@ class Search:
     def sliding(self, u: fmpq) -> list[Meeting]:
         """The contacts at a rational u of features that slide in one another: their equations vanish at all times."""
         at = AlgebraicRoot.of(u)
-        tasks = [t for t in self.tasks if isinstance(t, Subproblem) and t.equation.candidates is None]
+        tasks = [task for task in self.tasks if task.equation.candidates is None]
         found: list[Meeting] = []
         for task in tasks:
             try:

@@ -20,6 +20,7 @@ from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.features import Edge, Face, Vertex
 from firstcontact.composite.moving_pair import Form, Pair, without_factor
 from firstcontact.composite.system_search import Solid, zeros_within
+from firstcontact.composite.traced_edges import untraced
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.polynomial_matrix import Matrix, congruent, constant
 from firstcontact.exact.roots import AlgebraicRoot
@@ -81,10 +82,14 @@ class View:
         )
 
 
-def _rank_at_many(rows: Sequence[Sequence[fmpz_poly]]) -> int:
+def _rank_at(rows: Sequence[Sequence[fmpz_poly]], u: fmpq) -> int:
+    return int(fmpq_mat([[fmpq(p(u)) for p in row] for row in rows]).rank())
+
+
+def _rank(rows: Sequence[Sequence[fmpz_poly]]) -> int:
     """The rank over Q(u): the largest at more values of u than a minor has roots."""
     degree = sum(max(int(p.degree()) for p in row) for row in rows)
-    return max(fmpq_mat([[fmpq(p(u)) for p in row] for row in rows]).rank() for u in range(degree + 1))
+    return max(_rank_at(rows, fmpq(u)) for u in range(degree + 1))
 
 
 def _samples(edge: Edge) -> np.ndarray:
@@ -156,11 +161,12 @@ class SquareSubproblem:
         return (own, other) if self.view.moving else (other, own)
 
     def _is_dependent(self, forms: Sequence[Matrix], form: Matrix) -> bool:
+        """Whether the form is a combination of the others over Q(u)."""
         rows = [_entries(f) for f in (*forms, form)]
         u = self.pair.piece.u_lo + fmpq(355, 113 * 1024)  # at one u first: ranks fall at few
-        if fmpq_mat([[fmpq(p(u)) for p in row] for row in rows]).rank() == len(rows):
+        if _rank_at(rows, u) == len(rows):
             return False
-        return _rank_at_many(rows) < len(rows)
+        return _rank(rows) == _rank(rows[:-1])
 
     @cached_property
     def _found(self) -> list[EnclosedRoot | OpenRoot]:
@@ -185,6 +191,8 @@ class SquareSubproblem:
             return finite((self.view.in_frame_of_b(root.zero),))
         if not self.slides or root.rational is None:
             return nothing("no zero of the system")
+        if isinstance(self.a, Edge) and isinstance(self.b, Edge):
+            return nothing("the faces beside the edges see where they meet")
         zeros = self._sliding_points(root.rational)
         return gather([finite((self.view.in_frame_of_b(zero),)) for zero in zeros], "no point proved")
 
@@ -208,6 +216,7 @@ def square_subproblems(pair: Pair) -> Iterator[SquareSubproblem]:
     """Edges of degree 4 against faces and edges, enclosed vertices against faces."""
     for moving in (True, False):
         view = View(pair, moving)
+        _refuse_untraced(view.own)
         for edge in quartic_edges(view.own):
             yield from _of_edge(view, edge, quartics_too=moving)
         for vertex in view.own.vertices:
@@ -215,12 +224,22 @@ def square_subproblems(pair: Pair) -> Iterator[SquareSubproblem]:
                 yield from _of_vertex(view, vertex, vertex.carrier)
 
 
+def _refuse_untraced(body: CompositeQuadric) -> None:
+    """Contacts are complete only if all edges are known."""
+    box = _box_of(body)
+    missed = untraced(body, box) if box is not None else []
+    if missed:
+        raise UnsupportedPair(f"{body.name or 'solid'}: an edge of degree 4 near {missed[0].tolist()} was not traced")
+
+
 def quartic_edges(body: CompositeQuadric) -> list[Edge]:
     return [e for e in body.edges if isinstance(e.carrier, QuarticCurve) and e.convexity != "reentrant"]
 
 
 def _of_edge(view: View, edge: Edge, quartics_too: bool) -> Iterator[SquareSubproblem]:
-    box = _box_of(view.own, edge)
+    box = _box_of(view.own)
+    if box is None:
+        raise UnsupportedPair(f"{edge.name}: no bound of its body is known; intersect it with a box")
     first = [view.own_forms[k] for k in edge.surfaces[:2]]
     for face in view.other.faces:
         forms = [*first, view.other_forms[face.surfaces[0]]]
@@ -247,11 +266,11 @@ def _task(
     return SquareSubproblem(view.pair, a, b, "degree 4", view, SquareSystem(forms), text, box)
 
 
-def _box_of(body: CompositeQuadric, edge: Edge) -> BoxQ:
-    """A box that holds the body, with a little room."""
+def _box_of(body: CompositeQuadric) -> BoxQ | None:
+    """A box that holds the body, with a little room; None where no bound is known."""
     lo, hi = body.bounds()
     if not np.all(np.isfinite([lo, hi])):
-        raise UnsupportedPair(f"{edge.name}: no bound of its body is known; intersect it with a box")
+        return None
     room = 1e-6 * float(np.max(hi - lo))
     return tuple(_rational(x - room) for x in lo), tuple(_rational(x + room) for x in hi)
 
