@@ -55,6 +55,8 @@ def first_contact(
     if _curved(a, b):
         from firstcontact.composite import verbs
 
+        if engine != "auto":
+            raise UnsupportedPair(f"engine {engine!r} searches trees of polyhedra; curved models take 'auto'")
         return verbs.first_contact(a, b, span, exact, method, tolerance, budget)
     parts, first, last = pieces(a, b, span)
     stats = Stats()
@@ -115,6 +117,8 @@ def contact_intervals(
     if _curved(a, b):
         from firstcontact.composite import verbs
 
+        if budget is not None:
+            raise UnsupportedPair("contact_intervals of curved models takes no budget")
         return verbs.contact_intervals(a, b, span, exact)
     parts, first, last = pieces(a, b, span)
     stats = Stats()

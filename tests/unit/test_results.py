@@ -160,6 +160,6 @@ def test_bad_settings_are_named(keyword):
         fc.first_contact(CUBE.moving(fc.Translation((1, 0, 0))), TARGET, **keyword)
 
 
-def test_only_polyhedra_are_bodies():
-    with pytest.raises(fc.UnsupportedPair, match="no Polyhedron"):
+def test_a_name_is_no_body():
+    with pytest.raises(fc.UnsupportedPair, match="'lid' is no body"):
         fc.first_contact("lid", CUBE)

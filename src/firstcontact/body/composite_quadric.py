@@ -60,6 +60,9 @@ class CompositeQuadric:
         self._derived: Features | None = None
         self._tight_box: tuple[np.ndarray, np.ndarray] | None = None
         self._witness = witness
+        self.whole: CompositeQuadric | None = None
+        """The unbounded model of which this one is the part that matters (`cut` on that one), if it is."""
+        self.cut: dict[int, CompositeQuadric] = {}
         self.source: Any = None
         """The polyhedron this model stands for, if it does."""
         self._validate()

@@ -5,12 +5,14 @@ What it cannot settle (grazes, contact at the start, models with holes) is left 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 from flint import fmpq
 
+from firstcontact.body import primitives
 from firstcontact.body.carriers import Line, Plane, Quadric
 from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.features import Edge, Face, Vertex
@@ -20,6 +22,8 @@ from firstcontact.exact.numbers import to_double
 from firstcontact.result import ContactSet, Element, FirstContact, Stats, Status
 from firstcontact.search.advance import Advance, advance
 
+LARGEST = 2.0**60
+"""Coordinates up to which an unbounded model is cut."""
 ACROSS = 1e-6
 """Sine of the angle below which directions count as parallel: what is flat there may be shared in more than a point,
 which exact arithmetic then decides."""
@@ -32,6 +36,7 @@ def settle(
 
     models: both, at rest or moving.  Among features that touch at the same time the answer names one pair.
     """
+    models = _bounded(models[0], models[1], shared["span"]), _bounded(models[1], models[0], shared["span"])
     found = advance(*models, first, last, tolerance, 10_000 if budget is None else budget)
     stats = Stats(found.steps, found.gaps, 0, 0)
     if found.status == "free":
@@ -40,6 +45,25 @@ def settle(
         return None, found
     answer = contact(models, found, stats, shared)
     return (None if answer is None or answer.contact_set is None else answer), found
+
+
+def _bounded(body: Any, other: Any, span: tuple[float, float]) -> Any:
+    """A resting unbounded model cut to a cube around the other body's whole path: nothing is touched beyond.
+
+    The cube comes in powers of two, so that other motions find the cut model again.
+    """
+    if isinstance(body, Moving) or body.bounded:
+        return body
+    lo, hi = other.bounds(span)
+    reach = float(max(np.abs(lo).max(), np.abs(hi).max()))
+    if not reach < LARGEST:
+        return body
+    size = math.frexp(reach)[1] + 1
+    if size not in body.cut:
+        cube = primitives.box((2 ** (size + 1),) * 3) if size > 0 else primitives.box((4, 4, 4))
+        body.cut[size] = body & cube
+        body.cut[size].whole = body
+    return body.cut[size]
 
 
 def contact(models: tuple[Any, Any], found: Advance, stats: Stats, shared: dict[str, Any]) -> FirstContact | None:
@@ -69,6 +93,7 @@ def _touched(body: Any, features: Any, found: Advance, which: str) -> tuple[Elem
     assert found.point is not None and found.normal is not None
     where, n = np.linalg.solve(pose[:3, :3], found.point - pose[:3, 3]), pose[:3, :3].T @ found.normal
     touched = [_feature(model, kind, index, where) for kind, index in features]
+    model = model.whole or model
     if not touched:
         return None
     flats = [pose[:3, :3] @ f if isinstance(f, np.ndarray) else f for x in touched for f in _flats(model, x, where, n)]
@@ -76,6 +101,16 @@ def _touched(body: Any, features: Any, found: Advance, which: str) -> tuple[Elem
 
 
 def _feature(model: CompositeQuadric, kind: str, index: int, where: np.ndarray) -> Face | Edge | Vertex:
+    """The feature of that number; of a cut model, the feature of the whole one on the same surfaces."""
+    found = _numbered(model, kind, index, where)
+    if model.whole is None:
+        return found
+    carriers = {model.surfaces[k] for k in found.surfaces}
+    of_kind: Any = {"face": model.whole.faces, "edge": model.whole.edges, "vertex": model.whole.vertices}[kind]
+    return next(f for f in of_kind if carriers <= {model.whole.surfaces[k] for k in f.surfaces})
+
+
+def _numbered(model: CompositeQuadric, kind: str, index: int, where: np.ndarray) -> Face | Edge | Vertex:
     if kind == "vertex":  # the nearest: the fast path numbers corners of pieces, not of the model
         return min(model.vertices, key=lambda v: float(np.abs(np.array(v.position) - where).max()))
     of_kind: Any = model.faces if kind == "face" else model.edges
