@@ -1,0 +1,218 @@
+"""One piece of curved relative motion: the walk over cells of time, and exact or enclosed answers for pairs of elements.
+
+The bodies stay in their own frames; the working frame is that of body b.  The local clock is the time since the start.
+"""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from flint import arb, ctx, fmpq
+
+from firstcontact.exact.conditions import Conditions, between, distinct
+from firstcontact.exact.instants import enclose
+from firstcontact.exact.numbers import PRECISIONS, Undecidable, ball, fraction, precision, sign, to_double
+from firstcontact.exact.rigid import Matrix, apply
+from firstcontact.exact.root_instants import RootInstant
+from firstcontact.exact.roots import AlgebraicRoot
+from firstcontact.exact.vectors import Vector, add, cross, dot, sub, whole
+from firstcontact.motion import projective
+from firstcontact.motion.curved import CurvedPiece, inverse, terms
+from firstcontact.motion.polynomial import PolynomialPiece
+from firstcontact.pairs import moving, point_line
+from firstcontact.result import ExactTime
+from firstcontact.search import curve  # noqa: F401 - the walk under this motion
+from firstcontact.search.cells import cells_of
+from firstcontact.search.elements import EDGE, FACE, VERTEX, Feature, Primitive, corners_of
+from firstcontact.search.frame import tree_of
+from firstcontact.search.state import WalkState
+from firstcontact.search.touch import Touch, doubles, unit_against
+from firstcontact.search.walk import walk
+
+_BITS = 192
+
+
+class CurvedProblem:
+    """Body a moves by the piece's pose, body b rests; both in the frames they are given in."""
+
+    begin = 0.0, 0.0
+
+    def __init__(self, a: Any, b: Any, piece: CurvedPiece) -> None:
+        self.a, self.b, self.piece = a, b, piece
+        self.is_exact = a._pose is None and b._pose is None
+        self.tree_a, self.tree_b = tree_of(a), tree_of(b)
+        sizes = [float(np.abs(tree.boxes[0]).max()) for tree in (self.tree_a, self.tree_b)]
+        self.motion = cells_of(piece, *sizes)
+        self.length = piece.end - piece.start
+        errors = self.tree_a.error + self.tree_b.error
+        stretch = self.motion[: len(self.motion) - 64, 47, :6]
+        finite = stretch[np.isfinite(stretch).all(axis=1)]
+        self.pad = 4.0 * (1.0 + float(finite.max(initial=0.0))) * errors
+
+    def window(self) -> tuple[float, float]:
+        """(last, sure last): outward and inward doubles around the end of the window."""
+        last = to_double(self.length)
+        if fmpq(*last.as_integer_ratio()) == self.length:
+            return last, last
+        return math.nextafter(last, math.inf), math.nextafter(last, -math.inf)
+
+    def advance(self, state: WalkState, limit: int, with_start: bool, all_sides: bool) -> int:
+        """Go on with the walk; the reason it came back.  The start is another problem's (`problem`)."""
+        a, b = self.tree_a, self.tree_b
+        return walk(
+            a.boxes, a.links, a.xyz, a.ids, b.boxes, b.links, b.xyz, b.ids,
+            self.motion, a.error, b.error, self.pad, False, all_sides, limit,
+            state.floats, state.integers, state.keys, state.pairs, state.stack, state.times, state.candidates,
+        )  # fmt: skip
+
+    # -- answers --------------------------------------------------------------------------------------------
+
+    def world_time(self, local: float) -> float:
+        """A double not later than the local time, in the motions' clock."""
+        t = to_double(self.piece.start)
+        return local if t == 0.0 else math.nextafter(t + local, -math.inf)
+
+    def is_end(self, at: Any, turn: int) -> bool:
+        """Whether the instant is the end of the piece."""
+        return self.order(at, self.end_instant()) == 0
+
+    def order(self, x: Any, y: Any) -> int:
+        """-1, 0, 1: x before, at, after y."""
+        return x.compare(y)
+
+    def end_instant(self) -> Any:
+        raise NotImplementedError
+
+    def repeated(self, windows: list[tuple[Any, Any]]) -> list[tuple[Any, int, Any, int]]:
+        """The windows as (start, turn, end, turn): there are no turns."""
+        return [(start, 0, end, 0) for start, end in windows]
+
+    def touch(self, element_a: Feature, element_b: Feature, at: Any) -> Touch:
+        """(point, unit normal or None) of the two elements at the instant, working frame."""
+        corners_a, corners_b = corners_of(self.a, element_a), corners_of(self.b, element_b)
+        for bits in PRECISIONS:
+            with terms(2, bits):
+                pose = self.piece.series(at.local() + self.piece.start)
+                now: Any = [tuple(x[0] for x in row) for row in pose]
+                speed = [tuple(x[1] for x in row) for row in pose]
+                moved = [apply(now, _balls(p)) for p in corners_a]
+                rest = [_balls(p) for p in corners_b]
+                point = _shared_point(element_a, moved, element_b, rest)
+                back = inverse(pose, self.piece.is_rigid)
+                own = apply([tuple(x[0] for x in row) for row in back], point)  # type: ignore[arg-type]
+                velocity = apply(speed, own)  # type: ignore[arg-type]
+                normal = unit_against(_normal(element_a, moved, element_b, rest), velocity)
+            if normal is not None:
+                break
+        return doubles(point), normal
+
+
+def _balls(p: Vector) -> Vector:
+    return ball(p[0]), ball(p[1]), ball(p[2])
+
+
+def _normal(element_a: Feature, a: list[Vector], element_b: Feature, b: list[Vector]) -> Vector:
+    if element_a[0] == VERTEX:
+        return cross(sub(b[1], b[0]), sub(b[2], b[0]))
+    if element_b[0] == VERTEX:
+        return cross(sub(a[1], a[0]), sub(a[2], a[0]))
+    return cross(sub(a[1], a[0]), sub(b[1], b[0]))
+
+
+def _shared_point(element_a: Feature, a: list[Vector], element_b: Feature, b: list[Vector]) -> Vector:
+    """A point of both elements, given that they share one, in balls."""
+    if element_a[0] == VERTEX:
+        return a[0]
+    if element_b[0] == VERTEX:
+        return b[0]
+    (p, q), (r, s) = a, b
+    e, f, w = sub(q, p), sub(s, r), sub(r, p)
+    n = cross(e, f)
+    square = dot(n, n)
+    if not square.contains(0):
+        mu = dot(cross(w, e), n) / square
+        return add(r, (mu * f[0], mu * f[1], mu * f[2]))
+    return min(
+        ((_distance(x, y, z), x) for x, y, z in ((p, r, s), (q, r, s), (r, p, q), (s, p, q))), key=lambda found: found[0]
+    )[1]
+
+
+def _distance(x: Vector, c: Vector, d: Vector) -> float:
+    """About the distance of x from the segment cd."""
+    p, q, r = (np.array([float(v.mid()) for v in point]) for point in (x, c, d))
+    f = r - q
+    length = float(f @ f)
+    share = min(max(float((p - q) @ f) / length, 0.0), 1.0) if length > 0 else 0.0
+    return float(np.linalg.norm(p - q - share * f))
+
+
+class RationalProblem(CurvedProblem):
+    """A piece whose pose is a rational function of the time: every answer is exact."""
+
+    def __init__(self, a: Any, b: Any, piece: CurvedPiece) -> None:
+        super().__init__(a, b, piece)
+        assert piece.polynomial is not None
+        self.path: PolynomialPiece = piece.polynomial
+        self.lo, self.hi = piece.start, piece.end
+        self._back: projective.Matrix | None = None
+
+    @property
+    def back(self) -> projective.Matrix:
+        """The pose of b seen from a."""
+        if self._back is None:
+            self._back = projective.inverse(self.path.pose, self.lo)
+        return self._back
+
+    def conditions(self, element_a: Feature, element_b: Feature) -> list[Conditions]:
+        """When the two elements share a point: when one of these holds."""
+        corners_a, corners_b = corners_of(self.a, element_a), corners_of(self.b, element_b)
+        scale, corners = whole(*corners_a, *corners_b)
+        x, y = corners[: len(corners_a)], corners[len(corners_a) :]
+        if element_a[0] == VERTEX:
+            return moving.vertex_facet(moving.times(self.path.pose, x[0], scale), *y)
+        if element_b[0] == VERTEX:
+            return moving.vertex_facet(moving.times(self.back, y[0], scale), *x)
+        return self._edges(x, y, scale)
+
+    def _edges(self, x: list[Vector], y: list[Vector], scale: Any) -> list[Conditions]:
+        """Edges that cross, and where that is not all, ends of one on the other."""
+        pose = self.path.pose
+        start = moving.times(pose, x[0], scale)
+        crossing = moving.edge_edge_crossing(start, moving.turned(pose, sub(x[1], x[0])), *y)  # type: ignore[call-arg]
+        if not crossing.lasting and not self._parallel_at_events(crossing):
+            return [crossing]
+        found = [crossing]
+        for p in x:
+            found += moving.vertex_edge(moving.times(pose, p, scale), *y)  # type: ignore[call-arg]
+        for p in y:
+            found += moving.vertex_edge(moving.times(self.back, p, scale), *x)  # type: ignore[call-arg]
+        return found
+
+    def _parallel_at_events(self, crossing: Conditions) -> bool:
+        return any(root.sign_of(crossing.more[0]) == 0 for root in crossing.events(self.lo, self.hi))
+
+    def contact(self, element_a: Feature, element_b: Feature) -> RootInstant | None:
+        """The earliest time of the window at which the two elements share a point; exact."""
+        found = [c.earliest(self.lo, self.hi) for c in self.conditions(element_a, element_b)]
+        roots = distinct(r for r in found if r is not None)
+        return RootInstant(roots[0], self.lo) if roots else None
+
+    # -- answers --------------------------------------------------------------------------------------------
+
+    def start_instant(self) -> RootInstant:
+        return RootInstant.at(self.lo, self.lo)
+
+    def end_instant(self) -> RootInstant:
+        return RootInstant.at(self.hi, self.lo)
+
+    def world_instant(self, at: RootInstant, turn: int = 0) -> tuple[float, tuple[float, float]]:
+        """(nearest double, enclosure) of the instant in the motions' clock."""
+        value = at.root.rational
+        return enclose(lambda: at.root.enclosure(ctx.prec) if value is None else value)
+
+    def world_exact(self, at: RootInstant, turn: int = 0) -> ExactTime:
+        return at.root.number()
