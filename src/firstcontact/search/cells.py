@@ -65,7 +65,7 @@ def cells_of(piece: CurvedPiece, size_a: float, size_b: float) -> np.ndarray:
         found += level
         worst = max(_displacement(cell, size_a) for cell in level)
         size = size_b + max(_reach(cell, size_a) for cell in level)
-        if worst <= WANTED * size or levels == MOST_LEVELS:
+        if worst <= WANTED * size < np.inf or levels == MOST_LEVELS:
             break
         levels += 1
     out = np.zeros((len(found) + SCRATCH, ROWS, TERMS))
@@ -89,7 +89,10 @@ def _cell(piece: CurvedPiece, start: fmpq, width: fmpq) -> np.ndarray:
     middle = start + half
     with terms(TERMS + 1, _BITS):
         sharp = _functions(piece, ball(middle))
-        blurred = _functions(piece, arb(to_ball(middle, half)))
+        try:
+            blurred = _functions(piece, arb(middle - half).union(arb(middle + half)))
+        except ValueError:  # the cell is so long that a divisor may vanish in it
+            return _bounded(np.full((ROWS, TERMS), np.inf), np.full(ERRORS, np.inf))
         powers = [ball(half) ** k for k in range(TERMS + 1)]
         out = np.zeros((ROWS, TERMS))
         rest = np.zeros(ERRORS)
@@ -100,11 +103,6 @@ def _cell(piece: CurvedPiece, start: fmpq, width: fmpq) -> np.ndarray:
             tail = g[TERMS] * powers[TERMS]
             rest[row] = float(abs(tail).upper())
     return _bounded(out, rest)
-
-
-def to_ball(middle: fmpq, half: fmpq) -> arb:
-    """A ball around [middle - half, middle + half]."""
-    return arb(middle - half).union(arb(middle + half))
 
 
 def _functions(piece: CurvedPiece, t: arb) -> list[Any]:
@@ -124,6 +122,10 @@ def _functions(piece: CurvedPiece, t: arb) -> list[Any]:
 
 def _bounded(cell: np.ndarray, rest: np.ndarray) -> np.ndarray:
     """The cell with powers turned to Bernstein coefficients, and all its bounds."""
+    if not (np.isfinite(cell).all() and np.isfinite(rest).all()):  # nothing is known: its halves may do better
+        cell[:SPREAD], cell[SPREAD:] = 0.0, np.inf
+        cell[ERRORS, LEVELS:] = 0.0
+        return cell
     powers = cell[:SPREAD].copy()
     rounding = 32.0 * 2.0**-53 * np.abs(powers).sum(axis=1)  # one double each, and the sum of eight products
     cell[:SPREAD] = powers @ _BERNSTEIN.T
@@ -135,9 +137,4 @@ def _bounded(cell: np.ndarray, rest: np.ndarray) -> np.ndarray:
         cell[ERRORS + 1, k] = most
     cell[SPREAD, :], cell[SPREAD + 1, 0] = largest[:8], largest[8]
     cell[BACK_SPREAD, :], cell[BACK_SPREAD + 1, 0] = largest[BACK : BACK + 8], largest[BACK + 8]
-    broken = not np.isfinite(cell[ERRORS]).all() or not np.isfinite(cell[ERRORS + 1]).all()
-    if broken:  # nothing is known of this cell: its halves may do better
-        cell[:SPREAD] = 0.0
-        cell[SPREAD:] = np.inf
-        cell[ERRORS, LEVELS:] = 0.0
     return cell
