@@ -31,7 +31,17 @@ from firstcontact.search.cells import (
     SPREAD,
     TERMS,
 )
-from firstcontact.search.state import BEST, EDGE_EDGE, FACE_VERTEX, FIRST, KEY, TESTS, VERTEX_FACE
+from firstcontact.search.state import (
+    BEST,
+    CANDIDATES,
+    CERTAIN_KIND,
+    EDGE_EDGE,
+    FACE_VERTEX,
+    FIRST,
+    KEY,
+    TESTS,
+    VERTEX_FACE,
+)
 from firstcontact.search.tree import CORNER, FACET, POINT
 from firstcontact.search.walk import (
     area,
@@ -544,3 +554,22 @@ def _test_events(
     if motion.ndim == 3:
         return _events
     return None
+
+
+@kernel
+def pair_window(motion, kind, xa, xb, err_a, err_b, first, last):
+    """(verdict, lo, hi) of the first contact of two elements in [first, last], seen alone.
+
+    xa, xb (9,): corners, the last one repeated.  NONE: they certainly do not meet; CERTAIN: they do in [lo, hi], not
+    before lo; UNSURE: not before lo.
+    """
+    side, corner = np.int64(1), np.int64(1 << CORNER)
+    mask_a = side if kind == EDGE_EDGE else corner if kind == VERTEX_FACE else np.int64(FACET)
+    mask_b = side if kind == EDGE_EDGE else corner if kind == FACE_VERTEX else np.int64(FACET)
+    floats = np.array([first, -np.inf, np.inf, last, first, 1.0])
+    integers = np.zeros(7, np.int64)
+    times, candidates = np.empty((32, 2)), np.empty((32, 5), np.int32)
+    test_events(motion, 0, mask_a, xa, 0, mask_b, xb, side, err_a, err_b, floats, integers, times, candidates)
+    if integers[CANDIDATES] == 0:
+        return NONE, 0.0, 0.0
+    return (CERTAIN if candidates[0, 0] >= CERTAIN_KIND else UNSURE), times[0, 0], times[0, 1]

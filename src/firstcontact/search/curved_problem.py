@@ -11,11 +11,11 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from flint import arb, ctx, fmpq
+from flint import arb, arb_series, ctx, fmpq
 
 from firstcontact.exact.conditions import Conditions, between, distinct
-from firstcontact.exact.instants import enclose
-from firstcontact.exact.numbers import PRECISIONS, Undecidable, ball, fraction, precision, sign, to_double
+from firstcontact.exact.instants import RationalInstant, enclose
+from firstcontact.exact.numbers import PRECISIONS, Undecidable, ball, ball_bounds, to_double
 from firstcontact.exact.rigid import Matrix, apply
 from firstcontact.exact.root_instants import RootInstant
 from firstcontact.exact.roots import AlgebraicRoot
@@ -27,7 +27,8 @@ from firstcontact.pairs import moving, point_line
 from firstcontact.result import ExactTime
 from firstcontact.search import curve  # noqa: F401 - the walk under this motion
 from firstcontact.search.cells import cells_of
-from firstcontact.search.elements import EDGE, FACE, VERTEX, Feature, Primitive, corners_of
+from firstcontact.kernels.verdict import CERTAIN, NONE
+from firstcontact.search.elements import EDGE, FACE, KINDS, VERTEX, Feature, Primitive, corners_of
 from firstcontact.search.frame import tree_of
 from firstcontact.search.state import WalkState
 from firstcontact.search.touch import Touch, doubles, unit_against
@@ -216,3 +217,220 @@ class RationalProblem(CurvedProblem):
 
     def world_exact(self, at: RootInstant, turn: int = 0) -> ExactTime:
         return at.root.number()
+
+
+# -- enclosures ---------------------------------------------------------------------------------------------
+
+# Terms of the series that stand for the motion over a short time, the last one enclosing the rest.
+_TERMS = 8
+# Times looked at before a pair counts as undecidable at a precision.
+_MOST_LOOKS = 200
+# The first time to look into around a bound of the floats, as a share of the piece.
+_NEAR = 2.0**-28
+
+
+class EnclosedProblem(CurvedProblem):
+    """A piece whose pose has no rational form, such as a screw: contact times are balls of any precision.
+
+    What no precision decides, such as a graze, raises Undecidable.
+    """
+
+    def __init__(self, a: Any, b: Any, piece: CurvedPiece) -> None:
+        super().__init__(a, b, piece)
+        self._possible: dict[tuple[Feature, Feature], float] = {}
+
+    def conditions(self, element_a: Feature, element_b: Feature, pose: Any, back: Any) -> list[Conditions]:
+        """When the two elements share a point, but for parallel edges; power series in the time."""
+        x, y = corners_of(self.a, element_a), corners_of(self.b, element_b)
+        if element_a[0] == VERTEX:
+            return moving.vertex_facet(moving.times(pose, x[0], 1), *y)
+        if element_b[0] == VERTEX:
+            return moving.vertex_facet(moving.times(back, y[0], 1), *x)
+        edge = moving.turned(pose, sub(x[1], x[0]))
+        return [moving.edge_edge_crossing(moving.times(pose, x[0], 1), edge, *y)]  # type: ignore[call-arg]
+
+    def contact(self, element_a: Feature, element_b: Feature) -> RationalInstant | None:
+        """The earliest time of the window at which the two elements share a point, as a ball.
+
+        Floats say before when there is none; from there on balls decide.
+        """
+        kind = next(k for k, pair in KINDS.items() if pair == (element_a[0], element_b[0]))
+        xa, xb = (_nine(body, e) for body, e in ((self.a, element_a), (self.b, element_b)))
+        first, last = 0.0, self.window()[0]
+        near = _NEAR * last
+        while True:
+            verdict, lo, hi = curve.pair_window(
+                self.motion, kind, xa, xb, self.tree_a.error, self.tree_b.error, first, last
+            )
+            if verdict == NONE:
+                return None
+            self._possible[element_a, element_b] = lo
+            until = hi if verdict == CERTAIN and hi - lo < near else lo + near
+            found = self._first_in(element_a, element_b, _exact(lo), _exact(until))
+            if found is not None:
+                return found
+            if until >= last:
+                return None
+            first, near = until, 4.0 * near
+
+    def _first_in(self, element_a: Feature, element_b: Feature, lo: fmpq, hi: fmpq) -> RationalInstant | None:
+        """The first contact from lo to hi."""
+        waiting, looks = [(lo, hi)], 0
+        # `waiting` holds, last one first, the times at which a contact may be; all before them have none.
+        while waiting:
+            left, right = waiting.pop()
+            looks += 1
+            ends = self._look(element_a, element_b, left, right)
+            if ends == OPEN:
+                if looks > _MOST_LOOKS or right - left < fmpq(1, 2 ** (ctx.prec // 2)) * self.length:
+                    raise Undecidable
+                cut = left + (right - left) * fmpq(15, 31)  # no power of two: events like those
+                waiting += [(cut, right), (left, cut)]
+            elif ends is not None:
+                root = ends
+                if self._in_window(root):
+                    return RationalInstant(root)
+        return None
+
+    def _look(self, element_a: Feature, element_b: Feature, left: fmpq, right: fmpq) -> Any:
+        """None: certainly no contact from left to right; OPEN: not clear; else the ball of the one contact."""
+        parts = self._conditions_over(element_a, element_b, left, right)
+        open_parts = [c for c in parts if not _excluded(c, ball((right - left) / 2))]
+        if not open_parts:
+            return None
+        if len(open_parts) > 1:
+            return OPEN
+        index = parts.index(open_parts[0])
+        root = self._root(element_a, element_b, index, left, right)
+        if root is None or root == OPEN:
+            return root
+        with terms(1, ctx.prec):
+            pose, back = self._poses(root)
+            at = self.conditions(element_a, element_b, pose, back)[index]
+        self._possible[element_a, element_b] = ball_bounds(root)[0]
+        values = [x[0] for x in (*at.least, *at.more)]
+        if any(x < 0 for x in values):
+            return None
+        if not all(x > 0 for x in values):
+            raise Undecidable
+        return root
+
+    def _conditions_over(self, element_a: Feature, element_b: Feature, left: fmpq, right: fmpq) -> list[Conditions]:
+        """The conditions as series about the middle of a time, their last terms enclosing the rest."""
+        middle = (left + right) / 2
+        with terms(_TERMS, ctx.prec):
+            poses = self._around(middle), self._around(arb(left).union(arb(right)))
+            sharp, blurred = (self.conditions(element_a, element_b, *pose) for pose in poses)
+        return [
+            Conditions(*(
+                tuple(_joined(f, g) for f, g in zip(getattr(c, name), getattr(d, name), strict=True))
+                for name in ("zero", "least", "more")
+            ))
+            for c, d in zip(sharp, blurred, strict=True)
+        ]  # fmt: skip
+
+    def _around(self, t: Any) -> tuple[Any, Any]:
+        return self._poses(ball(t))
+
+    def _poses(self, t: arb) -> tuple[Any, Any]:
+        """The pose of a seen from b at the local time, and its inverse, with their last rows."""
+        pose = self.piece.series(t + self.piece.start)
+        last = [[0, 0, 0, arb_series([1])]]
+        return pose + last, inverse(pose, self.piece.is_rigid) + last
+
+    def _root(self, element_a: Feature, element_b: Feature, index: int, left: fmpq, right: fmpq) -> Any:
+        """The one zero from left to right by Newton's method: a ball, None where there is none, else OPEN.
+
+        The time is blown up a little, so that a zero at its end is inside; m - f(m) / f'(X) inside X proves one zero.
+        """
+        margin = (right - left) / 8
+        x = arb(left - margin).union(arb(right + margin))
+        inside = False
+        for _ in range(2 * PRECISIONS[-1].bit_length()):
+            m = arb(x.mid())
+            value, slope = self._value(element_a, element_b, index, m)[0], self._value(element_a, element_b, index, x)[1]
+            if slope.contains(0):
+                return OPEN
+            step = m - value / slope
+            if not step.overlaps(x):
+                return None
+            inside = inside or bool(x.contains_interior(step))
+            narrower = x.intersection(step)
+            done = not narrower.rad() < 0.5 * x.rad()
+            x = narrower
+            if done:
+                break
+        if not inside:
+            return OPEN
+        if x < left or x > right:
+            return None
+        return x
+
+    def _value(self, element_a: Feature, element_b: Feature, index: int, t: arb) -> Any:
+        with terms(2, ctx.prec):
+            return self.conditions(element_a, element_b, *self._poses(t))[index].zero[0]
+
+    def _in_window(self, t: arb) -> bool:
+        """Whether the time lies in the piece; Undecidable at its ends."""
+        if t < 0 or t > arb(self.length):
+            return False
+        if t > 0 and t < arb(self.length):
+            return True
+        raise Undecidable
+
+    def possible(self, element_a: Feature, element_b: Feature) -> float:
+        """A time before which the two elements, which no precision could decide, certainly do not meet."""
+        return self._possible.get((element_a, element_b), 0.0)
+
+    def start_instant(self) -> RationalInstant:
+        return RationalInstant(fmpq(0))
+
+    def end_instant(self) -> RationalInstant:
+        return RationalInstant(self.length)
+
+    def world_instant(self, at: RationalInstant, turn: int = 0) -> tuple[float, tuple[float, float]]:
+        """(nearest double, enclosure) of the instant in the motions' clock."""
+        return enclose(lambda: at.value + self.piece.start)
+
+    def world_exact(self, at: RationalInstant, turn: int = 0) -> ExactTime | None:
+        """None: no exact form."""
+        return None
+
+
+OPEN = "open"
+
+
+def _exact(x: float) -> fmpq:
+    return fmpq(*x.as_integer_ratio())
+
+
+def _nine(body: Any, element: Feature) -> np.ndarray:
+    """The corners of an element as the doubles of the body, the last one repeated."""
+    kind, index = element
+    if kind == FACE:
+        rows = body.triangles[index]
+    elif kind == EDGE:
+        n = len(body._segments)
+        rows = body._segments[index][[0, 1, 1]] if index < n else np.full(3, index - n)
+    else:
+        rows = np.full(3, index)
+    return np.ascontiguousarray(body.vertices[rows], np.float64).reshape(9)
+
+
+def _joined(sharp: Any, blurred: Any) -> list[arb]:
+    """Coefficients about the middle, the last one those of all the time (Lagrange's remainder)."""
+    return [*(sharp[k] for k in range(_TERMS - 1)), blurred[_TERMS - 1]]
+
+
+def _excluded(c: Conditions, half: arb) -> bool:
+    """Whether some condition certainly fails all the time of that half length."""
+    return any(_signed(f, half) != 0 for f in c.zero) or any(_signed(f, half) < 0 for f in (*c.least, *c.more))
+
+
+def _signed(f: list[arb], half: arb) -> int:
+    """The sign a function certainly has all the time, else 0."""
+    span, power = arb(0), arb(1)
+    for c in f[1:]:
+        power *= half
+        span += abs(c) * power
+    return 1 if f[0] > span else -1 if f[0] < -span else 0
