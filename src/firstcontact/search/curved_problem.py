@@ -37,6 +37,10 @@ from firstcontact.search.walk import walk
 _BITS = 192
 
 
+# Two elements by their exact corners: one, two or three of each.
+Corners = tuple[list[Vector], list[Vector]]
+
+
 class CurvedProblem:
     """Body a moves by the piece's pose, body b rests; both in the frames they are given in."""
 
@@ -168,15 +172,14 @@ class RationalProblem(CurvedProblem):
             self._back = projective.inverse(self.path.pose, self.lo)
         return self._back
 
-    def conditions(self, element_a: Feature, element_b: Feature) -> list[Conditions]:
+    def conditions(self, pair: Corners) -> list[Conditions]:
         """When the two elements share a point: when one of these holds."""
-        corners_a, corners_b = corners_of(self.a, element_a), corners_of(self.b, element_b)
-        scale, corners = whole(*corners_a, *corners_b)
-        x, y = corners[: len(corners_a)], corners[len(corners_a) :]
-        if element_a[0] == VERTEX:
-            return moving.vertex_facet(moving.times(self.path.pose, x[0], scale), *y)
-        if element_b[0] == VERTEX:
-            return moving.vertex_facet(moving.times(self.back, y[0], scale), *x)
+        scale, corners = whole(*pair[0], *pair[1])
+        x, y = corners[: len(pair[0])], corners[len(pair[0]) :]
+        if len(x) == 1:
+            return moving.vertex_facet(moving.times(self.path.pose, x[0], scale), *y)  # type: ignore[call-arg]
+        if len(y) == 1:
+            return moving.vertex_facet(moving.times(self.back, y[0], scale), *x)  # type: ignore[call-arg]
         return self._edges(x, y, scale)
 
     def _edges(self, x: list[Vector], y: list[Vector], scale: Any) -> list[Conditions]:
@@ -198,7 +201,8 @@ class RationalProblem(CurvedProblem):
 
     def contact(self, element_a: Feature, element_b: Feature) -> RootInstant | None:
         """The earliest time of the window at which the two elements share a point; exact."""
-        found = [c.earliest(self.lo, self.hi) for c in self.conditions(element_a, element_b)]
+        pair = corners_of(self.a, element_a), corners_of(self.b, element_b)
+        found = [c.earliest(self.lo, self.hi) for c in self.conditions(pair)]
         roots = distinct(r for r in found if r is not None)
         return RootInstant(roots[0], self.lo) if roots else None
 
@@ -239,13 +243,13 @@ class EnclosedProblem(CurvedProblem):
         super().__init__(a, b, piece)
         self._possible: dict[tuple[Feature, Feature], float] = {}
 
-    def conditions(self, element_a: Feature, element_b: Feature, pose: Any, back: Any) -> list[Conditions]:
+    def conditions(self, pair: Corners, pose: Any, back: Any) -> list[Conditions]:
         """When the two elements share a point, but for parallel edges; power series in the time."""
-        x, y = corners_of(self.a, element_a), corners_of(self.b, element_b)
-        if element_a[0] == VERTEX:
-            return moving.vertex_facet(moving.times(pose, x[0], 1), *y)
-        if element_b[0] == VERTEX:
-            return moving.vertex_facet(moving.times(back, y[0], 1), *x)
+        x, y = pair
+        if len(x) == 1:
+            return moving.vertex_facet(moving.times(pose, x[0], 1), *y)  # type: ignore[call-arg]
+        if len(y) == 1:
+            return moving.vertex_facet(moving.times(back, y[0], 1), *x)  # type: ignore[call-arg]
         edge = moving.turned(pose, sub(x[1], x[0]))
         return [moving.edge_edge_crossing(moving.times(pose, x[0], 1), edge, *y)]  # type: ignore[call-arg]
 
@@ -256,6 +260,7 @@ class EnclosedProblem(CurvedProblem):
         """
         kind = next(k for k, pair in KINDS.items() if pair == (element_a[0], element_b[0]))
         xa, xb = (_nine(body, e) for body, e in ((self.a, element_a), (self.b, element_b)))
+        pair = corners_of(self.a, element_a), corners_of(self.b, element_b)
         first, last = 0.0, self.window()[0]
         near = _NEAR * last
         while True:
@@ -266,61 +271,62 @@ class EnclosedProblem(CurvedProblem):
                 return None
             self._possible[element_a, element_b] = lo
             until = hi if verdict == CERTAIN and hi - lo < near else lo + near
-            found = self._first_in(element_a, element_b, _exact(lo), _exact(until))
-            if found is not None:
-                return found
+            try:
+                found = self._contacts_in(pair, _exact(lo), _exact(until), first_only=True)
+            except Undecidable as unclear:
+                self._possible[element_a, element_b] = max(lo, *unclear.args)
+                raise
+            if found:
+                return found[0]
             if until >= last:
                 return None
             first, near = until, 4.0 * near
 
-    def _first_in(self, element_a: Feature, element_b: Feature, lo: fmpq, hi: fmpq) -> RationalInstant | None:
-        """The first contact from lo to hi."""
-        waiting, looks = [(lo, hi)], 0
-        # `waiting` holds, last one first, the times at which a contact may be; all before them have none.
-        while waiting:
+    def _contacts_in(self, pair: Corners, lo: fmpq, hi: fmpq, first_only: bool = False) -> list[RationalInstant]:
+        """The contacts of two elements from lo to hi, or the first of them.
+
+        Undecidable carries a double before which there certainly is none.
+        """
+        waiting, looks, out = [(lo, hi)], 0, []
+        # `waiting` holds, last one first, the times at which contacts may be that are not in `out`.
+        while waiting and not (first_only and out):
             left, right = waiting.pop()
             looks += 1
-            ends = self._look(element_a, element_b, left, right)
-            if ends == OPEN:
+            found = self._look(pair, left, right)
+            if found == OPEN:
                 if looks > _MOST_LOOKS or right - left < fmpq(1, 2 ** (ctx.prec // 2)) * self.length:
-                    raise Undecidable
+                    raise Undecidable(to_double(left))
                 cut = left + (right - left) * fmpq(15, 31)  # no power of two: events like those
                 waiting += [(cut, right), (left, cut)]
-            elif ends is not None:
-                root = ends
-                if self._in_window(root):
-                    return RationalInstant(root)
-        return None
+            elif found is not None and self._in_window(found):
+                out.append(RationalInstant(found))
+        return out
 
-    def _look(self, element_a: Feature, element_b: Feature, left: fmpq, right: fmpq) -> Any:
+    def _look(self, pair: Corners, left: fmpq, right: fmpq) -> Any:
         """None: certainly no contact from left to right; OPEN: not clear; else the ball of the one contact."""
-        parts = self._conditions_over(element_a, element_b, left, right)
-        open_parts = [c for c in parts if not _excluded(c, ball((right - left) / 2))]
-        if not open_parts:
-            return None
-        if len(open_parts) > 1:
-            return OPEN
-        index = parts.index(open_parts[0])
-        root = self._root(element_a, element_b, index, left, right)
-        if root is None or root == OPEN:
+        parts = self._conditions_over(pair, left, right)
+        open_parts = [k for k, c in enumerate(parts) if not _excluded(c, ball((right - left) / 2))]
+        if len(open_parts) != 1:
+            return OPEN if open_parts else None
+        index = open_parts[0]
+        root = self._root(pair, index, left, right)
+        if root is None or root is OPEN:
             return root
         with terms(1, ctx.prec):
-            pose, back = self._poses(root)
-            at = self.conditions(element_a, element_b, pose, back)[index]
-        self._possible[element_a, element_b] = ball_bounds(root)[0]
+            at = self.conditions(pair, *self._poses(root))[index]
         values = [x[0] for x in (*at.least, *at.more)]
         if any(x < 0 for x in values):
             return None
         if not all(x > 0 for x in values):
-            raise Undecidable
+            raise Undecidable(ball_bounds(root)[0])
         return root
 
-    def _conditions_over(self, element_a: Feature, element_b: Feature, left: fmpq, right: fmpq) -> list[Conditions]:
+    def _conditions_over(self, pair: Corners, left: fmpq, right: fmpq) -> list[Conditions]:
         """The conditions as series about the middle of a time, their last terms enclosing the rest."""
         middle = (left + right) / 2
         with terms(_TERMS, ctx.prec):
-            poses = self._around(middle), self._around(arb(left).union(arb(right)))
-            sharp, blurred = (self.conditions(element_a, element_b, *pose) for pose in poses)
+            poses = self._poses(ball(middle)), self._poses(arb(left).union(arb(right)))
+            sharp, blurred = (self.conditions(pair, *pose) for pose in poses)
         return [
             Conditions(*(
                 tuple(_joined(f, g) for f, g in zip(getattr(c, name), getattr(d, name), strict=True))
@@ -329,16 +335,13 @@ class EnclosedProblem(CurvedProblem):
             for c, d in zip(sharp, blurred, strict=True)
         ]  # fmt: skip
 
-    def _around(self, t: Any) -> tuple[Any, Any]:
-        return self._poses(ball(t))
-
     def _poses(self, t: arb) -> tuple[Any, Any]:
         """The pose of a seen from b at the local time, and its inverse, with their last rows."""
         pose = self.piece.series(t + self.piece.start)
         last = [[0, 0, 0, arb_series([1])]]
         return pose + last, inverse(pose, self.piece.is_rigid) + last
 
-    def _root(self, element_a: Feature, element_b: Feature, index: int, left: fmpq, right: fmpq) -> Any:
+    def _root(self, pair: Corners, index: int, left: fmpq, right: fmpq) -> Any:
         """The one zero from left to right by Newton's method: a ball, None where there is none, else OPEN.
 
         The time is blown up a little, so that a zero at its end is inside; m - f(m) / f'(X) inside X proves one zero.
@@ -348,7 +351,7 @@ class EnclosedProblem(CurvedProblem):
         inside = False
         for _ in range(2 * PRECISIONS[-1].bit_length()):
             m = arb(x.mid())
-            value, slope = self._value(element_a, element_b, index, m)[0], self._value(element_a, element_b, index, x)[1]
+            value, slope = self._value(pair, index, m)[0], self._value(pair, index, x)[1]
             if slope.contains(0):
                 return OPEN
             step = m - value / slope
@@ -366,9 +369,9 @@ class EnclosedProblem(CurvedProblem):
             return None
         return x
 
-    def _value(self, element_a: Feature, element_b: Feature, index: int, t: arb) -> Any:
+    def _value(self, pair: Corners, index: int, t: arb) -> Any:
         with terms(2, ctx.prec):
-            return self.conditions(element_a, element_b, *self._poses(t))[index].zero[0]
+            return self.conditions(pair, *self._poses(t))[index].zero[0]
 
     def _in_window(self, t: arb) -> bool:
         """Whether the time lies in the piece; Undecidable at its ends."""
@@ -376,7 +379,7 @@ class EnclosedProblem(CurvedProblem):
             return False
         if t > 0 and t < arb(self.length):
             return True
-        raise Undecidable
+        raise Undecidable(ball_bounds(t)[0])
 
     def possible(self, element_a: Feature, element_b: Feature) -> float:
         """A time before which the two elements, which no precision could decide, certainly do not meet."""
