@@ -58,7 +58,7 @@ LAST = TERMS - 1
 E_LINEAR, E_SHIFT, E_COFACTOR, E_MOMENT, E_BACK, E_BACK_SHIFT = range(6)
 # A time from a cell's number and a share of it: a few roundings of the piece's length.
 TIME_EPS = 2e-15
-_U8 = 8.0 * 2.0**-53
+U8 = 8.0 * 2.0**-53
 # Shares of a cell at which halving stops: for roots, and where not even the sides of an element are clear.
 FINEST, FINE = 2.0**-32, 2.0**-14
 
@@ -103,7 +103,7 @@ def _spread(motion, cell, row, k, h0, h1, h2):
 
 
 @kernel
-def _boxes_free(motion, cell, boxes_a, a, boxes_b, b, pad):
+def boxes_free(motion, cell, boxes_a, a, boxes_b, b, pad):
     """The share of the cell, from its start, during which two boxes are certainly apart; 2: all of it."""
     c0, c1, c2 = (
         0.5 * (boxes_a[a, 0] + boxes_a[a, 3]), 0.5 * (boxes_a[a, 1] + boxes_a[a, 4]), 0.5 * (boxes_a[a, 2] + boxes_a[a, 5]),
@@ -157,7 +157,7 @@ def next_meeting(motion, boxes_a, a, boxes_b, b, pad, first, last):
         count = 1 << level
         if length * i / count > last * (1.0 + TIME_EPS) + length * TIME_EPS:
             return np.inf, -1
-        share = _boxes_free(motion, count - 1 + i, boxes_a, a, boxes_b, b, pad)
+        share = boxes_free(motion, count - 1 + i, boxes_a, a, boxes_b, b, pad)
         if share <= 1.0:
             if level < levels:
                 level, i = level + 1, 2 * i + (1 if share > 0.5 else 0)
@@ -176,7 +176,7 @@ def next_meeting(motion, boxes_a, a, boxes_b, b, pad, first, last):
 
 
 @kernel
-def _height(motion, slot, f, cell, row, shift, el, es, x0, x1, x2, rx, n0, n1, n2, dn, p0, p1, p2, rp):
+def height(motion, slot, f, cell, row, shift, el, es, x0, x1, x2, rx, n0, n1, n2, dn, p0, p1, p2, rp):
     """Coefficients of n.(X(t) - p) into scratch row f, X the posed x; returns their error bound.
 
     row, shift: the pose (LINEAR, SHIFT) or its inverse.  rx, rp: errors of the coordinates of x and p; dn: bound on the
@@ -195,13 +195,13 @@ def _height(motion, slot, f, cell, row, shift, el, es, x0, x1, x2, rx, n0, n1, n
         )  # fmt: skip
     n, x, p = abs(n0) + abs(n1) + abs(n2), abs(x0) + abs(x1) + abs(x2), abs(p0) + abs(p1) + abs(p2)
     stretch, far = motion[cell, ERRORS + 1, el], motion[cell, ERRORS + 1, es]
-    err = n * (x * motion[cell, ERRORS, el] + motion[cell, ERRORS, es] + 4.0 * _U8 * p)
+    err = n * (x * motion[cell, ERRORS, el] + motion[cell, ERRORS, es] + 4.0 * U8 * p)
     err += (n + dn) * (3.0 * stretch * rx + rp) + dn * (x * stretch + far + p)
     return err * 1.000001
 
 
 @kernel
-def _side(motion, slot, f, cell, a0, a1, a2, e0, e1, e2, m0, m1, m2, ra, f0, f1, f2, df, c0, c1, c2, rc):
+def side_product(motion, slot, f, cell, a0, a1, a2, e0, e1, e2, m0, m1, m2, ra, f0, f1, f2, df, c0, c1, c2, rc):
     """Coefficients of the side product of the posed line (e; m) through a with the line along f through c.
 
     Into scratch row f; returns their error bound.  ra, rc: errors of coordinates; df: bound on the error of f, summed.
@@ -246,7 +246,7 @@ def _range(motion, slot, f):
 
 
 @kernel
-def _sign(motion, slot, f, err):
+def sign_of(motion, slot, f, err):
     """1 or -1 where the function certainly has one sign all along, else 0."""
     lo, hi = _range(motion, slot, f)
     return 1 if lo > err else -1 if hi < -err else 0
@@ -265,7 +265,7 @@ def _halve(motion, slot, count):
             most = max(most, abs(motion[slot, f, step]))
             for j in range(LAST - step):
                 motion[slot, f, j] = 0.5 * (motion[slot, f, j] + motion[slot, f, j + 1])
-        motion[slot, 5, 2 + f] += _U8 * most
+        motion[slot, 5, 2 + f] += U8 * most
         motion[slot + 1, 5, 2 + f] = motion[slot, 5, 2 + f]
     middle = 0.5 * (motion[slot, 5, 0] + motion[slot, 5, 1])
     motion[slot + 1, 5, 0], motion[slot + 1, 5, 1] = motion[slot, 5, 0], middle
@@ -279,11 +279,11 @@ def _sides_of(motion, slot, edges):
     edges: rows 1 and 2 are the ends of one edge beside the other, rows 3 and 4 the other way round; else rows 1 to 3
     are the sides of a facet.
     """
-    s1 = _sign(motion, slot, 1, motion[slot, 5, 3])
-    s2 = _sign(motion, slot, 2, motion[slot, 5, 4])
-    s3 = _sign(motion, slot, 3, motion[slot, 5, 5])
+    s1 = sign_of(motion, slot, 1, motion[slot, 5, 3])
+    s2 = sign_of(motion, slot, 2, motion[slot, 5, 4])
+    s3 = sign_of(motion, slot, 3, motion[slot, 5, 5])
     if edges:
-        s4 = _sign(motion, slot, 4, motion[slot, 5, 6])
+        s4 = sign_of(motion, slot, 4, motion[slot, 5, 6])
         if s1 * s2 > 0 or s3 * s4 > 0:
             return -1
         return 1 if s1 * s2 < 0 and s3 * s4 < 0 else 0
@@ -335,8 +335,8 @@ def _vertex_facet(motion, top, cell, back, x, i, rx, y, ry, n0, n1, n2, dn, star
     """First contact in the cell of corner i of x with the facet y; back: y moves and x rests, seen from y."""
     row, shift, el, es = (BACK, BACK_SHIFT, E_BACK, E_BACK_SHIFT) if back else (LINEAR, SHIFT, E_LINEAR, E_SHIFT)
     x0, x1, x2 = x[i], x[i + 1], x[i + 2]
-    e0 = _height(motion, top, 0, cell, row, shift, el, es, x0, x1, x2, rx, n0, n1, n2, dn, y[0], y[1], y[2], ry)
-    if _sign(motion, top, 0, e0) != 0:
+    e0 = height(motion, top, 0, cell, row, shift, el, es, x0, x1, x2, rx, n0, n1, n2, dn, y[0], y[1], y[2], ry)
+    if sign_of(motion, top, 0, e0) != 0:
         return NONE, 0.0, 0.0
     e1 = e2 = e3 = 0.0
     for s in range(3):
@@ -344,8 +344,8 @@ def _vertex_facet(motion, top, cell, back, x, i, rx, y, ry, n0, n1, n2, dn, star
         f0, f1, f2 = y[m] - y[k], y[m + 1] - y[k + 1], y[m + 2] - y[k + 2]
         g0, g1, g2 = n1 * f2 - n2 * f1, n2 * f0 - n0 * f2, n0 * f1 - n1 * f0
         n, f = abs(n0) + abs(n1) + abs(n2), abs(f0) + abs(f1) + abs(f2)
-        dg = 2.0 * (dn * (f + 6.0 * ry) + n * (6.0 * ry + _U8 * f))
-        err = _height(
+        dg = 2.0 * (dn * (f + 6.0 * ry) + n * (6.0 * ry + U8 * f))
+        err = height(
             motion, top, 1 + s, cell, row, shift, el, es, x0, x1, x2, rx, g0, g1, g2, dg, y[k], y[k + 1], y[k + 2], ry
         )
         if s == 0:
@@ -354,7 +354,7 @@ def _vertex_facet(motion, top, cell, back, x, i, rx, y, ry, n0, n1, n2, dn, star
             e2 = err
         else:
             e3 = err
-        if _sign(motion, top, 1 + s, err) < 0:
+        if sign_of(motion, top, 1 + s, err) < 0:
             return NONE, 0.0, 0.0
     return _first_zero(motion, top, False, e0, e1, e2, e3, 0.0, start, width, first, best)
 
@@ -369,8 +369,8 @@ def _edge_edge(motion, top, cell, x, i, j, rx, y, k, m, ry, start, width, first,
     c0, c1, c2 = y[k], y[k + 1], y[k + 2]
     f0, f1, f2 = y[m] - c0, y[m + 1] - c1, y[m + 2] - c2
     df = 6.0 * ry
-    r0 = _side(motion, top, 0, cell, a0, a1, a2, e0, e1, e2, m0, m1, m2, rx, f0, f1, f2, df, c0, c1, c2, ry)
-    if _sign(motion, top, 0, r0) != 0:
+    r0 = side_product(motion, top, 0, cell, a0, a1, a2, e0, e1, e2, m0, m1, m2, rx, f0, f1, f2, df, c0, c1, c2, ry)
+    if sign_of(motion, top, 0, r0) != 0:
         return NONE, 0.0, 0.0
     # a direction across both edges as they stand in the middle of the cell; any direction proves, this one well
     p0 = p1 = p2 = q0 = q1 = q2 = 0.0
@@ -388,29 +388,29 @@ def _edge_edge(motion, top, cell, x, i, j, rx, y, k, m, ry, start, width, first,
         g0, g1, g2 = f1 * w2 - f2 * w1, f2 * w0 - f0 * w2, f0 * w1 - f1 * w0
         n = abs(g0) + abs(g1) + abs(g2)
     h0, h1, h2 = g1 * f2 - g2 * f1, g2 * f0 - g0 * f2, g0 * f1 - g1 * f0
-    dh = 2.0 * n * (df + _U8 * f)
-    r1 = _height(
+    dh = 2.0 * n * (df + U8 * f)
+    r1 = height(
         motion, top, 1, cell, LINEAR, SHIFT, E_LINEAR, E_SHIFT, a0, a1, a2, rx, h0, h1, h2, dh, c0, c1, c2, ry
     )
-    r2 = _height(
+    r2 = height(
         motion, top, 2, cell, LINEAR, SHIFT, E_LINEAR, E_SHIFT, x[j], x[j + 1], x[j + 2], rx, h0, h1, h2, dh, c0, c1, c2, ry
     )  # fmt: skip
-    if _sign(motion, top, 1, r1) * _sign(motion, top, 2, r2) > 0:
+    if sign_of(motion, top, 1, r1) * sign_of(motion, top, 2, r2) > 0:
         return NONE, 0.0, 0.0
-    r3 = _side(motion, top, 3, cell, a0, a1, a2, e0, e1, e2, m0, m1, m2, rx, g0, g1, g2, 0.0, c0, c1, c2, ry)
-    r4 = _side(
+    r3 = side_product(motion, top, 3, cell, a0, a1, a2, e0, e1, e2, m0, m1, m2, rx, g0, g1, g2, 0.0, c0, c1, c2, ry)
+    r4 = side_product(
         motion, top, 4, cell, a0, a1, a2, e0, e1, e2, m0, m1, m2, rx, g0, g1, g2, 0.0, y[m], y[m + 1], y[m + 2], ry
     )
     return _first_zero(motion, top, True, r0, r1, r2, r3, r4, start, width, first, best)
 
 
 @kernel
-def _normal(y, ry):
+def normal_of(y, ry):
     """(n, error summed over coordinates) of the facet y (9,)."""
     e0, e1, e2 = y[3] - y[0], y[4] - y[1], y[5] - y[2]
     f0, f1, f2 = y[6] - y[0], y[7] - y[1], y[8] - y[2]
     e, f = abs(e0) + abs(e1) + abs(e2), abs(f0) + abs(f1) + abs(f2)
-    err = _U8 * e * f + 12.0 * ry * (e + f + 6.0 * ry)
+    err = U8 * e * f + 12.0 * ry * (e + f + 6.0 * ry)
     return e1 * f2 - e2 * f1, e2 * f0 - e0 * f2, e0 * f1 - e1 * f0, err
 
 
@@ -420,11 +420,11 @@ def _beside_plane(motion, top, cell, back, x, count, rx, y, ry, n0, n1, n2, dn):
     row, shift, el, es = (BACK, BACK_SHIFT, E_BACK, E_BACK_SHIFT) if back else (LINEAR, SHIFT, E_LINEAR, E_SHIFT)
     before = 0
     for s in range(count):
-        err = _height(
+        err = height(
             motion, top, 0, cell, row, shift, el, es, x[3 * s], x[3 * s + 1], x[3 * s + 2], rx,
             n0, n1, n2, dn, y[0], y[1], y[2], ry,
         )  # fmt: skip
-        side = _sign(motion, top, 0, err)
+        side = sign_of(motion, top, 0, err)
         if side == 0 or side * before < 0:
             return False
         before = side
@@ -460,8 +460,8 @@ def _events(
     box_of(xa, boxes, 6)
     box_of(xb, boxes, 7)
     pad = 4.0 * (motion[0, ERRORS + 1, E_LINEAR] + 1.0) * (err_a + err_b) if err_a + err_b > 0.0 else 0.0
-    n0, n1, n2, dn = _normal(xb, err_b)
-    m0, m1, m2, dm = _normal(xa, err_a)
+    n0, n1, n2, dn = normal_of(xb, err_b)
+    m0, m1, m2, dm = normal_of(xa, err_a)
     done = 0  # bits of pairs that have their answer
     time = max(floats[KEY], floats[FIRST])
     # All before `time` is settled for the pairs not done.

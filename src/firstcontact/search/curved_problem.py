@@ -6,7 +6,8 @@ The bodies stay in their own frames; the working frame is that of body b.  The l
 from __future__ import annotations
 
 import math
-from fractions import Fraction
+from collections.abc import Iterator
+from functools import cmp_to_key
 from itertools import pairwise
 from typing import Any
 
@@ -23,18 +24,22 @@ from firstcontact.exact.vectors import Vector, add, cross, dot, sub, whole
 from firstcontact.motion import projective
 from firstcontact.motion.curved import CurvedPiece, inverse, terms
 from firstcontact.motion.polynomial import PolynomialPiece
-from firstcontact.pairs import moving, point_line
+from firstcontact.pairs import moving
 from firstcontact.result import ExactTime
-from firstcontact.search import curve  # noqa: F401 - the walk under this motion
+from firstcontact.search import curve, curve_windows  # noqa: F401 - the walks under this motion
 from firstcontact.search.cells import cells_of
 from firstcontact.kernels.verdict import CERTAIN, NONE
+from firstcontact.search.containment import contained_at, decide
 from firstcontact.search.elements import EDGE, FACE, KINDS, VERTEX, Feature, Primitive, corners_of
 from firstcontact.search.frame import tree_of
 from firstcontact.search.state import WalkState
 from firstcontact.search.touch import Touch, doubles, unit_against
 from firstcontact.search.walk import walk
+from firstcontact.search.tree import FACET
+from firstcontact.search.windows import PART_ROOM, collect
 
-_BITS = 192
+# Bits of poses between two instants.
+_BITS = 128
 
 
 # Two elements by their exact corners: one, two or three of each.
@@ -73,6 +78,46 @@ class CurvedProblem:
             self.motion, a.error, b.error, self.pad, False, all_sides, limit,
             state.floats, state.integers, state.keys, state.pairs, state.stack, state.times, state.candidates,
         )  # fmt: skip
+
+    # -- all windows ----------------------------------------------------------------------------------------
+
+    def collect(self, limit: int, integers: Any, stack: Any, cover: Any, times: Any, parts: Any) -> int:
+        """Go on collecting windows (`windows.collect`)."""
+        a, b = self.tree_a, self.tree_b
+        return collect(
+            a.boxes, a.links, a.xyz, a.ids, b.boxes, b.links, b.xyz, b.ids, self.motion,
+            a.error, b.error, self.pad, self.window()[0], limit, integers, stack, cover, times, parts,
+        )  # fmt: skip
+
+    def windows_of(self, primitive_a: int, primitive_b: int) -> list[tuple[Any, Any]]:
+        """The windows of contact of two primitives: between two consecutive events nothing changes."""
+        a, b = Primitive(self.a, self.tree_a, primitive_a), Primitive(self.b, self.tree_b, primitive_b)
+        windows: list[tuple[Any, Any]] = []
+        begin, end = self.start_instant(), self.end_instant()
+        events = [(begin, False), *self.events(a, b), (end, False)]
+        open_since: Any = None
+        for (left, touching), (right, _) in pairwise(events):
+            if self.order(left, right) < 0 and self.meet_between(a, b, left, right):
+                open_since = left if open_since is None else open_since
+                continue
+            if open_since is not None:
+                windows.append((open_since, left))
+            elif touching:
+                windows.append((left, left))
+            open_since = None
+        return windows if open_since is None else [*windows, (open_since, end)]
+
+    def events(self, a: Primitive, b: Primitive) -> list[tuple[Any, bool]]:
+        """The instants within the piece at which contact may begin or end, ascending, and whether they are contacts."""
+        raise NotImplementedError
+
+    def meet_between(self, a: Primitive, b: Primitive, left: Any, right: Any) -> bool:
+        """Whether two primitives share a point at a time between two instants."""
+        pose = self.pose_between(left, right)
+        return bool(decide(lambda: a.moved(pose).meets(b)))
+
+    def pose_between(self, x: Any, y: Any) -> Matrix:
+        raise NotImplementedError
 
     # -- answers --------------------------------------------------------------------------------------------
 
@@ -205,6 +250,36 @@ class RationalProblem(CurvedProblem):
         found = [c.earliest(self.lo, self.hi) for c in self.conditions(pair)]
         roots = distinct(r for r in found if r is not None)
         return RootInstant(roots[0], self.lo) if roots else None
+
+    def events(self, a: Primitive, b: Primitive) -> list[tuple[RootInstant, bool]]:
+        """The instants at which contact may begin or end, both ends of the piece too where there is contact."""
+        found: list[AlgebraicRoot] = []
+        touching: list[AlgebraicRoot] = []
+        for pair in _element_pairs(a, b):
+            for c in self.conditions(pair):
+                events = c.events(self.lo, self.hi)
+                held = [root for root in events if c.hold(root)]
+                found += events if c.lasting else held
+                touching += held
+        contacts = distinct(touching)
+        out = [
+            (RootInstant(root, self.lo), any(root.compare(other) == 0 for other in contacts))
+            for root in distinct(found)
+        ]
+        return out
+
+    def pose_between(self, x: RootInstant, y: RootInstant) -> Matrix:
+        """The pose of a at a time between x and y (at x when they are equal); exact."""
+        time = x.root.rational if x.root.compare(y.root) == 0 else between(x.root, y.root)
+        assert time is not None
+        rows = projective.value(self.path.pose, time)
+        return tuple(rows[0]), tuple(rows[1]), tuple(rows[2])  # type: ignore[return-value]
+
+    def float_window(self, lo: float, hi: float) -> tuple[RootInstant, RootInstant]:
+        """A certain window given by doubles, clipped to the piece."""
+        first = min(max(self.lo + _exact(lo), self.lo), self.hi)
+        last = min(max(self.lo + _exact(hi), self.lo), self.hi)
+        return RootInstant.at(first, self.lo), RootInstant.at(last, self.lo)
 
     # -- answers --------------------------------------------------------------------------------------------
 
@@ -385,6 +460,47 @@ class EnclosedProblem(CurvedProblem):
         """A time before which the two elements, which no precision could decide, certainly do not meet."""
         return self._possible.get((element_a, element_b), 0.0)
 
+    def events(self, a: Primitive, b: Primitive) -> list[tuple[RationalInstant, bool]]:
+        """The instants of contact of elements where floats leave open whether contact begins or ends there."""
+        found: list[RationalInstant] = []
+        for lo, hi in self._open_times(a, b):
+            for pair in _element_pairs(a, b):
+                found += self._contacts_in(pair, lo, hi)
+        found.sort(key=cmp_to_key(RationalInstant.compare))
+        return [(instant, True) for instant in found]
+
+    def _open_times(self, a: Primitive, b: Primitive) -> list[tuple[fmpq, fmpq]]:
+        """Disjoint times in which the floats do not know whether two primitives meet."""
+        xa, xb = (np.array([[to_double(x) for x in p] for p in (*c.corners, c.corners[-1])][:3]) for c in (a, b))
+        masks = (np.int64(FACET if c.is_facet else 0) for c in (a, b))
+        mask_a, mask_b = masks
+        out = np.empty((PART_ROOM, 4))
+        last = self.window()[0]
+        errors = self.tree_a.error, self.tree_b.error
+        count = curve_windows.windows_of_parts(self.motion, mask_a, xa.ravel(), mask_b, xb.ravel(), *errors, last, out)
+        if count < 0:
+            return [(fmpq(0), self.length)]
+        zones: list[tuple[float, float]] = []
+        for w0, w1, w2, w3 in out[:count].tolist():
+            for lo, hi in ((w0, w1), (w2, w3)) if w1 < w2 else ((w0, w3),):
+                if hi < 0.0 or lo > last or lo == hi:
+                    continue
+                if zones and lo <= zones[-1][1]:
+                    zones[-1] = zones[-1][0], max(hi, zones[-1][1])
+                else:
+                    zones.append((lo, hi))
+        return [(_exact(lo), _exact(hi)) for lo, hi in zones]
+
+    def pose_between(self, x: RationalInstant, y: RationalInstant) -> Matrix:
+        """The pose of a half way between x and y, in balls."""
+        with terms(1, 4 * _BITS):
+            middle = self.piece.series((ball(x.value) + ball(y.value)) / 2 + self.piece.start)
+            return tuple(tuple(entry[0] for entry in row) for row in middle)  # type: ignore[return-value]
+
+    def float_window(self, lo: float, hi: float) -> tuple[RationalInstant, RationalInstant]:
+        """A certain window given by doubles, clipped to the piece."""
+        return tuple(RationalInstant(min(max(_exact(x), fmpq(0)), self.length)) for x in (lo, hi))  # type: ignore[return-value]
+
     def start_instant(self) -> RationalInstant:
         return RationalInstant(fmpq(0))
 
@@ -405,6 +521,15 @@ OPEN = "open"
 
 def _exact(x: float) -> fmpq:
     return fmpq(*x.as_integer_ratio())
+
+
+def _element_pairs(a: Primitive, b: Primitive) -> Iterator[Corners]:
+    """The pairs of elements of two primitives whose contacts are the events of theirs."""
+    yield from (([*x], [*y]) for x in a.sides for y in b.sides)
+    if b.is_facet:
+        yield from (([p], [*b.corners]) for p in a.corners)
+    if a.is_facet:
+        yield from (([*a.corners], [q]) for q in b.corners)
 
 
 def _nine(body: Any, element: Feature) -> np.ndarray:
