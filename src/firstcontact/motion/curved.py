@@ -179,10 +179,10 @@ def _own_series(motion: Any, t: arb, speed: fmpq) -> Series:
         ]
     angle = time * angle_ball(motion.angle, motion.unit)
     cosine, sine = angle.cos(), angle.sin()
-    h = [ball(x) for x in motion.axis]
+    h: list[Any] = [ball(x) for x in motion.axis]
     square = ball(dot(motion.axis, motion.axis))
     length = square.sqrt()
-    across = [[0, -h[2], h[1]], [h[2], 0, -h[0]], [-h[1], h[0], 0]]
+    across: Any = [[0, -h[2], h[1]], [h[2], 0, -h[0]], [-h[1], h[0], 0]]
     rows: Series = []
     for i in range(3):
         row = []

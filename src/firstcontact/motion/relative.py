@@ -21,8 +21,8 @@ from flint import fmpq
 from firstcontact.body.moving import Moving
 from firstcontact.errors import InputError, UnsupportedPair
 from firstcontact.exact.numbers import to_double
-from firstcontact.exact.vectors import cross, dot, scaled, sub
 from firstcontact.exact.rigid import Matrix
+from firstcontact.exact.vectors import cross, dot, scaled, sub
 from firstcontact.motion.curved import CurvedPiece, Leg
 from firstcontact.motion.placement import Placement, Turn, Twist
 from firstcontact.motion.rational import RationalMotion
@@ -126,9 +126,8 @@ def _step_at(steps: list[_Step], time: fmpq) -> _Step:
 def _steps(body: Any) -> Iterator[_Step]:
     motion = body.motion if isinstance(body, Moving) else REST
     if isinstance(motion, Trajectory):
-        for k, (part, start, end) in enumerate(zip(motion.steps, motion.times, motion.ends, strict=False)):
-            before = Placement().then(motion.before(k))
-            yield _Step(start, end, _simple(part), before, False)
+        for k, (between, start, end) in enumerate(zip(motion.steps, motion.times, motion.ends, strict=False)):
+            yield _Step(start, end, _simple(between), Placement().then(motion.before(k)), False)
         return
     if not isinstance(motion, Sequence):
         yield _Step(_0, None, _supported(body, motion), Placement(), isinstance(motion, Translation | Rotation))

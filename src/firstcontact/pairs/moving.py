@@ -1,9 +1,9 @@
 """Vertices, edges and facets in any motion that is a rational function of one parameter u: exact conditions.
 
 Elements of the moving body are homogeneous points x(u) = (x, y, z, w), polynomials in u with w > 0, times a common
-scale; those of the other body rest and are whole numbers of the same scale.  Vertex against facet and edge against edge
-are one determinant in u each (Schoemer & Thiel 1995, section 2); where it vanishes for all u (coplanar sliding, parallel
-edges), contacts begin and end with events of lower dimension.
+scale; those of the other body rest and are whole numbers of the same scale.  Vertex against facet and edge against
+edge are one determinant in u each (Schoemer & Thiel 1995, section 2); where it vanishes for all u (coplanar sliding,
+parallel edges), contacts begin and end with events of lower dimension.  The formulas run on power series in u too.
 """
 
 from __future__ import annotations

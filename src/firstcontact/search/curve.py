@@ -105,13 +105,11 @@ def _spread(motion, cell, row, k, h0, h1, h2):
 @kernel
 def boxes_free(motion, cell, boxes_a, a, boxes_b, b, pad):
     """The share of the cell, from its start, during which two boxes are certainly apart; 2: all of it."""
-    c0, c1, c2 = (
-        0.5 * (boxes_a[a, 0] + boxes_a[a, 3]), 0.5 * (boxes_a[a, 1] + boxes_a[a, 4]), 0.5 * (boxes_a[a, 2] + boxes_a[a, 5]),
-    )  # fmt: skip
+    c0, c1 = 0.5 * (boxes_a[a, 0] + boxes_a[a, 3]), 0.5 * (boxes_a[a, 1] + boxes_a[a, 4])
+    c2 = 0.5 * (boxes_a[a, 2] + boxes_a[a, 5])
     h0, h1, h2 = boxes_a[a, 3] - c0, boxes_a[a, 4] - c1, boxes_a[a, 5] - c2
-    d0, d1, d2 = (
-        0.5 * (boxes_b[b, 0] + boxes_b[b, 3]), 0.5 * (boxes_b[b, 1] + boxes_b[b, 4]), 0.5 * (boxes_b[b, 2] + boxes_b[b, 5]),
-    )  # fmt: skip
+    d0, d1 = 0.5 * (boxes_b[b, 0] + boxes_b[b, 3]), 0.5 * (boxes_b[b, 1] + boxes_b[b, 4])
+    d2 = 0.5 * (boxes_b[b, 2] + boxes_b[b, 5])
     g0, g1, g2 = boxes_b[b, 3] - d0, boxes_b[b, 4] - d1, boxes_b[b, 5] - d2
     size_a, size_b = abs(c0) + abs(c1) + abs(c2), abs(d0) + abs(d1) + abs(d2)
     # half sizes and centres round once each, sums a few times: 1e-15 of what they are sums of
@@ -393,7 +391,8 @@ def _edge_edge(motion, top, cell, x, i, j, rx, y, k, m, ry, start, width, first,
         motion, top, 1, cell, LINEAR, SHIFT, E_LINEAR, E_SHIFT, a0, a1, a2, rx, h0, h1, h2, dh, c0, c1, c2, ry
     )
     r2 = height(
-        motion, top, 2, cell, LINEAR, SHIFT, E_LINEAR, E_SHIFT, x[j], x[j + 1], x[j + 2], rx, h0, h1, h2, dh, c0, c1, c2, ry
+        motion, top, 2, cell, LINEAR, SHIFT, E_LINEAR, E_SHIFT, x[j], x[j + 1], x[j + 2], rx,
+        h0, h1, h2, dh, c0, c1, c2, ry,
     )  # fmt: skip
     if sign_of(motion, top, 1, r1) * sign_of(motion, top, 2, r2) > 0:
         return NONE, 0.0, 0.0

@@ -16,10 +16,11 @@ from firstcontact.search.translation_problem import TranslationProblem
 def problem_of(a: Any, b: Any, piece: Any) -> Any:
     """The search problem of the piece, both bodies placed at its reference time."""
     if isinstance(piece, CurvedPiece):
-        from firstcontact.search.curved_problem import EnclosedProblem, RationalProblem
+        from firstcontact.search.enclosed_problem import EnclosedProblem
+        from firstcontact.search.rational_problem import RationalProblem
 
-        bodies = [body.body if isinstance(body, Moving) else body for body in (a, b)]
-        return (EnclosedProblem if piece.polynomial is None else RationalProblem)(*bodies, piece)
+        body_a, body_b = (body.body if isinstance(body, Moving) else body for body in (a, b))
+        return (RationalProblem if piece.polynomial else EnclosedProblem)(body_a, body_b, piece)
     body_a, body_b = _placed(a, b, piece)
     if piece.velocity is not None:
         return TranslationProblem(body_a, body_b, piece)
