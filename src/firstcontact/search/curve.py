@@ -137,10 +137,12 @@ def boxes_free(motion, cell, boxes_a, a, boxes_b, b, pad):
 
 @kernel
 def _finest_at(levels, length, time):
-    """The finest cell at whose start, or after it, the time lies."""
+    """The last finest cell that starts, as `length * i / count`, no later than the time."""
     count = 1 << levels
     i = min(max(int(time / length * count), 0), count - 1) if length > 0.0 else 0
-    return i - 1 if i > 0 and length * i / count > time else i
+    if i > 0 and length * i / count > time:
+        return i - 1
+    return i + 1 if i + 1 < count and length * (i + 1) / count <= time else i
 
 
 @kernel
@@ -468,9 +470,9 @@ def _events(
         time, cell = next_meeting(motion, boxes, 6, boxes, 7, pad, time, floats[BEST])
         if cell < 0:
             break
-        start, first = width * cell, time
+        start, first = length * cell / count, time
         index = count - 1 + cell
-        time = max(time, width * (cell + 1))
+        time = max(time, length * (cell + 1) / count)  # the start of the next cell, to the bit
         last_cell = cell + 1 == count
         if not (
             (facet_b and _beside_plane(motion, top, index, False, xa, 3, err_a, xb, err_b, n0, n1, n2, dn))

@@ -226,7 +226,7 @@ def _windows(motion, mask_a, xa, mask_b, xb, err_a, err_b, last, scratch, out):
             break
         if time > before:
             found = _close(out, found, state, length)
-        start = width * cell
+        start = length * cell / count
         _fill(motion, top, count - 1 + cell, xa, facet_a, err_a, xb, facet_b, err_b)
         motion[top, _STRETCH, 0], motion[top, _STRETCH, 1] = 0.0, 1.0
         slot = top
@@ -242,7 +242,7 @@ def _windows(motion, mask_a, xa, mask_b, xb, err_a, err_b, last, scratch, out):
             else:
                 _halve_all(motion, slot)
                 slot += 1
-        time = max(time, width * (cell + 1))
+        time = max(time, length * (cell + 1) / count)
         if cell + 1 == count:
             break
     found = _close(out, found, state, length)
