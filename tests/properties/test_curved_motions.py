@@ -72,16 +72,15 @@ def test_a_rotation_as_a_rational_motion(block, generic):
             assert float(x.time_exact) == x.time and x.time_interval[0] <= x.time <= x.time_interval[1]
 
 
-@pytest.mark.parametrize("block", range(4))
-def test_screws_whose_relative_motion_is_simple(block):
+def test_screws_whose_relative_motion_is_simple():
     """A screw seen from a body that turns alike is a translation; from one that advances alike, a rotation."""
     contacts = 0
-    for seed in range(25 * block, 25 * block + 25):
+    for seed in range(100):
         rng = np.random.default_rng([3, seed])
         a, b = random_body(rng, True), random_body(rng, True)
         axis, length = [((0, 0, 1), 1), ((0, -3, 4), 5), ((1, 2, 2), 3)][rng.integers(3)]
-        point, degrees, advance = rng.normal(size=3).tolist(), float(rng.integers(-300, 300)), float(rng.integers(-6, 7))
-        v = [Fraction(int(advance)) * x / length for x in axis]
+        point, degrees, advance = rng.normal(size=3).tolist(), int(rng.integers(-300, 300)), int(rng.integers(-6, 7))
+        v = [Fraction(advance * x, length) for x in axis]
         turn, shift = fc.Rotation(axis, point, degrees=degrees), fc.Translation(v)
         screw = fc.Screw(axis, point, degrees=degrees, advance=advance)
         other, simple = (turn, shift) if seed % 2 else (shift, turn)
@@ -92,7 +91,7 @@ def test_screws_whose_relative_motion_is_simple(block):
             contacts += 1
             assert (x.element_a, x.element_b) == (y.element_a, y.element_b)
             assert x.time == pytest.approx(y.time, abs=1e-14)
-    assert contacts
+    assert contacts >= 5
 
 
 def test_screws_that_only_turn_or_only_advance():
@@ -281,14 +280,14 @@ def test_starts_in_contact():
 
 
 def test_a_graze_counts_where_it_is_exact_and_is_undecided_where_it_is_not():
-    """A vertex passes a resting edge at one instant, on a parabola and on a screw line."""
+    """A vertex touches a facet at one instant, on a parabola and on a screw line."""
     dip = fc.RationalMotion([pose(shift=(-1, 0, 1)), _shift(2, 0, -4), _shift(0, 0, 4)])
     point, floor = fc.Polyhedron([[0, 0, 0]], []), fc.Polyhedron([[-9, -9, 0], [9, -9, 0], [0, 9, 0]], [[0, 1, 2]])
     hit = fc.first_contact(point.moving(dip), floor, exact=True)
     assert hit.time_exact == Fraction(1, 2) and hit.normal is None
     assert fc.first_contact(point.moving(dip), floor.translated((0, 0, Fraction(-1, 10**30)))).status is Status.FREE
     helix = fc.Screw((1, 0, 0), point=(0, 0, 1), turns=1, advance=1)
-    swing = fc.Polyhedron([[0, 0.6, 0.2]], []).moving(helix)
+    swing = fc.Polyhedron([[0, 1, 1]], []).moving(helix)
     graze = fc.first_contact(swing, floor)
     assert (graze.status, graze.reason) == (Status.UNDECIDED, "precision")
     assert fc.first_contact(swing, floor.translated((0, 0, -1e-9))).status is Status.FREE

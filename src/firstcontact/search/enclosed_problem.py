@@ -63,7 +63,7 @@ class EnclosedProblem(CurvedProblem):
         Floats say before when there is none; from there on balls decide.
         """
         kind = next(k for k, pair in KINDS.items() if pair == (element_a[0], element_b[0]))
-        xa, xb = (_nine(body, e) for body, e in ((self.a, element_a), (self.b, element_b)))
+        xa, xb = (corners_as_doubles(body, e) for body, e in ((self.a, element_a), (self.b, element_b)))
         pair = corners_of(self.a, element_a), corners_of(self.b, element_b)
         first, last = 0.0, self.window()[0]
         near = _NEAR * last
@@ -265,7 +265,7 @@ class EnclosedProblem(CurvedProblem):
 
 
 
-def _nine(body: Any, element: Feature) -> np.ndarray:
+def corners_as_doubles(body: Any, element: Feature) -> np.ndarray:
     """The corners of an element as the doubles of the body, the last one repeated."""
     kind, index = element
     if kind == FACE:
