@@ -10,8 +10,17 @@ from firstcontact.body.moving import Moving
 from firstcontact.body.polyhedron import Polyhedron
 from firstcontact.errors import FirstContactError, InputError, UnsupportedPair
 from firstcontact.exact.numbers import Undecidable, to_double
+from firstcontact.motion.curved import CurvedPiece
 from firstcontact.motion.relative import pieces
-from firstcontact.report import JoinedInterval, contact_of, element_pairs, initial_contact, interval_of, join
+from firstcontact.report import (
+    JoinedInterval,
+    contact_of,
+    contained_at_start,
+    element_pairs,
+    initial_contact,
+    interval_of,
+    join,
+)
 from firstcontact.result import ContactIntervals, ContactPairs, FirstContact, Stats, Status
 from firstcontact.search.earliest import Found, Pair, Progress, all_pairs, earliest
 from firstcontact.search.intervals import contact_windows
@@ -42,7 +51,8 @@ def first_contact(
     budget: node visits plus pair tests after which to answer UNDECIDED.  progress: called with
     (free until, work) now and then.
 
-    Raises UnsupportedPair where the relative motion is neither translations nor rotations about fixed axes.
+    Raises UnsupportedPair for the pairs of constant-speed motions that docs/motions.md refuses, and with exact=True
+    where times have no exact form: under screws.
 
     >>> import firstcontact as fc
     >>> cube = fc.examples.box((2, 2, 2))
@@ -59,33 +69,30 @@ def first_contact(
             raise UnsupportedPair(f"engine {engine!r} searches trees of polyhedra; curved models take 'auto'")
         return verbs.first_contact(a, b, span, exact, method, tolerance, budget)
     parts, first, last = pieces(a, b, span)
+    if exact:
+        _refuse_inexact(parts)
     stats = Stats()
     window = (to_double(first), math.inf if last is None else to_double(last))
     shared = {"a": a, "b": b, "span": window}
-    for k, problem in enumerate(problems_in_order(a, b, parts)):
+    for k, (problem, with_start) in enumerate(problems_in_order(a, b, parts)):
         left = None if budget is None else max(0, budget - int(stats.node_visits + stats.pair_tests))
-        found = earliest(problem, left, progress, with_start=k == 0)
+        found = earliest(problem, left, progress, with_start=with_start)
         stats += Stats(found.visits, found.tests, found.unsure, found.exact)
         if found.open is not None:
             return _undecided(found.open, problem.world_time(found.free_until), stats, begin, shared)
-        at_start = k == 0 and (found.start or _starts_at_once(found))
-        if at_start:
+        if found.start or (k == 0 and _starts_at_once(found)):
             try:
-                kind = initial_kind(problem, found)
+                kind = initial_kind(problem, found) if k == 0 else None
             except Undecidable:
                 kind = None
-            return initial_contact(problem, found, kind, exact, _timed(stats, begin), shared)
-        if k == 0:
+            return initial_contact(problem, found, kind, exact, _timed(stats, begin), shared, jump=k > 0)
+        if with_start:
             try:
                 inside = problem.is_contained()
             except Undecidable:
                 return _undecided("precision", window[0], stats, begin, shared)
             if inside:
-                return FirstContact(
-                    Status.INITIAL_CONTACT, window[0], (window[0], window[0]),
-                    problem.world_exact(problem.start_instant()) if exact else None, initial="containment",
-                    free_until=window[0], stats=_timed(stats, begin), **shared,
-                )  # fmt: skip
+                return contained_at_start(problem, exact, _timed(stats, begin), shared, jump=k > 0)
         if found.instant is not None:
             return contact_of(problem, found, exact, _timed(stats, begin), shared)
     return FirstContact(Status.FREE, free_until=window[1], stats=_timed(stats, begin), **shared)
@@ -121,6 +128,8 @@ def contact_intervals(
             raise UnsupportedPair("contact_intervals of curved models takes no budget")
         return verbs.contact_intervals(a, b, span, exact)
     parts, first, last = pieces(a, b, span)
+    if exact:
+        _refuse_inexact(parts)
     stats = Stats()
     window = (to_double(first), math.inf if last is None else to_double(last))
     shared = {"a": a, "b": b, "span": window}
@@ -161,8 +170,8 @@ def contact_pairs(a: Any, b: Any, span: Any = None) -> ContactPairs:
     stats = Stats()
     met: list[Pair] = []
     pierced: list[Pair] = []
-    for k, problem in enumerate(problems_in_order(a, b, parts)):
-        found = all_pairs(problem, with_start=k == 0)
+    for problem, with_start in problems_in_order(a, b, parts):
+        found = all_pairs(problem, with_start=with_start)
         if found.open is not None:
             raise FirstContactError("a pair of elements cannot be decided in this irrational pose")
         stats += Stats(found.visits, found.tests, found.unsure, found.exact)
@@ -201,6 +210,13 @@ def _undecided(reason: str, free_until: float, stats: Stats, begin: float, share
 
 def _timed(stats: Stats, begin: float) -> Stats:
     return stats + Stats(seconds=clock.perf_counter() - begin)
+
+
+def _refuse_inexact(parts: list[Any]) -> None:
+    """UnsupportedPair where the times of contact of a piece have no exact form."""
+    for piece in parts:
+        if isinstance(piece, CurvedPiece) and piece.polynomial is None:
+            raise UnsupportedPair(piece.why_inexact())
 
 
 METHODS = ("auto", "certified", "algebraic")

@@ -72,18 +72,47 @@ def contact_of(problem: Any, found: Found, exact: bool, stats: Stats, shared: di
     )
 
 
-def initial_contact(
-    problem: Any, found: Found, kind: str | None, exact: bool, stats: Stats, shared: dict[str, Any]
+def contained_at_start(
+    problem: Any, exact: bool, stats: Stats, shared: dict[str, Any], jump: bool = False
 ) -> FirstContact:
-    """The INITIAL_CONTACT result: the surfaces share a point at the start of the span."""
-    start = shared["span"][0]
+    """The result for bodies one of which lies inside the other at the start; `jump`: that of a later step."""
+    start, interval = problem.world_instant(problem.start_instant())
+    return FirstContact(
+        Status.CONTACT if jump else Status.INITIAL_CONTACT,
+        start,
+        interval if jump else (start, start),
+        problem.world_exact(problem.start_instant()) if exact else None,
+        initial=None if jump else "containment",
+        free_until=interval[0] if jump else start,
+        stats=stats,
+        **shared,
+    )
+
+
+def initial_contact(
+    problem: Any,
+    found: Found,
+    kind: str | None,
+    exact: bool,
+    stats: Stats,
+    shared: dict[str, Any],
+    jump: bool = False,
+) -> FirstContact:
+    """The INITIAL_CONTACT result: the surfaces share a point at the start of the span.
+
+    jump: they do when the body jumps to the start of a later step, which is a CONTACT at that time.
+    """
+    start, interval = problem.world_instant(problem.start_instant())
+    if not jump:
+        start = shared["span"][0]
+        interval = start, start
     pairs = [pair for pair, _ in found.start] or found.pairs
     named = element_pairs(shared["a"], shared["b"], pairs)
     lowest, pair = named[0]
     return FirstContact(
-        Status.INITIAL_CONTACT,
+        Status.CONTACT if jump else Status.INITIAL_CONTACT,
         start,
-        (start, start),
+        interval,
         point=_start_point(problem, pair),
         element_a=lowest.element_a,
         element_b=lowest.element_b,
@@ -91,7 +120,7 @@ def initial_contact(
         multiplicity=len(named),
         time_exact=problem.world_exact(problem.start_instant()) if exact else None,
         initial=kind,
-        free_until=start,
+        free_until=interval[0],
         stats=stats,
         **shared,
     )

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from firstcontact import query
 from firstcontact.body.polyhedron import Polyhedron
 from firstcontact.motion.rotation import Rotation
+from firstcontact.motion.screw import Screw
 from firstcontact.motion.sequence import Sequence
 from firstcontact.motion.translation import Translation
 
@@ -18,7 +19,8 @@ def warm(progress: Callable[[str], object] | None = None) -> None:
     shift = Translation((0, 0, -2))
     # An oblique axis: kernels for axes along z alone would leave the general ones uncompiled.
     swing = Rotation((1, 2, 0), (3, 0, 0), degrees=200)
-    motions = {"translation": shift, "rotation": swing, "sequence": Sequence([shift, swing])}
+    screw = Screw((0, 1, 2), degrees=40, advance=-3)
+    motions = {"translation": shift, "rotation": swing, "screw": screw, "sequence": Sequence([shift, swing])}
     for name, motion in motions.items():
         moving = raised.moving(motion)
         for verb in (query.first_contact, query.contact_intervals, query.contact_pairs):

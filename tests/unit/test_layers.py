@@ -111,7 +111,7 @@ def test_importing_the_package_loads_nothing_heavy():
 
 def fresh_python(code: str) -> str:
     environment = {**os.environ, "PYTHONPATH": str(PACKAGE.parent)}
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment, timeout=120)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment, timeout=300)
     assert done.returncode == 0, done.stderr
     return done.stdout.strip()
 
@@ -134,6 +134,8 @@ for x, y, motion in (
     (a, b, fc.Rotation((1, 2, 3), point=(2, 0, 0), turns=1)),
     (box, ball, fc.Translation((1, 0, 0))),
     (box.translated((5, 0, 0)), ball, fc.Rotation((0, 1, 1), turns="1/3")),
+    (a, b, fc.Screw((1, 2, 3), turns=1, advance=5)),
+    (a, b, fc.RationalMotion([np.eye(4), [[0, 0, 0, 5], [0] * 4, [0] * 4, [0] * 4]])),
 ):
     fc.first_contact(x.moving(motion), y)
     fc.contact_intervals(x.moving(motion), y)
@@ -148,11 +150,11 @@ print(json.dumps(found))
 
 
 def test_every_kernel_has_one_signature():
-    """Two for the walks, whose motion argument has a type of its own for translations and for rotations."""
+    """Three for the walks, whose motion argument has a type of its own for each kind of motion."""
     found = json.loads(fresh_python(QUERIES).splitlines()[-1])
     walks = {"firstcontact.search.walk.walk", "firstcontact.search.windows.collect"}
     assert len(found) > 40
-    assert {name: found[name] for name in walks} == dict.fromkeys(walks, 2)
+    assert {name: found[name] for name in walks} == dict.fromkeys(walks, 3)
     assert {name: n for name, n in found.items() if n > 1 and name not in walks} == {}
     called = ("body.topology.derive_edges", "search.tree._split", "search.tree._parts", "search.frame.refit")
     assert [found[f"firstcontact.{name}"] for name in called] == [1, 1, 1, 1]

@@ -230,12 +230,22 @@ def test_the_span_of_a_query():
     fc.Sequence([fc.Translation((1, 0, 0)), fc.Screw((0, 0, 1), turns=1)]),
     fc.Sequence([fc.RationalMotion([ONE])]),
 ], ids=repr)  # fmt: skip
-def test_polyhedra_do_not_take_them_yet(motion):
+def test_polyhedra_take_them(motion):
     lid, far = CUBE.named("lid").moving(motion), CUBE.translated((50, 0, 0))
     for a, b in ((lid, far), (far, lid)):
-        for verb in (fc.first_contact, fc.contact_intervals, fc.contact_pairs):
-            with pytest.raises(fc.UnsupportedPair, match="'lid': polyhedra take Translation, Rotation"):
-                verb(a, b)
+        assert fc.first_contact(a, b).status is fc.Status.FREE
+        assert len(fc.contact_intervals(a, b)) == 0 and len(fc.contact_pairs(a, b)) == 0
+
+
+def test_other_classes_of_motion_are_refused():
+    class Wobble:
+        span = (0.0, 1.0)
+
+        def __call__(self, t):
+            return ONE
+
+    with pytest.raises(fc.UnsupportedPair, match="'lid': polyhedra take Translation, Rotation, Screw"):
+        fc.first_contact(CUBE.named("lid").moving(Wobble()), CUBE)
 
 
 # ------------------------------------------------------------------------------------------------------- bounds

@@ -49,13 +49,16 @@ def determinant(m: Matrix) -> Any:
     return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
 
 
-def transpose_rotation(m: Matrix) -> Matrix:
-    """Inverse of a rigid map."""
-    rows = []
-    for k in range(3):
-        column = [m[i][k] for i in range(3)]
-        rows.append((*column, -sum((column[i] * m[i][3] for i in range(3)), _0)))
-    return tuple(rows)  # type: ignore[return-value]
+def inverse_map(m: Matrix) -> Matrix:
+    """Inverse of an affine map, by the adjugate."""
+    (a, b, c, x), (d, e, f, y), (g, h, i, z) = m
+    rows = (
+        (e * i - f * h, c * h - b * i, b * f - c * e),
+        (f * g - d * i, a * i - c * g, c * d - a * f),
+        (d * h - e * g, b * g - a * h, a * e - b * d),
+    )
+    w = determinant(m)
+    return tuple((*(k / w for k in r), -(r[0] * x + r[1] * y + r[2] * z) / w) for r in rows)  # type: ignore[return-value]
 
 
 def quaternion_rotation(w: Any, axis: Vector, point: Vector) -> Matrix:

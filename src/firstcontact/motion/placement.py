@@ -14,8 +14,10 @@ from firstcontact.exact.rigid import (
     ball_rotation,
     compose,
     exact_rotation,
+    rational_sqrt,
     shift,
 )
+from firstcontact.exact.vectors import dot, scaled
 from firstcontact.motion.rotation import angle_ball
 
 
@@ -38,18 +40,38 @@ class Turn:
 
 
 @dataclass(frozen=True, slots=True)
+class Twist:
+    """A turn followed by an advance along its axis by a rational length."""
+
+    turn: Turn
+    advance: fmpq
+
+    def exact(self) -> Matrix | None:
+        """The map where it is rational: turn and shift both are."""
+        turned = self.turn.exact()
+        length = rational_sqrt(dot(self.turn.axis, self.turn.axis)) if self.advance else fmpq(1)
+        if turned is None or length is None:
+            return None
+        return compose(shift(scaled(self.advance / length, self.turn.axis)), turned)
+
+    def enclose(self) -> Matrix:
+        ahead = ball(self.advance) / ball(dot(self.turn.axis, self.turn.axis)).sqrt()
+        return compose(shift(scaled(ahead, self.turn.axis)), self.turn.enclose())
+
+
+@dataclass(frozen=True, slots=True)
 class Placement:
-    """``factors``, last one applied last: rational matrices and Turns that no rational matrix describes."""
+    """``factors``, last one applied last: rational matrices, and Turns and Twists that no rational matrix describes."""
 
     factors: tuple[Any, ...] = ()
 
-    def then(self, factor: Matrix | Turn) -> Placement:
-        matrix = factor.exact() if isinstance(factor, Turn) else factor
+    def then(self, factor: Matrix | Turn | Twist) -> Placement:
+        matrix = factor.exact() if isinstance(factor, Turn | Twist) else factor
         if matrix is None:
             return Placement((*self.factors, factor))
         if matrix == IDENTITY:
             return self
-        if self.factors and not isinstance(self.factors[-1], Turn):
+        if self.factors and not isinstance(self.factors[-1], Turn | Twist):
             return Placement((*self.factors[:-1], compose(matrix, self.factors[-1])))
         return Placement((*self.factors, matrix))
 
@@ -58,13 +80,13 @@ class Placement:
 
     @property
     def is_exact(self) -> bool:
-        return not any(isinstance(f, Turn) for f in self.factors)
+        return not any(isinstance(f, Turn | Twist) for f in self.factors)
 
     def matrix(self) -> Matrix:
         """The rational matrix (exact placements), or its enclosure at the present precision."""
         total: Matrix | None = None
         for factor in self.factors:
-            m = factor.enclose() if isinstance(factor, Turn) else factor
+            m = factor.enclose() if isinstance(factor, Turn | Twist) else factor
             total = m if total is None else compose(m, total)
         return IDENTITY if total is None else total
 

@@ -98,7 +98,7 @@ def polynomial_pieces(body: Any, first: fmpq, last: fmpq | None) -> Iterator[Pol
     without rational cosine and sine starts in a rational pose within 2^-60 radians; its pieces have `exact` False.
     """
     for step, begin, end, of in _windows(body, first, last):
-        yield from _step_pieces(step, begin, end, of)
+        yield from step_pieces(step, begin, end, of)
 
 
 def relative(a: PolynomialPiece, b: PolynomialPiece) -> PolynomialPiece:
@@ -134,9 +134,9 @@ def relative_pieces(a: Any, b: Any, first: fmpq, last: fmpq | None) -> Iterator[
         if end is None or begin < end or first == last:
             turn = _difference(step_a, step_b)
             if turn is not None:
-                yield from _step_pieces(turn, begin, end, f"{of_a} as seen from {of_b}")
+                yield from step_pieces(turn, begin, end, f"{of_a} as seen from {of_b}")
             else:
-                pieces_a, pieces_b = _step_pieces(step_a, begin, end, of_a), _step_pieces(step_b, begin, end, of_b)
+                pieces_a, pieces_b = step_pieces(step_a, begin, end, of_a), step_pieces(step_b, begin, end, of_b)
                 yield from _overlaps(pieces_a, pieces_b, first == last)
         if end_b is None or (end_a is not None and end_a <= end_b):
             x = next(windows_a, None)
@@ -178,7 +178,7 @@ def _common(a: PolynomialPiece, b: PolynomialPiece) -> tuple[Matrix, Matrix, Str
 
 
 @dataclass(frozen=True, slots=True)
-class _Step:
+class Step:
     """`motion`, after the rational pose `before` and followed by the fixed map `after`, over [start, end].
 
     start, end None: it goes on.  Its own time is (t - origin) / unit.
@@ -194,7 +194,7 @@ class _Step:
     after: Matrix | None = None
 
 
-def _windows(body: Any, first: fmpq, last: fmpq | None) -> Iterator[tuple[_Step, fmpq, fmpq | None, str]]:
+def _windows(body: Any, first: fmpq, last: fmpq | None) -> Iterator[tuple[Step, fmpq, fmpq | None, str]]:
     """(step, begin, end, name) of the steps of a body or motion in [first, last]; for an instant, one of them."""
     motion = body.motion if isinstance(body, Moving) else body if callable(body) else REST
     who = repr(name) if (name := getattr(body, "name", None)) else "a body"
@@ -211,21 +211,21 @@ def _windows(body: Any, first: fmpq, last: fmpq | None) -> Iterator[tuple[_Step,
         yield step, begin, end, f"{type(step.motion).__name__} of {who}"
 
 
-def _steps(motion: Any) -> Iterator[_Step]:
+def _steps(motion: Any) -> Iterator[Step]:
     if isinstance(motion, Trajectory):
         for k, (step, start, end) in enumerate(zip(motion.steps, motion.times, motion.ends, strict=False)):
-            yield _Step(_simple(step), start, end, motion.before(k), True, start, end - start)
+            yield Step(_simple(step), start, end, motion.before(k), True, start, end - start)
     elif isinstance(motion, Sequence):
         before, exact, start = IDENTITY, True, _0
         for step, end in zip(map(_simple, motion.steps), motion.ends, strict=True):
-            yield _Step(step, start, end, before, exact, start, end - start)
+            yield Step(step, start, end, before, exact, start, end - start)
             after, known = _pose_at_end(step)
             before, exact, start = compose(after, before), exact and known, end
     else:
-        yield _Step(_simple(motion), None, None, IDENTITY, True)
+        yield Step(_simple(motion), None, None, IDENTITY, True)
 
 
-def _difference(a: _Step, b: _Step) -> _Step | None:
+def _difference(a: Step, b: Step) -> Step | None:
     """The rotation of a as seen from b where both turn about one line at different speeds, else None.
 
     Turns about one line commute: with angles p (t - s) and q (t - r) it is the turn by (p - q) (t - o), between a's
@@ -242,7 +242,7 @@ def _difference(a: _Step, b: _Step) -> _Step | None:
     turn = Rotation(x.axis, x.point, **{x.unit: p - q})
     after = projective.inverse(projective.fixed(b.before), _0)
     origin = (p * a.origin - q * b.origin) / (p - q)
-    return _Step(turn, None, None, a.before, a.exact and b.exact, origin, _1, after)
+    return Step(turn, None, None, a.before, a.exact and b.exact, origin, _1, after)
 
 
 def _simple(step: Any) -> Any:
@@ -265,7 +265,7 @@ def _pose_at_end(step: Any) -> tuple[Fixed, bool]:
     return near_rotation(step.axis, step.point, turns), False
 
 
-def _step_pieces(step: _Step, first: fmpq, last: fmpq | None, of: str) -> Iterator[PolynomialPiece]:
+def step_pieces(step: Step, first: fmpq, last: fmpq | None, of: str) -> Iterator[PolynomialPiece]:
     """The pieces of one step over [first, last]."""
     motion = step.motion
     if isinstance(motion, Rotation) and motion.angle != 0:
@@ -293,7 +293,7 @@ def _own_pose(motion: Any, of: str) -> Matrix:
 
 
 def _turn_pieces(
-    step: _Step, motion: Rotation, first: fmpq, last: fmpq | None, of: str
+    step: Step, motion: Rotation, first: fmpq, last: fmpq | None, of: str
 ) -> Iterator[PolynomialPiece]:
     """The pieces of a rotation, cut where it has turned an odd number of quarter turns since its start."""
     axis = _primitive(motion.axis if motion.angle > 0 else scaled(-1, motion.axis))

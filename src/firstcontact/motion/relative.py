@@ -1,7 +1,8 @@
-"""Two moving bodies -> one: pieces of time in which the relative motion is one translation or one rotation.
+"""Two moving bodies -> one: pieces of time in which the relative motion is one translation, one rotation, or curved.
 
-In every piece both bodies stand placed at its reference time, b is at rest in the working frame, and a moves
-in it.  The working frame itself follows b: `carry` brings points of it back to the world.
+In every piece of the first two kinds both bodies stand placed at its reference time, b is at rest in the working
+frame, and a moves in it.  The working frame itself follows b: `carry` brings points of it back to the world.
+Curved pieces (`curved`) hold both motions.
 
 The reference is the start of the piece, but where a rotation's pose is irrational there: then it is the
 time at which the rotation began in a rational pose, and the piece is a window of its angles.
@@ -9,6 +10,7 @@ time at which the rotation began in a rational pose, and the piece is a window o
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -17,13 +19,18 @@ import numpy as np
 from flint import fmpq
 
 from firstcontact.body.moving import Moving
-from firstcontact.errors import UnsupportedPair
+from firstcontact.errors import InputError, UnsupportedPair
 from firstcontact.exact.numbers import to_double
+from firstcontact.exact.rigid import Matrix
 from firstcontact.exact.vectors import cross, dot, scaled, sub
-from firstcontact.motion.placement import Placement, Turn
+from firstcontact.motion.curved import CurvedPiece, Leg
+from firstcontact.motion.placement import Placement, Turn, Twist
+from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.rotation import Rotation, rotation_matrix
+from firstcontact.motion.screw import Screw
 from firstcontact.motion.sequence import Sequence
 from firstcontact.motion.span import common_span
+from firstcontact.motion.trajectory import Trajectory
 from firstcontact.motion.translation import Translation
 
 _0 = fmpq(0)
@@ -72,10 +79,10 @@ class Piece:
         return Piece(self.start, self.start, self.start, *placed, (_0, _0, _0), None, None, (_0, _0))
 
 
-def pieces(a: Any, b: Any, span: Any) -> tuple[list[Piece], fmpq, fmpq | None]:
+def pieces(a: Any, b: Any, span: Any) -> tuple[list[Piece | CurvedPiece], fmpq, fmpq | None]:
     """The pieces of the relative motion over the span, in time order, and the span itself.
 
-    Raises InputError for a bad span, UnsupportedPair where a piece is neither one translation nor one rotation.
+    Raises InputError for a bad span, UnsupportedPair for two constant-speed motions that the table below refuses.
     """
     first, last = common_span(a, b, span)
     steps_a, steps_b = list(_steps(a)), list(_steps(b))
@@ -89,59 +96,80 @@ def pieces(a: Any, b: Any, span: Any) -> tuple[list[Piece], fmpq, fmpq | None]:
         times = [first, last]
     out = []
     for t0, t1 in zip(times, times[1:], strict=False):
-        step_a = next(s for s in steps_a if s.end is None or t0 < s.end or s is steps_a[-1])
-        step_b = next(s for s in steps_b if s.end is None or t0 < s.end or s is steps_b[-1])
-        out.append(_reduce(a, b, step_a, step_b, t0, t1))
+        out.append(_reduce(a, b, _step_at(steps_a, t0), _step_at(steps_b, t0), t0, t1))
     return out, first, last
 
 
 @dataclass(frozen=True, slots=True)
 class _Step:
-    """A step of one body's motion: over [start, end] it makes `motion`, from the pose `before`."""
+    """A step of one body's motion: over [start, end] it makes `motion`, from the pose `before`.
+
+    plain: it was asked for as a Translation or Rotation, not as a motion that happens to be one.
+    """
 
     start: fmpq
     end: fmpq | None
-    motion: Translation | Rotation
+    motion: Any
     before: Placement
+    plain: bool = True
 
     @property
     def duration(self) -> fmpq:
         return fmpq(1) if self.end is None else self.end - self.start
 
 
+def _step_at(steps: list[_Step], time: fmpq) -> _Step:
+    """The step that is made from that time on."""
+    return steps[max(0, bisect_right(steps, time, key=lambda s: s.start) - 1)]
+
+
 def _steps(body: Any) -> Iterator[_Step]:
     motion = body.motion if isinstance(body, Moving) else REST
+    if isinstance(motion, Trajectory):
+        for k, (between, start, end) in enumerate(zip(motion.steps, motion.times, motion.ends, strict=False)):
+            yield _Step(start, end, _simple(between), Placement().then(motion.before(k)), False)
+        return
     if not isinstance(motion, Sequence):
-        yield _Step(_0, None, _supported(body, motion), Placement())
+        yield _Step(_0, None, _supported(body, motion), Placement(), isinstance(motion, Translation | Rotation))
         return
     start, before = _0, Placement()
     for k, (part, end) in enumerate(zip(motion.steps, motion.ends, strict=True)):
         step = _supported(body, part, f"step {k} of the Sequence, ")
-        yield _Step(start, end, step, before)
-        before = _advance(before, step, fmpq(1))
+        yield _Step(start, end, step, before, isinstance(part, Translation | Rotation))
+        before = advanced(before, step, fmpq(1))
         start = end
 
 
-def _supported(body: Any, motion: Any, where: str = "") -> Translation | Rotation:
+def _simple(motion: Any) -> Any:
+    """A screw that only turns, or only advances, as a Rotation or Translation."""
+    return motion.reduced() if isinstance(motion, Screw) else motion
+
+
+def _supported(body: Any, motion: Any, where: str = "") -> Any:
     """The motion, if polyhedra can be followed under it."""
-    if not isinstance(motion, Translation | Rotation):
+    if not isinstance(motion, Translation | Rotation | Screw | RationalMotion):
         raise UnsupportedPair(
-            f"{where}{motion!r} of {_who(body)}: polyhedra take Translation, Rotation and a Sequence of them"
+            f"{where}{motion!r} of {_who(body)}: polyhedra take Translation, Rotation, Screw, RationalMotion, "
+            "Trajectory and a Sequence of them"
         )
-    return motion
+    return _simple(motion)
 
 
-def _advance(before: Placement, motion: Translation | Rotation, share: fmpq) -> Placement:
-    """The pose after `share` of the motion."""
+def advanced(before: Placement, motion: Any, share: fmpq) -> Placement:
+    """The pose `before` and then `share` of the motion."""
+    if isinstance(motion, RationalMotion):
+        rows = motion.exact(share)
+        matrix: Matrix = (tuple(rows[0]), tuple(rows[1]), tuple(rows[2]))  # type: ignore[assignment]
+        return before.then(matrix)
     if share == 0:
         return before
     if isinstance(motion, Translation):
         return before.shifted(scaled(share, motion.vector))
-    radians, turns = _angle(motion, share)
-    return before.then(Turn(motion.axis, motion.point, radians, turns))
+    turn = Turn(motion.axis, motion.point, *_angle(motion, share))
+    return before.then(Twist(turn, share * motion.advance) if isinstance(motion, Screw) else turn)
 
 
-def _angle(motion: Rotation, share: fmpq) -> tuple[fmpq, fmpq]:
+def _angle(motion: Rotation | Screw, share: fmpq) -> tuple[fmpq, fmpq]:
     """(radians, turns) of that share of a rotation."""
     angle = motion.angle * share
     return (angle, _0) if motion.unit == "radians" else (_0, angle)
@@ -151,13 +179,21 @@ def _times(factor: fmpq, rate: tuple[fmpq, fmpq]) -> tuple[fmpq, fmpq]:
     return factor * rate[0], factor * rate[1]
 
 
-def _rests(motion: Translation | Rotation) -> bool:
-    return not any(motion.vector) if isinstance(motion, Translation) else motion.angle == 0
+def _rests(motion: Any) -> bool:
+    if isinstance(motion, Translation):
+        return not any(motion.vector)
+    return isinstance(motion, Rotation) and motion.angle == 0
 
 
-def _reduce(a: Any, b: Any, step_a: _Step, step_b: _Step, start: fmpq, end: fmpq | None) -> Piece:
-    """One piece; the table of section 6 of the derivation: which pairs of motions are one motion."""
+def _reduce(a: Any, b: Any, step_a: _Step, step_b: _Step, start: fmpq, end: fmpq | None) -> Piece | CurvedPiece:
+    """One piece; the table of section 6 of the derivation: which pairs of motions are one motion.
+
+    All others are curved, but for two motions of constant speed that users named as such.
+    """
     motion_a, motion_b = step_a.motion, step_b.motion
+    if not (_is_straight_or_turn(step_a) and _is_straight_or_turn(step_b)):
+        return _curved(a, b, step_a, step_b, start, end)
+    plain = step_a.plain and step_b.plain
     rest_a, rest_b = _rests(motion_a), _rests(motion_b)
     straight_a = rest_a or isinstance(motion_a, Translation)
     straight_b = rest_b or isinstance(motion_b, Translation)
@@ -169,11 +205,15 @@ def _reduce(a: Any, b: Any, step_a: _Step, step_b: _Step, start: fmpq, end: fmpq
             carry_velocity=v_b if any(v_b) else None,
         )  # fmt: skip
     if (straight_a and not rest_a) or (straight_b and not rest_b):
+        if not plain:
+            return _curved(a, b, step_a, step_b, start, end)
         raise _unsupported(a, b, motion_a, motion_b, "their relative motion is a screw or a spiral")
     lead = motion_b if rest_a else motion_a
     assert isinstance(lead, Rotation)
     rate_a, rate_b = _rate(step_a, rest_a, lead), _rate(step_b, rest_b, lead)
     if rate_a is None or rate_b is None:
+        if not plain:
+            return _curved(a, b, step_a, step_b, start, end)
         raise _unsupported(a, b, motion_a, motion_b, "their axes differ")
     rate = rate_a[0] - rate_b[0], rate_a[1] - rate_b[1]
     placed = _placed(step_a, start), _placed(step_b, start)
@@ -187,6 +227,24 @@ def _reduce(a: Any, b: Any, step_a: _Step, step_b: _Step, start: fmpq, end: fmpq
         if len(begins) == 1 and step_a.before.is_exact and step_b.before.is_exact:
             reference, placed = begins.pop(), (step_a.before, step_b.before)
     return Piece(start, end, reference, *placed, None, lead.axis, lead.point, rate, carry_rate=carry_rate)
+
+
+def _is_straight_or_turn(step: _Step) -> bool:
+    return isinstance(step.motion, Translation | Rotation)
+
+
+def _curved(a: Any, b: Any, step_a: _Step, step_b: _Step, start: fmpq, end: fmpq | None) -> CurvedPiece:
+    """The piece by the motions themselves."""
+    if end is None:
+        raise InputError(
+            f"the span has no end, but {type(step_a.motion).__name__} of {_who(a, 'a')} with "
+            f"{type(step_b.motion).__name__} of {_who(b, 'b')} needs one; give span=(first, last)"
+        )
+    legs = [
+        Leg(s.motion, s.start, s.duration, s.before, f"{type(s.motion).__name__} of {_who(body, default)}")
+        for s, body, default in ((step_a, a, "a"), (step_b, b, "b"))
+    ]
+    return CurvedPiece(start, end, *legs)
 
 
 def _velocity(step: _Step, rests: bool) -> tuple[fmpq, fmpq, fmpq]:
@@ -210,7 +268,7 @@ def _rate(step: _Step, rests: bool, lead: Rotation) -> tuple[fmpq, fmpq] | None:
 
 def _placed(step: _Step, time: fmpq) -> Placement:
     """The body's pose at `time` of the step."""
-    return _advance(step.before, step.motion, (time - step.start) / step.duration)
+    return advanced(step.before, step.motion, (time - step.start) / step.duration)
 
 
 def _unsupported(a: Any, b: Any, motion_a: Any, motion_b: Any, why: str) -> UnsupportedPair:

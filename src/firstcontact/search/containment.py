@@ -14,7 +14,7 @@ from flint import fmpq
 
 from firstcontact.body.topology import component_of_vertices
 from firstcontact.exact.numbers import PRECISIONS, Undecidable, precision, sign, to_double
-from firstcontact.exact.rigid import apply, transpose_rotation
+from firstcontact.exact.rigid import apply, inverse_map
 from firstcontact.exact.vectors import Vector, cross, dot, sub
 from firstcontact.kernels.jit import kernel
 from firstcontact.kernels.verdict import DET_EPS, TINY, cross_size
@@ -186,7 +186,7 @@ def contained_at(problem: Any, left: Any, right: Any) -> bool:
     """
     a, b = problem.a, problem.b
     pose = problem.pose_between(left, right)
-    back = transpose_rotation(pose)
+    back = inverse_map(pose)
     for inner, outer, to_outer in ((a, b, pose), (b, a, back)):
         if not outer.solid:
             continue

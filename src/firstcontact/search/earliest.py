@@ -47,6 +47,7 @@ class Problem(Protocol):
     def window(self) -> tuple[float, float]: ...
     def advance(self, state: WalkState, limit: int, with_start: bool, all_sides: bool) -> int: ...
     def contact(self, element_a: Feature, element_b: Feature) -> Any: ...
+    def possible(self, element_a: Feature, element_b: Feature) -> float: ...
     def start_relation(self, element_a: Feature, element_b: Feature) -> int: ...
 
 
@@ -251,7 +252,7 @@ class _Search:
         self.found.exact += 1
         answer = self._exactly(lambda: self._contact_and_bound(pair))
         if answer is None:
-            self.doubtful[pair] = lo
+            self.doubtful[pair] = max(lo, self.problem.possible(pair[1], pair[2]))
             return
         instant, hi = answer
         self.decided[pair] = instant
@@ -304,7 +305,8 @@ class _Search:
         found = self.found
         horizon = float(self.state.floats[BEST])
         open_until = min(self.doubtful.values(), default=float("inf"))
-        if self.doubtful and open_until <= horizon:
+        # a contact certain to be no later than any doubtful one is the first, whatever becomes of those
+        if self.doubtful and open_until <= horizon and not (self.best and self.best.bounds()[0] <= open_until):
             found.open = "precision"
             found.free_until = open_until
             return

@@ -269,6 +269,10 @@ class RotationProblem:
                     return bool(gap > 0)
         return True
 
+    def possible(self, element_a: Feature, element_b: Feature) -> float:
+        """A time before which the two elements, which no precision could decide, certainly do not meet."""
+        return 0.0
+
     # -- all windows ----------------------------------------------------------------------------------------
 
     def collect(self, limit: int, integers: Any, stack: Any, cover: Any, times: Any, parts: Any) -> int:

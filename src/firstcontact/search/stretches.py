@@ -28,7 +28,7 @@ from firstcontact.kernels.poses import (
     TURNING,
 )
 from firstcontact.motion import projective
-from firstcontact.motion.polynomial import REST, _own_pose, _Step, _steps
+from firstcontact.motion.polynomial import REST, _own_pose, Step, _steps
 from firstcontact.motion.rotation import Rotation, angle_ball
 from firstcontact.motion.screw import Screw
 
@@ -69,11 +69,11 @@ def windows(a: Any, b: Any, first: fmpq, last: fmpq) -> list[Window]:
 
 
 @lru_cache(maxsize=128)
-def known_steps(motion: Any) -> tuple[_Step, ...]:
+def known_steps(motion: Any) -> tuple[Step, ...]:
     return tuple(_steps(motion))
 
 
-def _index(steps: tuple[_Step, ...], begin: fmpq, end: fmpq) -> int:
+def _index(steps: tuple[Step, ...], begin: fmpq, end: fmpq) -> int:
     """The step in charge of [begin, end]."""
     for k, step in enumerate(steps):
         if (step.start is None or step.start <= begin) and (step.end is None or end <= step.end):
@@ -115,7 +115,7 @@ def _stretch(motion: Any, index: int, begin: fmpq, end: fmpq) -> np.ndarray:
     return table
 
 
-def _rational(step: _Step, centre: fmpq, scale: fmpq, head: np.ndarray) -> np.ndarray:
+def _rational(step: Step, centre: fmpq, scale: fmpq, head: np.ndarray) -> np.ndarray:
     """Polynomials in s = (t - centre) / scale."""
     head[KIND] = RATIONAL
     local = fmpq_poly([(centre - step.origin) / step.unit, scale / step.unit])
@@ -144,7 +144,7 @@ def _rational(step: _Step, centre: fmpq, scale: fmpq, head: np.ndarray) -> np.nd
     return table
 
 
-def _turning(step: _Step, centre: fmpq, scale: fmpq, head: np.ndarray) -> np.ndarray:
+def _turning(step: Step, centre: fmpq, scale: fmpq, head: np.ndarray) -> np.ndarray:
     """Linear in 1, sin, 1 - cos of the angle turned since `centre`, and s = (t - centre) / scale."""
     motion = step.motion
     head[KIND] = TURNING

@@ -40,7 +40,7 @@ def translation_touch(
     else:
         point = line_line.contact_point(*corners_a, *corners_b, v, at.value)  # type: ignore[call-arg]
         n = line_line.normal(*corners_a, *corners_b)
-    return doubles(point), _exact_normal(n, v)
+    return doubles(point), unit_against(n, v)
 
 
 def _facet_normal(corners: list[Vector]) -> Vector:
@@ -48,7 +48,7 @@ def _facet_normal(corners: list[Vector]) -> Vector:
     return cross(sub(b, a), sub(c, a))
 
 
-def _exact_normal(n: Vector, velocity: Vector) -> np.ndarray | None:
+def unit_against(n: Vector, velocity: Vector) -> np.ndarray | None:
     """The unit vector along n against the velocity; None where they are orthogonal or n is zero."""
     try:
         towards = sign(dot(n, velocity))
@@ -117,7 +117,7 @@ def rotation_touch(
         with precision(bits):
             moved = _turned(axis, corners_a, at)
             direction = _normal(element_a, moved, element_b, [as_balls(p) for p in corners_b])
-            normal = _exact_normal(direction, cross(axis.h, place_ball(place)))
+            normal = unit_against(direction, cross(axis.h, place_ball(place)))
         if normal is not None:
             return q, normal
     return q, None

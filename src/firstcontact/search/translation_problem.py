@@ -106,6 +106,10 @@ class TranslationProblem:
         clipped = clip(window, (ZERO, self.last))
         return None if clipped is None else RationalInstant(clipped[0])
 
+    def possible(self, element_a: Feature, element_b: Feature) -> float:
+        """A time before which the two elements, which no precision could decide, certainly do not meet."""
+        return 0.0
+
     # -- all windows ----------------------------------------------------------------------------------------
 
     def collect(self, limit: int, integers: Any, stack: Any, cover: Any, times: Any, parts: Any) -> int:

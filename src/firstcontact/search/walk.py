@@ -202,8 +202,8 @@ def walk(
                     get_ready(motion, 0, boxes_a, links_a, xyz_a, ids_a, a1 if k else a0, pad)
                 if is_new(motion, 1, b1 if k else b0):
                     get_ready(motion, 1, boxes_b, links_b, xyz_b, ids_b, b1 if k else b0, pad)
-            key0 = earliest_meeting(motion, boxes_a, a0, boxes_b, b0, pad, first, best)
-            key1 = earliest_meeting(motion, boxes_a, a1, boxes_b, b1, pad, first, best)
+            key0 = earliest_meeting(motion, boxes_a, a0, boxes_b, b0, pad, key, best)
+            key1 = earliest_meeting(motion, boxes_a, a1, boxes_b, b1, pad, key, best)
             if key1 < key0:
                 key0, key1 = key1, key0
                 a0, b0, a1, b1 = a1, b1, a0, b0

@@ -1,0 +1,116 @@
+"""The polynomials of a curved motion for the kernels: their errors, and what boxes and elements make of them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from flint import arb, fmpq
+
+import firstcontact as fc
+from curved import pose, random_body, rational_turn
+from firstcontact.kernels.verdict import CERTAIN, NONE
+from firstcontact.motion.curved import terms
+from firstcontact.motion.relative import pieces
+from firstcontact.search import cells, curve
+from firstcontact.search.enclosed_problem import corners_as_doubles
+from firstcontact.search.problem import problem_of
+
+BODY = fc.examples.box((1, 1, 1))
+MOTIONS = {
+    "screw": (fc.Screw((1, 2, -1), (3, 0, 1), degrees=700, advance=4), None),
+    "rational": (fc.RationalMotion.between(pose(), pose((0, 1, 2), (1, 2, 3))), None),
+    "stretch": (fc.RationalMotion([np.eye(4), np.diag([1.0, 0.5, 0, 1])]), None),
+    "both": (fc.Screw((0, 0, 1), turns=1, advance=1), fc.RationalMotion.between(pose(), pose((0, 1, 2), (1, 2, 3)))),
+    "long": (rational_turn((3, 4, 12), (1, 0, 0)), None),
+}
+
+
+def piece_of(name: str):
+    motion, other = MOTIONS[name]
+    return pieces(BODY.moving(motion), BODY if other is None else BODY.moving(other), None)[0][0]
+
+
+@pytest.mark.parametrize("name", MOTIONS)
+def test_every_row_is_within_its_error(name):
+    piece = piece_of(name)
+    array = cells.cells_of(piece, 1.0, 1.0)
+    levels = int(array[0, cells.ERRORS, cells.LEVELS])
+    rng = np.random.default_rng(0)
+    for index in (0, 2, 2**levels - 1, 2 ** (levels + 1) - 2):
+        if index > 2 ** (levels + 1) - 2 or not np.isfinite(array[index, cells.ERRORS]).all():
+            continue
+        level = int(math.log2(index + 1))
+        for share in (0.0, 1.0, *rng.uniform(0, 1, 3)):
+            s = fmpq(*float(share).as_integer_ratio())
+            t = piece.start + (piece.end - piece.start) * (index + 1 - 2**level + s) / 2**level
+            with terms(1, 200):
+                truth = [f[0] for f in cells._functions(piece, arb(t))]
+                for row, value in enumerate(truth):
+                    basis = [math.comb(7, k) * s**k * (1 - s) ** (7 - k) for k in range(8)]
+                    numbers = [fmpq(*float(c).as_integer_ratio()) for c in array[index, row]]
+                    found = sum((b * c for b, c in zip(basis, numbers, strict=True)), fmpq(0))
+                    group = max(k for k, (first, _) in enumerate(cells._GROUPS) if first <= row)
+                    assert abs(value - found) <= arb(float(array[index, cells.ERRORS, group])), (index, row)
+                    assert abs(value) <= arb(float(array[index, cells.ERRORS + 1, group]))
+
+
+@pytest.mark.parametrize("name", MOTIONS)
+def test_boxes_are_apart_until_they_are_said_to_meet(name):
+    piece = piece_of(name)
+    array = cells.cells_of(piece, 3.0, 3.0)
+    rng = np.random.default_rng(1)
+    corners = np.array([[x, y, z] for x in (0, 3) for y in (1, 4) for z in (2, 5)])
+    waits = 0
+    for _ in range(100):
+        middles, halves = rng.normal(size=(2, 3)), rng.uniform(0, 0.5, (2, 3))
+        box_a, box_b = (np.concatenate([c - h, c + h])[None] for c, h in zip(middles, halves, strict=True))
+        time, cell = curve.next_meeting(array, box_a, 0, box_b, 0, 0.0, 0.0, 1.0)
+        waits += 0 < time < 1
+        for t in np.linspace(0, min(time, 1.0), 30, endpoint=cell < 0) if time > 0 else ():
+            with terms(1, 64):
+                m = np.array([[float(x[0]) for x in row] for row in piece.series(arb(float(t)))])
+            points = rng.uniform(size=(64, 3)) * (box_a[0, 3:] - box_a[0, :3]) + box_a[0, :3]
+            points = np.vstack([points, np.array([box_a[0][c] for c in corners])]) @ m[:, :3].T + m[:, 3]
+            assert not np.any(np.all((points > box_b[0, :3] + 1e-9) & (points < box_b[0, 3:] - 1e-9), axis=1))
+    assert waits
+
+
+@pytest.mark.parametrize("generic", [False, True], ids=["degenerate", "random"])
+def test_elements_seen_by_floats_and_exactly(generic):
+    """NONE: the exact face finds none; CERTAIN: its first contact lies in the interval; UNSURE: not before it."""
+    verdicts = {0: 0, 1: 0, 2: 0}
+    for seed in range(40):
+        rng = np.random.default_rng([3, seed])
+        a, b = random_body(rng, generic), random_body(rng, generic)
+        motion = rational_turn(*[((0, 0, 1), (1, 0, 0)), ((1, 2, 2), (0, 0.5, 0))][seed % 2])
+        problem = problem_of(a.moving(motion), b, pieces(a.moving(motion), b, None)[0][0])
+        for _ in range(40):
+            pair = _random_pair(rng, a, b)
+            if pair is None:
+                continue
+            kind, x, y = pair
+            exact = problem.contact(x, y)
+            nine = [corners_as_doubles(body, e) for body, e in ((a, x), (b, y))]
+            verdict, lo, hi = curve.pair_window(problem.motion, kind, *nine, 0.0, 0.0, 0.0, 1.0)
+            verdicts[verdict] += 1
+            if verdict == NONE:
+                assert exact is None, (seed, pair)
+            elif exact is not None:
+                t = exact.bounds()
+                assert lo <= t[1] and (verdict != CERTAIN or t[0] <= hi), (seed, pair)
+            else:
+                assert verdict != CERTAIN, (seed, pair)
+    assert verdicts[NONE] and (verdicts[CERTAIN] if generic else verdicts[2])
+
+
+def _random_pair(rng, a, b):
+    kind = int(rng.integers(3))
+    counts_a = len(a.vertices), len(a.edges), len(a.triangles)
+    counts_b = len(b.triangles), len(b.edges), len(b.vertices)
+    sizes = counts_a[kind], counts_b[kind]
+    if 0 in sizes:
+        return None
+    kinds = [(0, 2), (1, 1), (2, 0)][kind]
+    return kind, (kinds[0], int(rng.integers(sizes[0]))), (kinds[1], int(rng.integers(sizes[1])))
