@@ -11,11 +11,9 @@ from typing import Any
 import numpy as np
 from flint import arb, arb_poly, arb_series, ctx, fmpq, fmpq_poly
 
-from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import ball, precision, rational
 from firstcontact.exact.rigid import IDENTITY, Matrix
 from firstcontact.exact.vectors import dot
-from firstcontact.motion.clocks import StraightClock
 from firstcontact.motion.placement import Placement
 from firstcontact.motion.polynomial import PolynomialPiece, relative, step_pieces
 from firstcontact.motion.polynomial import Step as PolynomialStep
@@ -146,14 +144,11 @@ class CurvedPiece:
 
 
 def _polynomial(leg: Leg, start: fmpq, end: fmpq) -> PolynomialPiece | None:
-    if not leg.before.is_exact:
+    turns = isinstance(leg.motion, Rotation | Screw) and (leg.motion.angle != 0 or isinstance(leg.motion, Screw))
+    if turns or not leg.before.is_exact:
         return None
     step = PolynomialStep(leg.motion, None, None, leg.before.matrix(), True, leg.origin, leg.unit)
-    try:
-        (piece,) = step_pieces(step, start, end, leg.of)
-    except (UnsupportedPair, ValueError):  # a screw; several pieces: a turn
-        return None
-    return piece if isinstance(piece.clock, StraightClock) else None
+    return next(step_pieces(step, start, end, leg.of))
 
 
 def _is_rotation(m: Matrix) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import Any
 
+import numpy as np
 from flint import fmpq
 
 from firstcontact.body.moving import Moving
@@ -38,7 +39,10 @@ def problems_in_order(a: Any, b: Any, parts: Iterable[Any]) -> Iterator[tuple[An
     for k, piece in enumerate(parts):
         if isinstance(piece, CurvedPiece):
             if k == 0 or not piece.continues(before):
-                yield standing(a, b, piece), True
+                start = piece_at_start(piece)
+                bodies = _placed(a, b, start)
+                if k == 0 or not _boxes_apart(*bodies):
+                    yield TranslationProblem(*bodies, start), True
             yield problem_of(a, b, piece), False
         else:
             yield from _simple_problems(a, b, piece, k == 0 or isinstance(before, CurvedPiece))
@@ -60,13 +64,19 @@ def _simple_problems(a: Any, b: Any, piece: Piece, with_start: bool) -> Iterator
         yield part, False
 
 
-def standing(a: Any, b: Any, piece: CurvedPiece) -> TranslationProblem:
-    """Both bodies at rest in the world as they stand at the start of the piece."""
+def piece_at_start(piece: CurvedPiece) -> Piece:
+    """The instant in which a curved piece starts, both bodies as they stand in the world then."""
     zero = fmpq(0), fmpq(0), fmpq(0)
-    start = Piece(
-        piece.start, piece.start, piece.start, *piece.placed_at_start(), zero, None, None, (fmpq(0), fmpq(0))
-    )
-    return TranslationProblem(*_placed(a, b, start), start)
+    rate = fmpq(0), fmpq(0)
+    return Piece(piece.start, piece.start, piece.start, *piece.placed_at_start(), zero, None, None, rate)
+
+
+def _boxes_apart(a: Any, b: Any) -> bool:
+    """Whether two bodies at rest certainly share no point, by their boxes."""
+    (lo_a, hi_a), (lo_b, hi_b) = a.bounds(), b.bounds()
+    size = max(float(np.abs(x).max()) for x in (lo_a, hi_a, lo_b, hi_b))
+    pad = 1e-15 * size  # each bound rounds once
+    return bool(np.any(lo_a > hi_b + pad) or np.any(lo_b > hi_a + pad))
 
 
 def _placed(a: Any, b: Any, piece: Piece) -> tuple[Any, Any]:

@@ -1,14 +1,15 @@
-"""The scene of a pin and a plunger above a counterbored hole, checked against samples of the touching circle."""
+"""A pin and a plunger above a counterbored hole, as a scene: bodies, names, and contacts by samples of the touching circle."""
 
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+import firstcontact as fc
 from firstcontact.body.carriers import doubles
 from firstcontact.scene import load_scene
 
-SCENE = Path(__file__).parents[1] / "examples" / "pin_in_plate.toml"
+SCENE = Path(__file__).parent / "data" / "pin_in_plate.toml"
 
 
 @pytest.fixture(scope="module")
@@ -60,3 +61,10 @@ def test_nothing_else_is_met_before(scene, who, time):
         m = body.motion(t)
         assert not plate.contains(points @ m[:3, :3].T + m[:3, 3]).any()
         assert not inside_at(scene, who, t, others)[0].any()
+
+
+def test_the_plunger_touches_the_rim_of_the_bore(scene):
+    hit = fc.first_contact(scene.bodies["plunger"], scene.bodies["plate"])
+    assert hit.time == pytest.approx(0.78761542757, abs=1e-10)
+    assert (hit.element_a.label, hit.element_b.label) == ("plunger.nose.surface", "plate.bore.rim.top")
+    assert hit.contact_set == "point" and hit.time_interval[1] - hit.time_interval[0] <= 1e-15
