@@ -98,7 +98,7 @@ def _first_multipliers(a, b, w, c, n0, n1, n2):
 
 
 @kernel
-def _worst(p, i, w, side, x, y, z):
+def worst_form(p, i, w, side, x, y, z):
     """(value, form): the largest form of a piece at a world point."""
     y0, y1, y2 = local_point(w, side, x, y, z)
     worst, which = -math.inf, -1
@@ -128,7 +128,7 @@ def _revise(a, i, b, j, w, c, size):
         return 1
     worst, form, side = 1e-9 * size, -1, 0
     for s in range(2):
-        value, k = _worst(a if s == 0 else b, i if s == 0 else j, w, s, w[UNKNOWN, 0], w[UNKNOWN, 1], w[UNKNOWN, 2])
+        value, k = worst_form(a if s == 0 else b, i if s == 0 else j, w, s, w[UNKNOWN, 0], w[UNKNOWN, 1], w[UNKNOWN, 2])
         if value > worst:
             worst, form, side = value, k, s
     if form < 0:
@@ -257,7 +257,7 @@ def guess_by_vertex(a, i, ma, b, j, mb, t, first, last, count, side, w, c):
         return -1
     far = SIDE_B - side
     x, y, z = placed(w, POSE_A + side, p[vertex, 0], p[vertex, 1], p[vertex, 2])
-    _, form = _worst(q, j, w, far, x, y, z)
+    _, form = worst_form(q, j, w, far, x, y, z)
     span = last - first
     for step in range(MOST_STEPS):
         moving_form(q, form, w, far, x, y, z)
