@@ -121,7 +121,7 @@ def test_enclosures_of_velocities_and_accelerations(name):
         for t0, t1 in ((0.1, 0.9), (0.3, 0.4), (0.5, 0.502)):
             t0, t1 = window.first + t0 * span, window.first + t1 * span
             poses.accelerations(window.a, t0, t1, w)
-            second, first = (w[MIDDLE, :12].copy(), w[RADIUS, :12].copy()), (w[SPEED, :12].copy(), w[SPREAD, :12].copy())
+            second, first = w[[MIDDLE, RADIUS], :12].copy(), w[[SPEED, SPREAD], :12].copy()
             for t in np.linspace(t0, t1, 9):
                 values = []
                 for s in (t - h * span, t, t + h * span):

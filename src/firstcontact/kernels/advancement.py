@@ -13,7 +13,14 @@ from __future__ import annotations
 
 import math
 
-from firstcontact.kernels.candidate import guess_by_forms, guess_by_vertex, normal_at, vertex_normal_at, witness, worst_form
+from firstcontact.kernels.candidate import (
+    guess_by_forms,
+    guess_by_vertex,
+    normal_at,
+    vertex_normal_at,
+    witness,
+    worst_form,
+)
 from firstcontact.kernels.jit import kernel
 from firstcontact.kernels.poses import pose_at
 from firstcontact.kernels.separation import bending, gap, separating_direction

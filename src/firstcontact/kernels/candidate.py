@@ -10,8 +10,8 @@ from firstcontact.kernels.support import FORMS, VERTICES, form_value
 from firstcontact.kernels.touch_system import local_point, moving_form, newton_step, place_frames, solve
 from firstcontact.kernels.workspace import (
     ACTIVE,
-    COUNT,
     AWAY,
+    COUNT,
     FORM,
     GRADIENTS,
     MATRIX,
@@ -238,7 +238,7 @@ def vertex_normal_at(a, ma, b, mb, t, w, c):
 
 @kernel
 def guess_by_vertex(a, i, ma, b, j, mb, t, first, last, count, side, w, c):
-    """Newton steps taken, negative without a guess: the vertex of a `side` nearest its witness meets a form of the other.
+    """Newton steps taken, negative without a guess: a vertex of a `side`, nearest its witness, meets a form of the other.
 
     Leaves the point and t in w[UNKNOWN], vertex and form in the integers.
     """

@@ -80,7 +80,8 @@ def _compiled(body: CompositeQuadric) -> ConvexPieces:
         if solid is not None:
             parts.append(_piece(body, solid, sorted(clause)))
     # rows of the pieces first, then those of their parts
-    rows, heads = [], np.zeros((len(parts), WIDTH))
+    rows: list[list[float]] = []
+    heads = np.zeros((len(parts), WIDTH))
     for head, tables in zip(heads, parts, strict=True):
         for k, table in enumerate(tables):
             head[2 * k] = len(parts) + len(rows)
@@ -288,7 +289,8 @@ def _bowl(form: Rows, parts: Sequence[Any], size: float) -> tuple[float, list[fm
     sign = -1 if beta > 0 else 1
     far = max(abs(x) for x in z) / abs(2 * beta)
     scale = far / fmpq(*size.as_integer_ratio())
-    return BOWL, centre, [1 / d0 / scale, 1 / d1 / scale, 1 / abs(2 * beta) / scale], [v0, v1, tuple(sign * x for x in z)]
+    squares = [1 / d0 / scale, 1 / d1 / scale, 1 / abs(2 * beta) / scale]
+    return BOWL, centre, squares, [v0, v1, tuple(sign * x for x in z)]
 
 
 def _leaf(form: Surface, number: int, points: Sequence[np.ndarray], size: float) -> list[float]:
