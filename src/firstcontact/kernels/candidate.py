@@ -238,7 +238,7 @@ def vertex_normal_at(a, ma, b, mb, t, w, c):
 
 @kernel
 def guess_by_vertex(a, i, ma, b, j, mb, t, first, last, count, side, w, c):
-    """Newton steps taken, negative without a guess: a vertex of a `side`, nearest its witness, meets a form of the other.
+    """Newton steps taken, negative without a guess: a vertex of a `side` near its witness meets a form of the other.
 
     Leaves the point and t in w[UNKNOWN], vertex and form in the integers.
     """

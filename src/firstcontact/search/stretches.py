@@ -55,7 +55,12 @@ class Window(NamedTuple):
 
 def windows(a: Any, b: Any, first: fmpq, last: fmpq) -> list[Window]:
     """The windows of time in which both bodies follow one step each, in order."""
-    motions = [x.motion if isinstance(x, Moving) else REST for x in (a, b)]
+    return _windows_of(*(x.motion if isinstance(x, Moving) else REST for x in (a, b)), first, last)
+
+
+@lru_cache(maxsize=128)
+def _windows_of(motion_a: Any, motion_b: Any, first: fmpq, last: fmpq) -> list[Window]:
+    motions = motion_a, motion_b
     steps = [known_steps(m) for m in motions]
     cuts = {first, last}
     for own in steps:
@@ -65,8 +70,13 @@ def windows(a: Any, b: Any, first: fmpq, last: fmpq) -> list[Window]:
     found = []
     for begin, end in zip(times, times[1:] or times, strict=False):
         pair = [_stretch(m, _index(own, begin, end), begin, end) for m, own in zip(motions, steps, strict=True)]
-        found.append(Window(below(begin), above(end), below(end), *pair))
+        found.append(Window(*_rounded(begin, end), *pair))
     return found
+
+
+@lru_cache(maxsize=128)
+def _rounded(begin: fmpq, end: fmpq) -> tuple[float, float, float]:
+    return below(begin), above(end), below(end)
 
 
 @lru_cache(maxsize=128)
