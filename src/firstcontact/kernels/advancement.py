@@ -188,7 +188,7 @@ def _upper_end(a, i, ma, b, j, mb, lo, near, width, inner, w, c):
     """CONTACT with a proved common point at a time after lo, as soon as can be within `width`; else -1."""
     t_c = w[UNKNOWN, 3]
     for attempt in range(2):
-        hi = min(t_c + (near if attempt == 0 else 0.45 * width), inner)
+        hi = min(t_c + near if attempt == 0 else lo + 0.98 * width, inner)
         if hi < lo or hi - lo > width or not place_frames(ma, mb, hi, w):
             break
         side, vertex = max(c[MODE] - BY_VERTEX_A, 0), NO_VERTEX

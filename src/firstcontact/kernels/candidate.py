@@ -10,10 +10,12 @@ from firstcontact.kernels.support import FORMS, VERTICES, form_value
 from firstcontact.kernels.touch_system import local_point, moving_form, newton_step, place_frames, solve
 from firstcontact.kernels.workspace import (
     ACTIVE,
+    AT_TIME,
     AWAY,
     COUNT,
     FORM,
     GRADIENTS,
+    IN_TIME,
     MATRIX,
     MODE,
     NORMAL,
@@ -176,7 +178,7 @@ def guess_by_forms(a, i, ma, b, j, mb, t, first, last, count, slack, n0, n1, n2,
         for _ in range(MOST_STEPS):
             settled = moved <= 1e-10 * size
             taken += 1
-            moved = newton_step(a, b, w, c, span, size, True)
+            moved = newton_step(a, b, w, c, span, size, IN_TIME)
             if moved < 0.0 or not (first - span <= w[UNKNOWN, 3] <= last + span):
                 return -taken
             if not place_frames(ma, mb, w[UNKNOWN, 3], w):
@@ -217,7 +219,7 @@ def normal_at(a, ma, b, mb, t, size, w, c):
     w[RESULTS, NORMAL], w[RESULTS, NORMAL + 1], w[RESULTS, NORMAL + 2], w[UNKNOWN, AWAY] = n0, n1, n2, 0.0
     if place_frames(ma, mb, t, w):
         for _ in range(3):
-            newton_step(a, b, w, c, 1.0, size, False)
+            newton_step(a, b, w, c, 1.0, size, AT_TIME)
     n0, n1, n2 = contact_normal(a, w, c)
     w[UNKNOWN, 0], w[UNKNOWN, 1], w[UNKNOWN, 2] = x, y, z
     return n0, n1, n2
