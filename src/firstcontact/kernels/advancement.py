@@ -13,14 +13,22 @@ from __future__ import annotations
 
 import math
 
-from firstcontact.kernels.candidate import guess_by_forms, guess_by_vertex, normal_at, vertex_normal_at, witness
+from firstcontact.kernels.candidate import (
+    guess_by_forms,
+    guess_by_vertex,
+    normal_at,
+    vertex_normal_at,
+    witness,
+    worst_form,
+)
 from firstcontact.kernels.jit import kernel
 from firstcontact.kernels.poses import pose_at
 from firstcontact.kernels.separation import bending, gap, separating_direction
 from firstcontact.kernels.shared_point import deepen, proves_shared
 from firstcontact.kernels.support import BOX
-from firstcontact.kernels.touch_system import place_frames
+from firstcontact.kernels.touch_system import moving_form, place_frames
 from firstcontact.kernels.workspace import (
+    FORM,
     FREE_UNTIL,
     GAP,
     GAPS,
@@ -46,6 +54,8 @@ from firstcontact.kernels.workspace import (
 FREE, CONTACT, INITIAL, AT_START, PRECISION, SPENT = range(6)
 # How a contact was guessed: by active forms, by a vertex of a, by a vertex of b.
 BY_FORMS, BY_VERTEX_A, BY_VERTEX_B = range(3)
+# Steps towards a point inside both bodies at the start before they count as possibly touching only.
+INWARD_STEPS = 100
 
 
 @kernel
@@ -149,17 +159,27 @@ def _aim(a, i, ma, b, j, mb, t, last, near, width, size, w, c):
 
 
 @kernel
-def _at_start(a, i, ma, b, j, mb, first, count, w):
-    """INITIAL when the middle of the last simplex is proved to be in both pieces."""
-    if place_frames(ma, mb, first, w):
-        x, y, z = 0.0, 0.0, 0.0
-        for side in range(2):
-            x0, x1, x2 = witness(w, count, 3 + 3 * side)
-            x, y, z = x + 0.5 * x0, y + 0.5 * x1, z + 0.5 * x2
+def _at_start(a, i, ma, b, j, mb, first, count, size, w):
+    """INITIAL when a common point is found, from the middle of the last simplex on by steps behind violated forms."""
+    if not place_frames(ma, mb, first, w):
+        return AT_START
+    x, y, z = 0.0, 0.0, 0.0
+    for side in range(2):
+        x0, x1, x2 = witness(w, count, 3 + 3 * side)
+        x, y, z = x + 0.5 * x0, y + 0.5 * x1, z + 0.5 * x2
+    for _ in range(INWARD_STEPS):
         if proves_shared(a, i, b, j, w, SIDE_A, NO_VERTEX, x, y, z):
             w[RESULTS, POINT], w[RESULTS, POINT + 1], w[RESULTS, POINT + 2] = x, y, z
             w[RESULTS, TIME] = w[RESULTS, LO] = w[RESULTS, HI] = first
             return INITIAL
+        for side in range(2):
+            p = a if side == 0 else b
+            value, form = worst_form(p, i if side == 0 else j, w, side, x, y, z)
+            moving_form(p, form, w, side, x, y, z)
+            square = w[FORM, 1] ** 2 + w[FORM, 2] ** 2 + w[FORM, 3] ** 2
+            if value > -1e-9 * size and square > 0.0:
+                step = (1.5 * value + 1e-6 * size) / square
+                x, y, z = x - step * w[FORM, 1], y - step * w[FORM, 2], z - step * w[FORM, 3]
     return AT_START
 
 
@@ -168,7 +188,7 @@ def _upper_end(a, i, ma, b, j, mb, lo, near, width, inner, w, c):
     """CONTACT with a proved common point at a time after lo, as soon as can be within `width`; else -1."""
     t_c = w[UNKNOWN, 3]
     for attempt in range(2):
-        hi = min(t_c + (near if attempt == 0 else 0.45 * width), inner)
+        hi = min(t_c + near if attempt == 0 else lo + 0.98 * width, inner)
         if hi < lo or hi - lo > width or not place_frames(ma, mb, hi, w):
             break
         side, vertex = max(c[MODE] - BY_VERTEX_A, 0), NO_VERTEX
@@ -234,7 +254,7 @@ def advance_pieces(a, i, ma, b, j, mb, first, last, inner, width, budget, w, c):
     distance, n0, n1, n2, count, g = _directed(a, i, ma, b, j, mb, t, n0, n1, n2, w, c)
     w[RESULTS, FREE_UNTIL], w[RESULTS, GAP] = t, max(g, 0.0)
     if g <= 0.0:
-        return _at_start(a, i, ma, b, j, mb, first, count, w)
+        return _at_start(a, i, ma, b, j, mb, first, count, size, w)
     tried = math.inf  # the distance at the last attempt to guess the contact
     guessed, aim, e0, e1, e2 = False, last, 0.0, 0.0, 0.0
     for _ in range(budget):

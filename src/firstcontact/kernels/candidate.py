@@ -10,10 +10,12 @@ from firstcontact.kernels.support import FORMS, VERTICES, form_value
 from firstcontact.kernels.touch_system import local_point, moving_form, newton_step, place_frames, solve
 from firstcontact.kernels.workspace import (
     ACTIVE,
+    AT_TIME,
     AWAY,
     COUNT,
     FORM,
     GRADIENTS,
+    IN_TIME,
     MATRIX,
     MODE,
     NORMAL,
@@ -98,7 +100,7 @@ def _first_multipliers(a, b, w, c, n0, n1, n2):
 
 
 @kernel
-def _worst(p, i, w, side, x, y, z):
+def worst_form(p, i, w, side, x, y, z):
     """(value, form): the largest form of a piece at a world point."""
     y0, y1, y2 = local_point(w, side, x, y, z)
     worst, which = -math.inf, -1
@@ -128,7 +130,7 @@ def _revise(a, i, b, j, w, c, size):
         return 1
     worst, form, side = 1e-9 * size, -1, 0
     for s in range(2):
-        value, k = _worst(a if s == 0 else b, i if s == 0 else j, w, s, w[UNKNOWN, 0], w[UNKNOWN, 1], w[UNKNOWN, 2])
+        value, k = worst_form(a if s == 0 else b, i if s == 0 else j, w, s, w[UNKNOWN, 0], w[UNKNOWN, 1], w[UNKNOWN, 2])
         if value > worst:
             worst, form, side = value, k, s
     if form < 0:
@@ -176,7 +178,7 @@ def guess_by_forms(a, i, ma, b, j, mb, t, first, last, count, slack, n0, n1, n2,
         for _ in range(MOST_STEPS):
             settled = moved <= 1e-10 * size
             taken += 1
-            moved = newton_step(a, b, w, c, span, size, True)
+            moved = newton_step(a, b, w, c, span, size, IN_TIME)
             if moved < 0.0 or not (first - span <= w[UNKNOWN, 3] <= last + span):
                 return -taken
             if not place_frames(ma, mb, w[UNKNOWN, 3], w):
@@ -217,7 +219,7 @@ def normal_at(a, ma, b, mb, t, size, w, c):
     w[RESULTS, NORMAL], w[RESULTS, NORMAL + 1], w[RESULTS, NORMAL + 2], w[UNKNOWN, AWAY] = n0, n1, n2, 0.0
     if place_frames(ma, mb, t, w):
         for _ in range(3):
-            newton_step(a, b, w, c, 1.0, size, False)
+            newton_step(a, b, w, c, 1.0, size, AT_TIME)
     n0, n1, n2 = contact_normal(a, w, c)
     w[UNKNOWN, 0], w[UNKNOWN, 1], w[UNKNOWN, 2] = x, y, z
     return n0, n1, n2
@@ -238,7 +240,7 @@ def vertex_normal_at(a, ma, b, mb, t, w, c):
 
 @kernel
 def guess_by_vertex(a, i, ma, b, j, mb, t, first, last, count, side, w, c):
-    """Newton steps taken, negative without a guess: the vertex of a `side` nearest its witness meets a form of the other.
+    """Newton steps taken, negative without a guess: a vertex of a `side` near its witness meets a form of the other.
 
     Leaves the point and t in w[UNKNOWN], vertex and form in the integers.
     """
@@ -257,7 +259,7 @@ def guess_by_vertex(a, i, ma, b, j, mb, t, first, last, count, side, w, c):
         return -1
     far = SIDE_B - side
     x, y, z = placed(w, POSE_A + side, p[vertex, 0], p[vertex, 1], p[vertex, 2])
-    _, form = _worst(q, j, w, far, x, y, z)
+    _, form = worst_form(q, j, w, far, x, y, z)
     span = last - first
     for step in range(MOST_STEPS):
         moving_form(q, form, w, far, x, y, z)

@@ -183,4 +183,5 @@ def accelerations(m, t0, t1, w):
         size = (abs(p2) + 2.0 * abs(y1 * w1) + abs(y0 * w2)) / w0
         w[MIDDLE, row - 1], w[RADIUS, row - 1] = y2 * square, (yr2 + 1e-13 * size) * square * (1.0 + 1e-12)
         size = (abs(p1) + abs(y0 * w1)) / w0
-        w[SPEED, row - 1], w[SPREAD, row - 1] = y1 * m[0, PER_HALF], (yr1 + 1e-13 * size) * m[0, PER_HALF] * (1.0 + 1e-12)
+        w[SPEED, row - 1] = y1 * m[0, PER_HALF]
+        w[SPREAD, row - 1] = (yr1 + 1e-13 * size) * m[0, PER_HALF] * (1.0 + 1e-12)

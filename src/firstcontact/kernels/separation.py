@@ -1,4 +1,4 @@
-"""Two convex pieces in poses: directions that separate them, the proved gap along a direction, and how fast it bends."""
+"""Two convex pieces in poses: directions that separate them, the proved gap along one, and how fast it bends."""
 
 from __future__ import annotations
 
@@ -47,9 +47,9 @@ def _reach(p, i):
 
 @kernel
 def gap(a, i, b, j, n0, n1, n2, w):
-    """A proved lower bound of min n.(y - x) over x in piece i of a, y in piece j of b, in the poses of the rows HERE_A, HERE_B.
+    """A proved lower bound of min n.(y - x) over x in piece i of a, y in piece j of b.
 
-    Positive: the plane with normal n parts them.
+    Poses: rows HERE_A, HERE_B.  Positive: the plane with normal n parts them.
     """
     row_a, row_b = HERE_A, HERE_B
     m0, m1, m2 = local_direction(w, row_a, n0, n1, n2)

@@ -54,8 +54,10 @@ def _inverse_bound(w, side):
         row, off = 0.0, 0.0
         for c in range(3):
             row += abs(w[inverse, 3 * r + c])
-            e = w[inverse, 3 * r] * w[pose, c] + w[inverse, 3 * r + 1] * w[pose, 3 + c] + w[inverse, 3 * r + 2] * w[pose, 6 + c]
-            off += abs(e - (1.0 if r == c else 0.0))
+            e = -1.0 if r == c else 0.0
+            for k in range(3):
+                e += w[inverse, 3 * r + k] * w[pose, 3 * k + c]
+            off += abs(e)
         norm, defect = max(norm, row), max(defect, off)
     defect += norm * 3.0 * w[pose, 12] + 1e-14
     return norm / (1.0 - defect) if defect < 0.5 else -1.0

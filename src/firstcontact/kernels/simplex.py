@@ -1,7 +1,7 @@
 """The point of a simplex nearest the origin (Gilbert, Johnson, Keerthi 1988; regions as in Ericson 2005, 5.1).
 
-A simplex is up to four rows of the workspace from SIMPLEX on: a point of the difference a - b, that of a, that of b.  Nothing here is proved: the
-directions found are judged by `support`.
+A simplex is up to four rows of the workspace from SIMPLEX on: a point of the difference a - b, that of a, that of b.
+Nothing here is proved: the directions found are judged by `support`.
 """
 
 from __future__ import annotations

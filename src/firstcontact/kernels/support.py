@@ -125,6 +125,6 @@ def _included(p, i, x, y, z):
     tolerance = INCLUDED * (p[i, BOX + 3] + p[i, BOX + 4] + p[i, BOX + 5])
     for k in range(int(p[i, FORMS]), int(p[i, FORMS + 1])):
         value, size = form_value(p, k, x, y, z)
-        if value > tolerance + 1e-12 * size:
+        if not value <= tolerance + 1e-12 * size:  # points beyond the doubles are outside too
             return False
     return True

@@ -161,7 +161,7 @@ def add_hessian(p, k, w, side, factor, row):
 def newton_step(a, b, w, c, span, size, in_time):
     """One step of Newton's method on X, t and the multipliers; how far it was off and moved, -1 where not finite.
 
-    The frames are those at t; steps in t count as parts of `span`.  in_time False: t stays, X is on
+    The frames are those at t; steps in t count as parts of `span`.  in_time 0: t stays, X is on
     a and X + d n on b, for the n kept in w[RESULTS, NORMAL] and d in w[UNKNOWN, AWAY]: the nearest points at that time.
     """
     p, q = c[COUNT], c[COUNT + 1]

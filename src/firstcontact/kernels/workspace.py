@@ -25,6 +25,8 @@ ROWS, WIDTH = 41, 14
 # Slot of the unknowns: the distance, for times at which the bodies are apart.
 AWAY = 12
 SIDE_A, SIDE_B, NO_VERTEX = _rows(0, 1, -1)
+# Whether Newton steps move in time.
+AT_TIME, IN_TIME = _rows(0, 1)
 # Slots of the row of results: free until, gap there, time, lo, hi, point, normal (from a to b).
 FREE_UNTIL, GAP, TIME, LO, HI, POINT, NORMAL = 0, 1, 2, 3, 4, 5, 8
 # Slots of the integers: counters that add up; how the contact was found; the vertex; active forms of a, then of b,

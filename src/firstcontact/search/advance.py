@@ -83,7 +83,7 @@ def advance(a: Any, b: Any, first: Any, last: Any, tolerance: float = 1e-12, bud
     """
     begin, end = _exact(first), _exact(last)
     try:
-        bodies = [x.body if isinstance(x, Moving) else x for x in (a, b)]
+        bodies: list[Any] = [x.body if isinstance(x, Moving) else x for x in (a, b)]
         pieces = [convex_pieces(body) for body in bodies]
         stretches = windows(a, b, begin, end)
     except (NotConvex, Untold) as reason:
@@ -147,9 +147,9 @@ class _Search:
                 limit = min(limit, best.time_interval[1])
             elif stuck is None or self.results[FREE_UNTIL] < stuck.free_until:
                 stuck = self._open(REASONS.get(outcome, "precision"))
-        if stuck is not None and (best is None or best.time_interval is None or stuck.free_until < best.time_interval[0]):
-            return stuck
-        return best
+        if stuck is None or (best is not None and best.time_interval and best.time_interval[0] <= stuck.free_until):
+            return best
+        return stuck
 
     def _pairs(self, window: Window) -> Iterator[tuple[int, int]]:
         for i in range(self.a.count):

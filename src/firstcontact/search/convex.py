@@ -80,7 +80,8 @@ def _compiled(body: CompositeQuadric) -> ConvexPieces:
         if solid is not None:
             parts.append(_piece(body, solid, sorted(clause)))
     # rows of the pieces first, then those of their parts
-    rows, heads = [], np.zeros((len(parts), WIDTH))
+    rows: list[list[float]] = []
+    heads = np.zeros((len(parts), WIDTH))
     for head, tables in zip(heads, parts, strict=True):
         for k, table in enumerate(tables):
             head[2 * k] = len(parts) + len(rows)
@@ -248,7 +249,8 @@ def _smooth(face: Face, solid: CompositeQuadric) -> list[list[float]]:
     assert witness is not None
     squares: list[fmpq]
     if parts[2][0] == 0:
-        kind, centre, squares, axes = _bowl(form, parts)
+        lo, hi = solid.bounds()
+        kind, centre, squares, axes = _bowl(form, parts, float(np.linalg.norm(hi - lo)))
     else:
         centre = _centre(face.carrier)
         k = dot(form[3], (*centre, ONE))  # the form is sum of value c^2, plus k
@@ -271,10 +273,11 @@ def _product(block: Rows, vector: Sequence[fmpq]) -> list[fmpq]:
     return [dot(row, vector) for row in block]
 
 
-def _bowl(form: Rows, parts: Sequence[Any]) -> tuple[float, list[fmpq], list[fmpq], list[Any]]:
+def _bowl(form: Rows, parts: Sequence[Any], size: float) -> tuple[float, list[fmpq], list[fmpq], list[Any]]:
     """Vertex and axes of a paraboloid {vertex + sum L_i u_i: u_2 >= u_0^2 + u_1^2}.
 
-    In the axes v0, v1 (conjugate) and z (the kernel) the form is d0 c0^2 + d1 c1^2 + 2 beta c2.
+    In the axes v0, v1 (conjugate) and z (the kernel) the form is d0 c0^2 + d1 c1^2 + 2 beta c2.  L_2 is about `size`
+    long, so that no point of the piece has large u.
     """
     (d0, v0), (d1, v1), _ = parts
     (z,) = null_space(tuple(row[:3] for row in form[:3]))
@@ -284,7 +287,10 @@ def _bowl(form: Rows, parts: Sequence[Any]) -> tuple[float, list[fmpq], list[fmp
     value = dot((*foot, ONE), [dot(row, (*foot, ONE)) for row in form])
     centre = [f - value / (2 * beta) * x for f, x in zip(foot, z, strict=True)]
     sign = -1 if beta > 0 else 1
-    return BOWL, centre, [1 / d0, 1 / d1, 1 / abs(2 * beta)], [v0, v1, tuple(sign * x for x in z)]
+    far = max(abs(x) for x in z) / abs(2 * beta)
+    scale = far / fmpq(*size.as_integer_ratio())
+    squares = [1 / d0 / scale, 1 / d1 / scale, 1 / abs(2 * beta) / scale]
+    return BOWL, centre, squares, [v0, v1, tuple(sign * x for x in z)]
 
 
 def _leaf(form: Surface, number: int, points: Sequence[np.ndarray], size: float) -> list[float]:
