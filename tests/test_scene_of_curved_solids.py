@@ -1,4 +1,4 @@
-"""A pin and a plunger above a counterbored hole, as a scene: bodies, names, and contacts by samples of the touching circle."""
+"""A pin and a plunger above a counterbored hole, as a scene: names, and contacts by samples of the touching circle."""
 
 from pathlib import Path
 

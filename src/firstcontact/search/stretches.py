@@ -28,7 +28,7 @@ from firstcontact.kernels.poses import (
     TURNING,
 )
 from firstcontact.motion import projective
-from firstcontact.motion.polynomial import REST, _own_pose, Step, _steps
+from firstcontact.motion.polynomial import REST, Step, _own_pose, _steps
 from firstcontact.motion.rotation import Rotation, angle_ball
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.translation import Translation
