@@ -19,7 +19,7 @@ def warm(progress: Callable[[str], object] | None = None) -> None:
     shift = Translation((0, 0, -2))
     # An oblique axis: kernels for axes along z alone would leave the general ones uncompiled.
     swing = Rotation((1, 2, 0), (3, 0, 0), degrees=200)
-    screw = Screw((0, 1, 2), degrees=40, advance=-3)
+    screw = Screw((0.1, 1, 2), (0.3, -0.2, 0.1), degrees=40, advance=-3)
     motions = {"translation": shift, "rotation": swing, "screw": screw, "sequence": Sequence([shift, swing])}
     for name, motion in motions.items():
         moving = raised.moving(motion)

@@ -17,10 +17,11 @@ gear = fc.examples.spur_gear(96, teeth=4).translated((2.5, 0, 0))
 open_ball = fc.Polyhedron(ball.vertices, ball.triangles[:40])
 shift, swing = fc.Translation((-3, 0.1, 0)), fc.Rotation((1, 2, 3), point=(4, 0, 0), degrees=400)
 upright = fc.Rotation((0, 0, 1), point=(4, 0, 0), turns=1)
-motions = [shift, swing, upright, fc.Sequence([shift, swing]), fc.Sequence([swing, shift])]
+screw = fc.Screw((1, 2, 3), point=(4, 0, 0), degrees=100, advance=1)
+motions = [shift, swing, upright, screw, fc.Sequence([shift, swing]), fc.Sequence([swing, shift])]
 for motion in motions:
     for other in (ball, open_ball, fc.Polyhedron(ball.vertices, []), ball.translated((2.5, 0, 0))):
-        for exact in (False, True):
+        for exact in (False, True)[: 1 if motion is screw else 2]:
             fc.first_contact(gear.moving(motion), other, exact=exact)
         fc.contact_intervals(gear.moving(motion), other)
 fc.first_contact(ball, ball.rotated((0, 0, 1), degrees=10))

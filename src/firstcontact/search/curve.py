@@ -442,10 +442,11 @@ def _note(floats, integers, times, candidates, kind, part_a, side_a, part_b, sid
 
 
 @kernel
-def box_of(x, out, row):
-    """The box of three corners (9,) into a row of `out`."""
+def boxes_of(x, y, out):
+    """The boxes of three corners each (9,) into rows 6 and 7 of `out`."""
     for k in range(3):
-        out[row, k], out[row, k + 3] = min(x[k], x[k + 3], x[k + 6]), max(x[k], x[k + 3], x[k + 6])
+        out[6, k], out[6, k + 3] = min(x[k], x[k + 3], x[k + 6]), max(x[k], x[k + 3], x[k + 6])
+        out[7, k], out[7, k + 3] = min(y[k], y[k + 3], y[k + 6]), max(y[k], y[k + 3], y[k + 6])
 
 
 def _events(
@@ -458,8 +459,7 @@ def _events(
     facet_a, facet_b = mask_a & FACET != 0, mask_b & FACET != 0
     points_only = (mask_a & POINT and facet_b) or (mask_b & POINT and facet_a)
     boxes = motion[motion.shape[0] - 1]
-    box_of(xa, boxes, 6)
-    box_of(xb, boxes, 7)
+    boxes_of(xa, xb, boxes)
     pad = 4.0 * (motion[0, ERRORS + 1, E_LINEAR] + 1.0) * (err_a + err_b) if err_a + err_b > 0.0 else 0.0
     n0, n1, n2, dn = normal_of(xb, err_b)
     m0, m1, m2, dm = normal_of(xa, err_a)

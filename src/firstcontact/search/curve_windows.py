@@ -21,13 +21,13 @@ from firstcontact.search.curve import (
     TIME_EPS,
     U8,
     boxes_free,
+    boxes_of,
     height,
     next_meeting,
     normal_of,
     side_product,
     sign_of,
 )
-from firstcontact.search.curve import box_of as box_into
 from firstcontact.search.tree import FACET
 from firstcontact.search.windows import PART_ROOM, meeting_window, part_windows
 
@@ -213,12 +213,11 @@ def _windows(motion, mask_a, xa, mask_b, xb, err_a, err_b, last, scratch, out):
     width = length / count
     facet_a, facet_b = mask_a & FACET != 0, mask_b & FACET != 0
     boxes = motion[motion.shape[0] - 1]
-    box_into(xa, boxes, 6)
-    box_into(xb, boxes, 7)
+    boxes_of(xa, xb, boxes)
     pad = 4.0 * (motion[0, ERRORS + 1, E_LINEAR] + 1.0) * (err_a + err_b) if err_a + err_b > 0.0 else 0.0
     state = scratch[0:2].ravel()
     state[:] = -1.0
-    found, time = 0, 0.0
+    found, time = np.int64(0), 0.0
     while True:
         before = time
         time, cell = next_meeting(motion, boxes, 6, boxes, 7, pad, time, last)
