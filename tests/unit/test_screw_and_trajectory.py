@@ -8,10 +8,11 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from flint import fmpq
+from flint import arb, fmpq
 from scipy.spatial.transform import Rotation as Turn
 
 import firstcontact as fc
+from firstcontact.exact.numbers import precision
 from firstcontact.motion.span import common_span
 
 ONE = np.eye(4)
@@ -118,15 +119,12 @@ def test_steps_of_both_kinds():
 
 
 def test_screw_steps_join_within_2_to_the_minus_60():
-    """Angle and advance of the step against 80 digits."""
-    from mpmath import mp, mpf
-
-    with mp.workdps(80):
-        (step,) = fc.Trajectory([0, 1], [(0, 0, 0), (1, 2, 3)], "screw", quat_wxyz=[(1, 0, 0, 0), (5, 1, 2, 2)]).steps
-        angle = 2 * mp.atan2(3, 5)
-        assert abs(mpf(int(step.angle.p)) / int(step.angle.q) - angle) < mpf(2) ** -60
-        advance = mpf(1 * 1 + 2 * 2 + 2 * 3) / 3
-        assert abs(mpf(int(step.advance.p)) / int(step.advance.q) - advance) < mpf(2) ** -60 and step.unit == "radians"
+    """Angle and advance of the step against balls of 300 bits."""
+    (step,) = fc.Trajectory([0, 1], [(0, 0, 0), (1, 2, 3)], "screw", quat_wxyz=[(1, 0, 0, 0), (5, 1, 2, 2)]).steps
+    with precision(300):
+        near = arb(2) ** -60
+        assert step.unit == "radians" and abs(arb(step.angle) - 2 * arb.atan2(arb(3), arb(5))) < near
+        assert abs(arb(step.advance) - arb(fmpq(1 * 1 + 2 * 2 + 2 * 3, 3))) < near
 
 
 def test_screw_steps_of_pure_kinds():
