@@ -284,3 +284,16 @@ def test_a_screw_on_the_certified_path():
     assert np.linalg.norm(hit.point) == pytest.approx(1.0, abs=1e-9)
     assert not drum.at(hit.time - 1e-6).contains(hit.point)
     assert drum.at(hit.time + 1e-6).contains(hit.point)
+
+
+def test_screws_that_start_in_contact():
+    screw = fc.Screw((0, 0, 1), degrees=90, advance=-4)
+    cube, ball = fc.box((1, 1, 1)), fc.sphere(1)
+    kinds = {
+        "containment": cube,
+        "touching": cube.translated((1.5, 0, 0)),
+        "overlapping": cube.translated((1, 0, 0)),
+    }
+    for kind, body in kinds.items():
+        hit = fc.first_contact(body.moving(screw), ball)
+        assert (hit.status, hit.initial, hit.time) == (fc.Status.INITIAL_CONTACT, kind, 0.0)

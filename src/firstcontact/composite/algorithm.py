@@ -153,6 +153,13 @@ class Search:
         """Whether the models share a point at a rational u that is no candidate."""
         return bool(self.sliding(u)) or overlap(self.pair, u)
 
+    def shares_a_point_at_end(self) -> bool:
+        """Whether the models share a point after the last candidate: a check of a search that found no contact."""
+        piece = self.pair.piece
+        assert piece.u_hi is not None
+        lo = self.beyond(self.candidates[-1].root) if self.candidates else piece.u_lo
+        return lo < piece.u_hi and self.share_a_point((lo + piece.u_hi) / 2)
+
     def is_at_start(self, root: Root) -> bool:
         return self.pair.piece.clock.compare(root, self.pair.piece.start) == 0
 

@@ -52,10 +52,24 @@ def first_contact(
             seen = contact(models, proved, Stats(proved.steps, proved.gaps), shared)
             if seen is not None:
                 return _with(seen, stats=_with_time(seen.stats, begin))
+        if proved.status == "initial" or proved.free_until <= shared["span"][0]:
+            start = _at_start(a, b, first, begin, shared)
+            if start.status is Status.INITIAL_CONTACT:
+                return start
+            if proved.status == "initial":  # proved for the true pose, though its doubles do not touch
+                return _with(start, status=Status.INITIAL_CONTACT, time=shared["span"][0])
         if proved.reason != "precision":
             raise
     stats = _with_time(Stats(proved.steps, proved.gaps), begin)
     return FirstContact(Status.UNDECIDED, free_until=proved.free_until, reason="precision", stats=stats, **shared)
+
+
+def _at_start(a: Any, b: Any, first: fmpq, begin: float, shared: dict[str, Any]) -> FirstContact:
+    """The answer for the start alone, in the poses as doubles: exact where a screw has not moved yet."""
+    start = shared["span"][0]
+    x, y = (body.at(start) if isinstance(body, Moving) else body for body in (a, b))
+    found = _decided(x, y, first, first, False, False, begin, {**shared, "span": (start, start)})
+    return _with(found, **shared)
 
 
 def _models(a: Any, b: Any) -> tuple[Any, Any]:
@@ -86,6 +100,8 @@ def _decided(
             break
     if answer is None:
         answer = FirstContact(Status.FREE, free_until=to_double(last), **shared)
+        if searches and searches[-1].shares_a_point_at_end():  # an event was missed: never call that free
+            answer = FirstContact(Status.UNDECIDED, free_until=shared["span"][0], reason="precision", **shared)
     evaluations = sum(len(search.verdicts) for search in searches)
     stats = Stats(0, sum(len(s.tasks) for s in searches), 0, evaluations, clock.perf_counter() - begin)
     return _with(answer, stats=stats, subproblems=listed(searches, b) if with_list else ())
