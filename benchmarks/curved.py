@@ -49,29 +49,37 @@ PAIRS = (
 """name: our solid, coal's, the height of coal's centre above our origin, the farthest point from our origin."""
 
 
-def screws(rng) -> list[tuple[fc.Screw, np.ndarray]]:
-    """Motions of the first body that mostly end in contact, and where the second one rests."""
+def motions(rng, kind: str) -> list[tuple[fc.Screw | fc.Translation, np.ndarray]]:
+    """Screws or translations of the first body that mostly end in contact, and where the second one rests."""
     found = []
     for _ in range(MOTIONS):
         direction = rng.normal(size=3)
         direction /= np.linalg.norm(direction)
         screw = fc.Screw(direction, point=rng.uniform(-0.3, 0.3, 3), degrees=float(rng.uniform(-90, 90)), advance=6.0)
-        found.append((screw, 4.0 * direction + rng.uniform(-0.4, 0.4, 3)))
+        place = 4.0 * direction + rng.uniform(-0.4, 0.4, 3)
+        found.append((screw if kind == "screw" else fc.Translation(6.0 * direction), place))
     return found
 
 
-def coal_time(coal, shapes, screw, place, lifts, reach) -> float | None:
-    """Conservative advancement: no point of the first body is faster than advance + angle * distance to the axis."""
-    axis = np.array([float(x) for x in screw.axis])
-    point = np.array([float(x) for x in screw.point])
+def top_speed(motion, reach: float) -> float:
+    """No point of the first body is faster: the advance, and the angle times the distance to the axis."""
+    if isinstance(motion, fc.Translation):
+        return 6.0
+    axis = np.array([float(x) for x in motion.axis])
+    point = np.array([float(x) for x in motion.point])
     off = point - axis * (point @ axis) / (axis @ axis)
-    speed = 6.0 + abs(screw.radians) * (reach + np.linalg.norm(off))
+    return 6.0 + abs(motion.radians) * (reach + np.linalg.norm(off))
+
+
+def coal_time(coal, shapes, motion, place, lifts, reach) -> float | None:
+    """Conservative advancement."""
+    speed = top_speed(motion, reach)
     rest = coal.Transform3s(np.eye(3), np.array(place) + [0.0, 0.0, lifts[1]])
     request = coal.DistanceRequest()
     request.enable_signed_distance = False
     t = 0.0
     while t <= 1.0:
-        pose = screw(t)
+        pose = motion(t)
         moved = coal.Transform3s(pose[:3, :3], pose[:3, :3] @ [0.0, 0.0, lifts[0]] + pose[:3, 3])
         result = coal.DistanceResult()
         step = coal.distance(shapes[0], moved, shapes[1], rest, request, result) / speed
@@ -81,7 +89,7 @@ def coal_time(coal, shapes, screw, place, lifts, reach) -> float | None:
     return None
 
 
-def primitives(repeats: int) -> list[str]:
+def primitives(repeats: int, kind: str) -> list[str]:
     import coal
 
     rows = ["| pair | firstcontact ms | coal ms | ratio | bar 1.5 | largest difference of the times |",
@@ -91,14 +99,14 @@ def primitives(repeats: int) -> list[str]:
         a, b = make_a(), make_b()
         shapes = coal_a(coal), coal_b(coal)
         ours, theirs, differences = [], [], []
-        for screw, place in screws(np.random.default_rng(SEED)):
-            moving, resting = a.moving(screw), b.translated(place.tolist())
+        for motion, place in motions(np.random.default_rng(SEED), kind):
+            moving, resting = a.moving(motion), b.translated(place.tolist())
             hit = fc.first_contact(moving, resting)
             for _ in range(repeats):
                 start = perf_counter()
                 hit = fc.first_contact(moving, resting)
                 middle = perf_counter()
-                other = coal_time(coal, shapes, screw, place, (lift_a, lift_b), reach)
+                other = coal_time(coal, shapes, motion, place, (lift_a, lift_b), reach)
                 ours.append(middle - start)
                 theirs.append(perf_counter() - middle)
             if (hit.time is None) != (other is None):
@@ -166,9 +174,10 @@ def main() -> None:
     parser.add_argument("--repeats", type=int, default=7)
     parser.add_argument("--out", type=Path, default=Path(__file__).parent)
     options = parser.parse_args()
-    lines = ["# Curved solids", "", f"Medians of {options.repeats} repeats over {MOTIONS} screws a pair.", ""]
+    lines = ["# Curved solids", "", f"Medians of {options.repeats} repeats over {MOTIONS} motions a pair.", ""]
     lines += ["## Worked examples", "", *examples(options.repeats), ""]
-    lines += ["## Convex primitives against coal", "", *primitives(options.repeats), ""]
+    for kind in ("screw", "translation"):
+        lines += [f"## Convex primitives against coal: {kind}s", "", *primitives(options.repeats, kind), ""]
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     lines += [f"Peak memory of this process, coal included: {peak:.0f} MB (bar 400).", ""]
     (options.out / "CURVED.md").write_text("\n".join(lines))

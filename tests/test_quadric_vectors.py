@@ -297,3 +297,16 @@ def test_screws_that_start_in_contact():
     for kind, body in kinds.items():
         hit = fc.first_contact(body.moving(screw), ball)
         assert (hit.status, hit.initial, hit.time) == (fc.Status.INITIAL_CONTACT, kind, 0.0)
+
+
+def test_coordinates_beyond_all_doubles():
+    """Upright drums pushed together in directions of 53 bits: contact along a line whose exact points are enormous."""
+    rng = np.random.default_rng(2014)
+    drum = fc.cylinder("3/4", 2)
+    for _ in range(4):
+        direction, place = rng.normal(size=3), rng.normal(size=3) + [4.0, 0.0, 0.0]
+        moving = drum.moving(fc.Translation(place + 0.3 * direction))
+        hit = fc.first_contact(moving, drum.translated(place))
+        assert hit.status is fc.Status.CONTACT and hit.contact_set == "segment"
+        gap = place[:2] - hit.time * (place + 0.3 * direction)[:2]
+        assert np.hypot(*gap) == pytest.approx(1.5, abs=1e-12)

@@ -6,18 +6,18 @@ placed exactly and decides.  Ends of segments and arcs lie on edges, so pieces t
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from flint import fmpq
+from flint import arb, fmpq
 
 from firstcontact.body.csg import possible
 from firstcontact.composite.membership import Vector, form_at, in_both, is_plane
 from firstcontact.composite.moving_pair import Pair
 from firstcontact.exact.number_field import QuadraticElement, ball, sign
-from firstcontact.exact.numbers import precision
+from firstcontact.exact.numbers import dyadic, precision
 from firstcontact.exact.roots import AlgebraicRoot
 from firstcontact.pairs.carrier_contact import Contact
 
@@ -120,28 +120,32 @@ def _segments(contact: Contact, trim: _Trim) -> Iterator[Shared]:
 
 def _at(first: Vector, second: Vector, s: float, origin: np.ndarray, direction: np.ndarray) -> Vector:
     """The exact point near origin + s direction: first + r second with rational r."""
-    ratio = _scale(second, direction) / _scale(first, origin)
-    r = fmpq(*float(s / ratio).as_integer_ratio())
+    with precision(64):  # coordinates in a number field may be beyond all doubles
+        r = dyadic(arb((arb(s) * _scale(first, origin) / _scale(second, direction)).mid()))
     return tuple(a + b * r for a, b in zip(first, second, strict=True))
 
 
-def _scale(x: Vector, floats: np.ndarray) -> float:
+def _scale(x: Vector, floats: np.ndarray) -> arb:
     """x / floats, for proportional vectors."""
     k = int(np.argmax(np.abs(floats)))
-    return float(ball(x[k], 64).mid()) / floats[k]
+    return ball(x[k], 64) / arb(float(floats[k]))
 
 
 def _floats(x: Vector) -> np.ndarray:
     """x divided by its largest coordinate, in doubles."""
-    values = [ball(c, 64) for c in x]
-    largest = max(values, key=lambda v: abs(v.mid()))
+    return _scaled((x,))[0]
+
+
+def _scaled(rows: Sequence[Vector]) -> np.ndarray:
+    """All rows divided by the largest of their entries, in doubles."""
+    values = [[ball(c, 64) for c in row] for row in rows]
+    largest = max((abs(v.mid()) for row in values for v in row), default=arb(1))
     with precision(64):
-        return np.array([float((v / abs(largest.mid())).mid()) for v in values])
+        return np.array([[float((v / largest).mid()) for v in row] for row in values])
 
 
 def _arcs(contact: Contact, trim: _Trim) -> Iterator[Shared]:
-    span = np.array([[float(ball(c, 64).mid()) for c in column] for column in contact.span]).T
-    form = np.array([[float(ball(c, 64).mid()) for c in row] for row in contact.form or ()])
+    span, form = _scaled(contact.span).T, _scaled(contact.form or ())
     values, vectors = np.linalg.eigh(form)
     if values[1] > 0:  # signs (-, +, +): the odd one last
         values, vectors = values[::-1], vectors[:, ::-1]
