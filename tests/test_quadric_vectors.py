@@ -310,3 +310,19 @@ def test_coordinates_beyond_all_doubles():
         assert hit.status is fc.Status.CONTACT and hit.contact_set == "segment"
         gap = place[:2] - hit.time * (place + 0.3 * direction)[:2]
         assert np.hypot(*gap) == pytest.approx(1.5, abs=1e-12)
+
+
+def test_copies_of_a_body_keep_nothing_of_its_queries():
+    """Found when a raised floor answered with the time of the floor it was made from."""
+    ball = fc.sphere(1).translated((0, 0, 9)).moving(fc.Translation((0, 0, -12)))
+    floor = fc.half_space((0, 0, 1), 0).named("floor")
+    assert fc.first_contact(ball, floor).time == pytest.approx(2 / 3, abs=1e-15)
+    assert fc.first_contact(ball, floor.translated((0, 0, 5))).time == pytest.approx(1 / 4, abs=1e-15)
+    assert fc.first_contact(ball, floor.named("ground")).element_b.label == "ground.plane"
+    drum = fc.cylinder(1, 2)
+    assert fc.first_contact(ball, drum).time == pytest.approx(7 / 12, abs=1e-15)
+    assert fc.first_contact(ball, drum.translated((0, 0, 3))).time == pytest.approx(1 / 3, abs=1e-15)
+    cube = fc.examples.box((2, 2, 2))
+    assert fc.first_contact(ball, cube).element_b.label == "box"
+    assert fc.first_contact(ball, cube.named("crate")).element_b.label == "crate"
+    assert fc.first_contact(ball, cube.translated((0, 0, 3))).time == pytest.approx(1 / 3, abs=1e-15)

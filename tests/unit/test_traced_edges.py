@@ -50,7 +50,7 @@ def test_a_missing_edge_is_noticed():
     body = dimple()
     (edge,) = [e for e in body.edges if e.frame.shape[1] == 3 and len(e.frame) > 4]
     features = body._features()
-    blind = body._with(_derived=replace(features, edges=tuple(e for e in body.edges if e is not edge)))
+    blind = body._with(_search={"features": replace(features, edges=tuple(e for e in body.edges if e is not edge))})
     (first, *_) = untraced(blind, _box_of(body))
     assert np.linalg.norm(edge.frame - first, axis=1).min() < 0.02
     ball = fc.sphere(1).translated((5, 0, 0))

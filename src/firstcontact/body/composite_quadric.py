@@ -57,12 +57,11 @@ class CompositeQuadric:
         self.parts = tuple(parts)
         self._box = box
         self._forms_f = np.array([doubles(s.matrix()) for s in self.surfaces])
-        self._derived: Features | None = None
-        self._tight_box: tuple[np.ndarray, np.ndarray] | None = None
         self._witness = witness
+        self._search: dict[str, Any] = {}
+        """What was worked out of this body: it follows from its geometry and its name, so no copy inherits it."""
         self.whole: CompositeQuadric | None = None
-        """The unbounded model of which this one is the part that matters (`cut` on that one), if it is."""
-        self.cut: dict[int, CompositeQuadric] = {}
+        """The unbounded model of which this one is the part that matters, if it is."""
         self.source: Any = None
         """The polyhedron this model stands for, if it does."""
         self._validate()
@@ -89,10 +88,11 @@ class CompositeQuadric:
         return self._features().vertices
 
     def _features(self) -> Features:
-        if self._derived is None:
+        known: Features | None = self._search.get("features")
+        if known is None:
             names = Names(self.name, self.parts, self.surfaces)
-            self._derived = derive(self.tree, self.surfaces, names, self._rough_box)
-        return self._derived
+            known = self._search["features"] = derive(self.tree, self.surfaces, names, self._rough_box)
+        return known
 
     # -- combining ------------------------------------------------------------------------------------------
 
@@ -134,7 +134,7 @@ class CompositeQuadric:
     # -- placing --------------------------------------------------------------------------------------------
 
     def named(self, name: str) -> CompositeQuadric:
-        return self._with(name=name, _derived=None)
+        return self._with(name=name)
 
     def translated(self, v: Iterable[Any]) -> CompositeQuadric:
         """The body shifted by v, exactly."""
@@ -176,6 +176,7 @@ class CompositeQuadric:
     def _with(self, **changes: Any) -> CompositeQuadric:
         other = object.__new__(CompositeQuadric)
         other.__dict__.update(self.__dict__)
+        other.__dict__.update(_search={}, whole=None, source=None)
         other.__dict__.update(changes)
         return other
 
@@ -194,8 +195,6 @@ class CompositeQuadric:
             _forms_f=np.array([doubles(s.matrix()) for s in surfaces]),
             _box=box,
             _witness=witness,
-            _derived=None,
-            _tight_box=None,
         )
 
     # -- looking --------------------------------------------------------------------------------------------
@@ -259,9 +258,9 @@ class CompositeQuadric:
         box = self._finite_box()
         if box is None:
             return np.full(3, -np.inf), np.full(3, np.inf)
-        if self._tight_box is None:
-            self._tight_box = tight_box(self, box)
-        lo, hi = self._tight_box
+        if "box" not in self._search:
+            self._search["box"] = tight_box(self, box)
+        lo, hi = self._search["box"]
         return lo.copy(), hi.copy()
 
     def _rough_box(self) -> tuple[np.ndarray, np.ndarray] | None:
@@ -342,7 +341,7 @@ class CompositeQuadric:
         return None
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**self.__dict__, "_derived": None}
+        return {**self.__dict__, "_search": {}}
 
 
 def _count(n: int, what: str) -> str:

@@ -59,11 +59,12 @@ def _bounded(body: Any, other: Any, span: tuple[float, float]) -> Any:
     if not reach < LARGEST:
         return body
     size = math.frexp(reach)[1] + 1
-    if size not in body.cut:
+    cut = body._search.setdefault("cut", {})
+    if size not in cut:
         cube = primitives.box((2 ** (size + 1),) * 3) if size > 0 else primitives.box((4, 4, 4))
-        body.cut[size] = body & cube
-        body.cut[size].whole = body
-    return body.cut[size]
+        cut[size] = body & cube
+        cut[size].whole = body
+    return cut[size]
 
 
 def contact(models: tuple[Any, Any], found: Advance, stats: Stats, shared: dict[str, Any]) -> FirstContact | None:

@@ -22,13 +22,14 @@ from firstcontact.exact.numbers import to_double
 
 
 def as_model(body: Polyhedron) -> CompositeQuadric:
-    """The closed convex polyhedron as a model, exact; kept on the body.
+    """The closed convex polyhedron as a model, exact; kept on the body (its copies by other names share what it keeps).
 
     UnsupportedPair for polyhedra that are open, bare edges or points, in an irrational pose, or not convex.
     """
-    model = body._search.get("model")
+    key = "model", body.name
+    model = body._search.get(key)
     if model is None:
-        model = body._search["model"] = _model(body)
+        model = body._search[key] = _model(body)
     return model
 
 
@@ -50,7 +51,7 @@ def _model(body: Polyhedron) -> CompositeQuadric:
     tree = conjunction([Leaf(i) for i in range(len(surfaces))])
     model = CompositeQuadric(surfaces, tree, box=box, witness=inner, name=body.name)  # type: ignore[arg-type]
     model.source = body
-    model._derived = _features(body, points, surfaces, list(planes.values()), used, who)
+    model._search["features"] = _features(body, points, surfaces, list(planes.values()), used, who)
     return model
 
 

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import combinations, product
-from weakref import WeakKeyDictionary
 
 import numpy as np
 from flint import fmpq, fmpq_mat, fmpz_poly
@@ -36,14 +35,13 @@ _LEVEL: Matrix = (
 _PRESENT: Matrix = ((_NIL,) * 4, (_NIL,) * 4, (_NIL,) * 4, (_NIL, _NIL, _NIL, fmpz_poly([0, 1])))
 """u: a system for one instant."""
 
-_known: WeakKeyDictionary[CompositeQuadric, list[np.ndarray]] = WeakKeyDictionary()
-
 
 def untraced(body: CompositeQuadric, box: tuple[Sequence[fmpq], Sequence[fmpq]]) -> list[np.ndarray]:
     """Points of sharp edges of degree 4 in the box that holds the body, far from every traced edge."""
-    if body not in _known:
-        _known[body] = [point for point, near in _checked(body, box) if not near]
-    return _known[body]
+    known: list[np.ndarray] | None = body._search.get("untraced")
+    if known is None:
+        known = body._search["untraced"] = [point for point, near in _checked(body, box) if not near]
+    return known
 
 
 def _checked(body: CompositeQuadric, box: tuple[Sequence[fmpq], Sequence[fmpq]]) -> Iterator[tuple[np.ndarray, bool]]:

@@ -57,16 +57,16 @@ class ConvexPieces:
 
 def convex_pieces(body: CompositeQuadric) -> ConvexPieces:
     """The pieces of a body, kept on it.  Raises NotConvex."""
-    known = body.__dict__.get("_convex")
-    if known is None or known[0] is not body.surfaces:  # copies of a body under another map have other surfaces
+    known = body._search.get("convex")
+    if known is None:
         try:
-            answer: Any = _compiled(body)
+            known = _compiled(body)
         except NotConvex as reason:
-            answer = reason
-        known = body.__dict__["_convex"] = (body.surfaces, answer)
-    if isinstance(known[1], NotConvex):
-        raise known[1]
-    return known[1]
+            known = reason
+        body._search["convex"] = known
+    if isinstance(known, NotConvex):
+        raise known
+    return known
 
 
 def _compiled(body: CompositeQuadric) -> ConvexPieces:
