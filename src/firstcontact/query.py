@@ -48,8 +48,8 @@ def first_contact(
 
     exact: add `time_exact`.  tolerance: largest width of `time_interval`, relative to the span (enclosures
     come out a few units in the last place wide, whatever is asked).
-    budget: node visits plus pair tests after which to answer UNDECIDED.  progress: called with
-    (free until, work) now and then.
+    budget: node visits plus pair tests (curved models: strides, subproblems and candidates) after which to answer
+    UNDECIDED.  progress: called with (free until, work) now and then.
 
     Raises UnsupportedPair for the pairs of constant-speed motions that docs/motions.md refuses, and with exact=True
     where times have no exact form: under screws.
@@ -67,7 +67,7 @@ def first_contact(
 
         if engine != "auto":
             raise UnsupportedPair(f"engine {engine!r} searches trees of polyhedra; curved models take 'auto'")
-        return verbs.first_contact(a, b, span, exact, method, tolerance, budget)
+        return verbs.first_contact(a, b, span, exact, method, tolerance, budget, progress)
     parts, first, last = pieces(a, b, span)
     if exact:
         _refuse_inexact(parts)
@@ -124,9 +124,7 @@ def contact_intervals(
     if _curved(a, b):
         from firstcontact.composite import verbs
 
-        if budget is not None:
-            raise UnsupportedPair("contact_intervals of curved models takes no budget")
-        return verbs.contact_intervals(a, b, span, exact)
+        return verbs.contact_intervals(a, b, span, exact, budget, progress)
     parts, first, last = pieces(a, b, span)
     if exact:
         _refuse_inexact(parts)

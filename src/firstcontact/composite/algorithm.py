@@ -18,6 +18,7 @@ from firstcontact.composite.contact_sets import Shared, shared_part
 from firstcontact.composite.moving_pair import Pair
 from firstcontact.composite.square_subproblems import SquareSubproblem
 from firstcontact.composite.subproblems import Subproblem, subproblems
+from firstcontact.composite.work import Work
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import Undecidable, dyadic, precision
 from firstcontact.exact.roots import AlgebraicRoot
@@ -54,10 +55,11 @@ class Meeting:
 class Search:
     """One piece of the motion: its subproblems, candidates in order of time, and the verdicts given so far.
 
-    undecided: candidates (by id) whose verdict is open, and why.
+    undecided: candidates (by id) whose verdict is open, and why.  Raises `work.Spent` when the work's budget is.
     """
 
     pair: Pair
+    work: Work = field(default_factory=Work)
     tasks: list[Subproblem | SquareSubproblem] = field(default_factory=list)
     candidates: list[Candidate] = field(default_factory=list)
     verdicts: dict[int, tuple[list[Meeting], str]] = field(default_factory=dict)
@@ -65,13 +67,16 @@ class Search:
 
     def __post_init__(self) -> None:
         self.tasks = list(subproblems(self.pair))
-        self.candidates = [Candidate(task, root) for task in self.tasks for root in task.roots()]
+        for task in self.tasks:
+            self.work.step()
+            self.candidates += [Candidate(task, root) for root in task.roots()]
         self.candidates.sort(key=cmp_to_key(lambda x, y: x.root.compare(y.root)))
 
     def verdict(self, candidate: Candidate) -> tuple[list[Meeting], str]:
         """The shared parts of the candidate's contact sets, or why there are none."""
         key = id(candidate)
         if key not in self.verdicts:
+            self.work.step()
             try:
                 self.verdicts[key] = _validated(candidate)
             except Undecidable as error:

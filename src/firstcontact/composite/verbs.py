@@ -18,6 +18,7 @@ from firstcontact.composite.at_rest import is_containment, overlap
 from firstcontact.composite.certified import contact, settle
 from firstcontact.composite.moving_pair import Pair
 from firstcontact.composite.polyhedra import as_model
+from firstcontact.composite.work import Spent, Work
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import fraction, to_double
 from firstcontact.exact.roots import AlgebraicRoot
@@ -25,10 +26,13 @@ from firstcontact.exact.square_systems import OpenRoot
 from firstcontact.motion.polynomial import relative_pieces
 from firstcontact.motion.span import common_span
 from firstcontact.result import ContactInterval, ContactIntervals, FirstContact, Stats, Status
+from firstcontact.search.earliest import Progress
+from firstcontact.search.stretches import below
 
 
 def first_contact(
-    a: Any, b: Any, span: Any, exact: bool, method: str, tolerance: float, budget: int | None
+    a: Any, b: Any, span: Any, exact: bool, method: str, tolerance: float, budget: int | None,
+    progress: Progress | None = None,
 ) -> FirstContact:
     """The first contact over the span: certified in doubles where that settles it, else decided exactly.
 
@@ -37,8 +41,9 @@ def first_contact(
     begin = clock.perf_counter()
     first, last = _span(a, b, span)
     shared = {"a": a, "b": b, "span": (to_double(first), to_double(last))}
+    work = Work(budget, progress, below(first))
     if exact or method == "algebraic":
-        return _decided(a, b, first, last, exact, method == "algebraic", begin, shared)
+        return _decided(a, b, first, last, exact, method == "algebraic", work, begin, shared)
     models = _models(a, b)
     answer, proved = settle(models, first, last, tolerance, budget, shared)
     if answer is None and proved.reason == "budget":
@@ -46,7 +51,8 @@ def first_contact(
     if answer is not None:
         return _with(answer, stats=_with_time(answer.stats, begin))
     try:
-        return _decided(a, b, first, last, False, False, begin, shared)
+        work.done = proved.steps
+        return _decided(a, b, first, last, False, False, work, begin, shared)
     except UnsupportedPair:
         if proved.status == "contact":  # flat features that may share more than the point
             seen = contact(models, proved, Stats(proved.steps, proved.gaps), shared)
@@ -68,7 +74,7 @@ def _at_start(a: Any, b: Any, first: fmpq, begin: float, shared: dict[str, Any])
     """The answer for the start alone, in the poses as doubles: exact where a screw has not moved yet."""
     start = shared["span"][0]
     x, y = (body.at(start) if isinstance(body, Moving) else body for body in (a, b))
-    found = _decided(x, y, first, first, False, False, begin, {**shared, "span": (start, start)})
+    found = _decided(x, y, first, first, False, False, Work(), begin, {**shared, "span": (start, start)})
     return _with(found, **shared)
 
 
@@ -87,17 +93,22 @@ def _with_time(stats: Stats, begin: float) -> Stats:
 
 
 def _decided(
-    a: Any, b: Any, first: fmpq, last: fmpq, exact: bool, with_list: bool, begin: float, shared: dict[str, Any]
+    a: Any, b: Any, first: fmpq, last: fmpq, exact: bool, with_list: bool, work: Work, begin: float,
+    shared: dict[str, Any],
 ) -> FirstContact:
     """The answer of exact arithmetic."""
     searches: list[Search] = []
     answer: FirstContact | None = None
-    for search in _searches(a, b, first, last):
-        searches.append(search)
-        if answer is None:
-            answer = _answer(search, len(searches) == 1, exact, shared)
-        if answer is not None and not with_list:
-            break
+    try:
+        for search in _searches(a, b, first, last, work):
+            searches.append(search)
+            if answer is None:
+                answer = _answer(search, len(searches) == 1, exact, shared)
+            if answer is not None and not with_list:
+                break
+    except Spent:
+        answer = FirstContact(Status.UNDECIDED, free_until=work.free_until, reason="budget", **shared)
+    work.budget = None  # it is for the answer; a list that was asked for is complete
     if answer is None:
         answer = FirstContact(Status.FREE, free_until=to_double(last), **shared)
         if searches and searches[-1].shares_a_point_at_end():  # an event was missed: never call that free
@@ -107,26 +118,35 @@ def _decided(
     return _with(answer, stats=stats, subproblems=listed(searches, b) if with_list else ())
 
 
-def contact_intervals(a: Any, b: Any, span: Any, exact: bool) -> ContactIntervals:
+def contact_intervals(
+    a: Any, b: Any, span: Any, exact: bool, budget: int | None = None, progress: Progress | None = None
+) -> ContactIntervals:
     """All closed times of contact: between two candidates the models overlap all the time or not at all."""
     begin = clock.perf_counter()
     first, last = _span(a, b, span)
     shared = {"a": a, "b": b, "span": (to_double(first), to_double(last))}
     found: list[tuple[_End, _End]] = []
     tests = evaluations = 0
-    for search in _searches(a, b, first, last):
-        for start, end in _windows(search):
-            if found and found[-1][1].is_same_time(start):
-                found[-1] = found[-1][0], end
-            else:
-                found.append((start, end))
-        tests, evaluations = tests + len(search.tasks), evaluations + len(search.verdicts)
+    work = Work(budget, progress, below(first))
+    reason = None
+    try:
+        for search in _searches(a, b, first, last, work):
+            for start, end in list(_windows(search)):
+                if found and found[-1][1].is_same_time(start):
+                    found[-1] = found[-1][0], end
+                else:
+                    found.append((start, end))
+            tests, evaluations = tests + len(search.tasks), evaluations + len(search.verdicts)
+    except Spent:
+        reason = "budget"
     intervals = tuple(_interval(start, end, exact) for start, end in found)
     at_start = bool(found) and found[0][0].is_at(first)
     status = Status.FREE if not found else Status.INITIAL_CONTACT if at_start else Status.CONTACT
     until = intervals[0].start if intervals else to_double(last)
+    if reason is not None:
+        status, until = Status.UNDECIDED, work.free_until
     stats = Stats(0, tests, 0, evaluations, clock.perf_counter() - begin)
-    return ContactIntervals(intervals, status, until, None, stats, **shared)
+    return ContactIntervals(intervals, status, until, reason, stats, **shared)
 
 
 def _span(a: Any, b: Any, span: Any) -> tuple[fmpq, fmpq]:
@@ -144,13 +164,14 @@ def _model(body: Any) -> CompositeQuadric:
     return as_model(shape) if isinstance(shape, Polyhedron) else shape
 
 
-def _searches(a: Any, b: Any, first: fmpq, last: fmpq) -> Iterator[Search]:
-    """One for every piece of the relative motion, in time order."""
+def _searches(a: Any, b: Any, first: fmpq, last: fmpq, work: Work) -> Iterator[Search]:
+    """One for every piece of the relative motion, in time order; all before the one given last is settled."""
     model_a, model_b = _model(a), _model(b)
     for piece in relative_pieces(a, b, first, last):
         if not piece.exact:
             raise UnsupportedPair(f"{piece.of}: the pose before this step is irrational; such steps are not supported")
-        yield Search(Pair(model_a, model_b, piece))
+        work.free_until = below(piece.start)
+        yield Search(Pair(model_a, model_b, piece), work)
 
 
 def _answer(search: Search, at_start: bool, exact: bool, shared: dict[str, Any]) -> FirstContact | None:
