@@ -1,7 +1,8 @@
 """Budgets and progress of exact searches: what is proved when the work ends early."""
 
-import firstcontact as fc
 import pytest
+
+import firstcontact as fc
 from firstcontact.body import primitives
 
 # Both steps pass over the hole of the plate without touching it, in turn; the second ends in contact.
