@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from itertools import product
 from typing import Any
 
@@ -13,15 +13,15 @@ from firstcontact.body.carriers import ONE, ZERO, Box, Plane, Quadric, Rows, Sur
 from firstcontact.body.csg import And, Leaf, Not, Or, Tree, inside, outcomes, pattern, possible, renumbered
 from firstcontact.body.feature_names import Names, Part
 from firstcontact.body.features import Edge, Face, Features, Vertex, derive
-from firstcontact.body.moving import Moving
 from firstcontact.body.neighbourhood import patterns
+from firstcontact.body.placing import Placing
 from firstcontact.errors import InputError
-from firstcontact.exact.numbers import rational, to_double
-from firstcontact.exact.rigid import Matrix, apply, determinant, near_rotation, shift
+from firstcontact.exact.numbers import to_double
+from firstcontact.exact.rigid import Matrix, apply
 from firstcontact.motion.translation import LARGEST, vector3
 
 
-class CompositeQuadric:
+class CompositeQuadric(Placing):
     """A solid of planes and quadrics at rest, closed and regularised (no dangling faces); immutable.
 
     Made by the builders (`fc.box`, `fc.cylinder`, ...) and combined with ``|`` (union), ``&`` (intersection) and
@@ -132,46 +132,6 @@ class CompositeQuadric:
         return parts
 
     # -- placing --------------------------------------------------------------------------------------------
-
-    def named(self, name: str) -> CompositeQuadric:
-        return self._with(name=name)
-
-    def translated(self, v: Iterable[Any]) -> CompositeQuadric:
-        """The body shifted by v, exactly."""
-        return self._mapped(shift(vector3(v, "translation")))
-
-    def rotated(self, axis: Iterable[Any], *, degrees: Any, point: Iterable[Any] = (0, 0, 0)) -> CompositeQuadric:
-        """The body turned about an axis, right-hand rule.
-
-        The rotation used is rational and within 2^-60 of the angle (exact for half turns, and for quarter
-        turns about axes of rational length).
-        """
-        h = vector3(axis, "rotation axis")
-        if not any(h):
-            raise InputError("rotation axis is zero; give a direction such as (0, 0, 1)")
-        turns = rational(degrees, "rotation degrees") / 360
-        return self._mapped(near_rotation(h, vector3(point, "rotation point"), turns))
-
-    def transformed(self, matrix4: Any) -> CompositeQuadric:
-        """The body under a (4, 4) affine map, exactly; maps may mirror and scale, but not be singular."""
-        rows = [list(row) for row in matrix4]
-        if len(rows) != 4 or any(len(row) != 4 for row in rows):
-            raise InputError("transformed() needs a 4x4 matrix")
-        m = [[rational(x, f"matrix[{i}][{j}]") for j, x in enumerate(row)] for i, row in enumerate(rows)]
-        if m[3] != [0, 0, 0, 1]:
-            raise InputError("the last row of the matrix is not (0, 0, 0, 1); give an affine map")
-        matrix: Matrix = (tuple(m[0]), tuple(m[1]), tuple(m[2]))  # type: ignore[assignment]
-        if determinant(matrix) == 0:
-            raise InputError("the matrix is singular; give an invertible affine map")
-        return self._mapped(matrix)
-
-    def moving(self, motion: Any) -> Moving:
-        """This body under a motion."""
-        return Moving(self, motion)  # type: ignore[arg-type]
-
-    def at(self, t: float) -> CompositeQuadric:
-        """Itself: a body at rest is in the same pose at all times."""
-        return self
 
     def _with(self, **changes: Any) -> CompositeQuadric:
         other = object.__new__(CompositeQuadric)

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from firstcontact.errors import InputError
-
-if TYPE_CHECKING:
-    from firstcontact.body.polyhedron import Polyhedron
 
 
 class Moving:
@@ -18,7 +15,7 @@ class Moving:
 
     __slots__ = ("body", "motion")
 
-    def __init__(self, body: Polyhedron, motion: Any) -> None:
+    def __init__(self, body: Any, motion: Any) -> None:
         if not callable(motion) or not hasattr(motion, "span"):
             kinds = "Translation, Rotation, Screw, RationalMotion, Sequence or Trajectory"
             raise InputError(f"{motion!r} is no motion; give a {kinds}")
@@ -32,7 +29,7 @@ class Moving:
     def named(self, name: str) -> Moving:
         return Moving(self.body.named(name), self.motion)
 
-    def at(self, t: float) -> Polyhedron:
+    def at(self, t: float) -> Any:
         """The body at rest in its pose at time t; the pose's entries are the doubles of motion(t)."""
         return self.body.transformed(self.motion(t))
 

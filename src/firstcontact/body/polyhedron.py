@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from fractions import Fraction
 from operator import index
 from pathlib import Path
@@ -11,18 +10,17 @@ from typing import Any
 import numpy as np
 from flint import fmpq
 
-from firstcontact.body.moving import Moving
+from firstcontact.body.placing import Placing
 from firstcontact.body.triangulate import triangulate
 from firstcontact.errors import InputError
 from firstcontact.exact.numbers import fraction, rational, to_double
-from firstcontact.exact.rigid import IDENTITY, Matrix, apply, compose, determinant, near_rotation, shift
-from firstcontact.motion.translation import vector3
+from firstcontact.exact.rigid import IDENTITY, Matrix, apply, compose
 
 # Largest coordinate: error bounds multiply three of them and a time, far from overflow.
 LARGEST = 2.0**150
 
 
-class Polyhedron:
+class Polyhedron(Placing):
     """A polyhedral body at rest: closed vertices, edges and faces; immutable.
 
     vertices: (n, 3) numbers, world frame.  Doubles are taken as the exact binary rationals they are;
@@ -83,47 +81,7 @@ class Polyhedron:
 
         return trimesh.Trimesh(self.vertices, self.triangles, process=False)
 
-    def named(self, name: str) -> Polyhedron:
-        return self._with(name=name)
-
-    def translated(self, v: Iterable[Any]) -> Polyhedron:
-        """The body shifted by v, exactly."""
-        return self._mapped(shift(vector3(v, "translation")))
-
-    def rotated(self, axis: Iterable[Any], *, degrees: Any, point: Iterable[Any] = (0, 0, 0)) -> Polyhedron:
-        """The body turned about an axis, right-hand rule.
-
-        The rotation used is rational and within 2^-60 of the angle (exact for half turns, and for quarter
-        turns about axes of rational length).
-        """
-        h = vector3(axis, "rotation axis")
-        if not any(h):
-            raise InputError("rotation axis is zero; give a direction such as (0, 0, 1)")
-        turns = rational(degrees, "rotation degrees") / 360
-        return self._mapped(near_rotation(h, vector3(point, "rotation point"), turns))
-
-    def transformed(self, matrix4: Any) -> Polyhedron:
-        """The body under a (4, 4) affine map, exactly; maps may mirror and scale, but not be singular."""
-        rows = [list(row) for row in matrix4]
-        if len(rows) != 4 or any(len(row) != 4 for row in rows):
-            raise InputError("transformed() needs a 4x4 matrix")
-        m = [[rational(x, f"matrix[{i}][{j}]") for j, x in enumerate(row)] for i, row in enumerate(rows)]
-        if m[3] != [0, 0, 0, 1]:
-            raise InputError("the last row of the matrix is not (0, 0, 0, 1); give an affine map")
-        matrix: Matrix = (tuple(m[0]), tuple(m[1]), tuple(m[2]))  # type: ignore[assignment]
-        if determinant(matrix) == 0:
-            raise InputError("the matrix is singular; give an invertible affine map")
-        return self._mapped(matrix)
-
-    def moving(self, motion: Any) -> Moving:
-        """This body under a motion."""
-        return Moving(self, motion)
-
     # -- looking --------------------------------------------------------------------------------------------
-
-    def at(self, t: float) -> Polyhedron:
-        """Itself: a body at rest is in the same pose at all times."""
-        return self
 
     def bounds(self, span: tuple[float, float] | None = None) -> tuple[np.ndarray, np.ndarray]:
         """Lower and upper corner, (3,) float64 each, of a box that holds the body."""

@@ -1,0 +1,62 @@
+"""Names, placements and motions: what all bodies have in common."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any, Self
+
+from firstcontact.body.moving import Moving
+from firstcontact.errors import InputError
+from firstcontact.exact.numbers import rational
+from firstcontact.exact.rigid import Matrix, determinant, near_rotation, shift
+from firstcontact.motion.translation import vector3
+
+
+class Placing:
+    """A body at rest that makes placed copies of itself by `_mapped` (exact affine maps) and `_with` (attributes)."""
+
+    def _mapped(self, matrix: Matrix) -> Self:
+        raise NotImplementedError
+
+    def _with(self, **changes: Any) -> Self:
+        raise NotImplementedError
+
+    def named(self, name: str) -> Self:
+        return self._with(name=name)
+
+    def translated(self, v: Iterable[Any]) -> Self:
+        """The body shifted by v, exactly."""
+        return self._mapped(shift(vector3(v, "translation")))
+
+    def rotated(self, axis: Iterable[Any], *, degrees: Any, point: Iterable[Any] = (0, 0, 0)) -> Self:
+        """The body turned about an axis, right-hand rule.
+
+        The rotation used is rational and within 2^-60 of the angle (exact for half turns, and for quarter
+        turns about axes of rational length).
+        """
+        h = vector3(axis, "rotation axis")
+        if not any(h):
+            raise InputError("rotation axis is zero; give a direction such as (0, 0, 1)")
+        turns = rational(degrees, "rotation degrees") / 360
+        return self._mapped(near_rotation(h, vector3(point, "rotation point"), turns))
+
+    def transformed(self, matrix4: Any) -> Self:
+        """The body under a (4, 4) affine map, exactly; maps may mirror and scale, but not be singular."""
+        rows = [list(row) for row in matrix4]
+        if len(rows) != 4 or any(len(row) != 4 for row in rows):
+            raise InputError("transformed() needs a 4x4 matrix")
+        m = [[rational(x, f"matrix[{i}][{j}]") for j, x in enumerate(row)] for i, row in enumerate(rows)]
+        if m[3] != [0, 0, 0, 1]:
+            raise InputError("the last row of the matrix is not (0, 0, 0, 1); give an affine map")
+        matrix: Matrix = (tuple(m[0]), tuple(m[1]), tuple(m[2]))  # type: ignore[assignment]
+        if determinant(matrix) == 0:
+            raise InputError("the matrix is singular; give an invertible affine map")
+        return self._mapped(matrix)
+
+    def moving(self, motion: Any) -> Moving:
+        """This body under a motion."""
+        return Moving(self, motion)
+
+    def at(self, t: float) -> Self:
+        """Itself: a body at rest is in the same pose at all times."""
+        return self
