@@ -121,6 +121,7 @@ import importlib, json, pkgutil
 import numpy as np
 import firstcontact as fc
 from numba.core.dispatcher import Dispatcher
+from numba.core.types import unliteral
 
 rng = np.random.default_rng(1)
 def soup(n, at):
@@ -144,7 +145,7 @@ for info in pkgutil.walk_packages(fc.__path__, "firstcontact."):
     if info.name.split(".")[1] in ("kernels", "pairs", "search", "body"):
         for name, value in vars(importlib.import_module(info.name)).items():
             if isinstance(value, Dispatcher) and value.py_func.__module__ == info.name:
-                found[f"{info.name}.{name}"] = len(value.signatures)
+                found[f"{info.name}.{name}"] = len({tuple(map(unliteral, s)) for s in value.signatures})
 print(json.dumps(found))
 """
 

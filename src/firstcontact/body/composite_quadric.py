@@ -21,6 +21,10 @@ from firstcontact.exact.rigid import Matrix, apply
 from firstcontact.motion.translation import LARGEST, vector3
 
 
+class NoSolid(InputError):
+    """A combination without interior points, or one of all of space."""
+
+
 class CompositeQuadric(Placing):
     """A solid of planes and quadrics at rest, closed and regularised (no dangling faces); immutable.
 
@@ -267,7 +271,7 @@ class CompositeQuadric(Placing):
             sample = self._anywhere()
             full = values == {True} or (sample is not None and sample)
             what = "fills all of space" if full else "is empty: its conditions contradict each other"
-            raise InputError(f"{self._who} {what}; check the operands")
+            raise NoSolid(f"{self._who} {what}; check the operands")
 
     def _strict_point(self, wanted: bool) -> Vector | None:
         """A rational point with no form zero, whose Boolean value is the one wanted; None when none was met."""

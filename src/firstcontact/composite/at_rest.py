@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import product
 from typing import Any
 
@@ -10,10 +10,9 @@ import numpy as np
 from flint import fmpq
 
 from firstcontact.body.carriers import Line, Plane, Point, Rows, Vector, cross, dot, times, upright
-from firstcontact.body.composite_quadric import CompositeQuadric
+from firstcontact.body.composite_quadric import CompositeQuadric, NoSolid
 from firstcontact.body.csg import And, Leaf, Not, Tree
 from firstcontact.composite.moving_pair import Pair
-from firstcontact.errors import InputError
 from firstcontact.exact.numbers import to_double
 
 
@@ -31,7 +30,7 @@ def overlap(pair: Pair, u: fmpq) -> bool:
         return False
     if _is_polytope(pair.a) and _is_polytope(pair.b):
         return not _separated(pair, u)
-    return _meet(placed(pair, u), pair.b)
+    return _is_solid(lambda: placed(pair, u) & pair.b)
 
 
 def _is_polytope(model: CompositeQuadric) -> bool:
@@ -95,21 +94,14 @@ def _box_of_a(pair: Pair, u: fmpq) -> tuple[np.ndarray, np.ndarray]:
 
 def is_containment(pair: Pair, u: fmpq) -> bool:
     """Whether one model holds the other at u, for models whose interiors overlap."""
-    a = placed(pair, u)
-    return not _meet_difference(a, pair.b) or not _meet_difference(pair.b, a)
+    a, b = placed(pair, u), pair.b
+    return not (_is_solid(lambda: a - b) and _is_solid(lambda: b - a))
 
 
-def _meet(a: CompositeQuadric, b: CompositeQuadric) -> bool:
+def _is_solid(combination: Callable[[], CompositeQuadric]) -> bool:
+    """Whether the combination has interior points."""
     try:
-        a & b
-    except InputError:
-        return False
-    return True
-
-
-def _meet_difference(a: CompositeQuadric, b: CompositeQuadric) -> bool:
-    try:
-        a - b
-    except InputError:
+        combination()
+    except NoSolid:
         return False
     return True

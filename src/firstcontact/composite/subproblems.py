@@ -110,17 +110,13 @@ def _ruling_only(x: _Carrier, y: _Carrier) -> bool:
 
 
 def _subproblem(pair: Pair, x: _Carrier, y: _Carrier, case: Case) -> Subproblem:
-    first, second = (x, y) if x.kind == y.kind or case_order(x.kind) < case_order(y.kind) else (y, x)
+    first, second = (x, y) if (x.kind, y.kind) in SOLVERS else (y, x)
     equation, contacts = SOLVERS[first.kind, second.kind]
     return Subproblem(
         pair, x.feature, y.feature, case.number,
         lambda: equation(*first.values, *second.values),
         lambda root: contacts(*first.values, *second.values, root),
     )  # fmt: skip
-
-
-def case_order(kind: str) -> int:
-    return ("algebraic point", "point", "line", "conic", "plane", "quadric").index(kind)
 
 
 def _conics(solver: Any) -> tuple[Any, Any]:

@@ -26,10 +26,9 @@ from firstcontact.body.carriers import (
     inverse,
     null_space,
 )
-from firstcontact.body.composite_quadric import CompositeQuadric
+from firstcontact.body.composite_quadric import CompositeQuadric, NoSolid
 from firstcontact.body.csg import Leaf, Not, Or, Tree, conjunction
 from firstcontact.body.features import Edge, Face
-from firstcontact.errors import InputError
 from firstcontact.exact.numbers import precision, to_double
 from firstcontact.kernels.support import BALL, BOWL, BOX, SHEET, support
 
@@ -119,7 +118,7 @@ def _solid(body: CompositeQuadric, clause: frozenset[tuple[int, bool]]) -> Compo
     tree = conjunction([Leaf(k) for k in range(len(surfaces))])
     try:
         return CompositeQuadric(surfaces, tree, box=body._finite_box())
-    except InputError:
+    except NoSolid:
         return None
 
 
