@@ -61,8 +61,7 @@ def first_contact(
     (0.5, [1.0, 1.0, 4.0])
     """
     begin = clock.perf_counter()
-    _check(a, b, method, engine, tolerance, budget)
-    if _curved(a, b):
+    if _check(a, b, method, engine, tolerance, budget):
         from firstcontact.composite import verbs
 
         if engine != "auto":
@@ -120,8 +119,7 @@ def contact_intervals(
       [0.25, 0.5]
     """
     begin = clock.perf_counter()
-    _check(a, b, "auto", "auto", tolerance, budget)
-    if _curved(a, b):
+    if _check(a, b, "auto", "auto", tolerance, budget):
         from firstcontact.composite import verbs
 
         return verbs.contact_intervals(a, b, span, exact, budget, progress)
@@ -161,8 +159,7 @@ def contact_pairs(a: Any, b: Any, span: Any = None) -> ContactPairs:
     1 element pairs meet, 0 pierced at the start
     """
     begin = clock.perf_counter()
-    _check(a, b, "auto", "auto", 1.0, None)
-    if _curved(a, b):
+    if _check(a, b, "auto", "auto", 1.0, None):
         raise UnsupportedPair("contact_pairs is for polyhedra; first_contact(..., method='algebraic') lists features")
     parts, _, _ = pieces(a, b, span)
     stats = Stats()
@@ -182,18 +179,14 @@ def contact_pairs(a: Any, b: Any, span: Any = None) -> ContactPairs:
     )
 
 
-def _kind(body: Any) -> str:
-    """"polyhedron" or "curved"; UnsupportedPair for what is no body."""
+def _is_curved(body: Any) -> bool:
+    """Whether it is a curved model, not a polyhedron; UnsupportedPair for what is no body."""
     shape: Any = body.body if isinstance(body, Moving) else body
     if isinstance(shape, Polyhedron):
-        return "polyhedron"
+        return False
     if type(shape).__name__ == "CompositeQuadric":  # asked by name: meshes need not load curved models
-        return "curved"
+        return True
     raise UnsupportedPair(f"{body!r} is no body; give a Polyhedron or a CompositeQuadric, at rest or moving")
-
-
-def _curved(a: Any, b: Any) -> bool:
-    return _kind(a) == "curved" or _kind(b) == "curved"
 
 
 def _starts_at_once(found: Found) -> bool:
@@ -221,9 +214,9 @@ METHODS = ("auto", "certified", "algebraic")
 ENGINES = ("auto", "boxes")
 
 
-def _check(a: Any, b: Any, method: str, engine: str, tolerance: float, budget: int | None) -> None:
-    for body in (a, b):
-        _kind(body)
+def _check(a: Any, b: Any, method: str, engine: str, tolerance: float, budget: int | None) -> bool:
+    """Whether one of the bodies is curved; raises for arguments that no search takes."""
+    curved = [_is_curved(body) for body in (a, b)]
     if method not in METHODS:
         raise UnsupportedPair(f"method {method!r} is unknown; choose one of {', '.join(METHODS)}")
     if engine not in ENGINES:
@@ -232,3 +225,4 @@ def _check(a: Any, b: Any, method: str, engine: str, tolerance: float, budget: i
         raise InputError(f"tolerance is {tolerance}; give a positive number")
     if budget is not None and (not isinstance(budget, int) or budget < 0):
         raise InputError(f"budget is {budget!r}; give a whole number of node visits and pair tests")
+    return any(curved)

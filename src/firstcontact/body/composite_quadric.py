@@ -235,10 +235,12 @@ class CompositeQuadric(Placing):
         return None if box is None else hull_of_cells(self, box)
 
     def _finite_box(self) -> Box | None:
-        if self._box is None:
+        if self._box is None and "unbounded" not in self._search:
             from firstcontact.body.extent import proved_box
 
             self._box = proved_box(self.tree, self.surfaces)
+            if self._box is None:
+                self._search["unbounded"] = True
         return self._box
 
     def to_mesh(self, tolerance: float) -> Any:

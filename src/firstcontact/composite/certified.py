@@ -6,45 +6,51 @@ What it cannot settle (grazes, contact at the start, models with holes) is left 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+import time as clock
 from typing import Any
 
 import numpy as np
 from flint import fmpq
 
 from firstcontact.body import primitives
-from firstcontact.body.carriers import Line, Plane, Quadric
-from firstcontact.body.composite_quadric import CompositeQuadric
-from firstcontact.body.features import Edge, Face, Vertex
 from firstcontact.body.moving import Moving
-from firstcontact.composite.answer import element, rank
-from firstcontact.exact.numbers import to_double
+from firstcontact.composite.touched import Flat, Point, is_parallel, lowest, touched
 from firstcontact.result import ContactSet, Element, FirstContact, Stats, Status
 from firstcontact.search.advance import Advance, advance
 
 LARGEST = 2.0**60
 """Coordinates up to which an unbounded model is cut."""
-ACROSS = 1e-6
-"""Sine of the angle below which directions count as parallel: what is flat there may be shared in more than a point,
-which exact arithmetic then decides."""
 
 
 def settle(
-    models: tuple[Any, Any], first: fmpq, last: fmpq, tolerance: float, budget: int | None, shared: dict[str, Any]
+    models: tuple[Any, Any],
+    first: fmpq,
+    last: fmpq,
+    tolerance: float,
+    budget: int | None,
+    begin: float,
+    shared: dict[str, Any],
 ) -> tuple[FirstContact | None, Advance]:
     """(the answer, None where it is left to exact arithmetic; what was proved).
 
-    models: both, at rest or moving.  Among features that touch at the same time the answer names one pair.
+    models: both, at rest or moving; begin: when the query began, by `time.perf_counter`.  Among features that touch at
+    the same time the answer names one pair.
     """
-    models = _bounded(models[0], models[1], shared["span"]), _bounded(models[1], models[0], shared["span"])
+    models = bounded(models, shared["span"])
     found = advance(*models, first, last, tolerance, 10_000 if budget is None else budget)
-    stats = Stats(found.steps, found.gaps, 0, 0)
     if found.status == "free":
+        stats = Stats(found.steps, found.gaps, seconds=clock.perf_counter() - begin)
         return FirstContact(Status.FREE, free_until=shared["span"][1], stats=stats, **shared), found
     if found.status != "contact" or found.normal is None:
         return None, found
-    answer = contact(models, found, stats, shared)
+    answer = contact(models, found, begin, shared)
     return (None if answer is None or answer.contact_set is None else answer), found
+
+
+def bounded(models: tuple[Any, Any], span: tuple[float, float]) -> tuple[Any, Any]:
+    """Both models, a resting unbounded one cut to what the other may touch."""
+    a, b = models
+    return _bounded(a, b, span), _bounded(b, a, span)
 
 
 def _bounded(body: Any, other: Any, span: tuple[float, float]) -> Any:
@@ -67,98 +73,55 @@ def _bounded(body: Any, other: Any, span: tuple[float, float]) -> Any:
     return cut[size]
 
 
-def contact(models: tuple[Any, Any], found: Advance, stats: Stats, shared: dict[str, Any]) -> FirstContact | None:
+def contact(models: tuple[Any, Any], found: Advance, begin: float, shared: dict[str, Any]) -> FirstContact | None:
     """The CONTACT result; contact_set None where flat features may share more than a point."""
-    assert found.time is not None and found.time_interval is not None and found.point is not None
-    side_a = _touched(models[0], found.features_a, found, "a")
-    side_b = _touched(models[1], found.features_b, found, "b")
-    if side_a is None or side_b is None:
+    if not found.features_a or not found.features_b:
         return None
-    (element_a, flat_a), (element_b, flat_b) = side_a, side_b
+    element_a, flats_a = _touched(models[0], found, 0)
+    element_b, flats_b = _touched(models[1], found, 1)
+    assert found.time_interval is not None and found.point is not None
+    may_share_more = flats_a and flats_b and any(_may_share(x, y) for x in flats_a for y in flats_b)
     return FirstContact(
         Status.CONTACT, found.time, found.time_interval,
         point=found.point, normal=found.normal, element_a=element_a, element_b=element_b, multiplicity=1,
-        contact_set=None if _may_share_more(flat_a, flat_b) else ContactSet("point", found.point[None]),
-        free_until=found.time_interval[0], stats=stats, **shared,
+        contact_set=None if may_share_more else ContactSet("point", found.point[None]),
+        free_until=found.time_interval[0],
+        stats=Stats(found.steps, found.gaps, seconds=clock.perf_counter() - begin), **shared,
     )  # fmt: skip
 
 
-Flat = np.ndarray | str
-"""The direction of a line in a body's surface at the contact, across the normal; "plane" for a plane face."""
-
-
-def _touched(body: Any, features: Any, found: Advance, which: str) -> tuple[Element, list[Flat]] | None:
-    """The lowest of the touched features, and what is flat around the contact."""
+def _touched(body: Any, found: Advance, side: int) -> tuple[Element, list[tuple[Flat, Point | None]]]:
+    """The lowest of the touched features, and what is flat around the contact, with its direction in the world."""
     model: Any = body.body if isinstance(body, Moving) else body
-    pose = body.motion(found.time) if isinstance(body, Moving) else np.eye(4)
+    pose, inverse = found.frames[side], found.frames[4 + side]
     assert found.point is not None and found.normal is not None
-    where, n = np.linalg.solve(pose[:3, :3], found.point - pose[:3, 3]), pose[:3, :3].T @ found.normal
-    touched = [_feature(model, kind, index, where) for kind, index in features]
-    model = model.whole or model
-    if not touched:
+    (x, y, z), (p, q, r) = found.point.tolist(), found.normal.tolist()
+    x, y, z = x - pose[9], y - pose[10], z - pose[11]
+    where = (
+        inverse[0] * x + inverse[1] * y + inverse[2] * z,
+        inverse[3] * x + inverse[4] * y + inverse[5] * z,
+        inverse[6] * x + inverse[7] * y + inverse[8] * z,
+    )
+    n = (
+        pose[0] * p + pose[3] * q + pose[6] * r,
+        pose[1] * p + pose[4] * q + pose[7] * r,
+        pose[2] * p + pose[5] * q + pose[8] * r,
+    )
+    features = [touched(model, kind, index) for kind, index in (found.features_b if side else found.features_a)]
+    flats = [(flat, _turned(pose, flat.direction)) for feature in features for flat in feature.flats(where, n)]
+    return lowest(features, "b" if side else "a", where), flats
+
+
+def _turned(pose: list[float], d: Point | None) -> Point | None:
+    if d is None:
         return None
-    flats = [pose[:3, :3] @ f if isinstance(f, np.ndarray) else f for x in touched for f in _flats(model, x, where, n)]
-    return min((element(model, x, which, where) for x in touched), key=rank), flats
+    return (
+        pose[0] * d[0] + pose[1] * d[1] + pose[2] * d[2],
+        pose[3] * d[0] + pose[4] * d[1] + pose[5] * d[2],
+        pose[6] * d[0] + pose[7] * d[1] + pose[8] * d[2],
+    )
 
 
-def _feature(model: CompositeQuadric, kind: str, index: int, where: np.ndarray) -> Face | Edge | Vertex:
-    """The feature of that number; of a cut model, the feature of the whole one on the same surfaces."""
-    found = _numbered(model, kind, index, where)
-    if model.whole is None:
-        return found
-    carriers = {model.surfaces[k] for k in found.surfaces}
-    of_kind: Any = {"face": model.whole.faces, "edge": model.whole.edges, "vertex": model.whole.vertices}[kind]
-    return next(f for f in of_kind if carriers <= {model.whole.surfaces[k] for k in f.surfaces})
-
-
-def _numbered(model: CompositeQuadric, kind: str, index: int, where: np.ndarray) -> Face | Edge | Vertex:
-    if kind == "vertex":  # the nearest: the fast path numbers corners of pieces, not of the model
-        return min(model.vertices, key=lambda v: float(np.abs(np.array(v.position) - where).max()))
-    of_kind: Any = model.faces if kind == "face" else model.edges
-    return next(f for f in of_kind if f.index == index)
-
-
-def _flats(model: CompositeQuadric, feature: Face | Edge | Vertex, where: np.ndarray, n: np.ndarray) -> Iterator[Flat]:
-    """Lines and planes across the normal in the faces and edges that meet in the feature."""
-    around = set(feature.surfaces)
-    for face in model.faces if not isinstance(feature, Face) else (feature,):
-        if not around & set(face.surfaces):
-            continue
-        form = _form(face.carrier)
-        gradient = form @ np.append(where, 1.0)
-        if np.linalg.norm(np.cross(gradient[:3], n)) > ACROSS * np.linalg.norm(gradient[:3]) * np.linalg.norm(n):
-            continue
-        if isinstance(face.carrier, Plane):
-            yield "plane"
-        elif (ruling := _ruling(form, where)) is not None:
-            yield ruling
-    for edge in model.edges if not isinstance(feature, Face) else ():
-        if set(edge.surfaces) <= around and isinstance(edge.carrier, Line):
-            direction = edge.frame[:3, 0]
-            if abs(direction @ n) <= ACROSS * np.linalg.norm(direction) * np.linalg.norm(n):
-                yield direction
-
-
-def _form(carrier: Plane | Quadric) -> np.ndarray:
-    """The symmetric matrix of a surface, its largest entry 1."""
-    rows = carrier.matrix()
-    largest = max(abs(x) for row in rows for x in row)
-    return np.array([[to_double(x / largest) for x in row] for row in rows])
-
-
-def _ruling(form: np.ndarray, where: np.ndarray) -> np.ndarray | None:
-    """The direction of the line of a cone or cylinder through the point; None for other quadrics."""
-    values, vectors = np.linalg.eigh(form)
-    k = int(np.argmin(np.abs(values)))
-    if abs(values[k]) > 1e-12 * np.abs(values).max():
-        return None
-    apex = vectors[:, k]
-    return apex[:3] - where * apex[3]
-
-
-def _may_share_more(a: list[Flat], b: list[Flat]) -> bool:
-    return any(
-        isinstance(x, str) or isinstance(y, str)
-        or np.linalg.norm(np.cross(x, y)) <= ACROSS * np.linalg.norm(x) * np.linalg.norm(y)
-        for x in a for y in b
-    )  # fmt: skip
+def _may_share(x: tuple[Flat, Point | None], y: tuple[Flat, Point | None]) -> bool:
+    d, e = x[1], y[1]
+    return d is None or e is None or is_parallel(d, e)

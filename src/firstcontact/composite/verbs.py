@@ -15,7 +15,7 @@ from firstcontact.body.polyhedron import Polyhedron
 from firstcontact.composite.algorithm import Meeting, Root, Search, between
 from firstcontact.composite.answer import contact_of, listed, world_time
 from firstcontact.composite.at_rest import is_containment, overlap
-from firstcontact.composite.certified import contact, settle
+from firstcontact.composite.certified import bounded, contact, settle
 from firstcontact.composite.moving_pair import Pair
 from firstcontact.composite.polyhedra import as_model
 from firstcontact.composite.work import Spent, Work
@@ -45,19 +45,20 @@ def first_contact(
     if exact or method == "algebraic":
         return _decided(a, b, first, last, exact, method == "algebraic", work, begin, shared)
     models = _models(a, b)
-    answer, proved = settle(models, first, last, tolerance, budget, shared)
-    if answer is None and proved.reason == "budget":
-        answer = FirstContact(Status.UNDECIDED, free_until=proved.free_until, reason="budget", **shared)
+    answer, proved = settle(models, first, last, tolerance, budget, begin, shared)
     if answer is not None:
-        return _with(answer, stats=_with_time(answer.stats, begin))
+        return answer
+    if proved.reason == "budget":
+        stats = _with_time(Stats(proved.steps, proved.gaps), begin)
+        return FirstContact(Status.UNDECIDED, free_until=proved.free_until, reason="budget", stats=stats, **shared)
     try:
         work.done = proved.steps
         return _decided(a, b, first, last, False, False, work, begin, shared)
     except UnsupportedPair:
         if proved.status == "contact":  # flat features that may share more than the point
-            seen = contact(models, proved, Stats(proved.steps, proved.gaps), shared)
+            seen = contact(bounded(models, shared["span"]), proved, begin, shared)
             if seen is not None:
-                return _with(seen, stats=_with_time(seen.stats, begin))
+                return seen
         if proved.status == "initial" or proved.free_until <= shared["span"][0]:
             start = _at_start(a, b, first, begin, shared)
             if start.status is Status.INITIAL_CONTACT:
@@ -85,7 +86,9 @@ def _models(a: Any, b: Any) -> tuple[Any, Any]:
 
 def _as_model(body: Any) -> Any:
     model: Any = _model(body)
-    return Moving(model, body.motion) if isinstance(body, Moving) else model
+    if not isinstance(body, Moving):
+        return model
+    return body if body.body is model else Moving(model, body.motion)
 
 
 def _with_time(stats: Stats, begin: float) -> Stats:

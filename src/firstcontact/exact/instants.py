@@ -49,7 +49,7 @@ def enclose(number: Callable[[], Any]) -> tuple[float, tuple[float, float]]:
         return t, ((t, math.nextafter(t, math.inf)) if exact < value else (math.nextafter(t, -math.inf), t))
     for bits in PRECISIONS:
         with precision(bits):
-            x = ball(number())
+            x = ball(value if bits == PRECISIONS[0] else number())
             near, around = nearest_double(x), ball_bounds(x)
         if near is not None:
             return near, around
@@ -97,18 +97,20 @@ class AngleInstant:
     X, Y, R > 0 are Surds over one radical.
     """
 
-    __slots__ = ("K", "R", "X", "Y", "_bounds", "_rational", "_settled")
+    __slots__ = ("K", "R", "X", "Y", "_ball", "_bounds", "_rational", "_settled")
 
     def __init__(self, X: Any, Y: Any, R: Any, K: Any) -> None:  # noqa: N803
         self.X, self.Y, self.R, self.K = surd(X), surd(Y), surd(R), K
         self._rational = not any(type(v) is arb for s in (self.X, self.Y) for v in (s.x, s.y, s.d))
         self._bounds: tuple[float, float] | None = None
         self._settled = self._rational  # balls may be known better at another precision
+        self._ball: tuple[int, arb] | None = None
+        """Precision and value of the best enclosure so far, of rational ones."""
 
     def bounds(self) -> tuple[float, float]:
         """Doubles around the angle in radians."""
         if self._bounds is None or not self._settled:
-            with precision(max(ctx.prec, 64)):
+            with precision(max(ctx.prec, PRECISIONS[0])):
                 self._bounds = ball_bounds(self.local())
         return self._bounds
 
@@ -145,6 +147,12 @@ class AngleInstant:
         """
         if not self._rational:
             return _angle(self.X.ball(), self.Y.ball() * ball(self.K).sqrt())
+        if self._ball is None or self._ball[0] < ctx.prec:
+            self._ball = ctx.prec, self._enclosed()
+        return self._ball[1]
+
+    def _enclosed(self) -> arb:
+        """`local` of a rational one."""
         if self.Y.sign() == 0:
             return arb(0) if self.X.sign() >= 0 else arb.pi()
         bits = ctx.prec

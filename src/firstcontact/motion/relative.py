@@ -118,13 +118,19 @@ class _Step:
         return fmpq(1) if self.end is None else self.end - self.start
 
 
+_RESTING = _Step(_0, None, REST, Placement())
+
+
 def _step_at(steps: list[_Step], time: fmpq) -> _Step:
     """The step that is made from that time on."""
     return steps[max(0, bisect_right(steps, time, key=lambda s: s.start) - 1)]
 
 
 def _steps(body: Any) -> Iterator[_Step]:
-    motion = body.motion if isinstance(body, Moving) else REST
+    if not isinstance(body, Moving):
+        yield _RESTING
+        return
+    motion = body.motion
     if isinstance(motion, Trajectory):
         for k, (between, start, end) in enumerate(zip(motion.steps, motion.times, motion.ends, strict=False)):
             yield _Step(start, end, _simple(between), Placement().then(motion.before(k)), False)
@@ -268,6 +274,8 @@ def _rate(step: _Step, rests: bool, lead: Rotation) -> tuple[fmpq, fmpq] | None:
 
 def _placed(step: _Step, time: fmpq) -> Placement:
     """The body's pose at `time` of the step."""
+    if time == step.start and not isinstance(step.motion, RationalMotion):
+        return step.before
     return advanced(step.before, step.motion, (time - step.start) / step.duration)
 
 

@@ -23,11 +23,16 @@ def vector3(values: Iterable[Any], what: str) -> tuple[fmpq, fmpq, fmpq]:
         x, y, z = values
     except (TypeError, ValueError) as error:
         raise InputError(f"{what} is {values!r}; give three numbers") from error
-    vector = rational(x, f"{what}[0]"), rational(y, f"{what}[1]"), rational(z, f"{what}[2]")
-    for k, value in enumerate(vector):
-        if abs(value) >= LARGEST:
-            raise InputError(f"{what}[{k}] is {(x, y, z)[k]}; give a number below 2^150")
-    return vector
+    return _component(x, what, 0), _component(y, what, 1), _component(z, what, 2)
+
+
+def _component(x: Any, what: str, k: int) -> fmpq:
+    if type(x) is float and -(2.0**150) < x < 2.0**150:
+        return fmpq(*x.as_integer_ratio())
+    value = rational(x, f"{what}[{k}]")
+    if abs(value) >= LARGEST:
+        raise InputError(f"{what}[{k}] is {x}; give a number below 2^150")
+    return value
 
 
 class Translation:

@@ -279,9 +279,8 @@ def rotation_contacts(axis: Axis, a: Vector, b: Vector, c: Vector, d: Vector) ->
     n, k, l = ez * ez + fz * fz, wz * ez, -wz * fz  # noqa: E741
     p, q = along(scaled(n, a), k, e), along(scaled(n, c), l, f)
     u, v = scaled(fz, e), scaled(ez, f)
-    qa = axis.perp(u, u) - axis.perp(v, v)
-    qb = axis.perp(p, u) - axis.perp(q, v)
-    qc = axis.perp(p, p) - axis.perp(q, q)
+    # squares of radii are equal where squares are: p and q, u and v are equally high
+    qa, qb, qc = dot(u, u) - dot(v, v), dot(p, u) - dot(q, v), dot(p, p) - dot(q, q)
     if sign(qa) == 0 and sign(qb) == 0:
         return _same_surface(axis, *divisible(a, b, c, d)) if sign(qc) == 0 else []
     found: list[Contact] = []
@@ -306,7 +305,8 @@ def _angle_between_surds(
     if r.sign() == 0:
         return AngleInstant(1, 0, 1, K)
     x = Surd(K * (dot(p0, q0) + d * dot(p1, q1)) - square, K * (dot(p0, q1) + dot(p1, q0)) - twice, d)
-    y = Surd(dot(h, cross(p0, q0)) + d * dot(h, cross(p1, q1)), dot(h, cross(p0, q1)) + dot(h, cross(p1, q0)), d)
+    t0, t1 = cross(h, p0), cross(h, p1)
+    y = Surd(dot(t0, q0) + d * dot(t1, q1), dot(t0, q1) + dot(t1, q0), d)
     return AngleInstant(x, y, r, K)
 
 

@@ -7,7 +7,7 @@ common point; what neither settles is "open" (see `kernels.advancement`).  No te
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -35,6 +35,7 @@ from firstcontact.kernels.workspace import (
     NEWTON,
     NORMAL,
     POINT,
+    POSE_A,
     RESULTS,
     STEPS,
     TIME,
@@ -56,7 +57,8 @@ class Advance:
     free_until     no common point at any time before it (for "open" it may be the start), in the query's clock.
     time           the contact time, rounded; time_interval (lo, hi): no common point before lo, one at or before hi.
     point, normal  (3,) world frame, normal unit, from b towards a; None where there are none.
-    features_a/_b  (kind, index) of the touching features of either body.
+    features_a/_b  (kind, index) of the touching features of either body; "corner": the row of a corner of a piece.
+    frames         of a contact: (6, 12) numbers, the rows of the workspace from POSE_A on, near its time.
     gap            proved distance along the last direction at `free_until`, of the pair of pieces last advanced.
     reason         of "open": "precision", "budget", or what of the model or motion is beyond this path.
     """
@@ -69,6 +71,7 @@ class Advance:
     normal: np.ndarray | None = None
     features_a: tuple[Feature, ...] = ()
     features_b: tuple[Feature, ...] = ()
+    frames: list[list[float]] = field(default_factory=list)
     gap: float = 0.0
     reason: str | None = None
     steps: int = 0
@@ -164,17 +167,16 @@ class _Search:
         first, other = (best, found) if best.time <= found.time else (found, best)
         lo = min(best.time_interval[0], found.time_interval[0])
         hi = min(best.time_interval[1], found.time_interval[1])
-        fields = {name: getattr(first, name) for name in ("time", "point", "normal", "features_a", "features_b")}
-        fields["time"] = min(max(fields["time"], lo), hi)
-        return self._answer("contact", lo, time_interval=(lo, hi), **fields)
+        time = min(max(first.time, lo), hi)  # type: ignore[type-var]
+        return replace(first, time=time, time_interval=(lo, hi), free_until=lo, **self._work())
 
     def _contact(self) -> Advance:
-        r = self.results
+        r = self.results.tolist()
         features = self._features()
-        return self._answer(
-            "contact", float(r[LO]), time=float(r[TIME]), time_interval=(float(r[LO]), float(r[HI])),
-            point=r[POINT : POINT + 3].copy(), normal=-r[NORMAL : NORMAL + 3],
-            features_a=features[0], features_b=features[1],
+        n = self.results[NORMAL : NORMAL + 3]
+        return Advance(
+            "contact", r[LO], r[TIME], (r[LO], r[HI]), self.results[POINT : POINT + 3].copy(), -n, *features,
+            self.workspace[POSE_A : POSE_A + 6, :12].tolist(), **self._work(),
         )  # fmt: skip
 
     def _features(self) -> tuple[tuple[Feature, ...], tuple[Feature, ...]]:
@@ -194,11 +196,11 @@ class _Search:
         return self._answer("open", float(self.results[FREE_UNTIL]), reason=reason)
 
     def _answer(self, status: str, free_until: float, **fields: Any) -> Advance:
+        return Advance(status, free_until, **self._work(), **fields)
+
+    def _work(self) -> dict[str, Any]:
         c = self.counters
-        return Advance(
-            status, free_until, gap=float(self.results[GAP]),
-            steps=int(c[STEPS]), newton=int(c[NEWTON]), gaps=int(c[GAPS]), **fields,
-        )  # fmt: skip
+        return {"gap": float(self.results[GAP]), "steps": int(c[STEPS]), "newton": int(c[NEWTON]), "gaps": int(c[GAPS])}
 
 
 def _named(pieces: ConvexPieces, forms: list[int]) -> tuple[Feature, ...]:
@@ -211,5 +213,5 @@ def _named(pieces: ConvexPieces, forms: list[int]) -> tuple[Feature, ...]:
 
 
 def _at_vertex(pieces: ConvexPieces, row: int) -> tuple[Feature, ...]:
-    return (("vertex", row),)
+    return (("corner", row),)
 

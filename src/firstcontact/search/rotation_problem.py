@@ -53,7 +53,7 @@ from firstcontact.search.cylinder import COLUMNS
 from firstcontact.search.elements import EDGE, VERTEX, Feature, Primitive, corners_of
 from firstcontact.search.frame import frame_of, view_in
 from firstcontact.search.state import WalkState
-from firstcontact.search.touch import Touch, as_balls, doubles, place_ball, rotation_touch
+from firstcontact.search.touch import Touch, as_balls, place_ball, place_doubles, rotation_normal
 from firstcontact.search.tree import Tree
 from firstcontact.search.walk import walk
 from firstcontact.search.windows import collect
@@ -91,7 +91,7 @@ class RotationProblem:
         self.rate = sense * piece.rate[0], sense * piece.rate[1]
         h, self.origin = piece.axis, piece.point
         _, (direction,) = whole(h)
-        self._whole_axis = Axis(scaled(-1 if self.backward else 1, direction))
+        self._whole_axis = Axis(scaled(-1, direction) if self.backward else direction)
         self.axis = Axis(*divisible(self._whole_axis.h))
         self.first, self.opening, self.turn = _ZERO, _ZERO, 0
         if piece.reference != piece.start:
@@ -101,7 +101,8 @@ class RotationProblem:
         self.last = None if piece.end is None else self._angle_at(piece.end)
         if self.last is not None and self.turn:
             self.last = self.last[0], self.last[1] - self.turn
-        self._sure_last: float | None = None
+        self._known_corners: dict[tuple[Feature, Feature], tuple[list[Vector], list[Vector]]] = {}
+        self._window: tuple[float, float] | None = None
         self._prepare()
 
     def _angle_at(self, time: fmpq) -> tuple[fmpq, fmpq]:
@@ -122,7 +123,7 @@ class RotationProblem:
 
     def _part(self, turn: int, first: Angle, last: Angle) -> RotationProblem:
         part = copy.copy(self)
-        part._sure_last = None
+        part._window = None
         part.turn, part.first, part.last, part.opening = self.turn + turn, first, last, _ZERO
         return part
 
@@ -141,24 +142,29 @@ class RotationProblem:
         frame = frame_of(tuple(to_double(x / longest) for x in self.axis.h))  # type: ignore[arg-type]
         self.tree_a, self.tree_b = view_in(self.a, frame), view_in(self.b, frame)
         origin = [to_double(x) for x in self.origin]
-        self.centre = np.array(frame, float)[:2] @ np.array(origin)
+        self.centre = tuple(row[0] * origin[0] + row[1] * origin[1] + row[2] * origin[2] for row in frame[:2])
         shifted = 0.0
         if any(origin):
             # the centre and the differences to it round: 2^-53 of the sizes each, a few times
-            size = max(float(np.abs(t.boxes[0]).max()) for t in (self.tree_a, self.tree_b))
+            size = max(map(abs, (*self.tree_a.boxes[0].tolist(), *self.tree_b.boxes[0].tolist())))
             shifted = 2.0**-50 * (size + 3.0 * max(map(abs, origin)))
         self.error_a, self.error_b = self.tree_a.error + shifted, self.tree_b.error + shifted
         self.pad = 2.0 * (self.error_a + self.error_b)
-        key = (frame, tuple(self.centre.tolist()), self.pad)
+        key = (frame, self.centre, self.pad)
         self.motion = _ranges(self.a, self.tree_a, self.tree_b, key)
 
     def window(self) -> tuple[float, float]:
         """(last, sure last) in radians; a full turn at most."""
-        if self.last is None or self._beyond_full_turn():
-            return TWO_PI + 1e-14, TWO_PI + 1e-14
-        with precision(PRECISIONS[0]):
-            lo, hi = ball_bounds(self._last_ball())
-        return hi, lo
+        if self._window is None:
+            lo = hi = TWO_PI + 1e-14
+            if self.last is not None and not self.last[1] and self.last[0] < 6:
+                t = to_double(self.last[0])
+                lo, hi = math.nextafter(t, -math.inf), math.nextafter(t, math.inf)
+            elif not (self.last is None or self._beyond_full_turn()):
+                with precision(PRECISIONS[0]):
+                    lo, hi = ball_bounds(self._last_ball())
+            self._window = hi, lo
+        return self._window
 
     def _beyond_full_turn(self) -> bool:
         assert self.last is not None
@@ -179,12 +185,18 @@ class RotationProblem:
         )  # fmt: skip
 
     def _corners(self, element_a: Feature, element_b: Feature) -> tuple[list[Vector], list[Vector]]:
-        """Exact corners about the axis' point."""
-        o = self.origin
-        return (
-            [sub(p, o) for p in corners_of(self.a, element_a)],
-            [sub(p, o) for p in corners_of(self.b, element_b)],
-        )
+        """Exact corners about the axis' point; of rational bodies they are kept, precision does not change them."""
+        key = element_a, element_b
+        found = self._known_corners.get(key)
+        if found is None:
+            o = self.origin
+            found = (
+                [sub(p, o) for p in corners_of(self.a, element_a)],
+                [sub(p, o) for p in corners_of(self.b, element_b)],
+            )
+            if self.is_exact:
+                self._known_corners[key] = found
+        return found
 
     def contacts(self, element_a: Feature, element_b: Feature) -> list[Any]:
         """All contacts of the two elements during one full turn: (instant, point of b about `origin`).
@@ -256,9 +268,7 @@ class RotationProblem:
         """
         if self.first is not _ZERO and compare_angles(instant, LimitInstant(*self.first)) < 0:
             return False
-        if self._sure_last is None:
-            self._sure_last = self.window()[1]
-        if instant.bounds()[1] <= self._sure_last:
+        if instant.bounds()[1] <= self.window()[1]:
             return True
         if self.last is None or self._beyond_full_turn() or instant.is_zero():
             return True
@@ -403,11 +413,13 @@ class RotationProblem:
         contacts = self.contacts(element_a, element_b)
         point = next(q for instant, q in contacts if same_instant(instant, at))
         with precision(BALL_BITS):
-            blurred = self.is_exact and any(nearest_double(x) is None for x in place_ball(point))
-        if blurred:
-            point = next(q for instant, q in self.exact_contacts(element_a, element_b) if same_instant(instant, at))
-        where, normal = rotation_touch(element_a, corners_a, element_b, corners_b, self.axis, point, at)
-        return where + doubles(self.origin), normal
+            where: Any = [nearest_double(x) for x in place_ball(point)]
+        if None in where:
+            if self.is_exact:
+                point = next(q for instant, q in self.exact_contacts(element_a, element_b) if same_instant(instant, at))
+            where = place_doubles(point)
+        normal = rotation_normal(element_a, corners_a, element_b, corners_b, self.axis, point, where, at)
+        return np.array([x + to_double(y) for x, y in zip(where, self.origin, strict=True)]), normal
 
     def world_instant(self, at: Any, turn: int = 0) -> tuple[float, tuple[float, float]]:
         """(nearest double, enclosure) of the instant, `turn` full turns later, in the motions' clock."""
@@ -497,6 +509,8 @@ class RotationProblem:
 
 def _sign_of_angle(rate: tuple[fmpq, fmpq]) -> int:
     """Sign of radians + 2 pi turns, not both zero (then it is never zero: pi is irrational)."""
+    if not (rate[0] and rate[1]):
+        return sign(rate[0] or rate[1])
     for bits in PRECISIONS:
         with precision(bits):
             try:

@@ -55,12 +55,14 @@ class Window(NamedTuple):
 
 def windows(a: Any, b: Any, first: fmpq, last: fmpq) -> list[Window]:
     """The windows of time in which both bodies follow one step each, in order."""
-    return _windows_of(*(x.motion if isinstance(x, Moving) else REST for x in (a, b)), first, last)
+    motion_a, motion_b = (x.motion if isinstance(x, Moving) else REST for x in (a, b))
+    return _windows_of(motion_a, motion_b, int(first.p), int(first.q), int(last.p), int(last.q))
 
 
 @lru_cache(maxsize=128)
-def _windows_of(motion_a: Any, motion_b: Any, first: fmpq, last: fmpq) -> list[Window]:
-    motions = motion_a, motion_b
+def _windows_of(motion_a: Any, motion_b: Any, p: int, q: int, r: int, s: int) -> list[Window]:
+    """Over [p / q, r / s]: whole numbers, since rationals take a microsecond to hash."""
+    motions, first, last = (motion_a, motion_b), fmpq(p, q), fmpq(r, s)
     steps = [known_steps(m) for m in motions]
     cuts = {first, last}
     for own in steps:

@@ -84,10 +84,10 @@ def _double(x: Any, w: Any = 1) -> float:
     return float(value.mid())  # half way between two doubles, or known as a ball only
 
 
-def place_doubles(place: Place) -> np.ndarray:
+def place_doubles(place: Place) -> list[float]:
     """The doubles nearest the coordinates of a place."""
     x, y, z, w = place
-    return np.array([_double(x, w), _double(y, w), _double(z, w)])
+    return [_double(x, w), _double(y, w), _double(z, w)]
 
 
 def place_ball(place: Place) -> Vector:
@@ -96,31 +96,34 @@ def place_ball(place: Place) -> Vector:
     return x / w, y / w, z / w
 
 
-def rotation_touch(
+def rotation_normal(
     element_a: Feature, corners_a: list[Vector], element_b: Feature, corners_b: list[Vector],
-    axis: Axis, place: Place, at: Any,
-) -> Touch:  # fmt: skip
-    """(point, unit normal from b towards a or None); exact corners at angle 0, all about a point of the axis."""
-    q = place_doubles(place)
+    axis: Axis, place: Place, where: Any, at: Any,
+) -> np.ndarray | None:  # fmt: skip
+    """The unit normal from b towards a; exact corners at angle 0, all about a point of the axis.
+
+    where: the doubles nearest the place.
+    """
     h: Any = [to_double(x) for x in axis.h]
     angle = at.bounds()[0]
     cosine, sine = math.cos(angle), math.sin(angle) / math.sqrt(dot(h, h))
-    velocity = cross(h, q.tolist())
-    n, size = _float_normal(element_a, corners_a, element_b, corners_b, h, cosine, sine)
+    velocity = cross(h, where)
+    moving, resting = [_floats(p) for p in corners_a], [_floats(p) for p in corners_b]
+    n, size = _float_normal(element_a, moving, element_b, resting, h, cosine, sine)
     speed = dot(n, velocity)
     n_size, v_size = _norm(n), _norm(velocity)
-    scale = max(_norm(p) for p in map(_floats, (*corners_a, *corners_b)))
+    scale = max(map(_norm, (*moving, *resting)))
     clear = n_size > DOUBTFUL * size and v_size > DOUBTFUL * _norm(h) * scale
     if clear and abs(speed) > DOUBTFUL * n_size * v_size:
-        return q, _unit(n, -1.0 if speed > 0 else 1.0)
+        return _unit(n, -1.0 if speed > 0 else 1.0)
     for bits in PRECISIONS:
         with precision(bits):
             moved = _turned(axis, corners_a, at)
             direction = _normal(element_a, moved, element_b, [as_balls(p) for p in corners_b])
             normal = unit_against(direction, cross(axis.h, place_ball(place)))
         if normal is not None:
-            return q, normal
-    return q, None
+            return normal
+    return None
 
 
 def _normal(element_a: Feature, a: list[Any], element_b: Feature, b: list[Any]) -> Vector:
@@ -132,19 +135,17 @@ def _normal(element_a: Feature, a: list[Any], element_b: Feature, b: list[Any]) 
 
 
 def _float_normal(
-    element_a: Feature, corners_a: list[Vector], element_b: Feature, corners_b: list[Vector],
+    element_a: Feature, corners_a: list[Any], element_b: Feature, rest: list[Any],
     h: Any, cosine: float, sine: float,
 ) -> tuple[Floats, float]:  # fmt: skip
     """The normal in doubles and the product of the lengths it is made of."""
     k = h[0] * h[0] + h[1] * h[1] + h[2] * h[2]
     moved = []
-    for p in corners_a:
-        x = _floats(p)
+    for x in corners_a:
         s = dot(h, x) / k
         moved.append(
             tuple(s * f + cosine * (c - s * f) + sine * w for f, c, w in zip(h, x, cross(h, x), strict=True))
         )
-    rest = [_floats(p) for p in corners_b]
     n = _normal(element_a, moved, element_b, rest)
     x, y = (rest, rest) if element_a[0] == VERTEX else (moved, moved) if element_b[0] == VERTEX else (moved, rest)
     other = 2 if x is y else 1

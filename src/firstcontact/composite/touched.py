@@ -1,0 +1,167 @@
+"""The features of a model at a contact: how users call them, and what is flat around them.
+
+Worked out once per feature and kept on the model, in plain Python numbers: a query asks for one or two features, and
+arrays of three numbers cost more than the arithmetic on them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import sqrt
+from typing import Any
+
+import numpy as np
+
+from firstcontact.body.carriers import Line, Plane, Vector, doubles, null_space
+from firstcontact.body.composite_quadric import CompositeQuadric
+from firstcontact.body.features import Edge, Face, Vertex
+from firstcontact.composite.answer import element, rank
+from firstcontact.result import Element
+from firstcontact.search.convex import convex_pieces
+
+ACROSS = 1e-6
+"""Sine of the angle below which directions count as parallel: what is flat there may be shared in more than a point,
+which exact arithmetic then decides."""
+
+Point = tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Flat:
+    """A plane face, or a line in a body's surface: an edge, or the ruling of a cone or cylinder through the contact.
+
+    direction   of the line, any length, in the body's frame; None of a plane.
+    exact       the same as rationals; the outward normal of a plane; None where there is no rational one.
+    """
+
+    feature: Face | Edge
+    direction: Point | None
+    exact: Vector | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Side:
+    """A face at the feature.
+
+    form   xx, yy, zz, xy, xz, yz, x, y, z of half its gradient.
+    flat   of planes and cylinders, what is flat in it at all points.
+    apex   of cones, homogeneous.
+    """
+
+    face: Face
+    form: tuple[float, ...]
+    flat: Flat | None
+    apex: tuple[float, float, float, float] | None
+
+    def flat_at(self, x: float, y: float, z: float, n: Point) -> Flat | None:
+        """What is flat through the point, where the face is across the normal n there."""
+        if self.flat is None and self.apex is None:
+            return None
+        xx, yy, zz, xy, xz, yz, x1, y1, z1 = self.form
+        g = (
+            xx * x + xy * y + xz * z + x1,
+            xy * x + yy * y + yz * z + y1,
+            xz * x + yz * y + zz * z + z1,
+        )
+        if not is_parallel(g, n):
+            return None
+        if self.apex is None:
+            return self.flat
+        p, q, r, w = self.apex
+        return Flat(self.face, (p - w * x, q - w * y, r - w * z), None)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Touched:
+    """A feature with the faces and straight edges around it; `elements`: how it is called, by the body's place."""
+
+    model: CompositeQuadric
+    feature: Face | Edge | Vertex
+    sides: tuple[_Side, ...]
+    lines: tuple[Flat, ...]
+    elements: dict[str, Element]
+
+    def element(self, which: str, where: Point) -> Element:
+        known = self.elements.get(which)
+        if known is None:
+            known = element(self.model, self.feature, which, np.array(where))
+            if self.model.source is None or not isinstance(self.feature, Face):  # not one of several coplanar faces
+                self.elements[which] = known
+        return known
+
+    def flats(self, where: Point, n: Point) -> list[Flat]:
+        """Lines and planes across the normal in the faces and edges that meet in the feature."""
+        found = [f for side in self.sides if (f := side.flat_at(*where, n)) is not None]
+        for line in self.lines:
+            d = line.direction
+            assert d is not None
+            along = d[0] * n[0] + d[1] * n[1] + d[2] * n[2]
+            if abs(along) <= ACROSS * _length(d) * _length(n):
+                found.append(line)
+        return found
+
+
+def is_parallel(x: Point, y: Point) -> bool:
+    c = x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]
+    return _length(c) <= ACROSS * _length(x) * _length(y)
+
+
+def _length(x: Point) -> float:
+    return sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2])
+
+
+def lowest(touched: list[Touched], which: str, where: Point) -> Element:
+    """Vertices before edges before faces."""
+    if len(touched) == 1:
+        return touched[0].element(which, where)
+    return min((x.element(which, where) for x in touched), key=rank)
+
+
+def touched(model: CompositeQuadric, kind: str, index: int) -> Touched:
+    """A feature as `search.advance` numbers it; of a cut model, that of the whole one on the same surfaces."""
+    known = model._search.setdefault("touched", {})
+    found = known.get((kind, index))
+    if found is None:
+        feature = _feature(model, kind, index)
+        whole = model.whole or model
+        around = set(feature.surfaces)
+        faces = (feature,) if isinstance(feature, Face) else [f for f in whole.faces if around & set(f.surfaces)]
+        edges = () if isinstance(feature, Face) else [e for e in whole.edges if set(e.surfaces) <= around]
+        lines = tuple(
+            Flat(e, tuple(e.frame[:3, 0].tolist()), tuple(row[0] for row in e.carrier.basis[:3]))
+            for e in edges if isinstance(e.carrier, Line)
+        )  # fmt: skip
+        found = known[kind, index] = Touched(whole, feature, tuple(map(_side, faces)), lines, {})
+    return found
+
+
+def _feature(model: CompositeQuadric, kind: str, index: int) -> Face | Edge | Vertex:
+    features: Any = {"face": model.faces, "edge": model.edges}.get(kind, model.vertices)
+    found: Any
+    if kind == "corner":  # of a piece: the nearest of the model
+        where = convex_pieces(model).array[index, :3]
+        found = min(features, key=lambda v: float(np.abs(np.array(v.position) - where).max()))
+    else:
+        found = next(f for f in features if f.index == index)
+    if model.whole is None:
+        return found
+    carriers = {model.surfaces[k] for k in found.surfaces}
+    of_whole: Any = {"face": model.whole.faces, "edge": model.whole.edges}.get(kind, model.whole.vertices)
+    return next(f for f in of_whole if carriers <= {model.whole.surfaces[k] for k in f.surfaces})
+
+
+def _side(face: Face) -> _Side:
+    carrier = face.carrier
+    m = doubles(carrier.matrix())
+    form = m[0][0], m[1][1], m[2][2], m[0][1], m[0][2], m[1][2], m[0][3], m[1][3], m[2][3]
+    if isinstance(carrier, Plane):
+        return _Side(face, form, Flat(face, None, carrier.normal[:3]), None)
+    kernel = null_space(carrier.form)
+    if len(kernel) == 1 and kernel[0][3] != 0:
+        p, q, r, w = doubles((kernel[0],))[0]
+        return _Side(face, form, None, (p, q, r, w))
+    if len(kernel) == 1:
+        x, y, z, _ = doubles((kernel[0],))[0]
+        return _Side(face, form, Flat(face, (x, y, z), kernel[0][:3]), None)
+    # none: no lines in a convex surface; several: two planes in one form
+    return _Side(face, form, Flat(face, None, None) if kernel else None, None)
