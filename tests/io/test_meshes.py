@@ -66,21 +66,6 @@ def test_geometries_of_one_file_are_joined_in_place(tmp_path):
     assert vertices.max(axis=0).tolist() == [6, 1, 1]
 
 
-PYRAMID = """OFF
-6 6 0
-1 0 0
-0.3 1 0
--0.8 0.6 0
--0.8 -0.6 0
-0.3 -1 0
-0 0 1
-5 4 3 2 1 0
-3 0 1 5
-3 1 2 5
-3 2 3 5
-3 3 4 5
-3 4 0 5
-"""
 POINTS = """ply
 format ascii 1.0
 element vertex 1
@@ -91,7 +76,9 @@ end_header
 0 0 0
 """
 BAD = {
-    "pyramid.off": (PYRAMID, "triangles only"),
+    "short.off": ("OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "2 faces announced"),
+    "damaged.off": ("damaged", "not readable as OFF"),
+    "strips.ply": (POINTS.replace("element", "element tristrips 0\nproperty list int int a\nelement", 1), "no faces"),
     "points.ply": (POINTS, "no faces"),
     "empty.stl": ("", "no faces"),
     "damaged.ply": ("damaged", "not readable as PLY"),

@@ -63,14 +63,14 @@ class Polyhedron(Placing):
 
     @classmethod
     def load(cls, path: str | Path, solid: bool | None = None, name: str | None = None) -> Polyhedron:
-        """The mesh in a file trimesh reads (STL, OBJ, PLY, OFF, glTF); coordinates untouched.
+        """The mesh in a file (STL, OBJ, PLY, OFF, glTF); coordinates untouched, polygons as the class takes them.
 
         Vertices with equal coordinates are welded, nothing else is merged.  `name` defaults to the file's.
         """
         from firstcontact.io.meshes import read_mesh
 
         vertices, faces = read_mesh(path)
-        return cls(vertices, faces, solid=solid, name=name or Path(path).stem)
+        return cls(vertices, faces, solid=solid, name=str(path)).named(name or Path(path).stem)  # errors name the file
 
     @classmethod
     def from_trimesh(cls, mesh: Any, solid: bool | None = None, name: str | None = None) -> Polyhedron:

@@ -47,8 +47,10 @@ def _project(vertices: np.ndarray, rings: list[list[int]], who: str) -> dict[int
     """Corners in the plane of the two coordinates in which the polygon is widest."""
     corners = vertices[rings[0]]
     centre = corners.mean(axis=0)
-    following = np.roll(corners, -1, axis=0)
-    normal = np.cross(corners - centre, following - centre).sum(axis=0)
+    spokes = corners - centre
+    following = spokes[np.arange(1, len(spokes) + 1) % len(spokes)]
+    turned = spokes[:, [1, 2, 0]] * following[:, [2, 0, 1]] - spokes[:, [2, 0, 1]] * following[:, [1, 2, 0]]
+    normal = turned.sum(axis=0)
     length = np.linalg.norm(normal)
     every = vertices[[i for ring in rings for i in ring]]
     size = np.abs(every - centre).max()
@@ -85,8 +87,10 @@ def _twice_area(plane: dict[int, Point], a: int, b: int, c: int) -> fmpq:
 
 def _signed_area(plane: dict[int, Point], ring: list[int]) -> float:
     points = np.array([plane[i] for i in ring])
-    x, y = (points - points.mean(axis=0)).T
-    return float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
+    points = points - points.mean(axis=0)
+    x, y = points.T
+    next_x, next_y = points[np.arange(1, len(points) + 1) % len(points)].T
+    return float(np.sum(x * next_y - next_x * y))
 
 
 def _inside(turn: _Turn, a: int, b: int, c: int, p: int) -> bool:

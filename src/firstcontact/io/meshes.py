@@ -1,4 +1,4 @@
-"""Mesh files through trimesh, coordinates untouched."""
+"""Mesh files, coordinates untouched: OBJ, PLY and OFF with their polygons, the other formats through trimesh."""
 
 from __future__ import annotations
 
@@ -9,31 +9,36 @@ from typing import Any
 import numpy as np
 
 from firstcontact.errors import InputError
+from firstcontact.io.polygon_files import Faces, read_obj, read_off, read_ply
 
 FORMATS = (".stl", ".obj", ".ply", ".off", ".gltf", ".glb")
+POLYGON_FORMATS = {".obj": read_obj, ".ply": read_ply, ".off": read_off}
 
 
-def read_mesh(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
-    """Vertices (n, 3) float64 and triangles (m, 3) int64 of a mesh file, in the file's order.
+def read_mesh(path: str | Path) -> tuple[np.ndarray, np.ndarray | Faces]:
+    """Vertices (n, 3) float64 and faces of a mesh file, in the file's order.
 
+    Faces are an (m, 3) int64 array, or a list of polygons where one has more than three corners.
     The coordinates are those of the file; only vertices with equal coordinates become one (the first).
-    Several geometries in one file become one mesh, each in its place.  Polygons arrive
-    as triangles, cut into fans from their first corner: triangulate a file with non-convex ones beforehand.
+    Several geometries in one file become one mesh, each in its place.
     """
     path = Path(path)
-    mesh = _load(path)
-    vertices = np.asarray(mesh.vertices, dtype=np.float64).reshape(-1, 3)
-    triangles = np.asarray(getattr(mesh, "faces", ()), dtype=np.int64).reshape(-1, 3)
-    if not len(triangles):
-        raise InputError(f"{path}: holds no faces; export the model as a triangle mesh")
-    outside = (triangles < 0) | (triangles >= len(vertices))
-    if outside.any():
-        face = int(np.argmax(outside.any(axis=1)))
+    vertices, faces = _load(path)
+    if not len(faces):
+        raise InputError(f"{path}: holds no faces; export the model as a mesh with faces")
+    sizes = [len(face) for face in faces]
+    if min(sizes) < 3:
+        at = int(np.argmin(sizes))
+        raise InputError(f"{path}: face {at} has {sizes[at]} corners; give at least three")
+    corners = np.concatenate(faces)
+    outside = np.flatnonzero((corners < 0) | (corners >= len(vertices)))
+    if outside.size:
+        face = int(np.searchsorted(np.cumsum(sizes), outside[0], side="right"))
         raise InputError(f"{path}: face {face} names a vertex that is not there; export the file again")
     bad = ~np.isfinite(vertices).all(axis=1)
     if bad.any():
         raise InputError(f"{path}: vertex {int(np.argmax(bad))} is not finite; repair the file")
-    return weld(vertices, triangles)
+    return weld(vertices, np.array(faces, np.int64) if max(sizes) == 3 else faces)
 
 
 def write_mesh(path: str | Path, vertices: np.ndarray, triangles: np.ndarray) -> None:
@@ -49,10 +54,10 @@ def write_mesh(path: str | Path, vertices: np.ndarray, triangles: np.ndarray) ->
         raise InputError(f"{path}: {_reason(error)}; choose a place that can be written") from error
 
 
-def weld(vertices: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def weld(vertices: np.ndarray, faces: np.ndarray | Faces) -> tuple[np.ndarray, np.ndarray | Faces]:
     """The same mesh with one vertex per distinct coordinate triple, numbered by first appearance.
 
-    vertices: (n, 3) float64, finite.  triangles: (m, 3) integer.  Equality is that of numbers: -0.0 is 0.0.
+    vertices: (n, 3) float64, finite.  faces: (m, 3) integer, or polygons.  Equality is that of numbers: -0.0 is 0.0.
     """
     order = np.lexsort(vertices.T)  # stable, so each run of equal rows begins with its lowest number
     ordered = vertices[order]
@@ -61,34 +66,37 @@ def weld(vertices: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.nd
     first = np.empty(len(order), dtype=np.int64)
     first[order] = order[starts][np.cumsum(starts) - 1]
     kept = first == np.arange(len(first))
-    number = np.cumsum(kept) - 1
-    return vertices[kept], number[first][triangles]
+    number = (np.cumsum(kept) - 1)[first]
+    return vertices[kept], number[faces] if isinstance(faces, np.ndarray) else [number[face].tolist() for face in faces]
 
 
-def _load(path: Path) -> Any:
+def _load(path: Path) -> tuple[np.ndarray, np.ndarray | Faces]:
     _check_format(path)
     if not path.is_file():
         what = "is a folder" if path.is_dir() else "no such file"
         raise InputError(f"{path}: {what}; give the path of a mesh file ({_list(FORMATS)})")
-    import trimesh
-
     try:
-        return trimesh.load(str(path), force="mesh", process=False, maintain_order=True)
+        if (suffix := path.suffix.lower()) in POLYGON_FORMATS:
+            return POLYGON_FORMATS[suffix](path)
+        return _through_trimesh(path)
     except OSError as error:
         raise InputError(f"{path}: {_reason(error)}; check that the file can be read") from error
     except Exception as error:  # readers of damaged files raise anything, from KeyError to struct.error
-        raise InputError(f"{path}: {_cure(path)} (reader: {type(error).__name__}: {error})") from error
+        cure = f"not readable as {path.suffix[1:].upper()}; export the file again or convert it to STL"
+        raise InputError(f"{path}: {cure} (reader: {type(error).__name__}: {error})") from error
+
+
+def _through_trimesh(path: Path) -> tuple[np.ndarray, np.ndarray]:
+    import trimesh
+
+    mesh: Any = trimesh.load(str(path), force="mesh", process=False, maintain_order=True)
+    faces = np.asarray(getattr(mesh, "faces", ()), dtype=np.int64)
+    return np.asarray(mesh.vertices, dtype=np.float64).reshape(-1, 3), faces.reshape(-1, 3)
 
 
 def _check_format(path: Path) -> None:
     if path.suffix.lower() not in FORMATS:
         raise InputError(f"{path}: unknown mesh format {path.suffix!r}; use one of {_list(FORMATS)}")
-
-
-def _cure(path: Path) -> str:
-    if path.suffix.lower() == ".off":
-        return "not readable as OFF; OFF files may hold triangles only: triangulate it or export OBJ or PLY"
-    return f"not readable as {path.suffix[1:].upper()}; export the file again or convert it to PLY"
 
 
 def _reason(error: OSError) -> str:
