@@ -526,7 +526,7 @@ def _events(
 def _earliest_meeting(motion, boxes_a, a, boxes_b, b, pad, first, last):
     if motion.ndim == 3:
         return lambda motion, boxes_a, a, boxes_b, b, pad, first, last: next_meeting(
-            motion, boxes_a, a, boxes_b, b, pad, first, last
+            motion, boxes_a, np.int64(a), boxes_b, np.int64(b), pad, first, last
         )[0]
     return None
 

@@ -252,7 +252,7 @@ def _windows(motion, mask_a, xa, mask_b, xb, err_a, err_b, last, scratch, out):
 def _meeting_window(motion, boxes_a, a, boxes_b, b, pad, last):
     if motion.ndim == 3:
         return lambda motion, boxes_a, a, boxes_b, b, pad, last: meeting_span(
-            motion, boxes_a, a, boxes_b, b, pad, last
+            motion, boxes_a, np.int64(a), boxes_b, np.int64(b), pad, last
         )
     return None
 

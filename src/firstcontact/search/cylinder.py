@@ -31,8 +31,8 @@ def learn(motion, offset, boxes, links, xyz, ids, node, pad):
     cx, cy = motion[end, 0], motion[end, 1]
     found = _range_of(boxes, links, xyz, ids, node, cx, cy, pad)
     if links[node, 1] >= 0:
-        left = _range_below(boxes, links, xyz, ids, links[node, 0], cx, cy, pad)
-        right = _range_below(boxes, links, xyz, ids, links[node, 1], cx, cy, pad)
+        left = _range_below(boxes, links, xyz, ids, np.int64(links[node, 0]), cx, cy, pad)
+        right = _range_below(boxes, links, xyz, ids, np.int64(links[node, 1]), cx, cy, pad)
         found = unite(left, right)
     row = motion[offset + node]
     row[R_LO], row[R_HI], row[PHI], row[WIDTH], row[Z_LO], row[Z_HI] = found
@@ -47,8 +47,8 @@ def _range_below(boxes, links, xyz, ids, node, cx, cy, pad):
     """The range of a node from one level below it."""
     if links[node, 1] < 0:
         return range_of_part(boxes[node], xyz[links[node, 0]], ids[links[node, 0], 1], cx, cy, pad)
-    left = _range_of(boxes, links, xyz, ids, links[node, 0], cx, cy, pad)
-    return unite(left, _range_of(boxes, links, xyz, ids, links[node, 1], cx, cy, pad))
+    left = _range_of(boxes, links, xyz, ids, np.int64(links[node, 0]), cx, cy, pad)
+    return unite(left, _range_of(boxes, links, xyz, ids, np.int64(links[node, 1]), cx, cy, pad))
 
 
 @kernel

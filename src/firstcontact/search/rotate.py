@@ -122,7 +122,7 @@ def _is_new(motion, side, node):
 def _get_ready(motion, side, boxes, links, xyz, ids, node, pad):
     if motion.ndim == 2:
         return lambda motion, side, boxes, links, xyz, ids, node, pad: learn(
-            motion, int(motion[motion.shape[0] - 1, 2]) if side else 0, boxes, links, xyz, ids, node, pad
+            motion, int(motion[motion.shape[0] - 1, 2]) if side else 0, boxes, links, xyz, ids, np.int64(node), pad
         )
     return None
 
