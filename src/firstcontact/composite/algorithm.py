@@ -7,7 +7,7 @@ the models overlapped all along.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property, cmp_to_key
 
@@ -138,16 +138,21 @@ class Search:
         return root.hi - root.lo < NARROW * (piece.u_hi - piece.u_lo)
 
     def at_start(self) -> list[Meeting]:
-        """The contacts at the start: candidates there, and features that slide in one another all the time."""
-        found = [m for c in self.candidates if self.is_at_start(c.root) for m in self.verdict(c)[0]]
-        return found + self.sliding(self.pair.piece.u_lo) if self.starts_rational else found
+        """The contacts at the start: candidates there, and features that may be in contact all the time."""
+        there = [c for c in self.candidates if self.is_at_start(c.root)]
+        found = [m for c in there for m in self.verdict(c)[0]]
+        if self.starts_rational:
+            found += self.lasting(self.pair.piece.u_lo, known={id(c.subproblem) for c in there})
+        return found
 
-    def sliding(self, u: fmpq) -> list[Meeting]:
-        """The contacts at a rational u of features that slide in one another: their equations vanish at all times."""
+    def lasting(self, u: fmpq, known: Collection[int] = ()) -> list[Meeting]:
+        """The contacts at a rational u of features that may be in contact at all times, which no root tells: they
+        slide in one another, or stay tangent.  known: subproblems (by id) to leave out."""
         at = AlgebraicRoot.of(u)
-        tasks = [task for task in self.tasks if task.equation.candidates is None]
         found: list[Meeting] = []
-        for task in tasks:
+        for task in self.tasks:
+            if not task.equation.may_hold_always or id(task) in known:
+                continue
             try:
                 found += _validated(Candidate(task, at))[0]
             except Undecidable as error:
@@ -156,7 +161,7 @@ class Search:
 
     def share_a_point(self, u: fmpq) -> bool:
         """Whether the models share a point at a rational u that is no candidate."""
-        return bool(self.sliding(u)) or overlap(self.pair, u)
+        return bool(self.lasting(u)) or overlap(self.pair, u)
 
     def shares_a_point_at_end(self) -> bool:
         """Whether the models share a point after the last candidate: a check of a search that found no contact."""

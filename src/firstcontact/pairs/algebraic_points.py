@@ -52,7 +52,7 @@ def quadric_equation(point: Matrix, vertex: AlgebraicRoot, quadric: Matrix) -> E
     if norm != 0:
         return Equation(norm)
     apex = common_factor(_norm(vertex.polynomial, list(entries)) for entries in zip(*images, strict=True))
-    return Equation(apex, APEXES) if apex.degree() > 0 else sliding("quadric")
+    return Equation(apex, APEXES, permanent=True) if apex.degree() > 0 else sliding("quadric")
 
 
 def plane_contacts(point: Matrix, vertex: AlgebraicRoot, plane: Vector, root: AlgebraicRoot) -> Contacts:

@@ -36,16 +36,24 @@ class Equation:
     polynomial  every u at which the carriers touch is a root, but for those of `parallel`
     parallel    its real roots are the u at which the carriers' planes are parallel or equal (cases VII, VIII, IX);
                 its multiplicity is the one the paper's representation of the common line gives them
+    permanent   something is there for all u and was divided out (a multiple root, a common point): the carriers may
+                touch at all times, and no root tells
     """
 
     polynomial: fmpz_poly | None
     reason: str = ""
     parallel: fmpz_poly = field(default_factory=lambda: ONE)
+    permanent: bool = False
 
     @property
     def candidates(self) -> fmpz_poly | None:
         """The polynomial whose real roots, with multiplicity, are the candidate times of Choi et al. 2014."""
         return None if self.polynomial is None else self.polynomial * self.parallel
+
+    @property
+    def may_hold_always(self) -> bool:
+        """Whether the carriers may touch at every u: roots do not tell, a look at one u does."""
+        return self.polynomial is None or self.permanent
 
 
 @dataclass(frozen=True)

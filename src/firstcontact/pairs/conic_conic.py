@@ -8,6 +8,8 @@ conics in space and Algorithm 2).  Two complex common points are roots too; the 
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from flint import fmpz_poly
 
 from firstcontact.exact.conic_pencils import line_resultant, proportional, shared_points
@@ -53,7 +55,7 @@ def equation(a: Side, b: Side) -> Equation:
     if proportional(h, g):
         # both common points are permanent, they become real where they meet
         polynomial = determinant(h) // scale**2
-        return Equation(polynomial, "two common points for all u", together)
+        return Equation(polynomial, "two common points for all u", together, permanent=True)
     polynomial = line_resultant(h, g) // scale**4
     if polynomial == 0:
         return Equation(None, "identically zero: a common point slides along both conics")
@@ -101,7 +103,7 @@ def _planar_equation(a: Side, b: Side) -> Equation:
     inverse, positive = left_inverse(a[0])
     conic = without_factors(in_plane_of(a, b, inverse), positive)
     found = planar_conics.equation(conic, b[1])
-    return Equation(found.polynomial, found.reason or "coplanar for all u: case VIII")
+    return replace(found, reason=found.reason or "coplanar for all u: case VIII")
 
 
 def in_plane_of(a: Side, b: Side, inverse: Form) -> Form:

@@ -51,7 +51,7 @@ def pencil_equation(coefficients: list[fmpz_poly]) -> Equation:
         polynomial *= factor
     if found.deflated or not found.factors:
         polynomial *= common_factor(coefficients)
-    return Equation(polynomial, PERMANENT if found.deflated else "")
+    return Equation(polynomial, PERMANENT if found.deflated else "", permanent=found.deflated)
 
 
 def contacts(a: Form, b: Form, span: tuple[Vector, ...]) -> Contacts:

@@ -38,7 +38,7 @@ def quadric_equation(point: Matrix, quadric: Matrix) -> Equation:
     if form != 0:
         return Equation(form)
     apex = common_factor(times(quadric, x))
-    return Equation(apex, APEXES) if apex.degree() > 0 else sliding("quadric")
+    return Equation(apex, APEXES, permanent=True) if apex.degree() > 0 else sliding("quadric")
 
 
 def sliding(surface: str) -> Equation:

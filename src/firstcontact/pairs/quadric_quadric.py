@@ -10,6 +10,7 @@ case VIII and contact along rulings; apexes (case VI) and rims (case III) see th
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 from firstcontact.exact.inertia import null_space, times
@@ -44,9 +45,9 @@ def equation(a: Matrix, b: Matrix) -> Equation:
     if not axis or any(times(b, axis)):
         return Equation(None, DEGENERATE)
     k = next(i for i in range(4) if axis[i] != 0)
-    return Equation(
-        planar_conics.equation(without_coordinate(a, k), without_coordinate(b, k)).polynomial,
-        "common apex or parallel axes for all u: case VIII of a section",
+    return replace(
+        planar_conics.equation(without_coordinate(a, k), without_coordinate(b, k)),
+        reason="common apex or parallel axes for all u: case VIII of a section",
     )
 
 
