@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import firstcontact as fc
+from firstcontact.body.triangulate import shapes
 from firstcontact.errors import InputError
 from firstcontact.io.meshes import read_mesh
 
@@ -87,13 +88,30 @@ def test_the_notch_is_free(tmp_path, writer):
     assert fc.first_contact(peg.moving(fc.Translation((0, 0, -5))), prism).status is fc.Status.FREE
 
 
-@pytest.mark.parametrize("writer", WRITERS)
-def test_a_warped_polygon_is_named_with_its_file(tmp_path, writer):
-    warped = [(*VERTICES[0][:2], 0.25), *VERTICES[1:]]
-    path = written(tmp_path, writer, warped)
-    with pytest.raises(InputError) as error:
-        fc.Polyhedron.load(path)
-    assert str(error.value) == f"{path}: face 0 is not a planar polygon; split it into triangles"
+@pytest.mark.parametrize("writer", [obj, off, binary_ply])
+def test_warped_polygons_are_cut_into_triangles_that_keep_the_notch_free(tmp_path, writer):
+    bent = [(x, y, z + 0.25 * z * x * y) for x, y, z in VERTICES]
+    prism = fc.Polyhedron.load(written(tmp_path, writer, bent))
+    assert prism.solid and prism.n_faces == 7 + 4
+    assert len(prism.edges) == 18 + 3
+    peg = fc.Polyhedron([[1.25, 1.25, 3], [1.75, 1.25, 3], [1.25, 1.75, 3], [1.25, 1.25, 2]], [[0, 1, 2], [0, 1, 3]])
+    assert fc.first_contact(peg.moving(fc.Translation((0, 0, -5))), prism).status is fc.Status.FREE
+    with pytest.raises(InputError, match="face 1 is not a planar polygon; split it into triangles"):
+        fc.Polyhedron(bent, FACES)
+
+
+def test_convex_polygons_need_no_care(tmp_path):
+    """Fans of proved convex polygons fill the same area as clipped ears; stars and dents are no fans."""
+    turn = 2 * np.pi * np.arange(5) / 5
+    ring = np.column_stack([np.cos(turn), np.sin(turn), np.zeros(5)])
+    orders = (([0, 1, 2, 3, 4], True), ([4, 3, 2, 1, 0], True), ([0, 2, 4, 1, 3], False), ([0, 1, 2, 4, 3], False))
+    for order, fan in orders:
+        assert shapes(ring, np.array([order])) == (np.array([True]), np.array([fan])), order
+    dented = ring * [[1], [1], [0.1], [1], [1]]
+    for start in range(5):
+        assert not shapes(dented, np.array([np.roll(np.arange(5), start)]))[1]
+    bent = ring + [[0, 0, 1e-3], *np.zeros((4, 3))]
+    assert shapes(bent, np.array([[0, 1, 2, 3, 4]])) == (np.array([False]), np.array([False]))
 
 
 @pytest.mark.parametrize("writer", WRITERS)

@@ -11,7 +11,7 @@ import numpy as np
 from flint import fmpq
 
 from firstcontact.body.placing import Placing
-from firstcontact.body.triangulate import triangulate
+from firstcontact.body.triangulate import shapes, triangulate
 from firstcontact.errors import InputError
 from firstcontact.exact.numbers import fraction, rational, to_double
 from firstcontact.exact.rigid import IDENTITY, Matrix, apply, compose
@@ -245,9 +245,13 @@ def _read_faces(body: Polyhedron, faces: Any, who: str) -> None:
         triangles: list[tuple[int, int, int]] = []
         owner: list[int] = []
         sides: list[tuple[int, int]] = []
-        for f, face in enumerate(faces):
-            rings = _rings(face, n, f"{who}: face {f}")
-            new = triangulate(body, rings, f"{who}: face {f}")
+        polygons = [_rings(face, n, f"{who}: face {f}") for f, face in enumerate(faces)]
+        fans = _fans(body.vertices, polygons)
+        for f, rings in enumerate(polygons):
+            if f in fans:
+                new = [(rings[0][0], b, c) for b, c in zip(rings[0][1:], rings[0][2:], strict=False)]
+            else:
+                new = triangulate(body.vertices, rings, f"{who}: face {f}")
             triangles += new
             owner += [f] * len(new)
             sides += [side for ring in rings for side in zip(ring, ring[1:] + ring[:1], strict=True)]
@@ -256,6 +260,19 @@ def _read_faces(body: Polyhedron, faces: Any, who: str) -> None:
         body.n_faces = len(faces)
         body._sides = np.array(sides, np.int32).reshape(-1, 2)  # type: ignore[attr-defined]
     body.triangles.flags.writeable = False
+
+
+def _fans(vertices: np.ndarray, polygons: list[list[list[int]]]) -> set[int]:
+    """The polygons that are proved convex, by number: those need no care to be cut."""
+    numbers: dict[int, list[int]] = {}
+    for f, rings in enumerate(polygons):
+        if len(rings) == 1 and len(rings[0]) > 3:
+            numbers.setdefault(len(rings[0]), []).append(f)
+    return {
+        int(f)
+        for alike in numbers.values()
+        for f in np.array(alike)[shapes(vertices, np.array([polygons[f][0] for f in alike]))[1]]
+    }
 
 
 def _is_triangle(face: Any) -> bool:

@@ -18,16 +18,19 @@ PLANARITY = 1e-9
 Point = tuple[float, float]
 
 
-def triangulate(body: Any, rings: list[list[int]], who: str) -> list[tuple[int, int, int]]:
+def triangulate(
+    vertices: np.ndarray, rings: list[list[int]], who: str, warped: bool = False
+) -> list[tuple[int, int, int]]:
     """Triangles (vertex indices, orientation of the outer ring) that fill the polygon.
 
-    rings: the outer ring and then the holes, vertex indices, any orientation.
+    rings: the outer ring and then the holes, vertex indices, any orientation.  warped: cut polygons that are not
+    planar too, as seen across the plane they are nearest to.
     Raises InputError when the polygon is not planar or its rings cross.
     """
     if len(rings) == 1 and len(rings[0]) == 3:
         a, b, c = rings[0]
         return [(a, b, c)]
-    plane = _project(body.vertices, rings, who)
+    plane = _project(vertices, rings, who, warped)
     turn = _Turn(plane)
     outer, *holes = rings
     flipped = _signed_area(plane, outer) < 0
@@ -43,7 +46,38 @@ def triangulate(body: Any, rings: list[list[int]], who: str) -> list[tuple[int, 
     return [(c, b, a) for a, b, c in triangles] if flipped else triangles
 
 
-def _project(vertices: np.ndarray, rings: list[list[int]], who: str) -> dict[int, Point]:
+def shapes(vertices: np.ndarray, polygons: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(planar, fan) of (m, k) polygons without holes, (m,) bools each.
+
+    fan: planar, and proved strictly convex, so that the triangles from the first corner fill it.  All corners see
+    the side from corner 0 to 1 on one side, so the fan turns less than half a turn about corner 0; each of its
+    triangles turns the same way, so the sides do not cross; and so do all corners.
+    """
+    corners = vertices[polygons]
+    spokes = corners - corners.mean(axis=1, keepdims=True)
+    normal = np.cross(spokes, np.roll(spokes, -1, axis=1)).sum(axis=1)
+    length = np.linalg.norm(normal, axis=1, keepdims=True)
+    off = np.abs(np.einsum("nki,ni->nk", spokes, normal / np.where(length > 0, length, 1.0))).max(axis=1)
+    planar = (length[:, 0] > 0) & (off <= PLANARITY * np.abs(spokes).max(axis=(1, 2)))
+    axis = np.argmax(np.abs(normal), axis=1)
+    rows = np.arange(len(polygons))[:, None]
+    columns = np.arange(polygons.shape[1])[None, :]
+    x, y = (corners[rows, columns, ((axis + k) % 3)[:, None]] for k in (1, 2))
+
+    def turns(a: Any, b: Any, c: Any) -> np.ndarray:
+        left, right = (x[:, b] - x[:, a]) * (y[:, c] - y[:, a]), (y[:, b] - y[:, a]) * (x[:, c] - x[:, a])
+        certain = np.abs(left - right) > 1e-15 * (np.abs(left) + np.abs(right)) + 1e-300  # as in _Turn
+        return np.where(certain, np.sign(left - right), 0.0)
+
+    k = np.arange(polygons.shape[1])
+    first = np.zeros_like(k[2:])
+    seen = np.hstack([
+        turns(k, np.roll(k, -1), np.roll(k, -2)), turns(first, first + 1, k[2:]), turns(first, k[1:-1], k[2:]),
+    ])  # fmt: skip
+    return planar, planar & (np.abs(seen.sum(axis=1)) == seen.shape[1])
+
+
+def _project(vertices: np.ndarray, rings: list[list[int]], who: str, warped: bool) -> dict[int, Point]:
     """Corners in the plane of the two coordinates in which the polygon is widest."""
     corners = vertices[rings[0]]
     centre = corners.mean(axis=0)
@@ -54,7 +88,7 @@ def _project(vertices: np.ndarray, rings: list[list[int]], who: str) -> dict[int
     length = np.linalg.norm(normal)
     every = vertices[[i for ring in rings for i in ring]]
     size = np.abs(every - centre).max()
-    if length == 0 or np.abs((every - centre) @ (normal / length)).max() > PLANARITY * size:
+    if length == 0 or not (warped or np.abs((every - centre) @ (normal / length)).max() <= PLANARITY * size):
         raise InputError(f"{who} is not a planar polygon; split it into triangles")
     k = int(np.argmax(np.abs(normal)))
     i, j = (k + 1) % 3, (k + 2) % 3

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from firstcontact.body.triangulate import shapes, triangulate
 from firstcontact.errors import InputError
 from firstcontact.io.polygon_files import Faces, read_obj, read_off, read_ply
 
@@ -18,7 +19,8 @@ POLYGON_FORMATS = {".obj": read_obj, ".ply": read_ply, ".off": read_off}
 def read_mesh(path: str | Path) -> tuple[np.ndarray, np.ndarray | Faces]:
     """Vertices (n, 3) float64 and faces of a mesh file, in the file's order.
 
-    Faces are an (m, 3) int64 array, or a list of polygons where one has more than three corners.
+    Faces are an (m, 3) int64 array, or a list of polygons where one has more than three corners.  Polygons that are
+    not planar come as triangles, numbered in their place.
     The coordinates are those of the file; only vertices with equal coordinates become one (the first).
     Several geometries in one file become one mesh, each in its place.
     """
@@ -38,7 +40,23 @@ def read_mesh(path: str | Path) -> tuple[np.ndarray, np.ndarray | Faces]:
     bad = ~np.isfinite(vertices).all(axis=1)
     if bad.any():
         raise InputError(f"{path}: vertex {int(np.argmax(bad))} is not finite; repair the file")
-    return weld(vertices, np.array(faces, np.int64) if max(sizes) == 3 else faces)
+    if max(sizes) > 3:
+        faces = _unwarped(vertices, list(faces), path)
+    return weld(vertices, np.array(faces, np.int64) if max(map(len, faces)) == 3 else faces)
+
+
+def _unwarped(vertices: np.ndarray, faces: Faces, path: Path) -> Faces:
+    """The faces with those that are not planar cut into triangles, whose common sides are true edges."""
+    kept: Faces = []
+    planar = np.ones(len(faces), bool)
+    sizes = np.array([len(face) for face in faces])
+    for size in np.unique(sizes[sizes > 3]):
+        alike = np.flatnonzero(sizes == size)
+        planar[alike] = shapes(vertices, np.array([faces[f] for f in alike]))[0]
+    for f, face in enumerate(faces):
+        cut = [face] if planar[f] else triangulate(vertices, [face], f"{path}: face {f}", warped=True)
+        kept += [list(corners) for corners in cut]
+    return kept
 
 
 def write_mesh(path: str | Path, vertices: np.ndarray, triangles: np.ndarray) -> None:
