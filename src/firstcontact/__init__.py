@@ -11,6 +11,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from firstcontact import brackets as brackets
     from firstcontact import examples as examples
     from firstcontact.body.composite_quadric import CompositeQuadric as CompositeQuadric
     from firstcontact.body.moving import Moving as Moving
@@ -83,7 +84,7 @@ _HOME = {
     "FirstContact": "result",
     "Status": "result",
 }
-_MODULES = ("examples",)
+_MODULES = ("brackets", "examples")
 __all__ = [*_HOME, *_MODULES, "__version__"]  # noqa: PLE0604
 
 
