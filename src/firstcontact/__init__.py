@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from firstcontact.body.primitives import paraboloid as paraboloid
     from firstcontact.body.primitives import quadric as quadric
     from firstcontact.body.primitives import sphere as sphere
+    from firstcontact.body.rational_curve import RationalCurve as RationalCurve
+    from firstcontact.body.ruled_surface import RuledSurface as RuledSurface
     from firstcontact.errors import FirstContactError as FirstContactError
     from firstcontact.errors import InputError as InputError
     from firstcontact.errors import UnsupportedPair as UnsupportedPair
@@ -53,6 +55,8 @@ _HOME = {
     "CompositeQuadric": "body.composite_quadric",
     "Moving": "body.moving",
     "Polyhedron": "body.polyhedron",
+    "RationalCurve": "body.rational_curve",
+    "RuledSurface": "body.ruled_surface",
     "box": "body.primitives",
     "cone": "body.primitives",
     "cylinder": "body.primitives",
