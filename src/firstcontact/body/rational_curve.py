@@ -14,7 +14,6 @@ from firstcontact.errors import InputError
 from firstcontact.exact.expressions import context, read_tuple
 from firstcontact.exact.numbers import rational, to_double
 from firstcontact.exact.rigid import Matrix
-from firstcontact.exact.roots import reversed_polynomial
 from firstcontact.motion.translation import LARGEST
 
 VARIABLES = ("u", "T")
@@ -107,14 +106,33 @@ class RationalCurve:
         return RationalCurve.of(rows)
 
     def reversed(self) -> RationalCurve:
-        """The same curve with the parameter 1/u, at rest: infinity becomes 0."""
-        return RationalCurve.of([reversed_polynomial(x, self.degree) for x in self._resting()])
+        """The same curve with the parameter 1/u: infinity becomes 0."""
+        n = self.degree
+        return RationalCurve.of(
+            [RING.from_dict({(n - i, j): c for (i, j), c in terms(x).items()}) for x in self.components]
+        )
 
     def flipped(self) -> RationalCurve:
         """The same curve with the signs of X, Y, Z and W changed."""
         curve = object.__new__(RationalCurve)
         curve.components = tuple(-x for x in self.components)  # type: ignore[assignment]
         return curve
+
+    def positive_at(self, u: fmpq, t: fmpq) -> RationalCurve:
+        """The curve with W > 0 at u and time t, where W is not 0 there."""
+        value = sum((c * u**i * t**j for (i, j), c in terms(self.components[3]).items()), fmpq(0))
+        return self if value > 0 else self.flipped()
+
+    @property
+    def coefficients(self) -> tuple[tuple[tuple[int, ...], ...], ...]:
+        """Of X, Y, Z and W: entry [i][j] is that of u^i T^j; all four of one size.
+
+        >>> RationalCurve.parse("(u, T, 1/2)").coefficients[0]
+        ((0, 0), (2, 0))
+        """
+        tables = [terms(x) for x in self.components]
+        n, m = (max(key[k] for table in tables for key in table) + 1 for k in (0, 1))
+        return tuple(tuple(tuple(int(t.get((i, j), 0)) for j in range(m)) for i in range(n)) for t in tables)
 
     def mapped(self, matrix: Matrix) -> RationalCurve:
         """The curve under an affine map (3x4, rational)."""

@@ -24,8 +24,10 @@ MOST_HALVINGS = 40
 def curve_box(curve: RationalCurve, u: Range, span: Range) -> Box:
     """Lower and upper corner, (3,) float64 each, of a box that holds the curve over u, at all times of the span.
 
-    Its weight must be positive there.  InputError where that is not proved, as at poles that come with the time.
+    InputError where it is not proved that its weight has no zero there: deforming curves may have poles at times.
     """
+    # a zero of the weight at this point would be a pole, and found below
+    curve = curve.positive_at(_within(u), _within(span))
     degrees = [max(key[k] for x in curve.components for key in terms(x)) for k in (0, 1)]
     times = _parts(span, PARTS_T) if curve.deforming else [(span[0], span[0])]
     waiting = [(x, y, 0) for x in _parts(u, PARTS_U) for y in times]
@@ -53,6 +55,10 @@ def curve_box(curve: RationalCurve, u: Range, span: Range) -> Box:
 def hull(boxes: list[Box]) -> Box:
     """The box of boxes."""
     return np.min([lo for lo, _ in boxes], axis=0), np.max([hi for _, hi in boxes], axis=0)
+
+
+def _within(ends: Range) -> fmpq:
+    return ends[0] + (ends[1] - ends[0]) * fmpq(3, 7)
 
 
 def _parts(ends: Range, n: int) -> list[Range]:

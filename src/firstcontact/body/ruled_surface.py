@@ -173,16 +173,8 @@ class RuledSurface(Placing):
     def _side_boxes(self, side: RationalCurve, times: tuple[fmpq, fmpq]) -> list[Box]:
         if self.u is not None:
             ends = rational(self.u[0], "u"), rational(self.u[1], "u")
-            return [curve_box(self._positive_at(side, ends, times), ends, times)]
-        both = (-_ONE, _ONE)
-        charts = [side, side.reversed()]
-        return [curve_box(self._positive_at(chart, both, times), both, times) for chart in charts]
-
-    def _positive_at(self, curve: RationalCurve, u: tuple[fmpq, fmpq], times: tuple[fmpq, fmpq]) -> RationalCurve:
-        """The curve with its weight positive at one point of the range."""
-        w, x, t = curve.components[3], u[0] + (u[1] - u[0]) * fmpq(3, 7), times[0] + (times[1] - times[0]) * fmpq(3, 7)
-        value = sum((c * x**i * t**j for (i, j), c in terms(w).items()), fmpq(0))
-        return curve if value > 0 else curve.flipped()
+            return [curve_box(side, ends, times)]
+        return [curve_box(chart, (-_ONE, _ONE), times) for chart in (side, side.reversed())]
 
     def __repr__(self) -> str:
         name = f" {self.name!r}" if self.name else ""
