@@ -149,10 +149,10 @@ class RationalCurve:
         near = np.abs(u) <= 1
         with np.errstate(all="ignore"):
             x = np.where(near, u, 1 / u)
-            values = np.where(near, _horner(self._floats(), x), _horner(self._floats()[:, ::-1], x))
+            values = np.where(near, _horner(self.floats(), x), _horner(self.floats()[:, ::-1], x))
             return np.moveaxis(values[:3] / values[3], 0, -1)
 
-    def _floats(self) -> np.ndarray:
+    def floats(self) -> np.ndarray:
         """(4, degree + 1) ascending coefficients, scaled together."""
         parts = self._resting()
         scale = max(abs(int(c)) for x in parts for c in x.coeffs())
@@ -189,7 +189,7 @@ class RationalCurve:
 def terms(p: Component) -> dict[tuple[int, int], fmpz]:
     """The coefficients of u^i T^j by (i, j)."""
     if isinstance(p, fmpz_mpoly):
-        return p.to_dict()  # type: ignore[return-value]
+        return {(int(i), int(j)): c for (i, j), c in p.to_dict().items()}
     return {(i, 0): c for i, c in enumerate(p.coeffs()) if c}
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import reduce
 from itertools import combinations
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import fmpq, fmpz_mpoly, fmpz_poly
@@ -23,6 +23,9 @@ from firstcontact.exact.numbers import fraction, rational, to_double
 from firstcontact.exact.rigid import Matrix
 from firstcontact.exact.roots import real_roots
 from firstcontact.motion.translation import LARGEST
+
+if TYPE_CHECKING:
+    from firstcontact.body.ruled_strip import RuledStrip
 
 Interval = tuple[Fraction, Fraction]
 PARAMETERS = context(("u", "s"))
@@ -72,6 +75,8 @@ class RuledSurface(Placing):
     s: Interval | None
     trim: tuple[Trim, ...]
     name: str | None
+    joined: frozenset[str]
+    """Of a piece of a strip: which of the borders "u0", "u1", "s0", "s1" it shares with a neighbour."""
     _search: dict[Any, Any]
 
     def __init__(
@@ -89,11 +94,49 @@ class RuledSurface(Placing):
         self.first, self.second = _curve(first, f"{who}: first"), _curve(second, f"{who}: second")
         self.u, self.s = _range(u, f"{who}: u"), _range(s, f"{who}: s")
         self.trim = _trims(trim, who)
+        self.joined = frozenset()
         self._search = {}
         """What was worked out of this surface: it follows from its geometry, so no changed copy inherits it."""
         self._validate()
 
+    @classmethod
+    def from_nurbs(
+        cls, points: Any, knots: Any = None, weights: Any = None, *, degree: Any = None, name: str | None = None
+    ) -> RuledSurface | RuledStrip:
+        """The ruled surface of degree (n, 1) or (1, n) of a grid of control points: one piece between every two knots.
+
+        points: (n, 2, 3), or (2, n, 3), of numbers of any kind, taken exactly; more than two rows across make strips
+        side by side.  knots: those along the curves, as many as points, degree and 1 together; or two lists, for both
+        directions of the grid; None for one Bezier patch.  weights: positive, one for each point.  degree: the one
+        along the curves, or both, if you want it checked, or where (2, 2, 3) points leave it open.
+
+        The parameter u of the pieces is that of the spline.  Their s blends the two curves by affine points: it is the
+        spline's where both weights of a ruling are equal.  Returns a RuledSurface where there is one piece, otherwise
+        a RuledStrip, a body with `pieces`.
+
+        >>> roof = RuledSurface.from_nurbs(
+        ...     [[(0, 0, 0), (0, 4, 0)], [(1, 0, 1), (1, 4, 2)], [(2, 0, 1), (2, 4, 2)], [(3, 0, 0), (3, 4, 0)]],
+        ...     knots=[0, 0, 0, 1, 2, 2, 2], name="roof")
+        >>> roof, roof.pieces[1]
+        (<RuledStrip 'roof': 2 pieces of degree 2>, <RuledSurface 'roof': degrees 2 and 2, u in [1, 2], s in [0, 1]>)
+        >>> print(roof.pieces[0].first)
+        ((-u**2 + 4*u)/2, 0, -u**2 + 2*u)
+        """
+        from firstcontact.body.nurbs import patches
+        from firstcontact.body.ruled_strip import RuledStrip
+
+        found = patches(points, knots, weights, degree, name or "from_nurbs")
+        pieces = [
+            cls(patch.first, patch.second, u=patch.u, name=name)._with(joined=patch.joined) for patch in found
+        ]
+        return pieces[0] if len(pieces) == 1 else RuledStrip(pieces, name=name)
+
     # -- looking --------------------------------------------------------------------------------------------
+
+    @property
+    def pieces(self) -> tuple[RuledSurface, ...]:
+        """Itself: a strip of several pieces is a RuledStrip."""
+        return (self,)
 
     @property
     def deforming(self) -> bool:
@@ -169,6 +212,15 @@ class RuledSurface(Placing):
             self._search[key] = hull([box for side in self.sides for box in self._side_boxes(side, times)])
         lo, hi = self._search[key]
         return lo.copy(), hi.copy()
+
+    def to_mesh(self, tolerance: float) -> Any:
+        """A Polyhedron of triangles with vertices on the piece, which is at most `tolerance` away from them, at rest.
+
+        Trimmed borders are cut where the inequalities hold no more, up to the grid of the mesh.  Needs bounded rulings.
+        """
+        from firstcontact.body.ruled_mesh import mesh
+
+        return mesh(self.pieces, tolerance, self.name)
 
     def _side_boxes(self, side: RationalCurve, times: tuple[fmpq, fmpq]) -> list[Box]:
         if self.u is not None:
