@@ -143,17 +143,23 @@ class RationalCurve:
 
     def points(self, u: Any) -> np.ndarray:
         """(..., 3) float64 points at rest, for u of any shape; it may be infinite, poles give NaN or infinity."""
+        values = self.homogeneous(u)
+        with np.errstate(all="ignore"):
+            return values[..., :3] / values[..., 3:]
+
+    def homogeneous(self, u: Any) -> np.ndarray:
+        """(..., 4) float64 values of X, Y, Z, W at rest, up to a factor, finite at all u."""
         u = np.asarray(u, float)
         if np.any(np.isnan(u)):
             raise InputError("u holds NaN; give parameters")
         near = np.abs(u) <= 1
-        with np.errstate(all="ignore"):
+        with np.errstate(divide="ignore"):
             x = np.where(near, u, 1 / u)
-            values = np.where(near, _horner(self.floats(), x), _horner(self.floats()[:, ::-1], x))
-            return np.moveaxis(values[:3] / values[3], 0, -1)
+        rows = self.floats()
+        return np.moveaxis(np.where(near, _horner(rows, x), _horner(rows[:, ::-1], x)), 0, -1)
 
     def floats(self) -> np.ndarray:
-        """(4, degree + 1) ascending coefficients, scaled together."""
+        """(4, degree + 1) float64 ascending coefficients at rest, scaled together."""
         parts = self._resting()
         scale = max(abs(int(c)) for x in parts for c in x.coeffs())
         return np.array([[to_double(fmpq(x[i], scale)) for i in range(self.degree + 1)] for x in parts])

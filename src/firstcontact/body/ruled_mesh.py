@@ -10,11 +10,9 @@ import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from flint import fmpz_mpoly
 
 from firstcontact.body.polyhedron import Polyhedron
-from firstcontact.body.rational_curve import terms
-from firstcontact.body.ruled_surface import RuledSurface
+from firstcontact.body.ruled_surface import RuledSurface, Trim
 from firstcontact.errors import InputError
 
 # Parts of the range of u, and steps along rulings, of a trimmed piece: smaller features of the inequalities are lost.
@@ -23,8 +21,6 @@ TRIM_PARTS, TRIM_STEPS = 32, 16
 MOST_TRIANGLES = 2_000_000
 # Halvings that bring a point of a trimmed border to the last digits.
 HALVINGS = 50
-# Stands for infinity where a trimming polynomial is evaluated.
-FAR = 1e12
 
 Mesh = tuple[np.ndarray, np.ndarray]
 """Vertices (n, 3) float64 and triangles (m, 3) of their numbers."""
@@ -53,7 +49,7 @@ def piece_triangles(piece: RuledSurface, tolerance: float) -> Mesh:
     parameters = np.stack(np.broadcast_arrays(x[:, None], s), axis=-1).reshape(-1, 2)
     triangles = grid_triangles(len(x), steps + 1)
     for trim in piece.trim:
-        parameters, triangles = _clipped(parameters, triangles, trim.polynomial, piece)
+        parameters, triangles = _clipped(parameters, triangles, trim, piece)
     return piece.points(parameters_of(piece, parameters[:, 0]), parameters[:, 1]), triangles
 
 
@@ -167,12 +163,11 @@ def _shifted(n: int, start: float, width: float) -> np.ndarray:
 # -- trimming -----------------------------------------------------------------------------------------------
 
 
-def _clipped(parameters: np.ndarray, triangles: np.ndarray, g: fmpz_mpoly, piece: RuledSurface) -> Mesh:
-    """The triangles of mesh parameters (n, 2) cut down to where g >= 0."""
+def _clipped(parameters: np.ndarray, triangles: np.ndarray, trim: Trim, piece: RuledSurface) -> Mesh:
+    """The triangles of mesh parameters (n, 2) cut down to where the inequality holds."""
 
     def value(p: np.ndarray) -> np.ndarray:
-        u = np.clip(parameters_of(piece, p[:, 0]), -FAR, FAR)
-        return sum((float(c) * u**i * p[:, 1] ** j for (i, j), c in terms(g).items()), np.zeros(len(p)))
+        return trim.values(parameters_of(piece, p[:, 0]), p[:, 1])
 
     inside = (value(parameters) >= 0)[triangles]
     count = inside.sum(axis=1)

@@ -17,7 +17,8 @@ from firstcontact.exact.rigid import Matrix
 class RuledStrip(Placing):
     """Several ruled surfaces as one body: it meets what one of its `pieces` meets; immutable.
 
-    `RuledSurface.from_nurbs` makes one; parameters, directrices and trimming are those of the pieces.
+    `RuledSurface.from_nurbs` makes one; parameters, directrices and trimming are those of the pieces.  Elements count
+    on from piece to piece: of piece k are face k, directrix 2 k + j, end_ruling 2 k + i and vertex 4 k + 2 i + j.
     """
 
     name: str | None

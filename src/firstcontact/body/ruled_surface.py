@@ -31,6 +31,8 @@ Interval = tuple[Fraction, Fraction]
 PARAMETERS = context(("u", "s"))
 """The ring of trimming polynomials."""
 _ONE = fmpq(1)
+# Stands for infinity where a trimming polynomial is evaluated in floats.
+FAR = 1e12
 
 
 @dataclass(frozen=True)
@@ -38,6 +40,12 @@ class Trim:
     """The part of the parameters where polynomial(u, s) >= 0."""
 
     polynomial: fmpz_mpoly
+
+    def values(self, u: np.ndarray, s: np.ndarray) -> np.ndarray:
+        """The polynomial, up to a positive factor, in float64 at arrays of one shape; infinite u count as large."""
+        u, table = np.clip(u, -FAR, FAR), terms(self.polynomial)
+        scale = max((abs(c) for c in table.values()), default=1)
+        return sum((to_double(fmpq(c, scale)) * u**i * s**j for (i, j), c in table.items()), np.zeros(u.shape))
 
     def __str__(self) -> str:
         return f"{text_of(self.polynomial, ('u', 's'))} >= 0"
@@ -55,6 +63,9 @@ class RuledSurface(Placing):
     u: the closed range of u, None for the whole projective line (u = infinity included).
     s: the closed range of s, None for whole rulings.
     trim: inequalities in u and s that the piece satisfies besides, such as ["u*s <= 1/2", "s >= u**2"].
+
+    Results name its elements by number: face 0, directrix 0 and 1 (the sides s = s0 and s1), end_ruling 0 and 1 (u = u0
+    and u1), vertex 2 i + j (end i of u on side j).
 
     The directrices of a bounded piece have no poles in its range; proved here, for deforming ones at the time that is
     asked for.  Raises InputError for that, for directrices that are equal or span only one line, and for empty ranges.
@@ -196,6 +207,14 @@ class RuledSurface(Placing):
             raise InputError("s holds NaN; give parameters")
         r = s[..., None]
         return (1 - r) * self.first.points(u) + r * self.second.points(u)
+
+    def keeps(self, u: Any, s: Any) -> np.ndarray:
+        """Bools of the shape that u and s broadcast to: whether the trimming inequalities hold there, in floats."""
+        u, s = np.broadcast_arrays(np.asarray(u, float), np.asarray(s, float))
+        kept = np.ones(u.shape, bool)
+        for trim in self.trim:
+            kept &= trim.values(u, s) >= 0
+        return kept
 
     def bounds(self, span: tuple[float, float] | None = None) -> tuple[np.ndarray, np.ndarray]:
         """Lower and upper corner, (3,) float64 each, of a box that holds the piece; certified, not the least one.

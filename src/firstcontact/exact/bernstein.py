@@ -59,4 +59,6 @@ def grid(
     for (i, j), c in terms.items():
         rows[j][i] = c
     in_x = [coefficients(fmpz_poly(row), *first, degrees[0]) for row in rows]
+    if degrees[1] == 0:
+        return [[c] for c in in_x[0]]
     return [coefficients(fmpq_poly(list(column)), *second, degrees[1]) for column in zip(*in_x, strict=True)]
