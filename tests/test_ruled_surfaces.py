@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import doctest
 import pickle
 from fractions import Fraction as F
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -196,6 +198,11 @@ def test_the_verbs_do_not_guess():
         fc.contact_pairs(cylinder(), cylinder())
 
 
+def test_the_examples_of_the_documentation_hold():
+    found = doctest.testfile(str(Path(__file__).parents[1] / "docs" / "ruled-surfaces.md"), module_relative=False)
+    assert found.attempted >= 8 and found.failed == 0
+
+
 # -- bad input ----------------------------------------------------------------------------------------------
 
 LINE, OTHER = "(u, 0, 0)", "(u, 1, 0)"
@@ -233,6 +240,7 @@ LINE, OTHER = "(u, 0, 0)", "(u, 1, 0)"
         (lambda: RuledSurface("(u, T, 0)", "(u, 1, 0)").at(1), "one curve; give two different ones (at T = 1)"),
         (lambda: RuledSurface("(u, 0, 0)", "(u/(u - T), 1, 0)").at("1/2"), "pole at u = 0.5"),
         (lambda: RuledSurface("(u, 0, 0)", "(u/(u - T), 1, 0)").bounds((0, 1)), "has a pole near u = "),
+        (lambda: RuledSurface(LINE, "(u, T, 0)").is_proper, "deforms with the time T; take .at(t)"),
         (lambda: RuledSurface(LINE, OTHER).points(0, float("nan")), "s holds NaN"),
         (lambda: RuledSurface(LINE, OTHER).points(float("nan"), 0), "u holds NaN"),
         (lambda: RationalCurve([[0, 1], [0]]), "give three lists"),

@@ -180,6 +180,8 @@ class RuledSurface(Placing):
 
         The degree in u of the common factor of l_i(u) l_j(w) - l_j(u) l_i(w), for the Pluecker vector l; at rest.
         """
+        if self.deforming:
+            raise InputError(f"{self._who} deforms with the time T; take .at(t)")
         if "tracing index" not in self._search:
             self._search["tracing index"] = _tracing_index(self._lines())
         return self._search["tracing index"]  # type: ignore[no-any-return]

@@ -81,7 +81,11 @@ def to_double(x: fmpq) -> float:
 
 
 def below(x: fmpq) -> float:
-    """The largest double <= x, -inf below the least."""
+    """The largest double <= x, -inf below the least.
+
+    >>> below(fmpq(1, 2)), below(fmpq(1, 10)) < 0.1, below(-(fmpq(10) ** 400)), above(-(fmpq(10) ** 400))
+    (0.5, True, -inf, -1.7976931348623157e+308)
+    """
     near = to_double(x)
     if math.isinf(near):
         return sys.float_info.max if x > 0 else near
