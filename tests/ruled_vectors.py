@@ -45,6 +45,8 @@ class Vector:
     q: fc.RuledSurface
     span: tuple[str, str] | None
     expected: dict
+    implicit: tuple[str | None, str | None]
+    """Polynomials in x, y, z that vanish on p and on q, where known."""
 
     def __repr__(self) -> str:
         return self.name
@@ -62,7 +64,8 @@ def vector(case: dict) -> Vector:
         for key, x in (("P", "u"), ("Q", "v"))
     )
     span = tuple(case["T_range"]) if "T_range" in case else None
-    return Vector(case["id"], case["kind"], p, q, span, case["expected"])
+    implicit = case.get("implicit_P"), case.get("implicit_Q")
+    return Vector(case["id"], case["kind"], p, q, span, case["expected"], implicit)
 
 
 def curve(components: list) -> fc.RationalCurve:

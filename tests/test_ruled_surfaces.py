@@ -52,6 +52,15 @@ def test_boundary_points_of_the_bounded_vectors_lie_on_both_surfaces(vector):
             assert np.all(lo <= np.add(point, 1e-15)) and np.all(np.subtract(point, 1e-15) <= hi)
 
 
+@pytest.mark.parametrize("vector", [v for v in VECTORS if any(v.implicit)], ids=repr)
+def test_surfaces_of_the_vectors_satisfy_their_implicit_equations(vector):
+    points = [curve.points([-0.7, 0.2, 0.9]) for body in (vector.p, vector.q) for curve in (body.first, body.second)]
+    for equation, first, second in zip(vector.implicit, points[::2], points[1::2], strict=True):
+        for s in (0.0, 0.3, 1.0) if equation else ():
+            for x, y, z in ((1 - s) * first + s * second):
+                assert abs(float(value(equation, x=x, y=y, z=z))) < 1e-9 * max(1, x * x, y * y, z * z)
+
+
 def test_closed_forms_of_the_vectors_have_values():
     ends = [end for v in VECTORS if v.expected.get("exact") for pair in v.expected["exact"] for end in pair]
     decimals = [end for v in VECTORS if v.expected.get("exact") for pair in v.expected["collision_T"] for end in pair]
