@@ -232,7 +232,7 @@ FAULTS = {
     "nothing": ("", ["body: missing"]),
     "unknown table": (bodies() + "[bodies]\n", ["unknown key 'bodies'", "body, check"]),
     "unknown key": (bodies("sold = true"), ["body.a: unknown key 'sold'", "solid"]),
-    "later shape": ('[body.a]\nshape = "ruled"\n', ["body.a: shape 'ruled'", "'mesh', 'polyhedron', 'box'"]),
+    "later shape": ('[body.a]\nshape = "spline"\n', ["body.a: shape 'spline'", "'mesh', 'polyhedron', 'box'"]),
     "shape type": ("[body.a]\nshape = ['mesh']\n", ["body.a", "'mesh', 'polyhedron'"]),
     "no shape": ("[body.a]\nfile = 'a.stl'\n", ["body.a", "'shape' is missing"]),
     "not a table": ("body = 3\n", ["body"]),

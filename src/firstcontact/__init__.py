@@ -11,6 +11,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from firstcontact import brackets as brackets
     from firstcontact import examples as examples
     from firstcontact.body.composite_quadric import CompositeQuadric as CompositeQuadric
     from firstcontact.body.moving import Moving as Moving
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
     from firstcontact.body.primitives import paraboloid as paraboloid
     from firstcontact.body.primitives import quadric as quadric
     from firstcontact.body.primitives import sphere as sphere
+    from firstcontact.body.rational_curve import RationalCurve as RationalCurve
+    from firstcontact.body.ruled_surface import RuledSurface as RuledSurface
     from firstcontact.errors import FirstContactError as FirstContactError
     from firstcontact.errors import InputError as InputError
     from firstcontact.errors import UnsupportedPair as UnsupportedPair
@@ -52,6 +55,8 @@ _HOME = {
     "CompositeQuadric": "body.composite_quadric",
     "Moving": "body.moving",
     "Polyhedron": "body.polyhedron",
+    "RationalCurve": "body.rational_curve",
+    "RuledSurface": "body.ruled_surface",
     "box": "body.primitives",
     "cone": "body.primitives",
     "cylinder": "body.primitives",
@@ -83,7 +88,7 @@ _HOME = {
     "FirstContact": "result",
     "Status": "result",
 }
-_MODULES = ("examples",)
+_MODULES = ("brackets", "examples")
 __all__ = [*_HOME, *_MODULES, "__version__"]  # noqa: PLE0604
 
 

@@ -16,6 +16,8 @@ from pydantic import Field, StrictBool, StrictInt, StrictStr, ValidationError
 
 from firstcontact import scene_solids as solids
 from firstcontact.body.polyhedron import Polyhedron
+from firstcontact.body.rational_curve import RationalCurve
+from firstcontact.body.ruled_surface import RuledSurface
 from firstcontact.errors import InputError
 from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.rotation import Rotation
@@ -24,6 +26,7 @@ from firstcontact.motion.sequence import Sequence
 from firstcontact.motion.trajectory import Trajectory
 from firstcontact.motion.translation import Translation
 from firstcontact.scene_values import (
+    Directrix,
     Edge,
     Face,
     KeyFault,
@@ -33,6 +36,7 @@ from firstcontact.scene_values import (
     Placed,
     Pose,
     Quaternion,
+    Range,
     Span,
     Table,
     Vector,
@@ -207,6 +211,25 @@ class QuadricBody(solids.Quadric, _SolidBody): ...
 class CsgBody(solids.Csg, _SolidBody): ...
 
 
+class RuledBody(_Body):
+    """Directrices as strings or as tables of coefficients; "all" for every u, or for whole rulings."""
+
+    shape: Literal["ruled"]
+    first: Directrix
+    second: Directrix
+    u: Range = (0, 1)
+    s: Range = (0, 1)
+    trim: list[StrictStr] = []
+
+    def build(self, key: str, folder: Path) -> RuledSurface:
+        curves = []
+        for name in ("first", "second"):
+            given = getattr(self, name)
+            with at_key(name):
+                curves.append(given if isinstance(given, str) else RationalCurve(**given))
+        return RuledSurface(*curves, u=self.u, s=self.s, trim=self.trim, name=self.name or key)
+
+
 Body = Annotated[
     MeshBody
     | PolyhedronBody
@@ -220,7 +243,8 @@ Body = Annotated[
     | HyperboloidBody
     | HalfSpaceBody
     | QuadricBody
-    | CsgBody,
+    | CsgBody
+    | RuledBody,
     Field(discriminator="shape"),
 ]
 
@@ -256,7 +280,7 @@ class Check:
 
 @dataclass(frozen=True)
 class Scene:
-    """Bodies by key (a Polyhedron or CompositeQuadric at rest, or a Moving one) and the checks to run on them."""
+    """Bodies by key, at rest or Moving, and the checks to run on them."""
 
     path: Path
     bodies: dict[str, Any]

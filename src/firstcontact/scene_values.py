@@ -87,6 +87,30 @@ def _face(value: Any) -> Any:
     return value
 
 
+def _range(value: Any) -> Any:
+    """Two numbers, or None for "all"."""
+    if value == "all":
+        return None
+    if not isinstance(value, list) or len(value) != 2:
+        raise ValueError(f"{value!r} is no range; write [lo, hi], or \"all\"")
+    return tuple(parse_number(x) for x in value)
+
+
+def _directrix(value: Any) -> Any:
+    """A string in u and T, or a table of coefficients: numerators and denominator."""
+    if isinstance(value, str):
+        return value
+    if not isinstance(value, dict) or "numerators" not in value or set(value) - {"numerators", "denominator"}:
+        table = "{ numerators = [[...], [...], [...]], denominator = [...] }"
+        raise ValueError(f"{value!r} is no curve; write \"(u, u**2, 0)\", or {table}")
+    return {key: _numbers(x) for key, x in value.items()}
+
+
+def _numbers(value: Any) -> Any:
+    """Numbers in lists of any depth."""
+    return [_numbers(x) for x in value] if isinstance(value, list) else parse_number(value)
+
+
 Number = Annotated[Any, BeforeValidator(parse_number)]
 Time = Annotated[Any, BeforeValidator(parse_time)]
 Vector = Annotated[tuple[Number, Number, Number], list_of(3, "three numbers; write [x, y, z]")]
@@ -95,6 +119,8 @@ Span = Annotated[tuple[Time, Time], list_of(2, "two times; write [start, end]")]
 Quaternion = Annotated[tuple[Number, Number, Number, Number], list_of(4, "four numbers; write [a, b, c, d]")]
 Matrix = Annotated[Any, BeforeValidator(_matrix)]
 Pose = Annotated[Any, BeforeValidator(_pose)]
+Range = Annotated[Any, BeforeValidator(_range)]
+Directrix = Annotated[Any, BeforeValidator(_directrix)]
 Index = Annotated[StrictInt, Field(ge=0)]
 Edge = Annotated[tuple[Index, Index], list_of(2, "two vertex numbers; write [i, j]")]
 Face = Annotated[Any, BeforeValidator(_face)]

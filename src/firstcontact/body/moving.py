@@ -30,8 +30,8 @@ class Moving:
         return Moving(self.body.named(name), self.motion)
 
     def at(self, t: float) -> Any:
-        """The body at rest in its pose at time t; the pose's entries are the doubles of motion(t)."""
-        return self.body.transformed(self.motion(t))
+        """The body at rest in its shape and pose at time t; the pose's entries are the doubles of motion(t)."""
+        return self.body.at(t).transformed(self.motion(t))
 
     def bounds(self, span: tuple[float, float] | None = None) -> tuple[np.ndarray, np.ndarray]:
         """Lower and upper corner, (3,) float64 each, of a box that holds the body at all times of the span.
@@ -41,7 +41,7 @@ class Moving:
         from firstcontact.motion.sweep import swept_box
 
         first, last = self.motion.span if span is None else span
-        points, error = _hull(self.body)
+        points, error = _hull(self.body, (first, last))
         if not np.all(np.isfinite(points)):
             return np.full(3, -np.inf), np.full(3, np.inf)
         return swept_box(self.motion, float(first), float(last), points, error)
@@ -53,8 +53,8 @@ class Moving:
         return Moving, (self.body, self.motion)
 
 
-def _hull(body: Any) -> tuple[np.ndarray, float]:
-    """Points (n, 3) whose convex hull, grown by the returned length, holds the body."""
-    if isinstance(body.vertices, np.ndarray):
+def _hull(body: Any, span: tuple[float, float]) -> tuple[np.ndarray, float]:
+    """Points (n, 3) whose convex hull, grown by the returned length, holds the body at all times of the span."""
+    if isinstance(getattr(body, "vertices", None), np.ndarray):
         return body.vertices, body.error
-    return np.array(list(itertools.product(*zip(*body.bounds(), strict=True)))), 0.0
+    return np.array(list(itertools.product(*zip(*body.bounds(span), strict=True)))), 0.0

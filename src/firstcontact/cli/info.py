@@ -14,7 +14,7 @@ def info(file: str) -> int:
     """Tell what is in a mesh or scene file.
 
     FILE: a scene (.toml) or a mesh.  Printed: sizes, components, closed or open, bounds; of solids of planes and
-    quadrics every face, edge and vertex by name.
+    quadrics every face, edge and vertex by name; of ruled surfaces their directrices.
     """
     lines = _scene_lines(file) if Path(file).suffix.lower() == ".toml" else _mesh_lines(file)
     for line in lines:
@@ -48,6 +48,8 @@ def _body_lines(body: Any) -> list[str]:
 
     if isinstance(body, CompositeQuadric):
         return _solid_lines(body)
+    if hasattr(body, "pieces"):
+        return [line for piece in body.pieces for line in _ruled_lines(piece)]
     lo, hi = body.bounds()
     return [
         f"  {_count(len(body.vertices), 'vertex', 'vertices')}, {_count(len(body.edges), 'edge')}, "
@@ -73,6 +75,26 @@ def _solid_lines(body: Any) -> list[str]:
     lines += [f"  face {face.index}: {face.name}, {_carrier(face)}" for face in body.faces]
     lines += [f"  edge {edge.index}: {edge.name}, {_carrier(edge)}, {edge.convexity}" for edge in body.edges]
     lines += [f"  vertex {v.index}: {v.name}, at ({_point(v.position)})" for v in body.vertices]
+    return lines
+
+
+def _ruled_lines(piece: Any) -> list[str]:
+    """Directrices, ranges and bounds of a piece of a ruled surface."""
+    u = "all u" if piece.u is None else f"u from {piece.u[0]} to {piece.u[1]}"
+    s = "whole rulings" if piece.s is None else f"s from {piece.s[0]} to {piece.s[1]}"
+    lo, hi = piece.bounds()
+    lines = [
+        f"  a ruled surface, {u}, {s}",
+        f"  first: {piece.first}",
+        f"  second: {piece.second}",
+        *(f"  trimmed by {trim}" for trim in piece.trim),
+    ]
+    if piece.deforming:
+        lines.append("  deforms with the time T")
+    elif not piece.is_proper:
+        lines.append(f"  every ruling belongs to {piece.tracing_index} values of u")
+    span = " in the time from 0 to 1" if piece.deforming else ""
+    lines.append(f"  from ({_point(lo)}) to ({_point(hi)}){span}" if piece.bounded else "  unbounded")
     return lines
 
 

@@ -20,14 +20,13 @@ from firstcontact.composite.moving_pair import Pair
 from firstcontact.composite.polyhedra import as_model
 from firstcontact.composite.work import Spent, Work
 from firstcontact.errors import UnsupportedPair
-from firstcontact.exact.numbers import fraction, to_double
+from firstcontact.exact.numbers import below, fraction, to_double
 from firstcontact.exact.roots import AlgebraicRoot
 from firstcontact.exact.square_systems import OpenRoot
 from firstcontact.motion.polynomial import relative_pieces
 from firstcontact.motion.span import common_span
 from firstcontact.result import ContactInterval, ContactIntervals, FirstContact, Stats, Status
 from firstcontact.search.earliest import Progress
-from firstcontact.search.stretches import below
 
 
 def first_contact(

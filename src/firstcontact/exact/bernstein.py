@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
-from flint import fmpq, fmpq_poly, fmpz_poly
+from flint import fmpq, fmpq_poly, fmpz, fmpz_poly
 
 
 def coefficients(p: fmpz_poly | fmpq_poly, lo: fmpq, hi: fmpq, degree: int) -> list[fmpq]:
@@ -45,3 +46,19 @@ def zero_between(p: fmpz_poly, lo: fmpq, hi: fmpq, width: fmpq) -> tuple[fmpq, f
 def _changes(values: list[fmpq]) -> int:
     signs = [v > 0 for v in values if v != 0]
     return sum(x != y for x, y in zip(signs, signs[1:], strict=False))
+
+
+def grid(
+    terms: Mapping[tuple[int, int], fmpz], first: tuple[fmpq, fmpq], second: tuple[fmpq, fmpq], degrees: tuple[int, int]
+) -> list[list[fmpq]]:
+    """Bernstein coefficients of the polynomial sum c x^i y^j, for c = terms[i, j], over the box first x second.
+
+    Row i, column j of (degrees[0] + 1) x (degrees[1] + 1); the values on the box lie between the least and the largest.
+    """
+    rows: list[list[fmpz]] = [[fmpz(0)] * (degrees[0] + 1) for _ in range(degrees[1] + 1)]
+    for (i, j), c in terms.items():
+        rows[j][i] = c
+    in_x = [coefficients(fmpz_poly(row), *first, degrees[0]) for row in rows]
+    if degrees[1] == 0:
+        return [[c] for c in in_x[0]]
+    return [coefficients(fmpq_poly(list(column)), *second, degrees[1]) for column in zip(*in_x, strict=True)]

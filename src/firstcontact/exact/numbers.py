@@ -7,6 +7,7 @@ balls (poses that no rational number describes).  `sign` is the only place that 
 from __future__ import annotations
 
 import math
+import sys
 import threading
 from fractions import Fraction
 from typing import Any
@@ -77,6 +78,23 @@ def to_double(x: fmpq) -> float:
         return int(x.p) / int(x.q)  # Python's integer division rounds correctly
     except OverflowError:
         return math.inf if x > 0 else -math.inf
+
+
+def below(x: fmpq) -> float:
+    """The largest double <= x, -inf below the least.
+
+    >>> below(fmpq(1, 2)), below(fmpq(1, 10)) < 0.1, below(-(fmpq(10) ** 400)), above(-(fmpq(10) ** 400))
+    (0.5, True, -inf, -1.7976931348623157e+308)
+    """
+    near = to_double(x)
+    if math.isinf(near):
+        return sys.float_info.max if x > 0 else near
+    return near if fmpq(*near.as_integer_ratio()) <= x else math.nextafter(near, -math.inf)
+
+
+def above(x: fmpq) -> float:
+    """The least double >= x."""
+    return -below(-x)
 
 
 def ball(x: Any) -> arb:

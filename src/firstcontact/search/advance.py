@@ -14,6 +14,7 @@ import numpy as np
 from flint import fmpq
 
 from firstcontact.body.moving import Moving
+from firstcontact.exact.numbers import below
 from firstcontact.kernels.advancement import (
     BY_FORMS,
     BY_VERTEX_A,
@@ -43,7 +44,7 @@ from firstcontact.kernels.workspace import (
     workspace,
 )
 from firstcontact.search.convex import ConvexPieces, NotConvex, convex_pieces
-from firstcontact.search.stretches import Untold, Window, below, windows
+from firstcontact.search.stretches import Untold, Window, windows
 
 REASONS = {SPENT: "budget"}
 Feature = tuple[str, int]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -10,7 +9,7 @@ import numpy as np
 from flint import arb, fmpq, fmpq_poly
 
 from firstcontact.body.moving import Moving
-from firstcontact.exact.numbers import precision, to_double
+from firstcontact.exact.numbers import above, below, precision, to_double
 from firstcontact.exact.rigid import IDENTITY, ball_rotation, compose
 from firstcontact.exact.vectors import dot
 from firstcontact.kernels.poses import (
@@ -92,16 +91,6 @@ def _index(steps: tuple[Step, ...], begin: fmpq, end: fmpq) -> int:
         if (step.start is None or step.start <= begin) and (step.end is None or end <= step.end):
             return k
     raise Untold("no pose")
-
-
-def below(t: fmpq) -> float:
-    """The largest double <= t."""
-    x = to_double(t)
-    return x if fmpq(*x.as_integer_ratio()) <= t else math.nextafter(x, -math.inf)
-
-
-def above(t: fmpq) -> float:
-    return -below(-t)
 
 
 @lru_cache(maxsize=256)

@@ -13,8 +13,11 @@ from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.features import Edge
 from firstcontact.body.polyhedron import Polyhedron
 from firstcontact.body.quadric_mesh import face_triangles
+from firstcontact.body.ruled_strip import RuledStrip
+from firstcontact.body.ruled_surface import RuledSurface
 from firstcontact.errors import InputError
 from firstcontact.result import Element
+from firstcontact.view import ruled
 from firstcontact.view.geometry import element_vertices, face_outline, sharp_edges
 from firstcontact.view.pair import Pair, at_rest, pose
 
@@ -57,6 +60,9 @@ class Drawing:
         """
         if isinstance(self.body, Polyhedron):
             return element_vertices(self.body, element)
+        if isinstance(self.body, RuledSurface | RuledStrip):
+            parts = self.vertices, self.triangles, self.triangle_face, self.lines
+            return ruled.element_corners(self.body, parts, element)
         if element.kind in ("vertex", "apex"):
             return np.array([self.body.vertices[element.index].position])
         if element.kind == "edge":
@@ -71,6 +77,8 @@ class Drawing:
         """(2 k, 3) ends of segments along the border of a face."""
         if isinstance(self.body, Polyhedron):
             return face_outline(self.body, index)
+        if isinstance(self.body, RuledSurface | RuledStrip):
+            return self.vertices[self.lines.ravel()]
         seams = [_segments(edge, *self.frame) for edge in self.body.seams if index in edge.faces]
         own = [self.curves[edge.index] for edge in self.body.edges if index in edge.faces]
         return np.concatenate([np.empty((0, 3)), *own, *seams])
@@ -89,8 +97,12 @@ def _drawing(pair: Pair, body: Any, other: Any, known: dict[int, Drawing]) -> Dr
         return known[id(rest)]
     if isinstance(rest, Polyhedron):
         drawing = Drawing(rest, rest.vertices, rest.triangles, sharp_edges(rest))
+    elif isinstance(rest, RuledSurface | RuledStrip):
+        if not rest.bounded:  # another pair shows another part of it
+            return _ruled(rest, *_box_near(pair, body, other))
+        drawing = _ruled(rest, *rest.bounds())
     elif not isinstance(rest, CompositeQuadric):
-        raise InputError(f"cannot draw {rest!r}; give polyhedra or composite quadrics")
+        raise InputError(f"cannot draw {rest!r}; give polyhedra, composite quadrics or ruled surfaces")
     elif rest.bounded:
         drawing = _solid(rest, *rest.bounds())
     else:  # another pair shows another part of it
@@ -108,6 +120,17 @@ def _box_near(pair: Pair, body: Any, other: Any) -> tuple[np.ndarray, np.ndarray
     centre = np.linalg.solve(m[:3, :3], (lo + hi) / 2 - m[:3, 3])
     half = np.linalg.norm(hi - lo) / 4  # the faces are drawn as far as this box's diagonal
     return centre - half, centre + half
+
+
+def _ruled(body: RuledSurface | RuledStrip, lo: np.ndarray, hi: np.ndarray) -> Drawing:
+    if body.deforming:
+        raise InputError(f"cannot draw {body.name or 'a ruled surface'} while it deforms; give it at one time, .at(t)")
+    size = float(np.linalg.norm(hi - lo))
+    if body.bounded:
+        vertices, triangles, owner, lines = ruled.bounded_parts(body, TOLERANCE * size)
+    else:
+        vertices, triangles, owner, lines = ruled.parts_in_sight(body, (lo + hi) / 2, size)
+    return Drawing(body, vertices, triangles, lines, None, owner)
 
 
 def _solid(body: CompositeQuadric, lo: np.ndarray, hi: np.ndarray) -> Drawing:
