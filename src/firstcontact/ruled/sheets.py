@@ -1,0 +1,254 @@
+"""The times at which contact of two ruled pieces may begin or end, by elimination.
+
+For one factor f of Delta, the admissible (u, v, T) on f = 0 project along v to a region of the plane of u and T.  Off
+the *borders* (the discriminant of f, and where a zero of f leaves the range of v or meets a zero of a bracket) nothing
+changes, so the region is a union of cells of their arrangement.  Off the times at which the borders have an extremum, a
+crossing or an end, nothing changes among the cells.  This is the projection of cylindrical algebraic decomposition with
+an equational constraint, one factor at a time.  Factors without v take u for the variable that goes first; where Delta
+is zero everywhere, all brackets together take the place of f.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property, cmp_to_key
+from itertools import combinations
+
+from flint import fmpq, fmpz_mpoly, fmpz_poly
+
+from firstcontact.errors import UnsupportedPair
+from firstcontact.exact.numbers import dyadic, precision
+from firstcontact.exact.roots import AlgebraicRoot, real_roots
+from firstcontact.exact.trivariate import (
+    RING,
+    FactorSet,
+    at,
+    coefficients,
+    degree,
+    discriminant,
+    exchanged,
+    irreducible,
+    resultant,
+    univariate,
+)
+from firstcontact.ruled.conditions import Conditions, Range
+
+MOST_DEGREE = 80
+"""Of a polynomial of times whose roots are isolated."""
+MOST_TERMS = 4000
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """One factor of Delta, or all brackets where that vanishes.
+
+    f           the factor; None where Delta is zero
+    clips       irreducible polynomials at whose zeros on f = 0 (among which, without f) contact may change
+    exchanged   u and v have changed places in all polynomials here
+    first, second   ranges of the parameter that stays (here always u) and of the one that goes (v)
+    """
+
+    f: fmpz_mpoly | None
+    clips: tuple[fmpz_mpoly, ...]
+    exchanged: bool
+    first: Range
+    second: Range
+
+    @cached_property
+    def borders(self) -> list[fmpz_mpoly]:
+        """Irreducible polynomials in u and T."""
+        found = FactorSet()
+        walls = [self.f] if self.f is not None else list(self.clips)
+        for g in walls:
+            for h in self._edges(g):
+                found.add(h)
+        pairs = [(self.f, c) for c in self.clips] if self.f is not None else combinations(self.clips, 2)
+        for g, h in pairs:
+            r = resultant(g, h, 1)
+            if not r.is_zero():
+                found.add(r)
+        return [b for b in found if _may_vanish(b, self.first)]
+
+    def _edges(self, g: fmpz_mpoly) -> Iterable[fmpz_mpoly]:
+        if degree(g, 1) == 0:
+            yield g
+            return
+        yield discriminant(g, 1)
+        if self.second is None:
+            yield coefficients(g, 1)[-1]
+            return
+        for end in self.second:
+            value = at(g, 1, end)
+            if not value.is_zero():
+                yield value
+
+    @cached_property
+    def times(self) -> list[fmpz_poly]:
+        """Irreducible polynomials in T: outside their roots contact does not change on this sheet."""
+        found = FactorSet()
+        for b in self.borders:
+            if degree(b, 0) == 0:
+                found.add(b)
+                continue
+            found.add(_checked(discriminant(b, 0)))
+            if self.first is None:
+                found.add(coefficients(b, 0)[-1])
+                continue
+            for end in self.first:
+                value = at(b, 0, end)
+                if not value.is_zero():
+                    found.add(value)
+        for b, c in combinations([b for b in self.borders if degree(b, 0)], 2):
+            found.add(_checked(resultant(b, c, 0)))
+        return [univariate(g, 2) for g in found if degree(g, 2)]
+
+
+def sheets(c: Conditions) -> list[Sheet]:
+    """All sheets of the conditions; their times, and those of `instants`, are all at which contact may change."""
+    if c.delta.is_zero():
+        clips = FactorSet()
+        for x in [x for pair in c.pairs for x in pair] + [x for axis in c.axes for x in axis]:
+            if not x.is_zero():
+                clips.add(x)
+        return [Sheet(None, tuple(_real(clips, c)), False, c.u, c.v)]
+    found = []
+    for f in _real(irreducible(c.delta), c):
+        if degree(f, 0) == degree(f, 1) == 0:
+            continue  # an instant
+        clips = _clips(c, f)
+        if degree(f, 1):
+            found.append(Sheet(f, tuple(clips), False, c.u, c.v))
+        else:
+            found.append(Sheet(exchanged(f), tuple(exchanged(x) for x in clips), True, c.v, c.u))
+    return found
+
+
+def instants(c: Conditions) -> list[fmpz_poly]:
+    """Polynomials in T at whose roots Delta vanishes for all u and v."""
+    if c.delta.is_zero():
+        return []
+    return [univariate(f, 2) for f in irreducible(c.delta) if degree(f, 0) == degree(f, 1) == 0]
+
+
+def candidates(polynomials: Iterable[fmpz_poly], lo: fmpq, hi: fmpq) -> list[AlgebraicRoot]:
+    """All their roots in [lo, hi], each once, ascending."""
+    roots: dict[str, list[AlgebraicRoot]] = {}
+    for p in polynomials:
+        roots.setdefault(str(p), real_roots(p, lo, hi))
+    return sorted((x for some in roots.values() for x in some), key=cmp_to_key(AlgebraicRoot.compare))
+
+
+def _clips(c: Conditions, f: fmpz_mpoly) -> list[fmpz_mpoly]:
+    """The polynomials that decide on f = 0: brackets of one auxiliary point off the common plane of the rulings.
+
+    Where all brackets of that point vanish along a border, rulings may be one line: then those of all points and the
+    coordinates count.
+    """
+    found = FactorSet()
+    best = None
+    for k in range(3):
+        sets = [[] if x.is_zero() else irreducible(x) for pair in c.ends(k) for x in pair]
+        zero = [x.is_zero() for pair in c.ends(k) for x in pair]
+        off = [not z and all(g != f for g in some) for some, z in zip(sets, zero, strict=True)]
+        if not any(off):
+            continue
+        cost = sum(sum(int(d) for d in g.degrees()) for some in sets for g in some)
+        if best is None or cost < best[0]:
+            best = cost, sets, off
+    everything = [x for pair in c.pairs for x in pair] + [x for axis in c.axes for x in axis]
+    if best is None or _share_borders(f, best[1], best[2], c):
+        for x in everything:
+            if not x.is_zero():
+                found.add(x)
+    else:
+        for some in best[1]:
+            for g in some:
+                found.add(g)
+    return [g for g in _real(found, c) if g != f]
+
+
+def _share_borders(f: fmpz_mpoly, sets: list[list[fmpz_mpoly]], off: list[bool], c: Conditions) -> bool:
+    """Whether all brackets may vanish together along a curve on f = 0."""
+    index = 1 if degree(f, 1) else 0
+    common: fmpz_mpoly | None = None
+    for some, counts in zip(sets, off, strict=True):
+        if counts:
+            r = RING.constant(1)
+            for g in some:
+                r = r * resultant(f, g, index)
+            common = r if common is None else common.gcd(r)
+    assert common is not None
+    range_ = c.u if index else c.v
+    return any(_may_vanish(b if index else exchanged(b), range_) for b in irreducible(common))
+
+
+def _real(polynomials: Iterable[fmpz_mpoly], c: Conditions) -> list[fmpz_mpoly]:
+    """Those that may vanish within the ranges."""
+    return [f for f in polynomials if _may_vanish(f, c.u) and _may_vanish(exchanged(f), c.v)]
+
+
+def _may_vanish(b: fmpz_mpoly, ends: Range) -> bool:
+    """False proves that a polynomial in u alone has no zero in the range; others may have."""
+    if degree(b, 1) or degree(b, 2):
+        return True
+    p = univariate(b, 0)
+    return bool(roots_in(p, ends))
+
+
+def roots_in(p: fmpz_poly, ends: Range) -> list[AlgebraicRoot]:
+    """The real roots in a range; all finite ones of the projective line."""
+    if p.degree() < 1:
+        return []
+    if ends is None:
+        bound = fmpq(1 + max(abs(c) for c in p.coeffs()) // abs(p.leading_coefficient()) + 1)
+        ends = -bound, bound
+    return real_roots(p, *ends)
+
+
+def _checked(f: fmpz_mpoly) -> fmpz_mpoly:
+    if f.is_zero():
+        raise ArithmeticError("two different irreducible polynomials have the resultant 0")
+    if degree(f, 2) > MOST_DEGREE:
+        raise UnsupportedPair(
+            f"too large for elimination: times of contact of degree {degree(f, 2)}; "
+            'method="certified" finds them as enclosures'
+        )
+    return f
+
+
+def samples(p: Sequence[AlgebraicRoot], ends: Range) -> list[fmpq]:
+    """One rational number in every open cell between consecutive roots, and between them and the ends."""
+    if ends is None:
+        if not p:
+            return [fmpq(0)]
+        lo, hi = p[0].lo - 1, p[-1].hi + 1
+        return [lo, *(between(x, y) for x, y in zip(p, p[1:], strict=False)), hi]
+    a, b = AlgebraicRoot.of(ends[0]), AlgebraicRoot.of(ends[1])
+    walls = [a, *(x for x in p if x.compare(a) > 0 and x.compare(b) < 0), b]
+    return [between(x, y) for x, y in zip(walls, walls[1:], strict=False)]
+
+
+def between(x: AlgebraicRoot, y: AlgebraicRoot) -> fmpq:
+    """A short rational number strictly between two roots, x < y."""
+    bits = 32
+    while True:
+        with precision(bits):
+            lo = x.hi if x.rational is not None else dyadic(x.enclosure(bits).upper())
+            hi = y.lo if y.rational is not None else dyadic(y.enclosure(bits).lower())
+        if lo < hi:
+            return simplest(lo, hi)
+        bits *= 2
+
+
+def simplest(lo: fmpq, hi: fmpq) -> fmpq:
+    """The dyadic number of least size strictly between lo < hi."""
+    scale = fmpq(1)
+    while scale * (hi - lo) <= 2:
+        scale *= 2
+    n = (scale * (lo + hi) / 2).floor()
+    while True:
+        x = n / scale
+        if lo < x < hi:
+            return x
+        n = n + 1

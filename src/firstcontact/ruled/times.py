@@ -1,0 +1,187 @@
+"""All times of contact of two ruled pieces over one piece of their motion, exactly.
+
+The sheets' times cut the span into cells.  Most cells and instants are free by exclusion over the whole span.  A cell is
+decided at one rational time: by the fibres over rational parameters between the borders, which see every contact that is
+no isolated point; then by exclusion; then by the isolated points that are left.  An instant belongs to the contact where
+a neighbouring cell does, for contact is closed, and is decided by its own points where neither does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from flint import fmpq, fmpz_mpoly, fmpz_poly
+
+from firstcontact.errors import UnsupportedPair
+from firstcontact.exact.numbers import dyadic, precision
+from firstcontact.exact.roots import AlgebraicRoot
+from firstcontact.exact.trivariate import at, exchanged, univariate
+from firstcontact.ruled.conditions import Conditions
+from firstcontact.ruled.exclusion import Box, Span, survivors
+from firstcontact.ruled.shared_points import Contact, shared_points
+from firstcontact.ruled.sheets import Sheet, between, candidates, instants, roots_in, samples, sheets
+
+BITS = 64
+COVER_VISITS, COVER_DEPTH = 400, 30
+
+
+@dataclass
+class Times:
+    """The search over the closed span of the motion's parameter."""
+
+    conditions: Conditions
+    span: Span
+    evaluations: int = 0
+    sheets: list[Sheet] = field(init=False)
+    candidates: list[AlgebraicRoot] = field(init=False)
+    special: set[str] = field(init=False)
+    """Polynomials of instants at which Delta vanishes for all u and v."""
+
+    def __post_init__(self) -> None:
+        self.sheets = sheets(self.conditions)
+        flat = instants(self.conditions)
+        self.special = {str(p) for p in flat}
+        polynomials = [p for sheet in self.sheets for p in sheet.times]
+        self.candidates = candidates([*polynomials, *flat], *self.span)
+        self._maybe = _joined([box.t for box in survivors(self.conditions, self.span, COVER_VISITS, COVER_DEPTH)])
+
+    def windows(self) -> list[tuple[AlgebraicRoot, AlgebraicRoot]]:
+        """The closed windows of contact, in order, disjoint."""
+        lo, hi = (AlgebraicRoot.of(x) for x in self.span)
+        if self.span[0] == self.span[1]:
+            return [(lo, lo)] if self.at(lo) else []
+        inner = [x for x in self.candidates if x.compare(lo) > 0 and x.compare(hi) < 0]
+        walls = [lo, *inner, hi]
+        cells = [self._cell(x, y) for x, y in zip(walls, walls[1:], strict=False)]
+        found: list[tuple[AlgebraicRoot, AlgebraicRoot]] = []
+        start: AlgebraicRoot | None = None
+        for k, wall in enumerate(walls):
+            before, after = k > 0 and cells[k - 1], k < len(cells) and cells[k]
+            if before and not after:
+                assert start is not None
+                found.append((start, wall))
+                start = None
+            elif after and not before:
+                start = wall
+            elif not before and not after and self._is_candidate(wall) and self.at(wall):
+                found.append((wall, wall))
+        return found
+
+    def _is_candidate(self, wall: AlgebraicRoot) -> bool:
+        return any(wall.compare(x) == 0 for x in self.candidates)
+
+    def at(self, t: AlgebraicRoot) -> bool:
+        """Whether there is a contact at the instant."""
+        return bool(self.contacts(t, 1))
+
+    def contacts(self, t: AlgebraicRoot, most: int = 8) -> list[Contact]:
+        """Some shared points at the instant, none where there is none."""
+        if not self._may_hold(t, t):
+            return []
+        self.evaluations += 1
+        c = self.conditions
+        if t.rational is not None:
+            c = c.at(t.rational)
+        elif str(t.polynomial) in self.special:
+            raise UnsupportedPair(
+                f"all rulings meet all others at an irrational time near {float(t)!r}, which exact arithmetic does not "
+                'decide; method="certified" encloses such times'
+            )
+        boxes = survivors(c, _enclosed(t))
+        found: list[Contact] = []
+        for contact in shared_points(c, t, boxes):
+            found.append(contact)
+            if len(found) >= most:
+                break
+        return found
+
+    def _may_hold(self, x: AlgebraicRoot, y: AlgebraicRoot) -> bool:
+        """False proves that no time from x to y has a contact."""
+        return any(y.compare(lo) >= 0 and x.compare(hi) <= 0 for lo, hi in self._maybe)
+
+    def _cell(self, x: AlgebraicRoot, y: AlgebraicRoot) -> bool:
+        """Whether there is contact at the times strictly between x and y, at all or at none of which there is."""
+        if not self._may_hold(x, y) or not self._may_hold_throughout(x, y):
+            return False
+        self.evaluations += 1
+        t = between(x, y)
+        return decide(self.conditions, self.sheets, t)
+
+    def _may_hold_throughout(self, x: AlgebraicRoot, y: AlgebraicRoot) -> bool:
+        """False proves that some time between x and y is free."""
+        return any(x.compare(lo) >= 0 and y.compare(hi) <= 0 for lo, hi in self._maybe)
+
+
+def decide(c: Conditions, own: Sequence[Sheet], t: fmpq) -> bool:
+    """Whether there is a contact at the rational time t; own: sheets of which t is no critical time."""
+    if any(_on_fibres(c, sheet, t) for sheet in own):
+        return True
+    now = c.at(t)
+    boxes: list[Box] = survivors(now, (t, t))
+    if not boxes:
+        return False
+    return any(True for _ in shared_points(now, AlgebraicRoot.of(t), boxes))
+
+
+def _on_fibres(c: Conditions, sheet: Sheet, t: fmpq) -> bool:
+    """Whether a fibre over a rational parameter, one in every cell between the borders, holds a contact."""
+    walls = [p for b in sheet.borders for p in [univariate(at(b, 2, t), 0)] if p.degree() > 0]
+    critical = candidates([g for p in walls for g, _ in p.factor()[1]], *_range(walls, sheet.first))
+    return any(_on_fibre(c, sheet, x, t) for x in samples(critical, sheet.first))
+
+
+def _on_fibre(c: Conditions, sheet: Sheet, x: fmpq, t: fmpq) -> bool:
+    def over(f: fmpz_mpoly) -> fmpz_poly:
+        return _restricted(exchanged(f) if sheet.exchanged else f, x, t)
+
+    known: dict[int, fmpz_poly] = {}
+
+    def holds(y: AlgebraicRoot, on_delta: bool) -> bool:
+        def sign(f: fmpz_mpoly) -> int:
+            if id(f) not in known:
+                known[id(f)] = over(f)
+            return y.sign_of(known[id(f)])
+
+        return c.holds(sign, on_delta)
+
+    if sheet.f is not None:
+        return any(holds(y, True) for y in roots_in(_restricted(sheet.f, x, t), sheet.second))
+    walls = [p for g in sheet.clips for p in [_restricted(g, x, t)] if p.degree() > 0]
+    critical = candidates([g for p in walls for g, _ in p.factor()[1]], *_range(walls, sheet.second))
+    places = [*critical, *map(AlgebraicRoot.of, samples(critical, sheet.second))]
+    return any(holds(y, False) for y in places)
+
+
+def _restricted(f: fmpz_mpoly, x: fmpq, t: fmpq) -> fmpz_poly:
+    """A positive multiple of f(x, ., t)."""
+    return univariate(at(at(f, 2, t), 0, x), 1)
+
+
+def _range(walls: Sequence[fmpz_poly], ends: Span | None) -> Span:
+    """The range, or one that holds all real roots."""
+    if ends is not None:
+        return ends
+    bound = fmpq(1)
+    for p in walls:
+        bound = max(bound, fmpq(2 + max(abs(c) for c in p.coeffs()) // abs(p.leading_coefficient())))
+    return -bound, bound
+
+
+def _enclosed(t: AlgebraicRoot) -> Span:
+    if t.rational is not None:
+        return t.rational, t.rational
+    with precision(BITS):
+        ball = t.enclosure(BITS)
+        return dyadic(ball.lower()), dyadic(ball.upper())
+
+
+def _joined(spans: Sequence[Span]) -> list[Span]:
+    found: list[Span] = []
+    for lo, hi in sorted(spans):
+        if found and lo <= found[-1][1]:
+            found[-1] = found[-1][0], max(hi, found[-1][1])
+        else:
+            found.append((lo, hi))
+    return found
+
