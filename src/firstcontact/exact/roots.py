@@ -240,6 +240,14 @@ def real_roots(p: fmpz_poly, lo: fmpq, hi: fmpq) -> list[AlgebraicRoot]:
     return roots
 
 
+def roots_in(p: fmpz_poly, ends: tuple[fmpq, fmpq] | None) -> list[AlgebraicRoot]:
+    """The real roots of p != 0 in a closed range, or all of them (Cauchy's bound)."""
+    if ends is None:
+        bound = fmpq(2) + max((abs(c) for c in p.coeffs()[:-1]), default=fmpz(0)) // abs(p.leading_coefficient())
+        ends = -bound, bound
+    return real_roots(p, *ends)
+
+
 def _at_point(p: fmpz_poly, value: fmpq) -> list[AlgebraicRoot]:
     linear = fmpz_poly([-value.p, value.q])
     multiplicity = 0

@@ -9,7 +9,7 @@ side of P's.  Whole lines drop the conditions on their own ends.  All inequaliti
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, reduce
 from typing import Any
 
@@ -20,7 +20,8 @@ from firstcontact.body.rational_curve import RationalCurve, lifted
 from firstcontact.body.ruled_surface import RuledSurface
 from firstcontact.errors import InputError, UnsupportedPair
 from firstcontact.exact.numbers import rational
-from firstcontact.exact.trivariate import RING, at, degree, terms
+from firstcontact.exact.roots import roots_in
+from firstcontact.exact.trivariate import RING, at, degree, irreducible, product, univariate
 from firstcontact.motion.directrices import DirectrixPiece
 
 Range = tuple[fmpq, fmpq] | None
@@ -51,6 +52,8 @@ class Conditions:
     v: Range
     bounded: tuple[bool, bool]
     sides: tuple[Sides, Sides]
+    known: dict[str, Any] = field(default_factory=dict, repr=False, compare=False)
+    """What was worked out of them."""
 
     @cached_property
     def pairs(self) -> list[tuple[fmpz_mpoly, fmpz_mpoly]]:
@@ -89,13 +92,21 @@ class Conditions:
             self.u, self.v, self.bounded, (curves[:2], curves[2:]),
         )  # fmt: skip
 
-    def chart(self, inverse_u: bool, inverse_v: bool) -> Conditions:
-        """With 1/u for u, 1/v for v or both, each in [-1, 1]; of projective parameters."""
+    @cached_property
+    def charts(self) -> dict[tuple[bool, bool], Conditions]:
+        """Over finite ranges, by whether they are conditions on 1/u, on 1/v: projective parameters have two parts."""
+        if self.u is not None and self.v is not None:
+            return {(False, False): self}
         p, q = self.sides
-        p = (p[0].reversed(), p[1].reversed()) if inverse_u else p
-        q = (q[0].reversed(), q[1].reversed()) if inverse_v else q
         unit = fmpq(-1), fmpq(1)
-        return _conditions(p, q, self.u or unit, self.v or unit, self.bounded)
+        found = {}
+        for inverse_u in (False, True) if self.u is None else (False,):
+            for inverse_v in (False, True) if self.v is None else (False,):
+                first = (p[0].reversed(), p[1].reversed()) if inverse_u else p
+                second = (q[0].reversed(), q[1].reversed()) if inverse_v else q
+                chart = _conditions(first, second, self.u or unit, self.v or unit, self.bounded)
+                found[inverse_u, inverse_v] = chart
+        return found
 
 
 def conditions(a: Any, b: Any, piece: DirectrixPiece, span: tuple[fmpq, fmpq]) -> Conditions:
@@ -159,13 +170,37 @@ def _conditions(p: Sides, q: Sides, u: Range, v: Range, bounded: tuple[bool, boo
     q1, q2 = (lifted(curve.components, RING, "v") for curve in q)
     line_p, line_q = _line(p1, p2, bounded[0]), _line(q1, q2, bounded[1])
     of_p, of_q = _planes(line_p), _planes(line_q)
+    delta = _sum(x * line_q[j] * sign for x, (j, sign) in zip(line_p, _DUAL, strict=True))
+    factors = [] if delta.is_zero() else irreducible(delta)
+    weights = [w for curve in (p1, p2, q1, q2) for w in irreducible(curve[3])]
+    definite = {str(f): f for f in [*factors, *weights] if _is_definite(f)}
     brackets = tuple(
-        tuple(_sum(x * row[k] for x, row in zip(end, planes, strict=True)) for k in range(3))
+        tuple(_reduced(_sum(x * row[k] for x, row in zip(end, planes, strict=True)), definite) for k in range(3))
         for end, planes in ((q1, of_p), (q2, of_p), (p1, of_q), (p2, of_q))
     )
-    axes = tuple(tuple(x[k] * y[3] - y[k] * x[3] for x in (p1, p2) for y in (q1, q2)) for k in range(3))
-    delta = _sum(x * line_q[j] * sign for x, (j, sign) in zip(line_p, _DUAL, strict=True))
+    axes = tuple(
+        tuple(_reduced(x[k] * y[3] - y[k] * x[3], definite) for x in (p1, p2) for y in (q1, q2)) for k in range(3)
+    )
+    if factors:
+        delta = product(f for f in factors if str(f) not in definite)
     return Conditions(delta, brackets, axes, u, v, bounded, (p, q))
+
+
+def _reduced(f: fmpz_mpoly, definite: dict[str, fmpz_mpoly]) -> fmpz_mpoly:
+    """f without those factors, which are positive everywhere: its sign is the same."""
+    for g in definite.values():
+        while not f.is_zero() and f.gcd(g) == g:
+            f = f // g
+    return f
+
+
+def _is_definite(f: fmpz_mpoly) -> bool:
+    """Whether an irreducible polynomial in u alone, or v alone, is positive everywhere; its last coefficient is."""
+    used = [k for k in range(3) if degree(f, k)]
+    if used not in ([0], [1]):
+        return False
+    p = univariate(f, used[0])
+    return bool(p.degree() % 2 == 0 and not roots_in(p, None))
 
 
 def _line(p: Any, q: Any, bounded: bool) -> list[fmpz_mpoly]:

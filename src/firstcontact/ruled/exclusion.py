@@ -8,21 +8,20 @@ margin covers: a coefficient is a sum of the exact ones with weights of at most 
 
 from __future__ import annotations
 
+from functools import lru_cache
 from math import comb
 from typing import NamedTuple
 
 import numpy as np
-from flint import fmpq, fmpq_mpoly_ctx, fmpz_mpoly
+from flint import fmpq
 
 from firstcontact.exact.numbers import to_double
-from firstcontact.exact.trivariate import NAMES, degree
+from firstcontact.exact.trivariate import degree, terms
 from firstcontact.ruled.conditions import Conditions
 
-_RATIONAL = fmpq_mpoly_ctx.get(NAMES, "lex")
-# Relative to the sum of the magnitudes of the coefficients.  Rounding: (terms + degree x halvings) 2^-53 at most, with
+# Relative to the largest coefficient with absolute values in place of all numbers.  Rounding: (terms + degree x halvings) 2^-53 at most, with
 # at most 2^12 terms and degree 64 halved 60 times in each of three variables.
 MARGIN = 2.0**-38
-UNIT = fmpq(-1), fmpq(1)
 
 Span = tuple[fmpq, fmpq]
 
@@ -36,21 +35,20 @@ class Box(NamedTuple):
     t: Span
 
 
-def charts(c: Conditions) -> list[tuple[tuple[bool, bool], Conditions]]:
-    """Charts that cover the ranges of the parameters."""
-    in_u, in_v = ((False, True) if r is None else (False,) for r in (c.u, c.v))
-    return [((x, y), c.chart(x, y) if None in (c.u, c.v) else c) for x in in_u for y in in_v]
-
-
 def survivors(c: Conditions, span: Span, visits: int = 600, depth: int = 45) -> list[Box]:
     """Boxes that may hold contacts, T in the span; none proves that there is none.
 
-    depth: halvings at most.  visits: boxes per chart after which no more are halved.
+    depth: halvings at most.  visits: boxes after which no more are halved.
     """
+    parts = list(c.charts.items())
+    nets = [_nets(chart, span) for _, chart in parts]
+    size = [max(n.shape[k] for n in nets) for k in range(2, 5)]
+    live = np.concatenate([_elevated(n, size) for n in nets])
     found: list[Box] = []
-    for inverse, chart in charts(c):
-        assert chart.u is not None and chart.v is not None
-        found += [Box(inverse, *_cell((chart.u, chart.v, span), path)) for path in _search(chart, span, visits, depth)]
+    for chart, path in _search(live, 2 * len(c.pairs), 12 if all(c.bounded) else 0, visits, depth):
+        inverse, own = parts[chart]
+        assert own.u is not None and own.v is not None
+        found.append(Box(inverse, *_cell((own.u, own.v, span), path)))
     return found
 
 
@@ -58,32 +56,29 @@ Path = tuple[tuple[int, int], ...]
 """For each variable how often it was halved, and the index of the part."""
 
 
-def _search(c: Conditions, span: Span, visits: int, depth: int) -> list[Path]:
-    assert c.u is not None and c.v is not None
-    pairs = [x for pair in c.pairs for x in pair]
-    axes = [x for axis in c.axes for x in axis] if all(c.bounded) else []
-    nets = bernstein([c.delta, *pairs, *axes], (c.u, c.v, span))
-    live = nets[None]
-    index = np.zeros((1, 3), dtype=object)
+def _search(live: np.ndarray, pairs: int, axes: int, visits: int, depth: int) -> list[tuple[int, Path]]:
+    """(chart, path) of the boxes left; live: (charts, polynomials, l, m, n) nets, Delta first."""
+    index = np.zeros((len(live), 4), dtype=object)
+    index[:, 0] = range(len(live))
     halved = [0, 0, 0]
-    size = [n - 1 for n in nets.shape[1:]]
-    free = [k for k in range(3) if size[k] > 0]
+    free = [k for k in range(3) if live.shape[2 + k] > 1]
+    shown = 1 if live[:, 0].any() else live.shape[1]
     count = 0
     while True:
-        keep = ~_excluded(live, len(pairs), len(axes))
+        keep = ~_excluded(live, pairs, axes)
         live, index = live[keep], index[keep]
         count += len(keep)
         if not len(live) or not free or count > visits or sum(halved) >= depth:
             break
         # the variable along which the nets vary most
-        spread = [np.abs(np.diff(live, axis=2 + k)).sum(axis=2 + k).max(axis=(1, 2, 3)).sum() for k in free]
-        k = free[int(np.argmax(spread))]
+        seen = live[:, :shown]
+        k = free[int(np.argmax([np.abs(np.diff(seen, axis=2 + k)).sum() / (seen.shape[2 + k] - 1) for k in free]))]
         live = _halves(live, 2 + k)
         low, high = index.copy(), index.copy()
-        low[:, k], high[:, k] = 2 * index[:, k], 2 * index[:, k] + 1
+        low[:, 1 + k], high[:, 1 + k] = 2 * index[:, 1 + k], 2 * index[:, 1 + k] + 1
         index = np.concatenate([low, high])
         halved[k] += 1
-    return [tuple((halved[k], int(row[k])) for k in range(3)) for row in index]
+    return [(int(row[0]), tuple((halved[k], int(row[1 + k])) for k in range(3))) for row in index]
 
 
 def _cell(ranges: tuple[Span, Span, Span], path: Path) -> tuple[Span, Span, Span]:
@@ -118,23 +113,62 @@ def _halves(nets: np.ndarray, axis: int) -> np.ndarray:
     return np.moveaxis(np.concatenate([lower, upper], axis=1), 0, axis)
 
 
-def bernstein(polynomials: list[fmpz_mpoly], ranges: tuple[Span, Span, Span]) -> np.ndarray:
-    """(k, l, m, n) Bernstein coefficients on a box, each polynomial scaled so that its magnitudes add up to 1."""
-    size = [max(degree(f, k) for f in polynomials) for k in range(3)]
-    power = np.zeros((len(polynomials), *(n + 1 for n in size)))
-    arguments = []
-    for (lo, hi), x in zip(ranges, _RATIONAL.gens(), strict=True):
-        arguments.append(lo + (hi - lo) * x)
-    for row, f in zip(power, polynomials, strict=True):
-        if f.is_zero():
-            continue
-        g = _RATIONAL.from_dict(f.to_dict()).compose(*arguments, ctx=_RATIONAL)
-        total = sum((abs(x) for x in g.coeffs()), fmpq(0))
-        if total == 0:
-            continue
-        for key, x in zip(g.monoms(), g.coeffs(), strict=True):
-            row[tuple(map(int, key))] = to_double(x / total)
+def _nets(c: Conditions, span: Span) -> np.ndarray:
+    """(1, k, l, m, n) Bernstein coefficients of Delta, the pairs and the axes on the ranges and the span.
+
+    Each polynomial is scaled: with absolute values in place of all numbers no coefficient would be above 1.
+    """
+    assert c.u is not None and c.v is not None
+    nets = powers(c)
+    bound = np.abs(nets)
+    for axis, ends in enumerate((c.u, c.v, span)):
+        change = _to_bernstein(nets.shape[axis + 1] - 1, *ends)
+        nets = np.moveaxis(np.tensordot(change, nets, axes=(1, axis + 1)), 0, axis + 1)
+        bound = np.moveaxis(np.tensordot(np.abs(change), bound, axes=(1, axis + 1)), 0, axis + 1)
+    scale = bound.max(axis=(1, 2, 3), keepdims=True)
+    return (nets / np.where(scale > 0, scale, 1.0))[None]
+
+
+def powers(c: Conditions) -> np.ndarray:
+    """(k, l, m, n) coefficients of u^i v^j T^k, scaled to a sum of magnitudes of 1."""
+    if "powers" not in c.known:
+        polynomials = [c.delta, *(x for pair in c.pairs for x in pair)]
+        if all(c.bounded):
+            polynomials += [x for axis in c.axes for x in axis]
+        size = [max(degree(f, k) for f in polynomials) + 1 for k in range(3)]
+        table = np.zeros((len(polynomials), *size))
+        for row, f in zip(table, polynomials, strict=True):
+            total = sum(abs(int(x)) for x in f.coeffs())
+            for key, x in terms(f):
+                row[key] = int(x) / total
+        c.known["powers"] = table
+    return c.known["powers"]  # type: ignore[no-any-return]
+
+
+@lru_cache(maxsize=256)
+def _to_bernstein(n: int, lo: fmpq, hi: fmpq) -> np.ndarray:
+    """(n + 1, n + 1) from coefficients of powers to those of the Bernstein form on [lo, hi]; one row where lo = hi."""
+    if lo == hi:
+        return np.array([[to_double(lo**j) for j in range(n + 1)]])
+    rows = []
+    for i in range(n + 1):
+        # the blossom of x^j with i arguments hi and n - i arguments lo
+        rows.append([
+            to_double(sum((comb(i, m) * comb(n - i, j - m) * hi**m * lo ** (j - m) for m in range(max(0, i + j - n), min(i, j) + 1)),
+                          fmpq(0)) / comb(n, j))
+            for j in range(n + 1)
+        ])  # fmt: skip
+    return np.array(rows)
+
+
+def _elevated(nets: np.ndarray, size: list[int]) -> np.ndarray:
+    """The same polynomials with nets of a higher degree."""
     for axis, n in enumerate(size):
-        to_bernstein = np.array([[comb(i, j) / comb(n, j) if j <= i else 0.0 for j in range(n + 1)] for i in range(n + 1)])
-        power = np.moveaxis(np.tensordot(to_bernstein, power, axes=(1, axis + 1)), 0, axis + 1)
-    return power
+        while nets.shape[axis + 2] < n:
+            work = np.moveaxis(nets, axis + 2, 0)
+            m = len(work)
+            weight = (np.arange(m + 1) / m).reshape(-1, *[1] * (work.ndim - 1))
+            zero = np.zeros_like(work[:1])
+            work = weight * np.concatenate([zero, work]) + (1 - weight) * np.concatenate([work, zero])
+            nets = np.moveaxis(work, 0, axis + 2)
+    return nets

@@ -57,7 +57,7 @@ def shared_points(c: Conditions, t: AlgebraicRoot, boxes: Iterable[Box]) -> Iter
     for box in boxes:
         by_chart.setdefault(box.inverse, []).append(box)
     for inverse, group in by_chart.items():
-        chart = c.chart(*inverse) if None in (c.u, c.v) else c
+        chart = c.charts[inverse]
         own = sheets(chart)
         for u, v in clusters(group):
             for sheet in own:

@@ -19,7 +19,7 @@ from flint import fmpq, fmpz_mpoly, fmpz_poly
 
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import dyadic, precision
-from firstcontact.exact.roots import AlgebraicRoot, real_roots
+from firstcontact.exact.roots import AlgebraicRoot, real_roots, roots_in
 from firstcontact.exact.trivariate import (
     RING,
     FactorSet,
@@ -34,9 +34,9 @@ from firstcontact.exact.trivariate import (
 )
 from firstcontact.ruled.conditions import Conditions, Range
 
+Pairs = tuple[tuple[fmpz_mpoly, fmpz_mpoly], ...]
 MOST_DEGREE = 80
 """Of a polynomial of times whose roots are isolated."""
-MOST_TERMS = 4000
 
 
 @dataclass(frozen=True)
@@ -45,12 +45,14 @@ class Sheet:
 
     f           the factor; None where Delta is zero
     clips       irreducible polynomials at whose zeros on f = 0 (among which, without f) contact may change
+    pairs       those of the conditions that decide off the borders; None for all conditions
     exchanged   u and v have changed places in all polynomials here
     first, second   ranges of the parameter that stays (here always u) and of the one that goes (v)
     """
 
     f: fmpz_mpoly | None
     clips: tuple[fmpz_mpoly, ...]
+    pairs: Pairs | None
     exchanged: bool
     first: Range
     second: Range
@@ -111,16 +113,16 @@ def sheets(c: Conditions) -> list[Sheet]:
         for x in [x for pair in c.pairs for x in pair] + [x for axis in c.axes for x in axis]:
             if not x.is_zero():
                 clips.add(x)
-        return [Sheet(None, tuple(_real(clips, c)), False, c.u, c.v)]
+        return [Sheet(None, tuple(_real(clips, c)), None, False, c.u, c.v)]
     found = []
     for f in _real(irreducible(c.delta), c):
         if degree(f, 0) == degree(f, 1) == 0:
             continue  # an instant
-        clips = _clips(c, f)
+        clips, pairs = _clips(c, f)
         if degree(f, 1):
-            found.append(Sheet(f, tuple(clips), False, c.u, c.v))
+            found.append(Sheet(f, tuple(clips), pairs, False, c.u, c.v))
         else:
-            found.append(Sheet(exchanged(f), tuple(exchanged(x) for x in clips), True, c.v, c.u))
+            found.append(Sheet(exchanged(f), tuple(exchanged(x) for x in clips), None, True, c.v, c.u))
     return found
 
 
@@ -139,8 +141,8 @@ def candidates(polynomials: Iterable[fmpz_poly], lo: fmpq, hi: fmpq) -> list[Alg
     return sorted((x for some in roots.values() for x in some), key=cmp_to_key(AlgebraicRoot.compare))
 
 
-def _clips(c: Conditions, f: fmpz_mpoly) -> list[fmpz_mpoly]:
-    """The polynomials that decide on f = 0: brackets of one auxiliary point off the common plane of the rulings.
+def _clips(c: Conditions, f: fmpz_mpoly) -> tuple[list[fmpz_mpoly], Pairs | None]:
+    """The polynomials that decide on f = 0, and the pairs they are of: brackets of one auxiliary point off the common plane of the rulings.
 
     Where all brackets of that point vanish along a border, rulings may be one line: then those of all points and the
     coordinates count.
@@ -155,17 +157,18 @@ def _clips(c: Conditions, f: fmpz_mpoly) -> list[fmpz_mpoly]:
             continue
         cost = sum(sum(int(d) for d in g.degrees()) for some in sets for g in some)
         if best is None or cost < best[0]:
-            best = cost, sets, off
+            best = cost, sets, off, tuple(c.ends(k))
     everything = [x for pair in c.pairs for x in pair] + [x for axis in c.axes for x in axis]
     if best is None or _share_borders(f, best[1], best[2], c):
         for x in everything:
             if not x.is_zero():
                 found.add(x)
+        best = None
     else:
         for some in best[1]:
             for g in some:
                 found.add(g)
-    return [g for g in _real(found, c) if g != f]
+    return [g for g in _real(found, c) if g != f], best and best[3]
 
 
 def _share_borders(f: fmpz_mpoly, sets: list[list[fmpz_mpoly]], off: list[bool], c: Conditions) -> bool:
@@ -194,16 +197,6 @@ def _may_vanish(b: fmpz_mpoly, ends: Range) -> bool:
         return True
     p = univariate(b, 0)
     return bool(roots_in(p, ends))
-
-
-def roots_in(p: fmpz_poly, ends: Range) -> list[AlgebraicRoot]:
-    """The real roots in a range; all finite ones of the projective line."""
-    if p.degree() < 1:
-        return []
-    if ends is None:
-        bound = fmpq(1 + max(abs(c) for c in p.coeffs()) // abs(p.leading_coefficient()) + 1)
-        ends = -bound, bound
-    return real_roots(p, *ends)
 
 
 def _checked(f: fmpz_mpoly) -> fmpz_mpoly:

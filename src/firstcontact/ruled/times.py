@@ -15,15 +15,15 @@ from flint import fmpq, fmpz_mpoly, fmpz_poly
 
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import dyadic, precision
-from firstcontact.exact.roots import AlgebraicRoot
+from firstcontact.exact.roots import AlgebraicRoot, roots_in
 from firstcontact.exact.trivariate import at, exchanged, univariate
-from firstcontact.ruled.conditions import Conditions
-from firstcontact.ruled.exclusion import Box, Span, survivors
+from firstcontact.ruled.conditions import Conditions, Range
+from firstcontact.ruled.exclusion import Span, survivors
 from firstcontact.ruled.shared_points import Contact, shared_points
-from firstcontact.ruled.sheets import Sheet, between, candidates, instants, roots_in, samples, sheets
+from firstcontact.ruled.sheets import Sheet, between, candidates, instants, samples, sheets
 
 BITS = 64
-COVER_VISITS, COVER_DEPTH = 400, 30
+COVER_VISITS, COVER_DEPTH = 200, 30
 
 
 @dataclass
@@ -44,6 +44,7 @@ class Times:
         self.special = {str(p) for p in flat}
         polynomials = [p for sheet in self.sheets for p in sheet.times]
         self.candidates = candidates([*polynomials, *flat], *self.span)
+        self._near: dict[int, fmpq] = {}
         self._maybe = _joined([box.t for box in survivors(self.conditions, self.span, COVER_VISITS, COVER_DEPTH)])
 
     def windows(self) -> list[tuple[AlgebraicRoot, AlgebraicRoot]]:
@@ -88,7 +89,7 @@ class Times:
                 f"all rulings meet all others at an irrational time near {float(t)!r}, which exact arithmetic does not "
                 'decide; method="certified" encloses such times'
             )
-        boxes = survivors(c, _enclosed(t))
+        boxes = survivors(self.conditions, _enclosed(t))
         found: list[Contact] = []
         for contact in shared_points(c, t, boxes):
             found.append(contact)
@@ -106,66 +107,71 @@ class Times:
             return False
         self.evaluations += 1
         t = between(x, y)
-        return decide(self.conditions, self.sheets, t)
+        return decide(self.conditions, self.sheets, t, self._near)
 
     def _may_hold_throughout(self, x: AlgebraicRoot, y: AlgebraicRoot) -> bool:
         """False proves that some time between x and y is free."""
         return any(x.compare(lo) >= 0 and y.compare(hi) <= 0 for lo, hi in self._maybe)
 
 
-def decide(c: Conditions, own: Sequence[Sheet], t: fmpq) -> bool:
-    """Whether there is a contact at the rational time t; own: sheets of which t is no critical time."""
-    if any(_on_fibres(c, sheet, t) for sheet in own):
+def decide(c: Conditions, own: Sequence[Sheet], t: fmpq, near: dict[int, fmpq] | None = None) -> bool:
+    """Whether there is a contact at the rational time t; own: sheets of which t is no critical time.
+
+    near: for the number of a sheet a parameter to look at first; kept up to date.
+    """
+    near = {} if near is None else near
+    if any(_on_fibre(c, own[k], x, t, False) for k, x in near.items()):
         return True
-    now = c.at(t)
-    boxes: list[Box] = survivors(now, (t, t))
+    boxes = survivors(c, (t, t))
     if not boxes:
         return False
-    return any(True for _ in shared_points(now, AlgebraicRoot.of(t), boxes))
+    for k, sheet in enumerate(own):
+        for x in _between_borders(sheet, t):
+            if _on_fibre(c, sheet, x, t, True):
+                near.clear()
+                near[k] = x
+                return True
+    return any(True for _ in shared_points(c.at(t), AlgebraicRoot.of(t), boxes))
 
 
-def _on_fibres(c: Conditions, sheet: Sheet, t: fmpq) -> bool:
-    """Whether a fibre over a rational parameter, one in every cell between the borders, holds a contact."""
-    walls = [p for b in sheet.borders for p in [univariate(at(b, 2, t), 0)] if p.degree() > 0]
-    critical = candidates([g for p in walls for g, _ in p.factor()[1]], *_range(walls, sheet.first))
-    return any(_on_fibre(c, sheet, x, t) for x in samples(critical, sheet.first))
+def _between_borders(sheet: Sheet, t: fmpq) -> list[fmpq]:
+    """A rational parameter in every cell between the borders at the time."""
+    return samples(_roots([univariate(at(b, 2, t), 0) for b in sheet.borders], sheet.first), sheet.first)
 
 
-def _on_fibre(c: Conditions, sheet: Sheet, x: fmpq, t: fmpq) -> bool:
-    def over(f: fmpz_mpoly) -> fmpz_poly:
-        return _restricted(exchanged(f) if sheet.exchanged else f, x, t)
+def _roots(walls: Sequence[fmpz_poly], ends: Range) -> list[AlgebraicRoot]:
+    """The real roots of all of them, each once, ascending."""
+    together = fmpz_poly([1])
+    for p in walls:
+        if p.degree() > 0:
+            together = together * p
+    return roots_in(together, ends)
 
+
+def _on_fibre(c: Conditions, sheet: Sheet, x: fmpq, t: fmpq, off_borders: bool) -> bool:
+    """Whether a contact of the sheet has this first parameter; only certain ones where x is on a border."""
     known: dict[int, fmpz_poly] = {}
 
-    def holds(y: AlgebraicRoot, on_delta: bool) -> bool:
+    def holds(y: AlgebraicRoot) -> bool:
         def sign(f: fmpz_mpoly) -> int:
             if id(f) not in known:
-                known[id(f)] = over(f)
+                known[id(f)] = _restricted(exchanged(f) if sheet.exchanged else f, x, t)
             return y.sign_of(known[id(f)])
 
-        return c.holds(sign, on_delta)
+        if off_borders and sheet.pairs is not None:
+            return all(sign(g) * sign(h) <= 0 for g, h in sheet.pairs)
+        return c.holds(sign, sheet.f is not None)
 
     if sheet.f is not None:
-        return any(holds(y, True) for y in roots_in(_restricted(sheet.f, x, t), sheet.second))
-    walls = [p for g in sheet.clips for p in [_restricted(g, x, t)] if p.degree() > 0]
-    critical = candidates([g for p in walls for g, _ in p.factor()[1]], *_range(walls, sheet.second))
-    places = [*critical, *map(AlgebraicRoot.of, samples(critical, sheet.second))]
-    return any(holds(y, False) for y in places)
+        f = _restricted(sheet.f, x, t)
+        return not f.is_zero() and any(holds(y) for y in roots_in(f, sheet.second))
+    critical = _roots([_restricted(g, x, t) for g in sheet.clips], sheet.second)
+    return any(holds(y) for y in [*critical, *map(AlgebraicRoot.of, samples(critical, sheet.second))])
 
 
 def _restricted(f: fmpz_mpoly, x: fmpq, t: fmpq) -> fmpz_poly:
     """A positive multiple of f(x, ., t)."""
     return univariate(at(at(f, 2, t), 0, x), 1)
-
-
-def _range(walls: Sequence[fmpz_poly], ends: Span | None) -> Span:
-    """The range, or one that holds all real roots."""
-    if ends is not None:
-        return ends
-    bound = fmpq(1)
-    for p in walls:
-        bound = max(bound, fmpq(2 + max(abs(c) for c in p.coeffs()) // abs(p.leading_coefficient())))
-    return -bound, bound
 
 
 def _enclosed(t: AlgebraicRoot) -> Span:
