@@ -21,7 +21,6 @@ from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import dyadic, precision
 from firstcontact.exact.roots import AlgebraicRoot, real_roots, roots_in
 from firstcontact.exact.trivariate import (
-    RING,
     FactorSet,
     at,
     coefficients,
@@ -29,14 +28,15 @@ from firstcontact.exact.trivariate import (
     discriminant,
     exchanged,
     irreducible,
+    product,
     resultant,
     univariate,
 )
 from firstcontact.ruled.conditions import Conditions, Range
 
 Pairs = tuple[tuple[fmpz_mpoly, fmpz_mpoly], ...]
-MOST_DEGREE = 80
-"""Of a polynomial of times whose roots are isolated."""
+MOST_DEGREE = 320
+"""Of equations for times, as far as it can be foreseen: those of degree 230 take a second."""
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ class Sheet:
                 found.add(h)
         pairs = [(self.f, c) for c in self.clips] if self.f is not None else combinations(self.clips, 2)
         for g, h in pairs:
-            r = resultant(g, h, 1)
+            r = _eliminated(g, h, 1)
             if not r.is_zero():
                 found.add(r)
         return [b for b in found if _may_vanish(b, self.first)]
@@ -76,7 +76,7 @@ class Sheet:
         if degree(g, 1) == 0:
             yield g
             return
-        yield discriminant(g, 1)
+        yield _eliminated(g, None, 1)
         if self.second is None:
             yield coefficients(g, 1)[-1]
             return
@@ -93,7 +93,7 @@ class Sheet:
             if degree(b, 0) == 0:
                 found.add(b)
                 continue
-            found.add(_checked(discriminant(b, 0)))
+            found.add(_eliminated(b, None, 0))
             if self.first is None:
                 found.add(coefficients(b, 0)[-1])
                 continue
@@ -102,7 +102,7 @@ class Sheet:
                 if not value.is_zero():
                     found.add(value)
         for b, c in combinations([b for b in self.borders if degree(b, 0)], 2):
-            found.add(_checked(resultant(b, c, 0)))
+            found.add(_eliminated(b, c, 0))
         return [univariate(g, 2) for g in found if degree(g, 2)]
 
 
@@ -148,42 +148,37 @@ def _clips(c: Conditions, f: fmpz_mpoly) -> tuple[list[fmpz_mpoly], Pairs | None
     coordinates count.
     """
     found = FactorSet()
-    best = None
+    choices = []
     for k in range(3):
-        sets = [[] if x.is_zero() else irreducible(x) for pair in c.ends(k) for x in pair]
+        pair_factors = [[] if x.is_zero() else irreducible(x) for pair in c.ends(k) for x in pair]
         zero = [x.is_zero() for pair in c.ends(k) for x in pair]
-        off = [not z and all(g != f for g in some) for some, z in zip(sets, zero, strict=True)]
-        if not any(off):
-            continue
-        cost = sum(sum(int(d) for d in g.degrees()) for some in sets for g in some)
-        if best is None or cost < best[0]:
-            best = cost, sets, off, tuple(c.ends(k))
-    everything = [x for pair in c.pairs for x in pair] + [x for axis in c.axes for x in axis]
-    if best is None or _share_borders(f, best[1], best[2], c):
-        for x in everything:
+        decisive = [some for some, z in zip(pair_factors, zero, strict=True) if not z and all(g != f for g in some)]
+        if decisive:
+            cost = sum(sum(int(d) for d in g.degrees()) for some in pair_factors for g in some)
+            choices.append((cost, k, pair_factors, decisive))
+    if not choices or _share_borders(f, [some for choice in choices for some in choice[3]], c):
+        for x in [x for pair in c.pairs for x in pair] + [x for axis in c.axes for x in axis]:
             if not x.is_zero():
                 found.add(x)
-        best = None
-    else:
-        for some in best[1]:
-            for g in some:
-                found.add(g)
-    return [g for g in _real(found, c) if g != f], best and best[3]
+        return [g for g in _real(found, c) if g != f], None
+    _, k, pair_factors, _ = min(choices, key=lambda choice: choice[:2])
+    for some in pair_factors:
+        for g in some:
+            found.add(g)
+    return [g for g in _real(found, c) if g != f], tuple(c.ends(k))
 
 
-def _share_borders(f: fmpz_mpoly, sets: list[list[fmpz_mpoly]], off: list[bool], c: Conditions) -> bool:
-    """Whether all brackets may vanish together along a curve on f = 0."""
+def _share_borders(f: fmpz_mpoly, brackets: list[list[fmpz_mpoly]], c: Conditions) -> bool:
+    """Whether all brackets, given by their factors, may vanish together along a curve on f = 0."""
     index = 1 if degree(f, 1) else 0
     common: fmpz_mpoly | None = None
-    for some, counts in zip(sets, off, strict=True):
-        if counts:
-            r = RING.constant(1)
-            for g in some:
-                r = r * resultant(f, g, index)
-            common = r if common is None else common.gcd(r)
+    for some in brackets:
+        r = product(resultant(f, g, index) for g in some)
+        common = r if common is None else common.gcd(r)
+        if common.is_constant():
+            return False
     assert common is not None
-    range_ = c.u if index else c.v
-    return any(_may_vanish(b if index else exchanged(b), range_) for b in irreducible(common))
+    return any(_may_vanish(b if index else exchanged(b), c.u if index else c.v) for b in irreducible(common))
 
 
 def _real(polynomials: Iterable[fmpz_mpoly], c: Conditions) -> list[fmpz_mpoly]:
@@ -199,15 +194,19 @@ def _may_vanish(b: fmpz_mpoly, ends: Range) -> bool:
     return bool(roots_in(p, ends))
 
 
-def _checked(f: fmpz_mpoly) -> fmpz_mpoly:
-    if f.is_zero():
-        raise ArithmeticError("two different irreducible polynomials have the resultant 0")
-    if degree(f, 2) > MOST_DEGREE:
+def _eliminated(g: fmpz_mpoly, h: fmpz_mpoly | None, index: int) -> fmpz_mpoly:
+    """The resultant of g and h, without h the discriminant of g; UnsupportedPair where that leads too far."""
+    m, n = degree(g, index), degree(h, index) if h is not None else degree(g, index) - 1
+    other = g if h is None else h
+    u, t = (m * degree(other, k) + n * degree(g, k) for k in (0, 2))
+    # Eliminating u too doubles the product of the degrees.
+    expected = t if index == 0 else 2 * u * t
+    if min(m, n) > 0 and expected > MOST_DEGREE:
         raise UnsupportedPair(
-            f"too large for elimination: times of contact of degree {degree(f, 2)}; "
+            f"too large for elimination: equations of degree {expected} for the times of contact; "
             'method="certified" finds them as enclosures'
         )
-    return f
+    return discriminant(g, index) if h is None else resultant(g, h, index)
 
 
 def samples(p: Sequence[AlgebraicRoot], ends: Range) -> list[fmpq]:
