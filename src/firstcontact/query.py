@@ -61,11 +61,16 @@ def first_contact(
     (0.5, [1.0, 1.0, 4.0])
     """
     begin = clock.perf_counter()
-    if _check(a, b, method, engine, tolerance, budget):
+    kind = _check(a, b, method, engine, tolerance, budget)
+    if kind != "polyhedra" and engine != "auto":
+        raise UnsupportedPair(f"engine {engine!r} searches trees of polyhedra; curved models take 'auto'")
+    if kind == "ruled":
+        from firstcontact.ruled import moving
+
+        return moving.first_contact(a, b, span, exact, method, budget, progress)
+    if kind == "models":
         from firstcontact.composite import verbs
 
-        if engine != "auto":
-            raise UnsupportedPair(f"engine {engine!r} searches trees of polyhedra; curved models take 'auto'")
         return verbs.first_contact(a, b, span, exact, method, tolerance, budget, progress)
     parts, first, last = pieces(a, b, span)
     if exact:
@@ -119,7 +124,12 @@ def contact_intervals(
       [0.25, 0.5]
     """
     begin = clock.perf_counter()
-    if _check(a, b, "auto", "auto", tolerance, budget):
+    kind = _check(a, b, "auto", "auto", tolerance, budget)
+    if kind == "ruled":
+        from firstcontact.ruled import moving
+
+        return moving.contact_intervals(a, b, span, exact, budget, progress)
+    if kind == "models":
         from firstcontact.composite import verbs
 
         return verbs.contact_intervals(a, b, span, exact, budget, progress)
@@ -159,7 +169,7 @@ def contact_pairs(a: Any, b: Any, span: Any = None) -> ContactPairs:
     1 element pairs meet, 0 pierced at the start
     """
     begin = clock.perf_counter()
-    if _check(a, b, "auto", "auto", 1.0, None):
+    if _check(a, b, "auto", "auto", 1.0, None) != "polyhedra":
         raise UnsupportedPair("contact_pairs is for polyhedra; first_contact(..., method='algebraic') lists features")
     parts, _, _ = pieces(a, b, span)
     stats = Stats()
@@ -179,14 +189,19 @@ def contact_pairs(a: Any, b: Any, span: Any = None) -> ContactPairs:
     )
 
 
-def _is_curved(body: Any) -> bool:
-    """Whether it is a curved model, not a polyhedron; UnsupportedPair for what is no body."""
+def _kind(body: Any) -> str:
+    """"polyhedra", "models" or "ruled"; UnsupportedPair for what is no body."""
     shape: Any = body.body if isinstance(body, Moving) else body
     if isinstance(shape, Polyhedron):
-        return False
-    if type(shape).__name__ == "CompositeQuadric":  # asked by name: meshes need not load curved models
-        return True
-    raise UnsupportedPair(f"{body!r} is no body; give a Polyhedron or a CompositeQuadric, at rest or moving")
+        return "polyhedra"
+    name = type(shape).__name__  # asked by name: meshes need not load curved models
+    if name == "CompositeQuadric":
+        return "models"
+    if name in ("RuledSurface", "RuledStrip"):
+        return "ruled"
+    raise UnsupportedPair(
+        f"{body!r} is no body; give a Polyhedron, a CompositeQuadric or a RuledSurface, at rest or moving"
+    )
 
 
 def _starts_at_once(found: Found) -> bool:
@@ -214,9 +229,9 @@ METHODS = ("auto", "certified", "algebraic")
 ENGINES = ("auto", "boxes")
 
 
-def _check(a: Any, b: Any, method: str, engine: str, tolerance: float, budget: int | None) -> bool:
-    """Whether one of the bodies is curved; raises for arguments that no search takes."""
-    curved = [_is_curved(body) for body in (a, b)]
+def _check(a: Any, b: Any, method: str, engine: str, tolerance: float, budget: int | None) -> str:
+    """Which bodies these are, see `_kind`; raises for arguments that no search takes."""
+    kinds = {_kind(body) for body in (a, b)}
     if method not in METHODS:
         raise UnsupportedPair(f"method {method!r} is unknown; choose one of {', '.join(METHODS)}")
     if engine not in ENGINES:
@@ -225,4 +240,6 @@ def _check(a: Any, b: Any, method: str, engine: str, tolerance: float, budget: i
         raise InputError(f"tolerance is {tolerance}; give a positive number")
     if budget is not None and (not isinstance(budget, int) or budget < 0):
         raise InputError(f"budget is {budget!r}; give a whole number of node visits and pair tests")
-    return any(curved)
+    if "ruled" in kinds and len(kinds) > 1:
+        raise UnsupportedPair(f"{a!r} and {b!r}: ruled surfaces meet other ruled surfaces only")
+    return "ruled" if "ruled" in kinds else "models" if "models" in kinds else "polyhedra"

@@ -17,7 +17,7 @@ from firstcontact.exact.number_field import FieldElement, NumberField, sign
 from firstcontact.exact.numbers import precision
 from firstcontact.exact.roots import AlgebraicRoot
 from firstcontact.exact.trivariate import coefficients, degree, terms, univariate
-from firstcontact.ruled.conditions import Conditions
+from firstcontact.ruled.conditions import Conditions, Range
 from firstcontact.ruled.exclusion import Box, Span
 from firstcontact.ruled.sheets import Sheet, sheets
 
@@ -31,19 +31,18 @@ class Contact:
     """A shared point: the parameters in one field, in a chart of the pieces.
 
     conditions   of the chart; u and v are its parameters, inverse ones where `inverse` says so
+    ranges       of the pieces' parameters
     """
 
     conditions: Conditions
     inverse: tuple[bool, bool]
+    ranges: tuple[Range, Range]
     u: FieldElement
     v: FieldElement
     t: FieldElement
 
     def value(self, f: fmpz_mpoly) -> FieldElement:
         return _value(f, (self.u, self.v, self.t))
-
-    def sign(self, f: fmpz_mpoly) -> int:
-        return sign(self.value(f))
 
 
 def shared_points(c: Conditions, t: AlgebraicRoot, boxes: Iterable[Box]) -> Iterator[Contact]:
@@ -61,7 +60,8 @@ def shared_points(c: Conditions, t: AlgebraicRoot, boxes: Iterable[Box]) -> Iter
         own = sheets(chart)
         for u, v in clusters(group):
             for sheet in own:
-                yield from _on_sheet(chart, inverse, sheet, field, u, v)
+                for point in _on_sheet(chart, sheet, field, u, v):
+                    yield Contact(chart, inverse, (c.u, c.v), *point)
 
 
 def clusters(boxes: Sequence[Box]) -> list[tuple[Span, Span]]:
@@ -79,9 +79,11 @@ def clusters(boxes: Sequence[Box]) -> list[tuple[Span, Span]]:
     return groups
 
 
-def _on_sheet(
-    c: Conditions, inverse: tuple[bool, bool], sheet: Sheet, field: NumberField, u: Span, v: Span
-) -> Iterator[Contact]:
+Point = tuple[FieldElement, FieldElement, FieldElement]
+
+
+def _on_sheet(c: Conditions, sheet: Sheet, field: NumberField, u: Span, v: Span) -> Iterator[Point]:
+    """(u, v, T) of contacts."""
     first, second = (v, u) if sheet.exchanged else (u, v)
     t = field.generator()
     firsts: list[tuple[NumberField, FieldElement, FieldElement]] = []
@@ -96,15 +98,14 @@ def _on_sheet(
     instant = field.root
     for own, x, time in firsts:
         for when, x1, y1 in _seconds(sheet, own, instant, x, time, first, second):
-            point = (y1, x1) if sheet.exchanged else (x1, y1)
-            contact = Contact(c, inverse, *point, when)
-            if c.holds(contact.sign):
-                yield contact
+            point = (y1, x1, when) if sheet.exchanged else (x1, y1, when)
+            if c.holds(lambda f, at=point: sign(_value(f, at))):  # type: ignore[misc]
+                yield point
 
 
 def _seconds(
     sheet: Sheet, field: NumberField, instant: AlgebraicRoot, x: FieldElement, t: FieldElement, first: Span, second: Span
-) -> Iterator[tuple[FieldElement, FieldElement, FieldElement]]:
+) -> Iterator[Point]:
     """(t, first, second parameter) of the points to test over the first one."""
     f = [] if sheet.f is None else trimmed(_in_v(sheet.f, x, t))
     others = [_in_v(g, x, t) for g in sheet.clips if degree(g, 1) and _near_zero(g, first, second, instant)]
@@ -138,7 +139,7 @@ def _near_zero(f: fmpz_mpoly, u: Span, v: Span | None, instant: AlgebraicRoot) -
         return bool(sum((c * x**i * y**j * t**k for (i, j, k), c in terms(f)), arb(0)).contains(0))
 
 
-def _value(f: fmpz_mpoly, point: tuple[FieldElement, FieldElement, FieldElement]) -> FieldElement:
+def _value(f: fmpz_mpoly, point: Point) -> FieldElement:
     field = point[2].field
     total = field(0)
     powers: list[list[FieldElement]] = [[field(1)] for _ in range(3)]

@@ -35,7 +35,7 @@ from firstcontact.exact.trivariate import (
 from firstcontact.ruled.conditions import Conditions, Range
 
 Pairs = tuple[tuple[fmpz_mpoly, fmpz_mpoly], ...]
-MOST_DEGREE = 320
+MOST_DEGREE = 400
 """Of equations for times, as far as it can be foreseen: those of degree 230 take a second."""
 
 

@@ -8,11 +8,11 @@ a neighbouring cell does, for contact is closed, and is decided by its own point
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Sequence
 
 from flint import fmpq, fmpz_mpoly, fmpz_poly
 
+from firstcontact.composite.work import Work
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import dyadic, precision
 from firstcontact.exact.roots import AlgebraicRoot, roots_in
@@ -26,48 +26,42 @@ BITS = 64
 COVER_VISITS, COVER_DEPTH = 200, 30
 
 
-@dataclass
 class Times:
-    """The search over the closed span of the motion's parameter."""
+    """The search over the closed span of the motion's parameter; work counts decided cells and instants."""
 
-    conditions: Conditions
-    span: Span
-    evaluations: int = 0
-    sheets: list[Sheet] = field(init=False)
-    candidates: list[AlgebraicRoot] = field(init=False)
-    special: set[str] = field(init=False)
-    """Polynomials of instants at which Delta vanishes for all u and v."""
-
-    def __post_init__(self) -> None:
-        self.sheets = sheets(self.conditions)
-        flat = instants(self.conditions)
-        self.special = {str(p) for p in flat}
-        polynomials = [p for sheet in self.sheets for p in sheet.times]
-        self.candidates = candidates([*polynomials, *flat], *self.span)
+    def __init__(self, conditions: Conditions, span: Span, work: Work | None = None) -> None:
+        self.conditions, self.span, self.work = conditions, span, work or Work()
+        self.sheets = sheets(conditions)
+        flat = instants(conditions)
+        self._special = {str(p) for p in flat}
+        """Polynomials of instants at which Delta vanishes for all u and v."""
+        self.candidates = candidates([*(p for sheet in self.sheets for p in sheet.times), *flat], *span)
+        boxes = survivors(conditions, span, COVER_VISITS, COVER_DEPTH)
+        self._maybe = _joined([box.t for box in boxes])
+        """Outside these times there is no contact."""
         self._near: dict[int, fmpq] = {}
-        self._maybe = _joined([box.t for box in survivors(self.conditions, self.span, COVER_VISITS, COVER_DEPTH)])
 
-    def windows(self) -> list[tuple[AlgebraicRoot, AlgebraicRoot]]:
+    def windows(self) -> Iterator[tuple[AlgebraicRoot, AlgebraicRoot]]:
         """The closed windows of contact, in order, disjoint."""
-        lo, hi = (AlgebraicRoot.of(x) for x in self.span)
-        if self.span[0] == self.span[1]:
-            return [(lo, lo)] if self.at(lo) else []
-        inner = [x for x in self.candidates if x.compare(lo) > 0 and x.compare(hi) < 0]
-        walls = [lo, *inner, hi]
-        cells = [self._cell(x, y) for x, y in zip(walls, walls[1:], strict=False)]
-        found: list[tuple[AlgebraicRoot, AlgebraicRoot]] = []
         start: AlgebraicRoot | None = None
-        for k, wall in enumerate(walls):
-            before, after = k > 0 and cells[k - 1], k < len(cells) and cells[k]
-            if before and not after:
-                assert start is not None
-                found.append((start, wall))
-                start = None
-            elif after and not before:
+        for wall, touched, after in self.states():
+            if touched and start is None:
                 start = wall
-            elif not before and not after and self._is_candidate(wall) and self.at(wall):
-                found.append((wall, wall))
-        return found
+            if start is not None and not after:
+                yield start, wall
+                start = None
+
+    def states(self) -> Iterator[tuple[AlgebraicRoot, bool, bool]]:
+        """For every time at which contact may change, and both ends: (time, contact then, contact just after)."""
+        lo, hi = (AlgebraicRoot.of(x) for x in self.span)
+        inner = [x for x in self.candidates if x.compare(lo) > 0 and x.compare(hi) < 0]
+        walls = [lo, *inner] if lo.compare(hi) == 0 else [lo, *inner, hi]
+        before = False
+        for k, wall in enumerate(walls):
+            after = k + 1 < len(walls) and self._cell(wall, walls[k + 1])
+            special = len(walls) == 1 or 0 < k < len(walls) - 1 or self._is_candidate(wall)
+            yield wall, before or after or (special and self.at(wall)), after
+            before = after
 
     def _is_candidate(self, wall: AlgebraicRoot) -> bool:
         return any(wall.compare(x) == 0 for x in self.candidates)
@@ -80,11 +74,11 @@ class Times:
         """Some shared points at the instant, none where there is none."""
         if not self._may_hold(t, t):
             return []
-        self.evaluations += 1
+        self.work.step()
         c = self.conditions
         if t.rational is not None:
             c = c.at(t.rational)
-        elif str(t.polynomial) in self.special:
+        elif str(t.polynomial) in self._special:
             raise UnsupportedPair(
                 f"all rulings meet all others at an irrational time near {float(t)!r}, which exact arithmetic does not "
                 'decide; method="certified" encloses such times'
@@ -105,7 +99,7 @@ class Times:
         """Whether there is contact at the times strictly between x and y, at all or at none of which there is."""
         if not self._may_hold(x, y) or not self._may_hold_throughout(x, y):
             return False
-        self.evaluations += 1
+        self.work.step()
         t = between(x, y)
         return decide(self.conditions, self.sheets, t, self._near)
 

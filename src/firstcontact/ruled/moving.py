@@ -1,0 +1,276 @@
+"""`first_contact` and `contact_intervals` of ruled surfaces, moving or deforming, in exact arithmetic."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cmp_to_key
+from typing import Any
+
+import numpy as np
+from flint import arb, ctx, fmpq
+
+from firstcontact.body.moving import Moving
+from firstcontact.body.ruled_surface import RuledSurface
+from firstcontact.composite.work import Spent, Work
+from firstcontact.errors import InputError, UnsupportedPair
+from firstcontact.exact.instants import enclose
+from firstcontact.exact.numbers import below, fraction, precision, to_double
+from firstcontact.exact.roots import AlgebraicRoot
+from firstcontact.motion.clocks import StraightClock
+from firstcontact.motion.directrices import DirectrixPiece, directrix_pieces
+from firstcontact.motion.polynomial import PolynomialPiece
+from firstcontact.motion.span import common_span
+from firstcontact.report import MOST_OTHERS
+from firstcontact.result import (
+    ContactInterval,
+    ContactIntervals,
+    ContactSet,
+    Element,
+    ElementPair,
+    FirstContact,
+    Stats,
+    Status,
+)
+from firstcontact.ruled.conditions import conditions
+from firstcontact.ruled.times import Times
+from firstcontact.ruled.touches import Touch, touch
+from firstcontact.search.earliest import Progress
+
+BITS = 128
+_ORDER = {"vertex": 0, "directrix": 1, "end_ruling": 2, "face": 3}
+_PER_PIECE = {"vertex": 4, "directrix": 2, "end_ruling": 2, "face": 1}
+
+
+@dataclass(frozen=True)
+class _Pair:
+    """Two ruled pieces over one piece of their motion; numbers: which pieces of their bodies they are."""
+
+    motion: PolynomialPiece
+    times: Times
+    numbers: tuple[int, int]
+    joined: tuple[frozenset[str], frozenset[str]]
+
+
+@dataclass(frozen=True)
+class _End:
+    """A time: a value of the motion's parameter, or an end of the piece of motion."""
+
+    motion: PolynomialPiece
+    root: AlgebraicRoot
+    time: fmpq | None
+
+    @classmethod
+    def of(cls, motion: PolynomialPiece, root: AlgebraicRoot) -> _End:
+        assert motion.end is not None
+        if motion.clock.compare(root, motion.start) <= 0:
+            return cls(motion, root, motion.start)
+        return cls(motion, root, motion.end if motion.clock.compare(root, motion.end) >= 0 else None)
+
+    def compare(self, other: _End) -> int:
+        """Of two ends in one piece of motion."""
+        if self.time is not None and other.time is not None:
+            return int(self.time > other.time) - int(self.time < other.time)
+        return self.root.compare(other.root)
+
+    def value(self, exact: bool) -> tuple[float, tuple[float, float], Any]:
+        """(nearest double, enclosure, exact time)."""
+        if self.time is not None:
+            time = self.time
+            return *enclose(lambda: time), fraction(time) if exact else None
+        rational = self.root.rational
+        if rational is not None and isinstance(self.motion.clock, StraightClock):
+            found = enclose(lambda: rational)
+        else:
+            found = enclose(lambda: self.motion.time_of(self.root.enclosure(ctx.prec)))
+        return *found, self.motion.exact_time(self.root) if exact else None
+
+
+def contact_intervals(
+    a: Any, b: Any, span: Any, exact: bool, budget: int | None = None, progress: Progress | None = None
+) -> ContactIntervals:
+    """All closed times at which the surfaces share a point."""
+    begin = clock.perf_counter()
+    first, last = _span(a, b, span)
+    shared = {"a": a, "b": b, "span": (to_double(first), to_double(last))}
+    work = Work(budget, progress, below(first))
+    windows: list[tuple[_End, _End]] = []
+    reason = None
+    try:
+        for pairs in _pieces(a, b, first, last, work):
+            for start, end in _joined([w for pair in pairs for w in _windows(pair)]):
+                if windows and start.time is not None and windows[-1][1].time == start.time:
+                    windows[-1] = windows[-1][0], end
+                else:
+                    windows.append((start, end))
+    except Spent:
+        reason = "budget"
+    intervals = tuple(_interval(start, end, exact) for start, end in windows)
+    at_start = bool(windows) and windows[0][0].time == first
+    status = Status.FREE if not windows else Status.INITIAL_CONTACT if at_start else Status.CONTACT
+    until = intervals[0].start if intervals else to_double(last)
+    if reason is not None:
+        status, until = Status.UNDECIDED, work.free_until
+    return ContactIntervals(intervals, status, until, reason, _stats(work, begin), **shared)
+
+
+def first_contact(
+    a: Any, b: Any, span: Any, exact: bool, method: str, budget: int | None = None, progress: Progress | None = None
+) -> FirstContact:
+    """The first shared point."""
+    if method == "certified":
+        raise UnsupportedPair("ruled surfaces are decided in exact arithmetic; method is \"auto\" or \"algebraic\"")
+    begin = clock.perf_counter()
+    first, last = _span(a, b, span)
+    shared = {"a": a, "b": b, "span": (to_double(first), to_double(last))}
+    work = Work(budget, progress, below(first))
+    try:
+        for pairs in _pieces(a, b, first, last, work):
+            starts = [(start, pair, lasts) for pair in pairs for start, lasts in _starts(pair)]
+            if starts:
+                earliest = min((start for start, _, _ in starts), key=cmp_to_key(_End.compare))
+                now = [(pair, lasts) for start, pair, lasts in starts if start.compare(earliest) == 0]
+                work.budget = None  # it is for the time; what meets then is found in any case
+                found = _contact(earliest, now, exact, earliest.time == first, shared)
+                return replace(found, stats=_stats(work, begin))
+    except Spent:
+        stats = _stats(work, begin)
+        return FirstContact(Status.UNDECIDED, free_until=work.free_until, reason="budget", stats=stats, **shared)
+    return FirstContact(Status.FREE, free_until=to_double(last), stats=_stats(work, begin), **shared)
+
+
+def _span(a: Any, b: Any, span: Any) -> tuple[fmpq, fmpq]:
+    first, last = common_span(a, b, span)
+    if last is None:
+        raise UnsupportedPair("ruled surfaces need a bounded span; give span=(first, last)")
+    return first, last
+
+
+def _pieces(a: Any, b: Any, first: fmpq, last: fmpq, work: Work) -> Iterator[list[_Pair]]:
+    """All pairs of pieces of the surfaces over each piece of their motion, in time order."""
+    combined = [(i, j, x, y) for i, x in enumerate(_parts(a)) for j, y in enumerate(_parts(b))]
+    for steps in zip(*(directrix_pieces(x, y, first, last) for _, _, x, y in combined), strict=True):
+        work.free_until = below(steps[0].motion.start)
+        yield [_pair(*pair, step, work) for pair, step in zip(combined, steps, strict=True)]
+
+
+def _pair(i: int, j: int, x: Any, y: Any, step: DirectrixPiece, work: Work) -> _Pair:
+    motion = step.motion
+    if not motion.exact:
+        raise UnsupportedPair(f"{motion.of}: the pose before this step is irrational; such steps are not supported")
+    assert motion.u_hi is not None
+    span = motion.u_lo, motion.u_hi
+    joined = tuple((z.body if isinstance(z, Moving) else z).joined for z in (x, y))
+    return _Pair(motion, Times(conditions(x, y, step, span), span, work), (i, j), joined)  # type: ignore[arg-type]
+
+
+def _parts(body: Any) -> list[Any]:
+    shape = body.body if isinstance(body, Moving) else body
+    if not hasattr(shape, "pieces"):
+        raise InputError(f"{body!r} is no ruled surface")
+    pieces: tuple[RuledSurface, ...] = shape.pieces
+    return [Moving(piece, body.motion) if isinstance(body, Moving) else piece for piece in pieces]
+
+
+def _windows(pair: _Pair) -> Iterator[tuple[_End, _End]]:
+    """Closed windows of contact within the piece of motion, whose parameter may reach beyond it."""
+    motion = pair.motion
+    assert motion.end is not None
+    for start, end in pair.times.windows():
+        if motion.clock.compare(end, motion.start) >= 0 and motion.clock.compare(start, motion.end) <= 0:
+            yield _End.of(motion, start), _End.of(motion, end)
+
+
+def _starts(pair: _Pair) -> Iterator[tuple[_End, bool]]:
+    """The first time of contact in the piece of motion, and whether contact lasts after it; nothing where it is free."""
+    motion = pair.motion
+    assert motion.end is not None
+    for wall, touched, after in pair.times.states():
+        if motion.clock.compare(wall, motion.end) > 0:
+            return
+        if after or (touched and motion.clock.compare(wall, motion.start) >= 0):
+            # a cell that begins before the piece does may end before it, too
+            if motion.clock.compare(wall, motion.start) < 0 and _next_wall(pair, wall) < 0:
+                continue
+            yield _End.of(motion, wall), after
+            return
+
+
+def _next_wall(pair: _Pair, wall: AlgebraicRoot) -> int:
+    """How the end of the cell after the wall compares with the start of the piece of motion."""
+    later = [x for x in pair.times.candidates if x.compare(wall) > 0]
+    end = later[0] if later else AlgebraicRoot.of(pair.times.span[1])
+    return pair.motion.clock.compare(end, pair.motion.start)
+
+
+def _joined(windows: list[tuple[_End, _End]]) -> list[tuple[_End, _End]]:
+    """The union of closed windows in one piece of motion."""
+    found: list[tuple[_End, _End]] = []
+    for start, end in sorted(windows, key=cmp_to_key(lambda x, y: x[0].compare(y[0]))):
+        if found and start.compare(found[-1][1]) <= 0:
+            if end.compare(found[-1][1]) > 0:
+                found[-1] = found[-1][0], end
+        else:
+            found.append((start, end))
+    return found
+
+
+def _interval(start: _End, end: _End, exact: bool) -> ContactInterval:
+    (t0, lo, exact0), (t1, hi, exact1) = start.value(exact), end.value(exact)
+    return ContactInterval(t0, t1, lo, hi, exact0, exact1)
+
+
+def _stats(work: Work, begin: float) -> Stats:
+    return Stats(0, 0, 0, work.done, clock.perf_counter() - begin)
+
+
+# -- what meets -----------------------------------------------------------------------------------------------
+
+
+def _contact(
+    start: _End, pairs: list[tuple[_Pair, bool]], exact: bool, initial: bool, shared: dict[str, Any]
+) -> FirstContact:
+    """The result at the first time, the lowest (kind, index) of the pairs of elements first."""
+    time, interval, known = start.value(exact)
+    touches: dict[tuple[tuple[int, int], ...], tuple[ElementPair, Touch]] = {}
+    for pair, _ in pairs:
+        for contact in pair.times.contacts(start.root):
+            found = touch(contact, pair.joined)
+            named = [_named(shared[x], kind, number, x) for x, kind, number in zip("ab", found.elements, pair.numbers, strict=True)]
+            key = tuple((_ORDER[e.kind], e.index) for e in named)
+            touches.setdefault(key, (ElementPair(*named), found))
+    status = Status.INITIAL_CONTACT if initial else Status.CONTACT
+    answer = FirstContact(status, time, interval, known, free_until=interval[0], **shared)
+    if initial:
+        answer = replace(answer, initial="overlapping" if any(after for _, after in pairs) else "touching")
+    if not touches:
+        return answer
+    (lowest, best), *rest = (touches[key] for key in sorted(touches))
+    pose = _pose_of_b(start, shared["b"], time)
+    point = pose[:3, :3] @ best.point + pose[:3, 3]
+    normal = None
+    if best.normal is not None and not initial:
+        turned = best.normal @ np.linalg.inv(pose[:3, :3])
+        normal = turned / np.linalg.norm(turned)
+    return replace(
+        answer, point=point, normal=normal, element_a=lowest.element_a, element_b=lowest.element_b,
+        others=tuple(p for p, _ in rest[:MOST_OTHERS]), multiplicity=len(touches),
+        contact_set=ContactSet("point", point[None]) if not rest and not best.is_overlap else None,
+    )  # fmt: skip
+
+
+def _named(body: Any, element: tuple[str, int], number: int, which: str) -> Element:
+    kind, index = element
+    name = getattr(body, "name", None) or which
+    return Element(kind, name, index + number * _PER_PIECE[kind], name)
+
+
+def _pose_of_b(start: _End, b: Any, time: float) -> np.ndarray:
+    frame = start.motion.frame
+    if frame is None:  # bodies that turn about one line at different speeds
+        return np.asarray(b.motion(time), float)
+    u = start.root.enclosure(BITS)
+    with precision(BITS):
+        rows = [[x(u) for x in row] for row in frame]
+        return np.array([[float((x / arb(rows[3][3])).mid()) for x in row] for row in rows])

@@ -1,0 +1,195 @@
+"""What meets at a contact: points and elements of two ruled pieces, from exact parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from flint import arb
+
+from firstcontact.body.rational_curve import RationalCurve, lifted, terms
+from firstcontact.exact.number_field import FieldElement, is_zero, sign
+from firstcontact.exact.numbers import precision
+from firstcontact.exact.trivariate import RING
+from firstcontact.ruled.shared_points import Contact
+
+BITS = 96
+Side = int | None
+"""Which end of a range a parameter is at: 0 or 1; None between them."""
+
+
+@dataclass(frozen=True)
+class Touch:
+    """A shared point.
+
+    point       (3,) in the frame of q
+    elements    (kind, number) on either piece: face 0, directrix j, end_ruling i, vertex 2 i + j
+    parameters  u, s, v, t in doubles; s or t None on rulings without end
+    normal      (3,) unit, orthogonal to both elements, against the way in which p comes nearer to q; None where they
+                span no plane, or p slides along it
+    is_overlap  the rulings lie on one line and share more than the point
+    """
+
+    point: np.ndarray
+    elements: tuple[tuple[str, int], tuple[str, int]]
+    parameters: tuple[float, float | None, float, float | None]
+    normal: np.ndarray | None
+    is_overlap: bool
+
+
+Vector = list[FieldElement]
+
+
+class _Ruling:
+    """One segment or line, exactly: the points (1 - r) first + r second, a line also base + r way."""
+
+    def __init__(self, curves: tuple[RationalCurve, RationalCurve], name: str, contact: Contact, bounded: bool) -> None:
+        ends = [[contact.value(x) for x in lifted(c.components, RING, name)] for c in curves]
+        self.bounded = bounded
+        finite = [not is_zero(x[3]) for x in ends]
+        if all(finite):
+            (a, b) = ([c / x[3] for c in x[:3]] for x in ends)
+            self.first, self.second = a, b
+        else:  # a whole ruling whose directrix is at infinity
+            a = next([c / x[3] for c in x[:3]] for x, f in zip(ends, finite, strict=True) if f)
+            way = next(x[:3] for x, f in zip(ends, finite, strict=True) if not f)
+            self.first, self.second = a, [p + q for p, q in zip(a, way, strict=True)]
+        self.way = _minus(self.second, self.first)
+
+    def place(self, point: Vector) -> FieldElement | None:
+        """The parameter r of a point on the line; None where the ruling is a point."""
+        for x, y, w in zip(point, self.first, self.way, strict=True):
+            if not is_zero(w):
+                return (x - y) / w
+        return None
+
+
+def touch(contact: Contact, joined: tuple[frozenset[str], frozenset[str]]) -> Touch:
+    """joined: borders of either piece that are none of the body."""
+    c = contact.conditions
+    p, q = (_Ruling(curves, name, contact, b) for curves, name, b in zip(c.sides, "uv", c.bounded, strict=True))
+    n = _cross(p.way, q.way)
+    gap = _minus(q.first, p.first)
+    square = _dot(n, n)
+    shared = False
+    if not is_zero(square):
+        point = _along(p, _dot(_cross(gap, q.way), n) / square)
+    else:
+        points = _common_points(p, q)
+        point, shared = points[0], any(not is_zero(x) for y in points[1:] for x in _minus(y, points[0]))
+    r, w = p.place(point), q.place(point)
+    places = [None if x is None or not b else x for x, b in zip((r, w), c.bounded, strict=True)]
+    elements = []
+    for value, ends, place, borders in zip((contact.u, contact.v), contact.ranges, places, joined, strict=True):
+        across = None if ends is None else _side([value - end for end in ends], ("u0", "u1"), borders)
+        along = None if place is None else _side([place, place - 1], ("s0", "s1"), borders)
+        elements.append(_element(across, along))
+    point_d = np.array([_double(x) for x in point])
+    u, v = (_parameter(x, i) for x, i in zip((contact.u, contact.v), contact.inverse, strict=True))
+    r_d, w_d = (None if x is None else _double(x) for x in places)
+    kinds = elements[0], elements[1]
+    return Touch(point_d, kinds, (u, r_d, v, w_d), _normal(contact, kinds, (p, q), places), shared)
+
+
+def _common_points(p: _Ruling, q: _Ruling) -> list[Vector]:
+    """Ends of rulings on one line, or that are points, which lie on the other one; at least one."""
+    found = []
+    for own, other in ((p, q), (q, p)):
+        for point in (own.first, own.second) if own.bounded else ():
+            r = other.place(point)
+            if r is None:
+                inside = all(is_zero(x) for x in _minus(point, other.first))
+            else:
+                on_line = all(is_zero(x) for x in _minus(_along(other, r), point))
+                inside = on_line and (not other.bounded or (sign(r) >= 0 and sign(r - 1) <= 0))
+            if inside:
+                found.append(point)
+    return found
+
+
+def _side(distances: Sequence[FieldElement], names: Sequence[str], joined: frozenset[str]) -> Side:
+    for k, distance in enumerate(distances):
+        if names[k] not in joined and is_zero(distance):
+            return k
+    return None
+
+
+def _element(across: Side, along: Side) -> tuple[str, int]:
+    if across is None:
+        return ("face", 0) if along is None else ("directrix", along)
+    return ("end_ruling", across) if along is None else ("vertex", 2 * across + along)
+
+
+def _normal(
+    contact: Contact, kinds: tuple[tuple[str, int], tuple[str, int]], rulings: tuple[_Ruling, _Ruling], places: Any
+) -> np.ndarray | None:
+    """Of the plane that all tangents of both elements span, in doubles, and where p comes from."""
+    c = contact.conditions
+    tangents = []
+    speeds = []
+    for kind, curves, own, place, x in zip(
+        (k for k, _ in kinds), c.sides, rulings, places, (contact.u, contact.v), strict=True
+    ):
+        way = np.array([_double(w) for w in own.way])
+        if kind in ("face", "end_ruling"):
+            tangents.append(way)
+        r = 0.5 if place is None else _double(place)
+        first, second = (_slopes(curve, _double(x), _double(contact.t)) for curve in curves)
+        along, speed = (1 - r) * first + r * second
+        speeds.append(speed)
+        if kind in ("face", "directrix"):
+            tangents.append(along)
+    rows = np.array([t / np.linalg.norm(t) for t in tangents if np.all(np.isfinite(t)) and np.linalg.norm(t) > 0])
+    if len(rows) < 2:
+        return None
+    _, size, base = np.linalg.svd(rows)
+    if len(size) < 2 or size[1] < 1e-6 or (len(size) > 2 and size[2] > 1e-6):
+        return None
+    way = float(base[2] @ (speeds[0] - speeds[1]))
+    if not abs(way) > 1e-9:
+        return None
+    return base[2] if way < 0 else -base[2]
+
+
+def _slopes(curve: RationalCurve, u: float, t: float) -> np.ndarray:
+    """(2, 3): the derivatives of the affine point by the parameter and by T."""
+    x, dx, dt = np.zeros(4), np.zeros(4), np.zeros(4)
+    for k, p in enumerate(curve.components):
+        for (i, j), c in terms(p).items():
+            x[k] += int(c) * u**i * t**j
+            dx[k] += int(c) * i * u ** max(i - 1, 0) * t**j
+            dt[k] += int(c) * j * u**i * t ** max(j - 1, 0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.array([(d[:3] * x[3] - x[:3] * d[3]) / x[3] ** 2 for d in (dx, dt)])
+
+
+def _double(x: FieldElement) -> float:
+    with precision(BITS):
+        return float(x.ball(BITS).mid())
+
+
+def _parameter(x: FieldElement, inverse: bool) -> float:
+    if not inverse:
+        return _double(x)
+    if is_zero(x):
+        return float("inf")
+    with precision(BITS):
+        return float((arb(1) / x.ball(BITS)).mid())
+
+
+def _along(r: _Ruling, place: FieldElement) -> Vector:
+    return [x + place * w for x, w in zip(r.first, r.way, strict=True)]
+
+
+def _minus(x: Vector, y: Vector) -> Vector:
+    return [a - b for a, b in zip(x, y, strict=True)]
+
+
+def _dot(x: Vector, y: Vector) -> FieldElement:
+    return x[0] * y[0] + x[1] * y[1] + x[2] * y[2]
+
+
+def _cross(x: Vector, y: Vector) -> Vector:
+    return [x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]]
