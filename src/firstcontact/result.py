@@ -111,6 +111,29 @@ class AlgebraicNumber:
             value = value * x + coefficient
         return (value > 0) - (value < 0)
 
+    @property
+    def closed_form(self) -> str | None:
+        """The number by square roots, such as "(1 + sqrt(5))/2"; None beyond degree 2.
+
+        >>> AlgebraicNumber((-1, 0, 2), Fraction(-1), Fraction(0)).closed_form
+        '-sqrt(2)/2'
+        """
+        if len(self.polynomial) != 3:
+            return None
+        c, b, a = self.polynomial
+        upper = self._sign(Fraction(-b, 2 * a)) and Fraction(float(self)) * 2 * a > -b
+        p, q, way = (-b, 2 * a, 1 if upper else -1) if a > 0 else (b, -2 * a, -1 if upper else 1)
+        inside, outside, k = b * b - 4 * a * c, 1, 2
+        while k * k <= inside and k < 1000:
+            while inside % (k * k) == 0:
+                inside, outside = inside // (k * k), outside * k
+            k += 1
+        common = math.gcd(p, q, outside)
+        p, q, outside = p // common, q // common, outside // common
+        root = f"sqrt({inside})" if outside == 1 else f"{outside}*sqrt({inside})"
+        above = f"{p} {'+' if way > 0 else '-'} {root}" if p else root if way > 0 else f"-{root}"
+        return above if q == 1 else f"({above})/{q}" if p else f"{above}/{q}"
+
     def __str__(self) -> str:
         terms = " + ".join(f"{c}*x^{k}" for k, c in enumerate(self.polynomial) if c)
         return f"root of {terms} in [{self.lo}, {self.hi}]"
@@ -312,7 +335,14 @@ class ContactInterval(_NoTruth):
     end_exact: ExactTime | None = None
 
     def __str__(self) -> str:
-        return f"[{self.start!r}, {self.end!r}]"
+        if self.start_exact is None or self.end_exact is None:
+            return f"[{self.start!r}, {self.end!r}]"
+        ends = (self.start_exact, self.end_exact)
+        short = [getattr(x, "closed_form", None) or (str(x) if isinstance(x, Fraction) else None) for x in ends]
+        shown = ", ".join(x or repr(float(y)) for x, y in zip(short, ends, strict=True))
+        roots = [f"\n    {name}: {x}" for name, x in zip(("start", "end"), ends, strict=True)
+                 if not isinstance(x, Fraction)]  # fmt: skip
+        return f"[{shown}]{''.join(roots)}"
 
     def to_dict(self) -> dict[str, Any]:
         out: dict[str, Any] = {}

@@ -9,7 +9,7 @@ side of P's.  Whole lines drop the conditions on their own ends.  All inequaliti
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, reduce
 from typing import Any
 
@@ -52,6 +52,8 @@ class Conditions:
     v: Range
     bounded: tuple[bool, bool]
     sides: tuple[Sides, Sides]
+    moment: fmpq | None = None
+    """Of conditions at one time, whose curves still move."""
     known: dict[str, Any] = field(default_factory=dict, repr=False, compare=False)
     """What was worked out of them."""
 
@@ -84,13 +86,14 @@ class Conditions:
 
     def at(self, t: fmpq) -> Conditions:
         """The conditions at one time."""
-        curves = tuple((p.at(t) if p.deforming else p) for pair in self.sides for p in pair)
-        return Conditions(
-            at(self.delta, 2, t),
-            tuple(tuple(at(x, 2, t) for x in row) for row in self.brackets),
-            tuple(tuple(at(x, 2, t) for x in row) for row in self.axes),
-            self.u, self.v, self.bounded, (curves[:2], curves[2:]),
-        )  # fmt: skip
+        return replace(
+            self,
+            delta=at(self.delta, 2, t),
+            brackets=tuple(tuple(at(x, 2, t) for x in row) for row in self.brackets),
+            axes=tuple(tuple(at(x, 2, t) for x in row) for row in self.axes),
+            moment=t,
+            known={},
+        )
 
     @cached_property
     def charts(self) -> dict[tuple[bool, bool], Conditions]:
@@ -105,7 +108,7 @@ class Conditions:
                 first = (p[0].reversed(), p[1].reversed()) if inverse_u else p
                 second = (q[0].reversed(), q[1].reversed()) if inverse_v else q
                 chart = _conditions(first, second, self.u or unit, self.v or unit, self.bounded)
-                found[inverse_u, inverse_v] = chart
+                found[inverse_u, inverse_v] = chart if self.moment is None else chart.at(self.moment)
         return found
 
 

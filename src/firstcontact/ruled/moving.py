@@ -256,8 +256,12 @@ def _contact(
     return replace(
         answer, point=point, normal=normal, element_a=lowest.element_a, element_b=lowest.element_b,
         others=tuple(p for p, _ in rest[:MOST_OTHERS]), multiplicity=len(touches),
-        contact_set=ContactSet("point", point[None]) if not rest and not best.is_overlap else None,
+        contact_set=_contact_set(best.shared @ pose[:3, :3].T + pose[:3, 3]) if not rest else None,
     )  # fmt: skip
+
+
+def _contact_set(points: np.ndarray) -> ContactSet:
+    return ContactSet("point" if len(points) == 1 else "segment", points)
 
 
 def _named(body: Any, element: tuple[str, int], number: int, which: str) -> Element:

@@ -113,7 +113,10 @@ def sheets(c: Conditions) -> list[Sheet]:
         for x in [x for pair in c.pairs for x in pair] + [x for axis in c.axes for x in axis]:
             if not x.is_zero():
                 clips.add(x)
-        return [Sheet(None, tuple(_real(clips, c)), None, False, c.u, c.v)]
+        own = _real(clips, c)
+        either = (Sheet(None, tuple(own), None, False, c.u, c.v),
+                  Sheet(None, tuple(exchanged(x) for x in own), None, True, c.v, c.u))  # fmt: skip
+        return [min(either, key=lambda sheet: sum(b.total_degree() for b in sheet.borders))]
     found = []
     for f in _real(irreducible(c.delta), c):
         if degree(f, 0) == degree(f, 1) == 0:

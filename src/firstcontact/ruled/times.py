@@ -18,7 +18,7 @@ from firstcontact.exact.numbers import dyadic, precision
 from firstcontact.exact.roots import AlgebraicRoot, roots_in
 from firstcontact.exact.trivariate import at, exchanged, univariate
 from firstcontact.ruled.conditions import Conditions, Range
-from firstcontact.ruled.exclusion import Span, survivors
+from firstcontact.ruled.exclusion import Box, Span, survivors
 from firstcontact.ruled.shared_points import Contact, shared_points
 from firstcontact.ruled.sheets import Sheet, between, candidates, instants, samples, sheets
 
@@ -121,11 +121,21 @@ def decide(c: Conditions, own: Sequence[Sheet], t: fmpq, near: dict[int, fmpq] |
         return False
     for k, sheet in enumerate(own):
         for x in _between_borders(sheet, t):
-            if _on_fibre(c, sheet, x, t, True):
+            # nothing changes up to the next border: a cell without contact at one parameter has none
+            if any(_holds(box, sheet, x) for box in boxes) and _on_fibre(c, sheet, x, t, True):
                 near.clear()
                 near[k] = x
                 return True
     return any(True for _ in shared_points(c.at(t), AlgebraicRoot.of(t), boxes))
+
+
+def _holds(box: Box, sheet: Sheet, x: fmpq) -> bool:
+    """Whether the first parameter of a sheet is in the range of the box."""
+    index = 1 if sheet.exchanged else 0
+    lo, hi = box.v if sheet.exchanged else box.u
+    if box.inverse[index]:
+        return bool(x != 0 and lo <= 1 / x <= hi)
+    return bool(lo <= x <= hi)
 
 
 def _between_borders(sheet: Sheet, t: fmpq) -> list[fmpq]:

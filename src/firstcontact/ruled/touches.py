@@ -29,14 +29,14 @@ class Touch:
     parameters  u, s, v, t in doubles; s or t None on rulings without end
     normal      (3,) unit, orthogonal to both elements, against the way in which p comes nearer to q; None where they
                 span no plane, or p slides along it
-    is_overlap  the rulings lie on one line and share more than the point
+    shared      (n, 3): the point, or both ends of the segment that rulings on one line share
     """
 
     point: np.ndarray
     elements: tuple[tuple[str, int], tuple[str, int]]
     parameters: tuple[float, float | None, float, float | None]
     normal: np.ndarray | None
-    is_overlap: bool
+    shared: np.ndarray
 
 
 Vector = list[FieldElement]
@@ -73,12 +73,11 @@ def touch(contact: Contact, joined: tuple[frozenset[str], frozenset[str]]) -> To
     n = _cross(p.way, q.way)
     gap = _minus(q.first, p.first)
     square = _dot(n, n)
-    shared = False
     if not is_zero(square):
-        point = _along(p, _dot(_cross(gap, q.way), n) / square)
+        points = [_along(p, _dot(_cross(gap, q.way), n) / square)]
     else:
         points = _common_points(p, q)
-        point, shared = points[0], any(not is_zero(x) for y in points[1:] for x in _minus(y, points[0]))
+    point = points[0]
     r, w = p.place(point), q.place(point)
     places = [None if x is None or not b else x for x, b in zip((r, w), c.bounded, strict=True)]
     elements = []
@@ -86,15 +85,15 @@ def touch(contact: Contact, joined: tuple[frozenset[str], frozenset[str]]) -> To
         across = None if ends is None else _side([value - end for end in ends], ("u0", "u1"), borders)
         along = None if place is None else _side([place, place - 1], ("s0", "s1"), borders)
         elements.append(_element(across, along))
-    point_d = np.array([_double(x) for x in point])
+    shown = np.array([[_double(x) for x in y] for y in points])
     u, v = (_parameter(x, i) for x, i in zip((contact.u, contact.v), contact.inverse, strict=True))
     r_d, w_d = (None if x is None else _double(x) for x in places)
     kinds = elements[0], elements[1]
-    return Touch(point_d, kinds, (u, r_d, v, w_d), _normal(contact, kinds, (p, q), places), shared)
+    return Touch(shown[0], kinds, (u, r_d, v, w_d), _normal(contact, kinds, (p, q), places), shown)
 
 
 def _common_points(p: _Ruling, q: _Ruling) -> list[Vector]:
-    """Ends of rulings on one line, or that are points, which lie on the other one; at least one."""
+    """Ends of rulings on one line, or that are points, which lie on the other one, each once: one or two."""
     found = []
     for own, other in ((p, q), (q, p)):
         for point in (own.first, own.second) if own.bounded else ():
@@ -104,7 +103,7 @@ def _common_points(p: _Ruling, q: _Ruling) -> list[Vector]:
             else:
                 on_line = all(is_zero(x) for x in _minus(_along(other, r), point))
                 inside = on_line and (not other.bounded or (sign(r) >= 0 and sign(r - 1) <= 0))
-            if inside:
+            if inside and not any(all(is_zero(x) for x in _minus(point, y)) for y in found):
                 found.append(point)
     return found
 

@@ -1,0 +1,147 @@
+"""Exact times of contact of ruled surfaces: known vectors, rulings that coincide, Delta = 0, and weak contacts."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+import firstcontact as fc
+from firstcontact.errors import UnsupportedPair
+from ruled_vectors import numbers, value, vectors
+
+MOVING = {v.name[:3]: v for v in vectors("moving")}
+LARGE = ("m13", "m14")
+"""Elimination leads too far."""
+
+
+@pytest.mark.parametrize("name", [n for n in MOVING if n not in LARGE])
+def test_known_intervals(name):
+    vector = MOVING[name]
+    found = fc.contact_intervals(vector.p, vector.q, vector.span, exact=True)
+    expected = vector.expected["exact"] or vector.expected["collision_T"]
+    for interval, ends in zip(found, expected, strict=True):
+        for exact, enclosure, text in (
+            (interval.start_exact, interval.start_interval, ends[0]),
+            (interval.end_exact, interval.end_interval, ends[1]),
+        ):
+            assert float(exact) == pytest.approx(float(value(text)), abs=1e-15)
+            assert enclosure[0] <= float(value(text)) <= enclosure[1]
+    free = [t for t, d in vector.expected["distance_samples"] if d > 1e-6]
+    assert not any(i.start <= t <= i.end for t in free for i in found)
+
+
+@pytest.mark.parametrize("name", ["m01", "m02", "m05", "m07", "m12", "m15"])
+def test_known_first_contact(name):
+    vector = MOVING[name]
+    hit = fc.first_contact(vector.p, vector.q, vector.span, exact=True)
+    event = vector.expected["events"][0]
+    assert hit.status is fc.Status.CONTACT
+    assert hit.time == pytest.approx(float(event["T"]), abs=1e-15)
+    assert np.allclose(hit.point, numbers(event["point"]), atol=1e-12)
+    kind = {(): "face", ("s",): "directrix", ("u",): "end_ruling", ("s", "u"): "vertex"}
+    kind |= {("t",): "directrix", ("v",): "end_ruling", ("t", "v"): "vertex"}
+    active = event["active"]
+    assert hit.element_a.kind == kind[tuple(sorted(set(active) & {"u", "s"}))]
+    assert hit.element_b.kind == kind[tuple(sorted(set(active) & {"v", "t"}))]
+
+
+def test_the_minimal_polynomials_of_example_4():
+    p, q = (fc.RuledSurface(x.first, x.second, u=None) for x in (MOVING["m01"].p, MOVING["m01"].q))
+    (interval,) = fc.contact_intervals(p, q, (-2, 2), exact=True)
+    assert interval.start_exact.polynomial == interval.end_exact.polynomial == (-1, 0, 2)
+    assert str(interval).startswith("[-sqrt(2)/2, sqrt(2)/2]\n")
+    hit = fc.first_contact(p, q, (-2, 2), exact=True)
+    assert hit.time_exact == interval.start_exact
+    assert np.allclose(hit.point, [2**0.5 / 2 - 1, 2**0.5 / 2, 0.5])
+
+
+def test_large_eliminations_are_refused_at_once():
+    vector = MOVING["m14"]
+    with pytest.raises(UnsupportedPair, match="too large for elimination"):
+        fc.contact_intervals(vector.p, vector.q, vector.span, exact=True)
+
+
+def ruled(first, second, u=(0, 1), s=(0, 1)):
+    return fc.RuledSurface(first, second, u=u, s=s)
+
+
+UNIT = (-1, 1)
+CONE = "((1-u**2)/(1+u**2), 2*u/(1+u**2), 1)", "(2*(1-u**2)/(1+u**2), 4*u/(1+u**2), 2)"
+PIPE = "((1-u**2)/(1+u**2), 2*u/(1+u**2), 0)", "((1-u**2)/(1+u**2), 2*u/(1+u**2), 1)"
+FAR_PIPE = ("((1-u**2)/(1+u**2) + T, 2*u/(1+u**2), 1/2)", "((1-u**2)/(1+u**2) + T, 2*u/(1+u**2), 3/2)")
+SADDLE = "(u, 0, 0)", "(u, 1, u)"
+# On z = y (x - T) and y = z (x - 3) the rulings u = 0 and v = 0 are parts of the x axis; (x - T)(x - 3) = 1 elsewhere.
+TWISTED = "(3, 0, u)", "(4, u, u)"
+# name: two surfaces, span, intervals derived by hand
+CASES = {
+    "crossing planes, all rulings parallel": (
+        ruled("(T, u, 0)", "(T + 1, u, 0)", UNIT), ruled("(3, 0, u)", "(4, 0, u)", UNIT), (0, 5), [(2, 4)]),
+    "one common ruling at all times": (
+        ruled("(T, u, 0)", "(T + 1, u, u)", UNIT), ruled(*TWISTED, UNIT), (0, 5), [(2, 4)]),
+    "the common ruling runs through the piece": (
+        ruled("(0, u + T, 0)", "(1, u + T, u + T)"), ruled("(1/2, 0, u)", "(3/2, u, u)", UNIT), (-3, 2), [(-1, 0)]),
+    "common rulings touch end to end for an instant": (
+        ruled("(T**2 + 1, u, 0)", "(T**2 + 2, u, u)", UNIT), ruled("(0, 0, u)", "(1, u, u)", UNIT), UNIT, [(0, 0)]),
+    "common rulings with a gap": (
+        ruled("(T**2 + 5/4, u, 0)", "(T**2 + 2, u, u)", UNIT), ruled("(0, 0, u)", "(1, u, u)", UNIT), UNIT, []),
+    "cones with one apex, outside both": (
+        ruled(*CONE, None), ruled("(T/2, u/2, 1/2)", "(3*T, 3*u, 3)", UNIT), (-2, 2), [(-1, 1)]),
+    "rulings of one cone, end to end": (
+        ruled(*CONE, None), ruled("(0, (3-T)*u, 3-T)", "(0, (4-T)*u, 4-T)", (-2, 2)), (0, 2), [(1, 2)]),
+    "cones with one apex, inside one": (
+        ruled("(0, 0, 0)", CONE[0], None), ruled("(0, u, 3 - T)", "(0, 2*u, 6 - 2*T)", UNIT), (0, "5/2"), [(2, 2.5)]),
+    "parallel pipes": (ruled(*PIPE, None), ruled(*FAR_PIPE, None), (-3, 3), [(-2, 2)]),
+    "the two reguli of a saddle": (
+        ruled(*SADDLE), ruled("(T, u, T*u)", "(T + 1, u, (T + 1)*u)"), (-3, 3), [(-1, 1)]),
+    "a saddle along itself, across the rulings": (
+        ruled(*SADDLE), ruled("(u + T, 0, 0)", "(u + T, 1, u + T)"), (-3, 3), [(-1, 1)]),
+    "a saddle along itself, along the rulings": (
+        ruled(*SADDLE), ruled("(u, T, T*u)", "(u, T + 1, (T + 1)*u)"), (-3, 3), [(-1, 1)]),
+    "a corner slides over a plane": (
+        ruled("(T + u, 0, u)", "(T + u, 1, 1 + u)"), ruled("(u, -1, 0)", "(u, 1, 0)", UNIT), (-3, 3), [(-1, 1)]),
+    "a corner slides along an edge, irrational ends": (
+        ruled("(T**3 + u, 0, u)", "(T**3 + u, 1, 1 + u)"), ruled("(u, -1, 0)", "(u, 0, 0)", (-1, 2)), (-3, 3),
+        [(-1, 2 ** (1 / 3))]),
+    "an edge slides on a plane": (
+        ruled("(u, T, 0)", "(u, T, 1)", UNIT), ruled("(u, -1, 0)", "(u, 1, 0)", UNIT), (-3, 3), [(-1, 1)]),
+    "coplanar discs of rulings touch at irrational times": (
+        ruled("(u, 0, 0)", "(u, 1 - u**2, 0)", UNIT), ruled("(u, T**2, 0)", "(u, T**2 + 1, 0)"), (0, 3),
+        [(0, 1)]),
+    "a pipe slides along a plane that touches it": (
+        ruled(*PIPE, (0, 1)), ruled("(1, u, T)", "(1, u, T + 1)", UNIT), (-3, 3), [(-1, 1)]),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_degenerate_pairs(name):
+    a, b, span, expected = CASES[name]
+    for p, q in ((a, b), (b, a)):
+        found = fc.contact_intervals(p, q, span)
+        assert [(i.start, i.end) for i in found] == expected
+        hit = fc.first_contact(p, q, span)
+        if not expected:
+            assert hit.status is fc.Status.FREE
+            continue
+        assert hit.time == expected[0][0]
+        assert hit.point is not None
+
+
+def test_overlapping_rulings_share_a_segment():
+    a, b, _, _ = CASES["one common ruling at all times"]
+    end_to_end = fc.first_contact(a, b, (0, 5), exact=True)
+    assert end_to_end.time_exact == Fraction(2) and end_to_end.point.tolist() == [3, 0, 0]
+    assert str(end_to_end.contact_set) == "point"
+    overlap = fc.first_contact(a, b, ("5/2", 5), exact=True)
+    assert overlap.initial == "overlapping" and str(overlap.contact_set) == "segment"
+    assert sorted(overlap.contact_set.points[:, 0].tolist()) == [3, 3.5]
+
+
+def test_moving_bodies_and_strips():
+    pipe = ruled(*PIPE, None)
+    moving = pipe.moving(fc.Translation((6, 0, 0)))
+    (interval,) = fc.contact_intervals(moving, pipe.translated((4, 0, "1/2")), exact=True)
+    assert (interval.start_exact, interval.end_exact) == (Fraction(1, 3), Fraction(1))
+    hit = fc.first_contact(moving, pipe.translated((4, 0, "1/2")))
+    assert np.allclose(hit.point[:2], [3, 0]) and 0.5 <= hit.point[2] <= 1
