@@ -86,8 +86,8 @@ CASES = {
         ruled("(T**2 + 1, u, 0)", "(T**2 + 2, u, u)", UNIT), ruled("(0, 0, u)", "(1, u, u)", UNIT), UNIT, [(0, 0)]),
     "common rulings with a gap": (
         ruled("(T**2 + 5/4, u, 0)", "(T**2 + 2, u, u)", UNIT), ruled("(0, 0, u)", "(1, u, u)", UNIT), UNIT, []),
-    "cones with one apex, outside both": (
-        ruled(*CONE, None), ruled("(T/2, u/2, 1/2)", "(3*T, 3*u, 3)", UNIT), (-2, 2), [(-1, 1)]),
+    "fans with one apex, outside both": (
+        ruled("(u, 0, 1)", "(2*u, 0, 2)", UNIT), ruled("(T/2, u/2, 1/2)", "(3*T, 3*u, 3)", UNIT), (-2, 2), [(-1, 1)]),
     "rulings of one cone, end to end": (
         ruled(*CONE, None), ruled("(0, (3-T)*u, 3-T)", "(0, (4-T)*u, 4-T)", (-2, 2)), (0, 2), [(1, 2)]),
     "cones with one apex, inside one": (

@@ -77,11 +77,19 @@ class FactorSet:
     """Irreducible polynomials, each once up to its sign, in the order in which they came."""
 
     def __init__(self) -> None:
-        self._found: dict[Any, fmpz_mpoly] = {}
+        self._found: dict[str, fmpz_mpoly] = {}
+        self._counts: dict[str, int] = {}
 
-    def add(self, f: fmpz_mpoly) -> list[fmpz_mpoly]:
-        """The factors of f, which must not be zero; they are in the set from now on."""
-        return [self._found.setdefault(str(g), g) for g in irreducible(f)]
+    def add(self, f: fmpz_mpoly) -> None:
+        """Put in the factors of f, which must not be zero."""
+        for g, multiplicity in factors(f):
+            key = str(g)
+            self._found.setdefault(key, g)
+            self._counts[key] = self._counts.get(key, 0) + multiplicity
+
+    def count(self, f: fmpz_mpoly) -> int:
+        """How often an irreducible polynomial was a factor, with multiplicities."""
+        return self._counts.get(str(f), 0)
 
     def __iter__(self) -> Any:
         return iter(list(self._found.values()))
@@ -92,19 +100,24 @@ class FactorSet:
 
 def irreducible(f: fmpz_mpoly) -> list[fmpz_mpoly]:
     """The irreducible factors of f != 0 without constants and multiplicities, leading coefficients positive."""
+    return [g for g, _ in factors(f)]
+
+
+def factors(f: fmpz_mpoly) -> list[tuple[fmpz_mpoly, int]]:
+    """The irreducible factors of f != 0 with multiplicities, without constants, leading coefficients positive."""
     if f.is_zero():
         raise ValueError("the zero polynomial has no factors")
     if f.is_constant():
         return []
     used = [k for k in range(3) if degree(f, k)]
     if len(used) == 1:
-        return [embedded(g, used[0]) for g, _ in univariate(f, used[0]).factor()[1]]
+        return [(embedded(g, used[0]), int(n)) for g, n in univariate(f, used[0]).factor()[1]]
     try:
-        found = [g for g, _ in f.factor()[1]]
+        found = [(g, int(n)) for g, n in f.factor()[1]]
     except OverflowError:
         # python-flint sorts the factors by keys that large coefficients overflow; over Q it does not
-        found = [_integral(g) for g, _ in _RATIONAL.from_dict(f.to_dict()).factor()[1]]
-    return [-g if g.leading_coefficient() < 0 else g for g in found]
+        found = [(_integral(g), int(n)) for g, n in _RATIONAL.from_dict(f.to_dict()).factor()[1]]
+    return [(-g if g.leading_coefficient() < 0 else g, n) for g, n in found]
 
 
 def _integral(g: Any) -> fmpz_mpoly:

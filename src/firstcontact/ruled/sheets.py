@@ -60,6 +60,23 @@ class Sheet:
     @cached_property
     def borders(self) -> list[fmpz_mpoly]:
         """Irreducible polynomials in u and T."""
+        return [b for b in self._border_factors if _may_vanish(b, self.first)]
+
+    @property
+    def may_touch(self) -> bool:
+        """Whether isolated contacts may last: False proves that beside every contact on a border there are others.
+
+        Where a border is a simple factor of one condition alone, f = 0 folds there, or one end of a segment or of a
+        range passes, and contact lies on one side of it.
+        """
+        return any(self._border_factors.count(b) + self._is_end(b) > 1 for b in self.borders)
+
+    def _is_end(self, b: fmpz_mpoly) -> bool:
+        """Whether a border lies at an end of the first range."""
+        return self.first is not None and any(at(b, 0, end).is_zero() for end in self.first)
+
+    @cached_property
+    def _border_factors(self) -> FactorSet:
         found = FactorSet()
         walls = [self.f] if self.f is not None else list(self.clips)
         for g in walls:
@@ -70,7 +87,7 @@ class Sheet:
             r = _eliminated(g, h, 1)
             if not r.is_zero():
                 found.add(r)
-        return [b for b in found if _may_vanish(b, self.first)]
+        return found
 
     def _edges(self, g: fmpz_mpoly) -> Iterable[fmpz_mpoly]:
         if degree(g, 1) == 0:
@@ -85,9 +102,24 @@ class Sheet:
             if not value.is_zero():
                 yield value
 
-    @cached_property
+    @property
     def times(self) -> list[fmpz_poly]:
-        """Irreducible polynomials in T: outside their roots contact does not change on this sheet."""
+        """Irreducible polynomials in T: outside their roots contact does not change on this sheet.
+
+        Isolated contacts that last lie on borders of both projections; the times of the second one are for them.
+        """
+        if not self.may_touch or (self.f is not None and degree(self.f, 0) == 0):
+            return self._own_times
+        return self._own_times + self.turned()._own_times
+
+    def turned(self) -> Sheet:
+        """The same with the parameters in the other order."""
+        f = None if self.f is None else exchanged(self.f)
+        clips = tuple(exchanged(x) for x in self.clips)
+        return Sheet(f, clips, None, not self.exchanged, self.second, self.first)
+
+    @cached_property
+    def _own_times(self) -> list[fmpz_poly]:
         found = FactorSet()
         for b in self.borders:
             if degree(b, 0) == 0:
@@ -114,9 +146,8 @@ def sheets(c: Conditions) -> list[Sheet]:
             if not x.is_zero():
                 clips.add(x)
         own = _real(clips, c)
-        either = (Sheet(None, tuple(own), None, False, c.u, c.v),
-                  Sheet(None, tuple(exchanged(x) for x in own), None, True, c.v, c.u))  # fmt: skip
-        return [min(either, key=lambda sheet: sum(b.total_degree() for b in sheet.borders))]
+        sheet = Sheet(None, tuple(own), None, False, c.u, c.v)
+        return [min((sheet, sheet.turned()), key=lambda s: sum(int(b.total_degree()) for b in s.borders))]
     found = []
     for f in _real(irreducible(c.delta), c):
         if degree(f, 0) == degree(f, 1) == 0:
