@@ -120,22 +120,28 @@ class Sheet:
 
     @cached_property
     def _own_times(self) -> list[fmpz_poly]:
-        found = FactorSet()
-        for b in self.borders:
-            if degree(b, 0) == 0:
-                found.add(b)
-                continue
-            found.add(_eliminated(b, None, 0))
-            if self.first is None:
-                found.add(coefficients(b, 0)[-1])
-                continue
-            for end in self.first:
-                value = at(b, 0, end)
-                if not value.is_zero():
-                    found.add(value)
-        for b, c in combinations([b for b in self.borders if degree(b, 0)], 2):
-            found.add(_eliminated(b, c, 0))
-        return [univariate(g, 2) for g in found if degree(g, 2)]
+        return critical_times(self.borders, self.first)
+
+
+def critical_times(borders: Sequence[fmpz_mpoly], ends: Range) -> list[fmpz_poly]:
+    """Irreducible polynomials in T; outside their roots the order of the borders' zeros in the range of u is the same."""
+    found = FactorSet()
+    curves = [b for b in borders if degree(b, 0)]
+    for b in borders:
+        if degree(b, 0) == 0:
+            found.add(b)
+            continue
+        found.add(_eliminated(b, None, 0))
+        if ends is None:
+            found.add(coefficients(b, 0)[-1])
+            continue
+        for end in ends:
+            value = at(b, 0, end)
+            if not value.is_zero():
+                found.add(value)
+    for b, c in combinations(curves, 2):
+        found.add(_eliminated(b, c, 0))
+    return [univariate(g, 2) for g in found if degree(g, 2)]
 
 
 def sheets(c: Conditions) -> list[Sheet]:
