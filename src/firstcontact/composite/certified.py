@@ -13,9 +13,13 @@ import numpy as np
 from flint import fmpq
 
 from firstcontact.body import primitives
+from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.moving import Moving
+from firstcontact.composite.answer import element, rank
+from firstcontact.composite.flat_contacts import Pair, Shared, keeps_directions, shared_set
 from firstcontact.composite.touched import Flat, Point, is_parallel, lowest, touched
-from firstcontact.result import ContactSet, Element, FirstContact, Stats, Status
+from firstcontact.report import MOST_OTHERS
+from firstcontact.result import ContactSet, Element, ElementPair, FirstContact, Stats, Status
 from firstcontact.search.advance import Advance, advance
 
 LARGEST = 2.0**60
@@ -80,14 +84,51 @@ def contact(models: tuple[Any, Any], found: Advance, begin: float, shared: dict[
     element_a, flats_a = _touched(models[0], found, 0)
     element_b, flats_b = _touched(models[1], found, 1)
     assert found.time_interval is not None and found.point is not None
-    may_share_more = flats_a and flats_b and any(_may_share(x, y) for x in flats_a for y in flats_b)
+    point, multiplicity, shares = found.point, 1, None
+    others: tuple[ElementPair, ...] = ()
+    if not (flats_a and flats_b and any(_may_share(x, y) for x in flats_a for y in flats_b)):
+        shares = ContactSet("point", point[None])
+    elif (flat := _flat_set(models, found, [x for x, _ in flats_a], [x for x, _ in flats_b])) is not None:
+        shares = ContactSet(flat.kind, flat.points)
+        (lowest, where), *rest = _named(models, found, flat.pairs)
+        element_a, element_b, point = lowest.element_a, lowest.element_b, np.array(where)
+        others, multiplicity = tuple(pair for pair, _ in rest[:MOST_OTHERS]), len(rest) + 1
     return FirstContact(
-        Status.CONTACT, found.time, found.time_interval,
-        point=found.point, normal=found.normal, element_a=element_a, element_b=element_b, multiplicity=1,
-        contact_set=None if may_share_more else ContactSet("point", found.point[None]),
-        free_until=found.time_interval[0],
+        Status.CONTACT, found.time, found.time_interval, None, point, found.normal, element_a, element_b,
+        others, multiplicity, shares, free_until=found.time_interval[0],
         stats=Stats(found.steps, found.gaps, seconds=clock.perf_counter() - begin), **shared,
     )  # fmt: skip
+
+
+def _flat_set(models: tuple[Any, Any], found: Advance, flats_a: list[Flat], flats_b: list[Flat]) -> Shared | None:
+    """What flat things around the contact share, where that is told without algebra."""
+    if not (keeps_directions(models[0]) and keeps_directions(models[1])):
+        return None
+    assert found.point is not None
+    return shared_set(_wholes(models), _shifts(found), (flats_a, flats_b), tuple(found.point.tolist()))
+
+
+def _named(models: tuple[Any, Any], found: Advance, pairs: list[Pair]) -> list[tuple[ElementPair, Point]]:
+    """Each pair of elements once, with where it meets, lowest first; for bodies that only shift."""
+    (model_a, model_b), (shift_a, shift_b) = _wholes(models), _shifts(found)
+    seen: dict[ElementPair, Point] = {}
+    for x, y, where in pairs:
+        in_a = np.subtract(where, shift_a) if model_a.source else None
+        in_b = np.subtract(where, shift_b) if model_b.source else None
+        seen.setdefault(ElementPair(element(model_a, x, "a", in_a), element(model_b, y, "b", in_b)), where)
+    return sorted(seen.items(), key=lambda item: (*rank(item[0].element_a), *rank(item[0].element_b)))
+
+
+def _wholes(models: tuple[Any, Any]) -> tuple[CompositeQuadric, CompositeQuadric]:
+    a: Any
+    b: Any
+    a, b = (x.body if isinstance(x, Moving) else x for x in models)
+    return a.whole or a, b.whole or b
+
+
+def _shifts(found: Advance) -> tuple[Point, Point]:
+    (x, y, z), (p, q, r) = found.frames[0][9:12], found.frames[1][9:12]
+    return (x, y, z), (p, q, r)
 
 
 def _touched(body: Any, found: Advance, side: int) -> tuple[Element, list[tuple[Flat, Point | None]]]:

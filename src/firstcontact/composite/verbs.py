@@ -26,6 +26,7 @@ from firstcontact.exact.square_systems import OpenRoot
 from firstcontact.motion.polynomial import relative_pieces
 from firstcontact.motion.span import common_span
 from firstcontact.result import ContactInterval, ContactIntervals, FirstContact, Stats, Status
+from firstcontact.search.advance import Advance
 from firstcontact.search.earliest import Progress
 
 
@@ -52,9 +53,12 @@ def first_contact(
         return FirstContact(Status.UNDECIDED, free_until=proved.free_until, reason="budget", stats=stats, **shared)
     try:
         work.done = proved.steps
-        return _decided(a, b, first, last, False, False, work, begin, shared)
+        decided = _decided(a, b, first, last, False, False, work, begin, shared)
+        if proved.status == "contact" and _is_after(decided, proved):
+            raise UnsupportedPair("algebra finds no contact at a time at which one is proved")
+        return decided
     except UnsupportedPair:
-        if proved.status == "contact":  # flat features that may share more than the point
+        if proved.status == "contact":  # only what it shares is open
             seen = contact(bounded(models, shared["span"]), proved, begin, shared)
             if seen is not None:
                 return seen
@@ -68,6 +72,12 @@ def first_contact(
             raise
     stats = _with_time(Stats(proved.steps, proved.gaps), begin)
     return FirstContact(Status.UNDECIDED, free_until=proved.free_until, reason="precision", stats=stats, **shared)
+
+
+def _is_after(answer: FirstContact, proved: Advance) -> bool:
+    """Whether the answer denies the proved contact."""
+    assert proved.time_interval is not None and answer.free_until is not None
+    return answer.status is Status.FREE or answer.free_until > proved.time_interval[1]
 
 
 def _at_start(a: Any, b: Any, first: fmpq, begin: float, shared: dict[str, Any]) -> FirstContact:
