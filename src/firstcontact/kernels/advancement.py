@@ -120,38 +120,30 @@ def stride(a, i, ma, b, j, mb, t, g, end, n0, n1, n2, w, c):
 
 
 @kernel
-def _guess(a, i, ma, b, j, mb, attempt, t, first, last, count, n0, n1, n2, size, w, c):
-    """Whether an attempt (0 to 3) has a guess that lies ahead of t: X, t in w[UNKNOWN]."""
-    mode = max(attempt - 1, 0)
-    if mode == BY_FORMS:
-        slack = 0.05 if attempt == 0 else 0.5
-        taken = guess_by_forms(a, i, ma, b, j, mb, t, first, last, count, slack, n0, n1, n2, size, w, c)
-    else:
-        taken = guess_by_vertex(a, i, ma, b, j, mb, t, first, last, count, mode - BY_VERTEX_A, w, c)
-    c[NEWTON] += abs(taken)
-    c[MODE] = mode
-    return taken > 0 and w[UNKNOWN, 3] > t
+def _aim(a, i, ma, b, j, mb, t, first, last, count, n0, n1, n2, near, width, size, w, c):
+    """(time, normal, gap): the latest time before a guessed contact at which its normal proves the bodies apart.
 
-
-@kernel
-def _normal(a, ma, b, mb, t, size, w, c):
-    """The guess's normal, from a to b, at a time t near that of the guess."""
-    if c[MODE] == BY_FORMS:
-        return normal_at(a, ma, b, mb, t, size, w, c)
-    return vertex_normal_at(a, ma, b, mb, t, w, c)
-
-
-@kernel
-def _aim(a, i, ma, b, j, mb, t, last, near, width, size, w, c):
-    """(time, normal, gap): the latest time before the guess's at which its normal proves the bodies apart.
-
-    gap 0: none within `width`, or the guess is beyond `last`.
+    Leaves the guess, which lies ahead of t, in w[UNKNOWN].  gap 0: no guess has such a time within `width`, or all are
+    beyond `last`.
     """
-    t_c = w[UNKNOWN, 3]
-    if t_c <= last + width:
-        for attempt in range(2):
-            s = min(t_c - (near if attempt == 0 else 0.45 * width), last)
-            e0, e1, e2 = _normal(a, ma, b, mb, s, size, w, c)
+    for attempt in range(4):
+        mode = max(attempt - 1, 0)
+        if mode == BY_FORMS:
+            slack = 0.05 if attempt == 0 else 0.5
+            taken = guess_by_forms(a, i, ma, b, j, mb, t, first, last, count, slack, n0, n1, n2, size, w, c)
+        else:
+            taken = guess_by_vertex(a, i, ma, b, j, mb, t, first, last, count, mode - BY_VERTEX_A, w, c)
+        c[NEWTON] += abs(taken)
+        c[MODE] = mode
+        t_c = w[UNKNOWN, 3]
+        if taken <= 0 or not t < t_c <= last + width:
+            continue
+        for later in range(2):
+            s = min(t_c - (near if later == 0 else 0.45 * width), last)
+            if mode == BY_FORMS:
+                e0, e1, e2 = normal_at(a, ma, b, mb, s, size, w, c)
+            else:
+                e0, e1, e2 = vertex_normal_at(a, ma, b, mb, s, w, c)
             g = _gap_at(a, i, ma, b, j, mb, s, e0, e1, e2, w, c)
             if g > 0.0:
                 return s, e0, e1, e2, g
@@ -262,12 +254,10 @@ def advance_pieces(a, i, ma, b, j, mb, first, last, inner, width, budget, w, c):
         c[STEPS] += 1
         if not guessed and distance < 0.3 * tried:
             tried = distance
-            for attempt in range(4):
-                if _guess(a, i, ma, b, j, mb, attempt, t, first, last, count, n0, n1, n2, size, w, c):
-                    aim, e0, e1, e2, better = _aim(a, i, ma, b, j, mb, t, last, near, width, size, w, c)
-                    guessed = better > 0.0
-                    if guessed:
-                        break
+            aim, e0, e1, e2, better = _aim(
+                a, i, ma, b, j, mb, t, first, last, count, n0, n1, n2, near, width, size, w, c
+            )
+            guessed = better > 0.0
         before = t
         if guessed:
             if aim > t:
