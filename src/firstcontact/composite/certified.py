@@ -1,6 +1,6 @@
-"""First contact of convex models, and of unions of them, in doubles with proofs: the answer of `search.advance`.
+"""First contact in doubles with proofs: `search.advance` for unions of convex models, `search.events` for all others.
 
-What it cannot settle (grazes, contact at the start, models with holes) is left to exact arithmetic.
+What they cannot settle (grazes, contact at the start) is left to exact arithmetic.
 """
 
 from __future__ import annotations
@@ -14,9 +14,11 @@ from flint import fmpq
 
 from firstcontact.body import primitives
 from firstcontact.body.moving import Moving
+from firstcontact.composite.square_subproblems import refuse_untraced
 from firstcontact.composite.touched import Flat, Point, is_parallel, lowest, touched
 from firstcontact.result import ContactSet, Element, FirstContact, Stats, Status
 from firstcontact.search.advance import Advance, advance
+from firstcontact.search.events import MOST_BOXES, first_event
 
 LARGEST = 2.0**60
 """Coordinates up to which an unbounded model is cut."""
@@ -38,6 +40,11 @@ def settle(
     """
     models = bounded(models, shared["span"])
     found = advance(*models, first, last, tolerance, 10_000 if budget is None else budget)
+    if found.beyond:
+        bodies: list[Any] = [x.body if isinstance(x, Moving) else x for x in models]
+        for body in bodies:
+            refuse_untraced(body)
+        found = first_event(*models, first, last, tolerance, MOST_BOXES if budget is None else budget)
     if found.status == "free":
         stats = Stats(found.steps, found.gaps, seconds=clock.perf_counter() - begin)
         return FirstContact(Status.FREE, free_until=shared["span"][1], stats=stats, **shared), found
@@ -74,13 +81,13 @@ def _bounded(body: Any, other: Any, span: tuple[float, float]) -> Any:
 
 
 def contact(models: tuple[Any, Any], found: Advance, begin: float, shared: dict[str, Any]) -> FirstContact | None:
-    """The CONTACT result; contact_set None where flat features may share more than a point."""
+    """The CONTACT result; contact_set None where the features may share more than a point."""
     if not found.features_a or not found.features_b:
         return None
     element_a, flats_a = _touched(models[0], found, 0)
     element_b, flats_b = _touched(models[1], found, 1)
     assert found.time_interval is not None and found.point is not None
-    may_share_more = flats_a and flats_b and any(_may_share(x, y) for x in flats_a for y in flats_b)
+    may_share_more = found.spread or any(_may_share(x, y) for x in flats_a for y in flats_b)
     return FirstContact(
         Status.CONTACT, found.time, found.time_interval,
         point=found.point, normal=found.normal, element_a=element_a, element_b=element_b, multiplicity=1,

@@ -47,13 +47,13 @@ def first_contact(
     answer, proved = settle(models, first, last, tolerance, budget, begin, shared)
     if answer is not None:
         return answer
-    if proved.reason == "budget":
+    if proved.reason == "budget" and budget is not None:
         stats = _with_time(Stats(proved.steps, proved.gaps), begin)
         return FirstContact(Status.UNDECIDED, free_until=proved.free_until, reason="budget", stats=stats, **shared)
     try:
         work.done = proved.steps
         return _decided(a, b, first, last, False, False, work, begin, shared)
-    except UnsupportedPair:
+    except UnsupportedPair as error:
         if proved.status == "contact":  # flat features that may share more than the point
             seen = contact(bounded(models, shared["span"]), proved, begin, shared)
             if seen is not None:
@@ -64,10 +64,10 @@ def first_contact(
                 return start
             if proved.status == "initial":  # proved for the true pose, though its doubles do not touch
                 return _with(start, status=Status.INITIAL_CONTACT, time=shared["span"][0])
-        if proved.reason != "precision":
-            raise
+        if proved.reason not in ("precision", "budget"):
+            raise UnsupportedPair(f"{error}; without them it is not decided either: {proved.reason}") from error
     stats = _with_time(Stats(proved.steps, proved.gaps), begin)
-    return FirstContact(Status.UNDECIDED, free_until=proved.free_until, reason="precision", stats=stats, **shared)
+    return FirstContact(Status.UNDECIDED, free_until=proved.free_until, reason=proved.reason, stats=stats, **shared)
 
 
 def _at_start(a: Any, b: Any, first: fmpq, begin: float, shared: dict[str, Any]) -> FirstContact:
