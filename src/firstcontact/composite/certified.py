@@ -1,6 +1,6 @@
-"""First contact of convex models, and of unions of them, in doubles with proofs: the answer of `search.advance`.
+"""First contact in doubles with proofs: `search.advance` for unions of convex models, `search.events` for all others.
 
-What it cannot settle (grazes, contact at the start, models with holes) is left to exact arithmetic.
+What they cannot settle (grazes, contact at the start) is left to exact arithmetic.
 """
 
 from __future__ import annotations
@@ -17,10 +17,12 @@ from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.moving import Moving
 from firstcontact.composite.answer import element, rank
 from firstcontact.composite.flat_contacts import Pair, Shared, keeps_directions, shared_set
+from firstcontact.composite.square_subproblems import refuse_untraced
 from firstcontact.composite.touched import Flat, Point, is_parallel, lowest, touched
 from firstcontact.report import MOST_OTHERS
 from firstcontact.result import ContactSet, Element, ElementPair, FirstContact, Stats, Status
 from firstcontact.search.advance import Advance, advance
+from firstcontact.search.events import MOST_BOXES, first_event
 
 LARGEST = 2.0**60
 """Coordinates up to which an unbounded model is cut."""
@@ -42,6 +44,11 @@ def settle(
     """
     models = bounded(models, shared["span"])
     found = advance(*models, first, last, tolerance, 10_000 if budget is None else budget)
+    if found.beyond:
+        bodies: list[Any] = [x.body if isinstance(x, Moving) else x for x in models]
+        for body in bodies:
+            refuse_untraced(body)
+        found = first_event(*models, first, last, tolerance, MOST_BOXES if budget is None else budget)
     if found.status == "free":
         stats = Stats(found.steps, found.gaps, seconds=clock.perf_counter() - begin)
         return FirstContact(Status.FREE, free_until=shared["span"][1], stats=stats, **shared), found
@@ -78,7 +85,7 @@ def _bounded(body: Any, other: Any, span: tuple[float, float]) -> Any:
 
 
 def contact(models: tuple[Any, Any], found: Advance, begin: float, shared: dict[str, Any]) -> FirstContact | None:
-    """The CONTACT result; contact_set None where flat features may share more than a point."""
+    """The CONTACT result; contact_set None where the features may share more than a point."""
     if not found.features_a or not found.features_b:
         return None
     element_a, flats_a = _touched(models[0], found, 0)
@@ -86,9 +93,12 @@ def contact(models: tuple[Any, Any], found: Advance, begin: float, shared: dict[
     assert found.time_interval is not None and found.point is not None
     point, multiplicity, shares = found.point, 1, None
     others: tuple[ElementPair, ...] = ()
-    if not (flats_a and flats_b and any(_may_share(x, y) for x in flats_a for y in flats_b)):
+    if not (found.spread or (flats_a and flats_b and any(_may_share(x, y) for x in flats_a for y in flats_b))):
         shares = ContactSet("point", point[None])
-    elif (flat := _flat_set(models, found, [x for x, _ in flats_a], [x for x, _ in flats_b])) is not None:
+    elif (
+        not found.spread
+        and (flat := _flat_set(models, found, [x for x, _ in flats_a], [x for x, _ in flats_b])) is not None
+    ):
         shares = ContactSet(flat.kind, flat.points)
         (lowest, where), *rest = _named(models, found, flat.pairs)
         element_a, element_b, point = lowest.element_a, lowest.element_b, np.array(where)

@@ -48,30 +48,41 @@ def first_contact(
     answer, proved = settle(models, first, last, tolerance, budget, begin, shared)
     if answer is not None:
         return answer
-    if proved.reason == "budget":
+    if proved.reason == "budget" and budget is not None:
         stats = _with_time(Stats(proved.steps, proved.gaps), begin)
         return FirstContact(Status.UNDECIDED, free_until=proved.free_until, reason="budget", stats=stats, **shared)
+    work.done = proved.steps
     try:
-        work.done = proved.steps
         decided = _decided(a, b, first, last, False, False, work, begin, shared)
-        if proved.status == "contact" and _is_after(decided, proved):
-            raise UnsupportedPair("algebra finds no contact at a time at which one is proved")
-        return decided
-    except UnsupportedPair:
-        if proved.status == "contact":  # only what it shares is open
-            seen = contact(bounded(models, shared["span"]), proved, begin, shared)
-            if seen is not None:
-                return seen
-        if proved.status == "initial" or proved.free_until <= shared["span"][0]:
-            start = _at_start(a, b, first, begin, shared)
-            if start.status is Status.INITIAL_CONTACT:
-                return start
-            if proved.status == "initial":  # proved for the true pose, though its doubles do not touch
-                return _with(start, status=Status.INITIAL_CONTACT, time=shared["span"][0])
-        if proved.reason != "precision":
-            raise
+    except UnsupportedPair as refusal:
+        return _proved_only(a, b, models, first, proved, refusal, begin, shared)
+    if proved.status == "contact" and _is_after(decided, proved):  # a proof is not given up
+        return _proved_only(a, b, models, first, proved, None, begin, shared)
+    return decided
+
+
+def _proved_only(
+    a: Any, b: Any, models: tuple[Any, Any], first: fmpq, proved: Advance, refusal: UnsupportedPair | None,
+    begin: float, shared: dict[str, Any],
+) -> FirstContact:
+    """What the certified path proved, where exact arithmetic does not take the pair or contradicts."""
+    if proved.status == "contact":  # only what it shares is open
+        seen = contact(bounded(models, shared["span"]), proved, begin, shared)
+        if seen is not None:
+            return seen
+    if proved.status == "initial" or proved.free_until <= shared["span"][0]:
+        start = _at_start(a, b, first, begin, shared)
+        if start.status is Status.INITIAL_CONTACT:
+            return start
+        if proved.status == "initial":  # proved for the true pose, though its doubles do not touch
+            return _with(start, status=Status.INITIAL_CONTACT, time=shared["span"][0])
+    if proved.reason not in ("precision", "budget", None):
+        raise UnsupportedPair(
+            f"{refusal}; without them it is not decided either: {proved.reason}"
+        ) from refusal
     stats = _with_time(Stats(proved.steps, proved.gaps), begin)
-    return FirstContact(Status.UNDECIDED, free_until=proved.free_until, reason="precision", stats=stats, **shared)
+    reason = proved.reason or "precision"
+    return FirstContact(Status.UNDECIDED, free_until=proved.free_until, reason=reason, stats=stats, **shared)
 
 
 def _is_after(answer: FirstContact, proved: Advance) -> bool:

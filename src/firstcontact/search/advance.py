@@ -62,6 +62,8 @@ class Advance:
     frames         of a contact: (6, 12) numbers, the rows of the workspace from POSE_A on, near its time.
     gap            proved distance along the last direction at `free_until`, of the pair of pieces last advanced.
     reason         of "open": "precision", "budget", or what of the model or motion is beyond this path.
+    spread         whether what may touch at the contact is more than one point.
+    beyond         whether a model is no union of convex pieces, so that nothing was tried.
     """
 
     status: str
@@ -75,6 +77,8 @@ class Advance:
     frames: list[list[float]] = field(default_factory=list)
     gap: float = 0.0
     reason: str | None = None
+    spread: bool = False
+    beyond: bool = False
     steps: int = 0
     newton: int = 0
     gaps: int = 0
@@ -91,7 +95,7 @@ def advance(a: Any, b: Any, first: Any, last: Any, tolerance: float = 1e-12, bud
         pieces = [convex_pieces(body) for body in bodies]
         stretches = windows(a, b, begin, end)
     except (NotConvex, Untold) as reason:
-        return Advance("open", below(begin), reason=str(reason))
+        return Advance("open", below(begin), reason=str(reason), beyond=isinstance(reason, NotConvex))
     return _Search(pieces[0], pieces[1], stretches, tolerance, budget).run()
 
 
