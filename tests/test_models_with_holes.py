@@ -10,7 +10,7 @@ import pytest
 from flint import fmpq
 
 import firstcontact as fc
-from firstcontact.composite.certified import bounded
+from firstcontact.composite.certified import both_bounded
 from firstcontact.kernels import event_search, feature_boxes, moving_forms
 from firstcontact.kernels.workspace import workspace
 from firstcontact.scene import load_scene
@@ -156,7 +156,7 @@ CHOSEN = [
 @pytest.mark.parametrize("vector", [v for v in RATIONAL if v.name in CHOSEN], ids=lambda v: v.name)
 def test_known_answers(vector):
     a, b = vector.bodies
-    found = first_event(*bounded((a, b), (0, 1)), fmpq(0), fmpq(1), 1e-12, 100_000)
+    found = first_event(*both_bounded((a, b), (0, 1)), fmpq(0), fmpq(1), 1e-12, 100_000)
     assert found.status == ("contact" if vector.contact else "free")
     if vector.contact:
         lo, hi = found.time_interval

@@ -51,8 +51,7 @@ def first_contact(
     budget: node visits plus pair tests (curved models: strides, subproblems and candidates) after which to answer
     UNDECIDED.  progress: called with (free until, work) now and then.
 
-    Raises UnsupportedPair for the pairs of constant-speed motions that docs/motions.md refuses, and with exact=True
-    where times have no exact form: under screws.
+    Raises UnsupportedPair with exact=True where times have no exact form, as under screws (docs/motions.md).
 
     >>> import firstcontact as fc
     >>> cube = fc.examples.box((2, 2, 2))

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 import time as clock
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -42,7 +43,7 @@ def settle(
     models: both, at rest or moving; begin: when the query began, by `time.perf_counter`.  Among features that touch at
     the same time the answer names one pair.
     """
-    models = bounded(models, shared["span"])
+    models = both_bounded(models, shared["span"])
     found = advance(*models, first, last, tolerance, 10_000 if budget is None else budget)
     if found.beyond:
         bodies: list[Any] = [x.body if isinstance(x, Moving) else x for x in models]
@@ -58,13 +59,13 @@ def settle(
     return (None if answer is None or answer.contact_set is None else answer), found
 
 
-def bounded(models: tuple[Any, Any], span: tuple[float, float]) -> tuple[Any, Any]:
+def both_bounded(models: tuple[Any, Any], span: tuple[float, float]) -> tuple[Any, Any]:
     """Both models, a resting unbounded one cut to what the other may touch."""
     a, b = models
-    return _bounded(a, b, span), _bounded(b, a, span)
+    return bounded(a, b, span), bounded(b, a, span)
 
 
-def _bounded(body: Any, other: Any, span: tuple[float, float]) -> Any:
+def bounded(body: Any, other: Any, span: tuple[float, float]) -> Any:
     """A resting unbounded model cut to a cube around the other body's whole path: nothing is touched beyond.
 
     The cube comes in powers of two, so that other motions find the cut model again.
@@ -88,20 +89,21 @@ def contact(models: tuple[Any, Any], found: Advance, begin: float, shared: dict[
     """The CONTACT result; contact_set None where the features may share more than a point."""
     if not found.features_a or not found.features_b:
         return None
-    element_a, flats_a = _touched(models[0], found, 0)
-    element_b, flats_b = _touched(models[1], found, 1)
-    assert found.time_interval is not None and found.point is not None
+    assert found.time_interval is not None and found.point is not None and found.normal is not None
+    place, frames = (found.point, found.normal), found.frames
+    element_a, flats_a = on_model(models[0], found.features_a, place, (frames[0], frames[4]), "a")
+    element_b, flats_b = on_model(models[1], found.features_b, place, (frames[1], frames[5]), "b")
     point, multiplicity, shares = found.point, 1, None
     others: tuple[ElementPair, ...] = ()
-    if not (found.spread or (flats_a and flats_b and any(_may_share(x, y) for x in flats_a for y in flats_b))):
+    if not (found.spread or may_share_more(flats_a, flats_b)):
         shares = ContactSet("point", point[None])
     elif (
         not found.spread
         and (flat := _flat_set(models, found, [x for x, _ in flats_a], [x for x, _ in flats_b])) is not None
     ):
         shares = ContactSet(flat.kind, flat.points)
-        (lowest, where), *rest = _named(models, found, flat.pairs)
-        element_a, element_b, point = lowest.element_a, lowest.element_b, np.array(where)
+        (first, where), *rest = _named(models, found, flat.pairs)
+        element_a, element_b, point = first.element_a, first.element_b, np.array(where)
         others, multiplicity = tuple(pair for pair, _ in rest[:MOST_OTHERS]), len(rest) + 1
     return FirstContact(
         Status.CONTACT, found.time, found.time_interval, None, point, found.normal, element_a, element_b,
@@ -141,12 +143,24 @@ def _shifts(found: Advance) -> tuple[Point, Point]:
     return (x, y, z), (p, q, r)
 
 
-def _touched(body: Any, found: Advance, side: int) -> tuple[Element, list[tuple[Flat, Point | None]]]:
-    """The lowest of the touched features, and what is flat around the contact, with its direction in the world."""
+Flats = Sequence[tuple[Flat | None, Point | None]]
+"""What is flat around a contact, with its direction in the world, None of a plane."""
+
+
+def on_model(
+    body: Any,
+    features: tuple[tuple[str, int], ...],
+    place: tuple[np.ndarray, np.ndarray],
+    frame: tuple[list[float], list[float]],
+    which: str,
+) -> tuple[Element, list[tuple[Flat, Point | None]]]:
+    """The lowest of the touched features, and what is flat around the contact.
+
+    place: its point and normal, world frame; frame: pose (R by rows, T) of the body then, and R^-1.
+    """
     model: Any = body.body if isinstance(body, Moving) else body
-    pose, inverse = found.frames[side], found.frames[4 + side]
-    assert found.point is not None and found.normal is not None
-    (x, y, z), (p, q, r) = found.point.tolist(), found.normal.tolist()
+    pose, inverse = frame
+    (x, y, z), (p, q, r) = place[0].tolist(), place[1].tolist()
     x, y, z = x - pose[9], y - pose[10], z - pose[11]
     where = (
         inverse[0] * x + inverse[1] * y + inverse[2] * z,
@@ -158,9 +172,9 @@ def _touched(body: Any, found: Advance, side: int) -> tuple[Element, list[tuple[
         pose[1] * p + pose[4] * q + pose[7] * r,
         pose[2] * p + pose[5] * q + pose[8] * r,
     )
-    features = [touched(model, kind, index) for kind, index in (found.features_b if side else found.features_a)]
-    flats = [(flat, _turned(pose, flat.direction)) for feature in features for flat in feature.flats(where, n)]
-    return lowest(features, "b" if side else "a", where), flats
+    known = [touched(model, kind, index) for kind, index in features]
+    flats = [(flat, _turned(pose, flat.direction)) for feature in known for flat in feature.flats(where, n)]
+    return lowest(known, which, where), flats
 
 
 def _turned(pose: list[float], d: Point | None) -> Point | None:
@@ -173,6 +187,6 @@ def _turned(pose: list[float], d: Point | None) -> Point | None:
     )
 
 
-def _may_share(x: tuple[Flat, Point | None], y: tuple[Flat, Point | None]) -> bool:
-    d, e = x[1], y[1]
-    return d is None or e is None or is_parallel(d, e)
+def may_share_more(a: Flats, b: Flats) -> bool:
+    """Whether flat features may share more than a point."""
+    return any(d is None or e is None or is_parallel(d, e) for _, d in a for _, e in b)

@@ -189,13 +189,13 @@ class _Search:
         if c[MODE] == BY_FORMS:
             n, m = int(c[COUNT]), int(c[COUNT + 1])
             return (
-                _named(self.a, c[ACTIVE : ACTIVE + n].tolist()),
-                _named(self.b, c[ACTIVE + n : ACTIVE + n + m].tolist()),
+                named(self.a, c[ACTIVE : ACTIVE + n].tolist()),
+                named(self.b, c[ACTIVE + n : ACTIVE + n + m].tolist()),
             )
         form, vertex = [int(c[ACTIVE])], int(c[VERTEX])
         if c[MODE] == BY_VERTEX_A:
-            return _at_vertex(self.a, vertex), _named(self.b, form)
-        return _named(self.a, form), _at_vertex(self.b, vertex)
+            return _at_vertex(self.a, vertex), named(self.b, form)
+        return named(self.a, form), _at_vertex(self.b, vertex)
 
     def _open(self, reason: str) -> Advance:
         return self._answer("open", float(self.results[FREE_UNTIL]), reason=reason)
@@ -208,7 +208,7 @@ class _Search:
         return {"gap": float(self.results[GAP]), "steps": int(c[STEPS]), "newton": int(c[NEWTON]), "gaps": int(c[GAPS])}
 
 
-def _named(pieces: ConvexPieces, forms: list[int]) -> tuple[Feature, ...]:
+def named(pieces: ConvexPieces, forms: list[int]) -> tuple[Feature, ...]:
     """The feature of the body on all these forms; their faces where pieces meet inside the body."""
     surfaces = [int(pieces.array[k, 10]) for k in forms]
     labels = pieces.labels
