@@ -139,7 +139,8 @@ class Fibre:
         for event in events:
             if event[0] == "side" or event[0] == "mark":
                 self.mark(event[1])
-        involved = {i for e in events if e[0] in ("fold", "cross", "extra") for i in e[1:3] if isinstance(i, int)}
+        involved = {e[1] for e in events if e[0] in ("fold", "cross", "extra")}
+        involved |= {e[2] for e in events if e[0] == "cross"}
         everything = range(len(column.affine) if self.lines else column.number)
         for i in sorted(everything if self.complete else involved):
             sides = (("side", 0, i) in events, ("side", 1, i) in events)
@@ -226,6 +227,9 @@ class Fibre:
                 side_polynomial = level(rows(curves[i]), column.cells[0].end(side))
                 found.append((("side", side, i), side_polynomial, degrees[i][0]))
             for event, p, formal in found:
+                if p.is_zero():
+                    self.events[event] = 1  # the clip polynomial is the line v = const of this side
+                    continue
                 q, order = reversed_polynomial(p, formal) if column.reversed else p, 0
                 while self.alpha.sign_of(q) == 0:
                     q, order = q // minimal, order + 1

@@ -7,8 +7,10 @@ Everything told is proved: which nodes there are, which edges join them, closed 
 line is covered by two charts, [-1, 1] for the coordinate and [-1, 1] for its reciprocal; nodes and edges say in which
 chart they are given (`chart` = whether u, whether v is reversed there), x and y are the coordinates of the chart.
 
-An extra polynomial c cuts the curve at its zeros, so its sign is constant on every open edge: edge.sign(c).
-Where it is tangent or just very close to zero a harmless regular node may be added.
+An extra polynomial c cuts the curve at its zeros, so its sign is constant on every open edge: edge.sign(c).  (On an
+edge through infinity, one of odd degree changes its sign there nevertheless; conditions that mean something on the
+projective line, such as the sign of a product of even degree, do not.)  Where c is nearly zero on the fibre of a
+common zero a harmless regular node may be added.
 """
 
 from __future__ import annotations
