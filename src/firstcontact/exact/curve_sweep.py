@@ -476,6 +476,14 @@ class Sweep:
     def extra_rows(self, e: int, reversed_u: bool) -> Rows:
         return chart(self._extra_rows[e], reversed_u, False, int(self.extras[e].degrees()[0]))
 
+    def through(self, point: Point) -> tuple[int, ...]:
+        """The curves and lines through a point: first the swept curves, then the lines u = const, then the border."""
+        found = [i for i in point.curves() if i < len(self.curves)]
+        found += [len(self.curves) + line for line in point.fibre.lines]
+        if point.side in self.on_side:
+            found.append(len(self.curves) + len(self.vertical) + list(self.on_side).index(point.side))
+        return tuple(found)
+
     def fibres(self) -> Iterator[Fibre]:
         """Every fibre once, by charts."""
         seen: set[int] = set()

@@ -32,14 +32,14 @@ Chart = tuple[bool, bool]
 class Node:
     """A point of the curve where branches meet, turn back, end or are cut; or an isolated point of it.
 
-    edges: indices of the edges that end here.  left, right: how many of them (no line u = const) come from smaller and
+    edges: indices of the edges that end here.  curves: indices, in the graph, of those through it.  left, right: how many of them (no line u = const) come from smaller and
     from larger u, of the chart at the fibres inside one and of u itself at u = 1, -1.
     kind: "isolated" (no edge), "boundary" (on the border of the box), "extreme" (smooth, u is extreme), "cusp" (two
     branches at a singular point), "regular" (nothing special: a cut), "node" (all others: crossings, contacts).
     """
 
-    def __init__(self, point: Point, index: int, border: bool, curves: Sequence[fmpz_mpoly]) -> None:
-        self._point, self.index, self._border, self._curves = point, index, border, curves
+    def __init__(self, point: Point, index: int, border: bool, curves: tuple[int, ...]) -> None:
+        self._point, self.index, self._border, self.curves = point, index, border, curves
         self.edges: tuple[int, ...] = ()
         self._kind: str | None = None
 
@@ -55,11 +55,6 @@ class Node:
     @property
     def right(self) -> int:
         return self._point.right
-
-    @property
-    def curves(self) -> tuple[int, ...]:
-        """Indices, in the graph, of the curves through this point that are no lines u = const or along the border."""
-        return tuple(i for i in self._point.curves() if i < len(self._curves))
 
     @property
     def x(self) -> AlgebraicRoot:
@@ -101,13 +96,13 @@ class Node:
             return "isolated"
         if self._border:
             return "boundary"
-        if len(self.edges) != 2 or len(self.curves) + bool(self._point.fibre.lines) > 1:
+        if len(self.edges) != 2 or len(self.curves) > 1:
             return "node"
         for zero in self._point.zeros.values():
             curve = zero.fibre
             if zero.multiplicity > 1 and curve.order != 1 and self._sign_of([p.derivative() for p in curve.rows]) == 0:
                 return "cusp"
-        return "regular" if self.left == self.right else "extreme"
+        return "regular" if self.left == self.right else "extreme"  # also on a line u = const: 0 and 0
 
     def sign(self, c: fmpz_mpoly) -> int:
         """The sign of c here, exactly; where u or v is infinite, that of c in the chart: of c u^-k, c v^-l."""
@@ -395,7 +390,7 @@ def _assembled(sweep: Sweep, edges: list[Edge]) -> Graph:
             if point is not None:
                 point.index = len(nodes)
                 border = ends or (sweep.v is not None and point.side is not None)
-                nodes.append(Node(point, point.index, border, sweep.curves))
+                nodes.append(Node(point, point.index, border, sweep.through(point)))
     at: list[list[int]] = [[] for _ in nodes]
     for edge in edges:
         at[edge.start].append(edge.index)
