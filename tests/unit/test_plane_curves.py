@@ -62,8 +62,17 @@ def test_known_curves_in_a_box(name):
     graph = topology(f, **BOX)
     assert kinds(graph) == components
     assert tally(graph, "isolated", "boundary", "extreme", "cusp", "node") == counts
+    check_incidence(graph)
+
+
+def check_incidence(graph: Graph) -> None:
+    """Nodes and samples of edges lie on their curves, exactly; samples lie on no other curve."""
     for node in graph.nodes:
         assert node.curves and all(node.sign(graph.curves[i]) == 0 for i in node.curves)
+    for edge in graph.edges:
+        assert [i for i, f in enumerate(graph.curves) if edge.sign(f) == 0] == [edge.curve]
+        for end in (edge.start, edge.end):
+            assert edge.curve in graph.nodes[end].curves and edge.index in graph.nodes[end].edges
 
 
 ON_LINES = {
@@ -86,7 +95,7 @@ def test_known_curves_on_projective_lines(name):
     f, components = ON_LINES[name]
     graph = topology(f)
     assert kinds(graph) == components
-    assert all(node.left + node.right <= len(node.edges) for node in graph.nodes)
+    check_incidence(graph)
 
 
 def test_two_extremes_over_one_u():
@@ -100,6 +109,38 @@ def test_two_extremes_over_one_u():
     assert [(n.left, n.right) for n in over_sqrt_2] == [(2, 0), (2, 0), (0, 2), (0, 2)]
     graph = topology((v - 1) ** 2 * (v + 1) ** 2 - u * v, (fmpq(-1), fmpq(1)), (fmpq(-2), fmpq(2)))
     assert [(n.left, n.right) for n in graph.nodes if n.kind == "extreme"] == [(2, 0), (0, 2)]
+
+
+def test_double_zeros_on_the_border():
+    """At u = sqrt 2 the curve turns back on v = 1: where charts meet, and on the border of a box."""
+    f = (v - 1) ** 2 * (v + 3) + u**2 - 2
+    root = fmpz_poly([-2, 0, 1])
+    (turn,) = [n for n in topology(f).nodes if n.u is not None and n.u.polynomial == root and float(n.u) > 0]
+    assert (turn.v.rational, turn.kind, turn.left, turn.right) == (1, "extreme", 0, 2)  # of the chart 1/u
+    for v_range in ((fmpq(-2), fmpq(1)), (fmpq(1), fmpq(3))):
+        (turn,) = [n for n in topology(f, (fmpq(0), fmpq(2)), v_range).nodes if n.x.polynomial == root]
+        assert (turn.v.rational, turn.kind, turn.left, turn.right) == (1, "boundary", 1, 0)
+
+
+@pytest.mark.parametrize("w", [u, u**2 - 2])
+def test_double_zeros_next_to_each_other(w):
+    """Two turning points at distance 2e-30 over one u, rational and irrational."""
+    f = (10**60 * v**2 - 1) ** 2 - w * (1 + v)
+    graph = topology(f, (fmpq(-1), fmpq(2)), (fmpq(-1, 2), fmpq(1, 2)))
+    folds = [n for n in graph.nodes if (n.kind, n.left, n.right) == ("extreme", 0, 2)]
+    assert [n.v.rational * 10**30 for n in folds] == [-1, 1]
+    check_incidence(graph)
+
+
+def test_an_edge_passes_the_turning_points_of_others():
+    """v^3 - 3v = u turns at (2, -1) and (-2, 1); the third branch passes, and is found there too."""
+    graph = topology(v**3 - 3 * v - u, (fmpq(-3), fmpq(3)), (fmpq(-3), fmpq(3)))
+    (passing,) = [e for e in graph.edges if e.limits[-1].rational == 3]
+    assert [x.rational for x in passing.limits] == [-2, 2, 3]
+    assert passing.at(fmpq(2)).rational == 2
+    assert passing.at(fmpq(0)).polynomial == fmpz_poly([-3, 0, 1]) and [k for _, k in passing.slabs] == [2, 0]
+    with pytest.raises(ValueError):
+        passing.at(fmpq(-2))
 
 
 def test_node_coordinates_are_exact():
@@ -151,6 +192,17 @@ def test_extras_cut_edges_where_their_sign_changes():
     zeros = [sum(n.sign(c) == 0 for n in graph.nodes) for c in clips]
     assert zeros == [2, 4, 0, 4]
     assert sum(n.x.rational == 1 for n in graph.nodes) == 2
+
+
+def test_extras_at_infinity_and_on_the_borders_of_charts():
+    graph = topology(u * v - 1, extras=[u - 4 * v, v - 1, u * 0 + u - 3])
+    assert kinds(graph) == ["loop"]
+    cuts = {(float(n.u), float(n.v)) for n in graph.nodes if n.u is not None and n.v is not None}
+    assert cuts == {(2.0, 0.5), (-2.0, -0.5), (1.0, 1.0), (-1.0, -1.0), (3.0, 1 / 3)}
+    graph = topology((u + 2 * v - 2) * (v - 1) * (v + 2), (fmpq(-2), fmpq(2)), (fmpq(-2), fmpq(1)), extras=[u - v, u])
+    check_incidence(graph)
+    on_border = sorted(float(n.u) for n in graph.nodes if n.v.rational == 1)
+    assert on_border == [-2, 0, 1, 2]
 
 
 def test_extras_cut_lines():
@@ -224,6 +276,7 @@ def test_random_curves(seed):
     boxed = topology(f, *box)
     assert invariants(boxed) == invariants(topology(swapped(f), box[1], box[0]))
     assert invariants(topology(f, box[0], None)) == invariants(topology(swapped(f), None, box[0]))
+    check_incidence(graph)
     check_counts(graph, f, None)
     check_counts(boxed, f, box)
 

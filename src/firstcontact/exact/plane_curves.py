@@ -32,8 +32,9 @@ Chart = tuple[bool, bool]
 class Node:
     """A point of the curve where branches meet, turn back, end or are cut; or an isolated point of it.
 
-    edges: indices of the edges that end here.  curves: indices, in the graph, of those through it.  left, right: how many of them (no line u = const) come from smaller and
-    from larger u, of the chart at the fibres inside one and of u itself at u = 1, -1.
+    edges: indices of the edges that end here.  curves: indices, in the graph, of those through it.
+    left, right: how many of the edges (no line u = const) come from smaller and from larger u, of the chart at the
+    fibres inside one and of u itself at u = 1, -1.
     kind: "isolated" (no edge), "boundary" (on the border of the box), "extreme" (smooth, u is extreme), "cusp" (two
     branches at a singular point), "regular" (nothing special: a cut), "node" (all others: crossings, contacts).
     """
@@ -141,6 +142,8 @@ class Node:
             affine = affine[:-1]
         zero = next(iter(self._point.zeros.values()))
         norm, order = resultant(from_rows(zero.fibre.rows), from_rows(affine)) if affine else fmpz_poly([]), 0
+        if norm.is_zero():
+            return True  # the curve is irreducible: it divides the polynomial
         while order < 2 and self.x.sign_of(norm) == 0:
             norm, order = norm // self.x.polynomial, order + 1
         return zero in zero.fibre.shared(affine, order)
