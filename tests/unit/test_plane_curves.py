@@ -122,6 +122,39 @@ def test_double_zeros_on_the_border():
         assert (turn.v.rational, turn.kind, turn.left, turn.right) == (1, "boundary", 1, 0)
 
 
+def test_singular_points_at_infinity_over_irrational_numbers():
+    root = fmpz_poly([-2, 0, 1])
+
+    def over_root(graph):
+        return [n for n in graph.nodes if n.u is not None and n.u.polynomial == root]
+
+    pole = topology((u**2 - 2) ** 2 * (u**2 + 1) * v**2 - 1)  # v = oo is a double zero of one curve
+    assert [(n.kind, n.v, n.left, n.right) for n in over_root(pole)] == [("node", None, 2, 2)] * 2
+    poles = topology([(u**2 - 2) * v - 1, (u**2 - 2) * (u**2 - 1) * v - 1])  # two curves touch at v = oo
+    assert [(n.kind, n.v, n.left, n.right) for n in over_root(poles)] == [("node", None, 2, 2)] * 2
+
+
+def test_common_points_over_irrational_numbers():
+    """Two over one u; one tangency; in each the resultant has a double root."""
+    crossing = topology([u**2 + v**2 - 3, u**2 - v**2 - 1], **BOX)
+    assert [(float(n.u), float(n.v)) for n in crossing.nodes if n.kind == "node"] == [
+        (x, y) for x in (-(2**0.5), 2**0.5) for y in (-1, 1)
+    ]
+    tangent = topology([v - 3 * (u**2 - 2) ** 2, v * (u - v + 3)], **BOX)
+    assert [(float(n.u), float(n.v)) for n in tangent.nodes if n.kind == "node" and n.v.rational == 0] == [
+        (-(2**0.5), 0), (2**0.5, 0)
+    ]  # fmt: skip
+
+
+def test_coordinates_and_signs_in_reversed_charts():
+    turns = [n for n in topology((v + 3) ** 2 - u**3 + 2).nodes if n.kind == "extreme"]
+    (turn,) = turns
+    assert turn.chart == (True, True)
+    assert turn.u.polynomial == fmpz_poly([-2, 0, 0, 1]) and turn.v.rational == -3
+    assert [turn.sign(c) for c in (u, v, u * v, u**3 + v + 1, u**3 * v + 7, u - 1)] == [1, -1, -1, 0, 1, 1]
+    assert turn.sign(10**30 * (u**3 + v + 1) + v) == -1
+
+
 @pytest.mark.parametrize("w", [u, u**2 - 2])
 def test_double_zeros_next_to_each_other(w):
     """Two turning points at distance 2e-30 over one u, rational and irrational."""
@@ -203,6 +236,14 @@ def test_extras_at_infinity_and_on_the_borders_of_charts():
     check_incidence(graph)
     on_border = sorted(float(n.u) for n in graph.nodes if n.v.rational == 1)
     assert on_border == [-2, 0, 1, 2]
+
+
+def test_an_extra_may_be_a_border_of_charts():
+    graph = topology(u * (u**2 - 3), extras=[v - 1, u * v + 1])
+    assert kinds(graph) == ["loop"] * 3
+    check_incidence(graph)
+    cuts = [n for n in graph.nodes if n.sign(v - 1) == 0]
+    assert sorted(float(n.u) for n in cuts) == [-(3**0.5), 0, 3**0.5]
 
 
 def test_extras_cut_lines():
