@@ -172,8 +172,9 @@ def test_an_edge_passes_the_turning_points_of_others():
     assert [x.rational for x in passing.limits] == [-2, 2, 3]
     assert passing.at(fmpq(2)).rational == 2
     assert passing.at(fmpq(0)).polynomial == fmpz_poly([-3, 0, 1]) and [k for _, k in passing.slabs] == [2, 0]
-    with pytest.raises(ValueError):
-        passing.at(fmpq(-2))
+    for outside in (fmpq(-2), fmpq(-5, 2), fmpq(3), fmpq(4)):
+        with pytest.raises(ValueError):
+            passing.at(outside)
 
 
 def test_node_coordinates_are_exact():

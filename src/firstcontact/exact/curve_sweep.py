@@ -47,6 +47,10 @@ from firstcontact.exact.numbers import dyadic, precision
 from firstcontact.exact.roots import AlgebraicRoot, isolate, reversed_polynomial, root_free
 
 Range = tuple[fmpq, fmpq] | None
+# Why a value of u is critical; Events tell the order to which the polynomial in question vanishes there:
+#   ("fold", i) disc_v of curve i        ("cross", i, j), i < j: Res_v of two curves     ("side", s, i) curve i on line s
+#   ("extra", i, e) Res_v of curve i and extra e        ("mark", s) an extra on line s, which belongs to the curve
+#   ("line", k) vertical line k         ("all",) every zero becomes a node: ends of the chart, extras in u alone
 Event = tuple[Any, ...]
 Events = dict[Event, int]
 # Who takes branches over a fibre: a node, or the k-th zero of the curve in the open cell, which passes them on (-1:

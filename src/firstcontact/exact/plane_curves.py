@@ -219,10 +219,10 @@ class Branch(Edge):
 
     def at(self, x: fmpq) -> AlgebraicRoot:
         """y over x, a rational number strictly between the ends of the edge."""
+        if not self.limits[0].compare(x) < 0 < self.limits[-1].compare(x):
+            raise ValueError(f"{x} is not inside the x-range of {self}")
         s, on_limit = self._column.slab(x)
         first = self._pieces[0][0]
-        if not first <= s < first + len(self._pieces) or (on_limit and s == first):
-            raise ValueError(f"{x} is not inside the x-range of {self}")
         a, cell = self._column.rows[self.curve][self._cell], self._column.cells[self._cell]
         f = over(a, x)
         k = self._passed[s - first - 1] if on_limit else self._pieces[s - first][1]
