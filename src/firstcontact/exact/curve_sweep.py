@@ -48,7 +48,7 @@ from firstcontact.exact.roots import AlgebraicRoot, isolate, reversed_polynomial
 
 Range = tuple[fmpq, fmpq] | None
 # Why a value of u is critical; Events tell the order to which the polynomial in question vanishes there:
-#   ("fold", i) disc_v of curve i        ("cross", i, j), i < j: Res_v of two curves     ("side", s, i) curve i on line s
+#   ("fold", i) disc_v of curve i        ("cross", i, j), i < j: Res_v of two curves    ("side", s, i) curve i on line s
 #   ("extra", i, e) Res_v of curve i and extra e        ("mark", s) an extra on line s, which belongs to the curve
 #   ("line", k) vertical line k         ("all",) every zero becomes a node: ends of the chart, extras in u alone
 Event = tuple[Any, ...]
