@@ -5,6 +5,7 @@ from __future__ import annotations
 import time as clock
 from typing import Any
 
+from firstcontact.body.ruled_strip import RuledStrip
 from firstcontact.body.ruled_surface import RuledSurface
 from firstcontact.curve import IntersectionCurve
 from firstcontact.errors import InputError, UnsupportedPair
@@ -31,6 +32,8 @@ def intersection_curve(p: Any, q: Any, tolerance: float, method: str, box: Any) 
 
 
 def _check(surface: Any) -> None:
+    if isinstance(surface, RuledStrip):
+        raise UnsupportedPair(f"{surface!r} has several pieces; give two of its pieces at a time")
     if not isinstance(surface, RuledSurface):
         at = "; give body.at(t)" if hasattr(surface, "motion") else ""
         raise UnsupportedPair(f"intersection_curve is for two ruled surfaces at rest, not {surface!r}{at}")
