@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import pickle
 from fractions import Fraction
 
 import numpy as np
@@ -115,7 +116,7 @@ def test_kinds(vector):
     if expected.get("only_points"):
         assert not found.branches and not len(found.overlap_lines)
     json.loads(found.to_json())
-    assert str(found)
+    assert str(pickle.loads(pickle.dumps(found))) == str(found)
 
 
 @with_field("points", "touch_points")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
@@ -16,6 +16,29 @@ ExactParameter = Fraction | AlgebraicNumber | float
 """A parameter of a ruling: the number itself, or math.inf for the ruling at infinity."""
 
 
+class ExactParameters:
+    """The exact u and v of a point, worked out when asked for: v may take an elimination of high degree."""
+
+    __slots__ = ("_make", "_pair")
+
+    def __init__(self, make: Callable[[], tuple[ExactParameter, ExactParameter]]) -> None:
+        self._make: Any = make
+        self._pair: tuple[ExactParameter, ExactParameter] | None = None
+
+    @property
+    def pair(self) -> tuple[ExactParameter, ExactParameter]:
+        if self._pair is None:
+            self._pair, self._make = self._make(), None
+        return self._pair
+
+    def __reduce__(self) -> Any:
+        return _known, (self.pair,)
+
+
+def _known(pair: tuple[ExactParameter, ExactParameter]) -> ExactParameters:
+    return ExactParameters(lambda: pair)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class BranchEnd:
     """Where a branch ends.
@@ -25,15 +48,22 @@ class BranchEnd:
     on           the bounds that hold there: "u=0", "s=1", "t=0", "x=3", "trim"
     point        (3,) float64
     parameters   (4,) float64: u, v, s, t
-    u, v         exact; None for "infinity"
+    u, v         exact; None for "infinity"; worked out when asked for
     """
 
     kind: str
     on: tuple[str, ...]
     point: np.ndarray
     parameters: np.ndarray
-    u: ExactParameter | None = None
-    v: ExactParameter | None = None
+    exact: ExactParameters | None = field(default=None, repr=False)
+
+    @property
+    def u(self) -> ExactParameter | None:
+        return None if self.exact is None else self.exact.pair[0]
+
+    @property
+    def v(self) -> ExactParameter | None:
+        return None if self.exact is None else self.exact.pair[1]
 
     def __str__(self) -> str:
         on = f" ({', '.join(self.on)})" if self.on else ""
@@ -96,12 +126,19 @@ class SingularPoint:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GraphNode:
-    """A point of the curve, exactly: `u`, `v`; kind "regular", "node", "cusp", "isolated", "boundary", "infinity"."""
+    """A point of the curve: "regular", "node", "cusp", "isolated", "boundary" or "infinity"; u, v are exact."""
 
-    u: ExactParameter
-    v: ExactParameter
     point: np.ndarray | None
     kind: str
+    exact: ExactParameters = field(repr=False)
+
+    @property
+    def u(self) -> ExactParameter:
+        return self.exact.pair[0]
+
+    @property
+    def v(self) -> ExactParameter:
+        return self.exact.pair[1]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

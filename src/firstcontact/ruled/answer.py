@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from flint import fmpz_mpoly
 
-from firstcontact.curve import Branch, CurveGraph, ExactParameter, GraphNode, SingularPoint
+from firstcontact.curve import Branch, CurveGraph, ExactParameter, ExactParameters, GraphNode, SingularPoint
 from firstcontact.pairs.ruled_ruled import CommonRulings, Parameter
 from firstcontact.ruled.clipping import Clip
 from firstcontact.ruled.pieces import Piece
@@ -40,9 +40,10 @@ class Found:
         """Whether bounds keep all common points from infinity."""
         return self.p.bounded or self.q.bounded or self.box is not None
 
-    def exact(self, u: Parameter, v: Parameter) -> tuple[ExactParameter, ExactParameter]:
-        """Results' numbers for the user's u and v."""
-        return _number(self.p.user_parameter(u)), _number(self.q.user_parameter(v))
+    def exact(self, where: Any) -> ExactParameters:
+        """Results' numbers for the user's parameters of `where`, a node or another object with u and v."""
+        p, q = self.p, self.q
+        return ExactParameters(lambda: (_number(p.user_parameter(where.u)), _number(q.user_parameter(where.v))))
 
     def parameters(self, x: np.ndarray, y: np.ndarray, chart: tuple[bool, bool], positions: np.ndarray) -> np.ndarray:
         """(n, 4) the user's u, v, s, t of points in a chart."""
@@ -53,14 +54,14 @@ class Found:
                 columns.append(own if piece.shift is None else piece.shift + 1.0 / own)
         return np.column_stack([*columns, self.p.user_s(positions[:, 0]), self.q.user_s(positions[:, 1])])
 
-    def add_node(self, u: Parameter, v: Parameter, point: np.ndarray | None, kind: str) -> int:
-        self.nodes.append(GraphNode(*self.exact(u, v), point, kind))
+    def add_node(self, where: Any, point: np.ndarray | None, kind: str) -> int:
+        self.nodes.append(GraphNode(point, kind, self.exact(where)))
         return len(self.nodes) - 1
 
-    def add_isolated(self, point: np.ndarray, u: Parameter, v: Parameter) -> None:
+    def add_isolated(self, point: np.ndarray, where: Any) -> None:
         if not any(same(point, other) for other in self.isolated):
             self.isolated.append(point)
-            self.add_node(u, v, point, "isolated")
+            self.add_node(where, point, "isolated")
 
     def is_on_branch(self, point: np.ndarray) -> bool:
         """Whether it is one of the points of a branch: for points that would be nodes of it."""
@@ -80,6 +81,13 @@ class Found:
             "common_rulings": tuple((_number(u), _number(v)) for u, v in common.pairs),
             "correspondence": {} if common.correspondence.is_constant() else _table(common.correspondence),
         }
+
+
+class Pair(NamedTuple):
+    """Parameters of two rulings."""
+
+    u: Parameter
+    v: Parameter
 
 
 def same(x: np.ndarray, y: np.ndarray) -> bool:

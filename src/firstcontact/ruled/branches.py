@@ -83,7 +83,7 @@ def add_apex(found: Found, line: fmpz_mpoly, apex: np.ndarray, side: int, parame
         if own is None or parameter.compare(own) != 0:
             continue
         if node.index in kept or (where.point is not None and clip.keeps_node(node, where)):
-            found.add_isolated(apex, node.u, node.v)
+            found.add_isolated(apex, node)
             return
 
 
@@ -176,7 +176,7 @@ class Joints:
         where = self.spot(node)
         if where.point is None or not self.found.clip.keeps_node(node, where) or self.is_infinite(node):
             return
-        self.found.add_isolated(doubles(where.coordinates()), node.u, node.v)
+        self.found.add_isolated(doubles(where.coordinates()), node)
 
     def turns_back(self, first: tuple[Any, int], second: tuple[Any, int]) -> bool:
         """Whether two edges leave their common end in one direction."""
@@ -312,7 +312,7 @@ class _Assembly:
     def _node(self, key: tuple[int, int]) -> int:
         if key not in self.numbers:
             node, corner = self.graph.nodes[key[0]], self._corner(key)
-            self.numbers[key] = self.found.add_node(node.u, node.v, corner.point, self._kind(key, corner))
+            self.numbers[key] = self.found.add_node(node, corner.point, self._kind(key, corner))
         return self.numbers[key]
 
     def _kind(self, key: tuple[int, int], corner: Corner) -> str:
@@ -328,6 +328,5 @@ class _Assembly:
             return BranchEnd("infinity", (), point, parameters)
         node = self.graph.nodes[corner.key[0]]
         kind = "boundary" if len(self.at[corner.key]) == 1 else "node"
-        u, v = self.found.exact(node.u, node.v)
-        on = self.found.clip.bounds_at(node, self.joints.at_node(node, EQUAL_BITS))
-        return BranchEnd(kind, on, point, parameters, u, v)
+        on = self.found.clip.bounds_at(self.joints.at_node(node, EQUAL_BITS))
+        return BranchEnd(kind, on, point, parameters, self.found.exact(node))

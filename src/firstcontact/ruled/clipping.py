@@ -12,10 +12,10 @@ from functools import cmp_to_key, lru_cache
 from typing import Any
 
 import numpy as np
-from flint import fmpz_mpoly
+from flint import arb, fmpz_mpoly
 
 from firstcontact.exact.bivariate import CONTEXT, in_u, in_v
-from firstcontact.exact.numbers import rational
+from firstcontact.exact.numbers import precision, rational
 from firstcontact.exact.roots import AlgebraicRoot
 from firstcontact.pairs.ruled_ruled import (
     Parameter,
@@ -120,12 +120,13 @@ class Clip:
             return seen > 0
         return all(c.sign * _signs(c, node.u, node.v) >= 0 for c in self.conditions(where.column))
 
-    def bounds_at(self, node: Any, where: Spot) -> tuple[str, ...]:
-        """The names of the bounds that hold with equality at a node, as far as the bits of `where` show."""
+    def bounds_at(self, where: Spot) -> tuple[str, ...]:
+        """The names of the bounds that hold with equality, as far as the bits of `where` show."""
         found = []
-        for piece, parameter, name in ((self.p, node.u, "u"), (self.q, node.v, "v")):
-            if piece.u is not None and parameter is not None:
-                found += [f"{name}={end}" for end in piece.u if parameter.compare(end) == 0]
+        for piece, x, reverse, name in zip((self.p, self.q), (where.x, where.y), where.chart, "uv", strict=True):
+            with precision(where.bits):
+                own = 1 / x if reverse else x
+                found += [f"{name}={end}" for end in piece.u or () if (own - arb(end)).contains(0)]
         return (*found, *equalities(where, self.p, self.q, self.box)) if where.point is not None else tuple(found)
 
 

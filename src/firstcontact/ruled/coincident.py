@@ -20,7 +20,7 @@ from firstcontact.exact.numbers import dyadic, precision
 from firstcontact.exact.plane_curves import topology
 from firstcontact.exact.roots import AlgebraicRoot
 from firstcontact.pairs.ruled_ruled import all_real_roots, divides
-from firstcontact.ruled.answer import Found
+from firstcontact.ruled.answer import Found, Pair
 from firstcontact.ruled.branches import Joints, add_branches, add_curves
 from firstcontact.ruled.clipping import Condition, overlap
 from firstcontact.ruled.pieces import Piece
@@ -54,7 +54,7 @@ def _apex(found: Found, apex: Sequence[fmpz]) -> None:
         if found.box is None or all(
             fmpq(low) <= fmpq(x, apex[3]) <= fmpq(high) for x, low, high in zip(apex, *found.box, strict=False)
         ):
-            found.add_isolated(np.array([float(x) / float(apex[3]) for x in apex[:3]]), u, v)
+            found.add_isolated(np.array([float(x) / float(apex[3]) for x in apex[:3]]), Pair(u, v))
 
 
 def _parameter_of(piece: Piece, apex: Sequence[fmpz]) -> AlgebraicRoot | None:
@@ -181,7 +181,7 @@ def along_correspondence(found: Found, correspondence: fmpz_mpoly) -> None:
         if (shared[0] != shared[1]).any():
             found.segments.append(shared)
         elif not found.is_on_branch(shared[0]):
-            found.add_isolated(shared[0], node.u, node.v)
+            found.add_isolated(shared[0], node)
 
 
 def _shared_end(ends: list[list[fmpz_mpoly]], factor: fmpz_mpoly) -> tuple[int, int]:

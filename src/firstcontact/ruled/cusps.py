@@ -23,6 +23,8 @@ from firstcontact.pairs.ruled_ruled import Rulings, planes_through, points_on
 # Weights that make one point, one equation of four; any will do: a bad choice only adds candidates.
 _ONE_POINT = (1, 3, -2, 5)
 _EQUATIONS = ((2, -7, 3, 11), (5, 1, -4, 9), (-3, 8, 13, 1))
+# Product of the degrees up to which it pays to find out whether a singular point is on the curve at all.
+ELIMINATED = 12
 
 
 def candidates(p: Rulings, q: Rulings, factors: Sequence[fmpz_mpoly]) -> list[fmpz_mpoly]:
@@ -41,6 +43,8 @@ def _of_side(
     torsal = torsal_rulings(own)
     if torsal.degree() == 0:
         return []
+    if torsal != 0 and own.degree * other.degree > ELIMINATED:
+        return [here(torsal)]
     point = [here(x) for x in singular_points(own)]
     equations = [dot(weights, [dot(row, point) for row in planes]) for weights in _EQUATIONS]
     eliminated = "v" if name == "u" else "u"

@@ -11,7 +11,7 @@ from flint import fmpz_mpoly
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.bivariate import in_u, in_v
 from firstcontact.pairs.ruled_ruled import FactorKind, common_rulings, delta, factors
-from firstcontact.ruled.answer import Found
+from firstcontact.ruled.answer import Found, Pair
 from firstcontact.ruled.branches import add_apex, add_curves
 from firstcontact.ruled.clipping import clipped, in_range, overlap
 from firstcontact.ruled.coincident import all_meet, along_correspondence
@@ -86,4 +86,4 @@ def _overlap(found: Found, u: Any, v: Any) -> None:
     if (shared[0] != shared[1]).any():
         found.segments.append(shared)
     elif not found.is_on_branch(shared[0]):
-        found.add_isolated(shared[0], u, v)
+        found.add_isolated(shared[0], Pair(u, v))
