@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time as clock
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from firstcontact.body.moving import Moving
 from firstcontact.body.polyhedron import Polyhedron
@@ -26,6 +26,9 @@ from firstcontact.search.earliest import Found, Pair, Progress, all_pairs, earli
 from firstcontact.search.intervals import contact_windows
 from firstcontact.search.overlap import initial_kind
 from firstcontact.search.problem import problem_of, problems_in_order
+
+if TYPE_CHECKING:
+    from firstcontact.curve import IntersectionCurve
 
 
 def first_contact(
@@ -176,6 +179,32 @@ def contact_pairs(a: Any, b: Any, span: Any = None) -> ContactPairs:
         tuple(p for p, _ in element_pairs(a, b, pierced)),
         _timed(stats, begin),
     )
+
+
+def intersection_curve(
+    p: Any, q: Any, *, tolerance: float = 1e-6, method: str = "auto", box: Any = None
+) -> IntersectionCurve:
+    """IntersectionCurve: all points that two ruled surfaces at rest share.
+
+    Branches with their topology, common rulings, isolated and singular points; what is not listed is proved not to be
+    there (docs/ruled-surfaces.md says what the coordinates rest on).  Deforming or moving surfaces: give p.at(t).
+
+    tolerance: greatest distance between a branch and its polyline.  box: two corners ((x, y, z), (x, y, z)); only what
+    lies in it is reported.  Without one, unbounded branches are cut about 100 times the size of the directrices away
+    from the origin, and beyond that the tolerance grows.
+
+    Raises UnsupportedPair for other bodies, and for the cases that docs/ruled-surfaces.md lists.
+
+    >>> import firstcontact as fc
+    >>> saddle = fc.RuledSurface("(u, 0, 0)", "(u, 1, u)")
+    >>> plane = fc.RuledSurface("(u, 0, 1/2)", "(u, 1, 1/2)")
+    >>> curve = fc.intersection_curve(saddle, plane)
+    >>> [end.point.tolist() for end in curve.branches[0].ends]
+    [[0.5, 1.0, 0.5], [1.0, 0.5, 0.5]]
+    """
+    from firstcontact.ruled import verbs
+
+    return verbs.intersection_curve(p, q, tolerance, method, box)
 
 
 def _is_curved(body: Any) -> bool:
