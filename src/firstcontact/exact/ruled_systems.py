@@ -8,7 +8,6 @@ has an extremum in time.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import combinations
 from typing import NamedTuple
 
 from flint import arb, fmpq, fmpz_poly
@@ -142,12 +141,6 @@ class ContactSystem(Equations):
                 row.append(total)
             rows.append(row)
         return rows
-
-
-def minor_choices(free: Sequence[int]) -> list[tuple[Columns, ...]]:
-    """The sets of determinants that make the system of these free parameters square."""
-    minors = [(i, j, k) for i, j, k in combinations(free, 3)]
-    return list(combinations(minors, max(len(free) - 2, 0)))
 
 
 def _det(a: Vector, b: Vector, c: Vector) -> arb:

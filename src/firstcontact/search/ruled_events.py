@@ -8,18 +8,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from functools import cached_property
+from itertools import combinations
 
 import numpy as np
 from flint import arb, fmpq
 
 from firstcontact.exact.numbers import ball_bounds, nearest_double, precision
-from firstcontact.exact.ruled_systems import ContactSystem, minor_choices
+from firstcontact.exact.ruled_systems import ContactSystem
 from firstcontact.exact.square_systems import Zero, certified
 from firstcontact.kernels.ruled_models import ALL_STRATA, MOST_DEGREE, ROWS, WIDTH
 from firstcontact.search.ruled_pieces import RuledPiece
 from firstcontact.search.ruled_search import (
-    ALL_EVENTS,
     AT_REST,
     COUNTERS,
     DONE,
@@ -31,7 +30,6 @@ from firstcontact.search.ruled_search import (
     STRATUM,
     SURE,
     VISITS,
-    WIDE,
     search,
 )
 from firstcontact.search.stretches import above, below
@@ -40,6 +38,8 @@ ROOM = 1 << 15
 """Boxes that may wait at a time."""
 BITS = 96
 """Of the enclosures of events."""
+REGULAR = 1e-9
+"""Pivots below this, in rows of unit length, leave a parameter free."""
 ROUNDINGS = 16 * 2.0**-52
 """Times closer than this part of the largest one are not told apart by the search."""
 
@@ -148,24 +148,21 @@ class Search:
         return self._described(kind, x, time, (lo, hi), zero)
 
     def _system(self, box: np.ndarray, kind: np.ndarray) -> ContactSystem | None:
-        """The square system of the stratum with the best slopes; ranges that do not converge are fixed."""
-        values: list[fmpq | None] = []
+        """A regular square system of the stratum near the box; parameters that nothing fixes stay in their middle."""
+        middle = 0.5 * (box[:, 0] + box[:, 1])
         stratum = [k for k in range(4) if kind[STRATUM] >> k & 1]
-        for k in range(4):
-            wide = k not in stratum or box[k, 1] - box[k, 0] > 2 * WIDE
-            values.append(_exact(0.5 * (box[k, 0] + box[k, 1])) if wide else None)
+        values = [None if k in stratum else _exact(middle[k]) for k in range(4)]
         curves = (*self.p.curves(int(kind[PART_P])), *self.q.curves(int(kind[PART_Q])))
-        unknown = [k for k in range(5) if k == 4 or values[k] is None]
-        missing = len(unknown) - 3
-        if missing < 0:
-            return None
-        minors = [m for choice in minor_choices(stratum)[:1] for m in choice] if missing else []
-        every = sorted({m for choice in minor_choices(stratum) for m in choice}) if missing else minors
-        full = ContactSystem(curves, values, every)
+        full = ContactSystem(curves, values, list(combinations(stratum, 3)))
+        columns = [*stratum, 4]
         with precision(64):
-            slopes = full.jacobian([arb(0.5 * (box[k, 0] + box[k, 1])) for k in unknown])
-            rows = np.array([[float(c.mid()) for c in row] for row in slopes])
-        return _squared(full, rows, missing)
+            slopes = full.jacobian([arb(middle[k]) for k in columns])
+            chosen = _pivots(np.array([[float(c.mid()) for c in row] for row in slopes]))
+        solved = {columns[k] for k in chosen.values()}
+        if 4 not in solved or not all(k in chosen for k in range(3)):
+            return None
+        values = [None if k in solved else _exact(middle[k]) for k in range(4)]
+        return ContactSystem(curves, values, [m for k, m in enumerate(full.minors) if 3 + k in chosen])
 
     def _zero(self, box: np.ndarray, kind: np.ndarray) -> Zero | None:
         system = self._system(box, kind)
@@ -190,19 +187,23 @@ class Search:
         )  # fmt: skip
 
 
-def _squared(full: ContactSystem, rows: np.ndarray, missing: int) -> ContactSystem | None:
-    """The equations of P = Q with as many of the determinants as make the slopes farthest from singular."""
-    from itertools import combinations
-
+def _pivots(rows: np.ndarray) -> dict[int, int]:
+    """Columns solved for by elimination with full pivoting, by row; the first three rows come first."""
     rows = rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), 1e-300)
-    best, chosen = 1e-12, None
-    for choice in combinations(range(len(full.minors)), missing):
-        size = abs(np.linalg.det(rows[[0, 1, 2, *(3 + c for c in choice)]]))
-        if size > best:
-            best, chosen = size, choice
-    if chosen is None:
-        return None
-    return ContactSystem(full.curves, full.parameters, [full.minors[c] for c in chosen])
+    chosen: dict[int, int] = {}
+    for step in range(min(rows.shape)):
+        left = np.abs(rows)
+        left[list(chosen)] = 0.0
+        left[:, list(chosen.values())] = 0.0
+        if step < 3:
+            left[3:] = 0.0
+        i, j = (int(k) for k in np.unravel_index(np.argmax(left), left.shape))
+        if left[i, j] < REGULAR:
+            break
+        chosen[i] = j
+        others = np.arange(len(rows)) != i
+        rows[others] -= np.outer(rows[others, j] / rows[i, j], rows[i])
+    return chosen
 
 
 def _geometry(s: Search, kind: np.ndarray, x: np.ndarray, free: int) -> tuple[np.ndarray, np.ndarray | None]:

@@ -12,15 +12,11 @@ import numpy as np
 from firstcontact.kernels.heap import heap_pop, heap_push
 from firstcontact.kernels.jit import kernel
 from firstcontact.kernels.linear_models import REST
-from firstcontact.kernels.ruled_boxes import cut_by_directions, cut_by_elimination, holds_zero, shrink
+from firstcontact.kernels.ruled_boxes import cut_by_directions, cut_by_elimination, eliminate, holds_zero, shrink
 from firstcontact.kernels.ruled_models import (
     ALL_STRATA,
     BY_U,
     BY_V,
-    FREE_S,
-    FREE_T,
-    FREE_U,
-    FREE_V,
     GAP,
     difference_models,
     minor_models,
@@ -41,20 +37,22 @@ MOST_FOUND = 512
 LEAST = 1e-11
 """Width, in units of its range, below which a parameter is not split."""
 WIDE = 1e-4
-"""Ranges wider than this do not converge: a proof of contact picks their middle."""
+"""Half of a range from which on it gets no more room in a proof of contact."""
 ROUNDS = 12
-READY = 0.5
+TIME_FIRST = 3.0
+"""Weight of the time in the choice of the side to split."""
+READY = 0.7
 """Remainder, in units of the largest slope, below which a box is looked at for events."""
 
 
 @kernel
-def _settle(lo, hi, floor, ceiling, wide):
-    """A range for a proof of contact: the middle of a wide one, a narrow one with room around it."""
-    m, h = 0.5 * (lo + hi), 0.5 * (hi - lo)
-    if h > wide:
-        return m, m
-    h = 4.0 * h + 1e-9
-    return max(m - h, floor), min(m + h, ceiling)
+def _room(dom_p, dom_q, kind, k):
+    """Lowest and highest value of a parameter."""
+    if k == 0:
+        return dom_p[kind[PART_P], LOWEST], dom_p[kind[PART_P], HIGHEST]
+    if k == 2:
+        return dom_q[kind[PART_Q], LOWEST], dom_q[kind[PART_Q], HIGHEST]
+    return 0.0, 1.0
 
 
 @kernel
@@ -63,22 +61,31 @@ def _sure(p, dom_p, q, dom_q, kind, box, span, times, near, fixed, pivots, image
     i, j, free = kind[PART_P], kind[PART_Q], kind[STRATUM]
     for k in range(5):
         near[k, 0], near[k, 1] = box[k, 0], box[k, 1]
-    if free & FREE_U:
-        near[0, 0], near[0, 1] = _settle(box[0, 0], box[0, 1], dom_p[i, LOWEST], dom_p[i, HIGHEST], WIDE)
-    if free & FREE_V:
-        near[2, 0], near[2, 1] = _settle(box[2, 0], box[2, 1], dom_q[j, LOWEST], dom_q[j, HIGHEST], WIDE)
-    if free & FREE_S:
-        near[1, 0], near[1, 1] = _settle(box[1, 0], box[1, 1], 0.0, 1.0, WIDE)
-    if free & FREE_T:
-        near[3, 0], near[3, 1] = _settle(box[3, 0], box[3, 1], 0.0, 1.0, WIDE)
-    m, h = 0.5 * (box[4, 0] + box[4, 1]), 0.5 * (box[4, 1] - box[4, 0])
-    h = 4.0 * h + 1e-9 * span
-    near[4, 0], near[4, 1] = m - h, m + h
+        fixed[k] = int(k < 4 and free >> k & 1 == 0)
+        if fixed[k] == 1:
+            continue
+        m, h = 0.5 * (box[k, 0] + box[k, 1]), 0.5 * (box[k, 1] - box[k, 0])
+        if h < WIDE:  # room around the solution
+            h = 4.0 * h + 1e-9 * (span if k == 4 else 1.0)
+        lo, hi = (m - h, m + h) if k == 4 else _room(dom_p, dom_q, kind, k)
+        near[k, 0], near[k, 1] = max(m - h, lo), min(m + h, hi)
     if not difference_models(p, i, q, j, near, w, table):
         return False
     minors = minor_models(free, w)
+    if eliminate(w, minors, fixed, pivots) < 3:
+        return False
+    # what is not solved for stays in its middle
     for k in range(5):
-        fixed[k] = 0 if near[k, 1] > near[k, 0] else 1
+        solved = False
+        for row in range(3 + minors):
+            solved = solved or pivots[row] == k
+        if not solved:
+            near[k, 0] = 0.5 * (near[k, 0] + near[k, 1])
+            near[k, 1] = near[k, 0]
+            fixed[k] = 1
+    if not difference_models(p, i, q, j, near, w, table):
+        return False
+    minors = minor_models(free, w)
     if not holds_zero(w, minors, fixed, pivots, image):
         return False
     c = 0.5 * (near[4, 0] + near[4, 1])
@@ -110,7 +117,7 @@ def _heaviest(w, normal, box, at_rest, strata, least_time, span):
             rest = abs(normal[0]) * w[GAP, REST] + abs(normal[1]) * w[GAP + 1, REST] + abs(normal[2]) * w[GAP + 2, REST]
             square = (width / span) ** 2
             others = (box[0, 1] - box[0, 0]) ** 2 + (box[2, 1] - box[2, 0]) ** 2
-            heavy += max(rest - bent, 0.0) * square / (square + 0.25 * others + 1e-300)
+            heavy = TIME_FIRST * (heavy + max(rest - bent, 0.0) * square / (square + 0.25 * others + 1e-300))
         if not width > (least_time if k == 4 else LEAST) or (k == 4 and at_rest):
             continue
         # parameters without any influence come last, the widest first
@@ -234,11 +241,7 @@ def _rests(p, dom_p, q, dom_q, kind, box, near, fixed, pivots, image, w, table):
         near[k, 0], near[k, 1] = box[k, 0], box[k, 1]
         if k < 4:  # with room around the solution, inside the pieces
             m, h = 0.5 * (box[k, 0] + box[k, 1]), (box[k, 1] - box[k, 0]) + 1e-9
-            lo, hi = 0.0, 1.0
-            if k == 0:
-                lo, hi = dom_p[kind[PART_P], LOWEST], dom_p[kind[PART_P], HIGHEST]
-            if k == 2:
-                lo, hi = dom_q[kind[PART_Q], LOWEST], dom_q[kind[PART_Q], HIGHEST]
+            lo, hi = _room(dom_p, dom_q, kind, k)
             near[k, 0], near[k, 1] = max(m - h, lo), min(m + h, hi)
         fixed[k] = 0
     fixed[4] = 1
