@@ -96,9 +96,12 @@ class ContactSystem(Equations):
     """
 
     def __init__(
-        self, curves: Sequence[Curve], parameters: Sequence[fmpq | None], minors: Sequence[Columns]
+        self,
+        curves: tuple[Curve, Curve, Curve, Curve],
+        parameters: Sequence[fmpq | None],
+        minors: Sequence[Columns],
     ) -> None:
-        self.curves, self.parameters, self.minors = tuple(curves), tuple(parameters), tuple(minors)
+        self.curves, self.parameters, self.minors = curves, tuple(parameters), tuple(minors)
         self.free = tuple(k for k, value in enumerate(parameters) if value is None)
 
     def everywhere(self, x: Sequence[arb]) -> tuple[list[arb], arb]:
@@ -108,7 +111,8 @@ class ContactSystem(Equations):
 
     def jets(self, x: Sequence[arb]) -> tuple[RuledJet, RuledJet]:
         (u, s, v, t), time = self.everywhere(x)
-        return ruled_jet(*self.curves[:2], u, s, time), ruled_jet(*self.curves[2:], v, t, time)
+        first_p, second_p, first_q, second_q = self.curves
+        return ruled_jet(first_p, second_p, u, s, time), ruled_jet(first_q, second_q, v, t, time)
 
     def values(self, x: Sequence[arb]) -> list[arb]:
         p, q = self.jets(x)

@@ -1,6 +1,6 @@
 """Boxes of (u, s, v, t, T) against linear models: what of a box can hold a zero, and whether it must hold one.
 
-Every row is an equation c + g.e + [-r, r] = 0 for the place e in the box.  Rows, sums of rows along a direction and rows
+Every row is an equation c + g.e + [-r, r] = 0 for the place e in the box.  Rows, their sums along a direction and rows
 after elimination cut the ranges of e (Hansen and Sengupta's step, with remainders in place of interval slopes).
 """
 
@@ -11,6 +11,8 @@ from firstcontact.kernels.linear_models import MORE, REST, ROUND, slope_size
 from firstcontact.kernels.ruled_models import AXIS, GAP, WORK
 
 AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+INSIDE = 1.0 - 1e-12
+"""Of half widths, which are rounded upward: what is below lies inside the box."""
 LEAST_PIVOT = 1e-7
 """Of the sum of slopes of its equation; smaller ones are no help."""
 
@@ -173,7 +175,7 @@ def holds_zero(w, minors, fixed, pivots, image):
         if fixed[4] == 1:
             rest += abs(w[WORK + i, 5])
         rest = rest / g * MORE + 4.0 * ROUND * (1.0 + abs(middle))
-        if not abs(middle) + rest < 1.0:
+        if not abs(middle) + rest < INSIDE:
             return False
         if k == 4:
             image[0], image[1] = middle - rest, middle + rest

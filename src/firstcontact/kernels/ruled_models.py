@@ -174,7 +174,7 @@ def difference_models(p, i_part, q, j_part, box, w, table):
 @kernel
 def minor_models(free, w):
     """Determinants of the derivatives by the free parameters, in the rows from MINORS on; their number."""
-    if free == FREE_U + FREE_S + FREE_V + FREE_T or free == FREE_U + FREE_S + FREE_V or free == FREE_U + FREE_S + FREE_T:
+    if free & FREE_U and free & FREE_S:
         cross(w, CROSSED, BY_U, BY_S, SCRATCH)
     if free & FREE_V and free & FREE_T:
         cross(w, CROSSED + 3, BY_V, BY_T, SCRATCH)

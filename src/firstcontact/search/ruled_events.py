@@ -1,4 +1,4 @@
-"""First contact of two moving ruled pieces: searched in floats with proved bounds, the event proved and refined in balls.
+"""First contact of two moving ruled pieces: searched in floats with proved bounds, its event refined in balls.
 
 The search leaves the earliest instant at which contact is certain and a time before which it is excluded (see
 `search.ruled_search`).  Its event is then a zero of a square system over exact numbers; Krawczyk's test gives its time.
@@ -14,7 +14,7 @@ import numpy as np
 from flint import arb, fmpq
 
 from firstcontact.exact.numbers import ball_bounds, nearest_double, precision
-from firstcontact.exact.ruled_systems import ContactSystem
+from firstcontact.exact.ruled_systems import ContactSystem, Curve
 from firstcontact.exact.square_systems import Zero, certified
 from firstcontact.kernels.ruled_models import ALL_STRATA, MOST_DEGREE, ROWS, WIDTH
 from firstcontact.search.ruled_pieces import RuledPiece
@@ -134,16 +134,17 @@ class Search:
     def event(self, row: int) -> RuledEvent:
         """The certain contact in a row of the boxes found."""
         box, kind = self.found[row], self.found_kinds[row]
-        zero = self._zero(box, kind)
         lo, hi = (float(t) for t in self.times[row])
         time, x = 0.5 * (lo + hi), 0.5 * (box[:, 0] + box[:, 1])
-        if zero is not None:
+        system = self._system(box, kind)
+        zero = None if system is None else self._zero(system, box, kind)
+        if system is not None and zero is not None:
             balls = zero.balls(BITS)
             with precision(BITS + 64):
                 lo, hi = ball_bounds(balls[-1])
                 near = nearest_double(balls[-1])
                 time = float(balls[-1].mid()) if near is None else near
-                everywhere, moment = zero.system.everywhere(balls)
+                everywhere, moment = system.everywhere(balls)
                 x = np.array([float(c.mid()) for c in (*everywhere, moment)])
         return self._described(kind, x, time, (lo, hi), zero)
 
@@ -152,7 +153,7 @@ class Search:
         middle = 0.5 * (box[:, 0] + box[:, 1])
         stratum = [k for k in range(4) if kind[STRATUM] >> k & 1]
         values = [None if k in stratum else _exact(middle[k]) for k in range(4)]
-        curves = (*self.p.curves(int(kind[PART_P])), *self.q.curves(int(kind[PART_Q])))
+        curves = self._curves(kind)
         full = ContactSystem(curves, values, list(combinations(stratum, 3)))
         columns = [*stratum, 4]
         with precision(64):
@@ -164,14 +165,23 @@ class Search:
         values = [None if k in solved else _exact(middle[k]) for k in range(4)]
         return ContactSystem(curves, values, [m for k, m in enumerate(full.minors) if 3 + k in chosen])
 
-    def _zero(self, box: np.ndarray, kind: np.ndarray) -> Zero | None:
-        system = self._system(box, kind)
-        if system is None:
-            return None
+    def _curves(self, kind: np.ndarray) -> tuple[Curve, Curve, Curve, Curve]:
+        return (*self.p.curves(int(kind[PART_P])), *self.q.curves(int(kind[PART_Q])))
+
+    def _zero(self, system: ContactSystem, box: np.ndarray, kind: np.ndarray) -> Zero | None:
+        """The only zero near the box, if it surely lies on both pieces."""
         ranges = box[[*system.free, 4]]
         centre = [_exact(0.5 * (lo + hi)) for lo, hi in ranges]
         radii = [_exact((hi - lo) + 1e-12 * (1.0 + abs(lo))) for lo, hi in ranges]
-        return certified(system, centre, radii, 128)
+        zero = certified(system, centre, radii, 128)
+        if zero is None:
+            return None
+        part_p, part_q = self.p.parts[kind[PART_P]], self.q.parts[kind[PART_Q]]
+        limits = (part_p.lowest, part_p.highest), (0, 1), (part_q.lowest, part_q.highest), (0, 1)
+        with precision(BITS + 64):
+            x, _ = system.everywhere(zero.balls(BITS))
+            inside = all(arb(limits[k][0]) <= x[k] <= arb(limits[k][1]) for k in system.free)
+        return zero if inside else None
 
     def _described(
         self, kind: np.ndarray, x: np.ndarray, time: float, interval: tuple[float, float], zero: Zero | None
@@ -208,9 +218,7 @@ def _pivots(rows: np.ndarray) -> dict[int, int]:
 
 def _geometry(s: Search, kind: np.ndarray, x: np.ndarray, free: int) -> tuple[np.ndarray, np.ndarray | None]:
     """The point, and the unit normal from Q towards P across all free directions."""
-    system = ContactSystem(
-        (*s.p.curves(int(kind[PART_P])), *s.q.curves(int(kind[PART_Q]))), [_exact(c) for c in x[:4]], ()
-    )
+    system = ContactSystem(s._curves(kind), [_exact(c) for c in x[:4]], ())
     with precision(96):
         p, q = system.jets([arb(float(x[4]))])
         vectors = [np.array([float(c.mid()) for c in v]) for v in (p.point, p.x, p.s, q.x, q.s, p.t, q.t)]

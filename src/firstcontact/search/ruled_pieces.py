@@ -66,6 +66,12 @@ class RuledPiece:
     def parts(self) -> tuple[Part, ...]:
         return _closed_parts() if self.u is None else _range_parts(*self.u)
 
+    def reversed(self) -> RuledPiece:
+        """The same with time running backwards: at time -T."""
+        first, second = (tuple(tuple(tuple(-a if j % 2 else a for j, a in enumerate(row)) for row in c) for c in d)
+                         for d in (self.first, self.second))  # fmt: skip
+        return RuledPiece(first, second, self.u)
+
     @cached_property
     def size(self) -> tuple[int, int]:
         """Degrees in u and in T, plus one each."""

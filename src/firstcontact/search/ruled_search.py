@@ -1,4 +1,4 @@
-"""Branch and prune over (u, v, T) for two moving ruled pieces: all instants at which their contact set can begin or end.
+"""Branch and prune over (u, v, T) for two moving ruled pieces: all instants at which contact can begin or end.
 
 A box stands for all strata it meets until it is small; what P = Q leaves of it is then searched for zeros of the event
 system of every stratum (interior, edges, corners of either piece), which are isolated as a rule.  Earliest boxes first:
@@ -11,7 +11,7 @@ import numpy as np
 
 from firstcontact.kernels.heap import heap_pop, heap_push
 from firstcontact.kernels.jit import kernel
-from firstcontact.kernels.linear_models import REST
+from firstcontact.kernels.linear_models import MORE, REST
 from firstcontact.kernels.ruled_boxes import cut_by_directions, cut_by_elimination, eliminate, holds_zero, shrink
 from firstcontact.kernels.ruled_models import (
     ALL_STRATA,
@@ -26,7 +26,7 @@ from firstcontact.kernels.ruled_models import (
 FIRST_EVENT, ALL_EVENTS, AT_REST = range(3)
 # Outcomes: finished; room or budget spent.
 DONE, SPENT = range(2)
-# Columns of the integers of a box: parts, free parameters of the stratum; of a found one: whether it surely has a contact.
+# Columns of the integers of a box: parts, free parameters of the stratum; of one found: whether it is a sure contact.
 PART_P, PART_Q, STRATUM, SURE = range(4)
 # Columns of a part's domain: lowest and highest parameter, whether these are ends of the piece.
 LOWEST, HIGHEST, ENDS_LOW, ENDS_HIGH = range(4)
@@ -89,7 +89,7 @@ def _sure(p, dom_p, q, dom_q, kind, box, span, times, near, fixed, pivots, image
     if not holds_zero(w, minors, fixed, pivots, image):
         return False
     c = 0.5 * (near[4, 0] + near[4, 1])
-    h = max(near[4, 1] - c, c - near[4, 0])
+    h = max(near[4, 1] - c, c - near[4, 0]) * MORE
     slack = 1e-15 * (abs(c) + h)
     times[0], times[1] = c + h * image[0] - slack, c + h * image[1] + slack
     return True
@@ -124,6 +124,19 @@ def _heaviest(w, normal, box, at_rest, strata, least_time, span):
         heavy += 1e-9 * width * size
         if heavy > best:
             best, column = heavy, k
+    return column
+
+
+@kernel
+def _widest(box, at_rest, least_time, span):
+    """The column to split where a weight may vanish: the widest of u, v and T; -1: none is wide enough."""
+    best, column = LEAST, -1
+    for k in range(0, 5, 2):
+        width = box[k, 1] - box[k, 0]
+        if k == 4:
+            width = 0.0 if at_rest or width <= least_time else width / span
+        if width > best:
+            best, column = width, k
     return column
 
 
@@ -171,14 +184,12 @@ def search(p, dom_p, q, dom_q, mode, boxes, kinds, keys, heap, slots, n, span, t
         for k in range(3):
             kind[k] = kinds[slot, k]
         i, j, free = kind[PART_P], kind[PART_Q], kind[STRATUM]
-        empty, split, strata = False, -1, free != ALL_STRATA
+        empty, told, strata = False, False, free != ALL_STRATA
         for _ in range(ROUNDS):
             if not difference_models(p, i, q, j, box, w, table):
-                # the weights alone: the wider parameter, now and then the time
-                split = 0 if box[0, 1] - box[0, 0] >= box[2, 1] - box[2, 0] else 2
-                if box[4, 1] - box[4, 0] > 0.5 * span * max(box[split, 1] - box[split, 0], 1e-9) and mode != AT_REST:
-                    split = 4
+                told = False
                 break
+            told = True
             for k in range(5):
                 e[k, 0], e[k, 1] = -1.0, 1.0
                 fixed[k] = 0 if box[k, 1] > box[k, 0] else 1
@@ -189,6 +200,8 @@ def search(p, dom_p, q, dom_q, mode, boxes, kinds, keys, heap, slots, n, span, t
             if not cut_by_elimination(w, minors, fixed, pivots, e):
                 empty = True
                 break
+            if mode == AT_REST:  # of interest is what holds at all times
+                e[4, 0], e[4, 1] = -1.0, 1.0
             most, least = shrink(box, e)
             if not (most < 0.5 or (strata and least < 0.1) or least < 0.3):
                 break
@@ -198,17 +211,17 @@ def search(p, dom_p, q, dom_q, mode, boxes, kinds, keys, heap, slots, n, span, t
             if _rests(p, dom_p, q, dom_q, kind, box, near, fixed, pivots, image, w, table):
                 _record(found, found_kinds, times, limit, counters, box, kind, True, box[4])
                 return DONE
-            if not difference_models(p, i, q, j, box, w, table):
-                split = 0 if box[0, 1] - box[0, 0] >= box[2, 1] - box[2, 0] else 2
+            told = difference_models(p, i, q, j, box, w, table)
         if mode != AT_REST and strata and box[4, 1] - box[4, 0] <= tolerance and counters[FOUND] < MOST_FOUND:
             if _sure(p, dom_p, q, dom_q, kind, box, span, moment, near, fixed, pivots, image, w, table):
                 counters[PROOFS] += 1
                 _record(found, found_kinds, times, limit, counters, box, kind, True, moment)
                 continue
-            if not difference_models(p, i, q, j, box, w, table):
-                split = 0 if box[0, 1] - box[0, 0] >= box[2, 1] - box[2, 0] else 2
-        if split < 0:
+            told = difference_models(p, i, q, j, box, w, table)
+        if told:
             split = _heaviest(w, normal, box, mode == AT_REST, strata, tolerance, span)
+        else:
+            split = _widest(box, mode == AT_REST, tolerance, span)
         if split < 0:
             if counters[FOUND] >= MOST_FOUND:
                 counters[WAITING] = n + 1
@@ -216,7 +229,7 @@ def search(p, dom_p, q, dom_q, mode, boxes, kinds, keys, heap, slots, n, span, t
                 return SPENT
             _record(found, found_kinds, times, limit, counters, box, kind, False, moment)
             continue
-        if not strata and mode != AT_REST and _ready(w):
+        if told and not strata and mode != AT_REST and _ready(w):
             n = _strata(dom_p, dom_q, kind, box, boxes, kinds, keys, heap, slots, n, counters)
             continue
         counters[SPLITS] += 1
@@ -228,7 +241,7 @@ def search(p, dom_p, q, dom_q, mode, boxes, kinds, keys, heap, slots, n, span, t
             boxes[slot, split, 1 - half] = middle
             for k in range(3):
                 kinds[slot, k] = kind[k]
-            key = boxes[slot, 4, 0] if mode != AT_REST else box[0, 1] - box[0, 0] + box[2, 1] - box[2, 0]
+            key = boxes[slot, 4, 0] if mode != AT_REST else box[0, 0] - box[0, 1] + box[2, 0] - box[2, 1]
             n = heap_push(keys, heap, n, key, slot, 0)
     counters[WAITING] = 0
     return DONE
