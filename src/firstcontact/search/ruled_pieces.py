@@ -9,18 +9,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from flint import fmpq, fmpq_poly, fmpz, fmpz_poly
 
+from firstcontact.body.rational_curve import RationalCurve
 from firstcontact.errors import UnsupportedPair
-from firstcontact.exact.numbers import to_double
+from firstcontact.exact.numbers import rational, to_double
 from firstcontact.exact.ruled_systems import Curve
 from firstcontact.kernels.ruled_models import MOST_DEGREE
 
-Coefficients = Sequence[Sequence[fmpq]]
-"""c[i][j]: that of u^i T^j."""
+Coefficients = Sequence[Sequence[fmpq | int]]
+"""c[i][j]: that of u^i T^j, exactly."""
 Directrix = Sequence[Coefficients]
 """Four of them: X, Y, Z, W."""
 
@@ -61,6 +62,12 @@ class RuledPiece:
     first: Directrix
     second: Directrix
     u: tuple[fmpq, fmpq] | None
+
+    @classmethod
+    def of(cls, sides: tuple[RationalCurve, RationalCurve], u: tuple[Any, Any] | None) -> RuledPiece:
+        """The piece between two curves (`RuledSurface.sides`, `DirectrixPiece.p`) over this range of u."""
+        ends = None if u is None else (rational(u[0], "u"), rational(u[1], "u"))
+        return cls(sides[0].coefficients, sides[1].coefficients, ends)
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
