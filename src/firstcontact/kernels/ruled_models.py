@@ -39,6 +39,7 @@ FREE_U, FREE_S, FREE_V, FREE_T = 1, 2, 4, 8
 ALL_STRATA = -1
 """In place of the free parameters of a stratum: a box that stands for all strata it meets."""
 FIRST, SECOND = _rows(0, 1)
+W_COMPONENT = np.int64(3)
 U_COLUMN, V_COLUMN = _rows(0, 2)
 MOST_DEGREE = 31
 
@@ -113,7 +114,7 @@ def _polynomial(c, i_part, i_curve, i_component, column, box, w, table, row):
 @kernel
 def _directrix(c, i_part, i_curve, column, box, w, table, points, slopes):
     """Models of x = X / W and of its derivative by the parameter; False where W may vanish."""
-    _polynomial(c, i_part, i_curve, 3, column, box, w, table, WEIGHT)
+    _polynomial(c, i_part, i_curve, W_COMPONENT, column, box, w, table, WEIGHT)
     plain = w[WEIGHT, 0] == 1.0 and c.shape[3] * c.shape[4] > 0
     if plain:
         for k in range(1, 6):

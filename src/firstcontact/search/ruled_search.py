@@ -30,6 +30,8 @@ DONE, SPENT = range(2)
 PART_P, PART_Q, STRATUM, SURE = range(4)
 # Columns of a part's domain: lowest and highest parameter, whether these are ends of the piece.
 LOWEST, HIGHEST, ENDS_LOW, ENDS_HIGH = range(4)
+PERHAPS, SURELY = np.int64(0), np.int64(1)
+NO_MINORS = np.int64(0)
 # Counters.
 VISITS, SPLITS, SPAWNED, PROOFS, FOUND, WAITING = range(6)
 COUNTERS = 6
@@ -209,13 +211,13 @@ def search(p, dom_p, q, dom_q, mode, boxes, kinds, keys, heap, slots, n, span, t
             continue
         if mode == AT_REST:
             if _rests(p, dom_p, q, dom_q, kind, box, near, fixed, pivots, image, w, table):
-                _record(found, found_kinds, times, limit, counters, box, kind, True, box[4])
+                _record(found, found_kinds, times, limit, counters, box, kind, SURELY, box[4])
                 return DONE
             told = difference_models(p, i, q, j, box, w, table)
         if mode != AT_REST and strata and box[4, 1] - box[4, 0] <= tolerance and counters[FOUND] < MOST_FOUND:
             if _sure(p, dom_p, q, dom_q, kind, box, span, moment, near, fixed, pivots, image, w, table):
                 counters[PROOFS] += 1
-                _record(found, found_kinds, times, limit, counters, box, kind, True, moment)
+                _record(found, found_kinds, times, limit, counters, box, kind, SURELY, moment)
                 continue
             told = difference_models(p, i, q, j, box, w, table)
         if told:
@@ -227,7 +229,7 @@ def search(p, dom_p, q, dom_q, mode, boxes, kinds, keys, heap, slots, n, span, t
                 counters[WAITING] = n + 1
                 limit[0] = min(limit[0], box[4, 0])
                 return SPENT
-            _record(found, found_kinds, times, limit, counters, box, kind, False, moment)
+            _record(found, found_kinds, times, limit, counters, box, kind, PERHAPS, moment)
             continue
         if told and not strata and mode != AT_REST and _ready(w):
             n = _strata(dom_p, dom_q, kind, box, boxes, kinds, keys, heap, slots, n, counters)
@@ -260,7 +262,7 @@ def _rests(p, dom_p, q, dom_q, kind, box, near, fixed, pivots, image, w, table):
     fixed[4] = 1
     if not difference_models(p, kind[PART_P], q, kind[PART_Q], near, w, table):
         return False
-    return holds_zero(w, 0, fixed, pivots, image)
+    return holds_zero(w, NO_MINORS, fixed, pivots, image)
 
 
 @kernel
@@ -271,9 +273,9 @@ def _record(found, found_kinds, times, limit, counters, box, kind, sure, moment)
         found[row, k, 0], found[row, k, 1] = box[k, 0], box[k, 1]
     for k in range(3):
         found_kinds[row, k] = kind[k]
-    found_kinds[row, SURE] = int(sure)
+    found_kinds[row, SURE] = sure
     limit[0] = min(limit[0], box[4, 0])
-    if sure:
+    if sure == SURELY:
         times[row, 0], times[row, 1] = moment[0], moment[1]
         limit[1] = min(limit[1], moment[1])
 
