@@ -22,7 +22,7 @@ LEAST_STEP = 1e-8
 """Part of the span below which neither proofs nor lists are tried."""
 COVER = 1 / 4096
 """Part of the span below which proofs of contact over stretches are given up for a list of events."""
-AT_REST_BUDGET, STRETCH_BUDGET, EVENTS_BUDGET, FREE_BUDGET = 4_000, 200, 8_000, 200_000
+AT_REST_BUDGET, STRETCH_BUDGET, MOST_STRETCH_BUDGET, EVENTS_BUDGET, FREE_BUDGET = 4_000, 200, 2_000, 8_000, 200_000
 
 
 @dataclass(frozen=True)
@@ -57,14 +57,16 @@ class _Change:
     sure: bool
 
 
-def contact_times(p: RuledPiece, q: RuledPiece, first: fmpq, last: fmpq, tolerance: float = 1e-12) -> RuledIntervals:
-    """All contacts of two pieces over the closed [first, last]."""
-    return _Sweep(p, q, below(first), above(last), tolerance).run()
+def contact_times(
+    p: RuledPiece, q: RuledPiece, first: fmpq, last: fmpq, tolerance: float = 1e-12, budget: int = 1_000_000
+) -> RuledIntervals:
+    """All contacts of two pieces over the closed [first, last]; budget: boxes after which the rest stays unsettled."""
+    return _Sweep(p, q, below(first), above(last), tolerance, budget).run()
 
 
 class _Sweep:
-    def __init__(self, p: RuledPiece, q: RuledPiece, lo: float, hi: float, tolerance: float) -> None:
-        self.search, self.backward = Search(p, q), (p, q)
+    def __init__(self, p: RuledPiece, q: RuledPiece, lo: float, hi: float, tolerance: float, budget: int) -> None:
+        self.search, self.backward, self.budget = Search(p, q), (p, q), budget
         self.lo, self.hi = lo, hi
         self.span = hi - lo
         self.width = max(0.1 * tolerance * self.span, ROUNDINGS * max(abs(lo), abs(hi)))
@@ -83,6 +85,9 @@ class _Sweep:
             t = self._covered(t) if state else self._freed(t)
             if t >= self.hi:
                 break
+            if self.search.visits > self.budget:
+                self._give_up(t)
+                break
             changes, reach = self._changes(t)
             if changes is None:
                 t, state = self._jump(self._covered(t, LEAST_STEP) if state else t)
@@ -100,7 +105,7 @@ class _Sweep:
                     break
                 self._pass(change, bool(state), after)
                 state = after
-        if self.start is not None:
+        if self.start is not None:  # the contact lasts
             self._close(_Change(self.hi, self.hi, None, True))
         return RuledIntervals(tuple(self.intervals), tuple(_joined(self.unsettled)), self.search.visits)
 
@@ -116,6 +121,12 @@ class _Sweep:
                 )
             else:
                 self.unsettled.append((change.lo, change.hi))
+
+    def _give_up(self, t: float) -> None:
+        """What is left of the span stays unsettled."""
+        self.unsettled.append((t, self.hi))
+        if self.start is not None:
+            self._close(_Change(t, self.hi, None, False))
 
     def _end_of_span(self, change: _Change, before: bool) -> float:
         """Events that are not told apart from the end of the span."""
@@ -138,10 +149,13 @@ class _Sweep:
 
     def _covered(self, t: float, least: float = COVER) -> float:
         """A time from t, in contact at t, until which there is contact; least: of the steps, in parts of the span."""
+        before = self.search.visits
+        self._state(t)
+        budget = min(STRETCH_BUDGET + 4 * (self.search.visits - before), MOST_STRETCH_BUDGET)
         step = self.span / 16
         while t < self.hi and step > least * self.span:
             end = min(t + step, self.hi)
-            if self.search.at_rest(t, end, self.width, STRETCH_BUDGET):
+            if self.search.at_rest(t, end, self.width, budget):
                 t, step = end, 2 * step
             else:
                 step /= 4
@@ -207,9 +221,9 @@ class _Sweep:
             backward.run(-t, -lo, FIRST_EVENT, self.width, FREE_BUDGET)
             self.search.visits += backward.visits
             return max(-float(backward.limit[0]), lo)
-        step = 0.25 * (t - lo)
-        while step > 1e-3 * (t - lo):
-            if self.search.at_rest(t - step, t, self.width, STRETCH_BUDGET):
+        step, least = 0.25 * (t - lo), 1e-3 * (t - lo)
+        while step > least:
+            if t - step > lo and self.search.at_rest(t - step, t, self.width, STRETCH_BUDGET):
                 t -= step
             else:
                 step *= 0.5
