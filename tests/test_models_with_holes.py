@@ -145,6 +145,15 @@ def test_a_ball_is_screwed_through_a_hole():
     assert hit.contact_set is None  # all of the rim
 
 
+def test_an_opening_flush_with_a_face_is_no_face():
+    """The plane of the lower face also cuts the cone: in the opening nothing is there."""
+    needle = fc.box(("1/4", "1/4", 2)).translated(("3/10", "1/100", "-11/5"))
+    hit = fc.first_contact(needle.moving(fc.Screw((0, 0, 1), degrees=100, advance=2)), countersunk().named("plate"))
+    height = -0.5 + 0.75 - math.hypot(0.425, 0.135)  # of the cone where the outermost corner goes
+    assert hit.time == pytest.approx((1.2 + height) / 2, abs=1e-12)
+    assert hit.element_a.kind == "vertex" and hit.element_b.label.endswith("side")
+
+
 # -- the known answers, by this path alone -------------------------------------------------------------------
 
 CHOSEN = [

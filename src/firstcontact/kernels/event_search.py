@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from firstcontact.kernels.feature_boxes import (
     BY_U,
     BY_V,
@@ -120,11 +122,14 @@ def _equations(pair, own, base, table, kinds_of, s, hs, x, y, e):
 
 
 @kernel
-def _members(chart, side, s, hs, layout, program, kinds_of, table, x, y, e, shares, stack):
-    """False where the box has no point in the other closed model, or none in its own."""
+def _members(chart, pair, side, s, hs, layout, program, kinds_of, table, x, y, e, shares, stack):
+    """False where the box has no point in the other closed model, or none in its own.
+
+    pair: bits of the other's forms that vanish.
+    """
     for own in range(2):
         begin, end, base = layout[side, OTHER_BEGIN], layout[side, OTHER_END], layout[side, OTHER]
-        on = PLAIN
+        on = pair
         if own:
             begin, end, base, on = layout[side, OWN_BEGIN], layout[side, OWN_END], layout[side, OWN], chart[ON]
         found = membership(program, begin, end, on, base, table, kinds_of, s, hs, x, y, e, SPARE, shares, stack)
@@ -194,6 +199,11 @@ def _narrow_box(box, params, s, hs, slab, e, n, d):
 
 
 @kernel
+def bit(form):
+    return np.int64(1) << form
+
+
+@kernel
 def visit(box, charts, info, pairs, layout, program, kinds_of, table, slab, x, y, e, d, shares, stack, c):
     """What becomes of a box in the slab; it may be narrowed.  The pairs of EACH_PAIR are left in the stack, after
     their number."""
@@ -204,7 +214,13 @@ def visit(box, charts, info, pairs, layout, program, kinds_of, table, slab, x, y
     if not finite:
         return CUT_U if box[HALF_U] >= box[HALF_V] else CUT_V
     c[VISITS] += 1
-    if box[PAIR] < 0 and not _members(chart, side, s, hs, layout, program, kinds_of, table, x, y, e, shares, stack):
+    on = PLAIN
+    if box[PAIR] >= 0:
+        pair = pairs[int(box[PAIR])]
+        on = bit(pair[FORM])
+        if pair[OTHER_FORM] >= 0:
+            on |= bit(pair[OTHER_FORM])
+    if box[PAIR] < 0 and not _members(chart, on, side, s, hs, layout, program, kinds_of, table, x, y, e, shares, stack):
         return DEAD
     if box[PAIR] == STILL:
         return _cut(box, chart[PARAMS], side, hs, x, slab, shares)
@@ -240,7 +256,7 @@ def visit(box, charts, info, pairs, layout, program, kinds_of, table, slab, x, y
     if box[PAIR] >= 0:
         for row in range(pairs[first, EQUATIONS]):
             add_shares(e, row, shares)
-        if not _members(chart, side, s, hs, layout, program, kinds_of, table, x, y, e, shares, stack):
+        if not _members(chart, on, side, s, hs, layout, program, kinds_of, table, x, y, e, shares, stack):
             return DEAD
     else:
         if number == 0:

@@ -33,6 +33,9 @@ ROUNDED = 1e-12
 INSIDE, OUTSIDE = rows(1, 2)
 # No derivatives; rows of models for equations, and the one for membership.
 PLAIN, ZEROTH, FIRST_ROW, SPARE = rows(0, 0, 1, 3)
+# Where the stack keeps the signs of forms.
+SIGNS = 64
+STACK = 320
 # Steps of a compiled tree.
 LEAF, NOT, AND, OR, UNLESS_IN, UNLESS_OUT = rows(*range(6))
 
@@ -232,18 +235,17 @@ def add_shares(e, row, shares):
 
 
 @kernel
-def membership(program, begin, end, on, base, table, kinds, s, hs, x, y, e, row, shares, stack):
-    """Bits INSIDE and OUTSIDE: what points of the box may be, for a compiled tree over forms base...
-
-    on: bits of the forms that may have either sign.  Forms that leave the sign open add to the shares.
-    """
+def _outcome(program, begin, end, on, inside, base, table, kinds, s, hs, x, y, e, row, shares, stack):
+    """Bits INSIDE and OUTSIDE of a tree, the forms `on` inside or not as told; other signs are kept in the stack."""
     top, at = 0, begin
     while at < end:
         step, value = program[at, 0], program[at, 1]
         at += 1
         if step == LEAF:
-            if value < 62 and (on >> value) & 1:
-                found = INSIDE | OUTSIDE
+            if (on >> value) & 1:
+                found = INSIDE if (inside >> value) & 1 else OUTSIDE
+            elif stack[SIGNS + value] != 0:
+                found = stack[SIGNS + value]
             else:
                 model(table, kinds, base + value, s, hs, x, PLAIN, y, e, row)
                 size = reach(e, row)
@@ -254,6 +256,7 @@ def membership(program, begin, end, on, base, table, kinds, s, hs, x, y, e, row,
                 else:
                     found = INSIDE | OUTSIDE
                     add_shares(e, row, shares)
+                stack[SIGNS + value] = found
             stack[top] = found
             top += 1
         elif step == NOT:
@@ -273,6 +276,23 @@ def membership(program, begin, end, on, base, table, kinds, s, hs, x, y, e, row,
             else:
                 stack[top - 1] = ((p | q) & INSIDE) | (p & q & OUTSIDE)
     return stack[0]
+
+
+@kernel
+def membership(program, begin, end, on, base, table, kinds, s, hs, x, y, e, row, shares, stack):
+    """Bits INSIDE and OUTSIDE: what is near points of the box, for a compiled tree over forms base...
+
+    on: bits of the forms that vanish there; either side of each is tried, so that one that stands in several places
+    (the rim of a hole in a face) counts as one.  Forms that leave the sign open add to the shares.
+    """
+    for k in range(SIGNS, SIGNS + 64):
+        stack[k] = 0
+    found, inside = PLAIN, on
+    while True:
+        found |= _outcome(program, begin, end, on, inside, base, table, kinds, s, hs, x, y, e, row, shares, stack)
+        if found == INSIDE | OUTSIDE or inside == 0:
+            return found
+        inside = (inside - 1) & on  # the next subset
 
 
 @kernel

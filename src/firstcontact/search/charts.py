@@ -40,7 +40,7 @@ from firstcontact.body.features import EDGE_KINDS, Edge, Face, Vertex, enclosure
 from firstcontact.body.intersections import common_curves
 from firstcontact.exact.numbers import precision, to_double
 from firstcontact.kernels.event_search import trim
-from firstcontact.kernels.feature_boxes import AND, COLUMNS, IMAGES, LEAF, NOT, OR, POINTS, UNLESS_IN, UNLESS_OUT
+from firstcontact.kernels.feature_boxes import AND, COLUMNS, IMAGES, LEAF, NOT, OR, POINTS, STACK, UNLESS_IN, UNLESS_OUT
 
 BITS = 192
 ARC = fmpq(4142136, 10**7)
@@ -313,7 +313,7 @@ class _Builder:
         trim(
             chart, sum(1 << k for k in surfaces), form, self.program, forms, self.kinds, boxes,
             np.zeros((POINTS, 4)), np.zeros((IMAGES, 4)), np.zeros((7, COLUMNS)), np.zeros(3),
-            np.zeros(MOST_DEPTH + 4, np.int64), fates,
+            np.zeros(STACK, np.int64), fates,
         )  # fmt: skip
         return fates
 

@@ -26,11 +26,11 @@ from firstcontact.kernels.event_search import (
     VISITS,
     search,
 )
-from firstcontact.kernels.feature_boxes import COLUMNS, IMAGES, POINTS
+from firstcontact.kernels.feature_boxes import COLUMNS, IMAGES, POINTS, STACK
 from firstcontact.kernels.moving_forms import MODELS
 from firstcontact.kernels.workspace import workspace
 from firstcontact.search.advance import Advance
-from firstcontact.search.charts import MOST_DEPTH, NotCharted
+from firstcontact.search.charts import NotCharted
 from firstcontact.search.event_tables import Tables, tables_of
 from firstcontact.search.shared_points import shared_point
 from firstcontact.search.stretches import Untold, Window, below, windows
@@ -70,7 +70,7 @@ class _Search:
         self.result = np.zeros(4)
         shapes = (6,), (POINTS, 4), (IMAGES, 4), (7, COLUMNS), (3, 2), (3,)
         scratch = [np.zeros(shape) for shape in shapes]
-        stack = np.zeros(MOST_DEPTH + 4 + len(tables.pairs), np.int64)
+        stack = np.zeros(STACK, np.int64)
         self.memory = (
             workspace()[0], np.zeros((3, MODELS)), tables.table.copy(), *scratch, stack, np.zeros((FRAMES, 4))
         )

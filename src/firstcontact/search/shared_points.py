@@ -359,8 +359,9 @@ def _directions(units: np.ndarray) -> np.ndarray:
     rng = np.random.default_rng(0)
     d = rng.normal(size=(500, 3))
     signs = rng.choice([-1.0, 0.0, 1.0], size=(100, len(units)))
-    d = np.concatenate([d, signs @ units, np.zeros((1, 3))])
-    d = d / np.maximum(np.linalg.norm(d, axis=1, keepdims=True), 1e-300)
+    d = np.concatenate([d, signs @ units])
+    lengths = np.linalg.norm(d, axis=1, keepdims=True)
+    d = (d / np.maximum(lengths, 1e-300))[lengths[:, 0] > 1e-9]  # none that stays: its signs would be rounding errors
     return np.concatenate([r * d for r in (0.1, 0.3, 0.5, 0.8, 1.5, 4.0)])
 
 
