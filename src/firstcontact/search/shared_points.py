@@ -124,6 +124,7 @@ class _Event:
         frames = [[*pose[:, :3].ravel().tolist(), *pose[:, 3].tolist()] for pose in poses]
         inverses = [[*np.linalg.inv(pose[:, :3]).ravel().tolist(), 0.0, 0.0, 0.0] for pose in poses]
         where = rows[:, :3] @ np.array([to_double(c) for c in self.x]) + rows[:, 3]
+        where[np.abs(where) < 2.0**-120 * np.abs(where).max()] = 0.0  # what Newton's steps leave of a zero
         own, other = (_named(self.own),), (_named(self.other),)
         return Shared(
             min(self.time, at), at, where, self._normal(rows),
