@@ -75,9 +75,9 @@ def test_what_cannot_be_a_model():
         name="dented",
     )
     with pytest.raises(fc.UnsupportedPair, match="dented is not convex"):
-        fc.first_contact(ball, dented.translated((5, 0, 0)))
+        fc.contact_intervals(ball, dented.translated((5, 0, 0)))
     with pytest.raises(fc.UnsupportedPair, match="solid"):
-        fc.first_contact(ball, fc.Polyhedron([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]))
+        fc.contact_intervals(ball, fc.Polyhedron([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]))
 
 
 @pytest.mark.parametrize("lattice", [False, True])

@@ -145,3 +145,62 @@ def test_moving_bodies_and_strips():
     assert (interval.start_exact, interval.end_exact) == (Fraction(1, 3), Fraction(1))
     hit = fc.first_contact(moving, pipe.translated((4, 0, "1/2")))
     assert np.allclose(hit.point[:2], [3, 0]) and 0.5 <= hit.point[2] <= 1
+
+
+def test_the_condition_of_example_4():
+    p, q = (fc.RuledSurface(x.first, x.second, u=None) for x in (MOVING["m01"].p, MOVING["m01"].q))
+    condition = fc.contact_condition(p, q)
+    lines = str(condition).splitlines()
+    assert lines == [
+        "R1 <= 0 and R2 >= 0 and R3 <= 0",
+        "  R1 = u^2*T + T - 2",
+        "  R2 = u^2*T + 2*u^2 + T",
+        "  R3 = 2*u^2*T^2 + u^2 - 4*u + 2*T^2 + 1",
+        "for some u: 2*T^2 - 1 <= 0",
+    ]
+    assert condition.holds("1/2", 0) and not condition.holds("1/2", 1)
+
+
+@pytest.mark.parametrize(("ends", "count", "number"), [((-1, 0), None, 1), ((-3, 1), (2, 2), 2), ((-3, 1), (1, 1), 1)])
+def test_conditions_agree_with_geometry(ends, count, number):
+    """Random exact u and T: the ruling y = y0, z = z0 against the pipe (x + 1)^2 + y^2 = 1, 1/2 <= z <= 3/2."""
+    own = "({}, (1 - T - (1 + T)*u**2)/(1 + u**2), 2*u/(1 + u**2) - T**2)"
+    roller = ruled(own.format(ends[0]), own.format(ends[1]), None)
+    pipe = ruled("(-2*u**2/(1 + u**2), 2*u/(1 + u**2), 1/2)", "(-2*u**2/(1 + u**2), 2*u/(1 + u**2), 3/2)", None)
+    condition = fc.contact_condition(roller, pipe, count=count)
+    random = np.random.default_rng(3)
+    seen = []
+    places = [(Fraction(int(x), 8), Fraction(int(y), 8)) for x, y in random.integers(-24, 25, (150, 2))]
+    for u, t in [*places, (Fraction(1), Fraction(0)), (Fraction(0), Fraction(0)), (Fraction(1, 2), Fraction(2, 5))]:
+        y = (1 - t - (1 + t) * u**2) / (1 + u**2)
+        z = 2 * u / (1 + u**2) - t**2
+        inside = abs(y) <= 1 and Fraction(1, 2) <= z <= Fraction(3, 2)
+        meetings = 0 if not inside else 1 if number == 1 and count is None or abs(y) == 1 else 2
+        truth = meetings > 0 if count is None else meetings == number
+        assert condition.holds(u, t) is truth
+        seen.append(truth)
+    assert len(set(seen)) == 2 or count == (1, 1)
+
+
+def test_segments_agree_with_the_condition():
+    """The same by brackets: rulings of both lie in planes x = constant, so that only v = u can meet."""
+    random = np.random.default_rng(3)
+    p, q = ruled("(u, -1, u*T)", "(u, 1, T)", UNIT), ruled("(u, -1/2, u**2 - 1/2)", "(u, 1/2, u**2 - 1/4)", UNIT)
+    condition = fc.contact_condition(p, q)
+    seen = set()
+    for _ in range(60):
+        u, t = (Fraction(int(x), 16) for x in random.integers(-16, 17, 2))
+        truth = fc.brackets.segments_relation(*_ends(p.at(t), u), *_ends(q, u)).kind != "separate"
+        assert condition.holds(u, t) is truth
+        seen.add(truth)
+    assert len(seen) == 2
+
+
+def _ends(surface, u):
+    return [_at(curve, u) for curve in (surface.first, surface.second)]
+
+
+def _at(curve, u):
+    x = [sum(Fraction(int(c)) * u**i for i, c in enumerate(row)) for row in
+         ([entry[0] for entry in component] for component in curve.coefficients)]
+    return [c / x[3] for c in x[:3]]

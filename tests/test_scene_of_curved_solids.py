@@ -7,6 +7,7 @@ import pytest
 
 import firstcontact as fc
 from firstcontact.body.carriers import doubles
+from firstcontact.cli import run
 from firstcontact.scene import load_scene
 
 SCENE = Path(__file__).parent / "data" / "pin_in_plate.toml"
@@ -67,4 +68,16 @@ def test_the_plunger_touches_the_rim_of_the_bore(scene):
     hit = fc.first_contact(scene.bodies["plunger"], scene.bodies["plate"])
     assert hit.time == pytest.approx(0.78761542757, abs=1e-10)
     assert (hit.element_a.label, hit.element_b.label) == ("plunger.nose.surface", "plate.bore.rim.top")
-    assert hit.contact_set == "point" and hit.time_interval[1] - hit.time_interval[0] <= 1e-15
+    assert hit.contact_set == "point" and hit.time_interval[1] - hit.time_interval[0] <= 1e-12
+    exact = fc.first_contact(scene.bodies["plunger"], scene.bodies["plate"], method="algebraic")
+    assert hit.time == pytest.approx(exact.time, abs=1e-15) and exact.time_interval[0] >= hit.free_until
+
+
+def test_the_command_line_answers_and_draws_the_page(tmp_path, capfd):
+    page = tmp_path / "page.html"
+    assert run(["check", str(SCENE), "--html", str(page)]) == 1
+    lines = capfd.readouterr().out.splitlines()
+    assert lines[0].startswith("pin and plate: CONTACT at time 0.67871408997")
+    assert lines[1].startswith("  pin.chamfer.side face 2 meets plate.counterbore.rim.top edge 13")
+    assert lines[2].startswith("plunger and plate: CONTACT at time 0.78761542757")
+    assert page.stat().st_size > 100_000

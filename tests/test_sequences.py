@@ -14,6 +14,7 @@ import firstcontact as fc
 import generators as g
 import naive
 from agreement import polyhedron
+from curved import assert_first_by_sampling
 from vectors import Body
 
 CUBE = g.box()
@@ -255,35 +256,34 @@ def test_sequence_against_translation():
     assert hit.time_exact == Fraction(1, 2) + Fraction(1, 6)
 
 
-UNSUPPORTED = {
-    "translation and rotation": (fc.Translation((1, 0, 0)), fc.Rotation(Z, turns=1)),
-    "rotation and translation": (fc.Rotation(Z, turns=1), fc.Translation((1, 0, 0))),
-    "axes that cross": (fc.Rotation(Z, turns=1), fc.Rotation((1, 0, 0), turns=1)),
-    "axes that are parallel": (fc.Rotation(Z, turns=1), fc.Rotation(Z, point=(1, 0, 0), turns=2)),
+BOTH_MOVE = {
+    "translation and rotation": (fc.Translation((6, 0.3, 0)), fc.Rotation(Z, turns="1/50")),
+    "rotation and translation": (fc.Rotation(Z, turns="-1/50"), fc.Translation((-6, 0.3, 0))),
+    "axes that cross": (fc.Rotation(Z, turns="1/2"), fc.Rotation((1, 0, 0), turns="1/12")),
+    "axes that are parallel": (fc.Rotation(Z, turns="1/2"), fc.Rotation(Z, point=(1, 0, 0), turns="-1/3")),
+    "screw and rotation": (fc.Screw((1, 0, 0), turns=1, advance=6), fc.Rotation(Z, turns="1/50")),
     "turn inside a sequence": (
-        fc.Sequence([fc.Translation((0, 0, 1)), fc.Rotation(Z, turns=1)]),
-        fc.Translation((0, 0, -1)),
+        fc.Sequence([fc.Translation((2, 0, 0)), fc.Rotation(Z, (1, 0, 0), turns="1/2")]),
+        fc.Translation((-1, 0, 0.5)),
     ),
 }
 
 
-@pytest.mark.parametrize(
-    "verb", [fc.first_contact, fc.contact_intervals, fc.contact_pairs], ids=lambda v: v.__name__
-)
-@pytest.mark.parametrize("motions", UNSUPPORTED.values(), ids=UNSUPPORTED)
-def test_unsupported_pairs_name_both_motions_and_bodies(motions, verb):
-    a, b = box_at((-3, 0, 0), "lid"), box_at((3, 0, 0), "plate")
-    with pytest.raises(fc.UnsupportedPair) as error:
-        verb(a.moving(motions[0]), b.moving(motions[1]))
-    text = str(error.value)
-    assert "lid" in text and "plate" in text
-    for kind in ("Translation", "Rotation"):
-        if any(isinstance(m, getattr(fc, kind)) for m in motions):
-            assert kind.lower() in text.lower()
+@pytest.mark.parametrize("motions", BOTH_MOVE.values(), ids=BOTH_MOVE)
+def test_two_moving_bodies_whose_relative_motion_is_curved(motions):
+    """Against samples at rest; one body is tilted, so that no two faces slide in one plane."""
+    lid = fc.examples.box().rotated((1, 2, 3), degrees=20).translated((-3, 0, 0.125)).named("lid")
+    a, b = lid.moving(motions[0]), box_at((3, 0, 0), "plate").moving(motions[1])
+    hit = fc.first_contact(a, b)
+    assert hit.status is fc.Status.CONTACT
+    assert_first_by_sampling(a, b, hit)
+    swapped = fc.first_contact(b, a)
+    assert abs(swapped.time - hit.time) <= 4e-16 and swapped.element_a == hit.element_b
+    windows = fc.contact_intervals(a, b)
+    assert windows[0].start == hit.time
 
 
 def test_any_steps_against_a_resting_body():
-    """What is unsupported between two moving bodies is fine when one of them rests."""
     motion = fc.Sequence([fc.Translation((0, 0, 1)), fc.Rotation(Z, turns=Fraction(1, 2)), ONE])
     hit = fc.first_contact(box_at((-3, 0, 0)).moving(motion), box_at((9, 0, 0)))
     assert hit.status is fc.Status.FREE

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from firstcontact.body.primitives import sphere as sphere
     from firstcontact.body.rational_curve import RationalCurve as RationalCurve
     from firstcontact.body.ruled_surface import RuledSurface as RuledSurface
+    from firstcontact.curve import IntersectionCurve as IntersectionCurve
     from firstcontact.errors import FirstContactError as FirstContactError
     from firstcontact.errors import InputError as InputError
     from firstcontact.errors import UnsupportedPair as UnsupportedPair
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
     from firstcontact.query import contact_intervals as contact_intervals
     from firstcontact.query import contact_pairs as contact_pairs
     from firstcontact.query import first_contact as first_contact
+    from firstcontact.query import intersection_curve as intersection_curve
     from firstcontact.result import AlgebraicNumber as AlgebraicNumber
     from firstcontact.result import ContactInterval as ContactInterval
     from firstcontact.result import ContactIntervals as ContactIntervals
@@ -67,6 +69,7 @@ _HOME = {
     "paraboloid": "body.primitives",
     "quadric": "body.primitives",
     "sphere": "body.primitives",
+    "IntersectionCurve": "curve",
     "FirstContactError": "errors",
     "InputError": "errors",
     "UnsupportedPair": "errors",
@@ -80,6 +83,7 @@ _HOME = {
     "contact_intervals": "query",
     "contact_pairs": "query",
     "first_contact": "query",
+    "intersection_curve": "query",
     "AlgebraicNumber": "result",
     "ContactInterval": "result",
     "ContactIntervals": "result",

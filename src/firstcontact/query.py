@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time as clock
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from firstcontact.body.moving import Moving
 from firstcontact.body.polyhedron import Polyhedron
@@ -26,6 +26,9 @@ from firstcontact.search.earliest import Found, Pair, Progress, all_pairs, earli
 from firstcontact.search.intervals import contact_windows
 from firstcontact.search.overlap import initial_kind
 from firstcontact.search.problem import problem_of, problems_in_order
+
+if TYPE_CHECKING:
+    from firstcontact.curve import IntersectionCurve
 
 
 def first_contact(
@@ -51,8 +54,7 @@ def first_contact(
     budget: node visits plus pair tests (curved models: strides, subproblems and candidates) after which to answer
     UNDECIDED.  progress: called with (free until, work) now and then.
 
-    Raises UnsupportedPair for the pairs of constant-speed motions that docs/motions.md refuses, and with exact=True
-    where times have no exact form: under screws.
+    Raises UnsupportedPair with exact=True where times have no exact form, as under screws (docs/motions.md).
 
     >>> import firstcontact as fc
     >>> cube = fc.examples.box((2, 2, 2))
@@ -61,14 +63,14 @@ def first_contact(
     (0.5, [1.0, 1.0, 4.0])
     """
     begin = clock.perf_counter()
-    kind = _check(a, b, method, engine, tolerance, budget)
-    if kind != "polyhedra" and engine != "auto":
+    bodies = _check(a, b, method, engine, tolerance, budget)
+    if bodies != "polyhedra" and engine != "auto":
         raise UnsupportedPair(f"engine {engine!r} searches trees of polyhedra; curved models take 'auto'")
-    if kind == "ruled":
+    if bodies == "ruled":
         from firstcontact.ruled import moving
 
         return moving.first_contact(a, b, span, exact, method, budget, progress)
-    if kind == "models":
+    if bodies == "models":
         from firstcontact.composite import verbs
 
         return verbs.first_contact(a, b, span, exact, method, tolerance, budget, progress)
@@ -187,6 +189,32 @@ def contact_pairs(a: Any, b: Any, span: Any = None) -> ContactPairs:
         tuple(p for p, _ in element_pairs(a, b, pierced)),
         _timed(stats, begin),
     )
+
+
+def intersection_curve(
+    p: Any, q: Any, *, tolerance: float = 1e-6, method: str = "auto", box: Any = None
+) -> IntersectionCurve:
+    """IntersectionCurve: all points that two ruled surfaces at rest share.
+
+    Branches with their topology, common rulings, isolated and singular points; what is not listed is proved not to be
+    there (docs/ruled-surfaces.md says what the coordinates rest on).  Deforming or moving surfaces: give p.at(t).
+
+    tolerance: greatest distance between a branch and its polyline.  box: two corners ((x, y, z), (x, y, z)); only what
+    lies in it is reported.  Without one, unbounded branches are cut about 100 times the size of the directrices away
+    from the origin, and beyond that the tolerance grows.
+
+    Raises UnsupportedPair for other bodies, and for the cases that docs/ruled-surfaces.md lists.
+
+    >>> import firstcontact as fc
+    >>> saddle = fc.RuledSurface("(u, 0, 0)", "(u, 1, u)")
+    >>> plane = fc.RuledSurface("(u, 0, 1/2)", "(u, 1, 1/2)")
+    >>> curve = fc.intersection_curve(saddle, plane)
+    >>> [end.point.tolist() for end in curve.branches[0].ends]
+    [[0.5, 1.0, 0.5], [1.0, 0.5, 0.5]]
+    """
+    from firstcontact.ruled import verbs
+
+    return verbs.intersection_curve(p, q, tolerance, method, box)
 
 
 def _kind(body: Any) -> str:

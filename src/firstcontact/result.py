@@ -242,7 +242,7 @@ class FirstContact(_NoTruth):
     others          further pairs at that time, at most 100; ``multiplicity`` counts all of them.
     contact_set     "point", "segment", "conic arc" or "patch"; None where the shared set was not computed.
     subproblems     curved models with ``method="algebraic"``: every pair of features that is not exempt.
-    initial         for INITIAL_CONTACT: "touching", "overlapping" or "containment".
+    initial         for INITIAL_CONTACT: "touching", "overlapping" or "containment"; None where none was proved.
     free_until      no shared point before this time; proved.
     reason          for UNDECIDED: "budget" or "precision".
     """

@@ -143,22 +143,18 @@ def test_supported_pairs(a, b):
 
 
 @pytest.mark.parametrize(
-    ("a", "b", "why"),
-    [
-        (MOVE, TURN, "a screw or a spiral"),
-        (TURN, OTHER_AXIS, "their axes differ"),
-        (TURN, OTHER_DIRECTION, "their axes differ"),
-        (fc.Sequence([MOVE, TURN]), SHIFT, "a screw or a spiral"),
-    ],
+    ("a", "b"), [(MOVE, TURN), (TURN, OTHER_AXIS), (TURN, OTHER_DIRECTION), (fc.Sequence([MOVE, TURN]), SHIFT)]
 )
-def test_unsupported_pairs_say_who_and_why(a, b, why):
-    lid, box = CUBE.named("lid"), CUBE.translated((50, 0, 0)).named("box")
+def test_pairs_that_are_no_single_motion_are_followed_but_have_no_exact_times(a, b):
+    lid, box = CUBE.named("lid"), CUBE.translated((50, 0, 0.25)).named("box")
     for x, y in ((lid.moving(a), box.moving(b)), (box.moving(b), lid.moving(a))):
-        for verb in (fc.first_contact, fc.contact_intervals, fc.contact_pairs):
-            with pytest.raises(fc.UnsupportedPair, match=why) as caught:
-                verb(x, y)
-            assert "'lid'" in str(caught.value) and "'box'" in str(caught.value)
-            assert "supported are" in str(caught.value)
+        assert fc.first_contact(x, y, (0, 1)).status is fc.Status.FREE
+        with pytest.raises(fc.UnsupportedPair, match="no exact form") as caught:
+            fc.first_contact(x, y, exact=True)
+        assert "'lid'" in str(caught.value) and "'box'" in str(caught.value)
+    if not isinstance(a, fc.Sequence):
+        with pytest.raises(fc.InputError, match="'lid'.*give span"):
+            fc.first_contact(lid.moving(a), box.moving(b), (0, math.inf))
 
 
 @pytest.mark.parametrize(

@@ -1,22 +1,29 @@
-"""First contact of convex models, and of unions of them, in doubles with proofs: the answer of `search.advance`.
+"""First contact in doubles with proofs: `search.advance` for unions of convex models, `search.events` for all others.
 
-What it cannot settle (grazes, contact at the start, models with holes) is left to exact arithmetic.
+What they cannot settle (grazes, contact at the start) is left to exact arithmetic.
 """
 
 from __future__ import annotations
 
 import math
 import time as clock
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from flint import fmpq
 
 from firstcontact.body import primitives
+from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.moving import Moving
+from firstcontact.composite.answer import element, rank
+from firstcontact.composite.flat_contacts import Pair, Shared, keeps_directions, shared_set
+from firstcontact.composite.square_subproblems import refuse_untraced
 from firstcontact.composite.touched import Flat, Point, is_parallel, lowest, touched
-from firstcontact.result import ContactSet, Element, FirstContact, Stats, Status
+from firstcontact.report import MOST_OTHERS
+from firstcontact.result import ContactSet, Element, ElementPair, FirstContact, Stats, Status
 from firstcontact.search.advance import Advance, advance
+from firstcontact.search.events import MOST_BOXES, first_event
 
 LARGEST = 2.0**60
 """Coordinates up to which an unbounded model is cut."""
@@ -36,8 +43,13 @@ def settle(
     models: both, at rest or moving; begin: when the query began, by `time.perf_counter`.  Among features that touch at
     the same time the answer names one pair.
     """
-    models = bounded(models, shared["span"])
+    models = both_bounded(models, shared["span"])
     found = advance(*models, first, last, tolerance, 10_000 if budget is None else budget)
+    if found.beyond:
+        bodies: list[Any] = [x.body if isinstance(x, Moving) else x for x in models]
+        for body in bodies:
+            refuse_untraced(body)
+        found = first_event(*models, first, last, tolerance, MOST_BOXES if budget is None else budget)
     if found.status == "free":
         stats = Stats(found.steps, found.gaps, seconds=clock.perf_counter() - begin)
         return FirstContact(Status.FREE, free_until=shared["span"][1], stats=stats, **shared), found
@@ -47,13 +59,13 @@ def settle(
     return (None if answer is None or answer.contact_set is None else answer), found
 
 
-def bounded(models: tuple[Any, Any], span: tuple[float, float]) -> tuple[Any, Any]:
+def both_bounded(models: tuple[Any, Any], span: tuple[float, float]) -> tuple[Any, Any]:
     """Both models, a resting unbounded one cut to what the other may touch."""
     a, b = models
-    return _bounded(a, b, span), _bounded(b, a, span)
+    return bounded(a, b, span), bounded(b, a, span)
 
 
-def _bounded(body: Any, other: Any, span: tuple[float, float]) -> Any:
+def bounded(body: Any, other: Any, span: tuple[float, float]) -> Any:
     """A resting unbounded model cut to a cube around the other body's whole path: nothing is touched beyond.
 
     The cube comes in powers of two, so that other motions find the cut model again.
@@ -74,28 +86,81 @@ def _bounded(body: Any, other: Any, span: tuple[float, float]) -> Any:
 
 
 def contact(models: tuple[Any, Any], found: Advance, begin: float, shared: dict[str, Any]) -> FirstContact | None:
-    """The CONTACT result; contact_set None where flat features may share more than a point."""
+    """The CONTACT result; contact_set None where the features may share more than a point."""
     if not found.features_a or not found.features_b:
         return None
-    element_a, flats_a = _touched(models[0], found, 0)
-    element_b, flats_b = _touched(models[1], found, 1)
-    assert found.time_interval is not None and found.point is not None
-    may_share_more = flats_a and flats_b and any(_may_share(x, y) for x in flats_a for y in flats_b)
+    assert found.time_interval is not None and found.point is not None and found.normal is not None
+    place, frames = (found.point, found.normal), found.frames
+    element_a, flats_a = on_model(models[0], found.features_a, place, (frames[0], frames[4]), "a")
+    element_b, flats_b = on_model(models[1], found.features_b, place, (frames[1], frames[5]), "b")
+    point, multiplicity, shares = found.point, 1, None
+    others: tuple[ElementPair, ...] = ()
+    if not (found.spread or may_share_more(flats_a, flats_b)):
+        shares = ContactSet("point", point[None])
+    elif (
+        not found.spread
+        and (flat := _flat_set(models, found, [x for x, _ in flats_a], [x for x, _ in flats_b])) is not None
+    ):
+        shares = ContactSet(flat.kind, flat.points)
+        (first, where), *rest = _named(models, found, flat.pairs)
+        element_a, element_b, point = first.element_a, first.element_b, np.array(where)
+        others, multiplicity = tuple(pair for pair, _ in rest[:MOST_OTHERS]), len(rest) + 1
     return FirstContact(
-        Status.CONTACT, found.time, found.time_interval,
-        point=found.point, normal=found.normal, element_a=element_a, element_b=element_b, multiplicity=1,
-        contact_set=None if may_share_more else ContactSet("point", found.point[None]),
-        free_until=found.time_interval[0],
+        Status.CONTACT, found.time, found.time_interval, None, point, found.normal, element_a, element_b,
+        others, multiplicity, shares, free_until=found.time_interval[0],
         stats=Stats(found.steps, found.gaps, seconds=clock.perf_counter() - begin), **shared,
     )  # fmt: skip
 
 
-def _touched(body: Any, found: Advance, side: int) -> tuple[Element, list[tuple[Flat, Point | None]]]:
-    """The lowest of the touched features, and what is flat around the contact, with its direction in the world."""
+def _flat_set(models: tuple[Any, Any], found: Advance, flats_a: list[Flat], flats_b: list[Flat]) -> Shared | None:
+    """What flat things around the contact share, where that is told without algebra."""
+    if not (keeps_directions(models[0]) and keeps_directions(models[1])):
+        return None
+    assert found.point is not None
+    return shared_set(_wholes(models), _shifts(found), (flats_a, flats_b), tuple(found.point.tolist()))
+
+
+def _named(models: tuple[Any, Any], found: Advance, pairs: list[Pair]) -> list[tuple[ElementPair, Point]]:
+    """Each pair of elements once, with where it meets, lowest first; for bodies that only shift."""
+    (model_a, model_b), (shift_a, shift_b) = _wholes(models), _shifts(found)
+    seen: dict[ElementPair, Point] = {}
+    for x, y, where in pairs:
+        in_a = np.subtract(where, shift_a) if model_a.source else None
+        in_b = np.subtract(where, shift_b) if model_b.source else None
+        seen.setdefault(ElementPair(element(model_a, x, "a", in_a), element(model_b, y, "b", in_b)), where)
+    return sorted(seen.items(), key=lambda item: (*rank(item[0].element_a), *rank(item[0].element_b)))
+
+
+def _wholes(models: tuple[Any, Any]) -> tuple[CompositeQuadric, CompositeQuadric]:
+    a: Any
+    b: Any
+    a, b = (x.body if isinstance(x, Moving) else x for x in models)
+    return a.whole or a, b.whole or b
+
+
+def _shifts(found: Advance) -> tuple[Point, Point]:
+    (x, y, z), (p, q, r) = found.frames[0][9:12], found.frames[1][9:12]
+    return (x, y, z), (p, q, r)
+
+
+Flats = Sequence[tuple[Flat | None, Point | None]]
+"""What is flat around a contact, with its direction in the world, None of a plane."""
+
+
+def on_model(
+    body: Any,
+    features: tuple[tuple[str, int], ...],
+    place: tuple[np.ndarray, np.ndarray],
+    frame: tuple[list[float], list[float]],
+    which: str,
+) -> tuple[Element, list[tuple[Flat, Point | None]]]:
+    """The lowest of the touched features, and what is flat around the contact.
+
+    place: its point and normal, world frame; frame: pose (R by rows, T) of the body then, and R^-1.
+    """
     model: Any = body.body if isinstance(body, Moving) else body
-    pose, inverse = found.frames[side], found.frames[4 + side]
-    assert found.point is not None and found.normal is not None
-    (x, y, z), (p, q, r) = found.point.tolist(), found.normal.tolist()
+    pose, inverse = frame
+    (x, y, z), (p, q, r) = place[0].tolist(), place[1].tolist()
     x, y, z = x - pose[9], y - pose[10], z - pose[11]
     where = (
         inverse[0] * x + inverse[1] * y + inverse[2] * z,
@@ -107,9 +172,9 @@ def _touched(body: Any, found: Advance, side: int) -> tuple[Element, list[tuple[
         pose[1] * p + pose[4] * q + pose[7] * r,
         pose[2] * p + pose[5] * q + pose[8] * r,
     )
-    features = [touched(model, kind, index) for kind, index in (found.features_b if side else found.features_a)]
-    flats = [(flat, _turned(pose, flat.direction)) for feature in features for flat in feature.flats(where, n)]
-    return lowest(features, "b" if side else "a", where), flats
+    known = [touched(model, kind, index) for kind, index in features]
+    flats = [(flat, _turned(pose, flat.direction)) for feature in known for flat in feature.flats(where, n)]
+    return lowest(known, which, where), flats
 
 
 def _turned(pose: list[float], d: Point | None) -> Point | None:
@@ -122,6 +187,6 @@ def _turned(pose: list[float], d: Point | None) -> Point | None:
     )
 
 
-def _may_share(x: tuple[Flat, Point | None], y: tuple[Flat, Point | None]) -> bool:
-    d, e = x[1], y[1]
-    return d is None or e is None or is_parallel(d, e)
+def may_share_more(a: Flats, b: Flats) -> bool:
+    """Whether flat features may share more than a point."""
+    return any(d is None or e is None or is_parallel(d, e) for _, d in a for _, e in b)

@@ -156,17 +156,18 @@ def _arcs(contact: Contact, trim: _Trim) -> Iterator[Shared]:
     y = np.stack([np.cos(angles), np.sin(angles), np.ones(SAMPLES)])
     x = (span @ axes @ y).T
     good = trim.inside(x) & (np.abs(x[:, 3]) > 1e-9 * np.abs(x).max())
-    if not good.any():
-        return
-    runs = [np.arange(SAMPLES)] if good.all() else _runs(good)
-    for run in runs:
+    for run in runs(good):
         on_conic = axes @ y[:, run[len(run) // 2]]
         at = _on_conic(contact, axes[:, 2], on_conic)
         yield Shared("conic arc", at, x[run, :3] / x[run, 3:], closed=len(run) == SAMPLES)
 
 
-def _runs(good: np.ndarray) -> list[np.ndarray]:
+def runs(good: np.ndarray) -> list[np.ndarray]:
     """The runs of True around the circle, as indices."""
+    if good.all():
+        return [np.arange(len(good))]
+    if not good.any():
+        return []
     start = int(np.flatnonzero(~good)[0])
     order = (np.arange(len(good)) + start) % len(good)
     cuts = np.flatnonzero(np.diff(good[order].astype(int))) + 1

@@ -20,6 +20,9 @@ from firstcontact.body.polyhedron import Polyhedron
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import to_double
 
+MOST_TRIANGLES = 100
+"""Of a convex polyhedron that is taken as a model: its features are met pair by pair."""
+
 
 def as_model(body: Polyhedron) -> CompositeQuadric:
     """The closed convex polyhedron as a model, exact; kept on the body (its copies by other names share what it keeps).
@@ -33,10 +36,24 @@ def as_model(body: Polyhedron) -> CompositeQuadric:
     return model
 
 
+def is_small_and_convex(body: Polyhedron) -> bool:
+    """Whether the polyhedron is best taken as a model; others go by their triangles."""
+    known = body._search.get("small and convex")
+    if known is None:
+        known = body.solid and len(body.triangles) <= MOST_TRIANGLES
+        if known:
+            try:
+                as_model(body)
+            except UnsupportedPair:
+                known = False
+        body._search["small and convex"] = known
+    return bool(known)
+
+
 def _model(body: Polyhedron) -> CompositeQuadric:
     who = body.name or "polyhedron"
     if not body.solid or body._pose is not None:
-        raise UnsupportedPair(f"{who}: only solid polyhedra in rational poses meet curved models")
+        raise UnsupportedPair(f"{who}: only solid polyhedra in rational poses are asked this of curved models")
     points = [body.exact_vertex(i) for i in range(len(body.vertices))]
     used = sorted(set(body.triangles.ravel().tolist()))
     planes: dict[Plane, list[int]] = defaultdict(list)
@@ -80,7 +97,7 @@ def _check_convex(body: Polyhedron, planes: list[Plane], points: list[Vector], w
         sure = 1e-14 * (np.abs(x) @ np.abs(n[:3]) + abs(n[3]))
         for k in np.flatnonzero(values > -sure):
             if dot(plane.normal[:3], points[k]) + plane.normal[3] > 0:
-                raise UnsupportedPair(f"{who} is not convex; only convex polyhedra meet curved models so far")
+                raise UnsupportedPair(f"{who} is not convex; only convex polyhedra are asked this of curved models")
 
 
 def _features(

@@ -216,7 +216,7 @@ def square_subproblems(pair: Pair) -> Iterator[SquareSubproblem]:
     """Edges of degree 4 against faces and edges, enclosed vertices against faces."""
     for moving in (True, False):
         view = View(pair, moving)
-        _refuse_untraced(view.own)
+        refuse_untraced(view.own)
         for edge in quartic_edges(view.own):
             yield from _of_edge(view, edge, quartics_too=moving)
         for vertex in view.own.vertices:
@@ -224,7 +224,7 @@ def square_subproblems(pair: Pair) -> Iterator[SquareSubproblem]:
                 yield from _of_vertex(view, vertex, vertex.carrier)
 
 
-def _refuse_untraced(body: CompositeQuadric) -> None:
+def refuse_untraced(body: CompositeQuadric) -> None:
     """Contacts are complete only if all edges are known."""
     box = _box_of(body)
     missed = untraced(body, box) if box is not None else []

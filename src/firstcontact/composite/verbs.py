@@ -15,9 +15,10 @@ from firstcontact.body.polyhedron import Polyhedron
 from firstcontact.composite.algorithm import Meeting, Root, Search, between
 from firstcontact.composite.answer import contact_of, listed, world_time
 from firstcontact.composite.at_rest import is_containment, overlap
-from firstcontact.composite.certified import bounded, contact, settle
+from firstcontact.composite.certified import both_bounded, contact, settle
+from firstcontact.composite.meshes import first_contact_of_mesh
 from firstcontact.composite.moving_pair import Pair
-from firstcontact.composite.polyhedra import as_model
+from firstcontact.composite.polyhedra import as_model, is_small_and_convex
 from firstcontact.composite.work import Spent, Work
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import below, fraction, to_double
@@ -26,6 +27,7 @@ from firstcontact.exact.square_systems import OpenRoot
 from firstcontact.motion.polynomial import relative_pieces
 from firstcontact.motion.span import common_span
 from firstcontact.result import ContactInterval, ContactIntervals, FirstContact, Stats, Status
+from firstcontact.search.advance import Advance
 from firstcontact.search.earliest import Progress
 
 
@@ -38,6 +40,10 @@ def first_contact(
     exact, or method "algebraic": exactly at once; "algebraic" judges and lists every subproblem too.
     """
     begin = clock.perf_counter()
+    if _goes_by_triangles(a) or _goes_by_triangles(b):
+        first, last = bounded_span(a, b, span)
+        exact = exact or method == "algebraic"
+        return first_contact_of_mesh(a, b, first, last, exact, tolerance, Work(budget, progress))
     first, last = _span(a, b, span)
     shared = {"a": a, "b": b, "span": (to_double(first), to_double(last))}
     work = Work(budget, progress, below(first))
@@ -47,27 +53,47 @@ def first_contact(
     answer, proved = settle(models, first, last, tolerance, budget, begin, shared)
     if answer is not None:
         return answer
-    if proved.reason == "budget":
+    if proved.reason == "budget" and budget is not None:
         stats = _with_time(Stats(proved.steps, proved.gaps), begin)
         return FirstContact(Status.UNDECIDED, free_until=proved.free_until, reason="budget", stats=stats, **shared)
+    work.done = proved.steps
     try:
-        work.done = proved.steps
-        return _decided(a, b, first, last, False, False, work, begin, shared)
-    except UnsupportedPair:
-        if proved.status == "contact":  # flat features that may share more than the point
-            seen = contact(bounded(models, shared["span"]), proved, begin, shared)
-            if seen is not None:
-                return seen
-        if proved.status == "initial" or proved.free_until <= shared["span"][0]:
-            start = _at_start(a, b, first, begin, shared)
-            if start.status is Status.INITIAL_CONTACT:
-                return start
-            if proved.status == "initial":  # proved for the true pose, though its doubles do not touch
-                return _with(start, status=Status.INITIAL_CONTACT, time=shared["span"][0])
-        if proved.reason != "precision":
-            raise
+        decided = _decided(a, b, first, last, False, False, work, begin, shared)
+    except UnsupportedPair as refusal:
+        return _proved_only(a, b, models, first, proved, refusal, begin, shared)
+    if proved.status == "contact" and _is_after(decided, proved):  # a proof is not given up
+        return _proved_only(a, b, models, first, proved, None, begin, shared)
+    return decided
+
+
+def _proved_only(
+    a: Any, b: Any, models: tuple[Any, Any], first: fmpq, proved: Advance, refusal: UnsupportedPair | None,
+    begin: float, shared: dict[str, Any],
+) -> FirstContact:
+    """What the certified path proved, where exact arithmetic does not take the pair or contradicts."""
+    if proved.status == "contact":  # only what it shares is open
+        seen = contact(both_bounded(models, shared["span"]), proved, begin, shared)
+        if seen is not None:
+            return seen
+    if proved.status == "initial" or proved.free_until <= shared["span"][0]:
+        start = _at_start(a, b, first, begin, shared)
+        if start.status is Status.INITIAL_CONTACT:
+            return start
+        if proved.status == "initial":  # proved for the true pose, though its doubles do not touch
+            return _with(start, status=Status.INITIAL_CONTACT, time=shared["span"][0])
+    if proved.reason not in ("precision", "budget", None):
+        raise UnsupportedPair(
+            f"{refusal}; without them it is not decided either: {proved.reason}"
+        ) from refusal
     stats = _with_time(Stats(proved.steps, proved.gaps), begin)
-    return FirstContact(Status.UNDECIDED, free_until=proved.free_until, reason="precision", stats=stats, **shared)
+    reason = proved.reason or "precision"
+    return FirstContact(Status.UNDECIDED, free_until=proved.free_until, reason=reason, stats=stats, **shared)
+
+
+def _is_after(answer: FirstContact, proved: Advance) -> bool:
+    """Whether the answer denies the proved contact."""
+    assert proved.time_interval is not None and answer.free_until is not None
+    return answer.status is Status.FREE or answer.free_until > proved.time_interval[1]
 
 
 def _at_start(a: Any, b: Any, first: fmpq, begin: float, shared: dict[str, Any]) -> FirstContact:
@@ -151,10 +177,15 @@ def contact_intervals(
     return ContactIntervals(intervals, status, until, reason, stats, **shared)
 
 
-def _span(a: Any, b: Any, span: Any) -> tuple[fmpq, fmpq]:
+def bounded_span(a: Any, b: Any, span: Any) -> tuple[fmpq, fmpq]:
     first, last = common_span(a, b, span)
     if last is None:
         raise UnsupportedPair("curved models need a bounded span; give span=(first, last)")
+    return first, last
+
+
+def _span(a: Any, b: Any, span: Any) -> tuple[fmpq, fmpq]:
+    first, last = bounded_span(a, b, span)
     model_a, model_b = _model(a), _model(b)
     if not (model_a.bounded or model_b.bounded):
         raise UnsupportedPair(f"{model_a!r} and {model_b!r} are both unbounded; one of them must be bounded")
@@ -164,6 +195,11 @@ def _span(a: Any, b: Any, span: Any) -> tuple[fmpq, fmpq]:
 def _model(body: Any) -> CompositeQuadric:
     shape: Any = body.body if isinstance(body, Moving) else body
     return as_model(shape) if isinstance(shape, Polyhedron) else shape
+
+
+def _goes_by_triangles(body: Any) -> bool:
+    shape: Any = body.body if isinstance(body, Moving) else body
+    return isinstance(shape, Polyhedron) and not is_small_and_convex(shape)
 
 
 def _searches(a: Any, b: Any, first: fmpq, last: fmpq, work: Work) -> Iterator[Search]:

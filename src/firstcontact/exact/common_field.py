@@ -1,7 +1,7 @@
 """Zeros of polynomials over Q(r), each in one field Q(w) that holds r too.
 
-Mostly the zero s itself generates that field; otherwise s + k r does for some small k.  Over Q(w) the minimal polynomial
-of r and the given polynomial at s = w - k r then share one zero, r itself, which their greatest common divisor shows.
+Mostly the zero s itself generates that field; otherwise s + k r does for some small k.  Over Q(w) the minimal
+polynomial of r and the given polynomial at s = w - k r then share one zero, r itself: their greatest common divisor.
 """
 
 from __future__ import annotations

@@ -89,7 +89,7 @@ class TowerElement(ExactNumber):
 
     def _vanishes(self) -> bool:
         modulus = [self.field(c) for c in fmpq_poly(self.over.polynomial).coeffs()]
-        common = _gcd(modulus, list(self.coefficients))
+        common = gcd(modulus, list(self.coefficients))
         if len(common) == 1:
             return False
         if self.over.rational is not None:
@@ -157,24 +157,27 @@ def _horner(coefficients: Sequence[Any], r: arb | None, s: Any) -> Any:
     return total
 
 
-def _gcd(f: list[Any], g: list[Any]) -> list[Any]:
+def gcd(f: list[Any], g: list[Any]) -> list[Any]:
     """Greatest common divisor of polynomials over a field, ascending."""
-    while g := _trimmed(g):
-        f, g = g, _remainder(f, g)
+    while g := trimmed(g):
+        f, g = g, division(f, g)[1]
     return f
 
 
-def _trimmed(f: list[Any]) -> list[Any]:
+def trimmed(f: list[Any]) -> list[Any]:
+    """Without the leading coefficients that are zero."""
     n = len(f)
     while n and is_zero(f[n - 1]):
         n -= 1
     return f[:n]
 
 
-def _remainder(f: list[Any], g: list[Any]) -> list[Any]:
-    rest, inverse = list(f), 1 / g[-1]
+def division(f: list[Any], g: list[Any]) -> tuple[list[Any], list[Any]]:
+    """Quotient and remainder; the leading coefficient of g is not zero."""
+    rest, inverse, quotient = list(f), 1 / g[-1], []
     while len(rest) >= len(g):
         factor = rest.pop() * inverse
+        quotient.append(factor)
         for k in range(1, len(g)):
             rest[-k] = rest[-k] - factor * g[-1 - k]
-    return rest
+    return quotient[::-1], rest

@@ -225,7 +225,7 @@ def real_roots(p: fmpz_poly, lo: fmpq, hi: fmpq) -> list[AlgebraicRoot]:
         raise ValueError("every number is a root of the zero polynomial")
     if lo == hi:
         return _at_point(p, lo)
-    if p.degree() < 1 or _free(p, lo, hi):
+    if p.degree() < 1 or root_free(p, lo, hi):
         return []
     roots: list[AlgebraicRoot] = []
     for factor, multiplicity in p.factor()[1]:
@@ -256,7 +256,7 @@ def _at_point(p: fmpz_poly, value: fmpq) -> list[AlgebraicRoot]:
     return [AlgebraicRoot(linear, value, value, multiplicity)] if multiplicity else []
 
 
-def _free(p: fmpz_poly, lo: fmpq, hi: fmpq) -> bool:
+def root_free(p: fmpz_poly, lo: fmpq, hi: fmpq) -> bool:
     """Whether no sign variation and no zero at an end proves that p has no root in [lo, hi].
 
     Most contact equations have no root in the span: this spares their factorisation.
@@ -295,9 +295,10 @@ def variations(p: fmpz_poly) -> int:
 
 
 def isolate(f: fmpz_poly, lo: fmpq, hi: fmpq) -> list[tuple[fmpq, fmpq]]:
-    """Disjoint intervals, ascending, each with exactly one root of f, for the roots of f in (lo, hi).
+    """Disjoint open intervals, ascending, each with exactly one root of f, for the roots of f in (lo, hi).
 
-    f is irreducible of degree 2 or more: no rational number is a root.
+    f is squarefree.  A rational root that the search hits comes back as (x, x), and may then also be an end of the
+    intervals beside it; an irreducible f of degree 2 or more has none.
     """
     degree = f.degree()
     found: list[tuple[fmpq, fmpq]] = []
@@ -323,6 +324,8 @@ def isolate(f: fmpz_poly, lo: fmpq, hi: fmpq) -> list[tuple[fmpq, fmpq]]:
         in_left, in_right = variations(left), variations(right)
         haste = haste + 1 if count in (in_left, in_right) else 0
         nodes.append((right, in_right, middle, hi, haste))
+        if left[0] == 0:
+            nodes.append((left, 1, middle, middle, 0))
         nodes.append((left, in_left, lo, middle, haste))
     return found
 
@@ -330,7 +333,8 @@ def isolate(f: fmpz_poly, lo: fmpq, hi: fmpq) -> list[tuple[fmpq, fmpq]]:
 def _cluster(f: fmpz_poly, count: int, lo: fmpq, hi: fmpq, bits: int) -> tuple[fmpz_poly, int, fmpq, fmpq] | None:
     """The node 2^bits narrower that keeps all `count` sign variations, if a Newton step finds it.
 
-    Variations of the parts of an interval add up to those of the whole at most, so the rest has no root.
+    Variations of the parts of an interval and the roots between the parts add up to the variations of the whole at
+    most, so the rest has no root.
     """
     width, derivative = hi - lo, f.derivative()
     step = width / fmpq(2) ** bits

@@ -21,7 +21,55 @@ MOST_BITS = 512
 """Roots closer than this count as one; signs that do not show by then stay open."""
 
 
-class SquareSystem:
+class Equations:
+    """As many equations as unknowns, by balls: what Newton's method and Krawczyk's test need of them."""
+
+    def values(self, x: Sequence[arb]) -> list[arb]:
+        """The left sides at the balls x."""
+        raise NotImplementedError
+
+    def jacobian(self, x: Sequence[arb]) -> list[list[arb]]:
+        """Their derivatives, row by row."""
+        raise NotImplementedError
+
+    def newton(self, x: Sequence[arb], bits: int) -> list[arb] | None:
+        """The zero that Newton's method finds from the midpoints of x, as midpoints; None if it finds none."""
+        point = [arb(c.mid()) for c in x]
+        for _ in range(12 + bits.bit_length()):
+            try:
+                step = arb_mat(self.jacobian(point)).solve(arb_mat([[v] for v in self.values(point)]))
+            except ZeroDivisionError:
+                return None
+            point = [arb((c - d).mid()) for c, (d,) in zip(point, step.tolist(), strict=True)]
+            if not all(c.is_finite() for c in point):
+                return None
+            least = arb(2) ** -bits
+            if all(abs(d.mid()) <= least * (1 + abs(c)) for c, (d,) in zip(point, step.tolist(), strict=True)):
+                return point
+        return None
+
+    def krawczyk(self, centre: Sequence[arb], radii: Sequence[arb]) -> list[arb] | None:
+        """An enclosure of the only zero in the box centre +- radii; None where this is not proved.
+
+        It lies inside c - Y f(c) + (1 - Y J(box)) (box - c) when that is inside the box (Krawczyk 1969).
+        """
+        try:
+            y = arb_mat([[arb(c.mid()) for c in row] for row in self.jacobian(centre)]).inv()
+        except ZeroDivisionError:
+            return None
+        y = arb_mat([[arb(c.mid()) for c in row] for row in y.tolist()])
+        offset = [arb(0, r) for r in radii]
+        box = [c + d for c, d in zip(centre, offset, strict=True)]
+        n = len(centre)
+        one = arb_mat(n, n, [int(i == j) for i in range(n) for j in range(n)])
+        rest = (one - y * arb_mat(self.jacobian(box))) * arb_mat([[d] for d in offset])
+        image = (rest - y * arb_mat([[v] for v in self.values(centre)])).tolist()
+        if not all(d.contains_interior(i) for d, (i,) in zip(offset, image, strict=True)):
+            return None
+        return [c + i for c, (i,) in zip(centre, image, strict=True)]
+
+
+class SquareSystem(Equations):
     """forms: four symmetric 4x4 matrices over fmpz_poly, or three, which stand with the tangency determinant."""
 
     def __init__(self, forms: Sequence[Matrix]) -> None:
@@ -53,41 +101,6 @@ class SquareSystem:
             last.append(terms[0] + terms[1] + terms[2])
         return [*rows, last]
 
-    def newton(self, x: Sequence[arb], bits: int) -> list[arb] | None:
-        """The zero that Newton's method finds from the midpoints of x, as midpoints; None if it finds none."""
-        point = [arb(c.mid()) for c in x]
-        for _ in range(12 + bits.bit_length()):
-            try:
-                step = arb_mat(self.jacobian(point)).solve(arb_mat([[v] for v in self.values(point)]))
-            except ZeroDivisionError:
-                return None
-            point = [arb((c - d).mid()) for c, (d,) in zip(point, step.tolist(), strict=True)]
-            if not all(c.is_finite() for c in point):
-                return None
-            least = arb(2) ** -bits
-            if all(abs(d.mid()) <= least * (1 + abs(c)) for c, (d,) in zip(point, step.tolist(), strict=True)):
-                return point
-        return None
-
-    def krawczyk(self, centre: Sequence[arb], radii: Sequence[arb]) -> list[arb] | None:
-        """An enclosure of the only zero in the box centre +- radii; None where this is not proved.
-
-        It lies inside c - Y f(c) + (1 - Y J(box)) (box - c) when that is inside the box (Krawczyk 1969).
-        """
-        try:
-            y = arb_mat([[arb(c.mid()) for c in row] for row in self.jacobian(centre)]).inv()
-        except ZeroDivisionError:
-            return None
-        y = arb_mat([[arb(c.mid()) for c in row] for row in y.tolist()])
-        offset = [arb(0, r) for r in radii]
-        box = [c + d for c, d in zip(centre, offset, strict=True)]
-        one = arb_mat(4, 4, [int(i == j) for i in range(4) for j in range(4)])
-        rest = (one - y * arb_mat(self.jacobian(box))) * arb_mat([[d] for d in offset])
-        image = (rest - y * arb_mat([[v] for v in self.values(centre)])).tolist()
-        if not all(d.contains_interior(i) for d, (i,) in zip(offset, image, strict=True)):
-            return None
-        return [c + i for c, (i,) in zip(centre, image, strict=True)]
-
 
 def _image(form: Matrix, x: Sequence[arb], u: arb) -> list[arb]:
     return [_dot([p(u) for p in row], x) for row in form]
@@ -105,7 +118,7 @@ def _det(rows: Sequence[Sequence[arb]]) -> arb:
     return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
 
 
-def certified(system: SquareSystem, centre: Sequence[fmpq], radii: Sequence[fmpq], bits: int = 192) -> Zero | None:
+def certified(system: Equations, centre: Sequence[fmpq], radii: Sequence[fmpq], bits: int = 192) -> Zero | None:
     """The only zero near the box, if one box that holds all of it proves to have exactly one."""
     with precision(bits):
         start = system.newton([arb(c) for c in centre], bits // 2)
@@ -120,7 +133,7 @@ def certified(system: SquareSystem, centre: Sequence[fmpq], radii: Sequence[fmpq
 class Zero:
     """A simple zero of a system, unique in the box centre +- reach."""
 
-    def __init__(self, system: SquareSystem, centre: list[arb], reach: list[arb], balls: list[arb]) -> None:
+    def __init__(self, system: Equations, centre: list[arb], reach: list[arb], balls: list[arb]) -> None:
         self.system, self.centre, self.reach = system, centre, reach
         self._balls, self._bits = balls, 0
         if not self._refined(96):
@@ -135,7 +148,7 @@ class Zero:
             )
 
     def balls(self, bits: int) -> list[arb]:
-        """x, y, z, u within about 2^-bits; wider where the precision that asks for is beyond reason."""
+        """The unknowns within about 2^-bits; wider where the precision that asks for is beyond reason."""
         if self._bits < bits <= 8 * MOST_BITS:
             self._refined(bits)
         return self._balls

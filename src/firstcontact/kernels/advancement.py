@@ -21,7 +21,9 @@ from firstcontact.kernels.candidate import (
     witness,
     worst_form,
 )
+from firstcontact.kernels.flat import face_along, is_flat, made_point, make_point
 from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.pierced import pierces
 from firstcontact.kernels.poses import pose_at
 from firstcontact.kernels.separation import bending, gap, separating_direction
 from firstcontact.kernels.shared_point import deepen, proves_shared
@@ -120,38 +122,31 @@ def stride(a, i, ma, b, j, mb, t, g, end, n0, n1, n2, w, c):
 
 
 @kernel
-def _guess(a, i, ma, b, j, mb, attempt, t, first, last, count, n0, n1, n2, size, w, c):
-    """Whether an attempt (0 to 3) has a guess that lies ahead of t: X, t in w[UNKNOWN]."""
-    mode = max(attempt - 1, 0)
-    if mode == BY_FORMS:
-        slack = 0.05 if attempt == 0 else 0.5
-        taken = guess_by_forms(a, i, ma, b, j, mb, t, first, last, count, slack, n0, n1, n2, size, w, c)
-    else:
-        taken = guess_by_vertex(a, i, ma, b, j, mb, t, first, last, count, mode - BY_VERTEX_A, w, c)
-    c[NEWTON] += abs(taken)
-    c[MODE] = mode
-    return taken > 0 and w[UNKNOWN, 3] > t
+def _aim(a, i, ma, b, j, mb, t, first, last, count, n0, n1, n2, near, width, size, w, c):
+    """(time, normal, gap): the latest time before a guessed contact at which its normal proves the bodies apart.
 
-
-@kernel
-def _normal(a, ma, b, mb, t, size, w, c):
-    """The guess's normal, from a to b, at a time t near that of the guess."""
-    if c[MODE] == BY_FORMS:
-        return normal_at(a, ma, b, mb, t, size, w, c)
-    return vertex_normal_at(a, ma, b, mb, t, w, c)
-
-
-@kernel
-def _aim(a, i, ma, b, j, mb, t, last, near, width, size, w, c):
-    """(time, normal, gap): the latest time before the guess's at which its normal proves the bodies apart.
-
-    gap 0: none within `width`, or the guess is beyond `last`.
+    Leaves the guess, which lies ahead of t, in w[UNKNOWN].  gap 0: no guess has such a time within `width`, or all are
+    beyond `last`.
     """
-    t_c = w[UNKNOWN, 3]
-    if t_c <= last + width:
-        for attempt in range(2):
-            s = min(t_c - (near if attempt == 0 else 0.45 * width), last)
-            e0, e1, e2 = _normal(a, ma, b, mb, s, size, w, c)
+    for attempt in range(4):
+        mode = max(attempt - 1, 0)
+        face_along(a, i, n0, n1, n2, w)
+        if mode == BY_FORMS:
+            slack = 0.05 if attempt == 0 else 0.5
+            taken = guess_by_forms(a, i, ma, b, j, mb, t, first, last, count, slack, n0, n1, n2, size, w, c)
+        else:
+            taken = guess_by_vertex(a, i, ma, b, j, mb, t, first, last, count, mode - BY_VERTEX_A, w, c)
+        c[NEWTON] += abs(taken)
+        c[MODE] = mode
+        t_c = w[UNKNOWN, 3]
+        if taken <= 0 or not t < t_c <= last + width:
+            continue
+        for later in range(2):
+            s = min(t_c - (near if later == 0 else 0.45 * width), last)
+            if mode == BY_FORMS:
+                e0, e1, e2 = normal_at(a, ma, b, mb, s, size, w, c)
+            else:
+                e0, e1, e2 = vertex_normal_at(a, ma, b, mb, s, w, c)
             g = _gap_at(a, i, ma, b, j, mb, s, e0, e1, e2, w, c)
             if g > 0.0:
                 return s, e0, e1, e2, g
@@ -167,12 +162,17 @@ def _at_start(a, i, ma, b, j, mb, first, count, size, w):
     for side in range(2):
         x0, x1, x2 = witness(w, count, 3 + 3 * side)
         x, y, z = x + 0.5 * x0, y + 0.5 * x1, z + 0.5 * x2
-    for _ in range(INWARD_STEPS):
-        if proves_shared(a, i, b, j, w, SIDE_A, NO_VERTEX, x, y, z):
+    flat = is_flat(a, i)
+    for _ in range(10 * INWARD_STEPS if flat else INWARD_STEPS):  # along a triangle the way may be narrow
+        vertex = NO_VERTEX
+        if flat:
+            vertex = make_point(a, w, x, y, z)
+            x, y, z = made_point(a, w)
+        if proves_shared(a, i, b, j, w, SIDE_A, vertex, x, y, z):
             w[RESULTS, POINT], w[RESULTS, POINT + 1], w[RESULTS, POINT + 2] = x, y, z
             w[RESULTS, TIME] = w[RESULTS, LO] = w[RESULTS, HI] = first
             return INITIAL
-        for side in range(2):
+        for side in range(1 if flat else 0, 2):
             p = a if side == 0 else b
             value, form = worst_form(p, i if side == 0 else j, w, side, x, y, z)
             moving_form(p, form, w, side, x, y, z)
@@ -197,7 +197,14 @@ def _upper_end(a, i, ma, b, j, mb, lo, near, width, inner, w, c):
             x, y, z = deepen(a, b, w, c)
         else:
             vertex = c[VERTEX]
-        if proves_shared(a, i, b, j, w, side, vertex, x, y, z):
+        flat = c[MODE] != BY_VERTEX_A and is_flat(a, i)
+        if flat and c[MODE] == BY_FORMS:
+            vertex = make_point(a, w, x, y, z)
+        if flat and c[MODE] == BY_VERTEX_B:
+            proved = pierces(a, b, j, vertex, w)
+        else:
+            proved = proves_shared(a, i, b, j, w, side, vertex, x, y, z)
+        if proved:
             w[RESULTS, TIME], w[RESULTS, LO], w[RESULTS, HI] = min(max(t_c, lo), hi), lo, hi
             for k in range(3):
                 w[RESULTS, POINT + k] = w[UNKNOWN, k]
@@ -206,7 +213,7 @@ def _upper_end(a, i, ma, b, j, mb, lo, near, width, inner, w, c):
 
 
 @kernel
-def _directed(a, i, ma, b, j, mb, t, n0, n1, n2, w, c):
+def directed(a, i, ma, b, j, mb, t, n0, n1, n2, w, c):
     """(distance, n, rows of the simplex, gap): a separating direction at t, searched from n on."""
     pose_at(ma, t, w, HERE_A)
     pose_at(mb, t, w, HERE_B)
@@ -216,7 +223,7 @@ def _directed(a, i, ma, b, j, mb, t, n0, n1, n2, w, c):
 
 
 @kernel
-def _toward(a, i, ma, b, j, mb, t, g, aim, n0, n1, n2, e0, e1, e2, w, c):
+def toward(a, i, ma, b, j, mb, t, g, aim, n0, n1, n2, e0, e1, e2, w, c):
     """(t1, gap, direction) with [t, t1] proved free; t1 = aim where e at aim allows it, t where nothing is proved."""
     s = aim
     gs = _gap_at(a, i, ma, b, j, mb, s, e0, e1, e2, w, c)
@@ -230,7 +237,7 @@ def _toward(a, i, ma, b, j, mb, t, g, aim, n0, n1, n2, e0, e1, e2, w, c):
         s = t + length
         if s <= t:
             break
-        _, e0, e1, e2, _, gs = _directed(a, i, ma, b, j, mb, s, e0, e1, e2, w, c)
+        _, e0, e1, e2, _, gs = directed(a, i, ma, b, j, mb, s, e0, e1, e2, w, c)
     return t, g, n0, n1, n2
 
 
@@ -238,8 +245,9 @@ def _toward(a, i, ma, b, j, mb, t, g, aim, n0, n1, n2, e0, e1, e2, w, c):
 def advance_pieces(a, i, ma, b, j, mb, first, last, inner, width, budget, w, c):
     """One of the outcomes above for the pieces i of a and j of b over [first, last].
 
-    a, b: as `kernels.support` tells; ma, mb: as `kernels.poses`; inner <= last: the latest time at which a contact may
-    be claimed; width: of its interval; budget: strides.  w, c: the workspace; results and counters are left there.
+    a, b: as `kernels.support` tells, piece i may be flat; ma, mb: as `kernels.poses`; inner <= last: the latest time at
+    which a contact may be claimed; width: of its interval; budget: strides.  w, c: the workspace; results and counters
+    are left there.
     """
     size = 0.0
     for k in range(3, 6):
@@ -251,7 +259,7 @@ def advance_pieces(a, i, ma, b, j, mb, first, last, inner, width, budget, w, c):
     n0, n1, n2 = w[HERE_B, 9] - w[HERE_A, 9], w[HERE_B, 10] - w[HERE_A, 10], w[HERE_B, 11] - w[HERE_A, 11]
     if n0 == 0.0 and n1 == 0.0 and n2 == 0.0:
         n0 = 1.0
-    distance, n0, n1, n2, count, g = _directed(a, i, ma, b, j, mb, t, n0, n1, n2, w, c)
+    distance, n0, n1, n2, count, g = directed(a, i, ma, b, j, mb, t, n0, n1, n2, w, c)
     w[RESULTS, FREE_UNTIL], w[RESULTS, GAP] = t, max(g, 0.0)
     if g <= 0.0:
         return _at_start(a, i, ma, b, j, mb, first, count, size, w)
@@ -262,16 +270,14 @@ def advance_pieces(a, i, ma, b, j, mb, first, last, inner, width, budget, w, c):
         c[STEPS] += 1
         if not guessed and distance < 0.3 * tried:
             tried = distance
-            for attempt in range(4):
-                if _guess(a, i, ma, b, j, mb, attempt, t, first, last, count, n0, n1, n2, size, w, c):
-                    aim, e0, e1, e2, better = _aim(a, i, ma, b, j, mb, t, last, near, width, size, w, c)
-                    guessed = better > 0.0
-                    if guessed:
-                        break
+            aim, e0, e1, e2, better = _aim(
+                a, i, ma, b, j, mb, t, first, last, count, n0, n1, n2, near, width, size, w, c
+            )
+            guessed = better > 0.0
         before = t
         if guessed:
             if aim > t:
-                t, g, n0, n1, n2 = _toward(a, i, ma, b, j, mb, t, g, aim, n0, n1, n2, e0, e1, e2, w, c)
+                t, g, n0, n1, n2 = toward(a, i, ma, b, j, mb, t, g, aim, n0, n1, n2, e0, e1, e2, w, c)
                 w[RESULTS, FREE_UNTIL], w[RESULTS, GAP] = t, g
             if t >= last:
                 return FREE
@@ -289,7 +295,7 @@ def advance_pieces(a, i, ma, b, j, mb, first, last, inner, width, budget, w, c):
             if t - before <= 1e-15 * (last - first):
                 return PRECISION
         if not guessed:
-            distance, m0, m1, m2, count, better = _directed(a, i, ma, b, j, mb, t, n0, n1, n2, w, c)
+            distance, m0, m1, m2, count, better = directed(a, i, ma, b, j, mb, t, n0, n1, n2, w, c)
             if better > g:
                 n0, n1, n2, g = m0, m1, m2, better
     return SPENT

@@ -6,7 +6,7 @@ import math
 
 from firstcontact.kernels.jit import kernel
 from firstcontact.kernels.separation import placed
-from firstcontact.kernels.support import FORMS, form_gradient, form_value
+from firstcontact.kernels.support import FLAT, FORMS, form_gradient, form_value
 from firstcontact.kernels.touch_system import local_point, moving_form, solve
 from firstcontact.kernels.workspace import (
     ACTIVE,
@@ -29,9 +29,11 @@ FORM_EPS = 20.0 * U
 
 
 @kernel
-def _inside(p, i, y0, y1, y2, off):
+def is_inside(p, i, y0, y1, y2, off):
     """Whether all points within `off` (per coordinate) of a local point are certainly inside piece i."""
     for k in range(int(p[i, FORMS]), int(p[i, FORMS + 1])):
+        if p[k, FLAT] != 0.0:
+            return False
         value, size = form_value(p, k, y0, y1, y2)
         margin = FORM_EPS * size
         if off > 0.0:
@@ -64,23 +66,12 @@ def _inverse_bound(w, side):
 
 
 @kernel
-def proves_shared(a, i, b, j, w, side, vertex, x, y, z):
-    """True proves that the pieces share a point, near (x, y, z), in the poses of the frames.
+def across(w, side, y0, y1, y2, off):
+    """(z, radius): where the points within `off` of a local point of a side are in the other one's coordinates.
 
-    The point is fixed in the body of `side`; vertex: its row there when it is a vertex (x, y, z do not count then,
-    and it is in its piece by itself), else -1.
+    Within `radius` of z, per coordinate; -1 where none is proved.
     """
-    p, q = (a, b) if side == 0 else (b, a)
-    i, j = (i, j) if side == 0 else (j, i)
     pose, far = POSE_A + side, POSE_B - side
-    # the point is exactly R y + T for the doubles y, or the true vertex near them
-    off = 0.0
-    if vertex >= 0:
-        y0, y1, y2, off = p[vertex, 0], p[vertex, 1], p[vertex, 2], p[vertex, 3]
-    else:
-        y0, y1, y2 = local_point(w, side, x, y, z)
-        if not _inside(p, i, y0, y1, y2, off):
-            return False
     x, y, z = placed(w, pose, y0, y1, y2)
     z0, z1, z2 = local_point(w, 1 - side, x, y, z)
     u0, u1, u2 = placed(w, far, z0, z1, z2)
@@ -94,21 +85,44 @@ def proves_shared(a, i, b, j, w, side, vertex, x, y, z):
     rounding += w[pose, 12] * size + w[pose, 13] + w[far, 12] * size_far + w[far, 13] + rows * off
     away = max(abs(x - u0), abs(y - u1), abs(z - u2)) + rounding * 1.001
     bound = _inverse_bound(w, 1 - side)
-    return bound > 0.0 and _inside(q, j, z0, z1, z2, bound * away)
+    return z0, z1, z2, bound * away if bound > 0.0 else -1.0
+
+
+@kernel
+def proves_shared(a, i, b, j, w, side, vertex, x, y, z):
+    """True proves that the pieces share a point, near (x, y, z), in the poses of the frames.
+
+    The point is fixed in the body of `side`; vertex: its row there when it is a vertex (x, y, z do not count then,
+    and it is in its piece by itself), else -1.
+    """
+    p, q = (a, b) if side == 0 else (b, a)
+    i, j = (i, j) if side == 0 else (j, i)
+    # the point is exactly R y + T for the doubles y, or the true vertex near them
+    off = 0.0
+    if vertex >= 0:
+        y0, y1, y2, off = p[vertex, 0], p[vertex, 1], p[vertex, 2], p[vertex, 3]
+    else:
+        y0, y1, y2 = local_point(w, side, x, y, z)
+        if not is_inside(p, i, y0, y1, y2, off):
+            return False
+    z0, z1, z2, radius = across(w, side, y0, y1, y2, off)
+    return radius >= 0.0 and is_inside(q, j, z0, z1, z2, radius)
 
 
 @kernel
 def deepen(a, b, w, c):
     """The world point near the solution that lies equally deep behind all active forms, to first order.
 
-    Solves g_k.d + depth |g_k| = -value_k for d in the span of the gradients; the multipliers give the depth.
+    Solves g_k.d + depth |g_k| = -value_k for d in the span of the gradients; the multipliers give the depth.  Forms of
+    flat pieces are met, not passed: depth 0.
     """
     p, n = c[COUNT], c[COUNT] + c[COUNT + 1]
     x, y, z = w[UNKNOWN, 0], w[UNKNOWN, 1], w[UNKNOWN, 2]
     above, below = 0.0, 0.0
     for k in range(n):
-        moving_form(a if k < p else b, c[ACTIVE + k], w, SIDE_A if k < p else SIDE_B, x, y, z)
-        length = math.sqrt(w[FORM, 1] ** 2 + w[FORM, 2] ** 2 + w[FORM, 3] ** 2)
+        forms = a if k < p else b
+        moving_form(forms, c[ACTIVE + k], w, SIDE_A if k < p else SIDE_B, x, y, z)
+        length = math.sqrt(w[FORM, 1] ** 2 + w[FORM, 2] ** 2 + w[FORM, 3] ** 2) * (1.0 - forms[c[ACTIVE + k], FLAT])
         for r in range(3):
             w[GRADIENTS + k, r] = w[FORM, 1 + r]
         w[GRADIENTS + k, 3] = length

@@ -26,8 +26,10 @@ INCLUDED = 1e-9
 #   arc: centre c, two conjugate half diameters a, b (the curve is c + a cos s + b sin s), direction (cos, sin) of the
 #       middle of the arc, cosine of half its extent (-2: all of it), error.
 #   curved face: centre c, 3x3 rows L (it is c + L u), kind, error.
-#   form, <= 0 inside: xx, yy, zz, 2xy, 2xz, 2yz, 2x, 2y, 2z, 1; number of the surface.
+#   form, <= 0 inside: xx, yy, zz, 2xy, 2xz, 2yz, 2x, 2y, 2z, 1; number of the surface; 1 where the piece is flat
+#       (`kernels.flat`): no point is inside it then, and its forms serve guesses only.
 VERTICES, ARCS, CURVED, FORMS, BOX = 0, 2, 4, 6, 8
+FLAT = 11
 
 
 @kernel

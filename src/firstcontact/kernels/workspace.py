@@ -9,24 +9,25 @@ from __future__ import annotations
 import numpy as np
 
 
-def _rows(*numbers: int) -> tuple[np.int64, ...]:
+def rows(*numbers: int) -> tuple[np.int64, ...]:
+    """The numbers in the type that Numba does not specialise for."""
     return tuple(np.int64(n) for n in numbers)
 
 
 # Row `side` (0 for a, 1 for b) of these pairs: pose, rates of its entries, inverse of its linear part.
-POSE_A, POSE_B, RATES_A, RATES_B, INVERSE_A, INVERSE_B = _rows(0, 1, 2, 3, 4, 5)
+POSE_A, POSE_B, RATES_A, RATES_B, INVERSE_A, INVERSE_B = rows(0, 1, 2, 3, 4, 5)
 # Poses in which gaps are evaluated; enclosure of accelerations; unknowns X, t, multipliers; value, gradient, rates
 # of a form; right side of a linear system; weights of a simplex.
-HERE_A, HERE_B, MIDDLE, RADIUS, UNKNOWN, FORM, RIGHT, WEIGHTS = _rows(6, 7, 8, 9, 10, 11, 12, 13)
+HERE_A, HERE_B, MIDDLE, RADIUS, UNKNOWN, FORM, RIGHT, WEIGHTS = rows(6, 7, 8, 9, 10, 11, 12, 13)
 # Four rows of points of a - b, of a and of b; eight of gradients; twelve of a matrix; results; enclosure of velocities.
-SIMPLEX, GRADIENTS, MATRIX, RESULTS, SPEED, SPREAD = _rows(14, 18, 26, 38, 39, 40)
+SIMPLEX, GRADIENTS, MATRIX, RESULTS, SPEED, SPREAD = rows(14, 18, 26, 38, 39, 40)
 ROWS, WIDTH = 41, 14
 
 # Slot of the unknowns: the distance, for times at which the bodies are apart.
 AWAY = 12
-SIDE_A, SIDE_B, NO_VERTEX = _rows(0, 1, -1)
+SIDE_A, SIDE_B, NO_VERTEX = rows(0, 1, -1)
 # Whether Newton steps move in time.
-AT_TIME, IN_TIME = _rows(0, 1)
+AT_TIME, IN_TIME = rows(0, 1)
 # Slots of the row of results: free until, gap there, time, lo, hi, point, normal (from a to b).
 FREE_UNTIL, GAP, TIME, LO, HI, POINT, NORMAL = 0, 1, 2, 3, 4, 5, 8
 # Slots of the integers: counters that add up; how the contact was found; the vertex; active forms of a, then of b,

@@ -82,7 +82,7 @@ class Piece:
 def pieces(a: Any, b: Any, span: Any) -> tuple[list[Piece | CurvedPiece], fmpq, fmpq | None]:
     """The pieces of the relative motion over the span, in time order, and the span itself.
 
-    Raises InputError for a bad span, UnsupportedPair for two constant-speed motions that the table below refuses.
+    Raises InputError for a bad span, UnsupportedPair for motions of other classes.
     """
     first, last = common_span(a, b, span)
     steps_a, steps_b = list(_steps(a)), list(_steps(b))
@@ -102,16 +102,12 @@ def pieces(a: Any, b: Any, span: Any) -> tuple[list[Piece | CurvedPiece], fmpq, 
 
 @dataclass(frozen=True, slots=True)
 class _Step:
-    """A step of one body's motion: over [start, end] it makes `motion`, from the pose `before`.
-
-    plain: it was asked for as a Translation or Rotation, not as a motion that happens to be one.
-    """
+    """A step of one body's motion: over [start, end] it makes `motion`, from the pose `before`."""
 
     start: fmpq
     end: fmpq | None
     motion: Any
     before: Placement
-    plain: bool = True
 
     @property
     def duration(self) -> fmpq:
@@ -133,15 +129,15 @@ def _steps(body: Any) -> Iterator[_Step]:
     motion = body.motion
     if isinstance(motion, Trajectory):
         for k, (between, start, end) in enumerate(zip(motion.steps, motion.times, motion.ends, strict=False)):
-            yield _Step(start, end, _simple(between), Placement().then(motion.before(k)), False)
+            yield _Step(start, end, _simple(between), Placement().then(motion.before(k)))
         return
     if not isinstance(motion, Sequence):
-        yield _Step(_0, None, _supported(body, motion), Placement(), isinstance(motion, Translation | Rotation))
+        yield _Step(_0, None, _supported(body, motion), Placement())
         return
     start, before = _0, Placement()
     for k, (part, end) in enumerate(zip(motion.steps, motion.ends, strict=True)):
         step = _supported(body, part, f"step {k} of the Sequence, ")
-        yield _Step(start, end, step, before, isinstance(part, Translation | Rotation))
+        yield _Step(start, end, step, before)
         before = advanced(before, step, fmpq(1))
         start = end
 
@@ -194,12 +190,11 @@ def _rests(motion: Any) -> bool:
 def _reduce(a: Any, b: Any, step_a: _Step, step_b: _Step, start: fmpq, end: fmpq | None) -> Piece | CurvedPiece:
     """One piece; the table of section 6 of the derivation: which pairs of motions are one motion.
 
-    All others are curved, but for two motions of constant speed that users named as such.
+    All others are curved.
     """
     motion_a, motion_b = step_a.motion, step_b.motion
     if not (_is_straight_or_turn(step_a) and _is_straight_or_turn(step_b)):
         return _curved(a, b, step_a, step_b, start, end)
-    plain = step_a.plain and step_b.plain
     rest_a, rest_b = _rests(motion_a), _rests(motion_b)
     straight_a = rest_a or isinstance(motion_a, Translation)
     straight_b = rest_b or isinstance(motion_b, Translation)
@@ -211,16 +206,12 @@ def _reduce(a: Any, b: Any, step_a: _Step, step_b: _Step, start: fmpq, end: fmpq
             carry_velocity=v_b if any(v_b) else None,
         )  # fmt: skip
     if (straight_a and not rest_a) or (straight_b and not rest_b):
-        if not plain:
-            return _curved(a, b, step_a, step_b, start, end)
-        raise _unsupported(a, b, motion_a, motion_b, "their relative motion is a screw or a spiral")
+        return _curved(a, b, step_a, step_b, start, end)
     lead = motion_b if rest_a else motion_a
     assert isinstance(lead, Rotation)
     rate_a, rate_b = _rate(step_a, rest_a, lead), _rate(step_b, rest_b, lead)
     if rate_a is None or rate_b is None:
-        if not plain:
-            return _curved(a, b, step_a, step_b, start, end)
-        raise _unsupported(a, b, motion_a, motion_b, "their axes differ")
+        return _curved(a, b, step_a, step_b, start, end)
     rate = rate_a[0] - rate_b[0], rate_a[1] - rate_b[1]
     placed = _placed(step_a, start), _placed(step_b, start)
     carry_rate = rate_b if any(rate_b) else None
@@ -277,13 +268,6 @@ def _placed(step: _Step, time: fmpq) -> Placement:
     if time == step.start and not isinstance(step.motion, RationalMotion):
         return step.before
     return advanced(step.before, step.motion, (time - step.start) / step.duration)
-
-
-def _unsupported(a: Any, b: Any, motion_a: Any, motion_b: Any, why: str) -> UnsupportedPair:
-    return UnsupportedPair(
-        f"{type(motion_a).__name__} of {_who(a, 'a')} with {type(motion_b).__name__} of {_who(b, 'b')}: {why}; "
-        "supported are two translations, two rotations about one axis, and one moving body"
-    )
 
 
 def _who(body: Any, default: str = "a body") -> str:

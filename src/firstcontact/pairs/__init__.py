@@ -17,4 +17,6 @@ conic_plane          conic against plane                          IV
 conic_quadric        conic against quadric                        III
 plane_quadric        plane against quadric                        II
 quadric_quadric      two quadrics                                 I
+
+Two ruled surfaces at rest: `ruled_ruled`, where two of their rulings meet, and where they are one line.
 """

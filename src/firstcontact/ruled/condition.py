@@ -21,7 +21,16 @@ from firstcontact.body.moving import Moving
 from firstcontact.errors import InputError, UnsupportedPair
 from firstcontact.exact.numbers import fraction, rational
 from firstcontact.exact.roots import AlgebraicRoot, roots_in
-from firstcontact.exact.trivariate import FactorSet, at, coefficients, degree, exchanged, irreducible, resultant, univariate
+from firstcontact.exact.trivariate import (
+    FactorSet,
+    at,
+    coefficients,
+    degree,
+    exchanged,
+    irreducible,
+    resultant,
+    univariate,
+)
 from firstcontact.motion.clocks import StraightClock
 from firstcontact.motion.directrices import directrix_pieces
 from firstcontact.motion.span import common_span

@@ -19,7 +19,8 @@ from firstcontact.exact.numbers import to_double
 from firstcontact.exact.trivariate import degree, terms
 from firstcontact.ruled.conditions import Conditions
 
-# Relative to the largest coefficient with absolute values in place of all numbers.  Rounding: (terms + degree x halvings) 2^-53 at most, with
+# Relative to the largest coefficient with absolute values in place of all numbers.
+# Rounding: (terms + degree x halvings) 2^-53 at most, with
 # at most 2^12 terms and degree 64 halved 60 times in each of three variables.
 MARGIN = 2.0**-38
 
@@ -153,11 +154,12 @@ def _to_bernstein(n: int, lo: fmpq, hi: fmpq) -> np.ndarray:
     rows = []
     for i in range(n + 1):
         # the blossom of x^j with i arguments hi and n - i arguments lo
-        rows.append([
-            to_double(sum((comb(i, m) * comb(n - i, j - m) * hi**m * lo ** (j - m) for m in range(max(0, i + j - n), min(i, j) + 1)),
-                          fmpq(0)) / comb(n, j))
-            for j in range(n + 1)
-        ])  # fmt: skip
+        row = []
+        for j in range(n + 1):
+            parts = range(max(0, i + j - n), min(i, j) + 1)
+            total = sum((comb(i, m) * comb(n - i, j - m) * hi**m * lo ** (j - m) for m in parts), fmpq(0))
+            row.append(to_double(total / comb(n, j)))
+        rows.append(row)
     return np.array(rows)
 
 

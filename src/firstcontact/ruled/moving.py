@@ -183,7 +183,7 @@ def _windows(pair: _Pair) -> Iterator[tuple[_End, _End]]:
 
 
 def _starts(pair: _Pair) -> Iterator[tuple[_End, bool]]:
-    """The first time of contact in the piece of motion, and whether contact lasts after it; nothing where it is free."""
+    """The first time of contact in the piece of motion, if there is one, and whether contact lasts after it."""
     motion = pair.motion
     assert motion.end is not None
     for wall, touched, after in pair.times.states():
@@ -204,10 +204,14 @@ def _next_wall(pair: _Pair, wall: AlgebraicRoot) -> int:
     return pair.motion.clock.compare(end, pair.motion.start)
 
 
+def _by_start(x: tuple[_End, _End], y: tuple[_End, _End]) -> int:
+    return x[0].compare(y[0])
+
+
 def _joined(windows: list[tuple[_End, _End]]) -> list[tuple[_End, _End]]:
     """The union of closed windows in one piece of motion."""
     found: list[tuple[_End, _End]] = []
-    for start, end in sorted(windows, key=cmp_to_key(lambda x, y: x[0].compare(y[0]))):
+    for start, end in sorted(windows, key=cmp_to_key(_by_start)):
         if found and start.compare(found[-1][1]) <= 0:
             if end.compare(found[-1][1]) > 0:
                 found[-1] = found[-1][0], end
@@ -235,9 +239,13 @@ def _contact(
     time, interval, known = start.value(exact)
     touches: dict[tuple[tuple[int, int], ...], tuple[ElementPair, Touch]] = {}
     for pair, _ in pairs:
-        for contact in pair.times.contacts(start.root):
+        at_start = initial and start.root.rational == pair.times.span[0]
+        for contact in pair.times.contact_at_start() if at_start else pair.times.contacts(start.root):
             found = touch(contact, pair.joined)
-            named = [_named(shared[x], kind, number, x) for x, kind, number in zip("ab", found.elements, pair.numbers, strict=True)]
+            named = [
+                _named(shared[x], kind, number, x)
+                for x, kind, number in zip("ab", found.elements, pair.numbers, strict=True)
+            ]
             key = tuple((_ORDER[e.kind], e.index) for e in named)
             touches.setdefault(key, (ElementPair(*named), found))
     status = Status.INITIAL_CONTACT if initial else Status.CONTACT
@@ -249,6 +257,9 @@ def _contact(
     (lowest, best), *rest = (touches[key] for key in sorted(touches))
     pose = _pose_of_b(start, shared["b"], time)
     point = pose[:3, :3] @ best.point + pose[:3, 3]
+    shown = None
+    if not rest and (len(best.shared) > 1 or (not initial and pairs[0][0].times.is_isolated(start.root))):
+        shown = _contact_set(best.shared @ pose[:3, :3].T + pose[:3, 3])
     normal = None
     if best.normal is not None and not initial:
         turned = best.normal @ np.linalg.inv(pose[:3, :3])
@@ -256,7 +267,7 @@ def _contact(
     return replace(
         answer, point=point, normal=normal, element_a=lowest.element_a, element_b=lowest.element_b,
         others=tuple(p for p, _ in rest[:MOST_OTHERS]), multiplicity=len(touches),
-        contact_set=_contact_set(best.shared @ pose[:3, :3].T + pose[:3, 3]) if not rest else None,
+        contact_set=shown,
     )  # fmt: skip
 
 

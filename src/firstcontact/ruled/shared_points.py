@@ -1,8 +1,8 @@
 """Points that two ruled pieces share at one instant, rational or algebraic, exactly.
 
-On a sheet the first parameter of an isolated contact is a zero of a border, or an end of its range; the other one is then
-a zero of f.  Both are found in the field of the instant: where borders touch or cross, their common divisors over that
-field mostly are linear.  Boxes that survived exclusion tell where to look.
+On a sheet the first parameter of an isolated contact is a zero of a border, or an end of its range; the other one is
+then a zero of f.  Both are found in the field of the instant: where borders touch or cross, their common divisors over
+that field mostly are linear.  Boxes that survived exclusion tell where to look.
 """
 
 from __future__ import annotations
@@ -48,8 +48,8 @@ class Contact:
 def shared_points(c: Conditions, t: AlgebraicRoot, boxes: Iterable[Box]) -> Iterator[Contact]:
     """Contacts at the instant t near the boxes; none proves that there is none near them.
 
-    c holds the conditions of the motion, or of the instant alone where t is rational.  UnsupportedPair beyond the degrees
-    that elimination masters.
+    c holds the conditions of the motion, or of the instant alone where t is rational.  UnsupportedPair beyond the
+    degrees that elimination masters.
     """
     field = NumberField(t)
     by_chart: dict[tuple[bool, bool], list[Box]] = {}
@@ -88,9 +88,10 @@ def _on_sheet(c: Conditions, sheet: Sheet, field: NumberField, u: Span, v: Span)
     t = field.generator()
     firsts: list[tuple[NumberField, FieldElement, FieldElement]] = []
     assert sheet.first is not None
-    for x in {sheet.first[0], sheet.first[1]} | ({(first[0] + first[1]) / 2} if first[1] - first[0] > WIDE else set()):
-        if first[0] <= x <= first[1]:
-            firsts.append((field, field(x), t))
+    middle = {(first[0] + first[1]) / 2} if first[1] - first[0] > WIDE else set()
+    for place in {*sheet.first} | middle:
+        if first[0] <= place <= first[1]:
+            firsts.append((field, field(place), t))
     borders = [_in_u(b, field) for b in sheet.borders if degree(b, 0) and _near_zero(b, first, None, field.root)]
     for g in refined([trimmed(b) for b in borders]):
         for zero in adjoined(field, g, *first):
@@ -104,7 +105,8 @@ def _on_sheet(c: Conditions, sheet: Sheet, field: NumberField, u: Span, v: Span)
 
 
 def _seconds(
-    sheet: Sheet, field: NumberField, instant: AlgebraicRoot, x: FieldElement, t: FieldElement, first: Span, second: Span
+    sheet: Sheet, field: NumberField, instant: AlgebraicRoot, x: FieldElement, t: FieldElement, first: Span,
+    second: Span,
 ) -> Iterator[Point]:
     """(t, first, second parameter) of the points to test over the first one."""
     f = [] if sheet.f is None else trimmed(_in_v(sheet.f, x, t))

@@ -124,7 +124,7 @@ class Sheet:
 
 
 def critical_times(borders: Sequence[fmpz_mpoly], ends: Range) -> list[fmpz_poly]:
-    """Irreducible polynomials in T; outside their roots the order of the borders' zeros in the range of u is the same."""
+    """Irreducible polynomials in T; outside their roots the borders' zeros in the range of u keep their order."""
     found = FactorSet()
     curves = [b for b in borders if degree(b, 0)]
     for b in borders:
@@ -147,23 +147,23 @@ def critical_times(borders: Sequence[fmpz_mpoly], ends: Range) -> list[fmpz_poly
 def sheets(c: Conditions) -> list[Sheet]:
     """All sheets of the conditions; their times, and those of `instants`, are all at which contact may change."""
     if c.delta.is_zero():
-        clips = FactorSet()
+        everything = FactorSet()
         for x in [x for pair in c.pairs for x in pair] + [x for axis in c.axes for x in axis]:
             if not x.is_zero():
-                clips.add(x)
-        own = _real(clips, c)
+                everything.add(x)
+        own = _real(everything, c)
         sheet = Sheet(None, tuple(own), None, False, c.u, c.v)
         return [min((sheet, sheet.turned()), key=lambda s: sum(int(b.total_degree()) for b in s.borders))]
-    found = []
+    all_sheets = []
     for f in _real(irreducible(c.delta), c):
         if degree(f, 0) == degree(f, 1) == 0:
             continue  # an instant
         clips, pairs = _clips(c, f)
         if degree(f, 1):
-            found.append(Sheet(f, tuple(clips), pairs, False, c.u, c.v))
+            all_sheets.append(Sheet(f, tuple(clips), pairs, False, c.u, c.v))
         else:
-            found.append(Sheet(exchanged(f), tuple(exchanged(x) for x in clips), None, True, c.v, c.u))
-    return found
+            all_sheets.append(Sheet(exchanged(f), tuple(exchanged(x) for x in clips), None, True, c.v, c.u))
+    return all_sheets
 
 
 def instants(c: Conditions) -> list[fmpz_poly]:
@@ -182,10 +182,10 @@ def candidates(polynomials: Iterable[fmpz_poly], lo: fmpq, hi: fmpq) -> list[Alg
 
 
 def _clips(c: Conditions, f: fmpz_mpoly) -> tuple[list[fmpz_mpoly], Pairs | None]:
-    """The polynomials that decide on f = 0, and the pairs they are of: brackets of one auxiliary point off the common plane of the rulings.
+    """The polynomials that decide on f = 0, and the pairs they are of.
 
-    Where all brackets of that point vanish along a border, rulings may be one line: then those of all points and the
-    coordinates count.
+    Brackets of one auxiliary point off the common plane of the rulings do.  Where all brackets of all points vanish
+    along a border, rulings may be one line: then all of them count, and the coordinates.
     """
     found = FactorSet()
     choices = []

@@ -1,9 +1,9 @@
 """All times of contact of two ruled pieces over one piece of their motion, exactly.
 
-The sheets' times cut the span into cells.  Most cells and instants are free by exclusion over the whole span.  A cell is
-decided at one rational time: by the fibres over rational parameters between the borders, which see every contact that is
-no isolated point; then by exclusion; then by the isolated points that are left.  An instant belongs to the contact where
-a neighbouring cell does, for contact is closed, and is decided by its own points where neither does.
+The sheets' times cut the span into cells.  Most cells and instants are free by exclusion over the whole span.  A cell
+is decided at one rational time: by exclusion; by the fibres over rational parameters between the borders, which see
+every contact that is no isolated point; then by the isolated points that are left.  An instant belongs to the contact
+where a neighbouring cell does, for contact is closed, and is decided by its own points where neither does.
 """
 
 from __future__ import annotations
@@ -14,12 +14,13 @@ from flint import fmpq, fmpz_mpoly, fmpz_poly
 
 from firstcontact.composite.work import Work
 from firstcontact.errors import UnsupportedPair
+from firstcontact.exact.number_field import NumberField
 from firstcontact.exact.numbers import dyadic, precision
 from firstcontact.exact.roots import AlgebraicRoot, roots_in
 from firstcontact.exact.trivariate import at, exchanged, univariate
 from firstcontact.ruled.conditions import Conditions, Range
 from firstcontact.ruled.exclusion import Box, Span, survivors
-from firstcontact.ruled.shared_points import Contact, shared_points
+from firstcontact.ruled.shared_points import WIDE, Contact, clusters, shared_points
 from firstcontact.ruled.sheets import Sheet, between, candidates, instants, samples, sheets
 
 BITS = 64
@@ -91,6 +92,25 @@ class Times:
                 break
         return found
 
+    def is_isolated(self, t: AlgebraicRoot) -> bool:
+        """True where contacts at the instant are in narrow boxes only, so that none is part of a longer curve."""
+        ranges = [r for pair in clusters(survivors(self.conditions, _enclosed(t))) for r in pair]
+        return all(hi - lo <= WIDE for lo, hi in ranges)
+
+    def contact_at_start(self) -> list[Contact]:
+        """One shared point at a rational start: any on a fibre between the borders, for that is cheapest."""
+        t = self.span[0]
+        now = self.conditions.at(t)
+        for sheet in sheets(now):
+            for x in _between_borders(sheet, t):
+                y = _place_on_fibre(now, sheet, x, t, True)
+                if y is not None:
+                    field = NumberField(y)
+                    first, second, time = field(x), field.generator(), field(t)
+                    u, v = (second, first) if sheet.exchanged else (first, second)
+                    return [Contact(now, (False, False), (now.u, now.v), u, v, time)]
+        return self.contacts(AlgebraicRoot.of(t))
+
     def _may_hold(self, x: AlgebraicRoot, y: AlgebraicRoot) -> bool:
         """False proves that no time from x to y has a contact."""
         return any(y.compare(lo) >= 0 and x.compare(hi) <= 0 for lo, hi in self._maybe)
@@ -154,6 +174,11 @@ def _roots(walls: Sequence[fmpz_poly], ends: Range) -> list[AlgebraicRoot]:
 
 def _on_fibre(c: Conditions, sheet: Sheet, x: fmpq, t: fmpq, off_borders: bool) -> bool:
     """Whether a contact of the sheet has this first parameter; only certain ones where x is on a border."""
+    return _place_on_fibre(c, sheet, x, t, off_borders) is not None
+
+
+def _place_on_fibre(c: Conditions, sheet: Sheet, x: fmpq, t: fmpq, off_borders: bool) -> AlgebraicRoot | None:
+    """The second parameter of such a contact."""
     known: dict[int, fmpz_poly] = {}
 
     def holds(y: AlgebraicRoot) -> bool:
@@ -168,9 +193,10 @@ def _on_fibre(c: Conditions, sheet: Sheet, x: fmpq, t: fmpq, off_borders: bool) 
 
     if sheet.f is not None:
         f = _restricted(sheet.f, x, t)
-        return not f.is_zero() and any(holds(y) for y in roots_in(f, sheet.second))
+        return None if f.is_zero() else next((y for y in roots_in(f, sheet.second) if holds(y)), None)
     critical = _roots([_restricted(g, x, t) for g in sheet.clips], sheet.second)
-    return any(holds(y) for y in [*critical, *map(AlgebraicRoot.of, samples(critical, sheet.second))])
+    places = [*critical, *map(AlgebraicRoot.of, samples(critical, sheet.second))]
+    return next((y for y in places if holds(y)), None)
 
 
 def _restricted(f: fmpz_mpoly, x: fmpq, t: fmpq) -> fmpz_poly:

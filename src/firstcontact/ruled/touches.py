@@ -94,7 +94,7 @@ def touch(contact: Contact, joined: tuple[frozenset[str], frozenset[str]]) -> To
 
 def _common_points(p: _Ruling, q: _Ruling) -> list[Vector]:
     """Ends of rulings on one line, or that are points, which lie on the other one, each once: one or two."""
-    found = []
+    found: list[Vector] = []
     for own, other in ((p, q), (q, p)):
         for point in (own.first, own.second) if own.bounded else ():
             r = other.place(point)
@@ -136,20 +136,21 @@ def _normal(
             tangents.append(way)
         r = 0.5 if place is None else _double(place)
         first, second = (_slopes(curve, _double(x), _double(contact.t)) for curve in curves)
-        along, speed = (1 - r) * first + r * second
+        tangent, speed = (1 - r) * first + r * second
         speeds.append(speed)
         if kind in ("face", "directrix"):
-            tangents.append(along)
+            tangents.append(tangent)
     rows = np.array([t / np.linalg.norm(t) for t in tangents if np.all(np.isfinite(t)) and np.linalg.norm(t) > 0])
     if len(rows) < 2:
         return None
     _, size, base = np.linalg.svd(rows)
     if len(size) < 2 or size[1] < 1e-6 or (len(size) > 2 and size[2] > 1e-6):
         return None
-    way = float(base[2] @ (speeds[0] - speeds[1]))
-    if not abs(way) > 1e-9:
+    approach = float(base[2] @ (speeds[0] - speeds[1]))
+    if not abs(approach) > 1e-9:
         return None
-    return base[2] if way < 0 else -base[2]
+    normal: np.ndarray = base[2] if approach < 0 else -base[2]
+    return normal
 
 
 def _slopes(curve: RationalCurve, u: float, t: float) -> np.ndarray:

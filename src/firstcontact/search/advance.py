@@ -62,6 +62,8 @@ class Advance:
     frames         of a contact: (6, 12) numbers, the rows of the workspace from POSE_A on, near its time.
     gap            proved distance along the last direction at `free_until`, of the pair of pieces last advanced.
     reason         of "open": "precision", "budget", or what of the model or motion is beyond this path.
+    spread         whether what may touch at the contact is more than one point.
+    beyond         whether a model is no union of convex pieces, so that nothing was tried.
     """
 
     status: str
@@ -75,6 +77,8 @@ class Advance:
     frames: list[list[float]] = field(default_factory=list)
     gap: float = 0.0
     reason: str | None = None
+    spread: bool = False
+    beyond: bool = False
     steps: int = 0
     newton: int = 0
     gaps: int = 0
@@ -91,7 +95,7 @@ def advance(a: Any, b: Any, first: Any, last: Any, tolerance: float = 1e-12, bud
         pieces = [convex_pieces(body) for body in bodies]
         stretches = windows(a, b, begin, end)
     except (NotConvex, Untold) as reason:
-        return Advance("open", below(begin), reason=str(reason))
+        return Advance("open", below(begin), reason=str(reason), beyond=isinstance(reason, NotConvex))
     return _Search(pieces[0], pieces[1], stretches, tolerance, budget).run()
 
 
@@ -185,13 +189,13 @@ class _Search:
         if c[MODE] == BY_FORMS:
             n, m = int(c[COUNT]), int(c[COUNT + 1])
             return (
-                _named(self.a, c[ACTIVE : ACTIVE + n].tolist()),
-                _named(self.b, c[ACTIVE + n : ACTIVE + n + m].tolist()),
+                named(self.a, c[ACTIVE : ACTIVE + n].tolist()),
+                named(self.b, c[ACTIVE + n : ACTIVE + n + m].tolist()),
             )
         form, vertex = [int(c[ACTIVE])], int(c[VERTEX])
         if c[MODE] == BY_VERTEX_A:
-            return _at_vertex(self.a, vertex), _named(self.b, form)
-        return _named(self.a, form), _at_vertex(self.b, vertex)
+            return _at_vertex(self.a, vertex), named(self.b, form)
+        return named(self.a, form), _at_vertex(self.b, vertex)
 
     def _open(self, reason: str) -> Advance:
         return self._answer("open", float(self.results[FREE_UNTIL]), reason=reason)
@@ -204,7 +208,7 @@ class _Search:
         return {"gap": float(self.results[GAP]), "steps": int(c[STEPS]), "newton": int(c[NEWTON]), "gaps": int(c[GAPS])}
 
 
-def _named(pieces: ConvexPieces, forms: list[int]) -> tuple[Feature, ...]:
+def named(pieces: ConvexPieces, forms: list[int]) -> tuple[Feature, ...]:
     """The feature of the body on all these forms; their faces where pieces meet inside the body."""
     surfaces = [int(pieces.array[k, 10]) for k in forms]
     labels = pieces.labels

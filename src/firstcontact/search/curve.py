@@ -41,6 +41,7 @@ from firstcontact.search.state import (
     KEY,
     TESTS,
     VERTEX_FACE,
+    WHOLE,
 )
 from firstcontact.search.tree import CORNER, FACET, POINT
 from firstcontact.search.walk import (
@@ -504,7 +505,8 @@ def _events(
                         start, width, first - slack, floats[BEST],
                     )  # fmt: skip
                     if _note(
-                        floats, integers, times, candidates, VERTEX_FACE, pa, s, pb, 0, verdict, lo - slack, hi + slack
+                        floats, integers, times, candidates, VERTEX_FACE, pa, s, pb, WHOLE,
+                        verdict, lo - slack, hi + slack,
                     ):
                         done |= bit
                 bit = 1 << (12 + s)
@@ -515,7 +517,8 @@ def _events(
                         start, width, first - slack, floats[BEST],
                     )  # fmt: skip
                     if _note(
-                        floats, integers, times, candidates, FACE_VERTEX, pa, 0, pb, s, verdict, lo - slack, hi + slack
+                        floats, integers, times, candidates, FACE_VERTEX, pa, WHOLE, pb, s,
+                        verdict, lo - slack, hi + slack,
                     ):
                         done |= bit
         if last_cell:

@@ -12,11 +12,11 @@ from firstcontact.search.tree import Tree
 
 VERTEX, EDGE, FACE = range(3)
 KINDS = {
-    VERTEX_FACE: (VERTEX, FACE),
-    EDGE_EDGE: (EDGE, EDGE),
-    FACE_VERTEX: (FACE, VERTEX),
-    EDGE_FACE: (EDGE, FACE),
-    FACE_EDGE: (FACE, EDGE),
+    int(VERTEX_FACE): (VERTEX, FACE),
+    int(EDGE_EDGE): (EDGE, EDGE),
+    int(FACE_VERTEX): (FACE, VERTEX),
+    int(EDGE_FACE): (EDGE, FACE),
+    int(FACE_EDGE): (FACE, EDGE),
 }
 
 # An element inside the search: (kind, index) with index a vertex, a segment or a triangle.

@@ -20,7 +20,7 @@ from firstcontact.pairs.line_line_rotation import rotation_filter as edge_edge
 from firstcontact.pairs.point_plane_rotation import rotation_filter as vertex_facet
 from firstcontact.pairs.segment_facet import crossing_filter
 from firstcontact.search.cylinder import KNOWN, PHI, R_HI, R_LO, SIZE, WIDTH, Z_HI, Z_LO, learn
-from firstcontact.search.state import BEST, EDGE_EDGE, FACE_VERTEX, FIRST, TESTS, VERTEX_FACE
+from firstcontact.search.state import BEST, EDGE_EDGE, FACE_VERTEX, FIRST, TESTS, VERTEX_FACE, WHOLE
 from firstcontact.search.tree import CORNER, FACET, POINT
 from firstcontact.search.walk import earliest_meeting, first_is_larger, get_ready, is_new, record, test_events
 from firstcontact.search.windows import meeting_window, part_windows
@@ -80,8 +80,8 @@ def _events(
                 xa[i] - cx, xa[i + 1] - cy, xa[i + 2], xb[0] - cx, xb[1] - cy, xb[2],
                 xb[3] - cx, xb[4] - cy, xb[5], xb[6] - cx, xb[7] - cy, xb[8], err_a, err_b,
             )  # fmt: skip
-            note(floats, integers, times, candidates, VERTEX_FACE, pa, s, pb, 0, v0, lo0, hi0)
-            note(floats, integers, times, candidates, VERTEX_FACE, pa, s, pb, 0, v1, lo1, hi1)
+            note(floats, integers, times, candidates, VERTEX_FACE, pa, s, pb, WHOLE, v0, lo0, hi0)
+            note(floats, integers, times, candidates, VERTEX_FACE, pa, s, pb, WHOLE, v1, lo1, hi1)
         if mask_b & (1 << (CORNER + s)) and mask_a & FACET:
             integers[TESTS] += 1
             # the facet turns forward: in the mirror image y -> -y the vertex turns forward past the facet
@@ -89,8 +89,8 @@ def _events(
                 xb[i] - cx, cy - xb[i + 1], xb[i + 2], xa[0] - cx, cy - xa[1], xa[2],
                 xa[3] - cx, cy - xa[4], xa[5], xa[6] - cx, cy - xa[7], xa[8], err_b, err_a,
             )  # fmt: skip
-            note(floats, integers, times, candidates, FACE_VERTEX, pa, 0, pb, s, v0, lo0, hi0)
-            note(floats, integers, times, candidates, FACE_VERTEX, pa, 0, pb, s, v1, lo1, hi1)
+            note(floats, integers, times, candidates, FACE_VERTEX, pa, WHOLE, pb, s, v0, lo0, hi0)
+            note(floats, integers, times, candidates, FACE_VERTEX, pa, WHOLE, pb, s, v1, lo1, hi1)
 
 
 @kernel

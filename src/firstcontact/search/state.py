@@ -6,8 +6,11 @@ import threading
 
 import numpy as np
 
-# Kinds of candidate pairs: element of a, element of b.  In this order the lowest kind is reported.
-VERTEX_FACE, EDGE_EDGE, FACE_VERTEX, EDGE_FACE, FACE_EDGE = range(5)
+# Kinds of candidate pairs: element of a, element of b.  In this order the lowest kind is reported.  NumPy integers,
+# because Numba compiles a function anew for every Python integer written into a call.
+VERTEX_FACE, EDGE_EDGE, FACE_VERTEX, EDGE_FACE, FACE_EDGE = (np.int64(k) for k in range(5))
+# What stands for the side or corner where the element is the whole facet.
+WHOLE = np.int64(0)
 
 # Added to the kind of a candidate that needs no exact answer to count.
 CERTAIN_KIND = 8

@@ -10,7 +10,7 @@ from firstcontact.kernels.jit import kernel
 from firstcontact.kernels.verdict import NONE, UNSURE
 from firstcontact.pairs.line_line import translation_filter as edge_edge
 from firstcontact.pairs.point_plane import translation_filter as vertex_facet
-from firstcontact.search.state import BEST, EDGE_EDGE, FACE_VERTEX, FIRST, TESTS, VERTEX_FACE
+from firstcontact.search.state import BEST, EDGE_EDGE, FACE_VERTEX, FIRST, TESTS, VERTEX_FACE, WHOLE
 from firstcontact.search.tree import CORNER, FACET, POINT
 from firstcontact.search.walk import (
     area,
@@ -78,7 +78,7 @@ def _events(
                 v0, v1, v2, first, floats[BEST], err_a, err_b,
             )  # fmt: skip
             if verdict != NONE:
-                record(floats, integers, times, candidates, VERTEX_FACE, pa, s, pb, 0, verdict, lo, hi)
+                record(floats, integers, times, candidates, VERTEX_FACE, pa, s, pb, WHOLE, verdict, lo, hi)
         if mask_b & (1 << (CORNER + s)) and mask_a & FACET:
             integers[TESTS] += 1
             verdict, lo, hi = vertex_facet(
@@ -87,7 +87,7 @@ def _events(
                 -v0, -v1, -v2, first, floats[BEST], err_b, err_a,
             )  # fmt: skip
             if verdict != NONE:
-                record(floats, integers, times, candidates, FACE_VERTEX, pa, 0, pb, s, verdict, lo, hi)
+                record(floats, integers, times, candidates, FACE_VERTEX, pa, WHOLE, pb, s, verdict, lo, hi)
 
 
 @overload(earliest_meeting)

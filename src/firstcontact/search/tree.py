@@ -175,7 +175,8 @@ def _parts(xyz, masks, wide, budget, max_parts):
     polygon, scratch = np.empty((12, 3)), np.empty((12, 3))
     m = 0
     for p in range(n):
-        stack[0] = whole[p]
+        for k in range(6):
+            stack[0, k] = whole[p, k]
         depth, emitted = 1, 0
         splitting = width[p] > limit and limit > 0.0
         while depth > 0:
@@ -190,7 +191,8 @@ def _parts(xyz, masks, wide, budget, max_parts):
                 middle = 0.5 * (cell[axis] + cell[axis + 3])
                 for upper in range(2):
                     child = stack[depth]
-                    child[:] = cell
+                    for k in range(6):
+                        child[k] = cell[k]
                     child[axis + 3 * (1 - upper)] = middle
                     count = clip_to_box(xyz[p], child, polygon, scratch)
                     if count > 0:
@@ -199,7 +201,8 @@ def _parts(xyz, masks, wide, budget, max_parts):
                 continue
             if m == box.shape[0]:
                 box, ids = _grown(box, ids)
-            box[m] = cell
+            for k in range(6):
+                box[m, k] = cell[k]
             ids[m, 0], ids[m, 1] = p, masks[p]
             if splitting:
                 ids[m, 1] = _clipped_mask(masks[p], xyz[p], cell, pad) | SPLIT
@@ -251,9 +254,13 @@ def _clipped_mask(mask, xyz, cell, pad):
 
 @kernel
 def _grown(box, ids):
+    # by loops: one assignment of slices takes Numba 2 s to compile, most of it for the text of its error
     n = box.shape[0]
     new_box, new_ids = np.empty((2 * n + 64, 6)), np.empty((2 * n + 64, 2), np.int32)
-    new_box[:n], new_ids[:n] = box, ids
+    for p in range(n):
+        for k in range(6):
+            new_box[p, k] = box[p, k]
+        new_ids[p, 0], new_ids[p, 1] = ids[p, 0], ids[p, 1]
     return new_box, new_ids
 
 
@@ -268,7 +275,7 @@ def _split(part_box):
     boxes = np.empty((2 * m - 1, 6))
     links = np.empty((2 * m - 1, 2), np.int32)
     stack = np.empty((128, 3), np.int64)
-    stack[0] = 0, 0, m
+    stack[0, 0], stack[0, 1], stack[0, 2] = 0, 0, m
     depth, used = 1, 1
     count = np.empty(_BINS, np.int64)
     bin_box = np.empty((_BINS, 6))

@@ -38,6 +38,7 @@ from firstcontact.search.state import (
     UNSURE_COUNT,
     UNSURE_TOTAL,
     VISITS,
+    WHOLE,
 )
 from firstcontact.search.tree import FACET, FLAT_SIDE, SIDE
 
@@ -119,7 +120,7 @@ def meet_at_start(pa, mask_a, xa, pb, mask_b, xb, err_a, err_b, floats, integers
             )  # fmt: skip
             if verdict != NONE:
                 first = floats[FIRST]
-                record(floats, integers, times, candidates, EDGE_FACE, pa, s, pb, 0, verdict, first, first)
+                record(floats, integers, times, candidates, EDGE_FACE, pa, s, pb, WHOLE, verdict, first, first)
                 if verdict == CERTAIN and floats[ALL] == 0.0:
                     return True
         if mask_b & (1 << (SIDE + s)) and mask_a & FACET:
@@ -131,7 +132,7 @@ def meet_at_start(pa, mask_a, xa, pb, mask_b, xb, err_a, err_b, floats, integers
             )  # fmt: skip
             if verdict != NONE:
                 first = floats[FIRST]
-                record(floats, integers, times, candidates, FACE_EDGE, pa, 0, pb, s, verdict, first, first)
+                record(floats, integers, times, candidates, FACE_EDGE, pa, WHOLE, pb, s, verdict, first, first)
                 if verdict == CERTAIN and floats[ALL] == 0.0:
                     return True
     return False
@@ -150,11 +151,11 @@ def walk(
     limit: node visits after which to come back.
     """
     sides = (1 << SIDE) | ((1 << FLAT_SIDE) if all_sides else 0)
-    first = floats[FIRST]
-    if is_new(motion, 0, 0):
-        get_ready(motion, 0, boxes_a, links_a, xyz_a, ids_a, 0, pad)
-    if is_new(motion, 1, 0):
-        get_ready(motion, 1, boxes_b, links_b, xyz_b, ids_b, 0, pad)
+    first, root = floats[FIRST], np.int32(0)  # of the type of all nodes
+    if is_new(motion, 0, root):
+        get_ready(motion, 0, boxes_a, links_a, xyz_a, ids_a, root, pad)
+    if is_new(motion, 1, root):
+        get_ready(motion, 1, boxes_b, links_b, xyz_b, ids_b, root, pad)
     while True:
         if integers[STACK] > 0:
             if integers[STACK] + 4 > stack.shape[0]:

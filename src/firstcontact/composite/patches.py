@@ -1,0 +1,191 @@
+"""Triangles of a polyhedron as a model without inside, so that exact arithmetic meets them by the same cases.
+
+Each triangle is the intersection of both sides of its plane with the insides of its three sides: a point of the
+plane counts as in it, since a form that vanishes there may have either sign (`csg.outcomes`).
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from flint import fmpq
+
+from firstcontact.body.carriers import ONE, ZERO, Line, Plane, Point, Surface, Vector, columns, cross, dot, primitive
+from firstcontact.body.composite_quadric import CompositeQuadric
+from firstcontact.body.csg import Leaf, Or, Tree, conjunction
+from firstcontact.body.features import Edge, Face, Piece, Vertex
+from firstcontact.body.polyhedron import Polyhedron
+from firstcontact.errors import UnsupportedPair
+from firstcontact.exact.numbers import to_double
+
+
+@dataclass(frozen=True, eq=False)
+class Patch:
+    """What `composite.algorithm` reads of a model, for some triangles of the polyhedron `source`."""
+
+    source: Polyhedron
+    name: str | None
+    surfaces: tuple[Surface, ...]
+    tree: Tree
+    faces: tuple[Face, ...]
+    edges: tuple[Edge, ...]
+    vertices: tuple[Vertex, ...]
+    seams: tuple[Edge, ...] = ()
+    whole: None = None
+    corners: tuple[np.ndarray, np.ndarray] = field(default_factory=lambda: (np.zeros(3), np.zeros(3)))
+    _search: dict[str, Any] = field(default_factory=lambda: {"untraced": []})
+    """Planes meet in no curve that `composite.traced_edges` could have missed."""
+
+    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        """Lower and upper corner, (3,) float64 each, of a box that holds the triangles."""
+        return self.corners
+
+
+def patch(body: Polyhedron, triangles: Iterable[int], outward: Sequence[float]) -> Patch:
+    """The triangles, with their edges and vertices that are not inside flat faces.
+
+    outward: a point (x, y, z) in the body's frame; normals of faces point to its side.  Raises UnsupportedPair for
+    triangles without area.
+    """
+    who = body.name or "polyhedron"
+    surfaces: list[Surface] = []
+    trees: list[Tree] = []
+    faces: list[Face] = []
+    on_edge: dict[int, set[int]] = defaultdict(set)
+    on_vertex: dict[int, set[int]] = defaultdict(set)
+    faces_at: dict[int, set[int]] = defaultdict(set)
+    toward = tuple(fmpq(*float(x).as_integer_ratio()) for x in outward)
+    for k in sorted(set(triangles)):
+        corners = body.triangles[k].tolist()
+        points = [body.exact_vertex(i) for i in corners]
+        forms = triangle_forms(points, toward)
+        if forms is None:
+            raise UnsupportedPair(f"{who}: triangle {k} has no area; exact arithmetic does not take it")
+        first = len(surfaces)
+        surfaces += [forms[0], forms[0].negated(), *forms[1:]]
+        trees.append(conjunction([Leaf(i) for i in range(first, len(surfaces))]))
+        polygon = int(body.triangle_face[k])
+        for s in range(3):
+            edge = int(body._side_edge[k, s])
+            on_edge[edge] |= {first, first + 1, first + 2 + s}
+            faces_at[edge].add(len(faces))
+            on_vertex[corners[s]] |= {first, first + 1, first + 2 + s, first + 2 + (s + 2) % 3}
+        faces.append(Face(polygon, f"{who}.{polygon}", forms[0], (first, first + 1), 1))
+    edges = [_edge(body, who, e, on_edge[e], faces_at[e]) for e in sorted(on_edge) if is_sharp_edge(body, e)]
+    vertices = [_vertex(body, who, v, on_vertex[v]) for v in sorted(on_vertex) if is_sharp_vertex(body, v)]
+    return Patch(
+        body, body.name, tuple(surfaces), _union(trees), tuple(faces), tuple(edges), tuple(vertices),
+        corners=_box(body, triangles),
+    )  # fmt: skip
+
+
+def _box(body: Polyhedron, triangles: Iterable[int]) -> tuple[np.ndarray, np.ndarray]:
+    x = body.vertices[body.triangles[sorted(set(triangles))].ravel()]
+    return x.min(axis=0) - body.error, x.max(axis=0) + body.error
+
+
+def _union(trees: Sequence[Tree]) -> Tree:
+    if len(trees) == 1:
+        return trees[0]
+    half = len(trees) // 2
+    return Or(_union(trees[:half]), _union(trees[half:]))
+
+
+def triangle_forms(points: Sequence[Vector], toward: Vector) -> list[Plane] | None:
+    """The plane, positive at `toward` (either way where that lies in it), and the sides, negative inside.
+
+    None for a triangle without area.
+    """
+    n = _cross_of(*points)
+    if not any(n):
+        return None
+    if dot(n, [x - y for x, y in zip(toward, points[0], strict=True)]) < 0:
+        n = tuple(-x for x in n)
+    planes = [_plane(n, points[0])]
+    for s in range(3):
+        p, q, r = points[s], points[(s + 1) % 3], points[(s + 2) % 3]
+        m = cross(_minus(q, p), n)
+        planes.append(_plane(m if dot(m, _minus(r, p)) < 0 else tuple(-x for x in m), p))
+    return planes
+
+
+def _plane(n: Sequence[Any], point: Vector) -> Plane:
+    return Plane(primitive((*n, -dot(n, point))))
+
+
+def _minus(x: Vector, y: Vector) -> Vector:
+    return tuple(a - b for a, b in zip(x, y, strict=True))
+
+
+def _cross_of(a: Vector, b: Vector, c: Vector) -> Vector:
+    return tuple(cross(_minus(b, a), _minus(c, a)))
+
+
+def _edge(body: Polyhedron, who: str, e: int, surfaces: set[int], faces: set[int]) -> Edge:
+    i, j = body._segments[e].tolist()
+    a, b = body.exact_vertex(i), body.exact_vertex(j)
+    line = Line(columns((*_minus(b, a), ZERO), (*a, ONE)))
+    frame = np.array([[to_double(c) for c in row] for row in line.basis])
+    pieces = (Piece(0.0, 1.0, i, j),)
+    return Edge(e, f"{who}.{e}", line, tuple(sorted(surfaces)), "convex", pieces, tuple(sorted(faces)), frame)
+
+
+def _vertex(body: Polyhedron, who: str, v: int, surfaces: set[int]) -> Vertex:
+    x = body.exact_vertex(v)
+    where = to_double(x[0]), to_double(x[1]), to_double(x[2])
+    return Vertex(v, f"{who}.{v}", Point(columns((*x, ONE))), tuple(sorted(surfaces)), where, body.error)
+
+
+def is_sharp_edge(body: Polyhedron, e: int) -> bool:
+    """Whether a segment is an edge that users know, and its triangles do not lie in one plane."""
+    if not 0 <= e < len(body.edges):
+        return False
+    return e < body._given_edges or not _in_one_plane(body, triangles_at_edge(body, e))
+
+
+def is_sharp_vertex(body: Polyhedron, v: int) -> bool:
+    """Whether the triangles at a vertex do not lie in one plane."""
+    return not _in_one_plane(body, triangles_at_vertex(body, v))
+
+
+def triangles_at_edge(body: Polyhedron, e: int) -> np.ndarray:
+    return np.flatnonzero(body._side_edge.ravel() == e) // 3
+
+
+def triangles_at_vertex(body: Polyhedron, v: int) -> np.ndarray:
+    return np.flatnonzero(body.triangles.ravel() == v) // 3
+
+
+def _in_one_plane(body: Polyhedron, triangles: np.ndarray) -> bool:
+    """Whether there are several triangles, all in one plane; exact."""
+    if len(triangles) < 2:
+        return False
+    points = [[body.exact_vertex(i) for i in t] for t in body.triangles[triangles].tolist()]
+    n = next((n for n in (_cross_of(*t) for t in points) if any(n)), None)
+    if n is None:
+        return False
+    height = dot(n, points[0][0])
+    return all(dot(n, p) == height for t in points for p in t)
+
+
+def prism(points: Sequence[Vector], toward: Vector) -> CompositeQuadric | None:
+    """The solid between a triangle and its shift by its size away from `toward`; None where it has no area."""
+    forms = triangle_forms(points, toward)
+    if forms is None:
+        return None
+    plane = forms[0]
+    n = plane.normal[:3]
+    size = max(abs(x - y) for p in points for x, y in zip(p, points[0], strict=True))
+    depth = size * max(abs(x) for x in n)  # of the form, so about a size in space
+    floor = Plane(primitive((*(-x for x in n), -plane.normal[3] - depth)))
+    surfaces: list[Surface] = [plane, floor, *forms[1:]]
+    step = depth / dot(n, n) / 2
+    middle = tuple(sum((p[k] for p in points), ZERO) / 3 - step * n[k] for k in range(3))
+    ends = [*points, *(tuple(p[k] - 2 * step * n[k] for k in range(3)) for p in points)]
+    box = tuple(tuple(f(p[k] for p in ends) for k in range(3)) for f in (min, max))
+    tree = conjunction([Leaf(i) for i in range(len(surfaces))])
+    return CompositeQuadric(surfaces, tree, box=box, witness=middle)  # type: ignore[arg-type]

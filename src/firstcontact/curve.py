@@ -1,0 +1,263 @@
+"""What `intersection_curve` answers: small immutable records."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+from firstcontact.result import AlgebraicNumber, Stats, finite
+
+ExactParameter = Fraction | AlgebraicNumber | float
+"""A parameter of a ruling: the number itself, or math.inf for the ruling at infinity."""
+
+
+class ExactParameters:
+    """The exact u and v of a point, worked out when asked for: v may take an elimination of high degree."""
+
+    __slots__ = ("_make", "_pair")
+
+    def __init__(self, make: Callable[[], tuple[ExactParameter, ExactParameter]]) -> None:
+        self._make: Any = make
+        self._pair: tuple[ExactParameter, ExactParameter] | None = None
+
+    @property
+    def pair(self) -> tuple[ExactParameter, ExactParameter]:
+        if self._pair is None:
+            self._pair, self._make = self._make(), None
+        return self._pair
+
+    def __reduce__(self) -> Any:
+        return _known, (self.pair,)
+
+
+def _known(pair: tuple[ExactParameter, ExactParameter]) -> ExactParameters:
+    return ExactParameters(lambda: pair)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BranchEnd:
+    """Where a branch ends.
+
+    kind         "boundary" of a piece or of the box, "node" where branches meet, "infinity" where the branch has
+                 no end and was cut
+    on           the bounds that hold there: "u=0", "s=1", "t=0", "x=3", "trim"
+    point        (3,) float64
+    parameters   (4,) float64: u, v, s, t
+    u, v         exact; None for "infinity"; worked out when asked for
+    """
+
+    kind: str
+    on: tuple[str, ...]
+    point: np.ndarray
+    parameters: np.ndarray
+    exact: ExactParameters | None = field(default=None, repr=False)
+
+    @property
+    def u(self) -> ExactParameter | None:
+        return None if self.exact is None else self.exact.pair[0]
+
+    @property
+    def v(self) -> ExactParameter | None:
+        return None if self.exact is None else self.exact.pair[1]
+
+    def __str__(self) -> str:
+        on = f" ({', '.join(self.on)})" if self.on else ""
+        return f"{self.kind}{on} at {_triple(self.point)}"
+
+    def to_dict(self) -> dict[str, Any]:
+        return {
+            "kind": self.kind,
+            "on": list(self.on),
+            "point": self.point.tolist(),
+            "parameters": self.parameters.tolist(),
+            "u": None if self.u is None else str(self.u),
+            "v": None if self.v is None else str(self.v),
+        }
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Branch:
+    """An arc or loop of the intersection.
+
+    points        (n, 3) float64: a polyline within the tolerance of the curve; the last point of a loop is the first
+    parameters    (n, 4) float64: u, v, s, t of the points
+    closed        whether it is a loop
+    ends          the two ends of an arc, () for a loop
+    multiplicity  of its factor in Delta: the surfaces touch along the branch where it is above 1
+    """
+
+    points: np.ndarray
+    parameters: np.ndarray
+    closed: bool
+    ends: tuple[BranchEnd, ...]
+    multiplicity: int = 1
+
+    def __str__(self) -> str:
+        touching = ", touching along it" if self.multiplicity > 1 else ""
+        if self.closed:
+            return f"loop of {len(self.points) - 1} points through {_triple(self.points[0])}{touching}"
+        return f"arc of {len(self.points)} points from {self.ends[0]} to {self.ends[1]}{touching}"
+
+    def to_dict(self) -> dict[str, Any]:
+        return {
+            "points": self.points.tolist(),
+            "parameters": self.parameters.tolist(),
+            "closed": self.closed,
+            "ends": [end.to_dict() for end in self.ends],
+            "multiplicity": self.multiplicity,
+        }
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SingularPoint:
+    """A point at which the curve is not smooth: "node" (branches meet) or "cusp" (one turns back)."""
+
+    point: np.ndarray
+    kind: str
+
+    def to_dict(self) -> dict[str, Any]:
+        return {"point": self.point.tolist(), "kind": self.kind}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class GraphNode:
+    """A point of the curve: "regular", "node", "cusp", "isolated", "boundary" or "infinity"; u, v are exact."""
+
+    point: np.ndarray | None
+    kind: str
+    exact: ExactParameters = field(repr=False)
+
+    @property
+    def u(self) -> ExactParameter:
+        return self.exact.pair[0]
+
+    @property
+    def v(self) -> ExactParameter:
+        return self.exact.pair[1]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CurveGraph:
+    """The topology of the curve over the projective parameters.
+
+    nodes    with their exact parameters
+    edges    (start, end) indices of nodes; a loop without nodes of its own has a regular one
+    """
+
+    nodes: tuple[GraphNode, ...]
+    edges: tuple[tuple[int, int], ...]
+
+    @property
+    def components(self) -> int:
+        """How many connected pieces; branches are not connected through infinity."""
+        parent = list(range(len(self.nodes)))
+
+        def root(i: int) -> int:
+            while parent[i] != i:
+                i = parent[i]
+            return i
+
+        apart = 0
+        for a, b in self.edges:
+            through = [k for k in (a, b) if self.nodes[k].kind != "infinity"]
+            if len(through) == 2:
+                parent[root(through[0])] = root(through[1])
+            elif not through:
+                apart += 1
+        return apart + len({root(i) for i, node in enumerate(self.nodes) if node.kind != "infinity"})
+
+    def to_dict(self) -> dict[str, Any]:
+        return {
+            "nodes": [
+                {"u": str(n.u), "v": str(n.v), "kind": n.kind, "point": None if n.point is None else n.point.tolist()}
+                for n in self.nodes
+            ],
+            "edges": [list(edge) for edge in self.edges],
+            "components": self.components,
+        }
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class IntersectionCurve:
+    """All points that two ruled surfaces share.
+
+    branches          arcs and loops, cut where more than two of them meet
+    overlap_lines     (k, 2, 3) float64: common rulings; of bounded pieces the shared segments, else two points of the
+                      line (within the box)
+    singular_points   nodes and cusps of the branches
+    isolated_points   (k, 3) float64: points on no branch, and apexes that lie on the other surface (these may be on an
+                      overlap line)
+    two_dimensional   whether the surfaces share a part with an area; `branches` then holds what else they share
+    graph             nodes with exact parameters, and the edges between them
+    delta             Delta(u, v) = sum delta[i, j] u^i v^j: two rulings meet where it vanishes; {} if all do
+    common_rulings    the pairs (u, v) of rulings that are one line, exact
+    correspondence    a polynomial like `delta` along whose zeros rulings are one line; {} if none
+    method            "exact", or "certified": what the points rest on
+    """
+
+    branches: tuple[Branch, ...]
+    overlap_lines: np.ndarray
+    singular_points: tuple[SingularPoint, ...]
+    isolated_points: np.ndarray
+    two_dimensional: bool
+    graph: CurveGraph
+    delta: Mapping[tuple[int, int], int]
+    common_rulings: tuple[tuple[ExactParameter, ExactParameter], ...]
+    correspondence: Mapping[tuple[int, int], int] = field(default_factory=dict)
+    method: str = "exact"
+    stats: Stats = field(default_factory=Stats)
+    a: Any = field(default=None, repr=False)
+    b: Any = field(default=None, repr=False)
+
+    @property
+    def empty(self) -> bool:
+        """Whether the surfaces share no point; proved."""
+        return not (self.branches or len(self.overlap_lines) or len(self.isolated_points) or self.two_dimensional)
+
+    def __str__(self) -> str:
+        names = " and ".join(getattr(x, "name", None) or default for x, default in ((self.a, "a"), (self.b, "b")))
+        if self.empty:
+            return f"{names}: no common point; proved"
+        kinds = [
+            (len(self.branches), "branch", "branches"),
+            (len(self.overlap_lines), "overlap line", "overlap lines"),
+            (len(self.isolated_points), "isolated point", "isolated points"),
+            (len(self.singular_points), "singular point", "singular points"),
+        ]
+        counts = [f"{n} {one if n == 1 else many}" for n, one, many in kinds if n]
+        if self.two_dimensional:
+            counts.insert(0, "a common part with an area")
+        lines = [f"{names}: {', '.join(counts)}"]
+        lines += [f"  {branch}" for branch in self.branches]
+        lines += [f"  overlap line from {_triple(x)} to {_triple(y)}" for x, y in self.overlap_lines]
+        lines += [f"  isolated point {_triple(x)}" for x in self.isolated_points]
+        lines += [f"  {x.kind} at {_triple(x.point)}" for x in self.singular_points]
+        return "\n".join(lines)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Exact numbers are strings, polynomials lists of [i, j, coefficient]."""
+        return {
+            "branches": [branch.to_dict() for branch in self.branches],
+            "overlap_lines": self.overlap_lines.tolist(),
+            "singular_points": [x.to_dict() for x in self.singular_points],
+            "isolated_points": self.isolated_points.tolist(),
+            "two_dimensional": self.two_dimensional,
+            "graph": self.graph.to_dict(),
+            "delta": [[i, j, str(c)] for (i, j), c in self.delta.items()],
+            "common_rulings": [[str(u), str(v)] for u, v in self.common_rulings],
+            "correspondence": [[i, j, str(c)] for (i, j), c in self.correspondence.items()],
+            "method": self.method,
+            "stats": dict(self.stats),
+        }
+
+    def to_json(self) -> str:
+        return json.dumps(finite(self.to_dict()))
+
+
+def _triple(x: np.ndarray) -> str:
+    return "({:.9g}, {:.9g}, {:.9g})".format(*x)

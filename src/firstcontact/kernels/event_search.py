@@ -1,0 +1,380 @@
+"""Branch and prune for the first event of two moving models: boxes of (feature of one body) x (slab of time).
+
+A box that holds no point of the other closed model is dropped, and so is one in which none of the equations of its
+pair of features can hold.  Slabs are taken in order of time: where no box survives a slab nothing begins to touch in
+it; else the slab is cut to the times of its survivors, or halved.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from firstcontact.kernels.feature_boxes import (
+    BY_U,
+    BY_V,
+    FIRST_ROW,
+    INSIDE,
+    MID,
+    OUTSIDE,
+    PLAIN,
+    SPARE,
+    UU,
+    VALUE,
+    VV,
+    ZEROTH,
+    add_shares,
+    membership,
+    model,
+    narrow,
+    parallel,
+    place_box,
+    reach,
+)
+from firstcontact.kernels.feature_boxes import FIRST as FIRST_ORDER
+from firstcontact.kernels.feature_boxes import SECOND as SECOND_ORDER
+from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.moving_forms import FIRST, MAP, SECOND, pose_models, pull_back, relative_map
+from firstcontact.kernels.workspace import rows
+
+U = 2.0**-53
+FREE, STOPPED, SPENT = rows(0, 1, 2)
+# Columns of a box: chart, pair (or one of the two below), middle and half-width of u and v, first and last time.
+CHART, PAIR, AT_U, HALF_U, AT_V, HALF_V, BEGIN, END = rows(*range(8))
+ALL_PAIRS, STILL = -1, -2
+# Columns of a chart's integers: body, number of parameters, bits of the forms that hold it, range of its pairs.
+BODY, PARAMS, ON, FIRST_PAIR, END_PAIR = rows(*range(5))
+# Columns of a pair: number of equations, derivatives among them, forms of the other body (the second or -1), form
+# of the own body (of an edge of degree 4, which lies in a chart of another one; or -1).
+EQUATIONS, DEEP, FORM, OTHER_FORM, OWN_FORM = rows(*range(5))
+# Columns of a body's layout: rows of its own forms and of the other's in its frame, their compiled trees, first row
+# and number of its forms as given.
+OWN, OTHER, OWN_BEGIN, OWN_END, OTHER_BEGIN, OTHER_END, RAW, COUNT = rows(*range(8))
+# Slots of the row of the slab: middle, half, and for either body how far a point goes and how lengths change.
+MIDDLE, HALF, TRAVEL, STRETCH = 0, 1, 2, 4
+# What becomes of a box: dropped, kept for shorter times, cut across u or v, replaced by one for each pair.
+DEAD, LATER, CUT_U, CUT_V, EACH_PAIR = rows(*range(5))
+# Pairs that may touch in a box of all pairs for it to be replaced.
+FEW = 3
+# Part of the body's size from which on a box is replaced in any case.
+SMALL = 0.01
+# Rows of the arrays of boxes that one visit may need.
+ROOM = 256
+# Part of the slab below which a box's time is short.
+BRIEF = 0.1
+# Half-widths of parameters below which boxes are not cut any more.
+NARROW = 1e-12
+STILL_NARROW = 1e-9
+VISITS, TESTS, SLABS = rows(0, 1, 2)
+
+
+@kernel
+def place_slab(t0, t1, ma, mb, raw, kinds, units, layout, w, models, table, slab):
+    """All forms of either body in the frame of the other over [t0, t1]; False where a pose is singular."""
+    middle = 0.5 * (t0 + t1)
+    half = max(t1 - middle, middle - t0) * (1.0 + 1e-15) + 8.0 * U * max(abs(t0), abs(t1)) + 1e-300
+    slab[MIDDLE], slab[HALF] = middle, half
+    pose_models(ma, middle, half, w, models, FIRST)
+    pose_models(mb, middle, half, w, models, SECOND)
+    for x in range(2):
+        y = 1 - x
+        own = FIRST if x == 0 else SECOND
+        if not relative_map(models, own, SECOND if x == 0 else FIRST, units, x, y):
+            return False
+        travel, stretch = 0.0, 0.0
+        for r in range(3):
+            way = 0.0
+            for c in range(4):
+                way += abs(models[1, MAP + 4 * r + c])
+                if c < 3:
+                    stretch = max(stretch, abs(models[0, MAP + 4 * r + c]))
+            travel = max(travel, way)
+        slab[TRAVEL + x], slab[STRETCH + x] = travel, stretch
+        pull_back(raw, kinds, layout[y, RAW], layout[y, COUNT], models, table, layout[x, OTHER])
+    return True
+
+
+@kernel
+def _equations(pair, own, base, table, kinds_of, s, hs, x, y, e):
+    """Rows 0.. of e: the equations of a pair; False where one cannot hold.
+
+    own, base: first rows of the forms of either body.  An edge of degree 4 touches a surface where both forms vanish
+    and their derivatives along the chart are parallel.
+    """
+    row = ZEROTH
+    if pair[OWN_FORM] >= 0:
+        model(table, kinds_of, own + pair[OWN_FORM], s, hs, x, pair[DEEP], y, e, ZEROTH)
+        if abs(e[ZEROTH, VALUE]) > reach(e, ZEROTH):
+            return False
+        row = SPARE if pair[DEEP] > 0 else FIRST_ROW
+    model(table, kinds_of, base + pair[FORM], s, hs, x, pair[DEEP], y, e, row)
+    if abs(e[row, VALUE]) > reach(e, row):
+        return False
+    if row == SPARE:
+        parallel(e)
+    if pair[OTHER_FORM] >= 0:
+        model(table, kinds_of, base + pair[OTHER_FORM], s, hs, x, PLAIN, y, e, pair[EQUATIONS] - 1)
+    for k in range(1, pair[EQUATIONS]):
+        if abs(e[k, VALUE]) > reach(e, k):
+            return False
+    return True
+
+
+@kernel
+def _members(chart, pair, side, s, hs, layout, program, kinds_of, table, x, y, e, shares, stack):
+    """False where the box has no point in the other closed model, or none in its own.
+
+    pair: bits of the other's forms that vanish.
+    """
+    for own in range(2):
+        begin, end, base = layout[side, OTHER_BEGIN], layout[side, OTHER_END], layout[side, OTHER]
+        on = pair
+        if own:
+            begin, end, base, on = layout[side, OWN_BEGIN], layout[side, OWN_END], layout[side, OWN], chart[ON]
+        found = membership(program, begin, end, on, base, table, kinds_of, s, hs, x, y, e, SPARE, shares, stack)
+        if not found & INSIDE:
+            return False
+    return True
+
+
+@kernel
+def _size(x, row, second):
+    size = 0.0
+    for i in range(4):
+        size = max(size, abs(x[row, i]) + abs(x[second, i]))
+    return size
+
+
+@kernel
+def _cut(box, params, side, hs, x, slab, shares):
+    """How to go on with a box that stays."""
+    weight = x[MID, 3]
+    way_u, way_v = _size(x, BY_U, UU) * slab[STRETCH + side], _size(x, BY_V, VV) * slab[STRETCH + side]
+    way_t = slab[TRAVEL + side] * hs * weight
+    if box[PAIR] == STILL:
+        if max(way_u, way_v) < STILL_NARROW * slab[STRETCH + side] * weight:
+            return LATER
+        return CUT_U if way_u >= way_v else CUT_V
+    largest = max(way_u, way_v, way_t) + 1e-300
+    total = shares[0] + shares[1] + shares[2]
+    if total == 0.0 or params == 0:  # nothing is open but what rounding errors leave open
+        return LATER
+    if hs < BRIEF:  # zeros may come in curves: earlier times first
+        return LATER
+    t = (shares[0] / total + 1e-3) * (1.0 + way_t / largest)
+    u = (shares[1] / total + 1e-3) * (1.0 + way_u / largest) if box[HALF_U] > NARROW * (1.0 + abs(box[AT_U])) else 0.0
+    v = (shares[2] / total + 1e-3) * (1.0 + way_v / largest) if box[HALF_V] > NARROW * (1.0 + abs(box[AT_V])) else 0.0
+    if t >= u and t >= v:
+        return LATER
+    return CUT_U if u >= v else CUT_V
+
+
+@kernel
+def _place_box_at(box, charts, slab, x):
+    """(whether the box has finite points only, middle and half-width of its time in the slab)."""
+    s = (0.5 * (box[BEGIN] + box[END]) - slab[MIDDLE]) / slab[HALF]
+    hs = 0.5 * (box[END] - box[BEGIN]) / slab[HALF] + 4.0 * U * (1.0 + abs(slab[MIDDLE]) / slab[HALF])
+    return place_box(charts, int(box[CHART]), box[AT_U], box[HALF_U], box[AT_V], box[HALF_V], x), s, hs
+
+
+@kernel
+def _narrow_box(box, params, s, hs, slab, e, n, d):
+    """The share of its widest narrowing that is left of the box; negative if nothing is."""
+    if not narrow(e, n, params, d):
+        return -1.0
+    left = 1.0
+    for k in range(params):
+        left = min(left, 0.5 * (d[k, 1] - d[k, 0]))
+        at = AT_U + 2 * k
+        u, h = box[at], box[at + 1]
+        box[at] = u + 0.5 * (d[k, 0] + d[k, 1]) * h
+        box[at + 1] = min(h, 0.5 * (d[k, 1] - d[k, 0]) * h + 4.0 * U * (abs(u) + h))
+    pad, before = 4.0 * U * (abs(slab[MIDDLE]) + slab[HALF]), box[END] - box[BEGIN]
+    box[BEGIN] = max(box[BEGIN], (s + hs * d[2, 0]) * slab[HALF] + slab[MIDDLE] - pad)
+    box[END] = min(box[END], (s + hs * d[2, 1]) * slab[HALF] + slab[MIDDLE] + pad)
+    if box[BEGIN] > box[END]:
+        return -1.0
+    return min(left, (box[END] - box[BEGIN]) / before) if before > 0.0 else left
+
+
+@kernel
+def bit(form):
+    return np.int64(1) << form
+
+
+@kernel
+def visit(box, charts, info, pairs, layout, program, kinds_of, table, slab, x, y, e, d, shares, stack, c):
+    """What becomes of a box in the slab; it may be narrowed.  The pairs of EACH_PAIR are left in the stack, after
+    their number."""
+    chart = info[int(box[CHART])]
+    side, base = chart[BODY], layout[chart[BODY], OTHER]
+    shares[0] = shares[1] = shares[2] = 0.0
+    finite, s, hs = _place_box_at(box, charts, slab, x)
+    if not finite:
+        return CUT_U if box[HALF_U] >= box[HALF_V] else CUT_V
+    c[VISITS] += 1
+    on = PLAIN
+    if box[PAIR] >= 0:
+        pair = pairs[int(box[PAIR])]
+        on = bit(pair[FORM])
+        if pair[OTHER_FORM] >= 0:
+            on |= bit(pair[OTHER_FORM])
+    if box[PAIR] < 0 and not _members(chart, on, side, s, hs, layout, program, kinds_of, table, x, y, e, shares, stack):
+        return DEAD
+    if box[PAIR] == STILL:
+        return _cut(box, chart[PARAMS], side, hs, x, slab, shares)
+    first, end, number = chart[FIRST_PAIR], chart[END_PAIR], 0
+    most = FEW
+    if chart[PARAMS] == 0 or _size(x, FIRST_ORDER, SECOND_ORDER) < SMALL * x[MID, 3]:
+        most = ROOM - 8
+    if box[PAIR] >= 0:
+        first = int(box[PAIR])
+        end = first + 1
+    p = first
+    while p < end:
+        c[TESTS] += 1
+        holds = _equations(pairs[p], layout[side, OWN], base, table, kinds_of, s, hs, x, y, e)
+        if box[PAIR] == ALL_PAIRS:
+            if holds:
+                stack[number + 1] = p
+                number += 1
+                if number > most:
+                    break
+            p += 1
+            continue
+        left = -1.0
+        if holds:
+            left = _narrow_box(box, chart[PARAMS], s, hs, slab, e, pairs[p, EQUATIONS], d)
+        if left < 0.0:
+            return DEAD
+        if left < 1.0:
+            finite, s, hs = _place_box_at(box, charts, slab, x)
+        number += 1
+        if left > 0.5 or number > 3:
+            break
+    if box[PAIR] >= 0:
+        for row in range(pairs[first, EQUATIONS]):
+            add_shares(e, row, shares)
+        if not _members(chart, on, side, s, hs, layout, program, kinds_of, table, x, y, e, shares, stack):
+            return DEAD
+    else:
+        if number == 0:
+            return DEAD
+        if number <= most:
+            stack[0] = number
+            return EACH_PAIR
+    return _cut(box, chart[PARAMS], side, hs, x, slab, shares)
+
+
+@kernel
+def _copied(source, i, target, j):
+    for k in range(8):
+        target[j, k] = source[i, k]
+
+
+@kernel
+def search(
+    charts, info, pairs, layout, program, raw, kinds, kinds_of, units, ma, mb, w, models, table, slab, x, y, e, d,
+    shares, stack, frames, pool, work, count, first, last, least, budget, result, c,
+):  # fmt: skip
+    """FREE: nothing begins to touch in [first, last]; STOPPED: result holds a slab of at most `least` whose boxes
+    (the number of them is result[2], rows of the pool from result[3] on) survive, all before it is free; SPENT: all
+    before result[0] is.
+
+    pool: `count` boxes to start with.  first = last: boxes are only asked whether they hold a common point.
+    """
+    frames[0, 0], frames[0, 1], frames[0, 2], frames[0, 3] = first, last, 0.0, float(count)
+    depth = 1
+    while depth > 0:
+        depth -= 1
+        t0, t1 = frames[depth, 0], frames[depth, 1]
+        start, end = int(frames[depth, 2]), int(frames[depth, 3])
+        result[0], result[1] = t0, t1
+        c[SLABS] += 1
+        todo = end - start
+        if todo == 0:
+            continue
+        kept, lo, hi = start, math.inf, -math.inf
+        if place_slab(t0, t1, ma, mb, raw, kinds, units, layout, w, models, table, slab):
+            for k in range(todo):
+                _copied(pool, start + k, work, k)
+        elif t1 - t0 > least:
+            kept, lo, hi, todo = end, t0, t1, 0
+        else:
+            return SPENT
+        while todo > 0:
+            if c[VISITS] > budget or todo + ROOM > work.shape[0] or kept + ROOM > pool.shape[0]:
+                return SPENT
+            todo -= 1
+            box = work[todo]
+            box[BEGIN], box[END] = max(box[BEGIN], t0), min(box[END], t1)
+            fate = visit(box, charts, info, pairs, layout, program, kinds_of, table, slab, x, y, e, d, shares, stack, c)
+            if fate == LATER:
+                if first == last:
+                    return STOPPED
+                lo, hi = min(lo, box[BEGIN]), max(hi, box[END])
+                _copied(work, todo, pool, kept)
+                kept += 1
+            elif fate == CUT_U or fate == CUT_V:
+                at = AT_U if fate == CUT_U else AT_V
+                h = 0.5 * box[at + 1]
+                _copied(work, todo, work, todo + 1)
+                work[todo, at] -= h
+                work[todo + 1, at] += h
+                work[todo, at + 1] = work[todo + 1, at + 1] = h * (1.0 + 1e-15) + 2.0 * U * abs(box[at])
+                todo += 2
+            elif fate == EACH_PAIR:
+                number = stack[0]
+                for k in range(number - 1, -1, -1):
+                    _copied(work, todo, work, todo + k)
+                    work[todo + k, PAIR] = stack[1 + k]
+                todo += number
+        if kept == start:
+            continue
+        if hi - lo <= least:
+            result[0], result[1], result[2], result[3] = lo, hi, float(kept - start), float(start)
+            return STOPPED
+        if depth + 3 > frames.shape[0] or 2 * kept - start + ROOM > pool.shape[0]:
+            return SPENT
+        if hi - lo < 0.6 * (t1 - t0):
+            frames[depth, 0], frames[depth, 1], frames[depth, 2], frames[depth, 3] = lo, hi, float(start), float(kept)
+            depth += 1
+            continue
+        middle, number = 0.5 * (lo + hi), kept - start
+        for k in range(number):
+            _copied(pool, start + k, work, k)
+        top = start
+        for half in range(2):
+            begin = top
+            for k in range(number):
+                if work[k, END] >= middle if half == 0 else work[k, BEGIN] <= middle:
+                    _copied(work, k, pool, top)
+                    top += 1
+            frames[depth, 0], frames[depth, 1] = (middle, hi) if half == 0 else (lo, middle)
+            frames[depth, 2], frames[depth, 3] = float(begin), float(top)
+            depth += 1
+    return FREE
+
+
+@kernel
+def trim(charts, on, form, program, table, kinds, boxes, x, y, e, shares, stack, fates):
+    """Which boxes (rows u, half, v, half) of a chart may hold boundary points: 0 none, 1 some, 2 infinite ones too.
+
+    The last form is negative around the body; the tree asks it first.  form: one that vanishes at the points, or -1.
+    """
+    for k in range(boxes.shape[0]):
+        fates[k] = 0
+        finite = place_box(charts, PLAIN, boxes[k, 0], boxes[k, 1], boxes[k, 2], boxes[k, 3], x)
+        if form >= 0:
+            model(table, kinds, form, 0.0, 0.0, x, PLAIN, y, e, SPARE)
+            if abs(e[SPARE, VALUE]) > reach(e, SPARE):
+                continue
+        if finite:
+            found = membership(
+                program, PLAIN, program.shape[0], on, PLAIN, table, kinds, 0.0, 0.0, x, y, e, SPARE, shares, stack
+            )
+            fates[k] = 1 if found == INSIDE | OUTSIDE else 0
+        else:
+            model(table, kinds, table.shape[0] - 1, 0.0, 0.0, x, PLAIN, y, e, SPARE)
+            fates[k] = 0 if e[SPARE, VALUE] > reach(e, SPARE) else 2

@@ -1,0 +1,102 @@
+"""What has been found of one intersection, in the user's parameters."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from flint import fmpz_mpoly
+
+from firstcontact.curve import Branch, CurveGraph, ExactParameter, ExactParameters, GraphNode, SingularPoint
+from firstcontact.pairs.ruled_ruled import CommonRulings, Parameter
+from firstcontact.ruled.clipping import Clip
+from firstcontact.ruled.pieces import Piece
+from firstcontact.ruled.spots import Box
+
+# Points closer than this, relative to their size, are one: each is known to nearly full double precision.
+SAME = 1e-11
+
+
+class Found:
+    """Branches, points and overlaps so far; `p`, `q` in the parameters the search uses."""
+
+    def __init__(
+        self, p: Piece, q: Piece, tolerance: float, box: Box | None, given: tuple[Piece, Piece] | None = None
+    ) -> None:
+        self.p, self.q, self.tolerance, self.box = p, q, tolerance, box
+        self.pieces, self.given = (p, q), given or (p, q)
+        self.clip = Clip(p, q, box)
+        self.branches: list[Branch] = []
+        self.segments: list[np.ndarray] = []
+        self.singular: list[SingularPoint] = []
+        self.isolated: list[np.ndarray] = []
+        self.two_dimensional = False
+        self.nodes: list[GraphNode] = []
+        self.edges: list[tuple[int, int]] = []
+
+    @property
+    def finite(self) -> bool:
+        """Whether bounds keep all common points from infinity."""
+        return self.p.bounded or self.q.bounded or self.box is not None
+
+    def exact(self, where: Any) -> ExactParameters:
+        """Results' numbers for the user's parameters of `where`, a node or another object with u and v."""
+        p, q = self.p, self.q
+        return ExactParameters(lambda: (_number(p.user_parameter(where.u)), _number(q.user_parameter(where.v))))
+
+    def parameters(self, x: np.ndarray, y: np.ndarray, chart: tuple[bool, bool], positions: np.ndarray) -> np.ndarray:
+        """(n, 4) the user's u, v, s, t of points in a chart."""
+        columns = []
+        with np.errstate(divide="ignore"):
+            for piece, value, reverse in ((self.p, x, chart[0]), (self.q, y, chart[1])):
+                own = 1.0 / value if reverse else value
+                columns.append(own if piece.shift is None else piece.shift + 1.0 / own)
+        return np.column_stack([*columns, self.p.user_s(positions[:, 0]), self.q.user_s(positions[:, 1])])
+
+    def add_node(self, where: Any, point: np.ndarray | None, kind: str) -> int:
+        self.nodes.append(GraphNode(point, kind, self.exact(where)))
+        return len(self.nodes) - 1
+
+    def add_isolated(self, point: np.ndarray, where: Any) -> None:
+        if not any(same(point, other) for other in self.isolated):
+            self.isolated.append(point)
+            self.add_node(where, point, "isolated")
+
+    def is_on_branch(self, point: np.ndarray) -> bool:
+        """Whether it is one of the points of a branch: for points that would be nodes of it."""
+        near = SAME * max(1.0, np.abs(point).max())
+        return any((np.abs(branch.points - point).max(1) <= near).any() for branch in self.branches)
+
+    def fields(self, d: fmpz_mpoly, common: CommonRulings) -> dict[str, Any]:
+        """Those of IntersectionCurve; d = Delta and the common rulings in the user's parameters."""
+        return {
+            "branches": tuple(self.branches),
+            "overlap_lines": np.array(self.segments).reshape(-1, 2, 3),
+            "singular_points": tuple(self.singular),
+            "isolated_points": np.array(self.isolated).reshape(-1, 3),
+            "two_dimensional": self.two_dimensional,
+            "graph": CurveGraph(tuple(self.nodes), tuple(self.edges)),
+            "delta": _table(d),
+            "common_rulings": tuple((_number(u), _number(v)) for u, v in common.pairs),
+            "correspondence": {} if common.correspondence.is_constant() else _table(common.correspondence),
+        }
+
+
+class Pair(NamedTuple):
+    """Parameters of two rulings."""
+
+    u: Parameter
+    v: Parameter
+
+
+def same(x: np.ndarray, y: np.ndarray) -> bool:
+    return bool(np.abs(x - y).max() <= SAME * max(1.0, np.abs(x).max()))
+
+
+def _number(parameter: Parameter) -> ExactParameter:
+    return math.inf if parameter is None else parameter.number()
+
+
+def _table(f: fmpz_mpoly) -> dict[tuple[int, int], int]:
+    return {(int(i), int(j)): int(c) for (i, j), c in f.to_dict().items()}

@@ -1,0 +1,455 @@
+"""Polylines along the edges of the topology graph, in doubles; the ends come from exact nodes.
+
+A point is a pair (x, y) in the chart of its edge, moved onto f = 0 by Newton steps along the gradient, so that turning
+points need no care.  On an open edge f_y has one sign, and neighbouring branches have opposite ones: that is checked
+at every point, and a point that fails is taken from the exact root.  The meeting point is projected onto the ruling of
+P, so rounding leaves it on that ruling, also where the two rulings are nearly one line.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from flint import fmpq, fmpz_mpoly, fmpz_poly
+
+from firstcontact.errors import InputError
+from firstcontact.ruled.pieces import Piece
+
+# Parts of an edge before any refinement.
+FIRST = 8
+# A chord is kept where the curve leaves it by at most this part of the tolerance and turns less than this (radians).
+KEEP = 0.7
+LARGEST_TURN = np.radians(20.0)
+# Parts into which one chord may fall in one round, and rounds: a guard, 4 are usual.
+MOST_PARTS = 128
+MOST_ROUNDS = 24
+MOST_CHORDS = 2_000_000
+# A Newton step this short is the last: the next would be shorter than rounding.
+SETTLED = 1e-9
+STEPS = 8
+# f_y in units of the gradient below which its sign is not compared.
+FLAT = 1e-6
+
+
+class Powers:
+    """Homogeneous powers of parameters: x^i where x is the parameter, x^(n-i) where it is its reciprocal."""
+
+    def __init__(self, x: np.ndarray, reverse: np.ndarray) -> None:
+        self.x, self.reverse = x, reverse
+        self._tables: dict[int, np.ndarray] = {}
+
+    def table(self, degree: int) -> np.ndarray:
+        """(degree + 1, n)"""
+        if degree not in self._tables:
+            table = np.empty((degree + 1, len(self.x)))
+            table[0] = 1.0
+            for i in range(1, degree + 1):
+                np.multiply(table[i - 1], self.x, out=table[i])
+            self._tables[degree] = self._turned(table)
+        return self._tables[degree]
+
+    def slopes(self, degree: int) -> np.ndarray:
+        """Derivatives of the table by x."""
+        table = np.zeros((degree + 1, len(self.x)))
+        plain = np.ones(len(self.x))
+        for i in range(1, degree + 1):
+            np.multiply(plain, i, out=table[i])
+            plain = plain * self.x
+        return self._turned(table)
+
+    def _turned(self, table: np.ndarray) -> np.ndarray:
+        return np.where(self.reverse, table[::-1], table) if self.reverse.any() else table
+
+
+def matrix(f: fmpz_mpoly) -> np.ndarray:
+    """The coefficients c[i, j] of u^i v^j as doubles, scaled by the largest."""
+    terms, degrees = f.to_dict(), f.degrees()
+    largest = max(abs(int(c)) for c in terms.values())
+    found = np.zeros((degrees[0] + 1, degrees[1] + 1))
+    for (i, j), c in terms.items():
+        found[i, j] = int(c) / largest
+    return found
+
+
+def rows(curve: Sequence[fmpz_poly]) -> np.ndarray:
+    """(k, degree + 1) doubles, scaled by the largest coefficient."""
+    degree = max(c.degree() for c in curve)
+    largest = max(abs(int(x)) for c in curve for x in c.coeffs())
+    return np.array([[int(c[i]) / largest for i in range(degree + 1)] for c in curve])
+
+
+class Surfaces:
+    """Both families in doubles: directrices and primitive lines."""
+
+    def __init__(self, p: Piece, q: Piece) -> None:
+        self.ends = tuple(tuple(rows(c) for c in (x.rulings.first, x.rulings.second)) for x in (p, q))
+        self.lines = tuple(rows(x.rulings.line) for x in (p, q))
+
+    def points(self, u: Powers, v: Powers) -> tuple[np.ndarray, np.ndarray]:
+        """(n, 3) meeting points and (n, 2) positions s, t on the rulings; infinite or nan where there are none."""
+        with np.errstate(all="ignore"):
+            (foot, along), (other_foot, other) = (
+                _foot(line @ x.table(line.shape[1] - 1)) for line, x in zip(self.lines, (u, v), strict=True)
+            )
+            normal = _cross(along, other)
+            far = (_cross(other_foot - foot, other) * normal).sum(0) / (normal * normal).sum(0)
+            point = foot + far * along
+            positions = [_position(ends, x, point) for ends, x in zip(self.ends, (u, v), strict=True)]
+        return point.T, np.stack(positions, axis=1)
+
+    def size(self) -> float:
+        """The median of the coordinates, in size, of some points of the directrices."""
+        x = np.array([-1.0, 0.0, 1.0, -0.5, 0.5, 0.0])
+        at = Powers(x, np.array([False, False, False, True, True, True]))
+        with np.errstate(all="ignore"):
+            points = [c @ at.table(c.shape[1] - 1) for ends in self.ends for c in ends]
+            sizes = np.concatenate([np.abs(c[:3] / c[3]).max(0) for c in points])
+        sizes = sizes[np.isfinite(sizes)]
+        return float(np.median(sizes)) if len(sizes) else 1.0
+
+
+def _foot(line: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(3, n) the points of the lines next to the origin, and their directions X2 - X1."""
+    along, moment = -line[[2, 4, 5]], np.stack((line[3], -line[1], line[0]))
+    return _cross(along, moment) / (along * along).sum(0), along
+
+
+def _position(ends: Any, x: Powers, point: np.ndarray) -> np.ndarray:
+    first, second = (c @ x.table(c.shape[1] - 1) for c in ends)
+    first, second = first[:3] / first[3], second[:3] / second[3]
+    along = second - first
+    return ((point - first) * along).sum(0) / (along * along).sum(0)
+
+
+def _cross(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Of columns; several times faster than np.cross on few of them."""
+    return np.stack((x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]))
+
+
+@dataclass(frozen=True)
+class Strand:
+    """One edge of the graph on its way to a polyline, in its chart.
+
+    chart        whether the coordinates x, y are 1/u and 1/v
+    across       False: x runs along the edge; True: y does, u is constant
+    factor       index of its polynomial
+    lo, hi       (x, y) at its ends
+    inside       (x, y) of a point on it
+    window       least and largest y of the chart
+    slabs        (x, k): over all of the slab the strand is the k-th root of its curve inside the window
+    limits       the ends of the slabs, ascending
+    """
+
+    edge: Any
+    chart: tuple[bool, bool]
+    across: bool
+    factor: int
+    lo: tuple[float, float]
+    hi: tuple[float, float]
+    inside: tuple[float, float]
+    window: tuple[float, float]
+    slabs: list[tuple[float, int]]
+    limits: list[float]
+
+
+@dataclass(frozen=True)
+class Points:
+    """Points on strands: index of the strand, position on it in [0, 1], chart coordinates, and in space.
+
+    positions   (n, 2): s, t
+    """
+
+    strand: np.ndarray
+    tau: np.ndarray
+    x: np.ndarray
+    y: np.ndarray
+    space: np.ndarray
+    positions: np.ndarray
+
+    def __getitem__(self, index: Any) -> Points:
+        return Points(*(getattr(self, f.name)[index] for f in fields(self)))
+
+    def __add__(self, other: Points) -> Points:
+        """Both, ordered along the strands."""
+        joined = [np.concatenate([getattr(self, f.name), getattr(other, f.name)]) for f in fields(self)]
+        order = np.lexsort((joined[1], joined[0]))
+        return Points(*(x[order] for x in joined))
+
+
+class Tracer:
+    """Polylines of all strands of one graph at once: arrays hold one entry per point."""
+
+    def __init__(self, surfaces: Any, factors: Sequence[fmpz_mpoly], strands: Sequence[Strand]) -> None:
+        self.surfaces, self.strands = surfaces, strands
+        self.coefficients = [matrix(f) for f in factors]
+        self.reverse_u, self.reverse_v = (np.array([s.chart[k] for s in strands]) for k in (0, 1))
+        self.factor = np.array([s.factor for s in strands])
+        self.across = np.array([s.across for s in strands])
+        self.lo, self.hi, inside = (np.array([getattr(s, k) for s in strands]) for k in ("lo", "hi", "inside"))
+        self.slope_sign = np.zeros(len(strands))
+        self.inside = inside
+        every = np.arange(len(strands))
+        _, slope = self._moved(every, inside[:, 0], inside[:, 1], 0)
+        self.slope_sign = np.where(np.abs(slope) > FLAT, np.sign(slope), 0.0)
+
+    def trace(self, ends: np.ndarray, tolerance: float, radius: float) -> list[Points]:
+        """The polyline of every strand, its ends included.
+
+        ends: (n, 2, 5) the points at lo and hi (x, y, z, s, t); nan for an end at infinity: the polyline then ends
+        a little beyond the radius.  Farther out than that the tolerance grows with the square of the distance.
+        """
+        found = self._coarse()
+        for at_end in (0, 1):
+            here = np.flatnonzero(~np.isnan(ends[:, at_end, 0]))
+            corner = (self.lo, self.hi)[at_end][here]
+            tau = np.full(len(here), float(at_end))
+            found += Points(here, tau, corner[:, 0], corner[:, 1], ends[here, at_end, :3], ends[here, at_end, 3:])
+        found = self._cut(found, ends, radius)
+        found = self._refined(found, tolerance, radius)
+        starts = np.searchsorted(found.strand, np.arange(len(self.strands) + 1))
+        return [found[a:b] for a, b in pairwise(starts)]
+
+    def _coarse(self) -> Points:
+        strand = np.repeat(np.arange(len(self.strands)), FIRST - 1)
+        tau = np.tile(np.arange(1, FIRST) / FIRST, len(self.strands))
+        along = self._along(strand, tau)
+        across = self.across[strand]
+        x, y = np.where(across, self.lo[strand, 0], along), along.copy()
+        own = np.flatnonzero(~across)
+        y[own] = self._roots(strand[own], x[own])
+        return self._at(strand, tau, x, y)
+
+    def _roots(self, strand: np.ndarray, x: np.ndarray) -> np.ndarray:
+        """The y of the strands over x: the root with the index the slab tells, of as many real roots as the slab has.
+
+        Where doubles find another number of them, the exact root.
+        """
+        y = np.full(len(x), np.nan)
+        slabs = [max(0, min(int(np.searchsorted(self.strands[i].limits, at)) - 1, len(self.strands[i].slabs) - 1))
+                 for i, at in zip(strand, x, strict=True)]  # fmt: skip
+        for k, c in enumerate(self.coefficients):
+            own = [n for n in np.flatnonzero(self.factor[strand] == k) if self.strands[strand[n]].slabs]
+            pieces = sorted({(strand[n], slabs[n]) for n in own})
+            if not own:
+                continue
+            samples = np.array([self.strands[i].slabs[j][0] for i, j in pieces])
+            which = np.array([i for i, _ in pieces] + [strand[n] for n in own])
+            real = self._real_roots(c, which, np.concatenate((samples, x[own])))
+            counts = {piece: len(roots) for piece, roots in zip(pieces, real, strict=False)}
+            for n, roots in zip(own, real[len(pieces) :], strict=True):
+                index = self.strands[strand[n]].slabs[slabs[n]][1]
+                if index < len(roots) == counts[strand[n], slabs[n]]:
+                    y[n] = roots[index]
+        for n in np.flatnonzero(np.isnan(y)):
+            _, y[n] = self._exact(int(strand[n]), x[n])
+        return y
+
+    def _real_roots(self, c: np.ndarray, strand: np.ndarray, x: np.ndarray) -> list[list[float]]:
+        """The real roots of f(x, .) inside the window of the chart, ascending."""
+        u = Powers(x, self.reverse_u[strand])
+        rows = (c.T @ u.table(c.shape[0] - 1)).T
+        rows = np.where(self.reverse_v[strand, None], rows[:, ::-1], rows)
+        size = np.abs(rows).max(1)
+        lead = np.where(np.abs(rows[:, -1]) > 1e-14 * size, rows[:, -1], 1e-14 * size)
+        degree = rows.shape[1] - 1
+        companion = np.zeros((len(x), degree, degree))
+        companion[:, np.arange(1, degree), np.arange(degree - 1)] = 1.0
+        companion[:, :, -1] = -rows[:, :-1] / lead[:, None]
+        values = np.linalg.eigvals(companion)
+        low, high = np.array([self.strands[i].window for i in strand]).T
+        real = (np.abs(values.imag) < 1e-7) & (values.real > low[:, None]) & (values.real < high[:, None])
+        return [sorted(row[keep].real.tolist()) for row, keep in zip(values, real, strict=True)]
+
+    def _cut(self, points: Points, ends: np.ndarray, radius: float) -> Points:
+        """Ends beyond the radius for strands that go to infinity, instead of what is farther out."""
+        for at_end in (0, 1):
+            for i in np.flatnonzero(np.isnan(ends[:, at_end, 0])):
+                own = np.flatnonzero(points.strand == i)
+                own = own[::-1] if at_end else own
+                sizes = np.abs(points.space[own]).max(1)
+                limit = max(radius, 2 * sizes.min())  # a strand may be far out altogether
+                near = np.flatnonzero(sizes <= limit)
+                keep = np.ones(len(points.strand), bool)
+                keep[own[: near[0]]] = False
+                outer = float(at_end) if near[0] == 0 else points.tau[own[near[0] - 1]]
+                points = points[keep] + self._beyond(points[own[near[0] : near[0] + 1]], outer, at_end, limit)
+        return points
+
+    def _beyond(self, inner: Points, outer: float, at_end: int, radius: float) -> Points:
+        """A point of the strand between `inner` and tau = outer whose largest coordinate is 1 to 2 times the radius."""
+        for _ in range(60):
+            middle = 0.5 * (inner.tau[0] + outer)
+            tried = self._between(inner, np.array([middle]), at_end)
+            size = np.abs(tried.space).max()
+            if radius <= size <= 2 * radius:
+                return tried
+            if size < radius:
+                inner = tried
+            else:
+                outer = middle
+        return inner
+
+    def _between(self, near: Points, tau: np.ndarray, at_end: int) -> Points:
+        """A point between a known one and the end of its strand."""
+        strand = near.strand
+        along, across = self._along(strand, tau), self.across[strand]
+        if across[0]:
+            return self._at(strand, tau, near.x, along)
+        return self._at(strand, tau, along, self._roots(strand, along))
+
+    def _refined(self, points: Points, tolerance: float, radius: float) -> Points:
+        """Chords are examined at three inner points; where the curve bends evenly, these settle what follows."""
+        done = Points(*(getattr(points, f.name)[:0] for f in fields(points)))
+        first = np.flatnonzero(points.strand[:-1] == points.strand[1:])
+        left, right = points[first], points[first + 1]
+        for _ in range(MOST_ROUNDS):
+            if len(left.tau) == 0:
+                break
+            inner = [self._inside(left, right, part) for part in (0.25, 0.5, 0.75)]
+            off, bend, even = _shape(left.space, [x.space for x in inner], right.space)
+            allowed = tolerance * np.maximum(1.0, np.abs(inner[1].space).max(1) / radius) ** 2
+            need = np.maximum(np.sqrt(off / (KEEP * allowed)), bend / LARGEST_TURN)
+            tiny = np.linalg.norm(right.space - left.space, axis=1) + off < 0.25 * allowed
+            need = np.where(tiny, 0.0, need)
+            halve = (need > 1) & (need <= 2) & even
+            quarter = (need > 2) & (need <= 4) & even
+            split = (need > 1) & ~halve & ~quarter
+            if need.sum() > MOST_CHORDS:
+                raise InputError(f"tolerance {tolerance:g} needs more than {MOST_CHORDS} points; give a larger one")
+            done += inner[1][halve | quarter] + inner[0][quarter] + inner[2][quarter]
+            parts = np.clip(np.ceil(need / 3.5), 2, MOST_PARTS).astype(int)
+            fresh = self._parts(left[split], [x[split] for x in inner], right[split], parts[split])
+            done += fresh
+            left, right = _chords(left[split], fresh, right[split], parts[split])
+        return points + done
+
+    def _inside(self, left: Points, right: Points, part: float) -> Points:
+        tau, x, y = (a + part * (b - a) for a, b in ((left.tau, right.tau), (left.x, right.x), (left.y, right.y)))
+        return self._at(left.strand, tau, x, y, (right.x - left.x, right.y - left.y))
+
+    def _parts(self, left: Points, inner: list[Points], right: Points, parts: np.ndarray) -> Points:
+        """The inner points that cut every chord into so many parts, by interpolation through the five known."""
+        which, place = _counted(parts - 1)
+        place = (place + 1) / parts[which]
+        weights = _lagrange(place)
+        known = [left, *inner, right]
+        x, y = (sum(w * getattr(a, k)[which] for w, a in zip(weights, known, strict=True)) for k in ("x", "y"))
+        tau = left.tau[which] + place * (right.tau - left.tau)[which]
+        chord = (right.x - left.x)[which], (right.y - left.y)[which]
+        return self._at(left.strand[which], tau, np.asarray(x), np.asarray(y), chord)
+
+    def _at(
+        self, strand: np.ndarray, tau: np.ndarray, x: np.ndarray, y: np.ndarray,
+        chord: tuple[np.ndarray, np.ndarray] | None = None,
+    ) -> Points:  # fmt: skip
+        x, y = self._settled(strand, x, y, chord)
+        u, v = Powers(x, self.reverse_u[strand]), Powers(y, self.reverse_v[strand])
+        return Points(strand, tau, x, y, *self.surfaces.points(u, v))
+
+    def _along(self, strand: np.ndarray, tau: np.ndarray) -> np.ndarray:
+        """The running coordinate, quadratic in tau at both ends: simple turning points become regular."""
+        axis = self.across[strand].astype(int)
+        lo, hi = self.lo[strand, axis], self.hi[strand, axis]
+        return lo + (hi - lo) * np.sin(0.5 * np.pi * tau) ** 2
+
+    def _settled(
+        self, strand: np.ndarray, x: np.ndarray, y: np.ndarray, chord: tuple[np.ndarray, np.ndarray] | None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """The points on their curve, moved across the chord, or along the gradient; those with u constant stay."""
+        own = np.flatnonzero(~self.across[strand])
+        across = None if chord is None else (-chord[1][own], chord[0][own])
+        (near_x, near_y), slope = self._moved(strand[own], x[own], y[own], STEPS, across)
+        lost = np.flatnonzero((slope * self.slope_sign[strand[own]] < 0) & (np.abs(slope) > FLAT))
+        for i in lost:
+            near_x[i], near_y[i] = self._exact(int(strand[own[i]]), x[own[i]])
+        x, y = x.copy(), y.copy()
+        x[own], y[own] = near_x, near_y
+        return x, y
+
+    def _moved(
+        self, strand: np.ndarray, x: np.ndarray, y: np.ndarray, steps: int,
+        across: tuple[np.ndarray, np.ndarray] | None = None,
+    ) -> tuple[tuple[np.ndarray, np.ndarray], np.ndarray]:  # fmt: skip
+        """Newton steps in a direction, by default the gradient, and f_y in units of the gradient at the last."""
+        x, y, slope = x.copy(), y.copy(), np.zeros(len(x))
+        for k, c in enumerate(self.coefficients):
+            own = np.flatnonzero(self.factor[strand] == k)
+            if len(own) == 0:
+                continue
+            reverse_u, reverse_v = self.reverse_u[strand[own]], self.reverse_v[strand[own]]
+            at_x, at_y = x[own], y[own]
+            for _ in range(steps + 1):
+                u, v = Powers(at_x, reverse_u), Powers(at_y, reverse_v)
+                in_u, in_v = u.table(c.shape[0] - 1), c @ v.table(c.shape[1] - 1)
+                fx = (u.slopes(c.shape[0] - 1) * in_v).sum(0)
+                fy = (in_u * (c @ v.slopes(c.shape[1] - 1))).sum(0)
+                if steps == 0:
+                    break
+                dx, dy = (fx, fy) if across is None else (across[0][own], across[1][own])
+                rise = fx * dx + fy * dy
+                move = (in_u * in_v).sum(0) / np.where(rise == 0, np.inf, rise)
+                move_x, move_y = move * dx, move * dy
+                at_x, at_y = at_x - move_x, at_y - move_y
+                if max(np.abs(move_x).max(), np.abs(move_y).max()) < SETTLED:
+                    break
+            size = np.hypot(fx, fy)
+            x[own], y[own], slope[own] = at_x, at_y, fy / np.where(size == 0, 1.0, size)
+        return (x, y), slope
+
+    def _exact(self, strand: int, x: float) -> tuple[float, float]:
+        """The point of the strand over x, or over the next double inside its ends."""
+        lo, hi = sorted((self.lo[strand, 0], self.hi[strand, 0]))
+        x = min(max(x, np.nextafter(lo, hi)), np.nextafter(hi, lo))
+        return x, float(self.strands[strand].edge.at(fmpq(*float(x).as_integer_ratio())))
+
+
+def _shape(left: np.ndarray, inner: list[np.ndarray], right: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """How far the inner points are off the chord, how much the curve turns, and whether it bends like a parabola."""
+    chord = right - left
+    length = np.linalg.norm(chord, axis=1)
+    unit = chord / np.where(length > 0, length, 1.0)[:, None]
+    offsets = []
+    for point in inner:
+        from_left = point - left
+        along = np.clip((from_left * unit).sum(1), 0.0, length)
+        offsets.append(np.linalg.norm(from_left - along[:, None] * unit, axis=1))
+    off = np.maximum.reduce(offsets)
+    start, stop = inner[0] - left, right - inner[2]
+    sizes = np.linalg.norm(start, axis=1) * np.linalg.norm(stop, axis=1)
+    cosine = (start * stop).sum(1) / np.where(sizes > 0, sizes, 1.0)
+    bend = np.where(sizes > 0, np.arccos(np.clip(cosine, -1.0, 1.0)), 0.0)
+    even = (np.abs(offsets[0] - 0.75 * off) <= 0.2 * off) & (np.abs(offsets[2] - 0.75 * off) <= 0.2 * off)
+    return off, bend, even
+
+
+def _lagrange(t: np.ndarray) -> list[np.ndarray]:
+    """Weights of the interpolation at t from values at 0, 1/4, 1/2, 3/4, 1."""
+    knots = np.linspace(0.0, 1.0, 5)
+    weights = []
+    for i, a in enumerate(knots):
+        others = np.delete(knots, i)
+        weights.append(np.prod([(t - b) / (a - b) for b in others], axis=0))
+    return weights
+
+
+def _chords(left: Points, fresh: Points, right: Points, parts: np.ndarray) -> tuple[Points, Points]:
+    """The chords between neighbours among the ends and the fresh inner points, chord after chord."""
+    which, place = _counted(parts)
+    inner = np.cumsum(parts - 1)[which] - (parts[which] - 1) + place  # the fresh point behind
+    before = np.where(place == 0, which, len(left.tau) + inner - 1)
+    after = np.where(place == parts[which] - 1, len(fresh.tau) + which, inner)
+    return _stacked(left, fresh)[before], _stacked(fresh, right)[after]
+
+
+def _counted(counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Indices 0, 0, 1, 1, 1, ... of groups of these sizes, and 0, 1, 0, 1, 2, ... within them."""
+    which = np.repeat(np.arange(len(counts)), counts)
+    return which, np.arange(len(which)) - (np.cumsum(counts) - counts)[which]
+
+
+def _stacked(a: Points, b: Points) -> Points:
+    return Points(*(np.concatenate([getattr(a, f.name), getattr(b, f.name)]) for f in fields(a)))

@@ -1,0 +1,281 @@
+"""First contact of two moving ruled pieces: searched in floats with proved bounds, its event refined in balls.
+
+The search leaves the earliest instant at which contact is certain and a time before which it is excluded (see
+`search.ruled_search`).  Its event is then a zero of a square system over exact numbers; Krawczyk's test gives its time.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+from flint import arb, fmpq
+
+from firstcontact.exact.numbers import ball_bounds, nearest_double, precision
+from firstcontact.exact.ruled_systems import ContactSystem, Curve
+from firstcontact.exact.square_systems import Zero, certified
+from firstcontact.kernels.ruled_models import ALL_STRATA, MOST_DEGREE, ROWS, WIDTH
+from firstcontact.search.ruled_pieces import RuledPiece
+from firstcontact.search.ruled_search import (
+    AT_REST,
+    COUNTERS,
+    DONE,
+    FIRST_EVENT,
+    FOUND,
+    MOST_FOUND,
+    PART_P,
+    PART_Q,
+    STRATUM,
+    SURE,
+    VISITS,
+    search,
+)
+from firstcontact.search.stretches import above, below
+
+ROOM = 1 << 15
+"""Boxes that may wait at a time."""
+BITS = 96
+"""Of the enclosures of events."""
+REGULAR = 1e-9
+"""Pivots below this, in rows of unit length, leave a parameter free."""
+ROUNDINGS = 16 * 2.0**-52
+"""Times closer than this part of the largest one are not told apart by the search."""
+
+
+@dataclass(frozen=True)
+class RuledEvent:
+    """A contact at an end of a stratum's contact set.
+
+    elements     of P and of Q: "face", "directrix", "end_ruling" or "vertex".
+    parameters   u, s, v, t in doubles; u, v are None at infinity.
+    sides        for u, s, v, t: 0 inside, -1 at the low end, 1 at the high end.
+    normal       (3,) unit, from Q towards P; None where the surfaces have none in common.
+    zero         the simple zero of the square system, which can be refined; None where the system is singular.
+    """
+
+    time: float
+    time_interval: tuple[float, float]
+    point: np.ndarray
+    normal: np.ndarray | None
+    elements: tuple[str, str]
+    parameters: tuple[float | None, float, float | None, float]
+    sides: tuple[int, int, int, int]
+    zero: Zero | None
+
+
+@dataclass(frozen=True)
+class RuledContact:
+    """What the search proved.
+
+    status         "free": no contact in the span; "contact"; "initial": contact at the start; "open".
+    free_until     no contact at any time before it.
+    time           first contact, the nearest double; time_interval (lo, hi): no contact before lo, one at or before hi.
+    reason         of "open": "precision" or "budget".
+    latest         of "open": a time until which there is certainly a contact, or None.
+    """
+
+    status: str
+    free_until: float
+    time: float | None = None
+    time_interval: tuple[float, float] | None = None
+    event: RuledEvent | None = None
+    reason: str | None = None
+    latest: float | None = None
+    boxes: int = 0
+
+
+class Search:
+    """Two pieces, and room for the search between them."""
+
+    def __init__(self, p: RuledPiece, q: RuledPiece) -> None:
+        self.p, self.q = p, q
+        (self.table_p, self.domain_p), (self.table_q, self.domain_q) = p.arrays, q.arrays
+        self.boxes, self.kinds = np.empty((ROOM, 5, 2)), np.empty((ROOM, 3), np.int64)
+        self.keys, self.heap = np.empty(ROOM), np.empty((ROOM, 2), np.int64)
+        self.found, self.found_kinds = np.empty((MOST_FOUND, 5, 2)), np.zeros((MOST_FOUND, 4), np.int64)
+        self.times, self.limit = np.zeros((MOST_FOUND, 2)), np.zeros(2)
+        self.counters = np.zeros(COUNTERS, np.int64)
+        self.workspace = np.zeros((ROWS, WIDTH))
+        self.powers = np.zeros((MOST_DEGREE + 1, MOST_DEGREE + 1))
+        self.visits = 0
+
+    def run(self, lo: float, hi: float, mode: int, width: float, budget: int) -> int:
+        """Search [lo, hi] (AT_REST: for contact at all of these times); times are not split below `width`."""
+        n = 0
+        for i in range(len(self.table_p)):
+            for j in range(len(self.table_q)):
+                self.boxes[n] = (-1, 1), (0, 1), (-1, 1), (0, 1), (lo, hi)
+                self.kinds[n] = i, j, ALL_STRATA
+                self.keys[n], self.heap[n] = lo, (n, 0)
+                n += 1
+        self.limit[:] = np.inf
+        self.counters[:] = 0
+        outcome = search(
+            self.table_p, self.domain_p, self.table_q, self.domain_q, mode, self.boxes, self.kinds, self.keys,
+            self.heap, np.arange(ROOM), n, max(hi - lo, width), width, budget, self.found, self.found_kinds,
+            self.times, self.limit, self.counters, self.workspace, self.powers,
+        )  # fmt: skip
+        self.visits += int(self.counters[VISITS])
+        return int(outcome)
+
+    @property
+    def count(self) -> int:
+        return int(self.counters[FOUND])
+
+    def at_rest(self, lo: float, hi: float, width: float, budget: int = 20_000) -> bool | None:
+        """True: a contact at all of these times; False: none at any; None: not decided."""
+        outcome = self.run(lo, hi, AT_REST, width, budget)
+        if self.count and self.found_kinds[self.count - 1, SURE]:
+            return True
+        return False if outcome == DONE and not self.count else None
+
+    def event(self, row: int) -> RuledEvent:
+        """The certain contact in a row of the boxes found."""
+        box, kind = self.found[row], self.found_kinds[row]
+        lo, hi = (float(t) for t in self.times[row])
+        time, x = 0.5 * (lo + hi), 0.5 * (box[:, 0] + box[:, 1])
+        system = self._system(box, kind)
+        zero = None if system is None else self._zero(system, box, kind)
+        if system is not None and zero is not None:
+            balls = zero.balls(BITS)
+            with precision(BITS + 64):
+                lo, hi = ball_bounds(balls[-1])
+                near = nearest_double(balls[-1])
+                time = float(balls[-1].mid()) if near is None else near
+                everywhere, moment = system.everywhere(balls)
+                x = np.array([float(c.mid()) for c in (*everywhere, moment)])
+        return self._described(kind, x, time, (lo, hi), zero)
+
+    def _system(self, box: np.ndarray, kind: np.ndarray) -> ContactSystem | None:
+        """A regular square system of the stratum near the box; parameters that nothing fixes stay in their middle."""
+        middle = 0.5 * (box[:, 0] + box[:, 1])
+        stratum = [k for k in range(4) if kind[STRATUM] >> k & 1]
+        values = [None if k in stratum else _exact(middle[k]) for k in range(4)]
+        curves = self._curves(kind)
+        full = ContactSystem(curves, values, list(combinations(stratum, 3)))
+        columns = [*stratum, 4]
+        with precision(64):
+            slopes = full.jacobian([arb(middle[k]) for k in columns])
+            chosen = _pivots(np.array([[float(c.mid()) for c in row] for row in slopes]))
+        solved = {columns[k] for k in chosen.values()}
+        if 4 not in solved or not all(k in chosen for k in range(3)):
+            return None
+        values = [None if k in solved else _exact(middle[k]) for k in range(4)]
+        return ContactSystem(curves, values, [m for k, m in enumerate(full.minors) if 3 + k in chosen])
+
+    def _curves(self, kind: np.ndarray) -> tuple[Curve, Curve, Curve, Curve]:
+        return (*self.p.curves(int(kind[PART_P])), *self.q.curves(int(kind[PART_Q])))
+
+    def _zero(self, system: ContactSystem, box: np.ndarray, kind: np.ndarray) -> Zero | None:
+        """The only zero near the box, if it surely lies on both pieces."""
+        ranges = box[[*system.free, 4]]
+        centre = [_exact(0.5 * (lo + hi)) for lo, hi in ranges]
+        radii = [_exact((hi - lo) + 1e-12 * (1.0 + abs(lo))) for lo, hi in ranges]
+        zero = certified(system, centre, radii, 128)
+        if zero is None:
+            return None
+        part_p, part_q = self.p.parts[kind[PART_P]], self.q.parts[kind[PART_Q]]
+        limits = (part_p.lowest, part_p.highest), (0, 1), (part_q.lowest, part_q.highest), (0, 1)
+        with precision(BITS + 64):
+            x, _ = system.everywhere(zero.balls(BITS))
+            inside = all(arb(limits[k][0]) <= x[k] <= arb(limits[k][1]) for k in system.free)
+        return zero if inside else None
+
+    def _described(
+        self, kind: np.ndarray, x: np.ndarray, time: float, interval: tuple[float, float], zero: Zero | None
+    ) -> RuledEvent:
+        free = int(kind[STRATUM])
+        sides = tuple(0 if free >> k & 1 else (1 if x[k] > 0.5 else -1) for k in range(4))
+        point, normal = _geometry(self, kind, x, free)
+        part_p, part_q = self.p.parts[kind[PART_P]], self.q.parts[kind[PART_Q]]
+        return RuledEvent(
+            time, interval, point, normal, (_element(*sides[:2]), _element(*sides[2:])),
+            (part_p.in_doubles(x[0]), float(x[1]), part_q.in_doubles(x[2]), float(x[3])),
+            (part_p.side(sides[0]), sides[1], part_q.side(sides[2]), sides[3]), zero,
+        )  # fmt: skip
+
+
+def _pivots(rows: np.ndarray) -> dict[int, int]:
+    """Columns solved for by elimination with full pivoting, by row; the first three rows come first."""
+    rows = rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), 1e-300)
+    chosen: dict[int, int] = {}
+    for step in range(min(rows.shape)):
+        left = np.abs(rows)
+        left[list(chosen)] = 0.0
+        left[:, list(chosen.values())] = 0.0
+        if step < 3:
+            left[3:] = 0.0
+        i, j = (int(k) for k in np.unravel_index(np.argmax(left), left.shape))
+        if left[i, j] < REGULAR:
+            break
+        chosen[i] = j
+        others = np.arange(len(rows)) != i
+        rows[others] -= np.outer(rows[others, j] / rows[i, j], rows[i])
+    return chosen
+
+
+def _geometry(s: Search, kind: np.ndarray, x: np.ndarray, free: int) -> tuple[np.ndarray, np.ndarray | None]:
+    """The point, and the unit normal from Q towards P across all free directions."""
+    system = ContactSystem(s._curves(kind), [_exact(c) for c in x[:4]], ())
+    with precision(96):
+        p, q = system.jets([arb(float(x[4]))])
+        vectors = [np.array([float(c.mid()) for c in v]) for v in (p.point, p.x, p.s, q.x, q.s, p.t, q.t)]
+    point, across, moved = vectors[0], vectors[1:5], vectors[5] - vectors[6]
+    directions = np.array([v / max(float(np.linalg.norm(v)), 1e-300) for k, v in enumerate(across) if free >> k & 1])
+    _, sizes, axes = np.linalg.svd(directions)
+    if len(sizes) < 2 or sizes[1] < 1e-9:
+        return point, None
+    normal = axes[2]
+    # P comes towards Q
+    return point, normal if float(normal @ moved) <= 0 else -normal
+
+
+def _element(u: int, s: int) -> str:
+    if u:
+        return "vertex" if s else "end_ruling"
+    return "directrix" if s else "face"
+
+
+def _exact(x: float) -> fmpq:
+    return fmpq(*float(x).as_integer_ratio())
+
+
+def first_event(
+    p: RuledPiece, q: RuledPiece, first: fmpq, last: fmpq, tolerance: float = 1e-12, budget: int = 200_000
+) -> RuledContact:
+    """The first contact of two pieces over the closed [first, last]; budget: boxes at most."""
+    return first_event_of(Search(p, q), first, last, tolerance, budget)
+
+
+def first_event_of(s: Search, first: fmpq, last: fmpq, tolerance: float, budget: int) -> RuledContact:
+    lo, hi = below(first), above(last)
+    width = max(0.1 * tolerance * (hi - lo), ROUNDINGS * max(abs(lo), abs(hi)))
+    start = s.at_rest(lo, above(first), width, budget)
+    if start:
+        return RuledContact("initial", lo, lo, (lo, above(first)), s.event(s.count - 1), boxes=s.visits)
+    if start is None:
+        return RuledContact("open", lo, reason="precision", boxes=s.visits)
+    outcome = s.run(lo, hi, FIRST_EVENT, width, budget)
+    return _answer(s, outcome, first, last, tolerance * (hi - lo))
+
+
+def _answer(s: Search, outcome: int, first: fmpq, last: fmpq, width: float) -> RuledContact:
+    free_until, latest = (float(x) for x in s.limit)
+    if outcome == DONE and free_until == math.inf:
+        return RuledContact("free", above(last), boxes=s.visits)
+    reason = "precision" if outcome == DONE else "budget"
+    if latest == math.inf:
+        return RuledContact("open", free_until, reason=reason, boxes=s.visits)
+    sure = [k for k in range(s.count) if s.found_kinds[k, SURE] and s.times[k, 0] <= latest]
+    # of several at this time the one of the lowest stratum, the least degenerate
+    row = min(sure, key=lambda k: (int(s.found_kinds[k, STRATUM]).bit_count(), float(s.times[k, 1]), k))
+    event = s.event(row)
+    hi = min(latest, event.time_interval[1])
+    if not _exact(hi) <= last:
+        return RuledContact("open", free_until, reason=reason, boxes=s.visits)
+    if hi - free_until > width:
+        return RuledContact("open", free_until, reason=reason, latest=hi, boxes=s.visits)
+    time = min(max(event.time, free_until), hi)
+    return RuledContact("contact", free_until, time, (free_until, hi), replace(event, time=time), boxes=s.visits)

@@ -1,0 +1,402 @@
+"""Proof that two models share a point at a time: one inside both, by signs of all surfaces in ball arithmetic.
+
+The point is found from an event: Newton's method makes time and place of the event precise, and a step of the size of
+the overlap shortly after leads inside both models.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from flint import arb, fmpq
+
+from firstcontact.body.composite_quadric import CompositeQuadric
+from firstcontact.body.csg import inside
+from firstcontact.body.features import Edge, Face, Vertex, enclosure
+from firstcontact.body.moving import Moving
+from firstcontact.exact.numbers import dyadic, precision, to_double
+from firstcontact.exact.rigid import Matrix, ball_rotation, compose, inverse_map
+from firstcontact.exact.vectors import dot
+from firstcontact.kernels.event_search import CHART, FORM, OTHER_FORM, PAIR
+from firstcontact.motion.polynomial import REST, _own_pose
+from firstcontact.motion.rotation import Rotation, angle_ball
+from firstcontact.motion.screw import Screw
+from firstcontact.search.advance import Feature
+from firstcontact.search.event_tables import Tables, crossing_surfaces
+from firstcontact.search.stretches import _index, known_steps
+
+BITS = 256
+TRIED = 8
+"""Pairs of features that survive the search at a contact, for which it is made precise."""
+NEAR = 1e-6
+"""Part of the body's size within which surfaces count as passing through the contact."""
+RANKS = {Vertex: 0, Edge: 1, Face: 2}
+
+
+@dataclass(frozen=True)
+class Shared:
+    """time: of the event, rounded; proved_at: a time at which a common point is proved; point, normal: in the world.
+
+    frames: as `search.advance.Advance` has them.
+    """
+
+    time: float
+    proved_at: float
+    point: np.ndarray
+    normal: np.ndarray | None
+    features_a: tuple[Feature, ...]
+    features_b: tuple[Feature, ...]
+    frames: list[list[float]]
+
+
+def ball_pose(body: Any, t: fmpq) -> Matrix:
+    """The pose at t as (3, 4) balls, at the present precision."""
+    motion = body.motion if isinstance(body, Moving) else REST
+    steps = known_steps(motion)
+    number = _index(steps, t, t)
+    step = steps[number]
+    local = (t - step.origin) / step.unit
+    own = step.motion
+    rows: Any
+    if isinstance(own, Rotation | Screw):
+        rows = ball_rotation(own.axis, own.point, arb(local) * angle_ball(own.angle, own.unit))
+        if isinstance(own, Screw):
+            ahead = arb(local * own.advance) / arb(dot(own.axis, own.axis)).sqrt()
+            rows = tuple((*row[:3], row[3] + ahead * arb(h)) for row, h in zip(rows, own.axis, strict=True))
+    else:
+        pose = _own_pose(own, "a body")
+        weight = pose[3][3](local)
+        rows = tuple(tuple(arb(x(local) / weight) for x in row) for row in pose[:3])
+    rows = compose(rows, tuple(tuple(arb(x) for x in row) for row in step.before))  # type: ignore[arg-type]
+    if not step.exact:  # its start is within 2^-60 radians per rotation before it
+        size = 1 + max(abs(x).upper() for row in rows for x in row)
+        off = arb(0, size * arb(2) ** -56 * (number + 1))
+        rows = tuple(tuple(x + off for x in row) for row in rows)
+    return rows
+
+
+def shared_point(
+    bodies: tuple[Any, Any], tables: Tables, boxes: np.ndarray, lo: float, hi: float, width: float, last: fmpq
+) -> Shared | None:
+    """A common point at a time within `width` after lo and not after `last`, from boxes that survive [lo, hi]."""
+    with precision(BITS):
+        events = _events(bodies, tables, boxes, lo, lo + width)
+        for event in events:
+            latest = lo + 0.98 * width
+            soon = math.nextafter(math.nextafter(max(event.time, lo), math.inf), math.inf)
+            for at in (soon, min(max(soon, hi) + 0.05 * width, latest), latest):
+                if not lo <= at <= latest or _exact(at) > last:
+                    continue
+                if _proved(event, at):
+                    return event.answer(at)
+    return None
+
+
+@dataclass
+class _Event:
+    """own: the body whose feature is parametrised; x: the event's place in its frame."""
+
+    bodies: tuple[Any, Any]
+    side: int
+    own: Face | Edge | Vertex
+    other: Face | Edge | Vertex
+    x: list[fmpq]
+    time: float
+
+    def models(self) -> tuple[CompositeQuadric, CompositeQuadric]:
+        """The own one, the other one."""
+        both: list[Any] = [x.body if isinstance(x, Moving) else x for x in self.bodies]
+        return both[self.side], both[1 - self.side]
+
+    def relative(self, t: fmpq) -> Matrix:
+        """From the own model's frame to the other one's."""
+        return compose(
+            inverse_map(ball_pose(self.bodies[1 - self.side], t)), ball_pose(self.bodies[self.side], t)
+        )
+
+    def answer(self, at: float) -> Shared:
+        poses = [_middles(ball_pose(body, _exact(self.time))) for body in self.bodies]
+        rows = poses[self.side]
+        frames = [[*pose[:, :3].ravel().tolist(), *pose[:, 3].tolist()] for pose in poses]
+        inverses = [[*np.linalg.inv(pose[:, :3]).ravel().tolist(), 0.0, 0.0, 0.0] for pose in poses]
+        where = rows[:, :3] @ np.array([to_double(c) for c in self.x]) + rows[:, 3]
+        where[np.abs(where) < 2.0**-120 * np.abs(where).max()] = 0.0  # what Newton's steps leave of a zero
+        own, other = (_named(self.own),), (_named(self.other),)
+        return Shared(
+            min(self.time, at), at, where, self._normal(rows),
+            *((own, other) if self.side == 0 else (other, own)), [*frames, [], [], *inverses],
+        )  # fmt: skip
+
+    def _normal(self, rows: np.ndarray) -> np.ndarray | None:
+        """Unit, in the world, from b towards a."""
+        own, other = self.models()
+        there = np.array([[float(c.mid()) for c in row] for row in self.relative(_exact(self.time))])
+        x = np.array([to_double(c) for c in self.x])
+        y = there[:, :3] @ x + there[:, 3]
+        mine = _outward(own, self.own, x)
+        theirs = [there[:, :3].T @ n for n in _outward(other, self.other, y)]
+        if isinstance(self.other, Face):
+            n = theirs[0]
+        elif len(mine) < 2 or len(theirs) < 2:
+            return None
+        else:
+            n = np.cross(np.cross(mine[0], mine[1]), np.cross(theirs[0], theirs[1]))
+            way = float(n @ (theirs[0] + theirs[1] - mine[0] - mine[1]))
+            n = n * np.sign(way)
+        turned = np.linalg.solve(rows[:, :3].T, n) * (1 if self.side == 0 else -1)
+        length = float(np.linalg.norm(turned))
+        return turned / length if length > 0.0 else None
+
+
+def _exact(x: float) -> fmpq:
+    return fmpq(*float(x).as_integer_ratio())
+
+
+def _named(feature: Face | Edge | Vertex) -> Feature:
+    return type(feature).__name__.lower(), feature.index
+
+
+def _outward(body: CompositeQuadric, feature: Face | Edge | Vertex, x: np.ndarray) -> list[np.ndarray]:
+    """Outward unit normals at x of the feature, or of the faces beside it."""
+    faces = [feature] if isinstance(feature, Face) else [body.faces[k] for k in getattr(feature, "faces", ())]
+    found = []
+    for face in faces:
+        form = body._forms_f[face.surfaces[0]]
+        gradient = face.orientation * (form @ np.append(x, 1.0))[:3]
+        found.append(gradient / max(float(np.linalg.norm(gradient)), 1e-300))
+    return found
+
+
+# -- the event, precise -------------------------------------------------------------------------------------
+
+
+def _events(
+    bodies: tuple[Any, Any], tables: Tables, boxes: np.ndarray, earliest: float, latest: float
+) -> list[_Event]:
+    """The events in the boxes, the earliest first; they may be that much later than the boxes."""
+    found: list[_Event] = []
+    seen: dict[tuple[int, int], np.ndarray] = {}
+    for box in boxes:
+        if box[PAIR] >= 0:
+            seen.setdefault((int(tables.info[int(box[CHART]), 0]), int(box[PAIR])), box)
+    ordered = sorted(seen.values(), key=lambda box: _rank(tables, box))
+    for box in ordered[:TRIED]:
+        event = _event(bodies, tables, box)
+        if not _refine(event, tables, box) or not earliest <= event.time <= latest:
+            event = _event(bodies, tables, box)
+        found.append(event)
+    return sorted(found, key=lambda event: event.time)  # stable: the lowest features first
+
+
+def _rank(tables: Tables, box: np.ndarray) -> tuple[int, ...]:
+    own, other = tables.features[int(box[CHART])], tables.others[int(box[PAIR])]
+    first, second = (own, other) if tables.info[int(box[CHART]), 0] == 0 else (other, own)
+    return RANKS[type(first)], first.index, RANKS[type(second)], second.index
+
+
+def _event(bodies: tuple[Any, Any], tables: Tables, box: np.ndarray) -> _Event:
+    chart = int(box[CHART])
+    side = int(tables.info[chart, 0])
+    u, v = box[2], box[4]
+    x = np.array([1.0, u, v, u * u, u * v, v * v]) @ tables.charts[chart, :24].reshape(6, 4)
+    own = tables.features[chart]
+    place = tables.units[side, :3] + tables.units[side, 3] * x[:3] / x[3]
+    where = [_exact(c) for c in place]
+    if isinstance(own, Vertex):
+        where = [dyadic(arb(c.mid())) for c in enclosure(own.carrier)]
+    return _Event(bodies, side, own, tables.others[int(box[PAIR])], where, float(0.5 * (box[6] + box[7])))
+
+
+def _refine(event: _Event, tables: Tables, box: np.ndarray) -> bool:
+    """Newton's steps with one approximate Jacobian, residuals in balls; nothing is proved here."""
+    own, other = event.models()
+    pair = tables.pairs[int(box[PAIR])]
+    theirs = [int(pair[k]) for k in (FORM, OTHER_FORM) if pair[k] >= 0]
+    if isinstance(event.own, Vertex):
+        mine = []
+    elif isinstance(event.own, Edge):
+        mine = crossing_surfaces(own, event.own)
+    else:
+        mine = [event.own.surfaces[0]]
+    system = _System([_scaled(own.surfaces[k]) for k in mine], [_scaled(other.surfaces[k]) for k in theirs])
+    t, x = _exact(event.time), event.x
+    step = fmpq(1, 2**40)
+    before, after = (event.relative(t + s) for s in (-step, step))
+    m = _middles(event.relative(t))
+    rates = _middles([[(y - x) / (2 * step) for x, y in zip(*rows, strict=True)]
+                      for rows in zip(before, after, strict=True)])  # fmt: skip
+    z = np.array([to_double(c) for c in x])
+    system.across = _across(system, z)
+    count = 0 if isinstance(event.own, Vertex) else 3
+    size = to_double(_exact(float(tables.units[event.side, 3]))) * 1e-4
+    moves = [size * e for e in np.eye(3)[:count]]
+    columns = [(system.values(z + d, m) - system.values(z - d, m)) / (2 * size) for d in moves]
+    span = size / max(float(np.abs(rates).max()), 1e-300)
+    columns.append((system.values(z, m + span * rates) - system.values(z, m - span * rates)) / (2 * span))
+    jacobian = np.array(columns, float).T
+    scale = np.abs(jacobian).max(axis=1, keepdims=True)
+    if jacobian.shape[0] != jacobian.shape[1] or not np.all(scale > 0) or not np.all(np.isfinite(jacobian)):
+        return False
+    if np.linalg.cond(jacobian / scale) > 1e12:
+        return False
+    for _ in range(3):
+        residual = system.values([arb(c) for c in x], event.relative(t))
+        largest = max(float(abs(r).upper()) for r in residual) or 1.0
+        shift = np.linalg.solve(jacobian, [float((r / largest).mid()) for r in residual])
+        moved = [dyadic((arb(_exact(d)) * arb(largest)).mid()) for d in shift]
+        x = [c - d for c, d in zip(x, moved[:count], strict=True)] if count else x
+        t = t - moved[-1]
+        if not math.isfinite(largest) or abs(to_double(t) - event.time) > 1e-6 * (1 + abs(event.time)):
+            return False
+    event.x, event.time = [_shortened(c) for c in x], to_double(t)
+    return True
+
+
+def _shortened(x: fmpq) -> fmpq:
+    return fmpq((x * 2**200).floor()) / 2**200
+
+
+def _middles(m: Any) -> np.ndarray:
+    return np.array([[float(c.mid()) for c in row] for row in m])
+
+
+class _System:
+    """The equations of an event in any numbers: forms of the own model, and of the other one, which is under a map."""
+
+    def __init__(self, mine: list[Any], theirs: list[Any]) -> None:
+        self.mine, self.theirs = mine, theirs
+        self.doubles = [[_doubles(m) for m in forms] for forms in (mine, theirs)]
+        self.balls = [[[[arb(c) for c in row] for row in m] for m in forms] for forms in (mine, theirs)]
+        self.across: np.ndarray | None = None
+
+    def values(self, x: Any, m: Any) -> Any:
+        exact = not isinstance(x, np.ndarray)
+        mine, theirs = self.balls if exact else self.doubles
+        y = [sum((row[k] * x[k] for k in range(3)), row[3]) for row in m]
+        found, gradients = [], []
+        for forms, at in ((mine, x), (theirs, y)):
+            point = [*at, arb(1) if exact else 1.0]
+            for form in forms:
+                image = [sum((row[k] * point[k] for k in range(1, 4)), row[0] * point[0]) for row in form]
+                found.append(sum((a * b for a, b in zip(point[1:], image[1:], strict=True)), point[0] * image[0]))
+                g = image[:3]
+                if forms is theirs:
+                    g = [sum((m[k][j] * image[k] for k in range(1, 3)), m[0][j] * image[0]) for j in range(3)]
+                gradients.append(g)
+        if len(mine) == 2 and len(theirs) == 1:
+            found.append(_det(gradients))
+        elif len(mine) == 1:
+            assert self.across is not None
+            found += [_det([[float(c) for c in row] if not exact else [arb(float(c)) for c in row], *gradients])
+                      for row in self.across]  # fmt: skip
+        return found if exact else np.array(found)
+
+
+def _across(system: _System, x: np.ndarray) -> np.ndarray | None:
+    """Two directions across the gradient of a face's surface."""
+    if len(system.mine) != 1:
+        return None
+    n = (system.doubles[0][0] @ np.append(x, 1.0))[:3]
+    k = int(np.argmin(np.abs(n)))
+    first = np.cross(n, np.eye(3)[k])
+    first /= np.linalg.norm(first)
+    second = np.cross(n, first)
+    return np.array([first, second / np.linalg.norm(second)])
+
+
+def _scaled(surface: Any) -> list[list[fmpq]]:
+    """The form, its largest entry 1."""
+    largest = max(abs(c) for row in surface.matrix() for c in row)
+    return [[c / largest for c in row] for row in surface.matrix()]
+
+
+def _doubles(form: Any) -> np.ndarray:
+    return np.array([[to_double(c) for c in row] for row in form])
+
+
+def _det(rows: Sequence[Sequence[Any]]) -> Any:
+    (a, b, c), (d, e, f), (g, h, i) = rows
+    return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
+
+
+# -- the proof ----------------------------------------------------------------------------------------------
+
+
+def _proved(event: _Event, at: float) -> bool:
+    """Whether a point near the event is proved inside both models at that time."""
+    m = event.relative(_exact(at))
+    own, other = event.models()
+    values, gradients, forms = _second_order(own, other, event.x, m)
+    size = NEAR * float(np.abs(np.diff(own.bounds(), axis=0)).max())
+    lengths, bends = np.linalg.norm(gradients, axis=1), np.abs(forms).max(axis=(1, 2))
+    near = np.abs(values) < size * (lengths + size * bends)
+    if not near.any():
+        return _is_inside(own, other, event.x, m)
+    regular = near & (lengths > size * bends)
+    scale = max(float(np.abs(values[regular] / lengths[regular]).max(initial=0.0)), 1e-40)
+    steps = scale * _directions(gradients[regular] / lengths[regular, None])
+    bent = ((steps @ forms[near]) * steps).sum(axis=2).T
+    moved = values[near] + steps @ gradients[near].T + bent
+    negative: list[Any] = list(np.repeat(values[:, None] < 0, len(steps), axis=1))
+    for k, column in zip(np.flatnonzero(near), moved.T, strict=True):
+        negative[k] = column < 0
+    n = len(own.surfaces)
+    held = inside(own.tree, negative[:n]) & inside(other.tree, negative[n:])
+    if not np.any(held):
+        return False
+    far = np.linalg.norm(steps, axis=1)[:, None]
+    slopes = far * (lengths[near] + far * bends[near]) + 1e-300
+    depth = np.where(held, (np.abs(moved) / slopes).min(axis=1), -1.0)
+    best = steps[int(np.argmax(depth))]
+    return _is_inside(own, other, [c + _exact(d) for c, d in zip(event.x, best, strict=True)], m)
+
+
+def _directions(units: np.ndarray) -> np.ndarray:
+    """(n, 3) steps in the unit of the overlap: fixed ones of many directions and lengths, and against the surfaces."""
+    rng = np.random.default_rng(0)
+    d = rng.normal(size=(500, 3))
+    signs = rng.choice([-1.0, 0.0, 1.0], size=(100, len(units)))
+    d = np.concatenate([d, signs @ units])
+    lengths = np.linalg.norm(d, axis=1, keepdims=True)
+    d = (d / np.maximum(lengths, 1e-300))[lengths[:, 0] > 1e-9]  # none that stays: its signs would be rounding errors
+    return np.concatenate([r * d for r in (0.1, 0.3, 0.5, 0.8, 1.5, 4.0)])
+
+
+def _second_order(
+    own: CompositeQuadric, other: CompositeQuadric, x: list[fmpq], m: Matrix
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Values (n,), gradients (n, 3) and second derivatives (n, 3, 3), halved, of all surfaces, in the own frame."""
+    values, gradients, forms = [], [], []
+    point = [*(arb(c) for c in x), arb(1)]
+    there = [*_moved(m, point), arb(1)]
+    turn = _middles(m)[:, :3]
+    for model, at, back in ((own, point, np.eye(3)), (other, there, turn)):
+        for surface, form in zip(model.surfaces, model._forms_f, strict=True):
+            largest = arb(max(abs(c) for row in surface.matrix() for c in row))
+            values.append(float((surface.value(at) / largest).mid()))
+            gradients.append(back.T @ [float((arb(c) / largest).mid()) for c in surface.gradient(at)])
+            forms.append(back.T @ form[:3, :3] @ back)
+    return np.array(values), np.array(gradients), np.array(forms)
+
+
+def _moved(m: Matrix, x: Sequence[Any]) -> list[Any]:
+    return [row[0] * x[0] + row[1] * x[1] + row[2] * x[2] + row[3] for row in m]
+
+
+def _is_inside(own: CompositeQuadric, other: CompositeQuadric, x: list[fmpq], m: Matrix) -> bool:
+    """Whether all signs are certain and put the point inside both."""
+    point = [*(arb(c) for c in x), arb(1)]
+    for model, at in ((own, point), (other, [*_moved(m, point), arb(1)])):
+        negative = []
+        for surface in model.surfaces:
+            value = surface.value(at)
+            if not (value > 0 or value < 0):
+                return False
+            negative.append(bool(value < 0))
+        if not inside(model.tree, negative):
+            return False
+    return True

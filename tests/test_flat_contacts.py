@@ -1,0 +1,83 @@
+"""Contacts along lines and planes: both paths give the same set, the same pairs and the same point."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import firstcontact as fc
+from firstcontact.composite import certified, verbs
+
+BOX, DRUM, CONE = fc.box((1, 2, "3/2")), fc.cylinder("3/4", 2), fc.cone("3/4", 2)
+LYING = DRUM.rotated((1, 0, 0), degrees=90)
+ROOF = fc.box((1, 1, 1)).rotated((1, 0, 0), degrees=45)
+GUTTER = DRUM & fc.half_space((1, 0, 0), 0)
+FLOOR = fc.half_space((0, 0, 1), -3)
+SCENES = {
+    "box on box": (BOX, (0.3, 0.4, 6.0), BOX.translated((0.5, 0.1, 4)), "patch"),
+    "boxes beside each other": (BOX, (6.0, 0.2, 0.1), BOX.translated((4, 0.3, -0.2)), "patch"),
+    "box on the floor": (BOX, (0.5, 0.25, -6.0), FLOOR, "patch"),
+    "drum on drum": (DRUM, (0.1, 0.2, 6.0), DRUM.translated((0.2, 0.3, 4)), "conic arc"),
+    "drum on the floor": (DRUM, (0.3, 0.1, -6.0), FLOOR, "conic arc"),
+    "drum on box": (DRUM, (0.1, 0.1, 6.0), BOX.translated((0.3, 0.2, 4)), "conic arc"),
+    "parallel drums": (DRUM, (6.0, 0.5, 0.2), DRUM.translated((4, 0.2, 0.3)), "segment"),
+    "lying drum on the floor": (LYING, (0.3, 0.1, -6.0), FLOOR, "segment"),
+    "lying drum on box": (LYING, (0.1, 0.2, 6.0), BOX.translated((0.1, 0.3, 4)), "segment"),
+    "drum against box": (BOX, (6.0, 0.1, 0.2), DRUM.translated((4, 0.3, 0.4)), "segment"),
+    "roof on box": (ROOF, (0.1, 0.2, 6.0), BOX.translated((0.3, 0.4, 4)), "segment"),
+    "roof against lying drum": (ROOF.rotated((0, 0, 1), degrees=90), (0.1, 0.2, -6.0),
+                                LYING.translated((0.2, 0.3, -4)), "segment"),
+    "gutter on box": (GUTTER, (6.0, 0.1, 0.2), BOX.translated((4, 0.3, 0.4)), "patch"),
+}  # fmt: skip
+
+
+def pairs(hit) -> set[tuple[str, str]]:
+    rest = [(str(p.element_a), str(p.element_b)) for p in hit.others]
+    return {*rest, (str(hit.element_a), str(hit.element_b))}
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_both_paths_tell_the_same(name, monkeypatch):
+    a, vector, b, kind = SCENES[name]
+    moving = a.moving(fc.Translation(vector))
+    told = fc.first_contact(moving, b)
+    assert told.stats.exact_evaluations == 0
+    monkeypatch.setattr(certified, "_flat_set", lambda *_: None)
+    exact = fc.first_contact(moving, b)
+    assert exact.stats.exact_evaluations > 0
+    assert told.contact_set == exact.contact_set == kind
+    assert (told.element_a, told.element_b) == (exact.element_a, exact.element_b)
+    assert told.multiplicity == exact.multiplicity and pairs(told) == pairs(exact)
+    assert told.time == pytest.approx(exact.time, abs=1e-15) and np.allclose(told.normal, exact.normal, atol=1e-9)
+    # arcs are sampled from elsewhere on, at 720 points of the circle
+    near = 0.01 if kind == "conic arc" else 1e-9
+    away = np.linalg.norm(told.contact_set.points[:, None] - exact.contact_set.points, axis=2)
+    assert away.min(axis=0).max() < near and away.min(axis=1).max() < near
+    assert kind == "conic arc" or np.allclose(told.point, exact.point, atol=1e-9)
+
+
+@pytest.mark.parametrize("tilt", ["1/1000000000", "1/1000000000000"])
+def test_nearly_parallel_is_not_parallel(tilt):
+    """Faces a billionth off parallel touch in one edge or corner, and only exact arithmetic may say so."""
+    tilted = fc.box((1, 1, 1)).transformed([[1, 0, 0, 0], [0, 1, 0, 0], [tilt, 0, 1, 0], [0, 0, 0, 1]])
+    hit = fc.first_contact(tilted.moving(fc.Translation((0.1, 0.2, -6))), FLOOR)
+    assert hit.contact_set == "segment" and hit.multiplicity == 2
+    assert np.ptp(hit.contact_set.points[:, 0]) < 1e-9 and np.ptp(hit.contact_set.points[:, 1]) == pytest.approx(1)
+
+
+def test_a_lying_drum_rests_on_a_round_plate():
+    """Both ends of the segment are on the rim of the plate."""
+    plate = fc.cylinder("1/2", 1).translated((0, 0, -4))
+    hit = fc.first_contact(LYING.moving(fc.Translation((0.5, 0.25, -5))), plate)
+    assert hit.time == pytest.approx((3.5 - 0.75) / 5, abs=1e-15) and hit.contact_set == "segment"
+    assert np.hypot(*hit.contact_set.points[:, :2].T) == pytest.approx(0.5)
+    assert hit.contact_set.points[:, 0] == pytest.approx(0.5 * hit.time)
+    assert {str(hit.element_a), str(hit.element_b)} == {"side face 0", "rim.top edge 0"}
+
+
+def test_a_proved_contact_overrules_a_later_one(monkeypatch):
+    monkeypatch.setattr(certified, "_flat_set", lambda *_: None)
+    late = fc.FirstContact(fc.Status.CONTACT, 0.75, (0.75, 0.75), free_until=0.75)
+    monkeypatch.setattr(verbs, "_decided", lambda *_: late)
+    hit = fc.first_contact(BOX.moving(fc.Translation((0.3, 0.4, 6.0))), BOX.translated((0.5, 0.1, 4)))
+    assert hit.time == pytest.approx(5 / 12, abs=1e-15) and hit.contact_set is None

@@ -1,0 +1,227 @@
+"""Models that are no unions of convex parts, under motions without exact equations: screws above all."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from flint import fmpq
+
+import firstcontact as fc
+from firstcontact.composite.certified import both_bounded
+from firstcontact.kernels import event_search, feature_boxes, moving_forms
+from firstcontact.kernels.workspace import workspace
+from firstcontact.scene import load_scene
+from firstcontact.search.event_tables import tables_of
+from firstcontact.search.events import first_event
+from firstcontact.search.stretches import windows
+from quadric_vectors import RATIONAL
+
+SCENE = Path(__file__).parent / "data" / "pin_in_plate.toml"
+PIN_TOUCHES = 0.67871408997
+
+
+@pytest.fixture(scope="module")
+def bodies():
+    return load_scene(SCENE).bodies
+
+
+def names(hit):
+    return hit.element_a.label, hit.element_b.label
+
+
+def width(hit):
+    return hit.time_interval[1] - hit.time_interval[0]
+
+
+# -- the pin under its screw ---------------------------------------------------------------------------------
+
+
+def test_the_pin_touches_the_rim_of_the_counterbore(bodies):
+    hit = fc.first_contact(bodies["pin"], bodies["plate"])
+    assert hit.status is fc.Status.CONTACT and hit.time == pytest.approx(PIN_TOUCHES, abs=1e-11)
+    assert names(hit) == ("pin.chamfer.side", "plate.counterbore.rim.top")
+    assert hit.contact_set == "point" and 0 < width(hit) <= 1e-12 and hit.free_until == hit.time_interval[0]
+    assert np.hypot(*hit.point[:2]) == pytest.approx(12, abs=1e-9) and hit.point[2] == pytest.approx(5, abs=1e-9)
+    at = np.linalg.solve(bodies["pin"].motion(hit.time), np.append(hit.point, 1))
+    normal = np.linalg.solve(bodies["pin"].motion(hit.time)[:3, :3], hit.normal)
+    assert normal @ [at[0], at[1], 0] < 0  # towards the pin
+
+
+def test_swapped_bodies_and_parts_of_the_span(bodies):
+    pin, plate = bodies["pin"], bodies["plate"]
+    hit, back = fc.first_contact(pin, plate), fc.first_contact(plate, pin)
+    assert names(back) == names(hit)[::-1] and np.allclose(hit.normal, -back.normal, atol=1e-9)
+    assert back.time == pytest.approx(hit.time, abs=1e-15)
+    assert fc.first_contact(pin, plate, span=(0, hit.free_until - 1e-9)).status is fc.Status.FREE
+    late = fc.first_contact(pin, plate, span=(0.5, 0.75))
+    assert late.time == pytest.approx(hit.time, abs=1e-15) and width(late) <= 0.25e-12
+    inside = fc.first_contact(pin, plate, span=(0.75, 1))
+    assert inside.status is fc.Status.INITIAL_CONTACT
+
+
+def test_a_larger_world_changes_nothing(bodies):
+    size = 2.0**20
+    pin, plate = (body.transformed(np.diag([size] * 3 + [1])) for body in (bodies["pin"].body, bodies["plate"]))
+    motion = fc.Screw((0, "1/50", 1), (size, 0, 0), degrees=180, advance=-30 * size)
+    hit = fc.first_contact(pin.moving(motion), plate)
+    assert hit.time == pytest.approx(PIN_TOUCHES, abs=1e-11) and width(hit) <= 1e-12
+
+
+def test_few_boxes_leave_it_undecided(bodies):
+    hit = fc.first_contact(bodies["pin"], bodies["plate"], budget=500)
+    assert hit.status is fc.Status.UNDECIDED and hit.reason == "budget" and hit.free_until < PIN_TOUCHES
+
+
+# -- screws against samples ----------------------------------------------------------------------------------
+
+
+def ring():
+    return fc.cylinder(1, 1) - fc.cylinder("1/2", 2)
+
+
+def drilled_ball():
+    return fc.sphere(1) - fc.cylinder("1/3", 3)
+
+
+def countersunk():
+    return fc.box((2, 2, 1)) - fc.cone("3/4", "3/4").translated((0, 0, "-1/2"))
+
+
+def waist():
+    return fc.hyperboloid(["1/2", "1/2", 1], 1, sheets=1)
+
+
+def bracket():
+    return fc.box((2, 1, "1/2")) | fc.box(("1/2", 1, 2)).translated(("-3/4", 0, "3/4"))
+
+
+SCREWS = [
+    (ring, waist, fc.Screw((1, 0.25, 0.5), (0, 1, 0), degrees=250, advance=6)),
+    (drilled_ball, bracket, fc.Screw((1, -0.125, 0.25), (0, 0.5, 1), degrees=120, advance=5)),
+    (countersunk, drilled_ball, fc.Screw((1, 0.25, 0), (0, 0, 0.25), degrees=300, advance=5)),
+    (lambda: fc.cone("1/2", 2), ring, fc.Rotation((0.25, 0, 1), (-1.5, -2, 0), degrees=200)),
+    (waist, countersunk, fc.Sequence([fc.Translation((1, 0.25, 0)), fc.Screw((1, 0, 0.25), degrees=77, advance=4)])),
+]
+
+
+def samples(body):
+    """Points of the faces and edges."""
+    found = [body.to_mesh(0.03).vertices]
+    found += [e.points(np.linspace(p.lo, p.hi, 30)) for e in body.edges for p in e.pieces if math.isfinite(p.hi - p.lo)]
+    return np.concatenate(found)
+
+
+def overlap_seen(a, motion, b, points, t):
+    m = motion(t)
+    there = points[0] @ m[:3, :3].T + m[:3, 3]
+    return b.contains(there).any() or a.contains((points[1] - m[:3, 3]) @ np.linalg.inv(m[:3, :3]).T).any()
+
+
+@pytest.mark.parametrize(("make_a", "make_b", "motion"), SCREWS)
+def test_screws_agree_with_samples(make_a, make_b, motion):
+    turned = make_a().rotated((1, 2, 3), degrees=40).translated((-3, 0.125, 0.25))
+    b = make_b().rotated((3, -1, 2), degrees=25)
+    hit = fc.first_contact(turned.moving(motion), b)
+    points = samples(turned), samples(b)
+    assert hit.status in (fc.Status.CONTACT, fc.Status.FREE)
+    last = hit.free_until if hit.status is fc.Status.FREE else hit.time
+    assert not any(overlap_seen(turned, motion, b, points, t * last) for t in np.linspace(0, 1 - 1e-6, 40).tolist())
+    if hit.status is fc.Status.CONTACT:
+        assert width(hit) <= 1e-12 * motion.span[1]
+        assert any(overlap_seen(turned, motion, b, points, hit.time + d) for d in (1e-4, 1e-3, 1e-2, 3e-2))
+
+
+def test_a_ball_is_screwed_through_a_hole():
+    plate = fc.box((4, 4, 1)) - fc.cylinder(1, 2)
+    for radius, status in (("99/100", fc.Status.FREE), ("101/100", fc.Status.CONTACT)):
+        ball = fc.sphere(radius).translated((0, 0, 3))
+        hit = fc.first_contact(ball.moving(fc.Screw((0, 0, 1), degrees=500, advance=-6)), plate)
+        assert hit.status is status
+    height = math.sqrt(1.01**2 - 1)
+    assert hit.time == pytest.approx((3 - 0.5 - height) / 6, abs=1e-12)
+    assert hit.contact_set is None  # all of the rim
+
+
+def test_an_opening_flush_with_a_face_is_no_face():
+    """The plane of the lower face also cuts the cone: in the opening nothing is there."""
+    needle = fc.box(("1/4", "1/4", 2)).translated(("3/10", "1/100", "-11/5"))
+    hit = fc.first_contact(needle.moving(fc.Screw((0, 0, 1), degrees=100, advance=2)), countersunk().named("plate"))
+    height = -0.5 + 0.75 - math.hypot(0.425, 0.135)  # of the cone where the outermost corner goes
+    assert hit.time == pytest.approx((1.2 + height) / 2, abs=1e-12)
+    assert hit.element_a.kind == "vertex" and hit.element_b.label.endswith("side")
+
+
+# -- the known answers, by this path alone -------------------------------------------------------------------
+
+CHOSEN = [
+    "paper_example7", "ellipsoid_affine_growth_sphere", "cone_apex_plane", "box_box_edge_edge", "degree4_edge_sphere",
+    "box_side_cylinder_on_table", "capsule_capsule", "sphere_sphere_near_miss_1e-9", "parallel_elliptic_cylinders_spin",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("vector", [v for v in RATIONAL if v.name in CHOSEN], ids=lambda v: v.name)
+def test_known_answers(vector):
+    a, b = vector.bodies
+    found = first_event(*both_bounded((a, b), (0, 1)), fmpq(0), fmpq(1), 1e-12, 100_000)
+    assert found.status == ("contact" if vector.contact else "free")
+    if vector.contact:
+        lo, hi = found.time_interval
+        assert lo <= float(vector.time) <= hi and hi - lo <= 1e-12
+
+
+# -- models of forms over boxes ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("slab", [(0.25, 0.3125), (0.678, 0.679)])
+def test_models_hold_the_forms_they_stand_for(bodies, slab):
+    """Values and derivatives of moving surfaces at random points of random boxes, against plain NumPy."""
+    pin, plate = bodies["pin"], bodies["plate"]
+    t = tables_of(pin.body, plate)
+    window = windows(pin, plate, fmpq(0), fmpq(1))[0]
+    models, row, table = np.zeros((3, moving_forms.MODELS)), np.zeros(6), t.table.copy()
+    assert event_search.place_slab(
+        *slab, window.a, window.b, t.raw, t.kinds, t.units, t.layout, workspace()[0], models, table, row
+    )
+    rng = np.random.default_rng(5)
+    shapes = (feature_boxes.POINTS, 4), (feature_boxes.IMAGES, 4), (7, feature_boxes.COLUMNS)
+    x, y, e = (np.zeros(shape) for shape in shapes)
+    checked = 0
+    for box in rng.permutation(t.still)[:60]:
+        k = int(box[0])
+        side, base = int(t.info[k, 0]), int(t.layout[t.info[k, 0], 1])
+        scale = 2.0 ** -rng.integers(0, 8)
+        u, hu, v, hv = box[2], box[3] * scale, box[4], box[5] * scale
+        s, hs = rng.uniform(-0.5, 0.5), 0.5 * scale
+        if not feature_boxes.place_box(t.charts, k, u, hu, v, hv, x):
+            continue
+        for f in range(int(t.layout[1 - side, 7])):
+            feature_boxes.model(table, t.kinds_of, base + f, s, hs, x, np.int64(2), y, e, np.int64(0))
+            for a, b, c in rng.uniform(-1, 1, size=(4, 3)):
+                time = row[0] + row[1] * (s + hs * c)
+                true = plain(t, pin, side, f, k, u, hu, v, hv, a, b, time)
+                for n in range(3):
+                    linear = e[n, 0] + e[n, 1:4] @ [a, b, c]
+                    assert abs(true[n] - linear) <= e[n, 4] + 1e-12
+                    checked += 1
+    assert checked > 3000
+
+
+def plain(t, pin, side, f, k, u, hu, v, hv, a, b, time):
+    """The form, and its halved derivatives (a plane's whole ones), by a and b."""
+    p, q = u + hu * a, v + hv * b
+    c = t.charts[k, :24].reshape(6, 4)
+    point = np.array([1, p, q, p * p, p * q, q * q]) @ c
+    by_a = hu * (np.array([0, 1, 0, 2 * p, q, 0]) @ c)
+    by_b = hv * (np.array([0, 0, 1, 0, p, 2 * q]) @ c)
+    frame = [np.array([[*(r[3] * e), x] for e, x in zip(np.eye(3), r[:3], strict=True)] + [[0, 0, 0, 1]])
+             for r in t.units]  # fmt: skip
+    pose = pin.motion(time)
+    there = np.linalg.inv(frame[1]) @ pose @ frame[0] if side == 0 else np.linalg.inv(pose @ frame[0]) @ frame[1]
+    points = [there @ z * np.sign(point[3]) for z in (point, by_a, by_b)]
+    form = t.raw[t.layout[1 - side, 6] + f]
+    if t.kinds[t.layout[1 - side, 6] + f] == 0:
+        return [form[:4] @ z for z in points]
+    return [points[0] @ form.reshape(4, 4) @ z for z in points]

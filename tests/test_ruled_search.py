@@ -1,0 +1,320 @@
+"""Moving ruled pieces: first contact and times of contact in floats with proofs, and the linear models under them."""
+
+from __future__ import annotations
+
+import itertools
+import random
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from flint import arb, fmpq
+
+from firstcontact.exact.numbers import precision
+from firstcontact.exact.ruled_systems import ContactSystem
+from firstcontact.kernels.linear_models import REST
+from firstcontact.kernels.ruled_models import (
+    GAP,
+    MINORS,
+    MOST_DEGREE,
+    ROWS,
+    WIDTH,
+    difference_models,
+    minor_models,
+)
+from firstcontact.search.ruled_events import RuledContact, first_event
+from firstcontact.search.ruled_intervals import RuledIntervals, contact_times
+from firstcontact.search.ruled_pieces import RuledPiece
+from ruled_vectors import Vector, value, vectors
+
+MOVING = {v.name[:3]: v for v in vectors("moving")}
+# Ends of contact that the search can only bracket: graze at one instant, contact of edges only, coplanar pieces,
+# an initial overlap of pieces whose edges slide in one another, a circle that meets a plane all at once.
+BRACKETED = {"m03": 1e-6, "m08": 1e-9, "m09": 1e-9, "m10": 1e-7, "m16": 1e-7}
+ELEMENTS = {
+    "m01": ("face", "directrix"), "m02": ("face", "face"), "m05": ("vertex", "face"), "m07": ("face", "vertex"),
+    "m10": ("vertex", "face"), "m11": ("face", "vertex"), "m12": ("face", "directrix"),
+    "m13": ("directrix", "face"), "m14": ("face", "vertex"), "m15": ("directrix", "face"),
+}  # fmt: skip
+
+
+def pieces(vector: Vector) -> tuple[RuledPiece, RuledPiece, fmpq, fmpq]:
+    first, last = (exact(t) for t in vector.span)
+    return RuledPiece.of(vector.p.sides, vector.p.u), RuledPiece.of(vector.q.sides, vector.q.u), first, last
+
+
+def exact(x: object) -> fmpq:
+    f = Fraction(str(x))
+    return fmpq(f.numerator, f.denominator)
+
+
+def ends(vector: Vector) -> list[tuple[float, float]]:
+    forms = vector.expected["exact"] or vector.expected["collision_T"]
+    return [(float(value(a).mid()), float(value(b).mid())) for a, b in forms]
+
+
+# -- known answers ------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", sorted(MOVING))
+def test_first_contact_of_vectors(name: str) -> None:
+    p, q, first, last = pieces(MOVING[name])
+    found, known = first_event(p, q, first, last), ends(MOVING[name])
+    span = float(last - first)
+    if name == "m04":
+        assert found.status == "free" and not known
+    elif name == "m16":
+        assert found.status == "initial" and found.time == 0.0
+    elif name in ("m03", "m08", "m09"):
+        assert found.status == "open" and known[0][0] - BRACKETED[name] < found.free_until <= known[0][0]
+    else:
+        assert found.status == "contact" and found.time_interval is not None and found.event is not None
+        lo, hi = found.time_interval
+        assert lo <= known[0][0] <= hi and hi - lo <= 1e-12 * span
+        assert abs(found.time - known[0][0]) <= 2e-16 * max(1.0, abs(known[0][0]))
+        assert found.event.zero is not None and found.event.elements == ELEMENTS.get(name, found.event.elements)
+
+
+@pytest.mark.parametrize("name", sorted(MOVING))
+def test_times_of_contact_of_vectors(name: str) -> None:
+    p, q, first, last = pieces(MOVING[name])
+    found, known = contact_times(p, q, first, last), ends(MOVING[name])
+    width = 1e-12 * float(last - first)
+    if name in ("m03", "m08", "m09"):
+        (lo, hi), (start, end) = found.unsettled[0], known[0]
+        assert not found.intervals and len(found.unsettled) == 1
+        assert start - BRACKETED[name] <= lo <= start and end <= hi <= end + BRACKETED[name]
+        return
+    assert len(found.intervals) == len(known)
+    for interval, (start, end) in zip(found.intervals, known, strict=True):
+        assert interval.start[0] <= start <= interval.start[1] <= interval.start[0] + width
+        assert interval.end[0] <= end <= interval.end[1] <= interval.end[0] + BRACKETED.get(name, width)
+    assert bool(found.unsettled) == (name in BRACKETED)
+
+
+def test_whole_parameter_lines() -> None:
+    """The example of Chen, Shen and Yuan (2011) with all real u and v, infinity included."""
+    p, q, first, last = pieces(MOVING["m01"])
+    found = first_event(RuledPiece(p.first, p.second, None), RuledPiece(q.first, q.second, None), first, last)
+    assert found.status == "contact" and found.time == -(0.5**0.5) and found.event is not None
+    assert np.allclose(found.event.parameters, (1, 0.5**0.5, 2**0.5 - 1, 0), atol=1e-15)
+    assert np.allclose(found.event.point, (-1 + 0.5**0.5, 0.5**0.5, 0.5), atol=1e-15)
+
+
+def test_long_way_around() -> None:
+    """A contact at u = infinity: on the circle, the point opposite to u = 0."""
+    circle = [[[1], [0], [-1]], [[0], [2], [0]], [[0], [0], [0]], [[1], [0], [1]]]
+    raised = [*circle[:2], circle[3], circle[3]]
+    wall = [[[-3, 1]], [[-1], [2]], [[-1]], [[1]]], [[[-3, 1]], [[-1], [2]], [[2]], [[1]]]
+    found = first_event(RuledPiece(circle, raised, None), RuledPiece(*wall, (fmpq(0), fmpq(1))), fmpq(0), fmpq(3))
+    assert found.status == "contact" and found.time == 2.0 and found.event is not None
+    assert found.event.parameters[0] is None or abs(found.event.parameters[0]) > 1e12
+
+
+# -- soundness ----------------------------------------------------------------------------------------------
+
+
+def some_piece(r: random.Random, degree: int, in_time: int, rational: bool, away: int = 0) -> RuledPiece:
+    """Random directrices; the piece comes along x from `away` at T = 0 to its place at T = 1."""
+
+    def curve() -> list:
+        size = range(degree + 1), range(in_time + 1)
+        x, y, z = ([[fmpq(r.randint(-8, 8), 4) for _ in size[1]] for _ in size[0]] for _ in range(3))
+        w = [[fmpq(1)], [fmpq(0)], [fmpq(1)]] if rational else [[fmpq(1)]]
+        shift = [[away * c for c in row] + [-away * c for c in row] for row in w]
+        return [added(x, shift), y, z, w]
+
+    u = r.choice([(fmpq(0), fmpq(1)), (fmpq(-1), fmpq(1)), (fmpq(-3), fmpq(2))])
+    return RuledPiece(curve(), curve(), u)
+
+
+def added(a: list, b: list) -> list:
+    rows = itertools.zip_longest(a, b, fillvalue=[])
+    return [[x + y for x, y in itertools.zip_longest(m, n, fillvalue=fmpq(0))] for m, n in rows]
+
+
+def times(a: list, b: list) -> list:
+    """Product of two coefficient tables."""
+    n, m = len(a) + len(b) - 1, max(map(len, a)) + max(map(len, b)) - 1
+    table = [[fmpq(0)] * m for _ in range(n)]
+    for (i, row), (k, other) in itertools.product(enumerate(a), enumerate(b)):
+        for (j, x), (h, y) in itertools.product(enumerate(row), enumerate(other)):
+            table[i + k][j + h] += x * y
+    return table
+
+
+def at(directrix: list, u: fmpq, t: fmpq) -> list[fmpq]:
+    x, y, z, w = (sum((a * u**i * t**j for i, j, a in terms(c)), fmpq(0)) for c in directrix)
+    return [x / w, y / w, z / w]
+
+
+def terms(table: list) -> list[tuple[int, int, fmpq]]:
+    return [(i, j, a) for i, row in enumerate(table) for j, a in enumerate(row)]
+
+
+def ruled(piece: RuledPiece, u: fmpq, s: fmpq, t: fmpq) -> list[fmpq]:
+    return [(1 - s) * a + s * b for a, b in zip(at(piece.first, u, t), at(piece.second, u, t), strict=True)]
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_models_enclose(seed: int) -> None:
+    """P - Q and the determinants at exact points of random boxes lie in their models."""
+    r = random.Random(seed)
+    p, q = some_piece(r, 3, 2, seed % 2 == 0), some_piece(r, 2, 1, seed % 3 == 0)
+    (table_p, _), (table_q, _) = p.arrays, q.arrays
+    w, powers = np.zeros((ROWS, WIDTH)), np.zeros((MOST_DEGREE + 1, MOST_DEGREE + 1))
+    for _ in range(20):
+        i, j, size = r.randrange(len(p.parts)), r.randrange(len(q.parts)), 2.0 ** -r.randint(0, 20)
+        lo = np.array([r.uniform(*ends) for ends in ((-1, 0), (0, 0.5), (-1, 0), (0, 0.5), (-2, 2))])
+        box = np.column_stack([lo, lo + 0.4 * size * np.array([r.random() for _ in range(5)])])
+        if not difference_models(table_p, i, table_q, j, box, w, powers):
+            continue
+        assert minor_models(15, w) == 4
+        system = contact_system(p, q, i, j)
+        for _ in range(5):
+            place = [fmpq(*x.as_integer_ratio()) for x in (r.uniform(a, b) for a, b in box)]
+            e = [float((x - middle(b)) / half(b)) for x, b in zip(place, box, strict=True)]
+            with precision(200):
+                known = system.values([arb(x) for x in place])
+            for row, true in zip([*range(GAP, GAP + 3), *range(MINORS, MINORS + 4)], known, strict=True):
+                off = abs(w[row, 0] + w[row, 1:6] @ e - float(true))
+                assert off <= w[row, REST] + 1e-14 * (abs(float(true)) + np.abs(w[row]).sum())
+
+
+def middle(box: np.ndarray) -> fmpq:
+    return fmpq(*(0.5 * (box[0] + box[1])).as_integer_ratio())
+
+
+def half(box: np.ndarray) -> fmpq:
+    return fmpq(*(box[1] - box[0]).as_integer_ratio()) / 2
+
+
+def contact_system(p: RuledPiece, q: RuledPiece, i: int, j: int) -> ContactSystem:
+    """All parameters free, all determinants, in the order of the kernels."""
+    minors = [(0, 1, 2), (0, 1, 3), (2, 3, 0), (2, 3, 1)]
+    return ContactSystem((*p.curves(i), *q.curves(j)), [None] * 4, minors)
+
+
+def test_jacobian_of_event_systems() -> None:
+    r = random.Random(3)
+    p, q = some_piece(r, 3, 2, True), some_piece(r, 2, 1, False)
+    system = contact_system(p, q, 0, 0)
+    with precision(400):
+        x = [arb(fmpq(r.randint(-9, 9), 10)) for _ in range(5)]
+        slopes, step = system.jacobian(x), arb(2) ** -100
+        for k in range(5):
+            moved = system.values([c + step if i == k else c for i, c in enumerate(x)])
+            for row, after, before in zip(slopes, moved, system.values(x), strict=True):
+                assert abs(float((after - before) / step - row[k])) < 1e-20
+
+
+# -- oracle and laws ----------------------------------------------------------------------------------------
+
+
+def some_pair(seed: int) -> tuple[RuledPiece, RuledPiece, fmpq, fmpq]:
+    r = random.Random(seed)
+    p = some_piece(r, r.choice([1, 2, 3]), r.choice([0, 1, 2]), r.random() < 0.4, r.choice([4, 8, -6]))
+    return p, some_piece(r, r.choice([1, 2]), r.choice([0, 1]), r.random() < 0.4), fmpq(0), fmpq(2)
+
+
+def in_doubles(directrix: list, u: np.ndarray, t: float) -> np.ndarray:
+    x, y, z, w = (sum(float(a) * u**i * t**j for i, j, a in terms(c)) for c in directrix)
+    return np.stack([np.broadcast_to(c / w, u.shape) for c in (x, y, z)], axis=-1)
+
+
+def distance(p: RuledPiece, q: RuledPiece, t: float, n: int = 60, levels: int = 12) -> float:
+    """An upper bound of the distance at a time: that of sampled rulings, samples narrowed about the closest."""
+    (a, b), (c, d) = ((float(x) for x in piece.u) for piece in (p, q))
+    u, v, best = np.linspace(a, b, n), np.linspace(c, d, n), np.inf
+    for _ in range(levels):
+        sides = [in_doubles(d, x, t) for piece, x in ((p, u), (q, v)) for d in (piece.first, piece.second)]
+        found = between_segments(*sides)
+        i, j = np.unravel_index(np.argmin(found), found.shape)
+        best = min(best, float(found[i, j]))
+        step_u, step_v = (4 * (x[-1] - x[0]) / len(x) for x in (u, v))
+        u = np.clip(np.linspace(u[i] - step_u, u[i] + step_u, 15), a, b)
+        v = np.clip(np.linspace(v[j] - step_v, v[j] + step_v, 15), c, d)
+    return best
+
+
+def between_segments(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray) -> np.ndarray:
+    """(n, m) distances of n segments ab from m segments cd."""
+    x, y, r = (b - a)[:, None], (d - c)[None], a[:, None] - c[None]
+    xx, yy, xy, xr, yr = (np.maximum((m * n).sum(-1), 1e-300) if m is n else (m * n).sum(-1)
+                          for m, n in ((x, x), (y, y), (x, y), (x, r), (y, r)))  # fmt: skip
+    s = np.clip((xy * yr - xr * yy) / np.maximum(xx * yy - xy * xy, 1e-14 * xx * yy), 0, 1)
+    t = np.clip((xy * s + yr) / yy, 0, 1)
+    s = np.clip((xy * t - xr) / xx, 0, 1)
+    return np.linalg.norm(r + s[..., None] * x - t[..., None] * y, axis=-1)
+
+
+PAIRS = [0, 1, 2, 3, 4, 5, 6, 7]
+
+
+@pytest.mark.parametrize("seed", PAIRS)
+def test_against_sampling(seed: int) -> None:
+    """No sampled rulings meet before the contact; at it, they do."""
+    p, q, first, last = some_pair(seed)
+    found = first_event(p, q, first, last)
+    assert found.status in ("free", "contact", "initial")
+    until = min(found.free_until, 2.0)
+    for t in np.linspace(0.0, until, 6)[:-1] if until > 0 else []:
+        assert distance(p, q, t) > 1e-9
+    if found.status == "contact":
+        assert found.event is not None
+        u, s, v, t = (exact(x) for x in found.event.parameters)
+        gap = [x - y for x, y in zip(ruled(p, u, s, exact(found.time)), ruled(q, v, t, exact(found.time)), strict=True)]
+        assert all(abs(float(c)) < 1e-11 for c in gap)
+
+
+def rotated(piece: RuledPiece, scale: fmpq | int = 1) -> RuledPiece:
+    """Under a common rational motion: a turn about z, T the tangent of half its angle, and a shift; scaled."""
+
+    def moved(d: list) -> list:
+        x, y, z, w = d
+        c, s, one, shift = [[1, 0, -1]], [[0, 2]], [[1, 0, 1]], [[0, 3, 1]]
+        minus = [[0, -2]]
+        rows = [added(times(x, c), times(y, minus)), added(times(x, s), times(y, c)),
+                added(times(z, one), times(w, shift))]  # fmt: skip
+        return [*([[scale * a for a in line] for line in row] for row in rows), times(w, one)]
+
+    return RuledPiece(moved(piece.first), moved(piece.second), piece.u)
+
+
+def same_time(a: RuledContact, b: RuledContact, width: float = 4e-12) -> bool:
+    if a.status != b.status or a.time is None or b.time is None:
+        return a.status == b.status
+    return abs(a.time - b.time) <= width
+
+
+@pytest.mark.parametrize("seed", PAIRS[:4])
+def test_laws_of_first_contact(seed: int) -> None:
+    p, q, first, last = some_pair(seed)
+    found = first_event(p, q, first, last)
+    assert same_time(found, first_event(q, p, first, last))
+    assert same_time(found, first_event(rotated(p), rotated(q), first, last))
+    small = fmpq(1, 2**30)
+    assert same_time(found, first_event(rotated(p, small), rotated(q, small), first, last))
+    half = (first + last) / 2
+    early = first_event(p, q, first, half)
+    later = early if early.status != "free" else first_event(p, q, half, last)
+    if later.status != "initial" or later is early:
+        assert same_time(found, later)
+
+
+def mirrored(found: RuledIntervals) -> list[tuple[float, float]]:
+    return [(-i.end[1], -i.start[0]) for i in reversed(found.intervals)]
+
+
+@pytest.mark.parametrize("name", ["m07", "m13", "m15"])
+def test_times_of_contact_backwards(name: str) -> None:
+    p, q, first, last = pieces(MOVING[name])
+    found = mirrored(contact_times(p, q, first, last))
+    backwards = contact_times(p.reversed(), q.reversed(), -last, -first)
+    assert np.allclose([(i.start[0], i.end[1]) for i in backwards.intervals], found, rtol=0, atol=1e-11)
+
+
+def test_budget_leaves_the_rest_open() -> None:
+    p, q, first, last = pieces(MOVING["m02"])
+    found = first_event(p, q, first, last, budget=200)
+    assert found.status == "open" and found.reason == "budget" and 0 <= found.free_until <= 1.5
