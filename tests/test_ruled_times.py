@@ -57,10 +57,13 @@ def test_the_minimal_polynomials_of_example_4():
     assert np.allclose(hit.point, [2**0.5 / 2 - 1, 2**0.5 / 2, 0.5])
 
 
-def test_large_eliminations_are_refused_at_once():
+def test_large_eliminations_are_left_to_doubles():
     vector = MOVING["m14"]
     with pytest.raises(UnsupportedPair, match="too large for elimination"):
         fc.contact_intervals(vector.p, vector.q, vector.span, exact=True)
+    hit = fc.first_contact(vector.p, vector.q, vector.span)
+    assert hit.time_interval[0] <= float(vector.expected["first_contact_T"]) <= hit.time_interval[1]
+    assert (hit.element_a.kind, hit.element_b.kind) == ("face", "vertex")
 
 
 def ruled(first, second, u=(0, 1), s=(0, 1)):
@@ -204,3 +207,10 @@ def _at(curve, u):
     x = [sum(Fraction(int(c)) * u**i for i, c in enumerate(row)) for row in
          ([entry[0] for entry in component] for component in curve.coefficients)]
     return [c / x[3] for c in x[:3]]
+
+
+def test_a_blade_turns_through_a_wall():
+    blade, wall = ruled("(u, 0, -1)", "(u, 0, 1)", (0, 2)), ruled("(1, u, -2)", "(1, u, 2)", ("1/2", 3))
+    (interval,) = fc.contact_intervals(blade.moving(fc.Rotation(axis=(0, 0, 1), turns=1)), wall, exact=True)
+    assert interval.start == pytest.approx(np.arctan(0.5) / (2 * np.pi), abs=1e-15) and interval.end == 1 / 6
+    assert interval.end_exact.cosine == Fraction(1, 2)

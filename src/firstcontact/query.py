@@ -69,7 +69,7 @@ def first_contact(
     if bodies == "ruled":
         from firstcontact.ruled import moving
 
-        return moving.first_contact(a, b, span, exact, method, budget, progress)
+        return moving.first_contact(a, b, span, exact, method, tolerance, budget, progress)
     if bodies == "models":
         from firstcontact.composite import verbs
 

@@ -46,7 +46,7 @@ def adjoined(field: NumberField, f: Sequence[FieldElement], lo: fmpq, hi: fmpq) 
     if field.modulus.degree() * (len(f) - 1) > MOST_DEGREE:
         raise UnsupportedPair(
             f"too large for elimination: a contact of degree {field.modulus.degree() * (len(f) - 1)}; "
-            'method="certified" finds it as an enclosure'
+            "ask for the intervals alone"
         )
     for k in range(4 * MOST_DEGREE**2):
         found = _with_multiple(field, f, k, lo, hi)

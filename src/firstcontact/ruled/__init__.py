@@ -1,8 +1,18 @@
-"""Intersection curves of ruled surfaces.
+"""Ruled surfaces: intersection curves at rest, times of contact in motion.
 
 intersection   the verb's pipeline
 pieces         bounded pieces: parameter ranges, s in [0, 1], trimming
 clipping       which parts of Delta = 0 belong to both pieces; overlaps of common rulings
 coincident     Delta = 0 everywhere: surfaces that share an area, cones with one apex, parallel cylinders
 tracing        polylines along the edges of the topology graph
+
+moving         `first_contact` and `contact_intervals`: pieces of motion, results
+conditions     when two rulings share a point, by signs of polynomials in u, v and T
+sheets         elimination: the times at which contact may change
+times          all times of contact of two pieces, cell by cell
+exclusion      proofs of no contact in doubles
+shared_points  exact contacts at one instant
+touches        points and elements of contacts
+condition      `contact_condition`
+certified      answers of the certified search where elimination leads too far
 """

@@ -33,7 +33,9 @@ from firstcontact.result import (
     Stats,
     Status,
 )
+from firstcontact.ruled import certified
 from firstcontact.ruled.conditions import conditions
+from firstcontact.ruled.sheets import TooLarge
 from firstcontact.ruled.times import Times
 from firstcontact.ruled.touches import Touch, touch
 from firstcontact.search.earliest import Progress
@@ -90,7 +92,7 @@ class _End:
 def contact_intervals(
     a: Any, b: Any, span: Any, exact: bool, budget: int | None = None, progress: Progress | None = None
 ) -> ContactIntervals:
-    """All closed times at which the surfaces share a point."""
+    """All closed times at which the surfaces share a point; in doubles, with proofs, where elimination goes too far."""
     begin = clock.perf_counter()
     first, last = _span(a, b, span)
     shared = {"a": a, "b": b, "span": (to_double(first), to_double(last))}
@@ -106,6 +108,11 @@ def contact_intervals(
                     windows.append((start, end))
     except Spent:
         reason = "budget"
+    except TooLarge:
+        if exact:
+            raise
+        found = certified.contact_intervals(a, b, first, last, budget, shared)
+        return replace(found, stats=found.stats + Stats(seconds=clock.perf_counter() - begin))
     intervals = tuple(_interval(start, end, exact) for start, end in windows)
     at_start = bool(windows) and windows[0][0].time == first
     status = Status.FREE if not windows else Status.INITIAL_CONTACT if at_start else Status.CONTACT
@@ -116,14 +123,27 @@ def contact_intervals(
 
 
 def first_contact(
-    a: Any, b: Any, span: Any, exact: bool, method: str, budget: int | None = None, progress: Progress | None = None
+    a: Any, b: Any, span: Any, exact: bool, method: str, tolerance: float, budget: int | None = None,
+    progress: Progress | None = None,
 ) -> FirstContact:
-    """The first shared point."""
-    if method == "certified":
-        raise UnsupportedPair("ruled surfaces are decided in exact arithmetic; method is \"auto\" or \"algebraic\"")
+    """The first shared point: exactly; in doubles, with proofs, on request and where elimination leads too far."""
     begin = clock.perf_counter()
     first, last = _span(a, b, span)
     shared = {"a": a, "b": b, "span": (to_double(first), to_double(last))}
+    if method != "certified" or exact:
+        try:
+            return _decided(a, b, first, last, exact, budget, progress, shared, begin)
+        except TooLarge:
+            if exact or method == "algebraic":
+                raise
+    found = certified.first_contact(a, b, first, last, tolerance, budget, shared)
+    return replace(found, stats=found.stats + Stats(seconds=clock.perf_counter() - begin))
+
+
+def _decided(
+    a: Any, b: Any, first: fmpq, last: fmpq, exact: bool, budget: int | None, progress: Progress | None,
+    shared: dict[str, Any], begin: float,
+) -> FirstContact:
     work = Work(budget, progress, below(first))
     try:
         for pairs in _pieces(a, b, first, last, work):

@@ -39,6 +39,10 @@ MOST_DEGREE = 400
 """Of equations for times, as far as it can be foreseen: those of degree 230 take a second."""
 
 
+class TooLarge(UnsupportedPair):
+    """Elimination would lead to equations of too high a degree."""
+
+
 @dataclass(frozen=True)
 class Sheet:
     """One factor of Delta, or all brackets where that vanishes.
@@ -242,9 +246,9 @@ def _eliminated(g: fmpz_mpoly, h: fmpz_mpoly | None, index: int) -> fmpz_mpoly:
     # Eliminating u too doubles the product of the degrees.
     expected = t if index == 0 else 2 * u * t
     if min(m, n) > 0 and expected > MOST_DEGREE:
-        raise UnsupportedPair(
+        raise TooLarge(
             f"too large for elimination: equations of degree {expected} for the times of contact; "
-            'method="certified" finds them as enclosures'
+            "without exact=True they are found as enclosures"
         )
     return discriminant(g, index) if h is None else resultant(g, h, index)
 

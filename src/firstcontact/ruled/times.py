@@ -82,7 +82,7 @@ class Times:
         elif str(t.polynomial) in self._special:
             raise UnsupportedPair(
                 f"all rulings meet all others at an irrational time near {float(t)!r}, which exact arithmetic does not "
-                'decide; method="certified" encloses such times'
+                "decide"
             )
         boxes = survivors(self.conditions, _enclosed(t))
         found: list[Contact] = []

@@ -1,0 +1,114 @@
+"""Answers of the certified search in doubles, for moving ruled pieces that elimination does not master."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from flint import fmpq
+
+from firstcontact.body.moving import Moving
+from firstcontact.errors import UnsupportedPair
+from firstcontact.exact.numbers import to_double
+from firstcontact.motion.clocks import StraightClock
+from firstcontact.motion.directrices import DirectrixPiece, directrix_pieces
+from firstcontact.result import ContactInterval, ContactIntervals, Element, FirstContact, Stats, Status
+from firstcontact.search.ruled_events import RuledEvent, first_event
+from firstcontact.search.ruled_intervals import contact_times
+from firstcontact.search.ruled_pieces import RuledPiece
+
+BUDGET = 200_000
+
+
+def first_contact(
+    a: Any, b: Any, first: fmpq, last: fmpq, tolerance: float, budget: int | None, shared: dict[str, Any]
+) -> FirstContact:
+    """The first contact with an enclosure of its time; UNDECIDED where doubles do not tell."""
+    step, p, q = _pieces(a, b, first, last)
+    found = first_event(p, q, first, last, tolerance, BUDGET if budget is None else budget)
+    stats = Stats(node_visits=found.boxes)
+    if found.status == "free":
+        return FirstContact(Status.FREE, free_until=to_double(last), stats=stats, **shared)
+    if found.status == "open":
+        until = max(found.free_until, to_double(first))
+        return FirstContact(Status.UNDECIDED, free_until=until, reason=found.reason, stats=stats, **shared)
+    status = Status.INITIAL_CONTACT if found.status == "initial" else Status.CONTACT
+    answer: dict[str, Any] = {"free_until": found.free_until, "stats": stats, **shared}
+    if found.event is not None:
+        assert found.time is not None
+        answer |= _described(found.event, step, b, found.time, status is Status.CONTACT, shared)
+    return FirstContact(status, found.time, found.time_interval, **answer)
+
+
+def contact_intervals(
+    a: Any, b: Any, first: fmpq, last: fmpq, budget: int | None, shared: dict[str, Any]
+) -> ContactIntervals:
+    """All contacts with enclosures of their ends; UNDECIDED from the first unsettled time on."""
+    _, p, q = _pieces(a, b, first, last)
+    found = contact_times(p, q, first, last, budget=5 * BUDGET if budget is None else budget)
+    open_from = min((lo for lo, _ in found.unsettled), default=None)
+    intervals = tuple(
+        ContactInterval(_middle(x.start), _middle(x.end), x.start, x.end)
+        for x in found.intervals
+        if open_from is None or x.end[1] < open_from
+    )
+    start, end = to_double(first), to_double(last)
+    at_start = bool(intervals) and intervals[0].start_interval[0] <= start
+    status = Status.FREE if not intervals else Status.INITIAL_CONTACT if at_start else Status.CONTACT
+    until = intervals[0].start_interval[0] if intervals else end
+    reason = None
+    if open_from is not None:
+        status, until, reason = Status.UNDECIDED, max(open_from, start), "precision"
+    return ContactIntervals(intervals, status, until, reason, Stats(node_visits=found.boxes), **shared)
+
+
+def _pieces(a: Any, b: Any, first: fmpq, last: fmpq) -> tuple[DirectrixPiece, RuledPiece, RuledPiece]:
+    """Both surfaces in the frame of b; UnsupportedPair for what the search does not take."""
+    for body in (a, b):
+        shape = body.body if isinstance(body, Moving) else body
+        if len(shape.pieces) > 1 or shape.pieces[0].s is None or shape.pieces[0].trim:
+            raise UnsupportedPair(f"{shape!r}: the certified search takes one piece, bounded in s and not trimmed")
+    steps = list(directrix_pieces(a, b, first, last))
+    if len(steps) > 1 or not isinstance(steps[0].motion.clock, StraightClock) or not steps[0].motion.exact:
+        raise UnsupportedPair("the certified search takes one motion that is a rational function of the time")
+    p, q = (
+        RuledPiece.of(sides, (body.body if isinstance(body, Moving) else body).u)
+        for sides, body in ((steps[0].p, a), (steps[0].q, b))
+    )
+    return steps[0], p, q
+
+
+def _described(
+    event: RuledEvent, step: DirectrixPiece, b: Any, time: float, with_normal: bool, shared: dict[str, Any]
+) -> dict[str, Any]:
+    frame = step.motion.frame
+    if frame is None:
+        pose = np.asarray(b.motion(time), float)
+    else:
+        rows = np.array(
+            [[sum(int(c) * time**k for k, c in enumerate(x.coeffs())) for x in row] for row in frame], float
+        )
+        pose = rows / rows[3, 3]
+    normal = None
+    if with_normal and event.normal is not None:
+        normal = event.normal @ np.linalg.inv(pose[:3, :3])
+        normal = normal / np.linalg.norm(normal)
+    elements = [
+        _element(kind, *sides, shared[which], which)
+        for kind, sides, which in zip(event.elements, (event.sides[:2], event.sides[2:]), "ab", strict=True)
+    ]
+    return {
+        "point": pose[:3, :3] @ event.point + pose[:3, 3], "normal": normal,
+        "element_a": elements[0], "element_b": elements[1], "multiplicity": 1,
+    }  # fmt: skip
+
+
+def _element(kind: str, across: int, along: int, body: Any, which: str) -> Element:
+    i, j = int(across > 0), int(along > 0)
+    index = {"face": 0, "directrix": j, "end_ruling": i, "vertex": 2 * i + j}[kind]
+    name = getattr(body, "name", None) or which
+    return Element(kind, name, index, name)
+
+
+def _middle(ends: tuple[float, float]) -> float:
+    return 0.5 * (ends[0] + ends[1])
