@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 
@@ -81,3 +83,44 @@ def test_a_proved_contact_overrules_a_later_one(monkeypatch):
     monkeypatch.setattr(verbs, "_decided", lambda *_: late)
     hit = fc.first_contact(BOX.moving(fc.Translation((0.3, 0.4, 6.0))), BOX.translated((0.5, 0.1, 4)))
     assert hit.time == pytest.approx(5 / 12, abs=1e-15) and hit.contact_set is None
+
+
+CAP = DRUM.translated((0, 0, -1))
+"""Its round cap is in the plane z = 0."""
+ASIDE = CAP.translated(("1/4", "1/10", 0))
+LEVEL = fc.cone(3, 4).transformed([["-3/5", 0, "4/5", 0], [0, 1, 0, 0], ["-4/5", 0, "-3/5", 0], [0, 0, 0, 1]])
+"""The cone's half angle is atan(3/4), and its axis sinks by as much: the lowest ruling is level."""
+TILT = [["2/3", "-1/3", "2/3", 0], ["2/3", "2/3", "-1/3", 0], ["-1/3", "2/3", "2/3", 0], [0, 0, 0, 1]]
+ACROSS_A_CAP = {
+    "through the middle": (LYING, (0, 0, -3), CAP),
+    "beside the middle": (LYING, ("1/10", "1/5", -3), ASIDE),
+    "oblique": (LYING.rotated((0, 0, 1), degrees=37), (0, "1/5", -3), ASIDE),
+    "an oval cap": (LYING, (0, "1/5", -3), fc.cylinder((1, "1/2"), 2).translated(("1/10", 0, -1))),
+    "half a cap": (LYING, ("1/10", 0, -3), ASIDE & fc.half_space((1, 1, 0), "1/2")),
+    "a ruling of a cone": (LEVEL, ("1/10", "1/5", -3), ASIDE),
+}
+
+
+@pytest.mark.parametrize("tilted", [False, True], ids=["upright", "tilted"])
+@pytest.mark.parametrize("name", ACROSS_A_CAP)
+def test_algebra_sees_a_ruling_come_to_lie_across_a_round_cap(name, tilted):
+    """Only the rim meets the cylinder then, and its plane cuts it in parallel lines at all times."""
+    top, vector, cap = ACROSS_A_CAP[name]
+    top = top.translated((0, 0, 3))
+    if tilted:
+        top, cap = top.transformed(TILT), cap.transformed(TILT)
+        vector = [sum(Fraction(x) * Fraction(v) for x, v in zip(row, vector, strict=False)) for row in TILT[:3]]
+    moving = top.moving(fc.Translation(vector))
+    told, exact = fc.first_contact(moving, cap), fc.first_contact(moving, cap, exact=True)
+    assert told.stats.exact_evaluations == 0 and told.contact_set == "segment"
+    assert exact.time == pytest.approx(told.time, abs=1e-15)
+
+
+def test_algebra_sees_a_cylinder_slide_onto_a_round_cap():
+    """It rests on the plane of the cap: that is tangent at all times, and the ruling meets the rim in one point."""
+    lying = LYING.translated((-3, 0, "3/4"))
+    hit = fc.first_contact(lying.moving(fc.Translation((6, 0, 0))), CAP, exact=True)
+    assert hit.time == 0.375 and hit.contact_set == "point"
+    assert np.allclose(hit.point, (-0.75, 0, 0), atol=1e-15)
+    upwards = lying.translated((3, 0, 0)).moving(fc.Translation((0, 0, 1)))
+    assert fc.first_contact(upwards, CAP, exact=True).status is fc.Status.INITIAL_CONTACT

@@ -139,6 +139,13 @@ def test_plane_parallel_to_the_plane_of_a_parabola():
     assert (u, found.found, found.reason) == (0, (), "planes parallel")
 
 
+def test_parabola_in_a_plane_parallel_to_its_own():
+    """It touches the line at infinity for all u: left are the u at which it lies in the plane."""
+    parabola = constant([[1, 0, 0], [0, 0, -1], [0, -1, 0]])
+    ((u, found),) = solve(conic_plane, level(shift(z=[2, -1]), 0), parabola, moved_plane(REST, (0, 0, -1, 0)))
+    assert u == 2 and [c.note for c in found.found] == ["coplanar"]
+
+
 # --- II ----------------------------------------------------------------------------------------------------------
 
 
@@ -320,6 +327,25 @@ def test_rim_of_a_parallel_cylinder():
     assert found == [(2, [(1, 0, 3)]), (6, [(-1, 0, 3)])]
     sliding = conic_quadric.equation(level(shift(z=[0, 1]), 0), DISC, CYLINDER)
     assert sliding.polynomial is None and "slides in the surface" in sliding.reason
+
+
+def test_rim_under_a_cylinder_whose_ruling_comes_to_lie_across_it():
+    """The section is two parallel lines for all u, and the permanent root l = 0 hides that they become one."""
+    rim = level(pose((2, 0, 0, 1), (0, 2, 0, 0), (0, 0, 2, [8, -2]), (0, 0, 0, 2)), 0)
+    lying = diagonal(1, 0, 1, -1)
+    touching = [(u, f) for u, f in solve(conic_quadric, rim, DISC, lying) if len(f.found) == 2]
+    assert [u for u, _ in touching] == [3, 5]
+    assert sorted(points(touching[0][1])) == [pytest.approx((0, y, 1)) for y in (-sqrt(3) / 2, sqrt(3) / 2)]
+
+
+def test_rim_that_a_ruling_sweeps_over():
+    """The plane of the rim touches the cylinder for all u: its double line meets the rim from u = 1 on."""
+    rim, lying = level(shift(x=[2, -1], z=1), 0), diagonal(1, 0, 1, -1)
+    equation = conic_quadric.equation(rim, DISC, lying)
+    assert equation.may_hold_always
+    first, second = (conic_quadric.contacts(rim, DISC, lying, root) for root in roots(equation))
+    assert (points(first), points(second)) == ([(0, 0, 1)], [(0, 0, 1)])
+    assert [float(root) for root in roots(equation)] == [1, 3]
 
 
 # --- I -----------------------------------------------------------------------------------------------------------

@@ -17,6 +17,7 @@ from firstcontact.pairs.carrier_contact import (
     Equation,
     Vector,
     columns,
+    common_factor,
     cross,
     finite,
     nothing,
@@ -32,7 +33,10 @@ def equation(basis: Matrix, conic: Matrix, plane: Vector) -> Equation:
     if all(x == 0 for x in n):
         return Equation(None, "identically zero: the conic slides in the plane")
     polynomial = value(adjugate(conic), n)
-    if polynomial == 0:
+    if polynomial == 0:  # at infinity too, as a parabola is in all planes parallel to its own
+        together = common_factor(n)
+        if together.degree() > 0:
+            return Equation(together, "the conic stays tangent: where it lies in the plane", permanent=True)
         return Equation(None, "identically zero: the conic stays tangent to the plane")
     return Equation(polynomial)
 

@@ -8,6 +8,7 @@ those of concentric circles, re-derived: see `exact.pencils`).
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 from flint import acb_poly, fmpq, fmpz_poly
@@ -17,7 +18,7 @@ from firstcontact.exact.inertia import inertia
 from firstcontact.exact.number_field import ball, sign
 from firstcontact.exact.numbers import PRECISIONS, Undecidable, dyadic, precision
 from firstcontact.exact.pencils import characteristic, combination, contact_equation, discriminant, member
-from firstcontact.exact.polynomial_matrix import Matrix
+from firstcontact.exact.polynomial_matrix import Matrix, minors
 from firstcontact.pairs.carrier_contact import (
     CROSSING,
     IMAGINARY,
@@ -37,8 +38,20 @@ PERMANENT = "a multiple root for all u is divided out"
 
 
 def equation(a: Matrix, b: Matrix) -> Equation:
-    """The u at which det(l A - B) has a multiple root that it does not have for all u."""
-    return pencil_equation(characteristic(a, b))
+    """The u at which det(l A - B) has a multiple root that it does not have for all u.
+
+    Where B is degenerate for all u, as a cylinder's section by planes along its axis, the permanent root l = 0 tells
+    nothing: B touches A where its two lines become one, and where one line for all u touches A (re-derived).
+    """
+    coefficients = characteristic(a, b)
+    found = pencil_equation(coefficients)
+    if found.polynomial is None or coefficients[0] != 0:
+        return found
+    double_line = common_factor(minors(b, 2))
+    if double_line != 0:
+        return replace(found, polynomial=found.polynomial * double_line)
+    tangent = next(c for c in coefficients if c != 0)
+    return replace(found, polynomial=found.polynomial * tangent, reason=PERMANENT, permanent=True)
 
 
 def pencil_equation(coefficients: list[fmpz_poly]) -> Equation:
