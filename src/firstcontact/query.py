@@ -243,7 +243,8 @@ def _undecided(reason: str, free_until: float, stats: Stats, begin: float, share
 
 
 def _timed(stats: Stats, begin: float) -> Stats:
-    return stats + Stats(seconds=clock.perf_counter() - begin)
+    seconds = clock.perf_counter() - begin
+    return Stats(stats.node_visits, stats.pair_tests, stats.undecided, stats.exact_evaluations, seconds)
 
 
 def _refuse_inexact(parts: list[Any]) -> None:

@@ -155,13 +155,17 @@ class AngleInstant:
         """`local` of a rational one."""
         if self.Y.sign() == 0:
             return arb(0) if self.X.sign() >= 0 else arb.pi()
-        bits = ctx.prec
-        while True:  # Y is not zero: some precision shows its sign
-            with precision(bits):
-                y = self.Y.ball() * ball(self.K).sqrt()
-                if y > 0 or y < 0:
-                    return _angle(self.X.ball(), y)
+        bits, angle = ctx.prec, self._seen()
+        while angle is None:  # Y is not zero: some precision shows its sign
             bits *= 2
+            with precision(bits):
+                angle = self._seen()
+        return angle
+
+    def _seen(self) -> arb | None:
+        """`local` where the present precision shows the sign of Y."""
+        y = self.Y.ball() * ball(self.K).sqrt()
+        return _angle(self.X.ball(), y) if y > 0 or y < 0 else None
 
     def is_rational(self) -> bool:
         """Whether its numbers are rational or square roots of rationals, not balls."""

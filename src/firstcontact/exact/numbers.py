@@ -34,6 +34,8 @@ def sign(x: Any) -> int:
         if x.is_zero():
             return 0
         raise Undecidable
+    if type(x) is fmpq:
+        x = x.p  # whole numbers compare in a tenth of the time
     return (x > 0) - (x < 0)
 
 
@@ -74,6 +76,9 @@ def fraction(x: fmpq) -> Fraction:
 
 def to_double(x: fmpq) -> float:
     """The double nearest x (ties to even), infinite beyond the largest."""
+    near = arb(x)
+    if near.is_exact():  # whatever the precision; most numbers come from doubles
+        return float(near)
     try:
         return int(x.p) / int(x.q)  # Python's integer division rounds correctly
     except OverflowError:
@@ -129,6 +134,8 @@ _lock = threading.RLock()
 
 class precision:  # noqa: N801 - reads as `with precision(256):`
     """Context: work with balls of that many bits, one thread at a time."""
+
+    __slots__ = ("before", "bits")
 
     def __init__(self, bits: int) -> None:
         self.bits = bits

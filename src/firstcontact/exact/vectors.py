@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import reduce
 from typing import Any
 
 from flint import fmpq, fmpz
@@ -41,7 +40,11 @@ def along(p: Vector, t: Any, v: Vector) -> Vector:
 
 def whole(*points: Vector) -> tuple[fmpz, list[Vector]]:
     """(scale > 0, the rational points times it as fmpz): sums of whole numbers have no denominators to find."""
-    scale = reduce(fmpz.lcm, (x.q for p in points for x in p))
+    denominators = [x.q for p in points for x in p]
+    scale = max(denominators)  # of numbers that come from doubles, their common multiple at once
+    for q in denominators:
+        if scale % q:
+            scale = scale.lcm(q)
     return scale, [tuple(x.p * (scale / x.q) for x in p) for p in points]  # type: ignore[misc]
 
 

@@ -256,9 +256,11 @@ def _rate(step: _Step, rests: bool, lead: Rotation) -> tuple[fmpq, fmpq] | None:
         return (_0, _0)
     motion = step.motion
     assert isinstance(motion, Rotation)
-    if any(cross(motion.axis, lead.axis)) or any(cross(sub(motion.point, lead.point), lead.axis)):
-        return None
-    sense = 1 if dot(motion.axis, lead.axis) > 0 else -1
+    sense = 1
+    if motion is not lead:
+        if any(cross(motion.axis, lead.axis)) or any(cross(sub(motion.point, lead.point), lead.axis)):
+            return None
+        sense = 1 if dot(motion.axis, lead.axis) > 0 else -1
     radians, turns = _angle(motion, sense / step.duration)
     return radians, turns
 

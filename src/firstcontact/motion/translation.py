@@ -27,8 +27,10 @@ def vector3(values: Iterable[Any], what: str) -> tuple[fmpq, fmpq, fmpq]:
 
 
 def _component(x: Any, what: str, k: int) -> fmpq:
-    if type(x) is float and -(2.0**150) < x < 2.0**150:
-        return fmpq(*x.as_integer_ratio())
+    if isinstance(x, float):
+        x = float(x)  # NumPy's own are slow
+        if -(2.0**150) < x < 2.0**150:
+            return fmpq(*x.as_integer_ratio())
     value = rational(x, f"{what}[{k}]")
     if abs(value) >= LARGEST:
         raise InputError(f"{what}[{k}] is {x}; give a number below 2^150")

@@ -280,34 +280,48 @@ def rotation_contacts(axis: Axis, a: Vector, b: Vector, c: Vector, d: Vector) ->
     p, q = along(scaled(n, a), k, e), along(scaled(n, c), l, f)
     u, v = scaled(fz, e), scaled(ez, f)
     # squares of radii are equal where squares are: p and q, u and v are equally high
-    qa, qb, qc = dot(u, u) - dot(v, v), dot(p, u) - dot(q, v), dot(p, p) - dot(q, q)
+    qq, qv, vv = dot(q, q), dot(q, v), dot(v, v)
+    qa, qb, qc = dot(u, u) - vv, dot(p, u) - qv, dot(p, p) - qq
     if sign(qa) == 0 and sign(qb) == 0:
         return _same_surface(axis, *divisible(a, b, c, d)) if sign(qc) == 0 else []
     found: list[Contact] = []
     for s, z in _roots(qa, qb, qc):  # s / z, z > 0
-        lam, mu, whole = s * fz + k * z, s * ez + l * z, n * z
-        if lam.sign() < 0 or (whole - lam).sign() < 0 or mu.sign() < 0 or (whole - mu).sign() < 0:
+        whole = n * z
+        if not (_within(k * z + s.x * fz, s.y * fz, s.d, whole) and _within(l * z + s.x * ez, s.y * ez, s.d, whole)):
             continue
-        at_p, at_q = (along(scaled(z, p), s.x, u), scaled(s.y, u)), (along(scaled(z, q), s.x, v), scaled(s.y, v))
-        place = tuple(Surd(x, y, s.d) for x, y in zip(*at_q, strict=True))
-        found.append((_angle_between_surds(axis, at_p, at_q, s.d), (*place, whole)))  # type: ignore[arg-type]
+        x, y, z0 = (Surd(z * q[i] + s.x * v[i], s.y * v[i], s.d) for i in range(3))
+        found.append((_angle_between(axis, p, u, q, v, ez * fz, (qq, qv, vv), s, z), (x, y, z0, whole)))
     return found
 
 
-def _angle_between_surds(
-    axis: Axis, p: tuple[Vector, Vector], q: tuple[Vector, Vector], d: Any
+def _within(x: Any, y: Any, d: Any, whole: Any) -> bool:
+    """Whether 0 <= x + y sqrt(d) <= whole."""
+    return Surd(x, y, d).sign() >= 0 and Surd(whole - x, -y, d).sign() >= 0
+
+
+def _angle_between(
+    axis: Axis, p: Vector, u: Vector, q: Vector, v: Vector, vz: Any, squares: tuple[Any, Any, Any], s: Surd, z: Any
 ) -> AngleInstant:
-    """`angle_between` of points p[0] + p[1] sqrt(d) and q likewise, of equal heights and radii."""
-    (p0, p1), (q0, q1), h, K = p, q, axis.h, axis.K  # noqa: N806
-    z0, z1 = dot(h, q0), dot(h, q1)
-    square, twice = z0 * z0 + z1 * z1 * d, 2 * (z0 * z1)
-    r = Surd(K * (dot(q0, q0) + d * dot(q1, q1)) - square, 2 * (K * dot(q0, q1)) - twice, d)
+    """`angle_between` of z p + s u and z q + s v, of equal heights and radii.
+
+    Its three numbers are quadratic in s: products of the four vectors are their coefficients.  vz: height of u and v.
+    squares: q.q, q.v and v.v.
+    """
+    (qq, qv, vv), h, K = squares, axis.h, axis.K  # noqa: N806
+    qz = dot(h, q)
+    zz, zv, vv_z = qz * qz, 2 * (qz * vz), vz * vz
+    one, first, second = z * z, z * s.x, s.x * s.x + s.y * s.y * s.d
+    y1, y2 = z * s.y, 2 * (s.x * s.y)
+
+    def number(c0: Any, c1: Any, c2: Any) -> Surd:
+        return Surd(one * c0 + first * c1 + second * c2, y1 * c1 + y2 * c2, s.d)
+
+    r = number(K * qq - zz, 2 * (K * qv) - zv, K * vv - vv_z)
     if r.sign() == 0:
         return AngleInstant(1, 0, 1, K)
-    x = Surd(K * (dot(p0, q0) + d * dot(p1, q1)) - square, K * (dot(p0, q1) + dot(p1, q0)) - twice, d)
-    t0, t1 = cross(h, p0), cross(h, p1)
-    y = Surd(dot(t0, q0) + d * dot(t1, q1), dot(t0, q1) + dot(t1, q0), d)
-    return AngleInstant(x, y, r, K)
+    x = number(K * dot(p, q) - zz, K * (dot(p, v) + dot(u, q)) - zv, K * dot(u, v) - vv_z)
+    hp, hu = cross(h, p), cross(h, u)
+    return AngleInstant(x, number(dot(hp, q), dot(hp, v) + dot(hu, q), dot(hu, v)), r, K)
 
 
 def _roots(a: Any, b: Any, c: Any) -> list[tuple[Surd, Any]]:

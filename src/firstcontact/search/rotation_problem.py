@@ -9,7 +9,7 @@ from __future__ import annotations
 import copy
 import math
 from fractions import Fraction
-from functools import cmp_to_key
+from functools import cached_property, cmp_to_key
 from typing import Any
 
 import numpy as np
@@ -92,7 +92,6 @@ class RotationProblem:
         h, self.origin = piece.axis, piece.point
         _, (direction,) = whole(h)
         self._whole_axis = Axis(scaled(-1, direction) if self.backward else direction)
-        self.axis = Axis(*divisible(self._whole_axis.h))
         self.first, self.opening, self.turn = _ZERO, _ZERO, 0
         if piece.reference != piece.start:
             radians, turns = self._angle_at(piece.start)
@@ -104,6 +103,11 @@ class RotationProblem:
         self._known_corners: dict[tuple[Feature, Feature], tuple[list[Vector], list[Vector]]] = {}
         self._window: tuple[float, float] | None = None
         self._prepare()
+
+    @cached_property
+    def axis(self) -> Axis:
+        """The axis in numbers that divide."""
+        return Axis(*divisible(self._whole_axis.h))
 
     def _angle_at(self, time: fmpq) -> tuple[fmpq, fmpq]:
         """(radians, turns) forward from the reference."""
@@ -138,8 +142,9 @@ class RotationProblem:
 
     def _prepare(self) -> None:
         """Views of both trees in the axis frame, with the ranges of their boxes about this axis."""
-        longest = max(abs(x) for x in self.axis.h)
-        frame = frame_of(tuple(to_double(x / longest) for x in self.axis.h))  # type: ignore[arg-type]
+        h = [int(x) for x in self._whole_axis.h]
+        longest = max(map(abs, h))
+        frame = frame_of((h[0] / longest, h[1] / longest, h[2] / longest))
         self.tree_a, self.tree_b = view_in(self.a, frame), view_in(self.b, frame)
         origin = [to_double(x) for x in self.origin]
         self.centre = tuple(row[0] * origin[0] + row[1] * origin[1] + row[2] * origin[2] for row in frame[:2])
@@ -207,7 +212,7 @@ class RotationProblem:
             return self._find_contacts(self.axis, element_a, element_b, *self._corners(element_a, element_b))
         key = element_a, element_b
         if key not in self._contacts:
-            short = self.axis.K.p.bit_length() <= SHORT_AXIS
+            short = self._whole_axis.K.bit_length() <= SHORT_AXIS
             self._contacts[key] = self.exact_contacts(*key) if short else self._deferred_contacts(*key)
         return self._contacts[key]
 

@@ -50,8 +50,10 @@ class WalkState:
         self, first: float, sure_first: float, last: float, sure_last: float, want_all: bool = False
     ) -> None:
         """Ready for a new walk over [first, last]; contacts count as certain inside the sure window."""
-        self.floats[:] = (first, sure_first, sure_last, last, first, want_all)
-        self.integers[:] = (0, 1, 0, 0, 0, 0, 0)
+        f, n = self.floats, self.integers
+        f[FIRST], f[SURE_FIRST], f[SURE_LAST], f[BEST], f[KEY], f[ALL] = first, sure_first, sure_last, last, first, want_all
+        n.fill(0)
+        n[STACK] = 1
         self.stack[0] = 0
 
     def grow(self) -> None:
