@@ -51,7 +51,8 @@ class WalkState:
     ) -> None:
         """Ready for a new walk over [first, last]; contacts count as certain inside the sure window."""
         f, n = self.floats, self.integers
-        f[FIRST], f[SURE_FIRST], f[SURE_LAST], f[BEST], f[KEY], f[ALL] = first, sure_first, sure_last, last, first, want_all
+        f[FIRST], f[SURE_FIRST], f[SURE_LAST] = first, sure_first, sure_last
+        f[BEST], f[KEY], f[ALL] = last, first, want_all
         n.fill(0)
         n[STACK] = 1
         self.stack[0] = 0
