@@ -134,7 +134,7 @@ def contact_intervals(
     if kind == "models":
         from firstcontact.composite import verbs
 
-        return verbs.contact_intervals(a, b, span, exact, budget, progress)
+        return verbs.contact_intervals(a, b, span, exact, budget, progress, tolerance)
     parts, first, last = pieces(a, b, span)
     if exact:
         _refuse_inexact(parts)

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 from flint import fmpq
 
 from firstcontact.body.composite_quadric import CompositeQuadric
@@ -16,6 +17,7 @@ from firstcontact.composite.algorithm import Meeting, Root, Search, between
 from firstcontact.composite.answer import contact_of, listed, world_time
 from firstcontact.composite.at_rest import is_containment, overlap
 from firstcontact.composite.certified import both_bounded, contact, settle
+from firstcontact.composite.certified_intervals import Found, certified_intervals
 from firstcontact.composite.meshes import first_contact_of_mesh
 from firstcontact.composite.moving_pair import Pair
 from firstcontact.composite.polyhedra import as_model, is_small_and_convex
@@ -147,15 +149,66 @@ def _decided(
 
 
 def contact_intervals(
-    a: Any, b: Any, span: Any, exact: bool, budget: int | None = None, progress: Progress | None = None
+    a: Any, b: Any, span: Any, exact: bool, budget: int | None = None, progress: Progress | None = None,
+    tolerance: float = 1e-12,
 ) -> ContactIntervals:
-    """All closed times of contact: between two candidates the models overlap all the time or not at all."""
+    """All closed times of contact: by algebra, or certified in doubles where algebra does not take the pair.
+
+    tolerance: as part of the span, of the certified path only; algebra is exact.
+    """
     begin = clock.perf_counter()
     first, last = _span(a, b, span)
     shared = {"a": a, "b": b, "span": (to_double(first), to_double(last))}
+    try:
+        return _decided_intervals(a, b, first, last, exact, Work(budget, progress, below(first)), begin, shared)
+    except UnsupportedPair as refusal:
+        if exact:
+            raise
+        work = Work(budget, progress, below(first))
+        try:
+            found = certified_intervals(
+                _models(a, b), first, last, tolerance, work, lambda: _touching_at_start(a, b, first, begin, shared)
+            )
+        except UnsupportedPair as other:
+            raise UnsupportedPair(f"{refusal}; {other}") from other
+    return _proved_intervals(found, work, begin, shared)
+
+
+def _proved_intervals(found: Found, work: Work, begin: float, shared: dict[str, Any]) -> ContactIntervals:
+    first, last = shared["span"]
+    intervals = []
+    for x in found.intervals:
+        start, end = ((max(lo, first), min(hi, last)) for lo, hi in (x.start, x.end))
+        intervals.append(ContactInterval(_middle(start), end[0] if x.open else _middle(end), start, end))
+    status, until = Status.FREE, last
+    if intervals:
+        until = intervals[0].start_interval[0]
+        status = Status.INITIAL_CONTACT if intervals[0].start_interval == (first, first) else Status.CONTACT
+    if found.reason is not None:
+        status, until = Status.UNDECIDED, max(first, found.until)
+    stats = Stats(work.done, seconds=clock.perf_counter() - begin)
+    return ContactIntervals(tuple(intervals), status, until, found.reason, stats, **shared)
+
+
+def _middle(interval: tuple[float, float]) -> float:
+    lo, hi = interval
+    return min(max(lo + 0.5 * (hi - lo), lo), hi)
+
+
+def _touching_at_start(a: Any, b: Any, first: fmpq, begin: float, shared: dict[str, Any]) -> np.ndarray | None:
+    """A common point at time 0, when moving bodies still stand as they are; None where none is known."""
+    poses = [x.motion(0.0) for x in (a, b) if isinstance(x, Moving)]
+    if first != 0 or not all(np.array_equal(pose, np.eye(4)) for pose in poses):
+        return None
+    return _at_start(a, b, first, begin, shared).point
+
+
+def _decided_intervals(
+    a: Any, b: Any, first: fmpq, last: fmpq, exact: bool, work: Work, begin: float, shared: dict[str, Any]
+) -> ContactIntervals:
+    """The answer of exact arithmetic: between two candidates the models overlap all the time or not at all."""
     found: list[tuple[_End, _End]] = []
     tests = evaluations = 0
-    work = Work(budget, progress, below(first))
     reason = None
     try:
         for search in _searches(a, b, first, last, work):

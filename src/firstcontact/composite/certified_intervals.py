@@ -1,0 +1,322 @@
+"""All times of contact of two models under any motion, proved in doubles and balls.
+
+Free time is passed by the searches for the first contact, contact by `lasting`.  Where contact may end, a later time is
+proved free; the last contact before it is the first one with time running backwards, and from there contact is proved
+back to where it was lost.  What is proved neither way ends the answer.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from flint import fmpq
+
+from firstcontact.body.moving import Moving
+from firstcontact.composite.certified import both_bounded
+from firstcontact.composite.lasting import Lasting
+from firstcontact.composite.work import Spent, Work
+from firstcontact.errors import UnsupportedPair
+from firstcontact.exact.numbers import above, below
+from firstcontact.kernels.event_search import CHART, FREE
+from firstcontact.kernels.poses import CENTRE, KIND, TURNING, pose_at
+from firstcontact.kernels.workspace import HERE_A, workspace
+from firstcontact.search import advance, events
+from firstcontact.search.charts import NotCharted
+from firstcontact.search.convex import NotConvex, convex_pieces
+from firstcontact.search.event_tables import tables_of
+from firstcontact.search.stretches import Untold, Window, windows
+
+STRIDES, BOXES = 10_000, events.MOST_BOXES
+LEAST_AHEAD, LEAST_BACK = 1e-3, 1e-6
+"""Parts of the longest step below which proofs of lasting contact give up: towards its end, and from there back."""
+SEEDS = 4
+MOST_TURNS = 20
+"""Stretches of contact followed one after the other before the rest is left open."""
+TRIES = 8
+"""Times without contact looked for between two times in contact."""
+
+
+@dataclass(frozen=True)
+class Certified:
+    """start, end: enclosures of either end; open: whether it is followed no farther than to end[0]."""
+
+    start: tuple[float, float]
+    end: tuple[float, float]
+    open: bool = False
+
+
+@dataclass(frozen=True)
+class Found:
+    """intervals: all up to `until`, in order; those that may go on then end at (until, end of the span).
+
+    reason: "precision" or "budget" where `until` is before the end of the span.
+    """
+
+    intervals: tuple[Certified, ...]
+    until: float
+    reason: str | None
+
+
+class _Open(Exception):
+    """Nothing is proved from that time on."""
+
+    def __init__(self, time: float) -> None:
+        self.time = time
+
+
+def certified_intervals(
+    models: tuple[Any, Any],
+    first: fmpq,
+    last: fmpq,
+    tolerance: float,
+    work: Work,
+    touches_at_start: Callable[[], np.ndarray | None],
+) -> Found:
+    """All closed times of contact over [first, last]; events within `tolerance` of the span are not told apart.
+
+    touches_at_start: gives a common point at the start that is known otherwise, or None; asked where nothing is proved.
+    Raises UnsupportedPair where the models or motions are beyond the searches.
+    """
+    span = below(first), above(last)
+    models = both_bounded(models, span)
+    try:
+        parts = windows(*models, first, last)
+        return _Sweep(models, parts, tolerance * (parts[-1].last - parts[0].first), work, touches_at_start).run()
+    except (NotCharted, Untold) as reason:
+        raise UnsupportedPair(f"contact intervals are not decided: {reason}") from reason
+
+
+def reversed_in_time(window: Window) -> Window:
+    """The window as seen at times -t."""
+    tables = []
+    for m in (window.a, window.b):
+        table = m.copy()
+        table[0, CENTRE] = -m[0, CENTRE]
+        odd = [1, 3] if m[0, KIND] == TURNING else list(range(1, m.shape[1], 2))
+        table[1:, odd] = -m[1:, odd]
+        tables.append(table)
+    return Window(-window.last, -window.first, -math.nextafter(window.first, math.inf), *tables)
+
+
+class _Free:
+    """How free time is passed: by convex pieces where the models consist of them, else by events."""
+
+    def __init__(self, models: tuple[Any, Any], width: float) -> None:
+        self.models, self.width = models, width
+        bodies: list[Any] = [x.body if isinstance(x, Moving) else x for x in models]
+        try:
+            self.pieces = [convex_pieces(body) for body in bodies]
+            self.tables = None
+        except NotConvex:
+            self.pieces, self.tables = [], tables_of(*bodies)
+
+    def at(self, window: Window, t: float) -> bool:
+        """Whether the models are proved apart at t."""
+        if self.tables is None:
+            return self._advanced(window, t, t).status == "free"
+        search = events._Search(*self.models, self.tables, [window], 1.0, BOXES)
+        return search._searched(self.tables.still, window, t, t, events.MOST_STILL) == FREE
+
+    def until(self, window: Window, t: float, end: float) -> tuple[float, list[np.ndarray]]:
+        """(a time until which the models, apart at t, stay apart; where they may touch then)."""
+        if self.tables is None:
+            found = self._advanced(window, t, end)
+            until = end if found.status == "free" else found.free_until
+            return until, [] if found.point is None else [found.point]
+        search = events._Search(*self.models, self.tables, [window], 1.0, BOXES)
+        search.width = self.width
+        if search._searched(self.tables.boxes, window, t, end, BOXES) == FREE:
+            return end, []
+        return max(t, float(search.result[0])), self._places(search, window)
+
+    def _advanced(self, window: Window, t: float, end: float) -> advance.Advance:
+        part = window._replace(first=t, last=end, inner=min(end, window.inner))
+        search = advance._Search(self.pieces[0], self.pieces[1], [part], 1.0, STRIDES)
+        search.width = self.width
+        return search.run()
+
+    def _places(self, search: Any, window: Window) -> list[np.ndarray]:
+        """The middles of boxes that survive, in the world."""
+        count, start = int(search.result[2]), int(search.result[3])
+        tables: Any = self.tables
+        scratch, found = workspace()[0], []
+        for box in search.pool[start : start + min(count, SEEDS)]:
+            chart, u, v = int(box[CHART]), box[2], box[4]
+            side = int(tables.info[chart, 0])
+            x = np.array([1.0, u, v, u * u, u * v, v * v]) @ tables.charts[chart, :24].reshape(6, 4)
+            place = tables.units[side, :3] + tables.units[side, 3] * x[:3] / x[3]
+            pose_at((window.a, window.b)[side], float(search.result[0]), scratch, HERE_A)
+            found.append(scratch[HERE_A, :9].reshape(3, 3) @ place + scratch[HERE_A, 9:12])
+        return found
+
+
+class _Sweep:
+    def __init__(
+        self,
+        models: tuple[Any, Any],
+        parts: list[Window],
+        width: float,
+        work: Work,
+        touches_at_start: Callable[[], np.ndarray | None],
+    ) -> None:
+        self.free = _Free(models, width)
+        self.lasting = Lasting(*(x.body if isinstance(x, Moving) else x for x in models))
+        self.windows, self.width, self.work = parts, width, work
+        self.touches_at_start = touches_at_start
+        self.intervals: list[Certified] = []
+        self.start: tuple[float, float] | None = None
+        self.turns = 0
+        self.reached = parts[0].first
+
+    def run(self) -> Found:
+        reason, point = None, None
+        try:
+            for k, window in enumerate(self.windows):
+                self.reached = window.first
+                point = self._window(window, point, k == 0)
+        except _Open as stopped:
+            self.reached, reason = max(self.reached, stopped.time), "precision"
+        except Spent:
+            reason = "budget"
+        last = self.windows[-1].last
+        if reason is None:
+            self.reached = last
+        if self.start is not None:
+            self._close((self.reached, last), reason is not None)
+        return Found(tuple(self.intervals), self.reached, reason)
+
+    def _close(self, end: tuple[float, float], open: bool = False) -> None:
+        assert self.start is not None
+        start, self.start = self.start, None
+        joined = self.intervals[-1] if self.intervals else None
+        if joined is not None and start[1] <= joined.end[0]:  # from one window to the next
+            self.intervals[-1] = replace(joined, end=end, open=open)
+        else:
+            self.intervals.append(Certified(start, end, open))
+
+    def _step(self) -> None:
+        starts = [x.start[0] for x in self.intervals[:1]] or ([self.reached] if self.start is None else [self.start[0]])
+        self.work.free_until = starts[0]
+        self.work.step()
+
+    def _window(self, window: Window, point: np.ndarray | None, is_first: bool) -> np.ndarray | None:
+        """Follow the state through one window; a common point at its end, None where there is none."""
+        t = window.first
+        self._step()
+        if self.free.at(window, t):
+            if self.start is not None:  # the pose jumps
+                self._close((t, t))
+            point = None
+        else:
+            point = self._at_start(window, point, is_first)
+            if self.start is None:
+                self.start = t, t
+        while t < window.last:
+            if self.start is None:
+                t, point = self._enter(window, t)
+            else:
+                assert point is not None
+                t, point = self._leave(window, t, point)
+            self.reached = t
+        return point
+
+    def _at_start(self, window: Window, point: np.ndarray | None, is_first: bool) -> np.ndarray:
+        t = window.first
+        found = self.lasting.deepest(window, t, [point]) if point is not None else None
+        if found is None:
+            found = self.lasting.anywhere(window, t)
+        if found is not None:
+            return found
+        until, seeds = self.free.until(window, t, t) if self.free.tables is None else (t, [])
+        if seeds:
+            return seeds[0]
+        if is_first and (seed := self.touches_at_start()) is not None:
+            return seed
+        raise _Open(until)
+
+    def _enter(self, window: Window, t: float) -> tuple[float, np.ndarray | None]:
+        """(the time from which there is contact again, a common point then), from t, which is free."""
+        self._step()
+        lo, seeds = self.free.until(window, t, window.last)
+        if lo >= window.last:
+            return window.last, None
+        self.reached = lo
+        hi, point = self._soon(window, lo, window.inner, seeds)
+        if point is None:
+            raise _Open(lo)
+        self.start = lo, hi
+        return hi, point
+
+    def _soon(
+        self, window: Window, lo: float, latest: float, seeds: list[np.ndarray]
+    ) -> tuple[float, np.ndarray | None]:
+        """(a time within the width after lo, a point proved common then)."""
+        for share in (0.25, 0.9):
+            at = min(lo + share * self.width, latest)
+            if lo <= at <= lo + self.width and (point := self.lasting.deepest(window, at, seeds)) is not None:
+                return at, point
+        return lo, None
+
+    def _leave(self, window: Window, t: float, point: np.ndarray) -> tuple[float, np.ndarray | None]:
+        """(a later time up to which all is settled, a common point then or None), from t, which is in contact."""
+        self.turns += 1
+        if self.turns > MOST_TURNS:
+            raise _Open(t)
+        t, point = self.lasting.until(window, t, window.last, point, LEAST_AHEAD, self._step)
+        self.reached = t
+        if t >= window.last:
+            return t, point
+        for later in self._ahead(window, t):
+            self._step()
+            if self.free.at(window, later):
+                return self._back(window, t, later)
+            there = self.lasting.deepest(window, later, [point])
+            if there is not None:
+                gap = self._lost_before(window, t, later, there)
+                return (later, there) if gap is None else self._back(window, t, gap)
+        raise _Open(t)
+
+    def _ahead(self, window: Window, t: float) -> Iterator[float]:
+        """Times after t, ever farther apart, up to the window's end."""
+        passed = t - (self.start[1] if self.start is not None else t)
+        step = max(0.5 * self.width, 8.0 * math.ulp(t), 1e-4 * passed)  # in few turns, however little each proves
+        while t + step < window.last:
+            yield t + step
+            step *= 2.0
+        yield window.last
+
+    def _back(self, window: Window, t: float, later: float) -> tuple[float, None]:
+        """Where contact at t ends before the time `later`, which is free; a time that is free."""
+        mirror = reversed_in_time(window)
+        for _ in range(TRIES):
+            self._step()
+            free, seeds = self.free.until(mirror, -later, -t)
+            hi = -free
+            if hi - t <= self.width:
+                self._close((t, max(hi, t)))
+                return later, None
+            lo, point = self._soon(mirror, free, -t, seeds)
+            if point is None:
+                raise _Open(t)
+            gap = self._lost_before(window, t, -lo, point)
+            if gap is None:
+                self._close((-lo, hi))
+                return later, None
+            later = gap
+        raise _Open(t)
+
+    def _lost_before(self, window: Window, t: float, later: float, point: np.ndarray) -> float | None:
+        """None if contact lasts from t to `later`, both in contact; else a free time between.  May raise _Open."""
+        mirror = reversed_in_time(window)
+        back, _ = self.lasting.until(mirror, -later, -t, point, LEAST_BACK, self._step)
+        if -back - t <= self.width:
+            return None
+        for k in range(1, TRIES):
+            middle = t + (-back - t) * k / TRIES
+            if t < middle < later and self.free.at(window, middle):
+                return middle
+        raise _Open(t)

@@ -1,0 +1,136 @@
+"""Contact intervals under motions without rational pose: against exact arithmetic, sampling, and their own mirrors."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from flint import fmpq
+
+import firstcontact as fc
+from firstcontact.body import primitives
+from firstcontact.body.csg import inside
+from firstcontact.composite.certified_intervals import certified_intervals, reversed_in_time
+from firstcontact.composite.verbs import _models
+from firstcontact.composite.work import Work
+from firstcontact.kernels.poses import pose_at
+from firstcontact.kernels.workspace import HERE_A, workspace
+from firstcontact.scene import load_scene
+from firstcontact.search.stretches import windows
+
+BALL, SMALL = primitives.sphere(1), primitives.sphere("1/2")
+EGG, BLOCK = primitives.ellipsoid((1, 2, "1/2")), primitives.box((1, 2, 1))
+RING = primitives.cylinder(3, 2) - primitives.cylinder("3/2", 4)
+SCREW = fc.Screw((0, 0, 1), degrees=360, advance="1/10")
+
+
+def about(axis, degrees=360):
+    return fc.Rotation(axis, degrees=degrees)
+
+
+SCENES = {
+    "balls": (BALL.translated((3, 0, 0)).moving(fc.Translation((-6, "1/3", 0))), BALL),
+    "egg": (BALL.translated((3, 0, 0)).moving(about((0, 0, 1))), EGG.translated((0, 3, 0))),
+    "blocks": (BLOCK.moving(fc.Rotation((0, 0, 1), (3, 0, 0), degrees=360)), BLOCK.translated((6, 1, 0))),
+    "frustum": (
+        primitives.frustum(2, 1, 1).translated((4, 0, 0)).moving(fc.Rotation((0, 0, 1), (0, 1, 0), degrees=360)),
+        EGG.translated((0, 4, 0)),
+    ),
+    "from the start": (BALL.translated((1, 0, 0)).moving(fc.Translation((-6, "1/3", 0))), BALL),
+    "through a ring": (SMALL.translated((5, 0, 0)).moving(fc.Translation((-10, "1/10", 0))), RING),
+    "past a ring": (SMALL.translated((5, 0, 0)).moving(fc.Rotation((0, 1, 0), (0, 0, 3), degrees=300)), RING),
+}
+
+
+def forced(a, b):
+    found = certified_intervals(_models(a, b), fmpq(0), fmpq(1), 1e-12, Work(), lambda: None)
+    assert found.reason is None and found.until == 1
+    return found.intervals
+
+
+def overlap(x, y) -> bool:
+    return x[0] <= y[1] and y[0] <= x[1]
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_as_exact_arithmetic_tells(name):
+    proved, known = forced(*SCENES[name]), fc.contact_intervals(*SCENES[name])
+    assert len(proved) == len(known)
+    for x, y in zip(proved, known, strict=True):
+        assert overlap(x.start, y.start_interval) and overlap(x.end, y.end_interval)
+        assert max(x.start[1] - x.start[0], x.end[1] - x.end[0]) <= 1e-12
+
+
+def share_points(a, b, t, grid) -> bool:
+    """Whether a point of the grid in the box of b, which rests, is inside both at t."""
+    pose = np.linalg.inv(a.motion(t))
+    held = []
+    for model, x in ((a.body, grid @ pose[:3, :3].T + pose[:3, 3]), (b, grid)):
+        x = np.column_stack([x, np.ones(len(x))])
+        held.append(inside(model.tree, list(np.einsum("ni,sij,nj->sn", x, model._forms_f, x, optimize=True) < 0)))
+    return bool(np.any(held[0] & held[1]))
+
+
+@pytest.mark.parametrize("b", [EGG.translated((0, 3, 0)), RING.translated((1, 1, 0))], ids=["egg", "ring"])
+def test_a_screw_against_samples(b):
+    a = SMALL.translated((3, 0, 0)).moving(SCREW)
+    found = fc.contact_intervals(a, b)
+    assert found.status in (fc.Status.CONTACT, fc.Status.INITIAL_CONTACT) and found.reason is None
+    lo, hi = b.bounds()
+    grid = lo + np.random.default_rng(1).uniform(size=(20_000, 3)) * (hi - lo)
+    for t in np.linspace(0.001, 0.999, 60):
+        held = any(x.start <= t <= x.end for x in found)
+        near = any(abs(t - end) < 0.02 for x in found for end in (x.start, x.end))
+        assert share_points(a, b, t, grid) == held or near, t
+
+
+def test_backwards_and_in_parts():
+    a, b = SMALL.translated((3, 0, 0)), EGG.translated((0, 3, 0))
+    whole = fc.contact_intervals(a.moving(SCREW), b)
+    (x,) = whole
+    assert fc.first_contact(a.moving(SCREW), b).time == pytest.approx(x.start, abs=1e-11)
+    end = a.transformed(np.array([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0.1], [0, 0, 0, 1]]))
+    (y,) = fc.contact_intervals(end.moving(fc.Screw((0, 0, 1), degrees=-360, advance="-1/10")), b)
+    assert (1 - y.end, 1 - y.start) == pytest.approx((x.start, x.end), abs=1e-11)
+    middle = 0.5 * (x.start + x.end)
+    (p,), (q,) = (fc.contact_intervals(a.moving(SCREW), b, span=s) for s in ((0, middle), (middle, 1)))
+    assert overlap(p.start_interval, x.start_interval) and overlap(q.end_interval, x.end_interval)
+    assert p.end_interval == (middle, middle) == q.start_interval
+
+
+def test_after_an_irrational_step_contact_goes_on():
+    steps = [fc.Rotation((0, 0, 1), degrees=80), fc.Rotation((0, 0, 1), degrees=100)]
+    a, b = BALL.translated((3, 0, 0)), EGG.translated((0, 3, 0))
+    (x,) = fc.contact_intervals(a.moving(fc.Sequence(steps, [80, 100])), b)
+    (y,) = fc.contact_intervals(a.moving(about((0, 0, 1), 180)), b)
+    assert (x.start, x.end) == pytest.approx((180 * y.start, 180 * y.end), abs=1e-9)
+
+
+def test_the_pin_stays_in_the_plate():
+    bodies = load_scene(Path(__file__).parent / "data" / "pin_in_plate.toml").bodies
+    found = fc.contact_intervals(bodies["pin"], bodies["plate"])
+    (x,) = found
+    assert found.status is fc.Status.CONTACT and x.start == pytest.approx(0.67871408997, abs=1e-11)
+    assert x.end_interval == (1.0, 1.0)
+
+
+def test_a_budget_and_exact_ends():
+    a, b = BALL.translated((3, 0, 0)).moving(SCREW), EGG.translated((0, 3, 0))
+    seen = []
+    found = fc.contact_intervals(a, b, budget=10, progress=lambda t, done: seen.append(done))
+    assert found.status is fc.Status.UNDECIDED and found.reason == "budget" and seen == list(range(1, 11))
+    assert found.free_until < 1 and all(x.end_interval[1] == 1.0 for x in found)
+    with pytest.raises(fc.UnsupportedPair):
+        fc.contact_intervals(a, b, exact=True)
+
+
+@pytest.mark.parametrize("motion", [SCREW, fc.Translation((1, 2, 3))])
+def test_windows_reversed_in_time(motion):
+    (window,) = windows(BALL.moving(motion), BALL, fmpq(0), fmpq(1))
+    mirror, w = reversed_in_time(window), workspace()[0]
+    for t in (0.0, 0.3, 1.0):
+        pose_at(window.a, t, w, HERE_A)
+        there = w[HERE_A].copy()
+        pose_at(mirror.a, -t, w, HERE_A)
+        assert np.array_equal(there, w[HERE_A])
