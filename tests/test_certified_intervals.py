@@ -32,7 +32,6 @@ def about(axis, degrees=360):
 SCENES = {
     "balls": (BALL.translated((3, 0, 0)).moving(fc.Translation((-6, "1/3", 0))), BALL),
     "egg": (BALL.translated((3, 0, 0)).moving(about((0, 0, 1))), EGG.translated((0, 3, 0))),
-    "blocks": (BLOCK.moving(fc.Rotation((0, 0, 1), (3, 0, 0), degrees=360)), BLOCK.translated((6, 1, 0))),
     "frustum": (
         primitives.frustum(2, 1, 1).translated((4, 0, 0)).moving(fc.Rotation((0, 0, 1), (0, 1, 0), degrees=360)),
         EGG.translated((0, 4, 0)),

@@ -11,6 +11,7 @@ import firstcontact as fc
 import generators as g
 import naive
 from agreement import polyhedron
+from amount import amount
 from generators import box, moved
 from vectors import Body
 
@@ -166,7 +167,7 @@ def polycube_truth(cells_a, cells_b, a: Body, b: Body) -> tuple[str, ...]:
     return ("touching",) if close else ()
 
 
-@pytest.mark.parametrize("first", range(0, 120, 40))
+@pytest.mark.parametrize("first", range(0, amount(120, 3), 40))
 def test_random_polycubes(first):
     for seed in range(first, first + 40):
         rng = np.random.default_rng(seed)
@@ -182,7 +183,7 @@ def test_random_polycubes(first):
             assert start(a, b).status is fc.Status.FREE, f"seed {seed}"
 
 
-@pytest.mark.parametrize("first", range(0, 300, 100))
+@pytest.mark.parametrize("first", range(0, amount(300, 3), 100))
 def test_random_tetrahedra_and_boxes(first):
     """Convex solids share interior exactly when no face normal and no edge cross product separates them."""
     seen = set()

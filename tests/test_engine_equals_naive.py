@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 import generators as g
 import naive
 from agreement import assert_same_first_contact
+from amount import amount
 from generators import FAMILIES, KINDS, Scene, lattice_body, lattice_scene, to_tangent
 from vectors import Body
 
@@ -30,14 +31,14 @@ def assert_agreement(scenes) -> None:
 
 
 @MOTIONS
-@pytest.mark.parametrize("first", range(0, 2000, 250))
+@pytest.mark.parametrize("first", range(0, amount(2000), 250))
 def test_lattice_scenes(first, rotating):
     assert_agreement((lattice_scene(seed, rotating), False) for seed in range(first, first + 250))
 
 
 @MOTIONS
 def test_lattice_scenes_exactly(rotating):
-    assert_agreement((lattice_scene(seed, rotating), True) for seed in range(10_000, 10_250))
+    assert_agreement((lattice_scene(seed, rotating), True) for seed in range(10_000, 10_000 + amount(250)))
 
 
 @MOTIONS
@@ -47,7 +48,7 @@ def test_solids_own_their_interior(rotating):
         closed = g.is_closed(s.a) and g.is_closed(s.b)
         return Scene(s.a, s.b, s.translation, s.rotation, s.until, solid=closed)
 
-    assert_agreement((scene(seed), False) for seed in range(20_000, 20_250))
+    assert_agreement((scene(seed), False) for seed in range(20_000, 20_000 + amount(250)))
 
 
 @MOTIONS
@@ -76,7 +77,7 @@ def test_scenes_of_extreme_proportions(rotating):
         return Scene(a, b, translation=tuple((s.translation * units).tolist()), until=s.until)
 
     # In scene 62460 the contact's normal takes more than 128 bits.
-    assert_agreement((scene(seed), False) for seed in [*range(60_000, 60_120), 62_460])
+    assert_agreement((scene(seed), False) for seed in [*range(60_000, 60_000 + amount(120)), 62_460])
 
 
 def test_a_contact_point_that_takes_more_than_128_bits():
@@ -120,7 +121,7 @@ def test_fractions_that_are_no_doubles(rotating):
             return Scene(a, b, rotation={**s.rotation, "point": point})
         return Scene(a, b, translation=tuple(Fraction(x) / 3 for x in s.translation), until=s.until)
 
-    assert_agreement((scene(seed), False) for seed in range(50_000, 50_150))
+    assert_agreement((scene(seed), False) for seed in range(50_000, 50_000 + amount(150)))
 
 
 # ----------------------------------------------------------------------------------------------- hypothesis
@@ -135,13 +136,13 @@ total = st.sampled_from(
 axis = triple.filter(any)
 
 
-@settings(max_examples=500)
+@settings(max_examples=amount(500))
 @given(body, body, triple, span_end)
 def test_any_small_translation(a, b, v, until):
     assert_same_first_contact(Scene(a, g.moved(b, (3, 0, 0)), translation=tuple(v), until=until))
 
 
-@settings(max_examples=400)
+@settings(max_examples=amount(400))
 @given(body, body, axis, triple, total)
 def test_any_small_rotation(a, b, h, point, angle):
     assert_same_first_contact(Scene(a, g.moved(b, (3, 0, 0)), rotation={"axis": h, "point": point, **angle}))

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import firstcontact as fc
+from amount import amount
 from firstcontact.composite import verbs
 
 MOTIONS = ("translation", "rotation")
@@ -42,7 +43,7 @@ def random_motion(rng, kind: str, lattice: bool):
 def test_planes_only_agree_with_polyhedra(kind, lattice):
     rng = np.random.default_rng(1995 + lattice + 10 * (kind == "rotation"))
     seen = set()
-    for _ in range(12 if kind == "rotation" else 40):
+    for _ in range(amount(12 if kind == "rotation" else 40)):
         a, b = random_hull(rng, lattice), random_hull(rng, lattice)
         moving = a.moving(random_motion(rng, kind, lattice))
         expected = fc.first_contact(moving, b)
@@ -84,7 +85,7 @@ def test_what_cannot_be_a_model():
 def test_intervals_agree_with_polyhedra(lattice):
     rng = np.random.default_rng(2017 + lattice)
     found_some = 0
-    for _ in range(24 if lattice else 8):
+    for _ in range(amount(24 if lattice else 8)):
         a, b = random_hull(rng, lattice), random_hull(rng, lattice)
         moving = a.moving(random_motion(rng, "translation", lattice))
         expected, found = fc.contact_intervals(moving, b), verbs.contact_intervals(moving, b, None, False)

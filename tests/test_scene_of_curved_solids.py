@@ -58,7 +58,7 @@ def test_a_rim_of_the_plate_is_touched_first(scene, who, circle, time):
 def test_nothing_else_is_met_before(scene, who, time):
     plate, body = scene.bodies["plate"], scene.bodies[who]
     points, others = body.body.to_mesh(0.05).vertices, plate.to_mesh(0.05).vertices
-    for t in np.linspace(0, time - 1e-3, 120).tolist():
+    for t in np.linspace(0, time - 1e-3, 40).tolist():
         m = body.motion(t)
         assert not plate.contains(points @ m[:3, :3].T + m[:3, 3]).any()
         assert not inside_at(scene, who, t, others)[0].any()

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import firstcontact as fc
+from amount import amount
 from curved import (
     ONE,
     assert_first_by_sampling,
@@ -44,7 +45,7 @@ def same_contact(x, y) -> None:
 
 
 @pytest.mark.parametrize("generic", [False, True], ids=["degenerate", "random"])
-@pytest.mark.parametrize("block", range(4))
+@pytest.mark.parametrize("block", range(amount(4)))
 def test_a_translation_as_a_rational_motion(block, generic):
     for seed in range(25 * block, 25 * block + 25):
         rng = np.random.default_rng([1, seed, generic])
@@ -57,7 +58,7 @@ def test_a_translation_as_a_rational_motion(block, generic):
 
 
 @pytest.mark.parametrize("generic", [False, True], ids=["degenerate", "random"])
-@pytest.mark.parametrize("block", range(4))
+@pytest.mark.parametrize("block", range(amount(4)))
 def test_a_rotation_as_a_rational_motion(block, generic):
     for seed in range(25 * block, 25 * block + 25):
         rng = np.random.default_rng([2, seed, generic])
@@ -75,7 +76,7 @@ def test_a_rotation_as_a_rational_motion(block, generic):
 def test_screws_whose_relative_motion_is_simple():
     """A screw seen from a body that turns alike is a translation; from one that advances alike, a rotation."""
     contacts = 0
-    for seed in range(100):
+    for seed in range(amount(100)):
         rng = np.random.default_rng([3, seed])
         a, b = random_body(rng, True), random_body(rng, True)
         axis, length = [((0, 0, 1), 1), ((0, -3, 4), 5), ((1, 2, 2), 3)][rng.integers(3)]
@@ -106,7 +107,7 @@ def test_screws_that_only_turn_or_only_advance():
 # -------------------------------------------------------------------------------------------------- sampled poses
 
 
-@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("seed", range(amount(10)))
 def test_between_two_poses_against_samples(seed):
     rng = np.random.default_rng([4, seed])
     a, b = random_body(rng, True), random_body(rng, True)
@@ -116,7 +117,7 @@ def test_between_two_poses_against_samples(seed):
     assert_first_by_sampling(a.moving(motion), b, hit)
 
 
-@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("seed", range(amount(10)))
 def test_screws_against_samples(seed):
     rng = np.random.default_rng([5, seed])
     a, b = random_body(rng, True), random_body(rng, True)
@@ -158,7 +159,7 @@ def random_pair(seed: int):
     return a, b, fc.Screw((1, 0.1, 0), rng.normal(size=3), degrees=200, advance=-5)
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", range(amount(12)))
 def test_swapping_the_bodies(seed):
     a, b, motion = random_pair(seed)
     x, y = fc.first_contact(a.moving(motion), b), fc.first_contact(b, a.moving(motion))
@@ -169,7 +170,7 @@ def test_swapping_the_bodies(seed):
         assert x.point == pytest.approx(y.point, abs=1e-12) and x.normal == pytest.approx(-y.normal, abs=1e-9)
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", range(amount(12)))
 def test_splitting_the_span(seed):
     a, b, motion = random_pair(seed)
     whole = fc.first_contact(a.moving(motion), b)
@@ -182,7 +183,7 @@ def test_splitting_the_span(seed):
         assert (late.element_a, late.element_b) == (whole.element_a, whole.element_b)
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(amount(8)))
 def test_time_reversed(seed):
     """The intervals of contact of the motion backward are those forward, mirrored."""
     a, b, motion = random_pair(seed)
@@ -214,7 +215,7 @@ def _mirrored(powers: np.ndarray) -> np.ndarray:
     return out
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(amount(8)))
 def test_two_moving_bodies_and_their_relative_motion(seed):
     """Both bodies under one more motion meet when they did, in a point that this motion carries along."""
     a, b, motion = random_pair(seed)

@@ -9,6 +9,7 @@ import pytest
 from flint import arb, fmpq
 
 import firstcontact as fc
+from amount import amount
 from curved import pose, random_body, rational_turn
 from firstcontact.kernels.verdict import CERTAIN, NONE
 from firstcontact.motion.curved import terms
@@ -63,7 +64,7 @@ def test_boxes_are_apart_until_they_are_said_to_meet(name):
     rng = np.random.default_rng(1)
     corners = np.array([[x, y, z] for x in (0, 3) for y in (1, 4) for z in (2, 5)])
     waits = 0
-    for _ in range(100):
+    for _ in range(amount(100)):
         middles, halves = rng.normal(size=(2, 3)), rng.uniform(0, 0.5, (2, 3))
         box_a, box_b = (np.concatenate([c - h, c + h])[None] for c, h in zip(middles, halves, strict=True))
         time, cell = curve.next_meeting(array, box_a, 0, box_b, 0, 0.0, 0.0, 1.0)
@@ -81,7 +82,7 @@ def test_boxes_are_apart_until_they_are_said_to_meet(name):
 def test_elements_seen_by_floats_and_exactly(generic):
     """NONE: the exact face finds none; CERTAIN: its first contact lies in the interval; UNSURE: not before it."""
     verdicts = {0: 0, 1: 0, 2: 0}
-    for seed in range(40):
+    for seed in range(amount(40)):
         rng = np.random.default_rng([3, seed])
         a, b = random_body(rng, generic), random_body(rng, generic)
         motion = rational_turn(*[((0, 0, 1), (1, 0, 0)), ((1, 2, 2), (0, 0.5, 0))][seed % 2])

@@ -10,6 +10,7 @@ import pytest
 from flint import fmpq
 
 import firstcontact as fc
+from amount import amount
 
 
 def quarter(rng):
@@ -58,7 +59,7 @@ def volume(mesh):
 
 def test_edges_lie_on_the_boundary_and_end_in_vertices():
     seen = 0
-    for body in combinations(range(40)):
+    for body in combinations(range(amount(40))):
         ends = {v.index: 0 for v in body.vertices}
         for edge in body.edges:
             for piece in edge.pieces:
@@ -73,12 +74,12 @@ def test_edges_lie_on_the_boundary_and_end_in_vertices():
                 seen += 1
         for vertex in body.vertices:
             assert ends[vertex.index] >= 2 or vertex.name.endswith("apex"), (body, vertex.name)
-    assert seen > 150
+    assert seen > amount(150)
 
 
 def test_sides_of_surfaces_are_faces():
     """A step across a surface that leaves the solid is a step across a face."""
-    for body in combinations(range(40)):
+    for body in combinations(range(amount(40))):
         lo, hi = body.bounds()
         rng = np.random.default_rng(0)
         p, q = rng.uniform(lo, hi, (2, 1500, 3))
