@@ -20,7 +20,7 @@ from firstcontact.scene import load_scene
 from firstcontact.search.stretches import windows
 
 BALL, SMALL = primitives.sphere(1), primitives.sphere("1/2")
-EGG, BLOCK = primitives.ellipsoid((1, 2, "1/2")), primitives.box((1, 2, 1))
+EGG = primitives.ellipsoid((1, 2, "1/2"))
 RING = primitives.cylinder(3, 2) - primitives.cylinder("3/2", 4)
 SCREW = fc.Screw((0, 0, 1), degrees=360, advance="1/10")
 
