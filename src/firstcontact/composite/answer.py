@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -13,14 +12,14 @@ from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.features import Edge, Face, Vertex
 from firstcontact.composite.algorithm import Candidate, Meeting, Root, Search
 from firstcontact.composite.contact_sets import cartesian
-from firstcontact.composite.membership import Vector, form_at, in_both, is_plane
+from firstcontact.composite.largest_set import largest_set
+from firstcontact.composite.membership import form_at, is_plane
 from firstcontact.composite.moving_pair import Pair
 from firstcontact.composite.polyhedra import face_at
 from firstcontact.exact.instants import enclose
 from firstcontact.exact.numbers import precision
 from firstcontact.exact.polynomial_matrix import Matrix
 from firstcontact.exact.roots import AlgebraicRoot
-from firstcontact.exact.square_systems import OpenRoot
 from firstcontact.report import MOST_OTHERS
 from firstcontact.result import CandidateTime, ContactSet, Element, ElementPair, FirstContact, Status, Subproblem
 
@@ -45,10 +44,15 @@ def contact_of(search: Search, meetings: Sequence[Meeting], exact: bool, shared:
         _turned(pair, root, next((n for n in normals if n is not None), None), shared["b"], time),
         lowest.element_a, lowest.element_b,
         tuple(p for p, _ in rest[:MOST_OTHERS]), len(named),
-        contact_set(pair, root, meetings, shared["b"], time),
+        _contact_set(pair, root, meetings, shared["b"], time),
         free_until=interval[0],
         **shared,
     )  # fmt: skip
+
+
+def _contact_set(pair: Pair, root: Root, meetings: Sequence[Meeting], b: Any, time: float) -> ContactSet:
+    kind, points = largest_set(pair, root, meetings)
+    return ContactSet(kind, to_world(pair, root, points, b, time))
 
 
 def ranked(pair: Pair, meetings: Sequence[Meeting]) -> list[tuple[ElementPair, Meeting]]:
@@ -186,70 +190,6 @@ def _unit(v: np.ndarray) -> np.ndarray | None:
         return None
     v = v / largest
     return v / np.linalg.norm(v)
-
-
-# -- contact sets ---------------------------------------------------------------------------------------------
-
-
-def contact_set(
-    pair: Pair, root: Root, meetings: Sequence[Meeting], b: Any, time: float
-) -> ContactSet:
-    """The largest connected set the models share: arcs and segments of meetings, or what their points span.
-
-    Points of flat contacts are corners of a common segment or patch; points between them, placed exactly, tell.
-    """
-    kind, points = _largest_set(pair, root, meetings)
-    return ContactSet(kind, to_world(pair, root, points, b, time))
-
-
-def _largest_set(pair: Pair, root: Root, meetings: Sequence[Meeting]) -> tuple[str, np.ndarray]:
-    for meeting in meetings:
-        if meeting.shared.kind == "conic arc":
-            return "conic arc", meeting.shared.points
-    points: list[tuple[Vector, np.ndarray]] = []
-    for meeting in meetings:
-        if meeting.shared.kind == "segment":
-            return "segment", meeting.shared.points
-        where = meeting.shared.points[0]
-        size = 1.0 + np.abs(where).max()
-        if all(np.abs(where - other).max() > 1e-9 * size for _, other in points):
-            points.append((meeting.shared.at, where))
-    for x, y, z in combinations(points[:12], 3):
-        area = np.linalg.norm(np.cross(y[1] - x[1], z[1] - x[1]))
-        far = max(np.linalg.norm(y[1] - x[1]), np.linalg.norm(z[1] - x[1]))
-        if area > 1e-9 * far * far and _holds(pair, root, _middle([x[0], y[0], z[0]])):
-            return "patch", np.array([p for _, p in points])
-    best = max(
-        (
-            (float(np.linalg.norm(y[1] - x[1])), np.array([x[1], y[1]]))
-            for x, y in combinations(points[:40], 2)
-            if _holds(pair, root, _middle([x[0], y[0]]))
-        ),
-        key=lambda item: item[0],
-        default=None,
-    )
-    return ("segment", best[1]) if best is not None else ("point", points[0][1][None])
-
-
-def _holds(pair: Pair, root: Root, x: Vector | None) -> bool:
-    return x is not None and not isinstance(root, OpenRoot) and not in_both(pair, x, root, (), ())
-
-
-def _middle(points: Sequence[Vector]) -> Vector | None:
-    """The centroid of finite homogeneous points; None where they lie in different extensions of the field."""
-    weights = [p[3] for p in points]
-    try:
-        total = None
-        for k, p in enumerate(points):
-            factor = None
-            for j, w in enumerate(weights):
-                if j != k:
-                    factor = w if factor is None else factor * w
-            term = tuple(c * factor for c in p)
-            total = term if total is None else tuple(s + c for s, c in zip(total, term, strict=True))
-    except TypeError:
-        return None
-    return total
 
 
 # -- the list of subproblems ----------------------------------------------------------------------------------

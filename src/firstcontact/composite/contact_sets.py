@@ -47,7 +47,7 @@ def shared_part(
         (x,) = contact.span
         reason = in_both(pair, x, root, on_a, on_b)
         return ([], reason) if reason else ([Shared("point", x, cartesian(x)[None])], "")
-    trim = _Trim(pair, root, on_a, on_b)
+    trim = Trim(pair, root, on_a, on_b)
     parts = _segments(contact, trim) if contact.kind == "line" else _arcs(contact, trim)
     found = [part for part in parts if not in_both(pair, part.at, root, on_a, on_b)]
     return found, "" if found else "outside the faces"
@@ -60,7 +60,7 @@ def cartesian(x: Vector) -> np.ndarray:
         return np.array([float((c / values[3]).mid()) for c in values[:3]])
 
 
-class _Trim:
+class Trim:
     """The forms of both models in doubles at the root, and where points lie in both."""
 
     def __init__(self, pair: Pair, root: AlgebraicRoot, on_a: Collection[int], on_b: Collection[int]) -> None:
@@ -101,7 +101,7 @@ def _matrix(form: Any, plane: bool) -> np.ndarray:
     return m / np.abs(m).max()
 
 
-def _segments(contact: Contact, trim: _Trim) -> Iterator[Shared]:
+def _segments(contact: Contact, trim: Trim) -> Iterator[Shared]:
     first, second = contact.span
     if sign(first[3]) == 0:
         first, second = second, first
@@ -133,10 +133,10 @@ def _scale(x: Vector, floats: np.ndarray) -> arb:
 
 def _floats(x: Vector) -> np.ndarray:
     """x divided by its largest coordinate, in doubles."""
-    return _scaled((x,))[0]
+    return scaled((x,))[0]
 
 
-def _scaled(rows: Sequence[Vector]) -> np.ndarray:
+def scaled(rows: Sequence[Vector]) -> np.ndarray:
     """All rows divided by the largest of their entries, in doubles."""
     values = [[ball(c, 64) for c in row] for row in rows]
     largest = max((abs(v.mid()) for row in values for v in row), default=arb(1))
@@ -144,8 +144,8 @@ def _scaled(rows: Sequence[Vector]) -> np.ndarray:
         return np.array([[float((v / largest).mid()) for v in row] for row in values])
 
 
-def _arcs(contact: Contact, trim: _Trim) -> Iterator[Shared]:
-    span, form = _scaled(contact.span).T, _scaled(contact.form or ())
+def _arcs(contact: Contact, trim: Trim) -> Iterator[Shared]:
+    span, form = scaled(contact.span).T, scaled(contact.form or ())
     values, vectors = np.linalg.eigh(form)
     if values[1] > 0:  # signs (-, +, +): the odd one last
         values, vectors = values[::-1], vectors[:, ::-1]

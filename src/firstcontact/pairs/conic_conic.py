@@ -55,6 +55,8 @@ def equation(a: Side, b: Side) -> Equation:
     if proportional(h, g):
         # both common points are permanent, they become real where they meet
         polynomial = determinant(h) // scale**2
+        if polynomial == 0:
+            return Equation(None, "identically zero: straight edges that stay parallel")
         return Equation(polynomial, "two common points for all u", together, permanent=True)
     polynomial = line_resultant(h, g) // scale**4
     if polynomial == 0:

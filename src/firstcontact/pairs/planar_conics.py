@@ -9,6 +9,7 @@ those of concentric circles, re-derived: see `exact.pencils`).
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 from flint import acb_poly, fmpq, fmpz_poly
@@ -69,8 +70,8 @@ def pencil_equation(coefficients: list[fmpz_poly]) -> Equation:
 
 def contacts(a: Form, b: Form, span: tuple[Vector, ...]) -> Contacts:
     """Contact sets of the conics A (rank 3) and B over a field; `span`: the basis of their plane in space."""
-    sets = []
-    for found in conic_contacts(a, b).tangencies:  # a cubic has one multiple root at most
+    sets, pencil = [], conic_contacts(a, b)
+    for found in pencil.tangencies:  # a cubic has one multiple root at most
         side = sign(found.alpha) * sign(found.beta)
         if found.meeting is ConicMeeting.SAME:
             sets.append(finite(span, form=a, multiplier=side))
@@ -80,7 +81,7 @@ def contacts(a: Form, b: Form, span: tuple[Vector, ...]) -> Contacts:
             sets.append(nothing(IMAGINARY))
         else:
             sets += [finite((combination(span, y),), multiplier=side) for y in found.points]
-    return gather(sets, NO_TANGENCY)
+    return gather(sets, pencil.reason or NO_TANGENCY)
 
 
 def cross(a: Form, b: Form) -> bool:
@@ -96,7 +97,10 @@ def cross(a: Form, b: Form) -> bool:
 
 
 def _between_roots(f: list[Any]) -> list[fmpq]:
-    """Rationals that separate the three simple real roots of a cubic, and one beyond each end."""
+    """Rationals that separate the simple real roots of a cubic, and one beyond each end.
+
+    Where a form is a pair of straight edges one root may be infinite, and one zero.
+    """
     for bits in PRECISIONS:
         with precision(bits):
             try:
@@ -104,7 +108,7 @@ def _between_roots(f: list[Any]) -> list[fmpq]:
             except ValueError:  # not isolated at this precision
                 continue
             x = sorted((root.real for root in roots), key=lambda r: r.mid())
-            if x[0] < x[1] < x[2]:
-                ends = [x[0].lower() - 1, x[2].upper() + 1]
-                return [dyadic(r.mid()) for r in (*ends, (x[0] + x[1]) / 2, (x[1] + x[2]) / 2)]
+            if all(p < q for p, q in pairwise(x)):
+                ends = [x[0].lower() - 1, x[-1].upper() + 1]
+                return [dyadic(r.mid()) for r in (*ends, *((p + q) / 2 for p, q in pairwise(x)))]
     raise Undecidable
