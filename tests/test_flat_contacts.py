@@ -98,6 +98,7 @@ ACROSS_A_CAP = {
     "an oval cap": (LYING, (0, "1/5", -3), fc.cylinder((1, "1/2"), 2).translated(("1/10", 0, -1))),
     "half a cap": (LYING, ("1/10", 0, -3), ASIDE & fc.half_space((1, 1, 0), "1/2")),
     "a ruling of a cone": (LEVEL, ("1/10", "1/5", -3), ASIDE),
+    "a cone with its apex on the cap": (LEVEL.translated(("5/2", 0, 0)), ("1/10", "1/5", -3), ASIDE),
 }
 
 
@@ -113,7 +114,28 @@ def test_algebra_sees_a_ruling_come_to_lie_across_a_round_cap(name, tilted):
     moving = top.moving(fc.Translation(vector))
     told, exact = fc.first_contact(moving, cap), fc.first_contact(moving, cap, exact=True)
     assert told.stats.exact_evaluations == 0 and told.contact_set == "segment"
-    assert exact.time == pytest.approx(told.time, abs=1e-15)
+    assert exact.contact_set == "segment" and exact.time == pytest.approx(told.time, abs=1e-15)
+    away = np.linalg.norm(told.contact_set.points[:, None] - exact.contact_set.points, axis=2)
+    assert away.min(axis=0).max() < 1e-9 and away.min(axis=1).max() < 1e-9
+
+
+HALF = DRUM & fc.half_space((3, 1, 0), "1/10")
+"""Its straight edges are no rational lines, and its corners' coordinates lie in quadratic fields."""
+
+
+def test_a_segment_between_corners_of_different_fields():
+    lying = HALF.rotated((0, 1, 0), degrees=90)
+    hit = fc.first_contact(lying.moving(fc.Translation((0, 0, -6))), FLOOR, exact=True)
+    assert hit.contact_set == "segment" and hit.multiplicity == 2
+    assert np.ptp(hit.contact_set.points[:, 0]) == pytest.approx(2) and np.ptp(hit.contact_set.points[:, 1]) < 1e-9
+
+
+def test_straight_edges_that_are_no_rational_lines_and_stay_parallel():
+    other = HALF.rotated((0, 0, 1), degrees=90).translated((-4, 0, 0))
+    moving = HALF.moving(fc.Translation((-6, "1/7", 0)))
+    told, exact = fc.first_contact(moving, other), fc.first_contact(moving, other, exact=True)
+    assert told.status is exact.status is fc.Status.CONTACT
+    assert told.time == pytest.approx(exact.time, abs=1e-15) and told.contact_set == exact.contact_set == "segment"
 
 
 def test_algebra_sees_a_cylinder_slide_onto_a_round_cap():

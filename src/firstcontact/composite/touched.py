@@ -11,8 +11,10 @@ from math import sqrt
 from typing import Any
 
 import numpy as np
+from flint import fmpq_mat
 
-from firstcontact.body.carriers import Line, Plane, Vector, doubles, null_space
+from firstcontact.body.carriers import Line, Plane, Rows, Vector, doubles, null_space, times
+from firstcontact.body.carriers import Point as RationalPoint
 from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.features import Edge, Face, Vertex
 from firstcontact.composite.answer import element, rank
@@ -46,17 +48,23 @@ class _Side:
     form   xx, yy, zz, xy, xz, yz, x, y, z of half its gradient.
     flat   of planes and cylinders, what is flat in it at all points.
     apex   of cones, homogeneous.
+    inverse  of cones where the feature is the apex: rows of the inverse of their form's quadratic part.
     """
 
     face: Face
     form: tuple[float, ...]
     flat: Flat | None
     apex: tuple[float, float, float, float] | None
+    inverse: tuple[Point, ...] | None = None
 
     def flat_at(self, x: float, y: float, z: float, n: Point) -> Flat | None:
         """What is flat through the point, where the face is across the normal n there."""
         if self.flat is None and self.apex is None:
             return None
+        if self.inverse is not None:  # every ruling is here: the one across n has n for its gradient
+            first, second, third = self.inverse
+            d = _dot(first, n), _dot(second, n), _dot(third, n)
+            return Flat(self.face, d, None) if abs(_dot(d, n)) <= ACROSS * _length(d) * _length(n) else None
         xx, yy, zz, xy, xz, yz, x1, y1, z1 = self.form
         g = (
             xx * x + xy * y + xz * z + x1,
@@ -95,8 +103,7 @@ class Touched:
         for line in self.lines:
             d = line.direction
             assert d is not None
-            along = d[0] * n[0] + d[1] * n[1] + d[2] * n[2]
-            if abs(along) <= ACROSS * _length(d) * _length(n):
+            if abs(_dot(d, n)) <= ACROSS * _length(d) * _length(n):
                 found.append(line)
         return found
 
@@ -104,6 +111,10 @@ class Touched:
 def is_parallel(x: Point, y: Point) -> bool:
     c = x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]
     return _length(c) <= ACROSS * _length(x) * _length(y)
+
+
+def _dot(x: Point, y: Point) -> float:
+    return x[0] * y[0] + x[1] * y[1] + x[2] * y[2]
 
 
 def _length(x: Point) -> float:
@@ -131,7 +142,7 @@ def touched(model: CompositeQuadric, kind: str, index: int) -> Touched:
             Flat(e, tuple(e.frame[:3, 0].tolist()), tuple(row[0] for row in e.carrier.basis[:3]))
             for e in edges if isinstance(e.carrier, Line)
         )  # fmt: skip
-        found = known[kind, index] = Touched(whole, feature, tuple(map(_side, faces)), lines, {})
+        found = known[kind, index] = Touched(whole, feature, tuple(_side(f, feature) for f in faces), lines, {})
     return found
 
 
@@ -150,7 +161,12 @@ def _feature(model: CompositeQuadric, kind: str, index: int) -> Face | Edge | Ve
     return next(f for f in of_whole if carriers <= {model.whole.surfaces[k] for k in f.surfaces})
 
 
-def _side(face: Face) -> _Side:
+def _inverse(form: Rows) -> Rows:
+    """Of the quadratic part."""
+    return tuple(map(tuple, fmpq_mat([list(row[:3]) for row in form[:3]]).inv().tolist()))
+
+
+def _side(face: Face, feature: Face | Edge | Vertex) -> _Side:
     carrier = face.carrier
     m = doubles(carrier.matrix())
     form = m[0][0], m[1][1], m[2][2], m[0][1], m[0][2], m[1][2], m[0][3], m[1][3], m[2][3]
@@ -159,7 +175,12 @@ def _side(face: Face) -> _Side:
     kernel = null_space(carrier.form)
     if len(kernel) == 1 and kernel[0][3] != 0:
         p, q, r, w = doubles((kernel[0],))[0]
-        return _Side(face, form, None, (p, q, r, w))
+        inverse = None
+        if isinstance(feature, Vertex) and isinstance(feature.carrier, RationalPoint):
+            if not any(row[0] for row in times(carrier.form, feature.carrier.basis)):
+                rows = doubles(_inverse(carrier.form))
+                inverse = tuple((x, y, z) for x, y, z in rows)
+        return _Side(face, form, None, (p, q, r, w), inverse)
     if len(kernel) == 1:
         x, y, z, _ = doubles((kernel[0],))[0]
         return _Side(face, form, Flat(face, (x, y, z), kernel[0][:3]), None)
