@@ -11,6 +11,7 @@ from flint import fmpq
 import firstcontact as fc
 from firstcontact.body import primitives
 from firstcontact.body.csg import inside
+from firstcontact.composite import certified_intervals as module
 from firstcontact.composite.certified_intervals import certified_intervals, reversed_in_time
 from firstcontact.composite.verbs import _models
 from firstcontact.composite.work import Work
@@ -133,3 +134,12 @@ def test_windows_reversed_in_time(motion):
         there = w[HERE_A].copy()
         pose_at(mirror.a, -t, w, HERE_A)
         assert np.array_equal(there, w[HERE_A])
+
+
+def test_the_number_of_contacts_is_not_limited(monkeypatch):
+    """Stretches are counted within one contact: the limit once was for all of them."""
+    monkeypatch.setattr(module, "MOST_TURNS", 3)
+    post = primitives.cylinder("1/4", 4).translated((2, 0, 0))
+    ball = SMALL.translated((-2, 0, 0)).moving(fc.Screw((0, 0, 1), degrees=360 * 5, advance="1/10"))
+    found = fc.contact_intervals(ball, post)
+    assert found.status is fc.Status.CONTACT and len(found) == 5

@@ -35,7 +35,7 @@ LEAST_AHEAD, LEAST_BACK = 1e-3, 1e-6
 """Parts of the longest step below which proofs of lasting contact give up: towards its end, and from there back."""
 SEEDS = 4
 MOST_TURNS = 20
-"""Stretches of contact followed one after the other before the rest is left open."""
+"""Stretches of one contact followed one after the other before the rest is left open."""
 TRIES = 8
 """Times without contact looked for between two times in contact."""
 
@@ -248,7 +248,7 @@ class _Sweep:
         hi, point = self._soon(window, lo, window.inner, seeds)
         if point is None:
             raise _Open(lo)
-        self.start = lo, hi
+        self.start, self.turns = (lo, hi), 0
         return hi, point
 
     def _soon(
