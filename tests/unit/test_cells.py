@@ -64,7 +64,7 @@ def test_boxes_are_apart_until_they_are_said_to_meet(name):
     rng = np.random.default_rng(1)
     corners = np.array([[x, y, z] for x in (0, 3) for y in (1, 4) for z in (2, 5)])
     waits = 0
-    for _ in range(amount(100)):
+    for _ in range(amount(100, 2)):
         middles, halves = rng.normal(size=(2, 3)), rng.uniform(0, 0.5, (2, 3))
         box_a, box_b = (np.concatenate([c - h, c + h])[None] for c, h in zip(middles, halves, strict=True))
         time, cell = curve.next_meeting(array, box_a, 0, box_b, 0, 0.0, 0.0, 1.0)
