@@ -17,7 +17,6 @@ from firstcontact.exact.roots import FIRST_BITS, AlgebraicRoot, reversed_polynom
 
 CONTEXT = fmpz_mpoly_ctx.get(("u", "v"), "lex")
 U, V = CONTEXT.gens()
-_RATIONAL = fmpq_mpoly_ctx.get(("u", "v"), "lex")
 
 Rows = list[fmpz_poly]
 
@@ -131,25 +130,27 @@ def factors(f: fmpz_mpoly) -> Factors:
         if content.degree() > 0:
             f = f // (in_u(content) if variable == "v" else in_v(content))
         found.append(content.factor()[1])
-    curves = [] if f.is_constant() else _curves(f)
+    curves = [] if f.is_constant() else factored(f)
     return Factors(found[0], found[1], curves)
 
 
-def _curves(f: fmpz_mpoly) -> list[tuple[fmpz_mpoly, int]]:
+def factored(f: fmpz_mpoly) -> list[tuple[fmpz_mpoly, int]]:
+    """The irreducible factors with multiplicities, without the constant; in any number of variables."""
+    ring = f.context()
     try:
         return [(g, int(e)) for g, e in f.factor()[1]]
     except OverflowError:
         # python-flint sorts the factors by keys that large coefficients overflow; over Q it does not
-        over_q = _RATIONAL.from_dict(f.to_dict()).factor()[1]
-    return [(_integral(g), int(e)) for g, e in over_q]
+        over_q = fmpq_mpoly_ctx.get(ring.names(), "lex").from_dict(f.to_dict()).factor()[1]
+    return [(_integral(g, ring), int(e)) for g, e in over_q]
 
 
-def _integral(g: Any) -> fmpz_mpoly:
+def _integral(g: Any, ring: fmpz_mpoly_ctx) -> fmpz_mpoly:
     terms = {tuple(map(int, k)): fmpq(c) for k, c in g.to_dict().items()}
     common = fmpz(1)
     for c in terms.values():
         common = common.lcm(c.q)
-    return CONTEXT.from_dict({k: (c * common).p for k, c in terms.items()}).primitive()[1]
+    return ring.from_dict({k: (c * common).p for k, c in terms.items()}).primitive()[1]
 
 
 def sign_at(f: fmpz_mpoly, x: AlgebraicRoot | fmpq, y: AlgebraicRoot | fmpq) -> int:

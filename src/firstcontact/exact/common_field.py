@@ -13,8 +13,10 @@ from typing import Any
 from flint import fmpq, fmpq_poly, fmpz, fmpz_poly
 
 from firstcontact.errors import UnsupportedPair
+from firstcontact.exact import field_towers
 from firstcontact.exact.expressions import context
-from firstcontact.exact.number_field import FieldElement, NumberField, is_zero, sign
+from firstcontact.exact.field_towers import division, trimmed
+from firstcontact.exact.number_field import FieldElement, NumberField, sign
 from firstcontact.exact.roots import AlgebraicRoot, real_roots
 
 MOST_DEGREE = 64
@@ -34,7 +36,7 @@ class Adjoined:
 
 def adjoined(field: NumberField, f: Sequence[FieldElement], lo: fmpq, hi: fmpq) -> list[Adjoined]:
     """The real zeros of f != 0 in [lo, hi]; UnsupportedPair beyond MOST_DEGREE."""
-    f = squarefree(trimmed(f))
+    f = squarefree(trimmed(list(f)))
     if len(f) < 2:
         return []
     if len(f) == 2:
@@ -135,37 +137,16 @@ def within(x: FieldElement, lo: fmpq, hi: fmpq) -> bool:
     return sign(x - lo) >= 0 and sign(x - hi) <= 0
 
 
-def trimmed(f: Sequence[FieldElement]) -> Polynomial:
-    n = len(f)
-    while n and is_zero(f[n - 1]):
-        n -= 1
-    return list(f[:n])
-
-
 def gcd(f: Sequence[FieldElement], g: Sequence[FieldElement]) -> Polynomial:
     """The greatest common divisor, monic; [] of zeros."""
-    f, g = trimmed(f), trimmed(g)
-    while g:
-        f, g = g, trimmed(divided(f, g)[1])
-    return [c / f[-1] for c in f[:-1]] + [f[-1] * 0 + 1] if f else []
-
-
-def divided(f: Sequence[FieldElement], g: Sequence[FieldElement]) -> tuple[Polynomial, Polynomial]:
-    """Quotient and remainder by g != 0, whose last coefficient is not zero."""
-    rest, inverse = list(f), 1 / g[-1]
-    quotient: Polynomial = []
-    while len(rest) >= len(g):
-        c = rest.pop() * inverse
-        quotient.append(c)
-        for k in range(1, len(g)):
-            rest[-k] = rest[-k] - c * g[-1 - k]
-    return quotient[::-1], rest
+    common = field_towers.gcd(trimmed(list(f)), list(g))
+    return [c / common[-1] for c in common[:-1]] + [common[-1] * 0 + 1] if common else []
 
 
 def squarefree(f: Polynomial) -> Polynomial:
     """The same zeros, each once."""
     common = gcd(f, [c * k for k, c in enumerate(f)][1:])
-    return divided(f, common)[0] if len(common) > 1 else f
+    return division(f, common)[0] if len(common) > 1 else f
 
 
 def refined(polynomials: Sequence[Polynomial]) -> list[Polynomial]:
@@ -178,7 +159,7 @@ def refined(polynomials: Sequence[Polynomial]) -> list[Polynomial]:
             common = gcd(f, g)
             if len(common) > 1:
                 del basis[i]
-                parts = (common, divided(f, common)[0], divided(g, common)[0])
+                parts = (common, division(f, common)[0], division(g, common)[0])
                 todo += [part for part in parts if len(part) > 1]
                 break
         else:

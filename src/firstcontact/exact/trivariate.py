@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from flint import fmpq, fmpq_mpoly_ctx, fmpz, fmpz_mpoly, fmpz_poly
+from flint import fmpq, fmpz, fmpz_mpoly, fmpz_poly
 
+from firstcontact.exact.bivariate import factored
 from firstcontact.exact.expressions import context
 
 NAMES = ("u", "v", "T")
 RING = context(NAMES)
-_RATIONAL = fmpq_mpoly_ctx.get(NAMES, "lex")
 
 
 def terms(f: fmpz_mpoly) -> list[tuple[tuple[int, ...], fmpz]]:
@@ -112,20 +112,7 @@ def factors(f: fmpz_mpoly) -> list[tuple[fmpz_mpoly, int]]:
     used = [k for k in range(3) if degree(f, k)]
     if len(used) == 1:
         return [(embedded(g, used[0]), int(n)) for g, n in univariate(f, used[0]).factor()[1]]
-    try:
-        found = [(g, int(n)) for g, n in f.factor()[1]]
-    except OverflowError:
-        # python-flint sorts the factors by keys that large coefficients overflow; over Q it does not
-        found = [(_integral(g), int(n)) for g, n in _RATIONAL.from_dict(f.to_dict()).factor()[1]]
-    return [(-g if g.leading_coefficient() < 0 else g, n) for g, n in found]
-
-
-def _integral(g: Any) -> fmpz_mpoly:
-    table = {tuple(map(int, k)): fmpq(c) for k, c in g.to_dict().items()}
-    common = fmpz(1)
-    for c in table.values():
-        common = common.lcm(c.q)
-    return RING.from_dict({k: (c * common).p for k, c in table.items()}).primitive()[1]
+    return [(-g if g.leading_coefficient() < 0 else g, n) for g, n in factored(f)]
 
 
 def product(factors: Iterable[fmpz_mpoly]) -> fmpz_mpoly:

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 
 from flint import arb, fmpq, fmpz_mpoly
 
-from firstcontact.exact.common_field import Polynomial, adjoined, gcd, refined, squarefree, trimmed
+from firstcontact.exact.common_field import Polynomial, adjoined, gcd, refined, squarefree
+from firstcontact.exact.field_towers import trimmed
 from firstcontact.exact.number_field import FieldElement, NumberField, sign
 from firstcontact.exact.numbers import precision
 from firstcontact.exact.roots import AlgebraicRoot
