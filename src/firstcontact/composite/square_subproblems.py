@@ -22,6 +22,7 @@ from firstcontact.composite.moving_pair import Form, Pair, without_factor
 from firstcontact.composite.system_search import Solid, zeros_within
 from firstcontact.composite.traced_edges import untraced
 from firstcontact.errors import UnsupportedPair
+from firstcontact.exact.numbers import exact_value
 from firstcontact.exact.polynomial_matrix import Matrix, congruent, constant
 from firstcontact.exact.roots import AlgebraicRoot
 from firstcontact.exact.square_systems import (
@@ -100,11 +101,11 @@ def _samples(edge: Edge) -> np.ndarray:
 
 def _across(body: CompositeQuadric, edge: Edge, p: np.ndarray) -> Matrix:
     """The plane through p across the edge."""
-    x = (*map(_rational, p), fmpq(1))
+    x = (*map(exact_value, p), fmpq(1))
     a, b = (np.array(doubles((body.surfaces[k].gradient(x),))[0]) for k in edge.surfaces[:2])
     normal = np.cross(a, b)
     normal /= np.abs(normal).max() or 1.0
-    return constant(Plane((*map(_rational, normal), -_rational(float(normal @ p)))).matrix())
+    return constant(Plane((*map(exact_value, normal), -exact_value(float(normal @ p)))).matrix())
 
 
 def _instant(u: fmpq) -> Matrix:
@@ -207,7 +208,7 @@ class SquareSubproblem:
         for p, planes in guides:
             fixed = self.system.forms[: 3 - len(planes)]
             system = SquareSystem([*fixed, *planes, _instant(u)])
-            zero = certified(system, [*map(_rational, p), u], [fmpq(1, 10**8)] * 4)
+            zero = certified(system, [*map(exact_value, p), u], [fmpq(1, 10**8)] * 4)
             if zero is not None:
                 yield zero
 
@@ -272,11 +273,7 @@ def _box_of(body: CompositeQuadric) -> BoxQ | None:
     if not np.all(np.isfinite([lo, hi])):
         return None
     room = 1e-6 * float(np.max(hi - lo))
-    return tuple(_rational(x - room) for x in lo), tuple(_rational(x + room) for x in hi)
-
-
-def _rational(x: float) -> fmpq:
-    return fmpq(*float(x).as_integer_ratio())
+    return tuple(exact_value(x - room) for x in lo), tuple(exact_value(x + room) for x in hi)
 
 
 def _two_surfaces(body: CompositeQuadric, edge: Edge) -> list[int]:

@@ -70,6 +70,11 @@ def rational(x: Any, what: str) -> fmpq:
         raise InputError(f"{what} is {x!r}; give a number") from error
 
 
+def exact_value(x: float) -> fmpq:
+    """The rational number that a finite double is."""
+    return fmpq(*float(x).as_integer_ratio())
+
+
 def fraction(x: fmpq) -> Fraction:
     return Fraction(int(x.p), int(x.q))
 

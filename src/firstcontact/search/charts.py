@@ -38,7 +38,7 @@ from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.csg import And, Leaf, Not, Tree
 from firstcontact.body.features import EDGE_KINDS, Edge, Face, Vertex, enclosure
 from firstcontact.body.intersections import common_curves
-from firstcontact.exact.numbers import precision, to_double
+from firstcontact.exact.numbers import exact_value, precision, to_double
 from firstcontact.kernels.event_search import trim
 from firstcontact.kernels.feature_boxes import AND, COLUMNS, IMAGES, LEAF, NOT, OR, POINTS, STACK, UNLESS_IN, UNLESS_OUT
 
@@ -141,7 +141,7 @@ class _Builder:
         if np.any(np.maximum(hi - middle, middle - lo) > size):
             size *= 2
         self.units = np.array([*middle, size])
-        c, h = [_exact(x) for x in middle], _exact(size)
+        c, h = [exact_value(x) for x in middle], exact_value(size)
         self.scale: Rows = tuple(
             (*(h if i == j else ZERO for j in range(3)), c[i]) for i in range(3)
         ) + ((ZERO, ZERO, ZERO, ONE),)
@@ -316,10 +316,6 @@ class _Builder:
             np.zeros(STACK, np.int64), fates,
         )  # fmt: skip
         return fates
-
-
-def _exact(x: float) -> fmpq:
-    return fmpq(*float(x).as_integer_ratio())
 
 
 def _halves(boxes: np.ndarray) -> np.ndarray:

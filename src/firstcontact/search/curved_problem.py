@@ -210,8 +210,3 @@ def ids_of(tree: Tree, index: int) -> Ids:
     """The names of a primitive's elements: elements that primitives share have one name."""
     sides: list[Hashable] = [(EDGE, int(e)) if e >= 0 else (index, s) for s, e in enumerate(tree.sides[index])]
     return sides, [(VERTEX, int(v)) for v in tree.corners[index]], (FACE, index)
-
-
-def exact_value(x: float) -> fmpq:
-    """The rational number a double is."""
-    return fmpq(*x.as_integer_ratio())

@@ -11,7 +11,7 @@ from flint import arb, arb_series, ctx, fmpq
 
 from firstcontact.exact.conditions import Conditions
 from firstcontact.exact.instants import RationalInstant, enclose
-from firstcontact.exact.numbers import PRECISIONS, Undecidable, ball, ball_bounds, precision, to_double
+from firstcontact.exact.numbers import PRECISIONS, Undecidable, ball, ball_bounds, exact_value, precision, to_double
 from firstcontact.exact.rigid import Matrix
 from firstcontact.exact.vectors import sub
 from firstcontact.kernels.verdict import CERTAIN, NONE
@@ -19,7 +19,7 @@ from firstcontact.motion.curved import CurvedPiece, inverse, terms
 from firstcontact.pairs import moving
 from firstcontact.result import ExactTime
 from firstcontact.search import curve, curve_windows
-from firstcontact.search.curved_problem import Corners, CurvedProblem, exact_value
+from firstcontact.search.curved_problem import Corners, CurvedProblem
 from firstcontact.search.elements import EDGE, FACE, KINDS, Feature, Primitive, corners_of
 from firstcontact.search.tree import FACET
 from firstcontact.search.windows import PART_ROOM

@@ -9,6 +9,7 @@ from flint import ctx
 
 from firstcontact.exact.conditions import Conditions, between, distinct
 from firstcontact.exact.instants import enclose
+from firstcontact.exact.numbers import exact_value
 from firstcontact.exact.rigid import Matrix
 from firstcontact.exact.root_instants import RootInstant
 from firstcontact.exact.roots import AlgebraicRoot
@@ -18,7 +19,7 @@ from firstcontact.motion.curved import CurvedPiece
 from firstcontact.motion.polynomial import PolynomialPiece
 from firstcontact.pairs import moving
 from firstcontact.result import ExactTime
-from firstcontact.search.curved_problem import Corners, CurvedProblem, exact_value
+from firstcontact.search.curved_problem import Corners, CurvedProblem
 from firstcontact.search.elements import Feature, Primitive, corners_of
 
 

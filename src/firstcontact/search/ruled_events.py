@@ -13,7 +13,7 @@ from itertools import combinations
 import numpy as np
 from flint import arb, fmpq
 
-from firstcontact.exact.numbers import ball_bounds, nearest_double, precision
+from firstcontact.exact.numbers import ball_bounds, exact_value, nearest_double, precision
 from firstcontact.exact.ruled_systems import ContactSystem, Curve
 from firstcontact.exact.square_systems import Zero, certified
 from firstcontact.kernels.ruled_models import ALL_STRATA, MOST_DEGREE, ROWS, WIDTH
@@ -152,7 +152,7 @@ class Search:
         """A regular square system of the stratum near the box; parameters that nothing fixes stay in their middle."""
         middle = 0.5 * (box[:, 0] + box[:, 1])
         stratum = [k for k in range(4) if kind[STRATUM] >> k & 1]
-        values = [None if k in stratum else _exact(middle[k]) for k in range(4)]
+        values = [None if k in stratum else exact_value(middle[k]) for k in range(4)]
         curves = self._curves(kind)
         full = ContactSystem(curves, values, list(combinations(stratum, 3)))
         columns = [*stratum, 4]
@@ -162,7 +162,7 @@ class Search:
         solved = {columns[k] for k in chosen.values()}
         if 4 not in solved or not all(k in chosen for k in range(3)):
             return None
-        values = [None if k in solved else _exact(middle[k]) for k in range(4)]
+        values = [None if k in solved else exact_value(middle[k]) for k in range(4)]
         return ContactSystem(curves, values, [m for k, m in enumerate(full.minors) if 3 + k in chosen])
 
     def _curves(self, kind: np.ndarray) -> tuple[Curve, Curve, Curve, Curve]:
@@ -171,8 +171,8 @@ class Search:
     def _zero(self, system: ContactSystem, box: np.ndarray, kind: np.ndarray) -> Zero | None:
         """The only zero near the box, if it surely lies on both pieces."""
         ranges = box[[*system.free, 4]]
-        centre = [_exact(0.5 * (lo + hi)) for lo, hi in ranges]
-        radii = [_exact((hi - lo) + 1e-12 * (1.0 + abs(lo))) for lo, hi in ranges]
+        centre = [exact_value(0.5 * (lo + hi)) for lo, hi in ranges]
+        radii = [exact_value((hi - lo) + 1e-12 * (1.0 + abs(lo))) for lo, hi in ranges]
         zero = certified(system, centre, radii, 128)
         if zero is None:
             return None
@@ -218,7 +218,7 @@ def _pivots(rows: np.ndarray) -> dict[int, int]:
 
 def _geometry(s: Search, kind: np.ndarray, x: np.ndarray, free: int) -> tuple[np.ndarray, np.ndarray | None]:
     """The point, and the unit normal from Q towards P across all free directions."""
-    system = ContactSystem(s._curves(kind), [_exact(c) for c in x[:4]], ())
+    system = ContactSystem(s._curves(kind), [exact_value(c) for c in x[:4]], ())
     with precision(96):
         p, q = system.jets([arb(float(x[4]))])
         vectors = [np.array([float(c.mid()) for c in v]) for v in (p.point, p.x, p.s, q.x, q.s, p.t, q.t)]
@@ -236,10 +236,6 @@ def _element(u: int, s: int) -> str:
     if u:
         return "vertex" if s else "end_ruling"
     return "directrix" if s else "face"
-
-
-def _exact(x: float) -> fmpq:
-    return fmpq(*float(x).as_integer_ratio())
 
 
 def first_event(
@@ -273,7 +269,7 @@ def _answer(s: Search, outcome: int, first: fmpq, last: fmpq, width: float) -> R
     row = min(sure, key=lambda k: (int(s.found_kinds[k, STRATUM]).bit_count(), float(s.times[k, 1]), k))
     event = s.event(row)
     hi = min(latest, event.time_interval[1])
-    if not _exact(hi) <= last:
+    if not exact_value(hi) <= last:
         return RuledContact("open", free_until, reason=reason, boxes=s.visits)
     if hi - free_until > width:
         return RuledContact("open", free_until, reason=reason, latest=hi, boxes=s.visits)

@@ -18,7 +18,7 @@ from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.csg import inside
 from firstcontact.body.features import Edge, Face, Vertex, enclosure
 from firstcontact.body.moving import Moving
-from firstcontact.exact.numbers import dyadic, precision, to_double
+from firstcontact.exact.numbers import dyadic, exact_value, precision, to_double
 from firstcontact.exact.rigid import Matrix, ball_rotation, compose, inverse_map
 from firstcontact.exact.vectors import dot
 from firstcontact.kernels.event_search import CHART, FORM, OTHER_FORM, PAIR
@@ -89,7 +89,7 @@ def shared_point(
             latest = lo + 0.98 * width
             soon = math.nextafter(math.nextafter(max(event.time, lo), math.inf), math.inf)
             for at in (soon, min(max(soon, hi) + 0.05 * width, latest), latest):
-                if not lo <= at <= latest or _exact(at) > last:
+                if not lo <= at <= latest or exact_value(at) > last:
                     continue
                 if _proved(event, at):
                     return event.answer(at)
@@ -119,7 +119,7 @@ class _Event:
         )
 
     def answer(self, at: float) -> Shared:
-        poses = [_middles(ball_pose(body, _exact(self.time))) for body in self.bodies]
+        poses = [_middles(ball_pose(body, exact_value(self.time))) for body in self.bodies]
         rows = poses[self.side]
         frames = [[*pose[:, :3].ravel().tolist(), *pose[:, 3].tolist()] for pose in poses]
         inverses = [[*np.linalg.inv(pose[:, :3]).ravel().tolist(), 0.0, 0.0, 0.0] for pose in poses]
@@ -134,7 +134,7 @@ class _Event:
     def _normal(self, rows: np.ndarray) -> np.ndarray | None:
         """Unit, in the world, from b towards a."""
         own, other = self.models()
-        there = np.array([[float(c.mid()) for c in row] for row in self.relative(_exact(self.time))])
+        there = np.array([[float(c.mid()) for c in row] for row in self.relative(exact_value(self.time))])
         x = np.array([to_double(c) for c in self.x])
         y = there[:, :3] @ x + there[:, 3]
         mine = _outward(own, self.own, x)
@@ -150,10 +150,6 @@ class _Event:
         turned = np.linalg.solve(rows[:, :3].T, n) * (1 if self.side == 0 else -1)
         length = float(np.linalg.norm(turned))
         return turned / length if length > 0.0 else None
-
-
-def _exact(x: float) -> fmpq:
-    return fmpq(*float(x).as_integer_ratio())
 
 
 def _named(feature: Face | Edge | Vertex) -> Feature:
@@ -205,7 +201,7 @@ def _event(bodies: tuple[Any, Any], tables: Tables, box: np.ndarray) -> _Event:
     x = np.array([1.0, u, v, u * u, u * v, v * v]) @ tables.charts[chart, :24].reshape(6, 4)
     own = tables.features[chart]
     place = tables.units[side, :3] + tables.units[side, 3] * x[:3] / x[3]
-    where = [_exact(c) for c in place]
+    where = [exact_value(c) for c in place]
     if isinstance(own, Vertex):
         where = [dyadic(arb(c.mid())) for c in enclosure(own.carrier)]
     return _Event(bodies, side, own, tables.others[int(box[PAIR])], where, float(0.5 * (box[6] + box[7])))
@@ -223,7 +219,7 @@ def _refine(event: _Event, tables: Tables, box: np.ndarray) -> bool:
     else:
         mine = [event.own.surfaces[0]]
     system = _System([_scaled(own.surfaces[k]) for k in mine], [_scaled(other.surfaces[k]) for k in theirs])
-    t, x = _exact(event.time), event.x
+    t, x = exact_value(event.time), event.x
     step = fmpq(1, 2**40)
     before, after = (event.relative(t + s) for s in (-step, step))
     m = _middles(event.relative(t))
@@ -232,7 +228,7 @@ def _refine(event: _Event, tables: Tables, box: np.ndarray) -> bool:
     z = np.array([to_double(c) for c in x])
     system.across = _across(system, z)
     count = 0 if isinstance(event.own, Vertex) else 3
-    size = to_double(_exact(float(tables.units[event.side, 3]))) * 1e-4
+    size = to_double(exact_value(float(tables.units[event.side, 3]))) * 1e-4
     moves = [size * e for e in np.eye(3)[:count]]
     columns = [(system.values(z + d, m) - system.values(z - d, m)) / (2 * size) for d in moves]
     span = size / max(float(np.abs(rates).max()), 1e-300)
@@ -247,7 +243,7 @@ def _refine(event: _Event, tables: Tables, box: np.ndarray) -> bool:
         residual = system.values([arb(c) for c in x], event.relative(t))
         largest = max(float(abs(r).upper()) for r in residual) or 1.0
         shift = np.linalg.solve(jacobian, [float((r / largest).mid()) for r in residual])
-        moved = [dyadic((arb(_exact(d)) * arb(largest)).mid()) for d in shift]
+        moved = [dyadic((arb(exact_value(d)) * arb(largest)).mid()) for d in shift]
         x = [c - d for c, d in zip(x, moved[:count], strict=True)] if count else x
         t = t - moved[-1]
         if not math.isfinite(largest) or abs(to_double(t) - event.time) > 1e-6 * (1 + abs(event.time)):
@@ -328,7 +324,7 @@ def _det(rows: Sequence[Sequence[Any]]) -> Any:
 
 def _proved(event: _Event, at: float) -> bool:
     """Whether a point near the event is proved inside both models at that time."""
-    m = event.relative(_exact(at))
+    m = event.relative(exact_value(at))
     own, other = event.models()
     values, gradients, forms = _second_order(own, other, event.x, m)
     size = NEAR * float(np.abs(np.diff(own.bounds(), axis=0)).max())
@@ -352,7 +348,7 @@ def _proved(event: _Event, at: float) -> bool:
     slopes = far * (lengths[near] + far * bends[near]) + 1e-300
     depth = np.where(held, (np.abs(moved) / slopes).min(axis=1), -1.0)
     best = steps[int(np.argmax(depth))]
-    return _is_inside(own, other, [c + _exact(d) for c, d in zip(event.x, best, strict=True)], m)
+    return _is_inside(own, other, [c + exact_value(d) for c, d in zip(event.x, best, strict=True)], m)
 
 
 def _directions(units: np.ndarray) -> np.ndarray:
