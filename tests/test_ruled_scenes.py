@@ -36,21 +36,11 @@ at = [0, 0, 5]
 '''
 
 
-@pytest.fixture
-def scene_file(tmp_path):
-    def write(text):
-        path = tmp_path / "scene.toml"
-        path.write_text(text)
-        return path
-
-    return write
-
-
-def test_a_scene_of_ruled_surfaces(scene_file):
+def test_a_scene_of_ruled_surfaces(scene):
     motion = '[body.pipe.motion]\ntype = "translation"\nvector = [0, 0, 1]\n'
-    scene = load_scene(scene_file(PIPE + motion + ROOF + '[body.flat]\nshape = "ruled"\nfirst = "(u, 0, 0)"\n'
+    loaded = load_scene(scene(PIPE + motion + ROOF + '[body.flat]\nshape = "ruled"\nfirst = "(u, 0, 0)"\n'
                                   'second = "(u, 1, 0)"\ns = "all"\n'))  # fmt: skip
-    pipe, roof, flat = (scene.bodies[name] for name in ("pipe", "roof", "flat"))
+    pipe, roof, flat = (loaded.bodies[name] for name in ("pipe", "roof", "flat"))
     circle = "((1-u**2)/(1+u**2), 2*u/(1+u**2), {})"
     assert pipe.body.second == fc.RationalCurve.parse(circle.format("1/3")) and pipe.body.u is None
     assert roof.first == fc.RationalCurve.parse("(u, 0, 5 + T)") and roof.s == (0, 2) and len(roof.trim) == 1
@@ -72,16 +62,16 @@ def test_a_scene_of_ruled_surfaces(scene_file):
         ('shape = "ruled"', 'shape = "ruled"\ntrims = []', "unknown key 'trims'"),
     ],
 )
-def test_faults_of_a_scene_name_the_key(scene_file, old, new, text):
+def test_faults_of_a_scene_name_the_key(scene, old, new, text):
     assert old in PIPE
     with pytest.raises(fc.InputError) as error:
-        load_scene(scene_file(PIPE.replace(old, new)))
+        load_scene(scene(PIPE.replace(old, new)))
     assert text in str(error.value) and "\n" not in str(error.value)
 
 
-def test_info_tells_directrices_and_ranges(scene_file):
+def test_info_tells_directrices_and_ranges(scene):
     twice = '[body.twice]\nshape = "ruled"\nfirst = "(u**2, 0, 0)"\nsecond = "(u**2, 1, 0)"\ns = "all"\n'
-    result = CliRunner().invoke(info, [str(scene_file(PIPE + ROOF + twice))], standalone_mode=False)
+    result = CliRunner().invoke(info, [str(scene(PIPE + ROOF + twice))], standalone_mode=False)
     assert result.exception is None
     lines = result.output.splitlines()
     assert lines[1:6] == [

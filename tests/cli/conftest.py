@@ -48,18 +48,6 @@ def python():
 
 
 @pytest.fixture
-def scene(tmp_path):
-    """Write text as a scene file and give its path."""
-
-    def write(text):
-        path = tmp_path / "scene.toml"
-        path.write_text(text)
-        return path
-
-    return write
-
-
-@pytest.fixture
 def cubes(scene):
     """A scene: the left cube slides by 3/10 towards the right one, whose left face lies at x = `face`.
 
