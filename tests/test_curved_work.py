@@ -4,6 +4,8 @@ import pytest
 
 import firstcontact as fc
 from firstcontact.body import primitives
+from firstcontact.composite.algorithm import Search
+from firstcontact.composite.at_rest import _is_solid
 
 # Both steps pass over the hole of the plate without touching it, in turn; the second ends in contact.
 PLATE = primitives.box((60, 60, 10)) - primitives.cylinder(8, 20)
@@ -40,3 +42,20 @@ def test_an_exact_search_can_be_interrupted():
 
     with pytest.raises(KeyboardInterrupt):
         fc.first_contact(PIN.moving(DOWN), PLATE, exact=True, progress=stop)
+
+
+def test_a_search_that_missed_an_event_is_not_called_free(monkeypatch):
+    """Without any contact found, models that overlap at the end leave the answer open."""
+    monkeypatch.setattr(Search, "first", lambda self: [])
+    monkeypatch.setattr(Search, "stop", lambda self: None)
+    blind = fc.first_contact(PIN.moving(DOWN), PLATE, exact=True)
+    assert (blind.status, blind.reason, blind.free_until) == (fc.Status.UNDECIDED, "precision", 0.0)
+
+
+def test_only_an_empty_combination_counts_as_none():
+    """Any other bad input is an error, not "no overlap"."""
+    cube = primitives.box((2, 2, 2))
+    assert _is_solid(lambda: cube & cube.translated((1, 0, 0)))
+    assert not _is_solid(lambda: cube & cube.translated((3, 0, 0)))
+    with pytest.raises(fc.InputError, match="give a number below"):
+        _is_solid(lambda: cube & cube.translated((2**151, 0, 0)))
