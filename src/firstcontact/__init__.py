@@ -79,7 +79,7 @@ _HOME = {
     "Sequence": "motion.sequence",
     "Trajectory": "motion.trajectory",
     "Translation": "motion.translation",
-    "contact_condition": "ruled.condition",
+    "contact_condition": "ruled.contact_condition",
     "contact_intervals": "query",
     "contact_pairs": "query",
     "first_contact": "query",
