@@ -1,4 +1,4 @@
-"""All times of contact of two models under any motion, proved in doubles and balls.
+"""All times of contact of two bodies under any motion, proved in doubles and balls.
 
 Free time is passed by the searches for the first contact, contact by `lasting`.  Where contact may end, a later time is
 proved free; the last contact before it is the first one with time running backwards, and from there contact is proved
@@ -10,14 +10,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from flint import fmpq
 
 from firstcontact.body.moving import Moving
 from firstcontact.composite.certified import both_bounded
-from firstcontact.composite.lasting import Lasting
+from firstcontact.composite.lasting import Lasting, LastingOfModels
 from firstcontact.composite.work import Spent, Work
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import above, below
@@ -85,7 +85,9 @@ def certified_intervals(
     models = both_bounded(models, span)
     try:
         parts = windows(*models, first, last)
-        return _Sweep(models, parts, tolerance * (parts[-1].last - parts[0].first), work, touches_at_start).run()
+        width = tolerance * (parts[-1].last - parts[0].first)
+        lasting = LastingOfModels(*(x.body if isinstance(x, Moving) else x for x in models))
+        return Sweep(_Free(models, width), lasting, parts, width, work, touches_at_start).run()
     except (NotCharted, Untold) as reason:
         raise UnsupportedPair(f"contact intervals are not decided: {reason}") from reason
 
@@ -102,8 +104,21 @@ def reversed_in_time(window: Window) -> Window:
     return Window(-window.last, -window.first, -math.nextafter(window.first, math.inf), *tables)
 
 
+class Free(Protocol):
+    """How free time is passed."""
+
+    def at(self, window: Window, t: float) -> bool:
+        """Whether the bodies are proved apart at t."""
+
+    def until(self, window: Window, t: float, end: float) -> tuple[float, list[np.ndarray]]:
+        """(a time until which the bodies, apart at t, stay apart; where they may touch then)."""
+
+    def near_start(self, window: Window) -> list[np.ndarray]:
+        """Where the bodies may touch at the start of the window."""
+
+
 class _Free:
-    """How free time is passed: by convex pieces where the models consist of them, else by events."""
+    """Two models: by convex pieces where the models consist of them, else by events."""
 
     def __init__(self, models: tuple[Any, Any], width: float) -> None:
         self.models, self.width = models, width
@@ -115,14 +130,12 @@ class _Free:
             self.pieces, self.tables = [], tables_of(*bodies)
 
     def at(self, window: Window, t: float) -> bool:
-        """Whether the models are proved apart at t."""
         if self.tables is None:
             return self._advanced(window, t, t).status == "free"
         search = events._Search(*self.models, self.tables, [window], 1.0, BOXES)
         return search._searched(self.tables.still, window, t, t, events.MOST_STILL) == FREE
 
     def until(self, window: Window, t: float, end: float) -> tuple[float, list[np.ndarray]]:
-        """(a time until which the models, apart at t, stay apart; where they may touch then)."""
         if self.tables is None:
             found = self._advanced(window, t, end)
             until = end if found.status == "free" else found.free_until
@@ -132,6 +145,9 @@ class _Free:
         if search._searched(self.tables.boxes, window, t, end, BOXES) == FREE:
             return end, []
         return max(t, float(search.result[0])), self._places(search, window)
+
+    def near_start(self, window: Window) -> list[np.ndarray]:
+        return self.until(window, window.first, window.first)[1] if self.tables is None else []
 
     def _advanced(self, window: Window, t: float, end: float) -> advance.Advance:
         part = window._replace(first=t, last=end, inner=min(end, window.inner))
@@ -154,17 +170,19 @@ class _Free:
         return found
 
 
-class _Sweep:
+class Sweep:
+    """touches_at_start: as `certified_intervals` has it; width: of the enclosures of events."""
+
     def __init__(
         self,
-        models: tuple[Any, Any],
+        free: Free,
+        lasting: Lasting[Any],
         parts: list[Window],
         width: float,
         work: Work,
         touches_at_start: Callable[[], np.ndarray | None],
     ) -> None:
-        self.free = _Free(models, width)
-        self.lasting = Lasting(*(x.body if isinstance(x, Moving) else x for x in models))
+        self.free, self.lasting = free, lasting
         self.windows, self.width, self.work = parts, width, work
         self.touches_at_start = touches_at_start
         self.intervals: list[Certified] = []
@@ -231,12 +249,11 @@ class _Sweep:
             found = self.lasting.anywhere(window, t)
         if found is not None:
             return found
-        until, seeds = self.free.until(window, t, t) if self.free.tables is None else (t, [])
-        if seeds:
+        if seeds := self.free.near_start(window):
             return seeds[0]
         if is_first and (seed := self.touches_at_start()) is not None:
             return seed
-        raise _Open(until)
+        raise _Open(t)
 
     def _enter(self, window: Window, t: float) -> tuple[float, np.ndarray | None]:
         """(the time from which there is contact again, a common point then), from t, which is free."""

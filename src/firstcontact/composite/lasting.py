@@ -1,16 +1,16 @@
-"""Proof that contact lasts: a point fixed in one of two moving models stays inside both over a stretch of time.
+"""Proof that contact lasts: a point fixed in one of two moving bodies stays inside both over a stretch of time.
 
-The point is sought in doubles, deep inside both models.  Let x, y be its places in its own model and in the other one
+The point is sought in doubles, deep inside both bodies.  Let x, y be its places in its own model and in the other one
 at a time t, A, B their poses, R the linear part of B.  At a time s it has moved by R(s)^-1 (A'(r) x - B'(r) y) (s - t)
-in the other model, each row at some r between (mean values).  Ball arithmetic over enclosures of poses and speeds puts
-all these places inside the other model, or proves nothing.
+in the other body, each row at some r between (mean values).  Ball arithmetic over enclosures of poses and speeds puts
+all these places inside the other body, or proves nothing.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from itertools import product
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 from flint import arb
@@ -34,20 +34,82 @@ SIGNS = np.array([x for x in product((-1.0, 0.0, 1.0), repeat=3) if any(x)])
 GROWTH, SHRINKAGE = 2.0, 0.25
 
 
-class Lasting:
-    """Two models; all points are in world coordinates, all times are those of a window."""
+P = TypeVar("P")
 
-    def __init__(self, a: CompositeQuadric, b: CompositeQuadric) -> None:
-        self.models = a, b
+
+class Solid:
+    """A model as the proof reads it: its forms exact, and in doubles with gradients of about 1 around it."""
+
+    def __init__(self, model: CompositeQuadric) -> None:
+        self.model = model
         with precision(BITS):
-            self.exact = [[[[arb(c) for c in row] for row in s.matrix()] for s in m.surfaces] for m in self.models]
-        self.forms = [_normalised(model) for model in self.models]
+            self.exact = [[[arb(c) for c in row] for row in s.matrix()] for s in model.surfaces]
+        self.forms = _normalised(model)
+
+    def holds(self, x: Sequence[arb], moved: Sequence[arb] | None = None) -> bool:
+        """Whether the model holds x (in its frame), and all points that far from it."""
+        below, above = [], []
+        for m in self.exact:
+            image = [row[0] * x[0] + row[1] * x[1] + row[2] * x[2] + row[3] for row in m]
+            value = x[0] * image[0] + x[1] * image[1] + x[2] * image[2] + image[3]
+            if moved is not None:
+                for i in range(3):
+                    bent = m[i][0] * moved[0] + m[i][1] * moved[1] + m[i][2] * moved[2]
+                    value += moved[i] * (2 * image[i] + bent)
+            below.append(not value > 0)
+            above.append(not value < 0)
+        return not possible(self.model.tree, below, above)[1]
+
+    def placed(self, linear: np.ndarray, shift: np.ndarray) -> np.ndarray:
+        """The scaled forms in the frame in which a point x of the model is at linear x + shift."""
+        back = np.eye(4)
+        back[:3, :3] = np.linalg.inv(linear)
+        back[:3, 3] = -back[:3, :3] @ shift
+        return back.T @ self.forms @ back
+
+    def height(self, forms: np.ndarray, centre: np.ndarray, steps: np.ndarray) -> np.ndarray:
+        """(n,) about how far the points centre + steps (n, 3) are from inside, negative inside; forms: as placed."""
+        image = forms @ np.append(centre, 1.0)
+        value = image[:, :3] @ centre + image[:, 3]
+        bent = np.einsum("ni,sij,nj->sn", steps, forms[:, :3, :3], steps, optimize=True)
+        return _height_of(self.model.tree, value[:, None] + 2.0 * image[:, :3] @ steps.T + bent)
+
+    def samples(self) -> np.ndarray:
+        """(n, 3) points of its box, none where that is unbounded."""
+        lo, hi = self.model.bounds()
+        if not np.all(np.isfinite([lo, hi])):
+            return np.zeros((0, 3))
+        return lo + np.random.default_rng(0).uniform(size=(SAMPLES, 3)) * (hi - lo)
+
+
+class Lasting(Generic[P]):
+    """How contact of two bodies is followed; all points are in world coordinates, all times are those of a window.
+
+    P: a point that is proved to be in both bodies at a time, and so that it can be followed.
+    """
+
+    def __init__(self) -> None:
         self.scratch = workspace()[0]
-        rng = np.random.default_rng(0)
-        directions = rng.normal(size=(30, 3))
-        directions /= np.linalg.norm(directions, axis=1, keepdims=True)
-        self.directions = directions
-        self.samples = rng.uniform(size=(SAMPLES, 3))
+
+    def held(self, window: Window, t: float, seeds: Sequence[np.ndarray]) -> P | None:
+        """A point proved inside both bodies at t, about as deep as can be near one of the seeds."""
+        raise NotImplementedError
+
+    def follow(self, window: Window, t: float, end: float, point: P) -> np.ndarray | None:
+        """Where the point comes to, if it is proved to be in both bodies over [t, end]."""
+        raise NotImplementedError
+
+    def place(self, window: Window, t: float, point: P) -> np.ndarray:
+        raise NotImplementedError
+
+    def anywhere(self, window: Window, t: float) -> np.ndarray | None:
+        """A point proved inside both bodies at t, where none is known."""
+        raise NotImplementedError
+
+    def deepest(self, window: Window, t: float, seeds: Sequence[np.ndarray]) -> np.ndarray | None:
+        """The place of the point that `held` finds."""
+        found = self.held(window, t, seeds)
+        return None if found is None else self.place(window, t, found)
 
     def until(
         self, window: Window, t: float, end: float, point: np.ndarray, least: float, step: Callable[[], None]
@@ -62,26 +124,78 @@ class Lasting:
             if t >= end:
                 break
             step()
-            found = self.deepest(window, t, [point])
+            found = self.held(window, t, [point])
             if found is None:
                 break
-            point, length = found, min(length, end - t)
+            length = min(length, end - t)
             while True:
                 shortest = max(least * longest, 4.0 * (np.nextafter(abs(t), np.inf) - abs(t)))
                 if length < shortest and length < end - t:
-                    return t, point
+                    return t, self.place(window, t, found)
                 later = end if length >= end - t else t + length
-                side = next((k for k in (0, 1) if self.stays(window, t, later, k, point)), None)
-                if side is not None:
+                there = self.follow(window, t, later, found)
+                if there is not None:
                     break
                 if longest == 0.0 and length < 1e-18 * (end - t):
-                    return t, point
+                    return t, self.place(window, t, found)
                 length *= SHRINKAGE
-            point = self._carried(window, t, later, side, point)
+            point = there
             longest, t, length = max(longest, later - t), later, GROWTH * length
         return t, point
 
+    def drift(
+        self, own: np.ndarray, other: np.ndarray, t: float, end: float, x: Sequence[arb], y: np.ndarray
+    ) -> list[arb]:
+        """How far from y a point x fixed in its own body is over [t, end], both in their bodies' frames."""
+        p, q = self.pose(own, t), self.pose(other, t)
+        p_speed, p_spread = self._speeds(own, t, end)
+        q_speed, q_spread = self._speeds(other, t, end)
+        z = [arb(c) for c in y.tolist()]
+        length = arb(end) - arb(t)
+        passed = length / 2 + arb(0, 1) * length / 2
+        off = []
+        for i in range(3):
+            here = _image(p, p[12], p[13], i, x) - _image(q, q[12], q[13], i, z)
+            rate = _image(p_speed, p_spread, None, i, x) - _image(q_speed, q_spread, None, i, z)
+            off.append(here + passed * rate)
+        turned = [
+            [arb(q[3 * i + j], q[12]) + passed * arb(q_speed[3 * i + j], q_spread[3 * i + j]) for j in range(3)]
+            for i in range(3)
+        ]
+        back = inverse_map(tuple((*row, arb(0)) for row in turned))  # type: ignore[arg-type]
+        return [row[0] * off[0] + row[1] * off[1] + row[2] * off[2] for row in back]
+
+    def pose(self, m: np.ndarray, t: float) -> np.ndarray:
+        """The fourteen numbers of a pose: linear part, shift, and their errors."""
+        pose_at(m, t, self.scratch, HERE_A)
+        return self.scratch[HERE_A].copy()
+
+    def _speeds(self, m: np.ndarray, t: float, end: float) -> tuple[np.ndarray, np.ndarray]:
+        accelerations(m, t, end, self.scratch)
+        return self.scratch[SPEED].copy(), self.scratch[SPREAD].copy()
+
+
+class LastingOfModels(Lasting[np.ndarray]):
+    """Two models: a world point, fixed in either of them."""
+
+    def __init__(self, a: CompositeQuadric, b: CompositeQuadric) -> None:
+        super().__init__()
+        self.solids = Solid(a), Solid(b)
+        directions = np.random.default_rng(0).normal(size=(30, 3))
+        self.directions = directions / np.linalg.norm(directions, axis=1, keepdims=True)
+
     # -- the proof ------------------------------------------------------------------------------------------
+
+    def follow(self, window: Window, t: float, end: float, point: np.ndarray) -> np.ndarray | None:
+        for side in (0, 1):
+            if self.stays(window, t, end, side, point):
+                m = (window.a, window.b)[side]
+                p, q = self.pose(m, t), self.pose(m, end)
+                return linear(q) @ np.linalg.solve(linear(p), point - p[9:12]) + q[9:12]
+        return None
+
+    def place(self, window: Window, t: float, point: np.ndarray) -> np.ndarray:
+        return point
 
     def is_shared(self, window: Window, t: float, point: np.ndarray) -> bool:
         """Whether the point is proved to be in both models at t."""
@@ -90,61 +204,29 @@ class Lasting:
     def stays(self, window: Window, t: float, end: float, side: int, point: np.ndarray) -> bool:
         """Whether the point, fixed in model `side`, is proved to be in both models over [t, end]."""
         own, other = (window.a, window.b) if side == 0 else (window.b, window.a)
-        p, q = self._pose(own, t), self._pose(other, t)
-        x = np.linalg.solve(_linear(p), point - p[9:12])
-        y = np.linalg.solve(_linear(q), _linear(p) @ x + p[9:12] - q[9:12])
-        p_speed, p_spread = self._speeds(own, t, end)
-        q_speed, q_spread = self._speeds(other, t, end)
+        p, q = self.pose(own, t), self.pose(other, t)
+        x = np.linalg.solve(linear(p), point - p[9:12])
+        y = np.linalg.solve(linear(q), linear(p) @ x + p[9:12] - q[9:12])
         with precision(BITS):
-            if not self._holds(side, x, None):
+            here = [arb(c) for c in x.tolist()]
+            if not self.solids[side].holds(here):
                 return False
-            length = arb(end) - arb(t)
-            passed = length / 2 + arb(0, 1) * length / 2
-            off = []
-            for i in range(3):
-                here = _image(p, p[12], p[13], i, x) - _image(q, q[12], q[13], i, y)
-                rate = _image(p_speed, p_spread, None, i, x) - _image(q_speed, q_spread, None, i, y)
-                off.append(here + passed * rate)
-            turned = [
-                [arb(q[3 * i + j], q[12]) + passed * arb(q_speed[3 * i + j], q_spread[3 * i + j]) for j in range(3)]
-                for i in range(3)
-            ]
-            back = inverse_map(tuple((*row, arb(0)) for row in turned))  # type: ignore[arg-type]
-            moved = [row[0] * off[0] + row[1] * off[1] + row[2] * off[2] for row in back]
-            return self._holds(1 - side, y, moved)
-
-    def _holds(self, side: int, x: np.ndarray, moved: list[Any] | None) -> bool:
-        """Whether model `side` holds x (in its frame), and all points that far from it."""
-        point = [arb(c) for c in x.tolist()]
-        below, above = [], []
-        for m in self.exact[side]:
-            image = [row[0] * point[0] + row[1] * point[1] + row[2] * point[2] + row[3] for row in m]
-            value = point[0] * image[0] + point[1] * image[1] + point[2] * image[2] + image[3]
-            if moved is not None:
-                for i in range(3):
-                    bent = m[i][0] * moved[0] + m[i][1] * moved[1] + m[i][2] * moved[2]
-                    value += moved[i] * (2 * image[i] + bent)
-            below.append(not value > 0)
-            above.append(not value < 0)
-        return not possible(self.models[side].tree, below, above)[1]
+            there = [arb(c) for c in y.tolist()]
+            return self.solids[1 - side].holds(there, self.drift(own, other, t, end, here, y))
 
     # -- points ---------------------------------------------------------------------------------------------
 
     def anywhere(self, window: Window, t: float) -> np.ndarray | None:
-        """A point proved inside both models at t, from samples of their boxes."""
+        """From samples of their boxes."""
         forms, points = self._placed(window, t), []
-        for model, m in zip(self.models, (window.a, window.b), strict=True):
-            lo, hi = model.bounds()
-            if not np.all(np.isfinite([lo, hi])):
-                continue
-            pose = self._pose(m, t)
-            points.append((lo + self.samples * (hi - lo)) @ _linear(pose).T + pose[9:12])
+        for solid, m in zip(self.solids, (window.a, window.b), strict=True):
+            pose = self.pose(m, t)
+            points.append(solid.samples() @ linear(pose).T + pose[9:12])
         x = np.concatenate(points)
         best = np.argsort(self._height(forms, np.zeros(3), x))[:4]
         return self.deepest(window, t, list(x[best]))
 
-    def deepest(self, window: Window, t: float, seeds: Sequence[np.ndarray]) -> np.ndarray | None:
-        """A point proved inside both models at t, about as deep as can be near one of the seeds."""
+    def held(self, window: Window, t: float, seeds: Sequence[np.ndarray]) -> np.ndarray | None:
         forms = self._placed(window, t)
         for seed in seeds:
             point, depth = self._descended(forms, np.asarray(seed, float))
@@ -191,44 +273,19 @@ class Lasting:
 
     def _placed(self, window: Window, t: float) -> list[np.ndarray]:
         """The scaled forms of both models in the world at t."""
-        placed = []
-        for forms, m in zip(self.forms, (window.a, window.b), strict=True):
-            pose, back = self._pose(m, t), np.eye(4)
-            back[:3, :3] = np.linalg.inv(_linear(pose))
-            back[:3, 3] = -back[:3, :3] @ pose[9:12]
-            placed.append(back.T @ forms @ back)
-        return placed
+        poses = [self.pose(m, t) for m in (window.a, window.b)]
+        return [s.placed(linear(pose), pose[9:12]) for s, pose in zip(self.solids, poses, strict=True)]
 
     def _height(self, forms: list[np.ndarray], centre: np.ndarray, steps: np.ndarray) -> np.ndarray:
         """(n,) about how far the points centre + steps are from inside both models, negative inside."""
-        heights = []
-        for model, form in zip(self.models, forms, strict=True):
-            image = form @ np.append(centre, 1.0)
-            value = image[:, :3] @ centre + image[:, 3]
-            bent = np.einsum("ni,sij,nj->sn", steps, form[:, :3, :3], steps, optimize=True)
-            heights.append(_height_of(model.tree, value[:, None] + 2.0 * image[:, :3] @ steps.T + bent))
-        return np.maximum(*heights)
-
-    def _carried(self, window: Window, t: float, later: float, side: int, point: np.ndarray) -> np.ndarray:
-        """Where a point fixed in a model comes to."""
-        m = (window.a, window.b)[side]
-        p, q = self._pose(m, t), self._pose(m, later)
-        return _linear(q) @ np.linalg.solve(_linear(p), point - p[9:12]) + q[9:12]
-
-    def _pose(self, m: np.ndarray, t: float) -> np.ndarray:
-        pose_at(m, t, self.scratch, HERE_A)
-        return self.scratch[HERE_A].copy()
-
-    def _speeds(self, m: np.ndarray, t: float, end: float) -> tuple[np.ndarray, np.ndarray]:
-        accelerations(m, t, end, self.scratch)
-        return self.scratch[SPEED].copy(), self.scratch[SPREAD].copy()
+        return np.maximum(*(s.height(form, centre, steps) for s, form in zip(self.solids, forms, strict=True)))
 
 
-def _linear(pose: np.ndarray) -> np.ndarray:
+def linear(pose: np.ndarray) -> np.ndarray:
     return pose[:9].reshape(3, 3)
 
 
-def _image(rows: np.ndarray, error: Any, shift_error: Any, i: int, x: np.ndarray) -> arb:
+def _image(rows: np.ndarray, error: Any, shift_error: Any, i: int, x: Sequence[arb]) -> arb:
     """Row i of R x + T; error: of all entries of R (shift_error: of T), or of each of the twelve."""
     if shift_error is None:
         r, e = [float(error[3 * i + j]) for j in range(3)], float(error[9 + i])
@@ -236,7 +293,7 @@ def _image(rows: np.ndarray, error: Any, shift_error: Any, i: int, x: np.ndarray
         r, e = [float(error)] * 3, float(shift_error)
     total = arb(float(rows[9 + i]), e)
     for j in range(3):
-        total += arb(float(rows[3 * i + j]), r[j]) * arb(float(x[j]))
+        total += arb(float(rows[3 * i + j]), r[j]) * x[j]
     return total
 
 

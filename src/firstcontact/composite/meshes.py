@@ -10,7 +10,6 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -36,7 +35,7 @@ from firstcontact.composite.patches import (
 from firstcontact.composite.touched import ACROSS
 from firstcontact.composite.work import Spent, Work
 from firstcontact.errors import UnsupportedPair
-from firstcontact.exact.numbers import fraction, to_double
+from firstcontact.exact.numbers import exact_value, fraction, to_double
 from firstcontact.kernels.mesh_walk import VISITS
 from firstcontact.kernels.support import FORMS
 from firstcontact.motion.polynomial import relative_pieces
@@ -63,6 +62,40 @@ def first_contact_of_mesh(
     return _Query(a, b, first, last, exact, tolerance, work).answer()
 
 
+def pieces_of(model: CompositeQuadric) -> ConvexPieces:
+    """The convex parts of a model that a polyhedron is to meet."""
+    try:
+        return convex_pieces(model)
+    except NotConvex as reason:
+        raise UnsupportedPair(
+            f"{model.name or 'a model'} is no union of convex parts ({reason}); it meets convex polyhedra only"
+        ) from reason
+
+
+def windows_of(a: Any, b: Any, first: fmpq, last: fmpq) -> list[Window]:
+    try:
+        return windows(a, b, first, last)
+    except Untold as reason:
+        raise UnsupportedPair(f"this motion is not followed: {reason}") from reason
+
+
+def holds_model(search: MeshSearch, mesh: Polyhedron, window: Window) -> bool | None:
+    """Whether the solid polyhedron holds a point inside a part of the model at the window's start.
+
+    None where no such point could be placed.
+    """
+    if not mesh.solid:
+        return False
+    placed = [search.point_of_piece(j, window) for j in range(search.pieces.count)]
+    for x in placed:
+        if x is None:
+            return None
+        p, q, r = (exact_value(c) for c in x)
+        if contains(mesh, search.tree, (p, q, r)):
+            return True
+    return False
+
+
 @dataclass
 class _Query:
     a: Any
@@ -82,24 +115,10 @@ class _Query:
         self.mesh: Polyhedron = _shape(moving_mesh)
         self.moving_model = bounded(moving_model, moving_mesh, self.span)
         self.model: CompositeQuadric = _shape(self.moving_model)
-        self.windows = self._windows()
+        self.windows = windows_of(self.a, self.b, self.first, self.last)
+        self.pieces = pieces_of(self.model)
         self.search = MeshSearch(self.mesh, self.pieces, self.mesh_is_a, self.work.budget, self.work.progress)
         self.width = self.tolerance * (self.windows[-1].last - self.windows[0].first)
-
-    @cached_property
-    def pieces(self) -> ConvexPieces:
-        try:
-            return convex_pieces(self.model)
-        except NotConvex as reason:
-            raise UnsupportedPair(
-                f"{self.model.name or 'a model'} is no union of convex parts ({reason}); it meets convex polyhedra only"
-            ) from reason
-
-    def _windows(self) -> list[Window]:
-        try:
-            return windows(self.a, self.b, self.first, self.last)
-        except Untold as reason:
-            raise UnsupportedPair(f"this motion is not followed: {reason}") from reason
 
     def answer(self) -> FirstContact:
         for k, window in enumerate(self.windows):
@@ -110,7 +129,7 @@ class _Query:
 
     def _in_window(self, window: Window, at_start: bool) -> FirstContact | None:
         """The answer if there is one in this window; None proves it free."""
-        held = self._holds_model(window)
+        held = holds_model(self.search, self.mesh, window)
         if held is None:
             return self._undecided(window.first, "precision")
         swept = Swept("initial", window.first) if held else self.search.run(window, self.width)
@@ -142,20 +161,6 @@ class _Query:
         return self._result(Status.UNDECIDED, free_until=max(free_until, self.span[0]), reason=reason)
 
     # -- interiors ------------------------------------------------------------------------------------------
-
-    def _holds_model(self, window: Window) -> bool | None:
-        """Whether the solid polyhedron holds a point inside a part of the model; None where none could be placed."""
-        if not self.mesh.solid:
-            return False
-        placed = [self.search.point_of_piece(j, window) for j in range(self.pieces.count)]
-        tree = tree_of(self.mesh)
-        for x in placed:
-            if x is None:
-                return None
-            p, q, r = (fmpq(*c.as_integer_ratio()) for c in x)
-            if contains(self.mesh, tree, (p, q, r)):
-                return True
-        return False
 
     def _jump(self, window: Window) -> FirstContact:
         """The bodies share a point right at the start of a later step, and none before."""

@@ -18,6 +18,7 @@ from firstcontact.composite.answer import contact_of, listed, world_time
 from firstcontact.composite.at_rest import is_containment, overlap
 from firstcontact.composite.certified import both_bounded, contact, settle
 from firstcontact.composite.certified_intervals import Found, certified_intervals
+from firstcontact.composite.mesh_intervals import intervals_of_mesh
 from firstcontact.composite.meshes import first_contact_of_mesh
 from firstcontact.composite.moving_pair import Pair
 from firstcontact.composite.polyhedra import as_model, is_small_and_convex
@@ -157,6 +158,8 @@ def contact_intervals(
     tolerance: as part of the span, of the certified path only; algebra is exact.
     """
     begin = clock.perf_counter()
+    if _goes_by_triangles(a) or _goes_by_triangles(b):
+        return _intervals_of_mesh(a, b, span, exact, Work(budget, progress), tolerance)
     first, last = _span(a, b, span)
     shared = {"a": a, "b": b, "span": (to_double(first), to_double(last))}
     try:
@@ -171,6 +174,20 @@ def contact_intervals(
             )
         except UnsupportedPair as other:
             raise UnsupportedPair(f"{refusal}; {other}") from other
+    return _proved_intervals(found, work, begin, shared)
+
+
+def _intervals_of_mesh(a: Any, b: Any, span: Any, exact: bool, work: Work, tolerance: float) -> ContactIntervals:
+    begin = clock.perf_counter()
+    if exact:
+        raise UnsupportedPair("contact intervals of meshes with curved models are not exact; drop exact=True")
+    first, last = bounded_span(a, b, span)
+    shared = {"a": a, "b": b, "span": (to_double(first), to_double(last))}
+
+    def at_start() -> np.ndarray | None:
+        return first_contact_of_mesh(a, b, first, first, False, tolerance, Work()).point
+
+    found = intervals_of_mesh(a, b, first, last, tolerance, work, at_start)
     return _proved_intervals(found, work, begin, shared)
 
 

@@ -150,14 +150,14 @@ class MeshSearch:
     def _motions(self, window: Window) -> tuple[np.ndarray, np.ndarray]:
         return (window.a, window.b) if self.mesh_is_a else (window.b, window.a)
 
-    def run(self, window: Window, width: float) -> Swept:
-        """The first contact in one window; width: of its interval at most."""
+    def run(self, window: Window, width: float, back: float | None = None) -> Swept:
+        """The first contact in one window; width: of its interval at most; back: BACK of it or of a longer one."""
         mesh, model = self._motions(window)
         self._push_roots(window.first)
         # what is proved free beyond the end is proved free at it: so the end itself is looked at
         limit = math.nextafter(window.last, math.inf)
         hint = np.zeros(3)
-        back = BACK * (window.last - window.first)
+        back = BACK * (window.last - window.first) if back is None else back
         best: Touch | None = None
         left: list[Open] = []
         while True:

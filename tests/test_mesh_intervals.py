@@ -1,0 +1,108 @@
+"""Contact intervals of polyhedra of any shape with curved models: against exact arithmetic, by hand, and sampled."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from flint import fmpq
+
+import firstcontact as fc
+from firstcontact.body import primitives
+from firstcontact.composite.mesh_intervals import intervals_of_mesh
+from firstcontact.composite.work import Work
+
+BALL, SMALL, PIN = primitives.sphere(1), primitives.sphere("1/4"), primitives.cylinder("1/2", 2)
+OUTLINE = np.array([(-3, -2), (3, -2), (3, 2), (2, 2), (2, -1), (-2, -1), (-2, 2), (-3, 2)], float)
+ARMS = [
+    primitives.box((6, 1, 2)).translated((0, "-3/2", 0)),
+    primitives.box((1, 4, 2)).translated(("-5/2", 0, 0)),
+    primitives.box((1, 4, 2)).translated(("5/2", 0, 0)),
+]
+
+
+def clip():
+    """A prism over a U, whose parts are ARMS."""
+    n = len(OUTLINE)
+    vertices = np.array([(*p, z) for z in (-1.0, 1.0) for p in OUTLINE])
+    sides = [[i, (i + 1) % n, n + (i + 1) % n, n + i] for i in range(n)]
+    return fc.Polyhedron(vertices, [list(range(n))[::-1], list(range(n, 2 * n)), *sides], name="clip")
+
+
+def joined(parts):
+    """The union of the intervals of several pairs, of exact arithmetic or of certified times."""
+    found = sorted((x.start, x.end) for pair in parts for x in fc.contact_intervals(*pair))
+    union = found[:1]
+    for start, end in found[1:]:
+        if start <= union[-1][1]:
+            union[-1] = union[-1][0], max(end, union[-1][1])
+        else:
+            union.append((start, end))
+    return union
+
+
+CLIP_SCENES = {
+    "small ball across": SMALL.translated((-5, "1/2", "1/10")).moving(fc.Translation((10, "1/7", 0))),  # wholly inside
+    "large ball across": BALL.translated((-5, "1/2", "1/10")).moving(fc.Translation((10, "1/7", 0))),
+    "pin falls in": PIN.translated((0, "1/9", 4)).moving(fc.Translation((0, -3, -8))),
+    "ball on a screw": SMALL.translated((2, "1/2", -1)).moving(fc.Screw((0, 0, 1), degrees=360, advance=2)),
+    "cone turns": primitives.cone(1, 2).translated((2, 1, -1)).moving(fc.Rotation((1, 0, 0), degrees=360)),
+}
+
+
+def assert_near(found, known):
+    ends = np.array([(x.start, x.end) for x in found])
+    assert ends.shape == np.shape(known) and np.abs(ends - known).max() <= 1e-11
+
+
+@pytest.mark.parametrize("name", CLIP_SCENES)
+def test_as_the_union_of_its_parts(name):
+    body = CLIP_SCENES[name]
+    known = joined((body, arm) for arm in ARMS)
+    found = fc.contact_intervals(body, clip())
+    assert found.reason is None and known
+    assert_near(found, known)
+    for x in found:
+        assert max(x.start_interval[1] - x.start_interval[0], x.end_interval[1] - x.end_interval[0]) <= 1e-12
+    swapped = fc.contact_intervals(clip(), body)
+    assert_near(swapped, known)
+
+
+def test_a_convex_polyhedron_as_exact_arithmetic_tells():
+    cube = fc.examples.box((2, 2, 2))
+    egg = primitives.ellipsoid((1, 2, "1/2")).translated((-4, "1/3", "1/5")).moving(fc.Translation((8, 1, 0)))
+    (known,) = fc.contact_intervals(egg, cube, exact=True)
+    found = intervals_of_mesh(egg, cube, fmpq(0), fmpq(1), 1e-12, Work(), lambda: None)
+    (x,) = found.intervals
+    assert found.reason is None and x.start[0] <= known.start <= x.start[1] and x.end[0] <= known.end <= x.end[1]
+
+
+def test_a_surface_and_an_edge_by_hand():
+    sheet = fc.Polyhedron([(-9, -9, 0), (9, -9, 0), (0, 9, 0)], [(0, 1, 2)])
+    rod = fc.Polyhedron([(-9, 0, 0), (9, "1/3", 0)], [], edges=[(0, 1)])
+    ball = BALL.translated((0, 0, 3)).moving(fc.Translation((0, 0, -8)))
+    (x,) = fc.contact_intervals(ball, sheet)
+    assert (x.start, x.end) == pytest.approx((2 / 8, 4 / 8), abs=1e-12)
+    (y,) = fc.contact_intervals(rod, ball)
+    away = np.linalg.norm(np.cross((18, 1 / 3, 0), (-9, 0, 0))) / np.hypot(18, 1 / 3)
+    half = np.sqrt(1 - away**2)
+    assert (y.start, y.end) == pytest.approx(((3 - half) / 8, (3 + half) / 8), abs=1e-12)
+
+
+def test_what_only_grazes_is_not_called_free():
+    ball = BALL.translated((-5, 0, 2)).moving(fc.Translation((10, 0, 0)))  # its lowest point slides along the top
+    found = fc.contact_intervals(ball, clip())
+    assert found.status is fc.Status.UNDECIDED and found.reason == "precision"
+    assert 0.199 < found.free_until <= 0.2
+
+
+def test_status_and_refusals():
+    deep = SMALL.translated((0, "-3/2", 0)).moving(fc.Translation((0, 9, 0)))  # starts inside the clip
+    found = fc.contact_intervals(deep, clip())
+    (x,) = found
+    assert found.status is fc.Status.INITIAL_CONTACT and x.start == 0.0 and x.end == pytest.approx(0.75 / 9, abs=1e-12)
+    high = SMALL.translated((0, 0, 5)).moving(fc.Translation((9, 0, 0)))
+    assert fc.contact_intervals(high, clip()).status is fc.Status.FREE
+    with pytest.raises(fc.UnsupportedPair, match="exact"):
+        fc.contact_intervals(high, clip(), exact=True)
+    few = fc.contact_intervals(deep, clip(), budget=2)
+    assert few.status is fc.Status.UNDECIDED and few.reason == "budget"
