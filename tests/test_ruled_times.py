@@ -57,13 +57,18 @@ def test_the_minimal_polynomials_of_example_4():
     assert np.allclose(hit.point, [2**0.5 / 2 - 1, 2**0.5 / 2, 0.5])
 
 
-def test_large_eliminations_are_left_to_doubles():
+def test_what_is_too_large_for_elimination_is_said():
     vector = MOVING["m14"]
     with pytest.raises(UnsupportedPair, match="too large for elimination"):
         fc.contact_intervals(vector.p, vector.q, vector.span, exact=True)
+
+
+@pytest.mark.parametrize(("name", "kinds"), [("m13", ("directrix", "face")), ("m14", ("face", "vertex"))])
+def test_large_eliminations_are_left_to_doubles(name, kinds):
+    vector = MOVING[name]
     hit = fc.first_contact(vector.p, vector.q, vector.span)
     assert hit.time_interval[0] <= float(vector.expected["first_contact_T"]) <= hit.time_interval[1]
-    assert (hit.element_a.kind, hit.element_b.kind) == ("face", "vertex")
+    assert (hit.element_a.kind, hit.element_b.kind) == kinds
 
 
 def ruled(first, second, u=(0, 1), s=(0, 1)):

@@ -62,6 +62,15 @@ def contact_intervals(
     return ContactIntervals(intervals, status, until, reason, Stats(node_visits=found.boxes), **shared)
 
 
+def takes(a: Any, b: Any, first: fmpq, last: fmpq) -> bool:
+    """Whether the search takes the pair."""
+    try:
+        _pieces(a, b, first, last)
+    except UnsupportedPair:
+        return False
+    return True
+
+
 def _pieces(a: Any, b: Any, first: fmpq, last: fmpq) -> tuple[DirectrixPiece, RuledPiece, RuledPiece]:
     """Both surfaces in the frame of b; UnsupportedPair for what the search does not take."""
     for body in (a, b):

@@ -35,12 +35,14 @@ from firstcontact.result import (
 )
 from firstcontact.ruled import certified
 from firstcontact.ruled.conditions import conditions
-from firstcontact.ruled.sheets import TooLarge
+from firstcontact.ruled.sheets import MOST_DEGREE, TooLarge
 from firstcontact.ruled.times import Times
 from firstcontact.ruled.touches import Touch, touch
 from firstcontact.search.earliest import Progress
 
 BITS = 128
+QUICK_DEGREE = 80
+"""Of equations that elimination may lead to where the search in doubles takes the pair too."""
 _ORDER = {"vertex": 0, "directrix": 1, "end_ruling": 2, "face": 3}
 _PER_PIECE = {"vertex": 4, "directrix": 2, "end_ruling": 2, "face": 1}
 
@@ -99,8 +101,9 @@ def contact_intervals(
     work = Work(budget, progress, below(first))
     windows: list[tuple[_End, _End]] = []
     reason = None
+    quick = not exact and certified.takes(a, b, first, last)
     try:
-        for pairs in _pieces(a, b, first, last, work):
+        for pairs in _pieces(a, b, first, last, work, QUICK_DEGREE if quick else MOST_DEGREE):
             for start, end in _joined([w for pair in pairs for w in _windows(pair)]):
                 if windows and start.time is not None and windows[-1][1].time == start.time:
                     windows[-1] = windows[-1][0], end
@@ -109,7 +112,7 @@ def contact_intervals(
     except Spent:
         reason = "budget"
     except TooLarge:
-        if exact:
+        if not quick:
             raise
         found = certified.contact_intervals(a, b, first, last, budget, shared)
         return replace(found, stats=found.stats + Stats(seconds=clock.perf_counter() - begin))
@@ -126,27 +129,29 @@ def first_contact(
     a: Any, b: Any, span: Any, exact: bool, method: str, tolerance: float, budget: int | None = None,
     progress: Progress | None = None,
 ) -> FirstContact:
-    """The first shared point: exactly; in doubles, with proofs, on request and where elimination leads too far."""
+    """The first shared point: exactly; in doubles, with proofs, on request and where elimination leads far."""
     begin = clock.perf_counter()
     first, last = _span(a, b, span)
     shared = {"a": a, "b": b, "span": (to_double(first), to_double(last))}
     if method != "certified" or exact:
+        in_doubles = not exact and method == "auto" and certified.takes(a, b, first, last)
+        most_degree = QUICK_DEGREE if in_doubles else MOST_DEGREE
         try:
-            return _decided(a, b, first, last, exact, budget, progress, shared, begin)
+            return _decided(a, b, first, last, exact, most_degree, budget, progress, shared, begin)
         except TooLarge:
-            if exact or method == "algebraic":
+            if not in_doubles:
                 raise
     found = certified.first_contact(a, b, first, last, tolerance, budget, shared)
     return replace(found, stats=found.stats + Stats(seconds=clock.perf_counter() - begin))
 
 
 def _decided(
-    a: Any, b: Any, first: fmpq, last: fmpq, exact: bool, budget: int | None, progress: Progress | None,
-    shared: dict[str, Any], begin: float,
+    a: Any, b: Any, first: fmpq, last: fmpq, exact: bool, most_degree: int, budget: int | None,
+    progress: Progress | None, shared: dict[str, Any], begin: float,
 ) -> FirstContact:
     work = Work(budget, progress, below(first))
     try:
-        for pairs in _pieces(a, b, first, last, work):
+        for pairs in _pieces(a, b, first, last, work, most_degree):
             starts = [(start, pair, lasts) for pair in pairs for start, lasts in _starts(pair)]
             if starts:
                 earliest = min((start for start, _, _ in starts), key=cmp_to_key(_End.compare))
@@ -167,22 +172,23 @@ def _span(a: Any, b: Any, span: Any) -> tuple[fmpq, fmpq]:
     return first, last
 
 
-def _pieces(a: Any, b: Any, first: fmpq, last: fmpq, work: Work) -> Iterator[list[_Pair]]:
+def _pieces(a: Any, b: Any, first: fmpq, last: fmpq, work: Work, most_degree: int) -> Iterator[list[_Pair]]:
     """All pairs of pieces of the surfaces over each piece of their motion, in time order."""
     combined = [(i, j, x, y) for i, x in enumerate(_parts(a)) for j, y in enumerate(_parts(b))]
     for steps in zip(*(directrix_pieces(x, y, first, last) for _, _, x, y in combined), strict=True):
         work.free_until = below(steps[0].motion.start)
-        yield [_pair(*pair, step, work) for pair, step in zip(combined, steps, strict=True)]
+        yield [_pair(*pair, step, work, most_degree) for pair, step in zip(combined, steps, strict=True)]
 
 
-def _pair(i: int, j: int, x: Any, y: Any, step: DirectrixPiece, work: Work) -> _Pair:
+def _pair(i: int, j: int, x: Any, y: Any, step: DirectrixPiece, work: Work, most_degree: int) -> _Pair:
     motion = step.motion
     if not motion.exact:
         raise UnsupportedPair(f"{motion.of}: the pose before this step is irrational; such steps are not supported")
     assert motion.u_hi is not None
     span = motion.u_lo, motion.u_hi
     joined = tuple((z.body if isinstance(z, Moving) else z).joined for z in (x, y))
-    return _Pair(motion, Times(conditions(x, y, step, span), span, work), (i, j), joined)  # type: ignore[arg-type]
+    times = Times(conditions(x, y, step, span), span, work, most_degree)
+    return _Pair(motion, times, (i, j), joined)  # type: ignore[arg-type]
 
 
 def _parts(body: Any) -> list[Any]:

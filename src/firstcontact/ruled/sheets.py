@@ -52,6 +52,7 @@ class Sheet:
     pairs       those of the conditions that decide off the borders; None for all conditions
     exchanged   u and v have changed places in all polynomials here
     first, second   ranges of the parameter that stays (here always u) and of the one that goes (v)
+    most_degree     of equations that elimination may lead to
     """
 
     f: fmpz_mpoly | None
@@ -60,6 +61,7 @@ class Sheet:
     exchanged: bool
     first: Range
     second: Range
+    most_degree: int = MOST_DEGREE
 
     @cached_property
     def borders(self) -> list[fmpz_mpoly]:
@@ -88,7 +90,7 @@ class Sheet:
                 found.add(h)
         pairs = [(self.f, c) for c in self.clips] if self.f is not None else combinations(self.clips, 2)
         for g, h in pairs:
-            r = _eliminated(g, h, 1)
+            r = _eliminated(g, h, 1, self.most_degree)
             if not r.is_zero():
                 found.add(r)
         return found
@@ -97,7 +99,7 @@ class Sheet:
         if degree(g, 1) == 0:
             yield g
             return
-        yield _eliminated(g, None, 1)
+        yield _eliminated(g, None, 1, self.most_degree)
         if self.second is None:
             yield coefficients(g, 1)[-1]
             return
@@ -120,14 +122,16 @@ class Sheet:
         """The same with the parameters in the other order."""
         f = None if self.f is None else exchanged(self.f)
         clips = tuple(exchanged(x) for x in self.clips)
-        return Sheet(f, clips, None, not self.exchanged, self.second, self.first)
+        return Sheet(f, clips, None, not self.exchanged, self.second, self.first, self.most_degree)
 
     @cached_property
     def _own_times(self) -> list[fmpz_poly]:
-        return critical_times(self.borders, self.first)
+        return critical_times(self.borders, self.first, self.most_degree)
 
 
-def critical_times(borders: Sequence[fmpz_mpoly], ends: Range) -> list[fmpz_poly]:
+def critical_times(
+    borders: Sequence[fmpz_mpoly], ends: Range, most_degree: int = MOST_DEGREE
+) -> list[fmpz_poly]:
     """Irreducible polynomials in T; outside their roots the borders' zeros in the range of u keep their order."""
     found = FactorSet()
     curves = [b for b in borders if degree(b, 0)]
@@ -135,7 +139,7 @@ def critical_times(borders: Sequence[fmpz_mpoly], ends: Range) -> list[fmpz_poly
         if degree(b, 0) == 0:
             found.add(b)
             continue
-        found.add(_eliminated(b, None, 0))
+        found.add(_eliminated(b, None, 0, most_degree))
         if ends is None:
             found.add(coefficients(b, 0)[-1])
             continue
@@ -144,11 +148,11 @@ def critical_times(borders: Sequence[fmpz_mpoly], ends: Range) -> list[fmpz_poly
             if not value.is_zero():
                 found.add(value)
     for b, c in combinations(curves, 2):
-        found.add(_eliminated(b, c, 0))
+        found.add(_eliminated(b, c, 0, most_degree))
     return [univariate(g, 2) for g in found if degree(g, 2)]
 
 
-def sheets(c: Conditions) -> list[Sheet]:
+def sheets(c: Conditions, most_degree: int = MOST_DEGREE) -> list[Sheet]:
     """All sheets of the conditions; their times, and those of `instants`, are all at which contact may change."""
     if c.delta.is_zero():
         everything = FactorSet()
@@ -156,7 +160,7 @@ def sheets(c: Conditions) -> list[Sheet]:
             if not x.is_zero():
                 everything.add(x)
         own = _real(everything, c)
-        sheet = Sheet(None, tuple(own), None, False, c.u, c.v)
+        sheet = Sheet(None, tuple(own), None, False, c.u, c.v, most_degree)
         return [min((sheet, sheet.turned()), key=lambda s: sum(int(b.total_degree()) for b in s.borders))]
     all_sheets = []
     for f in _real(irreducible(c.delta), c):
@@ -164,9 +168,10 @@ def sheets(c: Conditions) -> list[Sheet]:
             continue  # an instant
         clips, pairs = _clips(c, f)
         if degree(f, 1):
-            all_sheets.append(Sheet(f, tuple(clips), pairs, False, c.u, c.v))
+            all_sheets.append(Sheet(f, tuple(clips), pairs, False, c.u, c.v, most_degree))
         else:
-            all_sheets.append(Sheet(exchanged(f), tuple(exchanged(x) for x in clips), None, True, c.v, c.u))
+            turned = tuple(exchanged(x) for x in clips)
+            all_sheets.append(Sheet(exchanged(f), turned, None, True, c.v, c.u, most_degree))
     return all_sheets
 
 
@@ -238,14 +243,14 @@ def _may_vanish(b: fmpz_mpoly, ends: Range) -> bool:
     return bool(roots_in(p, ends))
 
 
-def _eliminated(g: fmpz_mpoly, h: fmpz_mpoly | None, index: int) -> fmpz_mpoly:
-    """The resultant of g and h, without h the discriminant of g; UnsupportedPair where that leads too far."""
+def _eliminated(g: fmpz_mpoly, h: fmpz_mpoly | None, index: int, most_degree: int) -> fmpz_mpoly:
+    """The resultant of g and h, without h the discriminant of g; TooLarge where that leads too far."""
     m, n = degree(g, index), degree(h, index) if h is not None else degree(g, index) - 1
     other = g if h is None else h
     u, t = (m * degree(other, k) + n * degree(g, k) for k in (0, 2))
     # Eliminating u too doubles the product of the degrees.
     expected = t if index == 0 else 2 * u * t
-    if min(m, n) > 0 and expected > MOST_DEGREE:
+    if min(m, n) > 0 and expected > most_degree:
         raise TooLarge(
             f"too large for elimination: equations of degree {expected} for the times of contact; "
             "without exact=True they are found as enclosures"

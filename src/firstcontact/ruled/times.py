@@ -21,18 +21,23 @@ from firstcontact.exact.trivariate import at, exchanged, univariate
 from firstcontact.ruled.conditions import Conditions, Range
 from firstcontact.ruled.exclusion import Box, Span, survivors
 from firstcontact.ruled.shared_points import WIDE, Contact, clusters, shared_points
-from firstcontact.ruled.sheets import Sheet, between, candidates, instants, samples, sheets
+from firstcontact.ruled.sheets import MOST_DEGREE, Sheet, between, candidates, instants, samples, sheets
 
 BITS = 64
 COVER_VISITS, COVER_DEPTH = 200, 30
 
 
 class Times:
-    """The search over the closed span of the motion's parameter; work counts decided cells and instants."""
+    """The search over the closed span of the motion's parameter; work counts decided cells and instants.
 
-    def __init__(self, conditions: Conditions, span: Span, work: Work | None = None) -> None:
+    Raises TooLarge where elimination would lead to equations beyond `most_degree`.
+    """
+
+    def __init__(
+        self, conditions: Conditions, span: Span, work: Work | None = None, most_degree: int = MOST_DEGREE
+    ) -> None:
         self.conditions, self.span, self.work = conditions, span, work or Work()
-        self.sheets = sheets(conditions)
+        self.sheets = sheets(conditions, most_degree)
         flat = instants(conditions)
         self._special = {str(p) for p in flat}
         """Polynomials of instants at which Delta vanishes for all u and v."""
