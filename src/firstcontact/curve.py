@@ -67,7 +67,7 @@ class BranchEnd:
 
     def __str__(self) -> str:
         on = f" ({', '.join(self.on)})" if self.on else ""
-        return f"{self.kind}{on} at {_triple(self.point)}"
+        return f"{self.kind}{on} at {_triple(self.point)}, {_quadruple(self.parameters)}"
 
     def to_dict(self) -> dict[str, Any]:
         return {
@@ -97,17 +97,25 @@ class Branch:
     ends: tuple[BranchEnd, ...]
     multiplicity: int = 1
 
+    @property
+    def length(self) -> float:
+        """Of the polyline."""
+        return float(np.linalg.norm(np.diff(self.points, axis=0), axis=1).sum())
+
     def __str__(self) -> str:
+        kind, count = ("closed", len(self.points) - 1) if self.closed else ("open", len(self.points))
         touching = ", touching along it" if self.multiplicity > 1 else ""
+        head = f"{kind} branch of {count} points, length {self.length:.6g}{touching}"
         if self.closed:
-            return f"loop of {len(self.points) - 1} points through {_triple(self.points[0])}{touching}"
-        return f"arc of {len(self.points)} points from {self.ends[0]} to {self.ends[1]}{touching}"
+            return f"{head}\n    through {_triple(self.points[0])}, {_quadruple(self.parameters[0])}"
+        return f"{head}\n    from {self.ends[0]}\n    to {self.ends[1]}"
 
     def to_dict(self) -> dict[str, Any]:
         return {
             "points": self.points.tolist(),
             "parameters": self.parameters.tolist(),
             "closed": self.closed,
+            "length": self.length,
             "ends": [end.to_dict() for end in self.ends],
             "multiplicity": self.multiplicity,
         }
@@ -219,8 +227,13 @@ class IntersectionCurve:
         """Whether the surfaces share no point; proved."""
         return not (self.branches or len(self.overlap_lines) or len(self.isolated_points) or self.two_dimensional)
 
+    @property
+    def names(self) -> tuple[str, str]:
+        first, second = (getattr(x, "name", None) or default for x, default in ((self.a, "a"), (self.b, "b")))
+        return first, second
+
     def __str__(self) -> str:
-        names = " and ".join(getattr(x, "name", None) or default for x, default in ((self.a, "a"), (self.b, "b")))
+        names = " and ".join(self.names)
         if self.empty:
             return f"{names}: no common point; proved"
         kinds = [
@@ -242,6 +255,8 @@ class IntersectionCurve:
     def to_dict(self) -> dict[str, Any]:
         """Exact numbers are strings, polynomials lists of [i, j, coefficient]."""
         return {
+            "a": self.names[0],
+            "b": self.names[1],
             "branches": [branch.to_dict() for branch in self.branches],
             "overlap_lines": self.overlap_lines.tolist(),
             "singular_points": [x.to_dict() for x in self.singular_points],
@@ -258,6 +273,16 @@ class IntersectionCurve:
     def to_json(self) -> str:
         return json.dumps(finite(self.to_dict()))
 
+    def show(self, path: str | None = None) -> Any:
+        """Write the page that shows the surfaces and their curve (open it in the browser when no path is given)."""
+        from firstcontact.view.html import write_page
+
+        return write_page(path, [self])
+
 
 def _triple(x: np.ndarray) -> str:
     return "({:.9g}, {:.9g}, {:.9g})".format(*x)
+
+
+def _quadruple(parameters: np.ndarray) -> str:
+    return "u = {:.9g}, v = {:.9g}, s = {:.9g}, t = {:.9g}".format(*parameters)

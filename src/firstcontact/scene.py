@@ -8,15 +8,17 @@ from __future__ import annotations
 
 import itertools
 import tomllib
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, StrictBool, StrictInt, StrictStr, ValidationError
+from pydantic import Field, StrictBool, StrictInt, StrictStr, ValidationError, model_validator
 
 from firstcontact import scene_solids as solids
 from firstcontact.body.polyhedron import Polyhedron
 from firstcontact.body.rational_curve import RationalCurve
+from firstcontact.body.ruled_strip import RuledStrip
 from firstcontact.body.ruled_surface import RuledSurface
 from firstcontact.errors import InputError
 from firstcontact.motion.rational import RationalMotion
@@ -26,12 +28,14 @@ from firstcontact.motion.sequence import Sequence
 from firstcontact.motion.trajectory import Trajectory
 from firstcontact.motion.translation import Translation
 from firstcontact.scene_values import (
+    Corners,
     Directrix,
     Edge,
     Face,
     KeyFault,
     Matrix,
     Number,
+    Numbers,
     Pair,
     Placed,
     Pose,
@@ -46,7 +50,7 @@ from firstcontact.scene_values import (
     placed,
 )
 
-__all__ = ["Check", "Scene", "load_scene", "parse_number", "parse_time"]
+__all__ = ["Check", "Curve", "Scene", "load_scene", "parse_number", "parse_time"]
 
 
 class TranslationTable(Table):
@@ -212,16 +216,36 @@ class CsgBody(solids.Csg, _SolidBody): ...
 
 
 class RuledBody(_Body):
-    """Directrices as strings or as tables of coefficients; "all" for every u, or for whole rulings."""
+    """Two directrices, as strings or as tables of coefficients ("all": every u, or whole rulings), or a NURBS grid."""
 
     shape: Literal["ruled"]
-    first: Directrix
-    second: Directrix
+    first: Directrix = None
+    second: Directrix = None
     u: Range = (0, 1)
     s: Range = (0, 1)
     trim: list[StrictStr] = []
+    points: list[list[Vector]] | None = None
+    knots: Numbers = None
+    weights: Numbers = None
+    degree: StrictInt | list[StrictInt] | None = None
 
-    def build(self, key: str, folder: Path) -> RuledSurface:
+    @model_validator(mode="after")
+    def _one_kind(self) -> RuledBody:
+        curves, grid = {"first", "second", "u", "s", "trim"}, {"points", "knots", "weights", "degree"}
+        given = self.model_fields_set
+        if "points" not in given and not {"first", "second"} <= given:
+            raise ValueError("give first and second, or points; for a NURBS surface points, knots and weights")
+        wrong = sorted(given & (curves if "points" in given else grid))
+        if wrong:
+            other = "points" if "points" in given else "first and second"
+            raise ValueError(f"{wrong[0]} does not go with {other}; leave it out")
+        return self
+
+    def build(self, key: str, folder: Path) -> RuledSurface | RuledStrip:
+        if self.points is not None:
+            return RuledSurface.from_nurbs(
+                self.points, self.knots, self.weights, degree=self.degree, name=self.name or key
+            )
         curves = []
         for name in ("first", "second"):
             given = getattr(self, name)
@@ -257,9 +281,18 @@ class CheckTable(Table):
     budget: Annotated[StrictInt, Field(gt=0)] | None = None
 
 
+class CurveTable(Table):
+    pair: Pair
+    at: Number = None
+    tolerance: Annotated[Number, Field(gt=0)] = 1e-6
+    box: Corners | None = None
+    method: StrictStr = "auto"
+
+
 class SceneTable(Table):
     body: dict[str, Body]
     check: list[CheckTable] = []
+    curve: list[CurveTable] = []
 
 
 @dataclass(frozen=True)
@@ -279,12 +312,28 @@ class Check:
 
 
 @dataclass(frozen=True)
+class Curve:
+    """A question of `firstcontact curve`: the keys of two bodies, the time at which they rest, the verb's arguments."""
+
+    a: str
+    b: str
+    at: Any = None
+    tolerance: float = 1e-6
+    box: Any = None
+    method: str = "auto"
+
+    def arguments(self) -> dict[str, Any]:
+        return {key: getattr(self, key) for key in ("tolerance", "box", "method")}
+
+
+@dataclass(frozen=True)
 class Scene:
-    """Bodies by key, at rest or Moving, and the checks to run on them."""
+    """Bodies by key, at rest or Moving, the checks to run on them, and the intersection curves to find."""
 
     path: Path
     bodies: dict[str, Any]
     checks: tuple[Check, ...]
+    curves: tuple[Curve, ...]
 
 
 def load_scene(path: str | Path) -> Scene:
@@ -296,7 +345,8 @@ def load_scene(path: str | Path) -> Scene:
     except ValidationError as error:
         raise InputError(f"{path}: {_first_fault(error, tables)}") from error
     bodies = {key: _build(path, key, body) for key, body in scene.body.items()}
-    return Scene(path, bodies, tuple(_checks(path, scene)))
+    checks = tuple(_checks(path, scene))
+    return Scene(path, bodies, checks, tuple(_curves(path, scene, checks)))
 
 
 def _read(path: Path) -> dict[str, Any]:
@@ -329,15 +379,31 @@ def _checks(path: Path, scene: SceneTable) -> list[Check]:
         return [Check(a, b) for a, b in itertools.combinations(scene.body, 2)]
     checks = []
     for k, table in enumerate(scene.check):
-        a, b = table.pair
-        for name in (a, b):
-            if name not in scene.body:
-                known = ", ".join(map(repr, scene.body))
-                raise InputError(f"{path}: check[{k}].pair: no body {name!r}; the bodies are {known}")
-        if a == b:
-            raise InputError(f"{path}: check[{k}].pair: {a!r} against itself; name two bodies")
+        a, b = _pair(path, scene, f"check[{k}]", table.pair)
         checks.append(Check(a, b, table.span, table.exact, float(table.tolerance), table.budget))
     return checks
+
+
+def _curves(path: Path, scene: SceneTable, checks: Iterable[Check]) -> list[Curve]:
+    """Of the pairs of [[curve]] tables; without any, of the pairs that are checked."""
+    if not scene.curve:
+        return [Curve(check.a, check.b) for check in checks]
+    curves = []
+    for k, table in enumerate(scene.curve):
+        a, b = _pair(path, scene, f"curve[{k}]", table.pair)
+        curves.append(Curve(a, b, table.at, float(table.tolerance), table.box, table.method))
+    return curves
+
+
+def _pair(path: Path, scene: SceneTable, key: str, pair: tuple[str, str]) -> tuple[str, str]:
+    """The pair, after a look whether both bodies are there."""
+    for name in pair:
+        if name not in scene.body:
+            known = ", ".join(map(repr, scene.body))
+            raise InputError(f"{path}: {key}.pair: no body {name!r}; the bodies are {known}")
+    if pair[0] == pair[1]:
+        raise InputError(f"{path}: {key}.pair: {pair[0]!r} against itself; name two bodies")
+    return pair
 
 
 def _first_fault(error: ValidationError, tables: dict[str, Any]) -> str:

@@ -13,6 +13,7 @@ import click
 
 from firstcontact import __version__
 from firstcontact.cli.check import check
+from firstcontact.cli.curve import curve
 from firstcontact.cli.info import info
 from firstcontact.cli.intervals import intervals
 from firstcontact.cli.warmup import warmup
@@ -29,11 +30,12 @@ READER_LEFT = 141
 def cli() -> None:
     """When, where and with which faces do two moving shapes first touch?
 
-    Exit codes: 0 no contact (proved), 1 contact, 2 undecided, 3 bad input or usage, 130 interrupted.
+    Exit codes: 0 no contact (proved), 1 contact, 2 undecided, 3 bad input or usage, 130 interrupted; `curve` ends
+    with 0.
     """
 
 
-for command in (check, intervals, info, warmup):
+for command in (check, intervals, curve, info, warmup):
     cli.add_command(command)
 
 

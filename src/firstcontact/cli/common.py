@@ -1,11 +1,11 @@
-"""What `check` and `intervals` share: their options, the walk over a scene's checks, their outputs."""
+"""What `check`, `intervals` and `curve` share: their options, the walk over a scene's checks, their outputs."""
 
 from __future__ import annotations
 
 import functools
 import json
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
@@ -22,34 +22,39 @@ class Options:
 
     json: str | None
     html: str | None
-    exact: bool
-    span: tuple[str, str] | None
     progress: bool | None
+    exact: bool = False
+    span: tuple[str, str] | None = None
+
+
+_OUTPUTS = (
+    click.argument("scene"),
+    click.option("--json", metavar="F|-", help="Write the results as JSON; - prints only them."),
+    click.option("--html", metavar="F", help="Write a page that shows the results, offline."),
+    click.option("--progress/--no-progress", default=None, help="Progress on stderr (default: on a tty)"),
+)
+_TIMES = (
+    click.option("--exact", is_flag=True, help="Decide in exact arithmetic and give exact times."),
+    click.option("--span", nargs=2, metavar="A B", help='From time A to time B: 0.5, 1/3, "inf".'),
+)
 
 
 def scene_command(function: Callable[..., int]) -> click.Command:
-    """Turn `function(scene, options, **others)` into a command over a scene file."""
+    """Turn `function(scene, options, **others)` into a command over a scene file that asks for times."""
+    return _command(function, _OUTPUTS + _TIMES)
 
+
+def resting_scene_command(function: Callable[..., int]) -> click.Command:
+    """The same for bodies at rest."""
+    return _command(function, _OUTPUTS)
+
+
+def _command(function: Callable[..., int], decorators: tuple[Any, ...]) -> click.Command:
     @functools.wraps(function)
-    def command(
-        scene: str,
-        json: str | None,
-        html: str | None,
-        exact: bool,
-        span: tuple[str, str] | None,
-        progress: bool | None,
-        **others: Any,
-    ) -> int:
-        return function(scene, Options(json, html, exact, span, progress), **others)
+    def command(scene: str, **given: Any) -> int:
+        common = {field.name: given.pop(field.name) for field in fields(Options) if field.name in given}
+        return function(scene, Options(**common), **given)
 
-    decorators = (
-        click.argument("scene"),
-        click.option("--json", metavar="F|-", help="Write the results as JSON; - prints only them."),
-        click.option("--html", metavar="F", help="Write a page that shows the results, offline."),
-        click.option("--exact", is_flag=True, help="Decide in exact arithmetic and give exact times."),
-        click.option("--span", nargs=2, metavar="A B", help='From time A to time B: 0.5, 1/3, "inf".'),
-        click.option("--progress/--no-progress", default=None, help="Progress on stderr (default: on a tty)"),
-    )
     for decorator in reversed(decorators):
         command = decorator(command)
     return click.command(name=function.__name__)(command)
@@ -60,11 +65,10 @@ def answer_checks(scene_file: str, options: Options, verb_name: str) -> list[Any
     from firstcontact.cli.progress import Progress
     from firstcontact.scene import load_scene
 
-    _check_targets(options.json, options.html)
+    check_target(options.json, options.html)
     span = _parse_span(options.span)
     scene = load_scene(scene_file)
-    if not scene.checks:
-        raise InputError(f"{scene.path}: a single body has nothing to touch; add a second [body.NAME]")
+    refuse_single(scene.path, scene.checks)
     from firstcontact import query
 
     verb = getattr(query, verb_name)
@@ -127,15 +131,17 @@ def write_png(path: str, results: list[Any]) -> None:
     _write(path, lambda target: write_png(target, (touching or results)[0]))
 
 
-def check_target(path: str | None) -> None:
-    """Refuse an output path in a folder that is not there, before the work begins."""
-    if path is not None and path != "-" and (not Path(path).parent.is_dir() or Path(path).is_dir()):
-        raise InputError(f"{path}: cannot be written; give a file in a folder that exists")
-
-
-def _check_targets(*paths: str | None) -> None:
+def check_target(*paths: str | None) -> None:
+    """Refuse output paths in folders that are not there, before the work begins."""
     for path in paths:
-        check_target(path)
+        if path is not None and path != "-" and (not Path(path).parent.is_dir() or Path(path).is_dir()):
+            raise InputError(f"{path}: cannot be written; give a file in a folder that exists")
+
+
+def refuse_single(path: Path, pairs: Sequence[Any]) -> None:
+    """Refuse a scene without a pair of bodies."""
+    if not pairs:
+        raise InputError(f"{path}: a single body has nothing to touch; add a second [body.NAME]")
 
 
 def _parse_span(span: tuple[str, str] | None) -> tuple[Any, Any] | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
+import threading
 import time
 from types import TracebackType
 from typing import Any
@@ -26,6 +27,7 @@ class Progress:
         self._label = ""
         self._display: Any = None
         self._task: Any = None
+        self._patience: threading.Timer | None = None
 
     def start(self, label: str) -> None:
         """The next check begins."""
@@ -42,6 +44,16 @@ class Progress:
         proved = f"free until {free_until:.6g}" if known else "searching"
         description = f"{self._label}: {proved}, {work:,} steps"
         self._display.update(self._task, description=description, completed=self._begun - 1)
+
+    def wait_for(self, label: str) -> None:
+        """The next check begins, of which nothing is reported: only its name and the time are shown."""
+        self.start(label)
+        if self._display is not None:
+            self._display.update(self._task, description=self._label, completed=self._begun - 1)
+        elif self._wanted and self._patience is None:
+            self._patience = threading.Timer(PATIENCE, self._open)
+            self._patience.daemon = True
+            self._patience.start()
 
     def _open(self) -> None:
         from rich.console import Console
@@ -63,5 +75,8 @@ class Progress:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
+        if self._patience is not None:
+            self._patience.cancel()
+            self._patience.join()  # it may be opening the display
         if self._display is not None:
             self._display.stop()
