@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from typing import Protocol
 
 import numpy as np
 
 from firstcontact.body.polyhedron import Polyhedron
-from firstcontact.body.ruled_surface import RuledSurface, Trim
+from firstcontact.body.ruled_surface import RuledSurface
 from firstcontact.errors import InputError
 
 # Parts of the range of u, and steps along rulings, of a trimmed piece: smaller features of the inequalities are lost.
@@ -21,6 +22,12 @@ TRIM_PARTS, TRIM_STEPS = 32, 16
 MOST_TRIANGLES = 2_000_000
 # Halvings that bring a point of a trimmed border to the last digits.
 HALVINGS = 50
+
+class Inequality(Protocol):
+    """It holds where the value is not negative, as `Trim`."""
+
+    def values(self, u: np.ndarray, s: np.ndarray) -> np.ndarray: ...
+
 
 Mesh = tuple[np.ndarray, np.ndarray]
 """Vertices (n, 3) float64 and triangles (m, 3) of their numbers."""
@@ -49,7 +56,7 @@ def piece_triangles(piece: RuledSurface, tolerance: float) -> Mesh:
     parameters = np.stack(np.broadcast_arrays(x[:, None], s), axis=-1).reshape(-1, 2)
     triangles = grid_triangles(len(x), steps + 1)
     for trim in piece.trim:
-        parameters, triangles = _clipped(parameters, triangles, trim, piece)
+        parameters, triangles = clipped(parameters, triangles, trim, piece)
     return piece.points(parameters_of(piece, parameters[:, 0]), parameters[:, 1]), triangles
 
 
@@ -163,7 +170,9 @@ def _shifted(n: int, start: float, width: float) -> np.ndarray:
 # -- trimming -----------------------------------------------------------------------------------------------
 
 
-def _clipped(parameters: np.ndarray, triangles: np.ndarray, trim: Trim, piece: RuledSurface) -> Mesh:
+def clipped(
+    parameters: np.ndarray, triangles: np.ndarray, trim: Inequality, piece: RuledSurface, halvings: int = HALVINGS
+) -> Mesh:
     """The triangles of mesh parameters (n, 2) cut down to where the inequality holds."""
 
     def value(p: np.ndarray) -> np.ndarray:
@@ -182,7 +191,7 @@ def _clipped(parameters: np.ndarray, triangles: np.ndarray, trim: Trim, piece: R
         for other in (b, c):
             ends = (parameters[a], parameters[other])
             cuts.append(total + np.arange(len(chosen)))
-            vertices.append(_border(*(ends if number == 1 else ends[::-1]), value))
+            vertices.append(_border(*(ends if number == 1 else ends[::-1]), value, halvings))
             total += len(chosen)
         if number == 1:
             kept.append(np.column_stack([a, *cuts]))
@@ -191,9 +200,11 @@ def _clipped(parameters: np.ndarray, triangles: np.ndarray, trim: Trim, piece: R
     return np.concatenate(vertices), np.concatenate(kept)
 
 
-def _border(inside: np.ndarray, outside: np.ndarray, value: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+def _border(
+    inside: np.ndarray, outside: np.ndarray, value: Callable[[np.ndarray], np.ndarray], halvings: int
+) -> np.ndarray:
     """(n, 2) the last points of the segments from `inside` to `outside` with value >= 0."""
-    for _ in range(HALVINGS):
+    for _ in range(halvings):
         middle = (inside + outside) / 2
         holds = (value(middle) >= 0)[:, None]
         inside, outside = np.where(holds, middle, inside), np.where(holds, outside, middle)

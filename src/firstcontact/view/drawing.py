@@ -18,6 +18,7 @@ from firstcontact.body.ruled_surface import RuledSurface
 from firstcontact.errors import InputError
 from firstcontact.result import Element
 from firstcontact.view import ruled
+from firstcontact.view.curve import sight
 from firstcontact.view.geometry import element_vertices, face_outline, sharp_edges
 from firstcontact.view.pair import Pair, at_rest, pose
 
@@ -27,6 +28,8 @@ TOLERANCE = 1 / 400
 ROUNDNESS = 1 / 40
 # Chords of a full ellipse of an edge.
 CHORDS = 128
+# Times at which a body that deforms is worked out; the page blends between them.
+FRAMES = 65
 
 
 @dataclass(frozen=True)
@@ -45,6 +48,8 @@ class Drawing:
     triangle_face: np.ndarray = field(default_factory=lambda: np.empty(0, int))
     curves: tuple[np.ndarray, ...] = ()
     """(2 k, 3) ends of segments along each edge of a solid."""
+    frames: tuple[np.ndarray, np.ndarray] | None = None
+    """Of a body that deforms: times (k,) and its vertices (k, n, 3) at them; `vertices` are those at the contact."""
 
     @property
     def frame(self) -> tuple[np.ndarray, float]:
@@ -98,6 +103,8 @@ def _drawing(pair: Pair, body: Any, other: Any, known: dict[int, Drawing]) -> Dr
     if isinstance(rest, Polyhedron):
         drawing = Drawing(rest, rest.vertices, rest.triangles, sharp_edges(rest))
     elif isinstance(rest, RuledSurface | RuledStrip):
+        if rest.deforming:  # another pair shows other times
+            return _deforming(pair, rest)
         if not rest.bounded:  # another pair shows another part of it
             return _ruled(rest, *_box_near(pair, body, other))
         drawing = _ruled(rest, *rest.bounds())
@@ -114,6 +121,8 @@ def _drawing(pair: Pair, body: Any, other: Any, known: dict[int, Drawing]) -> Dr
 def _box_near(pair: Pair, body: Any, other: Any) -> tuple[np.ndarray, np.ndarray]:
     """The part of an unbounded body that is drawn: near where the other one passes, in the body's frame."""
     lo, hi = other.bounds(pair.window)
+    if not np.all(np.isfinite([lo, hi])) and pair.curve is not None:
+        lo, hi = sight(pair.curve)
     if not np.all(np.isfinite([lo, hi])):
         raise InputError(f"cannot draw {body.name or 'a body'}: both bodies are unbounded")
     m = pose(body, pair.window[0] if pair.contact_time is None else pair.contact_time)
@@ -123,14 +132,23 @@ def _box_near(pair: Pair, body: Any, other: Any) -> tuple[np.ndarray, np.ndarray
 
 
 def _ruled(body: RuledSurface | RuledStrip, lo: np.ndarray, hi: np.ndarray) -> Drawing:
-    if body.deforming:
-        raise InputError(f"cannot draw {body.name or 'a ruled surface'} while it deforms; give it at one time, .at(t)")
     size = float(np.linalg.norm(hi - lo))
     if body.bounded:
         vertices, triangles, owner, lines = ruled.bounded_parts(body, TOLERANCE * size)
     else:
         vertices, triangles, owner, lines = ruled.parts_in_sight(body, (lo + hi) / 2, size)
     return Drawing(body, vertices, triangles, lines, None, owner)
+
+
+def _deforming(pair: Pair, body: RuledSurface | RuledStrip) -> Drawing:
+    lo, hi = pair.window
+    moments = [t for t in pair.moments if lo <= t <= hi]
+    times = np.unique([*np.linspace(lo, hi, FRAMES), *moments])
+    times, (frames, triangles, owner, lines) = ruled.deforming_parts(body, times)
+    shown = lo if pair.contact_time is None else pair.contact_time
+    vertices = frames[np.abs(times - shown).argmin()]
+    resting = body.at(shown) if pair.elements[0] else body
+    return Drawing(resting, vertices, triangles, lines, None, owner, frames=(times, frames))
 
 
 def _solid(body: CompositeQuadric, lo: np.ndarray, hi: np.ndarray) -> Drawing:

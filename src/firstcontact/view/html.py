@@ -15,16 +15,18 @@ from typing import Any
 
 import numpy as np
 
-from firstcontact.result import ContactIntervals, Element, FirstContact, Status
+from firstcontact.curve import IntersectionCurve
+from firstcontact.result import Element, FirstContact, Status
+from firstcontact.view.curve import layers
 from firstcontact.view.drawing import Drawing, contact_curve, drawings
-from firstcontact.view.pair import Pair, is_moving, pairs_of, pose
+from firstcontact.view.pair import Pair, Result, is_moving, pairs_of, pose
 from firstcontact.view.poses import sample_poses
 
 # Most contact intervals written out as text; the timeline shows them all.
 MOST_LISTED = 6
 
 
-def write_page(path: str | Path | None, results: Iterable[FirstContact | ContactIntervals]) -> Path:
+def write_page(path: str | Path | None, results: Iterable[Result]) -> Path:
     """Write the page and return its path; without a path: a temporary file, opened in the browser.
 
     Several results about the same two bodies share one view; the page lets the reader choose among pairs.
@@ -43,7 +45,7 @@ def write_page(path: str | Path | None, results: Iterable[FirstContact | Contact
     return target
 
 
-def page_text(results: Iterable[FirstContact | ContactIntervals]) -> str:
+def page_text(results: Iterable[Result]) -> str:
     """The page as one string; it refers to nothing outside itself."""
     pairs = pairs_of(results)
     meshes = _Meshes()
@@ -97,6 +99,10 @@ def _mesh(drawing: Drawing) -> dict[str, Any]:
     }
     if drawing.normals is not None:
         mesh["normals"] = _base64(drawing.normals, np.float32)
+    if drawing.frames is not None:
+        times, frames = drawing.frames
+        mesh["frameTimes"] = _base64(times, np.float64)
+        mesh["frames"] = _base64((frames - centre) / size, np.float32)
     return mesh
 
 
@@ -141,9 +147,10 @@ def _pair(pair: Pair, meshes: _Meshes) -> dict[str, Any]:
     return {
         "title": " and ".join(pair.names),
         "names": pair.names,
-        "status": pair.status.name,
-        "text": str(pair.intervals if first is None else first),
+        "status": _status(pair),
+        "text": str(pair.curve or (pair.intervals if first is None else first)),
         "rows": _rows(pair),
+        "layers": [] if pair.curve is None else _layers(pair.curve, drawn, view),
         "window": pair.window,
         "span": [_number(t) for t in pair.span],
         "contact": pair.contact_time,
@@ -153,6 +160,20 @@ def _pair(pair: Pair, meshes: _Meshes) -> dict[str, Any]:
         "timeline": pair.timeline,
         "bodies": bodies,
     }
+
+
+def _status(pair: Pair) -> str:
+    if pair.curve is None:
+        return pair.status.name
+    return "APART" if pair.curve.empty else "CURVE"
+
+
+def _layers(curve: IntersectionCurve, drawn: tuple[Drawing, Drawing], view: _View) -> list[dict[str, Any]]:
+    """What lies on both surfaces, in the page's frame; what each of its items is says `firstcontact.view.curve`."""
+    return [
+        {**layer, "points": ((layer["points"] - view.origin) / view.unit).ravel().tolist()}
+        for layer in layers(curve, drawn)
+    ]
 
 
 def _body(
@@ -199,6 +220,9 @@ def _rows(pair: Pair) -> list[tuple[str, str]]:
     """Label and text of the facts beside the picture."""
     rows: list[tuple[str, str]] = []
     first, intervals = pair.first, pair.intervals
+    if pair.curve is not None:
+        closed = sum(branch.closed for branch in pair.curve.branches)
+        return [("closed", str(closed)), ("open", str(len(pair.curve.branches) - closed)), ("path", pair.curve.method)]
     if first is not None:
         rows += _rows_of_first(first)
     if intervals is not None:

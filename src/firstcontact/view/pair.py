@@ -9,22 +9,27 @@ from typing import Any
 
 import numpy as np
 
+from firstcontact.curve import IntersectionCurve
 from firstcontact.errors import InputError
 from firstcontact.result import ContactIntervals, Element, FirstContact, Status
 
 # What a stretch of the timeline says about the two bodies.
 FREE, CONTACT, UNDECIDED, NOT_ASKED = "free", "contact", "undecided", "not asked"
 
+Result = FirstContact | ContactIntervals | IntersectionCurve
+
 
 @dataclass(frozen=True)
 class Pair:
-    """Two bodies and what is known about them: a first contact, the contact intervals, or both."""
+    """Two bodies and what is known about them: a first contact, the contact intervals, or both; or their curve."""
 
     a: Any
     b: Any
     span: tuple[float, float]
     first: FirstContact | None = None
     intervals: ContactIntervals | None = None
+    curve: IntersectionCurve | None = None
+    """Of bodies at rest: the span is (0, 0), and there is no timeline."""
 
     @property
     def names(self) -> tuple[str, str]:
@@ -79,6 +84,8 @@ class Pair:
     def timeline(self) -> list[tuple[float, float, str]]:
         """Stretches (start, end, kind) that cover the window, ascending."""
         lo, hi = self.window
+        if self.curve is not None:
+            return []
         if self.intervals is not None:
             return _timeline_of_intervals(self.intervals, lo, hi)
         first = self.first
@@ -110,18 +117,22 @@ def _timeline_of_intervals(
     return [s for s in stretches if s[0] < s[1] or s[2] == CONTACT]
 
 
-def pairs_of(results: Iterable[FirstContact | ContactIntervals]) -> list[Pair]:
-    """One Pair for every two bodies, in the order of the results; both kinds of result share it."""
+def pairs_of(results: Iterable[Result]) -> list[Pair]:
+    """One Pair for every two bodies, in the order of the results; both kinds of result in time share it."""
     pairs: list[Pair] = []
     for result in results:
-        if not isinstance(result, FirstContact | ContactIntervals):
-            raise InputError(f"cannot draw {result!r}; give results of first_contact or contact_intervals")
+        if not isinstance(result, Result):
+            verbs = "first_contact, contact_intervals or intersection_curve"
+            raise InputError(f"cannot draw {result!r}; give results of {verbs}")
         if result.a is None or result.b is None:
             raise InputError("cannot draw a result without its two bodies (fields a and b)")
+        if isinstance(result, IntersectionCurve):
+            pairs.append(Pair(result.a, result.b, (0.0, 0.0), curve=result))
+            continue
         kind = "first" if isinstance(result, FirstContact) else "intervals"
         added: dict[str, Any] = {kind: result}
         for k, pair in enumerate(pairs):
-            same = pair.a is result.a and pair.b is result.b and pair.span == result.span
+            same = pair.a is result.a and pair.b is result.b and pair.span == result.span and pair.curve is None
             if same and getattr(pair, kind) is None:
                 pairs[k] = replace(pair, **added)
                 break

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from firstcontact.body.ruled_mesh import ends_of, grid_triangles, parameters_of, piece_triangles, welded
+from firstcontact.body.ruled_mesh import clipped, ends_of, grid_triangles, parameters_of, piece_triangles, welded
 from firstcontact.body.ruled_surface import RuledSurface
 from firstcontact.errors import InputError
 from firstcontact.result import Element
@@ -15,6 +15,8 @@ from firstcontact.result import Element
 RULINGS, CHORDS = 17, 128
 # Points along a ruling where trimming decides which parts of it are drawn.
 POINTS = 65
+# Rulings and points on each of a surface that deforms: the same at all times.
+COLUMNS, ROWS = 97, 5
 
 Parts = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 """Vertices (n, 3), triangles (m, 3), the piece of each triangle (m,), and lines (k, 2) of vertex numbers."""
@@ -28,6 +30,60 @@ def bounded_parts(body: Any, tolerance: float) -> Parts:
 def parts_in_sight(body: Any, centre: np.ndarray, reach: float) -> Parts:
     """Of whole rulings: of each that comes within `reach` of the centre, `reach` to both sides of its nearest point."""
     return _joined([_window(piece, centre, reach) for piece in body.pieces])
+
+
+def deforming_parts(body: Any, times: np.ndarray) -> tuple[np.ndarray, Parts]:
+    """(k,) those of the times at which all of it is finite, and the parts, whose vertices are (k, n, 3)."""
+    if not body.bounded:
+        raise InputError(f"cannot draw {body.name or 'a ruled surface'} while its whole rulings deform; give .at(t)")
+    grids = [_grid(piece) for piece in body.pieces]
+    with np.errstate(all="ignore"):
+        frames = np.array([
+            np.concatenate([_points_at(piece, x, t) for piece, (x, _, _) in zip(body.pieces, grids, strict=True)])
+            for t in times
+        ])  # fmt: skip
+    finite = np.isfinite(frames).all(axis=(1, 2))
+    if not finite.any():
+        raise InputError(f"cannot draw {body.name or 'a ruled surface'}: it has a pole at every time; give .at(t)")
+    count = np.cumsum([0, *(len(x) for x, _, _ in grids)])
+    triangles, lines = (
+        np.concatenate([grid[k] + start for grid, start in zip(grids, count, strict=False)]) for k in (1, 2)
+    )
+    owner = np.repeat(np.arange(len(grids)), [len(faces) for _, faces, _ in grids])
+    return times[finite], (frames[finite], triangles, owner, lines)
+
+
+def _grid(piece: RuledSurface) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Parameters (n, 2), u and s; triangles and lines (borders and rulings) of their numbers."""
+    assert piece.s is not None
+    x = np.linspace(*ends_of(piece), COLUMNS)
+    s = np.linspace(float(piece.s[0]), float(piece.s[1]), ROWS)
+    parameters = np.stack(np.broadcast_arrays(x[:, None], s), axis=-1).reshape(-1, 2)
+    triangles = grid_triangles(COLUMNS, ROWS)
+    for trim in piece.trim:
+        parameters, triangles = clipped(parameters, triangles, trim, piece)
+    borders = _borders(triangles)
+    if piece.u is None:  # the first ruling is the last
+        at = parameters[borders][..., 0]
+        borders = borders[(at[:, 0] != at[:, 1]) | ~np.isin(at[:, 0], x[[0, -1]])]
+    rulings = _ruling_parameters(piece)
+    parameters = np.column_stack([parameters_of(piece, parameters[:, 0]), parameters[:, 1]])
+    lines = len(parameters) + np.arange(len(rulings)).reshape(-1, 2)
+    return np.concatenate([parameters, rulings]), triangles, np.concatenate([borders, lines])
+
+
+def _points_at(piece: RuledSurface, parameters: np.ndarray, t: float) -> np.ndarray:
+    first, second = (side.at(t).points(parameters[:, 0]) for side in (piece.first, piece.second))
+    s = parameters[:, 1:]
+    return (1 - s) * first + s * second
+
+
+def _borders(triangles: np.ndarray) -> np.ndarray:
+    """(k, 2) the sides that belong to one triangle."""
+    sides, count = np.unique(
+        np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0, return_counts=True
+    )
+    return sides[count == 1]
 
 
 def element_corners(body: Any, parts: Parts, element: Element) -> np.ndarray:
@@ -65,28 +121,26 @@ def _joined(found: list[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> Parts:
 
 def _piece(piece: RuledSurface, points: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     vertices, triangles = welded(points[triangles])
-    sides, count = np.unique(
-        np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0, return_counts=True
-    )
-    borders = vertices[sides[count == 1].ravel()]
-    return vertices, triangles, np.concatenate([borders, _rulings(piece)])
+    borders = vertices[_borders(triangles).ravel()]
+    u, s = _ruling_parameters(piece).T
+    return vertices, triangles, np.concatenate([borders, piece.points(u, s)])
 
 
-def _rulings(piece: RuledSurface) -> np.ndarray:
-    """(2 k, 3) ends of what trimming leaves of evenly spaced rulings."""
+def _ruling_parameters(piece: RuledSurface) -> np.ndarray:
+    """(2 k, 2) u and s at the ends of what trimming leaves of evenly spaced rulings."""
     assert piece.s is not None
     u = parameters_of(piece, np.linspace(*ends_of(piece), RULINGS))
     s = np.linspace(float(piece.s[0]), float(piece.s[1]), POINTS if piece.trim else 2)
     kept = piece.keeps(u[:, None], s)
-    points = piece.points(u[:, None], s)
-    segments = np.stack([points[:, :-1], points[:, 1:]], axis=2)
-    return segments[kept[:, :-1] & kept[:, 1:]].reshape(-1, 3)
+    grid = np.stack(np.broadcast_arrays(u[:, None], s), axis=-1)
+    segments = np.stack([grid[:, :-1], grid[:, 1:]], axis=2)
+    return segments[kept[:, :-1] & kept[:, 1:]].reshape(-1, 2)
 
 
 def _window(piece: RuledSurface, centre: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Rulings as lines point + s direction, of moment point x direction, from their Pluecker coordinates."""
     u = parameters_of(piece, np.linspace(*ends_of(piece), 2 * CHORDS + 1))
-    near, way, seen = _nearest(piece, u, centre)
+    near, way, seen = nearest(piece, u, centre)
     seen &= np.linalg.norm(near - centre, axis=1) <= reach
     turned = np.einsum("ni,ni->n", way[1:], way[:-1]) < 0
     way[1:] *= np.where(np.cumsum(turned) % 2 == 1, -1.0, 1.0)[:, None]  # neighbours point the same way
@@ -94,12 +148,18 @@ def _window(piece: RuledSurface, centre: np.ndarray, reach: float) -> tuple[np.n
     triangles = grid_triangles(len(u), 2)
     both = seen[:-1] & seen[1:]
     vertices, triangles = welded(grid.reshape(-1, 3)[triangles[np.tile(both, 2)]])
-    drawn = np.flatnonzero(seen)[:: 2 * CHORDS // (RULINGS - 1)]
+    moved = np.linalg.norm(np.diff(grid, axis=0), axis=2).max(axis=1)
+    place = np.cumsum([0.0, *np.where(both, moved, 0.0)])  # rulings as far apart as they lie in sight
+    drawn = np.unique(np.searchsorted(place, np.linspace(0, place[-1], RULINGS)))
+    drawn = drawn[seen[drawn]]
     return vertices, triangles, grid[drawn].reshape(-1, 3)
 
 
-def _nearest(piece: RuledSurface, u: np.ndarray, centre: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Of rulings: the point nearest to the centre (n, 3), unit direction (n, 3), whether it is a finite line (n,)."""
+def nearest(piece: RuledSurface, u: np.ndarray, centre: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Of rulings: the point nearest to the centre (n, 3), unit direction (n, 3), whether it is a finite line (n,).
+
+    centre: one point (3,), or one for each ruling (n, 3).
+    """
     p, q = (side.homogeneous(u) for side in (piece.first, piece.second))
     way = p[:, 3:] * q[:, :3] - q[:, 3:] * p[:, :3]
     moment = np.cross(p[:, :3], q[:, :3])

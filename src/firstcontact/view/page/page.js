@@ -12,6 +12,7 @@
   const PATH_STEPS = 240;
   const STATUS = {
     CONTACT: "contact", FREE: "free", INITIAL_CONTACT: "contact at the start", UNDECIDED: "undecided",
+    CURVE: "intersection", APART: "no common point",
   };
 
   // -- reading ----------------------------------------------------------------------------------------------
@@ -110,8 +111,30 @@
       mesh.surface = indexed(mesh.triangles);
       if (mesh.normals) mesh.surface.setAttribute("normal", new THREE.BufferAttribute(decode(mesh.normals, Float32Array), 3));
       mesh.outline = indexed(mesh.lines);
+      if (mesh.frames) {
+        mesh.frameTimes = decode(mesh.frameTimes, Float64Array);
+        mesh.frames = decode(mesh.frames, Float32Array);
+      }
     }
     return mesh;
+  }
+
+  // The vertices of a body that deforms, at time t: blended between the two frames beside it.
+  function deform(mesh, t) {
+    const { frameTimes: times, frames, surface, outline } = mesh;
+    const last = times.length - 1;
+    let k = times.findIndex((time) => time > t) - 1; // times[k] <= t < times[k + 1]
+    if (k < 0) k = t < times[0] ? 0 : Math.max(last - 1, 0);
+    const next = Math.min(k + 1, last);
+    const part = next > k ? Math.min(Math.max((t - times[k]) / (times[next] - times[k]), 0), 1) : 0;
+    const position = surface.getAttribute("position");
+    const size = position.array.length;
+    for (let i = 0; i < size; i++) {
+      const here = frames[k * size + i];
+      position.array[i] = here + part * (frames[next * size + i] - here);
+    }
+    position.needsUpdate = true;
+    surface.boundingSphere = outline.boundingSphere = null;
   }
 
   function fatLines(positions, colour, width, options = {}) {
@@ -129,6 +152,7 @@
     if (hasFaces) {
       group.add(named(new THREE.Mesh(surface, new THREE.MeshLambertMaterial({
         color: COLOURS[which], flatShading: !normals, side: THREE.DoubleSide,
+        ...(isCurve() ? { transparent: true, opacity: 0.6, depthWrite: false } : {}), // the curve lies in both
         // behind the edges; and where faces of both bodies coincide, a is drawn rather than a patchwork
         polygonOffset: true, polygonOffsetFactor: 1 + which, polygonOffsetUnits: 1 + 2 * which,
       })), `${name} surface`));
@@ -169,7 +193,7 @@
       group.add(named(make({ transparent: true, opacity: 0.3 * strength, depthTest: false, depthWrite: false }), "", 5));
     };
     if (element.kind === "vertex" || element.kind === "apex") group.add(dot(element.vertices, 4.5, ACCENT, 6));
-    if (element.kind === "edge") both((o) => fatLines(element.vertices, ACCENT, strong ? 4 : 2.5, o));
+    if (["edge", "directrix", "end_ruling"].includes(element.kind)) both((o) => fatLines(element.vertices, ACCENT, strong ? 4 : 2.5, o));
     if (element.kind === "face") {
       const surface = new THREE.BufferGeometry();
       surface.setAttribute("position", new THREE.BufferAttribute(new Float32Array(element.vertices), 3));
@@ -228,6 +252,44 @@
       return named(new THREE.Line2(geometry, new THREE.LineMaterial(material)), "contact line", order);
     };
     group.add(line("#ffffff", 8, 18), line(ACCENT, 5, 19));
+    return group;
+  }
+
+  // What two surfaces at rest share: one kind of it, over both; where they hide it, it shines through faintly.
+  const LINE_WIDTHS = { line: 3.5, "thick line": 7 };
+
+  function layerObject(layer) {
+    const group = named(new THREE.Group(), `layer ${layer.name}`);
+    const over = { transparent: true, depthWrite: false };
+    if (layer.kind === "fill") {
+      const surface = new THREE.BufferGeometry();
+      surface.setAttribute("position", new THREE.BufferAttribute(new Float32Array(layer.points), 3));
+      group.add(named(new THREE.Mesh(surface, new THREE.MeshBasicMaterial({
+        color: layer.colour, side: THREE.DoubleSide, opacity: 0.75, polygonOffset: true,
+        polygonOffsetFactor: -1, polygonOffsetUnits: -2, ...over,
+      })), "fill", 4));
+    } else if (layer.kind in LINE_WIDTHS) {
+      if (!layer.points.length) return group;
+      const width = LINE_WIDTHS[layer.kind];
+      group.add(named(fatLines(layer.points, "#ffffff", width + 2.5, { opacity: 0.85, ...over }), "halo", 6));
+      group.add(named(fatLines(layer.points, layer.colour, width, over), "line", 7));
+      group.add(named(fatLines(layer.points, layer.colour, width, { opacity: 0.35, depthTest: false, ...over }), "hidden line", 8));
+    } else {
+      for (let k = 0; k < layer.points.length; k += 3) group.add(pointObject(layer.points.slice(k, k + 3), layer));
+    }
+    return group;
+  }
+
+  // A node is a ring, a cusp a diamond, an isolated point a target.
+  function pointObject(position, { kind, colour }) {
+    const discs = { node: [["#ffffff", 9], [colour, 7.5], ["#ffffff", 4]], cusp: [["#ffffff", 11], [colour, 8.5]],
+                    isolated: [["#ffffff", 10.5], [colour, 9], ["#ffffff", 6.5], [colour, 4]] }[kind];
+    const group = named(new THREE.Group(), kind);
+    discs.forEach(([paint, pixels], k) => {
+      const ball = dot(position, pixels, paint, 24 + k);
+      if (kind === "cusp") ball.geometry = new THREE.SphereGeometry(1, 4, 2);
+      group.add(ball);
+    });
     return group;
   }
 
@@ -311,7 +373,8 @@
     const narrow = innerWidth <= 760;
     const left = narrow ? 0 : card.right;
     const top = narrow ? card.bottom : 0;
-    return { left, top, width: innerWidth - left, height: Math.max(bar.top - top, 50) };
+    const bottom = isCurve() ? innerHeight : bar.top;
+    return { left, top, width: innerWidth - left, height: Math.max(bottom - top, 50) };
   }
 
   function resize() {
@@ -337,7 +400,8 @@
       body.elements.forEach((element, k) => body.object.add(elementObject(element, k === 0)));
       content.add(body.object);
       body.ghost = null;
-      if (body.moving && hi > lo) {
+      body.deforms = Boolean(geometryOf(body.mesh).frames);
+      if (body.moving && !body.deforms && hi > lo) {
         body.ghost = ghostObject(body, which, name);
         place(body.ghost, body.motion.at(lo), body.size);
         content.add(body.ghost, pathObject(body, which, name, lo, hi));
@@ -347,6 +411,8 @@
     if (marker) content.add(marker);
     shared = pair.shared.length > 3 ? sharedObject(pair.shared) : null;
     if (shared) content.add(shared);
+    for (const layer of pair.layers) content.add(layer.object = layerObject(layer));
+    $("bar").hidden = isCurve();
     state.playing = false;
     showFacts();
     resize();
@@ -366,7 +432,8 @@
   }
 
   function pointsAt(t) {
-    return pair.bodies.flatMap((body) => {
+    const all = pair.bodies.flatMap((body) => {
+      if (body.deforms) deform(geometryOf(body.mesh), t);
       const positions = geometryOf(body.mesh).surface.getAttribute("position");
       const step = Math.ceil(positions.count / 3000);
       const m = new THREE.Group();
@@ -377,6 +444,8 @@
       }
       return points;
     });
+    for (const body of pair.bodies) if (body.deforms) deform(geometryOf(body.mesh), state.t);
+    return all;
   }
 
   function framedRadius() {
@@ -463,6 +532,10 @@
     state.t = clamp(t);
     for (const body of pair.bodies) {
       place(body.object, body.motion.at(state.t), body.size);
+      if (body.deforms) {
+        deform(geometryOf(body.mesh), state.t);
+        for (const part of body.object.children) if (part.name.startsWith("element ")) part.visible = atContact();
+      }
       if (body.ghost) {
         body.ghost.visible = state.t > pair.window[0];
         body.travelled.geometry.instanceCount = body.pathTimes.filter((s) => s <= state.t).length - 1;
@@ -475,6 +548,7 @@
     requestFrame();
   }
 
+  const isCurve = () => ["CURVE", "APART"].includes(pair.status); // of bodies at rest: there is no time
   const atContact = () => pair.contact !== null && state.t === clamp(pair.contact);
 
   function fade(object, opacity) {
@@ -569,12 +643,36 @@
       item.style.setProperty("--colour", COLOURS[which]);
       const [first] = body.elements;
       const touched = first ? first.label || `${first.kind} ${first.index}` : "";
-      item.append(element("span", name), element("span", touched || (body.moving ? "moves" : "rests")));
+      item.append(element("span", name), element("span", touched || (body.deforms ? "deforms" : body.moving ? "moves" : "rests")));
       return item;
     }));
+    showLayers();
     $("contact").disabled = pair.contact === null;
     $("closer").hidden = !pair.point;
     showTimeline();
+  }
+
+  // One line for each part of the picture of a curve, with a box that shows or hides it.
+  function showLayers() {
+    $("layers").hidden = !isCurve();
+    if (!isCurve()) return;
+    const parts = pair.bodies.flatMap((body, which) => {
+      const [surface, ...lines] = body.object.children;
+      const part = (object, name, kind, colour) => ({ name: `${pair.names[which]}${name}`, kind, colour, object });
+      return [part(surface, "", "fill", COLOURS[which]), ...lines.slice(0, 1).map((o) => part(o, ": rulings", "rulings", DARK[which]))];
+    });
+    $("layers").replaceChildren(...[...parts, ...pair.layers].map((part) => {
+      const box = element("input", "");
+      Object.assign(box, { type: "checkbox", checked: true, name: part.name });
+      box.addEventListener("change", () => { part.object.visible = box.checked; requestFrame(); });
+      const sign = element("i", "", part.kind.replace(" ", "-"));
+      sign.style.setProperty("--colour", part.colour);
+      const label = element("label", "");
+      label.append(box, sign, element("span", part.name));
+      const item = element("li", "");
+      item.append(label);
+      return item;
+    }));
   }
 
   function showTimeline() {
@@ -716,6 +814,11 @@
     get contactPixel() { return marker && project(pair.point); },
     get contactCurve() {
       return Array.from({ length: pair.shared.length / 3 }, (_, k) => project(pair.shared.slice(3 * k, 3 * k + 3)));
+    },
+    get layers() {
+      return pair.layers.map(({ name, kind, colour, points }) => ({
+        name, kind, colour, pixels: Array.from({ length: points.length / 3 }, (_, k) => project(points.slice(3 * k, 3 * k + 3))),
+      }));
     },
     get status() { return pair.status; },
     get pair() { return state.pair; },
