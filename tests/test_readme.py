@@ -55,16 +55,23 @@ def test_every_file_it_names_exists():
         assert (ROOT / "examples" / name).exists(), name
 
 
-SCENES = {"lid.toml": 1, "gears.toml": 1, "cubes.toml": 1, "lift.toml": 0, "plunger.toml": 1}
+SCENES = {"lid.toml": 1, "gears.toml": 1, "cubes.toml": 1, "lift.toml": 0, "plunger.toml": 1, "roof.toml": 1}
+COMMANDS = {**{name: ("check", code) for name, code in SCENES.items()},
+            "cone.toml": ("curve", 0), "roller.toml": ("intervals", 1)}  # fmt: skip
 
 
 def test_no_example_is_left_out():
-    assert {path.name for path in (ROOT / "examples").glob("*.toml")} == set(SCENES)
+    assert {path.name for path in (ROOT / "examples").glob("*.toml")} == set(COMMANDS)
 
 
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("name", COMMANDS)
 def test_examples_end_as_announced(name, capsys):
-    assert run(["check", str(ROOT / "examples" / name)]) == SCENES[name]
+    command, code = COMMANDS[name]
+    assert run([command, str(ROOT / "examples" / name)]) == code
+    if name == "roller.toml":
+        head, interval, start, end = capsys.readouterr().out.splitlines()
+        assert (head, interval) == ("roller and pipe: CONTACT", "  [-sqrt(2)/2, sqrt(2)/2]")
+        assert start.split(": ")[1].startswith("root of -1*x^0 + 2*x^2 in") and "-1*x^0 + 2*x^2" in end
 
 
 def test_the_meshes_are_those_of_make_meshes(tmp_path):

@@ -69,6 +69,49 @@ def test_faults_of_a_scene_name_the_key(scene, old, new, text):
     assert text in str(error.value) and "\n" not in str(error.value)
 
 
+SHEET = '''
+[body.sheet]
+shape = "ruled"
+points = [[[0, 0, 0], [0, 4, 0]], [[1, 0, 1], [1, 4, 2]], [[2, 0, 1], [2, 4, 2]], [[3, 0, 0], [3, 4, 0]]]
+knots = [0, 0, 0, "1/2", 2, 2, 2]
+weights = [[1, 1], [1, "2/3"], [1, 1], [1, 1]]
+degree = 2
+'''
+
+
+def test_a_nurbs_surface_in_a_scene(scene):
+    motion = '[body.sheet.motion]\ntype = "translation"\nvector = [0, 0, 1]\n'
+    sheet = load_scene(scene(SHEET + motion)).bodies["sheet"]
+    grid = [[(0, 0, 0), (0, 4, 0)], [(1, 0, 1), (1, 4, 2)], [(2, 0, 1), (2, 4, 2)], [(3, 0, 0), (3, 4, 0)]]
+    same = RuledSurface.from_nurbs(grid, [0, 0, 0, "1/2", 2, 2, 2], [[1, 1], [1, "2/3"], [1, 1], [1, 1]])
+    assert [piece.u for piece in sheet.body.pieces] == [piece.u for piece in same.pieces]
+    assert [piece.second for piece in sheet.body.pieces] == [piece.second for piece in same.pieces]
+    assert sheet.name == "sheet" and sheet.motion.vector[2] == 1
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "text"),
+    [
+        ("degree = 2", "u = [0, 1]", "body.sheet: u does not go with points; leave it out"),
+        ("points = [[[0", 'first = "(u, 0, 0)"\npoints = [[[0', "body.sheet: first does not go with points"),
+        ("points =", "second =", "body.sheet.second: "),
+        ('"1/2"', '"half"', "body.sheet.knots: 'half' is not a number"),
+        ("[0, 4, 0]", "[0, 4]", "body.sheet.points[0][1]: "),
+        ("degree = 2", "degree = 3", "body.sheet: sheet: degree is 3"),
+    ],
+)
+def test_faults_of_a_nurbs_surface_name_the_key(scene, old, new, text):
+    assert old in SHEET
+    with pytest.raises(fc.InputError) as error:
+        load_scene(scene(SHEET.replace(old, new)))
+    assert text in str(error.value) and "\n" not in str(error.value)
+
+
+def test_a_ruled_surface_needs_its_curves_or_points(scene):
+    with pytest.raises(fc.InputError, match="body.a: give first and second, or points"):
+        load_scene(scene('[body.a]\nshape = "ruled"\nfirst = "(u, 0, 0)"\n'))
+
+
 def test_info_tells_directrices_and_ranges(scene):
     twice = '[body.twice]\nshape = "ruled"\nfirst = "(u**2, 0, 0)"\nsecond = "(u**2, 1, 0)"\ns = "all"\n'
     result = CliRunner().invoke(info, [str(scene(PIPE + ROOF + twice))], standalone_mode=False)
@@ -132,11 +175,35 @@ def test_trimmed_rulings_stop_at_the_border():
     assert len(ends) > 200
 
 
-def test_a_page_holds_the_surfaces_and_a_deforming_one_is_refused():
+def test_a_page_holds_the_surfaces():
     pipe = RuledSurface(CIRCLE.format(0), CIRCLE.format(1), u=None, name="pipe")
     other = RuledSurface("(u, 0, 0)", "(u, 1, u)", name="saddle").moving(fc.Translation((0, 0, 1)))
     text = page_text([FirstContact(Status.FREE, a=pipe, b=other, span=(0.0, 1.0), free_until=1.0)])
     assert "pipe" in text and "saddle" in text
-    with pytest.raises(fc.InputError, match="cannot draw wave while it deforms"):
-        drawn(RuledSurface("(u, T, 0)", "(u, 1, 0)", name="wave"), pipe)
     assert json.dumps(text)
+
+
+def test_a_surface_that_deforms_is_drawn_at_many_times():
+    pipe = RuledSurface(CIRCLE.format(0), CIRCLE.format(1), u=None, name="pipe")
+    wave = RuledSurface("(u, T, u**2)", "(u, T + 1, 1/T)", u=(-1, 1), trim="u + s <= 1", name="wave")
+    drawing, _ = drawn(wave, pipe)
+    times, frames = drawing.frames
+    assert len(times) == 64 and times[0] > 0 and times[-1] == 1  # not at 0, where it has a pole
+    x, y, z = np.moveaxis(frames, 2, 0)
+    s = y - times[:, None]
+    assert np.allclose(z, (1 - s) * x**2 + s / times[:, None], rtol=1e-12)
+    assert (x + s).max() == pytest.approx(1, abs=1e-12) and np.array_equal(drawing.vertices, frames[0])
+    with pytest.raises(fc.InputError, match="cannot draw wave while its whole rulings deform"):
+        drawn(RuledSurface("(u, T, 0)", "(u, 1, 0)", s=None, name="wave"), pipe)
+    with pytest.raises(fc.InputError, match="pole at every time"):
+        drawn(RuledSurface("(1/u, T, 0)", "(u, 1, 0)", name="wave"), pipe)
+
+
+def test_a_deforming_surface_shows_what_touches_when_it_touches():
+    door = RuledSurface("(0, 0, 0)", "((1-T**2)/(1+T**2), 2*T/(1+T**2), u)", name="door")
+    hit = fc.first_contact(door, RuledSurface("(3/5, 4/5, u)", "(2, 2, u)", name="post"))
+    drawing, _ = drawings(Pair(door, hit.b, hit.span, hit))
+    assert hit.time == 0.5 and hit.element_a.kind in ("directrix", "end_ruling", "vertex", "face")
+    assert drawing.frames[0][np.abs(drawing.frames[0] - 0.5).argmin()] == 0.5
+    assert np.allclose(drawing.vertices[:, 1] * 3, drawing.vertices[:, 0] * 4)
+    assert np.isfinite(drawing.corners(hit.element_a)).all()

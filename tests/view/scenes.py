@@ -104,3 +104,33 @@ def tip_on_floor():
         element_a=element("a", a.body, "vertex", "plug.apex"), element_b=element("b", b, "face", "floor.plane"),
         multiplicity=1, contact_set="point", a=a, b=b,
     )  # fmt: skip
+
+
+CIRCLE = "((1-u**2)/(1+u**2), 2*u/(1+u**2), {})"
+
+
+def crossing_pipes():
+    """Two equal cylinders at a right angle meet in two ellipses, which cross in two nodes."""
+    upright = fc.RuledSurface(CIRCLE.format(-2), CIRCLE.format(2), u=None, name="upright")
+    return fc.intersection_curve(upright, upright.rotated((0, 1, 0), degrees=90).named("level"), tolerance=1e-3)
+
+
+def cone_and_pipe():
+    """A loop, a ruling that is in both, and the cone's apex, which lies on the pipe."""
+    cone = fc.RuledSurface("(0, 0, 0)", CIRCLE.format(1), u=None, s=None, name="cone")
+    leaning = "((1-u**2)/(1+u**2), (1+u)**2/(1+u**2), 2)"
+    pipe = fc.RuledSurface(CIRCLE.format(1), leaning, u=None, s=None, name="pipe")
+    return fc.intersection_curve(cone, pipe, tolerance=1e-3)
+
+
+def flat_pieces():
+    """Two unit squares of one plane share a square of side 1/2."""
+    square = fc.RuledSurface("(u, 0, 0)", "(u, 1, 0)", name="square")
+    return fc.intersection_curve(square, square.translated(("1/2", "1/2", 0)).named("other"))
+
+
+def cusped():
+    """The tangents of a cubic meet a plane through one of its points: a cusp there."""
+    developable = fc.RuledSurface("(u, u**2, u**3)", "(u + 1, u**2 + 2*u, u**3 + 3*u**2)", u=(-2, 2), s=None, name="tangents")
+    plane = fc.RuledSurface("(u, 0, u)", "(u, 1, u)", u=None, s=None, name="plane")
+    return fc.intersection_curve(developable, plane, tolerance=1e-3)

@@ -116,10 +116,9 @@ def clipped(segments: np.ndarray, centre: np.ndarray, reach: float) -> np.ndarra
     start, along = segments[:, 0], segments[:, 1] - segments[:, 0]
     with np.errstate(divide="ignore", invalid="ignore"):
         one, other = (centre - reach - start) / along, (centre + reach - start) / along
-    inside = np.abs(start - centre) <= reach
-    one = np.where(along == 0, np.where(inside, -np.inf, np.inf), one)
-    other = np.where(along == 0, np.where(inside, np.inf, -np.inf), other)
-    first = np.clip(np.minimum(one, other).max(axis=1), 0, 1)
-    last = np.clip(np.maximum(one, other).min(axis=1), 0, 1)
+    beside = (np.abs(start - centre) > reach) & (along == 0)  # else the whole line lies between these two planes
+    enters = np.where(along == 0, np.where(beside, np.inf, -np.inf), np.minimum(one, other))
+    leaves = np.where(along == 0, np.where(beside, -np.inf, np.inf), np.maximum(one, other))
+    first, last = np.clip(enters.max(axis=1), 0, 1), np.clip(leaves.min(axis=1), 0, 1)
     ends = np.stack([start + first[:, None] * along, start + last[:, None] * along], axis=1)
     return ends[first < last]

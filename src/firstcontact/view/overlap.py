@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 COLUMNS, ROWS = 65, 17
 # Rulings among which the one nearest to a point is looked for, and steps of the search between two of them.
-RULINGS, STEPS = 129, 32
+RULINGS, STEPS = 65, 32
 # A point this near to a surface, as a part of the size of the larger one, is on it.
 NEAR = 1e-6
 HALVINGS = 8
@@ -62,8 +62,8 @@ def _part(piece: RuledSurface, other: Any, near: float) -> np.ndarray:
 def distances(piece: RuledSurface, points: np.ndarray) -> np.ndarray:
     """(n,) from points (n, 3) to the piece; infinite where trimming leaves out the nearest point of it."""
     x = np.linspace(*ends_of(piece), RULINGS)
-    found = np.array([_to_rulings(piece, np.full(len(points), value), points)[0] for value in x])
-    best = found.argmin(axis=0)
+    found, _ = _to_rulings(piece, np.tile(x, len(points)), np.repeat(points, RULINGS, axis=0))
+    best = found.reshape(-1, RULINGS).argmin(axis=1)
     lo, hi = x[best] - (x[1] - x[0]), x[best] + (x[1] - x[0])
     if piece.u is not None:
         lo, hi = np.maximum(lo, x[0]), np.minimum(hi, x[-1])

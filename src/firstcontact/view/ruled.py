@@ -62,6 +62,8 @@ def _grid(piece: RuledSurface) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     triangles = grid_triangles(COLUMNS, ROWS)
     for trim in piece.trim:
         parameters, triangles = clipped(parameters, triangles, trim, piece)
+    used, triangles = np.unique(triangles, return_inverse=True)
+    parameters, triangles = parameters[used], triangles.reshape(-1, 3)
     borders = _borders(triangles)
     if piece.u is None:  # the first ruling is the last
         at = parameters[borders][..., 0]
@@ -73,7 +75,10 @@ def _grid(piece: RuledSurface) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def _points_at(piece: RuledSurface, parameters: np.ndarray, t: float) -> np.ndarray:
-    first, second = (side.at(t).points(parameters[:, 0]) for side in (piece.first, piece.second))
+    try:
+        first, second = (side.at(t).points(parameters[:, 0]) for side in (piece.first, piece.second))
+    except InputError:  # no curve at this time, as with the denominator T at 0
+        return np.full((len(parameters), 3), np.nan)
     s = parameters[:, 1:]
     return (1 - s) * first + s * second
 
