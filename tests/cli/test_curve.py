@@ -1,6 +1,7 @@
 """`firstcontact curve`: what it prints, writes and returns."""
 
 import json
+import re
 import time
 from fractions import Fraction
 from pathlib import Path
@@ -53,9 +54,17 @@ def test_the_scene_asks(command, scene):
     first, second = load_scene(path).curves
     assert (first.at, first.tolerance, second.at) == (0, 1e-6, Fraction(1, 4))
     lines = command("curve", path).out.splitlines()
-    assert lines[3] == "    to boundary (x=3/4) at (0.75, 0.666666667, 0.5), u = 0.75, v = 0.75, s = 0.666666667, t = 0.666666667"
+    place, parameters = "(0.75, 0.666666667, 0.5)", "u = 0.75, v = 0.75, s = 0.666666667, t = 0.666666667"
+    assert lines[3] == f"    to boundary (x=3/4) at {place}, {parameters}"
     assert lines[4:] == ["flat and low: 1 isolated point", "  isolated point (1, 1, 1)"]
     assert load_scene(scene(LOW + FLAT)).curves[0].a == "low"  # without tables: what is checked
+
+
+def test_the_scene_of_the_docs(command, scene):
+    text = (EXAMPLES.parent / "docs" / "ruled-surfaces.md").read_text(encoding="utf-8")
+    (block,) = re.findall(r"```toml\n(.*?)```", text, flags=re.DOTALL)
+    code, out, _ = command("curve", scene(block), "--tolerance", "1e-3")
+    assert code == 0 and out.startswith("cone and sheet: 1 branch\n  closed branch of ")
 
 
 FAULTS = {

@@ -130,7 +130,17 @@ def flat_pieces():
 
 
 def cusped():
-    """The tangents of a cubic meet a plane through one of its points: a cusp there."""
-    developable = fc.RuledSurface("(u, u**2, u**3)", "(u + 1, u**2 + 2*u, u**3 + 3*u**2)", u=(-2, 2), s=None, name="tangents")
-    plane = fc.RuledSurface("(u, 0, u)", "(u, 1, u)", u=None, s=None, name="plane")
-    return fc.intersection_curve(developable, plane, tolerance=1e-3)
+    """The tangents of a cubic meet the plane across it at one of its points: a cusp there."""
+    cubic, ahead = "(u, u**2, u**3)", "(u + 1, u**2 + 2*u, u**3 + 3*u**2)"
+    tangents = fc.RuledSurface(cubic, ahead, u=(-1, 1), s=(-2, 2), name="tangents")
+    plane = fc.RuledSurface("(0, u, 0)", "(0, u, 1)", u=(-2, 2), s=(-2, 2), name="plane")
+    return fc.intersection_curve(tangents, plane, tolerance=1e-3)
+
+
+def roller():
+    """A cylinder along x about (., -T, -T^2) and one at rest touch from T = -sqrt(2)/2 until sqrt(2)/2."""
+    along = "({}, (1 - T - (1 + T)*u**2)/(1 + u**2), 2*u/(1 + u**2) - T**2)"
+    upright = "(-2*u**2/(1 + u**2), 2*u/(1 + u**2), {})"
+    a = fc.RuledSurface(along.format(-1), along.format(0), u=None, name="roller")
+    b = fc.RuledSurface(upright.format("1/2"), upright.format("3/2"), u=None, name="pipe")
+    return fc.contact_intervals(a, b, (-2, 2))

@@ -48,8 +48,9 @@ def test_sight_leaves_out_what_runs_to_infinity():
 
 
 def test_segments_are_cut_at_a_cube():
-    segments = np.array([[[-5, 0, 0], [5, 0, 0]], [[0, 3, 0], [1, 3, 0]], [[0.5, 0, 0], [0.5, 0, 9e30]], [[3, 0, 0], [0, 3, 0]]])
-    assert clipped(segments, np.zeros(3), 2.0).tolist() == [
+    through, beside = [[-5, 0, 0], [5, 0, 0]], [[0, 3, 0], [1, 3, 0]]
+    far, across = [[0.5, 0, 0], [0.5, 0, 9e30]], [[3, 0, 0], [0, 3, 0]]
+    assert clipped(np.array([through, beside, far, across]), np.zeros(3), 2.0).tolist() == [
         [[-2, 0, 0], [2, 0, 0]], [[0.5, 0, 0], [0.5, 0, 2]], [[2, 1, 0], [1, 2, 0]]
     ]  # fmt: skip
 
@@ -70,15 +71,16 @@ def test_the_common_part_of_two_pieces_of_a_plane():
 def test_two_families_of_rulings_of_one_hyperboloid():
     circle, turned = "((1-u**2)/(1+u**2), 2*u/(1+u**2), -1)", "({}2*u/(1+u**2), {}(1-u**2)/(1+u**2), 1)"
     left, right = (RuledSurface(circle, turned.format(*signs), u=None, s=None) for signs in (("-", ""), ("", "-")))
-    found = layers_of(fc.intersection_curve(left, right))
+    curve = fc.intersection_curve(left, right)
+    found = layers_of(curve)
     assert list(found) == ["overlap"]
     x, y, z = found["overlap"]["points"].T
     assert np.allclose(x * x + y * y, (1 + z * z) / 2, rtol=1e-9)
-    (pair,) = pairs_of([fc.intersection_curve(left, right)])
-    assert area(found["overlap"]["points"]) == pytest.approx(area(drawings(pair)[0].vertices[drawings(pair)[0].triangles]))
+    drawing, _ = drawings(pairs_of([curve])[0])
+    assert area(found["overlap"]["points"]) == pytest.approx(area(drawing.vertices[drawing.triangles]))  # all of it
 
 
 def test_distances_to_a_piece():
-    quarter = RuledSurface("((1-u**2)/(1+u**2), 2*u/(1+u**2), 0)", "((1-u**2)/(1+u**2), 2*u/(1+u**2), 1)", trim="s <= 1/2")
+    quarter = RuledSurface(scenes.CIRCLE.format(0), scenes.CIRCLE.format(1), trim="s <= 1/2")
     points = np.array([[0.6, 0.8, 0.25], [1.2, 1.6, 0.25], [0.6, 0.8, 2.0], [1, -3, 0.25]])
     assert distances(quarter, points) == pytest.approx([0, 1, np.inf, 3], abs=1e-7)

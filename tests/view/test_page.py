@@ -363,3 +363,91 @@ def test_the_slider_moves_solids(opened, page):
     assert state(opened, "time") == 0.5
     assert state(opened, "centrePixel(0)")[1] > above[1] + 20
     assert "element plug.apex vertex 0" in [entry["name"] for entry in state(opened, "objects")]
+
+
+# -- intersection curves, and surfaces that deform ------------------------------------------------------------
+
+LOOP, CROSSING, FLAT, CUSP, ROLLER = range(5)
+
+
+@pytest.fixture(scope="module")
+def surfaces(tmp_path_factory):
+    """Address of a page with four intersection curves, and with a surface that deforms."""
+    results = [scenes.cone_and_pipe(), scenes.crossing_pipes(), scenes.flat_pieces(), scenes.cusped(), scenes.roller()]
+    return write_page(tmp_path_factory.mktemp("surfaces") / "curves.html", results).as_uri()
+
+
+def rgb(text):
+    return np.array([int(text[k : k + 2], 16) for k in (1, 3, 5)])
+
+
+def share_of(pixels, layer):
+    """How much of a layer shows its colour within two pixels, of what is in the window."""
+    places = np.array(layer["pixels"])
+    if "line" in layer["kind"]:  # ends of segments
+        part = np.linspace(0, 1, 40)[:, None]
+        places = np.concatenate([(1 - part) * p + part * q for p, q in places.reshape(-1, 2, 2)])
+    places = places[np.all((places > 10) & (places < np.array(pixels.shape[1::-1]) - 10), axis=1)]
+    _, spread = np.unique(np.round(places / 6), axis=0, return_index=True)
+    near = [np.abs(around(pixels, p) - rgb(layer["colour"])).sum(axis=2).min() < 90 for p in places[spread]]
+    return np.mean(near)
+
+
+def test_an_intersection_curve_with_its_legend(opened, surfaces):
+    show(opened, surfaces)
+    assert state(opened, "status") == "CURVE" and not opened.find_element("id", "bar").is_displayed()
+    labels = [label.text for label in opened.find_elements("css selector", "#layers label")]
+    layers = {layer["name"]: layer for layer in state(opened, "layers")}
+    assert labels == ["cone", "cone: rulings", "pipe", "pipe: rulings", *layers]
+    assert list(layers) == ["common rulings", "component 1, closed", "isolated points"]
+    pixels = picture(opened)
+    assert all(share_of(pixels, layer) > 0.9 for layer in layers.values())
+    for name in labels:  # everything off, from the top to the bottom of the legend
+        box = opened.find_element("css selector", f"#layers input[name='{name}']")
+        opened.execute_script("arguments[0].click()", box)
+    pixels = picture(opened)
+    assert all(share_of(pixels, layer) == 0 for layer in layers.values())
+    assert not is_blue(pixels).any() and not is_sand(pixels).any()
+    hidden = {entry["name"] for entry in state(opened, "objects") if not entry["visible"]}
+    assert hidden >= {"layer component 1, closed", "layer isolated points", "cone surface", "pipe edges"}
+
+
+@pytest.mark.parametrize(
+    "pair, names",
+    [
+        (CROSSING, ["component 1, 4 branches", "nodes"]),
+        (FLAT, ["overlap"]),
+        (CUSP, ["component 1, open", "cusps"]),
+    ],
+)
+def test_singular_points_and_overlaps(opened, surfaces, pair, names):
+    show(opened, f"{surfaces}#pair={pair}")
+    wait_until(lambda: state(opened, "pair") == pair)
+    layers = state(opened, "layers")
+    assert [layer["name"] for layer in layers] == names
+    pixels = picture(opened)
+    kinds = {layer["kind"]: layer for layer in layers}
+    if pair == FLAT:
+        pink = (pixels[..., 0] > 180) & (pixels[..., 1] < 120) & (pixels[..., 2] > 90)
+        x, y = np.array(kinds["fill"]["pixels"]).T
+        inside = pink[round(y.min()) : round(y.max()) + 1, round(x.min()) : round(x.max()) + 1]
+        assert inside.sum() > 0.98 * pink.sum() > 2000
+    else:  # a ring is white in the middle, a diamond dark
+        (spot,) = {"node", "cusp"} & set(kinds)
+        bright = [around(pixels, place, reach=1).mean() for place in kinds[spot]["pixels"]]
+        assert all((b > 240) == (spot == "node") for b in bright)
+        assert share_of(pixels, kinds["line"]) > 0.8
+
+
+def test_a_surface_deforms_with_the_time(opened, surfaces):
+    show(opened, f"{surfaces}#pair={ROLLER}")
+    wait_until(lambda: state(opened, "pair") == ROLLER)
+    assert opened.find_element("id", "bar").is_displayed() and "deforms" in opened.find_element("id", "card").text
+    centres = []
+    for t in (-1.5, 0.0, 1.5):
+        state(opened, f"setTime({t})")
+        rows, columns = np.nonzero(is_blue(picture(opened)))
+        assert len(rows) > 1000
+        centres.append((columns.mean(), rows.mean()))
+    (left, low), (_, high), (right, low_again) = centres
+    assert left > right + 60 and min(low, low_again) > high + 60  # y = -T, z = -T^2, seen from the front right

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from firstcontact.body.ruled_mesh import clipped, ends_of, grid_triangles, parameters_of
+from firstcontact.body.ruled_mesh import Inequality, clipped, ends_of, grid_triangles, parameters_of
 from firstcontact.body.ruled_surface import RuledSurface
 from firstcontact.view.ruled import nearest
 
@@ -54,7 +54,8 @@ def _part(piece: RuledSurface, other: Any, near: float) -> np.ndarray:
     s = np.linspace(float(piece.s[0]), float(piece.s[1]), ROWS)
     parameters = np.stack(np.broadcast_arrays(x[:, None], s), axis=-1).reshape(-1, 2)
     triangles = grid_triangles(COLUMNS, ROWS)
-    for condition in (*piece.trim, _On(piece, other, near)):
+    conditions: list[Inequality] = [*piece.trim, _On(piece, other, near)]
+    for condition in conditions:
         parameters, triangles = clipped(parameters, triangles, condition, piece, HALVINGS)
     return piece.points(parameters_of(piece, parameters[:, 0]), parameters[:, 1])[triangles]
 

@@ -255,7 +255,7 @@
     return group;
   }
 
-  // What two surfaces at rest share: one kind of it, over both; where they hide it, it shines through faintly.
+  // What two surfaces at rest share: one kind of it; they are translucent, so that nothing hides it.
   const LINE_WIDTHS = { line: 3.5, "thick line": 7 };
 
   function layerObject(layer) {
@@ -273,7 +273,6 @@
       const width = LINE_WIDTHS[layer.kind];
       group.add(named(fatLines(layer.points, "#ffffff", width + 2.5, { opacity: 0.85, ...over }), "halo", 6));
       group.add(named(fatLines(layer.points, layer.colour, width, over), "line", 7));
-      group.add(named(fatLines(layer.points, layer.colour, width, { opacity: 0.35, depthTest: false, ...over }), "hidden line", 8));
     } else {
       for (let k = 0; k < layer.points.length; k += 3) group.add(pointObject(layer.points.slice(k, k + 3), layer));
     }
