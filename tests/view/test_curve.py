@@ -9,6 +9,7 @@ from firstcontact.view.curve import clipped, components, layers, sight
 from firstcontact.view.drawing import drawings
 from firstcontact.view.overlap import distances
 from firstcontact.view.pair import pairs_of
+from firstcontact.view.png import write_png
 from view import scenes
 
 
@@ -78,6 +79,12 @@ def test_two_families_of_rulings_of_one_hyperboloid():
     assert np.allclose(x * x + y * y, (1 + z * z) / 2, rtol=1e-9)
     drawing, _ = drawings(pairs_of([curve])[0])
     assert area(found["overlap"]["points"]) == pytest.approx(area(drawing.vertices[drawing.triangles]))  # all of it
+
+
+def test_a_curve_has_a_page_and_no_png(tmp_path):
+    assert scenes.flat_pieces().show(tmp_path / "page.html").read_text(encoding="utf-8").count('"status": "CURVE"') == 1
+    with pytest.raises(fc.InputError, match="goes on a page"):
+        write_png(tmp_path / "x.png", scenes.flat_pieces())
 
 
 def test_distances_to_a_piece():

@@ -35,13 +35,15 @@ def write_png(
 
     size: width and height in pixels.  Raises InputError saying what to install when drawing is impossible.
     """
+    (pair,) = pairs_of([result])
+    if pair.curve is not None:
+        raise InputError("a PNG shows a contact; an intersection curve goes on a page: curve.show(path)")
     _require_drawing()
     if sys.platform.startswith("linux") and "DISPLAY" not in os.environ:
         # without this VTK looks for an X server first, and warns on stderr
         os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
     from PIL import Image
 
-    (pair,) = pairs_of([result])
     width, height = size
     plotter = _pyvista().Plotter(off_screen=True, window_size=[SAMPLES * width, SAMPLES * height])
     try:

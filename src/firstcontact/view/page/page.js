@@ -152,7 +152,7 @@
     if (hasFaces) {
       group.add(named(new THREE.Mesh(surface, new THREE.MeshLambertMaterial({
         color: COLOURS[which], flatShading: !normals, side: THREE.DoubleSide,
-        ...(isCurve() ? { transparent: true, opacity: 0.6, depthWrite: false } : {}), // the curve lies in both
+        ...(isCurve() ? { transparent: true, opacity: 0.5, depthWrite: false } : {}), // the curve lies in both
         // behind the edges; and where faces of both bodies coincide, a is drawn rather than a patchwork
         polygonOffset: true, polygonOffsetFactor: 1 + which, polygonOffsetUnits: 1 + 2 * which,
       })), `${name} surface`));
