@@ -91,6 +91,6 @@ def test_box_is_centred_and_divided():
 
 
 def test_bodies_are_solids_named_after_their_shape():
-    for name in examples.__all__:
+    for name in examples.solids.__all__:
         body = getattr(examples, name)()
         assert body.solid and body.closed and body.name == name

@@ -157,9 +157,9 @@ def walk(
     if is_new(motion, 1, root):
         get_ready(motion, 1, boxes_b, links_b, xyz_b, ids_b, root, pad)
     while True:
+        if integers[STACK] + 4 > stack.shape[0] or integers[HEAP] + 4 > keys.shape[0]:
+            return FULL  # either may fill while the walk goes on with the other
         if integers[STACK] > 0:
-            if integers[STACK] + 4 > stack.shape[0]:
-                return FULL
             integers[STACK] -= 1
             a, b = stack[integers[STACK], 0], stack[integers[STACK], 1]
             key = first
@@ -168,8 +168,6 @@ def walk(
             floats[KEY] = key
             if key > floats[BEST]:
                 return DONE
-            if integers[HEAP] + 4 > keys.shape[0]:
-                return FULL
             a, b = pairs[0, 0], pairs[0, 1]
             integers[HEAP] = heap_pop(keys, pairs, integers[HEAP])
         else:
