@@ -1,9 +1,9 @@
 """Encounters of n moving and n resting rods in which trees of boxes test all n^2 pairs of edges.
 
 Wire baskets, heat sinks, brushes and lattice infill look like this: long edges whose boxes all overlap, while
-few of them, or none, touch.  Every function takes ``turning`` (a turn about the z axis instead of a move along
-+z), ``closed`` (solid prisms instead of bare edges, which are their ridges) and ``seed``.  Rods of one body may
-cross each other in the woven families.
+few of them, or none, touch.  Every function takes ``closed`` (solid prisms instead of bare edges, which are their
+ridges) and ``seed``, those made for a move along +z also ``turning`` (a turn about the z axis instead).  Rods of one
+body may cross each other in the woven families.
 
 >>> layered_reguli(100).moving
 <Polyhedron 'moving rods': edge set, 200 vertices, 100 edges, 0 faces> moving by Translation((0.0, 0.0, 0.016))
