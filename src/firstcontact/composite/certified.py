@@ -19,7 +19,7 @@ from firstcontact.body.moving import Moving
 from firstcontact.composite.answer import element, rank
 from firstcontact.composite.flat_contacts import Pair, Shared, keeps_directions, shared_set
 from firstcontact.composite.square_subproblems import refuse_untraced
-from firstcontact.composite.touched import Flat, Point, is_parallel, lowest, touched
+from firstcontact.composite.touched import Flat, Point, all_at, is_parallel, lowest, touched
 from firstcontact.report import MOST_OTHERS
 from firstcontact.result import ContactSet, Element, ElementPair, FirstContact, Stats, Status
 from firstcontact.search.advance import Advance, advance
@@ -173,7 +173,9 @@ def on_model(
         pose[2] * p + pose[5] * q + pose[8] * r,
     )
     known = [touched(model, kind, index) for kind, index in features]
-    flats = [(flat, _turned(pose, flat.direction)) for feature in known for flat in feature.flats(where, n)]
+    there = all_at(model, where)
+    around = known if there is None else [there]
+    flats = [(flat, _turned(pose, flat.direction)) for feature in around for flat in feature.flats(where, n)]
     return lowest(known, which, where), flats
 
 

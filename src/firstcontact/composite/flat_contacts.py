@@ -18,13 +18,14 @@ from flint import fmpq_mat
 
 from firstcontact.body.carriers import Conic, Line, Plane, QuarticCurve, Vector, cross, dot
 from firstcontact.body.composite_quadric import CompositeQuadric
-from firstcontact.body.csg import And, Leaf, Tree
+from firstcontact.body.csg import And, Leaf, Or, Tree, inside, possible
 from firstcontact.body.features import Edge, Face, Vertex
 from firstcontact.body.moving import Moving
 from firstcontact.composite.contact_sets import SAMPLES, runs
 from firstcontact.composite.touched import Flat, Point
 from firstcontact.motion.sequence import Sequence
 from firstcontact.motion.translation import Translation
+from firstcontact.search.convex import NotConvex, convex_pieces
 
 CLEAR = 1e-7
 """Of the size of its terms: a form smaller than that may vanish in truth."""
@@ -127,7 +128,7 @@ class _Body:
 
     def __init__(self, model: CompositeQuadric, shift: Point) -> None:
         self.model, self.shift = model, shift
-        self.forms = _forms(model)
+        self.forms, self.is_meet = _forms(model)
 
     def local(self, p: Point) -> Point:
         s = self.shift
@@ -139,6 +140,8 @@ class _Body:
 
     def holds(self, p: Point, on: frozenset[int]) -> bool:
         """Whether a world point is in the model, given the surfaces that hold it.  Raises _Unclear near others."""
+        if not self.is_meet:
+            return self._union_holds(p, on)
         x, y, z = self.local(p)
         for k, form in enumerate(self.forms):
             if k in on:
@@ -150,19 +153,49 @@ class _Body:
                 return False
         return True
 
+    def _union_holds(self, p: Point, on: frozenset[int]) -> bool:
+        """The same for a union of meets: in its closed pieces what lies on a surface is inside that."""
+        x, y, z = self.local(p)
+        below, above = [], []
+        for k, form in enumerate(self.forms):
+            value, size = _value(form, x, y, z)
+            below.append(k in on or value <= CLEAR * size)
+            above.append(k not in on and value >= -CLEAR * size)
+        may_be_in, may_be_out = possible(self.model.tree, below, above)
+        if may_be_in and may_be_out:
+            raise _Unclear
+        return may_be_in
+
 
 Form = tuple[float, ...]
 
 
-def _forms(model: CompositeQuadric) -> list[Form]:
-    """xx, yy, zz, 2 xy, 2 xz, 2 yz, 2 x, 2 y, 2 z, 1 of every surface, negative inside.  Convex models only."""
+def _forms(model: CompositeQuadric) -> tuple[list[Form], bool]:
+    """(xx, yy, zz, 2 xy, 2 xz, 2 yz, 2 x, 2 y, 2 z, 1 of every surface; whether the model is where all are negative).
+
+    Convex models only: those, and unions of such.
+    """
     known = model._search.get("half-spaces")
     if known is None:
-        known = [_form(m) for m in model._forms_f.tolist()] if _is_meet(model.tree) else []
+        is_meet = _is_meet(model.tree)
+        known = ([_form(m) for m in model._forms_f.tolist()] if is_meet or _is_convex_union(model) else []), is_meet
         model._search["half-spaces"] = known
-    if not known:
+    if not known[0]:
         raise _Unclear
     return known
+
+
+def _is_convex_union(model: CompositeQuadric) -> bool:
+    try:
+        return _has_no_complement(model.tree) and convex_pieces(model).union is not None
+    except NotConvex:
+        return False
+
+
+def _has_no_complement(tree: Tree) -> bool:
+    if isinstance(tree, And | Or):
+        return _has_no_complement(tree.first) and _has_no_complement(tree.second)
+    return isinstance(tree, Leaf)
 
 
 def _form(m: list[list[float]]) -> Form:
@@ -220,10 +253,11 @@ def _on(flat: Flat) -> frozenset[int]:
 def _in_line(bodies: tuple[_Body, _Body], flats: tuple[Flat, Flat], where: Point, d: Point) -> Shared | None:
     """The segment of the line through the touched point that both bodies hold."""
     on = _on(flats[0]), _on(flats[1])
+    kept = [_same_side(body.model, flat.feature) for body, flat in zip(bodies, flats, strict=True)]
     breaks = [
         (s, side, k)
         for side, body in enumerate(bodies)
-        for k, form in enumerate(body.forms) if k not in on[side]
+        for k, form in enumerate(body.forms) if k not in on[side] and k not in kept[side]
         for s in _roots(form, body.local(where), d)
     ]  # fmt: skip
     breaks.sort()
@@ -246,6 +280,26 @@ def _in_line(bodies: tuple[_Body, _Body], flats: tuple[Flat, Flat], where: Point
     if all(isinstance(f, Face) and not _is_plane(f) for f in (x, y)):
         pairs.append((x, y, _along(where, 0.5 * (lo[0] + hi[0]), d)))
     return Shared("segment", np.array(ends), pairs)
+
+
+def _same_side(model: CompositeQuadric, feature: Feature) -> frozenset[int]:
+    """Surfaces on one side of which a line in the face stays, since they join it smoothly.
+
+    Two quadrics tangent along a conic have a member of rank 1 in their pencil: on either the other one's form is a
+    multiple of the square of a plane's.
+    """
+    if not (isinstance(feature, Face) and model.seams):
+        return frozenset()
+    return frozenset(
+        f.surfaces[0]
+        for seam in model.seams if isinstance(seam.carrier, Conic) and seam.frame.shape[1] == 3
+        for f in _joined(model, seam, feature) if not _is_plane(f)
+    )  # fmt: skip
+
+
+def _joined(model: CompositeQuadric, seam: Edge, face: Face) -> list[Face]:
+    """The other faces at a seam of the face."""
+    return [model.faces[k] for k in seam.faces if k != face.index] if face.index in seam.faces else []
 
 
 def _is_plane(feature: Feature) -> bool:
@@ -274,9 +328,14 @@ def _end_pairs(
         yield (x, y, end) if side == 0 else (y, x, end)
 
 
-def _boundary(body: _Body, feature: Feature, surface: int, end: Point) -> Edge | Vertex:
-    """The edge or vertex where a flat feature ends at that surface."""
+def _boundary(body: _Body, feature: Feature, surface: int, end: Point) -> Feature:
+    """The edge or vertex where a flat feature ends at that surface; the face that goes on where it ends smoothly."""
     around = {*feature.surfaces, surface}
+    if isinstance(feature, Face) and body.model.seams:
+        beyond = [f for s in body.model.seams if around <= set(s.surfaces) for f in _joined(body.model, s, feature)]
+        if beyond:
+            (face,) = beyond
+            return face
     near = CLEAR * (1.0 + max(map(abs, end)))
     x = body.local(end)
     at_surface = [v for v in body.model.vertices if around <= set(v.surfaces)]
@@ -362,6 +421,8 @@ def _outline(body: _Body, face: Face) -> _Outline:
 def _local_outline(model: CompositeQuadric, face: Face) -> _Outline:
     (surface,) = face.surfaces
     outline, vertices = _Outline([], [], []), model.vertices
+    if any(face.index in seam.faces for seam in model.seams):
+        raise _Unclear
     corners: dict[int, tuple[Vertex, Point]] = {}
     for edge in model.edges:
         if surface not in edge.surfaces:
@@ -420,7 +481,9 @@ def _arcs(body: _Body, rim: Edge, other: _Body, on: frozenset[int]) -> list[np.n
     for piece in rim.pieces:
         good |= (angles - piece.lo) % (2.0 * np.pi) <= piece.hi - piece.lo
     x, y, z = (points - other.shift).T
-    for k, form in enumerate(other.forms):
-        if k not in on:
-            good &= _value(form, x, y, z)[0] < 0.0  # type: ignore[arg-type]
-    return [points[run] for run in runs(good)]
+    everywhere = np.ones(SAMPLES, bool)
+    below = [
+        everywhere if k in on else _value(form, x, y, z)[0] < 0.0  # type: ignore[arg-type]
+        for k, form in enumerate(other.forms)
+    ]
+    return [points[run] for run in runs(good & inside(other.model.tree, below))]

@@ -6,6 +6,7 @@ arrays of three numbers cost more than the arithmetic on them.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import sqrt
 from typing import Any
@@ -19,11 +20,14 @@ from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.features import Edge, Face, Vertex
 from firstcontact.composite.answer import element, rank
 from firstcontact.result import Element
-from firstcontact.search.convex import convex_pieces
+from firstcontact.search.convex import NotConvex, convex_pieces
 
 ACROSS = 1e-6
 """Sine of the angle below which directions count as parallel: what is flat there may be shared in more than a point,
 which exact arithmetic then decides."""
+
+BESIDE = 1e-10
+"""Of the size of its terms: where a form is smaller than that, its surface counts as touched too."""
 
 Point = tuple[float, float, float]
 
@@ -108,6 +112,48 @@ class Touched:
         return found
 
 
+def all_at(model: CompositeQuadric, where: Point) -> Touched | None:
+    """What of a model of several pieces lies at the point, or nearly: smooth seams are in no feature of a piece.
+
+    None: a model of one piece, whose touched features are all there is.
+    """
+    try:
+        if convex_pieces(model).count == 1:
+            return None
+    except NotConvex:
+        return None
+    whole = model.whole or model
+    forms = whole._search.get("at points")
+    if forms is None:
+        forms = whole._search["at points"] = whole._forms_f.tolist()
+    x, y, z = where
+    near = frozenset(k for k, m in enumerate(forms) if _vanishes(m, x, y, z))
+    known = whole._search.setdefault("around", {})
+    found = known.get(near)
+    if found is None:
+        faces = [f for f in whole.faces if near.issuperset(f.surfaces)]
+        edges = [e for e in whole.edges if near.issuperset(e.surfaces)]
+        sides = tuple(_side(f, f) for f in faces)
+        found = known[near] = Touched(whole, faces[0], sides, _lines(edges), {}) if faces else None
+    return found
+
+
+def _vanishes(m: list[list[float]], x: float, y: float, z: float) -> bool:
+    """Whether a form is 0 at a point, or nearly: beside a seam it grows with the square of the distance."""
+    (a, d, e, p), (_, b, f, q), (_, _, c, r), (_, _, _, s) = m
+    a, b, c, d, e, f = a * x * x, b * y * y, c * z * z, 2.0 * d * x * y, 2.0 * e * x * z, 2.0 * f * y * z
+    p, q, r = 2.0 * p * x, 2.0 * q * y, 2.0 * r * z
+    size = abs(a) + abs(b) + abs(c) + abs(d) + abs(e) + abs(f) + abs(p) + abs(q) + abs(r) + abs(s)
+    return abs(a + b + c + d + e + f + p + q + r + s) <= BESIDE * size
+
+
+def _lines(edges: Sequence[Edge]) -> tuple[Flat, ...]:
+    return tuple(
+        Flat(e, tuple(e.frame[:3, 0].tolist()), tuple(row[0] for row in e.carrier.basis[:3]))
+        for e in edges if isinstance(e.carrier, Line)
+    )  # fmt: skip
+
+
 def is_parallel(x: Point, y: Point) -> bool:
     c = x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]
     return _length(c) <= ACROSS * _length(x) * _length(y)
@@ -138,11 +184,8 @@ def touched(model: CompositeQuadric, kind: str, index: int) -> Touched:
         around = set(feature.surfaces)
         faces = (feature,) if isinstance(feature, Face) else [f for f in whole.faces if around & set(f.surfaces)]
         edges = () if isinstance(feature, Face) else [e for e in whole.edges if set(e.surfaces) <= around]
-        lines = tuple(
-            Flat(e, tuple(e.frame[:3, 0].tolist()), tuple(row[0] for row in e.carrier.basis[:3]))
-            for e in edges if isinstance(e.carrier, Line)
-        )  # fmt: skip
-        found = known[kind, index] = Touched(whole, feature, tuple(_side(f, feature) for f in faces), lines, {})
+        sides = tuple(_side(f, feature) for f in faces)
+        found = known[kind, index] = Touched(whole, feature, sides, _lines(edges), {})
     return found
 
 

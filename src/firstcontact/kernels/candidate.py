@@ -19,6 +19,7 @@ from firstcontact.kernels.workspace import (
     MATRIX,
     MODE,
     NORMAL,
+    PART,
     POSE_A,
     RATES_A,
     RESULTS,
@@ -109,6 +110,28 @@ def worst_form(p, i, w, side, x, y, z):
         if value > worst:
             worst, which = value, k
     return worst, which
+
+
+@kernel
+def _part_near(p, i, w, side, x, y, z):
+    """Piece i itself, or, of a union of pieces, the one that a world point is nearest to or deepest in."""
+    if p[i, FORMS] < p[i, FORMS + 1]:
+        return i
+    lowest, which = math.inf, i
+    for k in range(i):
+        value = worst_form(p, k, w, side, x, y, z)[0]
+        if value < lowest:
+            lowest, which = value, k
+    return which
+
+
+@kernel
+def choose_parts(a, i, b, j, count, w, c):
+    """Into the integers: which pieces of unions the witnesses of the distance lie on (frames: those of its time)."""
+    x, y, z = witness(w, count, 3)
+    c[PART] = _part_near(a, i, w, SIDE_A, x, y, z)
+    x, y, z = witness(w, count, 6)
+    c[PART + 1] = _part_near(b, j, w, SIDE_B, x, y, z)
 
 
 @kernel

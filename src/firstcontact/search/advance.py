@@ -6,8 +6,8 @@ common point; what neither settles is "open" (see `kernels.advancement`).  No te
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -134,10 +134,17 @@ class _Search:
 
     def _window(self, window: Window) -> Advance | None:
         """The answer if there is one in this window; None proves it free."""
+        found = self._among(window, list(product(self.a.fewest, self.b.fewest)))
+        if found is not None and found.status == "open" and (self.a.union is not None or self.b.union is not None):
+            return self._among(window, list(product(range(self.a.count), range(self.b.count))))
+        return found
+
+    def _among(self, window: Window, pairs: list[tuple[int, int]]) -> Advance | None:
+        """The same for these pairs of pieces."""
         best: Advance | None = None
         stuck: Advance | None = None
         limit = window.last
-        for i, j in self._pairs(window):
+        for i, j in pairs:
             outcome = advance_pieces(
                 self.a.array, i, window.a, self.b.array, j, window.b,
                 window.first, limit, window.inner, self.width, self.budget, self.workspace, self.counters,
@@ -158,11 +165,6 @@ class _Search:
         if stuck is None or (best is not None and best.time_interval and best.time_interval[0] <= stuck.free_until):
             return best
         return stuck
-
-    def _pairs(self, window: Window) -> Iterator[tuple[int, int]]:
-        for i in range(self.a.count):
-            for j in range(self.b.count):
-                yield i, j
 
     def _earlier(self, best: Advance | None, found: Advance) -> Advance:
         """The earlier contact, with an interval that holds for both pairs."""
