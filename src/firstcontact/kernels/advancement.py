@@ -31,6 +31,7 @@ from firstcontact.kernels.shared_point import deepen, proves_shared
 from firstcontact.kernels.support import BOX
 from firstcontact.kernels.touch_system import moving_form, place_frames
 from firstcontact.kernels.workspace import (
+    BEGAN,
     FORM,
     FREE_UNTIL,
     GAP,
@@ -134,6 +135,7 @@ def _aim(a, i, ma, b, j, mb, t, first, last, count, n0, n1, n2, near, width, siz
         return t, 0.0, 0.0, 0.0, 0.0
     choose_parts(a, i, b, j, count, w, c)
     k, m = c[PART], c[PART + 1]
+    c[BEGAN] = -1
     for attempt in range(4):
         mode = max(attempt - 1, 0)
         face_along(a, i, n0, n1, n2, w)

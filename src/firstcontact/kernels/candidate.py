@@ -12,6 +12,7 @@ from firstcontact.kernels.workspace import (
     ACTIVE,
     AT_TIME,
     AWAY,
+    BEGAN,
     COUNT,
     FORM,
     GRADIENTS,
@@ -33,6 +34,9 @@ from firstcontact.kernels.workspace import (
 )
 
 MOST_STEPS = 16
+# Steps after which Newton's method is given up unless the last one was below this part of the size: where it converges
+# at all it is near by then, and else a later guess, from nearer, does better.
+FIRST_STEPS, NEARBY = 7, 1e-2
 # Changes of the active set before a guess is given up.
 MOST_CHANGES = 6
 
@@ -173,7 +177,8 @@ def _revise(a, i, b, j, w, c, size):
 def guess_by_forms(a, i, ma, b, j, mb, t, first, last, count, slack, n0, n1, n2, size, w, c):
     """Newton steps taken, negative without a guess; else w[UNKNOWN] is X, t, multipliers and the frames are those at t.
 
-    slack: forms are active at first that are this part of the distance from the witnesses.
+    slack: forms are active at first that are this part of the distance from the witnesses.  None (0) where these are
+    those that the last guess began with, as c[BEGAN] tells.
     """
     if not place_frames(ma, mb, t, w):
         return -1
@@ -193,21 +198,28 @@ def guess_by_forms(a, i, ma, b, j, mb, t, first, last, count, slack, n0, n1, n2,
         y0, y1, y2 = local_point(w, side, x, y, z)
         most = min(3, 4 - side * c[COUNT])
         _choose(a if side == 0 else b, i if side == 0 else j, y0, y1, y2, slack, c, side, most)
+    began = c[COUNT]
+    for k in range(c[COUNT] + c[COUNT + 1]):
+        began = (began << 12) + c[ACTIVE + k]
+    if began == c[BEGAN]:
+        return 0
+    c[BEGAN] = began
     _first_multipliers(a, b, w, c, n0, n1, n2)
     taken, span = 0, last - first
     for _ in range(MOST_CHANGES):
         moved = math.inf
-        # two more steps after the one that shows convergence cost little; one is enough
-        for _ in range(MOST_STEPS):
-            settled = moved <= 1e-10 * size
+        for step in range(MOST_STEPS):
+            before = moved
             taken += 1
             moved = newton_step(a, b, w, c, span, size, IN_TIME)
             if moved < 0.0 or not (first - span <= w[UNKNOWN, 3] <= last + span):
                 return -taken
             if not place_frames(ma, mb, w[UNKNOWN, 3], w):
                 return -taken
-            if settled:
+            if before <= 1e-10 * size:  # one step more than shows convergence costs little
                 break
+            if step >= FIRST_STEPS and moved > NEARBY * size:
+                return -taken
         if not moved <= 1e-10 * size:
             return -taken
         change = _revise(a, i, b, j, w, c, size)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import product
 from typing import Any
 
@@ -58,6 +58,8 @@ class ConvexPieces:
     count: int
     labels: dict[frozenset[int], tuple[str, int]]
     union: int | None = None
+    named: dict[tuple[int, ...], tuple[tuple[str, int], ...]] = field(default_factory=dict)
+    """Features by the rows of forms, as asked for so far."""
 
     @property
     def fewest(self) -> Sequence[int]:
