@@ -19,7 +19,7 @@ from firstcontact.body.moving import Moving
 from firstcontact.composite.answer import rank
 from firstcontact.composite.flat_contacts import Pair, Shared, keeps_directions, shared_set
 from firstcontact.composite.square_subproblems import refuse_untraced
-from firstcontact.composite.touched import Flat, Point, all_at, is_parallel, lowest, named, touched
+from firstcontact.composite.touched import Flat, Point, is_parallel, lowest, named, touched, with_neighbours
 from firstcontact.report import MOST_OTHERS
 from firstcontact.result import ContactSet, Element, ElementPair, FirstContact, Stats, Status
 from firstcontact.search.advance import Advance, advance
@@ -198,8 +198,7 @@ class _On:
             pose[1] * p + pose[4] * q + pose[7] * r,
             pose[2] * p + pose[5] * q + pose[8] * r,
         )
-        there = all_at(self.model, self.where)
-        around = self.known if there is None else [there]
+        around = with_neighbours(self.known, self.where)
         return [(flat, _turned(pose, flat.direction)) for feature in around for flat in feature.flats(self.where, n)]
 
 

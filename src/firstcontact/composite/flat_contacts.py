@@ -8,7 +8,7 @@ where every point they judge is clear of all surfaces but its own; all else is l
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import combinations
@@ -365,8 +365,9 @@ def _in_line(bodies: tuple[_Body, _Body], flats: tuple[Flat, Flat], where: Point
     if hi[0] - lo[0] <= near or lo[0] > near or hi[0] < -near:
         return None
     ends = _along(where, lo[0], d), _along(where, hi[0], d)
-    pairs = [*_end_pairs(bodies, flats, ends[0], side_lo, lo[1]), *_end_pairs(bodies, flats, ends[1], side_hi, hi[1])]
-    if all(isinstance(f, Face) and not _is_plane(f) for f in (x, y)):
+    pairs = _end_pairs(bodies, flats, ends[0], side_lo, lo[1])
+    pairs += _end_pairs(bodies, flats, ends[1], side_hi, hi[1])
+    if isinstance(x, Face) and isinstance(y, Face) and not (_is_plane(x) or _is_plane(y)):
         pairs.append((x, y, _along(where, 0.5 * (lo[0] + hi[0]), d)))
     return Shared("segment", np.array(ends), pairs)
 
@@ -381,20 +382,17 @@ def _along(p: Point, s: float, d: Point) -> Point:
 
 def _end_pairs(
     bodies: tuple[_Body, _Body], flats: tuple[Flat, Flat], end: Point, side: int, surface: int
-) -> Iterator[Pair]:
+) -> list[Pair]:
     """The pairs that meet at an end of the segment, where the flat of one side ends at one more of its surfaces."""
     mine, other = flats[side].feature, flats[1 - side].feature
-    model = bodies[side].model
     corner = _boundary(bodies[side], mine, surface, end)
+    if not (isinstance(corner, Vertex) and isinstance(other, Edge)):
+        return [(corner, other, end) if side == 0 else (other, corner, end)]
     found: list[tuple[Feature, Feature]]
-    if isinstance(corner, Vertex) and isinstance(other, Edge):
-        found = [(corner, bodies[1 - side].model.faces[k]) for k in other.faces]
-        beside = [e for e in model.edges if set(e.surfaces) <= set(corner.surfaces) and e is not mine]
-        found += [(e, other) for e in beside]
-    else:
-        found = [(corner, other)]
-    for x, y in found:
-        yield (x, y, end) if side == 0 else (y, x, end)
+    found = [(corner, bodies[1 - side].model.faces[k]) for k in other.faces]
+    beside = [e for e in bodies[side].model.edges if set(e.surfaces) <= set(corner.surfaces) and e is not mine]
+    found += [(e, other) for e in beside]
+    return [(x, y, end) if side == 0 else (y, x, end) for x, y in found]
 
 
 def _boundary(body: _Body, feature: Feature, surface: int, end: Point) -> Feature:
@@ -423,9 +421,9 @@ def _at_surface(
     found = known.get((feature, surface))
     if found is None:
         around = {*feature.surfaces, surface}
-        seams = [s for s in model.seams if isinstance(feature, Face) and around <= set(s.surfaces)]
+        seams = [s for s in model.seams if around <= set(s.surfaces)]
         found = known[feature, surface] = (
-            [f for s in seams for f in _joined(model, s, feature)],
+            [f for s in seams for f in _joined(model, s, feature)] if isinstance(feature, Face) else [],
             [v for v in model.vertices if around <= set(v.surfaces)],
             [e for e in model.edges if around == set(e.surfaces) and not isinstance(e.carrier, QuarticCurve)],
         )
@@ -541,6 +539,8 @@ def _local_outline(model: CompositeQuadric, face: Face) -> _Outline:
         ends = {k for piece in edge.pieces for k in (piece.start, piece.end) if k is not None}
         corners |= {k: (vertices[k], vertices[k].position) for k in ends}
         if isinstance(edge.carrier, Conic) and edge.frame.shape[1] == 3 and not edge.frame[3, 1:].any():
+            if ends and len(_shape(model).pieces) > 1:  # other pieces may hold the rest of the curve
+                raise _Unclear
             outline.rims.append(edge)
         elif isinstance(edge.carrier, Line) and len(edge.pieces) == 1 and len(ends) == 2:
             start, end = edge.pieces[0].start, edge.pieces[0].end

@@ -20,7 +20,7 @@ from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.features import Edge, Face, Vertex
 from firstcontact.composite.answer import element, rank
 from firstcontact.result import Element
-from firstcontact.search.convex import NotConvex, convex_pieces
+from firstcontact.search.convex import convex_pieces
 
 ACROSS = 1e-6
 """Sine of the angle below which directions count as parallel: what is flat there may be shared in more than a point,
@@ -102,29 +102,29 @@ class Touched:
         return found
 
 
-def all_at(model: CompositeQuadric, where: Point) -> Touched | None:
-    """What of a model of several pieces lies at the point, or nearly: smooth seams are in no feature of a piece.
+def with_neighbours(known: list[Touched], where: Point) -> list[Touched]:
+    """The touched features, with the faces and edges that lie at the point too, or nearly.
 
-    None: a model of one piece, whose touched features are all there is.
+    Features of a piece tell all but what joins it smoothly in other pieces.
     """
-    try:
-        if convex_pieces(model).count == 1:
-            return None
-    except NotConvex:
-        return None
-    whole = model.whole or model
-    forms = whole._search.get("at points")
+    model = known[0].model
+    forms = model._search.get("seamed")
     if forms is None:
-        forms = whole._search["at points"] = whole._forms_f.tolist()
+        joined = sorted({s for seam in model.seams for k in seam.faces for s in model.faces[k].surfaces})
+        rows = model._forms_f.tolist()
+        forms = model._search["seamed"] = [(k, rows[k]) for k in joined]
     x, y, z = where
-    near = frozenset(k for k, m in enumerate(forms) if _vanishes(m, x, y, z))
-    known = whole._search.setdefault("around", {})
-    found = known.get(near)
-    if found is None:
-        faces = [f for f in whole.faces if near.issuperset(f.surfaces)]
-        edges = [e for e in whole.edges if near.issuperset(e.surfaces)]
-        found = known[near] = Touched(whole, faces[0], _sides(faces, faces[0]), _lines(edges)) if faces else None
-    return found
+    own = known[0].feature.surfaces
+    near = [k for k, m in forms if k not in own and _vanishes(m, x, y, z)]
+    if not near:
+        return known
+    there = frozenset([*near, *(k for t in known for k in t.feature.surfaces)])
+    met = model._search.setdefault("met", {})
+    if there not in met:
+        faces = [f for f in model.faces if there.issuperset(f.surfaces)]
+        edges = [e for e in model.edges if there.issuperset(e.surfaces)]
+        met[there] = [Touched(model, faces[0], _sides(faces, faces[0]), _lines(edges))] if faces else known
+    return met[there]
 
 
 def _vanishes(m: list[list[float]], x: float, y: float, z: float) -> bool:

@@ -255,9 +255,9 @@ def toward(a, i, ma, b, j, mb, t, g, aim, n0, n1, n2, e0, e1, e2, w, c):
 def advance_pieces(a, i, ma, b, j, mb, first, last, inner, width, budget, w, c):
     """One of the outcomes above for the pieces i of a and j of b over [first, last].
 
-    a, b: as `kernels.support` tells, piece i may be flat, either a union of pieces; ma, mb: as `kernels.poses`; inner <= last: the latest time at
-    which a contact may be claimed; width: of its interval; budget: strides.  w, c: the workspace; results and counters
-    are left there.
+    a, b: as `kernels.support` tells, piece i may be flat, either may be a union of pieces; ma, mb: as `kernels.poses`;
+    inner <= last: the latest time at which a contact may be claimed; width: of its interval; budget: strides.  w, c:
+    the workspace; results and counters are left there.
     """
     size = 0.0
     for k in range(3, 6):

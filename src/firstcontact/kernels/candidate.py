@@ -23,6 +23,7 @@ from firstcontact.kernels.workspace import (
     PART,
     POSE_A,
     RATES_A,
+    RATES_B,
     RESULTS,
     RIGHT,
     SIDE_A,
@@ -247,10 +248,16 @@ def contact_normal(a, w, c):
 def normal_at(a, ma, b, mb, t, size, w, c):
     """Unit normal from a to b at a time t near that of the guess by forms, where the bodies are a little apart.
 
-    Edges and rulings that touch stay square to it: along the normal of another time their ends would overlap.
+    Edges and rulings that touch stay square to it: along the normal of another time their ends would overlap, unless
+    both bodies only shift.
     """
     x, y, z = w[UNKNOWN, 0], w[UNKNOWN, 1], w[UNKNOWN, 2]
     n0, n1, n2 = contact_normal(a, w, c)
+    turning = 0.0
+    for k in range(9):
+        turning += abs(w[RATES_A, k]) + abs(w[RATES_B, k])
+    if turning == 0.0:
+        return n0, n1, n2
     w[RESULTS, NORMAL], w[RESULTS, NORMAL + 1], w[RESULTS, NORMAL + 2], w[UNKNOWN, AWAY] = n0, n1, n2, 0.0
     if place_frames(ma, mb, t, w):
         for _ in range(3):

@@ -92,7 +92,8 @@ def _compiled(body: CompositeQuadric) -> ConvexPieces:
         if solid is not None:
             parts.append(_piece(body, solid, sorted(clause)))
     pieces = ConvexPieces(_tables(parts), len(parts), labels)
-    if len(parts) > 1 and all(e.convexity == "convex" for e in body.edges) and all(len(forms) == 1 for _, _, smooth, forms in parts if smooth):
+    is_round = all(len(forms) == 1 for _, _, smooth, forms in parts if smooth)
+    if len(parts) > 1 and is_round and all(edge.convexity == "convex" for edge in body.edges):
         together = [[row for part in parts for row in part[k]] for k in range(3)]
         with_union = _tables([*parts, [*together, []]])
         if _is_convex(body, with_union, len(parts)):
