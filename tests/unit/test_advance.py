@@ -149,7 +149,8 @@ def test_a_union_advances_as_its_pieces_do():
         direction /= np.linalg.norm(direction)
         motion = fc.Translation(6 * direction)
         if k % 2:
-            motion = fc.Screw(direction, point=rng.uniform(-0.3, 0.3, 3), degrees=float(rng.uniform(-90, 90)), advance=6)
+            point, degrees = rng.uniform(-0.3, 0.3, 3), float(rng.uniform(-90, 90))
+            motion = fc.Screw(direction, point=point, degrees=degrees, advance=6)
         resting = other.translated((4 * direction + rng.uniform(-0.7, 0.7, 3)).tolist())
         found = advance(CAPSULE.moving(motion), resting, 0, 1)
         pieces = [replace(convex_pieces(body), union=None) for body in (CAPSULE, resting)]
