@@ -96,6 +96,12 @@ def test_a_capsule_nearly_level_touches_in_one_point(name, tilt):
     assert np.allclose(told.point, exact.point, atol=1e-9)
 
 
+def test_a_ruling_that_only_touches_a_round_cap_shares_a_point():
+    moving = DRUM.rotated((0, 1, 0), degrees=90).moving(fc.Translation((0, 0, 6)))
+    hit = fc.first_contact(moving, BULLET.translated((Fraction(-2, 7), "1/2", 4)))
+    assert hit.contact_set == "point" and hit.time == pytest.approx(2.5 / 6, abs=1e-15)
+
+
 def test_smooth_ends_beside_each_other_are_left_to_algebra():
     """Both segments end at one height, so more pairs meet there."""
     moving = CAPSULE.moving(fc.Translation((6, 0, 0)))

@@ -364,11 +364,15 @@ def _in_line(bodies: tuple[_Body, _Body], flats: tuple[Flat, Flat], where: Point
     side_hi, hi = (0, hi_a) if hi_a[0] < hi_b[0] else (1, hi_b)
     if hi[0] - lo[0] <= near or lo[0] > near or hi[0] < -near:
         return None
+    middle = _along(where, 0.5 * (lo[0] + hi[0]), d)
+    # a line that only touches a surface seems to pass it where rounding puts it a little deeper
+    if not all(body.holds(middle, frozenset(f.feature.surfaces)) for body, f in zip(bodies, flats, strict=True)):
+        return None
     ends = _along(where, lo[0], d), _along(where, hi[0], d)
     pairs = _end_pairs(bodies, flats, ends[0], side_lo, lo[1])
     pairs += _end_pairs(bodies, flats, ends[1], side_hi, hi[1])
     if isinstance(x, Face) and isinstance(y, Face) and not (_is_plane(x) or _is_plane(y)):
-        pairs.append((x, y, _along(where, 0.5 * (lo[0] + hi[0]), d)))
+        pairs.append((x, y, middle))
     return Shared("segment", np.array(ends), pairs)
 
 
