@@ -2,6 +2,7 @@
 of the same solids in coal, and the worked examples of Choi et al. 2014; writes CURVED.md.
 
     python benchmarks/curved.py [--repeats 5] [--motions 12] [--quick] [--out DIR]
+    python benchmarks/curved.py --primitives            # only those, beside coal; prints and writes nothing
 
 The other tools measure distances only; `curved_peers.advance` makes first contacts of them, to 1e-9 of the span.
 """
@@ -326,11 +327,17 @@ def main() -> None:
     parser.add_argument("--repeats", type=int, default=5)
     parser.add_argument("--motions", type=int, default=12)
     parser.add_argument("--quick", action="store_true", help="1 repeat, 3 motions, meshes up to 1e4")
+    parser.add_argument("--primitives", action="store_true", help="convex primitives beside coal only, not written")
     parser.add_argument("--out", type=File, default=File(__file__).parent)
     options = parser.parse_args()
     repeats, count, sizes = options.repeats, options.motions, SIZES
     if options.quick:
         repeats, count, sizes = 1, 3, SIZES[:2]
+    if options.primitives:
+        for kind in ("screw", "translation"):
+            print(f"## Convex primitives: {kind}s\n")
+            print("\n".join(primitives(kind, count, repeats, installed(["coal"])[0])))
+        return
     peers, missing = installed(list(PEERS))
     lines = ["# Curved solids", "", f"Medians in ms of {repeats} repeats over {count} motions a pair"]
     lines += [f"({SLOW_MOTIONS} motions, once each, for OpenCASCADE). In brackets: how many times our time; `!`: we"]

@@ -15,6 +15,12 @@ LYING = DRUM.rotated((1, 0, 0), degrees=90)
 ROOF = fc.box((1, 1, 1)).rotated((1, 0, 0), degrees=45)
 GUTTER = DRUM & fc.half_space((1, 0, 0), 0)
 FLOOR = fc.half_space((0, 0, 1), -3)
+BALL = fc.sphere("1/2")
+CAPSULE = fc.cylinder("1/2", "3/2") | BALL.translated((0, 0, "3/4")) | BALL.translated((0, 0, "-3/4"))
+BULLET = fc.cylinder("1/2", "3/2") | BALL.translated((0, 0, "3/4"))
+LYING_CAPSULE = CAPSULE.rotated((0, 1, 0), degrees=90)
+SLOT = fc.box((2, 1, 1)) | fc.cylinder("1/2", 1).translated((1, 0, 0)) | fc.cylinder("1/2", 1).translated((-1, 0, 0))
+EDGEWISE = BOX.rotated((0, 0, 1), degrees=45)
 SCENES = {
     "box on box": (BOX, (0.3, 0.4, 6.0), BOX.translated((0.5, 0.1, 4)), "patch"),
     "boxes beside each other": (BOX, (6.0, 0.2, 0.1), BOX.translated((4, 0.3, -0.2)), "patch"),
@@ -29,6 +35,16 @@ SCENES = {
     "roof on box": (ROOF, (0.1, 0.2, 6.0), BOX.translated((0.3, 0.4, 4)), "segment"),
     "roof against lying drum": (ROOF.rotated((0, 0, 1), degrees=90), (0.1, 0.2, -6.0),
                                 LYING.translated((0.2, 0.3, -4)), "segment"),
+    "capsule beside drum": (CAPSULE, (6.0, 0.5, 0.2), DRUM.translated((4, 0.2, 0.3)), "segment"),
+    "capsule beside capsule": (CAPSULE, (6.0, 0.5, 0.2), CAPSULE.translated((4, 0.2, 0.3)), "segment"),
+    "box against capsule": (BOX, (6.0, 0.1, 0.2), CAPSULE.translated((4, 0.3, 0.9)), "segment"),
+    "capsule along an edge": (CAPSULE, (6.0, 0.1, 0.2), EDGEWISE.translated((4, 0.1, 0.9)), "segment"),
+    "capsule on the floor": (LYING_CAPSULE, (0.3, 0.1, -6.0), FLOOR, "segment"),
+    "capsule across box": (LYING_CAPSULE, (0.1, 0.2, 6.0), BOX.translated((0.6, 0.3, 4)), "segment"),
+    "bullet on the floor": (BULLET, (0.3, 0.1, -6.0), FLOOR, "conic arc"),
+    "lying bullet on the floor": (BULLET.rotated((0, 1, 0), degrees=90), (0.3, 0.1, -6.0), FLOOR, "segment"),
+    "slot against an edge": (SLOT, (0.1, 6.0, 0.2), EDGEWISE.translated((0.3, 4, 0.4)), "segment"),
+    "slot against slot": (SLOT, (6.0, 0.1, 0.2), SLOT.translated((5, 0.2, 0.4)), "segment"),
     "gutter on box": (GUTTER, (6.0, 0.1, 0.2), BOX.translated((4, 0.3, 0.4)), "patch"),
 }  # fmt: skip
 
@@ -65,6 +81,39 @@ def test_nearly_parallel_is_not_parallel(tilt):
     hit = fc.first_contact(tilted.moving(fc.Translation((0.1, 0.2, -6))), FLOOR)
     assert hit.contact_set == "segment" and hit.multiplicity == 2
     assert np.ptp(hit.contact_set.points[:, 0]) < 1e-9 and np.ptp(hit.contact_set.points[:, 1]) == pytest.approx(1)
+
+
+@pytest.mark.parametrize("tilt", ["1/1000000000", "-1/1000000000000"])
+@pytest.mark.parametrize("name", ["floor", "box"])
+def test_a_capsule_nearly_level_touches_in_one_point(name, tilt):
+    """So near its seam that doubles do not tell its side from its end."""
+    tilted = LYING_CAPSULE.transformed([[1, 0, 0, 0], [0, 1, 0, 0], [tilt, 0, 1, 0], [0, 0, 0, 1]])
+    under = FLOOR if name == "floor" else fc.box((6, 6, 2)).translated((0, 0, -4))
+    moving = tilted.moving(fc.Translation((0.1, 0.2, -6)))
+    told, exact = fc.first_contact(moving, under), fc.first_contact(moving, under, exact=True)
+    assert told.contact_set == exact.contact_set == "point" and told.stats.exact_evaluations > 0
+    assert told.time == pytest.approx(exact.time, abs=1e-15) and pairs(told) == pairs(exact)
+    assert np.allclose(told.point, exact.point, atol=1e-9)
+
+
+def test_a_ruling_that_only_touches_a_round_cap_shares_a_point():
+    moving = DRUM.rotated((0, 1, 0), degrees=90).moving(fc.Translation((0, 0, 6)))
+    hit = fc.first_contact(moving, BULLET.translated((Fraction(-2, 7), "1/2", 4)))
+    assert hit.contact_set == "point" and hit.time == pytest.approx(2.5 / 6, abs=1e-15)
+
+
+def test_smooth_ends_beside_each_other_are_left_to_algebra():
+    """Both segments end at one height, so more pairs meet there."""
+    moving = CAPSULE.moving(fc.Translation((6, 0, 0)))
+    hit = fc.first_contact(moving, CAPSULE.translated((4, 0, 0)))
+    assert hit.contact_set == "segment" and hit.stats.exact_evaluations > 0
+    assert pairs(hit) == pairs(fc.first_contact(moving, CAPSULE.translated((4, 0, 0)), exact=True))
+
+
+def test_a_slot_lands_on_its_flat_side():
+    """Its flat faces end at smooth seams, and half of each rim's circle is inside: algebra tells what is shared."""
+    hit = fc.first_contact(SLOT.moving(fc.Translation((0.3, 0.1, -6))), FLOOR)
+    assert hit.time == pytest.approx(2.5 / 6, abs=1e-15) and hit.contact_set == "conic arc" and hit.multiplicity == 6
 
 
 def test_a_lying_drum_rests_on_a_round_plate():

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 from fractions import Fraction as F
 
 import numpy as np
 import pytest
+from flint import fmpq
 
 import firstcontact as fc
 from amount import amount
-from firstcontact.search.advance import advance
+from firstcontact.search.advance import _Search, advance
+from firstcontact.search.convex import convex_pieces
+from firstcontact.search.stretches import windows
 from quadric_vectors import VECTORS, quaternion_matrix
 
 # What the fast path leaves to the exact one, and why.
@@ -114,6 +118,47 @@ def test_a_gap_of_1e_9_is_passed_and_an_overlap_of_1e_9_found():
         post = fc.box((1, 1, 6)).translated((0, 0, shift + 2))
         found = advance(rod.moving(fc.Translation((6, 0, 0))), post, 0, 1, tolerance=1e-6)
         assert found.status == status or (status == "contact" and found.status == "open"), found
+
+
+# -- unions that are convex -----------------------------------------------------------------------------------
+
+BALL = fc.sphere("1/2")
+CAPSULE = fc.cylinder("1/2", "3/2") | BALL.translated((0, 0, "3/4")) | BALL.translated((0, 0, "-3/4"))
+
+
+@pytest.mark.parametrize("body, is_convex", [
+    (CAPSULE, True),
+    (fc.box((2, 1, 1)) | fc.cylinder("1/2", 1).translated((1, 0, 0)), True),
+    (fc.box((1, 1, 1)) | fc.box((1, 1, 1)).translated((1, 0, 0)), True),
+    (fc.box((1, 1, 1)) | fc.box((1, 1, 2)).translated((1, 0, 0)), False),
+    (BALL | BALL.translated((2, 0, 0)), False),
+    (fc.cylinder("1/4", 2) | BALL.translated((0, 0, 1)), False),
+    (CAPSULE | BALL.translated(("1/100", 0, "3/4")), False),
+    (fc.cylinder(1, 2), False),
+])  # fmt: skip
+def test_which_pieces_are_one_convex_body(body, is_convex):
+    """One piece alone needs no union."""
+    assert (convex_pieces(body).union is not None) is is_convex
+
+
+def test_a_union_advances_as_its_pieces_do():
+    rng = np.random.default_rng(7)
+    others = [fc.box((1, 2, "3/2")), fc.cylinder("3/4", 2), CAPSULE]
+    for k in range(amount(60, 5)):
+        other, direction = others[k % 3], rng.normal(size=3)
+        direction /= np.linalg.norm(direction)
+        motion = fc.Translation(6 * direction)
+        if k % 2:
+            point, degrees = rng.uniform(-0.3, 0.3, 3), float(rng.uniform(-90, 90))
+            motion = fc.Screw(direction, point=point, degrees=degrees, advance=6)
+        resting = other.translated((4 * direction + rng.uniform(-0.7, 0.7, 3)).tolist())
+        found = advance(CAPSULE.moving(motion), resting, 0, 1)
+        pieces = [replace(convex_pieces(body), union=None) for body in (CAPSULE, resting)]
+        apart = _Search(*pieces, windows(CAPSULE.moving(motion), resting, fmpq(0), fmpq(1)), 1e-12, 10_000).run()
+        assert found.status == apart.status != "open"
+        if found.status == "contact":
+            (lo, hi), (first, last) = found.time_interval, apart.time_interval
+            assert max(lo, first) <= min(hi, last) and found.steps <= apart.steps
 
 
 # -- random pairs against samples ---------------------------------------------------------------------------

@@ -16,10 +16,10 @@ from flint import fmpq
 from firstcontact.body import primitives
 from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.moving import Moving
-from firstcontact.composite.answer import element, rank
+from firstcontact.composite.answer import rank
 from firstcontact.composite.flat_contacts import Pair, Shared, keeps_directions, shared_set
 from firstcontact.composite.square_subproblems import refuse_untraced
-from firstcontact.composite.touched import Flat, Point, is_parallel, lowest, touched
+from firstcontact.composite.touched import Flat, Point, is_parallel, lowest, named, touched, with_neighbours
 from firstcontact.report import MOST_OTHERS
 from firstcontact.result import ContactSet, Element, ElementPair, FirstContact, Stats, Status
 from firstcontact.search.advance import Advance, advance
@@ -91,20 +91,21 @@ def contact(models: tuple[Any, Any], found: Advance, begin: float, shared: dict[
         return None
     assert found.time_interval is not None and found.point is not None and found.normal is not None
     place, frames = (found.point, found.normal), found.frames
-    element_a, flats_a = on_model(models[0], found.features_a, place, (frames[0], frames[4]), "a")
-    element_b, flats_b = on_model(models[1], found.features_b, place, (frames[1], frames[5]), "b")
+    on_a = _On(models[0], found.features_a, place, (frames[0], frames[4]), "a")
+    on_b = _On(models[1], found.features_b, place, (frames[1], frames[5]), "b")
+    element_a, element_b = on_a.element, on_b.element
     point, multiplicity, shares = found.point, 1, None
     others: tuple[ElementPair, ...] = ()
-    if not (found.spread or may_share_more(flats_a, flats_b)):
-        shares = ContactSet("point", point[None])
-    elif (
-        not found.spread
-        and (flat := _flat_set(models, found, [x for x, _ in flats_a], [x for x, _ in flats_b])) is not None
-    ):
-        shares = ContactSet(flat.kind, flat.points)
-        (first, where), *rest = _named(models, found, flat.pairs)
-        element_a, element_b, point = first.element_a, first.element_b, np.array(where)
-        others, multiplicity = tuple(pair for pair, _ in rest[:MOST_OTHERS]), len(rest) + 1
+    if not found.spread:
+        flats_a = on_a.flats()
+        flats_b = on_b.flats() if flats_a else []
+        if not may_share_more(flats_a, flats_b):
+            shares = ContactSet("point", point[None])
+        elif (flat := _flat_set(models, found, [x for x, _ in flats_a], [x for x, _ in flats_b])) is not None:
+            shares = ContactSet(flat.kind, flat.points)
+            (first, where), *rest = _named(models, found, flat.pairs)
+            element_a, element_b, point = first.element_a, first.element_b, np.array(where)
+            others, multiplicity = tuple(pair for pair, _ in rest[:MOST_OTHERS]), len(rest) + 1
     return FirstContact(
         Status.CONTACT, found.time, found.time_interval, None, point, found.normal, element_a, element_b,
         others, multiplicity, shares, free_until=found.time_interval[0],
@@ -123,12 +124,15 @@ def _flat_set(models: tuple[Any, Any], found: Advance, flats_a: list[Flat], flat
 def _named(models: tuple[Any, Any], found: Advance, pairs: list[Pair]) -> list[tuple[ElementPair, Point]]:
     """Each pair of elements once, with where it meets, lowest first; for bodies that only shift."""
     (model_a, model_b), (shift_a, shift_b) = _wholes(models), _shifts(found)
-    seen: dict[ElementPair, Point] = {}
+    seen: dict[tuple[int, ...], tuple[ElementPair, Point]] = {}
     for x, y, where in pairs:
-        in_a = np.subtract(where, shift_a) if model_a.source else None
-        in_b = np.subtract(where, shift_b) if model_b.source else None
-        seen.setdefault(ElementPair(element(model_a, x, "a", in_a), element(model_b, y, "b", in_b)), where)
-    return sorted(seen.items(), key=lambda item: (*rank(item[0].element_a), *rank(item[0].element_b)))
+        in_a = where if model_a.source is None else tuple(np.subtract(where, shift_a).tolist())
+        in_b = where if model_b.source is None else tuple(np.subtract(where, shift_b).tolist())
+        element_a, element_b = named(model_a, x, "a", in_a), named(model_b, y, "b", in_b)
+        ranks = *rank(element_a), *rank(element_b)
+        if ranks not in seen:
+            seen[ranks] = ElementPair(element_a, element_b), where
+    return [seen[ranks] for ranks in sorted(seen)]
 
 
 def _wholes(models: tuple[Any, Any]) -> tuple[CompositeQuadric, CompositeQuadric]:
@@ -158,23 +162,44 @@ def on_model(
 
     place: its point and normal, world frame; frame: pose (R by rows, T) of the body then, and R^-1.
     """
-    model: Any = body.body if isinstance(body, Moving) else body
-    pose, inverse = frame
-    (x, y, z), (p, q, r) = place[0].tolist(), place[1].tolist()
-    x, y, z = x - pose[9], y - pose[10], z - pose[11]
-    where = (
-        inverse[0] * x + inverse[1] * y + inverse[2] * z,
-        inverse[3] * x + inverse[4] * y + inverse[5] * z,
-        inverse[6] * x + inverse[7] * y + inverse[8] * z,
-    )
-    n = (
-        pose[0] * p + pose[3] * q + pose[6] * r,
-        pose[1] * p + pose[4] * q + pose[7] * r,
-        pose[2] * p + pose[5] * q + pose[8] * r,
-    )
-    known = [touched(model, kind, index) for kind, index in features]
-    flats = [(flat, _turned(pose, flat.direction)) for feature in known for flat in feature.flats(where, n)]
-    return lowest(known, which, where), flats
+    there = _On(body, features, place, frame, which)
+    return there.element, there.flats()
+
+
+class _On:
+    """A body at a contact: arguments as for `on_model`.
+
+    element: the lowest of the touched features.
+    """
+
+    def __init__(
+        self, body: Any, features: tuple[tuple[str, int], ...], place: tuple[np.ndarray, np.ndarray],
+        frame: tuple[list[float], list[float]], which: str,
+    ) -> None:
+        self.model: Any = body.body if isinstance(body, Moving) else body
+        self.pose, inverse = frame
+        self.normal = place[1]
+        x, y, z = place[0].tolist()
+        x, y, z = x - self.pose[9], y - self.pose[10], z - self.pose[11]
+        self.where = (
+            inverse[0] * x + inverse[1] * y + inverse[2] * z,
+            inverse[3] * x + inverse[4] * y + inverse[5] * z,
+            inverse[6] * x + inverse[7] * y + inverse[8] * z,
+        )
+        self.known = [touched(self.model, kind, index) for kind, index in features]
+        self.element = lowest(self.known, which, self.where)
+
+    def flats(self) -> list[tuple[Flat, Point | None]]:
+        """What is flat around the contact, with its direction in the world, None of a plane."""
+        pose = self.pose
+        p, q, r = self.normal.tolist()
+        n = (
+            pose[0] * p + pose[3] * q + pose[6] * r,
+            pose[1] * p + pose[4] * q + pose[7] * r,
+            pose[2] * p + pose[5] * q + pose[8] * r,
+        )
+        around = with_neighbours(self.known, self.where)
+        return [(flat, _turned(pose, flat.direction)) for feature in around for flat in feature.flats(self.where, n)]
 
 
 def _turned(pose: list[float], d: Point | None) -> Point | None:

@@ -78,6 +78,10 @@ class Trim:
                 coefficients = direction @ form @ direction, 2 * origin @ form @ direction, origin @ form @ origin
                 if not np.any(coefficients[:2]):
                     continue
+                a, b, c = coefficients
+                if a and abs(b * b - 4 * a * c) <= 1e-13 * (b * b + abs(4 * a * c)):  # double, as rounding hides
+                    yield -b / (2 * a)
+                    continue
                 yield from (s.real for s in np.roots(coefficients) if abs(s.imag) < 1e-9 * (1 + abs(s)))
 
     def inside(self, points: np.ndarray) -> np.ndarray:

@@ -8,23 +8,25 @@ where every point they judge is clear of all surfaces but its own; all else is l
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import combinations
 from typing import Any
 
 import numpy as np
 from flint import fmpq_mat
 
-from firstcontact.body.carriers import Conic, Line, Plane, QuarticCurve, Vector, cross, dot
+from firstcontact.body.carriers import Conic, Line, Plane, QuarticCurve, cross, dot
 from firstcontact.body.composite_quadric import CompositeQuadric
-from firstcontact.body.csg import And, Leaf, Tree
+from firstcontact.body.csg import Leaf, Not, Or, Tree, inside
 from firstcontact.body.features import Edge, Face, Vertex
 from firstcontact.body.moving import Moving
 from firstcontact.composite.contact_sets import SAMPLES, runs
-from firstcontact.composite.touched import Flat, Point
+from firstcontact.composite.touched import Flat, Point, coprime
 from firstcontact.motion.sequence import Sequence
 from firstcontact.motion.translation import Translation
+from firstcontact.search.convex import NotConvex, convex_pieces
 
 CLEAR = 1e-7
 """Of the size of its terms: a form smaller than that may vanish in truth."""
@@ -85,36 +87,32 @@ def _parallel(a: list[Flat], b: list[Flat]) -> tuple[Flat, Flat] | None:
     Planes count before the lines in them.
     """
     planes_a, planes_b = ([f for f in side if f.direction is None] for side in (a, b))
-    found = [(x, y) for x in planes_a or a for y in planes_b or b]
-    parallel = [pair for pair in found if _is_parallel(*pair)]
+    parallel = [(x, y) for x in planes_a or a for y in planes_b or b if _is_parallel(x, y)]
     return parallel[0] if len(parallel) == 1 else None
 
 
 def _is_parallel(x: Flat, y: Flat) -> bool:
-    if x.direction is None and y.direction is None:
-        return x.exact is not None and y.exact is not None and not any(cross(x.exact, y.exact))
-    if x.direction is None or y.direction is None:
-        plane, line = (x, y) if x.direction is None else (y, x)
-        if plane.exact is None:
-            return False
-        return dot(plane.exact, _tangent(line, plane) if line.exact is None else line.exact) == 0
-    if x.exact is None or y.exact is None:
+    if (x.direction is None) == (y.direction is None):
+        return x.exact is not None and x.exact == y.exact
+    plane, line = (x, y) if x.direction is None else (y, x)
+    if plane.exact is None:
         return False
-    return not any(cross(x.exact, y.exact))
+    return dot(plane.exact, _tangent(line, plane) if line.exact is None else line.exact) == 0
 
 
-def _tangent(cone: Flat, plane: Flat) -> Vector:
+def _tangent(cone: Flat, plane: Flat) -> tuple[int, ...]:
     """The direction of the cone's ruling that planes parallel to this one touch, if they touch any."""
     if plane.exact is None or plane.direction is not None or not isinstance(cone.feature, Face):
         raise _Unclear
     form = cone.feature.carrier.matrix()
     normal = fmpq_mat([[x] for x in plane.exact])
-    return tuple(row[0] for row in fmpq_mat([list(row[:3]) for row in form[:3]]).solve(normal).tolist())
+    return coprime(row[0] for row in fmpq_mat([list(row[:3]) for row in form[:3]]).solve(normal).tolist())
 
 
-def _unit(exact: Vector) -> Point:
-    size = max(abs(x) for x in exact)
-    x, y, z = (float((v / size).p) / float((v / size).q) for v in exact)
+@lru_cache(maxsize=256)
+def _unit(exact: tuple[int, ...]) -> Point:
+    size = max(map(abs, exact))
+    x, y, z = (v / size for v in exact)
     length = math.sqrt(x * x + y * y + z * z)
     return x / length, y / length, z / length
 
@@ -122,12 +120,101 @@ def _unit(exact: Vector) -> Point:
 # -- a model in doubles ---------------------------------------------------------------------------------------
 
 
+Form = tuple[float, ...]
+"""xx, yy, zz, 2 xy, 2 xz, 2 yz, 2 x, 2 y, 2 z, 1 of a surface, negative inside."""
+End = tuple[float, int]
+"""Where a line passes a surface, and the number of that."""
+
+
+@dataclass(frozen=True)
+class _Shape:
+    """A convex model: the forms of its surfaces, and the pieces, in which all forms of these numbers are negative.
+
+    plans: the pieces that lines of a direction in a feature's surfaces may pass through, each as the other surfaces:
+    (number, slope of the form along the line, None of one that is no plane).
+    """
+
+    model: CompositeQuadric
+    forms: list[Form]
+    pieces: list[frozenset[int]]
+    plans: dict[tuple[Feature, Point], list[list[tuple[int, float | None]]]]
+
+    def plan(self, feature: Feature, d: Point) -> list[list[tuple[int, float | None]]]:
+        known = self.plans.get((feature, d))
+        if known is None:
+            tangent, on = _tangent_surfaces(self.model, feature), set(feature.surfaces)
+            known = self.plans[feature, d] = [
+                [(k, self._slope(k, d)) for k in sorted(piece - on)] for piece in self.pieces if not piece & tangent
+            ]
+        return known
+
+    def _slope(self, k: int, d: Point) -> float | None:
+        form = self.forms[k]
+        if any(form[:6]):
+            return None
+        slope = form[6] * d[0] + form[7] * d[1] + form[8] * d[2]
+        return slope if abs(slope) > 1e-13 * max(map(abs, form[6:9])) else 0.0
+
+
+def _shape(model: CompositeQuadric) -> _Shape:
+    known = model._search.get("shape")
+    if known is None:
+        forms = [_form(m) for m in model._forms_f.tolist()]
+        known = model._search["shape"] = _Shape(model, forms, _pieces(model.tree) if _is_convex(model) else [], {})
+    if not known.pieces:
+        raise _Unclear
+    return known
+
+
+def _is_convex(model: CompositeQuadric) -> bool:
+    """Convex models have one piece, or one union of all."""
+    if len(_pieces(model.tree)) == 1:
+        return True
+    try:
+        return convex_pieces(model).union is not None
+    except NotConvex:
+        return False
+
+
+def _pieces(tree: Tree) -> list[frozenset[int]]:
+    """The tree as a union of intersections of its leaves; none where it takes complements."""
+    if isinstance(tree, Leaf):
+        return [frozenset([tree.surface])]
+    if isinstance(tree, Not):
+        return []
+    first, second = _pieces(tree.first), _pieces(tree.second)
+    if not (first and second):
+        return []
+    return first + second if isinstance(tree, Or) else [x | y for x in first for y in second]
+
+
+def _tangent_surfaces(model: CompositeQuadric, feature: Feature) -> frozenset[int]:
+    """Surfaces that a line in the face does not pass through, since they join it smoothly.
+
+    Two quadrics tangent along a conic have a member of rank 1 in their pencil: on either the other one's form is a
+    multiple of the square of a plane's.
+    """
+    if not isinstance(feature, Face):
+        return frozenset()
+    return frozenset(
+        face.surfaces[0]
+        for seam in model.seams if isinstance(seam.carrier, Conic) and seam.frame.shape[1] == 3
+        for face in _joined(model, seam, feature) if not _is_plane(face)
+    )  # fmt: skip
+
+
+def _joined(model: CompositeQuadric, seam: Edge, face: Face) -> list[Face]:
+    """The other faces at a seam of the face."""
+    return [model.faces[k] for k in seam.faces if k != face.index] if face.index in seam.faces else []
+
+
 class _Body:
     """A convex model, shifted."""
 
     def __init__(self, model: CompositeQuadric, shift: Point) -> None:
         self.model, self.shift = model, shift
-        self.forms = _forms(model)
+        self.shape = _shape(model)
+        self.forms = self.shape.forms
 
     def local(self, p: Point) -> Point:
         s = self.shift
@@ -139,40 +226,86 @@ class _Body:
 
     def holds(self, p: Point, on: frozenset[int]) -> bool:
         """Whether a world point is in the model, given the surfaces that hold it.  Raises _Unclear near others."""
-        x, y, z = self.local(p)
-        for k, form in enumerate(self.forms):
-            if k in on:
-                continue
-            value, size = _value(form, x, y, z)
-            if abs(value) <= CLEAR * size:
-                raise _Unclear
-            if value > 0.0:
+        local = self.local(p)
+        judged = [self._in_piece(piece, local, on) for piece in self.shape.pieces]
+        if True in judged:
+            return True
+        if None in judged:
+            raise _Unclear
+        return False
+
+    def _in_piece(self, piece: frozenset[int], p: Point, on: frozenset[int]) -> bool | None:
+        inside: bool | None = True
+        for k in piece - on:
+            value, size = _value(self.forms[k], *p)
+            if value > CLEAR * size:
                 return False
-        return True
+            if value >= -CLEAR * size:
+                inside = None
+        return inside
+
+    def stretch(self, where: Point, d: Point, feature: Feature) -> tuple[End, End] | None:
+        """Where a line in the feature's surfaces, through a world point along d, enters the model and leaves it."""
+        p, near = self.local(where), CLEAR * (1.0 + max(map(abs, where)))
+        found = []
+        for plan in self.shape.plan(feature, d):
+            ends = self._passed(plan, p, d, near)
+            if ends is not None:
+                found.append(ends)
+        if len(found) < 2:
+            return found[0] if found else None
+        return _last([lo for lo, _ in found], -1.0, near), _last([hi for _, hi in found], 1.0, near)
+
+    def _passed(
+        self, plan: list[tuple[int, float | None]], p: Point, d: Point, near: float
+    ) -> tuple[End, End] | None:
+        """The same for one piece, in the frame of the body."""
+        entries: list[End] = []
+        exits: list[End] = []
+        x, y, z = p
+        for k, slope in plan:
+            form = self.forms[k]
+            if slope is None:
+                roots = _roots(form, p, d)
+                if not roots and _value(form, x, y, z)[0] > 0.0:
+                    return None
+                if len(roots) == 2 and roots[0][1]:  # outside between them: another nappe, or p is there
+                    if len(self.shape.pieces) > 1 or roots[0][0] < -near and roots[1][0] > near:
+                        raise _Unclear
+                    roots = roots[1:] if roots[1][0] <= near else roots[:1]
+                for s, leaves in roots:
+                    (exits if leaves else entries).append((s, k))
+                continue
+            u, v, w, c = form[6] * x, form[7] * y, form[8] * z, form[9]
+            value = u + v + w + c
+            if slope:
+                (exits if slope > 0.0 else entries).append((-value / slope, k))
+            else:
+                size = CLEAR * (abs(u) + abs(v) + abs(w) + abs(c))
+                if value > size:
+                    return None
+                if value >= -size:
+                    raise _Unclear
+        lo, hi = _last(entries, 1.0, near), _last(exits, -1.0, near)
+        return (lo, hi) if hi[0] - lo[0] > near else None
 
 
-Form = tuple[float, ...]
-
-
-def _forms(model: CompositeQuadric) -> list[Form]:
-    """xx, yy, zz, 2 xy, 2 xz, 2 yz, 2 x, 2 y, 2 z, 1 of every surface, negative inside.  Convex models only."""
-    known = model._search.get("half-spaces")
-    if known is None:
-        known = [_form(m) for m in model._forms_f.tolist()] if _is_meet(model.tree) else []
-        model._search["half-spaces"] = known
-    if not known:
+def _last(ends: list[End], way: float, near: float) -> End:
+    """The last of the ends (way 1), or the first (-1).  Raises _Unclear where another one is near it."""
+    best, other = (-way * math.inf, -1), -way * math.inf
+    for end in ends:
+        if way * end[0] > way * best[0]:
+            best, other = end, best[0]
+        elif way * end[0] > way * other:
+            other = end[0]
+    if abs(best[0] - other) <= near:
         raise _Unclear
-    return known
+    return best
 
 
 def _form(m: list[list[float]]) -> Form:
     twice = [2.0 * x for x in (m[0][1], m[0][2], m[1][2], m[0][3], m[1][3], m[2][3])]
     return (m[0][0], m[1][1], m[2][2], *twice, m[3][3])
-
-
-def _is_meet(tree: Tree) -> bool:
-    """Whether the solid is where all its forms are negative."""
-    return _is_meet(tree.first) and _is_meet(tree.second) if isinstance(tree, And) else isinstance(tree, Leaf)
 
 
 def _value(f: Form, x: float, y: float, z: float) -> tuple[float, float]:
@@ -184,8 +317,11 @@ def _value(f: Form, x: float, y: float, z: float) -> tuple[float, float]:
     return a + b + c + d + e + g + p + q + r + f[9], size
 
 
-def _roots(f: Form, o: Point, d: Point) -> list[float]:
-    """The s at which o + s d crosses the surface; both ends of what a tangent line shares would be unclear."""
+def _roots(f: Form, o: Point, d: Point) -> list[tuple[float, bool]]:
+    """The s at which o + s d crosses the surface, ascending, and whether it leaves the inside there.
+
+    Both ends of what a tangent line shares would be unclear.
+    """
     value, size = _value(f, *o)
     x, y, z = d
     a = f[0] * x * x + f[1] * y * y + f[2] * z * z + f[3] * x * y + f[4] * x * z + f[5] * y * z
@@ -197,7 +333,7 @@ def _roots(f: Form, o: Point, d: Point) -> list[float]:
     largest = max(map(abs, f[:9]))
     if abs(a) <= 1e-13 * largest:
         if abs(b) > 1e-13 * (largest + size):
-            return [-value / b]
+            return [(-value / b, b > 0.0)]
         if abs(value) <= CLEAR * size:
             raise _Unclear
         return []
@@ -207,44 +343,36 @@ def _roots(f: Form, o: Point, d: Point) -> list[float]:
     if square < 0.0:
         return []
     q = -0.5 * (b + math.copysign(math.sqrt(square), b))
-    return [q / a, value / q] if q else [0.0]
+    r, s = q / a, value / q
+    return [(min(r, s), a < 0.0), (max(r, s), a > 0.0)]
 
 
 # -- lines ----------------------------------------------------------------------------------------------------
 
 
-def _on(flat: Flat) -> frozenset[int]:
-    return frozenset(flat.feature.surfaces)
-
-
 def _in_line(bodies: tuple[_Body, _Body], flats: tuple[Flat, Flat], where: Point, d: Point) -> Shared | None:
     """The segment of the line through the touched point that both bodies hold."""
-    on = _on(flats[0]), _on(flats[1])
-    breaks = [
-        (s, side, k)
-        for side, body in enumerate(bodies)
-        for k, form in enumerate(body.forms) if k not in on[side]
-        for s in _roots(form, body.local(where), d)
-    ]  # fmt: skip
-    breaks.sort()
-    size = 1.0 + max(map(abs, where))
-    inside = []
-    for lo, hi in zip(breaks, breaks[1:], strict=False):
-        if hi[0] - lo[0] <= CLEAR * size:
-            continue
-        middle = _along(where, 0.5 * (lo[0] + hi[0]), d)
-        if bodies[0].holds(middle, on[0]) and bodies[1].holds(middle, on[1]):
-            inside.append((lo, hi))
-    if len(inside) != 1 or not inside[0][0][0] - CLEAR * size <= 0.0 <= inside[0][1][0] + CLEAR * size:
-        return None
-    lo, hi = inside[0]
-    if any(abs(other[0] - end[0]) <= CLEAR * size for end in (lo, hi) for other in breaks if other is not end):
-        return None
-    ends = [_along(where, lo[0], d), _along(where, hi[0], d)]
-    pairs = [*_end_pairs(bodies, flats, ends[0], *lo[1:]), *_end_pairs(bodies, flats, ends[1], *hi[1:])]
     x, y = flats[0].feature, flats[1].feature
-    if all(isinstance(f, Face) and not _is_plane(f) for f in (x, y)):
-        pairs.append((x, y, _along(where, 0.5 * (lo[0] + hi[0]), d)))
+    in_a, in_b = bodies[0].stretch(where, d, x), bodies[1].stretch(where, d, y)
+    if in_a is None or in_b is None:
+        return None
+    near = CLEAR * (1.0 + max(map(abs, where)))
+    (lo_a, hi_a), (lo_b, hi_b) = in_a, in_b
+    if abs(lo_a[0] - lo_b[0]) <= near or abs(hi_a[0] - hi_b[0]) <= near:
+        return None
+    side_lo, lo = (0, lo_a) if lo_a[0] > lo_b[0] else (1, lo_b)
+    side_hi, hi = (0, hi_a) if hi_a[0] < hi_b[0] else (1, hi_b)
+    if hi[0] - lo[0] <= near or lo[0] > near or hi[0] < -near:
+        return None
+    middle = _along(where, 0.5 * (lo[0] + hi[0]), d)
+    # a line that only touches a surface seems to pass it where rounding puts it a little deeper
+    if not all(body.holds(middle, frozenset(f.feature.surfaces)) for body, f in zip(bodies, flats, strict=True)):
+        return None
+    ends = _along(where, lo[0], d), _along(where, hi[0], d)
+    pairs = _end_pairs(bodies, flats, ends[0], side_lo, lo[1])
+    pairs += _end_pairs(bodies, flats, ends[1], side_hi, hi[1])
+    if isinstance(x, Face) and isinstance(y, Face) and not (_is_plane(x) or _is_plane(y)):
+        pairs.append((x, y, middle))
     return Shared("segment", np.array(ends), pairs)
 
 
@@ -258,35 +386,52 @@ def _along(p: Point, s: float, d: Point) -> Point:
 
 def _end_pairs(
     bodies: tuple[_Body, _Body], flats: tuple[Flat, Flat], end: Point, side: int, surface: int
-) -> Iterator[Pair]:
+) -> list[Pair]:
     """The pairs that meet at an end of the segment, where the flat of one side ends at one more of its surfaces."""
     mine, other = flats[side].feature, flats[1 - side].feature
-    model = bodies[side].model
     corner = _boundary(bodies[side], mine, surface, end)
+    if not (isinstance(corner, Vertex) and isinstance(other, Edge)):
+        return [(corner, other, end) if side == 0 else (other, corner, end)]
     found: list[tuple[Feature, Feature]]
-    if isinstance(corner, Vertex) and isinstance(other, Edge):
-        found = [(corner, bodies[1 - side].model.faces[k]) for k in other.faces]
-        beside = [e for e in model.edges if set(e.surfaces) <= set(corner.surfaces) and e is not mine]
-        found += [(e, other) for e in beside]
-    else:
-        found = [(corner, other)]
-    for x, y in found:
-        yield (x, y, end) if side == 0 else (y, x, end)
+    found = [(corner, bodies[1 - side].model.faces[k]) for k in other.faces]
+    beside = [e for e in bodies[side].model.edges if set(e.surfaces) <= set(corner.surfaces) and e is not mine]
+    found += [(e, other) for e in beside]
+    return [(x, y, end) if side == 0 else (y, x, end) for x, y in found]
 
 
-def _boundary(body: _Body, feature: Feature, surface: int, end: Point) -> Edge | Vertex:
-    """The edge or vertex where a flat feature ends at that surface."""
-    around = {*feature.surfaces, surface}
+def _boundary(body: _Body, feature: Feature, surface: int, end: Point) -> Feature:
+    """The edge or vertex where a flat feature ends at that surface; the face that goes on where it ends smoothly."""
+    faces, vertices, edges = _at_surface(body.model, feature, surface)
+    if faces:
+        return faces[0]
     near = CLEAR * (1.0 + max(map(abs, end)))
-    x = body.local(end)
-    at_surface = [v for v in body.model.vertices if around <= set(v.surfaces)]
-    vertices = [v for v in at_surface if max(map(abs, _minus(v.position, x))) < near]
-    edges = [e for e in body.model.edges if around == set(e.surfaces) and not isinstance(e.carrier, QuarticCurve)]
-    if len(vertices) == 1 and (isinstance(feature, Edge) or not edges):
-        return vertices[0]
-    if vertices or len(edges) != 1 or isinstance(feature, Edge):
+    x, y, z = body.local(end)
+    at_end = [
+        v for v in vertices
+        if abs(v.position[0] - x) < near and abs(v.position[1] - y) < near and abs(v.position[2] - z) < near
+    ]  # fmt: skip
+    if len(at_end) == 1 and (isinstance(feature, Edge) or not edges):
+        return at_end[0]
+    if at_end or len(edges) != 1 or isinstance(feature, Edge):
         raise _Unclear
     return edges[0]
+
+
+def _at_surface(
+    model: CompositeQuadric, feature: Feature, surface: int
+) -> tuple[list[Face], list[Vertex], list[Edge]]:
+    """The faces that join a face smoothly along a curve in the surface; the vertices and edges of the feature there."""
+    known = model._search.setdefault("at surfaces", {})
+    found = known.get((feature, surface))
+    if found is None:
+        around = {*feature.surfaces, surface}
+        seams = [s for s in model.seams if around <= set(s.surfaces)]
+        found = known[feature, surface] = (
+            [f for s in seams for f in _joined(model, s, feature)] if isinstance(feature, Face) else [],
+            [v for v in model.vertices if around <= set(v.surfaces)],
+            [e for e in model.edges if around == set(e.surfaces) and not isinstance(e.carrier, QuarticCurve)],
+        )
+    return found
 
 
 # -- planes ---------------------------------------------------------------------------------------------------
@@ -297,18 +442,16 @@ def _in_plane(bodies: tuple[_Body, _Body], x: Feature, y: Feature) -> Shared | N
     assert isinstance(x, Face) and isinstance(y, Face) and isinstance(x.carrier, Plane)
     (a, b), on = bodies, (frozenset(x.surfaces), frozenset(y.surfaces))
     own, others = _outline(a, x), _outline(b, y)
-    sizes = [abs(c) for c in x.carrier.normal[:3]]
-    flat = sizes.index(max(sizes))
-    i, j = (flat + 1) % 3, (flat + 2) % 3
-    pairs: list[Pair] = [(v, y, p) for v, p in own.corners if b.holds(p, on[1])]
-    pairs += [(x, v, p) for v, p in others.corners if a.holds(p, on[0])]
+    i, j = own.axes
+    pairs: list[Pair] = [(v, y, p) for v, p in own.corners if _is_in(b, others, p, on[1])]
+    pairs += [(x, v, p) for v, p in others.corners if _is_in(a, own, p, on[0])]
     for e, p, q in own.sides:
         for f, r, s in others.sides:
             share = _crossing(p[i], p[j], q[i], q[j], r[i], r[j], s[i], s[j])
             if share is not None:
                 pairs.append((e, f, _between(p, q, share)))
         pairs += [(e, f, r) for f in others.rims for r in _through(b, f, on[1], p, q)]
-    for f, p, q in others.sides:
+    for f, p, q in others.sides if own.rims else ():
         pairs += [(e, f, r) for e in own.rims for r in _through(a, e, on[0], p, q)]
     arcs: list[tuple[Feature, Feature, np.ndarray]]
     arcs = [(x, f, run) for f in others.rims for run in _arcs(b, f, a, on[0])]
@@ -318,6 +461,22 @@ def _in_plane(bodies: tuple[_Body, _Body], x: Feature, y: Feature) -> Shared | N
         return Shared("conic arc", arcs[0][2], pairs)
     points = [p for _, _, p in pairs]
     return Shared("patch", np.array(points), pairs) if _spread(points) else None
+
+
+def _is_in(body: _Body, outline: _Outline, p: Point, on: frozenset[int]) -> bool:
+    """Whether the face of the outline holds a world point of its plane."""
+    if not outline.lines:
+        return body.holds(p, on)
+    u, v = p[outline.axes[0]], p[outline.axes[1]]
+    near, inside = CLEAR * (1.0 + abs(u) + abs(v)), True
+    for a, b, c in outline.lines:
+        height = a * u + b * v + c
+        if height > near:
+            return False
+        inside = inside and height < -near
+    if not inside:
+        raise _Unclear
+    return True
 
 
 def _spread(points: list[Point]) -> bool:
@@ -337,31 +496,46 @@ def _between(p: Point, q: Point, share: float) -> Point:
     return _along(p, share, _minus(q, p))
 
 
-@dataclass(frozen=True)
+@dataclass(slots=True)
 class _Outline:
-    """The boundary of a plane face: corners with their points, straight sides with both ends, round rims."""
+    """The boundary of a plane face: corners with their points, straight sides with both ends, round rims.
+
+    axes: coordinates that tell its points apart; lines: of a face without rims its sides as a u + b v + c, a and b of
+    a unit vector, negative inside.
+    """
 
     corners: list[tuple[Vertex, Point]]
     sides: list[tuple[Edge, Point, Point]]
     rims: list[Edge]
+    axes: tuple[int, int] = (0, 1)
+    lines: Iterable[tuple[float, float, float]] = ()
 
 
 def _outline(body: _Body, face: Face) -> _Outline:
     """In the world; its local form is kept on the model."""
     known = body.model._search.setdefault("outlines", {})
-    outline = known.get(face.index)
+    outline = known.get(face)
     if outline is None:
-        outline = known[face.index] = _local_outline(body.model, face)
-    world = body.world
+        outline = known[face] = _local_outline(body.model, face)
+    x, y, z = shift = body.shift
+    if not (x or y or z):
+        return outline
+    moved = {v: (p[0] + x, p[1] + y, p[2] + z) for v, p in outline.corners}
+    ends = {p: moved[v] for v, p in outline.corners}
+    u, v = shift[outline.axes[0]], shift[outline.axes[1]]
     return _Outline(
-        [(v, world(p)) for v, p in outline.corners], [(e, world(p), world(q)) for e, p, q in outline.sides],
-        outline.rims,
+        list(moved.items()), [(e, ends[p], ends[q]) for e, p, q in outline.sides], outline.rims, outline.axes,
+        [(a, b, c - a * u - b * v) for a, b, c in outline.lines],
     )  # fmt: skip
 
 
 def _local_outline(model: CompositeQuadric, face: Face) -> _Outline:
     (surface,) = face.surfaces
-    outline, vertices = _Outline([], [], []), model.vertices
+    sizes = [abs(c) for c in face.carrier.normal[:3]]  # type: ignore[union-attr]
+    flat = sizes.index(max(sizes))
+    outline, vertices = _Outline([], [], [], ((flat + 1) % 3, (flat + 2) % 3)), model.vertices
+    if any(face.index in seam.faces for seam in model.seams):
+        raise _Unclear
     corners: dict[int, tuple[Vertex, Point]] = {}
     for edge in model.edges:
         if surface not in edge.surfaces:
@@ -369,6 +543,8 @@ def _local_outline(model: CompositeQuadric, face: Face) -> _Outline:
         ends = {k for piece in edge.pieces for k in (piece.start, piece.end) if k is not None}
         corners |= {k: (vertices[k], vertices[k].position) for k in ends}
         if isinstance(edge.carrier, Conic) and edge.frame.shape[1] == 3 and not edge.frame[3, 1:].any():
+            if ends and len(_shape(model).pieces) > 1:  # other pieces may hold the rest of the curve
+                raise _Unclear
             outline.rims.append(edge)
         elif isinstance(edge.carrier, Line) and len(edge.pieces) == 1 and len(ends) == 2:
             start, end = edge.pieces[0].start, edge.pieces[0].end
@@ -377,7 +553,19 @@ def _local_outline(model: CompositeQuadric, face: Face) -> _Outline:
         else:
             raise _Unclear
     outline.corners.extend(corners.values())
+    if not outline.rims:
+        outline.lines = [_side_line(p, q, outline) for _, p, q in outline.sides]
     return outline
+
+
+def _side_line(p: Point, q: Point, outline: _Outline) -> tuple[float, float, float]:
+    i, j = outline.axes
+    a, b = p[j] - q[j], q[i] - p[i]
+    length = math.hypot(a, b)
+    a, b = a / length, b / length
+    c = -(a * p[i] + b * p[j])
+    inside = sum(a * r[i] + b * r[j] + c for _, r in outline.corners)
+    return (a, b, c) if inside < 0.0 else (-a, -b, -c)
 
 
 def _crossing(
@@ -403,7 +591,7 @@ def _through(body: _Body, rim: Edge, on: frozenset[int], p: Point, q: Point) -> 
     (surface,) = set(rim.surfaces) - on
     d = _minus(q, p)
     found = []
-    for s in _roots(body.forms[surface], body.local(p), d):
+    for s, _ in _roots(body.forms[surface], body.local(p), d):
         if min(abs(s), abs(1.0 - s)) <= CLEAR:
             raise _Unclear
         point = _along(p, s, d)
@@ -420,7 +608,5 @@ def _arcs(body: _Body, rim: Edge, other: _Body, on: frozenset[int]) -> list[np.n
     for piece in rim.pieces:
         good |= (angles - piece.lo) % (2.0 * np.pi) <= piece.hi - piece.lo
     x, y, z = (points - other.shift).T
-    for k, form in enumerate(other.forms):
-        if k not in on:
-            good &= _value(form, x, y, z)[0] < 0.0  # type: ignore[arg-type]
-    return [points[run] for run in runs(good)]
+    below = [k in on or _value(form, x, y, z)[0] < 0.0 for k, form in enumerate(other.forms)]  # type: ignore[arg-type]
+    return [points[run] for run in runs(good & inside(other.model.tree, below))]

@@ -15,6 +15,7 @@ import numpy as np
 from flint import arb
 
 from firstcontact.body.carriers import Conic, Line, Plane
+from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.features import Edge, Face, Vertex
 from firstcontact.composite.algorithm import Meeting, Root
 from firstcontact.composite.contact_sets import Shared, Trim, scaled, shared_part
@@ -74,7 +75,9 @@ class _Touching:
         self.pair, self.root, self.field = pair, root, NumberField(root)
         self.meetings = meetings
         tasks = [m.candidate.subproblem for m in meetings]
-        self.surfaces = {pair_ for t in tasks for pair_ in product(t.a.surfaces, t.b.surfaces)}
+        self.surfaces = {
+            pair_ for t in tasks for pair_ in product(_with_seams(pair.a, t.a), _with_seams(pair.b, t.b))
+        }
         self.edges = {(side, e.index): e for t in tasks for side, e in _edges(pair, t.a, t.b)}
 
     # -- planes -----------------------------------------------------------------------------------------------
@@ -153,6 +156,13 @@ class _Touching:
                     columns(self.field.matrix(self.pair.basis(carrier, moving))),
                     self.field.matrix(constant(carrier.form)),
                 )
+
+
+def _with_seams(body: CompositeQuadric, feature: Feature) -> set[int]:
+    """The surfaces of a feature, and those that join a face smoothly: no edge tells of them where they touch."""
+    if not isinstance(feature, Face):
+        return set(feature.surfaces)
+    return {s for seam in body.seams if feature.index in seam.faces for s in seam.surfaces} | set(feature.surfaces)
 
 
 def _edges(pair: Pair, a: Feature, b: Feature) -> Iterator[tuple[bool, Edge]]:

@@ -6,14 +6,15 @@ arrays of three numbers cost more than the arithmetic on them.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import sqrt
 from typing import Any
 
 import numpy as np
-from flint import fmpq_mat
+from flint import fmpq, fmpq_mat
 
-from firstcontact.body.carriers import Line, Plane, Rows, Vector, doubles, null_space, times
+from firstcontact.body.carriers import Line, Plane, Rows, doubles, null_space, times, upright
 from firstcontact.body.carriers import Point as RationalPoint
 from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.features import Edge, Face, Vertex
@@ -25,6 +26,9 @@ ACROSS = 1e-6
 """Sine of the angle below which directions count as parallel: what is flat there may be shared in more than a point,
 which exact arithmetic then decides."""
 
+BESIDE = 1e-10
+"""Of the size of its terms: where a form is smaller than that, its surface counts as touched too."""
+
 Point = tuple[float, float, float]
 
 
@@ -33,12 +37,13 @@ class Flat:
     """A plane face, or a line in a body's surface: an edge, or the ruling of a cone or cylinder through the contact.
 
     direction   of the line, any length, in the body's frame; None of a plane.
-    exact       the same as rationals; the outward normal of a plane; None where there is no rational one.
+    exact       the same, or the normal of a plane, as coprime integers: alike for all that are parallel; None where
+                there is no rational one.
     """
 
     feature: Face | Edge
     direction: Point | None
-    exact: Vector | None
+    exact: tuple[int, ...] | None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,8 +64,6 @@ class _Side:
 
     def flat_at(self, x: float, y: float, z: float, n: Point) -> Flat | None:
         """What is flat through the point, where the face is across the normal n there."""
-        if self.flat is None and self.apex is None:
-            return None
         if self.inverse is not None:  # every ruling is here: the one across n has n for its gradient
             first, second, third = self.inverse
             d = _dot(first, n), _dot(second, n), _dot(third, n)
@@ -81,21 +84,12 @@ class _Side:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Touched:
-    """A feature with the faces and straight edges around it; `elements`: how it is called, by the body's place."""
+    """A feature with what may be flat around it: faces with lines or planes in them, and straight edges."""
 
     model: CompositeQuadric
     feature: Face | Edge | Vertex
     sides: tuple[_Side, ...]
     lines: tuple[Flat, ...]
-    elements: dict[str, Element]
-
-    def element(self, which: str, where: Point) -> Element:
-        known = self.elements.get(which)
-        if known is None:
-            known = element(self.model, self.feature, which, np.array(where))
-            if self.model.source is None or not isinstance(self.feature, Face):  # not one of several coplanar faces
-                self.elements[which] = known
-        return known
 
     def flats(self, where: Point, n: Point) -> list[Flat]:
         """Lines and planes across the normal in the faces and edges that meet in the feature."""
@@ -108,9 +102,56 @@ class Touched:
         return found
 
 
+def with_neighbours(known: list[Touched], where: Point) -> list[Touched]:
+    """The touched features, with the faces and edges that lie at the point too, or nearly.
+
+    Features of a piece tell all but what joins it smoothly in other pieces.
+    """
+    model = known[0].model
+    forms = model._search.get("seamed")
+    if forms is None:
+        joined = sorted({s for seam in model.seams for k in seam.faces for s in model.faces[k].surfaces})
+        rows = model._forms_f.tolist()
+        forms = model._search["seamed"] = [(k, rows[k]) for k in joined]
+    x, y, z = where
+    own = known[0].feature.surfaces
+    near = [k for k, m in forms if k not in own and _vanishes(m, x, y, z)]
+    if not near:
+        return known
+    there = frozenset([*near, *(k for t in known for k in t.feature.surfaces)])
+    met = model._search.setdefault("met", {})
+    if there not in met:
+        faces = [f for f in model.faces if there.issuperset(f.surfaces)]
+        edges = [e for e in model.edges if there.issuperset(e.surfaces)]
+        met[there] = [Touched(model, faces[0], _sides(faces, faces[0]), _lines(edges))] if faces else known
+    return met[there]
+
+
+def _vanishes(m: list[list[float]], x: float, y: float, z: float) -> bool:
+    """Whether a form is 0 at a point, or nearly: beside a seam it grows with the square of the distance."""
+    (a, d, e, p), (_, b, f, q), (_, _, c, r), (_, _, _, s) = m
+    a, b, c, d, e, f = a * x * x, b * y * y, c * z * z, 2.0 * d * x * y, 2.0 * e * x * z, 2.0 * f * y * z
+    p, q, r = 2.0 * p * x, 2.0 * q * y, 2.0 * r * z
+    size = abs(a) + abs(b) + abs(c) + abs(d) + abs(e) + abs(f) + abs(p) + abs(q) + abs(r) + abs(s)
+    return abs(a + b + c + d + e + f + p + q + r + s) <= BESIDE * size
+
+
+def _lines(edges: Sequence[Edge]) -> tuple[Flat, ...]:
+    return tuple(
+        Flat(e, tuple(e.frame[:3, 0].tolist()), coprime(row[0] for row in e.carrier.basis[:3]))
+        for e in edges if isinstance(e.carrier, Line)
+    )  # fmt: skip
+
+
+def coprime(vector: Iterable[fmpq]) -> tuple[int, ...]:
+    """The multiple with coprime integers whose first nonzero one is positive."""
+    return tuple(int(x.p) for x in upright(tuple(vector)))
+
+
 def is_parallel(x: Point, y: Point) -> bool:
-    c = x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]
-    return _length(c) <= ACROSS * _length(x) * _length(y)
+    (a, b, c), (p, q, r) = x, y
+    u, v, w = b * r - c * q, c * p - a * r, a * q - b * p
+    return u * u + v * v + w * w <= ACROSS * ACROSS * (a * a + b * b + c * c) * (p * p + q * q + r * r)
 
 
 def _dot(x: Point, y: Point) -> float:
@@ -124,8 +165,19 @@ def _length(x: Point) -> float:
 def lowest(touched: list[Touched], which: str, where: Point) -> Element:
     """Vertices before edges before faces."""
     if len(touched) == 1:
-        return touched[0].element(which, where)
-    return min((x.element(which, where) for x in touched), key=rank)
+        return named(touched[0].model, touched[0].feature, which, where)
+    return min((named(x.model, x.feature, which, where) for x in touched), key=rank)
+
+
+def named(model: CompositeQuadric, feature: Face | Edge | Vertex, which: str, where: Point) -> Element:
+    """How a feature of body `which` is called; kept on the model, but for one of several coplanar faces."""
+    elements = model._search.setdefault("elements", {})
+    known = elements.get((which, feature))
+    if known is None:
+        known = element(model, feature, which, np.array(where))
+        if model.source is None or not isinstance(feature, Face):
+            elements[which, feature] = known
+    return known
 
 
 def touched(model: CompositeQuadric, kind: str, index: int) -> Touched:
@@ -138,11 +190,8 @@ def touched(model: CompositeQuadric, kind: str, index: int) -> Touched:
         around = set(feature.surfaces)
         faces = (feature,) if isinstance(feature, Face) else [f for f in whole.faces if around & set(f.surfaces)]
         edges = () if isinstance(feature, Face) else [e for e in whole.edges if set(e.surfaces) <= around]
-        lines = tuple(
-            Flat(e, tuple(e.frame[:3, 0].tolist()), tuple(row[0] for row in e.carrier.basis[:3]))
-            for e in edges if isinstance(e.carrier, Line)
-        )  # fmt: skip
-        found = known[kind, index] = Touched(whole, feature, tuple(_side(f, feature) for f in faces), lines, {})
+        sides = _sides(faces, feature)
+        found = known[kind, index] = Touched(whole, feature, sides, _lines(edges))
     return found
 
 
@@ -166,12 +215,18 @@ def _inverse(form: Rows) -> Rows:
     return tuple(map(tuple, fmpq_mat([list(row[:3]) for row in form[:3]]).inv().tolist()))
 
 
+def _sides(faces: Sequence[Face], feature: Face | Edge | Vertex) -> tuple[_Side, ...]:
+    """Those with anything flat in them."""
+    sides = (_side(face, feature) for face in faces)
+    return tuple(side for side in sides if side.flat is not None or side.apex is not None)
+
+
 def _side(face: Face, feature: Face | Edge | Vertex) -> _Side:
     carrier = face.carrier
     m = doubles(carrier.matrix())
     form = m[0][0], m[1][1], m[2][2], m[0][1], m[0][2], m[1][2], m[0][3], m[1][3], m[2][3]
     if isinstance(carrier, Plane):
-        return _Side(face, form, Flat(face, None, carrier.normal[:3]), None)
+        return _Side(face, form, Flat(face, None, coprime(carrier.normal[:3])), None)
     kernel = null_space(carrier.form)
     if len(kernel) == 1 and kernel[0][3] != 0:
         p, q, r, w = doubles((kernel[0],))[0]
@@ -183,6 +238,6 @@ def _side(face: Face, feature: Face | Edge | Vertex) -> _Side:
         return _Side(face, form, None, (p, q, r, w), inverse)
     if len(kernel) == 1:
         x, y, z, _ = doubles((kernel[0],))[0]
-        return _Side(face, form, Flat(face, (x, y, z), kernel[0][:3]), None)
+        return _Side(face, form, Flat(face, (x, y, z), coprime(kernel[0][:3])), None)
     # none: no lines in a convex surface; several: two planes in one form
     return _Side(face, form, Flat(face, None, None) if kernel else None, None)

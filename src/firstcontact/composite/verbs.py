@@ -49,8 +49,8 @@ def first_contact(
         return first_contact_of_mesh(a, b, first, last, exact, tolerance, Work(budget, progress))
     first, last = _span(a, b, span)
     shared = {"a": a, "b": b, "span": (to_double(first), to_double(last))}
-    work = Work(budget, progress, below(first))
     if exact or method == "algebraic":
+        work = Work(budget, progress, below(first))
         return _decided(a, b, first, last, exact, method == "algebraic", work, begin, shared)
     models = _models(a, b)
     answer, proved = settle(models, first, last, tolerance, budget, begin, shared)
@@ -59,6 +59,7 @@ def first_contact(
     if proved.reason == "budget" and budget is not None:
         stats = _with_time(Stats(proved.steps, proved.gaps), begin)
         return FirstContact(Status.UNDECIDED, free_until=proved.free_until, reason="budget", stats=stats, **shared)
+    work = Work(budget, progress, below(first))
     work.done = proved.steps
     try:
         decided = _decided(a, b, first, last, False, False, work, begin, shared)

@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 
 from firstcontact.kernels.candidate import (
+    choose_parts,
     guess_by_forms,
     guess_by_vertex,
     normal_at,
@@ -30,6 +31,7 @@ from firstcontact.kernels.shared_point import deepen, proves_shared
 from firstcontact.kernels.support import BOX
 from firstcontact.kernels.touch_system import moving_form, place_frames
 from firstcontact.kernels.workspace import (
+    BEGAN,
     FORM,
     FREE_UNTIL,
     GAP,
@@ -42,6 +44,7 @@ from firstcontact.kernels.workspace import (
     NEWTON,
     NO_VERTEX,
     NORMAL,
+    PART,
     POINT,
     RESULTS,
     SIDE_A,
@@ -128,14 +131,19 @@ def _aim(a, i, ma, b, j, mb, t, first, last, count, n0, n1, n2, near, width, siz
     Leaves the guess, which lies ahead of t, in w[UNKNOWN].  gap 0: no guess has such a time within `width`, or all are
     beyond `last`.
     """
+    if not place_frames(ma, mb, t, w):
+        return t, 0.0, 0.0, 0.0, 0.0
+    choose_parts(a, i, b, j, count, w, c)
+    k, m = c[PART], c[PART + 1]
+    c[BEGAN] = -1
     for attempt in range(4):
         mode = max(attempt - 1, 0)
         face_along(a, i, n0, n1, n2, w)
         if mode == BY_FORMS:
             slack = 0.05 if attempt == 0 else 0.5
-            taken = guess_by_forms(a, i, ma, b, j, mb, t, first, last, count, slack, n0, n1, n2, size, w, c)
+            taken = guess_by_forms(a, k, ma, b, m, mb, t, first, last, count, slack, n0, n1, n2, size, w, c)
         else:
-            taken = guess_by_vertex(a, i, ma, b, j, mb, t, first, last, count, mode - BY_VERTEX_A, w, c)
+            taken = guess_by_vertex(a, k, ma, b, m, mb, t, first, last, count, mode - BY_VERTEX_A, w, c)
         c[NEWTON] += abs(taken)
         c[MODE] = mode
         t_c = w[UNKNOWN, 3]
@@ -154,7 +162,7 @@ def _aim(a, i, ma, b, j, mb, t, first, last, count, n0, n1, n2, near, width, siz
 
 
 @kernel
-def _at_start(a, i, ma, b, j, mb, first, count, size, w):
+def _at_start(a, i, ma, b, j, mb, first, count, size, w, c):
     """INITIAL when a common point is found, from the middle of the last simplex on by steps behind violated forms."""
     if not place_frames(ma, mb, first, w):
         return AT_START
@@ -162,6 +170,8 @@ def _at_start(a, i, ma, b, j, mb, first, count, size, w):
     for side in range(2):
         x0, x1, x2 = witness(w, count, 3 + 3 * side)
         x, y, z = x + 0.5 * x0, y + 0.5 * x1, z + 0.5 * x2
+    choose_parts(a, i, b, j, count, w, c)
+    i, j = c[PART], c[PART + 1]
     flat = is_flat(a, i)
     for _ in range(10 * INWARD_STEPS if flat else INWARD_STEPS):  # along a triangle the way may be narrow
         vertex = NO_VERTEX
@@ -184,9 +194,9 @@ def _at_start(a, i, ma, b, j, mb, first, count, size, w):
 
 
 @kernel
-def _upper_end(a, i, ma, b, j, mb, lo, near, width, inner, w, c):
+def _upper_end(a, ma, b, mb, lo, near, width, inner, w, c):
     """CONTACT with a proved common point at a time after lo, as soon as can be within `width`; else -1."""
-    t_c = w[UNKNOWN, 3]
+    t_c, i, j = w[UNKNOWN, 3], c[PART], c[PART + 1]
     for attempt in range(2):
         hi = min(t_c + near if attempt == 0 else lo + 0.98 * width, inner)
         if hi < lo or hi - lo > width or not place_frames(ma, mb, hi, w):
@@ -245,9 +255,9 @@ def toward(a, i, ma, b, j, mb, t, g, aim, n0, n1, n2, e0, e1, e2, w, c):
 def advance_pieces(a, i, ma, b, j, mb, first, last, inner, width, budget, w, c):
     """One of the outcomes above for the pieces i of a and j of b over [first, last].
 
-    a, b: as `kernels.support` tells, piece i may be flat; ma, mb: as `kernels.poses`; inner <= last: the latest time at
-    which a contact may be claimed; width: of its interval; budget: strides.  w, c: the workspace; results and counters
-    are left there.
+    a, b: as `kernels.support` tells, piece i may be flat, either may be a union of pieces; ma, mb: as `kernels.poses`;
+    inner <= last: the latest time at which a contact may be claimed; width: of its interval; budget: strides.  w, c:
+    the workspace; results and counters are left there.
     """
     size = 0.0
     for k in range(3, 6):
@@ -262,7 +272,7 @@ def advance_pieces(a, i, ma, b, j, mb, first, last, inner, width, budget, w, c):
     distance, n0, n1, n2, count, g = directed(a, i, ma, b, j, mb, t, n0, n1, n2, w, c)
     w[RESULTS, FREE_UNTIL], w[RESULTS, GAP] = t, max(g, 0.0)
     if g <= 0.0:
-        return _at_start(a, i, ma, b, j, mb, first, count, size, w)
+        return _at_start(a, i, ma, b, j, mb, first, count, size, w, c)
     tried = math.inf  # the distance at the last attempt to guess the contact
     guessed, aim, e0, e1, e2 = False, last, 0.0, 0.0, 0.0
     for _ in range(budget):
@@ -282,7 +292,7 @@ def advance_pieces(a, i, ma, b, j, mb, first, last, inner, width, budget, w, c):
             if t >= last:
                 return FREE
             if t >= aim:
-                if _upper_end(a, i, ma, b, j, mb, t, near, width, inner, w, c) == CONTACT:
+                if _upper_end(a, ma, b, mb, t, near, width, inner, w, c) == CONTACT:
                     w[RESULTS, NORMAL], w[RESULTS, NORMAL + 1], w[RESULTS, NORMAL + 2] = e0, e1, e2
                     return CONTACT
                 guessed = False

@@ -12,6 +12,7 @@ from firstcontact.kernels.workspace import (
     ACTIVE,
     AT_TIME,
     AWAY,
+    BEGAN,
     COUNT,
     FORM,
     GRADIENTS,
@@ -19,8 +20,10 @@ from firstcontact.kernels.workspace import (
     MATRIX,
     MODE,
     NORMAL,
+    PART,
     POSE_A,
     RATES_A,
+    RATES_B,
     RESULTS,
     RIGHT,
     SIDE_A,
@@ -32,6 +35,9 @@ from firstcontact.kernels.workspace import (
 )
 
 MOST_STEPS = 16
+# Steps after which Newton's method is given up unless the last one was below this part of the size: where it converges
+# at all it is near by then, and else a later guess, from nearer, does better.
+FIRST_STEPS, NEARBY = 7, 1e-2
 # Changes of the active set before a guess is given up.
 MOST_CHANGES = 6
 
@@ -112,6 +118,28 @@ def worst_form(p, i, w, side, x, y, z):
 
 
 @kernel
+def _part_near(p, i, w, side, x, y, z):
+    """Piece i itself, or, of a union of pieces, the one that a world point is nearest to or deepest in."""
+    if p[i, FORMS] < p[i, FORMS + 1]:
+        return i
+    lowest, which = math.inf, i
+    for k in range(i):
+        value = worst_form(p, k, w, side, x, y, z)[0]
+        if value < lowest:
+            lowest, which = value, k
+    return which
+
+
+@kernel
+def choose_parts(a, i, b, j, count, w, c):
+    """Into the integers: which pieces of unions the witnesses of the distance lie on (frames: those of its time)."""
+    x, y, z = witness(w, count, 3)
+    c[PART] = _part_near(a, i, w, SIDE_A, x, y, z)
+    x, y, z = witness(w, count, 6)
+    c[PART + 1] = _part_near(b, j, w, SIDE_B, x, y, z)
+
+
+@kernel
 def _revise(a, i, b, j, w, c, size):
     """Make the active forms fit the solution: 0 they do, 1 changed, -1 cannot."""
     total = c[COUNT] + c[COUNT + 1]
@@ -150,7 +178,8 @@ def _revise(a, i, b, j, w, c, size):
 def guess_by_forms(a, i, ma, b, j, mb, t, first, last, count, slack, n0, n1, n2, size, w, c):
     """Newton steps taken, negative without a guess; else w[UNKNOWN] is X, t, multipliers and the frames are those at t.
 
-    slack: forms are active at first that are this part of the distance from the witnesses.
+    slack: forms are active at first that are this part of the distance from the witnesses.  None (0) where these are
+    those that the last guess began with, as c[BEGAN] tells.
     """
     if not place_frames(ma, mb, t, w):
         return -1
@@ -170,21 +199,28 @@ def guess_by_forms(a, i, ma, b, j, mb, t, first, last, count, slack, n0, n1, n2,
         y0, y1, y2 = local_point(w, side, x, y, z)
         most = min(3, 4 - side * c[COUNT])
         _choose(a if side == 0 else b, i if side == 0 else j, y0, y1, y2, slack, c, side, most)
+    began = c[COUNT]
+    for k in range(c[COUNT] + c[COUNT + 1]):
+        began = (began << 12) + c[ACTIVE + k]
+    if began == c[BEGAN]:
+        return 0
+    c[BEGAN] = began
     _first_multipliers(a, b, w, c, n0, n1, n2)
     taken, span = 0, last - first
     for _ in range(MOST_CHANGES):
         moved = math.inf
-        # two more steps after the one that shows convergence cost little; one is enough
-        for _ in range(MOST_STEPS):
-            settled = moved <= 1e-10 * size
+        for step in range(MOST_STEPS):
+            before = moved
             taken += 1
             moved = newton_step(a, b, w, c, span, size, IN_TIME)
             if moved < 0.0 or not (first - span <= w[UNKNOWN, 3] <= last + span):
                 return -taken
             if not place_frames(ma, mb, w[UNKNOWN, 3], w):
                 return -taken
-            if settled:
+            if before <= 1e-10 * size:  # one step more than shows convergence costs little
                 break
+            if step >= FIRST_STEPS and moved > NEARBY * size:
+                return -taken
         if not moved <= 1e-10 * size:
             return -taken
         change = _revise(a, i, b, j, w, c, size)
@@ -212,10 +248,16 @@ def contact_normal(a, w, c):
 def normal_at(a, ma, b, mb, t, size, w, c):
     """Unit normal from a to b at a time t near that of the guess by forms, where the bodies are a little apart.
 
-    Edges and rulings that touch stay square to it: along the normal of another time their ends would overlap.
+    Edges and rulings that touch stay square to it: along the normal of another time their ends would overlap, unless
+    both bodies only shift.
     """
     x, y, z = w[UNKNOWN, 0], w[UNKNOWN, 1], w[UNKNOWN, 2]
     n0, n1, n2 = contact_normal(a, w, c)
+    turning = 0.0
+    for k in range(9):
+        turning += abs(w[RATES_A, k]) + abs(w[RATES_B, k])
+    if turning == 0.0:
+        return n0, n1, n2
     w[RESULTS, NORMAL], w[RESULTS, NORMAL + 1], w[RESULTS, NORMAL + 2], w[UNKNOWN, AWAY] = n0, n1, n2, 0.0
     if place_frames(ma, mb, t, w):
         for _ in range(3):

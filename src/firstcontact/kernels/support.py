@@ -22,6 +22,8 @@ INCLUDED = 1e-9
 
 # Pieces are rows of one array (n, 14) float64, in the coordinates of their body.  Errors are per unit of max |n_k|.
 #   piece: first and end row of its vertices, arcs, curved faces, forms; middle and half-widths of a box around it.
+#       One without forms is the union of all pieces in the rows before it, which is convex; its curved faces are
+#       whole ellipsoids.
 #   vertex: x, y, z, error.
 #   arc: centre c, two conjugate half diameters a, b (the curve is c + a cos s + b sin s), direction (cos, sin) of the
 #       middle of the arc, cosine of half its extent (-2: all of it), error.

@@ -31,9 +31,10 @@ AT_TIME, IN_TIME = rows(0, 1)
 # Slots of the row of results: free until, gap there, time, lo, hi, point, normal (from a to b).
 FREE_UNTIL, GAP, TIME, LO, HI, POINT, NORMAL = 0, 1, 2, 3, 4, 5, 8
 # Slots of the integers: counters that add up; how the contact was found; the vertex; active forms of a, then of b,
-# and how many of each; order of the unknowns of a linear system.
-STEPS, NEWTON, GAPS, MODE, VERTEX, ACTIVE, COUNT, ORDER = 0, 1, 2, 3, 4, 5, 13, 15
-INTEGERS = 28
+# and how many of each; order of the unknowns of a linear system; the pieces of a and of b that a guess is about; what
+# stands for the forms it began with.
+STEPS, NEWTON, GAPS, MODE, VERTEX, ACTIVE, COUNT, ORDER, PART, BEGAN = 0, 1, 2, 3, 4, 5, 13, 15, 26, 28
+INTEGERS = 29
 
 
 def workspace() -> tuple[np.ndarray, np.ndarray]:

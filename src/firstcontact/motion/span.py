@@ -34,6 +34,8 @@ def common_span(a: Any, b: Any, span: Any) -> tuple[fmpq, fmpq | None]:
     bounded = [(m, ends) for m in motions if (ends := limits(m)) is not None]
     if span is None:
         spans = [limits(m) or UNIT for m in motions] or [UNIT]
+        if len(spans) == 1:
+            return spans[0]
         first, end = max(s[0] for s in spans), min(s[1] for s in spans)
         if end < first:
             raise InputError(f"the spans {' and '.join(str(m.span) for m in motions)} of the motions share no time")

@@ -6,8 +6,8 @@ common point; what neither settles is "open" (see `kernels.advancement`).  No te
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -50,9 +50,9 @@ REASONS = {SPENT: "budget"}
 Feature = tuple[str, int]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class Advance:
-    """What the fast path proved.
+    """What the fast path proved; not changed any more (frozen ones take twice as long to make).
 
     status         "free": no common point in the span; "contact"; "initial": a common point at the start; "open".
     free_until     no common point at any time before it (for "open" it may be the start), in the query's clock.
@@ -134,10 +134,17 @@ class _Search:
 
     def _window(self, window: Window) -> Advance | None:
         """The answer if there is one in this window; None proves it free."""
+        found = self._among(window, list(product(self.a.fewest, self.b.fewest)))
+        if found is not None and found.status == "open" and (self.a.union is not None or self.b.union is not None):
+            return self._among(window, list(product(range(self.a.count), range(self.b.count))))
+        return found
+
+    def _among(self, window: Window, pairs: list[tuple[int, int]]) -> Advance | None:
+        """The same for these pairs of pieces."""
         best: Advance | None = None
         stuck: Advance | None = None
         limit = window.last
-        for i, j in self._pairs(window):
+        for i, j in pairs:
             outcome = advance_pieces(
                 self.a.array, i, window.a, self.b.array, j, window.b,
                 window.first, limit, window.inner, self.width, self.budget, self.workspace, self.counters,
@@ -159,11 +166,6 @@ class _Search:
             return best
         return stuck
 
-    def _pairs(self, window: Window) -> Iterator[tuple[int, int]]:
-        for i in range(self.a.count):
-            for j in range(self.b.count):
-                yield i, j
-
     def _earlier(self, best: Advance | None, found: Advance) -> Advance:
         """The earlier contact, with an interval that holds for both pairs."""
         if best is None:
@@ -176,23 +178,19 @@ class _Search:
         return replace(first, time=time, time_interval=(lo, hi), free_until=lo, **self._work())
 
     def _contact(self) -> Advance:
-        r = self.results.tolist()
-        features = self._features()
-        n = self.results[NORMAL : NORMAL + 3]
+        r, c = self.results.tolist(), self.counters.tolist()
         return Advance(
-            "contact", r[LO], r[TIME], (r[LO], r[HI]), self.results[POINT : POINT + 3].copy(), -n, *features,
-            self.workspace[POSE_A : POSE_A + 6, :12].tolist(), **self._work(),
+            "contact", r[LO], r[TIME], (r[LO], r[HI]),
+            self.results[POINT : POINT + 3].copy(), -self.results[NORMAL : NORMAL + 3], *self._features(c),
+            self.workspace[POSE_A : POSE_A + 6, :12].tolist(), r[GAP], steps=c[STEPS], newton=c[NEWTON], gaps=c[GAPS],
         )  # fmt: skip
 
-    def _features(self) -> tuple[tuple[Feature, ...], tuple[Feature, ...]]:
-        c = self.counters
+    def _features(self, c: list[int]) -> tuple[tuple[Feature, ...], tuple[Feature, ...]]:
+        """From the integers of the workspace."""
         if c[MODE] == BY_FORMS:
-            n, m = int(c[COUNT]), int(c[COUNT + 1])
-            return (
-                named(self.a, c[ACTIVE : ACTIVE + n].tolist()),
-                named(self.b, c[ACTIVE + n : ACTIVE + n + m].tolist()),
-            )
-        form, vertex = [int(c[ACTIVE])], int(c[VERTEX])
+            middle, end = ACTIVE + c[COUNT], ACTIVE + c[COUNT] + c[COUNT + 1]
+            return named(self.a, c[ACTIVE:middle]), named(self.b, c[middle:end])
+        form, vertex = [c[ACTIVE]], c[VERTEX]
         if c[MODE] == BY_VERTEX_A:
             return _at_vertex(self.a, vertex), named(self.b, form)
         return named(self.a, form), _at_vertex(self.b, vertex)
@@ -210,11 +208,17 @@ class _Search:
 
 def named(pieces: ConvexPieces, forms: list[int]) -> tuple[Feature, ...]:
     """The feature of the body on all these forms; their faces where pieces meet inside the body."""
-    surfaces = [int(pieces.array[k, 10]) for k in forms]
-    labels = pieces.labels
-    if frozenset(surfaces) in labels:
-        return (labels[frozenset(surfaces)],)
-    return tuple(labels[frozenset([s])] for s in surfaces if frozenset([s]) in labels)
+    key = tuple(forms)
+    known = pieces.named.get(key)
+    if known is None:
+        surfaces = [int(pieces.array[k, 10]) for k in forms]
+        labels = pieces.labels
+        if frozenset(surfaces) in labels:
+            known = (labels[frozenset(surfaces)],)
+        else:
+            known = tuple(labels[frozenset([s])] for s in surfaces if frozenset([s]) in labels)
+        pieces.named[key] = known
+    return known
 
 
 def _at_vertex(pieces: ConvexPieces, row: int) -> tuple[Feature, ...]:

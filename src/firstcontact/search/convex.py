@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import product
 from typing import Any
 
@@ -39,6 +39,8 @@ BITS = 192
 MOST_PIECES = 64
 # Arcs reach this far (radians) beyond their ends: the highest point of the whole conic is then too high by its square.
 ARC_SLACK = 1e-8
+# In which the extreme points of a union are looked at.
+DIRECTIONS = [np.array(n) + 0.1 * np.array([n[1], n[2], -n[0]]) for n in product((-1.0, 0.0, 1.0), repeat=3) if any(n)]
 
 
 class NotConvex(Exception):
@@ -47,11 +49,22 @@ class NotConvex(Exception):
 
 @dataclass(frozen=True, eq=False)
 class ConvexPieces:
-    """array: as `kernels.support` tells, `count` pieces; labels: (kind, index) of the body's features by surfaces."""
+    """array: as `kernels.support` tells, `count` pieces; labels: (kind, index) of the body's features by surfaces.
+
+    union: the row of all pieces as one, where several make a convex body; else None.
+    """
 
     array: np.ndarray
     count: int
     labels: dict[frozenset[int], tuple[str, int]]
+    union: int | None = None
+    named: dict[tuple[int, ...], tuple[tuple[str, int], ...]] = field(default_factory=dict)
+    """Features by the rows of forms, as asked for so far."""
+
+    @property
+    def fewest(self) -> Sequence[int]:
+        """The rows of the fewest convex pieces that make up the body."""
+        return range(self.count) if self.union is None else (self.union,)
 
 
 def convex_pieces(body: CompositeQuadric) -> ConvexPieces:
@@ -78,7 +91,18 @@ def _compiled(body: CompositeQuadric) -> ConvexPieces:
         solid = body if len(clauses) == 1 else _solid(body, clause)
         if solid is not None:
             parts.append(_piece(body, solid, sorted(clause)))
-    # rows of the pieces first, then those of their parts
+    pieces = ConvexPieces(_tables(parts), len(parts), labels)
+    is_round = all(len(forms) == 1 for _, _, smooth, forms in parts if smooth)
+    if len(parts) > 1 and is_round and all(edge.convexity == "convex" for edge in body.edges):
+        together = [[row for part in parts for row in part[k]] for k in range(3)]
+        with_union = _tables([*parts, [*together, []]])
+        if _is_convex(body, with_union, len(parts)):
+            return ConvexPieces(with_union, len(parts), labels, len(parts))
+    return pieces
+
+
+def _tables(parts: Sequence[list[list[Any]]]) -> np.ndarray:
+    """The rows of the pieces first, then those of their parts."""
     rows: list[list[float]] = []
     heads = np.zeros((len(parts), WIDTH))
     for head, tables in zip(heads, parts, strict=True):
@@ -89,7 +113,19 @@ def _compiled(body: CompositeQuadric) -> ConvexPieces:
     arrays = np.vstack([heads, np.array(rows, float).reshape(-1, WIDTH)])
     for i in range(len(parts)):
         _fill_box(arrays, i)
-    return ConvexPieces(arrays, len(parts), labels)
+    return arrays
+
+
+def _is_convex(body: CompositeQuadric, array: np.ndarray, union: int) -> bool:
+    """Whether the middles between extreme points lie in the body.
+
+    It is then one connected piece; without reentrant edges that makes it convex (Tietze, Nakajima), but for vertices
+    at which it falls apart.  Nothing wrong is proved of a body that only seems convex: what its union is apart from it
+    is apart from too, and points are proved to be in single pieces.
+    """
+    points = np.array([support(array, union, *n)[1:] for n in DIRECTIONS])
+    middles = 0.5 * (points[:, None] + points).reshape(-1, 3)
+    return bool(np.all(body._possible(middles, 1e-9)[0]))
 
 
 # -- convex pieces of the tree ------------------------------------------------------------------------------
