@@ -48,6 +48,19 @@ def whole(*points: Vector) -> tuple[fmpz, list[Vector]]:
     return scale, [tuple(x.p * (scale / x.q) for x in p) for p in points]  # type: ignore[misc]
 
 
+def whole_doubles(points: list[list[float]], vector: Vector) -> tuple[fmpz, list[Vector]]:
+    """`whole` of points given by doubles and, last, of a rational vector."""
+    ratios = [x.as_integer_ratio() for p in points for x in p]
+    scale = fmpz(max([q for _, q in ratios]))  # powers of two: their common multiple
+    for x in vector:
+        if scale % x.q:
+            scale = scale.lcm(x.q)
+    factor = int(scale)
+    numbers = iter([fmpz(p * (factor // q)) for p, q in ratios])
+    last = tuple([x.p * (scale / x.q) for x in vector])
+    return scale, [*zip(numbers, numbers, numbers, strict=True), last]  # type: ignore[list-item]
+
+
 def ratio(x: Any, y: Any) -> Any:
     """x / y, whole numbers included."""
     return fmpq(x, y) if type(x) is fmpz else x / y

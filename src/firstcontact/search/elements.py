@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+from flint import fmpz
+
 from firstcontact.exact.rigid import Matrix, apply
+from firstcontact.exact.vectors import Vector, whole, whole_doubles
 from firstcontact.pairs.line_line import segments_meet
 from firstcontact.pairs.segment_facet import APART, relation
 from firstcontact.search.state import EDGE_EDGE, EDGE_FACE, FACE_EDGE, FACE_VERTEX, VERTEX_FACE
@@ -33,18 +36,41 @@ def feature(tree: Tree, kind: int, part: int, local: int) -> Feature:
     return FACE, primitive
 
 
-def corners_of(body: Any, element: Feature) -> list[Any]:
-    """Exact corners: one of a vertex, two of an edge (both the same for a bare point), three of a triangle."""
+def _vertices_of(body: Any, element: Feature) -> list[int]:
+    """Its corners: one of a vertex, two of an edge (both the same for a bare point), three of a triangle."""
     kind, index = element
     if kind == VERTEX:
-        return [body.exact_vertex(index)]
+        return [index]
     if kind == EDGE:
         if index >= len(body._segments):
-            point = body.exact_vertex(index - len(body._segments))
-            return [point, point]
-        i, j = body._segments[index].tolist()
-        return [body.exact_vertex(i), body.exact_vertex(j)]
-    return [body.exact_vertex(i) for i in body.triangles[index].tolist()]
+            return [index - len(body._segments)] * 2
+        return body._segments[index].tolist()
+    return body.triangles[index].tolist()
+
+
+def corners_of(body: Any, element: Feature) -> list[Any]:
+    """The exact corners of the element."""
+    return [body.exact_vertex(i) for i in _vertices_of(body, element)]
+
+
+def whole_corners(
+    a: Any, element_a: Feature, b: Any, element_b: Feature, vector: Vector
+) -> tuple[Any, list[Vector], list[Vector], Vector]:
+    """(scale > 0, scale times the corners of both elements, scale times the vector), all whole numbers.
+
+    Sums of whole numbers have no denominators to find.  Of bodies in irrational poses: balls, and the scale 1.
+    """
+    if a._pose is not None or b._pose is not None:
+        return fmpz(1), corners_of(a, element_a), corners_of(b, element_b), vector
+    first, second = _vertices_of(a, element_a), _vertices_of(b, element_b)
+    n = len(first)
+    if a.error == 0.0 and b.error == 0.0:  # the coordinates are the doubles
+        doubles = a.vertices[first].tolist() + b.vertices[second].tolist()
+        scale, points = whole_doubles(doubles, vector)
+    else:
+        exact = [a.exact_vertex(i) for i in first] + [b.exact_vertex(i) for i in second]
+        scale, points = whole(*exact, vector)
+    return scale, points[:n], points[n:-1], points[-1]
 
 
 class Primitive:
