@@ -26,9 +26,6 @@ from firstcontact.exact.numbers import (
 )
 from firstcontact.exact.surd import Surd, sign_two_radicals, surd
 
-# Precision of the balls that stand in for exact angles at first.
-BALL_BITS = 192
-
 
 def enclose(number: Callable[[], Any]) -> tuple[float, tuple[float, float]]:
     """(nearest double, (lo, hi) doubles around it) of a number given at the present precision.
@@ -128,7 +125,6 @@ class AngleInstant:
             return -1
         if lo > other_hi:
             return 1
-        other = exact_angle(other)
         if not (self._rational and other._rational):
             return sign(self.local() - other.local())
         if self._half() != other._half():
@@ -182,61 +178,6 @@ class AngleInstant:
         n = R.x * R.x - R.y * R.y * R.d
         inverse = Surd(R.x / n, -R.y / n, R.d)
         return X * inverse, Y * inverse
-
-
-class DeferredInstant:
-    """An angle known as a ball, from the same formulas at BALL_BITS; its exact form is made where that is not enough.
-
-    Most instants are compared with others far away and rounded to a double: the ball does both.
-    """
-
-    __slots__ = ("_ball", "_exact", "_make", "near")
-
-    def __init__(self, near: AngleInstant, make: Callable[[], AngleInstant]) -> None:
-        self.near, self._make = near, make
-        self._exact: AngleInstant | None = None
-        self._ball = near.local()  # at BALL_BITS: evaluated again with fewer, its balls may straddle zero
-        near._bounds = ball_bounds(self._ball)
-        near._settled = True
-
-    def exact(self) -> AngleInstant:
-        if self._exact is None:
-            self._exact = self._make()
-        return self._exact
-
-    def bounds(self) -> tuple[float, float]:
-        return self.near.bounds()
-
-    def local(self) -> arb:
-        return self._ball if ctx.prec <= BALL_BITS else self.exact().local()
-
-    def compare(self, other: Any) -> int:
-        (lo, hi), (other_lo, other_hi) = self.bounds(), other.bounds()
-        if hi < other_lo or lo > other_hi:
-            return -1 if hi < other_lo else 1
-        with precision(BALL_BITS):
-            gap = self._ball - other.local()
-        if gap > 0 or gap < 0:
-            return 1 if gap > 0 else -1
-        return self.exact().compare(exact_angle(other))
-
-    def is_zero(self) -> bool:
-        return self.bounds()[0] <= 0.0 and self.exact().is_zero()
-
-    def is_rational(self) -> bool:
-        return True
-
-    def quarter(self) -> int | None:
-        x, y = self.near.X.ball(), self.near.Y.ball()
-        return None if not (x.contains(0) or y.contains(0)) else self.exact().quarter()
-
-    def cosine_sine(self) -> tuple[Surd, Surd]:
-        return self.exact().cosine_sine()
-
-
-def exact_angle(x: Any) -> Any:
-    """The exact form of an instant of a rotation."""
-    return x.exact() if isinstance(x, DeferredInstant) else x
 
 
 def _angle(x: arb, y: arb) -> arb:

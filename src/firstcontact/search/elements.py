@@ -7,7 +7,7 @@ from typing import Any
 from flint import fmpz
 
 from firstcontact.exact.rigid import Matrix, apply
-from firstcontact.exact.vectors import Vector, whole, whole_doubles
+from firstcontact.exact.vectors import Vector, scaled, whole, whole_doubles
 from firstcontact.pairs.line_line import segments_meet
 from firstcontact.pairs.segment_facet import APART, relation
 from firstcontact.search.state import EDGE_EDGE, EDGE_FACE, FACE_EDGE, FACE_VERTEX, VERTEX_FACE
@@ -54,23 +54,22 @@ def corners_of(body: Any, element: Feature) -> list[Any]:
 
 
 def whole_corners(
-    a: Any, element_a: Feature, b: Any, element_b: Feature, vector: Vector
+    a: Any, element_a: Feature, b: Any, element_b: Feature, per: fmpz, vector: Vector
 ) -> tuple[Any, list[Vector], list[Vector], Vector]:
-    """(scale > 0, scale times the corners of both elements, scale times the vector), all whole numbers.
+    """(scale > 0, scale times the corners of both elements, scale times vector / per), all whole numbers.
 
-    Sums of whole numbers have no denominators to find.  Of bodies in irrational poses: balls, and the scale 1.
+    Sums of whole numbers have no denominators to find.  Corners in irrational poses are balls, and the scale is `per`.
     """
     if a._pose is not None or b._pose is not None:
-        return fmpz(1), corners_of(a, element_a), corners_of(b, element_b), vector
+        x, y = ([scaled(per, p) for p in corners_of(*which)] for which in ((a, element_a), (b, element_b)))
+        return per, x, y, vector
     first, second = _vertices_of(a, element_a), _vertices_of(b, element_b)
-    n = len(first)
     if a.error == 0.0 and b.error == 0.0:  # the coordinates are the doubles
-        doubles = a.vertices[first].tolist() + b.vertices[second].tolist()
-        scale, points = whole_doubles(doubles, vector)
+        scale, points = whole_doubles(a.vertices[first].tolist() + b.vertices[second].tolist(), per)
     else:
         exact = [a.exact_vertex(i) for i in first] + [b.exact_vertex(i) for i in second]
-        scale, points = whole(*exact, vector)
-    return scale, points[:n], points[n:-1], points[-1]
+        scale, points = whole(*exact, per=per)
+    return scale, points[: len(first)], points[len(first) :], scaled(scale / per, vector)
 
 
 class Primitive:

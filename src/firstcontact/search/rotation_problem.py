@@ -18,9 +18,7 @@ from flint import arb, fmpq
 from firstcontact.errors import InputError
 from firstcontact.exact.algebraic import algebraic
 from firstcontact.exact.instants import (
-    BALL_BITS,
     AngleInstant,
-    DeferredInstant,
     LimitInstant,
     compare_angles,
     enclose,
@@ -33,7 +31,6 @@ from firstcontact.exact.numbers import (
     ball_bounds,
     dyadic,
     fraction,
-    nearest_double,
     precision,
     sign,
     to_double,
@@ -53,14 +50,12 @@ from firstcontact.search.cylinder import COLUMNS
 from firstcontact.search.elements import EDGE, VERTEX, Feature, Primitive, corners_of, whole_corners
 from firstcontact.search.frame import frame_of, view_in
 from firstcontact.search.state import WalkState
-from firstcontact.search.touch import Touch, as_balls, place_ball, place_doubles, rotation_normal
+from firstcontact.search.touch import Touch, place_doubles, rotation_normal
 from firstcontact.search.tree import Tree
 from firstcontact.search.walk import walk
 from firstcontact.search.windows import collect
 
 Angle = tuple[fmpq, fmpq]  # radians, turns
-# Length (bits) of the squared axis up to which rational angles are as quick as balls.
-SHORT_AXIS = 40
 
 _ZERO = fmpq(0), fmpq(0)
 _FULL = fmpq(0), fmpq(1)
@@ -84,13 +79,14 @@ class RotationProblem:
         assert piece.axis is not None and piece.point is not None
         self.a, self.b, self.piece = a, b, piece
         self.is_exact = a._pose is None and b._pose is None
-        self._contacts: dict[tuple[Feature, Feature], list[Any]] = {}
-        self._exact_contacts: dict[tuple[Feature, Feature], list[Contact]] = {}
+        self._contacts: dict[tuple[Feature, Feature], list[Contact]] = {}
         self.backward = _sign_of_angle(piece.rate) < 0
         sense = -1 if self.backward else 1
         self.rate = sense * piece.rate[0], sense * piece.rate[1]
         h, self.origin = piece.axis, piece.point
         _, (direction,) = whole(h)
+        per, (origin,) = whole(self.origin)
+        self._whole_origin = per, origin
         self._whole_axis = Axis(scaled(-1, direction) if self.backward else direction)
         self.first, self.opening, self.turn = _ZERO, _ZERO, 0
         if piece.reference != piece.start:
@@ -194,52 +190,25 @@ class RotationProblem:
         key = element_a, element_b
         found = self._known_corners.get(key)
         if found is None:
-            scale, a, b, o = whole_corners(self.a, element_a, self.b, element_b, self.origin)
-            found = scale, a, b
-            if any(o):
-                found = scale, [sub(p, o) for p in a], [sub(p, o) for p in b]
+            scale, a, b, o = whole_corners(self.a, element_a, self.b, element_b, *self._whole_origin)
+            found = (scale, [sub(p, o) for p in a], [sub(p, o) for p in b]) if any(o) else (scale, a, b)
             if self.is_exact:
                 self._known_corners[key] = found
         return found
 
-    def contacts(self, element_a: Feature, element_b: Feature) -> list[Any]:
-        """All contacts of the two elements during one full turn: (instant, point of b about `origin`).
-
-        About an oblique axis the rational numbers grow long: instants are balls first, rational where they must be.
-        """
+    def contacts(self, element_a: Feature, element_b: Feature) -> list[Contact]:
+        """All contacts of the two elements during one full turn: (instant, point of b about `origin`)."""
         key = element_a, element_b
         if not self.is_exact:  # balls depend on the precision
             return self._find_contacts(*key)
         if key not in self._contacts:
-            short = self._whole_axis.K.bit_length() <= SHORT_AXIS
-            self._contacts[key] = self.exact_contacts(*key) if short else self._deferred_contacts(*key)
+            self._contacts[key] = self._find_contacts(*key)
         return self._contacts[key]
 
-    def exact_contacts(self, element_a: Feature, element_b: Feature) -> list[Contact]:
-        """The same with all numbers whole, or square roots of whole numbers."""
-        key = element_a, element_b
-        if key not in self._exact_contacts:
-            self._exact_contacts[key] = self._find_contacts(*key)
-        return self._exact_contacts[key]
-
-    def _deferred_contacts(self, element_a: Feature, element_b: Feature) -> list[Any]:
-        with precision(BALL_BITS):
-            try:
-                found = self._find_contacts(element_a, element_b, in_balls=True)
-                # certain signs lead the exact formulas the same way: the lists correspond
-                return [
-                    (DeferredInstant(at, lambda k=k: self.exact_contacts(element_a, element_b)[k][0]), point)  # type: ignore[misc]
-                    for k, (at, point) in enumerate(found)
-                ]
-            except Undecidable:
-                return self.exact_contacts(element_a, element_b)
-
-    def _find_contacts(self, element_a: Feature, element_b: Feature, in_balls: bool = False) -> list[Contact]:
-        """All contacts in one turn, from corners in whole numbers: angles stay; no sum has to find a denominator."""
+    def _find_contacts(self, element_a: Feature, element_b: Feature) -> list[Contact]:
+        """The contacts from corners in whole numbers: angles stay, and no sum has to find a denominator."""
         scale, a, b = self._corners(element_a, element_b)
         axis = self._whole_axis
-        if in_balls:
-            axis, a, b = axis.as_balls(), [as_balls(p) for p in a], [as_balls(p) for p in b]
         if element_a[0] == VERTEX:
             found = point_plane_rotation.rotation_contacts(axis, a[0], *b)  # type: ignore[call-arg]
         elif element_b[0] == VERTEX:
@@ -408,12 +377,7 @@ class RotationProblem:
         """(point, unit normal or None) of the two elements at the instant, working frame."""
         contacts = self.contacts(element_a, element_b)
         point = next(q for instant, q in contacts if same_instant(instant, at))
-        with precision(BALL_BITS):
-            where: Any = [nearest_double(x) for x in place_ball(point)]
-        if None in where:
-            if self.is_exact:
-                point = next(q for instant, q in self.exact_contacts(element_a, element_b) if same_instant(instant, at))
-            where = place_doubles(point)
+        where = place_doubles(point)
         _, corners_a, corners_b = self._corners(element_a, element_b)
         normal = rotation_normal(corners_a, corners_b, self._whole_axis, point, where, at)
         return np.array([x + to_double(y) for x, y in zip(where, self.origin, strict=True)]), normal

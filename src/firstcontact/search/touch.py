@@ -38,7 +38,7 @@ def translation_touch(
         over, steps = (t.q, t.p) if type(t) is fmpq else (1, t)
         place = *along(scaled(over, a[0]), steps, v), over
     elif element_b[0] == VERTEX:
-        place = *b[0], 1
+        place = *b[0], fmpz(1)
     else:
         place = line_line.contact_place(*a, *b, v, at.value)  # type: ignore[call-arg]
     x, y = spanning(a) + spanning(b)
@@ -69,7 +69,7 @@ def _unit(n: Floats, factor: float) -> Floats:
 def directions(v: Vector) -> Floats:
     """Doubles along an exact vector; of whole numbers, which may be beyond them, none above 1."""
     if type(v[0]) is not fmpz:
-        return tuple(_double(x) for x in v)  # type: ignore[return-value]
+        return tuple(doubles(v).tolist())
     x, y, z = map(int, v)
     over = 1 << max(x.bit_length(), y.bit_length(), z.bit_length())
     return x / over, y / over, z / over
@@ -80,25 +80,25 @@ def doubles(v: Vector) -> np.ndarray:
     return np.array([_double(x) for x in v])
 
 
-def _double(x: Any, w: Any = 1) -> float:
-    """The double nearest x / w."""
-    if type(x) is fmpq:
-        return to_double(x / w)
-    if type(x) is fmpz and type(w) is fmpz:
-        return int(x) / int(w)  # Python's integer division rounds correctly
-    for bits in PRECISIONS:
-        with precision(bits):
-            value = as_ball(x) / as_ball(w)
-            near = nearest_double(value)
-        if near is not None:
-            return near
-    return float(value.mid())  # half way between two doubles, or known as a ball only
+def _double(x: Any) -> float:
+    return to_double(x) if type(x) is fmpq else place_doubles((x, x, x, 1))[0]
 
 
 def place_doubles(place: Place) -> list[float]:
-    """The doubles nearest the coordinates of a place."""
-    x, y, z, w = place
-    return [_double(x, w), _double(y, w), _double(z, w)]
+    """The doubles nearest the coordinates of a place; the middles of balls."""
+    if all([type(x) is fmpz for x in place]):
+        x, y, z, w = map(int, place)
+        if w < 0:
+            x, y, z, w = -x, -y, -z, -w  # no zero with a sign
+        return [x / w, y / w, z / w]  # Python's integer division rounds correctly
+    for bits in PRECISIONS:
+        with precision(bits):
+            values = place_ball(place)
+            near = [nearest_double(x) for x in values]
+        if None not in near:
+            break
+    # some are half way between two doubles, or known as balls only
+    return [float(x.mid()) if t is None else t for x, t in zip(values, near, strict=True)]
 
 
 def place_ball(place: Place) -> Vector:

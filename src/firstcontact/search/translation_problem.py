@@ -12,7 +12,7 @@ from flint import arb, fmpq
 from firstcontact.exact.instants import RationalInstant, enclose
 from firstcontact.exact.numbers import dyadic, fraction, sign, to_double
 from firstcontact.exact.rigid import Matrix, shift
-from firstcontact.exact.vectors import Vector
+from firstcontact.exact.vectors import Vector, whole
 from firstcontact.exact.windows import ALWAYS, Window, clip, hull
 from firstcontact.motion.relative import Piece
 from firstcontact.pairs import line_line, point_plane, segment_facet
@@ -37,6 +37,8 @@ class TranslationProblem:
         assert piece.velocity is not None
         self.a, self.b, self.piece, self.v = a, b, piece, piece.velocity
         self.is_exact = a._pose is None and b._pose is None
+        per, (v,) = whole(self.v)
+        self._whole_velocity = per, v
         self._known_corners: dict[tuple[Feature, Feature], Any] = {}
         self.last = None if piece.end is None else piece.end - piece.start
         self.tree_a, self.tree_b = tree_of(a), tree_of(b)
@@ -84,7 +86,7 @@ class TranslationProblem:
         key = element_a, element_b
         found = self._known_corners.get(key)
         if found is None:
-            found = whole_corners(self.a, element_a, self.b, element_b, self.v)
+            found = whole_corners(self.a, element_a, self.b, element_b, *self._whole_velocity)
             if self.is_exact:
                 self._known_corners[key] = found
         return found
