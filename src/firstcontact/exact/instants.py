@@ -26,6 +26,8 @@ from firstcontact.exact.numbers import (
 )
 from firstcontact.exact.surd import Surd, sign_two_radicals, surd
 
+QUARTER = 0.5 * math.pi
+
 
 def enclose(number: Callable[[], Any]) -> tuple[float, tuple[float, float]]:
     """(nearest double, (lo, hi) doubles around it) of a number given at the present precision.
@@ -149,9 +151,9 @@ class AngleInstant:
 
     def _enclosed(self) -> arb:
         """`local` of a rational one."""
-        if self.Y.sign() == 0:
-            return arb(0) if self.X.sign() >= 0 else arb.pi()
         bits, angle = ctx.prec, self._seen()
+        if angle is None and self.Y.sign() == 0:
+            return arb(0) if self.X.sign() >= 0 else arb.pi()
         while angle is None:  # Y is not zero: some precision shows its sign
             bits *= 2
             with precision(bits):
@@ -169,6 +171,9 @@ class AngleInstant:
 
     def quarter(self) -> int | None:
         """0 .. 3 when the angle is that many quarter turns exactly."""
+        lo, hi = self.bounds()
+        if math.floor(lo / QUARTER - 4e-15) == math.floor(hi / QUARTER + 4e-15):
+            return None  # all whole numbers of quarters lie outside the bounds, by more than these divisions round
         x, y = self.X.sign(), self.Y.sign()
         return {(1, 0): 0, (0, 1): 1, (-1, 0): 2, (0, -1): 3}.get((x, y))
 

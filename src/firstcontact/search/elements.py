@@ -65,7 +65,8 @@ def whole_corners(
         return per, x, y, vector
     first, second = _vertices_of(a, element_a), _vertices_of(b, element_b)
     if a.error == 0.0 and b.error == 0.0:  # the coordinates are the doubles
-        scale, points = whole_doubles(a.vertices[first].tolist() + b.vertices[second].tolist(), per)
+        doubles = [a.vertices[i].tolist() for i in first] + [b.vertices[i].tolist() for i in second]
+        scale, points = whole_doubles(doubles, per)
     else:
         exact = [a.exact_vertex(i) for i in first] + [b.exact_vertex(i) for i in second]
         scale, points = whole(*exact, per=per)

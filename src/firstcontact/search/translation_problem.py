@@ -12,7 +12,7 @@ from flint import arb, fmpq
 from firstcontact.exact.instants import RationalInstant, enclose
 from firstcontact.exact.numbers import dyadic, fraction, sign, to_double
 from firstcontact.exact.rigid import Matrix, shift
-from firstcontact.exact.vectors import Vector, whole
+from firstcontact.exact.vectors import Vector, dot, whole
 from firstcontact.exact.windows import ALWAYS, Window, clip, hull
 from firstcontact.motion.relative import Piece
 from firstcontact.pairs import line_line, point_plane, segment_facet
@@ -46,22 +46,19 @@ class TranslationProblem:
 
     def _prepare(self) -> None:
         """Boxes and their velocity in the frame that suits the bodies; parts and their velocity as they are."""
-        v = np.array([to_double(x) for x in self.v])
+        v = framed = [to_double(x) for x in self.v]
         frame = None if self.last is None else shared_frame(self.a, self.b)
         if frame is None:
-            self.boxes_a, self.boxes_b, framed = self.tree_a.boxes, self.tree_b.boxes, v
+            self.boxes_a, self.boxes_b = self.tree_a.boxes, self.tree_b.boxes
             self.pad = 2.0 * (self.tree_a.error + self.tree_b.error)
         else:
             view_a, view_b = view_in(self.a, frame), view_in(self.b, frame)
-            self.boxes_a, self.boxes_b, framed = view_a.boxes, view_b.boxes, np.array(frame) @ v
+            self.boxes_a, self.boxes_b = view_a.boxes, view_b.boxes
+            framed = [x if abs(x) >= 1e-300 else 0.0 for x in (dot(row, v) for row in frame)]  # type: ignore[arg-type]
             # the framed velocity is off by 4 roundings of sums over |v|: so much per unit of time
-            drift = 2.0**-50 * float(np.abs(v).sum()) * self.window()[0]
+            drift = 2.0**-50 * sum(map(abs, v)) * self.window()[0]
             self.pad = 2.0 * (view_a.error + view_b.error + drift)
-            framed[np.abs(framed) < 1e-300] = 0.0
-        self.velocity = np.empty(9)
-        self.velocity[:3], self.velocity[6:] = framed, v
-        with np.errstate(divide="ignore", over="ignore"):
-            np.divide(1.0, framed, out=self.velocity[3:6])
+        self.velocity = np.array([*framed, *(1.0 / x if x else math.inf for x in framed), *v])
 
     def window(self) -> tuple[float, float]:
         """(last, sure last): outward and inward doubles around the end of the window."""
