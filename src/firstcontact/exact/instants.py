@@ -19,7 +19,6 @@ from firstcontact.exact.numbers import (
     Undecidable,
     ball,
     ball_bounds,
-    nearest_double,
     precision,
     sign,
     to_double,
@@ -35,24 +34,27 @@ def enclose(number: Callable[[], Any]) -> tuple[float, tuple[float, float]]:
     The precision rises until the double is certain; a number that lies exactly between two doubles, or is known
     as a ball only, ends with the best there is.
     """
-    with precision(PRECISIONS[0]):
-        value = number()
-    if isinstance(value, fmpq):
-        t = to_double(value)
-        if math.isinf(t):
-            largest = math.copysign(sys.float_info.max, t)
-            return t, (min(t, largest), max(t, largest))
-        exact = fmpq(*t.as_integer_ratio())
-        if exact == value:
-            return t, (t, t)
-        return t, ((t, math.nextafter(t, math.inf)) if exact < value else (math.nextafter(t, -math.inf), t))
     for bits in PRECISIONS:
         with precision(bits):
-            x = ball(value if bits == PRECISIONS[0] else number())
-            near, around = nearest_double(x), ball_bounds(x)
-        if near is not None:
-            return near, around
-    return float(x.mid()), around
+            value = number()
+            if isinstance(value, fmpq):
+                return _around(value)
+            x = ball(value)
+            lo, hi = float(x.lower()), float(x.upper())  # each rounds to nearest, which is monotone
+        if lo == hi:
+            break
+    return lo if lo == hi else float(x.mid()), (math.nextafter(lo, -math.inf), math.nextafter(hi, math.inf))
+
+
+def _around(value: fmpq) -> tuple[float, tuple[float, float]]:
+    t = to_double(value)
+    if math.isinf(t):
+        largest = math.copysign(sys.float_info.max, t)
+        return t, (min(t, largest), max(t, largest))
+    exact = fmpq(*t.as_integer_ratio())
+    if exact == value:
+        return t, (t, t)
+    return t, ((t, math.nextafter(t, math.inf)) if exact < value else (math.nextafter(t, -math.inf), t))
 
 
 def same_instant(x: Any, y: Any) -> bool:
@@ -118,6 +120,8 @@ class AngleInstant:
         return 0 if s > 0 or (s == 0 and self.X.sign() >= 0) else 1
 
     def is_zero(self) -> bool:
+        if self._rational and self.bounds()[0] > 0.0:
+            return False
         return self.Y.sign() == 0 and self.X.sign() >= 0
 
     def compare(self, other: Any) -> int:

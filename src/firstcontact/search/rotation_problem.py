@@ -388,8 +388,10 @@ class RotationProblem:
         return enclose(lambda: self._time(at.local(), turn) if exact is None else exact)
 
     def _time(self, angle: arb, turn: int = 0) -> arb:
-        per_time = angle_ball(self.rate[0], "radians") + angle_ball(self.rate[1], "turns")
-        return self.piece.reference + (angle + 2 * (turn + self.turn) * arb.pi()) / per_time
+        radians, turns = self.rate
+        per_time = angle_ball(turns, "turns") + radians if turns else arb(radians)
+        passed = turn + self.turn
+        return self.piece.reference + (angle_ball(fmpq(passed), "turns") + angle if passed else angle) / per_time
 
     def _rational_time(self, at: Any, turn: int = 0) -> fmpq | None:
         """The time where it is rational because the angle is: quarter turns, the limits of the motion."""
