@@ -27,6 +27,8 @@ from firstcontact.search.intervals import contact_windows
 from firstcontact.search.overlap import initial_kind
 from firstcontact.search.problem import problem_of, problems_in_order
 
+NO_WORK = Stats()
+
 if TYPE_CHECKING:
     from firstcontact.curve import IntersectionCurve
 
@@ -77,13 +79,13 @@ def first_contact(
     parts, first, last = pieces(a, b, span)
     if exact:
         _refuse_inexact(parts)
-    stats = Stats()
+    stats = NO_WORK
     window = (to_double(first), math.inf if last is None else to_double(last))
     shared = {"a": a, "b": b, "span": window}
     for k, (problem, with_start) in enumerate(problems_in_order(a, b, parts)):
         left = None if budget is None else max(0, budget - int(stats.node_visits + stats.pair_tests))
         found = earliest(problem, left, progress, with_start=with_start)
-        stats += Stats(found.visits, found.tests, found.unsure, found.exact)
+        stats = _added(stats, found)
         if found.open is not None:
             return _undecided(found.open, problem.world_time(found.free_until), stats, begin, shared)
         if found.start or (k == 0 and _starts_at_once(found)):
@@ -138,7 +140,7 @@ def contact_intervals(
     parts, first, last = pieces(a, b, span)
     if exact:
         _refuse_inexact(parts)
-    stats = Stats()
+    stats = NO_WORK
     window = (to_double(first), math.inf if last is None else to_double(last))
     shared = {"a": a, "b": b, "span": window}
     ends: list[JoinedInterval] = []
@@ -146,7 +148,7 @@ def contact_intervals(
         problem = problem_of(a, b, piece)
         left = None if budget is None else max(0, budget - int(stats.node_visits + stats.pair_tests))
         found = contact_windows(problem, left, progress)
-        stats += Stats(found.visits, found.tests, found.unsure, found.exact)
+        stats = _added(stats, found)
         if found.open is not None:
             intervals = tuple(interval_of(e, exact) for e in ends)
             until = to_double(piece.start)
@@ -174,14 +176,14 @@ def contact_pairs(a: Any, b: Any, span: Any = None) -> ContactPairs:
     if _check(a, b, "auto", "auto", 1.0, None) != "polyhedra":
         raise UnsupportedPair("contact_pairs is for polyhedra; first_contact(..., method='algebraic') lists features")
     parts, _, _ = pieces(a, b, span)
-    stats = Stats()
+    stats = NO_WORK
     met: list[Pair] = []
     pierced: list[Pair] = []
     for problem, with_start in problems_in_order(a, b, parts):
         found = all_pairs(problem, with_start=with_start)
         if found.open is not None:
             raise FirstContactError("a pair of elements cannot be decided in this irrational pose")
-        stats += Stats(found.visits, found.tests, found.unsure, found.exact)
+        stats = _added(stats, found)
         met += found.pairs
         pierced += [pair for pair, _ in found.start]
     return ContactPairs(
@@ -239,6 +241,16 @@ def _starts_at_once(found: Found) -> bool:
 def _undecided(reason: str, free_until: float, stats: Stats, begin: float, shared: dict[str, Any]) -> FirstContact:
     return FirstContact(
         Status.UNDECIDED, free_until=free_until, reason=reason, stats=_timed(stats, begin), **shared
+    )
+
+
+def _added(stats: Stats, found: Any) -> Stats:
+    """The work so far with that of one more search."""
+    return Stats(
+        stats.node_visits + found.visits,
+        stats.pair_tests + found.tests,
+        stats.undecided + found.unsure,
+        stats.exact_evaluations + found.exact,
     )
 
 

@@ -15,37 +15,35 @@ from firstcontact.search.elements import EDGE, FACE, VERTEX, Feature
 from firstcontact.search.touch import doubles
 
 _NAMES = {VERTEX: "vertex", EDGE: "edge", FACE: "face"}
-_ORDER = {"vertex": 0, "edge": 1, "face": 2}
 MOST_OTHERS = 100
 
 
-def element(body: Any, found: Feature, default: str) -> Element:
-    """The element of the user's body: polygons instead of triangles, points instead of their stand-ins."""
+def _users(body: Any, found: Feature) -> Feature:
+    """The element as users count: polygons instead of triangles, points instead of their stand-ins."""
     if isinstance(body, Moving):
         body = body.body
     kind, index = found
-    name = body.name or default
     if kind == FACE:
-        return Element("face", name, int(body.triangle_face[index]), name)
+        return FACE, int(body.triangle_face[index])
     if kind == EDGE and index >= len(body._segments):
-        return Element("vertex", name, index - len(body._segments), name)
+        return VERTEX, index - len(body._segments)
     if kind == EDGE and index >= len(body.edges):  # a diagonal of a polygon belongs to its face
         triangle = int(np.argwhere(body._side_edge == index)[0, 0])
-        return Element("face", name, int(body.triangle_face[triangle]), name)
-    return Element(_NAMES[kind], name, index, name)
+        return FACE, int(body.triangle_face[triangle])
+    return found
 
 
 def element_pairs(a: Any, b: Any, pairs: list[Pair]) -> list[tuple[ElementPair, Pair]]:
     """The pairs in users' terms with the search's own behind each, each once, lowest first."""
-    seen: dict[ElementPair, Pair] = {}
+    first, second = a.name or "a", b.name or "b"
+    seen: dict[tuple[Feature, Feature], Pair] = {}
     for pair in pairs:
-        seen.setdefault(ElementPair(element(a, pair[1], "a"), element(b, pair[2], "b")), pair)
-    return sorted(seen.items(), key=lambda item: _rank(item[0]))
+        seen.setdefault((_users(a, pair[1]), _users(b, pair[2])), pair)
+    return [(ElementPair(_named(first, x), _named(second, y)), seen[x, y]) for x, y in sorted(seen)]
 
 
-def _rank(pair: ElementPair) -> tuple[int, int, int, int]:
-    x, y = pair.element_a, pair.element_b
-    return _ORDER[x.kind], x.index, _ORDER[y.kind], y.index
+def _named(name: str, element: Feature) -> Element:
+    return Element(_NAMES[element[0]], name, element[1], name)
 
 
 def contact_of(problem: Any, found: Found, exact: bool, stats: Stats, shared: dict[str, Any]) -> FirstContact:

@@ -19,15 +19,13 @@ from firstcontact.exact.numbers import (
     Undecidable,
     ball,
     ball_bounds,
-    nearest_double,
     precision,
     sign,
     to_double,
 )
 from firstcontact.exact.surd import Surd, sign_two_radicals, surd
 
-# Precision of the balls that stand in for exact angles at first.
-BALL_BITS = 192
+QUARTER = 0.5 * math.pi
 
 
 def enclose(number: Callable[[], Any]) -> tuple[float, tuple[float, float]]:
@@ -36,24 +34,27 @@ def enclose(number: Callable[[], Any]) -> tuple[float, tuple[float, float]]:
     The precision rises until the double is certain; a number that lies exactly between two doubles, or is known
     as a ball only, ends with the best there is.
     """
-    with precision(PRECISIONS[0]):
-        value = number()
-    if isinstance(value, fmpq):
-        t = to_double(value)
-        if math.isinf(t):
-            largest = math.copysign(sys.float_info.max, t)
-            return t, (min(t, largest), max(t, largest))
-        exact = fmpq(*t.as_integer_ratio())
-        if exact == value:
-            return t, (t, t)
-        return t, ((t, math.nextafter(t, math.inf)) if exact < value else (math.nextafter(t, -math.inf), t))
     for bits in PRECISIONS:
         with precision(bits):
-            x = ball(value if bits == PRECISIONS[0] else number())
-            near, around = nearest_double(x), ball_bounds(x)
-        if near is not None:
-            return near, around
-    return float(x.mid()), around
+            value = number()
+            if isinstance(value, fmpq):
+                return _around(value)
+            x = ball(value)
+            lo, hi = float(x.lower()), float(x.upper())  # each rounds to nearest, which is monotone
+        if lo == hi:
+            break
+    return lo if lo == hi else float(x.mid()), (math.nextafter(lo, -math.inf), math.nextafter(hi, math.inf))
+
+
+def _around(value: fmpq) -> tuple[float, tuple[float, float]]:
+    t = to_double(value)
+    if math.isinf(t):
+        largest = math.copysign(sys.float_info.max, t)
+        return t, (min(t, largest), max(t, largest))
+    exact = fmpq(*t.as_integer_ratio())
+    if exact == value:
+        return t, (t, t)
+    return t, ((t, math.nextafter(t, math.inf)) if exact < value else (math.nextafter(t, -math.inf), t))
 
 
 def same_instant(x: Any, y: Any) -> bool:
@@ -119,6 +120,8 @@ class AngleInstant:
         return 0 if s > 0 or (s == 0 and self.X.sign() >= 0) else 1
 
     def is_zero(self) -> bool:
+        if self._rational and self.bounds()[0] > 0.0:
+            return False
         return self.Y.sign() == 0 and self.X.sign() >= 0
 
     def compare(self, other: Any) -> int:
@@ -128,7 +131,6 @@ class AngleInstant:
             return -1
         if lo > other_hi:
             return 1
-        other = exact_angle(other)
         if not (self._rational and other._rational):
             return sign(self.local() - other.local())
         if self._half() != other._half():
@@ -153,9 +155,9 @@ class AngleInstant:
 
     def _enclosed(self) -> arb:
         """`local` of a rational one."""
-        if self.Y.sign() == 0:
-            return arb(0) if self.X.sign() >= 0 else arb.pi()
         bits, angle = ctx.prec, self._seen()
+        if angle is None and self.Y.sign() == 0:
+            return arb(0) if self.X.sign() >= 0 else arb.pi()
         while angle is None:  # Y is not zero: some precision shows its sign
             bits *= 2
             with precision(bits):
@@ -173,6 +175,9 @@ class AngleInstant:
 
     def quarter(self) -> int | None:
         """0 .. 3 when the angle is that many quarter turns exactly."""
+        lo, hi = self.bounds()
+        if math.floor(lo / QUARTER - 4e-15) == math.floor(hi / QUARTER + 4e-15):
+            return None  # all whole numbers of quarters lie outside the bounds, by more than these divisions round
         x, y = self.X.sign(), self.Y.sign()
         return {(1, 0): 0, (0, 1): 1, (-1, 0): 2, (0, -1): 3}.get((x, y))
 
@@ -182,61 +187,6 @@ class AngleInstant:
         n = R.x * R.x - R.y * R.y * R.d
         inverse = Surd(R.x / n, -R.y / n, R.d)
         return X * inverse, Y * inverse
-
-
-class DeferredInstant:
-    """An angle known as a ball, from the same formulas at BALL_BITS; its exact form is made where that is not enough.
-
-    Most instants are compared with others far away and rounded to a double: the ball does both.
-    """
-
-    __slots__ = ("_ball", "_exact", "_make", "near")
-
-    def __init__(self, near: AngleInstant, make: Callable[[], AngleInstant]) -> None:
-        self.near, self._make = near, make
-        self._exact: AngleInstant | None = None
-        self._ball = near.local()  # at BALL_BITS: evaluated again with fewer, its balls may straddle zero
-        near._bounds = ball_bounds(self._ball)
-        near._settled = True
-
-    def exact(self) -> AngleInstant:
-        if self._exact is None:
-            self._exact = self._make()
-        return self._exact
-
-    def bounds(self) -> tuple[float, float]:
-        return self.near.bounds()
-
-    def local(self) -> arb:
-        return self._ball if ctx.prec <= BALL_BITS else self.exact().local()
-
-    def compare(self, other: Any) -> int:
-        (lo, hi), (other_lo, other_hi) = self.bounds(), other.bounds()
-        if hi < other_lo or lo > other_hi:
-            return -1 if hi < other_lo else 1
-        with precision(BALL_BITS):
-            gap = self._ball - other.local()
-        if gap > 0 or gap < 0:
-            return 1 if gap > 0 else -1
-        return self.exact().compare(exact_angle(other))
-
-    def is_zero(self) -> bool:
-        return self.bounds()[0] <= 0.0 and self.exact().is_zero()
-
-    def is_rational(self) -> bool:
-        return True
-
-    def quarter(self) -> int | None:
-        x, y = self.near.X.ball(), self.near.Y.ball()
-        return None if not (x.contains(0) or y.contains(0)) else self.exact().quarter()
-
-    def cosine_sine(self) -> tuple[Surd, Surd]:
-        return self.exact().cosine_sine()
-
-
-def exact_angle(x: Any) -> Any:
-    """The exact form of an instant of a rotation."""
-    return x.exact() if isinstance(x, DeferredInstant) else x
 
 
 def _angle(x: arb, y: arb) -> arb:

@@ -38,14 +38,26 @@ def along(p: Vector, t: Any, v: Vector) -> Vector:
     return p[0] + t * v[0], p[1] + t * v[1], p[2] + t * v[2]
 
 
-def whole(*points: Vector) -> tuple[fmpz, list[Vector]]:
-    """(scale > 0, the rational points times it as fmpz): sums of whole numbers have no denominators to find."""
+def whole(*points: Vector, per: Any = 1) -> tuple[fmpz, list[Vector]]:
+    """(scale > 0, the rational points times it as fmpz): sums of whole numbers have no denominators to find.
+
+    per: a number of which the scale is to be a multiple.
+    """
     denominators = [x.q for p in points for x in p]
     scale = max(denominators)  # of numbers that come from doubles, their common multiple at once
-    for q in denominators:
+    for q in (*denominators, per):
         if scale % q:
             scale = scale.lcm(q)
     return scale, [tuple(x.p * (scale / x.q) for x in p) for p in points]  # type: ignore[misc]
+
+
+def whole_doubles(points: list[list[float]], per: fmpz) -> tuple[fmpz, list[Vector]]:
+    """`whole` of points given by doubles."""
+    ratios = [x.as_integer_ratio() for p in points for x in p]
+    scale = per.lcm(max([q for _, q in ratios]))  # powers of two: their common multiple
+    factor = int(scale)
+    numbers = iter([fmpz(n * (factor // q)) for n, q in ratios])
+    return scale, list(zip(numbers, numbers, numbers))  # noqa: B905 - three of one iterator
 
 
 def ratio(x: Any, y: Any) -> Any:

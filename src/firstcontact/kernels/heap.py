@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import uncounted
 
 
-@kernel
+@uncounted
 def heap_push(keys, pairs, n, key, a, b):
     """Add (key, a, b) to the first n entries; the caller has checked the room.  Returns n + 1."""
     i = n
@@ -21,7 +21,7 @@ def heap_push(keys, pairs, n, key, a, b):
     return n + 1
 
 
-@kernel
+@uncounted
 def heap_pop(keys, pairs, n):
     """Remove the first of n entries (the caller has read it).  Returns n - 1."""
     n -= 1

@@ -35,6 +35,9 @@ from firstcontact.motion.translation import Translation
 
 _0 = fmpq(0)
 REST = Translation((0, 0, 0))
+# Motions of which two may be one, and all that polyhedra can be followed under.
+SIMPLE = Translation | Rotation
+SUPPORTED = SIMPLE | Screw | RationalMotion
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,7 +152,7 @@ def _simple(motion: Any) -> Any:
 
 def _supported(body: Any, motion: Any, where: str = "") -> Any:
     """The motion, if polyhedra can be followed under it."""
-    if not isinstance(motion, Translation | Rotation | Screw | RationalMotion):
+    if not isinstance(motion, SUPPORTED):
         raise UnsupportedPair(
             f"{where}{motion!r} of {_who(body)}: polyhedra take Translation, Rotation, Screw, RationalMotion, "
             "Trajectory and a Sequence of them"
@@ -227,7 +230,7 @@ def _reduce(a: Any, b: Any, step_a: _Step, step_b: _Step, start: fmpq, end: fmpq
 
 
 def _is_straight_or_turn(step: _Step) -> bool:
-    return isinstance(step.motion, Translation | Rotation)
+    return isinstance(step.motion, SIMPLE)
 
 
 def _curved(a: Any, b: Any, step_a: _Step, step_b: _Step, start: fmpq, end: fmpq | None) -> CurvedPiece:

@@ -31,9 +31,9 @@ def common_span(a: Any, b: Any, span: Any) -> tuple[fmpq, fmpq | None]:
     InputError where a motion has no poses in all of it, where it is malformed, or where the motions share no time.
     """
     motions = [m.motion for m in (a, b) if isinstance(m, Moving)]
-    bounded = [(m, ends) for m in motions if (ends := limits(m)) is not None]
+    own = [limits(m) for m in motions]
     if span is None:
-        spans = [limits(m) or UNIT for m in motions] or [UNIT]
+        spans = [limit or UNIT for limit in own] or [UNIT]
         if len(spans) == 1:
             return spans[0]
         first, end = max(s[0] for s in spans), min(s[1] for s in spans)
@@ -49,8 +49,8 @@ def common_span(a: Any, b: Any, span: Any) -> tuple[fmpq, fmpq | None]:
     last = None if endless else rational(hi, "span end")
     if last is not None and last < first:
         raise InputError(f"span is {span!r}; its end lies before its start")
-    for motion, (begin, end) in bounded:
-        if first < begin or last is None or last > end:
-            own = to_double(begin), to_double(end)
-            raise InputError(f"span {span!r} leaves the span {own} of the {type(motion).__name__}")
+    for motion, limit in zip(motions, own, strict=True):
+        if limit is not None and (first < limit[0] or last is None or last > limit[1]):
+            ends = to_double(limit[0]), to_double(limit[1])
+            raise InputError(f"span {span!r} leaves the span {ends} of the {type(motion).__name__}")
     return first, last

@@ -10,8 +10,12 @@ D lam, D (1 - lam), D mu and D (1 - mu) to have one common sign, zeros allowed, 
 
 from __future__ import annotations
 
+from typing import Any
+
+from flint import fmpz
+
 from firstcontact.exact.numbers import sign
-from firstcontact.exact.vectors import Vector, cross, dot, ratio, sub
+from firstcontact.exact.vectors import Vector, along, cross, dot, ratio, scaled, sub
 from firstcontact.exact.windows import ALWAYS, Window, hull
 from firstcontact.kernels.jit import kernel
 from firstcontact.kernels.verdict import CERTAIN, DET_EPS, NONE, TINY, UNSURE, cross_size, quotient, slack3
@@ -93,10 +97,9 @@ def translation_window(a: Vector, b: Vector, c: Vector, d: Vector, v: Vector) ->
     if s == 0:
         return _degenerate_window(a, b, c, d, v)
     h = cross(v, w)
-    if sign(dot(h, f)) * s < 0 or sign(dot(cross(v, sub(b, c)), f)) * s < 0:
-        return None
-    if sign(dot(h, e)) * s < 0 or sign(dot(cross(v, sub(a, d)), e)) * s < 0:
-        return None
+    for share in (dot(h, f), dot(h, e)):  # D lam and D mu
+        if sign(share) * s < 0 or sign(den - share) * s < 0:
+            return None
     t = ratio(dot(w, g), den)
     return t, t
 
@@ -128,6 +131,16 @@ def segments_meet(a: Vector, b: Vector, c: Vector, d: Vector) -> bool:
     return any(point_line.on_segment(p, q, r) for p, q, r in ends)
 
 
+def contact_place(a: Vector, b: Vector, c: Vector, d: Vector, v: Vector, t: Any) -> tuple[Any, Any, Any, Any]:
+    """`contact_point` as numerators and denominator, of whole numbers without divisions."""
+    e, f, w = sub(b, a), sub(d, c), sub(c, a)
+    h = cross(v, e)
+    den = dot(h, f)
+    if type(den) is not fmpz or den == 0:
+        return *contact_point(a, b, c, d, v, t), 1
+    return *along(scaled(den, c), -dot(h, w), f), den
+
+
 def contact_point(a: Vector, b: Vector, c: Vector, d: Vector, v: Vector, t: object) -> Vector:
     """A shared point of ab + t v and cd, given that there is one; exact, frame of cd."""
     shift = (t * v[0], t * v[1], t * v[2])  # type: ignore[operator]
@@ -142,10 +155,3 @@ def contact_point(a: Vector, b: Vector, c: Vector, d: Vector, v: Vector, t: obje
         if point_line.on_segment(r, s0, s1):  # type: ignore[arg-type]
             return r  # type: ignore[return-value]
     raise ArithmeticError("contact_point was asked for segments that do not meet")
-
-
-def normal(a: Vector, b: Vector, c: Vector, d: Vector) -> Vector:
-    """Direction across both edges, zero where they are parallel."""
-    return cross(sub(b, a), sub(d, c))
-
-

@@ -276,7 +276,8 @@ def rotation_contacts(axis: Axis, a: Vector, b: Vector, c: Vector, d: Vector) ->
         return _horizontal(axis, a, b, c, d) if sign(wz) == 0 else []
     # points of equal heights: a + lam e and c + mu f, n lam = k + s fz, n mu = l + s ez; p + s u and q + s v are n
     # times these points
-    n, k, l = ez * ez + fz * fz, wz * ez, -wz * fz  # noqa: E741
+    way = sign(ez) or sign(fz)
+    n, k, l = (way * ez, way * wz, 0 * wz) if sign(ez) else (way * fz, 0 * wz, -way * wz)  # noqa: E741
     p, q = along(scaled(n, a), k, e), along(scaled(n, c), l, f)
     u, v = scaled(fz, e), scaled(ez, f)
     # squares of radii are equal where squares are: p and q, u and v are equally high

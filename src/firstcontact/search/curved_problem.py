@@ -24,7 +24,7 @@ from firstcontact.search.containment import decide
 from firstcontact.search.elements import EDGE, FACE, VERTEX, Feature, Primitive, corners_of
 from firstcontact.search.frame import tree_of
 from firstcontact.search.state import WalkState
-from firstcontact.search.touch import Touch, doubles, unit_against
+from firstcontact.search.touch import Touch, doubles, spanning, unit_against
 from firstcontact.search.tree import Tree
 from firstcontact.search.walk import walk
 from firstcontact.search.windows import collect
@@ -150,7 +150,7 @@ class CurvedProblem:
                 back = inverse(pose, self.piece.is_rigid)
                 own = apply([tuple(x[0] for x in row) for row in back], point)  # type: ignore[arg-type]
                 velocity = apply(speed, own)  # type: ignore[arg-type]
-                normal = unit_against(_normal(element_a, moved, element_b, rest), velocity)
+                normal = unit_against(cross(*spanning(moved), *spanning(rest)), velocity)
             if normal is not None:
                 break
         return doubles(point), normal
@@ -158,14 +158,6 @@ class CurvedProblem:
 
 def _balls(p: Vector) -> Vector:
     return ball(p[0]), ball(p[1]), ball(p[2])
-
-
-def _normal(element_a: Feature, a: list[Vector], element_b: Feature, b: list[Vector]) -> Vector:
-    if element_a[0] == VERTEX:
-        return cross(sub(b[1], b[0]), sub(b[2], b[0]))
-    if element_b[0] == VERTEX:
-        return cross(sub(a[1], a[0]), sub(a[2], a[0]))
-    return cross(sub(a[1], a[0]), sub(b[1], b[0]))
 
 
 def _shared_point(element_a: Feature, a: list[Vector], element_b: Feature, b: list[Vector]) -> Vector:

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+from flint import fmpz
+
 from firstcontact.exact.rigid import Matrix, apply
+from firstcontact.exact.vectors import Vector, scaled, whole, whole_doubles
 from firstcontact.pairs.line_line import segments_meet
 from firstcontact.pairs.segment_facet import APART, relation
 from firstcontact.search.state import EDGE_EDGE, EDGE_FACE, FACE_EDGE, FACE_VERTEX, VERTEX_FACE
@@ -33,18 +36,41 @@ def feature(tree: Tree, kind: int, part: int, local: int) -> Feature:
     return FACE, primitive
 
 
-def corners_of(body: Any, element: Feature) -> list[Any]:
-    """Exact corners: one of a vertex, two of an edge (both the same for a bare point), three of a triangle."""
+def _vertices_of(body: Any, element: Feature) -> list[int]:
+    """Its corners: one of a vertex, two of an edge (both the same for a bare point), three of a triangle."""
     kind, index = element
     if kind == VERTEX:
-        return [body.exact_vertex(index)]
+        return [index]
     if kind == EDGE:
         if index >= len(body._segments):
-            point = body.exact_vertex(index - len(body._segments))
-            return [point, point]
-        i, j = body._segments[index].tolist()
-        return [body.exact_vertex(i), body.exact_vertex(j)]
-    return [body.exact_vertex(i) for i in body.triangles[index].tolist()]
+            return [index - len(body._segments)] * 2
+        return body._segments[index].tolist()
+    return body.triangles[index].tolist()
+
+
+def corners_of(body: Any, element: Feature) -> list[Any]:
+    """The exact corners of the element."""
+    return [body.exact_vertex(i) for i in _vertices_of(body, element)]
+
+
+def whole_corners(
+    a: Any, element_a: Feature, b: Any, element_b: Feature, per: fmpz, vector: Vector
+) -> tuple[Any, list[Vector], list[Vector], Vector]:
+    """(scale > 0, scale times the corners of both elements, scale times vector / per), all whole numbers.
+
+    Sums of whole numbers have no denominators to find.  Corners in irrational poses are balls, and the scale is `per`.
+    """
+    if a._pose is not None or b._pose is not None:
+        x, y = ([scaled(per, p) for p in corners_of(*which)] for which in ((a, element_a), (b, element_b)))
+        return per, x, y, vector
+    first, second = _vertices_of(a, element_a), _vertices_of(b, element_b)
+    if a.error == 0.0 and b.error == 0.0:  # the coordinates are the doubles
+        doubles = [a.vertices[i].tolist() for i in first] + [b.vertices[i].tolist() for i in second]
+        scale, points = whole_doubles(doubles, per)
+    else:
+        exact = [a.exact_vertex(i) for i in first] + [b.exact_vertex(i) for i in second]
+        scale, points = whole(*exact, per=per)
+    return scale, points[: len(first)], points[len(first) :], scaled(scale / per, vector)
 
 
 class Primitive:

@@ -14,7 +14,7 @@ import numpy as np
 from numba.extending import overload
 
 from firstcontact.kernels.angle import ANGLE_EPS, TWO_PI
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import kernel, uncounted
 from firstcontact.kernels.verdict import CERTAIN, NONE, UNSURE
 from firstcontact.pairs.line_line_rotation import rotation_filter as edge_edge
 from firstcontact.pairs.point_plane_rotation import rotation_filter as vertex_facet
@@ -28,7 +28,7 @@ from firstcontact.search.windows import meeting_window, part_windows
 _SLACK = 8.0 * ANGLE_EPS  # two angles, their difference and a sum, each within ANGLE_EPS
 
 
-@kernel
+@uncounted
 def entry_angle(motion, a, b, pad, first, last):
     """An angle not later than any contact of nodes a and b in [first, last]; inf when there is none."""
     i, j = a, int(motion[motion.shape[0] - 1, 2]) + b
@@ -55,7 +55,7 @@ def _events(
     motion, pa, mask_a, xa, pb, mask_b, xb, sides, err_a, err_b, floats, integers, times, candidates
 ):
     end = motion.shape[0] - 1
-    cx, cy = motion[end, 0], motion[end, 1]
+    cx, cy, first = motion[end, 0], motion[end, 1], floats[FIRST]
     points_only = (mask_a & POINT and mask_b & FACET) or (mask_b & POINT and mask_a & FACET)
     for s in range(3):
         if not mask_a & (sides << s) or points_only:
@@ -70,8 +70,10 @@ def _events(
                 xa[i] - cx, xa[i + 1] - cy, xa[i + 2], xa[j] - cx, xa[j + 1] - cy, xa[j + 2],
                 xb[k] - cx, xb[k + 1] - cy, xb[k + 2], xb[m] - cx, xb[m + 1] - cy, xb[m + 2], err_a, err_b,
             )  # fmt: skip
-            note(floats, integers, times, candidates, EDGE_EDGE, pa, s, pb, r, v0, lo0, hi0)
-            note(floats, integers, times, candidates, EDGE_EDGE, pa, s, pb, r, v1, lo1, hi1)
+            if v0 != NONE and hi0 >= first and lo0 <= floats[BEST]:
+                record(floats, integers, times, candidates, EDGE_EDGE, pa, s, pb, r, v0, lo0, hi0)
+            if v1 != NONE and hi1 >= first and lo1 <= floats[BEST]:
+                record(floats, integers, times, candidates, EDGE_EDGE, pa, s, pb, r, v1, lo1, hi1)
     for s in range(3):
         i = 3 * s
         if mask_a & (1 << (CORNER + s)) and mask_b & FACET:
@@ -80,8 +82,10 @@ def _events(
                 xa[i] - cx, xa[i + 1] - cy, xa[i + 2], xb[0] - cx, xb[1] - cy, xb[2],
                 xb[3] - cx, xb[4] - cy, xb[5], xb[6] - cx, xb[7] - cy, xb[8], err_a, err_b,
             )  # fmt: skip
-            note(floats, integers, times, candidates, VERTEX_FACE, pa, s, pb, WHOLE, v0, lo0, hi0)
-            note(floats, integers, times, candidates, VERTEX_FACE, pa, s, pb, WHOLE, v1, lo1, hi1)
+            if v0 != NONE and hi0 >= first and lo0 <= floats[BEST]:
+                record(floats, integers, times, candidates, VERTEX_FACE, pa, s, pb, WHOLE, v0, lo0, hi0)
+            if v1 != NONE and hi1 >= first and lo1 <= floats[BEST]:
+                record(floats, integers, times, candidates, VERTEX_FACE, pa, s, pb, WHOLE, v1, lo1, hi1)
         if mask_b & (1 << (CORNER + s)) and mask_a & FACET:
             integers[TESTS] += 1
             # the facet turns forward: in the mirror image y -> -y the vertex turns forward past the facet
@@ -89,15 +93,10 @@ def _events(
                 xb[i] - cx, cy - xb[i + 1], xb[i + 2], xa[0] - cx, cy - xa[1], xa[2],
                 xa[3] - cx, cy - xa[4], xa[5], xa[6] - cx, cy - xa[7], xa[8], err_b, err_a,
             )  # fmt: skip
-            note(floats, integers, times, candidates, FACE_VERTEX, pa, WHOLE, pb, s, v0, lo0, hi0)
-            note(floats, integers, times, candidates, FACE_VERTEX, pa, WHOLE, pb, s, v1, lo1, hi1)
-
-
-@kernel
-def note(floats, integers, times, candidates, kind, part_a, side_a, part_b, side_b, verdict, lo, hi):
-    """Record a possible contact that may lie in the window."""
-    if verdict != NONE and hi >= floats[FIRST] and lo <= floats[BEST]:
-        record(floats, integers, times, candidates, kind, part_a, side_a, part_b, side_b, verdict, lo, hi)
+            if v0 != NONE and hi0 >= first and lo0 <= floats[BEST]:
+                record(floats, integers, times, candidates, FACE_VERTEX, pa, WHOLE, pb, s, v0, lo0, hi0)
+            if v1 != NONE and hi1 >= first and lo1 <= floats[BEST]:
+                record(floats, integers, times, candidates, FACE_VERTEX, pa, WHOLE, pb, s, v1, lo1, hi1)
 
 
 @overload(earliest_meeting)

@@ -18,9 +18,7 @@ from flint import arb, fmpq
 from firstcontact.errors import InputError
 from firstcontact.exact.algebraic import algebraic
 from firstcontact.exact.instants import (
-    BALL_BITS,
     AngleInstant,
-    DeferredInstant,
     LimitInstant,
     compare_angles,
     enclose,
@@ -33,7 +31,6 @@ from firstcontact.exact.numbers import (
     ball_bounds,
     dyadic,
     fraction,
-    nearest_double,
     precision,
     sign,
     to_double,
@@ -50,17 +47,15 @@ from firstcontact.result import ExactAngle
 from firstcontact.search import rotate  # noqa: F401 - the walk under this motion
 from firstcontact.search.containment import contained
 from firstcontact.search.cylinder import COLUMNS
-from firstcontact.search.elements import EDGE, VERTEX, Feature, Primitive, corners_of
+from firstcontact.search.elements import EDGE, VERTEX, Feature, Primitive, corners_of, whole_corners
 from firstcontact.search.frame import frame_of, view_in
 from firstcontact.search.state import WalkState
-from firstcontact.search.touch import Touch, as_balls, place_ball, place_doubles, rotation_normal
+from firstcontact.search.touch import Touch, place_doubles, rotation_normal
 from firstcontact.search.tree import Tree
 from firstcontact.search.walk import walk
 from firstcontact.search.windows import collect
 
 Angle = tuple[fmpq, fmpq]  # radians, turns
-# Length (bits) of the squared axis up to which rational angles are as quick as balls.
-SHORT_AXIS = 40
 
 _ZERO = fmpq(0), fmpq(0)
 _FULL = fmpq(0), fmpq(1)
@@ -84,13 +79,14 @@ class RotationProblem:
         assert piece.axis is not None and piece.point is not None
         self.a, self.b, self.piece = a, b, piece
         self.is_exact = a._pose is None and b._pose is None
-        self._contacts: dict[tuple[Feature, Feature], list[Any]] = {}
-        self._exact_contacts: dict[tuple[Feature, Feature], list[Contact]] = {}
+        self._contacts: dict[tuple[Feature, Feature], list[Contact]] = {}
         self.backward = _sign_of_angle(piece.rate) < 0
         sense = -1 if self.backward else 1
         self.rate = sense * piece.rate[0], sense * piece.rate[1]
         h, self.origin = piece.axis, piece.point
         _, (direction,) = whole(h)
+        per, (origin,) = whole(self.origin)
+        self._whole_origin = per, origin
         self._whole_axis = Axis(scaled(-1, direction) if self.backward else direction)
         self.first, self.opening, self.turn = _ZERO, _ZERO, 0
         if piece.reference != piece.start:
@@ -100,7 +96,7 @@ class RotationProblem:
         self.last = None if piece.end is None else self._angle_at(piece.end)
         if self.last is not None and self.turn:
             self.last = self.last[0], self.last[1] - self.turn
-        self._known_corners: dict[tuple[Feature, Feature], tuple[list[Vector], list[Vector]]] = {}
+        self._known_corners: dict[tuple[Feature, Feature], Any] = {}
         self._window: tuple[float, float] | None = None
         self._prepare()
 
@@ -189,73 +185,38 @@ class RotationProblem:
             state.floats, state.integers, state.keys, state.pairs, state.stack, state.times, state.candidates,
         )  # fmt: skip
 
-    def _corners(self, element_a: Feature, element_b: Feature) -> tuple[list[Vector], list[Vector]]:
-        """Exact corners about the axis' point; of rational bodies they are kept, precision does not change them."""
+    def _corners(self, element_a: Feature, element_b: Feature) -> tuple[Any, list[Vector], list[Vector]]:
+        """(scale, scale times the exact corners about the axis' point); kept, unless they depend on the precision."""
         key = element_a, element_b
         found = self._known_corners.get(key)
         if found is None:
-            o = self.origin
-            found = (
-                [sub(p, o) for p in corners_of(self.a, element_a)],
-                [sub(p, o) for p in corners_of(self.b, element_b)],
-            )
+            scale, a, b, o = whole_corners(self.a, element_a, self.b, element_b, *self._whole_origin)
+            found = (scale, [sub(p, o) for p in a], [sub(p, o) for p in b]) if any(o) else (scale, a, b)
             if self.is_exact:
                 self._known_corners[key] = found
         return found
 
-    def contacts(self, element_a: Feature, element_b: Feature) -> list[Any]:
-        """All contacts of the two elements during one full turn: (instant, point of b about `origin`).
-
-        About an oblique axis the rational numbers grow long: instants are balls first, rational where they must be.
-        """
-        if not self.is_exact:  # balls depend on the precision
-            return self._find_contacts(self.axis, element_a, element_b, *self._corners(element_a, element_b))
+    def contacts(self, element_a: Feature, element_b: Feature) -> list[Contact]:
+        """All contacts of the two elements during one full turn: (instant, point of b about `origin`)."""
         key = element_a, element_b
+        if not self.is_exact:  # balls depend on the precision
+            return self._find_contacts(*key)
         if key not in self._contacts:
-            short = self._whole_axis.K.bit_length() <= SHORT_AXIS
-            self._contacts[key] = self.exact_contacts(*key) if short else self._deferred_contacts(*key)
+            self._contacts[key] = self._find_contacts(*key)
         return self._contacts[key]
 
-    def exact_contacts(self, element_a: Feature, element_b: Feature) -> list[Contact]:
-        """The same with all numbers rational, or square roots of rationals."""
-        key = element_a, element_b
-        if key not in self._exact_contacts:
-            self._exact_contacts[key] = self._whole_contacts(*key)
-        return self._exact_contacts[key]
-
-    def _whole_contacts(self, element_a: Feature, element_b: Feature) -> list[Contact]:
-        """Exact contacts of corners scaled to whole numbers: angles stay, and no sum has to find a denominator."""
-        corners_a, corners_b = self._corners(element_a, element_b)
-        scale, corners = whole(*corners_a, *corners_b)
-        n = len(corners_a)
-        found = self._find_contacts(self._whole_axis, element_a, element_b, corners[:n], corners[n:])
-        return [(instant, (x, y, z, w * scale)) for instant, (x, y, z, w) in found]
-
-    def _deferred_contacts(self, element_a: Feature, element_b: Feature) -> list[Any]:
-        corners_a, corners_b = self._corners(element_a, element_b)
-        with precision(BALL_BITS):
-            try:
-                found = self._find_contacts(
-                    self.axis.as_balls(), element_a, element_b,
-                    [as_balls(p) for p in corners_a], [as_balls(p) for p in corners_b],
-                )  # fmt: skip
-                # certain signs lead the exact formulas the same way: the lists correspond
-                return [
-                    (DeferredInstant(at, lambda k=k: self.exact_contacts(element_a, element_b)[k][0]), point)  # type: ignore[misc]
-                    for k, (at, point) in enumerate(found)
-                ]
-            except Undecidable:
-                return self.exact_contacts(element_a, element_b)
-
-    def _find_contacts(
-        self, axis: Axis, element_a: Feature, element_b: Feature, corners_a: list[Vector], corners_b: list[Vector]
-    ) -> list[Contact]:
+    def _find_contacts(self, element_a: Feature, element_b: Feature) -> list[Contact]:
+        """The contacts from corners in whole numbers: angles stay, and no sum has to find a denominator."""
+        scale, a, b = self._corners(element_a, element_b)
+        axis = self._whole_axis
         if element_a[0] == VERTEX:
-            return point_plane_rotation.rotation_contacts(axis, corners_a[0], *corners_b)
-        if element_b[0] == VERTEX:
-            found = point_plane_rotation.rotation_contacts(axis.reversed(), corners_b[0], *corners_a)
-            return [(instant, (*corners_b[0], 1)) for instant, _ in found]
-        return line_line_rotation.rotation_contacts(axis, *corners_a, *corners_b)
+            found = point_plane_rotation.rotation_contacts(axis, a[0], *b)  # type: ignore[call-arg]
+        elif element_b[0] == VERTEX:
+            back = point_plane_rotation.rotation_contacts(axis.reversed(), b[0], *a)  # type: ignore[call-arg]
+            found = [(instant, (*b[0], 1)) for instant, _ in back]
+        else:
+            found = line_line_rotation.rotation_contacts(axis, *a, *b)  # type: ignore[call-arg]
+        return [(instant, (x, y, z, w * scale)) for instant, (x, y, z, w) in found]
 
     def contact(self, element_a: Feature, element_b: Feature) -> AngleInstant | None:
         """The earliest angle of the window at which the two elements share a point; exact."""
@@ -414,16 +375,11 @@ class RotationProblem:
 
     def touch(self, element_a: Feature, element_b: Feature, at: Any) -> Touch:
         """(point, unit normal or None) of the two elements at the instant, working frame."""
-        corners_a, corners_b = self._corners(element_a, element_b)
         contacts = self.contacts(element_a, element_b)
         point = next(q for instant, q in contacts if same_instant(instant, at))
-        with precision(BALL_BITS):
-            where: Any = [nearest_double(x) for x in place_ball(point)]
-        if None in where:
-            if self.is_exact:
-                point = next(q for instant, q in self.exact_contacts(element_a, element_b) if same_instant(instant, at))
-            where = place_doubles(point)
-        normal = rotation_normal(element_a, corners_a, element_b, corners_b, self.axis, point, where, at)
+        where = place_doubles(point)
+        _, corners_a, corners_b = self._corners(element_a, element_b)
+        normal = rotation_normal(corners_a, corners_b, self._whole_axis, point, where, at)
         return np.array([x + to_double(y) for x, y in zip(where, self.origin, strict=True)]), normal
 
     def world_instant(self, at: Any, turn: int = 0) -> tuple[float, tuple[float, float]]:
@@ -432,8 +388,10 @@ class RotationProblem:
         return enclose(lambda: self._time(at.local(), turn) if exact is None else exact)
 
     def _time(self, angle: arb, turn: int = 0) -> arb:
-        per_time = angle_ball(self.rate[0], "radians") + angle_ball(self.rate[1], "turns")
-        return self.piece.reference + (angle + 2 * (turn + self.turn) * arb.pi()) / per_time
+        radians, turns = self.rate
+        per_time = angle_ball(turns, "turns") + radians if turns else arb(radians)
+        passed = turn + self.turn
+        return self.piece.reference + (angle_ball(fmpq(passed), "turns") + angle if passed else angle) / per_time
 
     def _rational_time(self, at: Any, turn: int = 0) -> fmpq | None:
         """The time where it is rational because the angle is: quarter turns, the limits of the motion."""

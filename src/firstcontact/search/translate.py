@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 from numba.extending import overload
 
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import kernel, uncounted
 from firstcontact.kernels.verdict import NONE, UNSURE
 from firstcontact.pairs.line_line import translation_filter as edge_edge
 from firstcontact.pairs.point_plane import translation_filter as vertex_facet
@@ -24,7 +24,7 @@ from firstcontact.search.walk import (
 from firstcontact.search.windows import meeting_window, part_windows
 
 
-@kernel
+@uncounted
 def entry_time(motion, boxes_a, a, boxes_b, b, pad, first, last):
     """A time not later than any contact of box a and box b in [first, last]; inf when there is none.
 

@@ -12,13 +12,13 @@ from flint import arb, fmpq
 from firstcontact.exact.instants import RationalInstant, enclose
 from firstcontact.exact.numbers import dyadic, fraction, sign, to_double
 from firstcontact.exact.rigid import Matrix, shift
-from firstcontact.exact.vectors import Vector, whole
+from firstcontact.exact.vectors import Vector, dot, whole
 from firstcontact.exact.windows import ALWAYS, Window, clip, hull
 from firstcontact.motion.relative import Piece
 from firstcontact.pairs import line_line, point_plane, segment_facet
 from firstcontact.search import translate  # noqa: F401 - the walk under this motion
 from firstcontact.search.containment import contained
-from firstcontact.search.elements import EDGE, VERTEX, Feature, Primitive, corners_of
+from firstcontact.search.elements import EDGE, VERTEX, Feature, Primitive, corners_of, whole_corners
 from firstcontact.search.frame import shared_frame, tree_of, view_in
 from firstcontact.search.state import WalkState
 from firstcontact.search.touch import Touch, translation_touch
@@ -39,29 +39,26 @@ class TranslationProblem:
         self.is_exact = a._pose is None and b._pose is None
         per, (v,) = whole(self.v)
         self._whole_velocity = per, v
-        self._known_corners: dict[tuple[Feature, Feature], tuple[list[Vector], list[Vector]]] = {}
+        self._known_corners: dict[tuple[Feature, Feature], Any] = {}
         self.last = None if piece.end is None else piece.end - piece.start
         self.tree_a, self.tree_b = tree_of(a), tree_of(b)
         self._prepare()
 
     def _prepare(self) -> None:
         """Boxes and their velocity in the frame that suits the bodies; parts and their velocity as they are."""
-        v = np.array([to_double(x) for x in self.v])
+        v = framed = [to_double(x) for x in self.v]
         frame = None if self.last is None else shared_frame(self.a, self.b)
         if frame is None:
-            self.boxes_a, self.boxes_b, framed = self.tree_a.boxes, self.tree_b.boxes, v
+            self.boxes_a, self.boxes_b = self.tree_a.boxes, self.tree_b.boxes
             self.pad = 2.0 * (self.tree_a.error + self.tree_b.error)
         else:
             view_a, view_b = view_in(self.a, frame), view_in(self.b, frame)
-            self.boxes_a, self.boxes_b, framed = view_a.boxes, view_b.boxes, np.array(frame) @ v
+            self.boxes_a, self.boxes_b = view_a.boxes, view_b.boxes
+            framed = [x if abs(x) >= 1e-300 else 0.0 for x in (dot(row, v) for row in frame)]  # type: ignore[arg-type]
             # the framed velocity is off by 4 roundings of sums over |v|: so much per unit of time
-            drift = 2.0**-50 * float(np.abs(v).sum()) * self.window()[0]
+            drift = 2.0**-50 * sum(map(abs, v)) * self.window()[0]
             self.pad = 2.0 * (view_a.error + view_b.error + drift)
-            framed[np.abs(framed) < 1e-300] = 0.0
-        self.velocity = np.empty(9)
-        self.velocity[:3], self.velocity[6:] = framed, v
-        with np.errstate(divide="ignore", over="ignore"):
-            np.divide(1.0, framed, out=self.velocity[3:6])
+        self.velocity = np.array([*framed, *(1.0 / x if x else math.inf for x in framed), *v])
 
     def window(self) -> tuple[float, float]:
         """(last, sure last): outward and inward doubles around the end of the window."""
@@ -81,29 +78,20 @@ class TranslationProblem:
             state.floats, state.integers, state.keys, state.pairs, state.stack, state.times, state.candidates,
         )  # fmt: skip
 
-    def _corners(self, element_a: Feature, element_b: Feature) -> tuple[Any, Any]:
-        """Exact corners of the two elements; of rational bodies they are kept, precision does not change them."""
+    def _corners(self, element_a: Feature, element_b: Feature) -> Any:
+        """`whole_corners` with the velocity; of rational bodies they are kept, precision does not change them."""
         key = element_a, element_b
         found = self._known_corners.get(key)
         if found is None:
-            found = corners_of(self.a, element_a), corners_of(self.b, element_b)
+            found = whole_corners(self.a, element_a, self.b, element_b, *self._whole_velocity)
             if self.is_exact:
                 self._known_corners[key] = found
         return found
 
     def contact(self, element_a: Feature, element_b: Feature) -> RationalInstant | None:
         """The earliest time of the window at which the two elements share a point; exact."""
-        corners_a, corners_b = self._corners(element_a, element_b)
-        if not self.is_exact:
-            window = _window(element_a, corners_a, element_b, corners_b, self.v)
-        else:
-            # S (p + t v) = S p + (S t / m) m v, in whole numbers but for the time
-            scale, corners = whole(*corners_a, *corners_b)
-            n, (per, v) = len(corners_a), self._whole_velocity
-            window = _window(element_a, corners[:n], element_b, corners[n:], v)
-            unit = fmpq(per, scale)
-            window = window and tuple(t if t is None else unit * t for t in window)  # type: ignore[assignment]
-        clipped = clip(window, (ZERO, self.last))
+        _, corners_a, corners_b, v = self._corners(element_a, element_b)
+        clipped = clip(_window(element_a, corners_a, element_b, corners_b, v), (ZERO, self.last))
         return None if clipped is None else RationalInstant(clipped[0])
 
     def possible(self, element_a: Feature, element_b: Feature) -> float:
@@ -211,8 +199,8 @@ class TranslationProblem:
 
     def touch(self, element_a: Feature, element_b: Feature, at: RationalInstant) -> Touch:
         """(point, unit normal or None) of the two elements at the instant, working frame."""
-        corners_a, corners_b = self._corners(element_a, element_b)
-        return translation_touch(element_a, corners_a, element_b, corners_b, self.v, at)
+        scale, corners_a, corners_b, v = self._corners(element_a, element_b)
+        return translation_touch(element_a, corners_a, element_b, corners_b, v, scale, at)
 
 
 def _window(element_a: Feature, a: Any, element_b: Feature, b: Any, v: Vector) -> Window | None:

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from firstcontact.kernels.heap import heap_pop, heap_push
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import uncounted
 from firstcontact.kernels.verdict import CERTAIN, NONE, UNSURE
 from firstcontact.pairs.segment_facet import crossing_filter
 from firstcontact.search.state import (
@@ -71,13 +71,13 @@ def test_events(motion, pa, mask_a, xa, pb, mask_b, xb, sides, err_a, err_b, flo
 test_events.__test__ = False  # type: ignore[attr-defined]  # no test, whatever its name says to collectors
 
 
-@kernel
+@uncounted
 def area(boxes, node):
     x, y, z = boxes[node, 3] - boxes[node, 0], boxes[node, 4] - boxes[node, 1], boxes[node, 5] - boxes[node, 2]
     return x * y + y * z + z * x
 
 
-@kernel
+@uncounted
 def record(floats, integers, times, candidates, kind, part_a, side_a, part_b, side_b, verdict, lo, hi):
     """Note a contact that is certain or unsure; a certain one bounds the search."""
     if verdict == CERTAIN and (lo < floats[SURE_FIRST] or hi > floats[SURE_LAST]):
@@ -99,7 +99,7 @@ def record(floats, integers, times, candidates, kind, part_a, side_a, part_b, si
     integers[CANDIDATES] = n + 1
 
 
-@kernel
+@uncounted
 def boxes_overlap(x, y, pad):
     return not (
         x[0] > y[3] + pad or x[1] > y[4] + pad or x[2] > y[5] + pad
@@ -107,7 +107,7 @@ def boxes_overlap(x, y, pad):
     )  # fmt: skip
 
 
-@kernel
+@uncounted
 def meet_at_start(pa, mask_a, xa, pb, mask_b, xb, err_a, err_b, floats, integers, times, candidates):
     """Edges of either part against the facet of the other at the start; True when they certainly cross."""
     for s in range(3):
@@ -138,7 +138,7 @@ def meet_at_start(pa, mask_a, xa, pb, mask_b, xb, err_a, err_b, floats, integers
     return False
 
 
-@kernel
+@uncounted
 def walk(
     boxes_a, links_a, xyz_a, ids_a, boxes_b, links_b, xyz_b, ids_b,
     motion, err_a, err_b, pad, with_start, all_sides, limit,
