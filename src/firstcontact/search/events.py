@@ -26,12 +26,10 @@ from firstcontact.kernels.event_search import (
     VISITS,
     search,
 )
-from firstcontact.kernels.feature_boxes import COLUMNS, IMAGES, POINTS, STACK
-from firstcontact.kernels.moving_forms import MODELS
-from firstcontact.kernels.workspace import workspace
 from firstcontact.search.advance import Advance
 from firstcontact.search.charts import NotCharted
 from firstcontact.search.event_tables import Tables, tables_of
+from firstcontact.search.instants import Instant, scratch_for
 from firstcontact.search.shared_points import shared_point
 from firstcontact.search.stretches import Untold, Window, below, windows
 
@@ -68,12 +66,7 @@ class _Search:
         self.counters = np.zeros(4, np.int64)
         self.pool, self.work = np.empty((CAPACITY, 8)), np.empty((CAPACITY, 8))
         self.result = np.zeros(4)
-        shapes = (6,), (POINTS, 4), (IMAGES, 4), (7, COLUMNS), (3, 2), (3,)
-        scratch = [np.zeros(shape) for shape in shapes]
-        stack = np.zeros(STACK, np.int64)
-        self.memory = (
-            workspace()[0], np.zeros((3, MODELS)), tables.table.copy(), *scratch, stack, np.zeros((FRAMES, 4))
-        )
+        self.scratch, self.frames = scratch_for(tables), np.zeros((FRAMES, 4))
 
     def run(self, last: fmpq) -> Advance:
         start = self.windows[0]
@@ -85,7 +78,7 @@ class _Search:
             if outcome == SPENT:
                 return self._answer("open", max(window.first, float(self.result[0])), reason="budget")
             if outcome != FREE:
-                return self._contact(last)
+                return self._contact(window, last)
         return self._answer("free", self.windows[-1].last)
 
     def _searched(self, boxes: np.ndarray, window: Window, first: float, last: float, budget: int) -> int:
@@ -97,16 +90,17 @@ class _Search:
         self.pool[:count, 6], self.pool[:count, 7] = first, last
         return int(search(
             t.charts, t.info, t.pairs, t.layout, t.program, t.raw, t.kinds, t.kinds_of, t.units, window.a, window.b,
-            *self.memory, self.pool, self.work, count, first, last, LEAST * self.width, budget, self.result,
-            self.counters,
+            *self.scratch, self.frames, self.pool, self.work, count, first, last, LEAST * self.width, budget,
+            self.result, self.counters,
         ))  # fmt: skip
 
-    def _contact(self, last: fmpq) -> Advance:
+    def _contact(self, window: Window, last: fmpq) -> Advance:
         """The contact in the slab that the search stopped at, if a common point soon after is proved."""
         lo, hi = float(self.result[0]), float(self.result[1])
         count, start = int(self.result[2]), int(self.result[3])
         boxes = self.pool[start : start + count].copy()
-        found = shared_point(self.bodies, self.tables, boxes, lo, hi, self.width, last)
+        instant = Instant(self.tables, window, self.scratch)
+        found = shared_point(self.bodies, instant, boxes, lo, hi, self.width, last)
         if found is None:
             return self._answer("open", lo, reason="precision")
         return self._answer(

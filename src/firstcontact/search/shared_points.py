@@ -27,13 +27,12 @@ from firstcontact.motion.rotation import Rotation, angle_ball
 from firstcontact.motion.screw import Screw
 from firstcontact.search.advance import Feature
 from firstcontact.search.event_tables import Tables, crossing_surfaces
+from firstcontact.search.instants import NEAR, Instant
 from firstcontact.search.stretches import _index, known_steps
 
 BITS = 256
 TRIED = 8
 """Pairs of features that survive the search at a contact, for which it is made precise."""
-NEAR = 1e-6
-"""Part of the body's size within which surfaces count as passing through the contact."""
 RANKS = {Vertex: 0, Edge: 1, Face: 2}
 
 
@@ -80,31 +79,44 @@ def ball_pose(body: Any, t: fmpq) -> Matrix:
 
 
 def shared_point(
-    bodies: tuple[Any, Any], tables: Tables, boxes: np.ndarray, lo: float, hi: float, width: float, last: fmpq
+    bodies: tuple[Any, Any], instant: Instant, boxes: np.ndarray, lo: float, hi: float, width: float, last: fmpq
 ) -> Shared | None:
     """A common point at a time within `width` after lo and not after `last`, from boxes that survive [lo, hi]."""
-    with precision(BITS):
-        events = _events(bodies, tables, boxes, lo, lo + width)
-        for event in events:
-            latest = lo + 0.98 * width
-            soon = math.nextafter(math.nextafter(max(event.time, lo), math.inf), math.inf)
-            for at in (soon, min(max(soon, hi) + 0.05 * width, latest), latest):
-                if not lo <= at <= latest or exact_value(at) > last:
-                    continue
-                if _proved(event, at):
-                    return event.answer(at)
+    latest = lo + 0.98 * width
+    for in_doubles in (True, False):
+        with precision(BITS):
+            for event in _events(bodies, instant, boxes, lo, latest, in_doubles):
+                for at in _times(max(event.time, lo), hi, width, latest, in_doubles):
+                    if not lo <= at <= latest or exact_value(at) > last:
+                        continue
+                    if _shares(instant, event, at) if in_doubles else _proved(event, at):
+                        return event.answer(instant, at)
     return None
+
+
+def _times(event: float, hi: float, width: float, latest: float, in_doubles: bool) -> list[float]:
+    """When to look for a common point: balls prove one at once, doubles where it is deeper than their errors."""
+    if in_doubles:
+        return [min(event + 0.1 * width, latest), latest]
+    soon = math.nextafter(math.nextafter(event, math.inf), math.inf)
+    return [soon, min(max(soon, hi) + 0.05 * width, latest), latest]
+
+
+def _shares(instant: Instant, event: _Event, at: float) -> bool:
+    own, other = event.models()
+    return instant.place(at, at) and instant.shares_point_near(event.side, event.local, (own.tree, other.tree))
 
 
 @dataclass
 class _Event:
-    """own: the body whose feature is parametrised; x: the event's place in its frame."""
+    """own: the body whose feature is parametrised; x: the event's place in its frame, local: in its units."""
 
     bodies: tuple[Any, Any]
     side: int
     own: Face | Edge | Vertex
     other: Face | Edge | Vertex
     x: list[fmpq]
+    local: np.ndarray
     time: float
 
     def models(self) -> tuple[CompositeQuadric, CompositeQuadric]:
@@ -118,38 +130,39 @@ class _Event:
             inverse_map(ball_pose(self.bodies[1 - self.side], t)), ball_pose(self.bodies[self.side], t)
         )
 
-    def answer(self, at: float) -> Shared:
-        poses = [_middles(ball_pose(body, exact_value(self.time))) for body in self.bodies]
+    def answer(self, instant: Instant, at: float) -> Shared:
+        instant.place(self.time, self.time)
+        poses = instant.poses()
         rows = poses[self.side]
         frames = [[*pose[:, :3].ravel().tolist(), *pose[:, 3].tolist()] for pose in poses]
         inverses = [[*np.linalg.inv(pose[:, :3]).ravel().tolist(), 0.0, 0.0, 0.0] for pose in poses]
         where = rows[:, :3] @ np.array([to_double(c) for c in self.x]) + rows[:, 3]
-        where[np.abs(where) < 2.0**-120 * np.abs(where).max()] = 0.0  # what Newton's steps leave of a zero
+        where[np.abs(where) < 2.0**-50 * np.abs(where).max()] = 0.0  # what rounding leaves of a zero
         own, other = (_named(self.own),), (_named(self.other),)
         return Shared(
-            min(self.time, at), at, where, self._normal(rows),
+            min(self.time, at), at, where, self._normal(where, rows, poses[1 - self.side]),
             *((own, other) if self.side == 0 else (other, own)), [*frames, [], [], *inverses],
         )  # fmt: skip
 
-    def _normal(self, rows: np.ndarray) -> np.ndarray | None:
-        """Unit, in the world, from b towards a."""
-        own, other = self.models()
-        there = np.array([[float(c.mid()) for c in row] for row in self.relative(exact_value(self.time))])
-        x = np.array([to_double(c) for c in self.x])
-        y = there[:, :3] @ x + there[:, 3]
-        mine = _outward(own, self.own, x)
-        theirs = [there[:, :3].T @ n for n in _outward(other, self.other, y)]
+    def _normal(self, where: np.ndarray, mine: np.ndarray, theirs: np.ndarray) -> np.ndarray | None:
+        """Unit, in the world, from b towards a; poses of the own and the other model."""
+        outward = [
+            [np.linalg.solve(pose[:, :3].T, n) for n in _outward(model, feature, _local(pose, where))]
+            for model, feature, pose in zip(self.models(), (self.own, self.other), (mine, theirs), strict=True)
+        ]
         if isinstance(self.other, Face):
-            n = theirs[0]
-        elif len(mine) < 2 or len(theirs) < 2:
+            n = outward[1][0]
+        elif len(outward[0]) < 2 or len(outward[1]) < 2:
             return None
         else:
-            n = np.cross(np.cross(mine[0], mine[1]), np.cross(theirs[0], theirs[1]))
-            way = float(n @ (theirs[0] + theirs[1] - mine[0] - mine[1]))
-            n = n * np.sign(way)
-        turned = np.linalg.solve(rows[:, :3].T, n) * (1 if self.side == 0 else -1)
-        length = float(np.linalg.norm(turned))
-        return turned / length if length > 0.0 else None
+            n = np.cross(np.cross(*outward[0][:2]), np.cross(*outward[1][:2]))
+            n = n * np.sign(float(n @ (outward[1][0] + outward[1][1] - outward[0][0] - outward[0][1])))
+        length = float(np.linalg.norm(n)) * (1 if self.side == 0 else -1)
+        return n / length if length else None
+
+
+def _local(pose: np.ndarray, where: np.ndarray) -> np.ndarray:
+    return np.linalg.solve(pose[:, :3], where - pose[:, 3])
 
 
 def _named(feature: Face | Edge | Vertex) -> Feature:
@@ -171,9 +184,11 @@ def _outward(body: CompositeQuadric, feature: Face | Edge | Vertex, x: np.ndarra
 
 
 def _events(
-    bodies: tuple[Any, Any], tables: Tables, boxes: np.ndarray, earliest: float, latest: float
+    bodies: tuple[Any, Any], instant: Instant, boxes: np.ndarray, earliest: float, latest: float, in_doubles: bool
 ) -> list[_Event]:
-    """The events in the boxes, the earliest first; they may be that much later than the boxes."""
+    """The events in the boxes, the earliest first, those at one time by their features; they may be that much later
+    than the boxes."""
+    tables = instant.tables
     found: list[_Event] = []
     seen: dict[tuple[int, int], np.ndarray] = {}
     for box in boxes:
@@ -182,10 +197,16 @@ def _events(
     ordered = sorted(seen.values(), key=lambda box: _rank(tables, box))
     for box in ordered[:TRIED]:
         event = _event(bodies, tables, box)
-        if not _refine(event, tables, box) or not earliest <= event.time <= latest:
+        if in_doubles:
+            precise = instant.refined(box)
+            if precise is not None and earliest <= precise[2] <= latest:
+                event = _event(bodies, tables, np.insert(box[:2], 2, precise[[0, 0, 1, 1, 2, 2]]))
+        elif not _refine(event, tables, box) or not earliest <= event.time <= latest:
             event = _event(bodies, tables, box)
         found.append(event)
-    return sorted(found, key=lambda event: event.time)  # stable: the lowest features first
+    same = 0.01 * (latest - earliest)  # times that close are one as far as doubles tell
+    first = min((event.time for event in found), default=0.0)
+    return sorted(found, key=lambda event: event.time if event.time > first + same else first)
 
 
 def _rank(tables: Tables, box: np.ndarray) -> tuple[int, ...]:
@@ -200,11 +221,12 @@ def _event(bodies: tuple[Any, Any], tables: Tables, box: np.ndarray) -> _Event:
     u, v = box[2], box[4]
     x = np.array([1.0, u, v, u * u, u * v, v * v]) @ tables.charts[chart, :24].reshape(6, 4)
     own = tables.features[chart]
-    place = tables.units[side, :3] + tables.units[side, 3] * x[:3] / x[3]
+    local = x[:3] / x[3]
+    place = tables.units[side, :3] + tables.units[side, 3] * local
     where = [exact_value(c) for c in place]
     if isinstance(own, Vertex):
         where = [dyadic(arb(c.mid())) for c in enclosure(own.carrier)]
-    return _Event(bodies, side, own, tables.others[int(box[PAIR])], where, float(0.5 * (box[6] + box[7])))
+    return _Event(bodies, side, own, tables.others[int(box[PAIR])], where, local, float(0.5 * (box[6] + box[7])))
 
 
 def _refine(event: _Event, tables: Tables, box: np.ndarray) -> bool:
