@@ -71,7 +71,7 @@ def test_a_larger_world_changes_nothing(bodies):
 
 
 def test_few_boxes_leave_it_undecided(bodies):
-    hit = fc.first_contact(bodies["pin"], bodies["plate"], budget=500)
+    hit = fc.first_contact(bodies["pin"], bodies["plate"], budget=100)
     assert hit.status is fc.Status.UNDECIDED and hit.reason == "budget" and hit.free_until < PIN_TOUCHES
 
 
@@ -181,13 +181,12 @@ def test_models_hold_the_forms_they_stand_for(bodies, slab):
     pin, plate = bodies["pin"], bodies["plate"]
     t = tables_of(pin.body, plate)
     window = windows(pin, plate, fmpq(0), fmpq(1))[0]
-    models, row, table = np.zeros((3, moving_forms.MODELS)), np.zeros(6), t.table.copy()
+    models, z, table = np.zeros((3, moving_forms.MODELS)), np.zeros((feature_boxes.ROWS, feature_boxes.WIDTH)), t.table.copy()
     assert event_search.place_slab(
-        *slab, window.a, window.b, t.raw, t.kinds, t.units, t.layout, workspace()[0], models, table, row
+        *slab, window.a, window.b, t.raw, t.kinds, t.units, t.layout, workspace()[0], models, table, z
     )
     rng = np.random.default_rng(5)
-    shapes = (feature_boxes.POINTS, 4), (feature_boxes.IMAGES, 4), (7, feature_boxes.COLUMNS)
-    x, y, e = (np.zeros(shape) for shape in shapes)
+    e, row = z[feature_boxes.ZEROTH :], z[feature_boxes.SLAB]
     checked = 0
     for box in rng.permutation(t.still)[:60]:
         k = int(box[0])
@@ -195,10 +194,10 @@ def test_models_hold_the_forms_they_stand_for(bodies, slab):
         scale = 2.0 ** -rng.integers(0, 8)
         u, hu, v, hv = box[2], box[3] * scale, box[4], box[5] * scale
         s, hs = rng.uniform(-0.5, 0.5), 0.5 * scale
-        if not feature_boxes.place_box(t.charts, k, u, hu, v, hv, x):
+        if not feature_boxes.place_box(t.charts, k, u, hu, v, hv, z):
             continue
         for f in range(int(t.layout[1 - side, 7])):
-            feature_boxes.model(table, t.kinds_of, base + f, s, hs, x, np.int64(2), y, e, np.int64(0))
+            feature_boxes.model(table, base + f, s, hs, z, np.int64(2), feature_boxes.ZEROTH)
             for a, b, c in rng.uniform(-1, 1, size=(4, 3)):
                 time = row[0] + row[1] * (s + hs * c)
                 true = plain(t, pin, side, f, k, u, hu, v, hv, a, b, time)

@@ -43,7 +43,7 @@ from firstcontact.kernels.workspace import (
     VERTEX,
     workspace,
 )
-from firstcontact.search.convex import ConvexPieces, NotConvex, convex_pieces
+from firstcontact.search.convex import ConvexPieces, NotConvex, convex_pieces, covering_pieces
 from firstcontact.search.stretches import Untold, Window, windows
 
 REASONS = {SPENT: "budget"}
@@ -84,15 +84,18 @@ class Advance:
     gaps: int = 0
 
 
-def advance(a: Any, b: Any, first: Any, last: Any, tolerance: float = 1e-12, budget: int = 10_000) -> Advance:
+def advance(
+    a: Any, b: Any, first: Any, last: Any, tolerance: float = 1e-12, budget: int = 10_000, covering: bool = False
+) -> Advance:
     """The first common point of two bodies (CompositeQuadric, or Moving ones) over the closed [first, last].
 
     first, last: finite fmpq or numbers; tolerance: width of `time_interval` over the span; budget: strides at most.
+    covering: of pieces that cover the bodies.
     """
     begin, end = _exact(first), _exact(last)
     try:
         bodies: list[Any] = [x.body if isinstance(x, Moving) else x for x in (a, b)]
-        pieces = [convex_pieces(body) for body in bodies]
+        pieces = [(covering_pieces if covering else convex_pieces)(body) for body in bodies]
         stretches = windows(a, b, begin, end)
     except (NotConvex, Untold) as reason:
         return Advance("open", below(begin), reason=str(reason), beyond=isinstance(reason, NotConvex))

@@ -5,7 +5,8 @@ All surfaces are read from the table that the search for events keeps for a slab
 
 from __future__ import annotations
 
-from functools import lru_cache
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
 from itertools import product
 from typing import Any, NamedTuple
 
@@ -21,6 +22,7 @@ from firstcontact.kernels.event_search import (
     END,
     EQUATIONS,
     FORM,
+    HALF,
     OTHER,
     OTHER_BEGIN,
     OTHER_END,
@@ -33,16 +35,18 @@ from firstcontact.kernels.event_search import (
     place_slab,
 )
 from firstcontact.kernels.feature_boxes import (
-    COLUMNS,
-    IMAGES,
+    ABOUT,
+    CURVED,
+    HERE,
     INSIDE,
     PLAIN,
-    POINTS,
+    ROWS,
+    SLAB,
     SLOPE_T,
     SLOPE_U,
-    SPARE,
     STACK,
     VALUE,
+    WIDTH,
     ZEROTH,
     membership,
     model,
@@ -61,6 +65,8 @@ MOST_NEAR = 9
 """Surfaces through a contact, all sign patterns of which are looked at."""
 RANK = 1e-7
 """Singular values of unit gradients below this are rounding errors."""
+WORST = 1e9
+"""Entries of an inverse from which on it counts as singular."""
 STEPS = 4
 """Newton's steps at most; from a box of the search two suffice."""
 
@@ -71,19 +77,13 @@ class Scratch(NamedTuple):
     workspace: np.ndarray
     models: np.ndarray
     table: np.ndarray
-    slab: np.ndarray
-    x: np.ndarray
-    y: np.ndarray
-    e: np.ndarray
-    d: np.ndarray
-    shares: np.ndarray
+    boxes: np.ndarray
     stack: np.ndarray
 
 
 def scratch_for(tables: Tables) -> Scratch:
-    shapes = (6,), (POINTS, 4), (IMAGES, 4), (7, COLUMNS), (3, 2), (3,)
-    arrays = [np.zeros(shape) for shape in shapes]
-    return Scratch(workspace()[0], np.zeros((3, MODELS)), tables.table.copy(), *arrays, np.zeros(STACK, np.int64))
+    boxes, stack = np.zeros((ROWS, WIDTH)), np.zeros(STACK, np.int64)
+    return Scratch(workspace()[0], np.zeros((3, MODELS)), tables.table.copy(), boxes, stack)
 
 
 class Instant:
@@ -97,7 +97,7 @@ class Instant:
         t, s = self.tables, self.scratch
         return bool(place_slab(
             first, last, self.window.a, self.window.b, t.raw, t.kinds, t.units, t.layout, s.workspace, s.models,
-            s.table, s.slab,
+            s.table, s.boxes,
         ))  # fmt: skip
 
     def poses(self) -> list[np.ndarray]:
@@ -120,14 +120,14 @@ class Instant:
         for _ in range(STEPS):
             if not self.place(z[2] - half, z[2] + half):
                 return None
-            if not place_box(t.charts, chart, z[0], TINY, z[1], TINY, s.x):
+            if not place_box(t.charts, chart, z[0], TINY, z[1], TINY, s.boxes):
                 return None
             values, slopes = self._equations(t.info[chart, 0], pair)
-            slopes = slopes[:, columns] / np.array([TINY, TINY, s.slab[1]])[columns]
-            sizes = np.abs(slopes).max(axis=1, keepdims=True)
-            if not (np.all(sizes > 0.0) and np.all(np.isfinite(slopes))) or np.linalg.cond(slopes / sizes) > 1e9:
+            slopes = slopes[:, columns] / np.array([TINY, TINY, s.boxes[SLAB, HALF]])[columns]
+            back = _inverse(slopes)
+            if back is None:
                 return None
-            step = np.linalg.solve(slopes, values)
+            step = back @ values
             z[columns] -= step
             if np.abs(z - start).max() > NEAR:
                 return None
@@ -137,82 +137,116 @@ class Instant:
 
     def _equations(self, side: Any, pair: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         t, s = self.tables, self.scratch
-        base, e, n = t.layout[side, OTHER], s.e, int(pair[EQUATIONS])
-        for form, deep, row in ((pair[FORM], pair[DEEP], ZEROTH), (pair[OTHER_FORM], PLAIN, pair[EQUATIONS] - 1)):
+        base, end = t.layout[side, OTHER], ZEROTH + pair[EQUATIONS]
+        for form, deep, row in ((pair[FORM], pair[DEEP], ZEROTH), (pair[OTHER_FORM], PLAIN, end - 1)):
             if form >= 0:
-                model(s.table, t.kinds_of, base + form, 0.0, 1.0, s.x, deep, s.y, e, row)
-        return e[:n, VALUE].copy(), e[:n, SLOPE_U : SLOPE_T + 1].copy()
+                model(s.table, base + form, 0.0, 1.0, s.boxes, deep, row)
+        found = s.boxes[ZEROTH:end]
+        return found[:, VALUE].copy(), found[:, SLOPE_U : SLOPE_T + 1].copy()
 
     # -- a common point --------------------------------------------------------------------------------------
 
-    def shares_point_near(self, side: int, x: np.ndarray, trees: tuple[Tree, Tree]) -> bool:
-        """Whether a point near x, in units of the body of that side, is proved inside both models now.
-
-        trees: of that model and of the other one.
-        """
-        step = inward(*self._linear(side, x), trees)
-        return step is not None and self._is_inside(side, x + step)
-
-    def _linear(self, side: int, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, int]:
-        """(values (n,), gradients (n, 3), sizes of second derivatives (n,); how many of the own model come first)."""
+    def forms_at(self, side: int, x: np.ndarray) -> Forms:
+        """All forms at x, in units of the body of that side, now."""
         t = self.tables
         own, other = (int(t.layout[side, k]) for k in (OWN, OTHER))
         n, m = int(t.layout[side, COUNT]), int(t.layout[1 - side, COUNT])
-        rows = np.r_[own : own + n, other : other + m]
-        table, planes = self.scratch.table[rows, 0], t.kinds_of[rows] == 0
+        table = np.concatenate([self.scratch.table[own : own + n], self.scratch.table[other : other + m]])
+        flat, forms = table[:, ABOUT, CURVED] == 0.0, table[:, 0].reshape(-1, 4, 4)
         point = np.append(x, 1.0)
-        images = table.reshape(-1, 4, 4) @ point
+        images = forms @ point
         values, gradients = images @ point, 2.0 * images[:, :3]
-        bends = np.abs(table.reshape(-1, 4, 4)[:, :3, :3]).max(axis=(1, 2))
-        values[planes], gradients[planes], bends[planes] = table[planes, :4] @ point, table[planes, :3], 0.0
-        return values, gradients, bends, n
+        bends = np.abs(forms[:, :3, :3]).max(axis=(1, 2))
+        values[flat], gradients[flat], bends[flat] = table[flat, 0, :4] @ point, table[flat, 0, :3], 0.0
+        return Forms(side, x, values, gradients, bends, n)
+
+    def shares_point_near(self, forms: Forms, trees: tuple[Tree, Tree]) -> bool:
+        """Whether a point nearby is proved inside both models; trees: of the own model and of the other one."""
+        step = forms.inward(trees)
+        return step is not None and self._is_inside(forms.side, forms.x + step)
 
     def _is_inside(self, side: int, x: np.ndarray) -> bool:
         t, s = self.tables, self.scratch
         chart = np.zeros((1, 25))
         chart[0, :3], chart[0, 3] = x, 1.0
-        if not place_box(chart, PLAIN, 0.0, 0.0, 0.0, 0.0, s.x):
+        if not place_box(chart, PLAIN, 0.0, 0.0, 0.0, 0.0, s.boxes):
             return False
         own, other = (OWN_BEGIN, OWN_END, OWN), (OTHER_BEGIN, OTHER_END, OTHER)
         for begin, end, base in (own, other):
             rows = t.layout[side]
             found = membership(
-                t.program, rows[begin], rows[end], PLAIN, rows[base], s.table, t.kinds_of, 0.0, 1.0, s.x, s.y,
-                s.e, SPARE, s.shares, s.stack,
+                t.program, rows[begin], rows[end], PLAIN, PLAIN, PLAIN, rows[base], s.table, 0.0, 1.0, s.boxes, HERE,
+                s.stack,
             )  # fmt: skip
             if found != INSIDE:
                 return False
         return True
 
 
-def inward(
-    values: np.ndarray, gradients: np.ndarray, bends: np.ndarray, count: int, trees: tuple[Tree, Tree]
-) -> np.ndarray | None:
-    """The step that leads deepest into both models, to first order; None where none does.
-
-    Surfaces pass through the point in some pattern of sides that lies inside both; a step d behind all of them at one
-    depth solves value_k + gradient_k d = side_k depth |gradient_k|.
-    """
-    lengths = np.linalg.norm(gradients, axis=1)
-    on = np.flatnonzero(np.abs(values) < NEAR * (lengths + NEAR * bends))
-    if len(on) > MOST_NEAR or np.any(lengths[on] <= NEAR * bends[on]):
+def _inverse(matrix: np.ndarray) -> np.ndarray | None:
+    """None where rounding errors may be more than a part of it."""
+    sizes = np.abs(matrix).max(axis=1)
+    if not sizes.min() > 0.0:
         return None
-    sides = _patterns(len(on))
-    negative: list[Any] = list(values < 0.0)
-    for k, side in zip(on.tolist(), sides.T, strict=True):
-        negative[k] = side < 0.0
-    held = inside(trees[0], negative[:count]) & inside(trees[1], negative[count:])
-    sides = sides[np.broadcast_to(held, len(sides))]
-    if not len(sides) or not len(on):
-        return np.zeros(3) if len(sides) else None
-    normals, distances = gradients[on] / lengths[on, None], values[on] / lengths[on]
-    system = np.concatenate([np.broadcast_to(normals, (len(sides), *normals.shape)), -sides[:, :, None]], axis=2)
-    steps = -(np.linalg.pinv(system, rcond=RANK) @ distances)[:, :3]
-    depths = (sides * (distances + steps @ normals.T)).min(axis=1)
-    best = int(np.argmax(depths))
-    return steps[best] if depths[best] > 0.0 else None
+    try:
+        found = np.linalg.inv(matrix / sizes[:, None])
+    except np.linalg.LinAlgError:
+        return None
+    return found / sizes if np.abs(found).max() < WORST else None
 
 
 @lru_cache(maxsize=MOST_NEAR + 1)
 def _patterns(n: int) -> np.ndarray:
     return np.array(list(product((-1.0, 1.0), repeat=n))).reshape(-1, n)
+
+
+@dataclass(frozen=True)
+class Forms:
+    """x: a point in units of the body of that side.  values (n,), gradients (n, 3), bends (n,): of all forms there, and
+    sizes of their second derivatives; the first `count` are of the own model."""
+
+    side: int
+    x: np.ndarray
+    values: np.ndarray
+    gradients: np.ndarray
+    bends: np.ndarray
+    count: int
+
+    @cached_property
+    def lengths(self) -> np.ndarray:
+        return np.sqrt((self.gradients**2).sum(axis=1))
+
+    @cached_property
+    def on(self) -> np.ndarray:
+        """Those that pass near the point."""
+        return np.flatnonzero(np.abs(self.values) < NEAR * (self.lengths + NEAR * self.bends))
+
+    def near(self) -> tuple[set[int], set[int]]:
+        """Those of the own model and of the other one, by their numbers."""
+        on = self.on.tolist()
+        return {k for k in on if k < self.count}, {k - self.count for k in on if k >= self.count}
+
+    def inward(self, trees: tuple[Tree, Tree]) -> np.ndarray | None:
+        """The step that leads deepest into both models, to first order; None where none does.
+
+        Surfaces pass through the point in some pattern of sides that lies inside both; a step d behind all of them at
+        one depth solves value_k + gradient_k d = side_k depth |gradient_k|.
+        """
+        on, count = self.on, self.count
+        lengths = self.lengths[on]
+        if len(on) > MOST_NEAR or np.any(lengths <= NEAR * self.bends[on]):
+            return None
+        sides = _patterns(len(on))
+        negative: list[Any] = list(self.values < 0.0)
+        for k, side in zip(on.tolist(), sides.T, strict=True):
+            negative[k] = side < 0.0
+        held = inside(trees[0], negative[:count]) & inside(trees[1], negative[count:])
+        sides = sides[np.broadcast_to(held, len(sides))]
+        if not len(sides) or not len(on):
+            return np.zeros(3) if len(sides) else None
+        normals, distances = self.gradients[on] / lengths[:, None], self.values[on] / lengths
+        system = np.concatenate([np.broadcast_to(normals, (len(sides), *normals.shape)), -sides[:, :, None]], axis=2)
+        steps = -(np.linalg.pinv(system, rcond=RANK) @ distances)[:, :3]
+        depths = (sides * (distances + steps @ normals.T)).min(axis=1)
+        best = int(np.argmax(depths))
+        return steps[best] if depths[best] > 0.0 else None

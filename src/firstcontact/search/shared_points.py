@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from flint import arb, fmpq
 
+from firstcontact.body.carriers import cross
 from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.csg import inside
 from firstcontact.body.features import Edge, Face, Vertex, enclosure
@@ -25,7 +26,8 @@ from firstcontact.kernels.event_search import CHART, FORM, OTHER_FORM, PAIR
 from firstcontact.motion.polynomial import REST, _own_pose
 from firstcontact.motion.rotation import Rotation, angle_ball
 from firstcontact.motion.screw import Screw
-from firstcontact.search.advance import Feature
+from firstcontact.search.advance import Advance, Feature
+from firstcontact.search.convex import covering_pieces
 from firstcontact.search.event_tables import Tables, crossing_surfaces
 from firstcontact.search.instants import NEAR, Instant
 from firstcontact.search.stretches import _index, known_steps
@@ -94,6 +96,47 @@ def shared_point(
     return None
 
 
+def proved_at(
+    bodies: tuple[Any, Any], instant: Instant, covers: Advance, times: Sequence[float], last: fmpq
+) -> float | None:
+    """The first of the times, none after `last`, at which a contact of pieces that cover the models is proved theirs.
+
+    A point near it is proved common, and no surface passes there but those of the features that it names.
+    """
+    models: list[Any] = [x.body if isinstance(x, Moving) else x for x in bodies]
+    units = instant.tables.units[0]
+    named = [
+        {k for kind, index in features for k in _feature(model, kind, index).surfaces}
+        for model, features in zip(models, (covers.features_a, covers.features_b), strict=True)
+    ]
+    for at in times:
+        if exact_value(at) > last or not instant.place(at, at):
+            continue
+        forms = instant.forms_at(0, (_local(instant.poses()[0], np.asarray(covers.point)) - units[:3]) / units[3])
+        if list(forms.near()) != named:
+            return None
+        if instant.shares_point_near(forms, (models[0].tree, models[1].tree)):
+            return at
+    return None
+
+
+def without_corners(model: CompositeQuadric, features: tuple[Feature, ...]) -> tuple[Feature, ...]:
+    """The features with vertices of the model for corners of pieces that cover it, those nearest."""
+    found = []
+    for kind, index in features:
+        if kind == "corner" and model.vertices:
+            where = covering_pieces(model).array[index, :3]
+            kind = "vertex"
+            index = min(model.vertices, key=lambda v: float(np.abs(np.array(v.position) - where).max())).index
+        found.append((kind, index))
+    return tuple(found)
+
+
+def _feature(model: CompositeQuadric, kind: str, index: int) -> Face | Edge | Vertex:
+    features: Any = {"face": model.faces, "edge": model.edges}.get(kind, model.vertices)
+    return next(x for x in features if x.index == index)
+
+
 def _times(event: float, hi: float, width: float, latest: float, in_doubles: bool) -> list[float]:
     """When to look for a common point: balls prove one at once, doubles where it is deeper than their errors."""
     if in_doubles:
@@ -104,7 +147,9 @@ def _times(event: float, hi: float, width: float, latest: float, in_doubles: boo
 
 def _shares(instant: Instant, event: _Event, at: float) -> bool:
     own, other = event.models()
-    return instant.place(at, at) and instant.shares_point_near(event.side, event.local, (own.tree, other.tree))
+    if not instant.place(at, at):
+        return False
+    return instant.shares_point_near(instant.forms_at(event.side, event.local), (own.tree, other.tree))
 
 
 @dataclass
@@ -147,7 +192,7 @@ class _Event:
     def _normal(self, where: np.ndarray, mine: np.ndarray, theirs: np.ndarray) -> np.ndarray | None:
         """Unit, in the world, from b towards a; poses of the own and the other model."""
         outward = [
-            [np.linalg.solve(pose[:, :3].T, n) for n in _outward(model, feature, _local(pose, where))]
+            [n @ np.linalg.inv(pose[:, :3]) for n in _outward(model, feature, _local(pose, where))]
             for model, feature, pose in zip(self.models(), (self.own, self.other), (mine, theirs), strict=True)
         ]
         if isinstance(self.other, Face):
@@ -155,7 +200,7 @@ class _Event:
         elif len(outward[0]) < 2 or len(outward[1]) < 2:
             return None
         else:
-            n = np.cross(np.cross(*outward[0][:2]), np.cross(*outward[1][:2]))
+            n = np.array(cross(cross(*outward[0][:2]), cross(*outward[1][:2])))
             n = n * np.sign(float(n @ (outward[1][0] + outward[1][1] - outward[0][0] - outward[0][1])))
         length = float(np.linalg.norm(n)) * (1 if self.side == 0 else -1)
         return n / length if length else None
