@@ -15,6 +15,8 @@ LYING = DRUM.rotated((1, 0, 0), degrees=90)
 ROOF = fc.box((1, 1, 1)).rotated((1, 0, 0), degrees=45)
 GUTTER = DRUM & fc.half_space((1, 0, 0), 0)
 FLOOR = fc.half_space((0, 0, 1), -3)
+DRILLED = fc.box((4, 3, 1)) - fc.cylinder("1/2", 2)
+ANGLE = DRILLED | fc.box((1, 3, 3)).translated((2, 0, 1))
 SCENES = {
     "box on box": (BOX, (0.3, 0.4, 6.0), BOX.translated((0.5, 0.1, 4)), "patch"),
     "boxes beside each other": (BOX, (6.0, 0.2, 0.1), BOX.translated((4, 0.3, -0.2)), "patch"),
@@ -29,6 +31,9 @@ SCENES = {
     "roof on box": (ROOF, (0.1, 0.2, 6.0), BOX.translated((0.3, 0.4, 4)), "segment"),
     "roof against lying drum": (ROOF.rotated((0, 0, 1), degrees=90), (0.1, 0.2, -6.0),
                                 LYING.translated((0.2, 0.3, -4)), "segment"),
+    "drilled plate beside its hole": (DRILLED, (0.1, 0.2, 6.0), BOX.translated((1.5, 0.3, 4)), "patch"),
+    "lying drum beside a hole": (LYING, (0.1, 0.2, 6.0), DRILLED.translated((1, 0, 4)), "segment"),
+    "angle on drilled plate": (ANGLE, (0.1, 0.2, -6.0), DRILLED.translated((-2, 1, -4)), "conic arc"),
     "gutter on box": (GUTTER, (6.0, 0.1, 0.2), BOX.translated((4, 0.3, 0.4)), "patch"),
 }  # fmt: skip
 

@@ -1,4 +1,4 @@
-"""What two convex models share where they touch along something flat: a segment, an arc, or a patch of a plane.
+"""What two models share where they touch along something flat: a segment, an arc, or a patch of a plane.
 
 For bodies that keep their directions.  Whether flat things are parallel is then decided exactly, from their carriers;
 they touch, so parallel ones lie in one line or plane, and doubles measure what both hold of it.  Doubles answer only
@@ -8,9 +8,9 @@ where every point they judge is clear of all surfaces but its own; all else is l
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import combinations, product
 from typing import Any
 
 import numpy as np
@@ -18,16 +18,18 @@ from flint import fmpq_mat
 
 from firstcontact.body.carriers import Conic, Line, Plane, QuarticCurve, Vector, cross, dot
 from firstcontact.body.composite_quadric import CompositeQuadric
-from firstcontact.body.csg import And, Leaf, Tree
+from firstcontact.body.csg import And, Leaf, Not, Tree, inside
 from firstcontact.body.features import Edge, Face, Vertex
 from firstcontact.body.moving import Moving
 from firstcontact.composite.contact_sets import SAMPLES, runs
 from firstcontact.composite.touched import Flat, Point
-from firstcontact.motion.sequence import Sequence
+from firstcontact.motion import sequence
 from firstcontact.motion.translation import Translation
 
 CLEAR = 1e-7
 """Of the size of its terms: a form smaller than that may vanish in truth."""
+
+IN, OUT = 1, 2
 
 Feature = Face | Edge | Vertex
 Pair = tuple[Feature, Feature, Point]
@@ -51,7 +53,8 @@ def keeps_directions(body: Any) -> bool:
     """Whether the body only shifts."""
     if not isinstance(body, Moving) or isinstance(body.motion, Translation):
         return True
-    return isinstance(body.motion, Sequence) and all(isinstance(step, Translation) for step in body.motion.steps)
+    steps = body.motion.steps if isinstance(body.motion, sequence.Sequence) else ()
+    return len(steps) > 0 and all(isinstance(step, Translation) for step in steps)
 
 
 def shared_set(
@@ -59,16 +62,24 @@ def shared_set(
     shifts: tuple[Point, Point],
     flats: tuple[list[Flat], list[Flat]],
     where: Point,
+    also: Sequence[tuple[set[int], set[int]]] | None = None,
 ) -> Shared | None:
-    """The contact set at the touched point `where`, of models shifted so; None where doubles do not tell."""
+    """The contact set at the touched point `where`, of models shifted so; None where doubles do not tell.
+
+    also: the surfaces of either that touch elsewhere then; None where that is not known, but for convex models.
+    """
     try:
         bodies = _Body(models[0], shifts[0]), _Body(models[1], shifts[1])
         pair = _parallel(*flats)
-        if pair is None:
+        if pair is None or (also is None and not (bodies[0].is_meet and bodies[1].is_meet)):
             return None
         x, y = pair
+        if not all(_on(x) <= on_a and _on(y) <= on_b for on_a, on_b in also or ()):
+            return None
         if x.direction is None and y.direction is None:
             return _in_plane(bodies, x.feature, y.feature)
+        if also:
+            return None
         line = y if x.direction is None else x
         direction = _tangent(line, y if line is x else x) if line.exact is None else line.exact
         return _in_line(bodies, (x, y), where, _unit(direction))
@@ -123,11 +134,12 @@ def _unit(exact: Vector) -> Point:
 
 
 class _Body:
-    """A convex model, shifted."""
+    """A model, shifted."""
 
     def __init__(self, model: CompositeQuadric, shift: Point) -> None:
         self.model, self.shift = model, shift
         self.forms = _forms(model)
+        self.is_meet = _is_meet(model.tree)
 
     def local(self, p: Point) -> Point:
         s = self.shift
@@ -139,6 +151,8 @@ class _Body:
 
     def holds(self, p: Point, on: frozenset[int]) -> bool:
         """Whether a world point is in the model, given the surfaces that hold it.  Raises _Unclear near others."""
+        if not self.is_meet:
+            return self._bounds(p, on)
         x, y, z = self.local(p)
         for k, form in enumerate(self.forms):
             if k in on:
@@ -151,17 +165,62 @@ class _Body:
         return True
 
 
+    def _bounds(self, p: Point, on: frozenset[int]) -> bool:
+        """The same for any tree: whether either side of the surfaces that hold the point makes a difference.
+
+        Nothing touches a point inside at a first contact: that is unclear, too.
+        """
+        x = self.local(p)
+        if self.is_far(x):
+            return False
+        known: dict[int, int] = {}
+        seen = 0
+        for choice in product((IN, OUT), repeat=len(on)):
+            known.update(zip(on, choice, strict=True))
+            found = self._sides(self.model.tree, x, known)
+            if found == IN | OUT:
+                raise _Unclear
+            seen |= found
+        if seen == IN:
+            raise _Unclear
+        return seen == IN | OUT
+
+    def _sides(self, tree: Tree, x: Point, known: dict[int, int]) -> int:
+        """IN, OUT or both where the signs of forms leave that open; the sides of forms are kept."""
+        if isinstance(tree, Leaf):
+            found = known.get(tree.surface)
+            if found is None:
+                value, size = _value(self.forms[tree.surface], *x)
+                found = known[tree.surface] = IN * (value <= CLEAR * size) + OUT * (value >= -CLEAR * size)
+            return found
+        if isinstance(tree, Not):
+            found = self._sides(tree.inner, x, known)
+            return IN * (found >= OUT) + OUT * (found & IN)
+        settled = OUT if isinstance(tree, And) else IN
+        first = self._sides(tree.first, x, known)
+        if first == settled:
+            return settled
+        second = self._sides(tree.second, x, known)
+        return ((first | second) & settled) | (first & second & (IN + OUT - settled))
+
+    def is_far(self, x: Point) -> bool:
+        """Whether a local point is clear of the model's box."""
+        known = self.model._search.get("box")
+        if known is None:
+            low, high = self.model.bounds()
+            off = 10.0 * CLEAR * (1.0 + max(np.abs(low).max(), np.abs(high).max()))
+            known = self.model._search["box"] = (low - off).tolist(), (high + off).tolist()
+        return any(c < p or c > q for c, p, q in zip(x, *known, strict=True))
+
+
 Form = tuple[float, ...]
 
 
 def _forms(model: CompositeQuadric) -> list[Form]:
-    """xx, yy, zz, 2 xy, 2 xz, 2 yz, 2 x, 2 y, 2 z, 1 of every surface, negative inside.  Convex models only."""
+    """xx, yy, zz, 2 xy, 2 xz, 2 yz, 2 x, 2 y, 2 z, 1 of every surface, negative inside."""
     known = model._search.get("half-spaces")
     if known is None:
-        known = [_form(m) for m in model._forms_f.tolist()] if _is_meet(model.tree) else []
-        model._search["half-spaces"] = known
-    if not known:
-        raise _Unclear
+        known = model._search["half-spaces"] = [_form(m) for m in model._forms_f.tolist()]
     return known
 
 
@@ -228,16 +287,18 @@ def _in_line(bodies: tuple[_Body, _Body], flats: tuple[Flat, Flat], where: Point
     ]  # fmt: skip
     breaks.sort()
     size = 1.0 + max(map(abs, where))
-    inside = []
+    shared: list[tuple[Any, Any]] = []
     for lo, hi in zip(breaks, breaks[1:], strict=False):
         if hi[0] - lo[0] <= CLEAR * size:
             continue
         middle = _along(where, 0.5 * (lo[0] + hi[0]), d)
         if bodies[0].holds(middle, on[0]) and bodies[1].holds(middle, on[1]):
-            inside.append((lo, hi))
-    if len(inside) != 1 or not inside[0][0][0] - CLEAR * size <= 0.0 <= inside[0][1][0] + CLEAR * size:
+            if shared and shared[-1][1] is lo:  # a surface that bounds nothing here
+                lo = shared.pop()[0]
+            shared.append((lo, hi))
+    if len(shared) != 1 or not shared[0][0][0] - CLEAR * size <= 0.0 <= shared[0][1][0] + CLEAR * size:
         return None
-    lo, hi = inside[0]
+    lo, hi = shared[0]
     if any(abs(other[0] - end[0]) <= CLEAR * size for end in (lo, hi) for other in breaks if other is not end):
         return None
     ends = [_along(where, lo[0], d), _along(where, hi[0], d)]
@@ -311,8 +372,8 @@ def _in_plane(bodies: tuple[_Body, _Body], x: Feature, y: Feature) -> Shared | N
     for f, p, q in others.sides:
         pairs += [(e, f, r) for e in own.rims for r in _through(a, e, on[0], p, q)]
     arcs: list[tuple[Feature, Feature, np.ndarray]]
-    arcs = [(x, f, run) for f in others.rims for run in _arcs(b, f, a, on[0])]
-    arcs += [(e, y, run) for e in own.rims for run in _arcs(a, e, b, on[1])]
+    arcs = [(x, f, run) for f in others.rims if not own.is_far(f, others) for run in _arcs(b, f, a, on[0])]
+    arcs += [(e, y, run) for e in own.rims if not others.is_far(e, own) for run in _arcs(a, e, b, on[1])]
     if arcs:
         pairs += [(e, f, tuple(run[len(run) // 2].tolist())) for e, f, run in arcs]
         return Shared("conic arc", arcs[0][2], pairs)
@@ -339,11 +400,23 @@ def _between(p: Point, q: Point, share: float) -> Point:
 
 @dataclass(frozen=True)
 class _Outline:
-    """The boundary of a plane face: corners with their points, straight sides with both ends, round rims."""
+    """The boundary of a plane face: corners with their points, straight sides with both ends, round rims.
+
+    boxes: around the rims, by their numbers, and around all of it, local: (low, high corner); shift: to the world.
+    """
 
     corners: list[tuple[Vertex, Point]]
     sides: list[tuple[Edge, Point, Point]]
     rims: list[Edge]
+    boxes: dict[int | None, np.ndarray]
+    shift: Point = (0.0, 0.0, 0.0)
+
+    def is_far(self, rim: Edge, other: _Outline) -> bool:
+        """Whether a rim of the other outline is clear of this one."""
+        lo, hi = other.boxes[rim.index] + np.subtract(other.shift, self.shift)
+        low, high = self.boxes[None]
+        off = 10.0 * CLEAR * (1.0 + max(np.abs(lo).max(), np.abs(hi).max()))
+        return bool(np.any(hi < low - off) or np.any(lo > high + off))
 
 
 def _outline(body: _Body, face: Face) -> _Outline:
@@ -355,29 +428,66 @@ def _outline(body: _Body, face: Face) -> _Outline:
     world = body.world
     return _Outline(
         [(v, world(p)) for v, p in outline.corners], [(e, world(p), world(q)) for e, p, q in outline.sides],
-        outline.rims,
+        outline.rims, outline.boxes, body.shift,
     )  # fmt: skip
 
 
 def _local_outline(model: CompositeQuadric, face: Face) -> _Outline:
     (surface,) = face.surfaces
-    outline, vertices = _Outline([], [], []), model.vertices
+    outline, vertices = _Outline([], [], [], {}), model.vertices
     corners: dict[int, tuple[Vertex, Point]] = {}
     for edge in model.edges:
-        if surface not in edge.surfaces:
+        if surface not in edge.surfaces or edge.convexity == "reentrant":  # nothing touches those alone
             continue
         ends = {k for piece in edge.pieces for k in (piece.start, piece.end) if k is not None}
         corners |= {k: (vertices[k], vertices[k].position) for k in ends}
         if isinstance(edge.carrier, Conic) and edge.frame.shape[1] == 3 and not edge.frame[3, 1:].any():
             outline.rims.append(edge)
+            outline.boxes[edge.index] = _box_around(edge)
         elif isinstance(edge.carrier, Line) and len(edge.pieces) == 1 and len(ends) == 2:
             start, end = edge.pieces[0].start, edge.pieces[0].end
             assert start is not None and end is not None
             outline.sides.append((edge, vertices[start].position, vertices[end].position))
         else:
             raise _Unclear
+        if not _is_meet(model.tree) and _runs_on(model, edge):
+            raise _Unclear
     outline.corners.extend(corners.values())
+    parts = [*outline.boxes.values(), *(np.array([p, p]) for _, p in outline.corners)]
+    low, high = np.full(3, -np.inf), np.full(3, np.inf)
+    if parts:
+        low, high = np.min([lo for lo, _ in parts], axis=0), np.max([hi for _, hi in parts], axis=0)
+    outline.boxes[None] = np.array([low, high])
     return outline
+
+
+def _box_around(rim: Edge) -> np.ndarray:
+    frame = rim.frame[:3] / rim.frame[3, 0]
+    reach = np.abs(frame[:, 1:]).sum(axis=1)
+    return np.array([frame[:, 0] - reach, frame[:, 0] + reach])
+
+
+def _runs_on(model: CompositeQuadric, edge: Edge) -> bool:
+    """Whether the edge's line or conic lies on the model beyond its pieces, as at a reentrant corner of a face.
+
+    Exact arithmetic counts what touches it there as touching the edge.
+    """
+    body, on = _Body(model, (0.0, 0.0, 0.0)), frozenset(edge.surfaces)
+    if isinstance(edge.carrier, Conic):
+        angles = np.linspace(0.0, 2.0 * np.pi, SAMPLES // 8, endpoint=False)
+        bare = angles[~_in_pieces(edge, angles)]
+    else:
+        (dx, px), (dy, py), (dz, pz), _ = edge.frame.tolist()
+        ends = sorted(
+            s for k, form in enumerate(body.forms) if k not in on for s in _roots(form, (px, py, pz), (dx, dy, dz))
+        )
+        middles = np.array([0.5 * (lo + hi) for lo, hi in zip(ends, ends[1:], strict=False) if hi - lo > CLEAR])
+        bare = middles[~np.any([(p.lo <= middles) & (middles <= p.hi) for p in edge.pieces], axis=0)]
+    return any(body.holds((x, y, z), on) for x, y, z in edge.points(bare).tolist())
+
+
+def _in_pieces(edge: Edge, angles: np.ndarray) -> np.ndarray:
+    return np.any([(angles - p.lo) % (2.0 * np.pi) <= p.hi - p.lo for p in edge.pieces], axis=0)
 
 
 def _crossing(
@@ -416,11 +526,12 @@ def _arcs(body: _Body, rim: Edge, other: _Body, on: frozenset[int]) -> list[np.n
     """The parts (n, 3) of a rim of one body that the other one's face holds, sampled."""
     angles = np.linspace(0.0, 2.0 * np.pi, SAMPLES, endpoint=False)
     points = rim.points(angles) + body.shift
-    good = np.zeros(SAMPLES, bool)
-    for piece in rim.pieces:
-        good |= (angles - piece.lo) % (2.0 * np.pi) <= piece.hi - piece.lo
+    good = _in_pieces(rim, angles)
     x, y, z = (points - other.shift).T
-    for k, form in enumerate(other.forms):
-        if k not in on:
-            good &= _value(form, x, y, z)[0] < 0.0  # type: ignore[arg-type]
-    return [points[run] for run in runs(good)]
+    negative: list[Any] = [_value(form, x, y, z)[0] < 0.0 for form in other.forms]  # type: ignore[arg-type]
+    either = []
+    for choice in product((True, False), repeat=len(on)):
+        for k, side in zip(on, choice, strict=True):
+            negative[k] = np.full(SAMPLES, side)
+        either.append(inside(other.model.tree, negative))
+    return [points[run] for run in runs(good & np.any(either, axis=0) & ~np.all(either, axis=0))]

@@ -86,39 +86,54 @@ class _Search:
 
     def touched(self, covers: Advance, last: fmpq) -> Advance | None:
         """The contact of convex pieces that cover the models, if it is one of the models."""
-        assert covers.time is not None and covers.time_interval is not None and covers.point is not None
-        lo, hi = covers.time_interval
+        time, interval = covers.time, covers.time_interval
+        assert time is not None and interval is not None and covers.point is not None
+        lo, hi = interval
         model_a, model_b = (x.body if isinstance(x, Moving) else x for x in self.bodies)
+        features, *also = [
+            (without_corners(model_a, x), without_corners(model_b, y))
+            for x, y in ((covers.features_a, covers.features_b), *(covers.also or ()))
+        ]
         covers = replace(
-            covers, features_a=without_corners(model_a, covers.features_a),
-            features_b=without_corners(model_b, covers.features_b),
+            covers, features_a=features[0], features_b=features[1], also=None if covers.also is None else tuple(also),
+            complete=True,
         )  # fmt: skip
-        window = next(w for w in self.windows if covers.time <= w.last)
+        window = next(w for w in self.windows if time <= w.last)
         instant = Instant(self.tables, window, self.scratch)
-        at = proved_at(self.bodies, instant, covers, (hi, min(lo + 0.98 * self.width, window.last)), last)
-        return None if at is None else replace(covers, time=min(covers.time, at), time_interval=(lo, at))
+        times = [min(max(hi, lo + share * self.width), window.last) for share in (0.25, 0.98)]
+        at = proved_at(self.bodies, instant, covers, times, last)
+        return None if at is None else replace(covers, time=min(time, at), time_interval=(lo, at))
 
     def run(self, begin: float, last: fmpq) -> Advance:
         """The first event from a time on before which the models are apart; at the start that is proved here."""
-        start = self.windows[0]
-        if begin <= start.first:
-            if self.searched(True, start, start.first, start.first, MOST_STILL) != FREE:
-                return self._answer("open", start.first, reason="precision")
-            self.counters[:] = 0
         for window in self.windows:
+            if begin >= window.last > window.first:
+                continue
             t = max(begin, window.first)
-            step = self._stride(window, t)
-            while t < window.last or t == window.first:
-                end = min(t + step, window.last)
-                outcome = self.searched(False, window, t, end, self.budget)
-                if outcome == SPENT:
-                    return self._answer("open", max(window.first, float(self.result[0])), reason="budget")
-                if outcome != FREE:
-                    return self._contact(window, last)
-                if end == window.last:
-                    break
-                t, step = end, 2.0 * step
+            if t == window.first and not self._apart(window, t):  # a motion starts there, and may jump
+                return self._answer("open", t, reason="precision")
+            stopped = self._first_event(window, t, last)
+            if stopped is not None:
+                return stopped
         return self._answer("free", self.windows[-1].last)
+
+    def _apart(self, window: Window, t: float) -> bool:
+        budget = int(self.counters[VISITS]) + MOST_STILL
+        return self.searched(True, window, t, t, budget) == FREE
+
+    def _first_event(self, window: Window, t: float, last: fmpq) -> Advance | None:
+        """From t on, in slabs of time that grow; None where there is no event."""
+        step = self._stride(window, t)
+        while True:
+            end = min(t + step, window.last)
+            outcome = self.searched(False, window, t, end, self.budget)
+            if outcome == SPENT:
+                return self._answer("open", max(window.first, float(self.result[0])), reason="budget")
+            if outcome != FREE:
+                return self._contact(window, last)
+            if end >= window.last:
+                return None
+            t, step = end, 2.0 * step
 
     def _stride(self, window: Window, t: float) -> float:
         """A time in which the models move by a part of their size."""

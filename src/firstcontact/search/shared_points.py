@@ -200,7 +200,7 @@ class _Event:
         elif len(outward[0]) < 2 or len(outward[1]) < 2:
             return None
         else:
-            n = np.array(cross(cross(*outward[0][:2]), cross(*outward[1][:2])))
+            n = np.array(cross(*(cross(first.tolist(), second.tolist()) for first, second, *_ in outward)))
             n = n * np.sign(float(n @ (outward[1][0] + outward[1][1] - outward[0][0] - outward[0][1])))
         length = float(np.linalg.norm(n)) * (1 if self.side == 0 else -1)
         return n / length if length else None
