@@ -12,8 +12,11 @@ from flint import fmpq
 import firstcontact as fc
 from firstcontact.composite.certified import both_bounded
 from firstcontact.kernels import event_search, feature_boxes, moving_forms
+from firstcontact.kernels.support import support
 from firstcontact.kernels.workspace import workspace
 from firstcontact.scene import load_scene
+from firstcontact.search import events
+from firstcontact.search.convex import covering_pieces
 from firstcontact.search.event_tables import tables_of
 from firstcontact.search.events import first_event
 from firstcontact.search.stretches import windows
@@ -154,6 +157,53 @@ def test_an_opening_flush_with_a_face_is_no_face():
     assert hit.element_a.kind == "vertex" and hit.element_b.label.endswith("side")
 
 
+# -- convex pieces that cover the models ---------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("make", [ring, drilled_ball, countersunk, bracket])
+def test_covering_pieces_hold_the_whole_body(make):
+    """The support of the pieces is never less than what points of the body reach."""
+    body = make().rotated((1, 2, 3), degrees=40)
+    pieces, points = covering_pieces(body), samples(body)
+    for n in np.random.default_rng(7).normal(size=(40, 3)):
+        reach = max(support(pieces.array, i, *n)[0] for i in range(pieces.count))
+        assert reach >= (points @ n).max() - 1e-9
+
+
+@pytest.mark.parametrize(("make", "radius"), [(ring, 1 / 2), (drilled_ball, 1 / 3)])
+def test_a_needle_in_a_hole_that_is_covered(make, radius):
+    """The covering pieces overlap from the start on."""
+    body, needle = make(), fc.box(("1/8", "1/8", 4)).translated((0, 0, "1/2"))
+    turning = fc.Screw((0, 0, 1), degrees=90, advance="1/8")
+    assert fc.first_contact(needle.moving(turning), body).status is fc.Status.FREE
+    hit = fc.first_contact(needle.moving(fc.Screw((1, 0, 0), degrees=5, advance=2)), body)
+    assert hit.status is fc.Status.CONTACT and np.hypot(*hit.point[:2]) == pytest.approx(radius, abs=1e-9)
+
+
+def test_covers_and_events_agree():
+    """Where covering pieces touch at a point of the models, the search for events finds the same."""
+    plate = fc.box((4, 4, 1)) - fc.cylinder("1/2", 2)
+    tilted = bracket().rotated((1, 2, 3), degrees=40).translated((1, 1, 3))
+    moving = tilted.moving(fc.Screw((0, 0, 1), degrees=90, advance=-4))
+    told = first_event(moving, plate, fmpq(0), fmpq(1), 1e-12, 100_000)
+    assert told.complete
+    parts = windows(moving, plate, fmpq(0), fmpq(1))
+    search = events._Search(moving, plate, tables_of(tilted, plate), parts, 1e-12, 100_000)
+    found = search.run(0.0, fmpq(1))
+    assert found.status == told.status == "contact" and not found.complete
+    assert found.time == pytest.approx(told.time, abs=1e-13) and np.allclose(found.point, told.point, atol=1e-9)
+    assert (found.features_a, found.features_b) == (told.features_a, told.features_b)
+    assert np.allclose(found.normal, told.normal, atol=1e-9)
+
+
+def test_a_jump_into_the_material_is_not_free():
+    here = [[1, 0, 0, "3/4"], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]
+    slow = [[0, 0, 0, "1/100"], [0] * 4, [0] * 4, [0] * 4]
+    motion = fc.Sequence([fc.Translation((0, 0, "1/100")), fc.RationalMotion([here, slow])])
+    hit = fc.first_contact(fc.sphere("1/8").moving(motion), ring())
+    assert hit.status is not fc.Status.FREE and hit.free_until <= 0.5
+
+
 # -- the known answers, by this path alone -------------------------------------------------------------------
 
 CHOSEN = [
@@ -181,7 +231,8 @@ def test_models_hold_the_forms_they_stand_for(bodies, slab):
     pin, plate = bodies["pin"], bodies["plate"]
     t = tables_of(pin.body, plate)
     window = windows(pin, plate, fmpq(0), fmpq(1))[0]
-    models, z, table = np.zeros((3, moving_forms.MODELS)), np.zeros((feature_boxes.ROWS, feature_boxes.WIDTH)), t.table.copy()
+    models, table = np.zeros((3, moving_forms.MODELS)), t.table.copy()
+    z = np.zeros((feature_boxes.ROWS, feature_boxes.WIDTH))
     assert event_search.place_slab(
         *slab, window.a, window.b, t.raw, t.kinds, t.units, t.layout, workspace()[0], models, table, z
     )
