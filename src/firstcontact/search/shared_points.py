@@ -240,16 +240,19 @@ def _events(
         if box[PAIR] >= 0:
             seen.setdefault((int(tables.info[int(box[CHART]), 0]), int(box[PAIR])), box)
     ordered = sorted(seen.values(), key=lambda box: _rank(tables, box))
+    same = 0.03 * (latest - earliest)  # times that close are one as far as doubles tell
     for box in ordered[:TRIED]:
         event = _event(bodies, tables, box)
         if in_doubles:
             precise = instant.refined(box)
             if precise is not None and earliest <= precise[2] <= latest:
                 event = _event(bodies, tables, np.insert(box[:2], 2, precise[[0, 0, 1, 1, 2, 2]]))
+                if event.time <= earliest + same:  # none of those that follow comes before it
+                    found.append(event)
+                    break
         elif not _refine(event, tables, box) or not earliest <= event.time <= latest:
             event = _event(bodies, tables, box)
         found.append(event)
-    same = 0.01 * (latest - earliest)  # times that close are one as far as doubles tell
     first = min((event.time for event in found), default=0.0)
     return sorted(found, key=lambda event: event.time if event.time > first + same else first)
 
