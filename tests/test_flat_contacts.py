@@ -21,6 +21,8 @@ BULLET = fc.cylinder("1/2", "3/2") | BALL.translated((0, 0, "3/4"))
 LYING_CAPSULE = CAPSULE.rotated((0, 1, 0), degrees=90)
 SLOT = fc.box((2, 1, 1)) | fc.cylinder("1/2", 1).translated((1, 0, 0)) | fc.cylinder("1/2", 1).translated((-1, 0, 0))
 EDGEWISE = BOX.rotated((0, 0, 1), degrees=45)
+DRILLED = fc.box((4, 3, 1)) - fc.cylinder("1/2", 2)
+ANGLE = DRILLED | fc.box((1, 3, 3)).translated((2, 0, 1))
 SCENES = {
     "box on box": (BOX, (0.3, 0.4, 6.0), BOX.translated((0.5, 0.1, 4)), "patch"),
     "boxes beside each other": (BOX, (6.0, 0.2, 0.1), BOX.translated((4, 0.3, -0.2)), "patch"),
@@ -45,6 +47,9 @@ SCENES = {
     "lying bullet on the floor": (BULLET.rotated((0, 1, 0), degrees=90), (0.3, 0.1, -6.0), FLOOR, "segment"),
     "slot against an edge": (SLOT, (0.1, 6.0, 0.2), EDGEWISE.translated((0.3, 4, 0.4)), "segment"),
     "slot against slot": (SLOT, (6.0, 0.1, 0.2), SLOT.translated((5, 0.2, 0.4)), "segment"),
+    "drilled plate beside its hole": (DRILLED, (0.1, 0.2, 6.0), BOX.translated((1.5, 0.3, 4)), "patch"),
+    "lying drum beside a hole": (LYING, (0.1, 0.2, 6.0), DRILLED.translated((1, 0, 4)), "segment"),
+    "angle on drilled plate": (ANGLE, (0.1, 0.2, -6.0), DRILLED.translated((-2, 1, -4)), "conic arc"),
     "gutter on box": (GUTTER, (6.0, 0.1, 0.2), BOX.translated((4, 0.3, 0.4)), "patch"),
 }  # fmt: skip
 

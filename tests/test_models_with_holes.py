@@ -12,8 +12,11 @@ from flint import fmpq
 import firstcontact as fc
 from firstcontact.composite.certified import both_bounded
 from firstcontact.kernels import event_search, feature_boxes, moving_forms
+from firstcontact.kernels.support import support
 from firstcontact.kernels.workspace import workspace
 from firstcontact.scene import load_scene
+from firstcontact.search import events
+from firstcontact.search.convex import covering_pieces
 from firstcontact.search.event_tables import tables_of
 from firstcontact.search.events import first_event
 from firstcontact.search.stretches import windows
@@ -71,7 +74,7 @@ def test_a_larger_world_changes_nothing(bodies):
 
 
 def test_few_boxes_leave_it_undecided(bodies):
-    hit = fc.first_contact(bodies["pin"], bodies["plate"], budget=500)
+    hit = fc.first_contact(bodies["pin"], bodies["plate"], budget=100)
     assert hit.status is fc.Status.UNDECIDED and hit.reason == "budget" and hit.free_until < PIN_TOUCHES
 
 
@@ -154,6 +157,53 @@ def test_an_opening_flush_with_a_face_is_no_face():
     assert hit.element_a.kind == "vertex" and hit.element_b.label.endswith("side")
 
 
+# -- convex pieces that cover the models ---------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("make", [ring, drilled_ball, countersunk, bracket])
+def test_covering_pieces_hold_the_whole_body(make):
+    """The support of the pieces is never less than what points of the body reach."""
+    body = make().rotated((1, 2, 3), degrees=40)
+    pieces, points = covering_pieces(body), samples(body)
+    for n in np.random.default_rng(7).normal(size=(40, 3)):
+        reach = max(support(pieces.array, i, *n)[0] for i in range(pieces.count))
+        assert reach >= (points @ n).max() - 1e-9
+
+
+@pytest.mark.parametrize(("make", "radius"), [(ring, 1 / 2), (drilled_ball, 1 / 3)])
+def test_a_needle_in_a_hole_that_is_covered(make, radius):
+    """The covering pieces overlap from the start on."""
+    body, needle = make(), fc.box(("1/8", "1/8", 4)).translated((0, 0, "1/2"))
+    turning = fc.Screw((0, 0, 1), degrees=90, advance="1/8")
+    assert fc.first_contact(needle.moving(turning), body).status is fc.Status.FREE
+    hit = fc.first_contact(needle.moving(fc.Screw((1, 0, 0), degrees=5, advance=2)), body)
+    assert hit.status is fc.Status.CONTACT and np.hypot(*hit.point[:2]) == pytest.approx(radius, abs=1e-9)
+
+
+def test_covers_and_events_agree():
+    """Where covering pieces touch at a point of the models, the search for events finds the same."""
+    plate = fc.box((4, 4, 1)) - fc.cylinder("1/2", 2)
+    tilted = bracket().rotated((1, 2, 3), degrees=40).translated((1, 1, 3))
+    moving = tilted.moving(fc.Screw((0, 0, 1), degrees=90, advance=-4))
+    told = first_event(moving, plate, fmpq(0), fmpq(1), 1e-12, 100_000)
+    assert told.complete
+    parts = windows(moving, plate, fmpq(0), fmpq(1))
+    search = events._Search(moving, plate, tables_of(tilted, plate), parts, 1e-12, 100_000)
+    found = search.run(0.0, fmpq(1))
+    assert found.status == told.status == "contact" and not found.complete
+    assert found.time == pytest.approx(told.time, abs=1e-13) and np.allclose(found.point, told.point, atol=1e-9)
+    assert (found.features_a, found.features_b) == (told.features_a, told.features_b)
+    assert np.allclose(found.normal, told.normal, atol=1e-9)
+
+
+def test_a_jump_into_the_material_is_not_free():
+    here = [[1, 0, 0, "3/4"], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]
+    slow = [[0, 0, 0, "1/100"], [0] * 4, [0] * 4, [0] * 4]
+    motion = fc.Sequence([fc.Translation((0, 0, "1/100")), fc.RationalMotion([here, slow])])
+    hit = fc.first_contact(fc.sphere("1/8").moving(motion), ring())
+    assert hit.status is not fc.Status.FREE and hit.free_until <= 0.5
+
+
 # -- the known answers, by this path alone -------------------------------------------------------------------
 
 CHOSEN = [
@@ -181,13 +231,13 @@ def test_models_hold_the_forms_they_stand_for(bodies, slab):
     pin, plate = bodies["pin"], bodies["plate"]
     t = tables_of(pin.body, plate)
     window = windows(pin, plate, fmpq(0), fmpq(1))[0]
-    models, row, table = np.zeros((3, moving_forms.MODELS)), np.zeros(6), t.table.copy()
+    models, table = np.zeros((3, moving_forms.MODELS)), t.table.copy()
+    z = np.zeros((feature_boxes.ROWS, feature_boxes.WIDTH))
     assert event_search.place_slab(
-        *slab, window.a, window.b, t.raw, t.kinds, t.units, t.layout, workspace()[0], models, table, row
+        *slab, window.a, window.b, t.raw, t.kinds, t.units, t.layout, workspace()[0], models, table, z
     )
     rng = np.random.default_rng(5)
-    shapes = (feature_boxes.POINTS, 4), (feature_boxes.IMAGES, 4), (7, feature_boxes.COLUMNS)
-    x, y, e = (np.zeros(shape) for shape in shapes)
+    e, row = z[feature_boxes.ZEROTH :], z[feature_boxes.SLAB]
     checked = 0
     for box in rng.permutation(t.still)[:60]:
         k = int(box[0])
@@ -195,10 +245,10 @@ def test_models_hold_the_forms_they_stand_for(bodies, slab):
         scale = 2.0 ** -rng.integers(0, 8)
         u, hu, v, hv = box[2], box[3] * scale, box[4], box[5] * scale
         s, hs = rng.uniform(-0.5, 0.5), 0.5 * scale
-        if not feature_boxes.place_box(t.charts, k, u, hu, v, hv, x):
+        if not feature_boxes.place_box(t.charts, k, u, hu, v, hv, z):
             continue
         for f in range(int(t.layout[1 - side, 7])):
-            feature_boxes.model(table, t.kinds_of, base + f, s, hs, x, np.int64(2), y, e, np.int64(0))
+            feature_boxes.model(table, base + f, s, hs, z, np.int64(2), feature_boxes.ZEROTH)
             for a, b, c in rng.uniform(-1, 1, size=(4, 3)):
                 time = row[0] + row[1] * (s + hs * c)
                 true = plain(t, pin, side, f, k, u, hu, v, hv, a, b, time)

@@ -118,7 +118,15 @@ def _flat_set(models: tuple[Any, Any], found: Advance, flats_a: list[Flat], flat
     if not (keeps_directions(models[0]) and keeps_directions(models[1])):
         return None
     assert found.point is not None
-    return shared_set(_wholes(models), _shifts(found), (flats_a, flats_b), tuple(found.point.tolist()))
+    wholes = _wholes(models)
+    also = None
+    if found.complete and found.also is not None:
+        also = [(_surfaces(wholes[0], x), _surfaces(wholes[1], y)) for x, y in found.also]
+    return shared_set(wholes, _shifts(found), (flats_a, flats_b), tuple(found.point.tolist()), also)
+
+
+def _surfaces(model: CompositeQuadric, features: tuple[tuple[str, int], ...]) -> set[int]:
+    return {k for kind, index in features for k in touched(model, kind, index).feature.surfaces}
 
 
 def _named(models: tuple[Any, Any], found: Advance, pairs: list[Pair]) -> list[tuple[ElementPair, Point]]:

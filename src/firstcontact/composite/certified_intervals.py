@@ -133,7 +133,7 @@ class _Free:
         if self.tables is None:
             return self._advanced(window, t, t).status == "free"
         search = events._Search(*self.models, self.tables, [window], 1.0, BOXES)
-        return search._searched(self.tables.still, window, t, t, events.MOST_STILL) == FREE
+        return search.searched(True, window, t, t, events.MOST_STILL) == FREE
 
     def until(self, window: Window, t: float, end: float) -> tuple[float, list[np.ndarray]]:
         if self.tables is None:
@@ -142,7 +142,7 @@ class _Free:
             return until, [] if found.point is None else [found.point]
         search = events._Search(*self.models, self.tables, [window], 1.0, BOXES)
         search.width = self.width
-        if search._searched(self.tables.boxes, window, t, end, BOXES) == FREE:
+        if search.searched(False, window, t, end, BOXES) == FREE:
             return end, []
         return max(t, float(search.result[0])), self._places(search, window)
 

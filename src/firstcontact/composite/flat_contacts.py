@@ -1,4 +1,4 @@
-"""What two convex models share where they touch along something flat: a segment, an arc, or a patch of a plane.
+"""What two models share where they touch along something flat: a segment, an arc, or a patch of a plane.
 
 For bodies that keep their directions.  Whether flat things are parallel is then decided exactly, from their carriers;
 they touch, so parallel ones lie in one line or plane, and doubles measure what both hold of it.  Doubles answer only
@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Sequence as Listing
+from dataclasses import dataclass, field
 from functools import lru_cache
-from itertools import combinations
+from itertools import combinations, product
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,7 @@ from flint import fmpq_mat
 
 from firstcontact.body.carriers import Conic, Line, Plane, QuarticCurve, cross, dot
 from firstcontact.body.composite_quadric import CompositeQuadric
-from firstcontact.body.csg import Leaf, Not, Or, Tree, inside
+from firstcontact.body.csg import And, Leaf, Not, Or, Tree, inside
 from firstcontact.body.features import Edge, Face, Vertex
 from firstcontact.body.moving import Moving
 from firstcontact.composite.contact_sets import SAMPLES, runs
@@ -30,6 +31,8 @@ from firstcontact.search.convex import NotConvex, convex_pieces
 
 CLEAR = 1e-7
 """Of the size of its terms: a form smaller than that may vanish in truth."""
+
+IN, OUT = 1, 2
 
 Feature = Face | Edge | Vertex
 Pair = tuple[Feature, Feature, Point]
@@ -53,7 +56,8 @@ def keeps_directions(body: Any) -> bool:
     """Whether the body only shifts."""
     if not isinstance(body, Moving) or isinstance(body.motion, Translation):
         return True
-    return isinstance(body.motion, Sequence) and all(isinstance(step, Translation) for step in body.motion.steps)
+    steps = body.motion.steps if isinstance(body.motion, Sequence) else ()
+    return len(steps) > 0 and all(isinstance(step, Translation) for step in steps)
 
 
 def shared_set(
@@ -61,16 +65,24 @@ def shared_set(
     shifts: tuple[Point, Point],
     flats: tuple[list[Flat], list[Flat]],
     where: Point,
+    also: Listing[tuple[set[int], set[int]]] | None = None,
 ) -> Shared | None:
-    """The contact set at the touched point `where`, of models shifted so; None where doubles do not tell."""
+    """The contact set at the touched point `where`, of models shifted so; None where doubles do not tell.
+
+    also: the surfaces of either that touch elsewhere then; None where that is not known, but for convex models.
+    """
     try:
         bodies = _Body(models[0], shifts[0]), _Body(models[1], shifts[1])
         pair = _parallel(*flats)
-        if pair is None:
+        if pair is None or (also is None and not all(body.shape.pieces for body in bodies)):
             return None
         x, y = pair
+        if not all(_on(x) <= on_a and _on(y) <= on_b for on_a, on_b in also or ()):
+            return None
         if x.direction is None and y.direction is None:
             return _in_plane(bodies, x.feature, y.feature)
+        if also:
+            return None
         line = y if x.direction is None else x
         direction = _tangent(line, y if line is x else x) if line.exact is None else line.exact
         return _in_line(bodies, (x, y), where, _unit(direction))
@@ -128,7 +140,7 @@ End = tuple[float, int]
 
 @dataclass(frozen=True)
 class _Shape:
-    """A convex model: the forms of its surfaces, and the pieces, in which all forms of these numbers are negative.
+    """The forms of a model's surfaces, and of a convex one its pieces: where all forms of these numbers are negative.
 
     plans: the pieces that lines of a direction in a feature's surfaces may pass through, each as the other surfaces:
     (number, slope of the form along the line, None of one that is no plane).
@@ -161,8 +173,6 @@ def _shape(model: CompositeQuadric) -> _Shape:
     if known is None:
         forms = [_form(m) for m in model._forms_f.tolist()]
         known = model._search["shape"] = _Shape(model, forms, _pieces(model.tree) if _is_convex(model) else [], {})
-    if not known.pieces:
-        raise _Unclear
     return known
 
 
@@ -209,7 +219,7 @@ def _joined(model: CompositeQuadric, seam: Edge, face: Face) -> list[Face]:
 
 
 class _Body:
-    """A convex model, shifted."""
+    """A model, shifted."""
 
     def __init__(self, model: CompositeQuadric, shift: Point) -> None:
         self.model, self.shift = model, shift
@@ -226,6 +236,8 @@ class _Body:
 
     def holds(self, p: Point, on: frozenset[int]) -> bool:
         """Whether a world point is in the model, given the surfaces that hold it.  Raises _Unclear near others."""
+        if not self.shape.pieces:
+            return self._bounds(p, on)
         local = self.local(p)
         judged = [self._in_piece(piece, local, on) for piece in self.shape.pieces]
         if True in judged:
@@ -289,6 +301,53 @@ class _Body:
         lo, hi = _last(entries, 1.0, near), _last(exits, -1.0, near)
         return (lo, hi) if hi[0] - lo[0] > near else None
 
+    def _bounds(self, p: Point, on: frozenset[int]) -> bool:
+        """The same for any tree: whether either side of the surfaces that hold the point makes a difference.
+
+        Nothing touches a point inside at a first contact: that is unclear, too.
+        """
+        x = self.local(p)
+        if self.is_far(x):
+            return False
+        known: dict[int, int] = {}
+        seen = 0
+        for choice in product((IN, OUT), repeat=len(on)):
+            known.update(zip(on, choice, strict=True))
+            found = self._sides(self.model.tree, x, known)
+            if found == IN | OUT:
+                raise _Unclear
+            seen |= found
+        if seen == IN:
+            raise _Unclear
+        return seen == IN | OUT
+
+    def _sides(self, tree: Tree, x: Point, known: dict[int, int]) -> int:
+        """IN, OUT or both where the signs of forms leave that open; the sides of forms are kept."""
+        if isinstance(tree, Leaf):
+            found = known.get(tree.surface)
+            if found is None:
+                value, size = _value(self.forms[tree.surface], *x)
+                found = known[tree.surface] = IN * (value <= CLEAR * size) + OUT * (value >= -CLEAR * size)
+            return found
+        if isinstance(tree, Not):
+            found = self._sides(tree.inner, x, known)
+            return IN * (found >= OUT) + OUT * (found & IN)
+        settled = OUT if isinstance(tree, And) else IN
+        first = self._sides(tree.first, x, known)
+        if first == settled:
+            return settled
+        second = self._sides(tree.second, x, known)
+        return ((first | second) & settled) | (first & second & (IN + OUT - settled))
+
+    def is_far(self, x: Point) -> bool:
+        """Whether a local point is clear of the model's box."""
+        known = self.model._search.get("box")
+        if known is None:
+            low, high = self.model.bounds()
+            off = 10.0 * CLEAR * (1.0 + max(np.abs(low).max(), np.abs(high).max()))
+            known = self.model._search["box"] = (low - off).tolist(), (high + off).tolist()
+        return any(c < p or c > q for c, p, q in zip(x, *known, strict=True))
+
 
 def _last(ends: list[End], way: float, near: float) -> End:
     """The last of the ends (way 1), or the first (-1).  Raises _Unclear where another one is near it."""
@@ -350,30 +409,74 @@ def _roots(f: Form, o: Point, d: Point) -> list[tuple[float, bool]]:
 # -- lines ----------------------------------------------------------------------------------------------------
 
 
+def _on(flat: Flat) -> frozenset[int]:
+    return frozenset(flat.feature.surfaces)
+
+
 def _in_line(bodies: tuple[_Body, _Body], flats: tuple[Flat, Flat], where: Point, d: Point) -> Shared | None:
     """The segment of the line through the touched point that both bodies hold."""
+    convex = all(body.shape.pieces for body in bodies)
+    found = (_held_by_convex if convex else _held)(bodies, flats, where, d)
+    if found is None:
+        return None
+    (side_lo, lo), (side_hi, hi) = found
+    near = CLEAR * (1.0 + max(map(abs, where)))
+    if hi[0] - lo[0] <= near or lo[0] > near or hi[0] < -near:
+        return None
+    middle = _along(where, 0.5 * (lo[0] + hi[0]), d)
+    # a line that only touches a surface seems to pass it where rounding puts it a little deeper
+    if not all(body.holds(middle, _on(flat)) for body, flat in zip(bodies, flats, strict=True)):
+        return None
+    ends = _along(where, lo[0], d), _along(where, hi[0], d)
+    pairs = _end_pairs(bodies, flats, ends[0], side_lo, lo[1])
+    pairs += _end_pairs(bodies, flats, ends[1], side_hi, hi[1])
     x, y = flats[0].feature, flats[1].feature
-    in_a, in_b = bodies[0].stretch(where, d, x), bodies[1].stretch(where, d, y)
+    if isinstance(x, Face) and isinstance(y, Face) and not (_is_plane(x) or _is_plane(y)):
+        pairs.append((x, y, middle))
+    return Shared("segment", np.array(ends), pairs)
+
+
+def _held_by_convex(
+    bodies: tuple[_Body, _Body], flats: tuple[Flat, Flat], where: Point, d: Point
+) -> tuple[tuple[int, End], tuple[int, End]] | None:
+    """(side, end) of both ends of what convex bodies hold of the line, with the side that ends there."""
+    in_a, in_b = (body.stretch(where, d, flat.feature) for body, flat in zip(bodies, flats, strict=True))
     if in_a is None or in_b is None:
         return None
     near = CLEAR * (1.0 + max(map(abs, where)))
     (lo_a, hi_a), (lo_b, hi_b) = in_a, in_b
     if abs(lo_a[0] - lo_b[0]) <= near or abs(hi_a[0] - hi_b[0]) <= near:
         return None
-    side_lo, lo = (0, lo_a) if lo_a[0] > lo_b[0] else (1, lo_b)
-    side_hi, hi = (0, hi_a) if hi_a[0] < hi_b[0] else (1, hi_b)
-    if hi[0] - lo[0] <= near or lo[0] > near or hi[0] < -near:
+    return (0, lo_a) if lo_a[0] > lo_b[0] else (1, lo_b), (0, hi_a) if hi_a[0] < hi_b[0] else (1, hi_b)
+
+
+def _held(
+    bodies: tuple[_Body, _Body], flats: tuple[Flat, Flat], where: Point, d: Point
+) -> tuple[tuple[int, End], tuple[int, End]] | None:
+    """The same for bodies of any shape, of the one stretch that both hold: from surface to surface."""
+    on = _on(flats[0]), _on(flats[1])
+    breaks = sorted(
+        (s, side, k)
+        for side, body in enumerate(bodies)
+        for k, form in enumerate(body.forms) if k not in on[side]
+        for s, _ in _roots(form, body.local(where), d)
+    )  # fmt: skip
+    near = CLEAR * (1.0 + max(map(abs, where)))
+    shared: list[tuple[tuple[float, int, int], tuple[float, int, int]]] = []
+    for lo, hi in zip(breaks, breaks[1:], strict=False):
+        if hi[0] - lo[0] <= near:
+            continue
+        middle = _along(where, 0.5 * (lo[0] + hi[0]), d)
+        if bodies[0].holds(middle, on[0]) and bodies[1].holds(middle, on[1]):
+            if shared and shared[-1][1] is lo:  # a surface that bounds nothing here
+                lo = shared.pop()[0]
+            shared.append((lo, hi))
+    if len(shared) != 1:
         return None
-    middle = _along(where, 0.5 * (lo[0] + hi[0]), d)
-    # a line that only touches a surface seems to pass it where rounding puts it a little deeper
-    if not all(body.holds(middle, frozenset(f.feature.surfaces)) for body, f in zip(bodies, flats, strict=True)):
+    lo, hi = shared[0]
+    if any(abs(other[0] - end[0]) <= near for end in (lo, hi) for other in breaks if other is not end):
         return None
-    ends = _along(where, lo[0], d), _along(where, hi[0], d)
-    pairs = _end_pairs(bodies, flats, ends[0], side_lo, lo[1])
-    pairs += _end_pairs(bodies, flats, ends[1], side_hi, hi[1])
-    if isinstance(x, Face) and isinstance(y, Face) and not (_is_plane(x) or _is_plane(y)):
-        pairs.append((x, y, middle))
-    return Shared("segment", np.array(ends), pairs)
+    return (lo[1], (lo[0], lo[2])), (hi[1], (hi[0], hi[2]))
 
 
 def _is_plane(feature: Feature) -> bool:
@@ -454,8 +557,8 @@ def _in_plane(bodies: tuple[_Body, _Body], x: Feature, y: Feature) -> Shared | N
     for f, p, q in others.sides if own.rims else ():
         pairs += [(e, f, r) for e in own.rims for r in _through(a, e, on[0], p, q)]
     arcs: list[tuple[Feature, Feature, np.ndarray]]
-    arcs = [(x, f, run) for f in others.rims for run in _arcs(b, f, a, on[0])]
-    arcs += [(e, y, run) for e in own.rims for run in _arcs(a, e, b, on[1])]
+    arcs = [(x, f, run) for f in others.rims if not own.is_far(f, others) for run in _arcs(b, f, a, on[0])]
+    arcs += [(e, y, run) for e in own.rims if not others.is_far(e, own) for run in _arcs(a, e, b, on[1])]
     if arcs:
         pairs += [(e, f, tuple(run[len(run) // 2].tolist())) for e, f, run in arcs]
         return Shared("conic arc", arcs[0][2], pairs)
@@ -500,8 +603,9 @@ def _between(p: Point, q: Point, share: float) -> Point:
 class _Outline:
     """The boundary of a plane face: corners with their points, straight sides with both ends, round rims.
 
-    axes: coordinates that tell its points apart; lines: of a face without rims its sides as a u + b v + c, a and b of
-    a unit vector, negative inside.
+    axes: coordinates that tell its points apart; lines: of a face of a convex model without rims its sides as
+    a u + b v + c, a and b of a unit vector, negative inside.  boxes: around the rims, by their numbers, and around all
+    of it, local: (low, high corner); shift: to the world.
     """
 
     corners: list[tuple[Vertex, Point]]
@@ -509,6 +613,15 @@ class _Outline:
     rims: list[Edge]
     axes: tuple[int, int] = (0, 1)
     lines: Iterable[tuple[float, float, float]] = ()
+    boxes: dict[int | None, np.ndarray] = field(default_factory=dict)
+    shift: Point = (0.0, 0.0, 0.0)
+
+    def is_far(self, rim: Edge, other: _Outline) -> bool:
+        """Whether a rim of the other outline is clear of this one."""
+        lo, hi = other.boxes[rim.index] + np.subtract(other.shift, self.shift)
+        low, high = self.boxes[None]
+        off = 10.0 * CLEAR * (1.0 + max(np.abs(lo).max(), np.abs(hi).max()))
+        return bool(np.any(hi < low - off) or np.any(lo > high + off))
 
 
 def _outline(body: _Body, face: Face) -> _Outline:
@@ -525,7 +638,7 @@ def _outline(body: _Body, face: Face) -> _Outline:
     u, v = shift[outline.axes[0]], shift[outline.axes[1]]
     return _Outline(
         list(moved.items()), [(e, ends[p], ends[q]) for e, p, q in outline.sides], outline.rims, outline.axes,
-        [(a, b, c - a * u - b * v) for a, b, c in outline.lines],
+        [(a, b, c - a * u - b * v) for a, b, c in outline.lines], outline.boxes, shift,
     )  # fmt: skip
 
 
@@ -538,7 +651,7 @@ def _local_outline(model: CompositeQuadric, face: Face) -> _Outline:
         raise _Unclear
     corners: dict[int, tuple[Vertex, Point]] = {}
     for edge in model.edges:
-        if surface not in edge.surfaces:
+        if surface not in edge.surfaces or edge.convexity == "reentrant":  # nothing touches those alone
             continue
         ends = {k for piece in edge.pieces for k in (piece.start, piece.end) if k is not None}
         corners |= {k: (vertices[k], vertices[k].position) for k in ends}
@@ -546,15 +659,23 @@ def _local_outline(model: CompositeQuadric, face: Face) -> _Outline:
             if ends and len(_shape(model).pieces) > 1:  # other pieces may hold the rest of the curve
                 raise _Unclear
             outline.rims.append(edge)
+            outline.boxes[edge.index] = _box_around(edge)
         elif isinstance(edge.carrier, Line) and len(edge.pieces) == 1 and len(ends) == 2:
             start, end = edge.pieces[0].start, edge.pieces[0].end
             assert start is not None and end is not None
             outline.sides.append((edge, vertices[start].position, vertices[end].position))
         else:
             raise _Unclear
+        if not _shape(model).pieces and _runs_on(model, edge):
+            raise _Unclear
     outline.corners.extend(corners.values())
-    if not outline.rims:
+    if not outline.rims and _shape(model).pieces:
         outline.lines = [_side_line(p, q, outline) for _, p, q in outline.sides]
+    parts = [*outline.boxes.values(), *(np.array([p, p]) for _, p in outline.corners)]
+    low, high = np.full(3, -np.inf), np.full(3, np.inf)
+    if parts:
+        low, high = np.min([lo for lo, _ in parts], axis=0), np.max([hi for _, hi in parts], axis=0)
+    outline.boxes[None] = np.array([low, high])
     return outline
 
 
@@ -566,6 +687,35 @@ def _side_line(p: Point, q: Point, outline: _Outline) -> tuple[float, float, flo
     c = -(a * p[i] + b * p[j])
     inside = sum(a * r[i] + b * r[j] + c for _, r in outline.corners)
     return (a, b, c) if inside < 0.0 else (-a, -b, -c)
+
+
+def _box_around(rim: Edge) -> np.ndarray:
+    frame = rim.frame[:3] / rim.frame[3, 0]
+    reach = np.abs(frame[:, 1:]).sum(axis=1)
+    return np.array([frame[:, 0] - reach, frame[:, 0] + reach])
+
+
+def _runs_on(model: CompositeQuadric, edge: Edge) -> bool:
+    """Whether the edge's line or conic lies on the model beyond its pieces, as at a reentrant corner of a face.
+
+    Exact arithmetic counts what touches it there as touching the edge.
+    """
+    body, on = _Body(model, (0.0, 0.0, 0.0)), frozenset(edge.surfaces)
+    if isinstance(edge.carrier, Conic):
+        angles = np.linspace(0.0, 2.0 * np.pi, SAMPLES // 8, endpoint=False)
+        bare = angles[~_in_pieces(edge, angles)]
+    else:
+        (dx, px), (dy, py), (dz, pz), _ = edge.frame.tolist()
+        ends = sorted(
+            s for k, form in enumerate(body.forms) if k not in on for s, _ in _roots(form, (px, py, pz), (dx, dy, dz))
+        )
+        middles = np.array([0.5 * (lo + hi) for lo, hi in zip(ends, ends[1:], strict=False) if hi - lo > CLEAR])
+        bare = middles[~np.any([(p.lo <= middles) & (middles <= p.hi) for p in edge.pieces], axis=0)]
+    return any(body.holds((x, y, z), on) for x, y, z in edge.points(bare).tolist())
+
+
+def _in_pieces(edge: Edge, angles: np.ndarray) -> np.ndarray:
+    return np.any([(angles - p.lo) % (2.0 * np.pi) <= p.hi - p.lo for p in edge.pieces], axis=0)
 
 
 def _crossing(
@@ -604,9 +754,12 @@ def _arcs(body: _Body, rim: Edge, other: _Body, on: frozenset[int]) -> list[np.n
     """The parts (n, 3) of a rim of one body that the other one's face holds, sampled."""
     angles = np.linspace(0.0, 2.0 * np.pi, SAMPLES, endpoint=False)
     points = rim.points(angles) + body.shift
-    good = np.zeros(SAMPLES, bool)
-    for piece in rim.pieces:
-        good |= (angles - piece.lo) % (2.0 * np.pi) <= piece.hi - piece.lo
+    good = _in_pieces(rim, angles)
     x, y, z = (points - other.shift).T
-    below = [k in on or _value(form, x, y, z)[0] < 0.0 for k, form in enumerate(other.forms)]  # type: ignore[arg-type]
-    return [points[run] for run in runs(good & inside(other.model.tree, below))]
+    negative: list[Any] = [_value(form, x, y, z)[0] < 0.0 for form in other.forms]  # type: ignore[arg-type]
+    either = []
+    for choice in product((True, False), repeat=len(on)):
+        for k, side in zip(on, choice, strict=True):
+            negative[k] = np.full(SAMPLES, side)
+        either.append(inside(other.model.tree, negative))
+    return [points[run] for run in runs(good & np.any(either, axis=0) & ~np.all(either, axis=0))]

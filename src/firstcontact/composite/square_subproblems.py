@@ -227,10 +227,13 @@ def square_subproblems(pair: Pair) -> Iterator[SquareSubproblem]:
 
 def refuse_untraced(body: CompositeQuadric) -> None:
     """Contacts are complete only if all edges are known."""
+    if body._search.get("traced"):
+        return
     box = _box_of(body)
     missed = untraced(body, box) if box is not None else []
     if missed:
         raise UnsupportedPair(f"{body.name or 'solid'}: an edge of degree 4 near {missed[0].tolist()} was not traced")
+    body._search["traced"] = True
 
 
 def quartic_edges(body: CompositeQuadric) -> list[Edge]:

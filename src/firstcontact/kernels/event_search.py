@@ -15,11 +15,19 @@ from firstcontact.kernels.feature_boxes import (
     BY_U,
     BY_V,
     FIRST_ROW,
+    HERE,
     INSIDE,
     MID,
+    NEGATIVE,
+    OPEN,
     OUTSIDE,
     PLAIN,
+    POSITIVE,
+    RANGES,
+    SHARES,
+    SLAB,
     SPARE,
+    THERE,
     UU,
     VALUE,
     VV,
@@ -31,6 +39,7 @@ from firstcontact.kernels.feature_boxes import (
     parallel,
     place_box,
     reach,
+    sign,
 )
 from firstcontact.kernels.feature_boxes import FIRST as FIRST_ORDER
 from firstcontact.kernels.feature_boxes import SECOND as SECOND_ORDER
@@ -51,6 +60,10 @@ EQUATIONS, DEEP, FORM, OTHER_FORM, OWN_FORM = rows(*range(5))
 # Columns of a body's layout: rows of its own forms and of the other's in its frame, their compiled trees, first row
 # and number of its forms as given.
 OWN, OTHER, OWN_BEGIN, OWN_END, OTHER_BEGIN, OTHER_END, RAW, COUNT = rows(*range(8))
+# Bits kept with a box: forms of the other body that are negative there, and positive; whether no form of its own body
+# leaves open that it belongs to it.  They hold for all parts of the box and of its time.
+NEGATIVE_THERE, POSITIVE_THERE, IN_OWN = rows(0, 1, 2)
+KNOWN = 3
 # Slots of the row of the slab: middle, half, and for either body how far a point goes and how lengths change.
 MIDDLE, HALF, TRAVEL, STRETCH = 0, 1, 2, 4
 # What becomes of a box: dropped, kept for shorter times, cut across u or v, replaced by one for each pair.
@@ -70,11 +83,11 @@ VISITS, TESTS, SLABS = rows(0, 1, 2)
 
 
 @kernel
-def place_slab(t0, t1, ma, mb, raw, kinds, units, layout, w, models, table, slab):
+def place_slab(t0, t1, ma, mb, raw, kinds, units, layout, w, models, table, z):
     """All forms of either body in the frame of the other over [t0, t1]; False where a pose is singular."""
     middle = 0.5 * (t0 + t1)
     half = max(t1 - middle, middle - t0) * (1.0 + 1e-15) + 8.0 * U * max(abs(t0), abs(t1)) + 1e-300
-    slab[MIDDLE], slab[HALF] = middle, half
+    z[SLAB, MIDDLE], z[SLAB, HALF] = middle, half
     pose_models(ma, middle, half, w, models, FIRST)
     pose_models(mb, middle, half, w, models, SECOND)
     for x in range(2):
@@ -90,153 +103,184 @@ def place_slab(t0, t1, ma, mb, raw, kinds, units, layout, w, models, table, slab
                 if c < 3:
                     stretch = max(stretch, abs(models[0, MAP + 4 * r + c]))
             travel = max(travel, way)
-        slab[TRAVEL + x], slab[STRETCH + x] = travel, stretch
+        z[SLAB, TRAVEL + x], z[SLAB, STRETCH + x] = travel, stretch
         pull_back(raw, kinds, layout[y, RAW], layout[y, COUNT], models, table, layout[x, OTHER])
     return True
 
 
 @kernel
-def _equations(pair, own, base, table, kinds_of, s, hs, x, y, e):
-    """Rows 0.. of e: the equations of a pair; False where one cannot hold.
+def _equations(pair, own, base, table, s, hs, z):
+    """Rows ZEROTH.. of z: the equations of a pair; False where one cannot hold.
 
     own, base: first rows of the forms of either body.  An edge of degree 4 touches a surface where both forms vanish
     and their derivatives along the chart are parallel.
     """
     row = ZEROTH
     if pair[OWN_FORM] >= 0:
-        model(table, kinds_of, own + pair[OWN_FORM], s, hs, x, pair[DEEP], y, e, ZEROTH)
-        if abs(e[ZEROTH, VALUE]) > reach(e, ZEROTH):
+        model(table, own + pair[OWN_FORM], s, hs, z, pair[DEEP], ZEROTH)
+        if abs(z[ZEROTH, VALUE]) > reach(z, ZEROTH):
             return False
         row = SPARE if pair[DEEP] > 0 else FIRST_ROW
-    model(table, kinds_of, base + pair[FORM], s, hs, x, pair[DEEP], y, e, row)
-    if abs(e[row, VALUE]) > reach(e, row):
+    model(table, base + pair[FORM], s, hs, z, pair[DEEP], row)
+    if abs(z[row, VALUE]) > reach(z, row):
         return False
     if row == SPARE:
-        parallel(e)
+        parallel(z)
     if pair[OTHER_FORM] >= 0:
-        model(table, kinds_of, base + pair[OTHER_FORM], s, hs, x, PLAIN, y, e, pair[EQUATIONS] - 1)
-    for k in range(1, pair[EQUATIONS]):
-        if abs(e[k, VALUE]) > reach(e, k):
+        model(table, base + pair[OTHER_FORM], s, hs, z, PLAIN, ZEROTH + pair[EQUATIONS] - 1)
+    for k in range(ZEROTH + 1, ZEROTH + pair[EQUATIONS]):
+        if abs(z[k, VALUE]) > reach(z, k):
             return False
     return True
 
 
 @kernel
-def _members(chart, pair, side, s, hs, layout, program, kinds_of, table, x, y, e, shares, stack):
+def _members(chart, pair, known, side, s, hs, layout, program, table, z, stack):
     """False where the box has no point in the other closed model, or none in its own.
 
-    pair: bits of the other's forms that vanish.
+    pair: bits of the other's forms that vanish; known: the box's bits, which are added to.  The stack keeps the signs
+    of the other's forms.
     """
-    for own in range(2):
-        begin, end, base = layout[side, OTHER_BEGIN], layout[side, OTHER_END], layout[side, OTHER]
-        on = pair
-        if own:
-            begin, end, base, on = layout[side, OWN_BEGIN], layout[side, OWN_END], layout[side, OWN], chart[ON]
-        found = membership(program, begin, end, on, base, table, kinds_of, s, hs, x, y, e, SPARE, shares, stack)
-        if not found & INSIDE:
-            return False
-    return True
+    found = membership(
+        program, layout[side, OTHER_BEGIN], layout[side, OTHER_END], pair, known[NEGATIVE_THERE], known[POSITIVE_THERE],
+        layout[side, OTHER], table, s, hs, z, THERE, stack,
+    )  # fmt: skip
+    if not found & INSIDE:
+        return False
+    known[NEGATIVE_THERE], known[POSITIVE_THERE], open_there = stack[NEGATIVE], stack[POSITIVE], stack[OPEN]
+    if known[IN_OWN]:
+        return True
+    found = membership(
+        program, layout[side, OWN_BEGIN], layout[side, OWN_END], chart[ON], PLAIN, PLAIN, layout[side, OWN], table, s,
+        hs, z, HERE, stack,
+    )  # fmt: skip
+    known[IN_OWN] = stack[OPEN] == 0
+    stack[NEGATIVE], stack[POSITIVE], stack[OPEN] = known[NEGATIVE_THERE], known[POSITIVE_THERE], open_there
+    return found & INSIDE > 0
 
 
 @kernel
-def _size(x, row, second):
+def _may_hold(pairs, p, own, base, table, s, hs, z, stack):
+    """Whether all equations of a pair may hold, from the models of open forms that membership in the other left."""
+    form = pairs[p, FORM]
+    if sign(table, base, form, s, hs, z, THERE, stack) != INSIDE | OUTSIDE:
+        return False
+    if pairs[p, OWN_FORM] >= 0:
+        return _equations(pairs[p], own, base, table, s, hs, z)
+    row = THERE + 3 * form
+    for k in range(1, pairs[p, DEEP] + 1):
+        if abs(z[row + k, VALUE]) > reach(z, row + k):
+            return False
+    other = pairs[p, OTHER_FORM]
+    return other < 0 or sign(table, base, other, s, hs, z, THERE, stack) == INSIDE | OUTSIDE
+
+
+@kernel
+def _size(z, row, second):
     size = 0.0
     for i in range(4):
-        size = max(size, abs(x[row, i]) + abs(x[second, i]))
+        size = max(size, abs(z[row, i]) + abs(z[second, i]))
     return size
 
 
 @kernel
-def _cut(box, params, side, hs, x, slab, shares):
+def _cut(box, params, side, hs, z):
     """How to go on with a box that stays."""
-    weight = x[MID, 3]
-    way_u, way_v = _size(x, BY_U, UU) * slab[STRETCH + side], _size(x, BY_V, VV) * slab[STRETCH + side]
-    way_t = slab[TRAVEL + side] * hs * weight
+    weight = z[MID, 3]
+    way_u, way_v = _size(z, BY_U, UU) * z[SLAB, STRETCH + side], _size(z, BY_V, VV) * z[SLAB, STRETCH + side]
+    way_t = z[SLAB, TRAVEL + side] * hs * weight
     if box[PAIR] == STILL:
-        if max(way_u, way_v) < STILL_NARROW * slab[STRETCH + side] * weight:
+        if max(way_u, way_v) < STILL_NARROW * z[SLAB, STRETCH + side] * weight:
             return LATER
         return CUT_U if way_u >= way_v else CUT_V
     largest = max(way_u, way_v, way_t) + 1e-300
-    total = shares[0] + shares[1] + shares[2]
+    total = z[SHARES, 0] + z[SHARES, 1] + z[SHARES, 2]
     if total == 0.0 or params == 0:  # nothing is open but what rounding errors leave open
         return LATER
     if hs < BRIEF:  # zeros may come in curves: earlier times first
         return LATER
-    t = (shares[0] / total + 1e-3) * (1.0 + way_t / largest)
-    u = (shares[1] / total + 1e-3) * (1.0 + way_u / largest) if box[HALF_U] > NARROW * (1.0 + abs(box[AT_U])) else 0.0
-    v = (shares[2] / total + 1e-3) * (1.0 + way_v / largest) if box[HALF_V] > NARROW * (1.0 + abs(box[AT_V])) else 0.0
+    t = (z[SHARES, 0] / total + 1e-3) * (1.0 + way_t / largest)
+    u, v = 0.0, 0.0
+    if box[HALF_U] > NARROW * (1.0 + abs(box[AT_U])):
+        u = (z[SHARES, 1] / total + 1e-3) * (1.0 + way_u / largest)
+    if box[HALF_V] > NARROW * (1.0 + abs(box[AT_V])):
+        v = (z[SHARES, 2] / total + 1e-3) * (1.0 + way_v / largest)
     if t >= u and t >= v:
         return LATER
     return CUT_U if u >= v else CUT_V
 
 
 @kernel
-def _place_box_at(box, charts, slab, x):
+def _place_box_at(box, charts, z):
     """(whether the box has finite points only, middle and half-width of its time in the slab)."""
-    s = (0.5 * (box[BEGIN] + box[END]) - slab[MIDDLE]) / slab[HALF]
-    hs = 0.5 * (box[END] - box[BEGIN]) / slab[HALF] + 4.0 * U * (1.0 + abs(slab[MIDDLE]) / slab[HALF])
-    return place_box(charts, int(box[CHART]), box[AT_U], box[HALF_U], box[AT_V], box[HALF_V], x), s, hs
+    s = (0.5 * (box[BEGIN] + box[END]) - z[SLAB, MIDDLE]) / z[SLAB, HALF]
+    hs = 0.5 * (box[END] - box[BEGIN]) / z[SLAB, HALF] + 4.0 * U * (1.0 + abs(z[SLAB, MIDDLE]) / z[SLAB, HALF])
+    return place_box(charts, int(box[CHART]), box[AT_U], box[HALF_U], box[AT_V], box[HALF_V], z), s, hs
 
 
 @kernel
-def _narrow_box(box, params, s, hs, slab, e, n, d):
+def _narrow_box(box, params, s, hs, z, n):
     """The share of its widest narrowing that is left of the box; negative if nothing is."""
-    if not narrow(e, n, params, d):
+    if not narrow(z, n, params):
         return -1.0
     left = 1.0
     for k in range(params):
-        left = min(left, 0.5 * (d[k, 1] - d[k, 0]))
+        left = min(left, 0.5 * (z[RANGES + k, 1] - z[RANGES + k, 0]))
         at = AT_U + 2 * k
         u, h = box[at], box[at + 1]
-        box[at] = u + 0.5 * (d[k, 0] + d[k, 1]) * h
-        box[at + 1] = min(h, 0.5 * (d[k, 1] - d[k, 0]) * h + 4.0 * U * (abs(u) + h))
-    pad, before = 4.0 * U * (abs(slab[MIDDLE]) + slab[HALF]), box[END] - box[BEGIN]
-    box[BEGIN] = max(box[BEGIN], (s + hs * d[2, 0]) * slab[HALF] + slab[MIDDLE] - pad)
-    box[END] = min(box[END], (s + hs * d[2, 1]) * slab[HALF] + slab[MIDDLE] + pad)
+        box[at] = u + 0.5 * (z[RANGES + k, 0] + z[RANGES + k, 1]) * h
+        box[at + 1] = min(h, 0.5 * (z[RANGES + k, 1] - z[RANGES + k, 0]) * h + 4.0 * U * (abs(u) + h))
+    pad, before = 4.0 * U * (abs(z[SLAB, MIDDLE]) + z[SLAB, HALF]), box[END] - box[BEGIN]
+    box[BEGIN] = max(box[BEGIN], (s + hs * z[RANGES + 2, 0]) * z[SLAB, HALF] + z[SLAB, MIDDLE] - pad)
+    box[END] = min(box[END], (s + hs * z[RANGES + 2, 1]) * z[SLAB, HALF] + z[SLAB, MIDDLE] + pad)
     if box[BEGIN] > box[END]:
         return -1.0
     return min(left, (box[END] - box[BEGIN]) / before) if before > 0.0 else left
 
 
 @kernel
-def bit(form):
-    return np.int64(1) << form
+def _bits(pair):
+    """Of the other body's forms that vanish where the pair touches."""
+    bits = np.int64(1) << pair[FORM]
+    if pair[OTHER_FORM] >= 0:
+        bits |= np.int64(1) << pair[OTHER_FORM]
+    return bits
 
 
 @kernel
-def visit(box, charts, info, pairs, layout, program, kinds_of, table, slab, x, y, e, d, shares, stack, c):
+def visit(box, known, charts, info, pairs, layout, program, table, z, stack, c):
     """What becomes of a box in the slab; it may be narrowed.  The pairs of EACH_PAIR are left in the stack, after
     their number."""
     chart = info[int(box[CHART])]
     side, base = chart[BODY], layout[chart[BODY], OTHER]
-    shares[0] = shares[1] = shares[2] = 0.0
-    finite, s, hs = _place_box_at(box, charts, slab, x)
+    z[SHARES, 0] = z[SHARES, 1] = z[SHARES, 2] = 0.0
+    finite, s, hs = _place_box_at(box, charts, z)
     if not finite:
         return CUT_U if box[HALF_U] >= box[HALF_V] else CUT_V
     c[VISITS] += 1
     on = PLAIN
     if box[PAIR] >= 0:
-        pair = pairs[int(box[PAIR])]
-        on = bit(pair[FORM])
-        if pair[OTHER_FORM] >= 0:
-            on |= bit(pair[OTHER_FORM])
-    if box[PAIR] < 0 and not _members(chart, on, side, s, hs, layout, program, kinds_of, table, x, y, e, shares, stack):
+        on = _bits(pairs[int(box[PAIR])])
+    if box[PAIR] < 0 and not _members(
+        chart, on, known, side, s, hs, layout, program, table, z, stack
+    ):
         return DEAD
     if box[PAIR] == STILL:
-        return _cut(box, chart[PARAMS], side, hs, x, slab, shares)
+        return _cut(box, chart[PARAMS], side, hs, z)
     first, end, number = chart[FIRST_PAIR], chart[END_PAIR], 0
     most = FEW
-    if chart[PARAMS] == 0 or _size(x, FIRST_ORDER, SECOND_ORDER) < SMALL * x[MID, 3]:
+    if chart[PARAMS] == 0 or _size(z, FIRST_ORDER, SECOND_ORDER) < SMALL * z[MID, 3]:
         most = ROOM - 8
     if box[PAIR] >= 0:
         first = int(box[PAIR])
         end = first + 1
     p = first
+    if on & (known[NEGATIVE_THERE] | known[POSITIVE_THERE]):
+        return DEAD
     while p < end:
         c[TESTS] += 1
-        holds = _equations(pairs[p], layout[side, OWN], base, table, kinds_of, s, hs, x, y, e)
         if box[PAIR] == ALL_PAIRS:
-            if holds:
+            if _may_hold(pairs, p, layout[side, OWN], base, table, s, hs, z, stack):
                 stack[number + 1] = p
                 number += 1
                 if number > most:
@@ -244,19 +288,19 @@ def visit(box, charts, info, pairs, layout, program, kinds_of, table, slab, x, y
             p += 1
             continue
         left = -1.0
-        if holds:
-            left = _narrow_box(box, chart[PARAMS], s, hs, slab, e, pairs[p, EQUATIONS], d)
+        if _equations(pairs[p], layout[side, OWN], base, table, s, hs, z):
+            left = _narrow_box(box, chart[PARAMS], s, hs, z, pairs[p, EQUATIONS])
         if left < 0.0:
             return DEAD
         if left < 1.0:
-            finite, s, hs = _place_box_at(box, charts, slab, x)
+            finite, s, hs = _place_box_at(box, charts, z)
         number += 1
         if left > 0.5 or number > 3:
             break
     if box[PAIR] >= 0:
         for row in range(pairs[first, EQUATIONS]):
-            add_shares(e, row, shares)
-        if not _members(chart, on, side, s, hs, layout, program, kinds_of, table, x, y, e, shares, stack):
+            add_shares(z, ZEROTH + row)
+        if not _members(chart, on, known, side, s, hs, layout, program, table, z, stack):
             return DEAD
     else:
         if number == 0:
@@ -264,25 +308,28 @@ def visit(box, charts, info, pairs, layout, program, kinds_of, table, slab, x, y
         if number <= most:
             stack[0] = number
             return EACH_PAIR
-    return _cut(box, chart[PARAMS], side, hs, x, slab, shares)
+    return _cut(box, chart[PARAMS], side, hs, z)
 
 
 @kernel
-def _copied(source, i, target, j):
+def _copied(source, known, i, target, told, j):
     for k in range(8):
         target[j, k] = source[i, k]
+    for k in range(KNOWN):
+        told[j, k] = known[i, k]
 
 
 @kernel
 def search(
-    charts, info, pairs, layout, program, raw, kinds, kinds_of, units, ma, mb, w, models, table, slab, x, y, e, d,
-    shares, stack, frames, pool, work, count, first, last, least, budget, result, c,
+    charts, info, pairs, layout, program, raw, kinds, units, ma, mb, w, models, table, z, stack,
+    frames, pool, known, work, told, count, first, last, least, budget, result, c,
 ):  # fmt: skip
     """FREE: nothing begins to touch in [first, last]; STOPPED: result holds a slab of at most `least` whose boxes
     (the number of them is result[2], rows of the pool from result[3] on) survive, all before it is free; SPENT: all
     before result[0] is.
 
-    pool: `count` boxes to start with.  first = last: boxes are only asked whether they hold a common point.
+    pool, known: `count` boxes to start with, and bits for each; work, told: as large.
+    first = last: boxes are only asked whether they hold a common point.
     """
     frames[0, 0], frames[0, 1], frames[0, 2], frames[0, 3] = first, last, 0.0, float(count)
     depth = 1
@@ -296,9 +343,9 @@ def search(
         if todo == 0:
             continue
         kept, lo, hi = start, math.inf, -math.inf
-        if place_slab(t0, t1, ma, mb, raw, kinds, units, layout, w, models, table, slab):
+        if place_slab(t0, t1, ma, mb, raw, kinds, units, layout, w, models, table, z):
             for k in range(todo):
-                _copied(pool, start + k, work, k)
+                _copied(pool, known, start + k, work, told, k)
         elif t1 - t0 > least:
             kept, lo, hi, todo = end, t0, t1, 0
         else:
@@ -309,17 +356,17 @@ def search(
             todo -= 1
             box = work[todo]
             box[BEGIN], box[END] = max(box[BEGIN], t0), min(box[END], t1)
-            fate = visit(box, charts, info, pairs, layout, program, kinds_of, table, slab, x, y, e, d, shares, stack, c)
+            fate = visit(box, told[todo], charts, info, pairs, layout, program, table, z, stack, c)
             if fate == LATER:
                 if first == last:
                     return STOPPED
                 lo, hi = min(lo, box[BEGIN]), max(hi, box[END])
-                _copied(work, todo, pool, kept)
+                _copied(work, told, todo, pool, known, kept)
                 kept += 1
             elif fate == CUT_U or fate == CUT_V:
                 at = AT_U if fate == CUT_U else AT_V
                 h = 0.5 * box[at + 1]
-                _copied(work, todo, work, todo + 1)
+                _copied(work, told, todo, work, told, todo + 1)
                 work[todo, at] -= h
                 work[todo + 1, at] += h
                 work[todo, at + 1] = work[todo + 1, at + 1] = h * (1.0 + 1e-15) + 2.0 * U * abs(box[at])
@@ -327,7 +374,7 @@ def search(
             elif fate == EACH_PAIR:
                 number = stack[0]
                 for k in range(number - 1, -1, -1):
-                    _copied(work, todo, work, todo + k)
+                    _copied(work, told, todo, work, told, todo + k)
                     work[todo + k, PAIR] = stack[1 + k]
                 todo += number
         if kept == start:
@@ -343,13 +390,13 @@ def search(
             continue
         middle, number = 0.5 * (lo + hi), kept - start
         for k in range(number):
-            _copied(pool, start + k, work, k)
+            _copied(pool, known, start + k, work, told, k)
         top = start
         for half in range(2):
             begin = top
             for k in range(number):
                 if work[k, END] >= middle if half == 0 else work[k, BEGIN] <= middle:
-                    _copied(work, k, pool, top)
+                    _copied(work, told, k, pool, known, top)
                     top += 1
             frames[depth, 0], frames[depth, 1] = (middle, hi) if half == 0 else (lo, middle)
             frames[depth, 2], frames[depth, 3] = float(begin), float(top)
@@ -358,23 +405,25 @@ def search(
 
 
 @kernel
-def trim(charts, on, form, program, table, kinds, boxes, x, y, e, shares, stack, fates):
-    """Which boxes (rows u, half, v, half) of a chart may hold boundary points: 0 none, 1 some, 2 infinite ones too.
+def trim(charts, on, form, program, table, boxes, z, stack, fates):
+    """Which boxes (rows u, half, v, half) of a chart may hold boundary points: 0 none, 1 some, 2 infinite ones too,
+    3 only such.
 
     The last form is negative around the body; the tree asks it first.  form: one that vanishes at the points, or -1.
     """
     for k in range(boxes.shape[0]):
         fates[k] = 0
-        finite = place_box(charts, PLAIN, boxes[k, 0], boxes[k, 1], boxes[k, 2], boxes[k, 3], x)
+        finite = place_box(charts, PLAIN, boxes[k, 0], boxes[k, 1], boxes[k, 2], boxes[k, 3], z)
         if form >= 0:
-            model(table, kinds, form, 0.0, 0.0, x, PLAIN, y, e, SPARE)
-            if abs(e[SPARE, VALUE]) > reach(e, SPARE):
+            model(table, form, 0.0, 0.0, z, PLAIN, SPARE)
+            if abs(z[SPARE, VALUE]) > reach(z, SPARE):
                 continue
         if finite:
             found = membership(
-                program, PLAIN, program.shape[0], on, PLAIN, table, kinds, 0.0, 0.0, x, y, e, SPARE, shares, stack
+                program, PLAIN, program.shape[0], on, PLAIN, PLAIN, PLAIN, table, 0.0, 0.0, z, HERE, stack
             )
-            fates[k] = 1 if found == INSIDE | OUTSIDE else 0
+            if found == INSIDE | OUTSIDE:
+                fates[k] = 1 if stack[OPEN] else 3
         else:
-            model(table, kinds, table.shape[0] - 1, 0.0, 0.0, x, PLAIN, y, e, SPARE)
-            fates[k] = 0 if e[SPARE, VALUE] > reach(e, SPARE) else 2
+            model(table, table.shape[0] - 1, 0.0, 0.0, z, PLAIN, SPARE)
+            fates[k] = 0 if z[SPARE, VALUE] > reach(z, SPARE) else 2

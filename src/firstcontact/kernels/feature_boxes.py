@@ -9,6 +9,8 @@ the equations in parameters are re-derived).
 
 from __future__ import annotations
 
+import numpy as np
+
 from firstcontact.kernels.jit import kernel
 from firstcontact.kernels.workspace import rows
 
@@ -18,30 +20,37 @@ U = 2.0**-53
 NOISE = 64.0 * U
 # Columns of a chart: six coefficients of four coordinates, error of the points.
 ERROR = 24
-# Rows of the points of a box: X and its derivatives at the middle times half-widths; bounds of first and second order
-# parts, of all, and of the derivatives; in the last row: sizes of X and of its two derivatives for rounding errors.
-MID, BY_U, BY_V, UU, UV, VV, FIRST, SECOND, ALL, ALL_U, ALL_V, SIZES = rows(*range(12))
-POINTS = 12
-# Rows of images of points under a form: Q X and of its derivatives, h Q' X; bounds h |Q'| (E + D), rest |X|.
-IMAGE, IMAGE_U, IMAGE_V, IMAGE_UU, IMAGE_UV, IMAGE_VV, MOVED, DRIFT, LOOSE = rows(*range(9))
-IMAGES = 9
+# Rows of the workspace z.  Models of the equations of a pair, in this order; spare ones.
+ZEROTH, FIRST_ROW, SPARE = rows(0, 1, 3)
+# The points of a box: X and its derivatives at the middle times half-widths; bounds of first and second order parts, of
+# all, and of the derivatives; in the last row: sizes of X and of its two derivatives for rounding errors.
+MID, BY_U, BY_V, UU, UV, VV, FIRST, SECOND, ALL, ALL_U, ALL_V, SIZES = rows(*range(6, 18))
+# Images of points under a form: Q X and of its derivatives, h Q' X; bounds h |Q'| (E + D), rest |X|.
+IMAGE, IMAGE_U, IMAGE_V, IMAGE_UU, IMAGE_UV, IMAGE_VV, MOVED, DRIFT, LOOSE = rows(*range(18, 27))
+# What time, a and b have in the uncertainty; the slab; ranges of a, b and s that hold all zeros; from the last two on
+# three models for each form whose sign is open, of the other body and of the own one.
+SHARES, SLAB, RANGES, THERE, HERE = rows(27, 28, 29, 32, 32 + 3 * 64)
+ROWS, WIDTH = 32 + 6 * 64, 12
 # Columns of a model: value, slopes by a, b, s, rest; shares of the uncertainty by time, a, b; size of its terms.
 VALUE, SLOPE_U, SLOPE_V, SLOPE_T, REST, SHARE_T, SHARE_U, SHARE_V, TERMS = rows(*range(9))
-COLUMNS = 9
 # Part of the size of its terms below which what is open of a model counts as rounding errors.
 ROUNDED = 1e-12
 INSIDE, OUTSIDE = rows(1, 2)
-# No derivatives; rows of models for equations, and the one for membership.
-PLAIN, ZEROTH, FIRST_ROW, SPARE = rows(0, 0, 1, 3)
-# Where the stack keeps the signs of forms.
-SIGNS = 64
+# No derivatives, all.
+PLAIN, DEEPEST = rows(0, 2)
+# Parts of a row of the table of forms: value and slope in time, bound of the rest; then the sum of all sizes and
+# whether it is a quadric.
+ABOUT = 3
+SUM_OF_SIZES, CURVED = rows(0, 1)
+# Slots of the stack: bits of the forms known to be negative on the box, known to be positive, and found open.
+NEGATIVE, POSITIVE, OPEN = rows(317, 318, 319)
 STACK = 320
 # Steps of a compiled tree.
 LEAF, NOT, AND, OR, UNLESS_IN, UNLESS_OUT = rows(*range(6))
 
 
 @kernel
-def place_box(charts, k, u, hu, v, hv, x):
+def place_box(charts, k, u, hu, v, hv, z):
     """The points of the box; False where their weight may vanish."""
     s0, s1, s2 = 0.0, 0.0, 0.0
     mu, mv = abs(u) + hu, abs(v) + hv
@@ -49,80 +58,80 @@ def place_box(charts, k, u, hu, v, hv, x):
         c0, c1, c2, c3, c4, c5 = (
             charts[k, i], charts[k, 4 + i], charts[k, 8 + i], charts[k, 12 + i], charts[k, 16 + i], charts[k, 20 + i],
         )  # fmt: skip
-        x[MID, i] = c0 + u * (c1 + c3 * u + c4 * v) + v * (c2 + c5 * v)
-        x[BY_U, i] = hu * (c1 + 2.0 * c3 * u + c4 * v)
-        x[BY_V, i] = hv * (c2 + 2.0 * c5 * v + c4 * u)
-        x[UU, i], x[UV, i], x[VV, i] = hu * hu * c3, hu * hv * c4, hv * hv * c5
+        z[MID, i] = c0 + u * (c1 + c3 * u + c4 * v) + v * (c2 + c5 * v)
+        z[BY_U, i] = hu * (c1 + 2.0 * c3 * u + c4 * v)
+        z[BY_V, i] = hv * (c2 + 2.0 * c5 * v + c4 * u)
+        z[UU, i], z[UV, i], z[VV, i] = hu * hu * c3, hu * hv * c4, hv * hv * c5
         b1, b2, b3, b4, b5 = abs(c1), abs(c2), abs(c3), abs(c4), abs(c5)
         s0 = max(s0, abs(c0) + mu * (b1 + b3 * mu + b4 * mv) + mv * (b2 + b5 * mv))
         s1 = max(s1, hu * (b1 + 2.0 * b3 * mu + b4 * mv))
         s2 = max(s2, hv * (b2 + 2.0 * b5 * mv + b4 * mu))
-    if x[MID, 3] < 0.0:
-        for r in range(6):
+    if z[MID, 3] < 0.0:
+        for r in range(MID, VV + 1):
             for i in range(4):
-                x[r, i] = -x[r, i]
+                z[r, i] = -z[r, i]
     for i in range(4):
-        x[FIRST, i] = abs(x[BY_U, i]) + abs(x[BY_V, i])
-        x[SECOND, i] = abs(x[UU, i]) + abs(x[UV, i]) + abs(x[VV, i])
-        x[ALL, i] = abs(x[MID, i]) + x[FIRST, i] + x[SECOND, i]
-        x[ALL_U, i] = abs(x[BY_U, i]) + 2.0 * abs(x[UU, i]) + abs(x[UV, i])
-        x[ALL_V, i] = abs(x[BY_V, i]) + 2.0 * abs(x[VV, i]) + abs(x[UV, i])
-    x[SIZES, 0], x[SIZES, 1], x[SIZES, 2] = s0, s1, s2
-    x[SIZES, 3] = charts[k, ERROR]
-    return x[MID, 3] > x[FIRST, 3] + x[SECOND, 3] + NOISE * s0
+        z[FIRST, i] = abs(z[BY_U, i]) + abs(z[BY_V, i])
+        z[SECOND, i] = abs(z[UU, i]) + abs(z[UV, i]) + abs(z[VV, i])
+        z[ALL, i] = abs(z[MID, i]) + z[FIRST, i] + z[SECOND, i]
+        z[ALL_U, i] = abs(z[BY_U, i]) + 2.0 * abs(z[UU, i]) + abs(z[UV, i])
+        z[ALL_V, i] = abs(z[BY_V, i]) + 2.0 * abs(z[VV, i]) + abs(z[UV, i])
+    z[SIZES, 0], z[SIZES, 1], z[SIZES, 2] = s0, s1, s2
+    z[SIZES, 3] = charts[k, ERROR]
+    return z[MID, 3] > z[FIRST, 3] + z[SECOND, 3] + NOISE * s0
 
 
 @kernel
-def _dot(x, i, y, j):
-    return x[i, 0] * y[j, 0] + x[i, 1] * y[j, 1] + x[i, 2] * y[j, 2] + x[i, 3] * y[j, 3]
+def _dot(z, i, j):
+    return z[i, 0] * z[j, 0] + z[i, 1] * z[j, 1] + z[i, 2] * z[j, 2] + z[i, 3] * z[j, 3]
 
 
 @kernel
-def _plane_model(table, f, s, hs, x, deep, e, row):
+def _plane_model(table, f, s, hs, z, deep, row):
     g, gu, gv, uu, uv, vv, gt, mixed, rest, mixed_u, rest_u, mixed_v, rest_v = (
         0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     )  # fmt: skip
     total = 0.0
     for i in range(4):
         n, d, r = table[f, 0, i] + s * table[f, 1, i], hs * table[f, 1, i], table[f, 2, i]
-        g += n * x[MID, i]
-        gu += n * x[BY_U, i]
-        gv += n * x[BY_V, i]
-        uu += n * x[UU, i]
-        uv += n * x[UV, i]
-        vv += n * x[VV, i]
-        gt += d * x[MID, i]
+        g += n * z[MID, i]
+        gu += n * z[BY_U, i]
+        gv += n * z[BY_V, i]
+        uu += n * z[UU, i]
+        uv += n * z[UV, i]
+        vv += n * z[VV, i]
+        gt += d * z[MID, i]
         size = abs(d)
-        mixed += size * (x[FIRST, i] + x[SECOND, i]) + r * x[ALL, i]
+        mixed += size * (z[FIRST, i] + z[SECOND, i]) + r * z[ALL, i]
         total += abs(table[f, 0, i]) + abs(table[f, 1, i]) + r
         if deep > 0:
-            mixed_u += 2.0 * size * x[SECOND, i] + r * x[ALL_U, i]
-            mixed_v += 2.0 * size * x[SECOND, i] + r * x[ALL_V, i]
-            rest_u += d * x[BY_U, i]
-            rest_v += d * x[BY_V, i]
-    noise = total * (NOISE * x[SIZES, 0] + x[SIZES, 3])
-    e[row, VALUE] = g + 0.5 * (uu + vv)
-    e[row, SLOPE_U], e[row, SLOPE_V], e[row, SLOPE_T] = gu, gv, gt
+            mixed_u += 2.0 * size * z[SECOND, i] + r * z[ALL_U, i]
+            mixed_v += 2.0 * size * z[SECOND, i] + r * z[ALL_V, i]
+            rest_u += d * z[BY_U, i]
+            rest_v += d * z[BY_V, i]
+    noise = total * (NOISE * z[SIZES, 0] + z[SIZES, 3])
+    z[row, VALUE] = g + 0.5 * (uu + vv)
+    z[row, SLOPE_U], z[row, SLOPE_V], z[row, SLOPE_T] = gu, gv, gt
     rest = 0.5 * (abs(uu) + abs(vv)) + abs(uv) + mixed
-    e[row, REST] = rest * (1.0 + 1e-12) + noise
-    e[row, SHARE_T] = abs(gt) + mixed
-    e[row, SHARE_U] = abs(gu) + abs(uu) + abs(uv)
-    e[row, SHARE_V] = abs(gv) + abs(vv) + abs(uv)
-    e[row, TERMS] = total * x[SIZES, 0]
+    z[row, REST] = rest * (1.0 + 1e-12) + noise
+    z[row, SHARE_T] = abs(gt) + mixed
+    z[row, SHARE_U] = abs(gu) + abs(uu) + abs(uv)
+    z[row, SHARE_V] = abs(gv) + abs(vv) + abs(uv)
+    z[row, TERMS] = total * z[SIZES, 0]
     # derivatives by a and b of N.X
     if deep > 0:
-        e[row + 1, TERMS], e[row + 2, TERMS] = total * x[SIZES, 1], total * x[SIZES, 2]
-        e[row + 1, VALUE], e[row + 1, SLOPE_U], e[row + 1, SLOPE_V], e[row + 1, SLOPE_T] = gu, 2.0 * uu, uv, rest_u
-        e[row + 1, REST] = mixed_u * (1.0 + 1e-12) + total * NOISE * x[SIZES, 1]
-        e[row + 1, SHARE_T], e[row + 1, SHARE_U], e[row + 1, SHARE_V] = abs(rest_u) + mixed_u, 2.0 * abs(uu), abs(uv)
+        z[row + 1, TERMS], z[row + 2, TERMS] = total * z[SIZES, 1], total * z[SIZES, 2]
+        z[row + 1, VALUE], z[row + 1, SLOPE_U], z[row + 1, SLOPE_V], z[row + 1, SLOPE_T] = gu, 2.0 * uu, uv, rest_u
+        z[row + 1, REST] = mixed_u * (1.0 + 1e-12) + total * NOISE * z[SIZES, 1]
+        z[row + 1, SHARE_T], z[row + 1, SHARE_U], z[row + 1, SHARE_V] = abs(rest_u) + mixed_u, 2.0 * abs(uu), abs(uv)
     if deep > 1:
-        e[row + 2, VALUE], e[row + 2, SLOPE_U], e[row + 2, SLOPE_V], e[row + 2, SLOPE_T] = gv, uv, 2.0 * vv, rest_v
-        e[row + 2, REST] = mixed_v * (1.0 + 1e-12) + total * NOISE * x[SIZES, 2]
-        e[row + 2, SHARE_T], e[row + 2, SHARE_U], e[row + 2, SHARE_V] = abs(rest_v) + mixed_v, abs(uv), 2.0 * abs(vv)
+        z[row + 2, VALUE], z[row + 2, SLOPE_U], z[row + 2, SLOPE_V], z[row + 2, SLOPE_T] = gv, uv, 2.0 * vv, rest_v
+        z[row + 2, REST] = mixed_v * (1.0 + 1e-12) + total * NOISE * z[SIZES, 2]
+        z[row + 2, SHARE_T], z[row + 2, SHARE_U], z[row + 2, SHARE_V] = abs(rest_v) + mixed_v, abs(uv), 2.0 * abs(vv)
 
 
 @kernel
-def _quadric_model(table, f, s, hs, x, deep, y, e, row):
+def _quadric_model(table, f, s, hs, z, deep, row):
     total = 0.0
     for i in range(4):
         y0, y1, y2, y3, y4, y5, y6, y7, y8 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -131,133 +140,183 @@ def _quadric_model(table, f, s, hs, x, deep, y, e, row):
             d, r = table[f, 1, k], table[f, 2, k]
             q = table[f, 0, k] + s * d
             total += abs(table[f, 0, k]) + abs(d) + r
-            y0 += q * x[MID, j]
-            y1 += q * x[BY_U, j]
-            y2 += q * x[BY_V, j]
-            y3 += d * x[MID, j]
-            y4 += q * x[UU, j]
-            y7 += q * x[UV, j]
-            y8 += q * x[VV, j]
-            y5 += abs(d) * (x[FIRST, j] + x[SECOND, j])
-            y6 += r * x[ALL, j]
-        y[IMAGE, i], y[IMAGE_U, i], y[IMAGE_V, i], y[MOVED, i] = y0, y1, y2, hs * y3
-        y[IMAGE_UU, i], y[IMAGE_UV, i], y[IMAGE_VV, i] = y4, y7, y8
-        y[DRIFT, i], y[LOOSE, i] = hs * y5, y6
-    g, gu, gv, gt = _dot(x, MID, y, IMAGE), _dot(x, BY_U, y, IMAGE), _dot(x, BY_V, y, IMAGE), _dot(x, MID, y, MOVED)
-    uu = _dot(x, BY_U, y, IMAGE_U) + 2.0 * _dot(x, UU, y, IMAGE)
-    vv = _dot(x, BY_V, y, IMAGE_V) + 2.0 * _dot(x, VV, y, IMAGE)
-    uv = _dot(x, BY_U, y, IMAGE_V) + _dot(x, UV, y, IMAGE)
-    ut, vt = _dot(x, BY_U, y, MOVED), _dot(x, BY_V, y, MOVED)
+            y0 += q * z[MID, j]
+            y1 += q * z[BY_U, j]
+            y2 += q * z[BY_V, j]
+            y3 += d * z[MID, j]
+            y4 += q * z[UU, j]
+            y7 += q * z[UV, j]
+            y8 += q * z[VV, j]
+            y5 += abs(d) * (z[FIRST, j] + z[SECOND, j])
+            y6 += r * z[ALL, j]
+        z[IMAGE, i], z[IMAGE_U, i], z[IMAGE_V, i], z[MOVED, i] = y0, y1, y2, hs * y3
+        z[IMAGE_UU, i], z[IMAGE_UV, i], z[IMAGE_VV, i] = y4, y7, y8
+        z[DRIFT, i], z[LOOSE, i] = hs * y5, y6
+    g, gu, gv, gt = _dot(z, MID, IMAGE), _dot(z, BY_U, IMAGE), _dot(z, BY_V, IMAGE), _dot(z, MID, MOVED)
+    uu = _dot(z, BY_U, IMAGE_U) + 2.0 * _dot(z, UU, IMAGE)
+    vv = _dot(z, BY_V, IMAGE_V) + 2.0 * _dot(z, VV, IMAGE)
+    uv = _dot(z, BY_U, IMAGE_V) + _dot(z, UV, IMAGE)
+    ut, vt = _dot(z, BY_U, MOVED), _dot(z, BY_V, MOVED)
     # third order: a^3, a^2 b, a b^2, b^3, halved
-    uuu, vvv = _dot(x, UU, y, IMAGE_U), _dot(x, VV, y, IMAGE_V)
-    uuv1, uuv2 = _dot(x, UU, y, IMAGE_V), _dot(x, UV, y, IMAGE_U)
-    uvv1, uvv2 = _dot(x, UV, y, IMAGE_V), _dot(x, VV, y, IMAGE_U)
-    fourth = abs(_dot(x, UU, y, IMAGE_UU)) + 2.0 * abs(_dot(x, UU, y, IMAGE_UV)) + abs(_dot(x, VV, y, IMAGE_VV))
-    fourth += abs(_dot(x, UV, y, IMAGE_UV) + 2.0 * _dot(x, UU, y, IMAGE_VV)) + 2.0 * abs(_dot(x, UV, y, IMAGE_VV))
+    uuu, vvv = _dot(z, UU, IMAGE_U), _dot(z, VV, IMAGE_V)
+    uuv1, uuv2 = _dot(z, UU, IMAGE_V), _dot(z, UV, IMAGE_U)
+    uvv1, uvv2 = _dot(z, UV, IMAGE_V), _dot(z, VV, IMAGE_U)
+    fourth = abs(_dot(z, UU, IMAGE_UU)) + 2.0 * abs(_dot(z, UU, IMAGE_UV)) + abs(_dot(z, VV, IMAGE_VV))
+    fourth += abs(_dot(z, UV, IMAGE_UV) + 2.0 * _dot(z, UU, IMAGE_VV)) + 2.0 * abs(_dot(z, UV, IMAGE_VV))
     high_u, high_v = abs(uuu) + abs(uuv1 + uuv2), abs(vvv) + abs(uvv1 + uvv2)
     late, still = 0.0, 0.0
     for i in range(4):
-        late += 2.0 * x[SECOND, i] * abs(y[MOVED, i]) + x[ALL, i] * y[LOOSE, i]
-        late += (x[FIRST, i] + x[SECOND, i]) * y[DRIFT, i]
+        late += 2.0 * z[SECOND, i] * abs(z[MOVED, i]) + z[ALL, i] * z[LOOSE, i]
+        late += (z[FIRST, i] + z[SECOND, i]) * z[DRIFT, i]
     mixed = 2.0 * (abs(ut) + abs(vt)) + late
     still = 0.5 * (abs(uu) + abs(vv)) + 2.0 * abs(uv) + 2.0 * (high_u + high_v) + fourth
-    noise = total * x[SIZES, 0] * (NOISE * x[SIZES, 0] + 3.0 * x[SIZES, 3])
-    e[row, VALUE] = g + 0.5 * (uu + vv)
-    e[row, SLOPE_U], e[row, SLOPE_V], e[row, SLOPE_T] = 2.0 * gu, 2.0 * gv, gt
-    e[row, REST] = (still + mixed) * (1.0 + 1e-12) + noise
-    e[row, SHARE_T] = abs(gt) + mixed
-    e[row, SHARE_U] = 2.0 * (abs(gu) + high_u) + abs(uu) + abs(uv) + fourth
-    e[row, SHARE_V] = 2.0 * (abs(gv) + high_v) + abs(vv) + abs(uv)
-    e[row, TERMS] = total * x[SIZES, 0] * x[SIZES, 0]
+    noise = total * z[SIZES, 0] * (NOISE * z[SIZES, 0] + 3.0 * z[SIZES, 3])
+    z[row, VALUE] = g + 0.5 * (uu + vv)
+    z[row, SLOPE_U], z[row, SLOPE_V], z[row, SLOPE_T] = 2.0 * gu, 2.0 * gv, gt
+    z[row, REST] = (still + mixed) * (1.0 + 1e-12) + noise
+    z[row, SHARE_T] = abs(gt) + mixed
+    z[row, SHARE_U] = 2.0 * (abs(gu) + high_u) + abs(uu) + abs(uv) + fourth
+    z[row, SHARE_V] = 2.0 * (abs(gv) + high_v) + abs(vv) + abs(uv)
+    z[row, TERMS] = total * z[SIZES, 0] * z[SIZES, 0]
     if deep > 0:
-        e[row + 1, TERMS], e[row + 2, TERMS] = total * x[SIZES, 0] * x[SIZES, 1], total * x[SIZES, 0] * x[SIZES, 2]
+        z[row + 1, TERMS], z[row + 2, TERMS] = total * z[SIZES, 0] * z[SIZES, 1], total * z[SIZES, 0] * z[SIZES, 2]
         late = 0.0
         for i in range(4):
-            late += (x[ALL_U, i] - abs(x[BY_U, i])) * abs(y[MOVED, i]) + x[ALL_U, i] * (y[DRIFT, i] + y[LOOSE, i])
+            late += (z[ALL_U, i] - abs(z[BY_U, i])) * abs(z[MOVED, i]) + z[ALL_U, i] * (z[DRIFT, i] + z[LOOSE, i])
         high = 3.0 * abs(uuu) + 2.0 * abs(uuv1 + uuv2) + abs(uvv1 + uvv2) + 2.0 * fourth
-        e[row + 1, VALUE], e[row + 1, SLOPE_U], e[row + 1, SLOPE_V], e[row + 1, SLOPE_T] = gu, uu, uv, ut
-        e[row + 1, REST] = (high + late) * (1.0 + 1e-12) + total * NOISE * x[SIZES, 0] * x[SIZES, 1]
-        e[row + 1, SHARE_T], e[row + 1, SHARE_U], e[row + 1, SHARE_V] = abs(ut) + late, abs(uu) + high_u, abs(uv)
+        z[row + 1, VALUE], z[row + 1, SLOPE_U], z[row + 1, SLOPE_V], z[row + 1, SLOPE_T] = gu, uu, uv, ut
+        z[row + 1, REST] = (high + late) * (1.0 + 1e-12) + total * NOISE * z[SIZES, 0] * z[SIZES, 1]
+        z[row + 1, SHARE_T], z[row + 1, SHARE_U], z[row + 1, SHARE_V] = abs(ut) + late, abs(uu) + high_u, abs(uv)
     if deep > 1:
         late = 0.0
         for i in range(4):
-            late += (x[ALL_V, i] - abs(x[BY_V, i])) * abs(y[MOVED, i]) + x[ALL_V, i] * (y[DRIFT, i] + y[LOOSE, i])
+            late += (z[ALL_V, i] - abs(z[BY_V, i])) * abs(z[MOVED, i]) + z[ALL_V, i] * (z[DRIFT, i] + z[LOOSE, i])
         high = 3.0 * abs(vvv) + 2.0 * abs(uvv1 + uvv2) + abs(uuv1 + uuv2) + 2.0 * fourth
-        e[row + 2, VALUE], e[row + 2, SLOPE_U], e[row + 2, SLOPE_V], e[row + 2, SLOPE_T] = gv, uv, vv, vt
-        e[row + 2, REST] = (high + late) * (1.0 + 1e-12) + total * NOISE * x[SIZES, 0] * x[SIZES, 2]
-        e[row + 2, SHARE_T], e[row + 2, SHARE_U], e[row + 2, SHARE_V] = abs(vt) + late, abs(uv), abs(vv) + high_v
+        z[row + 2, VALUE], z[row + 2, SLOPE_U], z[row + 2, SLOPE_V], z[row + 2, SLOPE_T] = gv, uv, vv, vt
+        z[row + 2, REST] = (high + late) * (1.0 + 1e-12) + total * NOISE * z[SIZES, 0] * z[SIZES, 2]
+        z[row + 2, SHARE_T], z[row + 2, SHARE_U], z[row + 2, SHARE_V] = abs(vt) + late, abs(uv), abs(vv) + high_v
 
 
 @kernel
-def model(table, kinds, f, s, hs, x, deep, y, e, row):
-    """Form f over the box and the time s +- hs: row e[row], and `deep` derivatives in the rows after it."""
-    if kinds[f] == 0:
-        _plane_model(table, f, s, hs, x, deep, e, row)
+def model(table, f, s, hs, z, deep, row):
+    """Form f over the box and the time s +- hs: z[row], and `deep` derivatives in the rows after it."""
+    if table[f, ABOUT, CURVED] == 0.0:
+        _plane_model(table, f, s, hs, z, deep, row)
     else:
-        _quadric_model(table, f, s, hs, x, deep, y, e, row)
+        _quadric_model(table, f, s, hs, z, deep, row)
 
 
 @kernel
-def reach(e, row):
+def reach(z, row):
     """Bound of what is beyond the value of a model."""
-    return (abs(e[row, SLOPE_U]) + abs(e[row, SLOPE_V]) + abs(e[row, SLOPE_T])) * (1.0 + 1e-14) + e[row, REST]
+    return (abs(z[row, SLOPE_U]) + abs(z[row, SLOPE_V]) + abs(z[row, SLOPE_T])) * (1.0 + 1e-14) + z[row, REST]
 
 
 @kernel
-def parallel(e):
-    """From models and derivatives of two forms, rows 0.. and 3..: the second form in row 1, in row 2 the determinant
-    of the derivatives."""
+def parallel(z):
+    """From models and derivatives of two forms, ZEROTH.. and SPARE..: the second form in FIRST_ROW, then the
+    determinant of the derivatives."""
     p, q, r, t = FIRST_ROW, FIRST_ROW + 1, SPARE + 1, SPARE + 2  # by a and b of the first, and of the second one
-    a, b, c, d = e[p, VALUE], e[q, VALUE], e[r, VALUE], e[t, VALUE]
-    sa, sb = reach(e, p), reach(e, q)
-    sc, sd = reach(e, r), reach(e, t)
+    a, b, c, d = z[p, VALUE], z[q, VALUE], z[r, VALUE], z[t, VALUE]
+    sa, sb = reach(z, p), reach(z, q)
+    sc, sd = reach(z, r), reach(z, t)
     rest = sa * sd + sb * sc + 16.0 * U * ((abs(a) + sa) * (abs(d) + sd) + (abs(b) + sb) * (abs(c) + sc))
-    rest += abs(a) * e[t, REST] + abs(d) * e[p, REST] + abs(b) * e[r, REST] + abs(c) * e[q, REST]
+    rest += abs(a) * z[t, REST] + abs(d) * z[p, REST] + abs(b) * z[r, REST] + abs(c) * z[q, REST]
     for k in range(SLOPE_U, SHARE_V + 1):
         if k < REST:
-            e[q, k] = a * e[t, k] + d * e[p, k] - b * e[r, k] - c * e[q, k]
+            z[q, k] = a * z[t, k] + d * z[p, k] - b * z[r, k] - c * z[q, k]
         elif k > REST:
-            e[q, k] = abs(a) * e[t, k] + abs(d) * e[p, k] + abs(b) * e[r, k] + abs(c) * e[q, k]
-            e[q, k] += sa * e[t, k] + sd * e[p, k] + sb * e[r, k] + sc * e[q, k]
-    e[q, TERMS] = e[p, TERMS] * e[t, TERMS] + e[q, TERMS] * e[r, TERMS]
-    e[q, VALUE], e[q, REST] = a * d - b * c, rest * (1.0 + 1e-12)
-    for k in range(COLUMNS):
-        e[p, k] = e[SPARE, k]
+            z[q, k] = abs(a) * z[t, k] + abs(d) * z[p, k] + abs(b) * z[r, k] + abs(c) * z[q, k]
+            z[q, k] += sa * z[t, k] + sd * z[p, k] + sb * z[r, k] + sc * z[q, k]
+    z[q, TERMS] = z[p, TERMS] * z[t, TERMS] + z[q, TERMS] * z[r, TERMS]
+    z[q, VALUE], z[q, REST] = a * d - b * c, rest * (1.0 + 1e-12)
+    for k in range(TERMS + 1):
+        z[p, k] = z[SPARE, k]
 
 
 @kernel
-def add_shares(e, row, shares):
+def add_shares(z, row):
     """Add what time, a and b have in the uncertainty of a model, in parts; rounding errors have no part."""
-    total = e[row, SHARE_T] + e[row, SHARE_U] + e[row, SHARE_V]
-    if total > ROUNDED * e[row, TERMS]:
+    total = z[row, SHARE_T] + z[row, SHARE_U] + z[row, SHARE_V]
+    if total > ROUNDED * z[row, TERMS]:
         for k in range(3):
-            shares[k] += e[row, SHARE_T + k] / total
+            z[SHARES, k] += z[row, SHARE_T + k] / total
 
 
 @kernel
-def _outcome(program, begin, end, on, inside, base, table, kinds, s, hs, x, y, e, row, shares, stack):
-    """Bits INSIDE and OUTSIDE of a tree, the forms `on` inside or not as told; other signs are kept in the stack."""
+def _rough_sign(table, f, s, hs, z):
+    """Whether a quadric form is certainly INSIDE (negative) or OUTSIDE on the box, from first orders alone."""
+    value, drift, spread = 0.0, 0.0, 0.0
+    for i in range(4):
+        image, moved, row, loose = 0.0, 0.0, 0.0, 0.0
+        for j in range(4):
+            k = 4 * i + j
+            d = table[f, 1, k]
+            q = table[f, 0, k] + s * d
+            d *= hs
+            image += q * z[MID, j]
+            moved += d * z[MID, j]
+            row += (abs(q) + abs(d)) * (z[FIRST, j] + z[SECOND, j])
+            loose += table[f, 2, k] * z[ALL, j]
+        value += z[MID, i] * image
+        drift += z[MID, i] * moved
+        spread += (z[FIRST, i] + z[SECOND, i]) * (2.0 * (abs(image) + abs(moved)) + row) + z[ALL, i] * loose
+    noise = table[f, ABOUT, SUM_OF_SIZES] * z[SIZES, 0] * (NOISE * z[SIZES, 0] + 3.0 * z[SIZES, 3])
+    size = (abs(drift) + spread) * (1.0 + 1e-12) + noise
+    if value > size:
+        return OUTSIDE
+    return INSIDE if value < -size else INSIDE | OUTSIDE
+
+
+@kernel
+def sign(table, base, form, s, hs, z, first, stack):
+    """Bits INSIDE and OUTSIDE of a form over the box, kept in the stack; the model of one that is open stays in
+    z, three rows for each form from `first` on."""
+    mark = np.int64(1) << form
+    if stack[NEGATIVE] & mark:
+        return INSIDE
+    if stack[POSITIVE] & mark:
+        return OUTSIDE
+    if stack[OPEN] & mark:
+        return INSIDE | OUTSIDE
+    found = INSIDE | OUTSIDE
+    if table[base + form, ABOUT, CURVED] != 0.0:
+        found = _rough_sign(table, base + form, s, hs, z)
+    if found == INSIDE | OUTSIDE:
+        row = first + 3 * form
+        model(table, base + form, s, hs, z, DEEPEST, row)
+        size = reach(z, row)
+        if z[row, VALUE] > size:
+            found = OUTSIDE
+        elif z[row, VALUE] < -size:
+            found = INSIDE
+        else:
+            stack[OPEN] |= mark
+            add_shares(z, row)
+            return found
+    if found == INSIDE:
+        stack[NEGATIVE] |= mark
+    else:
+        stack[POSITIVE] |= mark
+    return found
+
+
+@kernel
+def _outcome(program, begin, end, on, inside, base, table, s, hs, z, first, stack):
+    """Bits INSIDE and OUTSIDE of a tree, the forms `on` inside or not as told; signs of others are kept."""
     top, at = 0, begin
     while at < end:
         step, value = program[at, 0], program[at, 1]
         at += 1
         if step == LEAF:
             if (on >> value) & 1:
-                found = INSIDE if (inside >> value) & 1 else OUTSIDE
-            elif stack[SIGNS + value] != 0:
-                found = stack[SIGNS + value]
+                stack[top] = INSIDE if (inside >> value) & 1 else OUTSIDE
+            elif (stack[NEGATIVE] >> value) & 1:
+                stack[top] = INSIDE
+            elif (stack[POSITIVE] >> value) & 1:
+                stack[top] = OUTSIDE
             else:
-                model(table, kinds, base + value, s, hs, x, PLAIN, y, e, row)
-                size = reach(e, row)
-                if e[row, VALUE] > size:
-                    found = OUTSIDE
-                elif e[row, VALUE] < -size:
-                    found = INSIDE
-                else:
-                    found = INSIDE | OUTSIDE
-                    add_shares(e, row, shares)
-                stack[SIGNS + value] = found
-            stack[top] = found
+                stack[top] = sign(table, base, value, s, hs, z, first, stack)
             top += 1
         elif step == NOT:
             found = stack[top - 1]
@@ -279,93 +338,97 @@ def _outcome(program, begin, end, on, inside, base, table, kinds, s, hs, x, y, e
 
 
 @kernel
-def membership(program, begin, end, on, base, table, kinds, s, hs, x, y, e, row, shares, stack):
+def membership(program, begin, end, on, negative, positive, base, table, s, hs, z, first, stack):
     """Bits INSIDE and OUTSIDE: what is near points of the box, for a compiled tree over forms base...
 
     on: bits of the forms that vanish there; either side of each is tried, so that one that stands in several places
-    (the rim of a hole in a face) counts as one.  Forms that leave the sign open add to the shares.
+    (the rim of a hole in a face) counts as one.  negative, positive: bits of forms known to be so; those found here
+    join them in the stack.  Forms that leave the sign open add to the shares.
     """
-    for k in range(SIGNS, SIGNS + 64):
-        stack[k] = 0
+    stack[NEGATIVE], stack[POSITIVE], stack[OPEN] = negative, positive, PLAIN
     found, inside = PLAIN, on
     while True:
-        found |= _outcome(program, begin, end, on, inside, base, table, kinds, s, hs, x, y, e, row, shares, stack)
+        found |= _outcome(program, begin, end, on, inside, base, table, s, hs, z, first, stack)
         if found == INSIDE | OUTSIDE or inside == 0:
             return found
         inside = (inside - 1) & on  # the next subset
 
 
 @kernel
-def narrow(e, n, params, d):
-    """Ranges d[k] = (lo, hi) in [-1, 1] of a, b, s that hold all common zeros of the n models; False if none.
+def narrow(z, n, params):
+    """Ranges (lo, hi) in [-1, 1] of a, b, s that hold all common zeros of the first n models; False if none.
 
     From each model alone, and from all together: g d = -c - r gives d = y (-c - r) + (1 - y g) d for any matrix y
     (Hansen and Sengupta's step with the remainder in place of an interval Jacobian).
     """
     for k in range(3):
-        d[k, 0], d[k, 1] = -1.0, 1.0
+        z[RANGES + k, 0], z[RANGES + k, 1] = -1.0, 1.0
     for i in range(n):
-        size = reach(e, i)
-        if abs(e[i, VALUE]) > size:
+        size = reach(z, i)
+        if abs(z[i, VALUE]) > size:
             return False
         for k in range(3):
-            g = e[i, SLOPE_U + k]
+            g = z[i, SLOPE_U + k]
             if abs(g) > 0.01 * size:
-                middle, off = -e[i, VALUE] / g, (size * (1.0 + 1e-15) - abs(g)) / abs(g)
+                middle, off = -z[i, VALUE] / g, (size * (1.0 + 1e-15) - abs(g)) / abs(g)
                 off += 4.0 * U * (abs(middle) + off + 1.0)
-                d[k, 0], d[k, 1] = max(d[k, 0], middle - off), min(d[k, 1], middle + off)
+                z[RANGES + k, 0] = max(z[RANGES + k, 0], middle - off)
+                z[RANGES + k, 1] = min(z[RANGES + k, 1], middle + off)
     # columns of the unknowns: a where there is one, b where there are two, s
     k0, k1, k2 = SLOPE_U, SLOPE_V, SLOPE_T
     if params < 2:
         k1 = SLOPE_T
     if n == 2:
-        a, b, c, f = e[0, k0], e[0, k1], e[1, k0], e[1, k1]
+        a, b, c, f = z[0, k0], z[0, k1], z[1, k0], z[1, k1]
         det = a * f - b * c
         if abs(det) > 1e-8 * (abs(a) + abs(b)) * (abs(c) + abs(f)):
-            _apply(e, n, d, k0, f / det, -b / det, 0.0, k0, k1, k2)
-            _apply(e, n, d, k1, -c / det, a / det, 0.0, k0, k1, k2)
+            _apply(z, n, k0, f / det, -b / det, 0.0, k0, k1, k2)
+            _apply(z, n, k1, -c / det, a / det, 0.0, k0, k1, k2)
     elif n == 3:
         sizes = 1.0
         for i in range(3):
-            sizes *= abs(e[i, k0]) + abs(e[i, k1]) + abs(e[i, k2])
-        m0 = e[1, k1] * e[2, k2] - e[1, k2] * e[2, k1]
-        m1 = e[1, k2] * e[2, k0] - e[1, k0] * e[2, k2]
-        m2 = e[1, k0] * e[2, k1] - e[1, k1] * e[2, k0]
-        det = e[0, k0] * m0 + e[0, k1] * m1 + e[0, k2] * m2
+            sizes *= abs(z[i, k0]) + abs(z[i, k1]) + abs(z[i, k2])
+        m0 = z[1, k1] * z[2, k2] - z[1, k2] * z[2, k1]
+        m1 = z[1, k2] * z[2, k0] - z[1, k0] * z[2, k2]
+        m2 = z[1, k0] * z[2, k1] - z[1, k1] * z[2, k0]
+        det = z[0, k0] * m0 + z[0, k1] * m1 + z[0, k2] * m2
         if abs(det) > 1e-8 * sizes:
             _apply(
-                e, n, d, k0, m0 / det, (e[0, k2] * e[2, k1] - e[0, k1] * e[2, k2]) / det,
-                (e[0, k1] * e[1, k2] - e[0, k2] * e[1, k1]) / det, k0, k1, k2,
+                z, n, k0, m0 / det, (z[0, k2] * z[2, k1] - z[0, k1] * z[2, k2]) / det,
+                (z[0, k1] * z[1, k2] - z[0, k2] * z[1, k1]) / det, k0, k1, k2,
             )  # fmt: skip
             _apply(
-                e, n, d, k1, m1 / det, (e[0, k0] * e[2, k2] - e[0, k2] * e[2, k0]) / det,
-                (e[0, k2] * e[1, k0] - e[0, k0] * e[1, k2]) / det, k0, k1, k2,
+                z, n, k1, m1 / det, (z[0, k0] * z[2, k2] - z[0, k2] * z[2, k0]) / det,
+                (z[0, k2] * z[1, k0] - z[0, k0] * z[1, k2]) / det, k0, k1, k2,
             )  # fmt: skip
             _apply(
-                e, n, d, k2, m2 / det, (e[0, k1] * e[2, k0] - e[0, k0] * e[2, k1]) / det,
-                (e[0, k0] * e[1, k1] - e[0, k1] * e[1, k0]) / det, k0, k1, k2,
+                z, n, k2, m2 / det, (z[0, k1] * z[2, k0] - z[0, k0] * z[2, k1]) / det,
+                (z[0, k0] * z[1, k1] - z[0, k1] * z[1, k0]) / det, k0, k1, k2,
             )  # fmt: skip
-    return d[0, 0] <= d[0, 1] and d[1, 0] <= d[1, 1] and d[2, 0] <= d[2, 1]
+    for k in range(RANGES, RANGES + 3):
+        if not z[k, 0] <= z[k, 1]:
+            return False
+    return True
 
 
 @kernel
-def _apply(e, n, d, k, y0, y1, y2, k0, k1, k2):
-    """Cut d by the row (y0, y1, y2) of an approximate inverse, for the unknown of column k."""
-    middle = -(y0 * e[0, VALUE] + y1 * e[1, VALUE])
-    off = abs(y0) * e[0, REST] + abs(y1) * e[1, REST]
-    size = abs(y0 * e[0, VALUE]) + abs(y1 * e[1, VALUE])
+def _apply(z, n, k, y0, y1, y2, k0, k1, k2):
+    """Cut the ranges by the row (y0, y1, y2) of an approximate inverse, for the unknown of column k."""
+    middle = -(y0 * z[0, VALUE] + y1 * z[1, VALUE])
+    off = abs(y0) * z[0, REST] + abs(y1) * z[1, REST]
+    size = abs(y0 * z[0, VALUE]) + abs(y1 * z[1, VALUE])
     if n == 3:
-        middle -= y2 * e[2, VALUE]
-        off += abs(y2) * e[2, REST]
-        size += abs(y2 * e[2, VALUE])
+        middle -= y2 * z[2, VALUE]
+        off += abs(y2) * z[2, REST]
+        size += abs(y2 * z[2, VALUE])
     for c in (k0, k1, k2):
         if n == 2 and c == k2:
             break
-        p0, p1, p2 = y0 * e[0, c], y1 * e[1, c], 0.0
+        p0, p1, p2 = y0 * z[0, c], y1 * z[1, c], 0.0
         if n == 3:
-            p2 = y2 * e[2, c]
+            p2 = y2 * z[2, c]
         off += abs((1.0 if c == k else 0.0) - (p0 + p1 + p2))
         size += abs(p0) + abs(p1) + abs(p2) + 1.0
     off = off * (1.0 + 1e-14) + 8.0 * U * size
-    row = k - SLOPE_U
-    d[row, 0], d[row, 1] = max(d[row, 0], middle - off), min(d[row, 1], middle + off)
+    row = RANGES + k - SLOPE_U
+    z[row, 0], z[row, 1] = max(z[row, 0], middle - off), min(z[row, 1], middle + off)

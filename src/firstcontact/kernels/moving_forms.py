@@ -7,6 +7,7 @@ the four coefficients.
 
 from __future__ import annotations
 
+from firstcontact.kernels.feature_boxes import ABOUT, SUM_OF_SIZES
 from firstcontact.kernels.jit import kernel
 from firstcontact.kernels.poses import accelerations, pose_at
 from firstcontact.kernels.workspace import HERE_A, MIDDLE, RADIUS, SPEED, SPREAD, rows
@@ -106,8 +107,18 @@ def relative_map(out, first, second, units, x, y):
 
 
 @kernel
+def _add_sizes(table, row, columns):
+    """The sum of all sizes into the fourth part."""
+    total = 0.0
+    for part in range(3):
+        for c in range(columns):
+            total += abs(table[row, part, c])
+    table[row, ABOUT, SUM_OF_SIZES] = total
+
+
+@kernel
 def pull_back(raw, kinds, first, count, out, table, target):
-    """Forms first.. of the other body under the relative map, as rows target.. of the table (n, 3, 16)."""
+    """Forms first.. of the other body under the relative map, as rows target.. of the table (n, 4, 16)."""
     for k in range(count):
         f, row = first + k, target + k
         if kinds[f] == 0:
@@ -120,6 +131,7 @@ def pull_back(raw, kinds, first, count, out, table, target):
                     add_multiple(out, WEIGHT, raw[f, 3], out, IMAGE)
                 for part in range(3):
                     table[row, part, c] = out[part, IMAGE]
+            _add_sizes(table, row, 4)
             continue
         _clear(out, IMAGE, IMAGE + 16)
         for i in range(4):
@@ -136,3 +148,4 @@ def pull_back(raw, kinds, first, count, out, table, target):
                     add_product(out, WEIGHT, out, IMAGE + 12 + j, 1.0, out, SUM)
                 for part in range(3):
                     table[row, part, 4 * i + j] = table[row, part, 4 * j + i] = out[part, SUM]
+        _add_sizes(table, row, 16)

@@ -43,7 +43,7 @@ from firstcontact.kernels.workspace import (
     VERTEX,
     workspace,
 )
-from firstcontact.search.convex import ConvexPieces, NotConvex, convex_pieces
+from firstcontact.search.convex import ConvexPieces, NotConvex, convex_pieces, covering_pieces
 from firstcontact.search.stretches import Untold, Window, windows
 
 REASONS = {SPENT: "budget"}
@@ -63,6 +63,8 @@ class Advance:
     gap            proved distance along the last direction at `free_until`, of the pair of pieces last advanced.
     reason         of "open": "precision", "budget", or what of the model or motion is beyond this path.
     spread         whether what may touch at the contact is more than one point.
+    also           features_a and _b of other pairs of pieces that touch at the same time; None: not known.
+    complete       whether no surface passes through the point but those of the features.
     beyond         whether a model is no union of convex pieces, so that nothing was tried.
     """
 
@@ -78,21 +80,26 @@ class Advance:
     gap: float = 0.0
     reason: str | None = None
     spread: bool = False
+    also: tuple[tuple[tuple[Feature, ...], tuple[Feature, ...]], ...] | None = None
+    complete: bool = False
     beyond: bool = False
     steps: int = 0
     newton: int = 0
     gaps: int = 0
 
 
-def advance(a: Any, b: Any, first: Any, last: Any, tolerance: float = 1e-12, budget: int = 10_000) -> Advance:
+def advance(
+    a: Any, b: Any, first: Any, last: Any, tolerance: float = 1e-12, budget: int = 10_000, covering: bool = False
+) -> Advance:
     """The first common point of two bodies (CompositeQuadric, or Moving ones) over the closed [first, last].
 
     first, last: finite fmpq or numbers; tolerance: width of `time_interval` over the span; budget: strides at most.
+    covering: of pieces that cover the bodies.
     """
     begin, end = _exact(first), _exact(last)
     try:
         bodies: list[Any] = [x.body if isinstance(x, Moving) else x for x in (a, b)]
-        pieces = [convex_pieces(body) for body in bodies]
+        pieces = [(covering_pieces if covering else convex_pieces)(body) for body in bodies]
         stretches = windows(a, b, begin, end)
     except (NotConvex, Untold) as reason:
         return Advance("open", below(begin), reason=str(reason), beyond=isinstance(reason, NotConvex))
@@ -143,6 +150,7 @@ class _Search:
         """The same for these pairs of pieces."""
         best: Advance | None = None
         stuck: Advance | None = None
+        contacts: list[Advance] = []
         limit = window.last
         for i, j in pairs:
             outcome = advance_pieces(
@@ -157,11 +165,14 @@ class _Search:
                     point=self.results[POINT : POINT + 3].copy(),
                 )  # fmt: skip
             if outcome == CONTACT:
-                best = self._earlier(best, self._contact())
+                contacts.append(self._contact())
+                best = self._earlier(best, contacts[-1])
                 assert best.time_interval is not None
                 limit = min(limit, best.time_interval[1])
             elif stuck is None or self.results[FREE_UNTIL] < stuck.free_until:
                 stuck = self._open(REASONS.get(outcome, "precision"))
+        if stuck is None and best is not None:
+            return replace(best, also=_besides(best, contacts))
         if stuck is None or (best is not None and best.time_interval and best.time_interval[0] <= stuck.free_until):
             return best
         return stuck
@@ -204,6 +215,12 @@ class _Search:
     def _work(self) -> dict[str, Any]:
         c = self.counters
         return {"gap": float(self.results[GAP]), "steps": int(c[STEPS]), "newton": int(c[NEWTON]), "gaps": int(c[GAPS])}
+
+
+def _besides(best: Advance, contacts: list[Advance]) -> tuple[Any, ...]:
+    assert best.time_interval is not None
+    hi = best.time_interval[1]
+    return tuple((x.features_a, x.features_b) for x in contacts if x.point is not best.point and x.free_until <= hi)
 
 
 def named(pieces: ConvexPieces, forms: list[int]) -> tuple[Feature, ...]:

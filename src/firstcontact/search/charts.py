@@ -40,7 +40,20 @@ from firstcontact.body.features import EDGE_KINDS, Edge, Face, Vertex, enclosure
 from firstcontact.body.intersections import common_curves
 from firstcontact.exact.numbers import exact_value, precision, to_double
 from firstcontact.kernels.event_search import trim
-from firstcontact.kernels.feature_boxes import AND, COLUMNS, IMAGES, LEAF, NOT, OR, POINTS, STACK, UNLESS_IN, UNLESS_OUT
+from firstcontact.kernels.feature_boxes import (
+    ABOUT,
+    AND,
+    CURVED,
+    LEAF,
+    NOT,
+    OR,
+    ROWS,
+    STACK,
+    SUM_OF_SIZES,
+    UNLESS_IN,
+    UNLESS_OUT,
+    WIDTH,
+)
 
 BITS = 192
 ARC = fmpq(4142136, 10**7)
@@ -63,7 +76,8 @@ class NotCharted(Exception):
 
 @dataclass(frozen=True, eq=False)
 class Chart:
-    """feature: a Face, Edge or Vertex; boxes: (n, 4) u, half, v, half that may hold its points; error: of points.
+    """feature: a Face, Edge or Vertex; boxes: (n, 4) u, half, v, half that may hold its points; whole: (n,) whether
+    all points of a box are the feature's; error: of points.
 
     surfaces: those that hold the points.  An edge of degree 4 is where surface `form` meets a chart of another one.
     """
@@ -73,6 +87,7 @@ class Chart:
     params: int
     coefficients: np.ndarray
     boxes: np.ndarray
+    whole: np.ndarray
     error: float = 0.0
     form: int = -1
 
@@ -80,7 +95,7 @@ class Chart:
 @dataclass(frozen=True, eq=False)
 class Charts:
     """units: centre and half-size of the body; forms: (n + 1, 16), kinds: 0 for planes, 1 for quadrics; the last one
-    is a ball around the body; program: the compiled tree."""
+    is an ellipsoid around the body's box; program: the compiled tree."""
 
     units: np.ndarray
     forms: np.ndarray
@@ -101,6 +116,14 @@ def charts_of(body: CompositeQuadric) -> Charts:
     if isinstance(known, NotCharted):
         raise known
     return known
+
+
+def resting(forms: np.ndarray, kinds: np.ndarray) -> np.ndarray:
+    """(n, 4, 16): rows of the table of forms for forms (n, 16) of the body itself."""
+    table = np.zeros((len(forms), 4, 16))
+    table[:, 0], table[:, ABOUT, CURVED] = forms, kinds
+    table[:, ABOUT, SUM_OF_SIZES] = np.abs(forms).sum(axis=1)
+    return table
 
 
 def compiled(tree: Tree) -> list[tuple[int, int]]:
@@ -155,7 +178,8 @@ class _Builder:
                 self.forms[k, :4] = doubles((surface.normal,))[0]
             else:
                 self.forms[k] = np.ravel(doubles(surface.form))
-        self.forms[-1] = np.ravel(np.diag([1.0, 1.0, 1.0, -3.1]))
+        squares = (np.maximum(hi - middle, middle - lo) / size) ** 2
+        self.forms[-1] = np.ravel(np.diag([*squares.min() / squares, -3.1 * squares.min()]))
         self.program = np.array(compiled(And(Leaf(len(body.surfaces)), body.tree)), np.int64)
 
     def _scaled(self, surface: Plane | Quadric) -> Plane | Quadric:
@@ -189,7 +213,7 @@ class _Builder:
         error = max(float(x.rad()) for x in balls) * 1.01 + max(
             (self.reach_of_tips.get(k, 0.0) for k in vertex.surfaces), default=0.0
         )
-        return Chart(vertex, vertex.surfaces, 0, coefficients, np.zeros((1, 4)), error)
+        return Chart(vertex, vertex.surfaces, 0, coefficients, np.zeros((1, 4)), np.ones(1, bool), error)
 
     def _units(self) -> tuple[list[arb], list[arb]]:
         return [arb(x) for x in self.units[:3]], [arb(self.units[3])] * 3
@@ -304,16 +328,13 @@ class _Builder:
         else:
             raise NotCharted(f"{feature.name}: it comes too near infinity")
         if len(boxes):
-            yield Chart(feature, surfaces, params, table, boxes, form=form)
+            yield Chart(feature, surfaces, params, table, boxes, fates == 3, form=form)
 
     def _fates(self, chart: np.ndarray, surfaces: tuple[int, ...], form: int, boxes: np.ndarray) -> np.ndarray:
-        forms = np.zeros((len(self.forms), 3, 16))
-        forms[:, 0] = self.forms
         fates = np.zeros(len(boxes), np.int64)
         trim(
-            chart, sum(1 << k for k in surfaces), form, self.program, forms, self.kinds, boxes,
-            np.zeros((POINTS, 4)), np.zeros((IMAGES, 4)), np.zeros((7, COLUMNS)), np.zeros(3),
-            np.zeros(STACK, np.int64), fates,
+            chart, sum(1 << k for k in surfaces), form, self.program, resting(self.forms, self.kinds), boxes,
+            np.zeros((ROWS, WIDTH)), np.zeros(STACK, np.int64), fates,
         )  # fmt: skip
         return fates
 

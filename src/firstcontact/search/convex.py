@@ -43,6 +43,10 @@ ARC_SLACK = 1e-8
 DIRECTIONS = [np.array(n) + 0.1 * np.array([n[1], n[2], -n[0]]) for n in product((-1.0, 0.0, 1.0), repeat=3) if any(n)]
 
 
+Clause = frozenset[tuple[int, bool]]
+"""Where the solid lies on the given side of every surface: (number, inside)."""
+
+
 class NotConvex(Exception):
     """The model is not a union of bounded convex pieces that the kernels describe; the text says why."""
 
@@ -81,14 +85,53 @@ def convex_pieces(body: CompositeQuadric) -> ConvexPieces:
     return known
 
 
+def covering_pieces(body: CompositeQuadric) -> ConvexPieces:
+    """Convex pieces that cover the body, kept on it: its own, without what is not convex in them (holes are filled).
+
+    Raises NotConvex.
+    """
+    known = body._search.get("covering")
+    if known is None:
+        try:
+            known = convex_pieces(body) if _is_convex_union(body) else _of_clauses(body, _filled(body))
+        except NotConvex as reason:
+            known = reason
+        body._search["covering"] = known
+    if isinstance(known, NotConvex):
+        raise known
+    return known
+
+
+def _is_convex_union(body: CompositeQuadric) -> bool:
+    try:
+        convex_pieces(body)
+    except NotConvex:
+        return False
+    return True
+
+
+def _filled(body: CompositeQuadric) -> list[Clause]:
+    """The clauses of the tree that hold points, without their half-spaces that are not convex."""
+    filled = set()
+    for clause in _clauses(body.tree, True):
+        solid = _solid(body, clause)
+        if solid is not None:
+            filled.add(frozenset(x for x in clause if _is_convex_in(body, x, clause, solid)))
+    return sorted((c for c in filled if not any(d < c for d in filled)), key=sorted)
+
+
 def _compiled(body: CompositeQuadric) -> ConvexPieces:
-    clauses = [c for c in _clauses(body.tree, True) if c is not None]
+    return _of_clauses(body, _clauses(body.tree, True))
+
+
+def _of_clauses(body: CompositeQuadric, clauses: list[Clause]) -> ConvexPieces:
     if len(clauses) > MOST_PIECES:
         raise NotConvex("too many pieces")
     labels = _labels(body)
+    is_whole = len(clauses) == 1 and clauses == _clauses(body.tree, True)
     parts = []
     for clause in clauses:
-        solid = body if len(clauses) == 1 else _solid(body, clause)
+        solid = body if is_whole else _solid(body, clause)
         if solid is not None:
             parts.append(_piece(body, solid, sorted(clause)))
     pieces = ConvexPieces(_tables(parts), len(parts), labels)
@@ -131,7 +174,7 @@ def _is_convex(body: CompositeQuadric, array: np.ndarray, union: int) -> bool:
 # -- convex pieces of the tree ------------------------------------------------------------------------------
 
 
-def _clauses(tree: Tree, wanted: bool) -> list[frozenset[tuple[int, bool]]]:
+def _clauses(tree: Tree, wanted: bool) -> list[Clause]:
     """The tree (or its complement) as a union of intersections of (surface, inside) half-spaces."""
     if isinstance(tree, Not):
         return _clauses(tree.inner, not wanted)
@@ -147,10 +190,22 @@ def _clauses(tree: Tree, wanted: bool) -> list[frozenset[tuple[int, bool]]]:
     return sorted((c for c in consistent if not any(d < c for d in consistent)), key=sorted)
 
 
-def _solid(body: CompositeQuadric, clause: frozenset[tuple[int, bool]]) -> CompositeQuadric | None:
+def _half_space(body: CompositeQuadric, x: tuple[int, bool]) -> Surface:
+    return body.surfaces[x[0]] if x[1] else body.surfaces[x[0]].negated()
+
+
+def _is_convex_in(body: CompositeQuadric, x: tuple[int, bool], clause: Clause, solid: CompositeQuadric) -> bool:
+    try:
+        _require_convex(_half_space(body, x), [_half_space(body, y) for y in clause], solid)
+    except NotConvex:
+        return False
+    return True
+
+
+def _solid(body: CompositeQuadric, clause: Clause) -> CompositeQuadric | None:
     """The piece as a solid of its own; None where it is empty."""
     signed = sorted(clause)
-    surfaces = [body.surfaces[i] if side else body.surfaces[i].negated() for i, side in signed]
+    surfaces = [_half_space(body, x) for x in signed]
     tree = conjunction([Leaf(k) for k in range(len(surfaces))])
     try:
         return CompositeQuadric(surfaces, tree, box=body._finite_box())
@@ -162,7 +217,7 @@ def _piece(
     body: CompositeQuadric, solid: CompositeQuadric, signed: Sequence[tuple[int, bool]]
 ) -> list[list[Any]]:
     """Rows of vertices, arcs, curved faces and forms of one piece."""
-    forms = [body.surfaces[i] if side else body.surfaces[i].negated() for i, side in signed]
+    forms = [_half_space(body, x) for x in signed]
     for form in forms:
         _require_convex(form, forms, solid)
     if not solid.bounded:

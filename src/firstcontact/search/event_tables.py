@@ -13,9 +13,9 @@ from firstcontact.body.carriers import Line, Plane, QuarticCurve
 from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.features import Edge, Face, Vertex
 from firstcontact.exact.inertia import rank
-from firstcontact.kernels.event_search import ALL_PAIRS, STILL
-from firstcontact.kernels.feature_boxes import UNLESS_IN, UNLESS_OUT
-from firstcontact.search.charts import Chart, charts_of
+from firstcontact.kernels.event_search import ALL_PAIRS, IN_OWN, KNOWN, STILL
+from firstcontact.kernels.feature_boxes import ABOUT, CURVED, UNLESS_IN, UNLESS_OUT
+from firstcontact.search.charts import Chart, charts_of, resting
 
 JUMPS = (UNLESS_IN, UNLESS_OUT)
 
@@ -24,7 +24,8 @@ JUMPS = (UNLESS_IN, UNLESS_OUT)
 class Tables:
     """charts: (n, 25), info: (n, 5), pairs: (m, 5), layout: (2, 8), as `kernels.event_search` reads them.
 
-    features: those of the charts, others: those of the pairs.  boxes: (n, 8) to start with; still: (n, 8), all faces.
+    features: those of the charts, others: those of the pairs.  boxes: (n, 8) to start with; still: (n, 8), all faces;
+    known, known_still: what is known of these, (n, 3).
     """
 
     charts: np.ndarray
@@ -34,13 +35,14 @@ class Tables:
     program: np.ndarray
     raw: np.ndarray
     kinds: np.ndarray
-    kinds_of: np.ndarray
     units: np.ndarray
     table: np.ndarray
     features: list[Face | Edge | Vertex]
     others: list[Face | Edge | Vertex]
     boxes: np.ndarray
     still: np.ndarray
+    known: np.ndarray
+    known_still: np.ndarray
 
 
 def tables_of(a: CompositeQuadric, b: CompositeQuadric) -> Tables:
@@ -57,9 +59,10 @@ def _tables(a: CompositeQuadric, b: CompositeQuadric) -> Tables:
     steps = [len(side.program) for side in sides]
     program, layout = _programs(sides, n, steps)
     total = sum(n)
-    table = np.zeros((2 * total, 3, 16))
-    table[: n[0], 0], table[total : total + n[1], 0] = sides[0].forms, sides[1].forms
+    table = np.zeros((2 * total, 4, 16))
+    table[: n[0]], table[total : total + n[1]] = (resting(side.forms, side.kinds) for side in sides)
     kinds = np.concatenate([side.kinds for side in sides])
+    table[n[0] : total, ABOUT, CURVED], table[total + n[1] :, ABOUT, CURVED] = sides[1].kinds, sides[0].kinds
     charts: list[np.ndarray] = []
     info: list[list[int]] = []
     pairs: list[list[int]] = []
@@ -67,6 +70,8 @@ def _tables(a: CompositeQuadric, b: CompositeQuadric) -> Tables:
     others: list[Face | Edge | Vertex] = []
     boxes: list[np.ndarray] = []
     still: list[np.ndarray] = []
+    known: list[np.ndarray] = [np.zeros((0, KNOWN), np.int64)]
+    known_still: list[np.ndarray] = []
     for side, own, other in ((0, a, b), (1, b, a)):
         for chart in sides[side].charts:
             number, first = len(charts), len(pairs)
@@ -79,14 +84,16 @@ def _tables(a: CompositeQuadric, b: CompositeQuadric) -> Tables:
             features.append(chart.feature)
             if len(pairs) > first:
                 boxes.append(_rows(number, ALL_PAIRS, chart))
+                known.append(_known(chart))
             if isinstance(chart.feature, Face):
                 still.append(_rows(number, STILL, chart))
+                known_still.append(_known(chart))
     return Tables(
         np.array(charts), np.array(info, np.int64), np.array(pairs, np.int64).reshape(-1, 5), layout, program,
         np.concatenate([side.forms for side in sides]), kinds,
-        np.concatenate([kinds, kinds[n[0] :], kinds[: n[0]]]),
         np.array([side.units for side in sides]), table, features, others,
         np.concatenate(boxes) if boxes else np.zeros((0, 8)), np.concatenate(still),
+        np.concatenate(known), np.concatenate(known_still),
     )  # fmt: skip
 
 
@@ -109,6 +116,12 @@ def _rows(number: int, pair: int, chart: Chart) -> np.ndarray:
     return np.column_stack([
         np.full(count, float(number)), np.full(count, float(pair)), chart.boxes, np.zeros(count), np.zeros(count),
     ])  # fmt: skip
+
+
+def _known(chart: Chart) -> np.ndarray:
+    found = np.zeros((len(chart.boxes), KNOWN), np.int64)
+    found[:, IN_OWN] = chart.whole
+    return found
 
 
 def _pairs(

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from flint import arb, fmpq
 
+from firstcontact.body.carriers import cross
 from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.csg import inside
 from firstcontact.body.features import Edge, Face, Vertex, enclosure
@@ -25,15 +26,15 @@ from firstcontact.kernels.event_search import CHART, FORM, OTHER_FORM, PAIR
 from firstcontact.motion.polynomial import REST, _own_pose
 from firstcontact.motion.rotation import Rotation, angle_ball
 from firstcontact.motion.screw import Screw
-from firstcontact.search.advance import Feature
+from firstcontact.search.advance import Advance, Feature
+from firstcontact.search.convex import covering_pieces
 from firstcontact.search.event_tables import Tables, crossing_surfaces
+from firstcontact.search.instants import NEAR, Instant
 from firstcontact.search.stretches import _index, known_steps
 
 BITS = 256
 TRIED = 8
 """Pairs of features that survive the search at a contact, for which it is made precise."""
-NEAR = 1e-6
-"""Part of the body's size within which surfaces count as passing through the contact."""
 RANKS = {Vertex: 0, Edge: 1, Face: 2}
 
 
@@ -80,31 +81,87 @@ def ball_pose(body: Any, t: fmpq) -> Matrix:
 
 
 def shared_point(
-    bodies: tuple[Any, Any], tables: Tables, boxes: np.ndarray, lo: float, hi: float, width: float, last: fmpq
+    bodies: tuple[Any, Any], instant: Instant, boxes: np.ndarray, lo: float, hi: float, width: float, last: fmpq
 ) -> Shared | None:
     """A common point at a time within `width` after lo and not after `last`, from boxes that survive [lo, hi]."""
-    with precision(BITS):
-        events = _events(bodies, tables, boxes, lo, lo + width)
-        for event in events:
-            latest = lo + 0.98 * width
-            soon = math.nextafter(math.nextafter(max(event.time, lo), math.inf), math.inf)
-            for at in (soon, min(max(soon, hi) + 0.05 * width, latest), latest):
-                if not lo <= at <= latest or exact_value(at) > last:
-                    continue
-                if _proved(event, at):
-                    return event.answer(at)
+    latest = lo + 0.98 * width
+    for in_doubles in (True, False):
+        with precision(BITS):
+            for event in _events(bodies, instant, boxes, lo, latest, in_doubles):
+                for at in _times(max(event.time, lo), hi, width, latest, in_doubles):
+                    if not lo <= at <= latest or exact_value(at) > last:
+                        continue
+                    if _shares(instant, event, at) if in_doubles else _proved(event, at):
+                        return event.answer(instant, at)
     return None
+
+
+def proved_at(
+    bodies: tuple[Any, Any], instant: Instant, covers: Advance, times: Sequence[float], last: fmpq
+) -> float | None:
+    """The first of the times, none after `last`, at which a contact of pieces that cover the models is proved theirs.
+
+    A point near it is proved common, and no surface passes there but those of the features that it names.
+    """
+    models: list[Any] = [x.body if isinstance(x, Moving) else x for x in bodies]
+    units = instant.tables.units[0]
+    named = [
+        {k for kind, index in features for k in _feature(model, kind, index).surfaces}
+        for model, features in zip(models, (covers.features_a, covers.features_b), strict=True)
+    ]
+    for at in times:
+        if exact_value(at) > last or not instant.place(at, at):
+            continue
+        forms = instant.forms_at(0, (_local(instant.poses()[0], np.asarray(covers.point)) - units[:3]) / units[3])
+        if list(forms.near()) != named:
+            return None
+        if instant.shares_point_near(forms, (models[0].tree, models[1].tree)):
+            return at
+    return None
+
+
+def without_corners(model: CompositeQuadric, features: tuple[Feature, ...]) -> tuple[Feature, ...]:
+    """The features with vertices of the model for corners of pieces that cover it, those nearest."""
+    found = []
+    for kind, index in features:
+        if kind == "corner" and model.vertices:
+            where = covering_pieces(model).array[index, :3]
+            kind = "vertex"
+            index = min(model.vertices, key=lambda v: float(np.abs(np.array(v.position) - where).max())).index
+        found.append((kind, index))
+    return tuple(found)
+
+
+def _feature(model: CompositeQuadric, kind: str, index: int) -> Face | Edge | Vertex:
+    features: Any = {"face": model.faces, "edge": model.edges}.get(kind, model.vertices)
+    return next(x for x in features if x.index == index)
+
+
+def _times(event: float, hi: float, width: float, latest: float, in_doubles: bool) -> list[float]:
+    """When to look for a common point: balls prove one at once, doubles where it is deeper than their errors."""
+    if in_doubles:
+        return [min(event + 0.1 * width, latest), latest]
+    soon = math.nextafter(math.nextafter(event, math.inf), math.inf)
+    return [soon, min(max(soon, hi) + 0.05 * width, latest), latest]
+
+
+def _shares(instant: Instant, event: _Event, at: float) -> bool:
+    own, other = event.models()
+    if not instant.place(at, at):
+        return False
+    return instant.shares_point_near(instant.forms_at(event.side, event.local), (own.tree, other.tree))
 
 
 @dataclass
 class _Event:
-    """own: the body whose feature is parametrised; x: the event's place in its frame."""
+    """own: the body whose feature is parametrised; x: the event's place in its frame, local: in its units."""
 
     bodies: tuple[Any, Any]
     side: int
     own: Face | Edge | Vertex
     other: Face | Edge | Vertex
     x: list[fmpq]
+    local: np.ndarray
     time: float
 
     def models(self) -> tuple[CompositeQuadric, CompositeQuadric]:
@@ -118,38 +175,39 @@ class _Event:
             inverse_map(ball_pose(self.bodies[1 - self.side], t)), ball_pose(self.bodies[self.side], t)
         )
 
-    def answer(self, at: float) -> Shared:
-        poses = [_middles(ball_pose(body, exact_value(self.time))) for body in self.bodies]
+    def answer(self, instant: Instant, at: float) -> Shared:
+        instant.place(self.time, self.time)
+        poses = instant.poses()
         rows = poses[self.side]
         frames = [[*pose[:, :3].ravel().tolist(), *pose[:, 3].tolist()] for pose in poses]
         inverses = [[*np.linalg.inv(pose[:, :3]).ravel().tolist(), 0.0, 0.0, 0.0] for pose in poses]
         where = rows[:, :3] @ np.array([to_double(c) for c in self.x]) + rows[:, 3]
-        where[np.abs(where) < 2.0**-120 * np.abs(where).max()] = 0.0  # what Newton's steps leave of a zero
+        where[np.abs(where) < 2.0**-50 * np.abs(where).max()] = 0.0  # what rounding leaves of a zero
         own, other = (_named(self.own),), (_named(self.other),)
         return Shared(
-            min(self.time, at), at, where, self._normal(rows),
+            min(self.time, at), at, where, self._normal(where, rows, poses[1 - self.side]),
             *((own, other) if self.side == 0 else (other, own)), [*frames, [], [], *inverses],
         )  # fmt: skip
 
-    def _normal(self, rows: np.ndarray) -> np.ndarray | None:
-        """Unit, in the world, from b towards a."""
-        own, other = self.models()
-        there = np.array([[float(c.mid()) for c in row] for row in self.relative(exact_value(self.time))])
-        x = np.array([to_double(c) for c in self.x])
-        y = there[:, :3] @ x + there[:, 3]
-        mine = _outward(own, self.own, x)
-        theirs = [there[:, :3].T @ n for n in _outward(other, self.other, y)]
+    def _normal(self, where: np.ndarray, mine: np.ndarray, theirs: np.ndarray) -> np.ndarray | None:
+        """Unit, in the world, from b towards a; poses of the own and the other model."""
+        outward = [
+            [n @ np.linalg.inv(pose[:, :3]) for n in _outward(model, feature, _local(pose, where))]
+            for model, feature, pose in zip(self.models(), (self.own, self.other), (mine, theirs), strict=True)
+        ]
         if isinstance(self.other, Face):
-            n = theirs[0]
-        elif len(mine) < 2 or len(theirs) < 2:
+            n = outward[1][0]
+        elif len(outward[0]) < 2 or len(outward[1]) < 2:
             return None
         else:
-            n = np.cross(np.cross(mine[0], mine[1]), np.cross(theirs[0], theirs[1]))
-            way = float(n @ (theirs[0] + theirs[1] - mine[0] - mine[1]))
-            n = n * np.sign(way)
-        turned = np.linalg.solve(rows[:, :3].T, n) * (1 if self.side == 0 else -1)
-        length = float(np.linalg.norm(turned))
-        return turned / length if length > 0.0 else None
+            n = np.array(cross(*(cross(first.tolist(), second.tolist()) for first, second, *_ in outward)))
+            n = n * np.sign(float(n @ (outward[1][0] + outward[1][1] - outward[0][0] - outward[0][1])))
+        length = float(np.linalg.norm(n)) * (1 if self.side == 0 else -1)
+        return n / length if length else None
+
+
+def _local(pose: np.ndarray, where: np.ndarray) -> np.ndarray:
+    return np.linalg.solve(pose[:, :3], where - pose[:, 3])
 
 
 def _named(feature: Face | Edge | Vertex) -> Feature:
@@ -171,21 +229,32 @@ def _outward(body: CompositeQuadric, feature: Face | Edge | Vertex, x: np.ndarra
 
 
 def _events(
-    bodies: tuple[Any, Any], tables: Tables, boxes: np.ndarray, earliest: float, latest: float
+    bodies: tuple[Any, Any], instant: Instant, boxes: np.ndarray, earliest: float, latest: float, in_doubles: bool
 ) -> list[_Event]:
-    """The events in the boxes, the earliest first; they may be that much later than the boxes."""
+    """The events in the boxes, the earliest first, those at one time by their features; they may be that much later
+    than the boxes."""
+    tables = instant.tables
     found: list[_Event] = []
     seen: dict[tuple[int, int], np.ndarray] = {}
     for box in boxes:
         if box[PAIR] >= 0:
             seen.setdefault((int(tables.info[int(box[CHART]), 0]), int(box[PAIR])), box)
     ordered = sorted(seen.values(), key=lambda box: _rank(tables, box))
+    same = 0.03 * (latest - earliest)  # times that close are one as far as doubles tell
     for box in ordered[:TRIED]:
         event = _event(bodies, tables, box)
-        if not _refine(event, tables, box) or not earliest <= event.time <= latest:
+        if in_doubles:
+            precise = instant.refined(box)
+            if precise is not None and earliest <= precise[2] <= latest:
+                event = _event(bodies, tables, np.insert(box[:2], 2, precise[[0, 0, 1, 1, 2, 2]]))
+                if event.time <= earliest + same:  # none of those that follow comes before it
+                    found.append(event)
+                    break
+        elif not _refine(event, tables, box) or not earliest <= event.time <= latest:
             event = _event(bodies, tables, box)
         found.append(event)
-    return sorted(found, key=lambda event: event.time)  # stable: the lowest features first
+    first = min((event.time for event in found), default=0.0)
+    return sorted(found, key=lambda event: event.time if event.time > first + same else first)
 
 
 def _rank(tables: Tables, box: np.ndarray) -> tuple[int, ...]:
@@ -200,11 +269,12 @@ def _event(bodies: tuple[Any, Any], tables: Tables, box: np.ndarray) -> _Event:
     u, v = box[2], box[4]
     x = np.array([1.0, u, v, u * u, u * v, v * v]) @ tables.charts[chart, :24].reshape(6, 4)
     own = tables.features[chart]
-    place = tables.units[side, :3] + tables.units[side, 3] * x[:3] / x[3]
+    local = x[:3] / x[3]
+    place = tables.units[side, :3] + tables.units[side, 3] * local
     where = [exact_value(c) for c in place]
     if isinstance(own, Vertex):
         where = [dyadic(arb(c.mid())) for c in enclosure(own.carrier)]
-    return _Event(bodies, side, own, tables.others[int(box[PAIR])], where, float(0.5 * (box[6] + box[7])))
+    return _Event(bodies, side, own, tables.others[int(box[PAIR])], where, local, float(0.5 * (box[6] + box[7])))
 
 
 def _refine(event: _Event, tables: Tables, box: np.ndarray) -> bool:
