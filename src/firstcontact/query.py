@@ -80,7 +80,7 @@ def first_contact(
     stats = Stats()
     window = (to_double(first), math.inf if last is None else to_double(last))
     shared = {"a": a, "b": b, "span": window}
-    for k, (problem, with_start) in enumerate(problems_in_order(a, b, parts)):
+    for k, (problem, with_start) in enumerate(problems_in_order(a, b, parts, engine)):
         left = None if budget is None else max(0, budget - int(stats.node_visits + stats.pair_tests))
         found = earliest(problem, left, progress, with_start=with_start)
         stats += Stats(found.visits, found.tests, found.unsure, found.exact)
@@ -255,7 +255,7 @@ def _refuse_inexact(parts: list[Any]) -> None:
 
 
 METHODS = ("auto", "certified", "algebraic")
-ENGINES = ("auto", "boxes")
+ENGINES = ("auto", "boxes", "lifted")
 
 
 def _check(a: Any, b: Any, method: str, engine: str, tolerance: float, budget: int | None) -> str:

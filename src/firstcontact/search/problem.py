@@ -9,20 +9,28 @@ import numpy as np
 from flint import fmpq
 
 from firstcontact.body.moving import Moving
+from firstcontact.errors import UnsupportedPair
 from firstcontact.motion.curved import CurvedPiece
 from firstcontact.motion.relative import Piece
 from firstcontact.search.translation_problem import TranslationProblem
 
 
-def problem_of(a: Any, b: Any, piece: Any) -> Any:
+def problem_of(a: Any, b: Any, piece: Any, engine: str = "boxes") -> Any:
     """The search problem of the piece, both bodies placed at its reference time."""
     if isinstance(piece, CurvedPiece):
+        if engine == "lifted":
+            raise UnsupportedPair("engine 'lifted' searches translations and rotations; other motions take 'auto'")
         from firstcontact.search.enclosed_problem import EnclosedProblem
         from firstcontact.search.rational_problem import RationalProblem
 
         body_a, body_b = (body.body if isinstance(body, Moving) else body for body in (a, b))
         return (RationalProblem if piece.polynomial else EnclosedProblem)(body_a, body_b, piece)
     body_a, body_b = _placed(a, b, piece)
+    if engine == "lifted":
+        from firstcontact.search import lifted_problem
+
+        kind = lifted_problem.LiftedRotation if piece.velocity is None else lifted_problem.LiftedTranslation
+        return kind(body_a, body_b, piece)
     if piece.velocity is not None:
         return TranslationProblem(body_a, body_b, piece)
     from firstcontact.search.rotation_problem import RotationProblem
@@ -30,7 +38,9 @@ def problem_of(a: Any, b: Any, piece: Any) -> Any:
     return RotationProblem(body_a, body_b, piece)
 
 
-def problems_in_order(a: Any, b: Any, parts: Iterable[Any]) -> Iterator[tuple[Any, bool]]:
+def problems_in_order(
+    a: Any, b: Any, parts: Iterable[Any], engine: str = "boxes"
+) -> Iterator[tuple[Any, bool]]:
     """The problems to search one after the other, and whether the bodies may share points from its beginning on.
 
     That is so in the first one, in which both bodies stand as the span starts, and after a jump.
@@ -43,15 +53,15 @@ def problems_in_order(a: Any, b: Any, parts: Iterable[Any]) -> Iterator[tuple[An
                 bodies = _placed(a, b, start)
                 if k == 0 or not _boxes_apart(*bodies):
                     yield TranslationProblem(*bodies, start), True
-            yield problem_of(a, b, piece), False
+            yield problem_of(a, b, piece, engine), False
         else:
-            yield from _simple_problems(a, b, piece, k == 0 or isinstance(before, CurvedPiece))
+            yield from _simple_problems(a, b, piece, engine, k == 0 or isinstance(before, CurvedPiece))
         before = piece
 
 
-def _simple_problems(a: Any, b: Any, piece: Piece, with_start: bool) -> Iterator[tuple[Any, bool]]:
+def _simple_problems(a: Any, b: Any, piece: Piece, engine: str, with_start: bool) -> Iterator[tuple[Any, bool]]:
     """The problems of a translation or rotation."""
-    problem = problem_of(a, b, piece)
+    problem = problem_of(a, b, piece, engine)
     if piece.reference == piece.start:
         yield problem, with_start
         return
