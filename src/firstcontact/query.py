@@ -77,13 +77,15 @@ def first_contact(
     parts, first, last = pieces(a, b, span)
     if exact:
         _refuse_inexact(parts)
+    if engine == "lifted" and any(isinstance(piece, CurvedPiece) for piece in parts):
+        raise UnsupportedPair("engine 'lifted' searches translations and rotations; other motions take 'auto'")
     stats = Stats()
     window = (to_double(first), math.inf if last is None else to_double(last))
     shared = {"a": a, "b": b, "span": window}
     for k, (problem, with_start) in enumerate(problems_in_order(a, b, parts, engine)):
         left = None if budget is None else max(0, budget - int(stats.node_visits + stats.pair_tests))
         found = earliest(problem, left, progress, with_start=with_start)
-        stats += Stats(found.visits, found.tests, found.unsure, found.exact)
+        stats += Stats(found.visits, found.tests, found.unsure, found.exact, engine=found.engine)
         if found.open is not None:
             return _undecided(found.open, problem.world_time(found.free_until), stats, begin, shared)
         if found.start or (k == 0 and _starts_at_once(found)):
@@ -243,8 +245,7 @@ def _undecided(reason: str, free_until: float, stats: Stats, begin: float, share
 
 
 def _timed(stats: Stats, begin: float) -> Stats:
-    seconds = clock.perf_counter() - begin
-    return Stats(stats.node_visits, stats.pair_tests, stats.undecided, stats.exact_evaluations, seconds)
+    return stats + Stats(seconds=clock.perf_counter() - begin)
 
 
 def _refuse_inexact(parts: list[Any]) -> None:

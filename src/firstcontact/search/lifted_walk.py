@@ -34,6 +34,7 @@ from firstcontact.search.state import (
     FULL,
     KEY,
     LEAF_ROOM,
+    LIFTED,
     PHASE,
     QUERY,
     SLICE_SPENT,
@@ -42,7 +43,7 @@ from firstcontact.search.state import (
     UNSURE_COUNT,
     VISITS,
 )
-from firstcontact.search.tree import FACET, SIDE
+from firstcontact.search.tree import SIDE
 from firstcontact.search.walk import meet_at_start, test_events
 
 # Phases: edges against facets at the start, then within each arc the three kinds of contact.
@@ -94,7 +95,7 @@ def lifted_walk(
     facet_nodes_a, facet_links_a, facet_parts_a, origin_a, scale_a,
     facet_nodes_b, facet_links_b, facet_parts_b, origin_b, scale_b,
     edges_a, edge_parts_a, edges_b, edge_parts_b, corners_a, corner_parts_a, corners_b, corner_parts_b,
-    xyz_a, xyz_b, motion, reach, err_a, err_b, with_start, limit,
+    xyz_a, xyz_b, motion, reach, err_a, err_b, limit,
     floats, integers, stack, times, candidates,
 ):  # fmt: skip
     """Go on with the walk until one of the reasons of `state` to come back; returns it.
@@ -104,7 +105,7 @@ def lifted_walk(
     """
     query, work = np.zeros((ROWS, 6)), np.empty((8, 3))
     err = err_a + err_b
-    if integers[PHASE] == EDGES_AT_START and not with_start:
+    if integers[PHASE] == EDGES_AT_START and integers[LIFTED] == 2:
         integers[PHASE] = EDGES
     while True:
         phase, arc = integers[PHASE], integers[ARC]

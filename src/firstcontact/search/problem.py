@@ -9,7 +9,6 @@ import numpy as np
 from flint import fmpq
 
 from firstcontact.body.moving import Moving
-from firstcontact.errors import UnsupportedPair
 from firstcontact.motion.curved import CurvedPiece
 from firstcontact.motion.relative import Piece
 from firstcontact.search.translation_problem import TranslationProblem
@@ -18,24 +17,20 @@ from firstcontact.search.translation_problem import TranslationProblem
 def problem_of(a: Any, b: Any, piece: Any, engine: str = "boxes") -> Any:
     """The search problem of the piece, both bodies placed at its reference time."""
     if isinstance(piece, CurvedPiece):
-        if engine == "lifted":
-            raise UnsupportedPair("engine 'lifted' searches translations and rotations; other motions take 'auto'")
         from firstcontact.search.enclosed_problem import EnclosedProblem
         from firstcontact.search.rational_problem import RationalProblem
 
         body_a, body_b = (body.body if isinstance(body, Moving) else body for body in (a, b))
         return (RationalProblem if piece.polynomial else EnclosedProblem)(body_a, body_b, piece)
     body_a, body_b = _placed(a, b, piece)
-    if engine == "lifted":
-        from firstcontact.search import lifted_problem
-
-        kind = lifted_problem.LiftedRotation if piece.velocity is None else lifted_problem.LiftedTranslation
-        return kind(body_a, body_b, piece)
     if piece.velocity is not None:
-        return TranslationProblem(body_a, body_b, piece)
-    from firstcontact.search.rotation_problem import RotationProblem
+        problem: Any = TranslationProblem(body_a, body_b, piece)
+    else:
+        from firstcontact.search.rotation_problem import RotationProblem
 
-    return RotationProblem(body_a, body_b, piece)
+        problem = RotationProblem(body_a, body_b, piece)
+    problem.engine = engine
+    return problem
 
 
 def problems_in_order(

@@ -18,8 +18,9 @@ CERTAIN_KIND = 8
 # Why a kernel came back.
 DONE, SLICE_SPENT, FULL, DECIDE, CROSSING_FOUND = range(5)
 
-# Slots of the integer state; the last three are the place of a walk over a lifted tree (`lifted_walk`).
-HEAP, STACK, CANDIDATES, VISITS, TESTS, UNSURE_COUNT, UNSURE_TOTAL, ARC, PHASE, QUERY = range(10)
+# Slots of the integer state.  LIFTED: 1 when the walk asks lifted trees, 2 when it need not look at the start there;
+# ARC, PHASE, QUERY: its place.
+HEAP, STACK, CANDIDATES, VISITS, TESTS, UNSURE_COUNT, UNSURE_TOTAL, LIFTED, ARC, PHASE, QUERY = range(11)
 # Slots of the float state: earliest time, the same certain, latest certain, best time so far, present key, and
 # whether all contacts are wanted (then certain ones do not lower the best time).
 FIRST, SURE_FIRST, SURE_LAST, BEST, KEY, ALL = range(6)
@@ -44,7 +45,7 @@ class WalkState:
         self.times = np.empty((512, 2))
         self.candidates = np.empty((512, 5), np.int32)  # kind, part a, feature a, part b, feature b
         self.floats = np.zeros(6)
-        self.integers = np.zeros(10, np.int64)
+        self.integers = np.zeros(11, np.int64)
 
     def start(
         self, first: float, sure_first: float, last: float, sure_last: float, want_all: bool = False
