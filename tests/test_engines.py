@@ -184,7 +184,7 @@ def test_elements_are_told_apart_once_each():
     tree = tree_of(body)
     assert len(edges_of(tree).parts) == len(body.edges)
     assert len(facets_of(tree).parts) == len(body.triangles)
-    lifted = lifted_tree(tree, facets_of(tree), facets=True)
+    lifted = lifted_tree(tree, facets_of(tree))
     leaves = [(i, -j) for i, j in lifted.links.tolist() if j < 0]
     assert sorted(k for i, j in leaves for k in range(i, j)) == list(range(len(body.triangles)))
     nowhere = np.zeros((ROWS, 6))

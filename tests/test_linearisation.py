@@ -106,6 +106,14 @@ def test_two_rods_that_meet_once():
     assert [abs(x) for x in forms[:3]] == [4, 12, 4]  # D = 2 * 2, u0 = 3 D, u0 - 4 D
 
 
+def test_edges_that_share_one_height_with_level_radii():
+    """At z = 0, their only common height, radius 8^(1/2) and radius 0, neither growing: no contact."""
+    a, b = exact([-2.0, -2.0, -1.0]), exact([-2.0, -2.0, 0.0])
+    c, d = exact([0.0, 0.0, 0.0]), exact([-1.0, 1.0, 2.0])
+    for tangent in (fmpq(1), fmpq(9)):
+        assert count_exactly(Turned(tangent), a, b, c, d) == 0
+
+
 def test_features_of_a_line_on_a_hyperboloid():
     """x = (1, s, s): squared radius 1 + z^2."""
     w2, w1, w0, ff = rotation_features(exact([1.0, -1.0, -1.0]), exact([1.0, 1.0, 1.0]))["squares"]

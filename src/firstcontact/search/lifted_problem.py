@@ -6,8 +6,9 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from firstcontact.search.lifted_tree import Elements, LiftedTree, corners_of_tree, edges_of, facets_of, lifted_tree
-from firstcontact.search.lifted_walk import lifted_walk
+from firstcontact.search.halving import Edges, Room, room_for
+from firstcontact.search.lifted_tree import WAY, Elements, corners_of_tree, edges_of, facets_of, lift, lifted_tree
+from firstcontact.search.lifted_walk import Askers, Facets, lifted_walk
 from firstcontact.search.state import WalkState
 from firstcontact.search.translation_problem import TranslationProblem
 from firstcontact.search.tree import Tree
@@ -15,34 +16,49 @@ from firstcontact.search.tree import Tree
 
 @dataclass(slots=True)
 class Lifted:
-    """What queries need of one body in one frame."""
+    """The elements of one body in one frame, and the tree over its facets."""
 
     edges: Elements
-    corners: Elements
-    facet_tree: LiftedTree
-    edge_tree: LiftedTree | None = None
+    corners: Askers
+    facets: Facets
+
+
+@dataclass(slots=True)
+class Scratch:
+    """Of one search: the edges of both bodies about one origin, and room to halve them."""
+
+    edges_a: Edges
+    edges_b: Edges
+    room: Room
 
 
 def advance_lifted(problem: Any, state: WalkState, limit: int) -> int:
     """Go on with the walk of a translation or rotation over lifted trees; the reason it came back."""
     a, b = lifted_of(problem.a, problem.tree_a), lifted_of(problem.b, problem.tree_b)
-    if b.edge_tree is None:
-        b.edge_tree = lifted_tree(problem.tree_b, b.edges, facets=False)
+    if state.scratch is None:
+        state.scratch = _scratch(a, b)
+    scratch: Scratch = state.scratch
     if isinstance(problem, TranslationProblem):
         motion, reach = problem.velocity, _parting(problem)
         error_a, error_b = problem.tree_a.error, problem.tree_b.error
     else:
         motion, reach, error_a, error_b = problem.motion, math.inf, problem.error_a, problem.error_b
-    tree, facets_a, facets_b = b.edge_tree, a.facet_tree, b.facet_tree
     return lifted_walk(
-        tree.nodes, tree.links, tree.elements.parts, tree.origin, tree.scale,
-        facets_a.nodes, facets_a.links, facets_a.elements.parts, facets_a.origin, facets_a.scale,
-        facets_b.nodes, facets_b.links, facets_b.elements.parts, facets_b.origin, facets_b.scale,
-        a.edges.corners, a.edges.parts, b.edges.corners, b.edges.parts,
-        a.corners.corners, a.corners.parts, b.corners.corners, b.corners.parts,
+        scratch.edges_a, a.facets, a.corners, scratch.edges_b, b.facets, b.corners,
+        b.facets.origin, b.facets.scale, scratch.room,
         problem.tree_a.xyz, problem.tree_b.xyz, motion, reach, error_a, error_b, limit,
         state.floats, state.integers, state.stack, state.times, state.candidates,
     )  # fmt: skip
+
+
+def _scratch(a: Lifted, b: Lifted) -> Scratch:
+    room = room_for(len(a.edges.parts), len(b.edges.parts))
+    return Scratch(_edges(a, b.facets), _edges(b, b.facets), room)
+
+
+def _edges(of: Lifted, about: Facets) -> Edges:
+    lines, _, boxes, sizes, _ = lift(of.edges.corners, False, about.origin, about.scale, WAY)
+    return Edges(lines, boxes, sizes, of.edges.corners, of.edges.parts)
 
 
 def _parting(problem: TranslationProblem) -> float:
@@ -62,6 +78,8 @@ def lifted_of(body: Any, tree: Tree) -> Lifted:
     """Elements and facet tree of the body in the frame of the tree; kept on the body for the next query."""
     cached = body._search.get("lifted")
     if cached is None or cached[0] is not tree:
-        edges, corners = edges_of(tree), corners_of_tree(tree)
-        cached = body._search["lifted"] = tree, Lifted(edges, corners, lifted_tree(tree, facets_of(tree), facets=True))
+        corners, found = corners_of_tree(tree), lifted_tree(tree, facets_of(tree))
+        facets = Facets(found.nodes, found.links, found.elements.parts, found.origin, found.scale)
+        lifted = Lifted(edges_of(tree), Askers(corners.corners, corners.parts), facets)
+        cached = body._search["lifted"] = tree, lifted
     return cached[1]

@@ -32,7 +32,7 @@ COLUMNS_EDGES, COLUMNS_FACETS = PLANES, PLANES + 2 + 2 * 4 + 16
 LEAF = 8
 
 # Lines and planes have no direction of their own: the one that points this way is taken.
-_WAY = (1.0, 0.6180339887498949, 0.4142135623730951)
+WAY = np.array([1.0, 0.6180339887498949, 0.4142135623730951])
 
 
 @dataclass(slots=True)
@@ -91,15 +91,15 @@ def _elements(tree: Tree, bit: int, kinds: int, corners: Any) -> Elements:
     return Elements(rows, np.ascontiguousarray(np.concatenate(places)[chosen]))
 
 
-def lifted_tree(tree: Tree, elements: Elements, facets: bool) -> LiftedTree:
-    """The tree over the edges or facets of the body, in the frame of `tree`."""
+def lifted_tree(tree: Tree, facets: Elements) -> LiftedTree:
+    """The tree over the facets of the body, in the frame of `tree`."""
     box = tree.boxes[0]
     origin = 0.5 * (box[:3] + box[3:])
     size = float(np.abs(box[3:] - box[:3]).max())
     scale = 2.0 ** math.frexp(size)[1] if 0.0 < size < math.inf else 1.0
-    lines, joint, boxes, sizes, planes = lift(elements.corners, facets, origin, scale, np.array(_WAY))
+    lines, joint, boxes, sizes, planes = lift(facets.corners, True, origin, scale, WAY)
     nodes, links, order = grow(lines, joint, boxes, sizes, planes, LEAF)
-    ordered = Elements(elements.parts[order], elements.corners[order])
+    ordered = Elements(facets.parts[order], facets.corners[order])
     return LiftedTree(nodes, links, ordered, origin, scale)
 
 
@@ -221,7 +221,7 @@ def grow(lines, joint, boxes, sizes, planes, leaf):
                 s += direction[k] * joint[order[i], k]
             keys[i] = s
         middle = (first + last) // 2
-        _select(keys, order, first, last, middle)
+        select(keys, order, first, last, middle)
         links[node, 0], links[node, 1] = used, used + 1
         stack[depth, 0], stack[depth, 1], stack[depth, 2] = used, first, middle
         stack[depth + 1, 0], stack[depth + 1, 1], stack[depth + 1, 2] = used + 1, middle, last
@@ -231,7 +231,7 @@ def grow(lines, joint, boxes, sizes, planes, leaf):
 
 
 @kernel
-def _select(keys, order, first, last, middle):
+def select(keys, order, first, last, middle):
     """Rearrange so that the smallest keys of [first, last) stand before `middle` (quickselect, middle pivots)."""
     lo, hi = first, last - 1
     while lo < hi:

@@ -193,10 +193,13 @@ def rotation_conjunctions(a: Vector, b: Vector, tangent: Any) -> tuple[Conjuncti
 
 
 def _root(way: int, lo: Form, slope_lo: Form, hi: Form, slope_hi: Form) -> Iterator[Conjunction]:
-    """The root at which a quadratic has slopes of sign `way` lies between two points: its values and slopes there."""
+    """The root at which a quadratic has slopes of sign `way` lies between two points: its values and slopes there.
+
+    One of the slopes is strict, or a single point (lo = hi) at which the slope vanishes would pass for a root.
+    """
     yield Conjunct(lo, -way), Conjunct(hi, way)
-    yield Conjunct(lo, way, True), Conjunct(hi, way), Conjunct(slope_lo, -way), Conjunct(slope_hi, way)
-    yield Conjunct(lo, -way), Conjunct(hi, -way, True), Conjunct(slope_lo, way), Conjunct(slope_hi, -way)
+    yield Conjunct(lo, way, True), Conjunct(hi, way), Conjunct(slope_lo, -way, True), Conjunct(slope_hi, way)
+    yield Conjunct(lo, -way), Conjunct(hi, -way, True), Conjunct(slope_lo, way), Conjunct(slope_hi, -way, True)
 
 
 # ------------------------------------------------------------------------------------------------- queries

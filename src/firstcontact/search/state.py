@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from typing import Any
 
 import numpy as np
 
@@ -36,7 +37,7 @@ LEAF_ROOM = 32
 class WalkState:
     """Scratch arrays of a walk.  `keys`/`pairs`: heap; `stack`: pairs that overlap at the start."""
 
-    __slots__ = ("floats", "integers", "keys", "pairs", "stack", "times", "candidates")
+    __slots__ = ("floats", "integers", "keys", "pairs", "stack", "times", "candidates", "scratch")
 
     def __init__(self) -> None:
         self.keys = np.empty(4096)
@@ -46,6 +47,7 @@ class WalkState:
         self.candidates = np.empty((512, 5), np.int32)  # kind, part a, feature a, part b, feature b
         self.floats = np.zeros(6)
         self.integers = np.zeros(11, np.int64)
+        self.scratch: Any = None  # of a walk over lifted trees
 
     def start(
         self, first: float, sure_first: float, last: float, sure_last: float, want_all: bool = False
@@ -55,6 +57,7 @@ class WalkState:
         f[FIRST], f[SURE_FIRST], f[SURE_LAST] = first, sure_first, sure_last
         f[BEST], f[KEY], f[ALL] = last, first, want_all
         n.fill(0)
+        self.scratch = None
         n[STACK] = 1
         self.stack[0] = 0
 
@@ -82,5 +85,6 @@ def borrow_state() -> WalkState:
 
 
 def return_state(state: WalkState) -> None:
+    state.scratch = None
     if len(state.keys) <= 1 << 18:
         _local.state = state
