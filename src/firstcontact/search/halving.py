@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from firstcontact.kernels.jit import kernel
-from firstcontact.kernels.lifted_query import may_meet
+from firstcontact.kernels.lifted_query import ROWS, may_meet
 from firstcontact.kernels.principal import box_columns, fit_box
 from firstcontact.search.lifted_motion import lay_edge
 from firstcontact.search.lifted_tree import LINES, REACH, select
@@ -73,7 +73,7 @@ def room_for(m: int, n: int) -> Room:
 
 
 @kernel
-def halve(a, b, origin, scale, room, query, work, motion, arc, reach, xyz_a, xyz_b, err_a, err_b, limit,
+def halve(a, b, origin, scale, room, motion, arc, reach, xyz_a, xyz_b, err_a, err_b, limit,
           floats, integers, times, candidates):  # fmt: skip
     """Go on with all pairs of edges; returns why it stopped.  STACK counts the frames that wait."""
     arena, frames = room.arena, room.frames
@@ -87,13 +87,8 @@ def halve(a, b, origin, scale, room, query, work, motion, arc, reach, xyz_a, xyz
         frames[0, TOP] = m + n
         integers[STACK], integers[QUERY] = 1, 1
     # pairs at random, for both sets are in random order, bound the best time from the beginning
-    while arc == 0 and SAMPLE_SHARE * integers[QUERY] <= max(m, n):
-        if integers[CANDIDATES] + LEAF_ROOM > times.shape[0]:
-            return FULL
-        k = integers[QUERY]
-        integers[QUERY] = k + 1
-        _test(a.parts[k % m], b.parts[k % n], motion, xyz_a, xyz_b, err_a, err_b, floats, integers, times, candidates)
-    row = np.zeros(LINES + box_columns(6))
+    samples = max(m, n) // SAMPLE_SHARE if arc == 0 else 0
+    row, query, work = np.zeros(LINES + box_columns(6)), np.zeros((ROWS, 6)), np.empty((8, 3))
     scratch = np.empty((6, 6)), np.empty((6, 6)), np.empty((3, 6))
     while integers[STACK] > 0:
         if integers[CANDIDATES] + 2 * FEW_PAIRS + LEAF_ROOM > times.shape[0]:
@@ -102,35 +97,44 @@ def halve(a, b, origin, scale, room, query, work, motion, arc, reach, xyz_a, xyz
             return DECIDE
         if integers[VISITS] >= limit:
             return SLICE_SPENT
-        integers[STACK] -= 1
-        frame = frames[integers[STACK]]
-        a0, a1, b0, b1, top = frame[A_FIRST], frame[A_LAST], frame[B_FIRST], frame[B_LAST], frame[TOP]
-        if (a1 - a0) * (b1 - b0) <= FEW_PAIRS:
-            for i in range(a0, a1):
-                for j in range(b0, b1):
-                    _test(a.parts[arena[i]], b.parts[arena[j]], motion, xyz_a, xyz_b, err_a, err_b,
-                          floats, integers, times, candidates)  # fmt: skip
-        elif a1 - a0 >= b1 - b0:
-            _split(a, a0, a1, A_FIRST, b, b0, b1, B_FIRST, -1.0, top, origin, scale, room, row, scratch, query, work,
-                   motion, arc, reach, err_a + err_b, floats, integers)  # fmt: skip
+        done = integers[QUERY] - 1
+        sampling = done < samples
+        if sampling:
+            a0, b0, width, pairs = 0, 0, 1, min(samples - done, FEW_PAIRS)
+            integers[QUERY] += pairs
         else:
-            _split(b, b0, b1, B_FIRST, a, a0, a1, A_FIRST, 1.0, top, origin, scale, room, row, scratch, query, work,
-                   motion, arc, reach, err_a + err_b, floats, integers)  # fmt: skip
+            integers[STACK] -= 1
+            frame = frames[integers[STACK]]
+            a0, b0, width = frame[A_FIRST], frame[B_FIRST], frame[B_LAST] - frame[B_FIRST]
+            pairs = (frame[A_LAST] - a0) * width
+        if pairs <= FEW_PAIRS:
+            for p in range(pairs):
+                if sampling:
+                    part_a, part_b = a.parts[(done + p) % m], b.parts[(done + p) % n]
+                else:
+                    part_a, part_b = a.parts[arena[a0 + p // width]], b.parts[arena[b0 + p % width]]
+                test_events(
+                    motion, part_a[0], part_a[1], xyz_a[part_a[0]], part_b[0], part_b[1], xyz_b[part_b[0]],
+                    1 << SIDE, err_a, err_b, floats, integers, times, candidates,
+                )  # fmt: skip
+            continue
+        cut_a = frame[A_LAST] - a0 >= width
+        x, y = (a, b) if cut_a else (b, a)
+        _split(x, A_FIRST if cut_a else B_FIRST, y, B_FIRST if cut_a else A_FIRST, -1.0 if cut_a else 1.0, origin,
+               scale, room, row, scratch, query, work, motion, arc, reach, err_a + err_b, floats, integers)  # fmt: skip
     return DONE
 
 
 @kernel
-def _test(part_a, part_b, motion, xyz_a, xyz_b, err_a, err_b, floats, integers, times, candidates):
-    pa, pb = part_a[0], part_b[0]
-    test_events(motion, pa, part_a[1], xyz_a[pa], pb, part_b[1], xyz_b[pb], 1 << SIDE, err_a, err_b,
-                floats, integers, times, candidates)  # fmt: skip
-
-
-@kernel
-def _split(x, x0, x1, x_slot, y, y0, y1, y_slot, sense, top, origin, scale, room, row, scratch, query, work,
+def _split(x, x_slot, y, y_slot, sense, origin, scale, room, row, scratch, query, work,
            motion, arc, reach, err, floats, integers):  # fmt: skip
-    """Cut the set x of a frame, and push a frame for each half with what of y may meet it; sense: of y's motion."""
+    """Cut the set x of the frame taken last, and push one for each half with what of y may meet it.
+
+    sense: that of the motion of y past x.
+    """
     arena, frames = room.arena, room.frames
+    frame = frames[integers[STACK]]
+    x0, x1, y0, y1, top = frame[x_slot], frame[x_slot + 1], frame[y_slot], frame[y_slot + 1], frame[TOP]
     count = x1 - x0
     _cut(x.lines, x0, x1, y.lines, y0, y1, top, room, scratch)
     used = top + count

@@ -30,9 +30,17 @@ def _arc_starts() -> np.ndarray:
 ARC_STARTS = _arc_starts()
 
 
-def arc_of(motion, floats, arc):
+def arc_of(motion: np.ndarray, floats: np.ndarray, arc: int) -> tuple[bool, bool]:
     """(whether there is such an arc before the best time, whether it ends before the window begins)."""
-    raise NotImplementedError("compiled only, by the type of the motion")
+    if motion.ndim == 1:
+        return arc == 0, False
+    # products of whole numbers and the arc's angle round once; times are within ANGLE_EPS
+    start = arc * ARC_ANGLE - 4.0 * ANGLE_EPS
+    over = (arc + 1) * ARC_ANGLE + 4.0 * ANGLE_EPS < floats[FIRST]
+    exists = arc < ARCS and start <= floats[BEST]
+    if exists and not over:
+        floats[KEY] = max(floats[KEY], start)
+    return exists, over
 
 
 def lay_edge(motion, arc, x, y, sense, reach, floats, origin, scale, query, work):
@@ -46,13 +54,6 @@ def lay_corner(motion, arc, x, sense, reach, floats, origin, scale, query, work)
 
 
 # ---------------------------------------------------------------------------------------------- translation
-
-
-@overload(arc_of)
-def _arc_of(motion, floats, arc):
-    if motion.ndim == 1:
-        return lambda motion, floats, arc: (arc == 0, False)
-    return _arc_of_rotation
 
 
 @overload(lay_edge)
@@ -85,16 +86,6 @@ def _lay_shifted_corner(motion, arc, x, sense, reach, floats, origin, scale, que
 
 
 # ------------------------------------------------------------------------------------------------- rotation
-
-
-def _arc_of_rotation(motion, floats, arc):
-    # products of whole numbers and the arc's angle round once; times are within ANGLE_EPS
-    start = arc * ARC_ANGLE - 4.0 * ANGLE_EPS
-    over = (arc + 1) * ARC_ANGLE + 4.0 * ANGLE_EPS < floats[FIRST]
-    exists = arc < ARCS and start <= floats[BEST]
-    if exists and not over:
-        floats[KEY] = max(floats[KEY], start)
-    return exists, over
 
 
 @kernel

@@ -8,7 +8,7 @@ from typing import Any
 
 from firstcontact.search.halving import Edges, Room, room_for
 from firstcontact.search.lifted_tree import WAY, Elements, corners_of_tree, edges_of, facets_of, lift, lifted_tree
-from firstcontact.search.lifted_walk import Askers, Facets, lifted_walk
+from firstcontact.search.lifted_walk import Askers, Body, Facets, lifted_walk
 from firstcontact.search.state import WalkState
 from firstcontact.search.translation_problem import TranslationProblem
 from firstcontact.search.tree import Tree
@@ -25,40 +25,32 @@ class Lifted:
 
 @dataclass(slots=True)
 class Scratch:
-    """Of one search: the edges of both bodies about one origin, and room to halve them."""
+    """Of one search."""
 
-    edges_a: Edges
-    edges_b: Edges
+    a: Body
+    b: Body
     room: Room
 
 
 def advance_lifted(problem: Any, state: WalkState, limit: int) -> int:
     """Go on with the walk of a translation or rotation over lifted trees; the reason it came back."""
-    a, b = lifted_of(problem.a, problem.tree_a), lifted_of(problem.b, problem.tree_b)
     if state.scratch is None:
-        state.scratch = _scratch(a, b)
+        a, b = lifted_of(problem.a, problem.tree_a), lifted_of(problem.b, problem.tree_b)
+        bodies = (_body(x, tree, b.facets) for x, tree in ((a, problem.tree_a), (b, problem.tree_b)))
+        state.scratch = Scratch(next(bodies), next(bodies), room_for(len(a.edges.parts), len(b.edges.parts)))
     scratch: Scratch = state.scratch
     if isinstance(problem, TranslationProblem):
         motion, reach = problem.velocity, _parting(problem)
-        error_a, error_b = problem.tree_a.error, problem.tree_b.error
+        errors = problem.tree_a.error, problem.tree_b.error
     else:
-        motion, reach, error_a, error_b = problem.motion, math.inf, problem.error_a, problem.error_b
-    return lifted_walk(
-        scratch.edges_a, a.facets, a.corners, scratch.edges_b, b.facets, b.corners,
-        b.facets.origin, b.facets.scale, scratch.room,
-        problem.tree_a.xyz, problem.tree_b.xyz, motion, reach, error_a, error_b, limit,
-        state.floats, state.integers, state.stack, state.times, state.candidates,
-    )  # fmt: skip
+        motion, reach, errors = problem.motion, math.inf, (problem.error_a, problem.error_b)
+    return lifted_walk(scratch.a, scratch.b, scratch.room, motion, reach, errors, limit, state)
 
 
-def _scratch(a: Lifted, b: Lifted) -> Scratch:
-    room = room_for(len(a.edges.parts), len(b.edges.parts))
-    return Scratch(_edges(a, b.facets), _edges(b, b.facets), room)
-
-
-def _edges(of: Lifted, about: Facets) -> Edges:
+def _body(of: Lifted, tree: Tree, about: Facets) -> Body:
+    """The body with its edges' lines about the origin of the other one's tree."""
     lines, _, boxes, sizes, _ = lift(of.edges.corners, False, about.origin, about.scale, WAY)
-    return Edges(lines, boxes, sizes, of.edges.corners, of.edges.parts)
+    return Body(Edges(lines, boxes, sizes, of.edges.corners, of.edges.parts), of.corners, of.facets, tree.xyz)
 
 
 def _parting(problem: TranslationProblem) -> float:

@@ -8,13 +8,13 @@ tests, their bounds and what is noted are those of the walk over boxes.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from firstcontact.kernels.jit import kernel
 from firstcontact.kernels.lifted_query import ROWS, may_meet, write_segment
-from firstcontact.search.halving import halve
+from firstcontact.search.halving import Edges, Room, halve
 from firstcontact.search.lifted_motion import arc_of, lay_corner
 from firstcontact.search.state import (
     ARC,
@@ -59,6 +59,15 @@ class Askers(NamedTuple):
     parts: np.ndarray
 
 
+class Body(NamedTuple):
+    """What the walk needs of one body; xyz: its tree's parts."""
+
+    edges: Edges
+    corners: Askers
+    facets: Facets
+    xyz: np.ndarray
+
+
 @kernel
 def _lay_still_edge(x, query, facets, work):
     """Write the query for the facets that the edge x (9,) pierces."""
@@ -67,21 +76,20 @@ def _lay_still_edge(x, query, facets, work):
     write_segment(query, x[0:3], work[0], work[1], facets.origin, facets.scale)
 
 
-@kernel
 def lifted_walk(
-    edges_a, facets_a, corners_a, edges_b, facets_b, corners_b, origin, scale, room,
-    xyz_a, xyz_b, motion, reach, err_a, err_b, limit, floats, integers, stack, times, candidates,
-):  # fmt: skip
+    a: Body, b: Body, room: Room, motion: np.ndarray, reach: float, errors: tuple[float, float], limit: int, state: Any
+) -> int:
     """Go on with the walk until one of the reasons of `state` to come back; returns it.
 
-    origin, scale: of the lines of both bodies' edges.  reach: time after which certainly nothing meets (translations).
+    reach: a time after which certainly nothing meets (translations).  errors: of the parts of a and of b.
     """
-    query, work = np.zeros((ROWS, 6)), np.empty((8, 3))
-    still_a, still_b = Askers(edges_a.corners, edges_a.parts), Askers(edges_b.corners, edges_b.parts)
+    floats, integers, stack = state.floats, state.integers, state.stack
+    search = limit, floats, integers, stack, state.times, state.candidates
+    still_a, still_b = Askers(a.edges.corners, a.edges.parts), Askers(b.edges.corners, b.edges.parts)
     if integers[PHASE] == EDGES_AT_START and integers[LIFTED] == 2:
         integers[PHASE] = EDGES
     while True:
-        phase, arc = integers[PHASE], integers[ARC]
+        phase, arc = int(integers[PHASE]), int(integers[ARC])
         if phase >= EDGES:
             exists, over = arc_of(motion, floats, arc)
             if not exists:
@@ -90,19 +98,17 @@ def lifted_walk(
             if over:
                 integers[ARC] += 1
                 continue
-        if phase == EDGES_AT_START or phase == CORNERS:
-            reason = _ask(
-                still_a if phase == EDGES_AT_START else corners_a, facets_b, phase, False, query, work, motion, arc,
-                reach, xyz_a, xyz_b, err_a, err_b, limit, floats, integers, stack, times, candidates,
-            )  # fmt: skip
-        elif phase == FACETS_AT_START or phase == FACETS:
-            reason = _ask(
-                still_b if phase == FACETS_AT_START else corners_b, facets_a, phase, True, query, work, motion, arc,
-                reach, xyz_a, xyz_b, err_a, err_b, limit, floats, integers, stack, times, candidates,
+        if phase == EDGES:
+            reason = halve(
+                a.edges, b.edges, b.facets.origin, b.facets.scale, room, motion, arc, reach, a.xyz, b.xyz, *errors,
+                limit, floats, integers, state.times, state.candidates,
             )  # fmt: skip
         else:
-            reason = halve(edges_a, edges_b, origin, scale, room, query, work, motion, arc, reach, xyz_a, xyz_b,
-                           err_a, err_b, limit, floats, integers, times, candidates)  # fmt: skip
+            by_a = phase in (EDGES_AT_START, CORNERS)
+            asker, asked = (a, b) if by_a else (b, a)
+            still = phase < EDGES
+            elements = (still_a if by_a else still_b) if still else asker.corners
+            reason = ask(elements, asked.facets, still, not by_a, motion, arc, reach, a.xyz, b.xyz, *errors, *search)
         if reason != DONE:
             return reason
         stack[0, 0] = 0
@@ -114,61 +120,53 @@ def lifted_walk(
 
 
 @kernel
-def _ask(askers, facets, phase, swapped, query, work, motion, arc, reach, xyz_a, xyz_b, err_a, err_b, limit,
-         floats, integers, stack, times, candidates):  # fmt: skip
-    """Every element's query against the tree; swapped: the elements are of b, the tree is of a."""
-    at_start = phase < EDGES
-    if facets.parts.shape[0] == 0:
+def ask(askers, facets, still, swapped, motion, arc, reach, xyz_a, xyz_b, err_a, err_b, limit,
+        floats, integers, stack, times, candidates):  # fmt: skip
+    """Go on with every element's query against the tree; returns why it stopped.  STACK counts the nodes that wait.
+
+    still: edges against the facets they pierce at the start.  swapped: the elements are of b, the tree is of a.
+    """
+    nodes, links, parts = facets.nodes, facets.links, facets.parts
+    query, work = np.zeros((ROWS, 6)), np.empty((8, 3))
+    if parts.shape[0] == 0:
         return DONE
     for q in range(integers[QUERY], askers.parts.shape[0]):
         integers[QUERY] = q
-        if at_start:
+        if still:
             _lay_still_edge(askers.corners[q], query, facets, work)
         else:
             lay_corner(motion, arc, askers.corners[q, 0:3], -1.0 if swapped else 1.0, reach, floats,
                        facets.origin, facets.scale, query, work)  # fmt: skip
-        reason = _descend(facets, askers.parts[q], query, motion, swapped, at_start, xyz_a, xyz_b, err_a, err_b,
-                          limit, floats, integers, stack, times, candidates)  # fmt: skip
-        if reason != DONE:
-            return reason
+        while integers[STACK] > 0:
+            if integers[CANDIDATES] + LEAF_ROOM > times.shape[0] or integers[STACK] + 4 > stack.shape[0]:
+                return FULL
+            if integers[UNSURE_COUNT] >= UNSURE_BATCH:
+                return DECIDE
+            if integers[VISITS] >= limit:
+                return SLICE_SPENT
+            integers[STACK] -= 1
+            node = stack[integers[STACK], 0]
+            integers[VISITS] += 1
+            if not may_meet(nodes[node], query, True, facets.scale, facets.origin, err_a + err_b):
+                continue
+            if links[node, 1] >= 0:
+                n = integers[STACK]
+                stack[n, 0], stack[n + 1, 0] = links[node, 0], links[node, 1]
+                integers[STACK] = n + 2
+                continue
+            for i in range(links[node, 0], -links[node, 1]):
+                a, b = (parts[i], askers.parts[q]) if swapped else (askers.parts[q], parts[i])
+                xa, xb = xyz_a[a[0]], xyz_b[b[0]]
+                if still:
+                    if meet_at_start(
+                        a[0], a[1], xa, b[0], b[1], xb, err_a, err_b, floats, integers, times, candidates
+                    ):
+                        return CROSSING_FOUND
+                else:
+                    test_events(
+                        motion, a[0], a[1], xa, b[0], b[1], xb, 1 << SIDE, err_a, err_b,
+                        floats, integers, times, candidates,
+                    )  # fmt: skip
         stack[0, 0] = 0
         integers[STACK] = 1
-    return DONE
-
-
-@kernel
-def _descend(facets, asker, query, motion, swapped, at_start, xyz_a, xyz_b, err_a, err_b, limit,
-             floats, integers, stack, times, candidates):  # fmt: skip
-    """Go on with one query: STACK counts the nodes that wait.  Returns the reason to stop."""
-    nodes, links, parts = facets.nodes, facets.links, facets.parts
-    while integers[STACK] > 0:
-        if integers[CANDIDATES] + LEAF_ROOM > times.shape[0] or integers[STACK] + 4 > stack.shape[0]:
-            return FULL
-        if integers[UNSURE_COUNT] >= UNSURE_BATCH:
-            return DECIDE
-        if integers[VISITS] >= limit:
-            return SLICE_SPENT
-        integers[STACK] -= 1
-        node = stack[integers[STACK], 0]
-        integers[VISITS] += 1
-        if not may_meet(nodes[node], query, True, facets.scale, facets.origin, err_a + err_b):
-            continue
-        if links[node, 1] >= 0:
-            n = integers[STACK]
-            stack[n, 0], stack[n + 1, 0] = links[node, 0], links[node, 1]
-            integers[STACK] = n + 2
-            continue
-        for i in range(links[node, 0], -links[node, 1]):
-            a, b = (parts[i], asker) if swapped else (asker, parts[i])
-            xa, xb = xyz_a[a[0]], xyz_b[b[0]]
-            if at_start:
-                if meet_at_start(
-                    a[0], a[1], xa, b[0], b[1], xb, err_a, err_b, floats, integers, times, candidates
-                ):
-                    return CROSSING_FOUND
-            else:
-                test_events(
-                    motion, a[0], a[1], xa, b[0], b[1], xb, 1 << SIDE, err_a, err_b,
-                    floats, integers, times, candidates,
-                )  # fmt: skip
     return DONE
