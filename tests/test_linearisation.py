@@ -106,12 +106,14 @@ def test_two_rods_that_meet_once():
     assert [abs(x) for x in forms[:3]] == [4, 12, 4]  # D = 2 * 2, u0 = 3 D, u0 - 4 D
 
 
-def test_edges_that_share_one_height_with_level_radii():
-    """At z = 0, their only common height, radius 8^(1/2) and radius 0, neither growing: no contact."""
-    a, b = exact([-2.0, -2.0, -1.0]), exact([-2.0, -2.0, 0.0])
-    c, d = exact([0.0, 0.0, 0.0]), exact([-1.0, 1.0, 2.0])
-    for tangent in (fmpq(1), fmpq(9)):
-        assert count_exactly(Turned(tangent), a, b, c, d) == 0
+def test_edges_that_share_one_height():
+    """At z = 0 only: radii 8^(1/2) and 0, neither growing; then radii that agree a quarter turn apart."""
+    level = [[-2.0, -2.0, -1.0], [-2.0, -2.0, 0.0], [0.0, 0.0, 0.0], [-1.0, 1.0, 2.0]]
+    quarter = [[-1.0, 0.0, 0.0], [-1.0, 0.0, 2.0], [-2.0, 1.0, -1.0], [0.0, -1.0, 0.0]]
+    for ends, tangent, met in ((level, 9, 0), (quarter, fmpq(3, 8), 0), (quarter, 9, 1)):
+        motion = Turned(fmpq(tangent))
+        assert count_exactly(motion, *map(exact, ends)) == met
+        assert EdgeSet(np.array([ends[2:]]), motion).counts(*ends[:2]).tolist() == [met]
 
 
 def test_features_of_a_line_on_a_hyperboloid():

@@ -151,7 +151,10 @@ def _squared_radius(e: Vector, m: Vector) -> tuple[Any, Any, Any]:
 
 
 def rotation_conjunctions(a: Vector, b: Vector, tangent: Any) -> tuple[Conjunction, ...]:
-    """The rising edges cd that the rising edge ab, turning about +z, meets within the angle 2 atan(tangent) < pi."""
+    """The rising edges cd that the rising edge ab, turning about +z, meets within the angle 2 atan(tangent) < pi.
+
+    Only pairs that share more than one height.
+    """
     e = sub(b, a)
     m, ee, t = cross(a, e), e[2] * e[2], tangent
     v2, v1, v0 = _squared_radius(e, m)
@@ -178,7 +181,7 @@ def rotation_conjunctions(a: Vector, b: Vector, tangent: Any) -> tuple[Conjuncti
             Form("squares", (-2 * z[2] * ee, -ee, zero, growth)),
         )
     above = {(x, y): Form(x, (zero + 1, -p[2])) for x in "cd" for y, p in (("a", a), ("b", b))}  # x over y
-    overlap = Conjunct(above["d", "a"], 1), Conjunct(above["c", "b"], -1)
+    overlap = Conjunct(above["d", "a"], 1, True), Conjunct(above["c", "b"], -1, True)
     found = []
     for lo, higher in (("a", Conjunct(above["c", "a"], -1)), ("c", Conjunct(above["c", "a"], 1, True))):
         for hi, lower in (("b", Conjunct(above["d", "b"], 1)), ("d", Conjunct(above["d", "b"], -1, True))):
@@ -195,7 +198,7 @@ def rotation_conjunctions(a: Vector, b: Vector, tangent: Any) -> tuple[Conjuncti
 def _root(way: int, lo: Form, slope_lo: Form, hi: Form, slope_hi: Form) -> Iterator[Conjunction]:
     """The root at which a quadratic has slopes of sign `way` lies between two points: its values and slopes there.
 
-    One of the slopes is strict, or a single point (lo = hi) at which the slope vanishes would pass for a root.
+    lo < hi: a single point that is a root has one label, but satisfies the first line for both.
     """
     yield Conjunct(lo, -way), Conjunct(hi, way)
     yield Conjunct(lo, way, True), Conjunct(hi, way), Conjunct(slope_lo, -way, True), Conjunct(slope_hi, way)
@@ -254,9 +257,11 @@ class Turned:
         return (d, c) if c[2] > d[2] else (c, d)
 
     def is_degenerate(self, a: Vector, b: Vector, c: Vector, d: Vector) -> bool:
-        """Edges across the axis, and lines on one surface of revolution."""
+        """Edges across the axis, edges that share one height only, and lines on one surface of revolution."""
         e, f = sub(b, a), sub(d, c)
         if sign(e[2]) == 0 or sign(f[2]) == 0:
+            return True
+        if max(min(a[2], b[2]), min(c[2], d[2])) == min(max(a[2], b[2]), max(c[2], d[2])):
             return True
         ours, theirs = _squared_radius(e, cross(a, e)), _squared_radius(f, cross(c, f))
         ee, ff = e[2] * e[2], f[2] * f[2]
