@@ -49,6 +49,9 @@ def first_contact(
     the motions' own; ``inf`` as last for translations.  Contact is between closed sets: grazing counts, solids own
     their interior.  Status.FREE proves that they share no point at any time of the span.
 
+    engine: of polyhedra, which trees are asked; the answer is the same.  "boxes"; "lifted", for scenes in which nearly
+    everything passes nearly everything (translations and rotations only); "auto" begins with boxes and changes over
+    when they have done many pair tests.  `stats.engine` tells which one answered.
     exact: add `time_exact`.  tolerance: largest width of `time_interval`, relative to the span (enclosures
     come out a few units in the last place wide, whatever is asked).
     budget: node visits plus pair tests (curved models: strides, subproblems and candidates) after which to answer

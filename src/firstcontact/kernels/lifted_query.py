@@ -19,8 +19,13 @@ import numpy as np
 
 from firstcontact.kernels.jit import kernel
 from firstcontact.kernels.principal import form_range
-from firstcontact.search.lifted_tree import FAR, LINES, NEEDLE, PLANES, REACH
 
+# Slots of a node: box (6), largest |f|, largest coordinate about the origin, largest S / |n| of its facets, each in
+# 1-norms (|n| in the largest entry); then the box of lines and, of facets, the box of planes.
+REACH, FAR, NEEDLE, LINES = 6, 7, 8, 9
+PLANES = LINES + 2 + 2 * 6 + 36
+
+# Rows of a query.
 FORMS, SIDES, BOX, SHIFT, SIZES, SLAB, ROWS = 0, 3, 5, 6, 7, 8, 9
 # Slots of the row SIZES: number of forms and of sides, E of each, L.
 N_FORMS, N_SIDES, E_FORMS, E_SIDES, L_QUERY, HAS_SLAB = range(6)

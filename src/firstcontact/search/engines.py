@@ -10,11 +10,23 @@ from __future__ import annotations
 
 from typing import Any
 
-from firstcontact.search.state import ALL, DONE, HEAP, LIFTED, SLICE_SPENT, STACK, TESTS, VISITS, WalkState
+from firstcontact.search.state import (
+    ALL,
+    CROSSING_FOUND,
+    DONE,
+    HEAP,
+    LIFTED,
+    SLICE_SPENT,
+    STACK,
+    TESTS,
+    VISITS,
+    WalkState,
+)
 
-# Pair tests after which `auto` changes over: a share of the primitives of both bodies, and never fewer than that.
-# Queries of lifted trees cost about as many node visits as there are edges and vertices, and most layered scenes
-# some tests per edge; and up to a few thousand tests boxes are done before lifted trees would be built.
+# Pair tests after which `auto` changes over: a share of the primitives of both bodies, and never fewer than FEWEST.
+# Ordinary meshes stay below; where everything passes everything, what the boxes tested is a sample that spares the
+# lifted trees most of their own tests, so that both together do about as many as these alone (from some 2000 edges on;
+# FEWEST tests take less than building lifted trees does).
 SHARE, FEWEST = 0.6, 4096
 
 
@@ -35,7 +47,7 @@ class ByEngine:
             while True:
                 slice_end = min(limit, int(integers[VISITS]) + max(256, most - int(integers[TESTS])))
                 reason = self.advance_boxes(state, slice_end, with_start, all_sides)
-                if reason == DONE or integers[TESTS] <= most:
+                if reason in (DONE, CROSSING_FOUND) or integers[TESTS] <= most:
                     if reason != SLICE_SPENT or integers[VISITS] >= limit:
                         return reason
                     continue

@@ -16,10 +16,10 @@ from typing import NamedTuple
 import numpy as np
 
 from firstcontact.kernels.jit import kernel
-from firstcontact.kernels.lifted_query import ROWS, may_meet
+from firstcontact.kernels.lifted_query import LINES, REACH, ROWS, may_meet
 from firstcontact.kernels.principal import box_columns, fit_box
 from firstcontact.search.lifted_motion import lay_edge
-from firstcontact.search.lifted_tree import LINES, REACH, select
+from firstcontact.search.lifted_tree import select
 from firstcontact.search.state import (
     CANDIDATES,
     DECIDE,

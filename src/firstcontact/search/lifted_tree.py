@@ -1,4 +1,4 @@
-"""Trees over the edges or the facets of one body, by their lines: boxes of Pluecker vectors along principal axes.
+"""Edges and facets of one body as lines and planes, and the tree over its facets: boxes along principal axes.
 
 The line through c and d is Y = (f; k) with f = d - c, k = c x f; whether another line passes above or below it is the
 sign of a form that is linear in Y.  So a node knows, besides the box of its elements, a box of their vectors Y, and
@@ -21,14 +21,10 @@ from typing import Any
 import numpy as np
 
 from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.lifted_query import LINES, PLANES, REACH
 from firstcontact.kernels.principal import box_columns, fit_box, main_direction
 from firstcontact.search.tree import BARE, CORNER, FACET, POINT, SIDE, Tree
 
-# Slots of a node: box (6), largest |f|, largest coordinate about the origin, largest S / |n| of its facets, each in
-# 1-norms (|n| in the largest entry); then the box of lines and, of facets, the box of planes.
-REACH, FAR, NEEDLE, LINES = 6, 7, 8, 9
-PLANES = LINES + 2 + 2 * 6 + 36
-COLUMNS_EDGES, COLUMNS_FACETS = PLANES, PLANES + 2 + 2 * 4 + 16
 LEAF = 8
 
 # Lines and planes have no direction of their own: the one that points this way is taken.
@@ -49,7 +45,7 @@ class Elements:
 
 @dataclass(slots=True)
 class LiftedTree:
-    """nodes (q, columns), see the slots; links (q, 2): inner (left, right), leaf (first, -last) of `elements`."""
+    """nodes (q, columns), slots as in `lifted_query`; links (q, 2): inner (left, right), leaf (first, -last)."""
 
     nodes: np.ndarray
     links: np.ndarray
