@@ -1,0 +1,652 @@
+"""Which cells of the parameters (u, v) hold arcs of Delta = 0 that belong to both pieces, and how they join; certified.
+
+A cell is dropped where Delta has one sign or where a bracket pair proves that rulings meet beyond their ends.  Where a
+partial derivative of Delta has one sign the curve in the cell is a graph: no loop, no branching, and its crossings with
+the border, in order, tell its arcs.  Crossings are found once for every line between cells, so neighbours agree.
+
+On lines between cells and at their corners a value within its error counts as positive: that moves the curve by less
+than rounding and keeps all cells in agreement.  On borders of the pieces, and where cells become too small, what is
+left open is recorded.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from firstcontact.kernels.curve_nets import (
+    BOX_HI,
+    BOX_LO,
+    DEPTH,
+    FACTS,
+    FIRST,
+    HI,
+    LO,
+    ROUND,
+    SECOND,
+    degree,
+    delta_at,
+    delta_error,
+    delta_net,
+    delta_size,
+    extent,
+    halves,
+    part_of,
+    planes_net,
+    side_net,
+    slopes,
+)
+from firstcontact.kernels.curve_points import (
+    KIND,
+    PART_U,
+    PART_V,
+    S_IN,
+    T_IN,
+    S,
+    T,
+    X,
+    Y,
+    inside,
+    on_arc,
+    place,
+)
+from firstcontact.kernels.jit import kernel
+
+# Typed, since Numba compiles a function anew for every Python integer written into a call.
+NO, YES, INNER = np.int64(0), np.int64(1), np.int64(0)
+# What a cell is: nothing of the curve, a graph over u, one over v, to be cut along u or v, or Delta within its error.
+NOTHING, OVER_U, OVER_V, CUT_U, CUT_V, FLAT = 0, 1, 2, 3, 4, 5
+# Kinds of places: 0 within, 1 to 4 on the borders u = u0, u1, v = v0, v1, from CUT on at s = 0, 1, t = 0, 1.
+CUT = 5
+# Columns of `cells`: nodes, signs at corners (lower left, lower right, upper left, upper right), then start and count of
+# the crossings on the left, right, lower and upper side.
+NODE_U, NODE_V, CORNERS, SIDES, CELL_COLUMNS = 0, 1, 2, 6, 14
+# Columns of `arcs`: places at the ends, nodes, whether over v, sign of the slope across.
+ARC_COLUMNS = 6
+# Numbers in `counts`: places, arcs, open boxes (parts, then ranges of x and of y), cells looked at; whether room ran out.
+PLACES, ARCS, OPENED, SEEN, SHORT, COUNTS = 0, 1, 2, 3, 4, 5
+OPEN_COLUMNS = 6
+# Layers of the scratch array `w`: a net; rows of polynomials on a line; their spans and signs at the ends; planes, four
+# rows for each side; the ranges of s and t with the direction of view.
+NET, LINE, SPANS, PLANES, RANGES, LAYERS = 0, 1, 2, 3, 4, 5
+LAYER_ROWS = 64
+# Row s or t of the layer RANGES: slopes of the bracket that may vanish, along u (low, high), along v (low, high), their
+# error, and its number, 0 or 1, or -1 for none.
+ERROR, WHICH = 4, 5
+VIEW = 2
+# Halvings of one parameter after which a cell is left open: 2^-24 is near the square root of the rounding of Delta, below
+# which a double root is not told from none or two.
+DEEPEST = 24
+# Halvings of a line between cells.
+LINE_DEPTH = 45
+# Of parameters in their parts: where bounds of both pieces cut off less, it is not told from a point.
+LEAST_ARC = 1e-10
+
+
+# -- one cell -----------------------------------------------------------------------------------------------
+
+
+@kernel
+def _along(side, k, out):
+    """Twice a middle direction of the rulings of a node."""
+    n = degree(side)
+    for c in range(3):
+        out[c] = side[k, SECOND + c, 0] / side[k, 7, 0] - side[k, c, 0] / side[k, 3, 0]
+        out[c] += side[k, SECOND + c, n] / side[k, 7, n] - side[k, c, n] / side[k, 3, n]
+
+
+@kernel
+def _look_along(p, i, q, j, w):
+    """Set the direction across the rulings of the cell: along it they are seen to cross."""
+    a, b, d = w[PLANES, 0], w[PLANES, 1], w[RANGES, VIEW]
+    _along(p, i, a)
+    _along(q, j, b)
+    d[0], d[1], d[2] = a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+    size = abs(d[0]) + abs(d[1]) + abs(d[2])
+    if size > 0.0:
+        for c in range(3):
+            d[c] /= size
+    else:
+        d[2] = 1.0
+
+
+@kernel
+def _sign(lo, hi, error):
+    return 1 if lo > error else -1 if hi < -error else 0
+
+
+@kernel
+def _brackets(side, k, other, other_k, which, w):
+    """1: both brackets of the side's ends are of one sign, no contact; 2: neither has a sign; else 0, its row is set."""
+    planes, row, net = w[PLANES, 4 * which : 4 * which + 4], w[RANGES, which], w[NET]
+    sizes = planes_net(other, other_k, w[RANGES, VIEW], planes)
+    n, m = degree(side), 2 * degree(other)
+    signs = 0
+    product = 1
+    row[WHICH] = -1.0
+    for end in range(2):
+        error = side_net(side, k, FIRST if end == 0 else SECOND, other, other_k, planes, sizes, net)
+        lo, hi = extent(net, n, m)
+        sign = _sign(lo, hi, error)
+        product *= sign
+        if sign != 0:
+            signs += 1
+            continue
+        low_a, high_a, low_b, high_b, _, _ = slopes(net, n, m)
+        if which == 0:
+            row[0], row[1], row[2], row[3] = low_a, high_a, low_b, high_b
+        else:
+            row[0], row[1], row[2], row[3] = low_b, high_b, low_a, high_a
+        row[ERROR], row[WHICH] = 2.0 * max(n, m) * error, end
+    if product > 0:
+        return 1
+    return 2 if signs == 0 else 0
+
+
+@kernel
+def _times(a, b, c, d):
+    """The range of products of [a, b] and [c, d]."""
+    return min(min(a * c, a * d), min(b * c, b * d)), max(max(a * c, a * d), max(b * c, b * d))
+
+
+@kernel
+def apart(p, i, q, j):
+    """Whether the boxes of two nodes share no point."""
+    for c in range(3):
+        if p[i, FACTS, BOX_HI + c] < q[j, FACTS, BOX_LO + c] or q[j, FACTS, BOX_HI + c] < p[i, FACTS, BOX_LO + c]:
+            return True
+    return False
+
+
+@kernel
+def _examine(p, i, q, j, crossings, w):
+    """What a cell is; for a graph also the sign of the slope across, with RANGES telling which bounds may cut it.
+
+    Such a bound is monotone along the curve: the Jacobian of Delta and its bracket has one sign.
+    """
+    if apart(p, i, q, j):
+        return NOTHING, 0
+    n, m = 2 * degree(p), 2 * degree(q)
+    error = delta_error(p, i, q, j)
+    delta_net(p, i, q, j, w[NET])
+    lo, hi = extent(w[NET], n, m)
+    if lo > error or hi < -error:
+        return NOTHING, 0
+    if max(-lo, hi) <= error:
+        return FLAT, 0
+    low_u, high_u, low_v, high_v, along_u, along_v = slopes(w[NET], n, m)
+    error *= 2.0 * max(n, m)
+    sign_u, sign_v = _sign(low_u, high_u, error), _sign(low_v, high_v, error)
+    graph = sign_u != 0 or sign_v != 0
+    if graph and crossings == 0:
+        return NOTHING, 0
+    cut = CUT_U if along_u > along_v else CUT_V
+    _look_along(p, i, q, j, w)
+    for which in range(2):
+        state = _brackets(p, i, q, j, NO, w) if which == 0 else _brackets(q, j, p, i, YES, w)
+        if state == 1:
+            return NOTHING, 0
+        if state == 2:
+            graph = False
+        row = w[RANGES, which]
+        if graph and row[WHICH] >= 0.0:
+            a, b = _times(low_u - error, high_u + error, row[2] - row[ERROR], row[3] + row[ERROR])
+            c, d = _times(low_v - error, high_v + error, row[0] - row[ERROR], row[1] + row[ERROR])
+            size = max(max(-a, b), max(-c, d)) * 8.0 * ROUND
+            graph = a - d > size or b - c < -size
+    if not graph:
+        return cut, 0
+    if sign_v != 0 and (sign_u == 0 or min(abs(low_v), abs(high_v)) >= min(abs(low_u), abs(high_u))):
+        return OVER_U, sign_v
+    return OVER_V, sign_u
+
+
+# -- lines between cells ------------------------------------------------------------------------------------
+
+
+@kernel
+def _value(row, count, x, scratch):
+    """Of the polynomial with these Bernstein coefficients."""
+    for k in range(count):
+        scratch[k] = row[k]
+    for step in range(1, count):
+        for k in range(count - step):
+            scratch[k] = (1.0 - x) * scratch[k] + x * scratch[k + 1]
+    return scratch[0]
+
+
+@kernel
+def _changes(row, count, error, before, after):
+    """How often the signs of the coefficients change at most; the first and the last have the given signs."""
+    changes, last, unsure = 0, before, 0
+    for k in range(1, count):
+        value = row[k]
+        sign = after if k == count - 1 else 1 if value > error else -1 if value < -error else 0
+        if sign == 0:
+            unsure += 1
+            continue
+        if sign != last:
+            changes += 1 + 2 * (unsure // 2)
+        else:
+            changes += 2 * ((unsure + 1) // 2)
+        last, unsure = sign, 0
+    return changes
+
+
+@kernel
+def _root(row, count, before, after, scratch):
+    """The place in [0, 1] where a polynomial with one sign change passes through zero (Illinois)."""
+    lo, hi = 0.0, 1.0
+    at_lo, at_hi = before * max(abs(row[0]), 1e-300), after * max(abs(row[count - 1]), 1e-300)
+    side = 0
+    for k in range(90):
+        x = (lo * at_hi - hi * at_lo) / (at_hi - at_lo)
+        if k > 12 or not lo < x < hi:
+            x = 0.5 * (lo + hi)
+        if not lo < x < hi:
+            break
+        value = _value(row, count, x, scratch)
+        if value == 0.0:
+            return x
+        if (value > 0.0) == (before > 0):
+            if abs(x - lo) < 1e-17:
+                return x
+            lo, at_lo = x, value
+            if side == -1:
+                at_hi *= 0.5
+            side = -1
+        else:
+            if abs(hi - x) < 1e-17:
+                return x
+            hi, at_hi = x, value
+            if side == 1:
+                at_lo *= 0.5
+            side = 1
+        if hi - lo < 1e-16:
+            break
+    return 0.5 * (lo + hi)
+
+
+@kernel
+def _add_place(p, part_p, x, q, part_q, y, kind, places, counts, r):
+    k = counts[PLACES]
+    if k >= places.shape[0]:
+        counts[SHORT] = 1
+        return 0
+    counts[PLACES] = k + 1
+    row = places[k]
+    place(p, part_p, x, q, part_q, y, r, row)
+    row[PART_U], row[PART_V], row[KIND] = part_p, part_q, kind
+    row[S_IN], row[T_IN] = inside(row[S]), inside(row[T])
+    return k
+
+
+@kernel
+def _open(part_p, x0, x1, part_q, y0, y1, opened, counts):
+    """Record a box that could not be decided."""
+    k = counts[OPENED]
+    if k >= opened.shape[0]:
+        counts[SHORT] = 1
+        return
+    counts[OPENED] = k + 1
+    row = opened[k]
+    row[0], row[1], row[2], row[3], row[4], row[5] = part_p, part_q, x0, x1, y0, y1
+
+
+@kernel
+def _open_on_line(part_p, part_q, along_v, at, start, end, opened, counts):
+    if along_v == 1:
+        _open(part_p, at, at, part_q, start, end, opened, counts)
+    else:
+        _open(part_p, start, end, part_q, at, at, opened, counts)
+
+
+@kernel
+def _crossings(p, i, q, j, along_v, a, before, after, kind, w, places, opened, counts, r):
+    """Find the crossings of the curve with one side of a cell, ascending; how many, they are the last places.
+
+    along_v: the line runs along node j of q, at coefficient a of the lines of node i of p; else along node i, at
+    coefficient a of node j.  before, after: the signs of Delta at its ends.
+    """
+    rows, spans = w[LINE], w[SPANS]
+    if along_v == 1:
+        count = 2 * degree(q) + 1
+        for b in range(count):
+            rows[1, b] = delta_at(p, i, a, q, j, b)
+        lo, hi, at = q[j, FACTS, LO], q[j, FACTS, HI], p[i, FACTS, LO if a == 0 else HI]
+    else:
+        count = 2 * degree(p) + 1
+        for b in range(count):
+            rows[1, b] = delta_at(p, i, b, q, j, a)
+        lo, hi, at = p[i, FACTS, LO], p[i, FACTS, HI], q[j, FACTS, LO if a == 0 else HI]
+    part_p, part_q = part_of(p, i), part_of(q, j)
+    # halvings of the line add roundings
+    error = delta_error(p, i, q, j) + delta_size(p, i, q, j) * count * LINE_DEPTH * ROUND
+    spans[1, 0], spans[1, 1], spans[1, 2], spans[1, 3] = 0.0, 1.0, before, after
+    top, found = 1, 0
+    # Each waiting row is a part of the line, the first one on top; row 0 is scratch.
+    while top > 0:
+        row, start, end, first, last = rows[top], spans[top, 0], spans[top, 1], spans[top, 2], spans[top, 3]
+        changes = _changes(row, count, error, first, last)
+        deep = end - start < 2.0**-LINE_DEPTH or top + 2 >= rows.shape[0]
+        if changes == 0 or (deep and first == last):
+            top -= 1
+            if changes > 0 and kind > 0:
+                _open_on_line(part_p, part_q, along_v, at, lo + start * (hi - lo), lo + end * (hi - lo), opened, counts)
+            continue
+        if (changes == 1 and first != last) or deep:
+            x = lo + (start + (end - start) * _root(row, count, first, last, rows[0])) * (hi - lo)
+            if along_v == 1:
+                _add_place(p, part_p, at, q, part_q, x, kind, places, counts, r)
+            else:
+                _add_place(p, part_p, x, q, part_q, at, kind, places, counts, r)
+            if changes > 1 and kind > 0:
+                _open_on_line(part_p, part_q, along_v, at, lo + start * (hi - lo), lo + end * (hi - lo), opened, counts)
+            found += 1
+            top -= 1
+            continue
+        # the half behind stays in this row, the one before goes on top
+        for k in range(count):
+            rows[0, k] = row[k]
+        rows[top + 1, 0] = row[0]
+        for step in range(1, count):
+            for k in range(count - step):
+                rows[0, k] = 0.5 * (rows[0, k] + rows[0, k + 1])
+            rows[top + 1, step] = rows[0, 0]
+        for k in range(count):
+            row[k] = rows[0, k]
+        middle, sign = 0.5 * (start + end), 1.0 if rows[0, 0] >= -error else -1.0
+        spans[top, 0], spans[top, 2] = middle, sign
+        top += 1
+        spans[top, 0], spans[top, 1], spans[top, 2], spans[top, 3] = start, middle, first, sign
+    return found
+
+
+# -- cells --------------------------------------------------------------------------------------------------
+
+
+@kernel
+def _parted(start, count, column, middle, before, value, error, places):
+    """How many of these crossings come before `middle`, and the sign of Delta there, in agreement with each other.
+
+    A value within its error takes the sign that the crossings tell.
+    """
+    here = np.int64(0)
+    while here < count and places[start + here, column] < middle:
+        here += 1
+    told = before if here % 2 == 0 else -before
+    sign = 1 if value > error else -1 if value < -error else told
+    if sign != told and count > 0:
+        # a crossing that is not told from the middle itself
+        back = middle - places[start + here - 1, column] if here > 0 else np.inf
+        ahead = places[start + here, column] - middle if here < count else np.inf
+        here += 1 if ahead < back else -1
+        told = sign
+    return here, told
+
+
+@kernel
+def _cut(p, q, top, along_u, w, cells, places, opened, counts, r):
+    """Replace the cell on top of the stack by its two halves."""
+    cell, other = cells[top], cells[top + 1]
+    i, j = cell[NODE_U], cell[NODE_V]
+    child = halves(p, i) if along_u else halves(q, j)
+    if child == 0:
+        counts[SHORT] = 1
+        return
+    for k in range(CELL_COLUMNS):
+        other[k] = cell[k]
+    n, m = 2 * degree(p), 2 * degree(q)
+    error = delta_error(p, i, q, j)
+    if along_u:
+        middle, column = p[child, FACTS, HI], X
+        low, high = delta_at(p, child, n, q, j, NO), delta_at(p, child, n, q, j, m)
+        near, far, own = SIDES + 4, SIDES + 6, NODE_U
+        before_far = cell[CORNERS + 2]
+    else:
+        middle, column = q[child, FACTS, HI], Y
+        low, high = delta_at(p, i, NO, q, child, m), delta_at(p, i, n, q, child, m)
+        near, far, own = SIDES, SIDES + 2, NODE_V
+        before_far = cell[CORNERS + 1]
+    near_count, low_sign = _parted(cell[near], cell[near + 1], column, middle, cell[CORNERS], low, error, places)
+    far_count, high_sign = _parted(cell[far], cell[far + 1], column, middle, before_far, high, error, places)
+    start = counts[PLACES]
+    if along_u:
+        found = _crossings(p, child, q, j, YES, n, low_sign, high_sign, INNER, w, places, opened, counts, r)
+    else:
+        found = _crossings(p, i, q, child, NO, m, low_sign, high_sign, INNER, w, places, opened, counts, r)
+    cell[own], other[own] = child, child + 1
+    for side, count in ((near, near_count), (far, far_count)):
+        other[side], other[side + 1] = cell[side] + count, cell[side + 1] - count
+        cell[side + 1] = count
+    if along_u:
+        cell[CORNERS + 1], cell[CORNERS + 3] = low_sign, high_sign
+        other[CORNERS], other[CORNERS + 2] = low_sign, high_sign
+        cell[SIDES + 2], cell[SIDES + 3], other[SIDES], other[SIDES + 1] = start, found, start, found
+    else:
+        cell[CORNERS + 2], cell[CORNERS + 3] = low_sign, high_sign
+        other[CORNERS], other[CORNERS + 1] = low_sign, high_sign
+        cell[SIDES + 6], cell[SIDES + 7], other[SIDES + 4], other[SIDES + 5] = start, found, start, found
+
+
+@kernel
+def _bracket(which, end, d, r):
+    """On which side of the other ruling an end of this one is, seen along d, for the rulings in r.values."""
+    x, other, at = (0, 1, 4 * end) if which == 0 else (1, 0, 4 * end)
+    u, v, w = 1.0 / r[x, at + 3], 1.0 / r[other, 3], 1.0 / r[other, 7]
+    y0, y1, y2 = r[other, 0] * v, r[other, 1] * v, r[other, 2] * v
+    a0, a1, a2 = r[x, at] * u - y0, r[x, at + 1] * u - y1, r[x, at + 2] * u - y2
+    b0, b1, b2 = r[other, 4] * w - y0, r[other, 5] * w - y1, r[other, 6] * w - y2
+    return d[0] * (a1 * b2 - a2 * b1) + d[1] * (a2 * b0 - a0 * b2) + d[2] * (a0 * b1 - a1 * b0)
+
+
+@kernel
+def _cut_arc(p, q, cell, over_v, rising, good, bad, which, w, places, counts, r):
+    """The place between two places of an arc where it leaves the range of s (which = 0) or t; `good` is in it."""
+    end, view = int(w[RANGES, which, WHICH]), w[RANGES, VIEW]
+    run, other = (Y, X) if over_v else (X, Y)
+    i, j = cell[NODE_U], cell[NODE_V]
+    part_p, part_q = part_of(p, i), part_of(q, j)
+    lo, hi = (p[i, FACTS, LO], p[i, FACTS, HI]) if over_v else (q[j, FACTS, LO], q[j, FACTS, HI])
+    k = _add_place(p, part_p, places[good, X], q, part_q, places[good, Y], CUT + 2 * which + end, places, counts, r)
+    row = places[k]
+    a, at_a = places[good, run], _bracket(which, end, view, r)
+    place(p, part_p, places[bad, X], q, part_q, places[bad, Y], r, row)
+    b, at_b = places[bad, run], _bracket(which, end, view, r)
+    sign = 1.0 if at_a > 0.0 else -1.0
+    y = places[good, other]
+    side = 0
+    for step in range(90):
+        x = (a * at_b - b * at_a) / (at_b - at_a) if at_a * at_b < 0.0 and step < 12 else 0.5 * (a + b)
+        if not min(a, b) < x < max(a, b):
+            break
+        on_arc(p, part_p, q, part_q, over_v, x, lo, hi, rising, y, r, row)
+        y = row[other]
+        value = _bracket(which, end, view, r)
+        if value == 0.0:
+            break
+        if value * sign > 0.0:
+            if abs(x - a) < 1e-17:
+                break
+            a, at_a = x, value
+            if side == 1:
+                at_b *= 0.5
+            side = 1
+        else:
+            if abs(x - b) < 1e-17:
+                break
+            b, at_b = x, value
+            if side == -1:
+                at_a *= 0.5
+            side = -1
+    row[S if which == 0 else T] = end
+    row[S_IN], row[T_IN] = inside(row[S]), inside(row[T])
+    return k
+
+
+@kernel
+def _add_arc(p, q, cell, over_v, rising, first, last, w, places, arcs, opened, counts, r):
+    """The part of a monotone arc between two crossings on which s and t are in their ranges."""
+    run = Y if over_v else X
+    low, high = first, last
+    for which in range(2):
+        if w[RANGES, which, WHICH] < 0.0:
+            continue
+        at_first, at_last = places[first, S_IN + which], places[last, S_IN + which]
+        if at_first == 1 and at_last == 1:
+            continue
+        if at_first == 0 and at_last == 0:
+            return
+        if at_first == 1:
+            k = _cut_arc(p, q, cell, over_v, rising, first, last, which, w, places, counts, r)
+            if places[k, run] < places[high, run]:
+                high = k
+        else:
+            k = _cut_arc(p, q, cell, over_v, rising, last, first, which, w, places, counts, r)
+            if places[k, run] > places[low, run]:
+                low = k
+    gap = places[high, run] - places[low, run]
+    if (low != first or high != last) and abs(gap) < LEAST_ARC:
+        # the bounds of both pieces cross on the curve: whether in a point or a tiny arc is not told
+        a, b = places[low], places[high]
+        _open(
+            a[PART_U], min(a[X], b[X]), max(a[X], b[X]), a[PART_V], min(a[Y], b[Y]), max(a[Y], b[Y]), opened, counts
+        )  # fmt: skip
+        return
+    if gap < 0.0:
+        return
+    k = counts[ARCS]
+    if k >= arcs.shape[0]:
+        counts[SHORT] = 1
+        return
+    counts[ARCS] = k + 1
+    arc = arcs[k]
+    arc[0], arc[1], arc[2], arc[3], arc[4], arc[5] = low, high, cell[NODE_U], cell[NODE_V], over_v, rising
+
+
+@kernel
+def _graph(p, q, cell, over_v, rising, w, places, arcs, opened, counts, r):
+    """Join the crossings of a cell in which the curve is a graph; whether that went."""
+    first, last = (SIDES + 4, SIDES + 6) if over_v else (SIDES, SIDES + 2)
+    near, far = (SIDES, SIDES + 2) if over_v else (SIDES + 4, SIDES + 6)
+    total = cell[first + 1] + cell[last + 1] + cell[near + 1] + cell[far + 1]
+    if cell[first + 1] > 1 or cell[last + 1] > 1 or total % 2 == 1:
+        return False
+    run = Y if over_v else X
+    a, b, pending = np.int64(0), np.int64(0), np.int64(-1)
+    for k in range(total):
+        if k < cell[first + 1]:
+            here = cell[first]
+        elif a < cell[near + 1] and (
+            b == cell[far + 1] or places[cell[near] + a, run] <= places[cell[far] + b, run]
+        ):
+            here = cell[near] + a
+            a += 1
+        elif b < cell[far + 1]:
+            here = cell[far] + b
+            b += 1
+        else:
+            here = cell[last]
+        if pending < 0:
+            pending = here
+        else:
+            _add_arc(p, q, cell, over_v, rising, pending, here, w, places, arcs, opened, counts, r)
+            pending = np.int64(-1)
+    return True
+
+
+# -- all cells ----------------------------------------------------------------------------------------------
+
+
+@kernel
+def _corner(p, i, q, j, closed_p, closed_q, corners):
+    """The sign of Delta at joint i of p and j of q."""
+    parts_p, parts_q = corners.shape[0] - 1, corners.shape[1] - 1
+    i = 0 if closed_p and i == parts_p else i
+    j = 0 if closed_q and j == parts_q else j
+    if corners[i, j] == 0:
+        a = 0 if i < parts_p else 2 * degree(p)
+        b = 0 if j < parts_q else 2 * degree(q)
+        k, m = min(i, parts_p - 1), min(j, parts_q - 1)
+        corners[i, j] = 1 if delta_at(p, k, a, q, m, b) >= -delta_error(p, k, q, m) else -1
+    return corners[i, j]
+
+
+@kernel
+def _border(p, i, q, j, along_v, far, closed_p, closed_q, joints, w, places, opened, counts, r):
+    """Start and count of the crossings on one side of the cell of two parts."""
+    corners = joints[0]
+    closed, parts = (closed_p, corners.shape[0] - 1) if along_v else (closed_q, corners.shape[1] - 1)
+    line = (i if along_v else j) + far
+    kind = 0
+    if closed:
+        line = 0 if line == parts else line
+    elif line == 0 or line == parts:
+        kind = (1 if along_v else 3) + far
+    at_u, at_v = (line, j) if along_v else (i, line)
+    starts = joints[1 if along_v else 3]
+    found = joints[2 if along_v else 4]
+    if starts[at_u, at_v] < 0:
+        before = _corner(p, i + (far if along_v else 0), q, j + (0 if along_v else far), closed_p, closed_q, corners)
+        after = _corner(p, i + (far if along_v else 1), q, j + (1 if along_v else far), closed_p, closed_q, corners)
+        a = 0 if far == 0 else 2 * degree(p if along_v else q)
+        starts[at_u, at_v] = counts[PLACES]
+        found[at_u, at_v] = _crossings(
+            p, i, q, j, along_v, a, before, after, kind, w, places, opened, counts, r
+        )  # fmt: skip
+    return starts[at_u, at_v], found[at_u, at_v]
+
+
+@kernel
+def search(p, q, closed_p, closed_q, budget, joints, w, cells, places, arcs, opened, counts, r):
+    """Find all arcs of two chains; `budget`: cells looked at before the rest is left open.
+
+    joints: (5, parts of p + 1, parts of q + 1): signs at corners of parts, 0 for unknown, then start (-1: unknown) and
+    count of the crossings on lines of constant u, and the same for lines of constant v.
+    counts[SHORT] tells that an array was too small: then the answer is incomplete, ask again with larger ones.
+    """
+    for i in range(joints.shape[1] - 1):
+        for j in range(joints.shape[2] - 1):
+            if apart(p, i, q, j):
+                continue
+            cell = cells[0]
+            cell[NODE_U], cell[NODE_V] = i, j
+            for k in range(4):
+                cell[CORNERS + k] = _corner(p, i + k % 2, q, j + k // 2, closed_p, closed_q, joints[0])
+                start, count = _border(
+                    p, i, q, j, YES if k < 2 else NO, k % 2, closed_p, closed_q, joints, w, places, opened, counts, r
+                )
+                cell[SIDES + 2 * k], cell[SIDES + 2 * k + 1] = start, count
+            _cells(p, q, budget, w, cells, places, arcs, opened, counts, r)
+            if counts[SHORT] == 1:
+                return
+
+
+@kernel
+def _cells(p, q, budget, w, cells, places, arcs, opened, counts, r):
+    """Look at the cell at the bottom of the stack and at its parts, depth first."""
+    top = 0
+    while top >= 0 and counts[SHORT] == 0:
+        cell = cells[top]
+        i, j = cell[NODE_U], cell[NODE_V]
+        counts[SEEN] += 1
+        crossings = cell[SIDES + 1] + cell[SIDES + 3] + cell[SIDES + 5] + cell[SIDES + 7]
+        what, rising = _examine(p, i, q, j, crossings, w)
+        if what == NOTHING:
+            top -= 1
+            continue
+        if what == OVER_U or what == OVER_V:
+            over_v = YES if what == OVER_V else NO
+            if _graph(p, q, cell, over_v, rising, w, places, arcs, opened, counts, r):
+                top -= 1
+                continue
+            what = CUT_U
+        deep_u, deep_v = p[i, FACTS, DEPTH] >= DEEPEST, q[j, FACTS, DEPTH] >= DEEPEST
+        if what == FLAT or (deep_u and deep_v) or counts[SEEN] > budget:
+            _open(
+                part_of(p, i), p[i, FACTS, LO], p[i, FACTS, HI], part_of(q, j), q[j, FACTS, LO], q[j, FACTS, HI],
+                opened, counts,
+            )  # fmt: skip
+            top -= 1
+            continue
+        _cut(p, q, top, (what == CUT_U and not deep_u) or deep_v, w, cells, places, opened, counts, r)
+        top += 1

@@ -1,0 +1,142 @@
+"""Single points of an intersection curve: where two rulings meet, and the ruling of one side that meets a given one."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from firstcontact.kernels.curve_nets import degree
+from firstcontact.kernels.jit import kernel
+
+# Columns of `places`: parameters in their parts, positions on the rulings, the point, the gap between the rulings; parts,
+# kind, and whether s and t are in their ranges.
+X, Y, S, T, POINT, GAP, PART_U, PART_V, KIND, S_IN, T_IN, COLUMNS = 0, 1, 2, 3, 4, 7, 8, 9, 10, 11, 12, 13
+# Rows of the scratch array `r`: X, Y, Z, W of both ends of a ruling of p, then of q, their derivatives, Bernstein
+# polynomials of the points' degree and of one less.
+OF_P, OF_Q, SLOPES, BASIS, LOWER, SCRATCH_ROWS = np.int64(0), np.int64(1), 2, 4, 5, 6
+# A position on a ruling this near its end is not told from it.
+AT_END = 1e-11
+MOST_STEPS = 80
+# A Newton step after which the next would be shorter than rounding, for it squares them.
+LAST_STEP = 1e-9
+
+
+@kernel
+def evaluate(side, part, x, to, r):
+    """Rows `to` and SLOPES + `to` of r: both ends of the ruling at x of a part, and their derivatives."""
+    n = degree(side)
+    y = 1.0 - x
+    # Bernstein polynomials, degree by degree
+    r[BASIS, 0] = 1.0
+    for m in range(1, n + 1):
+        if m == n:
+            for k in range(n):
+                r[LOWER, k] = r[BASIS, k]
+        r[BASIS, m] = x * r[BASIS, m - 1]
+        for k in range(m - 1, 0, -1):
+            r[BASIS, k] = y * r[BASIS, k] + x * r[BASIS, k - 1]
+        r[BASIS, 0] *= y
+    for c in range(8):
+        value, slope = r[BASIS, n] * side[part, c, n], 0.0
+        for k in range(n):
+            value += r[BASIS, k] * side[part, c, k]
+            slope += r[LOWER, k] * (side[part, c, k + 1] - side[part, c, k])
+        r[to, c], r[SLOPES + to, c] = value, n * slope
+
+
+@kernel
+def place(p, part_p, x, q, part_q, y, r, row):
+    """Set `row` to the meeting point of ruling x of p and y of q, the middle of their common perpendicular."""
+    evaluate(p, part_p, x, OF_P, r)
+    evaluate(q, part_q, y, OF_Q, r)
+    meet(r, row)
+    row[X], row[Y] = x, y
+
+
+@kernel
+def meet(r, row):
+    """Positions, point and gap of the two rulings in r."""
+    w0, w1, w2, w3 = 1.0 / r[0, 3], 1.0 / r[0, 7], 1.0 / r[1, 3], 1.0 / r[1, 7]
+    a0, a1, a2 = r[0, 0] * w0, r[0, 1] * w0, r[0, 2] * w0
+    b0, b1, b2 = r[1, 0] * w2, r[1, 1] * w2, r[1, 2] * w2
+    d0, d1, d2 = r[0, 4] * w1 - a0, r[0, 5] * w1 - a1, r[0, 6] * w1 - a2
+    e0, e1, e2 = r[1, 4] * w3 - b0, r[1, 5] * w3 - b1, r[1, 6] * w3 - b2
+    n0, n1, n2 = d1 * e2 - d2 * e1, d2 * e0 - d0 * e2, d0 * e1 - d1 * e0
+    f0, f1, f2 = b0 - a0, b1 - a1, b2 - a2
+    size = n0 * n0 + n1 * n1 + n2 * n2
+    if size == 0.0:
+        row[S] = row[T] = row[GAP] = np.inf
+        row[POINT], row[POINT + 1], row[POINT + 2] = a0, a1, a2
+        return
+    s = (f0 * (e1 * n2 - e2 * n1) + f1 * (e2 * n0 - e0 * n2) + f2 * (e0 * n1 - e1 * n0)) / size
+    t = (f0 * (d1 * n2 - d2 * n1) + f1 * (d2 * n0 - d0 * n2) + f2 * (d0 * n1 - d1 * n0)) / size
+    row[S], row[T] = s, t
+    row[GAP] = abs(f0 * n0 + f1 * n1 + f2 * n2) / np.sqrt(size)
+    row[POINT] = 0.5 * (a0 + s * d0 + b0 + t * e0)
+    row[POINT + 1] = 0.5 * (a1 + s * d1 + b1 + t * e1)
+    row[POINT + 2] = 0.5 * (a2 + s * d2 + b2 + t * e2)
+
+
+@kernel
+def across(fixed, part, x, moving, other, lo, hi, rising, y, of_fixed, of_moving, r):
+    """The y in [lo, hi] at which Delta vanishes over x, where it grows (rising = 1) or falls (-1) with y throughout.
+
+    Newton's steps inside the bracket, halvings where they leave it.  The rows of r hold both rulings then.
+    """
+    evaluate(fixed, part, x, of_fixed, r)
+    f = of_fixed
+    l0, l1 = r[f, 0] * r[f, 5] - r[f, 1] * r[f, 4], r[f, 0] * r[f, 6] - r[f, 2] * r[f, 4]
+    l2, l3 = r[f, 0] * r[f, 7] - r[f, 3] * r[f, 4], r[f, 1] * r[f, 6] - r[f, 2] * r[f, 5]
+    l4, l5 = r[f, 1] * r[f, 7] - r[f, 3] * r[f, 5], r[f, 2] * r[f, 7] - r[f, 3] * r[f, 6]
+    m, g = of_moving, SLOPES + of_moving
+    y = min(max(y, lo), hi)
+    last = np.inf
+    for _ in range(MOST_STEPS):
+        evaluate(moving, other, y, of_moving, r)
+        # the dual skew matrix of the fixed line times both ends
+        a0 = l5 * r[m, 5] - l4 * r[m, 6] + l3 * r[m, 7]
+        a1 = -l5 * r[m, 4] + l2 * r[m, 6] - l1 * r[m, 7]
+        a2 = l4 * r[m, 4] - l2 * r[m, 5] + l0 * r[m, 7]
+        a3 = -l3 * r[m, 4] + l1 * r[m, 5] - l0 * r[m, 6]
+        b0 = l5 * r[m, 1] - l4 * r[m, 2] + l3 * r[m, 3]
+        b1 = -l5 * r[m, 0] + l2 * r[m, 2] - l1 * r[m, 3]
+        b2 = l4 * r[m, 0] - l2 * r[m, 1] + l0 * r[m, 3]
+        b3 = -l3 * r[m, 0] + l1 * r[m, 1] - l0 * r[m, 2]
+        value = r[m, 0] * a0 + r[m, 1] * a1 + r[m, 2] * a2 + r[m, 3] * a3
+        change = r[g, 0] * a0 + r[g, 1] * a1 + r[g, 2] * a2 + r[g, 3] * a3
+        change -= r[g, 4] * b0 + r[g, 5] * b1 + r[g, 6] * b2 + r[g, 7] * b3
+        if value * rising < 0.0:
+            lo = y
+        else:
+            hi = y
+        step = -value / change if change != 0.0 else np.inf
+        if not lo <= y + step <= hi or abs(step) > 0.5 * last:
+            if hi - lo < 4e-16 or abs(step) < 4e-16:
+                return y
+            step = 0.5 * (lo + hi) - y
+            last = abs(step)
+            y += step
+            continue
+        last = abs(step)
+        y += step
+        if last < LAST_STEP:
+            for c in range(8):
+                r[m, c] += step * r[g, c]
+            return y
+    evaluate(moving, other, y, of_moving, r)
+    return y
+
+
+@kernel
+def on_arc(p, part_p, q, part_q, over_v, run, lo, hi, rising, guess, r, row):
+    """Set `row` to the point of the curve over `run`: u = run and v in [lo, hi], or with over_v the other way round."""
+    if over_v == 0:
+        row[X], row[Y] = run, across(p, part_p, run, q, part_q, lo, hi, rising, guess, OF_P, OF_Q, r)
+    else:
+        # Delta is symmetric in the two lines
+        row[X], row[Y] = across(q, part_q, run, p, part_p, lo, hi, rising, guess, OF_Q, OF_P, r), run
+    meet(r, row)
+
+
+@kernel
+def inside(position):
+    return -AT_END <= position <= 1.0 + AT_END
