@@ -36,18 +36,20 @@ from firstcontact.kernels.curve_nets import (
     slopes,
 )
 from firstcontact.kernels.curve_points import (
+    END,
     KIND,
+    NODE_U_OF_ARC,
+    NODE_V_OF_ARC,
+    OVER,
     PART_U,
     PART_V,
-    S_IN,
-    T_IN,
-    S,
-    T,
+    RISING,
+    S_BOUND,
+    START,
+    T_BOUND,
     X,
     Y,
-    inside,
-    on_arc,
-    place,
+    look_along,
 )
 from firstcontact.kernels.jit import kernel
 
@@ -55,13 +57,9 @@ from firstcontact.kernels.jit import kernel
 NO, YES, INNER = np.int64(0), np.int64(1), np.int64(0)
 # What a cell is: nothing of the curve, a graph over u, one over v, to be cut along u or v, or Delta within its error.
 NOTHING, OVER_U, OVER_V, CUT_U, CUT_V, FLAT = 0, 1, 2, 3, 4, 5
-# Kinds of places: 0 within, 1 to 4 on the borders u = u0, u1, v = v0, v1, from CUT on at s = 0, 1, t = 0, 1.
-CUT = 5
 # Columns of `cells`: nodes, signs at corners (lower left, lower right, upper left, upper right), then start and count of
 # the crossings on the left, right, lower and upper side.
 NODE_U, NODE_V, CORNERS, SIDES, CELL_COLUMNS = 0, 1, 2, 6, 14
-# Columns of `arcs`: places at the ends, nodes, whether over v, sign of the slope across.
-ARC_COLUMNS = 6
 # Numbers in `counts`: places, arcs, open boxes (parts, then ranges of x and of y), cells looked at; whether room ran out.
 PLACES, ARCS, OPENED, SEEN, SHORT, COUNTS = 0, 1, 2, 3, 4, 5
 OPEN_COLUMNS = 6
@@ -78,35 +76,9 @@ VIEW = 2
 DEEPEST = 24
 # Halvings of a line between cells.
 LINE_DEPTH = 45
-# Of parameters in their parts: where bounds of both pieces cut off less, it is not told from a point.
-LEAST_ARC = 1e-10
 
 
 # -- one cell -----------------------------------------------------------------------------------------------
-
-
-@kernel
-def _along(side, k, out):
-    """Twice a middle direction of the rulings of a node."""
-    n = degree(side)
-    for c in range(3):
-        out[c] = side[k, SECOND + c, 0] / side[k, 7, 0] - side[k, c, 0] / side[k, 3, 0]
-        out[c] += side[k, SECOND + c, n] / side[k, 7, n] - side[k, c, n] / side[k, 3, n]
-
-
-@kernel
-def _look_along(p, i, q, j, w):
-    """Set the direction across the rulings of the cell: along it they are seen to cross."""
-    a, b, d = w[PLANES, 0], w[PLANES, 1], w[RANGES, VIEW]
-    _along(p, i, a)
-    _along(q, j, b)
-    d[0], d[1], d[2] = a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
-    size = abs(d[0]) + abs(d[1]) + abs(d[2])
-    if size > 0.0:
-        for c in range(3):
-            d[c] /= size
-    else:
-        d[2] = 1.0
 
 
 @kernel
@@ -180,7 +152,7 @@ def _examine(p, i, q, j, crossings, w):
     if graph and crossings == 0:
         return NOTHING, 0
     cut = CUT_U if along_u > along_v else CUT_V
-    _look_along(p, i, q, j, w)
+    look_along(p, i, q, j, w[PLANES], w[RANGES, VIEW])
     for which in range(2):
         state = _brackets(p, i, q, j, NO, w) if which == 0 else _brackets(q, j, p, i, YES, w)
         if state == 1:
@@ -267,17 +239,14 @@ def _root(row, count, before, after, scratch):
 
 
 @kernel
-def _add_place(p, part_p, x, q, part_q, y, kind, places, counts, r):
+def _add_place(part_p, x, part_q, y, kind, places, counts):
     k = counts[PLACES]
     if k >= places.shape[0]:
         counts[SHORT] = 1
-        return 0
+        return
     counts[PLACES] = k + 1
     row = places[k]
-    place(p, part_p, x, q, part_q, y, r, row)
-    row[PART_U], row[PART_V], row[KIND] = part_p, part_q, kind
-    row[S_IN], row[T_IN] = inside(row[S]), inside(row[T])
-    return k
+    row[X], row[Y], row[PART_U], row[PART_V], row[KIND] = x, y, part_p, part_q, kind
 
 
 @kernel
@@ -301,7 +270,7 @@ def _open_on_line(part_p, part_q, along_v, at, start, end, opened, counts):
 
 
 @kernel
-def _crossings(p, i, q, j, along_v, a, before, after, kind, w, places, opened, counts, r):
+def _crossings(p, i, q, j, along_v, a, before, after, kind, w, places, opened, counts):
     """Find the crossings of the curve with one side of a cell, ascending; how many, they are the last places.
 
     along_v: the line runs along node j of q, at coefficient a of the lines of node i of p; else along node i, at
@@ -322,7 +291,7 @@ def _crossings(p, i, q, j, along_v, a, before, after, kind, w, places, opened, c
     # halvings of the line add roundings
     error = delta_error(p, i, q, j) + delta_size(p, i, q, j) * count * LINE_DEPTH * ROUND
     spans[1, 0], spans[1, 1], spans[1, 2], spans[1, 3] = 0.0, 1.0, before, after
-    top, found = 1, 0
+    top, found = YES, NO
     # Each waiting row is a part of the line, the first one on top; row 0 is scratch.
     while top > 0:
         row, start, end, first, last = rows[top], spans[top, 0], spans[top, 1], spans[top, 2], spans[top, 3]
@@ -336,9 +305,9 @@ def _crossings(p, i, q, j, along_v, a, before, after, kind, w, places, opened, c
         if (changes == 1 and first != last) or deep:
             x = lo + (start + (end - start) * _root(row, count, first, last, rows[0])) * (hi - lo)
             if along_v == 1:
-                _add_place(p, part_p, at, q, part_q, x, kind, places, counts, r)
+                _add_place(part_p, at, part_q, x, kind, places, counts)
             else:
-                _add_place(p, part_p, x, q, part_q, at, kind, places, counts, r)
+                _add_place(part_p, x, part_q, at, kind, places, counts)
             if changes > 1 and kind > 0:
                 _open_on_line(part_p, part_q, along_v, at, lo + start * (hi - lo), lo + end * (hi - lo), opened, counts)
             found += 1
@@ -385,7 +354,7 @@ def _parted(start, count, column, middle, before, value, error, places):
 
 
 @kernel
-def _cut(p, q, top, along_u, w, cells, places, opened, counts, r):
+def _cut(p, q, top, along_u, w, cells, places, opened, counts):
     """Replace the cell on top of the stack by its two halves."""
     cell, other = cells[top], cells[top + 1]
     i, j = cell[NODE_U], cell[NODE_V]
@@ -411,9 +380,9 @@ def _cut(p, q, top, along_u, w, cells, places, opened, counts, r):
     far_count, high_sign = _parted(cell[far], cell[far + 1], column, middle, before_far, high, error, places)
     start = counts[PLACES]
     if along_u:
-        found = _crossings(p, child, q, j, YES, n, low_sign, high_sign, INNER, w, places, opened, counts, r)
+        found = _crossings(p, child, q, j, YES, n, low_sign, high_sign, INNER, w, places, opened, counts)
     else:
-        found = _crossings(p, i, q, child, NO, m, low_sign, high_sign, INNER, w, places, opened, counts, r)
+        found = _crossings(p, i, q, child, NO, m, low_sign, high_sign, INNER, w, places, opened, counts)
     cell[own], other[own] = child, child + 1
     for side, count in ((near, near_count), (far, far_count)):
         other[side], other[side + 1] = cell[side] + count, cell[side + 1] - count
@@ -429,102 +398,20 @@ def _cut(p, q, top, along_u, w, cells, places, opened, counts, r):
 
 
 @kernel
-def _bracket(which, end, d, r):
-    """On which side of the other ruling an end of this one is, seen along d, for the rulings in r.values."""
-    x, other, at = (0, 1, 4 * end) if which == 0 else (1, 0, 4 * end)
-    u, v, w = 1.0 / r[x, at + 3], 1.0 / r[other, 3], 1.0 / r[other, 7]
-    y0, y1, y2 = r[other, 0] * v, r[other, 1] * v, r[other, 2] * v
-    a0, a1, a2 = r[x, at] * u - y0, r[x, at + 1] * u - y1, r[x, at + 2] * u - y2
-    b0, b1, b2 = r[other, 4] * w - y0, r[other, 5] * w - y1, r[other, 6] * w - y2
-    return d[0] * (a1 * b2 - a2 * b1) + d[1] * (a2 * b0 - a0 * b2) + d[2] * (a0 * b1 - a1 * b0)
-
-
-@kernel
-def _cut_arc(p, q, cell, over_v, rising, good, bad, which, w, places, counts, r):
-    """The place between two places of an arc where it leaves the range of s (which = 0) or t; `good` is in it."""
-    end, view = int(w[RANGES, which, WHICH]), w[RANGES, VIEW]
-    run, other = (Y, X) if over_v else (X, Y)
-    i, j = cell[NODE_U], cell[NODE_V]
-    part_p, part_q = part_of(p, i), part_of(q, j)
-    lo, hi = (p[i, FACTS, LO], p[i, FACTS, HI]) if over_v else (q[j, FACTS, LO], q[j, FACTS, HI])
-    k = _add_place(p, part_p, places[good, X], q, part_q, places[good, Y], CUT + 2 * which + end, places, counts, r)
-    row = places[k]
-    a, at_a = places[good, run], _bracket(which, end, view, r)
-    place(p, part_p, places[bad, X], q, part_q, places[bad, Y], r, row)
-    b, at_b = places[bad, run], _bracket(which, end, view, r)
-    sign = 1.0 if at_a > 0.0 else -1.0
-    y = places[good, other]
-    side = 0
-    for step in range(90):
-        x = (a * at_b - b * at_a) / (at_b - at_a) if at_a * at_b < 0.0 and step < 12 else 0.5 * (a + b)
-        if not min(a, b) < x < max(a, b):
-            break
-        on_arc(p, part_p, q, part_q, over_v, x, lo, hi, rising, y, r, row)
-        y = row[other]
-        value = _bracket(which, end, view, r)
-        if value == 0.0:
-            break
-        if value * sign > 0.0:
-            if abs(x - a) < 1e-17:
-                break
-            a, at_a = x, value
-            if side == 1:
-                at_b *= 0.5
-            side = 1
-        else:
-            if abs(x - b) < 1e-17:
-                break
-            b, at_b = x, value
-            if side == -1:
-                at_a *= 0.5
-            side = -1
-    row[S if which == 0 else T] = end
-    row[S_IN], row[T_IN] = inside(row[S]), inside(row[T])
-    return k
-
-
-@kernel
-def _add_arc(p, q, cell, over_v, rising, first, last, w, places, arcs, opened, counts, r):
-    """The part of a monotone arc between two crossings on which s and t are in their ranges."""
-    run = Y if over_v else X
-    low, high = first, last
-    for which in range(2):
-        if w[RANGES, which, WHICH] < 0.0:
-            continue
-        at_first, at_last = places[first, S_IN + which], places[last, S_IN + which]
-        if at_first == 1 and at_last == 1:
-            continue
-        if at_first == 0 and at_last == 0:
-            return
-        if at_first == 1:
-            k = _cut_arc(p, q, cell, over_v, rising, first, last, which, w, places, counts, r)
-            if places[k, run] < places[high, run]:
-                high = k
-        else:
-            k = _cut_arc(p, q, cell, over_v, rising, last, first, which, w, places, counts, r)
-            if places[k, run] > places[low, run]:
-                low = k
-    gap = places[high, run] - places[low, run]
-    if (low != first or high != last) and abs(gap) < LEAST_ARC:
-        # the bounds of both pieces cross on the curve: whether in a point or a tiny arc is not told
-        a, b = places[low], places[high]
-        _open(
-            a[PART_U], min(a[X], b[X]), max(a[X], b[X]), a[PART_V], min(a[Y], b[Y]), max(a[Y], b[Y]), opened, counts
-        )  # fmt: skip
-        return
-    if gap < 0.0:
-        return
+def _add_arc(cell, over_v, rising, first, last, w, arcs, counts):
     k = counts[ARCS]
     if k >= arcs.shape[0]:
         counts[SHORT] = 1
         return
     counts[ARCS] = k + 1
     arc = arcs[k]
-    arc[0], arc[1], arc[2], arc[3], arc[4], arc[5] = low, high, cell[NODE_U], cell[NODE_V], over_v, rising
+    arc[START], arc[END], arc[NODE_U_OF_ARC], arc[NODE_V_OF_ARC] = first, last, cell[NODE_U], cell[NODE_V]
+    arc[OVER], arc[RISING] = over_v, rising
+    arc[S_BOUND], arc[T_BOUND] = int(w[RANGES, 0, WHICH]), int(w[RANGES, 1, WHICH])
 
 
 @kernel
-def _graph(p, q, cell, over_v, rising, w, places, arcs, opened, counts, r):
+def _graph(cell, over_v, rising, w, places, arcs, counts):
     """Join the crossings of a cell in which the curve is a graph; whether that went."""
     first, last = (SIDES + 4, SIDES + 6) if over_v else (SIDES, SIDES + 2)
     near, far = (SIDES, SIDES + 2) if over_v else (SIDES + 4, SIDES + 6)
@@ -549,7 +436,7 @@ def _graph(p, q, cell, over_v, rising, w, places, arcs, opened, counts, r):
         if pending < 0:
             pending = here
         else:
-            _add_arc(p, q, cell, over_v, rising, pending, here, w, places, arcs, opened, counts, r)
+            _add_arc(cell, over_v, rising, pending, here, w, arcs, counts)
             pending = np.int64(-1)
     return True
 
@@ -572,7 +459,7 @@ def _corner(p, i, q, j, closed_p, closed_q, corners):
 
 
 @kernel
-def _border(p, i, q, j, along_v, far, closed_p, closed_q, joints, w, places, opened, counts, r):
+def _border(p, i, q, j, along_v, far, closed_p, closed_q, joints, w, places, opened, counts):
     """Start and count of the crossings on one side of the cell of two parts."""
     corners = joints[0]
     closed, parts = (closed_p, corners.shape[0] - 1) if along_v else (closed_q, corners.shape[1] - 1)
@@ -591,13 +478,13 @@ def _border(p, i, q, j, along_v, far, closed_p, closed_q, joints, w, places, ope
         a = 0 if far == 0 else 2 * degree(p if along_v else q)
         starts[at_u, at_v] = counts[PLACES]
         found[at_u, at_v] = _crossings(
-            p, i, q, j, along_v, a, before, after, kind, w, places, opened, counts, r
+            p, i, q, j, along_v, a, before, after, kind, w, places, opened, counts
         )  # fmt: skip
     return starts[at_u, at_v], found[at_u, at_v]
 
 
 @kernel
-def search(p, q, closed_p, closed_q, budget, joints, w, cells, places, arcs, opened, counts, r):
+def search(p, q, closed_p, closed_q, budget, joints, w, cells, places, arcs, opened, counts):
     """Find all arcs of two chains; `budget`: cells looked at before the rest is left open.
 
     joints: (5, parts of p + 1, parts of q + 1): signs at corners of parts, 0 for unknown, then start (-1: unknown) and
@@ -613,18 +500,18 @@ def search(p, q, closed_p, closed_q, budget, joints, w, cells, places, arcs, ope
             for k in range(4):
                 cell[CORNERS + k] = _corner(p, i + k % 2, q, j + k // 2, closed_p, closed_q, joints[0])
                 start, count = _border(
-                    p, i, q, j, YES if k < 2 else NO, k % 2, closed_p, closed_q, joints, w, places, opened, counts, r
+                    p, i, q, j, YES if k < 2 else NO, k % 2, closed_p, closed_q, joints, w, places, opened, counts
                 )
                 cell[SIDES + 2 * k], cell[SIDES + 2 * k + 1] = start, count
-            _cells(p, q, budget, w, cells, places, arcs, opened, counts, r)
+            _cells(p, q, budget, w, cells, places, arcs, opened, counts)
             if counts[SHORT] == 1:
                 return
 
 
 @kernel
-def _cells(p, q, budget, w, cells, places, arcs, opened, counts, r):
+def _cells(p, q, budget, w, cells, places, arcs, opened, counts):
     """Look at the cell at the bottom of the stack and at its parts, depth first."""
-    top = 0
+    top = NO
     while top >= 0 and counts[SHORT] == 0:
         cell = cells[top]
         i, j = cell[NODE_U], cell[NODE_V]
@@ -636,7 +523,7 @@ def _cells(p, q, budget, w, cells, places, arcs, opened, counts, r):
             continue
         if what == OVER_U or what == OVER_V:
             over_v = YES if what == OVER_V else NO
-            if _graph(p, q, cell, over_v, rising, w, places, arcs, opened, counts, r):
+            if _graph(cell, over_v, rising, w, places, arcs, counts):
                 top -= 1
                 continue
             what = CUT_U
@@ -648,5 +535,5 @@ def _cells(p, q, budget, w, cells, places, arcs, opened, counts, r):
             )  # fmt: skip
             top -= 1
             continue
-        _cut(p, q, top, (what == CUT_U and not deep_u) or deep_v, w, cells, places, opened, counts, r)
+        _cut(p, q, top, YES if (what == CUT_U and not deep_u) or deep_v else NO, w, cells, places, opened, counts)
         top += 1

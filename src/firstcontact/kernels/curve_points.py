@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from firstcontact.kernels.curve_nets import degree
+from firstcontact.kernels.curve_nets import FACTS, HI, LO, SECOND, degree, part_of
 from firstcontact.kernels.jit import kernel
 
 # Columns of `places`: parameters in their parts, positions on the rulings, the point, the gap between the rulings; parts,
 # kind, and whether s and t are in their ranges.
 X, Y, S, T, POINT, GAP, PART_U, PART_V, KIND, S_IN, T_IN, COLUMNS = 0, 1, 2, 3, 4, 7, 8, 9, 10, 11, 12, 13
+# Kinds of places: 0 within, 1 to 4 on the borders u = u0, u1, v = v0, v1, from CUT on at s = 0, 1, t = 0, 1.
+CUT = 5
+# Columns of `arcs`: places at both ends, nodes of the cell, whether the arc runs over v (else over u), sign of the slope
+# of Delta across, and for s and t the end of the range that may cut the arc (-1: none).
+START, END, NODE_U_OF_ARC, NODE_V_OF_ARC, OVER, RISING, S_BOUND, T_BOUND, ARC_COLUMNS = 0, 1, 2, 3, 4, 5, 6, 7, 8
 # Rows of the scratch array `r`: X, Y, Z, W of both ends of a ruling of p, then of q, their derivatives, Bernstein
 # polynomials of the points' degree and of one less.
 OF_P, OF_Q, SLOPES, BASIS, LOWER, SCRATCH_ROWS = np.int64(0), np.int64(1), 2, 4, 5, 6
@@ -17,7 +22,7 @@ OF_P, OF_Q, SLOPES, BASIS, LOWER, SCRATCH_ROWS = np.int64(0), np.int64(1), 2, 4,
 AT_END = 1e-11
 MOST_STEPS = 80
 # A Newton step after which the next would be shorter than rounding, for it squares them.
-LAST_STEP = 1e-9
+LAST_STEP = 1e-8
 
 
 @kernel
@@ -127,14 +132,54 @@ def across(fixed, part, x, moving, other, lo, hi, rising, y, of_fixed, of_moving
 
 
 @kernel
-def on_arc(p, part_p, q, part_q, over_v, run, lo, hi, rising, guess, r, row):
-    """Set `row` to the point of the curve over `run`: u = run and v in [lo, hi], or with over_v the other way round."""
-    if over_v == 0:
-        row[X], row[Y] = run, across(p, part_p, run, q, part_q, lo, hi, rising, guess, OF_P, OF_Q, r)
+def on_arc(p, q, arc, run, guess, r, row):
+    """Set `row` to the point of an arc over `run`: u = run and v near the guess, or the other way round."""
+    i, j = arc[NODE_U_OF_ARC], arc[NODE_V_OF_ARC]
+    part_p, part_q = part_of(p, i), part_of(q, j)
+    if arc[OVER] == 0:
+        lo, hi = q[j, FACTS, LO], q[j, FACTS, HI]
+        row[X], row[Y] = run, across(p, part_p, run, q, part_q, lo, hi, arc[RISING], guess, OF_P, OF_Q, r)
     else:
         # Delta is symmetric in the two lines
-        row[X], row[Y] = across(q, part_q, run, p, part_p, lo, hi, rising, guess, OF_Q, OF_P, r), run
+        lo, hi = p[i, FACTS, LO], p[i, FACTS, HI]
+        row[X], row[Y] = across(q, part_q, run, p, part_p, lo, hi, arc[RISING], guess, OF_Q, OF_P, r), run
     meet(r, row)
+
+
+@kernel
+def _along(side, k, out):
+    """Twice a middle direction of the rulings of a node."""
+    n = degree(side)
+    for c in range(3):
+        out[c] = side[k, SECOND + c, 0] / side[k, 7, 0] - side[k, c, 0] / side[k, 3, 0]
+        out[c] += side[k, SECOND + c, n] / side[k, 7, n] - side[k, c, n] / side[k, 3, n]
+
+
+@kernel
+def look_along(p, i, q, j, rows, d):
+    """Set d to the direction across the rulings of a cell: along it they are seen to cross.  rows: scratch."""
+    a, b = rows[0], rows[1]
+    _along(p, i, a)
+    _along(q, j, b)
+    d[0], d[1], d[2] = a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+    size = abs(d[0]) + abs(d[1]) + abs(d[2])
+    if size > 0.0:
+        for c in range(3):
+            d[c] /= size
+    else:
+        d[2] = 1.0
+
+
+@kernel
+def enter(p, q, arc, place, row):
+    """Copy a place to `row` in the parts of an arc: one found on a joint may be told in those of a neighbour."""
+    for c in range(COLUMNS):
+        row[c] = place[c]
+    part_p, part_q = part_of(p, arc[NODE_U_OF_ARC]), part_of(q, arc[NODE_V_OF_ARC])
+    if row[PART_U] != part_p:
+        row[X], row[PART_U] = 1.0 - row[X], part_p
+    if row[PART_V] != part_q:
+        row[Y], row[PART_V] = 1.0 - row[Y], part_q
 
 
 @kernel

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from firstcontact.kernels.curve_nets import FACTS, HI, LO, part_of
-from firstcontact.kernels.curve_points import GAP, POINT, X, Y, on_arc
+from firstcontact.kernels.curve_points import END, GAP, OVER, POINT, START, X, Y, enter, on_arc
 from firstcontact.kernels.jit import kernel
 
 # A chord is kept where the curve leaves it by at most this part of the tolerance, and turns by less than this (radians).
-KEEP, LARGEST_TURN = 0.7, 0.35
+KEEP, LARGEST_TURN = 0.9, 0.35
 # Parts into which one chord falls at most, and the shortest that is cut, in parameters of a part.
 MOST_PARTS, LEAST_CHORD = 256, 1e-9
 STACK = 40
@@ -39,9 +38,7 @@ def _cosine(a, x, b):
 @kernel
 def _between(p, q, arc, run, here, end, part, known, knots, r, row):
     """Set `row` to the point of the arc at a part of the way, guessed through the points known at some parts."""
-    i, j, over_v, rising = arc[2], arc[3], arc[4], arc[5]
     other = X + Y - run
-    lo, hi = (p[i, FACTS, LO], p[i, FACTS, HI]) if over_v == 1 else (q[j, FACTS, LO], q[j, FACTS, HI])
     guess = here[other] + part * (end[other] - here[other])
     if knots > 0:
         # through the ends and the points at 1/4, 1/2, 3/4
@@ -52,8 +49,7 @@ def _between(p, q, arc, run, here, end, part, known, knots, r, row):
                 if n != m:
                     weight *= (4.0 * part - n) / (m - n)
             guess += weight * (here[other] if m == 0 else end[other] if m == 4 else known[m - 1, other])
-    x = here[run] + part * (end[run] - here[run])
-    on_arc(p, part_of(p, i), q, part_of(q, j), over_v, x, lo, hi, rising, guess, r, row)
+    on_arc(p, q, arc, here[run] + part * (end[run] - here[run]), guess, r, row)
 
 
 @kernel
@@ -68,11 +64,14 @@ def trace(p, q, arcs, count, places, tolerance, stack, known, r, points, starts)
     fresh = known[3]
     for k in range(count):
         arc = arcs[k]
-        run = Y if arc[4] == 1 else X
+        starts[k + 1] = used
+        if arc[START] < 0:
+            continue
+        run = Y if arc[OVER] == 1 else X
         # stack: ends of chords, the nearest on top; `here`: where that one begins
         here = known[4]
-        for c in range(GAP + 1):
-            here[c], stack[0, c] = places[arc[0], c], places[arc[1], c]
+        enter(p, q, arc, places[arc[START]], here)
+        enter(p, q, arc, places[arc[END]], stack[0])
         top = 0
         while top >= 0:
             end = stack[top]

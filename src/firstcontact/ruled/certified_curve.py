@@ -1,65 +1,365 @@
 """`intersection_curve` of bounded pieces and strips of any degree, certified in doubles.
 
-The kernels find all arcs of Delta = 0 on which rulings meet between their ends; here they are joined to branches.  What
-they could not decide is reported by place: see `OpenPlace`.
+The kernels find and trace all arcs of Delta = 0 on which rulings meet between their ends; here the arcs are joined to
+branches.  What the kernels could not decide is reported by its place.
 """
 
 from __future__ import annotations
 
-from itertools import pairwise
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from firstcontact.curve import Branch, BranchEnd, CurveGraph, ExactParameters, GraphNode, OpenPlace
 from firstcontact.errors import InputError, UnsupportedPair
-from firstcontact.kernels.curve_cells import ARC_COLUMNS, CELL_COLUMNS, COUNTS, CUT, Work, search
-from firstcontact.kernels.curve_nets import Side, bound
-from firstcontact.kernels.curve_points import COLUMNS, Rulings
-from firstcontact.kernels.curve_trace import MOST_HALVINGS, trace
+from firstcontact.kernels import curve_cells as cells
+from firstcontact.kernels import curve_nets as nets
+from firstcontact.kernels import curve_points as columns
+from firstcontact.kernels.curve_trace import STACK, trace
+from firstcontact.kernels.curve_trim import trim
 from firstcontact.result import Stats
 from firstcontact.ruled.chains import Chain, chains, product_table
 
 # Cells looked at for one pair of chains before the rest is left open.
-BUDGET = 400_000
-# Room for nodes, places, arcs and points at first; doubled where it does not do.
-ROOM = 4096
-MOST_ROOM = 2**22
-HIGHEST_DEGREE = 40
-_LINES = ((0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3))
-# Open boxes this near each other, in parts and within them, are one place.
-SAME_PLACE = 1e-6
+BUDGET = 200_000
+# Rows that arrays of nodes, places, arcs and points have at first, and at most; they grow where that does not do.
+ROOM, MOST_ROOM = 2048, 2**23
+# Of directrices; nets of a cell have twice as many rows.
+HIGHEST_DEGREE = (cells.LAYER_ROWS - 2) // 2
+# Open boxes are one place where they are this near each other, in parameters of parts; of more boxes than this all are.
+SAME_PLACE, MOST_PLACES = 1e-9, 4000
+_PAIRS = ((0, 0, 0, 1, 1, 2), (1, 2, 3, 2, 3, 3))
 
 
 def is_supported(surface: Any) -> bool:
-    """Whether the certified path takes this ruled surface at rest: bounded rulings, no trimming."""
-    return all(piece.s is not None and not piece.trim for piece in surface.pieces)
+    """Whether the certified path takes this ruled surface at rest: bounded rulings, no trimming, no huge degree."""
+    return all(
+        piece.s is not None
+        and not piece.trim
+        and not piece.joined & {"s0", "s1"}
+        and max(side.degree for side in piece.sides) <= HIGHEST_DEGREE
+        for piece in surface.pieces
+    )
 
 
 def certified_curve(p: Any, q: Any, tolerance: float) -> dict[str, Any]:
     """The fields of IntersectionCurve."""
     for surface in (p, q):
         if not is_supported(surface):
-            raise UnsupportedPair(f"{surface!r}: the certified curve takes bounded rulings without trimming")
-    found = Found()
+            raise UnsupportedPair(
+                f"{surface!r}: the certified curve takes bounded rulings without trimming, in one row, of degree "
+                f'{HIGHEST_DEGREE} at most; try method="algebraic"'
+            )
+    found = Found(p, q)
     for a in chains(p):
         for b in chains(q):
-            _Pair(a, b, tolerance).add_to(found)
-    found.join_side_by_side(p, q)
+            if (solved := _solved(a, b, tolerance)) is not None:
+                found.add(solved)
     return found.fields()
 
 
-class Line(NamedTuple):
-    """A branch or a part of one: points (n, 3), parameters (n, 4), and both ends; None for a loop."""
+# -- two chains ---------------------------------------------------------------------------------------------
+
+
+class Solved(NamedTuple):
+    """What the kernels found of two chains.
+
+    places, arcs   as in curve_points, inner points of arc k: points[starts[k]:starts[k + 1]]
+    parts          the parts of the nodes of both sides
+    opened         (k, 6) boxes left open: parts, ranges of x and of y
+    """
+
+    p: Chain
+    q: Chain
+    parts: list[np.ndarray]
+    places: np.ndarray
+    arcs: np.ndarray
+    points: np.ndarray
+    starts: np.ndarray
+    opened: np.ndarray
+    seen: int
+
+
+def _solved(p: Chain, q: Chain, tolerance: float) -> Solved | None:
+    """None where the boxes of the chains share no point."""
+    (low_p, high_p), (low_q, high_q) = p.box, q.box
+    low, high = np.maximum(low_p, low_q), np.minimum(high_p, high_q)
+    if (low > high).any():
+        return None
+    centre = 0.5 * (low + high)
+    room = ROOM
+    while True:
+        sides = [_side(chain, centre, room) for chain in (p, q)]
+        joints = np.full((5, len(p.points) + 1, len(q.points) + 1), -1)
+        joints[0] = 0
+        places, arcs = np.empty((2 * room, columns.COLUMNS)), np.empty((room, columns.ARC_COLUMNS), np.int64)
+        opened, counts = np.empty((max(room, 2 * BUDGET), cells.OPEN_COLUMNS)), np.zeros(cells.COUNTS, np.int64)
+        width = max(side.shape[2] for side in sides)
+        scratch = np.empty((cells.LAYERS, cells.LAYER_ROWS, width))
+        stack = np.zeros((4 * cells.DEEPEST, cells.CELL_COLUMNS), np.int64)
+        cells.search(
+            *sides, int(p.closed), int(q.closed), BUDGET, joints, scratch, stack, places, arcs, opened, counts
+        )
+        used, count = int(counts[cells.PLACES]), int(counts[cells.ARCS])
+        if not counts[cells.SHORT] and used + 2 * count <= len(places):
+            break
+        room *= 4
+        if room > MOST_ROOM:
+            raise InputError(f"the curve falls into more than {MOST_ROOM} arcs; give smaller pieces")
+    scratch, known = np.empty((columns.SCRATCH_ROWS, width)), np.empty((5, columns.COLUMNS))
+    used = trim(*sides, places, used, arcs, count, known, scratch)
+    starts, ends = np.empty(count + 1, np.int64), np.empty((STACK, columns.COLUMNS))
+    room = 16 * ROOM
+    while True:
+        points = np.empty((room, columns.GAP + 1))
+        if trace(*sides, arcs, count, places, tolerance, ends, known, scratch, points, starts):
+            break
+        room *= 4
+        if room > MOST_ROOM:
+            raise InputError(f"tolerance {tolerance:g} needs more than {MOST_ROOM // 4} points; give a larger one")
+    for table, rows in ((places, used), (points, starts[-1])):
+        table[:rows, columns.POINT : columns.POINT + 3] += centre
+    boxes = opened[: counts[cells.OPENED]]
+    parts = [side[: int(side[0, nets.FACTS, nets.COUNT]), nets.FACTS, nets.PART].astype(int) for side in sides]
+    return Solved(p, q, parts, places[:used], arcs[:count], points, starts, boxes, int(counts[cells.SEEN]))
+
+
+def _side(chain: Chain, centre: np.ndarray, room: int) -> np.ndarray:
+    """The array of a side for the kernels, its parts filled in; coordinates about the centre."""
+    count, _, terms = chain.points.shape
+    points, sizes = chain.points.copy(), np.abs(chain.points)
+    for first in (0, 4):
+        weight = points[:, first + 3 : first + 4]
+        points[:, first : first + 3] -= centre[:, None] * weight
+        sizes[:, first : first + 3] += np.abs(centre)[:, None] * np.abs(weight)
+    sizes = sizes.max(axis=2)
+    i, j = _PAIRS
+    x, y = points[:, :4], points[:, 4:]
+    products = x[:, i, :, None] * y[:, j, None, :] - x[:, j, :, None] * y[:, i, None, :]
+    side = np.empty((count + room, nets.ROWS_OF_SIDE, max(2 * terms - 1, nets.LEAST_COLUMNS)))
+    side[:count, : nets.LINES, :terms] = points
+    side[:count, nets.LINES : nets.FACTS, : 2 * terms - 1] = products.reshape(count, 6, -1) @ product_table(terms - 1)
+    side[:count, nets.FACTS] = 0.0
+    side[:count, nets.FACTS, nets.HI] = 1.0
+    side[:count, nets.FACTS, nets.PART] = range(count)
+    side[:count, nets.FACTS, nets.DEGREE] = terms - 1
+    side[0, nets.FACTS, nets.COUNT] = count
+    side[:count, nets.SIZES, : nets.LINES] = sizes
+    a, b = sizes[:, :4], sizes[:, 4:]
+    side[:count, nets.SIZES, nets.LINES : nets.FACTS] = a[:, i] * b[:, j] + a[:, j] * b[:, i]
+    nets.start(side)
+    return side
+
+
+# -- branches -----------------------------------------------------------------------------------------------
+
+
+class Found:
+    """Branches, open places and the graph so far."""
+
+    def __init__(self, p: Any, q: Any) -> None:
+        self.p, self.q = p, q
+        self.branches: list[Branch] = []
+        self.open_places: list[OpenPlace] = []
+        self.nodes: list[GraphNode] = []
+        self.edges: list[tuple[int, int]] = []
+        self.seen = 0
+
+    def fields(self) -> dict[str, Any]:
+        return {
+            "branches": tuple(self.branches),
+            "overlap_lines": np.empty((0, 2, 3)),
+            "singular_points": (),
+            "isolated_points": np.empty((0, 3)),
+            "two_dimensional": False,
+            "graph": CurveGraph(tuple(self.nodes), tuple(self.edges)),
+            "delta": {},
+            "common_rulings": (),
+            "method": "certified",
+            "open_places": tuple(self.open_places),
+            "stats": Stats(node_visits=self.seen, undecided=len(self.open_places)),
+        }
+
+    def add(self, solved: Solved) -> None:
+        """Branches and open places of two chains."""
+        self.seen += solved.seen
+        lines = _lines(solved.arcs)
+        stray = [k for line in lines if not line.closed for k in line.ends if not solved.places[k, columns.KIND]]
+        places = _open_places(solved, stray)
+        first = len(self.nodes)
+        for place in places:
+            self._node(place.point, [sum(place.u) / 2, sum(place.v) / 2], "undecided")
+        ends_at = [0] * len(places)
+        pool = _Pool.of(solved)
+        for line in lines:
+            points, parameters = pool.along(line)
+            if line.closed:
+                self.branches.append(Branch(points, parameters, True, ()))
+                node = self._node(points[0], parameters[0], "regular")
+                self.edges.append((node, node))
+                continue
+            ends, numbers = [], []
+            for at, k in zip((0, -1), line.ends, strict=True):
+                kind = int(solved.places[k, columns.KIND])
+                if kind:
+                    ends.append(BranchEnd("boundary", (_bound(solved, kind),), points[at], parameters[at]))
+                    numbers.append(self._node(points[at], parameters[at], "boundary"))
+                else:
+                    ends.append(BranchEnd("undecided", (), points[at], parameters[at]))
+                    n = int(np.argmin([np.abs(place.point - points[at]).max() for place in places]))
+                    ends_at[n] += 1
+                    numbers.append(first + n)
+            self.branches.append(Branch(points, parameters, False, (ends[0], ends[1])))
+            self.edges.append((numbers[0], numbers[1]))
+        self.open_places += [replace(place, ends=n) for place, n in zip(places, ends_at, strict=True)]
+
+    def _node(self, point: np.ndarray, where: Any, kind: str) -> int:
+        u, v = float(where[0]), float(where[1])
+        self.nodes.append(GraphNode(point, kind, ExactParameters(lambda: (u, v))))
+        return len(self.nodes) - 1
+
+
+class _Line(NamedTuple):
+    """Arcs one after another, each with whether it is passed from its end to its start, and the places between."""
+
+    arcs: list[tuple[int, bool]]
+    places: list[int]
+    closed: bool
+
+    @property
+    def ends(self) -> tuple[int, int]:
+        return self.places[0], self.places[-1]
+
+
+def _lines(arcs: np.ndarray) -> list[_Line]:
+    """All arcs, joined where two of them meet."""
+    pairs = {k: (int(a), int(b)) for k, (a, b) in enumerate(arcs[:, [columns.START, columns.END]]) if a >= 0}
+    at: dict[int, list[int]] = {}
+    for k, pair in pairs.items():
+        for place in pair:
+            at.setdefault(place, []).append(k)
+    left = set(pairs)
+    found = []
+    for starts in ([p for p, own in at.items() if len(own) != 2], list(at)):  # arcs with ends, then loops
+        for start in starts:
+            for first in at[start]:
+                if first not in left:
+                    continue
+                line, places, here, k = [], [start], start, first
+                while True:
+                    left.remove(k)
+                    turned = pairs[k][0] != here
+                    here = pairs[k][0 if turned else 1]
+                    line.append((k, turned))
+                    places.append(here)
+                    further = [x for x in at[here] if x in left] if len(at[here]) == 2 else []
+                    if not further:
+                        break
+                    k = further[0]
+                found.append(_Line(line, places, here == start and len(at[start]) == 2))
+    return found
+
+
+class _Pool(NamedTuple):
+    """All points of arcs, then all places: xyz and u, v, s, t."""
 
     points: np.ndarray
     parameters: np.ndarray
-    ends: tuple[End, End] | None
+    starts: np.ndarray
+
+    @classmethod
+    def of(cls, solved: Solved) -> _Pool:
+        count = solved.starts[-1]
+        rows = np.concatenate((solved.points[:count], solved.places[:, : columns.GAP + 1]))
+        lengths = np.diff(solved.starts)
+        parameters = []
+        for side, (chain, node, part, x, r) in enumerate(
+            (
+                (solved.p, columns.NODE_U_OF_ARC, columns.PART_U, columns.X, columns.S),
+                (solved.q, columns.NODE_V_OF_ARC, columns.PART_V, columns.Y, columns.T),
+            )
+        ):
+            parts = np.concatenate((np.repeat(solved.parts[side][solved.arcs[:, node]], lengths),
+                                    solved.places[:, part].astype(int)))  # fmt: skip
+            s = np.clip(rows[:, r], 0.0, 1.0)
+            lo, hi = float(chain.s[0]), float(chain.s[1])
+            parameters.append((chain.parameter(parts, rows[:, x]), s if (lo, hi) == (0, 1) else lo + (hi - lo) * s))
+        table = np.column_stack((parameters[0][0], parameters[1][0], parameters[0][1], parameters[1][1]))
+        return cls(rows[:, columns.POINT : columns.POINT + 3], table, solved.starts)
+
+    def along(self, line: _Line) -> tuple[np.ndarray, np.ndarray]:
+        count = self.starts[-1]
+        order = [np.array([count + line.places[0]])]
+        for (k, turned), place in zip(line.arcs, line.places[1:], strict=True):
+            inner = np.arange(self.starts[k], self.starts[k + 1])
+            order += [inner[::-1] if turned else inner, np.array([count + place])]
+        rows = np.concatenate(order)
+        return self.points[rows], self.parameters[rows]
 
 
-class End(NamedTuple):
-    """kind "boundary" or "open", the bound's name and value, the number of the open place."""
+def _bound(solved: Solved, kind: int) -> str:
+    """The name of the bound on which places of this kind are."""
+    chain = (solved.p, solved.q)[(kind - 1) // 2 % 2]
+    if kind < columns.CUT:
+        assert chain.u is not None
+        return f"{'uv'[(kind - 1) // 2]}={chain.u[(kind - 1) % 2]}"
+    return f"{'st'[(kind - columns.CUT) // 2]}={chain.s[(kind - columns.CUT) % 2]}"
 
-    kind: str
-    on: str
-    place: int
+
+# -- open places --------------------------------------------------------------------------------------------
+
+
+def _open_places(solved: Solved, stray: list[int]) -> list[OpenPlace]:
+    """Boxes left open, joined where they touch; `stray`: places at which branches end without reason."""
+    points = [int(arc[columns.END]) for arc in solved.arcs if arc[columns.START] == -2]
+    spots = solved.places[[*points, *stray]]
+    parts = np.concatenate((solved.opened[:, :2], spots[:, [columns.PART_U, columns.PART_V]]))
+    x, y = spots[:, columns.X], spots[:, columns.Y]
+    ranges = np.concatenate((solved.opened[:, 2:], np.column_stack((x, x, y, y))))
+    groups = _touching(parts, ranges)
+    # a place at the border of a box is no other place
+    return [_open_place(solved, parts[group], ranges[group]) for group in groups]
+
+
+def _touching(parts: np.ndarray, ranges: np.ndarray) -> list[np.ndarray]:
+    """Indices of boxes, in groups of those that touch one another."""
+    if len(parts) > MOST_PLACES:
+        return [np.arange(len(parts))]
+    low = parts + ranges[:, [0, 2]] - SAME_PLACE
+    high = parts + ranges[:, [1, 3]] + SAME_PLACE
+    left = np.ones(len(parts), bool)
+    groups = []
+    while left.any():
+        waiting, group = [int(np.argmax(left))], []
+        left[waiting] = False
+        while waiting:
+            k = waiting.pop()
+            group.append(k)
+            near = np.flatnonzero(left & (low <= high[k]).all(1) & (high >= low[k]).all(1))
+            left[near] = False
+            waiting += near.tolist()
+        groups.append(np.array(group))
+    return groups
+
+
+def _open_place(solved: Solved, parts: np.ndarray, ranges: np.ndarray) -> OpenPlace:
+    own = []
+    for side, chain in enumerate((solved.p, solved.q)):
+        which = parts[:, side].astype(int)
+        u = np.concatenate([chain.parameter(which, ranges[:, 2 * side + end]) for end in (0, 1)])
+        own.append((float(u.min()), float(u.max())))
+    k = len(parts) // 2
+    ends = [chain.ruling(int(parts[k, side]), ranges[k, 2 * side : 2 * side + 2].mean())
+            for side, chain in enumerate((solved.p, solved.q))]  # fmt: skip
+    return OpenPlace(_nearest_point(*ends), own[0], own[1], 0)
+
+
+def _nearest_point(p: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """The middle of the shortest way between two segments, (2, 3) each."""
+    along, other = p[1] - p[0], q[1] - q[0]
+    s = 0.5
+    for _ in range(8):  # a point near it will do
+        t = float(np.clip((p[0] + s * along - q[0]) @ other / (other @ other), 0, 1))
+        s = float(np.clip((q[0] + t * other - p[0]) @ along / (along @ along), 0, 1))
+    return 0.5 * (p[0] + s * along + q[0] + t * other)

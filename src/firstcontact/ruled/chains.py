@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import lru_cache
 from math import comb
 from typing import Any
@@ -33,13 +34,15 @@ class Chain:
     ranges   (parts, 2, 2) float64: U, V at both ends of every part; u is their blend's ratio
     closed   whether the last ruling is the first one
     u, s     the ranges as users give them; u None for the projective line
+    box      (2, 3) corners of a box that holds all rulings, up to rounding
     """
 
     points: np.ndarray
     ranges: np.ndarray
     closed: bool
-    u: tuple[float, float] | None
-    s: tuple[float, float]
+    u: tuple[Fraction, Fraction] | None
+    s: tuple[Fraction, Fraction]
+    box: np.ndarray
 
     def parameter(self, part: np.ndarray, x: np.ndarray) -> np.ndarray:
         """u at x of parts."""
@@ -47,6 +50,14 @@ class Chain:
         upper, lower = ((1 - x) * ends[:, 0, k] + x * ends[:, 1, k] for k in (0, 1))
         with np.errstate(divide="ignore"):
             return upper / lower
+
+    def ruling(self, part: int, x: float) -> np.ndarray:
+        """(2, 3) its ends at x of a part."""
+        rows = self.points[part]
+        while rows.shape[1] > 1:
+            rows = (1 - x) * rows[:, :-1] + x * rows[:, 1:]
+        first, second = rows[:4, 0], rows[4:, 0]
+        return np.array([first[:3] / first[3], second[:3] / second[3]])
 
 
 def chains(surface: Any) -> list[Chain]:
@@ -96,9 +107,13 @@ def _chain(run: list[RuledSurface]) -> Chain:
     degree = max(1, *(len(row) - 1 for rows, _, _ in parts for row in rows))
     points = np.array([[_elevated(row, degree) for row in rows] for rows, _, _ in parts])
     ranges = np.array([[[to_double(x) for x in end] for end in (lo, hi)] for _, lo, hi in parts])
-    u = None if first.u is None or last.u is None else (float(first.u[0]), float(last.u[1]))
+    u = None if first.u is None or last.u is None else (first.u[0], last.u[1])
     assert first.s is not None
-    return Chain(points, ranges, closed, u, (float(first.s[0]), float(first.s[1])))
+    corners = np.concatenate([points[:, k : k + 3] / points[:, k + 3 : k + 4] for k in (0, 4)], axis=2)
+    corners = corners.transpose(0, 2, 1).reshape(-1, 3)
+    slack = 1e-12 * np.abs(corners).max()
+    box = np.array([corners.min(0) - slack, corners.max(0) + slack])
+    return Chain(points, ranges, closed, u, first.s, box)
 
 
 def _ranges(piece: RuledSurface) -> list[tuple[Projective, Projective]]:
