@@ -18,6 +18,7 @@ START, END, NODE_U_OF_ARC, NODE_V_OF_ARC, OVER, RISING, S_BOUND, T_BOUND, ARC_CO
 # Rows of the scratch array `r`: X, Y, Z, W of both ends of a ruling of p, then of q, their derivatives, Bernstein
 # polynomials of the points' degree and of one less.
 OF_P, OF_Q, SLOPES, BASIS, LOWER, SCRATCH_ROWS = np.int64(0), np.int64(1), 2, 4, 5, 6
+NO, YES = np.int64(0), np.int64(1)
 # A position on a ruling this near its end is not told from it.
 AT_END = 1e-11
 MOST_STEPS = 80
@@ -26,8 +27,8 @@ LAST_STEP = 1e-8
 
 
 @kernel
-def evaluate(side, part, x, to, r):
-    """Rows `to` and SLOPES + `to` of r: both ends of the ruling at x of a part, and their derivatives."""
+def evaluate(side, part, x, to, sloped, r):
+    """Rows `to` and, if asked, SLOPES + `to` of r: both ends of the ruling at x of a part, and their derivatives."""
     n = degree(side)
     y = 1.0 - x
     # Bernstein polynomials, degree by degree
@@ -41,18 +42,22 @@ def evaluate(side, part, x, to, r):
             r[BASIS, k] = y * r[BASIS, k] + x * r[BASIS, k - 1]
         r[BASIS, 0] *= y
     for c in range(8):
-        value, slope = r[BASIS, n] * side[part, c, n], 0.0
-        for k in range(n):
+        value = 0.0
+        for k in range(n + 1):
             value += r[BASIS, k] * side[part, c, k]
-            slope += r[LOWER, k] * (side[part, c, k + 1] - side[part, c, k])
-        r[to, c], r[SLOPES + to, c] = value, n * slope
+        r[to, c] = value
+        if sloped == 1:
+            slope = 0.0
+            for k in range(n):
+                slope += r[LOWER, k] * (side[part, c, k + 1] - side[part, c, k])
+            r[SLOPES + to, c] = n * slope
 
 
 @kernel
 def place(p, part_p, x, q, part_q, y, r, row):
     """Set `row` to the meeting point of ruling x of p and y of q, the middle of their common perpendicular."""
-    evaluate(p, part_p, x, OF_P, r)
-    evaluate(q, part_q, y, OF_Q, r)
+    evaluate(p, part_p, x, OF_P, NO, r)
+    evaluate(q, part_q, y, OF_Q, NO, r)
     meet(r, row)
     row[X], row[Y] = x, y
 
@@ -87,7 +92,7 @@ def across(fixed, part, x, moving, other, lo, hi, rising, y, of_fixed, of_moving
 
     Newton's steps inside the bracket, halvings where they leave it.  The rows of r hold both rulings then.
     """
-    evaluate(fixed, part, x, of_fixed, r)
+    evaluate(fixed, part, x, of_fixed, NO, r)
     f = of_fixed
     l0, l1 = r[f, 0] * r[f, 5] - r[f, 1] * r[f, 4], r[f, 0] * r[f, 6] - r[f, 2] * r[f, 4]
     l2, l3 = r[f, 0] * r[f, 7] - r[f, 3] * r[f, 4], r[f, 1] * r[f, 6] - r[f, 2] * r[f, 5]
@@ -96,7 +101,7 @@ def across(fixed, part, x, moving, other, lo, hi, rising, y, of_fixed, of_moving
     y = min(max(y, lo), hi)
     last = np.inf
     for _ in range(MOST_STEPS):
-        evaluate(moving, other, y, of_moving, r)
+        evaluate(moving, other, y, of_moving, YES, r)
         # the dual skew matrix of the fixed line times both ends
         a0 = l5 * r[m, 5] - l4 * r[m, 6] + l3 * r[m, 7]
         a1 = -l5 * r[m, 4] + l2 * r[m, 6] - l1 * r[m, 7]
@@ -127,7 +132,7 @@ def across(fixed, part, x, moving, other, lo, hi, rising, y, of_fixed, of_moving
             for c in range(8):
                 r[m, c] += step * r[g, c]
             return y
-    evaluate(moving, other, y, of_moving, r)
+    evaluate(moving, other, y, of_moving, YES, r)
     return y
 
 

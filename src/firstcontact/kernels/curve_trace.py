@@ -7,12 +7,11 @@ import numpy as np
 from firstcontact.kernels.curve_points import END, GAP, OVER, POINT, START, X, Y, enter, on_arc
 from firstcontact.kernels.jit import kernel
 
-# A chord is kept where the curve leaves it by at most this part of the tolerance, and turns by less than this (radians).
+# A chord is kept where the curve leaves it by at most this part of the tolerance, and turns by less (radians).
 KEEP, LARGEST_TURN = 0.9, 0.35
-# Parts into which one chord falls at most, and the shortest that is cut, in parameters of a part.
-MOST_PARTS, LEAST_CHORD = 256, 1e-9
-STACK = 40
-NONE, SOME = np.int64(0), np.int64(1)
+# Parts into which one chord falls at once, and the shortest that is cut, in parameters of a part.
+MOST_PARTS, LEAST_CHORD = 16, 1e-9
+STACK = 256
 
 
 @kernel
@@ -36,20 +35,19 @@ def _cosine(a, x, b):
 
 
 @kernel
-def _between(p, q, arc, run, here, end, part, known, knots, r, row):
-    """Set `row` to the point of the arc at a part of the way, guessed through the points known at some parts."""
-    other = X + Y - run
-    guess = here[other] + part * (end[other] - here[other])
-    if knots > 0:
-        # through the ends and the points at 1/4, 1/2, 3/4
-        guess = 0.0
-        for m in range(5):
-            weight = 1.0
-            for n in range(5):
-                if n != m:
-                    weight *= (4.0 * part - n) / (m - n)
-            guess += weight * (here[other] if m == 0 else end[other] if m == 4 else known[m - 1, other])
+def _between(p, q, arc, run, here, end, part, guess, r, row):
+    """Set `row` to the point of the arc at a part of the way, with a guess of its other parameter."""
     on_arc(p, q, arc, here[run] + part * (end[run] - here[run]), guess, r, row)
+
+
+@kernel
+def _through(a, b, c, d, e, x):
+    """The value at x of the polynomial with these values at 0, 1/4, 1/2, 3/4 and 1 (Newton's differences)."""
+    x *= 4.0
+    b1, c1, d1, e1 = b - a, c - b, d - c, e - d
+    b2, c2, d2 = 0.5 * (c1 - b1), 0.5 * (d1 - c1), 0.5 * (e1 - d1)
+    b3, c3 = (c2 - b2) / 3.0, (d2 - c2) / 3.0
+    return a + x * (b1 + (x - 1.0) * (b2 + (x - 2.0) * (b3 + (x - 3.0) * 0.25 * (c3 - b3))))
 
 
 @kernel
@@ -61,13 +59,12 @@ def trace(p, q, arcs, count, places, tolerance, stack, known, r, points, starts)
     """
     used = 0
     starts[0] = 0
-    fresh = known[3]
     for k in range(count):
         arc = arcs[k]
         starts[k + 1] = used
         if arc[START] < 0:
             continue
-        run = Y if arc[OVER] == 1 else X
+        run, other = (Y, X) if arc[OVER] == 1 else (X, Y)
         # stack: ends of chords, the nearest on top; `here`: where that one begins
         here = known[4]
         enter(p, q, arc, places[arc[START]], here)
@@ -75,8 +72,11 @@ def trace(p, q, arcs, count, places, tolerance, stack, known, r, points, starts)
         top = 0
         while top >= 0:
             end = stack[top]
-            for m in range(3):
-                _between(p, q, arc, run, here, end, 0.25 * (m + 1), known, NONE, r, known[m])
+            y, z = here[other], end[other]
+            _between(p, q, arc, run, here, end, 0.5, 0.5 * (y + z), r, known[1])
+            x = known[1, other]
+            _between(p, q, arc, run, here, end, 0.25, 0.75 * x + 0.375 * y - 0.125 * z, r, known[0])
+            _between(p, q, arc, run, here, end, 0.75, 0.75 * x - 0.125 * y + 0.375 * z, r, known[2])
             a, b, c = _off(here, end, known[0]), _off(here, end, known[1]), _off(here, end, known[2])
             off = max(a, max(b, c))
             even = abs(a - 0.75 * off) <= 0.2 * off and abs(c - 0.75 * off) <= 0.2 * off
@@ -84,19 +84,22 @@ def trace(p, q, arcs, count, places, tolerance, stack, known, r, points, starts)
             need = max(np.sqrt(off / (KEEP * tolerance)), turn / LARGEST_TURN)
             if abs(end[run] - here[run]) < LEAST_CHORD:
                 need = 1.0
-            if need > 1.0 and not even and top + 1 < stack.shape[0]:
-                for n in range(GAP + 1):
-                    stack[top + 1, n] = known[1, n]
-                top += 1
+            room = stack.shape[0] - top - 1
+            if room > 0 and (need > 4.0 or (need > 1.0 and not even)):
+                # equal parts go on top, the first one last; they are looked at again
+                parts = int(min(np.ceil(need / 3.5), min(MOST_PARTS, room + 1))) if even else 2
+                for m in range(1, parts):
+                    guess = _through(y, known[0, other], x, known[2, other], z, m / parts)
+                    _between(p, q, arc, run, here, end, m / parts, guess, r, stack[top + parts - m])
+                top += parts - 1
                 continue
-            parts = int(min(np.ceil(need), MOST_PARTS))
-            last = parts if top > 0 else parts - 1
-            if used + last > points.shape[0]:
+            parts = 1 if need <= 1.0 else 2 if need <= 2.0 else 4
+            if used + parts > points.shape[0]:
                 return False
-            for m in range(1, last + 1):
-                row = end if m == parts else fresh
-                if m < parts:
-                    _between(p, q, arc, run, here, end, m / parts, known, SOME, r, fresh)
+            for m in range(1, parts + 1):
+                if m == parts and top == 0:
+                    break
+                row = end if m == parts else known[4 * m // parts - 1]
                 for n in range(GAP + 1):
                     points[used, n] = row[n]
                 used += 1

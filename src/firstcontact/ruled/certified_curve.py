@@ -110,7 +110,7 @@ def _solved(p: Chain, q: Chain, tolerance: float) -> Solved | None:
     scratch, known = np.empty((columns.SCRATCH_ROWS, width)), np.empty((5, columns.COLUMNS))
     used = trim(*sides, places, used, arcs, count, known, scratch)
     starts, ends = np.empty(count + 1, np.int64), np.empty((STACK, columns.COLUMNS))
-    room = 16 * ROOM
+    room = 64 * ROOM
     while True:
         points = np.empty((room, columns.GAP + 1))
         if trace(*sides, arcs, count, places, tolerance, ends, known, scratch, points, starts):
@@ -234,7 +234,7 @@ class _Line(NamedTuple):
 
 def _lines(arcs: np.ndarray) -> list[_Line]:
     """All arcs, joined where two of them meet."""
-    pairs = {k: (int(a), int(b)) for k, (a, b) in enumerate(arcs[:, [columns.START, columns.END]]) if a >= 0}
+    pairs = {k: (a, b) for k, (a, b) in enumerate(arcs[:, [columns.START, columns.END]].tolist()) if a >= 0}
     at: dict[int, list[int]] = {}
     for k, pair in pairs.items():
         for place in pair:

@@ -10,7 +10,7 @@ from math import comb
 from typing import Any
 
 import numpy as np
-from flint import fmpq, fmpz_poly
+from flint import fmpq, fmpq_mat, fmpz_mat, fmpz_poly
 
 from firstcontact.body.ruled_surface import RuledSurface
 from firstcontact.exact.numbers import rational, to_double
@@ -149,7 +149,8 @@ def _bernstein(components: Sequence[fmpz_poly], n: int, lo: Projective, hi: Proj
         for u, v in [lo] * (n - i) + [hi] * i:
             product = [v * a + u * b for a, b in zip([*product, fmpq(0)], [fmpq(0), *product], strict=True)]
         weights.append([x / comb(n, j) for j, x in enumerate(product)])
-    return [[sum((c[j] * x for j, x in enumerate(row)), fmpq(0)) for row in weights] for c in components]
+    rows = fmpq_mat(fmpz_mat([[c[j] for j in range(n + 1)] for c in components])) * fmpq_mat(weights).transpose()
+    return rows.tolist()  # type: ignore[no-any-return]
 
 
 def _elevated(row: list[fmpq], degree: int) -> list[float]:
