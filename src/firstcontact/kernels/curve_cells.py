@@ -36,10 +36,12 @@ from firstcontact.kernels.curve_nets import (
     slopes,
 )
 from firstcontact.kernels.curve_points import (
+    ARC_U,
+    ARC_V,
     END,
+    HIGH,
     KIND,
-    NODE_U_OF_ARC,
-    NODE_V_OF_ARC,
+    LOW,
     OVER,
     PART_U,
     PART_V,
@@ -47,9 +49,9 @@ from firstcontact.kernels.curve_points import (
     S_BOUND,
     START,
     T_BOUND,
+    VIEW,
     X,
     Y,
-    look_along,
 )
 from firstcontact.kernels.jit import kernel
 
@@ -70,7 +72,7 @@ LAYER_ROWS = 64
 # Row s or t of the layer RANGES: slopes of the bracket that may vanish, along u (low, high), along v (low, high), their
 # error, and its number, 0 or 1, or -1 for none.
 ERROR, WHICH = 4, 5
-VIEW = 2
+SIGHT = 2
 # Halvings of one parameter after which a cell is left open: 2^-24 is near the square root of the rounding of Delta, below
 # which a double root is not told from none or two.
 DEEPEST = 24
@@ -82,6 +84,30 @@ LINE_DEPTH = 45
 
 
 @kernel
+def _along(side, k, out):
+    """Twice a middle direction of the rulings of a node."""
+    n = degree(side)
+    for c in range(3):
+        out[c] = side[k, SECOND + c, 0] / side[k, 7, 0] - side[k, c, 0] / side[k, 3, 0]
+        out[c] += side[k, SECOND + c, n] / side[k, 7, n] - side[k, c, n] / side[k, 3, n]
+
+
+@kernel
+def _look_along(p, i, q, j, w):
+    """Set the direction across the rulings of the cell: along it they are seen to cross."""
+    a, b, d = w[PLANES, 0], w[PLANES, 1], w[RANGES, SIGHT]
+    _along(p, i, a)
+    _along(q, j, b)
+    d[0], d[1], d[2] = a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+    size = abs(d[0]) + abs(d[1]) + abs(d[2])
+    if size > 0.0:
+        for c in range(3):
+            d[c] /= size
+    else:
+        d[2] = 1.0
+
+
+@kernel
 def _sign(lo, hi, error):
     return 1 if lo > error else -1 if hi < -error else 0
 
@@ -90,7 +116,7 @@ def _sign(lo, hi, error):
 def _brackets(side, k, other, other_k, which, w):
     """1: both brackets of the side's ends are of one sign, no contact; 2: neither has a sign; else 0, its row is set."""
     planes, row, net = w[PLANES, 4 * which : 4 * which + 4], w[RANGES, which], w[NET]
-    sizes = planes_net(other, other_k, w[RANGES, VIEW], planes)
+    sizes = planes_net(other, other_k, w[RANGES, SIGHT], planes)
     n, m = degree(side), 2 * degree(other)
     signs = 0
     product = 1
@@ -152,7 +178,7 @@ def _examine(p, i, q, j, crossings, w):
     if graph and crossings == 0:
         return NOTHING, 0
     cut = CUT_U if along_u > along_v else CUT_V
-    look_along(p, i, q, j, w[PLANES], w[RANGES, VIEW])
+    _look_along(p, i, q, j, w)
     for which in range(2):
         state = _brackets(p, i, q, j, NO, w) if which == 0 else _brackets(q, j, p, i, YES, w)
         if state == 1:
@@ -398,20 +424,25 @@ def _cut(p, q, top, along_u, w, cells, places, opened, counts):
 
 
 @kernel
-def _add_arc(cell, over_v, rising, first, last, w, arcs, counts):
+def _add_arc(p, q, cell, over_v, rising, first, last, w, arcs, counts):
     k = counts[ARCS]
     if k >= arcs.shape[0]:
         counts[SHORT] = 1
         return
     counts[ARCS] = k + 1
     arc = arcs[k]
-    arc[START], arc[END], arc[NODE_U_OF_ARC], arc[NODE_V_OF_ARC] = first, last, cell[NODE_U], cell[NODE_V]
+    i, j = cell[NODE_U], cell[NODE_V]
+    arc[START], arc[END], arc[ARC_U], arc[ARC_V] = first, last, part_of(p, i), part_of(q, j)
     arc[OVER], arc[RISING] = over_v, rising
-    arc[S_BOUND], arc[T_BOUND] = int(w[RANGES, 0, WHICH]), int(w[RANGES, 1, WHICH])
+    arc[S_BOUND], arc[T_BOUND] = w[RANGES, 0, WHICH], w[RANGES, 1, WHICH]
+    arc[LOW] = p[i, FACTS, LO] if over_v == 1 else q[j, FACTS, LO]
+    arc[HIGH] = p[i, FACTS, HI] if over_v == 1 else q[j, FACTS, HI]
+    for c in range(3):
+        arc[VIEW + c] = w[RANGES, SIGHT, c]
 
 
 @kernel
-def _graph(cell, over_v, rising, w, places, arcs, counts):
+def _graph(p, q, cell, over_v, rising, w, places, arcs, counts):
     """Join the crossings of a cell in which the curve is a graph; whether that went."""
     first, last = (SIDES + 4, SIDES + 6) if over_v else (SIDES, SIDES + 2)
     near, far = (SIDES, SIDES + 2) if over_v else (SIDES + 4, SIDES + 6)
@@ -436,7 +467,7 @@ def _graph(cell, over_v, rising, w, places, arcs, counts):
         if pending < 0:
             pending = here
         else:
-            _add_arc(cell, over_v, rising, pending, here, w, arcs, counts)
+            _add_arc(p, q, cell, over_v, rising, pending, here, w, arcs, counts)
             pending = np.int64(-1)
     return True
 
@@ -523,7 +554,7 @@ def _cells(p, q, budget, w, cells, places, arcs, opened, counts):
             continue
         if what == OVER_U or what == OVER_V:
             over_v = YES if what == OVER_V else NO
-            if _graph(cell, over_v, rising, w, places, arcs, counts):
+            if _graph(p, q, cell, over_v, rising, w, places, arcs, counts):
                 top -= 1
                 continue
             what = CUT_U

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from firstcontact.kernels.curve_nets import FACTS, HI, LO, SECOND, degree, part_of
 from firstcontact.kernels.jit import kernel
 
 # Columns of `places`: parameters in their parts, positions on the rulings, the point, the gap between the rulings; parts,
@@ -12,9 +11,10 @@ from firstcontact.kernels.jit import kernel
 X, Y, S, T, POINT, GAP, PART_U, PART_V, KIND, S_IN, T_IN, COLUMNS = 0, 1, 2, 3, 4, 7, 8, 9, 10, 11, 12, 13
 # Kinds of places: 0 within, 1 to 4 on the borders u = u0, u1, v = v0, v1, from CUT on at s = 0, 1, t = 0, 1.
 CUT = 5
-# Columns of `arcs`: places at both ends, nodes of the cell, whether the arc runs over v (else over u), sign of the slope
-# of Delta across, and for s and t the end of the range that may cut the arc (-1: none).
-START, END, NODE_U_OF_ARC, NODE_V_OF_ARC, OVER, RISING, S_BOUND, T_BOUND, ARC_COLUMNS = 0, 1, 2, 3, 4, 5, 6, 7, 8
+# Columns of `arcs`: places at both ends (-1: nothing is left of the arc, -2: perhaps a point); parts; whether it runs over
+# v (else over u); sign of the slope of Delta across; for s and t the end of the range that may cut it (-1: none); the
+# range of the parameter across; a direction along which its rulings are seen to cross.
+START, END, ARC_U, ARC_V, OVER, RISING, S_BOUND, T_BOUND, LOW, HIGH, VIEW, ARC_COLUMNS = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 13
 # Rows of the scratch array `r`: X, Y, Z, W of both ends of a ruling of p, then of q, their derivatives, Bernstein
 # polynomials of the points' degree and of one less.
 OF_P, OF_Q, SLOPES, BASIS, LOWER, SCRATCH_ROWS = np.int64(0), np.int64(1), 2, 4, 5, 6
@@ -27,9 +27,12 @@ LAST_STEP = 1e-8
 
 
 @kernel
-def evaluate(side, part, x, to, sloped, r):
-    """Rows `to` and, if asked, SLOPES + `to` of r: both ends of the ruling at x of a part, and their derivatives."""
-    n = degree(side)
+def evaluate(forms, part, x, to, sloped, r):
+    """Rows `to` and, if asked, SLOPES + `to` of r: both ends of the ruling at x of a part, and their derivatives.
+
+    forms: (parts, 2, n + 1, 8): Bernstein coefficients of the points, and of their derivatives, those of degree n - 1.
+    """
+    n = forms.shape[2] - 1
     y = 1.0 - x
     # Bernstein polynomials, degree by degree
     r[BASIS, 0] = 1.0
@@ -42,15 +45,16 @@ def evaluate(side, part, x, to, sloped, r):
             r[BASIS, k] = y * r[BASIS, k] + x * r[BASIS, k - 1]
         r[BASIS, 0] *= y
     for c in range(8):
-        value = 0.0
-        for k in range(n + 1):
-            value += r[BASIS, k] * side[part, c, k]
-        r[to, c] = value
-        if sloped == 1:
-            slope = 0.0
-            for k in range(n):
-                slope += r[LOWER, k] * (side[part, c, k + 1] - side[part, c, k])
-            r[SLOPES + to, c] = n * slope
+        r[to, c] = 0.0
+    for k in range(n + 1):
+        for c in range(8):
+            r[to, c] += r[BASIS, k] * forms[part, 0, k, c]
+    if sloped == 1:
+        for c in range(8):
+            r[SLOPES + to, c] = 0.0
+        for k in range(n):
+            for c in range(8):
+                r[SLOPES + to, c] += r[LOWER, k] * forms[part, 1, k, c]
 
 
 @kernel
@@ -139,52 +143,24 @@ def across(fixed, part, x, moving, other, lo, hi, rising, y, of_fixed, of_moving
 @kernel
 def on_arc(p, q, arc, run, guess, r, row):
     """Set `row` to the point of an arc over `run`: u = run and v near the guess, or the other way round."""
-    i, j = arc[NODE_U_OF_ARC], arc[NODE_V_OF_ARC]
-    part_p, part_q = part_of(p, i), part_of(q, j)
-    if arc[OVER] == 0:
-        lo, hi = q[j, FACTS, LO], q[j, FACTS, HI]
-        row[X], row[Y] = run, across(p, part_p, run, q, part_q, lo, hi, arc[RISING], guess, OF_P, OF_Q, r)
+    u, v = int(arc[ARC_U]), int(arc[ARC_V])
+    if arc[OVER] == 0.0:
+        row[X], row[Y] = run, across(p, u, run, q, v, arc[LOW], arc[HIGH], arc[RISING], guess, OF_P, OF_Q, r)
     else:
         # Delta is symmetric in the two lines
-        lo, hi = p[i, FACTS, LO], p[i, FACTS, HI]
-        row[X], row[Y] = across(q, part_q, run, p, part_p, lo, hi, arc[RISING], guess, OF_Q, OF_P, r), run
+        row[X], row[Y] = across(q, v, run, p, u, arc[LOW], arc[HIGH], arc[RISING], guess, OF_Q, OF_P, r), run
     meet(r, row)
 
 
 @kernel
-def _along(side, k, out):
-    """Twice a middle direction of the rulings of a node."""
-    n = degree(side)
-    for c in range(3):
-        out[c] = side[k, SECOND + c, 0] / side[k, 7, 0] - side[k, c, 0] / side[k, 3, 0]
-        out[c] += side[k, SECOND + c, n] / side[k, 7, n] - side[k, c, n] / side[k, 3, n]
-
-
-@kernel
-def look_along(p, i, q, j, rows, d):
-    """Set d to the direction across the rulings of a cell: along it they are seen to cross.  rows: scratch."""
-    a, b = rows[0], rows[1]
-    _along(p, i, a)
-    _along(q, j, b)
-    d[0], d[1], d[2] = a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
-    size = abs(d[0]) + abs(d[1]) + abs(d[2])
-    if size > 0.0:
-        for c in range(3):
-            d[c] /= size
-    else:
-        d[2] = 1.0
-
-
-@kernel
-def enter(p, q, arc, place, row):
+def enter(arc, place, row):
     """Copy a place to `row` in the parts of an arc: one found on a joint may be told in those of a neighbour."""
     for c in range(COLUMNS):
         row[c] = place[c]
-    part_p, part_q = part_of(p, arc[NODE_U_OF_ARC]), part_of(q, arc[NODE_V_OF_ARC])
-    if row[PART_U] != part_p:
-        row[X], row[PART_U] = 1.0 - row[X], part_p
-    if row[PART_V] != part_q:
-        row[Y], row[PART_V] = 1.0 - row[Y], part_q
+    if row[PART_U] != arc[ARC_U]:
+        row[X], row[PART_U] = 1.0 - row[X], arc[ARC_U]
+    if row[PART_V] != arc[ARC_V]:
+        row[Y], row[PART_V] = 1.0 - row[Y], arc[ARC_V]
 
 
 @kernel

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from firstcontact.kernels.curve_points import END, GAP, OVER, POINT, START, X, Y, enter, on_arc
+from firstcontact.kernels.curve_points import ARC_U, ARC_V, END, GAP, OVER, POINT, START, S, T, X, Y, enter, on_arc
 from firstcontact.kernels.jit import kernel
 
 # A chord is kept where the curve leaves it by at most this part of the tolerance, and turns by less (radians).
 KEEP, LARGEST_TURN = 0.9, 0.35
+# A curve bends evenly if its distances at the quarters of a chord are three quarters of that in the middle, up to this
+# part of it; then a chord that needs no more parts than SHORT falls into them unseen.
+EVEN, SHORT = 0.1, 6.0
 # Parts into which one chord falls at once, and the shortest that is cut, in parameters of a part.
 MOST_PARTS, LEAST_CHORD = 16, 1e-9
 STACK = 256
@@ -51,24 +54,46 @@ def _through(a, b, c, d, e, x):
 
 
 @kernel
-def trace(p, q, arcs, count, places, tolerance, stack, known, r, points, starts):
-    """The inner points of every arc, row by row as in `places`; arc k has rows starts[k] to starts[k + 1].
+def _put(arc, row, ranges_p, ranges_q, bounds, centre, points, parameters, k):
+    """Write a point of an arc as users see it: its coordinates, and u, v, s, t."""
+    u, v, x, y = int(arc[ARC_U]), int(arc[ARC_V]), row[X], row[Y]
+    for c in range(3):
+        points[k, c] = centre[c] + row[POINT + c]
+    r, z = ranges_p[u], ranges_q[v]
+    parameters[k, 0] = ((1.0 - x) * r[0, 0] + x * r[1, 0]) / ((1.0 - x) * r[0, 1] + x * r[1, 1])
+    parameters[k, 1] = ((1.0 - y) * z[0, 0] + y * z[1, 0]) / ((1.0 - y) * z[0, 1] + y * z[1, 1])
+    s, t = min(max(row[S], 0.0), 1.0), min(max(row[T], 0.0), 1.0)
+    parameters[k, 2] = (1.0 - s) * bounds[0, 0] + s * bounds[0, 1]
+    parameters[k, 3] = (1.0 - t) * bounds[1, 0] + t * bounds[1, 1]
 
-    Chords are looked at in their quarters; where the curve bends evenly, these settle into how many equal parts a chord
-    falls, otherwise it is halved.  Returns False where `points` is too short.
+
+@kernel
+def trace(
+    p, q, arcs, places, tolerance, ranges_p, ranges_q, bounds, centre, stack, known, r, points, parameters, starts
+):
+    """Points (x, y, z) and parameters (u, v, s, t) of every arc with both its ends: rows starts[k] to starts[k + 1].
+
+    p, q: the forms of `evaluate`; ranges: (parts, 2, 2) projective parameters at both ends of every part; bounds: the
+    ranges of s and t; centre: to which coordinates are relative so far.
+    Chords are looked at in their quarters; where the curve bends evenly, these settle into how many equal parts a short
+    chord falls, longer ones are cut and looked at again.  Returns False where `points` is too short.
     """
     used = 0
     starts[0] = 0
-    for k in range(count):
+    for k in range(arcs.shape[0]):
         arc = arcs[k]
         starts[k + 1] = used
-        if arc[START] < 0:
+        if arc[START] < 0.0:
             continue
-        run, other = (Y, X) if arc[OVER] == 1 else (X, Y)
+        run, other = (Y, X) if arc[OVER] == 1.0 else (X, Y)
         # stack: ends of chords, the nearest on top; `here`: where that one begins
-        here = known[4]
-        enter(p, q, arc, places[arc[START]], here)
-        enter(p, q, arc, places[arc[END]], stack[0])
+        here = known[3]
+        enter(arc, places[int(arc[START])], here)
+        enter(arc, places[int(arc[END])], stack[0])
+        if used + 1 > points.shape[0]:
+            return False
+        _put(arc, here, ranges_p, ranges_q, bounds, centre, points, parameters, used)
+        used += 1
         top = 0
         while top >= 0:
             end = stack[top]
@@ -79,29 +104,33 @@ def trace(p, q, arcs, count, places, tolerance, stack, known, r, points, starts)
             _between(p, q, arc, run, here, end, 0.75, 0.75 * x - 0.125 * y + 0.375 * z, r, known[2])
             a, b, c = _off(here, end, known[0]), _off(here, end, known[1]), _off(here, end, known[2])
             off = max(a, max(b, c))
-            even = abs(a - 0.75 * off) <= 0.2 * off and abs(c - 0.75 * off) <= 0.2 * off
+            even = abs(a - 0.75 * off) <= EVEN * off and abs(c - 0.75 * off) <= EVEN * off
             turn = np.arccos(min(max(_cosine(here, known[1], end), -1.0), 1.0))
             need = max(np.sqrt(off / (KEEP * tolerance)), turn / LARGEST_TURN)
             if abs(end[run] - here[run]) < LEAST_CHORD:
                 need = 1.0
             room = stack.shape[0] - top - 1
-            if room > 0 and (need > 4.0 or (need > 1.0 and not even)):
+            if room > 0 and (need > SHORT or (need > 1.0 and not even)):
                 # equal parts go on top, the first one last; they are looked at again
-                parts = int(min(np.ceil(need / 3.5), min(MOST_PARTS, room + 1))) if even else 2
+                parts = int(min(np.ceil(need / SHORT), min(MOST_PARTS, room + 1))) if even else 2
                 for m in range(1, parts):
                     guess = _through(y, known[0, other], x, known[2, other], z, m / parts)
                     _between(p, q, arc, run, here, end, m / parts, guess, r, stack[top + parts - m])
                 top += parts - 1
                 continue
-            parts = 1 if need <= 1.0 else 2 if need <= 2.0 else 4
+            parts = int(np.ceil(need)) if need > 1.0 else 1
             if used + parts > points.shape[0]:
                 return False
             for m in range(1, parts + 1):
-                if m == parts and top == 0:
-                    break
-                row = end if m == parts else known[4 * m // parts - 1]
-                for n in range(GAP + 1):
-                    points[used, n] = row[n]
+                row = known[4]
+                if m == parts:
+                    row = end
+                elif 4 * m % parts == 0:
+                    row = known[4 * m // parts - 1]
+                else:
+                    guess = _through(y, known[0, other], x, known[2, other], z, m / parts)
+                    _between(p, q, arc, run, here, end, m / parts, guess, r, row)
+                _put(arc, row, ranges_p, ranges_q, bounds, centre, points, parameters, used)
                 used += 1
             for n in range(GAP + 1):
                 here[n] = end[n]

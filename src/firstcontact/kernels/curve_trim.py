@@ -5,13 +5,12 @@ On an arc each of these positions passes at most one end of its range: the searc
 
 from __future__ import annotations
 
-from firstcontact.kernels.curve_nets import part_of
 from firstcontact.kernels.curve_points import (
+    ARC_U,
+    ARC_V,
     CUT,
     END,
     KIND,
-    NODE_U_OF_ARC,
-    NODE_V_OF_ARC,
     OVER,
     PART_U,
     PART_V,
@@ -19,13 +18,13 @@ from firstcontact.kernels.curve_points import (
     S_IN,
     START,
     T_IN,
+    VIEW,
     S,
     T,
     X,
     Y,
     enter,
     inside,
-    look_along,
     on_arc,
     place,
 )
@@ -33,8 +32,6 @@ from firstcontact.kernels.jit import kernel
 
 # Of parameters in their parts: where bounds of both pieces leave less of an arc, it is not told from a point.
 LEAST_ARC = 1e-10
-# Rows of the scratch array `known`: both ends of an arc, the direction of view, and two to find it.
-BEGIN, FINISH, VIEW, SPARE = 0, 1, 2, 3
 
 
 @kernel
@@ -49,12 +46,10 @@ def _bracket(which, end, d, r):
 
 
 @kernel
-def _leaves(p, q, arc, good, bad, which, end, known, r, row):
+def _leaves(p, q, arc, good, bad, which, end, r, row):
     """Set `row` to the point of an arc between two of its points at which s (which = 0) or t passes this end."""
     run, other = (Y, X) if arc[OVER] == 1 else (X, Y)
-    part_p, part_q = part_of(p, arc[NODE_U_OF_ARC]), part_of(q, arc[NODE_V_OF_ARC])
-    view = known[VIEW]
-    look_along(p, arc[NODE_U_OF_ARC], q, arc[NODE_V_OF_ARC], known[SPARE:], view)
+    part_p, part_q, view = int(arc[ARC_U]), int(arc[ARC_V]), arc[VIEW:]
     place(p, part_p, bad[X], q, part_q, bad[Y], r, row)
     b, at_b = bad[run], _bracket(which, end, view, r)
     place(p, part_p, good[X], q, part_q, good[Y], r, row)
@@ -94,21 +89,21 @@ def _leaves(p, q, arc, good, bad, which, end, known, r, row):
 def trim(p, q, places, used, arcs, count, known, r):
     """Set what `places` lacks, and cut the arcs; new places follow the `used` ones.  Places in use afterwards.
 
-    Arcs of which nothing is left start and end with -1, those of which a point may be left with -2 and its place.
+    p, q: the forms of `evaluate`.
     """
     for k in range(used):
         row = places[k]
         place(p, int(row[PART_U]), row[X], q, int(row[PART_V]), row[Y], r, row)
         row[S_IN], row[T_IN] = inside(row[S]), inside(row[T])
-    first, last = known[BEGIN], known[FINISH]
+    first, last = known[0], known[1]
     for k in range(count):
         arc = arcs[k]
         run = Y if arc[OVER] == 1 else X
-        enter(p, q, arc, places[arc[START]], first)
-        enter(p, q, arc, places[arc[END]], last)
+        enter(arc, places[int(arc[START])], first)
+        enter(arc, places[int(arc[END])], last)
         from_, to, empty, cut = first[run], last[run], False, False
         for which in range(2):
-            end = arc[S_BOUND + which]
+            end = int(arc[S_BOUND + which])
             first_in, last_in = first[S_IN + which] == 1.0, last[S_IN + which] == 1.0
             if end < 0 or (first_in and last_in):
                 continue
@@ -116,7 +111,7 @@ def trim(p, q, places, used, arcs, count, known, r):
                 empty = True
                 break
             row = places[used]
-            _leaves(p, q, arc, first if first_in else last, last if first_in else first, which, end, known, r, row)
+            _leaves(p, q, arc, first if first_in else last, last if first_in else first, which, end, r, row)
             if first_in and row[run] < to:
                 to, arc[END] = row[run], used
             elif last_in and row[run] > from_:

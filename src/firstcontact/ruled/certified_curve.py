@@ -65,17 +65,17 @@ def certified_curve(p: Any, q: Any, tolerance: float) -> dict[str, Any]:
 class Solved(NamedTuple):
     """What the kernels found of two chains.
 
-    places, arcs   as in curve_points, inner points of arc k: points[starts[k]:starts[k + 1]]
-    parts          the parts of the nodes of both sides
-    opened         (k, 6) boxes left open: parts, ranges of x and of y
+    places, arcs        as in curve_points, coordinates about a centre
+    points, parameters  (k, 3) and (k, 4) x, y, z and u, v, s, t; those of arc k, ends included: starts[k]:starts[k + 1]
+    opened              (k, 6) boxes left open: parts, ranges of x and of y
     """
 
     p: Chain
     q: Chain
-    parts: list[np.ndarray]
     places: np.ndarray
     arcs: np.ndarray
     points: np.ndarray
+    parameters: np.ndarray
     starts: np.ndarray
     opened: np.ndarray
     seen: int
@@ -93,7 +93,7 @@ def _solved(p: Chain, q: Chain, tolerance: float) -> Solved | None:
         sides = [_side(chain, centre, room) for chain in (p, q)]
         joints = np.full((5, len(p.points) + 1, len(q.points) + 1), -1)
         joints[0] = 0
-        places, arcs = np.empty((2 * room, columns.COLUMNS)), np.empty((room, columns.ARC_COLUMNS), np.int64)
+        places, arcs = np.empty((2 * room, columns.COLUMNS)), np.empty((room, columns.ARC_COLUMNS))
         opened, counts = np.empty((max(room, 2 * BUDGET), cells.OPEN_COLUMNS)), np.zeros(cells.COUNTS, np.int64)
         width = max(side.shape[2] for side in sides)
         scratch = np.empty((cells.LAYERS, cells.LAYER_ROWS, width))
@@ -108,21 +108,33 @@ def _solved(p: Chain, q: Chain, tolerance: float) -> Solved | None:
         if room > MOST_ROOM:
             raise InputError(f"the curve falls into more than {MOST_ROOM} arcs; give smaller pieces")
     scratch, known = np.empty((columns.SCRATCH_ROWS, width)), np.empty((5, columns.COLUMNS))
-    used = trim(*sides, places, used, arcs, count, known, scratch)
-    starts, ends = np.empty(count + 1, np.int64), np.empty((STACK, columns.COLUMNS))
+    forms = _forms(sides[0], len(p.points)), _forms(sides[1], len(q.points))
+    used = trim(*forms, places, used, arcs, count, known, scratch)
+    arcs, places, starts = arcs[:count], places[:used], np.empty(count + 1, np.int64)
+    bounds = np.array([chain.s for chain in (p, q)], float)
+    ends = np.empty((STACK, columns.COLUMNS))
     room = 64 * ROOM
     while True:
-        points = np.empty((room, columns.GAP + 1))
-        if trace(*sides, arcs, count, places, tolerance, ends, known, scratch, points, starts):
+        points, parameters = np.empty((room, 3)), np.empty((room, 4))
+        if trace(
+            *forms, arcs, places, tolerance, p.ranges, q.ranges, bounds, centre, ends, known, scratch, points,
+            parameters, starts,
+        ):  # fmt: skip
             break
         room *= 4
         if room > MOST_ROOM:
             raise InputError(f"tolerance {tolerance:g} needs more than {MOST_ROOM // 4} points; give a larger one")
-    for table, rows in ((places, used), (points, starts[-1])):
-        table[:rows, columns.POINT : columns.POINT + 3] += centre
     boxes = opened[: counts[cells.OPENED]]
-    parts = [side[: int(side[0, nets.FACTS, nets.COUNT]), nets.FACTS, nets.PART].astype(int) for side in sides]
-    return Solved(p, q, parts, places[:used], arcs[:count], points, starts, boxes, int(counts[cells.SEEN]))
+    return Solved(p, q, places, arcs, points, parameters, starts, boxes, int(counts[cells.SEEN]))
+
+
+def _forms(side: np.ndarray, parts: int) -> np.ndarray:
+    """(parts, 2, n + 1, 8): the points of the parts and the derivatives as `evaluate` takes them."""
+    degree = int(side[0, nets.FACTS, nets.DEGREE])
+    forms = np.zeros((parts, 2, degree + 1, nets.LINES))
+    forms[:, 0] = side[:parts, : nets.LINES, : degree + 1].transpose(0, 2, 1)
+    forms[:, 1, :-1] = degree * np.diff(forms[:, 0], axis=1)
+    return forms
 
 
 def _side(chain: Chain, centre: np.ndarray, room: int) -> np.ndarray:
@@ -191,9 +203,8 @@ class Found:
         for place in places:
             self._node(place.point, [sum(place.u) / 2, sum(place.v) / 2], "undecided")
         ends_at = [0] * len(places)
-        pool = _Pool.of(solved)
         for line in lines:
-            points, parameters = pool.along(line)
+            points, parameters = _polyline(solved, line)
             if line.closed:
                 self.branches.append(Branch(points, parameters, True, ()))
                 node = self._node(points[0], parameters[0], "regular")
@@ -234,7 +245,7 @@ class _Line(NamedTuple):
 
 def _lines(arcs: np.ndarray) -> list[_Line]:
     """All arcs, joined where two of them meet."""
-    pairs = {k: (a, b) for k, (a, b) in enumerate(arcs[:, [columns.START, columns.END]].tolist()) if a >= 0}
+    pairs = {k: (a, b) for k, (a, b) in enumerate(arcs[:, [columns.START, columns.END]].astype(int).tolist()) if a >= 0}
     at: dict[int, list[int]] = {}
     for k, pair in pairs.items():
         for place in pair:
@@ -261,41 +272,15 @@ def _lines(arcs: np.ndarray) -> list[_Line]:
     return found
 
 
-class _Pool(NamedTuple):
-    """All points of arcs, then all places: xyz and u, v, s, t."""
-
-    points: np.ndarray
-    parameters: np.ndarray
-    starts: np.ndarray
-
-    @classmethod
-    def of(cls, solved: Solved) -> _Pool:
-        count = solved.starts[-1]
-        rows = np.concatenate((solved.points[:count], solved.places[:, : columns.GAP + 1]))
-        lengths = np.diff(solved.starts)
-        parameters = []
-        for side, (chain, node, part, x, r) in enumerate(
-            (
-                (solved.p, columns.NODE_U_OF_ARC, columns.PART_U, columns.X, columns.S),
-                (solved.q, columns.NODE_V_OF_ARC, columns.PART_V, columns.Y, columns.T),
-            )
-        ):
-            parts = np.concatenate((np.repeat(solved.parts[side][solved.arcs[:, node]], lengths),
-                                    solved.places[:, part].astype(int)))  # fmt: skip
-            s = np.clip(rows[:, r], 0.0, 1.0)
-            lo, hi = float(chain.s[0]), float(chain.s[1])
-            parameters.append((chain.parameter(parts, rows[:, x]), s if (lo, hi) == (0, 1) else lo + (hi - lo) * s))
-        table = np.column_stack((parameters[0][0], parameters[1][0], parameters[0][1], parameters[1][1]))
-        return cls(rows[:, columns.POINT : columns.POINT + 3], table, solved.starts)
-
-    def along(self, line: _Line) -> tuple[np.ndarray, np.ndarray]:
-        count = self.starts[-1]
-        order = [np.array([count + line.places[0]])]
-        for (k, turned), place in zip(line.arcs, line.places[1:], strict=True):
-            inner = np.arange(self.starts[k], self.starts[k + 1])
-            order += [inner[::-1] if turned else inner, np.array([count + place])]
-        rows = np.concatenate(order)
-        return self.points[rows], self.parameters[rows]
+def _polyline(solved: Solved, line: _Line) -> tuple[np.ndarray, np.ndarray]:
+    """(n, 3) points and (n, 4) parameters along the arcs; places between arcs stand once."""
+    found: tuple[list[np.ndarray], list[np.ndarray]] = ([], [])
+    for i, (k, turned) in enumerate(line.arcs):
+        start, end = solved.starts[k], solved.starts[k + 1]
+        for table, parts in zip((solved.points, solved.parameters), found, strict=True):
+            own = table[start:end][::-1] if turned else table[start:end]
+            parts.append(own[1:] if i else own)
+    return np.concatenate(found[0]), np.concatenate(found[1])
 
 
 def _bound(solved: Solved, kind: int) -> str:
@@ -313,7 +298,7 @@ def _bound(solved: Solved, kind: int) -> str:
 def _open_places(solved: Solved, stray: list[int]) -> list[OpenPlace]:
     """Boxes left open, joined where they touch; `stray`: places at which branches end without reason."""
     points = [int(arc[columns.END]) for arc in solved.arcs if arc[columns.START] == -2]
-    spots = solved.places[[*points, *stray]]
+    spots = solved.places[np.array([*points, *stray], int)]
     parts = np.concatenate((solved.opened[:, :2], spots[:, [columns.PART_U, columns.PART_V]]))
     x, y = spots[:, columns.X], spots[:, columns.Y]
     ranges = np.concatenate((solved.opened[:, 2:], np.column_stack((x, x, y, y))))

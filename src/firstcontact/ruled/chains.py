@@ -46,8 +46,7 @@ class Chain:
 
     def parameter(self, part: np.ndarray, x: np.ndarray) -> np.ndarray:
         """u at x of parts."""
-        ends = self.ranges[part]
-        upper, lower = ((1 - x) * ends[:, 0, k] + x * ends[:, 1, k] for k in (0, 1))
+        upper, lower = ((1 - x) * self.ranges[part, 0, k] + x * self.ranges[part, 1, k] for k in (0, 1))
         with np.errstate(divide="ignore"):
             return upper / lower
 
@@ -127,7 +126,11 @@ def _positive_parts(
     piece: RuledSurface, lo: Projective, hi: Projective, depth: int = 0
 ) -> list[tuple[list[list[fmpq]], Projective, Projective]]:
     """Rows X, Y, Z, W of both sides on parts of a range on each of which all weights are positive."""
-    rows = [row for side in piece.sides for row in _bernstein(side.components, side.degree, lo, hi)]
+    sides = piece.sides
+    if sides[0].degree == sides[1].degree:
+        rows = _bernstein((*sides[0].components, *sides[1].components), sides[0].degree, lo, hi)
+    else:
+        rows = [row for side in sides for row in _bernstein(side.components, side.degree, lo, hi)]
     for weights in (3, 7):
         if max(rows[weights]) < 0:  # the signs of U, V turned it round
             rows[weights - 3 : weights + 1] = [[-x for x in row] for row in rows[weights - 3 : weights + 1]]
