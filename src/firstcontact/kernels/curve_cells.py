@@ -4,9 +4,8 @@ A cell is dropped where Delta has one sign or where a bracket pair proves that r
 partial derivative of Delta has one sign the curve in the cell is a graph: no loop, no branching, and its crossings with
 the border, in order, tell its arcs.  Crossings are found once for every line between cells, so neighbours agree.
 
-On lines between cells and at their corners a value within its error counts as positive: that moves the curve by less
-than rounding and keeps all cells in agreement.  On borders of the pieces, and where cells become too small, what is
-left open is recorded.
+At corners of cells a value within its error counts as positive, which moves the curve by less than rounding and keeps
+all cells in agreement.  What is not decided, on lines between cells and where cells become too small, is recorded.
 """
 
 from __future__ import annotations
@@ -50,6 +49,7 @@ from firstcontact.kernels.curve_points import (
     START,
     T_BOUND,
     VIEW,
+    WEAK,
     X,
     Y,
 )
@@ -59,10 +59,10 @@ from firstcontact.kernels.jit import kernel
 NO, YES, INNER = np.int64(0), np.int64(1), np.int64(0)
 # What a cell is: nothing of the curve, a graph over u, one over v, to be cut along u or v, or Delta within its error.
 NOTHING, OVER_U, OVER_V, CUT_U, CUT_V, FLAT = 0, 1, 2, 3, 4, 5
-# Columns of `cells`: nodes, signs at corners (lower left, lower right, upper left, upper right), then start and count of
+# Columns of `cells`: nodes, signs at corners (lower left and right, upper left and right), then start and count of
 # the crossings on the left, right, lower and upper side.
 NODE_U, NODE_V, CORNERS, SIDES, CELL_COLUMNS = 0, 1, 2, 6, 14
-# Numbers in `counts`: places, arcs, open boxes (parts, then ranges of x and of y), cells looked at; whether room ran out.
+# Numbers in `counts`: places, arcs, open boxes (parts, then ranges of x and y), cells looked at; whether room ran out.
 PLACES, ARCS, OPENED, SEEN, SHORT, COUNTS = 0, 1, 2, 3, 4, 5
 OPEN_COLUMNS = 6
 # Layers of the scratch array `w`: a net; rows of polynomials on a line; their spans and signs at the ends; planes, four
@@ -73,8 +73,8 @@ LAYER_ROWS = 64
 # error, and its number, 0 or 1, or -1 for none.
 ERROR, WHICH = 4, 5
 SIGHT = 2
-# Halvings of one parameter after which a cell is left open: 2^-24 is near the square root of the rounding of Delta, below
-# which a double root is not told from none or two.
+# Halvings of one parameter after which a cell is left open: 2^-24 is near the square root of the rounding of Delta,
+# below which a double root is not told from none or two.
 DEEPEST = 24
 # Halvings of a line between cells.
 LINE_DEPTH = 45
@@ -114,7 +114,7 @@ def _sign(lo, hi, error):
 
 @kernel
 def _brackets(side, k, other, other_k, which, w):
-    """1: both brackets of the side's ends are of one sign, no contact; 2: neither has a sign; else 0, its row is set."""
+    """1: both brackets of the side's ends have one sign, no contact; 2: neither has a sign; else 0, its row is set."""
     planes, row, net = w[PLANES, 4 * which : 4 * which + 4], w[RANGES, which], w[NET]
     sizes = planes_net(other, other_k, w[RANGES, SIGHT], planes)
     n, m = degree(side), 2 * degree(other)
@@ -213,6 +213,15 @@ def _value(row, count, x, scratch):
 
 
 @kernel
+def _flat(row, count, error):
+    """Whether no coefficient is told from zero."""
+    for k in range(count):
+        if abs(row[k]) > error:
+            return False
+    return True
+
+
+@kernel
 def _changes(row, count, error, before, after):
     """How often the signs of the coefficients change at most; the first and the last have the given signs."""
     changes, last, unsure = 0, before, 0
@@ -265,14 +274,16 @@ def _root(row, count, before, after, scratch):
 
 
 @kernel
-def _add_place(part_p, x, part_q, y, kind, places, counts):
+def _add_place(part_at, at, part, x, along_v, kind, places, counts):
     k = counts[PLACES]
     if k >= places.shape[0]:
         counts[SHORT] = 1
         return
     counts[PLACES] = k + 1
     row = places[k]
-    row[X], row[Y], row[PART_U], row[PART_V], row[KIND] = x, y, part_p, part_q, kind
+    row[X], row[Y] = (at, x) if along_v else (x, at)
+    row[PART_U], row[PART_V] = (part_at, part) if along_v else (part, part_at)
+    row[KIND] = kind
 
 
 @kernel
@@ -288,56 +299,49 @@ def _open(part_p, x0, x1, part_q, y0, y1, opened, counts):
 
 
 @kernel
-def _open_on_line(part_p, part_q, along_v, at, start, end, opened, counts):
-    if along_v == 1:
-        _open(part_p, at, at, part_q, start, end, opened, counts)
+def _open_on_line(part_at, at, part, start, end, along_v, opened, counts):
+    if along_v:
+        _open(part_at, at, at, part, start, end, opened, counts)
     else:
-        _open(part_p, start, end, part_q, at, at, opened, counts)
+        _open(part, start, end, part_at, at, at, opened, counts)
 
 
 @kernel
-def _crossings(p, i, q, j, along_v, a, before, after, kind, w, places, opened, counts):
+def _crossings(fixed, i, a, running, j, along_v, before, after, kind, w, places, opened, counts):
     """Find the crossings of the curve with one side of a cell, ascending; how many, they are the last places.
 
-    along_v: the line runs along node j of q, at coefficient a of the lines of node i of p; else along node i, at
-    coefficient a of node j.  before, after: the signs of Delta at its ends.
+    The line runs along node j of one side, at coefficient a of the lines of node i of the other; along_v: the running
+    side is the second one.  before, after: the signs of Delta at its ends.
     """
     rows, spans = w[LINE], w[SPANS]
-    if along_v == 1:
-        count = 2 * degree(q) + 1
-        for b in range(count):
-            rows[1, b] = delta_at(p, i, a, q, j, b)
-        lo, hi, at = q[j, FACTS, LO], q[j, FACTS, HI], p[i, FACTS, LO if a == 0 else HI]
-    else:
-        count = 2 * degree(p) + 1
-        for b in range(count):
-            rows[1, b] = delta_at(p, i, b, q, j, a)
-        lo, hi, at = p[i, FACTS, LO], p[i, FACTS, HI], q[j, FACTS, LO if a == 0 else HI]
-    part_p, part_q = part_of(p, i), part_of(q, j)
+    count = 2 * degree(running) + 1
+    for b in range(count):
+        rows[1, b] = delta_at(fixed, i, a, running, j, b)
+    lo, length = running[j, FACTS, LO], running[j, FACTS, HI] - running[j, FACTS, LO]
+    at = fixed[i, FACTS, LO if a == 0 else HI]
+    part_at, part = part_of(fixed, i), part_of(running, j)
     # halvings of the line add roundings
-    error = delta_error(p, i, q, j) + delta_size(p, i, q, j) * count * LINE_DEPTH * ROUND
+    error = delta_error(fixed, i, running, j) + delta_size(fixed, i, running, j) * count * LINE_DEPTH * ROUND
     spans[1, 0], spans[1, 1], spans[1, 2], spans[1, 3] = 0.0, 1.0, before, after
     top, found = YES, NO
     # Each waiting row is a part of the line, the first one on top; row 0 is scratch.
     while top > 0:
         row, start, end, first, last = rows[top], spans[top, 0], spans[top, 1], spans[top, 2], spans[top, 3]
         changes = _changes(row, count, error, first, last)
-        deep = end - start < 2.0**-LINE_DEPTH or top + 2 >= rows.shape[0]
-        if changes == 0 or (deep and first == last):
+        deep = end - start < 2.0**-LINE_DEPTH or top + 2 >= rows.shape[0] or _flat(row, count, error)
+        if changes == 0 or deep or (changes == 1 and first != last):
             top -= 1
-            if changes > 0 and kind > 0:
-                _open_on_line(part_p, part_q, along_v, at, lo + start * (hi - lo), lo + end * (hi - lo), opened, counts)
-            continue
-        if (changes == 1 and first != last) or deep:
-            x = lo + (start + (end - start) * _root(row, count, first, last, rows[0])) * (hi - lo)
-            if along_v == 1:
-                _add_place(part_p, at, part_q, x, kind, places, counts)
-            else:
-                _add_place(part_p, x, part_q, at, kind, places, counts)
-            if changes > 1 and kind > 0:
-                _open_on_line(part_p, part_q, along_v, at, lo + start * (hi - lo), lo + end * (hi - lo), opened, counts)
-            found += 1
-            top -= 1
+            if changes > 1:
+                _open_on_line(part_at, at, part, lo + start * length, lo + end * length, along_v, opened, counts)
+            if first != last:
+                x = lo + (start + (end - start) * _root(row, count, first, last, rows[0])) * length
+                _add_place(part_at, at, part, x, along_v, WEAK if changes > 1 else kind, places, counts)
+                found += 1
+            elif changes > 1:
+                # the curve may go to the other side and come back: what is on this side ends here
+                _add_place(part_at, at, part, lo + start * length, along_v, WEAK, places, counts)
+                _add_place(part_at, at, part, lo + end * length, along_v, WEAK, places, counts)
+                found += 2
             continue
         # the half behind stays in this row, the one before goes on top
         for k in range(count):
@@ -405,10 +409,10 @@ def _cut(p, q, top, along_u, w, cells, places, opened, counts):
     near_count, low_sign = _parted(cell[near], cell[near + 1], column, middle, cell[CORNERS], low, error, places)
     far_count, high_sign = _parted(cell[far], cell[far + 1], column, middle, before_far, high, error, places)
     start = counts[PLACES]
-    if along_u:
-        found = _crossings(p, child, q, j, YES, n, low_sign, high_sign, INNER, w, places, opened, counts)
-    else:
-        found = _crossings(p, i, q, child, NO, m, low_sign, high_sign, INNER, w, places, opened, counts)
+    fixed, last, running, node = (p, n, q, j) if along_u else (q, m, p, i)
+    found = _crossings(
+        fixed, child, last, running, node, along_u, low_sign, high_sign, INNER, w, places, opened, counts
+    )  # fmt: skip
     cell[own], other[own] = child, child + 1
     for side, count in ((near, near_count), (far, far_count)):
         other[side], other[side + 1] = cell[side] + count, cell[side + 1] - count
@@ -506,10 +510,11 @@ def _border(p, i, q, j, along_v, far, closed_p, closed_q, joints, w, places, ope
     if starts[at_u, at_v] < 0:
         before = _corner(p, i + (far if along_v else 0), q, j + (0 if along_v else far), closed_p, closed_q, corners)
         after = _corner(p, i + (far if along_v else 1), q, j + (1 if along_v else far), closed_p, closed_q, corners)
-        a = 0 if far == 0 else 2 * degree(p if along_v else q)
+        fixed, own, running, node = (p, i, q, j) if along_v else (q, j, p, i)
+        a = 0 if far == 0 else 2 * degree(fixed)
         starts[at_u, at_v] = counts[PLACES]
         found[at_u, at_v] = _crossings(
-            p, i, q, j, along_v, a, before, after, kind, w, places, opened, counts
+            fixed, own, a, running, node, along_v, before, after, kind, w, places, opened, counts
         )  # fmt: skip
     return starts[at_u, at_v], found[at_u, at_v]
 
@@ -522,49 +527,43 @@ def search(p, q, closed_p, closed_q, budget, joints, w, cells, places, arcs, ope
     count of the crossings on lines of constant u, and the same for lines of constant v.
     counts[SHORT] tells that an array was too small: then the answer is incomplete, ask again with larger ones.
     """
-    for i in range(joints.shape[1] - 1):
-        for j in range(joints.shape[2] - 1):
-            if apart(p, i, q, j):
+    for m in range(joints.shape[1] - 1):
+        for n in range(joints.shape[2] - 1):
+            if apart(p, m, q, n):
                 continue
             cell = cells[0]
-            cell[NODE_U], cell[NODE_V] = i, j
+            cell[NODE_U], cell[NODE_V] = m, n
             for k in range(4):
-                cell[CORNERS + k] = _corner(p, i + k % 2, q, j + k // 2, closed_p, closed_q, joints[0])
+                cell[CORNERS + k] = _corner(p, m + k % 2, q, n + k // 2, closed_p, closed_q, joints[0])
                 start, count = _border(
-                    p, i, q, j, YES if k < 2 else NO, k % 2, closed_p, closed_q, joints, w, places, opened, counts
+                    p, m, q, n, YES if k < 2 else NO, k % 2, closed_p, closed_q, joints, w, places, opened, counts
                 )
                 cell[SIDES + 2 * k], cell[SIDES + 2 * k + 1] = start, count
-            _cells(p, q, budget, w, cells, places, arcs, opened, counts)
+            # the cell and its parts, depth first
+            top = NO
+            while top >= 0 and counts[SHORT] == 0:
+                cell = cells[top]
+                i, j = cell[NODE_U], cell[NODE_V]
+                counts[SEEN] += 1
+                crossings = cell[SIDES + 1] + cell[SIDES + 3] + cell[SIDES + 5] + cell[SIDES + 7]
+                what, rising = _examine(p, i, q, j, crossings, w)
+                if what == NOTHING:
+                    top -= 1
+                    continue
+                if what == OVER_U or what == OVER_V:
+                    over_v = YES if what == OVER_V else NO
+                    if _graph(p, q, cell, over_v, rising, w, places, arcs, counts):
+                        top -= 1
+                        continue
+                    what = CUT_U
+                deep_u, deep_v = p[i, FACTS, DEPTH] >= DEEPEST, q[j, FACTS, DEPTH] >= DEEPEST
+                if what == FLAT or (deep_u and deep_v) or counts[SEEN] > budget:
+                    x0, x1, y0, y1 = p[i, FACTS, LO], p[i, FACTS, HI], q[j, FACTS, LO], q[j, FACTS, HI]
+                    _open(part_of(p, i), x0, x1, part_of(q, j), y0, y1, opened, counts)
+                    top -= 1
+                    continue
+                along_u = YES if (what == CUT_U and not deep_u) or deep_v else NO
+                _cut(p, q, top, along_u, w, cells, places, opened, counts)
+                top += 1
             if counts[SHORT] == 1:
                 return
-
-
-@kernel
-def _cells(p, q, budget, w, cells, places, arcs, opened, counts):
-    """Look at the cell at the bottom of the stack and at its parts, depth first."""
-    top = NO
-    while top >= 0 and counts[SHORT] == 0:
-        cell = cells[top]
-        i, j = cell[NODE_U], cell[NODE_V]
-        counts[SEEN] += 1
-        crossings = cell[SIDES + 1] + cell[SIDES + 3] + cell[SIDES + 5] + cell[SIDES + 7]
-        what, rising = _examine(p, i, q, j, crossings, w)
-        if what == NOTHING:
-            top -= 1
-            continue
-        if what == OVER_U or what == OVER_V:
-            over_v = YES if what == OVER_V else NO
-            if _graph(p, q, cell, over_v, rising, w, places, arcs, counts):
-                top -= 1
-                continue
-            what = CUT_U
-        deep_u, deep_v = p[i, FACTS, DEPTH] >= DEEPEST, q[j, FACTS, DEPTH] >= DEEPEST
-        if what == FLAT or (deep_u and deep_v) or counts[SEEN] > budget:
-            _open(
-                part_of(p, i), p[i, FACTS, LO], p[i, FACTS, HI], part_of(q, j), q[j, FACTS, LO], q[j, FACTS, HI],
-                opened, counts,
-            )  # fmt: skip
-            top -= 1
-            continue
-        _cut(p, q, top, YES if (what == CUT_U and not deep_u) or deep_v else NO, w, cells, places, opened, counts)
-        top += 1

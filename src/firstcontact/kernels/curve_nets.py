@@ -168,7 +168,7 @@ def planes_net(side, k, d, planes):
 
 @kernel
 def side_net(side, k, first, other, other_k, planes, sizes, net):
-    """Coefficients [a, b] of [X, ruling of the other, d] for the directrix X that begins in row `first`; their error."""
+    """Coefficients [a, b] of [X, ruling of the other, d], X the directrix that begins in row `first`; their error."""
     for a in range(degree(side) + 1):
         x0, x1, x2, x3 = side[k, first, a], side[k, first + 1, a], side[k, first + 2, a], side[k, first + 3, a]
         for b in range(2 * degree(other) + 1):

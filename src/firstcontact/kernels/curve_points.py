@@ -6,15 +6,17 @@ import numpy as np
 
 from firstcontact.kernels.jit import kernel
 
-# Columns of `places`: parameters in their parts, positions on the rulings, the point, the gap between the rulings; parts,
-# kind, and whether s and t are in their ranges.
+# Columns of `places`: parameters in their parts, positions on the rulings, the point, the gap between the rulings;
+# parts, kind, and whether s and t are in their ranges.
 X, Y, S, T, POINT, GAP, PART_U, PART_V, KIND, S_IN, T_IN, COLUMNS = 0, 1, 2, 3, 4, 7, 8, 9, 10, 11, 12, 13
-# Kinds of places: 0 within, 1 to 4 on the borders u = u0, u1, v = v0, v1, from CUT on at s = 0, 1, t = 0, 1.
-CUT = 5
-# Columns of `arcs`: places at both ends (-1: nothing is left of the arc, -2: perhaps a point); parts; whether it runs over
-# v (else over u); sign of the slope of Delta across; for s and t the end of the range that may cut it (-1: none); the
-# range of the parameter across; a direction along which its rulings are seen to cross.
-START, END, ARC_U, ARC_V, OVER, RISING, S_BOUND, T_BOUND, LOW, HIGH, VIEW, ARC_COLUMNS = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 13
+# Kinds of places: 0 within, 1 to 4 on the borders u = u0, u1, v = v0, v1, from CUT on at s = 0, 1, t = 0, 1; at a weak
+# one the curve goes on in a box that is left open.
+CUT, WEAK = 5, -1
+# Columns of `arcs`: places at both ends (-1: nothing is left of the arc, -2: perhaps a point); parts; whether it runs
+# over v (else over u); sign of the slope of Delta across; for s and t the end of the range that may cut it (-1: none);
+# the range of the parameter across; a direction along which its rulings are seen to cross.
+START, END, ARC_U, ARC_V, OVER, RISING, S_BOUND, T_BOUND, LOW, HIGH, VIEW = range(11)
+ARC_COLUMNS = 13
 # Rows of the scratch array `r`: X, Y, Z, W of both ends of a ruling of p, then of q, their derivatives, Bernstein
 # polynomials of the points' degree and of one less.
 OF_P, OF_Q, SLOPES, BASIS, LOWER, SCRATCH_ROWS = np.int64(0), np.int64(1), 2, 4, 5, 6
@@ -144,11 +146,12 @@ def across(fixed, part, x, moving, other, lo, hi, rising, y, of_fixed, of_moving
 def on_arc(p, q, arc, run, guess, r, row):
     """Set `row` to the point of an arc over `run`: u = run and v near the guess, or the other way round."""
     u, v = int(arc[ARC_U]), int(arc[ARC_V])
-    if arc[OVER] == 0.0:
-        row[X], row[Y] = run, across(p, u, run, q, v, arc[LOW], arc[HIGH], arc[RISING], guess, OF_P, OF_Q, r)
-    else:
-        # Delta is symmetric in the two lines
-        row[X], row[Y] = across(q, v, run, p, u, arc[LOW], arc[HIGH], arc[RISING], guess, OF_Q, OF_P, r), run
+    # Delta is symmetric in the two lines
+    over_v = arc[OVER] == 1.0
+    a, i, b, j = (q, v, p, u) if over_v else (p, u, q, v)
+    at_a, at_b = (OF_Q, OF_P) if over_v else (OF_P, OF_Q)
+    across_it = across(a, i, run, b, j, arc[LOW], arc[HIGH], arc[RISING], guess, at_a, at_b, r)
+    row[X], row[Y] = (across_it, run) if over_v else (run, across_it)
     meet(r, row)
 
 

@@ -15,6 +15,8 @@ EVEN, SHORT = 0.1, 6.0
 # Parts into which one chord falls at once, and the shortest that is cut, in parameters of a part.
 MOST_PARTS, LEAST_CHORD = 16, 1e-9
 STACK = 256
+# Typed: Numba compiles a function anew for every Python integer written into a call.
+NONE = np.int64(0)
 
 
 @kernel
@@ -35,12 +37,6 @@ def _cosine(a, x, b):
     e0, e1, e2 = b[POINT] - x[POINT], b[POINT + 1] - x[POINT + 1], b[POINT + 2] - x[POINT + 2]
     size = (d0 * d0 + d1 * d1 + d2 * d2) * (e0 * e0 + e1 * e1 + e2 * e2)
     return (d0 * e0 + d1 * e1 + d2 * e2) / np.sqrt(size) if size > 0.0 else 1.0
-
-
-@kernel
-def _between(p, q, arc, run, here, end, part, guess, r, row):
-    """Set `row` to the point of the arc at a part of the way, with a guess of its other parameter."""
-    on_arc(p, q, arc, here[run] + part * (end[run] - here[run]), guess, r, row)
 
 
 @kernel
@@ -78,7 +74,7 @@ def trace(
     Chords are looked at in their quarters; where the curve bends evenly, these settle into how many equal parts a short
     chord falls, longer ones are cut and looked at again.  Returns False where `points` is too short.
     """
-    used = 0
+    used = NONE
     starts[0] = 0
     for k in range(arcs.shape[0]):
         arc = arcs[k]
@@ -98,10 +94,14 @@ def trace(
         while top >= 0:
             end = stack[top]
             y, z = here[other], end[other]
-            _between(p, q, arc, run, here, end, 0.5, 0.5 * (y + z), r, known[1])
-            x = known[1, other]
-            _between(p, q, arc, run, here, end, 0.25, 0.75 * x + 0.375 * y - 0.125 * z, r, known[0])
-            _between(p, q, arc, run, here, end, 0.75, 0.75 * x - 0.125 * y + 0.375 * z, r, known[2])
+            begin, length = here[run], end[run] - here[run]
+            x = 0.5 * (y + z)
+            for m in range(3):
+                # the middle first, then by the parabola through it
+                n = 1 if m == 0 else 0 if m == 1 else 2
+                guess = x if m == 0 else 0.75 * x + (0.375 * y - 0.125 * z if m == 1 else 0.375 * z - 0.125 * y)
+                on_arc(p, q, arc, begin + 0.25 * (n + 1) * length, guess, r, known[n])
+                x = known[1, other]
             a, b, c = _off(here, end, known[0]), _off(here, end, known[1]), _off(here, end, known[2])
             off = max(a, max(b, c))
             even = abs(a - 0.75 * off) <= EVEN * off and abs(c - 0.75 * off) <= EVEN * off
@@ -109,29 +109,27 @@ def trace(
             need = max(np.sqrt(off / (KEEP * tolerance)), turn / LARGEST_TURN)
             if abs(end[run] - here[run]) < LEAST_CHORD:
                 need = 1.0
-            room = stack.shape[0] - top - 1
-            if room > 0 and (need > SHORT or (need > 1.0 and not even)):
-                # equal parts go on top, the first one last; they are looked at again
-                parts = int(min(np.ceil(need / SHORT), min(MOST_PARTS, room + 1))) if even else 2
-                for m in range(1, parts):
-                    guess = _through(y, known[0, other], x, known[2, other], z, m / parts)
-                    _between(p, q, arc, run, here, end, m / parts, guess, r, stack[top + parts - m])
-                top += parts - 1
-                continue
-            parts = int(np.ceil(need)) if need > 1.0 else 1
+            room = stack.shape[0] - top
+            again = room > 1 and (need > SHORT or (need > 1.0 and not even))
+            if again:
+                parts = int(min(np.ceil(need / SHORT), min(MOST_PARTS, room))) if even else 2
+            else:
+                parts = int(np.ceil(need)) if need > 1.0 else 1
             if used + parts > points.shape[0]:
                 return False
-            for m in range(1, parts + 1):
-                row = known[4]
-                if m == parts:
-                    row = end
-                elif 4 * m % parts == 0:
-                    row = known[4 * m // parts - 1]
-                else:
-                    guess = _through(y, known[0, other], x, known[2, other], z, m / parts)
-                    _between(p, q, arc, run, here, end, m / parts, guess, r, row)
-                _put(arc, row, ranges_p, ranges_q, bounds, centre, points, parameters, used)
-                used += 1
+            for m in range(1, parts):
+                # parts that are looked at again go on top, the first one last
+                row = stack[top + parts - m] if again else known[4]
+                guess = _through(y, known[0, other], x, known[2, other], z, m / parts)
+                on_arc(p, q, arc, begin + m / parts * length, guess, r, row)
+                if not again:
+                    _put(arc, row, ranges_p, ranges_q, bounds, centre, points, parameters, used)
+                    used += 1
+            if again:
+                top += parts - 1
+                continue
+            _put(arc, end, ranges_p, ranges_q, bounds, centre, points, parameters, used)
+            used += 1
             for n in range(GAP + 1):
                 here[n] = end[n]
             top -= 1

@@ -22,13 +22,13 @@ from firstcontact.result import Stats
 from firstcontact.ruled.chains import Chain, chains, product_table
 
 # Cells looked at for one pair of chains before the rest is left open.
-BUDGET = 200_000
+BUDGET = 100_000
 # Rows that arrays of nodes, places, arcs and points have at first, and at most; they grow where that does not do.
 ROOM, MOST_ROOM = 2048, 2**23
 # Of directrices; nets of a cell have twice as many rows.
 HIGHEST_DEGREE = (cells.LAYER_ROWS - 2) // 2
 # Open boxes are one place where they are this near each other, in parameters of parts; of more boxes than this all are.
-SAME_PLACE, MOST_PLACES = 1e-9, 4000
+SAME_PLACE, MOST_PLACES = 1e-5, 4000
 _PAIRS = ((0, 0, 0, 1, 1, 2), (1, 2, 3, 2, 3, 3))
 
 
@@ -196,8 +196,9 @@ class Found:
     def add(self, solved: Solved) -> None:
         """Branches and open places of two chains."""
         self.seen += solved.seen
-        lines = _lines(solved.arcs)
-        stray = [k for line in lines if not line.closed for k in line.ends if not solved.places[k, columns.KIND]]
+        kinds = solved.places[:, columns.KIND].astype(int)
+        lines = _lines(solved.arcs, kinds)
+        stray = [k for line in lines if not line.closed for k in line.ends if kinds[k] <= 0]
         places = _open_places(solved, stray)
         first = len(self.nodes)
         for place in places:
@@ -210,11 +211,12 @@ class Found:
                 node = self._node(points[0], parameters[0], "regular")
                 self.edges.append((node, node))
                 continue
+            if max(kinds[list(line.ends)]) <= 0 and any(_within(parameters, place) for place in places):
+                continue  # how the curve runs inside an open place is open
             ends, numbers = [], []
             for at, k in zip((0, -1), line.ends, strict=True):
-                kind = int(solved.places[k, columns.KIND])
-                if kind:
-                    ends.append(BranchEnd("boundary", (_bound(solved, kind),), points[at], parameters[at]))
+                if kinds[k] > 0:
+                    ends.append(BranchEnd("boundary", (_bound(solved, kinds[k]),), points[at], parameters[at]))
                     numbers.append(self._node(points[at], parameters[at], "boundary"))
                 else:
                     ends.append(BranchEnd("undecided", (), points[at], parameters[at]))
@@ -243,16 +245,17 @@ class _Line(NamedTuple):
         return self.places[0], self.places[-1]
 
 
-def _lines(arcs: np.ndarray) -> list[_Line]:
-    """All arcs, joined where two of them meet."""
+def _lines(arcs: np.ndarray, kinds: np.ndarray) -> list[_Line]:
+    """All arcs, joined where two of them meet; not at weak places."""
     pairs = {k: (a, b) for k, (a, b) in enumerate(arcs[:, [columns.START, columns.END]].astype(int).tolist()) if a >= 0}
     at: dict[int, list[int]] = {}
     for k, pair in pairs.items():
         for place in pair:
             at.setdefault(place, []).append(k)
     left = set(pairs)
+    through = {place for place, own in at.items() if len(own) == 2 and kinds[place] != columns.WEAK}
     found = []
-    for starts in ([p for p, own in at.items() if len(own) != 2], list(at)):  # arcs with ends, then loops
+    for starts in ([x for x in at if x not in through], list(at)):  # arcs with ends, then loops
         for start in starts:
             for first in at[start]:
                 if first not in left:
@@ -264,11 +267,11 @@ def _lines(arcs: np.ndarray) -> list[_Line]:
                     here = pairs[k][0 if turned else 1]
                     line.append((k, turned))
                     places.append(here)
-                    further = [x for x in at[here] if x in left] if len(at[here]) == 2 else []
+                    further = [x for x in at[here] if x in left] if here in through else []
                     if not further:
                         break
                     k = further[0]
-                found.append(_Line(line, places, here == start and len(at[start]) == 2))
+                found.append(_Line(line, places, here == start and start in through))
     return found
 
 
@@ -281,6 +284,12 @@ def _polyline(solved: Solved, line: _Line) -> tuple[np.ndarray, np.ndarray]:
             own = table[start:end][::-1] if turned else table[start:end]
             parts.append(own[1:] if i else own)
     return np.concatenate(found[0]), np.concatenate(found[1])
+
+
+def _within(parameters: np.ndarray, place: OpenPlace) -> bool:
+    u, v = parameters[:, 0], parameters[:, 1]
+    (a, b), (c, d), slack = place.u, place.v, SAME_PLACE
+    return bool(u.min() >= a - slack and u.max() <= b + slack and v.min() >= c - slack and v.max() <= d + slack)
 
 
 def _bound(solved: Solved, kind: int) -> str:

@@ -18,7 +18,7 @@ from firstcontact.ruled.pieces import Piece
 from firstcontact.ruled.spots import Box
 
 METHODS = ("auto", "algebraic", "certified")
-# Largest product of the degrees of Delta that "auto" decides exactly: some 40 ms; and where "certified" left something open.
+# Largest product of the degrees of Delta that "auto" decides exactly: at once (some 40 ms), and where places stay open.
 SMALL, BEARABLE = 20, 64
 
 
