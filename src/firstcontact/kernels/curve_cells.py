@@ -480,7 +480,7 @@ def _graph(p, q, cell, over_v, rising, w, places, arcs, counts):
 
 
 @kernel
-def _corner(p, i, q, j, closed_p, closed_q, corners):
+def _corner(p, i, q, j, closed_p, closed_q, corners, opened, counts):
     """The sign of Delta at joint i of p and j of q."""
     parts_p, parts_q = corners.shape[0] - 1, corners.shape[1] - 1
     i = 0 if closed_p and i == parts_p else i
@@ -489,7 +489,12 @@ def _corner(p, i, q, j, closed_p, closed_q, corners):
         a = 0 if i < parts_p else 2 * degree(p)
         b = 0 if j < parts_q else 2 * degree(q)
         k, m = min(i, parts_p - 1), min(j, parts_q - 1)
-        corners[i, j] = 1 if delta_at(p, k, a, q, m, b) >= -delta_error(p, k, q, m) else -1
+        value, error = delta_at(p, k, a, q, m, b), delta_error(p, k, q, m)
+        corners[i, j] = 1 if value >= -error else -1
+        at_border = (not closed_p and (i == 0 or i == parts_p)) or (not closed_q and (j == 0 or j == parts_q))
+        if at_border and abs(value) <= error:
+            x, y = 0.0 if a == 0 else 1.0, 0.0 if b == 0 else 1.0
+            _open(k, x, x, m, y, y, opened, counts)
     return corners[i, j]
 
 
@@ -508,8 +513,10 @@ def _border(p, i, q, j, along_v, far, closed_p, closed_q, joints, w, places, ope
     starts = joints[1 if along_v else 3]
     found = joints[2 if along_v else 4]
     if starts[at_u, at_v] < 0:
-        before = _corner(p, i + (far if along_v else 0), q, j + (0 if along_v else far), closed_p, closed_q, corners)
-        after = _corner(p, i + (far if along_v else 1), q, j + (1 if along_v else far), closed_p, closed_q, corners)
+        m, n = i + (far if along_v else 0), j + (0 if along_v else far)
+        before = _corner(p, m, q, n, closed_p, closed_q, corners, opened, counts)
+        m, n = i + (far if along_v else 1), j + (1 if along_v else far)
+        after = _corner(p, m, q, n, closed_p, closed_q, corners, opened, counts)
         fixed, own, running, node = (p, i, q, j) if along_v else (q, j, p, i)
         a = 0 if far == 0 else 2 * degree(fixed)
         starts[at_u, at_v] = counts[PLACES]
@@ -534,7 +541,9 @@ def search(p, q, closed_p, closed_q, budget, joints, w, cells, places, arcs, ope
             cell = cells[0]
             cell[NODE_U], cell[NODE_V] = m, n
             for k in range(4):
-                cell[CORNERS + k] = _corner(p, m + k % 2, q, n + k // 2, closed_p, closed_q, joints[0])
+                cell[CORNERS + k] = _corner(
+                    p, m + k % 2, q, n + k // 2, closed_p, closed_q, joints[0], opened, counts
+                )  # fmt: skip
                 start, count = _border(
                     p, m, q, n, YES if k < 2 else NO, k % 2, closed_p, closed_q, joints, w, places, opened, counts
                 )

@@ -29,6 +29,8 @@ ROOM, MOST_ROOM = 2048, 2**23
 HIGHEST_DEGREE = (cells.LAYER_ROWS - 2) // 2
 # Open boxes are one place where they are this near each other, in parameters of parts; of more boxes than this all are.
 SAME_PLACE, MOST_PLACES = 1e-5, 4000
+# Branches that are shorter in their parameters may be points; ends this near to one are there.
+SAME_POINT = 1e-9
 _PAIRS = ((0, 0, 0, 1, 1, 2), (1, 2, 3, 2, 3, 3))
 
 
@@ -198,14 +200,20 @@ class Found:
         self.seen += solved.seen
         kinds = solved.places[:, columns.KIND].astype(int)
         lines = _lines(solved.arcs, kinds)
-        stray = [k for line in lines if not line.closed for k in line.ends if kinds[k] <= 0]
-        places = _open_places(solved, stray)
+        polylines = [_polyline(solved, line) for line in lines]
+        tiny = [not line.closed and _size(parameters) <= SAME_POINT
+                  for line, (_, parameters) in zip(lines, polylines, strict=True)]  # fmt: skip
+        stray = [line.ends[0] for line, x in zip(lines, tiny, strict=True) if x]
+        polylines = [polyline for polyline, x in zip(polylines, tiny, strict=True) if not x]
+        lines = [line for line, x in zip(lines, tiny, strict=True) if not x]
+        reached = [k for line in lines if not line.closed for k in line.ends if kinds[k] > 0]
+        stray += [k for line in lines if not line.closed for k in line.ends if kinds[k] <= 0]
+        places = _open_places(solved, stray, reached)
         first = len(self.nodes)
         for place in places:
             self._node(place.point, [sum(place.u) / 2, sum(place.v) / 2], "undecided")
         ends_at = [0] * len(places)
-        for line in lines:
-            points, parameters = _polyline(solved, line)
+        for line, (points, parameters) in zip(lines, polylines, strict=True):
             if line.closed:
                 self.branches.append(Branch(points, parameters, True, ()))
                 node = self._node(points[0], parameters[0], "regular")
@@ -286,6 +294,11 @@ def _polyline(solved: Solved, line: _Line) -> tuple[np.ndarray, np.ndarray]:
     return np.concatenate(found[0]), np.concatenate(found[1])
 
 
+def _size(parameters: np.ndarray) -> float:
+    """How far u and v extend."""
+    return float(np.ptp(parameters[:, :2], axis=0).max())
+
+
 def _within(parameters: np.ndarray, place: OpenPlace) -> bool:
     u, v = parameters[:, 0], parameters[:, 1]
     (a, b), (c, d), slack = place.u, place.v, SAME_PLACE
@@ -304,16 +317,40 @@ def _bound(solved: Solved, kind: int) -> str:
 # -- open places --------------------------------------------------------------------------------------------
 
 
-def _open_places(solved: Solved, stray: list[int]) -> list[OpenPlace]:
-    """Boxes left open, joined where they touch; `stray`: places at which branches end without reason."""
+def _open_places(solved: Solved, stray: list[int], reached: list[int]) -> list[OpenPlace]:
+    """Boxes left open, joined where they touch.
+
+    stray: places of branches that are points, or at which branches end without reason.  reached: ends at bounds; a
+    point that is left open there is on the branch.
+    """
     points = [int(arc[columns.END]) for arc in solved.arcs if arc[columns.START] == -2]
     spots = solved.places[np.array([*points, *stray], int)]
     parts = np.concatenate((solved.opened[:, :2], spots[:, [columns.PART_U, columns.PART_V]]))
     x, y = spots[:, columns.X], spots[:, columns.Y]
     ranges = np.concatenate((solved.opened[:, 2:], np.column_stack((x, x, y, y))))
-    groups = _touching(parts, ranges)
-    # a place at the border of a box is no other place
-    return [_open_place(solved, parts[group], ranges[group]) for group in groups]
+    known = solved.places[np.array(reached, int)]
+    known = known[:, [columns.PART_U, columns.PART_V]] + known[:, [columns.X, columns.Y]]
+    at = parts + ranges[:, [0, 2]]
+    here = (ranges[:, [0, 2]] == ranges[:, [1, 3]]).all(1)
+    here[here] = [bool((np.abs(known - x).max(1) <= SAME_POINT).any()) for x in at[here]]
+    thin = ((ranges[:, 0] == ranges[:, 1]) | (ranges[:, 2] == ranges[:, 3])) & ~here
+    here[thin] = [_clearly_beyond(solved, *x) for x in zip(parts[thin], ranges[thin], strict=True)]
+    parts, ranges = parts[~here], ranges[~here]
+    return [_open_place(solved, parts[group], ranges[group]) for group in _touching(parts, ranges)]
+
+
+def _clearly_beyond(solved: Solved, parts: np.ndarray, ranges: np.ndarray) -> bool:
+    """Whether rulings of a short part of a line cross well beyond an end of one; the cells beside it are decided."""
+    if max(ranges[1] - ranges[0], ranges[3] - ranges[2]) > SAME_PLACE:
+        return False
+    p, q = solved.p.ruling(int(parts[0]), ranges[:2].mean()), solved.q.ruling(int(parts[1]), ranges[2:].mean())
+    along, other = p[1] - p[0], q[1] - q[0]
+    normal = np.cross(along, other)
+    size = normal @ normal
+    if size < 1e-6 * (along @ along) * (other @ other):
+        return False
+    s, t = (float(np.cross(q[0] - p[0], x) @ normal / size) for x in (other, along))
+    return max(-s, s - 1, -t, t - 1) > 1e-2
 
 
 def _touching(parts: np.ndarray, ranges: np.ndarray) -> list[np.ndarray]:
