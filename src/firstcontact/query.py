@@ -202,8 +202,8 @@ def intersection_curve(
 
     tolerance: greatest distance between a branch and its polyline.  box: two corners ((x, y, z), (x, y, z)); only what
     lies in it is reported.  Without one, unbounded branches are cut about 100 times the size of the directrices away
-    from the origin, and beyond that the tolerance grows.  method: "algebraic" is exact; "certified" takes bounded pieces
-    of any degree and strips, in doubles with proofs; "auto" chooses.
+    from the origin, and beyond that the tolerance grows.  method: "algebraic" is exact; "certified" takes bounded
+    pieces of any degree and strips, in doubles with proofs; "auto" chooses.
 
     Raises UnsupportedPair for other bodies, and for the cases that docs/ruled-surfaces.md lists.
 

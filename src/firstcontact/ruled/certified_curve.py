@@ -151,9 +151,10 @@ def _side(chain: Chain, centre: np.ndarray, room: int) -> np.ndarray:
     i, j = _PAIRS
     x, y = points[:, :4], points[:, 4:]
     products = x[:, i, :, None] * y[:, j, None, :] - x[:, j, :, None] * y[:, i, None, :]
+    lines = np.einsum("kiab,abc->kic", products, product_table(terms - 1))  # threads of BLAS would cost more
     side = np.empty((count + room, nets.ROWS_OF_SIDE, max(2 * terms - 1, nets.LEAST_COLUMNS)))
     side[:count, : nets.LINES, :terms] = points
-    side[:count, nets.LINES : nets.FACTS, : 2 * terms - 1] = products.reshape(count, 6, -1) @ product_table(terms - 1)
+    side[:count, nets.LINES : nets.FACTS, : 2 * terms - 1] = lines
     side[:count, nets.FACTS] = 0.0
     side[:count, nets.FACTS, nets.HI] = 1.0
     side[:count, nets.FACTS, nets.PART] = range(count)

@@ -167,9 +167,9 @@ def _elevated(row: list[fmpq], degree: int) -> list[float]:
 
 @lru_cache(maxsize=64)
 def product_table(n: int) -> np.ndarray:
-    """((n + 1)^2, 2 n + 1): coefficient c of the product of two polynomials of degree n from products of theirs."""
+    """(n + 1, n + 1, 2 n + 1): coefficient c of the product of two polynomials of degree n from products of theirs."""
     table = np.zeros((n + 1, n + 1, 2 * n + 1))
     for a in range(n + 1):
         for b in range(n + 1):
             table[a, b, a + b] = comb(n, a) * comb(n, b) / comb(2 * n, a + b)
-    return table.reshape(-1, 2 * n + 1)
+    return table
