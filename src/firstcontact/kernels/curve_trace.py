@@ -114,14 +114,17 @@ def trace(
             if again:
                 parts = int(min(np.ceil(need / SHORT), min(MOST_PARTS, room))) if even else 2
             else:
-                parts = int(np.ceil(need)) if need > 1.0 else 1
+                parts = 4 if 2.0 < need <= 4.0 else int(np.ceil(need)) if need > 1.0 else 1
             if used + parts > points.shape[0]:
                 return False
             for m in range(1, parts):
                 # parts that are looked at again go on top, the first one last
                 row = stack[top + parts - m] if again else known[4]
-                guess = _through(y, known[0, other], x, known[2, other], z, m / parts)
-                on_arc(p, q, arc, begin + m / parts * length, guess, r, row)
+                if not again and 4 * m % parts == 0:
+                    row = known[4 * m // parts - 1]
+                else:
+                    guess = _through(y, known[0, other], x, known[2, other], z, m / parts)
+                    on_arc(p, q, arc, begin + m / parts * length, guess, r, row)
                 if not again:
                     _put(arc, row, ranges_p, ranges_q, bounds, centre, points, parameters, used)
                     used += 1

@@ -31,6 +31,8 @@ HIGHEST_DEGREE = (cells.LAYER_ROWS - 2) // 2
 SAME_PLACE, MOST_PLACES = 1e-5, 4000
 # Branches that are shorter in their parameters may be points; ends this near to one are there.
 SAME_POINT = 1e-9
+# Polylines of so many points are longer than that: chords are not cut below it.
+LONG = 100
 _PAIRS = ((0, 0, 0, 1, 1, 2), (1, 2, 3, 2, 3, 3))
 
 
@@ -40,7 +42,7 @@ def is_supported(surface: Any) -> bool:
         piece.s is not None
         and not piece.trim
         and not piece.joined & {"s0", "s1"}
-        and max(side.degree for side in piece.sides) <= HIGHEST_DEGREE
+        and max(c.degree() for side in piece.sides for c in side.components) <= HIGHEST_DEGREE
         for piece in surface.pieces
     )
 
@@ -202,7 +204,7 @@ class Found:
         kinds = solved.places[:, columns.KIND].astype(int)
         lines = _lines(solved.arcs, kinds)
         polylines = [_polyline(solved, line) for line in lines]
-        tiny = [not line.closed and _size(parameters) <= SAME_POINT
+        tiny = [not line.closed and len(parameters) < LONG and _size(parameters) <= SAME_POINT
                   for line, (_, parameters) in zip(lines, polylines, strict=True)]  # fmt: skip
         stray = [line.ends[0] for line, x in zip(lines, tiny, strict=True) if x]
         polylines = [polyline for polyline, x in zip(polylines, tiny, strict=True) if not x]

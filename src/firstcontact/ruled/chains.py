@@ -126,11 +126,9 @@ def _positive_parts(
     piece: RuledSurface, lo: Projective, hi: Projective, depth: int = 0
 ) -> list[tuple[list[list[fmpq]], Projective, Projective]]:
     """Rows X, Y, Z, W of both sides on parts of a range on each of which all weights are positive."""
-    sides = piece.sides
-    if sides[0].degree == sides[1].degree:
-        rows = _bernstein((*sides[0].components, *sides[1].components), sides[0].degree, lo, hi)
-    else:
-        rows = [row for side in sides for row in _bernstein(side.components, side.degree, lo, hi)]
+    p, q = (side.components for side in piece.sides)
+    n, m = (max(c.degree() for c in side) for side in (p, q))
+    rows = _bernstein((*p, *q), n, lo, hi) if n == m else _bernstein(p, n, lo, hi) + _bernstein(q, m, lo, hi)
     for weights in (3, 7):
         if max(rows[weights]) < 0:  # the signs of U, V turned it round
             rows[weights - 3 : weights + 1] = [[-x for x in row] for row in rows[weights - 3 : weights + 1]]
