@@ -8,10 +8,10 @@ from firstcontact.kernels.curve_points import ARC_U, ARC_V, END, GAP, OVER, POIN
 from firstcontact.kernels.jit import kernel
 
 # A chord is kept where the curve leaves it by at most this part of the tolerance, and turns by less (radians).
-KEEP, LARGEST_TURN = 0.9, 0.35
-# A curve bends evenly if its distances at the quarters of a chord are three quarters of that in the middle, up to this
-# part of it; then a chord that needs no more parts than SHORT falls into them unseen.
-EVEN, SHORT = 0.1, 6.0
+KEEP, LARGEST_TURN = 0.7, 0.35
+# A chord along which the second derivative stays below so many times its mean falls into equal parts, unseen where it
+# needs no more than SHORT of them.
+MOST_UNSTEADY, SHORT = 2.0, 12.0
 # Parts into which one chord falls at once, and the shortest that is cut, in parameters of a part.
 MOST_PARTS, LEAST_CHORD = 16, 1e-9
 STACK = 256
@@ -104,9 +104,12 @@ def trace(
                 x = known[1, other]
             a, b, c = _off(here, end, known[0]), _off(here, end, known[1]), _off(here, end, known[2])
             off = max(a, max(b, c))
-            even = abs(a - 0.75 * off) <= EVEN * off and abs(c - 0.75 * off) <= EVEN * off
+            # the second derivative at its largest, in units of what bends the whole chord, if it is a parabola itself:
+            # a - c tells its slope, a + c against 3/2 b its bend
+            unsteady = 1.0 + 6.0 * abs(a - c) / (a + c) + 20.0 * abs((a + c) / (1.5 * b) - 1.0) if off > 0.0 else 1.0
+            even = unsteady <= MOST_UNSTEADY
             turn = np.arccos(min(max(_cosine(here, known[1], end), -1.0), 1.0))
-            need = max(np.sqrt(off / (KEEP * tolerance)), turn / LARGEST_TURN)
+            need = max(np.sqrt(off * min(unsteady, MOST_UNSTEADY) / (KEEP * tolerance)), turn / LARGEST_TURN)
             if abs(end[run] - here[run]) < LEAST_CHORD:
                 need = 1.0
             room = stack.shape[0] - top

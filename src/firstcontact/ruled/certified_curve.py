@@ -344,7 +344,8 @@ def _open_places(solved: Solved, stray: list[int], reached: list[int]) -> list[O
 
 def _clearly_beyond(solved: Solved, parts: np.ndarray, ranges: np.ndarray) -> bool:
     """Whether rulings of a short part of a line cross well beyond an end of one; the cells beside it are decided."""
-    if max(ranges[1] - ranges[0], ranges[3] - ranges[2]) > SAME_PLACE:
+    length = max(ranges[1] - ranges[0], ranges[3] - ranges[2])
+    if length > SAME_PLACE:
         return False
     p, q = solved.p.ruling(int(parts[0]), ranges[:2].mean()), solved.q.ruling(int(parts[1]), ranges[2:].mean())
     along, other = p[1] - p[0], q[1] - q[0]
@@ -353,7 +354,7 @@ def _clearly_beyond(solved: Solved, parts: np.ndarray, ranges: np.ndarray) -> bo
     if size < 1e-6 * (along @ along) * (other @ other):
         return False
     s, t = (float(np.cross(q[0] - p[0], x) @ normal / size) for x in (other, along))
-    return max(-s, s - 1, -t, t - 1) > 1e-2
+    return max(-s, s - 1, -t, t - 1) > (1e-2 if length else 1e-6)
 
 
 def _touching(parts: np.ndarray, ranges: np.ndarray) -> list[np.ndarray]:
