@@ -117,7 +117,7 @@ def _solved(p: Chain, q: Chain, tolerance: float) -> Solved | None:
     arcs, places, starts = arcs[:count], places[:used], np.empty(count + 1, np.int64)
     bounds = np.array([chain.s for chain in (p, q)], float)
     ends = np.empty((STACK, columns.COLUMNS))
-    room = 64 * ROOM
+    room = 256 * ROOM  # untouched pages cost nothing
     while True:
         points, parameters = np.empty((room, 3)), np.empty((room, 4))
         if trace(
