@@ -262,7 +262,7 @@ OpenCASCADE is `GeomAPI_IntSS`; both are asked for a tolerance of {tolerance:g}.
 preparation of fresh surfaces in it.
 *off*: largest distance of curve points from the surfaces, for firstcontact against exact arithmetic.
 *missed*: of that many meetings of random rulings with the other surface, found by sign changes, those off the curve.
-Warm memory of the process, OpenCASCADE loaded: {memory:.0f} MB.
+Largest memory of the whole run, OpenCASCADE and the checks in it: {memory:.0f} MB.
 
 | scene | firstcontact | OpenCASCADE | ratio | branches | undecided | its curves | points | off | its off | missed |
 |---|---|---|---|---|---|---|---|---|---|---|
