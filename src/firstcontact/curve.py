@@ -44,11 +44,11 @@ class BranchEnd:
     """Where a branch ends.
 
     kind         "boundary" of a piece or of the box, "node" where branches meet, "infinity" where the branch has
-                 no end and was cut
+                 no end and was cut, "undecided" at an OpenPlace
     on           the bounds that hold there: "u=0", "s=1", "t=0", "x=3", "trim"
     point        (3,) float64
     parameters   (4,) float64: u, v, s, t
-    u, v         exact; None for "infinity"; worked out when asked for
+    u, v         exact; None for "infinity" and on the certified path; worked out when asked for
     """
 
     kind: str
@@ -134,7 +134,10 @@ class SingularPoint:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GraphNode:
-    """A point of the curve: "regular", "node", "cusp", "isolated", "boundary" or "infinity"; u, v are exact."""
+    """A point of the curve: "regular", "node", "cusp", "isolated", "boundary", "infinity" or "undecided".
+
+    u, v are exact; on the certified path they are doubles.
+    """
 
     point: np.ndarray | None
     kind: str
@@ -147,6 +150,27 @@ class GraphNode:
     @property
     def v(self) -> ExactParameter:
         return self.exact.pair[1]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class OpenPlace:
+    """A place at which the certified path could not tell what is there: a crossing or tangency, points, or nothing.
+
+    point   (3,) float64: near it
+    u, v    the ranges of the parameters; all that was left open there lies in them
+    ends    how many ends of branches lie at it
+    """
+
+    point: np.ndarray
+    u: tuple[float, float]
+    v: tuple[float, float]
+    ends: int
+
+    def __str__(self) -> str:
+        return f"undecided near {_triple(self.point)}, where {self.ends} ends of branches meet"
+
+    def to_dict(self) -> dict[str, Any]:
+        return {"point": self.point.tolist(), "u": list(self.u), "v": list(self.v), "ends": self.ends}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -205,7 +229,9 @@ class IntersectionCurve:
     delta             Delta(u, v) = sum delta[i, j] u^i v^j: two rulings meet where it vanishes; {} if all do
     common_rulings    the pairs (u, v) of rulings that are one line, exact
     correspondence    a polynomial like `delta` along whose zeros rulings are one line; {} if none
-    method            "exact", or "certified": what the points rest on
+    method            "exact", or "certified": in doubles with proved error bounds.  Then `delta` is not worked out, and
+                      overlaps, isolated and singular points are among the open places
+    open_places       what "certified" could not decide; everywhere else the branches are all there is, proved
     """
 
     branches: tuple[Branch, ...]
@@ -218,14 +244,16 @@ class IntersectionCurve:
     common_rulings: tuple[tuple[ExactParameter, ExactParameter], ...]
     correspondence: Mapping[tuple[int, int], int] = field(default_factory=dict)
     method: str = "exact"
+    open_places: tuple[OpenPlace, ...] = ()
     stats: Stats = field(default_factory=Stats)
     a: Any = field(default=None, repr=False)
     b: Any = field(default=None, repr=False)
 
     @property
     def empty(self) -> bool:
-        """Whether the surfaces share no point; proved."""
-        return not (self.branches or len(self.overlap_lines) or len(self.isolated_points) or self.two_dimensional)
+        """Whether the surfaces share no point; proved.  False where that is open."""
+        found = self.branches or len(self.overlap_lines) or len(self.isolated_points) or self.two_dimensional
+        return not (found or self.open_places)
 
     @property
     def names(self) -> tuple[str, str]:
@@ -241,6 +269,7 @@ class IntersectionCurve:
             (len(self.overlap_lines), "overlap line", "overlap lines"),
             (len(self.isolated_points), "isolated point", "isolated points"),
             (len(self.singular_points), "singular point", "singular points"),
+            (len(self.open_places), "undecided place", "undecided places"),
         ]
         counts = [f"{n} {one if n == 1 else many}" for n, one, many in kinds if n]
         if self.two_dimensional:
@@ -250,6 +279,7 @@ class IntersectionCurve:
         lines += [f"  overlap line from {_triple(x)} to {_triple(y)}" for x, y in self.overlap_lines]
         lines += [f"  isolated point {_triple(x)}" for x in self.isolated_points]
         lines += [f"  {x.kind} at {_triple(x.point)}" for x in self.singular_points]
+        lines += [f"  {x}" for x in self.open_places]
         return "\n".join(lines)
 
     def to_dict(self) -> dict[str, Any]:
@@ -267,6 +297,7 @@ class IntersectionCurve:
             "common_rulings": [[str(u), str(v)] for u, v in self.common_rulings],
             "correspondence": [[i, j, str(c)] for (i, j), c in self.correspondence.items()],
             "method": self.method,
+            "open_places": [x.to_dict() for x in self.open_places],
             "stats": dict(self.stats),
         }
 

@@ -204,11 +204,13 @@ def intersection_curve(
     """IntersectionCurve: all points that two ruled surfaces at rest share.
 
     Branches with their topology, common rulings, isolated and singular points; what is not listed is proved not to be
-    there (docs/ruled-surfaces.md says what the coordinates rest on).  Deforming or moving surfaces: give p.at(t).
+    there, but for `open_places` (docs/ruled-surfaces.md says what the coordinates rest on).  Deforming or moving
+    surfaces: give p.at(t).
 
     tolerance: greatest distance between a branch and its polyline.  box: two corners ((x, y, z), (x, y, z)); only what
     lies in it is reported.  Without one, unbounded branches are cut about 100 times the size of the directrices away
-    from the origin, and beyond that the tolerance grows.
+    from the origin, and beyond that the tolerance grows.  method: "algebraic" is exact; "certified" takes bounded
+    pieces of any degree and strips, in doubles with proofs; "auto" chooses.
 
     Raises UnsupportedPair for other bodies, and for the cases that docs/ruled-surfaces.md lists.
 

@@ -5,6 +5,8 @@ pieces         bounded pieces: parameter ranges, s in [0, 1], trimming
 clipping       which parts of Delta = 0 belong to both pieces; overlaps of common rulings
 coincident     Delta = 0 everywhere: surfaces that share an area, cones with one apex, parallel cylinders
 tracing        polylines along the edges of the topology graph
+certified_curve  curves of strips and high degrees in doubles with proofs
+chains         strips as chains of parts in Bernstein form
 
 moving         `first_contact` and `contact_intervals`: pieces of motion, results
 conditions     when two rulings share a point, by signs of polynomials in u, v and T

@@ -1,0 +1,400 @@
+"""`intersection_curve` of bounded pieces and strips of any degree, certified in doubles.
+
+The kernels find and trace all arcs of Delta = 0 on which rulings meet between their ends; here the arcs are joined to
+branches.  What the kernels could not decide is reported by its place.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from firstcontact.curve import Branch, BranchEnd, CurveGraph, ExactParameters, GraphNode, OpenPlace
+from firstcontact.errors import InputError, UnsupportedPair
+from firstcontact.kernels import curve_cells as cells
+from firstcontact.kernels import curve_nets as nets
+from firstcontact.kernels import curve_points as columns
+from firstcontact.kernels.curve_trace import STACK, trace
+from firstcontact.kernels.curve_trim import trim
+from firstcontact.result import Stats
+from firstcontact.ruled.chains import Chain, chains, product_table
+
+# Cells looked at for one pair of chains before the rest is left open.
+BUDGET = 100_000
+# Rows that arrays of nodes, places, arcs and points have at first, and at most; they grow where that does not do.
+ROOM, MOST_ROOM = 2048, 2**23
+# Of directrices; nets of a cell have twice as many rows.
+HIGHEST_DEGREE = (cells.LAYER_ROWS - 2) // 2
+# Open boxes are one place where they are this near each other, in parameters of parts; of more boxes than this all are.
+SAME_PLACE, MOST_PLACES = 1e-5, 4000
+# Branches that are shorter in their parameters may be points; ends this near to one are there.
+SAME_POINT = 1e-9
+# Polylines of so many points are longer than that: chords are not cut below it.
+LONG = 100
+_PAIRS = ((0, 0, 0, 1, 1, 2), (1, 2, 3, 2, 3, 3))
+
+
+def is_supported(surface: Any) -> bool:
+    """Whether the certified path takes this ruled surface at rest: bounded rulings, no trimming, no huge degree."""
+    return all(
+        piece.s is not None
+        and not piece.trim
+        and not piece.joined & {"s0", "s1"}
+        and max(c.degree() for side in piece.sides for c in side.components) <= HIGHEST_DEGREE
+        for piece in surface.pieces
+    )
+
+
+def certified_curve(p: Any, q: Any, tolerance: float) -> dict[str, Any]:
+    """The fields of IntersectionCurve."""
+    for surface in (p, q):
+        if not is_supported(surface):
+            raise UnsupportedPair(
+                f"{surface!r}: the certified curve takes bounded rulings without trimming, in one row, of degree "
+                f'{HIGHEST_DEGREE} at most; try method="algebraic"'
+            )
+    found = Found(p, q)
+    for a in chains(p):
+        for b in chains(q):
+            if (solved := _solved(a, b, tolerance)) is not None:
+                found.add(solved)
+    return found.fields()
+
+
+# -- two chains ---------------------------------------------------------------------------------------------
+
+
+class Solved(NamedTuple):
+    """What the kernels found of two chains.
+
+    places, arcs        as in curve_points, coordinates about a centre
+    points, parameters  (k, 3) and (k, 4) x, y, z and u, v, s, t; those of arc k, ends included: starts[k]:starts[k + 1]
+    opened              (k, 6) boxes left open: parts, ranges of x and of y
+    """
+
+    p: Chain
+    q: Chain
+    places: np.ndarray
+    arcs: np.ndarray
+    points: np.ndarray
+    parameters: np.ndarray
+    starts: np.ndarray
+    opened: np.ndarray
+    seen: int
+
+
+def _solved(p: Chain, q: Chain, tolerance: float) -> Solved | None:
+    """None where the boxes of the chains share no point."""
+    (low_p, high_p), (low_q, high_q) = p.box, q.box
+    low, high = np.maximum(low_p, low_q), np.minimum(high_p, high_q)
+    if (low > high).any():
+        return None
+    centre = 0.5 * (low + high)
+    room = ROOM
+    while True:
+        sides = [_side(chain, centre, room) for chain in (p, q)]
+        joints = np.full((5, len(p.points) + 1, len(q.points) + 1), -1)
+        joints[0] = 0
+        places, arcs = np.empty((2 * room, columns.COLUMNS)), np.empty((room, columns.ARC_COLUMNS))
+        opened, counts = np.empty((max(room, 2 * BUDGET), cells.OPEN_COLUMNS)), np.zeros(cells.COUNTS, np.int64)
+        width = max(side.shape[2] for side in sides)
+        scratch = np.empty((cells.LAYERS, cells.LAYER_ROWS, width))
+        stack = np.zeros((4 * cells.DEEPEST, cells.CELL_COLUMNS), np.int64)
+        cells.search(
+            *sides, int(p.closed), int(q.closed), BUDGET, joints, scratch, stack, places, arcs, opened, counts
+        )
+        used, count = int(counts[cells.PLACES]), int(counts[cells.ARCS])
+        if not counts[cells.SHORT] and used + 2 * count <= len(places):
+            break
+        room *= 4
+        if room > MOST_ROOM:
+            raise InputError(f"the curve falls into more than {MOST_ROOM} arcs; give smaller pieces")
+    scratch, known = np.empty((columns.SCRATCH_ROWS, width)), np.empty((5, columns.COLUMNS))
+    forms = _forms(sides[0], len(p.points)), _forms(sides[1], len(q.points))
+    used = trim(*forms, places, used, arcs, count, known, scratch)
+    arcs, places, starts = arcs[:count], places[:used], np.empty(count + 1, np.int64)
+    bounds = np.array([chain.s for chain in (p, q)], float)
+    ends = np.empty((STACK, columns.COLUMNS))
+    room = 256 * ROOM  # untouched pages cost nothing
+    while True:
+        points, parameters = np.empty((room, 3)), np.empty((room, 4))
+        if trace(
+            *forms, arcs, places, tolerance, p.ranges, q.ranges, bounds, centre, ends, known, scratch, points,
+            parameters, starts,
+        ):  # fmt: skip
+            break
+        room *= 4
+        if room > MOST_ROOM:
+            raise InputError(f"tolerance {tolerance:g} needs more than {MOST_ROOM // 4} points; give a larger one")
+    boxes = opened[: counts[cells.OPENED]]
+    return Solved(p, q, places, arcs, points, parameters, starts, boxes, int(counts[cells.SEEN]))
+
+
+def _forms(side: np.ndarray, parts: int) -> np.ndarray:
+    """(parts, 2, n + 1, 8): the points of the parts and the derivatives as `evaluate` takes them."""
+    degree = int(side[0, nets.FACTS, nets.DEGREE])
+    forms = np.zeros((parts, 2, degree + 1, nets.LINES))
+    forms[:, 0] = side[:parts, : nets.LINES, : degree + 1].transpose(0, 2, 1)
+    forms[:, 1, :-1] = degree * np.diff(forms[:, 0], axis=1)
+    return forms
+
+
+def _side(chain: Chain, centre: np.ndarray, room: int) -> np.ndarray:
+    """The array of a side for the kernels, its parts filled in; coordinates about the centre."""
+    count, _, terms = chain.points.shape
+    points, sizes = chain.points.copy(), np.abs(chain.points)
+    for first in (0, 4):
+        weight = points[:, first + 3 : first + 4]
+        points[:, first : first + 3] -= centre[:, None] * weight
+        sizes[:, first : first + 3] += np.abs(centre)[:, None] * np.abs(weight)
+    sizes = sizes.max(axis=2)
+    i, j = _PAIRS
+    x, y = points[:, :4], points[:, 4:]
+    products = x[:, i, :, None] * y[:, j, None, :] - x[:, j, :, None] * y[:, i, None, :]
+    lines = np.einsum("kiab,abc->kic", products, product_table(terms - 1))  # threads of BLAS would cost more
+    side = np.empty((count + room, nets.ROWS_OF_SIDE, max(2 * terms - 1, nets.LEAST_COLUMNS)))
+    side[:count, : nets.LINES, :terms] = points
+    side[:count, nets.LINES : nets.FACTS, : 2 * terms - 1] = lines
+    side[:count, nets.FACTS] = 0.0
+    side[:count, nets.FACTS, nets.HI] = 1.0
+    side[:count, nets.FACTS, nets.PART] = range(count)
+    side[:count, nets.FACTS, nets.DEGREE] = terms - 1
+    side[0, nets.FACTS, nets.COUNT] = count
+    side[:count, nets.SIZES, : nets.LINES] = sizes
+    a, b = sizes[:, :4], sizes[:, 4:]
+    side[:count, nets.SIZES, nets.LINES : nets.FACTS] = a[:, i] * b[:, j] + a[:, j] * b[:, i]
+    nets.start(side)
+    return side
+
+
+# -- branches -----------------------------------------------------------------------------------------------
+
+
+class Found:
+    """Branches, open places and the graph so far."""
+
+    def __init__(self, p: Any, q: Any) -> None:
+        self.p, self.q = p, q
+        self.branches: list[Branch] = []
+        self.open_places: list[OpenPlace] = []
+        self.nodes: list[GraphNode] = []
+        self.edges: list[tuple[int, int]] = []
+        self.seen = 0
+
+    def fields(self) -> dict[str, Any]:
+        return {
+            "branches": tuple(self.branches),
+            "overlap_lines": np.empty((0, 2, 3)),
+            "singular_points": (),
+            "isolated_points": np.empty((0, 3)),
+            "two_dimensional": False,
+            "graph": CurveGraph(tuple(self.nodes), tuple(self.edges)),
+            "delta": {},
+            "common_rulings": (),
+            "method": "certified",
+            "open_places": tuple(self.open_places),
+            "stats": Stats(node_visits=self.seen, undecided=len(self.open_places)),
+        }
+
+    def add(self, solved: Solved) -> None:
+        """Branches and open places of two chains."""
+        self.seen += solved.seen
+        kinds = solved.places[:, columns.KIND].astype(int)
+        lines = _lines(solved.arcs, kinds)
+        polylines = [_polyline(solved, line) for line in lines]
+        tiny = [not line.closed and len(parameters) < LONG and _size(parameters) <= SAME_POINT
+                  for line, (_, parameters) in zip(lines, polylines, strict=True)]  # fmt: skip
+        stray = [line.ends[0] for line, x in zip(lines, tiny, strict=True) if x]
+        polylines = [polyline for polyline, x in zip(polylines, tiny, strict=True) if not x]
+        lines = [line for line, x in zip(lines, tiny, strict=True) if not x]
+        reached = [k for line in lines if not line.closed for k in line.ends if kinds[k] > 0]
+        stray += [k for line in lines if not line.closed for k in line.ends if kinds[k] <= 0]
+        places = _open_places(solved, stray, reached)
+        first = len(self.nodes)
+        for place in places:
+            self._node(place.point, [sum(place.u) / 2, sum(place.v) / 2], "undecided")
+        ends_at = [0] * len(places)
+        for line, (points, parameters) in zip(lines, polylines, strict=True):
+            if line.closed:
+                self.branches.append(Branch(points, parameters, True, ()))
+                node = self._node(points[0], parameters[0], "regular")
+                self.edges.append((node, node))
+                continue
+            if max(kinds[list(line.ends)]) <= 0 and any(_within(parameters, place) for place in places):
+                continue  # how the curve runs inside an open place is open
+            ends, numbers = [], []
+            for at, k in zip((0, -1), line.ends, strict=True):
+                if kinds[k] > 0:
+                    ends.append(BranchEnd("boundary", (_bound(solved, kinds[k]),), points[at], parameters[at]))
+                    numbers.append(self._node(points[at], parameters[at], "boundary"))
+                else:
+                    ends.append(BranchEnd("undecided", (), points[at], parameters[at]))
+                    n = int(np.argmin([np.abs(place.point - points[at]).max() for place in places]))
+                    ends_at[n] += 1
+                    numbers.append(first + n)
+            self.branches.append(Branch(points, parameters, False, (ends[0], ends[1])))
+            self.edges.append((numbers[0], numbers[1]))
+        self.open_places += [replace(place, ends=n) for place, n in zip(places, ends_at, strict=True)]
+
+    def _node(self, point: np.ndarray, where: Any, kind: str) -> int:
+        u, v = float(where[0]), float(where[1])
+        self.nodes.append(GraphNode(point, kind, ExactParameters(lambda: (u, v))))
+        return len(self.nodes) - 1
+
+
+class _Line(NamedTuple):
+    """Arcs one after another, each with whether it is passed from its end to its start, and the places between."""
+
+    arcs: list[tuple[int, bool]]
+    places: list[int]
+    closed: bool
+
+    @property
+    def ends(self) -> tuple[int, int]:
+        return self.places[0], self.places[-1]
+
+
+def _lines(arcs: np.ndarray, kinds: np.ndarray) -> list[_Line]:
+    """All arcs, joined where two of them meet; not at weak places."""
+    pairs = {k: (a, b) for k, (a, b) in enumerate(arcs[:, [columns.START, columns.END]].astype(int).tolist()) if a >= 0}
+    at: dict[int, list[int]] = {}
+    for k, pair in pairs.items():
+        for place in pair:
+            at.setdefault(place, []).append(k)
+    left = set(pairs)
+    through = {place for place, own in at.items() if len(own) == 2 and kinds[place] != columns.WEAK}
+    found = []
+    for starts in ([x for x in at if x not in through], list(at)):  # arcs with ends, then loops
+        for start in starts:
+            for first in at[start]:
+                if first not in left:
+                    continue
+                line, places, here, k = [], [start], start, first
+                while True:
+                    left.remove(k)
+                    turned = pairs[k][0] != here
+                    here = pairs[k][0 if turned else 1]
+                    line.append((k, turned))
+                    places.append(here)
+                    further = [x for x in at[here] if x in left] if here in through else []
+                    if not further:
+                        break
+                    k = further[0]
+                found.append(_Line(line, places, here == start and start in through))
+    return found
+
+
+def _polyline(solved: Solved, line: _Line) -> tuple[np.ndarray, np.ndarray]:
+    """(n, 3) points and (n, 4) parameters along the arcs; places between arcs stand once."""
+    found: tuple[list[np.ndarray], list[np.ndarray]] = ([], [])
+    for i, (k, turned) in enumerate(line.arcs):
+        start, end = solved.starts[k], solved.starts[k + 1]
+        for table, parts in zip((solved.points, solved.parameters), found, strict=True):
+            own = table[start:end][::-1] if turned else table[start:end]
+            parts.append(own[1:] if i else own)
+    return np.concatenate(found[0]), np.concatenate(found[1])
+
+
+def _size(parameters: np.ndarray) -> float:
+    """How far u and v extend."""
+    return float(np.ptp(parameters[:, :2], axis=0).max())
+
+
+def _within(parameters: np.ndarray, place: OpenPlace) -> bool:
+    u, v = parameters[:, 0], parameters[:, 1]
+    (a, b), (c, d), slack = place.u, place.v, SAME_PLACE
+    return bool(u.min() >= a - slack and u.max() <= b + slack and v.min() >= c - slack and v.max() <= d + slack)
+
+
+def _bound(solved: Solved, kind: int) -> str:
+    """The name of the bound on which places of this kind are."""
+    chain = (solved.p, solved.q)[(kind - 1) // 2 % 2]
+    if kind < columns.CUT:
+        assert chain.u is not None
+        return f"{'uv'[(kind - 1) // 2]}={chain.u[(kind - 1) % 2]}"
+    return f"{'st'[(kind - columns.CUT) // 2]}={chain.s[(kind - columns.CUT) % 2]}"
+
+
+# -- open places --------------------------------------------------------------------------------------------
+
+
+def _open_places(solved: Solved, stray: list[int], reached: list[int]) -> list[OpenPlace]:
+    """Boxes left open, joined where they touch.
+
+    stray: places of branches that are points, or at which branches end without reason.  reached: ends at bounds; a
+    point that is left open there is on the branch.
+    """
+    points = [int(arc[columns.END]) for arc in solved.arcs if arc[columns.START] == -2]
+    spots = solved.places[np.array([*points, *stray], int)]
+    parts = np.concatenate((solved.opened[:, :2], spots[:, [columns.PART_U, columns.PART_V]]))
+    x, y = spots[:, columns.X], spots[:, columns.Y]
+    ranges = np.concatenate((solved.opened[:, 2:], np.column_stack((x, x, y, y))))
+    known = solved.places[np.array(reached, int)]
+    known = known[:, [columns.PART_U, columns.PART_V]] + known[:, [columns.X, columns.Y]]
+    at = parts + ranges[:, [0, 2]]
+    here = (ranges[:, [0, 2]] == ranges[:, [1, 3]]).all(1)
+    here[here] = [bool((np.abs(known - x).max(1) <= SAME_POINT).any()) for x in at[here]]
+    thin = ((ranges[:, 0] == ranges[:, 1]) | (ranges[:, 2] == ranges[:, 3])) & ~here
+    here[thin] = [_clearly_beyond(solved, *x) for x in zip(parts[thin], ranges[thin], strict=True)]
+    parts, ranges = parts[~here], ranges[~here]
+    return [_open_place(solved, parts[group], ranges[group]) for group in _touching(parts, ranges)]
+
+
+def _clearly_beyond(solved: Solved, parts: np.ndarray, ranges: np.ndarray) -> bool:
+    """Whether rulings of a short part of a line cross well beyond an end of one; the cells beside it are decided."""
+    length = max(ranges[1] - ranges[0], ranges[3] - ranges[2])
+    if length > SAME_PLACE:
+        return False
+    p, q = solved.p.ruling(int(parts[0]), ranges[:2].mean()), solved.q.ruling(int(parts[1]), ranges[2:].mean())
+    along, other = p[1] - p[0], q[1] - q[0]
+    normal = np.cross(along, other)
+    size = normal @ normal
+    if size < 1e-6 * (along @ along) * (other @ other):
+        return False
+    s, t = (float(np.cross(q[0] - p[0], x) @ normal / size) for x in (other, along))
+    return max(-s, s - 1, -t, t - 1) > (1e-2 if length else 1e-6)
+
+
+def _touching(parts: np.ndarray, ranges: np.ndarray) -> list[np.ndarray]:
+    """Indices of boxes, in groups of those that touch one another."""
+    if len(parts) > MOST_PLACES:
+        return [np.arange(len(parts))]
+    low = parts + ranges[:, [0, 2]] - SAME_PLACE
+    high = parts + ranges[:, [1, 3]] + SAME_PLACE
+    left = np.ones(len(parts), bool)
+    groups = []
+    while left.any():
+        waiting, group = [int(np.argmax(left))], []
+        left[waiting] = False
+        while waiting:
+            k = waiting.pop()
+            group.append(k)
+            near = np.flatnonzero(left & (low <= high[k]).all(1) & (high >= low[k]).all(1))
+            left[near] = False
+            waiting += near.tolist()
+        groups.append(np.array(group))
+    return groups
+
+
+def _open_place(solved: Solved, parts: np.ndarray, ranges: np.ndarray) -> OpenPlace:
+    own = []
+    for side, chain in enumerate((solved.p, solved.q)):
+        which = parts[:, side].astype(int)
+        u = np.concatenate([chain.parameter(which, ranges[:, 2 * side + end]) for end in (0, 1)])
+        own.append((float(u.min()), float(u.max())))
+    k = len(parts) // 2
+    ends = [chain.ruling(int(parts[k, side]), ranges[k, 2 * side : 2 * side + 2].mean())
+            for side, chain in enumerate((solved.p, solved.q))]  # fmt: skip
+    return OpenPlace(_nearest_point(*ends), own[0], own[1], 0)
+
+
+def _nearest_point(p: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """The middle of the shortest way between two segments, (2, 3) each."""
+    along, other = p[1] - p[0], q[1] - q[0]
+    s = 0.5
+    for _ in range(8):  # a point near it will do
+        t = float(np.clip((p[0] + s * along - q[0]) @ other / (other @ other), 0, 1))
+        s = float(np.clip((q[0] + t * other - p[0]) @ along / (along @ along), 0, 1))
+    return 0.5 * (p[0] + s * along + q[0] + t * other)
