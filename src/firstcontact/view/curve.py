@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 COLOURS = ("#d02f42", "#1d8348", "#8e44ad", "#117a8b", "#c71585", "#5d6d1e", "#b9770e", "#34495e")
 """Of the components, in turn."""
-DARK, OVERLAP = "#15181c", "#e0457b"
+DARK, OVERLAP, UNDECIDED = "#15181c", "#e0457b", "#d99a1c"
 # Lines are drawn as far as this many times the radius of what is looked at.
 FAR = 8.0
 # Points closer than this, as a part of the size of their coordinates, are one node.
@@ -50,7 +50,7 @@ def sight(curve: IntersectionCurve) -> tuple[np.ndarray, np.ndarray]:
     """
     ending = [branch for branch in curve.branches if all(end.kind != "infinity" for end in branch.ends)]
     found = [branch.points for branch in ending]
-    found += [curve.isolated_points, *(x.point[None] for x in curve.singular_points)]
+    found += [curve.isolated_points, *(x.point[None] for x in (*curve.singular_points, *curve.open_places))]
     points = np.concatenate([np.empty((0, 3)), *found])
     if not len(points):
         lines = [branch.points for branch in curve.branches] + list(curve.overlap_lines)
@@ -71,7 +71,7 @@ def _directrices(curve: IntersectionCurve) -> np.ndarray:
 
 
 def layers(curve: IntersectionCurve, drawn: tuple[Drawing, Drawing]) -> list[dict[str, Any]]:
-    """The layers: name, colour, kind ("fill", "line", "thick line", "node", "cusp", "isolated") and points (n, 3).
+    """The layers: name, colour, kind ("fill", "line", "thick line", "node", "cusp", "isolated", "open") and points (n, 3).
 
     Points of a fill are corners of triangles, those of lines the ends of segments.
     """
@@ -101,6 +101,9 @@ def layers(curve: IntersectionCurve, drawn: tuple[Drawing, Drawing]) -> list[dic
             found.append((f"{kind}s", DARK, kind, np.array(points)))
     if len(curve.isolated_points):
         found.append(("isolated points", COLOURS[0], "isolated", curve.isolated_points))
+    if curve.open_places:
+        points = np.array([place.point for place in curve.open_places])
+        found.append(("undecided places", UNDECIDED, "open", points))
     return [dict(zip(("name", "colour", "kind", "points"), layer, strict=True)) for layer in found]
 
 

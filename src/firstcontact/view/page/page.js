@@ -279,10 +279,11 @@
     return group;
   }
 
-  // A node is a ring, a cusp a diamond, an isolated point a target.
+  // A node is a ring, a cusp a diamond, an isolated point a target, what is undecided a ball.
   function pointObject(position, { kind, colour }) {
     const discs = { node: [["#ffffff", 9], [colour, 7.5], ["#ffffff", 4]], cusp: [["#ffffff", 11], [colour, 8.5]],
-                    isolated: [["#ffffff", 10.5], [colour, 9], ["#ffffff", 6.5], [colour, 4]] }[kind];
+                    isolated: [["#ffffff", 10.5], [colour, 9], ["#ffffff", 6.5], [colour, 4]],
+                    open: [["#ffffff", 9.5], [colour, 8]] }[kind];
     const group = named(new THREE.Group(), kind);
     discs.forEach(([paint, pixels], k) => {
       const ball = dot(position, pixels, paint, 24 + k);
