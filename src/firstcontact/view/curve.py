@@ -71,7 +71,7 @@ def _directrices(curve: IntersectionCurve) -> np.ndarray:
 
 
 def layers(curve: IntersectionCurve, drawn: tuple[Drawing, Drawing]) -> list[dict[str, Any]]:
-    """The layers: name, colour, kind ("fill", "line", "thick line", "node", "cusp", "isolated", "open") and points (n, 3).
+    """The layers: name, colour, points (n, 3), kind ("fill", "line", "thick line", "node", "cusp", "isolated", "open").
 
     Points of a fill are corners of triangles, those of lines the ends of segments.
     """
