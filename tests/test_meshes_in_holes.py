@@ -9,6 +9,7 @@ import firstcontact as fc
 from amount import amount
 
 PLATE = (fc.box((8, 8, 2)) - fc.cylinder(2, 4).named("hole")).named("plate")
+WAIST = fc.hyperboloid(["1", "1", "1"], 2, sheets=1).named("waist")
 SHELL = (fc.sphere(3) - fc.sphere(2)).named("shell")
 FALL = fc.Translation((0, 0, -10))
 SCREW = fc.Screw((0, 0, 1), degrees=300, advance=1)
@@ -36,7 +37,7 @@ def star(n, outer, inner, low, high) -> fc.Polyhedron:
     return fc.Polyhedron([(*p, z) for z in (low, high) for p in ring], faces, name="pin")
 
 
-PIN = star(12, 1.5, 1.2, -2, 2)
+PIN = star(8, 1.5, 1.2, -2, 2)
 
 
 def random_motion(rng, toward):
@@ -51,10 +52,10 @@ def random_motion(rng, toward):
 def test_an_angle_touches_when_its_first_part_does():
     rng = np.random.default_rng(11)
     seen = {status: 0 for status in fc.Status}
-    for k in range(amount(24)):
+    for k in range(amount(18)):
         place = np.array([*rng.normal(size=2) * 1.5, 4.0]) if k % 3 else rng.normal(size=3) * 2.0
         turn = {"axis": rng.normal(size=3), "degrees": float(rng.uniform(0, 180))}
-        motion, model = random_motion(rng, -place), SHELL if k % 4 == 3 else PLATE
+        motion, model = random_motion(rng, -place), (WAIST, PLATE, PLATE, SHELL)[k % 4]
         placed = [x.rotated(**turn).translated(place).moving(motion) for x in (ell(), *PARTS)]
         found, *parts = (fc.first_contact(x, model) if k % 2 else fc.first_contact(model, x) for x in placed)
         known = [x for x in parts if x.status is not fc.Status.FREE]
@@ -72,14 +73,14 @@ def test_an_angle_touches_when_its_first_part_does():
             np.testing.assert_allclose(found.normal, first.normal, atol=1e-5)
             side = "element_a" if k % 2 == 0 else "element_b"
             assert getattr(found, side) == getattr(first, side)
-    assert min(seen[fc.Status.CONTACT], seen[fc.Status.INITIAL_CONTACT]) >= 2
+    assert seen[fc.Status.CONTACT] >= 3 and seen[fc.Status.INITIAL_CONTACT] >= 1
 
 
 def test_a_pin_falls_through_the_hole():
     above = PIN.translated((0, 0, 5))
     assert fc.first_contact(above.moving(FALL), PLATE).status is fc.Status.FREE
     assert fc.first_contact(PLATE, above.moving(FALL)).status is fc.Status.FREE
-    wide = star(12, 2.1, 1.2, 3, 7)
+    wide = star(5, 2.1, 1.2, 3, 7)
     hit = fc.first_contact(wide.moving(FALL), PLATE)
     assert hit.time == pytest.approx(0.2, abs=1e-12) and hit.contact_set is None  # all tips, on the face
     np.testing.assert_allclose(hit.normal, (0, 0, 1), atol=1e-12)
@@ -97,7 +98,7 @@ def test_in_the_hole_from_the_start():
     assert fc.first_contact(PIN.moving(SCREW), PLATE).status is fc.Status.FREE
     aside = PIN.moving(fc.Translation((1, 0.25, 0)))
     hit, back = fc.first_contact(aside, PLATE), fc.first_contact(PLATE, aside)
-    tips = PIN.vertices[:24:2, :2]
+    tips = PIN.vertices[:16:2, :2]
     p, v = tips @ [1, 0.25], 1 + 0.25**2
     times = (-p + np.sqrt(p**2 + v * (4 - (tips**2).sum(axis=1)))) / v
     assert hit.time == pytest.approx(times.min(), abs=1e-12) and hit.element_b.label == "plate.hole.side"

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from firstcontact.body import primitives
 from firstcontact.body.carriers import QuarticCurve, doubles
 from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.features import Edge, Face, Vertex
@@ -27,7 +28,7 @@ from firstcontact.exact.numbers import to_double
 from firstcontact.kernels.event_search import FREE, SPENT, VISITS
 from firstcontact.search import events
 from firstcontact.search.charts import NotCharted, charts_of
-from firstcontact.search.convex import NotConvex, convex_pieces, covering_pieces
+from firstcontact.search.convex import ConvexPieces, NotConvex, convex_pieces, covering_pieces
 from firstcontact.search.earliest import Progress
 from firstcontact.search.event_tables import crossing_surfaces, tables_of
 from firstcontact.search.instants import Instant
@@ -63,6 +64,16 @@ def search_of(
         return HoledSearch(mesh, model, mesh_is_a, budget, progress)
 
 
+def _cover(model: CompositeQuadric) -> ConvexPieces:
+    """Convex pieces that cover the model, at worst its box."""
+    try:
+        return covering_pieces(model)
+    except NotConvex:
+        lo, hi = model.bounds()
+        wide = (hi - lo) * (1.0 + 2.0**-40) + 2.0**-40 * np.abs([lo, hi]).max()
+        return convex_pieces(primitives.box(wide.tolist()).translated((0.5 * (lo + hi)).tolist()))
+
+
 @dataclass(frozen=True)
 class _Stop:
     """A slab of time, the first one that may hold an event of a group; boxes: those that survive there."""
@@ -81,16 +92,12 @@ class HoledSearch(MeshSearch):
     def __init__(
         self, mesh: Polyhedron, model: CompositeQuadric, mesh_is_a: bool, budget: int | None, progress: Progress | None
     ) -> None:
-        who = model.name or "a model"
-        if mesh._pose is not None:
-            mesh_name = mesh.name or "a polyhedron"
-            raise UnsupportedPair(f"{who} is no union of convex parts, and {mesh_name} is in an irrational pose")
         refuse_untraced(model)
         try:
-            pieces = covering_pieces(model)
             charts_of(model)
-        except (NotConvex, NotCharted) as reason:
-            raise UnsupportedPair(f"{who} meets convex polyhedra of few triangles only: {reason}") from reason
+        except NotCharted as reason:
+            raise UnsupportedPair(f"{model.name or 'a model'} meets small convex polyhedra only: {reason}") from reason
+        pieces = _cover(model)
         super().__init__(mesh, pieces, mesh_is_a, budget, progress)
         self.mesh, self.model = mesh, model
         self.lasting = LastingOfMesh(mesh, model, mesh_is_a)
