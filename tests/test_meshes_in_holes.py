@@ -92,6 +92,9 @@ def test_a_tilted_pin_meets_the_rim():
     assert hit.element_a.kind == "edge" and hit.element_b.label == "plate.hole.rim.top"
     assert np.hypot(*hit.point[:2]) == pytest.approx(2, abs=1e-9) and hit.point[2] == pytest.approx(1, abs=1e-9)
     assert hit.normal[2] > 0
+    exact = fc.first_contact(PLATE, tilted.moving(FALL), exact=True)
+    assert exact.time_exact is not None and exact.time == pytest.approx(hit.time, abs=1e-12)
+    assert exact.element_b == hit.element_a and np.allclose(exact.normal, -hit.normal, atol=1e-9)
 
 
 def test_in_the_hole_from_the_start():

@@ -146,7 +146,7 @@ class HoledSearch(MeshSearch):
         points, off = _anchors(self.model)
         size = float(np.abs(points).max() + np.abs(p[9:12]).max() + np.abs(q[9:12]).max())
         x = np.linalg.solve(linear(p), (points @ linear(q).T + q[9:12] - p[9:12]).T).T
-        off = 1.01 * off * float(np.abs(np.linalg.solve(linear(p), linear(q))).sum(axis=1).max()) + 1e-13 * size
+        off = 2.0 * off * float(np.abs(np.linalg.solve(linear(p), linear(q))).sum(axis=1).max()) + 1e-13 * size
         corners = self.mesh.vertices[self.mesh.triangles]
         return [
             tuple(c) if _least_distance(corners, c) > r + 2.0 * self.mesh.error else None
@@ -244,7 +244,7 @@ class HoledSearch(MeshSearch):
             if stop is None:
                 continue
             if stop.spent:
-                return best, begin
+                return best, begin if best is None else min(begin, best.lo)
             touch = self._touch(group, stop, window, width)
             if touch is None:
                 left += group.opened(stop.lo)

@@ -7,6 +7,7 @@ polyhedron holds it.  Exact arithmetic takes the few triangles that doubles do n
 
 from __future__ import annotations
 
+import math
 import time as clock
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -298,6 +299,8 @@ class _Query:
             found = self._touching(left, window)
             if found is not None:
                 return self._touching_result(*found, left)
+        if self.exact:
+            left = self._earliest(left, window)
         all_found: list[FirstContact] = []
         for group in self._groups(left):
             for search in self._searches(group, window):
@@ -331,6 +334,20 @@ class _Query:
         ordered = sorted(left, key=lambda x: x.free_until)
         single = list({x.primitive: [x] for x in reversed(ordered)}.values())
         return [ordered] if self.exact and ordered else single
+
+    def _earliest(self, left: list[Open], window: Window) -> list[Open]:
+        """The triangles that touch first, each looked at alone, and those that exact arithmetic leaves open."""
+        seen: list[tuple[float, float, Open]] = []
+        for x in left:
+            for search in self._searches([x], window):
+                if meetings := search.first():
+                    seen.append((*contact_of(search, meetings, False, self.shared).time_interval, x))  # type: ignore[misc]
+                    break
+                if search.stop() is not None:
+                    seen.append((-math.inf, math.inf, x))
+                    break
+        first = min((hi for _, hi, _ in seen), default=math.inf)
+        return [x for lo, _, x in seen if lo <= first]
 
     def _searches(self, group: list[Open], window: Window, only_start: bool = False) -> Iterator[Search]:
         """The exact searches over the pieces of the relative motion in the window."""
