@@ -129,15 +129,19 @@ class HoledSearch(MeshSearch):
                 return self._answer("open", min([spent, *(x.free_until for x in left)]), reason="budget")
         return self._settled(window, best, left, width)
 
-    def candidates(self, window: Window, until: float) -> list[Open]:
+    def candidates(self, window: Window, until: float) -> list[Open] | None:
         width = RESOLVED * (window.last - window.first)
-        near = self.near(window._replace(last=until, inner=window.first)).open
-        left: list[Open] = [x for x in near if x.primitive >= len(self.mesh.triangles)]
-        for group, free_until in self._grouped(near):
+        near = self.near(window._replace(last=until, inner=window.first))
+        if near.reason == "budget":
+            return None
+        left: list[Open] = [x for x in near.open if x.primitive >= len(self.mesh.triangles)]
+        for group, free_until in self._grouped(near.open):
             if free_until <= window.first and not self._apart(group, window):
                 left += group.opened(window.first)
             elif (stop := self._stop(group, window, max(free_until, window.first), until, width)) is not None:
                 left += group.opened(stop.lo)
+                if stop.spent:
+                    return None
         return left
 
     def points_of_model(self, window: Window) -> list[tuple[float, float, float] | None]:

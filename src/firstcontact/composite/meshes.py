@@ -294,7 +294,10 @@ class _Query:
         """The answer where doubles leave triangles open, or where the exact time is wanted; None proves it free."""
         left = swept.open
         if self.exact:
-            left = self.search.candidates(window, window.last if swept.touch is None else swept.touch.hi)
+            found_left = self.search.candidates(window, window.last if swept.touch is None else swept.touch.hi)
+            if found_left is None:
+                raise Spent
+            left = found_left
         if at_start and any(x.free_until <= window.first for x in left):
             found = self._touching(left, window)
             if found is not None:

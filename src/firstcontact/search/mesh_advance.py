@@ -141,9 +141,10 @@ class MeshSearch:
         first = window.first
         return self.run(Window(first, first, first, window.a, window.b), 0.0)
 
-    def candidates(self, window: Window, until: float) -> list[Open]:
-        """All triangles that doubles do not prove free from the start of the window to `until`."""
-        return self.run(Window(window.first, until, window.first, window.a, window.b), 0.0).open
+    def candidates(self, window: Window, until: float) -> list[Open] | None:
+        """All triangles that doubles do not prove free from the start of the window to `until`; None if the budget ends."""
+        found = self.run(Window(window.first, until, window.first, window.a, window.b), 0.0)
+        return None if found.reason == "budget" else found.open
 
     def near(self, window: Window) -> Swept:
         """ "open" with all triangles that doubles do not prove apart from the pieces all over the window, or "free"."""
