@@ -142,7 +142,7 @@ class MeshSearch:
         return self.run(Window(first, first, first, window.a, window.b), 0.0)
 
     def candidates(self, window: Window, until: float) -> list[Open] | None:
-        """All triangles that doubles do not prove free from the start of the window to `until`; None if the budget ends."""
+        """All triangles that doubles do not prove free up to `until`; None where the budget ends before."""
         found = self.run(Window(window.first, until, window.first, window.a, window.b), 0.0)
         return None if found.reason == "budget" else found.open
 
