@@ -251,10 +251,3 @@ def test_a_jump_into_the_mesh_is_a_contact_at_that_time():
     steps = [fc.RationalMotion([apart]), fc.RationalMotion([within])]
     hit = fc.first_contact(BALL.moving(fc.Sequence(steps)), ELL)
     assert hit.status is fc.Status.CONTACT and hit.time == 0.5
-
-
-def test_what_is_not_supported_is_said():
-    with pytest.raises(fc.UnsupportedPair, match="no union of convex parts"):
-        fc.first_contact((fc.box((9, 9, 9)) - fc.sphere(2)).moving(UP), ELL)
-    with pytest.raises(fc.UnsupportedPair, match="no union of convex parts"):
-        fc.contact_intervals((fc.box((9, 9, 9)) - fc.sphere(2)).moving(UP), ELL)

@@ -155,6 +155,8 @@ def normal(meeting: Meeting, where: np.ndarray) -> np.ndarray | None:
         return _unit(-outward_a[0])
     if not (isinstance(task.a, Edge) and isinstance(task.b, Edge)):
         return None
+    if len(outward_a) < 2 or len(outward_b) < 2:  # the rim of a surface without inside
+        return None
     n = _unit(np.cross(np.cross(outward_a[0], outward_a[1]), np.cross(outward_b[0], outward_b[1])))
     if n is None:
         return None

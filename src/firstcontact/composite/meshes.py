@@ -1,12 +1,13 @@
-"""First contact of a polyhedron of any shape with a curved model that is a union of convex parts.
+"""First contact of a polyhedron of any shape with a curved model.
 
-The polyhedron goes by its triangles (`search.mesh_advance`) and by parity: at the start, and wherever a motion may
-jump, a point inside each part of the model tells whether the polyhedron holds it.  Exact arithmetic takes the few
-triangles that doubles do not settle.
+The polyhedron goes by its triangles (`search.mesh_advance`, or `mesh_holes` for models that are no unions of convex
+parts) and by parity: at the start, and wherever a motion may jump, a point of each part of the model tells whether the
+polyhedron holds it.  Exact arithmetic takes the few triangles that doubles do not settle.
 """
 
 from __future__ import annotations
 
+import math
 import time as clock
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -22,6 +23,7 @@ from firstcontact.composite.algorithm import Meeting, Search
 from firstcontact.composite.answer import contact_of
 from firstcontact.composite.at_rest import overlap
 from firstcontact.composite.certified import Flats, bounded, may_share_more, on_model
+from firstcontact.composite.mesh_holes import HoledSearch, search_of
 from firstcontact.composite.moving_pair import Pair
 from firstcontact.composite.patches import (
     Patch,
@@ -42,7 +44,6 @@ from firstcontact.motion.polynomial import relative_pieces
 from firstcontact.motion.screw import Screw
 from firstcontact.result import ContactSet, Element, FirstContact, Stats, Status
 from firstcontact.search.containment import component_labels, contains
-from firstcontact.search.convex import ConvexPieces, NotConvex, convex_pieces
 from firstcontact.search.frame import tree_of
 from firstcontact.search.mesh_advance import MeshSearch, Open, Swept, Touch
 from firstcontact.search.stretches import Untold, Window, windows
@@ -57,19 +58,9 @@ def first_contact_of_mesh(
     """The first contact of a Polyhedron and a CompositeQuadric, in either order, at rest or moving.
 
     exact: the time is recomputed exactly among the triangles that doubles leave.  work: visits and strides count, and
-    the steps of exact searches.  Raises UnsupportedPair where the model is no union of convex parts.
+    the steps of exact searches.  Raises UnsupportedPair.
     """
     return _Query(a, b, first, last, exact, tolerance, work).answer()
-
-
-def pieces_of(model: CompositeQuadric) -> ConvexPieces:
-    """The convex parts of a model that a polyhedron is to meet."""
-    try:
-        return convex_pieces(model)
-    except NotConvex as reason:
-        raise UnsupportedPair(
-            f"{model.name or 'a model'} is no union of convex parts ({reason}); it meets convex polyhedra only"
-        ) from reason
 
 
 def windows_of(a: Any, b: Any, first: fmpq, last: fmpq) -> list[Window]:
@@ -80,20 +71,19 @@ def windows_of(a: Any, b: Any, first: fmpq, last: fmpq) -> list[Window]:
 
 
 def holds_model(search: MeshSearch, mesh: Polyhedron, window: Window) -> bool | None:
-    """Whether the solid polyhedron holds a point inside a part of the model at the window's start.
+    """Whether the solid polyhedron holds a point of the model at the window's start, where no surfaces meet.
 
-    None where no such point could be placed.
+    None where points of some parts of the model could not be placed.
     """
     if not mesh.solid:
         return False
-    placed = [search.point_of_piece(j, window) for j in range(search.pieces.count)]
+    placed = search.points_of_model(window)
     for x in placed:
-        if x is None:
-            return None
-        p, q, r = (exact_value(c) for c in x)
-        if contains(mesh, search.tree, (p, q, r)):
-            return True
-    return False
+        if x is not None:
+            p, q, r = (exact_value(c) for c in x)
+            if contains(mesh, search.tree, (p, q, r)):
+                return True
+    return None if None in placed else False
 
 
 @dataclass
@@ -116,8 +106,7 @@ class _Query:
         self.moving_model = bounded(moving_model, moving_mesh, self.span)
         self.model: CompositeQuadric = _shape(self.moving_model)
         self.windows = windows_of(self.a, self.b, self.first, self.last)
-        self.pieces = pieces_of(self.model)
-        self.search = MeshSearch(self.mesh, self.pieces, self.mesh_is_a, self.work.budget, self.work.progress)
+        self.search = search_of(self.mesh, self.model, self.mesh_is_a, self.work.budget, self.work.progress)
         self.width = self.tolerance * (self.windows[-1].last - self.windows[0].first)
 
     def answer(self) -> FirstContact:
@@ -130,11 +119,11 @@ class _Query:
     def _in_window(self, window: Window, at_start: bool) -> FirstContact | None:
         """The answer if there is one in this window; None proves it free."""
         held = holds_model(self.search, self.mesh, window)
-        if held is None:
-            return self._undecided(window.first, "precision")
         swept = Swept("initial", window.first) if held else self.search.run(window, self.width)
         if swept.status == "initial":
             return self._initial(window) if at_start else self._jump(window)
+        if held is None:
+            return self._undecided(window.first, "precision")
         if swept.reason == "budget":
             return self._undecided(swept.free_until, "budget")
         if swept.status == "contact" and not self.exact:
@@ -194,6 +183,8 @@ class _Query:
         for some in (x[ours][::64], x[ours]):  # most starts are settled by a few of the vertices
             if not np.all(self.model._possible(some, slack)[0]):
                 return "overlapping"
+        if not self.search.pieces_are_model:
+            return None
         inside = self._inside_parts(x, slack)
         triangles = self.mesh.triangles[ours[self.mesh.triangles[:, 0]]]  # inside one part with all corners: all of it
         whole = len(triangles) > 0 and bool(np.all(np.any(np.all(inside[:, triangles], axis=2), axis=0)))
@@ -204,12 +195,12 @@ class _Query:
 
     def _inside_parts(self, x: np.ndarray, slack: float) -> np.ndarray:
         """(parts, n) bools: points (n, 3) in the frame of the model surely inside each convex part."""
-        forms = self.pieces.array
+        forms = self.search.pieces.array
         terms = np.column_stack([
             x * x, x[:, 0] * x[:, 1], x[:, 0] * x[:, 2], x[:, 1] * x[:, 2], x, np.ones(len(x)),
         ])  # fmt: skip
         found = []
-        for head in forms[: self.pieces.count]:
+        for head in forms[: self.search.pieces.count]:
             rows = forms[int(head[FORMS]) : int(head[FORMS + 1]), :10]
             found.append(np.all(terms @ rows.T < -slack * (np.abs(terms) @ np.abs(rows).T), axis=1))
         return np.array(found)
@@ -229,7 +220,12 @@ class _Query:
 
     def _contact(self, swept: Swept) -> FirstContact:
         touch = swept.touch
-        assert touch is not None and touch.normal is not None
+        assert touch is not None
+        if touch.normal is None:
+            return self._result(
+                Status.CONTACT, time=touch.time, time_interval=(touch.lo, touch.hi), point=touch.point,
+                free_until=touch.lo,
+            )  # fmt: skip
         normal = -touch.normal if self.mesh_is_a else touch.normal
         mesh_element, mesh_flats = self._on_mesh(touch, "a" if self.mesh_is_a else "b")
         elements: list[Element | None] = [mesh_element, None]
@@ -237,7 +233,7 @@ class _Query:
         if touch.features:
             place, which = (touch.point, normal), "b" if self.mesh_is_a else "a"
             elements[1], flats = on_model(self.moving_model, touch.features, place, touch.frame, which)
-            if not may_share_more(mesh_flats, flats):
+            if touch.alone and not may_share_more(mesh_flats, flats):
                 contact_set = ContactSet("point", touch.point[None])
         first, second = elements if self.mesh_is_a else elements[::-1]
         return self._result(
@@ -298,35 +294,63 @@ class _Query:
         """The answer where doubles leave triangles open, or where the exact time is wanted; None proves it free."""
         left = swept.open
         if self.exact:
-            left = self.search.candidates(window, window.last if swept.touch is None else swept.touch.hi)
+            found_left = self.search.candidates(window, window.last if swept.touch is None else swept.touch.hi)
+            if found_left is None:
+                raise Spent
+            left = found_left
         if at_start and any(x.free_until <= window.first for x in left):
             found = self._touching(left, window)
             if found is not None:
                 return self._touching_result(*found, left)
-        nearest: FirstContact | None = None
+        if self.exact:
+            left = self._earliest(left, window)
+        all_found: list[FirstContact] = []
         for group in self._groups(left):
             for search in self._searches(group, window):
                 meetings = search.first()
                 if meetings:
-                    found_here = contact_of(search, meetings, self.exact, self.shared)
-                    nearest = found_here if nearest is None else min(nearest, found_here, key=_time)
+                    all_found.append(contact_of(search, meetings, self.exact, self.shared))
                     break
                 if search.stop() is not None:
                     return self._undecided(swept.free_until, "precision")
-        touch = swept.touch
+        touch, nearest = swept.touch, min(all_found, key=_time, default=None)
+        if nearest is not None and any(_is_elsewhere(x, nearest) for x in all_found):
+            nearest = replace(nearest, contact_set=None)
         if nearest is not None and (touch is None or _time(nearest) <= touch.hi):
-            return replace(nearest, stats=self._stats())
+            return replace(self._oriented(nearest, window), stats=self._stats())
         if touch is None:
             return None
         if self.exact:  # doubles prove a contact that exact arithmetic does not see
             return self._undecided(swept.free_until, "precision")
         return self._contact(replace(swept, free_until=touch.lo))
 
+    def _oriented(self, found: FirstContact, window: Window) -> FirstContact:
+        """With the normal towards a: a triangle does not tell on which side of it a model with holes lies."""
+        n, place, t = found.normal, found.point, found.time
+        if not isinstance(self.search, HoledSearch) or n is None or place is None or t is None:
+            return found
+        n = self.search.oriented(n, window, t, place)
+        return replace(found, normal=None if n is None else -n if self.mesh_is_a else n)
+
     def _groups(self, left: list[Open]) -> list[list[Open]]:
         """What is decided together: all for a complete answer, else triangle by triangle, early ones first."""
         ordered = sorted(left, key=lambda x: x.free_until)
         single = list({x.primitive: [x] for x in reversed(ordered)}.values())
         return [ordered] if self.exact and ordered else single
+
+    def _earliest(self, left: list[Open], window: Window) -> list[Open]:
+        """The triangles that touch first, each looked at alone, and those that exact arithmetic leaves open."""
+        seen: list[tuple[float, float, Open]] = []
+        for x in left:
+            for search in self._searches([x], window):
+                if meetings := search.first():
+                    seen.append((*contact_of(search, meetings, False, self.shared).time_interval, x))  # type: ignore[misc]
+                    break
+                if search.stop() is not None:
+                    seen.append((-math.inf, math.inf, x))
+                    break
+        first = min((hi for _, hi, _ in seen), default=math.inf)
+        return [x for lo, _, x in seen if lo <= first]
 
     def _searches(self, group: list[Open], window: Window, only_start: bool = False) -> Iterator[Search]:
         """The exact searches over the pieces of the relative motion in the window."""
@@ -409,3 +433,11 @@ def _is_screw(body: Any) -> bool:
 def _time(found: FirstContact) -> float:
     assert found.time is not None
     return found.time
+
+
+def _is_elsewhere(x: FirstContact, nearest: FirstContact) -> bool:
+    """Whether another triangle touches at the same time in another place, as far as doubles tell."""
+    assert nearest.time_interval is not None and x.point is not None and nearest.point is not None
+    lo, hi = nearest.time_interval
+    apart = float(np.abs(x.point - nearest.point).max()) > 1e-9 * (1e-300 + float(np.abs(x.point).max()))
+    return apart and _time(x) <= hi + (hi - lo)

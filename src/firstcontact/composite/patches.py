@@ -22,6 +22,9 @@ from firstcontact.body.polyhedron import Polyhedron
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import to_double
 
+ROOM = 0.125
+"""Of the size of a patch, by which its box is larger."""
+
 
 @dataclass(frozen=True, eq=False)
 class Patch:
@@ -84,8 +87,11 @@ def patch(body: Polyhedron, triangles: Iterable[int], outward: Sequence[float]) 
 
 
 def _box(body: Polyhedron, triangles: Iterable[int]) -> tuple[np.ndarray, np.ndarray]:
+    """With some room on all sides, so that it is not flat."""
     x = body.vertices[body.triangles[sorted(set(triangles))].ravel()]
-    return x.min(axis=0) - body.error, x.max(axis=0) + body.error
+    lo, hi = x.min(axis=0), x.max(axis=0)
+    room = body.error + ROOM * float(np.max(hi - lo))
+    return lo - room, hi + room
 
 
 def _union(trees: Sequence[Tree]) -> Tree:
@@ -148,8 +154,11 @@ def is_sharp_edge(body: Polyhedron, e: int) -> bool:
 
 
 def is_sharp_vertex(body: Polyhedron, v: int) -> bool:
-    """Whether the triangles at a vertex do not lie in one plane."""
-    return not _in_one_plane(body, triangles_at_vertex(body, v))
+    """Whether the triangles at a vertex do not lie in one plane, or end there (on the rim of an open surface)."""
+    around = triangles_at_vertex(body, v)
+    sides = np.unique(body._side_edge[around])
+    ends = (e for e in sides if v in body._segments[e] and len(triangles_at_edge(body, e)) < 2)
+    return not _in_one_plane(body, around) or any(ends)
 
 
 def triangles_at_edge(body: Polyhedron, e: int) -> np.ndarray:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from firstcontact.body.carriers import Line, Plane, QuarticCurve
+from firstcontact.body.carriers import Line, Plane, QuarticCurve, cross
 from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.features import Edge, Face, Vertex
 from firstcontact.exact.inertia import rank
@@ -164,4 +164,8 @@ def crossing_surfaces(body: CompositeQuadric, edge: Edge) -> list[int]:
     if isinstance(edge.carrier, QuarticCurve):
         return list(edge.surfaces[:2])
     numbers = dict.fromkeys(body.faces[k].surfaces[0] for k in edge.faces)
+    if len(numbers) < 2:  # the rim of a surface without inside: its plane, and one across
+        (flat,) = numbers
+        n = body.surfaces[flat].normal[:3]  # type: ignore[union-attr]
+        numbers |= {k: None for k in edge.surfaces if any(cross(n, body.surfaces[k].normal[:3]))}  # type: ignore[union-attr]
     return sorted(numbers, key=lambda k: not isinstance(body.surfaces[k], Plane))[:2]

@@ -122,17 +122,20 @@ class _Search:
         return self.searched(True, window, t, t, budget) == FREE
 
     def _first_event(self, window: Window, t: float, last: fmpq) -> Advance | None:
-        """From t on, in slabs of time that grow; None where there is no event."""
+        """From t on; None where there is no event."""
+        outcome = self.first(window, t)
+        if outcome == SPENT:
+            return self._answer("open", max(window.first, float(self.result[0])), reason="budget")
+        return None if outcome == FREE else self._contact(window, last)
+
+    def first(self, window: Window, t: float) -> int:
+        """The outcome of `searched` for events from t to the end of the window, in slabs of time that grow."""
         step = self._stride(window, t)
         while True:
             end = min(t + step, window.last)
             outcome = self.searched(False, window, t, end, self.budget)
-            if outcome == SPENT:
-                return self._answer("open", max(window.first, float(self.result[0])), reason="budget")
-            if outcome != FREE:
-                return self._contact(window, last)
-            if end >= window.last:
-                return None
+            if outcome != FREE or end >= window.last:
+                return outcome
             t, step = end, 2.0 * step
 
     def _stride(self, window: Window, t: float) -> float:

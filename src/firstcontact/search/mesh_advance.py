@@ -70,7 +70,7 @@ class Touch:
     primitive: its number in the tree; corner, sides: which of its corners (-1: none) or sides (0 to 2) touch, neither
     for the face; features: (kind, index) of the touching features of the model, as `search.advance` tells; frame: pose
     of the model near the time and the inverse of its linear part, twelve numbers each; point, normal: (3,), world
-    frame, the normal from the polyhedron to the model.
+    frame, the normal from the polyhedron to the model; alone: whether no contact elsewhere is known to be as early.
     """
 
     lo: float
@@ -83,6 +83,7 @@ class Touch:
     sides: tuple[int, ...] = ()
     features: tuple[Feature, ...] = ()
     frame: tuple[list[float], list[float]] = ([], [])
+    alone: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,6 +119,9 @@ class MeshSearch:
     budget: visits and strides of all windows together.
     """
 
+    pieces_are_model = True
+    """Whether the pieces make up the model, or only cover it."""
+
     def __init__(
         self, mesh: Any, pieces: ConvexPieces, mesh_is_a: bool, budget: int | None, progress: Progress | None = None
     ) -> None:
@@ -137,9 +141,19 @@ class MeshSearch:
         first = window.first
         return self.run(Window(first, first, first, window.a, window.b), 0.0)
 
-    def candidates(self, window: Window, until: float) -> list[Open]:
-        """All triangles that doubles do not prove free from the start of the window to `until`."""
-        return self.run(Window(window.first, until, window.first, window.a, window.b), 0.0).open
+    def candidates(self, window: Window, until: float) -> list[Open] | None:
+        """All triangles that doubles do not prove free up to `until`; None where the budget ends before."""
+        found = self.run(Window(window.first, until, window.first, window.a, window.b), 0.0)
+        return None if found.reason == "budget" else found.open
+
+    def near(self, window: Window) -> Swept:
+        """ "open" with all triangles that doubles do not prove apart from the pieces all over the window, or "free"."""
+        return self._run(window._replace(inner=window.first), 0.0, None, True)
+
+    def points_of_model(self, window: Window) -> list[tuple[float, float, float] | None]:
+        """In every part of the model a point, in the frame of the mesh at the start of the window, that lies on the
+        same side of the mesh's surface as all of the part if that meets no part; None where none could be placed."""
+        return [self.point_of_piece(j, window) for j in range(self.pieces.count)]
 
     def point_of_piece(self, j: int, window: Window) -> tuple[float, float, float] | None:
         """A point in the frame of the mesh proved to lie inside piece j at the start of the window."""
@@ -152,6 +166,10 @@ class MeshSearch:
 
     def run(self, window: Window, width: float, back: float | None = None) -> Swept:
         """The first contact in one window; width: of its interval at most; back: BACK of it or of a longer one."""
+        return self._run(window, width, back, False)
+
+    def _run(self, window: Window, width: float, back: float | None, inside_too: bool) -> Swept:
+        """inside_too: triangles inside pieces at the start are open like others, and do not end the search."""
         mesh, model = self._motions(window)
         self._push_roots(window.first)
         # what is proved free beyond the end is proved free at it: so the end itself is looked at
@@ -178,7 +196,7 @@ class MeshSearch:
             elif reason == TRIANGLE:
                 self.tests += 1
                 outcome = int(self.state[OUTCOME])
-                if outcome == INITIAL and self.workspace[RESULTS, TIME] == window.first:
+                if outcome == INITIAL and not inside_too and self.workspace[RESULTS, TIME] == window.first:
                     return self._answer("initial", window.first, touch=self._inside())
                 if outcome == CONTACT:
                     best = self._earlier(best)

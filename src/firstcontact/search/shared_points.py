@@ -87,7 +87,7 @@ def shared_point(
     latest = lo + 0.98 * width
     for in_doubles in (True, False):
         with precision(BITS):
-            for event in _events(bodies, instant, boxes, lo, latest, in_doubles):
+            for event in _all_events(bodies, instant, boxes, lo, latest, in_doubles):
                 for at in _times(max(event.time, lo), hi, width, latest, in_doubles):
                     if not lo <= at <= latest or exact_value(at) > last:
                         continue
@@ -145,7 +145,7 @@ def _times(event: float, hi: float, width: float, latest: float, in_doubles: boo
     return [soon, min(max(soon, hi) + 0.05 * width, latest), latest]
 
 
-def _shares(instant: Instant, event: _Event, at: float) -> bool:
+def _shares(instant: Instant, event: Event, at: float) -> bool:
     own, other = event.models()
     if not instant.place(at, at):
         return False
@@ -153,7 +153,7 @@ def _shares(instant: Instant, event: _Event, at: float) -> bool:
 
 
 @dataclass
-class _Event:
+class Event:
     """own: the body whose feature is parametrised; x: the event's place in its frame, local: in its units."""
 
     bodies: tuple[Any, Any]
@@ -228,13 +228,21 @@ def _outward(body: CompositeQuadric, feature: Face | Edge | Vertex, x: np.ndarra
 # -- the event, precise -------------------------------------------------------------------------------------
 
 
-def _events(
+def events_in(
+    bodies: tuple[Any, Any], instant: Instant, boxes: np.ndarray, earliest: float, latest: float
+) -> list[Event]:
+    """The events in boxes that survive the search, precise in doubles where they can be, the earliest first."""
+    with precision(BITS):
+        return _all_events(bodies, instant, boxes, earliest, latest, True)
+
+
+def _all_events(
     bodies: tuple[Any, Any], instant: Instant, boxes: np.ndarray, earliest: float, latest: float, in_doubles: bool
-) -> list[_Event]:
+) -> list[Event]:
     """The events in the boxes, the earliest first, those at one time by their features; they may be that much later
     than the boxes."""
     tables = instant.tables
-    found: list[_Event] = []
+    found: list[Event] = []
     seen: dict[tuple[int, int], np.ndarray] = {}
     for box in boxes:
         if box[PAIR] >= 0:
@@ -263,7 +271,7 @@ def _rank(tables: Tables, box: np.ndarray) -> tuple[int, ...]:
     return RANKS[type(first)], first.index, RANKS[type(second)], second.index
 
 
-def _event(bodies: tuple[Any, Any], tables: Tables, box: np.ndarray) -> _Event:
+def _event(bodies: tuple[Any, Any], tables: Tables, box: np.ndarray) -> Event:
     chart = int(box[CHART])
     side = int(tables.info[chart, 0])
     u, v = box[2], box[4]
@@ -274,10 +282,10 @@ def _event(bodies: tuple[Any, Any], tables: Tables, box: np.ndarray) -> _Event:
     where = [exact_value(c) for c in place]
     if isinstance(own, Vertex):
         where = [dyadic(arb(c.mid())) for c in enclosure(own.carrier)]
-    return _Event(bodies, side, own, tables.others[int(box[PAIR])], where, local, float(0.5 * (box[6] + box[7])))
+    return Event(bodies, side, own, tables.others[int(box[PAIR])], where, local, float(0.5 * (box[6] + box[7])))
 
 
-def _refine(event: _Event, tables: Tables, box: np.ndarray) -> bool:
+def _refine(event: Event, tables: Tables, box: np.ndarray) -> bool:
     """Newton's steps with one approximate Jacobian, residuals in balls; nothing is proved here."""
     own, other = event.models()
     pair = tables.pairs[int(box[PAIR])]
@@ -392,7 +400,7 @@ def _det(rows: Sequence[Sequence[Any]]) -> Any:
 # -- the proof ----------------------------------------------------------------------------------------------
 
 
-def _proved(event: _Event, at: float) -> bool:
+def _proved(event: Event, at: float) -> bool:
     """Whether a point near the event is proved inside both models at that time."""
     m = event.relative(exact_value(at))
     own, other = event.models()
