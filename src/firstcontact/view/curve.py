@@ -50,7 +50,8 @@ def sight(curve: IntersectionCurve) -> tuple[np.ndarray, np.ndarray]:
     """
     ending = [branch for branch in curve.branches if all(end.kind != "infinity" for end in branch.ends)]
     found = [branch.points for branch in ending]
-    found += [curve.isolated_points, *(x.point[None] for x in (*curve.singular_points, *curve.open_places))]
+    found += [curve.isolated_points, *(x.point[None] for x in curve.singular_points)]
+    found += [place.point[None] for place in curve.open_places]
     points = np.concatenate([np.empty((0, 3)), *found])
     if not len(points):
         lines = [branch.points for branch in curve.branches] + list(curve.overlap_lines)
@@ -102,8 +103,8 @@ def layers(curve: IntersectionCurve, drawn: tuple[Drawing, Drawing]) -> list[dic
     if len(curve.isolated_points):
         found.append(("isolated points", COLOURS[0], "isolated", curve.isolated_points))
     if curve.open_places:
-        points = np.array([place.point for place in curve.open_places])
-        found.append(("undecided places", UNDECIDED, "open", points))
+        places = np.array([place.point for place in curve.open_places])
+        found.append(("undecided places", UNDECIDED, "open", places))
     return [dict(zip(("name", "colour", "kind", "points"), layer, strict=True)) for layer in found]
 
 
