@@ -251,13 +251,12 @@ def _all_events(
     same = 0.03 * (latest - earliest)  # times that close are one as far as doubles tell
     for box in ordered[:TRIED]:
         event = _event(bodies, tables, box)
-        if in_doubles:
-            precise = instant.refined(box)
-            if precise is not None and earliest <= precise[2] <= latest:
-                event = _event(bodies, tables, np.insert(box[:2], 2, precise[[0, 0, 1, 1, 2, 2]]))
-                if event.time <= earliest + same:  # none of those that follow comes before it
-                    found.append(event)
-                    break
+        precise = instant.refined(box) if in_doubles else None
+        if precise is not None and earliest <= precise[2] <= latest:
+            event = _event(bodies, tables, np.insert(box[:2], 2, precise[[0, 0, 1, 1, 2, 2]]))
+            if event.time <= earliest + same:  # none of those that follow comes before it
+                found.append(event)
+                break
         elif not _refine(event, tables, box) or not earliest <= event.time <= latest:
             event = _event(bodies, tables, box)
         found.append(event)
