@@ -50,10 +50,10 @@ def reference(verb, scene: Scene):
     return verb(a.v, a.e, a.f, b.v, b.e, b.f, reference_motion(scene), scene.until, *owns)
 
 
-def assert_same_first_contact(scene: Scene, exact: bool = False) -> str:
+def assert_same_first_contact(scene: Scene, exact: bool = False, engine: str = "auto") -> str:
     """Status and the correctly rounded time are those of the reference; returns the status' name."""
     status, time, nearest = reference(naive.first_contact, scene)
-    hit = fc.first_contact(*question(scene), exact=exact)
+    hit = fc.first_contact(*question(scene), exact=exact, engine=engine)
     assert hit.status.name == status, f"{hit.status.name}, reference {status} at {nearest}: {scene}"
     if status == naive.FREE:
         assert hit.time is None and hit.free_until == float(library_span(scene)[1]), scene

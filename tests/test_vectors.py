@@ -17,14 +17,14 @@ from vectors import VECTORS, Vector
 KIND = {"v": "vertex", "e": "edge", "f": "face"}
 
 
-def ask(case: Vector, exact: bool) -> fc.FirstContact:
+def ask(case: Vector, exact: bool, engine: str) -> fc.FirstContact:
     a, b = polyhedron(case.a, name="moving"), polyhedron(case.b, name="resting")
     if case.translation is not None:
         span = (0, case.translation.get("T", math.inf))
-        return fc.first_contact(a.moving(fc.Translation(case.translation["v"])), b, span, exact=exact)
+        return fc.first_contact(a.moving(fc.Translation(case.translation["v"])), b, span, exact=exact, engine=engine)
     assert case.rotation is not None
     motion = fc.Rotation(case.rotation["axis"], point=case.rotation["point"], **case.total_angle())
-    return fc.first_contact(a.moving(motion), b, exact=exact)
+    return fc.first_contact(a.moving(motion), b, exact=exact, engine=engine)
 
 
 def expected_time(case: Vector) -> float:
@@ -43,10 +43,12 @@ def expected_time(case: Vector) -> float:
     return naive.nearest_double(parameter)
 
 
-@pytest.mark.parametrize("exact", [False, True], ids=["float", "exact"])
+@pytest.mark.parametrize(
+    ("exact", "engine"), [(False, "boxes"), (True, "boxes"), (False, "lifted")], ids=["float", "exact", "lifted"]
+)
 @pytest.mark.parametrize("case", VECTORS, ids=lambda c: c.id)
-def test_known_first_contact(case, exact):
-    hit, expected = ask(case, exact), case.expected
+def test_known_first_contact(case, exact, engine):
+    hit, expected = ask(case, exact, engine), case.expected
     if not expected["hit"]:
         assert hit.status is fc.Status.FREE
         return

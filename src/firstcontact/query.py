@@ -49,6 +49,9 @@ def first_contact(
     the motions' own; ``inf`` as last for translations.  Contact is between closed sets: grazing counts, solids own
     their interior.  Status.FREE proves that they share no point at any time of the span.
 
+    engine: of polyhedra, which trees are asked; the answer is the same.  "boxes"; "lifted", for scenes in which nearly
+    everything passes nearly everything (translations and rotations only); "auto" begins with boxes and changes over
+    when they have done many pair tests.  `stats.engine` tells which one answered.
     exact: add `time_exact`.  tolerance: largest width of `time_interval`, relative to the span (enclosures
     come out a few units in the last place wide, whatever is asked).
     budget: node visits plus pair tests (curved models: strides, subproblems and candidates) after which to answer
@@ -77,13 +80,15 @@ def first_contact(
     parts, first, last = pieces(a, b, span)
     if exact:
         _refuse_inexact(parts)
+    if engine == "lifted" and any(isinstance(piece, CurvedPiece) for piece in parts):
+        raise UnsupportedPair("engine 'lifted' searches translations and rotations; other motions take 'auto'")
     stats = Stats()
     window = (to_double(first), math.inf if last is None else to_double(last))
     shared = {"a": a, "b": b, "span": window}
-    for k, (problem, with_start) in enumerate(problems_in_order(a, b, parts)):
+    for k, (problem, with_start) in enumerate(problems_in_order(a, b, parts, engine)):
         left = None if budget is None else max(0, budget - int(stats.node_visits + stats.pair_tests))
         found = earliest(problem, left, progress, with_start=with_start)
-        stats += Stats(found.visits, found.tests, found.unsure, found.exact)
+        stats += Stats(found.visits, found.tests, found.unsure, found.exact, engine=found.engine)
         if found.open is not None:
             return _undecided(found.open, problem.world_time(found.free_until), stats, begin, shared)
         if found.start or (k == 0 and _starts_at_once(found)):
@@ -243,8 +248,7 @@ def _undecided(reason: str, free_until: float, stats: Stats, begin: float, share
 
 
 def _timed(stats: Stats, begin: float) -> Stats:
-    seconds = clock.perf_counter() - begin
-    return Stats(stats.node_visits, stats.pair_tests, stats.undecided, stats.exact_evaluations, seconds)
+    return stats + Stats(seconds=clock.perf_counter() - begin)
 
 
 def _refuse_inexact(parts: list[Any]) -> None:
@@ -255,7 +259,7 @@ def _refuse_inexact(parts: list[Any]) -> None:
 
 
 METHODS = ("auto", "certified", "algebraic")
-ENGINES = ("auto", "boxes")
+ENGINES = ("auto", "boxes", "lifted")
 
 
 def _check(a: Any, b: Any, method: str, engine: str, tolerance: float, budget: int | None) -> str:

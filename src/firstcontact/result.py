@@ -36,7 +36,7 @@ class _NoTruth:
 
 
 @dataclass(frozen=True, slots=True)
-class Stats(Mapping[str, float]):
+class Stats(Mapping[str, float | str]):
     """Work done by one query; readable as attributes and as a mapping."""
 
     node_visits: int = 0
@@ -45,8 +45,10 @@ class Stats(Mapping[str, float]):
     """Pair tests the floats could not decide."""
     exact_evaluations: int = 0
     seconds: float = 0.0
+    engine: str = ""
+    """Of polyhedra: which engine answered (the last one, where there were several pieces of motion)."""
 
-    def __getitem__(self, key: str) -> float:
+    def __getitem__(self, key: str) -> float | str:
         if key not in list(self):
             raise KeyError(key)
         return getattr(self, key)
@@ -64,6 +66,7 @@ class Stats(Mapping[str, float]):
             self.undecided + other.undecided,
             self.exact_evaluations + other.exact_evaluations,
             self.seconds + other.seconds,
+            other.engine or self.engine,
         )
 
 

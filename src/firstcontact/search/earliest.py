@@ -19,6 +19,7 @@ from firstcontact.search.state import (
     EDGE_FACE,
     FULL,
     KEY,
+    LIFTED,
     SLICE,
     SLICE_SPENT,
     TESTS,
@@ -70,6 +71,7 @@ class Found:
     tests: int = 0
     unsure: int = 0
     exact: int = 0
+    engine: str = "boxes"
 
     @property
     def work(self) -> int:
@@ -93,6 +95,7 @@ def earliest(
         found.visits += int(state.integers[VISITS])
         found.tests += int(state.integers[TESTS])
         found.unsure += int(state.integers[UNSURE_TOTAL])
+        found.engine = "lifted" if state.integers[LIFTED] else "boxes"
         return_state(state)
     return found
 

@@ -14,7 +14,7 @@ from firstcontact.motion.relative import Piece
 from firstcontact.search.translation_problem import TranslationProblem
 
 
-def problem_of(a: Any, b: Any, piece: Any) -> Any:
+def problem_of(a: Any, b: Any, piece: Any, engine: str = "boxes") -> Any:
     """The search problem of the piece, both bodies placed at its reference time."""
     if isinstance(piece, CurvedPiece):
         from firstcontact.search.enclosed_problem import EnclosedProblem
@@ -24,13 +24,18 @@ def problem_of(a: Any, b: Any, piece: Any) -> Any:
         return (RationalProblem if piece.polynomial else EnclosedProblem)(body_a, body_b, piece)
     body_a, body_b = _placed(a, b, piece)
     if piece.velocity is not None:
-        return TranslationProblem(body_a, body_b, piece)
-    from firstcontact.search.rotation_problem import RotationProblem
+        problem: Any = TranslationProblem(body_a, body_b, piece)
+    else:
+        from firstcontact.search.rotation_problem import RotationProblem
 
-    return RotationProblem(body_a, body_b, piece)
+        problem = RotationProblem(body_a, body_b, piece)
+    problem.engine = engine
+    return problem
 
 
-def problems_in_order(a: Any, b: Any, parts: Iterable[Any]) -> Iterator[tuple[Any, bool]]:
+def problems_in_order(
+    a: Any, b: Any, parts: Iterable[Any], engine: str = "boxes"
+) -> Iterator[tuple[Any, bool]]:
     """The problems to search one after the other, and whether the bodies may share points from its beginning on.
 
     That is so in the first one, in which both bodies stand as the span starts, and after a jump.
@@ -43,15 +48,15 @@ def problems_in_order(a: Any, b: Any, parts: Iterable[Any]) -> Iterator[tuple[An
                 bodies = _placed(a, b, start)
                 if k == 0 or not _boxes_apart(*bodies):
                     yield TranslationProblem(*bodies, start), True
-            yield problem_of(a, b, piece), False
+            yield problem_of(a, b, piece, engine), False
         else:
-            yield from _simple_problems(a, b, piece, k == 0 or isinstance(before, CurvedPiece))
+            yield from _simple_problems(a, b, piece, engine, k == 0 or isinstance(before, CurvedPiece))
         before = piece
 
 
-def _simple_problems(a: Any, b: Any, piece: Piece, with_start: bool) -> Iterator[tuple[Any, bool]]:
+def _simple_problems(a: Any, b: Any, piece: Piece, engine: str, with_start: bool) -> Iterator[tuple[Any, bool]]:
     """The problems of a translation or rotation."""
-    problem = problem_of(a, b, piece)
+    problem = problem_of(a, b, piece, engine)
     if piece.reference == piece.start:
         yield problem, with_start
         return

@@ -51,6 +51,7 @@ from firstcontact.search import rotate  # noqa: F401 - the walk under this motio
 from firstcontact.search.containment import contained
 from firstcontact.search.cylinder import COLUMNS
 from firstcontact.search.elements import EDGE, VERTEX, Feature, Primitive, corners_of
+from firstcontact.search.engines import ByEngine
 from firstcontact.search.frame import frame_of, view_in
 from firstcontact.search.state import WalkState
 from firstcontact.search.touch import Touch, as_balls, place_ball, place_doubles, rotation_normal
@@ -73,7 +74,7 @@ class WindowBegin(LimitInstant):
         return True
 
 
-class RotationProblem:
+class RotationProblem(ByEngine):
     """Body a turns forward about an axis by angles [first, last] after `turn` whole turns, body b rests.
 
     Angles are pairs (radians, turns).  A piece that starts at another time than its reference starts at the
@@ -180,8 +181,8 @@ class RotationProblem:
         assert self.last is not None
         return angle_ball(self.last[0], "radians") + angle_ball(self.last[1], "turns")
 
-    def advance(self, state: WalkState, limit: int, with_start: bool, all_sides: bool) -> int:
-        """Go on with the walk; the reason it came back."""
+    def advance_boxes(self, state: WalkState, limit: int, with_start: bool, all_sides: bool) -> int:
+        """Go on with the walk over trees of boxes; the reason it came back."""
         a, b = self.tree_a, self.tree_b
         return walk(
             a.boxes, a.links, a.xyz, a.ids, b.boxes, b.links, b.xyz, b.ids,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from typing import Any
 
 import numpy as np
 
@@ -18,8 +19,9 @@ CERTAIN_KIND = 8
 # Why a kernel came back.
 DONE, SLICE_SPENT, FULL, DECIDE, CROSSING_FOUND = range(5)
 
-# Slots of the integer state.
-HEAP, STACK, CANDIDATES, VISITS, TESTS, UNSURE_COUNT, UNSURE_TOTAL = range(7)
+# Slots of the integer state.  LIFTED: 1 when the walk asks lifted trees, 2 when it need not look at the start there;
+# ARC, PHASE, QUERY: its place.
+HEAP, STACK, CANDIDATES, VISITS, TESTS, UNSURE_COUNT, UNSURE_TOTAL, LIFTED, ARC, PHASE, QUERY = range(11)
 # Slots of the float state: earliest time, the same certain, latest certain, best time so far, present key, and
 # whether all contacts are wanted (then certain ones do not lower the best time).
 FIRST, SURE_FIRST, SURE_LAST, BEST, KEY, ALL = range(6)
@@ -35,7 +37,7 @@ LEAF_ROOM = 32
 class WalkState:
     """Scratch arrays of a walk.  `keys`/`pairs`: heap; `stack`: pairs that overlap at the start."""
 
-    __slots__ = ("floats", "integers", "keys", "pairs", "stack", "times", "candidates")
+    __slots__ = ("floats", "integers", "keys", "pairs", "stack", "times", "candidates", "scratch")
 
     def __init__(self) -> None:
         self.keys = np.empty(4096)
@@ -44,7 +46,8 @@ class WalkState:
         self.times = np.empty((512, 2))
         self.candidates = np.empty((512, 5), np.int32)  # kind, part a, feature a, part b, feature b
         self.floats = np.zeros(6)
-        self.integers = np.zeros(7, np.int64)
+        self.integers = np.zeros(11, np.int64)
+        self.scratch: Any = None  # of a walk over lifted trees
 
     def start(
         self, first: float, sure_first: float, last: float, sure_last: float, want_all: bool = False
@@ -54,6 +57,7 @@ class WalkState:
         f[FIRST], f[SURE_FIRST], f[SURE_LAST] = first, sure_first, sure_last
         f[BEST], f[KEY], f[ALL] = last, first, want_all
         n.fill(0)
+        self.scratch = None
         n[STACK] = 1
         self.stack[0] = 0
 
@@ -81,5 +85,6 @@ def borrow_state() -> WalkState:
 
 
 def return_state(state: WalkState) -> None:
+    state.scratch = None
     if len(state.keys) <= 1 << 18:
         _local.state = state

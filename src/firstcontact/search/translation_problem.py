@@ -19,6 +19,7 @@ from firstcontact.pairs import line_line, point_plane, segment_facet
 from firstcontact.search import translate  # noqa: F401 - the walk under this motion
 from firstcontact.search.containment import contained
 from firstcontact.search.elements import EDGE, VERTEX, Feature, Primitive, corners_of
+from firstcontact.search.engines import ByEngine
 from firstcontact.search.frame import shared_frame, tree_of, view_in
 from firstcontact.search.state import WalkState
 from firstcontact.search.touch import Touch, translation_touch
@@ -28,7 +29,7 @@ from firstcontact.search.windows import collect
 ZERO = fmpq(0)
 
 
-class TranslationProblem:
+class TranslationProblem(ByEngine):
     """Body a moves by t v over the local times [0, last] (last None: for ever), body b rests."""
 
     begin = 0.0, 0.0
@@ -72,8 +73,8 @@ class TranslationProblem:
             return last, last
         return math.nextafter(last, math.inf), math.nextafter(last, -math.inf)
 
-    def advance(self, state: WalkState, limit: int, with_start: bool, all_sides: bool) -> int:
-        """Go on with the walk; the reason it came back."""
+    def advance_boxes(self, state: WalkState, limit: int, with_start: bool, all_sides: bool) -> int:
+        """Go on with the walk over trees of boxes; the reason it came back."""
         a, b = self.tree_a, self.tree_b
         return walk(
             self.boxes_a, a.links, a.xyz, a.ids, self.boxes_b, b.links, b.xyz, b.ids,

@@ -1,0 +1,228 @@
+"""Edges against edges by halving both sets in turn, leaving out at each step what is certainly not met.
+
+A frame is a set of edges of a and one of b.  The larger set is cut in two; each half, as a cell (box and box of
+lines), can be met by a part of the other set only.  The cut goes across the direction in which the products of its
+lines with those of the other set vary most: what is left lies near the few surfaces on which these products vanish, and
+is to be cut as thin across them as its cells bend along them.  Then each halving of either set shrinks the other by
+2^(-1/d) in d effective dimensions, and T(n) = 4 T(n / 2^(1 + 1/d)) + O(n) is the n^(2d/(d+1)) of cuttings (Schoemer
+& Thiel 1995, section 5: n^(8/5) for d = 4), where a tree with cells fixed in advance tests n^(2 - 1/d) pairs.  That is
+what is measured, not proved: nothing bounds how good the cells are.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.lifted_query import LINES, REACH, ROWS, may_meet
+from firstcontact.kernels.principal import box_columns, fit_box
+from firstcontact.search.lifted_motion import lay_edge
+from firstcontact.search.lifted_tree import select
+from firstcontact.search.state import (
+    CANDIDATES,
+    DECIDE,
+    DONE,
+    FULL,
+    LEAF_ROOM,
+    QUERY,
+    SLICE_SPENT,
+    STACK,
+    UNSURE_BATCH,
+    UNSURE_COUNT,
+    VISITS,
+)
+from firstcontact.search.tree import SIDE
+from firstcontact.search.walk import test_events
+
+# A frame of at most so many pairs is tested pair by pair.
+FEW_PAIRS = 64
+# One pair of edges in so many is tested before anything is cut, per edge of the larger set.
+SAMPLE_SHARE = 8
+# Slots of a frame: ranges of a and of b in the arena, and where the arena is free.
+A_FIRST, A_LAST, B_FIRST, B_LAST, TOP, FRAME = range(6)
+# Each frame copies the set that it cuts, and the other one twice at most: three times the larger set, which every
+# second step halves.  So no path takes more than 12 times the larger set, but for odd halves, nor more frames than
+# there are halvings of both sets.
+ARENA_SHARE, ARENA_LEAST, MOST_FRAMES = 13, 2048, 256
+_SAMPLE = 64
+
+
+class Edges(NamedTuple):
+    """The edges of a body: lines (m, 6) and sizes (m, 3) about the common origin, boxes (m, 6), ends (m, 9), parts."""
+
+    lines: np.ndarray
+    boxes: np.ndarray
+    sizes: np.ndarray
+    corners: np.ndarray
+    parts: np.ndarray
+
+
+class Room(NamedTuple):
+    """Scratch of a search: edges by number, their keys, and the stack of frames."""
+
+    arena: np.ndarray
+    keys: np.ndarray
+    frames: np.ndarray
+
+
+def room_for(m: int, n: int) -> Room:
+    size = m + n + ARENA_SHARE * max(m, n) + ARENA_LEAST
+    return Room(np.empty(size, np.int32), np.empty(size), np.zeros((MOST_FRAMES, FRAME), np.int64))
+
+
+@kernel
+def halve(a, b, origin, scale, room, motion, arc, reach, xyz_a, xyz_b, err_a, err_b, limit,
+          floats, integers, times, candidates):  # fmt: skip
+    """Go on with all pairs of edges; returns why it stopped.  STACK counts the frames that wait."""
+    arena, frames = room.arena, room.frames
+    m, n = a.parts.shape[0], b.parts.shape[0]
+    if m == 0 or n == 0:
+        return DONE
+    if integers[QUERY] == 0:
+        for i in range(m + n):
+            arena[i] = i if i < m else i - m
+        frames[0, A_FIRST], frames[0, A_LAST], frames[0, B_FIRST], frames[0, B_LAST] = 0, m, m, m + n
+        frames[0, TOP] = m + n
+        integers[STACK], integers[QUERY] = 1, 1
+    # pairs at random, for both sets are in random order, bound the best time from the beginning
+    samples = max(m, n) // SAMPLE_SHARE if arc == 0 else 0
+    row, query, work = np.zeros(LINES + box_columns(6)), np.zeros((ROWS, 6)), np.empty((8, 3))
+    scratch = np.empty((6, 6)), np.empty((6, 6)), np.empty((3, 6))
+    while integers[STACK] > 0:
+        if integers[CANDIDATES] + 2 * FEW_PAIRS + LEAF_ROOM > times.shape[0]:
+            return FULL
+        if integers[UNSURE_COUNT] >= UNSURE_BATCH:
+            return DECIDE
+        if integers[VISITS] >= limit:
+            return SLICE_SPENT
+        done = integers[QUERY] - 1
+        sampling = done < samples
+        if sampling:
+            a0, b0, width, pairs = 0, 0, 1, min(samples - done, FEW_PAIRS)
+            integers[QUERY] += pairs
+        else:
+            integers[STACK] -= 1
+            frame = frames[integers[STACK]]
+            a0, b0, width = frame[A_FIRST], frame[B_FIRST], frame[B_LAST] - frame[B_FIRST]
+            pairs = (frame[A_LAST] - a0) * width
+        if pairs <= FEW_PAIRS:
+            for p in range(pairs):
+                if sampling:
+                    part_a, part_b = a.parts[(done + p) % m], b.parts[(done + p) % n]
+                else:
+                    part_a, part_b = a.parts[arena[a0 + p // width]], b.parts[arena[b0 + p % width]]
+                test_events(
+                    motion, part_a[0], part_a[1], xyz_a[part_a[0]], part_b[0], part_b[1], xyz_b[part_b[0]],
+                    1 << SIDE, err_a, err_b, floats, integers, times, candidates,
+                )  # fmt: skip
+            continue
+        cut_a = frame[A_LAST] - a0 >= width
+        x, y = (a, b) if cut_a else (b, a)
+        _split(x, A_FIRST if cut_a else B_FIRST, y, B_FIRST if cut_a else A_FIRST, -1.0 if cut_a else 1.0, origin,
+               scale, room, row, scratch, query, work, motion, arc, reach, err_a + err_b, floats, integers)  # fmt: skip
+    return DONE
+
+
+@kernel
+def _split(x, x_slot, y, y_slot, sense, origin, scale, room, row, scratch, query, work,
+           motion, arc, reach, err, floats, integers):  # fmt: skip
+    """Cut the set x of the frame taken last, and push one for each half with what of y may meet it.
+
+    sense: that of the motion of y past x.
+    """
+    arena, frames = room.arena, room.frames
+    frame = frames[integers[STACK]]
+    x0, x1, y0, y1, top = frame[x_slot], frame[x_slot + 1], frame[y_slot], frame[y_slot + 1], frame[TOP]
+    count = x1 - x0
+    _cut(x.lines, x0, x1, y.lines, y0, y1, top, room, scratch)
+    used = top + count
+    for half in range(2):
+        first, last = (top, top + count // 2) if half == 0 else (top + count // 2, top + count)
+        _write_cell(x, arena, first, last, row, scratch)
+        begin = used
+        for k in range(y0, y1):
+            e = y.corners[arena[k]]
+            lay_edge(motion, arc, e[0:3], e[3:6], sense, reach, floats, origin, scale, query, work)
+            if may_meet(row, query, False, scale, origin, err):
+                arena[used] = arena[k]
+                used += 1
+        integers[VISITS] += y1 - y0
+        if used > begin:
+            frame = frames[integers[STACK]]
+            frame[x_slot], frame[x_slot + 1], frame[y_slot], frame[y_slot + 1] = first, last, begin, used
+            frame[TOP] = used
+            integers[STACK] += 1
+
+
+@kernel
+def _write_cell(x, order, first, last, row, scratch):
+    """The cell of the edges order[first:last] in the form of a node of a lifted tree."""
+    for k in range(3):
+        row[k], row[k + 3], row[REACH + k] = np.inf, -np.inf, 0.0
+    for i in range(first, last):
+        b, size = x.boxes[order[i]], x.sizes[order[i]]
+        for k in range(3):
+            row[k], row[k + 3] = min(row[k], b[k]), max(row[k + 3], b[k + 3])
+            row[REACH + k] = max(row[REACH + k], size[k])
+    fit_box(x.lines, order, first, last, 1, row, LINES, scratch[0], scratch[1], scratch[2])
+
+
+@kernel
+def _cut(lines, x0, x1, others, y0, y1, top, room, scratch):
+    """Copy arena[x0:x1] to `top` on, one half after the other.
+
+    The key of a line Y is a form in it that maximises the variance over this set among combinations of the products
+    with the other set: the eigenvector of (second moments of the others) (covariance of these), by power iteration.
+    """
+    arena, keys = room.arena, room.keys
+    vary, weigh, vectors = scratch
+    form, turned = vectors[0], vectors[1]
+    for i in range(x1 - x0):
+        arena[top + i] = arena[x0 + i]
+    _second_moments(lines, arena, x0, x1, True, vary, form)
+    _second_moments(others, arena, y0, y1, False, weigh, form)
+    for k in range(6):
+        form[k] = 1.0 / (1.0 + k)
+    for _ in range(12):
+        largest = 0.0
+        for j in range(6):
+            turned[j] = 0.0
+            for k in range(6):
+                turned[j] += vary[j, k] * form[k]
+        for j in range(6):  # products pair the direction of one line with the moment of the other
+            s = 0.0
+            for k in range(6):
+                s += weigh[j, k] * turned[(k + 3) % 6]
+            form[(j + 3) % 6] = s
+            largest = max(largest, abs(s))
+        if not 0.0 < largest < np.inf:
+            break
+        for k in range(6):
+            form[k] /= largest
+    for i in range(top, top + x1 - x0):
+        s = 0.0
+        for k in range(6):
+            s += form[k] * lines[arena[i], k]
+        keys[i] = s
+    select(keys, arena, top, top + x1 - x0, top + (x1 - x0) // 2)
+
+
+@kernel
+def _second_moments(vectors, order, first, last, centred, moments, mean):
+    """Those of a sample, evenly spaced in the order."""
+    step = max(1, (last - first) // _SAMPLE)
+    for j in range(6):
+        mean[j] = 0.0
+        for k in range(6):
+            moments[j, k] = 0.0
+    if centred:
+        for i in range(first, last, step):
+            for j in range(6):
+                mean[j] += vectors[order[i], j] / ((last - first + step - 1) // step)
+    for i in range(first, last, step):
+        y = vectors[order[i]]
+        for j in range(6):
+            for k in range(6):
+                moments[j, k] += (y[j] - mean[j]) * (y[k] - mean[k])

@@ -1,0 +1,141 @@
+"""Queries of lifted trees under the two motions: what an edge or corner of either body sweeps.
+
+Chosen by the type of the motion, as in `walk`.  A translation is one arc; a rotation is searched arc by arc.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba.extending import overload
+
+from firstcontact.kernels.angle import ANGLE_EPS
+from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.lifted_query import write_segment, write_swept_edge, write_turned_edge, write_turned_point
+from firstcontact.search.state import BEST, FIRST, KEY
+
+# An arc turns by 2 atan(1/5): its cosine and sine are rational.  Sixteen make more than a full turn.
+ARC_ANGLE, ARC_TANGENT = 0.3947911196997615, 0.2
+ARCS = 16
+
+
+def _arc_starts() -> np.ndarray:
+    """Cosine and sine where each arc starts, rounded once."""
+    x, y, whole, rows = 1, 0, 1, []
+    for _ in range(ARCS + 1):
+        rows.append((x / whole, y / whole))
+        x, y, whole = 12 * x - 5 * y, 5 * x + 12 * y, 13 * whole
+    return np.array(rows)
+
+
+ARC_STARTS = _arc_starts()
+
+
+def arc_of(motion: np.ndarray, floats: np.ndarray, arc: int) -> tuple[bool, bool]:
+    """(whether there is such an arc before the best time, whether it ends before the window begins)."""
+    if motion.ndim == 1:
+        return arc == 0, False
+    # products of whole numbers and the arc's angle round once; times are within ANGLE_EPS
+    start = arc * ARC_ANGLE - 4.0 * ANGLE_EPS
+    over = (arc + 1) * ARC_ANGLE + 4.0 * ANGLE_EPS < floats[FIRST]
+    exists = arc < ARCS and start <= floats[BEST]
+    if exists and not over:
+        floats[KEY] = max(floats[KEY], start)
+    return exists, over
+
+
+def lay_edge(motion, arc, x, y, sense, reach, floats, origin, scale, query, work):
+    """Write the query for the edge from x to y of a (sense 1), or of b (sense -1: it moves the other way past a)."""
+    raise NotImplementedError("compiled only, by the type of the motion")
+
+
+def lay_corner(motion, arc, x, sense, reach, floats, origin, scale, query, work):
+    """The same for a corner x."""
+    raise NotImplementedError("compiled only, by the type of the motion")
+
+
+# ---------------------------------------------------------------------------------------------- translation
+
+
+@overload(lay_edge)
+def _lay_edge(motion, arc, x, y, sense, reach, floats, origin, scale, query, work):
+    return _lay_shifted_edge if motion.ndim == 1 else _lay_turned_edge
+
+
+@overload(lay_corner)
+def _lay_corner(motion, arc, x, sense, reach, floats, origin, scale, query, work):
+    return _lay_shifted_corner if motion.ndim == 1 else _lay_turned_corner
+
+
+@kernel
+def _shifts(motion, sense, reach, floats, work):
+    """Write how far a moves until the window begins, and from there to its end."""
+    lo = floats[KEY]
+    hi = max(lo, min(floats[BEST], reach))
+    for k in range(3):
+        work[0, k], work[1, k] = sense * lo * motion[6 + k], sense * (hi - lo) * motion[6 + k]
+
+
+def _lay_shifted_edge(motion, arc, x, y, sense, reach, floats, origin, scale, query, work):
+    _shifts(motion, sense, reach, floats, work)
+    write_swept_edge(query, x, y, work[0], work[1], origin, scale)
+
+
+def _lay_shifted_corner(motion, arc, x, sense, reach, floats, origin, scale, query, work):
+    _shifts(motion, sense, reach, floats, work)
+    write_segment(query, x, work[0], work[1], origin, scale)
+
+
+# ------------------------------------------------------------------------------------------------- rotation
+
+
+@kernel
+def _tangent(arc, floats):
+    """tan of half the angle from the start of the arc to its end or the best time: not less, at most 0.2 or so.
+
+    For x <= 0.2, x (1 + x^2/3 + 2 x^4/15 + 17 x^6/315 + 62 x^8/2835 + 0.0091 x^10) is beyond tan x.
+    """
+    x = 0.5 * (floats[BEST] - arc * ARC_ANGLE) + 8.0 * ANGLE_EPS
+    if not x < 0.5 * ARC_ANGLE:
+        return ARC_TANGENT * (1.0 + 1e-12)
+    x = max(x, 8.0 * ANGLE_EPS)
+    s = x * x
+    p = 1.0 + s * (1.0 / 3.0 + s * (2.0 / 15.0 + s * (17.0 / 315.0 + s * (62.0 / 2835.0 + s * 0.0091))))
+    return x * p * (1.0 + 1e-13)
+
+
+@kernel
+def _turned(x, c, s, cx, cy, place, out):
+    """Write the point x, turned about (cx, cy), into row `place` of out, and its velocity there into the next."""
+    p, q = x[0] - cx, x[1] - cy
+    out[place, 0], out[place, 1], out[place, 2] = cx + (c * p - s * q), cy + (s * p + c * q), x[2]
+    out[place + 1, 0], out[place + 1, 1], out[place + 1, 2] = -(s * p + c * q), c * p - s * q, 0.0
+
+
+def _lay_turned_edge(motion, arc, x, y, sense, reach, floats, origin, scale, query, work):
+    end = motion.shape[0] - 1
+    cx, cy = motion[end, 0], motion[end, 1]
+    c, s = ARC_STARTS[arc, 0], sense * ARC_STARTS[arc, 1]
+    tc = _tangent(arc, floats)
+    w = 1.0 / (1.0 + tc * tc)
+    dc, ds = (1.0 - tc * tc) * w, sense * 2.0 * tc * w
+    _turned(x, c, s, cx, cy, 0, work)
+    _turned(y, c, s, cx, cy, 2, work)
+    _turned(work[0], dc, ds, cx, cy, 4, work)
+    _turned(work[2], dc, ds, cx, cy, 6, work)
+    for k in range(2):
+        work[1, k], work[3, k] = sense * work[1, k], sense * work[3, k]
+    write_turned_edge(query, work[0], work[2], work[1], work[3], work[4], work[6], tc, origin, scale)
+
+
+def _lay_turned_corner(motion, arc, x, sense, reach, floats, origin, scale, query, work):
+    end = motion.shape[0] - 1
+    cx, cy = motion[end, 0], motion[end, 1]
+    c, s = ARC_STARTS[arc, 0], sense * ARC_STARTS[arc, 1]
+    tc = _tangent(arc, floats)
+    w = 1.0 / (1.0 + tc * tc)
+    dc, ds = (1.0 - tc * tc) * w, sense * 2.0 * tc * w
+    _turned(x, c, s, cx, cy, 0, work)
+    _turned(work[0], dc, ds, cx, cy, 2, work)
+    for k in range(2):
+        work[1, k] *= sense
+    write_turned_point(query, work[0], work[1], work[2], tc, origin, scale)

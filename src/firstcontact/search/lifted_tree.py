@@ -1,0 +1,251 @@
+"""Edges and facets of one body as lines and planes, and the tree over its facets: boxes along principal axes.
+
+The line through c and d is Y = (f; k) with f = d - c, k = c x f; whether another line passes above or below it is the
+sign of a form that is linear in Y.  So a node knows, besides the box of its elements, a box of their vectors Y, and
+one look tells that a query passes all of them on one side (Schoemer & Thiel 1995, section 5, with linear-size trees
+in place of partition trees).  Lines that look alike lie close together in six dimensions, however long they are.
+
+A facet gives the lines of its two longer sides, both directed away from the corner between them: a line that passes
+both on the same side misses the facet.  It also gives its plane (n; -n.a), normalised.
+
+Moments are about `origin` and divided by `scale`, a power of two near the size of the body, so that all entries are of
+one order.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.lifted_query import LINES, PLANES, REACH
+from firstcontact.kernels.principal import box_columns, fit_box, main_direction
+from firstcontact.search.tree import BARE, CORNER, FACET, POINT, SIDE, Tree
+
+LEAF = 8
+
+# Lines and planes have no direction of their own: the one that points this way is taken.
+WAY = np.array([1.0, 0.6180339887498949, 0.4142135623730951])
+
+
+@dataclass(slots=True)
+class Elements:
+    """Edges, facets or corners of a body, each once, in random order: parts (m, 2) int32 of the tree's parts and the
+
+    masks that mean the element alone there.
+    """
+
+    parts: np.ndarray
+    corners: np.ndarray
+    """(m, 9): corners of the facet, ends of the edge (b twice), or the corner three times."""
+
+
+@dataclass(slots=True)
+class LiftedTree:
+    """nodes (q, columns), slots as in `lifted_query`; links (q, 2): inner (left, right), leaf (first, -last)."""
+
+    nodes: np.ndarray
+    links: np.ndarray
+    elements: Elements
+    origin: np.ndarray
+    scale: float
+
+
+def edges_of(tree: Tree) -> Elements:
+    """The edges that count for a first contact (no flat sides)."""
+    return _elements(tree, SIDE, FACET | BARE | POINT, ((0, 1, 1), (1, 2, 2), (2, 0, 0)))
+
+
+def corners_of_tree(tree: Tree) -> Elements:
+    return _elements(tree, CORNER, FACET | BARE | POINT, ((0, 0, 0), (1, 1, 1), (2, 2, 2)))
+
+
+def facets_of(tree: Tree) -> Elements:
+    parts = np.flatnonzero(tree.ids[:, 1] & FACET)
+    _, first = np.unique(tree.ids[parts, 0], return_index=True)
+    parts = parts[np.random.default_rng(0).permutation(first)]
+    chosen = np.stack([parts, np.full(len(parts), FACET)], axis=1).astype(np.int32)
+    return Elements(chosen, np.ascontiguousarray(tree.xyz[parts]))
+
+
+def _elements(tree: Tree, bit: int, kinds: int, corners: Any) -> Elements:
+    masks = tree.ids[:, 1]
+    keys, parts, bits, places = [], [], [], []
+    for s in range(3):
+        owned = np.flatnonzero(masks & (1 << (bit + s)))
+        keys.append(3 * tree.ids[owned, 0].astype(np.int64) + s)
+        parts.append(owned)
+        bits.append((masks[owned] & kinds) | (1 << (bit + s)))
+        places.append(tree.xyz[owned].reshape(-1, 3, 3)[:, corners[s]].reshape(-1, 9))
+    # of a triangle cut into parts, several own the element: one stands for it
+    _, first = np.unique(np.concatenate(keys), return_index=True)
+    chosen = np.random.default_rng(0).permutation(first)
+    rows = np.stack([np.concatenate(parts), np.concatenate(bits)], axis=1)[chosen].astype(np.int32)
+    return Elements(rows, np.ascontiguousarray(np.concatenate(places)[chosen]))
+
+
+def lifted_tree(tree: Tree, facets: Elements) -> LiftedTree:
+    """The tree over the facets of the body, in the frame of `tree`."""
+    box = tree.boxes[0]
+    origin = 0.5 * (box[:3] + box[3:])
+    size = float(np.abs(box[3:] - box[:3]).max())
+    scale = 2.0 ** math.frexp(size)[1] if 0.0 < size < math.inf else 1.0
+    lines, joint, boxes, sizes, planes = lift(facets.corners, True, origin, scale, WAY)
+    nodes, links, order = grow(lines, joint, boxes, sizes, planes, LEAF)
+    ordered = Elements(facets.parts[order], facets.corners[order])
+    return LiftedTree(nodes, links, ordered, origin, scale)
+
+
+@kernel
+def lift(corners, facets, origin, scale, way):
+    """Per element: lines (m or 2m, 6), joint (m, 9) line and middle, boxes (m, 6), sizes (m, 3), planes (m or 0, 4)."""
+    m = corners.shape[0]
+    group = 2 if facets else 1
+    lines, joint, boxes = np.empty((group * m, 6)), np.empty((m, 9)), np.empty((m, 6))
+    sizes, planes = np.zeros((m, 3)), np.zeros((m if facets else 0, 4))
+    local = np.empty((3, 3))
+    for i in range(m):
+        x = corners[i]
+        for k in range(3):
+            boxes[i, k], boxes[i, k + 3] = min(x[k], x[k + 3], x[k + 6]), max(x[k], x[k + 3], x[k + 6])
+            for c in range(3):
+                local[c, k] = x[3 * c + k] - origin[k]
+                sizes[i, 1] = max(sizes[i, 1], abs(local[c, k]))
+        apex = _corner_between_longer_sides(local) if facets else 0
+        turned = 0.0
+        for g in range(group):
+            _write_line(local, apex, (apex + 1 + g) % 3, scale, lines[group * i + g])
+            y = lines[group * i + g]
+            turned += y[0] * way[0] + y[1] * way[1] + y[2] * way[2]
+            sizes[i, 0] = max(sizes[i, 0], abs(y[0]) + abs(y[1]) + abs(y[2]))
+        for k in range(6):
+            joint[i, k] = 0.0
+            for g in range(group):
+                if turned < 0.0:
+                    lines[group * i + g, k] = -lines[group * i + g, k]
+                joint[i, k] += lines[group * i + g, k]
+        for k in range(3):
+            joint[i, 6 + k] = 0.5 * (boxes[i, k] + boxes[i, k + 3]) - origin[k]
+        if facets:
+            sizes[i, 2] = _write_plane(local, way, scale, planes[i])
+    return lines, joint, boxes, sizes, planes
+
+
+@kernel
+def _corner_between_longer_sides(x):
+    best, apex = np.inf, 0
+    for c in range(3):
+        i, j = (c + 1) % 3, (c + 2) % 3
+        length = abs(x[i, 0] - x[j, 0]) + abs(x[i, 1] - x[j, 1]) + abs(x[i, 2] - x[j, 2])
+        if length < best:
+            best, apex = length, c
+    return apex
+
+
+@kernel
+def _write_line(x, i, j, scale, out):
+    for k in range(3):
+        out[k] = x[j, k] - x[i, k]
+    for k in range(3):
+        p, q = (k + 1) % 3, (k + 2) % 3
+        out[3 + k] = (x[i, p] * out[q] - x[i, q] * out[p]) / scale
+
+
+@kernel
+def _write_plane(x, way, scale, out):
+    """Write (n; -n.a / scale) with |n| = 1 in its largest entry; returns S / |n|, inf where there is no plane."""
+    size = 0.0
+    for k in range(3):
+        p, q = (k + 1) % 3, (k + 2) % 3
+        e, f = x[1, p] - x[0, p], x[1, q] - x[0, q]
+        g, h = x[2, p] - x[0, p], x[2, q] - x[0, q]
+        out[k] = e * h - f * g
+        size = max(size, abs(e) + abs(f), abs(g) + abs(h))
+    largest = max(abs(out[0]), abs(out[1]), abs(out[2]))
+    if not largest > 1e-280:
+        for k in range(4):
+            out[k] = 0.0
+        return np.inf
+    turn = out[0] * way[0] + out[1] * way[1] + out[2] * way[2]
+    s = (-1.0 if turn < 0.0 else 1.0) / largest
+    for k in range(3):
+        out[k] *= s
+    out[3] = -(out[0] * x[0, 0] + out[1] * x[0, 1] + out[2] * x[0, 2]) / scale
+    return 1.5 * size / largest  # |e|, |f| in 1-norm
+
+
+@kernel
+def grow(lines, joint, boxes, sizes, planes, leaf):
+    """Halves along the direction in which lines and middles vary most.  Returns nodes, links, order."""
+    m = joint.shape[0]
+    group = lines.shape[0] // max(m, 1)
+    room = max(1, 4 * ((m + leaf - 1) // leaf) + 2)
+    columns = LINES + box_columns(6) + (box_columns(4) if planes.shape[0] else 0)
+    nodes, links = np.zeros((room, columns)), np.empty((room, 2), np.int32)
+    order, keys = np.arange(m), np.empty(m)
+    stack = np.empty((128, 3), np.int64)
+    moments6, axes6, weights6 = np.empty((6, 6)), np.empty((6, 6)), np.empty((3, 6))
+    moments4, axes4, weights4 = np.empty((4, 4)), np.empty((4, 4)), np.empty((3, 4))
+    moments9, mean, direction = np.empty((9, 9)), np.empty(9), np.empty(9)
+    stack[0, 0], stack[0, 1], stack[0, 2] = 0, 0, m
+    depth, used = 1, 1
+    while depth > 0:
+        depth -= 1
+        node, first, last = stack[depth]
+        row = nodes[node]
+        for k in range(3):
+            row[k], row[k + 3] = np.inf, -np.inf
+        for i in range(first, last):
+            b = boxes[order[i]]
+            for k in range(3):
+                row[k], row[k + 3] = min(row[k], b[k]), max(row[k + 3], b[k + 3])
+                row[REACH + k] = max(row[REACH + k], sizes[order[i], k])
+        if last > first:
+            fit_box(lines, order, first, last, group, row, LINES, moments6, axes6, weights6)
+            if planes.shape[0]:
+                fit_box(planes, order, first, last, 1, row, PLANES, moments4, axes4, weights4)
+        if last - first <= leaf:
+            links[node, 0], links[node, 1] = first, -last
+            continue
+        main_direction(joint, order, first, last, moments9, mean, direction)
+        for i in range(first, last):
+            s = 0.0
+            for k in range(9):
+                s += direction[k] * joint[order[i], k]
+            keys[i] = s
+        middle = (first + last) // 2
+        select(keys, order, first, last, middle)
+        links[node, 0], links[node, 1] = used, used + 1
+        stack[depth, 0], stack[depth, 1], stack[depth, 2] = used, first, middle
+        stack[depth + 1, 0], stack[depth + 1, 1], stack[depth + 1, 2] = used + 1, middle, last
+        depth += 2
+        used += 2
+    return nodes[:used].copy(), links[:used].copy(), order
+
+
+@kernel
+def select(keys, order, first, last, middle):
+    """Rearrange so that the smallest keys of [first, last) stand before `middle` (quickselect, middle pivots)."""
+    lo, hi = first, last - 1
+    while lo < hi:
+        pivot = keys[(lo + hi) // 2]
+        i, j = lo, hi
+        while i <= j:
+            while keys[i] < pivot:
+                i += 1
+            while pivot < keys[j]:
+                j -= 1
+            if i <= j:
+                keys[i], keys[j] = keys[j], keys[i]
+                order[i], order[j] = order[j], order[i]
+                i += 1
+                j -= 1
+        if middle <= j:
+            hi = j
+        elif middle >= i:
+            lo = i
+        else:
+            return
