@@ -52,8 +52,9 @@ def first_contact(
     their interior.  Status.FREE proves that they share no point at any time of the span.
 
     engine: of polyhedra, which trees are asked; the answer is the same.  "boxes"; "lifted", for scenes in which nearly
-    everything passes nearly everything (translations and rotations only); "auto" begins with boxes and changes over
-    when they have done many pair tests.  `stats.engine` tells which one answered.
+    everything passes nearly everything; "cells", for long parts that cross in general position (both for translations
+    and rotations only); "auto" begins with boxes and changes over to "lifted" when they have done many pair tests.
+    `stats.engine` tells which one answered.
     exact: add `time_exact`.  tolerance: largest width of `time_interval`, relative to the span (enclosures
     come out a few units in the last place wide, whatever is asked).
     budget: node visits plus pair tests (curved models: strides, subproblems and candidates) after which to answer
@@ -82,8 +83,8 @@ def first_contact(
     parts, first, last = pieces(a, b, span)
     if exact:
         _refuse_inexact(parts)
-    if engine == "lifted" and any(isinstance(piece, CurvedPiece) for piece in parts):
-        raise UnsupportedPair("engine 'lifted' searches translations and rotations; other motions take 'auto'")
+    if engine in ("lifted", "cells") and any(isinstance(piece, CurvedPiece) for piece in parts):
+        raise UnsupportedPair(f"engine {engine!r} searches translations and rotations; other motions take 'auto'")
     stats = NO_WORK
     window = (to_double(first), math.inf if last is None else to_double(last))
     shared = {"a": a, "b": b, "span": window}
@@ -274,7 +275,7 @@ def _refuse_inexact(parts: list[Any]) -> None:
 
 
 METHODS = ("auto", "certified", "algebraic")
-ENGINES = ("auto", "boxes", "lifted")
+ENGINES = ("auto", "boxes", "lifted", "cells")
 
 
 def _check(a: Any, b: Any, method: str, engine: str, tolerance: float, budget: int | None) -> str:

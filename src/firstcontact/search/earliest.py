@@ -95,7 +95,7 @@ def earliest(
         found.visits += int(state.integers[VISITS])
         found.tests += int(state.integers[TESTS])
         found.unsure += int(state.integers[UNSURE_TOTAL])
-        found.engine = "lifted" if state.integers[LIFTED] else "boxes"
+        found.engine = ("boxes", "lifted", "lifted", "cells")[state.integers[LIFTED]]
         return_state(state)
     return found
 

@@ -1,7 +1,11 @@
-"""Which trees a search asks: boxes, best where bodies meet in few places, or lifted ones, where all pass all closely.
+"""Which engine a search asks.
+
+Trees of boxes are best where bodies meet in few places; lifted trees where everything passes everything closely; cells
+of space and time where long parts cross in general position.
 
 `auto` begins with boxes.  Once they have spent more pair tests than lifted trees are likely to need in all, it goes on
-with those, with what the boxes have proved so far: nothing meets before the present key, and the best time.
+with those, with what the boxes have proved so far: nothing meets before the present key, and the best time.  Cells are
+asked only by name.
 """
 
 from __future__ import annotations
@@ -39,6 +43,11 @@ class ByEngine:
         integers = state.integers
         if self.engine == "boxes" or all_sides or state.floats[ALL]:
             return self.advance_boxes(state, limit, with_start, all_sides)
+        if self.engine == "cells":
+            from firstcontact.search.cell_problem import advance_cells
+
+            integers[LIFTED] = 3
+            return advance_cells(self, state, limit, with_start)
         if self.engine == "auto" and not integers[LIFTED]:
             most = max(FEWEST, int(SHARE * (len(self.tree_a.corners) + len(self.tree_b.corners))))
             while True:

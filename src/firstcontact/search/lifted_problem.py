@@ -40,7 +40,7 @@ def advance_lifted(problem: Any, state: WalkState, limit: int) -> int:
         state.scratch = Scratch(next(bodies), next(bodies), room_for(len(a.edges.parts), len(b.edges.parts)))
     scratch: Scratch = state.scratch
     if isinstance(problem, TranslationProblem):
-        motion, reach = problem.velocity, _parting(problem)
+        motion, reach = problem.velocity, parting(problem)
         errors = problem.tree_a.error, problem.tree_b.error
     else:
         motion, reach, errors = problem.motion, math.inf, (problem.error_a, problem.error_b)
@@ -53,7 +53,7 @@ def _body(of: Lifted, tree: Tree, about: Facets) -> Body:
     return Body(Edges(lines, boxes, sizes, of.edges.corners, of.edges.parts), of.corners, of.facets, tree.xyz)
 
 
-def _parting(problem: TranslationProblem) -> float:
+def parting(problem: TranslationProblem) -> float:
     """A time at which the boxes of the bodies have passed each other for good; 0 where nothing moves."""
     box_a, box_b = problem.tree_a.boxes[0].tolist(), problem.tree_b.boxes[0].tolist()
     v = problem.velocity[6:].tolist()
