@@ -130,7 +130,7 @@ def contact_intervals(
     if kind == "ruled":
         from firstcontact.ruled import moving
 
-        return moving.contact_intervals(a, b, span, exact, budget, progress)
+        return moving.contact_intervals(a, b, span, exact, budget, progress, tolerance)
     if kind == "models":
         from firstcontact.composite import verbs
 
@@ -269,6 +269,4 @@ def _check(a: Any, b: Any, method: str, engine: str, tolerance: float, budget: i
         raise InputError(f"tolerance is {tolerance}; give a positive number")
     if budget is not None and (not isinstance(budget, int) or budget < 0):
         raise InputError(f"budget is {budget!r}; give a whole number of node visits and pair tests")
-    if kinds == {"ruled", "models"}:
-        raise UnsupportedPair(f"{a!r} and {b!r}: ruled surfaces meet ruled surfaces and polyhedra only")
     return "ruled" if "ruled" in kinds else "models" if "models" in kinds else "polyhedra"

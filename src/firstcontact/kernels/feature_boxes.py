@@ -1,7 +1,8 @@
 """Parts of features over short times: ranges and linear models of forms on them, membership, narrowing.
 
-A feature's chart is X(u, v) = c0 + c1 u + c2 v + c3 u^2 + c4 u v + c5 v^2, homogeneous points with weight > 0.  A box
-is a range of u, v and s (the time within a slab).  Over it a form q = X^T Q(s) X is
+A feature's chart is X(u, v) = c0 + c1 u + c2 v + c3 u^2 + c4 u v + c5 v^2, homogeneous points with weight > 0, or, of
+ruled surfaces, of any degree in u and linear in v.  A box is a range of u, v and s (the time within a slab).  Over it a
+form q = X^T Q(s) X is
     value + slopes.(a, b, s) + [-rest, rest],  -1 <= a, b, s <= 1,
 and so are half its derivatives by a and b, which vanish where a feature touches a surface (Choi et al. 2014, table 1;
 the equations in parameters are re-derived).
@@ -16,12 +17,17 @@ U = 2.0**-53
 # Of a form on a box, per unit of the largest coordinates and the sum of its coefficients: points are off by eight
 # roundings, a sum of sixteen products adds as many.
 NOISE = 64.0 * U
-# Columns of a chart: six coefficients of four coordinates, error of the points.
-ERROR = 24
+MORE = 1.0 + 1e-12
+# Columns of a chart: six coefficients of four coordinates, error of the points.  Of charts that are not quadratic the
+# degree n in u (else 0), and for each power of u the coefficients of 1 and of v.
+ERROR, DEGREE, POWERS = 24, 25, 26
+MOST_DEGREE = 60
 # Rows of the points of a box: X and its derivatives at the middle times half-widths; bounds of first and second order
-# parts, of all, and of the derivatives; in the last row: sizes of X and of its two derivatives for rounding errors.
+# parts, of all, and of the derivatives; sizes of X and of its two derivatives for rounding errors; bounds of what is
+# beyond second order, of it and of its two derivatives; scratch: powers of u, alone and times v.
 MID, BY_U, BY_V, UU, UV, VV, FIRST, SECOND, ALL, ALL_U, ALL_V, SIZES = rows(*range(12))
-POINTS = 12
+BEYOND, BEYOND_U, BEYOND_V, ALONE, TIMES_V = rows(12, 13, 14, 15, 16 + MOST_DEGREE)
+POINTS = 17 + 2 * MOST_DEGREE
 # Rows of images of points under a form: Q X and of its derivatives, h Q' X; bounds h |Q'| (E + D), rest |X|.
 IMAGE, IMAGE_U, IMAGE_V, IMAGE_UU, IMAGE_UV, IMAGE_VV, MOVED, DRIFT, LOOSE = rows(*range(9))
 IMAGES = 9
@@ -43,6 +49,12 @@ LEAF, NOT, AND, OR, UNLESS_IN, UNLESS_OUT = rows(*range(6))
 @kernel
 def place_box(charts, k, u, hu, v, hv, x):
     """The points of the box; False where their weight may vanish."""
+    if charts.shape[1] > POWERS:
+        if charts[k, DEGREE] > 0.0:
+            sizes = _place_ruled(charts, k, u, hu, v, hv, x)
+            return _bound_box(charts[k, ERROR], sizes, x)
+        for i in range(4):
+            x[BEYOND, i] = x[BEYOND_U, i] = x[BEYOND_V, i] = 0.0
     s0, s1, s2 = 0.0, 0.0, 0.0
     mu, mv = abs(u) + hu, abs(v) + hv
     for i in range(4):
@@ -57,19 +69,62 @@ def place_box(charts, k, u, hu, v, hv, x):
         s0 = max(s0, abs(c0) + mu * (b1 + b3 * mu + b4 * mv) + mv * (b2 + b5 * mv))
         s1 = max(s1, hu * (b1 + 2.0 * b3 * mu + b4 * mv))
         s2 = max(s2, hv * (b2 + 2.0 * b5 * mv + b4 * mu))
+    return _bound_box(charts[k, ERROR], (s0, s1, s2), x)
+
+
+@kernel
+def _place_ruled(charts, k, u, hu, v, hv, x):
+    """Rows of X, its derivatives and what is beyond, of a chart linear in v; sizes as in the row SIZES."""
+    n = int(charts[k, DEGREE])
+    s0, s1, s2 = 0.0, 0.0, 0.0
+    mu, mv = abs(u) + hu, abs(v) + hv
+    for i in range(4):
+        whole, slope, across = 0.0, 0.0, 0.0
+        for j in range(n, -1, -1):
+            a, b = charts[k, POWERS + 8 * j + i], charts[k, POWERS + 8 * j + 4 + i]
+            x[ALONE + j, i], x[TIMES_V + j, i] = a + v * b, hv * b
+            slope = slope * mu + whole
+            whole = whole * mu + abs(a) + mv * abs(b)
+            across = across * mu + hv * abs(b)
+        s0, s1, s2 = max(s0, whole), max(s1, hu * slope), max(s2, across)
+        for q in range(n):
+            for j in range(n - 1, q - 1, -1):
+                x[ALONE + j, i] += u * x[ALONE + j + 1, i]
+                x[TIMES_V + j, i] += u * x[TIMES_V + j + 1, i]
+        x[MID, i], x[BY_U, i], x[BY_V, i] = x[ALONE, i], hu * x[ALONE + 1, i], x[TIMES_V, i]
+        x[UV, i], x[UU, i], x[VV, i] = hu * x[TIMES_V + 1, i], 0.0, 0.0
+        rest, rest_u, rest_v, power = 0.0, 0.0, 0.0, hu
+        for j in range(2, n + 1):
+            power *= hu
+            a, b = abs(x[ALONE + j, i]) * power, abs(x[TIMES_V + j, i]) * power
+            if j == 2:
+                x[UU, i] = x[ALONE + 2, i] * power
+                a = 0.0
+            rest, rest_u, rest_v = rest + a + b, rest_u + j * (a + b), rest_v + b
+        x[BEYOND, i], x[BEYOND_U, i], x[BEYOND_V, i] = rest * MORE, rest_u * MORE, rest_v * MORE
+    # points are off by 3 n + 7 roundings, not by eight
+    more = max(1.0, (3.0 * n + 7.0) / 8.0)
+    return more * s0, more * s1, more * s2
+
+
+@kernel
+def _bound_box(error, sizes, x):
+    """The other rows, from X and its derivatives; False where the weight may vanish."""
     if x[MID, 3] < 0.0:
         for r in range(6):
             for i in range(4):
                 x[r, i] = -x[r, i]
     for i in range(4):
         x[FIRST, i] = abs(x[BY_U, i]) + abs(x[BY_V, i])
-        x[SECOND, i] = abs(x[UU, i]) + abs(x[UV, i]) + abs(x[VV, i])
+        # the derivatives of what is beyond are within twice its bound here, like those of squares
+        beyond = max(x[BEYOND, i], 0.5 * x[BEYOND_U, i], 0.5 * x[BEYOND_V, i])
+        x[SECOND, i] = abs(x[UU, i]) + abs(x[UV, i]) + abs(x[VV, i]) + beyond
         x[ALL, i] = abs(x[MID, i]) + x[FIRST, i] + x[SECOND, i]
-        x[ALL_U, i] = abs(x[BY_U, i]) + 2.0 * abs(x[UU, i]) + abs(x[UV, i])
-        x[ALL_V, i] = abs(x[BY_V, i]) + 2.0 * abs(x[VV, i]) + abs(x[UV, i])
-    x[SIZES, 0], x[SIZES, 1], x[SIZES, 2] = s0, s1, s2
-    x[SIZES, 3] = charts[k, ERROR]
-    return x[MID, 3] > x[FIRST, 3] + x[SECOND, 3] + NOISE * s0
+        x[ALL_U, i] = abs(x[BY_U, i]) + 2.0 * abs(x[UU, i]) + abs(x[UV, i]) + x[BEYOND_U, i]
+        x[ALL_V, i] = abs(x[BY_V, i]) + 2.0 * abs(x[VV, i]) + abs(x[UV, i]) + x[BEYOND_V, i]
+    x[SIZES, 0], x[SIZES, 1], x[SIZES, 2] = sizes
+    x[SIZES, 3] = error
+    return x[MID, 3] > x[FIRST, 3] + x[SECOND, 3] + NOISE * sizes[0]
 
 
 @kernel
@@ -82,7 +137,7 @@ def _plane_model(table, f, s, hs, x, deep, e, row):
     g, gu, gv, uu, uv, vv, gt, mixed, rest, mixed_u, rest_u, mixed_v, rest_v = (
         0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     )  # fmt: skip
-    total = 0.0
+    total, beyond, beyond_u, beyond_v = 0.0, 0.0, 0.0, 0.0
     for i in range(4):
         n, d, r = table[f, 0, i] + s * table[f, 1, i], hs * table[f, 1, i], table[f, 2, i]
         g += n * x[MID, i]
@@ -93,6 +148,9 @@ def _plane_model(table, f, s, hs, x, deep, e, row):
         vv += n * x[VV, i]
         gt += d * x[MID, i]
         size = abs(d)
+        beyond += abs(n) * x[BEYOND, i]
+        beyond_u += abs(n) * x[BEYOND_U, i]
+        beyond_v += abs(n) * x[BEYOND_V, i]
         mixed += size * (x[FIRST, i] + x[SECOND, i]) + r * x[ALL, i]
         total += abs(table[f, 0, i]) + abs(table[f, 1, i]) + r
         if deep > 0:
@@ -103,22 +161,43 @@ def _plane_model(table, f, s, hs, x, deep, e, row):
     noise = total * (NOISE * x[SIZES, 0] + x[SIZES, 3])
     e[row, VALUE] = g + 0.5 * (uu + vv)
     e[row, SLOPE_U], e[row, SLOPE_V], e[row, SLOPE_T] = gu, gv, gt
-    rest = 0.5 * (abs(uu) + abs(vv)) + abs(uv) + mixed
+    rest = 0.5 * (abs(uu) + abs(vv)) + abs(uv) + mixed + beyond
     e[row, REST] = rest * (1.0 + 1e-12) + noise
     e[row, SHARE_T] = abs(gt) + mixed
-    e[row, SHARE_U] = abs(gu) + abs(uu) + abs(uv)
+    e[row, SHARE_U] = abs(gu) + abs(uu) + abs(uv) + beyond
     e[row, SHARE_V] = abs(gv) + abs(vv) + abs(uv)
     e[row, TERMS] = total * x[SIZES, 0]
     # derivatives by a and b of N.X
     if deep > 0:
         e[row + 1, TERMS], e[row + 2, TERMS] = total * x[SIZES, 1], total * x[SIZES, 2]
         e[row + 1, VALUE], e[row + 1, SLOPE_U], e[row + 1, SLOPE_V], e[row + 1, SLOPE_T] = gu, 2.0 * uu, uv, rest_u
-        e[row + 1, REST] = mixed_u * (1.0 + 1e-12) + total * NOISE * x[SIZES, 1]
-        e[row + 1, SHARE_T], e[row + 1, SHARE_U], e[row + 1, SHARE_V] = abs(rest_u) + mixed_u, 2.0 * abs(uu), abs(uv)
+        e[row + 1, REST] = (mixed_u + beyond_u) * (1.0 + 1e-12) + total * NOISE * x[SIZES, 1]
+        e[row + 1, SHARE_T], e[row + 1, SHARE_U] = abs(rest_u) + mixed_u, 2.0 * abs(uu) + beyond_u
+        e[row + 1, SHARE_V] = abs(uv)
     if deep > 1:
         e[row + 2, VALUE], e[row + 2, SLOPE_U], e[row + 2, SLOPE_V], e[row + 2, SLOPE_T] = gv, uv, 2.0 * vv, rest_v
-        e[row + 2, REST] = mixed_v * (1.0 + 1e-12) + total * NOISE * x[SIZES, 2]
-        e[row + 2, SHARE_T], e[row + 2, SHARE_U], e[row + 2, SHARE_V] = abs(rest_v) + mixed_v, abs(uv), 2.0 * abs(vv)
+        e[row + 2, REST] = (mixed_v + beyond_v) * (1.0 + 1e-12) + total * NOISE * x[SIZES, 2]
+        e[row + 2, SHARE_T], e[row + 2, SHARE_U] = abs(rest_v) + mixed_v, abs(uv) + beyond_v
+        e[row + 2, SHARE_V] = 2.0 * abs(vv)
+
+
+@kernel
+def _beyond(table, f, s, x, y):
+    """Bounds of what X beyond second order adds to X^T Q X, and to half its derivatives, at the middle time.
+
+    With X = Z + r it is 2 r^T Q Z + r^T Q r; of X_a^T Q X it is r_a^T Q Z + X_a^T Q r.
+    """
+    value, by_u, by_v = 0.0, 0.0, 0.0
+    for i in range(4):
+        image = abs(y[IMAGE, i]) + abs(y[IMAGE_U, i]) + abs(y[IMAGE_V, i])
+        image += abs(y[IMAGE_UU, i]) + abs(y[IMAGE_UV, i]) + abs(y[IMAGE_VV, i])
+        far = 0.0
+        for j in range(4):
+            far += abs(table[f, 0, 4 * i + j] + s * table[f, 1, 4 * i + j]) * x[BEYOND, j]
+        value += x[BEYOND, i] * (2.0 * image + far)
+        by_u += x[BEYOND_U, i] * image + x[ALL_U, i] * far
+        by_v += x[BEYOND_V, i] * image + x[ALL_V, i] * far
+    return value, by_u, by_v
 
 
 @kernel
@@ -155,18 +234,21 @@ def _quadric_model(table, f, s, hs, x, deep, y, e, row):
     fourth = abs(_dot(x, UU, y, IMAGE_UU)) + 2.0 * abs(_dot(x, UU, y, IMAGE_UV)) + abs(_dot(x, VV, y, IMAGE_VV))
     fourth += abs(_dot(x, UV, y, IMAGE_UV) + 2.0 * _dot(x, UU, y, IMAGE_VV)) + 2.0 * abs(_dot(x, UV, y, IMAGE_VV))
     high_u, high_v = abs(uuu) + abs(uuv1 + uuv2), abs(vvv) + abs(uvv1 + uvv2)
+    beyond, beyond_u, beyond_v = 0.0, 0.0, 0.0
+    if x[BEYOND, 0] + x[BEYOND, 1] + x[BEYOND, 2] + x[BEYOND, 3] > 0.0:
+        beyond, beyond_u, beyond_v = _beyond(table, f, s, x, y)
     late, still = 0.0, 0.0
     for i in range(4):
         late += 2.0 * x[SECOND, i] * abs(y[MOVED, i]) + x[ALL, i] * y[LOOSE, i]
         late += (x[FIRST, i] + x[SECOND, i]) * y[DRIFT, i]
     mixed = 2.0 * (abs(ut) + abs(vt)) + late
-    still = 0.5 * (abs(uu) + abs(vv)) + 2.0 * abs(uv) + 2.0 * (high_u + high_v) + fourth
+    still = 0.5 * (abs(uu) + abs(vv)) + 2.0 * abs(uv) + 2.0 * (high_u + high_v) + fourth + beyond
     noise = total * x[SIZES, 0] * (NOISE * x[SIZES, 0] + 3.0 * x[SIZES, 3])
     e[row, VALUE] = g + 0.5 * (uu + vv)
     e[row, SLOPE_U], e[row, SLOPE_V], e[row, SLOPE_T] = 2.0 * gu, 2.0 * gv, gt
     e[row, REST] = (still + mixed) * (1.0 + 1e-12) + noise
     e[row, SHARE_T] = abs(gt) + mixed
-    e[row, SHARE_U] = 2.0 * (abs(gu) + high_u) + abs(uu) + abs(uv) + fourth
+    e[row, SHARE_U] = 2.0 * (abs(gu) + high_u) + abs(uu) + abs(uv) + fourth + beyond
     e[row, SHARE_V] = 2.0 * (abs(gv) + high_v) + abs(vv) + abs(uv)
     e[row, TERMS] = total * x[SIZES, 0] * x[SIZES, 0]
     if deep > 0:
@@ -174,18 +256,20 @@ def _quadric_model(table, f, s, hs, x, deep, y, e, row):
         late = 0.0
         for i in range(4):
             late += (x[ALL_U, i] - abs(x[BY_U, i])) * abs(y[MOVED, i]) + x[ALL_U, i] * (y[DRIFT, i] + y[LOOSE, i])
-        high = 3.0 * abs(uuu) + 2.0 * abs(uuv1 + uuv2) + abs(uvv1 + uvv2) + 2.0 * fourth
+        high = 3.0 * abs(uuu) + 2.0 * abs(uuv1 + uuv2) + abs(uvv1 + uvv2) + 2.0 * fourth + beyond_u
         e[row + 1, VALUE], e[row + 1, SLOPE_U], e[row + 1, SLOPE_V], e[row + 1, SLOPE_T] = gu, uu, uv, ut
         e[row + 1, REST] = (high + late) * (1.0 + 1e-12) + total * NOISE * x[SIZES, 0] * x[SIZES, 1]
-        e[row + 1, SHARE_T], e[row + 1, SHARE_U], e[row + 1, SHARE_V] = abs(ut) + late, abs(uu) + high_u, abs(uv)
+        e[row + 1, SHARE_T], e[row + 1, SHARE_U] = abs(ut) + late, abs(uu) + high_u + beyond_u
+        e[row + 1, SHARE_V] = abs(uv)
     if deep > 1:
         late = 0.0
         for i in range(4):
             late += (x[ALL_V, i] - abs(x[BY_V, i])) * abs(y[MOVED, i]) + x[ALL_V, i] * (y[DRIFT, i] + y[LOOSE, i])
-        high = 3.0 * abs(vvv) + 2.0 * abs(uvv1 + uvv2) + abs(uuv1 + uuv2) + 2.0 * fourth
+        high = 3.0 * abs(vvv) + 2.0 * abs(uvv1 + uvv2) + abs(uuv1 + uuv2) + 2.0 * fourth + beyond_v
         e[row + 2, VALUE], e[row + 2, SLOPE_U], e[row + 2, SLOPE_V], e[row + 2, SLOPE_T] = gv, uv, vv, vt
         e[row + 2, REST] = (high + late) * (1.0 + 1e-12) + total * NOISE * x[SIZES, 0] * x[SIZES, 2]
-        e[row + 2, SHARE_T], e[row + 2, SHARE_U], e[row + 2, SHARE_V] = abs(vt) + late, abs(uv), abs(vv) + high_v
+        e[row + 2, SHARE_T], e[row + 2, SHARE_U] = abs(vt) + late, abs(uv) + beyond_v
+        e[row + 2, SHARE_V] = abs(vv) + high_v
 
 
 @kernel

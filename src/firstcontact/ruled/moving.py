@@ -1,6 +1,7 @@
 """`first_contact` and `contact_intervals` of ruled surfaces, moving or deforming, in exact arithmetic.
 
-One of the two may be a polyhedron: its triangles are pieces (`ruled.polyhedra`).
+One of the two may be a polyhedron: its triangles are pieces (`ruled.polyhedra`).  Solids of planes and quadrics, and
+convex polyhedra where that settles it, are met in doubles with proofs (`ruled.solids`).
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from typing import Any
 import numpy as np
 from flint import arb, ctx, fmpq
 
+from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.moving import Moving
 from firstcontact.body.polyhedron import Polyhedron
 from firstcontact.body.ruled_surface import RuledSurface
@@ -97,13 +99,19 @@ class _End:
 
 
 def contact_intervals(
-    a: Any, b: Any, span: Any, exact: bool, budget: int | None = None, progress: Progress | None = None
+    a: Any, b: Any, span: Any, exact: bool, budget: int | None = None, progress: Progress | None = None,
+    tolerance: float = 1e-12,
 ) -> ContactIntervals:
-    """All closed times at which the surfaces share a point; in doubles, with proofs, where elimination goes too far."""
+    """All closed times at which the bodies share a point; in doubles, with proofs, where elimination goes too far.
+
+    tolerance: as part of the span, against solids of planes and quadrics only.
+    """
     begin = clock.perf_counter()
     first, last = _span(a, b, span)
     shared = {"a": a, "b": b, "span": (to_double(first), to_double(last))}
     work = Work(budget, progress, below(first))
+    if _with_model(a, b, exact):
+        return _intervals_with_solid(a, b, first, last, tolerance, work, begin, shared)
     windows: list[tuple[_End, _End]] = []
     reason = None
     quick = not exact and certified.takes(a, b, first, last)
@@ -120,8 +128,10 @@ def contact_intervals(
                     windows.append((start, end))
     except Spent:
         reason = "budget"
-    except TooLarge:
-        if not quick:
+    except UnsupportedPair as refusal:
+        if not exact and _is_with_convex(a, b):
+            return _intervals_with_solid(a, b, first, last, tolerance, work, begin, shared)
+        if not (quick and isinstance(refusal, TooLarge)):
             raise
         found = certified.contact_intervals(a, b, first, last, budget, shared)
         return replace(found, stats=found.stats + Stats(seconds=clock.perf_counter() - begin))
@@ -142,6 +152,16 @@ def first_contact(
     begin = clock.perf_counter()
     first, last = _span(a, b, span)
     shared = {"a": a, "b": b, "span": (to_double(first), to_double(last))}
+    algebraic = exact or method == "algebraic"
+    if _with_model(a, b, algebraic):
+        from firstcontact.ruled import solids
+
+        return solids.first_contact(a, b, first, last, tolerance, budget)
+    if not algebraic and _is_with_convex(a, b):
+        certain = method == "certified"
+        found = _on_convex(a, b, first, last, certain, tolerance, budget, progress, shared, begin)
+        if found is not None:
+            return found
     if method != "certified" or exact:
         in_doubles = not exact and method == "auto" and certified.takes(a, b, first, last)
         most_degree = QUICK_DEGREE if in_doubles else MOST_DEGREE
@@ -152,6 +172,61 @@ def first_contact(
                 raise
     found = certified.first_contact(a, b, first, last, tolerance, budget, shared)
     return replace(found, stats=found.stats + Stats(seconds=clock.perf_counter() - begin))
+
+
+def _shape(body: Any) -> Any:
+    return body.body if isinstance(body, Moving) else body
+
+
+def _with_model(a: Any, b: Any, exact: bool) -> bool:
+    """Whether one of the bodies is a solid of planes and quadrics."""
+    if not any(isinstance(_shape(x), CompositeQuadric) for x in (a, b)):
+        return False
+    if exact:
+        raise UnsupportedPair(f"{a!r} and {b!r}: ruled surfaces meet curved models in doubles only, with proofs")
+    return True
+
+
+def _is_with_convex(a: Any, b: Any) -> bool:
+    """Whether one of the bodies is a polyhedron that is a solid of planes, too."""
+    from firstcontact.composite.polyhedra import is_small_and_convex
+
+    return any(isinstance(_shape(x), Polyhedron) and is_small_and_convex(_shape(x)) for x in (a, b))
+
+
+def _intervals_with_solid(
+    a: Any, b: Any, first: fmpq, last: fmpq, tolerance: float, work: Work, begin: float, shared: dict[str, Any]
+) -> ContactIntervals:
+    from firstcontact.composite.verbs import proved_intervals
+    from firstcontact.ruled import solids
+
+    return proved_intervals(solids.contact_intervals(a, b, first, last, tolerance, work), work, begin, shared)
+
+
+def _on_convex(
+    a: Any, b: Any, first: fmpq, last: fmpq, certain: bool, tolerance: float, budget: int | None,
+    progress: Progress | None, shared: dict[str, Any], begin: float,
+) -> FirstContact | None:
+    """In doubles, and exactly what they leave open unless `certain`; None where doubles do not take the bodies."""
+    from firstcontact.ruled import solids
+
+    try:
+        proved = solids.first_contact(a, b, first, last, tolerance, budget)
+    except UnsupportedPair:
+        return None
+    if certain or _is_settled(proved):
+        return proved
+    try:
+        return _decided(a, b, first, last, False, MOST_DEGREE, budget, progress, shared, begin)
+    except UnsupportedPair:
+        return proved
+
+
+def _is_settled(proved: FirstContact) -> bool:
+    """Whether exact arithmetic has nothing to add: the bodies are free, the budget is spent or one point touches."""
+    if proved.status is Status.CONTACT:
+        return proved.contact_set is not None
+    return proved.status is Status.FREE or proved.reason == "budget"
 
 
 def _decided(
@@ -192,7 +267,7 @@ def _pieces(
     """The pieces of the relative motion in time order, with the pairs of pieces of the surfaces that may meet."""
     parts_a, parts_b = _parts(a), _parts(b)
     numbers = [(i, j) for i in range(len(parts_a)) for j in range(len(parts_b))]
-    if any(isinstance(x.body if isinstance(x, Moving) else x, Polyhedron) for x in (a, b)):
+    if any(isinstance(_shape(x), Polyhedron) for x in (a, b)):
         numbers = near_pairs(parts_a, parts_b, first, last)
         if len(numbers) > MOST_PAIRS:
             raise TooLarge(
@@ -205,7 +280,8 @@ def _pieces(
     combined = [(i, j, parts_a[i], parts_b[j]) for i, j in numbers]
     for steps in zip(*(directrix_pieces(x, y, first, last) for _, _, x, y in combined), strict=True):
         work.free_until = below(steps[0].motion.start)
-        yield steps[0].motion, [_pair(*pair, step, work, most_degree) for pair, step in zip(combined, steps, strict=True)]
+        found = [_pair(*pair, step, work, most_degree) for pair, step in zip(combined, steps, strict=True)]
+        yield steps[0].motion, found
 
 
 def _pair(i: int, j: int, x: Any, y: Any, step: DirectrixPiece, work: Work, most_degree: int) -> _Pair:
@@ -220,7 +296,7 @@ def _pair(i: int, j: int, x: Any, y: Any, step: DirectrixPiece, work: Work, most
 
 
 def _parts(body: Any) -> list[Any]:
-    shape = body.body if isinstance(body, Moving) else body
+    shape = _shape(body)
     pieces: tuple[RuledSurface, ...]
     if isinstance(shape, Polyhedron):
         pieces = triangles_of(shape)
@@ -386,7 +462,7 @@ def _contact_set(points: np.ndarray) -> ContactSet:
 def _named(body: Any, element: tuple[str, int], number: int, which: str) -> Element:
     kind, index = element
     name = getattr(body, "name", None) or which
-    shape = body.body if isinstance(body, Moving) else body
+    shape = _shape(body)
     if isinstance(shape, Polyhedron):
         kind, index = element_of(shape, number, kind, index)
         return Element(kind, name, index, name)
