@@ -82,11 +82,11 @@ def test_no_sampled_point_is_inside_while_free():
 
 
 def test_time_may_run_backwards():
-    back = fc.Rotation((0, 1, 0), point=(2, 0, 0), degrees=-200)
-    there = SADDLE.transformed(TURN(1.0))
-    forward = fc.contact_intervals(SADDLE.moving(TURN), BOX)
-    (first,), (last,) = forward, fc.contact_intervals(there.moving(back), BOX)
-    assert (1 - last.end, 1 - last.start) == pytest.approx((first.start, first.end), abs=1e-12)
+    way = fc.Translation((5, "1/2", "1/3"))
+    there = SADDLE.translated((5, "1/2", "1/3"))
+    (first,) = fc.contact_intervals(SADDLE.moving(way), BOX, exact=True)
+    (last,) = fc.contact_intervals(there.moving(fc.Translation((-5, "-1/2", "-1/3"))), BOX, exact=True)
+    assert (1 - last.end_exact, 1 - last.start_exact) == (first.start_exact, first.end_exact)
 
 
 @pytest.mark.parametrize(

@@ -114,7 +114,7 @@ def test_doubles_agree_with_exact_arithmetic(seed):
 
 def deepest(surface, motion, solid, t):
     """The lowest (and 0 for none) share of sampled points of the surface inside the solid at t."""
-    u, s = np.meshgrid(np.linspace(0, 1, 80), np.linspace(0, 1, 80))
+    u, s = np.meshgrid(np.linspace(0, 1, 40), np.linspace(0, 1, 40))
     pose = motion(t)
     return solid.contains(surface.points(u, s).reshape(-1, 3) @ pose[:3, :3].T + pose[:3, 3])
 
@@ -125,7 +125,7 @@ def test_intervals_hold_all_sampled_contacts(motion):
     hit = fc.first_contact(SADDLE.moving(motion), TUBE)
     assert hit.time_interval[0] <= found[0].start_interval[1] and found[0].start_interval[0] <= hit.time_interval[1]
     until = 1.0 if found.status is not fc.Status.UNDECIDED else found.free_until
-    for t in np.linspace(0, until, 200):
+    for t in np.linspace(0, until, 60):
         inside = any(i.start <= t <= i.end for i in found)
         assert inside or not deepest(SADDLE, motion, TUBE, t).any()
     assert deepest(SADDLE, motion, TUBE, hit.time + 0.01).any()

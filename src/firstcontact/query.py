@@ -194,7 +194,7 @@ def contact_pairs(a: Any, b: Any, span: Any = None) -> ContactPairs:
 def intersection_curve(
     p: Any, q: Any, *, tolerance: float = 1e-6, method: str = "auto", box: Any = None
 ) -> IntersectionCurve:
-    """IntersectionCurve: all points that two ruled surfaces at rest share.
+    """IntersectionCurve: all points that two ruled surfaces at rest share, or one of them and a solid's boundary.
 
     Branches with their topology, common rulings, isolated and singular points; what is not listed is proved not to be
     there (docs/ruled-surfaces.md says what the coordinates rest on).  Deforming or moving surfaces: give p.at(t).
@@ -202,6 +202,9 @@ def intersection_curve(
     tolerance: greatest distance between a branch and its polyline.  box: two corners ((x, y, z), (x, y, z)); only what
     lies in it is reported.  Without one, unbounded branches are cut about 100 times the size of the directrices away
     from the origin, and beyond that the tolerance grows.
+
+    Solids are half-spaces, quadrics and all models made of them, and convex polyhedra; their columns of the parameters
+    are nan.
 
     Raises UnsupportedPair for other bodies, and for the cases that docs/ruled-surfaces.md lists.
 
@@ -214,6 +217,11 @@ def intersection_curve(
     """
     from firstcontact.ruled import verbs
 
+    kinds = {_kind(body) for body in (p, q)}
+    if "ruled" in kinds and len(kinds) > 1:
+        from firstcontact.ruled import solid_curve
+
+        return solid_curve.intersection_curve(p, q, tolerance, method, box)
     return verbs.intersection_curve(p, q, tolerance, method, box)
 
 
