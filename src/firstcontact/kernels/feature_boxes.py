@@ -24,10 +24,11 @@ ERROR, DEGREE, POWERS = 24, 25, 26
 MOST_DEGREE = 60
 # Rows of the points of a box: X and its derivatives at the middle times half-widths; bounds of first and second order
 # parts, of all, and of the derivatives; sizes of X and of its two derivatives for rounding errors; bounds of what is
-# beyond second order, of it and of its two derivatives; scratch: powers of u, alone and times v.
+# beyond second order, of it and of its two derivatives, and whether there is anything; scratch: powers of u, alone and
+# times v.
 MID, BY_U, BY_V, UU, UV, VV, FIRST, SECOND, ALL, ALL_U, ALL_V, SIZES = rows(*range(12))
-BEYOND, BEYOND_U, BEYOND_V, ALONE, TIMES_V = rows(12, 13, 14, 15, 16 + MOST_DEGREE)
-POINTS = 17 + 2 * MOST_DEGREE
+BEYOND, BEYOND_U, BEYOND_V, BENT, ALONE, TIMES_V = rows(12, 13, 14, 15, 16, 17 + MOST_DEGREE)
+POINTS = 18 + 2 * MOST_DEGREE
 # Rows of images of points under a form: Q X and of its derivatives, h Q' X; bounds h |Q'| (E + D), rest |X|.
 IMAGE, IMAGE_U, IMAGE_V, IMAGE_UU, IMAGE_UV, IMAGE_VV, MOVED, DRIFT, LOOSE = rows(*range(9))
 IMAGES = 9
@@ -53,8 +54,7 @@ def place_box(charts, k, u, hu, v, hv, x):
         if charts[k, DEGREE] > 0.0:
             sizes = _place_ruled(charts, k, u, hu, v, hv, x)
             return _bound_box(charts[k, ERROR], sizes, x)
-        for i in range(4):
-            x[BEYOND, i] = x[BEYOND_U, i] = x[BEYOND_V, i] = 0.0
+        x[BENT, 0] = 0.0
     s0, s1, s2 = 0.0, 0.0, 0.0
     mu, mv = abs(u) + hu, abs(v) + hv
     for i in range(4):
@@ -76,6 +76,7 @@ def place_box(charts, k, u, hu, v, hv, x):
 def _place_ruled(charts, k, u, hu, v, hv, x):
     """Rows of X, its derivatives and what is beyond, of a chart linear in v; sizes as in the row SIZES."""
     n = int(charts[k, DEGREE])
+    x[BENT, 0] = 1.0
     s0, s1, s2 = 0.0, 0.0, 0.0
     mu, mv = abs(u) + hu, abs(v) + hv
     for i in range(4):
@@ -116,12 +117,15 @@ def _bound_box(error, sizes, x):
                 x[r, i] = -x[r, i]
     for i in range(4):
         x[FIRST, i] = abs(x[BY_U, i]) + abs(x[BY_V, i])
-        # the derivatives of what is beyond are within twice its bound here, like those of squares
-        beyond = max(x[BEYOND, i], 0.5 * x[BEYOND_U, i], 0.5 * x[BEYOND_V, i])
-        x[SECOND, i] = abs(x[UU, i]) + abs(x[UV, i]) + abs(x[VV, i]) + beyond
+        x[SECOND, i] = abs(x[UU, i]) + abs(x[UV, i]) + abs(x[VV, i])
+        x[ALL_U, i] = abs(x[BY_U, i]) + 2.0 * abs(x[UU, i]) + abs(x[UV, i])
+        x[ALL_V, i] = abs(x[BY_V, i]) + 2.0 * abs(x[VV, i]) + abs(x[UV, i])
+        if x[BENT, 0] > 0.0:
+            # the derivatives of what is beyond are within twice its bound here, like those of squares
+            x[SECOND, i] += max(x[BEYOND, i], 0.5 * x[BEYOND_U, i], 0.5 * x[BEYOND_V, i])
+            x[ALL_U, i] += x[BEYOND_U, i]
+            x[ALL_V, i] += x[BEYOND_V, i]
         x[ALL, i] = abs(x[MID, i]) + x[FIRST, i] + x[SECOND, i]
-        x[ALL_U, i] = abs(x[BY_U, i]) + 2.0 * abs(x[UU, i]) + abs(x[UV, i]) + x[BEYOND_U, i]
-        x[ALL_V, i] = abs(x[BY_V, i]) + 2.0 * abs(x[VV, i]) + abs(x[UV, i]) + x[BEYOND_V, i]
     x[SIZES, 0], x[SIZES, 1], x[SIZES, 2] = sizes
     x[SIZES, 3] = error
     return x[MID, 3] > x[FIRST, 3] + x[SECOND, 3] + NOISE * sizes[0]
@@ -148,9 +152,10 @@ def _plane_model(table, f, s, hs, x, deep, e, row):
         vv += n * x[VV, i]
         gt += d * x[MID, i]
         size = abs(d)
-        beyond += abs(n) * x[BEYOND, i]
-        beyond_u += abs(n) * x[BEYOND_U, i]
-        beyond_v += abs(n) * x[BEYOND_V, i]
+        if x[BENT, 0] > 0.0:
+            beyond += abs(n) * x[BEYOND, i]
+            beyond_u += abs(n) * x[BEYOND_U, i]
+            beyond_v += abs(n) * x[BEYOND_V, i]
         mixed += size * (x[FIRST, i] + x[SECOND, i]) + r * x[ALL, i]
         total += abs(table[f, 0, i]) + abs(table[f, 1, i]) + r
         if deep > 0:
@@ -235,7 +240,7 @@ def _quadric_model(table, f, s, hs, x, deep, y, e, row):
     fourth += abs(_dot(x, UV, y, IMAGE_UV) + 2.0 * _dot(x, UU, y, IMAGE_VV)) + 2.0 * abs(_dot(x, UV, y, IMAGE_VV))
     high_u, high_v = abs(uuu) + abs(uuv1 + uuv2), abs(vvv) + abs(uvv1 + uvv2)
     beyond, beyond_u, beyond_v = 0.0, 0.0, 0.0
-    if x[BEYOND, 0] + x[BEYOND, 1] + x[BEYOND, 2] + x[BEYOND, 3] > 0.0:
+    if x[BENT, 0] > 0.0:
         beyond, beyond_u, beyond_v = _beyond(table, f, s, x, y)
     late, still = 0.0, 0.0
     for i in range(4):
