@@ -32,8 +32,6 @@ from firstcontact.search.ruled_solids import RuledContact, RuledSearch
 from firstcontact.search.stretches import Untold, Window, windows
 
 PER_PIECE = {"vertex": 4, "directrix": 2, "end_ruling": 2, "face": 1}
-TOUCHED = 1e-9
-"""Part of the size of the bodies within which a place counts as lying on a surface of the model."""
 
 
 class RuledAndSolid:

@@ -283,7 +283,10 @@ def _other_pairs(
     if params == 0:
         return found
     for edge in model.edges:
-        f, g = crossing_surfaces(model, edge)
+        crossing = crossing_surfaces(model, edge)
+        if len(crossing) < 2:  # two planes in one form
+            raise NotCharted(f"{edge.name}: one surface crosses itself there")
+        f, g = crossing
         if edge.convexity == "reentrant" or (f, g) in seen:
             continue
         seen.add((f, g))
