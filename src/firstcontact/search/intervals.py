@@ -28,6 +28,7 @@ class Windows:
     tests: int = 0
     unsure: int = 0
     exact: int = 0
+    engine: str = "boxes"
 
 
 def contact_windows(problem: Any, budget: int | None, progress: Progress | None) -> Windows:
