@@ -138,7 +138,7 @@ def contact_intervals(
     if kind == "ruled":
         from firstcontact.ruled import moving
 
-        return moving.contact_intervals(a, b, span, exact, budget, progress)
+        return moving.contact_intervals(a, b, span, exact, budget, progress, tolerance)
     if kind == "models":
         from firstcontact.composite import verbs
 
@@ -202,7 +202,7 @@ def contact_pairs(a: Any, b: Any, span: Any = None) -> ContactPairs:
 def intersection_curve(
     p: Any, q: Any, *, tolerance: float = 1e-6, method: str = "auto", box: Any = None
 ) -> IntersectionCurve:
-    """IntersectionCurve: all points that two ruled surfaces at rest share.
+    """IntersectionCurve: all points that two ruled surfaces at rest share, or one of them and a solid's boundary.
 
     Branches with their topology, common rulings, isolated and singular points; what is not listed is proved not to be
     there, but for `open_places` (docs/ruled-surfaces.md says what the coordinates rest on).  Deforming or moving
@@ -212,6 +212,9 @@ def intersection_curve(
     lies in it is reported.  Without one, unbounded branches are cut about 100 times the size of the directrices away
     from the origin, and beyond that the tolerance grows.  method: "algebraic" is exact; "certified" takes bounded
     pieces of any degree and strips, in doubles with proofs; "auto" chooses.
+
+    Solids are half-spaces, quadrics and all models made of them, and convex polyhedra; their columns of the parameters
+    are nan.
 
     Raises UnsupportedPair for other bodies, and for the cases that docs/ruled-surfaces.md lists.
 
@@ -224,6 +227,11 @@ def intersection_curve(
     """
     from firstcontact.ruled import verbs
 
+    kinds = {_kind(body) for body in (p, q)}
+    if "ruled" in kinds and len(kinds) > 1:
+        from firstcontact.ruled import solid_curve
+
+        return solid_curve.intersection_curve(p, q, tolerance, method, box)
     return verbs.intersection_curve(p, q, tolerance, method, box)
 
 
@@ -289,6 +297,4 @@ def _check(a: Any, b: Any, method: str, engine: str, tolerance: float, budget: i
         raise InputError(f"tolerance is {tolerance}; give a positive number")
     if budget is not None and (not isinstance(budget, int) or budget < 0):
         raise InputError(f"budget is {budget!r}; give a whole number of node visits and pair tests")
-    if "ruled" in kinds and len(kinds) > 1:
-        raise UnsupportedPair(f"{a!r} and {b!r}: ruled surfaces meet other ruled surfaces only")
     return "ruled" if "ruled" in kinds else "models" if "models" in kinds else "polyhedra"

@@ -75,7 +75,8 @@ FAULTS = {
     "half a box": ("", ["--box", "0", "0", "0"], "--box"),
     "a box inside out": ("", "--box 0 0 0 1 -1 1".split(), "the first below the second"),
     "an unknown method": ("", ["--method", "guess"], "method 'guess' is unknown"),
-    "a solid": ('[body.ball]\nshape = "sphere"\nradius = 1\n', [], "curve low / ball: "),
+    "two solids": (
+        '[body.p]\nshape = "sphere"\nradius = 1\n[body.q]\nshape = "sphere"\nradius = 1\n', [], "curve p / q: "),
     "a pair that is not there": ('[[curve]]\npair = ["low", "hat"]\n', [], "curve[0].pair: no body 'hat'"),
     "an unknown key": ('[[curve]]\npair = ["low", "flat"]\ntolerances = 1\n', [], "unknown key 'tolerances'"),
     "a box of one corner": ('[[curve]]\npair = ["low", "flat"]\nbox = [[0, 0, 0]]\n', [], "curve[0].box"),

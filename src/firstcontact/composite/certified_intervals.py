@@ -292,6 +292,8 @@ class Sweep:
             if self.free.at(window, later):
                 return self._back(window, t, later)
             there = self.lasting.deepest(window, later, [point])
+            if there is None:
+                there = self.lasting.anywhere(window, later)
             if there is not None:
                 gap = self._lost_before(window, t, later, there)
                 return (later, there) if gap is None else self._back(window, t, gap)

@@ -229,35 +229,13 @@ class LastingOfModels(Lasting[np.ndarray]):
     def held(self, window: Window, t: float, seeds: Sequence[np.ndarray]) -> np.ndarray | None:
         forms = self._placed(window, t)
         for seed in seeds:
-            point, depth = self._descended(forms, np.asarray(seed, float))
+            point, depth = descended(
+                lambda x, steps: self._height(forms, x, steps), lambda x: self._directions(forms, x),
+                np.asarray(seed, float),
+            )  # fmt: skip
             if depth < 0.0 and self.is_shared(window, t, point):
                 return point
         return None
-
-    def _descended(self, forms: list[np.ndarray], point: np.ndarray) -> tuple[np.ndarray, float]:
-        """The point moved downhill of the largest of both models' heights, by tries around it."""
-        height = float(self._height(forms, point, np.zeros((1, 3)))[0])
-        size = abs(height) + float(np.abs(point).max()) + 1e-300
-        scales = 0.5 ** np.arange(1.0, 54.0, 2.0)
-        steps = size * np.concatenate([r * self._directions(forms, point) for r in scales])
-        heights = self._height(forms, point, steps)
-        best = int(np.argmin(heights))
-        radius = 2.0 * abs(height)
-        if heights[best] < height:
-            radius = 2.0 * float(np.linalg.norm(steps[best]))
-            point, height = point + steps[best], float(heights[best])
-        for _ in range(ROUNDS):
-            directions = self._directions(forms, point)
-            steps = radius * np.concatenate([r * directions for r in (0.1, 0.3, 0.6, 1.0)])
-            heights = self._height(forms, point, steps)
-            best = int(np.argmin(heights))
-            gain = height - float(heights[best])
-            if gain > 0.0:
-                point, height = point + steps[best], float(heights[best])
-            radius *= 2.0 if gain > 0.03 * radius else 0.5
-            if height < 0.0 and radius < -0.2 * height:
-                break
-        return point, height
 
     def _directions(self, forms: list[np.ndarray], point: np.ndarray) -> np.ndarray:
         """(n, 3) unit: fixed ones, and across and away from the nearest surfaces."""
@@ -279,6 +257,38 @@ class LastingOfModels(Lasting[np.ndarray]):
     def _height(self, forms: list[np.ndarray], centre: np.ndarray, steps: np.ndarray) -> np.ndarray:
         """(n,) about how far the points centre + steps are from inside both models, negative inside."""
         return np.maximum(*(s.height(form, centre, steps) for s, form in zip(self.solids, forms, strict=True)))
+
+
+def descended(
+    height_of: Callable[[np.ndarray, np.ndarray], np.ndarray], directions: Callable[[np.ndarray], np.ndarray],
+    point: np.ndarray,
+) -> tuple[np.ndarray, float]:
+    """The point moved downhill by tries around it, and the height there.
+
+    height_of: of (point, steps (n, k)) the heights (n,) at point + steps; directions: (m, k) steps worth a try.
+    """
+    height = float(height_of(point, np.zeros((1, len(point))))[0])
+    size = abs(height) + float(np.abs(point).max()) + 1e-300
+    scales = 0.5 ** np.arange(1.0, 54.0, 2.0)
+    steps = size * np.concatenate([r * directions(point) for r in scales])
+    heights = height_of(point, steps)
+    best = int(np.argmin(heights))
+    radius = 2.0 * abs(height)
+    if heights[best] < height:
+        radius = 2.0 * float(np.linalg.norm(steps[best]))
+        point, height = point + steps[best], float(heights[best])
+    for _ in range(ROUNDS):
+        around = directions(point)
+        steps = radius * np.concatenate([r * around for r in (0.1, 0.3, 0.6, 1.0)])
+        heights = height_of(point, steps)
+        best = int(np.argmin(heights))
+        gain = height - float(heights[best])
+        if gain > 0.0:
+            point, height = point + steps[best], float(heights[best])
+        radius *= 2.0 if gain > 0.03 * radius else 0.5
+        if height < 0.0 and radius < -0.2 * height:
+            break
+    return point, height
 
 
 def linear(pose: np.ndarray) -> np.ndarray:

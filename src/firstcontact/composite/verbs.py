@@ -175,7 +175,7 @@ def contact_intervals(
             )
         except UnsupportedPair as other:
             raise UnsupportedPair(f"{refusal}; {other}") from other
-    return _proved_intervals(found, work, begin, shared)
+    return proved_intervals(found, work, begin, shared)
 
 
 def _intervals_of_mesh(a: Any, b: Any, span: Any, exact: bool, work: Work, tolerance: float) -> ContactIntervals:
@@ -189,10 +189,11 @@ def _intervals_of_mesh(a: Any, b: Any, span: Any, exact: bool, work: Work, toler
         return first_contact_of_mesh(a, b, first, first, False, tolerance, Work()).point
 
     found = intervals_of_mesh(a, b, first, last, tolerance, work, at_start)
-    return _proved_intervals(found, work, begin, shared)
+    return proved_intervals(found, work, begin, shared)
 
 
-def _proved_intervals(found: Found, work: Work, begin: float, shared: dict[str, Any]) -> ContactIntervals:
+def proved_intervals(found: Found, work: Work, begin: float, shared: dict[str, Any]) -> ContactIntervals:
+    """What the certified path found, as a result."""
     first, last = shared["span"]
     intervals = []
     for x in found.intervals:

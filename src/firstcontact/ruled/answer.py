@@ -18,15 +18,11 @@ from firstcontact.ruled.spots import Box
 SAME = 1e-11
 
 
-class Found:
-    """Branches, points and overlaps so far; `p`, `q` in the parameters the search uses."""
+class Parts:
+    """Branches, points and overlaps so far."""
 
-    def __init__(
-        self, p: Piece, q: Piece, tolerance: float, box: Box | None, given: tuple[Piece, Piece] | None = None
-    ) -> None:
-        self.p, self.q, self.tolerance, self.box = p, q, tolerance, box
-        self.pieces, self.given = (p, q), given or (p, q)
-        self.clip = Clip(p, q, box)
+    def __init__(self, tolerance: float) -> None:
+        self.tolerance = tolerance
         self.branches: list[Branch] = []
         self.segments: list[np.ndarray] = []
         self.singular: list[SingularPoint] = []
@@ -35,24 +31,9 @@ class Found:
         self.nodes: list[GraphNode] = []
         self.edges: list[tuple[int, int]] = []
 
-    @property
-    def finite(self) -> bool:
-        """Whether bounds keep all common points from infinity."""
-        return self.p.bounded or self.q.bounded or self.box is not None
-
     def exact(self, where: Any) -> ExactParameters:
         """Results' numbers for the user's parameters of `where`, a node or another object with u and v."""
-        p, q = self.p, self.q
-        return ExactParameters(lambda: (_number(p.user_parameter(where.u)), _number(q.user_parameter(where.v))))
-
-    def parameters(self, x: np.ndarray, y: np.ndarray, chart: tuple[bool, bool], positions: np.ndarray) -> np.ndarray:
-        """(n, 4) the user's u, v, s, t of points in a chart."""
-        columns = []
-        with np.errstate(divide="ignore"):
-            for piece, value, reverse in ((self.p, x, chart[0]), (self.q, y, chart[1])):
-                own = 1.0 / value if reverse else value
-                columns.append(own if piece.shift is None else piece.shift + 1.0 / own)
-        return np.column_stack([*columns, self.p.user_s(positions[:, 0]), self.q.user_s(positions[:, 1])])
+        raise NotImplementedError
 
     def add_node(self, where: Any, point: np.ndarray | None, kind: str) -> int:
         self.nodes.append(GraphNode(point, kind, self.exact(where)))
@@ -68,6 +49,41 @@ class Found:
         near = SAME * max(1.0, np.abs(point).max())
         return any((np.abs(branch.points - point).max(1) <= near).any() for branch in self.branches)
 
+
+class Found(Parts):
+    """Those of two ruled surfaces; `p`, `q` in the parameters the search uses."""
+
+    def __init__(
+        self, p: Piece, q: Piece, tolerance: float, box: Box | None, given: tuple[Piece, Piece] | None = None
+    ) -> None:
+        super().__init__(tolerance)
+        self.p, self.q, self.box = p, q, box
+        self.pieces, self.given = (p, q), given or (p, q)
+        self.clip = Clip(p, q, box)
+
+    @property
+    def finite(self) -> bool:
+        """Whether bounds keep all common points from infinity."""
+        return self.p.bounded or self.q.bounded or self.box is not None
+
+    @property
+    def v(self) -> tuple[Any, Any] | None:
+        """The range of the second parameter."""
+        return self.q.u
+
+    def exact(self, where: Any) -> ExactParameters:
+        p, q = self.p, self.q
+        return ExactParameters(lambda: (number(p.user_parameter(where.u)), number(q.user_parameter(where.v))))
+
+    def parameters(self, x: np.ndarray, y: np.ndarray, chart: tuple[bool, bool], positions: np.ndarray) -> np.ndarray:
+        """(n, 4) the user's u, v, s, t of points in a chart."""
+        columns = []
+        with np.errstate(divide="ignore"):
+            for piece, value, reverse in ((self.p, x, chart[0]), (self.q, y, chart[1])):
+                own = 1.0 / value if reverse else value
+                columns.append(own if piece.shift is None else piece.shift + 1.0 / own)
+        return np.column_stack([*columns, self.p.user_s(positions[:, 0]), self.q.user_s(positions[:, 1])])
+
     def fields(self, d: fmpz_mpoly, common: CommonRulings) -> dict[str, Any]:
         """Those of IntersectionCurve; d = Delta and the common rulings in the user's parameters."""
         return {
@@ -78,7 +94,7 @@ class Found:
             "two_dimensional": self.two_dimensional,
             "graph": CurveGraph(tuple(self.nodes), tuple(self.edges)),
             "delta": _table(d),
-            "common_rulings": tuple((_number(u), _number(v)) for u, v in common.pairs),
+            "common_rulings": tuple((number(u), number(v)) for u, v in common.pairs),
             "correspondence": {} if common.correspondence.is_constant() else _table(common.correspondence),
         }
 
@@ -94,7 +110,7 @@ def same(x: np.ndarray, y: np.ndarray) -> bool:
     return bool(np.abs(x - y).max() <= SAME * max(1.0, np.abs(x).max()))
 
 
-def _number(parameter: Parameter) -> ExactParameter:
+def number(parameter: Parameter) -> ExactParameter:
     return math.inf if parameter is None else parameter.number()
 
 

@@ -62,8 +62,8 @@ def add_curves(found: Found, curves: Curves) -> None:
             joints.isolate(node)
 
 
-def add_branches(found: Found, joints: Joints, kept: Sequence[Any], curves: Curves) -> None:
-    """The branches of these edges of a graph of these curves."""
+def add_branches(found: Any, joints: Joints, kept: Sequence[Any], curves: Curves) -> None:
+    """The branches of these edges of a graph of these curves; found: Found, or alike for another second body."""
     if kept:
         _Assembly(found, joints, joints.graph, kept, curves).run()
 
@@ -104,7 +104,7 @@ class Meetings:
 class Joints:
     """The nodes of a graph in space; `place` tells where (u, v) is."""
 
-    def __init__(self, found: Found, graph: Any, place: Any) -> None:
+    def __init__(self, found: Any, graph: Any, place: Any) -> None:
         self.found, self.graph, self.in_space = found, graph, place
         self._spots: dict[int, Spot] = {}
         self._limits: dict[int, list[np.ndarray]] = defaultdict(list)
@@ -198,7 +198,7 @@ class Joints:
 class _Assembly:
     """Polylines of the kept edges, joined to branches."""
 
-    def __init__(self, found: Found, joints: Joints, graph: Any, kept: Sequence[Any], curves: Curves) -> None:
+    def __init__(self, found: Any, joints: Joints, graph: Any, kept: Sequence[Any], curves: Curves) -> None:
         self.found, self.joints, self.graph, self.kept = found, joints, graph, kept
         self.multiplicities = [next(k for f, k in curves if f in (g, -g)) for g in graph.curves]
         self.corners = [[joints.corner(edge, k) for k in (0, 1)] for edge in kept]
@@ -240,7 +240,7 @@ class _Assembly:
         u, v = (x.enclosure(96) if isinstance(x, AlgebraicRoot) else arb(x) for x in edge.sample)
         with precision(96):
             inside = [float((1 / x if reverse else x).mid()) for x, reverse in zip((u, v), edge.chart, strict=True)]
-        v_range = self.found.q.u or (fmpq(-1), fmpq(1))
+        v_range = self.found.v or (fmpq(-1), fmpq(1))
         window = to_double(v_range[0]), to_double(v_range[1])
         slabs = [(to_double(x), k) for x, k in getattr(edge, "slabs", [])]
         limits = [float(x.enclosure(64).mid()) for x in edge.limits] if slabs else []

@@ -75,7 +75,8 @@ def _pieces(a: Any, b: Any, first: fmpq, last: fmpq) -> tuple[DirectrixPiece, Ru
     """Both surfaces in the frame of b; UnsupportedPair for what the search does not take."""
     for body in (a, b):
         shape = body.body if isinstance(body, Moving) else body
-        if len(shape.pieces) > 1 or shape.pieces[0].s is None or shape.pieces[0].trim:
+        pieces: list[Any] = list(getattr(shape, "pieces", ()))
+        if len(pieces) != 1 or pieces[0].s is None or pieces[0].trim:
             raise UnsupportedPair(f"{shape!r}: the certified search takes one piece, bounded in s and not trimmed")
     steps = list(directrix_pieces(a, b, first, last))
     if len(steps) > 1 or not isinstance(steps[0].motion.clock, StraightClock) or not steps[0].motion.exact:

@@ -1,4 +1,8 @@
-"""`first_contact` and `contact_intervals` of ruled surfaces, moving or deforming, in exact arithmetic."""
+"""`first_contact` and `contact_intervals` of ruled surfaces, moving or deforming, in exact arithmetic.
+
+One of the two may be a polyhedron: its triangles are pieces (`ruled.polyhedra`).  Solids of planes and quadrics, and
+convex polyhedra where that settles it, are met in doubles with proofs (`ruled.solids`).
+"""
 
 from __future__ import annotations
 
@@ -11,7 +15,9 @@ from typing import Any
 import numpy as np
 from flint import arb, ctx, fmpq
 
+from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.moving import Moving
+from firstcontact.body.polyhedron import Polyhedron
 from firstcontact.body.ruled_surface import RuledSurface
 from firstcontact.composite.work import Spent, Work
 from firstcontact.errors import InputError, UnsupportedPair
@@ -20,7 +26,7 @@ from firstcontact.exact.numbers import below, fraction, precision, to_double
 from firstcontact.exact.roots import AlgebraicRoot
 from firstcontact.motion.clocks import StraightClock
 from firstcontact.motion.directrices import DirectrixPiece, directrix_pieces
-from firstcontact.motion.polynomial import PolynomialPiece
+from firstcontact.motion.polynomial import PolynomialPiece, relative_pieces
 from firstcontact.motion.span import common_span
 from firstcontact.report import MOST_OTHERS
 from firstcontact.result import (
@@ -35,7 +41,8 @@ from firstcontact.result import (
 )
 from firstcontact.ruled import certified
 from firstcontact.ruled.conditions import conditions
-from firstcontact.ruled.sheets import MOST_DEGREE, TooLarge
+from firstcontact.ruled.polyhedra import MOST_PAIRS, Interior, element_of, near_pairs, triangles_of
+from firstcontact.ruled.sheets import MOST_DEGREE, TooLarge, between
 from firstcontact.ruled.times import Times
 from firstcontact.ruled.touches import Touch, touch
 from firstcontact.search.earliest import Progress
@@ -43,7 +50,7 @@ from firstcontact.search.earliest import Progress
 BITS = 128
 QUICK_DEGREE = 80
 """Of equations that elimination may lead to where the search in doubles takes the pair too."""
-_ORDER = {"vertex": 0, "directrix": 1, "end_ruling": 2, "face": 3}
+_ORDER = {"vertex": 0, "edge": 1, "directrix": 1, "end_ruling": 2, "face": 3}
 _PER_PIECE = {"vertex": 4, "directrix": 2, "end_ruling": 2, "face": 1}
 
 
@@ -92,27 +99,39 @@ class _End:
 
 
 def contact_intervals(
-    a: Any, b: Any, span: Any, exact: bool, budget: int | None = None, progress: Progress | None = None
+    a: Any, b: Any, span: Any, exact: bool, budget: int | None = None, progress: Progress | None = None,
+    tolerance: float = 1e-12,
 ) -> ContactIntervals:
-    """All closed times at which the surfaces share a point; in doubles, with proofs, where elimination goes too far."""
+    """All closed times at which the bodies share a point; in doubles, with proofs, where elimination goes too far.
+
+    tolerance: as part of the span, against solids of planes and quadrics only.
+    """
     begin = clock.perf_counter()
     first, last = _span(a, b, span)
     shared = {"a": a, "b": b, "span": (to_double(first), to_double(last))}
     work = Work(budget, progress, below(first))
+    if _with_model(a, b, exact):
+        return _intervals_with_solid(a, b, first, last, tolerance, work, begin, shared)
     windows: list[tuple[_End, _End]] = []
     reason = None
     quick = not exact and certified.takes(a, b, first, last)
+    interior = Interior.of(a, b)
     try:
-        for pairs in _pieces(a, b, first, last, work, QUICK_DEGREE if quick else MOST_DEGREE):
-            for start, end in _joined([w for pair in pairs for w in _windows(pair)]):
+        for motion, pairs in _pieces(a, b, first, last, work, QUICK_DEGREE if quick else MOST_DEGREE):
+            found_here = _joined([w for pair in pairs for w in _windows(pair)])
+            if interior is not None:
+                found_here = _joined([*found_here, *_inside(interior, motion, found_here)])
+            for start, end in found_here:
                 if windows and start.time is not None and windows[-1][1].time == start.time:
                     windows[-1] = windows[-1][0], end
                 else:
                     windows.append((start, end))
     except Spent:
         reason = "budget"
-    except TooLarge:
-        if not quick:
+    except UnsupportedPair as refusal:
+        if not exact and _is_with_convex(a, b):
+            return _intervals_with_solid(a, b, first, last, tolerance, work, begin, shared)
+        if not (quick and isinstance(refusal, TooLarge)):
             raise
         found = certified.contact_intervals(a, b, first, last, budget, shared)
         return replace(found, stats=found.stats + Stats(seconds=clock.perf_counter() - begin))
@@ -133,6 +152,16 @@ def first_contact(
     begin = clock.perf_counter()
     first, last = _span(a, b, span)
     shared = {"a": a, "b": b, "span": (to_double(first), to_double(last))}
+    algebraic = exact or method == "algebraic"
+    if _with_model(a, b, algebraic):
+        from firstcontact.ruled import solids
+
+        return solids.first_contact(a, b, first, last, tolerance, budget)
+    if not algebraic and _is_with_convex(a, b):
+        certain = method == "certified"
+        found = _on_convex(a, b, first, last, certain, tolerance, budget, progress, shared, begin)
+        if found is not None:
+            return found
     if method != "certified" or exact:
         in_doubles = not exact and method == "auto" and certified.takes(a, b, first, last)
         most_degree = QUICK_DEGREE if in_doubles else MOST_DEGREE
@@ -145,19 +174,79 @@ def first_contact(
     return replace(found, stats=found.stats + Stats(seconds=clock.perf_counter() - begin))
 
 
+def _shape(body: Any) -> Any:
+    return body.body if isinstance(body, Moving) else body
+
+
+def _with_model(a: Any, b: Any, exact: bool) -> bool:
+    """Whether one of the bodies is a solid of planes and quadrics."""
+    if not any(isinstance(_shape(x), CompositeQuadric) for x in (a, b)):
+        return False
+    if exact:
+        raise UnsupportedPair(f"{a!r} and {b!r}: ruled surfaces meet curved models in doubles only, with proofs")
+    return True
+
+
+def _is_with_convex(a: Any, b: Any) -> bool:
+    """Whether one of the bodies is a polyhedron that is a solid of planes, too."""
+    from firstcontact.composite.polyhedra import is_small_and_convex
+
+    return any(isinstance(_shape(x), Polyhedron) and is_small_and_convex(_shape(x)) for x in (a, b))
+
+
+def _intervals_with_solid(
+    a: Any, b: Any, first: fmpq, last: fmpq, tolerance: float, work: Work, begin: float, shared: dict[str, Any]
+) -> ContactIntervals:
+    from firstcontact.composite.verbs import proved_intervals
+    from firstcontact.ruled import solids
+
+    return proved_intervals(solids.contact_intervals(a, b, first, last, tolerance, work), work, begin, shared)
+
+
+def _on_convex(
+    a: Any, b: Any, first: fmpq, last: fmpq, certain: bool, tolerance: float, budget: int | None,
+    progress: Progress | None, shared: dict[str, Any], begin: float,
+) -> FirstContact | None:
+    """In doubles, and exactly what they leave open unless `certain`; None where doubles do not take the bodies."""
+    from firstcontact.ruled import solids
+
+    try:
+        proved = solids.first_contact(a, b, first, last, tolerance, budget)
+    except UnsupportedPair:
+        return None
+    if certain or _is_settled(proved):
+        return proved
+    try:
+        return _decided(a, b, first, last, False, MOST_DEGREE, budget, progress, shared, begin)
+    except UnsupportedPair:
+        return proved
+
+
+def _is_settled(proved: FirstContact) -> bool:
+    """Whether exact arithmetic has nothing to add: the bodies are free, the budget is spent or one point touches."""
+    if proved.status is Status.CONTACT:
+        return proved.contact_set is not None
+    return proved.status is Status.FREE or proved.reason == "budget"
+
+
 def _decided(
     a: Any, b: Any, first: fmpq, last: fmpq, exact: bool, most_degree: int, budget: int | None,
     progress: Progress | None, shared: dict[str, Any], begin: float,
 ) -> FirstContact:
     work = Work(budget, progress, below(first))
+    interior = Interior.of(a, b)
     try:
-        for pairs in _pieces(a, b, first, last, work, most_degree):
+        for motion, pairs in _pieces(a, b, first, last, work, most_degree):
             starts = [(start, pair, lasts) for pair in pairs for start, lasts in _starts(pair)]
-            if starts:
-                earliest = min((start for start, _, _ in starts), key=cmp_to_key(_End.compare))
+            earliest = min((start for start, _, _ in starts), key=cmp_to_key(_End.compare), default=None)
+            if interior is not None and motion.start == first and (earliest is None or earliest.time != first):
+                end = AlgebraicRoot.of(motion.u_hi) if earliest is None else earliest.root  # type: ignore[arg-type]
+                if interior.holds(motion, _inner(motion, AlgebraicRoot.of(motion.u_lo), end)):
+                    return _contained(first, exact, shared, _stats(work, begin))
+            if earliest is not None:
                 now = [(pair, lasts) for start, pair, lasts in starts if start.compare(earliest) == 0]
                 work.budget = None  # it is for the time; what meets then is found in any case
-                found = _contact(earliest, now, exact, earliest.time == first, shared)
+                found = _contact(earliest, now, exact, earliest.time == first, shared, interior)
                 return replace(found, stats=_stats(work, begin))
     except Spent:
         stats = _stats(work, begin)
@@ -172,12 +261,27 @@ def _span(a: Any, b: Any, span: Any) -> tuple[fmpq, fmpq]:
     return first, last
 
 
-def _pieces(a: Any, b: Any, first: fmpq, last: fmpq, work: Work, most_degree: int) -> Iterator[list[_Pair]]:
-    """All pairs of pieces of the surfaces over each piece of their motion, in time order."""
-    combined = [(i, j, x, y) for i, x in enumerate(_parts(a)) for j, y in enumerate(_parts(b))]
+def _pieces(
+    a: Any, b: Any, first: fmpq, last: fmpq, work: Work, most_degree: int
+) -> Iterator[tuple[PolynomialPiece, list[_Pair]]]:
+    """The pieces of the relative motion in time order, with the pairs of pieces of the surfaces that may meet."""
+    parts_a, parts_b = _parts(a), _parts(b)
+    numbers = [(i, j) for i in range(len(parts_a)) for j in range(len(parts_b))]
+    if any(isinstance(_shape(x), Polyhedron) for x in (a, b)):
+        numbers = near_pairs(parts_a, parts_b, first, last)
+        if len(numbers) > MOST_PAIRS:
+            raise TooLarge(
+                f"{a!r} and {b!r}: {len(numbers)} pairs of a piece and a triangle come near each other, too many for "
+                "exact arithmetic"
+            )
+    if not numbers:
+        yield from ((motion, []) for motion in relative_pieces(a, b, first, last))
+        return
+    combined = [(i, j, parts_a[i], parts_b[j]) for i, j in numbers]
     for steps in zip(*(directrix_pieces(x, y, first, last) for _, _, x, y in combined), strict=True):
         work.free_until = below(steps[0].motion.start)
-        yield [_pair(*pair, step, work, most_degree) for pair, step in zip(combined, steps, strict=True)]
+        found = [_pair(*pair, step, work, most_degree) for pair, step in zip(combined, steps, strict=True)]
+        yield steps[0].motion, found
 
 
 def _pair(i: int, j: int, x: Any, y: Any, step: DirectrixPiece, work: Work, most_degree: int) -> _Pair:
@@ -192,10 +296,14 @@ def _pair(i: int, j: int, x: Any, y: Any, step: DirectrixPiece, work: Work, most
 
 
 def _parts(body: Any) -> list[Any]:
-    shape = body.body if isinstance(body, Moving) else body
-    if not hasattr(shape, "pieces"):
+    shape = _shape(body)
+    pieces: tuple[RuledSurface, ...]
+    if isinstance(shape, Polyhedron):
+        pieces = triangles_of(shape)
+    elif hasattr(shape, "pieces"):
+        pieces = shape.pieces
+    else:
         raise InputError(f"{body!r} is no ruled surface")
-    pieces: tuple[RuledSurface, ...] = shape.pieces
     return [Moving(piece, body.motion) if isinstance(body, Moving) else piece for piece in pieces]
 
 
@@ -246,6 +354,46 @@ def _joined(windows: list[tuple[_End, _End]]) -> list[tuple[_End, _End]]:
     return found
 
 
+def _inside(
+    interior: Interior, motion: PolynomialPiece, windows: list[tuple[_End, _End]]
+) -> Iterator[tuple[_End, _End]]:
+    """The windows between those of contact of the surfaces in which the solid holds a piece."""
+    assert motion.u_hi is not None and motion.end is not None
+    walls = [AlgebraicRoot.of(motion.u_lo), *(end.root for w in windows for end in w), AlgebraicRoot.of(motion.u_hi)]
+    for k, (lo, hi) in enumerate(zip(walls[::2], walls[1::2], strict=True)):
+        at_start, at_end = k == 0, k == len(windows)
+        if windows and ((at_start and windows[0][0].time == motion.start) or
+                        (at_end and windows[-1][1].time == motion.end)):  # fmt: skip
+            continue
+        if interior.holds(motion, _inner(motion, lo, hi)):
+            yield _End.of(motion, lo), _End.of(motion, hi)
+
+
+def _inner(motion: PolynomialPiece, lo: AlgebraicRoot, hi: AlgebraicRoot) -> fmpq:
+    """A parameter between two walls within the piece of motion; of an instant, its own."""
+    if lo.compare(hi) >= 0 or motion.start == motion.end:
+        return motion.u_lo
+    while True:
+        x = between(lo, hi)
+        root = AlgebraicRoot.of(x)
+        assert motion.end is not None
+        if motion.clock.compare(root, motion.start) < 0:
+            lo = root
+        elif motion.clock.compare(root, motion.end) > 0:
+            hi = root
+        else:
+            return x
+
+
+def _contained(first: fmpq, exact: bool, shared: dict[str, Any], stats: Stats) -> FirstContact:
+    """The result for a start at which the solid holds a piece, and the surfaces share no point."""
+    start = shared["span"][0]
+    return FirstContact(
+        Status.INITIAL_CONTACT, start, (start, start), fraction(first) if exact else None, initial="containment",
+        free_until=start, stats=stats, **shared,
+    )  # fmt: skip
+
+
 def _interval(start: _End, end: _End, exact: bool) -> ContactInterval:
     (t0, lo, exact0), (t1, hi, exact1) = start.value(exact), end.value(exact)
     return ContactInterval(t0, t1, lo, hi, exact0, exact1)
@@ -259,7 +407,8 @@ def _stats(work: Work, begin: float) -> Stats:
 
 
 def _contact(
-    start: _End, pairs: list[tuple[_Pair, bool]], exact: bool, initial: bool, shared: dict[str, Any]
+    start: _End, pairs: list[tuple[_Pair, bool]], exact: bool, initial: bool, shared: dict[str, Any],
+    interior: Interior | None,
 ) -> FirstContact:
     """The result at the first time, the lowest (kind, index) of the pairs of elements first."""
     time, interval, known = start.value(exact)
@@ -277,7 +426,7 @@ def _contact(
     status = Status.INITIAL_CONTACT if initial else Status.CONTACT
     answer = FirstContact(status, time, interval, known, free_until=interval[0], **shared)
     if initial:
-        answer = replace(answer, initial="overlapping" if any(after for _, after in pairs) else "touching")
+        answer = replace(answer, initial=_initial(start, pairs, interior))
     if not touches:
         return answer
     (lowest, best), *rest = (touches[key] for key in sorted(touches))
@@ -297,6 +446,15 @@ def _contact(
     )  # fmt: skip
 
 
+def _initial(start: _End, pairs: list[tuple[_Pair, bool]], interior: Interior | None) -> str | None:
+    """How the bodies meet at the start; None where a solid may hold inner points that were not found."""
+    if interior is None:
+        return "overlapping" if any(after for _, after in pairs) else "touching"
+    if start.root.rational is not None and interior.shares_inner_points(start.motion, start.root.rational):
+        return "overlapping"
+    return None
+
+
 def _contact_set(points: np.ndarray) -> ContactSet:
     return ContactSet("point" if len(points) == 1 else "segment", points)
 
@@ -304,6 +462,10 @@ def _contact_set(points: np.ndarray) -> ContactSet:
 def _named(body: Any, element: tuple[str, int], number: int, which: str) -> Element:
     kind, index = element
     name = getattr(body, "name", None) or which
+    shape = _shape(body)
+    if isinstance(shape, Polyhedron):
+        kind, index = element_of(shape, number, kind, index)
+        return Element(kind, name, index, name)
     return Element(kind, name, index + number * _PER_PIECE[kind], name)
 
 

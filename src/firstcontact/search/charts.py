@@ -126,6 +126,12 @@ def resting(forms: np.ndarray, kinds: np.ndarray) -> np.ndarray:
     return table
 
 
+def forms_of(body: CompositeQuadric) -> Charts:
+    """As `charts_of`, without any chart: for bodies that only the other one's charts meet.  Raises NotCharted."""
+    known = _Builder(body)
+    return Charts(known.units, known.forms, known.kinds, known.program, [])
+
+
 def compiled(tree: Tree) -> list[tuple[int, int]]:
     """Steps for `kernels.feature_boxes.membership`; jumps count from the first."""
     steps: list[tuple[int, int]] = []

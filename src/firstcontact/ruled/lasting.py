@@ -1,0 +1,171 @@
+"""How a ruled surface and a model are followed in time: free by events, in contact by a point of the surface.
+
+A point stands as (number of its sheet, x, s), see `search.ruled_charts`; it stays where it is on the surface.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from flint import arb, fmpq
+
+from firstcontact.body.composite_quadric import CompositeQuadric
+from firstcontact.composite.lasting import BITS, SIGNS, Lasting, Solid, descended, linear
+from firstcontact.exact.numbers import exact_value, precision, to_double
+from firstcontact.kernels.event_search import CHART, FREE
+from firstcontact.search import events
+from firstcontact.search.event_tables import Tables
+from firstcontact.search.ruled_charts import RuledFeature, Sheet
+from firstcontact.search.stretches import Window
+
+SEEDS = 4
+BOXES = events.MOST_BOXES
+GRID = 41, 11
+"""Points of a sheet in x and in s among which a common one is sought where nothing is known."""
+LOWEST, HIGHEST = np.array([-1.0, 0.0]), np.array([1.0, 1.0])
+AROUND = np.array([(np.cos(k * np.pi / 8), np.sin(k * np.pi / 8)) for k in range(16)])
+
+
+class RuledFree:
+    """As `composite.certified_intervals` asks for free time."""
+
+    def __init__(self, bodies: tuple[Any, Any], tables: Tables, sheets: list[Sheet], width: float) -> None:
+        self.bodies, self.tables, self.width = bodies, tables, width
+        self.numbers = {id(feature.sheet): sheets.index(feature.sheet) for feature in _features(tables)}
+
+    def at(self, window: Window, t: float) -> bool:
+        search = events._Search(*self.bodies, self.tables, [window], 1.0, BOXES)
+        return search.searched(True, window, t, t, events.MOST_STILL) == FREE
+
+    def until(self, window: Window, t: float, end: float) -> tuple[float, list[np.ndarray]]:
+        search = events._Search(*self.bodies, self.tables, [window], 1.0, BOXES)
+        search.width = self.width
+        if search.searched(False, window, t, end, BOXES) == FREE:
+            return end, []
+        count, start = int(search.result[2]), int(search.result[3])
+        return max(t, float(search.result[0])), self.places(search.pool[start : start + min(count, SEEDS)])
+
+    def near_start(self, window: Window) -> list[np.ndarray]:
+        return []
+
+    def places(self, boxes: np.ndarray) -> list[np.ndarray]:
+        """The points at the middles of boxes."""
+        found = []
+        for box in boxes:
+            feature: Any = self.tables.features[int(box[CHART])]
+            place = np.clip(feature.place(float(box[2]), float(box[4])), LOWEST, HIGHEST)
+            found.append(np.array([self.numbers[id(feature.sheet)], *place]))
+        return found
+
+
+def _features(tables: Tables) -> Sequence[RuledFeature]:
+    return tables.features  # type: ignore[return-value]
+
+
+class RuledLasting(Lasting[np.ndarray]):
+    """A ruled surface, body `side`, and a model; places are points too."""
+
+    def __init__(self, sheets: list[Sheet], model: CompositeQuadric, side: int) -> None:
+        super().__init__()
+        self.sheets, self.solid, self.side = sheets, Solid(model), side
+        self.tables = [_doubles(sheet) for sheet in sheets]
+
+    # -- the proof ------------------------------------------------------------------------------------------
+
+    def follow(self, window: Window, t: float, end: float, point: np.ndarray) -> np.ndarray | None:
+        return point if self.stays(window, t, end, point) else None
+
+    def place(self, window: Window, t: float, point: np.ndarray) -> np.ndarray:
+        return point
+
+    def stays(self, window: Window, t: float, end: float, point: np.ndarray) -> bool:
+        """Whether the model is proved to hold the point over [t, end]."""
+        own, other = (window.a, window.b) if self.side == 0 else (window.b, window.a)
+        p, q = self.pose(own, t), self.pose(other, t)
+        here = self.sheets[int(point[0])].point(exact_value(point[1]), exact_value(point[2]))
+        near = np.array([to_double(c / here[3]) for c in here[:3]])
+        y = np.linalg.solve(linear(q), linear(p) @ near + p[9:12] - q[9:12])
+        with precision(BITS):
+            x = [arb(c / here[3]) for c in here[:3]]
+            return self.solid.holds([arb(c) for c in y.tolist()], self.drift(own, other, t, end, x, y))
+
+    # -- points ---------------------------------------------------------------------------------------------
+
+    def anywhere(self, window: Window, t: float) -> np.ndarray | None:
+        """A point proved common at t, from samples of the sheets."""
+        forms = self._placed(window, t)
+        x, s = (c.ravel() for c in np.meshgrid(np.linspace(-1, 1, GRID[0]), np.linspace(0, 1, GRID[1])))
+        seeds, heights = [], []
+        for k in range(len(self.sheets)):
+            here = self._heights(forms, k, np.column_stack([x, s]))
+            best = int(np.argmin(here))
+            seeds.append(np.array([k, x[best], s[best]]))
+            heights.append(float(here[best]))
+        return self.deepest(window, t, [seeds[k] for k in np.argsort(heights)[:4]])
+
+    def held(self, window: Window, t: float, seeds: Sequence[np.ndarray]) -> np.ndarray | None:
+        forms = self._placed(window, t)
+        for seed in seeds:
+            k = int(seed[0])
+            place, depth = descended(
+                lambda x, steps: self._heights(forms, k, x + steps),  # noqa: B023
+                lambda x: self._directions(forms, k, x),  # noqa: B023
+                np.asarray(seed[1:], float),
+            )
+            point = np.array([k, *np.clip(place, LOWEST, HIGHEST)])
+            if depth < 0.0 and self.stays(window, t, t, point):
+                return point
+        return None
+
+    def in_world(self, window: Window, t: float, point: np.ndarray) -> np.ndarray:
+        """Where a point is, rounded."""
+        pose = self.pose(window.a if self.side == 0 else window.b, t)
+        place: np.ndarray = linear(pose) @ self._points(int(point[0]), point[None, 1:])[0, :3] + pose[9:12]
+        return place
+
+    def _placed(self, window: Window, t: float) -> np.ndarray:
+        """The forms of the model in the ruled surface's frame at t."""
+        own, other = (window.a, window.b) if self.side == 0 else (window.b, window.a)
+        p, q = self.pose(own, t), self.pose(other, t)
+        turn = np.linalg.solve(linear(p), linear(q))
+        return self.solid.placed(turn, np.linalg.solve(linear(p), q[9:12] - p[9:12]))
+
+    def _points(self, k: int, places: np.ndarray) -> np.ndarray:
+        """(n, 4) with weight 1, at places clipped to the sheet."""
+        x, s = np.clip(places, LOWEST, HIGHEST).T
+        first, second = (np.polynomial.polynomial.polyval(x, table).T for table in self.tables[k])
+        points = first * (1 - s)[:, None] + second * s[:, None]
+        scaled: np.ndarray = points / points[:, 3:]
+        return scaled
+
+    def _heights(self, forms: np.ndarray, k: int, places: np.ndarray) -> np.ndarray:
+        return self.solid.height(forms, np.zeros(3), self._points(k, places)[:, :3])
+
+    def _directions(self, forms: np.ndarray, k: int, place: np.ndarray) -> np.ndarray:
+        """(n, 2): all around, and across and away from the nearest surfaces."""
+        step = 1e-5
+        ends = self._points(k, place + step * np.array([[1, 0], [-1, 0], [0, 1], [0, -1], [0, 0]]))
+        values = np.einsum("ni,fij,nj->fn", ends, forms, ends, optimize=True)
+        slopes = np.column_stack([values[:, 0] - values[:, 1], values[:, 2] - values[:, 3]]) / (2 * step)
+        near = np.argsort(np.abs(values[:, 4]))[:3]
+        rows = slopes[near] / np.maximum(np.linalg.norm(slopes[near], axis=1, keepdims=True), 1e-300)
+        signs = SIGNS[:, : len(near)]
+        mixed = np.concatenate([signs @ rows, signs @ np.linalg.pinv(slopes[near], rcond=1e-9).T])
+        mixed = mixed / np.maximum(np.linalg.norm(mixed, axis=1, keepdims=True), 1e-300)
+        return np.concatenate([AROUND, mixed])
+
+
+def _doubles(sheet: Sheet) -> list[np.ndarray]:
+    """(n, 4) coefficients of either side, ascending; both over the largest."""
+    sides = sheet.first, sheet.second
+    largest = max(abs(c) for side in sides for p in side for c in p.coeffs())
+    tables = []
+    for side in sides:
+        table = np.zeros((sheet.degree + 1, 4))
+        for i, p in enumerate(side):
+            for j, c in enumerate(p.coeffs()):
+                table[j, i] = to_double(fmpq(c, largest))
+        tables.append(table)
+    return tables

@@ -1,0 +1,330 @@
+"""`intersection_curve` of a ruled surface with the boundary of a solid of planes and quadrics, exactly.
+
+In the parameters (u, r) of the piece every surface of the solid is a curve f(u, r) = X^T Q X = 0 (of planes N.X = 0),
+of degree at most 2 in r.  All of them together have one certified graph; on an open edge of it the signs of all f are
+known, and tell whether the edge is on the boundary.  A side r = 0 or r = 1 that is a point counts as one node.
+"""
+
+from __future__ import annotations
+
+import math
+import time as clock
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import reduce
+from itertools import count
+from typing import Any
+
+import numpy as np
+from flint import arb, fmpq, fmpz, fmpz_mpoly, fmpz_poly
+
+from firstcontact.body.carriers import Plane
+from firstcontact.body.composite_quadric import CompositeQuadric
+from firstcontact.body.csg import outcomes
+from firstcontact.body.polyhedron import Polyhedron
+from firstcontact.body.ruled_surface import RuledSurface
+from firstcontact.composite.polyhedra import as_model
+from firstcontact.curve import CurveGraph, ExactParameters, IntersectionCurve
+from firstcontact.errors import InputError, UnsupportedPair
+from firstcontact.exact import bivariate
+from firstcontact.exact.bivariate import V, from_rows, in_u, in_v
+from firstcontact.exact.numbers import precision
+from firstcontact.exact.plane_curves import topology
+from firstcontact.exact.roots import reversed_polynomial
+from firstcontact.result import Stats
+from firstcontact.ruled.answer import Parts, number
+from firstcontact.ruled.branches import Corner, Joints, add_branches
+from firstcontact.ruled.pieces import Piece
+from firstcontact.ruled.spots import Spot, doubles
+from firstcontact.ruled.tracing import Powers, rows
+
+UNIT = fmpq(0), fmpq(1)
+FLAT = 1e-9
+"""Least singular value of unit normals below which surfaces of the solid count as touching each other."""
+
+
+def intersection_curve(p: Any, q: Any, tolerance: float, method: str, box: Any) -> IntersectionCurve:
+    """All points that a ruled surface shares with the boundary of a solid; either may come first."""
+    from firstcontact.ruled.verbs import _box
+
+    begin = clock.perf_counter()
+    ruled, solid = (p, q) if hasattr(p, "pieces") else (q, p)
+    surface = _checked(ruled)
+    if method not in ("auto", "algebraic"):
+        raise UnsupportedPair(f"method {method!r}: intersection curves with solids are exact; choose 'auto'")
+    if not tolerance > 0:
+        raise InputError(f"tolerance is {tolerance}; give a positive length")
+    found = _Pair(Piece.of(surface), _model(solid), tolerance, _box(box), ruled is p).run()
+    return IntersectionCurve(**found, stats=Stats(seconds=clock.perf_counter() - begin), a=p, b=q)
+
+
+def _checked(ruled: Any) -> RuledSurface:
+    if len(getattr(ruled, "pieces", ())) != 1:
+        raise UnsupportedPair(f"{ruled!r}: give one piece of a ruled surface at rest (body.at(t))")
+    surface: RuledSurface = ruled.pieces[0]
+    if surface.deforming:
+        raise InputError(f"{surface!r} deforms with the time; give surface.at(t)")
+    if surface.s is None:
+        raise UnsupportedPair(f"{surface!r} has whole rulings, which intersection_curve with solids does not take")
+    return surface
+
+
+def _model(solid: Any) -> CompositeQuadric:
+    if isinstance(solid, CompositeQuadric):
+        return solid
+    if isinstance(solid, Polyhedron):
+        return as_model(solid)
+    raise UnsupportedPair(f"{solid!r}: give a body at rest (body.at(t))")
+
+
+class _Sheet:
+    """The piece as X(u, r) = first + r (second - first), W > 0, of one degree n in u; as `Joints` asks for places."""
+
+    def __init__(self, piece: Piece) -> None:
+        p, q = piece.rulings.first, piece.rulings.second
+        degrees = [max(c.degree() for c in side) for side in (p, q)]
+        common = p[3].gcd(q[3])
+        self.first, self.second = [c * (q[3] // common) for c in p], [c * (p[3] // common) for c in q]
+        self.degree = sum(degrees) - common.degree()
+        inner = fmpq(0) if piece.u is None else (piece.u[0] + piece.u[1]) / 2
+        if self.first[3](inner) < 0:
+            self.first, self.second = ([-c for c in side] for side in (self.first, self.second))
+        turned = [[reversed_polynomial(c, self.degree) for c in side] for side in (self.first, self.second)]
+        self.charts = {False: (self.first, self.second), True: (turned[0], turned[1])}
+        self.tables: list[np.ndarray] = []
+        self.tips = [k for k, side in enumerate((self.first, self.second)) if _is_point(side)]
+        """Sides that are points."""
+
+    def tip(self, where: Any) -> int | None:
+        """The side that is a point and holds an edge or a node."""
+        return next((k for k in self.tips if where.sign(V - k) == 0), None)
+
+    @property
+    def point(self) -> list[fmpz_mpoly]:
+        return [from_rows([a, b - a]) for a, b in zip(self.first, self.second, strict=True)]
+
+    def form(self, surface: Any) -> fmpz_mpoly:
+        """The form of a surface of the solid over the piece, negative where that is."""
+        x = self.point
+        if isinstance(surface, Plane):
+            return _combined(surface.normal, x)
+        products = [(surface.form[i][j], x[i] * x[j]) for i in range(4) for j in range(4)]
+        return _combined([c for c, _ in products], [y for _, y in products])
+
+    def full_degree(self, surface: Any) -> int:
+        return self.degree if isinstance(surface, Plane) else 2 * self.degree
+
+    def spot(self, chart: tuple[bool, bool], x: arb, y: arb, bits: int) -> Spot:
+        first, second = self.charts[chart[0]]
+        with precision(bits):
+            point = tuple(a(x) * (1 - y) + b(x) * y for a, b in zip(first, second, strict=True))
+            nowhere = arb(0), arb(0)
+            return Spot(x, y, chart, point, (y, arb(1)), nowhere, 0, bits)
+
+    def surfaces(self) -> _Sheet:
+        self.tables = [rows([*self.first, *self.second])[k : k + 4] for k in (0, 4)]
+        return self
+
+    def points(self, u: Powers, v: Powers) -> tuple[np.ndarray, np.ndarray]:
+        """As those of tracing.Surfaces."""
+        powers = u.table(self.degree)
+        a, b = (table @ powers[: table.shape[1]] for table in self.tables)
+        point = a * (1 - v.x) + b * v.x
+        return (point[:3] / point[3]).T, np.column_stack([v.x, np.full(len(v.x), np.nan)])
+
+    def size(self) -> float:
+        return float(max(np.abs(table).max() for table in self.tables))
+
+
+def _is_point(side: Sequence[fmpz_poly]) -> bool:
+    w = side[3]
+    return all(c.derivative() * w == c * w.derivative() for c in side[:3])
+
+
+class _Joints(Joints):
+    """All nodes on a side that is a point are one."""
+
+    def __init__(self, found: _Found, graph: Any, sheet: _Sheet) -> None:
+        super().__init__(found, graph, sheet)
+        self.sheet = sheet
+        self.first: dict[int, int] = {}
+
+    def corner(self, edge: Any, at_end: int) -> Corner:
+        known = super().corner(edge, at_end)
+        tip = self.sheet.tip(self.graph.nodes[known.key[0]])
+        if tip is None:
+            return known
+        return replace(known, key=(self.first.setdefault(tip, known.key[0]), 0))
+
+
+def _combined(weights: Sequence[fmpq], values: Sequence[fmpz_mpoly]) -> fmpz_mpoly:
+    """The sum of weighted values, times a positive number that makes it whole."""
+    below = reduce(fmpz.lcm, (c.q for c in weights), fmpz(1))
+    return sum(((c * below).p * x for c, x in zip(weights, values, strict=True)), values[0] - values[0])
+
+
+class _Found(Parts):
+    """v: the range of the second parameter, which is the place r on the ruling."""
+
+    v = UNIT
+
+    def __init__(self, piece: Piece, clip: _Clip, tolerance: float, first: bool) -> None:
+        super().__init__(tolerance)
+        self.piece, self.clip, self.first = piece, clip, first
+
+    def exact(self, where: Any) -> ExactParameters:
+        def pair() -> Any:
+            u = self.piece.user_parameter(where.u)
+            known = math.inf if u is None else number(u)
+            return (known, math.nan) if self.first else (math.nan, known)
+
+        return ExactParameters(pair)
+
+    def parameters(self, x: np.ndarray, y: np.ndarray, chart: tuple[bool, bool], positions: np.ndarray) -> np.ndarray:
+        """(n, 4): u, nan, s, nan, or the other way round where the solid comes first."""
+        with np.errstate(divide="ignore"):
+            u = 1.0 / x if chart[0] else x
+            if self.piece.shift is not None:
+                u = self.piece.shift + 1.0 / u
+        columns = np.full((len(x), 4), np.nan)
+        columns[:, 0 if self.first else 1] = u
+        columns[:, 2 if self.first else 3] = self.piece.user_s(positions[:, 0])
+        return columns
+
+
+class _Clip:
+    """Polynomials in u and r that are not negative on the piece and in the box, with their names."""
+
+    def __init__(self, piece: Piece, sheet: _Sheet, box: Any) -> None:
+        self.piece, self.sheet, self.box = piece, sheet, box
+        self.conditions: list[tuple[str, fmpz_mpoly, int]] = []
+        for g in piece.trim:
+            even = max(i for i, _ in g)
+            f = bivariate.polynomial({(i, j): c for (i, j), c in g.items()})
+            self.conditions.append(("trim", f, even + even % 2))
+        if box is not None:
+            x = sheet.point
+            for axis, own, low, high in zip("xyz", x[:3], *box, strict=True):
+                self.conditions.append((f"{axis}={low}", own * low.q - x[3] * low.p, sheet.degree))
+                self.conditions.append((f"{axis}={high}", x[3] * high.p - own * high.q, sheet.degree))
+
+    def keeps(self, where: Any) -> bool:
+        """Of an edge or a node."""
+        return all(_sign(f, where) >= 0 for _, f, _ in self.conditions)
+
+    def bounds_at(self, where: Spot) -> tuple[str, ...]:
+        """The names of the bounds that hold with equality, as far as the bits of `where` show."""
+        found = []
+        with precision(where.bits):
+            u = 1 / where.x if where.chart[0] else where.x
+            if self.piece.shift is not None:
+                u = self.piece.shift + 1 / u
+            found += [f"u={end}" for end in self.piece.u or () if (u - arb(end)).contains(0)]
+            for end, bound in zip(UNIT, self.piece.s_range, strict=True):
+                found += [f"s={bound}"] if (where.y - arb(end)).contains(0) else []
+            for name, f, degree in self.conditions:
+                a = [reversed_polynomial(c, degree) for c in bivariate.rows(f)] if where.chart[0] else bivariate.rows(f)
+                if bivariate.evaluate(a, where.x, where.y).contains(0):
+                    found.append(name)
+        return tuple(found)
+
+
+class _Pair:
+    def __init__(self, piece: Piece, model: CompositeQuadric, tolerance: float, box: Any, first: bool) -> None:
+        self.model = model
+        for shift in count():
+            self.piece = piece if shift == 0 or piece.u is not None else piece.away_from_infinity(shift - 1)
+            self.sheet = _Sheet(self.piece)
+            self.forms = [self.sheet.form(s) for s in model.surfaces]
+            self.clip = _Clip(self.piece, self.sheet, box)
+            if piece.u is not None or not self._special_at_infinity():
+                break
+        self.found = _Found(self.piece, self.clip, tolerance, first)
+
+    def _special_at_infinity(self) -> bool:
+        """Whether anything vanishes on the ruling u = infinity, where the graph does not look."""
+        tested = [(f, self.sheet.full_degree(s)) for f, s in zip(self.forms, self.model.surfaces, strict=True)]
+        tested += [(f, degree) for _, f, degree in self.clip.conditions]
+        return any(not f.is_zero() and f.degrees()[0] < degree for f, degree in tested)
+
+    def run(self) -> dict[str, Any]:
+        """The fields of IntersectionCurve."""
+        found = self.found
+        if any(f.is_zero() for f in self.forms):
+            if len(self.forms) > 1:
+                raise UnsupportedPair("the piece lies in one surface of a solid of several; give that one as a solid")
+            if self.clip.conditions:
+                raise UnsupportedPair("the piece lies in the surface, and is trimmed; give an untrimmed piece")
+            found.two_dimensional = True
+        else:
+            self._curves()
+        return {
+            "branches": tuple(found.branches),
+            "overlap_lines": np.zeros((0, 2, 3)),
+            "singular_points": tuple(found.singular),
+            "isolated_points": np.array(found.isolated).reshape(-1, 3),
+            "two_dimensional": found.two_dimensional,
+            "graph": CurveGraph(tuple(found.nodes), tuple(found.edges)),
+            "delta": {},
+            "common_rulings": (),
+        }
+
+    def _curves(self) -> None:
+        curves: dict[str, tuple[fmpz_mpoly, int]] = {}
+        for f in self.forms:
+            for g, k in _factors(f):
+                if str(g) not in curves or curves[str(g)][1] < k:
+                    curves[str(g)] = g, k
+        if not curves:
+            return
+        extras = [f for _, f, _ in self.clip.conditions if not f.is_constant()]
+        graph = topology([g for g, _ in curves.values()], u=self.piece.u, v=UNIT, extras=extras)
+        joints = _Joints(self.found, graph, self.sheet)
+        kept = [
+            e for e in graph.edges
+            if self.sheet.tip(e) is None and self.clip.keeps(e) and self._is_on_boundary(e, joints)
+        ]  # fmt: skip
+        add_branches(self.found, joints, kept, list(curves.values()))
+        used = {k for e in kept for k in (e.start, e.end)}
+        for node in graph.nodes:
+            if node.index in used or self.sheet.tip(node) in joints.first:
+                continue
+            if self.clip.keeps(node) and self._is_on_boundary(node, joints):
+                self.found.add_isolated(doubles(joints.spot(node).coordinates()), node)
+
+    def _is_on_boundary(self, where: Any, joints: Joints) -> bool:
+        """Of an open edge or a node."""
+        signs = [_sign(f, where) for f in self.forms]
+        if len(outcomes(self.model.tree, signs)) < 2:
+            return False
+        on = [k for k, sign in enumerate(signs) if sign == 0]
+        if len(on) > 1:
+            spot = joints.beside(where, 0) if hasattr(where, "start") else joints.spot(where)
+            self._check_crossing(on, doubles(spot.coordinates()))
+        return True
+
+    def _check_crossing(self, on: list[int], point: np.ndarray) -> None:
+        """UnsupportedPair where signs alone do not tell the boundary: the solid's surfaces do not cross there."""
+        gradients = np.array([(self.model._forms_f[k] @ np.append(point, 1.0))[:3] for k in on])
+        lengths = np.linalg.norm(gradients, axis=1, keepdims=True)
+        size = np.abs(self.model._forms_f[on]).max(axis=(1, 2))[:, None] * (1.0 + np.abs(point).max())
+        clear = len(on) <= 3 and np.all(lengths > FLAT * size)
+        if not clear or np.linalg.svd(gradients / lengths)[1][-1] < FLAT:
+            names = "({:.9g}, {:.9g}, {:.9g})".format(*point)
+            raise UnsupportedPair(f"the ruled surface meets the solid at {names}, where its surfaces do not just cross")
+
+
+def _factors(f: fmpz_mpoly) -> list[tuple[fmpz_mpoly, int]]:
+    """Irreducible polynomials and their multiplicities; none of a constant."""
+    if f.is_constant():
+        return []
+    parts = bivariate.factors(f)
+    return [*parts.curves, *((in_u(g), k) for g, k in parts.in_u), *((in_v(g), k) for g, k in parts.in_v)]
+
+
+def _sign(f: fmpz_mpoly, where: Any) -> int:
+    """Of a polynomial on an edge or at a node."""
+    if not f.is_constant():
+        return int(where.sign(f))
+    value = sum(f.coeffs(), 0)
+    return int(value > 0) - int(value < 0)

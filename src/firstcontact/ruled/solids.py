@@ -1,0 +1,175 @@
+"""`first_contact` and `contact_intervals` of a ruled surface and a solid of planes and quadrics, certified in doubles.
+
+Contact of a surface that lies inside the solid counts: the solid owns its interior.
+"""
+
+from __future__ import annotations
+
+import time as clock
+from typing import Any
+
+import numpy as np
+from flint import fmpq
+
+from firstcontact.body.composite_quadric import CompositeQuadric
+from firstcontact.body.features import Edge, Face, Vertex
+from firstcontact.body.moving import Moving
+from firstcontact.body.polyhedron import Polyhedron
+from firstcontact.composite.answer import element
+from firstcontact.composite.certified import bounded
+from firstcontact.composite.certified_intervals import Found, Sweep
+from firstcontact.composite.polyhedra import as_model
+from firstcontact.composite.work import Work
+from firstcontact.errors import UnsupportedPair
+from firstcontact.exact.numbers import to_double
+from firstcontact.result import ContactSet, Element, FirstContact, Stats, Status
+from firstcontact.ruled.lasting import RuledFree, RuledLasting
+from firstcontact.search.charts import NotCharted
+from firstcontact.search.event_tables import Tables
+from firstcontact.search.events import MOST_BOXES
+from firstcontact.search.ruled_charts import RuledFeature, Sheet, ruled_tables, sheets_of
+from firstcontact.search.ruled_solids import RuledContact, RuledSearch
+from firstcontact.search.stretches import Untold, Window, windows
+
+PER_PIECE = {"vertex": 4, "directrix": 2, "end_ruling": 2, "face": 1}
+
+
+class RuledAndSolid:
+    """Both bodies over [first, last], with what the searches read of them.  Raises UnsupportedPair."""
+
+    def __init__(self, a: Any, b: Any, first: fmpq, last: fmpq) -> None:
+        self.given = a, b
+        self.first, self.last = first, last
+        self.span = to_double(first), to_double(last)
+        shapes = [_shape(x) for x in (a, b)]
+        self.side = 0 if hasattr(shapes[0], "pieces") else 1
+        solid: Any = _as_model((a, b)[1 - self.side])
+        solid = bounded(solid, (a, b)[self.side], self.span)
+        self.bodies: tuple[Any, Any] = (a, solid) if self.side == 0 else (solid, b)
+        self.model: CompositeQuadric = _shape(solid)
+        try:
+            self.sheets: list[Sheet] = sheets_of(shapes[self.side])
+            self.tables: Tables = ruled_tables(shapes[self.side], self.sheets, self.model, self.side)
+            self.windows: list[Window] = windows(*self.bodies, first, last)
+        except (NotCharted, Untold) as reason:
+            raise UnsupportedPair(f"{a!r} and {b!r}: {reason}; that is not decided against solids") from reason
+
+    def free(self, width: float) -> RuledFree:
+        return RuledFree(self.bodies, self.tables, self.sheets, width)
+
+    def lasting(self) -> RuledLasting:
+        return RuledLasting(self.sheets, self.model, self.side)
+
+
+def _shape(body: Any) -> Any:
+    return body.body if isinstance(body, Moving) else body
+
+
+def _as_model(body: Any) -> Any:
+    """The solid as a model, moving if it was."""
+    shape = _shape(body)
+    model = as_model(shape) if isinstance(shape, Polyhedron) else shape
+    return Moving(model, body.motion) if isinstance(body, Moving) else model
+
+
+def first_contact(
+    a: Any, b: Any, first: fmpq, last: fmpq, tolerance: float, budget: int | None
+) -> FirstContact:
+    """The first shared point with an enclosure of its time; UNDECIDED where doubles do not tell."""
+    begin = clock.perf_counter()
+    pair = RuledAndSolid(a, b, first, last)
+    search = RuledSearch(
+        *pair.bodies, pair.tables, pair.windows, tolerance, MOST_BOXES if budget is None else budget, pair.side
+    )
+    contact = search.contact(first, last)
+    found = contact.found
+    shared = {"a": a, "b": b, "span": pair.span}
+    shared["stats"] = Stats(found.steps, found.gaps, seconds=clock.perf_counter() - begin)
+    start = pair.span[0]
+    if found.status == "free":
+        return FirstContact(Status.FREE, free_until=pair.span[1], **shared)
+    if found.status == "initial":
+        return FirstContact(
+            Status.INITIAL_CONTACT, start, (start, start), point=found.point, initial=_initial(pair, search),
+            free_until=start, **shared,
+        )  # fmt: skip
+    if found.status == "contact":
+        return _contact(pair, contact, shared)
+    soon = _soon(pair, contact, search.width)
+    if soon is not None:
+        lo, at, point = soon
+        return FirstContact(
+            Status.CONTACT, lo + 0.5 * (at - lo), (lo, at), point=point, multiplicity=1, free_until=lo, **shared
+        )
+    until = max(found.free_until, start)
+    return FirstContact(Status.UNDECIDED, free_until=until, reason=found.reason or "precision", **shared)
+
+
+def _initial(pair: RuledAndSolid, search: RuledSearch) -> str | None:
+    """How a surface with points inside the solid lies at the start; None where neither is proved."""
+    if search.is_away_from_boundary():
+        return "containment"
+    return "overlapping" if search.has_points_outside(pair.first) else None
+
+
+def _soon(pair: RuledAndSolid, contact: RuledContact, width: float) -> tuple[float, float, np.ndarray] | None:
+    """(lo, a time within the width after it, a point proved common then), where the event itself is no help."""
+    if contact.boxes is None:
+        return None
+    lo = contact.found.free_until
+    window = next((w for w in pair.windows if w.first <= lo <= w.last), None)
+    lasting = pair.lasting()
+    seeds = pair.free(width).places(contact.boxes[:4])
+    for share in (0.25, 0.9):
+        if window is None or lo + share * width > window.inner:
+            return None
+        at = lo + share * width
+        found = lasting.deepest(window, at, seeds)
+        if found is not None:
+            return lo, at, lasting.in_world(window, at, found)
+    return None
+
+
+def _contact(pair: RuledAndSolid, contact: RuledContact, shared: dict[str, Any]) -> FirstContact:
+    found = contact.found
+    assert found.time_interval is not None and found.point is not None
+    assert contact.feature is not None and contact.other is not None
+    elements: list[Element] = [
+        ruled_element(pair.given[pair.side], contact.feature, "ab"[pair.side]),
+        _solid_element(pair, contact.other, found.point, found.time or 0.0),
+    ]
+    first, second = elements if pair.side == 0 else elements[::-1]
+    return FirstContact(
+        Status.CONTACT, found.time, found.time_interval, None, found.point, found.normal, first, second,
+        multiplicity=1, contact_set=ContactSet("point", found.point[None]) if contact.isolated else None,
+        free_until=found.time_interval[0], **shared,
+    )  # fmt: skip
+
+
+def ruled_element(body: Any, feature: RuledFeature, which: str) -> Element:
+    """The element of a ruled surface; borders between pieces of a strip belong to its face."""
+    name = getattr(body, "name", None) or which
+    kind, index = ("face", 0) if feature.inner and feature.kind != "vertex" else (feature.kind, feature.index)
+    return Element(kind, name, index + feature.sheet.number * PER_PIECE[kind], name)
+
+
+def _solid_element(pair: RuledAndSolid, feature: Face | Edge | Vertex, point: np.ndarray, time: float) -> Element:
+    body = pair.given[1 - pair.side]
+    pose = np.asarray(body.motion(time), float) if isinstance(body, Moving) else np.eye(4)
+    where = np.linalg.solve(pose[:3, :3], point - pose[:3, 3])
+    model = pair.model
+    if model.whole is not None:  # of the uncut model, the one on the same surfaces
+        carriers = {model.surfaces[k] for k in feature.surfaces}
+        whole: Any = {Face: model.whole.faces, Edge: model.whole.edges}.get(type(feature), model.whole.vertices)
+        feature = next(f for f in whole if carriers <= {model.whole.surfaces[k] for k in f.surfaces})
+        model = model.whole
+    return element(model, feature, "ab"[1 - pair.side], where)
+
+
+def contact_intervals(
+    a: Any, b: Any, first: fmpq, last: fmpq, tolerance: float, work: Work
+) -> Found:
+    """All closed times of contact, with enclosures of their ends."""
+    pair = RuledAndSolid(a, b, first, last)
+    width = tolerance * (pair.windows[-1].last - pair.windows[0].first)
+    return Sweep(pair.free(width), pair.lasting(), pair.windows, width, work, lambda: None).run()

@@ -1,0 +1,304 @@
+"""Ruled surfaces as charts for the search for events, and its tables against a composite quadric model.
+
+Only the ruled surface has charts here: its faces, directrices, end rulings and vertices.  What begins to touch is told
+by the surfaces of the model alone, since those of every feature of it vanish there:
+    face      f = 0, and f_u = f_s = 0 on a face, f_u = 0 on a border
+    edge      f = g = 0, and on a face f_u g_s = f_s g_u
+    vertex    f = g = h = 0 on a face
+At reentrant edges both f and g are least, so that the faces tell; borders and corners meet edges and vertices where
+they meet faces and edges beside them.  A tip without edges counts as the common point of three planes.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property, reduce
+from typing import Any
+
+import numpy as np
+from flint import arb, fmpq, fmpq_poly, fmpz, fmpz_poly
+
+from firstcontact.body.carriers import EnclosedPoint
+from firstcontact.body.composite_quadric import CompositeQuadric
+from firstcontact.body.features import Edge, Face, Vertex, enclosure
+from firstcontact.body.ruled_surface import RuledSurface
+from firstcontact.exact.numbers import exact_value, precision, to_double
+from firstcontact.kernels.event_search import ALL_PAIRS, KNOWN, STILL
+from firstcontact.kernels.feature_boxes import ABOUT, CURVED, DEGREE, LEAF, MOST_DEGREE, POWERS
+from firstcontact.search.charts import BITS, Charts, NotCharted, forms_of, resting
+from firstcontact.search.event_tables import Tables, _programs, crossing_surfaces
+from firstcontact.search.ruled_pieces import Part, RuledPiece
+
+MOST_FORMS = 62
+"""Of a model; the search keeps them as bits."""
+FLAT = 1e-6
+"""Determinant of unit normals below which three surfaces do not fix a vertex well."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sheet:
+    """A part of a piece: X = first + s (second - first) over its x in [-1, 1]; homogeneous, in the body's frame."""
+
+    number: int
+    part: Part
+    first: list[fmpz_poly]
+    second: list[fmpz_poly]
+
+    @property
+    def degree(self) -> int:
+        return max(c.degree() for c in (*self.first, *self.second))
+
+    def point(self, x: Any, s: Any) -> list[Any]:
+        """Homogeneous, in the numbers of x and s."""
+        return [p(x) * (1 - s) + q(x) * s for p, q in zip(self.first, self.second, strict=True)]
+
+    @cached_property
+    def slopes(self) -> tuple[list[fmpz_poly], list[fmpz_poly]]:
+        first, second = ([c.derivative() for c in side] for side in (self.first, self.second))
+        return first, second
+
+    def by_x(self, x: Any, s: Any) -> list[Any]:
+        first, second = self.slopes
+        return [p(x) * (1 - s) + q(x) * s for p, q in zip(first, second, strict=True)]
+
+    def by_s(self, x: Any) -> list[Any]:
+        return [q(x) - p(x) for p, q in zip(self.first, self.second, strict=True)]
+
+
+@dataclass(frozen=True, eq=False)
+class RuledFeature:
+    """kind: "face", "directrix", "end_ruling" or "vertex"; x, s: the parameters that are fixed, else None.
+
+    inner: whether the border is one of pieces of a strip only.
+    """
+
+    sheet: Sheet
+    kind: str
+    index: int
+    x: int | None
+    s: int | None
+    inner: bool = False
+
+    def place(self, u: float, v: float) -> tuple[float, float]:
+        """x and s at the parameters of the feature's chart."""
+        if self.kind == "end_ruling":
+            return float(self.x), u  # type: ignore[arg-type]
+        return (u if self.x is None else float(self.x)), (v if self.s is None else float(self.s))
+
+    def is_near(self, place: tuple[float, float], distance: float) -> bool:
+        """Whether a place of the sheet is that near the feature, in its parameters."""
+        fixed = (self.x, self.s)
+        return all(own is None or abs(own - c) < distance for own, c in zip(fixed, place, strict=True))
+
+
+def sheets_of(body: Any) -> list[Sheet]:
+    """All parts of all pieces of a ruled surface or strip.  Raises NotCharted."""
+    found = []
+    for number, piece in enumerate(body.pieces):
+        who = piece.name or "the ruled surface"
+        if piece.deforming or piece.trim or piece.s is None:
+            why = "deforms" if piece.deforming else "is trimmed" if piece.trim else "has whole rulings"
+            raise NotCharted(f"{who} {why}")
+        local = RuledPiece.of(piece.sides, piece.u)
+        for k, part in enumerate(local.parts):
+            p, q = ([c[0] for c in local._local(k, i)] for i in range(2))
+            common = p[3].gcd(q[3])
+            first, second = [c * (q[3] // common) for c in p], [c * (p[3] // common) for c in q]
+            sheet = Sheet(number, part, *_integral(first, second))
+            if sheet.degree > MOST_DEGREE:
+                raise NotCharted(f"{who} is of degree {sheet.degree}")
+            found.append(sheet)
+    return found
+
+
+def _integral(first: list[fmpq_poly], second: list[fmpq_poly]) -> tuple[list[fmpz_poly], list[fmpz_poly]]:
+    """Both times one number."""
+    below = reduce(lambda n, c: n.lcm(c.denom()), (*first, *second), fmpz(1))
+    a, b = ([(c * below).numer() for c in side] for side in (first, second))
+    return a, b
+
+
+def features_of(sheet: Sheet, piece: RuledSurface) -> Iterator[RuledFeature]:
+    """The face, the borders and the corners of a part; sides that are a point are corners."""
+    part = sheet.part
+    ends = [k for k in range(2) if part.ends[k]]
+    for k, side in enumerate((sheet.first, sheet.second)):
+        inner = f"s{k}" in piece.joined
+        if _is_point(side):
+            yield RuledFeature(sheet, "vertex", k, 0, k, inner)
+        else:
+            yield RuledFeature(sheet, "directrix", k, None, k, inner)
+            for end in ends:
+                i = 1 - end if part.inverted else end
+                yield RuledFeature(sheet, "vertex", 2 * i + k, 2 * end - 1, k, inner or f"u{i}" in piece.joined)
+    for end in ends:
+        i = 1 - end if part.inverted else end
+        yield RuledFeature(sheet, "end_ruling", i, 2 * end - 1, None, f"u{i}" in piece.joined)
+    yield RuledFeature(sheet, "face", 0, None, None)
+
+
+def _is_point(side: list[fmpz_poly]) -> bool:
+    w = side[3]
+    return all(c.derivative() * w == c * w.derivative() for c in side[:3])
+
+
+def ruled_tables(ruled: Any, sheets: list[Sheet], model: CompositeQuadric, side: int) -> Tables:
+    """The tables of a ruled surface, body `side`, with its sheets, and a model.  Raises NotCharted."""
+    units = _units(ruled)
+    forms, planes = _model_forms(model)
+    ball = Charts(
+        units, np.ravel(np.diag([1.0, 1.0, 1.0, -3.1]))[None], np.ones(1, np.int64), np.array([[LEAF, 0]], np.int64), []
+    )
+    sides = (ball, forms) if side == 0 else (forms, ball)
+    n, steps = [len(x.forms) for x in sides], [len(x.program) for x in sides]
+    program, layout = _programs(sides, n, steps)
+    kinds = np.concatenate([x.kinds for x in sides])
+    total = sum(n)
+    table = np.zeros((2 * total, 4, 16))
+    table[: n[0]], table[total : total + n[1]] = (resting(x.forms, x.kinds) for x in sides)
+    table[n[0] : total, ABOUT, CURVED], table[total + n[1] :, ABOUT, CURVED] = sides[1].kinds, sides[0].kinds
+    width = POWERS + 8 * (max(sheet.degree for sheet in sheets) + 1)
+    charts, info, pairs, features, others, boxes, still = [], [], [], [], [], [], []  # type: ignore[var-annotated]
+    known = [_other_pairs(model, params, planes) for params in range(3)]
+    for sheet in sheets:
+        for feature in features_of(sheet, ruled.pieces[sheet.number]):
+            params = (feature.x is None) + (feature.s is None)
+            number, first = len(charts), len(pairs)
+            for other, row in known[params]:
+                pairs.append(row)
+                others.append(other)
+            charts.append(_row(feature, units, width))
+            info.append([side, params, 0, first, len(pairs)])
+            features.append(feature)
+            half = 1.0 + 2.0**-52
+            at = (0.0, half) if feature.x is None else (0.5, 0.5) if feature.s is None else (0.0, 0.0)
+            across = (0.5, 0.5) if params == 2 else (0.0, 0.0)
+            boxes.append([number, ALL_PAIRS, *at, *across, 0.0, 0.0])
+            if params == 2:
+                still.append([number, STILL, *at, *across, 0.0, 0.0])
+    return Tables(
+        np.array(charts), np.array(info, np.int64), np.array(pairs, np.int64).reshape(-1, 5), layout, program,
+        np.concatenate([x.forms for x in sides]), kinds,
+        np.array([x.units for x in sides]), table, features, others, np.array(boxes, float), np.array(still, float),  # type: ignore[arg-type]
+        np.zeros((len(boxes), KNOWN), np.int64), np.zeros((len(still), KNOWN), np.int64),
+    )  # fmt: skip
+
+
+def _units(ruled: Any) -> np.ndarray:
+    lo, hi = ruled.bounds()
+    size = 2.0 ** math.frexp(float(np.max(hi - lo)) / 2 * (1 + 1e-9))[1]
+    middle = np.round((lo + hi) / 2 / size * 1024) / 1024 * size
+    if np.any(np.maximum(hi - middle, middle - lo) > size):
+        size *= 2
+    return np.array([*middle, size])
+
+
+def _row(feature: RuledFeature, units: np.ndarray, width: int) -> np.ndarray:
+    """A chart's row; of end rulings and corners a chart of degree 1 or 0 in s."""
+    row = np.zeros(width)
+    first, second = (_scaled(side, units) for side in (feature.sheet.first, feature.sheet.second))
+    if feature.x is not None:
+        a, b = ([c(fmpq(feature.x)) for c in side] for side in (first, second))
+        if feature.s is not None:
+            a = b = b if feature.s else a
+        largest = max(abs(c) for c in (*a, *b))
+        row[:4] = [to_double(c / largest) for c in a]
+        row[4:8] = [to_double((d - c) / largest) for c, d in zip(a, b, strict=True)]
+        return row
+    if feature.s is not None:
+        first = second = second if feature.s else first
+    largest = max(abs(c) for side in (first, second) for p in side for c in p.coeffs())
+    for i, (p, q) in enumerate(zip(first, second, strict=True)):
+        for j in range(max(p.degree(), q.degree()) + 1):
+            row[POWERS + 8 * j + i] = to_double(p[j] / largest)
+            row[POWERS + 8 * j + 4 + i] = to_double((q[j] - p[j]) / largest)
+    row[DEGREE] = max(c.degree() for side in (first, second) for c in side)
+    return row
+
+
+def _scaled(side: Sequence[fmpz_poly], units: np.ndarray) -> list[fmpq_poly]:
+    """In units of the body."""
+    c, h = [exact_value(x) for x in units[:3]], exact_value(units[3])
+    *xyz, w = (fmpq_poly(c) for c in side)
+    return [*((x - m * w) / h for x, m in zip(xyz, c, strict=True)), w]
+
+
+# -- what the model's features are to charts ----------------------------------------------------------------------
+
+
+def _model_forms(model: CompositeQuadric) -> tuple[Charts, dict[int, int]]:
+    """The forms of the model, with three planes through every vertex that its surfaces do not fix; their first rows."""
+    known = forms_of(model)
+    rows: list[np.ndarray] = []
+    first: dict[int, int] = {}
+    with precision(BITS):
+        for vertex in model.vertices:
+            if isinstance(vertex.carrier, EnclosedPoint) and not vertex.carrier.proved:
+                raise NotCharted(f"{vertex.name}: its place is not proved")
+            if _crossing(model, vertex) is None:
+                first[vertex.index] = len(known.forms) + len(rows)
+                for k, c in enumerate(enclosure(vertex.carrier)):
+                    row = np.zeros(16)
+                    row[k], row[3] = 1.0, -float(((c - arb(known.units[k])) / arb(known.units[3])).mid())
+                    rows.append(row)
+    forms = np.concatenate([known.forms, np.array(rows).reshape(-1, 16)])
+    if len(forms) > MOST_FORMS:
+        raise NotCharted("too many surfaces")
+    kinds = np.concatenate([known.kinds, np.zeros(len(rows), np.int64)])
+    return Charts(known.units, forms, kinds, known.program, []), first
+
+
+def _crossing(model: CompositeQuadric, vertex: Vertex) -> tuple[int, int, int] | None:
+    """Three surfaces that cross at the vertex."""
+    point = np.array([*vertex.position, 1.0])
+    normals = {k: (model._forms_f[k] @ point)[:3] for k in vertex.surfaces}
+    chosen: list[int] = []
+    units: list[np.ndarray] = []
+    for k, n in normals.items():
+        length = float(np.linalg.norm(n))
+        if length <= 1e-9 * np.abs(model._forms_f[k]).max():
+            continue
+        if len(units) == 0 or np.linalg.svd(np.array([*units, n / length]))[1][-1] > FLAT:
+            chosen.append(k)
+            units.append(n / length)
+        if len(chosen) == 3:
+            return chosen[0], chosen[1], chosen[2]
+    return None
+
+
+def _other_pairs(
+    model: CompositeQuadric, params: int, planes: dict[int, int]
+) -> list[tuple[Face | Edge | Vertex, list[int]]]:
+    """(feature of the model, row of the search's pairs) for charts with so many parameters.
+
+    The row: number of equations, derivatives, forms f and g of the model or -1, and one that counts after the own forms
+    of the chart's body, of which there is one.
+    """
+    found: list[tuple[Face | Edge | Vertex, list[int]]] = []
+    seen: set[Any] = set()
+    for face in model.faces:
+        if face.surfaces[0] not in seen:
+            seen.add(face.surfaces[0])
+            found.append((face, [params + 1, params, face.surfaces[0], -1, -1]))
+    if params == 0:
+        return found
+    for edge in model.edges:
+        crossing = crossing_surfaces(model, edge)
+        if len(crossing) < 2:  # two planes in one form
+            raise NotCharted(f"{edge.name}: one surface crosses itself there")
+        f, g = crossing
+        if edge.convexity == "reentrant" or (f, g) in seen:
+            continue
+        seen.add((f, g))
+        found.append((edge, [2, 0, f, g, -1] if params == 1 else [3, 2, f, -1, 1 + g]))
+    for vertex in model.vertices:
+        tip = planes.get(vertex.index)
+        if params == 1:
+            if tip is not None:
+                found.append((vertex, [2, 0, tip, tip + 1, -1]))
+            continue
+        h, f, g = (tip, tip + 1, tip + 2) if tip is not None else _crossing(model, vertex)  # type: ignore[misc]
+        found.append((vertex, [3, 0, f, g, 1 + h]))
+    return found

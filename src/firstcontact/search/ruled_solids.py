@@ -1,0 +1,482 @@
+"""First contact of a ruled surface and a composite quadric model under any motion: the first event, with a proof.
+
+`search.events` proves all times before the first slab that may hold an event free.  A point of the ruled surface that
+lies inside the model shortly after, by signs of all surfaces in ball arithmetic, closes the interval from above; it is
+found from the event: its place and time by Newton's method, then a step along the surface that leaves the event's
+surfaces of the model equally far behind.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+from typing import Any
+
+import numpy as np
+from flint import arb, fmpq
+
+from firstcontact.body.composite_quadric import CompositeQuadric
+from firstcontact.body.csg import inside
+from firstcontact.body.features import Edge, Face, Vertex, enclosure
+from firstcontact.body.moving import Moving
+from firstcontact.exact.numbers import below, dyadic, exact_value, precision, to_double
+from firstcontact.exact.rigid import Matrix, compose, inverse_map
+from firstcontact.kernels.event_search import CHART, OTHER, OTHER_BEGIN, OTHER_END, PAIR
+from firstcontact.kernels.feature_boxes import INSIDE, OUTSIDE, PLAIN, THERE, membership, place_box
+from firstcontact.search.advance import Advance
+from firstcontact.search.event_tables import Tables, crossing_surfaces
+from firstcontact.search.events import SPREAD, _Search
+from firstcontact.search.instants import Instant
+from firstcontact.search.ruled_charts import RuledFeature, Sheet, _crossing, sheets_of
+from firstcontact.search.shared_points import BITS, RANKS, ball_pose
+from firstcontact.search.stretches import Window
+
+STEP = fmpq(1, 2**80)
+"""Of differences in place of derivatives."""
+REGULAR = 1e12
+"""Condition of an event beyond which its place is left as the search knows it."""
+SMOOTH = 1e-6
+"""Slope of a surface, its largest entry 1, below which a place counts as its tip."""
+ROUNDS = 4
+TRIED = 24
+"""Pairs of features that survive the search at a contact, for which it is made precise."""
+SEEDS = 4
+NEAR = 1e-5
+"""Parts of the sizes of bodies and of ranges within which features count as near a place."""
+KINDS = "vertex", "directrix", "end_ruling", "face"
+MOST_HALVED = 3000
+"""Boxes of the surface looked at to prove that it lies inside at the start."""
+START_GRID = 12
+"""Points of a sheet in either direction among which one inside the model is sought at the start."""
+
+
+@dataclass(frozen=True)
+class RuledContact:
+    """What was proved, as `search.advance.Advance`; of a contact also the features and whether it is isolated.
+
+    boxes: (n, 8), what survives at `free_until` of an open search.
+    """
+
+    found: Advance
+    feature: RuledFeature | None = None
+    other: Face | Edge | Vertex | None = None
+    isolated: bool = False
+    boxes: np.ndarray | None = None
+
+
+class RuledSearch(_Search):
+    """The first common point of bodies a and b; `side` is the ruled one."""
+
+    def __init__(
+        self, a: Any, b: Any, tables: Tables, stretches: list[Window], tolerance: float, budget: int, side: int
+    ) -> None:
+        super().__init__(a, b, tables, stretches, tolerance, budget)
+        self.side = side
+        self.event: Event | None = None
+        self.left: np.ndarray | None = None
+
+    def contact(self, first: fmpq, last: fmpq) -> RuledContact:
+        found = self.run(below(first), last)
+        if found.status == "open" and found.free_until <= self.windows[0].first and found.reason == "precision":
+            point = _sampled(self.bodies, self.side, first, True)
+            if point is not None:
+                found = replace(found, status="initial", point=point)
+        if self.event is None:
+            return RuledContact(found, boxes=self.left)
+        return RuledContact(found, self.event.own, self.event.other, self.event.regular and not found.spread)
+
+    def is_away_from_boundary(self) -> bool:
+        """True proves that no point of the surface lies on the model's boundary at the start."""
+        start, t = self.windows[0], self.tables
+        if not Instant(t, start, self.scratch).place(start.first, start.first):
+            return False
+        table, z, stack = self.scratch.table, self.scratch.boxes, self.scratch.stack
+        begin, end, base = t.layout[self.side, [OTHER_BEGIN, OTHER_END, OTHER]]
+        boxes = [row[2:6].copy() for row in t.still]
+        charts = [int(row[CHART]) for row in t.still]
+        for _ in range(MOST_HALVED):
+            if not boxes:
+                return True
+            k, box = charts.pop(), boxes.pop()
+            if place_box(t.charts, k, *box, z):
+                found = membership(
+                    t.program, begin, end, PLAIN, PLAIN, PLAIN, base, table, 0.0, 0.0, z, THERE, stack
+                )
+                if found != INSIDE | OUTSIDE:
+                    continue
+            wide = 0 if box[1] >= 2.0 * box[3] else 2
+            for sign in (-1.0, 1.0):
+                half = box.copy()
+                half[wide] += sign * 0.5 * box[wide + 1]
+                half[wide + 1] = 0.5 * box[wide + 1] * (1.0 + 1e-15) + 2.0**-50
+                boxes.append(half)
+                charts.append(k)
+        return False
+
+    def has_points_outside(self, t: fmpq) -> bool:
+        """True proves that a point of the surface lies outside the model at t."""
+        return _sampled(self.bodies, self.side, t, False) is not None
+
+    def _contact(self, window: Window, last: fmpq) -> Advance:
+        lo, hi = float(self.result[0]), float(self.result[1])
+        count, start = int(self.result[2]), int(self.result[3])
+        boxes = self.pool[start : start + count].copy()
+        with precision(BITS):
+            for event in self._events(boxes, lo):
+                latest = lo + 0.98 * self.width
+                soon = math.nextafter(math.nextafter(max(event.time, lo), math.inf), math.inf)
+                for at in (soon, min(max(soon, hi) + 0.05 * self.width, latest), latest):
+                    if lo <= at <= latest and exact_value(at) <= last and event.leads_inside(at):
+                        self.event = event
+                        point, normal = event.geometry()
+                        return self._answer(
+                            "contact", lo, time=min(max(event.time, lo), at), time_interval=(lo, at), point=point,
+                            normal=normal, spread=self._is_spread(boxes),
+                        )  # fmt: skip
+        self.left = boxes
+        return self._answer("open", lo, reason="precision")
+
+    def _events(self, boxes: np.ndarray, earliest: float) -> Iterator[Event]:
+        """Events in the boxes: those that Newton's method fixes, the earliest first, then those of lower features; then
+        those of other features near the boxes (a tip, for a cone that looks tangent there); then all the others."""
+        here: dict[tuple[int, int], np.ndarray] = {}
+        for box in boxes:
+            if box[PAIR] >= 0:
+                here.setdefault((int(box[CHART]), int(box[PAIR])), box)
+        regular, others = self._refined(here, earliest)
+        yield from regular
+        beside = {key: box for box in boxes[:SEEDS] for key in self._near(box) if key not in here}
+        yield from self._refined(beside, earliest)[0]
+        yield from others
+
+    def _refined(
+        self, pairs: dict[tuple[int, int], np.ndarray], earliest: float
+    ) -> tuple[list[Event], list[Event]]:
+        """(events that are fixed within the width after that time, those that are not)."""
+        regular, others = [], []
+        for (chart, pair), box in sorted(pairs.items(), key=self._rank)[:TRIED]:
+            event = Event(self.bodies, self.side, self.tables, chart, pair, box)
+            if event.refine() and event.regular and earliest <= event.time <= earliest + self.width:
+                regular.append(event)
+            else:
+                others.append(Event(self.bodies, self.side, self.tables, chart, pair, box))
+        return sorted(regular, key=lambda event: event.time), others  # stable: the lowest features first
+
+    def _near(self, box: np.ndarray) -> Iterator[tuple[int, int]]:
+        """Numbers of charts and pairs whose features pass near the middle of a box."""
+        features: Any = self.tables.features
+        feature = features[int(box[CHART])]
+        place = feature.place(float(box[2]), float(box[4]))
+        shape = self.bodies[1 - self.side]
+        model: CompositeQuadric = shape.body if isinstance(shape, Moving) else shape
+        t = exact_value(float(0.5 * (box[6] + box[7])))
+        m = compose(inverse_map(ball_pose(self.bodies[1 - self.side], t)), ball_pose(self.bodies[self.side], t))
+        there = _middles(m) @ [*_in_doubles(feature.sheet, *place), 1.0]
+        size = NEAR * float(self.tables.units[1 - self.side, 3])
+        sizes = np.abs(model._forms_f).max(axis=(1, 2)) * (1.0 + np.abs(there).max()) ** 2
+        point = np.append(there, 1.0)
+        on = np.abs(point @ model._forms_f @ point) < NEAR * sizes
+        for chart, own in enumerate(features):
+            if own.sheet is not feature.sheet or not own.is_near(place, NEAR):
+                continue
+            for pair in range(*self.tables.info[chart, 3:5]):
+                other = self.tables.others[pair]
+                if isinstance(other, Vertex):
+                    near = bool(np.abs(np.subtract(other.position, there)).max() < size)
+                else:
+                    near = all(on[k] for k in (other.surfaces[:1] if isinstance(other, Face) else other.surfaces))
+                if near:
+                    yield chart, pair
+
+    def _rank(self, item: Any) -> tuple[int, ...]:
+        (chart, pair), _ = item
+        own: Any = self.tables.features[chart]
+        other = self.tables.others[pair]
+        ranks = (KINDS.index(own.kind), own.index), (RANKS[type(other)], other.index)
+        first, second = ranks if self.side == 0 else ranks[::-1]
+        return *first, *second
+
+    def _is_spread(self, boxes: np.ndarray) -> bool:
+        """Whether the boxes are more than the surroundings of one point of the surface."""
+        places = []
+        for box in boxes:
+            feature: Any = self.tables.features[int(box[CHART])]
+            u, hu, v, hv = box[2:6].tolist()
+            for p, q in product((u - hu, u + hu), (v - hv, v + hv)):
+                places.append(_in_doubles(feature.sheet, *feature.place(p, q)))
+        size = float(self.tables.units[self.side, 3])
+        return float(np.ptp(places, axis=0).max()) > SPREAD * size
+
+
+class Event:
+    """A feature of the ruled surface that begins to touch one of the model, at a rational place and time.
+
+    Call within `precision(BITS)`.
+    """
+
+    def __init__(self, bodies: Any, side: int, tables: Tables, chart: int, pair: int, box: np.ndarray) -> None:
+        self.bodies, self.side = bodies, side
+        self.own: RuledFeature = tables.features[chart]  # type: ignore[assignment]
+        self.other: Any = tables.others[pair]
+        shape = bodies[1 - side]
+        self.model: CompositeQuadric = shape.body if isinstance(shape, Moving) else shape
+        x, s = tables.features[int(box[CHART])].place(float(box[2]), float(box[4]))  # type: ignore[union-attr]
+        x, s = (x if self.own.x is None else self.own.x), (s if self.own.s is None else self.own.s)
+        place = min(max(x, -1.0), 1.0), min(max(s, 0.0), 1.0)
+        self.free = [k for k, fixed in enumerate((self.own.x, self.own.s)) if fixed is None]
+        self.place = [exact_value(c) for c in place]
+        self.moment = exact_value(float(0.5 * (box[6] + box[7])))
+        self.regular = False
+        self.surfaces = self._surfaces()
+
+    @property
+    def time(self) -> float:
+        return to_double(self.moment)
+
+    def _surfaces(self) -> list[Any]:
+        """The forms of the model's feature as balls."""
+        if isinstance(self.other, Face):
+            numbers: Sequence[int] = self.other.surfaces[:1]
+        elif isinstance(self.other, Edge):
+            numbers = crossing_surfaces(self.model, self.other)
+        else:
+            crossing = _crossing(self.model, self.other)
+            if crossing is None:
+                return [_plane(k, c) for k, c in enumerate(enclosure(self.other.carrier))][: len(self.free) + 1]
+            numbers = crossing
+        return [_scaled(self.model.surfaces[k].matrix()) for k in numbers]
+
+    def relative(self, t: fmpq) -> Matrix:
+        """From the ruled surface's frame to the model's."""
+        return compose(inverse_map(ball_pose(self.bodies[1 - self.side], t)), ball_pose(self.bodies[self.side], t))
+
+    # -- where and when -------------------------------------------------------------------------------------
+
+    def _values(self, place: Sequence[Any], t: fmpq) -> tuple[list[Any], list[list[Any]], list[list[Any]]]:
+        """Of all surfaces: values, derivatives by the free parameters, gradients in the model's frame."""
+        m = self.relative(t)
+        x, s = (arb(c) for c in place)
+        sheet = self.own.sheet
+        point = sheet.point(x, s)
+        w = point[3]
+        here = [c / w for c in point[:3]]
+        ways = []
+        for k in self.free:
+            d = sheet.by_x(x, s) if k == 0 else sheet.by_s(x)
+            ways.append([(c - p * d[3]) / w for c, p in zip(d[:3], here, strict=True)])
+        there = [*_moved(m, here), arb(1)]
+        turned = [[row[0] * d[0] + row[1] * d[1] + row[2] * d[2] for row in m] for d in ways]
+        values, slopes, gradients = [], [], []
+        for form in self.surfaces:
+            image = [sum((c * p for c, p in zip(row, there, strict=True)), arb(0)) for row in form]
+            values.append(sum((c * p for c, p in zip(image, there, strict=True)), arb(0)))
+            gradients.append([2 * c for c in image[:3]])
+            slopes.append([2 * (image[0] * d[0] + image[1] * d[1] + image[2] * d[2]) for d in turned])
+        return values, slopes, gradients
+
+    def _equations(self, z: Sequence[fmpq]) -> list[Any]:
+        place = list(self.place)
+        for k, c in zip(self.free, z, strict=False):
+            place[k] = c
+        values, slopes, _ = self._values(place, z[-1])
+        if isinstance(self.other, Face):
+            return values + slopes[0]
+        if isinstance(self.other, Edge) and len(self.free) == 2:
+            (a, b), (c, d) = slopes
+            return [*values, a * d - b * c]
+        return values
+
+    def refine(self) -> bool:
+        """Newton's steps with one Jacobian of differences, residuals in balls; nothing is proved here."""
+        z = [*(self.place[k] for k in self.free), self.moment]
+        start = list(z)
+        columns = []
+        for k in range(len(z)):
+            ahead, back = list(z), list(z)
+            ahead[k], back[k] = z[k] + STEP, z[k] - STEP
+            p, q = self._equations(ahead), self._equations(back)
+            columns.append([float(((x - y) / (2 * STEP)).mid()) for x, y in zip(p, q, strict=True)])
+        jacobian = np.array(columns).T
+        scale = np.abs(jacobian).max(axis=1, keepdims=True)
+        if jacobian.shape[0] != jacobian.shape[1] or not (np.all(scale > 0) and np.all(np.isfinite(jacobian))):
+            return False
+        if np.linalg.cond(jacobian / scale) > REGULAR:
+            return False
+        for _ in range(ROUNDS):
+            residual = self._equations(z)
+            largest = max(float(abs(r).upper()) for r in residual) or 1.0
+            if not math.isfinite(largest):
+                return False
+            shift = np.linalg.solve(jacobian, [float((r / largest).mid()) for r in residual])
+            z = [c - dyadic((arb(exact_value(d)) * arb(largest)).mid()) for c, d in zip(z, shift, strict=True)]
+            z = [fmpq((c * 2**200).floor()) / 2**200 for c in z]
+            if any(abs(to_double(c - d)) > 1e-5 * (1 + abs(to_double(d))) for c, d in zip(z, start, strict=True)):
+                return False
+        for k, c in zip(self.free, z, strict=False):
+            self.place[k] = c
+        self.moment = z[-1]
+        x, s = self.place
+        _, _, gradients = self._values(self.place, self.moment)
+        smooth = all(max(abs(float(c.mid())) for c in g) > SMOOTH for g in gradients)
+        self.regular = bool(-1 <= x <= 1 and 0 <= s <= 1 and smooth)
+        return True
+
+    # -- the proof ------------------------------------------------------------------------------------------
+
+    def leads_inside(self, at: float) -> bool:
+        """Whether a point of the surface near the event is proved inside the model at that time."""
+        t = exact_value(at)
+        m = self.relative(t)
+        return any(self._is_inside(place, m) for place in self._steps(t))
+
+    def _steps(self, t: fmpq) -> Iterator[list[fmpq]]:
+        """Places near the event: itself, and with all its surfaces equally far away, on any sides."""
+        place = [min(max(c, fmpq(lo)), fmpq(1)) for c, lo in zip(self.place, (-1, 0), strict=True)]
+        yield place
+        if not self.free or len(self.surfaces) < 2:
+            return
+        values, slopes, gradients = self._values(place, t)
+        f = np.array([float(c.mid()) for c in values])
+        rows = np.array([[float(c.mid()) for c in row] for row in slopes])
+        lengths = np.array([math.sqrt(sum(float(c.mid()) ** 2 for c in g)) for g in gradients])
+        if not (np.all(np.isfinite(rows)) and np.all(lengths > 0)):
+            return
+        for sides in product((1.0, -1.0), repeat=len(f)):
+            system = np.column_stack([rows, lengths * np.array(sides)])
+            # surfaces with equations that hold each other: the least step
+            step = np.linalg.lstsq(system / lengths[:, None], -f / lengths, rcond=1e-9)[0]
+            if step[-1] <= 0.0:
+                continue
+            moved = list(place)
+            for k, d in zip(self.free, step, strict=False):
+                moved[k] = min(max(place[k] + exact_value(float(d)), fmpq(-1 if k == 0 else 0)), fmpq(1))
+            yield moved
+
+    def _is_inside(self, place: Sequence[fmpq], m: Matrix) -> bool:
+        return is_inside(self.model, _moved(m, _exact_point(self.own.sheet, place))) is True
+
+    # -- the answer -----------------------------------------------------------------------------------------
+
+    def geometry(self) -> tuple[np.ndarray, np.ndarray | None]:
+        """Point, and unit normal from b towards a where there is one; in the world."""
+        pose = _middles(ball_pose(self.bodies[self.side], self.moment))
+        here = np.array([float(c.mid()) for c in _exact_point(self.own.sheet, self.place)])
+        point = pose[:, :3] @ here + pose[:, 3]
+        point[np.abs(point) < 2.0**-120 * np.abs(point).max()] = 0.0
+        normal = self._normal()
+        if normal is None:
+            return point, None
+        back = _middles(ball_pose(self.bodies[1 - self.side], self.moment))[:, :3]
+        turned = np.linalg.solve(back.T, normal) * (1.0 if self.side == 0 else -1.0)
+        return point, turned / np.linalg.norm(turned)
+
+    def _normal(self) -> np.ndarray | None:
+        """Out of the model, in its frame."""
+        place = [min(max(c, fmpq(lo)), fmpq(1)) for c, lo in zip(self.place, (-1, 0), strict=True)]
+        _, _, gradients = self._values(place, self.moment)
+        units = [np.array([float(c.mid()) for c in g]) for g in gradients]
+        numbers = [self.other.index] if isinstance(self.other, Face) else getattr(self.other, "faces", ())
+        m = self.relative(self.moment)
+        there = np.array([float(c.mid()) for c in _moved(m, _exact_point(self.own.sheet, place))] + [1.0])
+        outward = np.zeros(3)
+        for k in numbers:
+            face = self.model.faces[k]
+            g = face.orientation * (self.model._forms_f[face.surfaces[0]] @ there)[:3]
+            outward += g / max(float(np.linalg.norm(g)), 1e-300)
+        if isinstance(self.other, Face):
+            n = outward
+        else:
+            turn = _middles(m)[:, :3]
+            ways = self._ways(place)
+            if len(ways) == 2:
+                n = np.cross(turn @ ways[0], turn @ ways[1])
+            elif len(ways) == 1 and len(units) == 2:
+                n = np.cross(turn @ ways[0], np.cross(units[0], units[1]))
+            else:
+                return None
+            if not np.any(outward):
+                return None
+            n = n * np.sign(n @ outward)
+        length = float(np.linalg.norm(n))
+        return n / length if length > 0.0 and math.isfinite(length) else None
+
+    def _ways(self, place: Sequence[fmpq]) -> list[np.ndarray]:
+        """Unit tangents along the free parameters, in the own frame; none where one vanishes."""
+        x, s = (arb(c) for c in place)
+        sheet = self.own.sheet
+        point = sheet.point(x, s)
+        found = []
+        for k in self.free:
+            d = sheet.by_x(x, s) if k == 0 else sheet.by_s(x)
+            way = np.array([float(((c * point[3] - p * d[3])).mid()) for c, p in zip(d[:3], point[:3], strict=True)])
+            length = float(np.linalg.norm(way))
+            if not length > 1e-30:
+                return []
+            found.append(way / length)
+        return found
+
+
+def _sampled(bodies: tuple[Any, Any], side: int, t: fmpq, within: bool) -> np.ndarray | None:
+    """A point of the ruled surface proved inside (or outside) the model at t, in the world; the first of a grid."""
+    shapes: list[Any] = [x.body if isinstance(x, Moving) else x for x in bodies]
+    model = shapes[1 - side]
+    with precision(BITS):
+        pose = ball_pose(bodies[side], t)
+        m = compose(inverse_map(ball_pose(bodies[1 - side], t)), pose)
+        rough = _middles(m)
+        for sheet in sheets_of(shapes[side]):
+            grid = [(fmpq(2 * i - START_GRID, START_GRID), fmpq(j, START_GRID))
+                    for i in range(START_GRID + 1) for j in range(START_GRID + 1)]  # fmt: skip
+            points = np.array([_in_doubles(sheet, float(x), float(s)) for x, s in grid])
+            near = model.contains(points @ rough[:, :3].T + rough[:, 3])
+            for k in np.flatnonzero(near == within):
+                here = _exact_point(sheet, grid[k])
+                if is_inside(model, _moved(m, here)) is within:
+                    return np.array([float(c.mid()) for c in _moved(pose, here)])
+    return None
+
+
+def is_inside(model: CompositeQuadric, there: list[Any]) -> bool | None:
+    """Whether the model holds the point, balls in its frame; None where a sign is not certain."""
+    point = [*there, arb(1)]
+    negative = []
+    for surface in model.surfaces:
+        value = surface.value(point)
+        if not (value > 0 or value < 0):
+            return None
+        negative.append(bool(value < 0))
+    return bool(inside(model.tree, negative))
+
+
+def _exact_point(sheet: Sheet, place: Sequence[fmpq]) -> list[arb]:
+    point = sheet.point(*place)
+    return [arb(c / point[3]) for c in point[:3]]
+
+
+def _in_doubles(sheet: Sheet, x: float, s: float) -> np.ndarray:
+    point = sheet.point(exact_value(x), exact_value(s))
+    return np.array([to_double(c / point[3]) for c in point[:3]])
+
+
+def _moved(m: Matrix, x: Sequence[Any]) -> list[Any]:
+    return [row[0] * x[0] + row[1] * x[1] + row[2] * x[2] + row[3] for row in m]
+
+
+def _middles(m: Any) -> np.ndarray:
+    return np.array([[float(c.mid()) for c in row] for row in m])
+
+
+def _scaled(rows: Any) -> list[list[arb]]:
+    """The form as balls, its largest entry 1."""
+    largest = max(abs(c) for row in rows for c in row)
+    return [[arb(c / largest) for c in row] for row in rows]
+
+
+def _plane(k: int, c: arb) -> list[list[arb]]:
+    """The form of the plane x_k = c."""
+    rows = [[arb(0)] * 4 for _ in range(4)]
+    rows[k][3] = rows[3][k] = arb(1) / 2
+    rows[3][3] = -c
+    return rows

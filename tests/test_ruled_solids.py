@@ -1,0 +1,200 @@
+"""Ruled surfaces against solids of planes and quadrics: known times, both ways of building one shape, laws, samples."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import firstcontact as fc
+from amount import amount
+from firstcontact.errors import UnsupportedPair
+from firstcontact.kernels.feature_boxes import (
+    ABOUT,
+    CURVED,
+    DEGREE,
+    OUTSIDE,
+    POWERS,
+    REST,
+    ROWS,
+    SLOPE_T,
+    SLOPE_U,
+    SLOPE_V,
+    STACK,
+    SUM_OF_SIZES,
+    THERE,
+    VALUE,
+    WIDTH,
+    ZEROTH,
+    model,
+    place_box,
+    sign,
+)
+
+SADDLE = fc.RuledSurface("(u, 0, 0)", "(u, 1, u)", name="saddle")
+PIPE = fc.RuledSurface(
+    "((1-u**2)/(1+u**2), 2*u/(1+u**2), -1)", "((1-u**2)/(1+u**2), 2*u/(1+u**2), 1)", u=None, name="pipe"
+)
+TUBE = (fc.cylinder("3/2", 3) - fc.cylinder(1, 4)).rotated((1, 2, 0), degrees=40).translated((4, "1/5", 0))
+TUBE = TUBE.named("tube")
+SCREW = fc.Screw((1, 0.2, 0.1), degrees=400, advance=9)
+MOTIONS = [fc.Translation((9, 0.5, 1)), fc.Rotation((0, 1, 5), point=(2.5, -0.5, 0), degrees=170), SCREW]
+
+
+@pytest.mark.parametrize("seed", range(amount(12)))
+def test_models_of_forms_hold_all_sampled_values(seed):
+    """Value, and half the derivatives, at sampled places of a box lie within value + slopes +- rest."""
+    rng = np.random.default_rng(seed)
+    n, quadric = int(rng.integers(1, 7)), seed % 2
+    charts = np.zeros((1, POWERS + 8 * (n + 1)))
+    charts[0, DEGREE] = n
+    charts[0, POWERS:] = rng.normal(size=8 * (n + 1))
+    charts[0, POWERS + 3] = 40.0
+    u, v, hu, hv = *rng.uniform(-0.8, 0.8, 2), *(10.0 ** rng.uniform(-4, -0.5, 2))
+    table = np.zeros((1, 4, 16))
+    table[0, ABOUT, CURVED] = quadric
+    forms = rng.normal(size=(2, 4, 4))
+    forms = forms + forms.transpose(0, 2, 1)
+    if quadric:
+        table[0, :2] = forms.reshape(2, 16)
+    else:
+        table[0, :2, :4] = forms[:, 0]
+    s, hs = 0.2, 0.1
+    z = np.zeros((ROWS, WIDTH))
+    e = z[ZEROTH:]
+    assert place_box(charts, 0, u, hu, v, hv, z)
+    model(table, 0, s, hs, z, np.int64(2), ZEROTH)
+
+    def point(a, b):
+        powers = (u + hu * a) ** np.arange(n + 1)
+        c = charts[0, POWERS:].reshape(n + 1, 2, 4)
+        return powers @ (c[:, 0] + (v + hv * b) * c[:, 1])
+
+    def value(a, b, t):
+        form, p = forms[0] + (s + hs * t) * forms[1], point(a, b)
+        return p @ form @ p if quadric else form[0] @ p
+
+    for a, b, t in [*rng.uniform(-1, 1, (40, 3)), *np.array(np.meshgrid(*[[-1, 1]] * 3)).reshape(3, -1).T]:
+        h, half = 1e-6, 0.5 if quadric else 1.0
+        seen = [
+            value(a, b, t), half * (value(a + h, b, t) - value(a - h, b, t)) / (2 * h),
+            half * (value(a, b + h, t) - value(a, b - h, t)) / (2 * h),
+        ]  # fmt: skip
+        for row, found in enumerate(seen):
+            linear = e[row, VALUE] + a * e[row, SLOPE_U] + b * e[row, SLOPE_V] + t * e[row, SLOPE_T]
+            assert abs(found - linear) <= e[row, REST] + 1e-8 * abs(e[row]).max()
+
+    # lowered until it vanishes at the lowest sample, the form must not count as positive
+    k, lowest = 15 if quadric else 3, math.inf
+    for a, b, t in np.array(np.meshgrid(*[np.linspace(-1, 1, 9)] * 3)).reshape(3, -1).T:
+        lowest = min(lowest, value(a, b, t) / point(a, b)[3] ** (2 if quadric else 1))
+    assert sign_after(table, k, lowest + 1e-9 * abs(lowest), s, hs, z) != OUTSIDE
+    assert sign_after(table, k, lowest - 100.0, s, hs, z) == OUTSIDE
+
+
+def sign_after(table, k, lowered, s, hs, z):
+    changed = table.copy()
+    changed[0, 0, k] -= lowered
+    changed[0, ABOUT, SUM_OF_SIZES] = np.abs(changed[0, :3]).sum()
+    return sign(changed, 0, 0, s, hs, z, THERE, np.zeros(STACK, np.int64))
+
+
+def test_a_saddle_falls_on_a_plane():
+    """The lowest corner of a bilinear patch comes first."""
+    floor = fc.half_space((1, 2, 4), -20).named("floor")
+    hit = fc.first_contact(SADDLE.rotated((1, 0, 0), degrees=180).moving(fc.Translation((0, 0, -10))), floor)
+    assert hit.time == pytest.approx((20 - 5) / 40, abs=1e-15)
+    assert (hit.element_a.kind, hit.element_a.index, hit.element_b.kind) == ("vertex", 3, "face")
+    assert np.allclose(hit.normal, np.array([1, 2, 4]) / 21**0.5)
+
+
+@pytest.mark.parametrize("motion", MOTIONS)
+@pytest.mark.parametrize("other", [fc.sphere("5/4").translated((4, "1/3", "1/7")), TUBE])
+def test_a_pipe_is_the_side_of_a_cylinder(motion, other):
+    solid = fc.first_contact(fc.cylinder(1, 2).moving(motion), other)
+    pipe = fc.first_contact(PIPE.moving(motion), other)
+    assert (solid.status, pipe.status) == (fc.Status.CONTACT, fc.Status.CONTACT)
+    lo, hi = pipe.time_interval
+    if solid.element_a.kind == "face" and not solid.element_a.label.endswith("side"):
+        assert solid.time <= hi  # a cap, which the pipe does not have
+    else:
+        assert lo - 1e-13 <= solid.time <= hi + 1e-13
+        assert np.allclose(pipe.point, solid.point, atol=1e-9) and np.allclose(pipe.normal, solid.normal, atol=1e-7)
+
+
+@pytest.mark.parametrize("seed", range(amount(12)))
+def test_doubles_agree_with_exact_arithmetic(seed):
+    rng = np.random.default_rng(seed)
+    box = fc.examples.box(rng.integers(2, 9, 3) / 4).translated(rng.integers(8, 17, 3) / 8)
+    way = fc.Translation(rng.integers(8, 41, 3) / 8)
+    body = SADDLE.translated(-rng.integers(4, 13, 3) / 8)
+    exact = fc.first_contact(body.moving(way), box, method="algebraic")
+    proved = fc.first_contact(box, body.moving(way), method="certified")
+    if proved.status is not fc.Status.UNDECIDED:
+        assert proved.status is exact.status
+    if proved.status is fc.Status.CONTACT:
+        assert proved.time_interval[0] <= exact.time <= proved.time_interval[1]
+
+
+def deepest(surface, motion, solid, t):
+    """The lowest (and 0 for none) share of sampled points of the surface inside the solid at t."""
+    u, s = np.meshgrid(np.linspace(0, 1, 40), np.linspace(0, 1, 40))
+    pose = motion(t)
+    return solid.contains(surface.points(u, s).reshape(-1, 3) @ pose[:3, :3].T + pose[:3, 3])
+
+
+@pytest.mark.parametrize("motion", MOTIONS[-amount(3) :])
+def test_intervals_hold_all_sampled_contacts(motion):
+    found = fc.contact_intervals(SADDLE.moving(motion), TUBE)
+    hit = fc.first_contact(SADDLE.moving(motion), TUBE)
+    assert hit.time_interval[0] <= found[0].start_interval[1] and found[0].start_interval[0] <= hit.time_interval[1]
+    until = 1.0 if found.status is not fc.Status.UNDECIDED else found.free_until
+    for t in np.linspace(0, until, 60):
+        inside = any(i.start <= t <= i.end for i in found)
+        assert inside or not deepest(SADDLE, motion, TUBE, t).any()
+    assert deepest(SADDLE, motion, TUBE, hit.time + 0.01).any()
+
+
+def test_laws():
+    hit = fc.first_contact(SADDLE.moving(SCREW), TUBE)
+    swapped = fc.first_contact(TUBE, SADDLE.moving(SCREW))
+    assert swapped.time == hit.time and swapped.element_a == hit.element_b
+    assert np.allclose(swapped.normal, -hit.normal) and np.array_equal(swapped.point, hit.point)
+    shift = fc.Translation((3, -2, 5))
+    together = fc.first_contact(
+        SADDLE.moving(MOTIONS[0]), TUBE.moving(fc.Translation(np.negative(MOTIONS[0].vector).tolist()))
+    )
+    apart = fc.first_contact(SADDLE.moving(fc.Translation([2 * c for c in MOTIONS[0].vector])), TUBE)
+    assert together.time == pytest.approx(apart.time, abs=1e-12)
+    common = fc.first_contact(SADDLE.moving(shift), TUBE.moving(shift))
+    assert common.status is fc.Status.FREE
+
+
+def test_starts():
+    hall = fc.sphere(4)
+    inside = fc.first_contact(SADDLE, hall.moving(fc.Translation((9, 0, 0))))
+    assert (inside.status, inside.initial, inside.time) == (fc.Status.INITIAL_CONTACT, "containment", 0.0)
+    across = fc.first_contact(SADDLE.translated((3.5, 0, 0)), hall.moving(fc.Translation((9, 0, 0))))
+    assert (across.status, across.initial) == (fc.Status.INITIAL_CONTACT, "overlapping")
+    (interval,) = fc.contact_intervals(SADDLE, hall.moving(fc.Translation((9, 0, 0))))
+    # the corner (0, 1, 0) or an end of it leaves last: |x - 9 t| = 4
+    assert interval.start == 0.0 and interval.end == pytest.approx((1 + 16**0.5) / 9, abs=1e-11)
+
+
+@pytest.mark.parametrize(
+    ("surface", "message"),
+    [
+        (fc.RuledSurface("(u, 0, T)", "(u, 1, u + T)", name="wing"), "wing deforms"),
+        (fc.RuledSurface("(u, 0, 0)", "(u, 1, u)", trim=["u <= s"], name="leaf"), "leaf is trimmed"),
+        (fc.RuledSurface("(u, 0, 0)", "(u, 1, u)", s=None, name="regulus"), "regulus has whole rulings"),
+    ],
+)
+def test_refusals(surface, message):
+    with pytest.raises(UnsupportedPair, match=message):
+        fc.first_contact(surface, TUBE.moving(SCREW))
+
+
+def test_no_exact_times_of_curved_models():
+    with pytest.raises(UnsupportedPair, match="in doubles only"):
+        fc.first_contact(SADDLE.moving(SCREW), TUBE, exact=True)
