@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import pytest
 
@@ -14,6 +12,7 @@ from firstcontact.kernels.feature_boxes import (
     ABOUT,
     CURVED,
     DEGREE,
+    INSIDE,
     OUTSIDE,
     POWERS,
     REST,
@@ -85,19 +84,18 @@ def test_models_of_forms_hold_all_sampled_values(seed):
             linear = e[row, VALUE] + a * e[row, SLOPE_U] + b * e[row, SLOPE_V] + t * e[row, SLOPE_T]
             assert abs(found - linear) <= e[row, REST] + 1e-8 * abs(e[row]).max()
 
-    # lowered until it vanishes at the lowest sample, the form must not count as positive
-    k, lowest = 15 if quadric else 3, math.inf
-    for a, b, t in np.array(np.meshgrid(*[np.linspace(-1, 1, 9)] * 3)).reshape(3, -1).T:
-        lowest = min(lowest, value(a, b, t) / point(a, b)[3] ** (2 if quadric else 1))
-    assert sign_after(table, k, lowest + 1e-9 * abs(lowest), s, hs, z) != OUTSIDE
-    assert sign_after(table, k, lowest - 100.0, s, hs, z) == OUTSIDE
 
-
-def sign_after(table, k, lowered, s, hs, z):
-    changed = table.copy()
-    changed[0, 0, k] -= lowered
-    changed[0, ABOUT, SUM_OF_SIZES] = np.abs(changed[0, :3]).sum()
-    return sign(changed, 0, 0, s, hs, z, THERE, np.zeros(STACK, np.int64))
+@pytest.mark.parametrize(("shift", "signs"), [(0.12, INSIDE | OUTSIDE), (0.126, OUTSIDE), (-0.12, INSIDE | OUTSIDE)])
+def test_signs_of_forms_see_what_is_beyond_second_order(shift, signs):
+    """Of x + shift on (u^3, 0, 0) with |u| <= 1/2, whose first and second order parts vanish."""
+    charts = np.zeros((1, POWERS + 8 * 4))
+    charts[0, [DEGREE, POWERS + 3, POWERS + 8 * 3]] = 3.0, 1.0, 1.0
+    table = np.zeros((1, 4, 16))
+    table[0, 0, [3, 12, 15]] = 0.5, 0.5, shift
+    table[0, ABOUT, [SUM_OF_SIZES, CURVED]] = 1.0 + abs(shift), 1.0
+    z = np.zeros((ROWS, WIDTH))
+    assert place_box(charts, 0, 0.0, 0.5, 0.5, 0.5, z)
+    assert sign(table, 0, 0, 0.0, 0.0, z, THERE, np.zeros(STACK, np.int64)) == signs
 
 
 def test_a_saddle_falls_on_a_plane():

@@ -35,7 +35,7 @@ IMAGE, IMAGE_U, IMAGE_V, IMAGE_UU, IMAGE_UV, IMAGE_VV, MOVED, DRIFT, LOOSE = row
 # three models for each form whose sign is open, of the other body and of the own one.
 SHARES, SLAB, RANGES, THERE, HERE = rows(27, 28, 29, 32, 32 + 3 * 64)
 # Of charts that are not quadratic: bounds of what is beyond second order, of it and of its two derivatives, and whether
-# there is anything, which stays 0 where all charts are quadratic; scratch: powers of u, alone and times v.
+# there is anything; scratch: powers of u, alone and times v.
 BEYOND, BEYOND_U, BEYOND_V, BENT, ALONE, TIMES_V = rows(416, 417, 418, 419, 420, 421 + MOST_DEGREE)
 ROWS, WIDTH = 422 + 2 * MOST_DEGREE, 12
 # Columns of a model: value, slopes by a, b, s, rest; shares of the uncertainty by time, a, b; size of its terms.
@@ -59,11 +59,35 @@ LEAF, NOT, AND, OR, UNLESS_IN, UNLESS_OUT = rows(*range(6))
 @kernel
 def place_box(charts, k, u, hu, v, hv, z):
     """The points of the box; False where their weight may vanish."""
-    if charts.shape[1] > POWERS:
-        if charts[k, DEGREE] > 0.0:
-            sizes = _place_ruled(charts, k, u, hu, v, hv, z)
-            return _bound_box(charts[k, ERROR], sizes, z)
-        z[BENT, 0] = 0.0
+    is_bent = charts.shape[1] > POWERS and charts[k, DEGREE] > 0.0
+    if is_bent:
+        s0, s1, s2 = _place_ruled(charts, k, u, hu, v, hv, z)
+    else:
+        s0, s1, s2 = _place_quadratic(charts, k, u, hu, v, hv, z)
+    z[BENT, 0] = 1.0 if is_bent else 0.0
+    if z[MID, 3] < 0.0:
+        for r in range(MID, VV + 1):
+            for i in range(4):
+                z[r, i] = -z[r, i]
+    for i in range(4):
+        z[FIRST, i] = abs(z[BY_U, i]) + abs(z[BY_V, i])
+        z[SECOND, i] = abs(z[UU, i]) + abs(z[UV, i]) + abs(z[VV, i])
+        z[ALL_U, i] = abs(z[BY_U, i]) + 2.0 * abs(z[UU, i]) + abs(z[UV, i])
+        z[ALL_V, i] = abs(z[BY_V, i]) + 2.0 * abs(z[VV, i]) + abs(z[UV, i])
+        if is_bent:
+            # the derivatives of what is beyond are within twice its bound here, like those of squares
+            z[SECOND, i] += max(z[BEYOND, i], 0.5 * z[BEYOND_U, i], 0.5 * z[BEYOND_V, i])
+            z[ALL_U, i] += z[BEYOND_U, i]
+            z[ALL_V, i] += z[BEYOND_V, i]
+        z[ALL, i] = abs(z[MID, i]) + z[FIRST, i] + z[SECOND, i]
+    z[SIZES, 0], z[SIZES, 1], z[SIZES, 2] = s0, s1, s2
+    z[SIZES, 3] = charts[k, ERROR]
+    return z[MID, 3] > z[FIRST, 3] + z[SECOND, 3] + NOISE * s0
+
+
+@kernel
+def _place_quadratic(charts, k, u, hu, v, hv, z):
+    """Rows of X and its derivatives; sizes as in the row SIZES."""
     s0, s1, s2 = 0.0, 0.0, 0.0
     mu, mv = abs(u) + hu, abs(v) + hv
     for i in range(4):
@@ -78,14 +102,13 @@ def place_box(charts, k, u, hu, v, hv, z):
         s0 = max(s0, abs(c0) + mu * (b1 + b3 * mu + b4 * mv) + mv * (b2 + b5 * mv))
         s1 = max(s1, hu * (b1 + 2.0 * b3 * mu + b4 * mv))
         s2 = max(s2, hv * (b2 + 2.0 * b5 * mv + b4 * mu))
-    return _bound_box(charts[k, ERROR], (s0, s1, s2), z)
+    return s0, s1, s2
 
 
 @kernel
 def _place_ruled(charts, k, u, hu, v, hv, z):
     """Rows of X, its derivatives and what is beyond, of a chart linear in v; sizes as in the row SIZES."""
     n = int(charts[k, DEGREE])
-    z[BENT, 0] = 1.0
     s0, s1, s2 = 0.0, 0.0, 0.0
     mu, mv = abs(u) + hu, abs(v) + hv
     for i in range(4):
@@ -118,29 +141,6 @@ def _place_ruled(charts, k, u, hu, v, hv, z):
 
 
 @kernel
-def _bound_box(error, sizes, z):
-    """The other rows, from X and its derivatives; False where the weight may vanish."""
-    if z[MID, 3] < 0.0:
-        for r in range(MID, VV + 1):
-            for i in range(4):
-                z[r, i] = -z[r, i]
-    for i in range(4):
-        z[FIRST, i] = abs(z[BY_U, i]) + abs(z[BY_V, i])
-        z[SECOND, i] = abs(z[UU, i]) + abs(z[UV, i]) + abs(z[VV, i])
-        z[ALL_U, i] = abs(z[BY_U, i]) + 2.0 * abs(z[UU, i]) + abs(z[UV, i])
-        z[ALL_V, i] = abs(z[BY_V, i]) + 2.0 * abs(z[VV, i]) + abs(z[UV, i])
-        if z[BENT, 0] > 0.0:
-            # the derivatives of what is beyond are within twice its bound here, like those of squares
-            z[SECOND, i] += max(z[BEYOND, i], 0.5 * z[BEYOND_U, i], 0.5 * z[BEYOND_V, i])
-            z[ALL_U, i] += z[BEYOND_U, i]
-            z[ALL_V, i] += z[BEYOND_V, i]
-        z[ALL, i] = abs(z[MID, i]) + z[FIRST, i] + z[SECOND, i]
-    z[SIZES, 0], z[SIZES, 1], z[SIZES, 2] = sizes
-    z[SIZES, 3] = error
-    return z[MID, 3] > z[FIRST, 3] + z[SECOND, 3] + NOISE * sizes[0]
-
-
-@kernel
 def _dot(z, i, j):
     return z[i, 0] * z[j, 0] + z[i, 1] * z[j, 1] + z[i, 2] * z[j, 2] + z[i, 3] * z[j, 3]
 
@@ -150,7 +150,7 @@ def _plane_model(table, f, s, hs, z, deep, row):
     g, gu, gv, uu, uv, vv, gt, mixed, rest, mixed_u, rest_u, mixed_v, rest_v = (
         0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     )  # fmt: skip
-    total, beyond, beyond_u, beyond_v = 0.0, 0.0, 0.0, 0.0
+    total = 0.0
     for i in range(4):
         n, d, r = table[f, 0, i] + s * table[f, 1, i], hs * table[f, 1, i], table[f, 2, i]
         g += n * z[MID, i]
@@ -161,10 +161,6 @@ def _plane_model(table, f, s, hs, z, deep, row):
         vv += n * z[VV, i]
         gt += d * z[MID, i]
         size = abs(d)
-        if z[BENT, 0] > 0.0:
-            beyond += abs(n) * z[BEYOND, i]
-            beyond_u += abs(n) * z[BEYOND_U, i]
-            beyond_v += abs(n) * z[BEYOND_V, i]
         mixed += size * (z[FIRST, i] + z[SECOND, i]) + r * z[ALL, i]
         total += abs(table[f, 0, i]) + abs(table[f, 1, i]) + r
         if deep > 0:
@@ -175,43 +171,22 @@ def _plane_model(table, f, s, hs, z, deep, row):
     noise = total * (NOISE * z[SIZES, 0] + z[SIZES, 3])
     z[row, VALUE] = g + 0.5 * (uu + vv)
     z[row, SLOPE_U], z[row, SLOPE_V], z[row, SLOPE_T] = gu, gv, gt
-    rest = 0.5 * (abs(uu) + abs(vv)) + abs(uv) + mixed + beyond
+    rest = 0.5 * (abs(uu) + abs(vv)) + abs(uv) + mixed
     z[row, REST] = rest * (1.0 + 1e-12) + noise
     z[row, SHARE_T] = abs(gt) + mixed
-    z[row, SHARE_U] = abs(gu) + abs(uu) + abs(uv) + beyond
+    z[row, SHARE_U] = abs(gu) + abs(uu) + abs(uv)
     z[row, SHARE_V] = abs(gv) + abs(vv) + abs(uv)
     z[row, TERMS] = total * z[SIZES, 0]
     # derivatives by a and b of N.X
     if deep > 0:
         z[row + 1, TERMS], z[row + 2, TERMS] = total * z[SIZES, 1], total * z[SIZES, 2]
         z[row + 1, VALUE], z[row + 1, SLOPE_U], z[row + 1, SLOPE_V], z[row + 1, SLOPE_T] = gu, 2.0 * uu, uv, rest_u
-        z[row + 1, REST] = (mixed_u + beyond_u) * (1.0 + 1e-12) + total * NOISE * z[SIZES, 1]
-        z[row + 1, SHARE_T], z[row + 1, SHARE_U] = abs(rest_u) + mixed_u, 2.0 * abs(uu) + beyond_u
-        z[row + 1, SHARE_V] = abs(uv)
+        z[row + 1, REST] = mixed_u * (1.0 + 1e-12) + total * NOISE * z[SIZES, 1]
+        z[row + 1, SHARE_T], z[row + 1, SHARE_U], z[row + 1, SHARE_V] = abs(rest_u) + mixed_u, 2.0 * abs(uu), abs(uv)
     if deep > 1:
         z[row + 2, VALUE], z[row + 2, SLOPE_U], z[row + 2, SLOPE_V], z[row + 2, SLOPE_T] = gv, uv, 2.0 * vv, rest_v
-        z[row + 2, REST] = (mixed_v + beyond_v) * (1.0 + 1e-12) + total * NOISE * z[SIZES, 2]
-        z[row + 2, SHARE_T], z[row + 2, SHARE_U] = abs(rest_v) + mixed_v, abs(uv) + beyond_v
-        z[row + 2, SHARE_V] = 2.0 * abs(vv)
-
-
-@kernel
-def _beyond(table, f, s, z):
-    """Bounds of what X beyond second order adds to X^T Q X, and to half its derivatives, at the middle time.
-
-    With X = Z + r it is 2 r^T Q Z + r^T Q r; of X_a^T Q X it is r_a^T Q Z + X_a^T Q r.
-    """
-    value, by_u, by_v = 0.0, 0.0, 0.0
-    for i in range(4):
-        image = abs(z[IMAGE, i]) + abs(z[IMAGE_U, i]) + abs(z[IMAGE_V, i])
-        image += abs(z[IMAGE_UU, i]) + abs(z[IMAGE_UV, i]) + abs(z[IMAGE_VV, i])
-        far = 0.0
-        for j in range(4):
-            far += abs(table[f, 0, 4 * i + j] + s * table[f, 1, 4 * i + j]) * z[BEYOND, j]
-        value += z[BEYOND, i] * (2.0 * image + far)
-        by_u += z[BEYOND_U, i] * image + z[ALL_U, i] * far
-        by_v += z[BEYOND_V, i] * image + z[ALL_V, i] * far
-    return value, by_u, by_v
+        z[row + 2, REST] = mixed_v * (1.0 + 1e-12) + total * NOISE * z[SIZES, 2]
+        z[row + 2, SHARE_T], z[row + 2, SHARE_U], z[row + 2, SHARE_V] = abs(rest_v) + mixed_v, abs(uv), 2.0 * abs(vv)
 
 
 @kernel
@@ -248,21 +223,18 @@ def _quadric_model(table, f, s, hs, z, deep, row):
     fourth = abs(_dot(z, UU, IMAGE_UU)) + 2.0 * abs(_dot(z, UU, IMAGE_UV)) + abs(_dot(z, VV, IMAGE_VV))
     fourth += abs(_dot(z, UV, IMAGE_UV) + 2.0 * _dot(z, UU, IMAGE_VV)) + 2.0 * abs(_dot(z, UV, IMAGE_VV))
     high_u, high_v = abs(uuu) + abs(uuv1 + uuv2), abs(vvv) + abs(uvv1 + uvv2)
-    beyond, beyond_u, beyond_v = 0.0, 0.0, 0.0
-    if z[BENT, 0] > 0.0:
-        beyond, beyond_u, beyond_v = _beyond(table, f, s, z)
     late, still = 0.0, 0.0
     for i in range(4):
         late += 2.0 * z[SECOND, i] * abs(z[MOVED, i]) + z[ALL, i] * z[LOOSE, i]
         late += (z[FIRST, i] + z[SECOND, i]) * z[DRIFT, i]
     mixed = 2.0 * (abs(ut) + abs(vt)) + late
-    still = 0.5 * (abs(uu) + abs(vv)) + 2.0 * abs(uv) + 2.0 * (high_u + high_v) + fourth + beyond
+    still = 0.5 * (abs(uu) + abs(vv)) + 2.0 * abs(uv) + 2.0 * (high_u + high_v) + fourth
     noise = total * z[SIZES, 0] * (NOISE * z[SIZES, 0] + 3.0 * z[SIZES, 3])
     z[row, VALUE] = g + 0.5 * (uu + vv)
     z[row, SLOPE_U], z[row, SLOPE_V], z[row, SLOPE_T] = 2.0 * gu, 2.0 * gv, gt
     z[row, REST] = (still + mixed) * (1.0 + 1e-12) + noise
     z[row, SHARE_T] = abs(gt) + mixed
-    z[row, SHARE_U] = 2.0 * (abs(gu) + high_u) + abs(uu) + abs(uv) + fourth + beyond
+    z[row, SHARE_U] = 2.0 * (abs(gu) + high_u) + abs(uu) + abs(uv) + fourth
     z[row, SHARE_V] = 2.0 * (abs(gv) + high_v) + abs(vv) + abs(uv)
     z[row, TERMS] = total * z[SIZES, 0] * z[SIZES, 0]
     if deep > 0:
@@ -270,20 +242,67 @@ def _quadric_model(table, f, s, hs, z, deep, row):
         late = 0.0
         for i in range(4):
             late += (z[ALL_U, i] - abs(z[BY_U, i])) * abs(z[MOVED, i]) + z[ALL_U, i] * (z[DRIFT, i] + z[LOOSE, i])
-        high = 3.0 * abs(uuu) + 2.0 * abs(uuv1 + uuv2) + abs(uvv1 + uvv2) + 2.0 * fourth + beyond_u
+        high = 3.0 * abs(uuu) + 2.0 * abs(uuv1 + uuv2) + abs(uvv1 + uvv2) + 2.0 * fourth
         z[row + 1, VALUE], z[row + 1, SLOPE_U], z[row + 1, SLOPE_V], z[row + 1, SLOPE_T] = gu, uu, uv, ut
         z[row + 1, REST] = (high + late) * (1.0 + 1e-12) + total * NOISE * z[SIZES, 0] * z[SIZES, 1]
-        z[row + 1, SHARE_T], z[row + 1, SHARE_U] = abs(ut) + late, abs(uu) + high_u + beyond_u
-        z[row + 1, SHARE_V] = abs(uv)
+        z[row + 1, SHARE_T], z[row + 1, SHARE_U], z[row + 1, SHARE_V] = abs(ut) + late, abs(uu) + high_u, abs(uv)
     if deep > 1:
         late = 0.0
         for i in range(4):
             late += (z[ALL_V, i] - abs(z[BY_V, i])) * abs(z[MOVED, i]) + z[ALL_V, i] * (z[DRIFT, i] + z[LOOSE, i])
-        high = 3.0 * abs(vvv) + 2.0 * abs(uvv1 + uvv2) + abs(uuv1 + uuv2) + 2.0 * fourth + beyond_v
+        high = 3.0 * abs(vvv) + 2.0 * abs(uvv1 + uvv2) + abs(uuv1 + uuv2) + 2.0 * fourth
         z[row + 2, VALUE], z[row + 2, SLOPE_U], z[row + 2, SLOPE_V], z[row + 2, SLOPE_T] = gv, uv, vv, vt
         z[row + 2, REST] = (high + late) * (1.0 + 1e-12) + total * NOISE * z[SIZES, 0] * z[SIZES, 2]
-        z[row + 2, SHARE_T], z[row + 2, SHARE_U] = abs(vt) + late, abs(uv) + beyond_v
-        z[row + 2, SHARE_V] = abs(vv) + high_v
+        z[row + 2, SHARE_T], z[row + 2, SHARE_U], z[row + 2, SHARE_V] = abs(vt) + late, abs(uv), abs(vv) + high_v
+
+
+@kernel
+def _beyond_plane(table, f, s, z):
+    """Bounds of what X beyond second order adds to N.X and to its derivatives, at the middle time."""
+    value, by_u, by_v = 0.0, 0.0, 0.0
+    for i in range(4):
+        n = abs(table[f, 0, i] + s * table[f, 1, i])
+        value += n * z[BEYOND, i]
+        by_u += n * z[BEYOND_U, i]
+        by_v += n * z[BEYOND_V, i]
+    return value, by_u, by_v
+
+
+@kernel
+def _beyond_quadric(table, f, s, z):
+    """Bounds of what X beyond second order adds to X^T Q X, and to half its derivatives, at the middle time.
+
+    The images of X are those that its model has left.  With X = Z + r it is 2 r^T Q Z + r^T Q r; of X_a^T Q X it is
+    r_a^T Q Z + X_a^T Q r.
+    """
+    value, by_u, by_v = 0.0, 0.0, 0.0
+    for i in range(4):
+        image = abs(z[IMAGE, i]) + abs(z[IMAGE_U, i]) + abs(z[IMAGE_V, i])
+        image += abs(z[IMAGE_UU, i]) + abs(z[IMAGE_UV, i]) + abs(z[IMAGE_VV, i])
+        far = 0.0
+        for j in range(4):
+            far += abs(table[f, 0, 4 * i + j] + s * table[f, 1, 4 * i + j]) * z[BEYOND, j]
+        value += z[BEYOND, i] * (2.0 * image + far)
+        by_u += z[BEYOND_U, i] * image + z[ALL_U, i] * far
+        by_v += z[BEYOND_V, i] * image + z[ALL_V, i] * far
+    return value, by_u, by_v
+
+
+@kernel
+def _add_beyond(table, f, s, z, deep, row):
+    """What is beyond second order at the middle time joins the rests of a model; at other times SECOND has it."""
+    if table[f, ABOUT, CURVED] == 0.0:
+        value, by_u, by_v = _beyond_plane(table, f, s, z)
+    else:
+        value, by_u, by_v = _beyond_quadric(table, f, s, z)
+    z[row, REST] += value * MORE
+    z[row, SHARE_U] += value
+    if deep > 0:
+        z[row + 1, REST] += by_u * MORE
+        z[row + 1, SHARE_U] += by_u
+    if deep > 1:
+        z[row + 2, REST] += by_v * MORE
+        z[row + 2, SHARE_U] += by_v
 
 
 @kernel
@@ -293,6 +312,8 @@ def model(table, f, s, hs, z, deep, row):
         _plane_model(table, f, s, hs, z, deep, row)
     else:
         _quadric_model(table, f, s, hs, z, deep, row)
+    if z[BENT, 0] > 0.0:
+        _add_beyond(table, f, s, z, deep, row)
 
 
 @kernel
