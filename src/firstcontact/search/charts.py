@@ -54,6 +54,7 @@ from firstcontact.kernels.feature_boxes import (
     UNLESS_OUT,
     WIDTH,
 )
+from firstcontact.search.kept import kept
 
 BITS = 192
 ARC = fmpq(4142136, 10**7)
@@ -106,16 +107,7 @@ class Charts:
 
 def charts_of(body: CompositeQuadric) -> Charts:
     """The charts of a body, kept on it.  Raises NotCharted."""
-    known = body._search.get("charts")
-    if known is None:
-        try:
-            known = _Builder(body).build()
-        except NotCharted as reason:
-            known = reason
-        body._search["charts"] = known
-    if isinstance(known, NotCharted):
-        raise known
-    return known
+    return kept(body, "charts", lambda: _Builder(body).build(), NotCharted)
 
 
 def resting(forms: np.ndarray, kinds: np.ndarray) -> np.ndarray:

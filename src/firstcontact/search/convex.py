@@ -31,6 +31,7 @@ from firstcontact.body.csg import Leaf, Not, Or, Tree, conjunction
 from firstcontact.body.features import Edge, Face
 from firstcontact.exact.numbers import precision, to_double
 from firstcontact.kernels.support import BALL, BOWL, BOX, SHEET, support
+from firstcontact.search.kept import kept
 
 U = 2.0**-53
 WIDTH = 14
@@ -73,16 +74,7 @@ class ConvexPieces:
 
 def convex_pieces(body: CompositeQuadric) -> ConvexPieces:
     """The pieces of a body, kept on it.  Raises NotConvex."""
-    known = body._search.get("convex")
-    if known is None:
-        try:
-            known = _compiled(body)
-        except NotConvex as reason:
-            known = reason
-        body._search["convex"] = known
-    if isinstance(known, NotConvex):
-        raise known
-    return known
+    return kept(body, "convex", lambda: _of_clauses(body, _clauses(body.tree, True)), NotConvex)
 
 
 def covering_pieces(body: CompositeQuadric) -> ConvexPieces:
@@ -90,24 +82,14 @@ def covering_pieces(body: CompositeQuadric) -> ConvexPieces:
 
     Raises NotConvex.
     """
-    known = body._search.get("covering")
-    if known is None:
-        try:
-            known = convex_pieces(body) if _is_convex_union(body) else _of_clauses(body, _filled(body))
-        except NotConvex as reason:
-            known = reason
-        body._search["covering"] = known
-    if isinstance(known, NotConvex):
-        raise known
-    return known
+    return kept(body, "covering", lambda: _covering(body), NotConvex)
 
 
-def _is_convex_union(body: CompositeQuadric) -> bool:
+def _covering(body: CompositeQuadric) -> ConvexPieces:
     try:
-        convex_pieces(body)
+        return convex_pieces(body)
     except NotConvex:
-        return False
-    return True
+        return _of_clauses(body, _filled(body))
 
 
 def _filled(body: CompositeQuadric) -> list[Clause]:
@@ -118,10 +100,6 @@ def _filled(body: CompositeQuadric) -> list[Clause]:
         if solid is not None:
             filled.add(frozenset(x for x in clause if _is_convex_in(body, x, clause, solid)))
     return sorted((c for c in filled if not any(d < c for d in filled)), key=sorted)
-
-
-def _compiled(body: CompositeQuadric) -> ConvexPieces:
-    return _of_clauses(body, _clauses(body.tree, True))
 
 
 def _of_clauses(body: CompositeQuadric, clauses: list[Clause]) -> ConvexPieces:
