@@ -274,12 +274,21 @@ def _root(row, count, before, after, scratch):
 
 
 @kernel
-def _add_place(part_at, at, part, x, along_v, kind, places, counts):
-    k = counts[PLACES]
-    if k >= places.shape[0]:
+def _next_row(rows, slot, counts):
+    """The number of the next free row, which is taken; -1 where there is none, which is noted."""
+    k = counts[slot]
+    if k >= rows.shape[0]:
         counts[SHORT] = 1
+        return -1
+    counts[slot] = k + 1
+    return k
+
+
+@kernel
+def _add_place(part_at, at, part, x, along_v, kind, places, counts):
+    k = _next_row(places, PLACES, counts)
+    if k < 0:
         return
-    counts[PLACES] = k + 1
     row = places[k]
     row[X], row[Y] = (at, x) if along_v else (x, at)
     row[PART_U], row[PART_V] = (part_at, part) if along_v else (part, part_at)
@@ -289,11 +298,9 @@ def _add_place(part_at, at, part, x, along_v, kind, places, counts):
 @kernel
 def _open(part_p, x0, x1, part_q, y0, y1, opened, counts):
     """Record a box that could not be decided."""
-    k = counts[OPENED]
-    if k >= opened.shape[0]:
-        counts[SHORT] = 1
+    k = _next_row(opened, OPENED, counts)
+    if k < 0:
         return
-    counts[OPENED] = k + 1
     row = opened[k]
     row[0], row[1], row[2], row[3], row[4], row[5] = part_p, part_q, x0, x1, y0, y1
 
@@ -429,11 +436,9 @@ def _cut(p, q, top, along_u, w, cells, places, opened, counts):
 
 @kernel
 def _add_arc(p, q, cell, over_v, rising, first, last, w, arcs, counts):
-    k = counts[ARCS]
-    if k >= arcs.shape[0]:
-        counts[SHORT] = 1
+    k = _next_row(arcs, ARCS, counts)
+    if k < 0:
         return
-    counts[ARCS] = k + 1
     arc = arcs[k]
     i, j = cell[NODE_U], cell[NODE_V]
     arc[START], arc[END], arc[ARC_U], arc[ARC_V] = first, last, part_of(p, i), part_of(q, j)

@@ -111,13 +111,18 @@ def _turned(x, c, s, cx, cy, place, out):
     out[place + 1, 0], out[place + 1, 1], out[place + 1, 2] = -(s * p + c * q), c * p - s * q, 0.0
 
 
-def _lay_turned_edge(motion, arc, x, y, sense, reach, floats, origin, scale, query, work):
+@kernel
+def _turns(motion, arc, sense, floats):
+    """cx, cy of the axis; cosine and sine of the turn to the start of the arc; those of the turn from there; tan."""
     end = motion.shape[0] - 1
-    cx, cy = motion[end, 0], motion[end, 1]
-    c, s = ARC_STARTS[arc, 0], sense * ARC_STARTS[arc, 1]
     tc = _tangent(arc, floats)
     w = 1.0 / (1.0 + tc * tc)
-    dc, ds = (1.0 - tc * tc) * w, sense * 2.0 * tc * w
+    c, s = ARC_STARTS[arc, 0], sense * ARC_STARTS[arc, 1]
+    return motion[end, 0], motion[end, 1], c, s, (1.0 - tc * tc) * w, sense * 2.0 * tc * w, tc
+
+
+def _lay_turned_edge(motion, arc, x, y, sense, reach, floats, origin, scale, query, work):
+    cx, cy, c, s, dc, ds, tc = _turns(motion, arc, sense, floats)
     _turned(x, c, s, cx, cy, 0, work)
     _turned(y, c, s, cx, cy, 2, work)
     _turned(work[0], dc, ds, cx, cy, 4, work)
@@ -128,12 +133,7 @@ def _lay_turned_edge(motion, arc, x, y, sense, reach, floats, origin, scale, que
 
 
 def _lay_turned_corner(motion, arc, x, sense, reach, floats, origin, scale, query, work):
-    end = motion.shape[0] - 1
-    cx, cy = motion[end, 0], motion[end, 1]
-    c, s = ARC_STARTS[arc, 0], sense * ARC_STARTS[arc, 1]
-    tc = _tangent(arc, floats)
-    w = 1.0 / (1.0 + tc * tc)
-    dc, ds = (1.0 - tc * tc) * w, sense * 2.0 * tc * w
+    cx, cy, c, s, dc, ds, tc = _turns(motion, arc, sense, floats)
     _turned(x, c, s, cx, cy, 0, work)
     _turned(work[0], dc, ds, cx, cy, 2, work)
     for k in range(2):
