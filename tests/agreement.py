@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
 
 import firstcontact as fc
 import naive
-from generators import Scene
+from generators import Scene, is_closed, lattice_scene
 from vectors import Body
 
 
@@ -130,3 +132,27 @@ def assert_same_exact_time(found, time, nearest: float, scene: Scene) -> None:
         assert found == Fraction(int(time.numer()), int(time.denom())), scene
     else:
         assert float(found) == nearest, f"{found!r}, reference {nearest!r}: {scene}"
+
+
+def same_answer(x: fc.FirstContact, y: fc.FirstContact) -> bool:
+    found = ("status", "time", "time_interval", "element_a", "element_b", "others", "multiplicity")
+    return all(getattr(x, name) == getattr(y, name) for name in found)
+
+
+def shaken(scene: Scene, seed: int) -> Scene:
+    """The scene in general position, about an oblique axis."""
+    rng = np.random.default_rng(seed)
+    a, b = (replace(x, v=(np.array(x.v) + rng.normal(size=(len(x.v), 3)) / 4).tolist()) for x in (scene.a, scene.b))
+    if scene.rotation is None:
+        return replace(scene, a=a, b=b)
+    return replace(scene, a=a, b=b, rotation={**scene.rotation, "axis": rng.normal(size=3).tolist()})
+
+
+def small_scenes(first: int, count: int, rotating: bool) -> Iterator[Scene]:
+    """Scenes on a lattice by their seeds, every third one shaken; every other one of solids where both are closed."""
+    for seed in range(first, first + count):
+        scene = lattice_scene(seed, rotating)
+        if seed % 3 == 1:
+            scene = shaken(scene, seed)
+        closed = seed % 2 == 1 and is_closed(scene.a) and is_closed(scene.b)
+        yield replace(scene, solid=closed)

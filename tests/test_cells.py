@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
 import pytest
 
 import firstcontact as fc
-import generators as g
 import naive
-from agreement import assert_same_first_contact, question
+from agreement import assert_same_first_contact, question, same_answer, small_scenes
 from amount import amount
 from firstcontact import examples
 from firstcontact.kernels.boxes import clip_to_box, triangle_meets_box
 from firstcontact.search import cell_problem
 from firstcontact.search.frame import tree_of
 from generators import FAMILIES, Scene, lattice_scene, to_tangent
-from test_engines import same_answer, shaken
 from test_vectors import ask, expected_time
 from vectors import VECTORS
 
@@ -34,13 +31,8 @@ def eager(monkeypatch):
 
 @MOTIONS
 def test_small_scenes_by_cells(rotating, eager):
-    seen: Counter = Counter()
-    for seed in range(80_000, 80_000 + amount(120)):
-        scene = lattice_scene(seed, rotating)
-        if seed % 3 == 1:
-            scene = shaken(scene, seed)
-        closed = seed % 2 == 1 and g.is_closed(scene.a) and g.is_closed(scene.b)
-        seen[assert_same_first_contact(replace(scene, solid=closed), engine="cells")] += 1
+    scenes = small_scenes(80_000, amount(120), rotating)
+    seen = Counter(assert_same_first_contact(scene, engine="cells") for scene in scenes)
     assert len(seen) == 3, seen
 
 

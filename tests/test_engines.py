@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -12,35 +11,21 @@ import pytest
 import firstcontact as fc
 import generators as g
 import naive
-from agreement import assert_same_first_contact, question
+from agreement import assert_same_first_contact, question, same_answer, small_scenes
 from amount import amount
 from firstcontact.kernels.lifted_query import FORMS, ROWS, line_slack, may_meet, plane_slack, write_form
 from firstcontact.kernels.principal import box_columns, fit_box, form_range
 from firstcontact.search.frame import tree_of
 from firstcontact.search.lifted_tree import edges_of, facets_of, lift, lifted_tree
-from generators import FAMILIES, Scene, lattice_scene, to_tangent
+from generators import FAMILIES, Scene, to_tangent
 
 MOTIONS = pytest.mark.parametrize("rotating", [False, True], ids=["translation", "rotation"])
 
 
-def shaken(scene: Scene, seed: int) -> Scene:
-    """The scene in general position, about an oblique axis."""
-    rng = np.random.default_rng(seed)
-    a, b = (replace(x, v=(np.array(x.v) + rng.normal(size=(len(x.v), 3)) / 4).tolist()) for x in (scene.a, scene.b))
-    if scene.rotation is None:
-        return replace(scene, a=a, b=b)
-    return replace(scene, a=a, b=b, rotation={**scene.rotation, "axis": rng.normal(size=3).tolist()})
-
-
 @MOTIONS
 def test_small_scenes_by_lifted_trees(rotating):
-    seen: Counter = Counter()
-    for seed in range(70_000, 70_000 + amount(240)):
-        scene = lattice_scene(seed, rotating)
-        if seed % 3 == 1:
-            scene = shaken(scene, seed)
-        closed = seed % 2 == 1 and g.is_closed(scene.a) and g.is_closed(scene.b)
-        seen[assert_same_first_contact(replace(scene, solid=closed), engine="lifted")] += 1
+    scenes = small_scenes(70_000, amount(240), rotating)
+    seen = Counter(assert_same_first_contact(scene, engine="lifted") for scene in scenes)
     assert len(seen) == 3, seen
 
 
@@ -51,11 +36,6 @@ def test_near_miss_families_by_lifted_trees(family):
     turn = {"axis": (0, 0, 1), "turns": 1}
     scene = Scene(to_tangent(a), to_tangent(b), rotation=turn)
     assert assert_same_first_contact(scene, engine="lifted") == naive.CONTACT
-
-
-def same_answer(x: fc.FirstContact, y: fc.FirstContact) -> bool:
-    found = ("status", "time", "time_interval", "element_a", "element_b", "others", "multiplicity")
-    return all(getattr(x, name) == getattr(y, name) for name in found)
 
 
 @MOTIONS
