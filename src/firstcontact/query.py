@@ -6,7 +6,7 @@ import math
 import time as clock
 from typing import TYPE_CHECKING, Any
 
-from firstcontact.body.moving import Moving
+from firstcontact.body.moving import shape_of
 from firstcontact.body.polyhedron import Polyhedron
 from firstcontact.errors import FirstContactError, InputError, UnsupportedPair
 from firstcontact.exact.numbers import Undecidable, to_double
@@ -237,7 +237,7 @@ def intersection_curve(
 
 def _kind(body: Any) -> str:
     """"polyhedra", "models" or "ruled"; UnsupportedPair for what is no body."""
-    shape: Any = body.body if isinstance(body, Moving) else body
+    shape: Any = shape_of(body)
     if isinstance(shape, Polyhedron):
         return "polyhedra"
     name = type(shape).__name__  # asked by name: meshes need not load curved models

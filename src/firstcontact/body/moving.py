@@ -53,6 +53,11 @@ class Moving:
         return Moving, (self.body, self.motion)
 
 
+def shape_of(body: Any) -> Any:
+    """The body itself, of one that moves or rests."""
+    return body.body if isinstance(body, Moving) else body
+
+
 def _hull(body: Any, span: tuple[float, float]) -> tuple[np.ndarray, float]:
     """Points (n, 3) whose convex hull, grown by the returned length, holds the body at all times of the span."""
     if isinstance(getattr(body, "vertices", None), np.ndarray):

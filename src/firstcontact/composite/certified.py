@@ -15,7 +15,7 @@ from flint import fmpq
 
 from firstcontact.body import primitives
 from firstcontact.body.composite_quadric import CompositeQuadric
-from firstcontact.body.moving import Moving
+from firstcontact.body.moving import Moving, shape_of
 from firstcontact.composite.answer import rank
 from firstcontact.composite.flat_contacts import Pair, Shared, keeps_directions, shared_set
 from firstcontact.composite.square_subproblems import refuse_untraced
@@ -46,7 +46,7 @@ def settle(
     models = both_bounded(models, shared["span"])
     found = advance(*models, first, last, tolerance, 10_000 if budget is None else budget)
     if found.beyond:
-        bodies: list[Any] = [x.body if isinstance(x, Moving) else x for x in models]
+        bodies: list[Any] = [shape_of(x) for x in models]
         for body in bodies:
             refuse_untraced(body)
         found = first_event(*models, first, last, tolerance, MOST_BOXES if budget is None else budget)
@@ -146,7 +146,7 @@ def _named(models: tuple[Any, Any], found: Advance, pairs: list[Pair]) -> list[t
 def _wholes(models: tuple[Any, Any]) -> tuple[CompositeQuadric, CompositeQuadric]:
     a: Any
     b: Any
-    a, b = (x.body if isinstance(x, Moving) else x for x in models)
+    a, b = (shape_of(x) for x in models)
     return a.whole or a, b.whole or b
 
 
@@ -184,7 +184,7 @@ class _On:
         self, body: Any, features: tuple[tuple[str, int], ...], place: tuple[np.ndarray, np.ndarray],
         frame: tuple[list[float], list[float]], which: str,
     ) -> None:
-        self.model: Any = body.body if isinstance(body, Moving) else body
+        self.model: Any = shape_of(body)
         self.pose, inverse = frame
         self.normal = place[1]
         x, y, z = place[0].tolist()

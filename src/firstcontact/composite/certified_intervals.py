@@ -15,7 +15,7 @@ from typing import Any, Protocol
 import numpy as np
 from flint import fmpq
 
-from firstcontact.body.moving import Moving
+from firstcontact.body.moving import shape_of
 from firstcontact.composite.certified import both_bounded
 from firstcontact.composite.lasting import Lasting, LastingOfModels
 from firstcontact.composite.work import Spent, Work
@@ -86,7 +86,7 @@ def certified_intervals(
     try:
         parts = windows(*models, first, last)
         width = tolerance * (parts[-1].last - parts[0].first)
-        lasting = LastingOfModels(*(x.body if isinstance(x, Moving) else x for x in models))
+        lasting = LastingOfModels(*(shape_of(x) for x in models))
         return Sweep(_Free(models, width), lasting, parts, width, work, touches_at_start).run()
     except (NotCharted, Untold) as reason:
         raise UnsupportedPair(f"contact intervals are not decided: {reason}") from reason
@@ -122,7 +122,7 @@ class _Free:
 
     def __init__(self, models: tuple[Any, Any], width: float) -> None:
         self.models, self.width = models, width
-        bodies: list[Any] = [x.body if isinstance(x, Moving) else x for x in models]
+        bodies: list[Any] = [shape_of(x) for x in models]
         try:
             self.pieces = [convex_pieces(body) for body in bodies]
             self.tables = None

@@ -13,7 +13,7 @@ import numpy as np
 from flint import fmpq
 
 from firstcontact.body.composite_quadric import CompositeQuadric
-from firstcontact.body.moving import Moving
+from firstcontact.body.moving import shape_of
 from firstcontact.body.polyhedron import Polyhedron
 from firstcontact.composite.certified import bounded
 from firstcontact.composite.certified_intervals import Found, Sweep
@@ -34,9 +34,10 @@ def intervals_of_mesh(
 
     tolerance, touches_at_start: as `certified_intervals` has them.  Raises UnsupportedPair.
     """
-    mesh_is_a = isinstance(_shape(a), Polyhedron)
+    mesh_is_a = isinstance(shape_of(a), Polyhedron)
     moving_mesh, moving_model = (a, b) if mesh_is_a else (b, a)
-    mesh, model = _shape(moving_mesh), _shape(bounded(moving_model, moving_mesh, (to_double(first), to_double(last))))
+    moving_model = bounded(moving_model, moving_mesh, (to_double(first), to_double(last)))
+    mesh, model = shape_of(moving_mesh), shape_of(moving_model)
     parts = windows_of(a, b, first, last)
     width = tolerance * (parts[-1].last - parts[0].first)
     free, lasting = _Free(mesh, model, mesh_is_a, width), LastingOfMesh(mesh, model, mesh_is_a)
@@ -62,7 +63,3 @@ class _Free:
     def near_start(self, window: Window) -> list[np.ndarray]:
         found = self.search.at_start(window)
         return [] if found.touch is None else [found.touch.point]
-
-
-def _shape(body: Any) -> Any:
-    return body.body if isinstance(body, Moving) else body

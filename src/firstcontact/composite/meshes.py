@@ -17,7 +17,7 @@ import numpy as np
 from flint import fmpq
 
 from firstcontact.body.composite_quadric import CompositeQuadric
-from firstcontact.body.moving import Moving
+from firstcontact.body.moving import Moving, shape_of
 from firstcontact.body.polyhedron import Polyhedron
 from firstcontact.composite.algorithm import Meeting, Search
 from firstcontact.composite.answer import contact_of
@@ -100,11 +100,11 @@ class _Query:
         self.begin = clock.perf_counter()
         self.span = to_double(self.first), to_double(self.last)
         self.shared = {"a": self.a, "b": self.b, "span": self.span}
-        self.mesh_is_a = isinstance(_shape(self.a), Polyhedron)
+        self.mesh_is_a = isinstance(shape_of(self.a), Polyhedron)
         moving_mesh, moving_model = (self.a, self.b) if self.mesh_is_a else (self.b, self.a)
-        self.mesh: Polyhedron = _shape(moving_mesh)
+        self.mesh: Polyhedron = shape_of(moving_mesh)
         self.moving_model = bounded(moving_model, moving_mesh, self.span)
-        self.model: CompositeQuadric = _shape(self.moving_model)
+        self.model: CompositeQuadric = shape_of(self.moving_model)
         self.windows = windows_of(self.a, self.b, self.first, self.last)
         self.search = search_of(self.mesh, self.model, self.mesh_is_a, self.work.budget, self.work.progress)
         self.width = self.tolerance * (self.windows[-1].last - self.windows[0].first)
@@ -420,10 +420,6 @@ class _Query:
             if not overlap(pair, piece.u_lo):
                 return True
         return False
-
-
-def _shape(body: Any) -> Any:
-    return body.body if isinstance(body, Moving) else body
 
 
 def _is_screw(body: Any) -> bool:

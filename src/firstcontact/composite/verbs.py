@@ -11,7 +11,7 @@ import numpy as np
 from flint import fmpq
 
 from firstcontact.body.composite_quadric import CompositeQuadric
-from firstcontact.body.moving import Moving
+from firstcontact.body.moving import Moving, shape_of
 from firstcontact.body.polyhedron import Polyhedron
 from firstcontact.composite.algorithm import Meeting, Root, Search, between
 from firstcontact.composite.answer import contact_of, listed, world_time
@@ -265,12 +265,12 @@ def _span(a: Any, b: Any, span: Any) -> tuple[fmpq, fmpq]:
 
 
 def _model(body: Any) -> CompositeQuadric:
-    shape: Any = body.body if isinstance(body, Moving) else body
+    shape: Any = shape_of(body)
     return as_model(shape) if isinstance(shape, Polyhedron) else shape
 
 
 def _goes_by_triangles(body: Any) -> bool:
-    shape: Any = body.body if isinstance(body, Moving) else body
+    shape: Any = shape_of(body)
     return isinstance(shape, Polyhedron) and not is_small_and_convex(shape)
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from flint import fmpq, fmpz_poly
 
-from firstcontact.body.moving import Moving
+from firstcontact.body.moving import shape_of
 from firstcontact.body.rational_curve import RING, RationalCurve, lifted
 from firstcontact.body.ruled_surface import RuledSurface
 from firstcontact.errors import UnsupportedPair
@@ -56,7 +56,7 @@ def directrix_pieces(a: Any, b: Any, first: fmpq, last: fmpq | None) -> Iterator
 
 
 def _shape(body: Any) -> RuledSurface:
-    shape = body.body if isinstance(body, Moving) else body
+    shape = shape_of(body)
     if not isinstance(shape, RuledSurface):
         raise TypeError(f"{shape!r} is no ruled surface")
     return shape

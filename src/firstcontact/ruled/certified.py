@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from flint import fmpq
 
-from firstcontact.body.moving import Moving
+from firstcontact.body.moving import shape_of
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import to_double
 from firstcontact.motion.clocks import StraightClock
@@ -74,7 +74,7 @@ def takes(a: Any, b: Any, first: fmpq, last: fmpq) -> bool:
 def _pieces(a: Any, b: Any, first: fmpq, last: fmpq) -> tuple[DirectrixPiece, RuledPiece, RuledPiece]:
     """Both surfaces in the frame of b; UnsupportedPair for what the search does not take."""
     for body in (a, b):
-        shape = body.body if isinstance(body, Moving) else body
+        shape = shape_of(body)
         pieces: list[Any] = list(getattr(shape, "pieces", ()))
         if len(pieces) != 1 or pieces[0].s is None or pieces[0].trim:
             raise UnsupportedPair(f"{shape!r}: the certified search takes one piece, bounded in s and not trimmed")
@@ -82,7 +82,7 @@ def _pieces(a: Any, b: Any, first: fmpq, last: fmpq) -> tuple[DirectrixPiece, Ru
     if len(steps) > 1 or not isinstance(steps[0].motion.clock, StraightClock) or not steps[0].motion.exact:
         raise UnsupportedPair("the certified search takes one motion that is a rational function of the time")
     p, q = (
-        RuledPiece.of(sides, (body.body if isinstance(body, Moving) else body).u)
+        RuledPiece.of(sides, shape_of(body).u)
         for sides, body in ((steps[0].p, a), (steps[0].q, b))
     )
     return steps[0], p, q

@@ -15,7 +15,7 @@ from typing import Any
 
 from flint import fmpq, fmpz_mpoly
 
-from firstcontact.body.moving import Moving
+from firstcontact.body.moving import shape_of
 from firstcontact.body.rational_curve import RationalCurve, lifted
 from firstcontact.body.ruled_surface import RuledSurface
 from firstcontact.errors import InputError, UnsupportedPair
@@ -130,7 +130,7 @@ def conditions(a: Any, b: Any, piece: DirectrixPiece, span: tuple[fmpq, fmpq]) -
 
 
 def _shape(body: Any) -> RuledSurface:
-    shape = body.body if isinstance(body, Moving) else body
+    shape = shape_of(body)
     assert isinstance(shape, RuledSurface)
     return shape
 

@@ -17,7 +17,7 @@ from typing import Any
 
 from flint import fmpq, fmpz_mpoly, fmpz_poly
 
-from firstcontact.body.moving import Moving
+from firstcontact.body.moving import Moving, shape_of
 from firstcontact.errors import InputError, UnsupportedPair
 from firstcontact.exact.numbers import fraction, rational
 from firstcontact.exact.roots import AlgebraicRoot, roots_in
@@ -174,7 +174,7 @@ def contact_condition(p: Any, q: Any, *, count: tuple[int, float] | None = None)
     _check_count(count)
     moves = any(isinstance(x, Moving) for x in (p, q))
     first, last = common_span(p, q, None) if moves else (fmpq(0), fmpq(1))
-    if any(len((x.body if isinstance(x, Moving) else x).pieces) > 1 for x in (p, q)):
+    if any(len(shape_of(x).pieces) > 1 for x in (p, q)):
         raise UnsupportedPair("contact_condition is for single ruled pieces; give one of strip.pieces")
     pieces = list(directrix_pieces(p, q, first, first + 1 if last is None else last))
     if len(pieces) > 1 or not isinstance(pieces[0].motion.clock, StraightClock):

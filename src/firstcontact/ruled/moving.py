@@ -16,7 +16,7 @@ import numpy as np
 from flint import arb, ctx, fmpq
 
 from firstcontact.body.composite_quadric import CompositeQuadric
-from firstcontact.body.moving import Moving
+from firstcontact.body.moving import Moving, shape_of
 from firstcontact.body.polyhedron import Polyhedron
 from firstcontact.body.ruled_surface import RuledSurface
 from firstcontact.composite.work import Spent, Work
@@ -174,13 +174,9 @@ def first_contact(
     return replace(found, stats=found.stats + Stats(seconds=clock.perf_counter() - begin))
 
 
-def _shape(body: Any) -> Any:
-    return body.body if isinstance(body, Moving) else body
-
-
 def _with_model(a: Any, b: Any, exact: bool) -> bool:
     """Whether one of the bodies is a solid of planes and quadrics."""
-    if not any(isinstance(_shape(x), CompositeQuadric) for x in (a, b)):
+    if not any(isinstance(shape_of(x), CompositeQuadric) for x in (a, b)):
         return False
     if exact:
         raise UnsupportedPair(f"{a!r} and {b!r}: ruled surfaces meet curved models in doubles only, with proofs")
@@ -191,7 +187,7 @@ def _is_with_convex(a: Any, b: Any) -> bool:
     """Whether one of the bodies is a polyhedron that is a solid of planes, too."""
     from firstcontact.composite.polyhedra import is_small_and_convex
 
-    return any(isinstance(_shape(x), Polyhedron) and is_small_and_convex(_shape(x)) for x in (a, b))
+    return any(isinstance(shape_of(x), Polyhedron) and is_small_and_convex(shape_of(x)) for x in (a, b))
 
 
 def _intervals_with_solid(
@@ -267,7 +263,7 @@ def _pieces(
     """The pieces of the relative motion in time order, with the pairs of pieces of the surfaces that may meet."""
     parts_a, parts_b = _parts(a), _parts(b)
     numbers = [(i, j) for i in range(len(parts_a)) for j in range(len(parts_b))]
-    if any(isinstance(_shape(x), Polyhedron) for x in (a, b)):
+    if any(isinstance(shape_of(x), Polyhedron) for x in (a, b)):
         numbers = near_pairs(parts_a, parts_b, first, last)
         if len(numbers) > MOST_PAIRS:
             raise TooLarge(
@@ -290,13 +286,13 @@ def _pair(i: int, j: int, x: Any, y: Any, step: DirectrixPiece, work: Work, most
         raise UnsupportedPair(f"{motion.of}: the pose before this step is irrational; such steps are not supported")
     assert motion.u_hi is not None
     span = motion.u_lo, motion.u_hi
-    joined = tuple((z.body if isinstance(z, Moving) else z).joined for z in (x, y))
+    joined = tuple(shape_of(z).joined for z in (x, y))
     times = Times(conditions(x, y, step, span), span, work, most_degree)
     return _Pair(motion, times, (i, j), joined)  # type: ignore[arg-type]
 
 
 def _parts(body: Any) -> list[Any]:
-    shape = _shape(body)
+    shape = shape_of(body)
     pieces: tuple[RuledSurface, ...]
     if isinstance(shape, Polyhedron):
         pieces = triangles_of(shape)
@@ -462,7 +458,7 @@ def _contact_set(points: np.ndarray) -> ContactSet:
 def _named(body: Any, element: tuple[str, int], number: int, which: str) -> Element:
     kind, index = element
     name = getattr(body, "name", None) or which
-    shape = _shape(body)
+    shape = shape_of(body)
     if isinstance(shape, Polyhedron):
         kind, index = element_of(shape, number, kind, index)
         return Element(kind, name, index, name)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from flint import fmpq, fmpz_poly
 
-from firstcontact.body.moving import Moving
+from firstcontact.body.moving import shape_of
 from firstcontact.body.polyhedron import Polyhedron
 from firstcontact.body.rational_curve import RationalCurve
 from firstcontact.body.ruled_surface import RuledSurface
@@ -110,7 +110,7 @@ class Interior:
     """Whether the solid of the two bodies, a polyhedron, holds pieces of the ruled one, between times of contact."""
 
     def __init__(self, a: Any, b: Any) -> None:
-        shapes = [x.body if isinstance(x, Moving) else x for x in (a, b)]
+        shapes = [shape_of(x) for x in (a, b)]
         self.mesh_first = isinstance(shapes[0], Polyhedron)
         self.mesh: Any
         self.mesh, self.ruled = shapes if self.mesh_first else shapes[::-1]
@@ -118,7 +118,7 @@ class Interior:
     @classmethod
     def of(cls, a: Any, b: Any) -> Interior | None:
         """None where neither body is a solid."""
-        shapes = [x.body if isinstance(x, Moving) else x for x in (a, b)]
+        shapes = [shape_of(x) for x in (a, b)]
         solid = any(isinstance(x, Polyhedron) and x.solid for x in shapes)
         return cls(a, b) if solid else None
 

@@ -13,7 +13,7 @@ from flint import fmpq
 
 from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.features import Edge, Face, Vertex
-from firstcontact.body.moving import Moving
+from firstcontact.body.moving import Moving, shape_of
 from firstcontact.body.polyhedron import Polyhedron
 from firstcontact.composite.answer import element
 from firstcontact.composite.certified import bounded
@@ -41,12 +41,12 @@ class RuledAndSolid:
         self.given = a, b
         self.first, self.last = first, last
         self.span = to_double(first), to_double(last)
-        shapes = [_shape(x) for x in (a, b)]
+        shapes = [shape_of(x) for x in (a, b)]
         self.side = 0 if hasattr(shapes[0], "pieces") else 1
         solid: Any = _as_model((a, b)[1 - self.side])
         solid = bounded(solid, (a, b)[self.side], self.span)
         self.bodies: tuple[Any, Any] = (a, solid) if self.side == 0 else (solid, b)
-        self.model: CompositeQuadric = _shape(solid)
+        self.model: CompositeQuadric = shape_of(solid)
         try:
             self.sheets: list[Sheet] = sheets_of(shapes[self.side])
             self.tables: Tables = ruled_tables(shapes[self.side], self.sheets, self.model, self.side)
@@ -61,13 +61,9 @@ class RuledAndSolid:
         return RuledLasting(self.sheets, self.model, self.side)
 
 
-def _shape(body: Any) -> Any:
-    return body.body if isinstance(body, Moving) else body
-
-
 def _as_model(body: Any) -> Any:
     """The solid as a model, moving if it was."""
-    shape = _shape(body)
+    shape = shape_of(body)
     model = as_model(shape) if isinstance(shape, Polyhedron) else shape
     return Moving(model, body.motion) if isinstance(body, Moving) else model
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from flint import fmpq
 
-from firstcontact.body.moving import Moving
+from firstcontact.body.moving import shape_of
 from firstcontact.exact.numbers import below
 from firstcontact.kernels.advancement import (
     BY_FORMS,
@@ -98,7 +98,7 @@ def advance(
     """
     begin, end = _exact(first), _exact(last)
     try:
-        bodies: list[Any] = [x.body if isinstance(x, Moving) else x for x in (a, b)]
+        bodies: list[Any] = [shape_of(x) for x in (a, b)]
         pieces = [(covering_pieces if covering else convex_pieces)(body) for body in bodies]
         stretches = windows(a, b, begin, end)
     except (NotConvex, Untold) as reason:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from flint import fmpq
 
-from firstcontact.body.moving import Moving
+from firstcontact.body.moving import shape_of
 from firstcontact.kernels.event_search import (
     AT_U,
     AT_V,
@@ -57,7 +57,7 @@ FRAMES = 400
 def first_event(a: Any, b: Any, first: fmpq, last: fmpq, tolerance: float, budget: int) -> Advance:
     """The first common point of two bodies over [first, last]; as `search.advance`.  budget: boxes at most."""
     try:
-        models: list[Any] = [x.body if isinstance(x, Moving) else x for x in (a, b)]
+        models: list[Any] = [shape_of(x) for x in (a, b)]
         tables = tables_of(*models)
         stretches = windows(a, b, first, last)
     except (NotCharted, Untold) as reason:
@@ -89,7 +89,7 @@ class _Search:
         time, interval = covers.time, covers.time_interval
         assert time is not None and interval is not None and covers.point is not None
         lo, hi = interval
-        model_a, model_b = (x.body if isinstance(x, Moving) else x for x in self.bodies)
+        model_a, model_b = (shape_of(x) for x in self.bodies)
         features, *also = [
             (without_corners(model_a, x), without_corners(model_b, y))
             for x, y in ((covers.features_a, covers.features_b), *(covers.also or ()))

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from flint import fmpq
 
-from firstcontact.body.moving import Moving
+from firstcontact.body.moving import shape_of
 from firstcontact.motion.curved import CurvedPiece
 from firstcontact.motion.relative import Piece
 from firstcontact.search.translation_problem import TranslationProblem
@@ -20,7 +20,7 @@ def problem_of(a: Any, b: Any, piece: Any, engine: str = "boxes") -> Any:
         from firstcontact.search.enclosed_problem import EnclosedProblem
         from firstcontact.search.rational_problem import RationalProblem
 
-        body_a, body_b = (body.body if isinstance(body, Moving) else body for body in (a, b))
+        body_a, body_b = (shape_of(body) for body in (a, b))
         return (RationalProblem if piece.polynomial else EnclosedProblem)(body_a, body_b, piece)
     body_a, body_b = _placed(a, b, piece)
     if piece.velocity is not None:
@@ -85,5 +85,5 @@ def _boxes_apart(a: Any, b: Any) -> bool:
 
 
 def _placed(a: Any, b: Any, piece: Piece) -> tuple[Any, Any]:
-    body_a, body_b = (body.body if isinstance(body, Moving) else body for body in (a, b))
+    body_a, body_b = (shape_of(body) for body in (a, b))
     return piece.place_a.place(body_a), piece.place_b.place(body_b)

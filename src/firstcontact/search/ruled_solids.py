@@ -20,7 +20,7 @@ from flint import arb, fmpq
 from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.csg import inside
 from firstcontact.body.features import Edge, Face, Vertex, enclosure
-from firstcontact.body.moving import Moving
+from firstcontact.body.moving import shape_of
 from firstcontact.exact.numbers import below, dyadic, exact_value, precision, to_double
 from firstcontact.exact.rigid import Matrix, compose, inverse_map
 from firstcontact.kernels.event_search import CHART, OTHER, OTHER_BEGIN, OTHER_END, PAIR
@@ -170,7 +170,7 @@ class RuledSearch(_Search):
         feature = features[int(box[CHART])]
         place = feature.place(float(box[2]), float(box[4]))
         shape = self.bodies[1 - self.side]
-        model: CompositeQuadric = shape.body if isinstance(shape, Moving) else shape
+        model: CompositeQuadric = shape_of(shape)
         t = exact_value(float(0.5 * (box[6] + box[7])))
         m = compose(inverse_map(ball_pose(self.bodies[1 - self.side], t)), ball_pose(self.bodies[self.side], t))
         there = _middles(m) @ [*_in_doubles(feature.sheet, *place), 1.0]
@@ -221,7 +221,7 @@ class Event:
         self.own: RuledFeature = tables.features[chart]  # type: ignore[assignment]
         self.other: Any = tables.others[pair]
         shape = bodies[1 - side]
-        self.model: CompositeQuadric = shape.body if isinstance(shape, Moving) else shape
+        self.model: CompositeQuadric = shape_of(shape)
         x, s = tables.features[int(box[CHART])].place(float(box[2]), float(box[4]))  # type: ignore[union-attr]
         x, s = (x if self.own.x is None else self.own.x), (s if self.own.s is None else self.own.s)
         place = min(max(x, -1.0), 1.0), min(max(s, 0.0), 1.0)
@@ -420,7 +420,7 @@ class Event:
 
 def _sampled(bodies: tuple[Any, Any], side: int, t: fmpq, within: bool) -> np.ndarray | None:
     """A point of the ruled surface proved inside (or outside) the model at t, in the world; the first of a grid."""
-    shapes: list[Any] = [x.body if isinstance(x, Moving) else x for x in bodies]
+    shapes: list[Any] = [shape_of(x) for x in bodies]
     model = shapes[1 - side]
     with precision(BITS):
         pose = ball_pose(bodies[side], t)

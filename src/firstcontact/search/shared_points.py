@@ -18,7 +18,7 @@ from firstcontact.body.carriers import cross
 from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.csg import inside
 from firstcontact.body.features import Edge, Face, Vertex, enclosure
-from firstcontact.body.moving import Moving
+from firstcontact.body.moving import Moving, shape_of
 from firstcontact.exact.numbers import dyadic, exact_value, precision, to_double
 from firstcontact.exact.rigid import Matrix, ball_rotation, compose, inverse_map
 from firstcontact.exact.vectors import dot
@@ -103,7 +103,7 @@ def proved_at(
 
     A point near it is proved common, and no surface passes there but those of the features that it names.
     """
-    models: list[Any] = [x.body if isinstance(x, Moving) else x for x in bodies]
+    models: list[Any] = [shape_of(x) for x in bodies]
     units = instant.tables.units[0]
     named = [
         {k for kind, index in features for k in _feature(model, kind, index).surfaces}
@@ -166,7 +166,7 @@ class Event:
 
     def models(self) -> tuple[CompositeQuadric, CompositeQuadric]:
         """The own one, the other one."""
-        both: list[Any] = [x.body if isinstance(x, Moving) else x for x in self.bodies]
+        both: list[Any] = [shape_of(x) for x in self.bodies]
         return both[self.side], both[1 - self.side]
 
     def relative(self, t: fmpq) -> Matrix:
