@@ -12,6 +12,7 @@ from firstcontact.errors import FirstContactError, InputError, UnsupportedPair
 from firstcontact.exact.numbers import Undecidable, to_double
 from firstcontact.motion.curved import CurvedPiece
 from firstcontact.motion.relative import pieces
+from firstcontact.motion.span import common_span
 from firstcontact.report import (
     JoinedInterval,
     contact_of,
@@ -72,14 +73,17 @@ def first_contact(
     bodies = _check(a, b, method, engine, tolerance, budget)
     if bodies != "polyhedra" and engine != "auto":
         raise UnsupportedPair(f"engine {engine!r} searches trees of polyhedra; curved models take 'auto'")
-    if bodies == "ruled":
-        from firstcontact.ruled import moving
+    if bodies != "polyhedra":
+        search = _of_curved(bodies).first_contact
 
-        return moving.first_contact(a, b, span, exact, method, tolerance, budget, progress)
-    if bodies == "models":
-        from firstcontact.composite import verbs
+        def ask(within: Any, narrow: float) -> FirstContact:
+            return search(a, b, within, exact, method, narrow, budget, progress)
 
-        return verbs.first_contact(a, b, span, exact, method, tolerance, budget, progress)
+        if _is_endless(a, b, span):
+            from firstcontact import endless
+
+            return endless.first_contact(ask, a, b, span, tolerance)
+        return ask(span, tolerance)
     parts, first, last = pieces(a, b, span)
     if exact:
         _refuse_inexact(parts)
@@ -135,14 +139,17 @@ def contact_intervals(
     """
     begin = clock.perf_counter()
     kind = _check(a, b, "auto", "auto", tolerance, budget)
-    if kind == "ruled":
-        from firstcontact.ruled import moving
+    if kind != "polyhedra":
+        search = _of_curved(kind).contact_intervals
 
-        return moving.contact_intervals(a, b, span, exact, budget, progress, tolerance)
-    if kind == "models":
-        from firstcontact.composite import verbs
+        def ask(within: Any, narrow: float) -> ContactIntervals:
+            return search(a, b, within, exact, budget, progress, narrow)
 
-        return verbs.contact_intervals(a, b, span, exact, budget, progress, tolerance)
+        if _is_endless(a, b, span):
+            from firstcontact import endless
+
+            return endless.contact_intervals(ask, a, b, span, tolerance)
+        return ask(span, tolerance)
     parts, first, last = pieces(a, b, span)
     if exact:
         _refuse_inexact(parts)
@@ -233,6 +240,21 @@ def intersection_curve(
 
         return solid_curve.intersection_curve(p, q, tolerance, method, box)
     return verbs.intersection_curve(p, q, tolerance, method, box)
+
+
+def _of_curved(kind: str) -> Any:
+    """The module with the verbs of curved bodies."""
+    if kind == "ruled":
+        from firstcontact.ruled import moving
+
+        return moving
+    from firstcontact.composite import verbs
+
+    return verbs
+
+
+def _is_endless(a: Any, b: Any, span: Any) -> bool:
+    return span is not None and common_span(a, b, span)[1] is None
 
 
 def _kind(body: Any) -> str:
