@@ -48,6 +48,7 @@ class Problem(Protocol):
     def window(self) -> tuple[float, float]: ...
     def advance(self, state: WalkState, limit: int, with_start: bool, all_sides: bool) -> int: ...
     def contact(self, element_a: Feature, element_b: Feature) -> Any: ...
+    def contact_within(self, element_a: Feature, element_b: Feature, lo: float, hi: float) -> Any: ...
     def possible(self, element_a: Feature, element_b: Feature) -> float: ...
     def start_relation(self, element_a: Feature, element_b: Feature) -> int: ...
 
@@ -114,7 +115,7 @@ def all_pairs(problem: Problem, with_start: bool = True) -> Found:
         search.stop_at_start = False
         search.walk(with_start, all_sides=True)
         met = [pair for pair, instant in search.decided.items() if instant is not None]
-        found.pairs = sorted({*met, *(search._pair(row) for _, row in search.waiting)})
+        found.pairs = sorted({*met, *(search._pair(row) for _, _, row in search.waiting)})
         if search.doubtful:
             found.open = "precision"
     finally:
@@ -144,7 +145,7 @@ class _Search:
     ) -> None:
         self.problem, self.state, self.found = problem, state, found
         self.budget, self.progress = budget, progress
-        self.waiting: list[tuple[float, list[int]]] = []  # candidates the floats are sure of: bound, row
+        self.waiting: list[tuple[float, float, list[int]]] = []  # candidates the floats are sure of: lo, hi, row
         self.decided: dict[Pair, Any] = {}  # exact times
         self.doubtful: dict[Pair, float] = {}  # pairs no precision decides, with their lower bounds
         self.stop_at_start = True
@@ -195,7 +196,7 @@ class _Search:
 
     def _proved_free(self) -> float:
         """No contact before this: neither among the nodes that wait nor among the pairs that may or do meet."""
-        bounds = [float(self.state.floats[KEY]), *(lo for lo, _ in self.waiting), *self.doubtful.values()]
+        bounds = [float(self.state.floats[KEY]), *(lo for lo, _, _ in self.waiting), *self.doubtful.values()]
         return min(bounds if self.best is None else [*bounds, self.best.bounds()[0]])
 
     def _collect(self) -> None:
@@ -210,14 +211,14 @@ class _Search:
         integers[UNSURE_COUNT] = 0
         best = float(self.state.floats[BEST])
         unsure = []
-        for (lo, _), row in zip(times, rows, strict=True):
+        for (lo, hi), row in zip(times, rows, strict=True):
             if lo > best:
                 continue
             if row[0] >= CERTAIN_KIND:
                 if row[0] >= CERTAIN_KIND + EDGE_FACE:
                     self._decide_start(self._pair(row), certain=True)
                 else:
-                    self.waiting.append((lo, row))
+                    self.waiting.append((lo, hi, row))
             elif row[0] >= EDGE_FACE:
                 self._decide_start(self._pair(row), certain=False)
             elif (pair := self._pair(row)) not in self.decided:
@@ -248,12 +249,12 @@ class _Search:
         elif relation:
             self.found.start.append((pair, relation == 2))
 
-    def _decide(self, pair: Pair, lo: float) -> None:
-        """The exact time of the pair; a contact shortens the walk."""
+    def _decide(self, pair: Pair, lo: float, sure_until: float | None = None) -> None:
+        """The exact time of the pair; a contact shortens the walk.  sure_until: it is certainly in [lo, sure_until]."""
         if pair in self.decided:
             return
         self.found.exact += 1
-        answer = self._exactly(lambda: self._contact_and_bound(pair))
+        answer = self._exactly(lambda: self._contact_and_bound(pair, lo, sure_until))
         if answer is None:
             self.doubtful[pair] = max(lo, self.problem.possible(pair[1], pair[2]))
             return
@@ -269,9 +270,11 @@ class _Search:
             elif order == 0:
                 self.tied.append(pair)
 
-    def _contact_and_bound(self, pair: Pair) -> tuple[Any, float]:
+    def _contact_and_bound(self, pair: Pair, lo: float, sure_until: float | None) -> tuple[Any, float]:
         """The exact time of the pair and a double not before it."""
-        instant = self.problem.contact(pair[1], pair[2])
+        _, x, y = pair
+        problem = self.problem
+        instant = problem.contact(x, y) if sure_until is None else problem.contact_within(x, y, lo, sure_until)
         return instant, 0.0 if instant is None else instant.bounds()[1]
 
     def _exactly(self, question: Callable[[], Any]) -> Any:
@@ -298,10 +301,10 @@ class _Search:
 
     def _settle_waiting(self) -> None:
         """Exact times of the certain pairs, until the next lower bound lies behind the best."""
-        for lo, row in sorted(self.waiting):
+        for lo, hi, row in sorted(self.waiting):
             if lo > self.state.floats[BEST]:
                 break
-            self._decide(self._pair(row), lo)
+            self._decide(self._pair(row), lo, hi)
         self.waiting.clear()
 
     def _conclude(self) -> None:
