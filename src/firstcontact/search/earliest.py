@@ -6,7 +6,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
-from firstcontact.exact.numbers import PRECISIONS, Undecidable, precision
+from flint import arb
+
+from firstcontact.exact.instants import RationalInstant
+from firstcontact.exact.numbers import PRECISIONS, Undecidable, exact_value, precision
 from firstcontact.search.elements import KINDS, Feature, feature
 from firstcontact.search.state import (
     ALL,
@@ -31,6 +34,9 @@ from firstcontact.search.state import (
     return_state,
 )
 
+# A contact in doubt need not be decided where the bodies certainly meet within this share of the window after it.
+SOON = 2.0**-40
+
 Progress = Callable[[float, int], None]
 
 # A pair of elements in contact: kind (see `state`), element of a, element of b.
@@ -50,6 +56,7 @@ class Problem(Protocol):
     def contact(self, element_a: Feature, element_b: Feature) -> Any: ...
     def contact_within(self, element_a: Feature, element_b: Feature, lo: float, hi: float) -> Any: ...
     def possible(self, element_a: Feature, element_b: Feature) -> float: ...
+    def meets_by(self, element_a: Feature, element_b: Feature, after: float) -> float | None: ...
     def start_relation(self, element_a: Feature, element_b: Feature) -> int: ...
 
 
@@ -152,6 +159,8 @@ class _Search:
         self.best: Any = None
         """The earliest exact time so far, and the pairs that realise it."""
         self.tied: list[Pair] = []
+        self.met_by = float("inf")
+        """A time by which the bodies certainly meet, if not in which elements."""
 
     def run(self, with_start: bool) -> None:
         last, sure_last = self.problem.window()
@@ -254,9 +263,8 @@ class _Search:
         if pair in self.decided:
             return
         self.found.exact += 1
-        answer = self._exactly(lambda: self._contact_and_bound(pair, lo, sure_until))
+        answer = self._contact_and_bound(pair, lo, sure_until)
         if answer is None:
-            self.doubtful[pair] = max(lo, self.problem.possible(pair[1], pair[2]))
             return
         instant, hi = answer
         self.decided[pair] = instant
@@ -270,12 +278,42 @@ class _Search:
             elif order == 0:
                 self.tied.append(pair)
 
-    def _contact_and_bound(self, pair: Pair, lo: float, sure_until: float | None) -> tuple[Any, float]:
-        """The exact time of the pair and a double not before it."""
+    def _contact_and_bound(self, pair: Pair, lo: float, sure_until: float | None) -> tuple[Any, float] | None:
+        """The exact time of the pair and a double not before it; None where it is left in doubt.
+
+        That is so when no precision decides it, and when the bodies certainly meet so soon after that it need not be.
+        """
         _, x, y = pair
         problem = self.problem
-        instant = problem.contact(x, y) if sure_until is None else problem.contact_within(x, y, lo, sure_until)
-        return instant, 0.0 if instant is None else instant.bounds()[1]
+        for bits in PRECISIONS:
+            with precision(bits):
+                try:
+                    instant = (
+                        problem.contact(x, y) if sure_until is None else problem.contact_within(x, y, lo, sure_until)
+                    )
+                    return instant, 0.0 if instant is None else instant.bounds()[1]
+                except Undecidable:
+                    possible = max(lo, problem.possible(x, y))
+            if bits > PRECISIONS[0] and self._is_met_soon(pair, possible):
+                break
+        self.doubtful[pair] = possible
+        return None
+
+    def _is_met_soon(self, pair: Pair, possible: float) -> bool:
+        """Whether the bodies certainly meet so soon after a possible contact of a pair that they are not told apart."""
+        floats = self.state.floats
+        if floats[ALL] != 0.0:
+            return False
+        if not self._is_soon(possible):
+            until = self.problem.meets_by(pair[1], pair[2], possible)
+            if until is None:
+                return False
+            self.met_by = min(self.met_by, until)
+            floats[BEST] = min(floats[BEST], until)
+        return self._is_soon(possible)
+
+    def _is_soon(self, after: float) -> bool:
+        return after <= self.met_by <= after + SOON * self.problem.window()[0]
 
     def _exactly(self, question: Callable[[], Any]) -> Any:
         """The answer of the exact face, at rising precision where it is in balls; None when none decides."""
@@ -313,8 +351,14 @@ class _Search:
         open_until = min(self.doubtful.values(), default=float("inf"))
         # a contact certain to be no later than any doubtful one is the first, whatever becomes of those
         if self.doubtful and open_until <= horizon and not (self.best and self.best.bounds()[0] <= open_until):
-            found.open = "precision"
             found.free_until = open_until
+            if not self._is_soon(open_until):
+                found.open = "precision"
+                return
+            lo, hi = (arb(exact_value(t)) for t in (open_until, self.met_by))
+            found.instant = RationalInstant(lo.union(hi))
+            near = [pair for pair, possible in self.doubtful.items() if possible <= self.met_by]
+            found.pairs = sorted({*near, *self.tied})
             return
         found.free_until = horizon
         if self.best is None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable
 from functools import cmp_to_key
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -11,16 +12,35 @@ from flint import arb, arb_series, ctx, fmpq
 
 from firstcontact.exact.conditions import Conditions
 from firstcontact.exact.instants import RationalInstant, enclose
-from firstcontact.exact.numbers import PRECISIONS, Undecidable, ball, ball_bounds, exact_value, precision, to_double
-from firstcontact.exact.rigid import Matrix
-from firstcontact.exact.vectors import sub
+from firstcontact.exact.numbers import (
+    PRECISIONS,
+    Undecidable,
+    above,
+    ball,
+    ball_bounds,
+    exact_value,
+    precision,
+    to_double,
+)
+from firstcontact.exact.rigid import Matrix, compose, inverse_map
+from firstcontact.exact.vectors import cross, sub
 from firstcontact.kernels.verdict import CERTAIN, NONE
 from firstcontact.motion.curved import CurvedPiece, inverse, terms
 from firstcontact.pairs import moving
 from firstcontact.result import ExactTime
 from firstcontact.search import curve, curve_windows
 from firstcontact.search.curved_problem import Corners, CurvedProblem
-from firstcontact.search.elements import EDGE, FACE, KINDS, Feature, Primitive, corners_of
+from firstcontact.search.earliest import SOON
+from firstcontact.search.elements import (
+    EDGE,
+    FACE,
+    KINDS,
+    Feature,
+    Primitive,
+    certainly_meet,
+    corners_of,
+    vertices_of,
+)
 from firstcontact.search.tree import FACET
 from firstcontact.search.windows import PART_ROOM
 
@@ -62,6 +82,8 @@ class EnclosedProblem(CurvedProblem):
 
         Floats say before when there is none; from there on balls decide.
         """
+        if element_a[0] == element_b[0] == EDGE and self._stay_parallel(element_a, element_b):
+            return None
         kind = next(k for k, pair in KINDS.items() if pair == (element_a[0], element_b[0]))
         xa, xb = (corners_as_doubles(body, e) for body, e in ((self.a, element_a), (self.b, element_b)))
         pair = corners_of(self.a, element_a), corners_of(self.b, element_b)
@@ -85,6 +107,20 @@ class EnclosedProblem(CurvedProblem):
             if until >= last:
                 return None
             first, near = until, 4.0 * near
+
+    def _stay_parallel(self, edge_a: Feature, edge_b: Feature) -> bool:
+        """Whether the edges are parallel at all times, and a facet at one of them.
+
+        Then they share a point only where an end of one lies in the other: a corner of that facet on the other body, or
+        a corner of the other on the facet.
+        """
+        directions = []
+        for leg, body, edge in ((self.piece.leg_a, self.a, edge_a), (self.piece.leg_b, self.b, edge_b)):
+            direction = leg.fixed_direction(sub(*corners_of(body, edge)))
+            if direction is None:
+                return False
+            directions.append(direction)
+        return not any(cross(*directions)) and (_has_facet(self.a, edge_a) or _has_facet(self.b, edge_b))
 
     def _contacts_in(self, pair: Corners, lo: fmpq, hi: fmpq, first_only: bool = False) -> list[tuple[arb, arb]]:
         """The contacts of two elements from lo to hi, or the first of them, each with a time in which it is alone.
@@ -187,6 +223,25 @@ class EnclosedProblem(CurvedProblem):
             return True
         raise Undecidable(ball_bounds(t)[0])
 
+    def meets_by(self, element_a: Feature, element_b: Feature, after: float) -> float | None:
+        """A time soon after that one at which primitives beside the two elements certainly share a point, or None.
+
+        That settles a first contact no precision names, such as an edge that lands on an edge: it is in between.
+        """
+        beside = [_beside(body, e) for body, e in ((self.a, element_a), (self.b, element_b))]
+        with precision(_BITS):
+            for share in (2.0**-12, 2.0**-6, 0.5):
+                t = min(exact_value(after) + exact_value(share * SOON) * self.length, self.length)
+                pose = self._pose_at(t + self.piece.start)
+                if any(certainly_meet(x.moved(pose), y) for x, y in product(*beside)):
+                    return above(t)
+        return None
+
+    def _pose_at(self, t: fmpq) -> Matrix:
+        """The pose of a seen from b at that time of the clock: rational where both are, else in balls."""
+        pose_a, pose_b = (leg.place(t).matrix() for leg in (self.piece.leg_a, self.piece.leg_b))
+        return compose(inverse_map(pose_b), pose_a)
+
     def possible(self, element_a: Feature, element_b: Feature) -> float:
         """A time before which the two elements, which no precision could decide, certainly do not meet."""
         return self._possible.get((element_a, element_b), 0.0)
@@ -263,6 +318,20 @@ class EnclosedProblem(CurvedProblem):
         """None: no exact form."""
         return None
 
+
+
+def _beside(body: Any, element: Feature) -> list[Primitive]:
+    """The triangles and bare edges that share a corner with the element."""
+    corners = vertices_of(body, element)
+    primitives = [t for t in body.triangles.tolist() if not set(corners).isdisjoint(t)]
+    if not primitives:
+        primitives = [s for s in body._segments.tolist() if not set(corners).isdisjoint(s)] or [corners]
+    return [Primitive.of([body.exact_vertex(i) for i in p]) for p in primitives]
+
+
+def _has_facet(body: Any, edge: Feature) -> bool:
+    """Whether the edge is a side of a triangle."""
+    return bool(np.any(np.isin(body.triangles, vertices_of(body, edge)).sum(axis=1) >= 2))
 
 
 def corners_as_doubles(body: Any, element: Feature) -> np.ndarray:

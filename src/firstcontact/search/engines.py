@@ -67,6 +67,10 @@ class ByEngine:
 
         return advance_lifted(self, state, limit)
 
+    def meets_by(self, element_a: Any, element_b: Any, after: float) -> float | None:
+        """A time soon after that one by which the bodies certainly share a point: none is sought, pairs are exact."""
+        return None
+
     def advance_boxes(self, state: WalkState, limit: int, with_start: bool, all_sides: bool) -> int:
         raise NotImplementedError
 
