@@ -352,6 +352,8 @@ class _Search:
         # a contact certain to be no later than any doubtful one is the first, whatever becomes of those
         if self.doubtful and open_until <= horizon and not (self.best and self.best.bounds()[0] <= open_until):
             found.free_until = open_until
+            if self.best is not None:
+                self.met_by = min(self.met_by, self.best.bounds()[1])
             if not self._is_soon(open_until):
                 found.open = "precision"
                 return

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
-from functools import cmp_to_key
+from functools import cached_property, cmp_to_key
 from itertools import product
 from typing import Any
 
@@ -22,25 +22,29 @@ from firstcontact.exact.numbers import (
     precision,
     to_double,
 )
-from firstcontact.exact.rigid import Matrix, compose, inverse_map
-from firstcontact.exact.vectors import cross, sub
+from firstcontact.exact.rigid import Matrix, apply, compose, inverse_map
+from firstcontact.exact.vectors import Vector, cross, dot, sub
 from firstcontact.kernels.verdict import CERTAIN, NONE
 from firstcontact.motion.curved import CurvedPiece, inverse, terms
+from firstcontact.motion.rotation import Rotation
 from firstcontact.pairs import moving
 from firstcontact.result import ExactTime
 from firstcontact.search import curve, curve_windows
+from firstcontact.search.containment import contains
 from firstcontact.search.curved_problem import Corners, CurvedProblem
 from firstcontact.search.earliest import SOON
 from firstcontact.search.elements import (
     EDGE,
     FACE,
     KINDS,
+    VERTEX,
     Feature,
     Primitive,
     certainly_meet,
     corners_of,
     vertices_of,
 )
+from firstcontact.search.frame import tree_of
 from firstcontact.search.tree import FACET
 from firstcontact.search.windows import PART_ROOM
 
@@ -84,6 +88,8 @@ class EnclosedProblem(CurvedProblem):
         """
         if element_a[0] == element_b[0] == EDGE and self._stay_parallel(element_a, element_b):
             return None
+        if self._stay_in_plane(element_a, element_b):
+            return None
         kind = next(k for k, pair in KINDS.items() if pair == (element_a[0], element_b[0]))
         xa, xb = (corners_as_doubles(body, e) for body, e in ((self.a, element_a), (self.b, element_b)))
         pair = corners_of(self.a, element_a), corners_of(self.b, element_b)
@@ -121,6 +127,36 @@ class EnclosedProblem(CurvedProblem):
                 return False
             directions.append(direction)
         return not any(cross(*directions)) and (_has_facet(self.a, edge_a) or _has_facet(self.b, edge_b))
+
+    def _stay_in_plane(self, element_a: Feature, element_b: Feature) -> bool:
+        """Whether both elements stay in one plane, and others are the first of these bodies to meet in it.
+
+        Outlines in a plane first meet at a corner of one of them.  There an edge leaves the plane, and it is tested
+        against what the corner meets; so are corners at which none does, but for those inside a flat face.
+        """
+        normal = self._common_axis
+        if normal is None:
+            return False
+        heights: set[Any] = set()
+        for leg, body, element in ((self.piece.leg_a, self.a, element_a), (self.piece.leg_b, self.b, element_b)):
+            corners = vertices_of(body, element)
+            place = leg.before.matrix()
+            heights.update(dot(apply(place, body.exact_vertex(i)), normal) for i in corners)
+            if len(heights) > 1:
+                return False
+            if element[0] != FACE and not all(_rises_or_is_inner(body, i, place, normal) for i in corners):
+                return False
+        return True
+
+    @cached_property
+    def _common_axis(self) -> Vector | None:
+        """A direction along which neither body moves while one turns about it, where that is known exactly."""
+        for leg in (self.piece.leg_a, self.piece.leg_b):
+            if isinstance(leg.motion, Rotation):
+                axis = leg.motion.axis
+                if self.piece.leg_a.keeps_height(axis) and self.piece.leg_b.keeps_height(axis):
+                    return axis
+        return None
 
     def _contacts_in(self, pair: Corners, lo: fmpq, hi: fmpq, first_only: bool = False) -> list[tuple[arb, arb]]:
         """The contacts of two elements from lo to hi, or the first of them, each with a time in which it is alone.
@@ -224,7 +260,7 @@ class EnclosedProblem(CurvedProblem):
         raise Undecidable(ball_bounds(t)[0])
 
     def meets_by(self, element_a: Feature, element_b: Feature, after: float) -> float | None:
-        """A time soon after that one at which primitives beside the two elements certainly share a point, or None.
+        """A time soon after that one at which the bodies certainly share a point at the two elements, or None.
 
         That settles a first contact no precision names, such as an edge that lands on an edge: it is in between.
         """
@@ -233,7 +269,11 @@ class EnclosedProblem(CurvedProblem):
             for share in (2.0**-12, 2.0**-6, 0.5):
                 t = min(exact_value(after) + exact_value(share * SOON) * self.length, self.length)
                 pose = self._pose_at(t + self.piece.start)
-                if any(certainly_meet(x.moved(pose), y) for x, y in product(*beside)):
+                if (
+                    any(certainly_meet(x.moved(pose), y) for x, y in product(*beside))
+                    or _certainly_holds(self.b, self.a, element_a, pose)
+                    or _certainly_holds(self.a, self.b, element_b, inverse_map(pose))
+                ):
                     return above(t)
         return None
 
@@ -327,6 +367,31 @@ def _beside(body: Any, element: Feature) -> list[Primitive]:
     if not primitives:
         primitives = [s for s in body._segments.tolist() if not set(corners).isdisjoint(s)] or [corners]
     return [Primitive.of([body.exact_vertex(i) for i in p]) for p in primitives]
+
+
+def _certainly_holds(solid: Any, body: Any, element: Feature, pose: Matrix) -> bool:
+    """Whether the element is a vertex of the body that certainly lies inside the solid."""
+    if not solid.solid or element[0] != VERTEX:
+        return False
+    try:
+        return contains(solid, tree_of(solid), apply(pose, body.exact_vertex(element[1])))
+    except Undecidable:
+        return False
+
+
+def _rises_or_is_inner(body: Any, corner: int, place: Matrix, normal: Vector) -> bool:
+    """Whether a segment leads from the corner out of its plane, or it lies inside a flat face of a solid."""
+    origin = apply(place, body.exact_vertex(corner))
+
+    def ray(i: int) -> Vector:
+        return sub(apply(place, body.exact_vertex(i)), origin)
+
+    ends = {*body._segments[np.any(body._segments == corner, axis=1)].ravel().tolist()} - {corner}
+    if any(dot(ray(i), normal) != 0 for i in ends):
+        return True
+    around = body.triangles[np.any(body.triangles == corner, axis=1)].tolist()
+    turns = {dot(cross(sub(ray(q), ray(p)), sub(ray(r), ray(p))), normal) > 0 for p, q, r in around}
+    return bool(body.solid) and len(turns) == 1  # triangles that turn alike about it: none folds back
 
 
 def _has_facet(body: Any, edge: Feature) -> bool:

@@ -1,4 +1,4 @@
-"""Contacts under screws that no precision names: edges that land on edges, faces on faces.  The time is certain though."""
+"""Contacts that no precision names: edges that land on edges, faces in one plane.  The time is certain though."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 import firstcontact as fc
 from amount import amount
 
-CUBE = fc.box((1, 1, 1)).to_mesh(1)
+CUBE = fc.examples.box((1, 1, 1))
 AXIS = (0, 0, 1)
 
 
@@ -59,7 +59,7 @@ def test_prisms_meet_when_a_turn_says_so():
         ring, post = ([*rng.integers(1, 5, 2).tolist(), 0] for _ in range(2))
         sizes = [(*rng.integers(1, 4, 2).tolist(), 8) for _ in range(2)]
         arm, stop = (
-            fc.box(size).to_mesh(1).translated([x * sign for x, sign in zip(at, signs, strict=True)])
+            fc.examples.box(size).translated([x * sign for x, sign in zip(at, signs, strict=True)])
             for size, at, signs in zip(sizes, (ring, post), ((1, 1, 1), (-1, 1, 1)), strict=True)
         )
         turn, screw = fc.Rotation(AXIS, degrees=180), fc.Screw(AXIS, degrees=180, advance=1)
@@ -69,3 +69,32 @@ def test_prisms_meet_when_a_turn_says_so():
             met += 1
             assert encloses(hit, expected.time), (k, ring, post, sizes)
     assert met > 3
+
+
+@pytest.mark.parametrize("other", [fc.Translation((-5, 0, 0)), fc.Rotation(AXIS, degrees=180, point=(3, 0, 0))])
+def test_boxes_on_one_table(other):
+    """Boxes that slide in one plane meet when one that stands out on both sides is met, which no plane confuses."""
+    rng = np.random.default_rng(20261122)
+    met = 0
+    for k in range(amount(24)):
+        (x, y), angle = rng.integers(1, 4, 2).tolist(), int(rng.integers(20, 170))
+        turn = fc.Rotation(AXIS, degrees=angle)
+        slider = fc.examples.box((x, y, 2)).translated((5, int(rng.integers(-2, 3)), 0)).moving(other)
+        level, tall = (fc.examples.box((2, 1, height)).moving(turn) for height in (2, 3))
+        expected, hit = (fc.first_contact(slider, b) for b in (tall, level))
+        assert hit.status is expected.status is not fc.Status.UNDECIDED, (k, x, y, angle)
+        if hit.status is fc.Status.CONTACT:
+            met += 1
+            assert encloses(hit, expected.time), (k, x, y, angle)
+    assert met > 2
+
+
+def test_flat_sheets_in_one_plane_are_never_called_free():
+    """Sheets without thickness have no edges that leave their plane."""
+    sheet = fc.Polyhedron([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], [[0, 1, 2, 3]])
+    hit = fc.first_contact(
+        sheet.translated((5, 0, 0)).moving(fc.Translation((-6, 0, 0))), sheet.moving(fc.Rotation(AXIS, degrees=40)),
+        budget=2000,
+    )  # fmt: skip
+    assert hit.status in (fc.Status.CONTACT, fc.Status.UNDECIDED)
+    assert hit.free_until < 0.75
