@@ -294,7 +294,9 @@ def _added(stats: Stats, found: Any) -> Stats:
 
 
 def _timed(stats: Stats, begin: float) -> Stats:
-    return stats + Stats(seconds=clock.perf_counter() - begin)
+    """The work of a search, and the time since `begin`."""
+    done = stats.node_visits, stats.pair_tests, stats.undecided, stats.exact_evaluations
+    return Stats(*done, clock.perf_counter() - begin, stats.engine)
 
 
 def _refuse_inexact(parts: list[Any]) -> None:

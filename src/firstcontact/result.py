@@ -260,7 +260,7 @@ class Subproblem:
 class FirstContact(_Deferring):
     """The earliest time at which two moving bodies share a point, or the proof that they share none.
 
-    Of polyhedra, where and of what the contact is is worked out when one of its attributes is first read.
+    Of polyhedra, point, normal and elements are worked out when one of them is first read; `stats` ends before that.
 
     status          Status.FREE proves that they share no point at any time of ``span``.
     time            the double nearest the true time (the motion's parameter); None when free.

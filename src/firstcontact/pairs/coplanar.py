@@ -1,4 +1,4 @@
-"""When two elements meet of which floats have proved that they do, in a short time: one equation, no question of insides.
+"""When two elements meet that floats have proved to meet within a short time: one equation, no question of insides.
 
 Where a vertex lies on a facet, or two edges cross, the two directions that they span together and the way from one to
 the other lie in one plane.  Under a translation that is a linear equation in time, under a rotation
@@ -17,8 +17,8 @@ from firstcontact.exact.surd import Surd
 from firstcontact.exact.turning import Axis
 from firstcontact.exact.vectors import Vector, cross, dot, sub
 
-# Seen as c1 cos + sqrt(K) c2 sin with coefficients below 1 and rounded, slopes are wrong by less than this.
-_SLOPE_EPS = 1e-14
+# Rounding of the slope: of two products of doubles below 1 and of the middle of the interval, below 2 pi.
+SLOPE_EPS = 1e-14
 
 
 def translation_instant(a: list[Vector], b: list[Vector], v: Vector) -> fmpq | None:
@@ -40,12 +40,12 @@ def rotation_instant(axis: Axis, a: list[Vector], b: list[Vector], lo: float, hi
     """
     c0, c1, c2 = _equation(axis, a, b)
     K = axis.K  # noqa: N806
-    # c1 and sqrt(K) c2 as doubles of size 1; their slopes change by at most 2 per radian
-    x, y = int(c1) << 60, int(c2) * math.isqrt(int(K) << 120)
-    over = 1 << max(x.bit_length(), y.bit_length())
+    # c1 and sqrt(K) c2 as doubles below 1; their slope changes by at most 2 per radian
+    x, y = c1 << 60, c2 * (K << 120).isqrt()
+    extra = max(0, max(x.bit_length(), y.bit_length()) - 60)
     middle = 0.5 * (lo + hi)
-    slope = y / over * math.cos(middle) - x / over * math.sin(middle)
-    if not abs(slope) > hi - lo + _SLOPE_EPS:
+    slope = 2.0**-60 * (int(y >> extra) * math.cos(middle) - int(x >> extra) * math.sin(middle))
+    if not abs(slope) > hi - lo + SLOPE_EPS:
         return None
     way = 1 if slope < 0.0 else -1
     norm = c1 * c1 + K * (c2 * c2)
@@ -66,5 +66,7 @@ def _equation(axis: Axis, a: list[Vector], b: list[Vector]) -> tuple[Any, Any, A
 
 def _product(axis: Axis, x: Vector, y: Vector) -> tuple[Any, Any, Any]:
     """K times the dot product of x, turned by phi, and y, as coefficients of 1, cos(phi) and sqrt(K) sin(phi)."""
-    still = axis.height(x) * axis.height(y)
-    return still, axis.K * dot(x, y) - still, axis.turn(x, y)
+    (h0, h1, h2), (x0, x1, x2), (y0, y1, y2) = axis.h, x, y
+    still = (h0 * x0 + h1 * x1 + h2 * x2) * (h0 * y0 + h1 * y1 + h2 * y2)
+    turn = h0 * (x1 * y2 - x2 * y1) + h1 * (x2 * y0 - x0 * y2) + h2 * (x0 * y1 - x1 * y0)
+    return still, axis.K * (x0 * y0 + x1 * y1 + x2 * y2) - still, turn

@@ -386,7 +386,7 @@ class RotationProblem(ByEngine):
     def touch(self, element_a: Feature, element_b: Feature, at: Any) -> Touch:
         """(point, unit normal or None) of the two elements at the instant, working frame."""
         contacts = self.contacts(element_a, element_b)
-        point = next(q for instant, q in contacts if same_instant(instant, at))
+        point = next(q for instant, q in contacts if len(contacts) == 1 or same_instant(instant, at))
         where = place_doubles(point)
         _, corners_a, corners_b = self._corners(element_a, element_b)
         normal = rotation_normal(corners_a, corners_b, self._whole_axis, point, where, at)
