@@ -16,10 +16,9 @@ from flint import fmpq
 from firstcontact.body import primitives
 from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.moving import Moving, shape_of
-from firstcontact.composite.answer import rank
 from firstcontact.composite.flat_contacts import Pair, Shared, keeps_directions, shared_set
 from firstcontact.composite.square_subproblems import refuse_untraced
-from firstcontact.composite.touched import Flat, Point, is_parallel, lowest, named, touched, with_neighbours
+from firstcontact.composite.touched import Flat, Point, is_parallel, lowest, ranked, touched, with_neighbours
 from firstcontact.report import MOST_OTHERS
 from firstcontact.result import ContactSet, Element, ElementPair, FirstContact, Stats, Status
 from firstcontact.search.advance import Advance, advance
@@ -103,9 +102,9 @@ def contact(models: tuple[Any, Any], found: Advance, begin: float, shared: dict[
             shares = ContactSet("point", point[None])
         elif (flat := _flat_set(models, found, [x for x, _ in flats_a], [x for x, _ in flats_b])) is not None:
             shares = ContactSet(flat.kind, flat.points)
-            (first, where), *rest = _named(models, found, flat.pairs)
-            element_a, element_b, point = first.element_a, first.element_b, np.array(where)
-            others, multiplicity = tuple(pair for pair, _ in rest[:MOST_OTHERS]), len(rest) + 1
+            (element_a, element_b, where), *rest = _named(models, found, flat.pairs)
+            point, multiplicity = np.array(where), len(rest) + 1
+            others = tuple(ElementPair(x, y) for x, y, _ in rest[:MOST_OTHERS])
     return FirstContact(
         Status.CONTACT, found.time, found.time_interval, None, point, found.normal, element_a, element_b,
         others, multiplicity, shares, free_until=found.time_interval[0],
@@ -129,17 +128,16 @@ def _surfaces(model: CompositeQuadric, features: tuple[tuple[str, int], ...]) ->
     return {k for kind, index in features for k in touched(model, kind, index).feature.surfaces}
 
 
-def _named(models: tuple[Any, Any], found: Advance, pairs: list[Pair]) -> list[tuple[ElementPair, Point]]:
+def _named(models: tuple[Any, Any], found: Advance, pairs: list[Pair]) -> list[tuple[Element, Element, Point]]:
     """Each pair of elements once, with where it meets, lowest first; for bodies that only shift."""
     (model_a, model_b), (shift_a, shift_b) = _wholes(models), _shifts(found)
-    seen: dict[tuple[int, ...], tuple[ElementPair, Point]] = {}
+    seen: dict[tuple[tuple[int, int], tuple[int, int]], tuple[Element, Element, Point]] = {}
     for x, y, where in pairs:
         in_a = where if model_a.source is None else tuple(np.subtract(where, shift_a).tolist())
         in_b = where if model_b.source is None else tuple(np.subtract(where, shift_b).tolist())
-        element_a, element_b = named(model_a, x, "a", in_a), named(model_b, y, "b", in_b)
-        ranks = *rank(element_a), *rank(element_b)
-        if ranks not in seen:
-            seen[ranks] = ElementPair(element_a, element_b), where
+        rank_a, element_a = ranked(model_a, x, "a", in_a)
+        rank_b, element_b = ranked(model_b, y, "b", in_b)
+        seen.setdefault((rank_a, rank_b), (element_a, element_b, where))
     return [seen[ranks] for ranks in sorted(seen)]
 
 
