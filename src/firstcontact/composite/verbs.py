@@ -18,6 +18,7 @@ from firstcontact.composite.answer import contact_of, listed, world_time
 from firstcontact.composite.at_rest import is_containment, overlap
 from firstcontact.composite.certified import both_bounded, contact, settle
 from firstcontact.composite.certified_intervals import Found, certified_intervals
+from firstcontact.composite.idle_turns import without_idle_turn
 from firstcontact.composite.mesh_intervals import intervals_of_mesh
 from firstcontact.composite.meshes import first_contact_of_mesh
 from firstcontact.composite.moving_pair import Pair
@@ -43,6 +44,9 @@ def first_contact(
     exact, or method "algebraic": exactly at once; "algebraic" judges and lists every subproblem too.
     """
     begin = clock.perf_counter()
+    x, y = without_idle_turn(a), without_idle_turn(b)
+    if x is not a or y is not b:
+        return _with(first_contact(x, y, span, exact, method, tolerance, budget, progress), a=a, b=b)
     if _goes_by_triangles(a) or _goes_by_triangles(b):
         first, last = bounded_span(a, b, span)
         exact = exact or method == "algebraic"
@@ -159,6 +163,9 @@ def contact_intervals(
     tolerance: as part of the span, of the certified path only; algebra is exact.
     """
     begin = clock.perf_counter()
+    x, y = without_idle_turn(a), without_idle_turn(b)
+    if x is not a or y is not b:
+        return replace(contact_intervals(x, y, span, exact, budget, progress, tolerance), a=a, b=b)
     if _goes_by_triangles(a) or _goes_by_triangles(b):
         return _intervals_of_mesh(a, b, span, exact, Work(budget, progress), tolerance)
     first, last = _span(a, b, span)
