@@ -37,11 +37,11 @@ def _is_round(model: CompositeQuadric, motion: Rotation | Screw) -> bool:
     known = model._search.setdefault("round", {})
     line = tuple((int(x.p), int(x.q)) for x in (*motion.axis, *motion.point))
     if line not in known:
-        known[line] = all(_is_same(surface, motion.axis, motion.point) for surface in model.surfaces)
+        known[line] = all(is_same(surface, motion.axis, motion.point) for surface in model.surfaces)
     return bool(known[line])
 
 
-def _is_same(surface: Surface, axis: tuple[fmpq, ...], point: tuple[fmpq, ...]) -> bool:
+def is_same(surface: Surface, axis: tuple[fmpq, ...], point: tuple[fmpq, ...]) -> bool:
     """Whether the surface is one of revolution about the line."""
     if isinstance(surface, Plane):
         return not any(cross(surface.normal[:3], axis))
