@@ -8,6 +8,7 @@ from typing import Any, Protocol
 
 from firstcontact.exact.numbers import PRECISIONS, Undecidable, precision
 from firstcontact.search.elements import KINDS, Feature, feature
+from firstcontact.search.planar import BeginsNothing
 from firstcontact.search.state import (
     ALL,
     BEST,
@@ -253,7 +254,13 @@ class _Search:
         if pair in self.decided:
             return
         self.found.exact += 1
-        answer = self._exactly(lambda: self._contact_and_bound(pair))
+        try:
+            answer = self._exactly(lambda: self._contact_and_bound(pair))
+        except BeginsNothing:
+            if self.state.floats[ALL] == 0.0:
+                self.decided[pair] = None
+                return
+            answer = None
         if answer is None:
             self.doubtful[pair] = max(lo, self.problem.possible(pair[1], pair[2]))
             return

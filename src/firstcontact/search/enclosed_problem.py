@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
-from functools import cmp_to_key
+from functools import cached_property, cmp_to_key
 from typing import Any
 
 import numpy as np
@@ -21,6 +21,7 @@ from firstcontact.result import ExactTime
 from firstcontact.search import curve, curve_windows
 from firstcontact.search.curved_problem import Corners, CurvedProblem
 from firstcontact.search.elements import EDGE, FACE, KINDS, Feature, Primitive, corners_of
+from firstcontact.search.planar import BeginsNothing, generic_poses, has_walls, normal_of_motion
 from firstcontact.search.tree import FACET
 from firstcontact.search.windows import PART_ROOM
 
@@ -47,6 +48,29 @@ class EnclosedProblem(CurvedProblem):
         self._instants: dict[Hashable, list[tuple[RationalInstant, arb]]] = {}
         self._possible: dict[tuple[Feature, Feature], float] = {}
 
+    @cached_property
+    def _generic(self) -> tuple[Any, Any] | None:
+        """The generic pose of motions in the plane, and its inverse; None where this motion is in no plane."""
+        normal = normal_of_motion(self.piece)
+        return None if normal is None or not self.is_exact else generic_poses(normal)
+
+    @cached_property
+    def _have_walls(self) -> bool:
+        normal = normal_of_motion(self.piece)
+        return normal is not None and has_walls(self.a, normal) and has_walls(self.b, normal)
+
+    def _lasting(self, pair: Corners) -> list[list[bool]] | None:
+        """For every part of the conditions, which of `least` and `more` vanish at all times; None where none may.
+
+        Raises BeginsNothing for elements that slide in one another; Undecidable where contact may begin so.
+        """
+        if self._generic is None:
+            return None
+        parts = self.conditions(pair, *self._generic)
+        if all(not any(c.zero) for c in parts):
+            raise BeginsNothing if self._have_walls else Undecidable
+        return [[not p for p in (*c.least, *c.more)] for c in parts]
+
     def conditions(self, pair: Corners, pose: Any, back: Any) -> list[Conditions]:
         """When the two elements share a point, but for parallel edges; power series in the time."""
         x, y = pair
@@ -65,6 +89,7 @@ class EnclosedProblem(CurvedProblem):
         kind = next(k for k, pair in KINDS.items() if pair == (element_a[0], element_b[0]))
         xa, xb = (corners_as_doubles(body, e) for body, e in ((self.a, element_a), (self.b, element_b)))
         pair = corners_of(self.a, element_a), corners_of(self.b, element_b)
+        lasting = self._lasting(pair)
         first, last = 0.0, self.window()[0]
         near = _NEAR * last
         while True:
@@ -76,7 +101,7 @@ class EnclosedProblem(CurvedProblem):
             self._possible[element_a, element_b] = lo
             until = hi if verdict == CERTAIN and hi - lo < near else lo + near
             try:
-                found = self._contacts_in(pair, exact_value(lo), exact_value(until), first_only=True)
+                found = self._contacts_in(pair, exact_value(lo), exact_value(until), True, lasting)
             except Undecidable as unclear:
                 self._possible[element_a, element_b] = max(lo, *unclear.args)
                 raise
@@ -86,9 +111,12 @@ class EnclosedProblem(CurvedProblem):
                 return None
             first, near = until, 4.0 * near
 
-    def _contacts_in(self, pair: Corners, lo: fmpq, hi: fmpq, first_only: bool = False) -> list[tuple[arb, arb]]:
+    def _contacts_in(
+        self, pair: Corners, lo: fmpq, hi: fmpq, first_only: bool = False, lasting: list[list[bool]] | None = None
+    ) -> list[tuple[arb, arb]]:
         """The contacts of two elements from lo to hi, or the first of them, each with a time in which it is alone.
 
+        lasting: as `_lasting` tells.
         Undecidable carries a double before which there certainly is none.
         """
         waiting, looks = [(lo, hi)], 0
@@ -97,7 +125,7 @@ class EnclosedProblem(CurvedProblem):
         while waiting and not (first_only and out):
             left, right = waiting.pop()
             looks += 1
-            found = self._look(pair, left, right)
+            found = self._look(pair, left, right, lasting)
             if found == OPEN:
                 if looks > _MOST_LOOKS or right - left < fmpq(1, 2 ** (ctx.prec // 2)) * self.length:
                     raise Undecidable(to_double(left))
@@ -107,7 +135,7 @@ class EnclosedProblem(CurvedProblem):
                 out.append(found)
         return out
 
-    def _look(self, pair: Corners, left: fmpq, right: fmpq) -> Any:
+    def _look(self, pair: Corners, left: fmpq, right: fmpq, lasting: list[list[bool]] | None) -> Any:
         """None: certainly no contact from left to right; OPEN: not clear; else the contact and a time it has alone."""
         parts = self._conditions_over(pair, left, right)
         open_parts = [k for k, c in enumerate(parts) if not _excluded(c, ball((right - left) / 2))]
@@ -120,7 +148,8 @@ class EnclosedProblem(CurvedProblem):
         root, alone = found
         with terms(1, ctx.prec):
             at = self.conditions(pair, *self._poses(root))[index]
-        values = [x[0] for x in (*at.least, *at.more)]
+        held = [False] * 9 if lasting is None else lasting[index]
+        values = [x[0] for x, always in zip((*at.least, *at.more), held, strict=False) if not always]
         if any(x < 0 for x in values):
             return None
         if not all(x > 0 for x in values):
