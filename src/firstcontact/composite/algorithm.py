@@ -15,6 +15,7 @@ from flint import fmpq
 
 from firstcontact.composite.at_rest import overlap
 from firstcontact.composite.contact_sets import Shared, shared_part
+from firstcontact.composite.membership import extent
 from firstcontact.composite.moving_pair import Pair
 from firstcontact.composite.square_subproblems import SquareSubproblem
 from firstcontact.composite.subproblems import Subproblem, subproblems
@@ -225,7 +226,7 @@ def _validated(candidate: Candidate) -> tuple[list[Meeting], str]:
     contacts = task.contacts(root)
     if not contacts.found:
         return [], contacts.reason
-    on_a, on_b = task.on
+    on_a, on_b = extent(task.pair.a, task.a, task.on[0]), extent(task.pair.b, task.b, task.on[1])
     meetings, reasons = [], []
     for contact in contacts.found:
         shared, reason = shared_part(task.pair, contact, root, on_a, on_b)

@@ -695,8 +695,6 @@ def _local_outline(model: CompositeQuadric, face: Face) -> _Outline:
             outline.sides.append((edge, vertices[start].position, vertices[end].position))
         else:
             raise _Unclear
-        if not _shape(model).pieces and _runs_on(model, edge):
-            raise _Unclear
     outline.corners.extend(corners.values())
     if not outline.rims and _shape(model).pieces:
         outline.lines = [_side_line(p, q, outline) for _, p, q in outline.sides]
@@ -722,25 +720,6 @@ def _box_around(rim: Edge) -> np.ndarray:
     frame = rim.frame[:3] / rim.frame[3, 0]
     reach = np.abs(frame[:, 1:]).sum(axis=1)
     return np.array([frame[:, 0] - reach, frame[:, 0] + reach])
-
-
-def _runs_on(model: CompositeQuadric, edge: Edge) -> bool:
-    """Whether the edge's line or conic lies on the model beyond its pieces, as at a reentrant corner of a face.
-
-    Exact arithmetic counts what touches it there as touching the edge.
-    """
-    body, on = _Body(model, (0.0, 0.0, 0.0)), frozenset(edge.surfaces)
-    if isinstance(edge.carrier, Conic):
-        angles = np.linspace(0.0, 2.0 * np.pi, SAMPLES // 8, endpoint=False)
-        bare = angles[~_in_pieces(edge, angles)]
-    else:
-        (dx, px), (dy, py), (dz, pz), _ = edge.frame.tolist()
-        ends = sorted(
-            s for k, form in enumerate(body.forms) if k not in on for s, _ in _roots(form, (px, py, pz), (dx, dy, dz))
-        )
-        middles = np.array([0.5 * (lo + hi) for lo, hi in zip(ends, ends[1:], strict=False) if hi - lo > CLEAR])
-        bare = middles[~np.any([(p.lo <= middles) & (middles <= p.hi) for p in edge.pieces], axis=0)]
-    return any(body.holds((x, y, z), on) for x, y, z in edge.points(bare).tolist())
 
 
 def _in_pieces(edge: Edge, angles: np.ndarray) -> np.ndarray:

@@ -75,14 +75,6 @@ class Leg:
         turns = isinstance(self.motion, Rotation | Screw) and self.motion.angle != 0
         return None if turns and any(cross(turned, self.motion.axis)) else turned
 
-    def keeps_height(self, normal: Vector) -> bool:
-        """Whether no point moves along the normal, which is certain."""
-        if not self.before.is_exact:
-            return False
-        if isinstance(self.motion, Translation):
-            return bool(dot(self.motion.vector, normal) == 0)
-        return isinstance(self.motion, Rotation) and not any(cross(self.motion.axis, normal))
-
     def series(self, t: arb) -> Series:
         """The pose around the time t."""
         pose = _own_series(self.motion, (t - self.origin) / self.unit, 1 / self.unit)

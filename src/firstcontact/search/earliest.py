@@ -11,6 +11,7 @@ from flint import arb
 from firstcontact.exact.instants import RationalInstant
 from firstcontact.exact.numbers import PRECISIONS, Undecidable, exact_value, precision
 from firstcontact.search.elements import KINDS, Feature, feature
+from firstcontact.search.planar import BeginsNothing
 from firstcontact.search.state import (
     ALL,
     BEST,
@@ -292,6 +293,11 @@ class _Search:
                         problem.contact(x, y) if sure_until is None else problem.contact_within(x, y, lo, sure_until)
                     )
                     return instant, 0.0 if instant is None else instant.bounds()[1]
+                except BeginsNothing:
+                    if self.state.floats[ALL] == 0.0:
+                        return None, 0.0
+                    possible = lo
+                    break
                 except Undecidable:
                     possible = max(lo, problem.possible(x, y))
             if bits > PRECISIONS[0] and self._is_met_soon(pair, possible):

@@ -23,10 +23,9 @@ from firstcontact.exact.numbers import (
     to_double,
 )
 from firstcontact.exact.rigid import Matrix, apply, compose, inverse_map
-from firstcontact.exact.vectors import Vector, cross, dot, sub
+from firstcontact.exact.vectors import cross, sub
 from firstcontact.kernels.verdict import CERTAIN, NONE
 from firstcontact.motion.curved import CurvedPiece, inverse, terms
-from firstcontact.motion.rotation import Rotation
 from firstcontact.pairs import moving
 from firstcontact.result import ExactTime
 from firstcontact.search import curve, curve_windows
@@ -45,6 +44,7 @@ from firstcontact.search.elements import (
     vertices_of,
 )
 from firstcontact.search.frame import tree_of
+from firstcontact.search.planar import BeginsNothing, generic_poses, has_walls, normal_of_motion
 from firstcontact.search.tree import FACET
 from firstcontact.search.windows import PART_ROOM
 
@@ -71,6 +71,29 @@ class EnclosedProblem(CurvedProblem):
         self._instants: dict[Hashable, list[tuple[RationalInstant, arb]]] = {}
         self._possible: dict[tuple[Feature, Feature], float] = {}
 
+    @cached_property
+    def _generic(self) -> tuple[Any, Any] | None:
+        """The generic pose of motions in the plane, and its inverse; None where this motion is in no plane."""
+        normal = normal_of_motion(self.piece)
+        return None if normal is None or not self.is_exact else generic_poses(normal)
+
+    @cached_property
+    def _have_walls(self) -> bool:
+        normal = normal_of_motion(self.piece)
+        return normal is not None and has_walls(self.a, normal) and has_walls(self.b, normal)
+
+    def _lasting(self, pair: Corners) -> list[list[bool]] | None:
+        """For every part of the conditions, which of `least` and `more` vanish at all times; None where none may.
+
+        Raises BeginsNothing for elements that slide in one another; Undecidable where contact may begin so.
+        """
+        if self._generic is None:
+            return None
+        parts = self.conditions(pair, *self._generic)
+        if all(not any(c.zero) for c in parts):
+            raise BeginsNothing if self._have_walls else Undecidable
+        return [[not p for p in (*c.least, *c.more)] for c in parts]
+
     def conditions(self, pair: Corners, pose: Any, back: Any) -> list[Conditions]:
         """When the two elements share a point, but for parallel edges; power series in the time."""
         x, y = pair
@@ -88,11 +111,10 @@ class EnclosedProblem(CurvedProblem):
         """
         if element_a[0] == element_b[0] == EDGE and self._stay_parallel(element_a, element_b):
             return None
-        if self._stay_in_plane(element_a, element_b):
-            return None
         kind = next(k for k, pair in KINDS.items() if pair == (element_a[0], element_b[0]))
         xa, xb = (corners_as_doubles(body, e) for body, e in ((self.a, element_a), (self.b, element_b)))
         pair = corners_of(self.a, element_a), corners_of(self.b, element_b)
+        lasting = self._lasting(pair)
         first, last = 0.0, self.window()[0]
         near = _NEAR * last
         while True:
@@ -104,7 +126,7 @@ class EnclosedProblem(CurvedProblem):
             self._possible[element_a, element_b] = lo
             until = hi if verdict == CERTAIN and hi - lo < near else lo + near
             try:
-                found = self._contacts_in(pair, exact_value(lo), exact_value(until), first_only=True)
+                found = self._contacts_in(pair, exact_value(lo), exact_value(until), True, lasting)
             except Undecidable as unclear:
                 self._possible[element_a, element_b] = max(lo, *unclear.args)
                 raise
@@ -128,39 +150,12 @@ class EnclosedProblem(CurvedProblem):
             directions.append(direction)
         return not any(cross(*directions)) and (_has_facet(self.a, edge_a) or _has_facet(self.b, edge_b))
 
-    def _stay_in_plane(self, element_a: Feature, element_b: Feature) -> bool:
-        """Whether both elements stay in one plane, and others are the first of these bodies to meet in it.
-
-        Outlines in a plane first meet at a corner of one of them.  There an edge leaves the plane, and it is tested
-        against what the corner meets; so are corners at which none does, but for those inside a flat face.
-        """
-        normal = self._common_axis
-        if normal is None:
-            return False
-        heights: set[Any] = set()
-        for leg, body, element in ((self.piece.leg_a, self.a, element_a), (self.piece.leg_b, self.b, element_b)):
-            corners = vertices_of(body, element)
-            place = leg.before.matrix()
-            heights.update(dot(apply(place, body.exact_vertex(i)), normal) for i in corners)
-            if len(heights) > 1:
-                return False
-            if element[0] != FACE and not all(_rises_or_is_inner(body, i, place, normal) for i in corners):
-                return False
-        return True
-
-    @cached_property
-    def _common_axis(self) -> Vector | None:
-        """A direction along which neither body moves while one turns about it, where that is known exactly."""
-        for leg in (self.piece.leg_a, self.piece.leg_b):
-            if isinstance(leg.motion, Rotation):
-                axis = leg.motion.axis
-                if self.piece.leg_a.keeps_height(axis) and self.piece.leg_b.keeps_height(axis):
-                    return axis
-        return None
-
-    def _contacts_in(self, pair: Corners, lo: fmpq, hi: fmpq, first_only: bool = False) -> list[tuple[arb, arb]]:
+    def _contacts_in(
+        self, pair: Corners, lo: fmpq, hi: fmpq, first_only: bool = False, lasting: list[list[bool]] | None = None
+    ) -> list[tuple[arb, arb]]:
         """The contacts of two elements from lo to hi, or the first of them, each with a time in which it is alone.
 
+        lasting: as `_lasting` tells.
         Undecidable carries a double before which there certainly is none.
         """
         waiting, looks = [(lo, hi)], 0
@@ -169,7 +164,7 @@ class EnclosedProblem(CurvedProblem):
         while waiting and not (first_only and out):
             left, right = waiting.pop()
             looks += 1
-            found = self._look(pair, left, right)
+            found = self._look(pair, left, right, lasting)
             if found == OPEN:
                 if looks > _MOST_LOOKS or right - left < fmpq(1, 2 ** (ctx.prec // 2)) * self.length:
                     raise Undecidable(to_double(left))
@@ -179,7 +174,7 @@ class EnclosedProblem(CurvedProblem):
                 out.append(found)
         return out
 
-    def _look(self, pair: Corners, left: fmpq, right: fmpq) -> Any:
+    def _look(self, pair: Corners, left: fmpq, right: fmpq, lasting: list[list[bool]] | None) -> Any:
         """None: certainly no contact from left to right; OPEN: not clear; else the contact and a time it has alone."""
         parts = self._conditions_over(pair, left, right)
         open_parts = [k for k, c in enumerate(parts) if not _excluded(c, ball((right - left) / 2))]
@@ -192,7 +187,8 @@ class EnclosedProblem(CurvedProblem):
         root, alone = found
         with terms(1, ctx.prec):
             at = self.conditions(pair, *self._poses(root))[index]
-        values = [x[0] for x in (*at.least, *at.more)]
+        held = [False] * 9 if lasting is None else lasting[index]
+        values = [x[0] for x, always in zip((*at.least, *at.more), held, strict=False) if not always]
         if any(x < 0 for x in values):
             return None
         if not all(x > 0 for x in values):
@@ -377,21 +373,6 @@ def _certainly_holds(solid: Any, body: Any, element: Feature, pose: Matrix) -> b
         return contains(solid, tree_of(solid), apply(pose, body.exact_vertex(element[1])))
     except Undecidable:
         return False
-
-
-def _rises_or_is_inner(body: Any, corner: int, place: Matrix, normal: Vector) -> bool:
-    """Whether a segment leads from the corner out of its plane, or it lies inside a flat face of a solid."""
-    origin = apply(place, body.exact_vertex(corner))
-
-    def ray(i: int) -> Vector:
-        return sub(apply(place, body.exact_vertex(i)), origin)
-
-    ends = {*body._segments[np.any(body._segments == corner, axis=1)].ravel().tolist()} - {corner}
-    if any(dot(ray(i), normal) != 0 for i in ends):
-        return True
-    around = body.triangles[np.any(body.triangles == corner, axis=1)].tolist()
-    turns = {dot(cross(sub(ray(q), ray(p)), sub(ray(r), ray(p))), normal) > 0 for p, q, r in around}
-    return bool(body.solid) and len(turns) == 1  # triangles that turn alike about it: none folds back
 
 
 def _has_facet(body: Any, edge: Feature) -> bool:
