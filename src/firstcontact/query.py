@@ -218,10 +218,11 @@ def intersection_curve(
     tolerance: greatest distance between a branch and its polyline.  box: two corners ((x, y, z), (x, y, z)); only what
     lies in it is reported.  Without one, unbounded branches are cut about 100 times the size of the directrices away
     from the origin, and beyond that the tolerance grows.  method: "algebraic" is exact; "certified" takes bounded
-    pieces of any degree and strips, in doubles with proofs; "auto" chooses.
+    pieces of any degree and strips, in doubles with proofs; "auto" chooses, and decides what doubles leave open exactly
+    where degrees are small.
 
     Solids are half-spaces, quadrics and all models made of them, and convex polyhedra; their columns of the parameters
-    are nan.
+    are nan (null in JSON), their exact parameters None.
 
     Raises UnsupportedPair for other bodies, and for the cases that docs/ruled-surfaces.md lists.
 

@@ -462,12 +462,14 @@ class ContactPairs(_NoTruth, Sequence[ElementPair]):
 
 
 def finite(value: Any) -> Any:
-    """The value with infinite numbers as strings ("inf"): JSON has none of its own."""
+    """The value with infinite numbers as strings ("inf") and None for nan: JSON has none of its own."""
     if isinstance(value, dict):
         return {k: finite(v) for k, v in value.items()}
     if isinstance(value, list | tuple):
         return [finite(v) for v in value]
-    return str(value) if isinstance(value, float) and not math.isfinite(value) else value
+    if isinstance(value, float) and not math.isfinite(value):
+        return None if math.isnan(value) else str(value)
+    return value
 
 
 def _name(body: Any, default: str) -> str:

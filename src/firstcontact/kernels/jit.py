@@ -71,6 +71,6 @@ def inner(function: Callable[..., Any]) -> Any:
     return kernel(function, allocates=False, entry=False)
 
 
-def is_compiled() -> bool:
-    """Whether the cache folder of this version holds anything yet."""
-    return CACHE.is_dir() and any(CACHE.rglob("*.nbi"))
+def is_compiled(module: str = "") -> bool:
+    """Whether the cache folder of this version holds anything yet, of the module where one is named."""
+    return CACHE.is_dir() and any(CACHE.rglob(f"{module}*.nbi"))

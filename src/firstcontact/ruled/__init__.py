@@ -6,6 +6,8 @@ clipping       which parts of Delta = 0 belong to both pieces; overlaps of commo
 coincident     Delta = 0 everywhere: surfaces that share an area, cones with one apex, parallel cylinders
 tracing        polylines along the edges of the topology graph
 certified_curve  curves of strips and high degrees in doubles with proofs
+settled        pairs of pieces of strips that are decided exactly where doubles leave places open
+joined         both joined to branches and their graph
 chains         strips as chains of parts in Bernstein form
 
 moving         `first_contact` and `contact_intervals`: pieces of motion, results
