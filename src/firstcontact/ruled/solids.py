@@ -21,9 +21,10 @@ from firstcontact.composite.certified_intervals import Found, Sweep
 from firstcontact.composite.polyhedra import as_model
 from firstcontact.composite.work import Work
 from firstcontact.errors import UnsupportedPair
-from firstcontact.exact.numbers import to_double
+from firstcontact.exact.numbers import exact_value, to_double
 from firstcontact.result import ContactSet, Element, FirstContact, Stats, Status
 from firstcontact.ruled.lasting import RuledFree, RuledLasting
+from firstcontact.search.advance import Advance
 from firstcontact.search.charts import NotCharted
 from firstcontact.search.event_tables import Tables
 from firstcontact.search.events import MOST_BOXES
@@ -55,7 +56,7 @@ class RuledAndSolid:
             raise UnsupportedPair(f"{a!r} and {b!r}: {reason}; that is not decided against solids") from reason
 
     def free(self, width: float) -> RuledFree:
-        return RuledFree(self.bodies, self.tables, self.sheets, width)
+        return RuledFree(self.bodies, self.side, self.tables, self.sheets, self.windows, width)
 
     def lasting(self) -> RuledLasting:
         return RuledLasting(self.sheets, self.model, self.side)
@@ -79,6 +80,8 @@ def first_contact(
     )
     contact = search.contact(first, last)
     found = contact.found
+    if found.status == "open" and found.free_until <= pair.windows[0].first and found.reason == "precision":
+        found = _common_at_start(pair) or found
     shared = {"a": a, "b": b, "span": pair.span}
     shared["stats"] = Stats(found.steps, found.gaps, seconds=clock.perf_counter() - begin)
     start = pair.span[0]
@@ -99,6 +102,16 @@ def first_contact(
         )
     until = max(found.free_until, start)
     return FirstContact(Status.UNDECIDED, free_until=until, reason=found.reason or "precision", **shared)
+
+
+def _common_at_start(pair: RuledAndSolid) -> Advance | None:
+    """A point proved common at the start, where samples do not show one."""
+    window, lasting = pair.windows[0], pair.lasting()
+    start = window.first
+    if exact_value(start) != pair.first:
+        return None
+    point = lasting.anywhere(window, start)
+    return None if point is None else Advance("initial", start, point=lasting.in_world(window, start, point))
 
 
 def _initial(pair: RuledAndSolid, search: RuledSearch) -> str | None:
