@@ -24,6 +24,7 @@ from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import exact_value, to_double
 from firstcontact.result import ContactSet, Element, FirstContact, Stats, Status
 from firstcontact.ruled.lasting import RuledFree, RuledLasting
+from firstcontact.ruled.whole_rulings import cut_to
 from firstcontact.search.advance import Advance
 from firstcontact.search.charts import NotCharted
 from firstcontact.search.event_tables import Tables
@@ -45,8 +46,10 @@ class RuledAndSolid:
         shapes = [shape_of(x) for x in (a, b)]
         self.side = 0 if hasattr(shapes[0], "pieces") else 1
         solid: Any = _as_model((a, b)[1 - self.side])
-        solid = bounded(solid, (a, b)[self.side], self.span)
-        self.bodies: tuple[Any, Any] = (a, solid) if self.side == 0 else (solid, b)
+        ruled = cut_to((a, b)[self.side], solid, self.span)
+        solid = bounded(solid, ruled, self.span)
+        self.bodies: tuple[Any, Any] = (ruled, solid) if self.side == 0 else (solid, ruled)
+        shapes[self.side] = shape_of(ruled)
         self.model: CompositeQuadric = shape_of(solid)
         try:
             self.sheets: list[Sheet] = sheets_of(shapes[self.side])
