@@ -45,6 +45,8 @@ REGULAR = 1e-9
 """Pivots below this, in rows of unit length, leave a parameter free."""
 REACH, STAGES = 256.0, 10
 """Widths of the answer over which balls look for events at first, and how often they do."""
+LEAST_PART = 2.0**-20
+"""Of the span, below which it is not searched in shorter parts."""
 ROUNDINGS = 16 * 2.0**-52
 """Times closer than this part of the largest one are not told apart by the search."""
 
@@ -327,23 +329,33 @@ def first_event_of(s: Search, first: fmpq, last: fmpq, tolerance: float, budget:
         return RuledContact("initial", lo, lo, (lo, above(first)), s.event(s.count - 1), boxes=s.visits)
     if start is None:
         return RuledContact("open", lo, reason="precision", boxes=s.visits)
-    begin = lo
-    for stage in range(STAGES):
-        outcome = s.run(begin, hi, FIRST_EVENT, width, budget)
-        answer = _answer(s, outcome, first, last, tolerance * (hi - lo))
-        if answer.status != "open" or answer.reason != "precision" or answer.free_until >= hi:
+    begin, end, stage, whole = lo, hi, 0, tolerance * (hi - lo)
+    while stage < STAGES:
+        outcome = s.run(begin, end, FIRST_EVENT, width, min(max(budget // 8, 1), budget - s.visits))
+        answer = _answer(s, outcome, first, last, whole)
+        if answer.status == "contact" or (answer.status == "free" and end >= hi):
             return answer
+        if answer.status == "free":
+            begin, end = end, min(end + 2.0 * (end - begin), hi)
+            continue
         begin = max(answer.free_until, begin)
-        reach = min(REACH * 4.0**stage * tolerance * (hi - lo), hi - begin)
-        settled = s.earliest(begin, width, reach, budget)
+        if answer.reason == "budget":  # boxes that are long in time may crowd out early ones: a shorter part
+            if s.visits >= budget or end - begin < LEAST_PART * (hi - lo):
+                return answer
+            end = begin + 0.125 * (end - begin)
+            continue
+        if begin >= hi:
+            return answer
+        reach = min(REACH * 4.0**stage * whole, hi - begin)
+        settled = s.earliest(begin, width, reach, max(budget - s.visits, 1))
         if settled is None:
             return answer
         free, event = settled
         if event is not None:
-            return _settled(answer, free, event, last, tolerance * (hi - lo), s)
+            return _settled(answer, free, event, last, whole, s)
         if free < begin + reach:
-            return replace(answer, free_until=max(free, answer.free_until))
-        begin = free
+            return replace(answer, free_until=free)
+        begin, end, stage = free, max(end, min(free + reach, hi)), stage + 1
         if begin >= hi:
             return RuledContact("free", above(last), boxes=s.visits)
     return RuledContact("open", begin, reason="precision", boxes=s.visits)
