@@ -51,7 +51,7 @@ BITS = 128
 QUICK_DEGREE = 80
 """Of equations that elimination may lead to where the search in doubles takes the pair too."""
 _ORDER = {"vertex": 0, "edge": 1, "directrix": 1, "end_ruling": 2, "face": 3}
-_PER_PIECE = {"vertex": 4, "directrix": 2, "end_ruling": 2, "face": 1}
+_PER_PIECE = {"vertex": 4, "edge": 0, "directrix": 2, "end_ruling": 2, "face": 1}
 
 
 @dataclass(frozen=True)
@@ -130,7 +130,10 @@ def contact_intervals(
         reason = "budget"
     except UnsupportedPair as refusal:
         if not exact and _is_with_convex(a, b):
-            return _intervals_with_solid(a, b, first, last, tolerance, work, begin, shared)
+            try:
+                return _intervals_with_solid(a, b, first, last, tolerance, work, begin, shared)
+            except UnsupportedPair:
+                raise refusal from None
         if not (quick and isinstance(refusal, TooLarge)):
             raise
         found = certified.contact_intervals(a, b, first, last, budget, shared)
