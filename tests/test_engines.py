@@ -13,10 +13,10 @@ import generators as g
 import naive
 from agreement import assert_same_first_contact, question, same_answer, small_scenes
 from amount import amount
-from firstcontact.kernels.lifted_query import FORMS, ROWS, line_slack, may_meet, plane_slack, write_form
+from firstcontact.kernels.lifted_query import FORMS, ROWS, line_slack, plane_slack, write_form
 from firstcontact.kernels.principal import box_columns, fit_box, form_range
 from firstcontact.search.frame import tree_of
-from firstcontact.search.lifted_tree import edges_of, facets_of, lift, lifted_tree
+from firstcontact.search.lifted_elements import edges_of, facets_of, lift
 from generators import FAMILIES, Scene, to_tangent
 
 MOTIONS = pytest.mark.parametrize("rotating", [False, True], ids=["translation", "rotation"])
@@ -123,7 +123,7 @@ def test_rounded_products_of_lines_stay_within_their_slack():
         b, d = a + size * rng.normal(size=3), c + size * rng.normal(size=3)
         if k % 2:
             d = c + (b - a) + 1e-9 * rng.normal(size=3)
-        lines, _, _, sizes, _ = lift(np.concatenate([c, d, d])[None], False, origin, 4.0, np.ones(3))
+        lines, _, sizes, _ = lift(np.concatenate([c, d, d])[None], False, origin, 4.0, np.ones(3))
         query, x = np.zeros((ROWS, 6)), a - origin
         write_form(query, FORMS, *x, *(b - a), 4.0)
         value = sum(p * q for p, q in zip(rationals(lines[0]), rationals(query[FORMS]), strict=True))
@@ -145,7 +145,7 @@ def test_rounded_heights_over_planes_stay_within_their_slack():
         a = origin + rng.normal(size=3)
         e = size * rng.normal(size=3)
         corners = np.stack([a, a + e, a + 0.5 * e + needle * size * rng.normal(size=3)])
-        _, _, _, sizes, planes = lift(corners.reshape(1, 9), True, origin, 4.0, np.array([1.0, 0.6, 0.4]))
+        _, _, sizes, planes = lift(corners.reshape(1, 9), True, origin, 4.0, np.array([1.0, 0.6, 0.4]))
         p = origin + rng.normal(size=3)
         form = [*(Fraction(float(v)) / 4 for v in p - origin), Fraction(1)]
         value = sum(x * y for x, y in zip(rationals(planes[0]), form, strict=True))
@@ -164,9 +164,3 @@ def test_elements_are_told_apart_once_each():
     tree = tree_of(body)
     assert len(edges_of(tree).parts) == len(body.edges)
     assert len(facets_of(tree).parts) == len(body.triangles)
-    lifted = lifted_tree(tree, facets_of(tree))
-    leaves = [(i, -j) for i, j in lifted.links.tolist() if j < 0]
-    assert sorted(k for i, j in leaves for k in range(i, j)) == list(range(len(body.triangles)))
-    nowhere = np.zeros((ROWS, 6))
-    nowhere[5] = [9, 9, 9, 9.5, 9.5, 9.5]
-    assert not may_meet(lifted.nodes[0], nowhere, True, lifted.scale, lifted.origin, 0.0)

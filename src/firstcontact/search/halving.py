@@ -18,8 +18,8 @@ import numpy as np
 from firstcontact.kernels.jit import kernel
 from firstcontact.kernels.lifted_query import LINES, REACH, ROWS, may_meet
 from firstcontact.kernels.principal import box_columns, fit_box
+from firstcontact.search.lifted_elements import select
 from firstcontact.search.lifted_motion import lay_edge
-from firstcontact.search.lifted_tree import select
 from firstcontact.search.state import (
     CANDIDATES,
     DECIDE,
@@ -65,11 +65,18 @@ class Room(NamedTuple):
     arena: np.ndarray
     keys: np.ndarray
     frames: np.ndarray
+    shares: np.ndarray
+
+
+def larger(room: Room) -> Room:
+    """With twice the room for lists."""
+    return room._replace(arena=np.concatenate([room.arena, np.empty_like(room.arena)]))
 
 
 def room_for(m: int, n: int) -> Room:
     size = m + n + ARENA_SHARE * max(m, n) + ARENA_LEAST
-    return Room(np.empty(size, np.int32), np.empty(size), np.zeros((MOST_FRAMES, FRAME), np.int64))
+    frames, shares = np.zeros((MOST_FRAMES, FRAME), np.int64), np.zeros((MOST_FRAMES, 2))
+    return Room(np.empty(size, np.int32), np.empty(max(m, n)), frames, shares)
 
 
 @kernel
@@ -181,8 +188,8 @@ def _cut(lines, x0, x1, others, y0, y1, top, room, scratch):
     form, turned = vectors[0], vectors[1]
     for i in range(x1 - x0):
         arena[top + i] = arena[x0 + i]
-    _second_moments(lines, arena, x0, x1, True, vary, form)
-    _second_moments(others, arena, y0, y1, False, weigh, form)
+    second_moments(lines, arena, x0, x1, True, vary, form)
+    second_moments(others, arena, y0, y1, False, weigh, form)
     for k in range(6):
         form[k] = 1.0 / (1.0 + k)
     for _ in range(12):
@@ -201,16 +208,17 @@ def _cut(lines, x0, x1, others, y0, y1, top, room, scratch):
             break
         for k in range(6):
             form[k] /= largest
-    for i in range(top, top + x1 - x0):
+    count = x1 - x0
+    for i in range(count):
         s = 0.0
         for k in range(6):
-            s += form[k] * lines[arena[i], k]
+            s += form[k] * lines[arena[top + i], k]
         keys[i] = s
-    select(keys, arena, top, top + x1 - x0, top + (x1 - x0) // 2)
+    select(keys, arena[top : top + count], 0, count, count // 2)
 
 
 @kernel
-def _second_moments(vectors, order, first, last, centred, moments, mean):
+def second_moments(vectors, order, first, last, centred, moments, mean):
     """Those of a sample, evenly spaced in the order."""
     step = max(1, (last - first) // _SAMPLE)
     for j in range(6):
