@@ -1,5 +1,7 @@
 """A set of paths as boxes, and whether a facet may be met by one of them: separating axes, heights, distances.
 
+What turns keeps its heights and its distances from the axis: they alone tell that edges never meet.
+
 A path lies in the hull of two or three points; a cell (PATH_ROWS, 6) holds the box of each of them over all paths of
 the set, and of circles about an axis along z the distances.  With u = 2^-53 and L the largest coordinate: any direction
 m serves as a separating axis, however it was rounded, since sums along it are within 4 u |m| L; corners of hulls of
@@ -156,6 +158,41 @@ def _distances_differ(cell, x, slack):
             p, q = x[i] + w * (x[j] - x[i]) - cx, x[i + 1] + w * (x[j + 1] - x[i + 1]) - cy
             nearest = min(nearest, u * p + v * q)
     return nearest > cell[ROUND, 1] + 2.0 * slack
+
+
+@kernel
+def edge_keeps_off(x, bottom, top, nearest, farthest, cx, cy, err):
+    """Whether the edge x (9,), turning about the axis, meets nothing between two heights and two distances."""
+    far = max(abs(cx), abs(cy), abs(bottom), abs(top))
+    for k in range(6):
+        far = max(far, abs(x[k]))
+    slack = _slack(far, err)
+    lo, hi = _between(x[2], x[5], bottom - slack, top + slack)
+    if lo > hi:
+        return True
+    least, most = _distances(x, lo, hi, cx, cy)
+    return least > farthest + 2.0 * slack or most < nearest - 2.0 * slack
+
+
+@kernel
+def _distances(x, lo, hi, cx, cy):
+    """(least, largest) distance from the axis on the share [lo, hi] of the edge."""
+    p, q, d, e = x[0] - cx, x[1] - cy, x[3] - x[0], x[4] - x[1]
+    length = d * d + e * e
+    w = min(hi, max(lo, -(p * d + q * e) / length)) if length > 0.0 else lo
+    first = math.sqrt((p + lo * d) ** 2 + (q + lo * e) ** 2)
+    last = math.sqrt((p + hi * d) ** 2 + (q + hi * e) ** 2)
+    return min(first, last, math.sqrt((p + w * d) ** 2 + (q + w * e) ** 2)), max(first, last)
+
+
+@kernel
+def edge_distances(corners, motion):
+    """(m, 2) least and largest distance of edges (m, 9) from the axis; (0, 2) where nothing turns."""
+    turns, cx, cy = axis_of(motion)
+    out = np.empty((corners.shape[0] if turns else 0, 2))
+    for i in range(out.shape[0]):
+        out[i, 0], out[i, 1] = _distances(corners[i], 0.0, 1.0, cx, cy)
+    return out
 
 
 @kernel

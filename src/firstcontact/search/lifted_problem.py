@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from firstcontact.kernels.swept_cell import edge_distances
 from firstcontact.search.facet_halving import Facets, Paths
 from firstcontact.search.halving import Edges, Room, larger, room_for
 from firstcontact.search.lifted_elements import WAY, Elements, corners_of_tree, edges_of, facets_of, frame_of, lift
@@ -41,7 +42,9 @@ def advance_lifted(problem: Any, state: WalkState, limit: int) -> int:
     if state.scratch is None:
         frame = frame_of(problem.tree_b)
         of_a, of_b = lifted_of(problem.a, problem.tree_a), lifted_of(problem.b, problem.tree_b)
-        a, b = _body(of_a, of_b, problem.tree_a, frame), _body(of_b, of_a, problem.tree_b, frame)
+        motion = problem.velocity if isinstance(problem, TranslationProblem) else problem.motion
+        a = _body(of_a, of_b, problem.tree_a, frame, motion)
+        b = _body(of_b, of_a, problem.tree_b, frame, motion)
         most = (max(len(x.edges.parts), len(x.corners.parts), len(x.facets.parts)) for x in (a, b))
         state.scratch = Scratch(a, b, frame, room_for(*most))
     scratch: Scratch = state.scratch
@@ -57,14 +60,14 @@ def advance_lifted(problem: Any, state: WalkState, limit: int) -> int:
         scratch.room = larger(scratch.room)
 
 
-def _body(of: Lifted, other: Lifted, tree: Tree, frame: tuple[np.ndarray, float]) -> Body:
+def _body(of: Lifted, other: Lifted, tree: Tree, frame: tuple[np.ndarray, float], motion: np.ndarray) -> Body:
     """The body's elements with lines and planes in the frame."""
     corners, parts = of.edges.corners, of.edges.parts
     if np.all(other.edges.parts[:, 1] & FACET):  # points meet edges of edge sets only
         counts = parts[:, 1] & POINT == 0
         corners, parts = corners[counts], parts[counts]
     lines, boxes, sizes, _ = lift(corners, False, *frame, WAY)
-    edges = Edges(lines, boxes, sizes, corners, parts)
+    edges = Edges(lines, boxes, sizes, corners, parts, edge_distances(corners, motion))
     sides, boxes, sizes, planes = lift(of.facets.corners, True, *frame, WAY)
     facets = Facets(sides, planes, boxes, sizes, of.facets.corners, of.facets.parts)
     vertices = Paths(of.corners.corners, np.zeros((0, 6)), of.corners.parts)
