@@ -54,7 +54,7 @@ def first_contact(
 
     engine: of polyhedra, which trees are asked; the answer is the same.  "boxes"; "lifted", for scenes in which nearly
     everything passes nearly everything; "cells", for long parts that cross in general position (both for translations
-    and rotations only); "auto" begins with boxes and changes over to "lifted" when they have done many pair tests.
+    and rotations only); "auto" begins with boxes and changes over to "lifted" when boxes have had enough pair tests.
     `stats.engine` tells which one answered.
     exact: add `time_exact`.  tolerance: largest width of `time_interval`, relative to the span (enclosures
     come out a few units in the last place wide, whatever is asked).
