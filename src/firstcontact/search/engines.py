@@ -15,6 +15,8 @@ on how the bodies look (`tests_of_boxes`):
 
 from __future__ import annotations
 
+from typing import Any
+
 from firstcontact.search.crowding import crowding
 from firstcontact.search.state import (
     ALL,
