@@ -11,7 +11,7 @@ import math
 from collections.abc import Sequence as Listing
 from dataclasses import dataclass, field
 from functools import lru_cache
-from itertools import combinations, product
+from itertools import chain, combinations, product
 from typing import Any
 
 import numpy as np
@@ -579,7 +579,7 @@ def _of_polygons(x: Face, y: Face, own: _Outline, others: _Outline) -> list[Pair
     """The pairs of features that meet where two convex polygons in one plane do."""
     over_other = {p: others.heights(p) for _, p in own.corners}
     over_own = {p: own.heights(p) for _, p in others.corners}
-    near = CLEAR * (1.0 + max(abs(c) for p in (*over_other, *over_own) for c in p))
+    near = CLEAR * (1.0 + max(map(abs, chain(*over_other, *over_own))))
     pairs: list[Pair] = [(v, y, p) for v, p in own.corners if _is_below(over_other[p], near)]
     pairs += [(x, v, p) for v, p in others.corners if _is_below(over_own[p], near)]
     # no corner is near the other's boundary now

@@ -20,6 +20,8 @@ from firstcontact.kernels.workspace import (
     MATRIX,
     MODE,
     NORMAL,
+    OF_A,
+    OF_B,
     PART,
     POSE_A,
     RATES_A,
@@ -44,7 +46,7 @@ MOST_CHANGES = 6
 
 @inner
 def witness(w, count, at):
-    """The point of a (at = 3), of b (6) or of a - b (0) that the simplex found nearest."""
+    """The point of a (at = OF_A) or of b (OF_B) that the simplex found nearest."""
     x, y, z = 0.0, 0.0, 0.0
     for k in range(count):
         x += w[WEIGHTS, k] * w[SIMPLEX + k, at]
@@ -133,9 +135,9 @@ def _part_near(p, i, w, side, x, y, z):
 @inner
 def choose_parts(a, i, b, j, count, w, c):
     """Into the integers: which pieces of unions the witnesses of the distance lie on (frames: those of its time)."""
-    x, y, z = witness(w, count, 3)
+    x, y, z = witness(w, count, OF_A)
     c[PART] = _part_near(a, i, w, SIDE_A, x, y, z)
-    x, y, z = witness(w, count, 6)
+    x, y, z = witness(w, count, OF_B)
     c[PART + 1] = _part_near(b, j, w, SIDE_B, x, y, z)
 
 
@@ -187,7 +189,7 @@ def guess_by_forms(a, i, ma, b, j, mb, t, first, last, count, slack, n0, n1, n2,
     for k in range(3):
         w[UNKNOWN, k] = 0.0
     for side in range(2):
-        x, y, z = witness(w, count, 3 + 3 * side)
+        x, y, z = witness(w, count, OF_A + OF_A * side)
         w[UNKNOWN, 0] += 0.5 * x
         w[UNKNOWN, 1] += 0.5 * y
         w[UNKNOWN, 2] += 0.5 * z
@@ -195,7 +197,7 @@ def guess_by_forms(a, i, ma, b, j, mb, t, first, last, count, slack, n0, n1, n2,
     w[UNKNOWN, 3] = t
     slack = slack * abs(distance) + 1e-9 * size
     for side in range(2):
-        x, y, z = witness(w, count, 3 + 3 * side)
+        x, y, z = witness(w, count, OF_A + OF_A * side)
         y0, y1, y2 = local_point(w, side, x, y, z)
         most = min(3, 4 - side * c[COUNT])
         _choose(a if side == 0 else b, i if side == 0 else j, y0, y1, y2, slack, c, side, most)
@@ -290,7 +292,7 @@ def guess_by_vertex(a, i, ma, b, j, mb, t, first, last, count, side, w, c):
     i, j = (i, j) if side == 0 else (j, i)
     if not place_frames(ma, mb, t, w):
         return -1
-    x, y, z = witness(w, count, 3 + 3 * side)
+    x, y, z = witness(w, count, OF_A + OF_A * side)
     near, vertex = math.inf, -1
     for k in range(int(p[i, VERTICES]), int(p[i, VERTICES + 1])):
         w0, w1, w2 = placed(w, POSE_A + side, p[k, 0], p[k, 1], p[k, 2])
