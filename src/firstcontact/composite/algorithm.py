@@ -56,6 +56,7 @@ class Meeting:
 class Search:
     """One piece of the motion: its subproblems, candidates in order of time, and the verdicts given so far.
 
+    near: surfaces of either model; only features on these are looked at.
     undecided: candidates (by id) whose verdict is open, and why.  Raises `work.Spent` when the work's budget is.
     """
 
@@ -65,13 +66,19 @@ class Search:
     candidates: list[Candidate] = field(default_factory=list)
     verdicts: dict[int, tuple[list[Meeting], str]] = field(default_factory=dict)
     undecided: dict[int, str] = field(default_factory=dict)
+    near: tuple[frozenset[int], frozenset[int]] | None = None
 
     def __post_init__(self) -> None:
-        self.tasks = list(subproblems(self.pair))
+        self.tasks = [task for task in subproblems(self.pair) if self._is_near(task)]
         for task in self.tasks:
             self.work.step()
             self.candidates += [Candidate(task, root) for root in task.roots()]
         self.candidates.sort(key=cmp_to_key(lambda x, y: x.root.compare(y.root)))
+
+    def _is_near(self, task: Subproblem | SquareSubproblem) -> bool:
+        return self.near is None or all(
+            on.issuperset(x.surfaces) for on, x in zip(self.near, (task.a, task.b), strict=True)
+        )
 
     def verdict(self, candidate: Candidate) -> tuple[list[Meeting], str]:
         """The shared parts of the candidate's contact sets, or why there are none."""

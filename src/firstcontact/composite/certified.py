@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 import time as clock
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,8 +16,10 @@ from flint import fmpq
 
 from firstcontact.body import primitives
 from firstcontact.body.composite_quadric import CompositeQuadric
+from firstcontact.body.features import Face
 from firstcontact.body.moving import Moving, shape_of
 from firstcontact.composite.flat_contacts import Pair, Shared, keeps_directions, shared_set
+from firstcontact.composite.same_point import may_touch_more, pairs_at
 from firstcontact.composite.square_subproblems import refuse_untraced
 from firstcontact.composite.touched import Flat, Point, is_parallel, lowest, ranked, touched, with_neighbours
 from firstcontact.report import MOST_OTHERS
@@ -100,6 +103,12 @@ def contact(models: tuple[Any, Any], found: Advance, begin: float, shared: dict[
         flats_b = on_b.flats() if flats_a else []
         if not may_share_more(flats_a, flats_b):
             shares = ContactSet("point", point[None])
+            if on_a.may_touch_more() or on_b.may_touch_more():
+                places = (on_a.where, on_a.local_normal()), (on_b.where, on_b.local_normal())
+                complete = pairs_at(models, _wholes(models), found, places, shared)
+                if complete is not None:
+                    stats = Stats(found.steps, found.gaps, seconds=clock.perf_counter() - begin)
+                    return replace(complete, stats=stats)
         elif (flat := _flat_set(models, found, [x for x, _ in flats_a], [x for x, _ in flats_b])) is not None:
             shares = ContactSet(flat.kind, flat.points)
             (element_a, element_b, where), *rest = _named(models, found, flat.pairs)
@@ -195,15 +204,26 @@ class _On:
         self.known = [touched(self.model, kind, index) for kind, index in features]
         self.element = lowest(self.known, which, self.where)
 
-    def flats(self) -> list[tuple[Flat, Point | None]]:
-        """What is flat around the contact, with its direction in the world, None of a plane."""
+    def may_touch_more(self) -> bool:
+        """Whether features around the touched one may touch in the same point."""
+        if all(isinstance(x.feature, Face) for x in self.known):
+            return False
+        own = {k for x in self.known for k in x.feature.surfaces}
+        return may_touch_more(self.known[0].model, list(own), (self.where, self.local_normal()))
+
+    def local_normal(self) -> Point:
+        """The contact's normal in the frame of the body."""
         pose = self.pose
         p, q, r = self.normal.tolist()
-        n = (
+        return (
             pose[0] * p + pose[3] * q + pose[6] * r,
             pose[1] * p + pose[4] * q + pose[7] * r,
             pose[2] * p + pose[5] * q + pose[8] * r,
         )
+
+    def flats(self) -> list[tuple[Flat, Point | None]]:
+        """What is flat around the contact, with its direction in the world, None of a plane."""
+        pose, n = self.pose, self.local_normal()
         around = with_neighbours(self.known, self.where)
         return [(flat, _turned(pose, flat.direction)) for feature in around for flat in feature.flats(self.where, n)]
 
