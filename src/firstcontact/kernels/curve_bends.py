@@ -117,8 +117,12 @@ def _second(forms, part, x, row, r):
 
 
 @kernel
-def _local(f, second, r):
-    """Lengths at a ruling: of the second derivatives of its ends, and the first two of their difference."""
+def _local(f, second, position, r):
+    """Lengths at a ruling: of the second derivatives of its ends, and the first two of their difference.
+
+    Row `second` then holds, as vectors, the second derivative at a position on the ruling and the first one of the
+    difference.
+    """
     g = SLOPES + f
     v, w = 1.0 / r[f, 3], 1.0 / r[f, 7]
     v1, w1, v2, w2 = r[g, 3] * v, r[g, 7] * w, r[second, 3] * v, r[second, 7] * w
@@ -129,6 +133,7 @@ def _local(f, second, r):
         p2 = r[second, c] * v - 2.0 * p1 * v1 - p * v2
         q2 = r[second, 4 + c] * w - 2.0 * q1 * w1 - q * w2
         a, b, d, e = a + p2 * p2, b + q2 * q2, d + (q1 - p1) ** 2, e + (q2 - p2) ** 2
+        r[second, c], r[second, 4 + c] = (1.0 - position) * p2 + position * q2, q1 - p1
     return np.sqrt(max(a, b)), np.sqrt(d), np.sqrt(e)
 
 
@@ -164,20 +169,29 @@ def fourth_derivative(p, part_f, x, q, part_m, y, f, m, of_f, of_m, reach, s, t,
     u0, u1, u2 = j1 * k2 - j2 * k1, j2 * k0 - j0 * k2, j0 * k1 - j1 * k0
     v0, v1, v2 = k1 * i2 - k2 * i1, k2 * i0 - k0 * i2, k0 * i1 - k1 * i0
     w0, w1, w2 = i1 * j2 - i2 * j1, i2 * j0 - i0 * j2, i0 * j1 - i1 * j0
-    inverse = 1.0 / abs(i0 * u0 + i1 * u1 + i2 * u2)
+    inverse = 1.0 / (i0 * u0 + i1 * u1 + i2 * u2)
     norm = u0 * u0 + u1 * u1 + u2 * u2 + v0 * v0 + v1 * v1 + v2 * v2 + w0 * w0 + w1 * w1 + w2 * w2
-    norm = ROOM * np.sqrt(norm) * inverse
-    ds, dy, dt = (abs(x0 * u0 + x1 * u1 + x2 * u2) * inverse, abs(x0 * v0 + x1 * v1 + x2 * v2) * inverse,
-                  abs(x0 * w0 + x1 * w1 + x2 * w2) * inverse)  # fmt: skip
+    norm = ROOM * np.sqrt(norm) * abs(inverse)
+    s1, y1, t1 = (-(x0 * u0 + x1 * u1 + x2 * u2) * inverse, (x0 * v0 + x1 * v1 + x2 * v2) * inverse,
+                  (x0 * w0 + x1 * w1 + x2 * w2) * inverse)  # fmt: skip
+    ds, dy, dt = abs(s1), abs(y1), abs(t1)
     speed = np.sqrt(ds * ds + dy * dy + dt * dt)
     # the unknowns change by at most this, as long as their derivatives grow by no more than `speed`
     far_s, far_y, far_t = reach * (ds + speed), reach * (dy + speed), reach * (dt + speed)
     _second(p, part_f, x, BASIS, r)
-    p_xx, p_xs, p_xxs = _local(f, BASIS, r)
+    p_xx, p_xs, p_xxs = _local(f, BASIS, s, r)
+    s1, y1, t1 = s1 / i, y1 / j, t1 / k
+    x0, x1, x2 = (r[BASIS, 0] + 2.0 * s1 * r[BASIS, 4], r[BASIS, 1] + 2.0 * s1 * r[BASIS, 5],
+                  r[BASIS, 2] + 2.0 * s1 * r[BASIS, 6])  # fmt: skip
     p_xx, p_xxs = p_xx + reach * of_f[ENDS + 2], p_xxs + reach * of_f[RULING + 2]
     p_xs, p_xxs, p_xxxs = (p_xs + reach * p_xxs) / i, p_xxs / i, of_f[RULING + 2] / i
     _second(q, part_m, y, BASIS, r)
-    q_yy, q_yt, q_yyt = _local(m, BASIS, r)
+    q_yy, q_yt, q_yyt = _local(m, BASIS, t, r)
+    x0 -= y1 * (y1 * r[BASIS, 0] + 2.0 * t1 * r[BASIS, 4])
+    x1 -= y1 * (y1 * r[BASIS, 1] + 2.0 * t1 * r[BASIS, 5])
+    x2 -= y1 * (y1 * r[BASIS, 2] + 2.0 * t1 * r[BASIS, 6])
+    here = (x0 * u0 + x1 * u1 + x2 * u2) ** 2 + (x0 * v0 + x1 * v1 + x2 * v2) ** 2
+    here = ROOM * np.sqrt(here + (x0 * w0 + x1 * w1 + x2 * w2) ** 2) * abs(inverse)
     q_yy, q_yyt = q_yy + far_y / j * of_m[ENDS + 2], q_yyt + far_y / j * of_m[RULING + 2]
     q_yt = (q_yt + far_y / j * q_yyt) / (j * k)
     q_yy, q_yyy, q_yyyy = q_yy / j**2, of_m[ENDS + 2] / j**3, of_m[ENDS + 3] / j**4
@@ -190,11 +204,17 @@ def fourth_derivative(p, part_f, x, q, part_m, y, f, m, of_f, of_m, reach, s, t,
     growth = norm * (p_xx * reach + p_xs * far_s + change * speed)
     if not growth <= speed:
         return np.inf
+    three, two = 0.0, np.inf
+    # derivatives known in the middle change by no more than the next ones tell
+    for _ in range(3):
+        more_s, more_y, more_t = ds + growth, dy + growth, dt + growth
+        two = min(two, norm * (p_xx + 2.0 * p_xs * more_s + more_y * (q_yy * more_y + 2.0 * q_yt * more_t)))
+        three = of_f[ENDS + 2] + 3.0 * (p_xxs * more_s + p_xs * two)
+        three += more_y * more_y * (q_yyy * more_y + 3.0 * q_yyt * more_t)
+        three = norm * (three + 3.0 * two * (q_yy * more_y + q_yt * (more_t + more_y)))
+        two = min(two, here + reach * three)
+        growth = min(growth, reach * two)
     ds, dy, dt = ds + growth, dy + growth, dt + growth
-    two = norm * (p_xx + 2.0 * p_xs * ds + dy * (q_yy * dy + 2.0 * q_yt * dt))
-    three = of_f[ENDS + 2] + 3.0 * (p_xxs * ds + p_xs * two)
-    three += dy * dy * (q_yyy * dy + 3.0 * q_yyt * dt) + 3.0 * two * (q_yy * dy + q_yt * (dt + dy))
-    three *= norm
     own = of_f[ENDS + 3] + 4.0 * p_xxxs * ds + 6.0 * p_xxs * two + 4.0 * p_xs * three
     four = own + dy * dy * (q_yyyy * dy * dy + 6.0 * q_yyy * two) + q_yy * (3.0 * two * two + 4.0 * dy * three)
     four += 4.0 * dt * (q_yyyt * dy**3 + 3.0 * q_yyt * dy * two + q_yt * three)

@@ -218,7 +218,7 @@ def trace(
                     parts, kept = 1, True
                 else:
                     # for the fourth derivative, chords are to be shorter by the root of its share; it shrinks with them
-                    shorter = 2.0 / SHORTER
+                    shorter = 4.0 / SHORTER
                     if unseen < 1e300:
                         shorter = np.sqrt(np.sqrt(unseen / ((KEEP - AIM) * tolerance))) / max(need, 1.0)
                     if even:
