@@ -13,6 +13,7 @@ import numpy as np
 
 from firstcontact.curve import BranchEnd, OpenPlace
 from firstcontact.errors import InputError, UnsupportedPair
+from firstcontact.kernels import curve_bends, curve_lanes
 from firstcontact.kernels import curve_cells as cells
 from firstcontact.kernels import curve_nets as nets
 from firstcontact.kernels import curve_points as columns
@@ -124,13 +125,16 @@ def _solved(p: Chain, q: Chain, tolerance: float) -> Solved | None:
     used = trim(*forms, places, used, arcs, count, known, scratch)
     arcs, places, starts = arcs[:count], places[:used], np.empty(count + 1, np.int64)
     bounds = np.array([chain.s for chain in (p, q)], float)
-    ends = np.empty((STACK, columns.COLUMNS))
+    ends, lanes = np.empty((STACK, columns.COLUMNS)), np.empty(curve_lanes.ROWS * curve_lanes.LANES)
+    bends = tuple(np.empty((len(x.points), curve_bends.BOUNDS)) for x in (p, q))
+    for form, bend in zip(forms, bends, strict=True):
+        curve_bends.derivative_bounds(form, bend)
     room = 256 * ROOM  # untouched pages cost nothing
     while True:
         points, parameters = np.empty((room, 3)), np.empty((room, 4))
         if trace(
-            *forms, arcs, places, tolerance, p.ranges, q.ranges, bounds, centre, ends, known, scratch, points,
-            parameters, starts,
+            *forms, arcs, places, tolerance, p.ranges, q.ranges, bounds, centre, *bends, ends, known, scratch, lanes,
+            points, parameters, starts,
         ):  # fmt: skip
             break
         room *= 4
