@@ -11,6 +11,7 @@ import firstcontact as fc
 from amount import amount
 from firstcontact.errors import UnsupportedPair
 from firstcontact.ruled.trimmed import inner_places
+from firstcontact.view.ruled import bounded_parts, element_corners
 
 DISC = fc.RuledSurface("(u, -1, 0)", "(u, 1, 0)", u=(-1, 1), trim=["u**2 + (2*s-1)**2 <= 1"], name="disc")
 RING = fc.RuledSurface(
@@ -32,6 +33,22 @@ def test_a_disc_meets_walls():
     assert np.allclose(hit.point, (3 - root, root, 0)) and np.allclose(hit.normal, (-root, -root, 0))
     (straight,) = fc.contact_intervals(wall("3", "u"), DISC.moving(fc.Translation((8, 1, 0))), exact=True)
     assert (straight.start_exact, straight.end_exact) == (Fraction(1, 4), Fraction(1, 2))
+
+
+def test_pages_draw_the_border(tmp_path):
+    hit = fc.first_contact(DISC.moving(fc.Translation((4, 0, 0))), wall("3 - u", "u"))
+    assert hit.show(str(tmp_path / "disc.html")) is not None
+    drawn = element_corners(RING, bounded_parts(RING, 0.1), fc.result.Element("edge", "ring", 1, "ring"))
+    assert np.allclose(np.linalg.norm(drawn, axis=1), 1, atol=1e-3)
+    assert set(np.sign(drawn[:, 0])) >= {-1, 1} and set(np.sign(drawn[:, 1])) >= {-1, 1}
+
+
+def test_rulings_on_one_line_are_refused():
+    """A piece that meets itself, moved: all its rulings come to lie on one line each."""
+    leaf = fc.RuledSurface("(u, -1, 0)", "(u, 1, u*u)", u=(-1, 1), trim=["s <= 1/2 + u/4"], name="leaf")
+    same = fc.RuledSurface("(u, -1, 0)", "(u, 1, u*u)", u=(-1, 1)).translated((0, 0, -1))
+    with pytest.raises(UnsupportedPair, match="leaf.*one line"):
+        fc.first_contact(leaf, same.moving(fc.Translation((0, 0, 2))))
 
 
 def test_a_post_passes_through_a_ring():
@@ -97,7 +114,13 @@ def test_every_part_of_a_piece_has_a_place():
     assert len(inner_places(DISC)) >= 1  # the disc touches the borders of its square from inside
 
 
-@pytest.mark.parametrize("trim", [["-(2*u-1)**2 >= 0"], ["u**2 + s**2 <= 0"], ["2*s <= 1", "2*s >= 1"]])
+@pytest.mark.parametrize(
+    "trim",
+    [
+        ["-(2*u-1)**2 >= 0"], ["u**2 + s**2 <= 0"], ["(2*u-1)**2 + (2*s-1)**2 <= 0"], ["2*s <= 1", "2*s >= 1"],
+        ["s <= -(2*u-1)**2"], ["(u-1/3)**2*(u-1/4) >= s**2"], ["4*s <= 2 - (2*u-1)**2", "4*s >= 2 + (2*u-1)**2"],
+    ],
+)  # fmt: skip
 def test_solids_refuse_what_has_no_area(trim):
     thread = fc.RuledSurface("(u, -1, 0)", "(u, 1, 0)", trim=trim, name="thread").translated((-8, 0, 0))
     with pytest.raises(UnsupportedPair, match="thread.*without area"):

@@ -17,6 +17,8 @@ times          all times of contact of two pieces, cell by cell
 exclusion      proofs of no contact in doubles
 shared_points  exact contacts at one instant
 touches        points and elements of contacts
+trimmed        a place in every component of a trimmed piece
+whole_rulings  whole rulings, cut where a solid cannot reach
 contact_condition   the verb: the condition on u and T alone
 certified      answers of the certified search where elimination leads too far
 """

@@ -63,6 +63,8 @@ class Conditions:
     kept: tuple[tuple[fmpz_mpoly, ...], ...] = ((), (), ())
     """Polynomials that are not negative where the trimming inequalities hold; for each auxiliary point, off the common
     plane of the rulings."""
+    trimmed: str = ""
+    """What error texts call the trimmed pieces."""
     moment: fmpq | None = None
     """Of conditions at one time, whose curves still move."""
     known: dict[str, Any] = field(default_factory=dict, repr=False, compare=False)
@@ -105,7 +107,10 @@ class Conditions:
             return True
         shared = all(abs(sum(map(sign, axis))) < 4 for axis in self.axes)
         if shared and any(j for some in self.trims for g in some for _, j in g):
-            raise UnsupportedPair("rulings of a trimmed piece lie on one line with others, or are a point: not decided")
+            raise UnsupportedPair(
+                f"{self.trimmed}: where rulings of a trimmed piece lie on one line with others, or are a point, "
+                "contact is not decided; leave out trim, or move a body a little"
+            )
         return shared
 
     def at(self, t: fmpq) -> Conditions:
@@ -135,6 +140,7 @@ class Conditions:
                 own = _reversed(self.trims[0]) if inverse_u else self.trims[0]
                 other = _reversed(self.trims[1]) if inverse_v else self.trims[1]
                 chart = _conditions(first, second, self.u or unit, self.v or unit, self.bounded, (own, other))
+                chart = replace(chart, trimmed=self.trimmed)
                 found[inverse_u, inverse_v] = chart if self.moment is None else chart.at(self.moment)
         return found
 
@@ -151,7 +157,8 @@ def conditions(a: Any, b: Any, piece: DirectrixPiece, span: tuple[fmpq, fmpq]) -
         if surface.s is not None:
             for side in sides:
                 _check_weight(surface, side, span)
-    return _conditions(piece.p, piece.q, _range(p.u), _range(q.u), bounded, (local_trims(p), local_trims(q)))
+    found = _conditions(piece.p, piece.q, _range(p.u), _range(q.u), bounded, (local_trims(p), local_trims(q)))
+    return replace(found, trimmed=" and ".join(repr(x) for x in (p, q) if x.trim))
 
 
 def local_trims(surface: RuledSurface) -> Trims:

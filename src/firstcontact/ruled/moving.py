@@ -51,7 +51,7 @@ BITS = 128
 QUICK_DEGREE = 80
 """Of equations that elimination may lead to where the search in doubles takes the pair too."""
 _ORDER = {"vertex": 0, "edge": 1, "directrix": 1, "end_ruling": 2, "face": 3}
-_PER_PIECE = {"vertex": 4, "edge": 0, "directrix": 2, "end_ruling": 2, "face": 1}
+_PER_PIECE = {"vertex": 4, "directrix": 2, "end_ruling": 2, "face": 1}
 
 
 @dataclass(frozen=True)
@@ -463,6 +463,8 @@ def _named(body: Any, element: tuple[str, int], number: int, which: str) -> Elem
     if isinstance(shape, Polyhedron):
         kind, index = element_of(shape, number, kind, index)
         return Element(kind, name, index, name)
+    if kind == "edge":  # inequalities count on from piece to piece
+        return Element(kind, name, index + sum(len(piece.trim) for piece in shape.pieces[:number]), name)
     return Element(kind, name, index + number * _PER_PIECE[kind], name)
 
 

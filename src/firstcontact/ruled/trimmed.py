@@ -34,6 +34,8 @@ from firstcontact.ruled.sheets import samples
 
 DEPTH = 24
 """Halvings after which borders count as touching each other."""
+WAYS = (0, 1), (0, -1), (1, 1), (1, -1)
+"""A parameter, and along or against it."""
 UNIT = fmpq(0), fmpq(1)
 Place = tuple[fmpq, fmpq]
 """u, and s counted from 0 to 1."""
@@ -88,8 +90,9 @@ def _roots(polynomials: Sequence[fmpz_poly], ends: tuple[fmpq, fmpq]) -> list[An
 def _have_areas(kept: Sequence[fmpz_mpoly], ends: tuple[fmpq, fmpq]) -> bool:
     """True proves that from every place of the piece a way leads into its interior.
 
-    A box that meets one border, or two that cross in it, has such ways; so has one where all that meet it grow along
-    one of the parameters.
+    A box in which two borders meet and cross has such ways; so has one where all borders that meet it nowhere decrease
+    along one of the parameters, and grow where that way leaves the box.  For no border is a line that another one has,
+    or the range: where a polynomial stays zero along a line, it changes its sign across it.
     """
     u, s = RING.gen(0), RING.gen(1)
     lo, hi = ends
@@ -109,8 +112,8 @@ def _have_areas(kept: Sequence[fmpz_mpoly], ends: tuple[fmpq, fmpq]) -> bool:
         active = [k for k, sign in enumerate(signs) if sign is None]
         if len(active) == 2 and _sign(crossings[active[0], active[1]], x, y):
             continue
-        ways = [[_sign(slope_tables[k][i], x, y) for k in active] for i in range(2)]
-        if any(_all_grow(way, [k < len(kept) for k in active], sign) for way in ways for sign in (1, -1)):
+        found = [(slope_tables[k], k < len(kept)) for k in active]
+        if any(_all_grow([(slopes[i], bent) for slopes, bent in found], i, sign, (x, y)) for i, sign in WAYS):
             continue
         if depth == DEPTH:
             return False
@@ -119,9 +122,17 @@ def _have_areas(kept: Sequence[fmpz_mpoly], ends: tuple[fmpq, fmpq]) -> bool:
     return True
 
 
-def _all_grow(way: Sequence[int | None], bends: Sequence[bool], sign: int) -> bool:
-    """Whether all walls grow along a parameter, or against it; straight ones may also stay."""
-    return all(x == sign or (x == 0 and not bent) for x, bent in zip(way, bends, strict=True))
+def _all_grow(slopes: Sequence[tuple[Any, bool]], index: int, sign: int, box: tuple[Any, Any]) -> bool:
+    """Whether no wall decreases along a parameter (or against it), and bent ones grow at the end; straight may stay.
+
+    slopes: derivatives by that parameter, and whether the wall is bent.
+    """
+    end = box[index][1 if sign > 0 else 0]
+    last = ((end, end), box[1]) if index == 0 else (box[0], (end, end))
+    return all(
+        _sign(table, *last) == sign == _way(table, *box) if bent else _way(table, *box) in (0, sign)
+        for table, bent in slopes
+    )
 
 
 def _halves(ends: tuple[fmpq, fmpq]) -> tuple[tuple[fmpq, fmpq], tuple[fmpq, fmpq]]:
@@ -131,6 +142,14 @@ def _halves(ends: tuple[fmpq, fmpq]) -> tuple[tuple[fmpq, fmpq], tuple[fmpq, fmp
 
 def _table(f: fmpz_mpoly) -> tuple[dict[tuple[int, int], Any], tuple[int, int]]:
     return {(key[0], key[1]): c for key, c in terms(f)}, (degree(f, 0), degree(f, 1))
+
+
+def _way(table: Any, x: tuple[fmpq, fmpq], y: tuple[fmpq, fmpq]) -> int | None:
+    """1, -1: nowhere negative, nowhere positive, and not zero; 0: zero; None where none of that is proved."""
+    net = [c for row in bernstein.grid(table[0], x, y, table[1]) for c in row] if table[0] else [0]
+    if min(net) == max(net) == 0:
+        return 0
+    return 1 if min(net) >= 0 else -1 if max(net) <= 0 else None
 
 
 def _sign(table: Any, x: tuple[fmpq, fmpq], y: tuple[fmpq, fmpq]) -> int | None:
