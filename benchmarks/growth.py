@@ -171,8 +171,8 @@ class Limited:
 def _serve(family: int, tool: str, pipe: Any) -> None:
     ask = _asker(FAMILIES[family], tool)
     try:
-        if tool not in PEERS:
-            ask(FAMILIES[family].make(WARM), lambda: None)
+        for warmed in ("boxes", "lifted") if tool == "auto" else () if tool in PEERS else (tool,):
+            _asker(FAMILIES[family], warmed)(FAMILIES[family].make(WARM), lambda: None)
         pipe.send({})
     except Exception as error:  # said in the table
         pipe.send({"note": f"{type(error).__name__}: {error}"})

@@ -15,7 +15,14 @@ from agreement import assert_same_first_contact, question, same_answer, small_sc
 from amount import amount
 from firstcontact.kernels.lifted_query import FORMS, ROWS, line_slack, plane_slack, write_form
 from firstcontact.kernels.principal import box_columns, fit_box, form_range
-from firstcontact.kernels.swept_cell import PATH_ROWS, begin_cell, facet_may_meet, put_path
+from firstcontact.kernels.swept_cell import (
+    PATH_ROWS,
+    begin_cell,
+    edge_distances,
+    edge_keeps_off,
+    facet_may_meet,
+    put_path,
+)
 from firstcontact.search.frame import tree_of
 from firstcontact.search.lifted_elements import edges_of, facets_of, lift
 from generators import FAMILIES, Scene, to_tangent
@@ -231,6 +238,27 @@ def test_cells_of_paths_lose_no_meeting(rotating):
         assert facet_may_meet(cell, triangle, 0.0), (cell, triangle)
         left_out += not facet_may_meet(cell, triangle + np.tile(3 * size * rng.normal(size=3), 3), 0.0)
     assert left_out > amount(600) // 4
+
+
+def test_edges_that_come_together_somewhere_do_not_keep_off():
+    """A point of either edge at one height and one distance from the axis; and edges that share no distance do."""
+    rng = np.random.default_rng(12)
+    motion, apart = np.zeros((3, 3)), 0
+    motion[2, :2] = 0.25, -0.5
+    for _ in range(amount(900)):
+        at, angle, size = rng.normal(size=3), rng.uniform(0, 2 * np.pi), 10.0 ** rng.integers(-6, 1)
+        turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+        met = np.array([*(motion[2, :2] + turn @ (at - motion[2])[:2]), at[2]])
+        along = size * rng.normal(size=(2, 3)) * rng.choice([0.0, 1.0], (2, 3), p=[0.2, 0.8])
+        share = rng.choice([0.0, 0.3, 1.0], 2)
+        x, y = (np.concatenate([p - s * d, p + (1 - s) * d, p + (1 - s) * d])
+                for p, d, s in zip((at, met), along, share, strict=True))  # fmt: skip
+        nearest, farthest = edge_distances(y[None], motion)[0]
+        heights = sorted((y[2], y[5]))
+        assert not edge_keeps_off(x, *heights, nearest, farthest, 0.25, -0.5, 0.0), (x, y)
+        wide = farthest - nearest + 20 * size + 1e-9
+        apart += edge_keeps_off(x, *heights, nearest + wide, farthest + wide, 0.25, -0.5, 0.0)
+    assert apart == amount(900)
 
 
 def shifted(p, shift, s):
