@@ -96,7 +96,8 @@ def element_corners(body: Any, parts: Parts, element: Element) -> np.ndarray:
     vertices, triangles, owner, _ = parts
     if element.kind == "edge":
         borders = [(piece, k) for piece in body.pieces for k in range(len(piece.trim))]
-        return _trim_border(*borders[element.index])
+        if element.index < len(borders):
+            return _trim_border(*borders[element.index])
     if element.kind == "face":
         return vertices[triangles[owner == element.index].ravel()]
     per_piece = {"directrix": 2, "end_ruling": 2, "vertex": 4}.get(element.kind)
