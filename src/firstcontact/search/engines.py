@@ -36,8 +36,8 @@ from firstcontact.search.tree import POINT, Tree
 CROWDED_SHARE, CROWDED_LEAVES = 0.02, 32
 # Pair tests of boxes in that case, per primitive of the larger body, and against a set of points, per point.
 TESTS_AT_ONCE, TESTS_A_POINT = 1 / 64, 1
-# Pair tests that ordinary scenes stay below: a share of the primitives of both bodies, and never fewer than FEWEST.
-SHARE, FEWEST = 0.6, 4096
+# Pair tests that ordinary scenes stay below: per primitive of both bodies, and never fewer than FEWEST.
+SHARE, FEWEST = 4, 4096
 
 
 def tests_of_boxes(tree_a: Tree, tree_b: Tree) -> int:
@@ -51,7 +51,7 @@ def tests_of_boxes(tree_a: Tree, tree_b: Tree) -> int:
     for tree, count in ((tree_a, m), (tree_b, n)):
         if tree.ids[0, 1] & POINT:  # then all its parts are points
             return TESTS_A_POINT * count
-    return max(FEWEST, int(SHARE * (m + n)))
+    return max(FEWEST, SHARE * (m + n))
 
 
 class ByEngine:
