@@ -8,6 +8,7 @@ from typing import Any, Protocol
 
 from firstcontact.exact.numbers import PRECISIONS, Undecidable, precision
 from firstcontact.search.elements import KINDS, Feature, feature
+from firstcontact.search.engines import ByEngine
 from firstcontact.search.state import (
     ALL,
     BEST,
@@ -19,7 +20,6 @@ from firstcontact.search.state import (
     EDGE_FACE,
     FULL,
     KEY,
-    LIFTED,
     SLICE,
     SLICE_SPENT,
     TESTS,
@@ -95,7 +95,7 @@ def earliest(
         found.visits += int(state.integers[VISITS])
         found.tests += int(state.integers[TESTS])
         found.unsure += int(state.integers[UNSURE_TOTAL])
-        found.engine = ("boxes", "lifted", "lifted", "cells")[state.integers[LIFTED]]
+        found.engine = problem.answered(state) if isinstance(problem, ByEngine) else "boxes"
         return_state(state)
     return found
 

@@ -35,12 +35,19 @@ class ByEngine:
     """A problem of translation or rotation that is searched by the engine it is given."""
 
     engine = "boxes"
+    threads = 1
     tree_a: Any
     tree_b: Any
 
     def advance(self, state: WalkState, limit: int, with_start: bool, all_sides: bool) -> int:
         """Go on with the walk; the reason it came back.  Lists of all pairs are always made with boxes."""
         integers = state.integers
+        if self.engine == "composed" and not all_sides and not state.floats[ALL]:
+            from firstcontact.search.composed_problem import advance_composed
+
+            if not integers[LIFTED]:
+                begin_lifted(state, with_start)
+            return advance_composed(self, state, limit)
         if self.engine == "boxes" or all_sides or state.floats[ALL]:
             return self.advance_boxes(state, limit, with_start, all_sides)
         if self.engine == "cells":
@@ -66,6 +73,12 @@ class ByEngine:
         from firstcontact.search.lifted_problem import advance_lifted
 
         return advance_lifted(self, state, limit)
+
+    def answered(self, state: WalkState) -> str:
+        """The engine that answered."""
+        if not state.integers[LIFTED]:
+            return "boxes"
+        return "lifted" if self.engine == "auto" else self.engine
 
     def advance_boxes(self, state: WalkState, limit: int, with_start: bool, all_sides: bool) -> int:
         raise NotImplementedError

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
+
+import numpy as np
 
 from firstcontact.search.halving import Edges, Room, room_for
 from firstcontact.search.lifted_tree import WAY, Elements, corners_of_tree, edges_of, facets_of, lift, lifted_tree
@@ -35,16 +38,29 @@ class Scratch:
 def advance_lifted(problem: Any, state: WalkState, limit: int) -> int:
     """Go on with the walk of a translation or rotation over lifted trees; the reason it came back."""
     if state.scratch is None:
-        a, b = lifted_of(problem.a, problem.tree_a), lifted_of(problem.b, problem.tree_b)
-        bodies = (_body(x, tree, b.facets) for x, tree in ((a, problem.tree_a), (b, problem.tree_b)))
-        state.scratch = Scratch(next(bodies), next(bodies), room_for(len(a.edges.parts), len(b.edges.parts)))
-    scratch: Scratch = state.scratch
+        state.scratch = lifted_scratch(problem)
+    return walk_lifted(problem, state.scratch, state, limit)
+
+
+def lifted_scratch(problem: Any) -> Scratch:
+    a, b = lifted_of(problem.a, problem.tree_a), lifted_of(problem.b, problem.tree_b)
+    bodies = (_body(x, tree, b.facets) for x, tree in ((a, problem.tree_a), (b, problem.tree_b)))
+    return Scratch(next(bodies), next(bodies), room_for(len(a.edges.parts), len(b.edges.parts)))
+
+
+def walk_lifted(
+    problem: Any, scratch: Scratch, state: WalkState, limit: int, edges: Callable[[int], int] | None = None
+) -> int:
+    """`lifted_walk`; edges: another search among edges than by halving, by the number of the arc."""
+    motion, reach, errors = motion_of(problem)
+    return lifted_walk(scratch.a, scratch.b, scratch.room, motion, reach, errors, limit, state, edges)
+
+
+def motion_of(problem: Any) -> tuple[np.ndarray, float, tuple[float, float]]:
+    """(the motion for kernels, a time after which certainly nothing meets, errors of the parts of a and of b)."""
     if isinstance(problem, TranslationProblem):
-        motion, reach = problem.velocity, parting(problem)
-        errors = problem.tree_a.error, problem.tree_b.error
-    else:
-        motion, reach, errors = problem.motion, math.inf, (problem.error_a, problem.error_b)
-    return lifted_walk(scratch.a, scratch.b, scratch.room, motion, reach, errors, limit, state)
+        return problem.velocity, parting(problem), (problem.tree_a.error, problem.tree_b.error)
+    return problem.motion, math.inf, (problem.error_a, problem.error_b)
 
 
 def _body(of: Lifted, tree: Tree, about: Facets) -> Body:

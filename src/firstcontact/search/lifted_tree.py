@@ -23,7 +23,7 @@ import numpy as np
 from firstcontact.kernels.jit import kernel
 from firstcontact.kernels.lifted_query import LINES, PLANES, REACH
 from firstcontact.kernels.principal import box_columns, fit_box, main_direction
-from firstcontact.search.tree import BARE, CORNER, FACET, POINT, SIDE, Tree
+from firstcontact.search.tree import BARE, CORNER, FACET, FLAT_SIDE, POINT, SIDE, Tree
 
 LEAF = 8
 
@@ -54,9 +54,14 @@ class LiftedTree:
     scale: float
 
 
-def edges_of(tree: Tree) -> Elements:
-    """The edges that count for a first contact (no flat sides)."""
-    return _elements(tree, SIDE, FACET | BARE | POINT, ((0, 1, 1), (1, 2, 2), (2, 0, 0)))
+def edges_of(tree: Tree, flat: bool = False) -> Elements:
+    """The edges that count for a first contact; or all of them, those on flat sides too."""
+    corners = ((0, 1, 1), (1, 2, 2), (2, 0, 0))
+    sharp = _elements(tree, SIDE, FACET | BARE | POINT, corners)
+    if not flat:
+        return sharp
+    level = _elements(tree, FLAT_SIDE, FACET, corners)
+    return Elements(np.concatenate([sharp.parts, level.parts]), np.concatenate([sharp.corners, level.corners]))
 
 
 def corners_of_tree(tree: Tree) -> Elements:

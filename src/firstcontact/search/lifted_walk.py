@@ -8,6 +8,7 @@ tests, their bounds and what is noted are those of the walk over boxes.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -77,11 +78,13 @@ def _lay_still_edge(x, query, facets, work):
 
 
 def lifted_walk(
-    a: Body, b: Body, room: Room, motion: np.ndarray, reach: float, errors: tuple[float, float], limit: int, state: Any
-) -> int:
+    a: Body, b: Body, room: Room, motion: np.ndarray, reach: float, errors: tuple[float, float], limit: int, state: Any,
+    edges: Callable[[int], int] | None = None,
+) -> int:  # fmt: skip
     """Go on with the walk until one of the reasons of `state` to come back; returns it.
 
     reach: a time after which certainly nothing meets (translations).  errors: of the parts of a and of b.
+    edges: searches among the edges in an arc instead of `halve`.
     """
     floats, integers, stack = state.floats, state.integers, state.stack
     search = limit, floats, integers, stack, state.times, state.candidates
@@ -98,7 +101,9 @@ def lifted_walk(
             if over:
                 integers[ARC] += 1
                 continue
-        if phase == EDGES:
+        if phase == EDGES and edges is not None:
+            reason = edges(arc)
+        elif phase == EDGES:
             reason = halve(
                 a.edges, b.edges, b.facets.origin, b.facets.scale, room, motion, arc, reach, a.xyz, b.xyz, *errors,
                 limit, floats, integers, state.times, state.candidates,
