@@ -3,8 +3,9 @@
 A set of edges at rest stands as a tree over their vectors zeta of one feature; each inner node holds, for the feature
 of the next conjunct, another such tree over its own edges, and so on.  A query goes through a conjunct's tree; a node
 all of whose vectors satisfy the conjunct goes on to the next conjunct in the node's own tree, one all of whose vectors
-violate it is left, others are opened.  Edges for which every conjunct holds are met; they and those of small sets are
-put to the pair test, which alone decides.  Conjunctions that begin alike share their levels.
+violate it is left, others are opened; in small sets the conjuncts are asked of edge after edge.  Edges for which every
+conjunct holds, or may hold, are put to the pair test, which alone decides.  Conjunctions that begin alike share their
+levels.
 
 The paper's bound on a query, n^(1 - 1/d) in d dimensions, needs partition trees, in which a hyperplane crosses few
 cells whatever the points.  Here a node is cut at the median across its longest direction and its cell is a box along
@@ -28,7 +29,7 @@ WIDTH = 6
 """Entries of a vector; shorter ones end in zeros."""
 LEAF = 4
 FEW = 4
-"""Sets of at most so many edges are tested edge by edge and have no trees for further conjuncts."""
+"""Sets of at most so many edges are asked edge by edge and have no trees for further conjuncts."""
 
 # Columns of a step: the form asked, the sign it must have, the feature of its vectors, and the steps that follow it.
 FORM, WAY, FEATURE, NEXT, END, STEP = range(6)
@@ -124,13 +125,15 @@ def _new_node(nodes, counts, first, last):
 
 
 @kernel
-def ask_levels(levels, plan, tops, questions, parts, motion, xyz_a, xyz_b, err_a, err_b, sides, limit,
+def ask_levels(levels, vectors, plan, tops, questions, parts, motion, xyz_a, xyz_b, err_a, err_b, sides, limit,
                place, stack, asked, floats, integers, times, candidates):  # fmt: skip
     """Put the questions to the levels, from `place` on; returns why it stopped.
 
-    tops (features,): roots over all edges, one for each feature that a conjunction begins with.  parts (n, 2) of the
-    edges at rest.  stack (s, 2): nodes and steps that wait.  asked (n,): the last question each edge was tested for.
+    vectors (features, n, WIDTH).  tops (features,): roots over all edges, one for each feature that a conjunction
+    begins with.  parts (n, 2) of the edges at rest.  stack (s, 2): nodes and steps that wait.  asked (n,): the last
+    question each edge was tested for.
     """
+    waiting = np.empty(plan.steps.shape[0], np.int64)
     nodes, boxes, below, steps = levels.nodes, levels.boxes, levels.below, plan.steps
     for q in range(place[QUERY], questions.parts.shape[0]):
         place[QUERY] = q
@@ -156,8 +159,8 @@ def ask_levels(levels, plan, tops, questions, parts, motion, xyz_a, xyz_b, err_a
             small = nodes[node, 1] - nodes[node, 0] <= FEW
             if small or (holds and steps[s, NEXT] == steps[s, END]) or (not holds and nodes[node, 2] < 0):
                 if not _test_all(
-                    levels, node, q, questions, parts, motion, xyz_a, xyz_b, err_a, err_b, sides, asked,
-                    floats, integers, times, candidates,
+                    levels, node, vectors, plan.steps, s, waiting, q, questions, parts, motion, xyz_a, xyz_b,
+                    err_a, err_b, sides, asked, floats, integers, times, candidates,
                 ):  # fmt: skip
                     integers[VISITS] -= 1  # comes again
                     return FULL
@@ -184,9 +187,12 @@ def ask_levels(levels, plan, tops, questions, parts, motion, xyz_a, xyz_b, err_a
 
 
 @kernel
-def _test_all(levels, node, q, questions, parts, motion, xyz_a, xyz_b, err_a, err_b, sides, asked,
-              floats, integers, times, candidates):  # fmt: skip
-    """The pair test of question q with all edges of the node, each once; False when there is no room for more."""
+def _test_all(levels, node, vectors, steps, s, waiting, q, questions, parts, motion, xyz_a, xyz_b, err_a, err_b, sides,
+              asked, floats, integers, times, candidates):  # fmt: skip
+    """The pair test of question q with the edges of the node for which all conjuncts from step s on may hold.
+
+    Each edge once; False when there is no room for more.
+    """
     a = questions.parts[q]
     for i in range(levels.nodes[node, 0], levels.nodes[node, 1]):
         edge = levels.ids[i]
@@ -194,9 +200,34 @@ def _test_all(levels, node, q, questions, parts, motion, xyz_a, xyz_b, err_a, er
             continue
         if integers[CANDIDATES] + LEAF_ROOM > times.shape[0]:
             return False
+        integers[VISITS] += 1
+        if _is_ruled_out(vectors, steps, s, waiting, questions, q, edge):
+            continue
         asked[edge] = q
         test_events(
             motion, a[0], a[1], xyz_a[a[0]], parts[edge, 0], parts[edge, 1], xyz_b[parts[edge, 0]], sides,
             err_a, err_b, floats, integers, times, candidates,
         )  # fmt: skip
+    return True
+
+
+@kernel
+def _is_ruled_out(vectors, steps, s, waiting, questions, q, edge):
+    """Whether every conjunction through step s has a conjunct from there on that the edge certainly violates."""
+    waiting[0] = s
+    top = 1
+    while top > 0:
+        top -= 1
+        step = steps[waiting[top]]
+        y, form = vectors[step[FEATURE], edge], questions.forms[q, step[FORM]]
+        value = 0.0
+        for k in range(WIDTH):
+            value += form[k] * y[k]
+        if value * step[WAY] < -questions.slacks[q, step[FORM]]:
+            continue
+        if step[NEXT] == step[END]:
+            return False
+        for after in range(step[NEXT], step[END]):
+            waiting[top] = after
+            top += 1
     return True

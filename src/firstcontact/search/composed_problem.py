@@ -345,7 +345,7 @@ class Composed:
         while True:
             levels: Levels = resting.levels
             reason = ask_levels(
-                levels, resting.plan, resting.tops, worker.questions, resting.parts, *self.work, limit,
+                levels, resting.vectors, resting.plan, resting.tops, worker.questions, resting.parts, *self.work, limit,
                 worker.place, worker.stack, worker.asked,
                 worker.floats, worker.integers, worker.times, worker.candidates,
             )  # fmt: skip

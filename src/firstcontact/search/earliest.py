@@ -95,7 +95,7 @@ def earliest(
         found.visits += int(state.integers[VISITS])
         found.tests += int(state.integers[TESTS])
         found.unsure += int(state.integers[UNSURE_TOTAL])
-        found.engine = problem.answered(state) if isinstance(problem, ByEngine) else "boxes"
+        found.engine = engine_of(problem, state)
         return_state(state)
     return found
 
@@ -119,6 +119,7 @@ def all_pairs(problem: Problem, with_start: bool = True) -> Found:
             found.open = "precision"
     finally:
         found.visits, found.tests = int(state.integers[VISITS]), int(state.integers[TESTS])
+        found.engine = engine_of(problem, state)
         return_state(state)
     return found
 
@@ -136,6 +137,11 @@ def pairs_at_start(problem: Problem) -> list[tuple[Pair, bool]]:
         return search.found.start
     finally:
         return_state(state)
+
+
+def engine_of(problem: Problem, state: WalkState) -> str:
+    """The engine that answered."""
+    return problem.answered(state) if isinstance(problem, ByEngine) else "boxes"
 
 
 class _Search:
