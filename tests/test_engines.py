@@ -23,7 +23,7 @@ MOTIONS = pytest.mark.parametrize("rotating", [False, True], ids=["translation",
 
 
 @MOTIONS
-@pytest.mark.parametrize(("engine", "count"), [("lifted", 240), ("composed", 120)])
+@pytest.mark.parametrize(("engine", "count"), [("lifted", 240), ("composed", 60)])
 def test_small_scenes_by_engine(engine, count, rotating):
     scenes = small_scenes(70_000, amount(count), rotating)
     seen = Counter(assert_same_first_contact(scene, engine=engine) for scene in scenes)

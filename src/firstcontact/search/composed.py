@@ -8,7 +8,7 @@ conjunct holds, or may hold, are put to the pair test, which alone decides.  Con
 levels.
 
 The paper's bound on a query, n^(1 - 1/d) in d dimensions, needs partition trees, in which a hyperplane crosses few
-cells whatever the points.  Here a node is cut at the median across its longest direction and its cell is a box along
+cells whatever the points.  Here a node is cut at the median across the longest axis of its cell, a box along
 principal axes: of linear size, simple, and without such a bound.  Trees below the first are made when first asked, so
 that storage is what queries need; n log^k n with k changes of the feature is the most.
 """
@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from firstcontact.kernels.jit import kernel
-from firstcontact.kernels.principal import box_columns, fit_box, form_range, main_direction
+from firstcontact.kernels.principal import CENTRE, RANK, box_columns, fit_box, form_range
 from firstcontact.search.lifted_tree import select
 from firstcontact.search.state import CANDIDATES, DONE, FULL, LEAF_ROOM, SLICE_SPENT, VISITS
 from firstcontact.search.walk import test_events
@@ -97,17 +97,16 @@ def add_tree(vectors, first, last, levels):
     _new_node(nodes, counts, start, start + count)
     keys = np.empty(count)
     moments, axes, weights = np.empty((WIDTH, WIDTH)), np.empty((WIDTH, WIDTH)), np.empty((3, WIDTH))
-    mean, direction = np.empty(WIDTH), np.empty(WIDTH)
     node = root
     while node < counts[0]:  # children are behind their parents
         lo, hi = nodes[node, 0], nodes[node, 1]
         fit_box(vectors, ids, lo, hi, 1, boxes[node], 0, moments, axes, weights)
         if hi - lo > LEAF:
-            main_direction(vectors, ids, lo, hi, moments, mean, direction)
+            axis = _longest_axis(boxes[node])
             for i in range(lo, hi):
                 keys[i - start] = 0.0
                 for k in range(WIDTH):
-                    keys[i - start] += direction[k] * vectors[ids[i], k]
+                    keys[i - start] += boxes[node, axis + k] * vectors[ids[i], k]
             middle = (lo + hi) // 2
             select(keys, ids[start : start + count], lo - start, hi - start, middle - start)
             nodes[node, 2], nodes[node, 3] = counts[0], counts[0] + 1
@@ -115,6 +114,16 @@ def add_tree(vectors, first, last, levels):
             _new_node(nodes, counts, middle, hi)
         node += 1
     return root
+
+
+@kernel
+def _longest_axis(box):
+    """Where in the box the axis begins along which it is longest."""
+    half, longest = CENTRE + WIDTH, 0
+    for j in range(int(box[RANK])):
+        if box[half + j] > box[half + longest]:
+            longest = j
+    return half + WIDTH + WIDTH * longest
 
 
 @kernel

@@ -16,7 +16,6 @@ from __future__ import annotations
 import math
 import threading
 from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -44,6 +43,7 @@ from firstcontact.search.composed import (
 from firstcontact.search.lifted_motion import ARC_STARTS, arc_tangent
 from firstcontact.search.lifted_problem import lifted_scratch, motion_of, walk_lifted
 from firstcontact.search.lifted_tree import Elements, edges_of
+from firstcontact.search.lifted_walk import EDGES
 from firstcontact.search.linearisation import (
     Bounded,
     Conjunction,
@@ -54,19 +54,8 @@ from firstcontact.search.linearisation import (
     translation_conjunctions,
     translation_features,
 )
-from firstcontact.search.state import (
-    BEST,
-    CANDIDATES,
-    DECIDE,
-    DONE,
-    FULL,
-    LEAF_ROOM,
-    SLICE_SPENT,
-    TESTS,
-    UNSURE_COUNT,
-    UNSURE_TOTAL,
-    VISITS,
-)
+from firstcontact.search.rounds import Finds, shared
+from firstcontact.search.state import BEST, CANDIDATES, DECIDE, DONE, FULL, SLICE_SPENT, VISITS
 from firstcontact.search.state import QUERY as ROUND
 from firstcontact.search.state import STACK as PART
 from firstcontact.search.tree import FLAT_SIDE, SIDE
@@ -270,12 +259,9 @@ class Worker:
 
     questions: Questions
     asked: np.ndarray
-    floats: np.ndarray
-    integers: np.ndarray
+    finds: Finds
     place: np.ndarray = field(default_factory=lambda: np.zeros(PLACE, np.int64))
     stack: np.ndarray = field(default_factory=lambda: np.empty((512, 2), np.int32))
-    times: np.ndarray = field(default_factory=lambda: np.empty((512, 2)))
-    candidates: np.ndarray = field(default_factory=lambda: np.empty((512, 5), np.int32))
 
     def is_done(self) -> bool:
         return int(self.place[QUERY]) == len(self.questions.parts)
@@ -295,7 +281,7 @@ class Composed:
         integers = state.integers
         while True:
             for worker in self.workers:
-                worker.floats[BEST] = state.floats[BEST]
+                worker.finds.floats[BEST] = state.floats[BEST]
             if not self.workers:
                 part = int(integers[PART]) - 1
                 if part >= len(self.groups):
@@ -304,7 +290,8 @@ class Composed:
                     integers[PART], integers[ROUND] = part + 2, 0
                     continue
             self._work_on(self.groups[int(integers[PART]) - 1].resting, limit - int(integers[VISITS]))
-            self._bring_together(state)
+            for worker in self.workers:
+                worker.finds.hand_to(state)
             if all(worker.is_done() for worker in self.workers):
                 integers[ROUND] += sum(len(worker.questions.parts) for worker in self.workers)
                 self.workers = []
@@ -326,28 +313,24 @@ class Composed:
         for lo, hi in zip(ends, ends[1:], strict=False):
             share = Questions(*(np.ascontiguousarray(x[lo:hi]) for x in questions))
             asked = np.full(group.resting.count, -1, np.int32)
-            self.workers.append(Worker(share, asked, state.floats.copy(), np.zeros_like(state.integers)))
+            self.workers.append(Worker(share, asked, Finds(state)))
         return True
 
     def _work_on(self, resting: Resting, limit: int) -> None:
         """Let every worker go on with its share; limit: node visits of all together."""
         waiting = [worker for worker in self.workers if not worker.is_done()]
         allowed = max(1, limit // len(waiting))
-        if len(waiting) == 1:
-            self._run(waiting[0], resting, allowed)
-            return
-        with ThreadPoolExecutor(len(waiting)) as pool:
-            list(pool.map(lambda worker: self._run(worker, resting, allowed), waiting))
+        shared(lambda worker: self._run(worker, resting, allowed), waiting, self.threads)
 
     def _run(self, worker: Worker, resting: Resting, limit: int) -> None:
         """Ask until the share is done, the limit is reached or candidates fill the worker's room."""
         assert resting.plan is not None
+        finds = worker.finds
         while True:
             levels: Levels = resting.levels
             reason = ask_levels(
                 levels, resting.vectors, resting.plan, resting.tops, worker.questions, resting.parts, *self.work, limit,
-                worker.place, worker.stack, worker.asked,
-                worker.floats, worker.integers, worker.times, worker.candidates,
+                worker.place, worker.stack, worker.asked, finds.floats, finds.integers, finds.times, finds.candidates,
             )  # fmt: skip
             if reason == STACK_FULL:
                 worker.stack = np.concatenate([worker.stack, np.empty_like(worker.stack)])
@@ -355,27 +338,9 @@ class Composed:
                 with _building:
                     resting.add_below(int(worker.place[NODE]), int(worker.place[WANTED]))
             elif reason == FULL:
-                worker.times = np.concatenate([worker.times, np.empty_like(worker.times)])
-                worker.candidates = np.concatenate([worker.candidates, np.empty_like(worker.candidates)])
+                finds.grow()
             else:
                 return
-
-    def _bring_together(self, state: Any) -> None:
-        """Hand what the workers found to the state, and the best time to all of them."""
-        best = min([float(state.floats[BEST]), *(float(worker.floats[BEST]) for worker in self.workers)])
-        state.floats[BEST] = best
-        for worker in self.workers:
-            worker.floats[BEST] = best
-            found = int(worker.integers[CANDIDATES])
-            at = int(state.integers[CANDIDATES])
-            while at + found + LEAF_ROOM > len(state.times):
-                state.times = np.concatenate([state.times, np.empty_like(state.times)])
-                state.candidates = np.concatenate([state.candidates, np.empty_like(state.candidates)])
-            state.times[at : at + found] = worker.times[:found]
-            state.candidates[at : at + found] = worker.candidates[:found]
-            for slot in (CANDIDATES, VISITS, TESTS, UNSURE_COUNT, UNSURE_TOTAL):
-                state.integers[slot] += worker.integers[slot]
-                worker.integers[slot] = 0
 
 
 # ------------------------------------------------------------------------------------------------- problems
@@ -389,7 +354,7 @@ def advance_composed(problem: Any, state: Any, limit: int, all_sides: bool = Fal
     if state.scratch is None:
         state.scratch = lifted_scratch(problem), _composed(problem, state, all_sides)
     scratch, composed = state.scratch
-    return walk_lifted(problem, scratch, state, limit, lambda arc: composed.advance(state, arc, limit))
+    return walk_lifted(problem, scratch, state, limit, {EDGES: lambda arc: composed.advance(state, arc, limit)})
 
 
 def _composed(problem: Any, state: Any, all_sides: bool) -> Composed:

@@ -4,8 +4,8 @@ Trees of boxes are best where bodies meet in few places; lifted trees where ever
 of space and time where long parts cross in general position.
 
 `auto` begins with boxes.  Once they have spent more pair tests than lifted trees are likely to need in all, it goes on
-with those, with what the boxes have proved so far: nothing meets before the present key, and the best time.  Cells and
-the levels of `composed` are asked only by name, the latter also for lists of all pairs.
+with those, with what the boxes have proved so far: nothing meets before the present key, and the best time.  Cells, the
+plane sweep and the levels of `composed` are asked only by name, the latter also for lists of all pairs.
 """
 
 from __future__ import annotations
@@ -51,6 +51,12 @@ class ByEngine:
             return self.advance_boxes(state, limit, with_start, all_sides)
         if self.engine == "composed":
             return self._advance_composed(state, limit, with_start, all_sides)
+        if self.engine == "sweep" and not all_sides:
+            from firstcontact.search.sweep_problem import advance_sweep
+
+            if not integers[LIFTED]:
+                begin_lifted(state, with_start)
+            return advance_sweep(self, state, limit)
         if all_sides:
             return self._list_pairs(state, limit, with_start)
         if self.engine == "cells":

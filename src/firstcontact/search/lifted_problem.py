@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -49,11 +50,12 @@ def lifted_scratch(problem: Any) -> Scratch:
 
 
 def walk_lifted(
-    problem: Any, scratch: Scratch, state: WalkState, limit: int, edges: Callable[[int], int] | None = None
-) -> int:
-    """`lifted_walk`; edges: another search among edges than by halving, by the number of the arc."""
+    problem: Any, scratch: Scratch, state: WalkState, limit: int,
+    searches: Mapping[int, Callable[[int], int]] = MappingProxyType({}),
+) -> int:  # fmt: skip
+    """`lifted_walk` of the problem."""
     motion, reach, errors = motion_of(problem)
-    return lifted_walk(scratch.a, scratch.b, scratch.room, motion, reach, errors, limit, state, edges)
+    return lifted_walk(scratch.a, scratch.b, scratch.room, motion, reach, errors, limit, state, searches)
 
 
 def motion_of(problem: Any) -> tuple[np.ndarray, float, tuple[float, float]]:

@@ -8,7 +8,8 @@ tests, their bounds and what is noted are those of the walk over boxes.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -79,12 +80,12 @@ def _lay_still_edge(x, query, facets, work):
 
 def lifted_walk(
     a: Body, b: Body, room: Room, motion: np.ndarray, reach: float, errors: tuple[float, float], limit: int, state: Any,
-    edges: Callable[[int], int] | None = None,
+    searches: Mapping[int, Callable[[int], int]] = MappingProxyType({}),
 ) -> int:  # fmt: skip
     """Go on with the walk until one of the reasons of `state` to come back; returns it.
 
     reach: a time after which certainly nothing meets (translations).  errors: of the parts of a and of b.
-    edges: searches among the edges in an arc instead of `halve`.
+    searches: what to ask, by phase and with the number of the arc, instead of `halve` or `ask`.
     """
     floats, integers, stack = state.floats, state.integers, state.stack
     search = limit, floats, integers, stack, state.times, state.candidates
@@ -101,8 +102,8 @@ def lifted_walk(
             if over:
                 integers[ARC] += 1
                 continue
-        if phase == EDGES and edges is not None:
-            reason = edges(arc)
+        if phase in searches:
+            reason = searches[phase](arc)
         elif phase == EDGES:
             reason = halve(
                 a.edges, b.edges, b.facets.origin, b.facets.scale, room, motion, arc, reach, a.xyz, b.xyz, *errors,

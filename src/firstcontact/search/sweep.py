@@ -26,15 +26,17 @@ from firstcontact.search.tree import SIDE
 from firstcontact.search.walk import test_events
 
 # In units of the size of the facets: how far cells reach beyond their facet.
-MARGIN = 2.0**-24
+MARGIN = 2.0**-22
 # Facets steeper than this (height by length), with sides steeper than this (in the plane of the sweep) or narrower than
 # this are loose.
-STEEP, STEEP_SIDE, NARROW = 64.0, 256.0, 4.0 * MARGIN
-# Roundings of heights and places of normalised coordinates, generously.
-ROUNDING = 2.0**-46
+STEEP, STEEP_SIDE, NARROW = 64.0, 128.0, 4.0 * MARGIN
+# And those whose heights over their cells may be off by more.
+MOST_TOLERANCE = 2.0**-10
 # The sweep found its arcs in an order that cannot be (never seen): the group is to be tested facet by facet.
 LOST = 16
 
+# Facets in a group, at most: so many arcs that roundings stay far below what `_crossing` allows.
+LARGEST_GROUP = 1500
 NONE = np.int32(-1)
 
 
@@ -337,3 +339,278 @@ def without_cell(trees, order, facets, root, x, waiting):
             top = with_cell(trees, order, facets, top, trees.cell[node])
         node = trees.right[node]
     return top
+
+
+@kernel
+def _with_room(trees, roots, reserve):
+    """The trees with room for `reserve` more nodes; if there is none, a copy of the nodes that the roots reach."""
+    if trees.used[0] + reserve <= trees.cell.shape[0]:
+        return trees
+    place = np.full(trees.used[0], -1, np.int32)
+    waiting = np.empty(trees.used[0], np.int32)
+    live = 0
+    for k in range(2):
+        for i in range(roots.shape[1]):
+            top = 0
+            if roots[k, i] != NONE and place[roots[k, i]] < 0:
+                waiting[0], top = roots[k, i], 1
+                place[roots[k, i]] = live
+                live += 1
+            while top > 0:
+                top -= 1
+                node = waiting[top]
+                for child in (trees.left[node], trees.right[node]):
+                    if child != NONE and place[child] < 0:
+                        place[child] = live
+                        live += 1
+                        waiting[top] = child
+                        top += 1
+    size = max(trees.cell.shape[0], 4 * (live + reserve))
+    new = Trees(np.empty(size, np.int32), np.empty(size, np.int32), np.empty(size, np.int32), np.array([live]))
+    for node in range(place.shape[0]):
+        if place[node] >= 0:
+            left, right = trees.left[node], trees.right[node]
+            new.cell[place[node]] = trees.cell[node]
+            new.left[place[node]] = NONE if left == NONE else place[left]
+            new.right[place[node]] = NONE if right == NONE else place[right]
+    for k in range(2):
+        for i in range(roots.shape[1]):
+            if roots[k, i] != NONE:
+                roots[k, i] = place[roots[k, i]]
+    return new
+
+
+# --------------------------------------------------------------------------------------------------- sweep
+
+
+class Line(NamedTuple):
+    """The sweep line: arcs from below (m,), their places (2c,; -1: not on it), trees (2, m + 1) of the cells over
+
+    the regions below each arc and above the last one, ordered and loose; used (1,): number of arcs.
+    """
+
+    arcs: np.ndarray
+    place: np.ndarray
+    roots: np.ndarray
+    used: np.ndarray
+
+
+@kernel
+def _place_of(line, cells, x, y):
+    """How many arcs are below y at x, as far as their order is to be trusted."""
+    lo, hi = 0, line.used[0]
+    while lo < hi:
+        middle = (lo + hi) // 2
+        if at(cells.arcs[line.arcs[middle]], x) <= y:
+            lo = middle + 1
+        else:
+            hi = middle
+    return lo
+
+
+@kernel
+def _toggle(trees, line, order, cells, source, target, cell, add, waiting):
+    """Write the trees of region `source`, with the cell or without it, as those of region `target`.
+
+    Returns the trees: they may have moved.
+    """
+    roots = line.roots
+    trees = _with_room(trees, roots, 32 * (cells.facets.shape[0] + 32))
+    k = 1 if order.loose[cells.facets[cell]] else 0
+    roots[1 - k, target] = roots[1 - k, source]
+    if add:
+        roots[k, target] = with_cell(trees, order, cells.facets, roots[k, source], cell)
+    else:
+        roots[k, target] = without_cell(trees, order, cells.facets, roots[k, source], cell, waiting)
+    return trees
+
+
+@kernel
+def _begin_cell(trees, line, order, cells, cell, x, waiting):
+    """Put both arcs of a cell on the line.  Returns the trees and their places."""
+    arcs, roots, m = line.arcs, line.roots, line.used[0]
+    i = _place_of(line, cells, x, at(cells.arcs[2 * cell], x))
+    j = max(i, _place_of(line, cells, x, at(cells.arcs[2 * cell + 1], x)))
+    for t in range(m, j - 1, -1):
+        roots[0, t + 2], roots[1, t + 2] = roots[0, t], roots[1, t]
+    for t in range(m - 1, j - 1, -1):
+        arcs[t + 2] = arcs[t]
+    for t in range(j, i - 1, -1):
+        trees = _toggle(trees, line, order, cells, t, t + 1, cell, True, waiting)
+    for t in range(j - 1, i - 1, -1):
+        arcs[t + 1] = arcs[t]
+    arcs[i], arcs[j + 1] = 2 * cell, 2 * cell + 1
+    line.used[0] = m + 2
+    _number(line, i)
+    return trees, i, j + 1
+
+
+@kernel
+def _end_cell(trees, line, order, cells, cell, waiting):
+    """Take both arcs of a cell off the line.  Returns the trees and the places where they were."""
+    arcs, roots, m = line.arcs, line.roots, line.used[0]
+    i, j = line.place[2 * cell], line.place[2 * cell + 1]
+    for t in range(i + 1, j):
+        arcs[t - 1] = arcs[t]
+        if t > i + 1:
+            trees = _toggle(trees, line, order, cells, t, t - 1, cell, False, waiting)
+    # the region below the lower arc stays; so does the one above the upper arc
+    for t in range(j + 1, m):
+        arcs[t - 2] = arcs[t]
+    for t in range(j + 1, m + 1):
+        roots[0, t - 2], roots[1, t - 2] = roots[0, t], roots[1, t]
+    roots[:, m - 1], roots[:, m] = NONE, NONE
+    line.used[0] = m - 2
+    line.place[2 * cell] = line.place[2 * cell + 1] = -1
+    _number(line, i)
+    return trees, i, j
+
+
+@kernel
+def _number(line, first):
+    for t in range(first, line.used[0]):
+        line.place[line.arcs[t]] = t
+
+
+@kernel
+def _cross(trees, line, order, cells, i, waiting):
+    """Exchange the arcs at places i and i + 1; the region between them is a new one.  Returns the trees."""
+    below, above = line.arcs[i], line.arcs[i + 1]
+    if above % 2 == 0:
+        trees = _toggle(trees, line, order, cells, i, i + 1, above // 2, True, waiting)
+    elif below % 2 == 1:
+        trees = _toggle(trees, line, order, cells, i + 2, i + 1, below // 2, True, waiting)
+    else:
+        trees = _toggle(trees, line, order, cells, i, i + 1, above // 2, False, waiting)
+    line.arcs[i], line.arcs[i + 1] = above, below
+    line.place[above], line.place[below] = i, i + 1
+    return trees
+
+
+@kernel
+def _crossing(line, cells, i, x):
+    """Where the arcs at places i and i + 1 cross from x on; inf if they do not before one of them ends.
+
+    Arcs that roundings have put in the wrong order, by more than an arc can be off, cross at once: so neighbours are
+    in order but for 1 / 32 of MARGIN divided by the number of arcs, and all arcs but for that share of MARGIN.
+    """
+    if i < 0 or i + 1 >= line.used[0]:
+        return np.inf
+    s, t = line.arcs[i], line.arcs[i + 1]
+    below, above = cells.arcs[s], cells.arcs[t]
+    gap = at(above, x) - at(below, x)
+    if gap < -MARGIN / (128.0 * (line.place.shape[0] + 8.0)):
+        return x
+    if below[2] <= above[2]:
+        return np.inf
+    when = x + max(0.0, gap / (below[2] - above[2]))
+    return when if when <= min(cells.x[s // 2, 1], cells.x[t // 2, 1]) else np.inf
+
+
+@kernel
+def sweep_group(cells, order, tolerance, points, pace, askers, parts, swapped, motion, xyz_a, xyz_b, err_a, err_b,
+                floats, integers, times, candidates):  # fmt: skip
+    """Sweep one group past the points (k, 4): x, y, height and the asker's number, in the order of x.
+
+    tolerance: of the order of heights in the group.  pace: height per unit of time.  askers (n, 2), parts (f, 2): those
+    of the vertices and facets; swapped: the vertices are of b.  Returns DONE, FULL or LOST.
+    """
+    n = cells.facets.shape[0]
+    starts, ends = np.argsort(cells.x[:, 0]), np.argsort(cells.x[:, 1])
+    line = Line(
+        np.empty(2 * n + 2, np.int32), np.full(2 * n, -1, np.int32), np.full((2, 2 * n + 3), -1, np.int32),
+        np.zeros(1, np.int64),
+    )  # fmt: skip
+    trees = Trees(np.empty(0, np.int32), np.empty(0, np.int32), np.empty(0, np.int32), np.zeros(1, np.int64))
+    waiting = np.empty(2 * n + 64, np.int32)
+    keys, pairs, size = np.empty(1024), np.empty((1024, 2), np.int32), 0
+    a = b = 0
+    first, last = cells.x[starts[0], 0], cells.x[ends[n - 1], 1]
+    p, stop = np.searchsorted(points[:, 0], first), np.searchsorted(points[:, 0], last, side="right")
+    while b < n:
+        start = cells.x[starts[a], 0] if a < n else np.inf
+        end, cross = cells.x[ends[b], 1], keys[0] if size > 0 else np.inf
+        point = points[p, 0] if p < stop else np.inf
+        x = min(start, end, cross, point)
+        if keys.shape[0] < size + 8:
+            more, more_pairs = np.empty(2 * keys.shape[0]), np.empty((2 * keys.shape[0], 2), np.int32)
+            more[:size], more_pairs[:size] = keys[:size], pairs[:size]
+            keys, pairs = more, more_pairs
+        i = j = -2
+        if start == x:
+            trees, i, j = _begin_cell(trees, line, order, cells, starts[a], x, waiting)
+            a += 1
+        elif cross == x:
+            s, t = pairs[0, 0], pairs[0, 1]
+            size = heap_pop(keys, pairs, size)
+            if line.place[s] < 0 or line.place[t] != line.place[s] + 1:
+                continue  # no longer neighbours
+            if s // 2 == t // 2:
+                return LOST
+            i = line.place[s]
+            trees = _cross(trees, line, order, cells, i, waiting)
+        elif point == x:
+            i = _place_of(line, cells, x, points[p, 1])
+            if not _ask(trees, line.roots[:, i], order, cells, tolerance, points[p], pace, askers, parts, swapped,
+                        motion, xyz_a, xyz_b, err_a, err_b, waiting, floats, integers, times, candidates):  # fmt: skip
+                return FULL
+            p += 1
+            continue
+        else:
+            cell = ends[b]
+            if line.place[2 * cell] >= line.place[2 * cell + 1]:
+                return LOST
+            trees, i, j = _end_cell(trees, line, order, cells, cell, waiting)
+            i, j, b = i - 1, j - 2, b + 1
+        integers[VISITS] += 1
+        for k in (i - 1, i, i + 1, j - 1, j):
+            when = _crossing(line, cells, k, x)
+            if when != np.inf:
+                size = heap_push(keys, pairs, size, when, line.arcs[k], line.arcs[k + 1])
+    return DONE
+
+
+@kernel
+def _ask(trees, roots, order, cells, tolerance, point, pace, askers, parts, swapped, motion, xyz_a, xyz_b, err_a, err_b,
+         waiting, floats, integers, times, candidates):  # fmt: skip
+    """Put the point to the facets over its region that it may meet first; False when there is no room.
+
+    In a tree: a facet certainly passed before the beginning has only such ones before it, one certainly met after the
+    best time only such ones behind it.
+    """
+    asker = askers[int(point[3])]
+    for k in range(2):
+        top = 0
+        node = roots[k]
+        while True:
+            # to the left first, in the order of heights
+            while node != NONE:
+                integers[VISITS] += 1
+                height = _height(order.planes[cells.facets[trees.cell[node]]], point)
+                if k == 0 and height < pace * floats[FIRST] - tolerance:
+                    node = trees.right[node]
+                elif k == 0 and height > pace * floats[BEST] * (1.0 + 1e-12) + tolerance:
+                    node = trees.left[node]
+                else:
+                    waiting[top] = node
+                    top += 1
+                    node = trees.left[node]
+            if top == 0:
+                break
+            if integers[CANDIDATES] + LEAF_ROOM > times.shape[0]:
+                return False
+            top -= 1
+            node = waiting[top]
+            facet = parts[cells.facets[trees.cell[node]]]
+            x, y = (facet, asker) if swapped else (asker, facet)
+            test_events(
+                motion, x[0], x[1], xyz_a[x[0]], y[0], y[1], xyz_b[y[0]], 1 << SIDE, err_a, err_b,
+                floats, integers, times, candidates,
+            )  # fmt: skip
+            node = trees.right[node]
+    return True
+
+
+@kernel
+def _height(plane, point):
+    return plane[0] + plane[1] * point[0] + plane[2] * point[1] - point[2]
