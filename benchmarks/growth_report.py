@@ -39,7 +39,7 @@ def write_csv(runs: Sequence[Any], path: Path, columns: list[str]) -> None:
 
 
 def _short(value: Any) -> Any:
-    return f"{value:.6g}" if isinstance(value, float) else value
+    return f"{value:.12g}" if isinstance(value, float) else value
 
 
 def read_csv(path: Path, make: Any) -> list[Any]:

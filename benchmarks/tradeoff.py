@@ -20,7 +20,7 @@ import numpy as np
 from firstcontact import examples
 from firstcontact.search.composed_problem import Composed, Frame, rotation_groups, translation_groups
 from firstcontact.search.frame import frame_of, view_in
-from firstcontact.search.lifted_tree import Elements, edges_of
+from firstcontact.search.lifted_elements import Elements, edges_of
 from firstcontact.search.state import BEST, CANDIDATES, DONE, STACK, TESTS, VISITS, WalkState
 from firstcontact.search.tree import SIDE
 

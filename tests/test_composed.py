@@ -11,7 +11,7 @@ from amount import amount
 from firstcontact.search.composed import FORM, NEXT, WAY
 from firstcontact.search.composed_problem import Frame, plan_of, rotation_groups, translation_groups
 from firstcontact.search.frame import tree_of
-from firstcontact.search.lifted_tree import edges_of
+from firstcontact.search.lifted_elements import edges_of
 
 ENCOUNTERS = [fc.examples.woven_rods, fc.examples.layered_reguli]
 

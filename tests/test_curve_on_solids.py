@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from fractions import Fraction
 
 import numpy as np
@@ -80,7 +81,14 @@ def test_a_saddle_and_a_plane():
     assert ends == {("u=1",): (1, [1.0, -0.5, -0.5]), ("s=1",): (Fraction(5, 8), [0.25, 1.0, 0.25])}
     x, y, _ = branch.points.T
     assert np.allclose(2 * x * (1 + y), 1, atol=1e-14)
-    swapped = fc.intersection_curve(fc.half_space((1, 0, 1), "1/2"), SADDLE).branches[0]
+    first = branch.to_dict()["ends"][0]
+    assert first["v"] is None and "nan" not in str(curve)
+    swapped = fc.intersection_curve(fc.half_space((1, 0, 1), "1/2"), SADDLE)
+    text = swapped.to_json()
+    assert "NaN" not in text and "nan" not in text and "nan" not in str(swapped)
+    assert [x is None for x in json.loads(text)["branches"][0]["parameters"][0]] == [True, False, True, False]
+    assert {node.u for node in swapped.graph.nodes} == {None}
+    swapped = swapped.branches[0]
     assert np.array_equal(swapped.parameters[:, [1, 3]], branch.parameters[:, [0, 2]])
 
 

@@ -13,10 +13,18 @@ import generators as g
 import naive
 from agreement import assert_same_first_contact, question, same_answer, small_scenes
 from amount import amount
-from firstcontact.kernels.lifted_query import FORMS, ROWS, line_slack, may_meet, plane_slack, write_form
+from firstcontact.kernels.lifted_query import FORMS, ROWS, line_slack, plane_slack, write_form
 from firstcontact.kernels.principal import box_columns, fit_box, form_range
+from firstcontact.kernels.swept_cell import (
+    PATH_ROWS,
+    begin_cell,
+    edge_distances,
+    edge_keeps_off,
+    facet_may_meet,
+    put_path,
+)
 from firstcontact.search.frame import tree_of
-from firstcontact.search.lifted_tree import edges_of, facets_of, lift, lifted_tree
+from firstcontact.search.lifted_elements import edges_of, facets_of, lift
 from generators import FAMILIES, Scene, to_tangent
 
 MOTIONS = pytest.mark.parametrize("rotating", [False, True], ids=["translation", "rotation"])
@@ -67,6 +75,43 @@ def test_auto_changes_over_where_all_pass_all(rotating):
     assert (boxes.stats.engine, auto.stats.engine) == ("boxes", "lifted")
     assert same_answer(auto, boxes)
     assert 10 * auto.stats.pair_tests < boxes.stats.pair_tests
+
+
+@pytest.mark.parametrize("turning", [False, True], ids=["translation", "rotation"])
+@pytest.mark.parametrize("make", ["layered_reguli", "woven_rods", "tangent_plates", "near_miss_combs"])
+def test_auto_does_little_more_than_the_better_engine(make, turning):
+    scene = getattr(fc.examples, make)(400, turning=turning)
+    boxes, lifted, auto = (
+        fc.first_contact(scene.moving, scene.resting, engine=e) for e in ("boxes", "lifted", "auto")
+    )
+    assert same_answer(auto, boxes) and same_answer(lifted, boxes)
+    assert auto.stats.pair_tests <= 1.2 * min(boxes.stats.pair_tests, lifted.stats.pair_tests)
+
+
+@MOTIONS
+def test_pair_tests_of_vertices_and_facets_grow_slowly(rotating):
+    """With n^1.34 under translation and n^1.6 under rotation at most; boxes test n^2."""
+    for make in ("slats_over_points", "tangent_plates"):
+        tests = []
+        for n in (250, 1000):
+            scene = getattr(fc.examples, make)(n, turning=rotating)
+            tests.append(fc.first_contact(scene.moving, scene.resting, engine="lifted").stats.pair_tests)
+        assert tests[1] < 4 ** (1.6 if rotating else 1.34) * tests[0], (make, tests)
+
+
+@MOTIONS
+@pytest.mark.parametrize("make", ["slats_over_points", "tangent_plates", "nested_shells", "convex_pair"])
+def test_vertices_and_facets_by_halving(make, rotating):
+    """Points or closed solids; the same contact as by boxes."""
+    for seed in range(amount(6)):
+        if make in ("nested_shells", "convex_pair"):
+            scene = getattr(fc.examples, make)(150, seed=seed)
+        else:
+            scene = getattr(fc.examples, make)(60, turning=rotating, closed=seed % 2 == 1, seed=seed)
+        by_lines, by_boxes = (
+            fc.first_contact(scene.moving, scene.resting, engine=e) for e in ("lifted", "boxes")
+        )
+        assert same_answer(by_lines, by_boxes), seed
 
 
 def test_auto_stays_with_boxes_on_ordinary_meshes():
@@ -128,7 +173,7 @@ def test_rounded_products_of_lines_stay_within_their_slack():
         b, d = a + size * rng.normal(size=3), c + size * rng.normal(size=3)
         if k % 2:
             d = c + (b - a) + 1e-9 * rng.normal(size=3)
-        lines, _, _, sizes, _ = lift(np.concatenate([c, d, d])[None], False, origin, 4.0, np.ones(3))
+        lines, _, sizes, _ = lift(np.concatenate([c, d, d])[None], False, origin, 4.0, np.ones(3))
         query, x = np.zeros((ROWS, 6)), a - origin
         write_form(query, FORMS, *x, *(b - a), 4.0)
         value = sum(p * q for p, q in zip(rationals(lines[0]), rationals(query[FORMS]), strict=True))
@@ -150,7 +195,7 @@ def test_rounded_heights_over_planes_stay_within_their_slack():
         a = origin + rng.normal(size=3)
         e = size * rng.normal(size=3)
         corners = np.stack([a, a + e, a + 0.5 * e + needle * size * rng.normal(size=3)])
-        _, _, _, sizes, planes = lift(corners.reshape(1, 9), True, origin, 4.0, np.array([1.0, 0.6, 0.4]))
+        _, _, sizes, planes = lift(corners.reshape(1, 9), True, origin, 4.0, np.array([1.0, 0.6, 0.4]))
         p = origin + rng.normal(size=3)
         form = [*(Fraction(float(v)) / 4 for v in p - origin), Fraction(1)]
         value = sum(x * y for x, y in zip(rationals(planes[0]), form, strict=True))
@@ -169,9 +214,68 @@ def test_elements_are_told_apart_once_each():
     tree = tree_of(body)
     assert len(edges_of(tree).parts) == len(body.edges)
     assert len(facets_of(tree).parts) == len(body.triangles)
-    lifted = lifted_tree(tree, facets_of(tree))
-    leaves = [(i, -j) for i, j in lifted.links.tolist() if j < 0]
-    assert sorted(k for i, j in leaves for k in range(i, j)) == list(range(len(body.triangles)))
-    nowhere = np.zeros((ROWS, 6))
-    nowhere[5] = [9, 9, 9, 9.5, 9.5, 9.5]
-    assert not may_meet(lifted.nodes[0], nowhere, True, lifted.scale, lifted.origin, 0.0)
+
+
+# -------------------------------------------------------------------------------------- cells of paths
+
+
+@MOTIONS
+def test_cells_of_paths_lose_no_meeting(rotating):
+    """Triangles through a point of one of the paths, in doubles but for their rounding; thin and touching ones too."""
+    rng = np.random.default_rng(11)
+    motion = np.zeros((3, 3)) if rotating else np.zeros(9)
+    if rotating:
+        motion[2, :2] = 0.25, -0.5
+    left_out = 0
+    for k in range(amount(600)):
+        size, far = 10.0 ** rng.integers(-3, 1), 10.0 ** rng.integers(-1, 3)
+        middle, cell = far * rng.normal(size=3), np.zeros((PATH_ROWS, 6))
+        begin_cell(cell, False, motion)
+        start = middle + size * rng.normal(size=(4, 3))
+        tangent, shift = 0.2 * rng.uniform(), size * rng.normal(size=3)
+        for p in start:
+            hull, at = path(p, tangent, rng.uniform(), motion) if rotating else shifted(p, shift, rng.uniform())
+            put_path(cell, hull, len(hull))
+        sides = size * rng.normal(size=(2, 3)) * 10.0 ** rng.integers(-6, 2, (2, 1))
+        weights = rng.uniform(size=2) * (0.0 if k % 5 == 0 else 0.5)
+        first = at - weights @ sides
+        triangle = np.concatenate([first, first + sides[0], first + sides[1]])
+        assert facet_may_meet(cell, triangle, 0.0), (cell, triangle)
+        left_out += not facet_may_meet(cell, triangle + np.tile(3 * size * rng.normal(size=3), 3), 0.0)
+    assert left_out > amount(600) // 4
+
+
+def test_edges_that_come_together_somewhere_do_not_keep_off():
+    """A point of either edge at one height and one distance from the axis; and edges that share no distance do."""
+    rng = np.random.default_rng(12)
+    motion, apart = np.zeros((3, 3)), 0
+    motion[2, :2] = 0.25, -0.5
+    for _ in range(amount(900)):
+        at, angle, size = rng.normal(size=3), rng.uniform(0, 2 * np.pi), 10.0 ** rng.integers(-6, 1)
+        turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+        met = np.array([*(motion[2, :2] + turn @ (at - motion[2])[:2]), at[2]])
+        along = size * rng.normal(size=(2, 3)) * rng.choice([0.0, 1.0], (2, 3), p=[0.2, 0.8])
+        share = rng.choice([0.0, 0.3, 1.0], 2)
+        x, y = (np.concatenate([p - s * d, p + (1 - s) * d, p + (1 - s) * d])
+                for p, d, s in zip((at, met), along, share, strict=True))  # fmt: skip
+        nearest, farthest = edge_distances(y[None], motion)[0]
+        heights = sorted((y[2], y[5]))
+        assert not edge_keeps_off(x, *heights, nearest, farthest, 0.25, -0.5, 0.0), (x, y)
+        wide = farthest - nearest + 20 * size + 1e-9
+        apart += edge_keeps_off(x, *heights, nearest + wide, farthest + wide, 0.25, -0.5, 0.0)
+    assert apart == amount(900)
+
+
+def shifted(p, shift, s):
+    return np.array([p, p + shift]), p + s * shift
+
+
+def path(p, tangent, s, motion):
+    """Corners of the hull of an arc about the axis, and the point at the share s of its angle."""
+    def turned(angle):
+        c, r = motion[2], np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+        return np.array([*(c[:2] + r @ (p - c)[:2]), p[2]])
+
+    end = 2.0 * np.arctan(tangent)
+    corner = p + tangent * np.array([-(p - motion[2])[1], (p - motion[2])[0], 0.0])
+    return np.array([p, corner, turned(end)]), turned(s * end)

@@ -23,6 +23,8 @@ SLOT = fc.box((2, 1, 1)) | fc.cylinder("1/2", 1).translated((1, 0, 0)) | fc.cyli
 EDGEWISE = BOX.rotated((0, 0, 1), degrees=45)
 DRILLED = fc.box((4, 3, 1)) - fc.cylinder("1/2", 2)
 ANGLE = DRILLED | fc.box((1, 3, 3)).translated((2, 0, 1))
+CORNER = (fc.box((4, 4, 2)) - fc.box((4, 4, 4)).translated((2, 2, 0))).named("corner")
+DRILLED_CORNER = CORNER - fc.cylinder("1/2", 4).translated((-1, -1, 0))
 SCENES = {
     "box on box": (BOX, (0.3, 0.4, 6.0), BOX.translated((0.5, 0.1, 4)), "patch"),
     "boxes beside each other": (BOX, (6.0, 0.2, 0.1), BOX.translated((4, 0.3, -0.2)), "patch"),
@@ -50,6 +52,7 @@ SCENES = {
     "drilled plate beside its hole": (DRILLED, (0.1, 0.2, 6.0), BOX.translated((1.5, 0.3, 4)), "patch"),
     "lying drum beside a hole": (LYING, (0.1, 0.2, 6.0), DRILLED.translated((1, 0, 4)), "segment"),
     "angle on drilled plate": (ANGLE, (0.1, 0.2, -6.0), DRILLED.translated((-2, 1, -4)), "conic arc"),
+    "box on a reentrant corner": (BOX, (0.1, 0.2, 6.0), DRILLED_CORNER.translated((0.3, 0.1, 4)), "conic arc"),
     "gutter on box": (GUTTER, (6.0, 0.1, 0.2), BOX.translated((4, 0.3, 0.4)), "patch"),
 }  # fmt: skip
 
@@ -77,6 +80,25 @@ def test_both_paths_tell_the_same(name, monkeypatch):
     away = np.linalg.norm(told.contact_set.points[:, None] - exact.contact_set.points, axis=2)
     assert away.min(axis=0).max() < near and away.min(axis=1).max() < near
     assert kind == "conic arc" or np.allclose(told.point, exact.point, atol=1e-9)
+
+
+@pytest.mark.parametrize("where", [(0, -1), (-1, 0)])
+def test_an_edge_ends_at_a_reentrant_corner(where):
+    """Its line runs on in the face: what touches that there touches no edge."""
+    ball = fc.sphere(1).named("ball").translated((*where, 4)).moving(fc.Translation((0, 0, -4)))
+    told, listed = fc.first_contact(ball, CORNER), fc.first_contact(ball, CORNER, method="algebraic")
+    assert listed.time == 0.5 and told.time == pytest.approx(0.5, abs=1e-12)
+    assert pairs(told) == pairs(listed) == {("ball.surface face 0", "corner.z+ face 5")}
+    reasons = [c.reason for s in listed.subproblems for c in s.candidates if c.time == 0.5]
+    assert "beyond the feature of corner" in reasons
+
+
+def test_an_edge_is_touched_up_to_the_corner():
+    ball = fc.sphere(1).translated((0, 1, 4)).moving(fc.Translation((0, 0, -4)))
+    hit = fc.first_contact(ball, CORNER, method="algebraic")
+    assert hit.element_b.kind == "edge" and hit.multiplicity == 2
+    hit = fc.first_contact(ball.body.translated((0, -1, 0)).moving(ball.motion), CORNER, method="algebraic")
+    assert hit.element_b.kind == "vertex" and hit.multiplicity == 4
 
 
 @pytest.mark.parametrize("tilt", ["1/1000000000", "1/1000000000000"])

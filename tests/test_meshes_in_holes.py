@@ -37,6 +37,7 @@ def star(n, outer, inner, low, high) -> fc.Polyhedron:
     return fc.Polyhedron([(*p, z) for z in (low, high) for p in ring], faces, name="pin")
 
 
+CAPSULE = fc.cylinder(1, 2) | fc.sphere(1).translated((0, 0, 1)) | fc.sphere(1).translated((0, 0, -1))
 PIN = star(8, 1.5, 1.2, -2, 2)
 
 
@@ -114,7 +115,11 @@ def test_in_the_hole_from_the_start():
     ("body", "model", "kind"),
     [
         (PIN.translated((1, 0, 0)), PLATE, "overlapping"),
-        (star(6, 0.25, 0.125, -0.25, 0.25).translated((3, 0, 0)), PLATE, None),  # in the material
+        (star(6, 0.25, 0.125, -0.25, 0.25).translated((3, 0, 0)), PLATE, "containment"),
+        (star(6, 0.5, 0.3, -1.5, 1.5), CAPSULE, "containment"),  # across its parts
+        (fc.Polyhedron([[-3, -0.5, 0], [3, -0.5, 0], [3, 0.5, 0], [-3, 0.5, 0]], [[0, 1, 2, 3]]), PLATE, "overlapping"),
+        (star(6, 0.3, 0.15, -0.3, 0.3).translated((0, 0, 2.5)), SHELL, "containment"),
+        (star(12, 2.12, 2.1, -2.05, 2.05), SHELL, "overlapping"),  # in the material, around the hollow
         (star(6, 30, 20, -10, 10), PLATE, "containment"),
         (star(6, 30, 20, -10, 10), SHELL, "containment"),
         (star(6, 1.9, 1.2, -0.9, 0.9), PLATE | fc.box((1, 1, 1)), "containment"),  # of what stands in the hole

@@ -185,7 +185,7 @@ def test_starts():
     [
         (fc.RuledSurface("(u, 0, T)", "(u, 1, u + T)", name="wing"), "wing deforms"),
         (fc.RuledSurface("(u, 0, 0)", "(u, 1, u)", trim=["u <= s"], name="leaf"), "leaf is trimmed"),
-        (fc.RuledSurface("(u, 0, 0)", "(u, 1, u)", s=None, name="regulus"), "regulus has whole rulings"),
+        (fc.RuledSurface("(u, 0, 0)", "(1-u, 0, u-1/2)", s=None, name="bow"), "bow has whole rulings whose"),
     ],
 )
 def test_refusals(surface, message):
@@ -196,3 +196,35 @@ def test_refusals(surface, message):
 def test_no_exact_times_of_curved_models():
     with pytest.raises(UnsupportedPair, match="in doubles only"):
         fc.first_contact(SADDLE.moving(SCREW), TUBE, exact=True)
+
+
+CIRCLE = "(1-u**2)/(1+u**2), 2*u/(1+u**2)"
+
+
+@pytest.mark.parametrize(
+    ("ends", "solid", "known"),
+    [
+        # a cylinder of radius 1 and a ball of radius 1/4 far along it; a cone of slope 1; z = x y under a ball
+        ((f"({CIRCLE}, -1)", f"({CIRCLE}, 1)"), fc.sphere("1/4").translated((4, 0, 50)), 2.75 / 8),
+        (("(0, 0, 0)", f"({CIRCLE}, 1)"), fc.sphere(1).translated((10, 0, 0)), (10 - 2**0.5) / 8),
+        (("(1, u, u)", "(-1, u, -u)"), fc.sphere("1/2").translated((4, 0, 0)), None),
+    ],
+)
+def test_whole_rulings(ends, solid, known):
+    """Against the same surface with long rulings, and known times of the way 8 T along x."""
+    whole, cut = (
+        fc.RuledSurface(*ends, u=None if known else (-4, 4), s=s, name="whole") for s in (None, (-64, 64))
+    )
+    way = fc.Translation((8, 0, 0)) if known else fc.Rotation((0, 1, 0), point=(3, 0, 0), degrees=180)
+    if not known:
+        solid = solid.translated((0, 0, 3))
+    span = (0, 2 if known else 1)
+    hit, same = fc.first_contact(whole.moving(way), solid, span), fc.first_contact(solid, cut.moving(way), span)
+    assert hit.status is same.status is fc.Status.CONTACT and abs(hit.time - same.time) < 1e-12
+    assert known is None or hit.time_interval[0] <= known * (1 + 1e-15) and known <= hit.time_interval[1] * (1 + 1e-15)
+
+
+def test_whole_rulings_meet_bounded_solids_only():
+    regulus = fc.RuledSurface("(1, u, u)", "(-1, u, -u)", s=None, name="regulus")
+    with pytest.raises(UnsupportedPair, match="bound s of regulus"):
+        fc.first_contact(regulus.moving(SCREW), fc.half_space((0, 0, 1), -9))

@@ -142,7 +142,7 @@ def test_overlapping_rulings_share_a_segment():
     assert end_to_end.time_exact == Fraction(2) and end_to_end.point.tolist() == [3, 0, 0]
     assert str(end_to_end.contact_set) == "point"
     overlap = fc.first_contact(a, b, ("5/2", 5), exact=True)
-    assert overlap.initial == "overlapping" and str(overlap.contact_set) == "segment"
+    assert overlap.initial == "touching" and str(overlap.contact_set) == "segment"
     assert sorted(overlap.contact_set.points[:, 0].tolist()) == [3, 3.5]
 
 

@@ -16,17 +16,21 @@ ExactParameter = Fraction | AlgebraicNumber | float
 """A parameter of a ruling: the number itself, or math.inf for the ruling at infinity."""
 
 
+ExactPair = tuple[ExactParameter | None, ExactParameter | None]
+"""u and v; None of a body without rulings."""
+
+
 class ExactParameters:
     """The exact u and v of a point, worked out when asked for: v may take an elimination of high degree."""
 
     __slots__ = ("_make", "_pair")
 
-    def __init__(self, make: Callable[[], tuple[ExactParameter, ExactParameter]]) -> None:
+    def __init__(self, make: Callable[[], ExactPair]) -> None:
         self._make: Any = make
-        self._pair: tuple[ExactParameter, ExactParameter] | None = None
+        self._pair: ExactPair | None = None
 
     @property
-    def pair(self) -> tuple[ExactParameter, ExactParameter]:
+    def pair(self) -> ExactPair:
         if self._pair is None:
             self._pair, self._make = self._make(), None
         return self._pair
@@ -35,7 +39,7 @@ class ExactParameters:
         return _known, (self.pair,)
 
 
-def _known(pair: tuple[ExactParameter, ExactParameter]) -> ExactParameters:
+def _known(pair: ExactPair) -> ExactParameters:
     return ExactParameters(lambda: pair)
 
 
@@ -47,8 +51,9 @@ class BranchEnd:
                  no end and was cut, "undecided" at an OpenPlace
     on           the bounds that hold there: "u=0", "s=1", "t=0", "x=3", "trim"
     point        (3,) float64
-    parameters   (4,) float64: u, v, s, t
-    u, v         exact; None for "infinity" and on the certified path; worked out when asked for
+    parameters   (4,) float64: u, v, s, t; nan of a body without rulings, and s or t where a ruling is a point
+    u, v         exact; None for "infinity", on the certified path and of a body without rulings; worked out when asked
+                 for
     """
 
     kind: str
@@ -136,7 +141,7 @@ class SingularPoint:
 class GraphNode:
     """A point of the curve: "regular", "node", "cusp", "isolated", "boundary", "infinity" or "undecided".
 
-    u, v are exact; on the certified path they are doubles.
+    u, v are exact; on the certified path they are doubles; None of a body without rulings.
     """
 
     point: np.ndarray | None
@@ -144,17 +149,25 @@ class GraphNode:
     exact: ExactParameters = field(repr=False)
 
     @property
-    def u(self) -> ExactParameter:
+    def u(self) -> ExactParameter | None:
         return self.exact.pair[0]
 
     @property
-    def v(self) -> ExactParameter:
+    def v(self) -> ExactParameter | None:
         return self.exact.pair[1]
+
+    def to_dict(self) -> dict[str, Any]:
+        return {
+            "u": None if self.u is None else str(self.u),
+            "v": None if self.v is None else str(self.v),
+            "kind": self.kind,
+            "point": None if self.point is None else self.point.tolist(),
+        }
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class OpenPlace:
-    """A place at which the certified path could not tell what is there: a crossing or tangency, points, or nothing.
+    """A place at which it was not decided what is there: a crossing or tangency, points, overlaps, or nothing.
 
     point   (3,) float64: near it
     u, v    the ranges of the parameters; all that was left open there lies in them
@@ -205,10 +218,7 @@ class CurveGraph:
 
     def to_dict(self) -> dict[str, Any]:
         return {
-            "nodes": [
-                {"u": str(n.u), "v": str(n.v), "kind": n.kind, "point": None if n.point is None else n.point.tolist()}
-                for n in self.nodes
-            ],
+            "nodes": [node.to_dict() for node in self.nodes],
             "edges": [list(edge) for edge in self.edges],
             "components": self.components,
         }
@@ -229,9 +239,10 @@ class IntersectionCurve:
     delta             Delta(u, v) = sum delta[i, j] u^i v^j: two rulings meet where it vanishes; {} if all do
     common_rulings    the pairs (u, v) of rulings that are one line, exact
     correspondence    a polynomial like `delta` along whose zeros rulings are one line; {} if none
-    method            "exact", or "certified": in doubles with proved error bounds.  Then `delta` is not worked out, and
-                      overlaps, isolated and singular points are among the open places
-    open_places       what "certified" could not decide; everywhere else the branches are all there is, proved
+    method            "exact", or "certified": in doubles with proved error bounds, and exactly for some pairs of
+                      pieces.  Then `delta` and `common_rulings` are not worked out, and overlaps, isolated and singular
+                      points of the other pairs are among the open places
+    open_places       what was not decided; everywhere else the branches are all there is, proved
     """
 
     branches: tuple[Branch, ...]
@@ -283,7 +294,7 @@ class IntersectionCurve:
         return "\n".join(lines)
 
     def to_dict(self) -> dict[str, Any]:
-        """Exact numbers are strings, polynomials lists of [i, j, coefficient]."""
+        """Exact numbers are strings, polynomials lists of [i, j, coefficient]; parameters may be nan (None in JSON)."""
         return {
             "a": self.names[0],
             "b": self.names[1],
@@ -316,4 +327,4 @@ def _triple(x: np.ndarray) -> str:
 
 
 def _quadruple(parameters: np.ndarray) -> str:
-    return "u = {:.9g}, v = {:.9g}, s = {:.9g}, t = {:.9g}".format(*parameters)
+    return ", ".join(f"{name} = {x:.9g}" for name, x in zip("uvst", parameters, strict=True) if not np.isnan(x))

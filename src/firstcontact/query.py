@@ -12,6 +12,7 @@ from firstcontact.errors import FirstContactError, InputError, UnsupportedPair
 from firstcontact.exact.numbers import Undecidable, to_double
 from firstcontact.motion.curved import CurvedPiece
 from firstcontact.motion.relative import pieces
+from firstcontact.motion.span import common_span
 from firstcontact.report import (
     JoinedInterval,
     contact_of,
@@ -54,7 +55,7 @@ def first_contact(
 
     engine: of polyhedra, which trees are asked; the answer is the same.  "boxes"; "lifted", for scenes in which nearly
     everything passes nearly everything; "cells", for long parts that cross in general position (both for translations
-    and rotations only); "auto" begins with boxes and changes over to "lifted" when they have done many pair tests;
+    and rotations only); "auto" begins with boxes and changes over to "lifted" when boxes have had enough pair tests;
     "composed" is the paper's structure among edges and "sweep" its plane sweep among vertices and facets (translations
     only), for reading and measuring.  `stats.engine` tells which one answered.
     exact: add `time_exact`.  tolerance: largest width of `time_interval`, relative to the span (enclosures
@@ -78,14 +79,17 @@ def first_contact(
         raise InputError(f"threads is {threads!r}; give a whole number from 1 on")
     if bodies != "polyhedra" and engine != "auto":
         raise UnsupportedPair(f"engine {engine!r} searches trees of polyhedra; curved models take 'auto'")
-    if bodies == "ruled":
-        from firstcontact.ruled import moving
+    if bodies != "polyhedra":
+        search = _of_curved(bodies).first_contact
 
-        return moving.first_contact(a, b, span, exact, method, tolerance, budget, progress)
-    if bodies == "models":
-        from firstcontact.composite import verbs
+        def ask(within: Any, narrow: float) -> FirstContact:
+            return search(a, b, within, exact, method, narrow, budget, progress)
 
-        return verbs.first_contact(a, b, span, exact, method, tolerance, budget, progress)
+        if _is_endless(a, b, span):
+            from firstcontact import endless
+
+            return endless.first_contact(ask, a, b, span, tolerance)
+        return ask(span, tolerance)
     parts, first, last = pieces(a, b, span)
     if exact:
         _refuse_inexact(parts)
@@ -143,14 +147,17 @@ def contact_intervals(
     """
     begin = clock.perf_counter()
     kind = _check(a, b, "auto", "auto", tolerance, budget)
-    if kind == "ruled":
-        from firstcontact.ruled import moving
+    if kind != "polyhedra":
+        search = _of_curved(kind).contact_intervals
 
-        return moving.contact_intervals(a, b, span, exact, budget, progress, tolerance)
-    if kind == "models":
-        from firstcontact.composite import verbs
+        def ask(within: Any, narrow: float) -> ContactIntervals:
+            return search(a, b, within, exact, budget, progress, narrow)
 
-        return verbs.contact_intervals(a, b, span, exact, budget, progress, tolerance)
+        if _is_endless(a, b, span):
+            from firstcontact import endless
+
+            return endless.contact_intervals(ask, a, b, span, tolerance)
+        return ask(span, tolerance)
     parts, first, last = pieces(a, b, span)
     if exact:
         _refuse_inexact(parts)
@@ -220,10 +227,11 @@ def intersection_curve(
     tolerance: greatest distance between a branch and its polyline.  box: two corners ((x, y, z), (x, y, z)); only what
     lies in it is reported.  Without one, unbounded branches are cut about 100 times the size of the directrices away
     from the origin, and beyond that the tolerance grows.  method: "algebraic" is exact; "certified" takes bounded
-    pieces of any degree and strips, in doubles with proofs; "auto" chooses.
+    pieces of any degree and strips, in doubles with proofs; "auto" chooses, and decides what doubles leave open exactly
+    where degrees are small.
 
     Solids are half-spaces, quadrics and all models made of them, and convex polyhedra; their columns of the parameters
-    are nan.
+    are nan (null in JSON), their exact parameters None.
 
     Raises UnsupportedPair for other bodies, and for the cases that docs/ruled-surfaces.md lists.
 
@@ -242,6 +250,21 @@ def intersection_curve(
 
         return solid_curve.intersection_curve(p, q, tolerance, method, box)
     return verbs.intersection_curve(p, q, tolerance, method, box)
+
+
+def _of_curved(kind: str) -> Any:
+    """The module with the verbs of curved bodies."""
+    if kind == "ruled":
+        from firstcontact.ruled import moving
+
+        return moving
+    from firstcontact.composite import verbs
+
+    return verbs
+
+
+def _is_endless(a: Any, b: Any, span: Any) -> bool:
+    return span is not None and common_span(a, b, span)[1] is None
 
 
 def _kind(body: Any) -> str:
@@ -281,7 +304,9 @@ def _added(stats: Stats, found: Any) -> Stats:
 
 
 def _timed(stats: Stats, begin: float) -> Stats:
-    return stats + Stats(seconds=clock.perf_counter() - begin)
+    """The work of a search, and the time since `begin`."""
+    done = stats.node_visits, stats.pair_tests, stats.undecided, stats.exact_evaluations
+    return Stats(*done, clock.perf_counter() - begin, stats.engine)
 
 
 def _refuse_inexact(parts: list[Any]) -> None:

@@ -47,27 +47,37 @@ def _named(name: str, element: Feature) -> Element:
 
 
 def contact_of(problem: Any, found: Found, exact: bool, stats: Stats, shared: dict[str, Any]) -> FirstContact:
-    """The CONTACT result of a search that found one."""
-    named = element_pairs(shared["a"], shared["b"], found.pairs)
-    (lowest, pair), *rest = named
+    """The CONTACT result of a search that found one; where and of what it is waits until it is asked for."""
     time, interval = problem.world_instant(found.instant)
-    point, normal = _place(problem, pair, found.instant, time)
-    return FirstContact(
-        Status.CONTACT,
-        time,
-        interval,
-        problem.world_exact(found.instant) if exact else None,
-        point,
-        normal,
-        lowest.element_a,
-        lowest.element_b,
-        tuple(p for p, _ in rest[:MOST_OTHERS]),
-        len(named),
-        "point" if len(named) == 1 and normal is not None else None,
+    return FirstContact.deferring(
+        lambda: _where(problem, found, time, shared),
+        status=Status.CONTACT,
+        time=time,
+        time_interval=interval,
+        time_exact=problem.world_exact(found.instant) if exact else None,
+        initial=None,
         free_until=interval[0],
+        reason=None,
         stats=stats,
+        subproblems=(),
         **shared,
     )
+
+
+def _where(problem: Any, found: Found, time: float, shared: dict[str, Any]) -> dict[str, Any]:
+    """What a CONTACT result says of the elements and the place."""
+    named = element_pairs(shared["a"], shared["b"], found.pairs)
+    (lowest, pair), *rest = named
+    point, normal = _place(problem, pair, found.instant, time)
+    return {
+        "point": point,
+        "normal": normal,
+        "element_a": lowest.element_a,
+        "element_b": lowest.element_b,
+        "others": tuple(p for p, _ in rest[:MOST_OTHERS]),
+        "multiplicity": len(named),
+        "contact_set": "point" if len(named) == 1 and normal is not None else None,
+    }
 
 
 def contained_at_start(

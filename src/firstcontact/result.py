@@ -7,11 +7,11 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from enum import Enum
 from fractions import Fraction
-from typing import Any
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
@@ -33,6 +33,31 @@ class _NoTruth:
 
     def __bool__(self) -> bool:
         raise TypeError(f"a {type(self).__name__} has no truth value; look at .status")
+
+
+class _Deferring(_NoTruth):
+    """A frozen record of which some fields may be worked out when one of them is first read."""
+
+    __slots__ = ("_rest",)
+    _rest: Callable[[], dict[str, Any]]
+
+    @classmethod
+    def deferring(cls, rest: Callable[[], dict[str, Any]], **known: Any) -> Self:
+        """The record with the fields `known`; `rest` gives all others."""
+        record = object.__new__(cls)
+        object.__setattr__(record, "_rest", rest)
+        for name, value in known.items():
+            object.__setattr__(record, name, value)
+        return record
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:  # asked for fields that are not set
+            if name not in self.__dataclass_fields__:
+                raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+            for field_name, value in self._rest().items():
+                object.__setattr__(self, field_name, value)
+            return object.__getattribute__(self, name)
 
 
 @dataclass(frozen=True, slots=True)
@@ -232,8 +257,10 @@ class Subproblem:
 
 
 @dataclass(frozen=True, slots=True, eq=False)  # arrays have no single truth: results compare by identity
-class FirstContact(_NoTruth):
+class FirstContact(_Deferring):
     """The earliest time at which two moving bodies share a point, or the proof that they share none.
+
+    Of polyhedra, point, normal and elements are worked out when one of them is first read; `stats` ends before that.
 
     status          Status.FREE proves that they share no point at any time of ``span``.
     time            the double nearest the true time (the motion's parameter); None when free.
@@ -435,12 +462,14 @@ class ContactPairs(_NoTruth, Sequence[ElementPair]):
 
 
 def finite(value: Any) -> Any:
-    """The value with infinite numbers as strings ("inf"): JSON has none of its own."""
+    """The value with infinite numbers as strings ("inf") and None for nan: JSON has none of its own."""
     if isinstance(value, dict):
         return {k: finite(v) for k, v in value.items()}
     if isinstance(value, list | tuple):
         return [finite(v) for v in value]
-    return str(value) if isinstance(value, float) and not math.isfinite(value) else value
+    if isinstance(value, float) and not math.isfinite(value):
+        return None if math.isnan(value) else str(value)
+    return value
 
 
 def _name(body: Any, default: str) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from firstcontact import query
 from firstcontact.body.polyhedron import Polyhedron
+from firstcontact.body.ruled_surface import RuledSurface
 from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.sequence import Sequence
@@ -32,6 +33,10 @@ def warm(progress: Callable[[str], object] | None = None) -> None:
     query.first_contact(base.translated((0.1, 0.1, 0)), base)
     open_mesh = Polyhedron(base.vertices, base.triangles[:2])
     query.first_contact(raised.moving(shift), open_mesh)
+    if progress is not None:
+        progress("intersection_curve of ruled surfaces")
+    saddle, level = RuledSurface("(u, 0, 0)", "(u, 1, u)"), RuledSurface("(u, 0, 1/2)", "(u, 1, 1/2)")
+    query.intersection_curve(saddle, level, method="certified")
 
 
 def _tetrahedron() -> Polyhedron:

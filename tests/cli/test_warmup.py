@@ -27,6 +27,9 @@ for motion in motions:
 fc.first_contact(ball, ball.rotated((0, 0, 1), degrees=10))
 fc.contact_pairs(gear.moving(shift), ball)
 fc.contact_pairs(gear.moving(swing), ball)
+rows = [[[(k, y, (k * k * (3 + y)) % 5) for y in (-4, 4)] for k in range(-3, 4)] for _ in range(2)]
+strips = [fc.RuledSurface.from_nurbs(grid, [0] * 4 + [1, 2, 3] + [4] * 4) for grid in rows]
+fc.intersection_curve(strips[0], strips[1].rotated((0, 0, 1), degrees=90).translated((0, 0, "1/3")))
 print(len(before) > 10, sorted(compiled() - before))
 """
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import functools
 import json
 import math
@@ -72,6 +73,35 @@ def test_results_are_json(name):
     data = json.loads(hits()[name].to_json())
     assert data["status"] == STATUS[name]
     assert data["time"] == hits()[name].time
+
+
+def unread(exact: bool = False) -> fc.FirstContact:
+    return fc.first_contact(CUBE.moving(fc.Rotation((0, 0, 1), point=(0, 4, 0), turns="1/3")), TARGET, exact=exact)
+
+
+@pytest.mark.parametrize("name", ["point", "normal", "element_a", "element_b", "others", "multiplicity", "contact_set"])
+def test_what_is_worked_out_late_is_the_same_whatever_is_read_first(name):
+    hit, other = unread(), hits()["turn"]
+    first = getattr(hit, name)
+    assert first is getattr(hit, name)  # once
+    assert repr(first) == repr(getattr(other, name))
+    shown = {**hit.to_dict(), "stats": None, "time_exact": None}
+    assert shown == {**other.to_dict(), "stats": None, "time_exact": None}
+
+
+@pytest.mark.parametrize("through", [copy.copy, copy.deepcopy, lambda hit: pickle.loads(pickle.dumps(hit))])
+def test_results_that_nobody_read_survive_copying(through):
+    again = through(unread())
+    assert again.point.tolist() == hits()["turn"].point.tolist() and again.multiplicity == hits()["turn"].multiplicity
+
+
+def test_an_attribute_that_results_do_not_have():
+    hit = unread()
+    with pytest.raises(AttributeError, match="'FirstContact' object has no attribute 'pont'"):
+        hit.pont  # noqa: B018
+    assert not hasattr(hit, "__array__")
+    with pytest.raises(AttributeError):
+        hit.point = None
 
 
 def test_results_do_not_change():

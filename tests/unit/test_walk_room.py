@@ -25,6 +25,6 @@ def test_the_heap_fills_while_pairs_wait_on_the_stack(monkeypatch):
     monkeypatch.setattr(earliest, "borrow_state", Narrow)
     monkeypatch.setattr(earliest, "return_state", lambda state: None)
     rods = examples.nested_hyperboloids(200)
-    hit = first_contact(rods.moving, rods.resting)
+    hit = first_contact(rods.moving, rods.resting, engine="boxes")
     assert (hit.element_a.index, hit.element_b.index) == rods.first
     assert used and max(used) <= 1.0

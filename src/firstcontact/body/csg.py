@@ -72,6 +72,22 @@ def outcomes(tree: Tree, signs: Sequence[int]) -> set[bool]:
     return {inside(tree, pattern(signs, on, choice)) for choice in product((True, False), repeat=len(on))}
 
 
+def borders(tree: Tree, signs: Sequence[int], surface: int, orientation: int) -> bool:
+    """Whether some pattern that agrees with `signs` is inside on that side of the surface and outside on the other.
+
+    orientation: as of `features.Face`.  Necessary for a point with these signs to be on that face, and enough where the
+    vanishing forms have independent gradients.
+    """
+    free = [i for i, sign in enumerate(signs) if sign == 0 and i != surface]
+    for choice in product((True, False), repeat=len(free)):
+        values = pattern(signs, [*free, surface], [*choice, orientation > 0])
+        if inside(tree, values):
+            values[surface] = not values[surface]
+            if not inside(tree, values):
+                return True
+    return False
+
+
 def pattern(signs: Sequence[int], on: Iterable[int], negative: Iterable[bool]) -> list[bool]:
     """`signs` as booleans, with those of the surfaces `on` replaced."""
     values = [sign < 0 for sign in signs]

@@ -65,7 +65,7 @@ class RuledSurface(Placing):
     trim: inequalities in u and s that the piece satisfies besides, such as ["u*s <= 1/2", "s >= u**2"].
 
     Results name its elements by number: face 0, directrix 0 and 1 (the sides s = s0 and s1), end_ruling 0 and 1 (u = u0
-    and u1), vertex 2 i + j (end i of u on side j).
+    and u1), vertex 2 i + j (end i of u on side j), edge k (the border of the inequality k of trim).
 
     The directrices of a bounded piece have no poles in its range; proved here, for deforming ones at the time that is
     asked for.  Raises InputError for that, for directrices that are equal or span only one line, and for empty ranges.

@@ -91,11 +91,11 @@ def answer_checks(scene_file: str, options: Options, verb_name: str) -> list[Any
     return results
 
 
-def announce_compilation() -> None:
-    """Say on stderr, once per machine and version, why the first run takes longer."""
+def announce_compilation(module: str = "") -> None:
+    """Say on stderr, once per machine and version, why the first run takes longer; module: one that it needs."""
     from firstcontact.kernels.jit import is_compiled
 
-    if not is_compiled():
+    if not is_compiled(module):
         click.echo("firstcontact: first run here, compiling the kernels (some seconds, once)", err=True)
 
 

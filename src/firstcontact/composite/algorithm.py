@@ -15,6 +15,7 @@ from flint import fmpq
 
 from firstcontact.composite.at_rest import overlap
 from firstcontact.composite.contact_sets import Shared, shared_part
+from firstcontact.composite.membership import extent
 from firstcontact.composite.moving_pair import Pair
 from firstcontact.composite.square_subproblems import SquareSubproblem
 from firstcontact.composite.subproblems import Subproblem, subproblems
@@ -55,6 +56,7 @@ class Meeting:
 class Search:
     """One piece of the motion: its subproblems, candidates in order of time, and the verdicts given so far.
 
+    near: surfaces of either model; only features on these are looked at.
     undecided: candidates (by id) whose verdict is open, and why.  Raises `work.Spent` when the work's budget is.
     """
 
@@ -64,13 +66,19 @@ class Search:
     candidates: list[Candidate] = field(default_factory=list)
     verdicts: dict[int, tuple[list[Meeting], str]] = field(default_factory=dict)
     undecided: dict[int, str] = field(default_factory=dict)
+    near: tuple[frozenset[int], frozenset[int]] | None = None
 
     def __post_init__(self) -> None:
-        self.tasks = list(subproblems(self.pair))
+        self.tasks = [task for task in subproblems(self.pair) if self._is_near(task)]
         for task in self.tasks:
             self.work.step()
             self.candidates += [Candidate(task, root) for root in task.roots()]
         self.candidates.sort(key=cmp_to_key(lambda x, y: x.root.compare(y.root)))
+
+    def _is_near(self, task: Subproblem | SquareSubproblem) -> bool:
+        return self.near is None or all(
+            on.issuperset(x.surfaces) for on, x in zip(self.near, (task.a, task.b), strict=True)
+        )
 
     def verdict(self, candidate: Candidate) -> tuple[list[Meeting], str]:
         """The shared parts of the candidate's contact sets, or why there are none."""
@@ -225,7 +233,7 @@ def _validated(candidate: Candidate) -> tuple[list[Meeting], str]:
     contacts = task.contacts(root)
     if not contacts.found:
         return [], contacts.reason
-    on_a, on_b = task.on
+    on_a, on_b = extent(task.pair.a, task.a, task.on[0]), extent(task.pair.b, task.b, task.on[1])
     meetings, reasons = [], []
     for contact in contacts.found:
         shared, reason = shared_part(task.pair, contact, root, on_a, on_b)

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 import time as clock
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,11 +16,12 @@ from flint import fmpq
 
 from firstcontact.body import primitives
 from firstcontact.body.composite_quadric import CompositeQuadric
+from firstcontact.body.features import Face
 from firstcontact.body.moving import Moving, shape_of
-from firstcontact.composite.answer import rank
 from firstcontact.composite.flat_contacts import Pair, Shared, keeps_directions, shared_set
+from firstcontact.composite.same_point import may_touch_more, pairs_at
 from firstcontact.composite.square_subproblems import refuse_untraced
-from firstcontact.composite.touched import Flat, Point, is_parallel, lowest, named, touched, with_neighbours
+from firstcontact.composite.touched import Flat, Point, is_parallel, lowest, ranked, touched, with_neighbours
 from firstcontact.report import MOST_OTHERS
 from firstcontact.result import ContactSet, Element, ElementPair, FirstContact, Stats, Status
 from firstcontact.search.advance import Advance, advance
@@ -101,11 +103,17 @@ def contact(models: tuple[Any, Any], found: Advance, begin: float, shared: dict[
         flats_b = on_b.flats() if flats_a else []
         if not may_share_more(flats_a, flats_b):
             shares = ContactSet("point", point[None])
+            if on_a.may_touch_more() or on_b.may_touch_more():
+                places = (on_a.where, on_a.local_normal()), (on_b.where, on_b.local_normal())
+                complete = pairs_at(models, _wholes(models), found, places, shared)
+                if complete is not None:
+                    stats = Stats(found.steps, found.gaps, seconds=clock.perf_counter() - begin)
+                    return replace(complete, stats=stats)
         elif (flat := _flat_set(models, found, [x for x, _ in flats_a], [x for x, _ in flats_b])) is not None:
             shares = ContactSet(flat.kind, flat.points)
-            (first, where), *rest = _named(models, found, flat.pairs)
-            element_a, element_b, point = first.element_a, first.element_b, np.array(where)
-            others, multiplicity = tuple(pair for pair, _ in rest[:MOST_OTHERS]), len(rest) + 1
+            (element_a, element_b, where), *rest = _named(models, found, flat.pairs)
+            point, multiplicity = np.array(where), len(rest) + 1
+            others = tuple(ElementPair(x, y) for x, y, _ in rest[:MOST_OTHERS])
     return FirstContact(
         Status.CONTACT, found.time, found.time_interval, None, point, found.normal, element_a, element_b,
         others, multiplicity, shares, free_until=found.time_interval[0],
@@ -129,17 +137,16 @@ def _surfaces(model: CompositeQuadric, features: tuple[tuple[str, int], ...]) ->
     return {k for kind, index in features for k in touched(model, kind, index).feature.surfaces}
 
 
-def _named(models: tuple[Any, Any], found: Advance, pairs: list[Pair]) -> list[tuple[ElementPair, Point]]:
+def _named(models: tuple[Any, Any], found: Advance, pairs: list[Pair]) -> list[tuple[Element, Element, Point]]:
     """Each pair of elements once, with where it meets, lowest first; for bodies that only shift."""
     (model_a, model_b), (shift_a, shift_b) = _wholes(models), _shifts(found)
-    seen: dict[tuple[int, ...], tuple[ElementPair, Point]] = {}
+    seen: dict[tuple[tuple[int, int], tuple[int, int]], tuple[Element, Element, Point]] = {}
     for x, y, where in pairs:
         in_a = where if model_a.source is None else tuple(np.subtract(where, shift_a).tolist())
         in_b = where if model_b.source is None else tuple(np.subtract(where, shift_b).tolist())
-        element_a, element_b = named(model_a, x, "a", in_a), named(model_b, y, "b", in_b)
-        ranks = *rank(element_a), *rank(element_b)
-        if ranks not in seen:
-            seen[ranks] = ElementPair(element_a, element_b), where
+        rank_a, element_a = ranked(model_a, x, "a", in_a)
+        rank_b, element_b = ranked(model_b, y, "b", in_b)
+        seen.setdefault((rank_a, rank_b), (element_a, element_b, where))
     return [seen[ranks] for ranks in sorted(seen)]
 
 
@@ -197,15 +204,26 @@ class _On:
         self.known = [touched(self.model, kind, index) for kind, index in features]
         self.element = lowest(self.known, which, self.where)
 
-    def flats(self) -> list[tuple[Flat, Point | None]]:
-        """What is flat around the contact, with its direction in the world, None of a plane."""
+    def may_touch_more(self) -> bool:
+        """Whether features around the touched one may touch in the same point."""
+        if all(isinstance(x.feature, Face) for x in self.known):
+            return False
+        own = {k for x in self.known for k in x.feature.surfaces}
+        return may_touch_more(self.known[0].model, list(own), (self.where, self.local_normal()))
+
+    def local_normal(self) -> Point:
+        """The contact's normal in the frame of the body."""
         pose = self.pose
         p, q, r = self.normal.tolist()
-        n = (
+        return (
             pose[0] * p + pose[3] * q + pose[6] * r,
             pose[1] * p + pose[4] * q + pose[7] * r,
             pose[2] * p + pose[5] * q + pose[8] * r,
         )
+
+    def flats(self) -> list[tuple[Flat, Point | None]]:
+        """What is flat around the contact, with its direction in the world, None of a plane."""
+        pose, n = self.pose, self.local_normal()
         around = with_neighbours(self.known, self.where)
         return [(flat, _turned(pose, flat.direction)) for feature in around for flat in feature.flats(self.where, n)]
 

@@ -6,15 +6,16 @@ placed exactly and decides.  Ends of segments and arcs lie on edges, so pieces t
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import Any
 
 import numpy as np
 from flint import arb, fmpq
 
-from firstcontact.body.csg import possible
-from firstcontact.composite.membership import Vector, form_at, in_both, is_plane
+from firstcontact.body.csg import Tree, possible
+from firstcontact.composite.membership import On, Vector, form_at, in_both, is_plane
 from firstcontact.composite.moving_pair import Pair
 from firstcontact.exact.number_field import QuadraticElement, ball, sign
 from firstcontact.exact.numbers import dyadic, precision
@@ -40,7 +41,7 @@ class Shared:
 
 
 def shared_part(
-    pair: Pair, contact: Contact, root: Any, on_a: Collection[int], on_b: Collection[int]
+    pair: Pair, contact: Contact, root: Any, on_a: On, on_b: On
 ) -> tuple[list[Shared], str]:
     """The parts of the contact set that both models hold, or the reason why there is none."""
     if contact.kind == "point":
@@ -63,18 +64,18 @@ def cartesian(x: Vector) -> np.ndarray:
 class Trim:
     """The forms of both models in doubles at the root, and where points lie in both."""
 
-    def __init__(self, pair: Pair, root: AlgebraicRoot, on_a: Collection[int], on_b: Collection[int]) -> None:
+    def __init__(self, pair: Pair, root: AlgebraicRoot, on_a: On, on_b: On) -> None:
         u = root.enclosure(128)
         self.models = []
         for body, forms, on in ((pair.a, pair.forms_a, on_a), (pair.b, pair.forms_b, on_b)):
             with precision(128):
                 matrices = np.array([_matrix(form_at(form, u), is_plane(form)) for form in forms])
-            self.models.append((body.tree, matrices, np.isin(np.arange(len(forms)), list(on))))
+            self.models.append((body.tree, matrices, np.isin(np.arange(len(forms)), list(on.surfaces)), on))
 
     def breaks(self, origin: np.ndarray, direction: np.ndarray) -> Iterator[float]:
         """Parameters s at which origin + s direction crosses a surface of either model."""
-        for _, matrices, on in self.models:
-            for form in matrices[~on]:
+        for _, matrices, holds, _ in self.models:
+            for form in matrices[~holds]:
                 coefficients = direction @ form @ direction, 2 * origin @ form @ direction, origin @ form @ origin
                 if not np.any(coefficients[:2]):
                     continue
@@ -85,14 +86,34 @@ class Trim:
                 yield from (s.real for s in np.roots(coefficients) if abs(s.imag) < 1e-9 * (1 + abs(s)))
 
     def inside(self, points: np.ndarray) -> np.ndarray:
-        """(n,) bools for (n, 4) points: in both closed models, as far as doubles tell."""
+        """(n,) bools for (n, 4) points: in both closed models and on the faces asked for, as far as doubles tell."""
         answer = np.ones(len(points), bool)
-        for tree, matrices, on in self.models:
+        for tree, matrices, holds, on in self.models:
             values = np.einsum("ni,sij,nj->sn", points, matrices, points)
             slack = 1e-10 * np.einsum("ni,sij,nj->sn", abs(points), abs(matrices), abs(points))
-            slack[on] = np.inf
-            answer &= possible(tree, values < slack, values > -slack)[0]
+            slack[holds] = np.inf
+            below, above = values < slack, values > -slack
+            answer &= possible(tree, below, above)[0]
+            if on.faces:
+                answer &= _on_faces(tree, below, above, on)
         return answer
+
+
+def _on_faces(tree: Tree, below: np.ndarray, above: np.ndarray, on: On) -> np.ndarray:
+    """(n,) bools: the faces asked for may be there, where form i may be negative (below) or positive (above)."""
+    there = {k: np.zeros(below.shape[1], bool) for k, _ in on.faces}
+    for k, side in on.faces:
+        free = [i for i in on.surfaces if i != k]
+        for choice in product((True, False), repeat=len(free)):
+            low, high = below.copy(), above.copy()
+            for i, negative in zip(free, choice, strict=True):
+                low[i], high[i] = negative, not negative
+            sides = []
+            for negative in (side > 0, side < 0):
+                low[k], high[k] = negative, not negative
+                sides.append(possible(tree, list(low.copy()), list(high.copy())))
+            there[k] |= sides[0][0] & sides[1][1]
+    return np.sum(list(there.values()), axis=0) >= on.fewest
 
 
 def _matrix(form: Any, plane: bool) -> np.ndarray:

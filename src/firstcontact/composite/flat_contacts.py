@@ -8,11 +8,10 @@ where every point they judge is clear of all surfaces but its own; all else is l
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from collections.abc import Sequence as Listing
 from dataclasses import dataclass, field
 from functools import lru_cache
-from itertools import combinations, product
+from itertools import chain, combinations, product
 from typing import Any
 
 import numpy as np
@@ -136,28 +135,33 @@ Form = tuple[float, ...]
 """xx, yy, zz, 2 xy, 2 xz, 2 yz, 2 x, 2 y, 2 z, 1 of a surface, negative inside."""
 End = tuple[float, int]
 """Where a line passes a surface, and the number of that."""
+_Plan = list[tuple[int, float | None]]
+"""What bounds a line in a piece: number of the surface, slope of its form along the line (None if it is no plane)."""
 
 
 @dataclass(frozen=True)
 class _Shape:
     """The forms of a model's surfaces, and of a convex one its pieces: where all forms of these numbers are negative.
 
-    plans: the pieces that lines of a direction in a feature's surfaces may pass through, each as the other surfaces:
-    (number, slope of the form along the line, None of one that is no plane).
+    plans: see `plan`.
     """
 
     model: CompositeQuadric
     forms: list[Form]
     pieces: list[frozenset[int]]
-    plans: dict[tuple[Feature, Point], list[list[tuple[int, float | None]]]]
+    plans: dict[tuple[Feature, Point], tuple[list[_Plan], bool]]
 
-    def plan(self, feature: Feature, d: Point) -> list[list[tuple[int, float | None]]]:
+    def plan(self, feature: Feature, d: Point) -> tuple[list[_Plan], bool]:
+        """The pieces that lines along d in a feature's surfaces may pass through; whether it is one, and the lines
+        pass planes alone, none of them nearly parallel."""
         known = self.plans.get((feature, d))
         if known is None:
             tangent, on = _tangent_surfaces(self.model, feature), set(feature.surfaces)
-            known = self.plans[feature, d] = [
+            plans = [
                 [(k, self._slope(k, d)) for k in sorted(piece - on)] for piece in self.pieces if not piece & tangent
             ]
+            plain = len(plans) == 1 and all(self._is_plain(*step) for step in plans[0])
+            known = self.plans[feature, d] = plans, plain
         return known
 
     def _slope(self, k: int, d: Point) -> float | None:
@@ -166,6 +170,9 @@ class _Shape:
             return None
         slope = form[6] * d[0] + form[7] * d[1] + form[8] * d[2]
         return slope if abs(slope) > 1e-13 * max(map(abs, form[6:9])) else 0.0
+
+    def _is_plain(self, k: int, slope: float | None) -> bool:
+        return slope is not None and (slope == 0.0 or abs(slope) > CLEAR * max(map(abs, self.forms[k][6:9])))
 
 
 def _shape(model: CompositeQuadric) -> _Shape:
@@ -260,7 +267,7 @@ class _Body:
         """Where a line in the feature's surfaces, through a world point along d, enters the model and leaves it."""
         p, near = self.local(where), CLEAR * (1.0 + max(map(abs, where)))
         found = []
-        for plan in self.shape.plan(feature, d):
+        for plan in self.shape.plan(feature, d)[0]:
             ends = self._passed(plan, p, d, near)
             if ends is not None:
                 found.append(ends)
@@ -268,9 +275,7 @@ class _Body:
             return found[0] if found else None
         return _last([lo for lo, _ in found], -1.0, near), _last([hi for _, hi in found], 1.0, near)
 
-    def _passed(
-        self, plan: list[tuple[int, float | None]], p: Point, d: Point, near: float
-    ) -> tuple[End, End] | None:
+    def _passed(self, plan: _Plan, p: Point, d: Point, near: float) -> tuple[End, End] | None:
         """The same for one piece, in the frame of the body."""
         entries: list[End] = []
         exits: list[End] = []
@@ -425,8 +430,9 @@ def _in_line(bodies: tuple[_Body, _Body], flats: tuple[Flat, Flat], where: Point
         return None
     middle = _along(where, 0.5 * (lo[0] + hi[0]), d)
     # a line that only touches a surface seems to pass it where rounding puts it a little deeper
-    if not all(body.holds(middle, _on(flat)) for body, flat in zip(bodies, flats, strict=True)):
-        return None
+    for body, flat in zip(bodies, flats, strict=True):
+        if not (body.shape.plan(flat.feature, d)[1] or body.holds(middle, _on(flat))):
+            return None
     ends = _along(where, lo[0], d), _along(where, hi[0], d)
     pairs = _end_pairs(bodies, flats, ends[0], side_lo, lo[1])
     pairs += _end_pairs(bodies, flats, ends[1], side_hi, hi[1])
@@ -545,8 +551,11 @@ def _in_plane(bodies: tuple[_Body, _Body], x: Feature, y: Feature) -> Shared | N
     assert isinstance(x, Face) and isinstance(y, Face) and isinstance(x.carrier, Plane)
     (a, b), on = bodies, (frozenset(x.surfaces), frozenset(y.surfaces))
     own, others = _outline(a, x), _outline(b, y)
+    if own.lines and others.lines:
+        pairs = _of_polygons(x, y, own, others)
+        return Shared("patch", np.array([p for _, _, p in pairs]), pairs) if _spread([p for _, _, p in pairs]) else None
     i, j = own.axes
-    pairs: list[Pair] = [(v, y, p) for v, p in own.corners if _is_in(b, others, p, on[1])]
+    pairs = [(v, y, p) for v, p in own.corners if _is_in(b, others, p, on[1])]
     pairs += [(x, v, p) for v, p in others.corners if _is_in(a, own, p, on[0])]
     for e, p, q in own.sides:
         for f, r, s in others.sides:
@@ -566,20 +575,35 @@ def _in_plane(bodies: tuple[_Body, _Body], x: Feature, y: Feature) -> Shared | N
     return Shared("patch", np.array(points), pairs) if _spread(points) else None
 
 
+def _of_polygons(x: Face, y: Face, own: _Outline, others: _Outline) -> list[Pair]:
+    """The pairs of features that meet where two convex polygons in one plane do."""
+    over_other = {p: others.heights(p) for _, p in own.corners}
+    over_own = {p: own.heights(p) for _, p in others.corners}
+    near = CLEAR * (1.0 + max(map(abs, chain(*over_other, *over_own))))
+    pairs: list[Pair] = [(v, y, p) for v, p in own.corners if _is_below(over_other[p], near)]
+    pairs += [(x, v, p) for v, p in others.corners if _is_below(over_own[p], near)]
+    # no corner is near the other's boundary now
+    for k, (e, p, q) in enumerate(own.sides):
+        for (f, r, s), g, h in zip(others.sides, over_other[p], over_other[q], strict=True):
+            if g * h < 0.0 and (m := over_own[r][k]) * (n := over_own[s][k]) < 0.0:
+                if min(abs(g), abs(h), abs(m), abs(n)) <= near:
+                    raise _Unclear
+                pairs.append((e, f, _between(p, q, g / (g - h))))
+    return pairs
+
+
 def _is_in(body: _Body, outline: _Outline, p: Point, on: frozenset[int]) -> bool:
     """Whether the face of the outline holds a world point of its plane."""
     if not outline.lines:
         return body.holds(p, on)
-    u, v = p[outline.axes[0]], p[outline.axes[1]]
-    near, inside = CLEAR * (1.0 + abs(u) + abs(v)), True
-    for a, b, c in outline.lines:
-        height = a * u + b * v + c
-        if height > near:
-            return False
-        inside = inside and height < -near
-    if not inside:
+    return _is_below(outline.heights(p), CLEAR * (1.0 + max(map(abs, p))))
+
+
+def _is_below(heights: list[float], near: float) -> bool:
+    highest = max(heights)
+    if abs(highest) <= near:
         raise _Unclear
-    return True
+    return highest < 0.0
 
 
 def _spread(points: list[Point]) -> bool:
@@ -612,9 +636,14 @@ class _Outline:
     sides: list[tuple[Edge, Point, Point]]
     rims: list[Edge]
     axes: tuple[int, int] = (0, 1)
-    lines: Iterable[tuple[float, float, float]] = ()
+    lines: Listing[tuple[float, float, float]] = ()
     boxes: dict[int | None, np.ndarray] = field(default_factory=dict)
     shift: Point = (0.0, 0.0, 0.0)
+
+    def heights(self, p: Point) -> list[float]:
+        """How far outside its lines a point is."""
+        u, v = p[self.axes[0]], p[self.axes[1]]
+        return [a * u + b * v + c for a, b, c in self.lines]
 
     def is_far(self, rim: Edge, other: _Outline) -> bool:
         """Whether a rim of the other outline is clear of this one."""
@@ -666,8 +695,6 @@ def _local_outline(model: CompositeQuadric, face: Face) -> _Outline:
             outline.sides.append((edge, vertices[start].position, vertices[end].position))
         else:
             raise _Unclear
-        if not _shape(model).pieces and _runs_on(model, edge):
-            raise _Unclear
     outline.corners.extend(corners.values())
     if not outline.rims and _shape(model).pieces:
         outline.lines = [_side_line(p, q, outline) for _, p, q in outline.sides]
@@ -693,25 +720,6 @@ def _box_around(rim: Edge) -> np.ndarray:
     frame = rim.frame[:3] / rim.frame[3, 0]
     reach = np.abs(frame[:, 1:]).sum(axis=1)
     return np.array([frame[:, 0] - reach, frame[:, 0] + reach])
-
-
-def _runs_on(model: CompositeQuadric, edge: Edge) -> bool:
-    """Whether the edge's line or conic lies on the model beyond its pieces, as at a reentrant corner of a face.
-
-    Exact arithmetic counts what touches it there as touching the edge.
-    """
-    body, on = _Body(model, (0.0, 0.0, 0.0)), frozenset(edge.surfaces)
-    if isinstance(edge.carrier, Conic):
-        angles = np.linspace(0.0, 2.0 * np.pi, SAMPLES // 8, endpoint=False)
-        bare = angles[~_in_pieces(edge, angles)]
-    else:
-        (dx, px), (dy, py), (dz, pz), _ = edge.frame.tolist()
-        ends = sorted(
-            s for k, form in enumerate(body.forms) if k not in on for s, _ in _roots(form, (px, py, pz), (dx, dy, dz))
-        )
-        middles = np.array([0.5 * (lo + hi) for lo, hi in zip(ends, ends[1:], strict=False) if hi - lo > CLEAR])
-        bare = middles[~np.any([(p.lo <= middles) & (middles <= p.hi) for p in edge.pieces], axis=0)]
-    return any(body.holds((x, y, z), on) for x, y, z in edge.points(bare).tolist())
 
 
 def _in_pieces(edge: Edge, angles: np.ndarray) -> np.ndarray:

@@ -19,7 +19,7 @@ from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.features import Edge, Face, Vertex
 from firstcontact.composite.algorithm import Meeting, Root
 from firstcontact.composite.contact_sets import Shared, Trim, scaled, shared_part
-from firstcontact.composite.membership import Form, Vector, in_both, is_plane
+from firstcontact.composite.membership import Form, On, Vector, in_both, is_plane
 from firstcontact.composite.moving_pair import Pair
 from firstcontact.exact.inertia import dot, null_space, rank
 from firstcontact.exact.number_field import NumberField, ball, is_zero
@@ -98,13 +98,13 @@ class _Touching:
         return [m.shared.points[0] for m in _distinct(self.meetings) if is_zero(dot(plane, m.shared.at))]
 
     def _is_patch(self, corners: list[np.ndarray], plane: Vector, i: int, j: int) -> bool:
-        trim = Trim(self.pair, self.root, {i}, {j})
+        trim = Trim(self.pair, self.root, On({i}), On({j}))
         for x, y, z in combinations(corners[:MOST_CORNERS], 3):
             area = np.linalg.norm(np.cross(y - x, z - x))
             far = max(np.linalg.norm(y - x), np.linalg.norm(z - x))
             middle = np.append((x + y + z) / 3, 1.0)
             if area > NEAR * far * far and trim.inside(middle[None])[0]:
-                if not in_both(self.pair, _in_plane(plane, middle), self.root, {i}, {j}):
+                if not in_both(self.pair, _in_plane(plane, middle), self.root, On({i}), On({j})):
                     return True
         return False
 
@@ -114,7 +114,7 @@ class _Touching:
         """What both models hold of their straight edges, and of the rulings that planes touch."""
         for line in (*self._rulings(), *self._straight()):
             on_a, on_b = (
-                [k for k, form in enumerate(forms) if self._contains(form, line)]
+                On([k for k, form in enumerate(forms) if self._contains(form, line)])
                 for forms in (self.pair.forms_a, self.pair.forms_b)
             )
             parts, _ = shared_part(self.pair, Contact("line", line), self.root, on_a, on_b)

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from itertools import product
-from typing import Any
+from typing import Any, NamedTuple
 
 from flint import arb
 
-from firstcontact.body.csg import outcomes
+from firstcontact.body.composite_quadric import CompositeQuadric
+from firstcontact.body.csg import borders, outcomes
+from firstcontact.body.features import Edge, Face, Vertex
 from firstcontact.composite.moving_pair import Form, Pair
 from firstcontact.exact.inertia import dot, value
 from firstcontact.exact.number_field import NumberField, ball, sign
@@ -22,22 +24,50 @@ BITS = (96, 384)
 """Precisions of the balls that decide before the field does: zeros apart, nearly all signs show at the first."""
 
 
-def in_both(pair: Pair, x: Vector, root: Root, on_a: Collection[int], on_b: Collection[int]) -> str:
-    """"" when x lies in both closed models, else "outside a" or "outside b" (by their names).
+class On(NamedTuple):
+    """Surfaces known to hold a set, and the faces (surface, orientation) in which its points are asked to be: of a face
+    itself, of an edge two on different surfaces.  None of a vertex, or where all of the model counts."""
 
-    on_a, on_b: surfaces known to hold x.  A point on several surfaces counts as in the model when some pattern of
-    their signs does: exact where their gradients are independent.  Undecidable where enclosures leave signs open
-    that matter.
+    surfaces: Collection[int]
+    faces: Collection[tuple[int, int]] = ()
+
+    @property
+    def fewest(self) -> int:
+        """How many surfaces must have one of their faces there."""
+        return min(len({k for k, _ in self.faces}), 2)
+
+
+def extent(body: CompositeQuadric, feature: Face | Edge | Vertex, surfaces: Collection[int]) -> On:
+    """Of the sets of one feature's carrier: beyond the feature they are not its contacts."""
+    if isinstance(feature, Vertex):
+        return On(surfaces)
+    faces = [feature] if isinstance(feature, Face) else [body.faces[k] for k in feature.faces]
+    return On(surfaces, [(face.surfaces[0], face.orientation) for face in faces])
+
+
+def in_both(pair: Pair, x: Vector, root: Root, on_a: On, on_b: On) -> str:
+    """"" when x lies in both closed models, on the faces asked for, else why not: which it is outside of,
+    or beyond the feature of.
+
+    A point on several surfaces counts as in the model when some pattern of their signs does: exact where their
+    gradients are independent.  Undecidable where enclosures leave signs open that matter.
     """
     for body, forms, on, who in ((pair.a, pair.forms_a, on_a, "a"), (pair.b, pair.forms_b, on_b, "b")):
-        signs = [0 if k in on else sign_at(form, x, root) for k, form in enumerate(forms)]
+        signs = [0 if k in on.surfaces else sign_at(form, x, root) for k, form in enumerate(forms)]
         unknown = [k for k, found in enumerate(signs) if found is None]
         inside = {True in outcomes(body.tree, _with(signs, unknown, s)) for s in product((-1, 1), repeat=len(unknown))}
         if len(inside) == 2:
             raise Undecidable(f"precision: whether the point lies in {body.name or who}")
         if not any(inside):
             return f"outside {body.name or who}"
+        choices = product((-1, 1), repeat=len(unknown))
+        if on.faces and not any(_on_faces(body, _with(signs, unknown, s), on) for s in choices):
+            return f"beyond the feature of {body.name or who}"
     return ""
+
+
+def _on_faces(body: CompositeQuadric, signs: Sequence[int], on: On) -> bool:
+    return len({k for k, side in on.faces if borders(body.tree, signs, k, side)}) >= on.fewest
 
 
 def _with(signs: Sequence[int | None], unknown: Sequence[int], chosen: Sequence[int]) -> list[int]:

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from flint import fmpq
 
+from firstcontact.body import primitives
 from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.moving import Moving, shape_of
 from firstcontact.body.polyhedron import Polyhedron
@@ -183,12 +184,26 @@ class _Query:
         for some in (x[ours][::64], x[ours]):  # most starts are settled by a few of the vertices
             if not np.all(self.model._possible(some, slack)[0]):
                 return "overlapping"
-        if not self.search.pieces_are_model:
+        if self.search.pieces_are_model:
+            inside = self._inside_parts(x, slack)
+            triangles = self.mesh.triangles[ours[self.mesh.triangles[:, 0]]]  # each with all corners in one part
+            if len(triangles) > 0 and np.all(np.any(np.all(inside[:, triangles], axis=2), axis=0)):
+                return "containment"
+        return self._kind_by_surroundings(window)
+
+    def _kind_by_surroundings(self, window: Window) -> str | None:
+        """As `_kind`, where the polyhedron's surface meets the material: what it shares with all around that tells."""
+        lo, hi = self.model.bounds()
+        room = primitives.box(((hi - lo) * 2).tolist()).translated(((lo + hi) / 2).tolist())
+        try:
+            around = search_of(self.mesh, room - self.model, self.mesh_is_a, self.work.budget, self.work.progress)
+        except UnsupportedPair:
             return None
-        inside = self._inside_parts(x, slack)
-        triangles = self.mesh.triangles[ours[self.mesh.triangles[:, 0]]]  # inside one part with all corners: all of it
-        whole = len(triangles) > 0 and bool(np.all(np.any(np.all(inside[:, triangles], axis=2), axis=0)))
-        return "containment" if whole else None
+        start = around.at_start(window)
+        if start.status == "free":  # what the polyhedron holds of it then is a cavity in the material
+            held = holds_model(around, self.mesh, window)
+            return None if held is None else "overlapping" if held else "containment"
+        return None if start.touch is None else "overlapping"
 
     def _corner(self, touch: Touch) -> int:
         return int(tree_of(self.mesh).corners[touch.primitive, 0])

@@ -40,6 +40,8 @@ class Patch:
     seams: tuple[Edge, ...] = ()
     whole: None = None
     corners: tuple[np.ndarray, np.ndarray] = field(default_factory=lambda: (np.zeros(3), np.zeros(3)))
+    hulls: dict[Face | Edge, list[Vector]] = field(default_factory=dict)
+    """The corners of every face and edge."""
     _search: dict[str, Any] = field(default_factory=lambda: {"untraced": []})
     """Planes meet in no curve that `composite.traced_edges` could have missed."""
 
@@ -61,6 +63,7 @@ def patch(body: Polyhedron, triangles: Iterable[int], outward: Sequence[float]) 
     on_edge: dict[int, set[int]] = defaultdict(set)
     on_vertex: dict[int, set[int]] = defaultdict(set)
     faces_at: dict[int, set[int]] = defaultdict(set)
+    hulls: dict[Face | Edge, Any] = {}
     toward = tuple(fmpq(*float(x).as_integer_ratio()) for x in outward)
     for k in sorted(set(triangles)):
         corners = body.triangles[k].tolist()
@@ -73,16 +76,19 @@ def patch(body: Polyhedron, triangles: Iterable[int], outward: Sequence[float]) 
         trees.append(conjunction([Leaf(i) for i in range(first, len(surfaces))]))
         polygon = int(body.triangle_face[k])
         for s in range(3):
-            edge = int(body._side_edge[k, s])
-            on_edge[edge] |= {first, first + 1, first + 2 + s}
-            faces_at[edge].add(len(faces))
+            side = int(body._side_edge[k, s])
+            on_edge[side] |= {first, first + 1, first + 2 + s}
+            faces_at[side].add(len(faces))
             on_vertex[corners[s]] |= {first, first + 1, first + 2 + s, first + 2 + (s + 2) % 3}
         faces.append(Face(polygon, f"{who}.{polygon}", forms[0], (first, first + 1), 1))
-    edges = [_edge(body, who, e, on_edge[e], faces_at[e]) for e in sorted(on_edge) if is_sharp_edge(body, e)]
+        hulls[faces[-1]] = points
+    edges = [_edge(body, who, k, on_edge[k], faces_at[k]) for k in sorted(on_edge) if is_sharp_edge(body, k)]
+    for e in edges:
+        hulls[e] = [body.exact_vertex(i) for i in body._segments[e.index].tolist()]
     vertices = [_vertex(body, who, v, on_vertex[v]) for v in sorted(on_vertex) if is_sharp_vertex(body, v)]
     return Patch(
         body, body.name, tuple(surfaces), _union(trees), tuple(faces), tuple(edges), tuple(vertices),
-        corners=_box(body, triangles),
+        corners=_box(body, triangles), hulls=hulls,
     )  # fmt: skip
 
 
@@ -162,11 +168,21 @@ def is_sharp_vertex(body: Polyhedron, v: int) -> bool:
 
 
 def triangles_at_edge(body: Polyhedron, e: int) -> np.ndarray:
-    return np.flatnonzero(body._side_edge.ravel() == e) // 3
+    return _at(body, "triangles at edges", body._side_edge, e)
 
 
 def triangles_at_vertex(body: Polyhedron, v: int) -> np.ndarray:
-    return np.flatnonzero(body.triangles.ravel() == v) // 3
+    return _at(body, "triangles at vertices", body.triangles, v)
+
+
+def _at(body: Polyhedron, key: str, numbers: np.ndarray, k: int) -> np.ndarray:
+    """The rows (n, 3) that name the number, ascending; their order by numbers is kept on the body."""
+    known = body._search.get(key)
+    if known is None:
+        order = np.argsort(numbers.ravel(), kind="stable")
+        known = body._search[key] = order // 3, numbers.ravel()[order]
+    rows, ordered = known
+    return rows[np.searchsorted(ordered, k) : np.searchsorted(ordered, k, side="right")]
 
 
 def _in_one_plane(body: Polyhedron, triangles: np.ndarray) -> bool:

@@ -165,16 +165,19 @@ def _length(x: Point) -> float:
 def lowest(touched: list[Touched], which: str, where: Point) -> Element:
     """Vertices before edges before faces."""
     if len(touched) == 1:
-        return named(touched[0].model, touched[0].feature, which, where)
-    return min((named(x.model, x.feature, which, where) for x in touched), key=rank)
+        return ranked(touched[0].model, touched[0].feature, which, where)[1]
+    return min(ranked(x.model, x.feature, which, where) for x in touched)[1]
 
 
-def named(model: CompositeQuadric, feature: Face | Edge | Vertex, which: str, where: Point) -> Element:
-    """How a feature of body `which` is called; kept on the model, but for one of several coplanar faces."""
+def ranked(
+    model: CompositeQuadric, feature: Face | Edge | Vertex, which: str, where: Point
+) -> tuple[tuple[int, int], Element]:
+    """`rank` of a feature and how body `which` calls it; kept on the model, but for one of several coplanar faces."""
     elements = model._search.setdefault("elements", {})
     known = elements.get((which, feature))
     if known is None:
-        known = element(model, feature, which, np.array(where))
+        x = element(model, feature, which, np.array(where))
+        known = rank(x), x
         if model.source is None or not isinstance(feature, Face):
             elements[which, feature] = known
     return known

@@ -18,13 +18,15 @@ from firstcontact.composite.answer import contact_of, listed, world_time
 from firstcontact.composite.at_rest import is_containment, overlap
 from firstcontact.composite.certified import both_bounded, contact, settle
 from firstcontact.composite.certified_intervals import Found, certified_intervals
+from firstcontact.composite.idle_turns import without_idle_turn
+from firstcontact.composite.last_instant import landing
 from firstcontact.composite.mesh_intervals import intervals_of_mesh
 from firstcontact.composite.meshes import first_contact_of_mesh
 from firstcontact.composite.moving_pair import Pair
 from firstcontact.composite.polyhedra import as_model, is_small_and_convex
 from firstcontact.composite.work import Spent, Work
 from firstcontact.errors import UnsupportedPair
-from firstcontact.exact.numbers import below, fraction, to_double
+from firstcontact.exact.numbers import above, below, fraction, to_double
 from firstcontact.exact.roots import AlgebraicRoot
 from firstcontact.exact.square_systems import OpenRoot
 from firstcontact.motion.polynomial import relative_pieces
@@ -43,6 +45,9 @@ def first_contact(
     exact, or method "algebraic": exactly at once; "algebraic" judges and lists every subproblem too.
     """
     begin = clock.perf_counter()
+    x, y = without_idle_turn(a), without_idle_turn(b)
+    if x is not a or y is not b:
+        return _with(first_contact(x, y, span, exact, method, tolerance, budget, progress), a=a, b=b)
     if _goes_by_triangles(a) or _goes_by_triangles(b):
         first, last = bounded_span(a, b, span)
         exact = exact or method == "algebraic"
@@ -64,7 +69,8 @@ def first_contact(
     try:
         decided = _decided(a, b, first, last, False, False, work, begin, shared)
     except UnsupportedPair as refusal:
-        return _proved_only(a, b, models, first, proved, refusal, begin, shared)
+        landed = _landed(*models, last, tolerance, proved, begin, shared)
+        return landed if landed is not None else _proved_only(a, b, models, first, proved, refusal, begin, shared)
     if proved.status == "contact" and _is_after(decided, proved):  # a proof is not given up
         return _proved_only(a, b, models, first, proved, None, begin, shared)
     return decided
@@ -92,6 +98,24 @@ def _proved_only(
     stats = _with_time(Stats(proved.steps, proved.gaps), begin)
     reason = proved.reason or "precision"
     return FirstContact(Status.UNDECIDED, free_until=proved.free_until, reason=reason, stats=stats, **shared)
+
+
+def _landed(
+    a: Any, b: Any, last: fmpq, tolerance: float, proved: Advance, begin: float, shared: dict[str, Any]
+) -> FirstContact | None:
+    """CONTACT where the bodies are proved free up to the last instant, and touch then."""
+    (start, end), free_until = shared["span"], proved.free_until
+    if proved.status != "open" or above(last) - free_until > tolerance * (end - start):
+        return None
+    found = landing(a, b, last)
+    if found is None:
+        return None
+    pair = found[0].pair
+    seen = contact_of(*found, False, {**shared, "a": pair.a, "b": pair.b})
+    return _with(
+        seen, a=shared["a"], b=shared["b"], time=end, time_interval=(free_until, above(last)), free_until=free_until,
+        stats=_with_time(Stats(proved.steps, proved.gaps), begin),
+    )  # fmt: skip
 
 
 def _is_after(answer: FirstContact, proved: Advance) -> bool:
@@ -159,6 +183,9 @@ def contact_intervals(
     tolerance: as part of the span, of the certified path only; algebra is exact.
     """
     begin = clock.perf_counter()
+    x, y = without_idle_turn(a), without_idle_turn(b)
+    if x is not a or y is not b:
+        return replace(contact_intervals(x, y, span, exact, budget, progress, tolerance), a=a, b=b)
     if _goes_by_triangles(a) or _goes_by_triangles(b):
         return _intervals_of_mesh(a, b, span, exact, Work(budget, progress), tolerance)
     first, last = _span(a, b, span)

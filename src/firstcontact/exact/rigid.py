@@ -35,13 +35,11 @@ def apply(m: Matrix, p: Vector) -> Vector:
 
 def compose(m: Matrix, n: Matrix) -> Matrix:
     """The map "first n, then m"."""
-    columns = list(zip(*n, strict=True))
-    rows = []
-    for row in m:
-        entries = [sum((row[k] * column[k] for k in range(3)), _0) for column in columns]
-        entries[3] = entries[3] + row[3]
-        rows.append(tuple(entries))
-    return tuple(rows)  # type: ignore[return-value]
+    (a, b, c, x), (d, e, f, y), (g, h, i, z) = n
+    return tuple(
+        (p * a + q * d + r * g, p * b + q * e + r * h, p * c + q * f + r * i, p * x + q * y + r * z + s)
+        for p, q, r, s in m
+    )  # type: ignore[return-value]
 
 
 def determinant(m: Matrix) -> Any:

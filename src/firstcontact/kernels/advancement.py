@@ -23,7 +23,7 @@ from firstcontact.kernels.candidate import (
     worst_form,
 )
 from firstcontact.kernels.flat import face_along, is_flat, made_point, make_point
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import inner, uncounted
 from firstcontact.kernels.pierced import pierces
 from firstcontact.kernels.poses import pose_at
 from firstcontact.kernels.separation import bending, gap, separating_direction
@@ -63,7 +63,7 @@ BY_FORMS, BY_VERTEX_A, BY_VERTEX_B = range(3)
 INWARD_STEPS = 100
 
 
-@kernel
+@inner
 def _gap_at(a, i, ma, b, j, mb, t, n0, n1, n2, w, c):
     pose_at(ma, t, w, HERE_A)
     pose_at(mb, t, w, HERE_B)
@@ -71,7 +71,7 @@ def _gap_at(a, i, ma, b, j, mb, t, n0, n1, n2, w, c):
     return gap(a, i, b, j, n0, n1, n2, w)
 
 
-@kernel
+@inner
 def _provable(a, i, ma, b, j, mb, t0, t1, g0, g1, n0, n1, n2, e0, e1, e2, w):
     """The length that the gaps g0 along n at t0, g1 along e at t1 prove free: all of [t0, t1] where it is longer."""
     bend = bending(a, i, ma, b, j, mb, t0, t1, n0, n1, n2, e0, e1, e2, w)
@@ -79,7 +79,7 @@ def _provable(a, i, ma, b, j, mb, t0, t1, g0, g1, n0, n1, n2, e0, e1, e2, w):
     return roots / math.sqrt(0.5 * bend) if bend > 0.0 else math.inf
 
 
-@kernel
+@inner
 def _crossing(a, i, ma, b, j, mb, t, g, end, g_end, n0, n1, n2, w, c):
     """(s, gap at s > 0): near the time in [t, end] where the gap along n falls to 0, on the near side."""
     # Invariant: the gap is positive at lo and not at hi.
@@ -100,7 +100,7 @@ def _crossing(a, i, ma, b, j, mb, t, g, end, g_end, n0, n1, n2, w, c):
     return lo, found
 
 
-@kernel
+@inner
 def stride(a, i, ma, b, j, mb, t, g, end, n0, n1, n2, w, c):
     """(t1, gap there) with [t, t1] proved free by the direction n, t1 = end where possible, t where nothing is proved.
 
@@ -124,7 +124,7 @@ def stride(a, i, ma, b, j, mb, t, g, end, n0, n1, n2, w, c):
     return t, g
 
 
-@kernel
+@inner
 def _aim(a, i, ma, b, j, mb, t, first, last, count, n0, n1, n2, near, width, size, w, c):
     """(time, normal, gap): the latest time before a guessed contact at which its normal proves the bodies apart.
 
@@ -161,7 +161,7 @@ def _aim(a, i, ma, b, j, mb, t, first, last, count, n0, n1, n2, near, width, siz
     return t, 0.0, 0.0, 0.0, 0.0
 
 
-@kernel
+@inner
 def _at_start(a, i, ma, b, j, mb, first, count, size, w, c):
     """INITIAL when a common point is found, from the middle of the last simplex on by steps behind violated forms."""
     if not place_frames(ma, mb, first, w):
@@ -193,7 +193,7 @@ def _at_start(a, i, ma, b, j, mb, first, count, size, w, c):
     return AT_START
 
 
-@kernel
+@inner
 def _upper_end(a, ma, b, mb, lo, near, width, inner, w, c):
     """CONTACT with a proved common point at a time after lo, as soon as can be within `width`; else -1."""
     t_c, i, j = w[UNKNOWN, 3], c[PART], c[PART + 1]
@@ -222,7 +222,7 @@ def _upper_end(a, ma, b, mb, lo, near, width, inner, w, c):
     return -1
 
 
-@kernel
+@inner
 def directed(a, i, ma, b, j, mb, t, n0, n1, n2, w, c):
     """(distance, n, rows of the simplex, gap): a separating direction at t, searched from n on."""
     pose_at(ma, t, w, HERE_A)
@@ -232,7 +232,7 @@ def directed(a, i, ma, b, j, mb, t, n0, n1, n2, w, c):
     return distance, n0, n1, n2, count, gap(a, i, b, j, n0, n1, n2, w)
 
 
-@kernel
+@inner
 def toward(a, i, ma, b, j, mb, t, g, aim, n0, n1, n2, e0, e1, e2, w, c):
     """(t1, gap, direction) with [t, t1] proved free; t1 = aim where e at aim allows it, t where nothing is proved."""
     s = aim
@@ -251,7 +251,7 @@ def toward(a, i, ma, b, j, mb, t, g, aim, n0, n1, n2, e0, e1, e2, w, c):
     return t, g, n0, n1, n2
 
 
-@kernel
+@uncounted
 def advance_pieces(a, i, ma, b, j, mb, first, last, inner, width, budget, w, c):
     """One of the outcomes above for the pieces i of a and j of b over [first, last].
 

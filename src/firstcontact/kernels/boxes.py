@@ -22,6 +22,11 @@ def clip_to_box(xyz, box, polygon, scratch):
         for upper in range(2):
             limit = box[axis + 3 * upper]
             sign = -1.0 if upper else 1.0
+            inside = True
+            for k in range(n):
+                inside = inside and sign * (polygon[k, axis] - limit) >= 0.0
+            if inside:
+                continue
             kept = 0
             for k in range(n):
                 here, there = k, (k + 1) % n

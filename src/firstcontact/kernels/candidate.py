@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import inner
 from firstcontact.kernels.separation import placed
 from firstcontact.kernels.support import FORMS, VERTICES, form_value
 from firstcontact.kernels.touch_system import local_point, moving_form, newton_step, place_frames, solve
@@ -20,6 +20,8 @@ from firstcontact.kernels.workspace import (
     MATRIX,
     MODE,
     NORMAL,
+    OF_A,
+    OF_B,
     PART,
     POSE_A,
     RATES_A,
@@ -42,9 +44,9 @@ FIRST_STEPS, NEARBY = 7, 1e-2
 MOST_CHANGES = 6
 
 
-@kernel
+@inner
 def witness(w, count, at):
-    """The point of a (at = 3), of b (6) or of a - b (0) that the simplex found nearest."""
+    """The point of a (at = OF_A) or of b (OF_B) that the simplex found nearest."""
     x, y, z = 0.0, 0.0, 0.0
     for k in range(count):
         x += w[WEIGHTS, k] * w[SIMPLEX + k, at]
@@ -53,7 +55,7 @@ def witness(w, count, at):
     return x, y, z
 
 
-@kernel
+@inner
 def _choose(p, i, x, y, z, slack, c, side, most):
     """Append to the active forms those of largest value at a local point, within `slack` of the largest."""
     count, first = 0, ACTIVE + side * c[COUNT]
@@ -75,7 +77,7 @@ def _choose(p, i, x, y, z, slack, c, side, most):
     c[COUNT + side] = count
 
 
-@kernel
+@inner
 def _first_multipliers(a, b, w, c, n0, n1, n2):
     """Multipliers with sum l grad a = n and sum m grad b = -n as nearly as may be, of sum 1."""
     total, first = 0.0, 0
@@ -105,7 +107,7 @@ def _first_multipliers(a, b, w, c, n0, n1, n2):
             w[UNKNOWN, 4 + k] /= total
 
 
-@kernel
+@inner
 def worst_form(p, i, w, side, x, y, z):
     """(value, form): the largest form of a piece at a world point."""
     y0, y1, y2 = local_point(w, side, x, y, z)
@@ -117,7 +119,7 @@ def worst_form(p, i, w, side, x, y, z):
     return worst, which
 
 
-@kernel
+@inner
 def _part_near(p, i, w, side, x, y, z):
     """Piece i itself, or, of a union of pieces, the one that a world point is nearest to or deepest in."""
     if p[i, FORMS] < p[i, FORMS + 1]:
@@ -130,16 +132,16 @@ def _part_near(p, i, w, side, x, y, z):
     return which
 
 
-@kernel
+@inner
 def choose_parts(a, i, b, j, count, w, c):
     """Into the integers: which pieces of unions the witnesses of the distance lie on (frames: those of its time)."""
-    x, y, z = witness(w, count, 3)
+    x, y, z = witness(w, count, OF_A)
     c[PART] = _part_near(a, i, w, SIDE_A, x, y, z)
-    x, y, z = witness(w, count, 6)
+    x, y, z = witness(w, count, OF_B)
     c[PART + 1] = _part_near(b, j, w, SIDE_B, x, y, z)
 
 
-@kernel
+@inner
 def _revise(a, i, b, j, w, c, size):
     """Make the active forms fit the solution: 0 they do, 1 changed, -1 cannot."""
     total = c[COUNT] + c[COUNT + 1]
@@ -174,7 +176,7 @@ def _revise(a, i, b, j, w, c, size):
     return 1
 
 
-@kernel
+@inner
 def guess_by_forms(a, i, ma, b, j, mb, t, first, last, count, slack, n0, n1, n2, size, w, c):
     """Newton steps taken, negative without a guess; else w[UNKNOWN] is X, t, multipliers and the frames are those at t.
 
@@ -187,7 +189,7 @@ def guess_by_forms(a, i, ma, b, j, mb, t, first, last, count, slack, n0, n1, n2,
     for k in range(3):
         w[UNKNOWN, k] = 0.0
     for side in range(2):
-        x, y, z = witness(w, count, 3 + 3 * side)
+        x, y, z = witness(w, count, OF_A + OF_A * side)
         w[UNKNOWN, 0] += 0.5 * x
         w[UNKNOWN, 1] += 0.5 * y
         w[UNKNOWN, 2] += 0.5 * z
@@ -195,7 +197,7 @@ def guess_by_forms(a, i, ma, b, j, mb, t, first, last, count, slack, n0, n1, n2,
     w[UNKNOWN, 3] = t
     slack = slack * abs(distance) + 1e-9 * size
     for side in range(2):
-        x, y, z = witness(w, count, 3 + 3 * side)
+        x, y, z = witness(w, count, OF_A + OF_A * side)
         y0, y1, y2 = local_point(w, side, x, y, z)
         most = min(3, 4 - side * c[COUNT])
         _choose(a if side == 0 else b, i if side == 0 else j, y0, y1, y2, slack, c, side, most)
@@ -229,7 +231,7 @@ def guess_by_forms(a, i, ma, b, j, mb, t, first, last, count, slack, n0, n1, n2,
     return -taken
 
 
-@kernel
+@inner
 def contact_normal(a, w, c):
     """Unit normal of a at the solution, from a to b."""
     n0, n1, n2 = 0.0, 0.0, 0.0
@@ -244,7 +246,7 @@ def contact_normal(a, w, c):
     return n0 / length, n1 / length, n2 / length
 
 
-@kernel
+@inner
 def normal_at(a, ma, b, mb, t, size, w, c):
     """Unit normal from a to b at a time t near that of the guess by forms, where the bodies are a little apart.
 
@@ -267,7 +269,7 @@ def normal_at(a, ma, b, mb, t, size, w, c):
     return n0, n1, n2
 
 
-@kernel
+@inner
 def vertex_normal_at(a, ma, b, mb, t, w, c):
     """As `normal_at`, for the guess by a vertex."""
     side = c[MODE] - 1
@@ -280,7 +282,7 @@ def vertex_normal_at(a, ma, b, mb, t, w, c):
     return sign * w[FORM, 1], sign * w[FORM, 2], sign * w[FORM, 3]
 
 
-@kernel
+@inner
 def guess_by_vertex(a, i, ma, b, j, mb, t, first, last, count, side, w, c):
     """Newton steps taken, negative without a guess: a vertex of a `side` near its witness meets a form of the other.
 
@@ -290,7 +292,7 @@ def guess_by_vertex(a, i, ma, b, j, mb, t, first, last, count, side, w, c):
     i, j = (i, j) if side == 0 else (j, i)
     if not place_frames(ma, mb, t, w):
         return -1
-    x, y, z = witness(w, count, 3 + 3 * side)
+    x, y, z = witness(w, count, OF_A + OF_A * side)
     near, vertex = math.inf, -1
     for k in range(int(p[i, VERTICES]), int(p[i, VERTICES + 1])):
         w0, w1, w2 = placed(w, POSE_A + side, p[k, 0], p[k, 1], p[k, 2])

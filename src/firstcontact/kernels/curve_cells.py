@@ -240,10 +240,36 @@ def _changes(row, count, error, before, after):
 
 
 @kernel
-def _root(row, count, before, after, scratch):
+def _bracket(row, count, error, before, scratch):
+    """(lo, hi) about the one sign change of a polynomial whose value at an end is not told from zero.
+
+    Its values there may have either sign by rounding, so both ends are moved to where signs are clear.
+    """
+    lo, hi = 0.0, 1.0
+    clear_lo, clear_hi = abs(row[0]) > error, abs(row[count - 1]) > error
+    for _ in range(3):
+        start, length = lo, hi - lo
+        for k in range(1, 8):
+            x = start + 0.125 * k * length
+            value = before * _value(row, count, x, scratch)
+            if value > error:
+                lo, clear_lo = x, True
+            elif value < -error and x < hi:
+                hi, clear_hi = x, True
+        if clear_lo and clear_hi:
+            break
+    return lo, hi
+
+
+@kernel
+def _root(row, count, error, before, after, scratch):
     """The place in [0, 1] where a polynomial with one sign change passes through zero (Illinois)."""
     lo, hi = 0.0, 1.0
-    at_lo, at_hi = before * max(abs(row[0]), 1e-300), after * max(abs(row[count - 1]), 1e-300)
+    at_lo, at_hi = row[0], row[count - 1]
+    if abs(at_lo) <= error or abs(at_hi) <= error:
+        lo, hi = _bracket(row, count, error, before, scratch)
+        at_lo, at_hi = _value(row, count, lo, scratch), _value(row, count, hi, scratch)
+    at_lo, at_hi = before * max(abs(at_lo), 1e-300), after * max(abs(at_hi), 1e-300)
     side = 0
     for k in range(90):
         x = (lo * at_hi - hi * at_lo) / (at_hi - at_lo)
@@ -341,7 +367,7 @@ def _crossings(fixed, i, a, running, j, along_v, before, after, kind, w, places,
             if changes > 1:
                 _open_on_line(part_at, at, part, lo + start * length, lo + end * length, along_v, opened, counts)
             if first != last:
-                x = lo + (start + (end - start) * _root(row, count, first, last, rows[0])) * length
+                x = lo + (start + (end - start) * _root(row, count, error, first, last, rows[0])) * length
                 _add_place(part_at, at, part, x, along_v, WEAK if changes > 1 else kind, places, counts)
                 found += 1
             elif changes > 1:

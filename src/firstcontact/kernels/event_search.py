@@ -43,7 +43,7 @@ from firstcontact.kernels.feature_boxes import (
 )
 from firstcontact.kernels.feature_boxes import FIRST as FIRST_ORDER
 from firstcontact.kernels.feature_boxes import SECOND as SECOND_ORDER
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import inner, uncounted
 from firstcontact.kernels.moving_forms import FIRST, MAP, SECOND, pose_models, pull_back, relative_map
 from firstcontact.kernels.workspace import rows
 
@@ -82,7 +82,7 @@ STILL_NARROW = 1e-9
 VISITS, TESTS, SLABS = rows(0, 1, 2)
 
 
-@kernel
+@uncounted
 def place_slab(t0, t1, ma, mb, raw, kinds, units, layout, w, models, table, z):
     """All forms of either body in the frame of the other over [t0, t1]; False where a pose is singular."""
     middle = 0.5 * (t0 + t1)
@@ -108,7 +108,7 @@ def place_slab(t0, t1, ma, mb, raw, kinds, units, layout, w, models, table, z):
     return True
 
 
-@kernel
+@inner
 def _equations(pair, own, base, table, s, hs, z):
     """Rows ZEROTH.. of z: the equations of a pair; False where one cannot hold.
 
@@ -134,7 +134,7 @@ def _equations(pair, own, base, table, s, hs, z):
     return True
 
 
-@kernel
+@inner
 def _members(chart, pair, known, side, s, hs, layout, program, table, z, stack):
     """False where the box has no point in the other closed model, or none in its own.
 
@@ -159,7 +159,7 @@ def _members(chart, pair, known, side, s, hs, layout, program, table, z, stack):
     return found & INSIDE > 0
 
 
-@kernel
+@inner
 def _may_hold(pairs, p, own, base, table, s, hs, z, stack):
     """Whether all equations of a pair may hold, from the models of open forms that membership in the other left."""
     form = pairs[p, FORM]
@@ -175,7 +175,7 @@ def _may_hold(pairs, p, own, base, table, s, hs, z, stack):
     return other < 0 or sign(table, base, other, s, hs, z, THERE, stack) == INSIDE | OUTSIDE
 
 
-@kernel
+@inner
 def _size(z, row, second):
     size = 0.0
     for i in range(4):
@@ -183,7 +183,7 @@ def _size(z, row, second):
     return size
 
 
-@kernel
+@inner
 def _cut(box, params, side, hs, z):
     """How to go on with a box that stays."""
     weight = z[MID, 3]
@@ -210,7 +210,7 @@ def _cut(box, params, side, hs, z):
     return CUT_U if u >= v else CUT_V
 
 
-@kernel
+@inner
 def _place_box_at(box, charts, z):
     """(whether the box has finite points only, middle and half-width of its time in the slab)."""
     s = (0.5 * (box[BEGIN] + box[END]) - z[SLAB, MIDDLE]) / z[SLAB, HALF]
@@ -218,7 +218,7 @@ def _place_box_at(box, charts, z):
     return place_box(charts, int(box[CHART]), box[AT_U], box[HALF_U], box[AT_V], box[HALF_V], z), s, hs
 
 
-@kernel
+@inner
 def _narrow_box(box, params, s, hs, z, n):
     """The share of its widest narrowing that is left of the box; negative if nothing is."""
     if not narrow(z, n, params):
@@ -238,7 +238,7 @@ def _narrow_box(box, params, s, hs, z, n):
     return min(left, (box[END] - box[BEGIN]) / before) if before > 0.0 else left
 
 
-@kernel
+@inner
 def _bits(pair):
     """Of the other body's forms that vanish where the pair touches."""
     bits = np.int64(1) << pair[FORM]
@@ -247,7 +247,7 @@ def _bits(pair):
     return bits
 
 
-@kernel
+@inner
 def visit(box, known, charts, info, pairs, layout, program, table, z, stack, c):
     """What becomes of a box in the slab; it may be narrowed.  The pairs of EACH_PAIR are left in the stack, after
     their number."""
@@ -311,7 +311,7 @@ def visit(box, known, charts, info, pairs, layout, program, table, z, stack, c):
     return _cut(box, chart[PARAMS], side, hs, z)
 
 
-@kernel
+@inner
 def _copied(source, known, i, target, told, j):
     for k in range(8):
         target[j, k] = source[i, k]
@@ -319,7 +319,7 @@ def _copied(source, known, i, target, told, j):
         told[j, k] = known[i, k]
 
 
-@kernel
+@uncounted
 def search(
     charts, info, pairs, layout, program, raw, kinds, units, ma, mb, w, models, table, z, stack,
     frames, pool, known, work, told, count, first, last, least, budget, result, c,
@@ -404,7 +404,7 @@ def search(
     return FREE
 
 
-@kernel
+@uncounted
 def trim(charts, on, form, program, table, boxes, z, stack, fates):
     """Which boxes (rows u, half, v, half) of a chart may hold boundary points: 0 none, 1 some, 2 infinite ones too,
     3 only such.

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import inner, uncounted
 from firstcontact.kernels.workspace import rows
 
 U = 2.0**-53
@@ -56,7 +56,7 @@ STACK = 320
 LEAF, NOT, AND, OR, UNLESS_IN, UNLESS_OUT = rows(*range(6))
 
 
-@kernel
+@uncounted
 def place_box(charts, k, u, hu, v, hv, z):
     """The points of the box; False where their weight may vanish."""
     is_bent = charts.shape[1] > POWERS and charts[k, DEGREE] > 0.0
@@ -85,7 +85,7 @@ def place_box(charts, k, u, hu, v, hv, z):
     return z[MID, 3] > z[FIRST, 3] + z[SECOND, 3] + NOISE * s0
 
 
-@kernel
+@inner
 def _place_quadratic(charts, k, u, hu, v, hv, z):
     """Rows of X and its derivatives; sizes as in the row SIZES."""
     s0, s1, s2 = 0.0, 0.0, 0.0
@@ -105,7 +105,7 @@ def _place_quadratic(charts, k, u, hu, v, hv, z):
     return s0, s1, s2
 
 
-@kernel
+@inner
 def _place_ruled(charts, k, u, hu, v, hv, z):
     """Rows of X, its derivatives and what is beyond, of a chart linear in v; sizes as in the row SIZES."""
     n = int(charts[k, DEGREE])
@@ -140,12 +140,12 @@ def _place_ruled(charts, k, u, hu, v, hv, z):
     return more * s0, more * s1, more * s2
 
 
-@kernel
+@inner
 def _dot(z, i, j):
     return z[i, 0] * z[j, 0] + z[i, 1] * z[j, 1] + z[i, 2] * z[j, 2] + z[i, 3] * z[j, 3]
 
 
-@kernel
+@inner
 def _plane_model(table, f, s, hs, z, deep, row):
     g, gu, gv, uu, uv, vv, gt, mixed, rest, mixed_u, rest_u, mixed_v, rest_v = (
         0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -189,7 +189,7 @@ def _plane_model(table, f, s, hs, z, deep, row):
         z[row + 2, SHARE_T], z[row + 2, SHARE_U], z[row + 2, SHARE_V] = abs(rest_v) + mixed_v, abs(uv), 2.0 * abs(vv)
 
 
-@kernel
+@inner
 def _quadric_model(table, f, s, hs, z, deep, row):
     total = 0.0
     for i in range(4):
@@ -256,7 +256,7 @@ def _quadric_model(table, f, s, hs, z, deep, row):
         z[row + 2, SHARE_T], z[row + 2, SHARE_U], z[row + 2, SHARE_V] = abs(vt) + late, abs(uv), abs(vv) + high_v
 
 
-@kernel
+@inner
 def _beyond_plane(table, f, s, z):
     """Bounds of what X beyond second order adds to N.X and to its derivatives, at the middle time."""
     value, by_u, by_v = 0.0, 0.0, 0.0
@@ -268,7 +268,7 @@ def _beyond_plane(table, f, s, z):
     return value, by_u, by_v
 
 
-@kernel
+@inner
 def _beyond_quadric(table, f, s, z):
     """Bounds of what X beyond second order adds to X^T Q X, and to half its derivatives, at the middle time.
 
@@ -288,7 +288,7 @@ def _beyond_quadric(table, f, s, z):
     return value, by_u, by_v
 
 
-@kernel
+@inner
 def _add_beyond(table, f, s, z, deep, row):
     """What is beyond second order at the middle time joins the rests of a model; at other times SECOND has it."""
     if table[f, ABOUT, CURVED] == 0.0:
@@ -305,7 +305,7 @@ def _add_beyond(table, f, s, z, deep, row):
         z[row + 2, SHARE_U] += by_v
 
 
-@kernel
+@uncounted
 def model(table, f, s, hs, z, deep, row):
     """Form f over the box and the time s +- hs: z[row], and `deep` derivatives in the rows after it."""
     if table[f, ABOUT, CURVED] == 0.0:
@@ -316,13 +316,13 @@ def model(table, f, s, hs, z, deep, row):
         _add_beyond(table, f, s, z, deep, row)
 
 
-@kernel
+@inner
 def reach(z, row):
     """Bound of what is beyond the value of a model."""
     return (abs(z[row, SLOPE_U]) + abs(z[row, SLOPE_V]) + abs(z[row, SLOPE_T])) * (1.0 + 1e-14) + z[row, REST]
 
 
-@kernel
+@inner
 def parallel(z):
     """From models and derivatives of two forms, ZEROTH.. and SPARE..: the second form in FIRST_ROW, then the
     determinant of the derivatives."""
@@ -344,7 +344,7 @@ def parallel(z):
         z[p, k] = z[SPARE, k]
 
 
-@kernel
+@inner
 def add_shares(z, row):
     """Add what time, a and b have in the uncertainty of a model, in parts; rounding errors have no part."""
     total = z[row, SHARE_T] + z[row, SHARE_U] + z[row, SHARE_V]
@@ -353,7 +353,7 @@ def add_shares(z, row):
             z[SHARES, k] += z[row, SHARE_T + k] / total
 
 
-@kernel
+@inner
 def _rough_sign(table, f, s, hs, z):
     """Whether a quadric form is certainly INSIDE (negative) or OUTSIDE on the box, from first orders alone.
 
@@ -381,7 +381,7 @@ def _rough_sign(table, f, s, hs, z):
     return INSIDE if value < -size else INSIDE | OUTSIDE
 
 
-@kernel
+@uncounted
 def sign(table, base, form, s, hs, z, first, stack):
     """Bits INSIDE and OUTSIDE of a form over the box, kept in the stack; the model of one that is open stays in
     z, three rows for each form from `first` on."""
@@ -414,7 +414,7 @@ def sign(table, base, form, s, hs, z, first, stack):
     return found
 
 
-@kernel
+@inner
 def _outcome(program, begin, end, on, inside, base, table, s, hs, z, first, stack):
     """Bits INSIDE and OUTSIDE of a tree, the forms `on` inside or not as told; signs of others are kept."""
     top, at = 0, begin
@@ -450,7 +450,7 @@ def _outcome(program, begin, end, on, inside, base, table, s, hs, z, first, stac
     return stack[0]
 
 
-@kernel
+@uncounted
 def membership(program, begin, end, on, negative, positive, base, table, s, hs, z, first, stack):
     """Bits INSIDE and OUTSIDE: what is near points of the box, for a compiled tree over forms base...
 
@@ -467,7 +467,7 @@ def membership(program, begin, end, on, negative, positive, base, table, s, hs, 
         inside = (inside - 1) & on  # the next subset
 
 
-@kernel
+@inner
 def narrow(z, n, params):
     """Ranges (lo, hi) in [-1, 1] of a, b, s that hold all common zeros of the first n models; False if none.
 
@@ -524,7 +524,7 @@ def narrow(z, n, params):
     return True
 
 
-@kernel
+@inner
 def _apply(z, n, k, y0, y1, y2, k0, k1, k2):
     """Cut the ranges by the row (y0, y1, y2) of an approximate inverse, for the unknown of column k."""
     middle = -(y0 * z[0, VALUE] + y1 * z[1, VALUE])

@@ -1,4 +1,4 @@
-"""What a moving edge or vertex asks of a node of a lifted tree: may any of its elements be met?
+"""What a moving edge or vertex asks of a cell of edges or facets: may any of its elements be met?
 
 A query is an array (ROWS, 6).  FORMS: linear forms in the lines (edges) or planes (facets) of the elements; an element
 all of whose values have one strict sign is not met.  SIDES: the same for a second set of forms, always in the lines.
@@ -20,7 +20,7 @@ import numpy as np
 from firstcontact.kernels.jit import kernel
 from firstcontact.kernels.principal import form_range
 
-# Slots of a node: box (6), largest |f|, largest coordinate about the origin, largest S / |n| of its facets, each in
+# Slots of a cell: box (6), largest |f|, largest coordinate about the origin, largest S / |n| of its facets, each in
 # 1-norms (|n| in the largest entry); then the box of lines and, of facets, the box of planes.
 REACH, FAR, NEEDLE, LINES = 6, 7, 8, 9
 PLANES = LINES + 2 + 2 * 6 + 36
@@ -49,7 +49,7 @@ def plane_slack(far, needle, scale, err):
 
 @kernel
 def may_meet(row, query, facets, scale, origin, err):
-    """False only when the query certainly meets no element of the node."""
+    """False only when the query certainly meets no element of the cell."""
     if not _boxes_meet(row, query, err):
         return False
     sizes = query[SIZES]
@@ -58,18 +58,18 @@ def may_meet(row, query, facets, scale, origin, err):
         return False
     if facets:
         slack = plane_slack(far, row[NEEDLE], scale, err)
-        if _one_sign(row, PLANES, 4, query, FORMS, int(sizes[N_FORMS]), slack):
+        if one_sign(row, PLANES, 4, query, FORMS, int(sizes[N_FORMS]), slack):
             return False
     else:
         slack = line_slack(far, row[REACH], sizes[E_FORMS], scale, err)
-        if _one_sign(row, LINES, 6, query, FORMS, int(sizes[N_FORMS]), slack):
+        if one_sign(row, LINES, 6, query, FORMS, int(sizes[N_FORMS]), slack):
             return False
     slack = line_slack(far, row[REACH], sizes[E_SIDES], scale, err)
-    return not _one_sign(row, LINES, 6, query, SIDES, int(sizes[N_SIDES]), slack)
+    return not one_sign(row, LINES, 6, query, SIDES, int(sizes[N_SIDES]), slack)
 
 
 @kernel
-def _one_sign(row, offset, d, query, first, count, slack):
+def one_sign(row, offset, d, query, first, count, slack):
     """Whether `count` > 0 forms all are positive, or all negative, on the box; false when anything is not a number."""
     sign = 0.0
     for k in range(first, first + count):
@@ -105,7 +105,7 @@ def _boxes_meet(row, query, err):
 
 @kernel
 def _misses_slab(row, query, origin, far, err):
-    """Whether the box of the node lies on one side of the plane of the parallelogram."""
+    """Whether the box of the cell lies on one side of the plane of the parallelogram."""
     slab = query[SLAB]
     value, reach = -slab[3], 0.0
     for k in range(3):

@@ -9,7 +9,7 @@ from __future__ import annotations
 from firstcontact.kernels.advancement import FREE, advance_pieces, directed, stride, toward
 from firstcontact.kernels.flat import MADE, ONLY, middle_of, write_box, write_triangle
 from firstcontact.kernels.heap import heap_pop, heap_push
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import inner, uncounted
 from firstcontact.kernels.poses import pose_at
 from firstcontact.kernels.separation import placed
 from firstcontact.kernels.shared_point import proves_shared
@@ -25,7 +25,7 @@ COUNT, VISITS, PART, PIECE, OUTCOME = range(5)
 STRIDES, WORTH = 6, 0.2
 
 
-@kernel
+@inner
 def free_until(p, mp, q, j, mq, t, limit, back, w, c):
     """A time in [t, limit] until which piece 0 of p, a box, is proved apart from piece j of q; t proves nothing.
 
@@ -53,7 +53,7 @@ def free_until(p, mp, q, j, mq, t, limit, back, w, c):
     return max(t, s - back)
 
 
-@kernel
+@inner
 def _free_by(p, mp, q, j, mq, t, limit, hint, w, c):
     """Whether a triangle is proved apart until the limit, at which the direction of the best contact parts it too."""
     e0, e1, e2 = hint[0], hint[1], hint[2]
@@ -63,7 +63,7 @@ def _free_by(p, mp, q, j, mq, t, limit, hint, w, c):
     return g > 0.0 and toward(p, ONLY, mp, q, j, mq, t, g, limit, n0, n1, n2, e0, e1, e2, w, c)[0] >= limit
 
 
-@kernel
+@uncounted
 def walk(
     tree, links, error, xyz, p, mp, q, mq, limit, back, inner, width, budget, visits, hint, keys, pairs, state, w, c
 ):
@@ -104,7 +104,7 @@ def walk(
     return DONE
 
 
-@kernel
+@uncounted
 def point_inside(p, mp, q, j, mq, t, w):
     """(proved, x, y, z): a point in the frame of the tree's body, proved to lie inside piece j of q at time t."""
     if not place_frames(mp, mq, t, w):

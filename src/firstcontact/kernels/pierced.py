@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 
 from firstcontact.kernels.flat import CORNERS, PLANE, SIDES, middle_of
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import inner
 from firstcontact.kernels.shared_point import FORM_EPS, across, is_inside
 from firstcontact.kernels.support import form_value
 from firstcontact.kernels.workspace import SIDE_B
 
 
-@kernel
+@inner
 def pierces(a, b, j, vertex, w):
     """True proves that triangle 0 of a meets the way from a vertex of piece j of b to its middle, in the frames.
 

@@ -7,7 +7,7 @@ polynomials in s over the weight; kind TURNING: they are linear in 1, sin(omega 
 
 from __future__ import annotations
 
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import inner, uncounted
 from firstcontact.kernels.workspace import MIDDLE, RADIUS, SPEED, SPREAD
 
 U = 2.0**-53
@@ -23,7 +23,7 @@ HALF_PI = 1.5707963267948966
 SINE_EPS = 5e-16
 
 
-@kernel
+@uncounted
 def sine_cosine(x):
     """(sin x, cos x) within SINE_EPS for |x| < 1024."""
     k = round(x / HALF_PI)
@@ -58,7 +58,7 @@ def sine_cosine(x):
     return s, c
 
 
-@kernel
+@uncounted
 def pose_at(m, t, w, row):
     """The pose at time t of the stretch, into a row."""
     s = (t - m[0, CENTRE]) * m[0, PER_HALF]
@@ -96,7 +96,7 @@ def pose_at(m, t, w, row):
     w[row, 13] = (m[0, ERROR_T] + largest_t * m[0, ERROR_W]) / below * 1.0001 + 6.0 * U * largest_t
 
 
-@kernel
+@inner
 def velocity_at(m, t, w, row):
     """Derivatives by time of the twelve entries of R and T, into a row; not proved."""
     s = (t - m[0, CENTRE]) * m[0, PER_HALF]
@@ -121,7 +121,7 @@ def velocity_at(m, t, w, row):
         w[row, e] = (dp - p / weight * slope) / weight * m[0, PER_HALF]
 
 
-@kernel
+@inner
 def _taylor(m, row, x, reach):
     """Value, first and second derivative of a row's polynomial at x; bounds of the first three for |s| <= reach."""
     p, d1, d2, b0, b1, b2, b3 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -137,7 +137,7 @@ def _taylor(m, row, x, reach):
     return p, d1, 2.0 * d2, b1, 2.0 * b2, 6.0 * b3
 
 
-@kernel
+@uncounted
 def accelerations(m, t0, t1, w):
     """Enclosures w[MIDDLE] +- w[RADIUS] of the second derivatives by time of the entries of R and T over [t0, t1].
 

@@ -164,31 +164,3 @@ def _jacobi(m, axes, d):
                     m[i, k], m[j, k] = c * x - s * y, s * x + c * y
                     x, y = axes[k, i], axes[k, j]
                     axes[k, i], axes[k, j] = c * x - s * y, s * x + c * y
-
-
-@kernel
-def main_direction(vectors, order, first, last, moments, mean, direction):
-    """The direction in which the vectors (m, d) of order[first:last] vary most, by power iteration."""
-    d = vectors.shape[1]
-    _covariance(vectors, order, first, last, 1, moments, mean)
-    top = 0
-    for j in range(d):
-        if moments[j, j] > moments[top, top]:
-            top = j
-    for j in range(d):
-        direction[j] = moments[j, top]
-    for _ in range(8):
-        length = 0.0
-        for j in range(d):
-            length = max(length, abs(direction[j]))
-        if not 0.0 < length < math.inf:
-            for j in range(d):
-                direction[j] = 1.0 if j == top else 0.0
-            return
-        for j in range(d):
-            mean[j] = direction[j] / length
-        for j in range(d):
-            s = 0.0
-            for k in range(d):
-                s += moments[j, k] * mean[k]
-            direction[j] = s

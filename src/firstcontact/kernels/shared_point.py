@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import inner
 from firstcontact.kernels.separation import placed
 from firstcontact.kernels.support import FLAT, FORMS, form_gradient, form_value
 from firstcontact.kernels.touch_system import local_point, moving_form, solve
@@ -28,7 +28,7 @@ U = 2.0**-53
 FORM_EPS = 20.0 * U
 
 
-@kernel
+@inner
 def is_inside(p, i, y0, y1, y2, off):
     """Whether all points within `off` (per coordinate) of a local point are certainly inside piece i."""
     for k in range(int(p[i, FORMS]), int(p[i, FORMS + 1])):
@@ -47,7 +47,7 @@ def is_inside(p, i, y0, y1, y2, off):
     return True
 
 
-@kernel
+@inner
 def _inverse_bound(w, side):
     """Bound of the largest row sum of |R^-1|, -1 where the computed inverse proves none."""
     norm, defect = 0.0, 0.0
@@ -65,7 +65,7 @@ def _inverse_bound(w, side):
     return norm / (1.0 - defect) if defect < 0.5 else -1.0
 
 
-@kernel
+@inner
 def across(w, side, y0, y1, y2, off):
     """(z, radius): where the points within `off` of a local point of a side are in the other one's coordinates.
 
@@ -88,7 +88,7 @@ def across(w, side, y0, y1, y2, off):
     return z0, z1, z2, bound * away if bound > 0.0 else -1.0
 
 
-@kernel
+@inner
 def proves_shared(a, i, b, j, w, side, vertex, x, y, z):
     """True proves that the pieces share a point, near (x, y, z), in the poses of the frames.
 
@@ -109,7 +109,7 @@ def proves_shared(a, i, b, j, w, side, vertex, x, y, z):
     return radius >= 0.0 and is_inside(q, j, z0, z1, z2, radius)
 
 
-@kernel
+@inner
 def deepen(a, b, w, c):
     """The world point near the solution that lies equally deep behind all active forms, to first order.
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import inner
 from firstcontact.kernels.poses import pose_at, velocity_at
 from firstcontact.kernels.support import form_gradient, form_value
 from firstcontact.kernels.workspace import (
@@ -32,7 +32,7 @@ from firstcontact.kernels.workspace import (
 )
 
 
-@kernel
+@inner
 def solve(w, c, n):
     """Solve w[MATRIX] x = w[RIGHT] by elimination with full pivoting, n unknowns, those that nothing fixes get 0.
 
@@ -74,7 +74,7 @@ def solve(w, c, n):
         w[RIGHT, k] = w[MATRIX, k]
 
 
-@kernel
+@inner
 def invert(w, side):
     """R^-1 of a side's pose by the adjugate; False where R is singular."""
     row, out = POSE_A + side, INVERSE_A + side
@@ -91,7 +91,7 @@ def invert(w, side):
     return True
 
 
-@kernel
+@inner
 def local_point(w, side, x, y, z):
     """R^-1 ((x, y, z) - T) of a side."""
     row, inverse = POSE_A + side, INVERSE_A + side
@@ -103,7 +103,7 @@ def local_point(w, side, x, y, z):
     )
 
 
-@kernel
+@inner
 def _back(w, inverse, x, y, z):
     """R^-T (x, y, z)."""
     return (
@@ -113,7 +113,7 @@ def _back(w, inverse, x, y, z):
     )
 
 
-@kernel
+@inner
 def moving_form(p, k, w, side, x, y, z):
     """Of form k at the world point x, y, z: value, gradient (3), rate by time, rate of the gradient (3).
 
@@ -142,7 +142,7 @@ def moving_form(p, k, w, side, x, y, z):
     w[FORM, 5], w[FORM, 6], w[FORM, 7] = H0, H1, H2
 
 
-@kernel
+@inner
 def add_hessian(p, k, w, side, factor, row):
     """Add factor R^-T (second derivatives of form k) R^-1 to the 3x3 block of the matrix at (row, 0)."""
     inverse = INVERSE_A + side
@@ -157,7 +157,7 @@ def add_hessian(p, k, w, side, factor, row):
         w[MATRIX + row + 2, c] += factor * H2
 
 
-@kernel
+@inner
 def newton_step(a, b, w, c, span, size, in_time):
     """One step of Newton's method on X, t and the multipliers; how far it was off and moved, -1 where not finite.
 
@@ -207,7 +207,7 @@ def newton_step(a, b, w, c, span, size, in_time):
     return off + abs(w[RIGHT, 0]) + abs(w[RIGHT, 1]) + abs(w[RIGHT, 2]) + abs(w[RIGHT, 3])
 
 
-@kernel
+@inner
 def place_frames(ma, mb, t, w):
     """Poses, rates and inverses of both bodies at t; False where one is singular."""
     for side in range(2):

@@ -26,6 +26,8 @@ ROWS, WIDTH = 41, 14
 # Slot of the unknowns: the distance, for times at which the bodies are apart.
 AWAY = 12
 SIDE_A, SIDE_B, NO_VERTEX = rows(0, 1, -1)
+# Where the points of a and of b are in the rows of a simplex.
+OF_A, OF_B = rows(3, 6)
 # Whether Newton steps move in time.
 AT_TIME, IN_TIME = rows(0, 1)
 # Slots of the row of results: free until, gap there, time, lo, hi, point, normal (from a to b).

@@ -13,7 +13,7 @@ from flint import arb, arb_poly, arb_series, ctx, fmpq, fmpq_poly
 
 from firstcontact.exact.numbers import ball, precision, rational
 from firstcontact.exact.rigid import IDENTITY, Matrix
-from firstcontact.exact.vectors import dot
+from firstcontact.exact.vectors import Vector, cross, dot
 from firstcontact.motion.placement import Placement
 from firstcontact.motion.polynomial import PolynomialPiece, relative, step_pieces
 from firstcontact.motion.polynomial import Step as PolynomialStep
@@ -65,6 +65,15 @@ class Leg:
         """Whether the pose is a rotation and a shift at all times."""
         rigid = not isinstance(self.motion, RationalMotion) or self.motion.rigid
         return rigid and all(_is_rotation(f) for f in self.before.factors if isinstance(f, tuple))
+
+    def fixed_direction(self, v: Vector) -> Vector | None:
+        """Where the motion takes the direction v, if to one and the same at all times that is known exactly."""
+        if not self.before.is_exact or isinstance(self.motion, RationalMotion):
+            return None
+        matrix = self.before.matrix()
+        turned = dot(matrix[0][:3], v), dot(matrix[1][:3], v), dot(matrix[2][:3], v)
+        turns = isinstance(self.motion, Rotation | Screw) and self.motion.angle != 0
+        return None if turns and any(cross(turned, self.motion.axis)) else turned
 
     def series(self, t: arb) -> Series:
         """The pose around the time t."""

@@ -36,8 +36,8 @@ from firstcontact.motion.translation import Translation
 _0 = fmpq(0)
 REST = Translation((0, 0, 0))
 # Motions of which two may be one, and all that polyhedra can be followed under.
-SIMPLE = Translation | Rotation
-SUPPORTED = SIMPLE | Screw | RationalMotion
+SIMPLE = Translation, Rotation
+SUPPORTED = *SIMPLE, Screw, RationalMotion
 
 
 @dataclass(frozen=True, slots=True)

@@ -29,6 +29,8 @@ Vector = tuple[Any, Any, Any, Any]
 Matrix = tuple[Vector, ...]
 Parameter = AlgebraicRoot | None
 """A point of the projective line; None is infinity."""
+Range = tuple[fmpq, fmpq] | None
+"""An interval of parameters; None is the projective line."""
 
 _ORIGIN = AlgebraicRoot.of(fmpq(0))
 _PAIRS = ((0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3))
@@ -169,21 +171,27 @@ class CommonRulings:
     pairs: tuple[tuple[Parameter, Parameter], ...]
 
 
-def common_rulings(p: Rulings, q: Rulings) -> CommonRulings:
-    """S1, exactly: the 2x2 minors of (l(u); m(v)) vanish."""
+def common_rulings(p: Rulings, q: Rulings, u_range: Range = None, v_range: Range = None) -> CommonRulings:
+    """S1, exactly: the 2x2 minors of (l(u); m(v)) vanish.  Pairs only from closed ranges, where these are given."""
     minors = _minors([in_u(x) for x in p.line], [in_v(x) for x in q.line])
     common = reduce(lambda x, y: x.gcd(y), minors)
     minors = [x // common for x in minors]
     found: list[tuple[Parameter, Parameter]] = []
-    u_values, v_values = (_candidates(minors, variable) for variable in ("u", "v"))
+    u_values, v_values = (_within(_candidates(minors, x), ends) for x, ends in (("u", u_range), ("v", v_range)))
     for u in u_values:
         found += [(u, v) for v in v_values if _one_line(p, u, q, v)]
-    found += [(u, None) for u in _equal_to(p, q.reversed())]
-    found += [(None, v) for v in _equal_to(q, p.reversed())]
-    if _one_line(p.reversed(), _ORIGIN, q.reversed(), _ORIGIN):
+    if v_range is None:
+        found += [(u, None) for u in _within(_equal_to(p, q.reversed()), u_range)]
+    if u_range is None:
+        found += [(None, v) for v in _within(_equal_to(q, p.reversed()), v_range)]
+    if u_range is None and v_range is None and _one_line(p.reversed(), _ORIGIN, q.reversed(), _ORIGIN):
         found.append((None, None))
     found = [(u, v) for u, v in found if not at_infinity(p, u)]
     return CommonRulings(squarefree(common), tuple(_off(found, common)))
+
+
+def _within(roots: list[AlgebraicRoot], ends: Range) -> list[AlgebraicRoot]:
+    return roots if ends is None else [x for x in roots if x.compare(ends[0]) >= 0 and x.compare(ends[1]) <= 0]
 
 
 def _off(found: list[tuple[Parameter, Parameter]], curve: fmpz_mpoly) -> list[tuple[Parameter, Parameter]]:

@@ -6,6 +6,8 @@ clipping       which parts of Delta = 0 belong to both pieces; overlaps of commo
 coincident     Delta = 0 everywhere: surfaces that share an area, cones with one apex, parallel cylinders
 tracing        polylines along the edges of the topology graph
 certified_curve  curves of strips and high degrees in doubles with proofs
+settled        pairs of pieces of strips that are decided exactly where doubles leave places open
+joined         both joined to branches and their graph
 chains         strips as chains of parts in Bernstein form
 
 moving         `first_contact` and `contact_intervals`: pieces of motion, results
@@ -15,6 +17,8 @@ times          all times of contact of two pieces, cell by cell
 exclusion      proofs of no contact in doubles
 shared_points  exact contacts at one instant
 touches        points and elements of contacts
+trimmed        a place in every component of a trimmed piece
+whole_rulings  whole rulings, cut where a solid cannot reach
 contact_condition   the verb: the condition on u and T alone
 certified      answers of the certified search where elimination leads too far
 """

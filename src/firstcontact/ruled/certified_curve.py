@@ -1,25 +1,27 @@
 """`intersection_curve` of bounded pieces and strips of any degree, certified in doubles.
 
 The kernels find and trace all arcs of Delta = 0 on which rulings meet between their ends; here the arcs are joined to
-branches.  What the kernels could not decide is reported by its place.
+branches.  What the kernels could not decide is asked from the exact path (`settled`), or reported by its place.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
+from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from firstcontact.curve import Branch, BranchEnd, CurveGraph, ExactParameters, GraphNode, OpenPlace
+from firstcontact.curve import BranchEnd, OpenPlace
 from firstcontact.errors import InputError, UnsupportedPair
+from firstcontact.kernels import curve_bends, curve_lanes
 from firstcontact.kernels import curve_cells as cells
 from firstcontact.kernels import curve_nets as nets
 from firstcontact.kernels import curve_points as columns
 from firstcontact.kernels.curve_trace import STACK, trace
 from firstcontact.kernels.curve_trim import trim
-from firstcontact.result import Stats
 from firstcontact.ruled.chains import Chain, chains, product_table
+from firstcontact.ruled.joined import Found, Stop, Strand, knot
+from firstcontact.ruled.settled import PiecePair, Settled
 
 # Cells looked at for one pair of chains before the rest is left open.
 BUDGET = 100_000
@@ -47,19 +49,26 @@ def is_supported(surface: Any) -> bool:
     )
 
 
-def certified_curve(p: Any, q: Any, tolerance: float) -> dict[str, Any]:
-    """The fields of IntersectionCurve."""
+def certified_curve(p: Any, q: Any, tolerance: float, settles: bool) -> dict[str, Any]:
+    """The fields of IntersectionCurve; settles: whether places that doubles leave open are decided exactly."""
     for surface in (p, q):
         if not is_supported(surface):
             raise UnsupportedPair(
                 f"{surface!r}: the certified curve takes bounded rulings without trimming, in one row, of degree "
                 f'{HIGHEST_DEGREE} at most; try method="algebraic"'
             )
-    found = Found(p, q)
+    found = Found()
+    exact = []
     for a in chains(p):
         for b in chains(q):
             if (solved := _solved(a, b, tolerance)) is not None:
-                found.add(solved)
+                settled = Settled(a, b, tolerance)
+                strands, places = _strands(solved, settled, settles)
+                found.seen += solved.seen
+                own = settled.found()
+                found.add(strands + settled.strands(), places, (a, b) if own else None, own)
+                exact += own
+    found.add_isolated(exact)
     return found.fields()
 
 
@@ -116,13 +125,16 @@ def _solved(p: Chain, q: Chain, tolerance: float) -> Solved | None:
     used = trim(*forms, places, used, arcs, count, known, scratch)
     arcs, places, starts = arcs[:count], places[:used], np.empty(count + 1, np.int64)
     bounds = np.array([chain.s for chain in (p, q)], float)
-    ends = np.empty((STACK, columns.COLUMNS))
+    ends, lanes = np.empty((STACK, columns.COLUMNS)), np.empty(curve_lanes.ROWS * curve_lanes.LANES)
+    bends = tuple(np.empty((len(x.points), curve_bends.BOUNDS)) for x in (p, q))
+    for form, bend in zip(forms, bends, strict=True):
+        curve_bends.derivative_bounds(form, bend)
     room = 256 * ROOM  # untouched pages cost nothing
     while True:
         points, parameters = np.empty((room, 3)), np.empty((room, 4))
         if trace(
-            *forms, arcs, places, tolerance, p.ranges, q.ranges, bounds, centre, ends, known, scratch, points,
-            parameters, starts,
+            *forms, arcs, places, tolerance, p.ranges, q.ranges, bounds, centre, *bends, ends, known, scratch, lanes,
+            points, parameters, starts,
         ):  # fmt: skip
             break
         room *= 4
@@ -172,76 +184,96 @@ def _side(chain: Chain, centre: np.ndarray, room: int) -> np.ndarray:
 # -- branches -----------------------------------------------------------------------------------------------
 
 
-class Found:
-    """Branches, open places and the graph so far."""
-
-    def __init__(self, p: Any, q: Any) -> None:
-        self.p, self.q = p, q
-        self.branches: list[Branch] = []
-        self.open_places: list[OpenPlace] = []
-        self.nodes: list[GraphNode] = []
-        self.edges: list[tuple[int, int]] = []
-        self.seen = 0
-
-    def fields(self) -> dict[str, Any]:
-        return {
-            "branches": tuple(self.branches),
-            "overlap_lines": np.empty((0, 2, 3)),
-            "singular_points": (),
-            "isolated_points": np.empty((0, 3)),
-            "two_dimensional": False,
-            "graph": CurveGraph(tuple(self.nodes), tuple(self.edges)),
-            "delta": {},
-            "common_rulings": (),
-            "method": "certified",
-            "open_places": tuple(self.open_places),
-            "stats": Stats(node_visits=self.seen, undecided=len(self.open_places)),
-        }
-
-    def add(self, solved: Solved) -> None:
-        """Branches and open places of two chains."""
-        self.seen += solved.seen
+def _strands(solved: Solved, settled: Settled, settles: bool) -> tuple[list[Strand], list[OpenPlace]]:
+    """Polylines of the pairs of pieces that are not decided exactly in the end, and the places left open there."""
+    while True:
         kinds = solved.places[:, columns.KIND].astype(int)
         lines = _lines(solved.arcs, kinds)
         polylines = [_polyline(solved, line) for line in lines]
         tiny = [not line.closed and len(parameters) < LONG and _size(parameters) <= SAME_POINT
                   for line, (_, parameters) in zip(lines, polylines, strict=True)]  # fmt: skip
+        ends = {k: _end(solved, kinds[k], k, settled) for line in lines if not line.closed for k in line.ends}
         stray = [line.ends[0] for line, x in zip(lines, tiny, strict=True) if x]
         polylines = [polyline for polyline, x in zip(polylines, tiny, strict=True) if not x]
         lines = [line for line, x in zip(lines, tiny, strict=True) if not x]
-        reached = [k for line in lines if not line.closed for k in line.ends if kinds[k] > 0]
-        stray += [k for line in lines if not line.closed for k in line.ends if kinds[k] <= 0]
-        places = _open_places(solved, stray, reached)
-        first = len(self.nodes)
-        for place in places:
-            self._node(place.point, [sum(place.u) / 2, sum(place.v) / 2], "undecided")
-        ends_at = [0] * len(places)
-        for line, (points, parameters) in zip(lines, polylines, strict=True):
-            if line.closed:
-                self.branches.append(Branch(points, parameters, True, ()))
-                node = self._node(points[0], parameters[0], "regular")
-                self.edges.append((node, node))
-                continue
-            if max(kinds[list(line.ends)]) <= 0 and any(_within(parameters, place) for place in places):
-                continue  # how the curve runs inside an open place is open
-            ends, numbers = [], []
-            for at, k in zip((0, -1), line.ends, strict=True):
-                if kinds[k] > 0:
-                    ends.append(BranchEnd("boundary", (_bound(solved, kinds[k]),), points[at], parameters[at]))
-                    numbers.append(self._node(points[at], parameters[at], "boundary"))
-                else:
-                    ends.append(BranchEnd("undecided", (), points[at], parameters[at]))
-                    n = int(np.argmin([np.abs(place.point - points[at]).max() for place in places]))
-                    ends_at[n] += 1
-                    numbers.append(first + n)
-            self.branches.append(Branch(points, parameters, False, (ends[0], ends[1])))
-            self.edges.append((numbers[0], numbers[1]))
-        self.open_places += [replace(place, ends=n) for place, n in zip(places, ends_at, strict=True)]
+        reached = [k for line in lines if not line.closed for k in line.ends if ends[k] != "undecided"]
+        stray += [k for line in lines if not line.closed for k in line.ends if ends[k] == "undecided"]
+        parts, ranges = _open_boxes(solved, stray, reached)
+        groups = _touching(parts, ranges)
+        pairs = [_touched(solved, parts[group], ranges[group]) for group in groups] if settles else []
+        if not any([settled.settle(x) for x in pairs if not x <= settled.known.keys()]):
+            break
+        solved = _without(solved, settled)
+    places = [_open_place(solved, parts[group], ranges[group]) for group in groups]
+    strands = []
+    for line, (points, parameters) in zip(lines, polylines, strict=True):
+        if line.closed:
+            strands.append(Strand(points, parameters, ()))
+            continue
+        kinds_of = [ends[k] for k in line.ends]
+        if kinds_of == ["undecided", "undecided"] and any(_within(parameters, place) for place in places):
+            continue  # how the curve runs inside an open place is open
+        stops = []
+        for at, k, kind in zip((0, -1), line.ends, kinds_of, strict=True):
+            if kind == "knot":
+                stops.append(knot(solved.p, solved.q, _position(solved, k), points[at], parameters[at]))
+            else:
+                on = (_bound(solved, kinds[k]),) if kinds[k] > 0 else ()
+                stops.append(Stop(BranchEnd(kind, on, points[at], parameters[at])))
+        strands.append(Strand(points, parameters, tuple(stops)))
+    return strands, places
 
-    def _node(self, point: np.ndarray, where: Any, kind: str) -> int:
-        u, v = float(where[0]), float(where[1])
-        self.nodes.append(GraphNode(point, kind, ExactParameters(lambda: (u, v))))
-        return len(self.nodes) - 1
+
+def _position(solved: Solved, k: int) -> np.ndarray:
+    """(2,) of a place along both chains."""
+    row = solved.places[k]
+    u = solved.p.along(int(row[columns.PART_U]), row[columns.X])
+    return np.array([u, solved.q.along(int(row[columns.PART_V]), row[columns.Y])])
+
+
+def _end(solved: Solved, kind: int, k: int, settled: Settled) -> str:
+    """"boundary", "knot" where a pair decided exactly goes on, or "undecided"."""
+    if kind > 0:
+        return "boundary"
+    row = solved.places[k]
+    if kind == columns.WEAK or not settled.known:
+        return "undecided"
+    at = np.array([[row[columns.PART_U], row[columns.PART_V]]]), np.array([[row[columns.X]] * 2 + [row[columns.Y]] * 2])
+    return "knot" if _touched(solved, *at) & settled.known.keys() else "undecided"
+
+
+def _touched(solved: Solved, parts: np.ndarray, ranges: np.ndarray) -> set[PiecePair]:
+    """The pairs of pieces that boxes touch, also by a side."""
+    found: set[PiecePair] = set()
+    for side in np.unique(_sides_touched(parts, ranges)).tolist():
+        found |= _pairs(solved, side)
+    return found
+
+
+def _sides_touched(parts: np.ndarray, ranges: np.ndarray) -> np.ndarray:
+    """(n,): numbers that tell the parts of boxes, and by four bits whether they reach the start and end of x, of y."""
+    i, j = parts.astype(int).T
+    bits = ((ranges <= 0.0) & [True, False, True, False]) | ((ranges >= 1.0) & [False, True, False, True])
+    return (i << 34) + (j << 4) + bits @ np.array([1, 2, 4, 8])
+
+
+def _pairs(solved: Solved, side: int) -> set[PiecePair]:
+    """Those touched by boxes with such a number of _sides_touched."""
+    i, j = side >> 34, (side >> 4) & (2**30 - 1)
+    low_u, high_u, low_v, high_v = (bool(side & bit) for bit in (1, 2, 4, 8))
+    return set(product(solved.p.neighbours(i, low_u, high_u), solved.q.neighbours(j, low_v, high_v)))
+
+
+def _without(solved: Solved, settled: Settled) -> Solved:
+    """What is not in pairs of pieces that are decided exactly."""
+    known = np.zeros((len(solved.p.pieces), len(solved.q.pieces)), bool)
+    known[tuple(np.array(list(settled.known)).T)] = True
+    arcs, opened = solved.arcs.copy(), solved.opened
+    i, j = arcs[:, columns.ARC_U].astype(int), arcs[:, columns.ARC_V].astype(int)
+    arcs[known[solved.p.piece_of[i], solved.q.piece_of[j]], columns.START] = -1
+    sides, row_of = np.unique(_sides_touched(opened[:, :2], opened[:, 2:]), return_inverse=True)
+    kept = np.array([not _pairs(solved, side) <= settled.known.keys() for side in sides.tolist()], bool)
+    return solved._replace(arcs=arcs, opened=opened[kept[row_of]])
 
 
 class _Line(NamedTuple):
@@ -320,12 +352,14 @@ def _bound(solved: Solved, kind: int) -> str:
 # -- open places --------------------------------------------------------------------------------------------
 
 
-def _open_places(solved: Solved, stray: list[int], reached: list[int]) -> list[OpenPlace]:
-    """Boxes left open, joined where they touch.
+def _open_boxes(solved: Solved, stray: list[int], reached: list[int]) -> tuple[np.ndarray, np.ndarray]:
+    """Parts (n, 2) and ranges (n, 4) of boxes left open.
 
     stray: places of branches that are points, or at which branches end without reason.  reached: ends at bounds; a
     point that is left open there is on the branch.
     """
+    if len(solved.opened) > MOST_PLACES:
+        return solved.opened[:, :2], solved.opened[:, 2:]
     points = [int(arc[columns.END]) for arc in solved.arcs if arc[columns.START] == -2]
     spots = solved.places[np.array([*points, *stray], int)]
     parts = np.concatenate((solved.opened[:, :2], spots[:, [columns.PART_U, columns.PART_V]]))
@@ -338,8 +372,7 @@ def _open_places(solved: Solved, stray: list[int], reached: list[int]) -> list[O
     here[here] = [bool((np.abs(known - x).max(1) <= SAME_POINT).any()) for x in at[here]]
     thin = ((ranges[:, 0] == ranges[:, 1]) | (ranges[:, 2] == ranges[:, 3])) & ~here
     here[thin] = [_clearly_beyond(solved, *x) for x in zip(parts[thin], ranges[thin], strict=True)]
-    parts, ranges = parts[~here], ranges[~here]
-    return [_open_place(solved, parts[group], ranges[group]) for group in _touching(parts, ranges)]
+    return parts[~here], ranges[~here]
 
 
 def _clearly_beyond(solved: Solved, parts: np.ndarray, ranges: np.ndarray) -> bool:

@@ -35,6 +35,7 @@ class Chain:
     closed   whether the last ruling is the first one
     u, s     the ranges as users give them; u None for the projective line
     box      (2, 3) corners of a box that holds all rulings, up to rounding
+    pieces   those of the surface, and for every part the number of its piece
     """
 
     points: np.ndarray
@@ -43,6 +44,48 @@ class Chain:
     u: tuple[Fraction, Fraction] | None
     s: tuple[Fraction, Fraction]
     box: np.ndarray
+    pieces: tuple[RuledSurface, ...]
+    piece_of: np.ndarray
+
+    def knots(self, k: int) -> list[Fraction]:
+        """The ends of the range of piece k at which another goes on."""
+        u, last = self.pieces[k].u, len(self.pieces) - 1
+        if u is None or (last == 0 and not self.closed):
+            return []
+        goes_on = k > 0 or self.closed, k < last or self.closed
+        return [x for x, there in zip(u, goes_on, strict=True) if there]
+
+    def position(self, k: int, u: np.ndarray) -> np.ndarray:
+        """Along the chain, a piece taking 1, of parameters of piece k."""
+        bounds = self.pieces[k].u
+        if bounds is None:
+            return np.arctan(u) / np.pi % 1.0
+        low, high = float(bounds[0]), float(bounds[1])
+        return k + (u - low) / (high - low)
+
+    def along(self, part: int, x: float) -> float:
+        """As `position`, of a place on a part."""
+        return float(self.position(int(self.piece_of[part]), self.parameter(np.array([part]), np.array([x])))[0])
+
+    def borders(self, names: str, position: float, s: float, near: float) -> list[str]:
+        """The bounds of the whole chain next to a place; names: "us" or "vt"."""
+        found = []
+        if self.u is not None and not self.closed:
+            found += [f"{names[0]}={u}" for u, end in zip(self.u, (0, len(self.pieces)), strict=True)
+                      if abs(position - end) <= near]  # fmt: skip
+        return found + [f"{names[1]}={end}" for end in self.s if abs(s - end) <= near * (self.s[1] - self.s[0])]
+
+    def neighbours(self, part: int, low: bool, high: bool) -> set[int]:
+        """The piece of a part, with those next to it at its ends if asked for."""
+        own, last = {int(self.piece_of[part])}, len(self.points) - 1
+        for there, other in ((low, part - 1), (high, part + 1)):
+            if there and (self.closed or 0 <= other <= last):
+                own.add(int(self.piece_of[other % (last + 1)]))
+        return own
+
+    def piece_box(self, k: int) -> np.ndarray:
+        """As `box`, of piece k."""
+        return _hull(self.points[self.piece_of == k])
 
     def parameter(self, part: np.ndarray, x: np.ndarray) -> np.ndarray:
         """u at x of parts."""
@@ -96,9 +139,11 @@ def _shared(a: RuledSurface, end_a: int, b: RuledSurface, end_b: int) -> bool:
 
 def _chain(run: list[RuledSurface]) -> Chain:
     parts: list[tuple[list[list[fmpq]], Projective, Projective]] = []
-    for piece in run:
+    piece_of: list[int] = []
+    for k, piece in enumerate(run):
         for lo, hi in _ranges(piece):
             parts += _positive_parts(piece, lo, hi)
+        piece_of += [k] * (len(parts) - len(piece_of))
     first, last = run[0], run[-1]
     closed = first.u is None or (
         "u0" in first.joined and "u1" in last.joined and len(run) > 1 and _shared(last, 1, first, 0)
@@ -108,11 +153,15 @@ def _chain(run: list[RuledSurface]) -> Chain:
     ranges = np.array([[[to_double(x) for x in end] for end in (lo, hi)] for _, lo, hi in parts])
     u = None if first.u is None or last.u is None else (first.u[0], last.u[1])
     assert first.s is not None
+    return Chain(points, ranges, closed, u, first.s, _hull(points), tuple(run), np.array(piece_of))
+
+
+def _hull(points: np.ndarray) -> np.ndarray:
+    """(2, 3) corners of a box that holds all rulings of parts, with room for rounding."""
     corners = np.concatenate([points[:, k : k + 3] / points[:, k + 3 : k + 4] for k in (0, 4)], axis=2)
     corners = corners.transpose(0, 2, 1).reshape(-1, 3)
     slack = 1e-12 * np.abs(corners).max()
-    box = np.array([corners.min(0) - slack, corners.max(0) + slack])
-    return Chain(points, ranges, closed, u, first.s, box)
+    return np.array([corners.min(0) - slack, corners.max(0) + slack])
 
 
 def _ranges(piece: RuledSurface) -> list[tuple[Projective, Projective]]:

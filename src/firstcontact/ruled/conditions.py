@@ -3,7 +3,8 @@
 With W > 0, the segments P1(u)P2(u) and Q1(v)Q2(v) share a point exactly when Delta = 0, for each of three auxiliary
 points e the ends of either segment are not strictly on one side of the plane of the other line and e, and, where all
 these brackets vanish, because the lines are one or a ruling is a point, on no axis are all of Q's ends strictly on one
-side of P's.  Whole lines drop the conditions on their own ends.  All inequalities are weak: contact is closed.
+side of P's.  Whole lines drop the conditions on their own ends.  Trimming inequalities stand with the place on the
+ruling, a ratio of brackets, put in.  All inequalities are weak: contact is closed.
 """
 
 from __future__ import annotations
@@ -11,9 +12,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property, reduce
+from math import comb
 from typing import Any
 
-from flint import fmpq, fmpz_mpoly
+from flint import fmpq, fmpz, fmpz_mpoly
 
 from firstcontact.body.moving import shape_of
 from firstcontact.body.rational_curve import RationalCurve, lifted
@@ -21,14 +23,18 @@ from firstcontact.body.ruled_surface import RuledSurface
 from firstcontact.errors import InputError, UnsupportedPair
 from firstcontact.exact.numbers import rational
 from firstcontact.exact.roots import roots_in
-from firstcontact.exact.trivariate import RING, at, degree, irreducible, product, univariate
+from firstcontact.exact.trivariate import RING, FactorSet, at, degree, irreducible, product, univariate
 from firstcontact.motion.directrices import DirectrixPiece
 
 Range = tuple[fmpq, fmpq] | None
 """Closed range of a parameter; None for the projective line."""
 Sides = tuple[RationalCurve, RationalCurve]
+Trims = tuple[dict[tuple[int, int], Any], ...]
+"""Polynomials in u and s, as whole coefficients of u^i s^j; kept is where none is negative."""
+Pair = tuple[fmpz_mpoly, fmpz_mpoly]
 
 _PAIRS = ((0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3))
+_MINUS_ONE = RING.constant(-1)
 _DUAL = ((5, 1), (4, -1), (3, 1), (2, 1), (1, -1), (0, 1))
 
 
@@ -52,37 +58,60 @@ class Conditions:
     v: Range
     bounded: tuple[bool, bool]
     sides: tuple[Sides, Sides]
+    trims: tuple[Trims, Trims] = ((), ())
+    """Of P in u and s, of Q in v and t, with s and t from 0 to 1 on bounded rulings."""
+    kept: tuple[tuple[fmpz_mpoly, ...], ...] = ((), (), ())
+    """Polynomials that are not negative where the trimming inequalities hold; for each auxiliary point, off the common
+    plane of the rulings."""
+    trimmed: str = ""
+    """What error texts call the trimmed pieces."""
     moment: fmpq | None = None
     """Of conditions at one time, whose curves still move."""
     known: dict[str, Any] = field(default_factory=dict, repr=False, compare=False)
     """What was worked out of them."""
 
     @cached_property
-    def pairs(self) -> list[tuple[fmpz_mpoly, fmpz_mpoly]]:
+    def pairs(self) -> list[Pair]:
         """Two polynomials that are not both positive or both negative where rulings share a point."""
-        d1, d2, d3, d4 = self.brackets
-        found = [pair for k in range(3) for pair in self.ends(k)]
-        assert len(d1) == len(d2) == len(d3) == len(d4) == 3
-        return found
+        return [pair for k in range(3) for pair in (*self.ends(k), *self.cuts(k))]
 
-    def ends(self, k: int) -> list[tuple[fmpz_mpoly, fmpz_mpoly]]:
-        """Of those, the ones of one auxiliary point."""
+    def ends(self, k: int) -> list[Pair]:
+        """Of those, the ones of one auxiliary point that are for the ends of rulings."""
         d1, d2, d3, d4 = (row[k] for row in self.brackets)
         return ([(d1, d2)] if self.bounded[1] else []) + ([(d3, d4)] if self.bounded[0] else [])
+
+    def cuts(self, k: int) -> list[Pair]:
+        """Of those, the ones of one auxiliary point that are for trimming."""
+        return [(f, _MINUS_ONE) for f in self.kept[k]]
+
+    @cached_property
+    def may_be_thin(self) -> bool:
+        """False proves that no trimming inequality leaves parts of a piece without area."""
+        ranges = [(ends, own) for ends, own in zip((self.u, self.v), self.bounded, strict=True)]
+        return any(some and not bound_once(some, *rest) for some, rest in zip(self.trims, ranges, strict=True))
 
     def holds(self, sign: Callable[[fmpz_mpoly], int], on_delta: bool = False) -> bool:
         """Whether rulings share a point, from the signs there; on_delta: that of delta is known to be 0."""
         if not on_delta and sign(self.delta) != 0:
             return False
         one_line = True
-        for x, y in self.pairs:
-            one, other = sign(x), sign(y)
-            if one * other > 0:
+        for k in range(3):
+            for x, y in self.ends(k):
+                one, other = sign(x), sign(y)
+                if one * other > 0:
+                    return False
+                one_line = one_line and one == other == 0
+            if any(sign(f) < 0 for f in self.kept[k]):
                 return False
-            one_line = one_line and one == other == 0
         if not one_line or not all(self.bounded):
             return True
-        return all(abs(sum(map(sign, axis))) < 4 for axis in self.axes)
+        shared = all(abs(sum(map(sign, axis))) < 4 for axis in self.axes)
+        if shared and any(j for some in self.trims for g in some for _, j in g):
+            raise UnsupportedPair(
+                f"{self.trimmed}: where rulings of a trimmed piece lie on one line with others, or are a point, "
+                "contact is not decided; leave out trim, or move a body a little"
+            )
+        return shared
 
     def at(self, t: fmpq) -> Conditions:
         """The conditions at one time."""
@@ -91,6 +120,7 @@ class Conditions:
             delta=at(self.delta, 2, t),
             brackets=tuple(tuple(at(x, 2, t) for x in row) for row in self.brackets),
             axes=tuple(tuple(at(x, 2, t) for x in row) for row in self.axes),
+            kept=tuple(tuple(at(x, 2, t) for x in row) for row in self.kept),
             moment=t,
             known={},
         )
@@ -107,7 +137,10 @@ class Conditions:
             for inverse_v in (False, True) if self.v is None else (False,):
                 first = (p[0].reversed(), p[1].reversed()) if inverse_u else p
                 second = (q[0].reversed(), q[1].reversed()) if inverse_v else q
-                chart = _conditions(first, second, self.u or unit, self.v or unit, self.bounded)
+                own = _reversed(self.trims[0]) if inverse_u else self.trims[0]
+                other = _reversed(self.trims[1]) if inverse_v else self.trims[1]
+                chart = _conditions(first, second, self.u or unit, self.v or unit, self.bounded, (own, other))
+                chart = replace(chart, trimmed=self.trimmed)
                 found[inverse_u, inverse_v] = chart if self.moment is None else chart.at(self.moment)
         return found
 
@@ -121,12 +154,53 @@ def conditions(a: Any, b: Any, piece: DirectrixPiece, span: tuple[fmpq, fmpq]) -
             f"{p!r} and {q!r} both have whole rulings: they may meet at infinity only; bound s of one of them"
         )
     for surface, sides in ((p, piece.p), (q, piece.q)):
-        if surface.trim:
-            raise UnsupportedPair(f"{surface!r} is trimmed; times of contact are for pieces bounded by u and s alone")
         if surface.s is not None:
             for side in sides:
                 _check_weight(surface, side, span)
-    return _conditions(piece.p, piece.q, _range(p.u), _range(q.u), bounded)
+    found = _conditions(piece.p, piece.q, _range(p.u), _range(q.u), bounded, (local_trims(p), local_trims(q)))
+    return replace(found, trimmed=" and ".join(repr(x) for x in (p, q) if x.trim))
+
+
+def local_trims(surface: RuledSurface) -> Trims:
+    """The trimming polynomials, with s counted from 0 to 1 where it is bounded, up to positive factors."""
+    lo, hi = (fmpq(0), fmpq(1)) if surface.s is None else (rational(x, "s") for x in surface.s)
+    found = []
+    for trim in surface.trim:
+        table: dict[tuple[int, int], fmpq] = {}
+        for (i, j), c in _terms2(trim.polynomial).items():
+            for m in range(j + 1):
+                term = fmpq(int(c) * comb(j, m)) * lo ** (j - m) * (hi - lo) ** m
+                table[i, m] = table.get((i, m), fmpq(0)) + term
+        below = reduce(fmpz.lcm, (c.q for c in table.values()), fmpz(1))
+        found.append({key: (c * below).p for key, c in table.items() if c})
+    return tuple(found)
+
+
+def bound_once(trims: Trims, ends: Range, bounded: bool) -> bool:
+    """Whether every factor of the inequalities is simple, and no border of another one or of the ranges."""
+    u, s = RING.gen(0), RING.gen(1)
+    found = FactorSet()
+    for f in [*polynomials(trims), *(end.q * u - end.p for end in ends or ()), *((s, s - 1) if bounded else ())]:
+        found.add(f)
+    return all(found.count(f) == 1 for f in found)
+
+
+def polynomials(trims: Trims) -> list[fmpz_mpoly]:
+    """In u and, for s, v."""
+    return [RING.from_dict({(i, j, 0): int(c) for (i, j), c in g.items()}) for g in trims]
+
+
+def _reversed(trims: Trims) -> Trims:
+    """The same in the inverse of the first parameter."""
+    found = []
+    for g in trims:
+        top = _even(max((i for i, _ in g), default=0))
+        found.append({(top - i, j): c for (i, j), c in g.items()})
+    return tuple(found)
+
+
+def _even(n: int) -> int:
+    return n + n % 2
 
 
 def _shape(body: Any) -> RuledSurface:
@@ -168,7 +242,9 @@ def _terms2(p: Any) -> dict[tuple[int, int], Any]:
     return of_curve(p)
 
 
-def _conditions(p: Sides, q: Sides, u: Range, v: Range, bounded: tuple[bool, bool]) -> Conditions:
+def _conditions(
+    p: Sides, q: Sides, u: Range, v: Range, bounded: tuple[bool, bool], trims: tuple[Trims, Trims]
+) -> Conditions:
     p1, p2 = (lifted(curve.components, RING, "u") for curve in p)
     q1, q2 = (lifted(curve.components, RING, "v") for curve in q)
     line_p, line_q = _line(p1, p2, bounded[0]), _line(q1, q2, bounded[1])
@@ -177,16 +253,32 @@ def _conditions(p: Sides, q: Sides, u: Range, v: Range, bounded: tuple[bool, boo
     factors = [] if delta.is_zero() else irreducible(delta)
     weights = [w for curve in (p1, p2, q1, q2) for w in irreducible(curve[3])]
     definite = {str(f): f for f in [*factors, *weights] if _is_definite(f)}
-    brackets = tuple(
-        tuple(_reduced(_sum(x * row[k] for x, row in zip(end, planes, strict=True)), definite) for k in range(3))
+    ends = tuple(
+        tuple(_sum(x * row[k] for x, row in zip(end, planes, strict=True)) for k in range(3))
         for end, planes in ((q1, of_p), (q2, of_p), (p1, of_q), (p2, of_q))
     )
+    brackets = tuple(tuple(_reduced(f, definite) for f in row) for row in ends)
+    kept = tuple(
+        tuple(_reduced(f, definite) for f in (
+            *_kept(trims[0], "u", ends[2][k] * p2[3], ends[3][k] * p1[3]),
+            *_kept(trims[1], "v", ends[0][k] * q2[3], ends[1][k] * q1[3]),
+        )) for k in range(3)
+    )  # fmt: skip
     axes = tuple(
         tuple(_reduced(x[k] * y[3] - y[k] * x[3], definite) for x in (p1, p2) for y in (q1, q2)) for k in range(3)
     )
     if factors:
         delta = product(f for f in factors if str(f) not in definite)
-    return Conditions(delta, brackets, axes, u, v, bounded, (p, q))
+    return Conditions(delta, brackets, axes, u, v, bounded, (p, q), trims, kept)
+
+
+def _kept(trims: Trims, name: str, first: fmpz_mpoly, second: fmpz_mpoly) -> list[fmpz_mpoly]:
+    """Trimming polynomials at the place first / (first - second) of a ruling, times even powers of its denominator."""
+    x, gap, found = RING.gen(RING.names().index(name)), first - second, []
+    for g in trims:
+        top = _even(max((j for _, j in g), default=0))
+        found.append(_sum(int(c) * x**i * first**j * gap ** (top - j) for (i, j), c in g.items()))
+    return found
 
 
 def _reduced(f: fmpz_mpoly, definite: dict[str, fmpz_mpoly]) -> fmpz_mpoly:

@@ -176,6 +176,8 @@ def contact_condition(p: Any, q: Any, *, count: tuple[int, float] | None = None)
     first, last = common_span(p, q, None) if moves else (fmpq(0), fmpq(1))
     if any(len(shape_of(x).pieces) > 1 for x in (p, q)):
         raise UnsupportedPair("contact_condition is for single ruled pieces; give one of strip.pieces")
+    if any(shape_of(x).trim for x in (p, q)):
+        raise UnsupportedPair("contact_condition is for pieces bounded by u and s alone; leave trim out")
     pieces = list(directrix_pieces(p, q, first, first + 1 if last is None else last))
     if len(pieces) > 1 or not isinstance(pieces[0].motion.clock, StraightClock):
         raise UnsupportedPair("contact_condition needs one motion that is a rational function of the time")

@@ -19,15 +19,18 @@ from firstcontact.ruled.pieces import Piece
 from firstcontact.ruled.spots import Box
 
 
-def intersection(p: Piece, q: Piece, tolerance: float, box: Box | None) -> dict[str, Any]:
-    """The fields of IntersectionCurve."""
-    whole, in_given = delta(p.rulings, q.rulings), common_rulings(p.rulings, q.rulings)
+def intersection(
+    p: Piece, q: Piece, tolerance: float, box: Box | None, inside: bool = False
+) -> dict[str, Any]:
+    """The fields of IntersectionCurve; inside: common rulings outside the pieces are not looked for."""
+    ranges = (p.u, q.u) if inside else (None, None)
+    whole, in_given = delta(p.rulings, q.rulings), common_rulings(p.rulings, q.rulings, *ranges)
     found = Found(p, q, tolerance, box)
     common, d = in_given, whole
     if not whole.is_zero() and (moved := _away_from_infinity(found)) is not found:
         found = moved
         a, b = found.p.rulings, found.q.rulings
-        common, d = common_rulings(a, b), delta(a, b)
+        common, d = common_rulings(a, b, *((found.p.u, found.q.u) if inside else ranges)), delta(a, b)
     if d.is_zero():
         all_meet(found)
     else:

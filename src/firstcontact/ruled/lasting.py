@@ -18,6 +18,7 @@ from firstcontact.kernels.event_search import CHART, FREE
 from firstcontact.search import events
 from firstcontact.search.event_tables import Tables
 from firstcontact.search.ruled_charts import RuledFeature, Sheet
+from firstcontact.search.ruled_solids import STAGES, Event, RuledSearch
 from firstcontact.search.stretches import Window
 
 SEEDS = 4
@@ -31,8 +32,11 @@ AROUND = np.array([(np.cos(k * np.pi / 8), np.sin(k * np.pi / 8)) for k in range
 class RuledFree:
     """As `composite.certified_intervals` asks for free time."""
 
-    def __init__(self, bodies: tuple[Any, Any], tables: Tables, sheets: list[Sheet], width: float) -> None:
-        self.bodies, self.tables, self.width = bodies, tables, width
+    def __init__(
+        self, bodies: tuple[Any, Any], side: int, tables: Tables, sheets: list[Sheet], parts: list[Window], width: float
+    ) -> None:
+        self.bodies, self.side, self.tables, self.width = bodies, side, tables, width
+        self.windows = parts
         self.numbers = {id(feature.sheet): sheets.index(feature.sheet) for feature in _features(tables)}
 
     def at(self, window: Window, t: float) -> bool:
@@ -40,15 +44,28 @@ class RuledFree:
         return search.searched(True, window, t, t, events.MOST_STILL) == FREE
 
     def until(self, window: Window, t: float, end: float) -> tuple[float, list[np.ndarray]]:
-        search = events._Search(*self.bodies, self.tables, [window], 1.0, BOXES)
-        search.width = self.width
-        if search.searched(False, window, t, end, BOXES) == FREE:
-            return end, []
-        count, start = int(search.result[2]), int(search.result[3])
-        return max(t, float(search.result[0])), self.places(search.pool[start : start + min(count, SEEDS)])
+        search = RuledSearch(*self.bodies, self.tables, [window], 1.0, BOXES, self.side)
+        search.width, search.way = self.width, 1 if any(window is known for known in self.windows) else -1
+        for stage in range(STAGES):
+            if search.searched(False, window, t, end, BOXES) == FREE:
+                return end, []
+            count, start = int(search.result[2]), int(search.result[3])
+            t, left = max(t, float(search.result[0])), search.pool[start : start + min(count, SEEDS)].copy()
+            ahead = search.in_balls(window, t, stage)
+            if ahead is None:
+                return t, self.places(left)
+            t, known = ahead
+            if t >= end:
+                return end, []
+            if known is not None:
+                return t, [self._seed(event) for event, _ in known.events[:SEEDS]] or self.places(left)
+        return t, []
 
     def near_start(self, window: Window) -> list[np.ndarray]:
         return []
+
+    def _seed(self, event: Event) -> np.ndarray:
+        return np.array([self.numbers[id(event.own.sheet)], *(to_double(c) for c in event.place)])
 
     def places(self, boxes: np.ndarray) -> list[np.ndarray]:
         """The points at the middles of boxes."""

@@ -130,7 +130,10 @@ def contact_intervals(
         reason = "budget"
     except UnsupportedPair as refusal:
         if not exact and _is_with_convex(a, b):
-            return _intervals_with_solid(a, b, first, last, tolerance, work, begin, shared)
+            try:
+                return _intervals_with_solid(a, b, first, last, tolerance, work, begin, shared)
+            except UnsupportedPair:
+                raise refusal from None
         if not (quick and isinstance(refusal, TooLarge)):
             raise
         found = certified.contact_intervals(a, b, first, last, budget, shared)
@@ -422,7 +425,7 @@ def _contact(
     status = Status.INITIAL_CONTACT if initial else Status.CONTACT
     answer = FirstContact(status, time, interval, known, free_until=interval[0], **shared)
     if initial:
-        answer = replace(answer, initial=_initial(start, pairs, interior))
+        answer = replace(answer, initial="touching" if interior is None else _overlap(start, interior))
     if not touches:
         return answer
     (lowest, best), *rest = (touches[key] for key in sorted(touches))
@@ -442,10 +445,8 @@ def _contact(
     )  # fmt: skip
 
 
-def _initial(start: _End, pairs: list[tuple[_Pair, bool]], interior: Interior | None) -> str | None:
-    """How the bodies meet at the start; None where a solid may hold inner points that were not found."""
-    if interior is None:
-        return "overlapping" if any(after for _, after in pairs) else "touching"
+def _overlap(start: _End, interior: Interior) -> str | None:
+    """How a surface meets a solid at the start; None where the solid may hold inner points that were not found."""
     if start.root.rational is not None and interior.shares_inner_points(start.motion, start.root.rational):
         return "overlapping"
     return None
@@ -462,6 +463,8 @@ def _named(body: Any, element: tuple[str, int], number: int, which: str) -> Elem
     if isinstance(shape, Polyhedron):
         kind, index = element_of(shape, number, kind, index)
         return Element(kind, name, index, name)
+    if kind == "edge":  # inequalities count on from piece to piece
+        return Element(kind, name, index + sum(len(piece.trim) for piece in shape.pieces[:number]), name)
     return Element(kind, name, index + number * _PER_PIECE[kind], name)
 
 

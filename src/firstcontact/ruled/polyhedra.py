@@ -6,6 +6,8 @@ nothing of it, which one of its points tells.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -21,6 +23,8 @@ from firstcontact.exact.rigid import apply, inverse_map
 from firstcontact.exact.vectors import Vector
 from firstcontact.motion import projective
 from firstcontact.motion.polynomial import PolynomialPiece
+from firstcontact.ruled.conditions import local_trims
+from firstcontact.ruled.trimmed import inner_places
 from firstcontact.search.containment import contains
 from firstcontact.search.frame import tree_of
 
@@ -124,20 +128,20 @@ class Interior:
 
     def holds(self, motion: PolynomialPiece, x: fmpq) -> bool:
         """At this parameter of the motion, at which the surfaces share no point."""
-        return any(self._contains(self._point(piece, fmpq(0), fmpq(0), x), motion, x) for piece in self.ruled.pieces)
+        return any(
+            self._contains(self._point(piece, *place, x), motion, x) for piece in self.ruled.pieces
+            for place in inner_places(piece)
+        )  # fmt: skip
 
     def shares_inner_points(self, motion: PolynomialPiece, x: fmpq) -> bool:
         """True proves that a point of the ruled body lies in the interior, at a parameter of contact."""
-        grid = [fmpq(k, 7) for k in range(8)]
         return any(
-            self._contains(self._point(piece, r, s, x), motion, x) for piece in self.ruled.pieces for r in grid
-            for s in grid
+            self._contains(self._point(piece, *place, x), motion, x) for piece in self.ruled.pieces
+            for place in _grid(piece)
         )  # fmt: skip
 
-    def _point(self, piece: RuledSurface, r: fmpq, s: fmpq, x: fmpq) -> Vector:
-        """In the body's frame; r: the place within the range of u."""
-        lo, hi = (fmpq(-1), fmpq(1)) if piece.u is None else (rational(end, "u") for end in piece.u)
-        u = lo + (hi - lo) * r
+    def _point(self, piece: RuledSurface, u: fmpq, s: fmpq, x: fmpq) -> Vector:
+        """In the body's frame; s counts from 0 to 1."""
         first, second = ([c(u) for c in side.at(x).components] for side in piece.sides)
         return tuple(p / first[3] * (1 - s) + q / second[3] * s for p, q in zip(first[:3], second[:3], strict=True))
 
@@ -146,3 +150,13 @@ class Interior:
         pose = tuple(tuple(c / rows[3][3] for c in row) for row in rows[:3])
         there = apply(inverse_map(pose) if self.mesh_first else pose, point)  # type: ignore[arg-type]
         return contains(self.mesh, tree_of(self.mesh), there)
+
+
+def _grid(piece: RuledSurface) -> Iterator[tuple[fmpq, fmpq]]:
+    """Places of the piece."""
+    lo, hi = (fmpq(-1), fmpq(1)) if piece.u is None else (rational(end, "u") for end in piece.u)
+    trims = local_trims(piece)
+    for r, s in product([fmpq(k, 7) for k in range(8)], repeat=2):
+        u = lo + (hi - lo) * r
+        if all(sum((int(c) * u**i * s**j for (i, j), c in g.items()), fmpq(0)) >= 0 for g in trims):
+            yield u, s

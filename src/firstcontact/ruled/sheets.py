@@ -53,6 +53,7 @@ class Sheet:
     exchanged   u and v have changed places in all polynomials here
     first, second   ranges of the parameter that stays (here always u) and of the one that goes (v)
     most_degree     of equations that elimination may lead to
+    may_be_thin     whether trimming inequalities may hold on curves alone
     """
 
     f: fmpz_mpoly | None
@@ -62,6 +63,7 @@ class Sheet:
     first: Range
     second: Range
     most_degree: int = MOST_DEGREE
+    may_be_thin: bool = False
 
     @cached_property
     def borders(self) -> list[fmpz_mpoly]:
@@ -75,6 +77,8 @@ class Sheet:
         Where a border is a simple factor of one condition alone, f = 0 folds there, or one end of a segment or of a
         range passes, and contact lies on one side of it.
         """
+        if self.may_be_thin:
+            return True
         return any(self._border_factors.count(b) + self._is_end(b) > 1 for b in self.borders)
 
     def _is_end(self, b: fmpz_mpoly) -> bool:
@@ -122,7 +126,7 @@ class Sheet:
         """The same with the parameters in the other order."""
         f = None if self.f is None else exchanged(self.f)
         clips = tuple(exchanged(x) for x in self.clips)
-        return Sheet(f, clips, None, not self.exchanged, self.second, self.first, self.most_degree)
+        return Sheet(f, clips, None, not self.exchanged, self.second, self.first, self.most_degree, self.may_be_thin)
 
     @cached_property
     def _own_times(self) -> list[fmpz_poly]:
@@ -160,7 +164,7 @@ def sheets(c: Conditions, most_degree: int = MOST_DEGREE) -> list[Sheet]:
             if not x.is_zero():
                 everything.add(x)
         own = _real(everything, c)
-        sheet = Sheet(None, tuple(own), None, False, c.u, c.v, most_degree)
+        sheet = Sheet(None, tuple(own), None, False, c.u, c.v, most_degree, c.may_be_thin)
         return [min((sheet, sheet.turned()), key=lambda s: sum(int(b.total_degree()) for b in s.borders))]
     all_sheets = []
     for f in _real(irreducible(c.delta), c):
@@ -168,10 +172,10 @@ def sheets(c: Conditions, most_degree: int = MOST_DEGREE) -> list[Sheet]:
             continue  # an instant
         clips, pairs = _clips(c, f)
         if degree(f, 1):
-            all_sheets.append(Sheet(f, tuple(clips), pairs, False, c.u, c.v, most_degree))
+            all_sheets.append(Sheet(f, tuple(clips), pairs, False, c.u, c.v, most_degree, c.may_be_thin))
         else:
             turned = tuple(exchanged(x) for x in clips)
-            all_sheets.append(Sheet(exchanged(f), turned, None, True, c.v, c.u, most_degree))
+            all_sheets.append(Sheet(exchanged(f), turned, None, True, c.v, c.u, most_degree, c.may_be_thin))
     return all_sheets
 
 
@@ -214,7 +218,10 @@ def _clips(c: Conditions, f: fmpz_mpoly) -> tuple[list[fmpz_mpoly], Pairs | None
     for some in pair_factors:
         for g in some:
             found.add(g)
-    return [g for g in _real(found, c) if g != f], tuple(c.ends(k))
+    for g, _ in c.cuts(k):
+        if not g.is_zero():
+            found.add(g)
+    return [g for g in _real(found, c) if g != f], (*c.ends(k), *c.cuts(k))
 
 
 def _share_borders(f: fmpz_mpoly, brackets: list[list[fmpz_mpoly]], c: Conditions) -> bool:

@@ -176,7 +176,7 @@ class _Found(Parts):
         def pair() -> Any:
             u = self.piece.user_parameter(where.u)
             known = math.inf if u is None else number(u)
-            return (known, math.nan) if self.first else (math.nan, known)
+            return (known, None) if self.first else (None, known)
 
         return ExactParameters(pair)
 

@@ -21,9 +21,11 @@ from firstcontact.composite.certified_intervals import Found, Sweep
 from firstcontact.composite.polyhedra import as_model
 from firstcontact.composite.work import Work
 from firstcontact.errors import UnsupportedPair
-from firstcontact.exact.numbers import to_double
+from firstcontact.exact.numbers import exact_value, to_double
 from firstcontact.result import ContactSet, Element, FirstContact, Stats, Status
 from firstcontact.ruled.lasting import RuledFree, RuledLasting
+from firstcontact.ruled.whole_rulings import cut_to
+from firstcontact.search.advance import Advance
 from firstcontact.search.charts import NotCharted
 from firstcontact.search.event_tables import Tables
 from firstcontact.search.events import MOST_BOXES
@@ -44,8 +46,10 @@ class RuledAndSolid:
         shapes = [shape_of(x) for x in (a, b)]
         self.side = 0 if hasattr(shapes[0], "pieces") else 1
         solid: Any = _as_model((a, b)[1 - self.side])
-        solid = bounded(solid, (a, b)[self.side], self.span)
-        self.bodies: tuple[Any, Any] = (a, solid) if self.side == 0 else (solid, b)
+        ruled = cut_to((a, b)[self.side], solid, self.span)
+        solid = bounded(solid, ruled, self.span)
+        self.bodies: tuple[Any, Any] = (ruled, solid) if self.side == 0 else (solid, ruled)
+        shapes[self.side] = shape_of(ruled)
         self.model: CompositeQuadric = shape_of(solid)
         try:
             self.sheets: list[Sheet] = sheets_of(shapes[self.side])
@@ -55,7 +59,7 @@ class RuledAndSolid:
             raise UnsupportedPair(f"{a!r} and {b!r}: {reason}; that is not decided against solids") from reason
 
     def free(self, width: float) -> RuledFree:
-        return RuledFree(self.bodies, self.tables, self.sheets, width)
+        return RuledFree(self.bodies, self.side, self.tables, self.sheets, self.windows, width)
 
     def lasting(self) -> RuledLasting:
         return RuledLasting(self.sheets, self.model, self.side)
@@ -79,6 +83,8 @@ def first_contact(
     )
     contact = search.contact(first, last)
     found = contact.found
+    if found.status == "open" and found.free_until <= pair.windows[0].first and found.reason == "precision":
+        found = _common_at_start(pair) or found
     shared = {"a": a, "b": b, "span": pair.span}
     shared["stats"] = Stats(found.steps, found.gaps, seconds=clock.perf_counter() - begin)
     start = pair.span[0]
@@ -99,6 +105,16 @@ def first_contact(
         )
     until = max(found.free_until, start)
     return FirstContact(Status.UNDECIDED, free_until=until, reason=found.reason or "precision", **shared)
+
+
+def _common_at_start(pair: RuledAndSolid) -> Advance | None:
+    """A point proved common at the start, where samples do not show one."""
+    window, lasting = pair.windows[0], pair.lasting()
+    start = window.first
+    if exact_value(start) != pair.first:
+        return None
+    point = lasting.anywhere(window, start)
+    return None if point is None else Advance("initial", start, point=lasting.in_world(window, start, point))
 
 
 def _initial(pair: RuledAndSolid, search: RuledSearch) -> str | None:

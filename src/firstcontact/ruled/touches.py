@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import reduce
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from firstcontact.body.rational_curve import RationalCurve, lifted, terms
 from firstcontact.exact.number_field import FieldElement, is_zero, sign
 from firstcontact.exact.numbers import precision
 from firstcontact.exact.trivariate import RING
+from firstcontact.ruled.conditions import Trims
 from firstcontact.ruled.shared_points import Contact
 
 BITS = 96
@@ -25,7 +27,8 @@ class Touch:
     """A shared point.
 
     point       (3,) in the frame of q
-    elements    (kind, number) on either piece: face 0, directrix j, end_ruling i, vertex 2 i + j
+    elements    (kind, number) on either piece: face 0, directrix j, end_ruling i, vertex 2 i + j, edge k on the border
+                of the trimming inequality k
     parameters  u, s, v, t in doubles; s or t None on rulings without end
     normal      (3,) unit, orthogonal to both elements, against the way in which p comes nearer to q; None where they
                 span no plane, or p slides along it
@@ -85,11 +88,34 @@ def touch(contact: Contact, joined: tuple[frozenset[str], frozenset[str]]) -> To
         across = None if ends is None else _side([value - end for end in ends], ("u0", "u1"), borders)
         along = None if place is None else _side([place, place - 1], ("s0", "s1"), borders)
         elements.append(_element(across, along))
+    cuts = [_cut(*some) for some in zip(c.trims, (contact.u, contact.v), places, strict=True)]
+    elements = [("edge", cut[0]) if cut and e == ("face", 0) else e for cut, e in zip(cuts, elements, strict=True)]
     shown = np.array([[_double(x) for x in y] for y in points])
     u, v = (_parameter(x, i) for x, i in zip((contact.u, contact.v), contact.inverse, strict=True))
     r_d, w_d = (None if x is None else _double(x) for x in places)
     kinds = elements[0], elements[1]
-    return Touch(shown[0], kinds, (u, r_d, v, w_d), _normal(contact, kinds, (p, q), places), shown)
+    return Touch(shown[0], kinds, (u, r_d, v, w_d), _normal(contact, kinds, (p, q), places, cuts), shown)
+
+
+Cut = tuple[int, tuple[float, float]]
+"""A trimming inequality that is just met, and the derivatives of its polynomial by u and by the place on the ruling."""
+
+
+def _cut(trims: Trims, x: FieldElement, place: FieldElement | None) -> Cut | None:
+    """The first one."""
+    for k, g in enumerate(trims):
+        if place is None and any(j for _, j in g):
+            continue
+        s = x - x if place is None else place
+        if is_zero(sum((_power(x, i) * _power(s, j) * int(c) for (i, j), c in g.items()), x - x)):
+            u, r = _double(x), _double(s)
+            by_u = sum(float(c) * i * u ** max(i - 1, 0) * r**j for (i, j), c in g.items())
+            return k, (by_u, sum(float(c) * j * u**i * r ** max(j - 1, 0) for (i, j), c in g.items()))
+    return None
+
+
+def _power(x: FieldElement, n: int) -> FieldElement:
+    return reduce(lambda y, _: y * x, range(n), x - x + 1)
 
 
 def _common_points(p: _Ruling, q: _Ruling) -> list[Vector]:
@@ -122,14 +148,15 @@ def _element(across: Side, along: Side) -> tuple[str, int]:
 
 
 def _normal(
-    contact: Contact, kinds: tuple[tuple[str, int], tuple[str, int]], rulings: tuple[_Ruling, _Ruling], places: Any
+    contact: Contact, kinds: tuple[tuple[str, int], tuple[str, int]], rulings: tuple[_Ruling, _Ruling], places: Any,
+    cuts: Sequence[Cut | None],
 ) -> np.ndarray | None:
     """Of the plane that all tangents of both elements span, in doubles, and where p comes from."""
     c = contact.conditions
     tangents = []
     speeds = []
-    for kind, curves, own, place, x in zip(
-        (k for k, _ in kinds), c.sides, rulings, places, (contact.u, contact.v), strict=True
+    for kind, curves, own, place, x, cut in zip(
+        (k for k, _ in kinds), c.sides, rulings, places, (contact.u, contact.v), cuts, strict=True
     ):
         way = np.array([_double(w) for w in own.way])
         if kind in ("face", "end_ruling"):
@@ -140,6 +167,10 @@ def _normal(
         speeds.append(speed)
         if kind in ("face", "directrix"):
             tangents.append(tangent)
+        if kind == "edge" and cut is not None:
+            tangents.append(tangent * cut[1][1] - way * cut[1][0])
+        elif cut is not None:  # a corner: of no border and a trimmed one
+            return None
     rows = np.array([t / np.linalg.norm(t) for t in tangents if np.all(np.isfinite(t)) and np.linalg.norm(t) > 0])
     if len(rows) < 2:
         return None

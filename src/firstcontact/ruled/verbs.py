@@ -15,11 +15,12 @@ from firstcontact.result import Stats
 from firstcontact.ruled.certified_curve import certified_curve, is_supported
 from firstcontact.ruled.intersection import intersection
 from firstcontact.ruled.pieces import Piece
+from firstcontact.ruled.settled import BEARABLE
 from firstcontact.ruled.spots import Box
 
 METHODS = ("auto", "algebraic", "certified")
-# Largest product of the degrees of Delta that "auto" decides exactly: at once (some 40 ms), and where places stay open.
-SMALL, BEARABLE = 20, 64
+# Largest product of the degrees of Delta that "auto" decides exactly at once (some 40 ms).
+SMALL = 20
 
 
 def intersection_curve(p: Any, q: Any, tolerance: float, method: str, box: Any) -> IntersectionCurve:
@@ -36,6 +37,17 @@ def intersection_curve(p: Any, q: Any, tolerance: float, method: str, box: Any) 
     return IntersectionCurve(**fields, stats=replace(stats, seconds=clock.perf_counter() - begin), a=p, b=q)
 
 
+def takes_kernels(p: Any, q: Any, method: str, box: Any) -> bool:
+    """Whether these bodies' curve is looked for in doubles, by compiled code."""
+    if not all(isinstance(x, RuledSurface | RuledStrip) for x in (p, q)) or method == "algebraic" or box is not None:
+        return False
+    if method == "certified" or any(len(x.pieces) > 1 for x in (p, q)):
+        return True
+    first, second = p.pieces[0], q.pieces[0]
+    sizes = [Piece.of(x).rulings.degree for x in (first, second)]
+    return sizes[0] * sizes[1] > SMALL and is_supported(first) and is_supported(second)
+
+
 def _fields(p: Any, q: Any, tolerance: float, method: str, box: Box | None) -> dict[str, Any]:
     """Those of IntersectionCurve, by the path that the method names."""
     strips = [x for x in (p, q) if isinstance(x, RuledStrip) and len(x.pieces) > 1]
@@ -43,16 +55,14 @@ def _fields(p: Any, q: Any, tolerance: float, method: str, box: Box | None) -> d
         raise UnsupportedPair(f"{strips[0]!r} has several pieces; give two of its pieces at a time, or another method")
     if box is not None and (method == "certified" or strips):
         raise UnsupportedPair('a box cuts the curve on the exact path only; leave it out, or give single pieces')
-    if method == "certified" or strips:
-        return certified_curve(p, q, tolerance)
-    first, second = p.pieces[0], q.pieces[0]
-    a, b = Piece.of(first), Piece.of(second)
-    size = a.rulings.degree * b.rulings.degree
-    if method == "auto" and box is None and size > SMALL and is_supported(first) and is_supported(second):
-        fields = certified_curve(first, second, tolerance)
-        if not fields["open_places"] or size > BEARABLE:
+    if takes_kernels(p, q, method, box):
+        fields = certified_curve(p, q, tolerance, settles=bool(strips) and method == "auto")
+        if method == "certified" or strips or not fields["open_places"]:
             return fields
-    return intersection(a, b, tolerance, box)
+        sizes = [Piece.of(x.pieces[0]).rulings.degree for x in (p, q)]
+        if sizes[0] * sizes[1] > BEARABLE:
+            return fields
+    return intersection(Piece.of(p.pieces[0]), Piece.of(q.pieces[0]), tolerance, box)
 
 
 def _check(surface: Any) -> None:

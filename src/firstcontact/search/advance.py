@@ -172,7 +172,8 @@ class _Search:
             elif stuck is None or self.results[FREE_UNTIL] < stuck.free_until:
                 stuck = self._open(REASONS.get(outcome, "precision"))
         if stuck is None and best is not None:
-            return replace(best, also=_besides(best, contacts))
+            best.also = _besides(best, contacts)
+            return best
         if stuck is None or (best is not None and best.time_interval and best.time_interval[0] <= stuck.free_until):
             return best
         return stuck

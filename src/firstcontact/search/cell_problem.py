@@ -7,9 +7,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from firstcontact.search.cell_walk import CROWDED, Cells, cell_walk
+from firstcontact.search.cell_walk import Cells, cell_walk
 from firstcontact.search.lifted_problem import parting
-from firstcontact.search.state import BEST, DONE, FIRST, WalkState
+from firstcontact.search.state import BEST, CROWDED, DONE, FIRST, WalkState
 from firstcontact.search.translation_problem import TranslationProblem
 from firstcontact.search.tree import FACET, Tree
 

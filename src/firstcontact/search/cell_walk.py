@@ -22,6 +22,7 @@ from firstcontact.search.state import (
     BEST,
     CANDIDATES,
     CROSSING_FOUND,
+    CROWDED,
     DECIDE,
     DONE,
     FULL,
@@ -45,9 +46,6 @@ MOST_SPREAD = 8.0
 DEEPEST = 160
 # Time is halved where a moves farther during it than this share of the cell's longest side.
 FAR = 0.5
-
-# Why the kernel came back besides those of `state`: the lists need more room.
-CROWDED = -1
 
 # Slots of a frame: box (6), time from, to, spread; and of its integers: lists of a and b (first, last each), the end of
 # the room they lie in, depth, pairs already tested.

@@ -179,6 +179,8 @@ class _Builder:
         squares = (np.maximum(hi - middle, middle - lo) / size) ** 2
         self.forms[-1] = np.ravel(np.diag([*squares.min() / squares, -3.1 * squares.min()]))
         self.program = np.array(compiled(And(Leaf(len(body.surfaces)), body.tree)), np.int64)
+        self.table = resting(self.forms, self.kinds)
+        self.scratch = np.zeros((ROWS, WIDTH)), np.zeros(STACK, np.int64)
 
     def _scaled(self, surface: Plane | Quadric) -> Plane | Quadric:
         if isinstance(surface, Plane):
@@ -223,7 +225,7 @@ class _Builder:
             direction, point = transposed(basis)
             longest = max(abs(x) for x in direction)
             d, p = [x / longest for x in direction], [x / point[3] for x in point]
-            reach = _clipped([to_double(x) for x in p], [to_double(x) for x in d])
+            reach = self._between_ends(edge, p, d) or _clipped([to_double(x) for x in p], [to_double(x) for x in d])
             table = _table([p, d])
             yield from self._trimmed(edge, 1, table, np.array([[*reach, 0.0, 0.0]]))
             return
@@ -261,8 +263,8 @@ class _Builder:
         if isinstance(surface, Plane):
             first, second, foot = transposed(surface.basis)
             units = [[arb(x) / arb(sum(c * c for c in d)).sqrt() for x in d] for d in (first, second)]
-            box = np.array([[0.0, 2.0, 0.0, 2.0]])
-            yield from self._trimmed(face, 2, _table([list(foot), *units]), box)
+            box = self._around_corners(face, foot, units) or (0.0, 2.0, 0.0, 2.0)
+            yield from self._trimmed(face, 2, _table([list(foot), *units]), np.array([box]))
             return
         more, fewer, null = _signed(surface.form)
         whole = np.array([[0.0, 1.0, 0.0, 1.0]])
@@ -305,6 +307,36 @@ class _Builder:
 
     # -- boxes -----------------------------------------------------------------------------------------------
 
+    def _corners(self, feature: Face | Edge) -> list[list[fmpq]]:
+        """The corners of a feature of triangles, in the units of the body; none of one that is not known by corners."""
+        known = getattr(self.body, "hulls", {}).get(feature, ())
+        c, h = [exact_value(x) for x in self.units[:3]], exact_value(self.units[3])
+        return [[(x - m) / h for x, m in zip(point, c, strict=True)] for point in known]
+
+    def _between_ends(self, edge: Edge, p: list[fmpq], d: list[fmpq]) -> tuple[float, float] | None:
+        """Middle and half-width of the s for which p + s d is on the edge."""
+        corners = self._corners(edge)
+        if not corners:
+            return None
+        k = next(k for k in range(3) if abs(d[k]) == 1)
+        return _middle_half([to_double((x[k] - p[k]) / d[k]) for x in corners])
+
+    def _around_corners(
+        self, face: Face | Edge, foot: Sequence[fmpq], units: list[list[arb]]
+    ) -> tuple[float, float, float, float] | None:
+        """Middles and half-widths of the u and v for which (foot + u first + v second) is on the face."""
+        first, second = (np.array([float(x.mid()) for x in unit[:3]]) for unit in units)
+        skew = float(first @ second)
+        if abs(skew) > 0.99:
+            return None
+        u, v = [], []
+        for x in self._corners(face):
+            y = np.array([to_double(x[k] * foot[3] - foot[k]) for k in range(3)])
+            along, across = float(y @ first), float(y @ second)
+            u.append((along - skew * across) / (1.0 - skew * skew))
+            v.append((across - skew * along) / (1.0 - skew * skew))
+        return (*_middle_half(u), *_middle_half(v)) if u else None
+
     def _trimmed(
         self, feature: Face | Edge, params: int, table: np.ndarray, boxes: np.ndarray, form: int = -1
     ) -> Iterator[Chart]:
@@ -330,10 +362,7 @@ class _Builder:
 
     def _fates(self, chart: np.ndarray, surfaces: tuple[int, ...], form: int, boxes: np.ndarray) -> np.ndarray:
         fates = np.zeros(len(boxes), np.int64)
-        trim(
-            chart, sum(1 << k for k in surfaces), form, self.program, resting(self.forms, self.kinds), boxes,
-            np.zeros((ROWS, WIDTH)), np.zeros(STACK, np.int64), fates,
-        )  # fmt: skip
+        trim(chart, sum(1 << k for k in surfaces), form, self.program, self.table, boxes, *self.scratch, fates)
         return fates
 
 
@@ -348,6 +377,12 @@ def _halves(boxes: np.ndarray) -> np.ndarray:
     high[rows, at] += half
     low[rows, at + 1] = high[rows, at + 1] = half * (1 + 1e-15) + 2.0**-51 * np.abs(boxes[rows, at])
     return np.concatenate([low, high])
+
+
+def _middle_half(numbers: list[float]) -> tuple[float, float]:
+    """Of the range of the numbers, with more room than their rounding errors."""
+    lo, hi = min(numbers), max(numbers)
+    return (lo + hi) / 2, (hi - lo) / 2 * (1 + 1e-9) + 1e-9 * (1 + max(abs(lo), abs(hi)))
 
 
 def _clipped(p: list[float], d: list[float]) -> tuple[float, float]:

@@ -21,7 +21,7 @@ import numpy as np
 
 from firstcontact.kernels.jit import kernel
 from firstcontact.kernels.principal import CENTRE, RANK, box_columns, fit_box, form_range
-from firstcontact.search.lifted_tree import select
+from firstcontact.search.lifted_elements import select
 from firstcontact.search.state import CANDIDATES, DONE, FULL, LEAF_ROOM, SLICE_SPENT, VISITS
 from firstcontact.search.walk import test_events
 

@@ -40,9 +40,9 @@ from firstcontact.search.composed import (
     empty_levels,
     room_for_tree,
 )
+from firstcontact.search.lifted_elements import Elements, edges_of
 from firstcontact.search.lifted_motion import ARC_STARTS, arc_tangent
 from firstcontact.search.lifted_problem import lifted_scratch, motion_of, walk_lifted
-from firstcontact.search.lifted_tree import Elements, edges_of
 from firstcontact.search.lifted_walk import EDGES
 from firstcontact.search.linearisation import (
     Bounded,

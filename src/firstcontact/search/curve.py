@@ -576,4 +576,4 @@ def pair_window(motion, kind, xa, xb, err_a, err_b, first, last):
     test_events(motion, 0, mask_a, xa, 0, mask_b, xb, side, err_a, err_b, floats, integers, times, candidates)
     if integers[CANDIDATES] == 0:
         return NONE, 0.0, 0.0
-    return (CERTAIN if candidates[0, 0] >= CERTAIN_KIND else UNSURE), times[0, 0], times[0, 1]
+    return (CERTAIN if candidates[0, 0] >= CERTAIN_KIND else UNSURE), max(first, times[0, 0]), times[0, 1]

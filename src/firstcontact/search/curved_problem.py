@@ -68,6 +68,18 @@ class CurvedProblem:
             state.floats, state.integers, state.keys, state.pairs, state.stack, state.times, state.candidates,
         )  # fmt: skip
 
+    def contact(self, element_a: Feature, element_b: Feature) -> Any:
+        """The earliest time of the window at which the two elements share a point."""
+        raise NotImplementedError
+
+    def contact_within(self, element_a: Feature, element_b: Feature, lo: float, hi: float) -> Any:
+        """The same, of two elements of which floats have proved that they meet in [lo, hi]."""
+        return self.contact(element_a, element_b)
+
+    def meets_by(self, element_a: Feature, element_b: Feature, after: float) -> float | None:
+        """A time soon after that one by which the bodies certainly share a point; None where none is known."""
+        return None
+
     # -- all windows ----------------------------------------------------------------------------------------
 
     def collect(self, limit: int, integers: Any, stack: Any, cover: Any, times: Any, parts: Any) -> int:

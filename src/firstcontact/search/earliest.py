@@ -6,9 +6,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
-from firstcontact.exact.numbers import PRECISIONS, Undecidable, precision
+from flint import arb
+
+from firstcontact.exact.instants import RationalInstant
+from firstcontact.exact.numbers import PRECISIONS, Undecidable, exact_value, precision
 from firstcontact.search.elements import KINDS, Feature, feature
 from firstcontact.search.engines import ByEngine
+from firstcontact.search.planar import BeginsNothing
 from firstcontact.search.state import (
     ALL,
     BEST,
@@ -31,6 +35,9 @@ from firstcontact.search.state import (
     return_state,
 )
 
+# A contact in doubt need not be decided where the bodies certainly meet within this share of the window after it.
+SOON = 2.0**-40
+
 Progress = Callable[[float, int], None]
 
 # A pair of elements in contact: kind (see `state`), element of a, element of b.
@@ -48,7 +55,9 @@ class Problem(Protocol):
     def window(self) -> tuple[float, float]: ...
     def advance(self, state: WalkState, limit: int, with_start: bool, all_sides: bool) -> int: ...
     def contact(self, element_a: Feature, element_b: Feature) -> Any: ...
+    def contact_within(self, element_a: Feature, element_b: Feature, lo: float, hi: float) -> Any: ...
     def possible(self, element_a: Feature, element_b: Feature) -> float: ...
+    def meets_by(self, element_a: Feature, element_b: Feature, after: float) -> float | None: ...
     def start_relation(self, element_a: Feature, element_b: Feature) -> int: ...
 
 
@@ -114,7 +123,7 @@ def all_pairs(problem: Problem, with_start: bool = True) -> Found:
         search.stop_at_start = False
         search.walk(with_start, all_sides=True)
         met = [pair for pair, instant in search.decided.items() if instant is not None]
-        found.pairs = sorted({*met, *(search._pair(row) for _, row in search.waiting)})
+        found.pairs = sorted({*met, *(search._pair(row) for _, _, row in search.waiting)})
         if search.doubtful:
             found.open = "precision"
     finally:
@@ -150,13 +159,15 @@ class _Search:
     ) -> None:
         self.problem, self.state, self.found = problem, state, found
         self.budget, self.progress = budget, progress
-        self.waiting: list[tuple[float, list[int]]] = []  # candidates the floats are sure of: bound, row
+        self.waiting: list[tuple[float, float, list[int]]] = []  # candidates the floats are sure of: lo, hi, row
         self.decided: dict[Pair, Any] = {}  # exact times
         self.doubtful: dict[Pair, float] = {}  # pairs no precision decides, with their lower bounds
         self.stop_at_start = True
         self.best: Any = None
         """The earliest exact time so far, and the pairs that realise it."""
         self.tied: list[Pair] = []
+        self.met_by = float("inf")
+        """A time by which the bodies certainly meet, if not in which elements."""
 
     def run(self, with_start: bool) -> None:
         last, sure_last = self.problem.window()
@@ -201,7 +212,7 @@ class _Search:
 
     def _proved_free(self) -> float:
         """No contact before this: neither among the nodes that wait nor among the pairs that may or do meet."""
-        bounds = [float(self.state.floats[KEY]), *(lo for lo, _ in self.waiting), *self.doubtful.values()]
+        bounds = [float(self.state.floats[KEY]), *(lo for lo, _, _ in self.waiting), *self.doubtful.values()]
         return min(bounds if self.best is None else [*bounds, self.best.bounds()[0]])
 
     def _collect(self) -> None:
@@ -216,14 +227,14 @@ class _Search:
         integers[UNSURE_COUNT] = 0
         best = float(self.state.floats[BEST])
         unsure = []
-        for (lo, _), row in zip(times, rows, strict=True):
+        for (lo, hi), row in zip(times, rows, strict=True):
             if lo > best:
                 continue
             if row[0] >= CERTAIN_KIND:
                 if row[0] >= CERTAIN_KIND + EDGE_FACE:
                     self._decide_start(self._pair(row), certain=True)
                 else:
-                    self.waiting.append((lo, row))
+                    self.waiting.append((lo, hi, row))
             elif row[0] >= EDGE_FACE:
                 self._decide_start(self._pair(row), certain=False)
             elif (pair := self._pair(row)) not in self.decided:
@@ -254,14 +265,13 @@ class _Search:
         elif relation:
             self.found.start.append((pair, relation == 2))
 
-    def _decide(self, pair: Pair, lo: float) -> None:
-        """The exact time of the pair; a contact shortens the walk."""
+    def _decide(self, pair: Pair, lo: float, sure_until: float | None = None) -> None:
+        """The exact time of the pair; a contact shortens the walk.  sure_until: it is certainly in [lo, sure_until]."""
         if pair in self.decided:
             return
         self.found.exact += 1
-        answer = self._exactly(lambda: self._contact_and_bound(pair))
+        answer = self._contact_and_bound(pair, lo, sure_until)
         if answer is None:
-            self.doubtful[pair] = max(lo, self.problem.possible(pair[1], pair[2]))
             return
         instant, hi = answer
         self.decided[pair] = instant
@@ -275,10 +285,47 @@ class _Search:
             elif order == 0:
                 self.tied.append(pair)
 
-    def _contact_and_bound(self, pair: Pair) -> tuple[Any, float]:
-        """The exact time of the pair and a double not before it."""
-        instant = self.problem.contact(pair[1], pair[2])
-        return instant, 0.0 if instant is None else instant.bounds()[1]
+    def _contact_and_bound(self, pair: Pair, lo: float, sure_until: float | None) -> tuple[Any, float] | None:
+        """The exact time of the pair and a double not before it; None where it is left in doubt.
+
+        That is so when no precision decides it, and when the bodies certainly meet so soon after that it need not be.
+        """
+        _, x, y = pair
+        problem = self.problem
+        for bits in PRECISIONS:
+            with precision(bits):
+                try:
+                    instant = (
+                        problem.contact(x, y) if sure_until is None else problem.contact_within(x, y, lo, sure_until)
+                    )
+                    return instant, 0.0 if instant is None else instant.bounds()[1]
+                except BeginsNothing:
+                    if self.state.floats[ALL] == 0.0:
+                        return None, 0.0
+                    possible = lo
+                    break
+                except Undecidable:
+                    possible = max(lo, problem.possible(x, y))
+            if bits > PRECISIONS[0] and self._is_met_soon(pair, possible):
+                break
+        self.doubtful[pair] = possible
+        return None
+
+    def _is_met_soon(self, pair: Pair, possible: float) -> bool:
+        """Whether the bodies certainly meet so soon after a possible contact of a pair that they are not told apart."""
+        floats = self.state.floats
+        if floats[ALL] != 0.0:
+            return False
+        if not self._is_soon(possible):
+            until = self.problem.meets_by(pair[1], pair[2], possible)
+            if until is None:
+                return False
+            self.met_by = min(self.met_by, until)
+            floats[BEST] = min(floats[BEST], until)
+        return self._is_soon(possible)
+
+    def _is_soon(self, after: float) -> bool:
+        return after <= self.met_by <= after + SOON * self.problem.window()[0]
 
     def _exactly(self, question: Callable[[], Any]) -> Any:
         """The answer of the exact face, at rising precision where it is in balls; None when none decides."""
@@ -304,10 +351,10 @@ class _Search:
 
     def _settle_waiting(self) -> None:
         """Exact times of the certain pairs, until the next lower bound lies behind the best."""
-        for lo, row in sorted(self.waiting):
+        for lo, hi, row in sorted(self.waiting):
             if lo > self.state.floats[BEST]:
                 break
-            self._decide(self._pair(row), lo)
+            self._decide(self._pair(row), lo, hi)
         self.waiting.clear()
 
     def _conclude(self) -> None:
@@ -316,8 +363,16 @@ class _Search:
         open_until = min(self.doubtful.values(), default=float("inf"))
         # a contact certain to be no later than any doubtful one is the first, whatever becomes of those
         if self.doubtful and open_until <= horizon and not (self.best and self.best.bounds()[0] <= open_until):
-            found.open = "precision"
             found.free_until = open_until
+            if self.best is not None:
+                self.met_by = min(self.met_by, self.best.bounds()[1])
+            if not self._is_soon(open_until):
+                found.open = "precision"
+                return
+            lo, hi = (arb(exact_value(t)) for t in (open_until, self.met_by))
+            found.instant = RationalInstant(lo.union(hi))
+            near = [pair for pair, possible in self.doubtful.items() if possible <= self.met_by]
+            found.pairs = sorted({*near, *self.tied})
             return
         found.free_until = horizon
         if self.best is None:

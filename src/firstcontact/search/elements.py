@@ -6,6 +6,7 @@ from typing import Any
 
 from flint import fmpz
 
+from firstcontact.exact.numbers import Undecidable
 from firstcontact.exact.rigid import Matrix, apply
 from firstcontact.exact.vectors import Vector, scaled, whole, whole_doubles
 from firstcontact.pairs.line_line import segments_meet
@@ -36,7 +37,7 @@ def feature(tree: Tree, kind: int, part: int, local: int) -> Feature:
     return FACE, primitive
 
 
-def _vertices_of(body: Any, element: Feature) -> list[int]:
+def vertices_of(body: Any, element: Feature) -> list[int]:
     """Its corners: one of a vertex, two of an edge (both the same for a bare point), three of a triangle."""
     kind, index = element
     if kind == VERTEX:
@@ -50,7 +51,7 @@ def _vertices_of(body: Any, element: Feature) -> list[int]:
 
 def corners_of(body: Any, element: Feature) -> list[Any]:
     """The exact corners of the element."""
-    return [body.exact_vertex(i) for i in _vertices_of(body, element)]
+    return [body.exact_vertex(i) for i in vertices_of(body, element)]
 
 
 def whole_corners(
@@ -63,7 +64,7 @@ def whole_corners(
     if a._pose is not None or b._pose is not None:
         x, y = ([scaled(per, p) for p in corners_of(*which)] for which in ((a, element_a), (b, element_b)))
         return per, x, y, vector
-    first, second = _vertices_of(a, element_a), _vertices_of(b, element_b)
+    first, second = vertices_of(a, element_a), vertices_of(b, element_b)
     if a.error == 0.0 and b.error == 0.0:  # the coordinates are the doubles
         doubles = [a.vertices[i].tolist() for i in first] + [b.vertices[i].tolist() for i in second]
         scale, points = whole_doubles(doubles, per)
@@ -112,3 +113,15 @@ class Primitive:
             if facet.is_facet
             for side in edges.sides
         )
+
+
+def certainly_meet(x: Primitive, y: Primitive) -> bool:
+    """Whether a side of one certainly meets the other, a facet; False too where balls leave it open."""
+    for facet, edges in ((x, y), (y, x)):
+        for side in edges.sides if facet.is_facet else ():
+            try:
+                if relation(*side, *facet.corners) != APART:
+                    return True
+            except Undecidable:
+                continue  # another side may tell
+    return False

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
-from functools import cmp_to_key
+from functools import cached_property, cmp_to_key
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -11,16 +12,39 @@ from flint import arb, arb_series, ctx, fmpq
 
 from firstcontact.exact.conditions import Conditions
 from firstcontact.exact.instants import RationalInstant, enclose
-from firstcontact.exact.numbers import PRECISIONS, Undecidable, ball, ball_bounds, exact_value, precision, to_double
-from firstcontact.exact.rigid import Matrix
-from firstcontact.exact.vectors import sub
+from firstcontact.exact.numbers import (
+    PRECISIONS,
+    Undecidable,
+    above,
+    ball,
+    ball_bounds,
+    exact_value,
+    precision,
+    to_double,
+)
+from firstcontact.exact.rigid import Matrix, apply, compose, inverse_map
+from firstcontact.exact.vectors import cross, sub
 from firstcontact.kernels.verdict import CERTAIN, NONE
 from firstcontact.motion.curved import CurvedPiece, inverse, terms
 from firstcontact.pairs import moving
 from firstcontact.result import ExactTime
 from firstcontact.search import curve, curve_windows
+from firstcontact.search.containment import contains
 from firstcontact.search.curved_problem import Corners, CurvedProblem
-from firstcontact.search.elements import EDGE, FACE, KINDS, Feature, Primitive, corners_of
+from firstcontact.search.earliest import SOON
+from firstcontact.search.elements import (
+    EDGE,
+    FACE,
+    KINDS,
+    VERTEX,
+    Feature,
+    Primitive,
+    certainly_meet,
+    corners_of,
+    vertices_of,
+)
+from firstcontact.search.frame import tree_of
+from firstcontact.search.planar import BeginsNothing, generic_poses, has_walls, normal_of_motion
 from firstcontact.search.tree import FACET
 from firstcontact.search.windows import PART_ROOM
 
@@ -47,6 +71,29 @@ class EnclosedProblem(CurvedProblem):
         self._instants: dict[Hashable, list[tuple[RationalInstant, arb]]] = {}
         self._possible: dict[tuple[Feature, Feature], float] = {}
 
+    @cached_property
+    def _generic(self) -> tuple[Any, Any] | None:
+        """The generic pose of motions in the plane, and its inverse; None where this motion is in no plane."""
+        normal = normal_of_motion(self.piece)
+        return None if normal is None or not self.is_exact else generic_poses(normal)
+
+    @cached_property
+    def _have_walls(self) -> bool:
+        normal = normal_of_motion(self.piece)
+        return normal is not None and has_walls(self.a, normal) and has_walls(self.b, normal)
+
+    def _lasting(self, pair: Corners) -> list[list[bool]] | None:
+        """For every part of the conditions, which of `least` and `more` vanish at all times; None where none may.
+
+        Raises BeginsNothing for elements that slide in one another; Undecidable where contact may begin so.
+        """
+        if self._generic is None:
+            return None
+        parts = self.conditions(pair, *self._generic)
+        if all(not any(c.zero) for c in parts):
+            raise BeginsNothing if self._have_walls else Undecidable
+        return [[not p for p in (*c.least, *c.more)] for c in parts]
+
     def conditions(self, pair: Corners, pose: Any, back: Any) -> list[Conditions]:
         """When the two elements share a point, but for parallel edges; power series in the time."""
         x, y = pair
@@ -62,9 +109,12 @@ class EnclosedProblem(CurvedProblem):
 
         Floats say before when there is none; from there on balls decide.
         """
+        if element_a[0] == element_b[0] == EDGE and self._stay_parallel(element_a, element_b):
+            return None
         kind = next(k for k, pair in KINDS.items() if pair == (element_a[0], element_b[0]))
         xa, xb = (corners_as_doubles(body, e) for body, e in ((self.a, element_a), (self.b, element_b)))
         pair = corners_of(self.a, element_a), corners_of(self.b, element_b)
+        lasting = self._lasting(pair)
         first, last = 0.0, self.window()[0]
         near = _NEAR * last
         while True:
@@ -76,7 +126,7 @@ class EnclosedProblem(CurvedProblem):
             self._possible[element_a, element_b] = lo
             until = hi if verdict == CERTAIN and hi - lo < near else lo + near
             try:
-                found = self._contacts_in(pair, exact_value(lo), exact_value(until), first_only=True)
+                found = self._contacts_in(pair, exact_value(lo), exact_value(until), True, lasting)
             except Undecidable as unclear:
                 self._possible[element_a, element_b] = max(lo, *unclear.args)
                 raise
@@ -86,9 +136,26 @@ class EnclosedProblem(CurvedProblem):
                 return None
             first, near = until, 4.0 * near
 
-    def _contacts_in(self, pair: Corners, lo: fmpq, hi: fmpq, first_only: bool = False) -> list[tuple[arb, arb]]:
+    def _stay_parallel(self, edge_a: Feature, edge_b: Feature) -> bool:
+        """Whether the edges are parallel at all times, and a facet at one of them.
+
+        Then they share a point only where an end of one lies in the other: a corner of that facet on the other body, or
+        a corner of the other on the facet.
+        """
+        directions = []
+        for leg, body, edge in ((self.piece.leg_a, self.a, edge_a), (self.piece.leg_b, self.b, edge_b)):
+            direction = leg.fixed_direction(sub(*corners_of(body, edge)))
+            if direction is None:
+                return False
+            directions.append(direction)
+        return not any(cross(*directions)) and (_has_facet(self.a, edge_a) or _has_facet(self.b, edge_b))
+
+    def _contacts_in(
+        self, pair: Corners, lo: fmpq, hi: fmpq, first_only: bool = False, lasting: list[list[bool]] | None = None
+    ) -> list[tuple[arb, arb]]:
         """The contacts of two elements from lo to hi, or the first of them, each with a time in which it is alone.
 
+        lasting: as `_lasting` tells.
         Undecidable carries a double before which there certainly is none.
         """
         waiting, looks = [(lo, hi)], 0
@@ -97,7 +164,7 @@ class EnclosedProblem(CurvedProblem):
         while waiting and not (first_only and out):
             left, right = waiting.pop()
             looks += 1
-            found = self._look(pair, left, right)
+            found = self._look(pair, left, right, lasting)
             if found == OPEN:
                 if looks > _MOST_LOOKS or right - left < fmpq(1, 2 ** (ctx.prec // 2)) * self.length:
                     raise Undecidable(to_double(left))
@@ -107,7 +174,7 @@ class EnclosedProblem(CurvedProblem):
                 out.append(found)
         return out
 
-    def _look(self, pair: Corners, left: fmpq, right: fmpq) -> Any:
+    def _look(self, pair: Corners, left: fmpq, right: fmpq, lasting: list[list[bool]] | None) -> Any:
         """None: certainly no contact from left to right; OPEN: not clear; else the contact and a time it has alone."""
         parts = self._conditions_over(pair, left, right)
         open_parts = [k for k, c in enumerate(parts) if not _excluded(c, ball((right - left) / 2))]
@@ -120,7 +187,8 @@ class EnclosedProblem(CurvedProblem):
         root, alone = found
         with terms(1, ctx.prec):
             at = self.conditions(pair, *self._poses(root))[index]
-        values = [x[0] for x in (*at.least, *at.more)]
+        held = [False] * 9 if lasting is None else lasting[index]
+        values = [x[0] for x, always in zip((*at.least, *at.more), held, strict=False) if not always]
         if any(x < 0 for x in values):
             return None
         if not all(x > 0 for x in values):
@@ -186,6 +254,29 @@ class EnclosedProblem(CurvedProblem):
         if t > 0 and t < arb(self.length):
             return True
         raise Undecidable(ball_bounds(t)[0])
+
+    def meets_by(self, element_a: Feature, element_b: Feature, after: float) -> float | None:
+        """A time soon after that one at which the bodies certainly share a point at the two elements, or None.
+
+        That settles a first contact no precision names, such as an edge that lands on an edge: it is in between.
+        """
+        beside = [_beside(body, e) for body, e in ((self.a, element_a), (self.b, element_b))]
+        with precision(_BITS):
+            for share in (2.0**-12, 2.0**-6, 0.5):
+                t = min(exact_value(after) + exact_value(share * SOON) * self.length, self.length)
+                pose = self._pose_at(t + self.piece.start)
+                if (
+                    any(certainly_meet(x.moved(pose), y) for x, y in product(*beside))
+                    or _certainly_holds(self.b, self.a, element_a, pose)
+                    or _certainly_holds(self.a, self.b, element_b, inverse_map(pose))
+                ):
+                    return above(t)
+        return None
+
+    def _pose_at(self, t: fmpq) -> Matrix:
+        """The pose of a seen from b at that time of the clock: rational where both are, else in balls."""
+        pose_a, pose_b = (leg.place(t).matrix() for leg in (self.piece.leg_a, self.piece.leg_b))
+        return compose(inverse_map(pose_b), pose_a)
 
     def possible(self, element_a: Feature, element_b: Feature) -> float:
         """A time before which the two elements, which no precision could decide, certainly do not meet."""
@@ -263,6 +354,30 @@ class EnclosedProblem(CurvedProblem):
         """None: no exact form."""
         return None
 
+
+
+def _beside(body: Any, element: Feature) -> list[Primitive]:
+    """The triangles and bare edges that share a corner with the element."""
+    corners = vertices_of(body, element)
+    primitives = [t for t in body.triangles.tolist() if not set(corners).isdisjoint(t)]
+    if not primitives:
+        primitives = [s for s in body._segments.tolist() if not set(corners).isdisjoint(s)] or [corners]
+    return [Primitive.of([body.exact_vertex(i) for i in p]) for p in primitives]
+
+
+def _certainly_holds(solid: Any, body: Any, element: Feature, pose: Matrix) -> bool:
+    """Whether the element is a vertex of the body that certainly lies inside the solid."""
+    if not solid.solid or element[0] != VERTEX:
+        return False
+    try:
+        return contains(solid, tree_of(solid), apply(pose, body.exact_vertex(element[1])))
+    except Undecidable:
+        return False
+
+
+def _has_facet(body: Any, edge: Feature) -> bool:
+    """Whether the edge is a side of a triangle."""
+    return bool(np.any(np.isin(body.triangles, vertices_of(body, edge)).sum(axis=1) >= 2))
 
 
 def corners_as_doubles(body: Any, element: Feature) -> np.ndarray:

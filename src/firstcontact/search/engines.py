@@ -1,17 +1,26 @@
 """Which engine a search asks.
 
-Trees of boxes are best where bodies meet in few places; lifted trees where everything passes everything closely; cells
-of space and time where long parts cross in general position.
+Trees of boxes are best where bodies meet in few places; halving by lines and planes ("lifted") where everything passes
+everything closely.
 
-`auto` begins with boxes.  Once they have spent more pair tests than lifted trees are likely to need in all, it goes on
-with those, with what the boxes have proved so far: nothing meets before the present key, and the best time.  Cells, the
-plane sweep and the levels of `composed` are asked only by name, the latter also for lists of all pairs.
+`auto` begins with boxes, in the order of their times, and goes on by halving once they have spent their pair tests,
+with what they proved so far: nothing meets before the present key, and the best time.  How many they may spend depends
+on how the bodies look (`tests_of_boxes`):
+
+- The leaves of either tree are so large that a leaf meets many leaves of the other one wherever they lie: rods, combs,
+  wide plates, long prisms.  Boxes would test nearly all pairs, unless they are done almost at once.
+- One body is a set of points: there halving needs 10 to 20 tests a point, and boxes get TESTS_A_POINT.
+- Else, as on ordinary meshes, they may spend more than ordinary scenes ever do.
+
+Cells of space and time, the plane sweep and the levels of `composed` are asked only by name, the latter also for
+lists of all pairs.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
+from firstcontact.search.crowding import crowding
 from firstcontact.search.state import (
     ALL,
     CANDIDATES,
@@ -25,14 +34,31 @@ from firstcontact.search.state import (
     VISITS,
     WalkState,
 )
+from firstcontact.search.tree import POINT, Tree
 
-# Pair tests after which `auto` changes over: a share of the primitives of both bodies, and never fewer than FEWEST.
-# Ordinary meshes stay below.  Where everything passes everything the boxes' tests come on top of those of the lifted
-# trees, which may need far fewer (a tenth on layers of 30,000 edges), but take less time than building such trees does.
+# A leaf meets many others: this share of all leaves, and so many of them.
+CROWDED_SHARE, CROWDED_LEAVES = 0.02, 32
+# Pair tests of boxes in that case, per primitive of the larger body, and against a set of points, per point.
+TESTS_AT_ONCE, TESTS_A_POINT = 1 / 64, 1
+# Pair tests that ordinary scenes stay below: a share of the primitives of both bodies, and never fewer than FEWEST.
 SHARE, FEWEST = 0.6, 4096
 # Lists of all pairs change over at so many tests for each primitive and each pair listed so far; looked at every so
 # many node visits.
 LISTING_SHARE, LISTING_SLICE = 8, 16384
+
+
+def tests_of_boxes(tree_a: Tree, tree_b: Tree) -> int:
+    """Pair tests after which `auto` leaves the boxes."""
+    m, n = len(tree_a.corners), len(tree_b.corners)
+    leaves = min(len(tree_a.boxes), len(tree_b.boxes)) // 2 + 1
+    if leaves >= CROWDED_LEAVES:
+        share = crowding(tree_a.boxes, tree_a.links, tree_b.boxes, tree_b.links)
+        if share >= CROWDED_SHARE and share * leaves >= CROWDED_LEAVES:
+            return int(TESTS_AT_ONCE * max(m, n))
+    for tree, count in ((tree_a, m), (tree_b, n)):
+        if tree.ids[0, 1] & POINT:  # then all its parts are points
+            return TESTS_A_POINT * count
+    return max(FEWEST, int(SHARE * (m + n)))
 
 
 class ByEngine:
@@ -41,8 +67,8 @@ class ByEngine:
     engine = "boxes"
     threads = 1
     listed = 0
-    tree_a: Any
-    tree_b: Any
+    tree_a: Tree
+    tree_b: Tree
 
     def advance(self, state: WalkState, limit: int, with_start: bool, all_sides: bool) -> int:
         """Go on with the walk; the reason it came back.  What is pierced at the start is always found with boxes."""
@@ -65,9 +91,11 @@ class ByEngine:
             integers[LIFTED] = 3
             return advance_cells(self, state, limit, with_start)
         if self.engine == "auto" and not integers[LIFTED]:
-            most = max(FEWEST, int(SHARE * (len(self.tree_a.corners) + len(self.tree_b.corners))))
+            most = tests_of_boxes(self.tree_a, self.tree_b)
             while True:
-                slice_end = min(limit, int(integers[VISITS]) + max(256, most - int(integers[TESTS])))
+                left = most - int(integers[TESTS])
+                # a visit may be 15 tests: short steps where tests are few
+                slice_end = min(limit, int(integers[VISITS]) + max(4, left if left >= FEWEST // 2 else left // 8))
                 reason = self.advance_boxes(state, slice_end, with_start, all_sides)
                 if reason in (DONE, CROSSING_FOUND) or integers[TESTS] <= most:
                     if reason != SLICE_SPENT or integers[VISITS] >= limit:
@@ -113,12 +141,17 @@ class ByEngine:
             return "composed" if state.floats[ALL] else "lifted"
         return self.engine
 
+    def meets_by(self, element_a: Any, element_b: Any, after: float) -> float | None:
+        """A time soon after that one by which the bodies certainly share a point: none is sought, pairs are exact."""
+        return None
+
+
     def advance_boxes(self, state: WalkState, limit: int, with_start: bool, all_sides: bool) -> int:
         raise NotImplementedError
 
 
 def begin_lifted(state: WalkState, with_start: bool) -> None:
-    """Ready for `lifted_walk`, which finds its place in zeros but for one root on the stack."""
+    """Ready for `lifted_walk`, which finds its place in zeros."""
     integers = state.integers
     integers[LIFTED] = 1 if with_start else 2
     integers[HEAP] = 0

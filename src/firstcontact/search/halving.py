@@ -18,8 +18,9 @@ import numpy as np
 from firstcontact.kernels.jit import kernel
 from firstcontact.kernels.lifted_query import LINES, REACH, ROWS, may_meet
 from firstcontact.kernels.principal import box_columns, fit_box
+from firstcontact.kernels.swept_cell import axis_of, edge_keeps_off
+from firstcontact.search.lifted_elements import select
 from firstcontact.search.lifted_motion import lay_edge
-from firstcontact.search.lifted_tree import select
 from firstcontact.search.state import (
     CANDIDATES,
     DECIDE,
@@ -40,6 +41,8 @@ from firstcontact.search.walk import test_events
 FEW_PAIRS = 64
 # One pair of edges in so many is tested before anything is cut, per edge of the larger set.
 SAMPLE_SHARE = 8
+# Lengths that are very different, and boxes in which edges are short.
+DIFFERENT = 8.0
 # Slots of a frame: ranges of a and of b in the arena, and where the arena is free.
 A_FIRST, A_LAST, B_FIRST, B_LAST, TOP, FRAME = range(6)
 # Each frame copies the set that it cuts, and the other one twice at most: three times the larger set, which every
@@ -57,6 +60,8 @@ class Edges(NamedTuple):
     sizes: np.ndarray
     corners: np.ndarray
     parts: np.ndarray
+    distances: np.ndarray
+    """(m, 2) least and largest distance from the axis of a rotation, else (0, 2)."""
 
 
 class Room(NamedTuple):
@@ -65,11 +70,19 @@ class Room(NamedTuple):
     arena: np.ndarray
     keys: np.ndarray
     frames: np.ndarray
+    shares: np.ndarray
+    bounds: np.ndarray
+
+
+def larger(room: Room) -> Room:
+    """With twice the room for lists."""
+    return room._replace(arena=np.concatenate([room.arena, np.empty_like(room.arena)]))
 
 
 def room_for(m: int, n: int) -> Room:
     size = m + n + ARENA_SHARE * max(m, n) + ARENA_LEAST
-    return Room(np.empty(size, np.int32), np.empty(size), np.zeros((MOST_FRAMES, FRAME), np.int64))
+    frames, shares = np.zeros((MOST_FRAMES, FRAME), np.int64), np.zeros((MOST_FRAMES, 2))
+    return Room(np.empty(size, np.int32), np.empty(max(m, n)), frames, shares, np.empty((2, 3)))
 
 
 @kernel
@@ -136,14 +149,21 @@ def _split(x, x_slot, y, y_slot, sense, origin, scale, room, row, scratch, query
     frame = frames[integers[STACK]]
     x0, x1, y0, y1, top = frame[x_slot], frame[x_slot + 1], frame[y_slot], frame[y_slot + 1], frame[TOP]
     count = x1 - x0
-    _cut(x.lines, x0, x1, y.lines, y0, y1, top, room, scratch)
+    for i in range(count):
+        arena[top + i] = arena[x0 + i]
+    if not _cut_by_size(x, top, count, room):
+        _cut(x.lines, top, count, y.lines, y0, y1, room, scratch)
+    cx, cy = axis_of(motion)[1:]
     used = top + count
     for half in range(2):
         first, last = (top, top + count // 2) if half == 0 else (top + count // 2, top + count)
         _write_cell(x, arena, first, last, row, scratch)
+        nearest, farthest = _range_of_distances(x, arena, first, last)
         begin = used
         for k in range(y0, y1):
             e = y.corners[arena[k]]
+            if farthest >= 0.0 and edge_keeps_off(e, row[2], row[5], nearest, farthest, cx, cy, err):
+                continue
             lay_edge(motion, arc, e[0:3], e[3:6], sense, reach, floats, origin, scale, query, work)
             if may_meet(row, query, False, scale, origin, err):
                 arena[used] = arena[k]
@@ -170,8 +190,49 @@ def _write_cell(x, order, first, last, row, scratch):
 
 
 @kernel
-def _cut(lines, x0, x1, others, y0, y1, top, room, scratch):
-    """Copy arena[x0:x1] to `top` on, one half after the other.
+def _range_of_distances(x, order, first, last):
+    """(least, largest) distance from the axis in order[first:last]; the largest is -1 where nothing turns."""
+    nearest, farthest = np.inf, -1.0
+    if x.distances.shape[0]:
+        for i in range(first, last):
+            d = x.distances[order[i]]
+            nearest, farthest = min(nearest, d[0]), max(farthest, d[1])
+    return nearest, farthest
+
+
+@kernel
+def _cut_by_size(x, top, count, room):
+    """Cut edges of very different length by length, and edges that are short beside their box across it; or neither.
+
+    Lines tell long edges apart, boxes short ones; in a cell with both, neither do.
+    """
+    arena, keys = room.arena, room.keys
+    low, high = room.bounds[0], room.bounds[1]
+    for k in range(3):
+        low[k], high[k] = np.inf, -np.inf
+    shortest, longest = np.inf, 0.0
+    for i in range(count):
+        edge = arena[top + i]
+        shortest, longest = min(shortest, x.sizes[edge, 0]), max(longest, x.sizes[edge, 0])
+        for k in range(3):
+            low[k], high[k] = min(low[k], x.boxes[edge, k]), max(high[k], x.boxes[edge, k + 3])
+    axis = 0
+    for k in range(1, 3):
+        if high[k] - low[k] > high[axis] - low[axis]:
+            axis = k
+    by_length = longest > DIFFERENT * shortest
+    if not by_length and high[axis] - low[axis] < DIFFERENT * longest:
+        return False
+    for i in range(count):
+        edge = arena[top + i]
+        keys[i] = x.sizes[edge, 0] if by_length else x.boxes[edge, axis] + x.boxes[edge, axis + 3]
+    select(keys, arena[top : top + count], 0, count, count // 2)
+    return True
+
+
+@kernel
+def _cut(lines, top, count, others, y0, y1, room, scratch):
+    """Put one half of arena[top : top + count] after the other.
 
     The key of a line Y is a form in it that maximises the variance over this set among combinations of the products
     with the other set: the eigenvector of (second moments of the others) (covariance of these), by power iteration.
@@ -179,10 +240,8 @@ def _cut(lines, x0, x1, others, y0, y1, top, room, scratch):
     arena, keys = room.arena, room.keys
     vary, weigh, vectors = scratch
     form, turned = vectors[0], vectors[1]
-    for i in range(x1 - x0):
-        arena[top + i] = arena[x0 + i]
-    _second_moments(lines, arena, x0, x1, True, vary, form)
-    _second_moments(others, arena, y0, y1, False, weigh, form)
+    second_moments(lines, arena, top, top + count, True, vary, form)
+    second_moments(others, arena, y0, y1, False, weigh, form)
     for k in range(6):
         form[k] = 1.0 / (1.0 + k)
     for _ in range(12):
@@ -201,16 +260,16 @@ def _cut(lines, x0, x1, others, y0, y1, top, room, scratch):
             break
         for k in range(6):
             form[k] /= largest
-    for i in range(top, top + x1 - x0):
+    for i in range(count):
         s = 0.0
         for k in range(6):
-            s += form[k] * lines[arena[i], k]
+            s += form[k] * lines[arena[top + i], k]
         keys[i] = s
-    select(keys, arena, top, top + x1 - x0, top + (x1 - x0) // 2)
+    select(keys, arena[top : top + count], 0, count, count // 2)
 
 
 @kernel
-def _second_moments(vectors, order, first, last, centred, moments, mean):
+def second_moments(vectors, order, first, last, centred, moments, mean):
     """Those of a sample, evenly spaced in the order."""
     step = max(1, (last - first) // _SAMPLE)
     for j in range(6):

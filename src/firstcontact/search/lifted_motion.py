@@ -1,4 +1,4 @@
-"""Queries of lifted trees under the two motions: what an edge or corner of either body sweeps.
+"""Queries of cells of edges or facets under the two motions: what an edge or corner of either body sweeps.
 
 Chosen by the type of the motion, as in `walk`.  A translation is one arc; a rotation is searched arc by arc.
 """
@@ -53,6 +53,11 @@ def lay_corner(motion, arc, x, sense, reach, floats, origin, scale, query, work)
     raise NotImplementedError("compiled only, by the type of the motion")
 
 
+def lay_path(motion, arc, x, sense, reach, floats, work):
+    """Write points whose hull holds the path of the corner x into rows of work, the last one its end; how many."""
+    raise NotImplementedError("compiled only, by the type of the motion")
+
+
 # ---------------------------------------------------------------------------------------------- translation
 
 
@@ -64,6 +69,11 @@ def _lay_edge(motion, arc, x, y, sense, reach, floats, origin, scale, query, wor
 @overload(lay_corner)
 def _lay_corner(motion, arc, x, sense, reach, floats, origin, scale, query, work):
     return _lay_shifted_corner if motion.ndim == 1 else _lay_turned_corner
+
+
+@overload(lay_path)
+def _lay_path(motion, arc, x, sense, reach, floats, work):
+    return _lay_segment if motion.ndim == 1 else _lay_arc
 
 
 @kernel
@@ -83,6 +93,14 @@ def _lay_shifted_edge(motion, arc, x, y, sense, reach, floats, origin, scale, qu
 def _lay_shifted_corner(motion, arc, x, sense, reach, floats, origin, scale, query, work):
     _shifts(motion, sense, reach, floats, work)
     write_segment(query, x, work[0], work[1], origin, scale)
+
+
+def _lay_segment(motion, arc, x, sense, reach, floats, work):
+    _shifts(motion, sense, reach, floats, work)
+    for k in range(3):
+        work[0, k] += x[k]
+        work[1, k] += work[0, k]
+    return 2
 
 
 # ------------------------------------------------------------------------------------------------- rotation
@@ -139,3 +157,13 @@ def _lay_turned_corner(motion, arc, x, sense, reach, floats, origin, scale, quer
     for k in range(2):
         work[1, k] *= sense
     write_turned_point(query, work[0], work[1], work[2], tc, origin, scale)
+
+
+def _lay_arc(motion, arc, x, sense, reach, floats, work):
+    # an arc lies in the triangle of its ends and the point where its tangents there meet
+    cx, cy, c, s, dc, ds, tc = _turns(motion, arc, sense, floats)
+    _turned(x, c, s, cx, cy, 0, work)
+    _turned(work[0], dc, ds, cx, cy, 2, work)
+    for k in range(3):
+        work[1, k] = work[0, k] + tc * sense * work[1, k]
+    return 3

@@ -1,4 +1,4 @@
-"""What the walk over lifted trees needs of a problem of translation or rotation, kept on its bodies."""
+"""What the walk by lines and planes needs of a problem of translation or rotation, kept on its bodies."""
 
 from __future__ import annotations
 
@@ -10,21 +10,23 @@ from typing import Any
 
 import numpy as np
 
-from firstcontact.search.halving import Edges, Room, room_for
-from firstcontact.search.lifted_tree import WAY, Elements, corners_of_tree, edges_of, facets_of, lift, lifted_tree
-from firstcontact.search.lifted_walk import Askers, Body, Facets, lifted_walk
-from firstcontact.search.state import WalkState
+from firstcontact.kernels.swept_cell import edge_distances
+from firstcontact.search.facet_halving import Facets, Paths
+from firstcontact.search.halving import Edges, Room, larger, room_for
+from firstcontact.search.lifted_elements import WAY, Elements, corners_of_tree, edges_of, facets_of, frame_of, lift
+from firstcontact.search.lifted_walk import Body, lifted_walk
+from firstcontact.search.state import CROWDED, WalkState
 from firstcontact.search.translation_problem import TranslationProblem
-from firstcontact.search.tree import Tree
+from firstcontact.search.tree import FACET, POINT, Tree
 
 
 @dataclass(slots=True)
 class Lifted:
-    """The elements of one body in one frame, and the tree over its facets."""
+    """The elements of one body in one frame."""
 
     edges: Elements
-    corners: Askers
-    facets: Facets
+    corners: Elements
+    facets: Elements
 
 
 @dataclass(slots=True)
@@ -33,20 +35,25 @@ class Scratch:
 
     a: Body
     b: Body
+    frame: tuple[np.ndarray, float]
     room: Room
 
 
 def advance_lifted(problem: Any, state: WalkState, limit: int) -> int:
-    """Go on with the walk of a translation or rotation over lifted trees; the reason it came back."""
+    """Go on with the walk of a translation or rotation by lines and planes; the reason it came back."""
     if state.scratch is None:
         state.scratch = lifted_scratch(problem)
     return walk_lifted(problem, state.scratch, state, limit)
 
 
 def lifted_scratch(problem: Any) -> Scratch:
-    a, b = lifted_of(problem.a, problem.tree_a), lifted_of(problem.b, problem.tree_b)
-    bodies = (_body(x, tree, b.facets) for x, tree in ((a, problem.tree_a), (b, problem.tree_b)))
-    return Scratch(next(bodies), next(bodies), room_for(len(a.edges.parts), len(b.edges.parts)))
+    frame = frame_of(problem.tree_b)
+    of_a, of_b = lifted_of(problem.a, problem.tree_a), lifted_of(problem.b, problem.tree_b)
+    motion, _, _ = motion_of(problem)
+    a = _body(of_a, of_b, problem.tree_a, frame, motion)
+    b = _body(of_b, of_a, problem.tree_b, frame, motion)
+    most = (max(len(x.edges.parts), len(x.corners.parts), len(x.facets.parts)) for x in (a, b))
+    return Scratch(a, b, frame, room_for(*most))
 
 
 def walk_lifted(
@@ -55,7 +62,13 @@ def walk_lifted(
 ) -> int:  # fmt: skip
     """`lifted_walk` of the problem."""
     motion, reach, errors = motion_of(problem)
-    return lifted_walk(scratch.a, scratch.b, scratch.room, motion, reach, errors, limit, state, searches)
+    while True:
+        reason = lifted_walk(
+            scratch.a, scratch.b, scratch.frame, scratch.room, motion, reach, errors, limit, state, searches
+        )
+        if reason != CROWDED:
+            return reason
+        scratch.room = larger(scratch.room)
 
 
 def motion_of(problem: Any) -> tuple[np.ndarray, float, tuple[float, float]]:
@@ -65,10 +78,18 @@ def motion_of(problem: Any) -> tuple[np.ndarray, float, tuple[float, float]]:
     return problem.motion, math.inf, (problem.error_a, problem.error_b)
 
 
-def _body(of: Lifted, tree: Tree, about: Facets) -> Body:
-    """The body with its edges' lines about the origin of the other one's tree."""
-    lines, _, boxes, sizes, _ = lift(of.edges.corners, False, about.origin, about.scale, WAY)
-    return Body(Edges(lines, boxes, sizes, of.edges.corners, of.edges.parts), of.corners, of.facets, tree.xyz)
+def _body(of: Lifted, other: Lifted, tree: Tree, frame: tuple[np.ndarray, float], motion: np.ndarray) -> Body:
+    """The body's elements with lines and planes in the frame."""
+    corners, parts = of.edges.corners, of.edges.parts
+    if np.all(other.edges.parts[:, 1] & FACET):  # points meet edges of edge sets only
+        counts = parts[:, 1] & POINT == 0
+        corners, parts = corners[counts], parts[counts]
+    lines, boxes, sizes, _ = lift(corners, False, *frame, WAY)
+    edges = Edges(lines, boxes, sizes, corners, parts, edge_distances(corners, motion))
+    sides, boxes, sizes, planes = lift(of.facets.corners, True, *frame, WAY)
+    facets = Facets(sides, planes, boxes, sizes, of.facets.corners, of.facets.parts)
+    vertices = Paths(of.corners.corners, np.zeros((0, 6)), of.corners.parts)
+    return Body(edges, Paths(corners, lines, parts), vertices, facets, tree.xyz)
 
 
 def parting(problem: TranslationProblem) -> float:
@@ -85,11 +106,9 @@ def parting(problem: TranslationProblem) -> float:
 
 
 def lifted_of(body: Any, tree: Tree) -> Lifted:
-    """Elements and facet tree of the body in the frame of the tree; kept on the body for the next query."""
+    """Elements of the body in the frame of the tree; kept on the body for the next query."""
     cached = body._search.get("lifted")
     if cached is None or cached[0] is not tree:
-        corners, found = corners_of_tree(tree), lifted_tree(tree, facets_of(tree))
-        facets = Facets(found.nodes, found.links, found.elements.parts, found.origin, found.scale)
-        lifted = Lifted(edges_of(tree), Askers(corners.corners, corners.parts), facets)
+        lifted = Lifted(edges_of(tree), corners_of_tree(tree), facets_of(tree))
         cached = body._search["lifted"] = tree, lifted
     return cached[1]

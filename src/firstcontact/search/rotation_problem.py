@@ -41,7 +41,7 @@ from firstcontact.exact.vectors import Vector, divisible, scaled, sub, whole
 from firstcontact.kernels.angle import TWO_PI
 from firstcontact.motion.relative import Piece
 from firstcontact.motion.rotation import angle_ball
-from firstcontact.pairs import line_line_rotation, point_plane_rotation, segment_facet
+from firstcontact.pairs import coplanar, line_line_rotation, point_plane_rotation, segment_facet
 from firstcontact.pairs.point_line_rotation import Contact
 from firstcontact.result import ExactAngle
 from firstcontact.search import rotate  # noqa: F401 - the walk under this motion
@@ -227,6 +227,15 @@ class RotationProblem(ByEngine):
                 best = instant
         return best
 
+    def contact_within(self, element_a: Feature, element_b: Feature, lo: float, hi: float) -> AngleInstant | None:
+        """The first contact of the two elements, of which floats have proved that it is in [lo, hi]; exact."""
+        if self.is_exact:
+            _, a, b = self._corners(element_a, element_b)
+            instant = coplanar.rotation_instant(self._whole_axis, a, b, lo, hi)
+            if instant is not None:
+                return instant
+        return self.contact(element_a, element_b)
+
     def _in_window(self, instant: AngleInstant) -> bool:
         """Whether the angle lies in [first, last], exactly.
 
@@ -377,7 +386,7 @@ class RotationProblem(ByEngine):
     def touch(self, element_a: Feature, element_b: Feature, at: Any) -> Touch:
         """(point, unit normal or None) of the two elements at the instant, working frame."""
         contacts = self.contacts(element_a, element_b)
-        point = next(q for instant, q in contacts if same_instant(instant, at))
+        point = next(q for instant, q in contacts if len(contacts) == 1 or same_instant(instant, at))
         where = place_doubles(point)
         _, corners_a, corners_b = self._corners(element_a, element_b)
         normal = rotation_normal(corners_a, corners_b, self._whole_axis, point, where, at)

@@ -52,19 +52,33 @@ class Sheet:
 
     def point(self, x: Any, s: Any) -> list[Any]:
         """Homogeneous, in the numbers of x and s."""
-        return [p(x) * (1 - s) + q(x) * s for p, q in zip(self.first, self.second, strict=True)]
+        return _blended((self.first, self.second), x, s)
 
     @cached_property
     def slopes(self) -> tuple[list[fmpz_poly], list[fmpz_poly]]:
         first, second = ([c.derivative() for c in side] for side in (self.first, self.second))
         return first, second
 
+    @cached_property
+    def bends(self) -> tuple[list[fmpz_poly], list[fmpz_poly]]:
+        first, second = ([c.derivative() for c in side] for side in self.slopes)
+        return first, second
+
     def by_x(self, x: Any, s: Any) -> list[Any]:
-        first, second = self.slopes
-        return [p(x) * (1 - s) + q(x) * s for p, q in zip(first, second, strict=True)]
+        return _blended(self.slopes, x, s)
 
     def by_s(self, x: Any) -> list[Any]:
         return [q(x) - p(x) for p, q in zip(self.first, self.second, strict=True)]
+
+    def by_xx(self, x: Any, s: Any) -> list[Any]:
+        return _blended(self.bends, x, s)
+
+    def by_xs(self, x: Any) -> list[Any]:
+        return [q(x) - p(x) for p, q in zip(*self.slopes, strict=True)]
+
+
+def _blended(sides: tuple[list[fmpz_poly], list[fmpz_poly]], x: Any, s: Any) -> list[Any]:
+    return [p(x) * (1 - s) + q(x) * s for p, q in zip(*sides, strict=True)]
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,16 +9,19 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 from flint import arb, fmpq
 
-from firstcontact.exact.numbers import ball_bounds, exact_value, nearest_double, precision
+from firstcontact.exact.isolation import isolated
+from firstcontact.exact.numbers import ball_bounds, dyadic, exact_value, nearest_double, precision
 from firstcontact.exact.ruled_systems import ContactSystem, Curve
 from firstcontact.exact.square_systems import Zero, certified
 from firstcontact.kernels.ruled_models import ALL_STRATA, MOST_DEGREE, ROWS, WIDTH
 from firstcontact.search.ruled_pieces import RuledPiece
 from firstcontact.search.ruled_search import (
+    ALL_EVENTS,
     AT_REST,
     COUNTERS,
     DONE,
@@ -40,6 +43,10 @@ BITS = 96
 """Of the enclosures of events."""
 REGULAR = 1e-9
 """Pivots below this, in rows of unit length, leave a parameter free."""
+REACH, STAGES = 256.0, 10
+"""Widths of the answer over which balls look for events at first, and how often they do."""
+LEAST_PART = 2.0**-20
+"""Of the span, below which it is not searched in shorter parts."""
 ROUNDINGS = 16 * 2.0**-52
 """Times closer than this part of the largest one are not told apart by the search."""
 
@@ -139,13 +146,7 @@ class Search:
         system = self._system(box, kind)
         zero = None if system is None else self._zero(system, box, kind)
         if system is not None and zero is not None:
-            balls = zero.balls(BITS)
-            with precision(BITS + 64):
-                lo, hi = ball_bounds(balls[-1])
-                near = nearest_double(balls[-1])
-                time = float(balls[-1].mid()) if near is None else near
-                everywhere, moment = system.everywhere(balls)
-                x = np.array([float(c.mid()) for c in (*everywhere, moment)])
+            return self._event(zero, system, kind)
         return self._described(kind, x, time, (lo, hi), zero)
 
     def _system(self, box: np.ndarray, kind: np.ndarray) -> ContactSystem | None:
@@ -165,6 +166,71 @@ class Search:
         values = [None if k in solved else exact_value(middle[k]) for k in range(4)]
         return ContactSystem(curves, values, [m for k, m in enumerate(full.minors) if 3 + k in chosen])
 
+    def earliest(self, lo: float, width: float, reach: float, budget: int) -> tuple[float, RuledEvent | None] | None:
+        """(a time before which all is free, the contact then), from lo on, in balls; None where they do not tell.
+
+        Without a contact there is none up to lo + reach.
+        """
+        if self.run(lo, lo + reach, ALL_EVENTS, max(width, reach / 64), budget) != DONE:
+            return None
+        rows = range(self.count)
+        boxes, kinds = self.found[rows].copy(), self.found_kinds[rows].copy()
+        first: tuple[arb, Zero, np.ndarray, ContactSystem] | None = None
+        starts: list[arb] = []
+        for box, kind in zip(boxes, kinds, strict=True):
+            system = self._square(box, kind)
+            if system is None:
+                starts.append(arb(exact_value(float(box[4, 0]))))
+                continue
+            found = isolated(system, [_ball_box(box[[*system.free, 4]])])
+            starts += [arb(left[-1].lower()) for left in found.left]
+            for zero in found.zeros:
+                inside = self._is_inside(system, zero, kind)
+                if inside is False:
+                    continue
+                time = zero.balls(BITS)[-1]
+                starts.append(arb(time.lower()))
+                lowest = first is None or time < first[0] or (time.overlaps(first[0]) and _rank(kind) < _rank(first[2]))
+                if inside and lowest:
+                    first = time, zero, kind, system
+        if not starts:
+            return lo + reach, None
+        with precision(BITS + 64):
+            free = max(lo, min(below(dyadic(start)) for start in starts))
+        if first is None:
+            return free, None
+        _, zero, kind, system = first
+        return free, self._event(zero, system, kind)
+
+    def _square(self, box: np.ndarray, kind: np.ndarray) -> ContactSystem | None:
+        """A system in all free parameters whose zeros hold all events in the box; None where it is singular there."""
+        system = self._system(box, kind)
+        free = tuple(k for k in range(4) if kind[STRATUM] >> k & 1)
+        return system if system is not None and system.free == free else None
+
+    def _event(self, zero: Zero, system: ContactSystem, kind: np.ndarray) -> RuledEvent:
+        balls = zero.balls(BITS)
+        with precision(BITS + 64):
+            interval = ball_bounds(balls[-1])
+            near = nearest_double(balls[-1])
+            time = float(balls[-1].mid()) if near is None else near
+            everywhere, moment = system.everywhere(balls)
+            x = np.array([float(c.mid()) for c in (*everywhere, moment)])
+        return self._described(kind, x, time, interval, zero)
+
+    def _is_inside(self, system: ContactSystem, zero: Zero, kind: np.ndarray) -> bool | None:
+        """Whether a zero surely lies on both pieces; None where balls do not tell."""
+        limits = self._limits(kind)
+        with precision(BITS + 64):
+            x, _ = system.everywhere(zero.balls(BITS))
+            if any(x[k] < arb(limits[k][0]) or x[k] > arb(limits[k][1]) for k in system.free):
+                return False
+            return all(arb(limits[k][0]) <= x[k] <= arb(limits[k][1]) for k in system.free) or None
+
+    def _limits(self, kind: np.ndarray) -> tuple[tuple[Any, Any], ...]:
+        part_p, part_q = self.p.parts[kind[PART_P]], self.q.parts[kind[PART_Q]]
+        return (part_p.lowest, part_p.highest), (0, 1), (part_q.lowest, part_q.highest), (0, 1)
+
     def _curves(self, kind: np.ndarray) -> tuple[Curve, Curve, Curve, Curve]:
         return (*self.p.curves(int(kind[PART_P])), *self.q.curves(int(kind[PART_Q])))
 
@@ -176,12 +242,7 @@ class Search:
         zero = certified(system, centre, radii, 128)
         if zero is None:
             return None
-        part_p, part_q = self.p.parts[kind[PART_P]], self.q.parts[kind[PART_Q]]
-        limits = (part_p.lowest, part_p.highest), (0, 1), (part_q.lowest, part_q.highest), (0, 1)
-        with precision(BITS + 64):
-            x, _ = system.everywhere(zero.balls(BITS))
-            inside = all(arb(limits[k][0]) <= x[k] <= arb(limits[k][1]) for k in system.free)
-        return zero if inside else None
+        return zero if self._is_inside(system, zero, kind) else None
 
     def _described(
         self, kind: np.ndarray, x: np.ndarray, time: float, interval: tuple[float, float], zero: Zero | None
@@ -195,6 +256,21 @@ class Search:
             (part_p.in_doubles(x[0]), float(x[1]), part_q.in_doubles(x[2]), float(x[3])),
             (part_p.side(sides[0]), sides[1], part_q.side(sides[2]), sides[3]), zero,
         )  # fmt: skip
+
+
+def _rank(kind: np.ndarray) -> int:
+    """Of events at one time that of the lowest stratum, the least degenerate, comes first."""
+    return int(kind[STRATUM]).bit_count()
+
+
+def _ball_box(sides: np.ndarray) -> list[arb]:
+    """With a little room."""
+    found = []
+    for lo, hi in sides:
+        m = 0.5 * (lo + hi)
+        half = exact_value(0.5 * (hi - lo) * (1.0 + 1e-15) + 1e-15 * (1.0 + abs(m)))
+        found.append(arb(exact_value(m), arb(half)))
+    return found
 
 
 def _pivots(rows: np.ndarray) -> dict[int, int]:
@@ -253,8 +329,47 @@ def first_event_of(s: Search, first: fmpq, last: fmpq, tolerance: float, budget:
         return RuledContact("initial", lo, lo, (lo, above(first)), s.event(s.count - 1), boxes=s.visits)
     if start is None:
         return RuledContact("open", lo, reason="precision", boxes=s.visits)
-    outcome = s.run(lo, hi, FIRST_EVENT, width, budget)
-    return _answer(s, outcome, first, last, tolerance * (hi - lo))
+    begin, end, stage, whole = lo, hi, 0, tolerance * (hi - lo)
+    while stage < STAGES:
+        outcome = s.run(begin, end, FIRST_EVENT, width, min(max(budget // 8, 1), budget - s.visits))
+        answer = _answer(s, outcome, first, last, whole)
+        if answer.status == "contact" or (answer.status == "free" and end >= hi):
+            return answer
+        if answer.status == "free":
+            begin, end = end, min(end + 2.0 * (end - begin), hi)
+            continue
+        begin = max(answer.free_until, begin)
+        if answer.reason == "budget":  # boxes that are long in time may crowd out early ones: a shorter part
+            if s.visits >= budget or end - begin < LEAST_PART * (hi - lo):
+                return answer
+            end = begin + 0.125 * (end - begin)
+            continue
+        if begin >= hi:
+            return answer
+        reach = min(REACH * 4.0**stage * whole, hi - begin)
+        settled = s.earliest(begin, width, reach, max(budget - s.visits, 1))
+        if settled is None:
+            return answer
+        free, event = settled
+        if event is not None:
+            return _settled(answer, free, event, last, whole, s)
+        if free < begin + reach:
+            return replace(answer, free_until=free)
+        begin, end, stage = free, max(end, min(free + reach, hi)), stage + 1
+        if begin >= hi:
+            return RuledContact("free", above(last), boxes=s.visits)
+    return RuledContact("open", begin, reason="precision", boxes=s.visits)
+
+
+def _settled(
+    answer: RuledContact, free: float, event: RuledEvent, last: fmpq, width: float, s: Search
+) -> RuledContact:
+    """The answer with what balls have told."""
+    hi = event.time_interval[1]
+    if hi - free > width or not exact_value(hi) <= last:
+        return replace(answer, free_until=max(free, answer.free_until), boxes=s.visits)
+    time = min(max(event.time, free), hi)
+    return RuledContact("contact", free, time, (free, hi), replace(event, time=time), boxes=s.visits)
 
 
 def _answer(s: Search, outcome: int, first: fmpq, last: fmpq, width: float) -> RuledContact:
@@ -266,7 +381,7 @@ def _answer(s: Search, outcome: int, first: fmpq, last: fmpq, width: float) -> R
         return RuledContact("open", free_until, reason=reason, boxes=s.visits)
     sure = [k for k in range(s.count) if s.found_kinds[k, SURE] and s.times[k, 0] <= latest]
     # of several at this time the one of the lowest stratum, the least degenerate
-    row = min(sure, key=lambda k: (int(s.found_kinds[k, STRATUM]).bit_count(), float(s.times[k, 1]), k))
+    row = min(sure, key=lambda k: (_rank(s.found_kinds[k]), float(s.times[k, 1]), k))
     event = s.event(row)
     hi = min(latest, event.time_interval[1])
     if not exact_value(hi) <= last:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from copy import copy
 from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any
@@ -23,12 +24,13 @@ from firstcontact.body.features import Edge, Face, Vertex, enclosure
 from firstcontact.body.moving import shape_of
 from firstcontact.exact.numbers import below, dyadic, exact_value, precision, to_double
 from firstcontact.exact.rigid import Matrix, compose, inverse_map
-from firstcontact.kernels.event_search import CHART, OTHER, OTHER_BEGIN, OTHER_END, PAIR
+from firstcontact.kernels.event_search import CHART, FREE, OTHER, OTHER_BEGIN, OTHER_END, PAIR, SPENT
 from firstcontact.kernels.feature_boxes import INSIDE, OUTSIDE, PLAIN, THERE, membership, place_box
 from firstcontact.search.advance import Advance
 from firstcontact.search.event_tables import Tables, crossing_surfaces
-from firstcontact.search.events import SPREAD, _Search
+from firstcontact.search.events import LEAST, SPREAD, _Search
 from firstcontact.search.instants import Instant
+from firstcontact.search.ruled_certificate import Certificate, PoseJet
 from firstcontact.search.ruled_charts import RuledFeature, Sheet, _crossing, sheets_of
 from firstcontact.search.shared_points import BITS, RANKS, ball_pose
 from firstcontact.search.stretches import Window
@@ -40,6 +42,8 @@ REGULAR = 1e12
 SMOOTH = 1e-6
 """Slope of a surface, its largest entry 1, below which a place counts as its tip."""
 ROUNDS = 4
+REACH, STAGES = 256.0, 10
+"""Widths of the answer over which balls look for events at first, and how often they do."""
 TRIED = 24
 """Pairs of features that survive the search at a contact, for which it is made precise."""
 SEEDS = 4
@@ -67,13 +71,17 @@ class RuledContact:
 
 
 class RuledSearch(_Search):
-    """The first common point of bodies a and b; `side` is the ruled one."""
+    """The first common point of bodies a and b; `side` is the ruled one.
+
+    way: -1 where the windows hold the motions backwards, at times -t.
+    """
 
     def __init__(
         self, a: Any, b: Any, tables: Tables, stretches: list[Window], tolerance: float, budget: int, side: int
     ) -> None:
         super().__init__(a, b, tables, stretches, tolerance, budget)
         self.side = side
+        self.way = 1
         self.event: Event | None = None
         self.left: np.ndarray | None = None
 
@@ -136,6 +144,87 @@ class RuledSearch(_Search):
                             normal=normal, spread=self._is_spread(boxes),
                         )  # fmt: skip
         self.left = boxes
+        return self._answer("open", lo, reason="precision")
+
+    # -- in balls -------------------------------------------------------------------------------------------
+
+    def _first_event(self, window: Window, t: float, last: fmpq) -> Advance | None:
+        """From t on; None where there is none.  Where rounding errors hide it, balls take over for a while."""
+        for stage in range(STAGES):
+            found = super()._first_event(window, t, last)
+            if found is None or found.status != "open" or found.reason != "precision":
+                return found
+            ahead = self.in_balls(window, found.free_until, stage)
+            if ahead is None:
+                return found
+            t, known = ahead
+            if known is not None:
+                return self._certified(known, t, last)
+            if t >= window.last:
+                return None
+        return self._answer("open", t, reason="precision")
+
+    def in_balls(self, window: Window, lo: float, stage: int) -> tuple[float, Certificate | None] | None:
+        """(a time from lo on before which all is free, what may happen then); None where that is not told.
+
+        stage: how often balls have told before; they look ahead four times as far each time.
+        """
+        end = min(lo + REACH * 4.0**stage * self.width, window.last)
+        outcome = self.covered(window, lo, end)
+        if outcome == FREE:
+            return end, None
+        with precision(BITS):
+            own, other = (PoseJet(self.bodies[k], window, self.way) for k in (self.side, 1 - self.side))
+            if outcome == SPENT or not (own.exact and other.exact):
+                return None
+            known = self._certificate((own, other), lo, end)
+            if known.open is None and not known.events:
+                return end, None
+            starts = [known.open] if known.open is not None else []
+            if known.events:
+                starts.append(dyadic(arb(known.events[0][1].lower())))
+            return max(lo, below(min(starts))), known
+
+    def covered(self, window: Window, lo: float, end: float) -> int:
+        """As `searched` for events in [lo, end], which is not cut."""
+        width, self.width = self.width, (end - lo) / LEAST
+        outcome = self.searched(False, window, lo, end, self.budget)
+        self.width = width
+        return outcome
+
+    def _certificate(self, poses: tuple[PoseJet, PoseJet], lo: float, end: float) -> Certificate:
+        """Of the boxes that are left in the pool."""
+        count, start = int(self.result[2]), int(self.result[3])
+        pairs: dict[tuple[int, int], list[np.ndarray]] = {}
+        for box in self.pool[start : start + count].copy():
+            chart, pair = int(box[CHART]), int(box[PAIR])
+            for k in range(*self.tables.info[chart, 3:5]) if pair < 0 else (pair,):
+                pairs.setdefault((chart, k), []).append(box)
+        model: CompositeQuadric = shape_of(self.bodies[1 - self.side])
+        known = Certificate(model, poses, exact_value(lo), exact_value(end))
+        for (chart, pair), boxes in sorted(pairs.items(), key=lambda item: self._rank((item[0], None))):
+            known.add(Event(self.bodies, self.side, self.tables, chart, pair, boxes[0]), boxes)
+        return known
+
+    def _certified(self, known: Certificate, lo: float, last: fmpq) -> Advance:
+        """The answer where all events in a slab are known, all before lo being free."""
+        with precision(BITS):
+            return self._proved(known, lo, last)
+
+    def _proved(self, known: Certificate, lo: float, last: fmpq) -> Advance:
+        for event, time in known.events:
+            soon = math.nextafter(float(time.upper()), math.inf)
+            for at in (soon, soon + 0.01 * self.width, lo + 0.98 * self.width):
+                if not (lo <= at <= lo + self.width and exact_value(at) <= last and event.leads_inside(at)):
+                    continue
+                self.event = event
+                point, normal = event.geometry()
+                others = [e.geometry()[0] for e, t in known.events if t.overlaps(time)]
+                spread = bool(np.ptp(others, axis=0).max() > SPREAD * float(self.tables.units[self.side, 3]))
+                return self._answer(
+                    "contact", lo, time=min(max(event.time, lo), at), time_interval=(lo, at), point=point,
+                    normal=normal, spread=spread,
+                )  # fmt: skip
         return self._answer("open", lo, reason="precision")
 
     def _events(self, boxes: np.ndarray, earliest: float) -> Iterator[Event]:
@@ -322,6 +411,15 @@ class Event:
         smooth = all(max(abs(float(c.mid())) for c in g) > SMOOTH for g in gradients)
         self.regular = bool(-1 <= x <= 1 and 0 <= s <= 1 and smooth)
         return True
+
+    def placed(self, z: Sequence[fmpq]) -> Event:
+        """The same event at these free parameters and this time, which are its own."""
+        event = copy(self)
+        event.place = list(self.place)
+        for k, c in zip(self.free, z, strict=False):
+            event.place[k] = c
+        event.moment, event.regular = z[-1], True
+        return event
 
     # -- the proof ------------------------------------------------------------------------------------------
 

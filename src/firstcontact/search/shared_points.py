@@ -20,7 +20,7 @@ from firstcontact.body.csg import inside
 from firstcontact.body.features import Edge, Face, Vertex, enclosure
 from firstcontact.body.moving import Moving, shape_of
 from firstcontact.exact.numbers import dyadic, exact_value, precision, to_double
-from firstcontact.exact.rigid import Matrix, ball_rotation, compose, inverse_map
+from firstcontact.exact.rigid import IDENTITY, Matrix, ball_rotation, compose, inverse_map
 from firstcontact.exact.vectors import dot
 from firstcontact.kernels.event_search import CHART, FORM, OTHER_FORM, PAIR
 from firstcontact.motion.polynomial import REST, _own_pose
@@ -72,7 +72,8 @@ def ball_pose(body: Any, t: fmpq) -> Matrix:
         pose = _own_pose(own, "a body")
         weight = pose[3][3](local)
         rows = tuple(tuple(arb(x(local) / weight) for x in row) for row in pose[:3])
-    rows = compose(rows, tuple(tuple(arb(x) for x in row) for row in step.before))  # type: ignore[arg-type]
+    if step.before is not IDENTITY:
+        rows = compose(rows, tuple(tuple(arb(x) for x in row) for row in step.before))  # type: ignore[arg-type]
     if not step.exact:  # its start is within 2^-60 radians per rotation before it
         size = 1 + max(abs(x).upper() for row in rows for x in row)
         off = arb(0, size * arb(2) ** -56 * (number + 1))
@@ -171,9 +172,11 @@ class Event:
 
     def relative(self, t: fmpq) -> Matrix:
         """From the own model's frame to the other one's."""
-        return compose(
-            inverse_map(ball_pose(self.bodies[1 - self.side], t)), ball_pose(self.bodies[self.side], t)
-        )
+        own, other = self.bodies[self.side], self.bodies[1 - self.side]
+        if not isinstance(other, Moving):
+            return ball_pose(own, t)
+        back = inverse_map(ball_pose(other, t))
+        return compose(back, ball_pose(own, t)) if isinstance(own, Moving) else back
 
     def answer(self, instant: Instant, at: float) -> Shared:
         instant.place(self.time, self.time)
@@ -314,7 +317,7 @@ def _refine(event: Event, tables: Tables, box: np.ndarray) -> bool:
     scale = np.abs(jacobian).max(axis=1, keepdims=True)
     if jacobian.shape[0] != jacobian.shape[1] or not np.all(scale > 0) or not np.all(np.isfinite(jacobian)):
         return False
-    if np.linalg.cond(jacobian / scale) > 1e12:
+    if not np.linalg.cond(jacobian / scale, 1) <= 1e12:  # in this norm it takes no singular values
         return False
     for _ in range(3):
         residual = system.values([arb(c) for c in x], event.relative(t))
@@ -349,16 +352,16 @@ class _System:
     def values(self, x: Any, m: Any) -> Any:
         exact = not isinstance(x, np.ndarray)
         mine, theirs = self.balls if exact else self.doubles
-        y = [sum((row[k] * x[k] for k in range(3)), row[3]) for row in m]
+        y = _moved(m, x)
         found, gradients = [], []
         for forms, at in ((mine, x), (theirs, y)):
-            point = [*at, arb(1) if exact else 1.0]
+            a, b, c = at
             for form in forms:
-                image = [sum((row[k] * point[k] for k in range(1, 4)), row[0] * point[0]) for row in form]
-                found.append(sum((a * b for a, b in zip(point[1:], image[1:], strict=True)), point[0] * image[0]))
-                g = image[:3]
+                p, q, r, s = _moved(form, at)
+                found.append(a * p + b * q + c * r + s)
+                g = [p, q, r]
                 if forms is theirs:
-                    g = [sum((m[k][j] * image[k] for k in range(1, 3)), m[0][j] * image[0]) for j in range(3)]
+                    g = [m[0][j] * p + m[1][j] * q + m[2][j] * r for j in range(3)]
                 gradients.append(g)
         if len(mine) == 2 and len(theirs) == 1:
             found.append(_det(gradients))
@@ -456,7 +459,7 @@ def _second_order(
     return np.array(values), np.array(gradients), np.array(forms)
 
 
-def _moved(m: Matrix, x: Sequence[Any]) -> list[Any]:
+def _moved(m: Any, x: Sequence[Any]) -> list[Any]:
     return [row[0] * x[0] + row[1] * x[1] + row[2] * x[2] + row[3] for row in m]
 
 

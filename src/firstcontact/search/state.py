@@ -18,6 +18,8 @@ CERTAIN_KIND = 8
 
 # Why a kernel came back.
 DONE, SLICE_SPENT, FULL, DECIDE, CROSSING_FOUND = range(5)
+# Lists of a walk that cuts sets need more room.
+CROWDED = -1
 
 # Slots of the integer state.  LIFTED: 1 when the walk asks lifted trees, 2 when it need not look at the start there,
 # 3 when it cuts cells; ARC, PHASE, QUERY: its place.

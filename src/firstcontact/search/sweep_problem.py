@@ -14,8 +14,8 @@ import numpy as np
 
 from firstcontact.errors import FirstContactError
 from firstcontact.search.frame import frame_of
+from firstcontact.search.lifted_elements import corners_of_tree, facets_of
 from firstcontact.search.lifted_problem import lifted_scratch, motion_of, walk_lifted
-from firstcontact.search.lifted_tree import corners_of_tree, facets_of
 from firstcontact.search.lifted_walk import CORNERS, FACETS
 from firstcontact.search.rounds import Finds, shared
 from firstcontact.search.state import CANDIDATES, DECIDE, DONE, FULL, QUERY, SLICE_SPENT, VISITS

@@ -15,7 +15,7 @@ from firstcontact.exact.rigid import Matrix, shift
 from firstcontact.exact.vectors import Vector, dot, whole
 from firstcontact.exact.windows import ALWAYS, Window, clip, hull
 from firstcontact.motion.relative import Piece
-from firstcontact.pairs import line_line, point_plane, segment_facet
+from firstcontact.pairs import coplanar, line_line, point_plane, segment_facet
 from firstcontact.search import translate  # noqa: F401 - the walk under this motion
 from firstcontact.search.containment import contained
 from firstcontact.search.elements import EDGE, VERTEX, Feature, Primitive, corners_of, whole_corners
@@ -94,6 +94,15 @@ class TranslationProblem(ByEngine):
         _, corners_a, corners_b, v = self._corners(element_a, element_b)
         clipped = clip(_window(element_a, corners_a, element_b, corners_b, v), (ZERO, self.last))
         return None if clipped is None else RationalInstant(clipped[0])
+
+    def contact_within(self, element_a: Feature, element_b: Feature, lo: float, hi: float) -> RationalInstant | None:
+        """The first contact of the two elements, of which floats have proved that it is in [lo, hi]; exact."""
+        if self.is_exact:
+            _, a, b, v = self._corners(element_a, element_b)
+            time = coplanar.translation_instant(a, b, v)
+            if time is not None:
+                return RationalInstant(time)
+        return self.contact(element_a, element_b)
 
     def possible(self, element_a: Feature, element_b: Feature) -> float:
         """A time before which the two elements, which no precision could decide, certainly do not meet."""

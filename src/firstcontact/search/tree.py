@@ -171,7 +171,7 @@ def _parts(xyz, masks, wide, budget, max_parts):
     pad = CLIP_EPS * largest
     box = np.empty((n, 6))
     ids = np.empty((n, 2), np.int32)
-    stack = np.empty((64, 6))
+    stack, cell = np.empty((64, 6)), np.empty(6)
     polygon, scratch = np.empty((12, 3)), np.empty((12, 3))
     m = 0
     for p in range(n):
@@ -181,7 +181,8 @@ def _parts(xyz, masks, wide, budget, max_parts):
         splitting = width[p] > limit and limit > 0.0
         while depth > 0:
             depth -= 1
-            cell = stack[depth].copy() if splitting else stack[depth]
+            for k in range(6):
+                cell[k] = stack[depth, k]
             axis = 0
             for k in range(1, 3):
                 if cell[k + 3] - cell[k] > cell[axis + 3] - cell[axis]:
@@ -244,8 +245,9 @@ def _clipped_mask(mask, xyz, cell, pad):
     """The mask without sides and corners that certainly miss the cell."""
     for s in range(3):
         p, q = xyz[3 * s : 3 * s + 3], xyz[3 * ((s + 1) % 3) : 3 * ((s + 1) % 3) + 3]
-        if not segment_meets_box(p, q, cell, pad):
-            mask &= ~((1 << (SIDE + s)) | (1 << (FLAT_SIDE + s)))
+        side = (1 << (SIDE + s)) | (1 << (FLAT_SIDE + s))
+        if mask & side and not segment_meets_box(p, q, cell, pad):
+            mask &= ~side
         for k in range(3):
             if p[k] < cell[k] - pad or p[k] > cell[k + 3] + pad:
                 mask &= ~(1 << (CORNER + s))
@@ -268,126 +270,146 @@ def _grown(box, ids):
 def _split(part_box):
     """Top-down binned SAH.  Returns boxes (2m - 1, 6), links (2m - 1, 2) int32 and the order of the parts.
 
-    Children follow their parent, so one backward sweep refits all boxes.
+    Sorts the rows of `part_box` into that order, so that every pass reads on.  Children follow their parent, so one
+    backward sweep refits all boxes.
     """
     m = part_box.shape[0]
     order = np.arange(m)
     boxes = np.empty((2 * m - 1, 6))
     links = np.empty((2 * m - 1, 2), np.int32)
     stack = np.empty((128, 3), np.int64)
+    centres = np.empty((128, 6))  # ranges of lo + hi
     stack[0, 0], stack[0, 1], stack[0, 2] = 0, 0, m
+    _bound(part_box, 0, m, boxes[0], centres[0])
     depth, used = 1, 1
-    count = np.empty(_BINS, np.int64)
-    bin_box = np.empty((_BINS, 6))
-    area_right = np.empty(_BINS)
+    count, bins = np.empty((3, _BINS), np.int64), np.empty((3, _BINS, 6))
+    area_right, sweep = np.empty(_BINS), np.empty(6)
     while depth > 0:
         depth -= 1
         node, first, last = stack[depth]
-        lo0 = lo1 = lo2 = np.inf
-        hi0 = hi1 = hi2 = -np.inf
-        c_lo0 = c_lo1 = c_lo2 = np.inf
-        c_hi0 = c_hi1 = c_hi2 = -np.inf
-        for i in range(first, last):
-            b = part_box[order[i]]
-            lo0, lo1, lo2 = min(lo0, b[0]), min(lo1, b[1]), min(lo2, b[2])
-            hi0, hi1, hi2 = max(hi0, b[3]), max(hi1, b[4]), max(hi2, b[5])
-            c0, c1, c2 = b[0] + b[3], b[1] + b[4], b[2] + b[5]
-            c_lo0, c_lo1, c_lo2 = min(c_lo0, c0), min(c_lo1, c1), min(c_lo2, c2)
-            c_hi0, c_hi1, c_hi2 = max(c_hi0, c0), max(c_hi1, c1), max(c_hi2, c2)
-        boxes[node, 0], boxes[node, 1], boxes[node, 2] = lo0, lo1, lo2
-        boxes[node, 3], boxes[node, 4], boxes[node, 5] = hi0, hi1, hi2
         if last - first == 1:
             links[node, 0], links[node, 1] = first, -1
             continue
-        middle = first
-        c_lo, c_hi = (c_lo0, c_lo1, c_lo2), (c_hi0, c_hi1, c_hi2)
+        middle, c = first, centres[depth]
         if last - first > 4:
-            axis, limit = _best_bin(part_box, order, first, last, c_lo, c_hi, count, bin_box, area_right)
+            axis, limit = _best_bin(part_box, first, last, c, count, bins, area_right, sweep)
             if axis >= 0:
                 middle = _partition(part_box, order, first, last, axis, limit)
         if middle == first or middle == last or (depth > 60 and last - first > 4):
             middle = (first + last) // 2  # few parts: halves by the widest axis; coincident centres: any halves
             axis = 0
-            if c_hi1 - c_lo1 > c_hi0 - c_lo0:
+            if c[4] - c[1] > c[3] - c[0]:
                 axis = 1
-            if c_hi2 - c_lo2 > max(c_hi0 - c_lo0, c_hi1 - c_lo1):
+            if c[5] - c[2] > max(c[3] - c[0], c[4] - c[1]):
                 axis = 2
             if last - first <= 4:
                 _insertion(part_box, order, first, last, axis)
         links[node, 0], links[node, 1] = used, used + 1
-        # the smaller half last: it is taken first, which keeps the stack logarithmic
-        big, small = (used, first, middle), (used + 1, middle, last)
-        if last - middle > middle - first:
-            big, small = small, big
-        stack[depth, 0], stack[depth, 1], stack[depth, 2] = big
-        stack[depth + 1, 0], stack[depth + 1, 1], stack[depth + 1, 2] = small
+        for k in range(2):
+            start, end = (middle, last) if k else (first, middle)
+            # the smaller half last: it is taken first, which keeps the stack logarithmic
+            slot = depth + k if middle - first >= last - middle else depth + 1 - k
+            stack[slot, 0], stack[slot, 1], stack[slot, 2] = used + k, start, end
+            _bound(part_box, start, end, boxes[used + k], centres[slot])
         depth += 2
         used += 2
     return boxes, links, order
 
 
 @kernel
-def _best_bin(part_box, order, first, last, c_lo, c_hi, count, bin_box, area_right):
+def _bound(part_box, first, last, box, centres):
+    """The box of the parts, and the range of their lo + hi."""
+    lo0 = lo1 = lo2 = c_lo0 = c_lo1 = c_lo2 = np.inf
+    hi0 = hi1 = hi2 = c_hi0 = c_hi1 = c_hi2 = -np.inf
+    for i in range(first, last):
+        b = part_box[i]
+        lo0, lo1, lo2 = min(lo0, b[0]), min(lo1, b[1]), min(lo2, b[2])
+        hi0, hi1, hi2 = max(hi0, b[3]), max(hi1, b[4]), max(hi2, b[5])
+        c0, c1, c2 = b[0] + b[3], b[1] + b[4], b[2] + b[5]
+        c_lo0, c_lo1, c_lo2 = min(c_lo0, c0), min(c_lo1, c1), min(c_lo2, c2)
+        c_hi0, c_hi1, c_hi2 = max(c_hi0, c0), max(c_hi1, c1), max(c_hi2, c2)
+    box[0], box[1], box[2], box[3], box[4], box[5] = lo0, lo1, lo2, hi0, hi1, hi2
+    centres[0], centres[1], centres[2] = c_lo0, c_lo1, c_lo2
+    centres[3], centres[4], centres[5] = c_hi0, c_hi1, c_hi2
+
+
+@kernel
+def _best_bin(part_box, first, last, centres, count, bins, area_right, sweep):
     """(axis, limit on lo + hi) of the cheapest split by surface area; axis -1 when nothing separates."""
+    n_bins = _BINS if last - first > _BINS else _BINS // 2
+    for axis in range(3):
+        for b in range(n_bins):
+            count[axis, b] = 0
+            for k in range(3):
+                bins[axis, b, k], bins[axis, b, k + 3] = np.inf, -np.inf
+    scales = _scale(centres, 0, n_bins), _scale(centres, 1, n_bins), _scale(centres, 2, n_bins)
+    for i in range(first, last):
+        box = part_box[i]
+        for axis in range(3):
+            b = int((box[axis] + box[axis + 3] - centres[axis]) * scales[axis])
+            count[axis, b] += 1
+            _widen(bins[axis, b], box)
     best, best_axis, best_limit = np.inf, -1, 0.0
     for axis in range(3):
-        width = c_hi[axis] - c_lo[axis]
-        if not width > 0.0:
+        if scales[axis] == 0.0:
             continue
-        scale = _BINS * (1.0 - 1e-9) / width
-        if not scale < np.inf:
-            continue
-        for b in range(_BINS):
-            count[b] = 0
-            for k in range(3):
-                bin_box[b, k], bin_box[b, k + 3] = np.inf, -np.inf
-        for i in range(first, last):
-            box = part_box[order[i]]
-            b = int((box[axis] + box[axis + 3] - c_lo[axis]) * scale)
-            count[b] += 1
-            for k in range(3):
-                bin_box[b, k] = min(bin_box[b, k], box[k])
-                bin_box[b, k + 3] = max(bin_box[b, k + 3], box[k + 3])
-        x0 = y0 = z0 = np.inf
-        x1 = y1 = z1 = -np.inf
+        _empty(sweep)
         n = 0
-        for b in range(_BINS - 1, 0, -1):
-            box = bin_box[b]
-            x0, y0, z0 = min(x0, box[0]), min(y0, box[1]), min(z0, box[2])
-            x1, y1, z1 = max(x1, box[3]), max(y1, box[4]), max(z1, box[5])
-            n += count[b]
-            area_right[b] = n * _area(x1 - x0, y1 - y0, z1 - z0)
-        x0 = y0 = z0 = np.inf
-        x1 = y1 = z1 = -np.inf
+        for b in range(n_bins - 1, 0, -1):
+            _widen(sweep, bins[axis, b])
+            n += count[axis, b]
+            area_right[b] = n * _area(sweep)
+        _empty(sweep)
         n = 0
-        for b in range(_BINS - 1):
-            box = bin_box[b]
-            x0, y0, z0 = min(x0, box[0]), min(y0, box[1]), min(z0, box[2])
-            x1, y1, z1 = max(x1, box[3]), max(y1, box[4]), max(z1, box[5])
-            n += count[b]
+        for b in range(n_bins - 1):
+            _widen(sweep, bins[axis, b])
+            n += count[axis, b]
             if n == 0 or n == last - first:
                 continue
-            cost = n * _area(x1 - x0, y1 - y0, z1 - z0) + area_right[b + 1]
+            cost = n * _area(sweep) + area_right[b + 1]
             if cost < best:
-                best, best_axis, best_limit = cost, axis, c_lo[axis] + (b + 1) / scale
+                best, best_axis, best_limit = cost, axis, centres[axis] + (b + 1) / scales[axis]
     return best_axis, best_limit
 
 
 @kernel
-def _area(x, y, z):
+def _scale(centres, axis, n_bins):
+    """Bins per length; 0 where the centres have one place in the axis, or nearly so."""
+    width = centres[axis + 3] - centres[axis]
+    scale = n_bins * (1.0 - 1e-9) / width if width > 0.0 else 0.0
+    return scale if scale < np.inf else 0.0
+
+
+@kernel
+def _empty(box):
+    for k in range(3):
+        box[k], box[k + 3] = np.inf, -np.inf
+
+
+@kernel
+def _widen(box, other):
+    """Make the box hold the other one too."""
+    for k in range(3):
+        box[k], box[k + 3] = min(box[k], other[k]), max(box[k + 3], other[k + 3])
+
+
+@kernel
+def _area(box):
+    x, y, z = box[3] - box[0], box[4] - box[1], box[5] - box[2]
     return x * y + y * z + z * x if x >= 0.0 else 0.0
 
 
 @kernel
 def _partition(part_box, order, first, last, axis, limit):
     i, j = first, last - 1
-    while i <= j:
-        if part_box[order[i], axis] + part_box[order[i], axis + 3] < limit:
+    while True:
+        while i <= j and part_box[i, axis] + part_box[i, axis + 3] < limit:
             i += 1
-        else:
-            order[i], order[j] = order[j], order[i]
+        while i <= j and not part_box[j, axis] + part_box[j, axis + 3] < limit:
             j -= 1
-    return i
+        if i >= j:
+            return i
+        _swap(part_box, order, i, j)
 
 
 @kernel
@@ -395,8 +417,14 @@ def _insertion(part_box, order, first, last, axis):
     for i in range(first + 1, last):
         j = i
         while j > first:
-            c, d = order[j], order[j - 1]
-            if part_box[c, axis] + part_box[c, axis + 3] >= part_box[d, axis] + part_box[d, axis + 3]:
+            if part_box[j, axis] + part_box[j, axis + 3] >= part_box[j - 1, axis] + part_box[j - 1, axis + 3]:
                 break
-            order[j], order[j - 1] = d, c
+            _swap(part_box, order, j, j - 1)
             j -= 1
+
+
+@kernel
+def _swap(part_box, order, i, j):
+    order[i], order[j] = order[j], order[i]
+    for k in range(6):
+        part_box[i, k], part_box[j, k] = part_box[j, k], part_box[i, k]

@@ -79,14 +79,14 @@ def area(boxes, node):
 
 @uncounted
 def record(floats, integers, times, candidates, kind, part_a, side_a, part_b, side_b, verdict, lo, hi):
-    """Note a contact that is certain or unsure; a certain one bounds the search."""
+    """Note a contact, certainly in [lo, hi] or unsure and not before lo; a certain one bounds the search."""
     if verdict == CERTAIN and (lo < floats[SURE_FIRST] or hi > floats[SURE_LAST]):
         verdict = UNSURE
-    lo = max(lo, floats[KEY])
-    if lo > floats[BEST]:
+    bound = max(lo, floats[KEY])
+    if bound > floats[BEST]:
         return
     n = integers[CANDIDATES]
-    times[n, 0], times[n, 1] = lo, hi
+    times[n, 0], times[n, 1] = lo if verdict == CERTAIN else bound, hi
     candidates[n, 0], candidates[n, 1], candidates[n, 2] = kind, part_a, side_a
     candidates[n, 3], candidates[n, 4] = part_b, side_b
     if verdict == CERTAIN:

@@ -92,8 +92,11 @@ def _borders(triangles: np.ndarray) -> np.ndarray:
 
 
 def element_corners(body: Any, parts: Parts, element: Element) -> np.ndarray:
-    """(3 k, 3) triangles of a face, (2 k, 3) ends of segments along a directrix or ruling, (1, 3) of a vertex."""
+    """(3 k, 3) triangles of a face, (2 k, 3) ends of segments along a directrix, ruling or edge, (1, 3) of a vertex."""
     vertices, triangles, owner, _ = parts
+    if element.kind == "edge":
+        borders = [(piece, k) for piece in body.pieces for k in range(len(piece.trim))]
+        return _trim_border(*borders[element.index])
     if element.kind == "face":
         return vertices[triangles[owner == element.index].ravel()]
     per_piece = {"directrix": 2, "end_ruling": 2, "vertex": 4}.get(element.kind)
@@ -110,6 +113,23 @@ def element_corners(body: Any, parts: Parts, element: Element) -> np.ndarray:
         return np.array([side.points(u) for side in piece.sides])
     u = parameters_of(piece, np.array([lo, hi]))[number // 2]
     return piece.sides[number % 2].points(u)[None]
+
+
+def _trim_border(piece: RuledSurface, number: int) -> np.ndarray:
+    """(2 k, 3) ends of segments on the border of an inequality, where the others hold: its zeros on a grid's sides."""
+    assert piece.s is not None
+    x, s = np.linspace(*ends_of(piece), COLUMNS), np.linspace(float(piece.s[0]), float(piece.s[1]), COLUMNS)
+    u, v = (c.ravel() for c in np.broadcast_arrays(parameters_of(piece, x)[:, None], s))
+    triangles = grid_triangles(COLUMNS, COLUMNS)
+    values = piece.trim[number].values(u, v)[triangles]
+    others = piece._with(trim=piece.trim[:number] + piece.trim[number + 1 :]).keeps(u, v)
+    near = others[triangles].all(axis=1) & (np.sign(values).min(axis=1) < 0) & (np.sign(values).max(axis=1) >= 0)
+    places, values = np.stack([u, v], axis=1)[triangles[near]], values[near]
+    ahead, after = np.roll(places, -1, axis=1), np.roll(values, -1, axis=1)
+    crossed = (values < 0) != (after < 0)  # two sides of each triangle
+    share = (values[crossed] / (values[crossed] - after[crossed]))[:, None]
+    found = places[crossed] * (1 - share) + ahead[crossed] * share
+    return piece.points(found[:, 0], found[:, 1])
 
 
 def _joined(found: list[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> Parts:

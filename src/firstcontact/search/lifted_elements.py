@@ -1,9 +1,10 @@
-"""Edges and facets of one body as lines and planes, and the tree over its facets: boxes along principal axes.
+"""Edges, facets and corners of one body, each once; edges and facets as lines and planes.
 
 The line through c and d is Y = (f; k) with f = d - c, k = c x f; whether another line passes above or below it is the
-sign of a form that is linear in Y.  So a node knows, besides the box of its elements, a box of their vectors Y, and
-one look tells that a query passes all of them on one side (Schoemer & Thiel 1995, section 5, with linear-size trees
-in place of partition trees).  Lines that look alike lie close together in six dimensions, however long they are.
+sign of a form that is linear in Y.  So a cell knows, besides the box of its elements, a box of their vectors Y, and
+one look tells that a query passes all of them on one side (Schoemer & Thiel 1995, section 5, with cells fitted to the
+elements in place of partition trees).  Lines that look alike lie close together in six dimensions, however long they
+are.
 
 A facet gives the lines of its two longer sides, both directed away from the corner between them: a line that passes
 both on the same side misses the facet.  It also gives its plane (n; -n.a), normalised.
@@ -21,11 +22,7 @@ from typing import Any
 import numpy as np
 
 from firstcontact.kernels.jit import kernel
-from firstcontact.kernels.lifted_query import LINES, PLANES, REACH
-from firstcontact.kernels.principal import box_columns, fit_box, main_direction
 from firstcontact.search.tree import BARE, CORNER, FACET, FLAT_SIDE, POINT, SIDE, Tree
-
-LEAF = 8
 
 # Lines and planes have no direction of their own: the one that points this way is taken.
 WAY = np.array([1.0, 0.6180339887498949, 0.4142135623730951])
@@ -41,17 +38,6 @@ class Elements:
     parts: np.ndarray
     corners: np.ndarray
     """(m, 9): corners of the facet, ends of the edge (b twice), or the corner three times."""
-
-
-@dataclass(slots=True)
-class LiftedTree:
-    """nodes (q, columns), slots as in `lifted_query`; links (q, 2): inner (left, right), leaf (first, -last)."""
-
-    nodes: np.ndarray
-    links: np.ndarray
-    elements: Elements
-    origin: np.ndarray
-    scale: float
 
 
 def edges_of(tree: Tree, flat: bool = False) -> Elements:
@@ -92,24 +78,19 @@ def _elements(tree: Tree, bit: int, kinds: int, corners: Any) -> Elements:
     return Elements(rows, np.ascontiguousarray(np.concatenate(places)[chosen]))
 
 
-def lifted_tree(tree: Tree, facets: Elements) -> LiftedTree:
-    """The tree over the facets of the body, in the frame of `tree`."""
+def frame_of(tree: Tree) -> tuple[np.ndarray, float]:
+    """(origin, scale) of lines and planes: the middle of the body and a power of two near its size."""
     box = tree.boxes[0]
-    origin = 0.5 * (box[:3] + box[3:])
     size = float(np.abs(box[3:] - box[:3]).max())
-    scale = 2.0 ** math.frexp(size)[1] if 0.0 < size < math.inf else 1.0
-    lines, joint, boxes, sizes, planes = lift(facets.corners, True, origin, scale, WAY)
-    nodes, links, order = grow(lines, joint, boxes, sizes, planes, LEAF)
-    ordered = Elements(facets.parts[order], facets.corners[order])
-    return LiftedTree(nodes, links, ordered, origin, scale)
+    return 0.5 * (box[:3] + box[3:]), 2.0 ** math.frexp(size)[1] if 0.0 < size < math.inf else 1.0
 
 
 @kernel
 def lift(corners, facets, origin, scale, way):
-    """Per element: lines (m or 2m, 6), joint (m, 9) line and middle, boxes (m, 6), sizes (m, 3), planes (m or 0, 4)."""
+    """Per element: lines (m or 2m, 6), boxes (m, 6), sizes (m, 3), planes (m or 0, 4)."""
     m = corners.shape[0]
     group = 2 if facets else 1
-    lines, joint, boxes = np.empty((group * m, 6)), np.empty((m, 9)), np.empty((m, 6))
+    lines, boxes = np.empty((group * m, 6)), np.empty((m, 6))
     sizes, planes = np.zeros((m, 3)), np.zeros((m if facets else 0, 4))
     local = np.empty((3, 3))
     for i in range(m):
@@ -126,17 +107,13 @@ def lift(corners, facets, origin, scale, way):
             y = lines[group * i + g]
             turned += y[0] * way[0] + y[1] * way[1] + y[2] * way[2]
             sizes[i, 0] = max(sizes[i, 0], abs(y[0]) + abs(y[1]) + abs(y[2]))
-        for k in range(6):
-            joint[i, k] = 0.0
+        if turned < 0.0:
             for g in range(group):
-                if turned < 0.0:
+                for k in range(6):
                     lines[group * i + g, k] = -lines[group * i + g, k]
-                joint[i, k] += lines[group * i + g, k]
-        for k in range(3):
-            joint[i, 6 + k] = 0.5 * (boxes[i, k] + boxes[i, k + 3]) - origin[k]
         if facets:
             sizes[i, 2] = _write_plane(local, way, scale, planes[i])
-    return lines, joint, boxes, sizes, planes
+    return lines, boxes, sizes, planes
 
 
 @kernel
@@ -180,55 +157,6 @@ def _write_plane(x, way, scale, out):
         out[k] *= s
     out[3] = -(out[0] * x[0, 0] + out[1] * x[0, 1] + out[2] * x[0, 2]) / scale
     return 1.5 * size / largest  # |e|, |f| in 1-norm
-
-
-@kernel
-def grow(lines, joint, boxes, sizes, planes, leaf):
-    """Halves along the direction in which lines and middles vary most.  Returns nodes, links, order."""
-    m = joint.shape[0]
-    group = lines.shape[0] // max(m, 1)
-    room = max(1, 4 * ((m + leaf - 1) // leaf) + 2)
-    columns = LINES + box_columns(6) + (box_columns(4) if planes.shape[0] else 0)
-    nodes, links = np.zeros((room, columns)), np.empty((room, 2), np.int32)
-    order, keys = np.arange(m), np.empty(m)
-    stack = np.empty((128, 3), np.int64)
-    moments6, axes6, weights6 = np.empty((6, 6)), np.empty((6, 6)), np.empty((3, 6))
-    moments4, axes4, weights4 = np.empty((4, 4)), np.empty((4, 4)), np.empty((3, 4))
-    moments9, mean, direction = np.empty((9, 9)), np.empty(9), np.empty(9)
-    stack[0, 0], stack[0, 1], stack[0, 2] = 0, 0, m
-    depth, used = 1, 1
-    while depth > 0:
-        depth -= 1
-        node, first, last = stack[depth]
-        row = nodes[node]
-        for k in range(3):
-            row[k], row[k + 3] = np.inf, -np.inf
-        for i in range(first, last):
-            b = boxes[order[i]]
-            for k in range(3):
-                row[k], row[k + 3] = min(row[k], b[k]), max(row[k + 3], b[k + 3])
-                row[REACH + k] = max(row[REACH + k], sizes[order[i], k])
-        if last > first:
-            fit_box(lines, order, first, last, group, row, LINES, moments6, axes6, weights6)
-            if planes.shape[0]:
-                fit_box(planes, order, first, last, 1, row, PLANES, moments4, axes4, weights4)
-        if last - first <= leaf:
-            links[node, 0], links[node, 1] = first, -last
-            continue
-        main_direction(joint, order, first, last, moments9, mean, direction)
-        for i in range(first, last):
-            s = 0.0
-            for k in range(9):
-                s += direction[k] * joint[order[i], k]
-            keys[i] = s
-        middle = (first + last) // 2
-        select(keys, order, first, last, middle)
-        links[node, 0], links[node, 1] = used, used + 1
-        stack[depth, 0], stack[depth, 1], stack[depth, 2] = used, first, middle
-        stack[depth + 1, 0], stack[depth + 1, 1], stack[depth + 1, 2] = used + 1, middle, last
-        depth += 2
-        used += 2
-    return nodes[:used].copy(), links[:used].copy(), order
 
 
 @kernel

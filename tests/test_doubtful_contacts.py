@@ -1,0 +1,100 @@
+"""Contacts that no precision names: edges that land on edges, faces in one plane.  The time is certain though."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import firstcontact as fc
+from amount import amount
+
+CUBE = fc.examples.box((1, 1, 1))
+AXIS = (0, 0, 1)
+
+
+def encloses(hit, time):
+    lo, hi = hit.time_interval
+    return lo <= time * (1 + 1e-15) and time * (1 - 1e-15) <= hi and hi - lo <= 1e-12
+
+
+@pytest.mark.parametrize("height", [0.25, 0.3, 0.9, "1/3"])
+def test_an_edge_that_lands_on_an_edge(height):
+    """By symmetry the inner edge of one cube comes to lie in that of the other."""
+    hit = fc.first_contact(
+        CUBE.translated((5, 0, 0)).moving(fc.Screw(AXIS, degrees=720, advance=1)), CUBE.translated((0, 5, height))
+    )
+    assert hit.status is fc.Status.CONTACT
+    assert encloses(hit, math.degrees(math.atan2(4.5, 0.5) - math.atan2(0.5, 4.5)) / 720)
+    assert np.allclose(hit.point[:2], (0.5, 4.5), atol=1e-9)
+
+
+@pytest.mark.parametrize("degrees", [720, 700])
+def test_faces_that_seat_flat_at_the_last_instant(degrees):
+    nut = CUBE.translated((0.125, 0, 5)).moving(fc.Screw(AXIS, degrees=degrees, advance=-4))
+    hit = fc.first_contact(nut, CUBE)
+    assert hit.status is fc.Status.CONTACT and encloses(hit, 1.0)
+    assert abs(hit.point[2] - 0.5) < 1e-9
+    short = fc.first_contact(nut, CUBE, (0, "999999/1000000"))
+    assert short.status is fc.Status.FREE
+
+
+def test_misses_by_a_hair_are_told_from_contacts():
+    """Vertical edges pass a wall by 1e-9 on either side."""
+    turn = fc.Screw(AXIS, degrees=90, advance=1)
+    radius = math.hypot(5.5, 0.5)
+    arm = CUBE.translated((5, 0, 0)).moving(turn)
+    wall = fc.Polyhedron([[-9, 0, -9], [9, 0, -9], [9, 0, 9], [-9, 0, 9]], [[0, 1, 2, 3]])
+    near = fc.first_contact(arm, wall.translated((0, radius + 1e-9, 0)))
+    assert near.status is fc.Status.FREE
+    assert fc.first_contact(arm, wall.translated((0, radius - 1e-9, 0))).status is fc.Status.CONTACT
+
+
+def test_prisms_meet_when_a_turn_says_so():
+    """Prisms that share heights all the time: the screw meets when the turn without advance does, which is exact."""
+    rng = np.random.default_rng(20261122)
+    met = 0
+    for k in range(amount(60)):
+        ring, post = ([*rng.integers(1, 5, 2).tolist(), 0] for _ in range(2))
+        sizes = [(*rng.integers(1, 4, 2).tolist(), 8) for _ in range(2)]
+        arm, stop = (
+            fc.examples.box(size).translated([x * sign for x, sign in zip(at, signs, strict=True)])
+            for size, at, signs in zip(sizes, (ring, post), ((1, 1, 1), (-1, 1, 1)), strict=True)
+        )
+        turn, screw = fc.Rotation(AXIS, degrees=180), fc.Screw(AXIS, degrees=180, advance=1)
+        expected, hit = (fc.first_contact(arm.moving(m), stop) for m in (turn, screw))
+        assert hit.status is expected.status, (k, ring, post, sizes)
+        if hit.status is fc.Status.CONTACT:
+            met += 1
+            assert encloses(hit, expected.time), (k, ring, post, sizes)
+    assert met > 3
+
+
+@pytest.mark.parametrize("other", [fc.Translation((-5, 0, 0)), fc.Rotation(AXIS, degrees=180, point=(3, 0, 0))])
+def test_boxes_on_one_table(other):
+    """Boxes that slide in one plane meet when one that stands out on both sides is met, which no plane confuses."""
+    rng = np.random.default_rng(20261122)
+    met = 0
+    for k in range(amount(24)):
+        (x, y), angle = rng.integers(1, 4, 2).tolist(), int(rng.integers(20, 170))
+        turn = fc.Rotation(AXIS, degrees=angle)
+        slider = fc.examples.box((x, y, 2)).translated((5, int(rng.integers(-2, 3)), 0)).moving(other)
+        level, tall = (fc.examples.box((2, 1, height)).moving(turn) for height in (2, 3))
+        expected, hit = (fc.first_contact(slider, b) for b in (tall, level))
+        assert hit.status is expected.status is not fc.Status.UNDECIDED, (k, x, y, angle)
+        if hit.status is fc.Status.CONTACT:
+            met += 1
+            assert encloses(hit, expected.time), (k, x, y, angle)
+    assert met > 2
+
+
+def test_flat_sheets_in_one_plane_are_never_called_free():
+    """Sheets without thickness have no edges that leave their plane."""
+    sheet = fc.Polyhedron([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], [[0, 1, 2, 3]])
+    hit = fc.first_contact(
+        sheet.translated((5, 0, 0)).moving(fc.Translation((-6, 0, 0))), sheet.moving(fc.Rotation(AXIS, degrees=40)),
+        budget=2000,
+    )  # fmt: skip
+    assert hit.status in (fc.Status.CONTACT, fc.Status.UNDECIDED)
+    assert hit.free_until < 0.75

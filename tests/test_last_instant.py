@@ -1,0 +1,57 @@
+"""Bodies that land at the last instant of the span, in poses without rational numbers."""
+
+from __future__ import annotations
+
+import pytest
+
+import firstcontact as fc
+
+Z = (0, 0, 1)
+PLATE = fc.box((6, 6, 2)).named("plate")
+BRICK = fc.box((1, 2, 2)).named("brick")
+ON_ITS_CORNER = [["2/3", "-1/3", "2/3", 0], ["2/3", "2/3", "-1/3", 0], ["-1/3", "2/3", "2/3", 0], [0, 0, 0, 1]]
+RING = fc.box((5, 5, 2)) - fc.cylinder(1, 4)
+LEVER = fc.box((4, 1, 1)).translated((3, 0, 1))
+SCENES = {
+    "flat": (BRICK.translated((1, 0, 4)), fc.Screw(Z, degrees=77, advance=-2), PLATE, "patch"),
+    "radians": (BRICK.translated((1, 0, 4)), fc.Screw(Z, (1, 1, 1), radians=1.25, advance=-2), PLATE, "patch"),
+    "on a smaller one": (fc.box((5, 5, 2)).translated((0, 0, 4)), fc.Screw(Z, turns=3, advance=-2),
+                         fc.box((1, 1, 2)), "patch"),
+    "on a corner": (fc.box((1, 2, 2)).transformed(ON_ITS_CORNER).translated((1, 0, "7/2")),
+                    fc.Screw(Z, degrees=77, advance=-1), PLATE, "point"),
+    "ring on ring": (RING.translated((0, 0, 4)), fc.Screw(Z, degrees=77, advance=-2),
+                     PLATE - fc.cylinder("3/2", 4), "conic arc"),
+    "slanting": (BRICK.translated((0, 0, 1)), fc.Screw((0, 3, -4), degrees=77, advance=1),
+                 fc.half_space((0, -3, 4), -8), "segment"),
+    "a quarter turn": (LEVER, fc.Screw((0, 1, 0), degrees=90, advance="1/8"),
+                       fc.box((1, 6, 6)).translated((0, 0, -8)), "segment"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_landing(name):
+    body, motion, other, kind = SCENES[name]
+    hit, back = fc.first_contact(body.moving(motion), other), fc.first_contact(other, body.moving(motion))
+    for found in (hit, back):
+        assert found.status is fc.Status.CONTACT and found.time == 1.0 and found.contact_set == kind
+        assert found.time_interval[1] == 1.0 and found.time_interval[1] - found.time_interval[0] < 1e-12
+    assert labels(hit) == {(b, a) for a, b in labels(back)} and len(labels(hit)) == hit.multiplicity
+    assert hit.a.motion is motion
+
+
+def labels(hit) -> set[tuple[str, str]]:
+    first = hit.element_a, hit.element_b
+    return {(a.label, b.label) for a, b in (first, *((p.element_a, p.element_b) for p in hit.others))}
+
+
+def test_a_body_that_turns_beside_one_that_rises():
+    hit = fc.first_contact(BRICK.translated((0, 0, 4)).moving(fc.Rotation(Z, degrees=77)), PLATE.moving(
+        fc.Translation((0, 0, 2))
+    ))  # fmt: skip
+    assert hit.status is fc.Status.CONTACT and hit.time == 1.0 and hit.point[2] == pytest.approx(3)
+
+
+@pytest.mark.parametrize("advance", ["-1.99999999999999999999", "-2.00000000000000000001"])
+def test_what_lands_nearly_is_left_open(advance):
+    hit = fc.first_contact(BRICK.translated((0, 0, 4)).moving(fc.Screw(Z, degrees=77, advance=advance)), PLATE)
+    assert hit.status is fc.Status.UNDECIDED and 1 - 1e-12 < hit.free_until < 1

@@ -1,0 +1,64 @@
+"""Parts that turn and shift on one table: faces slide in one plane all the time, and walls tell when they touch."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from flint import fmpq
+
+import firstcontact as fc
+from amount import amount
+from firstcontact.search.planar import has_walls
+
+UP = (0, 0, 1)
+NORMAL = fmpq(0), fmpq(0), fmpq(1)
+
+
+def prism(rng, high: float) -> fc.Polyhedron:
+    """Over a star-shaped polygon, from z = 0."""
+    n = int(rng.integers(3, 8))
+    angle = 2 * np.pi * (np.arange(n) + rng.uniform(-0.3, 0.3, n)) / n
+    ring = np.column_stack([np.cos(angle), np.sin(angle)]) * rng.uniform(0.4, 1.2, n)[:, None]
+    points = np.concatenate([np.column_stack([ring, np.full(n, z)]) for z in (0.0, high)])
+    k = np.arange(n)
+    walls = np.column_stack([k, (k + 1) % n, (k + 1) % n + n, k + n]).tolist()
+    return fc.Polyhedron(points, [k[::-1].tolist(), (k + n).tolist(), *walls])
+
+
+@pytest.mark.parametrize("seed", range(amount(18)))
+def test_parts_on_one_table_touch_as_parts_at_two_heights(seed):
+    rng = np.random.default_rng(seed)
+    a, b = prism(rng, 1.0), prism(rng, 1.0 if seed % 2 else 2.0)
+    way = fc.Translation((-4, float(rng.uniform(-1, 1)), 0))
+    turn = fc.Rotation(UP, (0.25, 0, 0), degrees=float(rng.uniform(30, 300)))
+    start = a.translated((3, float(rng.uniform(-1, 1)), 0)).moving(way)
+    hit, apart = (fc.first_contact(start, x.moving(turn)) for x in (b, b.translated((0, 0, 0.25))))
+    assert hit.status is apart.status and hit.status is not fc.Status.UNDECIDED
+    if hit.status is fc.Status.CONTACT:
+        assert hit.time == pytest.approx(apart.time, abs=1e-14)
+
+
+def test_on_a_slanting_table():
+    """Both bodies turn, about parallel axes."""
+    tilt = [["2/3", "-1/3", "2/3", 0], ["2/3", "2/3", "-1/3", 0], ["-1/3", "2/3", "2/3", 0], [0, 0, 0, 1]]
+    hits = []
+    for axis, point, place in ((UP, (10, 20, 0), np.eye(4)), ((2, -1, 2), (0, 20, 10), tilt)):
+        a = fc.examples.box((2, 2, 2)).translated((4, 0.1, 0)).transformed(place)
+        b = fc.examples.box((3, 4, 2)).transformed(place)
+        first, second = fc.Rotation(axis, point, degrees=-10), fc.Rotation(axis, degrees=-100)
+        hits.append(fc.first_contact(a.moving(first), b.moving(second)))
+    assert hits[0].status is fc.Status.CONTACT and hits[1].time == pytest.approx(hits[0].time, abs=1e-12)
+
+
+def test_sheets_have_no_walls_and_are_left_open():
+    sheet = fc.Polyhedron([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], [[0, 1, 2, 3]])
+    way, turn = fc.Translation((-4, 0.1, 0)), fc.Rotation(UP, degrees=50)
+    hit = fc.first_contact(sheet.translated((4, 0, 0)).moving(way), sheet.moving(turn))
+    assert hit.status is fc.Status.UNDECIDED and hit.reason == "precision" and hit.free_until > 0.4
+
+
+def test_which_have_walls():
+    box = fc.examples.box((1, 2, 3))
+    assert has_walls(box, NORMAL) and has_walls(box.rotated((1, 2, 3), degrees=20), NORMAL)
+    folded = fc.Polyhedron([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 1]])
+    assert folded.solid and not has_walls(folded, NORMAL)

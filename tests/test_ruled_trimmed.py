@@ -1,0 +1,137 @@
+"""Times of contact of trimmed pieces: known ones, the same pieces without trimming, samples, laws."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+import firstcontact as fc
+from amount import amount
+from firstcontact.errors import UnsupportedPair
+from firstcontact.ruled.trimmed import inner_places
+from firstcontact.view.ruled import bounded_parts, element_corners
+
+DISC = fc.RuledSurface("(u, -1, 0)", "(u, 1, 0)", u=(-1, 1), trim=["u**2 + (2*s-1)**2 <= 1"], name="disc")
+RING = fc.RuledSurface(
+    "(u, -2, 0)", "(u, 2, 0)", u=(-2, 2), trim=["u**2 + (4*s-2)**2 <= 2", "u**2 + (4*s-2)**2 >= 1"], name="ring"
+)
+
+
+def wall(x: str, y: str, name: str = "wall") -> fc.RuledSurface:
+    return fc.RuledSurface(f"({x}, {y}, -1)", f"({x}, {y}, 1)", u=(-2, 5), name=name)
+
+
+def test_a_disc_meets_walls():
+    """A disc of radius 1 reaches x = 3 after 2, x + y = 3 after 3 - sqrt 2; another element begins to touch there."""
+    push = fc.Translation((4, 0, 0))
+    hit = fc.first_contact(DISC.moving(push), wall("3 - u", "u"), exact=True)
+    assert float(hit.time_exact) == (3 - 2**0.5) / 4
+    assert (hit.element_a.kind, hit.element_a.index, hit.element_b.kind) == ("edge", 0, "face")
+    root = 0.5**0.5
+    assert np.allclose(hit.point, (3 - root, root, 0)) and np.allclose(hit.normal, (-root, -root, 0))
+    (straight,) = fc.contact_intervals(wall("3", "u"), DISC.moving(fc.Translation((8, 1, 0))), exact=True)
+    assert (straight.start_exact, straight.end_exact) == (Fraction(1, 4), Fraction(1, 2))
+
+
+def test_pages_draw_the_border(tmp_path):
+    hit = fc.first_contact(DISC.moving(fc.Translation((4, 0, 0))), wall("3 - u", "u"))
+    assert hit.show(str(tmp_path / "disc.html")) is not None
+    drawn = element_corners(RING, bounded_parts(RING, 0.1), fc.result.Element("edge", "ring", 1, "ring"))
+    assert np.allclose(np.linalg.norm(drawn, axis=1), 1, atol=1e-3)
+    assert set(np.sign(drawn[:, 0])) >= {-1, 1} and set(np.sign(drawn[:, 1])) >= {-1, 1}
+
+
+def test_rulings_on_one_line_are_refused():
+    """A piece that meets itself, moved: all its rulings come to lie on one line each."""
+    leaf = fc.RuledSurface("(u, -1, 0)", "(u, 1, u*u)", u=(-1, 1), trim=["s <= 1/2 + u/4"], name="leaf")
+    same = fc.RuledSurface("(u, -1, 0)", "(u, 1, u*u)", u=(-1, 1)).translated((0, 0, -1))
+    with pytest.raises(UnsupportedPair, match="leaf.*one line"):
+        fc.first_contact(leaf, same.moving(fc.Translation((0, 0, 2))))
+
+
+def test_a_post_passes_through_a_ring():
+    """The ring 1 <= |x|^2 <= 2 meets a thin line at x = -3 + 6 T twice."""
+    post = fc.RuledSurface("(u/8, 0, -1)", "(u/8, 0, 1)", u=(-1, 1), name="post").translated((-3, 0, 0))
+    found = fc.contact_intervals(post.moving(fc.Translation((6, 0, 0))), RING)
+    known = [(3 - 2**0.5 - 0.125) / 6, (3 - 1 + 0.125) / 6, (3 + 1 - 0.125) / 6, (3 + 2**0.5 + 0.125) / 6]
+    assert np.allclose([t for x in found for t in (x.start, x.end)], known, atol=1e-15)
+    through = post.translated((3, 0, 3)).moving(fc.Translation((0, 0, -6)))
+    assert fc.first_contact(through, RING).status is fc.Status.FREE
+
+
+TOPS = ["1/4 + u/2", "u**2", "1 - u/2", "1/2 + u*(1-u)"]
+
+
+@pytest.mark.parametrize("seed", range(amount(12)))
+def test_a_trimmed_piece_is_a_shorter_piece(seed):
+    """What s <= c(u) leaves of first + s (second - first) is ruled by its rulings up to c(u)."""
+    rng = np.random.default_rng(seed)
+    first, gap = (["({})/2 + ({})/2*u".format(*rng.integers(-3, 4, 2)) for _ in range(3)] for _ in range(2))
+    top = TOPS[seed % 4]
+    ends = ["({})".format(", ".join(c)) for c in (first, [f"{p} + {d} + 1/5" for p, d in zip(first, gap, strict=True)])]
+    upper = "({})".format(", ".join(f"{p} + ({top})*({d} + 1/5)" for p, d in zip(first, gap, strict=True)))
+    cut = fc.RuledSurface(*ends, trim=[f"s <= {top}"], name="cut")
+    short = fc.RuledSurface(ends[0], upper, name="short")
+    motion = fc.Translation(rng.integers(3, 9, 3).tolist())
+    target = fc.RuledSurface("(u, 0, u/3)", "(u/2, 3, 1)", u=(-1, 2)).translated(rng.integers(0, 5, 3))
+    if seed % 3 == 2:
+        target = fc.examples.box((1, 2, 1)).translated(rng.integers(1, 5, 3))
+    known = fc.contact_intervals(short.moving(motion), target)
+    found = fc.contact_intervals(cut.moving(motion), target)
+    swapped = fc.contact_intervals(target, cut.moving(motion))
+    other = fc.contact_intervals(cut, target.moving(fc.Translation([-float(c) for c in motion.vector])))
+    for result in (found, swapped, other):
+        assert result.status is known.status
+        ends = [(x.start, x.end) for x in result]
+        assert np.allclose(ends, [(x.start, x.end) for x in known], atol=1e-12)
+
+
+def test_a_deforming_trimmed_piece():
+    """A disc whose plane rises reaches a bar at z = 1/2 over the place x = 3/5 at T = 1/2, when it is wide enough."""
+    rising = fc.RuledSurface("(u, -1, T)", "(u, 1, T)", u=(-1, 1), trim=["u**2 + (2*s-1)**2 <= 1/4"])
+    bar = fc.RuledSurface("(3/5, -1 + 2*u, 2/5)", "(2/5, -1 + 2*u, 3/5)", name="bar")
+    (interval,) = fc.contact_intervals(rising, bar, exact=True)
+    # on the bar x = 1 - z, which the disc reaches where x <= 1/2
+    assert (interval.start_exact, interval.end_exact) == (Fraction(1, 2), Fraction(3, 5))
+
+
+@pytest.mark.parametrize("solid", [fc.examples.box((2, 2, 2)), fc.examples.box((20, 20, 20))])
+def test_solids_hold_trimmed_pieces(solid):
+    """Of the disc from x = -8 to 0: its rim comes to the box, or all of it is inside at all times."""
+    way = fc.Translation((8, 0.5, 0))
+    (interval,) = fc.contact_intervals(DISC.translated((-8, 0, 0)).moving(way), solid, exact=True)
+    assert (interval.start_exact, interval.end_exact) == (Fraction(3, 4) if solid.vertices.max() < 5 else 0, 1)
+
+
+def test_every_part_of_a_piece_has_a_place():
+    parts = fc.RuledSurface("(u, -1, 0)", "(u, 1, 0)", trim=["(4*u-1)*(4*u-2)*(4*u-3) >= 0", "9*s**2 - 9*s + 2 >= 0"])
+    places = inner_places(parts)
+    for lo, hi in ((0.25, 0.5), (0.75, 1)):
+        for low, high in ((0, 1 / 3), (2 / 3, 1)):
+            assert any(lo <= float(u) <= hi and low <= float(s) <= high for u, s in places)
+    assert len(inner_places(DISC)) >= 1  # the disc touches the borders of its square from inside
+
+
+@pytest.mark.parametrize(
+    "trim",
+    [
+        ["-(2*u-1)**2 >= 0"], ["u**2 + s**2 <= 0"], ["(2*u-1)**2 + (2*s-1)**2 <= 0"], ["2*s <= 1", "2*s >= 1"],
+        ["s <= -(2*u-1)**2"], ["(u-1/3)**2*(u-1/4) >= s**2"], ["4*s <= 2 - (2*u-1)**2", "4*s >= 2 + (2*u-1)**2"],
+    ],
+)  # fmt: skip
+def test_solids_refuse_what_has_no_area(trim):
+    thread = fc.RuledSurface("(u, -1, 0)", "(u, 1, 0)", trim=trim, name="thread").translated((-8, 0, 0))
+    with pytest.raises(UnsupportedPair, match="thread.*without area"):
+        fc.contact_intervals(thread.moving(fc.Translation((8, 0.5, 0))), fc.examples.box((2, 2, 2)))
+
+
+@pytest.mark.parametrize(("trim", "known"), [(["-(2*u-1)**2 >= 0"], 0.625), (["2*s <= 1", "2*s >= 1"], 0.5)])
+def test_arcs_meet_surfaces(trim, known):
+    """The middle line of a square that comes from x = -4 (u = 1/2 at x = -3.5) with 8 T to a wall at x = 1.5, or 0."""
+    square = fc.RuledSurface("(u, -1, 0)", "(u, 1, 0)", trim=trim).translated((-4, 0, 0))
+    target = wall("3/2" if known == 0.625 else "1", "u")
+    found = fc.contact_intervals(square.moving(fc.Translation((8, 0, 0))), target)
+    assert found[0].start == known
+    assert found[0].end == (known if known == 0.625 else 0.625)
