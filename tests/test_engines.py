@@ -31,19 +31,21 @@ MOTIONS = pytest.mark.parametrize("rotating", [False, True], ids=["translation",
 
 
 @MOTIONS
-def test_small_scenes_by_lifted_trees(rotating):
-    scenes = small_scenes(70_000, amount(240), rotating)
-    seen = Counter(assert_same_first_contact(scene, engine="lifted") for scene in scenes)
+@pytest.mark.parametrize(("engine", "count"), [("lifted", 240), ("composed", 60)])
+def test_small_scenes_by_engine(engine, count, rotating):
+    scenes = small_scenes(70_000, amount(count), rotating)
+    seen = Counter(assert_same_first_contact(scene, engine=engine) for scene in scenes)
     assert len(seen) == 3, seen
 
 
+@pytest.mark.parametrize("engine", ["lifted", "composed"])
 @pytest.mark.parametrize("family", FAMILIES)
-def test_near_miss_families_by_lifted_trees(family):
+def test_near_miss_families_by_engine(family, engine):
     a, b = FAMILIES[family](16, 5)
-    assert assert_same_first_contact(Scene(a, b, translation=(0, 0, 1)), engine="lifted") == naive.CONTACT
+    assert assert_same_first_contact(Scene(a, b, translation=(0, 0, 1)), engine=engine) == naive.CONTACT
     turn = {"axis": (0, 0, 1), "turns": 1}
     scene = Scene(to_tangent(a), to_tangent(b), rotation=turn)
-    assert assert_same_first_contact(scene, engine="lifted") == naive.CONTACT
+    assert assert_same_first_contact(scene, engine=engine) == naive.CONTACT
 
 
 @MOTIONS
@@ -55,9 +57,11 @@ def test_rods_on_reguli_by_every_engine(rotating):
     if rotating:
         turn = {"axis": (0, 0, 1), "turns": 1}
         scene = Scene(to_tangent(a), to_tangent(b), rotation=turn, solid=True)
-    boxes, lifted, auto = (fc.first_contact(*question(scene), engine=e) for e in ("boxes", "lifted", "auto"))
+    boxes, lifted, *others = (
+        fc.first_contact(*question(scene), engine=e) for e in ("boxes", "lifted", "auto", "composed")
+    )
     assert boxes.status is fc.Status.CONTACT
-    assert same_answer(lifted, boxes) and same_answer(auto, boxes)
+    assert all(same_answer(x, boxes) for x in (lifted, *others))
     assert 3 * lifted.stats.pair_tests < boxes.stats.pair_tests
 
 
@@ -118,10 +122,11 @@ def test_auto_stays_with_boxes_on_ordinary_meshes():
     assert (auto.stats.pair_tests, auto.stats.node_visits) == (boxes.stats.pair_tests, boxes.stats.node_visits)
 
 
-def test_a_budget_ends_lifted_trees_too():
+@pytest.mark.parametrize("engine", ["lifted", "composed"])
+def test_a_budget_ends_every_engine(engine):
     a, b = g.reguli(60, 2.0**-10, 4)
     ask = question(Scene(a, b, translation=(0, 0, 1)))
-    full, short = fc.first_contact(*ask, engine="lifted"), fc.first_contact(*ask, engine="lifted", budget=20)
+    full, short = fc.first_contact(*ask, engine=engine), fc.first_contact(*ask, engine=engine, budget=20)
     assert short.status is fc.Status.UNDECIDED and short.reason == "budget"
     assert short.free_until <= full.time
 

@@ -7,7 +7,12 @@ import pytest
 import firstcontact as fc
 import generators as g
 import naive
-from agreement import polyhedron, question, reference_motion
+from agreement import polyhedron, question, reference_motion, small_scenes
+from amount import amount
+from firstcontact.motion.relative import pieces
+from firstcontact.report import element_pairs
+from firstcontact.search.earliest import all_pairs
+from firstcontact.search.problem import problems_in_order
 from generators import Scene, lattice_scene
 from vectors import Body
 
@@ -40,6 +45,37 @@ def test_lattice_scenes(first, rotating):
         assert found == truth, f"too many {found - truth}, missed {truth - found}: {scene}"
         most = max(most, len(truth))
     assert most > 20
+
+
+@pytest.mark.parametrize("rotating", [False, True], ids=["translation", "rotation"])
+def test_reported_pairs_are_those_tested_one_by_one(rotating):
+    """By the levels of the linearisation from the first pair on."""
+    most = 0
+    for scene in small_scenes(5000, amount(120), rotating):
+        answers = []
+        for engine in ("boxes", "composed"):
+            problems = problems_in_order(*question(scene)[:2], pieces(*question(scene))[0], engine)
+            found = [all_pairs(problem, with_start) for problem, with_start in problems]
+            answers.append([(set(x.pairs), set(x.start)) for x in found])
+        assert answers[0] == answers[1], scene
+        most = max(most, *(len(pairs) for pairs, _ in answers[0]))
+    assert most > 20
+
+
+@pytest.mark.parametrize("turning", [False, True], ids=["translation", "rotation"])
+@pytest.mark.parametrize("closed", [False, True], ids=["edges", "solids"])
+def test_few_of_many_woven_pairs(closed, turning):
+    """A short way through woven rods: few of n^2 pairs meet, and few more are tested."""
+    scene = fc.examples.woven_rods(150 if closed else 400, closed=closed, turning=turning, seed=3)
+    motion = fc.Rotation((0, 0, 1), radians=2.0**-9) if turning else fc.Translation((0, 0, 2.0**-9))
+    moving = scene.a.moving(motion)
+    pairs = fc.contact_pairs(moving, scene.b)
+    assert pairs.stats.engine == "composed"
+    ((problem, with_start),) = problems_in_order(moving, scene.b, pieces(moving, scene.b, None)[0])
+    tested = all_pairs(problem, with_start)
+    found = [p for p, _ in element_pairs(scene.a, scene.b, tested.pairs)]
+    assert list(pairs) == found and len(found) > 20
+    assert 5 * pairs.stats.pair_tests < tested.tests
 
 
 def test_a_cube_meeting_a_cube():

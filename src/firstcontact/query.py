@@ -45,6 +45,7 @@ def first_contact(
     tolerance: float = 1e-12,
     budget: int | None = None,
     progress: Progress | None = None,
+    threads: int = 1,
 ) -> FirstContact:
     """FirstContact at the earliest time in the closed span at which a and b share a point.
 
@@ -54,12 +55,15 @@ def first_contact(
 
     engine: of polyhedra, which trees are asked; the answer is the same.  "boxes"; "lifted", for scenes in which nearly
     everything passes nearly everything; "cells", for long parts that cross in general position (both for translations
-    and rotations only); "auto" begins with boxes and changes over to "lifted" when boxes have had enough pair tests.
-    `stats.engine` tells which one answered.
+    and rotations only); "auto" begins with boxes and changes over to "lifted" when boxes have had enough pair tests;
+    "composed" is the paper's structure among edges and "sweep" its plane sweep among vertices and facets (translations
+    only), for reading and measuring.  `stats.engine` tells which one answered.
     exact: add `time_exact`.  tolerance: largest width of `time_interval`, relative to the span (enclosures
     come out a few units in the last place wide, whatever is asked).
     budget: node visits plus pair tests (curved models: strides, subproblems and candidates) after which to answer
     UNDECIDED.  progress: called with (free until, work) now and then.
+    threads: how many share the queries of "composed" and the groups of "sweep"; other engines take one.  The answer is
+    the same, bit for bit.
 
     Raises UnsupportedPair with exact=True where times have no exact form, as under screws (docs/motions.md).
 
@@ -71,6 +75,8 @@ def first_contact(
     """
     begin = clock.perf_counter()
     bodies = _check(a, b, method, engine, tolerance, budget)
+    if not isinstance(threads, int) or threads < 1:
+        raise InputError(f"threads is {threads!r}; give a whole number from 1 on")
     if bodies != "polyhedra" and engine != "auto":
         raise UnsupportedPair(f"engine {engine!r} searches trees of polyhedra; curved models take 'auto'")
     if bodies != "polyhedra":
@@ -87,12 +93,14 @@ def first_contact(
     parts, first, last = pieces(a, b, span)
     if exact:
         _refuse_inexact(parts)
-    if engine in ("lifted", "cells") and any(isinstance(piece, CurvedPiece) for piece in parts):
+    if engine == "sweep" and any(isinstance(piece, CurvedPiece) or piece.velocity is None for piece in parts):
+        raise UnsupportedPair("engine 'sweep' searches translations; rotations take 'lifted', other motions 'auto'")
+    if engine not in ("auto", "boxes") and any(isinstance(piece, CurvedPiece) for piece in parts):
         raise UnsupportedPair(f"engine {engine!r} searches translations and rotations; other motions take 'auto'")
     stats = NO_WORK
     window = (to_double(first), math.inf if last is None else to_double(last))
     shared = {"a": a, "b": b, "span": window}
-    for k, (problem, with_start) in enumerate(problems_in_order(a, b, parts, engine)):
+    for k, (problem, with_start) in enumerate(problems_in_order(a, b, parts, engine, threads)):
         left = None if budget is None else max(0, budget - int(stats.node_visits + stats.pair_tests))
         found = earliest(problem, left, progress, with_start=with_start)
         stats = _added(stats, found)
@@ -178,7 +186,8 @@ def contact_intervals(
 def contact_pairs(a: Any, b: Any, span: Any = None) -> ContactPairs:
     """All element pairs (vertex/face, edge/edge, face/vertex) that meet during the span.
 
-    Arguments as in `first_contact`; diagonals inside polygons count as their faces.
+    Arguments as in `first_contact`; diagonals inside polygons count as their faces.  Where many pairs pass each other
+    and few meet, those that do are reported by the paper's range searching instead of tested one by one.
 
     >>> import firstcontact as fc
     >>> rod = fc.Polyhedron([[-1, 0, 0], [1, 0, 0]], [], edges=[[0, 1]])
@@ -192,7 +201,7 @@ def contact_pairs(a: Any, b: Any, span: Any = None) -> ContactPairs:
     stats = NO_WORK
     met: list[Pair] = []
     pierced: list[Pair] = []
-    for problem, with_start in problems_in_order(a, b, parts):
+    for problem, with_start in problems_in_order(a, b, parts, "auto"):
         found = all_pairs(problem, with_start=with_start)
         if found.open is not None:
             raise FirstContactError("a pair of elements cannot be decided in this irrational pose")
@@ -308,7 +317,7 @@ def _refuse_inexact(parts: list[Any]) -> None:
 
 
 METHODS = ("auto", "certified", "algebraic")
-ENGINES = ("auto", "boxes", "lifted", "cells")
+ENGINES = ("auto", "boxes", "lifted", "cells", "composed", "sweep")
 
 
 def _check(a: Any, b: Any, method: str, engine: str, tolerance: float, budget: int | None) -> str:

@@ -11,6 +11,7 @@ from flint import arb
 from firstcontact.exact.instants import RationalInstant
 from firstcontact.exact.numbers import PRECISIONS, Undecidable, exact_value, precision
 from firstcontact.search.elements import KINDS, Feature, feature
+from firstcontact.search.engines import ByEngine
 from firstcontact.search.planar import BeginsNothing
 from firstcontact.search.state import (
     ALL,
@@ -23,7 +24,6 @@ from firstcontact.search.state import (
     EDGE_FACE,
     FULL,
     KEY,
-    LIFTED,
     SLICE,
     SLICE_SPENT,
     TESTS,
@@ -104,7 +104,7 @@ def earliest(
         found.visits += int(state.integers[VISITS])
         found.tests += int(state.integers[TESTS])
         found.unsure += int(state.integers[UNSURE_TOTAL])
-        found.engine = ("boxes", "lifted", "lifted", "cells")[state.integers[LIFTED]]
+        found.engine = engine_of(problem, state)
         return_state(state)
     return found
 
@@ -128,6 +128,7 @@ def all_pairs(problem: Problem, with_start: bool = True) -> Found:
             found.open = "precision"
     finally:
         found.visits, found.tests = int(state.integers[VISITS]), int(state.integers[TESTS])
+        found.engine = engine_of(problem, state)
         return_state(state)
     return found
 
@@ -145,6 +146,11 @@ def pairs_at_start(problem: Problem) -> list[tuple[Pair, bool]]:
         return search.found.start
     finally:
         return_state(state)
+
+
+def engine_of(problem: Problem, state: WalkState) -> str:
+    """The engine that answered."""
+    return problem.answered(state) if isinstance(problem, ByEngine) else "boxes"
 
 
 class _Search:

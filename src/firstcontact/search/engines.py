@@ -1,7 +1,7 @@
 """Which engine a search asks.
 
 Trees of boxes are best where bodies meet in few places; halving by lines and planes ("lifted") where everything passes
-everything closely.  Cells of space and time are asked only by name.
+everything closely.
 
 `auto` begins with boxes, in the order of their times, and goes on by halving once they have spent their pair tests,
 with what they proved so far: nothing meets before the present key, and the best time.  How many they may spend depends
@@ -11,6 +11,9 @@ on how the bodies look (`tests_of_boxes`):
   wide plates, long prisms.  Boxes would test nearly all pairs, unless they are done almost at once.
 - One body is a set of points: there halving needs 10 to 20 tests a point, and boxes get TESTS_A_POINT.
 - Else, as on ordinary meshes, they may spend more than ordinary scenes ever do.
+
+Cells of space and time, the plane sweep and the levels of `composed` are asked only by name, the latter also for
+lists of all pairs.
 """
 
 from __future__ import annotations
@@ -20,6 +23,7 @@ from typing import Any
 from firstcontact.search.crowding import crowding
 from firstcontact.search.state import (
     ALL,
+    CANDIDATES,
     CROSSING_FOUND,
     DONE,
     HEAP,
@@ -38,6 +42,9 @@ CROWDED_SHARE, CROWDED_LEAVES = 0.02, 32
 TESTS_AT_ONCE, TESTS_A_POINT = 1 / 64, 1
 # Pair tests that ordinary scenes stay below: per primitive of both bodies, and never fewer than FEWEST.
 SHARE, FEWEST = 4, 4096
+# Lists of all pairs change over at so many tests for each primitive and each pair listed so far; looked at every so
+# many node visits.
+LISTING_SHARE, LISTING_SLICE = 8, 16384
 
 
 def tests_of_boxes(tree_a: Tree, tree_b: Tree) -> int:
@@ -58,14 +65,26 @@ class ByEngine:
     """A problem of translation or rotation that is searched by the engine it is given."""
 
     engine = "boxes"
+    threads = 1
+    listed = 0
     tree_a: Tree
     tree_b: Tree
 
     def advance(self, state: WalkState, limit: int, with_start: bool, all_sides: bool) -> int:
-        """Go on with the walk; the reason it came back.  Lists of all pairs are always made with boxes."""
+        """Go on with the walk; the reason it came back.  What is pierced at the start is always found with boxes."""
         integers = state.integers
-        if self.engine == "boxes" or all_sides or state.floats[ALL]:
+        if self.engine == "boxes" or (state.floats[ALL] and not all_sides):
             return self.advance_boxes(state, limit, with_start, all_sides)
+        if self.engine == "composed":
+            return self._advance_composed(state, limit, with_start, all_sides)
+        if self.engine == "sweep" and not all_sides:
+            from firstcontact.search.sweep_problem import advance_sweep
+
+            if not integers[LIFTED]:
+                begin_lifted(state, with_start)
+            return advance_sweep(self, state, limit)
+        if all_sides:
+            return self._list_pairs(state, limit, with_start)
         if self.engine == "cells":
             from firstcontact.search.cell_problem import advance_cells
 
@@ -92,9 +111,40 @@ class ByEngine:
 
         return advance_lifted(self, state, limit)
 
+    def _advance_composed(self, state: WalkState, limit: int, with_start: bool, all_sides: bool) -> int:
+        from firstcontact.search.composed_problem import advance_composed
+
+        if not state.integers[LIFTED]:
+            begin_lifted(state, with_start)
+        return advance_composed(self, state, limit, all_sides)
+
+    def _list_pairs(self, state: WalkState, limit: int, with_start: bool) -> int:
+        """All pairs that meet: with boxes as long as these test few pairs for each one that does, then by the levels of
+
+        the linearisation, which report what is met without looking at all that is passed.
+        """
+        integers = state.integers
+        if integers[LIFTED]:
+            return self._advance_composed(state, limit, with_start, True)
+        reason = self.advance_boxes(state, min(limit, int(integers[VISITS]) + LISTING_SLICE), with_start, True)
+        self.listed += int(integers[CANDIDATES])
+        most = LISTING_SHARE * (len(self.tree_a.corners) + len(self.tree_b.corners) + self.listed)
+        if reason != DONE and integers[TESTS] > max(FEWEST, most):
+            begin_lifted(state, with_start and integers[STACK] > 0)
+        return reason
+
+    def answered(self, state: WalkState) -> str:
+        """The engine that answered."""
+        if not state.integers[LIFTED]:
+            return "boxes"
+        if self.engine == "auto":
+            return "composed" if state.floats[ALL] else "lifted"
+        return self.engine
+
     def meets_by(self, element_a: Any, element_b: Any, after: float) -> float | None:
         """A time soon after that one by which the bodies certainly share a point: none is sought, pairs are exact."""
         return None
+
 
     def advance_boxes(self, state: WalkState, limit: int, with_start: bool, all_sides: bool) -> int:
         raise NotImplementedError

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from firstcontact.kernels.jit import kernel
-from firstcontact.search.tree import BARE, CORNER, FACET, POINT, SIDE, Tree
+from firstcontact.search.tree import BARE, CORNER, FACET, FLAT_SIDE, POINT, SIDE, Tree
 
 # Lines and planes have no direction of their own: the one that points this way is taken.
 WAY = np.array([1.0, 0.6180339887498949, 0.4142135623730951])
@@ -40,9 +40,14 @@ class Elements:
     """(m, 9): corners of the facet, ends of the edge (b twice), or the corner three times."""
 
 
-def edges_of(tree: Tree) -> Elements:
-    """The edges that count for a first contact (no flat sides)."""
-    return _elements(tree, SIDE, FACET | BARE | POINT, ((0, 1, 1), (1, 2, 2), (2, 0, 0)))
+def edges_of(tree: Tree, flat: bool = False) -> Elements:
+    """The edges that count for a first contact; or all of them, those on flat sides too."""
+    corners = ((0, 1, 1), (1, 2, 2), (2, 0, 0))
+    sharp = _elements(tree, SIDE, FACET | BARE | POINT, corners)
+    if not flat:
+        return sharp
+    level = _elements(tree, FLAT_SIDE, FACET, corners)
+    return Elements(np.concatenate([sharp.parts, level.parts]), np.concatenate([sharp.corners, level.corners]))
 
 
 def corners_of_tree(tree: Tree) -> Elements:

@@ -107,7 +107,7 @@ def _lay_segment(motion, arc, x, sense, reach, floats, work):
 
 
 @kernel
-def _tangent(arc, floats):
+def arc_tangent(arc, floats):
     """tan of half the angle from the start of the arc to its end or the best time: not less, at most 0.2 or so.
 
     For x <= 0.2, x (1 + x^2/3 + 2 x^4/15 + 17 x^6/315 + 62 x^8/2835 + 0.0091 x^10) is beyond tan x.
@@ -133,7 +133,7 @@ def _turned(x, c, s, cx, cy, place, out):
 def _turns(motion, arc, sense, floats):
     """cx, cy of the axis; cosine and sine of the turn to the start of the arc; those of the turn from there; tan."""
     end = motion.shape[0] - 1
-    tc = _tangent(arc, floats)
+    tc = arc_tangent(arc, floats)
     w = 1.0 / (1.0 + tc * tc)
     c, s = ARC_STARTS[arc, 0], sense * ARC_STARTS[arc, 1]
     return motion[end, 0], motion[end, 1], c, s, (1.0 - tc * tc) * w, sense * 2.0 * tc * w, tc

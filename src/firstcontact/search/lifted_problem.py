@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -40,24 +42,40 @@ class Scratch:
 def advance_lifted(problem: Any, state: WalkState, limit: int) -> int:
     """Go on with the walk of a translation or rotation by lines and planes; the reason it came back."""
     if state.scratch is None:
-        frame = frame_of(problem.tree_b)
-        of_a, of_b = lifted_of(problem.a, problem.tree_a), lifted_of(problem.b, problem.tree_b)
-        motion = problem.velocity if isinstance(problem, TranslationProblem) else problem.motion
-        a = _body(of_a, of_b, problem.tree_a, frame, motion)
-        b = _body(of_b, of_a, problem.tree_b, frame, motion)
-        most = (max(len(x.edges.parts), len(x.corners.parts), len(x.facets.parts)) for x in (a, b))
-        state.scratch = Scratch(a, b, frame, room_for(*most))
-    scratch: Scratch = state.scratch
-    if isinstance(problem, TranslationProblem):
-        motion, reach = problem.velocity, parting(problem)
-        errors = problem.tree_a.error, problem.tree_b.error
-    else:
-        motion, reach, errors = problem.motion, math.inf, (problem.error_a, problem.error_b)
+        state.scratch = lifted_scratch(problem)
+    return walk_lifted(problem, state.scratch, state, limit)
+
+
+def lifted_scratch(problem: Any) -> Scratch:
+    frame = frame_of(problem.tree_b)
+    of_a, of_b = lifted_of(problem.a, problem.tree_a), lifted_of(problem.b, problem.tree_b)
+    motion, _, _ = motion_of(problem)
+    a = _body(of_a, of_b, problem.tree_a, frame, motion)
+    b = _body(of_b, of_a, problem.tree_b, frame, motion)
+    most = (max(len(x.edges.parts), len(x.corners.parts), len(x.facets.parts)) for x in (a, b))
+    return Scratch(a, b, frame, room_for(*most))
+
+
+def walk_lifted(
+    problem: Any, scratch: Scratch, state: WalkState, limit: int,
+    searches: Mapping[int, Callable[[int], int]] = MappingProxyType({}),
+) -> int:  # fmt: skip
+    """`lifted_walk` of the problem."""
+    motion, reach, errors = motion_of(problem)
     while True:
-        reason = lifted_walk(scratch.a, scratch.b, scratch.frame, scratch.room, motion, reach, errors, limit, state)
+        reason = lifted_walk(
+            scratch.a, scratch.b, scratch.frame, scratch.room, motion, reach, errors, limit, state, searches
+        )
         if reason != CROWDED:
             return reason
         scratch.room = larger(scratch.room)
+
+
+def motion_of(problem: Any) -> tuple[np.ndarray, float, tuple[float, float]]:
+    """(the motion for kernels, a time after which certainly nothing meets, errors of the parts of a and of b)."""
+    if isinstance(problem, TranslationProblem):
+        return problem.velocity, parting(problem), (problem.tree_a.error, problem.tree_b.error)
+    return problem.motion, math.inf, (problem.error_a, problem.error_b)
 
 
 def _body(of: Lifted, other: Lifted, tree: Tree, frame: tuple[np.ndarray, float], motion: np.ndarray) -> Body:

@@ -5,6 +5,8 @@ At the start edges are put to facets.  The pair tests, their bounds and what is 
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -31,11 +33,12 @@ class Body(NamedTuple):
 def lifted_walk(
     a: Body, b: Body, frame: tuple[np.ndarray, float], room: Room, motion: np.ndarray, reach: float,
     errors: tuple[float, float], limit: int, state: Any,
+    searches: Mapping[int, Callable[[int], int]] = MappingProxyType({}),
 ) -> int:  # fmt: skip
     """Go on with the walk until one of the reasons of `state` to come back; returns it.
 
     frame: origin and scale of lines and planes.  reach: a time after which certainly nothing meets (translations).
-    errors: of the parts of a and of b.
+    errors: of the parts of a and of b.  searches: what to ask instead, by phase and with the number of the arc.
     """
     floats, integers = state.floats, state.integers
     search = a.xyz, b.xyz, *errors, limit, floats, integers, state.times, state.candidates
@@ -51,7 +54,9 @@ def lifted_walk(
             if over:
                 integers[ARC] += 1
                 continue
-        if phase == EDGES:
+        if phase in searches:
+            reason = searches[phase](arc)
+        elif phase == EDGES:
             reason = halve(a.edges, b.edges, *frame, room, motion, arc, reach, *search)
         else:
             by_a = phase in (EDGES_AT_START, CORNERS)

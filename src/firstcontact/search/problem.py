@@ -14,7 +14,7 @@ from firstcontact.motion.relative import Piece
 from firstcontact.search.translation_problem import TranslationProblem
 
 
-def problem_of(a: Any, b: Any, piece: Any, engine: str = "boxes") -> Any:
+def problem_of(a: Any, b: Any, piece: Any, engine: str = "boxes", threads: int = 1) -> Any:
     """The search problem of the piece, both bodies placed at its reference time."""
     if isinstance(piece, CurvedPiece):
         from firstcontact.search.enclosed_problem import EnclosedProblem
@@ -29,12 +29,12 @@ def problem_of(a: Any, b: Any, piece: Any, engine: str = "boxes") -> Any:
         from firstcontact.search.rotation_problem import RotationProblem
 
         problem = RotationProblem(body_a, body_b, piece)
-    problem.engine = engine
+    problem.engine, problem.threads = engine, threads
     return problem
 
 
 def problems_in_order(
-    a: Any, b: Any, parts: Iterable[Any], engine: str = "boxes"
+    a: Any, b: Any, parts: Iterable[Any], engine: str = "boxes", threads: int = 1
 ) -> Iterator[tuple[Any, bool]]:
     """The problems to search one after the other, and whether the bodies may share points from its beginning on.
 
@@ -50,13 +50,14 @@ def problems_in_order(
                     yield TranslationProblem(*bodies, start), True
             yield problem_of(a, b, piece, engine), False
         else:
-            yield from _simple_problems(a, b, piece, engine, k == 0 or isinstance(before, CurvedPiece))
+            problem = problem_of(a, b, piece, engine, threads)
+            yield from _simple_problems(a, b, problem, k == 0 or isinstance(before, CurvedPiece))
         before = piece
 
 
-def _simple_problems(a: Any, b: Any, piece: Piece, engine: str, with_start: bool) -> Iterator[tuple[Any, bool]]:
+def _simple_problems(a: Any, b: Any, problem: Any, with_start: bool) -> Iterator[tuple[Any, bool]]:
     """The problems of a translation or rotation."""
-    problem = problem_of(a, b, piece, engine)
+    piece: Piece = problem.piece
     if piece.reference == piece.start:
         yield problem, with_start
         return

@@ -1,0 +1,133 @@
+"""The plane sweep for vertices against facets: answers, the order of facets, work, and what it refuses."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import numpy as np
+import pytest
+
+import firstcontact as fc
+import generators as g
+from agreement import assert_same_first_contact, question, same_answer, small_scenes
+from amount import amount
+from firstcontact.search.sweep import NONE, Cells, Order, Trees, cells_of, order_of, with_cell, without_cell
+from generators import Scene
+
+
+def stack(n: int, seed: int = 0, crossing: bool = False):
+    """Points below n wide parallel triangles, oblique, so that every box of one holds most points.
+
+    crossing: they lean all ways instead.
+    """
+    rng = np.random.default_rng(seed)
+    points = np.column_stack([rng.uniform(-1, 1, (n, 2)), rng.uniform(-2, -1, n)])
+    ring = 6.0 * np.array([[1.0, 0.0], [-0.5, 0.75], [-0.5, -0.75]])
+    shift = rng.uniform(-0.5, 0.5, (n, 1, 2))
+    way = rng.uniform(0, 2 * np.pi, (n, 1)) if crossing else np.full((n, 1), 0.25)
+    xy = ring[None] + shift
+    z = np.cos(way) * xy[..., 0] + np.sin(way) * xy[..., 1] + (2.0 + np.arange(n) / n)[:, None]
+    facets = g.on_grid(np.concatenate([xy, z[..., None]], axis=-1).reshape(-1, 3))
+    faces = np.arange(3 * n, dtype=np.int32).reshape(-1, 3)
+    return fc.Polyhedron(g.on_grid(points), []), fc.Polyhedron(facets, faces)
+
+
+def test_small_scenes():
+    scenes = small_scenes(71_000, amount(240), False)
+    seen = Counter(assert_same_first_contact(scene, engine="sweep") for scene in scenes)
+    assert len(seen) == 3, seen
+
+
+@pytest.mark.parametrize("crossing", [False, True], ids=["apart", "crossing"])
+@pytest.mark.parametrize("back", [False, True], ids=["points move", "facets move"])
+def test_stacks_of_facets(crossing, back):
+    """Facets that cross have no order: the answer is the same, the work is not."""
+    n = 200
+    points, facets = stack(n, 3, crossing)
+    moving, resting = (facets, points) if back else (points, facets)
+    ask = moving.moving(fc.Translation((0.1, -0.05, -9 if back else 9))), resting
+    boxes, lifted, *sweeps = (fc.first_contact(*ask, engine=e) for e in ("boxes", "lifted", "sweep"))
+    sweeps += [fc.first_contact(*ask, engine="sweep", threads=k) for k in (2, 5)]
+    assert boxes.status is fc.Status.CONTACT and same_answer(lifted, boxes)
+    assert all(same_answer(x, boxes) and x.stats.engine == "sweep" for x in sweeps)
+    assert len({(x.stats.node_visits, x.stats.pair_tests) for x in sweeps}) == 1
+
+
+def test_work_grows_as_the_bound_says():
+    """Few tests, some n^(3/2) log n visits; facets that cross are tested with all points below them."""
+    n = 900
+    points, facets = stack(n, 5)
+    hit = fc.first_contact(points.moving(fc.Translation((0, 0, 9))), facets, engine="sweep")
+    crossed = stack(n, 5, crossing=True)
+    slow = fc.first_contact(crossed[0].moving(fc.Translation((0, 0, 9))), crossed[1], engine="sweep")
+    assert hit.stats.pair_tests < n and hit.stats.node_visits < 5 * n**1.5 * np.log2(n)
+    assert slow.stats.pair_tests > n * n / 2
+
+
+def test_meshes_and_closed_solids():
+    ball = fc.examples.noisy_sphere(2000)
+    ask = (ball.moving(fc.Translation((0, 0, 3))), ball.translated((0.25, 0, 3)))
+    assert same_answer(fc.first_contact(*ask, engine="sweep"), fc.first_contact(*ask, engine="boxes"))
+    a, b = (g.rods(lines, 0.01, up) for lines, up in zip(g.reguli(20, 2.0**-10, 3), (False, True), strict=True))
+    ask = question(Scene(a, b, translation=(0, 0, 1), solid=True))
+    assert same_answer(fc.first_contact(*ask, engine="sweep"), fc.first_contact(*ask, engine="boxes"))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_trees_keep_their_order_and_older_trees_stay(seed):
+    """Cells put in and taken out at random, in facets one above the other, against a sorted list."""
+    rng = np.random.default_rng(seed)
+    f = 40
+    height = rng.permutation(f).astype(float)
+    corners = np.array([[-1.0, -1.0, 0.0], [1.0, -0.5, 0.0], [0.0, 1.0, 0.0]])[None] + height[:, None, None] * [0, 0, 1]
+    facets, x, arcs, planes, tolerances = cells_of(corners, 0.0)
+    cells = Cells(facets, x, arcs)
+    order = Order(planes, *order_of(cells, planes, tolerances))
+    assert not order.loose.any()
+    trees = Trees(*(np.empty(100_000, np.int32) for _ in range(3)), np.zeros(1, np.int64))
+    waiting = np.empty(200, np.int32)
+
+    def listed(root):
+        if root == NONE:
+            return []
+        return [*listed(trees.left[root]), int(trees.cell[root]), *listed(trees.right[root])]
+
+    root, held, older = NONE, set(), []
+    for _ in range(300):
+        cell = int(rng.integers(2 * f))
+        if cell in held:
+            root = without_cell(trees, order, facets, root, cell, waiting)
+        else:
+            root = with_cell(trees, order, facets, root, cell)
+        held ^= {cell}
+        older.append((root, sorted(held, key=lambda c: (height[facets[c]], c))))
+    assert all(listed(tree) == cells_then for tree, cells_then in older)
+
+
+def test_cells_reach_over_their_facets_and_order_knows_crossings():
+    rng = np.random.default_rng(1)
+    corners = rng.normal(size=(30, 3, 3))
+    facets, x, arcs, planes, tolerances = cells_of(corners, 0.0)
+    loose, precedes = order_of(Cells(facets, x, arcs), planes, tolerances)
+    for weights in rng.dirichlet(np.ones(3) / 4, 40):
+        for i, p in enumerate(weights @ corners):
+            over = [
+                lo <= p[0] <= hi
+                and all(
+                    way * (p[1] - (y + k * (p[0] - m))) > 0.0
+                    for way, (m, y, k) in zip((1, -1), arcs[2 * c : 2 * c + 2], strict=True)
+                )
+                for c, (lo, hi) in enumerate(x)
+                if facets[c] == i
+            ]
+            assert any(over)
+            if tolerances[i] < 1.0:
+                assert abs(planes[i] @ [1.0, p[0], p[1]] - p[2]) < 1e-9
+    both = precedes & precedes.T
+    assert loose.any() and not both.all() and (precedes | precedes.T | loose[:, None] | loose[None, :]).all()
+
+
+def test_rotations_are_refused_in_one_line():
+    points, facets = stack(3)
+    with pytest.raises(fc.UnsupportedPair, match="'sweep' searches translations; rotations take 'lifted'"):
+        fc.first_contact(points.moving(fc.Rotation((0, 0, 1), degrees=30)), facets, engine="sweep")
