@@ -145,8 +145,8 @@ def _central(form: np.ndarray, origin: np.ndarray, axes: np.ndarray, base: np.nd
 def _icosahedron() -> np.ndarray:
     """Its corners, in no special position to the axes."""
     g = (1 + math.sqrt(5)) / 2
-    corners = [(0, a, b * g) for a in (1, -1) for b in (1, -1)]
-    corners = np.array([np.roll(c, k) for c in corners for k in range(3)])
+    quarter = [(0, a, b * g) for a in (1, -1) for b in (1, -1)]
+    corners = np.array([np.roll(c, k) for c in quarter for k in range(3)])
     turn = np.linalg.qr(np.array([[0.83, 0.31, -0.47], [0.22, 0.91, 0.35], [-0.57, 0.41, 0.79]]))[0]
     return corners @ turn
 

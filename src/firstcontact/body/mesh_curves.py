@@ -80,13 +80,13 @@ class Samples:
         size = np.einsum("ni,sij,nj->sn", np.abs(x), np.abs(forms), np.abs(x))
         lo, hi = run.at
         found = []
-        for k in np.flatnonzero(np.all(value <= 1e-9 * size, axis=0)):
+        for k in np.flatnonzero(np.all(value <= 1e-9 * size, axis=0)).tolist():
             if k in run.on:
                 continue
             t = _parameter(run.edge, points[k], lo, hi)
             off = np.abs(run.edge.points([t])[0] - points[k]).max()
             if lo < t < hi and off < 1e-6 * (1 + np.abs(points[k]).max()):
-                found.append((t, int(k)))
+                found.append((t, k))
         for t, k in sorted(found):
             run.at.insert(-1, t)
             run.on.insert(-1, k)

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from itertools import count
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -35,6 +34,8 @@ TURN = math.cos(math.radians(70))
 RESAMPLED = 12
 # How many rounds of halving are followed by flips.
 FLIPPED = 10
+# Halving ends then: beside coarse chords some side may stay off by more than the bound however short others get.
+ROUNDS = 40
 
 
 def mesh(body: CompositeQuadric, tolerance: float) -> Polyhedron:
@@ -264,7 +265,7 @@ def _slope(form: np.ndarray, p: np.ndarray) -> np.ndarray:
 
 def _refine(skin: _Skin, bound: float) -> None:
     """Flip sides to lie closer to the surface, and halve inner sides that are off by more than the bound."""
-    for attempt in count():
+    for attempt in range(ROUNDS):
         if attempt < FLIPPED:  # from then on sides only get shorter, so that this ends
             _flip(skin, 8 if attempt else 200)
         a, b = _sides(skin.triangles)
@@ -276,7 +277,7 @@ def _refine(skin: _Skin, bound: float) -> None:
         clear = steep > 1e-9 * steep.max()  # tips of cones have no normal
         normals = _unit(slope)
         bent = clear[a] & clear[b] & (np.sum(normals[a] * normals[b], axis=1) < TURN)
-        wide = keys[free & (bent | (_off(skin, a, b) > bound))]
+        wide = keys[free & ((bent & (attempt < FLIPPED // 2)) | (_off(skin, a, b) > bound))]
         if not len(wide):
             return
         if len(skin.triangles) + 2 * len(wide) > MOST_TRIANGLES:
