@@ -115,9 +115,17 @@ MESHES = [
 ]
 
 
+def test_mesh_of_planar_faces_needs_their_outlines_only():
+    assert len(fc.box((1, "2/3", 5)).to_mesh(1).triangles) == 12
+    assert len(fc.cylinder(1, 100).to_mesh(1).vertices) == 16
+
+
 @pytest.mark.parametrize(("body", "expected"), MESHES)
 def test_mesh_has_the_volume_and_lies_on_the_surfaces(body, expected):
     mesh = body.to_mesh(0.005)
+    sides = np.concatenate([mesh.triangles[:, [k, (k + 1) % 3]] for k in range(3)])
+    once = set(map(tuple, sides.tolist()))
+    assert mesh.solid and len(once) == len(sides) and once == {(b, a) for a, b in once}
     if expected is None:  # |x| <= sqrt(1/4 + y^2)
         y = np.linspace(-1, 1, 20001)
         expected = 2 * np.trapezoid(np.minimum(2 * np.sqrt(0.25 + y * y), 2), y)

@@ -558,8 +558,8 @@ def _piece(run: _Run, loop: Loop, frame: np.ndarray, corners: _Corners) -> Piece
     if run.start is None:
         return Piece(0.0, 2 * math.pi, None, None)
     assert run.end is not None
-    ends = [_parameter(_homogeneous(loop, b.root.ball, b.sheet), frame) for b in (run.start, run.end)]
-    at = _parameter(_homogeneous(loop, run.sample.m, run.sample.sheet), frame)
+    ends = [parameter(_homogeneous(loop, b.root.ball, b.sheet), frame) for b in (run.start, run.end)]
+    at = parameter(_homogeneous(loop, run.sample.m, run.sample.sheet), frame)
     numbers = [corners.vertex_at(b) for b in (run.start, run.end)]
     if is_line:
         return _line_piece(ends, [b.finite for b in (run.start, run.end)], at, numbers)
@@ -590,7 +590,7 @@ def _homogeneous(loop: Loop, m: Any, sheet: int) -> np.ndarray:
         return np.array([float(c / size) for c in x])
 
 
-def _parameter(x: np.ndarray, frame: np.ndarray) -> float:
+def parameter(x: np.ndarray, frame: np.ndarray) -> float:
     """The parameter of the homogeneous point on the curve."""
     y = np.linalg.lstsq(frame, x, rcond=None)[0]
     if frame.shape[1] == 2:

@@ -1,31 +1,41 @@
-"""Triangles for drawing composite quadric models.
+"""Triangle meshes of composite quadric models, closed wherever the model is.
 
-Each surface is covered with a grid fitted to the tolerance, triangles near its edges are halved, then cut along the
-surfaces it has edges with; pieces that bound the solid are kept.  Vertices lie on the surfaces, those at edges on the
-edge curves.  Neighbouring faces sample their common edge each in its own way: gaps up to the tolerance remain.
+Every edge is sampled once (`mesh_curves`); on each surface the chords become sides of a triangulation of its chart
+(`mesh_charts`, `mesh_net`), so faces meet along the same chords.  The parts between chords that bound the solid are
+kept and refined inside, in the chart: a side p q is |F((p + q)/2)| = |(p - q)^T A (p - q)| / 4 off the quadric F, a
+triangle at most 4/3 of its worst side.
 """
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from firstcontact.body.carriers import Plane, Quadric, Surface, doubles
 from firstcontact.body.csg import inside
-from firstcontact.body.features import middle
+from firstcontact.body.mesh_charts import Chart, charts
+from firstcontact.body.mesh_curves import Samples
+from firstcontact.body.mesh_net import Crossing, Net
 from firstcontact.body.polyhedron import Polyhedron
+from firstcontact.body.topology import component_of_vertices
 from firstcontact.errors import InputError, UnsupportedPair
-from firstcontact.exact.numbers import to_double
 
 if TYPE_CHECKING:
     from firstcontact.body.composite_quadric import CompositeQuadric
 
-Triangles = np.ndarray
-"""(n, 3, 3) float64 corners."""
-
 MOST_TRIANGLES = 2_000_000
+# Of the tolerance, what sides and chords of edges may be off: with 4/3 of it triangles keep within.
+SHARE = 0.7
+# Sides along which the surface turns by more than 70 degrees are halved at any tolerance.
+TURN = math.cos(math.radians(70))
+# How often edges are sampled more finely where chords cross on a surface that its curves do not.
+RESAMPLED = 12
+# How many rounds of halving are followed by flips.
+FLIPPED = 10
+# Halving ends then: beside coarse chords some side may stay off by more than the bound however short others get.
+ROUNDS = 40
 
 
 def mesh(body: CompositeQuadric, tolerance: float) -> Polyhedron:
@@ -34,307 +44,342 @@ def mesh(body: CompositeQuadric, tolerance: float) -> Polyhedron:
         raise InputError(f"to_mesh tolerance is {tolerance!r}; give a positive length")
     if not body.bounded:
         raise UnsupportedPair(f"{body.name or 'solid'}: no bound is known; intersect it with a box to mesh it")
-    triangles, _ = face_triangles(body, tolerance, *body.bounds())
-    grain = 1e-10 * float(np.abs(triangles).max() + np.ptp(triangles))
-    flat = triangles.reshape(-1, 3)
-    _, first, number = np.unique(np.round(flat / grain), axis=0, return_index=True, return_inverse=True)
-    corners = number.reshape(-1, 3)
-    proper = (corners[:, 0] != corners[:, 1]) & (corners[:, 1] != corners[:, 2]) & (corners[:, 2] != corners[:, 0])
-    return Polyhedron(flat[first], corners[proper].astype(np.int32), solid=False, name=body.name)
+    vertices, triangles, _ = _meshed(body, tolerance)
+    return Polyhedron(vertices, triangles.astype(np.int32), name=body.name)
 
 
 def face_triangles(
     body: CompositeQuadric, tolerance: float, lo: np.ndarray, hi: np.ndarray
-) -> tuple[Triangles, np.ndarray]:
-    """The faces as triangles that look outwards, and the number (n,) of each one's face.
+) -> tuple[np.ndarray, np.ndarray]:
+    """The faces as triangles (n, 3, 3) that look outwards, and the number (n,) of each one's face.
 
-    lo, hi: (3,) corners of a box; of faces without end the part is covered that is near it.
+    lo, hi: (3,) corners of a box; of bodies without end the part is covered that is near it.
     """
-    numbers = {(f.surfaces[0], f.orientation): f.index for f in body.faces}
-    found, owners = [], []
-    for i in sorted({surface for surface, _ in numbers}):
-        triangles, below = _surface_triangles(body, i, tolerance, lo, hi)
-        found.append(triangles)
-        owners.append(np.where(below, numbers.get((i, 1), -1), numbers.get((i, -1), -1)))
-    return np.concatenate(found), np.concatenate(owners)
+    whole = body
+    if not body.bounded:
+        from firstcontact.body.primitives import box
+
+        reach = float(np.linalg.norm(hi - lo))
+        body = body & box((2 * reach,) * 3).translated(((lo + hi) / 2).tolist())
+    vertices, triangles, sides = _meshed(body, tolerance)
+    numbers = {(f.surfaces[0], f.orientation): f.index for f in whole.faces}
+    owners = np.array([numbers.get(side, -1) for side in map(tuple, sides.tolist())], int)
+    return vertices[triangles[owners >= 0]], owners[owners >= 0]
 
 
-def _surface_triangles(
-    body: CompositeQuadric, i: int, tolerance: float, lo: np.ndarray, hi: np.ndarray
-) -> tuple[Triangles, np.ndarray]:
-    """The triangles of surface i, and whether the body is where its form is negative, (n,) bools."""
-    surface = body.surfaces[i]
-    reach = float(np.linalg.norm(hi - lo))
-    centre = (lo + hi) / 2
-    triangles = _patch(surface, tolerance, centre, reach)
-    curves = [*body.edges, *body.seams]
-    others = sorted({j for e in curves if i in e.surfaces for j in e.surfaces if j != i})
-    sizes = [math.sqrt(8 * tolerance * _smallest_radius(body.surfaces[j], reach)) for j in others]
-    for j, size in zip(others, sizes, strict=True):
-        if isinstance(body.surfaces[j], Quadric):
-            triangles = _refined(body, i, j, triangles, size)
-    for k, j in enumerate(others):
-        triangles = _cut(body, i, j, others[:k], triangles)
-    return _kept(body, i, others, triangles)
+# -- all surfaces -------------------------------------------------------------------------------------------
 
 
-# -- covering a surface -------------------------------------------------------------------------------------
+@dataclass(eq=False)
+class _Skin:
+    """Triangles of one sheet that bound the solid.
+
+    rays, points: (n, 3) of its vertices; numbers: (n,) of the samples among them, -1 inside faces.
+    triangles: (m, 3), turning left in the chart; sides: (m,) +1 where the body is where the form is negative, else -1.
+    fixed: sorted keys (`_keys`) of the chords.  outward: +1 where triangles turning left look to positive values.
+    """
+
+    surface: int
+    form: np.ndarray
+    chart: Chart
+    rays: np.ndarray
+    points: np.ndarray
+    numbers: np.ndarray
+    triangles: np.ndarray
+    sides: np.ndarray
+    fixed: np.ndarray
+    outward: int
 
 
-def _patch(surface: Surface, tolerance: float, centre: np.ndarray, reach: float) -> Triangles:
-    """Triangles that cover the surface within `reach` of the centre, corners on it, `tolerance` from it elsewhere."""
-    if isinstance(surface, Plane):
-        n = np.array(doubles((surface.normal,))[0])
-        foot = centre - n[:3] * (n[:3] @ centre + n[3]) / (n[:3] @ n[:3])
-        basis = np.linalg.svd(n[None, :3])[2]
-        u = np.linspace(-reach, reach, 9)
-        return _grid(lambda a, b: foot + a[..., None] * basis[1] + b[..., None] * basis[2], u, u)
-    return _quadric_patch(surface, tolerance, centre, reach)
+def _meshed(body: CompositeQuadric, tolerance: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Vertices (n, 3), triangles (m, 3) and the (surface, orientation) of each triangle's face, (m, 2)."""
+    bound = SHARE * tolerance
+    samples = Samples(body, bound)
+    skins: list[_Skin] = []
+    for attempt in range(RESAMPLED):
+        crossing: set[tuple[int, int]] = set()
+        skins = []
+        for i in sorted({f.surfaces[0] for f in body.faces}):
+            skins += _skins(body, i, samples, crossing)
+        if not crossing or attempt == RESAMPLED - 1:
+            break  # what crosses to the end leaves the mesh open: its `solid` tells
+        for segment in crossing:
+            samples.halve(segment)
+    for skin in skins:
+        _refine(skin, bound)
+    while _part_twins(skins):
+        pass
+    return _joined(skins, np.array(samples.points).reshape(-1, 3))
 
 
-def _grid(point: object, u: np.ndarray, v: np.ndarray) -> Triangles:
-    """Two triangles for every cell of the parameters u x v."""
-    p = point(*np.meshgrid(u, v, indexing="ij"))  # type: ignore[operator]
-    a, b, c, d = p[:-1, :-1], p[1:, :-1], p[1:, 1:], p[:-1, 1:]
-    halves = [np.stack([a, b, c], axis=2), np.stack([a, c, d], axis=2)]
-    return np.concatenate([h.reshape(-1, 3, 3) for h in halves])
+def _joined(skins: list[_Skin], points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    vertices, triangles, sides, total = [points], [], [], len(points)
+    for skin in skins:
+        inner = skin.numbers < 0
+        numbers = np.where(inner, total + np.cumsum(inner) - 1, skin.numbers)
+        vertices.append(skin.points[inner])
+        total += int(inner.sum())
+        corners = numbers[skin.triangles]
+        backwards = skin.sides * skin.outward < 0
+        corners[backwards] = corners[backwards][:, ::-1]
+        triangles.append(corners)
+        sides.append(np.column_stack([np.full(len(corners), skin.surface), skin.sides]))
+    every = np.concatenate([np.empty((0, 3), int), *triangles])
+    used, numbers = np.unique(every, return_inverse=True)
+    owners = np.concatenate([np.empty((0, 2), int), *sides])
+    found = np.concatenate(vertices)[used]
+    found[np.abs(found) < 1e-15 * np.abs(found).max(initial=0.0)] = 0.0  # what rounding left of zeros
+    return found, numbers.reshape(-1, 3), owners
 
 
-def _count(length: float, radius: float, tolerance: float) -> int:
-    """How many chords of a curve of that length and radius of curvature stay within half the tolerance."""
-    step = math.sqrt(4 * tolerance * radius)
-    return int(min(max(math.ceil(length / step), 4), 1000))
+def _part_twins(skins: list[_Skin]) -> bool:
+    """Halve inner sides of several faces between the same two samples: flat, those faces would touch there."""
+    found = []
+    for skin in skins:
+        a, b = _sides(skin.triangles)
+        numbers = skin.numbers[a], skin.numbers[b]
+        outer = (numbers[0] >= 0) & (numbers[1] >= 0)
+        found.append((a[outer], b[outer], numbers[0][outer], numbers[1][outer]))
+    pairs = np.sort(np.concatenate([np.stack(f[2:], axis=1) for f in found]), axis=1)
+    _, where, uses = np.unique(pairs, axis=0, return_inverse=True, return_counts=True)
+    many = uses[where.ravel()] > 2
+    start, parted = 0, False
+    for skin, (a, b, _, _) in zip(skins, found, strict=True):
+        keys = _keys(skin, a, b)[many[start : start + len(a)]]
+        start += len(a)
+        keys = np.setdiff1d(keys, skin.fixed)
+        parted |= len(keys) > 0
+        _halve(skin, keys)
+    return parted
 
 
-def _quadric_patch(quadric: Quadric, tolerance: float, centre: np.ndarray, reach: float) -> Triangles:
-    """By normal form: sum of values[k] y_k^2 + 2 slope . y + constant in the frame of the axes."""
-    form = np.array(doubles(quadric.form))
-    form /= np.abs(form[:3, :3]).max()
-    values, axes = np.linalg.eigh(form[:3, :3])
-    values[np.abs(values) < 1e-9] = 0.0
-    if np.sum(values < 0) > np.sum(values > 0):
-        form, values = -form, -values
-    order = np.array(sorted(range(3), key=lambda k: (values[k] == 0, -values[k])))  # +, -, 0
-    values, axes = values[order], axes[:, order]
-    start = np.array([to_double(x) for x in middle(quadric)])
-    constant = float(start @ form[:3, :3] @ start + 2 * form[3, :3] @ start + form[3, 3])
-    slope = (form[:3, :3] @ start + form[:3, 3]) @ axes
-    slope[np.abs(slope) < 1e-9 * np.abs(form).max()] = 0.0
-    if abs(constant) < 1e-12 * np.abs(form).max():
-        constant = 0.0
-    far = reach + float(np.linalg.norm(start - centre))
-    parts = _normal_form(values, slope, constant, tolerance, far)
-    return np.concatenate([start + part @ axes.T for part in parts])
+# -- one surface --------------------------------------------------------------------------------------------
 
 
-def _normal_form(values: np.ndarray, slope: np.ndarray, k: float, tolerance: float, far: float) -> list[Triangles]:
-    rank = int(np.sum(values != 0))
-    if rank == 3:
-        return _central(values, k, tolerance, far)
-    if rank == 2 and slope[2]:
-        return [_graph(values, slope[2], k, tolerance, far)]
-    if rank == 2:
-        return _cylinder(values, k, tolerance, far)
-    across = slope.copy()
-    across[0] = 0.0
-    steepness = float(np.linalg.norm(across))
-    down, ruling = across / steepness, np.cross([1.0, 0, 0], across / steepness)
-    u = np.linspace(-far, far, 1 + _count(2 * far, steepness / values[0], tolerance))
-
-    def point(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-        height = -(values[0] * a**2 + k) / (2 * steepness)
-        return a[..., None] * np.array([1.0, 0, 0]) + height[..., None] * down + b[..., None] * ruling
-
-    return [_grid(point, u, np.array([-far, far]))]
+def _skins(body: CompositeQuadric, i: int, samples: Samples, crossing: set[tuple[int, int]]) -> list[_Skin]:
+    """The faces on surface i as triangles between the samples; notes segments that cross on it."""
+    segments = samples.segments(i)
+    tips = {v.index for v in body.vertices if i in v.surfaces}
+    on = np.array(sorted(tips | {k for segment in segments for k in segment}), int)
+    points = np.array([samples.points[k] for k in on]).reshape(-1, 3)
+    found = []
+    for chart in charts(body.surfaces[i], points):
+        held = chart.holds(points)
+        own = {int(k) for k in on[held]}
+        chords = [(a, b) for a, b in segments if a in own and b in own]
+        if chords or chart.whole:
+            skin = _skin(body, i, chart, on[held], points[held], chords, crossing)
+            found += [skin] if len(skin.triangles) else []
+    return found
 
 
-def _central(values: np.ndarray, k: float, tolerance: float, far: float) -> list[Triangles]:
-    """Ellipsoids, hyperboloids and cones: rings about the last axis."""
-    if values[2] > 0:
-        radii = np.sqrt(-k / values)
-        n = _count(math.pi * radii.max(), float(radii.max()), tolerance)  # equal steps of the angle: chords shrink
-        polar, around = np.linspace(0, math.pi, n + 1), np.linspace(0, 2 * math.pi, 2 * n + 1)
-        return [
-            _grid(
-                lambda u, v: radii * np.stack([np.sin(u) * np.cos(v), np.sin(u) * np.sin(v), np.cos(u)], axis=-1),
-                polar,
-                around,
-            )
-        ]
-    waist = math.sqrt(abs(k)) if k else 0.0
-    top = max(far * math.sqrt(-values[2]), waist * 1.001)
-
-    def point(h: np.ndarray, v: np.ndarray) -> np.ndarray:
-        ring = np.sqrt(np.maximum(h**2 - k, 0.0))
-        scaled = [ring * np.cos(v) / math.sqrt(values[0]), ring * np.sin(v) / math.sqrt(values[1])]
-        return np.stack([*scaled, h / math.sqrt(-values[2])], axis=-1)
-
-    n = _count(2 * math.pi * far, far, tolerance)
-    around = np.linspace(0, 2 * math.pi, n + 1)
-    if k == 0:
-        return [_grid(point, side * np.array([0.0, top]), around) for side in (1.0, -1.0)]
-    m = _count(top, waist, tolerance)
-    if k < 0:
-        return [_grid(point, waist * np.sinh(np.linspace(-1, 1, 2 * m + 1) * math.asinh(top / waist)), around)]
-    heights = waist * np.cosh(np.linspace(0, 1, m + 1) * math.acosh(top / waist))
-    return [_grid(point, side * heights, around) for side in (1.0, -1.0)]
-
-
-def _graph(values: np.ndarray, slope: float, k: float, tolerance: float, far: float) -> Triangles:
-    """Paraboloids: height over the plane of the first two axes."""
-    n = _count(2 * far, float(abs(slope) / np.abs(values).max()), tolerance / 2)
-    u = np.linspace(-far, far, n + 1)
-
-    def point(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-        return np.stack([a, b, -(values[0] * a**2 + values[1] * b**2 + k) / (2 * slope)], axis=-1)
-
-    return _grid(point, u, u)
-
-
-def _cylinder(values: np.ndarray, k: float, tolerance: float, far: float) -> list[Triangles]:
-    """Elliptic and hyperbolic cylinders: rulings along the last axis."""
-    ends = np.array([-far, far])
-    if values[1] > 0:
-        a, b = np.sqrt(-k / values[:2])
-        n = _count(2 * math.pi * max(a, b), max(a, b), tolerance)
-        around = np.linspace(0, 2 * math.pi, n + 1)
-        return [_grid(lambda u, v: np.stack([a * np.cos(u), b * np.sin(u), v], axis=-1), around, ends)]
-    first = 0 if k < 0 else 1  # the axis that the two branches cross
-    a, b = math.sqrt(abs(k / values[first])), math.sqrt(abs(k / values[1 - first]))
-    n = _count(2 * far, b * b / a, tolerance)
-    u = np.arcsinh(far / b) * np.linspace(-1, 1, n + 1)
-
-    def point(t: np.ndarray, v: np.ndarray, side: float) -> np.ndarray:
-        x, y = side * a * np.cosh(t), b * np.sinh(t)
-        return np.stack([x, y, v] if first == 0 else [y, x, v], axis=-1)
-
-    return [_grid(lambda t, v, s=side: point(t, v, s), u, ends) for side in (1.0, -1.0)]
-
-
-def _smallest_radius(surface: Surface, reach: float) -> float:
-    """A rough smallest radius of curvature."""
-    if isinstance(surface, Plane):
-        return reach
-    form = np.array(doubles(surface.form))
-    start = np.array([*(to_double(x) for x in middle(surface)), 1.0])
-    bend, value = float(np.abs(np.linalg.eigvalsh(form[:3, :3])).max()), abs(float(start @ form @ start))
-    slope = float(np.linalg.norm((form @ start)[:3]))
-    return max(min(reach, max(math.sqrt(value / bend), slope / bend)), 0.01 * reach)
-
-
-# -- cutting at the edges -----------------------------------------------------------------------------------
-
-
-def _value(body: CompositeQuadric, j: int, p: np.ndarray) -> np.ndarray:
-    x = np.concatenate([p, np.ones((*p.shape[:-1], 1))], axis=-1)
-    return np.sum((x @ body._forms_f[j]) * x, axis=-1)
-
-
-def _slope(body: CompositeQuadric, j: int, p: np.ndarray) -> np.ndarray:
-    x = np.concatenate([p, np.ones((*p.shape[:-1], 1))], axis=-1)
-    return 2 * (x @ body._forms_f[j])[..., :3]
-
-
-def _onto(body: CompositeQuadric, surfaces: tuple[int, ...], p: np.ndarray) -> np.ndarray:
-    """(n, 3) points taken onto all the surfaces (one or two) by Newton steps of least length."""
-    for _ in range(5):
-        value = np.stack([_value(body, j, p) for j in surfaces], axis=1)
-        slope = np.stack([_slope(body, j, p) for j in surfaces], axis=1)
-        gram = np.einsum("nik,njk->nij", slope, slope)
-        size = np.trace(gram, axis1=1, axis2=2) + 1e-300
-        gram += 1e-13 * size[:, None, None] * np.eye(len(surfaces))
-        p = p - np.einsum("nik,ni->nk", slope, np.linalg.solve(gram, value[..., None])[..., 0])
-    return p
-
-
-def _refined(body: CompositeQuadric, i: int, j: int, triangles: Triangles, size: float) -> Triangles:
-    """Triangles that surface j may cross, halved across their longest sides until those are shorter than `size`."""
-    done = []
-    bend = float(np.abs(np.linalg.eigvalsh(body._forms_f[j][:3, :3])).max())
-    while len(triangles):
-        centre = triangles.mean(axis=1)
-        radius = np.linalg.norm(triangles - centre[:, None], axis=2).max(axis=1)
-        slope = np.linalg.norm(_slope(body, j, centre), axis=1)
-        near = np.abs(_value(body, j, centre)) <= slope * radius + bend * radius**2
-        sides = np.linalg.norm(triangles - np.roll(triangles, -1, axis=1), axis=2)
-        split = near & (sides.max(axis=1) > size)
-        done.append(triangles[~split])
-        triangles = triangles[split]
-        if sum(map(len, done)) + 2 * len(triangles) > MOST_TRIANGLES:
-            raise InputError(f"to_mesh needs more than {MOST_TRIANGLES} triangles; give a larger tolerance")
-        longest = sides[split].argmax(axis=1)
-        rows = np.arange(len(triangles))
-        a, b, c = (triangles[rows, (longest + k) % 3] for k in range(3))
-        half = _onto(body, (i,), (a + b) / 2)
-        triangles = np.concatenate([np.stack([a, half, c], axis=1), np.stack([half, b, c], axis=1)])
-    return np.concatenate(done)
-
-
-def _cut(body: CompositeQuadric, i: int, j: int, before: list[int], triangles: Triangles) -> Triangles:
-    """Every triangle with corners on both sides of surface j cut into three along it; `before`: cut at already."""
-    values = _value(body, j, triangles)
-    values[np.abs(values) < 1e-11 * (np.abs(values).max() + 1e-300)] = 0.0
-    crossed = (values.max(axis=1) > 0) & (values.min(axis=1) < 0)
-    whole, triangles, values = triangles[~crossed], triangles[crossed], values[crossed]
-    if not len(triangles):
-        return whole
-    signs = np.sign(values)
-    zero = (signs == 0).any(axis=1)
-    odd = np.where(signs.sum(axis=1) > 0, signs.argmin(axis=1), signs.argmax(axis=1))  # the corner alone on its side
-    first = np.where(zero, (signs == 0).argmax(axis=1), odd)
-    rows = np.arange(len(triangles))
-    (a, b, c), (fa, fb, fc) = (
-        tuple(x[rows, (first + k) % 3] for k in range(3)) for x in (triangles, values)
-    )
-    bc = _crossing(body, i, j, before, b[zero], c[zero], fb[zero], fc[zero])
-    through = [np.stack([a[zero], b[zero], bc], axis=1), np.stack([a[zero], bc, c[zero]], axis=1)]
-    one = ~zero
-    ab = _crossing(body, i, j, before, a[one], b[one], fa[one], fb[one])
-    ac = _crossing(body, i, j, before, a[one], c[one], fa[one], fc[one])
-    tip, rest = np.stack([a[one], ab, ac], axis=1), np.stack([ab, b[one], c[one]], axis=1)
-    return np.concatenate([whole, *through, tip, rest, np.stack([ab, c[one], ac], axis=1)])
-
-
-def _crossing(
+def _skin(
     body: CompositeQuadric,
     i: int,
-    j: int,
-    before: list[int],
-    p: np.ndarray,
-    q: np.ndarray,
-    fp: np.ndarray,
-    fq: np.ndarray,
-) -> np.ndarray:
-    """Where the sides p q meet surface j, on both surfaces; and on a third one if the whole side is an edge there."""
-    start = (p * fq[:, None] - q * fp[:, None]) / (fq - fp)[:, None]
-    points = _onto(body, (i, j), start)
-    for k in before:
-        along = np.maximum(np.abs(_value(body, k, p)), np.abs(_value(body, k, q))) < 1e-11
-        if along.any():
-            points[along] = _onto(body, (i, j, k), start[along])
-    return np.round(points, 13)
+    chart: Chart,
+    on: np.ndarray,
+    points: np.ndarray,
+    chords: list[tuple[int, int]],
+    crossing: set[tuple[int, int]],
+) -> _Skin:
+    net = Net(chart.base)
+    base = len(chart.base)
+    rays = chart.rays(points)
+    row = {int(k): r for r, k in enumerate(on)}
+    corner: dict[int, int] = {}
+    last = 0
+    for k in [k for chord in chords for k in chord] + list(row):
+        if k not in corner:
+            corner[k] = last = net.insert(rays[row[k]], last)
+    sample = {c: k for k, c in corner.items()}
+    for a, b in chords:
+        try:
+            net.fix(corner[a], corner[b])
+        except Crossing as found:
+            crossing |= {(sample[a], sample[b]) for a, b in found.segments}
+    triangles = net.triangles()
+    order = np.array([row[k] for k in corner], int)
+    numbers = np.concatenate([np.full(base, -1), on[order]])
+    all_rays = np.concatenate([chart.base, rays[order]])
+    all_points = np.concatenate([chart.lifted(chart.base), points[order]])
+    fixed = np.array([a * len(all_rays) + b for a, b in net.fixed if a < b], np.int64)
+    skin = _Skin(
+        i, body._forms_f[i], chart, all_rays, all_points, numbers, triangles, np.zeros(len(triangles), int),
+        np.sort(fixed), 1,
+    )  # fmt: skip
+    _keep_boundary(body, skin)
+    return skin
 
 
-def _kept(body: CompositeQuadric, i: int, others: list[int], triangles: Triangles) -> tuple[Triangles, np.ndarray]:
-    """The triangles that bound the solid and the side it is on, turned so that their normals point outwards.
+def _keep_boundary(body: CompositeQuadric, skin: _Skin) -> None:
+    """Drop the triangles of parts between chords that do not bound the solid; note the side the body is on."""
+    a, b = _sides(skin.triangles)
+    keys = _keys(skin, a, b)
+    order = np.argsort(keys, kind="stable")
+    pairs = np.stack([order[::2], order[1::2]], axis=1) % len(skin.triangles)  # the net is closed: sides come in twos
+    free = ~np.isin(keys[order[::2]], skin.fixed)
+    label = component_of_vertices(pairs[free].astype(np.int32), len(skin.triangles))
+    for part in np.unique(label):
+        own = np.flatnonzero(label == part)
+        corners = skin.triangles[own]
+        if not skin.chart.whole and np.any(corners < len(skin.chart.base)):
+            continue
+        side, outward = _side(body, skin, corners)
+        if side:
+            skin.sides[own], skin.outward = side, outward
+    kept = skin.sides != 0
+    skin.triangles, skin.sides = skin.triangles[kept], skin.sides[kept]
 
-    Triangles are on one side of the surfaces they were cut along: the corner farthest from one tells which.
-    """
-    centre = _onto(body, (i,), triangles.mean(axis=1))
-    negative = [_value(body, j, centre) < 0 for j in range(len(body.surfaces))]
-    rows = np.arange(len(triangles))
-    for j in others:
-        values = _value(body, j, triangles)
-        far = values[rows, np.abs(values).argmax(axis=1)]
-        clear = np.abs(far) > 1e-10
-        negative[j] = np.where(clear, far < 0, negative[j])
-    shape = np.zeros(len(centre), bool)
-    below = inside(body.tree, [shape | True if j == i else n for j, n in enumerate(negative)]) | shape
-    above = inside(body.tree, [shape if j == i else n for j, n in enumerate(negative)]) | shape
-    keep = below != above
-    triangles, below, centre = triangles[keep], below[keep], centre[keep]
-    outward = _slope(body, i, centre) * np.where(below, 1.0, -1.0)[:, None]
-    normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
-    backwards = np.sum(normal * outward, axis=1) < 0
-    triangles[backwards] = triangles[backwards][:, ::-1]
-    return triangles, below
+
+def _side(body: CompositeQuadric, skin: _Skin, corners: np.ndarray) -> tuple[int, int]:
+    """(side, outward) of a part of a surface, 0 for no boundary: told at the clearest of its triangles' centres."""
+    i = skin.surface
+    rays = _unit(skin.rays)[corners]
+    middle = rays.mean(axis=1)
+    centre = skin.chart.lifted(middle)
+    values = [_value(form, centre) for form in body._forms_f]
+    curves = [*body.edges, *body.seams]
+    others = sorted({j for e in curves if i in e.surfaces for j in e.surfaces if j != i})
+    clear = [np.abs(values[j]) / np.linalg.norm(_slope(body._forms_f[j], centre), axis=1) for j in others]
+    clearance = np.min([np.full(len(centre), np.inf), *clear], axis=0)
+    k = int(np.argmax(clearance))
+    below, above = (inside(body.tree, [bool(v[k] < 0) if j != i else at for j, v in enumerate(values)])
+                    for at in (True, False))  # fmt: skip
+    small = skin.chart.lifted(middle[k] + 1e-3 * (rays[k] - middle[k]))
+    normal = np.cross(small[1] - small[0], small[2] - small[0])
+    outward = 1 if normal @ _slope(body._forms_f[i], centre[k : k + 1])[0] > 0 else -1
+    return int(below) - int(above), outward
+
+
+def _value(form: np.ndarray, p: np.ndarray) -> np.ndarray:
+    x = np.column_stack([p, np.ones(len(p))])
+    return np.einsum("ni,ij,nj->n", x, form, x)
+
+
+def _slope(form: np.ndarray, p: np.ndarray) -> np.ndarray:
+    return 2 * (p @ form[:3, :3] + form[3, :3])
+
+
+# -- refining -----------------------------------------------------------------------------------------------
+
+
+def _refine(skin: _Skin, bound: float) -> None:
+    """Flip sides to lie closer to the surface, and halve inner sides that are off by more than the bound."""
+    for attempt in range(ROUNDS):
+        if attempt < FLIPPED:  # from then on sides only get shorter, so that this ends
+            _flip(skin, 8 if attempt else 200)
+        a, b = _sides(skin.triangles)
+        keys, first = np.unique(_keys(skin, a, b), return_index=True)
+        a, b = a[first], b[first]
+        free = ~np.isin(keys, skin.fixed)
+        slope = _slope(skin.form, skin.points)
+        steep = np.linalg.norm(slope, axis=1)
+        clear = steep > 1e-9 * steep.max()  # tips of cones have no normal
+        normals = _unit(slope)
+        bent = clear[a] & clear[b] & (np.sum(normals[a] * normals[b], axis=1) < TURN)
+        wide = keys[free & ((bent & (attempt < FLIPPED // 2)) | (_off(skin, a, b) > bound))]
+        if not len(wide):
+            return
+        if len(skin.triangles) + 2 * len(wide) > MOST_TRIANGLES:
+            raise InputError(f"to_mesh needs more than {MOST_TRIANGLES} triangles; give a larger tolerance")
+        _halve(skin, wide)
+
+
+def _off(skin: _Skin, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """How far the middles of the sides a b are off the surface, to second order."""
+    along = skin.points[a] - skin.points[b]
+    steep = np.linalg.norm(_slope(skin.form, skin.points), axis=1)
+    bend = np.abs(np.einsum("ni,ij,nj->n", along, skin.form[:3, :3], along))
+    total = steep[a] + steep[b]
+    return np.divide(bend, 2 * total, out=np.zeros_like(bend), where=total > 0)
+
+
+def _halve(skin: _Skin, keys: np.ndarray) -> None:
+    """Put a vertex of the surface into the middle of each side with one of these sorted keys."""
+    n = len(skin.rays)
+    a, b = keys // n, keys % n
+    unit = _unit(skin.rays) if skin.chart.sheet is None and skin.chart.whole else skin.rays
+    rays = unit[a] + unit[b]
+    skin_sides = skin.triangles
+    place = np.searchsorted(keys, _keys(skin, *_sides(skin_sides)))
+    place = np.minimum(place, len(keys) - 1)
+    if not len(keys):
+        return
+    cut = keys[place] == _keys(skin, *_sides(skin_sides))
+    middles = np.where(cut, n + place, -1).reshape(3, -1).T  # (m, 3): on the side from corner s to s + 1
+    done = []
+    owners = []
+    number = (middles >= 0).sum(axis=1)
+    for cuts in range(4):
+        t, m, side = (x[number == cuts] for x in (skin.triangles, middles, skin.sides))
+        # turned so that sides 0 .. cuts - 1 are the cut ones
+        first = np.argmax((m >= 0) & (np.roll(m, 1, axis=1) < 0), axis=1) if 0 < cuts < 3 else np.zeros(len(t), int)
+        turned = (first[:, None] + np.arange(3)) % 3
+        (p, q, r), (u, v, w) = np.take_along_axis(t, turned, 1).T, np.take_along_axis(m, turned, 1).T
+        pieces = {
+            0: [(p, q, r)],
+            1: [(p, u, r), (u, q, r)],
+            2: [(u, q, v), (p, u, v), (p, v, r)],
+            3: [(p, u, w), (u, q, v), (w, v, r), (u, v, w)],
+        }[cuts]
+        done += [np.stack(piece, axis=1) for piece in pieces]
+        owners += [side] * len(pieces)
+    skin.triangles, skin.sides = np.concatenate(done), np.concatenate(owners)
+    skin.points = np.concatenate([skin.points, skin.chart.lifted(rays)])
+    skin.rays = np.concatenate([skin.rays, skin.chart.rays(skin.points[n:])])
+    skin.numbers = np.concatenate([skin.numbers, np.full(len(keys), -1)])
+    skin.fixed = (skin.fixed // n) * len(skin.rays) + skin.fixed % n
+
+
+def _flip(skin: _Skin, rounds: int) -> None:
+    """Flip inner sides whose other diagonal is closer to the surface, or as close and shorter."""
+    for _ in range(rounds):
+        m = len(skin.triangles)
+        a, b = _sides(skin.triangles)
+        keys = _keys(skin, a, b)
+        order = np.argsort(keys, kind="stable")
+        twin = np.flatnonzero(keys[order][1:] == keys[order][:-1])
+        one, two = order[twin], order[twin + 1]
+        free = ~np.isin(keys[one], skin.fixed)
+        one, two = one[free], two[free]
+        first, second = one % m, two % m
+        p, q = a[one], b[one]
+        r, s = (skin.triangles[side % m, (side // m + 2) % 3] for side in (one, two))
+        rays = _unit(skin.rays)
+        convex = np.minimum(_turn(rays, p, s, r), _turn(rays, s, q, r)) > 1e-14
+        gain = _cost(skin, p, q) - _cost(skin, r, s)
+        better = np.flatnonzero(convex & (gain > 1e-9 * _cost(skin, p, q)))
+        if not len(better):
+            return
+        rank = np.empty(len(better), int)
+        rank[np.argsort(gain[better], kind="stable")] = np.arange(len(better))
+        best = np.full(m, -1)
+        for t in (first, second):
+            np.maximum.at(best, t[better], rank)
+        chosen = better[(best[first[better]] == rank) & (best[second[better]] == rank)]
+        p, q, r, s = (x[chosen] for x in (p, q, r, s))
+        skin.triangles[first[chosen]] = np.stack([p, s, r], axis=1)
+        skin.triangles[second[chosen]] = np.stack([s, q, r], axis=1)
+
+
+def _cost(skin: _Skin, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    return _off(skin, a, b) + 1e-3 * np.linalg.norm(skin.points[a] - skin.points[b], axis=1)
+
+
+def _turn(rays: np.ndarray, a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
+    return np.sum(np.cross(rays[a], rays[b]) * rays[c], axis=1)
+
+
+def _unit(vectors: np.ndarray) -> np.ndarray:
+    length = np.linalg.norm(vectors, axis=1, keepdims=True)
+    return np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0)
+
+
+def _sides(triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(3 m,) first and last corners of the directed sides; side k of triangle t is at k m + t."""
+    return triangles.T.ravel(), np.roll(triangles, -1, axis=1).T.ravel()
+
+
+def _keys(skin: _Skin, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """One number for each pair of corners, whatever their order."""
+    return np.minimum(a, b).astype(np.int64) * len(skin.rays) + np.maximum(a, b)
