@@ -11,6 +11,8 @@ from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.sequence import Sequence
 from firstcontact.motion.translation import Translation
+from firstcontact.search.crowding import crowding
+from firstcontact.search.frame import tree_of
 
 
 def warm(progress: Callable[[str], object] | None = None) -> None:
@@ -33,6 +35,8 @@ def warm(progress: Callable[[str], object] | None = None) -> None:
     query.first_contact(base.translated((0.1, 0.1, 0)), base)
     open_mesh = Polyhedron(base.vertices, base.triangles[:2])
     query.first_contact(raised.moving(shift), open_mesh)
+    tree = tree_of(base)
+    crowding(tree.boxes, tree.links, tree.boxes, tree.links)  # asked only of larger bodies
     if progress is not None:
         progress("intersection_curve of ruled surfaces")
     saddle, level = RuledSurface("(u, 0, 0)", "(u, 1, u)"), RuledSurface("(u, 0, 1/2)", "(u, 1, 1/2)")

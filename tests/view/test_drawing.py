@@ -49,7 +49,7 @@ def test_corners_are_shared_within_a_face_and_split_between_faces():
         used = pin.triangles[pin.triangle_face == face]
         others = pin.triangles[pin.triangle_face != face]
         assert not set(used.ravel()) & set(others.ravel())
-    assert len(np.unique(pin.triangles)) < len(pin.triangles)
+    assert len(np.unique(pin.triangles)) < 1.5 * len(pin.triangles)  # three where none is shared
 
 
 def test_the_tip_of_a_cone_has_a_normal_for_every_triangle():

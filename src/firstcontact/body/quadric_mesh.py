@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from firstcontact.body.composite_quadric import CompositeQuadric
 
 MOST_TRIANGLES = 2_000_000
+# How far away the nearest part of a body without end is looked for, as a multiple of the coordinates.
+FARTHEST = 1e6
 # Of the tolerance, what sides and chords of edges may be off: with 4/3 of it triangles keep within.
 SHARE = 0.7
 # Sides along which the surface turns by more than 70 degrees are halved at any tolerance.
@@ -57,14 +59,26 @@ def face_triangles(
     """
     whole = body
     if not body.bounded:
-        from firstcontact.body.primitives import box
-
-        reach = float(np.linalg.norm(hi - lo))
-        body = body & box((2 * reach,) * 3).translated(((lo + hi) / 2).tolist())
+        body = _part_near(body, lo, hi)
     vertices, triangles, sides = _meshed(body, tolerance)
     numbers = {(f.surfaces[0], f.orientation): f.index for f in whole.faces}
     owners = np.array([numbers.get(side, -1) for side in map(tuple, sides.tolist())], int)
     return vertices[triangles[owners >= 0]], owners[owners >= 0]
+
+
+def _part_near(body: CompositeQuadric, lo: np.ndarray, hi: np.ndarray) -> CompositeQuadric:
+    """What a body without end has in a cube about the middle of the corners, the first of growing ones that holds some."""
+    from firstcontact.body.composite_quadric import NoSolid
+    from firstcontact.body.primitives import box
+
+    size = 2 * float(np.linalg.norm(hi - lo))
+    while True:
+        try:
+            return body & box((size,) * 3).translated(((lo + hi) / 2).tolist())
+        except NoSolid:
+            if size > FARTHEST * (1 + float(np.abs([lo, hi]).max())):
+                raise
+            size *= 4
 
 
 # -- all surfaces -------------------------------------------------------------------------------------------

@@ -22,10 +22,10 @@ from firstcontact.view.curve import sight
 from firstcontact.view.geometry import element_vertices, face_outline, sharp_edges
 from firstcontact.view.pair import Pair, at_rest, pose
 
-# Distance between a solid and its triangles, as a part of its size: about a pixel of a picture that it fills.
-TOLERANCE = 1 / 400
+# Distance between a solid and its triangles, as a part of its size: half a pixel of a picture that it fills.
+TOLERANCE = 1 / 800
 # Small holes get round as well: the distance as a part of the smallest radius of an edge, down to a tenth of the above.
-ROUNDNESS = 1 / 40
+ROUNDNESS = 1 / 100
 # Chords of a full ellipse of an edge.
 CHORDS = 128
 # Times at which a body that deforms is worked out; the page blends between them.
