@@ -170,13 +170,44 @@ def _find_contained(a: Any, b: Any) -> tuple[str, int] | None:
         u0, v0, w0, u1, v1, w1 = tree_of(inner).boxes[0].tolist()
         if u0 > x1 + pad or v0 > y1 + pad or w0 > z1 + pad or x0 > u1 + pad or y0 > v1 + pad or z0 > w1 + pad:
             return None
-        lo, hi = tree.boxes[0, :3] - outer.error, tree.boxes[0, 3:] + outer.error
-        for v in component_vertices(inner):
-            x = inner.vertices[v]
-            if np.all(x >= lo - inner.error) and np.all(x <= hi + inner.error):
-                if decide(lambda v=v: contains(outer, tree, inner.exact_vertex(v))):  # noqa: B023
-                    return side, v
+        vertices, fits = component_vertices(inner), _fit_into(component_boxes(inner), component_boxes(outer), pad)
+        for v in (vertices[k] for k in np.flatnonzero(fits)):
+            if decide(lambda v=v: contains(outer, tree, inner.exact_vertex(v))):  # noqa: B023
+                return side, v
     return None
+
+
+def component_boxes(body: Any) -> np.ndarray:
+    """(k, 6) the box of each of `component_vertices`."""
+    cached = body._search.get("component boxes")
+    if cached is None:
+        labels, first = component_labels(body), np.array(component_vertices(body))
+        order = np.argsort(labels, kind="stable")
+        starts = np.searchsorted(labels[order], first)
+        # a vertex that nothing uses is a component of its own, and ends the one before it
+        ends = np.searchsorted(labels[order], first, side="right")
+        places = body.vertices[order]
+        cuts = np.stack([starts, ends], axis=1).ravel()
+        padded = np.concatenate([places, places[-1:]])  # a cut may be the end
+        low, high = (f.reduceat(padded, cuts, axis=0)[::2] for f in (np.minimum, np.maximum))
+        cached = body._search["component boxes"] = np.concatenate([low, high], axis=1)
+    return cached
+
+
+@kernel
+def _fit_into(inner, outer, pad):
+    """(k,) whether the box lies in one of `outer`: else its component is in none, for each is a closed surface."""
+    fits = np.zeros(inner.shape[0], np.bool_)
+    for i in range(inner.shape[0]):
+        x = inner[i]
+        for y in outer:
+            if (
+                y[0] <= x[0] + pad and y[3] >= x[3] - pad and y[1] <= x[1] + pad and y[4] >= x[4] - pad
+                and y[2] <= x[2] + pad and y[5] >= x[5] - pad
+            ):  # fmt: skip
+                fits[i] = True
+                break
+    return fits
 
 
 def contained_at(problem: Any, left: Any, right: Any) -> bool:
