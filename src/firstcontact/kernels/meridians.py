@@ -22,8 +22,8 @@ from firstcontact.kernels.swept_cell import between, slack_of
 
 # Looks at parts, per part; slabs; and parts that are so few that to drop some of them gains nothing.
 LOOKS, SLABS, FEW = 12, 1024, 16
-# Slabs of this depth are cut only if so small a share of their parts is left.
-PATIENCE, SHARE = 2, 0.75
+# Slabs of this depth are cut only if so small a share of their parts is left; any but the first, of all parts.
+PATIENCE, SHARE, NEARLY_ALL = 2, 0.75, 0.99
 # Squares of sizes between these neither overflow nor vanish.
 _TINY, _HUGE = 1e-100, 1e100
 _U = 2.0**-53
@@ -51,7 +51,7 @@ def may_meet_turning(xyz, m, cx, cy, err):
         lo, hi = heights[done]
         done += 1
         left_a, left = _keep(xyz, lists, first, middle, last, lo - slack, hi + slack, cx, cy, size, slack, ranges)
-        idle = depth >= PATIENCE and left > SHARE * (last - first)
+        idle = depth >= PATIENCE and left > SHARE * (last - first) or depth > 0 and left > NEARLY_ALL * count
         if left <= FEW or idle or known + 2 > SLABS or used + 2 * left > lists.shape[0]:
             for k in range(first, first + left):
                 meets[lists[k]] = True
