@@ -12,6 +12,7 @@ import generators as g
 import naive
 from agreement import polyhedron
 from amount import amount
+from firstcontact.search.containment import _fit_into, component_boxes, component_labels, component_vertices
 from generators import box, moved
 from vectors import Body
 
@@ -216,3 +217,29 @@ def convex(rng) -> Body:
 
 def nested(a: naive.Shape, b: naive.Shape) -> bool:
     return all(naive.inside(p, b) for p in a.points) or all(naive.inside(p, a) for p in b.points)
+
+
+def test_components_that_fit_into_no_other_by_brute_force():
+    rng = np.random.default_rng(5)
+    for n in (1, 4, 5, 40, 133):
+        low = rng.integers(0, 6, (2, n, 3))
+        size = rng.integers(0, 4, (2, n, 3))
+        inner, outer = np.concatenate([low, low + size], axis=2).astype(float)
+        x, y = inner[:, None], outer[None]
+        inside = np.all(y[..., :3] <= x[..., :3], axis=2) & np.all(y[..., 3:] >= x[..., 3:], axis=2)
+        assert np.array_equal(_fit_into(inner, outer, 0.0), inside.any(1))
+        assert _fit_into(inner, outer, 10.0).all()
+
+
+def test_boxes_of_components():
+    places = np.random.default_rng(6).normal(size=(9, 3))
+    for body in (
+        fc.examples.nested_hyperboloids(6, closed=True).a,
+        fc.Polyhedron(places, [[1, 2, 3], [1, 3, 2]], edges=[[5, 6]]),
+        fc.Polyhedron(places, [[6, 7, 8]]),
+        fc.Polyhedron(places, []),
+    ):
+        labels = component_labels(body)
+        for v, limits in zip(component_vertices(body), component_boxes(body), strict=True):
+            of = body.vertices[labels == v]
+            assert np.array_equal(limits, np.concatenate([of.min(axis=0), of.max(axis=0)]))

@@ -14,6 +14,7 @@ import naive
 from agreement import assert_same_first_contact, question, same_answer, small_scenes
 from amount import amount
 from firstcontact.kernels.lifted_query import FORMS, ROWS, line_slack, plane_slack, write_form
+from firstcontact.kernels.meridians import may_meet_turning
 from firstcontact.kernels.principal import box_columns, fit_box, form_range
 from firstcontact.kernels.swept_cell import (
     PATH_ROWS,
@@ -112,6 +113,18 @@ def test_vertices_and_facets_by_halving(make, rotating):
             fc.first_contact(scene.moving, scene.resting, engine=e) for e in ("lifted", "boxes")
         )
         assert same_answer(by_lines, by_boxes), seed
+
+
+@pytest.mark.parametrize("closed", [False, True], ids=["rods", "prisms"])
+def test_what_turns_at_a_constant_gap_is_told_by_heights_and_distances(closed):
+    for seed in range(amount(9)):
+        n, gap = (200, 1e-3) if seed == 0 else (20, 10.0**-seed)
+        scene = fc.examples.nested_hyperboloids(n, gap=gap, planted=seed % 3 != 1, closed=closed, seed=seed)
+        lifted, boxes = (
+            fc.first_contact(scene.moving, scene.resting, engine=e) for e in ("lifted", "boxes")
+        )
+        assert same_answer(lifted, boxes), seed
+        assert n < 200 or lifted.stats.pair_tests < 4 * n < boxes.stats.pair_tests
 
 
 def test_auto_stays_with_boxes_on_ordinary_meshes():
@@ -264,6 +277,38 @@ def test_edges_that_come_together_somewhere_do_not_keep_off():
         wide = farthest - nearest + 20 * size + 1e-9
         apart += edge_keeps_off(x, *heights, nearest + wide, farthest + wide, 0.25, -0.5, 0.0)
     assert apart == amount(900)
+
+
+def part(at, size, rng):
+    """A triangle, an edge or a point (9,) that `at` (on the grid of 2^-20) belongs to, in exact arithmetic."""
+    sides = np.round(size * rng.normal(size=(2, 3)) * rng.choice([0.0, 1.0], (2, 3), p=[0.2, 0.8]) * 2**18) / 2**18
+    if rng.uniform() < 0.4:
+        sides[1] = sides[0] * rng.choice([0.0, 1.0])
+    sides *= rng.choice([0.0, 1.0], p=[0.1, 0.9])
+    first = at - rng.choice([0.0, 0.25, 0.5]) * sides[0] - rng.choice([0.0, 0.25, 0.5]) * sides[1]
+    if np.array_equal(sides[0], sides[1]):
+        first = at - rng.choice([0.0, 0.25, 1.0]) * sides[0]
+    return np.concatenate([first, first + sides[0], first + sides[1]])
+
+
+def test_parts_that_share_a_height_and_a_distance_are_never_left_out():
+    """Among parts of two surfaces of revolution at a small gap; those are left out, also where others do meet."""
+    rng, quarter = np.random.default_rng(13), np.array([[0.0, -1.0], [1.0, 0.0]])
+    left_out = 0
+    for k in range(amount(300)):
+        scene = fc.examples.nested_hyperboloids(30, gap=0.01, planted=False, closed=k % 2 == 1, seed=k % 5)
+        a, b = (tree_of(x).xyz for x in (scene.a, scene.b))
+        at = np.round(rng.normal(size=3) * 2**18) / 2**18
+        met = np.array([*(np.linalg.matrix_power(quarter, k % 4) @ at[:2]), at[2]])
+        size = 2.0 ** rng.integers(-8, 2)
+        both = np.concatenate([part(at, size, rng)[None], a, part(met, size, rng)[None], b])
+        moved = np.tile([0.25, -0.5, 0.0], 3)
+        meets = may_meet_turning(both + moved if k % 3 else both, 1 + len(a), *(moved[:2] * (k % 3 > 0)), 0.0)
+        assert meets[0] and meets[1 + len(a)], (both[0], both[1 + len(a)])
+        left_out += not meets.all()
+        assert not may_meet_turning(np.concatenate([a, b]), len(a), 0.0, 0.0, 0.0).any()
+        assert may_meet_turning(np.concatenate([a, b]), len(a), 0.0, 0.0, 0.01).any()
+    assert left_out > amount(300) // 2
 
 
 def shifted(p, shift, s):

@@ -5,7 +5,7 @@ What turns keeps its heights and its distances from the axis: they alone tell th
 A path lies in the hull of two or three points; a cell (PATH_ROWS, 6) holds the box of each of them over all paths of
 the set, and of circles about an axis along z the distances.  With u = 2^-53 and L the largest coordinate: any direction
 m serves as a separating axis, however it was rounded, since sums along it are within 4 u |m| L; corners of hulls of
-circles within 11 u L; coordinates of paths and facets are off by `err` in all.  `_slack` is beyond all of that.
+circles within 11 u L; coordinates of paths and facets are off by `err` in all.  `slack_of` is beyond all of that.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ def put_path(cell, work, corners):
 
 
 @kernel
-def _slack(far, err):
+def slack_of(far, err):
     return 2.0 * err + 64.0 * _U * far
 
 
@@ -77,7 +77,7 @@ def facet_may_meet(cell, x, err):
     far = cell[HULLS, FAR]
     for k in range(9):
         far = max(far, abs(x[k]))
-    slack = _slack(far, err)
+    slack = slack_of(far, err)
     for k in range(3):
         if whole[k] > max(x[k], x[k + 3], x[k + 6]) + slack or whole[k + 3] < min(x[k], x[k + 3], x[k + 6]) - slack:
             return False
@@ -131,7 +131,7 @@ def _distances_differ(cell, x, slack):
     farthest, u, v = -1.0, 0.0, 0.0
     for s in range(3):
         i, j = 3 * s, 3 * ((s + 1) % 3)
-        lo, hi = _between(x[i + 2], x[j + 2], bottom, top)
+        lo, hi = between(x[i + 2], x[j + 2], bottom, top)
         if lo > hi:
             continue
         for end in range(2):
@@ -150,7 +150,7 @@ def _distances_differ(cell, x, slack):
     nearest = np.inf
     for s in range(3):
         i, j = 3 * s, 3 * ((s + 1) % 3)
-        lo, hi = _between(x[i + 2], x[j + 2], bottom, top)
+        lo, hi = between(x[i + 2], x[j + 2], bottom, top)
         if lo > hi:
             continue
         for end in range(2):
@@ -166,8 +166,8 @@ def edge_keeps_off(x, bottom, top, nearest, farthest, cx, cy, err):
     far = max(abs(cx), abs(cy), abs(bottom), abs(top))
     for k in range(6):
         far = max(far, abs(x[k]))
-    slack = _slack(far, err)
-    lo, hi = _between(x[2], x[5], bottom - slack, top + slack)
+    slack = slack_of(far, err)
+    lo, hi = between(x[2], x[5], bottom - slack, top + slack)
     if lo > hi:
         return True
     least, most = _distances(x, lo, hi, cx, cy)
@@ -196,7 +196,7 @@ def edge_distances(corners, motion):
 
 
 @kernel
-def _between(z0, z1, bottom, top):
+def between(z0, z1, bottom, top):
     """The share [lo, hi] of a side from height z0 to z1 that lies between two heights; lo > hi where there is none."""
     if max(z0, z1) < bottom or min(z0, z1) > top:
         return 1.0, 0.0

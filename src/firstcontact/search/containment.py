@@ -20,7 +20,11 @@ from firstcontact.kernels.jit import kernel
 from firstcontact.kernels.verdict import DET_EPS, TINY, cross_size
 from firstcontact.kernels.verdict import cross as cross_f
 from firstcontact.search.frame import tree_of
+from firstcontact.search.lifted_elements import select
 from firstcontact.search.tree import FACET, Tree
+
+# Boxes of components that are looked at one by one.
+_LEAF = 4
 
 
 @kernel
@@ -170,13 +174,88 @@ def _find_contained(a: Any, b: Any) -> tuple[str, int] | None:
         u0, v0, w0, u1, v1, w1 = tree_of(inner).boxes[0].tolist()
         if u0 > x1 + pad or v0 > y1 + pad or w0 > z1 + pad or x0 > u1 + pad or y0 > v1 + pad or z0 > w1 + pad:
             return None
-        lo, hi = tree.boxes[0, :3] - outer.error, tree.boxes[0, 3:] + outer.error
-        for v in component_vertices(inner):
-            x = inner.vertices[v]
-            if np.all(x >= lo - inner.error) and np.all(x <= hi + inner.error):
-                if decide(lambda v=v: contains(outer, tree, inner.exact_vertex(v))):  # noqa: B023
-                    return side, v
+        vertices, fits = component_vertices(inner), _fit_into(component_boxes(inner), component_boxes(outer), pad)
+        for v in (vertices[k] for k in np.flatnonzero(fits)):
+            if decide(lambda v=v: contains(outer, tree, inner.exact_vertex(v))):  # noqa: B023
+                return side, v
     return None
+
+
+def component_boxes(body: Any) -> np.ndarray:
+    """(k, 6) the box of each of `component_vertices`."""
+    cached = body._search.get("component boxes")
+    if cached is None:
+        labels, first = component_labels(body), np.array(component_vertices(body))
+        order = np.argsort(labels, kind="stable")
+        starts = np.searchsorted(labels[order], first)
+        # a vertex that nothing uses is a component of its own, and ends the one before it
+        ends = np.searchsorted(labels[order], first, side="right")
+        places = body.vertices[order]
+        cuts = np.stack([starts, ends], axis=1).ravel()
+        padded = np.concatenate([places, places[-1:]])  # a cut may be the end
+        low, high = (f.reduceat(padded, cuts, axis=0)[::2] for f in (np.minimum, np.maximum))
+        cached = body._search["component boxes"] = np.concatenate([low, high], axis=1)
+    return cached
+
+
+@kernel
+def _fit_into(inner, outer, pad):
+    """(k,) whether the box lies in one of `outer`: else its component is in none, for each is a closed surface.
+
+    The others, as points with six coordinates, stand in a tree of halves; a node holds lowest lows and highest highs.
+    """
+    fits = np.zeros(inner.shape[0], np.bool_)
+    n = outer.shape[0]
+    order, keys, bounds = np.arange(n), np.empty(n), np.empty((2 * n + 1, 6))
+    stack = np.empty((128, 3), np.int64)
+    stack[0, 0], stack[0, 1], stack[0, 2] = 0, 0, n
+    depth = 1
+    while depth > 0:
+        depth -= 1
+        node, first, last = stack[depth]
+        widest, axis = -1.0, 0
+        for k in range(6):
+            low, high = np.inf, -np.inf
+            for i in range(first, last):
+                low, high = min(low, outer[order[i], k]), max(high, outer[order[i], k])
+            bounds[node, k] = low if k < 3 else high
+            if high - low > widest:
+                widest, axis = high - low, k
+        if last - first > _LEAF:
+            for i in range(first, last):
+                keys[i] = outer[order[i], axis]
+            select(keys, order, first, last, (first + last) // 2)
+            depth = _push_halves(stack, depth, node, first, last)
+    for i in range(inner.shape[0]):
+        stack[0, 0], stack[0, 1], stack[0, 2] = 0, 0, n
+        depth = 1
+        while depth > 0 and not fits[i]:
+            depth -= 1
+            node, first, last = stack[depth]
+            if not _fits(inner[i], bounds[node], pad):
+                continue
+            if last - first > _LEAF:
+                depth = _push_halves(stack, depth, node, first, last)
+                continue
+            for k in range(first, last):
+                fits[i] = fits[i] or _fits(inner[i], outer[order[k]], pad)
+    return fits
+
+
+@kernel
+def _push_halves(stack, depth, node, first, last):
+    middle = (first + last) // 2
+    stack[depth, 0], stack[depth, 1], stack[depth, 2] = 2 * node + 1, first, middle
+    stack[depth + 1, 0], stack[depth + 1, 1], stack[depth + 1, 2] = 2 * node + 2, middle, last
+    return depth + 2
+
+
+@kernel
+def _fits(x, y, pad):
+    for k in range(3):
+        if y[k] > x[k] + pad or y[k + 3] < x[k + 3] - pad:
+            return False
+    return True
 
 
 def contained_at(problem: Any, left: Any, right: Any) -> bool:

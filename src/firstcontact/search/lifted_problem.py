@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from firstcontact.kernels.meridians import may_meet_turning
 from firstcontact.kernels.swept_cell import edge_distances
 from firstcontact.search.facet_halving import Facets, Paths
 from firstcontact.search.halving import Edges, Room, larger, room_for
@@ -50,8 +51,9 @@ def lifted_scratch(problem: Any) -> Scratch:
     frame = frame_of(problem.tree_b)
     of_a, of_b = lifted_of(problem.a, problem.tree_a), lifted_of(problem.b, problem.tree_b)
     motion, _, _ = motion_of(problem)
-    a = _body(of_a, of_b, problem.tree_a, frame, motion)
-    b = _body(of_b, of_a, problem.tree_b, frame, motion)
+    meets_a, meets_b = _parts_that_may_meet(problem)
+    a = _body(of_a, of_b, problem.tree_a, frame, motion, meets_a)
+    b = _body(of_b, of_a, problem.tree_b, frame, motion, meets_b)
     most = (max(len(x.edges.parts), len(x.corners.parts), len(x.facets.parts)) for x in (a, b))
     return Scratch(a, b, frame, room_for(*most))
 
@@ -78,8 +80,21 @@ def motion_of(problem: Any) -> tuple[np.ndarray, float, tuple[float, float]]:
     return problem.motion, math.inf, (problem.error_a, problem.error_b)
 
 
-def _body(of: Lifted, other: Lifted, tree: Tree, frame: tuple[np.ndarray, float], motion: np.ndarray) -> Body:
-    """The body's elements with lines and planes in the frame."""
+def _parts_that_may_meet(problem: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Of the parts of a and of b, false for those that meet nothing of the other body at any time."""
+    xyz_a, xyz_b = problem.tree_a.xyz, problem.tree_b.xyz
+    if isinstance(problem, TranslationProblem):
+        return np.ones(len(xyz_a), bool), np.ones(len(xyz_b), bool)
+    error = problem.error_a + problem.error_b
+    meets = may_meet_turning(np.concatenate([xyz_a, xyz_b]), len(xyz_a), *problem.motion[-1, :2], error)
+    return meets[: len(xyz_a)], meets[len(xyz_a) :]
+
+
+def _body(
+    whole: Lifted, other: Lifted, tree: Tree, frame: tuple[np.ndarray, float], motion: np.ndarray, meets: np.ndarray
+) -> Body:
+    """The elements of the body's parts that may meet the other one, with lines and planes in the frame."""
+    of = Lifted(*(_of_parts(x, meets) for x in (whole.edges, whole.corners, whole.facets)))
     corners, parts = of.edges.corners, of.edges.parts
     if np.all(other.edges.parts[:, 1] & FACET):  # points meet edges of edge sets only
         counts = parts[:, 1] & POINT == 0
@@ -90,6 +105,12 @@ def _body(of: Lifted, other: Lifted, tree: Tree, frame: tuple[np.ndarray, float]
     facets = Facets(sides, planes, boxes, sizes, of.facets.corners, of.facets.parts)
     vertices = Paths(of.corners.corners, np.zeros((0, 6)), of.corners.parts)
     return Body(edges, Paths(corners, lines, parts), vertices, facets, tree.xyz)
+
+
+def _of_parts(elements: Elements, meets: np.ndarray) -> Elements:
+    """The elements that such parts own; what a part owns lies in it."""
+    chosen = meets[elements.parts[:, 0]]
+    return elements if chosen.all() else Elements(elements.parts[chosen], elements.corners[chosen])
 
 
 def parting(problem: TranslationProblem) -> float:
