@@ -246,9 +246,9 @@ def intersection_curve(
 
     kinds = {_kind(body) for body in (p, q)}
     if "ruled" in kinds and len(kinds) > 1:
-        from firstcontact.ruled import solid_curve
+        from firstcontact.ruled import solid_verbs
 
-        return solid_curve.intersection_curve(p, q, tolerance, method, box)
+        return solid_verbs.intersection_curve(p, q, tolerance, method, box)
     return verbs.intersection_curve(p, q, tolerance, method, box)
 
 
