@@ -17,7 +17,9 @@ from flint import fmpq
 from firstcontact.body.carriers import Plane, Vector, cross, dot, primitive
 from firstcontact.body.polyhedron import Polyhedron
 from firstcontact.errors import UnsupportedPair
+from firstcontact.exact.numbers import to_double
 from firstcontact.ruled.branches import Joints
+from firstcontact.ruled.cover import Cover
 from firstcontact.ruled.pieces import Piece
 from firstcontact.ruled.solid_curve import SheetCurve, sign_at
 
@@ -55,12 +57,9 @@ class Facets:
         self._points: dict[int, Vector] = {}
         self._planes: dict[int, Plane | None] = {}
 
-    def near(self, low: np.ndarray, high: np.ndarray, hull: np.ndarray) -> Iterator[Facet]:
-        """The facets, without triangles outside the box or whose plane has all points of the hull (n, 3) on one side."""
-        left = {
-            k for k in np.flatnonzero((self.low <= high).all(1) & (self.high >= low).all(1)).tolist()
-            if self._may_cross(k, hull)
-        }  # fmt: skip
+    def near(self, cover: Cover) -> Iterator[Facet]:
+        """The facets, without triangles that the piece of the cover certainly does not meet."""
+        left = {k for k in cover.near(self.low, self.high).tolist() if self._may_meet(k, cover)}
         while left:
             waiting, group = [min(left)], []
             left.remove(waiting[0])
@@ -86,15 +85,12 @@ class Facets:
             self._planes[k] = Plane(primitive((*n, -dot(n, a)))) if any(n) else None
         return self._planes[k]
 
-    def _may_cross(self, k: int, hull: np.ndarray) -> bool:
+    def _may_meet(self, k: int, cover: Cover) -> bool:
         plane = self._plane(k)
         if plane is None:
             return False
-        size = max(abs(c) for c in plane.normal)
-        n = np.array([float(x.p) / float(x.q) for x in (c / size for c in plane.normal)])
-        values = hull @ n[:3] + n[3]
-        slack = 1e-11 * (np.abs(hull) @ np.abs(n[:3]) + abs(n[3]))
-        return not ((values > slack).all() or (values < -slack).all())
+        size = max(abs(c) for c in plane.normal[:3])
+        return cover.may_cross(np.array([to_double(c / size) for c in plane.normal]), self.low[k], self.high[k])
 
     def _coplanar(self, j: int, k: int) -> bool:
         a, b = self._plane(j), self._plane(k)

@@ -267,7 +267,8 @@ def _parts(chains: tuple[Chain, ...], strand: Strand, cuts: list[int]) -> list[S
 
 def _inner(chains: tuple[Chain, ...], strand: Strand, k: int) -> Stop:
     assert strand.places is not None
-    return knot(*chains, strand.places[k], strand.points[k], strand.parameters[k])
+    p, q = chains
+    return knot(p, q, strand.places[k], strand.points[k], strand.parameters[k])
 
 
 def _chains(strands: list[Strand], through: dict[int, list[Stop]]) -> list[tuple[Strand, tuple[Stop, ...]]]:

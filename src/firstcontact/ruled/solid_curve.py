@@ -8,9 +8,10 @@ known, and tell whether the edge is on the boundary.  A side r = 0 or r = 1 that
 from __future__ import annotations
 
 import math
+from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import lru_cache, reduce
+from functools import cache, reduce
 from itertools import count
 from typing import Any
 
@@ -20,7 +21,7 @@ from flint import arb, fmpq, fmpz, fmpz_mpoly, fmpz_poly
 from firstcontact.body.carriers import Plane
 from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.csg import outcomes
-from firstcontact.curve import CurveGraph, ExactParameters
+from firstcontact.curve import CurveGraph, ExactParameters, SingularPoint
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact import bivariate
 from firstcontact.exact.bivariate import V, from_rows, in_u, in_v
@@ -107,7 +108,7 @@ class _Joints(Joints):
 
     def __init__(self, found: _Found, graph: Any, sheet: _Sheet, is_stop: Callable[[Any], bool]) -> None:
         super().__init__(found, graph, sheet)
-        self.sheet, self.is_stop = sheet, lru_cache(maxsize=None)(lambda index: is_stop(graph.nodes[index]))
+        self.sheet, self.is_stop = sheet, cache(lambda index: is_stop(graph.nodes[index]))
         self.first: dict[int, int] = {}
 
     def corner(self, edge: Any, at_end: int) -> Corner:
@@ -228,7 +229,8 @@ class SheetCurve:
     def is_stop(self, node: Any) -> bool:
         if not self.joins:
             return False
-        return self.sheet.tip(node) is not None or any(node.u is not None and node.u.compare(x) == 0 for x in self.knots)
+        u = node.u
+        return self.sheet.tip(node) is not None or any(u is not None and u.compare(x) == 0 for x in self.knots)
 
     def run(self) -> dict[str, Any]:
         """The fields of IntersectionCurve."""
@@ -276,12 +278,25 @@ class SheetCurve:
             if self.sheet.tip(e) is None and self.clip.keeps(e) and self.is_part(e, joints)
         ]  # fmt: skip
         add_branches(self.found, joints, kept, list(curves.values()))
+        if self.joins:
+            self._add_cusps(joints, kept)
         used = {k for e in kept for k in (e.start, e.end)}
         for node in graph.nodes:
             if node.index in used or self.sheet.tip(node) in joints.first:
                 continue
             if self.clip.keeps(node) and self.is_part(node, joints):
                 self.found.add_isolated(doubles(joints.spot(node).coordinates()), node)
+
+    def _add_cusps(self, joints: _Joints, kept: Sequence[Any]) -> None:
+        """Those at which both branches end for themselves."""
+        at: dict[int, list[tuple[Any, int]]] = defaultdict(list)
+        for edge in kept:
+            at[edge.start].append((edge, 0))
+            at[edge.end].append((edge, 1))
+        for index, ends in at.items():
+            node = joints.graph.nodes[index]
+            if len(ends) == 2 and joints.is_stop(index) and self.sheet.tip(node) is None and joints.turns_back(*ends):
+                self.found.singular.append(SingularPoint(doubles(joints.spot(node).coordinates()), "cusp"))
 
 
 class ModelCurve(SheetCurve):
@@ -295,9 +310,9 @@ class ModelCurve(SheetCurve):
     def lies_in_surface(self) -> None:
         who = self.model.name or "the solid"
         if len(self.forms) > 1:
-            raise UnsupportedPair(f"{who}: the ruled piece lies in one surface of a solid of several; give that one as a solid")
+            raise UnsupportedPair(f"{who}: the piece lies in one surface of several; give that one as a solid")
         if self.clip.conditions:
-            raise UnsupportedPair(f"{who}: the ruled piece lies in the surface, and is trimmed; give an untrimmed piece")
+            raise UnsupportedPair(f"{who}: the piece lies in the surface, and is trimmed; give an untrimmed piece")
         self.found.two_dimensional = True
 
     def is_part(self, where: Any, joints: Joints) -> bool:

@@ -21,6 +21,7 @@ from firstcontact.curve import Branch, IntersectionCurve
 from firstcontact.errors import InputError, UnsupportedPair
 from firstcontact.result import Stats
 from firstcontact.ruled.chains import Chain, chains
+from firstcontact.ruled.cover import Cover
 from firstcontact.ruled.facet_curve import FacetCurve, facets
 from firstcontact.ruled.joined import ONE_PLACE, Found, Near, Stop, Strand
 from firstcontact.ruled.pieces import Piece
@@ -88,11 +89,7 @@ class _Sheets:
             if isinstance(self.solid, CompositeQuadric):
                 yield k, self.of_model(piece, **joining)
                 continue
-            low, high = chain.piece_box(k)
-            parts = chain.points[chain.piece_of == k]
-            hull = np.concatenate([(parts[:, i : i + 3] / parts[:, i + 3 : i + 4]).transpose(0, 2, 1).reshape(-1, 3)
-                                   for i in (0, 4)])  # fmt: skip
-            for facet in facets(self.solid).near(low, high, hull):
+            for facet in facets(self.solid).near(Cover(chain, k)):
                 asked += 1
                 if asked > MOST_FACETS:
                     raise UnsupportedPair(f"{facet.who} has more than {MOST_FACETS} facets near {self.ruled!r}")
@@ -113,7 +110,8 @@ def _joined(sheets: _Sheets) -> dict[str, Any]:
             strands += [_strand(chain, k, curve, branch, sheets.first) for branch in fields["branches"]]
         if areas:
             strands = [_beside_areas(x, areas, len(chain.pieces)) for x in strands if not _borders(x, areas, chain)]
-        found.add(_told_once(_cut_straight(strands), Near((chain,))), [], (chain,), own)
+        near = Near((chain,))
+        found.add(_told_once(_cut_straight(_without_points(strands, near)), near), [], (chain,), own)
         everything += own
     found.add_isolated(everything)
     return {**found.fields(), "method": "exact"}
@@ -130,6 +128,18 @@ def _strand(chain: Chain, k: int, curve: SheetCurve, branch: Branch, first: bool
         on = tuple(x for x in end.on if x not in inner)
         stops.append(Stop(replace(end, kind="boundary", on=on), place, at_knot=branch.multiplicity % 2 == 1))
     return Strand(branch.points, branch.parameters, tuple(stops), branch.multiplicity)
+
+
+def _without_points(strands: list[Strand], near: Near) -> list[Strand]:
+    """Without strands that are one place to doubles, as beside a vertex, where others go on from there."""
+    points = {id(x) for x in strands if x.stops and near(*x.stops) and _size(x) <= ONE_PLACE}
+    others = [stop for x in strands if id(x) not in points for stop in x.stops]
+    return [x for x in strands if id(x) not in points or not any(near(x.stops[0], stop) for stop in others)]
+
+
+def _size(strand: Strand) -> float:
+    """Greatest extent, in parts of the coordinates' size."""
+    return float(np.ptp(strand.points, axis=0).max() / max(1.0, np.abs(strand.points).max()))
 
 
 # -- straight strands: on knots and edges of the polyhedron, found from both sides -----------------------------
