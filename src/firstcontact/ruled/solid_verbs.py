@@ -22,7 +22,7 @@ from firstcontact.errors import InputError, UnsupportedPair
 from firstcontact.result import Stats
 from firstcontact.ruled.chains import Chain, chains
 from firstcontact.ruled.cover import Cover
-from firstcontact.ruled.facet_curve import FacetCurve, facets
+from firstcontact.ruled.facet_curve import FacetCurve, Facets, facets
 from firstcontact.ruled.joined import ONE_PLACE, Found, Near, Stop, Strand
 from firstcontact.ruled.pieces import Piece
 from firstcontact.ruled.solid_curve import ModelCurve, SheetCurve
@@ -63,10 +63,10 @@ def _check(ruled: Any) -> None:
             raise UnsupportedPair(f"{ruled!r} has rows of strips side by side; give them one by one")
 
 
-def _boundary(solid: Any) -> Any:
-    """A model, or a polyhedron that goes by its facets."""
+def _boundary(solid: Any) -> CompositeQuadric | Facets:
+    """A model, or the facets of a polyhedron."""
     if isinstance(solid, Polyhedron):
-        return as_model(solid) if is_small_and_convex(solid) else solid
+        return as_model(solid) if is_small_and_convex(solid) else facets(solid)
     if isinstance(solid, CompositeQuadric):
         return solid
     raise UnsupportedPair(f"{solid!r}: give a body at rest (body.at(t))")
@@ -89,7 +89,7 @@ class _Sheets:
             if isinstance(self.solid, CompositeQuadric):
                 yield k, self.of_model(piece, **joining)
                 continue
-            for facet in facets(self.solid).near(Cover(chain, k)):
+            for facet in self.solid.near(Cover(chain, k)):
                 asked += 1
                 if asked > MOST_FACETS:
                     raise UnsupportedPair(f"{facet.who} has more than {MOST_FACETS} facets near {self.ruled!r}")
