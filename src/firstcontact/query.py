@@ -230,8 +230,8 @@ def intersection_curve(
     pieces of any degree and strips, in doubles with proofs; "auto" chooses, and decides what doubles leave open exactly
     where degrees are small.
 
-    Solids are half-spaces, quadrics and all models made of them, and convex polyhedra; their columns of the parameters
-    are nan (null in JSON), their exact parameters None.
+    Solids are half-spaces, quadrics and all models made of them, and polyhedra of any shape, open ones too; their
+    columns of the parameters are nan (null in JSON), their exact parameters None.
 
     Raises UnsupportedPair for other bodies, and for the cases that docs/ruled-surfaces.md lists.
 
@@ -246,9 +246,9 @@ def intersection_curve(
 
     kinds = {_kind(body) for body in (p, q)}
     if "ruled" in kinds and len(kinds) > 1:
-        from firstcontact.ruled import solid_curve
+        from firstcontact.ruled import solid_verbs
 
-        return solid_curve.intersection_curve(p, q, tolerance, method, box)
+        return solid_verbs.intersection_curve(p, q, tolerance, method, box)
     return verbs.intersection_curve(p, q, tolerance, method, box)
 
 

@@ -8,6 +8,10 @@ tracing        polylines along the edges of the topology graph
 certified_curve  curves of strips and high degrees in doubles with proofs
 settled        pairs of pieces of strips that are decided exactly where doubles leave places open
 joined         both joined to branches and their graph
+solid_verbs    the verb with solids and polyhedra: one curve for every piece (and facet), joined
+solid_curve    the curve of a piece with a solid of planes and quadrics
+facet_curve    the curve of a piece with a facet of a polyhedron of any shape
+cover          cells of a piece: which facets may meet it
 chains         strips as chains of parts in Bernstein form
 
 moving         `first_contact` and `contact_intervals`: pieces of motion, results

@@ -79,7 +79,7 @@ class Found:
             "stats": Stats(node_visits=self.seen, undecided=len(self.open_places)),
         }
 
-    def add(self, strands: list[Strand], places: list[OpenPlace], chains: tuple[Chain, Chain] | None,
+    def add(self, strands: list[Strand], places: list[OpenPlace], chains: tuple[Chain, ...] | None,
             exact: Sequence[dict[str, Any]]) -> None:  # fmt: skip
         """What two chains share: strands, places left open, and the fields of their pairs of pieces decided exactly.
 
@@ -89,7 +89,7 @@ class Found:
             self._add_points(fields)
         groups: list[list[Stop]] = []
         if chains is not None:
-            near = _Near(chains)
+            near = Near(chains)
             strands = _cut(strands, near)
             groups = near.groups([stop for strand in strands for stop in strand.stops])
         alone = [group[0] for group in groups if len(group) == 1 and group[0].at_knot and not group[0].end.on]
@@ -173,10 +173,10 @@ def _lonely(stop: Stop) -> OpenPlace:
     return OpenPlace(stop.end.point, (u, u), (v, v), 0)
 
 
-class _Near:
+class Near:
     """Which stops are at one place."""
 
-    def __init__(self, chains: tuple[Chain, Chain]) -> None:
+    def __init__(self, chains: tuple[Chain, ...]) -> None:
         self.chains = chains
 
     def __call__(self, a: Stop, b: Stop) -> bool:
@@ -206,7 +206,7 @@ class _Near:
         return groups
 
 
-def _cut(strands: list[Strand], near: _Near) -> list[Strand]:
+def _cut(strands: list[Strand], near: Near) -> list[Strand]:
     """The strands in parts, where they pass through a place at a knot at which others end or pass too.
 
     What runs along a knot's ruling is known from both sides: it stays once.
@@ -245,7 +245,7 @@ def _runs_along_knot(strand: Strand) -> bool:
     return bool((np.abs(strand.places - np.round(strand.places)) <= ONE_PLACE).any(1).all())
 
 
-def _parts(chains: tuple[Chain, Chain], strand: Strand, cuts: list[int]) -> list[Strand]:
+def _parts(chains: tuple[Chain, ...], strand: Strand, cuts: list[int]) -> list[Strand]:
     """The strand cut at these of its points."""
     assert strand.places is not None
     last = len(strand.points) - 1
@@ -265,9 +265,10 @@ def _parts(chains: tuple[Chain, Chain], strand: Strand, cuts: list[int]) -> list
     ]  # fmt: skip
 
 
-def _inner(chains: tuple[Chain, Chain], strand: Strand, k: int) -> Stop:
+def _inner(chains: tuple[Chain, ...], strand: Strand, k: int) -> Stop:
     assert strand.places is not None
-    return knot(*chains, strand.places[k], strand.points[k], strand.parameters[k])
+    p, q = chains
+    return knot(p, q, strand.places[k], strand.points[k], strand.parameters[k])
 
 
 def _chains(strands: list[Strand], through: dict[int, list[Stop]]) -> list[tuple[Strand, tuple[Stop, ...]]]:

@@ -1,4 +1,4 @@
-"""`intersection_curve` of a ruled surface with the boundary of a solid of planes and quadrics, exactly.
+"""The curve of one ruled piece with the boundary of a solid of planes and quadrics, exactly.
 
 In the parameters (u, r) of the piece every surface of the solid is a curve f(u, r) = X^T Q X = 0 (of planes N.X = 0),
 of degree at most 2 in r.  All of them together have one certified graph; on an open edge of it the signs of all f are
@@ -8,10 +8,10 @@ known, and tell whether the edge is on the boundary.  A side r = 0 or r = 1 that
 from __future__ import annotations
 
 import math
-import time as clock
-from collections.abc import Sequence
+from collections import defaultdict
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import reduce
+from functools import cache, reduce
 from itertools import count
 from typing import Any
 
@@ -21,17 +21,13 @@ from flint import arb, fmpq, fmpz, fmpz_mpoly, fmpz_poly
 from firstcontact.body.carriers import Plane
 from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.csg import outcomes
-from firstcontact.body.polyhedron import Polyhedron
-from firstcontact.body.ruled_surface import RuledSurface
-from firstcontact.composite.polyhedra import as_model
-from firstcontact.curve import CurveGraph, ExactParameters, IntersectionCurve
-from firstcontact.errors import InputError, UnsupportedPair
+from firstcontact.curve import CurveGraph, ExactParameters, SingularPoint
+from firstcontact.errors import UnsupportedPair
 from firstcontact.exact import bivariate
 from firstcontact.exact.bivariate import V, from_rows, in_u, in_v
 from firstcontact.exact.numbers import precision
 from firstcontact.exact.plane_curves import topology
 from firstcontact.exact.roots import reversed_polynomial
-from firstcontact.result import Stats
 from firstcontact.ruled.answer import Parts, number
 from firstcontact.ruled.branches import Corner, Joints, add_branches
 from firstcontact.ruled.pieces import Piece
@@ -41,40 +37,6 @@ from firstcontact.ruled.tracing import Powers, rows
 UNIT = fmpq(0), fmpq(1)
 FLAT = 1e-9
 """Least singular value of unit normals below which surfaces of the solid count as touching each other."""
-
-
-def intersection_curve(p: Any, q: Any, tolerance: float, method: str, box: Any) -> IntersectionCurve:
-    """All points that a ruled surface shares with the boundary of a solid; either may come first."""
-    from firstcontact.ruled.verbs import _box
-
-    begin = clock.perf_counter()
-    ruled, solid = (p, q) if hasattr(p, "pieces") else (q, p)
-    surface = _checked(ruled)
-    if method not in ("auto", "algebraic"):
-        raise UnsupportedPair(f"method {method!r}: intersection curves with solids are exact; choose 'auto'")
-    if not tolerance > 0:
-        raise InputError(f"tolerance is {tolerance}; give a positive length")
-    found = _Pair(Piece.of(surface), _model(solid), tolerance, _box(box), ruled is p).run()
-    return IntersectionCurve(**found, stats=Stats(seconds=clock.perf_counter() - begin), a=p, b=q)
-
-
-def _checked(ruled: Any) -> RuledSurface:
-    if len(getattr(ruled, "pieces", ())) != 1:
-        raise UnsupportedPair(f"{ruled!r}: give one piece of a ruled surface at rest (body.at(t))")
-    surface: RuledSurface = ruled.pieces[0]
-    if surface.deforming:
-        raise InputError(f"{surface!r} deforms with the time; give surface.at(t)")
-    if surface.s is None:
-        raise UnsupportedPair(f"{surface!r} has whole rulings, which intersection_curve with solids does not take")
-    return surface
-
-
-def _model(solid: Any) -> CompositeQuadric:
-    if isinstance(solid, CompositeQuadric):
-        return solid
-    if isinstance(solid, Polyhedron):
-        return as_model(solid)
-    raise UnsupportedPair(f"{solid!r}: give a body at rest (body.at(t))")
 
 
 class _Sheet:
@@ -142,19 +104,22 @@ def _is_point(side: Sequence[fmpz_poly]) -> bool:
 
 
 class _Joints(Joints):
-    """All nodes on a side that is a point are one."""
+    """All nodes on a side that is a point are one; at nodes that `is_stop` names, every edge ends for itself."""
 
-    def __init__(self, found: _Found, graph: Any, sheet: _Sheet) -> None:
+    def __init__(self, found: _Found, graph: Any, sheet: _Sheet, is_stop: Callable[[Any], bool]) -> None:
         super().__init__(found, graph, sheet)
-        self.sheet = sheet
+        self.sheet, self.is_stop = sheet, cache(lambda index: is_stop(graph.nodes[index]))
         self.first: dict[int, int] = {}
 
     def corner(self, edge: Any, at_end: int) -> Corner:
         known = super().corner(edge, at_end)
-        tip = self.sheet.tip(self.graph.nodes[known.key[0]])
-        if tip is None:
-            return known
-        return replace(known, key=(self.first.setdefault(tip, known.key[0]), 0))
+        index = known.key[0]
+        tip = self.sheet.tip(self.graph.nodes[index])
+        if tip is not None:
+            known = replace(known, key=(self.first.setdefault(tip, index), 0))
+        if self.is_stop(index):
+            return replace(known, key=(index, 1 + 2 * edge.index + at_end))
+        return known
 
 
 def _combined(weights: Sequence[fmpq], values: Sequence[fmpz_mpoly]) -> fmpz_mpoly:
@@ -193,10 +158,14 @@ class _Found(Parts):
 
 
 class _Clip:
-    """Polynomials in u and r that are not negative on the piece and in the box, with their names."""
+    """Polynomials in u and r that are not negative on the piece and in the box, with their names.
 
-    def __init__(self, piece: Piece, sheet: _Sheet, box: Any) -> None:
-        self.piece, self.sheet, self.box = piece, sheet, box
+    marks: polynomials whose zeros name an end besides.
+    """
+
+    def __init__(self, piece: Piece, sheet: _Sheet, box: Any, names: str) -> None:
+        self.piece, self.sheet, self.box, self.names = piece, sheet, box, names
+        self.marks: list[tuple[str, fmpz_mpoly, int]] = []
         self.conditions: list[tuple[str, fmpz_mpoly, int]] = []
         for g in piece.trim:
             even = max(i for i, _ in g)
@@ -210,7 +179,7 @@ class _Clip:
 
     def keeps(self, where: Any) -> bool:
         """Of an edge or a node."""
-        return all(_sign(f, where) >= 0 for _, f, _ in self.conditions)
+        return all(sign_at(f, where) >= 0 for _, f, _ in self.conditions)
 
     def bounds_at(self, where: Spot) -> tuple[str, ...]:
         """The names of the bounds that hold with equality, as far as the bits of `where` show."""
@@ -219,45 +188,57 @@ class _Clip:
             u = 1 / where.x if where.chart[0] else where.x
             if self.piece.shift is not None:
                 u = self.piece.shift + 1 / u
-            found += [f"u={end}" for end in self.piece.u or () if (u - arb(end)).contains(0)]
+            found += [f"{self.names[0]}={end}" for end in self.piece.u or () if (u - arb(end)).contains(0)]
             for end, bound in zip(UNIT, self.piece.s_range, strict=True):
-                found += [f"s={bound}"] if (where.y - arb(end)).contains(0) else []
-            for name, f, degree in self.conditions:
+                found += [f"{self.names[1]}={bound}"] if (where.y - arb(end)).contains(0) else []
+            for name, f, degree in [*self.conditions, *self.marks]:
                 a = [reversed_polynomial(c, degree) for c in bivariate.rows(f)] if where.chart[0] else bivariate.rows(f)
                 if bivariate.evaluate(a, where.x, where.y).contains(0):
                     found.append(name)
         return tuple(found)
 
 
-class _Pair:
-    def __init__(self, piece: Piece, model: CompositeQuadric, tolerance: float, box: Any, first: bool) -> None:
-        self.model = model
+class SheetCurve:
+    """The part of the curves f(u, r) = 0 of some surfaces over a piece that `is_part` tells.
+
+    drawn   how many of the surfaces, from the first on, have their curves drawn; the others only cut them
+    knots   the ends of the range of u at which a neighbour of the piece goes on
+    joins   whether branches go on outside this piece and these surfaces: they end for themselves at all places where
+            they may, on knots and where a side is a point
+    """
+
+    def __init__(
+        self, piece: Piece, surfaces: Sequence[Any], drawn: int, tolerance: float, box: Any, first: bool,
+        knots: Sequence[Any] = (), joins: bool = False,
+    ) -> None:  # fmt: skip
+        self.knots, self.joins = [fmpq(x.numerator, x.denominator) for x in knots], joins
         for shift in count():
             self.piece = piece if shift == 0 or piece.u is not None else piece.away_from_infinity(shift - 1)
             self.sheet = _Sheet(self.piece)
-            self.forms = [self.sheet.form(s) for s in model.surfaces]
-            self.clip = _Clip(self.piece, self.sheet, box)
-            if piece.u is not None or not self._special_at_infinity():
+            self.forms = [self.sheet.form(s) for s in surfaces]
+            self.clip = _Clip(self.piece, self.sheet, box, "us" if first else "vt")
+            if piece.u is not None or not self._special_at_infinity(surfaces):
                 break
+        self.drawn, self.cutting = self.forms[:drawn], self.forms[drawn:]
         self.found = _Found(self.piece, self.clip, tolerance, first)
 
-    def _special_at_infinity(self) -> bool:
-        """Whether anything vanishes on the ruling u = infinity, where the graph does not look."""
-        tested = [(f, self.sheet.full_degree(s)) for f, s in zip(self.forms, self.model.surfaces, strict=True)]
-        tested += [(f, degree) for _, f, degree in self.clip.conditions]
-        return any(not f.is_zero() and f.degrees()[0] < degree for f, degree in tested)
+    def is_part(self, where: Any, joints: Joints) -> bool:
+        """Of an open edge or a node."""
+        raise NotImplementedError
+
+    def is_stop(self, node: Any) -> bool:
+        if not self.joins:
+            return False
+        u = node.u
+        return self.sheet.tip(node) is not None or any(u is not None and u.compare(x) == 0 for x in self.knots)
 
     def run(self) -> dict[str, Any]:
         """The fields of IntersectionCurve."""
-        found = self.found
-        if any(f.is_zero() for f in self.forms):
-            if len(self.forms) > 1:
-                raise UnsupportedPair("the piece lies in one surface of a solid of several; give that one as a solid")
-            if self.clip.conditions:
-                raise UnsupportedPair("the piece lies in the surface, and is trimmed; give an untrimmed piece")
-            found.two_dimensional = True
+        if any(f.is_zero() for f in self.drawn):
+            self.lies_in_surface()
         else:
             self._curves()
+        found = self.found
         return {
             "branches": tuple(found.branches),
             "overlap_lines": np.zeros((0, 2, 3)),
@@ -269,32 +250,73 @@ class _Pair:
             "common_rulings": (),
         }
 
+    def lies_in_surface(self) -> None:
+        """What to do where the piece lies in a surface that is drawn."""
+        raise NotImplementedError
+
+    def _special_at_infinity(self, surfaces: Sequence[Any]) -> bool:
+        """Whether anything vanishes on the ruling u = infinity, where the graph does not look."""
+        tested = [(f, self.sheet.full_degree(s)) for f, s in zip(self.forms, surfaces, strict=True)]
+        tested += [(f, degree) for _, f, degree in self.clip.conditions]
+        return any(not f.is_zero() and f.degrees()[0] < degree for f, degree in tested)
+
     def _curves(self) -> None:
         curves: dict[str, tuple[fmpz_mpoly, int]] = {}
-        for f in self.forms:
+        for f in self.drawn:
             for g, k in _factors(f):
                 if str(g) not in curves or curves[str(g)][1] < k:
                     curves[str(g)] = g, k
         if not curves:
             return
         extras = [f for _, f, _ in self.clip.conditions if not f.is_constant()]
+        cuts = {str(g): g for f in self.cutting for g, _ in _factors(f)}
+        extras += [g for name, g in cuts.items() if name not in curves]
         graph = topology([g for g, _ in curves.values()], u=self.piece.u, v=UNIT, extras=extras)
-        joints = _Joints(self.found, graph, self.sheet)
+        joints = _Joints(self.found, graph, self.sheet, self.is_stop)
         kept = [
             e for e in graph.edges
-            if self.sheet.tip(e) is None and self.clip.keeps(e) and self._is_on_boundary(e, joints)
+            if self.sheet.tip(e) is None and self.clip.keeps(e) and self.is_part(e, joints)
         ]  # fmt: skip
         add_branches(self.found, joints, kept, list(curves.values()))
+        if self.joins:
+            self._add_cusps(joints, kept)
         used = {k for e in kept for k in (e.start, e.end)}
         for node in graph.nodes:
             if node.index in used or self.sheet.tip(node) in joints.first:
                 continue
-            if self.clip.keeps(node) and self._is_on_boundary(node, joints):
+            if self.clip.keeps(node) and self.is_part(node, joints):
                 self.found.add_isolated(doubles(joints.spot(node).coordinates()), node)
 
-    def _is_on_boundary(self, where: Any, joints: Joints) -> bool:
-        """Of an open edge or a node."""
-        signs = [_sign(f, where) for f in self.forms]
+    def _add_cusps(self, joints: _Joints, kept: Sequence[Any]) -> None:
+        """Those at which both branches end for themselves."""
+        at: dict[int, list[tuple[Any, int]]] = defaultdict(list)
+        for edge in kept:
+            at[edge.start].append((edge, 0))
+            at[edge.end].append((edge, 1))
+        for index, ends in at.items():
+            node = joints.graph.nodes[index]
+            if len(ends) == 2 and joints.is_stop(index) and self.sheet.tip(node) is None and joints.turns_back(*ends):
+                self.found.singular.append(SingularPoint(doubles(joints.spot(node).coordinates()), "cusp"))
+
+
+class ModelCurve(SheetCurve):
+    """With the boundary of a solid of planes and quadrics; joining: as `knots` and `joins` of SheetCurve."""
+
+    def __init__(self, piece: Piece, model: CompositeQuadric, tolerance: float, box: Any, first: bool,
+                 **joining: Any) -> None:  # fmt: skip
+        super().__init__(piece, model.surfaces, len(model.surfaces), tolerance, box, first, **joining)
+        self.model = model
+
+    def lies_in_surface(self) -> None:
+        who = self.model.name or "the solid"
+        if len(self.forms) > 1:
+            raise UnsupportedPair(f"{who}: the piece lies in one surface of several; give that one as a solid")
+        if self.clip.conditions:
+            raise UnsupportedPair(f"{who}: the piece lies in the surface, and is trimmed; give an untrimmed piece")
+        self.found.two_dimensional = True
+
+    def is_part(self, where: Any, joints: Joints) -> bool:
+        signs = [sign_at(f, where) for f in self.forms]
         if len(outcomes(self.model.tree, signs)) < 2:
             return False
         on = [k for k, sign in enumerate(signs) if sign == 0]
@@ -311,7 +333,8 @@ class _Pair:
         clear = len(on) <= 3 and np.all(lengths > FLAT * size)
         if not clear or np.linalg.svd(gradients / lengths)[1][-1] < FLAT:
             names = "({:.9g}, {:.9g}, {:.9g})".format(*point)
-            raise UnsupportedPair(f"the ruled surface meets the solid at {names}, where its surfaces do not just cross")
+            who = self.model.name or "the solid"
+            raise UnsupportedPair(f"{who}: met at {names}, where surfaces of the solid do not just cross")
 
 
 def _factors(f: fmpz_mpoly) -> list[tuple[fmpz_mpoly, int]]:
@@ -322,7 +345,7 @@ def _factors(f: fmpz_mpoly) -> list[tuple[fmpz_mpoly, int]]:
     return [*parts.curves, *((in_u(g), k) for g, k in parts.in_u), *((in_v(g), k) for g, k in parts.in_v)]
 
 
-def _sign(f: fmpz_mpoly, where: Any) -> int:
+def sign_at(f: fmpz_mpoly, where: Any) -> int:
     """Of a polynomial on an edge or at a node."""
     if not f.is_constant():
         return int(where.sign(f))
