@@ -67,7 +67,7 @@ def face_triangles(
 
 
 def _part_near(body: CompositeQuadric, lo: np.ndarray, hi: np.ndarray) -> CompositeQuadric:
-    """What a body without end has in a cube about the middle of the corners, the first of growing ones that holds some."""
+    """What a body without end has in a cube about the corners: the first of growing ones to hold some."""
     from firstcontact.body.composite_quadric import NoSolid
     from firstcontact.body.primitives import box
 
