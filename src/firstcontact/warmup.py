@@ -33,6 +33,8 @@ def warm(progress: Callable[[str], object] | None = None) -> None:
                 progress(f"{verb.__name__} under {name}")
             verb(moving, base)
     query.first_contact(base.translated((0.1, 0.1, 0)), base)
+    inside = base.transformed([[0.1, 0, 0, 0.1], [0, 0.1, 0, 0.1], [0, 0, 0.1, 0.1], [0, 0, 0, 1]])
+    query.first_contact(inside, base)
     open_mesh = Polyhedron(base.vertices, base.triangles[:2])
     query.first_contact(raised.moving(shift), open_mesh)
     tree = tree_of(base)
