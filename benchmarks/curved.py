@@ -253,17 +253,19 @@ def meshes(repeats: int, peers: list, sizes: tuple[int, ...]) -> list[str]:
 
 
 def tolerance_for(solid, triangles: int) -> float:
-    """The tolerance of a mesh with about so many triangles: their number goes by a power of it, found here."""
-    tolerances, counts = [1e-2, 1e-3], []
-    for _ in range(8):
-        counts.append(len(solid.to_mesh(tolerances[len(counts)]).triangles))
-        if abs(math.log(counts[-1] / triangles)) < 0.1:
-            break
-        if len(counts) > 1:
-            power = math.log(counts[-1] / counts[-2]) / math.log(tolerances[-1] / tolerances[-2])
-            power = power if -2 < power < -0.2 else -0.5
-            tolerances.append(tolerances[-1] * (triangles / counts[-1]) ** (1 / power))
-    return tolerances[len(counts) - 1]
+    """A tolerance whose mesh has about so many triangles: the last of ever smaller ones before there are far more."""
+    tolerance = best = 1e-2
+    while True:
+        try:
+            count = len(solid.to_mesh(tolerance).triangles)
+        except fc.InputError:  # more than any mesh may have
+            return best
+        if count > 2 * triangles:
+            return best
+        best = tolerance
+        if count > triangles / 1.5:
+            return best
+        tolerance /= 2
 
 
 # -- the worked examples, memory and start-up -----------------------------------------------------------------------
