@@ -130,15 +130,10 @@ def _distances_differ(cell, x, slack):
     bottom, top = whole[2] - slack, whole[5] + slack
     farthest, u, v = -1.0, 0.0, 0.0
     for s in range(3):
-        i, j = 3 * s, 3 * ((s + 1) % 3)
-        lo, hi = between(x[i + 2], x[j + 2], bottom, top)
-        if lo > hi:
-            continue
-        for end in range(2):
-            w = hi if end else lo
-            p, q = x[i] + w * (x[j] - x[i]) - cx, x[i + 1] + w * (x[j + 1] - x[i + 1]) - cy
-            farthest = max(farthest, math.sqrt(p * p + q * q))
-            u, v = u + p, v + q
+        found, p0, q0, p1, q1 = _clipped_side(x, s, bottom, top, cx, cy)
+        if found:
+            farthest = max(farthest, math.sqrt(p0 * p0 + q0 * q0), math.sqrt(p1 * p1 + q1 * q1))
+            u, v = u + p0 + p1, v + q0 + q1
     if farthest < 0.0:
         return False
     if farthest < cell[ROUND, 0] - 2.0 * slack:
@@ -149,15 +144,19 @@ def _distances_differ(cell, x, slack):
     u, v = u / length, v / length
     nearest = np.inf
     for s in range(3):
-        i, j = 3 * s, 3 * ((s + 1) % 3)
-        lo, hi = between(x[i + 2], x[j + 2], bottom, top)
-        if lo > hi:
-            continue
-        for end in range(2):
-            w = hi if end else lo
-            p, q = x[i] + w * (x[j] - x[i]) - cx, x[i + 1] + w * (x[j + 1] - x[i + 1]) - cy
-            nearest = min(nearest, u * p + v * q)
+        found, p0, q0, p1, q1 = _clipped_side(x, s, bottom, top, cx, cy)
+        if found:
+            nearest = min(nearest, u * p0 + v * q0, u * p1 + v * q1)
     return nearest > cell[ROUND, 1] + 2.0 * slack
+
+
+@kernel
+def _clipped_side(x, s, bottom, top, cx, cy):
+    """(whether there is any, p, q, p', q'): the ends, from the axis, of what of a side lies between two heights."""
+    i, j = 3 * s, 3 * ((s + 1) % 3)
+    lo, hi = between(x[i + 2], x[j + 2], bottom, top)
+    p, q, d, e = x[i], x[i + 1], x[j] - x[i], x[j + 1] - x[i + 1]
+    return lo <= hi, p + lo * d - cx, q + lo * e - cy, p + hi * d - cx, q + hi * e - cy
 
 
 @kernel

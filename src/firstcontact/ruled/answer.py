@@ -18,11 +18,10 @@ from firstcontact.ruled.spots import Box
 SAME = 1e-11
 
 
-class Parts:
+class Collected:
     """Branches, points and overlaps so far."""
 
-    def __init__(self, tolerance: float) -> None:
-        self.tolerance = tolerance
+    def __init__(self) -> None:
         self.branches: list[Branch] = []
         self.segments: list[np.ndarray] = []
         self.singular: list[SingularPoint] = []
@@ -30,6 +29,27 @@ class Parts:
         self.two_dimensional = False
         self.nodes: list[GraphNode] = []
         self.edges: list[tuple[int, int]] = []
+
+    def collected(self) -> dict[str, Any]:
+        """Their fields of IntersectionCurve; no Delta and no common rulings."""
+        return {
+            "branches": tuple(self.branches),
+            "overlap_lines": np.array(self.segments).reshape(-1, 2, 3),
+            "singular_points": tuple(self.singular),
+            "isolated_points": np.array(self.isolated).reshape(-1, 3),
+            "two_dimensional": self.two_dimensional,
+            "graph": CurveGraph(tuple(self.nodes), tuple(self.edges)),
+            "delta": {},
+            "common_rulings": (),
+        }
+
+
+class Parts(Collected):
+    """Those of two bodies, one graph with nodes; tolerance: that of polylines."""
+
+    def __init__(self, tolerance: float) -> None:
+        super().__init__()
+        self.tolerance = tolerance
 
     def exact(self, where: Any) -> ExactParameters:
         """Results' numbers for the user's parameters of `where`, a node or another object with u and v."""
@@ -86,13 +106,7 @@ class Found(Parts):
 
     def fields(self, d: fmpz_mpoly, common: CommonRulings) -> dict[str, Any]:
         """Those of IntersectionCurve; d = Delta and the common rulings in the user's parameters."""
-        return {
-            "branches": tuple(self.branches),
-            "overlap_lines": np.array(self.segments).reshape(-1, 2, 3),
-            "singular_points": tuple(self.singular),
-            "isolated_points": np.array(self.isolated).reshape(-1, 3),
-            "two_dimensional": self.two_dimensional,
-            "graph": CurveGraph(tuple(self.nodes), tuple(self.edges)),
+        return self.collected() | {
             "delta": _table(d),
             "common_rulings": tuple((number(u), number(v)) for u, v in common.pairs),
             "correspondence": {} if common.correspondence.is_constant() else _table(common.correspondence),

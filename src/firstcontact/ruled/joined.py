@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from firstcontact.curve import Branch, BranchEnd, CurveGraph, ExactParameters, GraphNode, OpenPlace, SingularPoint
+from firstcontact.curve import Branch, BranchEnd, ExactParameters, GraphNode, OpenPlace, SingularPoint
 from firstcontact.result import Stats
-from firstcontact.ruled.answer import same
+from firstcontact.ruled.answer import Collected, same
 from firstcontact.ruled.chains import Chain
 
 # Places this near each other, in pieces, are one: exact ones agree to rounding, certified ones to that of a simple
@@ -50,30 +50,16 @@ def knot(p: Chain, q: Chain, place: np.ndarray, point: np.ndarray, parameters: n
     return Stop(BranchEnd("boundary", on, point, parameters), place, at_knot=True)
 
 
-class Found:
-    """Branches, open places and the graph so far."""
+class Found(Collected):
+    """What is known of the curve of two chains; besides, places left open and the boxes looked at."""
 
     def __init__(self) -> None:
-        self.branches: list[Branch] = []
+        super().__init__()
         self.open_places: list[OpenPlace] = []
-        self.singular: list[SingularPoint] = []
-        self.isolated: list[np.ndarray] = []
-        self.segments: list[np.ndarray] = []
-        self.two_dimensional = False
-        self.nodes: list[GraphNode] = []
-        self.edges: list[tuple[int, int]] = []
         self.seen = 0
 
     def fields(self) -> dict[str, Any]:
-        return {
-            "branches": tuple(self.branches),
-            "overlap_lines": np.array(self.segments).reshape(-1, 2, 3),
-            "singular_points": tuple(self.singular),
-            "isolated_points": np.array(self.isolated).reshape(-1, 3),
-            "two_dimensional": self.two_dimensional,
-            "graph": CurveGraph(tuple(self.nodes), tuple(self.edges)),
-            "delta": {},
-            "common_rulings": (),
+        return self.collected() | {
             "method": "certified",
             "open_places": tuple(self.open_places),
             "stats": Stats(node_visits=self.seen, undecided=len(self.open_places)),

@@ -21,7 +21,7 @@ from flint import arb, fmpq, fmpz, fmpz_mpoly, fmpz_poly
 from firstcontact.body.carriers import Plane
 from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.csg import outcomes
-from firstcontact.curve import CurveGraph, ExactParameters, SingularPoint
+from firstcontact.curve import ExactParameters, SingularPoint
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact import bivariate
 from firstcontact.exact.bivariate import V, from_rows, in_u, in_v
@@ -238,17 +238,7 @@ class SheetCurve:
             self.lies_in_surface()
         else:
             self._curves()
-        found = self.found
-        return {
-            "branches": tuple(found.branches),
-            "overlap_lines": np.zeros((0, 2, 3)),
-            "singular_points": tuple(found.singular),
-            "isolated_points": np.array(found.isolated).reshape(-1, 3),
-            "two_dimensional": found.two_dimensional,
-            "graph": CurveGraph(tuple(found.nodes), tuple(found.edges)),
-            "delta": {},
-            "common_rulings": (),
-        }
+        return self.found.collected()
 
     def lies_in_surface(self) -> None:
         """What to do where the piece lies in a surface that is drawn."""

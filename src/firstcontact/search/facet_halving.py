@@ -36,24 +36,19 @@ from firstcontact.search.halving import (
     B_FIRST,
     B_LAST,
     FEW_PAIRS,
+    GO_ON,
     TOP,
     second_moments,
+    why_pause,
 )
 from firstcontact.search.lifted_elements import select
 from firstcontact.search.lifted_motion import lay_corner, lay_path
 from firstcontact.search.state import (
-    CANDIDATES,
     CROSSING_FOUND,
     CROWDED,
-    DECIDE,
     DONE,
-    FULL,
-    LEAF_ROOM,
     QUERY,
-    SLICE_SPENT,
     STACK,
-    UNSURE_BATCH,
-    UNSURE_COUNT,
     VISITS,
 )
 from firstcontact.search.tree import SIDE
@@ -104,12 +99,9 @@ def halve_facets(paths, facets, origin, scale, room, still, swapped, motion, arc
     sense, err = -1.0 if swapped else 1.0, err_a + err_b
     sided = still or not axis_of(motion)[0]  # of straight paths the side lines tell, too
     while integers[STACK] > 0:
-        if integers[CANDIDATES] + 2 * FEW_PAIRS + LEAF_ROOM > times.shape[0]:
-            return FULL
-        if integers[UNSURE_COUNT] >= UNSURE_BATCH:
-            return DECIDE
-        if integers[VISITS] >= limit:
-            return SLICE_SPENT
+        reason = why_pause(integers, times.shape[0], limit)
+        if reason != GO_ON:
+            return reason
         here = integers[STACK] - 1
         frame = frames[here]
         a0, b0 = frame[A_FIRST], frame[B_FIRST]

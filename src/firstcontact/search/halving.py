@@ -39,6 +39,8 @@ from firstcontact.search.walk import test_events
 
 # A frame of at most so many pairs is tested pair by pair.
 FEW_PAIRS = 64
+# No reason to come back: none of those of `state`.
+GO_ON = -2
 # One pair of edges in so many is tested before anything is cut, per edge of the larger set.
 SAMPLE_SHARE = 8
 # Lengths that are very different, and boxes in which edges are short.
@@ -86,6 +88,18 @@ def room_for(m: int, n: int) -> Room:
 
 
 @kernel
+def why_pause(integers, room, limit):
+    """GO_ON, or the reason to come back before the next frame: no room for its candidates, doubts, the limit."""
+    if integers[CANDIDATES] + 2 * FEW_PAIRS + LEAF_ROOM > room:
+        return FULL
+    if integers[UNSURE_COUNT] >= UNSURE_BATCH:
+        return DECIDE
+    if integers[VISITS] >= limit:
+        return SLICE_SPENT
+    return GO_ON
+
+
+@kernel
 def halve(a, b, origin, scale, room, motion, arc, reach, xyz_a, xyz_b, err_a, err_b, limit,
           floats, integers, times, candidates):  # fmt: skip
     """Go on with all pairs of edges; returns why it stopped.  STACK counts the frames that wait."""
@@ -104,12 +118,9 @@ def halve(a, b, origin, scale, room, motion, arc, reach, xyz_a, xyz_b, err_a, er
     row, query, work = np.zeros(LINES + box_columns(6)), np.zeros((ROWS, 6)), np.empty((8, 3))
     scratch = np.empty((6, 6)), np.empty((6, 6)), np.empty((3, 6))
     while integers[STACK] > 0:
-        if integers[CANDIDATES] + 2 * FEW_PAIRS + LEAF_ROOM > times.shape[0]:
-            return FULL
-        if integers[UNSURE_COUNT] >= UNSURE_BATCH:
-            return DECIDE
-        if integers[VISITS] >= limit:
-            return SLICE_SPENT
+        reason = why_pause(integers, times.shape[0], limit)
+        if reason != GO_ON:
+            return reason
         done = integers[QUERY] - 1
         sampling = done < samples
         if sampling:
