@@ -40,6 +40,14 @@ def test_faces_that_seat_flat_at_the_last_instant(degrees):
     assert short.status is fc.Status.FREE
 
 
+def test_bare_edges_that_stay_parallel_are_never_called_free():
+    """Without facets nothing but the two edges themselves tells that they meet, half a turn on."""
+    rod = fc.Polyhedron([[5, 0, 0], [5, 0, 1]], [], edges=[[0, 1]])
+    other = fc.Polyhedron([[-5, 0, 0.25], [-5, 0, 1.25]], [], edges=[[0, 1]])
+    hit = fc.first_contact(rod.moving(fc.Screw(AXIS, degrees=360, advance=1)), other)
+    assert hit.status is not fc.Status.FREE and hit.free_until <= 0.5
+
+
 def test_misses_by_a_hair_are_told_from_contacts():
     """Vertical edges pass a wall by 1e-9 on either side."""
     turn = fc.Screw(AXIS, degrees=90, advance=1)

@@ -1,12 +1,14 @@
 """Spans without end: the answer is that of a long span, and what can never change again lasts for ever."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import firstcontact as fc
 from amount import amount
+from firstcontact import endless
 
 ENDLESS = (0, math.inf)
 PIN = fc.cylinder(1, 2)
@@ -51,6 +53,37 @@ def test_known_meetings(name):
     assert lo <= expected[0][0] <= hi and hi - lo <= 1e-12 * max(1, hi)
 
 
+@pytest.mark.parametrize("size", [1, 10, 100])
+@pytest.mark.parametrize("shape", [fc.cylinder(1, 2), fc.cylinder(1, 2).to_mesh(0.1)], ids=["solid", "mesh"])
+def test_enclosures_are_as_narrow_as_the_time_asks(shape, size):
+    """A body that is soon met: it takes many times as long until nothing can change any more."""
+    body = shape.transformed(np.diag([size, size, size, 1])).rotated((1, 2, 0), degrees=20)
+    reach = size * (math.cos(math.radians(20)) + math.sin(math.radians(20)))
+    falling = body.translated((0, 0, reach + 0.5)).moving(DOWN)
+    hit, found = fc.first_contact(falling, FLOOR, ENDLESS), fc.contact_intervals(falling, FLOOR, ENDLESS)
+    starts = [hit.time_interval, *(interval.start_interval for interval in found)]
+    for lo, hi in starts:
+        assert hi - lo <= 1e-12 * max(1, hi) and 0 < lo < 2
+    assert len(starts) == 2
+
+
+def test_intervals_whose_enclosures_are_too_wide_are_asked_for_again():
+    """A search may use up the tolerance of its span, which is longer than the times it finds."""
+    a, b, _ = MEETINGS["pins pass"]
+    asked = []
+
+    def ask(span, tolerance):
+        asked.append(tolerance)
+        found = fc.contact_intervals(a, b, span)
+        room = tolerance * float(int(span[1].p) / int(span[1].q)) / 2
+        wide = replace(found[0], start_interval=(found[0].start - room, found[0].start + room))
+        return replace(found, intervals=(wide,))
+
+    (interval,) = endless.contact_intervals(ask, a, b, ENDLESS, 1e-6)
+    lo, hi = interval.start_interval
+    assert len(asked) == 2 and hi - lo <= 1e-6 * 3
+
+
 def test_a_turn_for_ever_is_one_turn():
     arm = PIN.translated((5, 0, 0)).moving(fc.Rotation((0, 0, 1), degrees=1))
     hit, once = (fc.first_contact(arm, PIN.translated((0, -5, 0)), span) for span in (ENDLESS, (0, 360)))
@@ -77,6 +110,8 @@ def test_what_needs_an_end():
     rising = fc.Translation((0, 0, 1))
     with pytest.raises(fc.UnsupportedPair, match="opens along the motion; give span"):
         fc.first_contact(fc.sphere(1).translated((0, 9, 0)).moving(rising), saddle, ENDLESS)
+    with pytest.raises(fc.UnsupportedPair, match="opens along the motion; give span"):  # for some of its points
+        fc.first_contact(fc.sphere(1).translated((0.5, 9, 0)).moving(rising), saddle, ENDLESS)
     assert fc.first_contact(fc.sphere(1).translated((9, 9, 0)).moving(rising), saddle, ENDLESS).status is fc.Status.FREE
     with pytest.raises(fc.InputError, match="Screw"):
         fc.first_contact(PIN.moving(fc.Screw((0, 0, 1), degrees=9, advance=1)), FLOOR, ENDLESS)

@@ -67,7 +67,10 @@ def uncounted(function: Callable[..., Any]) -> Any:
 
 
 def inner(function: Callable[..., Any]) -> Any:
-    """`uncounted`, for kernels alone to call: without the entry for Python, a sixth of what compiling takes."""
+    """`uncounted`, for kernels alone to call: without the entry for Python, a sixth of what compiling takes.
+
+    Called from Python it crashes the interpreter.
+    """
     return kernel(function, allocates=False, entry=False)
 
 
