@@ -100,10 +100,12 @@ class AngleInstant:
 
     __slots__ = ("K", "R", "X", "Y", "_ball", "_bounds", "_rational", "_settled")
 
-    def __init__(self, X: Any, Y: Any, R: Any, K: Any) -> None:  # noqa: N803
+    def __init__(self, X: Any, Y: Any, R: Any, K: Any, bounds: tuple[float, float] | None = None) -> None:  # noqa: N803
+        """bounds: doubles around the angle, where they are known."""
         self.X, self.Y, self.R, self.K = surd(X), surd(Y), surd(R), K
-        self._rational = not any(type(v) is arb for s in (self.X, self.Y) for v in (s.x, s.y, s.d))
-        self._bounds: tuple[float, float] | None = None
+        x, y = self.X, self.Y
+        self._rational = arb not in (type(x.x), type(x.y), type(x.d), type(y.x), type(y.y), type(y.d))
+        self._bounds = bounds
         self._settled = self._rational  # balls may be known better at another precision
         self._ball: tuple[int, arb] | None = None
         """Precision and value of the best enclosure so far, of rational ones."""

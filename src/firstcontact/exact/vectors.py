@@ -45,22 +45,23 @@ def whole(*points: Vector, per: Any = 1) -> tuple[fmpz, list[Vector]]:
     """
     denominators = [x.q for p in points for x in p]
     scale = max(denominators)  # of numbers that come from doubles, their common multiple at once
-    if scale != 1 or per != 1:
-        for q in (*denominators, per):
-            if scale % q:
-                scale = scale.lcm(q)
+    if scale == 1 and per == 1:
+        return scale, [(x.p, y.p, z.p) for x, y, z in points]
+    for q in (*denominators, per):
+        if scale % q:
+            scale = scale.lcm(q)
     numbers = iter([x.p * (scale / q) if q != scale else x.p for p in points for x in p for q in (x.q,)])
     return scale, list(zip(numbers, numbers, numbers))  # noqa: B905 - three of one iterator
 
 
-def whole_doubles(points: list[list[float]], per: fmpz) -> tuple[fmpz, list[Vector]]:
-    """`whole` of points given by doubles."""
+def whole_doubles(points: list[list[float]], per: fmpz, number: type = fmpz) -> tuple[Any, list[Vector]]:
+    """`whole` of points given by doubles, in numbers of type fmpz or int."""
     ratios = [x.as_integer_ratio() for p in points for x in p]
     power = max([q for _, q in ratios])  # of two, as all of them: their common multiple
     bits = power.bit_length()
-    scale = per.lcm(power)
-    more = scale / power
-    whole = [fmpz(n) << (bits - q.bit_length()) for n, q in ratios]  # from large ints fmpz are slow to make
+    scale = number(per.lcm(power))
+    more = scale // power
+    whole = [number(n) << (bits - q.bit_length()) for n, q in ratios]  # from large ints fmpz are slow to make
     numbers = iter(whole if more == 1 else [more * n for n in whole])
     return scale, list(zip(numbers, numbers, numbers))  # noqa: B905 - three of one iterator
 

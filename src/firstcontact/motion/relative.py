@@ -12,8 +12,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from flint import fmpq
@@ -40,8 +39,7 @@ SIMPLE = Translation, Rotation
 SUPPORTED = *SIMPLE, Screw, RationalMotion
 
 
-@dataclass(frozen=True, slots=True)
-class Piece:
+class Piece(NamedTuple):
     """Relative motion of a seen from b during [start, end] (end None: for ever); local time is t - reference.
 
     velocity (translation) per unit of time, or axis, point and rate (radians, turns) per unit of time.
@@ -103,8 +101,7 @@ def pieces(a: Any, b: Any, span: Any) -> tuple[list[Piece | CurvedPiece], fmpq, 
     return out, first, last
 
 
-@dataclass(frozen=True, slots=True)
-class _Step:
+class _Step(NamedTuple):
     """A step of one body's motion: over [start, end] it makes `motion`, from the pose `before`."""
 
     start: fmpq
@@ -117,7 +114,8 @@ class _Step:
         return fmpq(1) if self.end is None else self.end - self.start
 
 
-_RESTING = _Step(_0, None, REST, Placement())
+_HERE = Placement()
+_RESTING = _Step(_0, None, REST, _HERE)
 
 
 def _step_at(steps: list[_Step], time: fmpq) -> _Step:
@@ -132,12 +130,12 @@ def _steps(body: Any) -> Iterator[_Step]:
     motion = body.motion
     if isinstance(motion, Trajectory):
         for k, (between, start, end) in enumerate(zip(motion.steps, motion.times, motion.ends, strict=False)):
-            yield _Step(start, end, _simple(between), Placement().then(motion.before(k)))
+            yield _Step(start, end, _simple(between), _HERE.then(motion.before(k)))
         return
     if not isinstance(motion, Sequence):
-        yield _Step(_0, None, _supported(body, motion), Placement())
+        yield _Step(_0, None, _supported(body, motion), _HERE)
         return
-    start, before = _0, Placement()
+    start, before = _0, _HERE
     for k, (part, end) in enumerate(zip(motion.steps, motion.ends, strict=True)):
         step = _supported(body, part, f"step {k} of the Sequence, ")
         yield _Step(start, end, step, before)

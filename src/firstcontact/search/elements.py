@@ -55,11 +55,12 @@ def corners_of(body: Any, element: Feature) -> list[Any]:
 
 
 def whole_corners(
-    a: Any, element_a: Feature, b: Any, element_b: Feature, per: fmpz, vector: Vector
+    a: Any, element_a: Feature, b: Any, element_b: Feature, per: fmpz, vector: Vector, number: type = fmpz
 ) -> tuple[Any, list[Vector], list[Vector], Vector]:
     """(scale > 0, scale times the corners of both elements, scale times vector / per), all whole numbers.
 
     Sums of whole numbers have no denominators to find.  Corners in irrational poses are balls, and the scale is `per`.
+    number: what corners given by doubles become; `int` is quicker than fmpz as far as some 200 bits.
     """
     if a._pose is not None or b._pose is not None:
         x, y = ([scaled(per, p) for p in corners_of(*which)] for which in ((a, element_a), (b, element_b)))
@@ -67,11 +68,11 @@ def whole_corners(
     first, second = vertices_of(a, element_a), vertices_of(b, element_b)
     if a.error == 0.0 and b.error == 0.0:  # the coordinates are the doubles
         doubles = [a.vertices[i].tolist() for i in first] + [b.vertices[i].tolist() for i in second]
-        scale, points = whole_doubles(doubles, per)
+        scale, points = whole_doubles(doubles, per, number)
     else:
         exact = [a.exact_vertex(i) for i in first] + [b.exact_vertex(i) for i in second]
         scale, points = whole(*exact, per=per)
-    return scale, points[: len(first)], points[len(first) :], scaled(scale / per, vector)
+    return scale, points[: len(first)], points[len(first) :], scaled(scale // number(per), vector)
 
 
 class Primitive:

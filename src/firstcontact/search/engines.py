@@ -67,6 +67,7 @@ class ByEngine:
     engine = "boxes"
     threads = 1
     listed = 0
+    a: Any
     tree_a: Tree
     tree_b: Tree
 
@@ -91,7 +92,7 @@ class ByEngine:
             integers[LIFTED] = 3
             return advance_cells(self, state, limit, with_start)
         if self.engine == "auto" and not integers[LIFTED]:
-            most = tests_of_boxes(self.tree_a, self.tree_b)
+            most = self._tests_of_boxes()
             while True:
                 left = most - int(integers[TESTS])
                 # a visit may be 15 tests: short steps where tests are few
@@ -110,6 +111,14 @@ class ByEngine:
         from firstcontact.search.lifted_problem import advance_lifted
 
         return advance_lifted(self, state, limit)
+
+    def _tests_of_boxes(self) -> int:
+        """`tests_of_boxes`, kept on body a while the trees stay the same."""
+        trees = self.tree_a, self.tree_b
+        known = self.a._search.get("tests of boxes")
+        if known is None or known[0] is not trees[0] or known[1] is not trees[1]:
+            known = self.a._search["tests of boxes"] = *trees, tests_of_boxes(*trees)
+        return int(known[2])
 
     def _advance_composed(self, state: WalkState, limit: int, with_start: bool, all_sides: bool) -> int:
         from firstcontact.search.composed_problem import advance_composed

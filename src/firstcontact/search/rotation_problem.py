@@ -13,7 +13,7 @@ from functools import cached_property, cmp_to_key
 from typing import Any
 
 import numpy as np
-from flint import arb, fmpq
+from flint import arb, fmpq, fmpz
 
 from firstcontact.errors import InputError
 from firstcontact.exact.algebraic import algebraic
@@ -191,11 +191,16 @@ class RotationProblem(ByEngine):
         key = element_a, element_b
         found = self._known_corners.get(key)
         if found is None:
-            scale, a, b, o = whole_corners(self.a, element_a, self.b, element_b, *self._whole_origin)
-            found = (scale, [sub(p, o) for p in a], [sub(p, o) for p in b]) if any(o) else (scale, a, b)
+            found = self._find_corners(*key, fmpz)
             if self.is_exact:
                 self._known_corners[key] = found
         return found
+
+    def _find_corners(
+        self, element_a: Feature, element_b: Feature, number: type
+    ) -> tuple[Any, list[Vector], list[Vector]]:
+        scale, a, b, o = whole_corners(self.a, element_a, self.b, element_b, *self._whole_origin, number)
+        return (scale, [sub(p, o) for p in a], [sub(p, o) for p in b]) if any(o) else (scale, a, b)
 
     def contacts(self, element_a: Feature, element_b: Feature) -> list[Contact]:
         """All contacts of the two elements during one full turn: (instant, point of b about `origin`)."""
@@ -230,7 +235,7 @@ class RotationProblem(ByEngine):
     def contact_within(self, element_a: Feature, element_b: Feature, lo: float, hi: float) -> AngleInstant | None:
         """The first contact of the two elements, of which floats have proved that it is in [lo, hi]; exact."""
         if self.is_exact:
-            _, a, b = self._corners(element_a, element_b)
+            _, a, b = self._find_corners(element_a, element_b, int)
             instant = coplanar.rotation_instant(self._whole_axis, a, b, lo, hi)
             if instant is not None:
                 return instant

@@ -98,7 +98,9 @@ class TranslationProblem(ByEngine):
     def contact_within(self, element_a: Feature, element_b: Feature, lo: float, hi: float) -> RationalInstant | None:
         """The first contact of the two elements, of which floats have proved that it is in [lo, hi]; exact."""
         if self.is_exact:
-            _, a, b, v = self._corners(element_a, element_b)
+            per, v = self._whole_velocity
+            whole = int(v[0]), int(v[1]), int(v[2])
+            _, a, b, v = whole_corners(self.a, element_a, self.b, element_b, per, whole, int)
             time = coplanar.translation_instant(a, b, v)
             if time is not None:
                 return RationalInstant(time)
