@@ -120,6 +120,13 @@ def test_mesh_of_planar_faces_needs_their_outlines_only():
     assert len(fc.cylinder(1, 100).to_mesh(1).vertices) == 16
 
 
+@pytest.mark.parametrize("body", [fc.cylinder(1, 2), fc.cone(1, 2)])
+def test_fine_mesh_of_rulings_needs_no_triangles_but_those_at_its_chords(body):
+    """Sides along rulings are no distance off, however long: flips have to find them all."""
+    chords = 512  # the least power of two times 8 that keeps arcs within 7e-5 of their chords
+    assert len(body.to_mesh(1e-4).triangles) <= 4.2 * chords
+
+
 @pytest.mark.parametrize(("body", "expected"), MESHES)
 def test_mesh_has_the_volume_and_lies_on_the_surfaces(body, expected):
     mesh = body.to_mesh(0.005)

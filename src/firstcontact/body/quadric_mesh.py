@@ -34,8 +34,10 @@ SHARE = 0.7
 TURN = math.cos(math.radians(70))
 # How often edges are sampled more finely where chords cross on a surface that its curves do not.
 RESAMPLED = 12
-# How many rounds of halving are followed by flips.
-FLIPPED = 10
+# How many rounds of halving are followed by flips, and how many rounds of flips come first: as many as help.
+FLIPPED, FLIPS = 10, 10**6
+# The whole size of a face counts in flips as much as this share of the bound on distances.
+LENGTH_SHARE = 1e-3
 # Halving ends then: beside coarse chords some side may stay off by more than the bound however short others get.
 ROUNDS = 40
 
@@ -281,7 +283,7 @@ def _refine(skin: _Skin, bound: float) -> None:
     """Flip sides to lie closer to the surface, and halve inner sides that are off by more than the bound."""
     for attempt in range(ROUNDS):
         if attempt < FLIPPED:  # from then on sides only get shorter, so that this ends
-            _flip(skin, 8 if attempt else 200)
+            _flip(skin, bound, 8 if attempt else FLIPS)
         a, b = _sides(skin.triangles)
         keys, first = np.unique(_keys(skin, a, b), return_index=True)
         a, b = a[first], b[first]
@@ -345,8 +347,14 @@ def _halve(skin: _Skin, keys: np.ndarray) -> None:
     skin.fixed = (skin.fixed // n) * len(skin.rays) + skin.fixed % n
 
 
-def _flip(skin: _Skin, rounds: int) -> None:
-    """Flip inner sides whose other diagonal is closer to the surface, or as close and shorter."""
+def _flip(skin: _Skin, bound: float, rounds: int) -> None:
+    """Flip inner sides whose other diagonal is closer to the surface, or nearly as close and shorter."""
+
+    def cost(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        return _off(skin, a, b) + by_length * np.linalg.norm(skin.points[a] - skin.points[b], axis=1)
+
+    by_length = LENGTH_SHARE * bound / float(np.ptp(skin.points, axis=0).max())
+    rays = _unit(skin.rays)
     for _ in range(rounds):
         m = len(skin.triangles)
         a, b = _sides(skin.triangles)
@@ -359,10 +367,10 @@ def _flip(skin: _Skin, rounds: int) -> None:
         first, second = one % m, two % m
         p, q = a[one], b[one]
         r, s = (skin.triangles[side % m, (side // m + 2) % 3] for side in (one, two))
-        rays = _unit(skin.rays)
         convex = np.minimum(_turn(rays, p, s, r), _turn(rays, s, q, r)) > 1e-14
-        gain = _cost(skin, p, q) - _cost(skin, r, s)
-        better = np.flatnonzero(convex & (gain > 1e-9 * _cost(skin, p, q)))
+        before = cost(p, q)
+        gain = before - cost(r, s)
+        better = np.flatnonzero(convex & (gain > 1e-9 * before))
         if not len(better):
             return
         rank = np.empty(len(better), int)
@@ -374,10 +382,6 @@ def _flip(skin: _Skin, rounds: int) -> None:
         p, q, r, s = (x[chosen] for x in (p, q, r, s))
         skin.triangles[first[chosen]] = np.stack([p, s, r], axis=1)
         skin.triangles[second[chosen]] = np.stack([s, q, r], axis=1)
-
-
-def _cost(skin: _Skin, a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    return _off(skin, a, b) + 1e-3 * np.linalg.norm(skin.points[a] - skin.points[b], axis=1)
 
 
 def _turn(rays: np.ndarray, a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
