@@ -23,6 +23,7 @@ from firstcontact.body.csg import And, Leaf, Not, Or, Tree, inside
 from firstcontact.body.features import Edge, Face, Vertex
 from firstcontact.body.moving import Moving
 from firstcontact.composite.contact_sets import SAMPLES, runs
+from firstcontact.composite.forms import Form, forms_of, value
 from firstcontact.composite.touched import Flat, Point, coprime
 from firstcontact.motion.sequence import Sequence
 from firstcontact.motion.translation import Translation
@@ -38,12 +39,12 @@ Pair = tuple[Feature, Feature, Point]
 """A feature of a, one of b, and a point at which they meet, world."""
 
 
-@dataclass(frozen=True)
+@dataclass(slots=True)
 class Shared:
-    """kind and points as in `ContactSet`; pairs: all features that meet in it, as exact arithmetic lists them."""
+    """kind and points as for `ContactSet`; pairs: all features that meet in it, as exact arithmetic lists them."""
 
     kind: str
-    points: np.ndarray
+    points: Listing[Point] | np.ndarray
     pairs: list[Pair]
 
 
@@ -64,7 +65,7 @@ def shared_set(
     shifts: tuple[Point, Point],
     flats: tuple[list[Flat], list[Flat]],
     where: Point,
-    also: Listing[tuple[set[int], set[int]]] | None = None,
+    also: Listing[tuple[frozenset[int], frozenset[int]]] | None = None,
 ) -> Shared | None:
     """The contact set at the touched point `where`, of models shifted so; None where doubles do not tell.
 
@@ -76,7 +77,7 @@ def shared_set(
         if pair is None or (also is None and not all(body.shape.pieces for body in bodies)):
             return None
         x, y = pair
-        if not all(_on(x) <= on_a and _on(y) <= on_b for on_a, on_b in also or ()):
+        if also and not all(_on(x) <= on_a and _on(y) <= on_b for on_a, on_b in also):
             return None
         if x.direction is None and y.direction is None:
             return _in_plane(bodies, x.feature, y.feature)
@@ -97,6 +98,8 @@ def _parallel(a: list[Flat], b: list[Flat]) -> tuple[Flat, Flat] | None:
 
     Planes count before the lines in them.
     """
+    if len(a) == 1 == len(b):
+        return (a[0], b[0]) if _is_parallel(a[0], b[0]) else None
     planes_a, planes_b = ([f for f in side if f.direction is None] for side in (a, b))
     parallel = [(x, y) for x in planes_a or a for y in planes_b or b if _is_parallel(x, y)]
     return parallel[0] if len(parallel) == 1 else None
@@ -131,12 +134,11 @@ def _unit(exact: tuple[int, ...]) -> Point:
 # -- a model in doubles ---------------------------------------------------------------------------------------
 
 
-Form = tuple[float, ...]
-"""xx, yy, zz, 2 xy, 2 xz, 2 yz, 2 x, 2 y, 2 z, 1 of a surface, negative inside."""
 End = tuple[float, int]
 """Where a line passes a surface, and the number of that."""
-_Plan = list[tuple[int, float | None]]
-"""What bounds a line in a piece: number of the surface, slope of its form along the line (None if it is no plane)."""
+_Plan = list[tuple[int, Form, float | None]]
+"""What bounds a line in a piece: number of the surface, its form (of planes x, y, z, 1) and its slope along the line,
+None if it is no plane."""
 
 
 @dataclass(frozen=True)
@@ -157,29 +159,28 @@ class _Shape:
         known = self.plans.get((feature, d))
         if known is None:
             tangent, on = _tangent_surfaces(self.model, feature), set(feature.surfaces)
-            plans = [
-                [(k, self._slope(k, d)) for k in sorted(piece - on)] for piece in self.pieces if not piece & tangent
-            ]
-            plain = len(plans) == 1 and all(self._is_plain(*step) for step in plans[0])
+            plans = [[self._step(k, d) for k in sorted(piece - on)] for piece in self.pieces if not piece & tangent]
+            plain = len(plans) == 1 and all(_is_plain(form, slope) for _, form, slope in plans[0])
             known = self.plans[feature, d] = plans, plain
         return known
 
-    def _slope(self, k: int, d: Point) -> float | None:
+    def _step(self, k: int, d: Point) -> tuple[int, Form, float | None]:
         form = self.forms[k]
         if any(form[:6]):
-            return None
+            return k, form, None
         slope = form[6] * d[0] + form[7] * d[1] + form[8] * d[2]
-        return slope if abs(slope) > 1e-13 * max(map(abs, form[6:9])) else 0.0
+        return k, form[6:], slope if abs(slope) > 1e-13 * max(map(abs, form[6:9])) else 0.0
 
-    def _is_plain(self, k: int, slope: float | None) -> bool:
-        return slope is not None and (slope == 0.0 or abs(slope) > CLEAR * max(map(abs, self.forms[k][6:9])))
+
+def _is_plain(form: Form, slope: float | None) -> bool:
+    return slope is not None and (slope == 0.0 or abs(slope) > CLEAR * max(map(abs, form[:3])))
 
 
 def _shape(model: CompositeQuadric) -> _Shape:
     known = model._search.get("shape")
     if known is None:
-        forms = [_form(m) for m in model._forms_f.tolist()]
-        known = model._search["shape"] = _Shape(model, forms, _pieces(model.tree) if _is_convex(model) else [], {})
+        pieces = _pieces(model.tree) if _is_convex(model) else []
+        known = model._search["shape"] = _Shape(model, forms_of(model), pieces, {})
     return known
 
 
@@ -228,6 +229,8 @@ def _joined(model: CompositeQuadric, seam: Edge, face: Face) -> list[Face]:
 class _Body:
     """A model, shifted."""
 
+    __slots__ = ("forms", "model", "shape", "shift")
+
     def __init__(self, model: CompositeQuadric, shift: Point) -> None:
         self.model, self.shift = model, shift
         self.shape = _shape(model)
@@ -256,16 +259,16 @@ class _Body:
     def _in_piece(self, piece: frozenset[int], p: Point, on: frozenset[int]) -> bool | None:
         inside: bool | None = True
         for k in piece - on:
-            value, size = _value(self.forms[k], *p)
-            if value > CLEAR * size:
+            v, size = value(self.forms[k], *p)
+            if v > CLEAR * size:
                 return False
-            if value >= -CLEAR * size:
+            if v >= -CLEAR * size:
                 inside = None
         return inside
 
-    def stretch(self, where: Point, d: Point, feature: Feature) -> tuple[End, End] | None:
+    def stretch(self, where: Point, d: Point, feature: Feature, near: float) -> tuple[End, End] | None:
         """Where a line in the feature's surfaces, through a world point along d, enters the model and leaves it."""
-        p, near = self.local(where), CLEAR * (1.0 + max(map(abs, where)))
+        p = self.local(where)
         found = []
         for plan in self.shape.plan(feature, d)[0]:
             ends = self._passed(plan, p, d, near)
@@ -280,11 +283,10 @@ class _Body:
         entries: list[End] = []
         exits: list[End] = []
         x, y, z = p
-        for k, slope in plan:
-            form = self.forms[k]
+        for k, form, slope in plan:
             if slope is None:
                 roots = _roots(form, p, d)
-                if not roots and _value(form, x, y, z)[0] > 0.0:
+                if not roots and value(form, x, y, z)[0] > 0.0:
                     return None
                 if len(roots) == 2 and roots[0][1]:  # outside between them: another nappe, or p is there
                     if len(self.shape.pieces) > 1 or roots[0][0] < -near and roots[1][0] > near:
@@ -293,15 +295,16 @@ class _Body:
                 for s, leaves in roots:
                     (exits if leaves else entries).append((s, k))
                 continue
-            u, v, w, c = form[6] * x, form[7] * y, form[8] * z, form[9]
-            value = u + v + w + c
+            a, b, e, c = form
+            u, v, w = a * x, b * y, e * z
+            height = u + v + w + c
             if slope:
-                (exits if slope > 0.0 else entries).append((-value / slope, k))
+                (exits if slope > 0.0 else entries).append((-height / slope, k))
             else:
                 size = CLEAR * (abs(u) + abs(v) + abs(w) + abs(c))
-                if value > size:
+                if height > size:
                     return None
-                if value >= -size:
+                if height >= -size:
                     raise _Unclear
         lo, hi = _last(entries, 1.0, near), _last(exits, -1.0, near)
         return (lo, hi) if hi[0] - lo[0] > near else None
@@ -331,8 +334,8 @@ class _Body:
         if isinstance(tree, Leaf):
             found = known.get(tree.surface)
             if found is None:
-                value, size = _value(self.forms[tree.surface], *x)
-                found = known[tree.surface] = IN * (value <= CLEAR * size) + OUT * (value >= -CLEAR * size)
+                v, size = value(self.forms[tree.surface], *x)
+                found = known[tree.surface] = IN * (v <= CLEAR * size) + OUT * (v >= -CLEAR * size)
             return found
         if isinstance(tree, Not):
             found = self._sides(tree.inner, x, known)
@@ -346,16 +349,18 @@ class _Body:
 
     def is_far(self, x: Point) -> bool:
         """Whether a local point is clear of the model's box."""
-        known = self.model._search.get("box")
+        known = self.model._search.get("widened box")
         if known is None:
             low, high = self.model.bounds()
             off = 10.0 * CLEAR * (1.0 + max(np.abs(low).max(), np.abs(high).max()))
-            known = self.model._search["box"] = (low - off).tolist(), (high + off).tolist()
+            known = self.model._search["widened box"] = (low - off).tolist(), (high + off).tolist()
         return any(c < p or c > q for c, p, q in zip(x, *known, strict=True))
 
 
 def _last(ends: list[End], way: float, near: float) -> End:
     """The last of the ends (way 1), or the first (-1).  Raises _Unclear where another one is near it."""
+    if len(ends) == 1:
+        return ends[0]
     best, other = (-way * math.inf, -1), -way * math.inf
     for end in ends:
         if way * end[0] > way * best[0]:
@@ -367,26 +372,12 @@ def _last(ends: list[End], way: float, near: float) -> End:
     return best
 
 
-def _form(m: list[list[float]]) -> Form:
-    twice = [2.0 * x for x in (m[0][1], m[0][2], m[1][2], m[0][3], m[1][3], m[2][3])]
-    return (m[0][0], m[1][1], m[2][2], *twice, m[3][3])
-
-
-def _value(f: Form, x: float, y: float, z: float) -> tuple[float, float]:
-    """(value, sum of the sizes of its terms)."""
-    a, b, c = f[0] * x * x, f[1] * y * y, f[2] * z * z
-    d, e, g = f[3] * x * y, f[4] * x * z, f[5] * y * z
-    p, q, r = f[6] * x, f[7] * y, f[8] * z
-    size = abs(a) + abs(b) + abs(c) + abs(d) + abs(e) + abs(g) + abs(p) + abs(q) + abs(r) + abs(f[9])
-    return a + b + c + d + e + g + p + q + r + f[9], size
-
-
 def _roots(f: Form, o: Point, d: Point) -> list[tuple[float, bool]]:
     """The s at which o + s d crosses the surface, ascending, and whether it leaves the inside there.
 
     Both ends of what a tangent line shares would be unclear.
     """
-    value, size = _value(f, *o)
+    v, size = value(f, *o)
     x, y, z = d
     a = f[0] * x * x + f[1] * y * y + f[2] * z * z + f[3] * x * y + f[4] * x * z + f[5] * y * z
     b = (
@@ -397,17 +388,17 @@ def _roots(f: Form, o: Point, d: Point) -> list[tuple[float, bool]]:
     largest = max(map(abs, f[:9]))
     if abs(a) <= 1e-13 * largest:
         if abs(b) > 1e-13 * (largest + size):
-            return [(-value / b, b > 0.0)]
-        if abs(value) <= CLEAR * size:
+            return [(-v / b, b > 0.0)]
+        if abs(v) <= CLEAR * size:
             raise _Unclear
         return []
-    square = b * b - 4.0 * a * value
-    if abs(square) <= CLEAR * (b * b + abs(4.0 * a * value)):
+    square = b * b - 4.0 * a * v
+    if abs(square) <= CLEAR * (b * b + abs(4.0 * a * v)):
         raise _Unclear
     if square < 0.0:
         return []
     q = -0.5 * (b + math.copysign(math.sqrt(square), b))
-    r, s = q / a, value / q
+    r, s = q / a, v / q
     return [(min(r, s), a < 0.0), (max(r, s), a > 0.0)]
 
 
@@ -420,12 +411,11 @@ def _on(flat: Flat) -> frozenset[int]:
 
 def _in_line(bodies: tuple[_Body, _Body], flats: tuple[Flat, Flat], where: Point, d: Point) -> Shared | None:
     """The segment of the line through the touched point that both bodies hold."""
-    convex = all(body.shape.pieces for body in bodies)
-    found = (_held_by_convex if convex else _held)(bodies, flats, where, d)
+    convex, near = bodies[0].shape.pieces and bodies[1].shape.pieces, CLEAR * (1.0 + max(map(abs, where)))
+    found = (_held_by_convex if convex else _held)(bodies, flats, where, d, near)
     if found is None:
         return None
     (side_lo, lo), (side_hi, hi) = found
-    near = CLEAR * (1.0 + max(map(abs, where)))
     if hi[0] - lo[0] <= near or lo[0] > near or hi[0] < -near:
         return None
     middle = _along(where, 0.5 * (lo[0] + hi[0]), d)
@@ -439,17 +429,17 @@ def _in_line(bodies: tuple[_Body, _Body], flats: tuple[Flat, Flat], where: Point
     x, y = flats[0].feature, flats[1].feature
     if isinstance(x, Face) and isinstance(y, Face) and not (_is_plane(x) or _is_plane(y)):
         pairs.append((x, y, middle))
-    return Shared("segment", np.array(ends), pairs)
+    return Shared("segment", ends, pairs)
 
 
 def _held_by_convex(
-    bodies: tuple[_Body, _Body], flats: tuple[Flat, Flat], where: Point, d: Point
+    bodies: tuple[_Body, _Body], flats: tuple[Flat, Flat], where: Point, d: Point, near: float
 ) -> tuple[tuple[int, End], tuple[int, End]] | None:
     """(side, end) of both ends of what convex bodies hold of the line, with the side that ends there."""
-    in_a, in_b = (body.stretch(where, d, flat.feature) for body, flat in zip(bodies, flats, strict=True))
+    in_a = bodies[0].stretch(where, d, flats[0].feature, near)
+    in_b = None if in_a is None else bodies[1].stretch(where, d, flats[1].feature, near)
     if in_a is None or in_b is None:
         return None
-    near = CLEAR * (1.0 + max(map(abs, where)))
     (lo_a, hi_a), (lo_b, hi_b) = in_a, in_b
     if abs(lo_a[0] - lo_b[0]) <= near or abs(hi_a[0] - hi_b[0]) <= near:
         return None
@@ -457,7 +447,7 @@ def _held_by_convex(
 
 
 def _held(
-    bodies: tuple[_Body, _Body], flats: tuple[Flat, Flat], where: Point, d: Point
+    bodies: tuple[_Body, _Body], flats: tuple[Flat, Flat], where: Point, d: Point, near: float
 ) -> tuple[tuple[int, End], tuple[int, End]] | None:
     """The same for bodies of any shape, of the one stretch that both hold: from surface to surface."""
     on = _on(flats[0]), _on(flats[1])
@@ -467,7 +457,6 @@ def _held(
         for k, form in enumerate(body.forms) if k not in on[side]
         for s, _ in _roots(form, body.local(where), d)
     )  # fmt: skip
-    near = CLEAR * (1.0 + max(map(abs, where)))
     shared: list[tuple[tuple[float, int, int], tuple[float, int, int]]] = []
     for lo, hi in zip(breaks, breaks[1:], strict=False):
         if hi[0] - lo[0] <= near:
@@ -553,7 +542,8 @@ def _in_plane(bodies: tuple[_Body, _Body], x: Feature, y: Feature) -> Shared | N
     own, others = _outline(a, x), _outline(b, y)
     if own.lines and others.lines:
         pairs = _of_polygons(x, y, own, others)
-        return Shared("patch", np.array([p for _, _, p in pairs]), pairs) if _spread([p for _, _, p in pairs]) else None
+        points = [p for _, _, p in pairs]
+        return Shared("patch", points, pairs) if _spread(points) else None
     i, j = own.axes
     pairs = [(v, y, p) for v, p in own.corners if _is_in(b, others, p, on[1])]
     pairs += [(x, v, p) for v, p in others.corners if _is_in(a, own, p, on[0])]
@@ -572,7 +562,7 @@ def _in_plane(bodies: tuple[_Body, _Body], x: Feature, y: Feature) -> Shared | N
         pairs += [(e, f, tuple(run[len(run) // 2].tolist())) for e, f, run in arcs]
         return Shared("conic arc", arcs[0][2], pairs)
     points = [p for _, _, p in pairs]
-    return Shared("patch", np.array(points), pairs) if _spread(points) else None
+    return Shared("patch", points, pairs) if _spread(points) else None
 
 
 def _of_polygons(x: Face, y: Face, own: _Outline, others: _Outline) -> list[Pair]:
@@ -764,7 +754,7 @@ def _arcs(body: _Body, rim: Edge, other: _Body, on: frozenset[int]) -> list[np.n
     points = rim.points(angles) + body.shift
     good = _in_pieces(rim, angles)
     x, y, z = (points - other.shift).T
-    negative: list[Any] = [_value(form, x, y, z)[0] < 0.0 for form in other.forms]  # type: ignore[arg-type]
+    negative: list[Any] = [value(form, x, y, z)[0] < 0.0 for form in other.forms]  # type: ignore[arg-type]
     either = []
     for choice in product((True, False), repeat=len(on)):
         for k, side in zip(on, choice, strict=True):
