@@ -16,10 +16,11 @@ from flint import fmpq
 
 from firstcontact.body import primitives
 from firstcontact.body.moving import Moving, shape_of
-from firstcontact.composite.flat_contacts import Pair, Shared, keeps_directions, shared_set
+from firstcontact.composite.flat_contacts import Pair, Shared, shared_set
+from firstcontact.composite.kept_directions import turning_axes
 from firstcontact.composite.same_point import may_touch_more, pairs_at
 from firstcontact.composite.square_subproblems import refuse_untraced
-from firstcontact.composite.touched import Flat, Point, group, is_parallel, lowest, ranked, with_neighbours
+from firstcontact.composite.touched import Flat, Flats, Point, group, is_parallel, lowest, ranked, with_neighbours
 from firstcontact.report import MOST_OTHERS
 from firstcontact.result import ContactSet, Element, ElementPair, FirstContact, Stats, Status
 from firstcontact.search.advance import Advance, advance
@@ -113,11 +114,9 @@ def contact(
                 if complete is not None:
                     stats = Stats(found.steps, found.gaps, seconds=clock.perf_counter() - begin)
                     return replace(complete, stats=stats), True
-        elif keeps_directions(models[0]) and keeps_directions(models[1]):
-            flat = _flat_set((on_a, on_b), (flats_a, flats_b), found, point)
-            if flat is not None:
-                shares = flat.kind, flat.points
-                named = _named((on_a, on_b), flat.pairs)
+        elif (flat := _flat_set(models, (on_a, on_b), (flats_a, flats_b), found, point)) is not None:
+            shares = flat.kind, flat.points
+            named = _named((on_a, on_b), flat.pairs)
     known = {
         "status": Status.CONTACT, "time": found.time, "time_interval": found.time_interval, "time_exact": None,
         "element_a": named[0][0], "element_b": named[0][1], "initial": None, "free_until": found.time_interval[0],
@@ -139,18 +138,22 @@ def _where(named: Named, normal: np.ndarray | None, shares: Shares | None) -> di
     }
 
 
-def _flat_set(on: tuple[_On, _On], flats: tuple[Flats, Flats], found: Advance, point: Point) -> Shared | None:
-    """What flat things around the contact of bodies that only shift share, where that is told without algebra."""
+def _flat_set(
+    models: tuple[Any, Any], on: tuple[_On, _On], flats: tuple[Flats, Flats], found: Advance, point: Point
+) -> Shared | None:
+    """What flat things around the contact share, where that is told without algebra."""
+    axes = turning_axes(*models)
+    if axes is None or len(axes) > 1:
+        return None
     a, b = on
     also = None
     if found.complete and found.also is not None:
         also = [(group(a.body, x).surfaces, group(b.body, y).surfaces) for x, y in found.also]
-    flats_a, flats_b = ([flat for flat, _ in side if flat is not None] for side in flats)
-    return shared_set((a.known.model, b.known.model), (a.shift, b.shift), (flats_a, flats_b), point, also)
+    return shared_set((a.known.model, b.known.model), (a.pose, b.pose), flats, point, axes, also)
 
 
 def _named(on: tuple[_On, _On], pairs: list[Pair]) -> Named:
-    """Each pair of elements once, with where it meets, lowest first; for bodies that only shift."""
+    """Each pair of elements once, with where it meets, lowest first."""
     a, b = on
     seen: dict[tuple[tuple[int, int], tuple[int, int]], tuple[Element, Element, Point]] = {}
     for x, y, where in pairs:
@@ -160,8 +163,8 @@ def _named(on: tuple[_On, _On], pairs: list[Pair]) -> Named:
     return [seen[ranks] for ranks in sorted(seen)]
 
 
-Flats = Listing[tuple[Flat | None, Point | None]]
-"""What is flat around a contact, with its direction in the world, None of a plane."""
+Directions = Listing[tuple[Any, Point | None]]
+"""Of flat things around a contact, in the world, None of a plane."""
 Named = list[tuple[Element, Element, Point]]
 """Pairs of elements as users call them, lowest first, each with a point at which it meets, world."""
 Shares = tuple[str, Listing[Point] | np.ndarray]
@@ -190,21 +193,15 @@ class _On:
     place in the frame of the body.
     """
 
-    __slots__ = ("body", "element", "known", "normal", "pose", "where")
+    __slots__ = ("body", "element", "inverse", "known", "normal", "pose", "where")
 
     def __init__(
         self, body: Any, features: tuple[tuple[str, int], ...], point: Point, normal: Point,
         frame: tuple[list[float], list[float]], which: str,
     ) -> None:
-        pose, inverse = frame
-        self.pose = pose
-        x, y, z = point
-        x, y, z = x - pose[9], y - pose[10], z - pose[11]
-        self.where = (
-            inverse[0] * x + inverse[1] * y + inverse[2] * z,
-            inverse[3] * x + inverse[4] * y + inverse[5] * z,
-            inverse[6] * x + inverse[7] * y + inverse[8] * z,
-        )
+        self.pose, self.inverse = frame
+        pose = self.pose
+        self.where = self.local(point)
         p, q, r = normal
         self.normal = (
             pose[0] * p + pose[3] * q + pose[6] * r,
@@ -215,15 +212,15 @@ class _On:
         self.known = group(self.body, features)
         self.element = lowest(self.known, which, self.where)
 
-    @property
-    def shift(self) -> Point:
-        """Where its origin is."""
-        x, y, z = self.pose[9:12]
-        return x, y, z
-
     def local(self, p: Point) -> Point:
-        """A world point in the frame of the body, if that only shifts."""
-        return p[0] - self.pose[9], p[1] - self.pose[10], p[2] - self.pose[11]
+        """A world point in the frame of the body."""
+        pose, inverse = self.pose, self.inverse
+        x, y, z = p[0] - pose[9], p[1] - pose[10], p[2] - pose[11]
+        return (
+            inverse[0] * x + inverse[1] * y + inverse[2] * z,
+            inverse[3] * x + inverse[4] * y + inverse[5] * z,
+            inverse[6] * x + inverse[7] * y + inverse[8] * z,
+        )
 
     def flats(self) -> list[tuple[Flat, Point | None]]:
         """What is flat around the contact, with its direction in the world, None of a plane."""
@@ -244,7 +241,7 @@ def _turned(pose: list[float], d: Point | None) -> Point | None:
     )
 
 
-def may_share_more(a: Flats, b: Flats) -> bool:
+def may_share_more(a: Directions, b: Directions) -> bool:
     """Whether flat features may share more than a point."""
     for _, d in a:
         for _, e in b:

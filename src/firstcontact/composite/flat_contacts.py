@@ -1,7 +1,7 @@
 """What two models share where they touch along something flat: a segment, an arc, or a patch of a plane.
 
-For bodies that keep their directions.  Whether flat things are parallel is then decided exactly, from their carriers;
-they touch, so parallel ones lie in one line or plane, and doubles measure what both hold of it.  Doubles answer only
+For bodies that keep directions.  Whether flat things are parallel is then decided exactly, from their carriers; they
+touch, so parallel ones lie in one line or plane, and doubles measure what both hold of it.  Doubles answer only
 where every point they judge is clear of all surfaces but its own; all else is left to exact arithmetic (None).
 """
 
@@ -21,17 +21,19 @@ from firstcontact.body.carriers import Conic, Line, Plane, QuarticCurve, cross, 
 from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.csg import And, Leaf, Not, Or, Tree, inside
 from firstcontact.body.features import Edge, Face, Vertex
-from firstcontact.body.moving import Moving
 from firstcontact.composite.contact_sets import SAMPLES, runs
 from firstcontact.composite.forms import Form, forms_of, value
-from firstcontact.composite.touched import Flat, Point, coprime
-from firstcontact.motion.sequence import Sequence
-from firstcontact.motion.translation import Translation
+from firstcontact.composite.kept_directions import Axis, stay_parallel
+from firstcontact.composite.touched import Flat, Flats, Point, coprime, is_parallel
 from firstcontact.search.convex import NotConvex, convex_pieces
 
 CLEAR = 1e-7
 """Of the size of its terms: a form smaller than that may vanish in truth."""
 
+MOST_PLANS = 256
+"""Kept of a model: turning ones meet lines in ever new directions."""
+
+UPRIGHT = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]
 IN, OUT = 1, 2
 
 Feature = Face | Edge | Vertex
@@ -52,29 +54,23 @@ class _Unclear(Exception):
     """A point too near another surface, or a shape that is not described here."""
 
 
-def keeps_directions(body: Any) -> bool:
-    """Whether the body only shifts."""
-    if not isinstance(body, Moving) or isinstance(body.motion, Translation):
-        return True
-    steps = body.motion.steps if isinstance(body.motion, Sequence) else ()
-    return len(steps) > 0 and all(isinstance(step, Translation) for step in steps)
-
-
 def shared_set(
     models: tuple[CompositeQuadric, CompositeQuadric],
-    shifts: tuple[Point, Point],
-    flats: tuple[list[Flat], list[Flat]],
+    poses: tuple[list[float], list[float]],
+    flats: tuple[Flats, Flats],
     where: Point,
+    axes: frozenset[Axis],
     also: Listing[tuple[frozenset[int], frozenset[int]]] | None = None,
 ) -> Shared | None:
-    """The contact set at the touched point `where`, of models shifted so; None where doubles do not tell.
+    """The contact set at the touched point `where`, of models in such poses; None where doubles do not tell.
 
+    poses: R by rows, T; axes: one that all turns are about, none where both only shift.
     also: the surfaces of either that touch elsewhere then; None where that is not known, but for convex models.
     """
     try:
-        bodies = _Body(models[0], shifts[0]), _Body(models[1], shifts[1])
-        pair = _parallel(*flats)
-        if pair is None or (also is None and not all(body.shape.pieces for body in bodies)):
+        a, b = bodies = _Body(models[0], poses[0], bool(axes)), _Body(models[1], poses[1], bool(axes))
+        pair = _parallel(*flats, axes)
+        if pair is None or (also is None and not (a.shape.pieces and b.shape.pieces)):
             return None
         x, y = pair
         if also and not all(_on(x) <= on_a and _on(y) <= on_b for on_a, on_b in also):
@@ -83,9 +79,9 @@ def shared_set(
             return _in_plane(bodies, x.feature, y.feature)
         if also:
             return None
-        line = y if x.direction is None else x
+        line, own = (y, b) if x.direction is None else (x, a)
         direction = _tangent(line, y if line is x else x) if line.exact is None else line.exact
-        return _in_line(bodies, (x, y), where, _unit(direction))
+        return _in_line(bodies, (x, y), where, own.turned(_unit(direction)))
     except _Unclear:
         return None
 
@@ -93,16 +89,21 @@ def shared_set(
 # -- what is parallel -----------------------------------------------------------------------------------------
 
 
-def _parallel(a: list[Flat], b: list[Flat]) -> tuple[Flat, Flat] | None:
+def _parallel(a: Flats, b: Flats, axes: frozenset[Axis]) -> tuple[Flat, Flat] | None:
     """The one pair of flat things that may touch in more than a point, exactly parallel; None: not exactly one.
 
     Planes count before the lines in them.
     """
-    if len(a) == 1 == len(b):
-        return (a[0], b[0]) if _is_parallel(a[0], b[0]) else None
-    planes_a, planes_b = ([f for f in side if f.direction is None] for side in (a, b))
-    parallel = [(x, y) for x in planes_a or a for y in planes_b or b if _is_parallel(x, y)]
-    return parallel[0] if len(parallel) == 1 else None
+    planes_a = [f for f in a if f[1] is None]
+    planes_b = [f for f in b if f[1] is None]
+    pairs = [(x, y) for x in planes_a or a for y in planes_b or b]
+    if not axes:
+        parallel = [(x, y) for (x, _), (y, _) in pairs if _is_parallel(x, y)]
+        return parallel[0] if len(parallel) == 1 else None
+    # of turning bodies what seems parallel may be so
+    near = [(x, y) for (x, d), (y, e) in pairs if d is None or e is None or is_parallel(d, e)]
+    (axis,) = axes
+    return near[0] if len(near) == 1 and stay_parallel(*near[0], axis) else None
 
 
 def _is_parallel(x: Flat, y: Flat) -> bool:
@@ -158,6 +159,8 @@ class _Shape:
         pass planes alone, none of them nearly parallel."""
         known = self.plans.get((feature, d))
         if known is None:
+            if len(self.plans) >= MOST_PLANS:
+                self.plans.clear()
             tangent, on = _tangent_surfaces(self.model, feature), set(feature.surfaces)
             plans = [[self._step(k, d) for k in sorted(piece - on)] for piece in self.pieces if not piece & tangent]
             plain = len(plans) == 1 and all(_is_plain(form, slope) for _, form, slope in plans[0])
@@ -227,22 +230,45 @@ def _joined(model: CompositeQuadric, seam: Edge, face: Face) -> list[Face]:
 
 
 class _Body:
-    """A model, shifted."""
+    """A model in a pose.
 
-    __slots__ = ("forms", "model", "shape", "shift")
+    turn: the rows of its rotation, () where it has not turned.
+    """
 
-    def __init__(self, model: CompositeQuadric, shift: Point) -> None:
-        self.model, self.shift = model, shift
+    __slots__ = ("forms", "model", "shape", "shift", "turn")
+
+    def __init__(self, model: CompositeQuadric, pose: list[float], turns: bool) -> None:
+        self.model, self.shift = model, (pose[9], pose[10], pose[11])
+        turned = turns and pose[:9] != UPRIGHT
+        self.turn = (tuple(pose[0:3]), tuple(pose[3:6]), tuple(pose[6:9])) if turned else ()
         self.shape = _shape(model)
         self.forms = self.shape.forms
 
-    def local(self, p: Point) -> Point:
+    def local(self, p: Any) -> Any:
+        """A world point, or the three rows of such, in the frame of the model."""
         s = self.shift
-        return p[0] - s[0], p[1] - s[1], p[2] - s[2]
+        p = p[0] - s[0], p[1] - s[1], p[2] - s[2]
+        return self.back(p) if self.turn else p
 
-    def world(self, p: Any) -> Point:
-        s = self.shift
-        return p[0] + s[0], p[1] + s[1], p[2] + s[2]
+    def world(self, p: Any) -> Any:
+        s, (x, y, z) = self.shift, self.turned(p)
+        return x + s[0], y + s[1], z + s[2]
+
+    def turned(self, d: Any) -> Any:
+        """A direction of the model's frame in the world."""
+        if not self.turn:
+            return d
+        x, y, z = d
+        p, q, r = (a * x + b * y + c * z for a, b, c in self.turn)
+        return p, q, r
+
+    def back(self, d: Any) -> Any:
+        """A direction of the world in the model's frame."""
+        if not self.turn:
+            return d
+        (a, b, c), (e, f, g), (p, q, r) = self.turn
+        x, y, z = d
+        return a * x + e * y + p * z, b * x + f * y + q * z, c * x + g * y + r * z
 
     def holds(self, p: Point, on: frozenset[int]) -> bool:
         """Whether a world point is in the model, given the surfaces that hold it.  Raises _Unclear near others."""
@@ -269,6 +295,7 @@ class _Body:
     def stretch(self, where: Point, d: Point, feature: Feature, near: float) -> tuple[End, End] | None:
         """Where a line in the feature's surfaces, through a world point along d, enters the model and leaves it."""
         p = self.local(where)
+        d = self.back(d) if self.turn else d
         found = []
         for plan in self.shape.plan(feature, d)[0]:
             ends = self._passed(plan, p, d, near)
@@ -421,7 +448,7 @@ def _in_line(bodies: tuple[_Body, _Body], flats: tuple[Flat, Flat], where: Point
     middle = _along(where, 0.5 * (lo[0] + hi[0]), d)
     # a line that only touches a surface seems to pass it where rounding puts it a little deeper
     for body, flat in zip(bodies, flats, strict=True):
-        if not (body.shape.plan(flat.feature, d)[1] or body.holds(middle, _on(flat))):
+        if not (body.shape.plan(flat.feature, body.back(d))[1] or body.holds(middle, _on(flat))):
             return None
     ends = _along(where, lo[0], d), _along(where, hi[0], d)
     pairs = _end_pairs(bodies, flats, ends[0], side_lo, lo[1])
@@ -455,7 +482,7 @@ def _held(
         (s, side, k)
         for side, body in enumerate(bodies)
         for k, form in enumerate(body.forms) if k not in on[side]
-        for s, _ in _roots(form, body.local(where), d)
+        for s, _ in _roots(form, body.local(where), body.back(d))
     )  # fmt: skip
     shared: list[tuple[tuple[float, int, int], tuple[float, int, int]]] = []
     for lo, hi in zip(breaks, breaks[1:], strict=False):
@@ -649,6 +676,8 @@ def _outline(body: _Body, face: Face) -> _Outline:
     outline = known.get(face)
     if outline is None:
         outline = known[face] = _local_outline(body.model, face)
+    if body.turn:
+        return _turned_outline(body, outline)
     x, y, z = shift = body.shift
     if not (x or y or z):
         return outline
@@ -659,6 +688,25 @@ def _outline(body: _Body, face: Face) -> _Outline:
         list(moved.items()), [(e, ends[p], ends[q]) for e, p, q in outline.sides], outline.rims, outline.axes,
         [(a, b, c - a * u - b * v) for a, b, c in outline.lines], outline.boxes, shift,
     )  # fmt: skip
+
+
+def _turned_outline(body: _Body, outline: _Outline) -> _Outline:
+    """In the world, of a body that turned about the normal."""
+    moved = {v: body.world(p) for v, p in outline.corners}
+    ends = {p: moved[v] for v, p in outline.corners}
+    found = _Outline(
+        list(moved.items()), [(e, ends[p], ends[q]) for e, p, q in outline.sides], outline.rims, outline.axes
+    )
+    if outline.lines:
+        found.lines = [_side_line(p, q, found) for _, p, q in found.sides]
+    reach = np.abs(body.turn)
+    for k, (low, high) in outline.boxes.items():
+        if not np.all(np.isfinite([low, high])):
+            found.boxes[k] = outline.boxes[k]
+            continue
+        middle, half = np.array(body.world(0.5 * (low + high))), reach @ (0.5 * (high - low))
+        found.boxes[k] = np.array([middle - half, middle + half])
+    return found
 
 
 def _local_outline(model: CompositeQuadric, face: Face) -> _Outline:
@@ -739,7 +787,7 @@ def _through(body: _Body, rim: Edge, on: frozenset[int], p: Point, q: Point) -> 
     (surface,) = set(rim.surfaces) - on
     d = _minus(q, p)
     found = []
-    for s, _ in _roots(body.forms[surface], body.local(p), d):
+    for s, _ in _roots(body.forms[surface], body.local(p), body.back(d)):
         if min(abs(s), abs(1.0 - s)) <= CLEAR:
             raise _Unclear
         point = _along(p, s, d)
@@ -751,9 +799,9 @@ def _through(body: _Body, rim: Edge, on: frozenset[int], p: Point, q: Point) -> 
 def _arcs(body: _Body, rim: Edge, other: _Body, on: frozenset[int]) -> list[np.ndarray]:
     """The parts (n, 3) of a rim of one body that the other one's face holds, sampled."""
     angles = np.linspace(0.0, 2.0 * np.pi, SAMPLES, endpoint=False)
-    points = rim.points(angles) + body.shift
+    points = np.stack(body.world(rim.points(angles).T), axis=1)
     good = _in_pieces(rim, angles)
-    x, y, z = (points - other.shift).T
+    x, y, z = other.local(points.T)
     negative: list[Any] = [value(form, x, y, z)[0] < 0.0 for form in other.forms]  # type: ignore[arg-type]
     either = []
     for choice in product((True, False), repeat=len(on)):

@@ -47,6 +47,10 @@ class Flat:
     exact: tuple[int, ...] | None
 
 
+Flats = Sequence[tuple[Flat, Point | None]]
+"""What is flat around a contact, with its direction in the world, None of a plane."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class _Side:
     """A face at the feature.

@@ -52,7 +52,7 @@ def first_contact(
         first, last = bounded_span(a, b, span)
         exact = exact or method == "algebraic"
         return first_contact_of_mesh(a, b, first, last, exact, tolerance, Work(budget, progress))
-    models = _as_model(a), _as_model(b)
+    models = _models(a, b)
     first, last = _span(models, span)
     shared = {"a": a, "b": b, "span": (to_double(first), to_double(last))}
     if exact or method == "algebraic":
@@ -132,8 +132,12 @@ def _at_start(a: Any, b: Any, first: fmpq, begin: float, shared: dict[str, Any])
     return _with(found, **shared)
 
 
+def _models(a: Any, b: Any) -> tuple[Any, Any]:
+    """Both as models, at rest or moving as they were."""
+    return _as_model(a), _as_model(b)
+
+
 def _as_model(body: Any) -> Any:
-    """As a model, at rest or moving as it was."""
     shape: Any = shape_of(body)
     if not isinstance(shape, Polyhedron):
         return body
@@ -184,7 +188,7 @@ def contact_intervals(
         return replace(contact_intervals(x, y, span, exact, budget, progress, tolerance), a=a, b=b)
     if _goes_by_triangles(a) or _goes_by_triangles(b):
         return _intervals_of_mesh(a, b, span, exact, Work(budget, progress), tolerance)
-    models = _as_model(a), _as_model(b)
+    models = _models(a, b)
     first, last = _span(models, span)
     shared = {"a": a, "b": b, "span": (to_double(first), to_double(last))}
     try:
