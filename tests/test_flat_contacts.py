@@ -279,3 +279,18 @@ def test_what_turning_bodies_share_only_by_chance_is_not_told():
     down = fc.Screw((0, 0, 1), (0, 1, 0), degrees=-40, advance=1)
     both = fc.first_contact(BOX.moving(drop), BOX.translated((0.3, 0.2, -4)).moving(down))
     assert both.time == pytest.approx(2.5 / 7, abs=1e-12) and both.contact_set == "patch"
+
+
+@pytest.mark.parametrize("where", [(2, 0, 0), (0, -2, 0), ("6/5", "8/5", 0)])
+def test_equal_drums_beside_each_other_share_a_segment(where):
+    """Their round rims touch in one point, which is no arc, wherever the samples of the rims are."""
+    hit = fc.first_contact(fc.cylinder(1, 2), fc.cylinder(1, 2).translated(where))
+    middle = [Fraction(x) / 2 for x in where]
+    assert hit.initial == "touching" and hit.contact_set == "segment"
+    ends = [[*map(float, middle[:2]), z] for z in (-1, 1)]
+    assert sorted(hit.contact_set.points.tolist()) == [pytest.approx(end, abs=1e-15) for end in ends]
+
+
+def test_equal_drums_on_each_other_touch_in_a_point_without_rounding():
+    hit = fc.first_contact(fc.cylinder(1, 2), fc.cylinder(1, 2).translated((0, 0, 2)))
+    assert hit.contact_set == "conic arc" and hit.point.tolist() == [0, -1, 1]
