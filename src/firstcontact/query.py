@@ -172,8 +172,13 @@ def contact_intervals(
         found = contact_windows(problem, left, progress)
         stats = _added(stats, found)
         if found.open is not None:
-            intervals = tuple(interval_of(e, exact) for e in ends)
             until = to_double(piece.start)
+            if found.open == "precision":  # where a first contact is easier to tell than all windows
+                rest = first_contact(a, b, (piece.start, math.inf if last is None else last), progress=progress)
+                if rest.status is Status.FREE:
+                    break
+                until = max(until, rest.free_until or until)
+            intervals = tuple(interval_of(e, exact) for e in ends)
             return ContactIntervals(
                 intervals, Status.UNDECIDED, until, found.open, _timed(stats, begin), **shared
             )
