@@ -222,3 +222,75 @@ def test_algebra_sees_a_cylinder_slide_onto_a_round_cap():
     assert np.allclose(hit.point, (-0.75, 0, 0), atol=1e-15)
     upwards = lying.translated((3, 0, 0)).moving(fc.Translation((0, 0, 1)))
     assert fc.first_contact(upwards, CAP, exact=True).status is fc.Status.INITIAL_CONTACT
+
+
+# -- bodies that turn, and keep a direction -------------------------------------------------------------------
+
+LANDINGS = (
+    "box on box", "boxes beside each other", "box on the floor", "drum on drum", "drum on the floor", "drum on box",
+    "lying drum on the floor", "lying drum on box", "roof on box", "capsule on the floor", "capsule across box",
+    "lying bullet on the floor",
+)  # fmt: skip
+ABOUT = (0.3, 0.2, 0.1)
+
+
+def labels(hit) -> set[tuple[str, str]]:
+    """Without numbers: turned models number their features anew."""
+    return {(x.rsplit(" ", 1)[0], y.rsplit(" ", 1)[0]) for x, y in pairs(hit)}
+
+
+@pytest.mark.parametrize("name", LANDINGS)
+def test_what_lands_along_the_axis_of_a_screw_shares_what_it_does_turned_so_before(name):
+    a, vector, b, kind = SCENES[name]
+    axis = np.eye(3, dtype=int)[np.argmax(np.abs(vector))].tolist()
+    advance = max(vector, key=abs)
+    turned = a.rotated(axis, degrees=25, point=ABOUT)
+    plain = fc.first_contact(turned.moving(fc.Translation([advance * x for x in axis])), b)
+    screw = fc.Screw(axis, ABOUT, degrees=25 / plain.time, advance=advance)
+    told = fc.first_contact(a.moving(screw), b)
+    assert told.time == pytest.approx(plain.time, abs=1e-12) and told.contact_set == plain.contact_set == kind
+    assert labels(told) == labels(plain) and told.multiplicity == plain.multiplicity
+    near = 0.01 if kind == "conic arc" else 1e-9
+    away = np.linalg.norm(told.contact_set.points[:, None] - plain.contact_set.points, axis=2)
+    assert away.min(axis=0).max() < near and away.min(axis=1).max() < near
+
+
+@pytest.mark.parametrize(("a", "b"), [
+    (DRUM, DRUM.translated((0, 4, 0.3))), (BOX, DRUM.translated((0, 4, 0.3))), (BOX, CAPSULE.translated((0, 4, 0.9))),
+])  # fmt: skip
+def test_rulings_along_the_axis_of_a_turn(a, b):
+    moving = a.translated((4, 0, 0)).moving(fc.Rotation((0, 0, 1), degrees=170))
+    told, exact = fc.first_contact(moving, b), fc.first_contact(moving, b, exact=True)
+    assert told.stats.exact_evaluations == 0 and told.contact_set == exact.contact_set == "segment"
+    assert told.time == pytest.approx(exact.time, abs=1e-12) and pairs(told) == pairs(exact)
+    assert (told.element_a, told.element_b) == (exact.element_a, exact.element_b)
+
+
+def test_what_turning_bodies_share_only_by_chance_is_not_told():
+    """Edges that are parallel at the instant of contact, as far as doubles tell; planes that two axes turn."""
+    turned = ROOF.rotated((0, 0, 1), degrees=25, point=ABOUT).translated((0, 0, -4))
+    time = (4 - 2**0.5) / 6
+    hit = fc.first_contact(ROOF.moving(fc.Screw((0, 0, 1), ABOUT, degrees=25 / time, advance=-6)), turned)
+    assert hit.time == pytest.approx(time, abs=1e-9) and hit.contact_set is None and hit.multiplicity == 1
+    still = fc.Screw((1, 0, 0), ABOUT, degrees=1, advance=0.1)
+    drop = fc.Screw((0, 0, 1), ABOUT, degrees=25, advance=-6)
+    both = fc.first_contact(LYING.moving(drop), BOX.translated((0.3, 0.2, -4)).moving(still))
+    assert both.status is fc.Status.CONTACT and both.contact_set != "segment"
+    down = fc.Screw((0, 0, 1), (0, 1, 0), degrees=-40, advance=1)
+    both = fc.first_contact(BOX.moving(drop), BOX.translated((0.3, 0.2, -4)).moving(down))
+    assert both.time == pytest.approx(2.5 / 7, abs=1e-12) and both.contact_set == "patch"
+
+
+@pytest.mark.parametrize("where", [(2, 0, 0), (0, -2, 0), ("6/5", "8/5", 0)])
+def test_equal_drums_beside_each_other_share_a_segment(where):
+    """Their round rims touch in one point, which is no arc, wherever the samples of the rims are."""
+    hit = fc.first_contact(fc.cylinder(1, 2), fc.cylinder(1, 2).translated(where))
+    middle = [Fraction(x) / 2 for x in where]
+    assert hit.initial == "touching" and hit.contact_set == "segment"
+    ends = [[*map(float, middle[:2]), z] for z in (-1, 1)]
+    assert sorted(hit.contact_set.points.tolist()) == [pytest.approx(end, abs=1e-15) for end in ends]
+
+
+def test_equal_drums_on_each_other_touch_in_a_point_without_rounding():
+    hit = fc.first_contact(fc.cylinder(1, 2), fc.cylinder(1, 2).translated((0, 0, 2)))
+    assert hit.contact_set == "conic arc" and hit.point.tolist() == [0, -1, 1]

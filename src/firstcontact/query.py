@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time as clock
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 from firstcontact.body.moving import shape_of
@@ -81,15 +82,15 @@ def first_contact(
         raise UnsupportedPair(f"engine {engine!r} searches trees of polyhedra; curved models take 'auto'")
     if bodies != "polyhedra":
         search = _of_curved(bodies).first_contact
+        if not _is_endless(a, b, span):
+            return search(a, b, span, exact, method, tolerance, budget, progress)
 
         def ask(within: Any, narrow: float) -> FirstContact:
             return search(a, b, within, exact, method, narrow, budget, progress)
 
-        if _is_endless(a, b, span):
-            from firstcontact import endless
+        from firstcontact import endless
 
-            return endless.first_contact(ask, a, b, span, tolerance)
-        return ask(span, tolerance)
+        return endless.first_contact(ask, a, b, span, tolerance)
     parts, first, last = pieces(a, b, span)
     if exact:
         _refuse_inexact(parts)
@@ -171,8 +172,13 @@ def contact_intervals(
         found = contact_windows(problem, left, progress)
         stats = _added(stats, found)
         if found.open is not None:
-            intervals = tuple(interval_of(e, exact) for e in ends)
             until = to_double(piece.start)
+            if found.open == "precision":  # where a first contact is easier to tell than all windows
+                rest = first_contact(a, b, (piece.start, math.inf if last is None else last), progress=progress)
+                if rest.status is Status.FREE:
+                    break
+                until = max(until, rest.free_until or until)
+            intervals = tuple(interval_of(e, exact) for e in ends)
             return ContactIntervals(
                 intervals, Status.UNDECIDED, until, found.open, _timed(stats, begin), **shared
             )
@@ -252,6 +258,7 @@ def intersection_curve(
     return verbs.intersection_curve(p, q, tolerance, method, box)
 
 
+@cache
 def _of_curved(kind: str) -> Any:
     """The module with the verbs of curved bodies."""
     if kind == "ruled":
@@ -322,7 +329,7 @@ ENGINES = ("auto", "boxes", "lifted", "cells", "composed", "sweep")
 
 def _check(a: Any, b: Any, method: str, engine: str, tolerance: float, budget: int | None) -> str:
     """Which bodies these are, see `_kind`; raises for arguments that no search takes."""
-    kinds = {_kind(body) for body in (a, b)}
+    kinds = _kind(a), _kind(b)
     if method not in METHODS:
         raise UnsupportedPair(f"method {method!r} is unknown; choose one of {', '.join(METHODS)}")
     if engine not in ENGINES:

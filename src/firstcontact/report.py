@@ -49,19 +49,19 @@ def _named(name: str, element: Feature) -> Element:
 def contact_of(problem: Any, found: Found, exact: bool, stats: Stats, shared: dict[str, Any]) -> FirstContact:
     """The CONTACT result of a search that found one; where and of what it is waits until it is asked for."""
     time, interval = problem.world_instant(found.instant)
-    return FirstContact.deferring(
-        lambda: _where(problem, found, time, shared),
-        status=Status.CONTACT,
-        time=time,
-        time_interval=interval,
-        time_exact=problem.world_exact(found.instant) if exact else None,
-        initial=None,
-        free_until=interval[0],
-        reason=None,
-        stats=stats,
-        subproblems=(),
+    known = {
+        "status": Status.CONTACT,
+        "time": time,
+        "time_interval": interval,
+        "time_exact": problem.world_exact(found.instant) if exact else None,
+        "initial": None,
+        "free_until": interval[0],
+        "reason": None,
+        "stats": stats,
+        "subproblems": (),
         **shared,
-    )
+    }
+    return FirstContact.deferring(known, lambda: _where(problem, found, time, shared))
 
 
 def _where(problem: Any, found: Found, time: float, shared: dict[str, Any]) -> dict[str, Any]:

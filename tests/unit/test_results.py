@@ -95,6 +95,40 @@ def test_results_that_nobody_read_survive_copying(through):
     assert again.point.tolist() == hits()["turn"].point.tolist() and again.multiplicity == hits()["turn"].multiplicity
 
 
+BLOCK = fc.box((1, 2, "3/2"))
+
+
+def landed(exact: bool = False) -> fc.FirstContact:
+    """A solid block on another one; its motion is changed when the answer is there."""
+    moving = BLOCK.moving(fc.Translation((0.25, 0.5, 6)))
+    hit = fc.first_contact(moving, BLOCK.translated((0.5, 0.125, 4)), exact=exact)
+    moving.motion = fc.Translation((0, 0, 0))
+    return hit
+
+
+@pytest.mark.parametrize("name", ["point", "normal", "others", "multiplicity", "contact_set"])
+def test_what_curved_solids_share_is_told_late_and_the_same_whatever_is_read_first(name):
+    hit, other, exact = landed(), landed(), landed(exact=True)
+    before = {x: object.__getattribute__(hit, x) for x in ("status", "time", "time_interval", "element_a", "element_b")}
+    with pytest.raises(AttributeError):  # nobody has asked
+        object.__getattribute__(hit, name)
+    first = getattr(hit, name)
+    assert first is getattr(hit, name) and repr(first) == repr(getattr(other, name))
+    assert all(getattr(hit, x) is value for x, value in before.items())
+    assert hit.multiplicity == exact.multiplicity > 1 and set(hit.others) == set(exact.others)
+    assert (hit.element_a, hit.element_b) == (exact.element_a, exact.element_b)
+    assert hit.contact_set == exact.contact_set == "patch" and hit.point == pytest.approx(exact.point, abs=1e-12)
+
+
+@pytest.mark.parametrize("through", [copy.copy, copy.deepcopy, lambda hit: pickle.loads(pickle.dumps(hit))])
+def test_unread_results_of_curved_solids_survive_copying(through):
+    again, other = through(landed()), landed()
+    assert again.contact_set.points.tolist() == other.contact_set.points.tolist()
+    for shown in (again.to_dict(), json.loads(again.to_json())):
+        assert {**shown, "stats": None} == json.loads(json.dumps({**other.to_dict(), "stats": None}))
+    assert repr(again.others) == repr(other.others) and "(and 3 more pairs)" in str(landed())
+
+
 def test_an_attribute_that_results_do_not_have():
     hit = unread()
     with pytest.raises(AttributeError, match="'FirstContact' object has no attribute 'pont'"):

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import time as clock
-from collections.abc import Sequence
+from collections.abc import Sequence as Listing
 from dataclasses import replace
 from typing import Any
 
@@ -15,13 +15,12 @@ import numpy as np
 from flint import fmpq
 
 from firstcontact.body import primitives
-from firstcontact.body.composite_quadric import CompositeQuadric
-from firstcontact.body.features import Face
 from firstcontact.body.moving import Moving, shape_of
-from firstcontact.composite.flat_contacts import Pair, Shared, keeps_directions, shared_set
+from firstcontact.composite.flat_contacts import Pair, Shared, shared_set
+from firstcontact.composite.kept_directions import turning_axes
 from firstcontact.composite.same_point import may_touch_more, pairs_at
 from firstcontact.composite.square_subproblems import refuse_untraced
-from firstcontact.composite.touched import Flat, Point, is_parallel, lowest, ranked, touched, with_neighbours
+from firstcontact.composite.touched import Flat, Flats, Point, group, is_parallel, lowest, ranked, with_neighbours
 from firstcontact.report import MOST_OTHERS
 from firstcontact.result import ContactSet, Element, ElementPair, FirstContact, Stats, Status
 from firstcontact.search.advance import Advance, advance
@@ -57,8 +56,8 @@ def settle(
         return FirstContact(Status.FREE, free_until=shared["span"][1], stats=stats, **shared), found
     if found.status != "contact" or found.normal is None:
         return None, found
-    answer = contact(models, found, begin, shared)
-    return (None if answer is None or answer.contact_set is None else answer), found
+    answer, told = contact(models, found, begin, shared)
+    return (answer if told else None), found
 
 
 def both_bounded(models: tuple[Any, Any], span: tuple[float, float]) -> tuple[Any, Any]:
@@ -87,83 +86,89 @@ def bounded(body: Any, other: Any, span: tuple[float, float]) -> Any:
     return cut[size]
 
 
-def contact(models: tuple[Any, Any], found: Advance, begin: float, shared: dict[str, Any]) -> FirstContact | None:
-    """The CONTACT result; contact_set None where the features may share more than a point."""
+def contact(
+    models: tuple[Any, Any], found: Advance, begin: float, shared: dict[str, Any]
+) -> tuple[FirstContact | None, bool]:
+    """(the CONTACT result, None where no features are known; whether it tells all that the features share).
+
+    Its time and elements are known at once; what else meets there is put into the terms of users when asked for.
+    """
     if not found.features_a or not found.features_b:
-        return None
+        return None, False
     assert found.time_interval is not None and found.point is not None and found.normal is not None
-    place, frames = (found.point, found.normal), found.frames
-    on_a = _On(models[0], found.features_a, place, (frames[0], frames[4]), "a")
-    on_b = _On(models[1], found.features_b, place, (frames[1], frames[5]), "b")
-    element_a, element_b = on_a.element, on_b.element
-    point, multiplicity, shares = found.point, 1, None
-    others: tuple[ElementPair, ...] = ()
+    (x, y, z), n, frames = found.point.tolist(), found.normal.tolist(), found.frames
+    point = x, y, z
+    on_a = _On(models[0], found.features_a, point, n, (frames[0], frames[4]), "a")
+    on_b = _On(models[1], found.features_b, point, n, (frames[1], frames[5]), "b")
+    named: Named = [(on_a.element, on_b.element, point)]
+    shares: Shares | None = None
     if not found.spread:
         flats_a = on_a.flats()
         flats_b = on_b.flats() if flats_a else []
         if not may_share_more(flats_a, flats_b):
-            shares = ContactSet("point", point[None])
-            if on_a.may_touch_more() or on_b.may_touch_more():
-                places = (on_a.where, on_a.local_normal()), (on_b.where, on_b.local_normal())
-                complete = pairs_at(models, _wholes(models), found, places, shared)
+            shares = "point", [point]
+            place_a, place_b = (on_a.where, on_a.normal), (on_b.where, on_b.normal)
+            if may_touch_more(on_a.known, place_a) or may_touch_more(on_b.known, place_b):
+                wholes = on_a.known.model, on_b.known.model
+                complete = pairs_at(models, wholes, found, (place_a, place_b), shared)
                 if complete is not None:
                     stats = Stats(found.steps, found.gaps, seconds=clock.perf_counter() - begin)
-                    return replace(complete, stats=stats)
-        elif (flat := _flat_set(models, found, [x for x, _ in flats_a], [x for x, _ in flats_b])) is not None:
-            shares = ContactSet(flat.kind, flat.points)
-            (element_a, element_b, where), *rest = _named(models, found, flat.pairs)
-            point, multiplicity = np.array(where), len(rest) + 1
-            others = tuple(ElementPair(x, y) for x, y, _ in rest[:MOST_OTHERS])
-    return FirstContact(
-        Status.CONTACT, found.time, found.time_interval, None, point, found.normal, element_a, element_b,
-        others, multiplicity, shares, free_until=found.time_interval[0],
-        stats=Stats(found.steps, found.gaps, seconds=clock.perf_counter() - begin), **shared,
-    )  # fmt: skip
+                    return replace(complete, stats=stats), True
+        elif (flat := _flat_set(models, (on_a, on_b), (flats_a, flats_b), found, point)) is not None:
+            shares = flat.kind, flat.points
+            named = _named((on_a, on_b), flat.pairs)
+    known = {
+        "status": Status.CONTACT, "time": found.time, "time_interval": found.time_interval, "time_exact": None,
+        "element_a": named[0][0], "element_b": named[0][1], "initial": None, "free_until": found.time_interval[0],
+        "reason": None, "stats": Stats(found.steps, found.gaps, 0, 0, clock.perf_counter() - begin),
+        "subproblems": (), **shared,
+    }  # fmt: skip
+    answer = FirstContact.deferring(known, lambda: _where(named, found.normal, shares))
+    return answer, shares is not None
 
 
-def _flat_set(models: tuple[Any, Any], found: Advance, flats_a: list[Flat], flats_b: list[Flat]) -> Shared | None:
+def _where(named: Named, normal: np.ndarray | None, shares: Shares | None) -> dict[str, Any]:
+    """What a CONTACT result says of the place and of further pairs."""
+    return {
+        "point": np.array(named[0][2]),
+        "normal": normal,
+        "others": tuple(ElementPair(a, b) for a, b, _ in named[1 : 1 + MOST_OTHERS]),
+        "multiplicity": len(named),
+        "contact_set": None if shares is None else ContactSet(*shares),
+    }
+
+
+def _flat_set(
+    models: tuple[Any, Any], on: tuple[_On, _On], flats: tuple[Flats, Flats], found: Advance, point: Point
+) -> Shared | None:
     """What flat things around the contact share, where that is told without algebra."""
-    if not (keeps_directions(models[0]) and keeps_directions(models[1])):
+    axes = turning_axes(*models)
+    if axes is None or len(axes) > 1:
         return None
-    assert found.point is not None
-    wholes = _wholes(models)
+    a, b = on
     also = None
     if found.complete and found.also is not None:
-        also = [(_surfaces(wholes[0], x), _surfaces(wholes[1], y)) for x, y in found.also]
-    return shared_set(wholes, _shifts(found), (flats_a, flats_b), tuple(found.point.tolist()), also)
+        also = [(group(a.body, x).surfaces, group(b.body, y).surfaces) for x, y in found.also]
+    return shared_set((a.known.model, b.known.model), (a.pose, b.pose), flats, point, axes, also)
 
 
-def _surfaces(model: CompositeQuadric, features: tuple[tuple[str, int], ...]) -> set[int]:
-    return {k for kind, index in features for k in touched(model, kind, index).feature.surfaces}
-
-
-def _named(models: tuple[Any, Any], found: Advance, pairs: list[Pair]) -> list[tuple[Element, Element, Point]]:
-    """Each pair of elements once, with where it meets, lowest first; for bodies that only shift."""
-    (model_a, model_b), (shift_a, shift_b) = _wholes(models), _shifts(found)
+def _named(on: tuple[_On, _On], pairs: list[Pair]) -> Named:
+    """Each pair of elements once, with where it meets, lowest first."""
+    a, b = on
     seen: dict[tuple[tuple[int, int], tuple[int, int]], tuple[Element, Element, Point]] = {}
     for x, y, where in pairs:
-        in_a = where if model_a.source is None else tuple(np.subtract(where, shift_a).tolist())
-        in_b = where if model_b.source is None else tuple(np.subtract(where, shift_b).tolist())
-        rank_a, element_a = ranked(model_a, x, "a", in_a)
-        rank_b, element_b = ranked(model_b, y, "b", in_b)
+        rank_a, element_a = ranked(a.known.model, x, "a", a.local(where))
+        rank_b, element_b = ranked(b.known.model, y, "b", b.local(where))
         seen.setdefault((rank_a, rank_b), (element_a, element_b, where))
     return [seen[ranks] for ranks in sorted(seen)]
 
 
-def _wholes(models: tuple[Any, Any]) -> tuple[CompositeQuadric, CompositeQuadric]:
-    a: Any
-    b: Any
-    a, b = (shape_of(x) for x in models)
-    return a.whole or a, b.whole or b
-
-
-def _shifts(found: Advance) -> tuple[Point, Point]:
-    (x, y, z), (p, q, r) = found.frames[0][9:12], found.frames[1][9:12]
-    return (x, y, z), (p, q, r)
-
-
-Flats = Sequence[tuple[Flat | None, Point | None]]
-"""What is flat around a contact, with its direction in the world, None of a plane."""
+Directions = Listing[tuple[Any, Point | None]]
+"""Of flat things around a contact, in the world, None of a plane."""
+Named = list[tuple[Element, Element, Point]]
+"""Pairs of elements as users call them, lowest first, each with a point at which it meets, world."""
+Shares = tuple[str, Listing[Point] | np.ndarray]
+"""Kind and points of a `ContactSet`."""
 
 
 def on_model(
@@ -177,55 +182,53 @@ def on_model(
 
     place: its point and normal, world frame; frame: pose (R by rows, T) of the body then, and R^-1.
     """
-    there = _On(body, features, place, frame, which)
+    there = _On(body, features, place[0].tolist(), place[1].tolist(), frame, which)
     return there.element, there.flats()
 
 
 class _On:
-    """A body at a contact: arguments as for `on_model`.
+    """A body at a contact: the place as plain numbers, all else as for `on_model`.
 
-    element: the lowest of the touched features.
+    known: the features, of the whole model where the body is a cut one; element: the lowest of them; where, normal: the
+    place in the frame of the body.
     """
 
+    __slots__ = ("body", "element", "inverse", "known", "normal", "pose", "where")
+
     def __init__(
-        self, body: Any, features: tuple[tuple[str, int], ...], place: tuple[np.ndarray, np.ndarray],
+        self, body: Any, features: tuple[tuple[str, int], ...], point: Point, normal: Point,
         frame: tuple[list[float], list[float]], which: str,
     ) -> None:
-        self.model: Any = shape_of(body)
-        self.pose, inverse = frame
-        self.normal = place[1]
-        x, y, z = place[0].tolist()
-        x, y, z = x - self.pose[9], y - self.pose[10], z - self.pose[11]
-        self.where = (
-            inverse[0] * x + inverse[1] * y + inverse[2] * z,
-            inverse[3] * x + inverse[4] * y + inverse[5] * z,
-            inverse[6] * x + inverse[7] * y + inverse[8] * z,
-        )
-        self.known = [touched(self.model, kind, index) for kind, index in features]
-        self.element = lowest(self.known, which, self.where)
-
-    def may_touch_more(self) -> bool:
-        """Whether features around the touched one may touch in the same point."""
-        if all(isinstance(x.feature, Face) for x in self.known):
-            return False
-        own = {k for x in self.known for k in x.feature.surfaces}
-        return may_touch_more(self.known[0].model, list(own), (self.where, self.local_normal()))
-
-    def local_normal(self) -> Point:
-        """The contact's normal in the frame of the body."""
+        self.pose, self.inverse = frame
         pose = self.pose
-        p, q, r = self.normal.tolist()
-        return (
+        self.where = self.local(point)
+        p, q, r = normal
+        self.normal = (
             pose[0] * p + pose[3] * q + pose[6] * r,
             pose[1] * p + pose[4] * q + pose[7] * r,
             pose[2] * p + pose[5] * q + pose[8] * r,
         )
+        self.body: Any = shape_of(body)
+        self.known = group(self.body, features)
+        self.element = lowest(self.known, which, self.where)
+
+    def local(self, p: Point) -> Point:
+        """A world point in the frame of the body."""
+        pose, inverse = self.pose, self.inverse
+        x, y, z = p[0] - pose[9], p[1] - pose[10], p[2] - pose[11]
+        return (
+            inverse[0] * x + inverse[1] * y + inverse[2] * z,
+            inverse[3] * x + inverse[4] * y + inverse[5] * z,
+            inverse[6] * x + inverse[7] * y + inverse[8] * z,
+        )
 
     def flats(self) -> list[tuple[Flat, Point | None]]:
         """What is flat around the contact, with its direction in the world, None of a plane."""
-        pose, n = self.pose, self.local_normal()
-        around = with_neighbours(self.known, self.where)
-        return [(flat, _turned(pose, flat.direction)) for feature in around for flat in feature.flats(self.where, n)]
+        pose, n = self.pose, self.normal
+        return [
+            (flat, _turned(pose, flat.direction))
+            for feature in with_neighbours(self.known, self.where) for flat in feature.flats(self.where, n)
+        ]  # fmt: skip
 
 
 def _turned(pose: list[float], d: Point | None) -> Point | None:
@@ -238,6 +241,10 @@ def _turned(pose: list[float], d: Point | None) -> Point | None:
     )
 
 
-def may_share_more(a: Flats, b: Flats) -> bool:
+def may_share_more(a: Directions, b: Directions) -> bool:
     """Whether flat features may share more than a point."""
-    return any(d is None or e is None or is_parallel(d, e) for _, d in a for _, e in b)
+    for _, d in a:
+        for _, e in b:
+            if d is None or e is None or is_parallel(d, e):
+                return True
+    return False

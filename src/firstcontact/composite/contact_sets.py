@@ -6,6 +6,7 @@ placed exactly and decides.  Ends of segments and arcs lie on edges, so pieces t
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
@@ -24,6 +25,8 @@ from firstcontact.pairs.carrier_contact import Contact
 
 SAMPLES = 720
 """Points of a conic looked at in doubles."""
+FINER = 61
+"""Points looked at around one that is held alone, the odd one in the middle."""
 
 
 @dataclass(frozen=True)
@@ -178,13 +181,21 @@ def _arcs(contact: Contact, trim: Trim) -> Iterator[Shared]:
         return  # no proper real conic: the lines of a pair are other pairs' contacts
     axes = vectors / np.sqrt(np.abs(values))
     angles = np.linspace(0, 2 * np.pi, SAMPLES, endpoint=False)
-    y = np.stack([np.cos(angles), np.sin(angles), np.ones(SAMPLES)])
-    x = (span @ axes @ y).T
-    good = trim.inside(x) & (np.abs(x[:, 3]) > 1e-9 * np.abs(x).max())
+    x, good = _sampled(span @ axes, angles, trim)
     for run in runs(good):
-        on_conic = axes @ y[:, run[len(run) // 2]]
-        at = _on_conic(contact, axes[:, 2], on_conic)
-        yield Shared("conic arc", at, x[run, :3] / x[run, 3:], closed=len(run) == SAMPLES)
+        kind, held, angle = "conic arc", x[run], angles[run[len(run) // 2]]
+        if len(run) == 1:  # a point that both touch, unless more is held between it and its neighbours
+            finer, good = _sampled(span @ axes, angle + np.linspace(-1, 1, FINER) * 2 * np.pi / SAMPLES, trim)
+            held = finer[good]
+            kind = "conic arc" if len(held) > 1 else "point"
+        at = _on_conic(contact, axes[:, 2], axes @ (math.cos(angle), math.sin(angle), 1.0))
+        yield Shared(kind, at, held[:, :3] / held[:, 3:], closed=len(run) == SAMPLES)
+
+
+def _sampled(frame: np.ndarray, angles: np.ndarray, trim: Trim) -> tuple[np.ndarray, np.ndarray]:
+    """Points (n, 4) of the conic that the frame makes of the unit circle, and whether both models hold them."""
+    x = (frame @ np.stack([np.cos(angles), np.sin(angles), np.ones(len(angles))])).T
+    return x, trim.inside(x) & (np.abs(x[:, 3]) > 1e-9 * np.abs(x).max())
 
 
 def runs(good: np.ndarray) -> list[np.ndarray]:
@@ -199,10 +210,16 @@ def runs(good: np.ndarray) -> list[np.ndarray]:
     return [run for run in np.split(order, cuts) if good[run[0]]]
 
 
+def _short(values: np.ndarray) -> list[fmpq]:
+    """Rational numbers of at most 40 bits nearby: a zero that rounding has spoilt is one again."""
+    unit = fmpq(2) ** (math.frexp(float(np.abs(values).max()))[1] - 40)
+    return [round(float(v) / float(unit)) * unit for v in values]
+
+
 def _on_conic(contact: Contact, inner: np.ndarray, near: np.ndarray) -> Vector:
     """The exact point of the conic near y = `near`, on the line from the rational point `inner` within it."""
-    c = [fmpq(*float(v).as_integer_ratio()) for v in inner]
-    d = [fmpq(*float(v).as_integer_ratio()) - w for v, w in zip(near, c, strict=True)]
+    c = _short(inner)
+    d = [v - w for v, w in zip(_short(near), c, strict=True)]
     form = contact.form
     assert form is not None
 

@@ -1,7 +1,7 @@
 """What two models share where they touch along something flat: a segment, an arc, or a patch of a plane.
 
-For bodies that keep their directions.  Whether flat things are parallel is then decided exactly, from their carriers;
-they touch, so parallel ones lie in one line or plane, and doubles measure what both hold of it.  Doubles answer only
+For bodies that keep directions.  Whether flat things are parallel is then decided exactly, from their carriers; they
+touch, so parallel ones lie in one line or plane, and doubles measure what both hold of it.  Doubles answer only
 where every point they judge is clear of all surfaces but its own; all else is left to exact arithmetic (None).
 """
 
@@ -21,16 +21,19 @@ from firstcontact.body.carriers import Conic, Line, Plane, QuarticCurve, cross, 
 from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.csg import And, Leaf, Not, Or, Tree, inside
 from firstcontact.body.features import Edge, Face, Vertex
-from firstcontact.body.moving import Moving
 from firstcontact.composite.contact_sets import SAMPLES, runs
-from firstcontact.composite.touched import Flat, Point, coprime
-from firstcontact.motion.sequence import Sequence
-from firstcontact.motion.translation import Translation
+from firstcontact.composite.forms import Form, forms_of, value
+from firstcontact.composite.kept_directions import Axis, stay_parallel
+from firstcontact.composite.touched import Flat, Flats, Point, coprime, is_parallel
 from firstcontact.search.convex import NotConvex, convex_pieces
 
 CLEAR = 1e-7
 """Of the size of its terms: a form smaller than that may vanish in truth."""
 
+MOST_PLANS = 256
+"""Kept of a model: turning ones meet lines in ever new directions."""
+
+UPRIGHT = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]
 IN, OUT = 1, 2
 
 Feature = Face | Edge | Vertex
@@ -38,12 +41,12 @@ Pair = tuple[Feature, Feature, Point]
 """A feature of a, one of b, and a point at which they meet, world."""
 
 
-@dataclass(frozen=True)
+@dataclass(slots=True)
 class Shared:
-    """kind and points as in `ContactSet`; pairs: all features that meet in it, as exact arithmetic lists them."""
+    """kind and points as for `ContactSet`; pairs: all features that meet in it, as exact arithmetic lists them."""
 
     kind: str
-    points: np.ndarray
+    points: Listing[Point] | np.ndarray
     pairs: list[Pair]
 
 
@@ -51,40 +54,34 @@ class _Unclear(Exception):
     """A point too near another surface, or a shape that is not described here."""
 
 
-def keeps_directions(body: Any) -> bool:
-    """Whether the body only shifts."""
-    if not isinstance(body, Moving) or isinstance(body.motion, Translation):
-        return True
-    steps = body.motion.steps if isinstance(body.motion, Sequence) else ()
-    return len(steps) > 0 and all(isinstance(step, Translation) for step in steps)
-
-
 def shared_set(
     models: tuple[CompositeQuadric, CompositeQuadric],
-    shifts: tuple[Point, Point],
-    flats: tuple[list[Flat], list[Flat]],
+    poses: tuple[list[float], list[float]],
+    flats: tuple[Flats, Flats],
     where: Point,
-    also: Listing[tuple[set[int], set[int]]] | None = None,
+    axes: frozenset[Axis],
+    also: Listing[tuple[frozenset[int], frozenset[int]]] | None = None,
 ) -> Shared | None:
-    """The contact set at the touched point `where`, of models shifted so; None where doubles do not tell.
+    """The contact set at the touched point `where`, of models in such poses; None where doubles do not tell.
 
+    poses: R by rows, T; axes: one that all turns are about, none where both only shift.
     also: the surfaces of either that touch elsewhere then; None where that is not known, but for convex models.
     """
     try:
-        bodies = _Body(models[0], shifts[0]), _Body(models[1], shifts[1])
-        pair = _parallel(*flats)
-        if pair is None or (also is None and not all(body.shape.pieces for body in bodies)):
+        a, b = bodies = _Body(models[0], poses[0], bool(axes)), _Body(models[1], poses[1], bool(axes))
+        pair = _parallel(*flats, axes)
+        if pair is None or (also is None and not (a.shape.pieces and b.shape.pieces)):
             return None
         x, y = pair
-        if not all(_on(x) <= on_a and _on(y) <= on_b for on_a, on_b in also or ()):
+        if also and not all(_on(x) <= on_a and _on(y) <= on_b for on_a, on_b in also):
             return None
         if x.direction is None and y.direction is None:
             return _in_plane(bodies, x.feature, y.feature)
         if also:
             return None
-        line = y if x.direction is None else x
+        line, own = (y, b) if x.direction is None else (x, a)
         direction = _tangent(line, y if line is x else x) if line.exact is None else line.exact
-        return _in_line(bodies, (x, y), where, _unit(direction))
+        return _in_line(bodies, (x, y), where, own.turned(_unit(direction)))
     except _Unclear:
         return None
 
@@ -92,14 +89,21 @@ def shared_set(
 # -- what is parallel -----------------------------------------------------------------------------------------
 
 
-def _parallel(a: list[Flat], b: list[Flat]) -> tuple[Flat, Flat] | None:
+def _parallel(a: Flats, b: Flats, axes: frozenset[Axis]) -> tuple[Flat, Flat] | None:
     """The one pair of flat things that may touch in more than a point, exactly parallel; None: not exactly one.
 
     Planes count before the lines in them.
     """
-    planes_a, planes_b = ([f for f in side if f.direction is None] for side in (a, b))
-    parallel = [(x, y) for x in planes_a or a for y in planes_b or b if _is_parallel(x, y)]
-    return parallel[0] if len(parallel) == 1 else None
+    planes_a = [f for f in a if f[1] is None]
+    planes_b = [f for f in b if f[1] is None]
+    pairs = [(x, y) for x in planes_a or a for y in planes_b or b]
+    if not axes:
+        parallel = [(x, y) for (x, _), (y, _) in pairs if _is_parallel(x, y)]
+        return parallel[0] if len(parallel) == 1 else None
+    # of turning bodies what seems parallel may be so
+    near = [(x, y) for (x, d), (y, e) in pairs if d is None or e is None or is_parallel(d, e)]
+    (axis,) = axes
+    return near[0] if len(near) == 1 and stay_parallel(*near[0], axis) else None
 
 
 def _is_parallel(x: Flat, y: Flat) -> bool:
@@ -131,12 +135,11 @@ def _unit(exact: tuple[int, ...]) -> Point:
 # -- a model in doubles ---------------------------------------------------------------------------------------
 
 
-Form = tuple[float, ...]
-"""xx, yy, zz, 2 xy, 2 xz, 2 yz, 2 x, 2 y, 2 z, 1 of a surface, negative inside."""
 End = tuple[float, int]
 """Where a line passes a surface, and the number of that."""
-_Plan = list[tuple[int, float | None]]
-"""What bounds a line in a piece: number of the surface, slope of its form along the line (None if it is no plane)."""
+_Plan = list[tuple[int, Form, float | None]]
+"""What bounds a line in a piece: number of the surface, its form (of planes x, y, z, 1) and its slope along the line,
+None if it is no plane."""
 
 
 @dataclass(frozen=True)
@@ -156,30 +159,31 @@ class _Shape:
         pass planes alone, none of them nearly parallel."""
         known = self.plans.get((feature, d))
         if known is None:
+            if len(self.plans) >= MOST_PLANS:
+                self.plans.clear()
             tangent, on = _tangent_surfaces(self.model, feature), set(feature.surfaces)
-            plans = [
-                [(k, self._slope(k, d)) for k in sorted(piece - on)] for piece in self.pieces if not piece & tangent
-            ]
-            plain = len(plans) == 1 and all(self._is_plain(*step) for step in plans[0])
+            plans = [[self._step(k, d) for k in sorted(piece - on)] for piece in self.pieces if not piece & tangent]
+            plain = len(plans) == 1 and all(_is_plain(form, slope) for _, form, slope in plans[0])
             known = self.plans[feature, d] = plans, plain
         return known
 
-    def _slope(self, k: int, d: Point) -> float | None:
+    def _step(self, k: int, d: Point) -> tuple[int, Form, float | None]:
         form = self.forms[k]
         if any(form[:6]):
-            return None
+            return k, form, None
         slope = form[6] * d[0] + form[7] * d[1] + form[8] * d[2]
-        return slope if abs(slope) > 1e-13 * max(map(abs, form[6:9])) else 0.0
+        return k, form[6:], slope if abs(slope) > 1e-13 * max(map(abs, form[6:9])) else 0.0
 
-    def _is_plain(self, k: int, slope: float | None) -> bool:
-        return slope is not None and (slope == 0.0 or abs(slope) > CLEAR * max(map(abs, self.forms[k][6:9])))
+
+def _is_plain(form: Form, slope: float | None) -> bool:
+    return slope is not None and (slope == 0.0 or abs(slope) > CLEAR * max(map(abs, form[:3])))
 
 
 def _shape(model: CompositeQuadric) -> _Shape:
     known = model._search.get("shape")
     if known is None:
-        forms = [_form(m) for m in model._forms_f.tolist()]
-        known = model._search["shape"] = _Shape(model, forms, _pieces(model.tree) if _is_convex(model) else [], {})
+        pieces = _pieces(model.tree) if _is_convex(model) else []
+        known = model._search["shape"] = _Shape(model, forms_of(model), pieces, {})
     return known
 
 
@@ -226,20 +230,45 @@ def _joined(model: CompositeQuadric, seam: Edge, face: Face) -> list[Face]:
 
 
 class _Body:
-    """A model, shifted."""
+    """A model in a pose.
 
-    def __init__(self, model: CompositeQuadric, shift: Point) -> None:
-        self.model, self.shift = model, shift
+    turn: the rows of its rotation, () where it has not turned.
+    """
+
+    __slots__ = ("forms", "model", "shape", "shift", "turn")
+
+    def __init__(self, model: CompositeQuadric, pose: list[float], turns: bool) -> None:
+        self.model, self.shift = model, (pose[9], pose[10], pose[11])
+        turned = turns and pose[:9] != UPRIGHT
+        self.turn = (tuple(pose[0:3]), tuple(pose[3:6]), tuple(pose[6:9])) if turned else ()
         self.shape = _shape(model)
         self.forms = self.shape.forms
 
-    def local(self, p: Point) -> Point:
+    def local(self, p: Any) -> Any:
+        """A world point, or the three rows of such, in the frame of the model."""
         s = self.shift
-        return p[0] - s[0], p[1] - s[1], p[2] - s[2]
+        p = p[0] - s[0], p[1] - s[1], p[2] - s[2]
+        return self.back(p) if self.turn else p
 
-    def world(self, p: Any) -> Point:
-        s = self.shift
-        return p[0] + s[0], p[1] + s[1], p[2] + s[2]
+    def world(self, p: Any) -> Any:
+        s, (x, y, z) = self.shift, self.turned(p)
+        return x + s[0], y + s[1], z + s[2]
+
+    def turned(self, d: Any) -> Any:
+        """A direction of the model's frame in the world."""
+        if not self.turn:
+            return d
+        x, y, z = d
+        p, q, r = (a * x + b * y + c * z for a, b, c in self.turn)
+        return p, q, r
+
+    def back(self, d: Any) -> Any:
+        """A direction of the world in the model's frame."""
+        if not self.turn:
+            return d
+        (a, b, c), (e, f, g), (p, q, r) = self.turn
+        x, y, z = d
+        return a * x + e * y + p * z, b * x + f * y + q * z, c * x + g * y + r * z
 
     def holds(self, p: Point, on: frozenset[int]) -> bool:
         """Whether a world point is in the model, given the surfaces that hold it.  Raises _Unclear near others."""
@@ -256,16 +285,17 @@ class _Body:
     def _in_piece(self, piece: frozenset[int], p: Point, on: frozenset[int]) -> bool | None:
         inside: bool | None = True
         for k in piece - on:
-            value, size = _value(self.forms[k], *p)
-            if value > CLEAR * size:
+            v, size = value(self.forms[k], *p)
+            if v > CLEAR * size:
                 return False
-            if value >= -CLEAR * size:
+            if v >= -CLEAR * size:
                 inside = None
         return inside
 
-    def stretch(self, where: Point, d: Point, feature: Feature) -> tuple[End, End] | None:
+    def stretch(self, where: Point, d: Point, feature: Feature, near: float) -> tuple[End, End] | None:
         """Where a line in the feature's surfaces, through a world point along d, enters the model and leaves it."""
-        p, near = self.local(where), CLEAR * (1.0 + max(map(abs, where)))
+        p = self.local(where)
+        d = self.back(d) if self.turn else d
         found = []
         for plan in self.shape.plan(feature, d)[0]:
             ends = self._passed(plan, p, d, near)
@@ -280,11 +310,10 @@ class _Body:
         entries: list[End] = []
         exits: list[End] = []
         x, y, z = p
-        for k, slope in plan:
-            form = self.forms[k]
+        for k, form, slope in plan:
             if slope is None:
                 roots = _roots(form, p, d)
-                if not roots and _value(form, x, y, z)[0] > 0.0:
+                if not roots and value(form, x, y, z)[0] > 0.0:
                     return None
                 if len(roots) == 2 and roots[0][1]:  # outside between them: another nappe, or p is there
                     if len(self.shape.pieces) > 1 or roots[0][0] < -near and roots[1][0] > near:
@@ -293,15 +322,16 @@ class _Body:
                 for s, leaves in roots:
                     (exits if leaves else entries).append((s, k))
                 continue
-            u, v, w, c = form[6] * x, form[7] * y, form[8] * z, form[9]
-            value = u + v + w + c
+            a, b, e, c = form
+            u, v, w = a * x, b * y, e * z
+            height = u + v + w + c
             if slope:
-                (exits if slope > 0.0 else entries).append((-value / slope, k))
+                (exits if slope > 0.0 else entries).append((-height / slope, k))
             else:
                 size = CLEAR * (abs(u) + abs(v) + abs(w) + abs(c))
-                if value > size:
+                if height > size:
                     return None
-                if value >= -size:
+                if height >= -size:
                     raise _Unclear
         lo, hi = _last(entries, 1.0, near), _last(exits, -1.0, near)
         return (lo, hi) if hi[0] - lo[0] > near else None
@@ -331,8 +361,8 @@ class _Body:
         if isinstance(tree, Leaf):
             found = known.get(tree.surface)
             if found is None:
-                value, size = _value(self.forms[tree.surface], *x)
-                found = known[tree.surface] = IN * (value <= CLEAR * size) + OUT * (value >= -CLEAR * size)
+                v, size = value(self.forms[tree.surface], *x)
+                found = known[tree.surface] = IN * (v <= CLEAR * size) + OUT * (v >= -CLEAR * size)
             return found
         if isinstance(tree, Not):
             found = self._sides(tree.inner, x, known)
@@ -346,16 +376,18 @@ class _Body:
 
     def is_far(self, x: Point) -> bool:
         """Whether a local point is clear of the model's box."""
-        known = self.model._search.get("box")
+        known = self.model._search.get("widened box")
         if known is None:
             low, high = self.model.bounds()
             off = 10.0 * CLEAR * (1.0 + max(np.abs(low).max(), np.abs(high).max()))
-            known = self.model._search["box"] = (low - off).tolist(), (high + off).tolist()
+            known = self.model._search["widened box"] = (low - off).tolist(), (high + off).tolist()
         return any(c < p or c > q for c, p, q in zip(x, *known, strict=True))
 
 
 def _last(ends: list[End], way: float, near: float) -> End:
     """The last of the ends (way 1), or the first (-1).  Raises _Unclear where another one is near it."""
+    if len(ends) == 1:
+        return ends[0]
     best, other = (-way * math.inf, -1), -way * math.inf
     for end in ends:
         if way * end[0] > way * best[0]:
@@ -367,26 +399,12 @@ def _last(ends: list[End], way: float, near: float) -> End:
     return best
 
 
-def _form(m: list[list[float]]) -> Form:
-    twice = [2.0 * x for x in (m[0][1], m[0][2], m[1][2], m[0][3], m[1][3], m[2][3])]
-    return (m[0][0], m[1][1], m[2][2], *twice, m[3][3])
-
-
-def _value(f: Form, x: float, y: float, z: float) -> tuple[float, float]:
-    """(value, sum of the sizes of its terms)."""
-    a, b, c = f[0] * x * x, f[1] * y * y, f[2] * z * z
-    d, e, g = f[3] * x * y, f[4] * x * z, f[5] * y * z
-    p, q, r = f[6] * x, f[7] * y, f[8] * z
-    size = abs(a) + abs(b) + abs(c) + abs(d) + abs(e) + abs(g) + abs(p) + abs(q) + abs(r) + abs(f[9])
-    return a + b + c + d + e + g + p + q + r + f[9], size
-
-
 def _roots(f: Form, o: Point, d: Point) -> list[tuple[float, bool]]:
     """The s at which o + s d crosses the surface, ascending, and whether it leaves the inside there.
 
     Both ends of what a tangent line shares would be unclear.
     """
-    value, size = _value(f, *o)
+    v, size = value(f, *o)
     x, y, z = d
     a = f[0] * x * x + f[1] * y * y + f[2] * z * z + f[3] * x * y + f[4] * x * z + f[5] * y * z
     b = (
@@ -397,17 +415,17 @@ def _roots(f: Form, o: Point, d: Point) -> list[tuple[float, bool]]:
     largest = max(map(abs, f[:9]))
     if abs(a) <= 1e-13 * largest:
         if abs(b) > 1e-13 * (largest + size):
-            return [(-value / b, b > 0.0)]
-        if abs(value) <= CLEAR * size:
+            return [(-v / b, b > 0.0)]
+        if abs(v) <= CLEAR * size:
             raise _Unclear
         return []
-    square = b * b - 4.0 * a * value
-    if abs(square) <= CLEAR * (b * b + abs(4.0 * a * value)):
+    square = b * b - 4.0 * a * v
+    if abs(square) <= CLEAR * (b * b + abs(4.0 * a * v)):
         raise _Unclear
     if square < 0.0:
         return []
     q = -0.5 * (b + math.copysign(math.sqrt(square), b))
-    r, s = q / a, value / q
+    r, s = q / a, v / q
     return [(min(r, s), a < 0.0), (max(r, s), a > 0.0)]
 
 
@@ -420,18 +438,17 @@ def _on(flat: Flat) -> frozenset[int]:
 
 def _in_line(bodies: tuple[_Body, _Body], flats: tuple[Flat, Flat], where: Point, d: Point) -> Shared | None:
     """The segment of the line through the touched point that both bodies hold."""
-    convex = all(body.shape.pieces for body in bodies)
-    found = (_held_by_convex if convex else _held)(bodies, flats, where, d)
+    convex, near = bodies[0].shape.pieces and bodies[1].shape.pieces, CLEAR * (1.0 + max(map(abs, where)))
+    found = (_held_by_convex if convex else _held)(bodies, flats, where, d, near)
     if found is None:
         return None
     (side_lo, lo), (side_hi, hi) = found
-    near = CLEAR * (1.0 + max(map(abs, where)))
     if hi[0] - lo[0] <= near or lo[0] > near or hi[0] < -near:
         return None
     middle = _along(where, 0.5 * (lo[0] + hi[0]), d)
     # a line that only touches a surface seems to pass it where rounding puts it a little deeper
     for body, flat in zip(bodies, flats, strict=True):
-        if not (body.shape.plan(flat.feature, d)[1] or body.holds(middle, _on(flat))):
+        if not (body.shape.plan(flat.feature, body.back(d))[1] or body.holds(middle, _on(flat))):
             return None
     ends = _along(where, lo[0], d), _along(where, hi[0], d)
     pairs = _end_pairs(bodies, flats, ends[0], side_lo, lo[1])
@@ -439,17 +456,17 @@ def _in_line(bodies: tuple[_Body, _Body], flats: tuple[Flat, Flat], where: Point
     x, y = flats[0].feature, flats[1].feature
     if isinstance(x, Face) and isinstance(y, Face) and not (_is_plane(x) or _is_plane(y)):
         pairs.append((x, y, middle))
-    return Shared("segment", np.array(ends), pairs)
+    return Shared("segment", ends, pairs)
 
 
 def _held_by_convex(
-    bodies: tuple[_Body, _Body], flats: tuple[Flat, Flat], where: Point, d: Point
+    bodies: tuple[_Body, _Body], flats: tuple[Flat, Flat], where: Point, d: Point, near: float
 ) -> tuple[tuple[int, End], tuple[int, End]] | None:
     """(side, end) of both ends of what convex bodies hold of the line, with the side that ends there."""
-    in_a, in_b = (body.stretch(where, d, flat.feature) for body, flat in zip(bodies, flats, strict=True))
+    in_a = bodies[0].stretch(where, d, flats[0].feature, near)
+    in_b = None if in_a is None else bodies[1].stretch(where, d, flats[1].feature, near)
     if in_a is None or in_b is None:
         return None
-    near = CLEAR * (1.0 + max(map(abs, where)))
     (lo_a, hi_a), (lo_b, hi_b) = in_a, in_b
     if abs(lo_a[0] - lo_b[0]) <= near or abs(hi_a[0] - hi_b[0]) <= near:
         return None
@@ -457,7 +474,7 @@ def _held_by_convex(
 
 
 def _held(
-    bodies: tuple[_Body, _Body], flats: tuple[Flat, Flat], where: Point, d: Point
+    bodies: tuple[_Body, _Body], flats: tuple[Flat, Flat], where: Point, d: Point, near: float
 ) -> tuple[tuple[int, End], tuple[int, End]] | None:
     """The same for bodies of any shape, of the one stretch that both hold: from surface to surface."""
     on = _on(flats[0]), _on(flats[1])
@@ -465,9 +482,8 @@ def _held(
         (s, side, k)
         for side, body in enumerate(bodies)
         for k, form in enumerate(body.forms) if k not in on[side]
-        for s, _ in _roots(form, body.local(where), d)
+        for s, _ in _roots(form, body.local(where), body.back(d))
     )  # fmt: skip
-    near = CLEAR * (1.0 + max(map(abs, where)))
     shared: list[tuple[tuple[float, int, int], tuple[float, int, int]]] = []
     for lo, hi in zip(breaks, breaks[1:], strict=False):
         if hi[0] - lo[0] <= near:
@@ -553,7 +569,8 @@ def _in_plane(bodies: tuple[_Body, _Body], x: Feature, y: Feature) -> Shared | N
     own, others = _outline(a, x), _outline(b, y)
     if own.lines and others.lines:
         pairs = _of_polygons(x, y, own, others)
-        return Shared("patch", np.array([p for _, _, p in pairs]), pairs) if _spread([p for _, _, p in pairs]) else None
+        points = [p for _, _, p in pairs]
+        return Shared("patch", points, pairs) if _spread(points) else None
     i, j = own.axes
     pairs = [(v, y, p) for v, p in own.corners if _is_in(b, others, p, on[1])]
     pairs += [(x, v, p) for v, p in others.corners if _is_in(a, own, p, on[0])]
@@ -572,7 +589,7 @@ def _in_plane(bodies: tuple[_Body, _Body], x: Feature, y: Feature) -> Shared | N
         pairs += [(e, f, tuple(run[len(run) // 2].tolist())) for e, f, run in arcs]
         return Shared("conic arc", arcs[0][2], pairs)
     points = [p for _, _, p in pairs]
-    return Shared("patch", np.array(points), pairs) if _spread(points) else None
+    return Shared("patch", points, pairs) if _spread(points) else None
 
 
 def _of_polygons(x: Face, y: Face, own: _Outline, others: _Outline) -> list[Pair]:
@@ -659,6 +676,8 @@ def _outline(body: _Body, face: Face) -> _Outline:
     outline = known.get(face)
     if outline is None:
         outline = known[face] = _local_outline(body.model, face)
+    if body.turn:
+        return _turned_outline(body, outline)
     x, y, z = shift = body.shift
     if not (x or y or z):
         return outline
@@ -669,6 +688,25 @@ def _outline(body: _Body, face: Face) -> _Outline:
         list(moved.items()), [(e, ends[p], ends[q]) for e, p, q in outline.sides], outline.rims, outline.axes,
         [(a, b, c - a * u - b * v) for a, b, c in outline.lines], outline.boxes, shift,
     )  # fmt: skip
+
+
+def _turned_outline(body: _Body, outline: _Outline) -> _Outline:
+    """In the world, of a body that turned about the normal."""
+    moved = {v: body.world(p) for v, p in outline.corners}
+    ends = {p: moved[v] for v, p in outline.corners}
+    found = _Outline(
+        list(moved.items()), [(e, ends[p], ends[q]) for e, p, q in outline.sides], outline.rims, outline.axes
+    )
+    if outline.lines:
+        found.lines = [_side_line(p, q, found) for _, p, q in found.sides]
+    reach = np.abs(body.turn)
+    for k, (low, high) in outline.boxes.items():
+        if not np.all(np.isfinite([low, high])):
+            found.boxes[k] = outline.boxes[k]
+            continue
+        middle, half = np.array(body.world(0.5 * (low + high))), reach @ (0.5 * (high - low))
+        found.boxes[k] = np.array([middle - half, middle + half])
+    return found
 
 
 def _local_outline(model: CompositeQuadric, face: Face) -> _Outline:
@@ -749,7 +787,7 @@ def _through(body: _Body, rim: Edge, on: frozenset[int], p: Point, q: Point) -> 
     (surface,) = set(rim.surfaces) - on
     d = _minus(q, p)
     found = []
-    for s, _ in _roots(body.forms[surface], body.local(p), d):
+    for s, _ in _roots(body.forms[surface], body.local(p), body.back(d)):
         if min(abs(s), abs(1.0 - s)) <= CLEAR:
             raise _Unclear
         point = _along(p, s, d)
@@ -761,10 +799,10 @@ def _through(body: _Body, rim: Edge, on: frozenset[int], p: Point, q: Point) -> 
 def _arcs(body: _Body, rim: Edge, other: _Body, on: frozenset[int]) -> list[np.ndarray]:
     """The parts (n, 3) of a rim of one body that the other one's face holds, sampled."""
     angles = np.linspace(0.0, 2.0 * np.pi, SAMPLES, endpoint=False)
-    points = rim.points(angles) + body.shift
+    points = np.stack(body.world(rim.points(angles).T), axis=1)
     good = _in_pieces(rim, angles)
-    x, y, z = (points - other.shift).T
-    negative: list[Any] = [_value(form, x, y, z)[0] < 0.0 for form in other.forms]  # type: ignore[arg-type]
+    x, y, z = other.local(points.T)
+    negative: list[Any] = [value(form, x, y, z)[0] < 0.0 for form in other.forms]  # type: ignore[arg-type]
     either = []
     for choice in product((True, False), repeat=len(on)):
         for k, side in zip(on, choice, strict=True):

@@ -22,10 +22,12 @@ ORIGIN = (fmpq(0),) * 3
 
 def without_idle_turn(body: Any) -> Any:
     """The body, or one that holds the same points at all times and only shifts."""
-    if not isinstance(body, Moving) or not isinstance(body.body, CompositeQuadric):
+    if not isinstance(body, Moving) or isinstance(body.motion, Translation):
         return body
     motion, model = body.motion, body.body
-    if not isinstance(motion, Rotation | Screw) or not _is_round(model, motion):
+    if not isinstance(model, CompositeQuadric) or not isinstance(motion, Rotation | Screw):
+        return body
+    if not _is_round(model, motion):
         return body
     if isinstance(motion, Rotation):
         return Moving(model, Translation(ORIGIN))

@@ -23,7 +23,7 @@ from firstcontact.body.polyhedron import Polyhedron
 from firstcontact.composite.algorithm import Meeting, Search
 from firstcontact.composite.answer import contact_of
 from firstcontact.composite.at_rest import overlap
-from firstcontact.composite.certified import Flats, bounded, may_share_more, on_model
+from firstcontact.composite.certified import Directions, bounded, may_share_more, on_model
 from firstcontact.composite.mesh_holes import HoledSearch, search_of
 from firstcontact.composite.moving_pair import Pair
 from firstcontact.composite.patches import (
@@ -256,7 +256,7 @@ class _Query:
             element_a=first, element_b=second, multiplicity=1, contact_set=contact_set, free_until=touch.lo,
         )  # fmt: skip
 
-    def _on_mesh(self, touch: Touch, which: str) -> tuple[Element, Flats]:
+    def _on_mesh(self, touch: Touch, which: str) -> tuple[Element, Directions]:
         """The touching element of the polyhedron, and what is flat there."""
         mesh, tree = self.mesh, tree_of(self.mesh)
         name = mesh.name or which
@@ -284,7 +284,7 @@ class _Query:
             k = {(0, 1): 1, (1, 2): 2, (0, 2): 0}[touch.sides]  # type: ignore[index]
         return int(corners[k]) if k >= 0 and is_sharp_vertex(self.mesh, int(corners[k])) else None
 
-    def _flats(self, triangles: list[int], edges: list[int], touch: Touch) -> Flats:
+    def _flats(self, triangles: list[int], edges: list[int], touch: Touch) -> Directions:
         """Planes of triangles and edges across the normal."""
         mover = self.a if self.mesh_is_a else self.b
         turn = mover.motion(touch.time)[:3, :3] if isinstance(mover, Moving) else np.eye(3)

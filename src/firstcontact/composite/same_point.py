@@ -7,7 +7,6 @@ arithmetic for the features whose surfaces all pass near the point.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from itertools import combinations
 from typing import Any
 
@@ -17,8 +16,9 @@ from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.moving import Moving
 from firstcontact.composite.algorithm import Search
 from firstcontact.composite.answer import contact_of
+from firstcontact.composite.forms import Form, forms_of, gradient, value
 from firstcontact.composite.moving_pair import Pair
-from firstcontact.composite.touched import ACROSS, Point
+from firstcontact.composite.touched import ACROSS, Group, Point, is_parallel
 from firstcontact.composite.work import Work
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import exact_value
@@ -33,37 +33,54 @@ Place = tuple[Point, Point]
 """A point of a model and the normal of the contact, in the model's frame."""
 
 
-def near_surfaces(model: CompositeQuadric, x: Point) -> list[int]:
-    """The surfaces that pass through x, or nearly."""
-    known = model._search.get("near")
+def near_surfaces(model: CompositeQuadric, where: Point) -> list[int]:
+    """The surfaces that pass through the point, or nearly."""
+    x, y, z = where
+    near = []
+    for k, (linear, squares, least) in enumerate(_limits(model, where)):
+        p, q, r, s = linear
+        height = p * x + q * y + r * z + s
+        if squares is not None:
+            a, b, c, d, e, f = squares
+            height += (a * x + d * y + e * z) * x + (b * y + f * z) * y + c * z * z
+        if abs(height) <= least:
+            near.append(k)
+    return near
+
+
+def _limits(model: CompositeQuadric, where: Point) -> list[tuple[Form, Form | None, float]]:
+    """Of every surface the linear and square terms of its form (None of planes), and below which it nearly vanishes."""
+    known: list[tuple[Form, Form | None, float]] | None = model._search.get("near")
     if known is None:
-        forms = model._forms_f.reshape(-1, 16)
-        far = np.append(np.abs(model.bounds()).max(axis=0) if model.bounded else np.abs(x), 1.0)
-        known = forms, NEAR * (np.abs(forms) @ np.outer(far, far).ravel())
+        far = np.abs(model.bounds()).max(axis=0).tolist() if model.bounded else where
+        known = [(f[6:], f[:6] if any(f[:6]) else None, NEAR * value(f, *far)[1]) for f in forms_of(model)]
         if model.bounded:
             model._search["near"] = known
-    forms, least = known
-    point = np.array([*x, 1.0])
-    return np.flatnonzero(np.abs(forms @ np.outer(point, point).ravel()) <= least).tolist()
+    return known
 
 
-def may_touch_more(model: CompositeQuadric, own: Sequence[int], place: Place) -> bool:
-    """Whether faces or edges around an edge or vertex on the surfaces `own` may touch in the same point.
+def may_touch_more(known: Group, place: Place) -> bool:
+    """Whether faces or edges around the touched edge or vertex may touch in the same point.
 
     Where more surfaces pass, or the normal is across one of its faces, or an edge at the vertex across the normal.
     """
-    x, (p, q, r) = place
-    near = near_surfaces(model, x)
-    if len(near) > len(own):
+    if known.smooth:
+        return False
+    (x, y, z), n = place
+    near = near_surfaces(known.model, place[0])
+    if len(near) > len(known.surfaces):
         return True
-    gradients = [g for g in (model._forms_f[near] @ np.array([*x, 1.0]))[:, :3].tolist() if any(g)]  # none at an apex
-    square = p * p + q * q + r * r
-    for a, b, c in gradients:
-        u, v, w = b * r - c * q, c * p - a * r, a * q - b * p
-        if u * u + v * v + w * w <= ACROSS * ACROSS * square * (a * a + b * b + c * c):
-            return True
+    forms, gradients = forms_of(known.model), []
+    for k in near:
+        g = gradient(forms[k], x, y, z)
+        if any(g):  # none at an apex
+            if is_parallel(g, n):
+                return True
+            gradients.append(g)
     if len(gradients) < 3:
         return False
+    p, q, r = n
+    square = p * p + q * q + r * r
     for (a, b, c), (d, e, f) in combinations(gradients, 2):
         u, v, w = b * f - c * e, c * d - a * f, a * e - b * d
         if abs(u * p + v * q + w * r) <= ACROSS * math.sqrt(square * (u * u + v * v + w * w)):

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from math import sqrt
+from math import inf, sqrt
 from typing import Any
 
 import numpy as np
@@ -19,6 +19,7 @@ from firstcontact.body.carriers import Point as RationalPoint
 from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.features import Edge, Face, Vertex
 from firstcontact.composite.answer import element, rank
+from firstcontact.composite.forms import Form, forms_of, height, value
 from firstcontact.result import Element
 from firstcontact.search.convex import convex_pieces
 
@@ -44,6 +45,10 @@ class Flat:
     feature: Face | Edge
     direction: Point | None
     exact: tuple[int, ...] | None
+
+
+Flats = Sequence[tuple[Flat, Point | None]]
+"""What is flat around a contact, with its direction in the world, None of a plane."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -102,38 +107,67 @@ class Touched:
         return found
 
 
-def with_neighbours(known: list[Touched], where: Point) -> list[Touched]:
+@dataclass(frozen=True, slots=True, eq=False)
+class Group:
+    """Features of a model that touch as one.
+
+    surfaces: of all of them; smooth: whether all are faces.
+    """
+
+    model: CompositeQuadric
+    features: list[Touched]
+    surfaces: frozenset[int]
+    smooth: bool
+
+
+def group(model: CompositeQuadric, features: tuple[tuple[str, int], ...]) -> Group:
+    """Features as `search.advance` numbers them, kept on the model."""
+    groups = model._search.setdefault("groups", {})
+    known: Group | None = groups.get(features)
+    if known is None:
+        found = [touched(model, kind, index) for kind, index in features]
+        surfaces = frozenset(k for x in found for k in x.feature.surfaces)
+        smooth = all(isinstance(x.feature, Face) for x in found)
+        known = groups[features] = Group(found[0].model, found, surfaces, smooth)
+    return known
+
+
+def with_neighbours(known: Group, where: Point) -> list[Touched]:
     """The touched features, with the faces and edges that lie at the point too, or nearly.
 
     Features of a piece tell all but what joins it smoothly in other pieces.
     """
-    model = known[0].model
-    forms = model._search.get("seamed")
-    if forms is None:
-        joined = sorted({s for seam in model.seams for k in seam.faces for s in model.faces[k].surfaces})
-        rows = model._forms_f.tolist()
-        forms = model._search["seamed"] = [(k, rows[k]) for k in joined]
-    x, y, z = where
-    own = known[0].feature.surfaces
-    near = [k for k, m in forms if k not in own and _vanishes(m, x, y, z)]
+    model = known.model
+    seamed = model._search.get("seamed")
+    if seamed is None:
+        seamed = model._search["seamed"] = _seamed(model)
+    if not seamed:
+        return known.features
+    own, near = known.features[0].feature.surfaces, []
+    for k, form, least in seamed:
+        if k not in own and abs(height(form, *where)) <= least:
+            v, size = value(form, *where)  # beside a seam it grows with the square of the distance
+            if abs(v) <= BESIDE * size:
+                near.append(k)
     if not near:
-        return known
-    there = frozenset([*near, *(k for t in known for k in t.feature.surfaces)])
+        return known.features
+    there = known.surfaces.union(near)
     met = model._search.setdefault("met", {})
     if there not in met:
         faces = [f for f in model.faces if there.issuperset(f.surfaces)]
         edges = [e for e in model.edges if there.issuperset(e.surfaces)]
-        met[there] = [Touched(model, faces[0], _sides(faces, faces[0]), _lines(edges))] if faces else known
+        met[there] = [Touched(model, faces[0], _sides(faces, faces[0]), _lines(edges))] if faces else known.features
     return met[there]
 
 
-def _vanishes(m: list[list[float]], x: float, y: float, z: float) -> bool:
-    """Whether a form is 0 at a point, or nearly: beside a seam it grows with the square of the distance."""
-    (a, d, e, p), (_, b, f, q), (_, _, c, r), (_, _, _, s) = m
-    a, b, c, d, e, f = a * x * x, b * y * y, c * z * z, 2.0 * d * x * y, 2.0 * e * x * z, 2.0 * f * y * z
-    p, q, r = 2.0 * p * x, 2.0 * q * y, 2.0 * r * z
-    size = abs(a) + abs(b) + abs(c) + abs(d) + abs(e) + abs(f) + abs(p) + abs(q) + abs(r) + abs(s)
-    return abs(a + b + c + d + e + f + p + q + r + s) <= BESIDE * size
+def _seamed(model: CompositeQuadric) -> list[tuple[int, Form, float]]:
+    """The surfaces with smooth seams: number, form, and a size that it has at no point of the model beside it."""
+    joined = sorted({s for seam in model.seams for k in seam.faces for s in model.faces[k].surfaces})
+    forms = forms_of(model)
+    if not model.bounded:
+        return [(k, forms[k], inf) for k in joined]
+    far = np.abs(model.bounds()).max(axis=0).tolist()
+    return [(k, forms[k], 2.0 * BESIDE * value(forms[k], *far)[1]) for k in joined]
 
 
 def _lines(edges: Sequence[Edge]) -> tuple[Flat, ...]:
@@ -162,11 +196,11 @@ def _length(x: Point) -> float:
     return sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2])
 
 
-def lowest(touched: list[Touched], which: str, where: Point) -> Element:
+def lowest(known: Group, which: str, where: Point) -> Element:
     """Vertices before edges before faces."""
-    if len(touched) == 1:
-        return ranked(touched[0].model, touched[0].feature, which, where)[1]
-    return min(ranked(x.model, x.feature, which, where) for x in touched)[1]
+    if len(known.features) == 1:
+        return ranked(known.model, known.features[0].feature, which, where)[1]
+    return min(ranked(known.model, x.feature, which, where) for x in known.features)[1]
 
 
 def ranked(

@@ -52,12 +52,12 @@ def first_contact(
         first, last = bounded_span(a, b, span)
         exact = exact or method == "algebraic"
         return first_contact_of_mesh(a, b, first, last, exact, tolerance, Work(budget, progress))
-    first, last = _span(a, b, span)
+    models = _models(a, b)
+    first, last = _span(models, span)
     shared = {"a": a, "b": b, "span": (to_double(first), to_double(last))}
     if exact or method == "algebraic":
         work = Work(budget, progress, below(first))
         return _decided(a, b, first, last, exact, method == "algebraic", work, begin, shared)
-    models = _models(a, b)
     answer, proved = settle(models, first, last, tolerance, budget, begin, shared)
     if answer is not None:
         return answer
@@ -82,7 +82,7 @@ def _proved_only(
 ) -> FirstContact:
     """What the certified path proved, where exact arithmetic does not take the pair or contradicts."""
     if proved.status == "contact":  # only what it shares is open
-        seen = contact(both_bounded(models, shared["span"]), proved, begin, shared)
+        seen, _ = contact(both_bounded(models, shared["span"]), proved, begin, shared)
         if seen is not None:
             return seen
     if proved.status == "initial" or proved.free_until <= shared["span"][0]:
@@ -138,10 +138,10 @@ def _models(a: Any, b: Any) -> tuple[Any, Any]:
 
 
 def _as_model(body: Any) -> Any:
-    model: Any = _model(body)
-    if not isinstance(body, Moving):
-        return model
-    return body if body.body is model else Moving(model, body.motion)
+    shape: Any = shape_of(body)
+    if not isinstance(shape, Polyhedron):
+        return body
+    return Moving(as_model(shape), body.motion) if isinstance(body, Moving) else as_model(shape)
 
 
 def _with_time(stats: Stats, begin: float) -> Stats:
@@ -188,7 +188,8 @@ def contact_intervals(
         return replace(contact_intervals(x, y, span, exact, budget, progress, tolerance), a=a, b=b)
     if _goes_by_triangles(a) or _goes_by_triangles(b):
         return _intervals_of_mesh(a, b, span, exact, Work(budget, progress), tolerance)
-    first, last = _span(a, b, span)
+    models = _models(a, b)
+    first, last = _span(models, span)
     shared = {"a": a, "b": b, "span": (to_double(first), to_double(last))}
     try:
         return _decided_intervals(a, b, first, last, exact, Work(budget, progress, below(first)), begin, shared)
@@ -198,7 +199,7 @@ def contact_intervals(
         work = Work(budget, progress, below(first))
         try:
             found = certified_intervals(
-                _models(a, b), first, last, tolerance, work, lambda: _touching_at_start(a, b, first, begin, shared)
+                models, first, last, tolerance, work, lambda: _touching_at_start(a, b, first, begin, shared)
             )
         except UnsupportedPair as other:
             raise UnsupportedPair(f"{refusal}; {other}") from other
@@ -283,11 +284,12 @@ def bounded_span(a: Any, b: Any, span: Any) -> tuple[fmpq, fmpq]:
     return first, last
 
 
-def _span(a: Any, b: Any, span: Any) -> tuple[fmpq, fmpq]:
-    first, last = bounded_span(a, b, span)
-    model_a, model_b = _model(a), _model(b)
-    if not (model_a.bounded or model_b.bounded):
-        raise UnsupportedPair(f"{model_a!r} and {model_b!r} are both unbounded; one of them must be bounded")
+def _span(models: tuple[Any, Any], span: Any) -> tuple[fmpq, fmpq]:
+    first, last = bounded_span(*models, span)
+    a: Any = shape_of(models[0])
+    b: Any = shape_of(models[1])
+    if not (a.bounded or b.bounded):
+        raise UnsupportedPair(f"{a!r} and {b!r} are both unbounded; one of them must be bounded")
     return first, last
 
 

@@ -31,11 +31,11 @@ def common_span(a: Any, b: Any, span: Any) -> tuple[fmpq, fmpq | None]:
     InputError where a motion has no poses in all of it, where it is malformed, or where the motions share no time.
     """
     motions = [m.motion for m in (a, b) if isinstance(m, Moving)]
+    if span is None and len(motions) < 2:
+        return limits(motions[0]) or UNIT if motions else UNIT
     own = [limits(m) for m in motions]
     if span is None:
-        spans = [limit or UNIT for limit in own] or [UNIT]
-        if len(spans) == 1:
-            return spans[0]
+        spans = [limit or UNIT for limit in own]
         first, end = max(s[0] for s in spans), min(s[1] for s in spans)
         if end < first:
             raise InputError(f"the spans {' and '.join(str(m.span) for m in motions)} of the motions share no time")

@@ -47,6 +47,8 @@ from firstcontact.search.convex import ConvexPieces, NotConvex, convex_pieces, c
 from firstcontact.search.stretches import Untold, Window, windows
 
 REASONS = {SPENT: "budget"}
+# Parts of the workspace, by Python's own numbers: those index faster.
+IN_RESULTS, FRAMES = int(RESULTS), slice(int(POSE_A), int(POSE_A) + 6)
 Feature = tuple[str, int]
 
 
@@ -59,7 +61,7 @@ class Advance:
     time           the contact time, rounded; time_interval (lo, hi): no common point before lo, one at or before hi.
     point, normal  (3,) world frame, normal unit, from b towards a; None where there are none.
     features_a/_b  (kind, index) of the touching features of either body; "corner": the row of a corner of a piece.
-    frames         of a contact: (6, 12) numbers, the rows of the workspace from POSE_A on, near its time.
+    frames         of a contact: (6, n) numbers, the rows of the workspace from POSE_A on, near its time.
     gap            proved distance along the last direction at `free_until`, of the pair of pieces last advanced.
     reason         of "open": "precision", "budget", or what of the model or motion is beyond this path.
     spread         whether what may touch at the contact is more than one point.
@@ -98,12 +100,12 @@ def advance(
     """
     begin, end = _exact(first), _exact(last)
     try:
-        bodies: list[Any] = [shape_of(x) for x in (a, b)]
-        pieces = [(covering_pieces if covering else convex_pieces)(body) for body in bodies]
+        pieces_of = covering_pieces if covering else convex_pieces
+        pieces_a, pieces_b = pieces_of(shape_of(a)), pieces_of(shape_of(b))
         stretches = windows(a, b, begin, end)
     except (NotConvex, Untold) as reason:
         return Advance("open", below(begin), reason=str(reason), beyond=isinstance(reason, NotConvex))
-    return _Search(pieces[0], pieces[1], stretches, tolerance, budget).run()
+    return _Search(pieces_a, pieces_b, stretches, tolerance, budget).run()
 
 
 def _exact(t: Any) -> fmpq:
@@ -121,7 +123,7 @@ class _Search:
         self.width = tolerance * (stretches[-1].last - stretches[0].first)
         self.budget = budget
         self.workspace, self.counters = workspace()
-        self.results = self.workspace[RESULTS]
+        self.results = self.workspace[IN_RESULTS]
 
     def run(self) -> Advance:
         for k, window in enumerate(self.windows):
@@ -141,7 +143,7 @@ class _Search:
 
     def _window(self, window: Window) -> Advance | None:
         """The answer if there is one in this window; None proves it free."""
-        found = self._among(window, list(product(self.a.fewest, self.b.fewest)))
+        found = self._among(window, [(i, j) for i in self.a.fewest for j in self.b.fewest])
         if found is not None and found.status == "open" and (self.a.union is not None or self.b.union is not None):
             return self._among(window, list(product(range(self.a.count), range(self.b.count))))
         return found
@@ -172,7 +174,7 @@ class _Search:
             elif stuck is None or self.results[FREE_UNTIL] < stuck.free_until:
                 stuck = self._open(REASONS.get(outcome, "precision"))
         if stuck is None and best is not None:
-            best.also = _besides(best, contacts)
+            best.also = _besides(best, contacts) if len(contacts) > 1 else ()
             return best
         if stuck is None or (best is not None and best.time_interval and best.time_interval[0] <= stuck.free_until):
             return best
@@ -194,7 +196,7 @@ class _Search:
         return Advance(
             "contact", r[LO], r[TIME], (r[LO], r[HI]),
             self.results[POINT : POINT + 3].copy(), -self.results[NORMAL : NORMAL + 3], *self._features(c),
-            self.workspace[POSE_A : POSE_A + 6, :12].tolist(), r[GAP], steps=c[STEPS], newton=c[NEWTON], gaps=c[GAPS],
+            self.workspace[FRAMES].tolist(), r[GAP], steps=c[STEPS], newton=c[NEWTON], gaps=c[GAPS],
         )  # fmt: skip
 
     def _features(self, c: list[int]) -> tuple[tuple[Feature, ...], tuple[Feature, ...]]:

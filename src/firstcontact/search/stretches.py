@@ -54,7 +54,8 @@ class Window(NamedTuple):
 
 def windows(a: Any, b: Any, first: fmpq, last: fmpq) -> list[Window]:
     """The windows of time in which both bodies follow one step each, in order."""
-    motion_a, motion_b = (x.motion if isinstance(x, Moving) else REST for x in (a, b))
+    motion_a = a.motion if isinstance(a, Moving) else REST
+    motion_b = b.motion if isinstance(b, Moving) else REST
     return _windows_of(motion_a, motion_b, int(first.p), int(first.q), int(last.p), int(last.q))
 
 
