@@ -222,14 +222,15 @@ def _on_model(
     """In doubles, and exactly what they leave open or do not take, as far as the method allows."""
     from firstcontact.ruled import solids
 
-    proved = None
+    proved, refused = None, ""
     if method != "algebraic" and not exact:
         try:
             proved = solids.first_contact(a, b, first, last, tolerance, budget)
-        except UnsupportedPair:
+        except UnsupportedPair as reason:
             if method == "certified":
                 raise
-        if proved is not None and (method == "certified" or _is_told(proved)):
+            refused = str(reason)
+        if proved is not None and (method == "certified" or _is_told(proved, budget)):
             return proved
     known = proved is not None and proved.status is Status.CONTACT
     try:
@@ -238,20 +239,20 @@ def _on_model(
             ordered["a"], ordered["b"], first, last, exact, QUICK_DEGREE if known else MOST_DEGREE, budget, progress,
             ordered, begin,
         )  # fmt: skip
-    except UnsupportedPair:
+    except UnsupportedPair as reason:
         if proved is None:
-            raise
+            raise _also_refused(reason, refused) from None
         return proved
     return _turned(found) if is_turned else found
 
 
-def _is_told(proved: FirstContact) -> bool:
+def _is_told(proved: FirstContact, budget: int | None) -> bool:
     """Whether exact arithmetic has nothing to add to what was proved about a surface and a solid."""
     if proved.status is Status.INITIAL_CONTACT:
         return proved.initial is not None
     if proved.status is Status.CONTACT:
         return proved.element_a is not None
-    return proved.status is Status.FREE or proved.reason == "budget"
+    return proved.status is Status.FREE or budget is not None and proved.reason == "budget"
 
 
 def _solid_last(a: Any, b: Any, shared: dict[str, Any]) -> tuple[dict[str, Any], bool]:
@@ -263,34 +264,47 @@ def _solid_last(a: Any, b: Any, shared: dict[str, Any]) -> tuple[dict[str, Any],
 
 def _turned(found: FirstContact) -> FirstContact:
     """The result for the bodies in the other order."""
+    first, second = partial(_called, found.b, "b", "a"), partial(_called, found.a, "a", "b")
     return replace(
-        found, a=found.b, b=found.a, element_a=found.element_b, element_b=found.element_a,
+        found, a=found.b, b=found.a, element_a=first(found.element_b), element_b=second(found.element_a),
         normal=None if found.normal is None else 0.0 - found.normal,
-        others=tuple(ElementPair(x.element_b, x.element_a) for x in found.others),
+        others=tuple(ElementPair(first(x.element_b), second(x.element_a)) for x in found.others),
     )  # fmt: skip
+
+
+def _called(body: Any, before: str, after: str, element: Element | None) -> Any:
+    """The element of a body that goes by this letter where it has no name."""
+    if element is None or getattr(body, "name", None):
+        return element
+    return replace(element, body=after, label=after if element.label == before else element.label)
 
 
 def _intervals_with_model(
     a: Any, b: Any, first: fmpq, last: fmpq, exact: bool, tolerance: float, work: Work, begin: float,
     shared: dict[str, Any],
 ) -> ContactIntervals:
-    proved = None
+    proved, refused = None, ""
     if not exact:
         try:
             proved = _intervals_with_solid(a, b, first, last, tolerance, work, begin, shared)
-        except UnsupportedPair:
-            pass
+        except UnsupportedPair as reason:
+            refused = str(reason)
         else:
-            if proved.status is not Status.UNDECIDED or proved.reason == "budget":
+            if proved.status is not Status.UNDECIDED or (work.budget is not None and proved.reason == "budget"):
                 return proved
     try:
         ordered, _ = _solid_last(a, b, shared)
         found = _exact_intervals(ordered["a"], ordered["b"], first, last, exact, tolerance, None, work, begin, ordered)
-    except UnsupportedPair:
+    except UnsupportedPair as reason:
         if proved is None:
-            raise
+            raise _also_refused(reason, refused) from None
         return proved
     return replace(found, a=a, b=b)
+
+
+def _also_refused(reason: UnsupportedPair, in_doubles: str) -> UnsupportedPair:
+    """Why neither way is open."""
+    return UnsupportedPair(f"{in_doubles}; exactly: {reason}") if in_doubles else reason
 
 
 def _on_convex(

@@ -27,8 +27,10 @@ from firstcontact.ruled.times import Times
 VISITS, DEPTH, BITS = 300, 30, 64
 FEW = 2
 """Surfaces, or trimming polynomials, that elimination takes at once."""
-HALVINGS = 10
-"""Of the span, after which it takes whatever there are."""
+STALE = 4
+"""Halvings of the time that leave them all, after which it takes whatever there are."""
+MOST_BOXES = 64
+"""Grouped one by one."""
 MOST = 24
 """Stretches beyond which the span is not cut."""
 GRID = 25
@@ -88,13 +90,13 @@ class _Stretches:
 
     def __init__(self, c: SolidConditions, span: Span) -> None:
         self.c, self.span = c, span
-        self.least = (span[1] - span[0]) / 2**HALVINGS
         self.found: list[tuple[Span, Active | None]] | None = []
         self._cover(*span)
         if self.found is not None:
             self.found = _merged(self.found)
 
-    def _cover(self, lo: fmpq, hi: fmpq) -> None:
+    def _cover(self, lo: fmpq, hi: fmpq, before: Active | None = None, stale: int = 0) -> None:
+        """before: the polynomials of a longer stretch; stale: how often halving has left them."""
         if self.found is None:
             return
         boxes = survivors(self.c, (lo, hi), VISITS, DEPTH)
@@ -103,20 +105,19 @@ class _Stretches:
         middle = (lo + hi) / 2
         held = None if lo == hi else self._held(middle, lo, hi)
         if held is not None:
-            self._cover_part(lo, held[0])
+            if lo < held[0]:
+                self._cover(lo, held[0])
             self._add(held, None)
-            self._cover_part(held[1], hi)
+            if held[1] < hi:
+                self._cover(held[1], hi)
             return
         active = self._active(boxes, (lo, hi))
-        if len(active) <= FEW or hi - lo <= self.least:
+        stale = stale + 1 if active == before else 0
+        if len(active) <= FEW or stale >= STALE or lo == hi:
             self._add((lo, hi), active)
             return
-        self._cover(lo, middle)
-        self._cover(middle, hi)
-
-    def _cover_part(self, lo: fmpq, hi: fmpq) -> None:
-        if lo < hi:
-            self._cover(lo, hi)
+        self._cover(lo, middle, active, stale)
+        self._cover(middle, hi, active, stale)
 
     def _add(self, span: Span, active: Active | None) -> None:
         assert self.found is not None
@@ -129,7 +130,8 @@ class _Stretches:
         found: set[int] = set()
         for inverse in {box.inverse for box in boxes}:
             chart = self.c.charts[inverse]
-            for u, v in clusters([box for box in boxes if box.inverse == inverse]):
+            own = [box for box in boxes if box.inverse == inverse]
+            for u, v in clusters(own) if len(own) <= MOST_BOXES else [_hull(own)]:
                 above, below = signs_over(chart, (u, v, span))
                 found |= set(np.flatnonzero(~(above | below))[1:].tolist())  # the first is no condition
         return frozenset(found)
@@ -148,6 +150,12 @@ class _Stretches:
                 before, after = [y for _, y in ends if y < t], [x for x, _ in ends if x > t]
                 return max([lo, *before]), min([hi, *after])
         return None
+
+
+def _hull(boxes: Sequence[Box]) -> tuple[Span, Span]:
+    parts = [(box.u, box.v) for box in boxes]
+    lowest, highest = [[end(part[k][i] for part in parts) for k in (0, 1)] for i, end in ((0, min), (1, max))]
+    return (lowest[0], highest[0]), (lowest[1], highest[1])
 
 
 def _merged(parts: Sequence[tuple[Span, Active | None]]) -> list[tuple[Span, Active | None]]:
