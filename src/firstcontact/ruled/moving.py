@@ -57,6 +57,8 @@ from firstcontact.search.earliest import Progress
 BITS = 128
 QUICK_DEGREE = 80
 """Of equations that elimination may lead to where the search in doubles takes the pair too."""
+QUICK_BUDGET = 50_000
+"""Boxes that the search in doubles looks at before exact arithmetic is asked about a solid."""
 _ORDER = {"vertex": 0, "apex": 0, "edge": 1, "directrix": 1, "end_ruling": 2, "face": 3}
 _PER_PIECE = {"vertex": 4, "directrix": 2, "end_ruling": 2, "face": 1}
 
@@ -224,8 +226,9 @@ def _on_model(
 
     proved, refused = None, ""
     if method != "algebraic" and not exact:
+        quick = QUICK_BUDGET if budget is None and method == "auto" else budget
         try:
-            proved = solids.first_contact(a, b, first, last, tolerance, budget)
+            proved = solids.first_contact(a, b, first, last, tolerance, quick)
         except UnsupportedPair as reason:
             if method == "certified":
                 raise
@@ -242,6 +245,8 @@ def _on_model(
     except UnsupportedPair as reason:
         if proved is None:
             raise _also_refused(reason, refused) from None
+        if proved.reason == "budget" and budget is None:
+            return solids.first_contact(a, b, first, last, tolerance, None)
         return proved
     return _turned(found) if is_turned else found
 

@@ -102,6 +102,8 @@ def solid_touch(contact: Contact, joined: frozenset[str]) -> Touch:
     across = None if ends is None else _side([contact.u - end for end in ends], ("u0", "u1"), joined)
     along = _side([contact.v, contact.v - 1], ("s0", "s1"), joined)
     own = _element(across, along)
+    if along is not None and c.sides[along].is_constant:  # a tip
+        own = "vertex", along
     cut = next((k for k, f in enumerate(c.kept) if _sign_at(contact, f) == 0), None)
     if cut is not None and own == ("face", 0):
         own = "edge", cut
