@@ -201,3 +201,16 @@ def test_open_meshes_and_many_facets():
 def test_refusals(surface, solid, message):
     with pytest.raises(UnsupportedPair, match=message):
         fc.intersection_curve(surface, solid)
+
+
+def test_a_ruling_that_is_a_point_is_no_branch():
+    """Where a ruling is one point of an edge, the branch along the floor ends there once; on models too."""
+    fan = fc.RuledSurface("(u/2, 3/2, 0)", "(u, (3 - 5*u)/2, 3*u/2)")
+    corners = [(x, y, z) for z in (0, 1) for x, y in ((0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2))]
+    sides = [[i, (i + 1) % 6, (i + 1) % 6 + 6, i + 6] for i in range(6)]
+    mesh = fc.Polyhedron(corners, [[5, 4, 3, 2, 1, 0], [6, 7, 8, 9, 10, 11], *sides])
+    model = fc.box((2, 2, 1)).translated((1, 1, "1/2")) - fc.box((2, 2, 3)).translated((2, 2, "1/2"))
+    for solid in (mesh, model):
+        curve = fc.intersection_curve(fan, solid)
+        assert sorted(round(branch.length, 12) for branch in curve.branches) == [0.2, 0.5]
+        assert not curve.singular_points and not len(curve.isolated_points)

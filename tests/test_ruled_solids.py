@@ -193,8 +193,8 @@ def test_refusals(surface, message):
         fc.first_contact(surface, TUBE.moving(SCREW))
 
 
-def test_no_exact_times_of_curved_models():
-    with pytest.raises(UnsupportedPair, match="in doubles only"):
+def test_no_exact_times_under_screws():
+    with pytest.raises(UnsupportedPair, match="no rational pose"):
         fc.first_contact(SADDLE.moving(SCREW), TUBE, exact=True)
 
 

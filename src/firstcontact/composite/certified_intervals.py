@@ -111,7 +111,10 @@ class Free(Protocol):
         """Whether the bodies are proved apart at t."""
 
     def until(self, window: Window, t: float, end: float) -> tuple[float, list[np.ndarray]]:
-        """(a time until which the bodies, apart at t, stay apart; where they may touch then)."""
+        """(a time until which the bodies, apart at t, stay apart; where they may touch then).
+
+        Without such places they are apart at that time too.
+        """
 
     def near_start(self, window: Window) -> list[np.ndarray]:
         """Where the bodies may touch at the start of the window."""
@@ -138,7 +141,9 @@ class _Free:
     def until(self, window: Window, t: float, end: float) -> tuple[float, list[np.ndarray]]:
         if self.tables is None:
             found = self._advanced(window, t, end)
-            until = end if found.status == "free" else found.free_until
+            if found.status == "free":
+                return end, []
+            until = min(found.free_until, math.nextafter(end, t))
             return until, [] if found.point is None else [found.point]
         search = events._Search(*self.models, self.tables, [window], 1.0, BOXES)
         search.width = self.width
@@ -259,7 +264,7 @@ class Sweep:
         """(the time from which there is contact again, a common point then), from t, which is free."""
         self._step()
         lo, seeds = self.free.until(window, t, window.last)
-        if lo >= window.last:
+        if lo >= window.last and not seeds:
             return window.last, None
         self.reached = lo
         hi, point = self._soon(window, lo, window.inner, seeds)

@@ -6,6 +6,7 @@ by parity, which does not change with time; so only the model has to hold it ove
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -58,7 +59,8 @@ class _Free:
         found = self.search.run(part, self.width, BACK * (window.last - window.first))
         if found.status == "free":
             return end, []
-        return max(t, found.free_until), [] if found.touch is None else [found.touch.point]
+        until = min(max(t, found.free_until), math.nextafter(end, t))
+        return until, [] if found.touch is None else [found.touch.point]
 
     def near_start(self, window: Window) -> list[np.ndarray]:
         found = self.search.at_start(window)

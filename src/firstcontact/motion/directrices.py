@@ -45,14 +45,27 @@ def directrix_pieces(a: Any, b: Any, first: fmpq, last: fmpq | None) -> Iterator
     p, q = (_shape(body) for body in (a, b))
     for motion in relative_pieces(a, b, first, last):
         for surface in (p, q):
-            if surface.deforming and not isinstance(motion.clock, StraightClock):
-                raise UnsupportedPair(
-                    f"{motion.of}: {surface.name or 'a ruled surface'} deforms with the time, which is no rational "
-                    "function of the turn; give a RationalMotion, or let one body deform and the other rest"
-                )
-        t = motion.u_lo if motion.u_hi is None else (motion.u_lo + motion.u_hi) / 2
-        moved = (_moved(p.sides[0], motion.pose), _moved(p.sides[1], motion.pose))
-        yield DirectrixPiece(motion, _signed(moved, p, t), _signed(q.sides, q, t))
+            _check_clock(surface, motion)
+        yield DirectrixPiece(motion, sides_from(p, motion), _signed(q.sides, q, _middle(motion)))
+
+
+def sides_from(surface: RuledSurface, motion: PolynomialPiece) -> Sides:
+    """The sides of a surface as seen from the body whose frame the motion is in."""
+    _check_clock(surface, motion)
+    moved = (_moved(surface.sides[0], motion.pose), _moved(surface.sides[1], motion.pose))
+    return _signed(moved, surface, _middle(motion))
+
+
+def _check_clock(surface: RuledSurface, motion: PolynomialPiece) -> None:
+    if surface.deforming and not isinstance(motion.clock, StraightClock):
+        raise UnsupportedPair(
+            f"{motion.of}: {surface.name or 'a ruled surface'} deforms with the time, which is no rational "
+            "function of the turn; give a RationalMotion, or let one body deform and the other rest"
+        )
+
+
+def _middle(motion: PolynomialPiece) -> fmpq:
+    return motion.u_lo if motion.u_hi is None else (motion.u_lo + motion.u_hi) / 2
 
 
 def _shape(body: Any) -> RuledSurface:

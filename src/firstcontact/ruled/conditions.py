@@ -9,12 +9,13 @@ ruling, a ratio of brackets, put in.  All inequalities are weak: contact is clos
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, reduce
 from math import comb
-from typing import Any
+from typing import Any, Protocol, Self
 
+import numpy as np
 from flint import fmpq, fmpz, fmpz_mpoly
 
 from firstcontact.body.moving import shape_of
@@ -36,6 +37,36 @@ Pair = tuple[fmpz_mpoly, fmpz_mpoly]
 _PAIRS = ((0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3))
 _MINUS_ONE = RING.constant(-1)
 _DUAL = ((5, 1), (4, -1), (3, 1), (2, 1), (1, -1), (0, 1))
+
+
+class SignConditions(Protocol):
+    """What tells from signs of polynomials in u, v and T whether a place (u, v) counts at a time.
+
+    delta        zero wherever one does; zero altogether where there is no such equation
+    polynomials  all that count, delta first
+    walls        those of them that may vanish where places count
+    """
+
+    @property
+    def delta(self) -> fmpz_mpoly: ...
+    @property
+    def polynomials(self) -> list[fmpz_mpoly]: ...
+    @property
+    def walls(self) -> list[fmpz_mpoly]: ...
+    @property
+    def u(self) -> Range: ...
+    @property
+    def v(self) -> Range: ...
+    @property
+    def may_be_thin(self) -> bool: ...
+    @property
+    def known(self) -> dict[str, Any]: ...
+    @property
+    def charts(self) -> Mapping[tuple[bool, bool], Self]: ...
+
+    def holds(self, sign: Callable[[fmpz_mpoly], int], on_delta: bool = False) -> bool: ...
+    def excludes(self, above: np.ndarray, below: np.ndarray) -> np.ndarray: ...
+    def at(self, t: fmpq) -> Self: ...
 
 
 @dataclass(frozen=True)
@@ -74,6 +105,28 @@ class Conditions:
     def pairs(self) -> list[Pair]:
         """Two polynomials that are not both positive or both negative where rulings share a point."""
         return [pair for k in range(3) for pair in (*self.ends(k), *self.cuts(k))]
+
+    @cached_property
+    def polynomials(self) -> list[fmpz_mpoly]:
+        """All whose signs the conditions ask for: delta, both of every pair, then the axes."""
+        axes = [x for axis in self.axes for x in axis] if all(self.bounded) else []
+        return [self.delta, *(x for pair in self.pairs for x in pair), *axes]
+
+    @property
+    def walls(self) -> list[fmpz_mpoly]:
+        return self.polynomials
+
+    def excludes(self, above: np.ndarray, below: np.ndarray) -> np.ndarray:
+        """(n,): on which of n boxes no rulings meet; (n, k): which polynomials are positive, which negative there."""
+        out: np.ndarray = above[:, 0] | below[:, 0]
+        last = 1 + 2 * len(self.pairs)
+        for signs in (above, below):
+            groups = [signs[:, 1:last].reshape(len(out), -1, 2)]
+            if all(self.bounded):
+                groups.append(signs[:, last:].reshape(len(out), 3, 4))
+            for group in groups:
+                out |= np.any(np.all(group, axis=2), axis=1)
+        return out
 
     def ends(self, k: int) -> list[Pair]:
         """Of those, the ones of one auxiliary point that are for the ends of rulings."""

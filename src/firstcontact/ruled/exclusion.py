@@ -1,13 +1,13 @@
 """Proofs that rulings share no point: Bernstein forms of the conditions on boxes of u, v and T, in doubles.
 
-A box is dropped where Delta has one sign, where both brackets of a pair have the same one, or where all of Q's ends lie
-on one side of P's on an axis.  The hull property holds for computed coefficients up to their rounding errors, which the
-margin covers: a coefficient is a sum of the exact ones with weights of at most 1, and each halving averages them
-`degree` times.
+A box is dropped where the signs that are certain on it contradict the conditions.  The hull property holds for
+computed coefficients up to their rounding errors, which the margin covers: a coefficient is a sum of the exact ones
+with weights of at most 1, and each halving averages them `degree` times.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import lru_cache
 from math import comb
 from typing import NamedTuple
@@ -17,7 +17,7 @@ from flint import fmpq
 
 from firstcontact.exact.numbers import to_double
 from firstcontact.exact.trivariate import degree, terms
-from firstcontact.ruled.conditions import Conditions
+from firstcontact.ruled.conditions import SignConditions
 
 # Relative to the largest coefficient with absolute values in place of all numbers.
 # Rounding: (terms + degree x halvings) 2^-53 at most, with
@@ -36,28 +36,40 @@ class Box(NamedTuple):
     t: Span
 
 
-def survivors(c: Conditions, span: Span, visits: int = 600, depth: int = 45) -> list[Box]:
+def survivors(c: SignConditions, span: Span, visits: int = 600, depth: int = 45) -> list[Box]:
     """Boxes that may hold contacts, T in the span; none proves that there is none.
 
     depth: halvings at most.  visits: boxes after which no more are halved.
     """
     parts = list(c.charts.items())
-    nets = [_nets(chart, span) for _, chart in parts]
+    nets = [_nets(chart, (*_ranges(chart), span)) for _, chart in parts]
     size = [max(n.shape[k] for n in nets) for k in range(2, 5)]
     live = np.concatenate([_elevated(n, size) for n in nets])
     found: list[Box] = []
-    for chart, path in _search(live, 2 * len(c.pairs), 12 if all(c.bounded) else 0, visits, depth):
+    for chart, path in _search(live, c.excludes, visits, depth):
         inverse, own = parts[chart]
-        assert own.u is not None and own.v is not None
-        found.append(Box(inverse, *_cell((own.u, own.v, span), path)))
+        found.append(Box(inverse, *_cell((*_ranges(own), span), path)))
     return found
 
 
+def signs_over(c: SignConditions, ranges: tuple[Span, Span, Span]) -> tuple[np.ndarray, np.ndarray]:
+    """(k,) bools each: which polynomials are proved positive, which negative over ranges of u, v and T."""
+    flat = _nets(c, ranges).reshape(len(c.polynomials), -1)
+    return flat.min(axis=1) > MARGIN, flat.max(axis=1) < -MARGIN
+
+
+def _ranges(c: SignConditions) -> tuple[Span, Span]:
+    assert c.u is not None and c.v is not None
+    return c.u, c.v
+
+
+Excludes = Callable[[np.ndarray, np.ndarray], np.ndarray]
+"""As `Conditions.excludes`."""
 Path = tuple[tuple[int, int], ...]
 """For each variable how often it was halved, and the index of the part."""
 
 
-def _search(live: np.ndarray, pairs: int, axes: int, visits: int, depth: int) -> list[tuple[int, Path]]:
+def _search(live: np.ndarray, excludes: Excludes, visits: int, depth: int) -> list[tuple[int, Path]]:
     """(chart, path) of the boxes left; live: (charts, polynomials, l, m, n) nets, Delta first."""
     index = np.zeros((len(live), 4), dtype=object)
     index[:, 0] = range(len(live))
@@ -66,7 +78,8 @@ def _search(live: np.ndarray, pairs: int, axes: int, visits: int, depth: int) ->
     shown = 1 if live[:, 0].any() else live.shape[1]
     count = 0
     while True:
-        keep = ~_excluded(live, pairs, axes)
+        flat = live.reshape(*live.shape[:2], -1)
+        keep = ~excludes(flat.min(axis=2) > MARGIN, flat.max(axis=2) < -MARGIN)
         live, index = live[keep], index[keep]
         count += len(keep)
         if not len(live) or not free or count > visits or sum(halved) >= depth:
@@ -90,19 +103,6 @@ def _cell(ranges: tuple[Span, Span, Span], path: Path) -> tuple[Span, Span, Span
     return cells[0], cells[1], cells[2]
 
 
-def _excluded(live: np.ndarray, pairs: int, axes: int) -> np.ndarray:
-    """(n,) bools."""
-    flat = live.reshape(*live.shape[:2], -1)
-    above, below = flat.min(axis=2) > MARGIN, flat.max(axis=2) < -MARGIN
-    out = above[:, 0] | below[:, 0]
-    for signs in (above, below):
-        both = signs[:, 1 : 1 + pairs].reshape(len(live), -1, 2).all(axis=2).any(axis=1)
-        out |= both
-        if axes:
-            out |= signs[:, 1 + pairs :].reshape(len(live), 3, 4).all(axis=2).any(axis=1)
-    return out
-
-
 def _halves(nets: np.ndarray, axis: int) -> np.ndarray:
     """The nets of the lower halves, then those of the upper ones, along one axis (de Casteljau)."""
     work = np.moveaxis(nets, axis, 0)
@@ -114,15 +114,14 @@ def _halves(nets: np.ndarray, axis: int) -> np.ndarray:
     return np.moveaxis(np.concatenate([lower, upper], axis=1), 0, axis)
 
 
-def _nets(c: Conditions, span: Span) -> np.ndarray:
-    """(1, k, l, m, n) Bernstein coefficients of Delta, the pairs and the axes on the ranges and the span.
+def _nets(c: SignConditions, ranges: tuple[Span, Span, Span]) -> np.ndarray:
+    """(1, k, l, m, n) Bernstein coefficients of the polynomials on the ranges.
 
     Each polynomial is scaled: with absolute values in place of all numbers no coefficient would be above 1.
     """
-    assert c.u is not None and c.v is not None
     nets = powers(c)
     bound = np.abs(nets)
-    for axis, ends in enumerate((c.u, c.v, span)):
+    for axis, ends in enumerate(ranges):
         change = _to_bernstein(nets.shape[axis + 1] - 1, *ends)
         nets = np.moveaxis(np.tensordot(change, nets, axes=(1, axis + 1)), 0, axis + 1)
         bound = np.moveaxis(np.tensordot(np.abs(change), bound, axes=(1, axis + 1)), 0, axis + 1)
@@ -130,12 +129,10 @@ def _nets(c: Conditions, span: Span) -> np.ndarray:
     return (nets / np.where(scale > 0, scale, 1.0))[None]
 
 
-def powers(c: Conditions) -> np.ndarray:
+def powers(c: SignConditions) -> np.ndarray:
     """(k, l, m, n) coefficients of u^i v^j T^k, scaled to a sum of magnitudes of 1."""
     if "powers" not in c.known:
-        polynomials = [c.delta, *(x for pair in c.pairs for x in pair)]
-        if all(c.bounded):
-            polynomials += [x for axis in c.axes for x in axis]
+        polynomials = c.polynomials
         size = [max(degree(f, k) for f in polynomials) + 1 for k in range(3)]
         table = np.zeros((len(polynomials), *size))
         for row, f in zip(table, polynomials, strict=True):

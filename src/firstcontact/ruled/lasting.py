@@ -55,10 +55,10 @@ class RuledFree:
             if ahead is None:
                 return t, self.places(left)
             t, known = ahead
+            if known is not None:
+                return min(t, end), [self._seed(event) for event, _ in known.events[:SEEDS]] or self.places(left)
             if t >= end:
                 return end, []
-            if known is not None:
-                return t, [self._seed(event) for event, _ in known.events[:SEEDS]] or self.places(left)
         return t, []
 
     def near_start(self, window: Window) -> list[np.ndarray]:

@@ -1,15 +1,16 @@
 """`first_contact` and `contact_intervals` of ruled surfaces, moving or deforming, in exact arithmetic.
 
-One of the two may be a polyhedron: its triangles are pieces (`ruled.polyhedra`).  Solids of planes and quadrics, and
-convex polyhedra where that settles it, are met in doubles with proofs (`ruled.solids`).
+One of the two may be a polyhedron: its triangles are pieces (`ruled.polyhedra`).  Or a solid of planes and quadrics:
+signs of polynomials tell what it holds of a piece (`ruled.solid_conditions`).  Solids, and convex polyhedra where that
+settles it, are met in doubles with proofs first (`ruled.solids`).
 """
 
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from functools import cmp_to_key
+from functools import cmp_to_key, partial
 from typing import Any
 
 import numpy as np
@@ -19,13 +20,14 @@ from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.moving import Moving, shape_of
 from firstcontact.body.polyhedron import Polyhedron
 from firstcontact.body.ruled_surface import RuledSurface
+from firstcontact.composite.answer import element as element_of_solid
 from firstcontact.composite.work import Spent, Work
 from firstcontact.errors import InputError, UnsupportedPair
 from firstcontact.exact.instants import enclose
 from firstcontact.exact.numbers import below, fraction, precision, to_double
 from firstcontact.exact.roots import AlgebraicRoot
 from firstcontact.motion.clocks import StraightClock
-from firstcontact.motion.directrices import DirectrixPiece, directrix_pieces
+from firstcontact.motion.directrices import DirectrixPiece, directrix_pieces, sides_from
 from firstcontact.motion.polynomial import PolynomialPiece, relative_pieces
 from firstcontact.motion.span import common_span
 from firstcontact.report import MOST_OTHERS
@@ -42,26 +44,38 @@ from firstcontact.result import (
 from firstcontact.ruled import certified
 from firstcontact.ruled.conditions import conditions
 from firstcontact.ruled.polyhedra import MOST_PAIRS, Interior, element_of, near_pairs, triangles_of
+from firstcontact.ruled.shared_points import Contact
 from firstcontact.ruled.sheets import MOST_DEGREE, TooLarge, between
+from firstcontact.ruled.solid_conditions import SolidConditions
+from firstcontact.ruled.solid_times import HeldTimes, solid_times
+from firstcontact.ruled.solid_touches import contacts_at, lies, most_of, solid_touch
 from firstcontact.ruled.times import Times
 from firstcontact.ruled.touches import Touch, touch
+from firstcontact.ruled.whole_rulings import cut_to
 from firstcontact.search.earliest import Progress
 
 BITS = 128
 QUICK_DEGREE = 80
 """Of equations that elimination may lead to where the search in doubles takes the pair too."""
-_ORDER = {"vertex": 0, "edge": 1, "directrix": 1, "end_ruling": 2, "face": 3}
+QUICK_BUDGET = 50_000
+"""Boxes that the search in doubles looks at before exact arithmetic is asked about a solid."""
+_ORDER = {"vertex": 0, "apex": 0, "edge": 1, "directrix": 1, "end_ruling": 2, "face": 3}
 _PER_PIECE = {"vertex": 4, "directrix": 2, "end_ruling": 2, "face": 1}
 
 
 @dataclass(frozen=True)
 class _Pair:
-    """Two ruled pieces over one piece of their motion; numbers: which pieces of their bodies they are."""
+    """Two ruled pieces, or one and a solid, over one piece of their motion; numbers: which pieces of their bodies.
+
+    contacts   some of them at a time, from which on contact lasts or does not
+    touch      what meets at one
+    """
 
     motion: PolynomialPiece
-    times: Times
+    times: Times | HeldTimes
     numbers: tuple[int, int]
-    joined: tuple[frozenset[str], frozenset[str]]
+    contacts: Callable[[AlgebraicRoot, bool], list[Contact]]
+    touch: Callable[[Contact], Touch]
 
 
 @dataclass(frozen=True)
@@ -110,8 +124,15 @@ def contact_intervals(
     first, last = _span(a, b, span)
     shared = {"a": a, "b": b, "span": (to_double(first), to_double(last))}
     work = Work(budget, progress, below(first))
-    if _with_model(a, b, exact):
-        return _intervals_with_solid(a, b, first, last, tolerance, work, begin, shared)
+    if _is_with_model(a, b):
+        return _intervals_with_model(a, b, first, last, exact, tolerance, work, begin, shared)
+    return _exact_intervals(a, b, first, last, exact, tolerance, budget, work, begin, shared)
+
+
+def _exact_intervals(
+    a: Any, b: Any, first: fmpq, last: fmpq, exact: bool, tolerance: float, budget: int | None, work: Work,
+    begin: float, shared: dict[str, Any],
+) -> ContactIntervals:
     windows: list[tuple[_End, _End]] = []
     reason = None
     quick = not exact and certified.takes(a, b, first, last)
@@ -156,10 +177,8 @@ def first_contact(
     first, last = _span(a, b, span)
     shared = {"a": a, "b": b, "span": (to_double(first), to_double(last))}
     algebraic = exact or method == "algebraic"
-    if _with_model(a, b, algebraic):
-        from firstcontact.ruled import solids
-
-        return solids.first_contact(a, b, first, last, tolerance, budget)
+    if _is_with_model(a, b):
+        return _on_model(a, b, first, last, exact, method, tolerance, budget, progress, shared, begin)
     if not algebraic and _is_with_convex(a, b):
         certain = method == "certified"
         found = _on_convex(a, b, first, last, certain, tolerance, budget, progress, shared, begin)
@@ -177,13 +196,9 @@ def first_contact(
     return replace(found, stats=found.stats + Stats(seconds=clock.perf_counter() - begin))
 
 
-def _with_model(a: Any, b: Any, exact: bool) -> bool:
+def _is_with_model(a: Any, b: Any) -> bool:
     """Whether one of the bodies is a solid of planes and quadrics."""
-    if not any(isinstance(shape_of(x), CompositeQuadric) for x in (a, b)):
-        return False
-    if exact:
-        raise UnsupportedPair(f"{a!r} and {b!r}: ruled surfaces meet curved models in doubles only, with proofs")
-    return True
+    return any(isinstance(shape_of(x), CompositeQuadric) for x in (a, b))
 
 
 def _is_with_convex(a: Any, b: Any) -> bool:
@@ -200,6 +215,101 @@ def _intervals_with_solid(
     from firstcontact.ruled import solids
 
     return proved_intervals(solids.contact_intervals(a, b, first, last, tolerance, work), work, begin, shared)
+
+
+def _on_model(
+    a: Any, b: Any, first: fmpq, last: fmpq, exact: bool, method: str, tolerance: float, budget: int | None,
+    progress: Progress | None, shared: dict[str, Any], begin: float,
+) -> FirstContact:
+    """In doubles, and exactly what they leave open or do not take, as far as the method allows."""
+    from firstcontact.ruled import solids
+
+    proved, refused = None, ""
+    if method != "algebraic" and not exact:
+        quick = QUICK_BUDGET if budget is None and method == "auto" else budget
+        try:
+            proved = solids.first_contact(a, b, first, last, tolerance, quick)
+        except UnsupportedPair as reason:
+            if method == "certified":
+                raise
+            refused = str(reason)
+        if proved is not None and (method == "certified" or _is_told(proved, budget)):
+            return proved
+    known = proved is not None and proved.status is Status.CONTACT
+    try:
+        ordered, is_turned = _solid_last(a, b, shared)
+        found = _decided(
+            ordered["a"], ordered["b"], first, last, exact, QUICK_DEGREE if known else MOST_DEGREE, budget, progress,
+            ordered, begin,
+        )  # fmt: skip
+    except UnsupportedPair as reason:
+        if proved is None:
+            raise _also_refused(reason, refused) from None
+        if proved.reason == "budget" and budget is None:
+            return solids.first_contact(a, b, first, last, tolerance, None)
+        return proved
+    return _turned(found) if is_turned else found
+
+
+def _is_told(proved: FirstContact, budget: int | None) -> bool:
+    """Whether exact arithmetic has nothing to add to what was proved about a surface and a solid."""
+    if proved.status is Status.INITIAL_CONTACT:
+        return proved.initial is not None
+    if proved.status is Status.CONTACT:
+        return proved.element_a is not None
+    return proved.status is Status.FREE or budget is not None and proved.reason == "budget"
+
+
+def _solid_last(a: Any, b: Any, shared: dict[str, Any]) -> tuple[dict[str, Any], bool]:
+    """The bodies and the span with the solid as b, its whole rulings cut, and whether they changed places."""
+    is_turned = isinstance(shape_of(a), CompositeQuadric)
+    ruled, solid = (b, a) if is_turned else (a, b)
+    return {"a": cut_to(ruled, solid, shared["span"]), "b": solid, "span": shared["span"]}, is_turned
+
+
+def _turned(found: FirstContact) -> FirstContact:
+    """The result for the bodies in the other order."""
+    first, second = partial(_called, found.b, "b", "a"), partial(_called, found.a, "a", "b")
+    return replace(
+        found, a=found.b, b=found.a, element_a=first(found.element_b), element_b=second(found.element_a),
+        normal=None if found.normal is None else 0.0 - found.normal,
+        others=tuple(ElementPair(first(x.element_b), second(x.element_a)) for x in found.others),
+    )  # fmt: skip
+
+
+def _called(body: Any, before: str, after: str, element: Element | None) -> Any:
+    """The element of a body that goes by this letter where it has no name."""
+    if element is None or getattr(body, "name", None):
+        return element
+    return replace(element, body=after, label=after if element.label == before else element.label)
+
+
+def _intervals_with_model(
+    a: Any, b: Any, first: fmpq, last: fmpq, exact: bool, tolerance: float, work: Work, begin: float,
+    shared: dict[str, Any],
+) -> ContactIntervals:
+    proved, refused = None, ""
+    if not exact:
+        try:
+            proved = _intervals_with_solid(a, b, first, last, tolerance, work, begin, shared)
+        except UnsupportedPair as reason:
+            refused = str(reason)
+        else:
+            if proved.status is not Status.UNDECIDED or (work.budget is not None and proved.reason == "budget"):
+                return proved
+    try:
+        ordered, _ = _solid_last(a, b, shared)
+        found = _exact_intervals(ordered["a"], ordered["b"], first, last, exact, tolerance, None, work, begin, ordered)
+    except UnsupportedPair as reason:
+        if proved is None:
+            raise _also_refused(reason, refused) from None
+        return proved
+    return replace(found, a=a, b=b)
+
+
+def _also_refused(reason: UnsupportedPair, in_doubles: str) -> UnsupportedPair:
+    """Why neither way is open."""
+    return UnsupportedPair(f"{in_doubles}; exactly: {reason}") if in_doubles else reason
 
 
 def _on_convex(
@@ -264,6 +374,9 @@ def _pieces(
     a: Any, b: Any, first: fmpq, last: fmpq, work: Work, most_degree: int
 ) -> Iterator[tuple[PolynomialPiece, list[_Pair]]]:
     """The pieces of the relative motion in time order, with the pairs of pieces of the surfaces that may meet."""
+    if isinstance(shape_of(b), CompositeQuadric):
+        yield from _pieces_with_solid(a, b, first, last, work, most_degree)
+        return
     parts_a, parts_b = _parts(a), _parts(b)
     numbers = [(i, j) for i in range(len(parts_a)) for j in range(len(parts_b))]
     if any(isinstance(shape_of(x), Polyhedron) for x in (a, b)):
@@ -284,14 +397,35 @@ def _pieces(
 
 
 def _pair(i: int, j: int, x: Any, y: Any, step: DirectrixPiece, work: Work, most_degree: int) -> _Pair:
-    motion = step.motion
+    motion, span = step.motion, _span_of(step.motion)
+    joined = shape_of(x).joined, shape_of(y).joined
+    times = Times(conditions(x, y, step, span), span, work, most_degree)
+    return _Pair(motion, times, (i, j), lambda t, _: times.contacts(t), lambda contact: touch(contact, joined))
+
+
+def _span_of(motion: PolynomialPiece) -> tuple[fmpq, fmpq]:
     if not motion.exact:
         raise UnsupportedPair(f"{motion.of}: the pose before this step is irrational; such steps are not supported")
     assert motion.u_hi is not None
-    span = motion.u_lo, motion.u_hi
-    joined = tuple(shape_of(z).joined for z in (x, y))
-    times = Times(conditions(x, y, step, span), span, work, most_degree)
-    return _Pair(motion, times, (i, j), joined)  # type: ignore[arg-type]
+    return motion.u_lo, motion.u_hi
+
+
+def _pieces_with_solid(
+    a: Any, b: Any, first: fmpq, last: fmpq, work: Work, most_degree: int
+) -> Iterator[tuple[PolynomialPiece, list[_Pair]]]:
+    """As `_pieces`, of a ruled body and a solid of planes and quadrics."""
+    pieces: tuple[RuledSurface, ...] = shape_of(a).pieces
+    near = [i for i, _ in near_pairs(_parts(a), [b], first, last)]
+    for motion in relative_pieces(a, b, first, last):
+        work.free_until = below(motion.start)
+        found = []
+        for i in near:
+            span, sides = _span_of(motion), sides_from(pieces[i], motion)
+            held = SolidConditions.of(pieces[i], sides, shape_of(b), span)
+            touches = partial(solid_touch, joined=pieces[i].joined)
+            for times in solid_times(held, span, work, most_degree):
+                found.append(_Pair(motion, times, (i, 0), partial(contacts_at, times), touches))
+        yield motion, found
 
 
 def _parts(body: Any) -> list[Any]:
@@ -412,23 +546,26 @@ def _contact(
     """The result at the first time, the lowest (kind, index) of the pairs of elements first."""
     time, interval, known = start.value(exact)
     touches: dict[tuple[tuple[int, int], ...], tuple[ElementPair, Touch]] = {}
-    for pair, _ in pairs:
+    for pair, lasts in pairs:
         at_start = initial and start.root.rational == pair.times.span[0]
-        for contact in pair.times.contact_at_start() if at_start else pair.times.contacts(start.root):
-            found = touch(contact, pair.joined)
+        for contact in pair.times.contact_at_start() if at_start else pair.contacts(start.root, lasts):
+            found = pair.touch(contact)
             named = [
                 _named(shared[x], kind, number, x)
                 for x, kind, number in zip("ab", found.elements, pair.numbers, strict=True)
             ]
-            key = tuple((_ORDER[e.kind], e.index) for e in named)
-            touches.setdefault(key, (ElementPair(*named), found))
+            key = tuple((_ORDER[e.kind], e.index) for e in named if e is not None)
+            touches.setdefault(key, (ElementPair(*named), found))  # type: ignore[arg-type]
     status = Status.INITIAL_CONTACT if initial else Status.CONTACT
     answer = FirstContact(status, time, interval, known, free_until=interval[0], **shared)
     if initial:
-        answer = replace(answer, initial="touching" if interior is None else _overlap(start, interior))
+        how = _lies([pair for pair, _ in pairs]) if interior is None else _overlap(start, interior)
+        answer = replace(answer, initial=how)
     if not touches:
         return answer
     (lowest, best), *rest = (touches[key] for key in sorted(touches))
+    if lowest.element_b is None:  # inside a solid of planes and quadrics
+        lowest = ElementPair(None, None)  # type: ignore[arg-type]
     pose = _pose_of_b(start, shared["b"], time)
     point = pose[:3, :3] @ best.point + pose[:3, 3]
     shown = None
@@ -446,20 +583,31 @@ def _contact(
 
 
 def _overlap(start: _End, interior: Interior) -> str | None:
-    """How a surface meets a solid at the start; None where the solid may hold inner points that were not found."""
-    if start.root.rational is not None and interior.shares_inner_points(start.motion, start.root.rational):
-        return "overlapping"
-    return None
+    """How a surface meets a polyhedron at the start; None where that may hold inner points that were not found."""
+    if start.root.rational is None:
+        return None
+    if interior.is_convex:
+        return interior.lies(start.motion, start.root.rational)
+    return "overlapping" if interior.shares_inner_points(start.motion, start.root.rational) else None
+
+
+def _lies(pairs: list[_Pair]) -> str:
+    """How surfaces in contact at the start lie to each other, or a surface to a solid of planes and quadrics."""
+    held = (pair.times.conditions for pair in pairs)
+    return most_of(lies(c, pairs[0].motion.u_lo) for c in held if isinstance(c, SolidConditions))
 
 
 def _contact_set(points: np.ndarray) -> ContactSet:
     return ContactSet("point" if len(points) == 1 else "segment", points)
 
 
-def _named(body: Any, element: tuple[str, int], number: int, which: str) -> Element:
+def _named(body: Any, element: tuple[str, int], number: int, which: str) -> Element | None:
+    """None for a point inside a solid of planes and quadrics."""
     kind, index = element
     name = getattr(body, "name", None) or which
     shape = shape_of(body)
+    if isinstance(shape, CompositeQuadric):
+        return None if index is None else element_of_solid(shape, index, which)  # type: ignore[arg-type]
     if isinstance(shape, Polyhedron):
         kind, index = element_of(shape, number, kind, index)
         return Element(kind, name, index, name)

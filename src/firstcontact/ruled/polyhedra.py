@@ -17,13 +17,18 @@ from firstcontact.body.moving import shape_of
 from firstcontact.body.polyhedron import Polyhedron
 from firstcontact.body.rational_curve import RationalCurve
 from firstcontact.body.ruled_surface import RuledSurface
+from firstcontact.composite.polyhedra import as_model, is_small_and_convex
 from firstcontact.errors import InputError, UnsupportedPair
 from firstcontact.exact.numbers import rational
 from firstcontact.exact.rigid import apply, inverse_map
+from firstcontact.exact.roots import AlgebraicRoot
 from firstcontact.exact.vectors import Vector
 from firstcontact.motion import projective
 from firstcontact.motion.polynomial import PolynomialPiece
 from firstcontact.ruled.conditions import local_trims
+from firstcontact.ruled.solid_conditions import SolidConditions
+from firstcontact.ruled.solid_touches import lies, most_of
+from firstcontact.ruled.times import Times
 from firstcontact.ruled.trimmed import inner_places
 from firstcontact.search.containment import contains
 from firstcontact.search.frame import tree_of
@@ -133,6 +138,23 @@ class Interior:
             for place in inner_places(piece)
         )  # fmt: skip
 
+    @property
+    def is_convex(self) -> bool:
+        """Whether the solid is one of planes that `lies` takes."""
+        return is_small_and_convex(self.mesh)
+
+    def lies(self, motion: PolynomialPiece, x: fmpq) -> str:
+        """How the surface, which shares points with the convex solid at this parameter, lies to it."""
+        pose = self._pose(motion, x)
+        solid = as_model(self.mesh)
+        found = []
+        for piece in self.ruled.pieces:
+            sides = tuple(side.at(x).mapped(inverse_map(pose) if self.mesh_first else pose) for side in piece.sides)
+            held = SolidConditions.of(piece, (sides[0], sides[1]), solid, (x, x))
+            if Times(held, (x, x)).at(AlgebraicRoot.of(x)):
+                found.append(lies(held, x))
+        return most_of(found)
+
     def shares_inner_points(self, motion: PolynomialPiece, x: fmpq) -> bool:
         """True proves that a point of the ruled body lies in the interior, at a parameter of contact."""
         return any(
@@ -146,10 +168,13 @@ class Interior:
         return tuple(p / first[3] * (1 - s) + q / second[3] * s for p, q in zip(first[:3], second[:3], strict=True))
 
     def _contains(self, point: Vector, motion: PolynomialPiece, x: fmpq) -> bool:
-        rows = projective.value(motion.pose, x)
-        pose = tuple(tuple(c / rows[3][3] for c in row) for row in rows[:3])
+        pose = self._pose(motion, x)
         there = apply(inverse_map(pose) if self.mesh_first else pose, point)  # type: ignore[arg-type]
         return contains(self.mesh, tree_of(self.mesh), there)
+
+    def _pose(self, motion: PolynomialPiece, x: fmpq) -> Any:
+        rows = projective.value(motion.pose, x)
+        return tuple(tuple(c / rows[3][3] for c in row) for row in rows[:3])
 
 
 def _grid(piece: RuledSurface) -> Iterator[tuple[fmpq, fmpq]]:

@@ -18,7 +18,7 @@ from firstcontact.exact.number_field import FieldElement, NumberField, sign
 from firstcontact.exact.numbers import precision
 from firstcontact.exact.roots import AlgebraicRoot
 from firstcontact.exact.trivariate import coefficients, degree, terms, univariate
-from firstcontact.ruled.conditions import Conditions, Range
+from firstcontact.ruled.conditions import Range, SignConditions
 from firstcontact.ruled.exclusion import Box, Span
 from firstcontact.ruled.sheets import Sheet, sheets
 
@@ -35,7 +35,7 @@ class Contact:
     ranges       of the pieces' parameters
     """
 
-    conditions: Conditions
+    conditions: SignConditions
     inverse: tuple[bool, bool]
     ranges: tuple[Range, Range]
     u: FieldElement
@@ -46,7 +46,7 @@ class Contact:
         return _value(f, (self.u, self.v, self.t))
 
 
-def shared_points(c: Conditions, t: AlgebraicRoot, boxes: Iterable[Box]) -> Iterator[Contact]:
+def shared_points(c: SignConditions, t: AlgebraicRoot, boxes: Iterable[Box]) -> Iterator[Contact]:
     """Contacts at the instant t near the boxes; none proves that there is none near them.
 
     c holds the conditions of the motion, or of the instant alone where t is rational.  UnsupportedPair beyond the
@@ -83,7 +83,7 @@ def clusters(boxes: Sequence[Box]) -> list[tuple[Span, Span]]:
 Point = tuple[FieldElement, FieldElement, FieldElement]
 
 
-def _on_sheet(c: Conditions, sheet: Sheet, field: NumberField, u: Span, v: Span) -> Iterator[Point]:
+def _on_sheet(c: SignConditions, sheet: Sheet, field: NumberField, u: Span, v: Span) -> Iterator[Point]:
     """(u, v, T) of contacts."""
     first, second = (v, u) if sheet.exchanged else (u, v)
     t = field.generator()

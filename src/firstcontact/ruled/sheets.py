@@ -32,7 +32,7 @@ from firstcontact.exact.trivariate import (
     resultant,
     univariate,
 )
-from firstcontact.ruled.conditions import Conditions, Range
+from firstcontact.ruled.conditions import Conditions, Range, SignConditions
 
 Pairs = tuple[tuple[fmpz_mpoly, fmpz_mpoly], ...]
 MOST_DEGREE = 400
@@ -156,16 +156,16 @@ def critical_times(
     return [univariate(g, 2) for g in found if degree(g, 2)]
 
 
-def sheets(c: Conditions, most_degree: int = MOST_DEGREE) -> list[Sheet]:
+def sheets(c: SignConditions, most_degree: int = MOST_DEGREE) -> list[Sheet]:
     """All sheets of the conditions; their times, and those of `instants`, are all at which contact may change."""
     if c.delta.is_zero():
         everything = FactorSet()
-        for x in [x for pair in c.pairs for x in pair] + [x for axis in c.axes for x in axis]:
+        for x in c.walls:
             if not x.is_zero():
                 everything.add(x)
         own = _real(everything, c)
-        sheet = Sheet(None, tuple(own), None, False, c.u, c.v, most_degree, c.may_be_thin)
-        return [min((sheet, sheet.turned()), key=lambda s: sum(int(b.total_degree()) for b in s.borders))]
+        return [_lighter(Sheet(None, tuple(own), None, False, c.u, c.v, most_degree, c.may_be_thin))]
+    assert isinstance(c, Conditions)
     all_sheets = []
     for f in _real(irreducible(c.delta), c):
         if degree(f, 0) == degree(f, 1) == 0:
@@ -179,7 +179,20 @@ def sheets(c: Conditions, most_degree: int = MOST_DEGREE) -> list[Sheet]:
     return all_sheets
 
 
-def instants(c: Conditions) -> list[fmpz_poly]:
+def _lighter(sheet: Sheet) -> Sheet:
+    """The sheet, or the same with the parameters in the other order, which elimination leads less far."""
+    weights: list[tuple[int, Sheet]] = []
+    for own in (sheet, sheet.turned()):
+        try:
+            weights.append((sum(int(b.total_degree()) for b in own.borders), own))
+        except TooLarge as reason:
+            refusal = reason
+    if not weights:
+        raise refusal
+    return min(weights, key=lambda x: x[0])[1]
+
+
+def instants(c: SignConditions) -> list[fmpz_poly]:
     """Polynomials in T at whose roots Delta vanishes for all u and v."""
     if c.delta.is_zero():
         return []
@@ -237,7 +250,7 @@ def _share_borders(f: fmpz_mpoly, brackets: list[list[fmpz_mpoly]], c: Condition
     return any(_may_vanish(b if index else exchanged(b), c.u if index else c.v) for b in irreducible(common))
 
 
-def _real(polynomials: Iterable[fmpz_mpoly], c: Conditions) -> list[fmpz_mpoly]:
+def _real(polynomials: Iterable[fmpz_mpoly], c: SignConditions) -> list[fmpz_mpoly]:
     """Those that may vanish within the ranges."""
     return [f for f in polynomials if _may_vanish(f, c.u) and _may_vanish(exchanged(f), c.v)]
 

@@ -2,7 +2,8 @@
 
 In the parameters (u, r) of the piece every surface of the solid is a curve f(u, r) = X^T Q X = 0 (of planes N.X = 0),
 of degree at most 2 in r.  All of them together have one certified graph; on an open edge of it the signs of all f are
-known, and tell whether the edge is on the boundary.  A side r = 0 or r = 1 that is a point counts as one node.
+known, and tell whether the edge is on the boundary.  A side r = 0 or r = 1, or a ruling, that is a point counts as one
+node.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ from firstcontact.exact import bivariate
 from firstcontact.exact.bivariate import V, from_rows, in_u, in_v
 from firstcontact.exact.numbers import precision
 from firstcontact.exact.plane_curves import topology
-from firstcontact.exact.roots import reversed_polynomial
+from firstcontact.exact.roots import reversed_polynomial, roots_in
 from firstcontact.ruled.answer import Parts, number
 from firstcontact.ruled.branches import Corner, Joints, add_branches
 from firstcontact.ruled.pieces import Piece
@@ -56,10 +57,24 @@ class _Sheet:
         self.tables: list[np.ndarray] = []
         self.tips = [k for k, side in enumerate((self.first, self.second)) if _is_point(side)]
         """Sides that are points."""
+        gap = reduce(lambda x, y: x.gcd(y), (b - a for a, b in zip(self.first[:3], self.second[:3], strict=True)))
+        self.pinched = gap
+        """Zero at the u of rulings that are points."""
+        self.pinches = roots_in(gap, piece.u) if gap.degree() > 0 else []
 
     def tip(self, where: Any) -> int | None:
-        """The side that is a point and holds an edge or a node."""
-        return next((k for k in self.tips if where.sign(V - k) == 0), None)
+        """The number of what is one point and holds an edge or a node: a side, or from 2 on a ruling."""
+        for k in self.tips:
+            if where.sign(V - k) == 0:
+                return k
+        if not self.pinches or where.sign(in_u(self.pinched)) != 0:
+            return None
+        u = where.u if hasattr(where, "u") else where.sample[0]
+        return next(2 + k for k, x in enumerate(self.pinches) if x.compare(u) == 0)
+
+    def is_pinched(self, u: float) -> bool:
+        """Whether a ruling is a point, to doubles."""
+        return any(abs(float(x) - u) <= FLAT * (1.0 + abs(u)) for x in self.pinches)
 
     @property
     def point(self) -> list[fmpz_mpoly]:

@@ -123,6 +123,8 @@ def _strand(chain: Chain, k: int, curve: SheetCurve, branch: Branch, first: bool
     for end in branch.ends:
         u, r = (float(x) for x in end.parameters[[0, 2] if first else [1, 3]])
         tip = next((i for i in curve.sheet.tips if f"{'s' if first else 't'}={curve.piece.s_range[i]}" in end.on), None)
+        if curve.sheet.is_pinched(u):
+            r = 0.0
         # all rulings are at a tip
         place = np.array([float(chain.position(k, np.array([u]))[0]), r] if tip is None else [-1.0 - tip, r])
         on = tuple(x for x in end.on if x not in inner)

@@ -56,7 +56,7 @@ class RuledAndSolid:
             self.tables: Tables = ruled_tables(shapes[self.side], self.sheets, self.model, self.side)
             self.windows: list[Window] = windows(*self.bodies, first, last)
         except (NotCharted, Untold) as reason:
-            raise UnsupportedPair(f"{a!r} and {b!r}: {reason}; that is not decided against solids") from reason
+            raise UnsupportedPair(f"{a!r} and {b!r}: {reason}, which doubles do not take against solids") from reason
 
     def free(self, width: float) -> RuledFree:
         return RuledFree(self.bodies, self.side, self.tables, self.sheets, self.windows, width)

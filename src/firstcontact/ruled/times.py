@@ -18,7 +18,7 @@ from firstcontact.exact.number_field import NumberField
 from firstcontact.exact.numbers import dyadic, precision
 from firstcontact.exact.roots import AlgebraicRoot, roots_in
 from firstcontact.exact.trivariate import at, exchanged, univariate
-from firstcontact.ruled.conditions import Conditions, Range
+from firstcontact.ruled.conditions import Range, SignConditions
 from firstcontact.ruled.exclusion import Box, Span, survivors
 from firstcontact.ruled.shared_points import WIDE, Contact, clusters, shared_points
 from firstcontact.ruled.sheets import MOST_DEGREE, Sheet, between, candidates, instants, samples, sheets
@@ -34,7 +34,7 @@ class Times:
     """
 
     def __init__(
-        self, conditions: Conditions, span: Span, work: Work | None = None, most_degree: int = MOST_DEGREE
+        self, conditions: SignConditions, span: Span, work: Work | None = None, most_degree: int = MOST_DEGREE
     ) -> None:
         self.conditions, self.span, self.work = conditions, span, work or Work()
         self.sheets = sheets(conditions, most_degree)
@@ -133,7 +133,7 @@ class Times:
         return any(x.compare(lo) >= 0 and y.compare(hi) <= 0 for lo, hi in self._maybe)
 
 
-def decide(c: Conditions, own: Sequence[Sheet], t: fmpq, near: dict[int, fmpq] | None = None) -> bool:
+def decide(c: SignConditions, own: Sequence[Sheet], t: fmpq, near: dict[int, fmpq] | None = None) -> bool:
     """Whether there is a contact at the rational time t; own: sheets of which t is no critical time.
 
     near: for the number of a sheet a parameter to look at first; kept up to date.
@@ -177,12 +177,12 @@ def _roots(walls: Sequence[fmpz_poly], ends: Range) -> list[AlgebraicRoot]:
     return roots_in(together, ends)
 
 
-def _on_fibre(c: Conditions, sheet: Sheet, x: fmpq, t: fmpq, off_borders: bool) -> bool:
+def _on_fibre(c: SignConditions, sheet: Sheet, x: fmpq, t: fmpq, off_borders: bool) -> bool:
     """Whether a contact of the sheet has this first parameter; only certain ones where x is on a border."""
     return _place_on_fibre(c, sheet, x, t, off_borders) is not None
 
 
-def _place_on_fibre(c: Conditions, sheet: Sheet, x: fmpq, t: fmpq, off_borders: bool) -> AlgebraicRoot | None:
+def _place_on_fibre(c: SignConditions, sheet: Sheet, x: fmpq, t: fmpq, off_borders: bool) -> AlgebraicRoot | None:
     """The second parameter of such a contact."""
     known: dict[int, fmpz_poly] = {}
 
@@ -200,7 +200,7 @@ def _place_on_fibre(c: Conditions, sheet: Sheet, x: fmpq, t: fmpq, off_borders: 
         f = _restricted(sheet.f, x, t)
         return None if f.is_zero() else next((y for y in roots_in(f, sheet.second) if holds(y)), None)
     critical = _roots([_restricted(g, x, t) for g in sheet.clips], sheet.second)
-    places = [*critical, *map(AlgebraicRoot.of, samples(critical, sheet.second))]
+    places = [*map(AlgebraicRoot.of, samples(critical, sheet.second)), *critical]
     return next((y for y in places if holds(y)), None)
 
 

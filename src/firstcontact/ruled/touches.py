@@ -14,7 +14,7 @@ from firstcontact.body.rational_curve import RationalCurve, lifted, terms
 from firstcontact.exact.number_field import FieldElement, is_zero, sign
 from firstcontact.exact.numbers import precision
 from firstcontact.exact.trivariate import RING
-from firstcontact.ruled.conditions import Trims
+from firstcontact.ruled.conditions import Conditions, Trims
 from firstcontact.ruled.shared_points import Contact
 
 BITS = 96
@@ -72,6 +72,7 @@ class _Ruling:
 def touch(contact: Contact, joined: tuple[frozenset[str], frozenset[str]]) -> Touch:
     """joined: borders of either piece that are none of the body."""
     c = contact.conditions
+    assert isinstance(c, Conditions)
     p, q = (_Ruling(curves, name, contact, b) for curves, name, b in zip(c.sides, "uv", c.bounded, strict=True))
     n = _cross(p.way, q.way)
     gap = _minus(q.first, p.first)
@@ -108,10 +109,14 @@ def _cut(trims: Trims, x: FieldElement, place: FieldElement | None) -> Cut | Non
             continue
         s = x - x if place is None else place
         if is_zero(sum((_power(x, i) * _power(s, j) * int(c) for (i, j), c in g.items()), x - x)):
-            u, r = _double(x), _double(s)
-            by_u = sum(float(c) * i * u ** max(i - 1, 0) * r**j for (i, j), c in g.items())
-            return k, (by_u, sum(float(c) * j * u**i * r ** max(j - 1, 0) for (i, j), c in g.items()))
+            return k, cut_slopes(g, _double(x), _double(s))
     return None
+
+
+def cut_slopes(g: dict[tuple[int, int], Any], u: float, r: float) -> tuple[float, float]:
+    """The derivatives of a trimming polynomial by u and by the place r on the ruling."""
+    by_u = sum(float(c) * i * u ** max(i - 1, 0) * r**j for (i, j), c in g.items())
+    return by_u, sum(float(c) * j * u**i * r ** max(j - 1, 0) for (i, j), c in g.items())
 
 
 def _power(x: FieldElement, n: int) -> FieldElement:
@@ -153,6 +158,7 @@ def _normal(
 ) -> np.ndarray | None:
     """Of the plane that all tangents of both elements span, in doubles, and where p comes from."""
     c = contact.conditions
+    assert isinstance(c, Conditions)
     tangents = []
     speeds = []
     for kind, curves, own, place, x, cut in zip(

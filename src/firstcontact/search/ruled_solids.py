@@ -475,12 +475,12 @@ class Event:
         place = [min(max(c, fmpq(lo)), fmpq(1)) for c, lo in zip(self.place, (-1, 0), strict=True)]
         _, _, gradients = self._values(place, self.moment)
         units = [np.array([float(c.mid()) for c in g]) for g in gradients]
-        numbers = [self.other.index] if isinstance(self.other, Face) else getattr(self.other, "faces", ())
+        # of a polyhedron's features the numbers are its own
+        faces = [self.other] if isinstance(self.other, Face) else [self.model.faces[k] for k in self._beside()]
         m = self.relative(self.moment)
         there = np.array([float(c.mid()) for c in _moved(m, _exact_point(self.own.sheet, place))] + [1.0])
         outward = np.zeros(3)
-        for k in numbers:
-            face = self.model.faces[k]
+        for face in faces:
             g = face.orientation * (self.model._forms_f[face.surfaces[0]] @ there)[:3]
             outward += g / max(float(np.linalg.norm(g)), 1e-300)
         if isinstance(self.other, Face):
@@ -499,6 +499,10 @@ class Event:
             n = n * np.sign(n @ outward)
         length = float(np.linalg.norm(n))
         return n / length if length > 0.0 and math.isfinite(length) else None
+
+    def _beside(self) -> Sequence[int]:
+        """Places of the faces at an edge."""
+        return self.other.faces if isinstance(self.other, Edge) else ()
 
     def _ways(self, place: Sequence[fmpq]) -> list[np.ndarray]:
         """Unit tangents along the free parameters, in the own frame; none where one vanishes."""

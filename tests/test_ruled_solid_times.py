@@ -1,0 +1,128 @@
+"""Exact times of ruled surfaces and solids of planes and quadrics: deforming and trimmed pieces, grazes, starts."""
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+import firstcontact as fc
+from amount import amount
+
+SADDLE = fc.RuledSurface("(u, 0, 0)", "(u, 1, u)", name="saddle")
+DISC = fc.RuledSurface("(u, -1, 0)", "(u, 1, 0)", u=(-1, 1), trim=["u**2 + (2*s-1)**2 <= 1"], name="disc")
+CUP = fc.box((2, 2, 1)) - fc.sphere("3/4")
+
+
+def minimal(time):
+    return time if isinstance(time, Fraction) else time.polynomial
+
+
+@pytest.mark.parametrize(
+    ("surface", "solid", "ends"),
+    [
+        (SADDLE.translated((-5, 0, 0)).moving(fc.Translation((10, 0, 0))), fc.sphere(1), ["3/10", "3/5"]),
+        # |(10 t - 5, t)| = 2
+        (DISC.translated((-5, 0, 0)).moving(fc.Translation((10, 1, 0))), fc.sphere(1), [(21, -100, 101)] * 2),
+        # the corner (1, 1, T + T^2 - 3/2) comes to the floor of the cup
+        (fc.RuledSurface("(u, 0, T-1)", "(u, 1, u*T**2 + T - 1)").translated((0, 0, "-1/2")), CUP, [(-1, 1, 1), "1"]),
+        # the first side sinks through the ball of radius 1 about the origin, from above
+        (fc.RuledSurface("(u, 0, 2 - 4*T)", "(u, 1, 2 - 4*T)", u=(-1, 1)), fc.sphere(1), ["1/4", "3/4"]),
+    ],
+)
+def test_exact_ends(surface, solid, ends):
+    (interval,) = fc.contact_intervals(surface, solid, (0, 1), exact=True)
+    known = [Fraction(x) if isinstance(x, str) else x for x in ends]
+    assert [minimal(x) for x in (interval.start_exact, interval.end_exact)] == known
+    hit = fc.first_contact(solid, surface, (0, 1), exact=True)
+    assert hit.time_exact == interval.start_exact
+    assert hit.element_b.body == (getattr(surface, "name", None) or "b")
+
+
+def test_what_meets():
+    hit = fc.first_contact(DISC.translated((-3, -4, 0)).moving(fc.Translation((3, 4, 0))), fc.sphere(2).named("ball"))
+    assert (hit.time, hit.element_a.kind, hit.element_b.kind) == (pytest.approx(0.4, abs=1e-12), "edge", "face")
+    assert hit.point == pytest.approx([-1.2, -1.6, 0]) and hit.normal == pytest.approx([-0.6, -0.8, 0])
+    bent = fc.RuledSurface("(-1, u, 3 - 3*T)", "(1, u, 3 - 3*T + T*u*(1-u))", name="bent")
+    lower = fc.first_contact(fc.box((4, 4, 2)).named("table"), bent, (0, 1))
+    assert (lower.time, lower.element_a.label) == (pytest.approx(2 / 3, abs=1e-15), "table.z+")
+    assert lower.normal == pytest.approx([0, 0, -1])
+
+
+@pytest.mark.parametrize(
+    ("box", "way"), [(fc.box((1, 1, 1)), -1), (fc.box((1, 1, 1)), 1), (fc.examples.box((1, 1, 1)), 1)]
+)
+def test_touching_at_the_start(box, way):
+    above = SADDLE.translated((0, 0, "1/2")).moving(fc.Translation((0, 0, way)))
+    hit = fc.first_contact(box, above, exact=True)
+    assert (hit.status, hit.initial) == (fc.Status.INITIAL_CONTACT, "touching")
+    (interval,) = fc.contact_intervals(above, box, exact=True)
+    assert (interval.start, interval.end) == ((0.0, 0.0) if way > 0 else (0.0, 1.0))
+
+
+@pytest.mark.parametrize(
+    ("surface", "solid", "times"),
+    [
+        # a corner touches the ball and passes on
+        (SADDLE.translated((-5, -2, 0)).moving(fc.Translation((10, 0, 0))), fc.sphere(1), (0.5, 0.5)),
+        # a tip comes down on a tip and goes back
+        (
+            fc.RuledSurface("(0, 0, 4*(T-1/2)**2)", "((1-u**2)/(1+u**2), 2*u/(1+u**2), 1 + 4*(T-1/2)**2)", u=None),
+            fc.cone(1, 2).translated((0, 0, -2)),
+            (0.5, 0.5),
+        ),
+        # at the end of the span alone
+        (SADDLE.translated((-5, 0, 0)).moving(fc.Translation((3, 0, 0))), fc.half_space((-1, 0, 0), 1), (1.0, 1.0)),
+    ],
+)
+def test_grazes(surface, solid, times):
+    (interval,) = fc.contact_intervals(surface, solid, (0, 1), exact=True)
+    assert (interval.start, interval.end) == pytest.approx(times, abs=1e-15)
+    hit = fc.first_contact(surface, solid, (0, 1))
+    assert (hit.status, hit.time) == (fc.Status.CONTACT, pytest.approx(times[0], abs=1e-12))
+
+
+def scene(seed):
+    rng = np.random.default_rng(seed)
+
+    def curve(deforms):
+        parts = [f"{a} + ({b})*u + ({c if deforms else 0})*T" for a, b, c in rng.integers(-2, 3, (3, 3)).tolist()]
+        return f"({', '.join(parts)})"
+
+    deforms, trims = seed % 3 == 1, seed % 3 == 2
+    trim = ["u**2 + s**2 <= 1"] if trims else []
+    while True:
+        try:
+            surface = fc.RuledSurface(curve(deforms), curve(deforms), u=(-1, 1), trim=trim)
+            break
+        except fc.InputError:
+            continue
+    shift = rng.integers(-3, 4, 3)
+    solids = fc.sphere(1), fc.box((2, 2, 2)), fc.cone(1, 2), CUP, fc.half_space((0, 0, 1), -1)
+    solid = solids[int(rng.integers(0, len(solids)))]
+    body = surface.translated(shift.tolist())
+    if not deforms:
+        turn = fc.Rotation((0, 0, 1), point=rng.integers(-1, 2, 3).tolist(), degrees=90)
+        body = body.moving(turn if rng.integers(0, 2) else fc.Translation((-2 * shift).tolist()))
+    return surface, shift, body, solid
+
+
+@pytest.mark.parametrize("seed", range(amount(30, 10)))
+def test_random_scenes(seed):
+    """All contacts of samples of the surface are in the intervals, and both ways agree where both answer."""
+    surface, shift, body, solid = scene(seed)
+    found = fc.contact_intervals(body, solid, (0, 1), exact=True)
+    u, s = (x.ravel() for x in np.meshgrid(np.linspace(-1, 1, 41), np.linspace(0, 1, 21)))
+    kept = u**2 + s**2 <= 1 if surface.trim else np.ones(len(u), bool)
+    for t in np.linspace(0, 1, 17):
+        points = (surface.at(t) if surface.deforming else surface).points(u[kept], s[kept]) + shift
+        if not surface.deforming:
+            pose = body.motion(t)
+            points = points @ pose[:3, :3].T + pose[:3, 3]
+        if solid.contains(points).any():
+            assert any(x.start - 1e-9 <= t <= x.end + 1e-9 for x in found)
+    doubles = fc.contact_intervals(body, solid, (0, 1))
+    assert [(x.start, x.end) for x in doubles] == [pytest.approx((x.start, x.end), abs=1e-9) for x in found]
+    hit = fc.first_contact(solid, body, (0, 1), exact=True)
+    assert hit.status is found.status
+    if len(found):
+        assert hit.time == pytest.approx(found[0].start, abs=1e-12)
