@@ -99,9 +99,9 @@ def test_arcs_stay_within_the_tolerance_of_their_chords(weighted, tolerance):
         for k in arcs.kept:
             over, (start, end) = arcs.ends(k)
             run, other = (columns.Y, columns.X) if over else (columns.X, columns.Y)
-            own = slice(solved.starts[k], solved.starts[k + 1])
-            points, chain = solved.points[own], (solved.p, solved.q)[over]
-            ends = solved.parameters[own, over]
+            own = slice(*solved.rows[k])
+            points, chain, sign = solved.points[own], (solved.p, solved.q)[over], -1 if solved.turned[k] else 1
+            points, ends = points[::sign], solved.parameters[own, over][::sign]
             part = int(solved.arcs[k][columns.ARC_V if over else columns.ARC_U])
             first, last = chain.parameter(np.array([part] * 2), np.array([0.0, 1.0]))
             assert chain.ranges[part, 0, 1] == chain.ranges[part, 1, 1]  # x is linear in the parameter
@@ -111,7 +111,7 @@ def test_arcs_stay_within_the_tolerance_of_their_chords(weighted, tolerance):
                 for share in (0.2, 0.45, 0.55, 0.8):
                     at = x[n] + share * (x[n + 1] - x[n])
                     point = arcs.at(k, at, 0.5 * (start[other] + end[other]))[columns.POINT : columns.GAP]
-                    point = point + (solved.points[solved.starts[k]] - start_point(arcs, k))
+                    point = point + (points[0] - start_point(arcs, k))
                     along = points[n + 1] - points[n]
                     t = np.clip((point - points[n]) @ along / max(along @ along, 1e-300), 0, 1)
                     worst = max(worst, np.linalg.norm(points[n] + t * along - point))

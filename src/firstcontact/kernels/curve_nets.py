@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import uncounted
 
 ROUND = 2.0**-53
 # One side is one array (nodes, ROWS_OF_SIDE, columns), since every array that a kernel takes costs time at each call.
@@ -29,30 +29,30 @@ AVERAGE = 4.0
 NEAR_MIDDLE, SPREAD, GOLDEN = 0.45, 0.1, 0.6180339887498949
 
 
-@kernel
+@uncounted
 def degree(side):
     return int(side[0, FACTS, DEGREE])
 
 
-@kernel
+@uncounted
 def part_of(side, k):
     return int(side[k, FACTS, PART])
 
 
-@kernel
+@uncounted
 def point_error(side, k):
     """Errors of the points of a node, in units of their sizes."""
     return (8.0 + AVERAGE * side[k, FACTS, DEGREE] * side[k, FACTS, DEPTH]) * ROUND
 
 
-@kernel
+@uncounted
 def line_error(side, k):
     """Errors of the lines of a node, in units of their sizes: products of points, n + 1 of them added, and halvings."""
     n = side[k, FACTS, DEGREE]
     return (2.0 * n + 24.0 + AVERAGE * 2.0 * n * side[k, FACTS, DEPTH]) * ROUND
 
 
-@kernel
+@uncounted
 def bound(side, k):
     """Set the box of a node: the rulings lie in the hull of the control points, whose weights are positive."""
     error = point_error(side, k)
@@ -68,14 +68,14 @@ def bound(side, k):
         side[k, FACTS, BOX_LO + c], side[k, FACTS, BOX_HI + c] = lo - slack, hi + slack
 
 
-@kernel
+@uncounted
 def start(side):
     """Set the boxes of the parts."""
     for k in range(int(side[0, FACTS, COUNT])):
         bound(side, k)
 
 
-@kernel
+@uncounted
 def _halve(side, k, to, row, count, r):
     """De Casteljau's steps at r: nodes `to` and `to + 1` get the coefficients on both parts of interval k."""
     for j in range(count):
@@ -87,7 +87,7 @@ def _halve(side, k, to, row, count, r):
         side[to, row, step] = side[to + 1, row, 0]
 
 
-@kernel
+@uncounted
 def halves(side, k):
     """The first of the two children of a node; 0 where there is no room for them."""
     to = int(side[k, FACTS, CHILD])
@@ -114,7 +114,7 @@ def halves(side, k):
     return to
 
 
-@kernel
+@uncounted
 def delta_at(p, i, a, q, j, b):
     """Coefficient [a, b] of Delta on the cell of node i of p and node j of q; the sides may be exchanged."""
     return (
@@ -124,7 +124,7 @@ def delta_at(p, i, a, q, j, b):
     )  # fmt: skip
 
 
-@kernel
+@uncounted
 def delta_size(p, i, q, j):
     """What no coefficient of Delta exceeds, with room for roundings."""
     size = 0.0
@@ -133,13 +133,13 @@ def delta_size(p, i, q, j):
     return 1.01 * size
 
 
-@kernel
+@uncounted
 def delta_error(p, i, q, j):
     """Of all coefficients of Delta on a cell: errors of both lines, six products and their sum."""
     return delta_size(p, i, q, j) * (line_error(p, i) + line_error(q, j) + 8.0 * ROUND)
 
 
-@kernel
+@uncounted
 def delta_net(p, i, q, j, net):
     """Coefficients of Delta on the cell of two nodes."""
     for a in range(2 * degree(p) + 1):
@@ -147,7 +147,7 @@ def delta_net(p, i, q, j, net):
             net[a, b] = delta_at(p, i, a, q, j, b)
 
 
-@kernel
+@uncounted
 def planes_net(side, k, d, planes):
     """Coefficients [c, b] of the planes through the rulings of a node and the direction d, and sizes of the four rows.
 
@@ -166,7 +166,7 @@ def planes_net(side, k, d, planes):
     return d1 * s5 + d2 * s4, d2 * s2 + d0 * s5, d0 * s4 + d1 * s2, d1 * s1 + d2 * s0 + d0 * s3
 
 
-@kernel
+@uncounted
 def side_net(side, k, first, other, other_k, planes, sizes, net):
     """Coefficients [a, b] of [X, ruling of the other, d], X the directrix that begins in row `first`; their error."""
     for a in range(degree(side) + 1):
@@ -179,7 +179,7 @@ def side_net(side, k, first, other, other_k, planes, sizes, net):
     return 1.01 * size * (point_error(side, k) + line_error(other, other_k) + 12.0 * ROUND)
 
 
-@kernel
+@uncounted
 def extent(net, n, m):
     """Least and largest of the coefficients [a, b], a <= n, b <= m."""
     lo = hi = net[0, 0]
@@ -189,7 +189,7 @@ def extent(net, n, m):
     return lo, hi
 
 
-@kernel
+@uncounted
 def slopes(net, n, m):
     """Ranges of the partial derivatives, by a and by b, and how much the coefficients vary along each in all."""
     low_a = low_b = np.inf

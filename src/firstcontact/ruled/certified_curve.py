@@ -17,7 +17,7 @@ from firstcontact.kernels import curve_bends, curve_lanes
 from firstcontact.kernels import curve_cells as cells
 from firstcontact.kernels import curve_nets as nets
 from firstcontact.kernels import curve_points as columns
-from firstcontact.kernels.curve_trace import STACK, trace
+from firstcontact.kernels.curve_trace import PLAN_COLUMNS, STACK, trace
 from firstcontact.kernels.curve_trim import trim
 from firstcontact.ruled.chains import Chain, chains, product_table
 from firstcontact.ruled.joined import Found, Stop, Strand, knot
@@ -79,7 +79,9 @@ class Solved(NamedTuple):
     """What the kernels found of two chains.
 
     places, arcs        as in curve_points, coordinates about a centre
-    points, parameters  (k, 3) and (k, 4) x, y, z and u, v, s, t; those of arc k, ends included: starts[k]:starts[k + 1]
+    lines               the arcs joined, in the order and directions in which they were traced
+    points, parameters  (k, 3) and (k, 4) x, y, z and u, v, s, t; those of arc k, ends included: rows[k, 0]:rows[k, 1]
+    turned              (k,) whether the points of an arc are in the order from its end to its start
     opened              (k, 6) boxes left open: parts, ranges of x and of y
     """
 
@@ -87,9 +89,11 @@ class Solved(NamedTuple):
     q: Chain
     places: np.ndarray
     arcs: np.ndarray
+    lines: list[_Line]
     points: np.ndarray
     parameters: np.ndarray
-    starts: np.ndarray
+    rows: np.ndarray
+    turned: np.ndarray
     opened: np.ndarray
     seen: int
 
@@ -123,9 +127,14 @@ def _solved(p: Chain, q: Chain, tolerance: float) -> Solved | None:
     scratch, known = np.empty((columns.SCRATCH_ROWS, width)), np.empty((5, columns.COLUMNS))
     forms = _forms(sides[0], len(p.points)), _forms(sides[1], len(q.points))
     used = trim(*forms, places, used, arcs, count, known, scratch)
-    arcs, places, starts = arcs[:count], places[:used], np.empty(count + 1, np.int64)
+    arcs, places = arcs[:count], places[:used]
+    lines = _lines(arcs, places[:, columns.KIND].astype(int))
+    order = np.array([(k, turned, i > 0) for line in lines for i, (k, turned) in enumerate(line.arcs)], np.int64)
+    order, rows, turned = order.reshape(-1, 3), np.zeros((count, 2), np.int64), np.zeros(count, bool)
+    turned[order[:, 0]] = order[:, 1]
     bounds = np.array([chain.s for chain in (p, q)], float)
-    ends, lanes = np.empty((STACK, columns.COLUMNS)), np.empty(curve_lanes.ROWS * curve_lanes.LANES)
+    ends, plan = np.empty((STACK, columns.COLUMNS)), np.empty((curve_lanes.LANES + 1, PLAN_COLUMNS))
+    middles, lanes = np.empty((2, curve_lanes.ROWS * curve_lanes.LANES))
     bends = tuple(np.empty((len(x.points), curve_bends.BOUNDS)) for x in (p, q))
     for form, bend in zip(forms, bends, strict=True):
         curve_bends.derivative_bounds(form, bend)
@@ -133,15 +142,15 @@ def _solved(p: Chain, q: Chain, tolerance: float) -> Solved | None:
     while True:
         points, parameters = np.empty((room, 3)), np.empty((room, 4))
         if trace(
-            *forms, arcs, places, tolerance, p.ranges, q.ranges, bounds, centre, *bends, ends, known, scratch, lanes,
-            points, parameters, starts,
+            *forms, arcs, order, places, tolerance, p.ranges, q.ranges, bounds, centre, *bends, ends, known, plan,
+            scratch, middles, lanes, points, parameters, rows,
         ):  # fmt: skip
             break
         room *= 4
         if room > MOST_ROOM:
             raise InputError(f"tolerance {tolerance:g} needs more than {MOST_ROOM // 4} points; give a larger one")
     boxes = opened[: counts[cells.OPENED]]
-    return Solved(p, q, places, arcs, points, parameters, starts, boxes, int(counts[cells.SEEN]))
+    return Solved(p, q, places, arcs, lines, points, parameters, rows, turned, boxes, int(counts[cells.SEEN]))
 
 
 def _forms(side: np.ndarray, parts: int) -> np.ndarray:
@@ -188,7 +197,7 @@ def _strands(solved: Solved, settled: Settled, settles: bool) -> tuple[list[Stra
     """Polylines of the pairs of pieces that are not decided exactly in the end, and the places left open there."""
     while True:
         kinds = solved.places[:, columns.KIND].astype(int)
-        lines = _lines(solved.arcs, kinds)
+        lines = solved.lines
         polylines = [_polyline(solved, line) for line in lines]
         tiny = [not line.closed and len(parameters) < LONG and _size(parameters) <= SAME_POINT
                   for line, (_, parameters) in zip(lines, polylines, strict=True)]  # fmt: skip
@@ -273,7 +282,8 @@ def _without(solved: Solved, settled: Settled) -> Solved:
     arcs[known[solved.p.piece_of[i], solved.q.piece_of[j]], columns.START] = -1
     sides, row_of = np.unique(_sides_touched(opened[:, :2], opened[:, 2:]), return_inverse=True)
     kept = np.array([not _pairs(solved, side) <= settled.known.keys() for side in sides.tolist()], bool)
-    return solved._replace(arcs=arcs, opened=opened[kept[row_of]])
+    lines = _lines(arcs, solved.places[:, columns.KIND].astype(int))
+    return solved._replace(arcs=arcs, lines=lines, opened=opened[kept[row_of]])
 
 
 class _Line(NamedTuple):
@@ -320,11 +330,16 @@ def _lines(arcs: np.ndarray, kinds: np.ndarray) -> list[_Line]:
 
 def _polyline(solved: Solved, line: _Line) -> tuple[np.ndarray, np.ndarray]:
     """(n, 3) points and (n, 4) parameters along the arcs; places between arcs stand once."""
+    arcs, turns = np.array(line.arcs).T
+    rows = solved.rows[arcs]
+    if not (turns ^ solved.turned[arcs]).any() and (rows[1:, 0] == rows[:-1, 1] - 1).all():
+        whole = slice(rows[0, 0], rows[-1, 1])
+        return solved.points[whole], solved.parameters[whole]
     found: tuple[list[np.ndarray], list[np.ndarray]] = ([], [])
     for i, (k, turned) in enumerate(line.arcs):
-        start, end = solved.starts[k], solved.starts[k + 1]
         for table, parts in zip((solved.points, solved.parameters), found, strict=True):
-            own = table[start:end][::-1] if turned else table[start:end]
+            own = table[slice(*solved.rows[k])]
+            own = own[::-1] if turned != solved.turned[k] else own
             parts.append(own[1:] if i else own)
     return np.concatenate(found[0]), np.concatenate(found[1])
 
