@@ -30,8 +30,9 @@ from firstcontact.kernels.curve_points import (
 from firstcontact.kernels.jit import uncounted
 
 # A chord is kept where the curve is proved to leave it by at most this part of the tolerance, and turns by less
-# (radians); the rest is for roundings of the bounds.  Chords are made for AIM.
-KEEP, AIM, LARGEST_TURN = 0.999, 0.93, 0.35
+# (radians); the rest is for roundings of the bounds.  Chords are made for AIM, and for a share of UNSEEN that is owed to
+# the fourth derivative.
+KEEP, AIM, UNSEEN, LARGEST_TURN = 0.999, 0.96, 0.08, 0.35
 # Steps between points that change by less than this part of them turn by less, for its arcsine is below.
 STEADY = 1.0 / 3.0
 # A stretch that needs this many chords or fewer is taken in quarters; of more it falls into intervals, as many as lanes
@@ -52,8 +53,9 @@ ROUNDING = 1e-14
 # Of the fourth derivative times the square of the way between points, as `trace` explains: 1 + 3 / 12.
 BETWEEN = 1.25
 # Columns of intervals: chords, start and length in the parameter along the arc; centre, unit and coefficients of the
-# polynomial that guesses the other one; bound on the fourth derivative of points.
-CHORDS, BEGIN, LENGTH, CENTRE, UNIT, GUESS, FOURTH, PLAN_COLUMNS = 0, 1, 2, 3, 4, 5, 10, 11
+# polynomial that guesses the other one; bound on the fourth derivative of points; second difference across at the middle,
+# and the way between both neighbours.
+CHORDS, BEGIN, LENGTH, CENTRE, UNIT, GUESS, FOURTH, BEND, WAY, PLAN_COLUMNS = 0, 1, 2, 3, 4, 5, 10, 11, 12, 13
 # Typed: Numba compiles a function anew for every Python integer written into a call.
 NONE = np.int64(0)
 
@@ -160,27 +162,30 @@ def _across(w, i):
 
 @uncounted
 def _plan(plan, count, begin, length, tolerance, w):
-    """Set `count` intervals, but for bounds; how many chords they need in all.  Their middles are in the first lanes.
+    """Set `count` intervals, but for bounds.  Their middles are in the first lanes.
 
     Chords are counted by second differences of the middles, which are as far apart as intervals are long.
     """
-    total = NONE
     for i in range(count):
-        row = plan[i]
+        row, m = plan[i], min(max(i, 2), count - 3)
         row[BEGIN], row[LENGTH] = begin + i / count * length, length / count
-        m = min(max(i, 2), count - 3)
         y = ACROSS * LANES + m
         _guess_through(row, w[RUN * LANES + m], row[LENGTH], w[y - 2], w[y - 1], w[y], w[y + 1], w[y + 2])
-        m = min(max(i, 1), count - 2)
-        here, way = _across(w, m)
-        before, _ = _across(w, max(m - 1, 1))
-        after, _ = _across(w, min(m + 1, count - 2))
-        most = max(before, after)
-        # at an end of the interval; the first and the last one are not about m
-        most = max(here, 0.5 * (here + most) if i == m else 2.5 * here - 1.5 * min(before, after))
-        row[CHORDS] = _chords(most, here / way, tolerance)
-        total += int(row[CHORDS])
-    return total
+        row[BEND], row[WAY] = _across(w, min(max(i, 1), count - 2))
+    last = count - 1
+    # at the first and the last middle and beyond, by parabolas
+    first, second, third = plan[1, BEND], plan[2, BEND], plan[3, BEND]
+    start = max(first, 4.375 * first - 5.25 * second + 1.875 * third)
+    plan[0, BEND] = max(3.0 * (first - second) + third, 0.5 * first)
+    first, second, third = plan[last - 1, BEND], plan[last - 2, BEND], plan[last - 3, BEND]
+    end = max(first, 4.375 * first - 5.25 * second + 1.875 * third)
+    plan[last, BEND] = max(3.0 * (first - second) + third, 0.5 * first)
+    for i in range(count):
+        row = plan[i]
+        here = row[BEND]
+        before = start if i == 0 else 0.5 * (here + plan[i - 1, BEND])
+        after = end if i == last else 0.5 * (here + plan[i + 1, BEND])
+        row[CHORDS] = _chords(max(here, max(before, after)), here / row[WAY], tolerance)
 
 
 @uncounted
@@ -202,7 +207,7 @@ def _bound(p, q, arc, row, of_fixed, of_moving, tolerance, w, i, known, r):
     form_m, part_m = (p, int(arc[ARC_U])) if over_v else (q, int(arc[ARC_V]))
     other = X if over_v else Y
     reach = 0.5 * abs(row[LENGTH])
-    most = 8.0 * (KEEP - AIM) * tolerance * row[CHORDS] ** 4 / (BETWEEN * row[LENGTH] ** 4)
+    most = 8.0 * UNSEEN * tolerance * row[CHORDS] ** 4 / (BETWEEN * row[LENGTH] ** 4)
     for cuts in CUTS:
         worst, enough = 0.0, MOST_TIMES if cuts == CUTS[-1] else FEW_TIMES
         for k in range(cuts):
@@ -270,11 +275,10 @@ def _fill(p, q, arc, plan, count, ranges_p, ranges_q, bounds, centre, w, points,
     for i in range(count):
         row = plan[i]
         parts = int(row[CHORDS])
-        for m in range(1, parts + 1):
+        for m in range(1, parts if i == count - 1 else parts + 1):
             x = row[BEGIN] + m / parts * row[LENGTH]
             parameters[k + total, 0], parameters[k + total, 1] = x, _guess(row, x)
             total += 1
-    total -= 1
     done = NONE
     while done < total:
         some = min(total - done, LANES)
@@ -289,13 +293,36 @@ def _fill(p, q, arc, plan, count, ranges_p, ranges_q, bounds, centre, w, points,
 
 
 @uncounted
+def _same(points, parameters, k):
+    """Whether rows k - 1 and k are one."""
+    for c in range(3):
+        if points[k - 1, c] != points[k, c]:
+            return False
+    for c in range(4):
+        if parameters[k - 1, c] != parameters[k, c]:
+            return False
+    return True
+
+
+@uncounted
+def _move(points, parameters, start, end, by):
+    """Rows from start to end by so many further on."""
+    for k in range(end - 1, start - 1, -1):
+        for c in range(3):
+            points[k + by, c] = points[k, c]
+        for c in range(4):
+            parameters[k + by, c] = parameters[k, c]
+
+
+@uncounted
 def trace(
     p, q, arcs, order, places, tolerance, ranges_p, ranges_q, bounds, centre, bends_p, bends_q, stack, known, plan, r,
     middles, w, points, parameters, rows,
 ):  # fmt: skip
     """Points (x, y, z) and parameters (u, v, s, t) of arcs, both ends included: rows[k, 0] to rows[k, 1] of arc k.
 
-    order: (n, 3) arcs, whether they are passed from end to start, and whether they begin at the last point so far.
+    order: (n, 3) arcs, whether they are passed from end to start, and whether they begin where the one before ends: its last
+    point is their first one then, if the parameters are the same.
     p, q: the forms of `evaluate`; ranges: (parts, 2, 2) projective parameters at both ends of every part; bounds: the
     ranges of s and t; centre: to which coordinates are relative so far; bends: of `derivative_bounds`.
     Returns False where `points` is too short.
@@ -322,13 +349,13 @@ def trace(
         here = known[3]
         enter(arc, places[int(arc[END if turned else START])], here)
         enter(arc, places[int(arc[START if turned else END])], stack[0])
-        if order[number, 2] == 1:
-            used -= 1
-        rows[k, 0] = used
         if used + 1 > points.shape[0]:
             return False
         _put(arc, here, ranges_p, ranges_q, bounds, centre, points, parameters, used)
-        used += 1
+        # the parameters of one ruling may differ where a chain is closed
+        if order[number, 2] == 0 or not _same(points, parameters, used):
+            used += 1
+        rows[k, 0] = used - 1
         top = 0
         while top >= 0:
             end = stack[top]
@@ -372,7 +399,7 @@ def trace(
                 continue
             # intervals of the stretch, those with bounds, those with chords that do
             count, found, good = 1, NONE, NONE
-            if FEW < need <= LANES and unseen <= (KEEP - AIM) * tolerance * need**4:
+            if FEW < need <= LANES and unseen <= UNSEEN * tolerance * need**4:
                 row, found = plan[0], 1
                 for n in range(PLAN_COLUMNS):
                     row[n] = split[n]
@@ -401,16 +428,29 @@ def trace(
                     last = plan[found, BEGIN]
                     on_arc(p, q, arc, last, _guess(plan[found], last), r, row)
                 _put(arc, row, ranges_p, ranges_q, bounds, centre, points, parameters, used + total - 1)
-                at = used - 1
+                at, refilled = used - 1, -1
                 while good < found:
                     parts = int(plan[good, CHORDS])
                     if at + parts - used >= done and not (done == total - 1 and good == found - 1):
                         break
                     beyond = BETWEEN * (plan[good, LENGTH] / parts) ** 4 * plan[good, FOURTH]
-                    if _leaves(points, at, parts, beyond) > KEEP * tolerance:
+                    off = _leaves(points, at, parts, beyond)
+                    if off <= KEEP * tolerance:
+                        at += parts
+                        good += 1
+                        continue
+                    # shorter chords for this one; the points behind it move on
+                    more = int(np.ceil(parts * np.sqrt(min(off / (AIM * tolerance), 16.0))))
+                    if used + total + more - parts > points.shape[0]:
+                        return False
+                    _move(points, parameters, at + parts, used + total, more - parts)
+                    plan[good, CHORDS] = more
+                    total, done, own = total + more - parts, done + more - parts, plan[good : good + 1]
+                    if refilled == good or _fill(
+                        p, q, arc, own, 1, ranges_p, ranges_q, bounds, centre, w, points, parameters, at + 1
+                    ) < more - 1:
                         break
-                    at += parts
-                    good += 1
+                    refilled = good
                 used = at + 1
                 if good == count:
                     for n in range(COLUMNS):
@@ -424,7 +464,7 @@ def trace(
             # for the fourth derivative, chords are to be shorter by the root of its share; it shrinks with them
             shorter = 4.0
             if need <= FEW and unseen < 1e300:
-                shorter = SHORTER * np.sqrt(np.sqrt(unseen / ((KEEP - AIM) * tolerance))) / max(need, 1.0)
+                shorter = SHORTER * np.sqrt(np.sqrt(unseen / (UNSEEN * tolerance))) / max(need, 1.0)
             parts = int(min(max(np.ceil(shorter), 2.0), min(MOST_PARTS, room)))
             for m in range(1, parts):
                 # the first one last, on top
