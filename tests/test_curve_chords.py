@@ -32,8 +32,7 @@ class Arcs:
         a, b = chains(p)[0], chains(q)[0]
         self.solved = certified_curve._solved(a, b, tolerance)
         low, high = np.maximum(a.box[0], b.box[0]), np.minimum(a.box[1], b.box[1])
-        sides = [certified_curve._side(x, 0.5 * (low + high), 4) for x in (a, b)]
-        self.forms = [certified_curve._forms(x, len(y.points)) for x, y in zip(sides, (a, b), strict=True)]
+        self.forms = [certified_curve._side(x, 0.5 * (low + high), 4)[1] for x in (a, b)]
         self.bends = [np.empty((len(x), curve_bends.BOUNDS)) for x in self.forms]
         for form, bend in zip(self.forms, self.bends, strict=True):
             curve_bends.derivative_bounds(form, bend)

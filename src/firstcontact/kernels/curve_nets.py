@@ -69,10 +69,61 @@ def bound(side, k):
 
 
 @uncounted
-def start(side):
-    """Set the boxes of the parts."""
-    for k in range(int(side[0, FACTS, COUNT])):
-        bound(side, k)
+def begin(points, centre, table, side, forms):
+    """Fill in the parts of a side, coordinates about the centre, and the forms that `curve_points.evaluate` takes.
+
+    points: (parts, 8, n + 1) as in `Chain`; table: coefficient c of the product of two polynomials of degree n from
+    products of theirs; forms: (parts, 2, n + 1, 8): points of the parts, and their derivatives.
+    """
+    parts, n = points.shape[0], points.shape[2] - 1
+    for part in range(parts):
+        node = side[part]
+        for c in range(LEAST_COLUMNS):
+            node[FACTS, c] = node[SIZES, c] = 0.0
+        node[FACTS, HI], node[FACTS, PART], node[FACTS, DEGREE] = 1.0, part, n
+        for row in range(LINES):
+            shift = centre[row % 4] if row % 4 < 3 else 0.0
+            for a in range(n + 1):
+                x, w = points[part, row, a], points[part, row - row % 4 + 3, a]
+                node[row, a] = x - shift * w
+                forms[part, 0, a, row] = node[row, a]
+                node[SIZES, row] = max(node[SIZES, row], abs(x) + abs(shift) * abs(w))
+            for a in range(n):
+                forms[part, 1, a, row] = n * (node[row, a + 1] - node[row, a])
+            forms[part, 1, n, row] = 0.0
+        row = LINES
+        for i in range(3):
+            for j in range(i + 1, 4):
+                for c in range(2 * n + 1):
+                    node[row, c] = 0.0
+                for a in range(n + 1):
+                    for b in range(n + 1):
+                        x = node[i, a] * node[4 + j, b] - node[j, a] * node[4 + i, b]
+                        node[row, a + b] += x * table[a, b]
+                sizes = node[SIZES]
+                node[SIZES, row] = sizes[i] * sizes[4 + j] + sizes[j] * sizes[4 + i]
+                row += 1
+    side[0, FACTS, COUNT] = parts
+    for part in range(parts):
+        bound(side, part)
+
+
+@uncounted
+def hull(points, box):
+    """Set the (2, 3) corners of a box that holds all rulings of parts as in `begin`, with room for rounding."""
+    for c in range(3):
+        box[0, c], box[1, c] = np.inf, -np.inf
+        for part in range(points.shape[0]):
+            for first in (FIRST, SECOND):
+                for a in range(points.shape[2]):
+                    x = points[part, first + c, a] / points[part, first + 3, a]
+                    box[0, c], box[1, c] = min(box[0, c], x), max(box[1, c], x)
+    far = 0.0
+    for c in range(3):
+        far = max(far, max(abs(box[0, c]), abs(box[1, c])))
+    for c in range(3):
+        box[0, c] -= 1e-12 * far
+        box[1, c] += 1e-12 * far
 
 
 @uncounted

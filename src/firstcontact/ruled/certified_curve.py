@@ -35,7 +35,6 @@ SAME_PLACE, MOST_PLACES = 1e-5, 4000
 SAME_POINT = 1e-9
 # Polylines of so many points are longer than that: chords are not cut below it.
 LONG = 100
-_PAIRS = ((0, 0, 0, 1, 1, 2), (1, 2, 3, 2, 3, 3))
 
 
 def is_supported(surface: Any) -> bool:
@@ -107,7 +106,7 @@ def _solved(p: Chain, q: Chain, tolerance: float) -> Solved | None:
     centre = 0.5 * (low + high)
     room = ROOM
     while True:
-        sides = [_side(chain, centre, room) for chain in (p, q)]
+        sides, forms = zip(*(_side(chain, centre, room) for chain in (p, q)), strict=True)
         joints = np.full((5, len(p.points) + 1, len(q.points) + 1), -1)
         joints[0] = 0
         places, arcs = np.empty((2 * room, columns.COLUMNS)), np.empty((room, columns.ARC_COLUMNS))
@@ -125,7 +124,6 @@ def _solved(p: Chain, q: Chain, tolerance: float) -> Solved | None:
         if room > MOST_ROOM:
             raise InputError(f"the curve falls into more than {MOST_ROOM} arcs; give smaller pieces")
     scratch, known = np.empty((columns.SCRATCH_ROWS, width)), np.empty((5, columns.COLUMNS))
-    forms = _forms(sides[0], len(p.points)), _forms(sides[1], len(q.points))
     used = trim(*forms, places, used, arcs, count, known, scratch)
     arcs, places = arcs[:count], places[:used]
     lines = _lines(arcs, places[:, columns.KIND].astype(int))
@@ -153,41 +151,13 @@ def _solved(p: Chain, q: Chain, tolerance: float) -> Solved | None:
     return Solved(p, q, places, arcs, lines, points, parameters, rows, turned, boxes, int(counts[cells.SEEN]))
 
 
-def _forms(side: np.ndarray, parts: int) -> np.ndarray:
-    """(parts, 2, n + 1, 8): the points of the parts and the derivatives as `evaluate` takes them."""
-    degree = int(side[0, nets.FACTS, nets.DEGREE])
-    forms = np.zeros((parts, 2, degree + 1, nets.LINES))
-    forms[:, 0] = side[:parts, : nets.LINES, : degree + 1].transpose(0, 2, 1)
-    forms[:, 1, :-1] = degree * np.diff(forms[:, 0], axis=1)
-    return forms
-
-
-def _side(chain: Chain, centre: np.ndarray, room: int) -> np.ndarray:
-    """The array of a side for the kernels, its parts filled in; coordinates about the centre."""
-    count, _, terms = chain.points.shape
-    points, sizes = chain.points.copy(), np.abs(chain.points)
-    for first in (0, 4):
-        weight = points[:, first + 3 : first + 4]
-        points[:, first : first + 3] -= centre[:, None] * weight
-        sizes[:, first : first + 3] += np.abs(centre)[:, None] * np.abs(weight)
-    sizes = sizes.max(axis=2)
-    i, j = _PAIRS
-    x, y = points[:, :4], points[:, 4:]
-    products = x[:, i, :, None] * y[:, j, None, :] - x[:, j, :, None] * y[:, i, None, :]
-    lines = np.einsum("kiab,abc->kic", products, product_table(terms - 1))  # threads of BLAS would cost more
-    side = np.empty((count + room, nets.ROWS_OF_SIDE, max(2 * terms - 1, nets.LEAST_COLUMNS)))
-    side[:count, : nets.LINES, :terms] = points
-    side[:count, nets.LINES : nets.FACTS, : 2 * terms - 1] = lines
-    side[:count, nets.FACTS] = 0.0
-    side[:count, nets.FACTS, nets.HI] = 1.0
-    side[:count, nets.FACTS, nets.PART] = range(count)
-    side[:count, nets.FACTS, nets.DEGREE] = terms - 1
-    side[0, nets.FACTS, nets.COUNT] = count
-    side[:count, nets.SIZES, : nets.LINES] = sizes
-    a, b = sizes[:, :4], sizes[:, 4:]
-    side[:count, nets.SIZES, nets.LINES : nets.FACTS] = a[:, i] * b[:, j] + a[:, j] * b[:, i]
-    nets.start(side)
-    return side
+def _side(chain: Chain, centre: np.ndarray, room: int) -> tuple[np.ndarray, np.ndarray]:
+    """The array of a side for the kernels, its parts filled in, and its forms; coordinates about the centre."""
+    parts, _, terms = chain.points.shape
+    side = np.empty((parts + room, nets.ROWS_OF_SIDE, max(2 * terms - 1, nets.LEAST_COLUMNS)))
+    forms = np.empty((parts, 2, terms, nets.LINES))
+    nets.begin(chain.points, centre, product_table(terms - 1), side, forms)
+    return side, forms
 
 
 # -- branches -----------------------------------------------------------------------------------------------
@@ -373,9 +343,9 @@ def _open_boxes(solved: Solved, stray: list[int], reached: list[int]) -> tuple[n
     stray: places of branches that are points, or at which branches end without reason.  reached: ends at bounds; a
     point that is left open there is on the branch.
     """
-    if len(solved.opened) > MOST_PLACES:
+    points = [int(arc[columns.END]) for arc in solved.arcs[solved.arcs[:, columns.START] == -2]]
+    if len(solved.opened) > MOST_PLACES or not (len(solved.opened) or points or stray):
         return solved.opened[:, :2], solved.opened[:, 2:]
-    points = [int(arc[columns.END]) for arc in solved.arcs if arc[columns.START] == -2]
     spots = solved.places[np.array([*points, *stray], int)]
     parts = np.concatenate((solved.opened[:, :2], spots[:, [columns.PART_U, columns.PART_V]]))
     x, y = spots[:, columns.X], spots[:, columns.Y]
