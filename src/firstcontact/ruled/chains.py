@@ -7,10 +7,11 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
 from math import comb, lcm
+from operator import mul
 from typing import Any
 
 import numpy as np
-from flint import fmpq, fmpz_mat, fmpz_poly
+from flint import fmpq
 
 from firstcontact.body.ruled_surface import RuledSurface
 from firstcontact.exact.numbers import rational, to_double
@@ -141,12 +142,13 @@ def _shared(a: RuledSurface, end_a: int, b: RuledSurface, end_b: int) -> bool:
 
 
 def _chain(run: list[RuledSurface]) -> Chain:
-    degree = max(1, *(c.degree() for piece in run for side in piece.sides for c in side.components))
+    coefficients = [[[list(map(int, c.coeffs())) or [0] for c in side.components] for side in x.sides] for x in run]
+    degree = max(1, max(len(row) - 1 for sides in coefficients for side in sides for row in side))
     parts: list[Part] = []
     piece_of: list[int] = []
     for k, piece in enumerate(run):
         for lo, hi in _ranges(piece):
-            parts += _positive_parts(piece, degree, lo, hi)
+            parts += _positive_parts(coefficients[k], degree, lo, hi)
         piece_of += [k] * (len(parts) - len(piece_of))
     first, last = run[0], run[-1]
     closed = first.u is None or (
@@ -174,49 +176,51 @@ def _ranges(piece: RuledSurface) -> list[tuple[Projective, Projective]]:
 
 
 def _positive_parts(
-    piece: RuledSurface, degree: int, lo: Projective, hi: Projective, depth: int = 0
+    sides: Sequence[Sequence[list[int]]], degree: int, lo: Projective, hi: Projective, depth: int = 0
 ) -> list[Part]:
-    """Parts of a range on each of which all weights are positive."""
-    rows, scale = [], []
-    for side in piece.sides:
-        own, factor = _bernstein(side.components, degree, lo, hi)
-        if max(own[-degree - 1 :]) < 0:  # the signs of U, V turned it round
-            own = [-x for x in own]
-        rows.append(own)
-        scale.append(factor)
-    if min(min(own[-degree - 1 :]) for own in rows) > 0:
-        return [(_doubles(rows[0], scale[0]) + _doubles(rows[1], scale[1]), lo, hi)]
+    """Parts of a range on each of which all weights are positive.  sides: coefficients of X, Y, Z, W."""
+    own: list[float] = []
+    degrees = [max(map(len, side)) - 1 for side in sides]
+    changes = {n: _change(n, degree, lo, hi) for n in set(degrees)}
+    for side, n in zip(sides, degrees, strict=True):
+        columns, scale = changes[n]
+        numbers = [x for row in side for x in _changed(row, columns)]
+        weights = numbers[-degree - 1 :]
+        if max(weights) < 0:  # the signs of U, V turned it round
+            scale, weights = -scale, [-x for x in weights]
+        if min(weights) <= 0:
+            break
+        own += _doubles(numbers, scale)
+    else:
+        return [(own, lo, hi)]
     if depth == MOST_CUTS:
         raise ArithmeticError("a weight that is proved positive is not seen to be so")
     middle = tuple((1 - UNEVEN) * x + UNEVEN * y for x, y in zip(lo, hi, strict=True))
     assert len(middle) == 2
-    return _positive_parts(piece, degree, lo, middle, depth + 1) + _positive_parts(piece, degree, middle, hi, depth + 1)
+    return _positive_parts(sides, degree, lo, middle, depth + 1) + _positive_parts(sides, degree, middle, hi, depth + 1)
 
 
-def _bernstein(
-    components: Sequence[fmpz_poly], degree: int, lo: Projective, hi: Projective
-) -> tuple[list[int], int]:
-    """Coefficients of X, then of Y, Z and W on the segment from lo to hi, times a number, and that number.
-
-    X is the sum of c_j U^j V^(n - j), n the degree of the curve; U and V are linear on the segment.
-    """
-    n = max(c.degree() for c in components)
+def _change(n: int, degree: int, lo: Projective, hi: Projective) -> tuple[list[list[int]], int]:
+    """What c_j adds to every coefficient of the sum of c_j U^j V^(n - j) from lo to hi, times a number; that number."""
     common = lcm(*(int(x.q) for x in (*lo, *hi)))
-    (u, v), (to_u, to_v) = ([int(x.p) * (common // int(x.q)) for x in end] for end in (lo, hi))
-    u_steps, v_steps = _powers(u, to_u - u, n), _powers(v, to_v - v, n)
-    # U^j V^(n - j) by powers of the parameter
-    if v == to_v:
-        change = [[*(x * v ** (n - j) for x in u_steps[j]), *[0] * (n - j)] for j in range(n + 1)]
-    else:
-        change = [_product(u_steps[j], v_steps[n - j]) for j in range(n + 1)]
-    elevated, factor = _from_powers(n, degree)
-    coefficients = fmpz_mat([[c[j] for j in range(n + 1)] for c in components])
-    found = coefficients * fmpz_mat(change) * elevated
-    return [int(x) for x in found.entries()], factor * common**n
+    u, v, to_u, to_v = (int(x.p) * (common // int(x.q)) for x in (*lo, *hi))
+    # in powers of the parameter, then in Bernstein form
+    powers = zip(_powers(u, to_u - u, n), reversed(_powers(v, to_v - v, n)), strict=True)
+    products = [_product(x, y) for x, y in powers]
+    rows, factor = _from_powers(n, degree)
+    return [[sum(map(mul, row, product)) for product in products] for row in rows], factor * common**n
+
+
+def _changed(row: list[int], columns: list[list[int]]) -> list[int]:
+    if not any(row[1:]) and all(column[0] == columns[0][0] for column in columns):
+        return [row[0] * columns[0][0]] * len(columns)
+    return [sum(map(mul, row, column)) for column in columns]
 
 
 def _powers(start: int, step: int, n: int) -> list[list[int]]:
     """Coefficients of (start + step x)^j, j = 0, ..., n."""
+    if step == 0:
+        return [[start**j] for j in range(n + 1)]
     rows = [[1]]
     for _ in range(n):
         last = rows[-1]
@@ -226,6 +230,8 @@ def _powers(start: int, step: int, n: int) -> list[list[int]]:
 
 def _product(a: list[int], b: list[int]) -> list[int]:
     """Of two polynomials."""
+    if len(b) == 1:
+        return [x * b[0] for x in a]
     found = [0] * (len(a) + len(b) - 1)
     for i, x in enumerate(a):
         for j, y in enumerate(b):
@@ -234,10 +240,10 @@ def _product(a: list[int], b: list[int]) -> list[int]:
 
 
 @lru_cache(maxsize=64)
-def _from_powers(n: int, degree: int) -> tuple[fmpz_mat, int]:
-    """(n + 1, degree + 1): Bernstein coefficients from those of powers, times a number, and that number."""
+def _from_powers(n: int, degree: int) -> tuple[list[list[int]], int]:
+    """(degree + 1, n + 1): Bernstein coefficients from those of powers, times a number, and that number."""
     factor = lcm(*(comb(degree, k) for k in range(n + 1)))
-    return fmpz_mat([[comb(i, k) * (factor // comb(degree, k)) for i in range(degree + 1)] for k in range(n + 1)]), factor
+    return [[comb(i, k) * (factor // comb(degree, k)) for k in range(n + 1)] for i in range(degree + 1)], factor
 
 
 def _doubles(numbers: list[int], scale: int) -> list[float]:
