@@ -26,7 +26,7 @@ from firstcontact.composite.moving_pair import Pair
 from firstcontact.composite.polyhedra import as_model, is_small_and_convex
 from firstcontact.composite.work import Spent, Work
 from firstcontact.errors import UnsupportedPair
-from firstcontact.exact.numbers import above, below, fraction, to_double
+from firstcontact.exact.numbers import above, below, fraction, simplest, to_double
 from firstcontact.exact.roots import AlgebraicRoot
 from firstcontact.exact.square_systems import OpenRoot
 from firstcontact.motion.polynomial import relative_pieces
@@ -103,18 +103,20 @@ def _proved_only(
 def _landed(
     a: Any, b: Any, last: fmpq, tolerance: float, proved: Advance, begin: float, shared: dict[str, Any]
 ) -> FirstContact | None:
-    """CONTACT where the bodies are proved free up to the last instant, and touch then."""
-    (start, end), free_until = shared["span"], proved.free_until
-    if proved.status != "open" or above(last) - free_until > tolerance * (end - start):
+    """CONTACT where the bodies are proved free up to the last instant, or up to one of a graze, and touch then."""
+    (start, end), free_until, instant = shared["span"], proved.free_until, last
+    if proved.graze is not None:
+        instant = simplest(*proved.graze)
+    elif proved.status != "open" or above(last) - free_until > tolerance * (end - start):
         return None
-    found = landing(a, b, last)
+    found = landing(a, b, instant)
     if found is None:
         return None
     pair = found[0].pair
     seen = contact_of(*found, False, {**shared, "a": pair.a, "b": pair.b})
     return _with(
-        seen, a=shared["a"], b=shared["b"], time=end, time_interval=(free_until, above(last)), free_until=free_until,
-        stats=_with_time(Stats(proved.steps, proved.gaps), begin),
+        seen, a=shared["a"], b=shared["b"], time=to_double(instant), time_interval=(free_until, above(instant)),
+        free_until=free_until, stats=_with_time(Stats(proved.steps, proved.gaps), begin),
     )  # fmt: skip
 
 
