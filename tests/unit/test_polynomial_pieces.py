@@ -416,7 +416,7 @@ SPIN = fc.Rotation((0, 0, 1), radians=9)
 @pytest.mark.parametrize(
     ("a", "b"),
     [
-        (fc.Translation((1, 0, 0)), TURN), (BETWEEN[0], TURN), (TURN, fc.Rotation((1, 2, 3), (1, 0, 0), turns="1/40")),
+        (fc.Translation((1, 0, 0)), TURN), (BETWEEN[0], TURN), (TURN, fc.Rotation((1, 2, 3), turns="1/40")),
         (TURN, fc.Rotation((3, 2, 1), radians="3/4")), (TURN, fc.Rotation((1, 0, 0), turns="3/4")),
         (SPIN, fc.Sequence([fc.Translation((1, 0, 0)), SPIN])),
     ],

@@ -203,21 +203,14 @@ class _Search:
         """The outcome of advancing these pieces up to the limit; where balls end it, what they prove."""
         t, close, looks = window.first, None, 0
         while True:
-            outcome = advance_pieces(
-                self.a.array, i, window.a, self.b.array, j, window.b,
-                t, limit, window.inner, self.width, self.budget, self.workspace, self.counters,
-            )  # fmt: skip
-            if outcome in (FREE, INITIAL, CONTACT) or outcome in REASONS or self.motions is None or looks == MOST_LOOKS:
-                return outcome, None
-            if i >= len(self.a.solids) or j >= len(self.b.solids):  # the union of all, which has no forms of its own
+            outcome = self._outcome(window, i, j, t, limit)
+            if outcome in (FREE, INITIAL, CONTACT) or outcome in REASONS or looks == MOST_LOOKS:
                 return outcome, None
             reached = float(self.results[FREE_UNTIL])
             looks += 1
+            close = close or self._close_up(window, i, j)
             if close is None:
-                try:
-                    close = self._close_up(window, i, j)
-                except NoFunction:
-                    return outcome, None
+                return outcome, None
             last = min(_exact(limit), close.motion.end)
             passage = close.passage(_exact(reached), last, _exact(self.width), True)
             if passage is None:
@@ -232,6 +225,32 @@ class _Search:
                 return FREE, None
             if t <= reached:
                 return outcome, None
+
+    def passage(self, t: float) -> tuple[Passage, np.ndarray | None] | None:
+        """What balls prove of the only window from t on, and a common point at the end if there is contact then.
+
+        None where nothing is, or where more than one pair of pieces comes near at once.
+        """
+        (window,) = self.windows
+        near = [(window.last, -1, -1)]  # the earliest and the next times from which a pair is not proved apart
+        for i, j in product(range(self.a.count), range(self.b.count)):
+            outcome = self._outcome(window, i, j, t, window.last)
+            if outcome != FREE:
+                near.append((t if outcome == INITIAL else float(self.results[FREE_UNTIL]), i, j))
+        near.sort()
+        begin, i, j = near[0]
+        close = self._close_up(window, i, j) if len(near) > 1 and near[1][0] > begin else None
+        if close is None:
+            return None
+        limit = min(_exact(near[1][0]), close.motion.end)
+        passage = close.passage(_exact(begin), limit, _exact(self.width), False)
+        return None if passage is None else (passage, close.point_at_end(passage))
+
+    def _outcome(self, window: Window, i: int, j: int, t: float, limit: float) -> int:
+        return advance_pieces(
+            self.a.array, i, window.a, self.b.array, j, window.b,
+            t, limit, window.inner, self.width, self.budget, self.workspace, self.counters,
+        )  # fmt: skip
 
     def _earlier(self, best: Advance | None, found: Advance) -> Advance:
         """The earlier contact, with an interval that holds for both pairs."""
@@ -252,11 +271,16 @@ class _Search:
             self.workspace[POSE_A : POSE_A + 6, :12].tolist(), r[GAP], steps=c[STEPS], newton=c[NEWTON], gaps=c[GAPS],
         )  # fmt: skip
 
-    def _close_up(self, window: Window, i: int, j: int) -> CloseUp:
-        assert self.motions is not None
+    def _close_up(self, window: Window, i: int, j: int) -> CloseUp | None:
+        """None where balls do not follow these pieces: the union of all has no forms of its own."""
+        if self.motions is None or i >= len(self.a.solids) or j >= len(self.b.solids):
+            return None
         middle = (_exact(window.first) + _exact(window.last)) / 2
         motion = next(m for m in self.motions() if m.start <= middle <= m.end)
-        return CloseUp(motion, self.a, i, self.b, j)
+        try:
+            return CloseUp(motion, self.a, i, self.b, j)
+        except NoFunction:
+            return None
 
     def _touched(self, window: Window, close: CloseUp, passage: Passage, i: int, j: int) -> Advance:
         """The contact that balls prove."""

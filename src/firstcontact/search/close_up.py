@@ -18,12 +18,12 @@ from firstcontact.search.convex import ConvexPieces
 from firstcontact.search.separation import BITS, LEAST, STATIC, ZERO, Convex, Separation, State
 
 NEAR = fmpq(1, 20)
-"""Of the motion's piece: how far ahead an extremum may be."""
+"""Of the step of the motion: how far off an extremum may be."""
 SURE = fmpq(1, 2 ** (BITS // 2 + 32))
 """Of the size: a separation at an extremum that is less counts as zero until it is proved."""
 CORE = fmpq(1, 2**80)
-"""Of the piece of the motion: the time around such an extremum in which nothing is proved."""
-PAST = 1e-9
+"""Of the step of the motion: the time around such an extremum in which nothing is proved."""
+PAST = 1e-8
 """Of the size: the separation from which on doubles go on."""
 MOST_PROOFS = 60
 
@@ -76,7 +76,7 @@ class CloseUp:
         self.proofs = 0
         span = self.motion.end - self.motion.start
         extremum = system.solve(start, LEAST)
-        if extremum is not None and not t <= extremum.time <= t + NEAR * span:
+        if extremum is not None and abs(extremum.time - t) > NEAR * span:
             extremum = None
         hints, cuts, graze, end = [start], [], None, limit
         if extremum is None:
@@ -104,7 +104,7 @@ class CloseUp:
             elif gap == 0:
                 graze = extremum.time - CORE * span, extremum.time + CORE * span
             ahead = exact_value((PAST * system.size / abs(to_double(bend))) ** 0.5)
-            end = min(limit, max([extremum.time, *cuts]) + max(ahead, extremum.time - t))
+            end = min(limit, max([extremum.time, *cuts]) + max(ahead, 4 * abs(extremum.time - t)))
         return self._proved(t, end, sorted(cuts), graze, start.s < 0, hints, width, first)
 
     def _bend(self, state: State) -> fmpq | None:
@@ -185,6 +185,13 @@ class CloseUp:
             return bool(bounds) and all(bound.is_positive(lo, hi) for bound in bounds)
         bound = system.apart(state, paths, width)
         return bound is not None and bound.is_positive(lo, hi)
+
+    def point_at_end(self, passage: Passage) -> np.ndarray | None:
+        """A point about the deepest common one at the end, in the world; None where there is no contact then."""
+        if not passage.stretches[-1].contact:
+            return None
+        guess = self.separation.guess(passage.until)
+        return None if guess is None else self.place(guess)[0]
 
     def place(self, state: State) -> tuple[np.ndarray, np.ndarray]:
         """(point, normal) of a state in the world, in doubles; the normal is unit and points from b towards a."""
