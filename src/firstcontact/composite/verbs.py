@@ -32,7 +32,7 @@ from firstcontact.exact.square_systems import OpenRoot
 from firstcontact.motion.polynomial import relative_pieces
 from firstcontact.motion.span import common_span
 from firstcontact.result import ContactInterval, ContactIntervals, FirstContact, Stats, Status
-from firstcontact.search.advance import Advance
+from firstcontact.search.advance import Advance, advance
 from firstcontact.search.earliest import Progress
 
 
@@ -192,6 +192,9 @@ def contact_intervals(
         return _intervals_of_mesh(a, b, span, exact, Work(budget, progress), tolerance)
     first, last = _span(a, b, span)
     shared = {"a": a, "b": b, "span": (to_double(first), to_double(last))}
+    if not exact and budget is None and _is_free(a, b, first, last, shared["span"]):
+        stats = Stats(seconds=clock.perf_counter() - begin)
+        return ContactIntervals((), Status.FREE, shared["span"][1], None, stats, **shared)
     try:
         return _decided_intervals(a, b, first, last, exact, Work(budget, progress, below(first)), begin, shared)
     except UnsupportedPair as refusal:
@@ -205,6 +208,11 @@ def contact_intervals(
         except UnsupportedPair as other:
             raise UnsupportedPair(f"{refusal}; {other}") from other
     return proved_intervals(found, work, begin, shared)
+
+
+def _is_free(a: Any, b: Any, first: fmpq, last: fmpq, span: tuple[float, float]) -> bool:
+    """Whether the advancement of convex pieces proves, at little cost, that there is no contact at all."""
+    return advance(*both_bounded(_models(a, b), span), first, last).status == "free"
 
 
 def _intervals_of_mesh(a: Any, b: Any, span: Any, exact: bool, work: Work, tolerance: float) -> ContactIntervals:
@@ -396,7 +404,7 @@ def _windows(search: Search) -> Iterator[tuple[_End, _End]]:
     for group in search.groups():
         root = group[0].root
         if piece.clock.compare(root, piece.start) > 0:
-            if search.share_a_point(between(lo, root)):
+            if _share(search, start, before, between(lo, root)):
                 start = start or before
             elif start is not None:
                 yield start, before
@@ -407,11 +415,18 @@ def _windows(search: Search) -> Iterator[tuple[_End, _End]]:
         before, lo = here, search.beyond(root)
     assert piece.u_hi is not None and piece.end is not None
     if before.root is None or piece.clock.compare(before.root, piece.end) < 0:
-        if search.share_a_point((lo + piece.u_hi) / 2):
+        if _share(search, start, before, (lo + piece.u_hi) / 2):
             yield start or before, _End(search, None, piece.end)
             return
     if start is not None:
         yield start, before
+
+
+def _share(search: Search, start: _End | None, before: _End, u: fmpq) -> bool:
+    """Whether the models share a point at u, after contact since `start` (None: after none) until `before`."""
+    if start is None and before.root is not None:
+        return search.share_a_point(u)
+    return search.still_share_a_point(u)
 
 
 def _interval(start: _End, end: _End, exact: bool) -> ContactInterval:

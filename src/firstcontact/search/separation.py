@@ -60,7 +60,8 @@ class Convex:
     """
 
     def __init__(self, form: Surface, witness: Sequence[fmpq], size: float) -> None:
-        rows = [list(row) for row in form.matrix()]
+        largest = max(abs(x) for row in form.matrix() for x in row)
+        rows = [[x / largest for x in row] for row in form.matrix()]
         self.linear: list[fmpq] | None = None
         self.square = fmpq(1)
         block = tuple(tuple(row[:3]) for row in rows[:3])
@@ -144,7 +145,7 @@ class _Barrier:
         point = np.append(x, 1.0)
         image = self.forms @ point
         value = image @ point
-        root = np.where(self.rooted, np.sqrt(np.maximum(value, 1e-300)), 1.0)
+        root = np.where(self.rooted, np.sqrt(np.maximum(value, 1e-60)), 1.0)
         return np.where(self.rooted, root - self.lines @ point, value), image, root
 
     def height(self, x: np.ndarray, sharp: float) -> float:
