@@ -20,7 +20,6 @@ from quadric_vectors import VECTORS, quaternion_matrix
 # What the fast path leaves to the exact one, and why.
 LEFT_OPEN = {
     "sphere_sphere_graze": "precision",
-    "sphere_sphere_near_hit_1e-9": "precision",  # so flat a contact that 1e-12 of the span is below rounding
     "sphere_grazes_box_edge": "precision",
     "touching_at_start": "precision",
     "cones_common_generator": "precision",  # apex against apex: the forms vanish to second order

@@ -386,6 +386,13 @@ def test_two_rotations_about_one_line_are_one(a, b):
         assert all(p.frame is None and projective.degree(p.pose) == 2 for p in pieces)
 
 
+@pytest.mark.parametrize(("slow", "fast"), [("1/3", 1), ("2/5", "-3/5"), (0.75, "15/4")])
+def test_rotations_at_speeds_like_whole_numbers(slow, fast):
+    a, b = fc.Rotation((2, 1, 2), (1, 0, 0), turns=slow), fc.Rotation((-1, 2, 2), (0, 3, 1), turns=fast)
+    check_relative(a, b, ZERO, ONE)
+    check_relative(b, a, fmpq(1, 7), fmpq(9, 2))
+
+
 def test_relative_motion_of_steps():
     lifts = [fc.RationalMotion.between(np.eye(4), m(1.0)) for m in BETWEEN]
     steps = [fc.Translation((1, 0, 0)), TURN, fc.Rotation((0, 0, 1), turns="1/2"), lifts[0]]
@@ -409,7 +416,7 @@ SPIN = fc.Rotation((0, 0, 1), radians=9)
 @pytest.mark.parametrize(
     ("a", "b"),
     [
-        (fc.Translation((1, 0, 0)), TURN), (BETWEEN[0], TURN), (TURN, fc.Rotation((3, 2, 1), turns="1/4")),
+        (fc.Translation((1, 0, 0)), TURN), (BETWEEN[0], TURN), (TURN, fc.Rotation((1, 2, 3), turns="1/40")),
         (TURN, fc.Rotation((3, 2, 1), radians="3/4")), (TURN, fc.Rotation((1, 0, 0), turns="3/4")),
         (SPIN, fc.Sequence([fc.Translation((1, 0, 0)), SPIN])),
     ],

@@ -13,7 +13,7 @@ from functools import cached_property, cmp_to_key
 
 from flint import fmpq
 
-from firstcontact.composite.at_rest import overlap
+from firstcontact.composite.at_rest import overlap, placed
 from firstcontact.composite.contact_sets import Shared, shared_part
 from firstcontact.composite.membership import extent
 from firstcontact.composite.moving_pair import Pair
@@ -24,6 +24,7 @@ from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import Undecidable, dyadic, precision
 from firstcontact.exact.roots import AlgebraicRoot
 from firstcontact.exact.square_systems import EnclosedRoot, OpenRoot
+from firstcontact.search.close_up import common_interior
 
 NARROW = fmpq(1, 10**12)
 """Of the span of a piece: what an enclosure of a time of contact may be wide."""
@@ -170,6 +171,10 @@ class Search:
     def share_a_point(self, u: fmpq) -> bool:
         """Whether the models share a point at a rational u that is no candidate."""
         return bool(self.lasting(u)) or overlap(self.pair, u)
+
+    def still_share_a_point(self, u: fmpq) -> bool:
+        """The same where they may just have been in contact: what they share may be too thin for Boolean operations."""
+        return self.share_a_point(u) or common_interior(placed(self.pair, u), self.pair.b) is not None
 
     def shares_a_point_at_end(self) -> bool:
         """Whether the models share a point after the last candidate: a check of a search that found no contact."""

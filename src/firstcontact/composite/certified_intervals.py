@@ -2,7 +2,8 @@
 
 Free time is passed by the searches for the first contact, contact by `lasting`.  Where contact may end, a later time is
 proved free; the last contact before it is the first one with time running backwards, and from there contact is proved
-back to where it was lost.  What is proved neither way ends the answer.
+back to where it was lost.  Where bodies nearly graze that is too coarse, and a `Passage` in finer arithmetic steps in.
+What is proved neither way ends the answer.
 """
 
 from __future__ import annotations
@@ -17,15 +18,19 @@ from flint import fmpq
 
 from firstcontact.body.moving import shape_of
 from firstcontact.composite.certified import both_bounded
+from firstcontact.composite.last_instant import landing
 from firstcontact.composite.lasting import Lasting, LastingOfModels
 from firstcontact.composite.work import Spent, Work
 from firstcontact.errors import UnsupportedPair
-from firstcontact.exact.numbers import above, below
+from firstcontact.exact.numbers import above, below, simplest
 from firstcontact.kernels.event_search import CHART, FREE
 from firstcontact.kernels.poses import CENTRE, KIND, TURNING, pose_at
 from firstcontact.kernels.workspace import HERE_A, workspace
+from firstcontact.motion.curved import CurvedPiece
+from firstcontact.motion.relative import curved_pieces
 from firstcontact.search import advance, events
 from firstcontact.search.charts import NotCharted
+from firstcontact.search.close_up import Passage
 from firstcontact.search.convex import NotConvex, convex_pieces
 from firstcontact.search.event_tables import tables_of
 from firstcontact.search.stretches import Untold, Window, windows
@@ -87,7 +92,8 @@ def certified_intervals(
         parts = windows(*models, first, last)
         width = tolerance * (parts[-1].last - parts[0].first)
         lasting = LastingOfModels(*(shape_of(x) for x in models))
-        return Sweep(_Free(models, width), lasting, parts, width, work, touches_at_start).run()
+        free = _Free(models, width, parts, curved_pieces(*models, first, last))
+        return Sweep(free, lasting, parts, width, work, touches_at_start).run()
     except (NotCharted, Untold) as reason:
         raise UnsupportedPair(f"contact intervals are not decided: {reason}") from reason
 
@@ -119,12 +125,29 @@ class Free(Protocol):
     def near_start(self, window: Window) -> list[np.ndarray]:
         """Where the bodies may touch at the start of the window."""
 
+    def passage(self, window: Window, t: float) -> Pass | None:
+        """What finer arithmetic proves from t on; None where that is nothing."""
+
+
+@dataclass(frozen=True)
+class Pass:
+    """passage: what is proved of all times up to its end; point: a common one near its end, if there is contact then.
+
+    instant: the time of a graze, proved to be one of contact; None where there is no graze, or it is not proved.
+    """
+
+    passage: Passage
+    point: np.ndarray | None
+    instant: fmpq | None
+
 
 class _Free:
     """Two models: by convex pieces where the models consist of them, else by events."""
 
-    def __init__(self, models: tuple[Any, Any], width: float) -> None:
-        self.models, self.width = models, width
+    def __init__(
+        self, models: tuple[Any, Any], width: float, parts: list[Window], motions: list[CurvedPiece]
+    ) -> None:
+        self.models, self.width, self.parts, self.motions = models, width, parts, motions
         bodies: list[Any] = [shape_of(x) for x in models]
         try:
             self.pieces = [convex_pieces(body) for body in bodies]
@@ -154,11 +177,31 @@ class _Free:
     def near_start(self, window: Window) -> list[np.ndarray]:
         return self.until(window, window.first, window.first)[1] if self.tables is None else []
 
+    def passage(self, window: Window, t: float) -> Pass | None:
+        if self.tables is not None:
+            return None
+        search = self._search(window, t, window.last)
+        found = search.passage(t)
+        if found is None:
+            return None
+        passage, point = found
+        instant = None
+        if passage.graze is not None:
+            instant = simplest(*passage.graze)
+            if landing(*self.models, instant) is None:
+                instant = None
+        return Pass(passage, point, instant)
+
     def _advanced(self, window: Window, t: float, end: float) -> advance.Advance:
+        return self._search(window, t, end).run()
+
+    def _search(self, window: Window, t: float, end: float) -> advance._Search:
         part = window._replace(first=t, last=end, inner=min(end, window.inner))
         search = advance._Search(self.pieces[0], self.pieces[1], [part], 1.0, STRIDES)
         search.width = self.width
-        return search.run()
+        if any(window.a is w.a and window.b is w.b for w in self.parts):  # else time runs backwards
+            search.motions = lambda: self.motions
+        return search
 
     def _places(self, search: Any, window: Window) -> list[np.ndarray]:
         """The middles of boxes that survive, in the world."""
@@ -260,8 +303,30 @@ class Sweep:
             return seed
         raise _Open(t)
 
+    def _finer(self, window: Window, t: float) -> tuple[float, np.ndarray | None]:
+        """As `_enter` or `_leave`, by a passage from t on.  May raise _Open."""
+        self._step()
+        found = self.free.passage(window, t)
+        if found is None or found.passage.stretches[0].contact != (self.start is not None):
+            raise _Open(t)
+        passage = found.passage
+        for before, after in zip(passage.stretches, passage.stretches[1:], strict=False):
+            event = below(before.hi), above(after.lo)
+            if before.contact and after.contact or passage.graze is not None:
+                if found.instant is None:
+                    raise _Open(event[0])
+                if not after.contact:
+                    at = below(found.instant), above(found.instant)
+                    self.start = event[0], at[1]
+                    self._close((at[0], event[1]))
+            elif after.contact:
+                self.start, self.turns = event, 0
+            else:
+                self._close(event)
+        return min(below(passage.until), window.last), found.point
+
     def _enter(self, window: Window, t: float) -> tuple[float, np.ndarray | None]:
-        """(the time from which there is contact again, a common point then), from t, which is free."""
+        """(the time up to which all is settled, a common point then or None), from t, which is free."""
         self._step()
         lo, seeds = self.free.until(window, t, window.last)
         if lo >= window.last and not seeds:
@@ -269,7 +334,7 @@ class Sweep:
         self.reached = lo
         hi, point = self._soon(window, lo, window.inner, seeds)
         if point is None:
-            raise _Open(lo)
+            return self._finer(window, lo)
         self.start, self.turns = (lo, hi), 0
         return hi, point
 
@@ -292,6 +357,13 @@ class Sweep:
         self.reached = t
         if t >= window.last:
             return t, point
+        try:
+            return self._left(window, t, point)
+        except _Open:
+            return self._finer(window, t)
+
+    def _left(self, window: Window, t: float, point: np.ndarray) -> tuple[float, np.ndarray | None]:
+        """As `_leave`, from t where contact is not proved to last."""
         for later in self._ahead(window, t):
             self._step()
             if self.free.at(window, later):

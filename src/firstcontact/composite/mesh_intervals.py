@@ -65,3 +65,6 @@ class _Free:
     def near_start(self, window: Window) -> list[np.ndarray]:
         found = self.search.at_start(window)
         return [] if found.touch is None else [found.touch.point]
+
+    def passage(self, window: Window, t: float) -> None:
+        return None

@@ -26,13 +26,13 @@ from firstcontact.composite.moving_pair import Pair
 from firstcontact.composite.polyhedra import as_model, is_small_and_convex
 from firstcontact.composite.work import Spent, Work
 from firstcontact.errors import UnsupportedPair
-from firstcontact.exact.numbers import above, below, fraction, to_double
+from firstcontact.exact.numbers import above, below, fraction, simplest, to_double
 from firstcontact.exact.roots import AlgebraicRoot
 from firstcontact.exact.square_systems import OpenRoot
 from firstcontact.motion.polynomial import relative_pieces
 from firstcontact.motion.span import common_span
 from firstcontact.result import ContactInterval, ContactIntervals, FirstContact, Stats, Status
-from firstcontact.search.advance import Advance
+from firstcontact.search.advance import Advance, advance
 from firstcontact.search.earliest import Progress
 
 
@@ -103,18 +103,20 @@ def _proved_only(
 def _landed(
     a: Any, b: Any, last: fmpq, tolerance: float, proved: Advance, begin: float, shared: dict[str, Any]
 ) -> FirstContact | None:
-    """CONTACT where the bodies are proved free up to the last instant, and touch then."""
-    (start, end), free_until = shared["span"], proved.free_until
-    if proved.status != "open" or above(last) - free_until > tolerance * (end - start):
+    """CONTACT where the bodies are proved free up to the last instant, or up to one of a graze, and touch then."""
+    (start, end), free_until, instant = shared["span"], proved.free_until, last
+    if proved.graze is not None:
+        instant = simplest(*proved.graze)
+    elif proved.status != "open" or above(last) - free_until > tolerance * (end - start):
         return None
-    found = landing(a, b, last)
+    found = landing(a, b, instant)
     if found is None:
         return None
     pair = found[0].pair
     seen = contact_of(*found, False, {**shared, "a": pair.a, "b": pair.b})
     return _with(
-        seen, a=shared["a"], b=shared["b"], time=end, time_interval=(free_until, above(last)), free_until=free_until,
-        stats=_with_time(Stats(proved.steps, proved.gaps), begin),
+        seen, a=shared["a"], b=shared["b"], time=to_double(instant), time_interval=(free_until, above(instant)),
+        free_until=free_until, stats=_with_time(Stats(proved.steps, proved.gaps), begin),
     )  # fmt: skip
 
 
@@ -191,6 +193,9 @@ def contact_intervals(
     models = _models(a, b)
     first, last = _span(models, span)
     shared = {"a": a, "b": b, "span": (to_double(first), to_double(last))}
+    if not exact and budget is None and _is_free(a, b, first, last, shared["span"]):
+        stats = Stats(seconds=clock.perf_counter() - begin)
+        return ContactIntervals((), Status.FREE, shared["span"][1], None, stats, **shared)
     try:
         return _decided_intervals(a, b, first, last, exact, Work(budget, progress, below(first)), begin, shared)
     except UnsupportedPair as refusal:
@@ -204,6 +209,11 @@ def contact_intervals(
         except UnsupportedPair as other:
             raise UnsupportedPair(f"{refusal}; {other}") from other
     return proved_intervals(found, work, begin, shared)
+
+
+def _is_free(a: Any, b: Any, first: fmpq, last: fmpq, span: tuple[float, float]) -> bool:
+    """Whether the advancement of convex pieces proves, at little cost, that there is no contact at all."""
+    return advance(*both_bounded(_models(a, b), span), first, last).status == "free"
 
 
 def _intervals_of_mesh(a: Any, b: Any, span: Any, exact: bool, work: Work, tolerance: float) -> ContactIntervals:
@@ -396,7 +406,7 @@ def _windows(search: Search) -> Iterator[tuple[_End, _End]]:
     for group in search.groups():
         root = group[0].root
         if piece.clock.compare(root, piece.start) > 0:
-            if search.share_a_point(between(lo, root)):
+            if _share(search, start, before, between(lo, root)):
                 start = start or before
             elif start is not None:
                 yield start, before
@@ -407,11 +417,18 @@ def _windows(search: Search) -> Iterator[tuple[_End, _End]]:
         before, lo = here, search.beyond(root)
     assert piece.u_hi is not None and piece.end is not None
     if before.root is None or piece.clock.compare(before.root, piece.end) < 0:
-        if search.share_a_point((lo + piece.u_hi) / 2):
+        if _share(search, start, before, (lo + piece.u_hi) / 2):
             yield start or before, _End(search, None, piece.end)
             return
     if start is not None:
         yield start, before
+
+
+def _share(search: Search, start: _End | None, before: _End, u: fmpq) -> bool:
+    """Whether the models share a point at u, after contact since `start` (None: after none) until `before`."""
+    if start is None and before.root is not None:
+        return search.share_a_point(u)
+    return search.still_share_a_point(u)
 
 
 def _interval(start: _End, end: _End, exact: bool) -> ContactInterval:

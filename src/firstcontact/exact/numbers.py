@@ -107,6 +107,19 @@ def above(x: fmpq) -> float:
     return -below(-x)
 
 
+def simplest(lo: fmpq, hi: fmpq) -> fmpq:
+    """The fraction of least denominator in the closed [lo, hi].
+
+    >>> simplest(fmpq(33, 100), fmpq(34, 100)), simplest(fmpq(-1, 2), fmpq(1, 8))
+    (1/3, 0)
+    """
+    whole = fmpq(lo.ceil())
+    if whole <= hi:
+        return fmpq(0) if lo <= 0 <= hi else whole
+    below = whole - 1
+    return below + 1 / simplest(1 / (hi - below), 1 / (lo - below))
+
+
 def ball(x: Any) -> arb:
     """An enclosure of x at the present precision."""
     return x if isinstance(x, arb) else arb(x)

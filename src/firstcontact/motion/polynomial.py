@@ -3,6 +3,7 @@
 Straight and rational motions have u = t.  A rotation has u = tan(half the angle) over the length of its axis vector,
 measured from the nearest whole number of half turns after its start, because those poses are rational for every axis;
 so it is cut at its odd quarter turns, and sqrt(K) u stays between tan(-45 deg) and tan(45 deg).
+Two rotations whose speeds are as small whole numbers m, n both are powers of one turn, at 1/m and 1/n of their speeds.
 """
 
 from __future__ import annotations
@@ -33,6 +34,8 @@ from firstcontact.result import ExactTime
 
 _0, _1 = fmpq(0), fmpq(1)
 REST = Translation((0, 0, 0))
+MOST_POWERS = 8
+"""Of one turn: the degree of the pose is twice that."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,7 +139,9 @@ def relative_pieces(a: Any, b: Any, first: fmpq, last: fmpq | None) -> Iterator[
             if turn is not None:
                 yield from step_pieces(turn, begin, end, f"{of_a} as seen from {of_b}")
             else:
-                pieces_a, pieces_b = step_pieces(step_a, begin, end, of_a), step_pieces(step_b, begin, end, of_b)
+                powers = _powers(step_a, step_b)
+                own, other = replace(step_a, power=powers[0]), replace(step_b, power=powers[1])
+                pieces_a, pieces_b = step_pieces(own, begin, end, of_a), step_pieces(other, begin, end, of_b)
                 yield from _overlaps(pieces_a, pieces_b, first == last)
         if end_b is None or (end_a is not None and end_a <= end_b):
             x = next(windows_a, None)
@@ -170,7 +175,8 @@ def _common(a: PolynomialPiece, b: PolynomialPiece) -> tuple[Matrix, Matrix, Str
         return a.pose, projective.substituted(b.pose, fmpq_poly([_0, factor])), a.clock
     raise UnsupportedPair(
         f"{a.of} with {b.of}: their relative motion is no rational function of one parameter; supported are two "
-        "straight or rational motions, two rotations about one line or of equal speed and phase, and one moving body"
+        "straight or rational motions, two rotations about one line or in phase at speeds like small whole numbers, "
+        "and one moving body"
     )
 
 
@@ -181,7 +187,7 @@ def _common(a: PolynomialPiece, b: PolynomialPiece) -> tuple[Matrix, Matrix, Str
 class Step:
     """`motion`, after the rational pose `before` and followed by the fixed map `after`, over [start, end].
 
-    start, end None: it goes on.  Its own time is (t - origin) / unit.
+    start, end None: it goes on.  Its own time is (t - origin) / unit.  power: of the turn that u tells, for rotations.
     """
 
     motion: Any
@@ -192,6 +198,7 @@ class Step:
     origin: fmpq = _0
     unit: fmpq = _1
     after: Matrix | None = None
+    power: int = 1
 
 
 def _windows(body: Any, first: fmpq, last: fmpq | None) -> Iterator[tuple[Step, fmpq, fmpq | None, str]]:
@@ -243,6 +250,16 @@ def _difference(a: Step, b: Step) -> Step | None:
     after = projective.inverse(projective.fixed(b.before), _0)
     origin = (p * a.origin - q * b.origin) / (p - q)
     return Step(turn, None, None, a.before, a.exact and b.exact, origin, _1, after)
+
+
+def _powers(a: Step, b: Step) -> tuple[int, int]:
+    """The whole numbers that the speeds of two rotations are in proportion to; (1, 1) where none are small."""
+    x, y = a.motion, b.motion
+    if isinstance(x, Rotation) and isinstance(y, Rotation) and x.angle != 0 and y.angle != 0 and x.unit == y.unit:
+        ratio = abs(x.angle / a.unit / (y.angle / b.unit))
+        if max(ratio.p, ratio.q) <= MOST_POWERS:
+            return int(ratio.p), int(ratio.q)
+    return 1, 1
 
 
 def _simple(step: Any) -> Any:
@@ -297,7 +314,8 @@ def _turn_pieces(
 ) -> Iterator[PolynomialPiece]:
     """The pieces of a rotation, cut where it has turned an odd number of quarter turns since its start."""
     axis = _primitive(motion.axis if motion.angle > 0 else scaled(-1, motion.axis))
-    clock = AngleClock(step.origin, abs(motion.angle) / step.unit, motion.unit, dot(axis, axis), 0)
+    rate = abs(motion.angle) / step.unit / step.power
+    clock = AngleClock(step.origin, rate, motion.unit, dot(axis, axis), 0)
     clock = replace(clock, halves=_half_turns(clock, first))
     while clock.cut() <= first and clock.cut() != last:
         clock = replace(clock, halves=clock.halves + 1)
@@ -305,7 +323,7 @@ def _turn_pieces(
     # Invariant: all before `first` is covered, and `first` lies within a quarter turn of the clock's reference.
     while True:
         end = clock.cut() if last is None else min(clock.cut(), last)
-        pose = projective.product(_turn_pose(clock, axis, motion.point), before)
+        pose = projective.product(_turn_pose(clock, axis, motion.point, step.power), before)
         if step.after is not None:
             pose = projective.product(step.after, pose)
         u_lo, u_hi = clock.parameters(first, end)
@@ -323,11 +341,15 @@ def _half_turns(clock: AngleClock, time: fmpq) -> int:
     return int(mid.p // mid.q)
 
 
-def _turn_pose(clock: AngleClock, axis: Vector, point: Vector) -> Matrix:
-    """The turn by 2 atan(sqrt(K) u) beyond the reference: of the quaternion 1 + u h, times h after odd half turns."""
-    scalar, along = fmpq_poly([1]), fmpq_poly([0, 1])
+def _turn_pose(clock: AngleClock, axis: Vector, point: Vector, power: int) -> Matrix:
+    """A power of the turn by 2 atan(sqrt(K) u) beyond the reference: of the quaternion 1 + u h, times h after odd
+    half turns."""
+    once = fmpq_poly([1]), fmpq_poly([0, 1])
     if clock.halves % 2:
-        scalar, along = fmpq_poly([0, -clock.square]), fmpq_poly([1])
+        once = fmpq_poly([0, -clock.square]), fmpq_poly([1])
+    scalar, along = once
+    for _ in range(power - 1):
+        scalar, along = scalar * once[0] - clock.square * along * once[1], scalar * once[1] + along * once[0]
     nil = fmpq_poly([0])
     rows = projective.of_quaternion((scalar, *(along * h for h in axis)), (nil, nil, nil))
     weight = rows[3][3]

@@ -90,15 +90,27 @@ def pieces(a: Any, b: Any, span: Any) -> tuple[list[Piece | CurvedPiece], fmpq, 
     if len(steps_a) == len(steps_b) == 1:
         return [_reduce(a, b, steps_a[0], steps_b[0], first, last)], first, last
     assert last is not None  # sequences have bounded spans
+    out = []
+    for t0, t1 in _cut(steps_a, steps_b, first, last):
+        out.append(_reduce(a, b, _step_at(steps_a, t0), _step_at(steps_b, t0), t0, t1))
+    return out, first, last
+
+
+def curved_pieces(a: Any, b: Any, first: fmpq, last: fmpq) -> list[CurvedPiece]:
+    """The pieces over [first, last] by the motions themselves, whatever they are: poses as power series at any time."""
+    steps_a, steps_b = list(_steps(a)), list(_steps(b))
+    return [
+        _curved(a, b, _step_at(steps_a, t0), _step_at(steps_b, t0), t0, t1)
+        for t0, t1 in _cut(steps_a, steps_b, first, last)
+    ]
+
+
+def _cut(steps_a: list[_Step], steps_b: list[_Step], first: fmpq, last: fmpq) -> list[tuple[fmpq, fmpq]]:
+    """The stretches of [first, last] in which both bodies make one step."""
     cuts = {first, last}
     cuts.update(t for s in (*steps_a, *steps_b) for t in (s.start, s.end) if t is not None and first < t < last)
     times = sorted(cuts)
-    if len(times) == 1:
-        times = [first, last]
-    out = []
-    for t0, t1 in zip(times, times[1:], strict=False):
-        out.append(_reduce(a, b, _step_at(steps_a, t0), _step_at(steps_b, t0), t0, t1))
-    return out, first, last
+    return list(zip(times, times[1:] or times, strict=False))
 
 
 class _Step(NamedTuple):

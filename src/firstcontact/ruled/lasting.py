@@ -64,6 +64,9 @@ class RuledFree:
     def near_start(self, window: Window) -> list[np.ndarray]:
         return []
 
+    def passage(self, window: Window, t: float) -> None:
+        return None
+
     def _seed(self, event: Event) -> np.ndarray:
         return np.array([self.numbers[id(event.own.sheet)], *(to_double(c) for c in event.place)])
 

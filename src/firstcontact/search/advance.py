@@ -6,6 +6,7 @@ common point; what neither settles is "open" (see `kernels.advancement`).  No te
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from itertools import product
 from typing import Any
@@ -14,7 +15,7 @@ import numpy as np
 from flint import fmpq
 
 from firstcontact.body.moving import shape_of
-from firstcontact.exact.numbers import below
+from firstcontact.exact.numbers import above, below, to_double
 from firstcontact.kernels.advancement import (
     BY_FORMS,
     BY_VERTEX_A,
@@ -24,6 +25,8 @@ from firstcontact.kernels.advancement import (
     SPENT,
     advance_pieces,
 )
+from firstcontact.kernels.poses import pose_at
+from firstcontact.kernels.support import FORMS
 from firstcontact.kernels.workspace import (
     ACTIVE,
     COUNT,
@@ -43,13 +46,19 @@ from firstcontact.kernels.workspace import (
     VERTEX,
     workspace,
 )
+from firstcontact.motion.curved import CurvedPiece
+from firstcontact.motion.relative import curved_pieces
+from firstcontact.search.close_up import CloseUp, Passage
 from firstcontact.search.convex import ConvexPieces, NotConvex, convex_pieces, covering_pieces
+from firstcontact.search.separation import NoFunction
 from firstcontact.search.stretches import Untold, Window, windows
 
 REASONS = {SPENT: "budget"}
 # Parts of the workspace, by Python's own numbers: those index faster.
 IN_RESULTS, FRAMES = int(RESULTS), slice(int(POSE_A), int(POSE_A) + 6)
 Feature = tuple[str, int]
+MOST_LOOKS = 12
+"""Times at which one pair of pieces is followed in balls."""
 
 
 @dataclass(slots=True)
@@ -67,6 +76,7 @@ class Advance:
     spread         whether what may touch at the contact is more than one point.
     also           features_a and _b of other pairs of pieces that touch at the same time; None: not known.
     complete       whether no surface passes through the point but those of the features.
+    graze          of "open": times between which alone the bodies may touch first, and only at one instant.
     beyond         whether a model is no union of convex pieces, so that nothing was tried.
     """
 
@@ -84,6 +94,7 @@ class Advance:
     spread: bool = False
     also: tuple[tuple[tuple[Feature, ...], tuple[Feature, ...]], ...] | None = None
     complete: bool = False
+    graze: tuple[fmpq, fmpq] | None = None
     beyond: bool = False
     steps: int = 0
     newton: int = 0
@@ -105,7 +116,9 @@ def advance(
         stretches = windows(a, b, begin, end)
     except (NotConvex, Untold) as reason:
         return Advance("open", below(begin), reason=str(reason), beyond=isinstance(reason, NotConvex))
-    return _Search(pieces_a, pieces_b, stretches, tolerance, budget).run()
+    search = _Search(pieces_a, pieces_b, stretches, tolerance, budget)
+    search.motions = lambda: curved_pieces(a, b, begin, end)
+    return search.run()
 
 
 def _exact(t: Any) -> fmpq:
@@ -124,6 +137,8 @@ class _Search:
         self.budget = budget
         self.workspace, self.counters = workspace()
         self.results = self.workspace[IN_RESULTS]
+        self.motions: Callable[[], list[CurvedPiece]] | None = None
+        """Gives the steps of the motion, exact; None where what doubles leave open stays so."""
 
     def run(self) -> Advance:
         for k, window in enumerate(self.windows):
@@ -155,10 +170,16 @@ class _Search:
         contacts: list[Advance] = []
         limit = window.last
         for i, j in pairs:
-            outcome = advance_pieces(
-                self.a.array, i, window.a, self.b.array, j, window.b,
-                window.first, limit, window.inner, self.width, self.budget, self.workspace, self.counters,
-            )  # fmt: skip
+            outcome, seen = self._followed(window, i, j, limit)
+            if seen is not None:
+                if seen.status == "contact":
+                    contacts.append(seen)
+                    best = self._earlier(best, seen)
+                    assert best.time_interval is not None
+                    limit = min(limit, best.time_interval[1])
+                elif stuck is None or seen.free_until < stuck.free_until:
+                    stuck = seen
+                continue
             if outcome == FREE:
                 continue
             if outcome == INITIAL:
@@ -180,6 +201,59 @@ class _Search:
             return best
         return stuck
 
+    def _followed(self, window: Window, i: int, j: int, limit: float) -> tuple[int, Advance | None]:
+        """The outcome of advancing these pieces up to the limit; where balls end it, what they prove."""
+        t, close, looks = window.first, None, 0
+        while True:
+            outcome = self._outcome(window, i, j, t, limit)
+            if outcome in (FREE, INITIAL, CONTACT) or outcome in REASONS or looks == MOST_LOOKS:
+                return outcome, None
+            reached = float(self.results[FREE_UNTIL])
+            looks += 1
+            close = close or self._close_up(window, i, j)
+            if close is None:
+                return outcome, None
+            last = min(_exact(limit), close.motion.end)
+            passage = close.passage(_exact(reached), last, _exact(self.width), True)
+            if passage is None:
+                return outcome, None
+            if passage.state is not None:
+                return outcome, self._touched(window, close, passage, i, j)
+            if passage.graze is not None:
+                found = self._answer("open", below(passage.until), reason="precision", graze=passage.graze)
+                return outcome, found
+            t = below(passage.until)
+            if passage.until == last:
+                return FREE, None
+            if t <= reached:
+                return outcome, None
+
+    def passage(self, t: float) -> tuple[Passage, np.ndarray | None] | None:
+        """What balls prove of the only window from t on, and a common point at the end if there is contact then.
+
+        None where nothing is, or where more than one pair of pieces comes near at once.
+        """
+        (window,) = self.windows
+        near = [(window.last, -1, -1)]  # the earliest and the next times from which a pair is not proved apart
+        for i, j in product(range(self.a.count), range(self.b.count)):
+            outcome = self._outcome(window, i, j, t, window.last)
+            if outcome != FREE:
+                near.append((t if outcome == INITIAL else float(self.results[FREE_UNTIL]), i, j))
+        near.sort()
+        begin, i, j = near[0]
+        close = self._close_up(window, i, j) if len(near) > 1 and near[1][0] > begin else None
+        if close is None:
+            return None
+        limit = min(_exact(near[1][0]), close.motion.end)
+        passage = close.passage(_exact(begin), limit, _exact(self.width), False)
+        return None if passage is None else (passage, close.point_at_end(passage))
+
+    def _outcome(self, window: Window, i: int, j: int, t: float, limit: float) -> int:
+        return advance_pieces(
+            self.a.array, i, window.a, self.b.array, j, window.b,
+            t, limit, window.inner, self.width, self.budget, self.workspace, self.counters,
+        )  # fmt: skip
+
     def _earlier(self, best: Advance | None, found: Advance) -> Advance:
         """The earlier contact, with an interval that holds for both pairs."""
         if best is None:
@@ -197,6 +271,37 @@ class _Search:
             "contact", r[LO], r[TIME], (r[LO], r[HI]),
             self.results[POINT : POINT + 3].copy(), -self.results[NORMAL : NORMAL + 3], *self._features(c),
             self.workspace[FRAMES].tolist(), r[GAP], steps=c[STEPS], newton=c[NEWTON], gaps=c[GAPS],
+        )  # fmt: skip
+
+    def _close_up(self, window: Window, i: int, j: int) -> CloseUp | None:
+        """None where balls do not follow these pieces: the union of all has no forms of its own."""
+        if self.motions is None or i >= len(self.a.solids) or j >= len(self.b.solids):
+            return None
+        middle = (_exact(window.first) + _exact(window.last)) / 2
+        motion = next(m for m in self.motions() if m.start <= middle <= m.end)
+        try:
+            return CloseUp(motion, self.a, i, self.b, j)
+        except NoFunction:
+            return None
+
+    def _touched(self, window: Window, close: CloseUp, passage: Passage, i: int, j: int) -> Advance:
+        """The contact that balls prove."""
+        state = passage.state
+        assert state is not None and passage.event is not None
+        interval = below(passage.stretches[0].hi), above(passage.until)
+        point, normal = close.place(state)
+        rows = [
+            [int(pieces.array[piece, FORMS]) + k for s, k in close.separation.active if s == side]
+            for side, (pieces, piece) in enumerate(((self.a, i), (self.b, j)))
+        ]
+        time = min(max(to_double(passage.event), interval[0]), interval[1])
+        for row, motion in ((POSE_A, window.a), (POSE_A + 1, window.b)):
+            pose_at(motion, time, self.workspace, row)
+            self.workspace[row + 4, :9] = np.linalg.inv(self.workspace[row, :9].reshape(3, 3)).ravel()
+        return self._answer(
+            "contact", interval[0], time=time, time_interval=interval, point=point, normal=normal,
+            features_a=named(self.a, rows[0]), features_b=named(self.b, rows[1]),
+            frames=self.workspace[POSE_A : POSE_A + 6, :12].tolist(),
         )  # fmt: skip
 
     def _features(self, c: list[int]) -> tuple[tuple[Feature, ...], tuple[Feature, ...]]:

@@ -57,12 +57,14 @@ class ConvexPieces:
     """array: as `kernels.support` tells, `count` pieces; labels: (kind, index) of the body's features by surfaces.
 
     union: the row of all pieces as one, where several make a convex body; else None.
+    solids: of each piece its half-spaces, exact and in the order of the rows of its forms, and an interior point.
     """
 
     array: np.ndarray
     count: int
     labels: dict[frozenset[int], tuple[str, int]]
     union: int | None = None
+    solids: tuple[tuple[list[Surface], Sequence[fmpq] | None], ...] = ()
     named: dict[tuple[int, ...], tuple[tuple[str, int], ...]] = field(default_factory=dict)
     """Features by the rows of forms, as asked for so far."""
 
@@ -107,18 +109,19 @@ def _of_clauses(body: CompositeQuadric, clauses: list[Clause]) -> ConvexPieces:
         raise NotConvex("too many pieces")
     labels = _labels(body)
     is_whole = len(clauses) == 1 and clauses == _clauses(body.tree, True)
-    parts = []
+    parts, solids = [], []
     for clause in clauses:
         solid = body if is_whole else _solid(body, clause)
         if solid is not None:
             parts.append(_piece(body, solid, sorted(clause)))
-    pieces = ConvexPieces(_tables(parts), len(parts), labels)
+            solids.append(([_half_space(body, x) for x in sorted(clause)], solid._witness))
+    pieces = ConvexPieces(_tables(parts), len(parts), labels, solids=tuple(solids))
     is_round = all(len(forms) == 1 for _, _, smooth, forms in parts if smooth)
     if len(parts) > 1 and is_round and all(edge.convexity == "convex" for edge in body.edges):
         together = [[row for part in parts for row in part[k]] for k in range(3)]
         with_union = _tables([*parts, [*together, []]])
         if _is_convex(body, with_union, len(parts)):
-            return ConvexPieces(with_union, len(parts), labels, len(parts))
+            return ConvexPieces(with_union, len(parts), labels, len(parts), tuple(solids))
     return pieces
 
 
