@@ -1,7 +1,7 @@
 """Which engine a search asks.
 
-Trees of boxes are best where bodies meet in few places; halving by lines and planes ("lifted") where everything passes
-everything closely.
+Trees of boxes are best where bodies meet in few places; halving by lines, space and planes ("lifted") where everything
+passes everything.
 
 `auto` begins with boxes, in the order of their times, and goes on by halving once they have spent their pair tests,
 with what they proved so far: nothing meets before the present key, and the best time.  How many they may spend depends
@@ -12,8 +12,7 @@ on how the bodies look (`tests_of_boxes`):
 - One body is a set of points: there halving needs 10 to 20 tests a point, and boxes get TESTS_A_POINT.
 - Else, as on ordinary meshes, they may spend more than ordinary scenes ever do.
 
-Cells of space and time, the plane sweep and the levels of `composed` are asked only by name, the latter also for
-lists of all pairs.
+The plane sweep and the levels of `composed` are asked only by name, the latter also for lists of all pairs.
 """
 
 from __future__ import annotations
@@ -85,11 +84,6 @@ class ByEngine:
             return advance_sweep(self, state, limit)
         if all_sides:
             return self._list_pairs(state, limit, with_start)
-        if self.engine == "cells":
-            from firstcontact.search.cell_problem import advance_cells
-
-            integers[LIFTED] = 3
-            return advance_cells(self, state, limit, with_start)
         if self.engine == "auto" and not integers[LIFTED]:
             most = tests_of_boxes(self.tree_a, self.tree_b)
             while True:
