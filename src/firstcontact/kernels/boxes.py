@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from firstcontact.kernels.jit import kernel
 
 # A clipped corner lies within CLIP_EPS * (largest coordinate) of its true place: one division, one product

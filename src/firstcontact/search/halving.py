@@ -21,20 +21,6 @@ from firstcontact.kernels.principal import box_columns, fit_box
 from firstcontact.kernels.swept_cell import axis_of, edge_keeps_off
 from firstcontact.search.lifted_elements import select
 from firstcontact.search.lifted_motion import PLACE, lay_edge
-from firstcontact.search.state import (
-    CANDIDATES,
-    CROWDED,
-    DECIDE,
-    DONE,
-    FULL,
-    LEAF_ROOM,
-    QUERY,
-    SLICE_SPENT,
-    STACK,
-    UNSURE_BATCH,
-    UNSURE_COUNT,
-    VISITS,
-)
 from firstcontact.search.space_cut import (
     A_FIRST,
     A_LAST,
@@ -44,7 +30,6 @@ from firstcontact.search.space_cut import (
     DIFFERENT,
     FRAME,
     KIND,
-    LINES_ONLY,
     OPEN,
     PARTS,
     PAYS,
@@ -55,6 +40,21 @@ from firstcontact.search.space_cut import (
     begin_space,
     cut_space,
     slack_of,
+)
+from firstcontact.search.state import (
+    CANDIDATES,
+    CROWDED,
+    DECIDE,
+    DONE,
+    FULL,
+    LEAF_ROOM,
+    QUERY,
+    SLICE_SPENT,
+    STACK,
+    TESTS,
+    UNSURE_BATCH,
+    UNSURE_COUNT,
+    VISITS,
 )
 from firstcontact.search.tree import SIDE
 from firstcontact.search.walk import test_events
@@ -120,11 +120,12 @@ def larger(room: Room) -> Room:
 def room_for(m: int, n: int) -> Room:
     size = m + n + ARENA_SHARE * max(m, n) + ARENA_LEAST
     frames, shares = np.zeros((MOST_FRAMES, FRAME), np.int64), np.zeros((MOST_FRAMES, 2))
+    most = PARTS * (m + n)
     return Room(
         np.empty(size, np.int32), np.empty((size, 2)), np.empty(max(m, n)), frames, shares, np.empty((2, 3)),
-        np.empty((MOST_FRAMES, CELL)), np.empty(PLACE), np.zeros(PLACE), np.empty(6), np.empty(PARTS * (m + n), np.int32),
-        np.empty((PARTS * (m + n), 2)), np.empty(PARTS * (m + n), np.int8), np.zeros((2, PARTS), np.int64),
-        np.empty((3, 6)), np.empty((8, FEW_PAIRS)),
+        np.empty((MOST_FRAMES, CELL)), np.empty(PLACE), np.zeros(PLACE), np.empty(6),
+        np.empty(most, np.int32), np.empty((most, 2)), np.empty(most, np.int8),
+        np.zeros((2, PARTS), np.int64), np.empty((3, 6)), np.empty((8, FEW_PAIRS)),
     )  # fmt: skip
 
 
@@ -233,6 +234,7 @@ def _test_pairs(a, b, room, here, origin, scale, query, work, motion, arc, reach
         sizes = query[SIZES]
         slack = line_slack(max(far, sizes[L_QUERY]), longest, sizes[E_FORMS], scale, err_a + err_b)
         _products(block, query, count, int(sizes[N_FORMS]))
+        before = integers[TESTS]
         for j in range(count):
             if block[6, j] > slack or block[7, j] < -slack:
                 continue
@@ -242,7 +244,7 @@ def _test_pairs(a, b, room, here, origin, scale, query, work, motion, arc, reach
                 motion, part_a[0], part_a[1], xyz_a[part_a[0]], part_b[0], part_b[1], xyz_b[part_b[0]],
                 1 << SIDE, err_a, err_b, floats, integers, times, candidates,
             )  # fmt: skip
-        integers[VISITS] += count
+        integers[TESTS] = max(integers[TESTS], before + count)  # a pair counts once, whatever settled it
         frame[TESTED] += 1
     return GO_ON
 
@@ -328,7 +330,7 @@ def _range_of_distances(x, order, first, last):
 def _cut_by_size(x, top, count, room):
     """Cut edges of very different length by length, and edges that are short beside their box across it; or neither.
 
-    Lines tell long edges apart, boxes those that are DIFFERENT times shorter than they; in a cell with both, neither do.
+    Lines tell long edges apart, boxes those that are so much shorter than they; in a cell with both, neither do.
     """
     arena, keys = room.arena, room.keys
     low, high = room.bounds[0], room.bounds[1]
