@@ -24,7 +24,6 @@ COLOURS = {
     "lifted": "tab:blue",
     "composed": "tab:purple",
     "sweep": "tab:green",
-    "cells": "tab:cyan",
     "coal": "tab:brown",
     "ipctk": "tab:pink",
 }

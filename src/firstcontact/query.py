@@ -55,10 +55,10 @@ def first_contact(
     their interior.  Status.FREE proves that they share no point at any time of the span.
 
     engine: of polyhedra, which trees are asked; the answer is the same.  "boxes"; "lifted", for scenes in which nearly
-    everything passes nearly everything; "cells", for long parts that cross in general position (both for translations
-    and rotations only); "auto" begins with boxes and changes over to "lifted" when boxes have had enough pair tests;
-    "composed" is the paper's structure among edges and "sweep" its plane sweep among vertices and facets (translations
-    only), for reading and measuring.  `stats.engine` tells which one answered.
+    everything passes nearly everything (translations and rotations only); "auto" begins with boxes and changes over to
+    "lifted" when boxes have had enough pair tests; "composed" is the paper's structure among edges and "sweep" its
+    plane sweep among vertices and facets (translations only), for reading and measuring.  `stats.engine` tells which
+    one answered.
     exact: add `time_exact`.  tolerance: largest width of `time_interval`, relative to the span (enclosures
     come out a few units in the last place wide, whatever is asked).
     budget: node visits plus pair tests (curved models: strides, subproblems and candidates) after which to answer
@@ -324,7 +324,7 @@ def _refuse_inexact(parts: list[Any]) -> None:
 
 
 METHODS = ("auto", "certified", "algebraic")
-ENGINES = ("auto", "boxes", "lifted", "cells", "composed", "sweep")
+ENGINES = ("auto", "boxes", "lifted", "composed", "sweep")
 
 
 def _check(a: Any, b: Any, method: str, engine: str, tolerance: float, budget: int | None) -> str:

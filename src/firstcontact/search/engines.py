@@ -1,24 +1,27 @@
 """Which engine a search asks.
 
-Trees of boxes are best where bodies meet in few places; halving by lines and planes ("lifted") where everything passes
-everything closely.
+Trees of boxes are best where bodies meet in few places; halving by lines, space and planes ("lifted") where everything
+passes everything.
 
 `auto` begins with boxes, in the order of their times, and goes on by halving once they have spent their pair tests,
 with what they proved so far: nothing meets before the present key, and the best time.  How many they may spend depends
 on how the bodies look (`tests_of_boxes`):
 
 - The leaves of either tree are so large that a leaf meets many leaves of the other one wherever they lie: rods, combs,
-  wide plates, long prisms.  Boxes would test nearly all pairs, unless they are done almost at once.
-- One body is a set of points: there halving needs 10 to 20 tests a point, and boxes get TESTS_A_POINT.
+  wide plates, long prisms.  Boxes would test nearly all pairs, unless facets are crossed at the start, which shows
+  almost at once.
+- One body is a set of points: there halving needs 10 to 20 tests a point, and boxes get TESTS_A_POINT; where all pairs
+  are FEW_PAIRS at most, boxes need no more than that.
 - Else, as on ordinary meshes, they may spend more than ordinary scenes ever do.
 
-Cells of space and time, the plane sweep and the levels of `composed` are asked only by name, the latter also for
-lists of all pairs.
+The plane sweep and the levels of `composed` are asked only by name, the latter also for lists of all pairs.
 """
 
 from __future__ import annotations
 
 from typing import Any
+
+import numpy as np
 
 from firstcontact.search.crowding import crowding
 from firstcontact.search.state import (
@@ -34,12 +37,14 @@ from firstcontact.search.state import (
     VISITS,
     WalkState,
 )
-from firstcontact.search.tree import POINT, Tree
+from firstcontact.search.tree import FACET, POINT, Tree
 
 # A leaf meets many others: this share of all leaves, and so many of them.
 CROWDED_SHARE, CROWDED_LEAVES = 0.02, 32
-# Pair tests of boxes in that case, per primitive of the larger body, and against a set of points, per point.
-TESTS_AT_ONCE, TESTS_A_POINT = 1 / 64, 1
+# Pair tests of boxes in that case, per facet of the larger body, and against a set of points, per point.
+TESTS_AT_ONCE, TESTS_A_POINT, FEW_PAIRS = 1 / 256, 1, 1 << 14
+# Boxes make so many visits in any case: bodies that nowhere come near each other need no other engine.
+FEW_VISITS = 4
 # Pair tests that ordinary scenes stay below: per primitive of both bodies, and never fewer than FEWEST.
 SHARE, FEWEST = 4, 4096
 # Lists of all pairs change over at so many tests for each primitive and each pair listed so far; looked at every so
@@ -54,9 +59,10 @@ def tests_of_boxes(tree_a: Tree, tree_b: Tree) -> int:
     if leaves >= CROWDED_LEAVES:
         share = crowding(tree_a.boxes, tree_a.links, tree_b.boxes, tree_b.links)
         if share >= CROWDED_SHARE and share * leaves >= CROWDED_LEAVES:
-            return int(TESTS_AT_ONCE * max(m, n))
+            facets = any(np.any(tree.ids[:, 1] & FACET) for tree in (tree_a, tree_b))
+            return int(TESTS_AT_ONCE * max(m, n)) if facets else 0
     for tree, count in ((tree_a, m), (tree_b, n)):
-        if tree.ids[0, 1] & POINT:  # then all its parts are points
+        if tree.ids[0, 1] & POINT and m * n > FEW_PAIRS:  # then all its parts are points
             return TESTS_A_POINT * count
     return max(FEWEST, SHARE * (m + n))
 
@@ -86,17 +92,13 @@ class ByEngine:
             return advance_sweep(self, state, limit)
         if all_sides:
             return self._list_pairs(state, limit, with_start)
-        if self.engine == "cells":
-            from firstcontact.search.cell_problem import advance_cells
-
-            integers[LIFTED] = 3
-            return advance_cells(self, state, limit, with_start)
         if self.engine == "auto" and not integers[LIFTED]:
             most = self._tests_of_boxes()
-            while True:
+            while most or integers[VISITS] < FEW_VISITS:
                 left = most - int(integers[TESTS])
                 # a visit may be 15 tests: short steps where tests are few
-                slice_end = min(limit, int(integers[VISITS]) + max(4, left if left >= FEWEST // 2 else left // 8))
+                step = max(FEW_VISITS, left if left >= FEWEST // 2 else left // 8)
+                slice_end = min(limit, int(integers[VISITS]) + step)
                 reason = self.advance_boxes(state, slice_end, with_start, all_sides)
                 if reason in (DONE, CROSSING_FOUND) or integers[TESTS] <= most:
                     if reason != SLICE_SPENT or integers[VISITS] >= limit:

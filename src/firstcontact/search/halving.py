@@ -16,13 +16,34 @@ from typing import NamedTuple
 import numpy as np
 
 from firstcontact.kernels.jit import kernel
-from firstcontact.kernels.lifted_query import LINES, REACH, ROWS, may_meet
+from firstcontact.kernels.lifted_query import E_FORMS, L_QUERY, LINES, N_FORMS, REACH, ROWS, SIZES, line_slack, may_meet
 from firstcontact.kernels.principal import box_columns, fit_box
 from firstcontact.kernels.swept_cell import axis_of, edge_keeps_off
 from firstcontact.search.lifted_elements import select
-from firstcontact.search.lifted_motion import lay_edge
+from firstcontact.search.lifted_motion import PLACE, lay_edge
+from firstcontact.search.space_cut import (
+    A_FIRST,
+    A_LAST,
+    B_FIRST,
+    B_LAST,
+    CELL,
+    DIFFERENT,
+    FRAME,
+    KIND,
+    OPEN,
+    PARTS,
+    PAYS,
+    SPACE,
+    TESTED,
+    TOP,
+    WORTH,
+    begin_space,
+    cut_space,
+    slack_of,
+)
 from firstcontact.search.state import (
     CANDIDATES,
+    CROWDED,
     DECIDE,
     DONE,
     FULL,
@@ -30,6 +51,7 @@ from firstcontact.search.state import (
     QUERY,
     SLICE_SPENT,
     STACK,
+    TESTS,
     UNSURE_BATCH,
     UNSURE_COUNT,
     VISITS,
@@ -43,14 +65,10 @@ FEW_PAIRS = 64
 GO_ON = -2
 # One pair of edges in so many is tested before anything is cut, per edge of the larger set.
 SAMPLE_SHARE = 8
-# Lengths that are very different, and boxes in which edges are short.
-DIFFERENT = 8.0
-# Slots of a frame: ranges of a and of b in the arena, and where the arena is free.
-A_FIRST, A_LAST, B_FIRST, B_LAST, TOP, FRAME = range(6)
 # Each frame copies the set that it cuts, and the other one twice at most: three times the larger set, which every
 # second step halves.  So no path takes more than 12 times the larger set, but for odd halves, nor more frames than
 # there are halvings of both sets.
-ARENA_SHARE, ARENA_LEAST, MOST_FRAMES = 13, 2048, 256
+ARENA_SHARE, ARENA_LEAST, MOST_FRAMES = 13, 2048, 512
 _SAMPLE = 64
 
 
@@ -70,21 +88,45 @@ class Room(NamedTuple):
     """Scratch of a search: edges by number, their keys, and the stack of frames."""
 
     arena: np.ndarray
+    ends: np.ndarray
+    """(len(arena), 2): in cells of space, where the piece of the edge begins and ends."""
     keys: np.ndarray
     frames: np.ndarray
     shares: np.ndarray
     bounds: np.ndarray
+    cells: np.ndarray
+    place: np.ndarray
+    rest: np.ndarray
+    """Where a stands, and where b does, as in `place_at`."""
+    way: np.ndarray
+    spare: np.ndarray
+    """Pieces on their way to the parts of a cell, `pieces`, the parts they go to, how many do, and where it is cut."""
+    pieces: np.ndarray
+    where: np.ndarray
+    counts: np.ndarray
+    cuts: np.ndarray
+    block: np.ndarray
+    """(8, FEW_PAIRS): lines, entry by entry, and the range of their products with the forms of an edge."""
+    pays: int = PAYS
+    worth: int = WORTH
 
 
 def larger(room: Room) -> Room:
     """With twice the room for lists."""
-    return room._replace(arena=np.concatenate([room.arena, np.empty_like(room.arena)]))
+    arena, ends = (np.concatenate([x, np.empty_like(x)]) for x in (room.arena, room.ends))
+    return room._replace(arena=arena, ends=ends)
 
 
 def room_for(m: int, n: int) -> Room:
     size = m + n + ARENA_SHARE * max(m, n) + ARENA_LEAST
     frames, shares = np.zeros((MOST_FRAMES, FRAME), np.int64), np.zeros((MOST_FRAMES, 2))
-    return Room(np.empty(size, np.int32), np.empty(max(m, n)), frames, shares, np.empty((2, 3)))
+    most = PARTS * (m + n)
+    return Room(
+        np.empty(size, np.int32), np.empty((size, 2)), np.empty(max(m, n)), frames, shares, np.empty((2, 3)),
+        np.empty((MOST_FRAMES, CELL)), np.empty(PLACE), np.zeros(PLACE), np.empty(6),
+        np.empty(most, np.int32), np.empty((most, 2)), np.empty(most, np.int8),
+        np.zeros((2, PARTS), np.int64), np.empty((3, 6)), np.empty((8, FEW_PAIRS)),
+    )  # fmt: skip
 
 
 @kernel
@@ -110,43 +152,116 @@ def halve(a, b, origin, scale, room, motion, arc, reach, xyz_a, xyz_b, err_a, er
     if integers[QUERY] == 0:
         for i in range(m + n):
             arena[i] = i if i < m else i - m
-        frames[0, A_FIRST], frames[0, A_LAST], frames[0, B_FIRST], frames[0, B_LAST] = 0, m, m, m + n
-        frames[0, TOP] = m + n
+        frames[0, :] = 0
+        frames[0, A_LAST], frames[0, B_FIRST], frames[0, B_LAST], frames[0, TOP] = m, m, m + n, m + n
         integers[STACK], integers[QUERY] = 1, 1
     # pairs at random, for both sets are in random order, bound the best time from the beginning
     samples = max(m, n) // SAMPLE_SHARE if arc == 0 else 0
     row, query, work = np.zeros(LINES + box_columns(6)), np.zeros((ROWS, 6)), np.empty((8, 3))
     scratch = np.empty((6, 6)), np.empty((6, 6)), np.empty((3, 6))
+    err = err_a + err_b
+    slack = slack_of(a, b, motion, arc, reach, err, floats)
     while integers[STACK] > 0:
         reason = why_pause(integers, times.shape[0], limit)
         if reason != GO_ON:
             return reason
         done = integers[QUERY] - 1
-        sampling = done < samples
-        if sampling:
-            a0, b0, width, pairs = 0, 0, 1, min(samples - done, FEW_PAIRS)
-            integers[QUERY] += pairs
-        else:
-            integers[STACK] -= 1
-            frame = frames[integers[STACK]]
-            a0, b0, width = frame[A_FIRST], frame[B_FIRST], frame[B_LAST] - frame[B_FIRST]
-            pairs = (frame[A_LAST] - a0) * width
-        if pairs <= FEW_PAIRS:
-            for p in range(pairs):
-                if sampling:
-                    part_a, part_b = a.parts[(done + p) % m], b.parts[(done + p) % n]
-                else:
-                    part_a, part_b = a.parts[arena[a0 + p // width]], b.parts[arena[b0 + p % width]]
+        if done < samples:
+            count = min(samples - done, FEW_PAIRS)
+            integers[QUERY] += count
+            for p in range(done, done + count):
+                part_a, part_b = a.parts[p % m], b.parts[p % n]
                 test_events(
                     motion, part_a[0], part_a[1], xyz_a[part_a[0]], part_b[0], part_b[1], xyz_b[part_b[0]],
                     1 << SIDE, err_a, err_b, floats, integers, times, candidates,
                 )  # fmt: skip
             continue
-        cut_a = frame[A_LAST] - a0 >= width
+        here = integers[STACK] - 1
+        frame = frames[here]
+        m, n = frame[A_LAST] - frame[A_FIRST], frame[B_LAST] - frame[B_FIRST]
+        if m * n <= FEW_PAIRS or (frame[KIND] == SPACE and m * n <= room.pays * (m + n)):
+            reason = _test_pairs(a, b, room, here, origin, scale, query, work, motion, arc, reach,
+                                 xyz_a, xyz_b, err_a, err_b, limit, floats, integers, times, candidates)  # fmt: skip
+            if reason != GO_ON:
+                return reason
+            integers[STACK] = here
+            continue
+        if frame[TOP] + 2 * (m + n) > arena.shape[0]:
+            return CROWDED
+        if frame[KIND] == OPEN and m * n >= room.worth:
+            begin_space(a, b, room, here, motion, arc, reach, slack, floats, integers)
+        integers[STACK] = here
+        if frame[KIND] == SPACE:
+            if not cut_space(a, b, room, motion, slack, floats, integers):
+                integers[STACK] = here + 1
+                return CROWDED
+            continue
+        cut_a = m >= n
         x, y = (a, b) if cut_a else (b, a)
         _split(x, A_FIRST if cut_a else B_FIRST, y, B_FIRST if cut_a else A_FIRST, -1.0 if cut_a else 1.0, origin,
-               scale, room, row, scratch, query, work, motion, arc, reach, err_a + err_b, floats, integers)  # fmt: skip
+               scale, room, row, scratch, query, work, motion, arc, reach, err, floats, integers)  # fmt: skip
     return DONE
+
+
+@kernel
+def _test_pairs(a, b, room, here, origin, scale, query, work, motion, arc, reach,
+                xyz_a, xyz_b, err_a, err_b, limit, floats, integers, times, candidates):  # fmt: skip
+    """Test the pairs of the frame but those whose lines pass on one side all the time; GO_ON, or why it stopped.
+
+    The edges of the smaller set are put to the lines of the other one, up to FEW_PAIRS of them together.
+    """
+    arena, frame, block = room.arena, room.frames[here], room.block
+    by_a = frame[A_LAST] - frame[A_FIRST] <= frame[B_LAST] - frame[B_FIRST]
+    x, x0, x1 = (a, frame[A_FIRST], frame[A_LAST]) if by_a else (b, frame[B_FIRST], frame[B_LAST])
+    y, y0, y1 = (b, frame[B_FIRST], frame[B_LAST]) if by_a else (a, frame[A_FIRST], frame[A_LAST])
+    m, written = x1 - x0, -1
+    while frame[TESTED] < m * ((y1 - y0 + FEW_PAIRS - 1) // FEW_PAIRS):
+        reason = why_pause(integers, times.shape[0], limit)
+        if reason != GO_ON:
+            return reason
+        first = y0 + FEW_PAIRS * (frame[TESTED] // m)
+        count = min(FEW_PAIRS, y1 - first)
+        if written != first:
+            written, far, longest = first, 0.0, 0.0
+            for j in range(count):
+                line, size = y.lines[arena[first + j]], y.sizes[arena[first + j]]
+                far, longest = max(far, size[1]), max(longest, size[0])
+                for k in range(6):
+                    block[k, j] = line[k]
+        edge = arena[x0 + frame[TESTED] % m]
+        e = x.corners[edge]
+        lay_edge(motion, arc, e[0:3], e[3:6], 1.0 if by_a else -1.0, reach, floats, origin, scale, query, work)
+        sizes = query[SIZES]
+        slack = line_slack(max(far, sizes[L_QUERY]), longest, sizes[E_FORMS], scale, err_a + err_b)
+        _products(block, query, count, int(sizes[N_FORMS]))
+        before = integers[TESTS]
+        for j in range(count):
+            if block[6, j] > slack or block[7, j] < -slack:
+                continue
+            i, k = (edge, arena[first + j]) if by_a else (arena[first + j], edge)
+            part_a, part_b = a.parts[i], b.parts[k]
+            test_events(
+                motion, part_a[0], part_a[1], xyz_a[part_a[0]], part_b[0], part_b[1], xyz_b[part_b[0]],
+                1 << SIDE, err_a, err_b, floats, integers, times, candidates,
+            )  # fmt: skip
+        integers[TESTS] = max(integers[TESTS], before + count)  # a pair counts once, whatever settled it
+        frame[TESTED] += 1
+    return GO_ON
+
+
+@kernel
+def _products(block, query, count, forms):
+    """Write the least and the largest product of each line with the forms, without end where one is not a number."""
+    low, high = block[6], block[7]
+    low[:count], high[:count] = np.inf, -np.inf
+    for r in range(forms):
+        q0, q1, q2, q3, q4, q5 = query[r, 0], query[r, 1], query[r, 2], query[r, 3], query[r, 4], query[r, 5]
+        for j in range(count):
+            v = (q0 * block[0, j] + q1 * block[1, j] + q2 * block[2, j]) + (
+                q3 * block[3, j] + q4 * block[4, j] + q5 * block[5, j]
+            )
+            low[j] = low[j] if v >= low[j] else (v if v < low[j] else -np.inf)
+            high[j] = high[j] if v <= high[j] else (v if v > high[j] else np.inf)
 
 
 @kernel
@@ -159,7 +274,7 @@ def _split(x, x_slot, y, y_slot, sense, origin, scale, room, row, scratch, query
     arena, frames = room.arena, room.frames
     frame = frames[integers[STACK]]
     x0, x1, y0, y1, top = frame[x_slot], frame[x_slot + 1], frame[y_slot], frame[y_slot + 1], frame[TOP]
-    count = x1 - x0
+    count, kind = x1 - x0, frame[KIND]
     for i in range(count):
         arena[top + i] = arena[x0 + i]
     if not _cut_by_size(x, top, count, room):
@@ -183,7 +298,7 @@ def _split(x, x_slot, y, y_slot, sense, origin, scale, room, row, scratch, query
         if used > begin:
             frame = frames[integers[STACK]]
             frame[x_slot], frame[x_slot + 1], frame[y_slot], frame[y_slot + 1] = first, last, begin, used
-            frame[TOP] = used
+            frame[TOP], frame[KIND], frame[TESTED] = used, kind, 0
             integers[STACK] += 1
 
 
@@ -215,7 +330,7 @@ def _range_of_distances(x, order, first, last):
 def _cut_by_size(x, top, count, room):
     """Cut edges of very different length by length, and edges that are short beside their box across it; or neither.
 
-    Lines tell long edges apart, boxes short ones; in a cell with both, neither do.
+    Lines tell long edges apart, boxes those that are so much shorter than they; in a cell with both, neither do.
     """
     arena, keys = room.arena, room.keys
     low, high = room.bounds[0], room.bounds[1]

@@ -16,6 +16,8 @@ from firstcontact.search.state import BEST, FIRST, KEY
 # An arc turns by 2 atan(1/5): its cosine and sine are rational.  Sixteen make more than a full turn.
 ARC_ANGLE, ARC_TANGENT = 0.3947911196997615, 0.2
 ARCS = 16
+# Slots of where a stands (`place_at`).
+PLACE = 8
 
 
 def _arc_starts() -> np.ndarray:
@@ -58,7 +60,57 @@ def lay_path(motion, arc, x, sense, reach, floats, work):
     raise NotImplementedError("compiled only, by the type of the motion")
 
 
+def times_of(motion, arc, reach, floats):
+    """The times of the arc, from the key to the best time."""
+    raise NotImplementedError("compiled only, by the type of the motion")
+
+
+def place_at(motion, t, place):
+    """Write where a stands at a time: whether turned, cosine, sine, axis x and y, shift (3)."""
+    raise NotImplementedError("compiled only, by the type of the motion")
+
+
+def drift(motion, box, duration, way):
+    """Write the least and largest displacement (3 each) of a point of a that is in the box at one of two times, from
+
+    one to the other; returns the largest.
+    """
+    raise NotImplementedError("compiled only, by the type of the motion")
+
+
 # ---------------------------------------------------------------------------------------------- translation
+
+
+@overload(times_of)
+def _times_of(motion, arc, reach, floats):
+    return _times_of_shift if motion.ndim == 1 else _times_of_arc
+
+
+@overload(place_at)
+def _place_at(motion, t, place):
+    return _place_shifted if motion.ndim == 1 else _place_turned
+
+
+@overload(drift)
+def _drift(motion, box, duration, way):
+    return _drift_shifting if motion.ndim == 1 else _drift_turning
+
+
+def _times_of_shift(motion, arc, reach, floats):
+    return floats[KEY], max(floats[KEY], min(floats[BEST], reach))
+
+
+def _place_shifted(motion, t, place):
+    place[0], place[1], place[2], place[3], place[4] = 0.0, 1.0, 0.0, 0.0, 0.0
+    for k in range(3):
+        place[5 + k] = t * motion[6 + k]
+
+
+def _drift_shifting(motion, box, duration, way):
+    for k in range(3):
+        d = duration * motion[6 + k]
+        way[k], way[k + 3] = min(d, 0.0), max(d, 0.0)
+    return max(max(way[3], way[4], way[5]), -min(way[0], way[1], way[2]))
 
 
 @overload(lay_edge)
@@ -104,6 +156,27 @@ def _lay_segment(motion, arc, x, sense, reach, floats, work):
 
 
 # ------------------------------------------------------------------------------------------------- rotation
+
+
+def _times_of_arc(motion, arc, reach, floats):
+    first, last = arc * ARC_ANGLE - 4.0 * ANGLE_EPS, (arc + 1) * ARC_ANGLE + 4.0 * ANGLE_EPS
+    return first, max(first, min(floats[BEST], last))
+
+
+def _place_turned(motion, t, place):
+    end = motion.shape[0] - 1
+    place[0], place[1], place[2], place[3], place[4] = 1.0, np.cos(t), np.sin(t), motion[end, 0], motion[end, 1]
+    place[5], place[6], place[7] = 0.0, 0.0, 0.0
+
+
+def _drift_turning(motion, box, duration, way):
+    # no farther than the chord, which is shorter than the arc and than the diameter
+    end = motion.shape[0] - 1
+    x = max(abs(box[0] - motion[end, 0]), abs(box[3] - motion[end, 0]))
+    y = max(abs(box[1] - motion[end, 1]), abs(box[4] - motion[end, 1]))
+    d = min(duration, 2.0) * np.sqrt(x * x + y * y) * (1.0 + 1e-14)
+    way[0], way[1], way[2], way[3], way[4], way[5] = -d, -d, 0.0, d, d, 0.0
+    return d
 
 
 @kernel

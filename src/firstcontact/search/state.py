@@ -21,8 +21,8 @@ DONE, SLICE_SPENT, FULL, DECIDE, CROSSING_FOUND = range(5)
 # Lists of a walk that cuts sets need more room.
 CROWDED = -1
 
-# Slots of the integer state.  LIFTED: 1 when the walk asks lifted trees, 2 when it need not look at the start there,
-# 3 when it cuts cells; ARC, PHASE, QUERY: its place.
+# Slots of the integer state.  LIFTED: 1 when the walk halves sets, 2 when it need not look at the start there; ARC,
+# PHASE, QUERY: its place.
 HEAP, STACK, CANDIDATES, VISITS, TESTS, UNSURE_COUNT, UNSURE_TOTAL, LIFTED, ARC, PHASE, QUERY = range(11)
 # Slots of the float state: earliest time, the same certain, latest certain, best time so far, present key, and
 # whether all contacts are wanted (then certain ones do not lower the best time).
@@ -49,7 +49,7 @@ class WalkState:
         self.candidates = np.empty((512, 5), np.int32)  # kind, part a, feature a, part b, feature b
         self.floats = np.zeros(6)
         self.integers = np.zeros(11, np.int64)
-        self.scratch: Any = None  # of a walk over lifted trees or cells
+        self.scratch: Any = None  # of a walk that halves sets
 
     def start(
         self, first: float, sure_first: float, last: float, sure_last: float, want_all: bool = False
