@@ -90,8 +90,8 @@ def _options() -> argparse.Namespace:
 def tools_for(family: Family, options: argparse.Namespace) -> list[str]:
     """Engines; for rods also boxes over cut rods; for solids the other tools."""
     found = list(ENGINES)
-    if family.kind == "rods" or family.motion == "rotation":
-        found.remove("sweep")  # it is for vertices against facets under translations
+    if family.kind == "rods":
+        found.remove("sweep")  # it is for vertices against facets
     if family.kind == "rods":
         found += [f"boxes, cut in {k}" for k in CUTS if k > 1]
     if family.kind == "solids":

@@ -1,10 +1,43 @@
-"""One hypothesis profile for all tests: the same examples in every run, no deadline on a busy machine; scene files."""
+"""One hypothesis profile for all tests: the same examples in every run, no deadline on a busy machine; scene files.
+
+With FIRSTCONTACT_ENGINE=NAME all tests that leave the choice of an engine to the library have the one of that name.
+"""
+
+import os
 
 import hypothesis
 import pytest
 
+from firstcontact import query
+
 hypothesis.settings.register_profile("fixed", derandomize=True, deadline=None, database=None, print_blob=True)
 hypothesis.settings.load_profile("fixed")
+
+ENGINE = os.environ.get("FIRSTCONTACT_ENGINE", "auto")
+if ENGINE not in query.ENGINES:
+    raise pytest.UsageError(f"FIRSTCONTACT_ENGINE is {ENGINE!r}; choose one of {', '.join(query.ENGINES)}")
+
+
+@pytest.fixture(autouse=True, scope="session")
+def chosen_engine():
+    """Of translations and rotations of polyhedra; other motions are searched as ever."""
+    if ENGINE == "auto":
+        yield
+        return
+
+    def problems_in_order(a, b, parts, engine, threads=None):
+        if threads is None:  # lists of pairs, which leave no choice
+            return original(a, b, parts, engine)
+        return original(a, b, parts, ENGINE if engine == "auto" else engine, threads)
+
+    original, query.problems_in_order = query.problems_in_order, problems_in_order
+    yield
+    query.problems_in_order = original
+
+
+def pytest_runtest_setup(item):
+    if ENGINE != "auto" and item.get_closest_marker("auto"):
+        pytest.skip(f"about what 'auto' chooses, not {ENGINE!r}")
 
 
 @pytest.fixture

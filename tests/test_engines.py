@@ -66,6 +66,7 @@ def test_rods_on_reguli_by_every_engine(rotating):
     assert 3 * lifted.stats.pair_tests < boxes.stats.pair_tests
 
 
+@pytest.mark.auto
 @MOTIONS
 def test_auto_changes_over_where_all_pass_all(rotating):
     a, b = g.reguli(400, 2.0**-10, 4, planted=True)
@@ -78,6 +79,7 @@ def test_auto_changes_over_where_all_pass_all(rotating):
     assert 10 * auto.stats.pair_tests < boxes.stats.pair_tests
 
 
+@pytest.mark.auto
 @pytest.mark.parametrize("turning", [False, True], ids=["translation", "rotation"])
 @pytest.mark.parametrize("make", ["layered_reguli", "woven_rods", "tangent_plates", "near_miss_combs"])
 def test_auto_does_little_more_than_the_better_engine(make, turning):
@@ -127,6 +129,7 @@ def test_what_turns_at_a_constant_gap_is_told_by_heights_and_distances(closed):
         assert n < 200 or lifted.stats.pair_tests < 4 * n < boxes.stats.pair_tests
 
 
+@pytest.mark.auto
 def test_auto_stays_with_boxes_on_ordinary_meshes():
     ball = fc.examples.noisy_sphere(2000)
     ask = (ball.moving(fc.Translation((0, 0, 3))), ball.translated((0.25, 0, 3)))

@@ -11,7 +11,8 @@ import firstcontact as fc
 import generators as g
 from agreement import assert_same_first_contact, question, same_answer, small_scenes
 from amount import amount
-from firstcontact.search.sweep import NONE, Cells, Order, Trees, cells_of, order_of, with_cell, without_cell
+from firstcontact.search.sheets import sheets_of
+from firstcontact.search.sweep import MARGIN, NONE, Cells, Order, Trees, cells_of, order_of, with_cell, without_cell
 from generators import Scene
 
 
@@ -32,8 +33,9 @@ def stack(n: int, seed: int = 0, crossing: bool = False):
     return fc.Polyhedron(g.on_grid(points), []), fc.Polyhedron(facets, faces)
 
 
-def test_small_scenes():
-    scenes = small_scenes(71_000, amount(240), False)
+@pytest.mark.parametrize("rotating", [False, True], ids=["translation", "rotation"])
+def test_small_scenes(rotating):
+    scenes = small_scenes(71_000, amount(150), rotating)
     seen = Counter(assert_same_first_contact(scene, engine="sweep") for scene in scenes)
     assert len(seen) == 3, seen
 
@@ -62,6 +64,24 @@ def test_work_grows_as_the_bound_says():
     slow = fc.first_contact(crossed[0].moving(fc.Translation((0, 0, 9))), crossed[1], engine="sweep")
     assert hit.stats.pair_tests < n and hit.stats.node_visits < 5 * n**1.5 * np.log2(n)
     assert slow.stats.pair_tests > n * n / 2
+
+
+@pytest.mark.parametrize("back", [False, True], ids=["points turn", "facets turn"])
+@pytest.mark.parametrize("make", ["slats_over_points", "nested_shells", "tangent_plates"])
+def test_turning_facets(make, back):
+    """Through all angles; of tangent plates, which all cross, every one is tested."""
+    n = 120
+    scene = getattr(fc.examples, make)(n, **({} if make == "nested_shells" else {"turning": True}))
+    motion = scene.motion
+    ask = scene.moving, scene.resting
+    if back:
+        ask = scene.b.moving(fc.Rotation(motion.axis, motion.point, radians=-motion.radians)), scene.a
+    boxes, *sweeps = (fc.first_contact(*ask, engine=e) for e in ("boxes", "sweep"))
+    sweeps += [fc.first_contact(*ask, engine="sweep", threads=k) for k in (2, 5)]
+    assert boxes.status is fc.Status.CONTACT
+    assert all(same_answer(x, boxes) and x.stats.engine == "sweep" for x in sweeps)
+    assert len({(x.stats.node_visits, x.stats.pair_tests) for x in sweeps}) == 1
+    assert (sweeps[0].stats.pair_tests > n * n / 4) == (make == "tangent_plates")
 
 
 def test_meshes_and_closed_solids():
@@ -114,20 +134,76 @@ def test_cells_reach_over_their_facets_and_order_knows_crossings():
             over = [
                 lo <= p[0] <= hi
                 and all(
-                    way * (p[1] - (y + k * (p[0] - m))) > 0.0
-                    for way, (m, y, k) in zip((1, -1), arcs[2 * c : 2 * c + 2], strict=True)
+                    way * (p[1] - (y + k * (p[0] - m))) > 0.0 and bend == 0.0
+                    for way, (m, y, k, bend) in zip((1, -1), arcs[2 * c : 2 * c + 2], strict=True)
                 )
                 for c, (lo, hi) in enumerate(x)
                 if facets[c] == i
             ]
             assert any(over)
             if tolerances[i] < 1.0:
-                assert abs(planes[i] @ [1.0, p[0], p[1]] - p[2]) < 1e-9
+                assert abs(planes[i] @ [1.0, p[0], p[1], 0.0] - p[2]) < 1e-9
     both = precedes & precedes.T
     assert loose.any() and not both.all() and (precedes | precedes.T | loose[:, None] | loose[None, :]).all()
 
 
-def test_rotations_are_refused_in_one_line():
-    points, facets = stack(3)
-    with pytest.raises(fc.UnsupportedPair, match="'sweep' searches translations; rotations take 'lifted'"):
-        fc.first_contact(points.moving(fc.Rotation((0, 0, 1), degrees=30)), facets, engine="sweep")
+def slats(count: int, seed: int) -> np.ndarray:
+    """Facets of all shapes and slopes in the unit cylinder, some with points on the axis, some level or upright."""
+    rng = np.random.default_rng(seed)
+    size = 2.0 ** rng.integers(-6, 0, (count, 1, 1))
+    corners = rng.uniform(-0.7, 0.7, (count, 1, 3)) + size * rng.normal(size=(count, 3, 3))
+    corners[::7, :, 2] = corners[::7, :1, 2]
+    corners[::11, 1, :2] = corners[::11, 0, :2]
+    corners[::13, 0, :2] = 0.0
+    corners[5::13, :, 1] = 0.0
+    return corners / max(1.0, np.hypot(corners[..., 0], corners[..., 1]).max())
+
+
+def angle_at(height: np.ndarray, x: float, y: float) -> float:
+    d = height[0] + height[1] * x
+    return height[2] + height[3] * np.arctan2(np.sqrt(max(y - d * d, 0.0)), d)
+
+
+def test_sheets_reach_over_their_facets():
+    """Every point of a facet is well inside one of its cells, which is loose or has its angle there."""
+    rng = np.random.default_rng(2)
+    corners = slats(60, 2)
+    owners, x, arcs, heights, tolerances, _ = sheets_of(corners, 0.0)
+    tame = np.isfinite(tolerances)
+    assert tame.any() and not tame.all() and set(owners) == set(range(60))
+    arcs = arcs.reshape(-1, 2, 4)
+    told = 0
+    for weights in rng.dirichlet(np.ones(3) / 4, 40):
+        for i, (u, v, z) in enumerate(weights @ corners):
+            y, (low, high) = u * u + v * v, np.moveaxis(arcs[owners == i], 1, 0)
+            reach = x[owners == i]
+            below, above = (a[:, 1] + (z - a[:, 0]) * (a[:, 2] + (z - a[:, 0]) * a[:, 3]) for a in (low, high))
+            inside = (reach[:, 0] < z) & (z < reach[:, 1]) & (below + MARGIN / 4 < y) & (y < above - MARGIN / 4)
+            assert inside.any()
+            if tame[owners == i][inside].all():
+                angles = np.array([angle_at(h, z, y) for h in heights[owners == i][inside]])
+                assert np.abs(np.exp(1j * angles) - complex(u, v) / np.hypot(u, v)).min() < 1e-9
+                assert (-1e-6 < angles).all() and (angles < 2.0 * np.pi + 1e-6).all()
+                told += 1
+    assert told > 500
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_sheets_that_may_precede_do_so_wherever_they_share_a_point(seed):
+    rng = np.random.default_rng(seed)
+    owners, x, arcs, heights, tolerances, slacks = sheets_of(slats(50, 10 + seed), 2.0**-47)
+    loose, precedes = order_of(Cells(np.arange(len(owners), dtype=np.int32), x, arcs), heights, tolerances)
+    arcs = arcs.reshape(-1, 2, 4)
+    compared = 0
+    for _ in range(4000):
+        c = rng.choice(np.flatnonzero(~loose))
+        z = rng.uniform(*x[c])
+        below, above = (a[:, 1] + (z - a[:, 0]) * (a[:, 2] + (z - a[:, 0]) * a[:, 3]) for a in np.moveaxis(arcs, 1, 0))
+        y = rng.choice([rng.uniform(below[c], above[c]), below[c], above[c]])
+        here = np.flatnonzero(~loose & (x[:, 0] <= z) & (z <= x[:, 1]) & (below <= y) & (y <= above))
+        for d in here:
+            behind = angle_at(heights[c], z, y) - angle_at(heights[d], z, y)
+            assert precedes[c, d] or precedes[d, c]
+            assert not precedes[c, d] or behind <= 0.5 * (slacks[c] + slacks[d])
+            compared += c != d
+    assert compared > 400

@@ -55,10 +55,10 @@ def first_contact(
     their interior.  Status.FREE proves that they share no point at any time of the span.
 
     engine: of polyhedra, which trees are asked; the answer is the same.  "boxes"; "lifted", for scenes in which nearly
-    everything passes nearly everything (translations and rotations only); "auto" begins with boxes and changes over to
-    "lifted" when boxes have had enough pair tests; "composed" is the paper's structure among edges and "sweep" its
-    plane sweep among vertices and facets (translations only), for reading and measuring.  `stats.engine` tells which
-    one answered.
+    everything passes nearly everything; "auto" begins with boxes and changes over to "lifted" when boxes have had
+    enough pair tests; "composed" is the paper's structure among edges and "sweep" its plane sweep among vertices and
+    facets, for reading and measuring.  All but boxes are for translations and rotations only.  `stats.engine` tells
+    which one answered.
     exact: add `time_exact`.  tolerance: largest width of `time_interval`, relative to the span (enclosures
     come out a few units in the last place wide, whatever is asked).
     budget: node visits plus pair tests (curved models: strides, subproblems and candidates) after which to answer
@@ -94,8 +94,6 @@ def first_contact(
     parts, first, last = pieces(a, b, span)
     if exact:
         _refuse_inexact(parts)
-    if engine == "sweep" and any(isinstance(piece, CurvedPiece) or piece.velocity is None for piece in parts):
-        raise UnsupportedPair("engine 'sweep' searches translations; rotations take 'lifted', other motions 'auto'")
     if engine not in ("auto", "boxes") and any(isinstance(piece, CurvedPiece) for piece in parts):
         raise UnsupportedPair(f"engine {engine!r} searches translations and rotations; other motions take 'auto'")
     stats = NO_WORK

@@ -1,4 +1,4 @@
-"""The plane sweep for vertices against facets under a translation (Schoemer & Thiel 1995, section 6).
+"""The plane sweep for vertices against facets (Schoemer & Thiel 1995, section 6).
 
 Facets are taken in groups of about sqrt(n).  Seen along the motion a group is an arrangement of O(n) pieces, swept by a
 line once, which stops at every vertex: what lies over a region of the arrangement is a set of facets in one order, that
@@ -6,11 +6,15 @@ of their heights along the motion, and a search tree over them tells in logarith
 meets first.  Neighbouring regions differ by one facet, so their trees share all but one path (path copying).  In all
 O(n^{3/2} log n) for facets that do not cross each other.
 
-Nothing rests on rounded coordinates alone: each facet covers one or two cells that reach beyond it by MARGIN, far more
-than arcs (the upper and lower bounds of cells) can be out of order; the order of heights is that of all pairs of facets
-over all that their cells share, within a tolerance; and every facet whose height leaves it open is put to the pair
-test.  Facets that cross another one of their group, or stand so steep or so slender that heights over them say little,
-are `loose`: in trees of their own, all of which are tested.
+Under a translation pieces are facets, their sides straight lines.  Under a rotation what is seen is the height along
+the axis and the squared distance from it, sides are parabolas, and a height is an angle (see `sheets`): each order of
+angles is cut at the angle zero, and asked once more for what lies beyond it.
+
+Nothing rests on rounded coordinates alone: each facet covers cells that reach beyond it by MARGIN, far more than arcs
+(the lower and upper bounds of cells) can be out of order; the order of heights is that of all pairs of facets over all
+that their cells share, within a tolerance; and every facet whose height leaves it open is put to the pair test.
+Facets that cross another one of their group, or stand so steep or so slender that heights over them say little, are
+`loose`: in trees of their own, all of which are tested.
 """
 
 from __future__ import annotations
@@ -19,14 +23,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from firstcontact.kernels.angle import TWO_PI
 from firstcontact.kernels.heap import heap_pop, heap_push
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import inner, kernel
 from firstcontact.search.state import BEST, CANDIDATES, DONE, FIRST, FULL, LEAF_ROOM, VISITS
 from firstcontact.search.tree import SIDE
 from firstcontact.search.walk import test_events
 
 # In units of the size of the facets: how far cells reach beyond their facet.
-MARGIN = 2.0**-22
+MARGIN = 2.0**-30
 # Facets steeper than this (height by length), with sides steeper than this (in the plane of the sweep) or narrower than
 # this are loose.
 STEEP, STEEP_SIDE, NARROW = 64.0, 128.0, 4.0 * MARGIN
@@ -50,17 +55,20 @@ class Trees(NamedTuple):
 
 
 class Cells(NamedTuple):
-    """Of a group: facets (c,), x (c, 2), arcs (2c, 3) lower and upper in turn: middle x, y there, slope."""
+    """Of a group: sheets (c,), x (c, 2), arcs (2c, 4) lower and upper in turn: middle x, y and slope there, bend.
 
-    facets: np.ndarray
+    A sheet is what has one height over each point of its cells: a facet, or under a rotation what lies over one cell.
+    """
+
+    sheets: np.ndarray
     x: np.ndarray
     arcs: np.ndarray
 
 
 class Order(NamedTuple):
-    """Of facets: planes (f, 3) height = p0 + p1 x + p2 y, loose (f,), precedes (f, f): may i come before j."""
+    """Of sheets: heights (f, 4), see `height_at`; loose (f,); precedes (f, f): may i come before j."""
 
-    planes: np.ndarray
+    heights: np.ndarray
     loose: np.ndarray
     precedes: np.ndarray
 
@@ -75,8 +83,8 @@ def cells_of(corners, noise):
     heights; a tolerance of inf makes a facet loose.
     """
     f = corners.shape[0]
-    facets, x, arcs = np.empty(2 * f, np.int32), np.empty((2 * f, 2)), np.empty((4 * f, 3))
-    planes, tolerances = np.zeros((f, 3)), np.empty(f)
+    facets, x, arcs = np.empty(2 * f, np.int32), np.empty((2 * f, 2)), np.zeros((4 * f, 4))
+    planes, tolerances = np.zeros((f, 4)), np.empty(f)
     count = 0
     for i in range(f):
         p = corners[i]
@@ -149,19 +157,23 @@ def _write_plane(plane, p, steepest, noise):
 
 @kernel
 def order_of(cells, planes, tolerances):
-    """Which facets may come before which, over all that their cells share."""
+    """(loose, precedes): which sheets are loose, and which may come before which over all that their cells share."""
     f = planes.shape[0]
+    low, high = np.empty(cells.sheets.shape[0]), np.empty(cells.sheets.shape[0])
+    for a in range(cells.sheets.shape[0]):
+        low[a], _ = _range_of(cells.arcs[2 * a], cells.x[a, 0], cells.x[a, 1])
+        _, high[a] = _range_of(cells.arcs[2 * a + 1], cells.x[a, 0], cells.x[a, 1])
     loose = np.empty(f, np.bool_)
     for i in range(f):
         loose[i] = not tolerances[i] <= MOST_TOLERANCE
     precedes = np.ones((f, f), np.bool_)
-    for a in range(cells.facets.shape[0]):
+    for a in range(cells.sheets.shape[0]):
         for b in range(a):
-            i, j = cells.facets[a], cells.facets[b]
+            i, j = cells.sheets[a], cells.sheets[b]
             if i == j or loose[i] or loose[j]:
                 continue
             first, last = max(cells.x[a, 0], cells.x[b, 0]), min(cells.x[a, 1], cells.x[b, 1])
-            if first > last:
+            if first > last or low[a] > high[b] + MARGIN or low[b] > high[a] + MARGIN:
                 continue
             least, most = _difference(cells.arcs, a, b, first, last, planes[i], planes[j])
             if most > tolerances[i] + tolerances[j]:
@@ -178,37 +190,85 @@ def order_of(cells, planes, tolerances):
 
 @kernel
 def at(arc, x):
-    return arc[1] + arc[2] * (x - arc[0])
+    return arc[1] + (x - arc[0]) * (arc[2] + (x - arc[0]) * arc[3])
+
+
+@inner
+def _range_of(arc, first, last):
+    """Least and largest value of the arc between first and last."""
+    y, z = at(arc, first), at(arc, last)
+    least, most = min(y, z), max(y, z)
+    if arc[3] != 0.0:
+        x = arc[0] - 0.5 * arc[2] / arc[3]
+        if first < x < last:
+            least, most = min(least, at(arc, x)), max(most, at(arc, x))
+    return least, most
+
+
+@inner
+def height_at(height, x, y):
+    """p0 + p1 x + p2 y of a row (p0, p1, p2, 0).  Of (d0, d1, base, way) an angle, see `sheets`: base + way atan(w / d)
+
+    with d = d0 + d1 x and w^2 = y - d^2.
+    """
+    if height[3] == 0.0:
+        return height[0] + height[1] * x + height[2] * y
+    d = height[0] + height[1] * x
+    return height[2] + height[3] * np.arctan2(np.sqrt(max(y - d * d, 0.0)), d)
 
 
 @kernel
 def _difference(arcs, a, b, first, last, p, q):
     """Least and largest value of height q less height p over what the cells a and b share between first and last.
 
-    A convex polygon (reached over by a share of MARGIN): looked at where it begins, ends or two of its arcs cross.
+    Looked at where that (reached over by a share of MARGIN) begins, ends or two of its arcs cross.  Heights that are
+    angles count as lengths along circles.
     """
     least, most = np.inf, -np.inf
     lines = (2 * a, 2 * b, 2 * a + 1, 2 * b + 1)
-    for k in range(8):
+    for k in range(14):
         x = first if k == 0 else last
         if k > 1:
-            m, n = (0, 1, 0, 0, 1, 2)[k - 2], (1, 2, 2, 3, 3, 3)[k - 2]
+            m, n = (0, 1, 0, 0, 1, 2)[k // 2 - 1], (1, 2, 2, 3, 3, 3)[k // 2 - 1]
             s, t = arcs[lines[m]], arcs[lines[n]]
-            apart = s[2] - t[2]
+            bend = t[3] - s[3]
+            if bend == 0.0 and k % 2 == 1:
+                continue
             gap = at(t, first) - at(s, first)
             if m < 2 and n > 1:
                 gap += 0.25 * MARGIN
-            x = first + gap / apart if apart != 0.0 else first
+            x = first + _root(gap, _slope(t, first) - _slope(s, first), bend, k % 2)
             if not first < x < last:
                 continue
         low = max(at(arcs[lines[0]], x), at(arcs[lines[1]], x)) - 0.125 * MARGIN
         high = min(at(arcs[lines[2]], x), at(arcs[lines[3]], x)) + 0.125 * MARGIN
         if low > high + 0.125 * MARGIN:
             continue
-        flat = q[0] - p[0] + (q[1] - p[1]) * x
-        low, high = flat + (q[2] - p[2]) * low, flat + (q[2] - p[2]) * high
-        least, most = min(least, low, high), max(most, low, high)
+        for y in (low, high):
+            apart = height_at(q, x, y) - height_at(p, x, y)
+            if p[3] != 0.0:
+                apart *= np.sqrt(max(y, 0.0))
+            least, most = min(least, apart), max(most, apart)
     return least, most
+
+
+@inner
+def _slope(arc, x):
+    return arc[2] + 2.0 * arc[3] * (x - arc[0])
+
+
+@inner
+def _root(c, b, a, which):
+    """A root of a x^2 + b x + c, the one (0) or the other (1); inf where there is none."""
+    if a == 0.0:
+        return -c / b if b != 0.0 else np.inf
+    d = b * b - 4.0 * a * c
+    if d < 0.0:
+        return np.inf
+    r = -(b + np.sqrt(d)) if b > 0.0 else -(b - np.sqrt(d))
+    if which == 0:
+        return 0.5 * r / a
+    return 2.0 * c / r if r != 0.0 else np.inf
 
 
 # --------------------------------------------------------------------------------------------------- trees
@@ -415,13 +475,13 @@ def _toggle(trees, line, order, cells, source, target, cell, add, waiting):
     Returns the trees: they may have moved.
     """
     roots = line.roots
-    trees = _with_room(trees, roots, 32 * (cells.facets.shape[0] + 32))
-    k = 1 if order.loose[cells.facets[cell]] else 0
+    trees = _with_room(trees, roots, 32 * (cells.sheets.shape[0] + 32))
+    k = 1 if order.loose[cells.sheets[cell]] else 0
     roots[1 - k, target] = roots[1 - k, source]
     if add:
-        roots[k, target] = with_cell(trees, order, cells.facets, roots[k, source], cell)
+        roots[k, target] = with_cell(trees, order, cells.sheets, roots[k, source], cell)
     else:
-        roots[k, target] = without_cell(trees, order, cells.facets, roots[k, source], cell, waiting)
+        roots[k, target] = without_cell(trees, order, cells.sheets, roots[k, source], cell, waiting)
     return trees
 
 
@@ -501,10 +561,20 @@ def _crossing(line, cells, i, x):
     gap = at(above, x) - at(below, x)
     if gap < -MARGIN / (128.0 * (line.place.shape[0] + 8.0)):
         return x
-    if below[2] <= above[2]:
-        return np.inf
-    when = x + max(0.0, gap / (below[2] - above[2]))
+    when = x + _fall(max(0.0, gap), _slope(above, x) - _slope(below, x), above[3] - below[3])
     return when if when <= min(cells.x[s // 2, 1], cells.x[t // 2, 1]) else np.inf
+
+
+@inner
+def _fall(c, b, a):
+    """The first x >= 0 from which on a x^2 + b x + c with c >= 0 falls below zero; inf where there is none."""
+    if b > 0.0:
+        return (b + np.sqrt(b * b - 4.0 * a * c)) / (-2.0 * a) if a < 0.0 else np.inf
+    d = b * b - 4.0 * a * c
+    if d < 0.0 or (b == 0.0 and a >= 0.0):
+        return np.inf
+    r = np.sqrt(d) - b
+    return 2.0 * c / r if r > 0.0 else 0.0
 
 
 @kernel
@@ -513,9 +583,9 @@ def sweep_group(cells, order, tolerance, points, pace, askers, parts, swapped, m
     """Sweep one group past the points (k, 4): x, y, height and the asker's number, in the order of x.
 
     tolerance: of the order of heights in the group.  pace: height per unit of time.  askers (n, 2), parts (f, 2): those
-    of the vertices and facets; swapped: the vertices are of b.  Returns DONE, FULL or LOST.
+    of the vertices and sheets; swapped: the vertices are of b.  Returns DONE, FULL or LOST.
     """
-    n = cells.facets.shape[0]
+    n = cells.sheets.shape[0]
     starts, ends = np.argsort(cells.x[:, 0]), np.argsort(cells.x[:, 1])
     line = Line(
         np.empty(2 * n + 2, np.int32), np.full(2 * n, -1, np.int32), np.full((2, 2 * n + 3), -1, np.int32),
@@ -576,20 +646,31 @@ def _ask(trees, roots, order, cells, tolerance, point, pace, askers, parts, swap
     """Put the point to the facets over its region that it may meet first; False when there is no room.
 
     In a tree: a facet certainly passed before the beginning has only such ones before it, one certainly met after the
-    best time only such ones behind it.
+    best time only such ones behind it.  Angles are asked for once a turn.
     """
     asker = askers[int(point[3])]
-    for k in range(2):
+    turn = TWO_PI if motion.ndim == 2 else 0.0
+    for ask in range(4):
+        ordered = ask < 3
+        ahead = (0.0, turn, -turn, 0.0)[ask] - point[2]
+        if ask in (1, 2) and not (
+            turn > 0.0
+            and ahead + turn + tolerance >= floats[FIRST] - tolerance
+            and ahead - tolerance <= floats[BEST] + tolerance
+        ):
+            continue
         top = 0
-        node = roots[k]
+        node = roots[0 if ordered else 1]
         while True:
             # to the left first, in the order of heights
             while node != NONE:
                 integers[VISITS] += 1
-                height = _height(order.planes[cells.facets[trees.cell[node]]], point)
-                if k == 0 and height < pace * floats[FIRST] - tolerance:
+                height = 0.0
+                if ordered:
+                    height = height_at(order.heights[cells.sheets[trees.cell[node]]], point[0], point[1]) + ahead
+                if ordered and height < pace * floats[FIRST] - tolerance:
                     node = trees.right[node]
-                elif k == 0 and height > pace * floats[BEST] * (1.0 + 1e-12) + tolerance:
+                elif ordered and height > pace * floats[BEST] * (1.0 + 1e-12) + tolerance:
                     node = trees.left[node]
                 else:
                     waiting[top] = node
@@ -601,7 +682,7 @@ def _ask(trees, roots, order, cells, tolerance, point, pace, askers, parts, swap
                 return False
             top -= 1
             node = waiting[top]
-            facet = parts[cells.facets[trees.cell[node]]]
+            facet = parts[cells.sheets[trees.cell[node]]]
             x, y = (facet, asker) if swapped else (asker, facet)
             test_events(
                 motion, x[0], x[1], xyz_a[x[0]], y[0], y[1], xyz_b[y[0]], 1 << SIDE, err_a, err_b,
@@ -609,8 +690,3 @@ def _ask(trees, roots, order, cells, tolerance, point, pace, askers, parts, swap
             )  # fmt: skip
             node = trees.right[node]
     return True
-
-
-@kernel
-def _height(plane, point):
-    return plane[0] + plane[1] * point[0] + plane[2] * point[1] - point[2]
