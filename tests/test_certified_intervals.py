@@ -13,6 +13,7 @@ from firstcontact.body import primitives
 from firstcontact.body.csg import inside
 from firstcontact.composite import certified_intervals as module
 from firstcontact.composite.certified_intervals import certified_intervals, reversed_in_time
+from firstcontact.composite.standing import prisms_on_common_plane
 from firstcontact.composite.verbs import _models
 from firstcontact.composite.work import Work
 from firstcontact.kernels.poses import pose_at
@@ -143,3 +144,30 @@ def test_the_number_of_contacts_is_not_limited(monkeypatch):
     ball = SMALL.translated((-2, 0, 0)).moving(fc.Screw((0, 0, 1), degrees=360 * 5, advance="1/10"))
     found = fc.contact_intervals(ball, post)
     assert found.status is fc.Status.CONTACT and len(found) == 5
+
+
+BLOCK = primitives.box((1, 1, 1)).translated((0, 0, "1/2"))
+TABLE = primitives.cylinder(3, 1).translated((0, 0, "-1/2"))
+TURNING = fc.Rotation((0, 0, 1), ("1/4", 0, 0), degrees=100)
+
+
+def test_a_block_slides_off_a_round_table_that_turns():
+    """They share no inner point: their faces do, as long as the middle of the table is less than 3 from the block's."""
+    way = fc.Translation((4, "1/10", 0))
+    found = fc.contact_intervals(BLOCK.moving(way), TABLE.moving(TURNING), span=(0.75, 1))
+    assert found.status is fc.Status.INITIAL_CONTACT and len(found) == 1 and found[0].start == 0.75
+    end = found[0].end
+    gap = np.maximum(np.abs(TURNING(end)[:2, 3] - way(end)[:2, 3]) - 0.5, 0)
+    assert np.hypot(*gap) == pytest.approx(3, abs=1e-10) and found[0].end_interval[1] - end < 1e-10
+
+
+def test_what_does_not_stand_on_a_face_is_left_as_it_is():
+    way, along = fc.Translation((4, "1/10", 0)), TABLE.moving(TURNING)
+    assert prisms_on_common_plane(BLOCK.moving(way), along) is not None
+    assert prisms_on_common_plane(BLOCK.moving(way), TABLE) is None  # algebra's
+    for other in (
+        BLOCK.moving(fc.Translation((4, 0, "1/10"))), BLOCK.moving(SCREW), BLOCK.translated((0, 0, -1)).moving(way),
+        BALL.translated((0, 0, 1)).moving(way), BLOCK.rotated((1, 0, 0), degrees=45).translated((0, 0, 1)).moving(way),
+        RING.translated((0, 0, 1)).moving(way), BLOCK.moving(fc.Rotation((1, 0, 0), degrees=10)),
+    ):  # fmt: skip
+        assert prisms_on_common_plane(other, along) is None

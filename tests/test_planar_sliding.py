@@ -62,3 +62,11 @@ def test_which_have_walls():
     assert has_walls(box, NORMAL) and has_walls(box.rotated((1, 2, 3), degrees=20), NORMAL)
     folded = fc.Polyhedron([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 1]])
     assert folded.solid and not has_walls(folded, NORMAL)
+
+
+def test_no_window_is_told_of_parts_on_one_table_that_miss_each_other():
+    """No bound tells when faces that slide in one plane share points, but the walls never touch."""
+    cube = fc.examples.box((1, 1, 1))
+    passing = cube.translated((-2, 0, 0)).moving(fc.Translation((3, 0, 0)))
+    found = fc.contact_intervals(passing, cube.translated((2, 0, 0)).moving(fc.Rotation(UP, (1.5, 1, 0), degrees=50)))
+    assert found.status is fc.Status.FREE and found.free_until == 1 and len(found) == 0

@@ -24,6 +24,7 @@ from firstcontact.composite.mesh_intervals import intervals_of_mesh
 from firstcontact.composite.meshes import first_contact_of_mesh
 from firstcontact.composite.moving_pair import Pair
 from firstcontact.composite.polyhedra import as_model, is_small_and_convex
+from firstcontact.composite.standing import prisms_on_common_plane
 from firstcontact.composite.work import Spent, Work
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import above, below, fraction, simplest, to_double
@@ -203,9 +204,11 @@ def contact_intervals(
             raise
         work = Work(budget, progress, below(first))
         try:
+            standing = prisms_on_common_plane(*models)
             found = certified_intervals(
-                models, first, last, tolerance, work, lambda: _touching_at_start(a, b, first, begin, shared)
-            )
+                standing or models, first, last, tolerance, work,
+                lambda: _touching_at_start(a, b, first, begin, shared),
+            )  # fmt: skip
         except UnsupportedPair as other:
             raise UnsupportedPair(f"{refusal}; {other}") from other
     return proved_intervals(found, work, begin, shared)

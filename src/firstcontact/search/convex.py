@@ -171,6 +171,14 @@ def _clauses(tree: Tree, wanted: bool) -> list[Clause]:
     return sorted((c for c in consistent if not any(d < c for d in consistent)), key=sorted)
 
 
+def half_spaces(body: CompositeQuadric) -> list[Surface]:
+    """Those whose intersection the body is, one convex piece.  Raises NotConvex."""
+    clauses = _clauses(body.tree, True)
+    if len(clauses) != 1 or convex_pieces(body).count != 1:
+        raise NotConvex("several pieces")
+    return [_half_space(body, x) for x in sorted(clauses[0])]
+
+
 def _half_space(body: CompositeQuadric, x: tuple[int, bool]) -> Surface:
     return body.surfaces[x[0]] if x[1] else body.surfaces[x[0]].negated()
 
