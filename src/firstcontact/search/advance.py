@@ -209,6 +209,8 @@ class _Search:
             if outcome in (FREE, INITIAL, CONTACT) or outcome in REASONS or looks == MOST_LOOKS:
                 return outcome, None
             reached = float(self.results[FREE_UNTIL])
+            if reached >= window.last:
+                return outcome, None
             looks += 1
             close = close or self._close_up(window, i, j)
             if close is None:
@@ -278,7 +280,8 @@ class _Search:
         if self.motions is None or i >= len(self.a.solids) or j >= len(self.b.solids):
             return None
         middle = (_exact(window.first) + _exact(window.last)) / 2
-        motion = next(m for m in self.motions() if m.start <= middle <= m.end)
+        # one holds it, but for the window's rounding
+        motion = min(self.motions(), key=lambda m: max(m.start - middle, middle - m.end))
         try:
             return CloseUp(motion, self.a, i, self.b, j)
         except NoFunction:

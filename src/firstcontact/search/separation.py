@@ -37,6 +37,8 @@ ROUNDS, SHARPER = 6, 40.0
 WEIGHT = 1e-5
 """Below which functions count as not active."""
 
+ASIDE = np.array([0.03, 0.025, 0.02])
+"""Of the size: from the middle of a piece, which may be on the axis of a cone, where its function has a kink."""
 WAYS = np.vstack([np.eye(3), -np.eye(3)]) + 0.1
 """In which gradients are looked at for their usual length."""
 
@@ -250,7 +252,7 @@ class Separation:
         own = len(self.own)
         forms[:own], lines[:own] = pose.T @ forms[:own] @ pose, lines[:own] @ pose
         barrier = _Barrier(forms, lines)
-        x = np.append(self.centre, 0.0)
+        x = np.append(self.centre + self.size * ASIDE, 0.0)
         x[3] = float(barrier.values(x[:3])[0].max()) + 0.1 * self.size
         sharp = 10.0 / self.size
         for _ in range(ROUNDS):
