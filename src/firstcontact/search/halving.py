@@ -1,5 +1,6 @@
 """Edges against edges by halving both sets in turn, leaving out at each step what is certainly not met.
 
+Edges that do not pass closely everywhere are told apart by the space they pass through (`space_cut`), all others so:
 A frame is a set of edges of a and one of b.  The larger set is cut in two; each half, as a cell (box and box of
 lines), can be met by a part of the other set only.  The cut goes across the direction in which the products of its
 lines with those of the other set vary most: what is left lies near the few surfaces on which these products vanish, and
@@ -109,6 +110,7 @@ class Room(NamedTuple):
     """(9, FEW_PAIRS): lines, entry by entry, and the range of their products with the forms of an edge."""
     pays: int = PAYS
     worth: int = WORTH
+    """Of `space_cut`; smaller where a test wants space cut to the last."""
 
 
 def larger(room: Room) -> Room:
