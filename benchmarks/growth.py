@@ -1,4 +1,6 @@
-"""Growth of the work with the number of rods or facets on adversarial scenes; writes GROWTH.md, growth.csv, plots.
+"""Growth of the work with the number of rods or facets on adversarial scenes.
+
+Writes GROWTH.md, growth.csv, pictures, and the exponents into README.md and docs/growth.md.
 
     python benchmarks/growth.py [--sizes 100,300,1e3,3e3,1e4,3e4,1e5] [--limit 5] [--only FAMILIES] [--tools TOOLS]
                                 [--add] [--redraw]
@@ -23,11 +25,12 @@ from typing import Any
 
 from firstcontact import Status, first_contact
 from firstcontact.query import ENGINES
-from growth_report import draw, read_csv, write_csv, write_markdown
+from growth_report import draw, read_csv, write_csv, write_exponents, write_markdown
 from growth_scenes import CUTS, FAMILIES, Family, cut, peer_scene
 
 HERE = Path(__file__).resolve().parent
-PICTURES = HERE.parent / "docs"
+ROOT = HERE.parent
+PICTURES = ROOT / "docs"
 PEERS = ("coal", "ipctk")
 WARM = 24
 """Rods of an untimed run that compiles whatever a series needs."""
@@ -55,6 +58,10 @@ class Run:
     time: float = float("nan")
     note: str = ""
 
+    @property
+    def work(self) -> int:
+        return self.node_visits + self.pair_tests
+
 
 def main() -> None:
     options = _options()
@@ -69,6 +76,9 @@ def main() -> None:
                 runs = [run for run in runs if (run.family, run.motion, run.tool) not in redone] + new
                 write_csv(runs, table, [f.name for f in fields(Run)])
     write_markdown(runs, options.out / "GROWTH.md")
+    if options.out == HERE:
+        for page in (ROOT / "README.md", PICTURES / "growth.md"):
+            write_exponents(runs, page)
     draw(runs, options.pictures)
 
 

@@ -15,6 +15,7 @@ CUT = "boxes, cut in "
 BEST_CUT = "boxes, best cut"
 FIT_FROM = 1000
 """Smallest n of a fit, where there are three sizes from there on; else all sizes count."""
+BEGIN, END = "<!-- exponents -->", "<!-- end of exponents -->"
 MEASURES = {"node_visits": "node visits", "pair_tests": "pair tests", "query_s": "query, s"}
 PICTURES = {"node_visits": "growth-visits.png", "pair_tests": "growth-pairs.png", "query_s": "growth-time.png"}
 COLOURS = {
@@ -59,15 +60,11 @@ def with_best_cut(runs: Sequence[Any]) -> dict[tuple[str, str], dict[str, list[A
         if cuts:
             pool = [run for tool in [*cuts, "boxes"] for run in tools[tool]]
             sizes = sorted({run.n for run in pool})
-            best = [min((run for run in pool if run.n == n), key=_work) for n in sizes]
+            best = [min((run for run in pool if run.n == n), key=lambda run: run.work) for n in sizes]
             for tool in cuts:
                 del tools[tool]
             tools[BEST_CUT] = best
     return found
-
-
-def _work(run: Any) -> int:
-    return run.node_visits + run.pair_tests
 
 
 def exponent(runs: Sequence[Any], measure: str) -> tuple[float, int, int] | None:
@@ -92,12 +89,13 @@ def write_markdown(runs: Sequence[Any], path: Path) -> None:
         "",
         "Written by `python benchmarks/growth.py`; the pictures are in [docs](../docs/growth.md).  n moving and n",
         "resting rods or facets; exponents are slopes of log-log fits over the sizes named, at least three of them.",
-        "Counts are exact; times are of one machine with other work on it.  *best cut*: of the box trees over rods cut",
-        "in 1, 4, 16, 64 or 256 pieces the one with the fewest visits and pair tests, for each n.",
+        "Counts are exact; times are of one machine with other work on it.  A visit is a look at two boxes, or at an",
+        "edge, path or facet and a cell; a pair test is one at two elements; work is both together.  *best cut*: of",
+        "the box trees over rods cut in 1, 4, 16, 64 or 256 pieces the one with the least work, for each n.",
         "",
-        "| family | motion | tool | fit over n | visits | pairs | query | one shot | largest n: visits | pairs "
+        "| family | motion | tool | fit over n | visits | pairs | work | query | one shot | largest n: visits | pairs "
         "| query, s | one shot, s | ended by |",
-        "|---|---|---|---|---|---|---|---|---|---|---|---|---|",
+        "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|",
     ]
     ended = {(run.family, run.motion, run.tool): f"n = {run.n}: {run.note}" for run in runs if run.note}
     for (family, motion), tools in with_best_cut(runs).items():
@@ -111,7 +109,7 @@ def write_markdown(runs: Sequence[Any], path: Path) -> None:
                 motion,
                 tool,
                 "" if range_ is None else f"{range_[1]:g} .. {range_[2]:g}",
-                *(_fit(done, key) for key in ("node_visits", "pair_tests", "query_s", "one_shot_s")),
+                *(_fit(done, key) for key in ("node_visits", "pair_tests", "work", "query_s", "one_shot_s")),
                 f"{last.n}: {counts[0]}",
                 counts[1],
                 f"{last.query_s:.3g}",
@@ -137,6 +135,31 @@ def _disagreements(runs: Sequence[Any]) -> list[str]:
             what = f"{run.status.lower()} at {run.time:.9g}, boxes {known.status.lower()} at {known.time:.9g}"
             said.append(f"* {run.family}, {run.motion}, {run.tool}, n = {run.n}: {what}")
     return ["Answers that differ from those of the box tree by more than 1e-9 of the span:", "", *(said or ["* none"])]
+
+
+def write_exponents(runs: Sequence[Any], page: Path) -> None:
+    """Fill the place between two comments of the page with the exponents of `auto` and of the boxes."""
+    text = page.read_text(encoding="utf-8")
+    begin, end = text.index(BEGIN) + len(BEGIN), text.index(END)
+    table = "\n".join(_exponents(runs))
+    page.write_text(f"{text[:begin]}\n\n{table}\n\n{text[end:]}", encoding="utf-8")
+
+
+def _exponents(runs: Sequence[Any]) -> list[str]:
+    lines = ["| encounter | motion | `auto`: n | exponent of work | of time | s at the largest n | boxes: of work |"]
+    lines.append("|---|---|---|---|---|---|---|")
+    for (family, motion), tools in with_best_cut(runs).items():
+        auto = tools.get("auto", [])
+        found = exponent(auto, "work")
+        if found is None:
+            continue
+        boxes = exponent(tools.get("boxes", []), "work")
+        cells = [
+            family, motion, f"{found[1]:g} to {found[2]:g}", f"{found[0]:.2f}", _fit(auto, "query_s"),
+            f"{auto[-1].query_s:.2g}", "" if boxes is None else f"{boxes[0]:.2f} ({boxes[1]:g} to {boxes[2]:g})",
+        ]  # fmt: skip
+        lines.append("| " + " | ".join(cells) + " |")
+    return lines
 
 
 def draw(runs: Sequence[Any], folder: Path) -> None:

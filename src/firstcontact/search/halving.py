@@ -1,5 +1,6 @@
 """Edges against edges by halving both sets in turn, leaving out at each step what is certainly not met.
 
+Edges that do not pass closely everywhere are told apart by the space they pass through (`space_cut`), all others so:
 A frame is a set of edges of a and one of b.  The larger set is cut in two; each half, as a cell (box and box of
 lines), can be met by a part of the other set only.  The cut goes across the direction in which the products of its
 lines with those of the other set vary most: what is left lies near the few surfaces on which these products vanish, and
@@ -106,9 +107,10 @@ class Room(NamedTuple):
     counts: np.ndarray
     cuts: np.ndarray
     block: np.ndarray
-    """(8, FEW_PAIRS): lines, entry by entry, and the range of their products with the forms of an edge."""
+    """(9, FEW_PAIRS): lines, entry by entry, and the range of their products with the forms of an edge."""
     pays: int = PAYS
     worth: int = WORTH
+    """Of `space_cut`; smaller where a test wants space cut to the last."""
 
 
 def larger(room: Room) -> Room:
@@ -125,7 +127,7 @@ def room_for(m: int, n: int) -> Room:
         np.empty(size, np.int32), np.empty((size, 2)), np.empty(max(m, n)), frames, shares, np.empty((2, 3)),
         np.empty((MOST_FRAMES, CELL)), np.empty(PLACE), np.zeros(PLACE), np.empty(6),
         np.empty(most, np.int32), np.empty((most, 2)), np.empty(most, np.int8),
-        np.zeros((2, PARTS), np.int64), np.empty((3, 6)), np.empty((8, FEW_PAIRS)),
+        np.zeros((2, PARTS), np.int64), np.empty((3, 6)), np.empty((9, FEW_PAIRS)),
     )  # fmt: skip
 
 
@@ -236,7 +238,7 @@ def _test_pairs(a, b, room, here, origin, scale, query, work, motion, arc, reach
         _products(block, query, count, int(sizes[N_FORMS]))
         before = integers[TESTS]
         for j in range(count):
-            if block[6, j] > slack or block[7, j] < -slack:
+            if (block[6, j] > slack or block[7, j] < -slack) and block[8, j] == 0.0:
                 continue
             i, k = (edge, arena[first + j]) if by_a else (arena[first + j], edge)
             part_a, part_b = a.parts[i], b.parts[k]
@@ -251,17 +253,19 @@ def _test_pairs(a, b, room, here, origin, scale, query, work, motion, arc, reach
 
 @kernel
 def _products(block, query, count, forms):
-    """Write the least and the largest product of each line with the forms, without end where one is not a number."""
-    low, high = block[6], block[7]
-    low[:count], high[:count] = np.inf, -np.inf
+    """Write the least and the largest product of each line with the forms, and 0 if all are finite."""
+    low, high, finite = block[6], block[7], block[8]
+    for j in range(count):
+        low[j], high[j], finite[j] = np.inf, -np.inf, 0.0
     for r in range(forms):
         q0, q1, q2, q3, q4, q5 = query[r, 0], query[r, 1], query[r, 2], query[r, 3], query[r, 4], query[r, 5]
         for j in range(count):
             v = (q0 * block[0, j] + q1 * block[1, j] + q2 * block[2, j]) + (
                 q3 * block[3, j] + q4 * block[4, j] + q5 * block[5, j]
             )
-            low[j] = low[j] if v >= low[j] else (v if v < low[j] else -np.inf)
-            high[j] = high[j] if v <= high[j] else (v if v > high[j] else np.inf)
+            low[j] = v if v < low[j] else low[j]
+            high[j] = v if v > high[j] else high[j]
+            finite[j] += v - v
 
 
 @kernel

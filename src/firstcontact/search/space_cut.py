@@ -1,10 +1,10 @@
 """Cutting the space that edges pass through: of each edge a cell holds the piece inside it.
 
 Boxes of whole rods all overlap; those of pieces do not.  A cell is a box and an interval of time, with the edges of b
-that enter the box, those of a that do so during the interval, and where along each edge.  It is cut in two across its
-longest side as long as testing all its pairs would cost more; n rods in general position are so cut into about
-sqrt(n) pieces each, and n^1.5 pairs are left.  Where all pairs pass closely in every place (`pass_closely`), or cutting
-has only multiplied the pairs, lines tell more (`halving`).
+that enter the box, those of a that do so during the interval, and where along each edge.  Its long sides are halved
+together as long as testing all its pairs would cost more; n rods in general position are so cut into about sqrt(n)
+pieces each, and n^1.5 pairs are left.  Where pairs pass closely everywhere (`begin_space`), or cutting has only
+multiplied them, lines tell more (`halving`).
 
 Invariant: a contact at the point q, at a time not after the best one and not yet recorded, lies in a waiting cell that
 holds q, on pieces of both edges.  Limits are moved out by the errors of coordinates and all roundings (`slack_of`).
@@ -33,11 +33,12 @@ PAYS = 12
 MOST_SPREAD, DEEPEST = 4.0, 50
 # Sides longer than this share of the longest one are cut.
 LONG = 0.6
+# Parts of a cell at most.
 PARTS = 8
 # Time is halved where a moves farther during it than this share of the cell's longest side.
 FAR = 0.5
-# A frame of at least WORTH pairs is worth a look at SAMPLE^2 of them, of which this share may be close.
-# Cells of AGAIN times as many are looked at again.
+# A frame of at least WORTH pairs is worth a look at SAMPLE^2 of them, of which this share may be close; cells of AGAIN
+# times as many are looked at again.
 WORTH, SAMPLE, CLOSE, AGAIN = 8192, 8, 0.5, 4
 # Lengths that are very different.
 DIFFERENT = 8.0
