@@ -32,8 +32,7 @@ class Arcs:
         a, b = chains(p)[0], chains(q)[0]
         self.solved = certified_curve._solved(a, b, tolerance)
         low, high = np.maximum(a.box[0], b.box[0]), np.minimum(a.box[1], b.box[1])
-        sides = [certified_curve._side(x, 0.5 * (low + high), 4) for x in (a, b)]
-        self.forms = [certified_curve._forms(x, len(y.points)) for x, y in zip(sides, (a, b), strict=True)]
+        self.forms = [certified_curve._side(x, 0.5 * (low + high), 4)[1] for x in (a, b)]
         self.bends = [np.empty((len(x), curve_bends.BOUNDS)) for x in self.forms]
         for form, bend in zip(self.forms, self.bends, strict=True):
             curve_bends.derivative_bounds(form, bend)
@@ -99,9 +98,9 @@ def test_arcs_stay_within_the_tolerance_of_their_chords(weighted, tolerance):
         for k in arcs.kept:
             over, (start, end) = arcs.ends(k)
             run, other = (columns.Y, columns.X) if over else (columns.X, columns.Y)
-            own = slice(solved.starts[k], solved.starts[k + 1])
-            points, chain = solved.points[own], (solved.p, solved.q)[over]
-            ends = solved.parameters[own, over]
+            own = slice(*solved.rows[k])
+            points, chain, sign = solved.points[own], (solved.p, solved.q)[over], -1 if solved.turned[k] else 1
+            points, ends = points[::sign], solved.parameters[own, over][::sign]
             part = int(solved.arcs[k][columns.ARC_V if over else columns.ARC_U])
             first, last = chain.parameter(np.array([part] * 2), np.array([0.0, 1.0]))
             assert chain.ranges[part, 0, 1] == chain.ranges[part, 1, 1]  # x is linear in the parameter
@@ -111,11 +110,20 @@ def test_arcs_stay_within_the_tolerance_of_their_chords(weighted, tolerance):
                 for share in (0.2, 0.45, 0.55, 0.8):
                     at = x[n] + share * (x[n + 1] - x[n])
                     point = arcs.at(k, at, 0.5 * (start[other] + end[other]))[columns.POINT : columns.GAP]
-                    point = point + (solved.points[solved.starts[k]] - start_point(arcs, k))
+                    point = point + (points[0] - start_point(arcs, k))
                     along = points[n + 1] - points[n]
                     t = np.clip((point - points[n]) @ along / max(along @ along, 1e-300), 0, 1)
                     worst = max(worst, np.linalg.norm(points[n] + t * along - point))
     assert 0.3 * tolerance < worst <= tolerance
+
+
+def test_branches_keep_no_rows_but_their_own():
+    curve = fc.intersection_curve(*waves(0, False), method="certified")
+    shown = sum(len(branch.points) for branch in curve.branches)
+    assert shown > 100
+    for branch in curve.branches:
+        for table in (branch.points, branch.parameters):
+            assert len(table if table.base is None else table.base) <= shown + len(curve.branches)
 
 
 def start_point(arcs: Arcs, k: int) -> np.ndarray:

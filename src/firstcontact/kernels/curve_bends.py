@@ -1,8 +1,10 @@
 """How fast an arc of an intersection curve may bend: bounds on the fourth derivative of its points, proved.
 
 Along an arc P(x, s) = Q(y, t) with y, s and t functions of x.  The derivatives solve systems with one matrix,
-J = (P_s, -Q_y, -Q_t).  Where J differs from that in the middle by less than half of what would make it singular, norms
-bound all solutions; the differences are bounded by derivatives of both surfaces on their whole parts.
+J = (P_s, -Q_y, -Q_t).  Where the columns of J differ from those in the middle by lengths e_k, and the rows of the
+inverse there have lengths r_k with r . e < 1, solutions for a right side of length b are at most r_k b / (1 - r . e):
+so much b and the e_k times the solution come to.  The differences are bounded by derivatives of both surfaces on their
+whole parts.
 """
 
 from __future__ import annotations
@@ -10,12 +12,15 @@ from __future__ import annotations
 import numpy as np
 
 from firstcontact.kernels.curve_points import BASIS, LOWER, SLOPES
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import kernel, uncounted
 
 # Columns of the bounds of a part: lengths of the first four derivatives of both directrices, then of their difference.
 ENDS, RULING, BOUNDS = 0, 4, 8
 # Beyond roundings of the bounds themselves.
 ROOM = 1.001
+# Columns of J that differ by so much might make it singular at 1; how derivatives may grow is guessed so many times,
+# each time more than what was found.
+LARGEST_CHANGE, MOST_TRIES, ALLOWANCE = 0.75, 6, 1.3
 
 
 @kernel
@@ -46,7 +51,7 @@ def derivative_bounds(forms, known):
                 bounds[RULING + k] = 2.0 * bounds[ENDS + k]
 
 
-@kernel
+@uncounted
 def _curve(rows, n, first, bounds):
     """Raise three bounds to those of a rational curve; its rows are changed.
 
@@ -95,7 +100,7 @@ def _curve(rows, n, first, bounds):
     bounds[first + 2], bounds[first + 3] = max(bounds[first + 2], ROOM * d3), max(bounds[first + 3], ROOM * d4)
 
 
-@kernel
+@uncounted
 def _second(forms, part, x, row, r):
     """Row `row` of r: the second derivatives of both ends of the ruling at x, homogeneous; row LOWER is scratch."""
     n = forms.shape[2] - 1
@@ -116,7 +121,7 @@ def _second(forms, part, x, row, r):
             r[row, c] += w * (forms[part, 0, k, c] - 2.0 * forms[part, 0, k + 1, c] + forms[part, 0, k + 2, c])
 
 
-@kernel
+@uncounted
 def _local(f, second, position, r):
     """Lengths at a ruling: of the second derivatives of its ends, and the first two of their difference.
 
@@ -137,7 +142,7 @@ def _local(f, second, position, r):
     return np.sqrt(max(a, b)), np.sqrt(d), np.sqrt(e)
 
 
-@kernel
+@uncounted
 def fourth_derivative(p, part_f, x, q, part_m, y, f, m, of_f, of_m, reach, s, t, r):
     """A bound on the fourth derivative of points by x, within `reach` of a point of an arc; infinite if none is found.
 
@@ -170,14 +175,13 @@ def fourth_derivative(p, part_f, x, q, part_m, y, f, m, of_f, of_m, reach, s, t,
     v0, v1, v2 = k1 * i2 - k2 * i1, k2 * i0 - k0 * i2, k0 * i1 - k1 * i0
     w0, w1, w2 = i1 * j2 - i2 * j1, i2 * j0 - i0 * j2, i0 * j1 - i1 * j0
     inverse = 1.0 / (i0 * u0 + i1 * u1 + i2 * u2)
-    norm = u0 * u0 + u1 * u1 + u2 * u2 + v0 * v0 + v1 * v1 + v2 * v2 + w0 * w0 + w1 * w1 + w2 * w2
-    norm = ROOM * np.sqrt(norm) * abs(inverse)
+    # what an unknown is at most for a right side of length 1
+    of_s, of_y, of_t = (ROOM * abs(inverse) * np.sqrt(u0 * u0 + u1 * u1 + u2 * u2),
+                        ROOM * abs(inverse) * np.sqrt(v0 * v0 + v1 * v1 + v2 * v2),
+                        ROOM * abs(inverse) * np.sqrt(w0 * w0 + w1 * w1 + w2 * w2))  # fmt: skip
     s1, y1, t1 = (-(x0 * u0 + x1 * u1 + x2 * u2) * inverse, (x0 * v0 + x1 * v1 + x2 * v2) * inverse,
                   (x0 * w0 + x1 * w1 + x2 * w2) * inverse)  # fmt: skip
     ds, dy, dt = abs(s1), abs(y1), abs(t1)
-    speed = np.sqrt(ds * ds + dy * dy + dt * dt)
-    # the unknowns change by at most this, as long as their derivatives grow by no more than `speed`
-    far_s, far_y, far_t = reach * (ds + speed), reach * (dy + speed), reach * (dt + speed)
     _second(p, part_f, x, BASIS, r)
     p_xx, p_xs, p_xxs = _local(f, BASIS, s, r)
     s1, y1, t1 = s1 / i, y1 / j, t1 / k
@@ -190,33 +194,51 @@ def fourth_derivative(p, part_f, x, q, part_m, y, f, m, of_f, of_m, reach, s, t,
     x0 -= y1 * (y1 * r[BASIS, 0] + 2.0 * t1 * r[BASIS, 4])
     x1 -= y1 * (y1 * r[BASIS, 1] + 2.0 * t1 * r[BASIS, 5])
     x2 -= y1 * (y1 * r[BASIS, 2] + 2.0 * t1 * r[BASIS, 6])
-    here = (x0 * u0 + x1 * u1 + x2 * u2) ** 2 + (x0 * v0 + x1 * v1 + x2 * v2) ** 2
-    here = ROOM * np.sqrt(here + (x0 * w0 + x1 * w1 + x2 * w2) ** 2) * abs(inverse)
-    q_yy, q_yyt = q_yy + far_y / j * of_m[ENDS + 2], q_yyt + far_y / j * of_m[RULING + 2]
-    q_yt = (q_yt + far_y / j * q_yyt) / (j * k)
-    q_yy, q_yyy, q_yyyy = q_yy / j**2, of_m[ENDS + 2] / j**3, of_m[ENDS + 3] / j**4
-    q_yyt, q_yyyt = q_yyt / (j**2 * k), of_m[RULING + 2] / (j**3 * k)
-    e0, e1, e2 = p_xs * reach, q_yy * far_y + q_yt * far_t, q_yt * far_y
-    change = np.sqrt(e0 * e0 + e1 * e1 + e2 * e2)
-    if not norm * change < 0.5:
+    # second derivatives in the middle
+    two_s, two_y, two_t = (ROOM * abs((x0 * u0 + x1 * u1 + x2 * u2) * inverse),
+                           ROOM * abs((x0 * v0 + x1 * v1 + x2 * v2) * inverse),
+                           ROOM * abs((x0 * w0 + x1 * w1 + x2 * w2) * inverse))  # fmt: skip
+    q_yyy, q_yyyy, q_yyyt = of_m[ENDS + 2] / j**3, of_m[ENDS + 3] / j**4, of_m[RULING + 2] / (j**3 * k)
+    q_yy, q_yt, q_yyt = q_yy / j**2, q_yt / (j * k), q_yyt / (j**2 * k)
+    # As long as derivatives of unknowns grow by no more than `growth` times what these are at most, the unknowns change
+    # by no more than `far`, columns of J by `e`, and the derivatives by `grown` times the same: that is to be no more.
+    growth = 0.0
+    for _ in range(MOST_TRIES):
+        far_s, far_y, far_t = reach * (ds + of_s * growth), reach * (dy + of_y * growth), reach * (dt + of_t * growth)
+        q_yyt_far = q_yyt + far_y * q_yyyt
+        q_yt_far, q_yy_far = q_yt + far_y * q_yyt_far, q_yy + far_y * q_yyy
+        e0, e1, e2 = p_xs * reach, q_yy_far * far_y + q_yt_far * far_t, q_yt_far * far_y
+        change = of_s * e0 + of_y * e1 + of_t * e2
+        if not change < LARGEST_CHANGE:
+            return np.inf
+        more = 1.0 / (1.0 - change)
+        grown = more * (p_xx * reach + p_xs * far_s + e0 * ds + e1 * dy + e2 * dt)
+        if grown <= growth:
+            break
+        growth = ALLOWANCE * grown
+    if not grown <= growth:
         return np.inf
-    norm /= 1.0 - norm * change
-    growth = norm * (p_xx * reach + p_xs * far_s + change * speed)
-    if not growth <= speed:
-        return np.inf
-    three, two = 0.0, np.inf
+    q_yy, q_yt, q_yyt = q_yy_far, q_yt_far, q_yyt_far
+    of_s, of_y, of_t = more * of_s, more * of_y, more * of_t
+    here_s, here_y, here_t = two_s, two_y, two_t
+    two_s = two_y = two_t = three_s = three_y = three_t = np.inf
+    grown /= more
+    more_s, more_y, more_t = ds + of_s * grown, dy + of_y * grown, dt + of_t * grown
     # derivatives known in the middle change by no more than the next ones tell
     for _ in range(3):
-        more_s, more_y, more_t = ds + growth, dy + growth, dt + growth
-        two = min(two, norm * (p_xx + 2.0 * p_xs * more_s + more_y * (q_yy * more_y + 2.0 * q_yt * more_t)))
-        three = of_f[ENDS + 2] + 3.0 * (p_xxs * more_s + p_xs * two)
+        two = p_xx + 2.0 * p_xs * more_s + more_y * (q_yy * more_y + 2.0 * q_yt * more_t)
+        two_s, two_y, two_t = min(two_s, of_s * two), min(two_y, of_y * two), min(two_t, of_t * two)
+        three = of_f[ENDS + 2] + 3.0 * (p_xxs * more_s + p_xs * two_s)
         three += more_y * more_y * (q_yyy * more_y + 3.0 * q_yyt * more_t)
-        three = norm * (three + 3.0 * two * (q_yy * more_y + q_yt * (more_t + more_y)))
-        two = min(two, here + reach * three)
-        growth = min(growth, reach * two)
-    ds, dy, dt = ds + growth, dy + growth, dt + growth
-    own = of_f[ENDS + 3] + 4.0 * p_xxxs * ds + 6.0 * p_xxs * two + 4.0 * p_xs * three
-    four = own + dy * dy * (q_yyyy * dy * dy + 6.0 * q_yyy * two) + q_yy * (3.0 * two * two + 4.0 * dy * three)
-    four += 4.0 * dt * (q_yyyt * dy**3 + 3.0 * q_yyt * dy * two + q_yt * three)
-    four += 6.0 * two * (q_yyt * dy * dy + q_yt * two) + 4.0 * three * q_yt * dy
-    return ROOM * (own + (1.0 + e0) * norm * four)
+        three += 3.0 * (two_y * (q_yy * more_y + q_yt * more_t) + two_t * q_yt * more_y)
+        three_s, three_y, three_t = of_s * three, of_y * three, of_t * three
+        two_s, two_y = min(two_s, here_s + reach * three_s), min(two_y, here_y + reach * three_y)
+        two_t = min(two_t, here_t + reach * three_t)
+        more_s, more_y = min(more_s, ds + reach * two_s), min(more_y, dy + reach * two_y)
+        more_t = min(more_t, dt + reach * two_t)
+    own = of_f[ENDS + 3] + 4.0 * p_xxxs * more_s + 6.0 * p_xxs * two_s + 4.0 * p_xs * three_s
+    four = own + more_y * more_y * (q_yyyy * more_y * more_y + 6.0 * q_yyy * two_y)
+    four += q_yy * (3.0 * two_y * two_y + 4.0 * more_y * three_y)
+    four += 4.0 * more_t * (q_yyyt * more_y**3 + 3.0 * q_yyt * more_y * two_y + q_yt * three_y)
+    four += 6.0 * two_t * (q_yyt * more_y * more_y + q_yt * two_y) + 4.0 * three_t * q_yt * more_y
+    return ROOM * (own + (1.0 + e0) * of_s * four)

@@ -53,7 +53,7 @@ from firstcontact.kernels.curve_points import (
     X,
     Y,
 )
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import uncounted
 
 # Typed, since Numba compiles a function anew for every Python integer written into a call.
 NO, YES, INNER = np.int64(0), np.int64(1), np.int64(0)
@@ -83,7 +83,7 @@ LINE_DEPTH = 45
 # -- one cell -----------------------------------------------------------------------------------------------
 
 
-@kernel
+@uncounted
 def _along(side, k, out):
     """Twice a middle direction of the rulings of a node."""
     n = degree(side)
@@ -92,7 +92,7 @@ def _along(side, k, out):
         out[c] += side[k, SECOND + c, n] / side[k, 7, n] - side[k, c, n] / side[k, 3, n]
 
 
-@kernel
+@uncounted
 def _look_along(p, i, q, j, w):
     """Set the direction across the rulings of the cell: along it they are seen to cross."""
     a, b, d = w[PLANES, 0], w[PLANES, 1], w[RANGES, SIGHT]
@@ -107,12 +107,12 @@ def _look_along(p, i, q, j, w):
         d[2] = 1.0
 
 
-@kernel
+@uncounted
 def _sign(lo, hi, error):
     return 1 if lo > error else -1 if hi < -error else 0
 
 
-@kernel
+@uncounted
 def _brackets(side, k, other, other_k, which, w):
     """1: both brackets of the side's ends have one sign, no contact; 2: neither has a sign; else 0, its row is set."""
     planes, row, net = w[PLANES, 4 * which : 4 * which + 4], w[RANGES, which], w[NET]
@@ -140,13 +140,13 @@ def _brackets(side, k, other, other_k, which, w):
     return 2 if signs == 0 else 0
 
 
-@kernel
+@uncounted
 def _times(a, b, c, d):
     """The range of products of [a, b] and [c, d]."""
     return min(min(a * c, a * d), min(b * c, b * d)), max(max(a * c, a * d), max(b * c, b * d))
 
 
-@kernel
+@uncounted
 def apart(p, i, q, j):
     """Whether the boxes of two nodes share no point."""
     for c in range(3):
@@ -155,7 +155,7 @@ def apart(p, i, q, j):
     return False
 
 
-@kernel
+@uncounted
 def _examine(p, i, q, j, crossings, w):
     """What a cell is; for a graph also the sign of the slope across, with RANGES telling which bounds may cut it.
 
@@ -201,7 +201,7 @@ def _examine(p, i, q, j, crossings, w):
 # -- lines between cells ------------------------------------------------------------------------------------
 
 
-@kernel
+@uncounted
 def _value(row, count, x, scratch):
     """Of the polynomial with these Bernstein coefficients."""
     for k in range(count):
@@ -212,7 +212,7 @@ def _value(row, count, x, scratch):
     return scratch[0]
 
 
-@kernel
+@uncounted
 def _flat(row, count, error):
     """Whether no coefficient is told from zero."""
     for k in range(count):
@@ -221,7 +221,7 @@ def _flat(row, count, error):
     return True
 
 
-@kernel
+@uncounted
 def _changes(row, count, error, before, after):
     """How often the signs of the coefficients change at most; the first and the last have the given signs."""
     changes, last, unsure = 0, before, 0
@@ -239,7 +239,7 @@ def _changes(row, count, error, before, after):
     return changes
 
 
-@kernel
+@uncounted
 def _bracket(row, count, error, before, scratch):
     """(lo, hi) about the one sign change of a polynomial whose value at an end is not told from zero.
 
@@ -261,7 +261,7 @@ def _bracket(row, count, error, before, scratch):
     return lo, hi
 
 
-@kernel
+@uncounted
 def _root(row, count, error, before, after, scratch):
     """The place in [0, 1] where a polynomial with one sign change passes through zero (Illinois)."""
     lo, hi = 0.0, 1.0
@@ -299,7 +299,7 @@ def _root(row, count, error, before, after, scratch):
     return 0.5 * (lo + hi)
 
 
-@kernel
+@uncounted
 def _next_row(rows, slot, counts):
     """The number of the next free row, which is taken; -1 where there is none, which is noted."""
     k = counts[slot]
@@ -310,7 +310,7 @@ def _next_row(rows, slot, counts):
     return k
 
 
-@kernel
+@uncounted
 def _add_place(part_at, at, part, x, along_v, kind, places, counts):
     k = _next_row(places, PLACES, counts)
     if k < 0:
@@ -321,7 +321,7 @@ def _add_place(part_at, at, part, x, along_v, kind, places, counts):
     row[KIND] = kind
 
 
-@kernel
+@uncounted
 def _open(part_p, x0, x1, part_q, y0, y1, opened, counts):
     """Record a box that could not be decided."""
     k = _next_row(opened, OPENED, counts)
@@ -331,7 +331,7 @@ def _open(part_p, x0, x1, part_q, y0, y1, opened, counts):
     row[0], row[1], row[2], row[3], row[4], row[5] = part_p, part_q, x0, x1, y0, y1
 
 
-@kernel
+@uncounted
 def _open_on_line(part_at, at, part, start, end, along_v, opened, counts):
     if along_v:
         _open(part_at, at, at, part, start, end, opened, counts)
@@ -339,7 +339,7 @@ def _open_on_line(part_at, at, part, start, end, along_v, opened, counts):
         _open(part, start, end, part_at, at, at, opened, counts)
 
 
-@kernel
+@uncounted
 def _crossings(fixed, i, a, running, j, along_v, before, after, kind, w, places, opened, counts):
     """Find the crossings of the curve with one side of a cell, ascending; how many, they are the last places.
 
@@ -396,7 +396,7 @@ def _crossings(fixed, i, a, running, j, along_v, before, after, kind, w, places,
 # -- cells --------------------------------------------------------------------------------------------------
 
 
-@kernel
+@uncounted
 def _parted(start, count, column, middle, before, value, error, places):
     """How many of these crossings come before `middle`, and the sign of Delta there, in agreement with each other.
 
@@ -416,7 +416,7 @@ def _parted(start, count, column, middle, before, value, error, places):
     return here, told
 
 
-@kernel
+@uncounted
 def _cut(p, q, top, along_u, w, cells, places, opened, counts):
     """Replace the cell on top of the stack by its two halves."""
     cell, other = cells[top], cells[top + 1]
@@ -460,7 +460,7 @@ def _cut(p, q, top, along_u, w, cells, places, opened, counts):
         cell[SIDES + 6], cell[SIDES + 7], other[SIDES + 4], other[SIDES + 5] = start, found, start, found
 
 
-@kernel
+@uncounted
 def _add_arc(p, q, cell, over_v, rising, first, last, w, arcs, counts):
     k = _next_row(arcs, ARCS, counts)
     if k < 0:
@@ -476,7 +476,7 @@ def _add_arc(p, q, cell, over_v, rising, first, last, w, arcs, counts):
         arc[VIEW + c] = w[RANGES, SIGHT, c]
 
 
-@kernel
+@uncounted
 def _graph(p, q, cell, over_v, rising, w, places, arcs, counts):
     """Join the crossings of a cell in which the curve is a graph; whether that went."""
     first, last = (SIDES + 4, SIDES + 6) if over_v else (SIDES, SIDES + 2)
@@ -510,7 +510,7 @@ def _graph(p, q, cell, over_v, rising, w, places, arcs, counts):
 # -- all cells ----------------------------------------------------------------------------------------------
 
 
-@kernel
+@uncounted
 def _corner(p, i, q, j, closed_p, closed_q, corners, opened, counts):
     """The sign of Delta at joint i of p and j of q."""
     parts_p, parts_q = corners.shape[0] - 1, corners.shape[1] - 1
@@ -529,7 +529,7 @@ def _corner(p, i, q, j, closed_p, closed_q, corners, opened, counts):
     return corners[i, j]
 
 
-@kernel
+@uncounted
 def _border(p, i, q, j, along_v, far, closed_p, closed_q, joints, w, places, opened, counts):
     """Start and count of the crossings on one side of the cell of two parts."""
     corners = joints[0]
@@ -557,7 +557,7 @@ def _border(p, i, q, j, along_v, far, closed_p, closed_q, joints, w, places, ope
     return starts[at_u, at_v], found[at_u, at_v]
 
 
-@kernel
+@uncounted
 def search(p, q, closed_p, closed_q, budget, joints, w, cells, places, arcs, opened, counts):
     """Find all arcs of two chains; `budget`: cells looked at before the rest is left open.
 

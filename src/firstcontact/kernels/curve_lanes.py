@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from firstcontact.kernels.curve_points import ARC_U, ARC_V, DERIVATIVES, HIGH, LAST_STEP, LOW, OVER, VALUES
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import uncounted
 
 LANES = 16
 # Rows: parameters along the arc and across it, Newton's step, X, Y, Z, W of both ends of the fixed ruling and of the
@@ -19,7 +19,7 @@ RUN, ACROSS, STEP, FIXED, MOVING, SLOPES, SPACE, PLACES, BASIS, LOWER, ROWS = 0,
 MOST_STEPS = 4
 
 
-@kernel
+@uncounted
 def _basis(degree, at, w):
     """Rows BASIS and LOWER at the parameters in row `at`, degree by degree."""
     x = at * LANES
@@ -40,7 +40,7 @@ def _basis(degree, at, w):
             w[BASIS * LANES + i] *= 1.0 - w[x + i]
 
 
-@kernel
+@uncounted
 def _combine(forms, part, which, count, weights, to, w):
     """Rows `to` to `to` + 7: sums of rows of forms with weights."""
     a, b = to * LANES, weights * LANES
@@ -66,7 +66,7 @@ def _combine(forms, part, which, count, weights, to, w):
             w[a + 7 * LANES + i] += f7 * x
 
 
-@kernel
+@uncounted
 def _newton(w):
     """Row STEP: Newton's steps across, as in `curve_points.across`."""
     for i in range(LANES):
@@ -92,7 +92,7 @@ def _newton(w):
         w[STEP * LANES + i] = -value / change
 
 
-@kernel
+@uncounted
 def _meet(w):
     """Rows SPACE and PLACES: middles of common perpendiculars, and positions on the fixed and the moving ruling."""
     for i in range(LANES):
@@ -115,7 +115,7 @@ def _meet(w):
         w[PLACES * LANES + i], w[(PLACES + 1) * LANES + i] = s, t
 
 
-@kernel
+@uncounted
 def on_arc_lanes(p, q, arc, w):
     """Set all rows for the points of an arc over row RUN, from guesses in row ACROSS; False where that does not go."""
     over_v = arc[OVER] == 1.0

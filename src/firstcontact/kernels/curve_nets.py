@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import uncounted
 
 ROUND = 2.0**-53
 # One side is one array (nodes, ROWS_OF_SIDE, columns), since every array that a kernel takes costs time at each call.
@@ -29,30 +29,30 @@ AVERAGE = 4.0
 NEAR_MIDDLE, SPREAD, GOLDEN = 0.45, 0.1, 0.6180339887498949
 
 
-@kernel
+@uncounted
 def degree(side):
     return int(side[0, FACTS, DEGREE])
 
 
-@kernel
+@uncounted
 def part_of(side, k):
     return int(side[k, FACTS, PART])
 
 
-@kernel
+@uncounted
 def point_error(side, k):
     """Errors of the points of a node, in units of their sizes."""
     return (8.0 + AVERAGE * side[k, FACTS, DEGREE] * side[k, FACTS, DEPTH]) * ROUND
 
 
-@kernel
+@uncounted
 def line_error(side, k):
     """Errors of the lines of a node, in units of their sizes: products of points, n + 1 of them added, and halvings."""
     n = side[k, FACTS, DEGREE]
     return (2.0 * n + 24.0 + AVERAGE * 2.0 * n * side[k, FACTS, DEPTH]) * ROUND
 
 
-@kernel
+@uncounted
 def bound(side, k):
     """Set the box of a node: the rulings lie in the hull of the control points, whose weights are positive."""
     error = point_error(side, k)
@@ -68,14 +68,65 @@ def bound(side, k):
         side[k, FACTS, BOX_LO + c], side[k, FACTS, BOX_HI + c] = lo - slack, hi + slack
 
 
-@kernel
-def start(side):
-    """Set the boxes of the parts."""
-    for k in range(int(side[0, FACTS, COUNT])):
-        bound(side, k)
+@uncounted
+def begin(points, centre, table, side, forms):
+    """Fill in the parts of a side, coordinates about the centre, and the forms that `curve_points.evaluate` takes.
+
+    points: (parts, 8, n + 1) as in `Chain`; table: coefficient c of the product of two polynomials of degree n from
+    products of theirs; forms: (parts, 2, n + 1, 8): points of the parts, and their derivatives.
+    """
+    parts, n = points.shape[0], points.shape[2] - 1
+    for part in range(parts):
+        node = side[part]
+        for c in range(LEAST_COLUMNS):
+            node[FACTS, c] = node[SIZES, c] = 0.0
+        node[FACTS, HI], node[FACTS, PART], node[FACTS, DEGREE] = 1.0, part, n
+        for row in range(LINES):
+            shift = centre[row % 4] if row % 4 < 3 else 0.0
+            for a in range(n + 1):
+                x, w = points[part, row, a], points[part, row - row % 4 + 3, a]
+                node[row, a] = x - shift * w
+                forms[part, 0, a, row] = node[row, a]
+                node[SIZES, row] = max(node[SIZES, row], abs(x) + abs(shift) * abs(w))
+            for a in range(n):
+                forms[part, 1, a, row] = n * (node[row, a + 1] - node[row, a])
+            forms[part, 1, n, row] = 0.0
+        row = LINES
+        for i in range(3):
+            for j in range(i + 1, 4):
+                for c in range(2 * n + 1):
+                    node[row, c] = 0.0
+                for a in range(n + 1):
+                    for b in range(n + 1):
+                        x = node[i, a] * node[4 + j, b] - node[j, a] * node[4 + i, b]
+                        node[row, a + b] += x * table[a, b]
+                sizes = node[SIZES]
+                node[SIZES, row] = sizes[i] * sizes[4 + j] + sizes[j] * sizes[4 + i]
+                row += 1
+    side[0, FACTS, COUNT] = parts
+    for part in range(parts):
+        bound(side, part)
 
 
-@kernel
+@uncounted
+def hull(points, box):
+    """Set the (2, 3) corners of a box that holds all rulings of parts as in `begin`, with room for rounding."""
+    for c in range(3):
+        box[0, c], box[1, c] = np.inf, -np.inf
+        for part in range(points.shape[0]):
+            for first in (FIRST, SECOND):
+                for a in range(points.shape[2]):
+                    x = points[part, first + c, a] / points[part, first + 3, a]
+                    box[0, c], box[1, c] = min(box[0, c], x), max(box[1, c], x)
+    far = 0.0
+    for c in range(3):
+        far = max(far, max(abs(box[0, c]), abs(box[1, c])))
+    for c in range(3):
+        box[0, c] -= 1e-12 * far
+        box[1, c] += 1e-12 * far
+
+
+@uncounted
 def _halve(side, k, to, row, count, r):
     """De Casteljau's steps at r: nodes `to` and `to + 1` get the coefficients on both parts of interval k."""
     for j in range(count):
@@ -87,7 +138,7 @@ def _halve(side, k, to, row, count, r):
         side[to, row, step] = side[to + 1, row, 0]
 
 
-@kernel
+@uncounted
 def halves(side, k):
     """The first of the two children of a node; 0 where there is no room for them."""
     to = int(side[k, FACTS, CHILD])
@@ -114,7 +165,7 @@ def halves(side, k):
     return to
 
 
-@kernel
+@uncounted
 def delta_at(p, i, a, q, j, b):
     """Coefficient [a, b] of Delta on the cell of node i of p and node j of q; the sides may be exchanged."""
     return (
@@ -124,7 +175,7 @@ def delta_at(p, i, a, q, j, b):
     )  # fmt: skip
 
 
-@kernel
+@uncounted
 def delta_size(p, i, q, j):
     """What no coefficient of Delta exceeds, with room for roundings."""
     size = 0.0
@@ -133,13 +184,13 @@ def delta_size(p, i, q, j):
     return 1.01 * size
 
 
-@kernel
+@uncounted
 def delta_error(p, i, q, j):
     """Of all coefficients of Delta on a cell: errors of both lines, six products and their sum."""
     return delta_size(p, i, q, j) * (line_error(p, i) + line_error(q, j) + 8.0 * ROUND)
 
 
-@kernel
+@uncounted
 def delta_net(p, i, q, j, net):
     """Coefficients of Delta on the cell of two nodes."""
     for a in range(2 * degree(p) + 1):
@@ -147,7 +198,7 @@ def delta_net(p, i, q, j, net):
             net[a, b] = delta_at(p, i, a, q, j, b)
 
 
-@kernel
+@uncounted
 def planes_net(side, k, d, planes):
     """Coefficients [c, b] of the planes through the rulings of a node and the direction d, and sizes of the four rows.
 
@@ -166,7 +217,7 @@ def planes_net(side, k, d, planes):
     return d1 * s5 + d2 * s4, d2 * s2 + d0 * s5, d0 * s4 + d1 * s2, d1 * s1 + d2 * s0 + d0 * s3
 
 
-@kernel
+@uncounted
 def side_net(side, k, first, other, other_k, planes, sizes, net):
     """Coefficients [a, b] of [X, ruling of the other, d], X the directrix that begins in row `first`; their error."""
     for a in range(degree(side) + 1):
@@ -179,7 +230,7 @@ def side_net(side, k, first, other, other_k, planes, sizes, net):
     return 1.01 * size * (point_error(side, k) + line_error(other, other_k) + 12.0 * ROUND)
 
 
-@kernel
+@uncounted
 def extent(net, n, m):
     """Least and largest of the coefficients [a, b], a <= n, b <= m."""
     lo = hi = net[0, 0]
@@ -189,7 +240,7 @@ def extent(net, n, m):
     return lo, hi
 
 
-@kernel
+@uncounted
 def slopes(net, n, m):
     """Ranges of the partial derivatives, by a and by b, and how much the coefficients vary along each in all."""
     low_a = low_b = np.inf

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import uncounted
 
 # Columns of `places`: parameters in their parts, positions on the rulings, the point, the gap between the rulings;
 # parts, kind, and whether s and t are in their ranges.
@@ -31,7 +31,7 @@ MOST_STEPS = 80
 LAST_STEP = 3e-8
 
 
-@kernel
+@uncounted
 def _combine(forms, part, which, count, weights, to, r):
     """Row `to` of r: the sum of rows of forms with weights; eight sums apart, for the sake of vector instructions."""
     a0 = a1 = a2 = a3 = b0 = b1 = b2 = b3 = 0.0
@@ -49,7 +49,7 @@ def _combine(forms, part, which, count, weights, to, r):
     r[to, 4], r[to, 5], r[to, 6], r[to, 7] = b0, b1, b2, b3
 
 
-@kernel
+@uncounted
 def evaluate(forms, part, x, to, sloped, r):
     """Rows `to` and, if asked, SLOPES + `to` of r: both ends of the ruling at x of a part, and their derivatives.
 
@@ -72,7 +72,7 @@ def evaluate(forms, part, x, to, sloped, r):
         _combine(forms, part, DERIVATIVES, n, LOWER, SLOPES + to, r)
 
 
-@kernel
+@uncounted
 def place(p, part_p, x, q, part_q, y, r, row):
     """Set `row` to the meeting point of ruling x of p and y of q, the middle of their common perpendicular."""
     evaluate(p, part_p, x, OF_P, NO, r)
@@ -81,7 +81,7 @@ def place(p, part_p, x, q, part_q, y, r, row):
     row[X], row[Y] = x, y
 
 
-@kernel
+@uncounted
 def meet(r, row):
     """Positions, point and gap of the two rulings in r."""
     w0, w1, w2, w3 = 1.0 / r[0, 3], 1.0 / r[0, 7], 1.0 / r[1, 3], 1.0 / r[1, 7]
@@ -105,7 +105,7 @@ def meet(r, row):
     row[POINT + 2] = 0.5 * (a2 + s * d2 + b2 + t * e2)
 
 
-@kernel
+@uncounted
 def across(fixed, part, x, moving, other, lo, hi, rising, y, of_fixed, of_moving, r):
     """The y in [lo, hi] at which Delta vanishes over x, where it grows (rising = 1) or falls (-1) with y throughout.
 
@@ -155,7 +155,7 @@ def across(fixed, part, x, moving, other, lo, hi, rising, y, of_fixed, of_moving
     return y
 
 
-@kernel
+@uncounted
 def on_arc(p, q, arc, run, guess, r, row):
     """Set `row` to the point of an arc over `run`: u = run and v near the guess, or the other way round."""
     u, v = int(arc[ARC_U]), int(arc[ARC_V])
@@ -168,7 +168,7 @@ def on_arc(p, q, arc, run, guess, r, row):
     meet(r, row)
 
 
-@kernel
+@uncounted
 def enter(arc, place, row):
     """Copy a place to `row` in the parts of an arc: one found on a joint may be told in those of a neighbour."""
     for c in range(COLUMNS):
@@ -179,6 +179,6 @@ def enter(arc, place, row):
         row[Y], row[PART_V] = 1.0 - row[Y], arc[ARC_V]
 
 
-@kernel
+@uncounted
 def inside(position):
     return -AT_END <= position <= 1.0 + AT_END

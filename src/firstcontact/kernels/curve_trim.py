@@ -28,13 +28,13 @@ from firstcontact.kernels.curve_points import (
     on_arc,
     place,
 )
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import uncounted
 
 # Of parameters in their parts: where bounds of both pieces leave less of an arc, it is not told from a point.
 LEAST_ARC = 1e-10
 
 
-@kernel
+@uncounted
 def _bracket(which, end, d, r):
     """On which side of the other ruling an end of this one is, seen along d, for the rulings in r.values."""
     x, other, at = (0, 1, 4 * end) if which == 0 else (1, 0, 4 * end)
@@ -45,7 +45,7 @@ def _bracket(which, end, d, r):
     return d[0] * (a1 * b2 - a2 * b1) + d[1] * (a2 * b0 - a0 * b2) + d[2] * (a0 * b1 - a1 * b0)
 
 
-@kernel
+@uncounted
 def _leaves(p, q, arc, good, bad, which, end, r, row):
     """Set `row` to the point of an arc between two of its points at which s (which = 0) or t passes this end."""
     run, other = (Y, X) if arc[OVER] == 1 else (X, Y)
@@ -85,7 +85,7 @@ def _leaves(p, q, arc, good, bad, which, end, r, row):
     row[S_IN], row[T_IN] = inside(row[S]), inside(row[T])
 
 
-@kernel
+@uncounted
 def trim(p, q, places, used, arcs, count, known, r):
     """Set what `places` lacks, and cut the arcs; new places follow the `used` ones.  Places in use afterwards.
 

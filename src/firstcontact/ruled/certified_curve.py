@@ -17,7 +17,7 @@ from firstcontact.kernels import curve_bends, curve_lanes
 from firstcontact.kernels import curve_cells as cells
 from firstcontact.kernels import curve_nets as nets
 from firstcontact.kernels import curve_points as columns
-from firstcontact.kernels.curve_trace import STACK, trace
+from firstcontact.kernels.curve_trace import PLAN_COLUMNS, STACK, trace
 from firstcontact.kernels.curve_trim import trim
 from firstcontact.ruled.chains import Chain, chains, product_table
 from firstcontact.ruled.joined import Found, Stop, Strand, knot
@@ -35,7 +35,6 @@ SAME_PLACE, MOST_PLACES = 1e-5, 4000
 SAME_POINT = 1e-9
 # Polylines of so many points are longer than that: chords are not cut below it.
 LONG = 100
-_PAIRS = ((0, 0, 0, 1, 1, 2), (1, 2, 3, 2, 3, 3))
 
 
 def is_supported(surface: Any) -> bool:
@@ -79,7 +78,9 @@ class Solved(NamedTuple):
     """What the kernels found of two chains.
 
     places, arcs        as in curve_points, coordinates about a centre
-    points, parameters  (k, 3) and (k, 4) x, y, z and u, v, s, t; those of arc k, ends included: starts[k]:starts[k + 1]
+    lines               the arcs joined, in the order and directions in which they were traced
+    points, parameters  (k, 3) and (k, 4) x, y, z and u, v, s, t; those of arc k, ends included: rows[k, 0]:rows[k, 1]
+    turned              (k,) whether the points of an arc are in the order from its end to its start
     opened              (k, 6) boxes left open: parts, ranges of x and of y
     """
 
@@ -87,9 +88,11 @@ class Solved(NamedTuple):
     q: Chain
     places: np.ndarray
     arcs: np.ndarray
+    lines: list[_Line]
     points: np.ndarray
     parameters: np.ndarray
-    starts: np.ndarray
+    rows: np.ndarray
+    turned: np.ndarray
     opened: np.ndarray
     seen: int
 
@@ -103,7 +106,7 @@ def _solved(p: Chain, q: Chain, tolerance: float) -> Solved | None:
     centre = 0.5 * (low + high)
     room = ROOM
     while True:
-        sides = [_side(chain, centre, room) for chain in (p, q)]
+        sides, forms = zip(*(_side(chain, centre, room) for chain in (p, q)), strict=True)
         joints = np.full((5, len(p.points) + 1, len(q.points) + 1), -1)
         joints[0] = 0
         places, arcs = np.empty((2 * room, columns.COLUMNS)), np.empty((room, columns.ARC_COLUMNS))
@@ -121,11 +124,15 @@ def _solved(p: Chain, q: Chain, tolerance: float) -> Solved | None:
         if room > MOST_ROOM:
             raise InputError(f"the curve falls into more than {MOST_ROOM} arcs; give smaller pieces")
     scratch, known = np.empty((columns.SCRATCH_ROWS, width)), np.empty((5, columns.COLUMNS))
-    forms = _forms(sides[0], len(p.points)), _forms(sides[1], len(q.points))
     used = trim(*forms, places, used, arcs, count, known, scratch)
-    arcs, places, starts = arcs[:count], places[:used], np.empty(count + 1, np.int64)
+    arcs, places = arcs[:count], places[:used]
+    lines = _lines(arcs, places[:, columns.KIND].astype(int))
+    order = np.array([(k, turned, i > 0) for line in lines for i, (k, turned) in enumerate(line.arcs)], np.int64)
+    order, rows, turned = order.reshape(-1, 3), np.zeros((count, 2), np.int64), np.zeros(count, bool)
+    turned[order[:, 0]] = order[:, 1]
     bounds = np.array([chain.s for chain in (p, q)], float)
-    ends, lanes = np.empty((STACK, columns.COLUMNS)), np.empty(curve_lanes.ROWS * curve_lanes.LANES)
+    ends, plan = np.empty((STACK, columns.COLUMNS)), np.empty((curve_lanes.LANES + 1, PLAN_COLUMNS))
+    middles, lanes = np.empty((2, curve_lanes.ROWS * curve_lanes.LANES))
     bends = tuple(np.empty((len(x.points), curve_bends.BOUNDS)) for x in (p, q))
     for form, bend in zip(forms, bends, strict=True):
         curve_bends.derivative_bounds(form, bend)
@@ -133,52 +140,26 @@ def _solved(p: Chain, q: Chain, tolerance: float) -> Solved | None:
     while True:
         points, parameters = np.empty((room, 3)), np.empty((room, 4))
         if trace(
-            *forms, arcs, places, tolerance, p.ranges, q.ranges, bounds, centre, *bends, ends, known, scratch, lanes,
-            points, parameters, starts,
+            *forms, arcs, order, places, tolerance, p.ranges, q.ranges, bounds, centre, *bends, ends, known, plan,
+            scratch, middles, lanes, points, parameters, rows,
         ):  # fmt: skip
             break
         room *= 4
         if room > MOST_ROOM:
             raise InputError(f"tolerance {tolerance:g} needs more than {MOST_ROOM // 4} points; give a larger one")
+    for table in (points, parameters):  # branches are views of these
+        table.resize((int(rows.max(initial=0)), table.shape[1]), refcheck=False)
     boxes = opened[: counts[cells.OPENED]]
-    return Solved(p, q, places, arcs, points, parameters, starts, boxes, int(counts[cells.SEEN]))
+    return Solved(p, q, places, arcs, lines, points, parameters, rows, turned, boxes, int(counts[cells.SEEN]))
 
 
-def _forms(side: np.ndarray, parts: int) -> np.ndarray:
-    """(parts, 2, n + 1, 8): the points of the parts and the derivatives as `evaluate` takes them."""
-    degree = int(side[0, nets.FACTS, nets.DEGREE])
-    forms = np.zeros((parts, 2, degree + 1, nets.LINES))
-    forms[:, 0] = side[:parts, : nets.LINES, : degree + 1].transpose(0, 2, 1)
-    forms[:, 1, :-1] = degree * np.diff(forms[:, 0], axis=1)
-    return forms
-
-
-def _side(chain: Chain, centre: np.ndarray, room: int) -> np.ndarray:
-    """The array of a side for the kernels, its parts filled in; coordinates about the centre."""
-    count, _, terms = chain.points.shape
-    points, sizes = chain.points.copy(), np.abs(chain.points)
-    for first in (0, 4):
-        weight = points[:, first + 3 : first + 4]
-        points[:, first : first + 3] -= centre[:, None] * weight
-        sizes[:, first : first + 3] += np.abs(centre)[:, None] * np.abs(weight)
-    sizes = sizes.max(axis=2)
-    i, j = _PAIRS
-    x, y = points[:, :4], points[:, 4:]
-    products = x[:, i, :, None] * y[:, j, None, :] - x[:, j, :, None] * y[:, i, None, :]
-    lines = np.einsum("kiab,abc->kic", products, product_table(terms - 1))  # threads of BLAS would cost more
-    side = np.empty((count + room, nets.ROWS_OF_SIDE, max(2 * terms - 1, nets.LEAST_COLUMNS)))
-    side[:count, : nets.LINES, :terms] = points
-    side[:count, nets.LINES : nets.FACTS, : 2 * terms - 1] = lines
-    side[:count, nets.FACTS] = 0.0
-    side[:count, nets.FACTS, nets.HI] = 1.0
-    side[:count, nets.FACTS, nets.PART] = range(count)
-    side[:count, nets.FACTS, nets.DEGREE] = terms - 1
-    side[0, nets.FACTS, nets.COUNT] = count
-    side[:count, nets.SIZES, : nets.LINES] = sizes
-    a, b = sizes[:, :4], sizes[:, 4:]
-    side[:count, nets.SIZES, nets.LINES : nets.FACTS] = a[:, i] * b[:, j] + a[:, j] * b[:, i]
-    nets.start(side)
-    return side
+def _side(chain: Chain, centre: np.ndarray, room: int) -> tuple[np.ndarray, np.ndarray]:
+    """The array of a side for the kernels, its parts filled in, and its forms; coordinates about the centre."""
+    parts, _, terms = chain.points.shape
+    side = np.empty((parts + room, nets.ROWS_OF_SIDE, max(2 * terms - 1, nets.LEAST_COLUMNS)))
+    forms = np.empty((parts, 2, terms, nets.LINES))
+    nets.begin(chain.points, centre, product_table(terms - 1), side, forms)
+    return side, forms
 
 
 # -- branches -----------------------------------------------------------------------------------------------
@@ -188,7 +169,7 @@ def _strands(solved: Solved, settled: Settled, settles: bool) -> tuple[list[Stra
     """Polylines of the pairs of pieces that are not decided exactly in the end, and the places left open there."""
     while True:
         kinds = solved.places[:, columns.KIND].astype(int)
-        lines = _lines(solved.arcs, kinds)
+        lines = solved.lines
         polylines = [_polyline(solved, line) for line in lines]
         tiny = [not line.closed and len(parameters) < LONG and _size(parameters) <= SAME_POINT
                   for line, (_, parameters) in zip(lines, polylines, strict=True)]  # fmt: skip
@@ -273,7 +254,8 @@ def _without(solved: Solved, settled: Settled) -> Solved:
     arcs[known[solved.p.piece_of[i], solved.q.piece_of[j]], columns.START] = -1
     sides, row_of = np.unique(_sides_touched(opened[:, :2], opened[:, 2:]), return_inverse=True)
     kept = np.array([not _pairs(solved, side) <= settled.known.keys() for side in sides.tolist()], bool)
-    return solved._replace(arcs=arcs, opened=opened[kept[row_of]])
+    lines = _lines(arcs, solved.places[:, columns.KIND].astype(int))
+    return solved._replace(arcs=arcs, lines=lines, opened=opened[kept[row_of]])
 
 
 class _Line(NamedTuple):
@@ -320,11 +302,16 @@ def _lines(arcs: np.ndarray, kinds: np.ndarray) -> list[_Line]:
 
 def _polyline(solved: Solved, line: _Line) -> tuple[np.ndarray, np.ndarray]:
     """(n, 3) points and (n, 4) parameters along the arcs; places between arcs stand once."""
+    arcs, turns = np.array(line.arcs).T
+    rows = solved.rows[arcs]
+    if not (turns ^ solved.turned[arcs]).any() and (rows[1:, 0] == rows[:-1, 1] - 1).all():
+        whole = slice(rows[0, 0], rows[-1, 1])
+        return solved.points[whole], solved.parameters[whole]
     found: tuple[list[np.ndarray], list[np.ndarray]] = ([], [])
     for i, (k, turned) in enumerate(line.arcs):
-        start, end = solved.starts[k], solved.starts[k + 1]
         for table, parts in zip((solved.points, solved.parameters), found, strict=True):
-            own = table[start:end][::-1] if turned else table[start:end]
+            own = table[slice(*solved.rows[k])]
+            own = own[::-1] if turned != solved.turned[k] else own
             parts.append(own[1:] if i else own)
     return np.concatenate(found[0]), np.concatenate(found[1])
 
@@ -358,9 +345,9 @@ def _open_boxes(solved: Solved, stray: list[int], reached: list[int]) -> tuple[n
     stray: places of branches that are points, or at which branches end without reason.  reached: ends at bounds; a
     point that is left open there is on the branch.
     """
-    if len(solved.opened) > MOST_PLACES:
+    points = [int(arc[columns.END]) for arc in solved.arcs[solved.arcs[:, columns.START] == -2]]
+    if len(solved.opened) > MOST_PLACES or not (len(solved.opened) or points or stray):
         return solved.opened[:, :2], solved.opened[:, 2:]
-    points = [int(arc[columns.END]) for arc in solved.arcs if arc[columns.START] == -2]
     spots = solved.places[np.array([*points, *stray], int)]
     parts = np.concatenate((solved.opened[:, :2], spots[:, [columns.PART_U, columns.PART_V]]))
     x, y = spots[:, columns.X], spots[:, columns.Y]

@@ -6,17 +6,21 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
-from math import comb
+from math import comb, lcm
+from operator import mul
 from typing import Any
 
 import numpy as np
-from flint import fmpq, fmpq_mat, fmpz_mat, fmpz_poly
+from flint import fmpq
 
 from firstcontact.body.ruled_surface import RuledSurface
 from firstcontact.exact.numbers import rational, to_double
+from firstcontact.kernels import curve_nets as nets
 
 Projective = tuple[fmpq, fmpq]
 """A parameter U / V; V = 0 is infinity."""
+Part = tuple[list[float], Projective, Projective]
+"""Coefficients of both sides as in `Chain`, and the range."""
 
 # Where the projective line is cut: no special rulings of hand-made surfaces, less than a right angle (of atan) apart.
 CUTS = tuple((fmpq(n, 101), fmpq(1)) for n in (-219, -39, 53, 187))
@@ -30,7 +34,7 @@ class Chain:
     """Parts one after another along u.
 
     points   (parts, 8, n + 1) float64: Bernstein coefficients of X, Y, Z, W of both sides, weights positive,
-             each the double next to the exact one
+             each the double next to the exact one, but for a positive factor of the side
     ranges   (parts, 2, 2) float64: U, V at both ends of every part; u is their blend's ratio
     closed   whether the last ruling is the first one
     u, s     the ranges as users give them; u None for the projective line
@@ -138,18 +142,19 @@ def _shared(a: RuledSurface, end_a: int, b: RuledSurface, end_b: int) -> bool:
 
 
 def _chain(run: list[RuledSurface]) -> Chain:
-    parts: list[tuple[list[list[fmpq]], Projective, Projective]] = []
+    coefficients = [[[list(map(int, c.coeffs())) or [0] for c in side.components] for side in x.sides] for x in run]
+    degree = max(1, max(len(row) - 1 for sides in coefficients for side in sides for row in side))
+    parts: list[Part] = []
     piece_of: list[int] = []
     for k, piece in enumerate(run):
         for lo, hi in _ranges(piece):
-            parts += _positive_parts(piece, lo, hi)
+            parts += _positive_parts(coefficients[k], degree, lo, hi)
         piece_of += [k] * (len(parts) - len(piece_of))
     first, last = run[0], run[-1]
     closed = first.u is None or (
         "u0" in first.joined and "u1" in last.joined and len(run) > 1 and _shared(last, 1, first, 0)
     )
-    degree = max(1, *(len(row) - 1 for rows, _, _ in parts for row in rows))
-    points = np.array([[_elevated(row, degree) for row in rows] for rows, _, _ in parts])
+    points = np.array([row for row, _, _ in parts]).reshape(len(parts), 8, degree + 1)
     ranges = np.array([[[to_double(x) for x in end] for end in (lo, hi)] for _, lo, hi in parts])
     u = None if first.u is None or last.u is None else (first.u[0], last.u[1])
     assert first.s is not None
@@ -158,10 +163,9 @@ def _chain(run: list[RuledSurface]) -> Chain:
 
 def _hull(points: np.ndarray) -> np.ndarray:
     """(2, 3) corners of a box that holds all rulings of parts, with room for rounding."""
-    corners = np.concatenate([points[:, k : k + 3] / points[:, k + 3 : k + 4] for k in (0, 4)], axis=2)
-    corners = corners.transpose(0, 2, 1).reshape(-1, 3)
-    slack = 1e-12 * np.abs(corners).max()
-    return np.array([corners.min(0) - slack, corners.max(0) + slack])
+    box = np.empty((2, 3))
+    nets.hull(points, box)
+    return box
 
 
 def _ranges(piece: RuledSurface) -> list[tuple[Projective, Projective]]:
@@ -172,51 +176,87 @@ def _ranges(piece: RuledSurface) -> list[tuple[Projective, Projective]]:
 
 
 def _positive_parts(
-    piece: RuledSurface, lo: Projective, hi: Projective, depth: int = 0
-) -> list[tuple[list[list[fmpq]], Projective, Projective]]:
-    """Rows X, Y, Z, W of both sides on parts of a range on each of which all weights are positive."""
-    p, q = (side.components for side in piece.sides)
-    n, m = (max(c.degree() for c in side) for side in (p, q))
-    rows = _bernstein((*p, *q), n, lo, hi) if n == m else _bernstein(p, n, lo, hi) + _bernstein(q, m, lo, hi)
-    for weights in (3, 7):
-        if max(rows[weights]) < 0:  # the signs of U, V turned it round
-            rows[weights - 3 : weights + 1] = [[-x for x in row] for row in rows[weights - 3 : weights + 1]]
-    if min(min(rows[3]), min(rows[7])) > 0:
-        return [(rows, lo, hi)]
+    sides: Sequence[Sequence[list[int]]], degree: int, lo: Projective, hi: Projective, depth: int = 0
+) -> list[Part]:
+    """Parts of a range on each of which all weights are positive.  sides: coefficients of X, Y, Z, W."""
+    own: list[float] = []
+    degrees = [max(map(len, side)) - 1 for side in sides]
+    changes = {n: _change(n, degree, lo, hi) for n in set(degrees)}
+    for side, n in zip(sides, degrees, strict=True):
+        columns, scale = changes[n]
+        numbers = [x for row in side for x in _changed(row, columns)]
+        weights = numbers[-degree - 1 :]
+        if max(weights) < 0:  # the signs of U, V turned it round
+            scale, weights = -scale, [-x for x in weights]
+        if min(weights) <= 0:
+            break
+        own += _doubles(numbers, scale)
+    else:
+        return [(own, lo, hi)]
     if depth == MOST_CUTS:
         raise ArithmeticError("a weight that is proved positive is not seen to be so")
     middle = tuple((1 - UNEVEN) * x + UNEVEN * y for x, y in zip(lo, hi, strict=True))
     assert len(middle) == 2
-    return _positive_parts(piece, lo, middle, depth + 1) + _positive_parts(piece, middle, hi, depth + 1)
+    return _positive_parts(sides, degree, lo, middle, depth + 1) + _positive_parts(sides, degree, middle, hi, depth + 1)
 
 
-def _bernstein(components: Sequence[fmpz_poly], n: int, lo: Projective, hi: Projective) -> list[list[fmpq]]:
-    """Coefficients of every sum c_j U^j V^(n - j) on the segment from lo to hi: polar forms."""
-    weights = []
-    for i in range(n + 1):
-        # elementary symmetric sums of the arguments: the coefficients of the product of V + U z
-        product = [fmpq(1)]
-        for u, v in [lo] * (n - i) + [hi] * i:
-            product = [v * a + u * b for a, b in zip([*product, fmpq(0)], [fmpq(0), *product], strict=True)]
-        weights.append([x / comb(n, j) for j, x in enumerate(product)])
-    rows = fmpq_mat(fmpz_mat([[c[j] for j in range(n + 1)] for c in components])) * fmpq_mat(weights).transpose()
-    return rows.tolist()  # type: ignore[no-any-return]
+def _change(n: int, degree: int, lo: Projective, hi: Projective) -> tuple[list[list[int]], int]:
+    """What c_j adds to every coefficient of the sum of c_j U^j V^(n - j) from lo to hi, times a number; that number."""
+    common = lcm(*(int(x.q) for x in (*lo, *hi)))
+    u, v, to_u, to_v = (int(x.p) * (common // int(x.q)) for x in (*lo, *hi))
+    # in powers of the parameter, then in Bernstein form
+    powers = zip(_powers(u, to_u - u, n), reversed(_powers(v, to_v - v, n)), strict=True)
+    products = [_product(x, y) for x, y in powers]
+    rows, factor = _from_powers(n, degree)
+    return [[sum(map(mul, row, product)) for product in products] for row in rows], factor * common**n
 
 
-def _elevated(row: list[fmpq], degree: int) -> list[float]:
-    """The same polynomial's coefficients of a higher degree, in doubles."""
-    while len(row) <= degree:
-        n = len(row)
-        row = [(fmpq(i, n) * row[i - 1] if i else fmpq(0)) + (fmpq(n - i, n) * row[i] if i < n else fmpq(0))
-               for i in range(n + 1)]  # fmt: skip
-    return [to_double(x) for x in row]
+def _changed(row: list[int], columns: list[list[int]]) -> list[int]:
+    """The coefficients of the sum, as `_change` has them; constants take no time."""
+    if len(row) == 1 and all(column[0] == columns[0][0] for column in columns):
+        return [row[0] * columns[0][0]] * len(columns)
+    return [sum(map(mul, row, column)) for column in columns]
+
+
+def _powers(start: int, step: int, n: int) -> list[list[int]]:
+    """Coefficients of (start + step x)^j, j = 0, ..., n."""
+    if step == 0:
+        return [[start**j] for j in range(n + 1)]
+    rows = [[1]]
+    for _ in range(n):
+        last = rows[-1]
+        rows.append([start * a + step * b for a, b in zip([*last, 0], [0, *last], strict=True)])
+    return rows
+
+
+def _product(a: list[int], b: list[int]) -> list[int]:
+    """Of two polynomials."""
+    if len(b) == 1:
+        return [x * b[0] for x in a]
+    found = [0] * (len(a) + len(b) - 1)
+    for i, x in enumerate(a):
+        for j, y in enumerate(b):
+            found[i + j] += x * y
+    return found
+
+
+@lru_cache(maxsize=64)
+def _from_powers(n: int, degree: int) -> tuple[list[list[int]], int]:
+    """(degree + 1, n + 1): Bernstein coefficients from those of powers, times a number, and that number."""
+    factor = lcm(*(comb(degree, k) for k in range(n + 1)))
+    return [[comb(i, k) * (factor // comb(degree, k)) for k in range(n + 1)] for i in range(degree + 1)], factor
+
+
+def _doubles(numbers: list[int], scale: int) -> list[float]:
+    """The doubles next to these over `scale`, times a power of 2 where they would be too large."""
+    try:
+        return [x / scale for x in numbers]  # Python's division of integers rounds correctly
+    except OverflowError:
+        scale <<= max(abs(x) for x in numbers).bit_length() - scale.bit_length()
+        return [x / scale for x in numbers]
 
 
 @lru_cache(maxsize=64)
 def product_table(n: int) -> np.ndarray:
-    """(n + 1, n + 1, 2 n + 1): coefficient c of the product of two polynomials of degree n from products of theirs."""
-    table = np.zeros((n + 1, n + 1, 2 * n + 1))
-    for a in range(n + 1):
-        for b in range(n + 1):
-            table[a, b, a + b] = comb(n, a) * comb(n, b) / comb(2 * n, a + b)
-    return table
+    """(n + 1, n + 1): what coefficients a and b of two polynomials of degree n add to coefficient a + b of theirs."""
+    return np.array([[comb(n, a) * comb(n, b) / comb(2 * n, a + b) for b in range(n + 1)] for a in range(n + 1)])

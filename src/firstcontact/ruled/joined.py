@@ -279,6 +279,9 @@ def _chains(strands: list[Strand], through: dict[int, list[Stop]]) -> list[tuple
                 break
             begin = 0 if strand.stops[0] is further else 1
         closed = through.get(id(stop)) is not None
+        if len(parts) == 1 and begin == 0 and not closed:
+            found.append((strand, (start, stop)))
+            return
         points, parameters = (
             np.concatenate([(getattr(x, name)[::-1] if turned else getattr(x, name))[1 if i else 0 :]
                             for i, (x, turned) in enumerate(parts)])
