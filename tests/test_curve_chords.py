@@ -117,6 +117,15 @@ def test_arcs_stay_within_the_tolerance_of_their_chords(weighted, tolerance):
     assert 0.3 * tolerance < worst <= tolerance
 
 
+def test_branches_keep_no_rows_but_their_own():
+    curve = fc.intersection_curve(*waves(0, False), method="certified")
+    shown = sum(len(branch.points) for branch in curve.branches)
+    assert shown > 100
+    for branch in curve.branches:
+        for table in (branch.points, branch.parameters):
+            assert len(table if table.base is None else table.base) <= shown + len(curve.branches)
+
+
 def start_point(arcs: Arcs, k: int) -> np.ndarray:
     """Of an arc, about the kernels' centre."""
     return arcs.ends(k)[1][0][columns.POINT : columns.GAP]

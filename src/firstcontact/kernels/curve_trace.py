@@ -30,8 +30,8 @@ from firstcontact.kernels.curve_points import (
 from firstcontact.kernels.jit import uncounted
 
 # A chord is kept where the curve is proved to leave it by at most this part of the tolerance, and turns by less
-# (radians); the rest is for roundings of the bounds.  Chords are made for AIM, and for a share of UNSEEN that is owed to
-# the fourth derivative.
+# (radians); the rest is for roundings of the bounds.  Chords are made for AIM; what bounds on the fourth derivative add
+# is to be no more than UNSEEN.
 KEEP, AIM, UNSEEN, LARGEST_TURN = 0.999, 0.96, 0.08, 0.35
 # Steps between points that change by less than this part of them turn by less, for its arcsine is below.
 STEADY = 1.0 / 3.0
@@ -42,8 +42,8 @@ FEW, EACH, LEAST, MOST = 4, 12.0, 3, 2**20
 CUTS = (1, 4, 16)
 # How far the bound may be above what the chords allow, which then become more by its fourth root; by the last cuts.
 FEW_TIMES, MOST_TIMES = 2.0, 16.0
-# Parts into which one stretch falls at once, and the shortest that is cut, in parameters of a part: nothing is proved of
-# shorter ones.
+# Parts into which one stretch falls at once, and the shortest that is cut, in parameters of a part: nothing is proved
+# of shorter ones.
 MOST_PARTS, LEAST_CHORD = 8, 1e-9
 # Of the way by which chords are to be shorter, what is tried: bounds on the rest shrink with it too.
 SHORTER = 0.8
@@ -53,8 +53,8 @@ ROUNDING = 1e-14
 # Of the fourth derivative times the square of the way between points, as `trace` explains: 1 + 3 / 12.
 BETWEEN = 1.25
 # Columns of intervals: chords, start and length in the parameter along the arc; centre, unit and coefficients of the
-# polynomial that guesses the other one; bound on the fourth derivative of points; second difference across at the middle,
-# and the way between both neighbours.
+# polynomial that guesses the other one; bound on the fourth derivative of points; second difference across at the
+# middle, and the way between both neighbours.  The last row of a plan is the whole stretch.
 CHORDS, BEGIN, LENGTH, CENTRE, UNIT, GUESS, FOURTH, BEND, WAY, PLAN_COLUMNS = 0, 1, 2, 3, 4, 5, 10, 11, 12, 13
 # Typed: Numba compiles a function anew for every Python integer written into a call.
 NONE = np.int64(0)
@@ -196,17 +196,38 @@ def _chords(bend, turn, tolerance):
 
 
 @uncounted
-def _bound(p, q, arc, row, of_fixed, of_moving, tolerance, w, i, known, r):
+def _sides(p, q, arc, bends_p, bends_q):
+    """Of the side that an arc runs over and of the other: form, part and bounds, and their rows of scratch arrays."""
+    u, v = int(arc[ARC_U]), int(arc[ARC_V])
+    if arc[OVER] == 1.0:
+        return q, v, bends_q[v], OF_Q, p, u, bends_p[u], OF_P
+    return p, u, bends_p[u], OF_P, q, v, bends_q[v], OF_Q
+
+
+@uncounted
+def _columns(arc):
+    """Of rows of places: the parameter along an arc and the one across, the positions on both rulings in this order."""
+    return (Y, X, T, S) if arc[OVER] == 1.0 else (X, Y, S, T)
+
+
+@uncounted
+def _fourth(p, q, arc, bends_p, bends_q, x, y, s, t, reach, r):
+    """`fourth_derivative` of an arc about x, whose moving ruling and its derivative are in r."""
+    form, part, bends, fixed, other, part_other, bends_other, moving = _sides(p, q, arc, bends_p, bends_q)
+    evaluate(form, part, x, fixed, YES, r)
+    return fourth_derivative(
+        form, part, x, other, part_other, y, fixed, moving, bends, bends_other, reach, s, t, r
+    )
+
+
+@uncounted
+def _bound(p, q, arc, row, bends_p, bends_q, tolerance, w, i, known, r):
     """Set the bound on the fourth derivative of an interval with its middle in lane i, and see to it that it will do.
 
     False where none is found.
     """
-    over_v = arc[OVER] == 1.0
-    fixed, moving, first, second = (OF_Q, OF_P, T, S) if over_v else (OF_P, OF_Q, S, T)
-    form, part = (q, int(arc[ARC_V])) if over_v else (p, int(arc[ARC_U]))
-    form_m, part_m = (p, int(arc[ARC_U])) if over_v else (q, int(arc[ARC_V]))
-    other = X if over_v else Y
-    reach = 0.5 * abs(row[LENGTH])
+    _, across, first, second = _columns(arc)
+    moving = OF_P if arc[OVER] == 1.0 else OF_Q
     most = 8.0 * UNSEEN * tolerance * row[CHORDS] ** 4 / (BETWEEN * row[LENGTH] ** 4)
     for cuts in CUTS:
         worst, enough = 0.0, MOST_TIMES if cuts == CUTS[-1] else FEW_TIMES
@@ -219,11 +240,8 @@ def _bound(p, q, arc, row, of_fixed, of_moving, tolerance, w, i, known, r):
                 y, s, t = w[ACROSS * LANES + i], w[PLACES * LANES + i], w[(PLACES + 1) * LANES + i]
             else:
                 on_arc(p, q, arc, x, _guess(row, x), r, known)
-                y, s, t = known[other], known[first], known[second]
-            evaluate(form, part, x, fixed, YES, r)
-            bound = fourth_derivative(
-                form, part, x, form_m, part_m, y, fixed, moving, of_fixed, of_moving, reach / cuts, s, t, r
-            )  # fmt: skip
+                y, s, t = known[across], known[first], known[second]
+            bound = _fourth(p, q, arc, bends_p, bends_q, x, y, s, t, 0.5 * abs(row[LENGTH]) / cuts, r)
             if not bound <= enough * most:
                 worst = np.inf
                 break
@@ -236,40 +254,28 @@ def _bound(p, q, arc, row, of_fixed, of_moving, tolerance, w, i, known, r):
     return False
 
 
-@uncounted
-def _put(arc, row, ranges_p, ranges_q, bounds, centre, points, parameters, k):
-    """Write a point of an arc as users see it: its coordinates, and u, v, s, t."""
-    u, v, x, y = int(arc[ARC_U]), int(arc[ARC_V]), row[X], row[Y]
-    for c in range(3):
-        points[k, c] = centre[c] + row[POINT + c]
-    r, z = ranges_p[u], ranges_q[v]
-    parameters[k, 0] = ((1.0 - x) * r[0, 0] + x * r[1, 0]) / ((1.0 - x) * r[0, 1] + x * r[1, 1])
-    parameters[k, 1] = ((1.0 - y) * z[0, 0] + y * z[1, 0]) / ((1.0 - y) * z[0, 1] + y * z[1, 1])
-    s, t = min(max(row[S], 0.0), 1.0), min(max(row[T], 0.0), 1.0)
-    parameters[k, 2] = (1.0 - s) * bounds[0, 0] + s * bounds[0, 1]
-    parameters[k, 3] = (1.0 - t) * bounds[1, 0] + t * bounds[1, 1]
+# -- points of an arc, in rows of the answer; its parameters are those of parts until the arc is done -------
 
 
 @uncounted
-def _put_lanes(arc, count, ranges_p, ranges_q, bounds, centre, w, points, parameters, k):
+def _put(row, points, parameters, k):
+    points[k, 0], points[k, 1], points[k, 2] = row[POINT], row[POINT + 1], row[POINT + 2]
+    parameters[k, 0], parameters[k, 1], parameters[k, 2], parameters[k, 3] = row[X], row[Y], row[S], row[T]
+
+
+@uncounted
+def _put_lanes(arc, count, w, points, parameters, k):
     """The same of the first lanes, from row k on."""
-    u, v = int(arc[ARC_U]), int(arc[ARC_V])
-    r, z = ranges_p[u], ranges_q[v]
-    of_p, of_q, first, second = (ACROSS, RUN, 1, 0) if arc[OVER] == 1.0 else (RUN, ACROSS, 0, 1)
+    x, y, s, t = (ACROSS, RUN, PLACES + 1, PLACES) if arc[OVER] == 1.0 else (RUN, ACROSS, PLACES, PLACES + 1)
     for i in range(count):
-        x, y = w[of_p * LANES + i], w[of_q * LANES + i]
         for c in range(3):
-            points[k + i, c] = centre[c] + w[(SPACE + c) * LANES + i]
-        parameters[k + i, 0] = ((1.0 - x) * r[0, 0] + x * r[1, 0]) / ((1.0 - x) * r[0, 1] + x * r[1, 1])
-        parameters[k + i, 1] = ((1.0 - y) * z[0, 0] + y * z[1, 0]) / ((1.0 - y) * z[0, 1] + y * z[1, 1])
-        s, t = w[(PLACES + first) * LANES + i], w[(PLACES + second) * LANES + i]
-        s, t = min(max(s, 0.0), 1.0), min(max(t, 0.0), 1.0)
-        parameters[k + i, 2] = (1.0 - s) * bounds[0, 0] + s * bounds[0, 1]
-        parameters[k + i, 3] = (1.0 - t) * bounds[1, 0] + t * bounds[1, 1]
+            points[k + i, c] = w[(SPACE + c) * LANES + i]
+        parameters[k + i, 0], parameters[k + i, 1] = w[x * LANES + i], w[y * LANES + i]
+        parameters[k + i, 2], parameters[k + i, 3] = w[s * LANES + i], w[t * LANES + i]
 
 
 @uncounted
-def _fill(p, q, arc, plan, count, ranges_p, ranges_q, bounds, centre, w, points, parameters, k):
+def _fill(p, q, arc, plan, count, w, points, parameters, k):
     """Write the points of intervals that follow row k - 1, but for the very last one; how many there are then."""
     total = NONE
     for i in range(count):
@@ -287,9 +293,34 @@ def _fill(p, q, arc, plan, count, ranges_p, ranges_q, bounds, centre, w, points,
             w[RUN * LANES + i], w[ACROSS * LANES + i] = parameters[m, 0], parameters[m, 1]
         if not on_arc_lanes(p, q, arc, w):
             break
-        _put_lanes(arc, some, ranges_p, ranges_q, bounds, centre, w, points, parameters, k + done)
+        _put_lanes(arc, some, w, points, parameters, k + done)
         done += some
     return done
+
+
+@uncounted
+def _move(points, parameters, start, end, by):
+    """Rows from start to end by so many further on."""
+    for k in range(end - 1, start - 1, -1):
+        for c in range(3):
+            points[k + by, c] = points[k, c]
+        for c in range(4):
+            parameters[k + by, c] = parameters[k, c]
+
+
+@uncounted
+def _finish(arc, ranges_p, ranges_q, bounds, centre, points, parameters, start, end):
+    """Make rows of an arc what users see: coordinates, and u, v, s, t."""
+    r, z = ranges_p[int(arc[ARC_U])], ranges_q[int(arc[ARC_V])]
+    for k in range(start, end):
+        for c in range(3):
+            points[k, c] += centre[c]
+        x, y = parameters[k, 0], parameters[k, 1]
+        s, t = min(max(parameters[k, 2], 0.0), 1.0), min(max(parameters[k, 3], 0.0), 1.0)
+        parameters[k, 0] = ((1.0 - x) * r[0, 0] + x * r[1, 0]) / ((1.0 - x) * r[0, 1] + x * r[1, 1])
+        parameters[k, 1] = ((1.0 - y) * z[0, 0] + y * z[1, 0]) / ((1.0 - y) * z[0, 1] + y * z[1, 1])
+        parameters[k, 2] = (1.0 - s) * bounds[0, 0] + s * bounds[0, 1]
+        parameters[k, 3] = (1.0 - t) * bounds[1, 0] + t * bounds[1, 1]
 
 
 @uncounted
@@ -304,14 +335,93 @@ def _same(points, parameters, k):
     return True
 
 
+# -- stretches of an arc ------------------------------------------------------------------------------------
+
+
 @uncounted
-def _move(points, parameters, start, end, by):
-    """Rows from start to end by so many further on."""
-    for k in range(end - 1, start - 1, -1):
-        for c in range(3):
-            points[k + by, c] = points[k, c]
-        for c in range(4):
-            parameters[k + by, c] = parameters[k, c]
+def _quarters(p, q, arc, here, end, bends_p, bends_q, tolerance, known, split, r):
+    """Set three points between two of an arc, and the polynomial that guesses others.
+
+    Returns how many chords are needed there, and how far the curve may leave a single one: by second differences, and
+    by what these do not show.
+    """
+    run, across, first, second = _columns(arc)
+    y, z = here[across], end[across]
+    begin, length = here[run], end[run] - here[run]
+    on_arc(p, q, arc, begin + 0.5 * length, 0.5 * (y + z), r, known[1])
+    x = known[1, across]
+    fourth = _fourth(
+        p, q, arc, bends_p, bends_q, begin + 0.5 * length, x, known[1, first], known[1, second], 0.5 * abs(length), r
+    )
+    # by the parabola through the middle
+    on_arc(p, q, arc, begin + 0.25 * length, 0.75 * x + (0.375 * y - 0.125 * z), r, known[0])
+    on_arc(p, q, arc, begin + 0.75 * length, 0.75 * x + (0.375 * z - 0.125 * y), r, known[2])
+    _guess_through(split, begin + 0.5 * length, 0.25 * length, y, known[0, across], x, known[2, across], z)
+    split[BEGIN], split[LENGTH], split[FOURTH] = begin, length, fourth
+    far = abs(known[1, POINT]) + abs(known[1, POINT + 1]) + abs(known[1, POINT + 2])
+    seen = 2.0 * (_bends(here, known, end) + ROUNDING * far)
+    turn = np.arccos(min(max(_cosine(here, known[1], end), -1.0), 1.0))
+    split[CHORDS] = max(np.ceil(min(max(np.sqrt(seen / (AIM * tolerance)), turn / LARGEST_TURN), MOST)), 1.0)
+    return seen, 0.125 * BETWEEN * length**4 * fourth
+
+
+@uncounted
+def _intervals(p, q, arc, bends_p, bends_q, tolerance, unseen, known, plan, middles, r):
+    """Cut a stretch into intervals: how many, and of how many of the first ones the fourth derivative is bounded."""
+    split = plan[LANES]
+    need = split[CHORDS]
+    if need <= LANES and unseen <= UNSEEN * tolerance * need**4:
+        for n in range(PLAN_COLUMNS):
+            plan[0, n] = split[n]
+        return 1, 1
+    count, found = int(min(max(need / EACH, 5.0), LANES)), 0
+    for i in range(LANES):
+        middle = split[BEGIN] + (min(i, count - 1) + 0.5) / count * split[LENGTH]
+        middles[RUN * LANES + i], middles[ACROSS * LANES + i] = middle, _guess(split, middle)
+    if on_arc_lanes(p, q, arc, middles):
+        _plan(plan, count, split[BEGIN], split[LENGTH], tolerance, middles)
+        while found < count and _bound(
+            p, q, arc, plan[found], bends_p, bends_q, tolerance, middles, found, known[1], r
+        ):
+            found += 1
+    return count, found
+
+
+@uncounted
+def _write(p, q, arc, plan, found, last, tolerance, w, points, parameters, used):
+    """Write the points of intervals, `last` the very last one; how many intervals are good, and rows used then.
+
+    -1 for the former where there are too few rows.
+    """
+    total = NONE
+    for i in range(found):
+        total += int(plan[i, CHORDS])
+    if used + total > points.shape[0]:
+        return -1, used
+    done = _fill(p, q, arc, plan, found, w, points, parameters, used)
+    _put(last, points, parameters, used + total - 1)
+    at, good, again = used - 1, 0, -1
+    while good < found:
+        parts = int(plan[good, CHORDS])
+        if at + parts - used >= done and not (done == total - 1 and good == found - 1):
+            break
+        off = _leaves(points, at, parts, BETWEEN * (plan[good, LENGTH] / parts) ** 4 * plan[good, FOURTH])
+        if off <= KEEP * tolerance:
+            at += parts
+            good += 1
+            continue
+        if again == good:
+            break
+        # shorter chords for this one; the points behind it move on
+        more = int(np.ceil(parts * np.sqrt(min(off / (AIM * tolerance), 16.0))))
+        if used + total + more - parts > points.shape[0]:
+            return -1, used
+        _move(points, parameters, at + parts, used + total, more - parts)
+        plan[good, CHORDS] = more
+        total, done, again = total + more - parts, done + more - parts, good
+        if _fill(p, q, arc, plan[good : good + 1], 1, w, points, parameters, at + 1) < more - 1:
+            break
+    return good, at + 1
 
 
 @uncounted
@@ -321,8 +431,8 @@ def trace(
 ):  # fmt: skip
     """Points (x, y, z) and parameters (u, v, s, t) of arcs, both ends included: rows[k, 0] to rows[k, 1] of arc k.
 
-    order: (n, 3) arcs, whether they are passed from end to start, and whether they begin where the one before ends: its last
-    point is their first one then, if the parameters are the same.
+    order: (n, 3) arcs, whether they are passed from end to start, and whether they begin where the one before ends:
+    its last point is their first one then, if the parameters are the same.
     p, q: the forms of `evaluate`; ranges: (parts, 2, 2) projective parameters at both ends of every part; bounds: the
     ranges of s and t; centre: to which coordinates are relative so far; bends: of `derivative_bounds`.
     Returns False where `points` is too short.
@@ -333,143 +443,74 @@ def trace(
     fourth derivative.  Few chords are looked at in quarters of a stretch, others in the intervals of a longer one.
     """
     used = NONE
+    split = plan[LANES]
     for number in range(order.shape[0]):
         k, turned = order[number, 0], order[number, 1] == 1
         arc = arcs[k]
-        over_v = arc[OVER] == 1.0
-        run, other = (Y, X) if over_v else (X, Y)
-        fixed, moving, first, second = (OF_Q, OF_P, T, S) if over_v else (OF_P, OF_Q, S, T)
-        of_p, of_q = bends_p[int(arc[ARC_U])], bends_q[int(arc[ARC_V])]
-        of_fixed, of_moving = (of_q, of_p) if over_v else (of_p, of_q)
-        form, part = (q, int(arc[ARC_V])) if over_v else (p, int(arc[ARC_U]))
-        form_m, part_m = (p, int(arc[ARC_U])) if over_v else (q, int(arc[ARC_V]))
-        # the last of the plan: one interval, the whole stretch
-        split = plan[LANES]
         # stack: ends of stretches, the nearest on top; `here`: where that one begins
         here = known[3]
         enter(arc, places[int(arc[END if turned else START])], here)
         enter(arc, places[int(arc[START if turned else END])], stack[0])
         if used + 1 > points.shape[0]:
             return False
-        _put(arc, here, ranges_p, ranges_q, bounds, centre, points, parameters, used)
+        _put(here, points, parameters, used)
+        _finish(arc, ranges_p, ranges_q, bounds, centre, points, parameters, used, used + 1)
         # the parameters of one ruling may differ where a chain is closed
         if order[number, 2] == 0 or not _same(points, parameters, used):
             used += 1
         rows[k, 0] = used - 1
+        _put(here, points, parameters, used - 1)
         top = 0
         while top >= 0:
             end = stack[top]
-            y, z = here[other], end[other]
-            begin, length = here[run], end[run] - here[run]
-            on_arc(p, q, arc, begin + 0.5 * length, 0.5 * (y + z), r, known[1])
-            x = known[1, other]
-            evaluate(form, part, begin + 0.5 * length, fixed, YES, r)
-            fourth = fourth_derivative(
-                form, part, begin + 0.5 * length, form_m, part_m, x, fixed, moving, of_fixed, of_moving,
-                0.5 * abs(length), known[1, first], known[1, second], r,
-            )  # fmt: skip
-            # by the parabola through the middle
-            on_arc(p, q, arc, begin + 0.25 * length, 0.75 * x + (0.375 * y - 0.125 * z), r, known[0])
-            on_arc(p, q, arc, begin + 0.75 * length, 0.75 * x + (0.375 * z - 0.125 * y), r, known[2])
-            _guess_through(split, begin + 0.5 * length, 0.25 * length, y, known[0, other], x, known[2, other], z)
-            far = abs(known[1, POINT]) + abs(known[1, POINT + 1]) + abs(known[1, POINT + 2])
-            seen, unseen = 2.0 * (_bends(here, known, end) + ROUNDING * far), 0.125 * BETWEEN * length**4 * fourth
-            turn = np.arccos(min(max(_cosine(here, known[1], end), -1.0), 1.0))
-            need = max(np.sqrt(seen / (AIM * tolerance)), turn / LARGEST_TURN)
-            kept = need <= FEW
+            seen, unseen = _quarters(p, q, arc, here, end, bends_p, bends_q, tolerance, known, split, r)
+            room = stack.shape[0] - top
+            kept = split[CHORDS] <= FEW
             if kept:
-                parts = 1 if need <= 1.0 else 2 if need <= 2.0 else FEW
+                parts = 1 if split[CHORDS] == 1.0 else 2 if split[CHORDS] == 2.0 else FEW
                 while parts < FEW and (seen + unseen / 16.0) / parts**2 > KEEP * tolerance:
                     parts *= 2
                 kept = (seen + unseen / 16.0) / parts**2 <= KEEP * tolerance
-            room = stack.shape[0] - top
-            if not kept and (room == 1 or abs(length) < LEAST_CHORD):
+            if not kept and (room == 1 or abs(split[LENGTH]) < LEAST_CHORD):
                 parts, kept = 1, True
             if kept:
                 if used + parts > points.shape[0]:
                     return False
                 for m in range(1, parts):
-                    row = known[FEW * m // parts - 1]
-                    _put(arc, row, ranges_p, ranges_q, bounds, centre, points, parameters, used + m - 1)
+                    _put(known[FEW * m // parts - 1], points, parameters, used + m - 1)
                 used += parts
-                _put(arc, end, ranges_p, ranges_q, bounds, centre, points, parameters, used - 1)
+                _put(end, points, parameters, used - 1)
+            elif split[CHORDS] > FEW:
+                count, found = _intervals(p, q, arc, bends_p, bends_q, tolerance, unseen, known, plan, middles, r)
+                good = NONE
+                if found > 0:
+                    last = end
+                    if found < count:
+                        last, x = known[1], plan[found, BEGIN]
+                        on_arc(p, q, arc, x, _guess(plan[found], x), r, last)
+                    good, used = _write(p, q, arc, plan, found, last, tolerance, w, points, parameters, used)
+                    if good < 0:
+                        return False
+                if 0 < good < count:
+                    x = plan[good, BEGIN]
+                    on_arc(p, q, arc, x, _guess(plan[good], x), r, here)
+                    continue
+                kept = good == count
+            if kept:
                 for n in range(COLUMNS):
                     here[n] = end[n]
                 top -= 1
                 continue
-            # intervals of the stretch, those with bounds, those with chords that do
-            count, found, good = 1, NONE, NONE
-            if FEW < need <= LANES and unseen <= UNSEEN * tolerance * need**4:
-                row, found = plan[0], 1
-                for n in range(PLAN_COLUMNS):
-                    row[n] = split[n]
-                row[BEGIN], row[LENGTH], row[CHORDS], row[FOURTH] = begin, length, np.ceil(need), fourth
-            elif need > FEW:
-                count = int(min(max(need / EACH, 5.0), LANES))
-                for i in range(LANES):
-                    middle = begin + (min(i, count - 1) + 0.5) / count * length
-                    middles[RUN * LANES + i], middles[ACROSS * LANES + i] = middle, _guess(split, middle)
-                if on_arc_lanes(p, q, arc, middles):
-                    _plan(plan, count, begin, length, tolerance, middles)
-                    while found < count and _bound(
-                        p, q, arc, plan[found], of_fixed, of_moving, tolerance, middles, found, known[1], r
-                    ):
-                        found += 1
-            if found > 0:
-                total = NONE
-                for i in range(found):
-                    total += int(plan[i, CHORDS])
-                if used + total > points.shape[0]:
-                    return False
-                done = _fill(p, q, arc, plan, found, ranges_p, ranges_q, bounds, centre, w, points, parameters, used)
-                row = end
-                if found < count:
-                    row = known[1]
-                    last = plan[found, BEGIN]
-                    on_arc(p, q, arc, last, _guess(plan[found], last), r, row)
-                _put(arc, row, ranges_p, ranges_q, bounds, centre, points, parameters, used + total - 1)
-                at, refilled = used - 1, -1
-                while good < found:
-                    parts = int(plan[good, CHORDS])
-                    if at + parts - used >= done and not (done == total - 1 and good == found - 1):
-                        break
-                    beyond = BETWEEN * (plan[good, LENGTH] / parts) ** 4 * plan[good, FOURTH]
-                    off = _leaves(points, at, parts, beyond)
-                    if off <= KEEP * tolerance:
-                        at += parts
-                        good += 1
-                        continue
-                    # shorter chords for this one; the points behind it move on
-                    more = int(np.ceil(parts * np.sqrt(min(off / (AIM * tolerance), 16.0))))
-                    if used + total + more - parts > points.shape[0]:
-                        return False
-                    _move(points, parameters, at + parts, used + total, more - parts)
-                    plan[good, CHORDS] = more
-                    total, done, own = total + more - parts, done + more - parts, plan[good : good + 1]
-                    if refilled == good or _fill(
-                        p, q, arc, own, 1, ranges_p, ranges_q, bounds, centre, w, points, parameters, at + 1
-                    ) < more - 1:
-                        break
-                    refilled = good
-                used = at + 1
-                if good == count:
-                    for n in range(COLUMNS):
-                        here[n] = end[n]
-                    top -= 1
-                    continue
-                if 0 < good:
-                    last = plan[good, BEGIN]
-                    on_arc(p, q, arc, last, _guess(plan[good], last), r, here)
-                    continue
             # for the fourth derivative, chords are to be shorter by the root of its share; it shrinks with them
             shorter = 4.0
-            if need <= FEW and unseen < 1e300:
-                shorter = SHORTER * np.sqrt(np.sqrt(unseen / (UNSEEN * tolerance))) / max(need, 1.0)
+            if split[CHORDS] <= FEW and unseen < 1e300:
+                shorter = SHORTER * np.sqrt(np.sqrt(unseen / (UNSEEN * tolerance))) / split[CHORDS]
             parts = int(min(max(np.ceil(shorter), 2.0), min(MOST_PARTS, room)))
             for m in range(1, parts):
                 # the first one last, on top
-                at_m = begin + m / parts * length
-                on_arc(p, q, arc, at_m, _guess(split, at_m), r, stack[top + parts - m])
+                x = split[BEGIN] + m / parts * split[LENGTH]
+                on_arc(p, q, arc, x, _guess(split, x), r, stack[top + parts - m])
             top += parts - 1
         rows[k, 1] = used
+        _finish(arc, ranges_p, ranges_q, bounds, centre, points, parameters, rows[k, 0], used)
     return True

@@ -147,6 +147,8 @@ def _solved(p: Chain, q: Chain, tolerance: float) -> Solved | None:
         room *= 4
         if room > MOST_ROOM:
             raise InputError(f"tolerance {tolerance:g} needs more than {MOST_ROOM // 4} points; give a larger one")
+    for table in (points, parameters):  # branches are views of these
+        table.resize((int(rows.max(initial=0)), table.shape[1]), refcheck=False)
     boxes = opened[: counts[cells.OPENED]]
     return Solved(p, q, places, arcs, lines, points, parameters, rows, turned, boxes, int(counts[cells.SEEN]))
 

@@ -212,7 +212,8 @@ def _change(n: int, degree: int, lo: Projective, hi: Projective) -> tuple[list[l
 
 
 def _changed(row: list[int], columns: list[list[int]]) -> list[int]:
-    if not any(row[1:]) and all(column[0] == columns[0][0] for column in columns):
+    """The coefficients of the sum, as `_change` has them; constants take no time."""
+    if len(row) == 1 and all(column[0] == columns[0][0] for column in columns):
         return [row[0] * columns[0][0]] * len(columns)
     return [sum(map(mul, row, column)) for column in columns]
 
