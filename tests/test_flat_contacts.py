@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import firstcontact as fc
-from firstcontact.composite import certified, verbs
+from firstcontact.composite import certified, flat_contacts, verbs
 
 BOX, DRUM, CONE = fc.box((1, 2, "3/2")), fc.cylinder("3/4", 2), fc.cone("3/4", 2)
 LYING = DRUM.rotated((1, 0, 0), degrees=90)
@@ -294,3 +294,13 @@ def test_equal_drums_beside_each_other_share_a_segment(where):
 def test_equal_drums_on_each_other_touch_in_a_point_without_rounding():
     hit = fc.first_contact(fc.cylinder(1, 2), fc.cylinder(1, 2).translated((0, 0, 2)))
     assert hit.contact_set == "conic arc" and hit.point.tolist() == [0, -1, 1]
+
+
+def test_what_is_clear_of_a_model_is_told_beside_its_box():
+    """A rounding beyond the box is not clear of it; the box stays what it is."""
+    plate = fc.box((4, 3, 1)) - fc.cylinder("1/2", 2)
+    body = flat_contacts._Body(plate, [*flat_contacts.UPRIGHT, 0.0, 0.0, 0.0], False)
+    for _ in range(2):
+        assert not body.is_far((2 + 1e-15, 0, 0)) and body.is_far((2.001, 0, 0))
+        low, high = plate.bounds()
+        assert np.allclose([low, high], [[-2, -1.5, -0.5], [2, 1.5, 0.5]], rtol=0, atol=1e-12)

@@ -155,10 +155,12 @@ def _flat_set(
 def _named(on: tuple[_On, _On], pairs: list[Pair]) -> Named:
     """Each pair of elements once, with where it meets, lowest first."""
     a, b = on
+    model_a, model_b = a.known.model, b.known.model
     seen: dict[tuple[tuple[int, int], tuple[int, int]], tuple[Element, Element, Point]] = {}
     for x, y, where in pairs:
-        rank_a, element_a = ranked(a.known.model, x, "a", a.local(where))
-        rank_b, element_b = ranked(b.known.model, y, "b", b.local(where))
+        # only coplanar faces of polyhedra are told apart by where it is
+        rank_a, element_a = ranked(model_a, x, "a", where if model_a.source is None else a.local(where))
+        rank_b, element_b = ranked(model_b, y, "b", where if model_b.source is None else b.local(where))
         seen.setdefault((rank_a, rank_b), (element_a, element_b, where))
     return [seen[ranks] for ranks in sorted(seen)]
 

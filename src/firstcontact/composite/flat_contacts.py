@@ -448,7 +448,8 @@ def _in_line(bodies: tuple[_Body, _Body], flats: tuple[Flat, Flat], where: Point
     middle = _along(where, 0.5 * (lo[0] + hi[0]), d)
     # a line that only touches a surface seems to pass it where rounding puts it a little deeper
     for body, flat in zip(bodies, flats, strict=True):
-        if not (body.shape.plan(flat.feature, body.back(d))[1] or body.holds(middle, _on(flat))):
+        along = body.back(d) if body.turn else d
+        if not (body.shape.plan(flat.feature, along)[1] or body.holds(middle, _on(flat))):
             return None
     ends = _along(where, lo[0], d), _along(where, hi[0], d)
     pairs = _end_pairs(bodies, flats, ends[0], side_lo, lo[1])
@@ -529,12 +530,14 @@ def _boundary(body: _Body, feature: Feature, surface: int, end: Point) -> Featur
     faces, vertices, edges = _at_surface(body.model, feature, surface)
     if faces:
         return faces[0]
-    near = CLEAR * (1.0 + max(map(abs, end)))
-    x, y, z = body.local(end)
-    at_end = [
-        v for v in vertices
-        if abs(v.position[0] - x) < near and abs(v.position[1] - y) < near and abs(v.position[2] - z) < near
-    ]  # fmt: skip
+    at_end = []
+    if vertices:
+        near = CLEAR * (1.0 + max(map(abs, end)))
+        x, y, z = body.local(end)
+        for v in vertices:
+            p, q, r = v.position
+            if abs(p - x) < near and abs(q - y) < near and abs(r - z) < near:
+                at_end.append(v)
     if len(at_end) == 1 and (isinstance(feature, Edge) or not edges):
         return at_end[0]
     if at_end or len(edges) != 1 or isinstance(feature, Edge):
