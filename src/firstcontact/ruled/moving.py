@@ -48,7 +48,7 @@ from firstcontact.ruled.shared_points import Contact
 from firstcontact.ruled.sheets import MOST_DEGREE, TooLarge, between
 from firstcontact.ruled.solid_conditions import SolidConditions
 from firstcontact.ruled.solid_times import HeldTimes, solid_times
-from firstcontact.ruled.solid_touches import contacts_at, lies, most_of, solid_touch
+from firstcontact.ruled.solid_touches import lies, most_of, solid_touch
 from firstcontact.ruled.times import Times
 from firstcontact.ruled.touches import Touch, touch
 from firstcontact.search.earliest import Progress
@@ -64,14 +64,12 @@ _PER_PIECE = {"vertex": 4, "directrix": 2, "end_ruling": 2, "face": 1}
 class _Pair:
     """Two ruled pieces, or one and a solid, over one piece of their motion; numbers: which pieces of their bodies.
 
-    contacts   some of them at a time, from which on contact lasts or does not
-    touch      what meets at one
+    touch   what meets at a contact
     """
 
     motion: PolynomialPiece
     times: Times | HeldTimes
     numbers: tuple[int, int]
-    contacts: Callable[[AlgebraicRoot, bool], list[Contact]]
     touch: Callable[[Contact], Touch]
 
 
@@ -316,7 +314,7 @@ def _pair(i: int, j: int, x: Any, y: Any, step: DirectrixPiece, work: Work, most
     motion, span = step.motion, _span_of(step.motion)
     joined = shape_of(x).joined, shape_of(y).joined
     times = Times(conditions(x, y, step, span), span, work, most_degree)
-    return _Pair(motion, times, (i, j), lambda t, _: times.contacts(t), lambda contact: touch(contact, joined))
+    return _Pair(motion, times, (i, j), lambda contact: touch(contact, joined))
 
 
 def _span_of(motion: PolynomialPiece) -> tuple[fmpq, fmpq]:
@@ -341,7 +339,7 @@ def _pieces_with_solid(
             held = SolidConditions.of(pieces[i], sides, shape_of(b), span)
             touches = partial(solid_touch, joined=pieces[i].joined)
             for times in solid_times(held, span, work, most_degree):
-                found.append(_Pair(motion, times, (i, 0), partial(contacts_at, times), touches))
+                found.append(_Pair(motion, times, (i, 0), touches))
         yield motion, found
 
 
@@ -465,7 +463,7 @@ def _contact(
     touches: dict[tuple[tuple[int, int], ...], tuple[ElementPair, Touch]] = {}
     for pair, lasts in pairs:
         at_start = initial and start.root.rational == pair.times.span[0]
-        for contact in pair.times.contact_at_start() if at_start else pair.contacts(start.root, lasts):
+        for contact in pair.times.contact_at_start() if at_start else pair.times.contacts_from(start.root, lasts):
             found = pair.touch(contact)
             named = [
                 _named(shared[x], kind, number, x)
