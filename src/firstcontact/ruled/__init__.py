@@ -21,6 +21,10 @@ times          all times of contact of two pieces, cell by cell
 exclusion      proofs of no contact in doubles
 shared_points  exact contacts at one instant
 touches        points and elements of contacts
+solid_answers  which way answers for a surface and a solid of planes and quadrics
+solid_conditions  what a solid holds of a piece, by signs of polynomials in u, s and T
+solid_times    all times of contact of a piece and a solid
+solid_touches  points and elements of contacts of a piece and a solid, and how they lie
 trimmed        a place in every component of a trimmed piece
 whole_rulings  whole rulings, cut where a solid cannot reach
 contact_condition   the verb: the condition on u and T alone

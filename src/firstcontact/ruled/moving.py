@@ -48,17 +48,14 @@ from firstcontact.ruled.shared_points import Contact
 from firstcontact.ruled.sheets import MOST_DEGREE, TooLarge, between
 from firstcontact.ruled.solid_conditions import SolidConditions
 from firstcontact.ruled.solid_times import HeldTimes, solid_times
-from firstcontact.ruled.solid_touches import contacts_at, lies, most_of, solid_touch
+from firstcontact.ruled.solid_touches import lies, most_of, solid_touch
 from firstcontact.ruled.times import Times
 from firstcontact.ruled.touches import Touch, touch
-from firstcontact.ruled.whole_rulings import cut_to
 from firstcontact.search.earliest import Progress
 
 BITS = 128
 QUICK_DEGREE = 80
 """Of equations that elimination may lead to where the search in doubles takes the pair too."""
-QUICK_BUDGET = 50_000
-"""Boxes that the search in doubles looks at before exact arithmetic is asked about a solid."""
 _ORDER = {"vertex": 0, "apex": 0, "edge": 1, "directrix": 1, "end_ruling": 2, "face": 3}
 _PER_PIECE = {"vertex": 4, "directrix": 2, "end_ruling": 2, "face": 1}
 
@@ -67,14 +64,12 @@ _PER_PIECE = {"vertex": 4, "directrix": 2, "end_ruling": 2, "face": 1}
 class _Pair:
     """Two ruled pieces, or one and a solid, over one piece of their motion; numbers: which pieces of their bodies.
 
-    contacts   some of them at a time, from which on contact lasts or does not
-    touch      what meets at one
+    touch   what meets at a contact
     """
 
     motion: PolynomialPiece
     times: Times | HeldTimes
     numbers: tuple[int, int]
-    contacts: Callable[[AlgebraicRoot, bool], list[Contact]]
     touch: Callable[[Contact], Touch]
 
 
@@ -125,7 +120,9 @@ def contact_intervals(
     shared = {"a": a, "b": b, "span": (to_double(first), to_double(last))}
     work = Work(budget, progress, below(first))
     if _is_with_model(a, b):
-        return _intervals_with_model(a, b, first, last, exact, tolerance, work, begin, shared)
+        from firstcontact.ruled import solid_answers
+
+        return solid_answers.contact_intervals(a, b, first, last, exact, tolerance, work, begin, shared)
     return _exact_intervals(a, b, first, last, exact, tolerance, budget, work, begin, shared)
 
 
@@ -133,12 +130,33 @@ def _exact_intervals(
     a: Any, b: Any, first: fmpq, last: fmpq, exact: bool, tolerance: float, budget: int | None, work: Work,
     begin: float, shared: dict[str, Any],
 ) -> ContactIntervals:
-    windows: list[tuple[_End, _End]] = []
-    reason = None
+    """Of surfaces, or a surface and a polyhedron; in doubles, with proofs, where elimination goes too far."""
     quick = not exact and certified.takes(a, b, first, last)
+    try:
+        windows, reason = all_windows(a, b, first, last, work, QUICK_DEGREE if quick else MOST_DEGREE)
+    except UnsupportedPair as refusal:
+        if not exact and _is_with_convex(a, b):
+            from firstcontact.ruled import solid_answers
+
+            try:
+                return solid_answers.in_doubles(a, b, first, last, tolerance, work, begin, shared)
+            except UnsupportedPair:
+                raise refusal from None
+        if not (quick and isinstance(refusal, TooLarge)):
+            raise
+        found = certified.contact_intervals(a, b, first, last, budget, shared)
+        return replace(found, stats=found.stats + Stats(seconds=clock.perf_counter() - begin))
+    return as_intervals(windows, reason, first, last, exact, work, begin, shared)
+
+
+def all_windows(
+    a: Any, b: Any, first: fmpq, last: fmpq, work: Work, most_degree: int
+) -> tuple[list[tuple[_End, _End]], str | None]:
+    """All closed windows of contact, as far as the budget goes: then the reason is "budget"."""
+    windows: list[tuple[_End, _End]] = []
     interior = Interior.of(a, b)
     try:
-        for motion, pairs in _pieces(a, b, first, last, work, QUICK_DEGREE if quick else MOST_DEGREE):
+        for motion, pairs in _pieces(a, b, first, last, work, most_degree):
             found_here = _joined([w for pair in pairs for w in _windows(pair)])
             if interior is not None:
                 found_here = _joined([*found_here, *_inside(interior, motion, found_here)])
@@ -148,17 +166,14 @@ def _exact_intervals(
                 else:
                     windows.append((start, end))
     except Spent:
-        reason = "budget"
-    except UnsupportedPair as refusal:
-        if not exact and _is_with_convex(a, b):
-            try:
-                return _intervals_with_solid(a, b, first, last, tolerance, work, begin, shared)
-            except UnsupportedPair:
-                raise refusal from None
-        if not (quick and isinstance(refusal, TooLarge)):
-            raise
-        found = certified.contact_intervals(a, b, first, last, budget, shared)
-        return replace(found, stats=found.stats + Stats(seconds=clock.perf_counter() - begin))
+        return windows, "budget"
+    return windows, None
+
+
+def as_intervals(
+    windows: list[tuple[_End, _End]], reason: str | None, first: fmpq, last: fmpq, exact: bool, work: Work,
+    begin: float, shared: dict[str, Any],
+) -> ContactIntervals:
     intervals = tuple(_interval(start, end, exact) for start, end in windows)
     at_start = bool(windows) and windows[0][0].time == first
     status = Status.FREE if not windows else Status.INITIAL_CONTACT if at_start else Status.CONTACT
@@ -178,7 +193,9 @@ def first_contact(
     shared = {"a": a, "b": b, "span": (to_double(first), to_double(last))}
     algebraic = exact or method == "algebraic"
     if _is_with_model(a, b):
-        return _on_model(a, b, first, last, exact, method, tolerance, budget, progress, shared, begin)
+        from firstcontact.ruled import solid_answers
+
+        return solid_answers.first_contact(a, b, first, last, exact, method, tolerance, budget, progress, shared, begin)
     if not algebraic and _is_with_convex(a, b):
         certain = method == "certified"
         found = _on_convex(a, b, first, last, certain, tolerance, budget, progress, shared, begin)
@@ -188,7 +205,7 @@ def first_contact(
         in_doubles = not exact and method == "auto" and certified.takes(a, b, first, last)
         most_degree = QUICK_DEGREE if in_doubles else MOST_DEGREE
         try:
-            return _decided(a, b, first, last, exact, most_degree, budget, progress, shared, begin)
+            return decided(a, b, first, last, exact, most_degree, budget, progress, shared, begin)
         except TooLarge:
             if not in_doubles:
                 raise
@@ -208,110 +225,6 @@ def _is_with_convex(a: Any, b: Any) -> bool:
     return any(isinstance(shape_of(x), Polyhedron) and is_small_and_convex(shape_of(x)) for x in (a, b))
 
 
-def _intervals_with_solid(
-    a: Any, b: Any, first: fmpq, last: fmpq, tolerance: float, work: Work, begin: float, shared: dict[str, Any]
-) -> ContactIntervals:
-    from firstcontact.composite.verbs import proved_intervals
-    from firstcontact.ruled import solids
-
-    return proved_intervals(solids.contact_intervals(a, b, first, last, tolerance, work), work, begin, shared)
-
-
-def _on_model(
-    a: Any, b: Any, first: fmpq, last: fmpq, exact: bool, method: str, tolerance: float, budget: int | None,
-    progress: Progress | None, shared: dict[str, Any], begin: float,
-) -> FirstContact:
-    """In doubles, and exactly what they leave open or do not take, as far as the method allows."""
-    from firstcontact.ruled import solids
-
-    proved, refused = None, ""
-    if method != "algebraic" and not exact:
-        quick = QUICK_BUDGET if budget is None and method == "auto" else budget
-        try:
-            proved = solids.first_contact(a, b, first, last, tolerance, quick)
-        except UnsupportedPair as reason:
-            if method == "certified":
-                raise
-            refused = str(reason)
-        if proved is not None and (method == "certified" or _is_told(proved, budget)):
-            return proved
-    known = proved is not None and proved.status is Status.CONTACT
-    try:
-        ordered, is_turned = _solid_last(a, b, shared)
-        found = _decided(
-            ordered["a"], ordered["b"], first, last, exact, QUICK_DEGREE if known else MOST_DEGREE, budget, progress,
-            ordered, begin,
-        )  # fmt: skip
-    except UnsupportedPair as reason:
-        if proved is None:
-            raise _also_refused(reason, refused) from None
-        if proved.reason == "budget" and budget is None:
-            return solids.first_contact(a, b, first, last, tolerance, None)
-        return proved
-    return _turned(found) if is_turned else found
-
-
-def _is_told(proved: FirstContact, budget: int | None) -> bool:
-    """Whether exact arithmetic has nothing to add to what was proved about a surface and a solid."""
-    if proved.status is Status.INITIAL_CONTACT:
-        return proved.initial is not None
-    if proved.status is Status.CONTACT:
-        return proved.element_a is not None
-    return proved.status is Status.FREE or budget is not None and proved.reason == "budget"
-
-
-def _solid_last(a: Any, b: Any, shared: dict[str, Any]) -> tuple[dict[str, Any], bool]:
-    """The bodies and the span with the solid as b, its whole rulings cut, and whether they changed places."""
-    is_turned = isinstance(shape_of(a), CompositeQuadric)
-    ruled, solid = (b, a) if is_turned else (a, b)
-    return {"a": cut_to(ruled, solid, shared["span"]), "b": solid, "span": shared["span"]}, is_turned
-
-
-def _turned(found: FirstContact) -> FirstContact:
-    """The result for the bodies in the other order."""
-    first, second = partial(_called, found.b, "b", "a"), partial(_called, found.a, "a", "b")
-    return replace(
-        found, a=found.b, b=found.a, element_a=first(found.element_b), element_b=second(found.element_a),
-        normal=None if found.normal is None else 0.0 - found.normal,
-        others=tuple(ElementPair(first(x.element_b), second(x.element_a)) for x in found.others),
-    )  # fmt: skip
-
-
-def _called(body: Any, before: str, after: str, element: Element | None) -> Any:
-    """The element of a body that goes by this letter where it has no name."""
-    if element is None or getattr(body, "name", None):
-        return element
-    return replace(element, body=after, label=after if element.label == before else element.label)
-
-
-def _intervals_with_model(
-    a: Any, b: Any, first: fmpq, last: fmpq, exact: bool, tolerance: float, work: Work, begin: float,
-    shared: dict[str, Any],
-) -> ContactIntervals:
-    proved, refused = None, ""
-    if not exact:
-        try:
-            proved = _intervals_with_solid(a, b, first, last, tolerance, work, begin, shared)
-        except UnsupportedPair as reason:
-            refused = str(reason)
-        else:
-            if proved.status is not Status.UNDECIDED or (work.budget is not None and proved.reason == "budget"):
-                return proved
-    try:
-        ordered, _ = _solid_last(a, b, shared)
-        found = _exact_intervals(ordered["a"], ordered["b"], first, last, exact, tolerance, None, work, begin, ordered)
-    except UnsupportedPair as reason:
-        if proved is None:
-            raise _also_refused(reason, refused) from None
-        return proved
-    return replace(found, a=a, b=b)
-
-
-def _also_refused(reason: UnsupportedPair, in_doubles: str) -> UnsupportedPair:
-    """Why neither way is open."""
-    return UnsupportedPair(f"{in_doubles}; exactly: {reason}") if in_doubles else reason
-
-
 def _on_convex(
     a: Any, b: Any, first: fmpq, last: fmpq, certain: bool, tolerance: float, budget: int | None,
     progress: Progress | None, shared: dict[str, Any], begin: float,
@@ -326,7 +239,7 @@ def _on_convex(
     if certain or _is_settled(proved):
         return proved
     try:
-        return _decided(a, b, first, last, False, MOST_DEGREE, budget, progress, shared, begin)
+        return decided(a, b, first, last, False, MOST_DEGREE, budget, progress, shared, begin)
     except UnsupportedPair:
         return proved
 
@@ -338,10 +251,11 @@ def _is_settled(proved: FirstContact) -> bool:
     return proved.status is Status.FREE or proved.reason == "budget"
 
 
-def _decided(
+def decided(
     a: Any, b: Any, first: fmpq, last: fmpq, exact: bool, most_degree: int, budget: int | None,
     progress: Progress | None, shared: dict[str, Any], begin: float,
 ) -> FirstContact:
+    """The first contact in exact arithmetic; raises TooLarge beyond the degree."""
     work = Work(budget, progress, below(first))
     interior = Interior.of(a, b)
     try:
@@ -400,7 +314,7 @@ def _pair(i: int, j: int, x: Any, y: Any, step: DirectrixPiece, work: Work, most
     motion, span = step.motion, _span_of(step.motion)
     joined = shape_of(x).joined, shape_of(y).joined
     times = Times(conditions(x, y, step, span), span, work, most_degree)
-    return _Pair(motion, times, (i, j), lambda t, _: times.contacts(t), lambda contact: touch(contact, joined))
+    return _Pair(motion, times, (i, j), lambda contact: touch(contact, joined))
 
 
 def _span_of(motion: PolynomialPiece) -> tuple[fmpq, fmpq]:
@@ -415,7 +329,8 @@ def _pieces_with_solid(
 ) -> Iterator[tuple[PolynomialPiece, list[_Pair]]]:
     """As `_pieces`, of a ruled body and a solid of planes and quadrics."""
     pieces: tuple[RuledSurface, ...] = shape_of(a).pieces
-    near = [i for i, _ in near_pairs(_parts(a), [b], first, last)]
+    numbers = range(len(pieces))
+    near = [i for i, _ in near_pairs(_parts(a), [b], first, last)] if len(pieces) > 1 else numbers
     for motion in relative_pieces(a, b, first, last):
         work.free_until = below(motion.start)
         found = []
@@ -424,7 +339,7 @@ def _pieces_with_solid(
             held = SolidConditions.of(pieces[i], sides, shape_of(b), span)
             touches = partial(solid_touch, joined=pieces[i].joined)
             for times in solid_times(held, span, work, most_degree):
-                found.append(_Pair(motion, times, (i, 0), partial(contacts_at, times), touches))
+                found.append(_Pair(motion, times, (i, 0), touches))
         yield motion, found
 
 
@@ -548,7 +463,7 @@ def _contact(
     touches: dict[tuple[tuple[int, int], ...], tuple[ElementPair, Touch]] = {}
     for pair, lasts in pairs:
         at_start = initial and start.root.rational == pair.times.span[0]
-        for contact in pair.times.contact_at_start() if at_start else pair.contacts(start.root, lasts):
+        for contact in pair.times.contact_at_start() if at_start else pair.times.contacts_from(start.root, lasts):
             found = pair.touch(contact)
             named = [
                 _named(shared[x], kind, number, x)

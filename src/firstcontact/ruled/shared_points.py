@@ -14,7 +14,7 @@ from flint import arb, fmpq, fmpz_mpoly
 
 from firstcontact.exact.common_field import Polynomial, adjoined, gcd, refined, squarefree
 from firstcontact.exact.field_towers import trimmed
-from firstcontact.exact.number_field import FieldElement, NumberField, sign
+from firstcontact.exact.number_field import FieldElement, NumberField, is_zero, sign
 from firstcontact.exact.numbers import precision
 from firstcontact.exact.roots import AlgebraicRoot
 from firstcontact.exact.trivariate import coefficients, degree, terms, univariate
@@ -44,6 +44,21 @@ class Contact:
 
     def value(self, f: fmpz_mpoly) -> FieldElement:
         return _value(f, (self.u, self.v, self.t))
+
+
+@dataclass(frozen=True)
+class NearContact(Contact):
+    """A place in contact shortly after the instant in question; what is SMALL there vanishes then."""
+
+
+SMALL = 1e-7
+
+
+def vanishes(contact: Contact, x: FieldElement, size: float = 1.0) -> bool:
+    """Whether a number of the contact is zero; size: of its terms."""
+    if is_zero(x):
+        return True
+    return isinstance(contact, NearContact) and abs(float(x.ball(BITS).mid())) <= SMALL * size
 
 
 def shared_points(c: SignConditions, t: AlgebraicRoot, boxes: Iterable[Box]) -> Iterator[Contact]:

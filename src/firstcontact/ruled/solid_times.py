@@ -20,7 +20,7 @@ from firstcontact.exact.roots import AlgebraicRoot, roots_in
 from firstcontact.exact.trivariate import at, univariate
 from firstcontact.ruled.exclusion import Box, Span, powers, signs_over, survivors
 from firstcontact.ruled.shared_points import Contact, clusters
-from firstcontact.ruled.sheets import MOST_DEGREE
+from firstcontact.ruled.sheets import MOST_DEGREE, simplest
 from firstcontact.ruled.solid_conditions import SolidConditions
 from firstcontact.ruled.times import Times
 
@@ -29,6 +29,8 @@ FEW = 2
 """Surfaces, or trimming polynomials, that elimination takes at once."""
 STALE = 4
 """Halvings of the time that leave them all, after which it takes whatever there are."""
+DEEPEST = 20
+"""Cuts of the span, one within the other, after which it takes what is left."""
 MOST_BOXES = 64
 """Grouped one by one."""
 MOST = 24
@@ -56,6 +58,9 @@ class HeldTimes:
 
     def contacts(self, t: AlgebraicRoot, most: int = 8) -> list[Contact]:
         return self._then(t).contacts(t, most)
+
+    def contacts_from(self, t: AlgebraicRoot, lasts: bool) -> list[Contact]:
+        return self.contacts(t)
 
     def contact_at_start(self) -> list[Contact]:
         return self._then(AlgebraicRoot.of(self.span[0])).contact_at_start()
@@ -95,7 +100,7 @@ class _Stretches:
         if self.found is not None:
             self.found = _merged(self.found)
 
-    def _cover(self, lo: fmpq, hi: fmpq, before: Active | None = None, stale: int = 0) -> None:
+    def _cover(self, lo: fmpq, hi: fmpq, before: Active | None = None, stale: int = 0, depth: int = 0) -> None:
         """before: the polynomials of a longer stretch; stale: how often halving has left them."""
         if self.found is None:
             return
@@ -103,21 +108,21 @@ class _Stretches:
         if not boxes:
             return
         middle = (lo + hi) / 2
-        held = None if lo == hi else self._held(middle, lo, hi)
+        held = None if lo == hi or depth >= DEEPEST else self._held(middle, lo, hi)
         if held is not None:
             if lo < held[0]:
-                self._cover(lo, held[0])
+                self._cover(lo, held[0], depth=depth + 1)
             self._add(held, None)
             if held[1] < hi:
-                self._cover(held[1], hi)
+                self._cover(held[1], hi, depth=depth + 1)
             return
         active = self._active(boxes, (lo, hi))
         stale = stale + 1 if active == before else 0
-        if len(active) <= FEW or stale >= STALE or lo == hi:
+        if len(active) <= FEW or stale >= STALE or lo == hi or depth >= DEEPEST:
             self._add((lo, hi), active)
             return
-        self._cover(lo, middle, active, stale)
-        self._cover(middle, hi, active, stale)
+        self._cover(lo, middle, active, stale, depth + 1)
+        self._cover(middle, hi, active, stale, depth + 1)
 
     def _add(self, span: Span, active: Active | None) -> None:
         assert self.found is not None
@@ -148,8 +153,14 @@ class _Stretches:
             ends = [_bounds(x) for p in on_line.values() if p.degree() > 0 for x in roots_in(p, (lo, hi))]
             if all(y < t or x > t for x, y in ends):
                 before, after = [y for _, y in ends if y < t], [x for x, _ in ends if x > t]
-                return max([lo, *before]), min([hi, *after])
+                return (_inner(max(before), t) if before else lo), (_inner(min(after), t) if after else hi)
         return None
+
+
+def _inner(end: fmpq, t: fmpq) -> fmpq:
+    """A short number near an end, on the side of t."""
+    near = end + (t - end) / 2**16
+    return simplest(min(end, near), max(end, near))
 
 
 def _hull(boxes: Sequence[Box]) -> tuple[Span, Span]:

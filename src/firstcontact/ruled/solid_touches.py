@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from flint import fmpq, fmpz_mpoly
@@ -11,15 +10,12 @@ from flint import fmpq, fmpz_mpoly
 from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.csg import borders, outcomes
 from firstcontact.body.features import Edge, Face, Vertex
-from firstcontact.exact.number_field import NumberField, is_zero, sign
-from firstcontact.exact.numbers import dyadic, exact_value, precision
+from firstcontact.exact.number_field import sign
 from firstcontact.exact.roots import AlgebraicRoot
 from firstcontact.exact.trivariate import at, exchanged, univariate
-from firstcontact.ruled.conditions import Range
-from firstcontact.ruled.shared_points import Contact
+from firstcontact.ruled.shared_points import Contact, vanishes
 from firstcontact.ruled.sheets import Sheet, samples, sheets
 from firstcontact.ruled.solid_conditions import SolidConditions
-from firstcontact.ruled.solid_times import HeldTimes
 from firstcontact.ruled.times import Times, _between_borders, _roots
 from firstcontact.ruled.touches import (
     Touch,
@@ -33,45 +29,10 @@ from firstcontact.ruled.touches import (
     cut_slopes,
 )
 
-AFTER, MOST_EXACT, SMALL = 160, 2, 1e-7
 NEAR = 1e-9
 """Of the model's size: a vertex that near to a point is that point."""
 STEPS = 257
 """Points of an edge of degree 4 of which the nearest one counts."""
-
-
-@dataclass(frozen=True)
-class NearContact(Contact):
-    """A place in contact shortly after the instant in question; what is SMALL there vanishes then."""
-
-
-def contacts_at(times: Times | HeldTimes, t: AlgebraicRoot, lasts: bool) -> list[Contact]:
-    """Some shared points at the instant, from which on there is contact if it `lasts`.
-
-    Fields of high degree take long: there they are places in contact within 2^-AFTER after it, where there are.
-    """
-    if lasts and t.rational is None and t.polynomial.degree() > MOST_EXACT and isinstance(times, Times):
-        soon = t.enclosure(2 * AFTER)
-        with precision(2 * AFTER):
-            late = dyadic(soon.upper()) + fmpq(1, 2**AFTER)
-        if found := _open_contacts(times, late):
-            return found
-    return times.contacts(t)
-
-
-def _open_contacts(times: Times, t: fmpq) -> list[Contact]:
-    """One in every cell of the piece that the solid holds at the rational time, moved to ends of ranges near by."""
-    c = times.conditions
-    assert isinstance(c, SolidConditions)
-    field = NumberField(AlgebraicRoot.of(t))
-    found: list[Contact] = []
-    for inverse, chart in c.charts.items():
-        for sheet in sheets(chart):
-            for x, y in _places(chart.at(t), sheet, t):
-                if chart.holds(lambda f: _value_sign(f, x, y, t)):  # noqa: B023
-                    u, v = (field(_moved(z, ends)) for z, ends in ((x, c.u), (y, c.v)))
-                    found.append(NearContact(chart, inverse, (c.u, c.v), u, v, field(t)))
-    return found
 
 
 def _places(now: SolidConditions, sheet: Sheet, t: fmpq) -> Iterator[tuple[fmpq, fmpq]]:
@@ -80,10 +41,6 @@ def _places(now: SolidConditions, sheet: Sheet, t: fmpq) -> Iterator[tuple[fmpq,
         at_x = [univariate(at(exchanged(f) if sheet.exchanged else f, 0, x), 1) for f in now.polynomials]
         for y in samples(_roots(at_x, sheet.second), sheet.second):
             yield (y, x) if sheet.exchanged else (x, y)
-
-
-def _moved(x: fmpq, ends: Range) -> fmpq:
-    return next((end for end in ends or () if abs(x - end) < exact_value(SMALL)), x)
 
 
 def _value_sign(f: fmpz_mpoly, u: fmpq, s: fmpq, t: fmpq) -> int:
@@ -99,8 +56,8 @@ def solid_touch(contact: Contact, joined: frozenset[str]) -> Touch:
     c = contact.conditions
     assert isinstance(c, SolidConditions)
     ends = contact.ranges[0]
-    across = None if ends is None else _side([contact.u - end for end in ends], ("u0", "u1"), joined)
-    along = _side([contact.v, contact.v - 1], ("s0", "s1"), joined)
+    across = None if ends is None else _side(contact, [contact.u - end for end in ends], ("u0", "u1"), joined)
+    along = _side(contact, [contact.v, contact.v - 1], ("s0", "s1"), joined)
     own = _element(across, along)
     if along is not None and c.sides[along].is_constant:  # a tip
         own = "vertex", along
@@ -120,11 +77,7 @@ def solid_touch(contact: Contact, joined: frozenset[str]) -> Touch:
 
 def _sign_at(contact: Contact, f: fmpz_mpoly) -> int:
     x = contact.value(f)
-    if is_zero(x):
-        return 0
-    if isinstance(contact, NearContact) and abs(_double(x)) <= SMALL * sum(abs(int(c)) for c in f.coeffs()):
-        return 0
-    return sign(x)
+    return 0 if vanishes(contact, x, float(sum(abs(int(c)) for c in f.coeffs()))) else sign(x)
 
 
 def feature_at(solid: CompositeQuadric, signs: Sequence[int], point: np.ndarray) -> Face | Edge | Vertex | None:

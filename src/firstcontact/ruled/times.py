@@ -20,10 +20,11 @@ from firstcontact.exact.roots import AlgebraicRoot, roots_in
 from firstcontact.exact.trivariate import at, exchanged, univariate
 from firstcontact.ruled.conditions import Range, SignConditions
 from firstcontact.ruled.exclusion import Box, Span, survivors
-from firstcontact.ruled.shared_points import WIDE, Contact, clusters, shared_points
+from firstcontact.ruled.shared_points import WIDE, Contact, NearContact, clusters, shared_points
 from firstcontact.ruled.sheets import MOST_DEGREE, Sheet, between, candidates, instants, samples, sheets
 
 BITS = 64
+AFTER, MOST_EXACT = 160, 4
 COVER_VISITS, COVER_DEPTH = 200, 30
 
 
@@ -95,6 +96,33 @@ class Times:
             found.append(contact)
             if len(found) >= most:
                 break
+        return found
+
+    def contacts_from(self, t: AlgebraicRoot, lasts: bool) -> list[Contact]:
+        """Some shared points at the instant, from which on there is contact if it `lasts`.
+
+        Fields of high degree take long: there they are places in contact within 2^-AFTER after it, where there are.
+        """
+        if lasts and t.rational is None and t.polynomial.degree() > MOST_EXACT:
+            with precision(2 * AFTER):
+                late = dyadic(t.enclosure(2 * AFTER).upper()) + fmpq(1, 2**AFTER)
+            if found := self._open_contacts(late):
+                return found
+        return self.contacts(t)
+
+    def _open_contacts(self, t: fmpq) -> list[Contact]:
+        """One on every fibre between borders at the rational time, rounded to 2^-AFTER and less."""
+        c, field = self.conditions, NumberField(AlgebraicRoot.of(t))
+        found: list[Contact] = []
+        now = c.at(t)
+        for sheet in self.sheets:
+            for x in _between_borders(sheet, t):
+                y = _place_on_fibre(c, sheet, x, t, True)
+                if y is not None:
+                    with precision(2 * AFTER):
+                        u, v = field(x), field(dyadic(y.enclosure(2 * AFTER).mid()))
+                    place = (v, u) if sheet.exchanged else (u, v)
+                    found.append(NearContact(now, (False, False), (c.u, c.v), *place, field(t)))
         return found
 
     def is_isolated(self, t: AlgebraicRoot) -> bool:

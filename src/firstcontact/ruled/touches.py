@@ -15,7 +15,7 @@ from firstcontact.exact.number_field import FieldElement, is_zero, sign
 from firstcontact.exact.numbers import precision
 from firstcontact.exact.trivariate import RING
 from firstcontact.ruled.conditions import Conditions, Trims
-from firstcontact.ruled.shared_points import Contact
+from firstcontact.ruled.shared_points import Contact, vanishes
 
 BITS = 96
 Side = int | None
@@ -63,10 +63,11 @@ class _Ruling:
 
     def place(self, point: Vector) -> FieldElement | None:
         """The parameter r of a point on the line; None where the ruling is a point."""
-        for x, y, w in zip(point, self.first, self.way, strict=True):
-            if not is_zero(w):
-                return (x - y) / w
-        return None
+        along = [k for k, w in enumerate(self.way) if not is_zero(w)]
+        if not along:
+            return None
+        k = max(along, key=lambda k: abs(_double(self.way[k])))  # of a point near the line the best one
+        return (point[k] - self.first[k]) / self.way[k]
 
 
 def touch(contact: Contact, joined: tuple[frozenset[str], frozenset[str]]) -> Touch:
@@ -86,10 +87,10 @@ def touch(contact: Contact, joined: tuple[frozenset[str], frozenset[str]]) -> To
     places = [None if x is None or not b else x for x, b in zip((r, w), c.bounded, strict=True)]
     elements = []
     for value, ends, place, borders in zip((contact.u, contact.v), contact.ranges, places, joined, strict=True):
-        across = None if ends is None else _side([value - end for end in ends], ("u0", "u1"), borders)
-        along = None if place is None else _side([place, place - 1], ("s0", "s1"), borders)
+        across = None if ends is None else _side(contact, [value - end for end in ends], ("u0", "u1"), borders)
+        along = None if place is None else _side(contact, [place, place - 1], ("s0", "s1"), borders)
         elements.append(_element(across, along))
-    cuts = [_cut(*some) for some in zip(c.trims, (contact.u, contact.v), places, strict=True)]
+    cuts = [_cut(contact, *some) for some in zip(c.trims, (contact.u, contact.v), places, strict=True)]
     elements = [("edge", cut[0]) if cut and e == ("face", 0) else e for cut, e in zip(cuts, elements, strict=True)]
     shown = np.array([[_double(x) for x in y] for y in points])
     u, v = (_parameter(x, i) for x, i in zip((contact.u, contact.v), contact.inverse, strict=True))
@@ -102,13 +103,14 @@ Cut = tuple[int, tuple[float, float]]
 """A trimming inequality that is just met, and the derivatives of its polynomial by u and by the place on the ruling."""
 
 
-def _cut(trims: Trims, x: FieldElement, place: FieldElement | None) -> Cut | None:
+def _cut(contact: Contact, trims: Trims, x: FieldElement, place: FieldElement | None) -> Cut | None:
     """The first one."""
     for k, g in enumerate(trims):
         if place is None and any(j for _, j in g):
             continue
         s = x - x if place is None else place
-        if is_zero(sum((_power(x, i) * _power(s, j) * int(c) for (i, j), c in g.items()), x - x)):
+        value = sum((_power(x, i) * _power(s, j) * int(c) for (i, j), c in g.items()), x - x)
+        if vanishes(contact, value, float(sum(abs(int(c)) for c in g.values()))):
             return k, cut_slopes(g, _double(x), _double(s))
     return None
 
@@ -139,9 +141,11 @@ def _common_points(p: _Ruling, q: _Ruling) -> list[Vector]:
     return found
 
 
-def _side(distances: Sequence[FieldElement], names: Sequence[str], joined: frozenset[str]) -> Side:
+def _side(
+    contact: Contact, distances: Sequence[FieldElement], names: Sequence[str], joined: frozenset[str]
+) -> Side:
     for k, distance in enumerate(distances):
-        if names[k] not in joined and is_zero(distance):
+        if names[k] not in joined and vanishes(contact, distance):
             return k
     return None
 
