@@ -35,6 +35,10 @@ PASSING = {
     "beside a shift": lambda gap: (
         BALL.translated((3, 0, 0)).moving(HALF), BALL.translated((0, 5 + gap, -2)).moving(fc.Translation((0, 0, 4))),
     ),
+    "two screws": lambda gap: (
+        BALL.translated((3, 0, 0)).moving(SCREW),
+        BALL.translated((3, 8 + gap, 0)).moving(fc.Screw(Z, (0, 8 + gap, 0), degrees=-180, advance=4)),
+    ),
     "gears": lambda gap: (
         fc.ellipsoid((2, 1, 1)).moving(HALF),
         fc.ellipsoid((1, 2, 1)).translated((0, 4 + gap, 0)).moving(fc.Rotation(Z, (0, 4 + gap, 0), turns=-1)),
@@ -53,7 +57,7 @@ def test_a_graze_a_miss_and_a_hit(name):
     assert {hit.element_a.kind, touch.element_a.kind} == {"edge" if name == "cone's rim" else "face"}
 
 
-@pytest.mark.parametrize("gap", [F(1, 10**9), F(1, 10**12), F(1, 10**15), F(1, 10**30)])
+@pytest.mark.parametrize("gap", [F(1, 10**9), F(1, 10**12), F(1, 10**15), F(1, 10**40)])
 def test_times_against_the_distance_of_balls(gap):
     """4 is the square of the distance from (0, 5 - gap, 2) to (3 cos, 3 sin, 4 t) when they touch."""
     a, b = PASSING["balls"](-gap)

@@ -1,6 +1,7 @@
-"""Contact at the last instant of a span, where a turning body lands: decided although its pose is irrational.
+"""Contact at one rational instant, where a turning body lands or grazes: decided although its pose may be irrational.
 
-The body is looked at in a rational pose beside the true one, turned about the same axis by some 2^-60 more or less.
+Where the poses are rational the bodies are looked at as they stand.  Else the one that turns is looked at in a rational
+pose beside the true one, turned about the same axis by some 2^-60 more or less.
 Surfaces that are round about that axis are the same in both, and what is not nearly zero keeps its sign.  So a common
 point that is in nothing but such surfaces of the other body rides with its own body to a true common point.
 """
@@ -22,9 +23,9 @@ from firstcontact.exact.number_field import ball
 from firstcontact.exact.numbers import dyadic, precision
 from firstcontact.exact.rigid import rational_sqrt
 from firstcontact.motion.polynomial import relative_pieces
+from firstcontact.motion.relative import placement_at
 from firstcontact.motion.rotation import Rotation, angle_ball
 from firstcontact.motion.screw import Screw
-from firstcontact.motion.translation import Translation
 
 CLEAR = 2.0**-40
 """Part of the size of its terms beyond which a form keeps its sign while the body turns by 2^-58 radians."""
@@ -33,13 +34,13 @@ BITS = 128
 
 def landing(a: Any, b: Any, t: fmpq) -> tuple[Search, list[Meeting]] | None:
     """Features that share a point at time t, proved, with the search in which they were found; None where none are."""
-    bodies = _placed(a, t), _placed(b, t)
-    turning = [_turns(x) for x in (a, b)]
-    if None in bodies or all(turning):
+    placed = [_placed(x, t) for x in (a, b)]
+    if placed[0] is None or placed[1] is None:
         return None
-    motion = next((x.motion for x, turns in zip((a, b), turning, strict=True) if turns), None)
-    if motion is not None and _is_rational(motion, t):
-        motion = None
+    bodies, motions = (placed[0][0], placed[1][0]), [m for _, m in placed if m is not None]  # type: ignore[misc]
+    if len(motions) > 1:
+        return None
+    motion = motions[0] if motions else None
     for piece in relative_pieces(*bodies, fmpq(0), fmpq(0)):
         search = Search(Pair(shape_of(bodies[0]), shape_of(bodies[1]), piece))
         meetings = [m for m in search.at_start() if motion is None or _is_kept(search.pair, m, motion)]
@@ -47,27 +48,16 @@ def landing(a: Any, b: Any, t: fmpq) -> tuple[Search, list[Meeting]] | None:
     return None
 
 
-def _turns(body: Any) -> bool:
-    return isinstance(body, Moving) and isinstance(body.motion, Rotation | Screw)
+def _placed(body: Any, t: fmpq) -> tuple[CompositeQuadric, Rotation | Screw | None] | None:
+    """(the body at rest where it stands at t, None), or where it nearly does, with the motion that takes it there.
 
-
-def _is_rational(motion: Rotation | Screw, t: fmpq) -> bool:
-    """Whether the rational turn is the true one: half and quarter turns are (`near_rotation`)."""
-    halves = 2 * motion.angle * t
-    if motion.unit == "radians":
-        return halves == 0
-    length = rational_sqrt(dot(motion.axis, motion.axis))
-    return halves.q == 1 or (halves.q == 2 and length is not None)
-
-
-def _placed(body: Any, t: fmpq) -> CompositeQuadric | None:
-    """The body at rest where it stands at t, or nearly; None for other motions, and where it has advanced by no
-    rational vector."""
+    None where neither pose is rational.
+    """
     if not isinstance(body, Moving):
-        return body
-    model, motion = body.body, body.motion
-    if isinstance(motion, Translation):
-        return model.translated([t * x for x in motion.vector])
+        return body, None
+    model, motion, there = body.body, body.motion, placement_at(body, t)
+    if there.is_exact:
+        return model.transformed([*there.matrix(), (0, 0, 0, 1)]), None
     if not isinstance(motion, Rotation | Screw):
         return None
     turns = motion.angle * t
@@ -76,9 +66,11 @@ def _placed(body: Any, t: fmpq) -> CompositeQuadric | None:
             turns = dyadic((angle_ball(turns, "radians") / (2 * arb.pi())).mid())
     placed = model.rotated(motion.axis, degrees=360 * turns, point=motion.point)
     if isinstance(motion, Rotation) or motion.advance == 0:
-        return placed
+        return placed, motion
     length = rational_sqrt(dot(motion.axis, motion.axis))
-    return None if length is None else placed.translated([motion.advance * t * x / length for x in motion.axis])
+    if length is None:
+        return None
+    return placed.translated([motion.advance * t * x / length for x in motion.axis]), motion
 
 
 def _is_kept(pair: Pair, meeting: Meeting, motion: Rotation | Screw) -> bool:

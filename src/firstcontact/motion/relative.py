@@ -105,6 +105,12 @@ def curved_pieces(a: Any, b: Any, first: fmpq, last: fmpq) -> list[CurvedPiece]:
     ]
 
 
+def placement_at(body: Any, time: fmpq) -> Placement:
+    """Where the body stands at the time, one of its motion's span."""
+    step = _step_at(list(_steps(body)), time)
+    return advanced(step.before, step.motion, (time - step.start) / step.duration)
+
+
 def _cut(steps_a: list[_Step], steps_b: list[_Step], first: fmpq, last: fmpq) -> list[tuple[fmpq, fmpq]]:
     """The stretches of [first, last] in which both bodies make one step."""
     cuts = {first, last}

@@ -233,5 +233,6 @@ def common_interior(a: CompositeQuadric, b: CompositeQuadric) -> list[fmpq] | No
 def _functions(pieces: ConvexPieces, k: int) -> list[Convex]:
     forms, witness = pieces.solids[k]
     size = float(np.linalg.norm(pieces.array[k, BOX + 3 : BOX + 6]))
-    assert witness is not None
+    if witness is None:
+        raise NoFunction("no interior point is known")
     return [Convex(form, witness, size) for form in forms]
