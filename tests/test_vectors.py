@@ -1,4 +1,4 @@
-"""Known first contacts, through doubles and through exact arithmetic."""
+"""Known first contacts, through doubles by every engine and through exact arithmetic."""
 
 from __future__ import annotations
 
@@ -12,8 +12,10 @@ from flint import arb
 import firstcontact as fc
 import naive
 from agreement import polyhedron
+from firstcontact import query
 from vectors import VECTORS, Vector
 
+ENGINES = [engine for engine in query.ENGINES if engine != "auto"]
 KIND = {"v": "vertex", "e": "edge", "f": "face"}
 
 
@@ -44,7 +46,7 @@ def expected_time(case: Vector) -> float:
 
 
 @pytest.mark.parametrize(
-    ("exact", "engine"), [(False, "boxes"), (True, "boxes"), (False, "lifted")], ids=["float", "exact", "lifted"]
+    ("exact", "engine"), [(True, "boxes"), *((False, engine) for engine in ENGINES)], ids=["exact", *ENGINES]
 )
 @pytest.mark.parametrize("case", VECTORS, ids=lambda c: c.id)
 def test_known_first_contact(case, exact, engine):

@@ -31,6 +31,7 @@ def fit_box(vectors, order, first, last, group, row, offset, moments, axes, weig
     """Write the box of the vectors of the items order[first:last] into `row` from `offset` on.
 
     vectors (m * group, d): `group` consecutive ones belong to an item.  moments, axes (d, d), weights (3, d): scratch.
+    Numbers written into a call want to be np.int64(...): Numba compiles anew for every Python number there.
     """
     d = vectors.shape[1]
     _covariance(vectors, order, first, last, group, moments, weights[0])

@@ -99,8 +99,8 @@ def add_tree(vectors, first, last, levels):
     moments, axes, weights = np.empty((WIDTH, WIDTH)), np.empty((WIDTH, WIDTH)), np.empty((3, WIDTH))
     node = root
     while node < counts[0]:  # children are behind their parents
-        lo, hi = nodes[node, 0], nodes[node, 1]
-        fit_box(vectors, ids, lo, hi, 1, boxes[node], 0, moments, axes, weights)
+        lo, hi = np.int64(nodes[node, 0]), np.int64(nodes[node, 1])
+        fit_box(vectors, ids, lo, hi, np.int64(1), boxes[node], np.int64(0), moments, axes, weights)
         if hi - lo > LEAF:
             axis = _longest_axis(boxes[node])
             for i in range(lo, hi):

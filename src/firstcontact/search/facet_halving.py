@@ -145,7 +145,8 @@ def halve_facets(paths, facets, origin, scale, room, still, swapped, motion, arc
             if x_slot == A_FIRST:
                 _write_path_cell(paths, arena, first, last, still, motion, arc, sense, reach, floats, cell, work)
                 if still:
-                    fit_box(paths.lines, arena, first, last, 1, row, LINES, scratch[0], scratch[1], scratch[2])
+                    one, lines = np.int64(1), np.int64(LINES)
+                    fit_box(paths.lines, arena, first, last, one, row, lines, scratch[0], scratch[1], scratch[2])
                 for k in range(y0, y1):
                     if not facet_may_meet(cell, facets.corners[arena[k]], err):
                         continue
@@ -266,8 +267,8 @@ def _write_facet_cell(facets, order, first, last, sided, row, scratch, planes):
             row[k], row[k + 3] = min(row[k], b[k]), max(row[k + 3], b[k + 3])
             row[REACH + k] = max(row[REACH + k], size[k])
     if sided:
-        fit_box(facets.lines, order, first, last, 2, row, LINES, scratch[0], scratch[1], scratch[2])
-    fit_box(facets.planes, order, first, last, 1, row, PLANES, planes[0], planes[1], planes[2])
+        fit_box(facets.lines, order, first, last, np.int64(2), row, np.int64(LINES), scratch[0], scratch[1], scratch[2])
+    fit_box(facets.planes, order, first, last, np.int64(1), row, np.int64(PLANES), planes[0], planes[1], planes[2])
 
 
 @kernel

@@ -316,7 +316,7 @@ def _write_cell(x, order, first, last, row, scratch):
         for k in range(3):
             row[k], row[k + 3] = min(row[k], b[k]), max(row[k + 3], b[k + 3])
             row[REACH + k] = max(row[REACH + k], size[k])
-    fit_box(x.lines, order, first, last, 1, row, LINES, scratch[0], scratch[1], scratch[2])
+    fit_box(x.lines, order, first, last, np.int64(1), row, np.int64(LINES), scratch[0], scratch[1], scratch[2])
 
 
 @kernel

@@ -43,6 +43,8 @@ LOST = 16
 # Facets in a group, at most: so many arcs that roundings stay far below what `_crossing` allows.
 LARGEST_GROUP = 1500
 NONE = np.int32(-1)
+# NumPy integers, because Numba compiles a function anew for every Python number written into a call.
+TAKE, ADD = np.int64(0), np.int64(1)
 
 
 class Trees(NamedTuple):
@@ -111,7 +113,7 @@ def cells_of(corners, noise):
     return facets, x, arcs, planes, tolerances
 
 
-@kernel
+@inner
 def _height_of_side(p, q, x):
     """y at x of the side from p to q, at its middle where it is upright."""
     if q[0] - p[0] <= 0.0:
@@ -119,7 +121,7 @@ def _height_of_side(p, q, x):
     return p[1] + (x - p[0]) / (q[0] - p[0]) * (q[1] - p[1])
 
 
-@kernel
+@inner
 def _write_arc(arc, p, q, x, way):
     """A straight line on or beyond the side pq, seen in the way -1 or 1, and MARGIN away; returns its slope's size.
 
@@ -135,7 +137,7 @@ def _write_arc(arc, p, q, x, way):
     return abs(rise) / MARGIN
 
 
-@kernel
+@inner
 def _write_plane(plane, p, steepest, noise):
     """Write the plane of the triangle p; returns the tolerance of heights over what its cells cover beyond it."""
     e0, e1, e2 = p[1, 0] - p[0, 0], p[1, 1] - p[0, 1], p[1, 2] - p[0, 2]
@@ -217,7 +219,7 @@ def height_at(height, x, y):
     return height[2] + height[3] * np.arctan2(np.sqrt(max(y - d * d, 0.0)), d)
 
 
-@kernel
+@inner
 def _difference(arcs, a, b, first, last, p, q):
     """Least and largest value of height q less height p over what the cells a and b share between first and last.
 
@@ -274,14 +276,14 @@ def _root(c, b, a, which):
 # --------------------------------------------------------------------------------------------------- trees
 
 
-@kernel
+@inner
 def _may_precede(order, facets, x, y):
     """Whether cell x may come before cell y, for neighbours in a tree."""
     i, j = facets[x], facets[y]
     return i == j or order.loose[i] or order.precedes[i, j]
 
 
-@kernel
+@inner
 def _before(order, facets, x, y):
     """Whether cell x is placed before cell y."""
     i, j = facets[x], facets[y]
@@ -290,13 +292,13 @@ def _before(order, facets, x, y):
     return order.precedes[i, j]
 
 
-@kernel
+@inner
 def _weight(cell):
     """Random weights keep the trees balanced: a parent weighs more than its children (Seidel & Aragon 1996)."""
     return (np.uint64(cell) * np.uint64(0x9E3779B97F4A7C15)) >> np.uint64(20)
 
 
-@kernel
+@inner
 def _copy(trees, node):
     new = trees.used[0]
     trees.cell[new], trees.left[new], trees.right[new] = trees.cell[node], trees.left[node], trees.right[node]
@@ -304,7 +306,7 @@ def _copy(trees, node):
     return np.int32(new)
 
 
-@kernel
+@inner
 def _hang(trees, parent, on_right, node, root):
     """Put the node below the parent, which is new; returns the root, the node itself where there is no parent."""
     if parent == NONE:
@@ -396,7 +398,7 @@ def without_cell(trees, order, facets, root, x, waiting):
         count -= 1
         node = waiting[count]
         if trees.cell[node] != x:
-            top = with_cell(trees, order, facets, top, trees.cell[node])
+            top = with_cell(trees, order, facets, top, np.int64(trees.cell[node]))
         node = trees.right[node]
     return top
 
@@ -455,7 +457,7 @@ class Line(NamedTuple):
     used: np.ndarray
 
 
-@kernel
+@inner
 def _place_of(line, cells, x, y):
     """How many arcs are below y at x, as far as their order is to be trusted."""
     lo, hi = 0, line.used[0]
@@ -469,7 +471,7 @@ def _place_of(line, cells, x, y):
 
 
 @kernel
-def _toggle(trees, line, order, cells, source, target, cell, add, waiting):
+def _toggle(trees, line, order, cells, source, target, cell, adds, waiting):
     """Write the trees of region `source`, with the cell or without it, as those of region `target`.
 
     Returns the trees: they may have moved.
@@ -478,7 +480,7 @@ def _toggle(trees, line, order, cells, source, target, cell, add, waiting):
     trees = _with_room(trees, roots, 32 * (cells.sheets.shape[0] + 32))
     k = 1 if order.loose[cells.sheets[cell]] else 0
     roots[1 - k, target] = roots[1 - k, source]
-    if add:
+    if adds == ADD:
         roots[k, target] = with_cell(trees, order, cells.sheets, roots[k, source], cell)
     else:
         roots[k, target] = without_cell(trees, order, cells.sheets, roots[k, source], cell, waiting)
@@ -496,7 +498,7 @@ def _begin_cell(trees, line, order, cells, cell, x, waiting):
     for t in range(m - 1, j - 1, -1):
         arcs[t + 2] = arcs[t]
     for t in range(j, i - 1, -1):
-        trees = _toggle(trees, line, order, cells, t, t + 1, cell, True, waiting)
+        trees = _toggle(trees, line, order, cells, t, t + 1, cell, ADD, waiting)
     for t in range(j - 1, i - 1, -1):
         arcs[t + 1] = arcs[t]
     arcs[i], arcs[j + 1] = 2 * cell, 2 * cell + 1
@@ -509,24 +511,24 @@ def _begin_cell(trees, line, order, cells, cell, x, waiting):
 def _end_cell(trees, line, order, cells, cell, waiting):
     """Take both arcs of a cell off the line.  Returns the trees and the places where they were."""
     arcs, roots, m = line.arcs, line.roots, line.used[0]
-    i, j = line.place[2 * cell], line.place[2 * cell + 1]
+    i, j = np.int64(line.place[2 * cell]), np.int64(line.place[2 * cell + 1])
     for t in range(i + 1, j):
         arcs[t - 1] = arcs[t]
         if t > i + 1:
-            trees = _toggle(trees, line, order, cells, t, t - 1, cell, False, waiting)
+            trees = _toggle(trees, line, order, cells, t, t - 1, cell, TAKE, waiting)
     # the region below the lower arc stays; so does the one above the upper arc
     for t in range(j + 1, m):
         arcs[t - 2] = arcs[t]
     for t in range(j + 1, m + 1):
         roots[0, t - 2], roots[1, t - 2] = roots[0, t], roots[1, t]
-    roots[:, m - 1], roots[:, m] = NONE, NONE
+    roots[0, m - 1] = roots[1, m - 1] = roots[0, m] = roots[1, m] = NONE
     line.used[0] = m - 2
     line.place[2 * cell] = line.place[2 * cell + 1] = -1
     _number(line, i)
     return trees, i, j
 
 
-@kernel
+@inner
 def _number(line, first):
     for t in range(first, line.used[0]):
         line.place[line.arcs[t]] = t
@@ -537,17 +539,17 @@ def _cross(trees, line, order, cells, i, waiting):
     """Exchange the arcs at places i and i + 1; the region between them is a new one.  Returns the trees."""
     below, above = line.arcs[i], line.arcs[i + 1]
     if above % 2 == 0:
-        trees = _toggle(trees, line, order, cells, i, i + 1, above // 2, True, waiting)
+        trees = _toggle(trees, line, order, cells, i, i + 1, np.int64(above // 2), ADD, waiting)
     elif below % 2 == 1:
-        trees = _toggle(trees, line, order, cells, i + 2, i + 1, below // 2, True, waiting)
+        trees = _toggle(trees, line, order, cells, i + 2, i + 1, np.int64(below // 2), ADD, waiting)
     else:
-        trees = _toggle(trees, line, order, cells, i, i + 1, above // 2, False, waiting)
+        trees = _toggle(trees, line, order, cells, i, i + 1, np.int64(above // 2), TAKE, waiting)
     line.arcs[i], line.arcs[i + 1] = above, below
     line.place[above], line.place[below] = i, i + 1
     return trees
 
 
-@kernel
+@inner
 def _crossing(line, cells, i, x):
     """Where the arcs at places i and i + 1 cross from x on; inf if they do not before one of them ends.
 
@@ -578,15 +580,15 @@ def _fall(c, b, a):
 
 
 @kernel
-def sweep_group(cells, order, tolerance, points, pace, askers, parts, swapped, motion, xyz_a, xyz_b, err_a, err_b,
-                floats, integers, times, candidates):  # fmt: skip
+def sweep_group(cells, starts, ends, order, tolerance, points, pace, askers, parts, swapped, motion, xyz_a, xyz_b,
+                err_a, err_b, floats, integers, times, candidates):  # fmt: skip
     """Sweep one group past the points (k, 4): x, y, height and the asker's number, in the order of x.
 
+    starts, ends (c,): the cells in the order in which they begin and end; no point is beyond the first and last x.
     tolerance: of the order of heights in the group.  pace: height per unit of time.  askers (n, 2), parts (f, 2): those
     of the vertices and sheets; swapped: the vertices are of b.  Returns DONE, FULL or LOST.
     """
     n = cells.sheets.shape[0]
-    starts, ends = np.argsort(cells.x[:, 0]), np.argsort(cells.x[:, 1])
     line = Line(
         np.empty(2 * n + 2, np.int32), np.full(2 * n, -1, np.int32), np.full((2, 2 * n + 3), -1, np.int32),
         np.zeros(1, np.int64),
@@ -595,8 +597,7 @@ def sweep_group(cells, order, tolerance, points, pace, askers, parts, swapped, m
     waiting = np.empty(2 * n + 64, np.int32)
     keys, pairs, size = np.empty(1024), np.empty((1024, 2), np.int32), 0
     a = b = 0
-    first, last = cells.x[starts[0], 0], cells.x[ends[n - 1], 1]
-    p, stop = np.searchsorted(points[:, 0], first), np.searchsorted(points[:, 0], last, side="right")
+    p, stop = 0, points.shape[0]
     while b < n:
         start = cells.x[starts[a], 0] if a < n else np.inf
         end, cross = cells.x[ends[b], 1], keys[0] if size > 0 else np.inf
@@ -604,7 +605,8 @@ def sweep_group(cells, order, tolerance, points, pace, askers, parts, swapped, m
         x = min(start, end, cross, point)
         if keys.shape[0] < size + 8:
             more, more_pairs = np.empty(2 * keys.shape[0]), np.empty((2 * keys.shape[0], 2), np.int32)
-            more[:size], more_pairs[:size] = keys[:size], pairs[:size]
+            for k in range(size):
+                more[k], more_pairs[k, 0], more_pairs[k, 1] = keys[k], pairs[k, 0], pairs[k, 1]
             keys, pairs = more, more_pairs
         i = j = -2
         if start == x:
@@ -617,7 +619,7 @@ def sweep_group(cells, order, tolerance, points, pace, askers, parts, swapped, m
                 continue  # no longer neighbours
             if s // 2 == t // 2:
                 return LOST
-            i = line.place[s]
+            i = np.int64(line.place[s])
             trees = _cross(trees, line, order, cells, i, waiting)
         elif point == x:
             i = _place_of(line, cells, x, points[p, 1])

@@ -104,9 +104,12 @@ class Swept:
 
     def _sweep(self, side: Side, k: int, finds: Finds) -> None:
         cells, order, parts, tolerance = side.group(k)
+        starts, ends = (np.argsort(cells.x[:, i]) for i in range(2))
+        first, last = cells.x[starts[0], 0], cells.x[ends[-1], 1]
+        points = side.points[slice(*np.searchsorted(side.points[:, 0], [first, np.nextafter(last, np.inf)]))]
         while True:
             reason = sweep_group(
-                cells, order, tolerance, side.points, side.pace, side.askers, parts, side.swapped,
+                cells, starts, ends, order, tolerance, points, side.pace, side.askers, parts, side.swapped,
                 *self.work, finds.floats, finds.integers, finds.times, finds.candidates,
             )  # fmt: skip
             if reason != FULL:
