@@ -188,7 +188,7 @@ def _arcs(contact: Contact, trim: Trim) -> Iterator[Shared]:
             finer, good = _sampled(span @ axes, angle + np.linspace(-1, 1, FINER) * 2 * np.pi / SAMPLES, trim)
             held = finer[good]
             kind = "conic arc" if len(held) > 1 else "point"
-        at = _on_conic(contact, axes[:, 2], axes @ (math.cos(angle), math.sin(angle), 1.0))
+        at = _on_conic(contact, axes[:, 2], axes @ (round(math.cos(angle), 15), round(math.sin(angle), 15), 1.0))
         yield Shared(kind, at, held[:, :3] / held[:, 3:], closed=len(run) == SAMPLES)
 
 
@@ -210,16 +210,10 @@ def runs(good: np.ndarray) -> list[np.ndarray]:
     return [run for run in np.split(order, cuts) if good[run[0]]]
 
 
-def _short(values: np.ndarray) -> list[fmpq]:
-    """Rational numbers of at most 40 bits nearby: a zero that rounding has spoilt is one again."""
-    unit = fmpq(2) ** (math.frexp(float(np.abs(values).max()))[1] - 40)
-    return [round(float(v) / float(unit)) * unit for v in values]
-
-
 def _on_conic(contact: Contact, inner: np.ndarray, near: np.ndarray) -> Vector:
     """The exact point of the conic near y = `near`, on the line from the rational point `inner` within it."""
-    c = _short(inner)
-    d = [v - w for v, w in zip(_short(near), c, strict=True)]
+    c = [fmpq(*float(v).as_integer_ratio()) for v in inner]
+    d = [fmpq(*float(v).as_integer_ratio()) - w for v, w in zip(near, c, strict=True)]
     form = contact.form
     assert form is not None
 
