@@ -51,7 +51,7 @@ class NoFunction(Exception):
 
 
 class Unclear(Exception):
-    """A function may be at the vertex of its cone, where it has no gradient."""
+    """A function may be at the vertex of its cone, where it has no gradient, or the pose have no weight."""
 
 
 class Convex:
@@ -327,7 +327,10 @@ class Separation:
 
     def _at(self, t: arb, x: list[Any], functions: list[tuple[int, int]]) -> tuple[list[Any], list[list[Any]]]:
         """Values and gradients of functions around the time, power series; x as those."""
-        back = inverse(self.motion.series(t), self.motion.is_rigid)
+        try:
+            back = inverse(self.motion.series(t), self.motion.is_rigid)
+        except ValueError as error:  # division by what may be zero, in so wide a ball of times
+            raise Unclear from error
         y = [row[0] * x[0] + row[1] * x[1] + row[2] * x[2] + row[3] for row in back]
         values, gradients = [], []
         for side, k in functions:
