@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 import re
+import subprocess
 import sys
 from pathlib import Path
 
@@ -24,6 +25,8 @@ ONE_SHOT_TOOLS = ["firstcontact", "coal", "python-fcl"]
 def main() -> None:
     options = _options()
     results = Results(command=_shown_command())
+    # in a process of its own: compiling is no part of a preparation, nor of memory
+    subprocess.run([sys.executable, "-c", "from firstcontact.warmup import warm; warm()"], check=True)
     workers = {tool: Worker(tool, options.limit) for tool in options.tools}
     try:
         for scene, pose, n in _chosen(options):
