@@ -25,8 +25,10 @@ from firstcontact.ruled.settled import PiecePair, Settled
 
 # Cells looked at for one pair of chains before the rest is left open.
 BUDGET = 100_000
-# Rows that arrays of nodes, places, arcs and points have at first, and at most; they grow where that does not do.
-ROOM, MOST_ROOM = 2048, 2**23
+# Rows that arrays of nodes, places and arcs have at first, per part, and those of points, per arc, and at first at most;
+# the most of all.  They grow where that does not do.  Not many more than small curves need: where memory comes in pages
+# of megabytes, clearing those takes longer than such a curve.
+ROOM, POINTS, FIRST_POINTS, MOST_ROOM = 64, 2**11, 2**19, 2**23
 # Of directrices; nets of a cell have twice as many rows.
 HIGHEST_DEGREE = (cells.LAYER_ROWS - 2) // 2
 # Open boxes are one place where they are this near each other, in parameters of parts; of more boxes than this all are.
@@ -104,7 +106,7 @@ def _solved(p: Chain, q: Chain, tolerance: float) -> Solved | None:
     if (low > high).any():
         return None
     centre = 0.5 * (low + high)
-    room = ROOM
+    room = ROOM * max(len(p.points), len(q.points))
     while True:
         sides, forms = zip(*(_side(chain, centre, room) for chain in (p, q)), strict=True)
         joints = np.full((5, len(p.points) + 1, len(q.points) + 1), -1)
@@ -136,7 +138,7 @@ def _solved(p: Chain, q: Chain, tolerance: float) -> Solved | None:
     bends = tuple(np.empty((len(x.points), curve_bends.BOUNDS)) for x in (p, q))
     for form, bend in zip(forms, bends, strict=True):
         curve_bends.derivative_bounds(form, bend)
-    room = 256 * ROOM  # untouched pages cost nothing
+    room = min(POINTS * (count + 1), FIRST_POINTS)
     while True:
         points, parameters = np.empty((room, 3)), np.empty((room, 4))
         if trace(
