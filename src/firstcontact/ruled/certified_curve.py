@@ -25,7 +25,7 @@ from firstcontact.ruled.settled import PiecePair, Settled
 
 # Cells looked at for one pair of chains before the rest is left open.
 BUDGET = 100_000
-# Rows that arrays of nodes, places and arcs have at first, per part, and those of points, per arc, and at first at most;
+# Rows that arrays of nodes, places and arcs have at first, per part, and those of points, per arc, at first at most;
 # the most of all.  They grow where that does not do.  Not many more than small curves need: where memory comes in pages
 # of megabytes, clearing those takes longer than such a curve.
 ROOM, POINTS, FIRST_POINTS, MOST_ROOM = 64, 2**11, 2**19, 2**23
