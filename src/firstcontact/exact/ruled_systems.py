@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from flint import arb, fmpq, fmpz_poly
+from flint import arb, ctx, fmpq, fmpz_poly
 
 from firstcontact.exact.square_systems import Equations
 
@@ -24,14 +24,16 @@ class Curve:
 
     def __init__(self, components: Sequence[Sequence[fmpz_poly]]) -> None:
         self.components = [list(c) for c in components]
-        self.moved = [[p.derivative() for p in c] for c in self.components]
+        moved = ([p.derivative() for p in c] for c in self.components)
+        self.moved = [c if any(c) else None for c in moved]
+        """Their derivatives by the time; None where all are zero."""
 
     def jet(self, x: arb, time: arb) -> Jet:
         """The point and its derivatives."""
-        jets = []
+        jets, zero = [], arb(0)
         for c, m in zip(self.components, self.moved, strict=True):
             value, first, second = _taylor([p(time) for p in c], x)
-            by_time, mixed, _ = _taylor([p(time) for p in m], x)
+            by_time, mixed, _ = (zero, zero, zero) if m is None else _taylor([p(time) for p in m], x)
             jets.append((value, first, by_time, second, mixed))
         w, w_x, w_t, w_xx, w_xt = jets[3]
         rows = []
@@ -103,6 +105,8 @@ class ContactSystem(Equations):
     ) -> None:
         self.curves, self.parameters, self.minors = curves, tuple(parameters), tuple(minors)
         self.free = tuple(k for k, value in enumerate(parameters) if value is None)
+        self._known: tuple[Sequence[arb], int, tuple[RuledJet, RuledJet]] | None = None
+        """Where jets were asked for last, at which precision, and they: values and derivatives are asked in turn."""
 
     def everywhere(self, x: Sequence[arb]) -> tuple[list[arb], arb]:
         """u, s, v, t and the time."""
@@ -110,9 +114,12 @@ class ContactSystem(Equations):
         return [next(free) if value is None else arb(value) for value in self.parameters], x[len(self.free)]
 
     def jets(self, x: Sequence[arb]) -> tuple[RuledJet, RuledJet]:
-        (u, s, v, t), time = self.everywhere(x)
-        first_p, second_p, first_q, second_q = self.curves
-        return ruled_jet(first_p, second_p, u, s, time), ruled_jet(first_q, second_q, v, t, time)
+        if self._known is None or self._known[0] is not x or self._known[1] != ctx.prec:
+            (u, s, v, t), time = self.everywhere(x)
+            first_p, second_p, first_q, second_q = self.curves
+            found = ruled_jet(first_p, second_p, u, s, time), ruled_jet(first_q, second_q, v, t, time)
+            self._known = x, ctx.prec, found
+        return self._known[2]
 
     def values(self, x: Sequence[arb]) -> list[arb]:
         p, q = self.jets(x)

@@ -58,12 +58,13 @@ class Equations:
         except ZeroDivisionError:
             return None
         y = arb_mat([[arb(c.mid()) for c in row] for row in y.tolist()])
+        there = arb_mat([[v] for v in self.values(centre)])
         offset = [arb(0, r) for r in radii]
         box = [c + d for c, d in zip(centre, offset, strict=True)]
         n = len(centre)
         one = arb_mat(n, n, [int(i == j) for i in range(n) for j in range(n)])
         rest = (one - y * arb_mat(self.jacobian(box))) * arb_mat([[d] for d in offset])
-        image = (rest - y * arb_mat([[v] for v in self.values(centre)])).tolist()
+        image = (rest - y * there).tolist()
         if not all(d.contains_interior(i) for d, (i,) in zip(offset, image, strict=True)):
             return None
         return [c + i for c, (i,) in zip(centre, image, strict=True)]

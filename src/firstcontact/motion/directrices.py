@@ -15,7 +15,7 @@ from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import rational
 from firstcontact.motion.clocks import StraightClock
 from firstcontact.motion.polynomial import PolynomialPiece, relative_pieces
-from firstcontact.motion.projective import Matrix
+from firstcontact.motion.projective import IDENTITY, Matrix
 
 Sides = tuple[RationalCurve, RationalCurve]
 
@@ -52,7 +52,9 @@ def directrix_pieces(a: Any, b: Any, first: fmpq, last: fmpq | None) -> Iterator
 def sides_from(surface: RuledSurface, motion: PolynomialPiece) -> Sides:
     """The sides of a surface as seen from the body whose frame the motion is in."""
     _check_clock(surface, motion)
-    moved = (_moved(surface.sides[0], motion.pose), _moved(surface.sides[1], motion.pose))
+    moved = surface.sides
+    if motion.pose != IDENTITY:
+        moved = _moved(moved[0], motion.pose), _moved(moved[1], motion.pose)
     return _signed(moved, surface, _middle(motion))
 
 

@@ -10,6 +10,7 @@ from typing import Any
 
 from flint import fmpq, fmpq_poly, fmpz, fmpz_poly
 
+from firstcontact.exact import rigid
 from firstcontact.exact.rigid import Matrix as Fixed
 
 Matrix = tuple[tuple[fmpz_poly, ...], ...]
@@ -44,6 +45,9 @@ def fixed(m: Fixed) -> Matrix:
     """The constant matrix of a pose (3x4, rational)."""
     zero, one = fmpq_poly([0]), fmpq_poly([1])
     return integral([*([fmpq_poly([x]) for x in row] for row in m), [zero, zero, zero, one]])
+
+
+IDENTITY = fixed(rigid.IDENTITY)
 
 
 def product(m: Matrix, n: Matrix) -> Matrix:

@@ -123,6 +123,16 @@ class RuledPiece:
 
     def _local(self, part: int, which: int) -> list[list[fmpq_poly]]:
         """For each component of a directrix, the coefficients of the powers of T as polynomials in x."""
+        key = part, which
+        if key not in self._locals:
+            self._locals[key] = self._find_local(part, which)
+        return self._locals[key]
+
+    @cached_property
+    def _locals(self) -> dict[tuple[int, int], list[list[fmpq_poly]]]:
+        return {}
+
+    def _find_local(self, part: int, which: int) -> list[list[fmpq_poly]]:
         inverted, middle, half = self.parts[part][:3]
         argument = fmpq_poly([middle, half])
         top = self.degrees[which]
