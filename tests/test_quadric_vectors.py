@@ -141,7 +141,7 @@ def test_a_ball_that_settles_into_a_conical_seat_touches_in_a_circle():
 def test_boxes_that_meet_flat_touch_in_a_patch():
     large, small = fc.box((2, 2, 2)), fc.box((1, 1, 1)).translated((0, 0, -3))
     hit = fc.first_contact(large.moving(fc.Translation((0, 0, -4))), small)
-    assert (hit.time, hit.contact_set) == (0.375, "patch")
+    assert (hit.time, hit.contact_set) == (0.375, "patch") and "CONTACT at time 0.375 in a patch at (" in str(hit)
     assert hit.contact_set.points[:, 2] == pytest.approx(-2.5)
 
 

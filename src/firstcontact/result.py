@@ -314,6 +314,8 @@ class FirstContact(_Deferring):
         if self.status is Status.UNDECIDED:
             return f"{names}: UNDECIDED ({self.reason})\n  proved free until {self.free_until!r}"
         where = "" if self.point is None else " at ({:.9g}, {:.9g}, {:.9g})".format(*self.point)
+        if self.contact_set not in (None, "point"):
+            where = f" in a {self.contact_set}{where}"
         elements = "" if self.element_a is None else f"; {self.element_a} meets {self.element_b}"
         if self.status is Status.INITIAL_CONTACT:
             return f"{names}: INITIAL_CONTACT ({self.initial}) at time {self.time!r}\n {where}{elements}"
