@@ -41,8 +41,8 @@ from firstcontact.search.tree import FACET, POINT, Tree
 
 # A leaf meets many others: this share of all leaves, and so many of them.
 CROWDED_SHARE, CROWDED_LEAVES = 0.02, 32
-# Pair tests of boxes in that case, per facet of the larger body, and against a set of points, per point.
-TESTS_AT_ONCE, TESTS_A_POINT, FEW_PAIRS = 1 / 256, 1, 1 << 14
+# Pair tests of boxes in that case, per facet of the larger body and at most, and against a set of points, per point.
+TESTS_AT_ONCE, MOST_AT_ONCE, TESTS_A_POINT, FEW_PAIRS = 1 / 256, 32, 1, 1 << 14
 # Boxes make so many visits in any case: bodies that nowhere come near each other need no other engine.
 FEW_VISITS = 4
 # Pair tests that ordinary scenes stay below: per primitive of both bodies, and never fewer than FEWEST.
@@ -60,7 +60,7 @@ def tests_of_boxes(tree_a: Tree, tree_b: Tree) -> int:
         share = crowding(tree_a.boxes, tree_a.links, tree_b.boxes, tree_b.links)
         if share >= CROWDED_SHARE and share * leaves >= CROWDED_LEAVES:
             facets = any(np.any(tree.ids[:, 1] & FACET) for tree in (tree_a, tree_b))
-            return int(TESTS_AT_ONCE * max(m, n)) if facets else 0
+            return min(int(TESTS_AT_ONCE * max(m, n)), MOST_AT_ONCE) if facets else 0
     for tree, count in ((tree_a, m), (tree_b, n)):
         if tree.ids[0, 1] & POINT and m * n > FEW_PAIRS:  # then all its parts are points
             return TESTS_A_POINT * count
