@@ -72,7 +72,7 @@ class Solid:
         image = forms @ np.append(centre, 1.0)
         value = image[:, :3] @ centre + image[:, 3]
         bent = np.einsum("ni,sij,nj->sn", steps, forms[:, :3, :3], steps, optimize=True)
-        return _height_of(self.model.tree, value[:, None] + 2.0 * image[:, :3] @ steps.T + bent)
+        return tree_height(self.model.tree, value[:, None] + 2.0 * image[:, :3] @ steps.T + bent)
 
     def samples(self) -> np.ndarray:
         """(n, 3) points of its box, none where that is unbounded."""
@@ -307,12 +307,12 @@ def _image(rows: np.ndarray, error: Any, shift_error: Any, i: int, x: Sequence[a
     return total
 
 
-def _height_of(tree: Tree, values: np.ndarray) -> np.ndarray:
+def tree_height(tree: Tree, values: np.ndarray) -> np.ndarray:
     if isinstance(tree, Leaf):
         return values[tree.surface]
     if isinstance(tree, Not):
-        return -_height_of(tree.inner, values)
-    first, second = _height_of(tree.first, values), _height_of(tree.second, values)
+        return -tree_height(tree.inner, values)
+    first, second = tree_height(tree.first, values), tree_height(tree.second, values)
     return np.maximum(first, second) if isinstance(tree, And) else np.minimum(first, second)
 
 

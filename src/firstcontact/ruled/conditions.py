@@ -9,7 +9,7 @@ ruling, a ratio of brackets, put in.  All inequalities are weak: contact is clos
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, reduce
 from math import comb
@@ -190,8 +190,8 @@ class Conditions:
             for inverse_v in (False, True) if self.v is None else (False,):
                 first = (p[0].reversed(), p[1].reversed()) if inverse_u else p
                 second = (q[0].reversed(), q[1].reversed()) if inverse_v else q
-                own = _reversed(self.trims[0]) if inverse_u else self.trims[0]
-                other = _reversed(self.trims[1]) if inverse_v else self.trims[1]
+                own = reversed_trims(self.trims[0]) if inverse_u else self.trims[0]
+                other = reversed_trims(self.trims[1]) if inverse_v else self.trims[1]
                 chart = _conditions(first, second, self.u or unit, self.v or unit, self.bounded, (own, other))
                 chart = replace(chart, trimmed=self.trimmed)
                 found[inverse_u, inverse_v] = chart if self.moment is None else chart.at(self.moment)
@@ -209,7 +209,7 @@ def conditions(a: Any, b: Any, piece: DirectrixPiece, span: tuple[fmpq, fmpq]) -
     for surface, sides in ((p, piece.p), (q, piece.q)):
         if surface.s is not None:
             for side in sides:
-                _check_weight(surface, side, span)
+                check_weight(surface, side, span)
     found = _conditions(piece.p, piece.q, _range(p.u), _range(q.u), bounded, (local_trims(p), local_trims(q)))
     return replace(found, trimmed=" and ".join(repr(x) for x in (p, q) if x.trim))
 
@@ -243,7 +243,7 @@ def polynomials(trims: Trims) -> list[fmpz_mpoly]:
     return [RING.from_dict({(i, j, 0): int(c) for (i, j), c in g.items()}) for g in trims]
 
 
-def _reversed(trims: Trims) -> Trims:
+def reversed_trims(trims: Trims) -> Trims:
     """The same in the inverse of the first parameter."""
     found = []
     for g in trims:
@@ -266,7 +266,7 @@ def _range(ends: Any) -> Range:
     return None if ends is None else (rational(ends[0], "u"), rational(ends[1], "u"))
 
 
-def _check_weight(surface: RuledSurface, side: RationalCurve, span: tuple[fmpq, fmpq]) -> None:
+def check_weight(surface: RuledSurface, side: RationalCurve, span: tuple[fmpq, fmpq]) -> None:
     """InputError unless the weight is positive over the range and the span."""
     if not side.deforming or not any(key[1] for key in _terms2(side.components[3])):
         return
@@ -305,23 +305,25 @@ def _conditions(
     delta = _sum(x * line_q[j] * sign for x, (j, sign) in zip(line_p, _DUAL, strict=True))
     factors = [] if delta.is_zero() else irreducible(delta)
     weights = [w for curve in (p1, p2, q1, q2) for w in irreducible(curve[3])]
-    definite = {str(f): f for f in [*factors, *weights] if _is_definite(f)}
+    positive = {str(f): f for f in [*factors, *weights] if is_definite(f)}
+    definite = positive.values()
     ends = tuple(
         tuple(_sum(x * row[k] for x, row in zip(end, planes, strict=True)) for k in range(3))
         for end, planes in ((q1, of_p), (q2, of_p), (p1, of_q), (p2, of_q))
     )
-    brackets = tuple(tuple(_reduced(f, definite) for f in row) for row in ends)
+    brackets = tuple(tuple(without_factors(f, definite) for f in row) for row in ends)
     kept = tuple(
-        tuple(_reduced(f, definite) for f in (
+        tuple(without_factors(f, definite) for f in (
             *_kept(trims[0], "u", ends[2][k] * p2[3], ends[3][k] * p1[3]),
             *_kept(trims[1], "v", ends[0][k] * q2[3], ends[1][k] * q1[3]),
         )) for k in range(3)
     )  # fmt: skip
     axes = tuple(
-        tuple(_reduced(x[k] * y[3] - y[k] * x[3], definite) for x in (p1, p2) for y in (q1, q2)) for k in range(3)
+        tuple(without_factors(x[k] * y[3] - y[k] * x[3], definite) for x in (p1, p2) for y in (q1, q2))
+        for k in range(3)
     )
     if factors:
-        delta = product(f for f in factors if str(f) not in definite)
+        delta = product(f for f in factors if str(f) not in positive)
     return Conditions(delta, brackets, axes, u, v, bounded, (p, q), trims, kept)
 
 
@@ -334,15 +336,15 @@ def _kept(trims: Trims, name: str, first: fmpz_mpoly, second: fmpz_mpoly) -> lis
     return found
 
 
-def _reduced(f: fmpz_mpoly, definite: dict[str, fmpz_mpoly]) -> fmpz_mpoly:
+def without_factors(f: fmpz_mpoly, definite: Collection[fmpz_mpoly]) -> fmpz_mpoly:
     """f without those factors, which are positive everywhere: its sign is the same."""
-    for g in definite.values():
+    for g in definite:
         while not f.is_zero() and f.gcd(g) == g:
             f = f // g
     return f
 
 
-def _is_definite(f: fmpz_mpoly) -> bool:
+def is_definite(f: fmpz_mpoly) -> bool:
     """Whether an irreducible polynomial in u alone, or v alone, is positive everywhere; its last coefficient is."""
     used = [k for k in range(3) if degree(f, k)]
     if used not in ([0], [1]):

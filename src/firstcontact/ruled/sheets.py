@@ -298,11 +298,11 @@ def between(x: AlgebraicRoot, y: AlgebraicRoot) -> fmpq:
             lo = x.hi if x.rational is not None else dyadic(x.enclosure(bits).upper())
             hi = y.lo if y.rational is not None else dyadic(y.enclosure(bits).lower())
         if lo < hi:
-            return simplest(lo, hi)
+            return dyadic_between(lo, hi)
         bits *= 2
 
 
-def simplest(lo: fmpq, hi: fmpq) -> fmpq:
+def dyadic_between(lo: fmpq, hi: fmpq) -> fmpq:
     """The dyadic number of least size strictly between lo < hi."""
     scale = fmpq(1)
     while scale * (hi - lo) <= 2:

@@ -27,13 +27,13 @@ from firstcontact.ruled.conditions import (
     Range,
     Sides,
     Trims,
-    _check_weight,
-    _is_definite,
-    _reduced,
-    _reversed,
     bound_once,
+    check_weight,
+    is_definite,
     local_trims,
     polynomials,
+    reversed_trims,
+    without_factors,
 )
 
 UNIT = fmpq(0), fmpq(1)
@@ -73,7 +73,7 @@ class SolidConditions:
         if surface.s is None:
             raise UnsupportedPair(f"{surface!r} has whole rulings, for which exact arithmetic is not built; bound s")
         for side in sides:
-            _check_weight(surface, side, span)
+            check_weight(surface, side, span)
         ends = None if surface.u is None else (rational(surface.u[0], "u"), rational(surface.u[1], "u"))
         return cls._over(ends, sides, local_trims(surface), solid)
 
@@ -129,7 +129,7 @@ class SolidConditions:
         unit = fmpq(-1), fmpq(1)
         turned = self.sides[0].reversed(), self.sides[1].reversed()
         found = {}
-        for inverse, sides, trims in ((False, self.sides, self.trims), (True, turned, _reversed(self.trims))):
+        for inverse, sides, trims in ((False, self.sides, self.trims), (True, turned, reversed_trims(self.trims))):
             chart = replace(self._over(unit, sides, trims, self.solid), part=self.part, active=self.active)
             found[inverse, False] = chart if self.moment is None else chart.at(self.moment)
         return found
@@ -149,4 +149,4 @@ def _without_definite(f: fmpz_mpoly) -> fmpz_mpoly:
     """f without its factors that are positive everywhere."""
     if f.is_zero():
         return f
-    return _reduced(f, {str(g): g for g in irreducible(f) if _is_definite(g)})
+    return without_factors(f, [g for g in irreducible(f) if is_definite(g)])

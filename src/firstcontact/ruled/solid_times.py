@@ -13,18 +13,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 from flint import fmpq
 
-from firstcontact.composite.lasting import _height_of
+from firstcontact.composite.lasting import tree_height
 from firstcontact.composite.work import Work
-from firstcontact.exact.numbers import dyadic, precision, to_double
+from firstcontact.exact.numbers import sign, to_double
 from firstcontact.exact.roots import AlgebraicRoot, roots_in
 from firstcontact.exact.trivariate import at, univariate
 from firstcontact.ruled.exclusion import Box, Span, powers, signs_over, survivors
 from firstcontact.ruled.shared_points import Contact, clusters
-from firstcontact.ruled.sheets import MOST_DEGREE, simplest
+from firstcontact.ruled.sheets import MOST_DEGREE, dyadic_between
 from firstcontact.ruled.solid_conditions import SolidConditions
-from firstcontact.ruled.times import Times
+from firstcontact.ruled.times import Times, enclosed
 
-VISITS, DEPTH, BITS = 300, 30, 64
+VISITS, DEPTH = 300, 30
 FEW = 2
 """Surfaces, or trimming polynomials, that elimination takes at once."""
 STALE = 4
@@ -148,9 +148,9 @@ class _Stretches:
             if place is None:
                 continue
             on_line = {id(f): univariate(at(at(f, 0, place[0]), 1, place[1]), 2) for f in chart.polynomials}
-            if not chart.holds(lambda f: _sign(on_line[id(f)](t))):  # noqa: B023
+            if not chart.holds(lambda f: sign(on_line[id(f)](t))):  # noqa: B023
                 continue
-            ends = [_bounds(x) for p in on_line.values() if p.degree() > 0 for x in roots_in(p, (lo, hi))]
+            ends = [enclosed(x) for p in on_line.values() if p.degree() > 0 for x in roots_in(p, (lo, hi))]
             if all(y < t or x > t for x, y in ends):
                 before, after = [y for _, y in ends if y < t], [x for x, _ in ends if x > t]
                 return (_inner(max(before), t) if before else lo), (_inner(min(after), t) if after else hi)
@@ -160,7 +160,7 @@ class _Stretches:
 def _inner(end: fmpq, t: fmpq) -> fmpq:
     """A short number near an end, on the side of t."""
     near = end + (t - end) / 2**16
-    return simplest(min(end, near), max(end, near))
+    return dyadic_between(min(end, near), max(end, near))
 
 
 def _hull(boxes: Sequence[Box]) -> tuple[Span, Span]:
@@ -189,18 +189,6 @@ def _deepest(chart: SolidConditions, t: fmpq) -> tuple[fmpq, fmpq] | None:
     found = np.einsum("kijl,ai,bj,cl->kab", table, *grids, optimize=True)
     found /= np.maximum(np.abs(found).max(axis=(1, 2), keepdims=True), 1e-300)
     n = len(chart.forms)
-    heights = np.max([_height_of(chart.solid.tree, found[:n]), *(-found[n:])], axis=0)
+    heights = np.max([tree_height(chart.solid.tree, found[:n]), *(-found[n:])], axis=0)
     i, j = (int(k) for k in np.unravel_index(np.argmin(heights), heights.shape))
     return (places[0][i], places[1][j]) if heights[i, j] < 0 else None
-
-
-def _bounds(x: AlgebraicRoot) -> Span:
-    if x.rational is not None:
-        return x.rational, x.rational
-    with precision(BITS):
-        ball = x.enclosure(BITS)
-        return dyadic(ball.lower()), dyadic(ball.upper())
-
-
-def _sign(x: fmpq) -> int:
-    return int(x > 0) - int(x < 0)

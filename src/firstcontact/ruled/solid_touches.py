@@ -10,23 +10,23 @@ from flint import fmpq, fmpz_mpoly
 from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.csg import borders, outcomes
 from firstcontact.body.features import Edge, Face, Vertex
-from firstcontact.exact.number_field import sign
+from firstcontact.exact import number_field
+from firstcontact.exact.numbers import sign
 from firstcontact.exact.roots import AlgebraicRoot
 from firstcontact.exact.trivariate import at, exchanged, univariate
 from firstcontact.ruled.shared_points import Contact, vanishes
 from firstcontact.ruled.sheets import Sheet, samples, sheets
 from firstcontact.ruled.solid_conditions import SolidConditions
-from firstcontact.ruled.times import Times, _between_borders, _roots
+from firstcontact.ruled.times import Times, between_borders, roots_of
 from firstcontact.ruled.touches import (
+    Ruling,
     Touch,
-    _along,
-    _double,
-    _element,
-    _parameter,
-    _Ruling,
-    _side,
-    _slopes,
+    curve_slopes,
     cut_slopes,
+    element_kind,
+    end_met,
+    in_double,
+    shown_parameter,
 )
 
 NEAR = 1e-9
@@ -37,15 +37,14 @@ STEPS = 257
 
 def _places(now: SolidConditions, sheet: Sheet, t: fmpq) -> Iterator[tuple[fmpq, fmpq]]:
     """One (u, s) in every cell between the curves on which forms, or the trimming, vanish at the time."""
-    for x in _between_borders(sheet, t):
+    for x in between_borders(sheet, t):
         at_x = [univariate(at(exchanged(f) if sheet.exchanged else f, 0, x), 1) for f in now.polynomials]
-        for y in samples(_roots(at_x, sheet.second), sheet.second):
+        for y in samples(roots_of(at_x, sheet.second), sheet.second):
             yield (y, x) if sheet.exchanged else (x, y)
 
 
 def _value_sign(f: fmpz_mpoly, u: fmpq, s: fmpq, t: fmpq) -> int:
-    x = univariate(at(at(at(f, 2, t), 1, s), 0, u), 0)[0]
-    return int(x > 0) - int(x < 0)
+    return sign(univariate(at(at(at(f, 2, t), 1, s), 0, u), 0)[0])
 
 
 def solid_touch(contact: Contact, joined: frozenset[str]) -> Touch:
@@ -56,28 +55,28 @@ def solid_touch(contact: Contact, joined: frozenset[str]) -> Touch:
     c = contact.conditions
     assert isinstance(c, SolidConditions)
     ends = contact.ranges[0]
-    across = None if ends is None else _side(contact, [contact.u - end for end in ends], ("u0", "u1"), joined)
-    along = _side(contact, [contact.v, contact.v - 1], ("s0", "s1"), joined)
-    own = _element(across, along)
+    across = None if ends is None else end_met(contact, [contact.u - end for end in ends], ("u0", "u1"), joined)
+    along = end_met(contact, [contact.v, contact.v - 1], ("s0", "s1"), joined)
+    own = element_kind(across, along)
     if along is not None and c.sides[along].is_constant:  # a tip
         own = "vertex", along
     cut = next((k for k, f in enumerate(c.kept) if _sign_at(contact, f) == 0), None)
     if cut is not None and own == ("face", 0):
         own = "edge", cut
-    ruling = _Ruling(c.sides, "u", contact, True)
-    point = np.array([_double(x) for x in _along(ruling, contact.v)])
+    ruling = Ruling(c.sides, "u", contact, True)
+    point = np.array([in_double(x) for x in ruling.at(contact.v)])
     signs = [_sign_at(contact, f) for f in c.forms]
     feature = feature_at(c.solid, signs, point)
     kind = "" if feature is None else type(feature).__name__.lower()
     tangents = _tangents(contact, c, own, ruling)
     normal = None if feature is None else _normal(c.solid, feature, signs, point, tangents)
-    place = _parameter(contact.u, contact.inverse[0]), _double(contact.v), np.nan, None
+    place = shown_parameter(contact.u, contact.inverse[0]), in_double(contact.v), np.nan, None
     return Touch(point, (own, (kind, feature)), place, normal, point[None])  # type: ignore[arg-type]
 
 
 def _sign_at(contact: Contact, f: fmpz_mpoly) -> int:
     x = contact.value(f)
-    return 0 if vanishes(contact, x, float(sum(abs(int(c)) for c in f.coeffs()))) else sign(x)
+    return 0 if vanishes(contact, x, float(sum(abs(int(c)) for c in f.coeffs()))) else number_field.sign(x)
 
 
 def feature_at(solid: CompositeQuadric, signs: Sequence[int], point: np.ndarray) -> Face | Edge | Vertex | None:
@@ -116,15 +115,15 @@ def _distance(edge: Edge, point: np.ndarray) -> float:
     return float(np.inf)
 
 
-def _tangents(contact: Contact, c: SolidConditions, own: tuple[str, int], ruling: _Ruling) -> list[np.ndarray]:
+def _tangents(contact: Contact, c: SolidConditions, own: tuple[str, int], ruling: Ruling) -> list[np.ndarray]:
     """Unit tangents of the piece's element, in the solid's frame."""
-    s = _double(contact.v)
-    way = np.array([_double(w) for w in ruling.way])
-    first, second = (_slopes(curve, _double(contact.u), _double(contact.t))[0] for curve in c.sides)
+    s = in_double(contact.v)
+    way = np.array([in_double(w) for w in ruling.way])
+    first, second = (curve_slopes(curve, in_double(contact.u), in_double(contact.t))[0] for curve in c.sides)
     along = (1 - s) * first + s * second
     found = {"face": [way, along], "directrix": [along], "end_ruling": [way]}.get(own[0], [])
     if own[0] == "edge":
-        by_u, by_s = cut_slopes(c.trims[own[1]], _double(contact.u), s)
+        by_u, by_s = cut_slopes(c.trims[own[1]], in_double(contact.u), s)
         found = [along * by_s - way * by_u]
     lengths = [float(np.linalg.norm(x)) for x in found]
     return [x / n for x, n in zip(found, lengths, strict=True) if np.isfinite(n) and n > 0]

@@ -90,7 +90,7 @@ class Times:
                 f"all rulings meet all others at an irrational time near {float(t)!r}, which exact arithmetic does not "
                 "decide"
             )
-        boxes = survivors(self.conditions, _enclosed(t))
+        boxes = survivors(self.conditions, enclosed(t))
         found: list[Contact] = []
         for contact in shared_points(c, t, boxes):
             found.append(contact)
@@ -116,7 +116,7 @@ class Times:
         found: list[Contact] = []
         now = c.at(t)
         for sheet in self.sheets:
-            for x in _between_borders(sheet, t):
+            for x in between_borders(sheet, t):
                 y = _place_on_fibre(c, sheet, x, t, True)
                 if y is not None:
                     with precision(2 * AFTER):
@@ -127,7 +127,7 @@ class Times:
 
     def is_isolated(self, t: AlgebraicRoot) -> bool:
         """True where contacts at the instant are in narrow boxes only, so that none is part of a longer curve."""
-        ranges = [r for pair in clusters(survivors(self.conditions, _enclosed(t))) for r in pair]
+        ranges = [r for pair in clusters(survivors(self.conditions, enclosed(t))) for r in pair]
         return all(hi - lo <= WIDE for lo, hi in ranges)
 
     def contact_at_start(self) -> list[Contact]:
@@ -135,7 +135,7 @@ class Times:
         t = self.span[0]
         now = self.conditions.at(t)
         for sheet in sheets(now):
-            for x in _between_borders(sheet, t):
+            for x in between_borders(sheet, t):
                 y = _place_on_fibre(now, sheet, x, t, True)
                 if y is not None:
                     field = NumberField(y)
@@ -173,7 +173,7 @@ def decide(c: SignConditions, own: Sequence[Sheet], t: fmpq, near: dict[int, fmp
     if not boxes:
         return False
     for k, sheet in enumerate(own):
-        for x in _between_borders(sheet, t):
+        for x in between_borders(sheet, t):
             # nothing changes up to the next border: a cell without contact at one parameter has none
             if any(_holds(box, sheet, x) for box in boxes) and _on_fibre(c, sheet, x, t, True):
                 near.clear()
@@ -191,12 +191,12 @@ def _holds(box: Box, sheet: Sheet, x: fmpq) -> bool:
     return bool(lo <= x <= hi)
 
 
-def _between_borders(sheet: Sheet, t: fmpq) -> list[fmpq]:
+def between_borders(sheet: Sheet, t: fmpq) -> list[fmpq]:
     """A rational parameter in every cell between the borders at the time."""
-    return samples(_roots([univariate(at(b, 2, t), 0) for b in sheet.borders], sheet.first), sheet.first)
+    return samples(roots_of([univariate(at(b, 2, t), 0) for b in sheet.borders], sheet.first), sheet.first)
 
 
-def _roots(walls: Sequence[fmpz_poly], ends: Range) -> list[AlgebraicRoot]:
+def roots_of(walls: Sequence[fmpz_poly], ends: Range) -> list[AlgebraicRoot]:
     """The real roots of all of them, each once, ascending."""
     together = fmpz_poly([1])
     for p in walls:
@@ -227,7 +227,7 @@ def _place_on_fibre(c: SignConditions, sheet: Sheet, x: fmpq, t: fmpq, off_borde
     if sheet.f is not None:
         f = _restricted(sheet.f, x, t)
         return None if f.is_zero() else next((y for y in roots_in(f, sheet.second) if holds(y)), None)
-    critical = _roots([_restricted(g, x, t) for g in sheet.clips], sheet.second)
+    critical = roots_of([_restricted(g, x, t) for g in sheet.clips], sheet.second)
     places = [*map(AlgebraicRoot.of, samples(critical, sheet.second)), *critical]
     return next((y for y in places if holds(y)), None)
 
@@ -237,7 +237,8 @@ def _restricted(f: fmpz_mpoly, x: fmpq, t: fmpq) -> fmpz_poly:
     return univariate(at(at(f, 2, t), 0, x), 1)
 
 
-def _enclosed(t: AlgebraicRoot) -> Span:
+def enclosed(t: AlgebraicRoot) -> Span:
+    """Rational numbers around the root, that itself where it is one."""
     if t.rational is not None:
         return t.rational, t.rational
     with precision(BITS):

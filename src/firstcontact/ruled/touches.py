@@ -14,6 +14,7 @@ from firstcontact.body.rational_curve import RationalCurve, lifted, terms
 from firstcontact.exact.number_field import FieldElement, is_zero, sign
 from firstcontact.exact.numbers import precision
 from firstcontact.exact.trivariate import RING
+from firstcontact.exact.vectors import Vector, add, along, cross, dot, sub
 from firstcontact.ruled.conditions import Conditions, Trims
 from firstcontact.ruled.shared_points import Contact, vanishes
 
@@ -42,10 +43,7 @@ class Touch:
     shared: np.ndarray
 
 
-Vector = list[FieldElement]
-
-
-class _Ruling:
+class Ruling:
     """One segment or line, exactly: the points (1 - r) first + r second, a line also base + r way."""
 
     def __init__(self, curves: tuple[RationalCurve, RationalCurve], name: str, contact: Contact, bounded: bool) -> None:
@@ -53,20 +51,23 @@ class _Ruling:
         self.bounded = bounded
         finite = [not is_zero(x[3]) for x in ends]
         if all(finite):
-            (a, b) = ([c / x[3] for c in x[:3]] for x in ends)
-            self.first, self.second = a, b
+            self.first, self.second = (_affine(x) for x in ends)
         else:  # a whole ruling whose directrix is at infinity
-            a = next([c / x[3] for c in x[:3]] for x, f in zip(ends, finite, strict=True) if f)
-            way = next(x[:3] for x, f in zip(ends, finite, strict=True) if not f)
-            self.first, self.second = a, [p + q for p, q in zip(a, way, strict=True)]
-        self.way = _minus(self.second, self.first)
+            self.first = next(_affine(x) for x, f in zip(ends, finite, strict=True) if f)
+            x, y, z, _ = next(x for x, f in zip(ends, finite, strict=True) if not f)
+            self.second = add(self.first, (x, y, z))
+        self.way = sub(self.second, self.first)
+
+    def at(self, place: FieldElement) -> Vector:
+        """The point with that parameter r."""
+        return along(self.first, place, self.way)
 
     def place(self, point: Vector) -> FieldElement | None:
         """The parameter r of a point on the line; None where the ruling is a point."""
-        along = [k for k, w in enumerate(self.way) if not is_zero(w)]
-        if not along:
+        axes = [k for k, w in enumerate(self.way) if not is_zero(w)]
+        if not axes:
             return None
-        k = max(along, key=lambda k: abs(_double(self.way[k])))  # of a point near the line the best one
+        k = max(axes, key=lambda k: abs(in_double(self.way[k])))  # of a point near the line the best one
         return (point[k] - self.first[k]) / self.way[k]
 
 
@@ -74,12 +75,12 @@ def touch(contact: Contact, joined: tuple[frozenset[str], frozenset[str]]) -> To
     """joined: borders of either piece that are none of the body."""
     c = contact.conditions
     assert isinstance(c, Conditions)
-    p, q = (_Ruling(curves, name, contact, b) for curves, name, b in zip(c.sides, "uv", c.bounded, strict=True))
-    n = _cross(p.way, q.way)
-    gap = _minus(q.first, p.first)
-    square = _dot(n, n)
+    p, q = (Ruling(curves, name, contact, b) for curves, name, b in zip(c.sides, "uv", c.bounded, strict=True))
+    n = cross(p.way, q.way)
+    gap = sub(q.first, p.first)
+    square = dot(n, n)
     if not is_zero(square):
-        points = [_along(p, _dot(_cross(gap, q.way), n) / square)]
+        points = [p.at(dot(cross(gap, q.way), n) / square)]
     else:
         points = _common_points(p, q)
     point = points[0]
@@ -87,14 +88,14 @@ def touch(contact: Contact, joined: tuple[frozenset[str], frozenset[str]]) -> To
     places = [None if x is None or not b else x for x, b in zip((r, w), c.bounded, strict=True)]
     elements = []
     for value, ends, place, borders in zip((contact.u, contact.v), contact.ranges, places, joined, strict=True):
-        across = None if ends is None else _side(contact, [value - end for end in ends], ("u0", "u1"), borders)
-        along = None if place is None else _side(contact, [place, place - 1], ("s0", "s1"), borders)
-        elements.append(_element(across, along))
+        across = None if ends is None else end_met(contact, [value - end for end in ends], ("u0", "u1"), borders)
+        along = None if place is None else end_met(contact, [place, place - 1], ("s0", "s1"), borders)
+        elements.append(element_kind(across, along))
     cuts = [_cut(contact, *some) for some in zip(c.trims, (contact.u, contact.v), places, strict=True)]
     elements = [("edge", cut[0]) if cut and e == ("face", 0) else e for cut, e in zip(cuts, elements, strict=True)]
-    shown = np.array([[_double(x) for x in y] for y in points])
-    u, v = (_parameter(x, i) for x, i in zip((contact.u, contact.v), contact.inverse, strict=True))
-    r_d, w_d = (None if x is None else _double(x) for x in places)
+    shown = np.array([[in_double(x) for x in y] for y in points])
+    u, v = (shown_parameter(x, i) for x, i in zip((contact.u, contact.v), contact.inverse, strict=True))
+    r_d, w_d = (None if x is None else in_double(x) for x in places)
     kinds = elements[0], elements[1]
     return Touch(shown[0], kinds, (u, r_d, v, w_d), _normal(contact, kinds, (p, q), places, cuts), shown)
 
@@ -111,7 +112,7 @@ def _cut(contact: Contact, trims: Trims, x: FieldElement, place: FieldElement | 
         s = x - x if place is None else place
         value = sum((_power(x, i) * _power(s, j) * int(c) for (i, j), c in g.items()), x - x)
         if vanishes(contact, value, float(sum(abs(int(c)) for c in g.values()))):
-            return k, cut_slopes(g, _double(x), _double(s))
+            return k, cut_slopes(g, in_double(x), in_double(s))
     return None
 
 
@@ -121,27 +122,31 @@ def cut_slopes(g: dict[tuple[int, int], Any], u: float, r: float) -> tuple[float
     return by_u, sum(float(c) * j * u**i * r ** max(j - 1, 0) for (i, j), c in g.items())
 
 
+def _affine(x: Sequence[FieldElement]) -> Vector:
+    return x[0] / x[3], x[1] / x[3], x[2] / x[3]
+
+
 def _power(x: FieldElement, n: int) -> FieldElement:
     return reduce(lambda y, _: y * x, range(n), x - x + 1)
 
 
-def _common_points(p: _Ruling, q: _Ruling) -> list[Vector]:
+def _common_points(p: Ruling, q: Ruling) -> list[Vector]:
     """Ends of rulings on one line, or that are points, which lie on the other one, each once: one or two."""
     found: list[Vector] = []
     for own, other in ((p, q), (q, p)):
         for point in (own.first, own.second) if own.bounded else ():
             r = other.place(point)
             if r is None:
-                inside = all(is_zero(x) for x in _minus(point, other.first))
+                inside = all(is_zero(x) for x in sub(point, other.first))
             else:
-                on_line = all(is_zero(x) for x in _minus(_along(other, r), point))
+                on_line = all(is_zero(x) for x in sub(other.at(r), point))
                 inside = on_line and (not other.bounded or (sign(r) >= 0 and sign(r - 1) <= 0))
-            if inside and not any(all(is_zero(x) for x in _minus(point, y)) for y in found):
+            if inside and not any(all(is_zero(x) for x in sub(point, y)) for y in found):
                 found.append(point)
     return found
 
 
-def _side(
+def end_met(
     contact: Contact, distances: Sequence[FieldElement], names: Sequence[str], joined: frozenset[str]
 ) -> Side:
     for k, distance in enumerate(distances):
@@ -150,14 +155,14 @@ def _side(
     return None
 
 
-def _element(across: Side, along: Side) -> tuple[str, int]:
+def element_kind(across: Side, along: Side) -> tuple[str, int]:
     if across is None:
         return ("face", 0) if along is None else ("directrix", along)
     return ("end_ruling", across) if along is None else ("vertex", 2 * across + along)
 
 
 def _normal(
-    contact: Contact, kinds: tuple[tuple[str, int], tuple[str, int]], rulings: tuple[_Ruling, _Ruling], places: Any,
+    contact: Contact, kinds: tuple[tuple[str, int], tuple[str, int]], rulings: tuple[Ruling, Ruling], places: Any,
     cuts: Sequence[Cut | None],
 ) -> np.ndarray | None:
     """Of the plane that all tangents of both elements span, in doubles, and where p comes from."""
@@ -168,11 +173,11 @@ def _normal(
     for kind, curves, own, place, x, cut in zip(
         (k for k, _ in kinds), c.sides, rulings, places, (contact.u, contact.v), cuts, strict=True
     ):
-        way = np.array([_double(w) for w in own.way])
+        way = np.array([in_double(w) for w in own.way])
         if kind in ("face", "end_ruling"):
             tangents.append(way)
-        r = 0.5 if place is None else _double(place)
-        first, second = (_slopes(curve, _double(x), _double(contact.t)) for curve in curves)
+        r = 0.5 if place is None else in_double(place)
+        first, second = (curve_slopes(curve, in_double(x), in_double(contact.t)) for curve in curves)
         tangent, speed = (1 - r) * first + r * second
         speeds.append(speed)
         if kind in ("face", "directrix"):
@@ -194,7 +199,7 @@ def _normal(
     return normal
 
 
-def _slopes(curve: RationalCurve, u: float, t: float) -> np.ndarray:
+def curve_slopes(curve: RationalCurve, u: float, t: float) -> np.ndarray:
     """(2, 3): the derivatives of the affine point by the parameter and by T."""
     x, dx, dt = np.zeros(4), np.zeros(4), np.zeros(4)
     for k, p in enumerate(curve.components):
@@ -206,31 +211,15 @@ def _slopes(curve: RationalCurve, u: float, t: float) -> np.ndarray:
         return np.array([(d[:3] * x[3] - x[:3] * d[3]) / x[3] ** 2 for d in (dx, dt)])
 
 
-def _double(x: FieldElement) -> float:
+def in_double(x: FieldElement) -> float:
     with precision(BITS):
         return float(x.ball(BITS).mid())
 
 
-def _parameter(x: FieldElement, inverse: bool) -> float:
+def shown_parameter(x: FieldElement, inverse: bool) -> float:
     if not inverse:
-        return _double(x)
+        return in_double(x)
     if is_zero(x):
         return float("inf")
     with precision(BITS):
         return float((arb(1) / x.ball(BITS)).mid())
-
-
-def _along(r: _Ruling, place: FieldElement) -> Vector:
-    return [x + place * w for x, w in zip(r.first, r.way, strict=True)]
-
-
-def _minus(x: Vector, y: Vector) -> Vector:
-    return [a - b for a, b in zip(x, y, strict=True)]
-
-
-def _dot(x: Vector, y: Vector) -> FieldElement:
-    return x[0] * y[0] + x[1] * y[1] + x[2] * y[2]
-
-
-def _cross(x: Vector, y: Vector) -> Vector:
-    return [x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]]
