@@ -119,3 +119,35 @@ def test_a_bound_holds_at_sampled_times():
         with precision(256):
             low = bound.c0 + bound.c1[k > 0] * abs(r) + bound.c2 * r * r
             assert not arb(there.s) < low and there.s >= state.s
+
+
+def test_nothing_is_proved_that_does_not_hold():
+    """A ball that passes another one from 1/6 to 5/6: no proof of contact, or of none, over times that hold both."""
+    a = BALL.translated((-3, 0, 0)).moving(fc.Translation((6, 0, 0)))
+    (motion,) = curved_pieces(a, BALL, fmpq(0), fmpq(1))
+    close = CloseUp(motion, convex_pieces(a.body), 0, convex_pieces(BALL), 0)
+    system = close.separation
+    before, after = (system.solve(system.guess(t), STATIC) for t in (fmpq(1, 10), fmpq(3, 10)))
+    for lo, hi, contact, state, holds in (
+        ("1/20", "3/20", False, before, True),
+        ("1/20", "1/5", False, before, False),
+        ("1/20", "3/20", True, before, False),
+        ("7/25", "8/25", True, after, True),
+        ("3/20", "8/25", True, after, False),
+        ("7/25", "8/25", False, after, False),
+    ):
+        times = (fmpq(F(t).numerator, F(t).denominator) for t in (lo, hi))
+        assert close._holds_at_once(*times, contact, [state]) is holds, (lo, hi, contact)
+    assert close._common(before.time, [before]) is None and close._common(after.time, [after]) is not None
+
+
+def test_weights_that_may_be_negative_bound_nothing():
+    """Of functions of a body alone, weighted 2 and -1, the sum may be positive where both are not."""
+    a, b = PASSING["balls"](TINY)
+    (motion,) = curved_pieces(a, b, fmpq(0), fmpq(1))
+    system = CloseUp(motion, convex_pieces(a.body), 0, convex_pieces(b), 0).separation
+    state = system.solve(system.guess(fmpq(1, 2)), STATIC)
+    paths = system.paths(state)
+    assert len(paths) == 5 and system.apart(state, paths, fmpq(1, 1000)) is not None
+    paths[3][0], paths[4][0] = fmpq(2), fmpq(-1)
+    assert system.apart(state, paths, fmpq(1, 1000)) is None

@@ -318,3 +318,14 @@ def test_budget_leaves_the_rest_open() -> None:
     p, q, first, last = pieces(MOVING["m02"])
     found = first_event(p, q, first, last, budget=200)
     assert found.status == "open" and found.reason == "budget" and 0 <= found.free_until <= 1.5
+
+
+def test_jets_follow_the_precision() -> None:
+    """They are kept for the place asked for last: at another precision they are worked out anew."""
+    p, q, _, _ = pieces(MOVING["m01"])
+    system, place = ContactSystem((*p.curves(0), *q.curves(0)), [None] * 4, ()), [arb(0.3)] * 5
+    radii = []
+    for bits in (64, 256):
+        with precision(bits):
+            radii.append(max(float(x.rad()) for x in system.jets(place)[0].point))
+    assert radii[1] < 1e-60 < 1e-30 < radii[0]

@@ -130,6 +130,13 @@ def test_elements_that_stay_in_one_plane_have_no_instant():
     assert coplanar.translation_instant(*flat, whole(0, 3, 0)) is None
 
 
+def test_an_instant_at_the_start_is_not_bounded_by_an_interval_a_turn_later():
+    """Angles are counted from 0 on: of an interval about a full turn nothing is said of the one found."""
+    wall = [whole(1, 0, 0), whole(1, 0, 3), whole(3, 0, -9)]
+    instant = coplanar.rotation_instant(Axis(whole(0, 0, 1)), [whole(2, 0, 0)], wall, 6.2831, 6.2832)
+    assert instant.is_zero() and instant.bounds()[1] < 1e-9
+
+
 @pytest.mark.parametrize("sure", [True, False])
 def test_certain_contacts_keep_their_whole_interval(sure):
     """The proof that one root is meant needs it; of unsure ones it is known that nothing meets before the key."""
