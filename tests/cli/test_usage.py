@@ -6,6 +6,7 @@ import firstcontact as fc
 
 HEAVY = ("numba", "numpy", "flint", "pydantic", "rich", "trimesh")
 MAIN = "from firstcontact.cli import main; main()"
+MODULE = "import runpy; runpy.run_module('firstcontact', run_name='__main__')"
 
 
 def test_the_command_is_importable_without_heavy_modules(python):
@@ -14,14 +15,15 @@ def test_the_command_is_importable_without_heavy_modules(python):
 
 
 def test_help_and_version(command):
-    for subcommand in ([], ["check"], ["intervals"], ["info"], ["warmup"]):
+    for subcommand in ([], ["check"], ["intervals"], ["curve"], ["info"], ["warmup"]):
         code, out, err = command(*subcommand, "--help")
         assert code == 0 and out.startswith("Usage: firstcontact") and err == ""
     assert command("--version").out == f"firstcontact, version {fc.__version__}\n"
 
 
-def test_main_leaves_with_the_exit_code(python, tmp_path):
-    done = python(MAIN, "check", tmp_path / "none.toml")
+@pytest.mark.parametrize("main", [MAIN, MODULE], ids=["script", "python -m"])
+def test_main_leaves_with_the_exit_code(python, tmp_path, main):
+    done = python(main, "check", tmp_path / "none.toml")
     assert done.returncode == 3 and done.stdout == ""
     fault = "no such file or directory; give the path of a scene file (TOML)"
     assert done.stderr == f"firstcontact: {tmp_path / 'none.toml'}: {fault}\n"
