@@ -6,6 +6,7 @@ everything that happens over one u: rows of a chart with u -> 1/u or v -> 1/v ar
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
 from flint import fmpq, fmpq_mpoly_ctx, fmpq_poly, fmpz, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly
@@ -21,9 +22,9 @@ U, V = CONTEXT.gens()
 Rows = list[fmpz_poly]
 
 
-def polynomial(coefficients: dict[tuple[int, ...], Any]) -> fmpz_mpoly:
+def polynomial(coefficients: Mapping[Any, Any]) -> fmpz_mpoly:
     """The polynomial with the coefficient c of u^i v^j for (i, j): c."""
-    return CONTEXT.from_dict(coefficients)
+    return CONTEXT.from_dict(dict(coefficients))
 
 
 def in_u(p: fmpz_poly) -> fmpz_mpoly:
@@ -132,6 +133,18 @@ def factors(f: fmpz_mpoly) -> Factors:
         found.append(content.factor()[1])
     curves = [] if f.is_constant() else factored(f)
     return Factors(found[0], found[1], curves)
+
+
+def irreducible(polynomials: Iterable[fmpz_mpoly]) -> list[fmpz_mpoly]:
+    """The irreducible factors of all of them, each once; zeros and constants have none."""
+    found: list[fmpz_mpoly] = []
+    for f in polynomials:
+        if f.is_zero() or f.is_constant():
+            continue
+        parts = factors(f)
+        own = [g for g, _ in parts.curves] + [in_u(g) for g, _ in parts.in_u] + [in_v(g) for g, _ in parts.in_v]
+        found += [g for g in own if g not in found]
+    return found
 
 
 def factored(f: fmpz_mpoly) -> list[tuple[fmpz_mpoly, int]]:

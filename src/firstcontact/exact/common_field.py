@@ -110,11 +110,16 @@ def _carrier(own: NumberField, image: FieldElement) -> Callable[[FieldElement], 
 
 def _shifted(own: NumberField, f: Polynomial, at: FieldElement, k: int) -> Polynomial:
     """sum f_i(x) (at - k x)^i."""
+    return trimmed(composed([[own(a) for a in c.value.coeffs()] for c in f], at, own(-k)))
+
+
+def composed(f: Sequence[Polynomial], start: FieldElement, slope: FieldElement) -> Polynomial:
+    """sum f_i(x) (start + slope x)^i."""
     total: Polynomial = []
     for c in reversed(f):
-        total = _plus(_plus(_times(total, at), [own(0), *_times(total, own(-k))] if total else []),
-                      [own(a) for a in c.value.coeffs()])  # fmt: skip
-    return trimmed(total)
+        shifted = [start * 0, *_times(total, slope)] if total else []
+        total = _plus(_plus(_times(total, start), shifted), c)
+    return total
 
 
 def _times(f: Polynomial, x: FieldElement) -> Polynomial:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from flint import arb, fmpq, fmpq_poly, fmpz_poly
+from flint import arb, fmpq, fmpq_poly, fmpz, fmpz_poly
 
 from firstcontact.exact.numbers import PRECISIONS, precision
 from firstcontact.exact.roots import AlgebraicRoot
@@ -34,7 +34,7 @@ class NumberField:
         self.root = root
         self.modulus = fmpq_poly(root.polynomial)
 
-    def __call__(self, q: fmpz_poly | fmpq_poly | fmpq | int) -> FieldElement:
+    def __call__(self, q: fmpz_poly | fmpq_poly | fmpz | fmpq | int) -> FieldElement:
         if isinstance(q, FieldElement):
             return q
         if isinstance(q, fmpz_poly | fmpq_poly):

@@ -215,18 +215,3 @@ def _two_points(lines: Rulings, root: AlgebraicRoot) -> np.ndarray:
     direction, moment = -np.array([l03, l13, l23]), np.array([l12, -l02, l01])  # X2 - X1 and X1 x X2
     foot = np.cross(direction, moment) / (direction @ direction)
     return np.array([foot, foot + direction / np.linalg.norm(direction)])
-
-
-def clipped(line: np.ndarray, low: np.ndarray, high: np.ndarray, whole: bool) -> np.ndarray | None:
-    """The part of a segment, or of the whole line through its ends, inside the box; None for none."""
-    start, along = line[0], line[1] - line[0]
-    first, last = (-np.inf, np.inf) if whole else (0.0, 1.0)
-    for x, d, lo, hi in zip(start, along, low, high, strict=True):
-        if d == 0:
-            if not lo <= x <= hi:
-                return None
-            continue
-        ends = sorted(((lo - x) / d, (hi - x) / d))
-        first, last = max(first, ends[0]), min(last, ends[1])
-    return np.array([start + first * along, start + last * along]) if first <= last else None
-

@@ -1,4 +1,4 @@
-"""Surfaces whose rulings all meet, and surfaces that share rulings along a curve of pairs (u, v).
+"""Surfaces whose rulings all meet.
 
 All rulings meet (Delta = 0) when they pass through one point, lie in one plane, or are the two reguli of a quadric.  In
 the last two cases the pair (u, v) has a point of its own in general, so the pieces share an area exactly where an open
@@ -7,25 +7,22 @@ set of pairs satisfies all bounds: one rational pair in every cell of the arrang
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from itertools import combinations, pairwise
 
 import numpy as np
-from flint import arb, fmpq, fmpz, fmpz_mpoly, fmpz_poly
+from flint import fmpq, fmpz, fmpz_mpoly, fmpz_poly
 
-from firstcontact.errors import UnsupportedPair
 from firstcontact.exact import bivariate
-from firstcontact.exact.bivariate import in_u, in_v
+from firstcontact.exact.bivariate import in_u, in_v, irreducible
 from firstcontact.exact.numbers import dyadic, precision
-from firstcontact.exact.plane_curves import topology
 from firstcontact.exact.roots import AlgebraicRoot
-from firstcontact.pairs.ruled_ruled import all_real_roots, divides
+from firstcontact.pairs.ruled_ruled import all_real_roots
 from firstcontact.ruled.answer import Found, Pair
-from firstcontact.ruled.branches import Joints, add_branches, add_curves
-from firstcontact.ruled.clipping import Condition, overlap
+from firstcontact.ruled.branches import add_curves
+from firstcontact.ruled.clipping import Condition
 from firstcontact.ruled.pieces import Piece
-from firstcontact.ruled.spots import Spot
-from firstcontact.ruled.tracing import Powers, rows
+from firstcontact.ruled.shared_rulings import holds
 
 Range = tuple[fmpq, fmpq] | None
 
@@ -59,24 +56,36 @@ def _apex(found: Found, apex: Sequence[fmpz]) -> None:
 
 def _parameter_of(piece: Piece, apex: Sequence[fmpz]) -> AlgebraicRoot | None:
     """A parameter whose ruling holds the apex inside the piece."""
-    if piece.trim:
-        raise UnsupportedPair("two cones with one apex and trimming inequalities; their apex is not decided")
-    first, second = piece.rulings.first, piece.rulings.second
-    between = []
-    if piece.bounded:
-        for j in range(3):
-            before, after = apex[j] * first[3] - first[j] * apex[3], second[j] * apex[3] - apex[j] * second[3]
-            between.append(before * after)
-    roots = _in_range([r for g in between if g != 0 for r in all_real_roots(g)], piece.u)
-    for u in [*roots, *(AlgebraicRoot.of(x) for x in _samples(roots, piece.u))]:
-        if all(u.sign_of(g) >= 0 for g in between):
+    roots = _in_range([r for g in _changes(piece, apex) if g != 0 for r in all_real_roots(g)], piece.u)
+    ends = [AlgebraicRoot.of(x) for x in piece.u or ()]
+    for u in [*ends, *roots, *(AlgebraicRoot.of(x) for x in _samples(roots, piece.u))]:
+        if holds(piece, u, apex):
             return u
     return None
 
 
+def _changes(piece: Piece, apex: Sequence[fmpz]) -> list[fmpz_poly]:
+    """Polynomials in u without whose zeros the apex stays inside or outside the part of the ruling."""
+    first, second = piece.rulings.first, piece.rulings.second
+    found: list[fmpz_poly] = []
+    for j in range(3):
+        # the apex is at s = n / d, by its coordinate j
+        n = (apex[j] * first[3] - first[j] * apex[3]) * second[3]
+        d = (second[j] * first[3] - first[j] * second[3]) * apex[3]
+        if d != 0:
+            found.append(d)
+            if piece.bounded:
+                found += [n, d - n]
+            for g in piece.trim:
+                top = max(k for _, k in g)
+                found.append(sum((c * n**k * d ** (top - k) * fmpz_poly([0] * i + [1]) for (i, k), c in g.items()),
+                                 fmpz_poly([])))  # fmt: skip
+    return found
+
+
 def _has_area(conditions: Sequence[Condition], u: Range, v: Range) -> bool:
     """Whether an open set of (u, v) satisfies the conditions."""
-    borders = _irreducible(x for c in conditions for x, _, _ in c.polynomials)
+    borders = irreducible(x for c in conditions for x, _, _ in c.polynomials)
     critical = [bivariate.discriminant(b) for b in borders]
     critical += [bivariate.resultant(a, b) for a, b in combinations(borders, 2)]
     critical += [bivariate.restrict(b, "v", end) for b in borders for end in v or ()]
@@ -99,21 +108,10 @@ def _sign(c: Condition, x: fmpq, y: fmpq) -> int:
 
 def _borders(conditions: Sequence[Condition], u: Range, v: Range) -> list[fmpz_mpoly]:
     """The irreducible curves on which a bound holds with equality, ends of the ranges included."""
-    borders = _irreducible(x for c in conditions for x, _, _ in c.polynomials)
+    borders = irreducible(x for c in conditions for x, _, _ in c.polynomials)
     for ends, along in ((u, in_u), (v, in_v)):
         borders += [along(fmpz_poly([-x.p, x.q])) for x in ends or ()]
     return [f for i, f in enumerate(borders) if f not in borders[:i]]
-
-
-def _irreducible(polynomials: Iterable[fmpz_mpoly]) -> list[fmpz_mpoly]:
-    found: list[fmpz_mpoly] = []
-    for f in polynomials:
-        if f.is_zero() or f.is_constant():
-            continue
-        parts = bivariate.factors(f)
-        own = [g for g, _ in parts.curves] + [in_u(g) for g, _ in parts.in_u] + [in_v(g) for g, _ in parts.in_v]
-        found += [g for g in own if g not in found]
-    return found
 
 
 def _in_range(roots: list[AlgebraicRoot], bounds: Range) -> list[AlgebraicRoot]:
@@ -147,80 +145,3 @@ def _disjoint(roots: Sequence[AlgebraicRoot]) -> list[tuple[fmpq, fmpq]]:
             with precision(2 * bits):
                 return [(dyadic(x.lower()), dyadic(x.upper())) for x in balls]
         bits *= 2
-
-
-# -- common rulings along a curve ---------------------------------------------------------------------------
-
-
-def along_correspondence(found: Found, correspondence: fmpz_mpoly) -> None:
-    """Whether rulings that are one line share segments along the correspondence: then the pieces share an area."""
-    p, q = found.p, found.q
-    if p.trim or q.trim or found.box is not None:
-        raise UnsupportedPair("surfaces that share rulings along a curve, with trimming or a box")
-    factors = _irreducible([correspondence])
-    ends = _comparisons(p, q) if p.bounded and q.bounded else []
-    graph = topology(factors, u=p.u, v=q.u, extras=[f for row in ends for f in row if not f.is_constant()])
-    touching = []
-    for edge in graph.edges:
-        u, v = (x if isinstance(x, AlgebraicRoot) else AlgebraicRoot.of(x) for x in edge.sample)
-        shared = overlap(p, q, u, v)
-        if shared is None:
-            continue
-        if not (p.bounded and q.bounded) or (shared[0] != shared[1]).any():
-            found.two_dimensional = True
-            return
-        touching.append((edge, _shared_end(ends, factors[edge.curve])))
-    for end in dict.fromkeys(end for _, end in touching):
-        joints = Joints(found, graph, _EndCurve(found, *end))
-        add_branches(found, joints, [e for e, other in touching if other == end], [(f, 1) for f in factors])
-    used = {k for edge, _ in touching for k in (edge.start, edge.end)}
-    for node in graph.nodes:
-        shared = None if node.index in used else overlap(p, q, node.u, node.v)
-        if shared is None:
-            continue
-        if (shared[0] != shared[1]).any():
-            found.segments.append(shared)
-        elif not found.is_on_branch(shared[0]):
-            found.add_isolated(shared[0], node)
-
-
-def _shared_end(ends: list[list[fmpz_mpoly]], factor: fmpz_mpoly) -> tuple[int, int]:
-    """Which end of the rulings of p is which end of those of q, all along a factor."""
-    k = next(k for k, row in enumerate(ends) if all(divides(factor, f) for f in row))
-    return divmod(k, 2)
-
-
-class _EndCurve:
-    """Where a pair (u, v) of rulings that are one line is in space: an end that their segments share."""
-
-    def __init__(self, found: Found, end_p: int, end_q: int) -> None:
-        self.piece, self.ends = found.p, (end_p, end_q)
-
-    def spot(self, chart: tuple[bool, bool], x: arb, y: arb, bits: int) -> Spot:
-        rulings = self.piece.reversed_rulings(chart[0])
-        with precision(bits):
-            point = tuple(c(x) for c in (rulings.first, rulings.second)[self.ends[0]])
-            s, t = ((arb(end), arb(1)) for end in self.ends)
-        return Spot(x, y, chart, point, s, t, 0, bits)
-
-    def surfaces(self) -> _EndCurve:
-        r = self.piece.rulings
-        self.curve = rows((r.first, r.second)[self.ends[0]])
-        return self
-
-    def points(self, u: Powers, v: Powers) -> tuple[np.ndarray, np.ndarray]:
-        """As those of tracing.Surfaces."""
-        point = self.curve @ u.table(self.curve.shape[1] - 1)
-        return (point[:3] / point[3]).T, np.tile(np.array(self.ends, float), (len(u.x), 1))
-
-    def size(self) -> float:
-        return float(np.abs(self.curve).max())
-
-
-def _comparisons(p: Piece, q: Piece) -> list[list[fmpz_mpoly]]:
-    """Polynomials that vanish where an end of a ruling of p and one of q have a coordinate in common."""
-    rows = []
-    for a in (p.rulings.first, p.rulings.second):
-        for b in (q.rulings.first, q.rulings.second):
-            rows.append([in_u(a[j]) * in_v(b[3]) - in_u(a[3]) * in_v(b[j]) for j in range(3)])
-    return rows

@@ -8,14 +8,15 @@ from typing import Any
 import numpy as np
 from flint import fmpz_mpoly
 
-from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.bivariate import in_u, in_v
 from firstcontact.pairs.ruled_ruled import FactorKind, common_rulings, delta, factors
 from firstcontact.ruled.answer import Found, Pair
 from firstcontact.ruled.branches import add_apex, add_curves
-from firstcontact.ruled.clipping import clipped, in_range, overlap
-from firstcontact.ruled.coincident import all_meet, along_correspondence
+from firstcontact.ruled.clipping import in_range
+from firstcontact.ruled.coincident import all_meet
 from firstcontact.ruled.pieces import Piece
+from firstcontact.ruled.shared_families import along_correspondence, special_at_infinity
+from firstcontact.ruled.shared_rulings import add_shared
 from firstcontact.ruled.spots import Box
 
 
@@ -27,7 +28,7 @@ def intersection(
     whole, in_given = delta(p.rulings, q.rulings), common_rulings(p.rulings, q.rulings, *ranges)
     found = Found(p, q, tolerance, box)
     common, d = in_given, whole
-    if not whole.is_zero() and (moved := _away_from_infinity(found)) is not found:
+    if (moved := _away_from_infinity(found, not common.correspondence.is_constant())) is not found:
         found = moved
         a, b = found.p.rulings, found.q.rulings
         common, d = common_rulings(a, b, *((found.p.u, found.q.u) if inside else ranges)), delta(a, b)
@@ -38,15 +39,21 @@ def intersection(
     if not common.correspondence.is_constant():
         along_correspondence(found, common.correspondence)
     for u, v in common.pairs:
-        _overlap(found, u, v)
+        add_shared(found, Pair(u, v))
     return found.fields(whole, in_given)
 
 
-def _away_from_infinity(found: Found) -> Found:
-    """The same pieces in parameters in which infinity is nothing special: no bound holds on all of that ruling."""
+def _away_from_infinity(found: Found, family: bool) -> Found:
+    """The same pieces in parameters in which infinity is nothing special: no bound holds on all of that ruling.
+
+    family: there is a curve of common rulings.
+    """
     for side in (0, 1):
         for shift in count():
-            if not found.clip.special_at_infinity(found.pieces[side].u, side):
+            if not (
+                found.clip.special_at_infinity(found.pieces[side].u, side)
+                or (family and special_at_infinity(found.p, found.q, found.box, side))
+            ):
                 break
             moved = list(found.pieces)
             moved[side] = found.given[side].away_from_infinity(shift)
@@ -72,21 +79,3 @@ def _curves(found: Found, d: fmpz_mpoly, correspondence: fmpz_mpoly) -> None:
         add_curves(found, wanted)
     for apex in apexes:
         add_apex(found, *apex)
-
-
-def _overlap(found: Found, u: Any, v: Any) -> None:
-    """What the pieces share of a common ruling: a segment, a point, or the line."""
-    shared = overlap(found.p, found.q, u, v)
-    if shared is None:
-        return
-    if found.p.trim or found.q.trim:
-        raise UnsupportedPair("the surfaces have a common ruling, and a piece is trimmed; give untrimmed pieces")
-    if found.box is not None:
-        low, high = (np.array([float(x) for x in corner]) for corner in found.box)
-        shared = clipped(shared, low, high, whole=not (found.p.bounded or found.q.bounded))
-        if shared is None:
-            return
-    if (shared[0] != shared[1]).any():
-        found.segments.append(shared)
-    elif not found.is_on_branch(shared[0]):
-        found.add_isolated(shared[0], Pair(u, v))

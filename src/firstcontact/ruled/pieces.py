@@ -40,7 +40,7 @@ class Piece:
         """That of a RuledSurface at rest."""
         first, second = (side.components for side in surface.sides)
         s = (fmpq(0), fmpq(1)) if surface.s is None else _ends(surface.s)
-        trim = tuple(_substituted(terms(t.polynomial), s) for t in surface.trim)
+        trim = tuple(g for t in surface.trim if (g := _substituted(terms(t.polynomial), s)))
         u = None if surface.u is None else _ends(surface.u)
         return cls(Rulings.of(first, second), u, surface.s is not None, s, trim)
 

@@ -98,7 +98,7 @@ class Surfaces:
             normal = _cross(along, other)
             far = (_cross(other_foot - foot, other) * normal).sum(0) / (normal * normal).sum(0)
             point = foot + far * along
-            positions = [_position(ends, x, point) for ends, x in zip(self.ends, (u, v), strict=True)]
+            positions = [position(ends, x, point) for ends, x in zip(self.ends, (u, v), strict=True)]
         return point.T, np.stack(positions, axis=1)
 
     def size(self) -> float:
@@ -118,7 +118,7 @@ def _foot(line: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return _cross(along, moment) / (along * along).sum(0), along
 
 
-def _position(ends: Any, x: Powers, point: np.ndarray) -> np.ndarray:
+def position(ends: Any, x: Powers, point: np.ndarray) -> np.ndarray:
     first, second = (c @ x.table(c.shape[1] - 1) for c in ends)
     first, second = first[:3] / first[3], second[:3] / second[3]
     along = second - first
