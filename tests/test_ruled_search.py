@@ -320,12 +320,12 @@ def test_budget_leaves_the_rest_open() -> None:
     assert found.status == "open" and found.reason == "budget" and 0 <= found.free_until <= 1.5
 
 
-def test_jets_follow_the_precision() -> None:
-    """They are kept for the place asked for last: at another precision they are worked out anew."""
-    p, q, _, _ = pieces(MOVING["m01"])
-    system, place = ContactSystem((*p.curves(0), *q.curves(0)), [None] * 4, ()), [arb(0.3)] * 5
-    radii = []
-    for bits in (64, 256):
-        with precision(bits):
-            radii.append(max(float(x.rad()) for x in system.jets(place)[0].point))
-    assert radii[1] < 1e-60 < 1e-30 < radii[0]
+def test_zeros_are_refined() -> None:
+    """The known contact of the first example, enclosed in balls as small as asked for."""
+    p, q, first, last = pieces(MOVING["m01"])
+    event = first_event(p, q, first, last).event
+    assert event is not None and event.zero is not None
+    for bits in (96, 400, 1000):
+        time = event.zero.balls(bits)[-1]
+        with precision(4 * bits):
+            assert time.contains(-arb(0.5).sqrt()) and time.rad() < arb(2) ** -bits

@@ -12,7 +12,7 @@ from typing import NamedTuple
 from flint import arb, arb_mat
 
 from firstcontact.exact.numbers import precision
-from firstcontact.exact.square_systems import Equations, Zero
+from firstcontact.exact.square_systems import Equations, Zero, krawczyk_image
 
 Box = list[arb]
 BITS = 192
@@ -89,20 +89,15 @@ def _narrowed(system: Equations, box: Box) -> Box | Zero | None:
     centre = [arb(c.mid()) for c in box]
     offset = [arb(0, c.rad()) for c in box]
     values, slopes = system.values(centre), arb_mat(system.jacobian(box))
-    column = arb_mat([[d] for d in offset])
-    if not all((v + d).contains(0) for v, (d,) in zip(values, (slopes * column).tolist(), strict=True)):
+    column = arb_mat(len(box), 1, offset)
+    if not all((v + d).contains(0) for v, d in zip(values, (slopes * column).entries(), strict=True)):
         return None
-    try:
-        y = arb_mat([[arb(c.mid()) for c in row] for row in slopes.tolist()]).inv()
-    except ZeroDivisionError:
+    moved = krawczyk_image(values, slopes, offset)
+    if moved is None:
         return box
-    y = arb_mat([[arb(c.mid()) for c in row] for row in y.tolist()])
-    n = len(box)
-    one = arb_mat(n, n, [int(i == j) for i in range(n) for j in range(n)])
-    moved = ((one - y * slopes) * column - y * arb_mat([[v] for v in values])).tolist()
-    if all(d.contains_interior(i) for d, (i,) in zip(offset, moved, strict=True)):
-        return Zero(system, centre, [c.rad() for c in box], [c + i for c, (i,) in zip(centre, moved, strict=True)])
-    image = [c + i for c, (i,) in zip(centre, moved, strict=True)]
+    if all(d.contains_interior(i) for d, i in zip(offset, moved, strict=True)):
+        return Zero(system, centre, [c.rad() for c in box], [c + i for c, i in zip(centre, moved, strict=True)])
+    image = [c + i for c, i in zip(centre, moved, strict=True)]
     if not all(x.overlaps(c) for x, c in zip(image, box, strict=True)):
         return None
     return [x.intersection(c) if x.is_finite() else c for x, c in zip(image, box, strict=True)]

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from flint import arb, ctx, fmpq, fmpz_poly
+from flint import arb, fmpq, fmpz_poly
 
 from firstcontact.exact.square_systems import Equations
 
@@ -28,35 +28,47 @@ class Curve:
         self.moved = [c if any(c) else None for c in moved]
         """Their derivatives by the time; None where all are zero."""
 
-    def jet(self, x: arb, time: arb) -> Jet:
-        """The point and its derivatives."""
-        jets, zero = [], arb(0)
+    def jet(self, x: arb, time: arb, order: int) -> Jet:
+        """The point and its derivatives up to this order, at most 2."""
+        jets = []
         for c, m in zip(self.components, self.moved, strict=True):
-            value, first, second = _taylor([p(time) for p in c], x)
-            by_time, mixed, _ = (zero, zero, zero) if m is None else _taylor([p(time) for p in m], x)
-            jets.append((value, first, by_time, second, mixed))
-        w, w_x, w_t, w_xx, w_xt = jets[3]
-        rows = []
-        for value, by_x, by_t, by_xx, by_xt in jets[:3]:
-            y = value / w
-            y_x, y_t = (by_x - y * w_x) / w, (by_t - y * w_t) / w
-            y_xx = (by_xx - 2 * y_x * w_x - y * w_xx) / w
-            y_xt = (by_xt - y_x * w_t - y_t * w_x - y * w_xt) / w
-            rows.append((y, y_x, y_t, y_xx, y_xt))
-        return Jet(*([row[k] for row in rows] for k in range(5)))
+            still, moved = _taylor([p(time) for p in c], x, order), _NOTHING
+            if m is not None and order:
+                moved = _taylor([p(time) for p in m], x, order - 1)
+            jets.append((*still, *moved))
+        w, w_x, w_xx, w_t, w_xt, _ = jets[3]
+        scale = 1 / w
+        found = Jet([], [], [], [], [])
+        for value, by_x, by_xx, by_t, by_xt, _ in jets[:3]:
+            y = value * scale
+            found.point.append(y)
+            if order:
+                y_x, y_t = (by_x - y * w_x) * scale, (by_t - y * w_t) * scale
+                found.x.append(y_x)
+                found.t.append(y_t)
+            if order > 1:
+                found.xx.append((by_xx - 2 * y_x * w_x - y * w_xx) * scale)
+                found.xt.append((by_xt - y_x * w_t - y_t * w_x - y * w_xt) * scale)
+        return found
 
 
-def _taylor(c: Sequence[arb], x: arb) -> tuple[arb, arb, arb]:
-    value, first, second = c[-1], arb(0), arb(0)
+_NOTHING = arb(0), arb(0), arb(0)
+
+
+def _taylor(c: Sequence[arb], x: arb, order: int) -> tuple[arb, arb, arb]:
+    """The polynomial and its derivatives up to this order."""
+    value, first, second = c[-1], *_NOTHING[:2]
     for a in reversed(c[:-1]):
-        second = second * x + 2 * first
-        first = first * x + value
+        if order > 1:
+            second = second * x + 2 * first
+        if order:
+            first = first * x + value
         value = value * x + a
     return value, first, second
 
 
 class Jet(NamedTuple):
-    """A point of a curve and its derivatives by the parameter x and the time t."""
+    """A point of a curve and its derivatives by the parameter x and the time t; empty beyond the order asked for."""
 
     point: Vector
     x: Vector
@@ -78,17 +90,12 @@ class RuledJet(NamedTuple):
     st: Vector
 
 
-def ruled_jet(first: Curve, second: Curve, x: arb, s: arb, time: arb) -> RuledJet:
-    a, b = first.jet(x, time), second.jet(x, time)
-    across = [[q - p for p, q in zip(a[k], b[k], strict=True)] for k in (0, 1, 2)]
-
-    def blend(p: Vector, q: Vector) -> Vector:
-        return [(1 - s) * m + s * n for m, n in zip(p, q, strict=True)]
-
-    return RuledJet(
-        blend(a.point, b.point), blend(a.x, b.x), across[0], blend(a.t, b.t), blend(a.xx, b.xx), across[1],
-        blend(a.xt, b.xt), across[2],
-    )  # fmt: skip
+def ruled_jet(first: Curve, second: Curve, x: arb, s: arb, time: arb, order: int) -> RuledJet:
+    """Up to this order, as `Curve.jet`."""
+    a, b = first.jet(x, time, order), second.jet(x, time, order)
+    across = Jet(*([n - m for m, n in zip(p, q, strict=True)] for p, q in zip(a, b, strict=True)))
+    along = Jet(*([m + s * d for m, d in zip(p, q, strict=True)] for p, q in zip(a, across, strict=True)))
+    return RuledJet(along.point, along.x, across.point, along.t, along.xx, across.x, along.xt, across.t)
 
 
 class ContactSystem(Equations):
@@ -105,30 +112,25 @@ class ContactSystem(Equations):
     ) -> None:
         self.curves, self.parameters, self.minors = curves, tuple(parameters), tuple(minors)
         self.free = tuple(k for k, value in enumerate(parameters) if value is None)
-        self._known: tuple[Sequence[arb], int, tuple[RuledJet, RuledJet]] | None = None
-        """Where jets were asked for last, at which precision, and they: values and derivatives are asked in turn."""
 
     def everywhere(self, x: Sequence[arb]) -> tuple[list[arb], arb]:
         """u, s, v, t and the time."""
         free = iter(x)
         return [next(free) if value is None else arb(value) for value in self.parameters], x[len(self.free)]
 
-    def jets(self, x: Sequence[arb]) -> tuple[RuledJet, RuledJet]:
-        if self._known is None or self._known[0] is not x or self._known[1] != ctx.prec:
-            (u, s, v, t), time = self.everywhere(x)
-            first_p, second_p, first_q, second_q = self.curves
-            found = ruled_jet(first_p, second_p, u, s, time), ruled_jet(first_q, second_q, v, t, time)
-            self._known = x, ctx.prec, found
-        return self._known[2]
+    def jets(self, x: Sequence[arb], order: int) -> tuple[RuledJet, RuledJet]:
+        (u, s, v, t), time = self.everywhere(x)
+        first_p, second_p, first_q, second_q = self.curves
+        return ruled_jet(first_p, second_p, u, s, time, order), ruled_jet(first_q, second_q, v, t, time, order)
 
     def values(self, x: Sequence[arb]) -> list[arb]:
-        p, q = self.jets(x)
+        p, q = self.jets(x, 1 if self.minors else 0)
         columns = p.x, p.s, q.x, q.s
         gap = [a - b for a, b in zip(p.point, q.point, strict=True)]
         return gap + [_det(*(columns[k] for k in minor)) for minor in self.minors]
 
     def jacobian(self, x: Sequence[arb]) -> list[list[arb]]:
-        p, q = self.jets(x)
+        p, q = self.jets(x, 2 if self.minors else 1)
         columns = p.x, p.s, q.x, q.s
         zero = [arb(0)] * 3
         # derivatives of the columns by u, s, v, t, time; the columns of Q stand with the sign of Q itself

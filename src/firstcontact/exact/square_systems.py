@@ -51,23 +51,37 @@ class Equations:
     def krawczyk(self, centre: Sequence[arb], radii: Sequence[arb]) -> list[arb] | None:
         """An enclosure of the only zero in the box centre +- radii; None where this is not proved.
 
-        It lies inside c - Y f(c) + (1 - Y J(box)) (box - c) when that is inside the box (Krawczyk 1969).
+        It lies inside Krawczyk's image of the box when that is inside the box (Krawczyk 1969).
         """
-        try:
-            y = arb_mat([[arb(c.mid()) for c in row] for row in self.jacobian(centre)]).inv()
-        except ZeroDivisionError:
-            return None
-        y = arb_mat([[arb(c.mid()) for c in row] for row in y.tolist()])
-        there = arb_mat([[v] for v in self.values(centre)])
         offset = [arb(0, r) for r in radii]
-        box = [c + d for c, d in zip(centre, offset, strict=True)]
-        n = len(centre)
-        one = arb_mat(n, n, [int(i == j) for i in range(n) for j in range(n)])
-        rest = (one - y * arb_mat(self.jacobian(box))) * arb_mat([[d] for d in offset])
-        image = (rest - y * there).tolist()
-        if not all(d.contains_interior(i) for d, (i,) in zip(offset, image, strict=True)):
+        slopes = arb_mat(self.jacobian([c + d for c, d in zip(centre, offset, strict=True)]))
+        moved = krawczyk_image(self.values(centre), slopes, offset)
+        if moved is None or not all(d.contains_interior(i) for d, i in zip(offset, moved, strict=True)):
             return None
-        return [c + i for c, (i,) in zip(centre, image, strict=True)]
+        return [c + i for c, i in zip(centre, moved, strict=True)]
+
+    def narrowed(self, box: Sequence[arb]) -> list[arb] | None:
+        """What Krawczyk's image leaves of a box with a zero, quadratically small; None where there is no image."""
+        centre, offset = [arb(c.mid()) for c in box], [arb(0, c.rad()) for c in box]
+        moved = krawczyk_image(self.values(centre), arb_mat(self.jacobian(box)), offset)
+        if moved is None or not all(d.is_finite() for d in moved):
+            return None
+        return [c + i.intersection(d) for c, i, d in zip(centre, moved, offset, strict=True)]
+
+
+def krawczyk_image(values: Sequence[arb], slopes: arb_mat, offset: Sequence[arb]) -> list[arb] | None:
+    """Krawczyk's image -Y f(c) + (1 - Y J) offset of a box, less its centre c; None where Y does not exist.
+
+    values: f(c); slopes: J over the box; Y is the inverse of its middle.  All zeros of the box are in its image.
+    """
+    try:
+        y = slopes.mid().inv().mid()
+    except ZeroDivisionError:
+        return None
+    n = len(offset)
+    one = arb_mat(n, n, [int(i == j) for i in range(n) for j in range(n)])
+    moved = (one - y * slopes) * arb_mat(n, 1, offset) - y * arb_mat(n, 1, values)
+    return moved.entries()  # type: ignore[no-any-return]
 
 
 class SquareSystem(Equations):
@@ -122,7 +136,12 @@ def _det(rows: Sequence[Sequence[arb]]) -> arb:
 def certified(system: Equations, centre: Sequence[fmpq], radii: Sequence[fmpq], bits: int = 192) -> Zero | None:
     """The only zero near the box, if one box that holds all of it proves to have exactly one."""
     with precision(bits):
-        start = system.newton([arb(c) for c in centre], bits // 2)
+        middle = [arb(arb(c).mid()) for c in centre]
+        reach = [arb((2 * arb(r)).upper()) for r in radii]
+        found = system.krawczyk(middle, reach)
+        if found is not None:
+            return Zero(system, middle, reach, found)
+        start = system.newton(middle, bits // 2)
         if start is None:
             return None
         reach = [2 * (abs(s - arb(c)) + arb(r)) for s, c, r in zip(start, centre, radii, strict=True)]
@@ -155,15 +174,14 @@ class Zero:
         return self._balls
 
     def _refined(self, bits: int) -> bool:
-        work = 2 * bits + 64
-        with precision(work):
-            point = self.system.newton(self._balls, bits + 32)
-            if point is None:
-                return False
-            found = self.system.krawczyk(point, [arb(2) ** (-bits - 8) * (1 + abs(c)).upper() for c in point])
-            if found is None or not all(x.overlaps(y) for x, y in zip(found, self._balls, strict=True)):
-                return False
-            self._balls, self._bits = found, bits
+        with precision(2 * bits + 64):
+            balls, least = self._balls, arb(2) ** (-bits - 8)
+            while any(c.rad() > least * (1 + abs(c)) for c in balls):
+                sharper = self.system.narrowed(balls)
+                if sharper is None or not any(2 * x.rad() < c.rad() for x, c in zip(sharper, balls, strict=True)):
+                    return False
+                balls = sharper
+            self._balls, self._bits = balls, bits
             return True
 
     def is_same(self, other: Zero) -> bool:

@@ -290,10 +290,11 @@ def step_pieces(step: Step, first: fmpq, last: fmpq | None, of: str) -> Iterator
     if isinstance(motion, Rotation) and motion.angle != 0:
         yield from _turn_pieces(step, motion, first, last, of)
         return
-    pose = projective.fixed(step.before)
-    if not isinstance(motion, Rotation):
+    pose = projective.IDENTITY if step.before is IDENTITY else projective.fixed(step.before)
+    own = projective.IDENTITY if isinstance(motion, Rotation) else _own_pose(motion, of)
+    if own != projective.IDENTITY:
         local = fmpq_poly([-step.origin / step.unit, 1 / step.unit])
-        pose = projective.product(projective.substituted(_own_pose(motion, of), local), pose)
+        pose = projective.product(projective.substituted(own, local), pose)
     yield PolynomialPiece(first, last, projective.reduced(pose, first), first, last, StraightClock(), step.exact, of)
 
 
@@ -305,6 +306,8 @@ def _own_pose(motion: Any, of: str) -> Matrix:
         raise UnsupportedPair(
             f"{of}: {motion!r} has no rational pose in any parameter, so it has no exact contact equations"
         )
+    if not any(motion.vector):
+        return projective.IDENTITY
     return projective.integral([
         *([fmpq_poly([int(i == j)]) for j in range(3)] + [fmpq_poly([0, x])] for i, x in enumerate(motion.vector)),
         [fmpq_poly([int(j == 3)]) for j in range(4)],

@@ -185,9 +185,11 @@ class Conditions:
             return {(False, False): self}
         p, q = self.sides
         unit = fmpq(-1), fmpq(1)
-        found = {}
+        found = {(False, False): replace(self, u=self.u or unit, v=self.v or unit, known={})}
         for inverse_u in (False, True) if self.u is None else (False,):
             for inverse_v in (False, True) if self.v is None else (False,):
+                if not inverse_u and not inverse_v:
+                    continue
                 first = (p[0].reversed(), p[1].reversed()) if inverse_u else p
                 second = (q[0].reversed(), q[1].reversed()) if inverse_v else q
                 own = reversed_trims(self.trims[0]) if inverse_u else self.trims[0]

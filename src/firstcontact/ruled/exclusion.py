@@ -22,7 +22,10 @@ from firstcontact.ruled.conditions import SignConditions
 # Relative to the largest coefficient with absolute values in place of all numbers.
 # Rounding: (terms + degree x halvings) 2^-53 at most, with
 # at most 2^12 terms and degree 64 halved 60 times in each of three variables.
+# It covers a T that is off by INSTANT, too: powers of degree 64 at most are then off by less than 2^-43 of themselves.
 MARGIN = 2.0**-38
+INSTANT = fmpq(1, 2**50)
+"""Part of a T by which it may be off as if it were known."""
 
 Span = tuple[fmpq, fmpq]
 
@@ -39,39 +42,41 @@ class Box(NamedTuple):
 def survivors(c: SignConditions, span: Span, visits: int = 600, depth: int = 45) -> list[Box]:
     """Boxes that may hold contacts, T in the span; none proves that there is none.
 
-    depth: halvings at most.  visits: boxes after which no more are halved.
+    depth: halvings at most, below 63.  visits: boxes after which no more are halved.
     """
-    parts = list(c.charts.items())
-    nets = [_nets(chart, (*_ranges(chart), span)) for _, chart in parts]
-    size = [max(n.shape[k] for n in nets) for k in range(2, 5)]
-    live = np.concatenate([_elevated(n, size) for n in nets])
+    inverse, charts = list(c.charts), list(c.charts.values())
+    assert charts[0].u is not None and charts[0].v is not None  # ranges that all charts have
+    lo, hi = span
+    ranges = charts[0].u, charts[0].v, (lo, lo) if hi - lo <= INSTANT * abs(lo) else span
+    index, halved = _search(_nets(_together([powers(chart) for chart in charts]), ranges), c.excludes, visits, depth)
+    sides: dict[tuple[int, int], Span] = {}
     found: list[Box] = []
-    for chart, path in _search(live, c.excludes, visits, depth):
-        inverse, own = parts[chart]
-        found.append(Box(inverse, *_cell((*_ranges(own), span), path)))
+    for chart, *path in index.tolist():
+        for k, i in enumerate(path):
+            if (k, i) not in sides:
+                lo, hi = span if k == 2 else ranges[k]
+                step = (hi - lo) / 2 ** halved[k]
+                sides[k, i] = lo + i * step, lo + (i + 1) * step
+        found.append(Box(inverse[chart], *(sides[k, i] for k, i in enumerate(path))))
     return found
 
 
 def signs_over(c: SignConditions, ranges: tuple[Span, Span, Span]) -> tuple[np.ndarray, np.ndarray]:
     """(k,) bools each: which polynomials are proved positive, which negative over ranges of u, v and T."""
-    flat = _nets(c, ranges).reshape(len(c.polynomials), -1)
+    flat = _nets(powers(c)[None], ranges).reshape(len(c.polynomials), -1)
     return flat.min(axis=1) > MARGIN, flat.max(axis=1) < -MARGIN
-
-
-def _ranges(c: SignConditions) -> tuple[Span, Span]:
-    assert c.u is not None and c.v is not None
-    return c.u, c.v
 
 
 Excludes = Callable[[np.ndarray, np.ndarray], np.ndarray]
 """As `Conditions.excludes`."""
-Path = tuple[tuple[int, int], ...]
-"""For each variable how often it was halved, and the index of the part."""
 
 
-def _search(live: np.ndarray, excludes: Excludes, visits: int, depth: int) -> list[tuple[int, Path]]:
-    """(chart, path) of the boxes left; live: (charts, polynomials, l, m, n) nets, Delta first."""
-    index = np.zeros((len(live), 4), dtype=object)
+def _search(live: np.ndarray, excludes: Excludes, visits: int, depth: int) -> tuple[np.ndarray, list[int]]:
+    """(n, 4) chart and index among the parts of each variable's range of the boxes left; how often they were halved.
+
+    live: (charts, polynomials, l, m, n) nets, Delta first.
+    """
+    index = np.zeros((len(live), 4), np.int64)
     index[:, 0] = range(len(live))
     halved = [0, 0, 0]
     free = [k for k in range(3) if live.shape[2 + k] > 1]
@@ -92,15 +97,7 @@ def _search(live: np.ndarray, excludes: Excludes, visits: int, depth: int) -> li
         low[:, 1 + k], high[:, 1 + k] = 2 * index[:, 1 + k], 2 * index[:, 1 + k] + 1
         index = np.concatenate([low, high])
         halved[k] += 1
-    return [(int(row[0]), tuple((halved[k], int(row[1 + k])) for k in range(3))) for row in index]
-
-
-def _cell(ranges: tuple[Span, Span, Span], path: Path) -> tuple[Span, Span, Span]:
-    cells = []
-    for (lo, hi), (times, index) in zip(ranges, path, strict=True):
-        step = (hi - lo) / fmpq(2) ** times
-        cells.append((lo + index * step, lo + (index + 1) * step))
-    return cells[0], cells[1], cells[2]
+    return index, halved
 
 
 def _halves(nets: np.ndarray, axis: int) -> np.ndarray:
@@ -114,19 +111,27 @@ def _halves(nets: np.ndarray, axis: int) -> np.ndarray:
     return np.moveaxis(np.concatenate([lower, upper], axis=1), 0, axis)
 
 
-def _nets(c: SignConditions, ranges: tuple[Span, Span, Span]) -> np.ndarray:
-    """(1, k, l, m, n) Bernstein coefficients of the polynomials on the ranges.
+def _together(tables: list[np.ndarray]) -> np.ndarray:
+    """Tables of coefficients of powers as one, with zeros where some have none."""
+    size = [max(n) for n in zip(*(table.shape for table in tables), strict=True)]
+    found = np.zeros((len(tables), *size))
+    for own, table in zip(found, tables, strict=True):
+        own[tuple(slice(n) for n in table.shape)] = table
+    return found
+
+
+def _nets(tables: np.ndarray, ranges: tuple[Span, Span, Span]) -> np.ndarray:
+    """(charts, k, l, m, n) Bernstein coefficients on the ranges of polynomials with these coefficients of powers.
 
     Each polynomial is scaled: with absolute values in place of all numbers no coefficient would be above 1.
     """
-    nets = powers(c)
-    bound = np.abs(nets)
-    for axis, ends in enumerate(ranges):
-        change = _to_bernstein(nets.shape[axis + 1] - 1, *ends)
-        nets = np.moveaxis(np.tensordot(change, nets, axes=(1, axis + 1)), 0, axis + 1)
-        bound = np.moveaxis(np.tensordot(np.abs(change), bound, axes=(1, axis + 1)), 0, axis + 1)
-    scale = bound.max(axis=(1, 2, 3), keepdims=True)
-    return (nets / np.where(scale > 0, scale, 1.0))[None]
+    nets, bound = tables, np.abs(tables)
+    for axis, ends in enumerate(ranges, 2):
+        change = _to_bernstein(nets.shape[axis] - 1, *ends)
+        nets = np.moveaxis(np.tensordot(change, nets, axes=(1, axis)), 0, axis)
+        bound = np.moveaxis(np.tensordot(np.abs(change), bound, axes=(1, axis)), 0, axis)
+    scale = bound.max(axis=(2, 3, 4), keepdims=True)
+    return nets / np.where(scale > 0, scale, 1.0)
 
 
 def powers(c: SignConditions) -> np.ndarray:
@@ -158,16 +163,3 @@ def _to_bernstein(n: int, lo: fmpq, hi: fmpq) -> np.ndarray:
             row.append(to_double(total / comb(n, j)))
         rows.append(row)
     return np.array(rows)
-
-
-def _elevated(nets: np.ndarray, size: list[int]) -> np.ndarray:
-    """The same polynomials with nets of a higher degree."""
-    for axis, n in enumerate(size):
-        while nets.shape[axis + 2] < n:
-            work = np.moveaxis(nets, axis + 2, 0)
-            m = len(work)
-            weight = (np.arange(m + 1) / m).reshape(-1, *[1] * (work.ndim - 1))
-            zero = np.zeros_like(work[:1])
-            work = weight * np.concatenate([zero, work]) + (1 - weight) * np.concatenate([work, zero])
-            nets = np.moveaxis(work, 0, axis + 2)
-    return nets

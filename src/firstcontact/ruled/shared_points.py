@@ -76,7 +76,7 @@ def shared_points(c: SignConditions, t: AlgebraicRoot, boxes: Iterable[Box]) -> 
         own = sheets(chart)
         for u, v in clusters(group):
             for sheet in own:
-                for point in _on_sheet(chart, sheet, field, u, v):
+                for point in _on_sheet(chart, sheet, field, u, v, inverse):
                     yield Contact(chart, inverse, (c.u, c.v), *point)
 
 
@@ -98,23 +98,29 @@ def clusters(boxes: Sequence[Box]) -> list[tuple[Span, Span]]:
 Point = tuple[FieldElement, FieldElement, FieldElement]
 
 
-def _on_sheet(c: SignConditions, sheet: Sheet, field: NumberField, u: Span, v: Span) -> Iterator[Point]:
-    """(u, v, T) of contacts."""
+def _on_sheet(
+    c: SignConditions, sheet: Sheet, field: NumberField, u: Span, v: Span, inverse: tuple[bool, bool]
+) -> Iterator[Point]:
+    """(u, v, T) of contacts; at the ends of the ranges of `inverse` parameters another chart has them."""
     first, second = (v, u) if sheet.exchanged else (u, v)
+    around, across = inverse[::-1] if sheet.exchanged else inverse
     t = field.generator()
     firsts: list[tuple[NumberField, FieldElement, FieldElement]] = []
-    assert sheet.first is not None
+    assert sheet.first is not None and sheet.second is not None
     middle = {(first[0] + first[1]) / 2} if first[1] - first[0] > WIDE else set()
-    for place in {*sheet.first} | middle:
+    for place in middle if around else {*sheet.first} | middle:
         if first[0] <= place <= first[1]:
             firsts.append((field, field(place), t))
     borders = [_in_u(b, field) for b in sheet.borders if degree(b, 0) and _near_zero(b, first, None, field.root)]
     for g in refined([trimmed(b) for b in borders]):
         for zero in adjoined(field, g, *first):
-            firsts.append((zero.field, zero.zero, zero.carry(t)))
+            if not any(is_zero(zero.zero - end) for end in sheet.first):
+                firsts.append((zero.field, zero.zero, zero.carry(t)))
     instant = field.root
     for own, x, time in firsts:
         for when, x1, y1 in _seconds(sheet, own, instant, x, time, first, second):
+            if across and any(is_zero(y1 - end) for end in sheet.second):
+                continue
             point = (y1, x1, when) if sheet.exchanged else (x1, y1, when)
             if c.holds(lambda f, at=point: sign(_value(f, at))):  # type: ignore[misc]
                 yield point

@@ -47,6 +47,7 @@ class Times:
         self._maybe = _joined([box.t for box in boxes])
         """Outside these times there is no contact."""
         self._near: dict[int, fmpq] = {}
+        self._boxes: tuple[AlgebraicRoot, list[Box]] | None = None
 
     def windows(self) -> Iterator[tuple[AlgebraicRoot, AlgebraicRoot]]:
         """The closed windows of contact, in order, disjoint."""
@@ -90,9 +91,8 @@ class Times:
                 f"all rulings meet all others at an irrational time near {float(t)!r}, which exact arithmetic does not "
                 "decide"
             )
-        boxes = survivors(self.conditions, enclosed(t))
         found: list[Contact] = []
-        for contact in shared_points(c, t, boxes):
+        for contact in shared_points(c, t, self._near_instant(t)):
             found.append(contact)
             if len(found) >= most:
                 break
@@ -127,8 +127,14 @@ class Times:
 
     def is_isolated(self, t: AlgebraicRoot) -> bool:
         """True where contacts at the instant are in narrow boxes only, so that none is part of a longer curve."""
-        ranges = [r for pair in clusters(survivors(self.conditions, enclosed(t))) for r in pair]
+        ranges = [r for pair in clusters(self._near_instant(t)) for r in pair]
         return all(hi - lo <= WIDE for lo, hi in ranges)
+
+    def _near_instant(self, t: AlgebraicRoot) -> list[Box]:
+        """Where contacts may be at the instant; those of the one asked for last are kept."""
+        if self._boxes is None or self._boxes[0] is not t:
+            self._boxes = t, survivors(self.conditions, enclosed(t))
+        return self._boxes[1]
 
     def contact_at_start(self) -> list[Contact]:
         """One shared point at a rational start: any on a fibre between the borders, for that is cheapest."""

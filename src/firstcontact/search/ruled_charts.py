@@ -14,11 +14,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property, reduce
+from functools import cached_property
 from typing import Any
 
 import numpy as np
-from flint import arb, fmpq, fmpq_poly, fmpz, fmpz_poly
+from flint import arb, fmpq, fmpq_poly, fmpz_poly
 
 from firstcontact.body.carriers import EnclosedPoint
 from firstcontact.body.composite_quadric import CompositeQuadric
@@ -117,21 +117,14 @@ def sheets_of(body: Any) -> list[Sheet]:
             raise NotCharted(f"{who} {why}")
         local = RuledPiece.of(piece.sides, piece.u)
         for k, part in enumerate(local.parts):
-            p, q = ([c[0] for c in local._local(k, i)] for i in range(2))
+            p, q = ([fmpz_poly([row[0] for row in c]) for c in local.components(k, i)] for i in range(2))
             common = p[3].gcd(q[3])
             first, second = [c * (q[3] // common) for c in p], [c * (p[3] // common) for c in q]
-            sheet = Sheet(number, part, *_integral(first, second))
+            sheet = Sheet(number, part, first, second)
             if sheet.degree > MOST_DEGREE:
                 raise NotCharted(f"{who} is of degree {sheet.degree}")
             found.append(sheet)
     return found
-
-
-def _integral(first: list[fmpq_poly], second: list[fmpq_poly]) -> tuple[list[fmpz_poly], list[fmpz_poly]]:
-    """Both times one number."""
-    below = reduce(lambda n, c: n.lcm(c.denom()), (*first, *second), fmpz(1))
-    a, b = ([(c * below).numer() for c in side] for side in (first, second))
-    return a, b
 
 
 def features_of(sheet: Sheet, piece: RuledSurface) -> Iterator[RuledFeature]:

@@ -158,8 +158,7 @@ class Search:
         full = ContactSystem(curves, values, list(combinations(stratum, 3)))
         columns = [*stratum, 4]
         with precision(64):
-            slopes = full.jacobian([arb(middle[k]) for k in columns])
-            chosen = _pivots(np.array([[float(c.mid()) for c in row] for row in slopes]))
+            chosen = _pivots(full.jacobian([arb(middle[k]) for k in columns]))
         solved = {columns[k] for k in chosen.values()}
         if 4 not in solved or not all(k in chosen for k in range(3)):
             return None
@@ -273,22 +272,24 @@ def _ball_box(sides: np.ndarray) -> list[arb]:
     return found
 
 
-def _pivots(rows: np.ndarray) -> dict[int, int]:
+def _pivots(slopes: list[list[arb]]) -> dict[int, int]:
     """Columns solved for by elimination with full pivoting, by row; the first three rows come first."""
-    rows = rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), 1e-300)
+    rows = [[float(c.mid()) for c in row] for row in slopes]
+    rows = [[c / max(math.hypot(*row), 1e-300) for c in row] for row in rows]
     chosen: dict[int, int] = {}
-    for step in range(min(rows.shape)):
-        left = np.abs(rows)
-        left[list(chosen)] = 0.0
-        left[:, list(chosen.values())] = 0.0
-        if step < 3:
-            left[3:] = 0.0
-        i, j = (int(k) for k in np.unravel_index(np.argmax(left), left.shape))
-        if left[i, j] < REGULAR:
+    for step in range(min(len(rows), len(rows[0]))):
+        taken = chosen.values()
+        size, i, j = max(
+            (abs(c), -i, -j) for i, row in enumerate(rows) if i not in chosen and (i < 3 or step >= 3)
+            for j, c in enumerate(row) if j not in taken
+        )  # fmt: skip
+        i, j = -i, -j
+        if not size >= REGULAR:
             break
         chosen[i] = j
-        others = np.arange(len(rows)) != i
-        rows[others] -= np.outer(rows[others, j] / rows[i, j], rows[i])
+        for k, row in enumerate(rows):
+            if k != i:
+                rows[k] = [c - row[j] / rows[i][j] * d for c, d in zip(row, rows[i], strict=True)]
     return chosen
 
 
@@ -296,7 +297,7 @@ def _geometry(s: Search, kind: np.ndarray, x: np.ndarray, free: int) -> tuple[np
     """The point, and the unit normal from Q towards P across all free directions."""
     system = ContactSystem(s._curves(kind), [exact_value(c) for c in x[:4]], ())
     with precision(96):
-        p, q = system.jets([arb(float(x[4]))])
+        p, q = system.jets([arb(float(x[4]))], 1)
         vectors = [np.array([float(c.mid()) for c in v]) for v in (p.point, p.x, p.s, q.x, q.s, p.t, q.t)]
     point, across, moved = vectors[0], vectors[1:5], vectors[5] - vectors[6]
     directions = np.array([v / max(float(np.linalg.norm(v)), 1e-300) for k, v in enumerate(across) if free >> k & 1])

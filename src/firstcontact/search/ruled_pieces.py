@@ -12,7 +12,7 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
-from flint import fmpq, fmpq_poly, fmpz, fmpz_poly
+from flint import fmpq, fmpq_mat, fmpq_poly, fmpz, fmpz_poly
 
 from firstcontact.body.rational_curve import RationalCurve
 from firstcontact.errors import UnsupportedPair
@@ -102,65 +102,69 @@ class RuledPiece:
         domain = np.zeros((len(self.parts), 4))
         for k, part in enumerate(self.parts):
             for i in range(2):
-                for j, component in enumerate(self._local(k, i)):
-                    for power, c in enumerate(component):
-                        table[k, i, j, : len(c.coeffs()), power] = [to_double(x) for x in c.coeffs()]
+                rows, below = self._local(k, i)
+                divisor = int(below)
+                try:  # the quotient of two whole numbers is rounded once
+                    numbers = [int(c) / divisor for row in rows for c in row]
+                except OverflowError as error:
+                    raise UnsupportedPair("a ruled surface with numbers beyond the range of doubles") from error
+                table[k, i, :, : len(rows)] = np.array(numbers).reshape(-1, 4, m).transpose(1, 0, 2)
             domain[k] = to_double(part.lowest), to_double(part.highest), *part.ends
-        if not np.isfinite(table).all():
-            raise UnsupportedPair("a ruled surface with numbers beyond the range of doubles")
         return table, domain
 
     def curves(self, part: int) -> tuple[Curve, Curve]:
         """The directrices over a part, exactly."""
         if part not in self._curves:
-            first, second = (Curve(_by_power(self._local(part, i))) for i in range(2))
-            self._curves[part] = first, second
+            self._curves[part] = Curve(self.components(part, 0)), Curve(self.components(part, 1))
         return self._curves[part]
 
     @cached_property
     def _curves(self) -> dict[int, tuple[Curve, Curve]]:
         return {}
 
-    def _local(self, part: int, which: int) -> list[list[fmpq_poly]]:
-        """For each component of a directrix, the coefficients of the powers of T as polynomials in x."""
+    def components(self, part: int, which: int) -> list[list[fmpz_poly]]:
+        """X, Y, Z, W of a directrix up to one factor: the coefficients of the powers of x, as polynomials in T."""
+        rows, _ = self._local(part, which)
+        m = self.size[1]
+        found = [[fmpz_poly(row[j : j + m]) for row in rows] for j in range(0, 4 * m, m)]
+        for c in found:
+            while len(c) > 1 and not c[-1]:
+                c.pop()
+        return found
+
+    def _local(self, part: int, which: int) -> tuple[list[list[fmpz]], fmpz]:
+        """For every power of x the coefficients of the powers of T in X, then Y, Z, W; their common denominator."""
         key = part, which
         if key not in self._locals:
             self._locals[key] = self._find_local(part, which)
         return self._locals[key]
 
     @cached_property
-    def _locals(self) -> dict[tuple[int, int], list[list[fmpq_poly]]]:
+    def _locals(self) -> dict[tuple[int, int], tuple[list[list[fmpz]], fmpz]]:
         return {}
 
-    def _find_local(self, part: int, which: int) -> list[list[fmpq_poly]]:
+    def _find_local(self, part: int, which: int) -> tuple[list[list[fmpz]], fmpz]:
         inverted, middle, half = self.parts[part][:3]
-        argument = fmpq_poly([middle, half])
-        top = self.degrees[which]
+        n = self.degrees[which] + 1
+        argument, powers = fmpq_poly([middle, half]), [fmpq_poly([1])]
+        for _ in range(n - 1):
+            powers.append(powers[-1] * argument)
+        if inverted:
+            powers.reverse()
+        change = fmpq_mat(n, n, [p[k] for k in range(n) for p in powers])
+        rows, below = (change * self._tables[which]).numer_denom()
+        return rows.tolist(), below
+
+    @cached_property
+    def _tables(self) -> tuple[fmpq_mat, fmpq_mat]:
+        """Of either directrix, for every power of u, the coefficients of the powers of T in X, then Y, Z, W."""
+        m = self.size[1]
         found = []
-        for component in (self.first, self.second)[which]:
-            rows = [list(row) for row in component]
-            powers = []
-            for j in range(max((len(row) for row in rows), default=0)):
-                c = [row[j] if j < len(row) else fmpq(0) for row in rows]
-                if inverted:
-                    c = [c[top - i] if top - i < len(c) else fmpq(0) for i in range(top + 1)]
-                powers.append(fmpq_poly(c)(argument))
-            found.append(powers)
-        return found
-
-
-def _by_power(local: list[list[fmpq_poly]]) -> list[list[fmpz_poly]]:
-    """The same over the integers, common denominators cleared, as coefficients of the powers of x."""
-    common = fmpz(1)
-    for component in local:
-        for c in component:
-            common = common.lcm(c.denom())
-    found = []
-    for component in local:
-        n = max((len(c.coeffs()) for c in component), default=0)
-        rows = [fmpz_poly([(common * c[i]).p for c in component]) for i in range(n)]
-        found.append(rows or [fmpz_poly([0])])
-    return found
+        for directrix, degree in zip((self.first, self.second), self.degrees, strict=True):
+            numbers = [row[j] if j < len(row) else 0 for i in range(degree + 1) for c in directrix
+                       for row in [c[i] if i < len(c) else ()] for j in range(m)]  # fmt: skip
+            found.append(fmpq_mat(degree + 1, 4 * m, numbers))
+        return found[0], found[1]
 
 
 def _closed_parts() -> tuple[Part, ...]:
