@@ -281,6 +281,36 @@ def test_what_turning_bodies_share_only_by_chance_is_not_told():
     assert both.time == pytest.approx(2.5 / 7, abs=1e-12) and both.contact_set == "patch"
 
 
+SLOPE = fc.box((4, 4, 1)).transformed([[1, 0, 0, 0], [0, "4/5", "-3/5", 0], [0, "3/5", "4/5", 0], [0, 0, 0, 1]])
+ACROSS = DRUM.rotated((0, 1, 0), degrees=90)
+NEARLY_FULL = 360 + 1e-5
+"""Degrees: doubles take for parallel what was so before."""
+
+
+@pytest.mark.parametrize("body", [SLOPE, ACROSS], ids=["face", "ruling"])
+def test_what_lay_along_a_slope_does_not_after_nearly_a_full_turn(body):
+    drop = [fc.Rotation((0, 0, 1), degrees=NEARLY_FULL), fc.Translation((0, 0, -4))]
+    hit = fc.first_contact(body.translated((0, 0, 4)).moving(fc.Sequence(drop)), SLOPE)
+    plain = fc.first_contact(body.translated((0, 0, 4)).moving(drop[1]), SLOPE)
+    assert plain.contact_set in ("patch", "segment") and hit.time == pytest.approx((1 + plain.time) / 2, abs=1e-7)
+    assert hit.contact_set is None and hit.multiplicity == 1
+
+
+def test_parallel_rulings_are_not_so_after_nearly_a_full_turn():
+    moved, other = ACROSS.translated((0, 0, 4)), ACROSS.translated((0.1, 0.3, 0))
+    plain = fc.first_contact(moved.moving(fc.Translation((0, 0, -6))), other)
+    screw = fc.Screw((0, 0, 1), degrees=NEARLY_FULL / plain.time, advance=-6)
+    hit = fc.first_contact(moved.moving(screw), other)
+    assert plain.contact_set == "segment" and hit.time == pytest.approx(plain.time, abs=1e-7)
+    assert hit.contact_set is None and hit.multiplicity == 1
+
+
+def test_what_is_nearly_across_the_axis_of_a_turn_is_not_across():
+    tilted = LYING.transformed([[1, 0, 0, 0], [0, 1, 0, 0], [0, "1/10000000", 1, 0], [0, 0, 0, 1]])
+    hit = fc.first_contact(tilted.moving(fc.Screw((0, 0, 1), ABOUT, degrees=25, advance=-6)), FLOOR)
+    assert hit.time == pytest.approx(2.25 / 6, abs=1e-7) and hit.contact_set is None and hit.multiplicity == 1
+
+
 @pytest.mark.parametrize("where", [(2, 0, 0), (0, -2, 0), ("6/5", "8/5", 0)])
 def test_equal_drums_beside_each_other_share_a_segment(where):
     """Their round rims touch in one point, which is no arc, wherever the samples of the rims are."""

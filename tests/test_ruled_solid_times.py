@@ -48,6 +48,15 @@ def test_what_meets():
     assert lower.normal == pytest.approx([0, 0, -1])
 
 
+@pytest.mark.parametrize("place", ["1/10", "21/50"])
+def test_free_by_less_than_doubles_tell(place):
+    """In doubles a place seems to lie inside the half space, where it would stay."""
+    parts = (f"(u - {place})**2 + {k}/2**80" for k in (1, 2))
+    low, high = (f"(u, {k}, {height})" for k, height in enumerate(parts))
+    moving = fc.RuledSurface(low, high, u=(0, 1)).moving(fc.Translation((0, 1, 0)))
+    assert len(fc.contact_intervals(moving, fc.half_space((0, 0, 1), 0), (0, 1), exact=True)) == 0
+
+
 @pytest.mark.parametrize(
     ("box", "way"), [(fc.box((1, 1, 1)), -1), (fc.box((1, 1, 1)), 1), (fc.examples.box((1, 1, 1)), 1)]
 )

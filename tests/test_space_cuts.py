@@ -56,6 +56,23 @@ def test_known_first_contacts_by_space(eager):
 
 
 @MOTIONS
+def test_rods_that_meet_late_where_space_is_cut(turning, monkeypatch):
+    """Space is halved at x = 0, which that of a has to pass, and at z = 0, where that of b lies."""
+    monkeypatch.setattr(lifted_problem, "room_for", lambda m, n: room_for(m, n)._replace(pays=0, worth=500))
+    motion = fc.Rotation((0, 0, 1), (0, 1, 0), radians="1/6") if turning else fc.Translation((0.3, 0.1, 0))
+    pose, place = motion(0.9), np.array((0.07, 0.1, 0.0))
+    for seed in range(amount(60)):
+        rng = np.random.default_rng(seed)
+        x, y = rng.uniform(-0.85, 0.85, (2, 32, 3))
+        d, e = rng.normal(size=(2, 32, 3))
+        x[rng.integers(32)], y[0], e[0, 2] = (place - pose[:3, 3]) @ pose[:3, :3], place, 0.0
+        y[1], e[1], y[2], e[2] = -0.96, 1.0, 0.96, 1.0
+        a, b = (rods(middles, ways) for middles, ways in ((x, d), (y, e)))
+        hit = fc.first_contact(a.moving(motion), b, (0, 1), engine="lifted")
+        assert same_answer(hit, fc.first_contact(a.moving(motion), b, (0, 1), engine="boxes")), seed
+
+
+@MOTIONS
 def test_generic_rods_are_cut_by_space(turning):
     """Work grows with n^1.5, where boxes look at n^2 pairs; at 1000 rods also boxes cut in 64 pieces do more."""
     work = []
@@ -88,3 +105,9 @@ def joined(bodies, shifts):
     edges = np.concatenate([body.edges + k for body, k in zip(bodies, first, strict=False)])
     vertices = np.concatenate([body.vertices + shift for body, shift in zip(bodies, shifts, strict=True)])
     return fc.Polyhedron(vertices, [], edges=edges)
+
+
+def rods(middles, ways):
+    d = 0.05 * ways / np.linalg.norm(ways, axis=1)[:, None]
+    ends = np.stack([middles - d, middles + d], axis=1)
+    return fc.Polyhedron(ends.reshape(-1, 3), [], edges=np.arange(2 * len(d)).reshape(-1, 2))
