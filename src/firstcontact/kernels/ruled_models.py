@@ -34,7 +34,9 @@ BY_U, BY_S, BY_V, BY_T = _rows(14, 17, 20, 23)
 # Directrices of P, then of Q: points and derivatives; what one of them needs; crossed products; scratch.
 POINTS, SLOPES, SURFACE = _rows(26, 29, 6)
 WEIGHT, SCRATCH, CROSSED, AXIS = _rows(50, 52, 54, 60)
-ROWS, WIDTH = 61, 7
+OFF = np.int64(61)
+"""How far points of the surfaces, and their derivatives by u and s, v and t, may be from the coefficients'."""
+ROWS, WIDTH = 62, 7
 FREE_U, FREE_S, FREE_V, FREE_T = 1, 2, 4, 8
 ALL_STRATA = -1
 """In place of the free parameters of a stratum: a box that stands for all strata it meets."""
@@ -169,6 +171,9 @@ def difference_models(p, i_part, q, j_part, box, w, table):
         return False
     for k in range(3):
         difference(w, GAP + k, POINTS + k, SLOPES + k)
+        w[GAP + k, REST] += w[OFF, 0]
+        for row in (BY_U, BY_S, BY_V, BY_T):
+            w[row + k, REST] += w[OFF, 1]
     return True
 
 

@@ -46,7 +46,7 @@ def directrix_pieces(a: Any, b: Any, first: fmpq, last: fmpq | None) -> Iterator
     for motion in relative_pieces(a, b, first, last):
         for surface in (p, q):
             _check_clock(surface, motion)
-        yield DirectrixPiece(motion, sides_from(p, motion), _signed(q.sides, q, _middle(motion)))
+        yield DirectrixPiece(motion, sides_from(p, motion), signed(q.sides, q, _middle(motion)))
 
 
 def sides_from(surface: RuledSurface, motion: PolynomialPiece) -> Sides:
@@ -55,7 +55,7 @@ def sides_from(surface: RuledSurface, motion: PolynomialPiece) -> Sides:
     moved = surface.sides
     if motion.pose != IDENTITY:
         moved = _moved(moved[0], motion.pose), _moved(moved[1], motion.pose)
-    return _signed(moved, surface, _middle(motion))
+    return signed(moved, surface, _middle(motion))
 
 
 def _check_clock(surface: RuledSurface, motion: PolynomialPiece) -> None:
@@ -77,7 +77,8 @@ def _shape(body: Any) -> RuledSurface:
     return shape
 
 
-def _signed(sides: Sides, surface: RuledSurface, t: fmpq) -> Sides:
+def signed(sides: Sides, surface: RuledSurface, t: fmpq) -> Sides:
+    """The sides with weights that are positive at the time, in the middle of the range."""
     u = fmpq(0) if surface.u is None else rational(sum(surface.u) / 2, "u")
     return sides[0].positive_at(u, t), sides[1].positive_at(u, t)
 

@@ -18,6 +18,8 @@ from firstcontact.search.ruled_intervals import contact_times
 from firstcontact.search.ruled_pieces import RuledPiece
 
 BUDGET = 200_000
+PER_PIECE = {"vertex": 4, "directrix": 2, "end_ruling": 2, "face": 1}
+"""Elements of a piece; those of a strip are counted on from piece to piece."""
 
 
 def first_contact(
@@ -36,7 +38,8 @@ def first_contact(
     answer: dict[str, Any] = {"free_until": found.free_until, "stats": stats, **shared}
     if found.event is not None:
         assert found.time is not None
-        answer |= _described(found.event, step, b, found.time, status is Status.CONTACT, shared)
+        pose = _pose_of_b(step, b, found.time)
+        answer |= described(found.event, pose, status is Status.CONTACT, shared)
     return FirstContact(status, found.time, found.time_interval, **answer)
 
 
@@ -88,24 +91,27 @@ def _pieces(a: Any, b: Any, first: fmpq, last: fmpq) -> tuple[DirectrixPiece, Ru
     return steps[0], p, q
 
 
-def _described(
-    event: RuledEvent, step: DirectrixPiece, b: Any, time: float, with_normal: bool, shared: dict[str, Any]
-) -> dict[str, Any]:
+def _pose_of_b(step: DirectrixPiece, b: Any, time: float) -> np.ndarray:
     frame = step.motion.frame
     if frame is None:
-        pose = np.asarray(b.motion(time), float)
-    else:
-        rows = np.array(
-            [[sum(int(c) * time**k for k, c in enumerate(x.coeffs())) for x in row] for row in frame], float
-        )
-        pose = rows / rows[3, 3]
+        return np.asarray(b.motion(time), float)
+    rows = np.array([[sum(int(c) * time**k for k, c in enumerate(x.coeffs())) for x in row] for row in frame], float)
+    return rows / rows[3, 3]
+
+
+def described(
+    event: RuledEvent, pose: np.ndarray, with_normal: bool, shared: dict[str, Any], numbers: tuple[int, int] = (0, 0)
+) -> dict[str, Any]:
+    """What meets, in the world; pose: of b; numbers: of the pieces."""
     normal = None
     if with_normal and event.normal is not None:
         normal = event.normal @ np.linalg.inv(pose[:3, :3])
         normal = normal / np.linalg.norm(normal)
     elements = [
-        _element(kind, *sides, shared[which], which)
-        for kind, sides, which in zip(event.elements, (event.sides[:2], event.sides[2:]), "ab", strict=True)
+        _element(kind, sides, number, shared[which], which)
+        for kind, sides, number, which in zip(
+            event.elements, (event.sides[:2], event.sides[2:]), numbers, "ab", strict=True
+        )
     ]
     return {
         "point": pose[:3, :3] @ event.point + pose[:3, 3], "normal": normal,
@@ -113,11 +119,11 @@ def _described(
     }  # fmt: skip
 
 
-def _element(kind: str, across: int, along: int, body: Any, which: str) -> Element:
-    i, j = int(across > 0), int(along > 0)
+def _element(kind: str, sides: tuple[int, int], number: int, body: Any, which: str) -> Element:
+    i, j = (int(side > 0) for side in sides)
     index = {"face": 0, "directrix": j, "end_ruling": i, "vertex": 2 * i + j}[kind]
     name = getattr(body, "name", None) or which
-    return Element(kind, name, index, name)
+    return Element(kind, name, index + number * PER_PIECE[kind], name)
 
 
 def _middle(ends: tuple[float, float]) -> float:

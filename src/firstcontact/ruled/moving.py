@@ -41,7 +41,7 @@ from firstcontact.result import (
     Stats,
     Status,
 )
-from firstcontact.ruled import certified
+from firstcontact.ruled import certified, posed
 from firstcontact.ruled.conditions import conditions
 from firstcontact.ruled.polyhedra import MOST_PAIRS, Interior, element_of, near_pairs, triangles_of
 from firstcontact.ruled.shared_points import Contact
@@ -57,7 +57,6 @@ BITS = 128
 QUICK_DEGREE = 80
 """Of equations that elimination may lead to where the search in doubles takes the pair too."""
 _ORDER = {"vertex": 0, "apex": 0, "edge": 1, "directrix": 1, "end_ruling": 2, "face": 3}
-_PER_PIECE = {"vertex": 4, "directrix": 2, "end_ruling": 2, "face": 1}
 
 
 @dataclass(frozen=True)
@@ -202,15 +201,30 @@ def first_contact(
         if found is not None:
             return found
     if method != "certified" or exact:
-        in_doubles = not exact and method == "auto" and certified.takes(a, b, first, last)
+        in_doubles = not algebraic and certified.takes(a, b, first, last)
         most_degree = QUICK_DEGREE if in_doubles else MOST_DEGREE
         try:
             return decided(a, b, first, last, exact, most_degree, budget, progress, shared, begin)
-        except TooLarge:
-            if not in_doubles:
+        except UnsupportedPair as refusal:
+            if algebraic:
                 raise
-    found = certified.first_contact(a, b, first, last, tolerance, budget, shared)
+            try:
+                found = _proved(a, b, first, last, tolerance, budget, progress, shared)
+            except UnsupportedPair:
+                raise refusal from None
+    else:
+        found = _proved(a, b, first, last, tolerance, budget, progress, shared)
     return replace(found, stats=found.stats + Stats(seconds=clock.perf_counter() - begin))
+
+
+def _proved(
+    a: Any, b: Any, first: fmpq, last: fmpq, tolerance: float, budget: int | None, progress: Progress | None,
+    shared: dict[str, Any],
+) -> FirstContact:
+    """The first contact of two surfaces in doubles; raises UnsupportedPair for what they do not take."""
+    if certified.takes(a, b, first, last):
+        return certified.first_contact(a, b, first, last, tolerance, budget, shared)
+    return posed.first_contact(a, b, first, last, tolerance, Work(budget, progress, below(first)), shared)
 
 
 def _is_with_model(a: Any, b: Any) -> bool:
@@ -528,7 +542,7 @@ def _named(body: Any, element: tuple[str, int], number: int, which: str) -> Elem
         return Element(kind, name, index, name)
     if kind == "edge":  # inequalities count on from piece to piece
         return Element(kind, name, index + sum(len(piece.trim) for piece in shape.pieces[:number]), name)
-    return Element(kind, name, index + number * _PER_PIECE[kind], name)
+    return Element(kind, name, index + number * certified.PER_PIECE[kind], name)
 
 
 def _pose_of_b(start: _End, b: Any, time: float) -> np.ndarray:

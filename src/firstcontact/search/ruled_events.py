@@ -18,7 +18,7 @@ from firstcontact.exact.isolation import isolated
 from firstcontact.exact.numbers import ball_bounds, dyadic, exact_value, nearest_double, precision
 from firstcontact.exact.ruled_systems import ContactSystem, Curve
 from firstcontact.exact.square_systems import Zero, certified
-from firstcontact.kernels.ruled_models import ALL_STRATA, MOST_DEGREE, ROWS, WIDTH
+from firstcontact.kernels.ruled_models import ALL_STRATA, MOST_DEGREE, OFF, ROWS, WIDTH
 from firstcontact.search.ruled_pieces import RuledPiece
 from firstcontact.search.ruled_search import (
     ALL_EVENTS,
@@ -105,6 +105,7 @@ class Search:
         self.times, self.limit = np.zeros((MOST_FOUND, 2)), np.zeros(2)
         self.counters = np.zeros(COUNTERS, np.int64)
         self.workspace = np.zeros((ROWS, WIDTH))
+        self.workspace[OFF, :2] = np.add(p.off, q.off)
         self.powers = np.zeros((MOST_DEGREE + 1, MOST_DEGREE + 1))
         self.visits = 0
 

@@ -73,6 +73,11 @@ class RuledPiece:
     def parts(self) -> tuple[Part, ...]:
         return _closed_parts() if self.u is None else _range_parts(*self.u)
 
+    @property
+    def off(self) -> tuple[float, float]:
+        """How far the coefficients' points, and derivatives by the parameter and s, are from the piece at most."""
+        return 0.0, 0.0
+
     def reversed(self) -> RuledPiece:
         """The same with time running backwards: at time -T."""
         first, second = (tuple(tuple(tuple(-a if j % 2 else a for j, a in enumerate(row)) for row in c) for c in d)

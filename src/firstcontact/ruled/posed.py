@@ -1,0 +1,144 @@
+"""Two ruled surfaces under motions that no rational function describes: screws, turns about different axes.
+
+The relative motion is cut into windows in which it is a polynomial but for a proved rest (`search.posed_pieces`).  In
+each the search in doubles decides, and events are refined in balls with the motion itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from flint import fmpq
+
+from firstcontact.body.moving import Moving, shape_of
+from firstcontact.body.ruled_surface import RuledSurface
+from firstcontact.composite.work import Spent, Work
+from firstcontact.errors import UnsupportedPair
+from firstcontact.exact.numbers import below, to_double
+from firstcontact.motion.directrices import signed
+from firstcontact.motion.relative import curved_pieces
+from firstcontact.result import FirstContact, Stats, Status
+from firstcontact.ruled.certified import BUDGET, described
+from firstcontact.ruled.conditions import check_weight
+from firstcontact.ruled.polyhedra import near_pairs
+from firstcontact.search.posed_pieces import PosedPiece, PoseWindow, in_local_time, pose_windows
+from firstcontact.search.ruled_events import RuledContact, Search, first_event_of
+from firstcontact.search.ruled_pieces import RuledPiece
+
+MOST_TOLERANCE = 1e-3
+"""Of a window's time."""
+
+
+@dataclass(frozen=True)
+class _Found:
+    """What is proved of two pieces in a window, in true time; numbers: theirs."""
+
+    contact: RuledContact
+    numbers: tuple[int, int]
+    free_until: float
+    interval: tuple[float, float] | None
+
+
+def first_contact(
+    a: Any, b: Any, first: fmpq, last: fmpq, tolerance: float, work: Work, shared: dict[str, Any]
+) -> FirstContact:
+    """The first contact with an enclosure of its time; UNDECIDED where doubles and balls do not tell."""
+    pair = _Pair(a, b, first, last)
+    for window in pair.windows():
+        work.free_until = max(below(window.start), shared["span"][0])
+        try:
+            found = [pair.searched(window, i, j, tolerance, work) for i, j in pair.near(window)]
+        except Spent:
+            return _undecided(work.free_until, "budget", work, shared)
+        met = [x for x in found if x.interval is not None]
+        left = [x for x in found if x.contact.status == "open"]
+        best = min(met, key=lambda x: x.interval, default=None)  # type: ignore[arg-type,return-value]
+        until = min((x.free_until for x in left), default=None)
+        if best is not None and best.interval is not None and (until is None or best.interval[1] <= until):
+            return _answer(pair, window, best, window.start == first, work, shared)
+        if until is not None:
+            reason = "budget" if any(x.contact.reason == "budget" for x in left) else "precision"
+            return _undecided(until, reason, work, shared)
+    return FirstContact(Status.FREE, free_until=to_double(last), stats=Stats(node_visits=work.done), **shared)
+
+
+def _undecided(until: float, reason: str, work: Work, shared: dict[str, Any]) -> FirstContact:
+    until = max(until, shared["span"][0])
+    return FirstContact(
+        Status.UNDECIDED, free_until=until, reason=reason, stats=Stats(node_visits=work.done), **shared
+    )
+
+
+def _answer(
+    pair: _Pair, window: PoseWindow, found: _Found, at_start: bool, work: Work, shared: dict[str, Any]
+) -> FirstContact:
+    assert found.interval is not None
+    lo, hi = found.interval
+    initial = at_start and found.contact.status == "initial"
+    status = Status.INITIAL_CONTACT if initial else Status.CONTACT
+    assert found.contact.time is not None
+    time = lo if initial else min(max(window.true_time(found.contact.time), lo), hi)
+    answer: dict[str, Any] = {"free_until": lo, "stats": Stats(node_visits=work.done), **shared}
+    if initial:
+        answer["initial"] = "touching"
+    if found.contact.event is not None:
+        pose = window.motion.carry(time)
+        pose = np.eye(4) if pose is None else pose
+        answer |= described(found.contact.event, pose, not initial, shared, found.numbers)
+    return FirstContact(status, time, found.interval, **answer)
+
+
+class _Pair:
+    """The pieces of both surfaces and the windows of their relative motion."""
+
+    def __init__(self, a: Any, b: Any, first: fmpq, last: fmpq) -> None:
+        self.bodies, self.first, self.last = (a, b), first, last
+        self.surfaces: list[tuple[RuledSurface, ...]] = []
+        self.pieces: list[list[RuledPiece]] = []
+        for body in (a, b):
+            surfaces = getattr(shape_of(body), "pieces", None)
+            if surfaces is None:
+                raise UnsupportedPair(f"{body!r} is no ruled surface")
+            for surface in surfaces:
+                if surface.s is None or surface.trim:
+                    raise UnsupportedPair(
+                        f"{surface!r}: under motions that are no rational functions of the time, ruled surfaces are "
+                        "taken bounded in s and not trimmed"
+                    )
+                for side in surface.sides:
+                    check_weight(surface, side, (first, last))
+            self.surfaces.append(surfaces)
+            self.pieces.append([RuledPiece.of(signed(s.sides, s, (first + last) / 2), s.u) for s in surfaces])
+
+    def windows(self) -> Iterator[PoseWindow]:
+        for motion in curved_pieces(*self.bodies, self.first, self.last):
+            yield from pose_windows(motion, motion.start, motion.end)
+
+    def near(self, window: PoseWindow) -> list[tuple[int, int]]:
+        """The pieces that may meet."""
+        if all(len(own) == 1 for own in self.pieces):
+            return [(0, 0)]
+        a, b = ([_moving(s, body) for s in own] for own, body in zip(self.surfaces, self.bodies, strict=True))
+        return near_pairs(a, b, window.start, window.end)
+
+    def searched(self, window: PoseWindow, i: int, j: int, tolerance: float, work: Work) -> _Found:
+        budget = BUDGET if work.budget is None else work.budget - work.done
+        if budget <= 0:
+            raise Spent
+        p, q = PosedPiece.posed(self.pieces[0][i], window), in_local_time(self.pieces[1][j], window)
+        found = first_event_of(Search(p, q), fmpq(-1), fmpq(1), self.local(tolerance, window), budget)
+        work.done += found.boxes
+        interval = None if found.time_interval is None else window.true_times(*found.time_interval)
+        return _Found(found, (i, j), window.true_times(found.free_until, 1.0)[0], interval)
+
+    def local(self, tolerance: float, window: PoseWindow) -> float:
+        """The tolerance, a part of the span, as a part of the window's time."""
+        width = float(window.end - window.start)
+        return min(tolerance * float(self.last - self.first) / width, MOST_TOLERANCE) if width else MOST_TOLERANCE
+
+
+def _moving(surface: RuledSurface, body: Any) -> Any:
+    return Moving(surface, body.motion) if isinstance(body, Moving) else surface

@@ -1,0 +1,183 @@
+"""Two ruled surfaces under screws, turns about different axes and the like: closed forms, the exact path, sampling."""
+
+import math
+import random
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from flint import arb, fmpq
+
+import firstcontact as fc
+from amount import amount
+from firstcontact.composite.work import Work
+from firstcontact.exact.numbers import precision
+from firstcontact.motion.curved import terms
+from firstcontact.motion.relative import curved_pieces
+from firstcontact.ruled import posed
+from firstcontact.search.posed_pieces import PosedPiece, in_local_time, pose_windows
+from firstcontact.search.ruled_events import Search, first_event_of
+from firstcontact.search.ruled_pieces import RuledPiece
+
+SADDLE = fc.RuledSurface("(u, 0, 0)", "(u, 1, u)", name="saddle").translated((-10, 0, 0))
+WALL = fc.RuledSurface("(0, -3, 2*u-1)", "(0, 3, 2*u-1)", name="wall")
+
+
+def first(a, b, span=(0, 1), tolerance=1e-12):
+    lo, hi = map(Fraction, span)
+    shared = {"a": a, "b": b, "span": (float(lo), float(hi))}
+    ends = (fmpq(x.numerator, x.denominator) for x in (lo, hi))
+    return posed.first_contact(a, b, *ends, tolerance, Work(), shared)
+
+
+def test_a_saddle_screwed_through_a_wall():
+    """Its front ruling x = -9 + 20 t, always across the axis, comes to x = 0 at t = 9/20."""
+    hit = fc.first_contact(SADDLE.moving(fc.Screw((1, 0, 0), degrees=90, advance=20)), WALL)
+    lo, hi = hit.time_interval
+    assert hit.status is fc.Status.CONTACT and lo <= 0.45 <= hi and hi - lo < 1e-12
+    assert hit.element_a.kind == "end_ruling" and abs(hit.point[0]) < 1e-12
+    assert np.allclose(np.abs(hit.normal), (1, 0, 0))
+
+
+def test_a_turning_rod_meets_a_rising_floor():
+    """The tip of the rod is at z = -sin(pi t), the floor at z = 3/2 (t - 1)."""
+    rod = fc.RuledSurface("(0, u/8, 0)", "(1, u/8, 0)", u=(-1, 1), name="rod")
+    floor = fc.RuledSurface("(-3, 6*u-3, -3/2)", "(3, 6*u-3, -3/2)", name="floor").moving(fc.Translation((0, 0, "3/2")))
+    hit = fc.first_contact(rod.moving(fc.Rotation((0, 1, 0), (0, 0, 0), degrees=180)), floor)
+    lo, hi = hit.time_interval
+    before, after = (math.sin(math.pi * t) + 1.5 * (t - 1) for t in (lo - 1e-15, hi + 1e-15))
+    assert before < 0 < after and hi - lo < 1e-12 and hit.element_b.kind == "face"
+    assert np.allclose(hit.normal, (0, 0, 1)) and abs(hit.point[2] + math.sin(math.pi * hit.time)) < 1e-12
+
+
+def test_pieces_of_strips_are_named():
+    """The second piece of a strip comes first when the strip is screwed forwards."""
+    grid = [[(x, y, z) for y in (0, 1)] for x, z in ((-6, 0), (-5, 1), (-4, 1), (-3, 0))]
+    strip = fc.RuledSurface.from_nurbs(grid, knots=[0, 0, 0, 1, 2, 2, 2], name="strip")
+    hit = fc.first_contact(strip.moving(fc.Screw((1, 0, 0), degrees=30, advance=6)), WALL)
+    assert hit.time_interval[0] <= 0.5 <= hit.time_interval[1]
+    assert (hit.element_a.kind, hit.element_a.index) in (("end_ruling", 3), ("vertex", 6), ("vertex", 7))
+
+
+def test_touching_at_the_start_and_never():
+    turned = SADDLE.translated(("19/2", 0, 0)).moving(fc.Screw((1, 0, 0), degrees=400, advance=7))
+    hit = fc.first_contact(turned, WALL)
+    assert (hit.status, hit.time, hit.initial) == (fc.Status.INITIAL_CONTACT, 0.0, "touching")
+    away = SADDLE.moving(fc.Screw((1, 0, 0), degrees=4000, advance=-7))
+    assert fc.first_contact(away, WALL).status is fc.Status.FREE
+
+
+def test_a_budget_ends_in_undecided():
+    moving = SADDLE.moving(fc.Screw((1, 0, 0), degrees=90, advance=20))
+    found = fc.first_contact(moving, WALL, budget=2)
+    assert (found.status, found.reason) == (fc.Status.UNDECIDED, "budget") and found.free_until < 0.45
+
+
+@pytest.mark.parametrize(
+    ("surface", "message"),
+    [(fc.RuledSurface("(u, 0, 0)", "(u, 1, u)", s=None), "bounded in s"),
+     (fc.RuledSurface("(u, 0, 0)", "(u, 1, u)", trim=["s <= u"]), "not trimmed")],
+)  # fmt: skip
+def test_what_is_refused(surface, message):
+    with pytest.raises(fc.UnsupportedPair, match="no rational pose"):
+        fc.first_contact(surface.moving(fc.Screw((1, 0, 0), degrees=90, advance=20)), WALL)
+    with pytest.raises(fc.UnsupportedPair, match=message):
+        fc.first_contact(surface.moving(fc.Screw((1, 0, 0), degrees=90, advance=20)), WALL, method="certified")
+
+
+MOTIONS = [
+    fc.Screw((1, 2, -1), (1, 0, 3), degrees=300, advance=5),
+    fc.Rotation((0, 0, 1), (2, 1, 0), radians=3),
+    fc.Sequence([fc.Rotation((1, 1, 0), (0, 1, 0), radians=1), fc.Translation((1, 2, 3))]),
+    fc.RationalMotion([[[1, 0, 0, 1], [0, 1, 0, 2], [0, 0, 1, 0], [0, 0, 0, 1]], [[0] * 4] * 3 + [[0, 0, 0, 1]]]),
+]
+
+
+@pytest.mark.parametrize("k", range(len(MOTIONS)))
+def test_windows_hold_the_pose(k):
+    """The polynomials keep their bounds at random times, against the pose in 300 bits."""
+    rng = random.Random(k)
+    a, b = (SADDLE.moving(m) for m in (MOTIONS[k], MOTIONS[(k + 1) % len(MOTIONS)]))
+    for motion in curved_pieces(a, b, fmpq(0), fmpq(1)):
+        last = motion.start
+        for window in pose_windows(motion, motion.start, motion.end):
+            assert window.start == last
+            last = window.end
+            for seen in (window, window.reversed()):
+                x = fmpq(rng.randint(-1000, 1000), 1000)
+                with terms(1, 300):
+                    pose = motion.series(arb(seen.clock(x)))
+                    for i in range(3):
+                        for j in range(4):
+                            gap = abs(pose[i][j][0] - arb(seen.rows[i][j](x)))
+                            assert gap <= seen.off[j == 3], f"seed {k}"
+        assert last == motion.end
+
+
+def test_balls_and_polynomials_are_one_surface():
+    """Jets of the posed curves, and differences of the polynomials, at random places; backwards too."""
+    rng = random.Random(5)
+    (motion,) = curved_pieces(SADDLE.moving(MOTIONS[0]), WALL.moving(MOTIONS[1]), fmpq(0), fmpq(1))
+    window = list(pose_windows(motion, fmpq(0), fmpq(1)))[1]
+    bent = fc.RuledSurface("(u, u**2 + T, 1/(1+u**2))", "(u*T, 1, 3)", name="bent")
+    piece = PosedPiece.posed(RuledPiece.of(bent.sides, (fmpq(0), fmpq(1))), window)
+    h = fmpq(1, 2**40)
+    for own in (piece, piece.reversed()):
+        for curve, side in zip(own.curves(0), (0, 1), strict=True):
+            x, t = (fmpq(rng.randint(-900, 900), 1000) for _ in range(2))
+            table = own.arrays[0][0][side]
+            with precision(256):
+                jet = curve.jet(arb(x), arb(t), 2)
+                later, aside = curve.jet(arb(x), arb(t + h), 1), curve.jet(arb(x + h), arb(t), 1)
+                for k in range(3):
+                    assert abs(later.point[k] - jet.point[k] - h * jet.t[k]) < 1e-20
+                    assert abs(aside.point[k] - jet.point[k] - h * jet.x[k]) < 1e-20
+                    assert abs(later.x[k] - jet.x[k] - h * jet.xt[k]) < 1e-20
+                    assert abs(aside.x[k] - jet.x[k] - h * jet.xx[k]) < 1e-20
+            place = np.polynomial.polynomial.polyval2d(float(x), float(t), table.transpose(1, 2, 0))
+            assert np.allclose(place[:3] / place[3], [float(c) for c in jet.point], atol=1e-14)
+
+
+def test_what_the_polynomials_leave_out_is_counted(monkeypatch):
+    """Two plates 1/16 apart are free, but not where points may be 1/10 off."""
+    plate = fc.RuledSurface("(u, 0, 0)", "(u, 1, 0)").sides
+    far = fc.RuledSurface("(u, 0, 1/16)", "(u, 1, 1/16)").sides
+    p, q = (RuledPiece.of(x, (0, 1)) for x in (plate, far))
+    assert first_event_of(Search(p, q), fmpq(0), fmpq(1), 1e-12, 2000).status == "free"
+    monkeypatch.setattr(RuledPiece, "off", (0.05, 0.1))
+    assert first_event_of(Search(p, q), fmpq(0), fmpq(1), 1e-12, 2000).status == "open"
+
+
+def curve(rng):
+    return "(" + ", ".join(f"{rng.randint(-4, 4)}/4 + {rng.randint(-8, 8)}/4*u" for _ in range(3)) + ")"
+
+
+@pytest.mark.parametrize("seed", range(amount(24)))
+def test_equals_the_exact_path(seed):
+    """Turns and straight ways, whose times are known exactly; a screw in common changes nothing."""
+    rng = random.Random(seed)
+    a = fc.RuledSurface(curve(rng), curve(rng)).translated([rng.randint(-3, 3) for _ in range(3)])
+    b = fc.RuledSurface(curve(rng), curve(rng))
+    x, y, z = (rng.randint(-2, 2) for _ in range(3))
+    turn = fc.Rotation((x, y, 1), (z, 0, 0), degrees=rng.randint(9, 300))
+    motion = turn if seed % 2 else fc.Translation([rng.randint(-4, 4) for _ in range(3)])
+    known, found = fc.first_contact(a.moving(motion), b), first(a.moving(motion), b)
+    if found.status is fc.Status.UNDECIDED:
+        assert found.free_until <= known.free_until + 1e-12, f"seed {seed}"
+        return
+    assert found.status is known.status, f"seed {seed}"
+    if found.status is fc.Status.CONTACT:
+        lo, hi = found.time_interval
+        assert lo - 1e-15 <= known.time <= hi + 1e-15 and hi - lo <= 2e-12, f"seed {seed}"
+        assert np.allclose(found.point, known.point, atol=1e-8), f"seed {seed}"
+
+
+def test_local_time_stands_for_time():
+    bent = fc.RuledSurface("(u, T, T**2)", "(u, 1, u*T)")
+    piece = RuledPiece.of(bent.sides, (0, 1))
+    (motion,) = curved_pieces(SADDLE, WALL, fmpq(0), fmpq(1))
+    for window in (w for first in pose_windows(motion, fmpq(1, 4), fmpq(3, 4)) for w in (first, first.reversed())):
+        local = in_local_time(piece, window)
+        x = fmpq(1, 3)
+        t = window.clock(x)
+        assert sum(c * x**k for k, c in enumerate(local.first[2][0])) * local.first[3][0][0] ** -1 == t**2
