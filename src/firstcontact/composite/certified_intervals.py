@@ -9,9 +9,9 @@ What is proved neither way ends the answer.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
 from flint import fmpq
@@ -19,7 +19,7 @@ from flint import fmpq
 from firstcontact.body.moving import shape_of
 from firstcontact.composite.certified import both_bounded
 from firstcontact.composite.last_instant import landing
-from firstcontact.composite.lasting import Lasting, LastingOfModels
+from firstcontact.composite.lasting import LastingOfModels
 from firstcontact.composite.work import Spent, Work
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import above, below, simplest
@@ -66,11 +66,27 @@ class Found:
     reason: str | None
 
 
-class _Open(Exception):
+class Open(Exception):
     """Nothing is proved from that time on."""
 
     def __init__(self, time: float) -> None:
         self.time = time
+
+
+@dataclass(frozen=True)
+class Touch:
+    """The first contact after free time.
+
+    lo, hi   no contact before lo; sure: one at or before hi.
+    at       a later time, or hi, up to which contact does not begin or end again; None where none is known.
+    point    a common one at that time; None where there is contact at one instant only.
+    """
+
+    lo: float
+    hi: float
+    sure: bool = True
+    at: float | None = None
+    point: np.ndarray | None = None
 
 
 def certified_intervals(
@@ -110,23 +126,49 @@ def reversed_in_time(window: Window) -> Window:
     return Window(-window.last, -window.first, -math.nextafter(window.first, math.inf), *tables)
 
 
-class Free(Protocol):
-    """How free time is passed."""
+class Timed(Protocol):
+    """What the sweep knows of a `Window` or the like."""
 
-    def at(self, window: Window, t: float) -> bool:
+    @property
+    def first(self) -> float: ...
+    @property
+    def last(self) -> float: ...
+    @property
+    def inner(self) -> float: ...
+
+
+W = TypeVar("W", bound=Timed)
+
+
+class Free(Protocol):
+    """How free time is passed; window: any that the sweep was given, or its mirror."""
+
+    def at(self, window: Any, t: float) -> bool:
         """Whether the bodies are proved apart at t."""
 
-    def until(self, window: Window, t: float, end: float) -> tuple[float, list[np.ndarray]]:
+    def until(self, window: Any, t: float, end: float) -> tuple[float, list[np.ndarray]]:
         """(a time until which the bodies, apart at t, stay apart; where they may touch then).
 
         Without such places they are apart at that time too.
         """
 
-    def near_start(self, window: Window) -> list[np.ndarray]:
+    def near_start(self, window: Any) -> list[np.ndarray]:
         """Where the bodies may touch at the start of the window."""
 
-    def passage(self, window: Window, t: float) -> Pass | None:
+    def passage(self, window: Any, t: float) -> Pass | None:
         """What finer arithmetic proves from t on; None where that is nothing."""
+
+
+class Following(Protocol):
+    """How contact is followed, see `lasting.Lasting`."""
+
+    def deepest(self, window: Any, t: float, seeds: Sequence[np.ndarray]) -> np.ndarray | None: ...
+
+    def anywhere(self, window: Any, t: float) -> np.ndarray | None: ...
+
+    def until(
+        self, window: Any, t: float, end: float, point: np.ndarray, least: float, step: Callable[[], None]
+    ) -> tuple[float, np.ndarray]: ...
 
 
 @dataclass(frozen=True)
@@ -218,14 +260,16 @@ class _Free:
         return found
 
 
-class Sweep:
+class Sweep(Generic[W]):
     """touches_at_start: as `certified_intervals` has it; width: of the enclosures of events."""
+
+    most_turns = MOST_TURNS
 
     def __init__(
         self,
         free: Free,
-        lasting: Lasting[Any],
-        parts: list[Window],
+        lasting: Following,
+        parts: list[W],
         width: float,
         work: Work,
         touches_at_start: Callable[[], np.ndarray | None],
@@ -244,7 +288,7 @@ class Sweep:
             for k, window in enumerate(self.windows):
                 self.reached = window.first
                 point = self._window(window, point, k == 0)
-        except _Open as stopped:
+        except Open as stopped:
             self.reached, reason = max(self.reached, stopped.time), "precision"
         except Spent:
             reason = "budget"
@@ -269,7 +313,7 @@ class Sweep:
         self.work.free_until = starts[0]
         self.work.step()
 
-    def _window(self, window: Window, point: np.ndarray | None, is_first: bool) -> np.ndarray | None:
+    def _window(self, window: W, point: np.ndarray | None, is_first: bool) -> np.ndarray | None:
         """Follow the state through one window; a common point at its end, None where there is none."""
         t = window.first
         self._step()
@@ -290,7 +334,7 @@ class Sweep:
             self.reached = t
         return point
 
-    def _at_start(self, window: Window, point: np.ndarray | None, is_first: bool) -> np.ndarray:
+    def _at_start(self, window: W, point: np.ndarray | None, is_first: bool) -> np.ndarray:
         t = window.first
         found = self.lasting.deepest(window, t, [point]) if point is not None else None
         if found is None:
@@ -301,20 +345,20 @@ class Sweep:
             return seeds[0]
         if is_first and (seed := self.touches_at_start()) is not None:
             return seed
-        raise _Open(t)
+        raise Open(t)
 
-    def _finer(self, window: Window, t: float) -> tuple[float, np.ndarray | None]:
-        """As `_enter` or `_leave`, by a passage from t on.  May raise _Open."""
+    def _finer(self, window: W, t: float) -> tuple[float, np.ndarray | None]:
+        """As `_enter` or `_leave`, by a passage from t on.  May raise Open."""
         self._step()
         found = self.free.passage(window, t)
         if found is None or found.passage.stretches[0].contact != (self.start is not None):
-            raise _Open(t)
+            raise Open(t)
         passage = found.passage
         for before, after in zip(passage.stretches, passage.stretches[1:], strict=False):
             event = below(before.hi), above(after.lo)
             if before.contact and after.contact or passage.graze is not None:
                 if found.instant is None:
-                    raise _Open(event[0])
+                    raise Open(event[0])
                 if not after.contact:
                     at = below(found.instant), above(found.instant)
                     self.start = event[0], at[1]
@@ -325,21 +369,32 @@ class Sweep:
                 self._close(event)
         return min(below(passage.until), window.last), found.point
 
-    def _enter(self, window: Window, t: float) -> tuple[float, np.ndarray | None]:
+    def _enter(self, window: W, t: float) -> tuple[float, np.ndarray | None]:
         """(the time up to which all is settled, a common point then or None), from t, which is free."""
         self._step()
-        lo, seeds = self.free.until(window, t, window.last)
-        if lo >= window.last and not seeds:
+        found = self._touch(window, t, window.last)
+        if found is None:
             return window.last, None
-        self.reached = lo
-        hi, point = self._soon(window, lo, window.inner, seeds)
-        if point is None:
-            return self._finer(window, lo)
-        self.start, self.turns = (lo, hi), 0
-        return hi, point
+        self.reached = found.lo
+        if not found.sure:
+            return self._finer(window, found.lo)
+        self.start, self.turns = (found.lo, found.hi), 0
+        if found.at is None:
+            raise Open(found.hi)
+        if found.point is None:
+            self._close(self.start)
+        return found.at, found.point
+
+    def _touch(self, window: W, t: float, end: float) -> Touch | None:
+        """The first contact from t, which is free, to the time `end`; None where there is none."""
+        lo, seeds = self.free.until(window, t, end)
+        if lo >= end and not seeds:
+            return None
+        hi, point = self._soon(window, lo, min(window.inner, end), seeds)
+        return Touch(lo, hi, point is not None, hi, point)
 
     def _soon(
-        self, window: Window, lo: float, latest: float, seeds: list[np.ndarray]
+        self, window: W, lo: float, latest: float, seeds: list[np.ndarray]
     ) -> tuple[float, np.ndarray | None]:
         """(a time within the width after lo, a point proved common then)."""
         for share in (0.25, 0.9):
@@ -348,21 +403,21 @@ class Sweep:
                 return at, point
         return lo, None
 
-    def _leave(self, window: Window, t: float, point: np.ndarray) -> tuple[float, np.ndarray | None]:
+    def _leave(self, window: W, t: float, point: np.ndarray) -> tuple[float, np.ndarray | None]:
         """(a later time up to which all is settled, a common point then or None), from t, which is in contact."""
         self.turns += 1
-        if self.turns > MOST_TURNS:
-            raise _Open(t)
+        if self.turns > self.most_turns:
+            raise Open(t)
         t, point = self.lasting.until(window, t, window.last, point, LEAST_AHEAD, self._step)
         self.reached = t
         if t >= window.last:
             return t, point
         try:
             return self._left(window, t, point)
-        except _Open:
+        except Open:
             return self._finer(window, t)
 
-    def _left(self, window: Window, t: float, point: np.ndarray) -> tuple[float, np.ndarray | None]:
+    def _left(self, window: W, t: float, point: np.ndarray) -> tuple[float, np.ndarray | None]:
         """As `_leave`, from t where contact is not proved to last."""
         for later in self._ahead(window, t):
             self._step()
@@ -374,9 +429,9 @@ class Sweep:
             if there is not None:
                 gap = self._lost_before(window, t, later, there)
                 return (later, there) if gap is None else self._back(window, t, gap)
-        raise _Open(t)
+        raise Open(t)
 
-    def _ahead(self, window: Window, t: float) -> Iterator[float]:
+    def _ahead(self, window: W, t: float) -> Iterator[float]:
         """Times after t, ever farther apart, up to the window's end."""
         passed = t - (self.start[1] if self.start is not None else t)
         step = max(0.5 * self.width, 8.0 * math.ulp(t), 1e-4 * passed)  # in few turns, however little each proves
@@ -385,29 +440,33 @@ class Sweep:
             step *= 2.0
         yield window.last
 
-    def _back(self, window: Window, t: float, later: float) -> tuple[float, None]:
+    def _back(self, window: W, t: float, later: float) -> tuple[float, None]:
         """Where contact at t ends before the time `later`, which is free; a time that is free."""
-        mirror = reversed_in_time(window)
+        mirror = self._mirrored(window)
         for _ in range(TRIES):
             self._step()
-            free, seeds = self.free.until(mirror, -later, -t)
-            hi = -free
+            last = self._touch(mirror, -later, -t)
+            hi = t if last is None else -last.lo
             if hi - t <= self.width:
                 self._close((t, max(hi, t)))
                 return later, None
-            lo, point = self._soon(mirror, free, -t, seeds)
-            if point is None:
-                raise _Open(t)
-            gap = self._lost_before(window, t, -lo, point)
+            if last is None or last.at is None or not last.sure:
+                raise Open(t)
+            gap: float | None = -last.at
+            if last.point is not None:
+                gap = self._lost_before(window, t, -last.at, last.point)
             if gap is None:
-                self._close((-lo, hi))
+                self._close((-last.hi, hi))
                 return later, None
             later = gap
-        raise _Open(t)
+        raise Open(t)
 
-    def _lost_before(self, window: Window, t: float, later: float, point: np.ndarray) -> float | None:
-        """None if contact lasts from t to `later`, both in contact; else a free time between.  May raise _Open."""
-        mirror = reversed_in_time(window)
+    def _mirrored(self, window: W) -> W:
+        return reversed_in_time(window)  # type: ignore[arg-type, return-value]
+
+    def _lost_before(self, window: W, t: float, later: float, point: np.ndarray) -> float | None:
+        """None if contact lasts from t to `later`, both in contact; else a free time between.  May raise Open."""
+        mirror = self._mirrored(window)
         back, _ = self.lasting.until(mirror, -later, -t, point, LEAST_BACK, self._step)
         if -back - t <= self.width:
             return None
@@ -415,4 +474,4 @@ class Sweep:
             middle = t + (-back - t) * k / TRIES
             if t < middle < later and self.free.at(window, middle):
                 return middle
-        raise _Open(t)
+        raise Open(t)

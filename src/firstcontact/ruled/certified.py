@@ -8,13 +8,15 @@ import numpy as np
 from flint import fmpq
 
 from firstcontact.body.moving import shape_of
+from firstcontact.composite.verbs import proved_intervals
+from firstcontact.composite.work import Work
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import to_double
 from firstcontact.motion.clocks import StraightClock
 from firstcontact.motion.directrices import DirectrixPiece, directrix_pieces
-from firstcontact.result import ContactInterval, ContactIntervals, Element, FirstContact, Stats, Status
+from firstcontact.result import ContactIntervals, Element, FirstContact, Stats, Status
+from firstcontact.ruled.certified_intervals import certified_intervals
 from firstcontact.search.ruled_events import RuledEvent, first_event
-from firstcontact.search.ruled_intervals import contact_times
 from firstcontact.search.ruled_pieces import RuledPiece
 
 BUDGET = 200_000
@@ -44,25 +46,11 @@ def first_contact(
 
 
 def contact_intervals(
-    a: Any, b: Any, first: fmpq, last: fmpq, budget: int | None, shared: dict[str, Any]
+    a: Any, b: Any, first: fmpq, last: fmpq, tolerance: float, work: Work, begin: float, shared: dict[str, Any]
 ) -> ContactIntervals:
-    """All contacts with enclosures of their ends; UNDECIDED from the first unsettled time on."""
+    """All contacts with enclosures of their ends; UNDECIDED from the first time on at which nothing is proved."""
     _, p, q = _pieces(a, b, first, last)
-    found = contact_times(p, q, first, last, budget=5 * BUDGET if budget is None else budget)
-    open_from = min((lo for lo, _ in found.unsettled), default=None)
-    intervals = tuple(
-        ContactInterval(_middle(x.start), _middle(x.end), x.start, x.end)
-        for x in found.intervals
-        if open_from is None or x.end[1] < open_from
-    )
-    start, end = to_double(first), to_double(last)
-    at_start = bool(intervals) and intervals[0].start_interval[0] <= start
-    status = Status.FREE if not intervals else Status.INITIAL_CONTACT if at_start else Status.CONTACT
-    until = intervals[0].start_interval[0] if intervals else end
-    reason = None
-    if open_from is not None:
-        status, until, reason = Status.UNDECIDED, max(open_from, start), "precision"
-    return ContactIntervals(intervals, status, until, reason, Stats(node_visits=found.boxes), **shared)
+    return proved_intervals(certified_intervals(p, q, first, last, tolerance, work), work, begin, shared)
 
 
 def takes(a: Any, b: Any, first: fmpq, last: fmpq) -> bool:
@@ -124,7 +112,3 @@ def _element(kind: str, sides: tuple[int, int], number: int, body: Any, which: s
     index = {"face": 0, "directrix": j, "end_ruling": i, "vertex": 2 * i + j}[kind]
     name = getattr(body, "name", None) or which
     return Element(kind, name, index + number * PER_PIECE[kind], name)
-
-
-def _middle(ends: tuple[float, float]) -> float:
-    return 0.5 * (ends[0] + ends[1])

@@ -143,8 +143,7 @@ def _exact_intervals(
                 raise refusal from None
         if not (quick and isinstance(refusal, TooLarge)):
             raise
-        found = certified.contact_intervals(a, b, first, last, budget, shared)
-        return replace(found, stats=found.stats + Stats(seconds=clock.perf_counter() - begin))
+        return certified.contact_intervals(a, b, first, last, tolerance, work, begin, shared)
     return as_intervals(windows, reason, first, last, exact, work, begin, shared)
 
 

@@ -9,13 +9,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from itertools import combinations
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from flint import arb, fmpq
 
 from firstcontact.exact.isolation import isolated
-from firstcontact.exact.numbers import ball_bounds, dyadic, exact_value, nearest_double, precision
+from firstcontact.exact.numbers import ball_bounds, dyadic, exact_value, nearest_double, precision, to_double
 from firstcontact.exact.ruled_systems import ContactSystem, Curve
 from firstcontact.exact.square_systems import Zero, certified
 from firstcontact.kernels.ruled_models import ALL_STRATA, MOST_DEGREE, OFF, ROWS, WIDTH
@@ -93,6 +93,24 @@ class RuledContact:
     boxes: int = 0
 
 
+@dataclass(frozen=True)
+class Listed:
+    """Where in time an event may be; is_contact: it is a point of both pieces, a zero of the system."""
+
+    time: arb
+    kind: np.ndarray
+    is_contact: bool = False
+    zero: Zero | None = None
+    system: ContactSystem | None = None
+
+
+class Held(NamedTuple):
+    """A narrow box (5, 2) around a contact, and its parts and stratum."""
+
+    box: np.ndarray
+    kind: np.ndarray
+
+
 class Search:
     """Two pieces, and room for the search between them."""
 
@@ -118,6 +136,10 @@ class Search:
                 self.kinds[n] = i, j, ALL_STRATA
                 self.keys[n], self.heap[n] = lo, (n, 0)
                 n += 1
+        return self._run(n, lo, hi, mode, width, budget)
+
+    def _run(self, n: int, lo: float, hi: float, mode: int, width: float, budget: int) -> int:
+        """Search the first n boxes."""
         self.limit[:] = np.inf
         self.counters[:] = 0
         outcome = search(
@@ -138,6 +160,31 @@ class Search:
         if self.count and self.found_kinds[self.count - 1, SURE]:
             return True
         return False if outcome == DONE and not self.count else None
+
+    def held(
+        self, lo: float, hi: float, width: float, budget: int, near: Held | None = None, reach: float = 0.0
+    ) -> Held | None:
+        """A contact proved at all of these times; None without a proof.
+
+        near, reach: looked for that near to another one only, in u, s, v and t of a part.
+        """
+        if near is None:
+            self.run(lo, hi, AT_REST, width, budget)
+        else:
+            limits = np.array([(to_double(x), to_double(y)) for x, y in self._limits(near.kind)])
+            room = reach + (near.box[:4, 1] - near.box[:4, 0])
+            self.boxes[0, :4, 0] = np.maximum(near.box[:4, 0] - room, limits[:, 0])
+            self.boxes[0, :4, 1] = np.minimum(near.box[:4, 1] + room, limits[:, 1])
+            self.boxes[0, 4], self.kinds[0], self.keys[0], self.heap[0] = (lo, hi), near.kind, lo, (0, 0)
+            self._run(1, lo, hi, AT_REST, width, budget)
+        return self.proved()
+
+    def proved(self) -> Held | None:
+        """The contact that `at_rest` has found."""
+        row = self.count - 1
+        if row < 0 or not self.found_kinds[row, SURE]:
+            return None
+        return Held(self.found[row].copy(), self.found_kinds[row, :3].copy())
 
     def event(self, row: int) -> RuledEvent:
         """The certain contact in a row of the boxes found."""
@@ -171,36 +218,49 @@ class Search:
 
         Without a contact there is none up to lo + reach.
         """
-        if self.run(lo, lo + reach, ALL_EVENTS, max(width, reach / 64), budget) != DONE:
+        listed = self.listed(lo, width, reach, budget)
+        if listed is None:
+            return None
+        if not listed:
+            return lo + reach, None
+        with precision(BITS + 64):
+            free = max(lo, min(below(dyadic(x.time.lower())) for x in listed))
+        first: Listed | None = None
+        for x in listed:
+            if x.is_contact and (first is None or x.time < first.time
+                                 or (x.time.overlaps(first.time) and _rank(x.kind) < _rank(first.kind))):  # fmt: skip
+                first = x
+        if first is None:
+            return free, None
+        assert first.zero is not None and first.system is not None
+        return free, self._event(first.zero, first.system, first.kind)
+
+    def listed(
+        self, lo: float, width: float, reach: float, budget: int, most: int = MOST_FOUND
+    ) -> list[Listed] | None:
+        """All events from lo to lo + reach, and more that may be none, in balls.
+
+        None where that takes more than `budget` boxes in doubles or leaves more than `most` of them to balls.
+        """
+        outcome = self.run(lo, lo + reach, ALL_EVENTS, max(width, reach / 64), budget)
+        if outcome != DONE or self.count > most:
             return None
         rows = range(self.count)
         boxes, kinds = self.found[rows].copy(), self.found_kinds[rows].copy()
-        first: tuple[arb, Zero, np.ndarray, ContactSystem] | None = None
-        starts: list[arb] = []
+        found: list[Listed] = []
         for box, kind in zip(boxes, kinds, strict=True):
             system = self._square(box, kind)
             if system is None:
-                starts.append(arb(exact_value(float(box[4, 0]))))
+                earliest, latest = (arb(exact_value(t)) for t in box[4].tolist())
+                found.append(Listed(earliest.union(latest), kind))
                 continue
-            found = isolated(system, [_ball_box(box[[*system.free, 4]])])
-            starts += [arb(left[-1].lower()) for left in found.left]
-            for zero in found.zeros:
+            isolation = isolated(system, [_ball_box(box[[*system.free, 4]])])
+            found += [Listed(left[-1], kind) for left in isolation.left]
+            for zero in isolation.zeros:
                 inside = self._is_inside(system, zero, kind)
-                if inside is False:
-                    continue
-                time = zero.balls(BITS)[-1]
-                starts.append(arb(time.lower()))
-                lowest = first is None or time < first[0] or (time.overlaps(first[0]) and _rank(kind) < _rank(first[2]))
-                if inside and lowest:
-                    first = time, zero, kind, system
-        if not starts:
-            return lo + reach, None
-        with precision(BITS + 64):
-            free = max(lo, min(below(dyadic(start)) for start in starts))
-        if first is None:
-            return free, None
-        _, zero, kind, system = first
-        return free, self._event(zero, system, kind)
+                if inside is not False:
+                    found.append(Listed(zero.balls(BITS)[-1], kind, bool(inside), zero, system))
+        return found
 
     def _square(self, box: np.ndarray, kind: np.ndarray) -> ContactSystem | None:
         """A system in all free parameters whose zeros hold all events in the box; None where it is singular there."""
@@ -229,7 +289,7 @@ class Search:
 
     def _limits(self, kind: np.ndarray) -> tuple[tuple[Any, Any], ...]:
         part_p, part_q = self.p.parts[kind[PART_P]], self.q.parts[kind[PART_Q]]
-        return (part_p.lowest, part_p.highest), (0, 1), (part_q.lowest, part_q.highest), (0, 1)
+        return (part_p.lowest, part_p.highest), (fmpq(0), fmpq(1)), (part_q.lowest, part_q.highest), (fmpq(0), fmpq(1))
 
     def _curves(self, kind: np.ndarray) -> tuple[Curve, Curve, Curve, Curve]:
         return (*self.p.curves(int(kind[PART_P])), *self.q.curves(int(kind[PART_Q])))
