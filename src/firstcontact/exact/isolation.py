@@ -64,7 +64,7 @@ def _search(system: Equations, first: Box, found: Isolation, most: int) -> int:
         elif shares[widest] < LEAST:
             found.left.append(left)
         else:
-            queue += _halves(left, widest)
+            queue += reversed(_halves(left, widest))  # lower halves first: what is left over comes late
     return most
 
 

@@ -7,6 +7,7 @@ The search leaves the earliest instant at which contact is certain and a time be
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Any, NamedTuple
@@ -43,6 +44,8 @@ BITS = 96
 """Of the enclosures of events."""
 REGULAR = 1e-9
 """Pivots below this, in rows of unit length, leave a parameter free."""
+FEW, MANY = 40, 200
+"""Boxes looked at in balls: for all that touch each other, then for one."""
 REACH, STAGES = 256.0, 10
 """Widths of the answer over which balls look for events at first, and how often they do."""
 LEAST_PART = 2.0**-20
@@ -118,7 +121,7 @@ class Search:
         self.p, self.q = p, q
         (self.table_p, self.domain_p), (self.table_q, self.domain_q) = p.arrays, q.arrays
         self.boxes, self.kinds = np.empty((ROOM, 5, 2)), np.empty((ROOM, 3), np.int64)
-        self.keys, self.heap = np.empty(ROOM), np.empty((ROOM, 2), np.int64)
+        self.keys, self.heap, self.slots = np.empty(ROOM), np.empty((ROOM, 2), np.int64), np.empty(ROOM, np.int64)
         self.found, self.found_kinds = np.empty((MOST_FOUND, 5, 2)), np.zeros((MOST_FOUND, 4), np.int64)
         self.times, self.limit = np.zeros((MOST_FOUND, 2)), np.zeros(2)
         self.counters = np.zeros(COUNTERS, np.int64)
@@ -144,7 +147,7 @@ class Search:
         self.counters[:] = 0
         outcome = search(
             self.table_p, self.domain_p, self.table_q, self.domain_q, mode, self.boxes, self.kinds, self.keys,
-            self.heap, np.arange(ROOM), n, max(hi - lo, width), width, budget, self.found, self.found_kinds,
+            self.heap, self.slots, n, max(hi - lo, width), width, budget, self.found, self.found_kinds,
             self.times, self.limit, self.counters, self.workspace, self.powers,
         )  # fmt: skip
         self.visits += int(self.counters[VISITS])
@@ -213,18 +216,19 @@ class Search:
         values = [None if k in solved else exact_value(middle[k]) for k in range(4)]
         return ContactSystem(curves, values, [m for k, m in enumerate(full.minors) if 3 + k in chosen])
 
-    def earliest(self, lo: float, width: float, reach: float, budget: int) -> tuple[float, RuledEvent | None] | None:
+    def earliest(
+        self, lo: float, width: float, reach: float, enough: float, budget: int
+    ) -> tuple[float, RuledEvent | None] | None:
         """(a time before which all is free, the contact then), from lo on, in balls; None where they do not tell.
 
-        Without a contact there is none up to lo + reach.
+        Without a contact there is none up to lo + reach.  What starts later than anything else by `enough` is left out.
         """
-        listed = self.listed(lo, width, reach, budget)
+        listed = self.listed(lo, width, reach, budget, enough=enough)
         if listed is None:
             return None
         if not listed:
             return lo + reach, None
-        with precision(BITS + 64):
-            free = max(lo, min(below(dyadic(x.time.lower())) for x in listed))
+        free = max(lo, min(_low(x.time) for x in listed))
         first: Listed | None = None
         for x in listed:
             if x.is_contact and (first is None or x.time < first.time
@@ -236,30 +240,45 @@ class Search:
         return free, self._event(first.zero, first.system, first.kind)
 
     def listed(
-        self, lo: float, width: float, reach: float, budget: int, most: int = MOST_FOUND
+        self, lo: float, width: float, reach: float, budget: int, most: int = MOST_FOUND, enough: float = math.inf
     ) -> list[Listed] | None:
         """All events from lo to lo + reach, and more that may be none, in balls.
 
-        None where that takes more than `budget` boxes in doubles or leaves more than `most` of them to balls.
+        None where that takes more than `budget` boxes in doubles or leaves more than `most` of them to balls.  What
+        starts later than anything else by `enough` is left out.
         """
         outcome = self.run(lo, lo + reach, ALL_EVENTS, max(width, reach / 64), budget)
         if outcome != DONE or self.count > most:
             return None
-        rows = range(self.count)
-        boxes, kinds = self.found[rows].copy(), self.found_kinds[rows].copy()
         found: list[Listed] = []
-        for box, kind in zip(boxes, kinds, strict=True):
-            system = self._square(box, kind)
-            if system is None:
-                earliest, latest = (arb(exact_value(t)) for t in box[4].tolist())
-                found.append(Listed(earliest.union(latest), kind))
-                continue
-            isolation = isolated(system, [_ball_box(box[[*system.free, 4]])])
-            found += [Listed(left[-1], kind) for left in isolation.left]
-            for zero in isolation.zeros:
-                inside = self._is_inside(system, zero, kind)
-                if inside is not False:
-                    found.append(Listed(zero.balls(BITS)[-1], kind, bool(inside), zero, system))
+        earliest = math.inf
+        for boxes, kind in _groups(self.found[: self.count], self.found_kinds[: self.count]):
+            for box, trials in _in_turn(boxes):
+                if box[4, 0] > earliest + enough:
+                    break
+                own = self._listed(box, kind, trials)
+                if own is None:
+                    continue
+                found += own
+                earliest = min([earliest, *(_low(x.time) for x in own)])
+                if trials < MANY:
+                    break
+        return found
+
+    def _listed(self, box: np.ndarray, kind: np.ndarray, trials: int) -> list[Listed] | None:
+        """The events of a box; None where fewer than MANY trials do not isolate them all."""
+        system = self._square(box, kind)
+        if system is None:
+            start, end = (arb(exact_value(t)) for t in box[4].tolist())
+            return None if trials < MANY else [Listed(start.union(end), kind)]
+        isolation = isolated(system, [_ball_box(box[[*system.free, 4]])], trials)
+        if isolation.left and trials < MANY:
+            return None
+        found = [Listed(left[-1], kind) for left in isolation.left]
+        for zero in isolation.zeros:
+            inside = self._is_inside(system, zero, kind)
+            if inside is not False:
+                found.append(Listed(zero.balls(BITS)[-1], kind, bool(inside), zero, system))
         return found
 
     def _square(self, box: np.ndarray, kind: np.ndarray) -> ContactSystem | None:
@@ -321,6 +340,38 @@ class Search:
 def _rank(kind: np.ndarray) -> int:
     """Of events at one time that of the lowest stratum, the least degenerate, comes first."""
     return int(kind[STRATUM]).bit_count()
+
+
+def _groups(boxes: np.ndarray, kinds: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """(boxes, kind) of those of one stratum that touch each other, in order of time: near one event may be many."""
+    order = np.argsort(boxes[:, 4, 0], kind="stable")
+    groups: list[tuple[np.ndarray, list[int]]] = []
+    for row in order:
+        hull, rows, apart = boxes[row].copy(), [int(row)], []
+        for other, own in groups:
+            same = (kinds[own[0], :SURE] == kinds[row, :SURE]).all()
+            if same and (other[:, 0] <= hull[:, 1]).all() and (hull[:, 0] <= other[:, 1]).all():
+                hull[:, 0], hull[:, 1] = np.minimum(hull[:, 0], other[:, 0]), np.maximum(hull[:, 1], other[:, 1])
+                rows += own
+            else:
+                apart.append((other, own))
+        groups = [*apart, (hull, rows)]
+    for _, rows in groups:
+        yield boxes[[k for k in order if k in rows]], kinds[rows[0]]
+
+
+def _in_turn(boxes: np.ndarray) -> Iterator[tuple[np.ndarray, int]]:
+    """The hull of all with a few boxes to look at, then, unless that settles it, each."""
+    if len(boxes) > 1:
+        yield np.stack([boxes[:, :, 0].min(axis=0), boxes[:, :, 1].max(axis=0)], axis=1), FEW
+    for box in boxes:
+        yield box, MANY
+
+
+def _low(time: arb) -> float:
+    """A double below all of the ball."""
+    with precision(BITS + 64):
+        return below(dyadic(arb(time.lower())))
 
 
 def _ball_box(sides: np.ndarray) -> list[arb]:
@@ -409,7 +460,7 @@ def first_event_of(s: Search, first: fmpq, last: fmpq, tolerance: float, budget:
         if begin >= hi:
             return answer
         reach = min(REACH * 4.0**stage * whole, hi - begin)
-        settled = s.earliest(begin, width, reach, max(budget - s.visits, 1))
+        settled = s.earliest(begin, width, reach, whole, max(budget - s.visits, 1))
         if settled is None:
             return answer
         free, event = settled

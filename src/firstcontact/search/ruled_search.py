@@ -33,8 +33,8 @@ LOWEST, HIGHEST, ENDS_LOW, ENDS_HIGH = range(4)
 PERHAPS, SURELY = np.int64(0), np.int64(1)
 NO_MINORS = np.int64(0)
 # Counters.
-VISITS, SPLITS, SPAWNED, PROOFS, FOUND, WAITING = range(6)
-COUNTERS = 6
+VISITS, SPLITS, SPAWNED, PROOFS, FOUND, WAITING, USED = range(7)
+COUNTERS = 7
 MOST_FOUND = 512
 LEAST = 1e-11
 """Width, in units of its range, below which a parameter is not split."""
@@ -158,13 +158,15 @@ def search(p, dom_p, q, dom_q, mode, boxes, kinds, keys, heap, slots, n, span, t
            times, limit, counters, w, table):  # fmt: skip
     """Work off the n boxes in the heap; DONE or SPENT.
 
-    boxes (m, 5, 2), kinds (m, 3): boxes and their parts and strata; slots (m,): free rows of these from n on.
+    boxes (m, 5, 2), kinds (m, 3): boxes and their parts and strata, the first n to begin with; slots (m,): scratch.
     found (MOST_FOUND, 5, 2), found_kinds (.., 4), times (.., 2): the narrow boxes left, with an enclosure of the time
     of a contact where that is certain.  All zeros lie in the boxes found or, in mode FIRST_EVENT, start after
     limit[1]; limit: the earliest time of a box found, the latest of a first sure contact.  AT_REST: DONE with a sure
     box in front if there is a contact.
     """
+    # rows of boxes that are free again are in slots[n : counters[USED]], those from there on were never used
     room = len(slots)
+    counters[USED] = n
     box, e, near = np.empty((5, 2)), np.empty((5, 2)), np.empty((5, 2))
     normal, image, moment = np.zeros(3), np.zeros(2), np.zeros(2)
     fixed, pivots, kind = np.zeros(5, np.int64), np.zeros(7, np.int64), np.zeros(3, np.int64)
@@ -237,7 +239,7 @@ def search(p, dom_p, q, dom_q, mode, boxes, kinds, keys, heap, slots, n, span, t
         counters[SPLITS] += 1
         middle = 0.5 * (box[split, 0] + box[split, 1])
         for half in range(2):
-            slot = slots[n]
+            slot = _free_row(slots, n, counters)
             for k in range(5):
                 boxes[slot, k, 0], boxes[slot, k, 1] = box[k, 0], box[k, 1]
             boxes[slot, split, 1 - half] = middle
@@ -286,7 +288,7 @@ def _strata(dom_p, dom_q, kind, box, boxes, kinds, keys, heap, slots, n, counter
     i, j = kind[PART_P], kind[PART_Q]
     for a in range(81):
         free = 0
-        slot = slots[n]
+        slot = _free_row(slots, n, counters)
         fits = True
         code = a
         for k in range(5):
@@ -312,3 +314,12 @@ def _strata(dom_p, dom_q, kind, box, boxes, kinds, keys, heap, slots, n, counter
         n = heap_push(keys, heap, n, box[4, 0], slot, 0)
         counters[SPAWNED] += 1
     return n
+
+
+@kernel
+def _free_row(slots, n, counters):
+    """The row that the next box pushed onto n others is to take."""
+    if n == counters[USED]:
+        slots[n] = n
+        counters[USED] += 1
+    return slots[n]
