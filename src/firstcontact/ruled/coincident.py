@@ -19,7 +19,7 @@ from firstcontact.exact.bivariate import in_u, in_v
 from firstcontact.exact.numbers import dyadic, precision
 from firstcontact.exact.plane_curves import topology
 from firstcontact.exact.roots import AlgebraicRoot
-from firstcontact.pairs.ruled_ruled import all_real_roots, divides
+from firstcontact.pairs.ruled_ruled import all_real_roots, divides, rulings_at_infinity
 from firstcontact.ruled.answer import Found, Pair
 from firstcontact.ruled.branches import Joints, add_branches, add_curves
 from firstcontact.ruled.clipping import Condition, overlap
@@ -40,8 +40,8 @@ def all_meet(found: Found) -> None:
     conditions = found.clip.conditions(k)
     found.two_dimensional = _has_area(conditions, found.p.u, found.q.u)
     if not found.two_dimensional:
-        borders = _borders(conditions, found.p.u, found.q.u)
-        if borders:
+        borders = [f for f in _borders(conditions, found.p.u, found.q.u) if found.clip.columns(f)]
+        if borders:  # on others rulings are one line
             add_curves(found, [(f, 1) for f in borders])
 
 
@@ -54,7 +54,7 @@ def _apex(found: Found, apex: Sequence[fmpz]) -> None:
         if found.box is None or all(
             fmpq(low) <= fmpq(x, apex[3]) <= fmpq(high) for x, low, high in zip(apex, *found.box, strict=False)
         ):
-            found.add_isolated(np.array([float(x) / float(apex[3]) for x in apex[:3]]), Pair(u, v))
+            found.add_isolated(np.array([float(fmpq(x, apex[3])) for x in apex[:3]]), Pair(u, v))
 
 
 def _parameter_of(piece: Piece, apex: Sequence[fmpz]) -> AlgebraicRoot | None:
@@ -159,7 +159,8 @@ def along_correspondence(found: Found, correspondence: fmpz_mpoly) -> None:
         raise UnsupportedPair("surfaces that share rulings along a curve, with trimming or a box")
     factors = _irreducible([correspondence])
     ends = _comparisons(p, q) if p.bounded and q.bounded else []
-    graph = topology(factors, u=p.u, v=q.u, extras=[f for row in ends for f in row if not f.is_constant()])
+    extras = [in_u(rulings_at_infinity(p.rulings)), *(f for row in ends for f in row)]
+    graph = topology(factors, u=p.u, v=q.u, extras=[f for f in extras if not f.is_constant()])
     touching = []
     for edge in graph.edges:
         u, v = (x if isinstance(x, AlgebraicRoot) else AlgebraicRoot.of(x) for x in edge.sample)
