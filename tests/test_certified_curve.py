@@ -217,6 +217,36 @@ def test_a_point_at_a_corner_of_the_parameters_is_open():
     assert fc.intersection_curve(p, q, method="algebraic").isolated_points == pytest.approx(np.array([[0, 0, 1 / 3]]))
 
 
+CORNERS = [
+    (("(-u, -1, 1 - u)", "(-u, 0, 2 - u)", (0, 1), (-1, 2)),
+     ("(0, 0, -1)", "((2 - 4*u - 2*u**2)/(u**2 + 1), (3 + 4*u - u**2)/(u**2 + 1), -1)", (-1, 1), (-1, 1)),
+     (-1, -2, -1)),
+    (("(2*u + 1, 2*u + 1, 2 - 2*u)", "(1 - u, -2*u, -u - 1)", (0, 1), (0, 1)),
+     ("(-2*u, -2, 2*u - 2)", "(u**2 + 2*u - 1, 2*u - 2*u**2 - 2, u - 2*u**2)", (0, 2), (-1, 1)),
+     (0, -2, -2)),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("p", "q", "point"), CORNERS)
+def test_an_arc_that_only_touches_a_piece_at_a_corner_is_no_branch(p, q, point):
+    """It leaves the range of s where it begins: nothing of it is kept."""
+    p, q = (fc.RuledSurface(*x[:2], u=x[2], s=x[3]) for x in (p, q))
+    found = certified(p, q)
+    assert not found.branches and len(found.open_places) == 1
+    exact = fc.intersection_curve(p, q)
+    assert not exact.branches and exact.isolated_points.tolist() == [list(point)]
+
+
+def test_rulings_through_an_apex_are_no_branch():
+    """All rulings of the cone meet u = 0 in its apex: no chord there is ever short enough to be proved."""
+    saddle = fc.RuledSurface("(2*u, -u - 1, 2*u + 1)", "(u - 1, -u - 1, 1 - u)", u=("-1/2", "3/2"), s=(0, 2))
+    ring = "((4*u - u**2 - 1)/(u**2 + 1), (1 - 4*u - 3*u**2)/(u**2 + 1), (4*u - u**2 - 5)/(u**2 + 1))"
+    cone = fc.RuledSurface("(-1, -1, 1)", ring, u=(-2, 2), s=(-1, 1))
+    found = certified(saddle, cone)
+    assert len(found.branches) == 4 and all(branch.length > 0.1 for branch in found.branches)
+    assert any(np.linalg.norm(place.point - (-1, -1, 1)) < 1e-3 for place in found.open_places)
+
+
 def test_metamorphic():
     """Exchanged, scaled by powers of two, and turned by a matrix of such: the same curve."""
     p, q = STRIPS[8]

@@ -498,6 +498,91 @@ def test_infinite_factors(vector):
     assert found == {x.replace("u*v+1", "u*v + 1") for x in vector.expected["infinite_factors"]}
 
 
+# -- degenerate pairs ---------------------------------------------------------------------------------------
+
+
+def test_equal_surfaces_with_a_ruling_at_infinity():
+    """Where one parameter is moved, the ruling at infinity of one is at a finite parameter of the search."""
+    saddle = fc.RuledSurface("(u, 0, 0)", "(u, 1, u)", u=None, s=None)
+    moved = fc.RuledSurface("(u + 1, 0, 0)", "(u + 1, 1, u + 1)", u=None, s=None)
+    for other, expected in ((saddle, U - V), (moved, U - V - 1)):
+        found = fc.intersection_curve(saddle, other)
+        assert found.two_dimensional and polynomial(found.correspondence) in (expected, -expected)
+
+
+def test_equal_cones_whose_minors_cancel():
+    """A sum of the minors that is zero tells nothing."""
+    ring = "((2 - 2*u)/(1 + u**2), (1 + 2*u - u**2)/(1 + u**2), (u**2 - 2*u - 1)/(1 + u**2))"
+    double = "((u**2 - 4*u + 5)/(1 + u**2), (2 + 4*u - 2*u**2)/(1 + u**2), (2*u**2 - 4*u - 2)/(1 + u**2))"
+    cone, other = (fc.RuledSurface("(-1, 0, 0)", x, u=(0, 2), s=None) for x in (ring, double))
+    assert fc.intersection_curve(cone, other).two_dimensional
+
+
+def test_equal_families_of_tangents_in_a_plane():
+    """Rulings u = v are one line: no border of the area of crossings."""
+    x, y = "(-u - 1, u - 1, -u)", "(-u**2 - 2*u - 2, 2*u - 1, -2*u)"
+    p, q = (fc.RuledSurface(x, y, u=u, s=s) for u, s in (((-2, 2), (-1, 2)), ((-1, 2), (0, 1))))
+    assert fc.intersection_curve(p, q).two_dimensional
+
+
+def tangents(curve: str, derivative: str) -> fc.RuledSurface:
+    parts = zip(curve.strip("()").split(","), derivative.strip("()").split(","), strict=True)
+    return fc.RuledSurface(curve, "(" + ", ".join(f"{x} + {y}" for x, y in parts) + ")", u=None, s=None)
+
+
+@pytest.mark.parametrize("swapped", [False, True])
+@pytest.mark.parametrize(
+    ("edge", "plane", "cusps"),
+    [
+        # a curve and its tangents, cut by the plane x = z at u = -1, 0, 1; 0 is where parameters may be moved to
+        (("(u, u**2, u**3)", "(1, 2*u, 3*u**2)"), ("(0, u, 0)", "(1, u, 1)"), [(-1, 1, -1), (0, 0, 0), (1, 1, 1)]),
+        # tangents of a parabola in the plane x = y + z, cut by y = 1, which holds (1, 3, -2, 5) too
+        (("(u**2 + 3*u, 3*u, u**2)", "(2*u + 3, 3, 2*u)"), ("(u, 1, 0)", "(u, 1, 1)"), [("10/9", 1, "1/9")]),
+    ],
+)
+def test_cusps_on_edges_of_regression(edge, plane, cusps, swapped):
+    pair = tangents(*edge), fc.RuledSurface(*plane, u=None, s=None)
+    found = fc.intersection_curve(*(pair[::-1] if swapped else pair), tolerance=1e-2)
+    points = [x.point for x in found.singular_points if x.kind == "cusp"]
+    _same_points(np.array(points), [triple(map(str, x)) for x in cusps])
+
+
+def test_a_point_that_several_nodes_share_is_listed_once():
+    """Every ruling of the second surface has two parameters."""
+    eight = named("s12")
+    twice = fc.RuledSurface(*(_squared(x) for x in (eight.q.first, eight.q.second)), u=None, s=None)
+    found = fc.intersection_curve(eight.p, twice, tolerance=1e-2)
+    points = [tuple(x.point) for x in found.singular_points]
+    assert points and len(set(points)) == len(points)
+
+
+def _squared(curve: fc.RationalCurve) -> fc.RationalCurve:
+    return fc.RationalCurve.of([x(fmpz_poly([0, 0, 1])) for x in curve.components])
+
+
+def test_chords_that_bend_unevenly_keep_the_tolerance():
+    p = fc.RuledSurface(
+        "((2*u**2 - 2*u - 2)/(u + 2), (-2*u**2 - 2*u + 2)/(u + 2), (u**2 + u + 1)/(u + 2))",
+        "((2*u**2 + 2*u)/(u + 3), (u + 2)/(u + 3), (-2*u + 1)/(u + 3))", u=("-1/2", "3/2"), s=None,
+    )  # fmt: skip
+    ring = "((3*u**2 + 4*u - 1)/(u**2 + 1), (-u**2 + 4*u + 3)/(u**2 + 1), (u**2 + 4*u + 1)/(u**2 + 1))"
+    q = fc.RuledSurface("(1, 0, 1)", ring, u=("-1/2", "3/2"), s=None)
+    coarse, fine = (fc.intersection_curve(p, q, tolerance=x) for x in (1e-4, 1e-7))
+    for x, y in zip(coarse.branches, fine.branches, strict=True):
+        near = y.points[np.abs(y.points).max(1) < 5]
+        assert max(_to_polyline(point, x.points) for point in near) <= 1e-4
+
+
+def test_bounded_pieces_keep_the_tolerance_far_out():
+    """They have no end at infinity on the way to which it may grow."""
+    bowl = fc.RuledSurface("(u, u**2/1000, 0)", "(u, u**2/1000, 1)", u=(0, 2000))
+    level = fc.RuledSurface("(0, u, 1/2)", "(2000, u, 1/2)", u=(0, 4000))
+    (branch,) = fc.intersection_curve(bowl, level, tolerance=1e-2).branches
+    x = 0.5 * (branch.points[:-1, 0] + branch.points[1:, 0])
+    y = 0.5 * (branch.points[:-1, 1] + branch.points[1:, 1])
+    assert np.abs(x**2 / 1000 - y).max() / np.sqrt(1 + (x.max() / 500) ** 2) <= 1e-2
+
+
 # -- bad input ----------------------------------------------------------------------------------------------
 
 

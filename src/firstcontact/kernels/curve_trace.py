@@ -50,6 +50,8 @@ SHORTER = 0.8
 STACK = 256
 # Of second differences, in coordinates: points are known to a few roundings of these.
 ROUNDING = 1e-14
+# Five points nearer than this, in coordinates or in parts of the tolerance, are one: the curve stands in an apex.
+STILL, STILL_OF_TOLERANCE = 1e-12, 1e-6
 # Of the fourth derivative times the square of the way between points, as `trace` explains: 1 + 3 / 12.
 BETWEEN = 1.25
 # Columns of intervals: chords, start and length in the parameter along the arc; centre, unit and coefficients of the
@@ -83,6 +85,18 @@ def _cosine(a, x, b):
     e0, e1, e2 = b[POINT] - x[POINT], b[POINT + 1] - x[POINT + 1], b[POINT + 2] - x[POINT + 2]
     size = (d0 * d0 + d1 * d1 + d2 * d2) * (e0 * e0 + e1 * e1 + e2 * e2)
     return (d0 * e0 + d1 * e1 + d2 * e2) / np.sqrt(size) if size > 0.0 else 1.0
+
+
+@uncounted
+def _is_still(here, inner, end, tolerance):
+    """Whether five points of an arc are one: rulings of one side through the apex of the other, of which nothing bounds
+    derivatives."""
+    for k in range(POINT, POINT + 3):
+        x = here[k]
+        away = max(max(abs(inner[0, k] - x), abs(inner[1, k] - x)), max(abs(inner[2, k] - x), abs(end[k] - x)))
+        if away > max(STILL * abs(x), STILL_OF_TOLERANCE * tolerance):
+            return False
+    return True
 
 
 @uncounted
@@ -471,7 +485,7 @@ def trace(
                 while parts < FEW and (seen + unseen / 16.0) / parts**2 > KEEP * tolerance:
                     parts *= 2
                 kept = (seen + unseen / 16.0) / parts**2 <= KEEP * tolerance
-            if not kept and (room == 1 or abs(split[LENGTH]) < LEAST_CHORD):
+            if not kept and (room == 1 or abs(split[LENGTH]) < LEAST_CHORD or _is_still(here, known, end, tolerance)):
                 parts, kept = 1, True
             if kept:
                 if used + parts > points.shape[0]:

@@ -47,13 +47,18 @@ def _bracket(which, end, d, r):
 
 @uncounted
 def _leaves(p, q, arc, good, bad, which, end, r, row):
-    """Set `row` to the point of an arc between two of its points at which s (which = 0) or t passes this end."""
+    """Set `row` to the point of an arc between two of its points at which s (which = 0) or t passes this end.
+
+    The good point itself where it is at the end, as far as rounding tells.
+    """
     run, other = (Y, X) if arc[OVER] == 1 else (X, Y)
     part_p, part_q, view = int(arc[ARC_U]), int(arc[ARC_V]), arc[VIEW:]
     place(p, part_p, bad[X], q, part_q, bad[Y], r, row)
     b, at_b = bad[run], _bracket(which, end, view, r)
     place(p, part_p, good[X], q, part_q, good[Y], r, row)
     a, at_a = good[run], _bracket(which, end, view, r)
+    if at_a * at_b >= 0.0:
+        b = a
     sign = 1.0 if at_a > 0.0 else -1.0
     y = good[other]
     side = 0

@@ -37,7 +37,7 @@ _PAIRS = ((0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3))
 # Component of the dual vector: that of the complementary pair, with its sign.
 _DUAL = ((5, 1), (4, -1), (3, 1), (2, 1), (1, -1), (0, 1))
 # Three combinations stand for the fifteen minors.  Any weights are right: a bad choice only lets more candidates
-# through, and every candidate is tested against the minors themselves.
+# through, and every candidate is tested against the minors themselves.  Where they give zero, others are taken.
 _WEIGHTS = (
     (3, -5, 7, 2, -11, 13, 17, -4, 19, 23, -6, 29, 31, -37, 41),
     (-2, 9, 4, -15, 8, 1, -21, 27, 5, -10, 33, 14, -7, 12, 22),
@@ -205,13 +205,18 @@ def _off(found: list[tuple[Parameter, Parameter]], curve: fmpz_mpoly) -> list[tu
 def _candidates(minors: Sequence[fmpz_mpoly], variable: str) -> list[AlgebraicRoot]:
     """All real values of one parameter at which the minors may vanish together."""
     other = "v" if variable == "u" else "u"
-    f, *rest = [_sum(w * x for w, x in zip(weights, minors, strict=True)) for weights in _WEIGHTS]
-    bound = fmpz_poly([0])
-    for g in rest:
-        bound = bound.gcd(bivariate.resultant(f, g, other))
-    if bound == 0:
-        raise ArithmeticError("three combinations of the minors share a factor that the minors do not")
-    return all_real_roots(bound)
+    if any(x.is_constant() and not x.is_zero() for x in minors):
+        return []
+    for turn in range(len(minors)):
+        turned = [*minors[turn:], *minors[:turn]]
+        sums = [_sum(w * x for w, x in zip(weights, turned, strict=True)) for weights in _WEIGHTS]
+        sums = [x for x in sums if not x.is_zero()]
+        bound = fmpz_poly([0])
+        for g in sums[1:]:
+            bound = bound.gcd(bivariate.resultant(sums[0], g, other))
+        if bound != 0:
+            return all_real_roots(bound)
+    raise ArithmeticError("many combinations of the minors share a factor that the minors do not")
 
 
 def _one_line(p: Rulings, u: AlgebraicRoot, q: Rulings, v: AlgebraicRoot) -> bool:
@@ -308,7 +313,12 @@ def _special(p: Rulings, q: Rulings, side: int, parameter: Parameter, multiplici
 def at_infinity(lines: Rulings, parameter: Parameter) -> bool:
     """Whether the ruling is in the plane at infinity."""
     chart, root = lines.chart(parameter)
-    return all(root.sign_of(chart.line[k]) == 0 for k in (2, 4, 5))
+    return root.sign_of(rulings_at_infinity(chart)) == 0
+
+
+def rulings_at_infinity(lines: Rulings) -> fmpz_poly:
+    """Its zeros are the rulings in the plane at infinity; 0 where all are."""
+    return _gcd(lines.line[k] for k in (2, 4, 5))
 
 
 def _holds(lines: Rulings, root: AlgebraicRoot, point: Sequence[fmpz]) -> bool:

@@ -64,6 +64,11 @@ class Parts(Collected):
             self.isolated.append(point)
             self.add_node(where, point, "isolated")
 
+    def add_singular(self, point: np.ndarray, kind: str) -> None:
+        """Once where several nodes of the graph are at one point: the curve passes it for several pairs (u, v)."""
+        if not any(kind == other.kind and same(point, other.point) for other in self.singular):
+            self.singular.append(SingularPoint(point, kind))
+
     def is_on_branch(self, point: np.ndarray) -> bool:
         """Whether it is one of the points of a branch: for points that would be nodes of it."""
         near = SAME * max(1.0, np.abs(point).max())

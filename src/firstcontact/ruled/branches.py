@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from flint import arb, fmpq, fmpz_mpoly
 
-from firstcontact.curve import Branch, BranchEnd, SingularPoint
+from firstcontact.curve import Branch, BranchEnd
 from firstcontact.exact.numbers import dyadic, precision, to_double
 from firstcontact.exact.plane_curves import topology
 from firstcontact.exact.roots import AlgebraicRoot
@@ -223,7 +223,7 @@ class _Assembly:
             if len(self.at[key]) > 2 or key in self.cusps:
                 corner = self._corner(key)
                 if corner.point is not None:
-                    self.found.singular.append(SingularPoint(corner.point, "cusp" if key in self.cusps else "node"))
+                    self.found.add_singular(corner.point, "cusp" if key in self.cusps else "node")
 
     def _polylines(self) -> list[Points]:
         strands = [self._strand(edge) for edge in self.kept]
@@ -233,7 +233,8 @@ class _Assembly:
                 if corner.point is not None:
                     ends[i, k, :3], ends[i, k, 3:] = corner.point, corner.positions
         tracer = Tracer(self.joints.in_space.surfaces(), self.graph.curves, strands)
-        return tracer.trace(ends, self.found.tolerance, REACH * tracer.surfaces.size())
+        radius = np.inf if self.found.finite else REACH * tracer.surfaces.size()
+        return tracer.trace(ends, self.found.tolerance, radius)
 
     def _strand(self, edge: Any) -> Strand:
         (x0, y0), (x1, y1) = ([float(x.mid()) for x in self.joints.place(edge, k, 128)] for k in (0, 1))

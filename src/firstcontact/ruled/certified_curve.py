@@ -33,8 +33,11 @@ ROOM, POINTS, FIRST_POINTS, MOST_ROOM = 64, 2**11, 2**19, 2**23
 HIGHEST_DEGREE = (cells.LAYER_ROWS - 2) // 2
 # Open boxes are one place where they are this near each other, in parameters of parts; of more boxes than this all are.
 SAME_PLACE, MOST_PLACES = 1e-5, 4000
-# Branches that are shorter in their parameters may be points; ends this near to one are there.
-SAME_POINT = 1e-9
+# Branches that are shorter in their parameters, or in parts of their coordinates, may be points; ends this near to one
+# are there.
+SAME_POINT, IN_SPACE = 1e-9, 1e-12
+# Of the square of a length that is divided by: rulings may be points.
+LEAST = 1e-300
 # Polylines of so many points are longer than that: chords are not cut below it.
 LONG = 100
 
@@ -173,8 +176,8 @@ def _strands(solved: Solved, settled: Settled, settles: bool) -> tuple[list[Stra
         kinds = solved.places[:, columns.KIND].astype(int)
         lines = solved.lines
         polylines = [_polyline(solved, line) for line in lines]
-        tiny = [not line.closed and len(parameters) < LONG and _size(parameters) <= SAME_POINT
-                  for line, (_, parameters) in zip(lines, polylines, strict=True)]  # fmt: skip
+        tiny = [not line.closed and len(parameters) < LONG and _is_point(points, parameters)
+                  for line, (points, parameters) in zip(lines, polylines, strict=True)]  # fmt: skip
         ends = {k: _end(solved, kinds[k], k, settled) for line in lines if not line.closed for k in line.ends}
         stray = [line.ends[0] for line, x in zip(lines, tiny, strict=True) if x]
         polylines = [polyline for polyline, x in zip(polylines, tiny, strict=True) if not x]
@@ -318,9 +321,11 @@ def _polyline(solved: Solved, line: _Line) -> tuple[np.ndarray, np.ndarray]:
     return np.concatenate(found[0]), np.concatenate(found[1])
 
 
-def _size(parameters: np.ndarray) -> float:
-    """How far u and v extend."""
-    return float(np.ptp(parameters[:, :2], axis=0).max())
+def _is_point(points: np.ndarray, parameters: np.ndarray) -> bool:
+    """Whether a branch may be one point: by u and v, or in space, where a ruling passes through an apex."""
+    if np.ptp(parameters[:, :2], axis=0).max() <= SAME_POINT:
+        return True
+    return bool(np.ptp(points, axis=0).max() <= IN_SPACE * max(1.0, np.abs(points).max()))
 
 
 def _within(parameters: np.ndarray, place: OpenPlace) -> bool:
@@ -373,7 +378,7 @@ def _clearly_beyond(solved: Solved, parts: np.ndarray, ranges: np.ndarray) -> bo
     along, other = p[1] - p[0], q[1] - q[0]
     normal = np.cross(along, other)
     size = normal @ normal
-    if size < 1e-6 * (along @ along) * (other @ other):
+    if size <= 1e-6 * (along @ along) * (other @ other):
         return False
     s, t = (float(np.cross(q[0] - p[0], x) @ normal / size) for x in (other, along))
     return max(-s, s - 1, -t, t - 1) > (1e-2 if length else 1e-6)
@@ -417,6 +422,6 @@ def _nearest_point(p: np.ndarray, q: np.ndarray) -> np.ndarray:
     along, other = p[1] - p[0], q[1] - q[0]
     s = 0.5
     for _ in range(8):  # a point near it will do
-        t = float(np.clip((p[0] + s * along - q[0]) @ other / (other @ other), 0, 1))
-        s = float(np.clip((q[0] + t * other - p[0]) @ along / (along @ along), 0, 1))
+        t = float(np.clip((p[0] + s * along - q[0]) @ other / max(other @ other, LEAST), 0, 1))
+        s = float(np.clip((q[0] + t * other - p[0]) @ along / max(along @ along, LEAST), 0, 1))
     return 0.5 * (p[0] + s * along + q[0] + t * other)

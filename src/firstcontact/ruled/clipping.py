@@ -20,6 +20,7 @@ from firstcontact.exact.roots import AlgebraicRoot
 from firstcontact.pairs.ruled_ruled import (
     Parameter,
     Rulings,
+    at_infinity,
     brackets,
     delta,
     divides,
@@ -85,7 +86,7 @@ class Clip:
         if bounds is not None:
             return False
         p, q = self.p.rulings, self.q.rulings
-        if cusps.special_at_infinity((p, q)[side]):
+        if cusps.special_at_infinity(*((p, q) if side == 0 else (q, p))):
             return True
         whole = (p.degree, q.degree)
         tested = [(delta(p, q), whole)]
@@ -172,7 +173,7 @@ def overlap(p: Piece, q: Piece, u: Parameter, v: Parameter) -> np.ndarray | None
 
     Two points of the line where both rulings are unbounded.
     """
-    if not (in_range(p, u) and in_range(q, v)):
+    if not (in_range(p, u) and in_range(q, v)) or at_infinity(p.rulings, u):
         return None
     (a, x), (b, y) = p.rulings.chart(u), q.rulings.chart(v)
     j = next(i for i, k in enumerate((2, 4, 5)) if x.sign_of(a.line[k]) != 0)

@@ -37,8 +37,8 @@ def all_meet(found: Found) -> None:
     conditions = found.clip.conditions(k)
     found.two_dimensional = _has_area(conditions, found.p.u, found.q.u)
     if not found.two_dimensional:
-        borders = _borders(conditions, found.p.u, found.q.u)
-        if borders:
+        borders = [f for f in _borders(conditions, found.p.u, found.q.u) if found.clip.columns(f)]
+        if borders:  # on others rulings are one line
             add_curves(found, [(f, 1) for f in borders])
 
 
@@ -51,7 +51,7 @@ def _apex(found: Found, apex: Sequence[fmpz]) -> None:
         if found.box is None or all(
             fmpq(low) <= fmpq(x, apex[3]) <= fmpq(high) for x, low, high in zip(apex, *found.box, strict=False)
         ):
-            found.add_isolated(np.array([float(x) / float(apex[3]) for x in apex[:3]]), Pair(u, v))
+            found.add_isolated(np.array([float(fmpq(x, apex[3])) for x in apex[:3]]), Pair(u, v))
 
 
 def _parameter_of(piece: Piece, apex: Sequence[fmpz]) -> AlgebraicRoot | None:

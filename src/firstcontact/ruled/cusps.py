@@ -20,8 +20,9 @@ from firstcontact.exact.bivariate import CONTEXT, in_u, in_v
 from firstcontact.exact.inertia import dot
 from firstcontact.pairs.ruled_ruled import Rulings, planes_through, points_on
 
-# Weights that make one point, one equation of four; any will do: a bad choice only adds candidates.
-_ONE_POINT = (1, 3, -2, 5)
+# Weights that make one point, one equation of four; any will do that do not give zero: a bad choice only adds
+# candidates.  Of points, all four are in no plane.
+_POINTS = ((1, 3, -2, 5), (1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0))
 _EQUATIONS = ((2, -7, 3, 11), (5, 1, -4, 9), (-3, 8, 13, 1))
 # Product of the degrees up to which it pays to find out whether a singular point is on the curve at all.
 ELIMINATED = 12
@@ -36,8 +37,8 @@ def candidates(p: Rulings, q: Rulings, factors: Sequence[fmpz_mpoly]) -> list[fm
 def _of_side(
     own: Rulings, other: Rulings, factors: Sequence[fmpz_mpoly], name: str, here: Any, there: Any
 ) -> list[fmpz_mpoly]:
-    planes = planes_through([there(x) for x in other.line])
     if own.apex is not None:
+        planes = planes_through([there(x) for x in other.line])
         through = [dot(row, [CONTEXT.constant(x) for x in own.apex]) for row in planes]
         return _proper([reduce(lambda x, y: x.gcd(y), through)])
     torsal = torsal_rulings(own)
@@ -45,14 +46,24 @@ def _of_side(
         return []
     if torsal != 0 and own.degree * other.degree > ELIMINATED:
         return [here(torsal)]
-    point = [here(x) for x in singular_points(own)]
-    equations = [dot(weights, [dot(row, point) for row in planes]) for weights in _EQUATIONS]
+    equations = _equations(own, other, here, there)
     eliminated = "v" if name == "u" else "u"
     if torsal == 0:
         return _proper([here(_shared(f, equations, eliminated)) for f in factors])
-    between = bivariate.resultant(equations[0], equations[1], eliminated)
-    between = between.gcd(bivariate.resultant(equations[0], equations[2], eliminated))
-    return _proper([here(torsal.gcd(between))])
+    return _proper([here(torsal.gcd(_through(equations, eliminated)))])
+
+
+def _equations(own: Rulings, other: Rulings, here: Any, there: Any) -> list[fmpz_mpoly]:
+    """Three that hold where a ruling of the other surface holds the singular point of one of this."""
+    point = [here(x) for x in singular_points(own)]
+    planes = planes_through([there(x) for x in other.line])
+    return [dot(weights, [dot(row, point) for row in planes]) for weights in _EQUATIONS]
+
+
+def _through(equations: Sequence[fmpz_mpoly], eliminated: str) -> fmpz_poly:
+    """Its zeros hold all parameters at which three equations hold for one value of the other parameter."""
+    first, second, third = equations
+    return bivariate.resultant(first, second, eliminated).gcd(bivariate.resultant(first, third, eliminated))
 
 
 def _shared(f: fmpz_mpoly, equations: Sequence[fmpz_mpoly], eliminated: str) -> fmpz_poly:
@@ -73,11 +84,25 @@ def stationary_rulings(lines: Rulings) -> fmpz_poly:
     return reduce(fmpz_poly.gcd, minors, fmpz_poly([0]))
 
 
-def special_at_infinity(lines: Rulings) -> bool:
-    """Whether infinity is a zero of one of these polynomials."""
+def special_at_infinity(lines: Rulings, other: Rulings) -> bool:
+    """Whether infinity may be a zero of one of the candidates' polynomials in the parameter of `lines`."""
     at_infinity = lines.reversed()
+    if stationary_rulings(at_infinity)[0] == 0:
+        return True
     torsal = torsal_rulings(at_infinity)
-    return stationary_rulings(at_infinity)[0] == 0 or (torsal != 0 and torsal[0] == 0)
+    if torsal != 0:
+        return bool(torsal[0] == 0)
+    if lines.apex is not None or not _is_on(other, [x[0] for x in singular_points(at_infinity)]):
+        return False
+    return bool(_through(_equations(lines, other, in_u, in_v), "v") != 0)  # else the whole edge is on the other surface
+
+
+def _is_on(lines: Rulings, point: Sequence[Any]) -> bool:
+    """Whether a ruling holds the point; one of complex parameter counts too."""
+    return any(
+        reduce(fmpz_poly.gcd, (dot(row, point) for row in planes_through(x.line)), fmpz_poly([0])).degree() != 0
+        for x in (lines, lines.reversed())
+    )
 
 
 def torsal_rulings(lines: Rulings) -> fmpz_poly:
@@ -89,7 +114,10 @@ def torsal_rulings(lines: Rulings) -> fmpz_poly:
 def singular_points(lines: Rulings) -> list[fmpz_poly]:
     """The point in which a torsal ruling meets its neighbour, a primitive polynomial vector."""
     planes = planes_through([x.derivative() for x in lines.line])
-    plane = [dot(row, [fmpz_poly([w]) for w in _ONE_POINT]) for row in planes]
-    point = [dot(row, plane) for row in points_on(lines.line)]
-    common = reduce(fmpz_poly.gcd, point, fmpz_poly([0]))
-    return point if common == 0 else [x // common for x in point]
+    for weights in _POINTS:
+        plane = [dot(row, [fmpz_poly([w]) for w in weights]) for row in planes]
+        point = [dot(row, plane) for row in points_on(lines.line)]
+        common = reduce(fmpz_poly.gcd, point, fmpz_poly([0]))
+        if common != 0:  # the plane does not hold the ruling
+            return [x // common for x in point]
+    raise ArithmeticError("four points that are in no plane, in one plane")

@@ -6,7 +6,7 @@ from itertools import count
 from typing import Any
 
 import numpy as np
-from flint import fmpz_mpoly
+from flint import fmpq, fmpz_mpoly
 
 from firstcontact.exact.bivariate import in_u, in_v
 from firstcontact.pairs.ruled_ruled import FactorKind, common_rulings, delta, factors
@@ -74,7 +74,7 @@ def _curves(found: Found, d: fmpz_mpoly, correspondence: fmpz_mpoly) -> None:
             wanted += [(line, s.multiplicity)] if all(line != f for f, _ in wanted) else []
         elif s.kind is FactorKind.POINT:
             assert s.point is not None
-            apexes.append((line, np.array([float(x) / float(s.point[3]) for x in s.point[:3]]), s.side, s.parameter))
+            apexes.append((line, np.array([float(fmpq(x, s.point[3])) for x in s.point[:3]]), s.side, s.parameter))
     if wanted:
         add_curves(found, wanted)
     for apex in apexes:

@@ -20,7 +20,7 @@ from firstcontact.exact.line_sets import Part, not_negative
 from firstcontact.exact.number_field import FieldElement, NumberField, is_zero, sign
 from firstcontact.exact.numbers import precision, rational
 from firstcontact.exact.roots import AlgebraicRoot
-from firstcontact.pairs.ruled_ruled import Parameter, Rulings
+from firstcontact.pairs.ruled_ruled import Parameter, Rulings, at_infinity
 from firstcontact.ruled.answer import Found
 from firstcontact.ruled.clipping import in_range, overlap
 from firstcontact.ruled.piece_borders import Border, borders
@@ -48,7 +48,7 @@ def shared(p: Piece, q: Piece, u: Parameter, v: Parameter, box: Box | None) -> n
     if not (p.trim or q.trim or box is not None):
         part = overlap(p, q, u, v)
         return np.empty((0, 2, 3)) if part is None else part[None]
-    if not (in_range(p, u) and in_range(q, v)):
+    if not (in_range(p, u) and in_range(q, v)) or at_infinity(p.rulings, u):
         return np.empty((0, 2, 3))
     line, parts = _parts(p, q, u, v, box)
     return np.array([[line.point(end) for end in part] for part in parts]).reshape(-1, 2, 3)

@@ -144,9 +144,9 @@ def _combined(weights: Sequence[fmpq], values: Sequence[fmpz_mpoly]) -> fmpz_mpo
 
 
 class _Found(Parts):
-    """v: the range of the second parameter, which is the place r on the ruling."""
+    """v: the range of the second parameter, which is the place r on the ruling; rulings are bounded, points finite."""
 
-    v = UNIT
+    v, finite = UNIT, True
 
     def __init__(self, piece: Piece, clip: _Clip, tolerance: float, first: bool) -> None:
         super().__init__(tolerance)

@@ -115,10 +115,15 @@ def _value(g: Any, u: arb, s: arb) -> arb:
 
 
 def doubles(values: Sequence[arb]) -> np.ndarray:
-    return np.array([float(x.mid()) for x in values])
+    """Their middles; 0 of those that cannot be told from it."""
+    return np.array([_double(x) for x in values])
 
 
 def ratio(fraction: tuple[arb, arb]) -> float:
     """A position as a double; nan where the directrices leave it open (a degenerate ruling, a pole)."""
     x = fraction[0] / fraction[1]
-    return float(x.mid()) if x.is_finite() else float("nan")
+    return _double(x) if x.is_finite() else float("nan")
+
+
+def _double(x: arb) -> float:
+    return 0.0 if x.contains(0) else float(x.mid())

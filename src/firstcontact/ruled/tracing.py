@@ -24,6 +24,9 @@ FIRST = 8
 # A chord is kept where the curve leaves it by at most this part of the tolerance and turns less than this (radians).
 KEEP = 0.7
 LARGEST_TURN = np.radians(20.0)
+# How far a chord may be from bending evenly where it is cut in two or in four unseen, in parts of its largest offset:
+# by a term of third order that makes the farthest of the parts leave its chord by 1 / KEEP of what even ones do.
+EVEN_HALVES, EVEN_QUARTERS = 0.1, 0.07
 # Parts into which one chord may fall in one round, and rounds: a guard, 4 are usual.
 MOST_PARTS = 128
 MOST_ROUNDS = 24
@@ -310,13 +313,13 @@ class Tracer:
             if len(left.tau) == 0:
                 break
             inner = [self._inside(left, right, part) for part in (0.25, 0.5, 0.75)]
-            off, bend, even = _shape(left.space, [x.space for x in inner], right.space)
+            off, bend, uneven = _shape(left.space, [x.space for x in inner], right.space)
             allowed = tolerance * np.maximum(1.0, np.abs(inner[1].space).max(1) / radius) ** 2
             need = np.maximum(np.sqrt(off / (KEEP * allowed)), bend / LARGEST_TURN)
             tiny = np.linalg.norm(right.space - left.space, axis=1) + off < 0.25 * allowed
             need = np.where(tiny, 0.0, need)
-            halve = (need > 1) & (need <= 2) & even
-            quarter = (need > 2) & (need <= 4) & even
+            halve = (need > 1) & (need <= 2) & (uneven <= EVEN_HALVES)
+            quarter = (need > 2) & (need <= 4) & (uneven <= EVEN_QUARTERS)
             split = (need > 1) & ~halve & ~quarter
             if need.sum() > MOST_CHORDS:
                 raise InputError(f"tolerance {tolerance:g} needs more than {MOST_CHORDS} points; give a larger one")
@@ -408,7 +411,7 @@ class Tracer:
 
 
 def _shape(left: np.ndarray, inner: list[np.ndarray], right: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """How far the inner points are off the chord, how much the curve turns, and whether it bends like a parabola."""
+    """How far the inner points are off the chord, how much the curve turns, and how it differs from a parabola."""
     chord = right - left
     length = np.linalg.norm(chord, axis=1)
     unit = chord / np.where(length > 0, length, 1.0)[:, None]
@@ -422,8 +425,8 @@ def _shape(left: np.ndarray, inner: list[np.ndarray], right: np.ndarray) -> tupl
     sizes = np.linalg.norm(start, axis=1) * np.linalg.norm(stop, axis=1)
     cosine = (start * stop).sum(1) / np.where(sizes > 0, sizes, 1.0)
     bend = np.where(sizes > 0, np.arccos(np.clip(cosine, -1.0, 1.0)), 0.0)
-    even = (np.abs(offsets[0] - 0.75 * off) <= 0.2 * off) & (np.abs(offsets[2] - 0.75 * off) <= 0.2 * off)
-    return off, bend, even
+    uneven = np.maximum(np.abs(offsets[0] - 0.75 * off), np.abs(offsets[2] - 0.75 * off)) / np.where(off > 0, off, 1.0)
+    return off, bend, uneven
 
 
 def _lagrange(t: np.ndarray) -> list[np.ndarray]:
