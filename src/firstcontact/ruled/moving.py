@@ -134,16 +134,18 @@ def _exact_intervals(
     try:
         windows, reason = all_windows(a, b, first, last, work, QUICK_DEGREE if quick else MOST_DEGREE)
     except UnsupportedPair as refusal:
-        if not exact and _is_with_convex(a, b):
-            from firstcontact.ruled import solid_answers
-
-            try:
-                return solid_answers.in_doubles(a, b, first, last, tolerance, work, begin, shared)
-            except UnsupportedPair:
-                raise refusal from None
-        if not (quick and isinstance(refusal, TooLarge)):
+        if exact:
             raise
-        return certified.contact_intervals(a, b, first, last, tolerance, work, begin, shared)
+        try:
+            if _is_with_convex(a, b):
+                from firstcontact.ruled import solid_answers
+
+                return solid_answers.in_doubles(a, b, first, last, tolerance, work, begin, shared)
+            if quick:
+                return certified.contact_intervals(a, b, first, last, tolerance, work, begin, shared)
+            return posed.contact_intervals(a, b, first, last, tolerance, work, begin, shared)
+        except UnsupportedPair:
+            raise refusal from None
     return as_intervals(windows, reason, first, last, exact, work, begin, shared)
 
 

@@ -7,7 +7,7 @@ each the search in doubles decides, and events are refined in balls with the mot
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -15,13 +15,16 @@ from flint import fmpq
 
 from firstcontact.body.moving import Moving, shape_of
 from firstcontact.body.ruled_surface import RuledSurface
+from firstcontact.composite.certified_intervals import Certified, Found
+from firstcontact.composite.verbs import proved_intervals
 from firstcontact.composite.work import Spent, Work
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import below, to_double
 from firstcontact.motion.directrices import signed
 from firstcontact.motion.relative import curved_pieces
-from firstcontact.result import FirstContact, Stats, Status
+from firstcontact.result import ContactIntervals, FirstContact, Stats, Status
 from firstcontact.ruled.certified import BUDGET, described
+from firstcontact.ruled.certified_intervals import certified_intervals
 from firstcontact.ruled.conditions import check_weight
 from firstcontact.ruled.polyhedra import near_pairs
 from firstcontact.search.posed_pieces import PosedPiece, PoseWindow, in_local_time, pose_windows
@@ -63,6 +66,40 @@ def first_contact(
             reason = "budget" if any(x.contact.reason == "budget" for x in left) else "precision"
             return _undecided(until, reason, work, shared)
     return FirstContact(Status.FREE, free_until=to_double(last), stats=Stats(node_visits=work.done), **shared)
+
+
+def contact_intervals(
+    a: Any, b: Any, first: fmpq, last: fmpq, tolerance: float, work: Work, begin: float, shared: dict[str, Any]
+) -> ContactIntervals:
+    """All contacts with enclosures of their ends; UNDECIDED from the first time on at which nothing is proved."""
+    pair, intervals = _Pair(a, b, first, last), list[Certified]()
+    for window in pair.windows():
+        work.free_until = max(below(window.start), shared["span"][0])
+        found = [pair.followed(window, i, j, tolerance, work) for i, j in pair.near(window)]
+        intervals = _united([*intervals, *(x for own in found for x in own.intervals)])
+        stopped = min((own for own in found if own.reason is not None), key=lambda own: own.until, default=None)
+        if stopped is not None:
+            known = tuple(_known(x, stopped.until, to_double(last)) for x in intervals if x.start[1] <= stopped.until)
+            return proved_intervals(Found(known, stopped.until, stopped.reason), work, begin, shared)
+    return proved_intervals(Found(tuple(intervals), to_double(last), None), work, begin, shared)
+
+
+def _united(intervals: list[Certified]) -> list[Certified]:
+    """The union; ends of one and starts of another that are not told apart count as one time."""
+    found: list[Certified] = []
+    for x in sorted(intervals, key=lambda x: x.start):
+        if found and x.start[0] <= found[-1].end[1]:
+            y = found[-1]
+            ends = tuple(map(max, x.end, y.end))
+            found[-1] = replace(y, start=(y.start[0], min(x.start[1], y.start[1])), end=ends)  # type: ignore[arg-type]
+        else:
+            found.append(x)
+    return found
+
+
+def _known(x: Certified, until: float, last: float) -> Certified:
+    """What is known of an interval where nothing is proved from a time on."""
+    return x if x.end[1] < until else Certified(x.start, (min(x.end[0], until), last), True)
 
 
 def _undecided(until: float, reason: str, work: Work, shared: dict[str, Any]) -> FirstContact:
@@ -133,6 +170,17 @@ class _Pair:
         work.done += found.boxes
         interval = None if found.time_interval is None else window.true_times(*found.time_interval)
         return _Found(found, (i, j), window.true_times(found.free_until, 1.0)[0], interval)
+
+    def followed(self, window: PoseWindow, i: int, j: int, tolerance: float, work: Work) -> Found:
+        """All contacts of two pieces in a window."""
+        p, q = PosedPiece.posed(self.pieces[0][i], window), in_local_time(self.pieces[1][j], window)
+        own = Work(None if work.budget is None else max(work.budget - work.done, 1), None)
+        found = certified_intervals(p, q, fmpq(-1), fmpq(1), self.local(tolerance, window), own)
+        work.done += own.done
+        intervals = (
+            replace(x, start=window.true_times(*x.start), end=window.true_times(*x.end)) for x in found.intervals
+        )
+        return Found(tuple(intervals), window.true_times(found.until, 1.0)[0], found.reason)
 
     def local(self, tolerance: float, window: PoseWindow) -> float:
         """The tolerance, a part of the span, as a part of the window's time."""

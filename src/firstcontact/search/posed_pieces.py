@@ -90,8 +90,8 @@ def pose_windows(motion: CurvedPiece, first: fmpq, last: fmpq) -> Iterator[PoseW
         elif end - start < LEAST_PART * (motion.end - motion.start):
             raise UnsupportedPair(f"{motion.leg_a.of} with {motion.leg_b.of}: a pose that no short polynomial follows")
         else:
-            middle = (start + end) / 2
-            waiting += [(middle, end), (start, middle)]
+            cut = start + (end - start) * fmpq(15, 31)  # no power of two: events like those
+            waiting += [(cut, end), (start, cut)]
 
 
 def _window(motion: CurvedPiece, start: fmpq, end: fmpq) -> PoseWindow | None:
