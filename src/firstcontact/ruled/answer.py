@@ -64,6 +64,13 @@ class Parts(Collected):
             self.isolated.append(point)
             self.add_node(where, point, "isolated")
 
+    def add_common(self, part: np.ndarray, where: Any) -> None:
+        """What is shared of a common ruling: (2, 3) ends, equal for a point."""
+        if (part[0] != part[1]).any():
+            self.segments.append(part)
+        elif not self.is_on_branch(part[0]):
+            self.add_isolated(part[0], where)
+
     def add_singular(self, point: np.ndarray, kind: str) -> None:
         """Once where several nodes of the graph are at one point: the curve passes it for several pairs (u, v)."""
         if not any(kind == other.kind and same(point, other.point) for other in self.singular):

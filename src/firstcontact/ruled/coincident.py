@@ -8,7 +8,7 @@ set of pairs satisfies all bounds: one rational pair in every cell of the arrang
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from itertools import combinations, pairwise
+from itertools import combinations
 
 import numpy as np
 from flint import arb, fmpq, fmpz, fmpz_mpoly, fmpz_poly
@@ -16,13 +16,14 @@ from flint import arb, fmpq, fmpz, fmpz_mpoly, fmpz_poly
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact import bivariate
 from firstcontact.exact.bivariate import in_u, in_v
-from firstcontact.exact.numbers import dyadic, precision
+from firstcontact.exact.numbers import precision
 from firstcontact.exact.plane_curves import topology
 from firstcontact.exact.roots import AlgebraicRoot
 from firstcontact.pairs.ruled_ruled import all_real_roots, divides, rulings_at_infinity
 from firstcontact.ruled.answer import Found, Pair
 from firstcontact.ruled.branches import Joints, add_branches, add_curves
 from firstcontact.ruled.clipping import Condition, overlap
+from firstcontact.ruled.common_lines import ALONG, changes, inner_roots, parameter_of, samples, shared
 from firstcontact.ruled.pieces import Piece
 from firstcontact.ruled.spots import Spot
 from firstcontact.ruled.tracing import Powers, rows
@@ -60,15 +61,15 @@ def _apex(found: Found, apex: Sequence[fmpz]) -> None:
 def _parameter_of(piece: Piece, apex: Sequence[fmpz]) -> AlgebraicRoot | None:
     """A parameter whose ruling holds the apex inside the piece."""
     if piece.trim:
-        raise UnsupportedPair("two cones with one apex and trimming inequalities; their apex is not decided")
+        return parameter_of(piece, [fmpq(x, apex[3]) for x in apex[:3]])
     first, second = piece.rulings.first, piece.rulings.second
     between = []
     if piece.bounded:
         for j in range(3):
             before, after = apex[j] * first[3] - first[j] * apex[3], second[j] * apex[3] - apex[j] * second[3]
             between.append(before * after)
-    roots = _in_range([r for g in between if g != 0 for r in all_real_roots(g)], piece.u)
-    for u in [*roots, *(AlgebraicRoot.of(x) for x in _samples(roots, piece.u))]:
+    roots = inner_roots([r for g in between if g != 0 for r in all_real_roots(g)], piece.u)
+    for u in [*roots, *(AlgebraicRoot.of(x) for x in (*samples(roots, piece.u), *(piece.u or ())))]:
         if all(u.sign_of(g) >= 0 for g in between):
             return u
     return None
@@ -80,10 +81,10 @@ def _has_area(conditions: Sequence[Condition], u: Range, v: Range) -> bool:
     critical = [bivariate.discriminant(b) for b in borders]
     critical += [bivariate.resultant(a, b) for a, b in combinations(borders, 2)]
     critical += [bivariate.restrict(b, "v", end) for b in borders for end in v or ()]
-    roots = _in_range([r for f in critical if f != 0 for r in all_real_roots(f)], u)
-    for x in _samples(roots, u):
+    roots = inner_roots([r for f in critical if f != 0 for r in all_real_roots(f)], u)
+    for x in samples(roots, u):
         over = [f for f in (bivariate.restrict(b, "u", x) for b in borders) if f != 0]
-        for y in _samples(_in_range([r for f in over for r in all_real_roots(f)], v), v):
+        for y in samples(inner_roots([r for f in over for r in all_real_roots(f)], v), v):
             if all(_sign(c, x, y) > 0 for c in conditions):
                 return True
     return False
@@ -116,39 +117,6 @@ def _irreducible(polynomials: Iterable[fmpz_mpoly]) -> list[fmpz_mpoly]:
     return found
 
 
-def _in_range(roots: list[AlgebraicRoot], bounds: Range) -> list[AlgebraicRoot]:
-    """The different ones among them inside the bounds, ascending."""
-    found: list[AlgebraicRoot] = []
-    for root in roots:
-        if bounds is None or (root.compare(bounds[0]) > 0 and root.compare(bounds[1]) < 0):
-            place = next((i for i, other in enumerate(found) if root.compare(other) <= 0), len(found))
-            if place == len(found) or root.compare(found[place]) != 0:
-                found.insert(place, root)
-    return found
-
-
-def _samples(roots: Sequence[AlgebraicRoot], bounds: Range) -> list[fmpq]:
-    """A rational number in every open interval between neighbours, and before and after all."""
-    if not roots:
-        return [(bounds[0] + bounds[1]) / 2 if bounds is not None else fmpq(0)]
-    cells = _disjoint(roots)
-    between = [(a[1] + b[0]) / 2 for a, b in zip(cells, cells[1:], strict=False)]
-    first = cells[0][0] - 1 if bounds is None else (bounds[0] + cells[0][0]) / 2
-    last = cells[-1][1] + 1 if bounds is None else (cells[-1][1] + bounds[1]) / 2
-    return [first, *between, last]
-
-
-def _disjoint(roots: Sequence[AlgebraicRoot]) -> list[tuple[fmpq, fmpq]]:
-    """Disjoint enclosures of different roots."""
-    bits = 64
-    while True:
-        balls = [root.enclosure(bits) for root in roots]
-        if all(x < y for x, y in pairwise(balls)):
-            with precision(2 * bits):
-                return [(dyadic(x.lower()), dyadic(x.upper())) for x in balls]
-        bits *= 2
-
-
 # -- common rulings along a curve ---------------------------------------------------------------------------
 
 
@@ -156,7 +124,8 @@ def along_correspondence(found: Found, correspondence: fmpz_mpoly) -> None:
     """Whether rulings that are one line share segments along the correspondence: then the pieces share an area."""
     p, q = found.p, found.q
     if p.trim or q.trim or found.box is not None:
-        raise UnsupportedPair("surfaces that share rulings along a curve, with trimming or a box")
+        _cut_along(found, correspondence)
+        return
     factors = _irreducible([correspondence])
     ends = _comparisons(p, q) if p.bounded and q.bounded else []
     extras = [in_u(rulings_at_infinity(p.rulings)), *(f for row in ends for f in row)]
@@ -164,10 +133,10 @@ def along_correspondence(found: Found, correspondence: fmpz_mpoly) -> None:
     touching = []
     for edge in graph.edges:
         u, v = (x if isinstance(x, AlgebraicRoot) else AlgebraicRoot.of(x) for x in edge.sample)
-        shared = overlap(p, q, u, v)
-        if shared is None:
+        part = overlap(p, q, u, v)
+        if part is None:
             continue
-        if not (p.bounded and q.bounded) or (shared[0] != shared[1]).any():
+        if not (p.bounded and q.bounded) or (part[0] != part[1]).any():
             found.two_dimensional = True
             return
         touching.append((edge, _shared_end(ends, factors[edge.curve])))
@@ -176,13 +145,27 @@ def along_correspondence(found: Found, correspondence: fmpz_mpoly) -> None:
         add_branches(found, joints, [e for e, other in touching if other == end], [(f, 1) for f in factors])
     used = {k for edge, _ in touching for k in (edge.start, edge.end)}
     for node in graph.nodes:
-        shared = None if node.index in used else overlap(p, q, node.u, node.v)
-        if shared is None:
-            continue
-        if (shared[0] != shared[1]).any():
-            found.segments.append(shared)
-        elif not found.is_on_branch(shared[0]):
-            found.add_isolated(shared[0], node)
+        part = None if node.index in used else overlap(p, q, node.u, node.v)
+        if part is not None:
+            found.add_common(part, node)
+
+
+def _cut_along(found: Found, correspondence: fmpz_mpoly) -> None:
+    """The same where trimming or a box cuts the rulings."""
+    p, q, box = found.p, found.q, found.box
+    j = next(j for j, k in enumerate(ALONG) if p.rulings.line[k] != 0)
+    extras = [in_u(rulings_at_infinity(p.rulings)), *changes(p, q, box, j)]
+    graph = topology(_irreducible([correspondence]), u=p.u, v=q.u, extras=[f for f in extras if not f.is_constant()])
+    parts = [shared(p, q, box, *(AlgebraicRoot.of(x) if isinstance(x, fmpq) else x for x in edge.sample))
+             for edge in graph.edges]  # fmt: skip
+    if any((part[0] != part[1]).any() for row in parts for part in row):
+        found.two_dimensional = True
+        return
+    if any(parts):
+        raise UnsupportedPair("equal rulings along a curve, which trimming or a box cuts to single points")
+    for node in graph.nodes:
+        for part in shared(p, q, box, node.u, node.v):
+            found.add_common(part, node)
 
 
 def _shared_end(ends: list[list[fmpz_mpoly]], factor: fmpz_mpoly) -> tuple[int, int]:

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 from flint import fmpq, fmpz_mpoly
 
-from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.bivariate import in_u, in_v
 from firstcontact.pairs.ruled_ruled import FactorKind, common_rulings, delta, factors
 from firstcontact.ruled.answer import Found, Pair
 from firstcontact.ruled.branches import add_apex, add_curves
 from firstcontact.ruled.clipping import clipped, in_range, overlap
 from firstcontact.ruled.coincident import all_meet, along_correspondence
+from firstcontact.ruled.common_lines import shared
 from firstcontact.ruled.pieces import Piece
 from firstcontact.ruled.spots import Box
 
@@ -75,18 +75,15 @@ def _curves(found: Found, d: fmpz_mpoly, correspondence: fmpz_mpoly) -> None:
 
 
 def _overlap(found: Found, u: Any, v: Any) -> None:
-    """What the pieces share of a common ruling: a segment, a point, or the line."""
-    shared = overlap(found.p, found.q, u, v)
-    if shared is None:
+    """What the pieces share of a common ruling: segments, points, or the line."""
+    p, q = found.p, found.q
+    if p.trim or q.trim:
+        for part in shared(p, q, found.box, u, v):
+            found.add_common(part, Pair(u, v))
         return
-    if found.p.trim or found.q.trim:
-        raise UnsupportedPair("the surfaces have a common ruling, and a piece is trimmed; give untrimmed pieces")
-    if found.box is not None:
+    segment = overlap(p, q, u, v)
+    if segment is not None and found.box is not None:
         low, high = (np.array([float(x) for x in corner]) for corner in found.box)
-        shared = clipped(shared, low, high, whole=not (found.p.bounded or found.q.bounded))
-        if shared is None:
-            return
-    if (shared[0] != shared[1]).any():
-        found.segments.append(shared)
-    elif not found.is_on_branch(shared[0]):
-        found.add_isolated(shared[0], Pair(u, v))
+        segment = clipped(segment, low, high, whole=not (p.bounded or q.bounded))
+    if segment is not None:
+        found.add_common(segment, Pair(u, v))
