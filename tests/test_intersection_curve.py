@@ -440,7 +440,29 @@ def test_trimming_cuts_common_areas():
         fc.intersection_curve(low, tube(trim=["s >= 1/4"]))
 
 
-@pytest.mark.parametrize(("trim", "points"), [("s <= 1/4", 1), ("s >= 1/4", 0), ("s + u**2 <= 2", 1), ("u >= s + 1", 1)])
+APEX_KEPT = [("s <= 1/4", 1), ("s >= 1/4", 0), ("s + u**2 <= 2", 1), ("u >= s + 1", 1)]
+
+
+@pytest.mark.parametrize("swapped", [False, True])
+def test_a_plane_trimmed_in_one_parameter_keeps_its_area(swapped):
+    pair = [plane(("1 - u", "-u - 1"), ("u**2 - 2*u + 2", "-u**2 - 2*u - 2"), trim="u >= 0"),
+            plane(("u - 1", "u + 1"), ("2*u - u**2 - 2", "u**2 + 2*u + 2"))]  # fmt: skip
+    assert fc.intersection_curve(*(pair[::-1] if swapped else pair)).two_dimensional
+
+
+def plane(first, second, **bounds) -> fc.RuledSurface:
+    first, second = (f"({x}, {y}, 0)" for x, y in (first, second))
+    return fc.RuledSurface(first, second, u=None, s=None, **bounds)
+
+
+def test_a_box_beside_a_common_plane():
+    """Where its rulings meet at infinity no bound of the box holds."""
+    pair = plane(("u", "u**2"), ("u + 1", "u**2 + 2*u")), plane(("2*u", "1 - u"), ("u", "u**2 - 3"))
+    assert fc.intersection_curve(*pair).two_dimensional
+    assert fc.intersection_curve(*pair, box=((-1, -1, 1), (1, 1, 2))).empty
+
+
+@pytest.mark.parametrize(("trim", "points"), APEX_KEPT)
 def test_trimming_may_keep_a_common_apex(trim, points):
     ring = "(1-u**2)/(1+u**2), 2*u/(1+u**2)"
     cone = fc.RuledSurface("(0, 0, 0)", f"({ring}, 1)", u=None, trim=[trim])
