@@ -70,9 +70,14 @@ def test_a_box_cuts_whole_common_rulings():
     assert np.array(parts(found)) == pytest.approx(np.array([(-r, -r, r), (r, -r, r)]), rel=1e-15)
 
 
-def test_a_trimmed_common_ruling_without_end_is_refused():
-    with pytest.raises(fc.UnsupportedPair, match="give a box"):
-        fc.intersection_curve(saddle(["s >= 0"], s=None), saddle(bend="u**2 - 2", s=None))
+def test_a_trimmed_common_ruling_without_end_is_cut_far_away():
+    found = fc.intersection_curve(saddle(["s >= 1/4"], s=None), saddle(bend="u**2 - 2", s=None))
+    r = math.sqrt(2)
+    assert len(found.overlap_lines) == 2
+    for (start, end), x in zip(found.overlap_lines, (-r, r), strict=True):
+        assert start == pytest.approx((x, 0.25, x / 4), rel=1e-15)
+        assert (end - start) / np.linalg.norm(end - start) == pytest.approx(np.array((0, 1, x)) / math.sqrt(3))
+        assert np.linalg.norm(end) > 50
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,7 @@ from firstcontact.exact import bivariate
 from firstcontact.exact.bivariate import in_u, in_v, irreducible
 from firstcontact.exact.numbers import dyadic, precision
 from firstcontact.exact.roots import AlgebraicRoot
-from firstcontact.pairs.ruled_ruled import all_real_roots
+from firstcontact.pairs.ruled_ruled import all_real_roots, divides
 from firstcontact.ruled.answer import Found, Pair
 from firstcontact.ruled.branches import add_curves
 from firstcontact.ruled.clipping import Condition
@@ -37,8 +37,10 @@ def all_meet(found: Found) -> None:
     conditions = found.clip.conditions(k)
     found.two_dimensional = _has_area(conditions, found.p.u, found.q.u)
     if not found.two_dimensional:
-        borders = [f for f in _borders(conditions, found.p.u, found.q.u) if found.clip.columns(f)]
-        if borders:  # on others rulings are one line
+        points = found.clip.points
+        borders = [f for f in _borders(conditions, found.p.u, found.q.u)
+                   if found.clip.columns(f) and not all(divides(f, x) for x in points[3])]  # fmt: skip
+        if borders:  # on others rulings are one line, or meet at infinity
             add_curves(found, [(f, 1) for f in borders])
 
 
@@ -86,7 +88,7 @@ def _changes(piece: Piece, apex: Sequence[fmpz]) -> list[fmpz_poly]:
 def _has_area(conditions: Sequence[Condition], u: Range, v: Range) -> bool:
     """Whether an open set of (u, v) satisfies the conditions."""
     borders = irreducible(x for c in conditions for x, _, _ in c.polynomials)
-    critical = [bivariate.discriminant(b) for b in borders]
+    critical = [bivariate.discriminant(b) if b.degrees()[1] else bivariate.univariate(b, "u") for b in borders]
     critical += [bivariate.resultant(a, b) for a, b in combinations(borders, 2)]
     critical += [bivariate.restrict(b, "v", end) for b in borders for end in v or ()]
     roots = _in_range([r for f in critical if f != 0 for r in all_real_roots(f)], u)

@@ -22,10 +22,12 @@ from firstcontact.exact.numbers import precision, rational
 from firstcontact.exact.roots import AlgebraicRoot
 from firstcontact.pairs.ruled_ruled import Parameter, Rulings, at_infinity
 from firstcontact.ruled.answer import Found
+from firstcontact.ruled.branches import REACH
 from firstcontact.ruled.clipping import in_range, overlap
 from firstcontact.ruled.piece_borders import Border, borders
 from firstcontact.ruled.pieces import Inequality, Piece
 from firstcontact.ruled.spots import Box
+from firstcontact.ruled.tracing import Surfaces
 
 BITS = 128
 """Of the points."""
@@ -43,7 +45,7 @@ def add_shared(found: Found, where: Any) -> None:
 def shared(p: Piece, q: Piece, u: Parameter, v: Parameter, box: Box | None) -> np.ndarray:
     """(n, 2, 3) ends of what the pieces share of the ruling l(u) = m(v), equal for a point.
 
-    Two points of the line where all of it is shared.
+    Two points of the line where all of it is shared; half-lines end where branches do.
     """
     if not (p.trim or q.trim or box is not None):
         part = overlap(p, q, u, v)
@@ -51,7 +53,7 @@ def shared(p: Piece, q: Piece, u: Parameter, v: Parameter, box: Box | None) -> n
     if not (in_range(p, u) and in_range(q, v)) or at_infinity(p.rulings, u):
         return np.empty((0, 2, 3))
     line, parts = _parts(p, q, u, v, box)
-    return np.array([[line.point(end) for end in part] for part in parts]).reshape(-1, 2, 3)
+    return np.array([line.segment(part, REACH * Surfaces(p, q).size()) for part in parts]).reshape(-1, 2, 3)
 
 
 def share_a_segment(p: Piece, q: Piece, u: Parameter, v: Parameter, box: Box | None) -> bool | None:
@@ -145,11 +147,21 @@ class _Line:
             yield [constant - rational(low, "box"), slope]
             yield [rational(high, "box") - constant, -slope]
 
-    def point(self, x: arb | None) -> list[float]:
-        if x is None:
-            raise UnsupportedPair("trimmed pieces have a common ruling without end; give a box")
+    def segment(self, part: Part, far: float) -> list[np.ndarray]:
+        """Both ends; without any, two points of the line, without one, a point `far` away."""
+        way = np.array([float(slope.ball(BITS).mid()) for _, slope in self.coordinates])
+        way /= np.linalg.norm(way)
+        first, last = (None if x is None else self.point(x) for x in part)
+        if first is None and last is None:
+            first = self.point(arb(0))
+            return [first, first + way]
+        if first is None:
+            first = last - far * way  # type: ignore[operator]
+        return [first, first + far * way if last is None else last]
+
+    def point(self, x: arb) -> np.ndarray:
         with precision(BITS):
-            return [float((c.ball(BITS) + x * slope.ball(BITS)).mid()) for c, slope in self.coordinates]
+            return np.array([float((c.ball(BITS) + x * slope.ball(BITS)).mid()) for c, slope in self.coordinates])
 
 
 def _value(f: fmpz_poly, at: FieldElement) -> FieldElement:
