@@ -15,7 +15,7 @@ import firstcontact as fc
 import ruled_vectors
 from firstcontact.exact.bivariate import U, V, polynomial
 from firstcontact.pairs import ruled_ruled
-from firstcontact.pairs.ruled_ruled import FactorKind, Incidence, Rulings
+from firstcontact.pairs.ruled_ruled import FactorKind, Rulings
 from ruled_vectors import value
 
 TOLERANCE = 1e-6
@@ -479,12 +479,15 @@ def test_a_strip_through_the_apex_keeps_the_curve_and_the_apex():
 
 
 @pytest.mark.parametrize(
-    ("name", "case"),
-    [("s02", Incidence.APEX), ("s05", Incidence.REGULI), ("s09", Incidence.APEX), ("b08", Incidence.PLANE)],
+    ("name", "plane", "apex"),
+    [("s02", False, True), ("s05", False, False), ("s09", False, True), ("b08", True, False)],
 )
-def test_incidence(name, case):
+def test_what_families_share_whose_rulings_all_meet(name, plane, apex):
+    """A plane, a point, or neither: then they are the two reguli of one quadric."""
     vector = named(name)
-    assert ruled_ruled.incidence(rulings(vector.p), rulings(vector.q)) is case
+    p, q = rulings(vector.p), rulings(vector.q)
+    assert (p.plane is not None and p.plane == q.plane) is plane
+    assert plane or (p.apex is not None and p.apex == q.apex) is apex
 
 
 @with_field("infinite_factors")
