@@ -368,6 +368,12 @@ SADDLE = ("(u, 0, 0)", "(u, 1, u)")
 LEVEL = ("(u, 0, 1/2)", "(u, 1, 1/2)")
 
 
+def test_a_common_apex_outside_the_box_is_left_out():
+    p, q = (fc.RuledSurface("(0, 0, 0)", f"((1-u**2)/(1+u**2), 2*u/(1+u**2), {height})") for height in (1, 3))
+    assert fc.intersection_curve(p, q).isolated_points.tolist() == [[0, 0, 0]]
+    assert len(fc.intersection_curve(p, q, box=((1, 1, 1), (2, 2, 2))).isolated_points) == 0
+
+
 def test_a_box_cuts_exactly():
     """z = x y at z = 1/2: y = 1 / (2 x), which leaves the box |x|, |y| <= 4 at x, y = 4 and 1/8."""
     p, q = (fc.RuledSurface(*x, u=None, s=None) for x in (SADDLE, LEVEL))

@@ -34,6 +34,11 @@ def cross(x: Sequence[Any], y: Sequence[Any]) -> Vector:
     )
 
 
+def det(x: Sequence[Any], y: Sequence[Any], z: Sequence[Any]) -> Any:
+    """Of the matrix with these rows."""
+    return dot(x, cross(y, z))
+
+
 def along(p: Vector, t: Any, v: Vector) -> Vector:
     """p + t v."""
     return p[0] + t * v[0], p[1] + t * v[1], p[2] + t * v[2]

@@ -20,7 +20,7 @@ from firstcontact.body.features import Edge, Face, Vertex, enclosure
 from firstcontact.body.moving import Moving, shape_of
 from firstcontact.exact.numbers import dyadic, exact_value, precision, to_double
 from firstcontact.exact.rigid import IDENTITY, Matrix, ball_rotation, compose, inverse_map
-from firstcontact.exact.vectors import cross, dot
+from firstcontact.exact.vectors import cross, det, dot
 from firstcontact.kernels.event_search import CHART, FORM, OTHER_FORM, PAIR
 from firstcontact.motion.polynomial import REST, own_pose
 from firstcontact.motion.rotation import Rotation, angle_ball
@@ -363,10 +363,10 @@ class _System:
                     g = [m[0][j] * p + m[1][j] * q + m[2][j] * r for j in range(3)]
                 gradients.append(g)
         if len(mine) == 2 and len(theirs) == 1:
-            found.append(_det(gradients))
+            found.append(det(*gradients))
         elif len(mine) == 1:
             assert self.across is not None
-            found += [_det([[float(c) for c in row] if not exact else [arb(float(c)) for c in row], *gradients])
+            found += [det([float(c) for c in row] if not exact else [arb(float(c)) for c in row], *gradients)
                       for row in self.across]  # fmt: skip
         return found if exact else np.array(found)
 
@@ -391,11 +391,6 @@ def _scaled(surface: Any) -> list[list[fmpq]]:
 
 def _doubles(form: Any) -> np.ndarray:
     return np.array([[to_double(c) for c in row] for row in form])
-
-
-def _det(rows: Sequence[Sequence[Any]]) -> Any:
-    (a, b, c), (d, e, f), (g, h, i) = rows
-    return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
 
 
 # -- the proof ----------------------------------------------------------------------------------------------
