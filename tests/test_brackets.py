@@ -126,6 +126,7 @@ def test_signs_and_their_conventions():
         (lambda: brackets.segments_relations([[0, 0]], [1, 0, 0], [1, 0, 0], [2, 2, 2]), "p1 has shape (1, 2)"),
         (lambda: brackets.segments_relations([[0, 0, 2**60]], [1, 0, 0], [1, 0, 0], [2, 2, 2]), "beyond 2^53"),
         (lambda: brackets.segments_relations([[0, 0, np.inf]], [1, 0, 0], [1, 0, 0], [2, 2, 2]), "not finite"),
+        (lambda: brackets.segments_relations([[0, 0, 2.0**150]], [1, 0, 0], [1, 0, 0], [2, 2, 2]), "below 2^150"),
         (lambda: brackets.segments_relations([[0, 0, 1]] * 3, [[1, 0, 0]] * 2, [1, 0, 0], [2, 2, 2]), "rows"),
     ],
 )

@@ -15,7 +15,7 @@ import firstcontact as fc
 import ruled_vectors
 from firstcontact.exact.bivariate import U, V, polynomial
 from firstcontact.pairs import ruled_ruled
-from firstcontact.pairs.ruled_ruled import FactorKind, Incidence, Rulings
+from firstcontact.pairs.ruled_ruled import FactorKind, Rulings
 from ruled_vectors import value
 
 TOLERANCE = 1e-6
@@ -368,6 +368,12 @@ SADDLE = ("(u, 0, 0)", "(u, 1, u)")
 LEVEL = ("(u, 0, 1/2)", "(u, 1, 1/2)")
 
 
+def test_a_common_apex_outside_the_box_is_left_out():
+    p, q = (fc.RuledSurface("(0, 0, 0)", f"((1-u**2)/(1+u**2), 2*u/(1+u**2), {height})") for height in (1, 3))
+    assert fc.intersection_curve(p, q).isolated_points.tolist() == [[0, 0, 0]]
+    assert len(fc.intersection_curve(p, q, box=((1, 1, 1), (2, 2, 2))).isolated_points) == 0
+
+
 def test_a_box_cuts_exactly():
     """z = x y at z = 1/2: y = 1 / (2 x), which leaves the box |x|, |y| <= 4 at x, y = 4 and 1/8."""
     p, q = (fc.RuledSurface(*x, u=None, s=None) for x in (SADDLE, LEVEL))
@@ -547,12 +553,15 @@ def test_a_strip_through_the_apex_keeps_the_curve_and_the_apex():
 
 
 @pytest.mark.parametrize(
-    ("name", "case"),
-    [("s02", Incidence.APEX), ("s05", Incidence.REGULI), ("s09", Incidence.APEX), ("b08", Incidence.PLANE)],
+    ("name", "plane", "apex"),
+    [("s02", False, True), ("s05", False, False), ("s09", False, True), ("b08", True, False)],
 )
-def test_incidence(name, case):
+def test_what_families_share_whose_rulings_all_meet(name, plane, apex):
+    """A plane, a point, or neither: then they are the two reguli of one quadric."""
     vector = named(name)
-    assert ruled_ruled.incidence(rulings(vector.p), rulings(vector.q)) is case
+    p, q = rulings(vector.p), rulings(vector.q)
+    assert (p.plane is not None and p.plane == q.plane) is plane
+    assert plane or (p.apex is not None and p.apex == q.apex) is apex
 
 
 @with_field("infinite_factors")

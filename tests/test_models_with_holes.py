@@ -188,7 +188,7 @@ def test_covers_and_events_agree():
     told = first_event(moving, plate, fmpq(0), fmpq(1), 1e-12, 100_000)
     assert told.complete
     parts = windows(moving, plate, fmpq(0), fmpq(1))
-    search = events._Search(moving, plate, tables_of(tilted, plate), parts, 1e-12, 100_000)
+    search = events.EventSearch(moving, plate, tables_of(tilted, plate), parts, 1e-12, 100_000)
     found = search.run(0.0, fmpq(1))
     assert found.status == told.status == "contact" and not found.complete
     assert found.time == pytest.approx(told.time, abs=1e-13) and np.allclose(found.point, told.point, atol=1e-9)

@@ -224,6 +224,19 @@ def test_whole_rulings(ends, solid, known):
     assert known is None or hit.time_interval[0] <= known * (1 + 1e-15) and known <= hit.time_interval[1] * (1 + 1e-15)
 
 
+@pytest.mark.parametrize(
+    "ends",
+    [("(u, 0, 100/(1+{0}))", "(u, 0, 100/(1+{0}) - 1)"), ("(u, 0, 5)", "(u, 0, 4 + (49/50)/(1+{0}))")],
+    ids=["far away", "close together"],
+)
+def test_directrices_that_samples_do_not_show(ends):
+    """Near u = 1/3 the way along the ruling to the ball is long, in units of the two points that span it."""
+    spike = fc.RuledSurface(*(end.format("1000000*(u-1/3)**2") for end in ends), u=(0, 1), s=None, name="spike")
+    ball = fc.sphere("1/1000").translated(("1/3", 1, 0)).moving(fc.Translation((0, -2, 0)))
+    with pytest.raises(UnsupportedPair, match="bound s, or shorten u of spike"):
+        fc.first_contact(spike, ball)
+
+
 def test_whole_rulings_meet_bounded_solids_only():
     regulus = fc.RuledSurface("(1, u, u)", "(-1, u, -u)", s=None, name="regulus")
     with pytest.raises(UnsupportedPair, match="bound s of regulus"):

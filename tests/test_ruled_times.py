@@ -136,6 +136,14 @@ def test_degenerate_pairs(name):
         assert hit.point is not None
 
 
+def test_rulings_that_miss_by_a_millionth():
+    """A corner leaves a surface shortly before the span ends: T^3/3 + T^2/6 - T + 1/2 + 2^-20 = 0."""
+    surface = fc.RuledSurface("(u, u*u, 0)", "(u, 1 + u, u)", u=(0, 1))
+    low, high = "(u + T - 1/2, 1 + u + 1/2**20, -1)", "(u + T - 1/2, 1 + u + 1/2**20 + T*T, 2)"
+    (interval,) = fc.contact_intervals(surface, fc.RuledSurface(low, high, u=(0, 1)), (0, 1), exact=True)
+    assert interval.end_exact.polynomial == (3 * 2**19 + 3, -6 * 2**19, 2**19, 2**20)
+
+
 def test_overlapping_rulings_share_a_segment():
     a, b, _, _ = CASES["one common ruling at all times"]
     end_to_end = fc.first_contact(a, b, (0, 5), exact=True)

@@ -105,12 +105,19 @@ def test_solids_hold_trimmed_pieces(solid):
     assert (interval.start_exact, interval.end_exact) == (Fraction(3, 4) if solid.vertices.max() < 5 else 0, 1)
 
 
+def test_what_is_trimmed_away_overlaps_nothing():
+    """A ball that touches the rim of the disc holds the corner of the square that the disc is cut from."""
+    hit = fc.first_contact(DISC, fc.sphere(1).translated(("6/5", "8/5", 0)), exact=True)
+    assert (hit.status, hit.initial) == (fc.Status.INITIAL_CONTACT, "touching")
+
+
 def test_every_part_of_a_piece_has_a_place():
     parts = fc.RuledSurface("(u, -1, 0)", "(u, 1, 0)", trim=["(4*u-1)*(4*u-2)*(4*u-3) >= 0", "9*s**2 - 9*s + 2 >= 0"])
     places = inner_places(parts)
     for lo, hi in ((0.25, 0.5), (0.75, 1)):
         for low, high in ((0, 1 / 3), (2 / 3, 1)):
             assert any(lo <= float(u) <= hi and low <= float(s) <= high for u, s in places)
+    assert all((4 * u - 1) * (4 * u - 2) * (4 * u - 3) >= 0 and 9 * s**2 - 9 * s + 2 >= 0 for u, s in places)
     assert len(inner_places(DISC)) >= 1  # the disc touches the borders of its square from inside
 
 

@@ -12,7 +12,7 @@ from flint import fmpq
 
 import firstcontact as fc
 from amount import amount
-from firstcontact.search.advance import _Search, advance
+from firstcontact.search.advance import PieceSearch, advance
 from firstcontact.search.convex import convex_pieces
 from firstcontact.search.stretches import windows
 from quadric_vectors import VECTORS, quaternion_matrix
@@ -153,7 +153,7 @@ def test_a_union_advances_as_its_pieces_do():
         resting = other.translated((4 * direction + rng.uniform(-0.7, 0.7, 3)).tolist())
         found = advance(CAPSULE.moving(motion), resting, 0, 1)
         pieces = [replace(convex_pieces(body), union=None) for body in (CAPSULE, resting)]
-        apart = _Search(*pieces, windows(CAPSULE.moving(motion), resting, fmpq(0), fmpq(1)), 1e-12, 10_000).run()
+        apart = PieceSearch(*pieces, windows(CAPSULE.moving(motion), resting, fmpq(0), fmpq(1)), 1e-12, 10_000).run()
         assert found.status == apart.status != "open"
         if found.status == "contact":
             (lo, hi), (first, last) = found.time_interval, apart.time_interval

@@ -15,10 +15,16 @@ import firstcontact as fc
 from firstcontact.exact.numbers import precision, to_double
 from firstcontact.motion import projective
 from firstcontact.motion.clocks import _is_part_of_half_turn
-from firstcontact.motion.polynomial import polynomial_pieces, relative, relative_pieces
+from firstcontact.motion.polynomial import relative, relative_pieces, step_pieces, steps_within
 
 CUBE = fc.examples.box((1, 1, 1)).named("cube")
 ZERO, ONE = fmpq(0), fmpq(1)
+
+
+def polynomial_pieces(body, first, last):
+    """The pieces of a motion or body over [first, last], in time order."""
+    for step, begin, end, of in steps_within(body, first, last):
+        yield from step_pieces(step, begin, end, of)
 
 
 class Root:

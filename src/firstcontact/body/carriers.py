@@ -16,6 +16,7 @@ from typing import Any
 from flint import fmpq, fmpq_mat, fmpz
 
 from firstcontact.exact.numbers import to_double
+from firstcontact.exact.vectors import cross
 
 Vector = tuple[fmpq, ...]
 Rows = tuple[Vector, ...]
@@ -184,10 +185,6 @@ Curve = Line | Conic | QuarticCurve
 
 def dot(x: Sequence[Any], y: Sequence[Any]) -> Any:
     return sum(map(mul, x, y))
-
-
-def cross(x: Sequence[Any], y: Sequence[Any]) -> tuple[Any, Any, Any]:
-    return x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]
 
 
 def bilinear(form: Rows, x: Sequence[Any], y: Sequence[Any]) -> Any:

@@ -21,7 +21,6 @@ from firstcontact.body.carriers import (
     Vector,
     bilinear,
     columns,
-    cross,
     diagonalised,
     dot,
     null_space,
@@ -32,6 +31,7 @@ from firstcontact.body.carriers import (
     upright,
 )
 from firstcontact.exact.rigid import rational_sqrt
+from firstcontact.exact.vectors import cross
 
 
 def common_curves(first: Surface, second: Surface) -> list[Curve]:

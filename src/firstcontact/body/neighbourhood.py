@@ -14,9 +14,10 @@ from typing import Any
 
 from flint import arb, fmpq
 
-from firstcontact.body.carriers import ONE, ZERO, Quadric, Surface, Vector, cross, dot
+from firstcontact.body.carriers import ONE, ZERO, Quadric, Surface, Vector, dot
 from firstcontact.body.csg import Tree, inside, pattern
 from firstcontact.exact.numbers import to_double
+from firstcontact.exact.vectors import cross
 
 Half = tuple[arb, int]
 """A half-branch: the direction (angle) in which a surface (number) leaves the point, in the plane across the curve."""

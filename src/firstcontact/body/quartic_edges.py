@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from flint import arb, arb_mat, fmpq, fmpq_mat
 
-from firstcontact.body.carriers import EnclosedPoint, Quadric, QuarticCurve, Surface, cross, doubles
+from firstcontact.body.carriers import EnclosedPoint, Quadric, QuarticCurve, Surface, doubles
 from firstcontact.body.csg import Tree, outcomes
 from firstcontact.body.extent import cells_of
 from firstcontact.body.features import EDGE_KINDS, Piece
@@ -26,6 +26,7 @@ from firstcontact.body.neighbourhood import Profile, around_curve
 from firstcontact.body.trimming import BITS
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import dyadic, precision, to_double
+from firstcontact.exact.vectors import cross
 
 BoxF = tuple[np.ndarray, np.ndarray]
 """Corners, (3,) float64 each."""

@@ -85,8 +85,7 @@ class RationalCurve:
     @property
     def is_constant(self) -> bool:
         """Whether the curve is one point, which may move."""
-        w, n = self.components[3], self.components[:3]
-        return all(x * derivative(w) == derivative(x) * w for x in n)
+        return is_point(self.components)
 
     def at(self, t: Any) -> RationalCurve:
         """The curve at rest at time t, a number of any kind, taken exactly; itself where it does not deform."""
@@ -197,6 +196,12 @@ def terms(p: Component) -> dict[tuple[int, int], fmpz]:
     if isinstance(p, fmpz_mpoly):
         return {(int(i), int(j)): c for (i, j), c in p.to_dict().items()}
     return {(i, 0): c for i, c in enumerate(p.coeffs()) if c}
+
+
+def is_point(components: Sequence[Component]) -> bool:
+    """Whether homogeneous x, y, z, w are one point for all u."""
+    w = components[3]
+    return all(x * derivative(w) == derivative(x) * w for x in components[:3])
 
 
 def derivative(p: Component) -> Component:

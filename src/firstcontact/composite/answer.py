@@ -21,7 +21,16 @@ from firstcontact.exact.numbers import precision
 from firstcontact.exact.polynomial_matrix import Matrix
 from firstcontact.exact.roots import AlgebraicRoot
 from firstcontact.report import MOST_OTHERS
-from firstcontact.result import CandidateTime, ContactSet, Element, ElementPair, FirstContact, Status, Subproblem
+from firstcontact.result import (
+    CandidateTime,
+    ContactInterval,
+    ContactSet,
+    Element,
+    ElementPair,
+    FirstContact,
+    Status,
+    Subproblem,
+)
 
 _ORDER = {"vertex": 0, "apex": 0, "edge": 1, "face": 2}
 BITS = 128
@@ -94,6 +103,12 @@ def element(
 
 
 # -- times and frames -----------------------------------------------------------------------------------------
+
+
+def interval_of(start: Any, end: Any, exact: bool) -> ContactInterval:
+    """From ends whose `value(exact)` is the nearest double, an enclosure and the exact time."""
+    (t0, lo, exact0), (t1, hi, exact1) = start.value(exact), end.value(exact)
+    return ContactInterval(t0, t1, lo, hi, exact0, exact1)
 
 
 def world_time(pair: Pair, root: Root) -> tuple[float, tuple[float, float]]:

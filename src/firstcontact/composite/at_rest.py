@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 from flint import fmpq
 
-from firstcontact.body.carriers import Line, Plane, Point, Rows, Vector, cross, dot, times, upright
+from firstcontact.body.carriers import Line, Plane, Point, Rows, Vector, dot, times, upright
 from firstcontact.body.composite_quadric import CompositeQuadric, NoSolid
 from firstcontact.body.csg import And, Leaf, Not, Tree
 from firstcontact.composite.moving_pair import Pair
 from firstcontact.exact.numbers import to_double
+from firstcontact.exact.vectors import cross
 
 
 def placed(pair: Pair, u: fmpq) -> CompositeQuadric:

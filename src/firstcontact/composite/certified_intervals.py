@@ -200,7 +200,7 @@ class _Free:
     def at(self, window: Window, t: float) -> bool:
         if self.tables is None:
             return self._advanced(window, t, t).status == "free"
-        search = events._Search(*self.models, self.tables, [window], 1.0, BOXES)
+        search = events.EventSearch(*self.models, self.tables, [window], 1.0, BOXES)
         return search.searched(True, window, t, t, events.MOST_STILL) == FREE
 
     def until(self, window: Window, t: float, end: float) -> tuple[float, list[np.ndarray]]:
@@ -210,7 +210,7 @@ class _Free:
                 return end, []
             until = min(found.free_until, math.nextafter(end, t))
             return until, [] if found.point is None else [found.point]
-        search = events._Search(*self.models, self.tables, [window], 1.0, BOXES)
+        search = events.EventSearch(*self.models, self.tables, [window], 1.0, BOXES)
         search.width = self.width
         if search.searched(False, window, t, end, BOXES) == FREE:
             return end, []
@@ -237,9 +237,9 @@ class _Free:
     def _advanced(self, window: Window, t: float, end: float) -> advance.Advance:
         return self._search(window, t, end).run()
 
-    def _search(self, window: Window, t: float, end: float) -> advance._Search:
+    def _search(self, window: Window, t: float, end: float) -> advance.PieceSearch:
         part = window._replace(first=t, last=end, inner=min(end, window.inner))
-        search = advance._Search(self.pieces[0], self.pieces[1], [part], 1.0, STRIDES)
+        search = advance.PieceSearch(self.pieces[0], self.pieces[1], [part], 1.0, STRIDES)
         search.width = self.width
         if any(window.a is w.a and window.b is w.b for w in self.parts):  # else time runs backwards
             search.motions = lambda: self.motions

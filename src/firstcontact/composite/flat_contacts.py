@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from flint import fmpq_mat
 
-from firstcontact.body.carriers import Conic, Line, Plane, QuarticCurve, cross, dot
+from firstcontact.body.carriers import Conic, Line, Plane, QuarticCurve, dot
 from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.csg import And, Leaf, Not, Or, Tree, inside
 from firstcontact.body.features import Edge, Face, Vertex
@@ -25,6 +25,7 @@ from firstcontact.composite.contact_sets import SAMPLES, runs
 from firstcontact.composite.forms import Form, forms_of, value
 from firstcontact.composite.kept_directions import Axis, stay_parallel
 from firstcontact.composite.touched import Flat, Flats, Point, coprime, is_parallel
+from firstcontact.exact.vectors import along, cross, sub
 from firstcontact.search.convex import NotConvex, convex_pieces
 
 CLEAR = 1e-7
@@ -445,13 +446,13 @@ def _in_line(bodies: tuple[_Body, _Body], flats: tuple[Flat, Flat], where: Point
     (side_lo, lo), (side_hi, hi) = found
     if hi[0] - lo[0] <= near or lo[0] > near or hi[0] < -near:
         return None
-    middle = _along(where, 0.5 * (lo[0] + hi[0]), d)
+    middle = along(where, 0.5 * (lo[0] + hi[0]), d)
     # a line that only touches a surface seems to pass it where rounding puts it a little deeper
     for body, flat in zip(bodies, flats, strict=True):
-        along = body.back(d) if body.turn else d
-        if not (body.shape.plan(flat.feature, along)[1] or body.holds(middle, _on(flat))):
+        way = body.back(d) if body.turn else d
+        if not (body.shape.plan(flat.feature, way)[1] or body.holds(middle, _on(flat))):
             return None
-    ends = _along(where, lo[0], d), _along(where, hi[0], d)
+    ends = along(where, lo[0], d), along(where, hi[0], d)
     pairs = _end_pairs(bodies, flats, ends[0], side_lo, lo[1])
     pairs += _end_pairs(bodies, flats, ends[1], side_hi, hi[1])
     x, y = flats[0].feature, flats[1].feature
@@ -489,7 +490,7 @@ def _held(
     for lo, hi in zip(breaks, breaks[1:], strict=False):
         if hi[0] - lo[0] <= near:
             continue
-        middle = _along(where, 0.5 * (lo[0] + hi[0]), d)
+        middle = along(where, 0.5 * (lo[0] + hi[0]), d)
         if bodies[0].holds(middle, on[0]) and bodies[1].holds(middle, on[1]):
             if shared and shared[-1][1] is lo:  # a surface that bounds nothing here
                 lo = shared.pop()[0]
@@ -504,10 +505,6 @@ def _held(
 
 def _is_plane(feature: Feature) -> bool:
     return isinstance(feature, Face) and isinstance(feature.carrier, Plane)
-
-
-def _along(p: Point, s: float, d: Point) -> Point:
-    return p[0] + s * d[0], p[1] + s * d[1], p[2] + s * d[2]
 
 
 def _end_pairs(
@@ -629,18 +626,14 @@ def _is_below(heights: list[float], near: float) -> bool:
 def _spread(points: list[Point]) -> bool:
     """Whether three of the points are the corners of a proper triangle."""
     for x, y, z in combinations(points[:12], 3):
-        d, e = _minus(y, x), _minus(z, x)
+        d, e = sub(y, x), sub(z, x)
         if max(map(abs, cross(d, e))) > CLEAR * max(dot(d, d), dot(e, e)):
             return True
     return False
 
 
-def _minus(p: Point, q: Point) -> Point:
-    return p[0] - q[0], p[1] - q[1], p[2] - q[2]
-
-
 def _between(p: Point, q: Point, share: float) -> Point:
-    return _along(p, share, _minus(q, p))
+    return along(p, share, sub(q, p))
 
 
 @dataclass(slots=True)
@@ -788,12 +781,12 @@ def _crossing(
 def _through(body: _Body, rim: Edge, on: frozenset[int], p: Point, q: Point) -> list[Point]:
     """Where the side pq of the other's face passes through a rim of this body's face."""
     (surface,) = set(rim.surfaces) - on
-    d = _minus(q, p)
+    d = sub(q, p)
     found = []
     for s, _ in _roots(body.forms[surface], body.local(p), body.back(d)):
         if min(abs(s), abs(1.0 - s)) <= CLEAR:
             raise _Unclear
-        point = _along(p, s, d)
+        point = along(p, s, d)
         if 0.0 < s < 1.0 and body.holds(point, on | {surface}):
             found.append(point)
     return found

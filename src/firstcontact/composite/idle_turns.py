@@ -10,9 +10,10 @@ from typing import Any
 
 from flint import fmpq, fmpq_mat
 
-from firstcontact.body.carriers import Plane, Surface, cross
+from firstcontact.body.carriers import Plane, Surface
 from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.moving import Moving
+from firstcontact.exact.vectors import cross
 from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.translation import Translation

@@ -80,7 +80,7 @@ class _Stop:
 
     lo: float
     boxes: np.ndarray
-    search: events._Search
+    search: events.EventSearch
     spent: bool
 
 
@@ -202,12 +202,12 @@ class HoledSearch(MeshSearch):
             known = self.groups[triangles] = _Group(triangles, piece, patch(self.mesh, triangles, (0.0, 0.0, 0.0)))
         return known
 
-    def _search(self, group: _Group, window: Window, width: float) -> events._Search:
+    def _search(self, group: _Group, window: Window, width: float) -> events.EventSearch:
         bodies: tuple[Any, Any] = (group.patch, self.model) if self.mesh_is_a else (self.model, group.patch)
         budget = int(min(MOST_BOXES, max(self.budget - self.tests, 0)))
         if group.tables is None:
             group.tables = tables_of(*bodies)
-        search = events._Search(*bodies, group.tables, [window], 1.0, budget)
+        search = events.EventSearch(*bodies, group.tables, [window], 1.0, budget)
         search.width = width
         return search
 

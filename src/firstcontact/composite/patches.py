@@ -14,13 +14,14 @@ from typing import Any
 import numpy as np
 from flint import fmpq
 
-from firstcontact.body.carriers import ONE, ZERO, Line, Plane, Point, Surface, Vector, columns, cross, dot, primitive
+from firstcontact.body.carriers import ONE, ZERO, Line, Plane, Point, Surface, Vector, columns, dot, primitive
 from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.csg import Leaf, Or, Tree, conjunction
 from firstcontact.body.features import Edge, Face, Piece, Vertex
 from firstcontact.body.polyhedron import Polyhedron
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import to_double
+from firstcontact.exact.vectors import cross
 
 ROOM = 0.125
 """Of the size of a patch, by which its box is larger."""

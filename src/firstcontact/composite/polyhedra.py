@@ -12,13 +12,14 @@ from collections.abc import Sequence
 import numpy as np
 from flint import fmpq
 
-from firstcontact.body.carriers import ONE, ZERO, Line, Plane, Point, Surface, Vector, columns, cross, dot, primitive
+from firstcontact.body.carriers import ONE, ZERO, Line, Plane, Point, Surface, Vector, columns, dot, primitive
 from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.csg import Leaf, conjunction
 from firstcontact.body.features import Edge, Face, Features, Piece, Vertex
 from firstcontact.body.polyhedron import Polyhedron
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import to_double
+from firstcontact.exact.vectors import cross
 
 MOST_TRIANGLES = 100
 """Of a convex polyhedron that is taken as a model: its features are met pair by pair."""

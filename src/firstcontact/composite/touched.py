@@ -20,6 +20,7 @@ from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.features import Edge, Face, Vertex
 from firstcontact.composite.answer import element, rank
 from firstcontact.composite.forms import Form, forms_of, height, value
+from firstcontact.exact.vectors import dot
 from firstcontact.result import Element
 from firstcontact.search.convex import convex_pieces
 
@@ -71,8 +72,8 @@ class _Side:
         """What is flat through the point, where the face is across the normal n there."""
         if self.inverse is not None:  # every ruling is here: the one across n has n for its gradient
             first, second, third = self.inverse
-            d = _dot(first, n), _dot(second, n), _dot(third, n)
-            return Flat(self.face, d, None) if abs(_dot(d, n)) <= ACROSS * _length(d) * _length(n) else None
+            d = dot(first, n), dot(second, n), dot(third, n)
+            return Flat(self.face, d, None) if abs(dot(d, n)) <= ACROSS * _length(d) * _length(n) else None
         xx, yy, zz, xy, xz, yz, x1, y1, z1 = self.form
         g = (
             xx * x + xy * y + xz * z + x1,
@@ -102,7 +103,7 @@ class Touched:
         for line in self.lines:
             d = line.direction
             assert d is not None
-            if abs(_dot(d, n)) <= ACROSS * _length(d) * _length(n):
+            if abs(dot(d, n)) <= ACROSS * _length(d) * _length(n):
                 found.append(line)
         return found
 
@@ -186,10 +187,6 @@ def is_parallel(x: Point, y: Point) -> bool:
     (a, b, c), (p, q, r) = x, y
     u, v, w = b * r - c * q, c * p - a * r, a * q - b * p
     return u * u + v * v + w * w <= ACROSS * ACROSS * (a * a + b * b + c * c) * (p * p + q * q + r * r)
-
-
-def _dot(x: Point, y: Point) -> float:
-    return x[0] * y[0] + x[1] * y[1] + x[2] * y[2]
 
 
 def _length(x: Point) -> float:

@@ -14,7 +14,7 @@ from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.moving import Moving, shape_of
 from firstcontact.body.polyhedron import Polyhedron
 from firstcontact.composite.algorithm import Meeting, Root, Search, between
-from firstcontact.composite.answer import contact_of, listed, world_time
+from firstcontact.composite.answer import contact_of, interval_of, listed, world_time
 from firstcontact.composite.at_rest import is_containment, overlap
 from firstcontact.composite.certified import both_bounded, contact, settle
 from firstcontact.composite.certified_intervals import Found, certified_intervals
@@ -280,7 +280,7 @@ def _decided_intervals(
             tests, evaluations = tests + len(search.tasks), evaluations + len(search.verdicts)
     except Spent:
         reason = "budget"
-    intervals = tuple(_interval(start, end, exact) for start, end in found)
+    intervals = tuple(interval_of(start, end, exact) for start, end in found)
     at_start = bool(found) and found[0][0].is_at(first)
     status = Status.FREE if not found else Status.INITIAL_CONTACT if at_start else Status.CONTACT
     until = intervals[0].start if intervals else to_double(last)
@@ -432,8 +432,3 @@ def _share(search: Search, start: _End | None, before: _End, u: fmpq) -> bool:
     if start is None and before.root is not None:
         return search.share_a_point(u)
     return search.still_share_a_point(u)
-
-
-def _interval(start: _End, end: _End, exact: bool) -> ContactInterval:
-    (t0, lo, exact0), (t1, hi, exact1) = start.value(exact), end.value(exact)
-    return ContactInterval(t0, t1, lo, hi, exact0, exact1)

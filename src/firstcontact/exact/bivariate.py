@@ -6,7 +6,7 @@ everything that happens over one u: rows of a chart with u -> 1/u or v -> 1/v ar
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from flint import fmpq, fmpq_mpoly_ctx, fmpq_poly, fmpz, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly
@@ -89,7 +89,7 @@ def chart(a: Rows, reversed_u: bool, reversed_v: bool, degree: int) -> Rows:
     return a[::-1] if reversed_v else list(a)
 
 
-def slope(a: Rows) -> Rows:
+def slope(a: Sequence[Any]) -> list[Any]:
     """Rows of df/dv."""
     return [j * a[j] for j in range(1, len(a))]
 

@@ -330,7 +330,7 @@ def squarefree_parts(f: list[FieldElement]) -> list[tuple[list[FieldElement], in
     f = trimmed(f)
     if len(f) < 2:
         return []
-    rest = gcd(f, _derivative(f))
+    rest = gcd(f, slope(f))
     distinct = division(f, rest)[0]
     parts, multiplicity = [], 1
     while len(distinct) > 1:
@@ -340,10 +340,6 @@ def squarefree_parts(f: list[FieldElement]) -> list[tuple[list[FieldElement], in
             parts.append((part, multiplicity))
         distinct, rest, multiplicity = repeated, division(rest, repeated)[0], multiplicity + 1
     return parts
-
-
-def _derivative(f: list[FieldElement]) -> list[FieldElement]:
-    return [j * f[j] for j in range(1, len(f))]
 
 
 def _at(c: FieldElement, x: arb) -> arb:

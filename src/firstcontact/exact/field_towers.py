@@ -62,7 +62,7 @@ class TowerElement(ExactNumber):
 
     def __mul__(self, other: Any) -> TowerElement:
         y = self._of(other)
-        return NotImplemented if y is None else self._new(_product(self.coefficients, y))
+        return NotImplemented if y is None else self._new(product(self.coefficients, y))
 
     __rmul__ = __mul__
 
@@ -140,7 +140,8 @@ def _reduced(coefficients: Sequence[Any], modulus: fmpz_poly) -> list[Any]:
     return rest
 
 
-def _product(x: Sequence[Any], y: Sequence[Any]) -> list[Any]:
+def product(x: Sequence[Any], y: Sequence[Any]) -> list[Any]:
+    """Of polynomials over any ring, coefficients ascending, none of them empty."""
     found: list[Any] = [None] * (len(x) + len(y) - 1)
     for i, a in enumerate(x):
         for j, b in enumerate(y):

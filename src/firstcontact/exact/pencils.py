@@ -15,6 +15,7 @@ from typing import Any
 
 from flint import Ordering, fmpz_mpoly_ctx, fmpz_poly
 
+from firstcontact.exact.field_towers import product
 from firstcontact.exact.inertia import Rows, inertia, null_space, times
 from firstcontact.exact.number_field import filtered_sign, is_zero, sign, square_root
 from firstcontact.exact.polynomial_matrix import congruent, determinant
@@ -34,12 +35,12 @@ def characteristic(a: Rows, b: Rows) -> list[Any]:
     if n == 3:
         total: list[Any] = []
         for k, (i, j) in enumerate(((1, 2), (0, 2), (0, 1))):
-            term = _times(_pair(a, b, 0, 1, i, j), [-b[2][k], a[2][k]])
+            term = product(_pair(a, b, 0, 1, i, j), [-b[2][k], a[2][k]])
             total = _combined(total, term, -1 if k == 1 else 1)
         return total
     total = []
     for i, j, g, h, s in _LAPLACE:
-        total = _combined(total, _times(_pair(a, b, 0, 1, i, j), _pair(a, b, 2, 3, g, h)), s)
+        total = _combined(total, product(_pair(a, b, 0, 1, i, j), _pair(a, b, 2, 3, g, h)), s)
     return total
 
 
@@ -56,14 +57,6 @@ def _pair(a: Rows, b: Rows, r: int, s: int, i: int, j: int) -> list[Any]:
         arj * bsi + brj * asi - ari * bsj - bri * asj,
         ari * asj - arj * asi,
     ]
-
-
-def _times(f: Sequence[Any], g: Sequence[Any]) -> list[Any]:
-    out: list[Any] = [None] * (len(f) + len(g) - 1)
-    for i, x in enumerate(f):
-        for j, y in enumerate(g):
-            out[i + j] = x * y if out[i + j] is None else out[i + j] + x * y
-    return out
 
 
 def _combined(f: list[Any], g: list[Any], s: int) -> list[Any]:

@@ -13,6 +13,7 @@ from typing import Any
 
 from flint import fmpq, fmpz_poly
 
+from firstcontact.exact.inertia import dot
 from firstcontact.exact.roots import real_roots
 
 Matrix = tuple[tuple[fmpz_poly, ...], ...]
@@ -41,23 +42,16 @@ def transpose(m: Sequence[Sequence[Any]]) -> tuple[tuple[Any, ...], ...]:
 def product(m: Sequence[Sequence[Any]], n: Sequence[Sequence[Any]]) -> tuple[tuple[Any, ...], ...]:
     """m n, for entries of any ring."""
     columns = tuple(zip(*n, strict=True))
-    return tuple(tuple(_dot(row, column) for column in columns) for row in m)
+    return tuple(tuple(dot(row, column) for column in columns) for row in m)
 
 
 def congruent(p: Sequence[Sequence[Any]], q: Sequence[Sequence[Any]]) -> tuple[tuple[Any, ...], ...]:
     """P^T Q P for a symmetric Q (n, n) and P (n, k): the form Q on the points P y, (k, k)."""
     columns = tuple(zip(*p, strict=True))
-    images = [tuple(_dot(row, column) for row in q) for column in columns]  # Q P, column by column
+    images = [tuple(dot(row, column) for row in q) for column in columns]  # Q P, column by column
     k = len(columns)
-    upper = [[_dot(columns[i], images[j]) if i <= j else None for j in range(k)] for i in range(k)]
+    upper = [[dot(columns[i], images[j]) if i <= j else None for j in range(k)] for i in range(k)]
     return tuple(tuple(upper[min(i, j)][max(i, j)] for j in range(k)) for i in range(k))
-
-
-def _dot(x: Sequence[Any], y: Sequence[Any]) -> Any:
-    total = x[0] * y[0]
-    for a, b in zip(x[1:], y[1:], strict=True):
-        total = total + a * b
-    return total
 
 
 def determinant(m: Sequence[Sequence[Any]]) -> Any:

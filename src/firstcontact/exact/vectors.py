@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from flint import fmpq, fmpz
@@ -21,16 +22,21 @@ def scaled(k: Any, x: Vector) -> Vector:
     return k * x[0], k * x[1], k * x[2]
 
 
-def dot(x: Vector, y: Vector) -> Any:
+def dot(x: Sequence[Any], y: Sequence[Any]) -> Any:
     return x[0] * y[0] + x[1] * y[1] + x[2] * y[2]
 
 
-def cross(x: Vector, y: Vector) -> Vector:
+def cross(x: Sequence[Any], y: Sequence[Any]) -> Vector:
     return (
         x[1] * y[2] - x[2] * y[1],
         x[2] * y[0] - x[0] * y[2],
         x[0] * y[1] - x[1] * y[0],
     )
+
+
+def det(x: Sequence[Any], y: Sequence[Any], z: Sequence[Any]) -> Any:
+    """Of the matrix with these rows."""
+    return dot(x, cross(y, z))
 
 
 def along(p: Vector, t: Any, v: Vector) -> Vector:

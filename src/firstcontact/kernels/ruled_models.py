@@ -21,28 +21,24 @@ from firstcontact.kernels.linear_models import (
     quotient,
     total,
 )
-
-
-def _rows(*numbers: int) -> tuple[np.int64, ...]:
-    return tuple(np.int64(n) for n in numbers)
-
+from firstcontact.kernels.workspace import rows
 
 # Rows of the workspace.  Of the system: P - Q, determinants; copies of them under elimination start at WORK.
-GAP, MINORS, WORK = _rows(0, 3, 7)
+GAP, MINORS, WORK = rows(0, 3, 7)
 # Derivatives of P - Q: by u, s, v, t, three rows each, the latter two with the other sign.
-BY_U, BY_S, BY_V, BY_T = _rows(14, 17, 20, 23)
+BY_U, BY_S, BY_V, BY_T = rows(14, 17, 20, 23)
 # Directrices of P, then of Q: points and derivatives; what one of them needs; crossed products; scratch.
-POINTS, SLOPES, SURFACE = _rows(26, 29, 6)
-WEIGHT, SCRATCH, CROSSED, AXIS = _rows(50, 52, 54, 60)
+POINTS, SLOPES, SURFACE = rows(26, 29, 6)
+WEIGHT, SCRATCH, CROSSED, AXIS = rows(50, 52, 54, 60)
 OFF = np.int64(61)
 """How far points of the surfaces, and their derivatives by u and s, v and t, may be from the coefficients'."""
 ROWS, WIDTH = 62, 7
 FREE_U, FREE_S, FREE_V, FREE_T = 1, 2, 4, 8
 ALL_STRATA = -1
 """In place of the free parameters of a stratum: a box that stands for all strata it meets."""
-FIRST, SECOND = _rows(0, 1)
+FIRST, SECOND = rows(0, 1)
 W_COMPONENT = np.int64(3)
-U_COLUMN, V_COLUMN = _rows(0, 2)
+U_COLUMN, V_COLUMN = rows(0, 2)
 MOST_DEGREE = 31
 
 

@@ -12,6 +12,7 @@ import math
 
 from firstcontact.kernels.jit import inner
 from firstcontact.kernels.poses import pose_at, velocity_at
+from firstcontact.kernels.separation import local_direction
 from firstcontact.kernels.support import form_gradient, form_value
 from firstcontact.kernels.workspace import (
     ACTIVE,
@@ -104,16 +105,6 @@ def local_point(w, side, x, y, z):
 
 
 @inner
-def _back(w, inverse, x, y, z):
-    """R^-T (x, y, z)."""
-    return (
-        w[inverse, 0] * x + w[inverse, 3] * y + w[inverse, 6] * z,
-        w[inverse, 1] * x + w[inverse, 4] * y + w[inverse, 7] * z,
-        w[inverse, 2] * x + w[inverse, 5] * y + w[inverse, 8] * z,
-    )
-
-
-@inner
 def moving_form(p, k, w, side, x, y, z):
     """Of form k at the world point x, y, z: value, gradient (3), rate by time, rate of the gradient (3).
 
@@ -123,7 +114,7 @@ def moving_form(p, k, w, side, x, y, z):
     y0, y1, y2 = local_point(w, side, x, y, z)
     value, _ = form_value(p, k, y0, y1, y2)
     g0, g1, g2 = form_gradient(p, k, y0, y1, y2)
-    G0, G1, G2 = _back(w, inverse, g0, g1, g2)
+    G0, G1, G2 = local_direction(w, inverse, g0, g1, g2)
     u0 = w[rates, 0] * y0 + w[rates, 1] * y1 + w[rates, 2] * y2 + w[rates, 9]
     u1 = w[rates, 3] * y0 + w[rates, 4] * y1 + w[rates, 5] * y2 + w[rates, 10]
     u2 = w[rates, 6] * y0 + w[rates, 7] * y1 + w[rates, 8] * y2 + w[rates, 11]
@@ -137,7 +128,7 @@ def moving_form(p, k, w, side, x, y, z):
     h0 -= w[rates, 0] * G0 + w[rates, 3] * G1 + w[rates, 6] * G2
     h1 -= w[rates, 1] * G0 + w[rates, 4] * G1 + w[rates, 7] * G2
     h2 -= w[rates, 2] * G0 + w[rates, 5] * G1 + w[rates, 8] * G2
-    H0, H1, H2 = _back(w, inverse, h0, h1, h2)
+    H0, H1, H2 = local_direction(w, inverse, h0, h1, h2)
     w[FORM, 0], w[FORM, 1], w[FORM, 2], w[FORM, 3], w[FORM, 4] = value, G0, G1, G2, -(G0 * u0 + G1 * u1 + G2 * u2)
     w[FORM, 5], w[FORM, 6], w[FORM, 7] = H0, H1, H2
 
@@ -151,7 +142,7 @@ def add_hessian(p, k, w, side, factor, row):
         h0 = 2.0 * p[k, 0] * i0 + p[k, 3] * i1 + p[k, 4] * i2
         h1 = p[k, 3] * i0 + 2.0 * p[k, 1] * i1 + p[k, 5] * i2
         h2 = p[k, 4] * i0 + p[k, 5] * i1 + 2.0 * p[k, 2] * i2
-        H0, H1, H2 = _back(w, inverse, h0, h1, h2)
+        H0, H1, H2 = local_direction(w, inverse, h0, h1, h2)
         w[MATRIX + row, c] += factor * H0
         w[MATRIX + row + 1, c] += factor * H1
         w[MATRIX + row + 2, c] += factor * H2

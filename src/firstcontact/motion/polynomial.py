@@ -25,7 +25,7 @@ from firstcontact.motion.clocks import AngleClock, StraightClock
 from firstcontact.motion.projective import Matrix
 from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.rotation import Rotation, angle_ball
-from firstcontact.motion.screw import Screw
+from firstcontact.motion.screw import simple
 from firstcontact.motion.sequence import Sequence
 from firstcontact.motion.span import limits
 from firstcontact.motion.trajectory import Trajectory
@@ -93,17 +93,6 @@ class PolynomialPiece:
         return self.end is None or self.clock.compare(root, self.end) <= 0
 
 
-def polynomial_pieces(body: Any, first: fmpq, last: fmpq | None) -> Iterator[PolynomialPiece]:
-    """The pieces of a motion, or of a body (moving or at rest), over the closed [first, last], in time order.
-
-    last None: without end, for translations and rotations.  UnsupportedPair where the pose is no rational function
-    of anything: a screw that turns and advances.  A step of a Sequence that starts after a rotation by an angle
-    without rational cosine and sine starts in a rational pose within 2^-60 radians; its pieces have `exact` False.
-    """
-    for step, begin, end, of in _windows(body, first, last):
-        yield from step_pieces(step, begin, end, of)
-
-
 def relative(a: PolynomialPiece, b: PolynomialPiece) -> PolynomialPiece:
     """The motion of a as seen from b in the time that both pieces share; they must share some.
 
@@ -129,7 +118,7 @@ def relative_pieces(a: Any, b: Any, first: fmpq, last: fmpq | None) -> Iterator[
     As `relative`; besides, two rotations about one line are one rotation by the difference of their angles.  The frame
     of such a piece is None: it is no rational function of u.
     """
-    windows_a, windows_b = _windows(a, first, last), _windows(b, first, last)
+    windows_a, windows_b = steps_within(a, first, last), steps_within(b, first, last)
     x, y = next(windows_a, None), next(windows_b, None)
     # x and y are the steps at the time reached; the one that ends first is followed by its successor.
     while x is not None and y is not None:
@@ -203,7 +192,7 @@ class Step:
     power: int = 1
 
 
-def _windows(body: Any, first: fmpq, last: fmpq | None) -> Iterator[tuple[Step, fmpq, fmpq | None, str]]:
+def steps_within(body: Any, first: fmpq, last: fmpq | None) -> Iterator[tuple[Step, fmpq, fmpq | None, str]]:
     """(step, begin, end, name) of the steps of a body or motion in [first, last]; for an instant, one of them."""
     motion = body.motion if isinstance(body, Moving) else body if callable(body) else REST
     who = repr(name) if (name := getattr(body, "name", None)) else "a body"
@@ -211,7 +200,7 @@ def _windows(body: Any, first: fmpq, last: fmpq | None) -> Iterator[tuple[Step, 
     if own is not None and (first < own[0] or last is None or last > own[1]):
         raise InputError(f"{type(motion).__name__} of {who} has no poses outside its span {motion.span}")
     found = False
-    for step in _steps(motion):
+    for step in steps_of(motion):
         begin = first if step.start is None else max(first, step.start)
         end = last if step.end is None else step.end if last is None else min(last, step.end)
         if end is not None and (end < begin or (end == begin and (found or first != last))):
@@ -220,18 +209,18 @@ def _windows(body: Any, first: fmpq, last: fmpq | None) -> Iterator[tuple[Step, 
         yield step, begin, end, f"{type(step.motion).__name__} of {who}"
 
 
-def _steps(motion: Any) -> Iterator[Step]:
+def steps_of(motion: Any) -> Iterator[Step]:
     if isinstance(motion, Trajectory):
         for k, (step, start, end) in enumerate(zip(motion.steps, motion.times, motion.ends, strict=False)):
-            yield Step(_simple(step), start, end, motion.before(k), True, start, end - start)
+            yield Step(simple(step), start, end, motion.before(k), True, start, end - start)
     elif isinstance(motion, Sequence):
         before, exact, start = IDENTITY, True, _0
-        for step, end in zip(map(_simple, motion.steps), motion.ends, strict=True):
+        for step, end in zip(map(simple, motion.steps), motion.ends, strict=True):
             yield Step(step, start, end, before, exact, start, end - start)
             after, known = _pose_at_end(step)
             before, exact, start = compose(after, before), exact and known, end
     else:
-        yield Step(_simple(motion), None, None, IDENTITY, True)
+        yield Step(simple(motion), None, None, IDENTITY, True)
 
 
 def _difference(a: Step, b: Step) -> Step | None:
@@ -264,10 +253,6 @@ def _powers(a: Step, b: Step) -> tuple[int, int]:
     return 1, 1
 
 
-def _simple(step: Any) -> Any:
-    return step.reduced() if isinstance(step, Screw) else step
-
-
 def _pose_at_end(step: Any) -> tuple[Fixed, bool]:
     """The pose at t = 1 and whether it is exact: else a rational one within 2^-60 radians."""
     if isinstance(step, Translation):
@@ -285,20 +270,24 @@ def _pose_at_end(step: Any) -> tuple[Fixed, bool]:
 
 
 def step_pieces(step: Step, first: fmpq, last: fmpq | None, of: str) -> Iterator[PolynomialPiece]:
-    """The pieces of one step over [first, last]."""
+    """The pieces of one step over [first, last].
+
+    last None: without end, for translations and rotations.  UnsupportedPair where the pose is no rational function
+    of anything: a screw that turns and advances.
+    """
     motion = step.motion
     if isinstance(motion, Rotation) and motion.angle != 0:
         yield from _turn_pieces(step, motion, first, last, of)
         return
     pose = projective.IDENTITY if step.before is IDENTITY else projective.fixed(step.before)
-    own = projective.IDENTITY if isinstance(motion, Rotation) else _own_pose(motion, of)
+    own = projective.IDENTITY if isinstance(motion, Rotation) else own_pose(motion, of)
     if own != projective.IDENTITY:
         local = fmpq_poly([-step.origin / step.unit, 1 / step.unit])
         pose = projective.product(projective.substituted(own, local), pose)
     yield PolynomialPiece(first, last, projective.reduced(pose, first), first, last, StraightClock(), step.exact, of)
 
 
-def _own_pose(motion: Any, of: str) -> Matrix:
+def own_pose(motion: Any, of: str) -> Matrix:
     """The pose of a straight or rational motion in its own time."""
     if isinstance(motion, RationalMotion):
         return motion.pose

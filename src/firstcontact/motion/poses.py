@@ -17,7 +17,7 @@ from flint import fmpq, fmpz
 from firstcontact.errors import InputError
 from firstcontact.exact.numbers import fraction, rational
 from firstcontact.exact.rigid import Matrix, quaternion_rotation
-from firstcontact.exact.vectors import Vector
+from firstcontact.exact.vectors import Vector, det
 from firstcontact.motion.translation import vector3
 
 Quaternion = tuple[fmpq, fmpq, fmpq, fmpq]
@@ -120,7 +120,7 @@ def _quaternion_of(rows: Rows, name: str) -> Quaternion:
     """The quaternion of a rotation matrix, exact where the matrix is."""
     r = [row[:3] for row in rows[:3]]
     defect = _defect(r)
-    if defect > ROUNDED or _determinant(r) < 0:
+    if defect > ROUNDED or det(*r) < 0:
         raise InputError(
             f"{name}: the linear part is no rotation (it misses one by {float(defect.p) / float(defect.q):.1g}); "
             "give a rotation, or RationalMotion(coefficients) for affine motions"
@@ -138,11 +138,6 @@ def _defect(r: Rows) -> fmpq:
         sum((r[k][i] * r[k][j] for k in range(3)), fmpq(0)) - (i == j) for i in range(3) for j in range(i, 3)
     )
     return max(abs(x) for x in entries)
-
-
-def _determinant(r: Rows) -> fmpq:
-    (a, b, c), (d, e, f), (g, h, i) = r
-    return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
 
 
 def _nearer_rotation(r: Rows) -> Rows:

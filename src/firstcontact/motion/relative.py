@@ -26,7 +26,7 @@ from firstcontact.motion.curved import CurvedPiece, Leg
 from firstcontact.motion.placement import Placement, Turn, Twist
 from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.rotation import Rotation, rotation_matrix
-from firstcontact.motion.screw import Screw
+from firstcontact.motion.screw import Screw, simple
 from firstcontact.motion.sequence import Sequence
 from firstcontact.motion.span import common_span
 from firstcontact.motion.trajectory import Trajectory
@@ -148,7 +148,7 @@ def _steps(body: Any) -> Iterator[_Step]:
     motion = body.motion
     if isinstance(motion, Trajectory):
         for k, (between, start, end) in enumerate(zip(motion.steps, motion.times, motion.ends, strict=False)):
-            yield _Step(start, end, _simple(between), _HERE.then(motion.before(k)))
+            yield _Step(start, end, simple(between), _HERE.then(motion.before(k)))
         return
     if not isinstance(motion, Sequence):
         yield _Step(_0, None, _supported(body, motion), _HERE)
@@ -161,11 +161,6 @@ def _steps(body: Any) -> Iterator[_Step]:
         start = end
 
 
-def _simple(motion: Any) -> Any:
-    """A screw that only turns, or only advances, as a Rotation or Translation."""
-    return motion.reduced() if isinstance(motion, Screw) else motion
-
-
 def _supported(body: Any, motion: Any, where: str = "") -> Any:
     """The motion, if polyhedra can be followed under it."""
     if not isinstance(motion, SUPPORTED):
@@ -173,7 +168,7 @@ def _supported(body: Any, motion: Any, where: str = "") -> Any:
             f"{where}{motion!r} of {_who(body)}: polyhedra take Translation, Rotation, Screw, RationalMotion, "
             "Trajectory and a Sequence of them"
         )
-    return _simple(motion)
+    return simple(motion)
 
 
 def advanced(before: Placement, motion: Any, share: fmpq) -> Placement:

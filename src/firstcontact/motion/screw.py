@@ -94,5 +94,10 @@ class Screw:
         return _rebuild, (axis, point, self.unit, fraction(self.angle), fraction(self.advance))
 
 
+def simple(motion: Any) -> Any:
+    """A screw that only turns, or only advances, as a Rotation or Translation; any other motion itself."""
+    return motion.reduced() if isinstance(motion, Screw) else motion
+
+
 def _rebuild(axis: Any, point: Any, unit: str, angle: Any, advance: Any) -> Screw:
     return Screw(axis, point, **{unit: angle}, advance=advance)

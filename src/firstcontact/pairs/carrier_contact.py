@@ -16,6 +16,7 @@ from flint import arb, fmpz_poly
 from firstcontact.exact.inertia import dot
 from firstcontact.exact.number_field import NumberField, ball, is_zero
 from firstcontact.exact.numbers import precision
+from firstcontact.exact.vectors import cross
 
 Vector = tuple[Any, ...]
 Form = tuple[tuple[Any, ...], ...]
@@ -115,10 +116,6 @@ def columns(matrix: Any) -> tuple[Vector, ...]:
 def pull_plane(basis: Any, plane: Vector) -> Vector:
     """P^T N: the plane N as a linear form of the parameters of the carrier P."""
     return tuple(dot(column, plane) for column in columns(basis))
-
-
-def cross(x: Vector, y: Vector) -> Vector:
-    return x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]
 
 
 def determinant3(a: Vector, b: Vector, c: Vector) -> Any:

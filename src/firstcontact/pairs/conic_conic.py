@@ -17,6 +17,7 @@ from firstcontact.exact.number_field import NumberField
 from firstcontact.exact.pencils import combination
 from firstcontact.exact.polynomial_matrix import congruent, determinant, product, transpose
 from firstcontact.exact.roots import AlgebraicRoot
+from firstcontact.exact.vectors import cross
 from firstcontact.pairs import planar_conics
 from firstcontact.pairs.carrier_contact import (
     IMAGINARY,
@@ -28,7 +29,6 @@ from firstcontact.pairs.carrier_contact import (
     Vector,
     columns,
     common_factor,
-    cross,
     finite,
     gather,
     left_inverse,

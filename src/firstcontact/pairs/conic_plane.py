@@ -11,6 +11,7 @@ from firstcontact.exact.number_field import NumberField
 from firstcontact.exact.pencils import combination
 from firstcontact.exact.polynomial_matrix import Matrix, adjugate
 from firstcontact.exact.roots import AlgebraicRoot
+from firstcontact.exact.vectors import cross
 from firstcontact.pairs.carrier_contact import (
     PARALLEL,
     Contacts,
@@ -18,7 +19,6 @@ from firstcontact.pairs.carrier_contact import (
     Vector,
     columns,
     common_factor,
-    cross,
     finite,
     nothing,
     pull_plane,

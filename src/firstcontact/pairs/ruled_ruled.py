@@ -100,27 +100,6 @@ class Rulings:
         return [tuple(fmpz(x[i]) for x in self.line) for i in range(self.degree + 1)]
 
 
-class Incidence(Enum):
-    """Why Delta vanishes identically: all rulings of one surface meet all of the other."""
-
-    APEX = "all rulings pass through one point"
-    PLANE = "all rulings lie in one plane"
-    REGULI = "the rulings are the two reguli of one quadric"
-
-
-def incidence(p: Rulings, q: Rulings) -> Incidence:
-    """The case, for two families with Delta = 0.
-
-    Their spans are orthogonal on the Klein quadric; those of dimension 2 are pencils, of dimension 3 the lines of a
-    point, of a plane, or a regulus, and orthogonal to the last is only the opposite regulus.
-    """
-    if p.plane is not None and p.plane == q.plane:
-        return Incidence.PLANE
-    if p.apex is not None and p.apex == q.apex:
-        return Incidence.APEX
-    return Incidence.REGULI
-
-
 def delta(p: Rulings, q: Rulings) -> fmpz_mpoly:
     """Delta(u, v), of bidegree (p.degree, q.degree) with both parameters projective."""
     return _sum(in_u(x) * in_v(q.line[j]) * sign for x, (j, sign) in zip(p.line, _DUAL, strict=True))

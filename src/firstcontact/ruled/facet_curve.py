@@ -14,10 +14,11 @@ from typing import Any
 import numpy as np
 from flint import fmpq
 
-from firstcontact.body.carriers import Plane, Vector, cross, dot, primitive
+from firstcontact.body.carriers import Plane, Vector, dot, primitive
 from firstcontact.body.polyhedron import Polyhedron
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import to_double
+from firstcontact.exact.vectors import cross
 from firstcontact.ruled.branches import Joints
 from firstcontact.ruled.cover import Cover
 from firstcontact.ruled.pieces import Piece

@@ -40,7 +40,7 @@ class RuledFree:
         self.numbers = {id(feature.sheet): sheets.index(feature.sheet) for feature in _features(tables)}
 
     def at(self, window: Window, t: float) -> bool:
-        search = events._Search(*self.bodies, self.tables, [window], 1.0, BOXES)
+        search = events.EventSearch(*self.bodies, self.tables, [window], 1.0, BOXES)
         return search.searched(True, window, t, t, events.MOST_STILL) == FREE
 
     def until(self, window: Window, t: float, end: float) -> tuple[float, list[np.ndarray]]:

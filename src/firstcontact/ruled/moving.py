@@ -21,6 +21,7 @@ from firstcontact.body.moving import Moving, shape_of
 from firstcontact.body.polyhedron import Polyhedron
 from firstcontact.body.ruled_surface import RuledSurface
 from firstcontact.composite.answer import element as element_of_solid
+from firstcontact.composite.answer import interval_of
 from firstcontact.composite.work import Spent, Work
 from firstcontact.errors import InputError, UnsupportedPair
 from firstcontact.exact.instants import enclose
@@ -32,7 +33,6 @@ from firstcontact.motion.polynomial import PolynomialPiece, relative_pieces
 from firstcontact.motion.span import common_span
 from firstcontact.report import MOST_OTHERS
 from firstcontact.result import (
-    ContactInterval,
     ContactIntervals,
     ContactSet,
     Element,
@@ -174,7 +174,7 @@ def as_intervals(
     windows: list[tuple[_End, _End]], reason: str | None, first: fmpq, last: fmpq, exact: bool, work: Work,
     begin: float, shared: dict[str, Any],
 ) -> ContactIntervals:
-    intervals = tuple(_interval(start, end, exact) for start, end in windows)
+    intervals = tuple(interval_of(start, end, exact) for start, end in windows)
     at_start = bool(windows) and windows[0][0].time == first
     status = Status.FREE if not windows else Status.INITIAL_CONTACT if at_start else Status.CONTACT
     until = intervals[0].start if intervals else to_double(last)
@@ -455,11 +455,6 @@ def _contained(first: fmpq, exact: bool, shared: dict[str, Any], stats: Stats) -
         Status.INITIAL_CONTACT, start, (start, start), fraction(first) if exact else None, initial="containment",
         free_until=start, stats=stats, **shared,
     )  # fmt: skip
-
-
-def _interval(start: _End, end: _End, exact: bool) -> ContactInterval:
-    (t0, lo, exact0), (t1, hi, exact1) = start.value(exact), end.value(exact)
-    return ContactInterval(t0, t1, lo, hi, exact0, exact1)
 
 
 def _stats(work: Work, begin: float) -> Stats:

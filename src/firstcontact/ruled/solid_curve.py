@@ -17,11 +17,12 @@ from itertools import count
 from typing import Any
 
 import numpy as np
-from flint import arb, fmpq, fmpz, fmpz_mpoly, fmpz_poly
+from flint import arb, fmpq, fmpz, fmpz_mpoly
 
 from firstcontact.body.carriers import Plane
 from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.csg import outcomes
+from firstcontact.body.rational_curve import is_point
 from firstcontact.curve import ExactParameters, SingularPoint
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact import bivariate
@@ -55,7 +56,7 @@ class _Sheet:
         turned = [[reversed_polynomial(c, self.degree) for c in side] for side in (self.first, self.second)]
         self.charts = {False: (self.first, self.second), True: (turned[0], turned[1])}
         self.tables: list[np.ndarray] = []
-        self.tips = [k for k, side in enumerate((self.first, self.second)) if _is_point(side)]
+        self.tips = [k for k, side in enumerate((self.first, self.second)) if is_point(side)]
         """Sides that are points."""
         gap = reduce(lambda x, y: x.gcd(y), (b - a for a, b in zip(self.first[:3], self.second[:3], strict=True)))
         self.pinched = gap
@@ -111,11 +112,6 @@ class _Sheet:
 
     def size(self) -> float:
         return float(max(np.abs(table).max() for table in self.tables))
-
-
-def _is_point(side: Sequence[fmpz_poly]) -> bool:
-    w = side[3]
-    return all(c.derivative() * w == c * w.derivative() for c in side[:3])
 
 
 class _Joints(Joints):

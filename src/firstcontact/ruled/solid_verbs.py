@@ -26,6 +26,7 @@ from firstcontact.ruled.facet_curve import FacetCurve, Facets, facets
 from firstcontact.ruled.joined import ONE_PLACE, Found, Near, Stop, Strand
 from firstcontact.ruled.pieces import Piece
 from firstcontact.ruled.solid_curve import ModelCurve, SheetCurve
+from firstcontact.ruled.spots import box_of
 
 MOST_FACETS = 2000
 """Pairs of a piece and a facet near it; some 10 ms each."""
@@ -33,8 +34,6 @@ MOST_FACETS = 2000
 
 def intersection_curve(p: Any, q: Any, tolerance: float, method: str, box: Any) -> IntersectionCurve:
     """All points that a ruled surface shares with the boundary of a solid or a polyhedron; either may come first."""
-    from firstcontact.ruled.verbs import _box
-
     begin = clock.perf_counter()
     ruled, solid = (p, q) if hasattr(p, "pieces") else (q, p)
     _check(ruled)
@@ -42,7 +41,7 @@ def intersection_curve(p: Any, q: Any, tolerance: float, method: str, box: Any) 
         raise UnsupportedPair(f"method {method!r}: intersection curves with solids are exact; choose 'auto'")
     if not tolerance > 0:
         raise InputError(f"tolerance is {tolerance}; give a positive length")
-    sheets = _Sheets(ruled, _boundary(solid), tolerance, _box(box), ruled is p)
+    sheets = _Sheets(ruled, _boundary(solid), tolerance, box_of(box), ruled is p)
     if len(ruled.pieces) == 1 and isinstance(sheets.solid, CompositeQuadric):
         fields = sheets.of_model(Piece.of(ruled.pieces[0])).run()
     else:

@@ -9,14 +9,28 @@ from typing import Any
 import numpy as np
 from flint import arb
 
+from firstcontact.errors import InputError
 from firstcontact.exact.inertia import dot
-from firstcontact.exact.numbers import precision
+from firstcontact.exact.numbers import precision, rational
 from firstcontact.pairs.ruled_ruled import planes_through, points_on
 from firstcontact.ruled.pieces import Piece
 
 Box = tuple[tuple[Any, Any, Any], tuple[Any, Any, Any]]
 Chart = tuple[bool, bool]
 """Whether u and v are given as 1/u and 1/v."""
+
+
+def box_of(box: Any) -> Box | None:
+    """What the user gives for `box`, checked; exact."""
+    if box is None:
+        return None
+    try:
+        low, high = (tuple(rational(x, "box") for x in corner) for corner in box)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"box is {box!r}; give two corners ((x0, y0, z0), (x1, y1, z1))") from error
+    if len(low) != 3 or len(high) != 3 or not all(x < y for x, y in zip(low, high, strict=True)):
+        raise InputError(f"box is {box!r}; give two corners ((x0, y0, z0), (x1, y1, z1)), the first below the second")
+    return low, high
 
 
 @dataclass(frozen=True)

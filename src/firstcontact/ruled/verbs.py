@@ -10,13 +10,12 @@ from firstcontact.body.ruled_strip import RuledStrip
 from firstcontact.body.ruled_surface import RuledSurface
 from firstcontact.curve import IntersectionCurve
 from firstcontact.errors import InputError, UnsupportedPair
-from firstcontact.exact.numbers import rational
 from firstcontact.result import Stats
 from firstcontact.ruled.certified_curve import certified_curve, is_supported
 from firstcontact.ruled.intersection import intersection
 from firstcontact.ruled.pieces import Piece
 from firstcontact.ruled.settled import BEARABLE
-from firstcontact.ruled.spots import Box
+from firstcontact.ruled.spots import Box, box_of
 
 METHODS = ("auto", "algebraic", "certified")
 # Largest product of the degrees of Delta that "auto" decides exactly at once (some 40 ms).
@@ -32,7 +31,7 @@ def intersection_curve(p: Any, q: Any, tolerance: float, method: str, box: Any) 
         raise UnsupportedPair(f"method {method!r} is unknown to intersection_curve; choose one of {', '.join(METHODS)}")
     if not tolerance > 0:
         raise InputError(f"tolerance is {tolerance}; give a positive length")
-    fields = _fields(p, q, tolerance, method, _box(box))
+    fields = _fields(p, q, tolerance, method, box_of(box))
     stats = fields.pop("stats", Stats())
     return IntersectionCurve(**fields, stats=replace(stats, seconds=clock.perf_counter() - begin), a=p, b=q)
 
@@ -71,15 +70,3 @@ def _check(surface: Any) -> None:
         raise UnsupportedPair(f"intersection_curve is for two ruled surfaces at rest, not {surface!r}{at}")
     if surface.deforming:
         raise InputError(f"{surface!r} deforms with the time; give surface.at(t)")
-
-
-def _box(box: Any) -> Box | None:
-    if box is None:
-        return None
-    try:
-        low, high = (tuple(rational(x, "box") for x in corner) for corner in box)
-    except (TypeError, ValueError) as error:
-        raise InputError(f"box is {box!r}; give two corners ((x0, y0, z0), (x1, y1, z1))") from error
-    if len(low) != 3 or len(high) != 3 or not all(x < y for x, y in zip(low, high, strict=True)):
-        raise InputError(f"box is {box!r}; give two corners ((x0, y0, z0), (x1, y1, z1)), the first below the second")
-    return low, high

@@ -116,7 +116,7 @@ def advance(
         stretches = windows(a, b, begin, end)
     except (NotConvex, Untold) as reason:
         return Advance("open", below(begin), reason=str(reason), beyond=isinstance(reason, NotConvex))
-    search = _Search(pieces_a, pieces_b, stretches, tolerance, budget)
+    search = PieceSearch(pieces_a, pieces_b, stretches, tolerance, budget)
     search.motions = lambda: curved_pieces(a, b, begin, end)
     return search.run()
 
@@ -125,7 +125,7 @@ def _exact(t: Any) -> fmpq:
     return t if isinstance(t, fmpq) else fmpq(*float(t).as_integer_ratio())
 
 
-class _Search:
+class PieceSearch:
     """One query: windows in time order, in each all pairs of pieces, clipped at the earliest contact so far."""
 
     def __init__(

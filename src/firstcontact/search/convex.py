@@ -100,7 +100,7 @@ def _filled(body: CompositeQuadric) -> list[Clause]:
     for clause in _clauses(body.tree, True):
         solid = _solid(body, clause)
         if solid is not None:
-            filled.add(frozenset(x for x in clause if _is_convex_in(body, x, clause, solid)))
+            filled.add(frozenset(x for x in clause if _bounds_convexly(body, x, clause, solid)))
     return sorted((c for c in filled if not any(d < c for d in filled)), key=sorted)
 
 
@@ -120,7 +120,7 @@ def _of_clauses(body: CompositeQuadric, clauses: list[Clause]) -> ConvexPieces:
     if len(parts) > 1 and is_round and all(edge.convexity == "convex" for edge in body.edges):
         together = [[row for part in parts for row in part[k]] for k in range(3)]
         with_union = _tables([*parts, [*together, []]])
-        if _is_convex(body, with_union, len(parts)):
+        if _seems_convex(body, with_union, len(parts)):
             return ConvexPieces(with_union, len(parts), labels, len(parts), tuple(solids))
     return pieces
 
@@ -140,7 +140,7 @@ def _tables(parts: Sequence[list[list[Any]]]) -> np.ndarray:
     return arrays
 
 
-def _is_convex(body: CompositeQuadric, array: np.ndarray, union: int) -> bool:
+def _seems_convex(body: CompositeQuadric, array: np.ndarray, union: int) -> bool:
     """Whether the middles between extreme points lie in the body.
 
     It is then one connected piece; without reentrant edges that makes it convex (Tietze, Nakajima), but for vertices
@@ -183,7 +183,7 @@ def _half_space(body: CompositeQuadric, x: tuple[int, bool]) -> Surface:
     return body.surfaces[x[0]] if x[1] else body.surfaces[x[0]].negated()
 
 
-def _is_convex_in(body: CompositeQuadric, x: tuple[int, bool], clause: Clause, solid: CompositeQuadric) -> bool:
+def _bounds_convexly(body: CompositeQuadric, x: tuple[int, bool], clause: Clause, solid: CompositeQuadric) -> bool:
     try:
         _require_convex(_half_space(body, x), [_half_space(body, y) for y in clause], solid)
     except NotConvex:

@@ -9,10 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from firstcontact.body.carriers import Line, Plane, QuarticCurve, cross
+from firstcontact.body.carriers import Line, Plane, QuarticCurve
 from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.features import Edge, Face, Vertex
 from firstcontact.exact.inertia import rank
+from firstcontact.exact.vectors import cross
 from firstcontact.kernels.event_search import ALL_PAIRS, IN_OWN, KNOWN, STILL
 from firstcontact.kernels.feature_boxes import ABOUT, CURVED, UNLESS_IN, UNLESS_OUT
 from firstcontact.search.charts import Chart, charts_of, resting
@@ -57,7 +58,7 @@ def _tables(a: CompositeQuadric, b: CompositeQuadric) -> Tables:
     sides = charts_of(a), charts_of(b)
     n = [len(side.forms) for side in sides]
     steps = [len(side.program) for side in sides]
-    program, layout = _programs(sides, n, steps)
+    program, layout = programs_of(sides, n, steps)
     total = sum(n)
     table = np.zeros((2 * total, 4, 16))
     table[: n[0]], table[total : total + n[1]] = (resting(side.forms, side.kinds) for side in sides)
@@ -97,7 +98,7 @@ def _tables(a: CompositeQuadric, b: CompositeQuadric) -> Tables:
     )  # fmt: skip
 
 
-def _programs(sides: Any, n: list[int], steps: list[int]) -> tuple[np.ndarray, np.ndarray]:
+def programs_of(sides: Any, n: list[int], steps: list[int]) -> tuple[np.ndarray, np.ndarray]:
     """Both trees one after the other, and the layout of either body."""
     shifted = sides[1].program.copy()
     shifted[np.isin(shifted[:, 0], JUMPS), 1] += steps[0]

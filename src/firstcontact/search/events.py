@@ -62,7 +62,7 @@ def first_event(a: Any, b: Any, first: fmpq, last: fmpq, tolerance: float, budge
         stretches = windows(a, b, first, last)
     except (NotCharted, Untold) as reason:
         return Advance("open", below(first), reason=str(reason))
-    search = _Search(a, b, tables, stretches, tolerance, budget)
+    search = EventSearch(a, b, tables, stretches, tolerance, budget)
     covers = advance(a, b, first, last, tolerance, covering=True)
     if covers.status == "free":
         return covers
@@ -71,7 +71,7 @@ def first_event(a: Any, b: Any, first: fmpq, last: fmpq, tolerance: float, budge
     return search.run(below(first) if covers.beyond else covers.free_until, last)
 
 
-class _Search:
+class EventSearch:
     def __init__(self, a: Any, b: Any, tables: Tables, stretches: list[Window], tolerance: float, budget: int) -> None:
         self.bodies = a, b
         self.tables = tables

@@ -21,11 +21,11 @@ from firstcontact.exact.numbers import dyadic, exact_value, precision
 from firstcontact.exact.rigid import ball_rotation, inverse_map
 from firstcontact.exact.square_systems import Equations, Zero
 from firstcontact.exact.vectors import dot
-from firstcontact.motion.polynomial import REST, Step, _own_pose
+from firstcontact.motion.polynomial import REST, Step, own_pose
 from firstcontact.motion.rotation import Rotation, angle_ball
 from firstcontact.motion.screw import Screw
 from firstcontact.search.event_tables import crossing_surfaces
-from firstcontact.search.stretches import Window, _index, known_steps
+from firstcontact.search.stretches import Window, known_steps, step_index
 
 if TYPE_CHECKING:
     from firstcontact.search.ruled_solids import Event
@@ -47,12 +47,12 @@ class PoseJet:
         motion = body.motion if isinstance(body, Moving) else REST
         middle = way * (exact_value(window.first) + exact_value(window.last)) / 2
         steps = known_steps(motion)
-        self.step: Step = steps[_index(steps, middle, middle)]
+        self.step: Step = steps[step_index(steps, middle, middle)]
         self.before = _square(self.step.before)
         own = self.step.motion
         self.turns = isinstance(own, Rotation | Screw)
         if not self.turns:
-            rows = [[fmpq_poly(c) for c in row] for row in _own_pose(own, "a body")]
+            rows = [[fmpq_poly(c) for c in row] for row in own_pose(own, "a body")]
             self.rows = [[(c, c.derivative()) for c in row] for row in rows]
 
     @property

@@ -23,12 +23,13 @@ from flint import arb, fmpq, fmpq_poly, fmpz_poly
 from firstcontact.body.carriers import EnclosedPoint
 from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.features import Edge, Face, Vertex, enclosure
+from firstcontact.body.rational_curve import is_point
 from firstcontact.body.ruled_surface import RuledSurface
 from firstcontact.exact.numbers import exact_value, precision, to_double
 from firstcontact.kernels.event_search import ALL_PAIRS, KNOWN, STILL
 from firstcontact.kernels.feature_boxes import ABOUT, CURVED, DEGREE, LEAF, MOST_DEGREE, POWERS
 from firstcontact.search.charts import BITS, Charts, NotCharted, forms_of, resting
-from firstcontact.search.event_tables import Tables, _programs, crossing_surfaces
+from firstcontact.search.event_tables import Tables, crossing_surfaces, programs_of
 from firstcontact.search.ruled_pieces import Part, RuledPiece
 
 MOST_FORMS = 62
@@ -133,7 +134,7 @@ def features_of(sheet: Sheet, piece: RuledSurface) -> Iterator[RuledFeature]:
     ends = [k for k in range(2) if part.ends[k]]
     for k, side in enumerate((sheet.first, sheet.second)):
         inner = f"s{k}" in piece.joined
-        if _is_point(side):
+        if is_point(side):
             yield RuledFeature(sheet, "vertex", k, 0, k, inner)
         else:
             yield RuledFeature(sheet, "directrix", k, None, k, inner)
@@ -146,11 +147,6 @@ def features_of(sheet: Sheet, piece: RuledSurface) -> Iterator[RuledFeature]:
     yield RuledFeature(sheet, "face", 0, None, None)
 
 
-def _is_point(side: list[fmpz_poly]) -> bool:
-    w = side[3]
-    return all(c.derivative() * w == c * w.derivative() for c in side[:3])
-
-
 def ruled_tables(ruled: Any, sheets: list[Sheet], model: CompositeQuadric, side: int) -> Tables:
     """The tables of a ruled surface, body `side`, with its sheets, and a model.  Raises NotCharted."""
     units = _units(ruled)
@@ -160,7 +156,7 @@ def ruled_tables(ruled: Any, sheets: list[Sheet], model: CompositeQuadric, side:
     )
     sides = (ball, forms) if side == 0 else (forms, ball)
     n, steps = [len(x.forms) for x in sides], [len(x.program) for x in sides]
-    program, layout = _programs(sides, n, steps)
+    program, layout = programs_of(sides, n, steps)
     kinds = np.concatenate([x.kinds for x in sides])
     total = sum(n)
     table = np.zeros((2 * total, 4, 16))
@@ -244,7 +240,7 @@ def _model_forms(model: CompositeQuadric) -> tuple[Charts, dict[int, int]]:
         for vertex in model.vertices:
             if isinstance(vertex.carrier, EnclosedPoint) and not vertex.carrier.proved:
                 raise NotCharted(f"{vertex.name}: its place is not proved")
-            if _crossing(model, vertex) is None:
+            if crossing_at(model, vertex) is None:
                 first[vertex.index] = len(known.forms) + len(rows)
                 for k, c in enumerate(enclosure(vertex.carrier)):
                     row = np.zeros(16)
@@ -257,7 +253,7 @@ def _model_forms(model: CompositeQuadric) -> tuple[Charts, dict[int, int]]:
     return Charts(known.units, forms, kinds, known.program, []), first
 
 
-def _crossing(model: CompositeQuadric, vertex: Vertex) -> tuple[int, int, int] | None:
+def crossing_at(model: CompositeQuadric, vertex: Vertex) -> tuple[int, int, int] | None:
     """Three surfaces that cross at the vertex."""
     point = np.array([*vertex.position, 1.0])
     normals = {k: (model._forms_f[k] @ point)[:3] for k in vertex.surfaces}
@@ -306,6 +302,6 @@ def _other_pairs(
             if tip is not None:
                 found.append((vertex, [2, 0, tip, tip + 1, -1]))
             continue
-        h, f, g = (tip, tip + 1, tip + 2) if tip is not None else _crossing(model, vertex)  # type: ignore[misc]
+        h, f, g = (tip, tip + 1, tip + 2) if tip is not None else crossing_at(model, vertex)  # type: ignore[misc]
         found.append((vertex, [3, 0, f, g, 1 + h]))
     return found

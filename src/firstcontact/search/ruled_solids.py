@@ -28,10 +28,10 @@ from firstcontact.kernels.event_search import CHART, FREE, OTHER, OTHER_BEGIN, O
 from firstcontact.kernels.feature_boxes import INSIDE, OUTSIDE, PLAIN, THERE, membership, place_box
 from firstcontact.search.advance import Advance
 from firstcontact.search.event_tables import Tables, crossing_surfaces
-from firstcontact.search.events import LEAST, SPREAD, _Search
+from firstcontact.search.events import LEAST, SPREAD, EventSearch
 from firstcontact.search.instants import Instant
 from firstcontact.search.ruled_certificate import Certificate, PoseJet
-from firstcontact.search.ruled_charts import RuledFeature, Sheet, _crossing, sheets_of
+from firstcontact.search.ruled_charts import RuledFeature, Sheet, crossing_at, sheets_of
 from firstcontact.search.shared_points import BITS, RANKS, ball_pose
 from firstcontact.search.stretches import Window
 
@@ -70,7 +70,7 @@ class RuledContact:
     boxes: np.ndarray | None = None
 
 
-class RuledSearch(_Search):
+class RuledSearch(EventSearch):
     """The first common point of bodies a and b; `side` is the ruled one.
 
     way: -1 where the windows hold the motions backwards, at times -t.
@@ -331,7 +331,7 @@ class Event:
         elif isinstance(self.other, Edge):
             numbers = crossing_surfaces(self.model, self.other)
         else:
-            crossing = _crossing(self.model, self.other)
+            crossing = crossing_at(self.model, self.other)
             if crossing is None:
                 return [_plane(k, c) for k, c in enumerate(enclosure(self.other.carrier))][: len(self.free) + 1]
             numbers = crossing

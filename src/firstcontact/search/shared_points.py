@@ -14,23 +14,22 @@ from typing import Any
 import numpy as np
 from flint import arb, fmpq
 
-from firstcontact.body.carriers import cross
 from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.csg import inside
 from firstcontact.body.features import Edge, Face, Vertex, enclosure
 from firstcontact.body.moving import Moving, shape_of
 from firstcontact.exact.numbers import dyadic, exact_value, precision, to_double
 from firstcontact.exact.rigid import IDENTITY, Matrix, ball_rotation, compose, inverse_map
-from firstcontact.exact.vectors import dot
+from firstcontact.exact.vectors import cross, det, dot
 from firstcontact.kernels.event_search import CHART, FORM, OTHER_FORM, PAIR
-from firstcontact.motion.polynomial import REST, _own_pose
+from firstcontact.motion.polynomial import REST, own_pose
 from firstcontact.motion.rotation import Rotation, angle_ball
 from firstcontact.motion.screw import Screw
 from firstcontact.search.advance import Advance, Feature
 from firstcontact.search.convex import covering_pieces
 from firstcontact.search.event_tables import Tables, crossing_surfaces
 from firstcontact.search.instants import NEAR, Instant
-from firstcontact.search.stretches import _index, known_steps
+from firstcontact.search.stretches import known_steps, step_index
 
 BITS = 256
 TRIED = 8
@@ -58,7 +57,7 @@ def ball_pose(body: Any, t: fmpq) -> Matrix:
     """The pose at t as (3, 4) balls, at the present precision."""
     motion = body.motion if isinstance(body, Moving) else REST
     steps = known_steps(motion)
-    number = _index(steps, t, t)
+    number = step_index(steps, t, t)
     step = steps[number]
     local = (t - step.origin) / step.unit
     own = step.motion
@@ -69,7 +68,7 @@ def ball_pose(body: Any, t: fmpq) -> Matrix:
             ahead = arb(local * own.advance) / arb(dot(own.axis, own.axis)).sqrt()
             rows = tuple((*row[:3], row[3] + ahead * arb(h)) for row, h in zip(rows, own.axis, strict=True))
     else:
-        pose = _own_pose(own, "a body")
+        pose = own_pose(own, "a body")
         weight = pose[3][3](local)
         rows = tuple(tuple(arb(x(local) / weight) for x in row) for row in pose[:3])
     if step.before is not IDENTITY:
@@ -364,10 +363,10 @@ class _System:
                     g = [m[0][j] * p + m[1][j] * q + m[2][j] * r for j in range(3)]
                 gradients.append(g)
         if len(mine) == 2 and len(theirs) == 1:
-            found.append(_det(gradients))
+            found.append(det(*gradients))
         elif len(mine) == 1:
             assert self.across is not None
-            found += [_det([[float(c) for c in row] if not exact else [arb(float(c)) for c in row], *gradients])
+            found += [det([float(c) for c in row] if not exact else [arb(float(c)) for c in row], *gradients)
                       for row in self.across]  # fmt: skip
         return found if exact else np.array(found)
 
@@ -392,11 +391,6 @@ def _scaled(surface: Any) -> list[list[fmpq]]:
 
 def _doubles(form: Any) -> np.ndarray:
     return np.array([[to_double(c) for c in row] for row in form])
-
-
-def _det(rows: Sequence[Sequence[Any]]) -> Any:
-    (a, b, c), (d, e, f), (g, h, i) = rows
-    return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
 
 
 # -- the proof ----------------------------------------------------------------------------------------------

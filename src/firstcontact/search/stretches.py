@@ -11,7 +11,7 @@ from flint import arb, fmpq, fmpq_poly
 from firstcontact.body.moving import Moving
 from firstcontact.exact.numbers import above, below, precision, to_double
 from firstcontact.exact.rigid import IDENTITY, ball_rotation, compose
-from firstcontact.exact.vectors import dot
+from firstcontact.exact.vectors import cross, dot
 from firstcontact.kernels.poses import (
     CENTRE,
     DEGREE,
@@ -27,7 +27,7 @@ from firstcontact.kernels.poses import (
     TURNING,
 )
 from firstcontact.motion import projective
-from firstcontact.motion.polynomial import REST, Step, _own_pose, _steps
+from firstcontact.motion.polynomial import REST, Step, own_pose, steps_of
 from firstcontact.motion.rotation import Rotation, angle_ball
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.translation import Translation
@@ -71,7 +71,7 @@ def _windows_of(motion_a: Any, motion_b: Any, p: int, q: int, r: int, s: int) ->
     times = sorted(cuts)
     found = []
     for begin, end in zip(times, times[1:] or times, strict=False):
-        pair = [_stretch(m, _index(own, begin, end), begin, end) for m, own in zip(motions, steps, strict=True)]
+        pair = [_stretch(m, step_index(own, begin, end), begin, end) for m, own in zip(motions, steps, strict=True)]
         found.append(Window(*_rounded(begin, end), *pair))
     return found
 
@@ -83,10 +83,10 @@ def _rounded(begin: fmpq, end: fmpq) -> tuple[float, float, float]:
 
 @lru_cache(maxsize=128)
 def known_steps(motion: Any) -> tuple[Step, ...]:
-    return tuple(_steps(motion))
+    return tuple(steps_of(motion))
 
 
-def _index(steps: tuple[Step, ...], begin: fmpq, end: fmpq) -> int:
+def step_index(steps: tuple[Step, ...], begin: fmpq, end: fmpq) -> int:
     """The step in charge of [begin, end]."""
     for k, step in enumerate(steps):
         if (step.start is None or step.start <= begin) and (step.end is None or end <= step.end):
@@ -125,7 +125,7 @@ def _rational(step: Step, centre: fmpq, scale: fmpq, head: np.ndarray) -> np.nda
         return _straight(step, centre, scale, head)
     local = fmpq_poly([(centre - step.origin) / step.unit, scale / step.unit])
     pose = projective.product(
-        projective.substituted(_own_pose(step.motion, "a body"), local), projective.fixed(step.before)
+        projective.substituted(own_pose(step.motion, "a body"), local), projective.fixed(step.before)
     )
     rows = [[fmpq_poly(x) for x in row] for row in pose]
     weight = rows[3][3]
@@ -178,8 +178,8 @@ def _turning(step: Step, centre: fmpq, scale: fmpq, head: np.ndarray) -> np.ndar
         columns = [[base[i][j] for i in range(3)] for j in range(3)]
         shift = [base[i][3] for i in range(3)]
         arm = [s - q for s, q in zip(shift, p, strict=True)]
-        once = [_cross(k, c) for c in (*columns, arm)]
-        twice = [_cross(k, c) for c in once]
+        once = [cross(k, c) for c in (*columns, arm)]
+        twice = [cross(k, c) for c in once]
         far = [s + arb(advance * local) * x for s, x in zip(shift, k, strict=True)]
         slope = [arb(advance * scale / step.unit) * x for x in k]
         order = [(i, j) for i in range(3) for j in range(3)] + [(i, 3) for i in range(3)]
@@ -197,10 +197,6 @@ def _turning(step: Step, centre: fmpq, scale: fmpq, head: np.ndarray) -> np.ndar
     errors = np.abs(table) @ off + (np.abs(table[:, 1]) + np.abs(table[:, 2])) * wobble
     head[ERROR_R], head[ERROR_T] = errors[:9].max(), errors[9:].max()
     return np.vstack([table, np.zeros(4)])
-
-
-def _cross(x: list[arb], y: list[arb]) -> list[arb]:
-    return [x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]]
 
 
 def _middle(x: arb) -> float:
