@@ -144,7 +144,13 @@ def _exact_intervals(
                 raise refusal from None
         if not (quick and isinstance(refusal, TooLarge)):
             raise
-        return certified.contact_intervals(a, b, first, last, tolerance, work, begin, shared)
+        proved = certified.contact_intervals(a, b, first, last, tolerance, work, begin, shared)
+        if proved.reason != "precision":
+            return proved
+        try:
+            windows, reason = all_windows(a, b, first, last, work, MOST_DEGREE)
+        except UnsupportedPair:
+            return proved
     return as_intervals(windows, reason, first, last, exact, work, begin, shared)
 
 
@@ -209,6 +215,11 @@ def first_contact(
             if not in_doubles:
                 raise
     found = certified.first_contact(a, b, first, last, tolerance, budget, shared)
+    if method == "auto" and found.reason == "precision":
+        try:
+            return decided(a, b, first, last, False, MOST_DEGREE, budget, progress, shared, begin)
+        except UnsupportedPair:
+            pass
     return replace(found, stats=found.stats + Stats(seconds=clock.perf_counter() - begin))
 
 
