@@ -9,6 +9,8 @@ import pytest
 
 import firstcontact as fc
 from firstcontact.errors import UnsupportedPair
+from firstcontact.ruled import moving
+from firstcontact.ruled.touches import touch
 from ruled_vectors import numbers, value, vectors
 
 MOVING = {v.name[:3]: v for v in vectors("moving")}
@@ -152,6 +154,26 @@ def test_overlapping_rulings_share_a_segment():
     overlap = fc.first_contact(a, b, ("5/2", 5), exact=True)
     assert overlap.initial == "touching" and str(overlap.contact_set) == "segment"
     assert sorted(overlap.contact_set.points[:, 0].tolist()) == [3, 3.5]
+
+
+def test_numbers_of_contacts_are_short(monkeypatch):
+    """An apex lands on a fan run through twice.  One contact is in a field of degree 16, where unreduced polynomials of
+    degree 868 took 20 s."""
+    fan = ruled("(1 - u**2, 1 + u**2, 2*u**2)", "(-2 - u**2, -2 + 2*u**2, 2)", UNIT).translated((-4, 2, 3))
+    cone = ruled("(2, 0, -2)", "(1 + 2*u**2, 2 + u, 2 + u**2)", UNIT)
+    seen = []
+
+    def spy(contact, joined):
+        seen.append(contact)
+        return touch(contact, joined)
+
+    monkeypatch.setattr(moving, "touch", spy)
+    hit = fc.first_contact(cone, fan.moving(fc.Translation((7, -4, -7))), exact=True)
+    assert hit.time_exact.polynomial == (829, -1826, 949)
+    assert (hit.element_a.kind, hit.element_b.kind) == ("vertex", "face")
+    degrees = [x.field.modulus.degree() for c in seen for x in (c.u, c.v, c.t)]
+    assert max(degrees) == 16
+    assert all(x.value.degree() < x.field.modulus.degree() for c in seen for x in (c.u, c.v, c.t))
 
 
 def test_moving_bodies_and_strips():

@@ -40,7 +40,7 @@ def adjoined(field: NumberField, f: Sequence[FieldElement], lo: fmpq, hi: fmpq) 
     if len(f) < 2:
         return []
     if len(f) == 2:
-        zero = -f[0] / f[1]
+        zero = (-f[0] / f[1]).reduced()
         return [Adjoined(field, zero, lambda x: x)] if within(zero, lo, hi) else []
     if field.root.rational is not None:
         p = fmpq_poly([x.value[0] for x in f]).numer()
@@ -78,7 +78,7 @@ def _with_multiple(field: NumberField, f: Polynomial, k: int, lo: fmpq, hi: fmpq
             return None
         if len(common) < 2:
             continue
-        image = -common[0] / common[1]
+        image = (-common[0] / common[1]).reduced()
         zero = at - image * k
         if within(image, r.lo, r.hi) and within(zero, lo, hi):
             found.append(Adjoined(own, zero, _carrier(own, image)))
@@ -105,7 +105,8 @@ def _in_x(p: fmpz_poly) -> Any:
 
 
 def _carrier(own: NumberField, image: FieldElement) -> Callable[[FieldElement], FieldElement]:
-    return lambda x: horner([own(c) for c in x.value.coeffs()], image, own(0))
+    # points have long lives: all that is made of unreduced ones would grow with them
+    return lambda x: horner([own(c) for c in x.value.coeffs()], image, own(0)).reduced()
 
 
 def _shifted(own: NumberField, f: Polynomial, at: FieldElement, k: int) -> Polynomial:

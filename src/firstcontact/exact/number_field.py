@@ -132,6 +132,10 @@ class FieldElement(ExactNumber):
 
     __hash__ = None  # type: ignore[assignment]  # equal to rationals, which hash otherwise
 
+    def reduced(self) -> FieldElement:
+        """The same number as a polynomial of the lowest degree."""
+        return FieldElement(self.field, self.value % self.field.modulus)
+
     def is_zero(self) -> bool:
         if self.value.degree() < self.field.modulus.degree():
             return bool(self.value.is_zero())

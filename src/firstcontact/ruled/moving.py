@@ -137,16 +137,29 @@ def _exact_intervals(
         if exact:
             raise
         try:
-            if _is_with_convex(a, b):
-                from firstcontact.ruled import solid_answers
-
-                return solid_answers.in_doubles(a, b, first, last, tolerance, work, begin, shared)
-            if quick:
-                return certified.contact_intervals(a, b, first, last, tolerance, work, begin, shared)
-            return posed.contact_intervals(a, b, first, last, tolerance, work, begin, shared)
+            proved = _proved_intervals(a, b, first, last, tolerance, work, begin, shared, quick)
         except UnsupportedPair:
             raise refusal from None
+        if not quick or proved.reason != "precision":
+            return proved
+        try:
+            windows, reason = all_windows(a, b, first, last, work, MOST_DEGREE)
+        except UnsupportedPair:
+            return proved
     return as_intervals(windows, reason, first, last, exact, work, begin, shared)
+
+
+def _proved_intervals(
+    a: Any, b: Any, first: fmpq, last: fmpq, tolerance: float, work: Work, begin: float, shared: dict[str, Any],
+    quick: bool,
+) -> ContactIntervals:
+    """In doubles; raises UnsupportedPair for what they do not take."""
+    if _is_with_convex(a, b):
+        from firstcontact.ruled import solid_answers
+
+        return solid_answers.in_doubles(a, b, first, last, tolerance, work, begin, shared)
+    follow = certified.contact_intervals if quick else posed.contact_intervals
+    return follow(a, b, first, last, tolerance, work, begin, shared)
 
 
 def all_windows(
@@ -201,31 +214,36 @@ def first_contact(
         found = _on_convex(a, b, first, last, certain, tolerance, budget, progress, shared, begin)
         if found is not None:
             return found
-    if method != "certified" or exact:
-        in_doubles = not algebraic and certified.takes(a, b, first, last)
-        most_degree = QUICK_DEGREE if in_doubles else MOST_DEGREE
+    if method == "certified" and not exact:
+        return _proved(a, b, first, last, tolerance, budget, progress, shared, begin)
+    quick = not algebraic and certified.takes(a, b, first, last)
+    try:
+        return decided(a, b, first, last, exact, QUICK_DEGREE if quick else MOST_DEGREE, budget, progress, shared, begin)
+    except UnsupportedPair as refusal:
+        if algebraic:
+            raise
         try:
-            return decided(a, b, first, last, exact, most_degree, budget, progress, shared, begin)
-        except UnsupportedPair as refusal:
-            if algebraic:
-                raise
-            try:
-                found = _proved(a, b, first, last, tolerance, budget, progress, shared)
-            except UnsupportedPair:
-                raise refusal from None
-    else:
-        found = _proved(a, b, first, last, tolerance, budget, progress, shared)
-    return replace(found, stats=found.stats + Stats(seconds=clock.perf_counter() - begin))
+            found = _proved(a, b, first, last, tolerance, budget, progress, shared, begin)
+        except UnsupportedPair:
+            raise refusal from None
+    if not quick or found.reason != "precision":
+        return found
+    try:
+        return decided(a, b, first, last, False, MOST_DEGREE, budget, progress, shared, begin)
+    except UnsupportedPair:
+        return found
 
 
 def _proved(
     a: Any, b: Any, first: fmpq, last: fmpq, tolerance: float, budget: int | None, progress: Progress | None,
-    shared: dict[str, Any],
+    shared: dict[str, Any], begin: float,
 ) -> FirstContact:
     """The first contact of two surfaces in doubles; raises UnsupportedPair for what they do not take."""
     if certified.takes(a, b, first, last):
-        return certified.first_contact(a, b, first, last, tolerance, budget, shared)
-    return posed.first_contact(a, b, first, last, tolerance, Work(budget, progress, below(first)), shared)
+        found = certified.first_contact(a, b, first, last, tolerance, budget, shared)
+    else:
+        found = posed.first_contact(a, b, first, last, tolerance, Work(budget, progress, below(first)), shared)
+    return replace(found, stats=found.stats + Stats(seconds=clock.perf_counter() - begin))
 
 
 def _is_with_model(a: Any, b: Any) -> bool:

@@ -122,8 +122,29 @@ def _on_sheet(
             if across and any(is_zero(y1 - end) for end in sheet.second):
                 continue
             point = (y1, x1, when) if sheet.exchanged else (x1, y1, when)
-            if c.holds(lambda f, at=point: sign(_value(f, at))):  # type: ignore[misc]
+            if c.holds(_Signs(point), sheet.f is not None):
                 yield point
+
+
+class _Signs:
+    """Signs of polynomials at a point: by balls, and exactly where these hold 0."""
+
+    def __init__(self, point: Point) -> None:
+        self.point, self.balls = point, [x.ball(BITS) for x in point]
+        self.known: dict[int, int] = {}
+
+    def __call__(self, f: fmpz_mpoly) -> int:
+        if id(f) not in self.known:
+            self.known[id(f)] = self._sign(f)
+        return self.known[id(f)]
+
+    def _sign(self, f: fmpz_mpoly) -> int:
+        with precision(BITS):
+            u, v, t = self.balls
+            near = sum((c * u**i * v**j * t**k for (i, j, k), c in terms(f)), arb(0))
+        if near > 0 or near < 0:
+            return 1 if near > 0 else -1
+        return sign(_value(f, self.point))
 
 
 def _seconds(
