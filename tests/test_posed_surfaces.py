@@ -152,16 +152,22 @@ def curve(rng):
     return "(" + ", ".join(f"{rng.randint(-4, 4)}/4 + {rng.randint(-8, 8)}/4*u" for _ in range(3)) + ")"
 
 
-@pytest.mark.parametrize("seed", range(amount(24)))
-def test_equals_the_exact_path(seed):
-    """Turns and straight ways, whose times are known exactly; a screw in common changes nothing."""
+def scene(seed):
+    """Two random strips, one of which turns or goes straight on."""
     rng = random.Random(seed)
     a = fc.RuledSurface(curve(rng), curve(rng)).translated([rng.randint(-3, 3) for _ in range(3)])
     b = fc.RuledSurface(curve(rng), curve(rng))
     x, y, z = (rng.randint(-2, 2) for _ in range(3))
     turn = fc.Rotation((x, y, 1), (z, 0, 0), degrees=rng.randint(9, 300))
     motion = turn if seed % 2 else fc.Translation([rng.randint(-4, 4) for _ in range(3)])
-    known, found = fc.first_contact(a.moving(motion), b), first(a.moving(motion), b)
+    return a.moving(motion), b
+
+
+@pytest.mark.parametrize("seed", range(amount(24)))
+def test_equals_the_exact_path(seed):
+    """Under turns and straight ways, whose times are known exactly."""
+    a, b = scene(seed)
+    known, found = fc.first_contact(a, b), first(a, b)
     if found.status is fc.Status.UNDECIDED:
         assert found.free_until <= known.free_until + 1e-12, f"seed {seed}"
         return
@@ -170,6 +176,29 @@ def test_equals_the_exact_path(seed):
         lo, hi = found.time_interval
         assert lo - 1e-15 <= known.time <= hi + 1e-15 and hi - lo <= 2e-12, f"seed {seed}"
         assert np.allclose(found.point, known.point, atol=1e-8), f"seed {seed}"
+
+
+@pytest.mark.parametrize("seed", range(amount(18)))
+def test_intervals_equal_the_exact_ones(seed):
+    a, b = scene(100 + seed)
+    known = fc.contact_intervals(a, b)
+    shared = {"a": a, "b": b, "span": (0.0, 1.0)}
+    found = posed.contact_intervals(a, b, fmpq(0), fmpq(1), 1e-12, Work(), 0.0, shared)
+    assert found.status in (known.status, fc.Status.UNDECIDED), f"seed {seed}"
+    decided = [x for x in known.intervals if found.status is not fc.Status.UNDECIDED or x.end < found.free_until]
+    assert len(found.intervals) >= len(decided), f"seed {seed}"
+    for x, y in zip(decided, found.intervals, strict=False):
+        for time, (lo, hi) in ((x.start, y.start_interval), (x.end, y.end_interval)):
+            assert lo - 1e-15 <= time <= hi + 1e-15, f"seed {seed}"
+
+
+def test_intervals_under_a_screw():
+    """The front of the saddle, its last ruling, is across the axis: it comes at 9/20 and leaves 1/20 later."""
+    found = fc.contact_intervals(SADDLE.moving(fc.Screw((1, 0, 0), degrees=90, advance=20)), WALL)
+    (x,) = found.intervals
+    assert found.status is fc.Status.CONTACT
+    assert x.start_interval[0] <= 0.45 <= x.start_interval[1] and x.end_interval[0] <= 0.5 <= x.end_interval[1]
+    assert max(hi - lo for lo, hi in (x.start_interval, x.end_interval)) < 1e-10
 
 
 def test_local_time_stands_for_time():

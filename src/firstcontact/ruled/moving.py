@@ -217,8 +217,9 @@ def first_contact(
     if method == "certified" and not exact:
         return _proved(a, b, first, last, tolerance, budget, progress, shared, begin)
     quick = not algebraic and certified.takes(a, b, first, last)
+    most_degree = QUICK_DEGREE if quick else MOST_DEGREE
     try:
-        return decided(a, b, first, last, exact, QUICK_DEGREE if quick else MOST_DEGREE, budget, progress, shared, begin)
+        return decided(a, b, first, last, exact, most_degree, budget, progress, shared, begin)
     except UnsupportedPair as refusal:
         if algebraic:
             raise
