@@ -247,6 +247,21 @@ def test_rulings_through_an_apex_are_no_branch():
     assert any(np.linalg.norm(place.point - (-1, -1, 1)) < 1e-3 for place in found.open_places)
 
 
+def test_cusps_are_named_where_branches_pass_an_edge_of_regression():
+    """The tangents of (u, u^2, u^3) against planes and a surface of high degree; in both orders."""
+    tangents = fc.RuledSurface("(u, u**2, u**3)", "(u + 1, u**2 + 2*u, u**3 + 3*u**2)", u=(-2, 2), s=(-1, 1))
+    plane = fc.RuledSurface("(-9, u, 1/8)", "(9, u, 1/8)", u=(-9, 9))
+    bent = fc.RuledSurface("(-9, u, u**6/999)", "(9, u, u**6/999 + 1/8)", u=(-9, 9))
+    for pair in ((tangents, plane), (plane, tangents), (tangents, bent)):
+        found, exact = certified(*pair), fc.intersection_curve(*pair, tolerance=TOLERANCE, method="algebraic")
+        points, expected = ([x.point for x in c.singular_points if x.kind == "cusp"] for c in (found, exact))
+        assert len(points) == len(expected) == 1 and not found.open_places
+        assert np.abs(points[0] - expected[0]).max() < 1e-12
+        kinds = [sorted(node.kind for node in c.graph.nodes) for c in (found, exact)]
+        assert kinds[0] == kinds[1] and len(found.graph.edges) == len(exact.graph.edges)
+        assert any((branch.points == points[0]).all(1).any() for branch in found.branches)
+
+
 def test_metamorphic():
     """Exchanged, scaled by powers of two, and turned by a matrix of such: the same curve."""
     p, q = STRIPS[8]

@@ -240,8 +240,8 @@ class IntersectionCurve:
     common_rulings    the pairs (u, v) of rulings that are one line, exact
     correspondence    a polynomial like `delta` along whose zeros rulings are one line; {} if none
     method            "exact", or "certified": in doubles with proved error bounds, and exactly for some pairs of
-                      pieces.  Then `delta` and `common_rulings` are not worked out, and overlaps, isolated and singular
-                      points of the other pairs are among the open places
+                      pieces.  Then `delta` and `common_rulings` are not worked out, and overlaps, isolated points and
+                      nodes of the other pairs are among the open places
     open_places       what was not decided; everywhere else the branches are all there is, proved
     """
 

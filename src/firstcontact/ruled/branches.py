@@ -174,7 +174,7 @@ class Joints:
     def isolate(self, node: Any) -> None:
         """Adds a node on no branch, where it belongs to both pieces."""
         where = self.spot(node)
-        if where.point is None or not self.found.clip.keeps_node(node, where) or self.is_infinite(node):
+        if where.point is None or self.is_infinite(node) or not self.found.clip.keeps_node(node, where):
             return
         self.found.add_isolated(doubles(where.coordinates()), node)
 

@@ -6,6 +6,7 @@ branches.  What the kernels could not decide is asked from the exact path (`sett
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import product
 from typing import Any, NamedTuple
 
@@ -20,6 +21,7 @@ from firstcontact.kernels import curve_points as columns
 from firstcontact.kernels.curve_trace import PLAN_COLUMNS, STACK, trace
 from firstcontact.kernels.curve_trim import trim
 from firstcontact.ruled.chains import Chain, chains, product_table
+from firstcontact.ruled.edge_cusps import passed, with_edges
 from firstcontact.ruled.joined import Found, Stop, Strand, knot
 from firstcontact.ruled.settled import PiecePair, Settled
 
@@ -70,6 +72,8 @@ def certified_curve(p: Any, q: Any, tolerance: float, settles: bool) -> dict[str
                 strands, places = _strands(solved, settled, settles)
                 found.seen += solved.seen
                 own = settled.found()
+                strands, cusps = _with_cusps(a, b, strands)
+                found.add_cusps(cusps)
                 found.add(strands + settled.strands(), places, (a, b) if own else None, own)
                 exact += own
     found.add_isolated(exact)
@@ -208,6 +212,25 @@ def _strands(solved: Solved, settled: Settled, settles: bool) -> tuple[list[Stra
                 stops.append(Stop(BranchEnd(kind, on, points[at], parameters[at])))
         strands.append(Strand(points, parameters, tuple(stops)))
     return strands, places
+
+
+def _with_cusps(p: Chain, q: Chain, strands: list[Strand]) -> tuple[list[Strand], list[np.ndarray]]:
+    """The strands with rows at their cusps, and these points; exact strands know theirs."""
+    points = []
+    for own, other, order in ((p, q, [0, 1, 2, 3]), (q, p, [1, 0, 3, 2])):
+        edged = with_edges(own)
+        for n, strand in enumerate(strands if edged else []):
+            for before, after, point, known in reversed(passed(edged, other.pieces, strand.parameters[:, order])):
+                strand = replace(strand, points=_with_row(strand.points, before, after, point),
+                                 parameters=_with_row(strand.parameters, before, after, known[order]))  # fmt: skip
+                points.append(point)
+            strands[n] = strand
+    return strands, points
+
+
+def _with_row(table: np.ndarray, before: int, after: int, row: np.ndarray) -> np.ndarray:
+    """A table with this row alone between two others."""
+    return np.concatenate([table[: before + 1], row[None], table[after:]])
 
 
 def _position(solved: Solved, k: int) -> np.ndarray:

@@ -127,6 +127,10 @@ class Found(Collected):
             if not any(same(segment[k], x[0]) and same(segment[1 - k], x[1]) for k in (0, 1) for x in self.segments):
                 self.segments.append(segment)
 
+    def add_cusps(self, points: Sequence[np.ndarray]) -> None:
+        """Points of polylines."""
+        self.singular += [SingularPoint(point, "cusp") for point in points]
+
     def add_isolated(self, exact: Sequence[dict[str, Any]]) -> None:
         """Points that are on nothing else, once all else is there."""
         for fields in exact:
