@@ -85,6 +85,35 @@ def test_what_is_refused(surface, message):
         fc.first_contact(surface.moving(fc.Screw((1, 0, 0), degrees=90, advance=20)), WALL, method="certified")
 
 
+CORNER = fc.Polyhedron(
+    [[0, 0, 0], [2, 0, 0], [2, 1, 0], [1, 1, 0], [1, 2, 0], [0, 2, 0],
+     [0, 0, 1], [2, 0, 1], [2, 1, 1], [1, 1, 1], [1, 2, 1], [0, 2, 1]],
+    [[5, 4, 3, 2, 1, 0], [6, 7, 8, 9, 10, 11], [0, 1, 7, 6], [1, 2, 8, 7], [2, 3, 9, 8], [3, 4, 10, 9], [4, 5, 11, 10],
+     [5, 0, 6, 11]], name="corner",
+)  # fmt: skip
+
+
+def leaf(x, y):
+    """Screwed along the axis through its first corner."""
+    small = fc.RuledSurface("(u/8, 0, 0)", "(u/8, 1/8, u/8)", name="leaf").translated((x, y, "1/3"))
+    return lambda advance: small.moving(fc.Screw((1, 0, 0), (x, y, "1/3"), degrees=90, advance=advance))
+
+
+def test_polyhedra_that_are_not_convex():
+    """In the notch of an L, away from it or against its wall x = 1, 1/4 away; and in its material."""
+    notch = leaf("5/4", "5/4")
+    assert fc.first_contact(notch(4), CORNER).status is fc.Status.FREE
+    hit = fc.first_contact(CORNER, notch(-4))
+    lo, hi = hit.time_interval
+    assert lo <= 1 / 16 <= hi and hi - lo < 1e-12
+    assert (hit.element_a.kind, hit.element_a.index, hit.element_b.kind) == ("face", 5, "end_ruling")
+    assert np.allclose(hit.normal, (1, 0, 0)) or np.allclose(hit.normal, (-1, 0, 0))
+    inside = fc.first_contact(leaf("1/4", "1/4")(4), CORNER)
+    assert (inside.status, inside.initial) == (fc.Status.INITIAL_CONTACT, "containment")
+    with pytest.raises(fc.UnsupportedPair, match="no rational pose"):
+        fc.contact_intervals(notch(-4), CORNER)
+
+
 MOTIONS = [
     fc.Screw((1, 2, -1), (1, 0, 3), degrees=300, advance=5),
     fc.Rotation((0, 0, 1), (2, 1, 0), radians=3),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import Any
 
 import numpy as np
@@ -14,14 +15,14 @@ from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import to_double
 from firstcontact.motion.clocks import StraightClock
 from firstcontact.motion.directrices import DirectrixPiece, directrix_pieces
-from firstcontact.result import ContactIntervals, Element, FirstContact, Stats, Status
+from firstcontact.result import ContactIntervals, FirstContact, Stats, Status
 from firstcontact.ruled.certified_intervals import certified_intervals
+from firstcontact.ruled.names import element
 from firstcontact.search.ruled_events import RuledEvent, first_event
 from firstcontact.search.ruled_pieces import RuledPiece
 
 BUDGET = 200_000
-PER_PIECE = {"vertex": 4, "directrix": 2, "end_ruling": 2, "face": 1}
-"""Elements of a piece; those of a strip are counted on from piece to piece."""
+
 
 
 def first_contact(
@@ -88,17 +89,18 @@ def _pose_of_b(step: DirectrixPiece, b: Any, time: float) -> np.ndarray:
 
 
 def described(
-    event: RuledEvent, pose: np.ndarray, with_normal: bool, shared: dict[str, Any], numbers: tuple[int, int] = (0, 0)
+    event: RuledEvent, pose: np.ndarray, with_normal: bool, shared: dict[str, Any], numbers: tuple[int, int] = (0, 0),
+    joined: tuple[Collection[str], Collection[str]] = ((), ()),
 ) -> dict[str, Any]:
-    """What meets, in the world; pose: of b; numbers: of the pieces."""
+    """What meets, in the world; pose: of b; numbers: of the pieces, joined: their borders that belong to the face."""
     normal = None
     if with_normal and event.normal is not None:
         normal = event.normal @ np.linalg.inv(pose[:3, :3])
         normal = normal / np.linalg.norm(normal)
     elements = [
-        _element(kind, sides, number, shared[which], which)
-        for kind, sides, number, which in zip(
-            event.elements, (event.sides[:2], event.sides[2:]), numbers, "ab", strict=True
+        element(shared[which], *_outermost(*sides, inner), number, which)
+        for sides, number, inner, which in zip(
+            (event.sides[:2], event.sides[2:]), numbers, joined, "ab", strict=True
         )
     ]
     return {
@@ -107,8 +109,10 @@ def described(
     }  # fmt: skip
 
 
-def _element(kind: str, sides: tuple[int, int], number: int, body: Any, which: str) -> Element:
-    i, j = (int(side > 0) for side in sides)
-    index = {"face": 0, "directrix": j, "end_ruling": i, "vertex": 2 * i + j}[kind]
-    name = getattr(body, "name", None) or which
-    return Element(kind, name, index + number * PER_PIECE[kind], name)
+def _outermost(u: int, s: int, joined: Collection[str]) -> tuple[str, int]:
+    """Kind and number of the element at these sides (-1, 0, 1) that is not part of another one."""
+    u, s = (0 if side and f"{name}{int(side > 0)}" in joined else side for name, side in (("u", u), ("s", s)))
+    i, j = int(u > 0), int(s > 0)
+    if u:
+        return ("vertex", 2 * i + j) if s else ("end_ruling", i)
+    return ("directrix", j) if s else ("face", 0)

@@ -43,7 +43,8 @@ from firstcontact.result import (
 )
 from firstcontact.ruled import certified, posed
 from firstcontact.ruled.conditions import conditions
-from firstcontact.ruled.polyhedra import MOST_PAIRS, Interior, element_of, near_pairs, triangles_of
+from firstcontact.ruled.names import element as element_of_piece
+from firstcontact.ruled.polyhedra import MOST_PAIRS, Interior, near_pairs, triangles_of
 from firstcontact.ruled.shared_points import Contact
 from firstcontact.ruled.sheets import MOST_DEGREE, TooLarge, between
 from firstcontact.ruled.solid_conditions import SolidConditions
@@ -548,16 +549,10 @@ def _contact_set(points: np.ndarray) -> ContactSet:
 def _named(body: Any, element: tuple[str, int], number: int, which: str) -> Element | None:
     """None for a point inside a solid of planes and quadrics."""
     kind, index = element
-    name = getattr(body, "name", None) or which
     shape = shape_of(body)
     if isinstance(shape, CompositeQuadric):
         return None if index is None else element_of_solid(shape, index, which)  # type: ignore[arg-type]
-    if isinstance(shape, Polyhedron):
-        kind, index = element_of(shape, number, kind, index)
-        return Element(kind, name, index, name)
-    if kind == "edge":  # inequalities count on from piece to piece
-        return Element(kind, name, index + sum(len(piece.trim) for piece in shape.pieces[:number]), name)
-    return Element(kind, name, index + number * certified.PER_PIECE[kind], name)
+    return element_of_piece(body, kind, index, number, which)
 
 
 def _pose_of_b(start: _End, b: Any, time: float) -> np.ndarray:

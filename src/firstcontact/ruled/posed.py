@@ -14,19 +14,25 @@ import numpy as np
 from flint import fmpq
 
 from firstcontact.body.moving import Moving, shape_of
+from firstcontact.body.polyhedron import Polyhedron
 from firstcontact.body.ruled_surface import RuledSurface
 from firstcontact.composite.certified_intervals import Certified, Found
 from firstcontact.composite.verbs import proved_intervals
 from firstcontact.composite.work import Spent, Work
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import below, to_double
+from firstcontact.exact.rigid import compose, inverse_map
+from firstcontact.motion import projective
+from firstcontact.motion.clocks import StraightClock
+from firstcontact.motion.curved import CurvedPiece
 from firstcontact.motion.directrices import signed
+from firstcontact.motion.polynomial import PolynomialPiece
 from firstcontact.motion.relative import curved_pieces
 from firstcontact.result import ContactIntervals, FirstContact, Stats, Status
 from firstcontact.ruled.certified import BUDGET, described
 from firstcontact.ruled.certified_intervals import certified_intervals
 from firstcontact.ruled.conditions import check_weight
-from firstcontact.ruled.polyhedra import near_pairs
+from firstcontact.ruled.polyhedra import MOST_PAIRS, Interior, near_pairs, triangles_of
 from firstcontact.search.posed_pieces import PosedPiece, PoseWindow, in_local_time, pose_windows
 from firstcontact.search.ruled_events import RuledContact, Search, first_event_of
 from firstcontact.search.ruled_pieces import RuledPiece
@@ -44,6 +50,10 @@ class _Found:
     free_until: float
     interval: tuple[float, float] | None
 
+    @property
+    def is_initial(self) -> bool:
+        return self.contact.status == "initial"
+
 
 def first_contact(
     a: Any, b: Any, first: fmpq, last: fmpq, tolerance: float, work: Work, shared: dict[str, Any]
@@ -56,6 +66,11 @@ def first_contact(
             found = [pair.searched(window, i, j, tolerance, work) for i, j in pair.near(window)]
         except Spent:
             return _undecided(work.free_until, "budget", work, shared)
+        if window.start == first and pair.is_contained(window.motion) and not any(x.is_initial for x in found):
+            time = shared["span"][0]
+            return FirstContact(
+                Status.INITIAL_CONTACT, time, (time, time), initial="containment", free_until=time, **shared
+            )
         met = [x for x in found if x.interval is not None]
         left = [x for x in found if x.contact.status == "open"]
         best = min(met, key=lambda x: x.interval, default=None)  # type: ignore[arg-type,return-value]
@@ -73,6 +88,8 @@ def contact_intervals(
 ) -> ContactIntervals:
     """All contacts with enclosures of their ends; UNDECIDED from the first time on at which nothing is proved."""
     pair, intervals = _Pair(a, b, first, last), list[Certified]()
+    if pair.interior is not None:
+        raise UnsupportedPair(f"{a!r} and {b!r}: such motions have no contact intervals with solid polyhedra")
     for window in pair.windows():
         work.free_until = max(below(window.start), shared["span"][0])
         found = [pair.followed(window, i, j, tolerance, work) for i, j in pair.near(window)]
@@ -114,17 +131,18 @@ def _answer(
 ) -> FirstContact:
     assert found.interval is not None
     lo, hi = found.interval
-    initial = at_start and found.contact.status == "initial"
+    initial = at_start and found.is_initial
     status = Status.INITIAL_CONTACT if initial else Status.CONTACT
     assert found.contact.time is not None
     time = lo if initial else min(max(window.true_time(found.contact.time), lo), hi)
     answer: dict[str, Any] = {"free_until": lo, "stats": Stats(node_visits=work.done), **shared}
-    if initial:
+    if initial and pair.interior is None:
         answer["initial"] = "touching"
     if found.contact.event is not None:
         pose = window.motion.carry(time)
         pose = np.eye(4) if pose is None else pose
-        answer |= described(found.contact.event, pose, not initial, shared, found.numbers)
+        joined = tuple(own[k].joined for own, k in zip(pair.surfaces, found.numbers, strict=True))
+        answer |= described(found.contact.event, pose, not initial, shared, found.numbers, joined)  # type: ignore[arg-type]
     return FirstContact(status, time, found.interval, **answer)
 
 
@@ -133,12 +151,12 @@ class _Pair:
 
     def __init__(self, a: Any, b: Any, first: fmpq, last: fmpq) -> None:
         self.bodies, self.first, self.last = (a, b), first, last
+        self.interior = Interior.of(a, b)
         self.surfaces: list[tuple[RuledSurface, ...]] = []
         self.pieces: list[list[RuledPiece]] = []
         for body in (a, b):
-            surfaces = getattr(shape_of(body), "pieces", None)
-            if surfaces is None:
-                raise UnsupportedPair(f"{body!r} is no ruled surface")
+            shape = shape_of(body)
+            surfaces = triangles_of(shape) if isinstance(shape, Polyhedron) else shape.pieces
             for surface in surfaces:
                 if surface.s is None or surface.trim:
                     raise UnsupportedPair(
@@ -154,12 +172,28 @@ class _Pair:
         for motion in curved_pieces(*self.bodies, self.first, self.last):
             yield from pose_windows(motion, motion.start, motion.end)
 
+    def is_contained(self, motion: CurvedPiece) -> bool:
+        """Whether a solid polyhedron holds a piece at the start, where the surfaces share no point."""
+        if self.interior is None:
+            return False
+        placed = motion.placed_at_start()
+        if not all(place.is_exact for place in placed):
+            raise UnsupportedPair("{!r} and {!r} start in an irrational pose".format(*self.bodies))
+        pose = compose(inverse_map(placed[1].matrix()), placed[0].matrix())
+        t = self.first
+        still = PolynomialPiece(t, t, projective.fixed(pose), t, t, StraightClock(), True, "a body at the start")
+        return self.interior.holds(still, t)
+
     def near(self, window: PoseWindow) -> list[tuple[int, int]]:
         """The pieces that may meet."""
         if all(len(own) == 1 for own in self.pieces):
             return [(0, 0)]
         a, b = ([_moving(s, body) for s in own] for own, body in zip(self.surfaces, self.bodies, strict=True))
-        return near_pairs(a, b, window.start, window.end)
+        found = near_pairs(a, b, window.start, window.end)
+        if len(found) > MOST_PAIRS:
+            who = "{!r} and {!r}".format(*self.bodies)
+            raise UnsupportedPair(f"{who}: {len(found)} pairs of pieces and triangles come near each other, too many")
+        return found
 
     def searched(self, window: PoseWindow, i: int, j: int, tolerance: float, work: Work) -> _Found:
         budget = BUDGET if work.budget is None else work.budget - work.done
