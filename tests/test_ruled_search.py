@@ -67,7 +67,8 @@ def test_first_contact_of_vectors(name: str) -> None:
     elif name == "m16":
         assert found.status == "initial" and found.time == 0.0
     elif name in ("m03", "m08", "m09"):
-        assert found.status == "open" and known[0][0] - BRACKETED[name] < found.free_until <= known[0][0]
+        near = BRACKETED[name] if name != "m03" else 1e-20  # a graze that balls come near
+        assert found.status == "open" and known[0][0] - near < found.free_until <= known[0][0]
     else:
         assert found.status == "contact" and found.time_interval is not None and found.event is not None
         lo, hi = found.time_interval

@@ -6,10 +6,15 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from flint import fmpq
 
 import firstcontact as fc
 from firstcontact.errors import UnsupportedPair
+from firstcontact.exact.number_field import is_zero
+from firstcontact.motion.directrices import directrix_pieces
 from firstcontact.ruled import moving
+from firstcontact.ruled.conditions import conditions
+from firstcontact.ruled.times import Times
 from firstcontact.ruled.touches import touch
 from ruled_vectors import numbers, value, vectors
 
@@ -57,6 +62,17 @@ def test_the_minimal_polynomials_of_example_4():
     hit = fc.first_contact(p, q, (-2, 2), exact=True)
     assert hit.time_exact == interval.start_exact
     assert np.allclose(hit.point, [2**0.5 / 2 - 1, 2**0.5 / 2, 0.5])
+
+
+def test_a_contact_on_the_seam_of_charts_is_found_once():
+    """u = 1 at the first contact of that example: an end of the chart of u, and of that of 1/u."""
+    p, q = (fc.RuledSurface(x.first, x.second, u=None) for x in (MOVING["m01"].p, MOVING["m01"].q))
+    span = fmpq(-2), fmpq(2)
+    (piece,) = directrix_pieces(p, q, *span)
+    times = Times(conditions(p, q, piece, span), span)
+    start, _ = next(times.windows())
+    (contact,) = times.contacts(start)
+    assert contact.inverse == (False, False) and is_zero(contact.u - 1)
 
 
 def test_what_is_too_large_for_elimination_is_said():

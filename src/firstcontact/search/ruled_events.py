@@ -345,19 +345,17 @@ def _rank(kind: np.ndarray) -> int:
 def _groups(boxes: np.ndarray, kinds: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """(boxes, kind) of those of one stratum that touch each other, in order of time: near one event may be many."""
     order = np.argsort(boxes[:, 4, 0], kind="stable")
-    groups: list[tuple[np.ndarray, list[int]]] = []
-    for row in order:
-        hull, rows, apart = boxes[row].copy(), [int(row)], []
-        for other, own in groups:
-            same = (kinds[own[0], :SURE] == kinds[row, :SURE]).all()
-            if same and (other[:, 0] <= hull[:, 1]).all() and (hull[:, 0] <= other[:, 1]).all():
-                hull[:, 0], hull[:, 1] = np.minimum(hull[:, 0], other[:, 0]), np.maximum(hull[:, 1], other[:, 1])
-                rows += own
-            else:
-                apart.append((other, own))
-        groups = [*apart, (hull, rows)]
-    for _, rows in groups:
-        yield boxes[[k for k in order if k in rows]], kinds[rows[0]]
+    boxes, kinds = boxes[order], kinds[order]
+    group, hulls = np.arange(len(boxes)), boxes.copy()  # hulls[k] is that of a group where group[k] = k
+    for k, hull in enumerate(hulls):
+        touch = (kinds[:k, :SURE] == kinds[k, :SURE]).all(axis=1) & (group[:k] == np.arange(k))
+        touch &= ((hulls[:k, :, 0] <= hull[:, 1]) & (hull[:, 0] <= hulls[:k, :, 1])).all(axis=1)
+        near = np.flatnonzero(touch)
+        hull[:, 0] = np.minimum(hull[:, 0], hulls[near, :, 0].min(axis=0, initial=np.inf))
+        hull[:, 1] = np.maximum(hull[:, 1], hulls[near, :, 1].max(axis=0, initial=-np.inf))
+        group[np.isin(group, near)] = k
+    for k in np.unique(group):
+        yield boxes[group == k], kinds[k]
 
 
 def _in_turn(boxes: np.ndarray) -> Iterator[tuple[np.ndarray, int]]:
