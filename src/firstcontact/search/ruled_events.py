@@ -93,15 +93,11 @@ class RuledContact:
     boxes: int = 0
 
 
-@dataclass(frozen=True)
-class Listed:
-    """Where in time an event may be; is_contact: it is a point of both pieces, a zero of the system."""
+class Listed(NamedTuple):
+    """Where in time an event may be; is_contact: it is one, at a common point of the pieces."""
 
     time: arb
-    kind: np.ndarray
-    is_contact: bool = False
-    zero: Zero | None = None
-    system: ContactSystem | None = None
+    is_contact: bool
 
 
 class Held(NamedTuple):
@@ -218,22 +214,36 @@ class Search:
 
         Without a contact there is none up to lo + reach.
         """
-        listed = self.listed(lo, width, reach, budget)
-        if listed is None:
+        if self.run(lo, lo + reach, ALL_EVENTS, max(width, reach / 64), budget) != DONE:
             return None
-        if not listed:
+        rows = range(self.count)
+        boxes, kinds = self.found[rows].copy(), self.found_kinds[rows].copy()
+        first: tuple[arb, Zero, np.ndarray, ContactSystem] | None = None
+        starts: list[arb] = []
+        for box, kind in zip(boxes, kinds, strict=True):
+            system = self._square(box, kind)
+            if system is None:
+                starts.append(arb(exact_value(float(box[4, 0]))))
+                continue
+            found = isolated(system, [_ball_box(box[[*system.free, 4]])])
+            starts += [arb(left[-1].lower()) for left in found.left]
+            for zero in found.zeros:
+                inside = self._is_inside(system, zero, kind)
+                if inside is False:
+                    continue
+                time = zero.balls(BITS)[-1]
+                starts.append(arb(time.lower()))
+                lowest = first is None or time < first[0] or (time.overlaps(first[0]) and _rank(kind) < _rank(first[2]))
+                if inside and lowest:
+                    first = time, zero, kind, system
+        if not starts:
             return lo + reach, None
         with precision(BITS + 64):
-            free = max(lo, min(below(dyadic(x.time.lower())) for x in listed))
-        first: Listed | None = None
-        for x in listed:
-            if x.is_contact and (first is None or x.time < first.time
-                                 or (x.time.overlaps(first.time) and _rank(x.kind) < _rank(first.kind))):  # fmt: skip
-                first = x
+            free = max(lo, min(below(dyadic(start)) for start in starts))
         if first is None:
             return free, None
-        assert first.zero is not None and first.system is not None
-        return free, self._event(first.zero, first.system, first.kind)
+        _, zero, kind, system = first
+        return free, self._event(zero, system, kind)
 
     def listed(
         self, lo: float, width: float, reach: float, budget: int, most: int = MOST_FOUND
@@ -252,18 +262,23 @@ class Search:
             system = self._square(box, kind)
             if system is None:
                 earliest, latest = (arb(exact_value(t)) for t in box[4].tolist())
-                found.append(Listed(earliest.union(latest), kind))
+                found.append(Listed(earliest.union(latest), False))
                 continue
             isolation = isolated(system, [_ball_box(box[[*system.free, 4]])])
-            found += [Listed(left[-1], kind) for left in isolation.left]
+            found += [Listed(left[-1], False) for left in isolation.left]
             for zero in isolation.zeros:
                 inside = self._is_inside(system, zero, kind)
                 if inside is not False:
-                    found.append(Listed(zero.balls(BITS)[-1], kind, bool(inside), zero, system))
+                    found.append(Listed(zero.balls(BITS)[-1], bool(inside)))
         return found
 
     def _square(self, box: np.ndarray, kind: np.ndarray) -> ContactSystem | None:
-        """A system in all free parameters whose zeros hold all events in the box; None where it is singular there."""
+        """A system in all free parameters whose zeros hold all events in the box; None where it is singular there.
+
+        None for a box that stands for many strata, too: the system of one says nothing of the others.
+        """
+        if kind[STRATUM] == ALL_STRATA:
+            return None
         system = self._system(box, kind)
         free = tuple(k for k in range(4) if kind[STRATUM] >> k & 1)
         return system if system is not None and system.free == free else None
