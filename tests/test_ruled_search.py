@@ -11,6 +11,7 @@ import pytest
 from flint import arb, fmpq
 
 import firstcontact as fc
+from firstcontact.composite.work import Work
 from firstcontact.exact.numbers import precision
 from firstcontact.exact.ruled_systems import ContactSystem
 from firstcontact.kernels.linear_models import REST
@@ -23,6 +24,7 @@ from firstcontact.kernels.ruled_models import (
     difference_models,
     minor_models,
 )
+from firstcontact.ruled import certified
 from firstcontact.ruled.certified_intervals import certified_intervals
 from firstcontact.search.ruled_events import RuledContact, first_event
 from firstcontact.search.ruled_pieces import RuledPiece
@@ -342,6 +344,41 @@ def test_steep_surfaces_are_followed_to_the_end_of_contact(name: str) -> None:
     for share, meets in ((-1e-3, False), (0.1, True), (0.5, True), (0.9, True), (1.001, False)):
         t = x.start + share * (x.end - x.start)
         assert (distance(*sides, t, 300, 40) < 1e-7) == meets
+
+
+# Narrow boxes that stand for many strata were taken for faces, and free as these do not touch; ranges narrowed
+# to 1e-311 lost their rounding errors to underflow.
+CORNERS = {
+    "corner on corner": ("(u, 2-T, 1-T+T**2)", "(u, 3-T, 1-T+T**2)", UNIT, "(u, 1, -u)", (1, 1)),
+    "corner on edge": ("(u, -T, -2-T+T**2)", "(u, 1-T, -2-T+T**2)", (0, 1), "(u, 1, u)", (-1, -1)),
+    "edge along edge": ("(u+2-T, 0, 0)", "(u+2-T, -2, 1)", (0, 1), "(u, 1, 2)", (1, 2)),
+}
+
+
+@pytest.mark.parametrize("name", CORNERS)
+def test_corners_that_meet_are_not_passed_over(name: str) -> None:
+    first, second, u, edge, (start, end) = CORNERS[name]
+    p, q = fc.RuledSurface(first, second, u=u), fc.RuledSurface("(u, 0, 0)", edge, u=UNIT)
+    for found in (
+        fc.first_contact(p, q, (-2, 2), method="certified"),
+        certified.contact_intervals(
+            p, q, fmpq(-2), fmpq(2), 1e-12, Work(), 0.0, {"a": p, "b": q, "span": (-2.0, 2.0)}
+        ),
+    ):
+        assert found.status is not fc.Status.FREE and start - 1e-12 <= found.free_until <= start
+    (x,) = fc.contact_intervals(p, q, (-2, 2))
+    assert (x.start, x.end) == (start, end)
+
+
+def test_a_touch_at_the_last_instant_is_seen_backwards_too() -> None:
+    """The same of surfaces that elimination leaves to doubles at first."""
+    cap = fc.RuledSurface("(u, u**2, 0)", "(u-1, u**2+2*u+1, 2)", u=UNIT).translated((-1, -3, 0))
+    leaf = fc.RuledSurface("(u-u**2, -2*u, 2-2*u**2)", "(2+u, 1-u, -1-2*u)")
+    (x,) = fc.contact_intervals(cap.moving(fc.Translation((3, 7, -1))), leaf)
+    assert (x.start, x.end) == (0, 0)
+    back = cap.translated((3, 7, -1)).moving(fc.Translation((-3, -7, 1)))
+    (y,) = fc.contact_intervals(back, leaf)
+    assert (y.start, y.end) == (1, 1)
 
 
 def test_budget_leaves_the_rest_open() -> None:

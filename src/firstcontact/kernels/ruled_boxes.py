@@ -13,6 +13,10 @@ from firstcontact.kernels.ruled_models import AXIS, GAP, WORK
 AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 INSIDE = 1.0 - 1e-12
 """Of half widths, which are rounded upward: what is below lies inside the box."""
+LEAST_ROOM = 1e-40
+"""Added to ranges that are narrowed: products of half widths and their roundings stay clear of underflow."""
+LEAST_SIZE = 1e-280
+"""An equation of smaller numbers tells nothing: its roundings underflow."""
 LEAST_PIVOT = 1e-7
 """Of the sum of slopes of its equation; smaller ones are no help."""
 
@@ -28,6 +32,8 @@ def cut(w, row, e):
         low += min(a, b)
         high += max(a, b)
         size += abs(g)
+    if size < LEAST_SIZE:
+        return True
     slack = 8.0 * ROUND * size
     if low > slack or high < -slack:
         return False
@@ -192,7 +198,7 @@ def shrink(box, e):
             continue
         c = 0.5 * (lo + hi)
         h = max(hi - c, c - lo) * MORE
-        slack = ROUND * (abs(c) + h)
+        slack = ROUND * (abs(c) + h) + LEAST_ROOM
         if e[k, 0] > -1.0:
             box[k, 0] = max(lo, c + h * e[k, 0] - slack)
         if e[k, 1] < 1.0:

@@ -282,7 +282,12 @@ class Search:
         return found
 
     def _square(self, box: np.ndarray, kind: np.ndarray) -> ContactSystem | None:
-        """A system in all free parameters whose zeros hold all events in the box; None where it is singular there."""
+        """A system in all free parameters whose zeros hold all events in the box; None where it is singular there.
+
+        None for a box that stands for many strata, too: the system of one says nothing of the others.
+        """
+        if kind[STRATUM] == ALL_STRATA:
+            return None
         system = self._system(box, kind)
         free = tuple(k for k in range(4) if kind[STRATUM] >> k & 1)
         return system if system is not None and system.free == free else None
