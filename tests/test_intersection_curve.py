@@ -637,6 +637,19 @@ def _squared(curve: fc.RationalCurve) -> fc.RationalCurve:
     return fc.RationalCurve.of([x(fmpz_poly([0, 0, 1])) for x in curve.components])
 
 
+def test_a_branch_that_winds_between_two_nodes_is_followed():
+    """The middle circle of a Moebius strip, twice: v runs to and fro over one edge of the graph."""
+    c, s = "((1-u**2)/(1+u**2))", "(2*u/(1+u**2))"
+    sides = (f"((2 {sign} {c}/2)*({c}**2 - {s}**2), (2 {sign} {c}/2)*2*{c}*{s}, {sign}{s}/2)" for sign in "-+")
+    strip, level = fc.RuledSurface(*sides, u=None), fc.RuledSurface("(-4, u, 0)", "(4, u, 0)", u=(-4, 4))
+    for tolerance in (1e-1, 1e-3):
+        (branch,) = fc.intersection_curve(strip, level, tolerance=tolerance).branches
+        assert branch.closed and np.abs(np.linalg.norm(branch.points, axis=1) - 2).max() < 1e-10
+        middles = 0.5 * (branch.points[1:] + branch.points[:-1])
+        assert np.linalg.norm(middles, axis=1).min() >= 2 - 1.01 * tolerance
+        assert abs(branch.length - 8 * np.pi) < 8 * np.pi * tolerance
+
+
 def test_chords_that_bend_unevenly_keep_the_tolerance():
     p = fc.RuledSurface(
         "((2*u**2 - 2*u - 2)/(u + 2), (-2*u**2 - 2*u + 2)/(u + 2), (u**2 + u + 1)/(u + 2))",

@@ -34,8 +34,14 @@ MOST_CHORDS = 2_000_000
 # A Newton step this short is the last: the next would be shorter than rounding.
 SETTLED = 1e-9
 STEPS = 8
+# Steps that are not this short in the end do not converge.
+SHORT = 1e-6
 # f_y in units of the gradient below which its sign is not compared.
 FLAT = 1e-6
+
+
+Chord = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+"""From one point to another: differences of x and of y, both x."""
 
 
 class Powers:
@@ -196,7 +202,7 @@ class Tracer:
         self.slope_sign = np.zeros(len(strands))
         self.inside = inside
         every = np.arange(len(strands))
-        _, slope = self._moved(every, inside[:, 0], inside[:, 1], 0)
+        _, slope, _ = self._moved(every, inside[:, 0], inside[:, 1], 0)
         self.slope_sign = np.where(np.abs(slope) > FLAT, np.sign(slope), 0.0)
 
     def trace(self, ends: np.ndarray, tolerance: float, radius: float) -> list[Points]:
@@ -332,7 +338,7 @@ class Tracer:
 
     def _inside(self, left: Points, right: Points, part: float) -> Points:
         tau, x, y = (a + part * (b - a) for a, b in ((left.tau, right.tau), (left.x, right.x), (left.y, right.y)))
-        return self._at(left.strand, tau, x, y, (right.x - left.x, right.y - left.y))
+        return self._at(left.strand, tau, x, y, (right.x - left.x, right.y - left.y, left.x, right.x))
 
     def _parts(self, left: Points, inner: list[Points], right: Points, parts: np.ndarray) -> Points:
         """The inner points that cut every chord into so many parts, by interpolation through the five known."""
@@ -342,12 +348,12 @@ class Tracer:
         known = [left, *inner, right]
         x, y = (sum(w * getattr(a, k)[which] for w, a in zip(weights, known, strict=True)) for k in ("x", "y"))
         tau = left.tau[which] + place * (right.tau - left.tau)[which]
-        chord = (right.x - left.x)[which], (right.y - left.y)[which]
+        chord = (right.x - left.x)[which], (right.y - left.y)[which], left.x[which], right.x[which]
         return self._at(left.strand[which], tau, np.asarray(x), np.asarray(y), chord)
 
     def _at(
         self, strand: np.ndarray, tau: np.ndarray, x: np.ndarray, y: np.ndarray,
-        chord: tuple[np.ndarray, np.ndarray] | None = None,
+        chord: Chord | None = None,
     ) -> Points:  # fmt: skip
         x, y = self._settled(strand, x, y, chord)
         u, v = Powers(x, self.reverse_u[strand]), Powers(y, self.reverse_v[strand])
@@ -360,12 +366,23 @@ class Tracer:
         return lo + (hi - lo) * np.sin(0.5 * np.pi * tau) ** 2
 
     def _settled(
-        self, strand: np.ndarray, x: np.ndarray, y: np.ndarray, chord: tuple[np.ndarray, np.ndarray] | None
+        self, strand: np.ndarray, x: np.ndarray, y: np.ndarray, chord: Chord | None
     ) -> tuple[np.ndarray, np.ndarray]:
-        """The points on their curve, moved across the chord, or along the gradient; those with u constant stay."""
+        """The points on their curve, moved across the chord, or along the gradient; those with u constant stay.
+
+        Where that leads away from the chord, or nowhere, the root over x is taken.
+        """
         own = np.flatnonzero(~self.across[strand])
         across = None if chord is None else (-chord[1][own], chord[0][own])
-        (near_x, near_y), slope = self._moved(strand[own], x[own], y[own], STEPS, across)
+        (near_x, near_y), slope, still = self._moved(strand[own], x[own], y[own], STEPS, across)
+        if chord is not None:
+            start, end = chord[2][own], chord[3][own]
+            beside = (near_x < np.minimum(start, end)) | (near_x > np.maximum(start, end))
+            astray = np.flatnonzero(beside | ~still)
+            if len(astray):
+                which, at = strand[own[astray]], x[own[astray]]
+                found, slope[astray], _ = self._moved(which, at, self._roots(which, at), STEPS)
+                near_x[astray], near_y[astray] = found
         lost = np.flatnonzero((slope * self.slope_sign[strand[own]] < 0) & (np.abs(slope) > FLAT))
         for i in lost:
             near_x[i], near_y[i] = self._exact(int(strand[own[i]]), x[own[i]])
@@ -376,9 +393,9 @@ class Tracer:
     def _moved(
         self, strand: np.ndarray, x: np.ndarray, y: np.ndarray, steps: int,
         across: tuple[np.ndarray, np.ndarray] | None = None,
-    ) -> tuple[tuple[np.ndarray, np.ndarray], np.ndarray]:  # fmt: skip
-        """Newton steps in a direction, by default the gradient, and f_y in units of the gradient at the last."""
-        x, y, slope = x.copy(), y.copy(), np.zeros(len(x))
+    ) -> tuple[tuple[np.ndarray, np.ndarray], np.ndarray, np.ndarray]:  # fmt: skip
+        """Newton steps in a direction, by default the gradient; f_y in units of that, and whether the last is short."""
+        x, y, slope, still = x.copy(), y.copy(), np.zeros(len(x)), np.ones(len(x), bool)
         for k, c in enumerate(self.coefficients):
             own = np.flatnonzero(self.factor[strand] == k)
             if len(own) == 0:
@@ -401,7 +418,9 @@ class Tracer:
                     break
             size = np.hypot(fx, fy)
             x[own], y[own], slope[own] = at_x, at_y, fy / np.where(size == 0, 1.0, size)
-        return (x, y), slope
+            if steps:
+                still[own] = np.abs(move_x) + np.abs(move_y) < SHORT
+        return (x, y), slope, still
 
     def _exact(self, strand: int, x: float) -> tuple[float, float]:
         """The point of the strand over x, or over the next double inside its ends."""
