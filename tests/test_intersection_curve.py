@@ -368,10 +368,13 @@ SADDLE = ("(u, 0, 0)", "(u, 1, u)")
 LEVEL = ("(u, 0, 1/2)", "(u, 1, 1/2)")
 
 
-def test_a_common_apex_outside_the_box_is_left_out():
-    p, q = (fc.RuledSurface("(0, 0, 0)", f"((1-u**2)/(1+u**2), 2*u/(1+u**2), {height})") for height in (1, 3))
+def test_a_common_apex_counts_in_the_box_and_on_both_cones():
+    rims = [f"((1-u**2)/(1+u**2), 2*u/(1+u**2), {height})" for height in (1, 3)]
+    p, q = (fc.RuledSurface("(0, 0, 0)", rim) for rim in rims)
     assert fc.intersection_curve(p, q).isolated_points.tolist() == [[0, 0, 0]]
     assert len(fc.intersection_curve(p, q, box=((1, 1, 1), (2, 2, 2))).isolated_points) == 0
+    cut = fc.RuledSurface("(0, 0, 0)", rims[1], s=("1/4", 1))
+    assert fc.intersection_curve(p, cut).empty and fc.intersection_curve(cut, p).empty
 
 
 def test_a_box_cuts_exactly():
