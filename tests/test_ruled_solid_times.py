@@ -126,3 +126,15 @@ def test_random_scenes(seed):
     assert hit.status is found.status
     if len(found):
         assert hit.time == pytest.approx(found[0].start, abs=1e-12)
+
+
+def test_coefficients_beyond_the_range_of_doubles():
+    """Poses of doubles have rational entries of hundreds of digits; where contact is near an instant they are sized."""
+    poses = [fc.Rotation((1, 2, 3), radians=0.3)(1.0), fc.Rotation((1, 0, 2), radians=1.5)(1.0)]
+    poses[1][:3, 3] = 6, 1, 0
+    flap = fc.RuledSurface("(u, 0, T/2)", "(u, 1, u*T + T**2/2)")
+    moved = flap.moving(fc.RationalMotion.between(*poses))
+    hit = fc.first_contact(moved, fc.sphere(1).translated((5, 0, 0)), method="algebraic")
+    proved = fc.first_contact(moved, fc.sphere(1).translated((5, 0, 0)), method="certified")
+    assert hit.status is fc.Status.CONTACT and proved.time_interval[0] <= hit.time <= proved.time_interval[1]
+    assert np.allclose(hit.point, proved.point, atol=1e-9)

@@ -215,7 +215,8 @@ def _place_box_at(box, charts, z):
     """(whether the box has finite points only, middle and half-width of its time in the slab)."""
     s = (0.5 * (box[BEGIN] + box[END]) - z[SLAB, MIDDLE]) / z[SLAB, HALF]
     hs = 0.5 * (box[END] - box[BEGIN]) / z[SLAB, HALF] + 4.0 * U * (1.0 + abs(z[SLAB, MIDDLE]) / z[SLAB, HALF])
-    return place_box(charts, int(box[CHART]), box[AT_U], box[HALF_U], box[AT_V], box[HALF_V], z), s, hs
+    t, ht = 0.5 * (box[BEGIN] + box[END]), hs * z[SLAB, HALF]
+    return place_box(charts, int(box[CHART]), box[AT_U], box[HALF_U], box[AT_V], box[HALF_V], t, ht, z), s, hs
 
 
 @inner
@@ -413,7 +414,7 @@ def trim(charts, on, form, program, table, boxes, z, stack, fates):
     """
     for k in range(boxes.shape[0]):
         fates[k] = 0
-        finite = place_box(charts, PLAIN, boxes[k, 0], boxes[k, 1], boxes[k, 2], boxes[k, 3], z)
+        finite = place_box(charts, PLAIN, boxes[k, 0], boxes[k, 1], boxes[k, 2], boxes[k, 3], 0.0, 0.0, z)
         if form >= 0:
             model(table, form, 0.0, 0.0, z, PLAIN, SPARE)
             if abs(z[SPARE, VALUE]) > reach(z, SPARE):

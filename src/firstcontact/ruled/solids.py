@@ -53,7 +53,9 @@ class RuledAndSolid:
         self.model: CompositeQuadric = shape_of(solid)
         try:
             self.sheets: list[Sheet] = sheets_of(shapes[self.side])
-            self.tables: Tables = ruled_tables(shapes[self.side], self.sheets, self.model, self.side)
+            self.tables: Tables = ruled_tables(
+                shapes[self.side], self.sheets, self.model, self.side, self.span
+            )
             self.windows: list[Window] = windows(*self.bodies, first, last)
         except (NotCharted, Untold) as reason:
             raise UnsupportedPair(f"{a!r} and {b!r}: {reason}, which doubles do not take against solids") from reason
@@ -62,7 +64,7 @@ class RuledAndSolid:
         return RuledFree(self.bodies, self.side, self.tables, self.sheets, self.windows, width)
 
     def lasting(self) -> RuledLasting:
-        return RuledLasting(self.sheets, self.model, self.side)
+        return RuledLasting(self.sheets, self.model, self.side, self.windows)
 
 
 def _as_model(body: Any) -> Any:

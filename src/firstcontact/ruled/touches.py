@@ -111,7 +111,7 @@ def _cut(contact: Contact, trims: Trims, x: FieldElement, place: FieldElement | 
             continue
         s = x - x if place is None else place
         value = sum((_power(x, i) * _power(s, j) * int(c) for (i, j), c in g.items()), x - x)
-        if vanishes(contact, value, float(sum(abs(int(c)) for c in g.values()))):
+        if vanishes(contact, value, sum(abs(int(c)) for c in g.values())):
             return k, cut_slopes(g, in_double(x), in_double(s))
     return None
 

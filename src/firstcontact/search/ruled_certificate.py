@@ -118,6 +118,7 @@ class EventSystem(Equations):
         self.own, self.other, self.free = event.own, event.other, event.free
         self.forms = [arb_mat(rows) for rows in event.surfaces]
         self.poses = poses
+        self.way = poses[0].way
 
     def everywhere(self, z: Sequence[arb]) -> tuple[arb, arb, arb]:
         """x, s and the time."""
@@ -136,7 +137,7 @@ class EventSystem(Equations):
         """The point in the model's frame, with weight 1."""
         x, s, t = self.everywhere(z)
         m, _ = self.relative(t)
-        *xyz, w = (m * _column(self.own.sheet.point(x, s))).entries()
+        *xyz, w = (m * _column(self.own.sheet.at(self.way * t).point(x, s))).entries()
         return [*(c / w for c in xyz), arb(1)]
 
     def values(self, z: Sequence[arb]) -> list[arb]:
@@ -148,23 +149,28 @@ class EventSystem(Equations):
     def _rows(self, z: Sequence[arb], deep: bool) -> list[list[arb]]:
         """Every equation: its value and, if deep, derivatives by the unknowns."""
         x, s, t = self.everywhere(z)
-        sheet, free = self.own.sheet, self.free
+        sheet, rate, free = self.own.sheet.at(self.way * t), self.own.sheet.rate(self.way * t), self.free
         point = _column(sheet.point(x, s))
         first = {0: _column(sheet.by_x(x, s)), 1: _column(sheet.by_s(x))}
         second = {(0, 0): _column(sheet.by_xx(x, s)), (0, 1): _column(sheet.by_xs(x))}
         second |= {(1, 0): second[0, 1], (1, 1): arb_mat(4, 1)}
         m, by_t = self.relative(t)
+        speed, speeds = arb_mat(4, 1), {0: arb_mat(4, 1), 1: arb_mat(4, 1)}
+        if rate is not None:
+            speed = _column(rate.point(x, s)) * self.way
+            speeds = {0: _column(rate.by_x(x, s)) * self.way, 1: _column(rate.by_s(x)) * self.way}
         jets = []
         for q in self.forms:
             form = m.transpose() * q * m
             half = by_t.transpose() * q * m
             moved = half + half.transpose()
             image, drift = form * point, moved * point
-            value, late = _dot(point, image), _dot(point, drift)
+            drift += form * speed  # half of the derivative of 2 form X by the time
+            value, late = _dot(point, image), _dot(point, moved * point) + 2 * _dot(speed, image)
             slopes = [2 * _dot(first[k], image) for k in free]
             bends = [
                 [2 * (_dot(second[j, k], image) + _dot(first[j], form * first[k])) for k in free]
-                + [2 * _dot(first[j], drift)]
+                + [2 * (_dot(first[j], drift) + _dot(speeds[j], image))]
                 for j in (free if deep else ())
             ]
             jets.append((value, slopes, late, bends))

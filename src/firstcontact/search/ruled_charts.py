@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, reduce
 from typing import Any
 
@@ -26,7 +26,24 @@ from firstcontact.body.features import Edge, Face, Vertex, enclosure
 from firstcontact.body.ruled_surface import RuledSurface
 from firstcontact.exact.numbers import exact_value, precision, to_double
 from firstcontact.kernels.event_search import ALL_PAIRS, KNOWN, STILL
-from firstcontact.kernels.feature_boxes import ABOUT, CURVED, DEGREE, LEAF, MOST_DEGREE, POWERS
+from firstcontact.kernels.feature_boxes import (
+    ABOUT,
+    BEND,
+    BEND_U,
+    BEND_V,
+    CURVED,
+    DEGREE,
+    LEAF,
+    MIDDLE_TIME,
+    MOST_DEGREE,
+    OFF,
+    OFF_U,
+    OFF_V,
+    PER_HALF,
+    POWERS,
+    TIMES,
+    WIDE,
+)
 from firstcontact.search.charts import BITS, Charts, NotCharted, forms_of, resting
 from firstcontact.search.event_tables import Tables, _programs, crossing_surfaces
 from firstcontact.search.ruled_pieces import Part, RuledPiece
@@ -39,16 +56,27 @@ FLAT = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Sheet:
-    """A part of a piece: X = first + s (second - first) over its x in [-1, 1]; homogeneous, in the body's frame."""
+    """A part of a piece: X = first + s (second - first) over its x in [-1, 1]; homogeneous, in the body's frame.
+
+    later: of a part that deforms what T, T^2, ... are multiplied with to be added to X; `at` a time it is all of X.
+    """
 
     number: int
     part: Part
     first: list[fmpz_poly]
     second: list[fmpz_poly]
+    later: tuple[Sheet, ...] = ()
 
     @property
     def degree(self) -> int:
-        return max(c.degree() for c in (*self.first, *self.second))
+        return max(c.degree() for sheet in (self, *self.later) for c in (*sheet.first, *sheet.second))
+
+    def at(self, t: Any) -> Sheet | Mixed:
+        return Mixed((self, *self.later), [t**k for k in range(len(self.later) + 1)]) if self.later else self
+
+    def rate(self, t: Any) -> Mixed | None:
+        """The derivative by the time; None where there is none."""
+        return Mixed(self.later, [k * t ** (k - 1) for k in range(1, len(self.later) + 1)]) if self.later else None
 
     def point(self, x: Any, s: Any) -> list[Any]:
         """Homogeneous, in the numbers of x and s."""
@@ -82,6 +110,33 @@ def _blended(sides: tuple[list[fmpz_poly], list[fmpz_poly]], x: Any, s: Any) -> 
 
 
 @dataclass(frozen=True, eq=False)
+class Mixed:
+    """A sum of multiples of sheets, to be asked like one."""
+
+    sheets: tuple[Sheet, ...]
+    weights: list[Any]
+
+    def point(self, x: Any, s: Any) -> list[Any]:
+        return self._sum(sheet.point(x, s) for sheet in self.sheets)
+
+    def by_x(self, x: Any, s: Any) -> list[Any]:
+        return self._sum(sheet.by_x(x, s) for sheet in self.sheets)
+
+    def by_s(self, x: Any) -> list[Any]:
+        return self._sum(sheet.by_s(x) for sheet in self.sheets)
+
+    def by_xx(self, x: Any, s: Any) -> list[Any]:
+        return self._sum(sheet.by_xx(x, s) for sheet in self.sheets)
+
+    def by_xs(self, x: Any) -> list[Any]:
+        return self._sum(sheet.by_xs(x) for sheet in self.sheets)
+
+    def _sum(self, rows: Iterator[list[Any]]) -> list[Any]:
+        scaled = [[w * c for c in row] for w, row in zip(self.weights, rows, strict=True)]
+        return [sum(column[1:], column[0]) for column in zip(*scaled, strict=True)]
+
+
+@dataclass(frozen=True, eq=False)
 class RuledFeature:
     """kind: "face", "directrix", "end_ruling" or "vertex"; x, s: the parameters that are fixed, else None.
 
@@ -112,35 +167,61 @@ def sheets_of(body: Any) -> list[Sheet]:
     found = []
     for number, piece in enumerate(body.pieces):
         who = piece.name or "the ruled surface"
-        if piece.deforming or piece.trim or piece.s is None:
-            why = "deforms" if piece.deforming else "is trimmed" if piece.trim else "has whole rulings"
-            raise NotCharted(f"{who} {why}")
+        if piece.trim or piece.s is None:
+            raise NotCharted(f"{who} {'is trimmed' if piece.trim else 'has whole rulings'}")
         local = RuledPiece.of(piece.sides, piece.u)
         for k, part in enumerate(local.parts):
-            p, q = ([c[0] for c in local._local(k, i)] for i in range(2))
-            common = p[3].gcd(q[3])
-            first, second = [c * (q[3] // common) for c in p], [c * (p[3] // common) for c in q]
-            sheet = Sheet(number, part, *_integral(first, second))
+            sides = _with_one_weight(*(local._local(k, i) for i in range(2)))
+            rows = _by_time(*sides)
+            sheet, *later = (Sheet(number, part, *row) for row in rows)
+            sheet = replace(sheet, later=tuple(later))
             if sheet.degree > MOST_DEGREE:
                 raise NotCharted(f"{who} is of degree {sheet.degree}")
             found.append(sheet)
     return found
 
 
-def _integral(first: list[fmpq_poly], second: list[fmpq_poly]) -> tuple[list[fmpz_poly], list[fmpz_poly]]:
-    """Both times one number."""
-    below = reduce(lambda n, c: n.lcm(c.denom()), (*first, *second), fmpz(1))
-    a, b = ([(c * below).numer() for c in side] for side in (first, second))
-    return a, b
+InTime = list[fmpq_poly]
+"""The coefficients of the powers of T, polynomials in x."""
+
+
+def _with_one_weight(p: list[InTime], q: list[InTime]) -> tuple[list[InTime], list[InTime]]:
+    """Both sides times what makes their weights one."""
+    if p[3] == q[3]:
+        return p, q
+    if max(len(p[3]), len(q[3])) > 1:
+        return [_product(c, q[3]) for c in p], [_product(c, p[3]) for c in q]
+    (a,), (b,) = p[3], q[3]
+    common = a.gcd(b)
+    return [_product(c, [b // common]) for c in p], [_product(c, [a // common]) for c in q]
+
+
+def _product(p: InTime, q: InTime) -> InTime:
+    found = [fmpq_poly([0])] * (len(p) + len(q) - 1)
+    for i, a in enumerate(p):
+        for j, b in enumerate(q):
+            found[i + j] = found[i + j] + a * b
+    return found
+
+
+def _by_time(p: list[InTime], q: list[InTime]) -> list[tuple[list[fmpz_poly], list[fmpz_poly]]]:
+    """Both sides times one number, for each power of T."""
+    below = reduce(lambda n, c: n.lcm(c.denom()), (c for side in (p, q) for x in side for c in x), fmpz(1))
+    count = max((k + 1 for side in (p, q) for x in side for k, c in enumerate(x) if c != 0), default=1)
+    rows = []
+    for k in range(count):
+        a, b = ([(x[k] * below).numer() if k < len(x) else fmpz_poly([0]) for x in side] for side in (p, q))
+        rows.append((a, b))
+    return rows
 
 
 def features_of(sheet: Sheet, piece: RuledSurface) -> Iterator[RuledFeature]:
     """The face, the borders and the corners of a part; sides that are a point are corners."""
     part = sheet.part
     ends = [k for k in range(2) if part.ends[k]]
-    for k, side in enumerate((sheet.first, sheet.second)):
+    for k in range(2):
         inner = f"s{k}" in piece.joined
-        if _is_point(side):
+        if _is_point(sheet, k):
             yield RuledFeature(sheet, "vertex", k, 0, k, inner)
         else:
             yield RuledFeature(sheet, "directrix", k, None, k, inner)
@@ -153,14 +234,18 @@ def features_of(sheet: Sheet, piece: RuledSurface) -> Iterator[RuledFeature]:
     yield RuledFeature(sheet, "face", 0, None, None)
 
 
-def _is_point(side: list[fmpz_poly]) -> bool:
-    w = side[3]
-    return all(c.derivative() * w == c * w.derivative() for c in side[:3])
+def _is_point(sheet: Sheet, which: int) -> bool:
+    """Whether a side is a point, which may move."""
+    side = [[fmpq_poly((x.first, x.second)[which][i]) for x in (sheet, *sheet.later)] for i in range(4)]
+    slopes = [[c.derivative() for c in x] for x in side]
+    return all(_product(x, slopes[3]) == _product(side[3], y) for x, y in zip(side[:3], slopes, strict=False))
 
 
-def ruled_tables(ruled: Any, sheets: list[Sheet], model: CompositeQuadric, side: int) -> Tables:
-    """The tables of a ruled surface, body `side`, with its sheets, and a model.  Raises NotCharted."""
-    units = _units(ruled)
+def ruled_tables(
+    ruled: Any, sheets: list[Sheet], model: CompositeQuadric, side: int, span: tuple[float, float]
+) -> Tables:
+    """The tables of a ruled surface, body `side`, with its sheets, and a model, over a span.  Raises NotCharted."""
+    units = _units(ruled, span)
     forms, planes = _model_forms(model)
     ball = Charts(
         units, np.ravel(np.diag([1.0, 1.0, 1.0, -3.1]))[None], np.ones(1, np.int64), np.array([[LEAF, 0]], np.int64), []
@@ -173,7 +258,8 @@ def ruled_tables(ruled: Any, sheets: list[Sheet], model: CompositeQuadric, side:
     table = np.zeros((2 * total, 4, 16))
     table[: n[0]], table[total : total + n[1]] = (resting(x.forms, x.kinds) for x in sides)
     table[n[0] : total, ABOUT, CURVED], table[total + n[1] :, ABOUT, CURVED] = sides[1].kinds, sides[0].kinds
-    width = POWERS + 8 * (max(sheet.degree for sheet in sheets) + 1)
+    wide = 8 * (max(1, *(sheet.degree for sheet in sheets)) + 1)
+    width = POWERS + wide * max(len(sheet.later) + 1 for sheet in sheets)
     charts, info, pairs, features, others, boxes, still = [], [], [], [], [], [], []  # type: ignore[var-annotated]
     known = [_other_pairs(model, params, planes) for params in range(3)]
     for sheet in sheets:
@@ -183,7 +269,10 @@ def ruled_tables(ruled: Any, sheets: list[Sheet], model: CompositeQuadric, side:
             for other, row in known[params]:
                 pairs.append(row)
                 others.append(other)
-            charts.append(_row(feature, units, width))
+            if sheet.later:
+                charts.append(_deforming_row(feature, units, width, wide, span))
+            else:
+                charts.append(_row(feature, units, width))
             info.append([side, params, 0, first, len(pairs)])
             features.append(feature)
             half = 1.0 + 2.0**-52
@@ -200,8 +289,8 @@ def ruled_tables(ruled: Any, sheets: list[Sheet], model: CompositeQuadric, side:
     )  # fmt: skip
 
 
-def _units(ruled: Any) -> np.ndarray:
-    lo, hi = ruled.bounds()
+def _units(ruled: Any, span: tuple[float, float]) -> np.ndarray:
+    lo, hi = ruled.bounds(span)
     size = 2.0 ** math.frexp(float(np.max(hi - lo)) / 2 * (1 + 1e-9))[1]
     middle = np.round((lo + hi) / 2 / size * 1024) / 1024 * size
     if np.any(np.maximum(hi - middle, middle - lo) > size):
@@ -230,6 +319,76 @@ def _row(feature: RuledFeature, units: np.ndarray, width: int) -> np.ndarray:
             row[POWERS + 8 * j + 4 + i] = to_double((q[j] - p[j]) / largest)
     row[DEGREE] = max(c.degree() for side in (first, second) for c in side)
     return row
+
+
+def _deforming_row(
+    feature: RuledFeature, units: np.ndarray, width: int, wide: int, span: tuple[float, float]
+) -> np.ndarray:
+    """A chart's row; its own measure of time is -1 to 1 over the span."""
+    first, last = (exact_value(t) for t in span)
+    middle = exact_value(to_double((first + last) / 2))
+    half = max((last - first) / 2, abs(first) / 2**40, fmpq(1, 2**99))
+    per = exact_value(to_double(1 / half))
+    table = _shifted(_coefficients(feature, units), middle, 1 / per)  # [m][n][8]
+    largest = max(abs(c) for block in table for line in block for c in line)
+    doubles = np.array([[[to_double(c / largest) for c in line] for line in block] for block in table])
+    row = np.zeros(width)
+    row[[DEGREE, TIMES, WIDE]] = len(table[0]) - 1, len(table) - 1, wide
+    row[MIDDLE_TIME], row[PER_HALF] = to_double(middle), to_double(per)
+    for q, block in enumerate(doubles):
+        row[POWERS + q * wide : POWERS + q * wide + block.size] = block.ravel()
+    # all of |x| <= 1, 0 <= s <= 1 and |time| <= 1, with room
+    sizes, q, j = np.abs(doubles) * (1.0 + 1e-6), np.arange(len(doubles)), np.arange(doubles.shape[1])
+    roundings = (4.0 * len(q) + 8.0 * len(j) + 32.0) * 2.0**-53
+    for weights, column in ((q * (q - 1.0), (BEND, BEND_U, BEND_V)), (roundings * (q + 1.0), (OFF, OFF_U, OFF_V))):
+        by_power = np.einsum("q,qjc->jc", weights, sizes)
+        both = by_power[:, :4] + by_power[:, 4:]
+        for to, values in zip(column, (both.sum(axis=0), j @ both, by_power[:, 4:].sum(axis=0)), strict=True):
+            if to in (OFF, OFF_U, OFF_V):
+                row[to] = values.max()
+            else:
+                row[to : to + 4] = values
+    return row
+
+
+def backwards(tables: Tables) -> Tables:
+    """The tables for times -t, with which motions run backwards."""
+    if not any(feature.sheet.later for feature in tables.features):  # type: ignore[union-attr]
+        return tables
+    charts = tables.charts.copy()
+    charts[:, [MIDDLE_TIME, PER_HALF]] *= -1.0
+    return replace(tables, charts=charts)
+
+
+def _coefficients(feature: RuledFeature, units: np.ndarray) -> list[list[list[fmpq]]]:
+    """c[m][n][8]: of T^m p^n the coefficients of 1 and r, for the chart's parameters p and r, in units of the body."""
+    table = []
+    for sheet in (feature.sheet, *feature.sheet.later):
+        first, second = (_scaled(side, units) for side in (sheet.first, sheet.second))
+        if feature.s is not None:
+            first = second = second if feature.s else first
+        if feature.x is None:
+            count = max(2, feature.sheet.degree + 1)
+            block = [[*(p[n] for p in first), *(q[n] - p[n] for p, q in zip(first, second, strict=True))]
+                     for n in range(count)]  # fmt: skip
+        else:
+            a, b = ([c(fmpq(feature.x)) for c in side] for side in (first, second))
+            none = [fmpq(0)] * 4
+            block = [[*a, *none], [*(y - x for x, y in zip(a, b, strict=True)), *none]]
+        table.append(block)
+    return table
+
+
+def _shifted(table: list[list[list[fmpq]]], middle: fmpq, half: fmpq) -> list[list[list[fmpq]]]:
+    """The same in powers of (T - middle) / half."""
+    argument = fmpq_poly([middle, half])
+    found = [[[fmpq(0)] * 8 for _ in block] for block in table]
+    for n in range(len(table[0])):
+        for c in range(8):
+            moved = fmpq_poly([block[n][c] for block in table])(argument)
+            for q in range(len(table)):
+                found[q][n][c] = moved[q]
+    return found
 
 
 def _scaled(side: Sequence[fmpz_poly], units: np.ndarray) -> list[fmpq_poly]:

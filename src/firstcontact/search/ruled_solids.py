@@ -31,7 +31,7 @@ from firstcontact.search.event_tables import Tables, crossing_surfaces
 from firstcontact.search.events import LEAST, SPREAD, _Search
 from firstcontact.search.instants import Instant
 from firstcontact.search.ruled_certificate import Certificate, PoseJet
-from firstcontact.search.ruled_charts import RuledFeature, Sheet, _crossing, sheets_of
+from firstcontact.search.ruled_charts import Mixed, RuledFeature, Sheet, _crossing, sheets_of
 from firstcontact.search.shared_points import BITS, RANKS, ball_pose
 from firstcontact.search.stretches import Window
 
@@ -108,7 +108,7 @@ class RuledSearch(_Search):
             if not boxes:
                 return True
             k, box = charts.pop(), boxes.pop()
-            if place_box(t.charts, k, *box, z):
+            if place_box(t.charts, k, *box, start.first, 0.0, z):
                 found = membership(
                     t.program, begin, end, PLAIN, PLAIN, PLAIN, base, table, 0.0, 0.0, z, THERE, stack
                 )
@@ -262,7 +262,7 @@ class RuledSearch(_Search):
         model: CompositeQuadric = shape_of(shape)
         t = exact_value(float(0.5 * (box[6] + box[7])))
         m = compose(inverse_map(ball_pose(self.bodies[1 - self.side], t)), ball_pose(self.bodies[self.side], t))
-        there = _middles(m) @ [*_in_doubles(feature.sheet, *place), 1.0]
+        there = _middles(m) @ [*_in_doubles(feature.sheet.at(t), *place), 1.0]
         size = NEAR * float(self.tables.units[1 - self.side, 3])
         sizes = np.abs(model._forms_f).max(axis=(1, 2)) * (1.0 + np.abs(there).max()) ** 2
         point = np.append(there, 1.0)
@@ -292,9 +292,10 @@ class RuledSearch(_Search):
         places = []
         for box in boxes:
             feature: Any = self.tables.features[int(box[CHART])]
-            u, hu, v, hv = box[2:6].tolist()
+            u, hu, v, hv, *times = box[2:8].tolist()
+            sheet = feature.sheet.at(exact_value(0.5 * sum(times)))
             for p, q in product((u - hu, u + hu), (v - hv, v + hv)):
-                places.append(_in_doubles(feature.sheet, *feature.place(p, q)))
+                places.append(_in_doubles(sheet, *feature.place(p, q)))
         size = float(self.tables.units[self.side, 3])
         return float(np.ptp(places, axis=0).max()) > SPREAD * size
 
@@ -347,7 +348,7 @@ class Event:
         """Of all surfaces: values, derivatives by the free parameters, gradients in the model's frame."""
         m = self.relative(t)
         x, s = (arb(c) for c in place)
-        sheet = self.own.sheet
+        sheet = self.own.sheet.at(t)
         point = sheet.point(x, s)
         w = point[3]
         here = [c / w for c in point[:3]]
@@ -426,8 +427,8 @@ class Event:
     def leads_inside(self, at: float) -> bool:
         """Whether a point of the surface near the event is proved inside the model at that time."""
         t = exact_value(at)
-        m = self.relative(t)
-        return any(self._is_inside(place, m) for place in self._steps(t))
+        m, sheet = self.relative(t), self.own.sheet.at(t)
+        return any(is_inside(self.model, _moved(m, _exact_point(sheet, place))) is True for place in self._steps(t))
 
     def _steps(self, t: fmpq) -> Iterator[list[fmpq]]:
         """Places near the event: itself, and with all its surfaces equally far away, on any sides."""
@@ -452,15 +453,12 @@ class Event:
                 moved[k] = min(max(place[k] + exact_value(float(d)), fmpq(-1 if k == 0 else 0)), fmpq(1))
             yield moved
 
-    def _is_inside(self, place: Sequence[fmpq], m: Matrix) -> bool:
-        return is_inside(self.model, _moved(m, _exact_point(self.own.sheet, place))) is True
-
     # -- the answer -----------------------------------------------------------------------------------------
 
     def geometry(self) -> tuple[np.ndarray, np.ndarray | None]:
         """Point, and unit normal from b towards a where there is one; in the world."""
         pose = _middles(ball_pose(self.bodies[self.side], self.moment))
-        here = np.array([float(c.mid()) for c in _exact_point(self.own.sheet, self.place)])
+        here = np.array([float(c.mid()) for c in _exact_point(self._sheet, self.place)])
         point = pose[:, :3] @ here + pose[:, 3]
         point[np.abs(point) < 2.0**-120 * np.abs(point).max()] = 0.0
         normal = self._normal()
@@ -478,7 +476,7 @@ class Event:
         # of a polyhedron's features the numbers are its own
         faces = [self.other] if isinstance(self.other, Face) else [self.model.faces[k] for k in self._beside()]
         m = self.relative(self.moment)
-        there = np.array([float(c.mid()) for c in _moved(m, _exact_point(self.own.sheet, place))] + [1.0])
+        there = np.array([float(c.mid()) for c in _moved(m, _exact_point(self._sheet, place))] + [1.0])
         outward = np.zeros(3)
         for face in faces:
             g = face.orientation * (self.model._forms_f[face.surfaces[0]] @ there)[:3]
@@ -504,10 +502,14 @@ class Event:
         """Places of the faces at an edge."""
         return self.other.faces if isinstance(self.other, Edge) else ()
 
+    @property
+    def _sheet(self) -> Sheet | Mixed:
+        return self.own.sheet.at(self.moment)
+
     def _ways(self, place: Sequence[fmpq]) -> list[np.ndarray]:
         """Unit tangents along the free parameters, in the own frame; none where one vanishes."""
         x, s = (arb(c) for c in place)
-        sheet = self.own.sheet
+        sheet = self._sheet
         point = sheet.point(x, s)
         found = []
         for k in self.free:
@@ -528,7 +530,7 @@ def _sampled(bodies: tuple[Any, Any], side: int, t: fmpq, within: bool) -> np.nd
         pose = ball_pose(bodies[side], t)
         m = compose(inverse_map(ball_pose(bodies[1 - side], t)), pose)
         rough = _middles(m)
-        for sheet in sheets_of(shapes[side]):
+        for sheet in (whole.at(t) for whole in sheets_of(shapes[side])):
             grid = [(fmpq(2 * i - START_GRID, START_GRID), fmpq(j, START_GRID))
                     for i in range(START_GRID + 1) for j in range(START_GRID + 1)]  # fmt: skip
             points = np.array([_in_doubles(sheet, float(x), float(s)) for x, s in grid])
@@ -552,12 +554,12 @@ def is_inside(model: CompositeQuadric, there: list[Any]) -> bool | None:
     return bool(inside(model.tree, negative))
 
 
-def _exact_point(sheet: Sheet, place: Sequence[fmpq]) -> list[arb]:
+def _exact_point(sheet: Sheet | Mixed, place: Sequence[fmpq]) -> list[arb]:
     point = sheet.point(*place)
     return [arb(c / point[3]) for c in point[:3]]
 
 
-def _in_doubles(sheet: Sheet, x: float, s: float) -> np.ndarray:
+def _in_doubles(sheet: Sheet | Mixed, x: float, s: float) -> np.ndarray:
     point = sheet.point(exact_value(x), exact_value(s))
     return np.array([to_double(c / point[3]) for c in point[:3]])
 
