@@ -200,7 +200,7 @@ def test_starts():
 @pytest.mark.parametrize(
     ("surface", "message"),
     [
-        (fc.RuledSurface("(u, 0, 0)", "(u, 1, u)", trim=["u <= s"], name="leaf"), "leaf is trimmed"),
+        (fc.RuledSurface("(u, 0, 0)", "(u, 1, u)", trim=["u <= s**3"], name="leaf"), "leaf has an ineq"),
         (fc.RuledSurface("(u, 0, 0)", "(1-u, 0, u-1/2)", s=None, name="bow"), "bow has whole rulings whose"),
     ],
 )
@@ -282,3 +282,38 @@ def test_whole_rulings_meet_bounded_solids_only():
     regulus = fc.RuledSurface("(1, u, u)", "(-1, u, -u)", s=None, name="regulus")
     with pytest.raises(UnsupportedPair, match="bound s of regulus"):
         fc.first_contact(regulus.moving(SCREW), fc.half_space((0, 0, 1), -9))
+
+
+DISC = fc.RuledSurface("(u, -1, 0)", "(u, 1, 0)", u=(-1, 1), trim=["u**2 + (2*s-1)**2 <= 1"], name="disc")
+LEAF = fc.RuledSurface("(u, -1, T**2)", "(u, 1, u/2 + T**2)", u=(-1, 1), trim=["u + s <= 3/2", "s >= u/2"], name="leaf")
+
+
+def test_a_disc_turns_onto_a_floor():
+    """By 30 degrees until its rim is 1/2 low; one that is cut at y = 3/5 besides has corners there."""
+    screw, floor = fc.Screw((0, 1, 0), degrees=90, advance=2), fc.half_space((0, 0, 1), "-1/2").named("floor")
+    hit = fc.first_contact(DISC.moving(screw), floor)
+    assert hit.time_interval[0] <= 1 / 3 <= hit.time_interval[1] and hit.time_interval[1] - hit.time_interval[0] < 1e-12
+    assert (str(hit.element_a), str(hit.element_b)) == ("disc edge 0", "floor.plane face 0")
+    assert np.allclose(hit.point, (0.75**0.5, 2 / 3, -0.5)) and np.allclose(hit.normal, (0, 0, 1))
+    (interval,) = fc.contact_intervals(DISC.moving(screw), floor)
+    assert interval.start_interval[0] <= 1 / 3 <= interval.start_interval[1] and interval.end == 1.0
+    band = fc.RuledSurface("(u, -1, 0)", "(u, 1, 0)", u=(-1, 1), trim=["u**2 + (2*s-1)**2 <= 1", "2*s-1 >= 3/5"])
+    hit = fc.first_contact(floor, band.moving(screw))  # corners at x = 4/5
+    known = 2 / np.pi * np.arcsin(5 / 8)
+    assert abs(hit.time - known) < 1e-12 and hit.element_b.kind == "edge" and abs(hit.point[1] - 0.6 - 2 * known) < 1e-9
+
+
+@pytest.mark.parametrize("seed", range(amount(9)))
+def test_trimmed_surfaces_agree_with_exact_arithmetic(seed):
+    """Places at rest and in motion, deforming too: elements, times and normals of both ways."""
+    rng = np.random.default_rng(seed)
+    surface = (DISC, LEAF)[seed % 2].rotated((1, 2, 2), degrees=int(rng.integers(0, 4)) * 90)
+    body = surface.translated(rng.integers(-2, 3, 3).tolist())
+    solid = (fc.sphere(1), fc.box((1, 2, 1)))[seed // 2 % 2].translated((5, *rng.integers(-1, 2, 2).tolist()))
+    way = fc.Translation((8, *rng.integers(-1, 2, 2).tolist()))
+    proved = fc.first_contact(body.moving(way), solid, method="certified")
+    exact = fc.first_contact(body.moving(way), solid, method="algebraic")
+    assert proved.status is exact.status
+    if proved.status is fc.Status.CONTACT:
+        assert proved.time_interval[0] <= exact.time <= proved.time_interval[1]
+        assert exact.multiplicity > 1 or proved.element_a == exact.element_a

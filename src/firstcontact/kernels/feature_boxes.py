@@ -55,10 +55,10 @@ ROUNDED = 1e-12
 INSIDE, OUTSIDE = rows(1, 2)
 # No derivatives, all.
 PLAIN, DEEPEST = rows(0, 2)
-# Parts of a row of the table of forms: value and slope in time, bound of the rest; then the sum of all sizes and
-# whether it is a quadric.
+# Parts of a row of the table of forms: value and slope in time, bound of the rest; then the sum of all sizes,
+# whether it is a quadric, and whether it is of another chart, so that its models are made with the box.
 ABOUT = 3
-SUM_OF_SIZES, CURVED = rows(0, 1)
+SUM_OF_SIZES, CURVED, GIVEN = rows(0, 1, 2)
 # Slots of the stack: bits of the forms known to be negative on the box, known to be positive, and found open.
 NEGATIVE, POSITIVE, OPEN = rows(317, 318, 319)
 STACK = 320
@@ -543,11 +543,13 @@ def sign(table, base, form, s, hs, z, first, stack):
     if stack[OPEN] & mark:
         return INSIDE | OUTSIDE
     found = INSIDE | OUTSIDE
-    if table[base + form, ABOUT, CURVED] != 0.0:
+    is_given = table[base + form, ABOUT, GIVEN] != 0.0
+    if table[base + form, ABOUT, CURVED] != 0.0 and not is_given:
         found = _rough_sign(table, base + form, s, hs, z)
     if found == INSIDE | OUTSIDE:
         row = first + 3 * form
-        model(table, base + form, s, hs, z, DEEPEST, row)
+        if not is_given:
+            model(table, base + form, s, hs, z, DEEPEST, row)
         size = reach(z, row)
         if z[row, VALUE] > size:
             found = OUTSIDE

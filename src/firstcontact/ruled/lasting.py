@@ -6,6 +6,7 @@ A point stands as (number of its sheet, x, s), see `search.ruled_charts`; it sta
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from firstcontact.exact.numbers import exact_value, precision, to_double
 from firstcontact.kernels.event_search import CHART, FREE
 from firstcontact.search import events
 from firstcontact.search.event_tables import Tables
-from firstcontact.search.ruled_charts import RuledFeature, Sheet, backwards
+from firstcontact.search.ruled_charts import Cut, RuledFeature, Sheet, backwards
 from firstcontact.search.ruled_solids import STAGES, Event, RuledSearch
 from firstcontact.search.stretches import Window
 
@@ -99,6 +100,10 @@ class RuledLasting(Lasting[np.ndarray]):
         super().__init__()
         self.sheets, self.solid, self.side, self.windows = sheets, Solid(model), side, parts
         self.tables = [_doubles(sheet) for sheet in sheets]
+        self.cuts = [[_cut_in_doubles(cut) for cut in sheet.cuts] for sheet in sheets]
+        corners = np.array(list(product((-1.0, 1.0), (0.0, 1.0))))
+        sizes = (float(np.ptp(self._points(table[0], corners)[:, :3], axis=0).max()) for table in self.tables)
+        self.sizes = [size or 1.0 for size in sizes]
 
     # -- the proof ------------------------------------------------------------------------------------------
 
@@ -113,6 +118,8 @@ class RuledLasting(Lasting[np.ndarray]):
         own, other = (window.a, window.b) if self.side == 0 else (window.b, window.a)
         p, q = self.pose(own, t), self.pose(other, t)
         sheet, place, way = self.sheets[int(point[0])], [exact_value(c) for c in point[1:]], self._way(window)
+        if not sheet.keeps(*place):
+            return False
         here = sheet.at(way * exact_value(t)).point(*place)
         near = np.array([to_double(c / here[3]) for c in here[:3]])
         y = np.linalg.solve(linear(q), linear(p) @ near + p[9:12] - q[9:12])
@@ -130,7 +137,7 @@ class RuledLasting(Lasting[np.ndarray]):
         x, s = (c.ravel() for c in np.meshgrid(np.linspace(-1, 1, GRID[0]), np.linspace(0, 1, GRID[1])))
         seeds, heights = [], []
         for k in range(len(self.sheets)):
-            here = self._heights(forms, self._now(k, window, t), np.column_stack([x, s]))
+            here = self._heights(forms, k, self._now(k, window, t), np.column_stack([x, s]))
             best = int(np.argmin(here))
             seeds.append(np.array([k, x[best], s[best]]))
             heights.append(float(here[best]))
@@ -142,8 +149,8 @@ class RuledLasting(Lasting[np.ndarray]):
             k = int(seed[0])
             table = self._now(k, window, t)
             place, depth = descended(
-                lambda x, steps: self._heights(forms, table, x + steps),  # noqa: B023
-                lambda x: self._directions(forms, table, x),  # noqa: B023
+                lambda x, steps: self._heights(forms, k, table, x + steps),  # noqa: B023
+                lambda x: self._directions(forms, k, table, x),  # noqa: B023
                 np.asarray(seed[1:], float),
             )
             point = np.array([k, *np.clip(place, LOWEST, HIGHEST)])
@@ -181,14 +188,23 @@ class RuledLasting(Lasting[np.ndarray]):
         scaled: np.ndarray = points / points[:, 3:]
         return scaled
 
-    def _heights(self, forms: np.ndarray, table: np.ndarray, places: np.ndarray) -> np.ndarray:
-        return self.solid.height(forms, np.zeros(3), self._points(table, places)[:, :3])
+    def _heights(self, forms: np.ndarray, k: int, table: np.ndarray, places: np.ndarray) -> np.ndarray:
+        heights = self.solid.height(forms, np.zeros(3), self._points(table, places)[:, :3])
+        return np.max([heights, *self._cut_off(k, places)], axis=0)
 
-    def _directions(self, forms: np.ndarray, table: np.ndarray, place: np.ndarray) -> np.ndarray:
+    def _cut_off(self, k: int, places: np.ndarray) -> np.ndarray:
+        """(m, n) by how much the inequalities of a sheet fail, negative where they hold, in units of its size."""
+        x, s = np.clip(places, LOWEST, HIGHEST).T
+        found = [-self.sizes[k] * np.polynomial.polynomial.polyval2d(x, s, cut) for cut in self.cuts[k]]
+        return np.array(found).reshape(-1, len(x))
+
+    def _directions(self, forms: np.ndarray, k: int, table: np.ndarray, place: np.ndarray) -> np.ndarray:
         """(n, 2): all around, and across and away from the nearest surfaces."""
         step = 1e-5
-        ends = self._points(table, place + step * np.array([[1, 0], [-1, 0], [0, 1], [0, -1], [0, 0]]))
+        around = place + step * np.array([[1, 0], [-1, 0], [0, 1], [0, -1], [0, 0]])
+        ends = self._points(table, around)
         values = np.einsum("ni,fij,nj->fn", ends, forms, ends, optimize=True)
+        values = np.vstack([values, self._cut_off(k, around)])
         slopes = np.column_stack([values[:, 0] - values[:, 1], values[:, 2] - values[:, 3]]) / (2 * step)
         near = np.argsort(np.abs(values[:, 4]))[:3]
         rows = slopes[near] / np.maximum(np.linalg.norm(slopes[near], axis=1, keepdims=True), 1e-300)
@@ -208,4 +224,13 @@ def _doubles(sheet: Sheet) -> np.ndarray:
             for i, p in enumerate(side):
                 for j, c in enumerate(p.coeffs()):
                     row[j, i] = to_double(fmpq(c, largest))
+    return table
+
+
+def _cut_in_doubles(cut: Cut) -> np.ndarray:
+    """(n, m) coefficients of x^i s^j, the largest 1."""
+    table = np.zeros(np.add(cut.degrees, 1))
+    for j, p in enumerate(cut.powers):
+        for i, c in enumerate(p.coeffs()):
+            table[i, j] = to_double(fmpq(c, cut.size))
     return table

@@ -117,7 +117,7 @@ class EventSystem(Equations):
     def __init__(self, event: Event, poses: tuple[PoseJet, PoseJet]) -> None:
         self.own, self.other, self.free = event.own, event.other, event.free
         self.forms = [arb_mat(rows) for rows in event.surfaces]
-        self.poses = poses
+        self.poses, self.cuts = poses, event.cuts
         self.way = poses[0].way
 
     def everywhere(self, z: Sequence[arb]) -> tuple[arb, arb, arb]:
@@ -175,18 +175,42 @@ class EventSystem(Equations):
             ]
             jets.append((value, slopes, late, bends))
         values = [[value, *slopes, late] for value, slopes, late, _ in jets]
+        if self.cuts:
+            return self._on_cuts(values, jets, self._cut_jets(x, s), deep)
         if isinstance(self.other, Face):
             ((_, slopes, _, bends),) = jets
             return values + [[f, *(bends[k] if deep else ())] for k, f in enumerate(slopes)]
         if isinstance(self.other, Edge) and len(free) == 2:
-            (_, (a, b), _, of_f), (_, (c, d), _, of_g) = jets
-            row = [a * d - b * c]
-            if deep:
-                row += [
-                    of_f[0][k] * d + a * of_g[1][k] - of_f[1][k] * c - b * of_g[0][k] for k in range(3)
-                ]
-            return [*values, row]
+            return [*values, _parallel(jets[0], jets[1], deep)]
         return values
+
+    def _cut_jets(self, x: arb, s: arb) -> list[Jet]:
+        """As those of surfaces; the time is no part of inequalities."""
+        found = []
+        for cut in self.cuts:
+            slopes, bends = cut.slopes(x, s), cut.bends(x, s)
+            rows = [[*(bends[j, k] for k in self.free), arb(0)] for j in self.free]
+            found.append((cut.value(x, s), [slopes[k] for k in self.free], arb(0), rows))
+        return found
+
+    def _on_cuts(self, values: list[list[arb]], jets: list[Jet], held: list[Jet], deep: bool) -> list[list[arb]]:
+        values = values + [[value, *slopes, late] for value, slopes, late, _ in held]
+        if isinstance(self.other, Face) and len(held) < len(self.free):
+            values.append(_parallel(jets[0], held[0], deep))
+        return values
+
+
+Jet = tuple[arb, list[arb], arb, list[list[arb]]]
+"""Of an equation: value, derivatives by the free parameters and by the time; those of the former, row by row."""
+
+
+def _parallel(f: Jet, g: Jet, deep: bool) -> list[arb]:
+    """The determinant of both derivatives, and its own derivatives."""
+    (_, (a, b), _, of_f), (_, (c, d), _, of_g) = f, g
+    row = [a * d - b * c]
+    if deep:
+        row += [of_f[0][k] * d + a * of_g[1][k] - of_f[1][k] * c - b * of_g[0][k] for k in range(3)]
+    return row
 
 
 def _column(entries: Sequence[Any]) -> arb_mat:
@@ -232,7 +256,10 @@ class Certificate:
             self.events.sort(key=lambda e: float(e[1].mid()))
 
     def _is_outside(self, event: Event, system: EventSystem, z: Sequence[arb]) -> bool:
-        """Whether the point is proved not to belong to the closed model."""
+        """Whether the point is proved not to belong to the closed model, or to be cut off the surface."""
+        x, s, _ = system.everywhere(z)
+        if any(cut.value(x, s) < 0 for k, cut in enumerate(event.own.sheet.cuts) if k not in event.numbers):
+            return True
         there = system.there(z)
         if not all(c.is_finite() for c in there):
             return False
