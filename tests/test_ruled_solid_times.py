@@ -4,9 +4,12 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from flint import fmpq
 
 import firstcontact as fc
 from amount import amount
+from firstcontact.exact.trivariate import RING
+from firstcontact.ruled.sheets import MOST_DEGREE, Sheet, TooLarge
 
 SADDLE = fc.RuledSurface("(u, 0, 0)", "(u, 1, u)", name="saddle")
 DISC = fc.RuledSurface("(u, -1, 0)", "(u, 1, 0)", u=(-1, 1), trim=["u**2 + (2*s-1)**2 <= 1"], name="disc")
@@ -138,3 +141,11 @@ def test_coefficients_beyond_the_range_of_doubles():
     proved = fc.first_contact(moved, fc.sphere(1).translated((5, 0, 0)), method="certified")
     assert hit.status is fc.Status.CONTACT and proved.time_interval[0] <= hit.time <= proved.time_interval[1]
     assert np.allclose(hit.point, proved.point, atol=1e-9)
+
+
+def test_long_coefficients_are_eliminated_only_where_doubles_do_not_answer():
+    """As under poses of doubles, when resultants of small degrees take minutes."""
+    f, g = (RING.from_dict({(2, 1, 3): 10**800 + k, (1, 0, 1): 3, (0, 1, k): 1}) for k in (1, 2))
+    with pytest.raises(TooLarge):
+        Sheet(None, (f, g), None, False, (fmpq(0), fmpq(1)), (fmpq(0), fmpq(1)), MOST_DEGREE - 1).times
+    assert Sheet(None, (f, g), None, False, (fmpq(0), fmpq(1)), (fmpq(0), fmpq(1)), MOST_DEGREE).times is not None

@@ -132,16 +132,13 @@ def _exact_intervals(
 ) -> ContactIntervals:
     """Of surfaces, or a surface and a polyhedron; in doubles, with proofs, where elimination goes too far."""
     quick = not exact and certified.takes(a, b, first, last)
+    if not exact and _is_with_convex(a, b):
+        from firstcontact.ruled import solid_answers
+
+        return solid_answers.contact_intervals(a, b, first, last, False, tolerance, work, begin, shared)
     try:
         windows, reason = all_windows(a, b, first, last, work, QUICK_DEGREE if quick else MOST_DEGREE)
     except UnsupportedPair as refusal:
-        if not exact and _is_with_convex(a, b):
-            from firstcontact.ruled import solid_answers
-
-            try:
-                return solid_answers.in_doubles(a, b, first, last, tolerance, work, begin, shared)
-            except UnsupportedPair:
-                raise refusal from None
         if not (quick and isinstance(refusal, TooLarge)):
             raise
         found = certified.contact_intervals(a, b, first, last, budget, shared)

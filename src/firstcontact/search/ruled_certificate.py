@@ -237,7 +237,8 @@ class Certificate:
     def add(self, event: Event, boxes: Sequence[np.ndarray]) -> None:
         """The events of one pair of features in boxes of its chart."""
         system = EventSystem(event, self.poses)
-        found = isolated(system, [_ball_box(event, box) for box in boxes], MOST)
+        starts = [_ball_box(event, box) for box in boxes]
+        found = isolated(system, starts, MOST, lambda box: self._is_outside(event, system, box))
         with precision(256):
             for zero in found.zeros:
                 self._add_zero(event, system, zero)
