@@ -127,13 +127,6 @@ def test_solids_refuse_what_has_no_area(trim):
         fc.contact_intervals(thread.moving(fc.Translation((8, 0.5, 0))), fc.examples.box((2, 2, 2)), exact=True)
 
 
-def test_what_has_no_area_is_followed_until_it_touches():
-    """Doubles prove no contact of a line, at x = 8 t - 15/2, with a solid, whose side is at x = -1."""
-    thread = fc.RuledSurface("(u, -1, 0)", "(u, 1, 0)", trim=["-(2*u-1)**2 >= 0"]).translated((-8, 0, 0))
-    hit = fc.first_contact(thread.moving(fc.Screw((1, 0, 0), degrees=9, advance=8)), fc.box((2, 2, 2)))
-    assert hit.status is fc.Status.UNDECIDED and 0.8124 < hit.free_until <= 0.8125
-
-
 @pytest.mark.parametrize(("trim", "known"), [(["-(2*u-1)**2 >= 0"], 0.625), (["2*s <= 1", "2*s >= 1"], 0.5)])
 def test_arcs_meet_surfaces(trim, known):
     """The middle line of a square that comes from x = -4 (u = 1/2 at x = -3.5) with 8 T to a wall at x = 1.5, or 0."""
