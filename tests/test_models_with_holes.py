@@ -245,7 +245,7 @@ def test_models_hold_the_forms_they_stand_for(bodies, slab):
         scale = 2.0 ** -rng.integers(0, 8)
         u, hu, v, hv = box[2], box[3] * scale, box[4], box[5] * scale
         s, hs = rng.uniform(-0.5, 0.5), 0.5 * scale
-        if not feature_boxes.place_box(t.charts, k, u, hu, v, hv, z):
+        if not feature_boxes.place_box(t.charts, k, u, hu, v, hv, 0.0, 0.0, z):
             continue
         for f in range(int(t.layout[1 - side, 7])):
             feature_boxes.model(table, base + f, s, hs, z, np.int64(2), feature_boxes.ZEROTH)

@@ -4,9 +4,12 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from flint import fmpq
 
 import firstcontact as fc
 from amount import amount
+from firstcontact.exact.trivariate import RING
+from firstcontact.ruled.sheets import MOST_DEGREE, Sheet, TooLarge
 
 SADDLE = fc.RuledSurface("(u, 0, 0)", "(u, 1, u)", name="saddle")
 DISC = fc.RuledSurface("(u, -1, 0)", "(u, 1, 0)", u=(-1, 1), trim=["u**2 + (2*s-1)**2 <= 1"], name="disc")
@@ -135,3 +138,25 @@ def test_random_scenes(seed):
     assert hit.status is found.status
     if len(found):
         assert hit.time == pytest.approx(found[0].start, abs=1e-12)
+
+
+def test_coefficients_beyond_the_range_of_doubles():
+    """Poses of doubles have rational entries of hundreds of digits; where contact is near an instant they are sized."""
+    poses = [fc.Rotation((1, 2, 3), radians=0.3)(1.0), fc.Rotation((1, 0, 2), radians=1.5)(1.0)]
+    poses[1][:3, 3] = 6, 1, 0
+    flap = fc.RuledSurface("(u, 0, T/2)", "(u, 1, u*T + T**2/2)")
+    moved = flap.moving(fc.RationalMotion.between(*poses))
+    hit = fc.first_contact(moved, fc.sphere(1).translated((5, 0, 0)), method="algebraic")
+    proved = fc.first_contact(moved, fc.sphere(1).translated((5, 0, 0)), method="certified")
+    assert hit.status is fc.Status.CONTACT and proved.time_interval[0] <= hit.time <= proved.time_interval[1]
+    assert np.allclose(hit.point, proved.point, atol=1e-9)
+
+
+def test_long_coefficients_are_eliminated_only_where_doubles_do_not_answer():
+    """As under poses of doubles, when resultants of small degrees take minutes."""
+    f, g = (RING.from_dict({(2, 1, 3): 10**800 + k, (1, 0, 1): 3, (0, 1, k): 1}) for k in (1, 2))
+    unit = fmpq(0), fmpq(1)
+    quick, all_the_way = (Sheet(None, (f, g), None, False, unit, unit, MOST_DEGREE - k) for k in (1, 0))
+    with pytest.raises(TooLarge):
+        quick.times.sort()
+    assert all(p.degree() > 0 for p in all_the_way.times)

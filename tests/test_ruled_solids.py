@@ -10,10 +10,15 @@ from amount import amount
 from firstcontact.errors import UnsupportedPair
 from firstcontact.kernels.feature_boxes import (
     ABOUT,
+    BEND,
+    BEND_U,
+    BEND_V,
     CURVED,
     DEGREE,
     INSIDE,
+    MIDDLE_TIME,
     OUTSIDE,
+    PER_HALF,
     POWERS,
     REST,
     ROWS,
@@ -23,7 +28,9 @@ from firstcontact.kernels.feature_boxes import (
     STACK,
     SUM_OF_SIZES,
     THERE,
+    TIMES,
     VALUE,
+    WIDE,
     WIDTH,
     ZEROTH,
     model,
@@ -42,14 +49,21 @@ MOTIONS = [fc.Translation((9, 0.5, 1)), fc.Rotation((0, 1, 5), point=(2.5, -0.5,
 
 
 @pytest.mark.parametrize("seed", range(amount(12)))
-def test_models_of_forms_hold_all_sampled_values(seed):
-    """Value, and half the derivatives, at sampled places of a box lie within value + slopes +- rest."""
+@pytest.mark.parametrize("times", [0, 3])
+def test_models_of_forms_hold_all_sampled_values(times, seed):
+    """Value, and half the derivatives, at sampled places and times of a box lie within value + slopes +- rest."""
     rng = np.random.default_rng(seed)
     n, quadric = int(rng.integers(1, 7)), seed % 2
-    charts = np.zeros((1, POWERS + 8 * (n + 1)))
-    charts[0, DEGREE] = n
-    charts[0, POWERS:] = rng.normal(size=8 * (n + 1))
-    charts[0, POWERS + 3] = 40.0
+    wide = 8 * (n + 1)
+    coefficients = rng.normal(size=(times + 1, n + 1, 2, 4))
+    coefficients[0, 0, 0, 3] = 40.0
+    charts = np.zeros((1, POWERS + coefficients.size))
+    charts[0, [DEGREE, TIMES, WIDE, MIDDLE_TIME, PER_HALF]] = n, times, wide, 5.0, 0.5
+    charts[0, POWERS:] = coefficients.ravel()
+    bends = np.arange(times + 1) * (np.arange(times + 1) - 1.0)
+    both = np.einsum("q,qjki->ji", bends, abs(coefficients))
+    charts[0, BEND : BEND + 4], charts[0, BEND_U : BEND_U + 4] = both.sum(axis=0), np.arange(n + 1) @ both
+    charts[0, BEND_V : BEND_V + 4] = np.einsum("q,qji->i", bends, abs(coefficients[:, :, 1]))
     u, v, hu, hv = *rng.uniform(-0.8, 0.8, 2), *(10.0 ** rng.uniform(-4, -0.5, 2))
     table = np.zeros((1, 4, 16))
     table[0, ABOUT, CURVED] = quadric
@@ -59,30 +73,33 @@ def test_models_of_forms_hold_all_sampled_values(seed):
         table[0, :2] = forms.reshape(2, 16)
     else:
         table[0, :2, :4] = forms[:, 0]
-    s, hs = 0.2, 0.1
+    s, hs, at, half = 0.2, 0.1, 5.2, 10.0 ** rng.uniform(-4, -0.5)
     z = np.zeros((ROWS, WIDTH))
     e = z[ZEROTH:]
-    assert place_box(charts, 0, u, hu, v, hv, z)
+    assert place_box(charts, 0, u, hu, v, hv, at, half, z)
     model(table, 0, s, hs, z, np.int64(2), ZEROTH)
 
-    def point(a, b):
+    def point(a, b, t):
         powers = (u + hu * a) ** np.arange(n + 1)
-        c = charts[0, POWERS:].reshape(n + 1, 2, 4)
+        c = np.tensordot((0.5 * (at + half * t - 5.0)) ** np.arange(times + 1), coefficients, 1)
         return powers @ (c[:, 0] + (v + hv * b) * c[:, 1])
 
     def value(a, b, t):
-        form, p = forms[0] + (s + hs * t) * forms[1], point(a, b)
+        form, p = forms[0] + (s + hs * t) * forms[1], point(a, b, t)
         return p @ form @ p if quadric else form[0] @ p
 
+    rests = []
     for a, b, t in [*rng.uniform(-1, 1, (40, 3)), *np.array(np.meshgrid(*[[-1, 1]] * 3)).reshape(3, -1).T]:
-        h, half = 1e-6, 0.5 if quadric else 1.0
+        h, part = 1e-6, 0.5 if quadric else 1.0
         seen = [
-            value(a, b, t), half * (value(a + h, b, t) - value(a - h, b, t)) / (2 * h),
-            half * (value(a, b + h, t) - value(a, b - h, t)) / (2 * h),
+            value(a, b, t), part * (value(a + h, b, t) - value(a - h, b, t)) / (2 * h),
+            part * (value(a, b + h, t) - value(a, b - h, t)) / (2 * h),
         ]  # fmt: skip
         for row, found in enumerate(seen):
             linear = e[row, VALUE] + a * e[row, SLOPE_U] + b * e[row, SLOPE_V] + t * e[row, SLOPE_T]
+            rests.append(abs(found - linear) / e[row, REST])
             assert abs(found - linear) <= e[row, REST] + 1e-8 * abs(e[row]).max()
+    assert max(rests) > 1e-3
 
 
 @pytest.mark.parametrize(("shift", "signs"), [(0.12, INSIDE | OUTSIDE), (0.126, OUTSIDE), (-0.12, INSIDE | OUTSIDE)])
@@ -94,7 +111,7 @@ def test_signs_of_forms_see_what_is_beyond_second_order(shift, signs):
     table[0, 0, [3, 12, 15]] = 0.5, 0.5, shift
     table[0, ABOUT, [SUM_OF_SIZES, CURVED]] = 1.0 + abs(shift), 1.0
     z = np.zeros((ROWS, WIDTH))
-    assert place_box(charts, 0, 0.0, 0.5, 0.5, 0.5, z)
+    assert place_box(charts, 0, 0.0, 0.5, 0.5, 0.5, 0.0, 0.0, z)
     assert sign(table, 0, 0, 0.0, 0.0, z, THERE, np.zeros(STACK, np.int64)) == signs
 
 
@@ -183,14 +200,52 @@ def test_starts():
 @pytest.mark.parametrize(
     ("surface", "message"),
     [
-        (fc.RuledSurface("(u, 0, T)", "(u, 1, u + T)", name="wing"), "wing deforms"),
-        (fc.RuledSurface("(u, 0, 0)", "(u, 1, u)", trim=["u <= s"], name="leaf"), "leaf is trimmed"),
+        (fc.RuledSurface("(u, 0, 0)", "(u, 1, u)", trim=["u <= s**3"], name="leaf"), "leaf has an ineq"),
         (fc.RuledSurface("(u, 0, 0)", "(1-u, 0, u-1/2)", s=None, name="bow"), "bow has whole rulings whose"),
     ],
 )
 def test_refusals(surface, message):
     with pytest.raises(UnsupportedPair, match=message):
         fc.first_contact(surface, TUBE.moving(SCREW))
+
+
+WING = fc.RuledSurface("(u, 0, -2*T**2)", "(u, 1 + T, u - T - 2*T**2)", name="wing")
+TURNED = fc.Rotation((0, 0, 1), point=("1/3", 2, 0), degrees=200)
+
+
+@pytest.mark.parametrize(
+    "motion",
+    [TURNED, fc.Sequence([TURNED, fc.Rotation((0, 0, 3), degrees=33)]), fc.Screw((0, 0, 1), degrees=90, advance=1)],
+)
+def test_deforming_surfaces_turn(motion):
+    """About the z axis, so that only their own change, and the advance, tells when they leave or reach a floor."""
+    floor = fc.half_space((0, 0, 1), "-7/4").named("floor")
+    hit = fc.first_contact(WING.moving(motion), floor)
+    ahead = 1.0 if isinstance(motion, fc.Screw) else 0.0  # the corner at u = 0, s = 1: -t - 2 t^2 + ahead t = -7/4
+    known = 14**0.5 / 4 if ahead else (15**0.5 - 1) / 4
+    assert hit.time_interval[0] <= known <= hit.time_interval[1] and hit.time_interval[1] - hit.time_interval[0] < 1e-12
+    corners = ("vertex", "end_ruling") if ahead else ("vertex",)
+    assert hit.element_a.kind in corners and np.allclose(hit.normal, (0, 0, 1))
+    if motion is TURNED:
+        (interval,) = fc.contact_intervals(floor, WING.moving(motion), (0.7, 0.72))
+        assert interval.start_interval[0] <= known <= interval.start_interval[1] and interval.end == 0.72
+
+
+@pytest.mark.parametrize("seed", range(amount(9)))
+def test_deforming_surfaces_agree_with_exact_arithmetic(seed):
+    """Times in doubles hold the exact ones; with time reversed, intervals are mirrored."""
+    rng = np.random.default_rng(seed)
+    first, second = (
+        "(" + ", ".join("{} + {}*u + {}*T + {}*u*T**2".format(*rng.integers(-2, 3, 4)) for _ in range(3)) + ")"
+        for _ in range(2)
+    )
+    solid = (fc.sphere(1), fc.box((1, 2, 1)), TUBE)[seed % 3].translated(rng.integers(-2, 3, 3).tolist())
+    surface = fc.RuledSurface(first, second)
+    proved = fc.first_contact(surface, solid, (-1, 1), method="certified")
+    exact = fc.first_contact(surface, solid, (-1, 1), method="algebraic")
+    assert proved.status in (exact.status, fc.Status.UNDECIDED)
+    if proved.status is fc.Status.CONTACT:
+        assert proved.time_interval[0] <= exact.time <= proved.time_interval[1]
 
 
 def test_no_exact_times_under_screws():
@@ -241,3 +296,46 @@ def test_whole_rulings_meet_bounded_solids_only():
     regulus = fc.RuledSurface("(1, u, u)", "(-1, u, -u)", s=None, name="regulus")
     with pytest.raises(UnsupportedPair, match="bound s of regulus"):
         fc.first_contact(regulus.moving(SCREW), fc.half_space((0, 0, 1), -9))
+
+
+DISC = fc.RuledSurface("(u, -1, 0)", "(u, 1, 0)", u=(-1, 1), trim=["u**2 + (2*s-1)**2 <= 1"], name="disc")
+LEAF = fc.RuledSurface("(u, -1, T**2)", "(u, 1, u/2 + T**2)", u=(-1, 1), trim=["u + s <= 3/2", "s >= u/2"], name="leaf")
+
+
+def test_a_disc_turns_onto_a_floor():
+    """By 30 degrees until its rim is 1/2 low; one that is cut at y = 3/5 besides has corners there."""
+    screw, floor = fc.Screw((0, 1, 0), degrees=90, advance=2), fc.half_space((0, 0, 1), "-1/2").named("floor")
+    hit = fc.first_contact(DISC.moving(screw), floor)
+    assert hit.time_interval[0] <= 1 / 3 <= hit.time_interval[1] and hit.time_interval[1] - hit.time_interval[0] < 1e-12
+    assert (str(hit.element_a), str(hit.element_b)) == ("disc edge 0", "floor.plane face 0")
+    assert np.allclose(hit.point, (0.75**0.5, 2 / 3, -0.5)) and np.allclose(hit.normal, (0, 0, 1))
+    (interval,) = fc.contact_intervals(DISC.moving(screw), floor, (0.3, 0.34))
+    assert interval.start_interval[0] <= 1 / 3 <= interval.start_interval[1] and interval.end == 0.34
+    band = fc.RuledSurface("(u, -1, 0)", "(u, 1, 0)", u=(-1, 1), trim=["u**2 + (2*s-1)**2 <= 1", "2*s-1 >= 3/5"])
+    hit = fc.first_contact(floor, band.moving(screw))  # corners at x = 4/5
+    known = 2 / np.pi * np.arcsin(5 / 8)
+    assert abs(hit.time - known) < 1e-12 and hit.element_b.kind == "edge" and abs(hit.point[1] - 0.6 - 2 * known) < 1e-9
+
+
+@pytest.mark.parametrize("seed", range(amount(9)))
+def test_trimmed_surfaces_agree_with_exact_arithmetic(seed):
+    """Places at rest and in motion, deforming too: elements, times and normals of both ways."""
+    rng = np.random.default_rng(seed)
+    surface = (DISC, LEAF)[seed % 2].rotated((1, 2, 2), degrees=int(rng.integers(0, 4)) * 90)
+    body = surface.translated(rng.integers(-2, 3, 3).tolist())
+    solid = (fc.sphere(1), fc.box((1, 2, 1)))[seed // 2 % 2].translated((5, *rng.integers(-1, 2, 2).tolist()))
+    way = fc.Translation((8, *rng.integers(-1, 2, 2).tolist()))
+    proved = fc.first_contact(body.moving(way), solid, method="certified")
+    exact = fc.first_contact(body.moving(way), solid, method="algebraic")
+    assert proved.status is exact.status
+    if proved.status is fc.Status.CONTACT:
+        assert proved.time_interval[0] <= exact.time <= proved.time_interval[1]
+        assert exact.multiplicity > 1 or proved.element_a == exact.element_a
+
+
+def test_a_rim_lands_slowly_where_it_touches_the_range():
+    """At u = 1, after nearly a quarter turn: the ruling there lies along the floor, and rounding blurs the time."""
+    screw, floor = fc.Screw((0, 1, 0), degrees=180, advance=3), fc.half_space((0, 0, 1), "-999/1000")
+    hit = fc.first_contact(DISC.moving(screw), floor)
+    known = np.arcsin(0.999) / np.pi
+    assert hit.status is fc.Status.CONTACT and abs(hit.time - known) < 1e-14 and hit.element_a.kind == "edge"

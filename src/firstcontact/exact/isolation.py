@@ -1,12 +1,13 @@
 """All zeros of a square system in boxes, in ball arithmetic: for what doubles leave open.
 
 A box is dropped where an equation has no zero on it or Krawczyk's image of it lies beside it.  Where the image lies
-inside it, the box holds exactly one zero.  Others are narrowed to the image, or halved.
+inside it, the box holds exactly one zero.  Others are narrowed to the image, by every equation alone too, or halved.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections import deque
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from flint import arb, arb_mat
@@ -29,21 +30,28 @@ class Isolation(NamedTuple):
     left: list[Box]
 
 
-def isolated(system: Equations, boxes: Sequence[Sequence[arb]], most: int = 200) -> Isolation:
-    """All zeros in the boxes; most: boxes looked at, after which the rest is left."""
+def isolated(
+    system: Equations, boxes: Sequence[Sequence[arb]], most: int = 200, drops: Callable[[Box], bool] | None = None
+) -> Isolation:
+    """All zeros in the boxes; most: boxes looked at, after which the rest is left.
+
+    drops: tells boxes whose zeros are not asked for, of which none need be found.
+    """
     found = Isolation([], [])
     with precision(BITS):
         for box in boxes:
-            most = _search(system, list(box), found, most)
+            most = _search(system, list(box), found, most, drops)
     return found
 
 
-def _search(system: Equations, first: Box, found: Isolation, most: int) -> int:
+def _search(
+    system: Equations, first: Box, found: Isolation, most: int, drops: Callable[[Box], bool] | None
+) -> int:
     """Add what the box holds; the number of boxes that may still be looked at."""
     widths = [c.rad() for c in first]
-    queue = [first]
+    queue = deque([first])
     while queue:
-        box = queue.pop()
+        box = queue.popleft()  # the largest first, so that what is left in the end is small
         if any(_holds(zero, box) for zero in found.zeros):
             continue
         if most <= 0:
@@ -63,7 +71,7 @@ def _search(system: Equations, first: Box, found: Isolation, most: int) -> int:
             queue.append(left)
         elif shares[widest] < LEAST:
             found.left.append(left)
-        else:
+        elif drops is None or not drops(left):
             queue += reversed(_halves(left, widest))  # lower halves first: what is left over comes late
     return most
 
@@ -92,6 +100,7 @@ def _narrowed(system: Equations, box: Box) -> Box | Zero | None:
     column = arb_mat(len(box), 1, offset)
     if not all((v + d).contains(0) for v, d in zip(values, (slopes * column).entries(), strict=True)):
         return None
+    box = _narrowed_by_each(values, slopes.tolist(), centre, offset, box)
     moved = krawczyk_image(values, slopes, offset)
     if moved is None:
         return box
@@ -101,3 +110,17 @@ def _narrowed(system: Equations, box: Box) -> Box | Zero | None:
     if not all(x.overlaps(c) for x, c in zip(image, box, strict=True)):
         return None
     return [x.intersection(c) if x.is_finite() else c for x, c in zip(image, box, strict=True)]
+
+
+def _narrowed_by_each(values: list[arb], slopes: list[list[arb]], centre: Box, offset: Box, box: Box) -> Box:
+    """The box without what single equations rule out of single unknowns; that tells of zeros that are not simple, too,
+    such as those of a line that lands on a plane."""
+    found = list(box)
+    for value, row in zip(values, slopes, strict=True):
+        for k, slope in enumerate(row):
+            if not slope.contains(0):
+                rest = sum((c * d for j, (c, d) in enumerate(zip(row, offset, strict=True)) if j != k), value)
+                image = centre[k] - rest / slope
+                if image.overlaps(found[k]):
+                    found[k] = image.intersection(found[k])
+    return found

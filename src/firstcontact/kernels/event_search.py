@@ -12,9 +12,12 @@ import math
 import numpy as np
 
 from firstcontact.kernels.feature_boxes import (
+    ABOUT,
     BY_U,
     BY_V,
+    DEEPEST,
     FIRST_ROW,
+    GIVEN,
     HERE,
     INSIDE,
     MID,
@@ -27,6 +30,7 @@ from firstcontact.kernels.feature_boxes import (
     SHARES,
     SLAB,
     SPARE,
+    TERMS,
     THERE,
     UU,
     VALUE,
@@ -52,11 +56,14 @@ FREE, STOPPED, SPENT = rows(0, 1, 2)
 # Columns of a box: chart, pair (or one of the two below), middle and half-width of u and v, first and last time.
 CHART, PAIR, AT_U, HALF_U, AT_V, HALF_V, BEGIN, END = rows(*range(8))
 ALL_PAIRS, STILL = -1, -2
-# Columns of a chart's integers: body, number of parameters, bits of the forms that hold it, range of its pairs.
-BODY, PARAMS, ON, FIRST_PAIR, END_PAIR = rows(*range(5))
+# Columns of a chart's integers: body, number of parameters, bits of the forms that hold it, range of its pairs, number
+# of inequalities that cut it: the charts after it, in the same parameters, are those of the body's first forms.
+BODY, PARAMS, ON, FIRST_PAIR, END_PAIR, CUTS = rows(*range(6))
 # Columns of a pair: number of equations, derivatives among them, forms of the other body (the second or -1), form
-# of the own body (of an edge of degree 4, which lies in a chart of another one; or -1).
+# of the own body (of an edge of degree 4, which lies in a chart of another one; or -1).  From SECOND_CUT on the second
+# form counts the body's own ones.
 EQUATIONS, DEEP, FORM, OTHER_FORM, OWN_FORM = rows(*range(5))
+SECOND_CUT = 64
 # Columns of a body's layout: rows of its own forms and of the other's in its frame, their compiled trees, first row
 # and number of its forms as given.
 OWN, OTHER, OWN_BEGIN, OWN_END, OTHER_BEGIN, OTHER_END, RAW, COUNT = rows(*range(8))
@@ -109,6 +116,17 @@ def place_slab(t0, t1, ma, mb, raw, kinds, units, layout, w, models, table, z):
 
 
 @inner
+def _own_model(table, own, form, s, hs, z, deep, row):
+    """As `model`, of a form of the own body; of a cut what was made with the box."""
+    if table[own + form, ABOUT, GIVEN] == 0.0:
+        model(table, own + form, s, hs, z, deep, row)
+        return
+    for k in range(deep + 1):
+        for c in range(TERMS + 1):
+            z[row + k, c] = z[HERE + 3 * form + k, c]
+
+
+@inner
 def _equations(pair, own, base, table, s, hs, z):
     """Rows ZEROTH.. of z: the equations of a pair; False where one cannot hold.
 
@@ -117,7 +135,7 @@ def _equations(pair, own, base, table, s, hs, z):
     """
     row = ZEROTH
     if pair[OWN_FORM] >= 0:
-        model(table, own + pair[OWN_FORM], s, hs, z, pair[DEEP], ZEROTH)
+        _own_model(table, own, pair[OWN_FORM], s, hs, z, pair[DEEP], ZEROTH)
         if abs(z[ZEROTH, VALUE]) > reach(z, ZEROTH):
             return False
         row = SPARE if pair[DEEP] > 0 else FIRST_ROW
@@ -126,7 +144,9 @@ def _equations(pair, own, base, table, s, hs, z):
         return False
     if row == SPARE:
         parallel(z)
-    if pair[OTHER_FORM] >= 0:
+    if pair[OTHER_FORM] >= SECOND_CUT:
+        _own_model(table, own, pair[OTHER_FORM] - SECOND_CUT, s, hs, z, PLAIN, ZEROTH + pair[EQUATIONS] - 1)
+    elif pair[OTHER_FORM] >= 0:
         model(table, base + pair[OTHER_FORM], s, hs, z, PLAIN, ZEROTH + pair[EQUATIONS] - 1)
     for k in range(ZEROTH + 1, ZEROTH + pair[EQUATIONS]):
         if abs(z[k, VALUE]) > reach(z, k):
@@ -211,11 +231,15 @@ def _cut(box, params, side, hs, z):
 
 
 @inner
-def _place_box_at(box, charts, z):
-    """(whether the box has finite points only, middle and half-width of its time in the slab)."""
+def _place_box_at(box, chart, own, charts, table, z):
+    """(whether the box has finite points only, middle and half-width of its time in the slab); models of its cuts."""
     s = (0.5 * (box[BEGIN] + box[END]) - z[SLAB, MIDDLE]) / z[SLAB, HALF]
     hs = 0.5 * (box[END] - box[BEGIN]) / z[SLAB, HALF] + 4.0 * U * (1.0 + abs(z[SLAB, MIDDLE]) / z[SLAB, HALF])
-    return place_box(charts, int(box[CHART]), box[AT_U], box[HALF_U], box[AT_V], box[HALF_V], z), s, hs
+    t, ht = 0.5 * (box[BEGIN] + box[END]), hs * z[SLAB, HALF]
+    for k in range(chart[CUTS]):
+        place_box(charts, int(box[CHART]) + 1 + k, box[AT_U], box[HALF_U], box[AT_V], box[HALF_V], t, ht, z)
+        model(table, own + k, s, hs, z, DEEPEST, HERE + 3 * k)
+    return place_box(charts, int(box[CHART]), box[AT_U], box[HALF_U], box[AT_V], box[HALF_V], t, ht, z), s, hs
 
 
 @inner
@@ -242,7 +266,7 @@ def _narrow_box(box, params, s, hs, z, n):
 def _bits(pair):
     """Of the other body's forms that vanish where the pair touches."""
     bits = np.int64(1) << pair[FORM]
-    if pair[OTHER_FORM] >= 0:
+    if 0 <= pair[OTHER_FORM] < SECOND_CUT:
         bits |= np.int64(1) << pair[OTHER_FORM]
     return bits
 
@@ -254,7 +278,7 @@ def visit(box, known, charts, info, pairs, layout, program, table, z, stack, c):
     chart = info[int(box[CHART])]
     side, base = chart[BODY], layout[chart[BODY], OTHER]
     z[SHARES, 0] = z[SHARES, 1] = z[SHARES, 2] = 0.0
-    finite, s, hs = _place_box_at(box, charts, z)
+    finite, s, hs = _place_box_at(box, chart, layout[side, OWN], charts, table, z)
     if not finite:
         return CUT_U if box[HALF_U] >= box[HALF_V] else CUT_V
     c[VISITS] += 1
@@ -293,7 +317,7 @@ def visit(box, known, charts, info, pairs, layout, program, table, z, stack, c):
         if left < 0.0:
             return DEAD
         if left < 1.0:
-            finite, s, hs = _place_box_at(box, charts, z)
+            finite, s, hs = _place_box_at(box, chart, layout[side, OWN], charts, table, z)
         number += 1
         if left > 0.5 or number > 3:
             break
@@ -413,7 +437,7 @@ def trim(charts, on, form, program, table, boxes, z, stack, fates):
     """
     for k in range(boxes.shape[0]):
         fates[k] = 0
-        finite = place_box(charts, PLAIN, boxes[k, 0], boxes[k, 1], boxes[k, 2], boxes[k, 3], z)
+        finite = place_box(charts, PLAIN, boxes[k, 0], boxes[k, 1], boxes[k, 2], boxes[k, 3], 0.0, 0.0, z)
         if form >= 0:
             model(table, form, 0.0, 0.0, z, PLAIN, SPARE)
             if abs(z[SPARE, VALUE]) > reach(z, SPARE):

@@ -6,6 +6,10 @@ form q = X^T Q(s) X is
     value + slopes.(a, b, s) + [-rest, rest],  -1 <= a, b, s <= 1,
 and so are half its derivatives by a and b, which vanish where a feature touches a surface (Choi et al. 2014, table 1;
 the equations in parameters are re-derived).
+
+Charts of surfaces that deform have polynomials in time for coefficients.  With X at the middle time, at time s there is
+X + s V + R, its drift V to first order and a rest R: X^T Q X gains 2 s V^T Q X, and all that is of higher order joins
+the rest of its model.
 """
 
 from __future__ import annotations
@@ -21,8 +25,11 @@ U = 2.0**-53
 NOISE = 64.0 * U
 MORE = 1.0 + 1e-12
 # Columns of a chart: six coefficients of four coordinates, error of the points.  Of charts that are not quadratic the
-# degree n in u (else 0), and for each power of u the coefficients of 1 and of v.
-ERROR, DEGREE, POWERS = 24, 25, 26
+# degree n in u (else 0), and for each power of u the coefficients of 1 and of v.  Those that deform have the degree m
+# in (time - middle) per half, and m more such blocks for its powers, each as wide as the first (in WIDE); rounding
+# errors of points and of their two derivatives; bounds of second derivatives by that time, of points and of these.
+ERROR, DEGREE, TIMES, WIDE, MIDDLE_TIME, PER_HALF, OFF, OFF_U, OFF_V = 24, 25, 26, 27, 28, 29, 30, 31, 32
+BEND, BEND_U, BEND_V, POWERS = 33, 37, 41, 45
 MOST_DEGREE = 60
 # Rows of the workspace z.  Models of the equations of a pair, in this order; spare ones.
 ZEROTH, FIRST_ROW, SPARE = rows(0, 1, 3)
@@ -37,7 +44,10 @@ SHARES, SLAB, RANGES, THERE, HERE = rows(27, 28, 29, 32, 32 + 3 * 64)
 # Of charts that are not quadratic: bounds of what is beyond second order, of it and of its two derivatives, and whether
 # there is anything; scratch: powers of u, alone and times v.
 BEYOND, BEYOND_U, BEYOND_V, BENT, ALONE, TIMES_V = rows(416, 417, 418, 419, 420, 421 + MOST_DEGREE)
-ROWS, WIDTH = 422 + 2 * MOST_DEGREE, 12
+# Of charts that deform: how far X and its derivatives at the middle of the box come by the end of its time to first
+# order, and bounds of how much farther any of the box comes.
+DRIFTS, DRIFTS_U, DRIFTS_V, STRAYS, STRAYS_U, STRAYS_V = rows(*range(422 + 2 * MOST_DEGREE, 428 + 2 * MOST_DEGREE))
+ROWS, WIDTH = 428 + 2 * MOST_DEGREE, 12
 # Columns of a model: value, slopes by a, b, s, rest; shares of the uncertainty by time, a, b; size of its terms.
 VALUE, SLOPE_U, SLOPE_V, SLOPE_T, REST, SHARE_T, SHARE_U, SHARE_V, TERMS = rows(*range(9))
 # Part of the size of its terms below which what is open of a model counts as rounding errors.
@@ -45,10 +55,10 @@ ROUNDED = 1e-12
 INSIDE, OUTSIDE = rows(1, 2)
 # No derivatives, all.
 PLAIN, DEEPEST = rows(0, 2)
-# Parts of a row of the table of forms: value and slope in time, bound of the rest; then the sum of all sizes and
-# whether it is a quadric.
+# Parts of a row of the table of forms: value and slope in time, bound of the rest; then the sum of all sizes,
+# whether it is a quadric, and whether it is of another chart, so that its models are made with the box.
 ABOUT = 3
-SUM_OF_SIZES, CURVED = rows(0, 1)
+SUM_OF_SIZES, CURVED, GIVEN = rows(0, 1, 2)
 # Slots of the stack: bits of the forms known to be negative on the box, known to be positive, and found open.
 NEGATIVE, POSITIVE, OPEN = rows(317, 318, 319)
 STACK = 320
@@ -57,18 +67,25 @@ LEAF, NOT, AND, OR, UNLESS_IN, UNLESS_OUT = rows(*range(6))
 
 
 @uncounted
-def place_box(charts, k, u, hu, v, hv, z):
-    """The points of the box; False where their weight may vanish."""
+def place_box(charts, k, u, hu, v, hv, t, ht, z):
+    """The points of the box at times t +- ht; False where their weight may vanish."""
     is_bent = charts.shape[1] > POWERS and charts[k, DEGREE] > 0.0
+    deforms = is_bent and charts[k, TIMES] > 0.0
     if is_bent:
-        s0, s1, s2 = _place_ruled(charts, k, u, hu, v, hv, z)
+        s0, s1, s2 = _place_ruled(charts, k, u, hu, v, hv, (t - charts[k, MIDDLE_TIME]) * charts[k, PER_HALF], z)
     else:
         s0, s1, s2 = _place_quadratic(charts, k, u, hu, v, hv, z)
-    z[BENT, 0] = 1.0 if is_bent else 0.0
+    z[BENT, 0], z[BENT, 1] = 1.0 if is_bent else 0.0, 1.0 if deforms else 0.0
+    if deforms:
+        _place_drift(charts, k, u, hu, v, hv, t, ht, z)
     if z[MID, 3] < 0.0:
         for r in range(MID, VV + 1):
             for i in range(4):
                 z[r, i] = -z[r, i]
+        if deforms:
+            for r in range(DRIFTS, DRIFTS_V + 1):
+                for i in range(4):
+                    z[r, i] = -z[r, i]
     for i in range(4):
         z[FIRST, i] = abs(z[BY_U, i]) + abs(z[BY_V, i])
         z[SECOND, i] = abs(z[UU, i]) + abs(z[UV, i]) + abs(z[VV, i])
@@ -79,6 +96,11 @@ def place_box(charts, k, u, hu, v, hv, z):
             z[SECOND, i] += max(z[BEYOND, i], 0.5 * z[BEYOND_U, i], 0.5 * z[BEYOND_V, i])
             z[ALL_U, i] += z[BEYOND_U, i]
             z[ALL_V, i] += z[BEYOND_V, i]
+        if deforms:
+            far, far_u, far_v = _drifted(z, DRIFTS, i), _drifted(z, DRIFTS_U, i), _drifted(z, DRIFTS_V, i)
+            z[SECOND, i] += max(far, 0.5 * far_u, 0.5 * far_v)
+            z[ALL_U, i] += far_u
+            z[ALL_V, i] += far_v
         z[ALL, i] = abs(z[MID, i]) + z[FIRST, i] + z[SECOND, i]
     z[SIZES, 0], z[SIZES, 1], z[SIZES, 2] = s0, s1, s2
     z[SIZES, 3] = charts[k, ERROR]
@@ -106,15 +128,75 @@ def _place_quadratic(charts, k, u, hu, v, hv, z):
 
 
 @inner
-def _place_ruled(charts, k, u, hu, v, hv, z):
-    """Rows of X, its derivatives and what is beyond, of a chart linear in v; sizes as in the row SIZES."""
-    n = int(charts[k, DEGREE])
+def _drifted(z, row, i):
+    """Bound of how far a box's points, or their derivatives, come in its time."""
+    return abs(z[row, i]) + z[row + STRAYS - DRIFTS, i]
+
+
+@inner
+def _at_time(charts, k, column, times, wide, t):
+    """A coefficient at a time in the chart's own measure."""
+    value = charts[k, column + times * wide]
+    for q in range(times - 1, -1, -1):
+        value = value * t + charts[k, column + q * wide]
+    return value
+
+
+@inner
+def _rate_at(charts, k, column, times, wide, t):
+    """Its derivative."""
+    value = 0.0
+    for q in range(times, 0, -1):
+        value = value * t + q * charts[k, column + q * wide]
+    return value
+
+
+@inner
+def _place_drift(charts, k, u, hu, v, hv, t, ht, z):
+    """Rows of the drift over t +- ht; at the middle of the box, and how much farther all of it may come."""
+    n, times, wide = int(charts[k, DEGREE]), int(charts[k, TIMES]), int(charts[k, WIDE])
+    per = charts[k, PER_HALF]
+    at, h = (t - charts[k, MIDDLE_TIME]) * per, ht * per
+    pad = 16.0 * U * ((abs(t) + abs(charts[k, MIDDLE_TIME])) * abs(per) + abs(h))
+    mu, mv, far = abs(u) + hu, abs(v) + hv, 0.5 * (abs(h) + pad) ** 2
+    for i in range(4):
+        p, by_u, by_v, most, most_u, most_v, most_uv, bent = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        for j in range(n, -1, -1):
+            column = POWERS + 8 * j + i
+            a = _rate_at(charts, k, column, times, wide, at)
+            b = _rate_at(charts, k, column + 4, times, wide, at)
+            c, size = a + v * b, abs(a) + mv * abs(b)
+            by_u = by_u * u + p
+            p = p * u + c
+            by_v = by_v * u + b
+            bent = bent * mu + 2.0 * most_u
+            most_u = most_u * mu + most
+            most = most * mu + size
+            most_uv = most_uv * mu + most_v
+            most_v = most_v * mu + abs(b)
+        z[DRIFTS, i], z[DRIFTS_U, i], z[DRIFTS_V, i] = h * p, h * hu * by_u, h * hv * by_v
+        stray = abs(h) * (hu * most_u + hv * most_v) + pad * most + far * charts[k, BEND + i] + charts[k, OFF]
+        stray_u = abs(h) * (hu * bent + hv * most_uv) + pad * most_u + far * charts[k, BEND_U + i] + charts[k, OFF_U]
+        stray_v = abs(h) * hu * most_uv + pad * most_v + far * charts[k, BEND_V + i] + charts[k, OFF_V]
+        z[STRAYS, i], z[STRAYS_U, i], z[STRAYS_V, i] = MORE * stray, MORE * hu * stray_u, MORE * hv * stray_v
+
+
+@inner
+def _place_ruled(charts, k, u, hu, v, hv, t, z):
+    """Rows of X, its derivatives and what is beyond, of a chart linear in v; sizes as in the row SIZES.
+
+    t: the time in the chart's own measure.
+    """
+    n, times, wide = int(charts[k, DEGREE]), int(charts[k, TIMES]), int(charts[k, WIDE])
     s0, s1, s2 = 0.0, 0.0, 0.0
     mu, mv = abs(u) + hu, abs(v) + hv
     for i in range(4):
         whole, slope, across = 0.0, 0.0, 0.0
         for j in range(n, -1, -1):
             a, b = charts[k, POWERS + 8 * j + i], charts[k, POWERS + 8 * j + 4 + i]
+            if times > 0:
+                a = _at_time(charts, k, POWERS + 8 * j + i, times, wide, t)
+                b = _at_time(charts, k, POWERS + 8 * j + 4 + i, times, wide, t)
             z[ALONE + j, i], z[TIMES_V + j, i] = a + v * b, hv * b
             slope = slope * mu + whole
             whole = whole * mu + abs(a) + mv * abs(b)
@@ -305,6 +387,72 @@ def _add_beyond(table, f, s, z, deep, row):
         z[row + 2, SHARE_U] += by_v
 
 
+@inner
+def _add_slope(z, row, slope, rest):
+    """What drift adds to a model: a slope in time, and a rest that has its share with time."""
+    z[row, SLOPE_T] += slope
+    z[row, REST] += rest * MORE
+    z[row, SHARE_T] += abs(slope) + rest
+
+
+@inner
+def _add_drift_plane(table, f, s, hs, z, deep, row):
+    """N.(s V + R), and the same of derivatives."""
+    for k in range(deep + 1):
+        slope, rest, size = 0.0, 0.0, 0.0
+        for i in range(4):
+            n, off = table[f, 0, i] + s * table[f, 1, i], hs * abs(table[f, 1, i]) + table[f, 2, i]
+            slope += n * z[DRIFTS + k, i]
+            rest += abs(n) * z[STRAYS + k, i] + off * _drifted(z, DRIFTS + k, i)
+            size += abs(n * z[DRIFTS + k, i])
+        _add_slope(z, row + k, slope, rest + NOISE * size)
+
+
+@inner
+def _add_drift_quadric(table, f, s, hs, z, deep, row):
+    """With W = s V + R: 2 W^T Q X + W^T Q W, and for half derivatives W_a^T Q X + X_a^T Q W + W_a^T Q W.
+
+    The images of X are those that its model has left; what they are off, away from the middle, is of first order.
+    """
+    for k in range(deep + 1):
+        slope, rest, size = 0.0, 0.0, 0.0
+        part = BY_U if k == 1 else BY_V
+        image_of_part = IMAGE_U if k == 1 else IMAGE_V
+        all_of_part = ALL_U if k == 1 else ALL_V
+        for i in range(4):
+            off, across, off_part = abs(z[MOVED, i]) + z[DRIFT, i] + z[LOOSE, i], 0.0, 0.0
+            off += abs(z[IMAGE_U, i]) + abs(z[IMAGE_V, i])
+            off += abs(z[IMAGE_UU, i]) + abs(z[IMAGE_UV, i]) + abs(z[IMAGE_VV, i])
+            for j in range(4):
+                c = 4 * i + j
+                q, d = abs(table[f, 0, c] + s * table[f, 1, c]), hs * abs(table[f, 1, c]) + table[f, 2, c]
+                off += q * z[BEYOND, j]
+                across += (q + d) * _drifted(z, DRIFTS, j)
+                if k > 0:
+                    off_part += q * (z[all_of_part, j] - abs(z[part, j])) + d * z[all_of_part, j]
+            slope += z[DRIFTS + k, i] * z[IMAGE, i]
+            size += abs(z[DRIFTS + k, i] * z[IMAGE, i])
+            rest += z[STRAYS + k, i] * (abs(z[IMAGE, i]) + off) + abs(z[DRIFTS + k, i]) * off
+            if k > 0:
+                slope += z[DRIFTS, i] * z[image_of_part, i]
+                size += abs(z[DRIFTS, i] * z[image_of_part, i])
+                rest += z[STRAYS, i] * abs(z[image_of_part, i]) + _drifted(z, DRIFTS, i) * off_part
+                rest += _drifted(z, DRIFTS + k, i) * across
+            else:
+                rest += 0.5 * _drifted(z, DRIFTS, i) * across
+        if k == 0:
+            slope, rest, size = 2.0 * slope, 2.0 * rest, 2.0 * size
+        _add_slope(z, row + k, slope, rest + NOISE * size)
+
+
+@inner
+def _add_drift(table, f, s, hs, z, deep, row):
+    if table[f, ABOUT, CURVED] == 0.0:
+        _add_drift_plane(table, f, s, hs, z, deep, row)
+    else:
+        _add_drift_quadric(table, f, s, hs, z, deep, row)
+
+
 @uncounted
 def model(table, f, s, hs, z, deep, row):
     """Form f over the box and the time s +- hs: z[row], and `deep` derivatives in the rows after it."""
@@ -314,6 +462,8 @@ def model(table, f, s, hs, z, deep, row):
         _quadric_model(table, f, s, hs, z, deep, row)
     if z[BENT, 0] > 0.0:
         _add_beyond(table, f, s, z, deep, row)
+        if z[BENT, 1] > 0.0:
+            _add_drift(table, f, s, hs, z, deep, row)
 
 
 @inner
@@ -393,11 +543,13 @@ def sign(table, base, form, s, hs, z, first, stack):
     if stack[OPEN] & mark:
         return INSIDE | OUTSIDE
     found = INSIDE | OUTSIDE
-    if table[base + form, ABOUT, CURVED] != 0.0:
+    is_given = table[base + form, ABOUT, GIVEN] != 0.0
+    if table[base + form, ABOUT, CURVED] != 0.0 and not is_given:
         found = _rough_sign(table, base + form, s, hs, z)
     if found == INSIDE | OUTSIDE:
         row = first + 3 * form
-        model(table, base + form, s, hs, z, DEEPEST, row)
+        if not is_given:
+            model(table, base + form, s, hs, z, DEEPEST, row)
         size = reach(z, row)
         if z[row, VALUE] > size:
             found = OUTSIDE

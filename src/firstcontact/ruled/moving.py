@@ -132,13 +132,18 @@ def _exact_intervals(
 ) -> ContactIntervals:
     """Of surfaces, or a surface and a polyhedron; in doubles, with proofs, where elimination goes too far."""
     quick = not exact and certified.takes(a, b, first, last)
+    if not exact and _is_with_convex(a, b):
+        from firstcontact.ruled import solid_answers
+
+        return solid_answers.contact_intervals(a, b, first, last, False, tolerance, work, begin, shared)
     try:
         windows, reason = all_windows(a, b, first, last, work, QUICK_DEGREE if quick else MOST_DEGREE)
     except UnsupportedPair as refusal:
         if exact:
             raise
         try:
-            proved = _proved_intervals(a, b, first, last, tolerance, work, begin, shared, quick)
+            follow = certified.contact_intervals if quick else posed.contact_intervals
+            proved = follow(a, b, first, last, tolerance, work, begin, shared)
         except UnsupportedPair:
             raise refusal from None
         if not quick or proved.reason != "precision":
@@ -148,19 +153,6 @@ def _exact_intervals(
         except UnsupportedPair:
             return proved
     return as_intervals(windows, reason, first, last, exact, work, begin, shared)
-
-
-def _proved_intervals(
-    a: Any, b: Any, first: fmpq, last: fmpq, tolerance: float, work: Work, begin: float, shared: dict[str, Any],
-    quick: bool,
-) -> ContactIntervals:
-    """In doubles; raises UnsupportedPair for what they do not take."""
-    if _is_with_convex(a, b):
-        from firstcontact.ruled import solid_answers
-
-        return solid_answers.in_doubles(a, b, first, last, tolerance, work, begin, shared)
-    follow = certified.contact_intervals if quick else posed.contact_intervals
-    return follow(a, b, first, last, tolerance, work, begin, shared)
 
 
 def all_windows(

@@ -54,11 +54,11 @@ class NearContact(Contact):
 SMALL = 1e-7
 
 
-def vanishes(contact: Contact, x: FieldElement, size: float = 1.0) -> bool:
+def vanishes(contact: Contact, x: FieldElement, size: int = 1) -> bool:
     """Whether a number of the contact is zero; size: of its terms."""
     if is_zero(x):
         return True
-    return isinstance(contact, NearContact) and abs(float(x.ball(BITS).mid())) <= SMALL * size
+    return isinstance(contact, NearContact) and bool(abs(x.ball(BITS).mid()) <= arb(SMALL) * size)
 
 
 def shared_points(c: SignConditions, t: AlgebraicRoot, boxes: Iterable[Box]) -> Iterator[Contact]:

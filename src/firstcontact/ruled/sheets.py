@@ -37,6 +37,8 @@ from firstcontact.ruled.conditions import Conditions, Range, SignConditions
 Pairs = tuple[tuple[fmpz_mpoly, fmpz_mpoly], ...]
 MOST_DEGREE = 400
 """Of equations for times, as far as it can be foreseen: those of degree 230 take a second."""
+MOST_BITS = 100_000
+"""Of all coefficients of an equation together, about, where less than that degree is asked for: a tenth of a second."""
 
 
 class TooLarge(UnsupportedPair):
@@ -263,6 +265,11 @@ def _may_vanish(b: fmpz_mpoly, ends: Range) -> bool:
     return bool(roots_in(p, ends))
 
 
+def _longest(f: fmpz_mpoly) -> int:
+    """Bits of the largest coefficient."""
+    return max((int(c).bit_length() for c in f.coeffs()), default=0)
+
+
 def _eliminated(g: fmpz_mpoly, h: fmpz_mpoly | None, index: int, most_degree: int) -> fmpz_mpoly:
     """The resultant of g and h, without h the discriminant of g; TooLarge where that leads too far."""
     m, n = degree(g, index), degree(h, index) if h is not None else degree(g, index) - 1
@@ -270,7 +277,8 @@ def _eliminated(g: fmpz_mpoly, h: fmpz_mpoly | None, index: int, most_degree: in
     u, t = (m * degree(other, k) + n * degree(g, k) for k in (0, 2))
     # Eliminating u too doubles the product of the degrees.
     expected = t if index == 0 else 2 * u * t
-    if min(m, n) > 0 and expected > most_degree:
+    bits = expected * (m * _longest(other) + n * _longest(g)) if most_degree < MOST_DEGREE else 0
+    if min(m, n) > 0 and (expected > most_degree or bits > MOST_BITS):
         raise TooLarge(
             f"too large for elimination: equations of degree {expected} for the times of contact; "
             "without exact=True they are found as enclosures"

@@ -14,6 +14,7 @@ from flint import fmpq
 
 from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.moving import shape_of
+from firstcontact.body.polyhedron import Polyhedron
 from firstcontact.composite.verbs import proved_intervals
 from firstcontact.composite.work import Work
 from firstcontact.errors import UnsupportedPair
@@ -71,7 +72,12 @@ def _is_told(proved: FirstContact, budget: int | None) -> bool:
 
 
 def _solid_last(a: Any, b: Any, shared: dict[str, Any]) -> tuple[dict[str, Any], bool]:
-    """The bodies and the span with the solid as b, its whole rulings cut, and whether they changed places."""
+    """The bodies and the span with the solid as b, its whole rulings cut, and whether they changed places.
+
+    With a polyhedron they stay as they are.
+    """
+    if any(isinstance(shape_of(x), Polyhedron) for x in (a, b)):
+        return shared, False
     is_turned = isinstance(shape_of(a), CompositeQuadric)
     ruled, solid = (b, a) if is_turned else (a, b)
     return {"a": cut_to(ruled, solid, shared["span"]), "b": solid, "span": shared["span"]}, is_turned
@@ -98,7 +104,7 @@ def contact_intervals(
     a: Any, b: Any, first: fmpq, last: fmpq, exact: bool, tolerance: float, work: Work, begin: float,
     shared: dict[str, Any],
 ) -> ContactIntervals:
-    """All closed times of contact."""
+    """All closed times of contact; the solid may be a convex polyhedron."""
     proved, refused = None, ""
     if not exact:
         try:

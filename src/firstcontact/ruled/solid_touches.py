@@ -76,7 +76,7 @@ def solid_touch(contact: Contact, joined: frozenset[str]) -> Touch:
 
 def _sign_at(contact: Contact, f: fmpz_mpoly) -> int:
     x = contact.value(f)
-    return 0 if vanishes(contact, x, float(sum(abs(int(c)) for c in f.coeffs()))) else number_field.sign(x)
+    return 0 if vanishes(contact, x, sum(abs(int(c)) for c in f.coeffs())) else number_field.sign(x)
 
 
 def feature_at(solid: CompositeQuadric, signs: Sequence[int], point: np.ndarray) -> Face | Edge | Vertex | None:

@@ -23,6 +23,7 @@ from firstcontact.composite.work import Work
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import exact_value, to_double
 from firstcontact.result import ContactSet, Element, FirstContact, Stats, Status
+from firstcontact.ruled.conditions import local_trims, reversed_trims
 from firstcontact.ruled.lasting import RuledFree, RuledLasting
 from firstcontact.ruled.whole_rulings import cut_to
 from firstcontact.search.advance import Advance
@@ -52,8 +53,11 @@ class RuledAndSolid:
         shapes[self.side] = shape_of(ruled)
         self.model: CompositeQuadric = shape_of(solid)
         try:
-            self.sheets: list[Sheet] = sheets_of(shapes[self.side])
-            self.tables: Tables = ruled_tables(shapes[self.side], self.sheets, self.model, self.side)
+            trims = [(given, reversed_trims(given)) for given in map(local_trims, shapes[self.side].pieces)]
+            self.sheets: list[Sheet] = sheets_of(shapes[self.side], trims)
+            self.tables: Tables = ruled_tables(
+                shapes[self.side], self.sheets, self.model, self.side, self.span
+            )
             self.windows: list[Window] = windows(*self.bodies, first, last)
         except (NotCharted, Untold) as reason:
             raise UnsupportedPair(f"{a!r} and {b!r}: {reason}, which doubles do not take against solids") from reason
@@ -62,7 +66,7 @@ class RuledAndSolid:
         return RuledFree(self.bodies, self.side, self.tables, self.sheets, self.windows, width)
 
     def lasting(self) -> RuledLasting:
-        return RuledLasting(self.sheets, self.model, self.side)
+        return RuledLasting(self.sheets, self.model, self.side, self.windows)
 
 
 def _as_model(body: Any) -> Any:
@@ -147,7 +151,7 @@ def _contact(pair: RuledAndSolid, contact: RuledContact, shared: dict[str, Any])
     assert found.time_interval is not None and found.point is not None
     assert contact.feature is not None and contact.other is not None
     elements: list[Element] = [
-        ruled_element(pair.given[pair.side], contact.feature, "ab"[pair.side]),
+        ruled_element(pair.given[pair.side], contact.feature, contact.cut, "ab"[pair.side]),
         _solid_element(pair, contact.other, found.point, found.time or 0.0),
     ]
     first, second = elements if pair.side == 0 else elements[::-1]
@@ -158,9 +162,12 @@ def _contact(pair: RuledAndSolid, contact: RuledContact, shared: dict[str, Any])
     )  # fmt: skip
 
 
-def ruled_element(body: Any, feature: RuledFeature, which: str) -> Element:
-    """The element of a ruled surface; borders between pieces of a strip belong to its face."""
+def ruled_element(body: Any, feature: RuledFeature, cut: int | None, which: str) -> Element:
+    """The element of a ruled surface; borders between pieces of a strip belong to its face.  cut: its inequality."""
     name = getattr(body, "name", None) or which
+    if cut is not None and feature.kind == "face":  # inequalities count on from piece to piece
+        before = sum(len(piece.trim) for piece in shape_of(body).pieces[: feature.sheet.number])
+        return Element("edge", name, cut + before, name)
     kind, index = ("face", 0) if feature.inner and feature.kind != "vertex" else (feature.kind, feature.index)
     return Element(kind, name, index + feature.sheet.number * PER_PIECE[kind], name)
 

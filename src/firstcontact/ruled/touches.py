@@ -111,7 +111,7 @@ def _cut(contact: Contact, trims: Trims, x: FieldElement, place: FieldElement | 
             continue
         s = x - x if place is None else place
         value = sum((_power(x, i) * _power(s, j) * int(c) for (i, j), c in g.items()), x - x)
-        if vanishes(contact, value, float(sum(abs(int(c)) for c in g.values()))):
+        if vanishes(contact, value, sum(abs(int(c)) for c in g.values())):
             return k, cut_slopes(g, in_double(x), in_double(s))
     return None
 
@@ -202,11 +202,14 @@ def _normal(
 def curve_slopes(curve: RationalCurve, u: float, t: float) -> np.ndarray:
     """(2, 3): the derivatives of the affine point by the parameter and by T."""
     x, dx, dt = np.zeros(4), np.zeros(4), np.zeros(4)
-    for k, p in enumerate(curve.components):
-        for (i, j), c in terms(p).items():
-            x[k] += int(c) * u**i * t**j
-            dx[k] += int(c) * i * u ** max(i - 1, 0) * t**j
-            dt[k] += int(c) * j * u**i * t ** max(j - 1, 0)
+    table = [terms(p) for p in curve.components]
+    largest = max(abs(int(c)) for row in table for c in row.values())  # may be beyond the range of doubles
+    for k, row in enumerate(table):
+        for (i, j), integer in row.items():
+            c = int(integer) / largest
+            x[k] += c * u**i * t**j
+            dx[k] += c * i * u ** max(i - 1, 0) * t**j
+            dt[k] += c * j * u**i * t ** max(j - 1, 0)
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.array([(d[:3] * x[3] - x[:3] * d[3]) / x[3] ** 2 for d in (dx, dt)])
 

@@ -23,7 +23,7 @@ JUMPS = (UNLESS_IN, UNLESS_OUT)
 
 @dataclass(frozen=True, eq=False)
 class Tables:
-    """charts: (n, 25), info: (n, 5), pairs: (m, 5), layout: (2, 8), as `kernels.event_search` reads them.
+    """charts: (n, 25), info: (n, 6), pairs: (m, 5), layout: (2, 8), as `kernels.event_search` reads them.
 
     features: those of the charts, others: those of the pairs.  boxes: (n, 8) to start with; still: (n, 8), all faces;
     known, known_still: what is known of these, (n, 3).
@@ -81,7 +81,7 @@ def _tables(a: CompositeQuadric, b: CompositeQuadric) -> Tables:
                 others.append(feature)
             on = sum(1 << k for k in chart.surfaces)
             charts.append(np.append(chart.coefficients.ravel(), chart.error))
-            info.append([side, chart.params, on, first, len(pairs)])
+            info.append([side, chart.params, on, first, len(pairs), 0])
             features.append(chart.feature)
             if len(pairs) > first:
                 boxes.append(_rows(number, ALL_PAIRS, chart))

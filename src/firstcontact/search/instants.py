@@ -120,7 +120,7 @@ class Instant:
         for _ in range(STEPS):
             if not self.place(z[2] - half, z[2] + half):
                 return None
-            if not place_box(t.charts, chart, z[0], TINY, z[1], TINY, s.boxes):
+            if not place_box(t.charts, chart, z[0], TINY, z[1], TINY, z[2], half, s.boxes):
                 return None
             values, slopes = self._equations(t.info[chart, 0], pair)
             slopes = slopes[:, columns] / np.array([TINY, TINY, s.boxes[SLAB, HALF]])[columns]
@@ -169,7 +169,7 @@ class Instant:
         t, s = self.tables, self.scratch
         chart = np.zeros((1, 25))
         chart[0, :3], chart[0, 3] = x, 1.0
-        if not place_box(chart, PLAIN, 0.0, 0.0, 0.0, 0.0, s.boxes):
+        if not place_box(chart, PLAIN, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, s.boxes):
             return False
         own, other = (OWN_BEGIN, OWN_END, OWN), (OTHER_BEGIN, OTHER_END, OTHER)
         for begin, end, base in (own, other):

@@ -117,7 +117,8 @@ class EventSystem(Equations):
     def __init__(self, event: Event, poses: tuple[PoseJet, PoseJet]) -> None:
         self.own, self.other, self.free = event.own, event.other, event.free
         self.forms = [arb_mat(rows) for rows in event.surfaces]
-        self.poses = poses
+        self.poses, self.cuts = poses, event.cuts
+        self.way = poses[0].way
 
     def everywhere(self, z: Sequence[arb]) -> tuple[arb, arb, arb]:
         """x, s and the time."""
@@ -136,7 +137,7 @@ class EventSystem(Equations):
         """The point in the model's frame, with weight 1."""
         x, s, t = self.everywhere(z)
         m, _ = self.relative(t)
-        *xyz, w = (m * _column(self.own.sheet.point(x, s))).entries()
+        *xyz, w = (m * _column(self.own.sheet.at(self.way * t).point(x, s))).entries()
         return [*(c / w for c in xyz), arb(1)]
 
     def values(self, z: Sequence[arb]) -> list[arb]:
@@ -148,39 +149,68 @@ class EventSystem(Equations):
     def _rows(self, z: Sequence[arb], deep: bool) -> list[list[arb]]:
         """Every equation: its value and, if deep, derivatives by the unknowns."""
         x, s, t = self.everywhere(z)
-        sheet, free = self.own.sheet, self.free
+        sheet, rate, free = self.own.sheet.at(self.way * t), self.own.sheet.rate(self.way * t), self.free
         point = _column(sheet.point(x, s))
         first = {0: _column(sheet.by_x(x, s)), 1: _column(sheet.by_s(x))}
         second = {(0, 0): _column(sheet.by_xx(x, s)), (0, 1): _column(sheet.by_xs(x))}
         second |= {(1, 0): second[0, 1], (1, 1): arb_mat(4, 1)}
         m, by_t = self.relative(t)
+        speed, speeds = arb_mat(4, 1), {0: arb_mat(4, 1), 1: arb_mat(4, 1)}
+        if rate is not None:
+            speed = _column(rate.point(x, s)) * self.way
+            speeds = {0: _column(rate.by_x(x, s)) * self.way, 1: _column(rate.by_s(x)) * self.way}
         jets = []
         for q in self.forms:
             form = m.transpose() * q * m
             half = by_t.transpose() * q * m
             moved = half + half.transpose()
             image, drift = form * point, moved * point
-            value, late = _dot(point, image), _dot(point, drift)
+            drift += form * speed  # half of the derivative of 2 form X by the time
+            value, late = _dot(point, image), _dot(point, moved * point) + 2 * _dot(speed, image)
             slopes = [2 * _dot(first[k], image) for k in free]
             bends = [
                 [2 * (_dot(second[j, k], image) + _dot(first[j], form * first[k])) for k in free]
-                + [2 * _dot(first[j], drift)]
+                + [2 * (_dot(first[j], drift) + _dot(speeds[j], image))]
                 for j in (free if deep else ())
             ]
             jets.append((value, slopes, late, bends))
         values = [[value, *slopes, late] for value, slopes, late, _ in jets]
+        if self.cuts:
+            return self._on_cuts(values, jets, self._cut_jets(x, s), deep)
         if isinstance(self.other, Face):
             ((_, slopes, _, bends),) = jets
             return values + [[f, *(bends[k] if deep else ())] for k, f in enumerate(slopes)]
         if isinstance(self.other, Edge) and len(free) == 2:
-            (_, (a, b), _, of_f), (_, (c, d), _, of_g) = jets
-            row = [a * d - b * c]
-            if deep:
-                row += [
-                    of_f[0][k] * d + a * of_g[1][k] - of_f[1][k] * c - b * of_g[0][k] for k in range(3)
-                ]
-            return [*values, row]
+            return [*values, _parallel(jets[0], jets[1], deep)]
         return values
+
+    def _cut_jets(self, x: arb, s: arb) -> list[Jet]:
+        """As those of surfaces; the time is no part of inequalities."""
+        found = []
+        for cut in self.cuts:
+            slopes, bends = cut.slopes(x, s), cut.bends(x, s)
+            rows = [[*(bends[j, k] for k in self.free), arb(0)] for j in self.free]
+            found.append((cut.value(x, s), [slopes[k] for k in self.free], arb(0), rows))
+        return found
+
+    def _on_cuts(self, values: list[list[arb]], jets: list[Jet], held: list[Jet], deep: bool) -> list[list[arb]]:
+        values = values + [[value, *slopes, late] for value, slopes, late, _ in held]
+        if isinstance(self.other, Face) and len(held) < len(self.free):
+            values.append(_parallel(jets[0], held[0], deep))
+        return values
+
+
+Jet = tuple[arb, list[arb], arb, list[list[arb]]]
+"""Of an equation: value, derivatives by the free parameters and by the time; those of the former, row by row."""
+
+
+def _parallel(f: Jet, g: Jet, deep: bool) -> list[arb]:
+    """The determinant of both derivatives, and its own derivatives."""
+    (_, (a, b), _, of_f), (_, (c, d), _, of_g) = f, g
+    row = [a * d - b * c]
+    if deep:
+        row += [of_f[0][k] * d + a * of_g[1][k] - of_f[1][k] * c - b * of_g[0][k] for k in range(3)]
+    return row
 
 
 def _column(entries: Sequence[Any]) -> arb_mat:
@@ -207,7 +237,8 @@ class Certificate:
     def add(self, event: Event, boxes: Sequence[np.ndarray]) -> None:
         """The events of one pair of features in boxes of its chart."""
         system = EventSystem(event, self.poses)
-        found = isolated(system, [_ball_box(event, box) for box in boxes], MOST)
+        starts = [_ball_box(event, box) for box in boxes]
+        found = isolated(system, starts, MOST, lambda box: self._is_outside(event, system, box))
         with precision(256):
             for zero in found.zeros:
                 self._add_zero(event, system, zero)
@@ -226,7 +257,10 @@ class Certificate:
             self.events.sort(key=lambda e: float(e[1].mid()))
 
     def _is_outside(self, event: Event, system: EventSystem, z: Sequence[arb]) -> bool:
-        """Whether the point is proved not to belong to the closed model."""
+        """Whether the point is proved not to belong to the closed model, or to be cut off the surface."""
+        x, s, _ = system.everywhere(z)
+        if any(cut.value(x, s) < 0 for k, cut in enumerate(event.own.sheet.cuts) if k not in event.numbers):
+            return True
         there = system.there(z)
         if not all(c.is_finite() for c in there):
             return False

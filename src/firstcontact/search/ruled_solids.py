@@ -24,14 +24,41 @@ from firstcontact.body.features import Edge, Face, Vertex, enclosure
 from firstcontact.body.moving import shape_of
 from firstcontact.exact.numbers import below, dyadic, exact_value, precision, to_double
 from firstcontact.exact.rigid import Matrix, compose, inverse_map
-from firstcontact.kernels.event_search import CHART, FREE, OTHER, OTHER_BEGIN, OTHER_END, PAIR, SPENT
-from firstcontact.kernels.feature_boxes import INSIDE, OUTSIDE, PLAIN, THERE, membership, place_box
+from firstcontact.kernels.event_search import (
+    CHART,
+    COUNT,
+    CUTS,
+    FREE,
+    OTHER,
+    OTHER_BEGIN,
+    OTHER_END,
+    OTHER_FORM,
+    OWN,
+    OWN_FORM,
+    PAIR,
+    SECOND_CUT,
+    SPENT,
+)
+from firstcontact.kernels.feature_boxes import (
+    HERE,
+    INSIDE,
+    OUTSIDE,
+    PLAIN,
+    REST,
+    SLOPE_T,
+    SLOPE_U,
+    THERE,
+    VALUE,
+    membership,
+    model,
+    place_box,
+)
 from firstcontact.search.advance import Advance
 from firstcontact.search.event_tables import Tables, crossing_surfaces
 from firstcontact.search.events import LEAST, SPREAD, EventSearch
 from firstcontact.search.instants import Instant
 from firstcontact.search.ruled_certificate import Certificate, PoseJet
-from firstcontact.search.ruled_charts import RuledFeature, Sheet, crossing_at, sheets_of
+from firstcontact.search.ruled_charts import Mixed, RuledFeature, Sheet, crossing_at
 from firstcontact.search.shared_points import BITS, RANKS, ball_pose
 from firstcontact.search.stretches import Window
 
@@ -60,11 +87,12 @@ START_GRID = 12
 class RuledContact:
     """What was proved, as `search.advance.Advance`; of a contact also the features and whether it is isolated.
 
-    boxes: (n, 8), what survives at `free_until` of an open search.
+    cut: the inequality at whose border the contact is.  boxes: (n, 8), what survives at `free_until` of an open search.
     """
 
     found: Advance
     feature: RuledFeature | None = None
+    cut: int | None = None
     other: Face | Edge | Vertex | None = None
     isolated: bool = False
     boxes: np.ndarray | None = None
@@ -88,12 +116,13 @@ class RuledSearch(EventSearch):
     def contact(self, first: fmpq, last: fmpq) -> RuledContact:
         found = self.run(below(first), last)
         if found.status == "open" and found.free_until <= self.windows[0].first and found.reason == "precision":
-            point = _sampled(self.bodies, self.side, first, True)
+            point = self._sampled(first, True)
             if point is not None:
                 found = replace(found, status="initial", point=point)
         if self.event is None:
             return RuledContact(found, boxes=self.left)
-        return RuledContact(found, self.event.own, self.event.other, self.event.regular and not found.spread)
+        cut = min(self.event.numbers, default=None)
+        return RuledContact(found, self.event.own, cut, self.event.other, self.event.regular and not found.spread)
 
     def is_away_from_boundary(self) -> bool:
         """True proves that no point of the surface lies on the model's boundary at the start."""
@@ -108,7 +137,9 @@ class RuledSearch(EventSearch):
             if not boxes:
                 return True
             k, box = charts.pop(), boxes.pop()
-            if place_box(t.charts, k, *box, z):
+            if self._is_cut_off(k, box):
+                continue
+            if place_box(t.charts, k, *box, start.first, 0.0, z):
                 found = membership(
                     t.program, begin, end, PLAIN, PLAIN, PLAIN, base, table, 0.0, 0.0, z, THERE, stack
                 )
@@ -123,9 +154,25 @@ class RuledSearch(EventSearch):
                 charts.append(k)
         return False
 
+    def _is_cut_off(self, chart: int, box: np.ndarray) -> bool:
+        """Whether an inequality is proved to hold nowhere in a box of a resting chart."""
+        t, z, table = self.tables, self.scratch.boxes, self.scratch.table
+        for k in range(t.info[chart, CUTS]):
+            if place_box(t.charts, chart + 1 + k, *box, 0.0, 0.0, z):
+                model(table, t.layout[self.side, OWN] + k, 0.0, 0.0, z, PLAIN, HERE)
+                if z[HERE, VALUE] > np.abs(z[HERE, SLOPE_U : SLOPE_T + 1]).sum() * (1 + 1e-14) + z[HERE, REST]:
+                    return True
+        return False
+
     def has_points_outside(self, t: fmpq) -> bool:
         """True proves that a point of the surface lies outside the model at t."""
-        return _sampled(self.bodies, self.side, t, False) is not None
+        return self._sampled(t, False) is not None
+
+    def _sampled(self, t: fmpq, within: bool) -> np.ndarray | None:
+        """A point of the surface proved inside (or outside) the model at t, in the world; the first of a grid."""
+        features: Any = self.tables.features
+        sheets = list({id(feature.sheet): feature.sheet for feature in features}.values())
+        return _sampled(self.bodies, self.side, sheets, t, within)
 
     def _contact(self, window: Window, last: fmpq) -> Advance:
         lo, hi = float(self.result[0]), float(self.result[1])
@@ -262,7 +309,7 @@ class RuledSearch(EventSearch):
         model: CompositeQuadric = shape_of(shape)
         t = exact_value(float(0.5 * (box[6] + box[7])))
         m = compose(inverse_map(ball_pose(self.bodies[1 - self.side], t)), ball_pose(self.bodies[self.side], t))
-        there = _middles(m) @ [*_in_doubles(feature.sheet, *place), 1.0]
+        there = _middles(m) @ [*_in_doubles(feature.sheet.at(t), *place), 1.0]
         size = NEAR * float(self.tables.units[1 - self.side, 3])
         sizes = np.abs(model._forms_f).max(axis=(1, 2)) * (1.0 + np.abs(there).max()) ** 2
         point = np.append(there, 1.0)
@@ -276,14 +323,18 @@ class RuledSearch(EventSearch):
                     near = bool(np.abs(np.subtract(other.position, there)).max() < size)
                 else:
                     near = all(on[k] for k in (other.surfaces[:1] if isinstance(other, Face) else other.surfaces))
-                if near:
+                cuts = [own.sheet.cuts[k] for k in cuts_of(self.tables, self.side, pair)]
+                x, s = (exact_value(c) for c in place)
+                if near and all(abs(cut.value(x, s)) < exact_value(NEAR) * cut.size for cut in cuts):
                     yield chart, pair
 
     def _rank(self, item: Any) -> tuple[int, ...]:
         (chart, pair), _ = item
         own: Any = self.tables.features[chart]
         other = self.tables.others[pair]
-        ranks = (KINDS.index(own.kind), own.index), (RANKS[type(other)], other.index)
+        cuts = () if pair < 0 or own.kind != "face" else cuts_of(self.tables, self.side, pair)
+        mine = (1, min(cuts)) if cuts else (KINDS.index(own.kind), own.index)
+        ranks = mine, (RANKS[type(other)], other.index)
         first, second = ranks if self.side == 0 else ranks[::-1]
         return *first, *second
 
@@ -292,11 +343,19 @@ class RuledSearch(EventSearch):
         places = []
         for box in boxes:
             feature: Any = self.tables.features[int(box[CHART])]
-            u, hu, v, hv = box[2:6].tolist()
+            u, hu, v, hv, *times = box[2:8].tolist()
+            sheet = feature.sheet.at(exact_value(0.5 * sum(times)))
             for p, q in product((u - hu, u + hu), (v - hv, v + hv)):
-                places.append(_in_doubles(feature.sheet, *feature.place(p, q)))
+                places.append(_in_doubles(sheet, *feature.place(p, q)))
         size = float(self.tables.units[self.side, 3])
         return float(np.ptp(places, axis=0).max()) > SPREAD * size
+
+
+def cuts_of(tables: Tables, side: int, pair: int) -> tuple[int, ...]:
+    """Numbers of the inequalities at whose borders a pair of features is."""
+    own, other = int(tables.pairs[pair, OWN_FORM]), int(tables.pairs[pair, OTHER_FORM])
+    first = (own,) if 0 <= own < tables.layout[side, COUNT] else ()
+    return (*first, other - SECOND_CUT) if other >= SECOND_CUT else first
 
 
 class Event:
@@ -308,6 +367,8 @@ class Event:
     def __init__(self, bodies: Any, side: int, tables: Tables, chart: int, pair: int, box: np.ndarray) -> None:
         self.bodies, self.side = bodies, side
         self.own: RuledFeature = tables.features[chart]  # type: ignore[assignment]
+        self.numbers = cuts_of(tables, side, pair)
+        self.cuts = [self.own.sheet.cuts[k] for k in self.numbers]
         self.other: Any = tables.others[pair]
         shape = bodies[1 - side]
         self.model: CompositeQuadric = shape_of(shape)
@@ -333,7 +394,8 @@ class Event:
         else:
             crossing = crossing_at(self.model, self.other)
             if crossing is None:
-                return [_plane(k, c) for k, c in enumerate(enclosure(self.other.carrier))][: len(self.free) + 1]
+                planes = [_plane(k, c) for k, c in enumerate(enclosure(self.other.carrier))]
+                return planes[: len(self.free) + 1 - len(self.cuts)]
             numbers = crossing
         return [_scaled(self.model.surfaces[k].matrix()) for k in numbers]
 
@@ -347,7 +409,7 @@ class Event:
         """Of all surfaces: values, derivatives by the free parameters, gradients in the model's frame."""
         m = self.relative(t)
         x, s = (arb(c) for c in place)
-        sheet = self.own.sheet
+        sheet = self.own.sheet.at(t)
         point = sheet.point(x, s)
         w = point[3]
         here = [c / w for c in point[:3]]
@@ -365,13 +427,26 @@ class Event:
             slopes.append([2 * (image[0] * d[0] + image[1] * d[1] + image[2] * d[2]) for d in turned])
         return values, slopes, gradients
 
+    def _held(self, place: Sequence[Any]) -> tuple[list[Any], list[list[Any]]]:
+        """Of its inequalities: values, derivatives by the free parameters."""
+        x, s = (arb(c) for c in place)
+        slopes = [cut.slopes(x, s) for cut in self.cuts]
+        return [cut.value(x, s) for cut in self.cuts], [[both[k] for k in self.free] for both in slopes]
+
     def _equations(self, z: Sequence[fmpq]) -> list[Any]:
         place = list(self.place)
         for k, c in zip(self.free, z, strict=False):
             place[k] = c
         values, slopes, _ = self._values(place, z[-1])
+        held, ways = self._held(place)
         if isinstance(self.other, Face):
-            return values + slopes[0]
+            if not self.cuts:
+                return values + slopes[0]
+            if len(self.cuts) < len(self.free):
+                (a, b), (c, d) = slopes[0], ways[0]
+                return [*values, *held, a * d - b * c]
+        if self.cuts:
+            return values + held
         if isinstance(self.other, Edge) and len(self.free) == 2:
             (a, b), (c, d) = slopes
             return [*values, a * d - b * c]
@@ -426,22 +501,27 @@ class Event:
     def leads_inside(self, at: float) -> bool:
         """Whether a point of the surface near the event is proved inside the model at that time."""
         t = exact_value(at)
-        m = self.relative(t)
-        return any(self._is_inside(place, m) for place in self._steps(t))
+        m, sheet = self.relative(t), self.own.sheet.at(t)
+        return any(
+            is_inside(self.model, _moved(m, _exact_point(sheet, place))) is True
+            for place in self._steps(t) if self.own.sheet.keeps(*place)
+        )  # fmt: skip
 
     def _steps(self, t: fmpq) -> Iterator[list[fmpq]]:
-        """Places near the event: itself, and with all its surfaces equally far away, on any sides."""
+        """Places near the event: itself, and with all its surfaces equally far away, on any sides, and borders of its
+        inequalities, which hold there."""
         place = [min(max(c, fmpq(lo)), fmpq(1)) for c, lo in zip(self.place, (-1, 0), strict=True)]
         yield place
-        if not self.free or len(self.surfaces) < 2:
+        if not self.free or len(self.surfaces) + len(self.cuts) < 2:
             return
         values, slopes, gradients = self._values(place, t)
-        f = np.array([float(c.mid()) for c in values])
-        rows = np.array([[float(c.mid()) for c in row] for row in slopes])
-        lengths = np.array([math.sqrt(sum(float(c.mid()) ** 2 for c in g)) for g in gradients])
+        held, ways = self._held(place)
+        f = np.array([float(c.mid()) for c in (*values, *(-c for c in held))])
+        rows = np.array([[float(c.mid()) for c in row] for row in (*slopes, *([-c for c in row] for row in ways))])
+        lengths = np.array([math.sqrt(sum(float(c.mid()) ** 2 for c in g)) for g in (*gradients, *ways)])
         if not (np.all(np.isfinite(rows)) and np.all(lengths > 0)):
             return
-        for sides in product((1.0, -1.0), repeat=len(f)):
+        for sides in product(*[(1.0, -1.0)] * len(values), *[(1.0,)] * len(held)):
             system = np.column_stack([rows, lengths * np.array(sides)])
             # surfaces with equations that hold each other: the least step
             step = np.linalg.lstsq(system / lengths[:, None], -f / lengths, rcond=1e-9)[0]
@@ -452,15 +532,12 @@ class Event:
                 moved[k] = min(max(place[k] + exact_value(float(d)), fmpq(-1 if k == 0 else 0)), fmpq(1))
             yield moved
 
-    def _is_inside(self, place: Sequence[fmpq], m: Matrix) -> bool:
-        return is_inside(self.model, _moved(m, _exact_point(self.own.sheet, place))) is True
-
     # -- the answer -----------------------------------------------------------------------------------------
 
     def geometry(self) -> tuple[np.ndarray, np.ndarray | None]:
         """Point, and unit normal from b towards a where there is one; in the world."""
         pose = _middles(ball_pose(self.bodies[self.side], self.moment))
-        here = np.array([float(c.mid()) for c in _exact_point(self.own.sheet, self.place)])
+        here = np.array([float(c.mid()) for c in _exact_point(self._sheet, self.place)])
         point = pose[:, :3] @ here + pose[:, 3]
         point[np.abs(point) < 2.0**-120 * np.abs(point).max()] = 0.0
         normal = self._normal()
@@ -478,7 +555,7 @@ class Event:
         # of a polyhedron's features the numbers are its own
         faces = [self.other] if isinstance(self.other, Face) else [self.model.faces[k] for k in self._beside()]
         m = self.relative(self.moment)
-        there = np.array([float(c.mid()) for c in _moved(m, _exact_point(self.own.sheet, place))] + [1.0])
+        there = np.array([float(c.mid()) for c in _moved(m, _exact_point(self._sheet, place))] + [1.0])
         outward = np.zeros(3)
         for face in faces:
             g = face.orientation * (self.model._forms_f[face.surfaces[0]] @ there)[:3]
@@ -504,33 +581,47 @@ class Event:
         """Places of the faces at an edge."""
         return self.other.faces if isinstance(self.other, Edge) else ()
 
+    @property
+    def _sheet(self) -> Sheet | Mixed:
+        return self.own.sheet.at(self.moment)
+
     def _ways(self, place: Sequence[fmpq]) -> list[np.ndarray]:
         """Unit tangents along the free parameters, in the own frame; none where one vanishes."""
         x, s = (arb(c) for c in place)
-        sheet = self.own.sheet
+        sheet = self._sheet
         point = sheet.point(x, s)
+        if len(self.cuts) > 1 or self.cuts and len(self.free) == 1:
+            return []
         found = []
         for k in self.free:
             d = sheet.by_x(x, s) if k == 0 else sheet.by_s(x)
             way = np.array([float(((c * point[3] - p * d[3])).mid()) for c, p in zip(d[:3], point[:3], strict=True)])
-            length = float(np.linalg.norm(way))
-            if not length > 1e-30:
-                return []
-            found.append(way / length)
-        return found
+            found.append(way)
+        if self.cuts:
+            by_x, by_s = (float(c.mid()) for c in self.cuts[0].slopes(x, s))
+            found = [found[0] * by_s - found[1] * by_x]
+        lengths = [float(np.linalg.norm(way)) for way in found]
+        if not all(length > 1e-30 for length in lengths):
+            return []
+        return [way / length for way, length in zip(found, lengths, strict=True)]
 
 
-def _sampled(bodies: tuple[Any, Any], side: int, t: fmpq, within: bool) -> np.ndarray | None:
-    """A point of the ruled surface proved inside (or outside) the model at t, in the world; the first of a grid."""
+def _sampled(
+    bodies: tuple[Any, Any], side: int, sheets: Sequence[Sheet], t: fmpq, within: bool
+) -> np.ndarray | None:
     shapes: list[Any] = [shape_of(x) for x in bodies]
     model = shapes[1 - side]
     with precision(BITS):
         pose = ball_pose(bodies[side], t)
         m = compose(inverse_map(ball_pose(bodies[1 - side], t)), pose)
         rough = _middles(m)
-        for sheet in sheets_of(shapes[side]):
+        for whole in sheets:
+            sheet = whole.at(t)
             grid = [(fmpq(2 * i - START_GRID, START_GRID), fmpq(j, START_GRID))
                     for i in range(START_GRID + 1) for j in range(START_GRID + 1)]  # fmt: skip
+            grid = [place for place in grid if whole.keeps(*place)]
+            if not grid:
+                continue
             points = np.array([_in_doubles(sheet, float(x), float(s)) for x, s in grid])
             near = model.contains(points @ rough[:, :3].T + rough[:, 3])
             for k in np.flatnonzero(near == within):
@@ -552,12 +643,12 @@ def is_inside(model: CompositeQuadric, there: list[Any]) -> bool | None:
     return bool(inside(model.tree, negative))
 
 
-def _exact_point(sheet: Sheet, place: Sequence[fmpq]) -> list[arb]:
+def _exact_point(sheet: Sheet | Mixed, place: Sequence[fmpq]) -> list[arb]:
     point = sheet.point(*place)
     return [arb(c / point[3]) for c in point[:3]]
 
 
-def _in_doubles(sheet: Sheet, x: float, s: float) -> np.ndarray:
+def _in_doubles(sheet: Sheet | Mixed, x: float, s: float) -> np.ndarray:
     point = sheet.point(exact_value(x), exact_value(s))
     return np.array([to_double(c / point[3]) for c in point[:3]])
 
