@@ -25,6 +25,7 @@ from firstcontact.exact.numbers import exact_value, to_double
 from firstcontact.result import ContactSet, Element, FirstContact, Stats, Status
 from firstcontact.ruled.conditions import local_trims, reversed_trims
 from firstcontact.ruled.lasting import RuledFree, RuledLasting
+from firstcontact.ruled.names import element
 from firstcontact.ruled.whole_rulings import cut_to
 from firstcontact.search.advance import Advance
 from firstcontact.search.charts import NotCharted
@@ -33,8 +34,6 @@ from firstcontact.search.events import MOST_BOXES
 from firstcontact.search.ruled_charts import RuledFeature, Sheet, ruled_tables, sheets_of
 from firstcontact.search.ruled_solids import RuledContact, RuledSearch
 from firstcontact.search.stretches import Untold, Window, windows
-
-PER_PIECE = {"vertex": 4, "directrix": 2, "end_ruling": 2, "face": 1}
 
 
 class RuledAndSolid:
@@ -164,12 +163,10 @@ def _contact(pair: RuledAndSolid, contact: RuledContact, shared: dict[str, Any])
 
 def ruled_element(body: Any, feature: RuledFeature, cut: int | None, which: str) -> Element:
     """The element of a ruled surface; borders between pieces of a strip belong to its face.  cut: its inequality."""
-    name = getattr(body, "name", None) or which
-    if cut is not None and feature.kind == "face":  # inequalities count on from piece to piece
-        before = sum(len(piece.trim) for piece in shape_of(body).pieces[: feature.sheet.number])
-        return Element("edge", name, cut + before, name)
     kind, index = ("face", 0) if feature.inner and feature.kind != "vertex" else (feature.kind, feature.index)
-    return Element(kind, name, index + feature.sheet.number * PER_PIECE[kind], name)
+    if cut is not None and feature.kind == "face":
+        kind, index = "edge", cut
+    return element(body, kind, index, feature.sheet.number, which)
 
 
 def _solid_element(pair: RuledAndSolid, feature: Face | Edge | Vertex, point: np.ndarray, time: float) -> Element:
