@@ -30,8 +30,6 @@ def intersection_curve(p: Any, q: Any, tolerance: float, method: str, box: Any) 
         _check(surface)
     if method not in METHODS:
         raise UnsupportedPair(f"method {method!r} is unknown to intersection_curve; choose one of {', '.join(METHODS)}")
-    if not tolerance > 0:
-        raise InputError(f"tolerance is {tolerance}; give a positive length")
     fields = _fields(p, q, tolerance, method, _box(box))
     stats = fields.pop("stats", Stats())
     return IntersectionCurve(**fields, stats=replace(stats, seconds=clock.perf_counter() - begin), a=p, b=q)
@@ -81,5 +79,6 @@ def _box(box: Any) -> Box | None:
     except (TypeError, ValueError) as error:
         raise InputError(f"box is {box!r}; give two corners ((x0, y0, z0), (x1, y1, z1))") from error
     if len(low) != 3 or len(high) != 3 or not all(x < y for x, y in zip(low, high, strict=True)):
-        raise InputError(f"box is {box!r}; give two corners ((x0, y0, z0), (x1, y1, z1)), the first below the second")
+        shown = ", ".join(f"({', '.join(map(str, corner))})" for corner in (low, high))
+        raise InputError(f"box is ({shown}); give two corners ((x0, y0, z0), (x1, y1, z1)), the first below the second")
     return low, high
