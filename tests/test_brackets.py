@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from decimal import Decimal
 from fractions import Fraction as F
 
 import numpy as np
 import pytest
-from flint import fmpq, fmpz_poly
+from flint import fmpq, fmpz, fmpz_poly
 
 import firstcontact as fc
 from firstcontact import brackets
@@ -125,8 +126,14 @@ def test_signs_and_their_conventions():
         (lambda: brackets.lines_relations([[0, 0, 0]] * 2, [1, 0, 0], [[1, 0, 0], [2, 2, 2]], [2, 2, 2]), "of row 1"),
         (lambda: brackets.segments_relations([[0, 0]], [1, 0, 0], [1, 0, 0], [2, 2, 2]), "p1 has shape (1, 2)"),
         (lambda: brackets.segments_relations([[0, 0, 2**60]], [1, 0, 0], [1, 0, 0], [2, 2, 2]), "beyond 2^53"),
+        (lambda: brackets.segments_relations([[0, 0, 2**53 + 1]], [1, 0, 0], [1, 0, 0], [2, 2, 2]), "beyond 2^53"),
         (lambda: brackets.segments_relations([[0, 0, np.inf]], [1, 0, 0], [1, 0, 0], [2, 2, 2]), "not finite"),
         (lambda: brackets.segments_relations([[0, 0, 2.0**150]], [1, 0, 0], [1, 0, 0], [2, 2, 2]), "below 2^150"),
+        (lambda: brackets.segments_relations([[0, 0, 1], [1]], [1, 0, 0], [1, 0, 0], [2, 2, 2]), "different lengths"),
+        (lambda: brackets.bracket4("123", (0, 0, 1), (1, 0, 0), (2, 0, 0)), "a is '123'"),
+        (lambda: brackets.bracket4(("1e999999999", 0, 0), (0, 0, 1), (1, 0, 0), (2, 0, 0)), "exponent below 10000"),
+        (lambda: brackets.bracket4((Decimal("snan"), 0, 0), (0, 0, 1), (1, 0, 0), (2, 0, 0)), "a[0] is 'sNaN'"),
+        (lambda: brackets.bracket3((0, 0, 0), (0, 1, 0), (1, 0, 0), 1.0), "dropped is 1.0"),
         (lambda: brackets.segments_relations([[0, 0, 1]] * 3, [[1, 0, 0]] * 2, [1, 0, 0], [2, 2, 2]), "rows"),
     ],
 )
@@ -263,6 +270,23 @@ def test_grids_of_any_size(exponent, known):
     found = brackets.segments_relations(*rows(points[::500], 2.0**exponent))
     assert np.array_equal(found.kinds, kind[::500])
     assert (found.exact_evaluations == 0) == (exponent >= -290)
+
+
+def test_a_coordinate_of_the_least_size_beside_large_ones():
+    """Scaled to a grid it would underflow to zero, and the skew lines would pass for coplanar."""
+    skew = np.array([(-6, 0, 0), (-9, -4, 4), (-5, 2, -2), (-2, 0, 0)]) * 2.0**42
+    skew[0, 2] = 5e-324
+    wanted = brackets.bracket4(*skew)
+    assert brackets.bracket4_signs(*skew)[0].tolist() == [(wanted > 0) - (wanted < 0)] != [0]
+    assert brackets.lines_relations(*skew).kinds.tolist() == ["separate"]
+    apart = np.array([(-7, -1, 9), (-7, 0, -1), (-7, 0, -1), (-9, 0, 7)]) * 2.0**46
+    assert brackets.segments_relations(*apart).kinds.tolist() == ["point"]
+    apart[1, 1] = 5e-324
+    assert brackets.segments_relations(*apart).kinds.tolist() == ["separate"]
+
+
+def test_numbers_of_flint_and_decimals():
+    assert brackets.bracket4((fmpz(3), fmpq(1, 2), Decimal("0.1")), (0, 0, 0), (1, 0, 0), (0, 1, 0)) == F(1, 10)
 
 
 def test_table_1_with_absolute_values(known):

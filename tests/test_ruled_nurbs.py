@@ -142,6 +142,16 @@ GRID = [[(k, 0, 0), (k, 1, 0)] for k in range(4)]
         (lambda: RuledSurface.from_nurbs(GRID, degree=(2, 1)), "degree is (2, 1), but"),
         (lambda: RuledSurface.from_nurbs(GRID, weights=[[1, 1]] * 3), "weights have rows of [2, 2, 2]"),
         (lambda: RuledSurface.from_nurbs(GRID, weights=[[1, 0]] * 4), "weights[0][1] is 0; give positive weights"),
+        (lambda: RuledSurface.from_nurbs(GRID, weights=[["1e-300", 1]] * 4), "differ by more than a factor of 2^100"),
+        (lambda: RuledSurface.from_nurbs(GRID, degree="3"), "degree is '3'; give the one along the curves"),
+        (lambda: RuledSurface.from_nurbs(GRID, degree=3.0), "degree is 3.0; give"),
+        (lambda: RuledSurface.from_nurbs(GRID, degree=(3,)), "degree is (3,); give"),
+        (
+            lambda: RuledSurface.from_nurbs(
+                [[(0, 0, 0)] * 2, [(1, 1, 1)] * 2, [(2, 0, 0), (2, 1, 0)]], [0, 0, 1, 2, 2], name="w"
+            ),
+            "w: first and second are one curve; give two different ones (piece 0, u from 0 to 1)",
+        ),
         (lambda: RuledSurface.from_nurbs(GRID, weights=[1] * 4), "weights are [1, 1, 1, 1]"),
         (lambda: RuledSurface.from_nurbs([[(k, 0, 0), (k, 0, 0)] for k in range(3)], name="roof"), "roof: first and"),
         (lambda: RuledStrip([]), "no pieces"),

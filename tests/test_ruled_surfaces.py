@@ -234,6 +234,22 @@ LINE, OTHER = "(u, 0, 0)", "(u, 1, 0)"
         (lambda: RuledSurface(LINE, OTHER, u=(0, float("inf"))), "u[1] is inf"),
         (lambda: RuledSurface(LINE, OTHER, u=3), "u is 3; give a range"),
         (lambda: RuledSurface(LINE, OTHER, u=(0, 2**160)), "give numbers below 2^150"),
+        (lambda: RuledSurface(LINE, OTHER, u="01"), "u is '01'; give a range"),
+        (lambda: RuledSurface(LINE, OTHER, s={0, 1}), "s is {0, 1}; give a range"),
+        (lambda: RuledSurface(LINE, OTHER, u=("1e999999999", 1)), "exponent below 10000"),
+        (lambda: RuledSurface(LINE, "(1/(u - 1), T, 0)"), "second has a pole at u = 1;"),
+        (lambda: RuledSurface(LINE, "(u, 1, 1e400)"), "'(u, 1, 1e400)' has coefficients of sizes too far apart"),
+        (lambda: RuledSurface(LINE, "(u, 1, 1e-400*u)"), "coefficients of sizes too far apart"),
+        (lambda: RuledSurface(LINE, OTHER, trim=5), "trim is 5; give inequalities"),
+        (lambda: RuledSurface(LINE, "(u, 1, 1/(T - 2))", name="lid").at(2), "lid: a directrix has denominator 0 at T"),
+        (lambda: RuledSurface(LINE, "(u, 1/(u - T), 0)", name="lid").bounds(), "lid: a directrix has a pole near"),
+        (lambda: RuledSurface(LINE, "(u, 1, T)", name="lid").to_mesh(1), "lid deforms"),
+        (lambda: RuledSurface(LINE, OTHER).moving(fc.Translation), "is no motion"),
+        (lambda: RuledSurface(LINE, OTHER).moving(np.eye(4)), "is no motion"),
+        (lambda: fc.first_contact(*[RuledSurface(LINE, OTHER)] * 2, tolerance="a"), "tolerance is 'a'"),
+        (lambda: fc.first_contact(*[RuledSurface(LINE, OTHER)] * 2, span="01"), "span is '01'"),
+        (lambda: fc.intersection_curve(*[RuledSurface(LINE, OTHER)] * 2, tolerance=None), "tolerance is None"),
+        (lambda: RationalCurve.parse(5), "is 5; give a text"),
         (lambda: RuledSurface(LINE, 3), "second is 3"),
         (lambda: RuledSurface("(u, v, 0)", OTHER), "first '(u, v, 0)': unknown name 'v'; the variables are u and T"),
         (lambda: RuledSurface("(u, 0)", OTHER), "has 2 coordinates"),
@@ -264,6 +280,17 @@ def test_bad_input_stops_with_one_line(make, text):
     with pytest.raises(fc.InputError) as error:
         make()
     assert text in str(error.value) and "\n" not in str(error.value)
+
+
+def test_coefficients_are_read_from_iterators_once():
+    assert RationalCurve([iter([1, 2]), [2], [3]]) == RationalCurve([[1, 2], [2], [3]])
+
+
+def test_a_curve_that_asks_for_too_many_digits_is_refused():
+    """Of a sliver 1e-290 wide: one line of ours, no error of the sweep."""
+    sliver = RuledSurface("(u, 0, 0)", "(u*1e-290, 1e-290, u*1e-290)")
+    with pytest.raises(fc.UnsupportedPair, match="asks for too many digits"):
+        fc.intersection_curve(sliver, RuledSurface("(0, u, -1)", "(0, u, 1)"))
 
 
 def test_a_deforming_surface_may_have_poles_at_other_times():

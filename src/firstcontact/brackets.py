@@ -3,9 +3,10 @@
 After [Chen11], section 2, with its lemmas repaired: a comparison of 3-brackets needs one common normal, hence their
 signs, one of 2-brackets one common direction, and the overlap test of segments on one line an absolute value.
 
-Points are triples of numbers, each taken for exactly what it is: ints, Fractions, "1/3", doubles.  Answers are exact
-Fractions.  The functions in the plural take (n, 3) arrays of doubles or integers: floats decide where they prove
-their answer, exact arithmetic the rest, and the result tells how often it was asked.
+Points are triples of numbers of any size, each taken for exactly what it is: ints, Fractions, "1/3", doubles.  Answers
+are exact Fractions.  The functions in the plural take arrays of n points, (n, 3) doubles below 2^150 or integers up to
+2^53, or one point (3,) for all n: floats decide where they prove their answer, exact arithmetic the rest, and the
+result tells how often it was asked.  All raise InputError, naming the argument, for anything else: NaN, other shapes.
 
 >>> segments_relation((0, 0, 0), (2, 2, 2), (0, 2, 1), (2, 0, 1)).point
 (Fraction(1, 1), Fraction(1, 1), Fraction(1, 1))
@@ -70,7 +71,7 @@ def bracket3(a: Iterable[Any], b: Iterable[Any], c: Iterable[Any], dropped: int)
     >>> n, str(bracket3(p1, p2, q1, n)), str(bracket3(p1, p2, q2, n))
     (2, '-4', '12')
     """
-    if dropped not in (0, 1, 2):
+    if not isinstance(dropped, int | np.integer) or dropped not in (0, 1, 2):
         raise InputError(f"dropped is {dropped!r}; give the number of a coordinate: 0, 1 or 2")
     p, q, r = _points(a=a, b=b, c=c)
     return _shown(exact.bracket3(p, q, r, dropped))
@@ -238,14 +239,22 @@ def _rows(**arrays: Any) -> list[np.ndarray]:
     """The arguments as C-contiguous (n, 3) float64 arrays of equal length."""
     rows = []
     for name, values in arrays.items():
-        given = np.asarray(values)
+        try:
+            given = np.asarray(values)
+        except ValueError as error:
+            raise InputError(f"{name} has rows of different lengths; give an (n, 3) array of numbers") from error
         if given.dtype.kind not in "iuf" or given.ndim not in (1, 2) or given.shape[-1] != 3:
-            raise InputError(f"{name} has shape {given.shape}, type {given.dtype}; give an (n, 3) array of numbers")
+            raise InputError(
+                f"{name} has shape {given.shape}, type {given.dtype}; give an (n, 3) array of doubles or integers"
+            )
         row = np.atleast_2d(given.astype(np.float64))
         if not np.all(np.abs(row) < LARGEST):
             raise InputError(f"{name} holds a value that is not finite or not below 2^150")
-        if given.dtype.kind in "iu" and np.any(np.abs(row) > 2.0**53):
+        whole_numbers = given.dtype.kind in "iu"
+        if whole_numbers and (int(given.max(initial=0)) > 2**53 or int(given.min(initial=0)) < -(2**53)):
             raise InputError(f"{name} holds an integer beyond 2^53, which no double holds; ask for its row by itself")
+        if not whole_numbers and np.any(row != given):
+            raise InputError(f"{name} holds a {given.dtype} that no double holds; ask for its row by itself")
         rows.append(row)
     try:
         return [np.ascontiguousarray(x) for x in np.broadcast_arrays(*rows)]
@@ -260,6 +269,8 @@ def _points(**points: Any) -> list[Vector]:
 
 def _point(values: Any, name: str) -> Vector:
     try:
+        if isinstance(values, str | bytes | dict | set | frozenset):  # of no order, or of letters
+            raise TypeError
         x, y, z = values
     except (TypeError, ValueError) as error:
         raise InputError(f"{name} is {values!r}; give three numbers") from error

@@ -2,7 +2,10 @@
 
 
 class FirstContactError(Exception):
-    """Base of every error this library raises on purpose."""
+    """Base of every error this library raises on purpose; its text is one line."""
+
+    def __init__(self, text: str = "") -> None:
+        super().__init__(" ".join(str(text).split("\n")))
 
 
 class InputError(FirstContactError, ValueError):

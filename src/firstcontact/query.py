@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time as clock
 from functools import cache
+from numbers import Real
 from typing import TYPE_CHECKING, Any
 
 from firstcontact.body.moving import shape_of
@@ -246,14 +247,19 @@ def intersection_curve(
     >>> [end.point.tolist() for end in curve.branches[0].ends]
     [[0.5, 1.0, 0.5], [1.0, 0.5, 0.5]]
     """
-    from firstcontact.ruled import verbs
+    from firstcontact.exact.fibres import PrecisionExhausted
+    from firstcontact.ruled import solid_verbs, verbs
 
     kinds = {_kind(body) for body in (p, q)}
-    if "ruled" in kinds and len(kinds) > 1:
-        from firstcontact.ruled import solid_verbs
-
-        return solid_verbs.intersection_curve(p, q, tolerance, method, box)
-    return verbs.intersection_curve(p, q, tolerance, method, box)
+    if not (isinstance(tolerance, Real) and tolerance > 0):
+        raise InputError(f"tolerance is {tolerance!r}; give a positive length")
+    search = solid_verbs if "ruled" in kinds and len(kinds) > 1 else verbs
+    try:
+        return search.intersection_curve(p, q, tolerance, method, box)
+    except PrecisionExhausted as error:
+        raise UnsupportedPair(
+            f"the curve of {p!r} and {q!r} asks for too many digits ({error}); move a body a little, or scale both"
+        ) from error
 
 
 @cache
@@ -332,8 +338,8 @@ def _check(a: Any, b: Any, method: str, engine: str, tolerance: float, budget: i
         raise UnsupportedPair(f"method {method!r} is unknown; choose one of {', '.join(METHODS)}")
     if engine not in ENGINES:
         raise UnsupportedPair(f"engine {engine!r} is unknown; choose one of {', '.join(ENGINES)}")
-    if not tolerance > 0:
-        raise InputError(f"tolerance is {tolerance}; give a positive number")
+    if not (isinstance(tolerance, Real) and tolerance > 0):
+        raise InputError(f"tolerance is {tolerance!r}; give a positive number")
     if budget is not None and (not isinstance(budget, int) or budget < 0):
         raise InputError(f"budget is {budget!r}; give a whole number of node visits and pair tests")
     return "ruled" if "ruled" in kinds else "models" if "models" in kinds else "polyhedra"

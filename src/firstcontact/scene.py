@@ -227,7 +227,7 @@ class RuledBody(_Body):
     points: list[list[Vector]] | None = None
     knots: Numbers = None
     weights: Numbers = None
-    degree: StrictInt | list[StrictInt] | None = None
+    degree: Any = None
 
     @model_validator(mode="after")
     def _one_kind(self) -> RuledBody:

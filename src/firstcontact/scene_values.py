@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
+from difflib import get_close_matches
 from fractions import Fraction
 from typing import Annotated, Any
 
@@ -140,7 +141,8 @@ class Table(BaseModel):
             raise ValueError(f"{table!r} is not a table; use one with keys {', '.join(cls.model_fields)}")
         for key in table:
             if key not in cls.model_fields:
-                raise ValueError(f"unknown key {key!r}; keys here are {', '.join(cls.model_fields)}")
+                near = "".join(f", perhaps {name!r}" for name in get_close_matches(key, cls.model_fields, 1))
+                raise ValueError(f"unknown key {key!r}{near}; keys here are {', '.join(cls.model_fields)}")
         return table
 
 

@@ -16,7 +16,7 @@ class Moving:
     __slots__ = ("body", "motion")
 
     def __init__(self, body: Any, motion: Any) -> None:
-        if not callable(motion) or not hasattr(motion, "span"):
+        if isinstance(motion, type) or not callable(motion) or not hasattr(motion, "span"):
             kinds = "Translation, Rotation, Screw, RationalMotion, Sequence or Trajectory"
             raise InputError(f"{motion!r} is no motion; give a {kinds}")
         self.body = body

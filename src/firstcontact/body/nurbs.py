@@ -15,6 +15,8 @@ from firstcontact.errors import InputError
 from firstcontact.exact.numbers import rational
 from firstcontact.motion.translation import LARGEST
 
+# Doubles lose the points of lesser weights beside those of greater ones.
+MOST_UNEVEN = 2**100
 Point = tuple[fmpq, fmpq, fmpq, fmpq]
 """(w x, w y, w z, w)."""
 
@@ -92,6 +94,9 @@ def _point(curve: RationalCurve, u: fmpq) -> list[fmpq]:
 def _read(points: Any, knots: Any, weights: Any, degree: Any, who: str) -> tuple[list[list[Point]], list[fmpq]]:
     """(controls of each curve, the curves' knots), all checked."""
     rows = _grid(points, who)
+    pair = isinstance(degree, tuple | list) and len(degree) == 2 and all(isinstance(n, int) for n in degree)
+    if not (degree is None or isinstance(degree, int) or pair):
+        raise InputError(f"{who}: degree is {degree!r}; give the one along the curves, or two whole numbers")
     loads = _weights(weights, rows, who)
     controls: list[list[Point]] = [
         [(*(w * x for x in p), w) for p, w in zip(row, load, strict=True)]  # type: ignore[misc]
@@ -146,6 +151,9 @@ def _weights(weights: Any, rows: list[list[Any]], who: str) -> list[list[fmpq]]:
         for j, w in enumerate(row):
             if w <= 0:
                 raise InputError(f"{who}: weights[{i}][{j}] is {weights[i][j]}; give positive weights")
+    every = [w for row in found for w in row]
+    if max(every) > MOST_UNEVEN * min(every):
+        raise InputError(f"{who}: weights differ by more than a factor of 2^100; give more even ones")
     return found
 
 

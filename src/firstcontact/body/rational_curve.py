@@ -51,7 +51,7 @@ class RationalCurve:
         if len(rows) != 3:
             raise InputError(f"RationalCurve numerators are {numerators!r}; give three lists of coefficients")
         named = zip((*rows, denominator), (*(f"numerators[{k}]" for k in range(3)), "denominator"), strict=True)
-        self.components = _homogeneous([_ratio(row, name) for row, name in named])
+        self.components = _checked(_homogeneous([_ratio(row, name) for row, name in named]), "RationalCurve")
 
     @classmethod
     def parse(cls, text: str, what: str = "RationalCurve") -> RationalCurve:
@@ -61,7 +61,9 @@ class RationalCurve:
             raise InputError(f"{what} {text!r} has {len(parts)} coordinates; write \"(x, y, z)\"")
         below = reduce(_lcm, (x.denominator for x in parts))
         rows = [x.numerator * (below // x.denominator) for x in parts]
-        return cls.of((*rows, below))
+        curve = cls.of((*rows, below))
+        _checked(curve.components, f"{what} {text!r}")
+        return curve
 
     @classmethod
     def of(cls, components: Sequence[Component]) -> RationalCurve:
@@ -89,9 +91,15 @@ class RationalCurve:
 
     def at(self, t: Any) -> RationalCurve:
         """The curve at rest at time t, a number of any kind, taken exactly; itself where it does not deform."""
+        curve = self.projective_at(rational(t, "time"))
+        if curve.components[3] == 0:
+            raise InputError(f"a directrix has denominator 0 at T = {t}; give a time at which it is a curve")
+        return curve
+
+    def projective_at(self, time: fmpq) -> RationalCurve:
+        """The same; all of it may be at infinity."""
         if not self.deforming:
             return self
-        time = rational(t, "time")
         highest = max(j for x in self.components for _, j in terms(x))
         powers = [time.p**j * time.q ** (highest - j) for j in range(highest + 1)]
         rows = []
@@ -100,8 +108,6 @@ class RationalCurve:
             for (i, j), c in terms(x).items():
                 row[i] += c * powers[j]
             rows.append(fmpz_poly(row))
-        if rows[3] == 0:
-            raise InputError(f"a directrix has denominator 0 at T = {t}; give a time at which it is a curve")
         return RationalCurve.of(rows)
 
     def reversed(self) -> RationalCurve:
@@ -237,13 +243,16 @@ def _primitive(components: Sequence[Component]) -> Components:
     common = reduce(lambda x, y: x.gcd(y), components)
     found = [x // common for x in components]
     if isinstance(common, fmpz_mpoly) and not any(j for x in found for _, j in terms(x)):
-        found = [_in_u(x) for x in found]
+        found = [in_u(x) for x in found]
         common = reduce(fmpz_poly.gcd, found)
         found = [x // common for x in found]
     return tuple(found)  # type: ignore[return-value]
 
 
-def _in_u(p: fmpz_mpoly) -> fmpz_poly:
+def in_u(p: Component) -> fmpz_poly:
+    """A component without T as a polynomial in u alone."""
+    if isinstance(p, fmpz_poly):
+        return p
     row = [fmpz(0)] * (max(p.degrees()[0], 0) + 1)
     for (i, _), c in p.to_dict().items():
         row[i] = c
@@ -274,9 +283,21 @@ def _homogeneous(parts: list[dict[tuple[int, int], fmpq]]) -> Components:
     return _primitive(rows)
 
 
+def _checked(components: Components, what: str) -> Components:
+    """The components; InputError where doubles cannot hold the curve."""
+    sizes = [[abs(c) for c in terms(x).values()] for x in components]
+    every = [c for some in sizes for c in some]
+    if max(every) >= max(sizes[3]) * 2**150 or max(every) > min(every) * 2**1000:
+        raise InputError(
+            f"{what} has coefficients of sizes too far apart for doubles; give numbers below 2^150 and none near 1e-300"
+        )
+    return components
+
+
 def _ratio(row: Any, what: str) -> dict[tuple[int, int], fmpq]:
     """Coefficients by (i, j) of a list of numbers, or of lists of such."""
-    if isinstance(row, str) or not np.iterable(row) or not len(list(row)):
+    row = list(row) if np.iterable(row) and not isinstance(row, str) else row
+    if not isinstance(row, list) or not row:
         raise InputError(f"RationalCurve {what} is {row!r}; give a list of coefficients of 1, u, u**2, ...")
     found = {}
     for i, entry in enumerate(row):

@@ -38,6 +38,8 @@ def mesh(pieces: Sequence[RuledSurface], tolerance: float, name: str | None) -> 
     who = name or "ruled surface"
     if not (isinstance(tolerance, int | float) and 0 < tolerance < math.inf):
         raise InputError(f"to_mesh tolerance is {tolerance!r}; give a positive length")
+    if any(piece.deforming for piece in pieces):
+        raise InputError(f"{who} deforms with the time T; take .at(t) for a mesh")
     if any(piece.s is None for piece in pieces):
         raise InputError(f"{who}: whole rulings have no end; give a range s=(s0, s1) for a mesh")
     found = [piece_triangles(piece, tolerance) for piece in pieces]

@@ -14,7 +14,7 @@ import numpy as np
 from flint import fmpq, fmpz_mpoly, fmpz_poly
 
 from firstcontact.body.placing import Placing
-from firstcontact.body.rational_curve import RationalCurve, derivative, lifted, terms, text_of
+from firstcontact.body.rational_curve import RationalCurve, derivative, in_u, lifted, terms, text_of
 from firstcontact.body.ruled_bounds import Box, curve_box, hull
 from firstcontact.errors import InputError
 from firstcontact.exact import bernstein
@@ -67,8 +67,9 @@ class RuledSurface(Placing):
     Results name its elements by number: face 0, directrix 0 and 1 (the sides s = s0 and s1), end_ruling 0 and 1 (u = u0
     and u1), vertex 2 i + j (end i of u on side j), edge k (the border of the inequality k of trim).
 
-    The directrices of a bounded piece have no poles in its range; proved here, for deforming ones at the time that is
-    asked for.  Raises InputError for that, for directrices that are equal or span only one line, and for empty ranges.
+    The directrices of a bounded piece have no poles in its range; proved here, for denominators that hold T at the time
+    that is asked for.  Raises InputError for that, for directrices that are equal or span only one line, and for empty
+    ranges.
 
     >>> cone = RuledSurface("(0, 0, 0)", "((1-u**2)/(1+u**2), 2*u/(1+u**2), 1)", u=None, name="cone")
     >>> cone
@@ -137,9 +138,12 @@ class RuledSurface(Placing):
         from firstcontact.body.ruled_strip import RuledStrip
 
         found = patches(points, knots, weights, degree, name or "from_nurbs")
-        pieces = [
-            cls(patch.first, patch.second, u=patch.u, name=name)._with(joined=patch.joined) for patch in found
-        ]
+        pieces = []
+        for k, patch in enumerate(found):
+            try:
+                pieces.append(cls(patch.first, patch.second, u=patch.u, name=name)._with(joined=patch.joined))
+            except InputError as error:
+                raise InputError(f"{error} (piece {k}, u from {patch.u[0]} to {patch.u[1]})") from error
         return pieces[0] if len(pieces) == 1 else RuledStrip(pieces, name=name)
 
     # -- looking --------------------------------------------------------------------------------------------
@@ -195,7 +199,10 @@ class RuledSurface(Placing):
         """The surface at rest at time t, a number of any kind, taken exactly; itself where it does not deform."""
         if not self.deforming:
             return self
-        resting = self._with(first=self.first.at(t), second=self.second.at(t))
+        try:
+            resting = self._with(first=self.first.at(t), second=self.second.at(t))
+        except InputError as error:
+            raise InputError(f"{self._who}: {error}") from error
         try:
             resting._validate()
         except InputError as error:
@@ -230,7 +237,10 @@ class RuledSurface(Placing):
         key = "box", first, last
         if key not in self._search:
             times = rational(first, "span start"), rational(last, "span end")
-            self._search[key] = hull([box for side in self.sides for box in self._side_boxes(side, times)])
+            try:
+                self._search[key] = hull([box for side in self.sides for box in self._side_boxes(side, times)])
+            except InputError as error:
+                raise InputError(f"{self._who}: {error}") from error
         lo, hi = self._search[key]
         return lo.copy(), hi.copy()
 
@@ -282,8 +292,11 @@ class RuledSurface(Placing):
             raise InputError(f"{self._who}: first and second are one curve; give two different ones")
         if all(x * derivative(y) == y * derivative(x) for x, y in combinations(lines, 2)):
             raise InputError(f"{self._who}: all rulings lie on one line; give directrices that span a surface")
-        if self.s is not None and not self.deforming:
-            self.first, self.second = self._positive(self.first, "first"), self._positive(self.second, "second")
+        if self.s is not None:
+            self.first, self.second = (
+                curve if any(j for _, j in terms(curve.components[3])) else self._positive(curve, name)
+                for curve, name in ((self.first, "first"), (self.second, "second"))
+            )
         for trim in self.trim:
             if self._is_empty(trim):
                 raise InputError(f"{self._who}: trim {str(trim)!r} leaves nothing of the piece; check its direction")
@@ -297,12 +310,12 @@ class RuledSurface(Placing):
         return [p[i] * q[j] - p[j] * q[i] for i, j in combinations(range(4), 2)]
 
     def _positive(self, curve: RationalCurve, which: str = "a side") -> RationalCurve:
-        """The curve at rest with positive weight in the range of u; InputError naming a pole there."""
-        w = curve.components[3]
+        """The curve, whose weight does not depend on T, with one positive in the range of u; InputError for a pole."""
+        w = in_u(curve.components[3])
         sample, end = (-_ONE, _ONE) if self.u is None else (rational(x, "u") for x in self.u)
         poles = [float(x) for x in real_roots(w, sample, end)]
         if self.u is None and not poles:
-            far = [float(x) for x in real_roots(curve.reversed().components[3], -_ONE, _ONE)]
+            far = [float(x) for x in real_roots(in_u(curve.reversed().components[3]), -_ONE, _ONE)]
             poles = [1 / x if x else math.inf for x in far]
         if poles:
             where = "infinity" if math.isinf(poles[0]) else f"{poles[0]:.9g}"
@@ -337,6 +350,8 @@ def _range(ends: Any, what: str) -> Interval | None:
     if ends is None:
         return None
     try:
+        if isinstance(ends, str | set | frozenset | dict):  # of letters, or of no order
+            raise TypeError
         first, last = ends
     except (TypeError, ValueError) as error:
         raise InputError(f"{what} is {ends!r}; give a range (lo, hi), or None for all of it") from error
@@ -349,6 +364,8 @@ def _range(ends: Any, what: str) -> Interval | None:
 
 
 def _trims(trim: Iterable[str] | str, who: str) -> tuple[Trim, ...]:
+    if not np.iterable(trim):
+        raise InputError(f"{who}: trim is {trim!r}; give inequalities such as [\"u*s <= 1/2\"]")
     texts = [trim] if isinstance(trim, str) else list(trim)
     found = []
     for k, text in enumerate(texts):

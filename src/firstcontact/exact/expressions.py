@@ -166,6 +166,8 @@ class _Reader:
 
 
 def _parsed(text: str, what: str) -> tuple[str, ast.expr]:
+    if not isinstance(text, str):
+        raise InputError(f"{what} is {text!r}; give a text")
     text = " ".join(text.split())
     cure = "use numbers, variables, + - * / ** and parentheses"
     if "#" in text or not text.isascii():

@@ -7,15 +7,19 @@ balls (poses that no rational number describes).  `sign` is the only place that 
 from __future__ import annotations
 
 import math
+import re
 import sys
 import threading
+from decimal import Decimal
 from fractions import Fraction
 from typing import Any
 
-from flint import arb, ctx, fmpq
+from flint import arb, ctx, fmpq, fmpz
 
 from firstcontact.errors import InputError
 
+# Exponents that would ask for gigabytes of digits.
+_ENDLESS = re.compile(r"[eE][+-]?0*[1-9]\d{4}")
 # Precisions (bits) tried in turn where balls have to decide a sign; behind the last one: Undecidable.
 PRECISIONS = (128, 256, 512, 1024, 2048)
 
@@ -40,7 +44,7 @@ def sign(x: Any) -> int:
 
 
 def rational(x: Any, what: str) -> fmpq:
-    """The exact value of a double, int, Fraction, fmpq or of a string such as "1/3" or "0.1".
+    """The exact value of a double, int, Fraction, Decimal, fmpq or of a string such as "1/3" or "0.1".
 
     `what` names the argument in the InputError for anything else, NaN and infinities included.
     """
@@ -50,15 +54,19 @@ def rational(x: Any, what: str) -> fmpq:
         return fmpq(*x.as_integer_ratio())
     if isinstance(x, fmpq):
         return x
-    if isinstance(x, int):
+    if isinstance(x, int | fmpz):
         return fmpq(int(x))
     if isinstance(x, Fraction):
         return fmpq(x.numerator, x.denominator)
+    if isinstance(x, Decimal):
+        x = str(x)
     if hasattr(x, "as_integer_ratio"):  # NumPy's other floats
         if not math.isfinite(x):
             raise InputError(f"{what} is {x}; give a finite number")
         return fmpq(*map(int, x.as_integer_ratio()))
     if isinstance(x, str):
+        if _ENDLESS.search(x):
+            raise InputError(f"{what} is {x!r}; give an exponent below 10000")
         try:
             f = Fraction(x)
         except (ValueError, ZeroDivisionError) as error:

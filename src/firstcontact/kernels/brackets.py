@@ -58,8 +58,9 @@ def on_grid(a, b, c, d):
         return False
     step = math.ldexp(1.0, GRID_BITS - exponent)
     for k in range(3):
-        for x in (a[k] * step, b[k] * step, c[k] * step, d[k] * step):
-            if x != math.floor(x):
+        for x in (a[k], b[k], c[k], d[k]):
+            steps = x * step
+            if steps != math.floor(steps) or (steps == 0.0 and x != 0.0):  # the latter: it underflowed
                 return False
     return True
 

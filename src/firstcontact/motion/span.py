@@ -41,6 +41,8 @@ def common_span(a: Any, b: Any, span: Any) -> tuple[fmpq, fmpq | None]:
             raise InputError(f"the spans {' and '.join(str(m.span) for m in motions)} of the motions share no time")
         return first, end
     try:
+        if isinstance(span, str | set | frozenset | dict):  # of letters, or of no order
+            raise TypeError
         lo, hi = span
     except (TypeError, ValueError) as error:
         raise InputError(f"span is {span!r}; give two times (first, last)") from error
@@ -48,7 +50,7 @@ def common_span(a: Any, b: Any, span: Any) -> tuple[fmpq, fmpq | None]:
     endless = isinstance(hi, float) and hi == float("inf")
     last = None if endless else rational(hi, "span end")
     if last is not None and last < first:
-        raise InputError(f"span is {span!r}; its end lies before its start")
+        raise InputError(f"span is ({lo}, {hi}); its end lies before its start")
     for motion, limit in zip(motions, own, strict=True):
         if limit is not None and (first < limit[0] or last is None or last > limit[1]):
             ends = to_double(limit[0]), to_double(limit[1])

@@ -39,8 +39,6 @@ def intersection_curve(p: Any, q: Any, tolerance: float, method: str, box: Any) 
     _check(ruled)
     if method not in ("auto", "algebraic"):
         raise UnsupportedPair(f"method {method!r}: intersection curves with solids are exact; choose 'auto'")
-    if not tolerance > 0:
-        raise InputError(f"tolerance is {tolerance}; give a positive length")
     sheets = _Sheets(ruled, _boundary(solid), tolerance, box_of(box), ruled is p)
     if len(ruled.pieces) == 1 and isinstance(sheets.solid, CompositeQuadric):
         fields = sheets.of_model(Piece.of(ruled.pieces[0])).run()

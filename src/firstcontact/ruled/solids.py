@@ -15,7 +15,7 @@ from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.features import Edge, Face, Vertex
 from firstcontact.body.moving import Moving, shape_of
 from firstcontact.body.polyhedron import Polyhedron
-from firstcontact.composite.answer import element
+from firstcontact.composite.answer import element as element_of_solid
 from firstcontact.composite.certified import bounded
 from firstcontact.composite.certified_intervals import Found, Sweep
 from firstcontact.composite.polyhedra import as_model
@@ -179,7 +179,7 @@ def _solid_element(pair: RuledAndSolid, feature: Face | Edge | Vertex, point: np
         whole: Any = {Face: model.whole.faces, Edge: model.whole.edges}.get(type(feature), model.whole.vertices)
         feature = next(f for f in whole if carriers <= {model.whole.surfaces[k] for k in f.surfaces})
         model = model.whole
-    return element(model, feature, "ab"[1 - pair.side], where)
+    return element_of_solid(model, feature, "ab"[1 - pair.side], where)
 
 
 def contact_intervals(

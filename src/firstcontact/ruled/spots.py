@@ -29,7 +29,8 @@ def box_of(box: Any) -> Box | None:
     except (TypeError, ValueError) as error:
         raise InputError(f"box is {box!r}; give two corners ((x0, y0, z0), (x1, y1, z1))") from error
     if len(low) != 3 or len(high) != 3 or not all(x < y for x, y in zip(low, high, strict=True)):
-        raise InputError(f"box is {box!r}; give two corners ((x0, y0, z0), (x1, y1, z1)), the first below the second")
+        shown = ", ".join(f"({', '.join(map(str, corner))})" for corner in (low, high))
+        raise InputError(f"box is ({shown}); give two corners ((x0, y0, z0), (x1, y1, z1)), the first below the second")
     return low, high
 
 

@@ -29,8 +29,6 @@ def intersection_curve(p: Any, q: Any, tolerance: float, method: str, box: Any) 
         _check(surface)
     if method not in METHODS:
         raise UnsupportedPair(f"method {method!r} is unknown to intersection_curve; choose one of {', '.join(METHODS)}")
-    if not tolerance > 0:
-        raise InputError(f"tolerance is {tolerance}; give a positive length")
     fields = _fields(p, q, tolerance, method, box_of(box))
     stats = fields.pop("stats", Stats())
     return IntersectionCurve(**fields, stats=replace(stats, seconds=clock.perf_counter() - begin), a=p, b=q)
