@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time as clock
 from dataclasses import replace
+from numbers import Real
 from typing import Any
 
 from firstcontact.body.ruled_strip import RuledStrip
@@ -30,8 +31,8 @@ def intersection_curve(p: Any, q: Any, tolerance: float, method: str, box: Any) 
         _check(surface)
     if method not in METHODS:
         raise UnsupportedPair(f"method {method!r} is unknown to intersection_curve; choose one of {', '.join(METHODS)}")
-    if not tolerance > 0:
-        raise InputError(f"tolerance is {tolerance}; give a positive length")
+    if not (isinstance(tolerance, Real) and tolerance > 0):
+        raise InputError(f"tolerance is {tolerance!r}; give a positive length")
     fields = _fields(p, q, tolerance, method, _box(box))
     stats = fields.pop("stats", Stats())
     return IntersectionCurve(**fields, stats=replace(stats, seconds=clock.perf_counter() - begin), a=p, b=q)
