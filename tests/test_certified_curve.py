@@ -262,6 +262,14 @@ def test_cusps_are_named_where_branches_pass_an_edge_of_regression():
         assert any((branch.points == points[0]).all(1).any() for branch in found.branches)
 
 
+def test_a_branch_that_is_passed_to_and_fro_keeps_few_points():
+    """Only v^2 occurs, so the points beside v = 0 are one."""
+    wedge = fc.RuledSurface("(u, u + 1, -1)", "(-1, 1, -2)", u=(-2, 2), s=(-1, 2))
+    folded = fc.RuledSurface("(u**2 + 1, 2, -2*u**2)", "(2*u**2, -2*u**2, -2*u**2 - 1)", u=(-1, 2), s=(0, 2))
+    (branch,) = certified(wedge, folded).branches
+    assert len(branch.points) < 1000 and abs(branch.length - 2.64671) < 1e-4
+
+
 def test_metamorphic():
     """Exchanged, scaled by powers of two, and turned by a matrix of such: the same curve."""
     p, q = STRIPS[8]

@@ -687,6 +687,7 @@ def test_bounded_pieces_keep_the_tolerance_far_out():
         ({"box": (1, 2)}, fc.InputError, "two corners"),
         ({"box": ((0, 0, 0), (1, 1, -1))}, fc.InputError, "below"),
         ({"tolerance": 1e-30}, fc.InputError, "larger"),
+        ({"tolerance": "fine"}, fc.InputError, "positive length"),
     ],
 )
 def test_bad_arguments(arguments, error, text):

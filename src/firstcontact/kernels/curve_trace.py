@@ -199,7 +199,9 @@ def _plan(plan, count, begin, length, tolerance, w):
         here = row[BEND]
         before = start if i == 0 else 0.5 * (here + plan[i - 1, BEND])
         after = end if i == last else 0.5 * (here + plan[i + 1, BEND])
-        row[CHORDS] = _chords(max(here, max(before, after)), here / row[WAY], tolerance)
+        # neighbours on both sides of a cusp may be one point
+        turn = here / row[WAY] if here < np.pi * row[WAY] else np.pi
+        row[CHORDS] = _chords(max(here, max(before, after)), turn, tolerance)
 
 
 @uncounted
