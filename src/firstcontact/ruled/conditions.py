@@ -168,6 +168,10 @@ class Conditions:
 
     def at(self, t: fmpq) -> Conditions:
         """The conditions at one time."""
+        if not all(self.bounded):  # whole rulings lose what their coordinates have in common then
+            p, q = ((x.projective_at(t), y.projective_at(t)) for x, y in self.sides)
+            now = _conditions(p, q, self.u, self.v, self.bounded, self.trims)
+            return replace(now, trimmed=self.trimmed, moment=t)
         return replace(
             self,
             delta=at(self.delta, 2, t),
@@ -198,8 +202,11 @@ class Conditions:
         return found
 
 
-def conditions(a: Any, b: Any, piece: DirectrixPiece, span: tuple[fmpq, fmpq]) -> Conditions:
-    """The conditions of two ruled pieces over one piece of their relative motion, whose parameter is in `span`."""
+def conditions(a: Any, b: Any, piece: DirectrixPiece, span: Range) -> Conditions:
+    """The conditions of two ruled pieces over one piece of their relative motion, whose parameter is in `span`.
+
+    None: it may be any number.
+    """
     p, q = (_shape(body) for body in (a, b))
     bounded = p.s is not None, q.s is not None
     if not any(bounded):
@@ -266,27 +273,38 @@ def _range(ends: Any) -> Range:
     return None if ends is None else (rational(ends[0], "u"), rational(ends[1], "u"))
 
 
-def check_weight(surface: RuledSurface, side: RationalCurve, span: tuple[fmpq, fmpq]) -> None:
-    """InputError unless the weight is positive over the range and the span."""
-    if not side.deforming or not any(key[1] for key in _terms2(side.components[3])):
-        return
+def check_weight(surface: RuledSurface, side: RationalCurve, span: Range) -> None:
+    """InputError unless the weight is positive over the range and the span; None: at all times."""
+    if not any(key[1] for key in _terms2(side.components[3])):
+        return  # surfaces prove it for weights without T
     from firstcontact.exact import bernstein
 
-    charts = [(side, _range(surface.u))] if surface.u else [(side, None), (side.reversed(), None)]
+    unit = fmpq(-1), fmpq(1)
+    charts = [(side, _range(surface.u))] if surface.u else [(side, unit), (side.reversed(), unit)]
     for curve, ends in charts:
         table = _terms2(curve.components[3])
-        size = max(i for i, _ in table), max(j for _, j in table)
-        boxes = [(ends or (fmpq(-1), fmpq(1)), span, 0)]
+        assert ends is not None
+        boxes = [(table, ends, span or unit, 0)]
+        if span is None:
+            boxes.append((_late(table), ends, unit, 0))
+        size = max(i for i, _ in table), _even(max(j for _, j in table))
         while boxes:
-            u, t, depth = boxes.pop()
+            table, u, t, depth = boxes.pop()
             if min(c for row in bernstein.grid(table, u, t, size) for c in row) > 0:
                 continue
             if depth == 6:
+                when, cure = (" of the span", "u or the span") if span else (", and any may be asked for", "u")
                 raise InputError(
-                    f"{surface!r}: a directrix seems to have a pole at some time of the span; shorten u or the span"
+                    f"{surface!r}: a directrix seems to have a pole at some time{when}; shorten {cure}"
                 )
             x, y = (u[0] + u[1]) / 2, (t[0] + t[1]) / 2
-            boxes += [(a, b, depth + 1) for a in ((u[0], x), (x, u[1])) for b in ((t[0], y), (y, t[1]))]
+            boxes += [(table, a, b, depth + 1) for a in ((u[0], x), (x, u[1])) for b in ((t[0], y), (y, t[1]))]
+
+
+def _late(table: dict[tuple[int, int], Any]) -> dict[tuple[int, int], Any]:
+    """In 1/T, times an even power of T."""
+    top = _even(max(j for _, j in table))
+    return {(i, top - j): c for (i, j), c in table.items()}
 
 
 def _terms2(p: Any) -> dict[tuple[int, int], Any]:
@@ -304,7 +322,7 @@ def _conditions(
     of_p, of_q = _planes(line_p), _planes(line_q)
     delta = _sum(x * line_q[j] * sign for x, (j, sign) in zip(line_p, _DUAL, strict=True))
     factors = [] if delta.is_zero() else irreducible(delta)
-    weights = [w for curve in (p1, p2, q1, q2) for w in irreducible(curve[3])]
+    weights = [w for curve in (p1, p2, q1, q2) if not curve[3].is_zero() for w in irreducible(curve[3])]
     positive = {str(f): f for f in [*factors, *weights] if is_definite(f)}
     definite = positive.values()
     ends = tuple(
@@ -359,7 +377,7 @@ def _line(p: Any, q: Any, bounded: bool) -> list[fmpz_mpoly]:
     if bounded:
         return line
     common = reduce(lambda x, y: x.gcd(y), line)
-    return [x // common for x in line]
+    return line if common.is_zero() else [x // common for x in line]
 
 
 def _planes(line: list[fmpz_mpoly]) -> tuple[tuple[fmpz_mpoly, ...], ...]:

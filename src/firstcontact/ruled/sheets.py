@@ -77,9 +77,14 @@ class Sheet:
         Where a border is a simple factor of one condition alone, f = 0 folds there, or one end of a segment or of a
         range passes, and contact lies on one side of it.
         """
+        return bool(self.doubtful_borders)
+
+    @property
+    def doubtful_borders(self) -> list[fmpz_mpoly]:
+        """Those on which there may be contact without any on their sides."""
         if self.may_be_thin:
-            return True
-        return any(self._border_factors.count(b) + self._is_end(b) > 1 for b in self.borders)
+            return self.borders
+        return [b for b in self.borders if self._border_factors.count(b) + self._is_end(b) > 1]
 
     def _is_end(self, b: fmpz_mpoly) -> bool:
         """Whether a border lies at an end of the first range."""
