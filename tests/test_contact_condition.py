@@ -102,6 +102,6 @@ def test_whole_rulings_through_infinity():
     lines = fc.RuledSurface("(1/T, u, 0)", "(0, u, 1)", u=(-1, 1), s=None)
     piece = fc.RuledSurface("(u, 1/2, -2)", "(u, 1/3, 3)", u=(-1, 1))
     condition = fc.contact_condition(piece, lines)
-    for u, t in grid(1, 8):
+    for u, t in grid(1, 8, 3):
         assert condition.holds(u, t) is (-2 <= 1 - u * t <= 3)
     assert fc.contact_intervals(piece, lines, (-1, 1), exact=True)[0].start_exact == -1
