@@ -131,12 +131,13 @@ class _Signs:
 
     def __init__(self, point: Point) -> None:
         self.point, self.balls = point, [x.ball(BITS) for x in point]
-        self.known: dict[int, int] = {}
+        self.known: dict[int, tuple[fmpz_mpoly, int]] = {}
+        """By identity; the polynomial is kept lest another one takes its place in memory."""
 
     def __call__(self, f: fmpz_mpoly) -> int:
         if id(f) not in self.known:
-            self.known[id(f)] = self._sign(f)
-        return self.known[id(f)]
+            self.known[id(f)] = f, self._sign(f)
+        return self.known[id(f)][1]
 
     def _sign(self, f: fmpz_mpoly) -> int:
         with precision(BITS):
