@@ -21,7 +21,7 @@ from firstcontact.kernels import curve_points as columns
 from firstcontact.kernels.curve_trace import PLAN_COLUMNS, STACK, trace
 from firstcontact.kernels.curve_trim import trim
 from firstcontact.ruled.chains import Chain, chains, product_table
-from firstcontact.ruled.edge_cusps import passed, with_edges
+from firstcontact.ruled.edge_cusps import passed, turns_sharply, with_edges
 from firstcontact.ruled.joined import Found, Stop, Strand, knot
 from firstcontact.ruled.settled import PiecePair, Settled
 
@@ -40,6 +40,8 @@ SAME_PLACE, MOST_PLACES = 1e-5, 4000
 SAME_POINT, IN_SPACE = 1e-9, 1e-12
 # Of the square of a length that is divided by: rulings may be points.
 LEAST = 1e-300
+# Polylines with fewer points than this are looked through for cusps more quickly than surfaces for edges of regression.
+FEW_POINTS = 4096
 # Polylines of so many points are longer than that: chords are not cut below it.
 LONG = 100
 
@@ -216,7 +218,9 @@ def _strands(solved: Solved, settled: Settled, settles: bool) -> tuple[list[Stra
 
 def _with_cusps(p: Chain, q: Chain, strands: list[Strand]) -> tuple[list[Strand], list[np.ndarray]]:
     """The strands with rows at their cusps, and these points; exact strands know theirs."""
-    points = []
+    points: list[np.ndarray] = []
+    if sum(len(x.points) for x in strands) < FEW_POINTS and not any(turns_sharply(x.points) for x in strands):
+        return strands, points
     for own, other, order in ((p, q, [0, 1, 2, 3]), (q, p, [1, 0, 3, 2])):
         edged = with_edges(own)
         for n, strand in enumerate(strands if edged else []):

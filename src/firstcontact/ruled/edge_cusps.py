@@ -25,6 +25,15 @@ NOT_FLAT, REVERSED, AT_EDGE = 1e-9, -0.5, 1e-9
 STEPS, SETTLED, SLOPE, FAR, LEAST = 12, 1e-13, 1e-2, 1e6, 1e-300
 
 
+def turns_sharply(points: np.ndarray) -> bool:
+    """Whether a polyline turns by more than 60 degrees within three chords, as it does at a cusp."""
+    chords = np.diff(points, axis=0)
+    squares = (chords * chords).sum(1)
+    return any(
+        bool(((chords[k:] * chords[:-k]).sum(1) < 0.5 * np.sqrt(squares[k:] * squares[:-k])).any()) for k in (1, 2)
+    )
+
+
 def with_edges(chain: Chain) -> list[Any]:
     """The developable pieces with an edge of regression."""
     if any(EDGE not in piece._search for piece in chain.pieces):
