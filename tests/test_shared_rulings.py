@@ -124,6 +124,16 @@ def test_a_bound_that_changes_sign_at_infinity():
     assert sorted(end.parameters[0] for end in branch.ends) == [-1, math.inf]
 
 
+@pytest.mark.parametrize("top", ["1", "2"])
+def test_a_cone_with_another_parameter(top):
+    """Ends that rulings share all along, as at the tip, do not make infinity special in every parameter."""
+    turned = CIRCLE.format(1).replace("u", "((u+1)/(u-2))")
+    found = fc.intersection_curve(
+        fc.RuledSurface("(0, 0, 0)", CIRCLE.format(1), u=None), fc.RuledSurface("(0, 0, 0)", turned, u=None, s=(0, top))
+    )
+    assert found.two_dimensional
+
+
 @pytest.mark.parametrize(("trim", "points"), [("s <= 1/2", [[0, 0, 0]]), ("s >= 1/2", []), ("u*s >= 0", [[0, 0, 0]])])
 def test_trimmed_cones_with_one_apex(trim, points):
     narrow = fc.RuledSurface("(0, 0, 0)", CIRCLE.format(1), u=None, trim=[trim])

@@ -72,8 +72,14 @@ def special_at_infinity(p: Piece, q: Piece, box: Box | None, side: int) -> bool:
     here = [restrict(f, "uv"[side], fmpq(0)) for f in factors]
     if any(x.degree() < f.degrees()[1 - side] for x, f in zip(here, factors, strict=True)):
         return True
-    critical = (restrict(f, "uv"[side], fmpq(0)) for f in _critical(a, b, box, factors))
-    return any(x.gcd(c).degree() != 0 for c in critical for x in here)
+    critical = _critical(a, b, box, factors)
+    for x, f in zip(here, factors, strict=True):
+        for c in critical:
+            while not c.is_zero() and divides(f, c):  # where it holds all along, its other zeros count
+                c = c // f
+            if not c.is_zero() and x.gcd(restrict(c, "uv"[side], fmpq(0))).degree() != 0:
+                return True
+    return False
 
 
 def _critical(p: Piece, q: Piece, box: Box | None, factors: list[fmpz_mpoly]) -> list[fmpz_mpoly]:
