@@ -73,6 +73,27 @@ def test_a_budget_ends_in_undecided():
     assert (found.status, found.reason) == (fc.Status.UNDECIDED, "budget") and found.free_until < 0.45
 
 
+def test_progress_is_told():
+    seen = []
+    moving = SADDLE.moving(fc.Screw((1, 0, 0), degrees=900, advance=20))
+    hit = fc.first_contact(moving, WALL, progress=lambda time, done: seen.append((time, done)))
+    assert hit.status is fc.Status.CONTACT and len(seen) > 2
+    assert seen == sorted(seen) and all(time <= hit.free_until for time, _ in seen)
+
+
+def test_a_turning_strip_and_a_corner():
+    """Its last vertex comes through y = 0; elimination over all of the turn takes more than a minute."""
+    turn = fc.Rotation((1, 2, 3), (-1, 0, 1), degrees=300)
+    bent = fc.RuledSurface("(u, u**2, u**3/4)", "(u, 1 - u/2, 1 + u**2)").translated((-4, 0, 0))
+    hit = fc.first_contact(bent.moving(turn), CORNER)
+    assert (hit.element_a.kind, hit.element_a.index, hit.element_b.index) == ("vertex", 3, 2)
+    lo, hi = hit.time_interval
+    before, after = ((turn(t) @ (-3, 0.5, 2, 1))[1] for t in (lo - 1e-12, hi + 1e-12))
+    assert before * after < 0 and hi - lo < 1e-12
+    assert np.allclose((turn(hit.time) @ (-3, 0.5, 2, 1))[:3], hit.point, atol=1e-12)
+    assert fc.first_contact(bent.moving(turn), CORNER, (0, lo - 1e-9)).status is fc.Status.FREE
+
+
 @pytest.mark.parametrize(
     ("surface", "message"),
     [(fc.RuledSurface("(u, 0, 0)", "(u, 1, u)", s=None), "bounded in s"),

@@ -20,6 +20,12 @@ class Work:
     free_until: float = 0.0
     done: int = 0
 
+    def reached(self, time: float) -> None:
+        """Tell that all before the time is free, or known."""
+        self.free_until = time
+        if self.progress is not None:
+            self.progress(self.free_until, self.done)
+
     def step(self) -> None:
         """Count one subproblem or candidate before it is taken up.  Raises Spent."""
         if self.budget is not None and self.done >= self.budget:

@@ -25,7 +25,7 @@ from firstcontact.composite.answer import interval_of
 from firstcontact.composite.work import Spent, Work
 from firstcontact.errors import InputError, UnsupportedPair
 from firstcontact.exact.instants import enclose
-from firstcontact.exact.numbers import below, fraction, precision, to_double
+from firstcontact.exact.numbers import below, exact_value, fraction, precision, to_double
 from firstcontact.exact.roots import AlgebraicRoot
 from firstcontact.motion.clocks import StraightClock
 from firstcontact.motion.directrices import DirectrixPiece, directrix_pieces, sides_from
@@ -57,6 +57,10 @@ from firstcontact.search.earliest import Progress
 BITS = 128
 QUICK_DEGREE = 80
 """Of equations that elimination may lead to where the search in doubles takes the pair too."""
+MESH_BOXES = 5_000
+"""Boxes for a piece and a triangle after which elimination is asked instead."""
+NEARBY = fmpq(1, 2**30)
+"""Part of the span around a time proved in doubles in which it is decided exactly."""
 _ORDER = {"vertex": 0, "apex": 0, "edge": 1, "directrix": 1, "end_ruling": 2, "face": 3}
 
 
@@ -207,6 +211,10 @@ def first_contact(
         found = _on_convex(a, b, first, last, certain, tolerance, budget, progress, shared, begin)
         if found is not None:
             return found
+    if not algebraic and method != "certified" and any(isinstance(shape_of(x), Polyhedron) for x in (a, b)):
+        found = _on_mesh(a, b, first, last, tolerance, budget, progress, shared, begin)
+        if found is not None:
+            return found
     if method == "certified" and not exact:
         return _proved(a, b, first, last, tolerance, budget, progress, shared, begin)
     quick = not algebraic and certified.takes(a, b, first, last)
@@ -269,6 +277,35 @@ def _on_convex(
         return decided(a, b, first, last, False, MOST_DEGREE, budget, progress, shared, begin)
     except UnsupportedPair:
         return proved
+
+
+def _on_mesh(
+    a: Any, b: Any, first: fmpq, last: fmpq, tolerance: float, budget: int | None, progress: Progress | None,
+    shared: dict[str, Any], begin: float,
+) -> FirstContact | None:
+    """In doubles, and what meets exactly, around the time proved, where equations are small; None where they fail.
+
+    Elimination over all the span takes every triangle that the surface comes near.
+    """
+    try:
+        work = Work(budget, progress, below(first))
+        proved = posed.first_contact(a, b, first, last, tolerance, work, shared, MESH_BOXES)
+    except UnsupportedPair:
+        return None
+    proved = replace(proved, stats=proved.stats + Stats(seconds=clock.perf_counter() - begin))
+    if proved.status is Status.UNDECIDED and proved.reason == "precision":
+        return None
+    if proved.time_interval is None or proved.initial == "containment":
+        return proved
+    room = NEARBY * (last - first)
+    lo, hi = (exact_value(t) for t in proved.time_interval)
+    try:
+        found = decided(
+            a, b, max(first, lo - room), min(last, hi + room), False, QUICK_DEGREE, budget, progress, shared, begin
+        )
+    except UnsupportedPair:
+        return proved
+    return found if found.status is proved.status else proved
 
 
 def _is_settled(proved: FirstContact) -> bool:

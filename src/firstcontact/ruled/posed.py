@@ -56,14 +56,17 @@ class _Found:
 
 
 def first_contact(
-    a: Any, b: Any, first: fmpq, last: fmpq, tolerance: float, work: Work, shared: dict[str, Any]
+    a: Any, b: Any, first: fmpq, last: fmpq, tolerance: float, work: Work, shared: dict[str, Any], most: int = BUDGET
 ) -> FirstContact:
-    """The first contact with an enclosure of its time; UNDECIDED where doubles and balls do not tell."""
+    """The first contact with an enclosure of its time; UNDECIDED where doubles and balls do not tell.
+
+    most: boxes for two pieces in a window.
+    """
     pair = _Pair(a, b, first, last)
     for window in pair.windows():
-        work.free_until = max(below(window.start), shared["span"][0])
+        work.reached(max(below(window.start), shared["span"][0]))
         try:
-            found = [pair.searched(window, i, j, tolerance, work) for i, j in pair.near(window)]
+            found = [pair.searched(window, i, j, tolerance, work, most) for i, j in pair.near(window)]
         except Spent:
             return _undecided(work.free_until, "budget", work, shared)
         if window.start == first and pair.is_contained(window.motion) and not any(x.is_initial for x in found):
@@ -78,7 +81,8 @@ def first_contact(
         if best is not None and best.interval is not None and (until is None or best.interval[1] <= until):
             return _answer(pair, window, best, window.start == first, work, shared)
         if until is not None:
-            reason = "budget" if any(x.contact.reason == "budget" for x in left) else "precision"
+            spent = work.budget is not None and any(x.contact.reason == "budget" for x in left)
+            reason = "budget" if spent else "precision"
             return _undecided(until, reason, work, shared)
     return FirstContact(Status.FREE, free_until=to_double(last), stats=Stats(node_visits=work.done), **shared)
 
@@ -91,7 +95,7 @@ def contact_intervals(
     if pair.interior is not None:
         raise UnsupportedPair(f"{a!r} and {b!r}: such motions have no contact intervals with solid polyhedra")
     for window in pair.windows():
-        work.free_until = max(below(window.start), shared["span"][0])
+        work.reached(max(below(window.start), shared["span"][0]))
         found = [pair.followed(window, i, j, tolerance, work) for i, j in pair.near(window)]
         intervals = _united([*intervals, *(x for own in found for x in own.intervals)])
         stopped = min((own for own in found if own.reason is not None), key=lambda own: own.until, default=None)
@@ -195,8 +199,8 @@ class _Pair:
             raise UnsupportedPair(f"{who}: {len(found)} pairs of pieces and triangles come near each other, too many")
         return found
 
-    def searched(self, window: PoseWindow, i: int, j: int, tolerance: float, work: Work) -> _Found:
-        budget = BUDGET if work.budget is None else work.budget - work.done
+    def searched(self, window: PoseWindow, i: int, j: int, tolerance: float, work: Work, most: int) -> _Found:
+        budget = most if work.budget is None else work.budget - work.done
         if budget <= 0:
             raise Spent
         p, q = PosedPiece.posed(self.pieces[0][i], window), in_local_time(self.pieces[1][j], window)
