@@ -69,13 +69,14 @@ def first_contact(
             found = [pair.searched(window, i, j, tolerance, work, most) for i, j in pair.near(window)]
         except Spent:
             return _undecided(work.free_until, "budget", work, shared)
-        if window.start == first and pair.is_contained(window.motion) and not any(x.is_initial for x in found):
-            time = shared["span"][0]
-            return FirstContact(
-                Status.INITIAL_CONTACT, time, (time, time), initial="containment", free_until=time, **shared
-            )
         met = [x for x in found if x.interval is not None]
         left = [x for x in found if x.contact.status == "open"]
+        if window.start == first and not any(x.is_initial for x in met) and pair.is_contained(window.motion):
+            time, stats = shared["span"][0], Stats(node_visits=work.done)
+            how = None if any(x.free_until <= time for x in left) else "containment"
+            return FirstContact(
+                Status.INITIAL_CONTACT, time, (time, time), initial=how, free_until=time, stats=stats, **shared
+            )
         best = min(met, key=lambda x: x.interval, default=None)  # type: ignore[arg-type,return-value]
         until = min((x.free_until for x in left), default=None)
         if best is not None and best.interval is not None and (until is None or best.interval[1] <= until):
