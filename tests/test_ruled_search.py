@@ -359,10 +359,12 @@ CORNERS = {
 def test_corners_that_meet_are_not_passed_over(name: str) -> None:
     first, second, u, edge, (start, end) = CORNERS[name]
     p, q = fc.RuledSurface(first, second, u=u), fc.RuledSurface("(u, 0, 0)", edge, u=UNIT)
+    pieces = certified.pieces_of(p, q, fmpq(-2), fmpq(2))
+    assert pieces is not None
     for found in (
         fc.first_contact(p, q, (-2, 2), method="certified"),
         certified.contact_intervals(
-            p, q, fmpq(-2), fmpq(2), 1e-12, Work(), 0.0, {"a": p, "b": q, "span": (-2.0, 2.0)}
+            pieces, fmpq(-2), fmpq(2), 1e-12, Work(), 0.0, {"a": p, "b": q, "span": (-2.0, 2.0)}
         ),
     ):
         assert found.status is not fc.Status.FREE and start - 1e-12 <= found.free_until <= start

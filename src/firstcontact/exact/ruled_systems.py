@@ -13,6 +13,7 @@ from typing import NamedTuple
 from flint import arb, fmpq, fmpz_poly
 
 from firstcontact.exact.square_systems import Equations
+from firstcontact.exact.vectors import det
 
 Vector = list[arb]
 Columns = tuple[int, int, int]
@@ -127,7 +128,7 @@ class ContactSystem(Equations):
         p, q = self.jets(x, 1 if self.minors else 0)
         columns = p.x, p.s, q.x, q.s
         gap = [a - b for a, b in zip(p.point, q.point, strict=True)]
-        return gap + [_det(*(columns[k] for k in minor)) for minor in self.minors]
+        return gap + [det(*(columns[k] for k in minor)) for minor in self.minors]
 
     def jacobian(self, x: Sequence[arb]) -> list[list[arb]]:
         p, q = self.jets(x, 2 if self.minors else 1)
@@ -150,13 +151,7 @@ class ContactSystem(Equations):
                 for place, column in enumerate(minor):
                     changed = twice[column][k]
                     if changed is not zero:
-                        total += _det(*(changed if i == place else columns[c] for i, c in enumerate(minor)))
+                        total += det(*(changed if i == place else columns[c] for i, c in enumerate(minor)))
                 row.append(total)
             rows.append(row)
         return rows
-
-
-def _det(a: Vector, b: Vector, c: Vector) -> arb:
-    return (
-        a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0])
-    )

@@ -16,6 +16,7 @@ from firstcontact.exact.number_field import ExactNumber
 from firstcontact.exact.numbers import Undecidable, dyadic, nearest_double, precision
 from firstcontact.exact.polynomial_matrix import Matrix
 from firstcontact.exact.roots import AlgebraicRoot
+from firstcontact.exact.vectors import det
 
 MOST_BITS = 512
 """Roots closer than this count as one; signs that do not show by then stay open."""
@@ -97,7 +98,7 @@ class SquareSystem(Equations):
         point = [*x[:3], arb(1)]
         images = [_image(form, point, x[3]) for form in self.forms]
         found = [_dot(point, image) for image in images]
-        return found if len(found) == 4 else [*found, _det([image[:3] for image in images])]
+        return found if len(found) == 4 else [*found, det(*(image[:3] for image in images))]
 
     def jacobian(self, x: Sequence[arb]) -> list[list[arb]]:
         """Their derivatives by x, y, z, u, row by row."""
@@ -112,7 +113,7 @@ class SquareSystem(Equations):
         for k in range(4):
             by = [m[:3] if k == 3 else [form[j][k](x[3]) for j in range(3)]
                   for m, form in zip(moved, self.forms, strict=True)]  # fmt: skip
-            terms = [_det([by[j] if i == j else g for i, g in enumerate(gradients)]) for j in range(3)]
+            terms = [det(*(by[j] if i == j else g for i, g in enumerate(gradients))) for j in range(3)]
             last.append(terms[0] + terms[1] + terms[2])
         return [*rows, last]
 
@@ -126,11 +127,6 @@ def _dot(x: Sequence[arb], y: Sequence[arb]) -> arb:
     for a, b in zip(x[1:], y[1:], strict=True):
         total += a * b
     return total
-
-
-def _det(rows: Sequence[Sequence[arb]]) -> arb:
-    (a, b, c), (d, e, f), (g, h, i) = rows
-    return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
 
 
 def certified(system: Equations, centre: Sequence[fmpq], radii: Sequence[fmpq], bits: int = 192) -> Zero | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from flint import fmpq
@@ -18,18 +18,25 @@ from firstcontact.motion.directrices import DirectrixPiece, directrix_pieces
 from firstcontact.result import ContactIntervals, FirstContact, Stats, Status
 from firstcontact.ruled.certified_intervals import certified_intervals
 from firstcontact.ruled.names import element
-from firstcontact.search.ruled_events import RuledEvent, first_event
+from firstcontact.search.ruled_events import RuledEvent, first_event, outermost
 from firstcontact.search.ruled_pieces import RuledPiece
 
 BUDGET = 200_000
 
 
+class Pieces(NamedTuple):
+    """Both surfaces in the frame of b, and the motion."""
+
+    step: DirectrixPiece
+    p: RuledPiece
+    q: RuledPiece
+
 
 def first_contact(
-    a: Any, b: Any, first: fmpq, last: fmpq, tolerance: float, budget: int | None, shared: dict[str, Any]
+    pieces: Pieces, first: fmpq, last: fmpq, tolerance: float, budget: int | None, shared: dict[str, Any]
 ) -> FirstContact:
     """The first contact with an enclosure of its time; UNDECIDED where doubles do not tell."""
-    step, p, q = _pieces(a, b, first, last)
+    step, p, q = pieces
     found = first_event(p, q, first, last, tolerance, BUDGET if budget is None else budget)
     stats = Stats(node_visits=found.boxes)
     if found.status == "free":
@@ -41,43 +48,33 @@ def first_contact(
     answer: dict[str, Any] = {"free_until": found.free_until, "stats": stats, **shared}
     if found.event is not None:
         assert found.time is not None
-        pose = _pose_of_b(step, b, found.time)
+        pose = _pose_of_b(step, shared["b"], found.time)
         answer |= described(found.event, pose, status is Status.CONTACT, shared)
     return FirstContact(status, found.time, found.time_interval, **answer)
 
 
 def contact_intervals(
-    a: Any, b: Any, first: fmpq, last: fmpq, tolerance: float, work: Work, begin: float, shared: dict[str, Any]
+    pieces: Pieces, first: fmpq, last: fmpq, tolerance: float, work: Work, begin: float, shared: dict[str, Any]
 ) -> ContactIntervals:
     """All contacts with enclosures of their ends; UNDECIDED from the first time on at which nothing is proved."""
-    _, p, q = _pieces(a, b, first, last)
-    return proved_intervals(certified_intervals(p, q, first, last, tolerance, work), work, begin, shared)
+    found = certified_intervals(pieces.p, pieces.q, first, last, tolerance, work)
+    return proved_intervals(found, work, begin, shared)
 
 
-def takes(a: Any, b: Any, first: fmpq, last: fmpq) -> bool:
-    """Whether the search takes the pair."""
-    try:
-        _pieces(a, b, first, last)
-    except UnsupportedPair:
-        return False
-    return True
-
-
-def _pieces(a: Any, b: Any, first: fmpq, last: fmpq) -> tuple[DirectrixPiece, RuledPiece, RuledPiece]:
-    """Both surfaces in the frame of b; UnsupportedPair for what the search does not take."""
+def pieces_of(a: Any, b: Any, first: fmpq, last: fmpq) -> Pieces | None:
+    """None unless both are one piece, bounded in s and not trimmed, under one motion rational in the time."""
     for body in (a, b):
-        shape = shape_of(body)
-        pieces: list[Any] = list(getattr(shape, "pieces", ()))
+        pieces: list[Any] = list(getattr(shape_of(body), "pieces", ()))
         if len(pieces) != 1 or pieces[0].s is None or pieces[0].trim:
-            raise UnsupportedPair(f"{shape!r}: the certified search takes one piece, bounded in s and not trimmed")
-    steps = list(directrix_pieces(a, b, first, last))
+            return None
+    try:
+        steps = list(directrix_pieces(a, b, first, last))
+    except UnsupportedPair:
+        return None
     if len(steps) > 1 or not isinstance(steps[0].motion.clock, StraightClock) or not steps[0].motion.exact:
-        raise UnsupportedPair("the certified search takes one motion that is a rational function of the time")
-    p, q = (
-        RuledPiece.of(sides, shape_of(body).u)
-        for sides, body in ((steps[0].p, a), (steps[0].q, b))
-    )
-    return steps[0], p, q
+        return None
+    p, q = (RuledPiece.of(sides, shape_of(body).u) for sides, body in ((steps[0].p, a), (steps[0].q, b)))
+    return Pieces(steps[0], p, q)
 
 
 def _pose_of_b(step: DirectrixPiece, b: Any, time: float) -> np.ndarray:
@@ -98,7 +95,7 @@ def described(
         normal = event.normal @ np.linalg.inv(pose[:3, :3])
         normal = normal / np.linalg.norm(normal)
     elements = [
-        element(shared[which], *_outermost(*sides, inner), number, which)
+        element(shared[which], *outermost(*sides, inner), number, which)
         for sides, number, inner, which in zip(
             (event.sides[:2], event.sides[2:]), numbers, joined, "ab", strict=True
         )
@@ -107,12 +104,3 @@ def described(
         "point": pose[:3, :3] @ event.point + pose[:3, 3], "normal": normal,
         "element_a": elements[0], "element_b": elements[1], "multiplicity": 1,
     }  # fmt: skip
-
-
-def _outermost(u: int, s: int, joined: Collection[str]) -> tuple[str, int]:
-    """Kind and number of the element at these sides (-1, 0, 1) that is not part of another one."""
-    u, s = (0 if side and f"{name}{int(side > 0)}" in joined else side for name, side in (("u", u), ("s", s)))
-    i, j = int(u > 0), int(s > 0)
-    if u:
-        return ("vertex", 2 * i + j) if s else ("end_ruling", i)
-    return ("directrix", j) if s else ("face", 0)

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -135,17 +136,18 @@ class _Pair:
 
     def in_doubles(self, way: Way, t: float, end: float) -> Iterator[tuple[list[Change], float]]:
         """As `changes`: once, where they are few enough."""
-        for reach in REACHES:
-            until = min(t + reach * self.span, end)
-            found = self.in_doubles_until(way, t, until)
-            if found is not None:
-                yield found, until
-                break
+        return islice(self._closer(self.in_doubles_until, REACHES, way, t, end), 1)
 
     def in_balls(self, way: Way, t: float, end: float) -> Iterator[tuple[list[Change], float]]:
-        for reach in CLOSE_REACHES:
+        return self._closer(self.in_balls_until, CLOSE_REACHES, way, t, end)
+
+    def _closer(
+        self, listed: Callable[[Way, float, float], list[Change] | None], reaches: Sequence[float], way: Way, t: float,
+        end: float,
+    ) -> Iterator[tuple[list[Change], float]]:
+        for reach in reaches:
             until = min(t + reach * self.span, end)
-            found = self.in_balls_until(way, t, until)
+            found = listed(way, t, until)
             if found is not None:
                 yield found, until
 

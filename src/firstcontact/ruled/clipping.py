@@ -28,7 +28,7 @@ from firstcontact.pairs.ruled_ruled import (
     sign_at,
 )  # fmt: skip
 from firstcontact.ruled import cusps
-from firstcontact.ruled.pieces import Inequality, Piece
+from firstcontact.ruled.pieces import Inequality, Piece, at_place
 from firstcontact.ruled.spots import Box, Spot, equalities, sides, spot
 
 Degrees = tuple[int, int]
@@ -145,10 +145,7 @@ def _trim(piece: Piece, g: Inequality, pair: Any, along: Any, own: int) -> Condi
     numerator, denominator = -d1 * w2, d2 * w1 - d1 * w2
     top = max(j for _, j in g)
     even = top + top % 2
-    variable = CONTEXT.gens()[own]
-    total = CONTEXT.constant(0)
-    for (i, j), c in g.items():
-        total = total + variable**i * numerator**j * denominator ** (even - j) * c
+    total = at_place(g, CONTEXT.gens()[own], numerator, denominator, even)
     in_u = max(i for i, _ in g)
     in_u += in_u % 2
     ends = _degree(piece.rulings.first) + _degree(piece.rulings.second)

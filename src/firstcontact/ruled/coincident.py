@@ -8,21 +8,21 @@ set of pairs satisfies all bounds: one rational pair in every cell of the arrang
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import combinations, pairwise
+from itertools import combinations
 
 import numpy as np
 from flint import fmpq, fmpz, fmpz_mpoly, fmpz_poly
 
 from firstcontact.exact import bivariate
 from firstcontact.exact.bivariate import in_u, in_v, irreducible
-from firstcontact.exact.numbers import dyadic, precision
 from firstcontact.exact.roots import AlgebraicRoot
 from firstcontact.pairs.ruled_ruled import all_real_roots, divides
 from firstcontact.ruled.answer import Found, Pair
 from firstcontact.ruled.branches import add_curves
 from firstcontact.ruled.clipping import Condition
-from firstcontact.ruled.pieces import Piece
+from firstcontact.ruled.pieces import Piece, at_place
 from firstcontact.ruled.shared_rulings import holds
+from firstcontact.ruled.sheets import samples
 
 Range = tuple[fmpq, fmpq] | None
 
@@ -60,7 +60,7 @@ def _parameter_of(piece: Piece, apex: Sequence[fmpz]) -> AlgebraicRoot | None:
     """A parameter whose ruling holds the apex inside the piece."""
     roots = _in_range([r for g in _changes(piece, apex) if g != 0 for r in all_real_roots(g)], piece.u)
     ends = [AlgebraicRoot.of(x) for x in piece.u or ()]
-    for u in [*ends, *roots, *(AlgebraicRoot.of(x) for x in _samples(roots, piece.u))]:
+    for u in [*ends, *roots, *(AlgebraicRoot.of(x) for x in samples(roots, piece.u))]:
         if holds(piece, u, apex):
             return u
     return None
@@ -78,10 +78,7 @@ def _changes(piece: Piece, apex: Sequence[fmpz]) -> list[fmpz_poly]:
             found.append(d)
             if piece.bounded:
                 found += [n, d - n]
-            for g in piece.trim:
-                top = max(k for _, k in g)
-                found.append(sum((c * n**k * d ** (top - k) * fmpz_poly([0] * i + [1]) for (i, k), c in g.items()),
-                                 fmpz_poly([])))  # fmt: skip
+            found += [at_place(g, fmpz_poly([0, 1]), n, d) for g in piece.trim]
     return found
 
 
@@ -92,9 +89,9 @@ def _has_area(conditions: Sequence[Condition], u: Range, v: Range) -> bool:
     critical += [bivariate.resultant(a, b) for a, b in combinations(borders, 2)]
     critical += [bivariate.restrict(b, "v", end) for b in borders for end in v or ()]
     roots = _in_range([r for f in critical if f != 0 for r in all_real_roots(f)], u)
-    for x in _samples(roots, u):
+    for x in samples(roots, u):
         over = [f for f in (bivariate.restrict(b, "u", x) for b in borders) if f != 0]
-        for y in _samples(_in_range([r for f in over for r in all_real_roots(f)], v), v):
+        for y in samples(_in_range([r for f in over for r in all_real_roots(f)], v), v):
             if all(_sign(c, x, y) > 0 for c in conditions):
                 return True
     return False
@@ -125,25 +122,3 @@ def _in_range(roots: list[AlgebraicRoot], bounds: Range) -> list[AlgebraicRoot]:
             if place == len(found) or root.compare(found[place]) != 0:
                 found.insert(place, root)
     return found
-
-
-def _samples(roots: Sequence[AlgebraicRoot], bounds: Range) -> list[fmpq]:
-    """A rational number in every open interval between neighbours, and before and after all."""
-    if not roots:
-        return [(bounds[0] + bounds[1]) / 2 if bounds is not None else fmpq(0)]
-    cells = _disjoint(roots)
-    between = [(a[1] + b[0]) / 2 for a, b in zip(cells, cells[1:], strict=False)]
-    first = cells[0][0] - 1 if bounds is None else (bounds[0] + cells[0][0]) / 2
-    last = cells[-1][1] + 1 if bounds is None else (cells[-1][1] + bounds[1]) / 2
-    return [first, *between, last]
-
-
-def _disjoint(roots: Sequence[AlgebraicRoot]) -> list[tuple[fmpq, fmpq]]:
-    """Disjoint enclosures of different roots."""
-    bits = 64
-    while True:
-        balls = [root.enclosure(bits) for root in roots]
-        if all(x < y for x, y in pairwise(balls)):
-            with precision(2 * bits):
-                return [(dyadic(x.lower()), dyadic(x.upper())) for x in balls]
-        bits *= 2

@@ -26,6 +26,7 @@ from firstcontact.exact.numbers import rational
 from firstcontact.exact.roots import roots_in
 from firstcontact.exact.trivariate import RING, FactorSet, at, degree, irreducible, product, univariate
 from firstcontact.motion.directrices import DirectrixPiece
+from firstcontact.ruled.pieces import at_place
 
 Range = tuple[fmpq, fmpq] | None
 """Closed range of a parameter; None for the projective line."""
@@ -349,11 +350,8 @@ def _conditions(
 
 def _kept(trims: Trims, name: str, first: fmpz_mpoly, second: fmpz_mpoly) -> list[fmpz_mpoly]:
     """Trimming polynomials at the place first / (first - second) of a ruling, times even powers of its denominator."""
-    x, gap, found = RING.gen(RING.names().index(name)), first - second, []
-    for g in trims:
-        top = _even(max((j for _, j in g), default=0))
-        found.append(_sum(int(c) * x**i * first**j * gap ** (top - j) for (i, j), c in g.items()))
-    return found
+    x, gap = RING.gen(RING.names().index(name)), first - second
+    return [at_place(g, x, first, gap, _even(max((j for _, j in g), default=0))) for g in trims]
 
 
 def without_factors(f: fmpz_mpoly, definite: Collection[fmpz_mpoly]) -> fmpz_mpoly:

@@ -135,22 +135,23 @@ def _exact_intervals(
     begin: float, shared: dict[str, Any],
 ) -> ContactIntervals:
     """Of surfaces, or a surface and a polyhedron; in doubles, with proofs, where elimination goes too far."""
-    quick = not exact and certified.takes(a, b, first, last)
     if not exact and _is_with_convex(a, b):
         from firstcontact.ruled import solid_answers
 
         return solid_answers.contact_intervals(a, b, first, last, False, tolerance, work, begin, shared)
+    quick = None if exact else certified.pieces_of(a, b, first, last)
     try:
-        windows, reason = all_windows(a, b, first, last, work, QUICK_DEGREE if quick else MOST_DEGREE)
+        windows, reason = all_windows(a, b, first, last, work, MOST_DEGREE if quick is None else QUICK_DEGREE)
     except UnsupportedPair as refusal:
         if exact:
             raise
         try:
-            follow = certified.contact_intervals if quick else posed.contact_intervals
-            proved = follow(a, b, first, last, tolerance, work, begin, shared)
+            if quick is None:
+                return posed.contact_intervals(a, b, first, last, tolerance, work, begin, shared)
+            proved = certified.contact_intervals(quick, first, last, tolerance, work, begin, shared)
         except UnsupportedPair:
             raise refusal from None
-        if not quick or proved.reason != "precision":
+        if proved.reason != "precision":
             return proved
         try:
             windows, reason = all_windows(a, b, first, last, work, MOST_DEGREE)
@@ -215,37 +216,42 @@ def first_contact(
         found = _on_mesh(a, b, first, last, tolerance, budget, progress, shared, begin)
         if found is not None:
             return found
+    quick = None if algebraic else certified.pieces_of(a, b, first, last)
     if method == "certified" and not exact:
-        return _proved(a, b, first, last, tolerance, budget, progress, shared, begin)
-    quick = not algebraic and certified.takes(a, b, first, last)
-    most_degree = QUICK_DEGREE if quick else MOST_DEGREE
+        return _proved(quick, a, b, first, last, tolerance, budget, progress, shared, begin)
+    most_degree = MOST_DEGREE if quick is None else QUICK_DEGREE
     try:
         return decided(a, b, first, last, exact, most_degree, budget, progress, shared, begin)
     except UnsupportedPair as refusal:
         if algebraic:
             raise
         try:
-            found = _proved(a, b, first, last, tolerance, budget, progress, shared, begin)
+            found = _proved(quick, a, b, first, last, tolerance, budget, progress, shared, begin)
         except UnsupportedPair:
             raise refusal from None
-    if not quick or found.reason != "precision":
+    if quick is None or found.reason != "precision":
         return found
-    try:
-        return decided(a, b, first, last, False, MOST_DEGREE, budget, progress, shared, begin)
-    except UnsupportedPair:
-        return found
+    return _exactly(found, lambda: decided(a, b, first, last, False, MOST_DEGREE, budget, progress, shared, begin))
 
 
 def _proved(
-    a: Any, b: Any, first: fmpq, last: fmpq, tolerance: float, budget: int | None, progress: Progress | None,
-    shared: dict[str, Any], begin: float,
+    quick: certified.Pieces | None, a: Any, b: Any, first: fmpq, last: fmpq, tolerance: float, budget: int | None,
+    progress: Progress | None, shared: dict[str, Any], begin: float,
 ) -> FirstContact:
     """The first contact of two surfaces in doubles; raises UnsupportedPair for what they do not take."""
-    if certified.takes(a, b, first, last):
-        found = certified.first_contact(a, b, first, last, tolerance, budget, shared)
+    if quick is not None:
+        found = certified.first_contact(quick, first, last, tolerance, budget, shared)
     else:
         found = posed.first_contact(a, b, first, last, tolerance, Work(budget, progress, below(first)), shared)
     return replace(found, stats=found.stats + Stats(seconds=clock.perf_counter() - begin))
+
+
+def _exactly(proved: FirstContact, decide: Callable[[], FirstContact]) -> FirstContact:
+    """What exact arithmetic says, or what doubles have proved where equations are too large for it."""
+    try:
+        return decide()
+    except UnsupportedPair:
+        return proved
 
 
 def _is_with_model(a: Any, b: Any) -> bool:
@@ -273,10 +279,7 @@ def _on_convex(
         return None
     if certain or _is_settled(proved):
         return proved
-    try:
-        return decided(a, b, first, last, False, MOST_DEGREE, budget, progress, shared, begin)
-    except UnsupportedPair:
-        return proved
+    return _exactly(proved, lambda: decided(a, b, first, last, False, MOST_DEGREE, budget, progress, shared, begin))
 
 
 def _on_mesh(
@@ -299,12 +302,8 @@ def _on_mesh(
         return proved
     room = NEARBY * (last - first)
     lo, hi = (exact_value(t) for t in proved.time_interval)
-    try:
-        found = decided(
-            a, b, max(first, lo - room), min(last, hi + room), False, QUICK_DEGREE, budget, progress, shared, begin
-        )
-    except UnsupportedPair:
-        return proved
+    lo, hi = max(first, lo - room), min(last, hi + room)
+    found = _exactly(proved, lambda: decided(a, b, lo, hi, False, QUICK_DEGREE, budget, progress, shared, begin))
     return found if found.status is proved.status else proved
 
 

@@ -74,6 +74,12 @@ class Piece:
         return s if (low, high) == (0.0, 1.0) else low + (high - low) * s
 
 
+def at_place(g: Mapping[tuple[int, int], Any], u: Any, n: Any, d: Any, power: int | None = None) -> Any:
+    """d^power g(u, n / d), by default with the least power that leaves no denominator; an even one keeps signs."""
+    top = max((j for _, j in g), default=0) if power is None else power
+    return sum((u**i * n**j * d ** (top - j) * int(c) for (i, j), c in g.items()), 0 * d)
+
+
 def _ends(interval: Any) -> tuple[fmpq, fmpq]:
     return rational(interval[0], "range"), rational(interval[1], "range")
 

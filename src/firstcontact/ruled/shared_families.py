@@ -27,7 +27,7 @@ from firstcontact.pairs.ruled_ruled import common_rulings, divides
 from firstcontact.ruled.answer import Found
 from firstcontact.ruled.branches import Joints, add_branches
 from firstcontact.ruled.piece_borders import Border, BorderCurve
-from firstcontact.ruled.pieces import Piece
+from firstcontact.ruled.pieces import Piece, at_place
 from firstcontact.ruled.shared_rulings import add_shared, share_a_segment, touching_borders
 from firstcontact.ruled.spots import Box
 
@@ -118,10 +118,7 @@ def _bounds(p: Piece, q: Piece) -> Iterator[fmpz_mpoly]:
             yield from (d, w, y)
             if piece.bounded:
                 yield from (n, d - n)
-            for g in piece.trim:
-                top = max(exponent for _, exponent in g)
-                terms = (RING.gens()[k] ** i * n**e * d ** (top - e) * c for (i, e), c in g.items())
-                yield sum(terms, RING.constant(0))
+            yield from (at_place(g, RING.gens()[k], n, d) for g in piece.trim)
 
 
 def _walls(p: Piece, box: Box) -> Iterator[fmpz_mpoly]:

@@ -7,7 +7,7 @@ The search leaves the earliest instant at which contact is certain and a time be
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Any, NamedTuple
@@ -58,7 +58,6 @@ ROUNDINGS = 16 * 2.0**-52
 class RuledEvent:
     """A contact at an end of a stratum's contact set.
 
-    elements     of P and of Q: "face", "directrix", "end_ruling" or "vertex".
     parameters   u, s, v, t in doubles; u, v are None at infinity.
     sides        for u, s, v, t: 0 inside, -1 at the low end, 1 at the high end.
     normal       (3,) unit, from Q towards P; None where the surfaces have none in common.
@@ -69,10 +68,14 @@ class RuledEvent:
     time_interval: tuple[float, float]
     point: np.ndarray
     normal: np.ndarray | None
-    elements: tuple[str, str]
     parameters: tuple[float | None, float, float | None, float]
     sides: tuple[int, int, int, int]
     zero: Zero | None
+
+    @property
+    def elements(self) -> tuple[str, str]:
+        """Kinds, of P and of Q: "face", "directrix", "end_ruling" or "vertex"."""
+        return outermost(*self.sides[:2])[0], outermost(*self.sides[2:])[0]
 
 
 @dataclass(frozen=True)
@@ -336,7 +339,7 @@ class Search:
         point, normal = _geometry(self, kind, x, free)
         part_p, part_q = self.p.parts[kind[PART_P]], self.q.parts[kind[PART_Q]]
         return RuledEvent(
-            time, interval, point, normal, (_element(*sides[:2]), _element(*sides[2:])),
+            time, interval, point, normal,
             (part_p.in_doubles(x[0]), float(x[1]), part_q.in_doubles(x[2]), float(x[3])),
             (part_p.side(sides[0]), sides[1], part_q.side(sides[2]), sides[3]), zero,
         )  # fmt: skip
@@ -424,10 +427,13 @@ def _geometry(s: Search, kind: np.ndarray, x: np.ndarray, free: int) -> tuple[np
     return point, normal if float(normal @ moved) <= 0 else -normal
 
 
-def _element(u: int, s: int) -> str:
+def outermost(u: int, s: int, joined: Collection[str] = ()) -> tuple[str, int]:
+    """Kind and number of a piece's element at these sides (-1, 0, 1); joined: borders that belong to the face."""
+    u, s = (0 if side and f"{name}{int(side > 0)}" in joined else side for name, side in (("u", u), ("s", s)))
+    i, j = int(u > 0), int(s > 0)
     if u:
-        return "vertex" if s else "end_ruling"
-    return "directrix" if s else "face"
+        return ("vertex", 2 * i + j) if s else ("end_ruling", i)
+    return ("directrix", j) if s else ("face", 0)
 
 
 def first_event(

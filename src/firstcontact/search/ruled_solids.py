@@ -59,7 +59,7 @@ from firstcontact.search.events import LEAST, SPREAD, EventSearch
 from firstcontact.search.instants import Instant
 from firstcontact.search.ruled_certificate import Certificate, PoseJet
 from firstcontact.search.ruled_charts import Mixed, RuledFeature, Sheet, crossing_at
-from firstcontact.search.shared_points import BITS, RANKS, ball_pose
+from firstcontact.search.shared_points import BITS, RANKS, ball_pose, mapped, middles
 from firstcontact.search.stretches import Window
 
 STEP = fmpq(1, 2**80)
@@ -309,7 +309,7 @@ class RuledSearch(EventSearch):
         model: CompositeQuadric = shape_of(shape)
         t = exact_value(float(0.5 * (box[6] + box[7])))
         m = compose(inverse_map(ball_pose(self.bodies[1 - self.side], t)), ball_pose(self.bodies[self.side], t))
-        there = _middles(m) @ [*_in_doubles(feature.sheet.at(t), *place), 1.0]
+        there = middles(m) @ [*_in_doubles(feature.sheet.at(t), *place), 1.0]
         size = NEAR * float(self.tables.units[1 - self.side, 3])
         sizes = np.abs(model._forms_f).max(axis=(1, 2)) * (1.0 + np.abs(there).max()) ** 2
         point = np.append(there, 1.0)
@@ -417,7 +417,7 @@ class Event:
         for k in self.free:
             d = sheet.by_x(x, s) if k == 0 else sheet.by_s(x)
             ways.append([(c - p * d[3]) / w for c, p in zip(d[:3], here, strict=True)])
-        there = [*_moved(m, here), arb(1)]
+        there = [*mapped(m, here), arb(1)]
         turned = [[row[0] * d[0] + row[1] * d[1] + row[2] * d[2] for row in m] for d in ways]
         values, slopes, gradients = [], [], []
         for form in self.surfaces:
@@ -503,7 +503,7 @@ class Event:
         t = exact_value(at)
         m, sheet = self.relative(t), self.own.sheet.at(t)
         return any(
-            is_inside(self.model, _moved(m, _exact_point(sheet, place))) is True
+            is_inside(self.model, mapped(m, _exact_point(sheet, place))) is True
             for place in self._steps(t) if self.own.sheet.keeps(*place)
         )  # fmt: skip
 
@@ -536,14 +536,14 @@ class Event:
 
     def geometry(self) -> tuple[np.ndarray, np.ndarray | None]:
         """Point, and unit normal from b towards a where there is one; in the world."""
-        pose = _middles(ball_pose(self.bodies[self.side], self.moment))
+        pose = middles(ball_pose(self.bodies[self.side], self.moment))
         here = np.array([float(c.mid()) for c in _exact_point(self._sheet, self.place)])
         point = pose[:, :3] @ here + pose[:, 3]
         point[np.abs(point) < 2.0**-120 * np.abs(point).max()] = 0.0
         normal = self._normal()
         if normal is None:
             return point, None
-        back = _middles(ball_pose(self.bodies[1 - self.side], self.moment))[:, :3]
+        back = middles(ball_pose(self.bodies[1 - self.side], self.moment))[:, :3]
         turned = np.linalg.solve(back.T, normal) * (1.0 if self.side == 0 else -1.0)
         return point, turned / np.linalg.norm(turned)
 
@@ -555,7 +555,7 @@ class Event:
         # of a polyhedron's features the numbers are its own
         faces = [self.other] if isinstance(self.other, Face) else [self.model.faces[k] for k in self._beside()]
         m = self.relative(self.moment)
-        there = np.array([float(c.mid()) for c in _moved(m, _exact_point(self._sheet, place))] + [1.0])
+        there = np.array([float(c.mid()) for c in mapped(m, _exact_point(self._sheet, place))] + [1.0])
         outward = np.zeros(3)
         for face in faces:
             g = face.orientation * (self.model._forms_f[face.surfaces[0]] @ there)[:3]
@@ -563,7 +563,7 @@ class Event:
         if isinstance(self.other, Face):
             n = outward
         else:
-            turn = _middles(m)[:, :3]
+            turn = middles(m)[:, :3]
             ways = self._ways(place)
             if len(ways) == 2:
                 n = np.cross(turn @ ways[0], turn @ ways[1])
@@ -614,7 +614,7 @@ def _sampled(
     with precision(BITS):
         pose = ball_pose(bodies[side], t)
         m = compose(inverse_map(ball_pose(bodies[1 - side], t)), pose)
-        rough = _middles(m)
+        rough = middles(m)
         for whole in sheets:
             sheet = whole.at(t)
             grid = [(fmpq(2 * i - START_GRID, START_GRID), fmpq(j, START_GRID))
@@ -626,8 +626,8 @@ def _sampled(
             near = model.contains(points @ rough[:, :3].T + rough[:, 3])
             for k in np.flatnonzero(near == within):
                 here = _exact_point(sheet, grid[k])
-                if is_inside(model, _moved(m, here)) is within:
-                    return np.array([float(c.mid()) for c in _moved(pose, here)])
+                if is_inside(model, mapped(m, here)) is within:
+                    return np.array([float(c.mid()) for c in mapped(pose, here)])
     return None
 
 
@@ -651,14 +651,6 @@ def _exact_point(sheet: Sheet | Mixed, place: Sequence[fmpq]) -> list[arb]:
 def _in_doubles(sheet: Sheet | Mixed, x: float, s: float) -> np.ndarray:
     point = sheet.point(exact_value(x), exact_value(s))
     return np.array([to_double(c / point[3]) for c in point[:3]])
-
-
-def _moved(m: Matrix, x: Sequence[Any]) -> list[Any]:
-    return [row[0] * x[0] + row[1] * x[1] + row[2] * x[2] + row[3] for row in m]
-
-
-def _middles(m: Any) -> np.ndarray:
-    return np.array([[float(c.mid()) for c in row] for row in m])
 
 
 def _scaled(rows: Any) -> list[list[arb]]:

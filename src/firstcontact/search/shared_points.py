@@ -301,8 +301,8 @@ def _refine(event: Event, tables: Tables, box: np.ndarray) -> bool:
     t, x = exact_value(event.time), event.x
     step = fmpq(1, 2**40)
     before, after = (event.relative(t + s) for s in (-step, step))
-    m = _middles(event.relative(t))
-    rates = _middles([[(y - x) / (2 * step) for x, y in zip(*rows, strict=True)]
+    m = middles(event.relative(t))
+    rates = middles([[(y - x) / (2 * step) for x, y in zip(*rows, strict=True)]
                       for rows in zip(before, after, strict=True)])  # fmt: skip
     z = np.array([to_double(c) for c in x])
     system.across = _across(system, z)
@@ -335,7 +335,7 @@ def _shortened(x: fmpq) -> fmpq:
     return fmpq((x * 2**200).floor()) / 2**200
 
 
-def _middles(m: Any) -> np.ndarray:
+def middles(m: Any) -> np.ndarray:
     return np.array([[float(c.mid()) for c in row] for row in m])
 
 
@@ -351,12 +351,12 @@ class _System:
     def values(self, x: Any, m: Any) -> Any:
         exact = not isinstance(x, np.ndarray)
         mine, theirs = self.balls if exact else self.doubles
-        y = _moved(m, x)
+        y = mapped(m, x)
         found, gradients = [], []
         for forms, at in ((mine, x), (theirs, y)):
             a, b, c = at
             for form in forms:
-                p, q, r, s = _moved(form, at)
+                p, q, r, s = mapped(form, at)
                 found.append(a * p + b * q + c * r + s)
                 g = [p, q, r]
                 if forms is theirs:
@@ -442,8 +442,8 @@ def _second_order(
     """Values (n,), gradients (n, 3) and second derivatives (n, 3, 3), halved, of all surfaces, in the own frame."""
     values, gradients, forms = [], [], []
     point = [*(arb(c) for c in x), arb(1)]
-    there = [*_moved(m, point), arb(1)]
-    turn = _middles(m)[:, :3]
+    there = [*mapped(m, point), arb(1)]
+    turn = middles(m)[:, :3]
     for model, at, back in ((own, point, np.eye(3)), (other, there, turn)):
         for surface, form in zip(model.surfaces, model._forms_f, strict=True):
             largest = arb(max(abs(c) for row in surface.matrix() for c in row))
@@ -453,14 +453,14 @@ def _second_order(
     return np.array(values), np.array(gradients), np.array(forms)
 
 
-def _moved(m: Any, x: Sequence[Any]) -> list[Any]:
+def mapped(m: Any, x: Sequence[Any]) -> list[Any]:
     return [row[0] * x[0] + row[1] * x[1] + row[2] * x[2] + row[3] for row in m]
 
 
 def _is_inside(own: CompositeQuadric, other: CompositeQuadric, x: list[fmpq], m: Matrix) -> bool:
     """Whether all signs are certain and put the point inside both."""
     point = [*(arb(c) for c in x), arb(1)]
-    for model, at in ((own, point), (other, [*_moved(m, point), arb(1)])):
+    for model, at in ((own, point), (other, [*mapped(m, point), arb(1)])):
         negative = []
         for surface in model.surfaces:
             value = surface.value(at)
