@@ -10,6 +10,7 @@ from flint import arb, fmpq
 
 import firstcontact as fc
 from amount import amount
+from firstcontact.composite.certified_intervals import Certified
 from firstcontact.composite.work import Work
 from firstcontact.exact.numbers import precision
 from firstcontact.motion.curved import terms
@@ -186,6 +187,38 @@ def test_balls_and_polynomials_are_one_surface():
                     assert abs(aside.x[k] - jet.x[k] - h * jet.xx[k]) < 1e-20
             place = np.polynomial.polynomial.polyval2d(float(x), float(t), table.transpose(1, 2, 0))
             assert np.allclose(place[:3] / place[3], [float(c) for c in jet.point], atol=1e-14)
+
+
+def test_polynomials_are_as_near_as_is_said():
+    """Points and derivatives of the polynomials, exactly, against those under the pose in 256 bits."""
+    (motion,) = curved_pieces(SADDLE.moving(MOTIONS[0]), WALL.moving(MOTIONS[1]), fmpq(0), fmpq(1))
+    window = next(pose_windows(motion, fmpq(0), fmpq(1)))
+    piece = PosedPiece.posed(RuledPiece.of(SADDLE.sides, (fmpq(0), fmpq(1))), window)
+    gap, slope = piece.off
+    assert 0 < gap < 1e-13 and 0 < slope < 1e-13
+    for directrix, curve in zip((piece.first, piece.second), piece.curves(0), strict=True):
+        for k in range(9):
+            x, t = fmpq(k - 4, 4), fmpq(4 - k, 5)
+            u = (x + 1) / 2
+            powers = [[sum(c * t**j for j, c in enumerate(row)) for row in component] for component in directrix]
+            *point, w = (sum(c * u**i for i, c in enumerate(p)) for p in powers)
+            *by_u, w_u = (sum(i * c * u ** (i - 1) for i, c in enumerate(p) if i) for p in powers)
+            assert w_u == 0  # a straight strip
+            with precision(256):
+                jet = curve.jet(arb(x), arb(t), 1)
+                off = [abs(a / w - b) for a, b in zip(point, jet.point, strict=True)]
+                bent = [abs(a / w / 2 - b) for a, b in zip(by_u, jet.x, strict=True)]
+            assert max(map(float, off)) <= gap and max(map(float, bent)) <= slope
+            assert max(map(float, off)) > 0
+
+
+def test_intervals_of_pairs_and_windows_are_united():
+    """Ends that are not told apart count as one time; nothing is said of what comes after the first doubt."""
+    early, touching = Certified((0.1, 0.1), (0.2, 0.3)), Certified((0.25, 0.3), (0.5, 0.6))
+    late = Certified((0.7, 0.7), (0.8, 0.8))
+    assert posed._united([late, touching, early]) == [Certified((0.1, 0.1), (0.5, 0.6)), late]
+    assert posed._known(early, 0.4, 1.0) == early
+    assert posed._known(touching, 0.55, 1.0) == Certified((0.25, 0.3), (0.5, 1.0), True)
 
 
 def test_what_the_polynomials_leave_out_is_counted(monkeypatch):
