@@ -288,8 +288,17 @@ def test_directrices_that_samples_do_not_show(ends):
     """Near u = 1/3 the way along the ruling to the ball is long, in units of the two points that span it."""
     spike = fc.RuledSurface(*(end.format("1000000*(u-1/3)**2") for end in ends), u=(0, 1), s=None, name="spike")
     ball = fc.sphere("1/1000").translated(("1/3", 1, 0)).moving(fc.Translation((0, -2, 0)))
-    with pytest.raises(UnsupportedPair, match="bound s, or shorten u of spike"):
-        fc.first_contact(spike, ball)
+    hit = fc.first_contact(spike, ball)
+    assert hit.time_interval[0] <= 0.4995 <= hit.time_interval[1]
+    assert hit.time_interval[1] - hit.time_interval[0] < 1e-9
+
+
+def test_whole_rulings_whose_directrices_go_to_infinity():
+    """Of the parabolic cylinder z = x^2, 99 / 100 under a point of a ball of radius 1/100."""
+    trough = fc.RuledSurface("(u, 0, u**2)", "(u, 1, u**2)", u=None, s=None, name="trough")
+    ball = fc.sphere("1/100").translated((0, 7, 1)).moving(fc.Translation((0, 0, -2)))
+    hit = fc.first_contact(trough, ball)
+    assert hit.time_interval[0] <= 0.495 <= hit.time_interval[1] and hit.time_interval[1] - hit.time_interval[0] < 1e-9
 
 
 def test_whole_rulings_meet_bounded_solids_only():

@@ -1,13 +1,14 @@
-"""Whole rulings that meet bounded solids, cut to segments that reach beyond them.
+"""Whole rulings cut to segments that hold all within a distance R of a point c.
 
-Where the directrices P1 and P2 are finite and apart over the range of u, |P1 - c| <= A and |P2 - P1| >= m there, a
-point of a ruling with |s| m > R + A is farther than R from c.
+Their ends at s = -S and s = S are farther than R from c, and the foot of the perpendicular from c lies between them:
+signs of polynomials prove that over the range of u.  Where directrices go to infinity, u is first cut to where rulings
+come within R of c at all.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -17,14 +18,16 @@ from firstcontact.body.moving import Moving, shape_of
 from firstcontact.body.polyhedron import Polyhedron
 from firstcontact.body.ruled_surface import RuledSurface
 from firstcontact.errors import UnsupportedPair
-from firstcontact.exact.numbers import exact_value, rational
-from firstcontact.exact.roots import roots_in
+from firstcontact.exact.numbers import exact_value, fraction, rational
+from firstcontact.exact.roots import AlgebraicRoot, roots_in
 from firstcontact.motion.rational import RationalMotion
+from firstcontact.pairs.ruled_ruled import Rulings
+from firstcontact.ruled.sheets import between, samples
 
-SAMPLES = 65
-SHARES = 0.9, 0.5, 0.1
-"""Of the least sampled distance of the directrices, tried for m; A is the largest sampled one over them."""
 UNIT = fmpq(-1), fmpq(1)
+# The largest S that is tried; powers of 2.
+MOST = 2**40
+Range = tuple[fmpq, fmpq] | None
 
 
 def cut_to(ruled: Any, solid: Any, span: tuple[float, float]) -> Any:
@@ -43,16 +46,40 @@ def cut_to(ruled: Any, solid: Any, span: tuple[float, float]) -> Any:
     reach = _farthest(Polyhedron([centre], [], name=who), ruled, solid, span)
     if not reach < 2.0**100:
         raise UnsupportedPair(f"{who} has whole rulings and the solid is unbounded; bound s of {who}")
-    last = _last(piece, centre, exact_value(reach))
-    if last is None:
+    found = segments(piece, centre, reach)
+    if found is None or len(found) > 1:
         raise UnsupportedPair(
             f"{who} has whole rulings whose directrices meet, or go to infinity; bound s, or shorten u of {who}"
         )
-    size = 2 ** max(0, math.ceil(math.log2(float(last))) + 1)
-    key = "cut rulings", size
+    return Moving(found[0], ruled.motion) if isinstance(ruled, Moving) else found[0]
+
+
+def segments(piece: RuledSurface, centre: Sequence[float], reach: float) -> list[RuledSurface] | None:
+    """Surfaces with bounded rulings that hold all of this one within the reach of the centre, or farther out: never [].
+
+    None where directrices meet or have poles on the way, or where u would have to pass through infinity.
+    """
+    key = "segments", tuple(centre), reach
     if key not in piece._search:
-        piece._search[key] = RuledSurface(piece.first, piece.second, u=piece.u, s=(-size, size), name=piece.name)
-    return Moving(piece._search[key], ruled.motion) if isinstance(ruled, Moving) else piece._search[key]
+        c, far = [exact_value(float(x)) for x in centre], exact_value(float(reach))
+        piece._search[key] = _over(piece, [_ends(piece)], c, far)
+        if piece._search[key] is None:
+            while (ranges := _ranges_near(piece, c, far)) is not None and not ranges:
+                far *= 2
+            piece._search[key] = None if ranges is None else _over(piece, ranges, c, far)
+    return piece._search[key]  # type: ignore[no-any-return]
+
+
+def _over(piece: RuledSurface, ranges: Sequence[Range], c: Sequence[fmpq], reach: fmpq) -> list[RuledSurface] | None:
+    """The surfaces over these ranges of u; None where one has no S."""
+    found = []
+    for ends in ranges:
+        last = _last(piece, ends, c, reach)
+        if last is None:
+            return None
+        u = None if ends is None else tuple(fraction(x) for x in ends)
+        found.append(RuledSurface(piece.first, piece.second, u=u, s=(-last, last), name=piece.name))
+    return found
 
 
 def _centre(piece: RuledSurface) -> list[float]:
@@ -69,45 +96,91 @@ def _farthest(mark: Polyhedron, ruled: Any, solid: Any, span: tuple[float, float
     return float(np.linalg.norm(gap) * (1 + 1e-9))
 
 
-def _last(piece: RuledSurface, centre: Sequence[float], reach: fmpq) -> fmpq | None:
-    """An s beyond which, and below whose opposite, no ruling comes within the reach of the centre."""
-    c = [exact_value(x) for x in centre]
-    lo, hi = (-1.0, 1.0) if piece.u is None else (float(x) for x in piece.u)
-    u = np.linspace(lo, hi, SAMPLES)
-    if piece.u is None:
-        u = np.concatenate([u, 1 / u[u != 0]])
-    p, q = piece.first.points(u), piece.second.points(u)
-    near, far = np.linalg.norm(q - p, axis=1).min(), np.linalg.norm(p - np.array(centre), axis=1).max()
-    if not (near > 0.0 and math.isfinite(far)):
+def _ends(piece: RuledSurface) -> Range:
+    return None if piece.u is None else (rational(piece.u[0], "u"), rational(piece.u[1], "u"))
+
+
+def _ranges_near(piece: RuledSurface, c: Sequence[fmpq], reach: fmpq) -> list[Range] | None:
+    """Ranges of u that hold all rulings within the reach of c; None where one would pass through infinity.
+
+    With the direction d and the moment m about c, the distance of a ruling is |m| / |d|.
+    """
+    l01, l02, l03, l12, l13, l23 = Rulings.of(piece.first.components, piece.second.components).line
+    d, scale = (-l03, -l13, -l23), _denominator([*c, reach])
+    x, y, z = (int((scale * a).p) for a in c)
+    shift = (y * d[2] - z * d[1], z * d[0] - x * d[2], x * d[1] - y * d[0])
+    m = [scale * a - b for a, b in zip((l12, -l02, l01), shift, strict=True)]
+    beyond = _sum(a * a for a in m) - _sum(a * a for a in d) * (scale * reach).p ** 2
+    ends = _ends(piece)
+    if beyond == 0:
         return None
-    for share in SHARES:
-        least, most = exact_value(float(near * share)), exact_value(float((far + near) / share))
-        if all(_keeps(*chart, c, least, most) for chart in _charts(piece)):
-            return (reach + most) / least
+    walls = [x for x in roots_in(beyond, ends) if ends is None or (x.compare(ends[0]) > 0 and x.compare(ends[1]) < 0)]
+    inside = samples(walls, ends)
+    near = [k for k, x in enumerate(inside) if beyond(x) <= 0]
+    if ends is None and not {0, len(walls)}.isdisjoint(near):
+        return None
+    # the range of every cell, up to a little beyond its walls
+    found: list[Range] = []
+    for k in near:
+        lo = ends[0] if ends and k == 0 else _beside(walls[k - 1], inside[k - 1])
+        hi = ends[1] if ends and k == len(walls) else _beside(walls[k], inside[k + 1])
+        if k - 1 in near:
+            lo = found.pop()[0]  # type: ignore[index]
+        found.append((lo, hi))
+    return found
+
+
+def _beside(root: AlgebraicRoot, x: fmpq) -> fmpq:
+    """A short number between a root and x, not far from the root."""
+    at = exact_value(float(root))
+    step = (x - at) * min(fmpq(1), (1 + abs(at)) / (16 * abs(x - at)))
+    return between(*sorted((root, AlgebraicRoot.of(at + step)), key=float))
+
+
+def _last(piece: RuledSurface, ends: Range, c: Sequence[fmpq], reach: fmpq) -> int | None:
+    """An S beyond which, and below whose opposite, no ruling over this range comes within the reach of c."""
+    charts = [(piece.first, piece.second, ends or UNIT)]
+    if ends is None:
+        charts.append((piece.first.reversed(), piece.second.reversed(), UNIT))
+    tests = [_Segment(*chart, c, reach) for chart in charts]
+    if not all(test.finite for test in tests):
+        return None
+    last = 1
+    while last <= MOST:
+        if all(test.holds(s) for test in tests for s in (last, -last)):
+            return last
+        last *= 2
     return None
 
 
-def _charts(piece: RuledSurface) -> Iterator[tuple[Any, Any, tuple[fmpq, fmpq]]]:
-    first, second = piece.first, piece.second
-    if piece.u is not None:
-        yield first, second, (rational(piece.u[0], "u"), rational(piece.u[1], "u"))
-        return
-    yield first, second, UNIT
-    yield first.reversed(), second.reversed(), UNIT
+class _Segment:
+    """Rulings over one range of a parameter; all polynomials are times positive numbers.
+
+    finite   whether the directrices have no poles there
+    """
+
+    def __init__(self, first: Any, second: Any, ends: tuple[fmpq, fmpq], c: Sequence[fmpq], reach: fmpq) -> None:
+        *p, w = first.components
+        *q, v = second.components
+        scale = _denominator([*c, reach])
+        self.ends, self.finite = ends, all(_is_positive(f * f, ends) for f in (w, v))
+        self.start = [(scale * a - int((scale * x).p) * w) * v for a, x in zip(p, c, strict=True)]
+        self.way = [scale * (b * w - a * v) for a, b in zip(p, q, strict=True)]
+        self.far = (w * v * int((scale * reach).p)) ** 2
+
+    def holds(self, s: int) -> bool:
+        """Whether the points at s are beyond the reach, on the side of the foot to which s tells."""
+        at = [a + s * b for a, b in zip(self.start, self.way, strict=True)]
+        along = _sum(a * b for a, b in zip(at, self.way, strict=True)) * s
+        return _is_positive(along, self.ends) and _is_positive(_sum(a * a for a in at) - self.far, self.ends)
 
 
-def _keeps(first: Any, second: Any, ends: tuple[fmpq, fmpq], c: Sequence[fmpq], least: fmpq, most: fmpq) -> bool:
-    """Whether the first curve is proved within `most` of c, and the second farther than `least` from the first."""
-    *p, w = first.components
-    *q, v = second.components
-    scale = least.q * most.q
-    for x in c:
-        scale = scale * x.q
-    offset = [scale * a - w * (scale * x).p for a, x in zip(p, c, strict=True)]
-    within = w * w * ((scale * most).p ** 2) - sum((a * a for a in offset), fmpz_poly([0]))
-    gap = sum(((b * w - a * v) * (b * w - a * v) for a, b in zip(p, q, strict=True)), fmpz_poly([0]))
-    apart = gap * least.q**2 - w * w * v * v * least.p**2
-    return all(_is_positive(f, ends) for f in (w * w, v * v, within, apart))
+def _denominator(numbers: Sequence[fmpq]) -> int:
+    return math.lcm(*(int(x.q) for x in numbers))
+
+
+def _sum(polynomials: Iterable[fmpz_poly]) -> fmpz_poly:
+    return sum(polynomials, fmpz_poly([0]))
 
 
 def _is_positive(f: fmpz_poly, ends: tuple[fmpq, fmpq]) -> bool:
