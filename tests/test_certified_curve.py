@@ -11,12 +11,19 @@ import pytest
 
 import firstcontact as fc
 from amount import amount
+from firstcontact.ruled.certified_curve import certified_curve
+from polylines import distance
 
 TOLERANCE = 1e-4
 
 
 def certified(p, q, tolerance=TOLERANCE) -> fc.IntersectionCurve:
     return fc.intersection_curve(p, q, tolerance=tolerance, method="certified")
+
+
+def in_doubles(p, q, tolerance=TOLERANCE) -> fc.IntersectionCurve:
+    """The same, but that nothing is decided exactly."""
+    return fc.IntersectionCurve(**certified_curve(p, q, tolerance, settles=False), a=p, b=q)
 
 
 def strip(rng: np.random.Generator, n: int, along: int, height: float = 0.5):
@@ -35,18 +42,6 @@ def random_piece(rng: np.random.Generator) -> fc.RuledSurface:
     return fc.RuledSurface(first, second, u=(-1, 1))
 
 
-def distance(points: np.ndarray, branches) -> float:
-    """The largest one of the points to the polylines."""
-    best = np.full(len(points), np.inf)
-    for branch in branches:
-        start, along = branch.points[:-1], np.diff(branch.points, axis=0)
-        length = np.maximum((along * along).sum(1), 1e-300)
-        for k, x in enumerate(points):
-            t = np.clip(((x - start) * along).sum(1) / length, 0, 1)
-            best[k] = min(best[k], np.linalg.norm(start + t[:, None] * along - x, axis=1).min())
-    return float(best.max(initial=0.0))
-
-
 def same_curve(x: fc.IntersectionCurve, y: fc.IntersectionCurve, near: float, moved=lambda points: points) -> None:
     """Equally many arcs and loops, and points of either on the other, the first moved."""
     assert sorted(b.closed for b in x.branches) == sorted(b.closed for b in y.branches)
@@ -63,7 +58,7 @@ def test_exact_and_certified_path_agree_on_random_pieces():
     for _ in range(amount(60, 5)):
         p, q = random_piece(rng), random_piece(rng)
         found = certified(p, q)
-        assert found.method == "certified" and not found.open_places
+        assert found.method == "certified" and not found.open_places and not found.stats.exact_evaluations
         known = fc.intersection_curve(p, q, tolerance=TOLERANCE, method="algebraic")
         same_curve(found, known, 2.5 * TOLERANCE)
         seen += len(found.branches)
@@ -157,7 +152,7 @@ def test_tiny_loops_are_found(k):
 
 
 def test_a_touch_is_open_and_a_miss_is_proved():
-    found = certified(*graze("0"))
+    found = in_doubles(*graze("0"))
     (place,) = found.open_places
     assert not found.branches and not found.empty and place.ends == 0
     assert place.point == pytest.approx([-1 / 7, 3 / 20, 1], abs=1e-5)
@@ -188,7 +183,7 @@ def test_closed_surfaces_give_loops():
 
 def test_crossings_are_left_open_and_auto_decides_them():
     p, q = pipe("1", "z"), pipe("1", "x")
-    found = certified(p, q)
+    found = in_doubles(p, q)
     assert len(found.branches) == 4 and {e.kind for b in found.branches for e in b.ends} == {"undecided"}
     assert sorted(np.round(x.point[1], 5) for x in found.open_places) == [-1, 1]
     assert [x.ends for x in found.open_places] == [4, 4]
@@ -210,7 +205,7 @@ def test_auto_takes_the_path_that_fits():
 def test_a_point_at_a_corner_of_the_parameters_is_open():
     """The rulings u = 0 and v = 0 meet, and no others near them; at u = v = 1 a branch ends in such a point."""
     p, q = fc.RuledSurface("(u, u**5, 0)", "(u**2, u, 1)"), fc.RuledSurface("(u, 1/2, u**4)", "(u**3, u, 1/3)")
-    found = certified(p, q)
+    found = in_doubles(p, q)
     (place,), (branch,) = found.open_places, found.branches
     assert place.point == pytest.approx([0, 0, 1 / 3], abs=1e-12) and place.ends == 0
     assert any(end.point == pytest.approx([1, 1, 1 / 3]) for end in branch.ends)
@@ -231,7 +226,7 @@ CORNERS = [
 def test_an_arc_that_only_touches_a_piece_at_a_corner_is_no_branch(p, q, point):
     """It leaves the range of s where it begins: nothing of it is kept."""
     p, q = (fc.RuledSurface(*x[:2], u=x[2], s=x[3]) for x in (p, q))
-    found = certified(p, q)
+    found = in_doubles(p, q)
     assert not found.branches and len(found.open_places) == 1
     exact = fc.intersection_curve(p, q)
     assert not exact.branches and exact.isolated_points.tolist() == [list(point)]
@@ -243,8 +238,12 @@ def test_rulings_through_an_apex_are_no_branch():
     ring = "((4*u - u**2 - 1)/(u**2 + 1), (1 - 4*u - 3*u**2)/(u**2 + 1), (4*u - u**2 - 5)/(u**2 + 1))"
     cone = fc.RuledSurface("(-1, -1, 1)", ring, u=(-2, 2), s=(-1, 1))
     found = certified(saddle, cone)
-    assert len(found.branches) == 4 and all(branch.length > 0.1 for branch in found.branches)
-    assert any(np.linalg.norm(place.point - (-1, -1, 1)) < 1e-3 for place in found.open_places)
+    assert len(found.branches) == 4 and not found.open_places
+    assert found.isolated_points == pytest.approx(np.array([[-1, -1, 1]])) and found.stats.exact_evaluations
+    same_curve(found, fc.intersection_curve(saddle, cone, tolerance=TOLERANCE, method="algebraic"), 2.5 * TOLERANCE)
+    places = in_doubles(saddle, cone).open_places  # where a ruling that lies on both crosses that one, and the rest
+    for u, place in zip((0.0, -0.4), places, strict=True):
+        assert place.u[0] <= u <= place.u[1] and place.v[0] <= 1 <= place.v[1] and place.u[1] - place.u[0] < 1e-4
 
 
 def test_cusps_are_named_where_branches_pass_an_edge_of_regression():
@@ -292,14 +291,17 @@ def test_other_ranges_and_names_of_bounds():
 
 
 def test_what_the_certified_path_does_not_take():
-    whole = fc.RuledSurface("(u, 0, 0)", "(u, 1, u)", s=None)
+    trimmed = fc.RuledSurface("(u, 0, 0)", "(u, 1, u)", trim=["u <= s"])
+    bow = fc.RuledSurface("(u, 0, 0)", "(1-u, 0, u-1/2)", s=None)
     flat = fc.RuledSurface("(u, 0, 1/2)", "(u, 1, 1/2)")
     fold = fc.RuledSurface.from_nurbs(
         [[(i, j, (i * j) % 3) for j in range(4)] for i in range(3)], ([0, 0, 0, 1, 1, 1], [0, 0, 1, 2, 3, 3])
     )
-    for p in (whole, fold):
-        with pytest.raises(fc.UnsupportedPair, match="bounded rulings without trimming, in one row"):
+    for p in (trimmed, fold):
+        with pytest.raises(fc.UnsupportedPair, match="surfaces without trimming, in one row"):
             certified(p, flat)
+    with pytest.raises(fc.UnsupportedPair, match='meet, or go to infinity; bound s, or shorten u, or try method="alg'):
+        certified(bow, flat)
     with pytest.raises(fc.UnsupportedPair, match="a box cuts the curve on the exact path only"):
         fc.intersection_curve(*STRIPS[8], box=((0, 0, 0), (1, 1, 1)))
     with pytest.raises(fc.UnsupportedPair, match="has several pieces"):

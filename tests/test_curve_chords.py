@@ -9,8 +9,9 @@ import firstcontact as fc
 from amount import amount
 from firstcontact.kernels import curve_bends
 from firstcontact.kernels import curve_points as columns
-from firstcontact.ruled import certified_curve
+from firstcontact.ruled import arcs
 from firstcontact.ruled.chains import chains
+from firstcontact.ruled.settled import Settled
 
 
 def waves(seed: int, weighted: bool):
@@ -30,9 +31,9 @@ class Arcs:
 
     def __init__(self, p, q, tolerance: float) -> None:
         a, b = chains(p)[0], chains(q)[0]
-        self.solved = certified_curve._solved(a, b, tolerance)
+        self.solved = arcs.traced(arcs.searched(a, b, Settled(a, b, tolerance)), tolerance)
         low, high = np.maximum(a.box[0], b.box[0]), np.minimum(a.box[1], b.box[1])
-        self.forms = [certified_curve._side(x, 0.5 * (low + high), 4)[1] for x in (a, b)]
+        self.forms = [arcs.begun(x, 0.5 * (low + high), 4)[1] for x in (a, b)]
         self.bends = [np.empty((len(x), curve_bends.BOUNDS)) for x in self.forms]
         for form, bend in zip(self.forms, self.bends, strict=True):
             curve_bends.derivative_bounds(form, bend)

@@ -10,6 +10,7 @@ import pytest
 import firstcontact as fc
 from amount import amount
 from firstcontact.ruled import certified_curve
+from firstcontact.ruled.open_places import without
 from firstcontact.ruled.settled import Settled
 
 TOLERANCE = 1e-3
@@ -60,7 +61,7 @@ def test_strips_of_parallel_rulings_share_rulings(p, q):
     low, high = max(x.bounds()[0][1] for x in (p, q)), min(x.bounds()[1][1] for x in (p, q))
     assert np.sort(lines[:, :, 1], axis=1) == pytest.approx(np.tile([low, high], (len(lines), 1)))
     assert found.stats.node_visits < 100  # nothing is looked for where delta vanishes all over
-    assert fc.intersection_curve(p, q, method="certified").open_places
+    assert certified_curve.certified_curve(p, q, 1e-6, settles=False)["open_places"]
 
 
 def test_pieces_of_parallel_rulings_beside_others():
@@ -159,12 +160,12 @@ def test_exact_and_certified_pieces_join(monkeypatch):
         self.settle([(i, j) for i in range(3) for j in range(3) if rng.random() < 0.5])
 
     def without_them(solved, settled, settles):
-        return strands(certified_curve._without(solved, settled), settled, settles)
+        return strands(without(solved, settled), settled, settles)
 
     seen = 0
     for _ in range(amount(100, 6)):
         p, q = waves(rng)
-        plain = fc.intersection_curve(p, q, method="certified", tolerance=TOLERANCE)
+        plain = fc.IntersectionCurve(**certified_curve.certified_curve(p, q, TOLERANCE, settles=False))
         with monkeypatch.context() as patch:
             patch.setattr(Settled, "__init__", settle_some)
             patch.setattr(certified_curve, "_strands", without_them)

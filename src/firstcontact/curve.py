@@ -239,10 +239,10 @@ class IntersectionCurve:
     delta             Delta(u, v) = sum delta[i, j] u^i v^j: two rulings meet where it vanishes; {} if all do
     common_rulings    the pairs (u, v) of rulings that are one line, exact
     correspondence    a polynomial like `delta` along whose zeros rulings are one line; {} if none
-    method            "exact", or "certified": in doubles with proved error bounds, and exactly for some pairs of
-                      pieces.  Then `delta` and `common_rulings` are not worked out, and overlaps, isolated points and
-                      nodes of the other pairs are among the open places
+    method            "exact", or "certified": in doubles with proved error bounds, and exactly where these leave places
+                      open.  Then `delta` and `common_rulings` are not worked out
     open_places       what was not decided; everywhere else the branches are all there is, proved
+    box               (2, 3) float64: what lies outside was not looked for, or is left out; None: that is everywhere
     """
 
     branches: tuple[Branch, ...]
@@ -256,13 +256,14 @@ class IntersectionCurve:
     correspondence: Mapping[tuple[int, int], int] = field(default_factory=dict)
     method: str = "exact"
     open_places: tuple[OpenPlace, ...] = ()
+    box: np.ndarray | None = None
     stats: Stats = field(default_factory=Stats)
     a: Any = field(default=None, repr=False)
     b: Any = field(default=None, repr=False)
 
     @property
     def empty(self) -> bool:
-        """Whether the surfaces share no point; proved.  False where that is open."""
+        """Whether the surfaces share no point (in the box); proved.  False where that is open."""
         found = self.branches or len(self.overlap_lines) or len(self.isolated_points) or self.two_dimensional
         return not (found or self.open_places)
 
@@ -274,7 +275,7 @@ class IntersectionCurve:
     def __str__(self) -> str:
         names = " and ".join(self.names)
         if self.empty:
-            return f"{names}: no common point; proved"
+            return f"{names}: no common point{self._where}; proved"
         kinds = [
             (len(self.branches), "branch", "branches"),
             (len(self.overlap_lines), "overlap line", "overlap lines"),
@@ -285,13 +286,17 @@ class IntersectionCurve:
         counts = [f"{n} {one if n == 1 else many}" for n, one, many in kinds if n]
         if self.two_dimensional:
             counts.insert(0, "a common part with an area")
-        lines = [f"{names}: {', '.join(counts)}"]
+        lines = [f"{names}: {', '.join(counts)}{self._where}"]
         lines += [f"  {branch}" for branch in self.branches]
         lines += [f"  overlap line from {_triple(x)} to {_triple(y)}" for x, y in self.overlap_lines]
         lines += [f"  isolated point {_triple(x)}" for x in self.isolated_points]
         lines += [f"  {x.kind} at {_triple(x.point)}" for x in self.singular_points]
         lines += [f"  {x}" for x in self.open_places]
         return "\n".join(lines)
+
+    @property
+    def _where(self) -> str:
+        return "" if self.box is None else f" in the box from {_triple(self.box[0])} to {_triple(self.box[1])}"
 
     def to_dict(self) -> dict[str, Any]:
         """Exact numbers are strings, polynomials lists of [i, j, coefficient]; parameters may be nan (None in JSON)."""
@@ -309,6 +314,7 @@ class IntersectionCurve:
             "correspondence": [[i, j, str(c)] for (i, j), c in self.correspondence.items()],
             "method": self.method,
             "open_places": [x.to_dict() for x in self.open_places],
+            "box": None if self.box is None else self.box.tolist(),
             "stats": dict(self.stats),
         }
 

@@ -231,9 +231,9 @@ def intersection_curve(
 
     tolerance: greatest distance between a branch and its polyline.  box: two corners ((x, y, z), (x, y, z)); only what
     lies in it is reported.  Without one, unbounded branches are cut about 100 times the size of the directrices away
-    from the origin, and beyond that the tolerance grows.  method: "algebraic" is exact; "certified" takes bounded
-    pieces of any degree and strips, in doubles with proofs; "auto" chooses, and decides what doubles leave open exactly
-    where degrees are small.
+    from the origin, and beyond that the tolerance grows.  method: "algebraic" is exact; "certified" takes pieces of any
+    degree and strips, in doubles with proofs, and exactly where doubles leave something open and degrees are small; of
+    two surfaces with whole rulings it tells what lies in the result's `box`; "auto" chooses.
 
     Solids are half-spaces, quadrics and all models made of them, and polyhedra of any shape, open ones too; their
     columns of the parameters are nan (null in JSON), their exact parameters None.

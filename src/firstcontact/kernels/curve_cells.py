@@ -76,6 +76,8 @@ SIGHT = 2
 # Halvings of one parameter after which a cell is left open: 2^-24 is near the square root of the rounding of Delta,
 # below which a double root is not told from none or two.
 DEEPEST = 24
+# Sine of the angle between rulings, about, below which they may be parallel.
+PARALLEL = 0.05
 # Halvings of a line between cells.
 LINE_DEPTH = 45
 
@@ -93,11 +95,17 @@ def _along(side, k, out):
 
 
 @uncounted
-def _look_along(p, i, q, j, w):
-    """Set the direction across the rulings of the cell: along it they are seen to cross."""
-    a, b, d = w[PLANES, 0], w[PLANES, 1], w[RANGES, SIGHT]
-    _along(p, i, a)
-    _along(q, j, b)
+def _midst(side, k, out):
+    """Add up four points of the rulings of a node."""
+    n = degree(side)
+    for c in range(3):
+        out[c] = side[k, c, 0] / side[k, 3, 0] + side[k, SECOND + c, 0] / side[k, 7, 0]
+        out[c] += side[k, c, n] / side[k, 3, n] + side[k, SECOND + c, n] / side[k, 7, n]
+
+
+@uncounted
+def _cross(a, b, d):
+    """Set d to the direction across two others; the size of their product."""
     d[0], d[1], d[2] = a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
     size = abs(d[0]) + abs(d[1]) + abs(d[2])
     if size > 0.0:
@@ -105,6 +113,32 @@ def _look_along(p, i, q, j, w):
             d[c] /= size
     else:
         d[2] = 1.0
+    return size
+
+
+@uncounted
+def _look_along(p, i, q, j, w):
+    """Set the direction across the rulings of the cell: along it they are seen to cross."""
+    _along(p, i, w[PLANES, 0])
+    _along(q, j, w[PLANES, 1])
+    _cross(w[PLANES, 0], w[PLANES, 1], w[RANGES, SIGHT])
+
+
+@uncounted
+def _side_by_side(p, i, q, j, w):
+    """1: rulings as good as parallel are apart, seen across their plane; 2: that is not proved; 0: they may cross."""
+    a, b, d = w[PLANES, 0], w[PLANES, 1], w[RANGES, SIGHT]
+    _along(p, i, a)
+    _along(q, j, b)
+    lengths = (abs(a[0]) + abs(a[1]) + abs(a[2])) * (abs(b[0]) + abs(b[1]) + abs(b[2]))
+    if _cross(a, b, d) > PARALLEL * lengths:
+        return 0
+    _midst(p, i, b)
+    _midst(q, j, w[PLANES, 2])
+    for c in range(3):
+        b[c] -= w[PLANES, 2, c]
+    _cross(a, b, d)
+    return 1 if _brackets(p, i, q, j, NO, w) == 1 or _brackets(q, j, p, i, YES, w) == 1 else 2
 
 
 @uncounted
@@ -169,6 +203,11 @@ def _examine(p, i, q, j, crossings, w):
     lo, hi = extent(w[NET], n, m)
     if lo > error or hi < -error:
         return NOTHING, 0
+    parallel = _side_by_side(p, i, q, j, w)
+    if parallel == 1:
+        return NOTHING, 0
+    if parallel == 2:
+        delta_net(p, i, q, j, w[NET])
     if max(-lo, hi) <= error:
         return FLAT, 0
     low_u, high_u, low_v, high_v, along_u, along_v = slopes(w[NET], n, m)
@@ -558,8 +597,10 @@ def _border(p, i, q, j, along_v, far, closed_p, closed_q, joints, w, places, ope
 
 
 @uncounted
-def search(p, q, closed_p, closed_q, budget, joints, w, cells, places, arcs, opened, counts):
+def search(p, q, closed_p, closed_q, known, budget, joints, w, cells, places, arcs, opened, counts):
     """Find all arcs of two chains; `budget`: cells looked at before the rest is left open.
+
+    known: (parts of p, parts of q) bools: pairs of parts that are not looked at.
 
     joints: (5, parts of p + 1, parts of q + 1): signs at corners of parts, 0 for unknown, then start (-1: unknown) and
     count of the crossings on lines of constant u, and the same for lines of constant v.
@@ -567,7 +608,7 @@ def search(p, q, closed_p, closed_q, budget, joints, w, cells, places, arcs, ope
     """
     for m in range(joints.shape[1] - 1):
         for n in range(joints.shape[2] - 1):
-            if apart(p, m, q, n):
+            if known[m, n] or apart(p, m, q, n):
                 continue
             cell = cells[0]
             cell[NODE_U], cell[NODE_V] = m, n

@@ -6,7 +6,12 @@ clipping       which parts of Delta = 0 belong to both pieces; overlaps of commo
 coincident     Delta = 0 everywhere: surfaces that share an area, cones with one apex, parallel cylinders
 tracing        polylines along the edges of the topology graph
 certified_curve  curves of strips and high degrees in doubles with proofs
-settled        pairs of pieces of strips that are decided exactly where doubles leave places open
+arcs           all arcs of delta = 0 that two surfaces share, by the kernels
+open_places    what the kernels leave open
+reach          how far out curves of whole rulings are looked for there
+apex_rulings   rulings through an apex, along which Delta is zero but there is no curve
+settled        pairs of pieces that are decided exactly where doubles leave places open
+cut_out        surfaces in pieces about such places
 joined         both joined to branches and their graph
 solid_verbs    the verb with solids and polyhedra: one curve for every piece (and facet), joined
 solid_curve    the curve of a piece with a solid of planes and quadrics
@@ -26,7 +31,7 @@ solid_conditions  what a solid holds of a piece, by signs of polynomials in u, s
 solid_times    all times of contact of a piece and a solid
 solid_touches  points and elements of contacts of a piece and a solid, and how they lie
 trimmed        a place in every component of a trimmed piece
-whole_rulings  whole rulings, cut where a solid cannot reach
+whole_rulings  whole rulings cut to segments that hold all within some reach
 contact_condition   the verb: the condition on u and T alone
 certified      answers of the certified search where elimination leads too far
 """

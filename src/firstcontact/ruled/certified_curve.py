@@ -1,56 +1,53 @@
-"""`intersection_curve` of bounded pieces and strips of any degree, certified in doubles.
+"""`intersection_curve` of pieces and strips of any degree, certified in doubles.
 
 The kernels find and trace all arcs of Delta = 0 on which rulings meet between their ends; here the arcs are joined to
-branches.  What the kernels could not decide is asked from the exact path (`settled`), or reported by its place.
+branches.  What the kernels could not decide is asked from the exact path (`settled`), of single surfaces only close by
+(`cut_out`), or reported by its place.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
 from itertools import product
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from firstcontact.curve import BranchEnd, OpenPlace
-from firstcontact.errors import InputError, UnsupportedPair
-from firstcontact.kernels import curve_bends, curve_lanes
-from firstcontact.kernels import curve_cells as cells
-from firstcontact.kernels import curve_nets as nets
+from firstcontact.errors import UnsupportedPair
 from firstcontact.kernels import curve_points as columns
-from firstcontact.kernels.curve_trace import PLAN_COLUMNS, STACK, trace
-from firstcontact.kernels.curve_trim import trim
-from firstcontact.ruled.chains import Chain, chains, product_table
+from firstcontact.ruled.answer import same
+from firstcontact.ruled.apex_rulings import apexes
+from firstcontact.ruled.arcs import BUDGET, HIGHEST_DEGREE, SMALL_BUDGET, Line, Solved, searched, traced
+from firstcontact.ruled.chains import Chain, chains
+from firstcontact.ruled.cut_out import cut_about
 from firstcontact.ruled.edge_cusps import passed, turns_sharply, with_edges
 from firstcontact.ruled.joined import Found, Stop, Strand, knot
-from firstcontact.ruled.settled import PiecePair, Settled
+from firstcontact.ruled.open_places import (
+    SAME_PLACE,
+    SAME_POINT,
+    open_boxes,
+    open_place,
+    open_places,
+    touched,
+    touching,
+    without,
+)
+from firstcontact.ruled.reach import Reached, reached
+from firstcontact.ruled.settled import Settled
 
-# Cells looked at for one pair of chains before the rest is left open.
-BUDGET = 100_000
-# Rows that arrays of nodes, places and arcs have at first, per part, and those of points, per arc, at first at most;
-# the most of all.  They grow where that does not do.  Not many more than small curves need: where memory comes in pages
-# of megabytes, clearing those takes longer than such a curve.
-ROOM, POINTS, FIRST_POINTS, MOST_ROOM = 64, 2**11, 2**19, 2**23
-# Of directrices; nets of a cell have twice as many rows.
-HIGHEST_DEGREE = (cells.LAYER_ROWS - 2) // 2
-# Open boxes are one place where they are this near each other, in parameters of parts; of more boxes than this all are.
-SAME_PLACE, MOST_PLACES = 1e-5, 4000
-# Branches that are shorter in their parameters, or in parts of their coordinates, may be points; ends this near to one
-# are there.
-SAME_POINT, IN_SPACE = 1e-9, 1e-12
-# Of the square of a length that is divided by: rulings may be points.
-LEAST = 1e-300
+# Branches that are shorter, in parts of their coordinates, may be points.
+IN_SPACE = 1e-12
 # Polylines with fewer points than this are looked through for cusps more quickly than surfaces for edges of regression.
 FEW_POINTS = 4096
-# Polylines of so many points are longer than that: chords are not cut below it.
+# Polylines of so many points are no points: chords are not cut below it.
 LONG = 100
 
 
 def is_supported(surface: Any) -> bool:
-    """Whether the certified path takes this ruled surface at rest: bounded rulings, no trimming, no huge degree."""
+    """Whether the certified path takes this ruled surface at rest: no trimming, one row, no huge degree."""
     return all(
-        piece.s is not None
-        and not piece.trim
+        not piece.trim
         and not piece.joined & {"s0", "s1"}
         and max(c.degree() for side in piece.sides for c in side.components) <= HIGHEST_DEGREE
         for piece in surface.pieces
@@ -62,115 +59,55 @@ def certified_curve(p: Any, q: Any, tolerance: float, settles: bool) -> dict[str
     for surface in (p, q):
         if not is_supported(surface):
             raise UnsupportedPair(
-                f"{surface!r}: the certified curve takes bounded rulings without trimming, in one row, of degree "
+                f"{surface!r}: the certified curve takes surfaces without trimming, in one row, of degree "
                 f'{HIGHEST_DEGREE} at most; try method="algebraic"'
             )
+    near = reached(p, q)
+    if not settles or len(near.p.pieces) > 1 or len(near.q.pieces) > 1:
+        return near.beyond(_found(near, near.p, near.q, tolerance, settles).fields())
+    found = before = _found(near, near.p, near.q, tolerance, False, whole=False)
+    if places := found.open_places:
+        cut = cut_about(near.p, [x.u for x in places]), cut_about(near.q, [x.v for x in places])
+        found = _found(near, *cut, tolerance, True, before)
+        if found.open_places and cut != (near.p, near.q):  # they were not as small as that, or too close to infinity
+            found = _found(near, near.p, near.q, tolerance, True, before)
+    return near.beyond(found.fields())
+
+
+def _found(
+    near: Reached, p: Any, q: Any, tolerance: float, settles: bool, before: Found | None = None, whole: bool = True
+) -> Found:
+    """What two surfaces with bounded rulings share: those of `near`, or pieces of them.
+
+    before: what was found of them as single pieces: pairs of pieces that hold its open places are decided exactly.
+    whole: False: where cells are left open, only these places are told.
+    """
     found = Found()
     exact = []
     for a in chains(p):
         for b in chains(q):
-            if (solved := _solved(a, b, tolerance)) is not None:
-                settled = Settled(a, b, tolerance)
-                strands, places = _strands(solved, settled, settles)
-                found.seen += solved.seen
-                own = settled.found()
-                strands, cusps = _with_cusps(a, b, strands)
-                found.add_cusps(cusps)
-                found.add(strands + settled.strands(), places, (a, b) if own else None, own)
-                exact += own
-    found.add_isolated(exact)
-    return found.fields()
-
-
-# -- two chains ---------------------------------------------------------------------------------------------
-
-
-class Solved(NamedTuple):
-    """What the kernels found of two chains.
-
-    places, arcs        as in curve_points, coordinates about a centre
-    lines               the arcs joined, in the order and directions in which they were traced
-    points, parameters  (k, 3) and (k, 4) x, y, z and u, v, s, t; those of arc k, ends included: rows[k, 0]:rows[k, 1]
-    turned              (k,) whether the points of an arc are in the order from its end to its start
-    opened              (k, 6) boxes left open: parts, ranges of x and of y
-    """
-
-    p: Chain
-    q: Chain
-    places: np.ndarray
-    arcs: np.ndarray
-    lines: list[_Line]
-    points: np.ndarray
-    parameters: np.ndarray
-    rows: np.ndarray
-    turned: np.ndarray
-    opened: np.ndarray
-    seen: int
-
-
-def _solved(p: Chain, q: Chain, tolerance: float) -> Solved | None:
-    """None where the boxes of the chains share no point."""
-    (low_p, high_p), (low_q, high_q) = p.box, q.box
-    low, high = np.maximum(low_p, low_q), np.minimum(high_p, high_q)
-    if (low > high).any():
-        return None
-    centre = 0.5 * (low + high)
-    room = ROOM * max(len(p.points), len(q.points))
-    while True:
-        sides, forms = zip(*(_side(chain, centre, room) for chain in (p, q)), strict=True)
-        joints = np.full((5, len(p.points) + 1, len(q.points) + 1), -1)
-        joints[0] = 0
-        places, arcs = np.empty((2 * room, columns.COLUMNS)), np.empty((room, columns.ARC_COLUMNS))
-        opened, counts = np.empty((max(room, 2 * BUDGET), cells.OPEN_COLUMNS)), np.zeros(cells.COUNTS, np.int64)
-        width = max(side.shape[2] for side in sides)
-        scratch = np.empty((cells.LAYERS, cells.LAYER_ROWS, width))
-        stack = np.zeros((4 * cells.DEEPEST, cells.CELL_COLUMNS), np.int64)
-        cells.search(
-            *sides, int(p.closed), int(q.closed), BUDGET, joints, scratch, stack, places, arcs, opened, counts
-        )
-        used, count = int(counts[cells.PLACES]), int(counts[cells.ARCS])
-        if not counts[cells.SHORT] and used + 2 * count <= len(places):
-            break
-        room *= 4
-        if room > MOST_ROOM:
-            raise InputError(f"the curve falls into more than {MOST_ROOM} arcs; give smaller pieces")
-    scratch, known = np.empty((columns.SCRATCH_ROWS, width)), np.empty((5, columns.COLUMNS))
-    used = trim(*forms, places, used, arcs, count, known, scratch)
-    arcs, places = arcs[:count], places[:used]
-    lines = _lines(arcs, places[:, columns.KIND].astype(int))
-    order = np.array([(k, turned, i > 0) for line in lines for i, (k, turned) in enumerate(line.arcs)], np.int64)
-    order, rows, turned = order.reshape(-1, 3), np.zeros((count, 2), np.int64), np.zeros(count, bool)
-    turned[order[:, 0]] = order[:, 1]
-    bounds = np.array([chain.s for chain in (p, q)], float)
-    ends, plan = np.empty((STACK, columns.COLUMNS)), np.empty((curve_lanes.LANES + 1, PLAN_COLUMNS))
-    middles, lanes = np.empty((2, curve_lanes.ROWS * curve_lanes.LANES))
-    bends = tuple(np.empty((len(x.points), curve_bends.BOUNDS)) for x in (p, q))
-    for form, bend in zip(forms, bends, strict=True):
-        curve_bends.derivative_bounds(form, bend)
-    room = min(POINTS * (count + 1), FIRST_POINTS)
-    while True:
-        points, parameters = np.empty((room, 3)), np.empty((room, 4))
-        if trace(
-            *forms, arcs, order, places, tolerance, p.ranges, q.ranges, bounds, centre, *bends, ends, known, plan,
-            scratch, middles, lanes, points, parameters, rows,
-        ):  # fmt: skip
-            break
-        room *= 4
-        if room > MOST_ROOM:
-            raise InputError(f"tolerance {tolerance:g} needs more than {MOST_ROOM // 4} points; give a larger one")
-    for table in (points, parameters):  # branches are views of these
-        table.resize((int(rows.max(initial=0)), table.shape[1]), refcheck=False)
-    boxes = opened[: counts[cells.OPENED]]
-    return Solved(p, q, places, arcs, lines, points, parameters, rows, turned, boxes, int(counts[cells.SEEN]))
-
-
-def _side(chain: Chain, centre: np.ndarray, room: int) -> tuple[np.ndarray, np.ndarray]:
-    """The array of a side for the kernels, its parts filled in, and its forms; coordinates about the centre."""
-    parts, _, terms = chain.points.shape
-    side = np.empty((parts + room, nets.ROWS_OF_SIDE, max(2 * terms - 1, nets.LEAST_COLUMNS)))
-    forms = np.empty((parts, 2, terms, nets.LINES))
-    nets.begin(chain.points, centre, product_table(terms - 1), side, forms)
-    return side, forms
+            settled = Settled(a, b, tolerance)
+            if before is not None:
+                settled.settle({x for o in before.open_places for x in product(a.reached(o.u), b.reached(o.v))})
+            arcs = searched(a, b, settled, BUDGET if whole else SMALL_BUDGET)
+            if arcs is None:
+                continue
+            found.apexes += arcs.apexes.points(tolerance) if before is None else before.apexes
+            if not whole and (left := open_places(arcs, *open_boxes(arcs, [], []))):
+                found.open_places += left
+                continue
+            solved = traced(arcs, tolerance)
+            near.sharpen(solved.points, solved.parameters)
+            strands, places = _strands(solved, settled, settles)
+            found.seen += arcs.seen
+            own = settled.found()
+            found.settled += len(own)
+            strands, cusps = _with_cusps(a, b, strands)
+            found.add_cusps(cusps)
+            found.add(strands + settled.strands(), places, (a, b) if own else None, own)
+            exact += own
+    found.add_isolated(exact + found.apexes, lambda point: any(same(point, x) for x in apexes((*p.pieces, *q.pieces))))
+    return found
 
 
 # -- branches -----------------------------------------------------------------------------------------------
@@ -188,15 +125,15 @@ def _strands(solved: Solved, settled: Settled, settles: bool) -> tuple[list[Stra
         stray = [line.ends[0] for line, x in zip(lines, tiny, strict=True) if x]
         polylines = [polyline for polyline, x in zip(polylines, tiny, strict=True) if not x]
         lines = [line for line, x in zip(lines, tiny, strict=True) if not x]
-        reached = [k for line in lines if not line.closed for k in line.ends if ends[k] != "undecided"]
+        at_bounds = [k for line in lines if not line.closed for k in line.ends if ends[k] != "undecided"]
         stray += [k for line in lines if not line.closed for k in line.ends if ends[k] == "undecided"]
-        parts, ranges = _open_boxes(solved, stray, reached)
-        groups = _touching(parts, ranges)
-        pairs = [_touched(solved, parts[group], ranges[group]) for group in groups] if settles else []
+        parts, ranges = open_boxes(solved, stray, at_bounds)
+        groups = touching(parts, ranges)
+        pairs = [touched(solved, parts[group], ranges[group]) for group in groups] if settles else []
         if not any([settled.settle(x) for x in pairs if not x <= settled.known.keys()]):
             break
-        solved = _without(solved, settled)
-    places = [_open_place(solved, parts[group], ranges[group]) for group in groups]
+        solved = without(solved, settled)
+    places = [open_place(solved, parts[group], ranges[group]) for group in groups]
     strands = []
     for line, (points, parameters) in zip(lines, polylines, strict=True):
         if line.closed:
@@ -252,87 +189,10 @@ def _end(solved: Solved, kind: int, k: int, settled: Settled) -> str:
     if kind == columns.WEAK or not settled.known:
         return "undecided"
     at = np.array([[row[columns.PART_U], row[columns.PART_V]]]), np.array([[row[columns.X]] * 2 + [row[columns.Y]] * 2])
-    return "knot" if _touched(solved, *at) & settled.known.keys() else "undecided"
+    return "knot" if touched(solved, *at) & settled.known.keys() else "undecided"
 
 
-def _touched(solved: Solved, parts: np.ndarray, ranges: np.ndarray) -> set[PiecePair]:
-    """The pairs of pieces that boxes touch, also by a side."""
-    found: set[PiecePair] = set()
-    for side in np.unique(_sides_touched(parts, ranges)).tolist():
-        found |= _pairs(solved, side)
-    return found
-
-
-def _sides_touched(parts: np.ndarray, ranges: np.ndarray) -> np.ndarray:
-    """(n,): numbers that tell the parts of boxes, and by four bits whether they reach the start and end of x, of y."""
-    i, j = parts.astype(int).T
-    bits = ((ranges <= 0.0) & [True, False, True, False]) | ((ranges >= 1.0) & [False, True, False, True])
-    return (i << 34) + (j << 4) + bits @ np.array([1, 2, 4, 8])
-
-
-def _pairs(solved: Solved, side: int) -> set[PiecePair]:
-    """Those touched by boxes with such a number of _sides_touched."""
-    i, j = side >> 34, (side >> 4) & (2**30 - 1)
-    low_u, high_u, low_v, high_v = (bool(side & bit) for bit in (1, 2, 4, 8))
-    return set(product(solved.p.neighbours(i, low_u, high_u), solved.q.neighbours(j, low_v, high_v)))
-
-
-def _without(solved: Solved, settled: Settled) -> Solved:
-    """What is not in pairs of pieces that are decided exactly."""
-    known = np.zeros((len(solved.p.pieces), len(solved.q.pieces)), bool)
-    known[tuple(np.array(list(settled.known)).T)] = True
-    arcs, opened = solved.arcs.copy(), solved.opened
-    i, j = arcs[:, columns.ARC_U].astype(int), arcs[:, columns.ARC_V].astype(int)
-    arcs[known[solved.p.piece_of[i], solved.q.piece_of[j]], columns.START] = -1
-    sides, row_of = np.unique(_sides_touched(opened[:, :2], opened[:, 2:]), return_inverse=True)
-    kept = np.array([not _pairs(solved, side) <= settled.known.keys() for side in sides.tolist()], bool)
-    lines = _lines(arcs, solved.places[:, columns.KIND].astype(int))
-    return solved._replace(arcs=arcs, lines=lines, opened=opened[kept[row_of]])
-
-
-class _Line(NamedTuple):
-    """Arcs one after another, each with whether it is passed from its end to its start, and the places between."""
-
-    arcs: list[tuple[int, bool]]
-    places: list[int]
-    closed: bool
-
-    @property
-    def ends(self) -> tuple[int, int]:
-        return self.places[0], self.places[-1]
-
-
-def _lines(arcs: np.ndarray, kinds: np.ndarray) -> list[_Line]:
-    """All arcs, joined where two of them meet; not at weak places."""
-    pairs = {k: (a, b) for k, (a, b) in enumerate(arcs[:, [columns.START, columns.END]].astype(int).tolist()) if a >= 0}
-    at: dict[int, list[int]] = {}
-    for k, pair in pairs.items():
-        for place in pair:
-            at.setdefault(place, []).append(k)
-    left = set(pairs)
-    through = {place for place, own in at.items() if len(own) == 2 and kinds[place] != columns.WEAK}
-    found = []
-    for starts in ([x for x in at if x not in through], list(at)):  # arcs with ends, then loops
-        for start in starts:
-            for first in at[start]:
-                if first not in left:
-                    continue
-                line, places, here, k = [], [start], start, first
-                while True:
-                    left.remove(k)
-                    turned = pairs[k][0] != here
-                    here = pairs[k][0 if turned else 1]
-                    line.append((k, turned))
-                    places.append(here)
-                    further = [x for x in at[here] if x in left] if here in through else []
-                    if not further:
-                        break
-                    k = further[0]
-                found.append(_Line(line, places, here == start and start in through))
-    return found
-
-
-def _polyline(solved: Solved, line: _Line) -> tuple[np.ndarray, np.ndarray]:
+def _polyline(solved: Solved, line: Line) -> tuple[np.ndarray, np.ndarray]:
     """(n, 3) points and (n, 4) parameters along the arcs; places between arcs stand once."""
     arcs, turns = np.array(line.arcs).T
     rows = solved.rows[arcs]
@@ -368,87 +228,3 @@ def _bound(solved: Solved, kind: int) -> str:
         assert chain.u is not None
         return f"{'uv'[(kind - 1) // 2]}={chain.u[(kind - 1) % 2]}"
     return f"{'st'[(kind - columns.CUT) // 2]}={chain.s[(kind - columns.CUT) % 2]}"
-
-
-# -- open places --------------------------------------------------------------------------------------------
-
-
-def _open_boxes(solved: Solved, stray: list[int], reached: list[int]) -> tuple[np.ndarray, np.ndarray]:
-    """Parts (n, 2) and ranges (n, 4) of boxes left open.
-
-    stray: places of branches that are points, or at which branches end without reason.  reached: ends at bounds; a
-    point that is left open there is on the branch.
-    """
-    points = [int(arc[columns.END]) for arc in solved.arcs[solved.arcs[:, columns.START] == -2]]
-    if len(solved.opened) > MOST_PLACES or not (len(solved.opened) or points or stray):
-        return solved.opened[:, :2], solved.opened[:, 2:]
-    spots = solved.places[np.array([*points, *stray], int)]
-    parts = np.concatenate((solved.opened[:, :2], spots[:, [columns.PART_U, columns.PART_V]]))
-    x, y = spots[:, columns.X], spots[:, columns.Y]
-    ranges = np.concatenate((solved.opened[:, 2:], np.column_stack((x, x, y, y))))
-    known = solved.places[np.array(reached, int)]
-    known = known[:, [columns.PART_U, columns.PART_V]] + known[:, [columns.X, columns.Y]]
-    at = parts + ranges[:, [0, 2]]
-    here = (ranges[:, [0, 2]] == ranges[:, [1, 3]]).all(1)
-    here[here] = [bool((np.abs(known - x).max(1) <= SAME_POINT).any()) for x in at[here]]
-    thin = ((ranges[:, 0] == ranges[:, 1]) | (ranges[:, 2] == ranges[:, 3])) & ~here
-    here[thin] = [_clearly_beyond(solved, *x) for x in zip(parts[thin], ranges[thin], strict=True)]
-    return parts[~here], ranges[~here]
-
-
-def _clearly_beyond(solved: Solved, parts: np.ndarray, ranges: np.ndarray) -> bool:
-    """Whether rulings of a short part of a line cross well beyond an end of one; the cells beside it are decided."""
-    length = max(ranges[1] - ranges[0], ranges[3] - ranges[2])
-    if length > SAME_PLACE:
-        return False
-    p, q = solved.p.ruling(int(parts[0]), ranges[:2].mean()), solved.q.ruling(int(parts[1]), ranges[2:].mean())
-    along, other = p[1] - p[0], q[1] - q[0]
-    normal = np.cross(along, other)
-    size = normal @ normal
-    if size <= 1e-6 * (along @ along) * (other @ other):
-        return False
-    s, t = (float(np.cross(q[0] - p[0], x) @ normal / size) for x in (other, along))
-    return max(-s, s - 1, -t, t - 1) > (1e-2 if length else 1e-6)
-
-
-def _touching(parts: np.ndarray, ranges: np.ndarray) -> list[np.ndarray]:
-    """Indices of boxes, in groups of those that touch one another."""
-    if len(parts) > MOST_PLACES:
-        return [np.arange(len(parts))]
-    low = parts + ranges[:, [0, 2]] - SAME_PLACE
-    high = parts + ranges[:, [1, 3]] + SAME_PLACE
-    left = np.ones(len(parts), bool)
-    groups = []
-    while left.any():
-        waiting, group = [int(np.argmax(left))], []
-        left[waiting] = False
-        while waiting:
-            k = waiting.pop()
-            group.append(k)
-            near = np.flatnonzero(left & (low <= high[k]).all(1) & (high >= low[k]).all(1))
-            left[near] = False
-            waiting += near.tolist()
-        groups.append(np.array(group))
-    return groups
-
-
-def _open_place(solved: Solved, parts: np.ndarray, ranges: np.ndarray) -> OpenPlace:
-    own = []
-    for side, chain in enumerate((solved.p, solved.q)):
-        which = parts[:, side].astype(int)
-        u = np.concatenate([chain.parameter(which, ranges[:, 2 * side + end]) for end in (0, 1)])
-        own.append((float(u.min()), float(u.max())))
-    k = len(parts) // 2
-    ends = [chain.ruling(int(parts[k, side]), ranges[k, 2 * side : 2 * side + 2].mean())
-            for side, chain in enumerate((solved.p, solved.q))]  # fmt: skip
-    return OpenPlace(_nearest_point(*ends), own[0], own[1], 0)
-
-
-def _nearest_point(p: np.ndarray, q: np.ndarray) -> np.ndarray:
-    """The middle of the shortest way between two segments, (2, 3) each."""
-    along, other = p[1] - p[0], q[1] - q[0]
-    s = 0.5
-    for _ in range(8):  # a point near it will do
-        t = float(np.clip((p[0] + s * along - q[0]) @ other / max(other @ other, LEAST), 0, 1))
-        s = float(np.clip((q[0] + t * other - p[0]) @ along / max(along @ along, LEAST), 0, 1))
-    return 0.5 * (p[0] + s * along + q[0] + t * other)

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
+from itertools import pairwise
 from math import comb, lcm
 from operator import mul
 from typing import Any
@@ -27,6 +28,8 @@ CUTS = tuple((fmpq(n, 101), fmpq(1)) for n in (-219, -39, 53, 187))
 # Where an interval is cut on which a weight is not seen to be positive.
 UNEVEN = fmpq(5, 11)
 MOST_CUTS = 40
+# In half turns: far more than the rounding of parameters.
+SLIGHT = 1e-6
 
 
 @dataclass(frozen=True)
@@ -39,7 +42,8 @@ class Chain:
     closed   whether the last ruling is the first one
     u, s     the ranges as users give them; u None for the projective line
     box      (2, 3) corners of a box that holds all rulings, up to rounding
-    pieces   those of the surface, and for every part the number of its piece
+    pieces   those of the surface, and for every part the number of its piece; where a closed surface was cut in
+             pieces (`cut_out`), one has a range (u0, u1) with u0 > u1: it passes through infinity
     """
 
     points: np.ndarray
@@ -65,6 +69,10 @@ class Chain:
         if bounds is None:
             return np.arctan(u) / np.pi % 1.0
         low, high = float(bounds[0]), float(bounds[1])
+        if low > high:
+            start, end = np.arctan([low, high]) / np.pi
+            # an end may be told with rounding: a little before the start is no whole turn behind it
+            return k + ((np.arctan(u) / np.pi - start + SLIGHT) % 1.0 - SLIGHT) / (end - start + 1.0)
         return k + (u - low) / (high - low)
 
     def along(self, part: int, x: float) -> float:
@@ -86,6 +94,11 @@ class Chain:
             if there and (self.closed or 0 <= other <= last):
                 own.add(int(self.piece_of[other % (last + 1)]))
         return own
+
+    def reached(self, place: tuple[float, float]) -> list[int]:
+        """The pieces, none through infinity, that share some u with a range of it."""
+        low, high = place
+        return [k for k, x in enumerate(self.pieces) if x.u is None or (x.u[0] <= high and low <= x.u[1])]
 
     def piece_box(self, k: int) -> np.ndarray:
         """As `box`, of piece k."""
@@ -169,10 +182,15 @@ def _hull(points: np.ndarray) -> np.ndarray:
 
 
 def _ranges(piece: RuledSurface) -> list[tuple[Projective, Projective]]:
+    ends = list(CUTS)
     if piece.u is not None:
-        return [((rational(piece.u[0], "u"), fmpq(1)), (rational(piece.u[1], "u"), fmpq(1)))]
-    ends = [*CUTS, (-CUTS[0][0], -CUTS[0][1])]
-    return list(zip(ends, ends[1:], strict=False))
+        low, high = (rational(u, "u") for u in piece.u)
+        if low < high:
+            return [((low, fmpq(1)), (high, fmpq(1)))]
+        ends = [(low, fmpq(1)), *(x for x in CUTS if x[0] > low), *((-u, -w) for u, w in CUTS if u < high)]
+        ends.append((-high, fmpq(-1)))
+        return list(pairwise(ends))
+    return list(pairwise([*ends, (-ends[0][0], -ends[0][1])]))
 
 
 def _positive_parts(

@@ -85,7 +85,7 @@ def _on_edge(own: Any, other: Any, before: np.ndarray, after: np.ndarray) -> tup
         if np.abs(gap).max() <= SETTLED * size:
             inside = min(before[0], after[0]) <= u <= max(before[0], after[0])
             return (point, np.array([u, v, edge[3], t])) if inside else None
-        if not abs(np.linalg.det(matrix)) > LEAST:
+        if not (np.isfinite(matrix).all() and abs(np.linalg.det(matrix)) > LEAST):
             return None
         u, v, t = np.array([u, v, t]) - np.linalg.solve(matrix, gap)
     return None

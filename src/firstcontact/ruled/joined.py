@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
@@ -51,18 +51,25 @@ def knot(p: Chain, q: Chain, place: np.ndarray, point: np.ndarray, parameters: n
 
 
 class Found(Collected):
-    """What is known of the curve of two chains; besides, places left open and the boxes looked at."""
+    """What is known of the curve of two chains.
+
+    Besides, places left open, how many cells were looked at and pairs decided exactly, and fields with apexes, which
+    `add_isolated` takes.
+    """
 
     def __init__(self) -> None:
         super().__init__()
         self.open_places: list[OpenPlace] = []
-        self.seen = 0
+        self.seen = self.settled = 0
+        self.apexes: list[dict[str, Any]] = []
 
     def fields(self) -> dict[str, Any]:
         return self.collected() | {
             "method": "certified",
             "open_places": tuple(self.open_places),
-            "stats": Stats(node_visits=self.seen, undecided=len(self.open_places)),
+            "stats": Stats(
+                node_visits=self.seen, undecided=len(self.open_places), exact_evaluations=self.settled
+            ),
         }
 
     def add(self, strands: list[Strand], places: list[OpenPlace], chains: tuple[Chain, ...] | None,
@@ -131,13 +138,16 @@ class Found(Collected):
         """Points of polylines."""
         self.singular += [SingularPoint(point, "cusp") for point in points]
 
-    def add_isolated(self, exact: Sequence[dict[str, Any]]) -> None:
-        """Points that are on nothing else, once all else is there."""
+    def add_isolated(
+        self, exact: Sequence[dict[str, Any]], is_apex: Callable[[np.ndarray], bool] = lambda point: False
+    ) -> None:
+        """Points that are on nothing else, once all else is there; apexes anyhow."""
         for fields in exact:
             nodes = {node.point.tobytes(): node for node in fields["graph"].nodes if node.kind == "isolated"}
             for point in fields["isolated_points"]:
                 near = ONE_PLACE * max(1.0, np.abs(point).max())
-                if any((np.abs(branch.points - point).max(1) <= near).any() for branch in self.branches):
+                on_branch = any((np.abs(branch.points - point).max(1) <= near).any() for branch in self.branches)
+                if on_branch and not is_apex(point):
                     continue
                 if not any(same(point, other) for other in self.isolated):
                     self.isolated.append(point)

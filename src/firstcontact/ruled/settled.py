@@ -38,8 +38,10 @@ class Settled:
         self._spent = 0
 
     def settle(self, pairs: Collection[PiecePair]) -> bool:
-        """Ask for these pairs; False, and nothing is asked, where that would take long."""
+        """Ask for these pairs; False, and nothing is asked, where that would take long or a piece passes infinity."""
         fresh = [pair for pair in pairs if pair not in self.known and self._may_meet(pair)]
+        if any(_passes_infinity(chain.pieces[k]) for pair in fresh for chain, k in zip(self.chains, pair, strict=True)):
+            return False
         sizes = [self._piece(0, i).rulings.degree * self._piece(1, j).rulings.degree for i, j in fresh]
         if max(sizes, default=0) > BEARABLE or self._spent + sum(sizes) > MOST:
             return False
@@ -48,6 +50,13 @@ class Settled:
         for i, j in fresh:
             self.known[i, j] = intersection(self._piece(0, i), self._piece(1, j), self.tolerance, None, inside=True)
         return True
+
+    def mask(self) -> np.ndarray:
+        """Bools (pieces of p, pieces of q): which pairs were asked for."""
+        mask = np.zeros([len(chain.pieces) for chain in self.chains], bool)
+        for pair in self.known:
+            mask[pair] = True
+        return mask
 
     def found(self) -> list[dict[str, Any]]:
         """The fields of the pairs that were asked for; common rulings that border an area of another pair left out."""
@@ -99,6 +108,11 @@ class Settled:
         if end.kind == "boundary" and not on:
             return knot(*self.chains, place, end.point, end.parameters)
         return Stop(replace(end, on=on) if len(on) < len(end.on) else end, place)
+
+
+def _passes_infinity(piece: Any) -> bool:
+    """Whether it is the part of a closed surface that was left when others were cut out of it."""
+    return piece.u is not None and piece.u[0] > piece.u[1]
 
 
 def _is_along(line: np.ndarray, piece: Any, u: Fraction) -> bool:

@@ -42,7 +42,7 @@ def takes_kernels(p: Any, q: Any, method: str, box: Any) -> bool:
         return True
     first, second = p.pieces[0], q.pieces[0]
     sizes = [Piece.of(x).rulings.degree for x in (first, second)]
-    return sizes[0] * sizes[1] > SMALL and is_supported(first) and is_supported(second)
+    return sizes[0] * sizes[1] > SMALL and all(x.bounded and is_supported(x) for x in (first, second))
 
 
 def _fields(p: Any, q: Any, tolerance: float, method: str, box: Box | None) -> dict[str, Any]:
@@ -53,7 +53,7 @@ def _fields(p: Any, q: Any, tolerance: float, method: str, box: Box | None) -> d
     if box is not None and (method == "certified" or strips):
         raise UnsupportedPair('a box cuts the curve on the exact path only; leave it out, or give single pieces')
     if takes_kernels(p, q, method, box):
-        fields = certified_curve(p, q, tolerance, settles=bool(strips) and method == "auto")
+        fields = certified_curve(p, q, tolerance, settles=bool(strips) or method == "certified")
         if method == "certified" or strips or not fields["open_places"]:
             return fields
         sizes = [Piece.of(x.pieces[0]).rulings.degree for x in (p, q)]

@@ -1,0 +1,106 @@
+"""How far out curves of whole rulings are looked for in doubles."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from firstcontact.body.ruled_strip import RuledStrip
+from firstcontact.body.ruled_surface import RuledSurface
+from firstcontact.errors import UnsupportedPair
+from firstcontact.ruled.branches import REACH
+from firstcontact.ruled.pieces import Piece
+from firstcontact.ruled.tracing import Powers, Surfaces
+from firstcontact.ruled.whole_rulings import segments
+
+# Points that are told in two ways differ by less, in parts of their size.
+CLOSE = 1e-9
+
+
+class Reached(NamedTuple):
+    """Two surfaces with bounded rulings.
+
+    given   the surfaces as they were
+    bounds  names of the bounds that are theirs alone: beyond them the given surfaces go on
+    box     (2, 3) what lies in it is on them; None: all that both given surfaces share is
+    """
+
+    p: Any
+    q: Any
+    given: tuple[Any, Any]
+    bounds: frozenset[str] = frozenset()
+    box: np.ndarray | None = None
+
+    def sharpen(self, points: np.ndarray, parameters: np.ndarray) -> None:
+        """Set points (n, 3), and s, t of parameters (n, 4), from u and v on the given surfaces, if they were cut.
+
+        Ends of long segments are far from them, and known to their own size.
+        """
+        if not self.bounds or any(len(x.pieces) > 1 for x in self.given):
+            return
+        p, q = (Piece.of(x.pieces[0]) for x in self.given)
+        u, v = (_powers(x) for x in parameters.T[:2])
+        own, positions = Surfaces(p, q).points(u, v)
+        # next to common rulings they are not told better by u and v
+        near = np.abs(own - points).max(1) <= CLOSE * np.abs(points).max(1).clip(1.0)
+        points[near] = own[near]
+        parameters[near, 2:] = np.stack([p.user_s(positions[near, 0]), q.user_s(positions[near, 1])], axis=1)
+
+    def beyond(self, fields: dict[str, Any]) -> dict[str, Any]:
+        """Those of IntersectionCurve, for the given surfaces: branches that end at the bounds go on."""
+        fields = fields | {"box": self.box}
+        cut = {id(end): replace(end, kind="infinity", on=()) for branch in fields["branches"] for end in branch.ends
+               if end.kind == "boundary" and not self.bounds.isdisjoint(end.on)}  # fmt: skip
+        if not cut:
+            return fields
+        branches = tuple(replace(x, ends=tuple(cut.get(id(end), end) for end in x.ends)) for x in fields["branches"])
+        points = {end.point.tobytes() for end in cut.values()}
+        graph = fields["graph"]
+        nodes = tuple(replace(node, point=None, kind="infinity")
+                      if node.kind == "boundary" and node.point.tobytes() in points else node
+                      for node in graph.nodes)  # fmt: skip
+        return fields | {"branches": branches, "graph": replace(graph, nodes=nodes)}
+
+
+def reached(p: Any, q: Any) -> Reached:
+    """Both surfaces with segments for whole rulings: as far as the other one, or REACH times their size if both are."""
+    whole = [any(piece.s is None for piece in x.pieces) for x in (p, q)]
+    if not any(whole):
+        return Reached(p, q, (p, q))
+    box = None
+    if all(whole):
+        size = REACH * max(Surfaces(Piece.of(a), Piece.of(b)).size() for a in p.pieces for b in q.pieces)
+        box = np.array([[-size] * 3, [size] * 3])
+    low, high = box if box is not None else (q if whole[0] else p).bounds()
+    centre, reach = 0.5 * (low + high), float(np.linalg.norm(high - low)) * 0.5 * (1 + 1e-9)
+    bounds: list[str] = []
+    found = [_cut(x, centre, reach, names, bounds) for x, names in ((p, "us"), (q, "vt"))]
+    return Reached(found[0], found[1], (p, q), frozenset(bounds), box)
+
+
+def _powers(x: np.ndarray) -> Powers:
+    """Of parameters, of their reciprocals where these are smaller."""
+    far = np.abs(x) > 1.0
+    return Powers(np.divide(1.0, x, out=x.copy(), where=far), far)
+
+
+def _cut(surface: Any, centre: np.ndarray, reach: float, names: str, bounds: list[str]) -> Any:
+    """The surface with segments; puts the names of new bounds into the list."""
+    pieces: list[RuledSurface] = []
+    for piece in surface.pieces:
+        if piece.s is not None:
+            pieces.append(piece)
+            continue
+        found = segments(piece, centre.tolist(), reach)
+        if found is None:
+            raise UnsupportedPair(
+                f"{surface!r} has whole rulings whose directrices meet, or go to infinity; bound s, or shorten u, "
+                'or try method="algebraic"'
+            )
+        for x in found:
+            bounds += [f"{names[1]}={end}" for end in x.s or ()]
+            bounds += [f"{names[0]}={end}" for end in x.u or () if end not in (piece.u or ())]
+        pieces += found
+    return pieces[0] if len(pieces) == 1 else RuledStrip(pieces, name=surface.name)
