@@ -63,6 +63,10 @@ def curve(p: Any, q: Any) -> Any:
     return fc.intersection_curve(p, q, method="algebraic")
 
 
+def certified_curve(p: Any, q: Any) -> Any:
+    return fc.intersection_curve(p, q, method="certified")
+
+
 def intervals(p: Any, q: Any) -> Any:
     return fc.contact_intervals(p, q, (-2, 2), exact=True)
 
@@ -75,12 +79,16 @@ def certified_contact(p: Any, q: Any) -> Any:
     return fc.first_contact(p, q, (-2, 2), method="certified")
 
 
-# what is asked, of which surfaces, and the time in ms that it may take
-QUERIES: list[tuple[str, Callable[[], Pair], Callable[[Any, Any], Any], float]] = [
+# what is asked, of which surfaces, and the time in ms that it may take, if there is a bar
+QUERIES: list[tuple[str, Callable[[], Pair], Callable[[Any, Any], Any], float | None]] = [
     ("Example 1, curve, exact", example_1, curve, 20),
     ("Example 2, curve, exact", example_2, curve, 20),
     ("Example 3, curve, exact", example_3, curve, 80),
     ("Example 5, curve, exact", example_5, curve, 20),
+    ("Example 1, curve, certified", example_1, certified_curve, None),
+    ("Example 2, curve, certified", example_2, certified_curve, None),
+    ("Example 3, curve, certified", example_3, certified_curve, None),
+    ("Example 5, curve, certified", example_5, certified_curve, None),
     ("Example 4, intervals, exact", example_4, intervals, 50),
     ("Example 4, first contact, exact", example_4, exact_contact, 50),
     ("Example 4, first contact, certified", example_4, certified_contact, 5),
@@ -93,7 +101,8 @@ def said(answer: Any) -> str:
     """An answer in a few words."""
     if isinstance(answer, fc.IntersectionCurve):
         counts = len(answer.branches), len(answer.isolated_points), len(answer.overlap_lines)
-        return "branches {}, isolated points {}, common lines {}".format(*counts)
+        asked = f"; asked exactly: {answer.stats.exact_evaluations}" if answer.method == "certified" else ""
+        return "branches {}, isolated points {}, common lines {}".format(*counts) + asked
     if isinstance(answer, fc.ContactIntervals):
         return ", ".join(f"[{x.start_exact}, {x.end_exact}]" for x in answer.intervals)
     return str(answer.time_exact) if answer.time_exact is not None else repr(answer.time)

@@ -261,6 +261,23 @@ def test_cusps_are_named_where_branches_pass_an_edge_of_regression():
         assert any((branch.points == points[0]).all(1).any() for branch in found.branches)
 
 
+def test_branches_turn_back_where_rulings_stand_still():
+    """Only u^2 occurs, at 0 or in the middle of a chart or at infinity; a strip that lies twice in a plane."""
+    folded = fc.RuledSurface("(u**2, u**2 - 1, -1)", "(u**2, 1 - u**2, 1)", u=(-1, 1))
+    x, y = "2*u**2/(1+u**4)", "(1-u**4)/(1+u**4)"
+    closed = fc.RuledSurface(f"({x}, {y}, -1)", f"({x}, {y}, 1)", u=None)
+    twice = fc.RuledSurface("(2*u/(1+u**2), -1, 0)", "(2*u/(1+u**2), 1, 0)", u=None)
+    level = fc.RuledSurface("(-2, 3*u - 1, 1/5 - u/3)", "(2, 3*u - 1, 1/7 + u/5)")
+    sloping = fc.RuledSurface("(-2, 3*u - 1, 3*u - 7/10)", "(2, 3*u - 1, 3*u - 3/2)")
+    for surface, other, count in ((folded, level, 1), (closed, level, 2), (twice, sloping, 2)):
+        for pair in ((surface, other), (other, surface)):
+            found, exact = certified(*pair), fc.intersection_curve(*pair, tolerance=TOLERANCE, method="algebraic")
+            points, known = (sorted(x.point.tolist() for x in c.singular_points) for c in (found, exact))
+            assert len(points) == count and {x.kind for x in found.singular_points} == {"cusp"}
+            assert np.array(points) == pytest.approx(np.array(known), abs=1e-12)
+            assert sorted(x.kind for x in found.graph.nodes) == sorted(x.kind for x in exact.graph.nodes)
+
+
 def test_a_branch_that_is_passed_to_and_fro_keeps_few_points():
     """Only v^2 occurs, so the points beside v = 0 are one."""
     wedge = fc.RuledSurface("(u, u + 1, -1)", "(-1, 1, -2)", u=(-2, 2), s=(-1, 2))

@@ -12,6 +12,7 @@ reach          how far out curves of whole rulings are looked for there
 apex_rulings   rulings through an apex, along which Delta is zero but there is no curve
 settled        pairs of pieces that are decided exactly where doubles leave places open
 cut_out        surfaces in pieces about such places
+edge_cusps, standstill_cusps   cusps on curves found in doubles
 joined         both joined to branches and their graph
 solid_verbs    the verb with solids and polyhedra: one curve for every piece (and facet), joined
 solid_curve    the curve of a piece with a solid of planes and quadrics

@@ -35,6 +35,7 @@ from firstcontact.ruled.open_places import (
 )
 from firstcontact.ruled.reach import Reached, reached
 from firstcontact.ruled.settled import Settled
+from firstcontact.ruled.standstill_cusps import turned_back
 
 # Branches that are shorter, in parts of their coordinates, may be points.
 IN_SPACE = 1e-12
@@ -155,18 +156,21 @@ def _strands(solved: Solved, settled: Settled, settles: bool) -> tuple[list[Stra
 
 def _with_cusps(p: Chain, q: Chain, strands: list[Strand]) -> tuple[list[Strand], list[np.ndarray]]:
     """The strands with rows at their cusps, and these points; exact strands know theirs."""
-    points: list[np.ndarray] = []
-    if sum(len(x.points) for x in strands) < FEW_POINTS and not any(turns_sharply(x.points) for x in strands):
-        return strands, points
+    cusps: list[np.ndarray] = []
+    few = sum(len(x.points) for x in strands) < FEW_POINTS
+    if few and not any(turns_sharply(x.points) for x in strands):
+        return strands, cusps
     for own, other, order in ((p, q, [0, 1, 2, 3]), (q, p, [1, 0, 3, 2])):
         edged = with_edges(own)
-        for n, strand in enumerate(strands if edged else []):
-            for before, after, point, known in reversed(passed(edged, other.pieces, strand.parameters[:, order])):
+        for n, strand in enumerate(strands):
+            found = passed(edged, other.pieces, strand.parameters[:, order]) if edged else []
+            found += turned_back(own.pieces, other.pieces, strand.points, strand.parameters[:, order])
+            for before, after, point, known in sorted(found, key=lambda x: -x[0]):
                 strand = replace(strand, points=_with_row(strand.points, before, after, point),
                                  parameters=_with_row(strand.parameters, before, after, known[order]))  # fmt: skip
-                points.append(point)
+                cusps.append(point)
             strands[n] = strand
-    return strands, points
+    return strands, cusps
 
 
 def _with_row(table: np.ndarray, before: int, after: int, row: np.ndarray) -> np.ndarray:

@@ -119,8 +119,6 @@ class Found(Collected):
             self.branches.append(
                 Branch(strand.points, strand.parameters, closed, tuple(ends), strand.multiplicity)  # type: ignore[arg-type]
             )
-            if closed:
-                own = [self._node(strand.points[0], strand.parameters[0], "regular")] * 2
             self._add_edges(strand, own)
         self.open_places += [replace(place, ends=n) for place, n in zip(places, ends_at, strict=True)]
 
@@ -154,12 +152,16 @@ class Found(Collected):
                     self.nodes.append(nodes[point.tobytes()])
 
     def _add_edges(self, strand: Strand, ends: list[int]) -> None:
-        """One between the ends, or several between them and cusps."""
+        """Those between the ends and cusps; a loop without cusps has a regular node."""
         cusps = [x for x in self.singular if x.kind == "cusp"]
         stops = sorted({int(k) for x in cusps for k in np.flatnonzero((strand.points == x.point).all(1))})
-        stops = [k for k in stops if 0 < k < len(strand.points) - 1]
-        numbers = [ends[0], *(self._node(strand.points[k], strand.parameters[k], "cusp") for k in stops), ends[1]]
-        self.edges += zip(numbers, numbers[1:], strict=False)
+        last = len(strand.points) - 1
+        stops = [k for k in stops if k < last and (k > 0 or not ends)]
+        numbers = [self._node(strand.points[k], strand.parameters[k], "cusp") for k in stops]
+        if not ends:
+            numbers = numbers or [self._node(strand.points[0], strand.parameters[0], "regular")]
+            ends = [numbers[0], numbers.pop(0)]
+        self.edges += pairwise([ends[0], *numbers, ends[1]])
 
     def _node(self, point: np.ndarray, where: Any, kind: str, exact: ExactParameters | None = None) -> int:
         u, v = float(where[0]), float(where[1])
