@@ -68,7 +68,9 @@ def certified_curve(p: Any, q: Any, tolerance: float, settles: bool) -> dict[str
         return near.beyond(_found(near, near.p, near.q, tolerance, settles).fields())
     found = before = _found(near, near.p, near.q, tolerance, False, whole=False)
     if places := found.open_places:
-        cut = cut_about(near.p, [x.u for x in places]), cut_about(near.q, [x.v for x in places])
+        cut = near.p, near.q
+        if found.seen < SMALL_BUDGET:  # else places stand for all that was not looked at
+            cut = cut_about(near.p, [x.u for x in places]), cut_about(near.q, [x.v for x in places])
         found = _found(near, *cut, tolerance, True, before)
         if found.open_places and cut != (near.p, near.q):  # they were not as small as that, or too close to infinity
             found = _found(near, near.p, near.q, tolerance, True, before)
@@ -94,13 +96,13 @@ def _found(
             if arcs is None:
                 continue
             found.apexes += arcs.apexes.points(tolerance) if before is None else before.apexes
+            found.seen += arcs.seen
             if not whole and (left := open_places(arcs, *open_boxes(arcs, [], []))):
                 found.open_places += left
                 continue
             solved = traced(arcs, tolerance)
             near.sharpen(solved.points, solved.parameters)
             strands, places = _strands(solved, settled, settles)
-            found.seen += arcs.seen
             own = settled.found()
             found.settled += len(own)
             strands, cusps = _with_cusps(a, b, strands)
