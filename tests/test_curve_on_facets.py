@@ -195,7 +195,7 @@ def test_open_meshes_and_many_facets():
         (fc.RuledSurface.from_nurbs([[(x, y, x * y) for y in range(3)] for x in range(3)], name="rows",
                                     knots=([0, 0, 1, 2, 2], [0, 0, 1, 2, 2])), ELL, "rows.*side by side"),
         (fc.RuledSurface("(u, 0, 1)", "(u, 1, 1)"), ELL, "ell: the ruled piece lies in the plane of face 1"),
-        (fc.RuledSurface("(u, 0, 0)", "(u, 1, u)", s=None, name="long"), ELL, "long.*whole rulings"),
+        (fc.RuledSurface("(u, 0, 0)", "(1-u, 0, u-1/2)", s=None, name="bow"), ELL, "bow.*whose directrices"),
     ],  # fmt: skip
 )
 def test_refusals(surface, solid, message):

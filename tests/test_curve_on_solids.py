@@ -122,10 +122,24 @@ def test_bounds_cut_the_curve():
     assert np.array_equal(curves[0][0].points[0], curves[1][0].points[0]) and len(curves[0]) == len(curves[1]) == 1
 
 
+def test_whole_rulings_and_bounded_solids():
+    """The same curve as with long rulings: of a double cone with a ball and with triangles, and of a plane."""
+    cone = "(0, 0, 0)", "((1-u**2)/(1+u**2), 2*u/(1+u**2), 1)"
+    cube = fc.Polyhedron(fc.examples.box((1, 2, 1)).vertices, fc.examples.box((1, 2, 1)).triangles)
+    plane = "(u, 0, 1/3)", "(u, u + 1, u/9 + 1/3)"
+    for ends, u, solid in ((cone, None, fc.sphere(2).translated((0, 1, 0))), (cone, None, cube), (plane, (0, 1), cube)):
+        whole, cut = (fc.RuledSurface(*ends, u=u, s=s) for s in (None, (-9, 9)))
+        found, same = (fc.intersection_curve(x, solid, tolerance=1e-3) for x in (whole, cut))
+        assert len(found.branches) == len(same.branches) > 0 and found.box is None
+        assert sum(b.length for b in found.branches) == pytest.approx(sum(b.length for b in same.branches), rel=1e-4)
+        assert (found.a, found.b) == (whole, solid)
+    assert fc.intersection_curve(whole, cube, box=((-1, -1, -1), (1, 1, 1))).box.tolist() == [[-1] * 3, [1] * 3]
+
+
 @pytest.mark.parametrize(
     ("surface", "solid", "message"),
     [
-        (fc.RuledSurface("(u, 0, 0)", "(u, 1, u)", s=None), fc.sphere(1), "whole rulings"),
+        (fc.RuledSurface("(u, 0, 0)", "(u, 1, u)", s=None), fc.half_space((0, 0, 1), 1), "the solid is unbounded"),
         (SADDLE, fc.sphere(1).moving(fc.Translation((1, 0, 0))), "give a body at rest"),
         (PIPE, fc.cylinder(1, 1), "lies in one surface"),
     ],

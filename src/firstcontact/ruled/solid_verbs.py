@@ -26,7 +26,8 @@ from firstcontact.ruled.facet_curve import FacetCurve, Facets, facets
 from firstcontact.ruled.joined import ONE_PLACE, Found, Near, Stop, Strand
 from firstcontact.ruled.pieces import Piece
 from firstcontact.ruled.solid_curve import ModelCurve, SheetCurve
-from firstcontact.ruled.spots import box_of
+from firstcontact.ruled.spots import box_of, corners
+from firstcontact.ruled.whole_rulings import cut_to
 
 MOST_FACETS = 2000
 """Pairs of a piece and a facet near it; some 10 ms each."""
@@ -39,12 +40,13 @@ def intersection_curve(p: Any, q: Any, tolerance: float, method: str, box: Any) 
     _check(ruled)
     if method not in ("auto", "algebraic"):
         raise UnsupportedPair(f"method {method!r}: intersection curves with solids are exact; choose 'auto'")
-    sheets = _Sheets(ruled, _boundary(solid), tolerance, box_of(box), ruled is p)
+    limits = box_of(box)
+    sheets = _Sheets(cut_to(ruled, solid, (0.0, 1.0)), _boundary(solid), tolerance, limits, ruled is p)
     if len(ruled.pieces) == 1 and isinstance(sheets.solid, CompositeQuadric):
-        fields = sheets.of_model(Piece.of(ruled.pieces[0])).run()
+        fields = sheets.of_model(Piece.of(sheets.ruled.pieces[0])).run()
     else:
         fields = _joined(sheets)
-    fields["stats"] = Stats(seconds=clock.perf_counter() - begin)
+    fields |= {"stats": Stats(seconds=clock.perf_counter() - begin), "box": corners(limits)}
     return IntersectionCurve(**fields, a=p, b=q)
 
 
@@ -54,8 +56,6 @@ def _check(ruled: Any) -> None:
     if ruled.deforming:
         raise InputError(f"{ruled!r} deforms with the time; give surface.at(t)")
     for piece in ruled.pieces:
-        if piece.s is None:
-            raise UnsupportedPair(f"{ruled!r} has whole rulings, which intersection_curve with solids does not take")
         if piece.joined & {"s0", "s1"}:
             raise UnsupportedPair(f"{ruled!r} has rows of strips side by side; give them one by one")
 

@@ -34,6 +34,11 @@ def box_of(box: Any) -> Box | None:
     return low, high
 
 
+def corners(box: Box | None) -> np.ndarray | None:
+    """(2, 3) float64 of a box, as results tell it."""
+    return None if box is None else np.array([[float(x) for x in corner] for corner in box])
+
+
 @dataclass(frozen=True)
 class Spot:
     """The rulings l(x), m(y), given that they meet.

@@ -15,7 +15,7 @@ from firstcontact.ruled.certified_curve import certified_curve, is_supported
 from firstcontact.ruled.intersection import intersection
 from firstcontact.ruled.pieces import Piece
 from firstcontact.ruled.settled import BEARABLE
-from firstcontact.ruled.spots import Box, box_of
+from firstcontact.ruled.spots import Box, box_of, corners
 
 METHODS = ("auto", "algebraic", "certified")
 # Largest product of the degrees of Delta that "auto" decides exactly at once (some 40 ms).
@@ -29,7 +29,8 @@ def intersection_curve(p: Any, q: Any, tolerance: float, method: str, box: Any) 
         _check(surface)
     if method not in METHODS:
         raise UnsupportedPair(f"method {method!r} is unknown to intersection_curve; choose one of {', '.join(METHODS)}")
-    fields = _fields(p, q, tolerance, method, box_of(box))
+    limits = box_of(box)
+    fields = {"box": corners(limits)} | _fields(p, q, tolerance, method, limits)
     stats = fields.pop("stats", Stats())
     return IntersectionCurve(**fields, stats=replace(stats, seconds=clock.perf_counter() - begin), a=p, b=q)
 
