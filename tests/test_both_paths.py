@@ -16,12 +16,12 @@ CIRCLE = "(1-u**2)/(1+u**2), 2*u/(1+u**2)"
 REFUSED = "s07_plucker_conoid_plane"
 STATIC = [x for x in vectors("static_full", "static_box") if x.name != REFUSED]
 # Pairs of pieces that exact arithmetic may be asked for; of others none.
-ASKED = {"s01": 1, "s02": 1, "s05": 1, "s06": 1, "s09": 1, "s10": 2, "s12": 1, "s16": 3, "b01": 1, "b02": 1, "b03": 1,
+ASKED = {"s01": 1, "s02": 1, "s05": 1, "s06": 1, "s09": 1, "s10": 2, "s12": 1, "s16": 1, "b01": 1, "b03": 1,
          "b04": 1, "b06": 1, "b08": 1}  # fmt: skip
 
 
 def within(points: np.ndarray, box: np.ndarray | None) -> np.ndarray:
-    return points if box is None else points[(np.abs(points) <= 0.1 * box[1]).all(1)]
+    return points if box is None else points[(np.abs(points) <= 0.5 * box[1]).all(1)]
 
 
 def sorted_points(points) -> np.ndarray:
@@ -65,12 +65,12 @@ def test_curves_of_whole_rulings_end_at_infinity_and_tell_their_box():
     saddle = fc.RuledSurface("(u, 0, 0)", "(u, 1, u)", u=None, s=None)
     level = fc.RuledSurface("(u, 0, 1/2)", "(u, 1, 1/2)", u=None, s=None)
     found = fc.intersection_curve(saddle, level, tolerance=TOLERANCE, method="certified")
-    assert found.box.tolist() == [[-100] * 3, [100] * 3] and "box" in found.to_dict()
+    assert found.box.tolist() == [[-10] * 3, [10] * 3] and "box" in found.to_dict()
     for branch in found.branches:
         x, y, z = branch.points.T
         assert np.abs(x * y - 0.5).max() < 1e-13 and np.abs(z - 0.5).max() < 1e-14
         assert [(end.kind, end.on) for end in branch.ends] == [("infinity", ())] * 2
-        assert all(np.abs(end.point).max() > 100 for end in branch.ends)
+        assert all(np.abs(end.point).max() > 10 for end in branch.ends)
     assert [node.point for node in found.graph.nodes if node.kind == "infinity"] == [None] * 4
 
 
@@ -81,6 +81,21 @@ def test_a_bounded_piece_tells_how_far_whole_rulings_are_looked_at():
     (branch,) = fc.intersection_curve(square, saddle, tolerance=TOLERANCE, method="certified").branches
     assert sorted(end.on for end in branch.ends) == [("s=0",), ("s=1",)]
     assert sorted(end.point[0] for end in branch.ends) == pytest.approx([-1 / 2000, -1 / 4000], rel=1e-9)
+
+
+def test_both_halves_of_a_ruling_are_kept():
+    """The ruling u = 0 lies on both surfaces, and the rest of the curve meets it twice; infinity is in one half."""
+    below = "u**2 + u + 1"
+    first = f"((2*u**2 - 2*u - 1)/({below}), (u - u**2)/({below}), (u - 2*u**2 - 2)/({below}))"
+    p = fc.RuledSurface(first, "(1/(2*u**2 + 1), (2*u**2 + 2)/(2*u**2 + 1), -u/(2*u**2 + 1))", u=None, s=None)
+    below = "u**2 + 1"
+    q = fc.RuledSurface(f"(2/({below}), (u - 1)**2/({below}), (1 - u**2)/({below}))",
+                        f"((1 - u**2)/({below}), (2*u**2 - 2*u + 2)/({below}), -2*u**2/({below}))",
+                        u=None, s=None)  # fmt: skip
+    curves = [fc.intersection_curve(p, q, tolerance=TOLERANCE, method=m) for m in ("algebraic", "certified")]
+    along = [[x.length for x in c.branches if np.ptp(x.parameters[:, 0]) < 1e-9] for c in curves]
+    assert len(along[0]) == 2 and sorted(along[1]) == pytest.approx(sorted(along[0]))
+    assert [len(c.branches) for c in curves] == [4, 4]
 
 
 @pytest.mark.parametrize("start", ["u", "(u-1)/(u+1)"], ids=["at 0 and infinity", "at -1 and 1"])

@@ -97,7 +97,7 @@ def _found(
                 continue
             found.apexes += arcs.apexes.points(tolerance) if before is None else before.apexes
             found.seen += arcs.seen
-            if not whole and (left := open_places(arcs, *open_boxes(arcs, [], []))):
+            if not whole and (left := open_places(arcs)):
                 found.open_places += left
                 continue
             solved = traced(arcs, tolerance)
@@ -105,7 +105,9 @@ def _found(
             strands, places = _strands(solved, settled, settles)
             own = settled.found()
             found.settled += len(own)
-            strands, cusps = _with_cusps(a, b, strands)
+            # pieces that were cut may pass infinity
+            sides = (a, b) if before is None else (chains(near.p)[0], chains(near.q)[0])
+            strands, cusps = _with_cusps(*sides, strands)
             found.add_cusps(cusps)
             found.add(strands + settled.strands(), places, (a, b) if own else None, own)
             exact += own

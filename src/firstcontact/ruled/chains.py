@@ -55,6 +55,11 @@ class Chain:
     pieces: tuple[RuledSurface, ...]
     piece_of: np.ndarray
 
+    @property
+    def has_knots(self) -> bool:
+        """Whether a piece goes on in another one, or in itself."""
+        return len(self.pieces) > 1 or (self.closed and self.u is not None)
+
     def knots(self, k: int) -> list[Fraction]:
         """The ends of the range of piece k at which another goes on."""
         u, last = self.pieces[k].u, len(self.pieces) - 1

@@ -6,7 +6,7 @@ There the normal P_u x P_s passes zero, as nowhere else: along a ruling of a dev
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.polynomial.polynomial import polyder, polyval
@@ -21,8 +21,16 @@ EDGE = "edge of regression"
 # the turn of a normal that passes zero; lengths of normals, in parts of the largest, below which they show nothing.
 NOT_FLAT, REVERSED, AT_EDGE = 1e-9, -0.5, 1e-9
 # Newton's steps to a cusp and the gap at which they end, in parts of the size; the step by which the edge is
-# differentiated, in parts of the range; parameters beyond which polylines are not looked at, and what divides at least.
-STEPS, SETTLED, SLOPE, FAR, LEAST = 12, 1e-13, 1e-2, 1e6, 1e-300
+# differentiated, in parts of a range that is not shorter than this; parameters beyond which polylines are not looked
+# at, and what divides at least.
+STEPS, SETTLED, SLOPE, SHORTEST, FAR, LEAST = 12, 1e-13, 1e-2, 1e-6, 1e6, 1e-300
+
+
+class Directrices(NamedTuple):
+    """Of a surface in another parameter."""
+
+    first: Any
+    second: Any
 
 
 def turns_sharply(points: np.ndarray) -> bool:
@@ -59,8 +67,8 @@ def passed(
         unit = normals[off] / sizes[off, None]
         for n in np.flatnonzero((unit[1:] * unit[:-1]).sum(1) < REVERSED):
             i, j = int(off[n]), int(off[n + 1])
-            piece = next((x for x in others if _inside(x, parameters[[i, j], 1]).all()), None)
-            place = None if piece is None else _on_edge(surface, piece, parameters[i], parameters[j])
+            piece = next((x for x in others if x.u is None or _inside(x, parameters[[i, j], 1]).all()), None)
+            place = None if piece is None else _passing(surface, piece, parameters[i], parameters[j])
             if place is not None:
                 found.append((i, j, *place))
     return sorted(found, key=lambda x: x[0])
@@ -71,10 +79,21 @@ def _inside(surface: Any, u: np.ndarray) -> np.ndarray:
     return (u >= low) & (u <= high)
 
 
+def _passing(own: Any, other: Any, before: np.ndarray, after: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+    """As _on_edge, v in the chart of 1/v where the other surface is closed and that is smaller."""
+    if other.u is not None or min(abs(before[1]), abs(after[1])) <= 1.0:
+        return _on_edge(own, other, before, after)
+    before, after = (np.array([row[0], 1.0 / row[1], *row[2:]]) for row in (before, after))
+    found = _on_edge(own, Directrices(other.first.reversed(), other.second.reversed()), before, after)
+    if found is not None:
+        found[1][1] = 1.0 / found[1][1] if found[1][1] else np.inf
+    return found
+
+
 def _on_edge(own: Any, other: Any, before: np.ndarray, after: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
     """The point between two rows u, v, s, t at which the edge meets the other surface, and u, v, s, t there; Newton."""
     u, v, _, t = 0.5 * (before + after)
-    step = SLOPE * abs(after[0] - before[0])
+    step = SLOPE * max(abs(after[0] - before[0]), SHORTEST)
     for _ in range(STEPS):
         ahead, behind, edge = (_edge(own, x) for x in (u + step, u - step, u))
         ends, slopes = _ends(other, np.array([v]))

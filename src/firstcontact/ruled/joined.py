@@ -62,6 +62,7 @@ class Found(Collected):
         self.open_places: list[OpenPlace] = []
         self.seen = self.settled = 0
         self.apexes: list[dict[str, Any]] = []
+        self.cusps: list[np.ndarray] = []
 
     def fields(self) -> dict[str, Any]:
         return self.collected() | {
@@ -133,8 +134,11 @@ class Found(Collected):
                 self.segments.append(segment)
 
     def add_cusps(self, points: Sequence[np.ndarray]) -> None:
-        """Points of polylines."""
-        self.singular += [SingularPoint(point, "cusp") for point in points]
+        """Points of polylines; of several at one place, one is a singular point."""
+        self.cusps += points
+        for point in points:
+            if not any(x.kind == "cusp" and same(point, x.point) for x in self.singular):
+                self.singular.append(SingularPoint(point, "cusp"))
 
     def add_isolated(
         self, exact: Sequence[dict[str, Any]], is_apex: Callable[[np.ndarray], bool] = lambda point: False
@@ -153,8 +157,8 @@ class Found(Collected):
 
     def _add_edges(self, strand: Strand, ends: list[int]) -> None:
         """Those between the ends and cusps; a loop without cusps has a regular node."""
-        cusps = [x for x in self.singular if x.kind == "cusp"]
-        stops = sorted({int(k) for x in cusps for k in np.flatnonzero((strand.points == x.point).all(1))})
+        cusps = [*self.cusps, *(x.point for x in self.singular if x.kind == "cusp")]
+        stops = sorted({int(k) for x in cusps for k in np.flatnonzero((strand.points == x).all(1))})
         last = len(strand.points) - 1
         stops = [k for k in stops if k < last and (k > 0 or not ends)]
         numbers = [self._node(strand.points[k], strand.parameters[k], "cusp") for k in stops]
@@ -213,7 +217,8 @@ def _cut(strands: list[Strand], near: Near) -> list[Strand]:
 
     What runs along a knot's ruling is known from both sides: it stays once.
     """
-    passing = [(n, k, _inner(near.chains, strand, k)) for n, strand in enumerate(strands) for k in _at_knots(strand)]
+    passing = [(n, k, _inner(near.chains, strand, k))
+               for n, strand in enumerate(strands) for k in _at_knots(near.chains, strand)]  # fmt: skip
     ending = [stop for strand in strands for stop in strand.stops]
     meeting = [group for group in near.groups([*(stop for _, _, stop in passing), *ending]) if len(group) > 1]
     shared = {id(stop) for group in meeting for stop in group}
@@ -224,27 +229,31 @@ def _cut(strands: list[Strand], near: Near) -> list[Strand]:
     found: list[Strand] = []
     for n, strand in enumerate(strands):
         for part in _parts(near.chains, strand, cuts[n]) if n in cuts else [strand]:
-            if not (_runs_along_knot(part) and any(_runs_along_knot(x) and near.same_ends(part, x) for x in found)):
+            if not any(near.same_ends(part, x) for x in found if _run_along_knots(near.chains, part, x)):
                 found.append(part)
     return found
 
 
-def _at_knots(strand: Strand) -> list[int]:
+def _at_knots(chains: tuple[Chain, ...], strand: Strand) -> list[int]:
     """Points of a strand, none of its ends, that may be on a knot's ruling."""
     if strand.places is None:
         return []
-    whole = (np.abs(strand.places - np.round(strand.places)) <= ONE_PLACE).any(1)
+    on = _on_knots(chains, strand.places)
+    whole = np.asarray(on.any(1))
     if whole.all():
-        whole[1:-1] = (np.abs(strand.places - np.round(strand.places)) <= ONE_PLACE).all(1)[1:-1]
+        whole[1:-1] = on[1:-1].all(1)
     whole[-1] = False
     whole[0] = whole[0] and not strand.stops
     return [int(k) for k in np.flatnonzero(whole)]
 
 
-def _runs_along_knot(strand: Strand) -> bool:
-    if strand.places is None:
-        return False
-    return bool((np.abs(strand.places - np.round(strand.places)) <= ONE_PLACE).any(1).all())
+def _on_knots(chains: tuple[Chain, ...], places: np.ndarray) -> np.ndarray:
+    """(n, 2): whether places are on a knot's ruling of either chain."""
+    return (np.abs(places - np.round(places)) <= ONE_PLACE) & np.array([chain.has_knots for chain in chains])
+
+
+def _run_along_knots(chains: tuple[Chain, ...], *strands: Strand) -> bool:
+    return all(x.places is not None and _on_knots(chains, x.places).any(1).all() for x in strands)
 
 
 def _parts(chains: tuple[Chain, ...], strand: Strand, cuts: list[int]) -> list[Strand]:

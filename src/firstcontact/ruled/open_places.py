@@ -76,7 +76,10 @@ def touching(parts: np.ndarray, ranges: np.ndarray) -> list[np.ndarray]:
     return groups
 
 
-def open_places(found: Searched, parts: np.ndarray, ranges: np.ndarray) -> list[OpenPlace]:
+def open_places(found: Searched) -> list[OpenPlace]:
+    """Those that are seen before arcs are joined."""
+    ends = np.unique(found.arcs[found.arcs[:, columns.START] >= 0][:, [columns.START, columns.END]].astype(int))
+    parts, ranges = open_boxes(found, [], ends[found.places[ends, columns.KIND] > 0].tolist())
     return [open_place(found, parts[group], ranges[group]) for group in touching(parts, ranges)]
 
 

@@ -10,11 +10,13 @@ import numpy as np
 from firstcontact.body.ruled_strip import RuledStrip
 from firstcontact.body.ruled_surface import RuledSurface
 from firstcontact.errors import UnsupportedPair
-from firstcontact.ruled.branches import REACH
 from firstcontact.ruled.pieces import Piece
 from firstcontact.ruled.tracing import Powers, Surfaces
 from firstcontact.ruled.whole_rulings import segments
 
+# In sizes of the directrices.  The number of points that prove a tolerance grows with its square, as the ends of
+# segments move away from the curve.
+REACH = 10.0
 # Points that are told in two ways differ by less, in parts of their size.
 CLOSE = 1e-9
 
