@@ -193,6 +193,18 @@ def test_crossings_are_left_open_and_auto_decides_them():
         assert distance(branch.points[::17], decided.branches) <= 2 * TOLERANCE
 
 
+def test_a_branch_that_touches_a_bound_goes_on():
+    """v = (u - 1/3)^2: doubles see it end at v = 0 and begin again, so that place is open."""
+    trough = fc.RuledSurface("(u, -1, (u - 1/3)**2)", "(u, 1, (u - 1/3)**2)", u=(-1, 1))
+    level = fc.RuledSurface("(-2, u/2, u)", "(2, u/2, u)")
+    for pair in ((trough, level), (level, trough)):
+        (branch,) = certified(*pair).branches
+        assert {end.on for end in branch.ends} == {("u=1",), ("v=1",)}
+        assert branch.length == pytest.approx(2.4342, abs=1e-3)
+        (place,) = in_doubles(*pair).open_places
+        assert place.point == pytest.approx([1 / 3, 0, 0], abs=1e-5) and place.ends == 2
+
+
 def test_auto_takes_the_path_that_fits():
     p, q = STRIPS[8]
     assert fc.intersection_curve(p, q, tolerance=TOLERANCE).method == "certified"

@@ -99,7 +99,7 @@ class Found(Collected):
                 stop = group[0]
                 number = self._node(stop.end.point, stop.end.parameters, "node", stop.end.exact)
                 numbers.update({id(stop): number for stop in group})
-                if not any(same(stop.end.point, x.point) for x in self.singular):
+                if not any(x.kind == "node" and same(stop.end.point, x.point) for x in self.singular):
                     self.singular.append(SingularPoint(stop.end.point, "node"))
         for strand, stops in _chains(strands, through):
             ends, own = [], []
@@ -127,7 +127,7 @@ class Found(Collected):
         """What is no branch."""
         self.two_dimensional |= fields["two_dimensional"]
         for x in fields["singular_points"]:
-            if not any(same(x.point, other.point) for other in self.singular):
+            if not any(x.kind == other.kind and same(x.point, other.point) for other in self.singular):
                 self.singular.append(x)
         for segment in fields["overlap_lines"]:
             if not any(same(segment[k], x[0]) and same(segment[1 - k], x[1]) for k in (0, 1) for x in self.segments):

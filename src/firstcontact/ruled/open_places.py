@@ -24,12 +24,13 @@ def open_boxes(found: Searched | Solved, stray: list[int], at_bounds: list[int])
     """Parts (n, 2) and ranges (n, 4) of boxes left open.
 
     stray: places of branches that are points, or at which branches end without reason.  at_bounds: ends there; a
-    point that is left open in one of them is on the branch.
+    point that is left open at one of them is on the branch.
     """
     points = [int(arc[columns.END]) for arc in found.arcs[found.arcs[:, columns.START] == -2]]
-    if len(found.opened) > MOST_BOXES or not (len(found.opened) or points or stray):
+    beside = _ends_side_by_side(found, at_bounds)
+    if len(found.opened) > MOST_BOXES or not (len(found.opened) or points or stray or beside):
         return found.opened[:, :2], found.opened[:, 2:]
-    spots = found.places[np.array([*points, *stray], int)]
+    spots = found.places[np.array([*points, *stray, *beside], int)]
     parts = np.concatenate((found.opened[:, :2], spots[:, [columns.PART_U, columns.PART_V]]))
     x, y = spots[:, columns.X], spots[:, columns.Y]
     ranges = np.concatenate((found.opened[:, 2:], np.column_stack((x, x, y, y))))
@@ -38,9 +39,24 @@ def open_boxes(found: Searched | Solved, stray: list[int], at_bounds: list[int])
     at = parts + ranges[:, [0, 2]]
     here = (ranges[:, [0, 2]] == ranges[:, [1, 3]]).all(1)
     here[here] = [bool((np.abs(known - x).max(1) <= SAME_POINT).any()) for x in at[here]]
+    here[len(here) - len(beside) :] = False
     thin = ((ranges[:, 0] == ranges[:, 1]) | (ranges[:, 2] == ranges[:, 3])) & ~here
     here[thin] = [_clearly_beyond(found, *x) for x in zip(parts[thin], ranges[thin], strict=True)]
     return parts[~here], ranges[~here]
+
+
+def _ends_side_by_side(found: Searched | Solved, at_bounds: list[int]) -> list[int]:
+    """Ends on one bound of u or v that are the same place: a branch may touch it there and go on."""
+    rows = found.places[np.array(at_bounds, int)]
+    beside = []
+    for side, kinds in ((columns.Y, (1.0, 2.0)), (columns.X, (3.0, 4.0))):
+        along = rows[:, columns.PART_V if side == columns.Y else columns.PART_U] + rows[:, side]
+        for kind in kinds:
+            own = np.flatnonzero(rows[:, columns.KIND] == kind)
+            own = own[np.argsort(along[own])]
+            close = np.flatnonzero(np.diff(along[own]) <= SAME_PLACE)
+            beside += [at_bounds[k] for k in np.unique(np.concatenate((own[close], own[close + 1])))]
+    return beside
 
 
 def _clearly_beyond(found: Searched | Solved, parts: np.ndarray, ranges: np.ndarray) -> bool:
