@@ -46,7 +46,7 @@ def test_options_win_over_the_scene(command):
     out = command("curve", EXAMPLES / "roller.toml", "--at", "1").out
     assert out == "roller and pipe: no common point; proved\n"
     out = command("curve", EXAMPLES / "cone.toml", *"--box -2 -3 -3 5 3 3 --tolerance 1/100".split()).out
-    assert out.splitlines()[0] == "cone and wave: 1 branch"
+    assert out.splitlines()[0] == "cone and wave: 1 branch in the box from (-2, -3, -3) to (5, 3, 3)"
 
 
 def test_compilation_is_announced_once_and_only_where_something_compiles(command, scene, monkeypatch):
