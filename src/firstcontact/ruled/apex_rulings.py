@@ -21,6 +21,9 @@ from firstcontact.ruled.pieces import Piece
 # In parameters of parts: how near an arc is to such a ruling where it is the ruling, and how near rounding may put it
 # beyond the cell.
 NEAR, ROUNDING = 1e-9, 1e-15
+# Arcs that are shorter are not looked at; their ends are one point, in parts of the size, as good as doubles tell next
+# to a common ruling.
+SHORT, ONE_POINT = 1e-6, 1e-3
 
 
 def apexes(surfaces: Iterable[Any]) -> list[np.ndarray]:
@@ -64,16 +67,21 @@ class ApexRulings:
             yield found.collected()
 
     def _constant(self, arcs: np.ndarray, places: np.ndarray) -> Iterator[tuple[int, int, np.ndarray]]:
-        """Arcs along which one parameter does not change: the side of that, the arc, and it at both ends."""
-        for side, over, at, part_of, part in (
-            (1, 0, columns.Y, columns.PART_V, columns.ARC_V), (0, 1, columns.X, columns.PART_U, columns.ARC_U)
-        ):  # fmt: skip
-            own = np.flatnonzero((arcs[:, columns.OVER] == over) & (arcs[:, columns.START] >= 0))
-            ends = places[arcs[own][:, [columns.START, columns.END]].astype(int)]
-            elsewhere = ends[:, :, part_of] != arcs[own, part][:, None]  # told on the joint with a neighbour
-            values = np.where(elsewhere, 1.0 - ends[:, :, at], ends[:, :, at])
-            for n in np.flatnonzero(np.abs(values[:, 0] - values[:, 1]) <= NEAR):
-                yield side, int(own[n]), values[n]
+        """Arcs along which one parameter does not change: its side, the arc, and it at both ends, on the arc's part."""
+        along = places[:, columns.X : columns.Y + 1] + places[:, columns.PART_U : columns.PART_V + 1]
+        starts, ends = along[arcs[:, columns.START].astype(int)], along[arcs[:, columns.END].astype(int)]
+        moved = np.abs(ends - starts)
+        parts = [len(chain.points) for chain in self.chains]
+        for own, chain in enumerate(self.chains):
+            if chain.closed:
+                moved[:, own] = np.minimum(moved[:, own], np.abs(parts[own] - moved[:, own]))
+        still = moved <= NEAR
+        for k in np.flatnonzero(still[:, 0] != still[:, 1]) if still.any() else ():
+            own = 0 if arcs[k, columns.OVER] == 1 else 1
+            seen = still[k, own] and moved[k, 1 - own] > SHORT and arcs[k, columns.START] >= 0
+            if seen and _is_near(arcs[k], places):
+                on_part = np.array([starts[k, own], ends[k, own]]) - arcs[k, (columns.ARC_U, columns.ARC_V)[own]]
+                yield own, int(k), (on_part + 0.5) % parts[own] - 0.5 if self.chains[own].closed else on_part
 
     def _pair(self, arc: np.ndarray) -> tuple[int, int]:
         p, q = self.chains
@@ -91,6 +99,12 @@ class ApexRulings:
                 common = reduce(fmpz_poly.gcd, offsets)
                 self._known[key] = all_real_roots(common)
         return self._known[key]
+
+
+def _is_near(arc: np.ndarray, places: np.ndarray) -> bool:
+    """Whether both ends of an arc may be one point: not where it comes back to a line between parts."""
+    first, last = (places[int(arc[k]), columns.POINT : columns.POINT + 3] for k in (columns.START, columns.END))
+    return bool(np.abs(last - first).max() <= ONE_POINT * np.abs(places[:, columns.POINT : columns.POINT + 3]).max())
 
 
 def _on_part(ends: np.ndarray, u: float) -> float:

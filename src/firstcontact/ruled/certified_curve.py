@@ -35,7 +35,7 @@ from firstcontact.ruled.open_places import (
 )
 from firstcontact.ruled.reach import Reached, reached
 from firstcontact.ruled.settled import Settled
-from firstcontact.ruled.standstill_cusps import turned_back
+from firstcontact.ruled.standstill_cusps import sharp_turns, turned_back
 
 # Branches that are shorter, in parts of their coordinates, may be points.
 IN_SPACE = 1e-12
@@ -164,11 +164,13 @@ def _with_cusps(p: Chain, q: Chain, strands: list[Strand]) -> tuple[list[Strand]
     few = sum(len(x.points) for x in strands) < FEW_POINTS
     if few and not any(turns_sharply(x.points) for x in strands):
         return strands, cusps
+    turning = [len(sharp_turns(x.points)) > 0 for x in strands]
     for own, other, order in ((p, q, [0, 1, 2, 3]), (q, p, [1, 0, 3, 2])):
         edged = with_edges(own)
-        for n, strand in enumerate(strands):
+        for n, strand in enumerate(strands if edged or any(turning) else []):
             found = passed(edged, other.pieces, strand.parameters[:, order]) if edged else []
-            found += turned_back(own.pieces, other.pieces, strand.points, strand.parameters[:, order])
+            if turning[n]:
+                found += turned_back(own.pieces, other.pieces, strand.points, strand.parameters[:, order])
             for before, after, point, known in sorted(found, key=lambda x: -x[0]):
                 strand = replace(strand, points=_with_row(strand.points, before, after, point),
                                  parameters=_with_row(strand.parameters, before, after, known[order]))  # fmt: skip

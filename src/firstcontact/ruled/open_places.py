@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from itertools import product
+from itertools import pairwise, product
 
 import numpy as np
 
@@ -18,6 +18,7 @@ SAME_PLACE, MOST_BOXES = 1e-5, 4000
 SAME_POINT = 1e-9
 # Of the square of a length that is divided by: rulings may be points.
 LEAST = 1e-300
+_END_COLUMNS = [columns.X, columns.Y, columns.PART_U, columns.PART_V, columns.KIND]
 
 
 def open_boxes(found: Searched | Solved, stray: list[int], at_bounds: list[int]) -> tuple[np.ndarray, np.ndarray]:
@@ -47,16 +48,13 @@ def open_boxes(found: Searched | Solved, stray: list[int], at_bounds: list[int])
 
 def _ends_side_by_side(found: Searched | Solved, at_bounds: list[int]) -> list[int]:
     """Ends on one bound of u or v that are the same place: a branch may touch it there and go on."""
-    rows = found.places[np.array(at_bounds, int)]
-    beside = []
-    for side, kinds in ((columns.Y, (1.0, 2.0)), (columns.X, (3.0, 4.0))):
-        along = rows[:, columns.PART_V if side == columns.Y else columns.PART_U] + rows[:, side]
-        for kind in kinds:
-            own = np.flatnonzero(rows[:, columns.KIND] == kind)
-            own = own[np.argsort(along[own])]
-            close = np.flatnonzero(np.diff(along[own]) <= SAME_PLACE)
-            beside += [at_bounds[k] for k in np.unique(np.concatenate((own[close], own[close + 1])))]
-    return beside
+    rows = found.places[at_bounds][:, _END_COLUMNS].tolist() if len(at_bounds) > 1 else []
+    along = sorted(
+        (kind, j + y if kind < 3.0 else i + x, k)
+        for k, (x, y, i, j, kind) in zip(at_bounds, rows, strict=False) if 0.0 < kind < columns.CUT
+    )  # fmt: skip
+    beside = [(a[2], b[2]) for a, b in pairwise(along) if a[0] == b[0] and b[1] - a[1] <= SAME_PLACE]
+    return sorted({k for pair in beside for k in pair})
 
 
 def _clearly_beyond(found: Searched | Solved, parts: np.ndarray, ranges: np.ndarray) -> bool:
@@ -94,8 +92,11 @@ def touching(parts: np.ndarray, ranges: np.ndarray) -> list[np.ndarray]:
 
 def open_places(found: Searched) -> list[OpenPlace]:
     """Those that are seen before arcs are joined."""
-    ends = np.unique(found.arcs[found.arcs[:, columns.START] >= 0][:, [columns.START, columns.END]].astype(int))
-    parts, ranges = open_boxes(found, [], ends[found.places[ends, columns.KIND] > 0].tolist())
+    if not (len(found.opened) or (found.arcs[:, columns.START] == -2).any()):
+        return []
+    kinds = found.places[:, columns.KIND].tolist()
+    ends = {int(k) for pair in found.arcs[:, [columns.START, columns.END]].tolist() if pair[0] >= 0 for k in pair}
+    parts, ranges = open_boxes(found, [], [k for k in ends if kinds[k] > 0])
     return [open_place(found, parts[group], ranges[group]) for group in touching(parts, ranges)]
 
 

@@ -35,14 +35,17 @@ Passed = tuple[int, int, np.ndarray, np.ndarray]
 def sharp_turns(points: np.ndarray) -> np.ndarray:
     """Indices of points at which a polyline turns by more than a right angle."""
     chords = np.diff(points, axis=0)
-    return np.flatnonzero((chords[1:] * chords[:-1]).sum(1) < 0.0) + 1
+    return np.flatnonzero(np.einsum("ij,ij->i", chords[1:], chords[:-1]) < 0.0) + 1
 
 
 def turned_back(own: Sequence[Any], others: Sequence[Any], points: np.ndarray, parameters: np.ndarray) -> list[Passed]:
     """Where a polyline, given by its points and u, v, s, t, turns back at a ruling of the first pieces; not at ends."""
     found: dict[int, Passed] = {}
     turns = sharp_turns(points)
+    at = parameters[turns, 0]
     for piece in own if len(turns) else ():
+        if piece.u is not None and not ((at >= float(piece.u[0])) & (at <= float(piece.u[1]))).any():
+            continue
         for reverse, roots in _standstills(piece):
             x = _in_chart(parameters[:, 0], reverse)
             low, high = (-2.0, 2.0) if piece.u is None else (float(u) for u in piece.u)
