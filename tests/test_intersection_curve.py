@@ -531,6 +531,14 @@ def test_pieces_of_one_saddle_share_an_edge_or_a_corner():
     assert found.overlap_lines.tolist() == [[[1, 0, 0], [1, 1, 1]]] and not found.two_dimensional
 
 
+def test_tangents_of_plane_curves_in_two_planes():
+    """No point of either edge of regression is on the other surface: equations for cusps vanish altogether."""
+    p = fc.RuledSurface("(-u, u - 1, u + 1)", "(-2*u, -u**2 + 2*u - 2, u**2 + 2*u + 2)", u=(0, 2), s=(-1, 1))
+    second = "(u + 1, (-u**2 - 6*u - 13)/4, (u**2 - 2*u + 5)/4)"
+    q = fc.RuledSurface("((u + 1)/2, (-u - 3)/2, (1 - u)/2)", second, u=(0, 2))
+    assert fc.intersection_curve(p, q).empty and fc.intersection_curve(q, p).empty
+
+
 @pytest.mark.parametrize(("z", "s", "points"), [(0, (0, 1), 1), (0, ("1/2", 1), 0), (0, (-1, 0), 1), (0, None, 1)])
 def test_an_apex_touches_a_strip(z, s, points):
     """z^2 = x^2 + y^2 and a strip of the plane z = 0; only the tip is common."""

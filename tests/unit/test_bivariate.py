@@ -52,6 +52,11 @@ def test_charts_reverse_each_variable():
     assert evaluate(chart(rows(F), True, True, n), 1 / x, 1 / y) * x**n * y**m == evaluate(rows(F), x, y)
 
 
+def test_zero_shares_all_zeros():
+    for f in (V - U, U, V):
+        assert resultant(f, f - f, "v") == resultant(f - f, f, "u") == 0
+
+
 def test_slope_resultant_and_discriminant():
     assert from_rows(slope(rows(F))) == F.derivative("v")
     assert resultant(V - U**2, V - 2, "v") in (fmpz_poly([-2, 0, 1]), fmpz_poly([2, 0, -1]))

@@ -96,6 +96,8 @@ def slope(a: Sequence[Any]) -> list[Any]:
 
 def resultant(f: fmpz_mpoly, g: fmpz_mpoly, variable: str = "v") -> fmpz_poly:
     """The polynomial in the other variable that vanishes where f and g share a zero, at infinity included."""
+    if f.is_zero() or g.is_zero():
+        return fmpz_poly([0])
     m, n = f.degrees()[_index(variable)], g.degrees()[_index(variable)]
     other = "u" if variable == "v" else "v"
     if m and n:
