@@ -220,8 +220,9 @@ def _polyline(solved: Solved, line: Line) -> tuple[np.ndarray, np.ndarray]:
 
 def _is_point(points: np.ndarray, parameters: np.ndarray) -> bool:
     """Whether a branch may be one point: by u and v, or in space, where a ruling passes through an apex."""
-    if np.ptp(parameters[:, :2], axis=0).max() <= SAME_POINT:
-        return True
+    with np.errstate(invalid="ignore"):  # along the ruling at infinity
+        if np.ptp(parameters[:, :2], axis=0).max() <= SAME_POINT:
+            return True
     return bool(np.ptp(points, axis=0).max() <= IN_SPACE * max(1.0, np.abs(points).max()))
 
 
