@@ -33,9 +33,9 @@ Range = tuple[fmpq, fmpq] | None
 """An interval of parameters; None is the projective line."""
 
 _ORIGIN = AlgebraicRoot.of(fmpq(0))
-_PAIRS = ((0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3))
-# Component of the dual vector: that of the complementary pair, with its sign.
-_DUAL = ((5, 1), (4, -1), (3, 1), (2, 1), (1, -1), (0, 1))
+PAIRS = ((0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3))
+# Components of a line, and of the dual vector: that of the complementary pair, with its sign.
+DUAL = ((5, 1), (4, -1), (3, 1), (2, 1), (1, -1), (0, 1))
 # Three combinations stand for the fifteen minors.  Any weights are right: a bad choice only lets more candidates
 # through, and every candidate is tested against the minors themselves.  Where they give zero, others are taken.
 _WEIGHTS = (
@@ -63,7 +63,7 @@ class Rulings:
     def of(cls, first: Sequence[fmpz_poly], second: Sequence[fmpz_poly]) -> Rulings:
         """The lines through corresponding points; InputError where these are no surface."""
         p, q = ([x // _gcd(curve) for x in curve] for curve in (first, second))
-        line = [p[i] * q[j] - p[j] * q[i] for i, j in _PAIRS]
+        line = [p[i] * q[j] - p[j] * q[i] for i, j in PAIRS]
         common = _gcd(line)
         if common == 0:
             raise InputError("the directrices of a ruled surface are one curve; give two different ones")
@@ -102,7 +102,7 @@ class Rulings:
 
 def delta(p: Rulings, q: Rulings) -> fmpz_mpoly:
     """Delta(u, v), of bidegree (p.degree, q.degree) with both parameters projective."""
-    return _sum(in_u(x) * in_v(q.line[j]) * sign for x, (j, sign) in zip(p.line, _DUAL, strict=True))
+    return _sum(in_u(x) * in_v(q.line[j]) * sign for x, (j, sign) in zip(p.line, DUAL, strict=True))
 
 
 def meeting(p: Rulings, q: Rulings) -> Matrix:
@@ -135,7 +135,7 @@ def points_on(line: Sequence[Any]) -> Matrix:
 
 def planes_through(line: Sequence[Any]) -> Matrix:
     """The skew matrix whose columns are planes through the line."""
-    return points_on([line[k] if sign > 0 else -line[k] for k, sign in _DUAL])
+    return points_on([line[k] if sign > 0 else -line[k] for k, sign in DUAL])
 
 
 @dataclass(frozen=True)
@@ -304,6 +304,11 @@ def _holds(lines: Rulings, root: AlgebraicRoot, point: Sequence[fmpz]) -> bool:
     """Whether the point is on the ruling at the root."""
     rows = planes_through(lines.line)
     return all(root.sign_of(_sum(x * y for x, y in zip(row, point, strict=True))) == 0 for row in rows)
+
+
+def rulings_through(lines: Rulings, point: Sequence[Any]) -> fmpz_poly:
+    """Its zeros are the finite parameters of the rulings that hold the point; 0 where all do."""
+    return _gcd(_sum(x * y for x, y in zip(row, point, strict=True)) for row in planes_through(lines.line))
 
 
 def divides(f: fmpz_mpoly, g: fmpz_mpoly) -> bool:

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from functools import reduce
 from typing import Any
 
 import numpy as np
-from flint import fmpq, fmpz_poly
+from flint import fmpq
 
 from firstcontact.exact.bivariate import in_u, in_v
 from firstcontact.exact.roots import AlgebraicRoot
 from firstcontact.kernels import curve_points as columns
-from firstcontact.pairs.ruled_ruled import all_real_roots, planes_through
+from firstcontact.pairs.ruled_ruled import all_real_roots, rulings_through
 from firstcontact.ruled.answer import Found
 from firstcontact.ruled.branches import add_apex
 from firstcontact.ruled.chains import Chain
@@ -94,10 +93,7 @@ class ApexRulings:
             own, other = (Piece.of(self.chains[k].pieces[(i, j)[k]]).rulings for k in (side, 1 - side))
             self._known[key] = []
             if other.apex is not None and other.apex[3] != 0:
-                offsets = [sum((x * y for x, y in zip(row, other.apex, strict=True)), fmpz_poly([0]))
-                           for row in planes_through(own.line)]  # fmt: skip
-                common = reduce(fmpz_poly.gcd, offsets)
-                self._known[key] = all_real_roots(common)
+                self._known[key] = all_real_roots(rulings_through(own, other.apex))
         return self._known[key]
 
 

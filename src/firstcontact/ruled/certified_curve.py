@@ -66,7 +66,7 @@ def certified_curve(p: Any, q: Any, tolerance: float, settles: bool) -> dict[str
     near = reached(p, q)
     if not settles or len(near.p.pieces) > 1 or len(near.q.pieces) > 1:
         return near.beyond(_found(near, near.p, near.q, tolerance, settles).fields())
-    found = before = _found(near, near.p, near.q, tolerance, False, whole=False)
+    found = before = _found(near, near.p, near.q, tolerance, False, traces=False)
     if places := found.open_places:
         cut = near.p, near.q
         if found.seen < SMALL_BUDGET:  # else places stand for all that was not looked at
@@ -78,26 +78,29 @@ def certified_curve(p: Any, q: Any, tolerance: float, settles: bool) -> dict[str
 
 
 def _found(
-    near: Reached, p: Any, q: Any, tolerance: float, settles: bool, before: Found | None = None, whole: bool = True
+    near: Reached, p: Any, q: Any, tolerance: float, settles: bool, before: Found | None = None, traces: bool = True
 ) -> Found:
     """What two surfaces with bounded rulings share: those of `near`, or pieces of them.
 
     before: what was found of them as single pieces: pairs of pieces that hold its open places are decided exactly.
-    whole: False: where cells are left open, only these places are told.
+    traces: False: where cells are left open, these places are told and nothing is traced.
     """
     found = Found()
+    if before is not None:
+        found.seen, found.apexes = before.seen, before.apexes
     exact = []
     for a in chains(p):
         for b in chains(q):
             settled = Settled(a, b, tolerance)
             if before is not None:
-                settled.settle({x for o in before.open_places for x in product(a.reached(o.u), b.reached(o.v))})
-            arcs = searched(a, b, settled, BUDGET if whole else SMALL_BUDGET)
+                settled.settle({x for o in before.open_places for x in product(a.pieces_at(o.u), b.pieces_at(o.v))})
+            arcs = searched(a, b, settled, BUDGET if traces else SMALL_BUDGET)
             if arcs is None:
                 continue
-            found.apexes += arcs.apexes.points(tolerance) if before is None else before.apexes
+            if before is None:
+                found.apexes += arcs.apexes.points(tolerance)
             found.seen += arcs.seen
-            if not whole and (left := open_places(arcs)):
+            if not traces and (left := open_places(arcs)):
                 found.open_places += left
                 continue
             solved = traced(arcs, tolerance)

@@ -100,7 +100,7 @@ class Chain:
                 own.add(int(self.piece_of[other % (last + 1)]))
         return own
 
-    def reached(self, place: tuple[float, float]) -> list[int]:
+    def pieces_at(self, place: tuple[float, float]) -> list[int]:
         """The pieces, none through infinity, that share some u with a range of it."""
         low, high = place
         return [k for k, x in enumerate(self.pieces) if x.u is None or (x.u[0] <= high and low <= x.u[1])]

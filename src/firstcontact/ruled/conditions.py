@@ -26,7 +26,8 @@ from firstcontact.exact.numbers import rational
 from firstcontact.exact.roots import roots_in
 from firstcontact.exact.trivariate import RING, FactorSet, at, degree, irreducible, product, univariate
 from firstcontact.motion.directrices import DirectrixPiece
-from firstcontact.ruled.pieces import at_place
+from firstcontact.pairs.ruled_ruled import DUAL, PAIRS
+from firstcontact.ruled.pieces import at_place, range_of
 
 Range = tuple[fmpq, fmpq] | None
 """Closed range of a parameter; None for the projective line."""
@@ -35,9 +36,7 @@ Trims = tuple[dict[tuple[int, int], Any], ...]
 """Polynomials in u and s, as whole coefficients of u^i s^j; kept is where none is negative."""
 Pair = tuple[fmpz_mpoly, fmpz_mpoly]
 
-_PAIRS = ((0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3))
 _MINUS_ONE = RING.constant(-1)
-_DUAL = ((5, 1), (4, -1), (3, 1), (2, 1), (1, -1), (0, 1))
 
 
 class SignConditions(Protocol):
@@ -220,7 +219,7 @@ def conditions(a: Any, b: Any, piece: DirectrixPiece, span: Range) -> Conditions
         if surface.s is not None:
             for side in sides:
                 check_weight(surface, side, span)
-    found = _conditions(piece.p, piece.q, _range(p.u), _range(q.u), bounded, (local_trims(p), local_trims(q)))
+    found = _conditions(piece.p, piece.q, range_of(p.u), range_of(q.u), bounded, (local_trims(p), local_trims(q)))
     return replace(found, trimmed=" and ".join(repr(x) for x in (p, q) if x.trim))
 
 
@@ -272,10 +271,6 @@ def _shape(body: Any) -> RuledSurface:
     return shape
 
 
-def _range(ends: Any) -> Range:
-    return None if ends is None else (rational(ends[0], "u"), rational(ends[1], "u"))
-
-
 def check_weight(surface: RuledSurface, side: RationalCurve, span: Range) -> None:
     """InputError unless the weight is positive over the range and the span; None: at all times."""
     if not any(key[1] for key in _terms2(side.components[3])):
@@ -283,7 +278,7 @@ def check_weight(surface: RuledSurface, side: RationalCurve, span: Range) -> Non
     from firstcontact.exact import bernstein
 
     unit = fmpq(-1), fmpq(1)
-    charts = [(side, _range(surface.u))] if surface.u else [(side, unit), (side.reversed(), unit)]
+    charts = [(side, range_of(surface.u))] if surface.u else [(side, unit), (side.reversed(), unit)]
     for curve, ends in charts:
         table = _terms2(curve.components[3])
         assert ends is not None
@@ -323,7 +318,7 @@ def _conditions(
     q1, q2 = (lifted(curve.components, RING, "v") for curve in q)
     line_p, line_q = _line(p1, p2, bounded[0]), _line(q1, q2, bounded[1])
     of_p, of_q = _planes(line_p), _planes(line_q)
-    delta = _sum(x * line_q[j] * sign for x, (j, sign) in zip(line_p, _DUAL, strict=True))
+    delta = _sum(x * line_q[j] * sign for x, (j, sign) in zip(line_p, DUAL, strict=True))
     factors = [] if delta.is_zero() else irreducible(delta)
     weights = [w for curve in (p1, p2, q1, q2) if not curve[3].is_zero() for w in irreducible(curve[3])]
     positive = {str(f): f for f in [*factors, *weights] if is_definite(f)}
@@ -373,7 +368,7 @@ def is_definite(f: fmpz_mpoly) -> bool:
 
 def _line(p: Any, q: Any, bounded: bool) -> list[fmpz_mpoly]:
     """The Pluecker vector; of whole lines without its common factor, which is no part of the surface."""
-    line = [p[i] * q[j] - p[j] * q[i] for i, j in _PAIRS]
+    line = [p[i] * q[j] - p[j] * q[i] for i, j in PAIRS]
     if bounded:
         return line
     common = reduce(lambda x, y: x.gcd(y), line)
@@ -382,7 +377,7 @@ def _line(p: Any, q: Any, bounded: bool) -> list[fmpz_mpoly]:
 
 def _planes(line: list[fmpz_mpoly]) -> tuple[tuple[fmpz_mpoly, ...], ...]:
     """The skew matrix whose columns are planes through the line and a unit point."""
-    a, b, c, d, e, f = (line[k] if sign > 0 else -line[k] for k, sign in _DUAL)
+    a, b, c, d, e, f = (line[k] if sign > 0 else -line[k] for k, sign in DUAL)
     o = a - a
     return (o, a, b, c), (-a, o, d, e), (-b, -d, o, f), (-c, -e, -f, o)
 

@@ -16,9 +16,9 @@ from typing import Any
 from flint import fmpz_mpoly, fmpz_poly
 
 from firstcontact.exact import bivariate
-from firstcontact.exact.bivariate import CONTEXT, in_u, in_v
+from firstcontact.exact.bivariate import in_u, in_v
 from firstcontact.exact.inertia import dot
-from firstcontact.pairs.ruled_ruled import Rulings, planes_through, points_on
+from firstcontact.pairs.ruled_ruled import Rulings, planes_through, points_on, rulings_through
 
 # Weights that make one point, one equation of four; any will do that do not give zero: a bad choice only adds
 # candidates.  Of points, all four are in no plane.
@@ -38,9 +38,7 @@ def _of_side(
     own: Rulings, other: Rulings, factors: Sequence[fmpz_mpoly], name: str, here: Any, there: Any
 ) -> list[fmpz_mpoly]:
     if own.apex is not None:
-        planes = planes_through([there(x) for x in other.line])
-        through = [dot(row, [CONTEXT.constant(x) for x in own.apex]) for row in planes]
-        return _proper([reduce(lambda x, y: x.gcd(y), through)])
+        return _proper([there(rulings_through(other, own.apex))])
     torsal = torsal_rulings(own)
     if torsal.degree() == 0:
         return []
@@ -99,10 +97,7 @@ def special_at_infinity(lines: Rulings, other: Rulings) -> bool:
 
 def _is_on(lines: Rulings, point: Sequence[Any]) -> bool:
     """Whether a ruling holds the point; one of complex parameter counts too."""
-    return any(
-        reduce(fmpz_poly.gcd, (dot(row, point) for row in planes_through(x.line)), fmpz_poly([0])).degree() != 0
-        for x in (lines, lines.reversed())
-    )
+    return any(rulings_through(x, point).degree() != 0 for x in (lines, lines.reversed()))
 
 
 def torsal_rulings(lines: Rulings) -> fmpz_poly:

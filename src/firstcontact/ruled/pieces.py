@@ -41,7 +41,7 @@ class Piece:
         first, second = (side.components for side in surface.sides)
         s = (fmpq(0), fmpq(1)) if surface.s is None else _ends(surface.s)
         trim = tuple(g for t in surface.trim if (g := _substituted(terms(t.polynomial), s)))
-        u = None if surface.u is None else _ends(surface.u)
+        u = range_of(surface.u)
         return cls(Rulings.of(first, second), u, surface.s is not None, s, trim)
 
     def away_from_infinity(self, shift: int) -> Piece:
@@ -78,6 +78,11 @@ def at_place(g: Mapping[tuple[int, int], Any], u: Any, n: Any, d: Any, power: in
     """d^power g(u, n / d), by default with the least power that leaves no denominator; an even one keeps signs."""
     top = max((j for _, j in g), default=0) if power is None else power
     return sum((u**i * n**j * d ** (top - j) * int(c) for (i, j), c in g.items()), 0 * d)
+
+
+def range_of(u: Any) -> tuple[fmpq, fmpq] | None:
+    """A surface's range of u."""
+    return None if u is None else _ends(u)
 
 
 def _ends(interval: Any) -> tuple[fmpq, fmpq]:

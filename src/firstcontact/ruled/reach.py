@@ -77,9 +77,8 @@ def reached(p: Any, q: Any) -> Reached:
         box = np.array([[-size] * 3, [size] * 3])
     low, high = box if box is not None else (q if whole[0] else p).bounds()
     centre, reach = 0.5 * (low + high), float(np.linalg.norm(high - low)) * 0.5 * (1 + 1e-9)
-    bounds: list[str] = []
-    found = [_cut(x, centre, reach, names, bounds) for x, names in ((p, "us"), (q, "vt"))]
-    return Reached(found[0], found[1], (p, q), frozenset(bounds), box)
+    (cut_p, of_p), (cut_q, of_q) = (_cut(x, centre, reach, names) for x, names in ((p, "us"), (q, "vt")))
+    return Reached(cut_p, cut_q, (p, q), of_p | of_q, box)
 
 
 def _powers(x: np.ndarray) -> Powers:
@@ -88,9 +87,10 @@ def _powers(x: np.ndarray) -> Powers:
     return Powers(np.divide(1.0, x, out=x.copy(), where=far), far)
 
 
-def _cut(surface: Any, centre: np.ndarray, reach: float, names: str, bounds: list[str]) -> Any:
-    """The surface with segments; puts the names of new bounds into the list."""
+def _cut(surface: Any, centre: np.ndarray, reach: float, names: str) -> tuple[Any, frozenset[str]]:
+    """The surface with segments, and the names of its new bounds."""
     pieces: list[RuledSurface] = []
+    bounds: set[str] = set()
     for piece in surface.pieces:
         if piece.s is not None:
             pieces.append(piece)
@@ -102,7 +102,7 @@ def _cut(surface: Any, centre: np.ndarray, reach: float, names: str, bounds: lis
                 'or try method="algebraic"'
             )
         for x in found:
-            bounds += [f"{names[1]}={end}" for end in x.s or ()]
-            bounds += [f"{names[0]}={end}" for end in x.u or () if end not in (piece.u or ())]
+            bounds |= {f"{names[1]}={end}" for end in x.s or ()}
+            bounds |= {f"{names[0]}={end}" for end in x.u or () if end not in (piece.u or ())}
         pieces += found
-    return pieces[0] if len(pieces) == 1 else RuledStrip(pieces, name=surface.name)
+    return pieces[0] if len(pieces) == 1 else RuledStrip(pieces, name=surface.name), frozenset(bounds)

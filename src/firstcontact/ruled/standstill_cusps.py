@@ -14,6 +14,7 @@ from flint import fmpq
 from numpy.polynomial.polynomial import polyder, polyval
 
 from firstcontact.exact.roots import roots_in
+from firstcontact.pairs.ruled_ruled import DUAL
 from firstcontact.ruled.cusps import stationary_rulings
 from firstcontact.ruled.pieces import Piece
 from firstcontact.ruled.tracing import Powers, Surfaces, rows
@@ -21,8 +22,6 @@ from firstcontact.ruled.tracing import Powers, Surfaces, rows
 STANDSTILL = "stationary rulings"
 """The key under which a piece knows their places."""
 UNIT = fmpq(-1), fmpq(1)
-# Delta is the sum of components of l times those of m in reverse order, with these signs.
-SIGNS = np.array([1.0, -1.0, 1.0, 1.0, -1.0, 1.0])
 # Rows this near such a ruling are on it; how many rows from it the polyline turns sharply; Newton's steps.
 AT_RULING, AROUND, STEPS = 1e-12, 2, 12
 # How far from the polyline the point may be, in chords there.
@@ -91,8 +90,8 @@ def _at(
     if other is None:
         return None
     p, q, far = Piece.of(own), Piece.of(other), bool(abs(start) > 1.0)
-    lines, others_lines = rows(p.reversed_rulings(reverse).line), rows(q.reversed_rulings(far).line)
-    delta = (SIGNS * polyval(x, lines.T)) @ others_lines[::-1]
+    line, lines = polyval(x, rows(p.reversed_rulings(reverse).line).T), rows(q.reversed_rulings(far).line)
+    delta = sum(sign * value * lines[j] for value, (j, sign) in zip(line, DUAL, strict=True))
     slope, y = polyder(delta), 1.0 / start if far else start
     for _ in range(STEPS):
         change = polyval(y, slope)

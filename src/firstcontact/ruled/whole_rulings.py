@@ -8,7 +8,7 @@ come within R of c at all.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -18,10 +18,12 @@ from firstcontact.body.moving import Moving, shape_of
 from firstcontact.body.polyhedron import Polyhedron
 from firstcontact.body.ruled_surface import RuledSurface
 from firstcontact.errors import UnsupportedPair
-from firstcontact.exact.numbers import exact_value, fraction, rational
+from firstcontact.exact.inertia import dot
+from firstcontact.exact.numbers import exact_value, fraction
 from firstcontact.exact.roots import AlgebraicRoot, roots_in
 from firstcontact.motion.rational import RationalMotion
 from firstcontact.pairs.ruled_ruled import Rulings
+from firstcontact.ruled.pieces import range_of
 from firstcontact.ruled.sheets import between, samples
 
 UNIT = fmpq(-1), fmpq(1)
@@ -62,7 +64,7 @@ def segments(piece: RuledSurface, centre: Sequence[float], reach: float) -> list
     key = "segments", tuple(centre), reach
     if key not in piece._search:
         c, far = [exact_value(float(x)) for x in centre], exact_value(float(reach))
-        piece._search[key] = _over(piece, [_ends(piece)], c, far)
+        piece._search[key] = _over(piece, [range_of(piece.u)], c, far)
         if piece._search[key] is None:
             while (ranges := _ranges_near(piece, c, far)) is not None and not ranges:
                 far *= 2
@@ -96,10 +98,6 @@ def _farthest(mark: Polyhedron, ruled: Any, solid: Any, span: tuple[float, float
     return float(np.linalg.norm(gap) * (1 + 1e-9))
 
 
-def _ends(piece: RuledSurface) -> Range:
-    return None if piece.u is None else (rational(piece.u[0], "u"), rational(piece.u[1], "u"))
-
-
 def _ranges_near(piece: RuledSurface, c: Sequence[fmpq], reach: fmpq) -> list[Range] | None:
     """Ranges of u that hold all rulings within the reach of c; None where one would pass through infinity.
 
@@ -110,8 +108,8 @@ def _ranges_near(piece: RuledSurface, c: Sequence[fmpq], reach: fmpq) -> list[Ra
     x, y, z = (int((scale * a).p) for a in c)
     shift = (y * d[2] - z * d[1], z * d[0] - x * d[2], x * d[1] - y * d[0])
     m = [scale * a - b for a, b in zip((l12, -l02, l01), shift, strict=True)]
-    beyond = _sum(a * a for a in m) - _sum(a * a for a in d) * (scale * reach).p ** 2
-    ends = _ends(piece)
+    beyond = dot(m, m) - dot(d, d) * (scale * reach).p ** 2
+    ends = range_of(piece.u)
     if beyond == 0:
         return None
     walls = [x for x in roots_in(beyond, ends) if ends is None or (x.compare(ends[0]) > 0 and x.compare(ends[1]) < 0)]
@@ -171,16 +169,12 @@ class _Segment:
     def holds(self, s: int) -> bool:
         """Whether the points at s are beyond the reach, on the side of the foot to which s tells."""
         at = [a + s * b for a, b in zip(self.start, self.way, strict=True)]
-        along = _sum(a * b for a, b in zip(at, self.way, strict=True)) * s
-        return _is_positive(along, self.ends) and _is_positive(_sum(a * a for a in at) - self.far, self.ends)
+        along = dot(at, self.way) * s
+        return _is_positive(along, self.ends) and _is_positive(dot(at, at) - self.far, self.ends)
 
 
 def _denominator(numbers: Sequence[fmpq]) -> int:
     return math.lcm(*(int(x.q) for x in numbers))
-
-
-def _sum(polynomials: Iterable[fmpz_poly]) -> fmpz_poly:
-    return sum(polynomials, fmpz_poly([0]))
 
 
 def _is_positive(f: fmpz_poly, ends: tuple[fmpq, fmpq]) -> bool:
