@@ -35,6 +35,7 @@ def test_both_paths_give_the_vectors(case):
     known = fc.intersection_curve(case.p, case.q, tolerance=TOLERANCE, method="algebraic")
     assert not found.open_places and found.two_dimensional == known.two_dimensional
     assert found.stats.exact_evaluations == ASKED.get(case.name[:3], 0)
+    assert not found.stats.exact_evaluations or found.stats.node_visits > 0
     assert (found.box is None) == (case.kind == "static_box")
     near = [b for b in known.branches if len(within(b.points, found.box))]
     assert sorted(b.closed for b in found.branches) == sorted(b.closed for b in near)
@@ -81,6 +82,17 @@ def test_a_bounded_piece_tells_how_far_whole_rulings_are_looked_at():
     (branch,) = fc.intersection_curve(square, saddle, tolerance=TOLERANCE, method="certified").branches
     assert sorted(end.on for end in branch.ends) == [("s=0",), ("s=1",)]
     assert sorted(end.point[0] for end in branch.ends) == pytest.approx([-1 / 2000, -1 / 4000], rel=1e-9)
+
+
+@pytest.mark.parametrize("ends", [("(u, u**2, 0)", "(u, u**2, 1)"), ("(u, u**2, 1/u**2)", "(u, u**2, -1)")])
+def test_whole_rulings_come_near_twice(ends):
+    """y = x^2 near (0, 50, 0) has two parts; between them rulings, one with a pole, are far away."""
+    wall = fc.RuledSurface(*ends, u=(-9, 9), s=None)
+    square = fc.RuledSurface("(u, 45, u/99)", "(u, 55, u/99)", u=(-9, 9))
+    found = fc.intersection_curve(wall, square, tolerance=TOLERANCE, method="certified")
+    assert sorted(np.sign(b.points[0, 0]) for b in found.branches) == [-1, 1] and found.box is None
+    for branch in found.branches:
+        assert sorted(abs(end.point[0]) for end in branch.ends) == pytest.approx([45**0.5, 55**0.5])
 
 
 def test_both_halves_of_a_ruling_are_kept():

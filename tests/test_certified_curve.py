@@ -205,6 +205,16 @@ def test_a_branch_that_touches_a_bound_goes_on():
         assert place.point == pytest.approx([1 / 3, 0, 0], abs=1e-5) and place.ends == 2
 
 
+def test_a_branch_seems_to_end_twice_where_it_touches_a_bound():
+    """At u = 1, v = 0, where rounding puts it a little outside: nothing else tells of it."""
+    cone = fc.RuledSurface("(-1, 1, 1)", "((-u**2 - 4*u - 1)/(u**2 + 1), -1, (-4*u - 4)/(u**2 + 1))",
+                           u=("-1/2", "3/2"), s=(-1, 2))  # fmt: skip
+    first = "((-u**2 + 2*u - 1)/(u**2 + 1), (-u**2 - 2*u + 1)/(u**2 + 1), 2*u**2/(u**2 + 1))"
+    second = "(2*u/(u**2 + 1), (-2*u + 2)/(u**2 + 1), (3*u**2 + 1)/(u**2 + 1))"
+    (branch,) = certified(cone, fc.RuledSurface(first, second, s=(-1, 1))).branches
+    assert {end.on for end in branch.ends} == {("u=-1/2",), ("u=3/2",)}
+
+
 def test_auto_takes_the_path_that_fits():
     p, q = STRIPS[8]
     assert fc.intersection_curve(p, q, tolerance=TOLERANCE).method == "certified"
@@ -276,6 +286,18 @@ def test_cusps_are_named_where_branches_pass_an_edge_of_regression():
         assert any((branch.points == points[0]).all(1).any() for branch in found.branches)
 
 
+def test_cusps_along_the_ruling_at_infinity():
+    """Tangents of y = x^2 cover the points below it twice: on the lines y = 1, v = infinity, and y = 3, v = 0."""
+    tangents = fc.RuledSurface("(u, u**2, 0)", "(u + 1, u**2 + 2*u, 0)", u=(-3, 3), s=(-2, 2))
+    ring = "2 + (1-u**2)/(1+u**2), 2*u/(1+u**2)"
+    lying = fc.RuledSurface(f"(-9, {ring})", f"(9, {ring})", u=None)
+    known = [[-(3**0.5), 3, 0], [-1, 1, 0], [1, 1, 0], [3**0.5, 3, 0]]
+    for pair in ((tangents, lying), (lying, tangents)):
+        found = certified(*pair)
+        assert sorted(x.point.tolist() for x in found.singular_points) == pytest.approx(np.array(known), abs=1e-12)
+        assert {x.kind for x in found.singular_points} == {"cusp"}
+
+
 def test_branches_turn_back_where_rulings_stand_still():
     """Only u^2 occurs, at 0 or in the middle of a chart or at infinity; a strip that lies twice in a plane."""
     folded = fc.RuledSurface("(u**2, u**2 - 1, -1)", "(u**2, 1 - u**2, 1)", u=(-1, 1))
@@ -285,7 +307,8 @@ def test_branches_turn_back_where_rulings_stand_still():
     level = fc.RuledSurface("(-2, 3*u - 1, 1/5 - u/3)", "(2, 3*u - 1, 1/7 + u/5)")
     sloping = fc.RuledSurface("(-2, 3*u - 1, 3*u - 7/10)", "(2, 3*u - 1, 3*u - 3/2)")
     half = fc.RuledSurface(f"({y}, {x}, -2)", f"({y}, {x}, 2)", u=None)  # half a pipe, which is cut about a crossing
-    cases = (folded, level, 1), (closed, level, 2), (twice, sloping, 2), (half, pipe("1", "x"), 5)
+    over = fc.RuledSurface("(-2, 3*u**2 - 2, 1/5 - u**2/3)", "(2, 3*u**2 - 2, 1/7 + u**2/5)", u=(-2, 2))  # for v and -v
+    cases = (folded, level, 1), (closed, level, 2), (closed, over, 2), (twice, sloping, 2), (half, pipe("1", "x"), 5)
     for surface, other, count in cases:
         for pair in ((surface, other), (other, surface)):
             found, exact = certified(*pair), fc.intersection_curve(*pair, tolerance=TOLERANCE, method="algebraic")
