@@ -404,3 +404,16 @@ def test_which_surfaces_are_one_piece(form, connected):
 
     (surface,) = fc.quadric(form).surfaces
     assert _is_connected(surface) is _is_connected(surface.negated()) is connected
+
+
+@pytest.mark.parametrize("power", [-100, -40, 36, 37, 60, 100])
+@pytest.mark.parametrize("radii", [(7, 7, 7), (5, 6, 7)])
+def test_balls_of_all_sizes_have_bounds_also_far_from_the_origin(power, radii):
+    scale = Fraction(2) ** power
+    radii = [r * scale for r in radii]
+    for off in (0, Fraction(10) ** 9):
+        lo, hi = fc.ellipsoid(radii).translated([off * scale] * 3).bounds()
+        loose = 1 + Fraction(1, 10**8) + off / 10**8
+        for k, r in enumerate(radii):
+            assert float(off * scale - loose * r) <= lo[k] <= float(off * scale - r)
+            assert float(off * scale + r) <= hi[k] <= float(off * scale + loose * r)

@@ -7,11 +7,11 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from flint import fmpq
+from flint import arb, fmpq
 
 from firstcontact.body.carriers import Box, Plane, Quadric, QuarticCurve, Surface, doubles, inverse
 from firstcontact.body.csg import Tree, possible
-from firstcontact.exact.numbers import to_double
+from firstcontact.exact.numbers import precision, to_double
 
 if TYPE_CHECKING:
     from firstcontact.body.composite_quadric import CompositeQuadric
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 REACHES = (8.0, 2.0**10, 2.0**24)
 # Cells looked at before the search for a bound gives up; each is a few hundred nanoseconds.
 MOST_CELLS = 400_000
+BITS = 256
 
 
 def proved_box(tree: Tree, surfaces: Sequence[Surface]) -> Box | None:
@@ -139,26 +140,32 @@ def _level_parameters(frame: np.ndarray, k: int, start: float) -> list[float]:
 def _level_points(body: CompositeQuadric, surface: Quadric) -> np.ndarray:
     """(n, 3): points of the surface where its tangent plane x_k = c is level, if they may belong to the solid.
 
-    The planes x_k = c tangent to the surface satisfy (e_k, -c) Q^-1 (e_k, -c)^T = 0; it touches in Q^-1 (e_k, -c)^T.
+    With D = Q^-1, the planes x_k = c tangent to the surface satisfy (e_k, -c) D (e_k, -c)^T = 0; it touches in
+    D (e_k, -c)^T.  Worked out in balls from exact numbers: doubles lose the points of small or large surfaces.
     """
     try:
-        dual = np.array(doubles(inverse(surface.form)))
+        dual = inverse(surface.form)
     except ZeroDivisionError:
         return np.empty((0, 3))
     found = []
-    for k in range(3):
-        a, b, c = dual[3, 3], -2 * dual[k, 3], dual[k, k]
-        for root in np.roots(np.trim_zeros(np.array([a, b, c]), "f")) if a or b else ():
-            if abs(root.imag) > 1e-7 * (1 + abs(root)):
-                continue
-            normal = np.zeros(4)
-            normal[k], normal[3] = 1.0, -root.real
-            x = dual @ normal
-            if abs(x[3]) > 1e-12 * np.abs(x).max():
-                found.append(x[:3] / x[3])
+    with precision(BITS):
+        for k in range(3):
+            for c, w in _level_planes(dual[3][3], dual[k][3], dual[k][k]):
+                found.append([float((arb(row[k]) - c * arb(row[3])) / w) for row in dual[:3]])
     points = np.array(found).reshape(-1, 3)
     may_in, may_out = body._possible(points, slack=1e-7)
     return points[may_in & may_out]
+
+
+def _level_planes(a: fmpq, b: fmpq, c: fmpq) -> list[tuple[arb, arb]]:
+    """(t, b - a t) for the real roots of a t^2 - 2 b t + c = 0 at which b - a t is not zero."""
+    if a == 0:
+        return [(arb(c / (2 * b)), arb(b))] if b != 0 else []
+    square = b * b - a * c
+    if square <= 0:
+        return []
+    root = arb(square).sqrt()
+    return [((arb(b) - w) / arb(a), w) for w in (root, -root)]
 
 
 def _outward(box: Box) -> tuple[np.ndarray, np.ndarray]:
