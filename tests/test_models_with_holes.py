@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from fractions import Fraction as F
 from pathlib import Path
 
 import numpy as np
@@ -275,3 +276,12 @@ def plain(t, pin, side, f, k, u, hu, v, hv, a, b, time):
     if t.kinds[t.layout[1 - side, 6] + f] == 0:
         return [form[:4] @ z for z in points]
     return [points[0] @ form.reshape(4, 4) @ z for z in points]
+
+
+def test_a_slab_that_takes_the_middle_out_of_a_bowl_leaves_a_small_tip():
+    bowl = fc.paraboloid(1, 11) - fc.cylinder(9, "1/2").translated((F(-5, 6), F(1, 8), F(313, 576)))
+    point = fc.Polyhedron([(F(23, 6), F(19, 24), F(1561, 576))], []).moving(fc.Translation((-11, -2, -8)))
+    lo, hi = fc.first_contact(point, bowl).time_interval
+    for t, outside in ((F(lo), True), (F(hi), False)):  # into the lower side of the slab that was taken out
+        x, y, z = F(23, 6) - 11 * t, F(19, 24) - 2 * t, F(1561, 576) - 8 * t
+        assert (x * x + y * y > z or z > F(313, 576) - F(1, 4)) == outside

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import product
 from typing import Any
 
@@ -279,13 +279,7 @@ class CompositeQuadric(Placing):
         """A rational point with no form zero, whose Boolean value is the one wanted; None when none was met."""
         if wanted and self._witness is not None and self._is_strict(self._witness, True):
             return self._witness
-        rng = np.random.default_rng(0)
-        for scale in (1.0, 30.0, 1000.0):
-            if self._box is not None:
-                lo, hi = (np.array([to_double(x) for x in corner]) for corner in self._box)
-                p = rng.uniform(lo, hi, (1000, 3))
-            else:
-                p = rng.normal(0, scale, (1000, 3))
+        for p in self._samples():
             may_in, may_out = self._possible(p)
             good = may_in & ~may_out if wanted else may_out & ~may_in
             for k in np.flatnonzero(good)[:3]:
@@ -293,6 +287,15 @@ class CompositeQuadric(Placing):
                 if self._is_strict(x, wanted):
                     return x
         return None
+
+    def _samples(self) -> Iterator[np.ndarray]:
+        """(n, 3) random points each: in the box, in a closer one, or at ever larger distances where no box is known."""
+        rng = np.random.default_rng(0)
+        if self._box is None:
+            yield from (rng.normal(0, scale, (1000, 3)) for scale in (1.0, 30.0, 1000.0))
+            return
+        yield rng.uniform(*(np.array([to_double(x) for x in corner]) for corner in self._box), (1000, 3))
+        yield rng.uniform(*self._rough_box(), (2000, 3))
 
     def _is_strict(self, x: Vector, wanted: bool) -> bool:
         signs = self.signs((*x, ONE))

@@ -325,7 +325,8 @@ def _smooth(face: Face, solid: CompositeQuadric) -> list[list[float]]:
     block = tuple(row[:3] for row in form[:3])
     parts = sorted(diagonalised(block), key=lambda part: -part[0])  # the negative or zero one last
     witness = solid._witness
-    assert witness is not None
+    if witness is None:
+        raise NotConvex("no inner point is known")
     squares: list[fmpq]
     if parts[2][0] == 0:
         lo, hi = solid.bounds()
