@@ -14,7 +14,7 @@ from flint import arb, arb_poly, arb_series, ctx, fmpq, fmpq_poly
 from firstcontact.exact.numbers import ball, precision, rational
 from firstcontact.exact.rigid import IDENTITY, Matrix
 from firstcontact.exact.vectors import Vector, cross, dot
-from firstcontact.motion.placement import Placement
+from firstcontact.motion.placement import Placement, advanced
 from firstcontact.motion.polynomial import PolynomialPiece, relative, step_pieces
 from firstcontact.motion.polynomial import Step as PolynomialStep
 from firstcontact.motion.rational import RationalMotion
@@ -84,8 +84,6 @@ class Leg:
 
     def place(self, time: fmpq) -> Placement:
         """The pose at that time."""
-        from firstcontact.motion.relative import advanced
-
         return advanced(self.before, self.motion, (time - self.origin) / self.unit)
 
 

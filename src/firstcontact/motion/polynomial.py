@@ -17,7 +17,7 @@ from flint import arb, fmpq, fmpq_poly, fmpz
 from firstcontact.body.moving import Moving
 from firstcontact.errors import InputError, UnsupportedPair
 from firstcontact.exact.numbers import dyadic, fraction, precision
-from firstcontact.exact.rigid import IDENTITY, compose, exact_rotation, near_rotation, rational_sqrt, shift
+from firstcontact.exact.rigid import IDENTITY, rational_sqrt
 from firstcontact.exact.rigid import Matrix as Fixed
 from firstcontact.exact.vectors import Vector, cross, dot, scaled, sub
 from firstcontact.motion import projective
@@ -25,15 +25,12 @@ from firstcontact.motion.clocks import AngleClock, StraightClock
 from firstcontact.motion.projective import Matrix
 from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.rotation import Rotation, angle_ball
-from firstcontact.motion.screw import simple
-from firstcontact.motion.sequence import Sequence
 from firstcontact.motion.span import limits
-from firstcontact.motion.trajectory import Trajectory
+from firstcontact.motion.steps import REST, steps_of
 from firstcontact.motion.translation import Translation
 from firstcontact.result import ExactTime
 
 _0, _1 = fmpq(0), fmpq(1)
-REST = Translation((0, 0, 0))
 MOST_POWERS = 8
 """Of one turn: the degree of the pose is twice that."""
 
@@ -200,7 +197,7 @@ def steps_within(body: Any, first: fmpq, last: fmpq | None) -> Iterator[tuple[St
     if own is not None and (first < own[0] or last is None or last > own[1]):
         raise InputError(f"{type(motion).__name__} of {who} has no poses outside its span {motion.span}")
     found = False
-    for step in steps_of(motion):
+    for step in _rational_steps(motion):
         begin = first if step.start is None else max(first, step.start)
         end = last if step.end is None else step.end if last is None else min(last, step.end)
         if end is not None and (end < begin or (end == begin and (found or first != last))):
@@ -209,18 +206,12 @@ def steps_within(body: Any, first: fmpq, last: fmpq | None) -> Iterator[tuple[St
         yield step, begin, end, f"{type(step.motion).__name__} of {who}"
 
 
-def steps_of(motion: Any) -> Iterator[Step]:
-    if isinstance(motion, Trajectory):
-        for k, (step, start, end) in enumerate(zip(motion.steps, motion.times, motion.ends, strict=False)):
-            yield Step(simple(step), start, end, motion.before(k), True, start, end - start)
-    elif isinstance(motion, Sequence):
-        before, exact, start = IDENTITY, True, _0
-        for step, end in zip(map(simple, motion.steps), motion.ends, strict=True):
-            yield Step(step, start, end, before, exact, start, end - start)
-            after, known = _pose_at_end(step)
-            before, exact, start = compose(after, before), exact and known, end
-    else:
-        yield Step(simple(motion), None, None, IDENTITY, True)
+def _rational_steps(motion: Any) -> Iterator[Step]:
+    for step in steps_of(motion):
+        start = None if step.end is None else step.start
+        yield Step(
+            step.motion, start, step.end, step.before.near(), step.before.is_exact, step.start, step.duration
+        )
 
 
 def _difference(a: Step, b: Step) -> Step | None:
@@ -251,22 +242,6 @@ def _powers(a: Step, b: Step) -> tuple[int, int]:
         if max(ratio.p, ratio.q) <= MOST_POWERS:
             return int(ratio.p), int(ratio.q)
     return 1, 1
-
-
-def _pose_at_end(step: Any) -> tuple[Fixed, bool]:
-    """The pose at t = 1 and whether it is exact: else a rational one within 2^-60 radians."""
-    if isinstance(step, Translation):
-        return shift(step.vector), True
-    if isinstance(step, RationalMotion):
-        return tuple(tuple(row) for row in step.exact(_1)[:3]), True  # type: ignore[return-value]
-    pose = exact_rotation(step.axis, step.point, step.angle, step.unit)
-    if pose is not None:
-        return pose, True
-    turns = step.angle
-    if step.unit == "radians":
-        with precision(256):
-            turns = dyadic((angle_ball(step.angle, "radians") / (2 * arb.pi())).mid())
-    return near_rotation(step.axis, step.point, turns), False
 
 
 def step_pieces(step: Step, first: fmpq, last: fmpq | None, of: str) -> Iterator[PolynomialPiece]:

@@ -20,20 +20,18 @@ from flint import fmpq
 from firstcontact.body.moving import Moving
 from firstcontact.errors import InputError, UnsupportedPair
 from firstcontact.exact.numbers import to_double
-from firstcontact.exact.rigid import Matrix
 from firstcontact.exact.vectors import cross, dot, scaled, sub
 from firstcontact.motion.curved import CurvedPiece, Leg
-from firstcontact.motion.placement import Placement, Turn, Twist
+from firstcontact.motion.placement import Placement, Turn, angle_of
 from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.rotation import Rotation, rotation_matrix
-from firstcontact.motion.screw import Screw, simple
+from firstcontact.motion.screw import Screw
 from firstcontact.motion.sequence import Sequence
 from firstcontact.motion.span import common_span
-from firstcontact.motion.trajectory import Trajectory
+from firstcontact.motion.steps import RESTING, Step, steps_of
 from firstcontact.motion.translation import Translation
 
 _0 = fmpq(0)
-REST = Translation((0, 0, 0))
 # Motions of which two may be one, and all that polyhedra can be followed under.
 SIMPLE = Translation, Rotation
 SUPPORTED = *SIMPLE, Screw, RationalMotion
@@ -107,11 +105,10 @@ def curved_pieces(a: Any, b: Any, first: fmpq, last: fmpq) -> list[CurvedPiece]:
 
 def placement_at(body: Any, time: fmpq) -> Placement:
     """Where the body stands at the time, one of its motion's span."""
-    step = _step_at(list(_steps(body)), time)
-    return advanced(step.before, step.motion, (time - step.start) / step.duration)
+    return _step_at(list(_steps(body)), time).pose(time)
 
 
-def _cut(steps_a: list[_Step], steps_b: list[_Step], first: fmpq, last: fmpq) -> list[tuple[fmpq, fmpq]]:
+def _cut(steps_a: list[Step], steps_b: list[Step], first: fmpq, last: fmpq) -> list[tuple[fmpq, fmpq]]:
     """The stretches of [first, last] in which both bodies make one step."""
     cuts = {first, last}
     cuts.update(t for s in (*steps_a, *steps_b) for t in (s.start, s.end) if t is not None and first < t < last)
@@ -119,76 +116,23 @@ def _cut(steps_a: list[_Step], steps_b: list[_Step], first: fmpq, last: fmpq) ->
     return list(zip(times, times[1:] or times, strict=False))
 
 
-class _Step(NamedTuple):
-    """A step of one body's motion: over [start, end] it makes `motion`, from the pose `before`."""
-
-    start: fmpq
-    end: fmpq | None
-    motion: Any
-    before: Placement
-
-    @property
-    def duration(self) -> fmpq:
-        return fmpq(1) if self.end is None else self.end - self.start
-
-
-_HERE = Placement()
-_RESTING = _Step(_0, None, REST, _HERE)
-
-
-def _step_at(steps: list[_Step], time: fmpq) -> _Step:
+def _step_at(steps: list[Step], time: fmpq) -> Step:
     """The step that is made from that time on."""
     return steps[max(0, bisect_right(steps, time, key=lambda s: s.start) - 1)]
 
 
-def _steps(body: Any) -> Iterator[_Step]:
+def _steps(body: Any) -> Iterator[Step]:
     if not isinstance(body, Moving):
-        yield _RESTING
+        yield RESTING
         return
-    motion = body.motion
-    if isinstance(motion, Trajectory):
-        for k, (between, start, end) in enumerate(zip(motion.steps, motion.times, motion.ends, strict=False)):
-            yield _Step(start, end, simple(between), _HERE.then(motion.before(k)))
-        return
-    if not isinstance(motion, Sequence):
-        yield _Step(_0, None, _supported(body, motion), _HERE)
-        return
-    start, before = _0, _HERE
-    for k, (part, end) in enumerate(zip(motion.steps, motion.ends, strict=True)):
-        step = _supported(body, part, f"step {k} of the Sequence, ")
-        yield _Step(start, end, step, before)
-        before = advanced(before, step, fmpq(1))
-        start = end
-
-
-def _supported(body: Any, motion: Any, where: str = "") -> Any:
-    """The motion, if polyhedra can be followed under it."""
-    if not isinstance(motion, SUPPORTED):
-        raise UnsupportedPair(
-            f"{where}{motion!r} of {_who(body)}: polyhedra take Translation, Rotation, Screw, RationalMotion, "
-            "Trajectory and a Sequence of them"
-        )
-    return simple(motion)
-
-
-def advanced(before: Placement, motion: Any, share: fmpq) -> Placement:
-    """The pose `before` and then `share` of the motion."""
-    if isinstance(motion, RationalMotion):
-        rows = motion.exact(share)
-        matrix: Matrix = (tuple(rows[0]), tuple(rows[1]), tuple(rows[2]))  # type: ignore[assignment]
-        return before.then(matrix)
-    if share == 0:
-        return before
-    if isinstance(motion, Translation):
-        return before.shifted(scaled(share, motion.vector))
-    turn = Turn(motion.axis, motion.point, *_angle(motion, share))
-    return before.then(Twist(turn, share * motion.advance) if isinstance(motion, Screw) else turn)
-
-
-def _angle(motion: Rotation | Screw, share: fmpq) -> tuple[fmpq, fmpq]:
-    """(radians, turns) of that share of a rotation."""
-    angle = motion.angle * share
-    return (angle, _0) if motion.unit == "radians" else (_0, angle)
+    for k, part in enumerate(getattr(body.motion, "steps", [body.motion])):
+        if not isinstance(part, SUPPORTED):
+            where = f"step {k} of the Sequence, " if isinstance(body.motion, Sequence) else ""
+            raise UnsupportedPair(
+                f"{where}{part!r} of {_who(body)}: polyhedra take Translation, Rotation, Screw, RationalMotion, "
+                "Trajectory and a Sequence of them"
+            )
+    yield from steps_of(body.motion)
 
 
 def _times(factor: fmpq, rate: tuple[fmpq, fmpq]) -> tuple[fmpq, fmpq]:
@@ -201,7 +145,7 @@ def _rests(motion: Any) -> bool:
     return isinstance(motion, Rotation) and motion.angle == 0
 
 
-def _reduce(a: Any, b: Any, step_a: _Step, step_b: _Step, start: fmpq, end: fmpq | None) -> Piece | CurvedPiece:
+def _reduce(a: Any, b: Any, step_a: Step, step_b: Step, start: fmpq, end: fmpq | None) -> Piece | CurvedPiece:
     """One piece; the table of section 6 of the derivation: which pairs of motions are one motion.
 
     All others are curved.
@@ -215,7 +159,7 @@ def _reduce(a: Any, b: Any, step_a: _Step, step_b: _Step, start: fmpq, end: fmpq
     if straight_a and straight_b:
         v_a, v_b = _velocity(step_a, rest_a), _velocity(step_b, rest_b)
         return Piece(
-            start, end, start, _placed(step_a, start), _placed(step_b, start),
+            start, end, start, step_a.pose(start), step_b.pose(start),
             sub(v_a, v_b), None, None, (_0, _0),
             carry_velocity=v_b if any(v_b) else None,
         )  # fmt: skip
@@ -227,7 +171,7 @@ def _reduce(a: Any, b: Any, step_a: _Step, step_b: _Step, start: fmpq, end: fmpq
     if rate_a is None or rate_b is None:
         return _curved(a, b, step_a, step_b, start, end)
     rate = rate_a[0] - rate_b[0], rate_a[1] - rate_b[1]
-    placed = _placed(step_a, start), _placed(step_b, start)
+    placed = step_a.pose(start), step_b.pose(start)
     carry_rate = rate_b if any(rate_b) else None
     if not any(rate):
         zero = (_0, _0, _0)
@@ -240,11 +184,11 @@ def _reduce(a: Any, b: Any, step_a: _Step, step_b: _Step, start: fmpq, end: fmpq
     return Piece(start, end, reference, *placed, None, lead.axis, lead.point, rate, carry_rate=carry_rate)
 
 
-def _is_straight_or_turn(step: _Step) -> bool:
+def _is_straight_or_turn(step: Step) -> bool:
     return isinstance(step.motion, SIMPLE)
 
 
-def _curved(a: Any, b: Any, step_a: _Step, step_b: _Step, start: fmpq, end: fmpq | None) -> CurvedPiece:
+def _curved(a: Any, b: Any, step_a: Step, step_b: Step, start: fmpq, end: fmpq | None) -> CurvedPiece:
     """The piece by the motions themselves."""
     if end is None:
         raise InputError(
@@ -258,13 +202,13 @@ def _curved(a: Any, b: Any, step_a: _Step, step_b: _Step, start: fmpq, end: fmpq
     return CurvedPiece(start, end, *legs)
 
 
-def _velocity(step: _Step, rests: bool) -> tuple[fmpq, fmpq, fmpq]:
+def _velocity(step: Step, rests: bool) -> tuple[fmpq, fmpq, fmpq]:
     if rests or not isinstance(step.motion, Translation):
         return (_0, _0, _0)
     return step.motion.vector if step.end is None else scaled(1 / step.duration, step.motion.vector)
 
 
-def _rate(step: _Step, rests: bool, lead: Rotation) -> tuple[fmpq, fmpq] | None:
+def _rate(step: Step, rests: bool, lead: Rotation) -> tuple[fmpq, fmpq] | None:
     """(radians, turns) per unit of time about the axis of `lead`; None when the axes differ."""
     if rests:
         return (_0, _0)
@@ -275,15 +219,8 @@ def _rate(step: _Step, rests: bool, lead: Rotation) -> tuple[fmpq, fmpq] | None:
         if any(cross(motion.axis, lead.axis)) or any(cross(sub(motion.point, lead.point), lead.axis)):
             return None
         sense = 1 if dot(motion.axis, lead.axis) > 0 else -1
-    radians, turns = _angle(motion, sense / step.duration)
+    radians, turns = angle_of(motion, sense / step.duration)
     return radians, turns
-
-
-def _placed(step: _Step, time: fmpq) -> Placement:
-    """The body's pose at `time` of the step."""
-    if time == step.start and not isinstance(step.motion, RationalMotion):
-        return step.before
-    return advanced(step.before, step.motion, (time - step.start) / step.duration)
 
 
 def _who(body: Any, default: str = "a body") -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Iterable
 from typing import Any
 
@@ -10,9 +11,10 @@ from flint import fmpq
 
 from firstcontact.errors import InputError
 from firstcontact.exact.numbers import fraction, rational, to_double
+from firstcontact.motion.placement import HERE, Placement, advanced
 from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.rotation import Rotation
-from firstcontact.motion.screw import Screw
+from firstcontact.motion.screw import Screw, simple
 from firstcontact.motion.translation import Translation
 
 Step = Translation | Rotation | Screw | RationalMotion
@@ -30,7 +32,7 @@ class Sequence:
     array([1., 1., 0.])
     """
 
-    __slots__ = ("steps", "ends")
+    __slots__ = ("steps", "ends", "_before")
     extends = False
 
     def __init__(self, steps: Iterable[Step], durations: Iterable[Any] | None = None) -> None:
@@ -55,6 +57,21 @@ class Sequence:
                 raise InputError(f"Sequence durations[{k}] is {part}; give a positive number")
             total += part
             self.ends += (total,)
+        self._before: tuple[Placement, ...] = ()
+
+    @property
+    def starts(self) -> tuple[fmpq, ...]:
+        """When each step starts."""
+        return fmpq(0), *self.ends[:-1]
+
+    def before(self, k: int) -> Placement:
+        """The pose that step k is applied to: where the steps before it end."""
+        if not self._before:
+            reached = [HERE]
+            for step in self.steps[:-1]:
+                reached.append(advanced(reached[-1], simple(step), fmpq(1)))
+            self._before = tuple(reached)
+        return self._before[k]
 
     @property
     def span(self) -> tuple[float, float]:
@@ -64,19 +81,13 @@ class Sequence:
         """The (4, 4) float64 pose at time t of the span."""
         if not 0 <= t <= self.span[1]:
             raise InputError(f"time {t} is outside the span {self.span} of the Sequence")
-        pose = np.eye(4)
-        start = fmpq(0)
-        for step, end in zip(self.steps, self.ends, strict=True):
-            local = (float(t) - to_double(start)) / to_double(end - start)
-            pose = step(min(max(local, 0.0), 1.0)) @ pose
-            if local <= 1.0:
-                break
-            start = end
-        return pose
+        k = min(bisect_left([to_double(end) for end in self.ends], t), len(self.steps) - 1)
+        start, end = self.starts[k], self.ends[k]
+        local = (float(t) - to_double(start)) / to_double(end - start)
+        return self.steps[k](min(max(local, 0.0), 1.0)) @ self.before(k).doubles()
 
     def __repr__(self) -> str:
         return f"Sequence({list(self.steps)!r})"
 
     def __reduce__(self) -> Any:
-        starts = (fmpq(0), *self.ends[:-1])
-        return Sequence, (self.steps, tuple(fraction(e - s) for s, e in zip(starts, self.ends, strict=True)))
+        return Sequence, (self.steps, tuple(fraction(e - s) for s, e in zip(self.starts, self.ends, strict=True)))

@@ -14,8 +14,7 @@ from firstcontact.exact.numbers import to_double
 from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.screw import Screw
-from firstcontact.motion.sequence import Sequence
-from firstcontact.motion.trajectory import Trajectory
+from firstcontact.motion.steps import steps_of
 from firstcontact.motion.translation import Translation
 
 Box = tuple[np.ndarray, np.ndarray]
@@ -48,20 +47,15 @@ def swept_box(motion: Any, first: float, last: float, points: np.ndarray, error:
 
 def _steps(motion: Any, first: float, last: float) -> Iterator[tuple[Any, float, float, np.ndarray]]:
     """(step, t0, t1, pose (3, 4) before it), t0 and t1 in the step's own clock, rounded outward."""
-    if not isinstance(motion, Sequence | Trajectory):
-        yield motion, first, last, np.eye(4)[:3]
-        return
-    pose, starts = np.eye(4), (fmpq(0), *motion.ends) if isinstance(motion, Sequence) else motion.times
-    for k, (step, begin, end) in enumerate(zip(motion.steps, starts, motion.ends, strict=False)):
-        if isinstance(motion, Trajectory):
-            pose[:3] = [[to_double(x) for x in row] for row in motion.before(k)]
-        start, length = to_double(begin), to_double(end) - to_double(begin)
+    for step in steps_of(motion):
+        if step.end is None:
+            yield step.motion, first, last, np.eye(4)[:3]
+            return
+        start, length = to_double(step.start), to_double(step.duration)
         slack = 4e-16 * (abs(start) + length) / length
         t0, t1 = (first - start) / length - slack, (last - start) / length + slack
         if t0 <= 1 and t1 >= 0:
-            yield step, max(t0, 0.0), min(t1, 1.0), pose[:3].copy()
-        if isinstance(motion, Sequence):
-            pose = _precise(step)(1.0) @ pose
+            yield step.motion, max(t0, 0.0), min(t1, 1.0), step.before.doubles()[:3]
 
 
 def _step_box(step: Any, t0: float, t1: float, points: np.ndarray, blur: float) -> Box:

@@ -11,8 +11,8 @@ from flint import arb, fmpq
 
 from firstcontact.errors import InputError
 from firstcontact.exact.numbers import dyadic, fraction, precision, rational, to_double
-from firstcontact.exact.rigid import IDENTITY, Matrix
 from firstcontact.exact.vectors import Vector, add, cross, dot, scaled, sub
+from firstcontact.motion.placement import HERE, Placement
 from firstcontact.motion.poses import BITS, Pose, Quaternion, read_poses, sqrt_near
 from firstcontact.motion.rational import RationalMotion, join, refuse_half_turn
 from firstcontact.motion.screw import Screw
@@ -78,13 +78,18 @@ class Trajectory:
         return to_double(self.times[0]), to_double(self.times[-1])
 
     @property
+    def starts(self) -> tuple[fmpq, ...]:
+        """When each step starts."""
+        return self.times[:-1]
+
+    @property
     def ends(self) -> tuple[fmpq, ...]:
         """When each step ends."""
         return self.times[1:]
 
-    def before(self, k: int) -> Matrix:
+    def before(self, k: int) -> Placement:
         """The exact pose that step k is applied to: the identity where the step contains it."""
-        return IDENTITY if isinstance(self.steps[k], RationalMotion) else self.poses[k].matrix()
+        return HERE if isinstance(self.steps[k], RationalMotion) else HERE.then(self.poses[k].matrix())
 
     def __call__(self, t: float) -> np.ndarray:
         """The (4, 4) float64 pose at time t of the span."""
@@ -96,7 +101,7 @@ class Trajectory:
         step = self.steps[k]
         if isinstance(step, RationalMotion):
             return np.array([[to_double(x) for x in row] for row in step.exact(share)])
-        start = np.array([*([to_double(x) for x in row] for row in self.before(k)), [0.0, 0.0, 0.0, 1.0]])
+        start = self.before(k).doubles()
         if isinstance(step, Translation):
             start[:3, 3] = [to_double(x + share * v) for x, v in zip(self.poses[k].vector, step.vector, strict=True)]
             return start

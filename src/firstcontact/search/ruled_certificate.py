@@ -21,9 +21,10 @@ from firstcontact.exact.numbers import dyadic, exact_value, precision
 from firstcontact.exact.rigid import ball_rotation, inverse_map
 from firstcontact.exact.square_systems import Equations, Zero
 from firstcontact.exact.vectors import dot
-from firstcontact.motion.polynomial import REST, Step, own_pose
+from firstcontact.motion.polynomial import own_pose
 from firstcontact.motion.rotation import Rotation, angle_ball
 from firstcontact.motion.screw import Screw
+from firstcontact.motion.steps import REST, Step
 from firstcontact.search.event_tables import crossing_surfaces
 from firstcontact.search.stretches import Window, known_steps, step_index
 
@@ -48,22 +49,17 @@ class PoseJet:
         middle = way * (exact_value(window.first) + exact_value(window.last)) / 2
         steps = known_steps(motion)
         self.step: Step = steps[step_index(steps, middle, middle)]
-        self.before = _square(self.step.before)
+        self.before = _square(self.step.before.matrix())
         own = self.step.motion
         self.turns = isinstance(own, Rotation | Screw)
         if not self.turns:
             rows = [[fmpq_poly(c) for c in row] for row in own_pose(own, "a body")]
             self.rows = [[(c, c.derivative()) for c in row] for row in rows]
 
-    @property
-    def exact(self) -> bool:
-        """Whether the pose before the step is known exactly."""
-        return self.step.exact
-
     def at(self, t: arb) -> tuple[arb_mat, arb_mat]:
-        local = (self.way * t - arb(self.step.origin)) / arb(self.step.unit)
+        local = (self.way * t - arb(self.step.start)) / arb(self.step.duration)
         value, slope = self._turning(local) if self.turns else self._rational(local)
-        return value * self.before, slope * self.before * (self.way / arb(self.step.unit))
+        return value * self.before, slope * self.before * (self.way / arb(self.step.duration))
 
     def _rational(self, x: arb) -> tuple[arb_mat, arb_mat]:
         weight, change = (_at(p, x) for p in self.rows[3][3])

@@ -220,10 +220,10 @@ class RuledSearch(EventSearch):
         outcome = self.covered(window, lo, end)
         if outcome == FREE:
             return end, None
+        if outcome == SPENT:
+            return None
         with precision(BITS):
             own, other = (PoseJet(self.bodies[k], window, self.way) for k in (self.side, 1 - self.side))
-            if outcome == SPENT or not (own.exact and other.exact):
-                return None
             known = self._certificate((own, other), lo, end)
             if known.open is None and not known.events:
                 return end, None

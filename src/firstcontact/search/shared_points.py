@@ -18,13 +18,11 @@ from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.csg import inside
 from firstcontact.body.features import Edge, Face, Vertex, enclosure
 from firstcontact.body.moving import Moving, shape_of
-from firstcontact.exact.numbers import dyadic, exact_value, precision, to_double
-from firstcontact.exact.rigid import IDENTITY, Matrix, ball_rotation, compose, inverse_map
-from firstcontact.exact.vectors import cross, det, dot
+from firstcontact.exact.numbers import ball, dyadic, exact_value, precision, to_double
+from firstcontact.exact.rigid import Matrix, compose, inverse_map
+from firstcontact.exact.vectors import cross, det
 from firstcontact.kernels.event_search import CHART, FORM, OTHER_FORM, PAIR
-from firstcontact.motion.polynomial import REST, own_pose
-from firstcontact.motion.rotation import Rotation, angle_ball
-from firstcontact.motion.screw import Screw
+from firstcontact.motion.steps import REST
 from firstcontact.search.advance import Advance, Feature
 from firstcontact.search.convex import covering_pieces
 from firstcontact.search.event_tables import Tables, crossing_surfaces
@@ -57,27 +55,8 @@ def ball_pose(body: Any, t: fmpq) -> Matrix:
     """The pose at t as (3, 4) balls, at the present precision."""
     motion = body.motion if isinstance(body, Moving) else REST
     steps = known_steps(motion)
-    number = step_index(steps, t, t)
-    step = steps[number]
-    local = (t - step.origin) / step.unit
-    own = step.motion
-    rows: Any
-    if isinstance(own, Rotation | Screw):
-        rows = ball_rotation(own.axis, own.point, arb(local) * angle_ball(own.angle, own.unit))
-        if isinstance(own, Screw):
-            ahead = arb(local * own.advance) / arb(dot(own.axis, own.axis)).sqrt()
-            rows = tuple((*row[:3], row[3] + ahead * arb(h)) for row, h in zip(rows, own.axis, strict=True))
-    else:
-        pose = own_pose(own, "a body")
-        weight = pose[3][3](local)
-        rows = tuple(tuple(arb(x(local) / weight) for x in row) for row in pose[:3])
-    if step.before is not IDENTITY:
-        rows = compose(rows, tuple(tuple(arb(x) for x in row) for row in step.before))  # type: ignore[arg-type]
-    if not step.exact:  # its start is within 2^-60 radians per rotation before it
-        size = 1 + max(abs(x).upper() for row in rows for x in row)
-        off = arb(0, size * arb(2) ** -56 * (number + 1))
-        rows = tuple(tuple(x + off for x in row) for row in rows)
-    return rows
+    rows = steps[step_index(steps, t, t)].pose(t).matrix()
+    return tuple(tuple(ball(x) for x in row) for row in rows)  # type: ignore[return-value]
 
 
 def shared_point(

@@ -9,8 +9,8 @@ import numpy as np
 from flint import arb, fmpq, fmpq_poly
 
 from firstcontact.body.moving import Moving
-from firstcontact.exact.numbers import above, below, precision, to_double
-from firstcontact.exact.rigid import IDENTITY, ball_rotation, compose
+from firstcontact.exact.numbers import above, below, dyadic, precision, to_double
+from firstcontact.exact.rigid import Matrix, ball_rotation, compose
 from firstcontact.exact.vectors import cross, dot
 from firstcontact.kernels.poses import (
     CENTRE,
@@ -27,9 +27,11 @@ from firstcontact.kernels.poses import (
     TURNING,
 )
 from firstcontact.motion import projective
-from firstcontact.motion.polynomial import REST, Step, own_pose, steps_of
+from firstcontact.motion.placement import Placement
+from firstcontact.motion.polynomial import own_pose
 from firstcontact.motion.rotation import Rotation, angle_ball
 from firstcontact.motion.screw import Screw
+from firstcontact.motion.steps import REST, Step, steps_of
 from firstcontact.motion.translation import Translation
 
 U = 2.0**-53
@@ -67,7 +69,8 @@ def _windows_of(motion_a: Any, motion_b: Any, p: int, q: int, r: int, s: int) ->
     cuts = {first, last}
     for own in steps:
         for step in own:
-            cuts |= {t for t in (step.start, step.end) if t is not None and first < t < last}
+            if step.end is not None:
+                cuts |= {t for t in (step.start, step.end) if first < t < last}
     times = sorted(cuts)
     found = []
     for begin, end in zip(times, times[1:] or times, strict=False):
@@ -89,7 +92,7 @@ def known_steps(motion: Any) -> tuple[Step, ...]:
 def step_index(steps: tuple[Step, ...], begin: fmpq, end: fmpq) -> int:
     """The step in charge of [begin, end]."""
     for k, step in enumerate(steps):
-        if (step.start is None or step.start <= begin) and (step.end is None or end <= step.end):
+        if step.covers(begin, end):
             return k
     raise Untold("no pose")
 
@@ -107,10 +110,6 @@ def _stretch(motion: Any, index: int, begin: fmpq, end: fmpq) -> np.ndarray:
     centre, scale = fmpq(*middle.as_integer_ratio()), 1 / fmpq(*float(head[PER_HALF]).as_integer_ratio())
     turns = isinstance(step.motion, Rotation | Screw)
     coefficients = (_turning if turns else _rational)(step, centre, scale, head)
-    if not step.exact:  # its start is within 2^-60 radians per rotation before it
-        size = float(np.abs(coefficients[:12]).sum())
-        head[ERROR_R] += 2.0**-58 * (index + 1) * size
-        head[ERROR_T] += 2.0**-58 * (index + 1) * size
     table = np.zeros((14, max(len(head), coefficients.shape[1])))
     table[0, : len(head)], table[1:, : coefficients.shape[1]] = head, coefficients
     if not np.all(np.isfinite(table)):
@@ -121,12 +120,13 @@ def _stretch(motion: Any, index: int, begin: fmpq, end: fmpq) -> np.ndarray:
 def _rational(step: Step, centre: fmpq, scale: fmpq, head: np.ndarray) -> np.ndarray:
     """Polynomials in s = (t - centre) / scale."""
     head[KIND] = RATIONAL
-    if isinstance(step.motion, Translation) and step.before is IDENTITY:
+    if isinstance(step.motion, Translation) and not step.before.factors:
         return _straight(step, centre, scale, head)
-    local = fmpq_poly([(centre - step.origin) / step.unit, scale / step.unit])
-    pose = projective.product(
-        projective.substituted(own_pose(step.motion, "a body"), local), projective.fixed(step.before)
-    )
+    before, off = _rounded_pose(step.before)
+    local = fmpq_poly([step.share(centre), scale / step.duration])
+    own = projective.substituted(own_pose(step.motion, "a body"), local)
+    held = projective.fixed(before)
+    pose = projective.product(own, held)
     rows = [[fmpq_poly(x) for x in row] for row in pose]
     weight = rows[3][3]
     largest = max(abs(x) for x in weight.coeffs())
@@ -144,16 +144,31 @@ def _rational(step: Step, centre: fmpq, scale: fmpq, head: np.ndarray) -> np.nda
     # coefficients rounded once; two roundings per step of Horner's rule; s itself within 4 U
     sums = np.abs(table) @ (8.0 * np.arange(n) + 3.0) * U
     head[ERROR_R], head[ERROR_T] = sums[:9].max(), sums[9:12].max()
+    if off:  # the sum over the entries of `own`, each times one of `before`
+        unit = factor * fmpq(held[3][3][0])
+        off *= 2 * sum(abs(to_double(fmpq(c) * unit)) for row in own for x in row for c in x.coeffs())
+        head[ERROR_R], head[ERROR_T] = head[ERROR_R] + off, head[ERROR_T] + off
     head[ERROR_W] = 0.0 if straight else sums[12]
     head[DEGREE] = n - 1
     return table
+
+
+def _rounded_pose(before: Placement) -> tuple[Matrix, float]:
+    """A rational matrix, and how far its entries are from the pose's at most."""
+    if before.is_exact:
+        return before.matrix(), 0.0
+    with precision(BITS):
+        balls = before.matrix()
+        off = max(above(dyadic(arb(x).rad())) for row in balls for x in row)
+        rows = tuple(tuple(dyadic(arb(x).mid()) for x in row) for row in balls)
+        return rows, off  # type: ignore[return-value]
 
 
 def _straight(step: Step, centre: fmpq, scale: fmpq, head: np.ndarray) -> np.ndarray:
     """As `_rational`, for a translation from the identity, and faster."""
     table = np.zeros((13, 2))
     table[[0, 4, 8, 12], 0] = 1.0
-    here, rate = (centre - step.origin) / step.unit, scale / step.unit
+    here, rate = step.share(centre), scale / step.duration
     for k, x in enumerate(step.motion.vector):
         if x:
             table[9 + k] = to_double(x * here), to_double(x * rate)
@@ -167,21 +182,21 @@ def _turning(step: Step, centre: fmpq, scale: fmpq, head: np.ndarray) -> np.ndar
     motion = step.motion
     head[KIND] = TURNING
     advance = motion.advance if isinstance(motion, Screw) else fmpq(0)
-    local = (centre - step.origin) / step.unit
+    local = step.share(centre)
     with precision(BITS):
         length = arb(dot(motion.axis, motion.axis)).sqrt()
         k = [arb(x) / length for x in motion.axis]
         p = [arb(x) for x in motion.point]
-        omega = angle_ball(motion.angle * scale / step.unit, motion.unit)
+        omega = angle_ball(motion.angle * scale / step.duration, motion.unit)
         turned = ball_rotation(motion.axis, motion.point, angle_ball(motion.angle * local, motion.unit))
-        base = compose(turned, tuple(tuple(arb(x) for x in row) for row in step.before))  # type: ignore[arg-type]
+        base = compose(turned, tuple(tuple(arb(x) for x in row) for row in step.before.matrix()))  # type: ignore[arg-type]
         columns = [[base[i][j] for i in range(3)] for j in range(3)]
         shift = [base[i][3] for i in range(3)]
         arm = [s - q for s, q in zip(shift, p, strict=True)]
         once = [cross(k, c) for c in (*columns, arm)]
         twice = [cross(k, c) for c in once]
         far = [s + arb(advance * local) * x for s, x in zip(shift, k, strict=True)]
-        slope = [arb(advance * scale / step.unit) * x for x in k]
+        slope = [arb(advance * scale / step.duration) * x for x in k]
         order = [(i, j) for i in range(3) for j in range(3)] + [(i, 3) for i in range(3)]
         zeroth = [*columns, far]
         table = np.array([

@@ -1,0 +1,54 @@
+"""A motion as steps in time, each with the pose that the body has before it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+from flint import fmpq
+
+from firstcontact.motion.placement import HERE, Placement, advanced
+from firstcontact.motion.screw import simple
+from firstcontact.motion.sequence import Sequence
+from firstcontact.motion.trajectory import Trajectory
+from firstcontact.motion.translation import Translation
+
+REST = Translation((0, 0, 0))
+
+
+class Step(NamedTuple):
+    """Over [start, end] it makes all of `motion`, after the pose `before`; end None: it goes on, beyond 0 and 1."""
+
+    start: fmpq
+    end: fmpq | None
+    motion: Any
+    before: Placement
+
+    @property
+    def duration(self) -> fmpq:
+        """The unit of the motion's own time."""
+        return fmpq(1) if self.end is None else self.end - self.start
+
+    def covers(self, first: fmpq, last: fmpq) -> bool:
+        """Whether the step is in charge of all of [first, last]."""
+        return self.end is None or (self.start <= first and last <= self.end)
+
+    def share(self, time: fmpq) -> fmpq:
+        """The motion's own time then."""
+        return (time - self.start) / self.duration
+
+    def pose(self, time: fmpq) -> Placement:
+        """Where the body stands at that time of the step."""
+        return advanced(self.before, self.motion, self.share(time))
+
+
+RESTING = Step(fmpq(0), None, REST, HERE)
+
+
+def steps_of(motion: Any) -> Iterator[Step]:
+    """The steps in order of time."""
+    if not isinstance(motion, Sequence | Trajectory):
+        yield Step(fmpq(0), None, simple(motion), HERE)
+        return
+    for k, (part, start, end) in enumerate(zip(motion.steps, motion.starts, motion.ends, strict=True)):
+        yield Step(start, end, simple(part), motion.before(k))
