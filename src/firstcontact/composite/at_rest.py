@@ -15,6 +15,7 @@ from firstcontact.body.csg import And, Leaf, Not, Tree
 from firstcontact.composite.moving_pair import Pair
 from firstcontact.exact.numbers import to_double
 from firstcontact.exact.vectors import cross
+from firstcontact.search.resting import Relation, relation
 
 
 def placed(pair: Pair, u: fmpq) -> CompositeQuadric:
@@ -24,13 +25,23 @@ def placed(pair: Pair, u: fmpq) -> CompositeQuadric:
     return pair.a.transformed([[x / weight for x in row] for row in pose])
 
 
-def overlap(pair: Pair, u: fmpq) -> bool:
-    """Whether the interiors of the two models share a point at u; exact (the Boolean intersection is not empty)."""
+def relation_at(pair: Pair, u: fmpq) -> Relation | None:
+    """How the two models lie to each other at u, proved; None where algebra is to tell."""
     (lo, hi), (low, high) = _box_of_a(pair, u), pair.b.bounds()
     if np.any(lo > high) or np.any(low > hi):
-        return False
+        return Relation.APART
     if _is_polytope(pair.a) and _is_polytope(pair.b):
-        return not _separated(pair, u)
+        return None if _separated(pair, u) else Relation.OVERLAPPING
+    return relation(placed(pair, u), pair.b)
+
+
+def overlap(pair: Pair, u: fmpq) -> bool:
+    """Whether the interiors of the two models share a point at u: by a proof, else by the Boolean intersection."""
+    known = relation_at(pair, u)
+    if known is not None:
+        return known is Relation.OVERLAPPING
+    if _is_polytope(pair.a) and _is_polytope(pair.b):
+        return False
     return _is_solid(lambda: placed(pair, u) & pair.b)
 
 
@@ -94,9 +105,21 @@ def _box_of_a(pair: Pair, u: fmpq) -> tuple[np.ndarray, np.ndarray]:
 
 
 def is_containment(pair: Pair, u: fmpq) -> bool:
-    """Whether one model holds the other at u, for models whose interiors overlap."""
+    """Whether one model holds the other at u, for models whose interiors overlap and whose features touch nowhere."""
     a, b = placed(pair, u), pair.b
-    return not (_is_solid(lambda: a - b) and _is_solid(lambda: b - a))
+    return not _share_a_whole_surface(a, b) and not (_is_solid(lambda: a - b) and _is_solid(lambda: b - a))
+
+
+def _share_a_whole_surface(a: CompositeQuadric, b: CompositeQuadric) -> bool:
+    """Whether both have all of one closed surface as a face: no edge tells, then, that their surfaces meet."""
+    return not _whole_surfaces(a).isdisjoint(_whole_surfaces(b))
+
+
+def _whole_surfaces(model: CompositeQuadric) -> set[Vector]:
+    """Of the faces that nothing bounds, as forms up to a factor."""
+    bounded = {k for edge in (*model.edges, *model.seams) for k in edge.faces}
+    forms = (face.carrier.matrix() for face in model.faces if face.index not in bounded)
+    return {upright([x for row in form for x in row]) for form in forms}
 
 
 def _is_solid(combination: Callable[[], CompositeQuadric]) -> bool:

@@ -238,7 +238,7 @@ def proved_intervals(found: Found, work: Work, begin: float, shared: dict[str, A
     first, last = shared["span"]
     intervals = []
     for x in found.intervals:
-        start, end = ((max(lo, first), min(hi, last)) for lo, hi in (x.start, x.end))
+        start, end = ((max(lo, first) + 0.0, min(hi, last) + 0.0) for lo, hi in (x.start, x.end))  # never -0.0
         intervals.append(ContactInterval(_middle(start), end[0] if x.open else _middle(end), start, end))
     status, until = Status.FREE, last
     if intervals:
@@ -332,6 +332,8 @@ def _answer(search: Search, at_start: bool, exact: bool, shared: dict[str, Any])
         touching = search.at_start()
         if touching or search.overlaps_after_start():
             return _initial(search, touching, exact, shared)
+        if search.may_share_a_point_after_start():
+            return _open(search, AlgebraicRoot.of(search.pair.piece.u_lo), shared)
     meetings = search.first()
     if not meetings:
         stopped = search.stop()
@@ -409,7 +411,7 @@ def _windows(search: Search) -> Iterator[tuple[_End, _End]]:
     for group in search.groups():
         root = group[0].root
         if piece.clock.compare(root, piece.start) > 0:
-            if _share(search, start, before, between(lo, root)):
+            if _share(search, between(lo, root)):
                 start = start or before
             elif start is not None:
                 yield start, before
@@ -420,15 +422,17 @@ def _windows(search: Search) -> Iterator[tuple[_End, _End]]:
         before, lo = here, search.beyond(root)
     assert piece.u_hi is not None and piece.end is not None
     if before.root is None or piece.clock.compare(before.root, piece.end) < 0:
-        if _share(search, start, before, (lo + piece.u_hi) / 2):
+        if _share(search, (lo + piece.u_hi) / 2):
             yield start or before, _End(search, None, piece.end)
             return
     if start is not None:
         yield start, before
 
 
-def _share(search: Search, start: _End | None, before: _End, u: fmpq) -> bool:
-    """Whether the models share a point at u, after contact since `start` (None: after none) until `before`."""
-    if start is None and before.root is not None:
-        return search.share_a_point(u)
-    return search.still_share_a_point(u)
+def _share(search: Search, u: fmpq) -> bool:
+    """Whether the models share a point at u, which is no candidate."""
+    if search.share_a_point(u):
+        return True
+    if search.may_share_a_point(u):
+        raise UnsupportedPair("the models come so close that it is not proved whether they touch")
+    return False
