@@ -13,7 +13,7 @@ from functools import cached_property, cmp_to_key
 
 from flint import fmpq
 
-from firstcontact.composite.at_rest import overlap, relation_at
+from firstcontact.composite.at_rest import coincide, overlap, relation_at
 from firstcontact.composite.contact_sets import Shared, shared_part
 from firstcontact.composite.membership import extent
 from firstcontact.composite.moving_pair import Pair
@@ -170,7 +170,7 @@ class Search:
 
     def share_a_point(self, u: fmpq) -> bool:
         """Whether the models share a point at a rational u that is no candidate."""
-        return bool(self.lasting(u)) or overlap(self.pair, u)
+        return bool(self.lasting(u)) or overlap(self.pair, u) or coincide(self.pair, u)
 
     def may_share_a_point(self, u: fmpq) -> bool:
         """Whether they do, or come so close that it is not proved that they do not."""
@@ -194,6 +194,10 @@ class Search:
     def overlaps_after_start(self) -> bool:
         """Whether the interiors overlap at the times between the start and the next candidate."""
         return overlap(self.pair, self.moment_after_start())
+
+    def coincides_at_start(self) -> bool:
+        """Whether whole surfaces of the models coincide at the start."""
+        return self.starts_rational and coincide(self.pair, self.pair.piece.u_lo)
 
     def may_share_a_point_after_start(self) -> bool:
         """Whether it is not proved that they share none then."""

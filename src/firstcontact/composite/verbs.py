@@ -15,7 +15,7 @@ from firstcontact.body.moving import Moving, shape_of
 from firstcontact.body.polyhedron import Polyhedron
 from firstcontact.composite.algorithm import Meeting, Root, Search, between
 from firstcontact.composite.answer import contact_of, interval_of, listed, world_time
-from firstcontact.composite.at_rest import is_containment, overlap
+from firstcontact.composite.at_rest import is_containment, overlap_around
 from firstcontact.composite.certified import both_bounded, contact, settle
 from firstcontact.composite.certified_intervals import Found, certified_intervals
 from firstcontact.composite.idle_turns import without_idle_turn
@@ -330,7 +330,7 @@ def _answer(search: Search, at_start: bool, exact: bool, shared: dict[str, Any])
     """The answer if the piece has one; None when it is free."""
     if at_start:
         touching = search.at_start()
-        if touching or search.overlaps_after_start():
+        if touching or search.overlaps_after_start() or search.coincides_at_start():
             return _initial(search, touching, exact, shared)
         if search.may_share_a_point_after_start():
             return _open(search, AlgebraicRoot.of(search.pair.piece.u_lo), shared)
@@ -357,7 +357,7 @@ def _initial(search: Search, touching: list[Meeting], exact: bool, shared: dict[
     pair, start = search.pair, shared["span"][0]
     u = pair.piece.u_lo if search.starts_rational else search.moment_after_start()
     kind = "touching"
-    if overlap(pair, u):
+    if overlap_around(pair, u, [m.shared.at for m in touching]):
         kind = "containment" if not touching and is_containment(pair, u) else "overlapping"
     found = FirstContact(
         Status.INITIAL_CONTACT, start, (start, start), fraction(pair.piece.start) if exact else None, **shared

@@ -49,6 +49,14 @@ def relation(a: CompositeQuadric, b: CompositeQuadric) -> Relation | None:
     return None if covers.not_apart(0.0)[0] else Relation.APART
 
 
+def is_one_piece(body: CompositeQuadric) -> bool:
+    """Whether the solid is one convex piece."""
+    try:
+        return convex_pieces(body).count == 1
+    except NotConvex:
+        return False
+
+
 def _of_pieces(a: CompositeQuadric, b: CompositeQuadric, own: ConvexPieces, other: ConvexPieces) -> Relation | None:
     pairs, overlap = PieceSearch(own, other, windows(a, b, START, START), 1.0, 1).not_apart(0.0)
     if overlap:
