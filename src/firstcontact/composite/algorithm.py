@@ -13,7 +13,7 @@ from functools import cached_property, cmp_to_key
 
 from flint import fmpq
 
-from firstcontact.composite.at_rest import overlap, placed
+from firstcontact.composite.at_rest import coincide, overlap, relation_at
 from firstcontact.composite.contact_sets import Shared, shared_part
 from firstcontact.composite.membership import extent
 from firstcontact.composite.moving_pair import Pair
@@ -24,7 +24,7 @@ from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import Undecidable, dyadic, precision
 from firstcontact.exact.roots import AlgebraicRoot
 from firstcontact.exact.square_systems import EnclosedRoot, OpenRoot
-from firstcontact.search.close_up import common_interior
+from firstcontact.search.resting import Relation
 
 NARROW = fmpq(1, 10**12)
 """Of the span of a piece: what an enclosure of a time of contact may be wide."""
@@ -170,18 +170,18 @@ class Search:
 
     def share_a_point(self, u: fmpq) -> bool:
         """Whether the models share a point at a rational u that is no candidate."""
-        return bool(self.lasting(u)) or overlap(self.pair, u)
+        return bool(self.lasting(u)) or overlap(self.pair, u) or coincide(self.pair, u)
 
-    def still_share_a_point(self, u: fmpq) -> bool:
-        """The same where they may just have been in contact: what they share may be too thin for Boolean operations."""
-        return self.share_a_point(u) or common_interior(placed(self.pair, u), self.pair.b) is not None
+    def may_share_a_point(self, u: fmpq) -> bool:
+        """Whether they do, or come so close that it is not proved that they do not."""
+        return self.share_a_point(u) or relation_at(self.pair, u) is Relation.NEAR
 
     def shares_a_point_at_end(self) -> bool:
         """Whether the models share a point after the last candidate: a check of a search that found no contact."""
         piece = self.pair.piece
         assert piece.u_hi is not None
         lo = self.beyond(self.candidates[-1].root) if self.candidates else piece.u_lo
-        return lo < piece.u_hi and self.share_a_point((lo + piece.u_hi) / 2)
+        return lo < piece.u_hi and self.may_share_a_point((lo + piece.u_hi) / 2)
 
     def is_at_start(self, root: Root) -> bool:
         return self.pair.piece.clock.compare(root, self.pair.piece.start) == 0
@@ -194,6 +194,14 @@ class Search:
     def overlaps_after_start(self) -> bool:
         """Whether the interiors overlap at the times between the start and the next candidate."""
         return overlap(self.pair, self.moment_after_start())
+
+    def coincides_at_start(self) -> bool:
+        """Whether whole surfaces of the models coincide at the start."""
+        return self.starts_rational and coincide(self.pair, self.pair.piece.u_lo)
+
+    def may_share_a_point_after_start(self) -> bool:
+        """Whether it is not proved that they share none then."""
+        return self.may_share_a_point(self.moment_after_start())
 
     def moment_after_start(self) -> fmpq:
         """A rational u after the start of the piece and before every later candidate."""

@@ -7,14 +7,22 @@ from itertools import product
 from typing import Any
 
 import numpy as np
-from flint import fmpq
+from flint import arb, fmpq
 
-from firstcontact.body.carriers import Line, Plane, Point, Rows, Vector, dot, times, upright
-from firstcontact.body.composite_quadric import CompositeQuadric, NoSolid
-from firstcontact.body.csg import And, Leaf, Not, Tree
+from firstcontact.body.carriers import ONE, Line, Plane, Point, Rows, Vector, dot, times, upright
+from firstcontact.body.composite_quadric import CompositeQuadric, NoSolid, joined
+from firstcontact.body.csg import And, Leaf, Not, Tree, inside, pattern
+from firstcontact.body.neighbourhood import patterns
 from firstcontact.composite.moving_pair import Pair
-from firstcontact.exact.numbers import to_double
+from firstcontact.exact.number_field import ball
+from firstcontact.exact.numbers import dyadic, precision, sign, simplest, to_double
 from firstcontact.exact.vectors import cross
+from firstcontact.search.resting import Relation, is_one_piece, relation
+
+BITS, TINY, LARGEST = 384, fmpq(1, 2**300), 2**128
+"""Of balls in which a coordinate is looked at, how far they may be off, and denominators that are no chance."""
+MOST_PLACES = 8
+"""Shared points whose surroundings are looked at."""
 
 
 def placed(pair: Pair, u: fmpq) -> CompositeQuadric:
@@ -24,14 +32,68 @@ def placed(pair: Pair, u: fmpq) -> CompositeQuadric:
     return pair.a.transformed([[x / weight for x in row] for row in pose])
 
 
-def overlap(pair: Pair, u: fmpq) -> bool:
-    """Whether the interiors of the two models share a point at u; exact (the Boolean intersection is not empty)."""
+def relation_at(pair: Pair, u: fmpq) -> Relation | None:
+    """How the two models lie to each other at u, proved; None where algebra is to tell."""
     (lo, hi), (low, high) = _box_of_a(pair, u), pair.b.bounds()
     if np.any(lo > high) or np.any(low > hi):
-        return False
+        return Relation.APART
     if _is_polytope(pair.a) and _is_polytope(pair.b):
-        return not _separated(pair, u)
+        return None if _separated(pair, u) else Relation.OVERLAPPING
+    return relation(placed(pair, u), pair.b)
+
+
+def overlap(pair: Pair, u: fmpq) -> bool:
+    """Whether the interiors of the two models share a point at u: by a proof, else by the Boolean intersection."""
+    known = relation_at(pair, u)
+    if known is not None:
+        return known is Relation.OVERLAPPING
+    if _is_polytope(pair.a) and _is_polytope(pair.b):
+        return False
     return _is_solid(lambda: placed(pair, u) & pair.b)
+
+
+def overlap_around(pair: Pair, u: fmpq, shared: Sequence[Vector]) -> bool:
+    """As `overlap`, for models that share the points (homogeneous, exact, in the frame of b).
+
+    Around a point that two convex models share their interiors meet, or nowhere.
+    """
+    known = relation_at(pair, u)
+    if known is not None:
+        return known is Relation.OVERLAPPING
+    a, b = placed(pair, u), pair.b
+    seen = [_meet_around(a, b, p) for p in map(_rational, shared[:MOST_PLACES]) if p is not None]
+    if True in seen:
+        return True
+    return False if False in seen and is_one_piece(a) and is_one_piece(b) else overlap(pair, u)
+
+
+def _rational(x: Vector) -> Vector | None:
+    """The point (x, y, z), if its coordinates seem to be rational."""
+    balls = [ball(c, BITS) for c in x]
+    with precision(BITS):
+        balls = [c / balls[3] for c in balls[:3]]
+        ends = [(dyadic(arb(c.lower())), dyadic(arb(c.upper()))) for c in balls]
+    found = [simplest(lo - TINY * (1 + abs(lo)), hi + TINY * (1 + abs(hi))) for lo, hi in ends]
+    return tuple(found) if all(x.q < LARGEST for x in found) else None
+
+
+def _meet_around(a: CompositeQuadric, b: CompositeQuadric, p: Vector) -> bool | None:
+    """Whether the interiors meet arbitrarily near p; None where p is not shared, or a tip of a cone hides it."""
+    surfaces, tree = joined(a.surfaces, b.surfaces, b.tree)
+    x = (*p, ONE)
+    signs = [sign(surface.value(x)) for surface in surfaces]
+    on = [k for k, found in enumerate(signs) if found == 0]
+    if not (a.contains_exactly(p) and b.contains_exactly(p)):
+        return None
+    both = And(a.tree, tree)
+    if any(inside(both, pattern(signs, on, negative)) for negative in patterns(x, surfaces, on)):
+        return True
+    return False if all(any(surfaces[k].gradient(x)) for k in on) else None
+
+
+def coincide(pair: Pair, u: fmpq) -> bool:
+    """Whether a whole closed surface is a face of both at u: no edge tells, then, that the models touch."""
+    return _share_a_whole_surface(placed(pair, u), pair.b)
 
 
 def _is_polytope(model: CompositeQuadric) -> bool:
@@ -94,9 +156,21 @@ def _box_of_a(pair: Pair, u: fmpq) -> tuple[np.ndarray, np.ndarray]:
 
 
 def is_containment(pair: Pair, u: fmpq) -> bool:
-    """Whether one model holds the other at u, for models whose interiors overlap."""
+    """Whether one model holds the other at u, for models whose interiors overlap and whose features touch nowhere."""
     a, b = placed(pair, u), pair.b
-    return not (_is_solid(lambda: a - b) and _is_solid(lambda: b - a))
+    return not _share_a_whole_surface(a, b) and not (_is_solid(lambda: a - b) and _is_solid(lambda: b - a))
+
+
+def _share_a_whole_surface(a: CompositeQuadric, b: CompositeQuadric) -> bool:
+    """Whether both have all of one closed surface as a face: no edge tells, then, that their surfaces meet."""
+    return not _whole_surfaces(a).isdisjoint(_whole_surfaces(b))
+
+
+def _whole_surfaces(model: CompositeQuadric) -> set[Vector]:
+    """Of the faces that nothing bounds, as forms up to a factor."""
+    bounded = {k for edge in (*model.edges, *model.seams) for k in edge.faces}
+    forms = (face.carrier.matrix() for face in model.faces if face.index not in bounded)
+    return {upright([x for row in form for x in row]) for form in forms}
 
 
 def _is_solid(combination: Callable[[], CompositeQuadric]) -> bool:

@@ -15,7 +15,7 @@ from firstcontact.body.moving import Moving, shape_of
 from firstcontact.body.polyhedron import Polyhedron
 from firstcontact.composite.algorithm import Meeting, Root, Search, between
 from firstcontact.composite.answer import contact_of, interval_of, listed, world_time
-from firstcontact.composite.at_rest import is_containment, overlap
+from firstcontact.composite.at_rest import is_containment, overlap_around
 from firstcontact.composite.certified import both_bounded, contact, settle
 from firstcontact.composite.certified_intervals import Found, certified_intervals
 from firstcontact.composite.idle_turns import without_idle_turn
@@ -238,7 +238,7 @@ def proved_intervals(found: Found, work: Work, begin: float, shared: dict[str, A
     first, last = shared["span"]
     intervals = []
     for x in found.intervals:
-        start, end = ((max(lo, first), min(hi, last)) for lo, hi in (x.start, x.end))
+        start, end = ((max(lo, first) + 0.0, min(hi, last) + 0.0) for lo, hi in (x.start, x.end))  # never -0.0
         intervals.append(ContactInterval(_middle(start), end[0] if x.open else _middle(end), start, end))
     status, until = Status.FREE, last
     if intervals:
@@ -330,8 +330,10 @@ def _answer(search: Search, at_start: bool, exact: bool, shared: dict[str, Any])
     """The answer if the piece has one; None when it is free."""
     if at_start:
         touching = search.at_start()
-        if touching or search.overlaps_after_start():
+        if touching or search.overlaps_after_start() or search.coincides_at_start():
             return _initial(search, touching, exact, shared)
+        if search.may_share_a_point_after_start():
+            return _open(search, AlgebraicRoot.of(search.pair.piece.u_lo), shared)
     meetings = search.first()
     if not meetings:
         stopped = search.stop()
@@ -355,7 +357,7 @@ def _initial(search: Search, touching: list[Meeting], exact: bool, shared: dict[
     pair, start = search.pair, shared["span"][0]
     u = pair.piece.u_lo if search.starts_rational else search.moment_after_start()
     kind = "touching"
-    if overlap(pair, u):
+    if overlap_around(pair, u, [m.shared.at for m in touching]):
         kind = "containment" if not touching and is_containment(pair, u) else "overlapping"
     found = FirstContact(
         Status.INITIAL_CONTACT, start, (start, start), fraction(pair.piece.start) if exact else None, **shared
@@ -409,7 +411,7 @@ def _windows(search: Search) -> Iterator[tuple[_End, _End]]:
     for group in search.groups():
         root = group[0].root
         if piece.clock.compare(root, piece.start) > 0:
-            if _share(search, start, before, between(lo, root)):
+            if _share(search, between(lo, root)):
                 start = start or before
             elif start is not None:
                 yield start, before
@@ -420,15 +422,17 @@ def _windows(search: Search) -> Iterator[tuple[_End, _End]]:
         before, lo = here, search.beyond(root)
     assert piece.u_hi is not None and piece.end is not None
     if before.root is None or piece.clock.compare(before.root, piece.end) < 0:
-        if _share(search, start, before, (lo + piece.u_hi) / 2):
+        if _share(search, (lo + piece.u_hi) / 2):
             yield start or before, _End(search, None, piece.end)
             return
     if start is not None:
         yield start, before
 
 
-def _share(search: Search, start: _End | None, before: _End, u: fmpq) -> bool:
-    """Whether the models share a point at u, after contact since `start` (None: after none) until `before`."""
-    if start is None and before.root is not None:
-        return search.share_a_point(u)
-    return search.still_share_a_point(u)
+def _share(search: Search, u: fmpq) -> bool:
+    """Whether the models share a point at u, which is no candidate."""
+    if search.share_a_point(u):
+        return True
+    if search.may_share_a_point(u):
+        raise UnsupportedPair("the models come so close that it is not proved whether they touch")
+    return False

@@ -112,7 +112,7 @@ def below(x: fmpq) -> float:
 
 def above(x: fmpq) -> float:
     """The least double >= x."""
-    return -below(-x)
+    return 0.0 - below(-x)  # never -0.0
 
 
 def simplest(lo: fmpq, hi: fmpq) -> fmpq:

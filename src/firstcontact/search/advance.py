@@ -215,10 +215,13 @@ class PieceSearch:
             close = close or self._close_up(window, i, j)
             if close is None:
                 return outcome, None
-            last = min(_exact(limit), close.motion.end)
-            passage = close.passage(_exact(reached), last, _exact(self.width), True)
+            begin, last = max(_exact(reached), close.motion.start), min(_exact(limit), close.motion.end)
+            passage = close.passage(begin, last, _exact(self.width), True)
             if passage is None:
                 return outcome, None
+            if passage.state is not None and passage.until == close.motion.start:  # contact before any free time
+                self.results[POINT : POINT + 3] = close.place(passage.state)[0]
+                return INITIAL, None
             if passage.state is not None:
                 return outcome, self._touched(window, close, passage, i, j)
             if passage.graze is not None:
@@ -229,6 +232,20 @@ class PieceSearch:
                 return FREE, None
             if t <= reached:
                 return outcome, None
+
+    def not_apart(self, t: float) -> tuple[list[tuple[int, int]], bool]:
+        """(pairs of pieces that doubles do not prove apart at t; whether the last one is proved to share inner points)
+
+        The search ends with that one.  Of pieces that are solids, not flat.
+        """
+        (window,), near = self.windows, []
+        for i, j in product(range(self.a.count), range(self.b.count)):
+            outcome = self._outcome(window, i, j, t, t)
+            if outcome != FREE:
+                near.append((i, j))
+            if outcome == INITIAL:
+                return near, True
+        return near, False
 
     def passage(self, t: float) -> tuple[Passage, np.ndarray | None] | None:
         """What balls prove of the only window from t on, and a common point at the end if there is contact then.

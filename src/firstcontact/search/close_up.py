@@ -7,17 +7,14 @@ a short gap, or, where s may be zero there, no contact but at most at that time.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import product
 
 import numpy as np
 from flint import arb, fmpq
 
-from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.exact.numbers import exact_value, to_double
 from firstcontact.kernels.support import BOX
 from firstcontact.motion.curved import CurvedPiece, terms
-from firstcontact.motion.relative import curved_pieces
-from firstcontact.search.convex import ConvexPieces, NotConvex, convex_pieces
+from firstcontact.search.convex import ConvexPieces
 from firstcontact.search.separation import BITS, LEAST, STATIC, ZERO, Convex, NoFunction, Separation, State
 
 NEAR = fmpq(1, 20)
@@ -29,8 +26,6 @@ CORE = fmpq(1, 2**80)
 PAST = 1e-8
 """Of the size: the separation from which on doubles go on."""
 MOST_PROOFS = 60
-THIN = 1e-6
-"""Of the size: an error of the separation that doubles do not make."""
 
 
 @dataclass(frozen=True)
@@ -206,28 +201,6 @@ class CloseUp:
         x = np.array([to_double(c) for c in state.x])
         normal = normal @ np.linalg.inv(pose[:, :3])
         return pose[:, :3] @ x + pose[:, 3], normal / float(np.linalg.norm(normal))
-
-
-def common_interior(a: CompositeQuadric, b: CompositeQuadric) -> list[fmpq] | None:
-    """An exact point strictly inside both resting models, however thin what they share is; None where none is found.
-
-    The models are unions of convex pieces, or none is.
-    """
-    try:
-        own, other = convex_pieces(a), convex_pieces(b)
-    except NotConvex:
-        return None
-    (rest,) = curved_pieces(a, b, fmpq(0), fmpq(1))
-    for i, j in product(range(own.count), range(other.count)):
-        try:
-            system = CloseUp(rest, own, i, other, j).separation
-        except NoFunction:
-            continue
-        guess = system.guess(fmpq(0))
-        state = None if guess is None or to_double(guess.s) > THIN * system.size else system.solve(guess, STATIC)
-        if state is not None and a._is_strict(tuple(state.x), True) and b._is_strict(tuple(state.x), True):
-            return state.x
-    return None
 
 
 def _functions(pieces: ConvexPieces, k: int) -> list[Convex]:

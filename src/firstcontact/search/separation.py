@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -36,6 +36,8 @@ ROUNDS, SHARPER = 6, 40.0
 """Of the barrier method, and by how much it is steeper in each."""
 WEIGHT = 1e-5
 """Below which functions count as not active."""
+CHANGES = 6
+"""Of the active functions, before the least at a time is given up."""
 
 ASIDE = np.array([0.03, 0.025, 0.02])
 """Of the size: from the middle of a piece, which may be on the axis of a cone, where its function has a kink."""
@@ -244,6 +246,11 @@ class Separation:
     # -- in doubles ---------------------------------------------------------------------------------------------
 
     def guess(self, t: fmpq) -> State | None:
+        """The least at time t in doubles; None where functions of one piece alone are active there."""
+        state = self.roughly(t)
+        return state if state is not None and {side for side, _ in self.active} == {0, 1} else None
+
+    def roughly(self, t: fmpq) -> State | None:
         """The least at time t in doubles, by steps of a barrier method; it also says which functions are active."""
         with terms(1, 128):
             back = inverse(self.motion.series(arb(t)), self.motion.is_rigid)
@@ -265,8 +272,6 @@ class Separation:
         weights /= weights.sum()
         chosen = np.flatnonzero(weights > WEIGHT).tolist()
         self.active = [(0, k) if k < own else (1, k - own) for k in chosen]
-        if {side for side, _ in self.active} != {0, 1}:
-            return None
         weights = [exact_value(weights[k]) for k in chosen]
         return State(t, [exact_value(c) for c in x[:3]], exact_value(values[chosen].max()), weights)
 
@@ -279,6 +284,41 @@ class Separation:
                 return self._solved(state, what)
             except Unclear:
                 return None
+
+    def least(self, guess: State) -> State | None:
+        """The least at the time of the guess, to about BITS bits, with the functions active that are so there."""
+        state: State | None = guess
+        for _ in range(CHANGES):
+            state = self.solve(state, STATIC)  # type: ignore[arg-type]
+            if state is None:
+                return None
+            changed = self._revised(state)
+            if changed is None:
+                return state
+            state = changed
+        return None
+
+    def _revised(self, state: State) -> State | None:
+        """With a function less that would pull, or one more that is larger than s; None where the active ones fit."""
+        lowest = min(state.weights)
+        if lowest < 0 and -lowest > fmpq(1, 2**40):
+            k = state.weights.index(lowest)
+            if len([side for side, _ in self.active if side == self.active[k][0]]) == 1:
+                return None
+            del self.active[k]
+            return replace(state, weights=[w for n, w in enumerate(state.weights) if n != k])
+        others = [f for f in self._every() if f not in self.active]
+        with terms(1, BITS):
+            values = self._at(arb(state.time), [arb_series([arb(c)]) for c in state.x], others)[0]
+            over = [(dyadic((v[0] - arb(state.s)).mid()), f) for v, f in zip(values, others, strict=True)]
+        worst, function = max(over, default=(fmpq(0), (0, 0)))
+        if worst <= exact_value(self.size) / 2**160:
+            return None
+        self.active.append(function)
+        return replace(state, weights=[*state.weights, fmpq(0)])
+
+    def _every(self) -> list[tuple[int, int]]:
+        return [(0, k) for k in range(len(self.own))] + [(1, k) for k in range(len(self.other))]
 
     def _solved(self, state: State, what: str) -> State | None:
         scales = [self.size] * 4 + [1.0] * len(state.weights) + [to_double(self.span)]
@@ -373,9 +413,21 @@ class Separation:
             slack = [reach * _length([g[k] for g in (near, near, near, far)[k][1]]) for k in range(TERMS)]
             return Bound.of(state.time, width, _series(near[0], far[0]), slack)
 
+    def is_apart(self, state: State) -> bool:
+        """Whether the pieces are proved to share no point at the time of a solved state."""
+        with terms(1, BITS):
+            x, weights = [[arb(c)] for c in state.x], [[arb(max(w, fmpq(0)))] for w in state.weights]
+            try:
+                value, slopes = self._weighted(arb(state.time), [*x, *weights])
+            except Unclear:
+                return False
+            centre = [arb(exact_value(c)) for c in self.centre]
+            reach = _length([p[0] - c for p, c in zip(x, centre, strict=True)]) + arb(self.size)
+            return bool(value[0] - reach * _length([g[0] for g in slopes]) > 0)
+
     def shared(self, state: State, paths: list[list[fmpq]], width: fmpq) -> list[Bound]:
         """Bounds of how deep the path of x is in either piece around the time of a solved state."""
-        every = [(0, k) for k in range(len(self.own))] + [(1, k) for k in range(len(self.other))]
+        every = self._every()
         none = [arb(0)] * TERMS
         with terms(TERMS, BITS):
             ball, still, moved = self._around(paths[:3], width)
