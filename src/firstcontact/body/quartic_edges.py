@@ -231,7 +231,7 @@ class _Curve:
             return around_curve(self.tree, self.surfaces, signs, x, [*cross(a, b), arb(0)])
 
     def _join(self, event: int) -> None:
-        """Links at one event.  More than two ends meet where the curve is singular: they go on as straight as can be."""
+        """Links at one event.  More than two ends meet in singular points of the curve: they go on straightest."""
         for group in self.sweep.meeting(event):
             if not any(end.branch in self.profiles for end in group):
                 continue
@@ -291,7 +291,7 @@ class _Curve:
         found: list[_Stretch] = []
         left = dict.fromkeys(self.profiles)
         while left:
-            way = self._back(next(iter(left)))
+            way: Way | None = self._back(next(iter(left)))
             while way is not None and way[0] in left:
                 steps, way = self._until_corner(way)
                 for branch, _ in steps:
