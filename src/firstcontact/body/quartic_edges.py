@@ -1,18 +1,17 @@
 """Edges of degree 4: common curves of two quadrics that no rational planes hold.
 
-The curves are traced in doubles (seeds from a grid, tangent steps, Newton's method back onto both quadrics); what an
-arc is, is decided at one of its points, taken to 400 bits; its ends are proved by Krawczyk's test.
+`exact.quadric_curve` finds every branch, the signs of all other surfaces on it, and how branches go on; what a branch
+is, is decided at one of its points, taken to 400 bits.  Where a surface changes its sign, edges are cut; such points
+are proved by Krawczyk's test.  So no edge and no crossing is missed, however short.  The points of an edge are doubles
+a 300th of the box apart at most; they are for looking at and for searches to begin from.
 
-Not proved here: that every branch has a seed (grid cells that may hold the curve are tried at their centres), that no
-step jumps to another branch, and that a surface crossed twice within one step (a 300th of the box) is seen.
-`composite.traced_edges` proves that no piece farther than two steps from the traced ones is missing.
+Not proved here: that the ends of branches which come together beside an event meet there.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -20,24 +19,29 @@ from flint import arb, arb_mat, fmpq, fmpq_mat
 
 from firstcontact.body.carriers import EnclosedPoint, Quadric, QuarticCurve, Surface, doubles
 from firstcontact.body.csg import Tree, outcomes
-from firstcontact.body.extent import cells_of
-from firstcontact.body.features import EDGE_KINDS, Piece
+from firstcontact.body.features import EDGE_KINDS, Piece, enclosure
 from firstcontact.body.neighbourhood import Profile, around_curve
 from firstcontact.body.trimming import BITS
 from firstcontact.errors import UnsupportedPair
-from firstcontact.exact.numbers import dyadic, precision, to_double
+from firstcontact.exact.numbers import Undecidable, dyadic, exact_value, precision
+from firstcontact.exact.quadric_curve import Branch, Degenerate, End, Sweep, swept
 from firstcontact.exact.vectors import cross
 
 BoxF = tuple[np.ndarray, np.ndarray]
 """Corners, (3,) float64 each."""
 
-GRID = 24
 STEPS = 300
+FEWEST = 16
+"""Points inside the shortest branch."""
+MOST_ROUNDS = 12
+"""How often steps that are too long are halved."""
+SAME = 2.0**-50
+"""Points nearer than this, in units of the model's coordinates, to where branches meet are the same."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Stretch:
-    """Consecutive traced points between crossings; start, end: corners, None on closed curves."""
+    """Consecutive points between corners; start, end: corners, None on closed curves."""
 
     points: np.ndarray
     profile: Profile
@@ -107,32 +111,25 @@ def trace_quartics(
     tree: Tree, surfaces: Sequence[Surface], pairs: Sequence[tuple[int, int]], corners: Any, box: BoxF | None
 ) -> tuple[list[QuarticEdge], set[tuple[int, int]]]:
     """All degree-4 edges inside the box, and the sides of surfaces that they bound."""
-    edges: list[QuarticEdge] = []
-    sides: set[tuple[int, int]] = set()
-    walks: dict[tuple[int, ...], list[_Walk]] = {}
+    curves: dict[tuple[int, ...], _Curve] = {}
     for i, j in pairs:
         on = tuple(k for k in range(len(surfaces)) if _in_pencil(surfaces[i], surfaces[j], surfaces[k]))
-        if on in walks:
+        if on in curves:
             continue
         if box is None:
             raise UnsupportedPair(
                 f"surfaces {i} and {j} meet in a curve of degree 4, and no bound of the solid is known; "
                 "intersect it with a box"
             )
-        first, second = surfaces[on[0]], surfaces[on[1]]
-        assert isinstance(first, Quadric) and isinstance(second, Quadric)
-        pair = PairF(first, second)
-        walks[on] = [
-            _Walk(on, list(points), [None] * len(points), closed, pair) for points, closed in _polylines(pair, box)
-        ]
-    if box is not None:
-        _cut_walks([w for own in walks.values() for w in own], surfaces, corners, _step(box))
-    for on, own in walks.items():
-        stretches = [s for walk in own for s in _stretches(tree, surfaces, walk)]
+        curves[on] = _Curve(tree, surfaces, on, corners, box)
+    for curve in curves.values():
+        curve.visit(corners)
+    edges: list[QuarticEdge] = []
+    sides: set[tuple[int, int]] = set()
+    for on, curve in curves.items():
+        stretches = curve.stretches()
         sides |= {side for s in stretches for side in s.profile.faces}
-        first, second = surfaces[on[0]], surfaces[on[1]]
-        assert isinstance(first, Quadric) and isinstance(second, Quadric)
-        edges.append(QuarticEdge(QuarticCurve(first, second), on, tuple(stretches)))
+        edges.append(QuarticEdge(curve.carrier, on, tuple(stretches)))
     return edges, sides
 
 
@@ -142,9 +139,6 @@ def _in_pencil(first: Surface, second: Surface, other: Surface) -> bool:
         return False
     flat = [[x for row in s.form for x in row] for s in (first, second, other) if isinstance(s, Quadric)]
     return bool(fmpq_mat(flat).rank() == 2)
-
-
-# -- tracing ------------------------------------------------------------------------------------------------
 
 
 class PairF:
@@ -173,253 +167,241 @@ class PairF:
         return 2 * np.einsum("sij,nj->nsi", self.forms, x)[..., :3]
 
 
-def _step(box: BoxF) -> float:
-    return float(np.linalg.norm(box[1] - box[0])) / STEPS
+# -- branches -----------------------------------------------------------------------------------------------
 
 
-def _polylines(pair: PairF, box: BoxF) -> list[tuple[np.ndarray, bool]]:
-    """(points (n, 3), closed) of every branch inside the box, neighbours at most one step apart."""
-    lo, hi = box
-    step = _step(box)
-    lo, hi = lo - 3 * step, hi + 3 * step
-    seeds = _seeds(pair, lo, hi)
-    found: list[tuple[np.ndarray, bool]] = []
-    while len(seeds):
-        points, closed = _traced(pair, seeds[0], step, lo, hi)
-        found.append((points, closed))
-        near = np.zeros(len(seeds), bool)
-        for chunk in np.array_split(points, max(1, len(points) // 200)):
-            near |= np.linalg.norm(seeds[:, None] - chunk[None], axis=2).min(axis=1) < 0.75 * step
-        near[0] = True
-        seeds = seeds[~near]
-    return [(points, closed) for points, closed in found if len(points) > 2]
-
-
-def _seeds(pair: PairF, lo: np.ndarray, hi: np.ndarray) -> np.ndarray:
-    """Points of the curve near the centres of all cells that it may pass through."""
-    centre, half = cells_of(lo, hi, GRID)
-    x = np.column_stack([centre, np.ones(len(centre))])
-    keep = np.ones(len(x), bool)
-    h = np.array([*half, 0.0])
-    for form in pair.forms:
-        image = x @ form
-        keep &= np.abs(np.sum(image * x, axis=1)) <= 2 * np.abs(image) @ h + h @ np.abs(form) @ h + 1e-12
-    p = pair.pulled(centre[keep], 12)
-    good = np.abs(pair.value(p)).max(axis=1, initial=0) < 1e-10 * (1 + np.abs(p).max(axis=1, initial=0) ** 2)
-    good &= np.all((p >= lo) & (p <= hi), axis=1)
-    good &= np.linalg.norm(p - centre[keep], axis=1) < 4 * np.linalg.norm(half)
-    return p[good]
-
-
-def _traced(pair: PairF, seed: np.ndarray, step: float, lo: np.ndarray, hi: np.ndarray) -> tuple[np.ndarray, bool]:
-    """Both ways from the seed, until the box is left or the start is met again."""
-    ahead, closed = _one_way(pair, seed, step, lo, hi, 1.0)
-    if closed:
-        return np.array(ahead), True
-    back, _ = _one_way(pair, seed, step, lo, hi, -1.0)
-    return np.array(back[:0:-1] + ahead), False
-
-
-def _one_way(
-    pair: PairF, seed: np.ndarray, step: float, lo: np.ndarray, hi: np.ndarray, way: float
-) -> tuple[list[np.ndarray], bool]:
-    """Points from the seed on; the step is halved where the curve bends by more than a third of it."""
-    points, direction, length = [seed], None, step
-    travelled = 0.0
-    for _ in range(200 * STEPS):
-        p = points[-1]
-        tangent = _tangent(pair, p, direction, way)
-        if tangent is None:
-            return points, False
-        new = pair.pulled((p + length * tangent)[None], 4)[0]
-        if np.linalg.norm(new - p - length * tangent) > length / 3 and length > step / 256:
-            length /= 2
-            continue
-        direction = tangent
-        if not np.all((new >= lo) & (new <= hi)) or np.linalg.norm(new - p) > 2 * length:
-            return points, False
-        if travelled > 2 * step and np.linalg.norm(new - seed) < 0.8 * step and tangent @ (points[1] - seed) > 0:
-            return points, True
-        travelled += length
-        points.append(new)
-        length = min(2 * length, step)
-    return points, False
-
-
-def _tangent(pair: PairF, p: np.ndarray, direction: np.ndarray | None, way: float) -> np.ndarray | None:
-    """The unit tangent that goes on in `direction`; straight on where branches cross, None if that has no meaning."""
-    a, b = pair.gradients(p[None])[0]
-    tangent = np.array(cross(a, b))
-    length = np.linalg.norm(tangent)
-    if length < 1e-6 * np.linalg.norm(a) * np.linalg.norm(b):
-        return direction
-    sign = way if direction is None else math.copysign(1.0, tangent @ direction)
-    return sign * tangent / length
-
-
-# -- stretches between crossings ----------------------------------------------------------------------------
+Way = tuple[Branch, bool]
+"""Along a branch; True: towards larger u."""
 
 
 @dataclass(eq=False)
-class _Walk:
-    """One polyline on the common curve of the surfaces `on`; corners[k]: what lies at point k, if anything."""
+class _Link:
+    """Where two ends of branches meet: the point (x, y, z), and the corner there, if any."""
 
+    ends: tuple[End, End]
+    point: list[arb]
+    corner: Any = None
+
+
+@dataclass(eq=False)
+class _Curve:
+    """The branches of one common curve that bound the solid, and how they are joined; corners where they are cut."""
+
+    tree: Tree
+    surfaces: Sequence[Surface]
     on: tuple[int, ...]
-    points: list[np.ndarray]
-    corners: list[Any]
-    closed: bool
-    pair: PairF
+    corners: Any
+    box: BoxF
+    sweep: Sweep = field(init=False)
+    profiles: dict[Branch, Profile] = field(default_factory=dict)
+    links: dict[Way, _Link] = field(default_factory=dict)
+    planes: dict[int, dict[float, np.ndarray]] = field(default_factory=dict)
+    """Of every cell the planes looked at, by the angle that the planes at its ends have 0 and pi of: (k, 3) points."""
 
-    def insert(self, after: int, point: np.ndarray, corner: Any) -> None:
-        self.points.insert(after + 1, point)
-        self.corners.insert(after + 1, corner)
+    def __post_init__(self) -> None:
+        first, second = (self.surfaces[k] for k in self.on[:2])
+        assert isinstance(first, Quadric) and isinstance(second, Quadric)
+        self.carrier = QuarticCurve(first, second)
+        self.rest = [k for k in range(len(self.surfaces)) if k not in self.on]
+        others = [self.surfaces[k].matrix() for k in self.rest]
+        lo, hi = ([exact_value(c) for c in corner] for corner in self.box)
+        try:
+            self.sweep = swept(first.form, second.form, others, (lo, hi))
+        except Degenerate as reason:
+            raise UnsupportedPair(
+                f"surfaces {self.on[0]} and {self.on[1]} touch along a line, or a third one holds a part of their curve"
+            ) from reason
+        for branch in (b for cell in self.sweep.cells for b in cell):
+            profile = self._profile(branch)
+            if profile.kind in EDGE_KINDS:
+                self.profiles[branch] = profile
+        for event in sorted({b.cell + s for b in self.profiles for s in (-1, 0)}):
+            self._join(event)
 
-    def visit(self, corner: Any, step: float) -> None:
-        """Put a corner known from elsewhere where the polyline passes it."""
-        p = np.array(corner.position)
-        if any(c is corner for c in self.corners):
-            return
-        points = np.array(self.points)
-        k = int(np.linalg.norm(points - p, axis=1).argmin())
-        if np.linalg.norm(points[k] - p) > step:
-            return
-        n = len(points)
-        along = points[(k + 1) % n if self.closed else min(k + 1, n - 1)] - points[k - 1 if self.closed or k else 0]
-        self.insert(k if (p - points[k]) @ along > 0 else k - 1, p, corner)
+    def _profile(self, branch: Branch) -> Profile:
+        signs = [0] * len(self.surfaces)
+        for k, sign in zip(self.rest, branch.signs, strict=True):
+            signs[k] = sign
+        values = outcomes(self.tree, signs)
+        if len(values) == 1:
+            return Profile("inside" if True in values else "outside", frozenset())
+        with precision(BITS):
+            x = [arb(c.mid()) for c in self.sweep.point(branch, 2 * BITS)]
+            a, b = (self.surfaces[k].gradient(x) for k in self.on[:2])
+            return around_curve(self.tree, self.surfaces, signs, x, [*cross(a, b), arb(0)])
 
-    def gaps(self) -> list[tuple[int, int]]:
-        """Neighbouring numbers."""
-        n = len(self.points)
-        return [(k, k + 1) for k in range(n - 1)] + ([(n - 1, 0)] if self.closed else [])
+    def _join(self, event: int) -> None:
+        """Links at one event.  More than two ends meet in singular points of the curve: they go on straightest."""
+        for group in self.sweep.meeting(event):
+            if not any(end.branch in self.profiles for end in group):
+                continue
+            for pair in _straight(group):
+                with precision(BITS):
+                    link = _Link(pair, _middle(pair))
+                for end in pair:
+                    self.links[end.branch, end.upper] = link
+                if self._changes(pair):
+                    link.corner = self._corner(pair, link.point)
 
-    def fill(self) -> None:
-        """A point of the curve between any two corners that follow each other."""
-        for k, after in reversed(self.gaps()):
-            if self.corners[k] is not None and self.corners[after] is not None:
-                middle = self.pair.pulled(((self.points[k] + self.points[after]) / 2)[None])[0]
-                self.insert(k, middle, None)
+    def _changes(self, pair: tuple[End, End]) -> bool:
+        """Whether another surface is crossed, or the solid looks different on the two sides."""
+        first, second = (end.branch for end in pair)
+        a, b = (self.profiles.get(branch) for branch in (first, second))
+        same = a is b or (a is not None and b is not None and (a.kind, a.faces) == (b.kind, b.faces))
+        return first.signs != second.signs or not same
+
+    def _corner(self, pair: tuple[End, End], point: list[arb]) -> Any:
+        """The corner where the curve crosses another surface; or a singular point of the curve, not proved."""
+        signs = (end.branch.signs for end in pair)
+        changed = [k for k, s, t in zip(self.rest, *signs, strict=True) if s != t]
+        if changed:
+            found = enclosed([self.surfaces[k] for k in (*self.on[:2], changed[0])], point)
+        else:
+            found = EnclosedPoint(tuple(dyadic(c) for c in point), fmpq(1, 2 ** (BITS // 8)), False)
+        return self.corners.merged(frozenset((*self._all_on(found), *changed)), found)
+
+    def _all_on(self, point: EnclosedPoint) -> frozenset[int]:
+        """The surfaces whose forms cannot be told from zero at the point."""
+        with precision(BITS):
+            x = [arb(c, point.radius) for c in point.centre]
+            values = {k: self.surfaces[k].value([*x, arb(1)]) for k in self.rest}
+            return frozenset(self.on) | {k for k, value in values.items() if not (value > 0 or value < 0)}
+
+    def visit(self, corners: Any) -> None:
+        """Put corners known from other curves where this one passes them without crossing a surface."""
+        size = max(1.0, *(float(np.abs(c).max()) for c in self.box))
+        mine = {id(link): link for link in self.links.values()}.values()
+        here = {id(link.corner) for link in mine}
+        for corner in corners.all():
+            if set(self.on) <= corner.surfaces and id(corner) not in here:
+                with precision(BITS):
+                    at = enclosure(corner.carrier)
+                    for link in mine:
+                        if link.corner is None and _distance(at, link.point) < SAME * size:
+                            link.corner = corner
+
+    # -- stretches ------------------------------------------------------------------------------------------
+
+    def stretches(self) -> list[_Stretch]:
+        """The parts between corners, those that follow each other in order; tells the corners where edges end."""
+        for link in self.links.values():
+            kinds = {self._kind(end.branch) for end in link.ends}
+            if link.corner is not None and len(kinds) > 1:
+                link.corner.ends = True
+        found: list[_Stretch] = []
+        left = dict.fromkeys(self.profiles)
+        while left:
+            way: Way | None = self._back(next(iter(left)))
+            while way is not None and way[0] in left:
+                steps, way = self._until_corner(way)
+                for branch, _ in steps:
+                    left.pop(branch, None)
+                found.append(self._stretch(steps))
+        return found
+
+    def _kind(self, branch: Branch) -> str | None:
+        return self.profiles[branch].kind if branch in self.profiles else None
+
+    def _next(self, way: Way) -> tuple[_Link, Way]:
+        """The link at the end of the branch, and the way on beyond it."""
+        link = self.links[way]
+        other = link.ends[(link.ends[0].branch, link.ends[0].upper) == way]
+        return link, (other.branch, not other.upper)
+
+    def _back(self, branch: Branch) -> Way:
+        """The way along the edge that the branch is on, from its beginning or, where it is closed, from a corner."""
+        way: Way = (branch, False)
+        corner = None
+        while True:
+            link, after = self._next(way)
+            if link.corner is not None:
+                corner = (way[0], not way[1])
+            if after[0] not in self.profiles:
+                return way[0], not way[1]
+            way = after
+            if way == (branch, False):
+                return corner or (branch, True)
+
+    def _until_corner(self, way: Way) -> tuple[list[Way], Way | None]:
+        """The ways up to the next corner, and the one beyond it."""
+        steps = [way]
+        while True:
+            link, after = self._next(steps[-1])
+            if link.corner is not None or after == steps[0]:
+                return steps, after if after[0] in self.profiles else None
+            steps.append(after)
+
+    def _stretch(self, steps: list[Way]) -> _Stretch:
+        first, last = self.links[steps[0][0], not steps[0][1]], self.links[steps[-1]]
+        parts = [np.array([[float(c) for c in first.point]])]
+        for branch, upper in steps:
+            inner = self._points(branch)
+            parts += [inner if upper else inner[::-1], np.array([[float(c) for c in self.links[branch, upper].point]])]
+        return _Stretch(np.concatenate(parts), self.profiles[steps[0][0]], first.corner, last.corner)
+
+    def _points(self, branch: Branch) -> np.ndarray:
+        """(n, 3) float64 points inside the branch, neighbours at most a step apart, towards larger u."""
+        planes = self.planes.setdefault(branch.cell, {})
+        angles = [(k + 0.5) * np.pi / FEWEST for k in range(FEWEST)]
+        low, high = ([float(c) for c in self.links[branch, upper].point] for upper in (False, True))
+        step = float(np.linalg.norm(self.box[1] - self.box[0])) / STEPS
+        for _ in range(MOST_ROUNDS):
+            for angle in angles:
+                if angle not in planes:
+                    points = self.sweep.across(branch.cell, 0.5 - 0.5 * float(np.cos(angle)))
+                    planes[angle] = np.array([[float(c) for c in p[:3]] for p in points])
+            angles = sorted(planes)
+            inner = np.array([planes[angle][branch.order] for angle in angles])
+            steps = np.linalg.norm(np.diff(np.concatenate([[low], inner, [high]]), axis=0), axis=1)
+            ends = [0.0, *angles, np.pi]
+            angles = [(ends[k] + ends[k + 1]) / 2 for k in np.flatnonzero(steps > step)]
+            if not angles:
+                break
+        return inner
 
 
-def _cut_walks(walks: list[_Walk], surfaces: Sequence[Surface], corners: Any, step: float) -> None:
-    """Corners wherever a surface is crossed; corners of one curve are offered to the others, until nothing is new."""
-    known = -1
-    while known != len(corners.all()):
-        known = len(corners.all())
-        for walk in walks:
-            for corner in corners.all():
-                if set(walk.on) <= corner.surfaces:
-                    walk.visit(corner, step)
-            walk.fill()
-            _cross(walk, surfaces, corners, step)
-            walk.fill()
-
-
-def _cross(walk: _Walk, surfaces: Sequence[Surface], corners: Any, step: float) -> None:
-    """Add a corner wherever a surface changes its sign between plain points and no corner between explains it."""
-    rest = [k for k in range(len(surfaces)) if k not in walk.on]
-    signs = _signs_f(np.array(walk.points), surfaces, rest)
-    plain = [k for k, corner in enumerate(walk.corners) if corner is None]
-    pairs = list(zip(plain, plain[1:], strict=False))
-    if walk.closed and len(plain) > 1:
-        pairs.append((plain[-1], plain[0]))
-    found = []
-    n = len(walk.points)
-    for k, after in pairs:
-        between = [walk.corners[(k + j) % n] for j in range(1, (after - k) % n)]
-        explained = {i for corner in between for i in corner.surfaces}
-        for i, changed in zip(rest, signs[:, k] != signs[:, after], strict=True):
-            if changed and i not in explained:
-                start = (walk.points[k] + walk.points[after]) / 2
-                point = enclosed((surfaces[walk.on[0]], surfaces[walk.on[1]], surfaces[i]), start)
-                position = np.array([to_double(x) for x in point.centre])
-                if np.linalg.norm(position - start) < 2 * step:
-                    found.append(corners.merged(_all_on(point, walk.on, rest, surfaces), point))
-    for corner in found:
-        walk.visit(corner, 3 * step)
-
-
-def _signs_f(points: np.ndarray, surfaces: Sequence[Surface], rest: list[int]) -> np.ndarray:
-    """(len(rest), n) bools: where the forms are positive."""
-    x = np.column_stack([points, np.ones(len(points))])
-    forms = np.array([doubles(surfaces[k].matrix()) for k in rest]).reshape(-1, 4, 4)
-    return np.einsum("ni,sij,nj->sn", x, forms, x) > 0
-
-
-def _all_on(point: EnclosedPoint, on: tuple[int, ...], rest: list[int], surfaces: Sequence[Surface]) -> frozenset[int]:
-    """The surfaces whose forms cannot be told from zero at the point."""
+def _straight(ends: list[End]) -> list[tuple[End, End]]:
+    """The ends that meet in one point, two by two, such that branches turn least."""
+    if len(ends) == 2:
+        return [(ends[0], ends[1])]
+    if len(ends) % 2:
+        raise Undecidable
     with precision(BITS):
-        x = [arb(c, point.radius) for c in point.centre]
-        values = {k: surfaces[k].value([*x, arb(1)]) for k in rest}
-        return frozenset(on) | {k for k, value in values.items() if not (value > 0 or value < 0)}
+        centre = _middle(ends)
+        size = max(_distance(end.point, centre) for end in ends)
+        offs = {}
+        for branch, upper, point in ends:
+            offs[branch, upper] = np.array([float((p - c) / size) for p, c in zip(point, centre, strict=True)])
+
+    def bend(matching: list[tuple[End, End]]) -> float:
+        return sum(float(np.linalg.norm(offs[a.branch, a.upper] + offs[b.branch, b.upper])) for a, b in matching)
+
+    return min(_matchings(ends), key=bend)
 
 
-def _stretches(tree: Tree, surfaces: Sequence[Surface], walk: _Walk) -> list[_Stretch]:
-    """The parts between corners that bound the solid; tells the corners where edges end."""
-    rest = [k for k in range(len(surfaces)) if k not in walk.on]
-    cuts = [k for k, corner in enumerate(walk.corners) if corner is not None]
-    n = len(walk.points)
-    if walk.closed and cuts:
-        walk.points = walk.points[cuts[0] :] + walk.points[: cuts[0] + 1]
-        walk.corners = walk.corners[cuts[0] :] + walk.corners[: cuts[0] + 1]
-        cuts = [k for k, corner in enumerate(walk.corners) if corner is not None]
-        bounds = cuts
-    elif walk.closed:
-        walk.points, walk.corners = [*walk.points, walk.points[0]], [None] * (n + 1)
-        bounds = [0, n]
-    else:
-        bounds = sorted({0, *cuts, n - 1})
-    parts = list(zip(bounds[:-1], bounds[1:], strict=True))
-    points = np.array(walk.points)
-    signs = _signs_f(points, surfaces, rest)
-    found = []
-    kinds: list[str | None] = []
-    for a, b in parts:
-        middle = next((m for m in sorted(range(a, b + 1), key=lambda m: abs(2 * m - a - b)) if not walk.corners[m]), a)
-        profile = _profile_at(tree, surfaces, walk.on, rest, points[middle], signs[:, middle])
-        kinds.append(profile.kind if profile.kind in EDGE_KINDS else None)
-        if kinds[-1]:
-            found.append(_Stretch(points[a : b + 1], profile, walk.corners[a], walk.corners[b]))
-    for k, (a, b) in enumerate(parts):
-        before = kinds[k - 1] if walk.closed or k else None
-        after = kinds[(k + 1) % len(kinds)] if walk.closed or k + 1 < len(kinds) else None
-        for corner, other in ((walk.corners[a], before), (walk.corners[b], after)):
-            if corner is not None and kinds[k]:
-                corner.ends |= other != kinds[k]
-    return found
+def _matchings(ends: list[End]) -> Iterator[list[tuple[End, End]]]:
+    if not ends:
+        yield []
+    for k in range(1, len(ends)):
+        for rest in _matchings(ends[1:k] + ends[k + 1 :]):
+            yield [(ends[0], ends[k]), *rest]
 
 
-def _profile_at(
-    tree: Tree, surfaces: Sequence[Surface], on: tuple[int, ...], rest: list[int], p: np.ndarray, positive: np.ndarray
-) -> Profile:
-    signs = [0] * len(surfaces)
-    for k, above in zip(rest, positive, strict=True):
-        signs[k] = 1 if above else -1
-    values = outcomes(tree, signs)
-    if len(values) == 1:
-        return Profile("inside" if True in values else "outside", frozenset())
-    with precision(BITS):
-        first, second = surfaces[on[0]], surfaces[on[1]]
-        point = [arb(float(c)) for c in p]
-        for _ in range(8):
-            point = _newton_least(first, second, point)
-        a, b = (s.gradient([*point, arb(1)]) for s in (first, second))
-        return around_curve(tree, surfaces, signs, [*point, arb(1)], [*cross(a, b), arb(0)])
+def _middle(ends: Sequence[End]) -> list[arb]:
+    return [arb((sum(c, arb(0)) / len(ends)).mid()) for c in zip(*(end.point for end in ends), strict=True)]
 
 
-def _newton_least(first: Surface, second: Surface, p: list[arb]) -> list[arb]:
-    """One Newton step of least length onto both surfaces, midpoints only."""
-    a, b = (s.gradient([*p, arb(1)]) for s in (first, second))
-    f, g = (s.value([*p, arb(1)]) for s in (first, second))
-    aa, ab, bb = (sum(x * y for x, y in zip(u, v, strict=True)) for u, v in ((a, a), (a, b), (b, b)))
-    det = aa * bb - ab * ab
-    s, t = (bb * f - ab * g) / det, (aa * g - ab * f) / det
-    return [arb((x - s * u - t * v).mid()) for x, u, v in zip(p, a, b, strict=True)]
+def _distance(p: Sequence[arb], q: Sequence[arb]) -> arb:
+    return sum(((a - b) ** 2 for a, b in zip(p, q, strict=True)), arb(0)).sqrt()
 
 
-def enclosed(system: Sequence[Surface], start: np.ndarray) -> EnclosedPoint:
+# -- common points of three surfaces ------------------------------------------------------------------------
+
+
+def enclosed(system: Sequence[Surface], start: Sequence[arb]) -> EnclosedPoint:
     """The common point of three surfaces near `start`, by Newton's method at 400 bits and Krawczyk's test."""
     with precision(BITS):
-        p = [arb(float(c)) for c in start]
+        p = [arb(c.mid()) for c in start]
         step = [arb(1)] * 3
         for _ in range(60):
             value = arb_mat([[s.value([*p, arb(1)])] for s in system])
