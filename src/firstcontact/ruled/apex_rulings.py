@@ -75,10 +75,11 @@ class ApexRulings:
             if chain.closed:
                 moved[:, own] = np.minimum(moved[:, own], np.abs(parts[own] - moved[:, own]))
         still = moved <= NEAR
+        size = max(float(np.ptp(chain.box, axis=0).max()) for chain in self.chains)
         for k in np.flatnonzero(still[:, 0] != still[:, 1]) if still.any() else ():
             own = 0 if arcs[k, columns.OVER] == 1 else 1
             seen = still[k, own] and moved[k, 1 - own] > SHORT and arcs[k, columns.START] >= 0
-            if seen and _is_near(arcs[k], places):
+            if seen and _is_near(arcs[k], places, size):
                 on_part = np.array([starts[k, own], ends[k, own]]) - arcs[k, (columns.ARC_U, columns.ARC_V)[own]]
                 yield own, int(k), (on_part + 0.5) % parts[own] - 0.5 if self.chains[own].closed else on_part
 
@@ -97,10 +98,10 @@ class ApexRulings:
         return self._known[key]
 
 
-def _is_near(arc: np.ndarray, places: np.ndarray) -> bool:
+def _is_near(arc: np.ndarray, places: np.ndarray, size: float) -> bool:
     """Whether both ends of an arc may be one point: not where it comes back to a line between parts."""
     first, last = (places[int(arc[k]), columns.POINT : columns.POINT + 3] for k in (columns.START, columns.END))
-    return bool(np.abs(last - first).max() <= ONE_POINT * np.abs(places[:, columns.POINT : columns.POINT + 3]).max())
+    return bool(np.abs(last - first).max() <= ONE_POINT * size)
 
 
 def _on_part(ends: np.ndarray, u: float) -> float:

@@ -148,7 +148,7 @@ def _strands(solved: Solved, settled: Settled, settles: bool) -> tuple[list[Stra
             strands.append(Strand(points, parameters, ()))
             continue
         kinds_of = [ends[k] for k in line.ends]
-        if kinds_of == ["undecided", "undecided"] and any(_within(parameters, place) for place in places):
+        if "undecided" in kinds_of and any(_within(parameters, place) for place in places):
             continue  # how the curve runs inside an open place is open
         stops = []
         for at, k, kind in zip((0, -1), line.ends, kinds_of, strict=True):
