@@ -89,12 +89,15 @@ def _shortened(surface: Any, other: Any) -> Any:
     if len(surface.pieces) > 1:
         return surface
     (piece,) = surface.pieces
+    assert piece.s is not None
     if piece.s[1] - piece.s[0] <= LONG:
         return surface
     found = segments(piece, *_ball(*other.bounds()))
     if found is None or len(found) > 1 or found[0].u != piece.u:
         return surface
-    low, high = max(piece.s[0], found[0].s[0]), min(piece.s[1], found[0].s[1])
+    near = found[0].s
+    assert near is not None
+    low, high = max(piece.s[0], near[0]), min(piece.s[1], near[1])
     return piece._with(s=(low, high)) if 0 < 4 * (high - low) <= piece.s[1] - piece.s[0] else surface
 
 
