@@ -549,13 +549,14 @@ def test_an_apex_touches_a_strip(z, s, points):
         assert (found.isolated_points == 0).all()
 
 
-def test_a_strip_through_the_apex_keeps_the_curve_and_the_apex():
+def test_a_strip_through_the_apex_keeps_the_curve_that_ends_there():
     """The plane x = z / 2 through the tip meets the cone in two lines, of the strip's y in [0, 1] one half."""
     cone = fc.RuledSurface("(0, 0, 0)", "((1-u**2)/(1+u**2), 2*u/(1+u**2), 1)", u=None, s=None)
     strip = fc.RuledSurface("(u/2 - 1/2, 0, u - 1)", "(u/2 - 1/2, 1, u - 1)", u=(0, 2))
     found = fc.intersection_curve(cone, strip)
-    assert len(found.branches) == 2 and found.isolated_points.tolist() == [[0, 0, 0]]
+    assert len(found.branches) == 2 and not len(found.isolated_points)
     for branch in found.branches:
+        assert (branch.points == 0).all(1).any()
         x, y, z = branch.points.T
         assert np.abs(x - z / 2).max() < 1e-15 and np.abs(y - math.sqrt(0.75) * np.abs(z)).max() < 1e-12
 

@@ -80,6 +80,8 @@ DEEPEST = 24
 PARALLEL = 0.05
 # Halvings of a line between cells.
 LINE_DEPTH = 45
+# Crossings of a border this near its end are that end, in parts.
+SAME_END = 1e-9
 
 
 # -- one cell -----------------------------------------------------------------------------------------------
@@ -425,11 +427,33 @@ def _crossings(fixed, i, a, running, j, along_v, before, after, kind, w, places,
             rows[top + 1, step] = rows[0, 0]
         for k in range(count):
             row[k] = rows[0, k]
-        middle, sign = 0.5 * (start + end), 1.0 if rows[0, 0] >= -error else -1.0
+        middle, value = 0.5 * (start + end), rows[0, 0]
+        # what is not told from zero keeps its sign: else rounding would add two crossings
+        sign = 1.0 if value > error else -1.0 if value < -error else first
         spans[top, 0], spans[top, 2] = middle, sign
         top += 1
         spans[top, 0], spans[top, 1], spans[top, 2], spans[top, 3] = start, middle, first, sign
+    if kind > 0 and found > 0 and counts[SHORT] == 0:
+        for b in range(count):
+            rows[1, b] = delta_at(fixed, i, a, running, j, b)
+        for end in range(2):
+            k = counts[PLACES] - (found if end == 0 else 1)
+            _doubt(part_at, at, part, end, along_v, rows, count, error, places[k], opened, counts)
     return found
+
+
+@uncounted
+def _doubt(part_at, at, part, end, along_v, rows, count, error, crossing, opened, counts):
+    """Leave a crossing of a border open whose side of the line's end is only the sign that this was given.
+
+    Nearer ones are the end itself, as far as doubles tell: the curve passes through it.
+    """
+    x = crossing[Y if along_v else X]
+    if abs(rows[1, (count - 1) * end]) > error or abs(x - end) < SAME_END:
+        return
+    if abs(_value(rows[1], count, 0.5 * (x + end), rows[0])) <= error:
+        crossing[KIND] = WEAK
+        _open_on_line(part_at, at, part, min(x, end), max(x, end), along_v, opened, counts)
 
 
 # -- cells --------------------------------------------------------------------------------------------------

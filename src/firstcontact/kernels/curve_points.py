@@ -26,6 +26,8 @@ VALUES, DERIVATIVES = np.int64(0), np.int64(1)
 NO, YES = np.int64(0), np.int64(1)
 # A position on a ruling this near its end is not told from it.
 AT_END = 1e-11
+# One this far beyond may be at the end: places at which Delta hardly changes are not known better.
+NEAR_END = 1e-8
 MOST_STEPS = 80
 # A Newton step after which the next would be shorter than rounding, for it squares them.
 LAST_STEP = 3e-8
@@ -182,3 +184,10 @@ def enter(arc, place, row):
 @uncounted
 def inside(position):
     return -AT_END <= position <= 1.0 + AT_END
+
+
+@uncounted
+def may_be_inside(row):
+    """Whether a place may belong to both pieces, for all that doubles tell of s and t there."""
+    low, high = -NEAR_END, 1.0 + NEAR_END
+    return low <= row[S] <= high and low <= row[T] <= high

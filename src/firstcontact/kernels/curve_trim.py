@@ -25,6 +25,7 @@ from firstcontact.kernels.curve_points import (
     Y,
     enter,
     inside,
+    may_be_inside,
     on_arc,
     place,
 )
@@ -107,14 +108,18 @@ def trim(p, q, places, used, arcs, count, known, r):
         enter(arc, places[int(arc[START])], first)
         enter(arc, places[int(arc[END])], last)
         from_, to, empty, cut = first[run], last[run], False, False
+        point = arc[END] if may_be_inside(last) else arc[START] if may_be_inside(first) else -1.0
+        doubtful = False
         for which in range(2):
             end = int(arc[S_BOUND + which])
             first_in, last_in = first[S_IN + which] == 1.0, last[S_IN + which] == 1.0
             if end < 0 or (first_in and last_in):
                 continue
             if not first_in and not last_in:
-                empty = True
-                break
+                empty, doubtful = point < 0.0, True
+                if empty:
+                    break
+                continue
             row = places[used]
             _leaves(p, q, arc, first if first_in else last, last if first_in else first, which, end, r, row)
             if first_in and row[run] < to:
@@ -123,7 +128,8 @@ def trim(p, q, places, used, arcs, count, known, r):
                 from_, arc[START] = row[run], used
             used += 1
             cut = True
-        if empty or (cut and to - from_ < LEAST_ARC):
-            point = not empty and to - from_ > -LEAST_ARC
-            arc[START], arc[END] = (-2, arc[START]) if point else (-1, -1)
+        if empty or doubtful or (cut and to - from_ < LEAST_ARC):
+            if not doubtful:
+                point = arc[START] if to - from_ > -LEAST_ARC else -1.0
+            arc[START], arc[END] = (-2, point) if not empty and point >= 0.0 else (-1, -1)
     return used

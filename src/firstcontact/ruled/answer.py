@@ -6,11 +6,12 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from flint import fmpz_mpoly
+from flint import fmpq, fmpz_mpoly
 
 from firstcontact.curve import Branch, CurveGraph, ExactParameter, ExactParameters, GraphNode, SingularPoint
 from firstcontact.pairs.ruled_ruled import CommonRulings, Parameter
 from firstcontact.ruled.clipping import Clip
+from firstcontact.ruled.lone_points import is_on_branches, is_on_lines
 from firstcontact.ruled.pieces import Piece
 from firstcontact.ruled.spots import Box
 
@@ -50,6 +51,16 @@ class Parts(Collected):
     def __init__(self, tolerance: float) -> None:
         super().__init__()
         self.tolerance = tolerance
+        self._alone: list[tuple[np.ndarray, Any]] = []
+        """Points with their parameters, which are isolated if they are on nothing else in the end."""
+
+    def collected(self) -> dict[str, Any]:
+        alone = [(point, where) for point, where in self._alone if not self.is_on_more(point)]
+        nodes = [GraphNode(point, "isolated", self.exact(where)) for point, where in alone]
+        return super().collected() | {
+            "isolated_points": np.array([point for point, _ in alone]).reshape(-1, 3),
+            "graph": CurveGraph((*self.nodes, *nodes), tuple(self.edges)),
+        }
 
     def exact(self, where: Any) -> ExactParameters:
         """Results' numbers for the user's parameters of `where`, a node or another object with u and v."""
@@ -60,17 +71,16 @@ class Parts(Collected):
         return len(self.nodes) - 1
 
     def add_isolated(self, point: np.ndarray, where: Any) -> None:
-        if not any(same(point, other) for other in self.isolated):
-            self.isolated.append(point)
-            self.add_node(where, point, "isolated")
+        if not any(same(point, other) for other, _ in self._alone):
+            self._alone.append((point, where))
 
     def add_singular(self, point: np.ndarray, kind: str) -> None:
         """Once where several nodes of the graph are at one point: the curve passes it for several pairs (u, v)."""
         if not any(kind == other.kind and same(point, other.point) for other in self.singular):
             self.singular.append(SingularPoint(point, kind))
 
-    def is_on_branch(self, point: np.ndarray) -> bool:
-        """Whether it is one of the points of a branch: for points that would be nodes of it."""
+    def is_on_more(self, point: np.ndarray) -> bool:
+        """Whether other common points are near it: here, whether it is one of the points of a branch."""
         near = SAME * max(1.0, np.abs(point).max())
         return any((np.abs(branch.points - point).max(1) <= near).any() for branch in self.branches)
 
@@ -96,6 +106,12 @@ class Found(Parts):
         """The range of the second parameter."""
         return self.q.u
 
+    def is_on_more(self, point: np.ndarray) -> bool:
+        p, q = self.given
+        if is_on_branches(point, self.branches, [p], [q], self.tolerance):
+            return True
+        return is_on_lines(point, self.segments, not self.finite) and not any(same(point, x) for x in apexes(p, q))
+
     def exact(self, where: Any) -> ExactParameters:
         p, q = self.p, self.q
         return ExactParameters(lambda: (number(p.user_parameter(where.u)), number(q.user_parameter(where.v))))
@@ -116,6 +132,12 @@ class Found(Parts):
             "common_rulings": tuple((number(u), number(v)) for u, v in common.pairs),
             "correspondence": {} if common.correspondence.is_constant() else _table(common.correspondence),
         }
+
+
+def apexes(*pieces: Piece) -> list[np.ndarray]:
+    """Those of cones, none at infinity."""
+    found = [x.rulings.apex for x in pieces]
+    return [np.array([float(fmpq(c, x[3])) for c in x[:3]]) for x in found if x is not None and x[3] != 0]
 
 
 class Pair(NamedTuple):

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from flint import fmpq
 
 from firstcontact.exact.bivariate import in_u, in_v
 from firstcontact.exact.roots import AlgebraicRoot
 from firstcontact.kernels import curve_points as columns
 from firstcontact.pairs.ruled_ruled import all_real_roots, rulings_through
-from firstcontact.ruled.answer import Found
+from firstcontact.ruled.answer import Found, apexes
 from firstcontact.ruled.branches import add_apex
 from firstcontact.ruled.chains import Chain
 from firstcontact.ruled.pieces import Piece
@@ -23,12 +22,6 @@ NEAR, ROUNDING = 1e-9, 1e-15
 # Arcs that are shorter are not looked at; their ends are one point, in parts of the size, as good as doubles tell next
 # to a common ruling.
 SHORT, ONE_POINT = 1e-6, 1e-3
-
-
-def apexes(surfaces: Iterable[Any]) -> list[np.ndarray]:
-    """Those of cones among RuledSurfaces, none at infinity."""
-    found = [Piece.of(x).rulings.apex for x in surfaces]
-    return [np.array([float(fmpq(c, x[3])) for c in x[:3]]) for x in found if x is not None and x[3] != 0]
 
 
 class ApexRulings:
@@ -60,7 +53,7 @@ class ApexRulings:
         for side, i, j in sorted(self.met):
             pieces = [Piece.of(chain.pieces[k]) for chain, k in zip(self.chains, (i, j), strict=True)]
             found = Found(pieces[0], pieces[1], tolerance, None)
-            (point,) = apexes([self.chains[1 - side].pieces[(i, j)[1 - side]]])
+            (point,) = apexes(pieces[1 - side])
             for root in self._rulings(side, i, j):
                 add_apex(found, (in_u, in_v)[side](root.polynomial), point, side, root)
             yield found.collected()
@@ -75,10 +68,11 @@ class ApexRulings:
             if chain.closed:
                 moved[:, own] = np.minimum(moved[:, own], np.abs(parts[own] - moved[:, own]))
         still = moved <= NEAR
+        size = max(float(np.ptp(chain.box, axis=0).max()) for chain in self.chains)
         for k in np.flatnonzero(still[:, 0] != still[:, 1]) if still.any() else ():
             own = 0 if arcs[k, columns.OVER] == 1 else 1
             seen = still[k, own] and moved[k, 1 - own] > SHORT and arcs[k, columns.START] >= 0
-            if seen and _is_near(arcs[k], places):
+            if seen and _is_near(arcs[k], places, size):
                 on_part = np.array([starts[k, own], ends[k, own]]) - arcs[k, (columns.ARC_U, columns.ARC_V)[own]]
                 yield own, int(k), (on_part + 0.5) % parts[own] - 0.5 if self.chains[own].closed else on_part
 
@@ -97,10 +91,10 @@ class ApexRulings:
         return self._known[key]
 
 
-def _is_near(arc: np.ndarray, places: np.ndarray) -> bool:
+def _is_near(arc: np.ndarray, places: np.ndarray, size: float) -> bool:
     """Whether both ends of an arc may be one point: not where it comes back to a line between parts."""
     first, last = (places[int(arc[k]), columns.POINT : columns.POINT + 3] for k in (columns.START, columns.END))
-    return bool(np.abs(last - first).max() <= ONE_POINT * np.abs(places[:, columns.POINT : columns.POINT + 3]).max())
+    return bool(np.abs(last - first).max() <= ONE_POINT * size)
 
 
 def _on_part(ends: np.ndarray, u: float) -> float:

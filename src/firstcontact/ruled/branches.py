@@ -49,23 +49,29 @@ Curves = Sequence[tuple[fmpz_mpoly, int]]
 def add_curves(found: Found, curves: Curves) -> None:
     """Branches and isolated points of these curves in u, v."""
     p, q, clip, factors = found.p, found.q, found.clip, [f for f, _ in curves]
-    extras = clip.extras(factors) + cusps.candidates(p.rulings, q.rulings, factors)
+    still = cusps.candidates(p.rulings, q.rulings, factors)
+    extras = clip.extras(factors) + still
     if not found.finite:
         extras += [clip.points[3][k] for k in sorted({clip.columns(f)[0] for f in factors})]
     graph = topology(factors, u=p.u, v=q.u, extras=extras)
     kept = [e for e in graph.edges if clip.keeps_edge(e, graph.curves[e.curve])]
     joints = Joints(found, graph, Meetings(p, q))
-    add_branches(found, joints, kept, curves)
+    add_branches(found, joints, kept, curves, still)
     used = {k for e in kept for k in (e.start, e.end)}
     for node in graph.nodes:
         if node.index not in used and (clip.bounded or not node.edges):
             joints.isolate(node)
 
 
-def add_branches(found: Any, joints: Joints, kept: Sequence[Any], curves: Curves) -> None:
-    """The branches of these edges of a graph of these curves; found: Found, or alike for another second body."""
+def add_branches(
+    found: Any, joints: Joints, kept: Sequence[Any], curves: Curves, still: Sequence[fmpz_mpoly] = ()
+) -> None:
+    """The branches of these edges of a graph of these curves; found: Found, or alike for another second body.
+
+    still: polynomials with a zero wherever the curves in space stand still but those in u, v do not.
+    """
     if kept:
-        _Assembly(found, joints, joints.graph, kept, curves).run()
+        _Assembly(found, joints, joints.graph, kept, curves, still).run()
 
 
 def add_apex(found: Found, line: fmpz_mpoly, apex: np.ndarray, side: int, parameter: AlgebraicRoot) -> None:
@@ -198,7 +204,10 @@ class Joints:
 class _Assembly:
     """Polylines of the kept edges, joined to branches."""
 
-    def __init__(self, found: Any, joints: Joints, graph: Any, kept: Sequence[Any], curves: Curves) -> None:
+    def __init__(
+        self, found: Any, joints: Joints, graph: Any, kept: Sequence[Any], curves: Curves, still: Sequence[fmpz_mpoly]
+    ) -> None:
+        self.still = still
         self.found, self.joints, self.graph, self.kept = found, joints, graph, kept
         self.multiplicities = [next(k for f, k in curves if f in (g, -g)) for g in graph.curves]
         self.corners = [[joints.corner(edge, k) for k in (0, 1)] for edge in kept]
@@ -293,14 +302,23 @@ class _Assembly:
         self._add_to_graph(chain, first, last, closed)
 
     def _is_cusp(self, before: tuple[int, int], after: tuple[int, int]) -> bool:
-        """Whether the branch turns back between two edges: seen on the polyline, then proved closer to the node."""
+        """Whether the branch turns back between two edges: seen on the polyline or likely, then proved at the node."""
         x = self.lines[before[0]].space if before[1] == 0 else self.lines[before[0]].space[::-1]
         y = self.lines[after[0]].space if after[1] == 0 else self.lines[after[0]].space[::-1]
         node = y[0]
         out, back = y[1] - node, x[-2] - node
-        if out @ back <= MAY_BE_CUSP * np.linalg.norm(out) * np.linalg.norm(back):
+        if out @ back <= MAY_BE_CUSP * np.linalg.norm(out) * np.linalg.norm(back) and not self._may_stand_still(after):
             return False
         return self.joints.turns_back((self.kept[before[0]], 1 - before[1]), (self.kept[after[0]], after[1]))
+
+    def _may_stand_still(self, half: tuple[int, int]) -> bool:
+        """Whether one of the polynomials `still` may vanish at an end of an edge."""
+        node = self.graph.nodes[self.corners[half[0]][half[1]].key[0]]
+        with precision(96):
+            balls = node.x_ball(96), node.y_ball(96)
+            u, v = (1 / x if reverse else x for x, reverse in zip(balls, node.chart, strict=True))
+            values = (sum((c * u**i * v**j for (i, j), c in f.to_dict().items()), arb(0)) for f in self.still)
+            return any(bool(x.contains(0)) for x in values)
 
     def _add_to_graph(self, chain: list[tuple[int, int]], first: Corner, last: Corner, closed: bool) -> None:
         """One edge for every stretch between ends, crossings and cusps; a loop without them has one node."""

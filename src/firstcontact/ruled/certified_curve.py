@@ -8,6 +8,7 @@ branches.  What the kernels could not decide is asked from the exact path (`sett
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from itertools import product
 from typing import Any
 
@@ -16,13 +17,13 @@ import numpy as np
 from firstcontact.curve import BranchEnd, OpenPlace
 from firstcontact.errors import UnsupportedPair
 from firstcontact.kernels import curve_points as columns
-from firstcontact.ruled.answer import same
-from firstcontact.ruled.apex_rulings import apexes
+from firstcontact.ruled.answer import apexes, same
 from firstcontact.ruled.arcs import BUDGET, HIGHEST_DEGREE, SMALL_BUDGET, Line, Solved, searched, traced
 from firstcontact.ruled.chains import Chain, chains
 from firstcontact.ruled.cut_out import cut_about
 from firstcontact.ruled.edge_cusps import passed, turns_sharply, with_edges
 from firstcontact.ruled.joined import Found, Stop, Strand, knot
+from firstcontact.ruled.lone_points import is_on_branches, is_on_lines
 from firstcontact.ruled.open_places import (
     SAME_PLACE,
     SAME_POINT,
@@ -33,6 +34,7 @@ from firstcontact.ruled.open_places import (
     touching,
     without,
 )
+from firstcontact.ruled.pieces import Piece
 from firstcontact.ruled.reach import Reached, reached
 from firstcontact.ruled.settled import Settled
 from firstcontact.ruled.standstill_cusps import sharp_turns, turned_back
@@ -114,7 +116,19 @@ def _found(
             found.add_cusps(cusps)
             found.add(strands + settled.strands(), places, (a, b) if own else None, own)
             exact += own
-    found.add_isolated(exact + found.apexes, lambda point: any(same(point, x) for x in apexes((*p.pieces, *q.pieces))))
+
+    @cache
+    def pieces() -> tuple[list[Piece], list[Piece]]:
+        own, other = ([Piece.of(x) for x in surface.pieces] for surface in (near.p, near.q))
+        return own, other
+
+    def is_on_more(point: np.ndarray) -> bool:
+        own, other = pieces()
+        if is_on_branches(point, found.branches, own, other, tolerance):
+            return True
+        return is_on_lines(point, found.segments) and not any(same(point, x) for x in apexes(*own, *other))
+
+    found.add_isolated(exact + found.apexes, is_on_more)
     return found
 
 
@@ -148,7 +162,7 @@ def _strands(solved: Solved, settled: Settled, settles: bool) -> tuple[list[Stra
             strands.append(Strand(points, parameters, ()))
             continue
         kinds_of = [ends[k] for k in line.ends]
-        if kinds_of == ["undecided", "undecided"] and any(_within(parameters, place) for place in places):
+        if "undecided" in kinds_of and any(_within(parameters, place) for place in places):
             continue  # how the curve runs inside an open place is open
         stops = []
         for at, k, kind in zip((0, -1), line.ends, kinds_of, strict=True):

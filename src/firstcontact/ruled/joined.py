@@ -141,19 +141,20 @@ class Found(Collected):
                 self.singular.append(SingularPoint(point, "cusp"))
 
     def add_isolated(
-        self, exact: Sequence[dict[str, Any]], is_apex: Callable[[np.ndarray], bool] = lambda point: False
+        self, exact: Sequence[dict[str, Any]], is_on_more: Callable[[np.ndarray], bool] | None = None
     ) -> None:
-        """Points that are on nothing else, once all else is there; apexes anyhow."""
+        """Points that are on nothing else, once all else is there; is_on_more: by default whether a branch has it."""
         for fields in exact:
             nodes = {node.point.tobytes(): node for node in fields["graph"].nodes if node.kind == "isolated"}
             for point in fields["isolated_points"]:
-                near = ONE_PLACE * max(1.0, np.abs(point).max())
-                on_branch = any((np.abs(branch.points - point).max(1) <= near).any() for branch in self.branches)
-                if on_branch and not is_apex(point):
-                    continue
-                if not any(same(point, other) for other in self.isolated):
+                if not (any(same(point, x) for x in self.isolated) or (is_on_more or self._is_told)(point)):
                     self.isolated.append(point)
                     self.nodes.append(nodes[point.tobytes()])
+
+    def _is_told(self, point: np.ndarray) -> bool:
+        """Whether it is one of the points of a branch."""
+        near = ONE_PLACE * max(1.0, np.abs(point).max())
+        return any((np.abs(branch.points - point).max(1) <= near).any() for branch in self.branches)
 
     def _add_edges(self, strand: Strand, ends: list[int]) -> None:
         """Those between the ends and cusps; a loop without cusps has a regular node."""

@@ -28,7 +28,7 @@ def open_boxes(found: Searched | Solved, stray: list[int], at_bounds: list[int])
     point that is left open at one of them is on the branch.
     """
     points = [int(arc[columns.END]) for arc in found.arcs[found.arcs[:, columns.START] == -2]]
-    beside = _ends_side_by_side(found, at_bounds)
+    beside = _crossings_side_by_side(found)
     if len(found.opened) > MOST_BOXES or not (len(found.opened) or points or stray or beside):
         return found.opened[:, :2], found.opened[:, 2:]
     spots = found.places[np.array([*points, *stray, *beside], int)]
@@ -46,12 +46,14 @@ def open_boxes(found: Searched | Solved, stray: list[int], at_bounds: list[int])
     return parts[~here], ranges[~here]
 
 
-def _ends_side_by_side(found: Searched | Solved, at_bounds: list[int]) -> list[int]:
-    """Ends on one bound of u or v that are the same place: a branch may touch it there and go on."""
-    rows = found.places[at_bounds][:, _END_COLUMNS].tolist() if len(at_bounds) > 1 else []
+def _crossings_side_by_side(found: Searched | Solved) -> list[int]:
+    """Places on one bound of u or v that are the same: a branch may touch the bound there, and go on or not."""
+    kinds = found.places[:, columns.KIND]
+    which = np.flatnonzero((kinds > 0) & (kinds < columns.CUT))
+    rows = found.places[which][:, _END_COLUMNS].tolist() if len(which) > 1 else []
     along = sorted(
         (kind, j + y if kind < 3.0 else i + x, k)
-        for k, (x, y, i, j, kind) in zip(at_bounds, rows, strict=False) if 0.0 < kind < columns.CUT
+        for k, (x, y, i, j, kind) in zip(which.tolist(), rows, strict=False)
     )  # fmt: skip
     beside = [(a[2], b[2]) for a, b in pairwise(along) if a[0] == b[0] and b[1] - a[1] <= SAME_PLACE]
     return sorted({k for pair in beside for k in pair})
@@ -148,5 +150,15 @@ def without(solved: Solved, settled: Settled) -> Solved:
     arcs[settled.mask()[solved.p.piece_of[i], solved.q.piece_of[j]], columns.START] = -1
     sides, row_of = np.unique(_sides_touched(opened[:, :2], opened[:, 2:]), return_inverse=True)
     kept = np.array([not _pairs(solved, side) <= settled.known.keys() for side in sides.tolist()], bool)
-    lines = lines_of(arcs, solved.places[:, columns.KIND].astype(int))
-    return solved._replace(arcs=arcs, lines=lines, opened=opened[kept[row_of]])
+    places = solved.places.copy()
+    for k in _crossings_side_by_side(solved):
+        if touched(solved, *_box_of(places[k])) <= settled.known.keys():
+            places[k, columns.KIND] = 0
+    lines = lines_of(arcs, places[:, columns.KIND].astype(int))
+    return solved._replace(arcs=arcs, places=places, lines=lines, opened=opened[kept[row_of]])
+
+
+def _box_of(place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """A place as a box: its parts and ranges, one row each."""
+    x, y = place[columns.X], place[columns.Y]
+    return place[None, [columns.PART_U, columns.PART_V]], np.array([[x, x, y, y]])

@@ -19,6 +19,9 @@ from firstcontact.ruled.whole_rulings import segments
 REACH = 10.0
 # Points that are told in two ways differ by less, in parts of their size.
 CLOSE = 1e-9
+# Ranges of s that are longer are cut to what may meet the other surface, where that leaves a quarter at most: the
+# number of points that prove a tolerance grows with the length of rulings, on the curve or not.
+LONG = 16
 
 
 class Reached(NamedTuple):
@@ -70,15 +73,37 @@ def reached(p: Any, q: Any) -> Reached:
     """Both surfaces with segments for whole rulings: as far as the other one, or REACH times their size if both are."""
     whole = [any(piece.s is None for piece in x.pieces) for x in (p, q)]
     if not any(whole):
-        return Reached(p, q, (p, q))
+        return Reached(_shortened(p, q), _shortened(q, p), (p, q))
     box = None
     if all(whole):
         size = REACH * max(Surfaces(Piece.of(a), Piece.of(b)).size() for a in p.pieces for b in q.pieces)
         box = np.array([[-size] * 3, [size] * 3])
     low, high = box if box is not None else (q if whole[0] else p).bounds()
-    centre, reach = 0.5 * (low + high), float(np.linalg.norm(high - low)) * 0.5 * (1 + 1e-9)
-    (cut_p, of_p), (cut_q, of_q) = (_cut(x, centre, reach, names) for x, names in ((p, "us"), (q, "vt")))
+    ball = _ball(low, high)
+    (cut_p, of_p), (cut_q, of_q) = (_cut(x, *ball, names) for x, names in ((p, "us"), (q, "vt")))
     return Reached(cut_p, cut_q, (p, q), of_p | of_q, box)
+
+
+def _shortened(surface: Any, other: Any) -> Any:
+    """A single piece without the ends of long rulings: no point of the other surface is as far out."""
+    if len(surface.pieces) > 1:
+        return surface
+    (piece,) = surface.pieces
+    assert piece.s is not None
+    if piece.s[1] - piece.s[0] <= LONG:
+        return surface
+    found = segments(piece, *_ball(*other.bounds()))
+    if found is None or len(found) > 1 or found[0].u != piece.u:
+        return surface
+    near = found[0].s
+    assert near is not None
+    low, high = max(piece.s[0], near[0]), min(piece.s[1], near[1])
+    return piece._with(s=(low, high)) if 0 < 4 * (high - low) <= piece.s[1] - piece.s[0] else surface
+
+
+def _ball(low: np.ndarray, high: np.ndarray) -> tuple[list[float], float]:
+    """Centre and radius of a ball that holds a box."""
+    return (0.5 * (low + high)).tolist(), float(np.linalg.norm(high - low)) * 0.5 * (1 + 1e-9)
 
 
 def _powers(x: np.ndarray) -> Powers:
@@ -87,7 +112,7 @@ def _powers(x: np.ndarray) -> Powers:
     return Powers(np.divide(1.0, x, out=x.copy(), where=far), far)
 
 
-def _cut(surface: Any, centre: np.ndarray, reach: float, names: str) -> tuple[Any, frozenset[str]]:
+def _cut(surface: Any, centre: list[float], reach: float, names: str) -> tuple[Any, frozenset[str]]:
     """The surface with segments, and the names of its new bounds."""
     pieces: list[RuledSurface] = []
     bounds: set[str] = set()
@@ -95,7 +120,7 @@ def _cut(surface: Any, centre: np.ndarray, reach: float, names: str) -> tuple[An
         if piece.s is not None:
             pieces.append(piece)
             continue
-        found = segments(piece, centre.tolist(), reach)
+        found = segments(piece, centre, reach)
         if found is None:
             raise UnsupportedPair(
                 f"{surface!r} has whole rulings whose directrices meet, or go to infinity; bound s, or shorten u, "

@@ -38,7 +38,7 @@ def add_shared(found: Found, where: Any) -> None:
     for part in shared(found.p, found.q, where.u, where.v, found.box):
         if (part[0] != part[1]).any():
             found.segments.append(part)
-        elif not found.is_on_branch(part[0]):
+        else:
             found.add_isolated(part[0], where)
 
 
