@@ -18,6 +18,8 @@ from firstcontact.exact.rigid import IDENTITY, Matrix, apply, compose
 
 # Largest coordinate: error bounds multiply three of them and a time, far from overflow.
 LARGEST = 2.0**150
+# Beyond what products and sums lose below the range of doubles.
+LEAST = 2.0**-1060
 
 
 class Polyhedron(Placing):
@@ -134,7 +136,7 @@ class Polyhedron(Placing):
             size = np.abs(self._base).max(axis=0, initial=0.0) @ np.abs(m[:, :3]).T + np.abs(m[:, 3])
             # entries, products and sums round: at most 8 roundings each of relative size 2^-53
             base_error = _rounding_error(self._fractions, self._base)
-            error = float(size.max() * 8 * 2.0**-53 + 3 * base_error * np.abs(m[:, :3]).max() * 1.01)
+            error = float(size.max() * 8 * 2.0**-53 + 3 * base_error * np.abs(m[:, :3]).max() * 1.01 + LEAST)
         vertices.flags.writeable = False
         mapped = self._with(vertices=vertices, error=error, _matrix=total, _search={})
         if error == 0.0:
@@ -147,7 +149,7 @@ class Polyhedron(Placing):
         vertices = self.vertices @ m[:, :3].T + m[:, 3]
         size = np.abs(self.vertices).max(axis=0) @ np.abs(m[:, :3]).T + np.abs(m[:, 3])
         # an entry, a product and three sums round: at most 8 roundings of relative size 2^-53
-        error = float(size.max() * 8 * 2.0**-53 + 3 * self.error * np.abs(m[:, :3]).max() * 1.01)
+        error = float(size.max() * 8 * 2.0**-53 + 3 * self.error * np.abs(m[:, :3]).max() * 1.01 + LEAST)
         vertices.flags.writeable = False
         return self._with(vertices=vertices, error=error, _pose=pose, _search={})
 
@@ -222,7 +224,7 @@ def _double(x: Fraction) -> float:
 
 
 def _rounding_error(exact: list[tuple[Fraction, ...]] | None, floats: np.ndarray) -> float:
-    return 0.0 if exact is None else float(np.abs(floats).max()) * 2.0**-53
+    return 0.0 if exact is None else float(np.abs(floats).max()) * 2.0**-53 + LEAST
 
 
 def _read_faces(body: Polyhedron, faces: Any, who: str) -> None:
@@ -390,7 +392,10 @@ def _is_exact_map(m: np.ndarray, total: Matrix, before: np.ndarray, after: np.nd
         return False
     if any(fmpq(*to_double(x).as_integer_ratio()) != x for row in total for x in row):
         return False
-    moved = before @ linear.T
+    moved, rows = before @ linear.T, np.arange(3)
+    used = (linear != 0).argmax(axis=1)
+    if np.any(moved / linear[rows, used] != before[:, used]):  # below the range of doubles
+        return False
     b = after - moved  # two_sum: the rounding of moved + shift, zero where the sum is exact
     return bool(np.all((moved - (after - b)) + (m[:, 3] - b) == 0))
 

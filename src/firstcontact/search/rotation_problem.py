@@ -115,7 +115,8 @@ class RotationProblem(ByEngine):
         """The problem from its opening on, one turn at most, as problems within one turn each."""
         if self.opening == _ZERO:
             return [self]
-        if self.last is not None and compare_angles(LimitInstant(*self.last), LimitInstant(*_FULL)) <= 0:
+        # a turn that ends with the last instant is none of this: its contacts there have the angle zero of the next one
+        if self.last is not None and compare_angles(LimitInstant(*self.last), LimitInstant(*_FULL)) < 0:
             return [self._part(0, self.opening, self.last)]
         rest = self.opening if self.last is None else (self.last[0], self.last[1] - 1)
         if compare_angles(LimitInstant(*rest), LimitInstant(*self.opening)) > 0:

@@ -9,12 +9,15 @@ at least once).  The split is the binned surface-area heuristic (Wald 2007).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from firstcontact.exact.rigid import compose
 from firstcontact.kernels.boxes import CLIP_EPS, clip_to_box, segment_meets_box
 from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.verdict import CERTAIN, NONE, UNSURE
 
 if TYPE_CHECKING:
     from firstcontact.body.polyhedron import Polyhedron
@@ -53,7 +56,7 @@ class Tree:
 def build(body: Polyhedron, vertices: np.ndarray, error: float) -> Tree:
     """The tree over the vertices (n, 3) of the body in some frame, each within `error` of its true place there."""
     corners, sides, kind = _primitives(body)
-    masks = _owners(corners, sides, kind, body.vertices, len(body._segments), body._given_edges)
+    masks = _masks(body, corners, sides, kind)
     corner_xyz = vertices[corners].reshape(len(corners), 9)
     part_box, part_ids = _parts(corner_xyz, masks, WIDE, PARTS_BUDGET, MAX_PARTS)
     boxes, links, order = _split(part_box)
@@ -89,16 +92,44 @@ def _primitives(body: Polyhedron) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return np.ascontiguousarray(corners, np.int32), np.ascontiguousarray(sides, np.int32), kind
 
 
+def _masks(body: Polyhedron, corners: np.ndarray, sides: np.ndarray, kind: np.ndarray) -> np.ndarray:
+    """Masks (k,) int32 of the primitives, decided on the exact coordinates.
+
+    Those of the body as it was given, where they are doubles or fractions: a map keeps planes, and sides of lines.
+    """
+    axes, is_exact = _axes_kept(body), body._fractions is None
+    masks, doubtful = _owners(
+        corners, sides, kind, body._base, axes, is_exact, len(body._segments), body._given_edges
+    )
+    for p, s, other in doubtful.tolist():
+        if _exactly_coplanar(body, corners, axes, p, s, other):
+            masks[p] ^= (1 << (SIDE + s)) | (1 << (FLAT_SIDE + s))
+    return masks
+
+
+def _axes_kept(body: Polyhedron) -> np.ndarray:
+    """(3,) bools: which axes of the body as it was given a coordinate axis of its pose depends on alone."""
+    matrix = body._matrix if body._pose is None else compose(body._pose.matrix(), body._matrix)
+    axes = np.zeros(3, bool)
+    for row in matrix:
+        used = [k for k in range(3) if not row[k] == 0]  # an entry that is a ball is zero only where that is certain
+        if len(used) == 1:
+            axes[used] = True
+    return axes
+
+
 @kernel
-def _owners(corners, sides, kind, vertices, n_segments, n_given):
-    """Masks (k,) int32: the first primitive that holds an edge or vertex owns it.
+def _owners(corners, sides, kind, vertices, axes, is_exact, n_segments, n_given):
+    """Masks (k,) int32: the first primitive that holds an edge or vertex owns it; and sides in doubt (j, 3).
 
     A side is flat when it lies between exactly two triangles in one axis-parallel plane: contacts there are
     contacts of the true edges or of the face as well, so a search for the first contact may pass over it.
-    The first n_given segments are edges because the user said so, and never flat.
+    The first n_given segments are edges because the user said so, and never flat.  In doubt, and taken for edges, are
+    those that doubles do not decide: primitive, side, and that of the other triangle.
     """
     n = corners.shape[0]
     masks = kind.copy()
+    doubtful, n_doubtful = np.empty((16, 3), np.int64), 0
     first = np.full(n_segments, -1, np.int64)
     second = np.full(n_segments, -1, np.int64)  # -2: more than two
     vertex_taken = np.zeros(vertices.shape[0], np.bool_)
@@ -122,19 +153,36 @@ def _owners(corners, sides, kind, vertices, n_segments, n_given):
             if kind[p] & BARE:
                 masks[p] |= 1 << SIDE
             elif first[e] == 3 * p + s:
-                flat = e >= n_given and second[e] >= 0 and _coplanar(vertices, corners, p, s, second[e])
-                masks[p] |= 1 << ((FLAT_SIDE if flat else SIDE) + s)
-    return masks
+                verdict = NONE
+                if e >= n_given and second[e] >= 0:
+                    verdict = _coplanar(vertices, corners, axes, is_exact, p, s, second[e])
+                masks[p] |= 1 << ((FLAT_SIDE if verdict == CERTAIN else SIDE) + s)
+                if verdict == UNSURE:
+                    if n_doubtful == doubtful.shape[0]:
+                        more = np.empty((2 * n_doubtful, 3), np.int64)
+                        for k in range(n_doubtful):
+                            for j in range(3):
+                                more[k, j] = doubtful[k, j]
+                        doubtful = more
+                    doubtful[n_doubtful, 0], doubtful[n_doubtful, 1], doubtful[n_doubtful, 2] = p, s, second[e]
+                    n_doubtful += 1
+    return masks, doubtful[:n_doubtful].copy()
 
 
 @kernel
-def _coplanar(vertices, corners, p, s, other):
-    """Whether the triangles on both sides of a side lie in one axis-parallel plane, opposite each other."""
+def _coplanar(vertices, corners, axes, is_exact, p, s, other):
+    """Whether the triangles on both sides of a side lie in one plane across one of the axes, opposite each other.
+
+    NONE where they certainly do not, or have an area that is certainly zero.  Equal numbers are equal as doubles, so
+    those that differ as doubles differ.
+    """
     a, b = corners[p, s], corners[p, (s + 1) % 3]
     c, d = corners[p, (s + 2) % 3], corners[other // 3, (other % 3 + 2) % 3]
     for k in range(3):
         h = vertices[a, k]
-        if vertices[b, k] == h and vertices[c, k] == h and vertices[d, k] == h:
+        if axes[k] and vertices[b, k] == h and vertices[c, k] == h and vertices[d, k] == h:
+            if not is_exact:
+                return UNSURE
             i, j = (k + 1) % 3, (k + 2) % 3
             ex, ey = vertices[b, i] - vertices[a, i], vertices[b, j] - vertices[a, j]
             left = ex * (vertices[c, j] - vertices[a, j]) - ey * (vertices[c, i] - vertices[a, i])
@@ -145,8 +193,28 @@ def _coplanar(vertices, corners, p, s, other):
                 max(abs(vertices[d, i] - vertices[a, i]), abs(vertices[d, j] - vertices[a, j])),
             )
             bound = 1e-15 * size * reach + 1e-290  # 4 roundings per product, one difference
-            return (left > bound and right < -bound) or (left < -bound and right > bound)
+            if (left > bound and right < -bound) or (left < -bound and right > bound):
+                return CERTAIN
+            return NONE if min(abs(left), abs(right)) > bound else UNSURE
+    return NONE
+
+
+def _exactly_coplanar(body: Polyhedron, corners: np.ndarray, axes: np.ndarray, p: int, s: int, other: int) -> bool:
+    """`_coplanar`, in numbers without rounding."""
+    places = corners[p, s], corners[p, (s + 1) % 3], corners[p, (s + 2) % 3], corners[other // 3, (other % 3 + 2) % 3]
+    a, b, c, d = (_given(body, int(v)) for v in places)
+    for k in np.flatnonzero(axes).tolist():
+        if a[k] == b[k] == c[k] == d[k]:
+            i, j = (k + 1) % 3, (k + 2) % 3
+            left, right = ((b[i] - a[i]) * (x[j] - a[j]) - (b[j] - a[j]) * (x[i] - a[i]) for x in (c, d))
+            if left * right < 0:
+                return True
     return False
+
+
+def _given(body: Polyhedron, i: int) -> tuple[Fraction, ...]:
+    """Vertex i of the body as it was given."""
+    return tuple(map(Fraction, body._base[i].tolist())) if body._fractions is None else body._fractions[i]
 
 
 @kernel
