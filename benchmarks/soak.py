@@ -68,7 +68,8 @@ class Record:
 
     def snippet(self, seed: int) -> str:
         """The finding as a program."""
-        lines = [f"# --seed {seed} --only {self.kind} --index {self.index}" + (f"  law: {self.law}" if self.law else "")]
+        law = f"  law: {self.law}" if self.law else ""
+        lines = [f"# --seed {seed} --only '{self.kind}' --index {self.index}{law}"]
         lines += [f"# {line}" for line in (self.wrong or self.outcome).splitlines()]
         shown = "\n".join(f"print({call})" for call in self.call.split("\n"))
         answers = "\n".join(f"# {line}" for line in self.answer.splitlines())
@@ -114,7 +115,7 @@ def _answered(calls: tuple[str, ...], names: dict[str, Any], judge: Any) -> tupl
                 answers.append(answer)
                 seconds += spent
             shown = ""
-            wrong, _ = _timed(lambda: judge(*answers))
+            wrong, _ = _timed(lambda answers=answers: judge(*answers))
             if wrong is not None:
                 shown = "\n".join(_text(answer) for answer in answers)
             last = answers[-1]
@@ -290,7 +291,8 @@ class Tally:
 
 def _sort(text: str) -> str:
     """The first line without its numbers and names in quotes: findings that agree in it are of one sort."""
-    return re.sub(r"'[^']*'", "'..'", re.sub(r"-?\d[\d.]*(e[-+]?\d+)?", "#", text.splitlines()[0] if text else ""))[:160]
+    first = re.sub(r"-?\d[\d.]*(e[-+]?\d+)?", "#", text.splitlines()[0] if text else "")
+    return re.sub(r"'[^']*'", "'..'", first)[:160]
 
 
 def run(kinds: dict[str, Kind], families: list[str], options: argparse.Namespace) -> Tally:

@@ -179,12 +179,14 @@ def _split(rng: Random, span: tuple[Any, Any]) -> Trial | None:
     middle = first + part * (last - first) if math.isfinite(last) else first + rng.choice((0.5, 1.0, 4.0))
     if not first < middle < last:
         return None
-    return _halves(f"first, middle, last = {first!r}, {middle!r}, {span[1]!r}\n")
+    end = repr(last) if math.isfinite(last) else "float('inf')"
+    return _halves(f"first, middle, last = {first!r}, {middle!r}, {end}\n")
 
 
 def _split_at_contact() -> Trial:
     text = "hit = fc.first_contact(a, b, span)\nfirst, last = hit.span\n"
-    text += "middle = hit.time if hit.time is not None and first < hit.time < last else (first + min(last, first + 1)) / 2\n"
+    text += "inner = hit.time is not None and first < hit.time < last\n"
+    text += "middle = hit.time if inner else (first + min(last, first + 1)) / 2\n"
     return _halves(text, "split at the contact")
 
 
@@ -207,7 +209,9 @@ def _halves(text: str, law: str = "split") -> Trial:
     return Trial(law, text, calls, judge)
 
 
-QUATERNIONS = ((1, 2, 2, 4), (2, 1, 0, 0), (1, 1, 1, 1), (3, 0, 1, 0), (1, 1, 0, 0), (4, 2, 2, 1), (0, 1, 2, 2), (0, 1, 0, 0))
+QUATERNIONS = (
+    (1, 2, 2, 4), (2, 1, 0, 0), (1, 1, 1, 1), (3, 0, 1, 0), (1, 1, 0, 0), (4, 2, 2, 1), (0, 1, 2, 2), (0, 1, 0, 0),
+)
 
 
 def rotation(q: tuple[int, int, int, int]) -> list[list[F]]:
@@ -272,7 +276,8 @@ def _reversed(span: tuple[Any, Any]) -> Trial:
             return None
         there = _listed(forth)
         here = [((-q[1], -q[0]), (-p[1], -p[0])) for p, q in reversed(_listed(back))]
-        if len(there) != len(here) or not all(_meet(p[i], q[i]) for p, q in zip(there, here, strict=True) for i in (0, 1)):
+        same = len(there) == len(here)
+        if not same or not all(_meet(p[i], q[i]) for p, q in zip(there, here, strict=True) for i in (0, 1)):
             return f"intervals {there} and, backwards, {here}"
         return None
 

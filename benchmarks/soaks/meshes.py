@@ -1,21 +1,266 @@
-"""Polyhedra."""
+"""Polyhedra.
+
+Translations of all kinds are decided by exact brute force over all pieces (`brute`), so their scenes may be as
+degenerate as random small numbers make them: a point of one body is laid on a point of the other at a chosen time,
+exactly or off by as little as 2**-50, mostly with faces and edges along the axes.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+from fractions import Fraction as F
 from random import Random
 from typing import Any
 
+from . import judges, shapes
+from .brute import Mesh, Point, contact_times, minus, moved, piece_times, plus, start_of, times
+from .laws import QUATERNIONS, rotation
 from .scene import Kind, Question, Scene
+from .shapes import number, text, vector
+
+Maker = Callable[[Random], Mesh]
+
+FIRST = "fc.first_contact(a, b, span)"
 
 
-def _boxes(rng: Random) -> Scene:
-    gap = rng.randint(1, 8)
-    source = f"a = fc.examples.box((2, 2, 2)).moving(fc.Translation((0, 0, 8)))\nb = fc.examples.box((2, 2, 2)).translated((0, 0, {gap} + 2))\nspan = None\n"
-
-    def judge(hit: Any) -> str | None:
-        return None if hit.time == gap / 8 else f"time {hit.time} instead of {gap / 8}"
-
-    return Scene(source, "translation", (Question("fc.first_contact(a, b, span)", judge),))
+# ---- choices ----
 
 
-KINDS = (Kind("meshes/boxes", "mesh, mesh", _boxes, "nothing", "all"),)
+def _solid(rng: Random) -> Mesh:
+    n = rng.randint(1, 4)
+    return rng.choice([
+        lambda: shapes.box(n, rng.randint(1, 4), 2),
+        lambda: shapes.box(2, 2, n, polygons=True),
+        lambda: shapes.random_tetrahedron(rng),
+        lambda: shapes.tetrahedron([(F(0), F(0), F(0)), (F(n), F(0), F(0)), (F(0), F(2), F(0)), (F(0), F(0), F(3))]),
+        lambda: shapes.octahedron(n, 2, rng.randint(1, 3)),
+    ])()
+
+
+def _notched(rng: Random) -> Mesh:
+    return rng.choice([
+        lambda: shapes.corner_prism(rng.randint(1, 2), rng.randint(1, 3)),
+        lambda: shapes.frame(4, rng.choice((1, 2, 3)), rng.randint(1, 3)),
+    ])()
+
+
+def _hollow(rng: Random) -> Mesh:
+    core = rng.choice((0, 2))
+    return shapes.hollow(rng.choice((8, 10)), rng.choice((1, 2)), core)
+
+
+def _open(rng: Random) -> Mesh:
+    return rng.choice([
+        lambda: shapes.sheet(rng.randint(1, 4), rng.randint(1, 4), rng.choice((0, 0, 1, -1))),
+        lambda: shapes.soup(2, rng.randint(1, 3), 2),
+        lambda: shapes.wires(shapes.random_points(rng, 4), [(0, 1), (1, 2), (3, 0)]),
+        lambda: shapes.wires([(F(0), F(0), F(0)), (F(4), F(0), F(0)), (F(4), F(2), F(0))], [(0, 1), (1, 2)]),
+        lambda: shapes.cloud(shapes.random_points(rng, rng.randint(1, 5))),
+        lambda: shapes.cloud([(F(1), F(1), F(1))] * 2),
+        lambda: shapes.sheet(2, 2),
+    ])()
+
+
+def _thin(rng: Random) -> Mesh:
+    small = F(1, 2 ** rng.choice((10, 20, 40, 60)))
+    return rng.choice([
+        lambda: shapes.needle(rng.choice((10, 1000)), small),
+        lambda: shapes.ridge(2, 2, 1, small),
+        lambda: shapes.ridge(4, 2, 1, F(0)),
+        lambda: shapes.ridge(2, 4, 1, -small),
+        lambda: shapes.ridge(2, 2, 2, F(1, 3 * 2**60)),
+    ])()
+
+
+def _small(rng: Random) -> Mesh:
+    """Something of few pieces, for the dearer oracles."""
+    return rng.choice([
+        lambda: shapes.random_tetrahedron(rng), lambda: shapes.box(1, 2, 2), lambda: shapes.sheet(3, 2, 1),
+    ])()
+
+
+def _direction(rng: Random, most: int = 4) -> Point:
+    """Along an axis, in a plane of axes or anyhow; not zero."""
+    while True:
+        v = [F(rng.choice((-1, 1)) * rng.randint(1, most)) for _ in range(3)]
+        for k in rng.sample(range(3), rng.choice((2, 2, 1, 0))):
+            v[k] = F(0)
+        if any(v):
+            return tuple(v)  # type: ignore[return-value]
+
+
+def _off(rng: Random) -> F:
+    """How far features miss one another: mostly not at all."""
+    kind = rng.random()
+    if kind < 0.6:
+        return F(0)
+    if kind < 0.85:
+        return F(rng.choice((-1, 1)), 2 ** rng.choice((10, 20, 30, 40, 50)))
+    return F(rng.choice((-2, -1, 1, 2)), rng.choice((1, 2, 4)))
+
+
+def _spot(rng: Random, mesh: Mesh) -> Point:
+    """A point of the surface: a vertex, the middle of an edge, or a point within a piece."""
+    piece = rng.choice(mesh.pieces)
+    corners = [mesh.vertices[i] for i in rng.sample(piece, len(piece))]
+    weights = rng.choice(((1, 0, 0), (1, 0, 0), (F(1, 2), F(1, 2), 0), (F(1, 4), F(1, 4), F(1, 2))))[: len(corners)]
+    total = sum(weights) or 1
+    if not any(weights):
+        weights = (1, *weights[1:])
+    spot: Point = (F(0), F(0), F(0))
+    for w, p in zip(weights, corners, strict=True):
+        spot = plus(spot, times(F(w) / total, p))
+    return spot
+
+
+def _turn(rng: Random, share: float) -> Callable[[Point], Point]:
+    """A rational rotation for a share of the scenes, else none or a swap of axes."""
+    if rng.random() < share:
+        m = rotation(rng.choice(QUATERNIONS[:6]))
+    elif rng.random() < 0.3:
+        m = rotation(rng.choice(((1, 1, 0, 0), (1, 0, 0, 1), (1, 1, 1, 1), (0, 1, 0, 0))))
+    else:
+        return lambda p: p
+    return lambda p: tuple(sum(m[i][j] * p[j] for j in range(3)) for i in range(3))  # type: ignore[return-value]
+
+
+SPANS: tuple[tuple[F, F], ...] = (
+    (F(0), F(1)), (F(0), F(1)), (F(0), F(1)), (F(0), F(1, 2)), (F(1, 4), F(1)), (F(-1), F(1)), (F(0), F(3)),
+    (F(1, 2), F(5, 8)), (F(-4), F(-2)),
+)
+
+
+def _when(rng: Random, span: tuple[F, F]) -> F:
+    """A time for the features to meet: within, at an end, or outside of the span."""
+    first, last = span
+    part = rng.choice((F(0), F(1), F(1), F(1, 2), F(1, 2), F(1, 4), F(3, 8), F(1, 3), F(2, 3), F(5, 7), F(9, 8), F(-1, 8)))
+    return first + part * (last - first)
+
+
+def _span_text(rng: Random, first: F, last: F | None) -> str:
+    if (first, last) == (0, 1) and rng.random() < 0.5:
+        return "None"
+    end = "float('inf')" if last is None else repr(float(last))
+    return f"({float(first)!r}, {end})"
+
+
+def _movers(rng: Random, a: Mesh, b: Mesh, v: Point, floats: bool) -> tuple[str, Point, Point]:
+    """The lines that define a and b, of which a moves by v as seen from b; and their velocities."""
+    names = rng.choice(((None, None), (None, None), ("pin", "plate"), ("same", "same")))
+    first, second = text(a, floats, names[0]), text(b, floats, names[1])
+    zero: Point = (F(0), F(0), F(0))
+    who = rng.choice("aaabc")
+    ours, theirs = {"a": (v, zero), "b": (zero, times(-1, v))}.get(who, (None, None)) or (None, None)
+    if ours is None or theirs is None:
+        theirs = _direction(rng)
+        ours = plus(theirs, v)
+    lines = []
+    for name, body, way in (("a", first, ours), ("b", second, theirs)):
+        if any(way) or rng.random() < 0.1:
+            body += f".moving(fc.Translation({vector(way, floats)}))"
+        lines.append(f"{name} = {body}")
+    return "\n".join(lines), ours, theirs
+
+
+# ---- translations ----
+
+
+def _translation(
+    makers: Sequence[Maker], turned: float = 0.3, *, endless: bool = False, grown: Callable[[Random], Any] | None = None,
+    more: bool = True,
+) -> Callable[[Random], Scene]:
+    def make(rng: Random) -> Scene:
+        a, b = rng.choice(makers)(rng), rng.choice(makers)(rng)
+        a = a.mapped(_turn(rng, turned))
+        v = times(rng.choice((1, 1, 2, 5, 20)), _direction(rng, rng.choice((4, 8))))
+        if rng.random() < 0.05:
+            v = (F(0), F(0), F(0))
+        first, last = rng.choice(SPANS)
+        end: F | None = last
+        if endless:
+            end = None
+            first = rng.choice((F(0), F(0), F(-3), F(2)))
+            last = first + rng.choice((4, 1024))
+        meeting = _when(rng, (first, last))
+        shift = minus(plus(_spot(rng, b), times(_off(rng), _direction(rng))), plus(_spot(rng, a), times(meeting, v)))
+        a = moved(a, shift, 1)
+        if grown:
+            change, linear = grown(rng)
+            a, b, v = a.mapped(change), b.mapped(change), linear(v)
+        if rng.random() < 0.5:
+            a, b, v = b, a, times(-1, v)
+        floats = rng.random() < 0.4
+        bodies, ours, theirs = _movers(rng, a, b, v, floats)
+        source = f"{bodies}\nspan = {_span_text(rng, first, end)}\n"
+        return _judged(rng, source, a, b, (ours, theirs), (first, end), more)
+
+    return make
+
+
+def _judged(rng: Random, source: str, a: Mesh, b: Mesh, ways: Any, span: Any, more: bool) -> Scene:
+    """The scene of a and b with these velocities, and its questions."""
+    ours, theirs = ways
+    v = minus(ours, theirs)
+    first, last = span
+    contacts = contact_times(a, b, v, first, last)
+    time = contacts[0][0] if contacts else None
+    initial = start_of(moved(a, v, first), b) if time == first else None
+
+    def poses(t: F) -> tuple[Mesh, Mesh]:
+        return moved(a, ours, t), moved(b, theirs, t)
+
+    truth = judges.Truth((first, last), time, initial, F(0), poses, v if any(v) else None)
+    questions = [Question(FIRST, judges.first_contact(truth))]
+    if more and rng.random() < 0.4:
+        questions.append(Question("fc.contact_intervals(a, b, span)", judges.intervals(contacts, (first, last))))
+    if rng.random() < 0.15:
+        questions.append(Question("fc.first_contact(a, b, span, exact=True)", judges.first_contact(truth)))
+    return Scene(source, "translation" if any(v) else "rest", tuple(questions))
+
+
+def _scales(rng: Random) -> Any:
+    """Sizes and places far from one."""
+    power = rng.choice((-300, -200, -40, -20, 20, 40, 100))
+    place: Point = (F(0), F(0), F(0))
+    if rng.random() < 0.6:
+        power = rng.choice((-10, -20, -30))
+        place = tuple(F(rng.choice((-1, 1, 0)) * rng.choice((10**6, 2**20, 12345678))) for _ in range(3))
+    size = F(2) ** power
+    return lambda p: plus(times(size, p), place), lambda p: times(size, p)
+
+
+KINDS: tuple[Kind, ...] = (
+    Kind(
+        "meshes/translated solids", "mesh, mesh", _translation([_solid]),
+        "status, time to the last bit, initial, point, elements and normal of convex solids that meet in features of "
+        "all kinds, before, at and after the ends of the span",
+        "anything that needs more than some dozen triangles: trees, engines for many elements, budgets",
+    ),
+    Kind(
+        "meshes/translated notches", "mesh, mesh", _translation([_notched, _solid], 0.2),
+        "polygons that are not convex or have holes, parts that slide through them, flat diagonals",
+        "planes that are exact only up to rounding",
+    ),
+    Kind(
+        "meshes/translated shells", "mesh, mesh", _translation([_hollow, _solid], 0.2),
+        "containment: solids in solids, voids, loose cores, passage from inside to the wall", "deep nesting",
+    ),
+    Kind(
+        "meshes/translated surfaces", "mesh, mesh", _translation([_open, _open, _solid]),
+        "open surfaces, bare edges, points, triangles that share no vertices; equal points; which of them own an inside",
+        "surfaces of many pieces",
+    ),
+    Kind(
+        "meshes/translated slivers", "mesh, mesh", _translation([_thin, _thin, _solid], 0.15),
+        "needles, ridges that are flat or 2**-60 high or deep, vertices that no double holds",
+        "planes through more than four corners that are flat but for rounding",
+    ),
+    Kind(
+        "meshes/translated far and small", "mesh, mesh", _translation([_solid, _open, _thin], 0.2, grown=_scales),
+        "under- and overflow, cancellation far from the origin", "sizes beyond 2**100 and below 2**-300",
+    ),
+    Kind(
+        "meshes/translated for ever", "mesh, mesh", _translation([_solid, _open], 0.2, endless=True),
+        "spans without end, contacts that never end, late contacts", "times beyond 2**20",
+    ),
+)
