@@ -179,7 +179,9 @@ def share(a: Sequence[Point], b: Sequence[Point]) -> bool:
 
 
 def whole(*points: Point) -> tuple[int, list[tuple[int, int, int]]]:
-    """(L, the points times L as integers)."""
+    """(L, the points times L as integers); points over another ring as they are."""
+    if not all(isinstance(x, (int, F)) for p in points for x in p):
+        return 1, list(points)
     common = 1
     for p in points:
         for x in p:
@@ -296,7 +298,8 @@ def piece_times(a: Mesh, b: Mesh, v: Point) -> dict[tuple[int, int], tuple[F, F]
     first, second = flats[: len(a.vertices)], flats[len(a.vertices) :]
 
     def boxed(points: Sequence[Flat]) -> tuple[Any, Any, Any, Any]:
-        return (min(p[0] for p in points), max(p[0] for p in points), min(p[1] for p in points), max(p[1] for p in points))
+        x, y = [p[0] for p in points], [p[1] for p in points]
+        return min(x), max(x), min(y), max(y)
 
     ours = [[first[n] for n in piece] for piece in a.pieces]
     theirs = [[second[n] for n in piece] for piece in b.pieces]

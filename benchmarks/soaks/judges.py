@@ -22,7 +22,8 @@ class Truth:
     time      None: free.  slack: how far `time` may be from the truth (0: exact).
     initial   what the bodies do at the start: None (apart), "touching", ..., "any".
     poses     see Poses; None where they are not known to more digits than the library's.
-    velocity  of a against b, where constant.
+    velocity  of a's point against b's, where two bodies meet.
+    sharp     whether the poses at `time` are exact.
     """
 
     span: tuple[F, F | None]
@@ -30,7 +31,8 @@ class Truth:
     initial: str | None = None
     slack: F = F(0)
     poses: Poses | None = None
-    velocity: tuple[Any, Any, Any] | None = None
+    velocity: Callable[[Any], Sequence[Any]] | None = None
+    sharp: bool = True
 
 
 def exactly(x: float) -> F | None:
@@ -105,7 +107,7 @@ def _where(hit: Any, truth: Truth) -> str | None:
         return None
     elements = (hit.element_a, hit.element_b)
     pieces = [body.element(e.kind, e.index) for body, e in zip(bodies, elements, strict=True)]
-    if truth.slack == 0 and not _meet(bodies, pieces):
+    if truth.sharp and not _meet(bodies, pieces):
         return f"elements {elements[0]} and {elements[1]} share no point at that time"
     for body, element, side in zip(bodies, pieces, "ab", strict=True):
         off = min(distance(hit.point, Mesh(body.vertices, (p,), ())) for p in element)
@@ -117,7 +119,7 @@ def _where(hit: Any, truth: Truth) -> str | None:
     if abs(math.sqrt(dot(normal, normal)) - 1) > 1e-9:
         return f"normal {normal.tolist()} is no unit vector"
     if truth.velocity is not None:
-        speed = _unit(truth.velocity)
+        speed = _unit(truth.velocity([F(float(x)) for x in hit.point]))
         if dot(normal, speed) > 1e-9:
             return f"normal {normal.tolist()} points from a towards b"
     for body, element, e in zip(bodies, pieces, elements, strict=True):

@@ -12,13 +12,17 @@ from fractions import Fraction as F
 from random import Random
 from typing import Any
 
-from . import judges, shapes
-from .brute import Mesh, Point, contact_times, minus, moved, piece_times, plus, start_of, times
+from . import judges, shapes, turning
+from .brute import Mesh, Point, contact_times, cross, minus, moved, plus, start_of, times
 from .laws import QUATERNIONS, rotation
 from .scene import Kind, Question, Scene
 from .shapes import number, text, vector
+from .turning import Axis, Speed, posed, turned
 
 Maker = Callable[[Random], Mesh]
+
+Grown = Callable[[Random], tuple[Callable[[Point], Point], Callable[[Point], Point]]]
+"""A change of places, and what it makes of directions."""
 
 FIRST = "fc.first_contact(a, b, span)"
 
@@ -133,8 +137,8 @@ SPANS: tuple[tuple[F, F], ...] = (
 def _when(rng: Random, span: tuple[F, F]) -> F:
     """A time for the features to meet: within, at an end, or outside of the span."""
     first, last = span
-    part = rng.choice((F(0), F(1), F(1), F(1, 2), F(1, 2), F(1, 4), F(3, 8), F(1, 3), F(2, 3), F(5, 7), F(9, 8), F(-1, 8)))
-    return first + part * (last - first)
+    part = rng.choice(("0", "1", "1", "1/2", "1/2", "1/4", "3/8", "1/3", "2/3", "5/7", "9/8", "-1/8"))
+    return first + F(part) * (last - first)
 
 
 def _span_text(rng: Random, first: F, last: F | None) -> str:
@@ -166,12 +170,11 @@ def _movers(rng: Random, a: Mesh, b: Mesh, v: Point, floats: bool) -> tuple[str,
 
 
 def _translation(
-    makers: Sequence[Maker], turned: float = 0.3, *, endless: bool = False, grown: Callable[[Random], Any] | None = None,
-    more: bool = True,
+    makers: Sequence[Maker], share: float = 0.3, *, endless: bool = False, grown: Grown | None = None, more: bool = True
 ) -> Callable[[Random], Scene]:
     def make(rng: Random) -> Scene:
         a, b = rng.choice(makers)(rng), rng.choice(makers)(rng)
-        a = a.mapped(_turn(rng, turned))
+        a = a.mapped(_turn(rng, share))
         v = times(rng.choice((1, 1, 2, 5, 20)), _direction(rng, rng.choice((4, 8))))
         if rng.random() < 0.05:
             v = (F(0), F(0), F(0))
@@ -209,7 +212,7 @@ def _judged(rng: Random, source: str, a: Mesh, b: Mesh, ways: Any, span: Any, mo
     def poses(t: F) -> tuple[Mesh, Mesh]:
         return moved(a, ours, t), moved(b, theirs, t)
 
-    truth = judges.Truth((first, last), time, initial, F(0), poses, v if any(v) else None)
+    truth = judges.Truth((first, last), time, initial, F(0), poses, (lambda _: v) if any(v) else None)
     questions = [Question(FIRST, judges.first_contact(truth))]
     if more and rng.random() < 0.4:
         questions.append(Question("fc.contact_intervals(a, b, span)", judges.intervals(contacts, (first, last))))
@@ -218,7 +221,7 @@ def _judged(rng: Random, source: str, a: Mesh, b: Mesh, ways: Any, span: Any, mo
     return Scene(source, "translation" if any(v) else "rest", tuple(questions))
 
 
-def _scales(rng: Random) -> Any:
+def _scales(rng: Random) -> tuple[Callable[[Point], Point], Callable[[Point], Point]]:
     """Sizes and places far from one."""
     power = rng.choice((-300, -200, -40, -20, 20, 40, 100))
     place: Point = (F(0), F(0), F(0))
@@ -227,6 +230,117 @@ def _scales(rng: Random) -> Any:
         place = tuple(F(rng.choice((-1, 1, 0)) * rng.choice((10**6, 2**20, 12345678))) for _ in range(3))
     size = F(2) ** power
     return lambda p: plus(times(size, p), place), lambda p: times(size, p)
+
+
+# ---- rotations about one axis ----
+
+WAYS = ((0, 0, 1), (0, 0, 1), (1, 0, 0), (0, -1, 0), (0, 0, 2), (1, 2, 2), (3, 0, 4), (1, 1, 1), (1, 1, 0), (1, -2, 0))
+RATES = tuple(F(x) for x in ("1/4", "1/4", "1/2", "1/2", "1", "1", "-1/4", "-1/2", "-1", "1/8", "1/3", "1/6", "-5/12",
+                             "3/4", "2", "-3", "7/2", "5/4"))
+TURN_SPANS: tuple[tuple[F, F], ...] = (
+    (F(0), F(1)), (F(0), F(1)), (F(0), F(1)), (F(1, 2), F(1)), (F(1, 4), F(1)), (F(-1), F(1)), (F(0), F(1, 2)),
+    (F(-1), F(0)), (F(1, 2), F(3, 2)), (F(1), F(2)),
+)
+
+
+def _landing(rng: Random, axis: Axis, end: F) -> tuple[Any, Any]:
+    """C and S of a rational pose to meet in: that at the end of the span, at a part of a turn, or another."""
+    for turns in (end, F(rng.choice((1, 2, 3)), 4), F(rng.choice((1, 2)), 3), F(1, 2)):
+        pose = axis.exact(turns)
+        if pose and not isinstance(pose[0], turning.Surd) and not isinstance(pose[1], turning.Surd):
+            if rng.random() < 0.5:
+                return pose
+    u = F(rng.choice((-3, -2, -1, 1, 2, 3)), rng.choice((1, 2, 3, 4)))
+    return (1 - axis.square * u * u) / (1 + axis.square * u * u), 2 * u / (1 + axis.square * u * u)
+
+
+def _angle(rng: Random, speed: Speed) -> str:
+    if speed.unit == "radians":
+        return f"radians={number(speed.rate)}"
+    return f"degrees={number(360 * speed.rate)}" if rng.random() < 0.4 else f"turns={number(speed.rate)}"
+
+
+def _rotation(
+    makers: Sequence[Maker], share: float = 0.2, *, grown: Grown | None = None, intervals: float = 0.1,
+) -> Callable[[Random], Scene]:
+    def make(rng: Random) -> Scene:
+        a, b = rng.choice(makers)(rng), rng.choice(makers)(rng)
+        a = a.mapped(_turn(rng, share))
+        place: Point = tuple(F(rng.choice((0, 0, 1, -2, 3)), rng.choice((1, 1, 2, 3))) for _ in range(3))  # type: ignore
+        axis = Axis(rng.choice(WAYS), place)
+        b = moved(b, _direction(rng, 6), 1)
+        speed = Speed(rng.choice(RATES), "turns")
+        first, last = rng.choice(TURN_SPANS)
+        if axis.exact(speed.rate * first) is None:
+            first = F(0)
+            last = max(last, F(1))
+        if rng.random() < 0.15:
+            speed, first, last = Speed(F(rng.choice((1, 2, 3, -1, 6)), rng.choice((1, 2))), "radians"), F(0), F(1)
+        end = speed.rate * last if speed.unit == "turns" else F(1, 7)
+        c, s = _landing(rng, axis, end)
+        shift = minus(plus(_spot(rng, b), times(_off(rng), _direction(rng))), _spot(rng, a))
+        a = posed(moved(a, shift, 1), axis, c, -s)
+        if grown:
+            change, _ = grown(rng)
+            a, b, axis = a.mapped(change), b.mapped(change), Axis(axis.way, change(axis.point))
+        return _turned_scene(rng, a, b, axis, speed, (first, last), intervals)
+
+    return make
+
+
+def _turned_scene(
+    rng: Random, a: Mesh, b: Mesh, axis: Axis, speed: Speed, span: tuple[F, F], intervals: float
+) -> Scene:
+    """a turns with `speed` as seen from b: a alone, b alone, or both about the axis."""
+    first, last = span
+    ours, theirs = speed, Speed(F(0), speed.unit)
+    who = rng.choice("aaabc")
+    if who == "b":
+        ours, theirs = theirs, Speed(-speed.rate, speed.unit)
+    elif who == "c":
+        theirs = Speed(F(rng.choice((1, -1, 2)), rng.choice((1, 2, 4))), speed.unit)
+        ours = Speed(speed.rate + theirs.rate, speed.unit)
+    names = rng.choice(((None, None), (None, None), ("lid", "box"), ("same", "same")))
+    floats = rng.random() < 0.3
+    lines = []
+    for name, body, own, called in (("a", a, ours, names[0]), ("b", b, theirs, names[1])):
+        line = text(body, floats, called)
+        if own.rate:
+            way = vector(times(rng.choice((1, 1, 2, F(1, 2))), axis.way))
+            line += f".moving(fc.Rotation({way}, {vector(axis.point, floats)}, {_angle(rng, own)}))"
+        lines.append(f"{name} = {line}")
+    text_span = _span_text(rng, first, last) if any("moving" in line for line in lines) else "(0, 1)"
+    source = "\n".join([*lines, f"span = {text_span}"]) + "\n"
+
+    answer = turning.first_contact(a, b, axis, speed, first, last)
+    assert answer is not None
+
+    def poses(t: F) -> tuple[Mesh, Mesh]:
+        return turned(a, axis, ours.turns() * t), turned(b, axis, theirs.turns() * t)
+
+    sign = (speed.rate > 0) - (speed.rate < 0)
+
+    def velocity(x: Any) -> Sequence[Any]:
+        arm = minus(x, axis.point)
+        way = times(sign, cross(axis.way, arm))
+        # near the axis the rounding of the point decides
+        return way if max(map(abs, way)) > F(1, 10**6) * max(map(abs, arm)) else (0, 0, 0)
+
+    sharp = False
+    if answer.time is not None and speed.unit == "turns":
+        exact = [axis.exact(own.rate * answer.time) for own in (ours, theirs)] if answer.exact else [None]
+        sharp = all(p is not None and not any(isinstance(x, turning.Surd) for x in p) for p in exact)
+    slack = F(0) if answer.exact else turning.NEAR
+    truth = judges.Truth((first, last), answer.time, answer.initial, slack, poses, velocity, sharp)
+    questions = [Question(FIRST, judges.first_contact(truth))]
+    if rng.random() < intervals:
+        windows = turning.contact_times(a, b, axis, speed, first, last)
+        if windows is not None:
+            judge = judges.intervals(windows, (first, last), turning.NEAR)
+            questions.append(Question("fc.contact_intervals(a, b, span)", judge))
+    if rng.random() < 0.15:
+        questions.append(Question("fc.first_contact(a, b, span, exact=True)", judges.first_contact(truth)))
+    return Scene(source, "rotation", tuple(questions))
 
 
 KINDS: tuple[Kind, ...] = (
@@ -247,7 +361,7 @@ KINDS: tuple[Kind, ...] = (
     ),
     Kind(
         "meshes/translated surfaces", "mesh, mesh", _translation([_open, _open, _solid]),
-        "open surfaces, bare edges, points, triangles that share no vertices; equal points; which of them own an inside",
+        "open surfaces, bare edges, points, triangles that share no vertices; equal points; which own an inside",
         "surfaces of many pieces",
     ),
     Kind(
@@ -262,5 +376,26 @@ KINDS: tuple[Kind, ...] = (
     Kind(
         "meshes/translated for ever", "mesh, mesh", _translation([_solid, _open], 0.2, endless=True),
         "spans without end, contacts that never end, late contacts", "times beyond 2**20",
+    ),
+    Kind(
+        "meshes/turned solids", "mesh, mesh", _rotation([_solid, _small], intervals=0.15),
+        "first contacts of turning solids laid on one another at parts of a turn, at Pythagorean angles and at the last "
+        "instant; spans that begin in mid-turn, several turns, both about one axis", "many triangles",
+    ),
+    Kind(
+        "meshes/turned surfaces", "mesh, mesh", _rotation([_open, _open, _solid], 0.1),
+        "edges, points and sheets that turn, also within their own plane and through the axis", "many pieces",
+    ),
+    Kind(
+        "meshes/turned shells and notches", "mesh, mesh", _rotation([_hollow, _notched, _solid], 0.1, intervals=0.02),
+        "containment and polygons with holes under rotations", "deep nesting",
+    ),
+    Kind(
+        "meshes/turned slivers", "mesh, mesh", _rotation([_thin, _solid], 0.1),
+        "needles and nearly flat ridges under rotations", "rounded planes",
+    ),
+    Kind(
+        "meshes/turned far and small", "mesh, mesh", _rotation([_solid, _open], 0.1, grown=_scales, intervals=0.03),
+        "under- and overflow of angles, axes far from the origin", "sizes beyond 2**100 and below 2**-300",
     ),
 )

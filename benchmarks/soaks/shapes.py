@@ -25,9 +25,8 @@ def _part(corners: Sequence[int]) -> tuple[tuple[int, ...], tuple[tuple[int, ...
 def _polygons(vertices: Any, faces: Sequence[Any], convex: Sequence[Sequence[Sequence[int]]], parts: Any) -> Mesh:
     """A closed body from polygons, each given as convex polygons too."""
     pieces = [(t, n) for n, polygons in enumerate(convex) for polygon in polygons for t in fan(polygon)]
-    return Mesh(
-        tuple(vertices), tuple(t for t, _ in pieces), tuple(faces), None, True, tuple(parts), tuple(n for _, n in pieces)
-    )
+    owners = tuple(n for _, n in pieces)
+    return Mesh(tuple(vertices), tuple(t for t, _ in pieces), tuple(faces), None, True, tuple(parts), owners)
 
 
 def _corners(x: int, y: int, z: int, at: tuple[int, int, int] = (0, 0, 0)) -> list[Point]:
@@ -170,10 +169,10 @@ def number(x: Any, floats: bool = False) -> str:
             pass
     if x.denominator == 1:
         return str(x.numerator)
-    power = x.denominator.bit_length() - 1
-    if power > 80 and x.denominator == 1 << power:
-        return f"F({x.numerator}, 2**{power})"
-    return f"F({x.numerator}, {x.denominator})"
+    power = (x.denominator & -x.denominator).bit_length() - 1
+    rest = x.denominator >> power
+    bottom = str(x.denominator) if power < 40 else f"2**{power}" if rest == 1 else f"{rest} * 2**{power}"
+    return f"F({x.numerator}, {bottom})"
 
 
 def vector(v: Sequence[Any], floats: bool = False) -> str:
