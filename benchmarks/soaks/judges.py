@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from fractions import Fraction as F
 from typing import Any
 
-from .brute import Mesh, distance, dot, inside, share, whole
+from .brute import Mesh, distance, dot, inside, share, start_of, whole
 from .scene import Judge
 
 Poses = Callable[[Any], tuple[Mesh, Mesh]]
@@ -210,3 +210,55 @@ def pairs(due: set[tuple[tuple[str, int], tuple[str, int]]]) -> Judge:
         return None
 
     return judge
+
+
+def sampled(poses: Poses, span: tuple[F, F], samples: Sequence[F], exact_start: bool) -> Judge:
+    """The judge of a first contact of which only poses are known, to some 100 digits.
+
+    Bodies that meet in a sampled pose tell that the first contact is no later; a point on both of them at the time of
+    the answer tells that it is no earlier.  A pose before the answer is sampled at steps that shrink towards it.
+    """
+    first, last = span
+    met: dict[F, str | None] = {}
+
+    def meets(t: F) -> str | None:
+        if t not in met:
+            met[t] = start_of(*(body.mapped(_rounded) for body in poses(t)))
+        return met[t]
+
+    def judge(hit: Any) -> str | None:
+        status = hit.status.name
+        start = meets(first)
+        if exact_start:
+            if start and status not in ("INITIAL_CONTACT", "UNDECIDED"):
+                return f"{status}, but the bodies start {start}"
+            if not start and status == "INITIAL_CONTACT":
+                return "INITIAL_CONTACT of bodies apart"
+        if status == "INITIAL_CONTACT":
+            known = exact_start and start != "any"
+            return f"initial {hit.initial!r}, true {start!r}" if known and hit.initial != start else None
+        if status == "UNDECIDED":
+            until = last if hit.free_until is None else exactly(hit.free_until)
+            late = [t for t in samples if hit.free_until is not None and t < until and meets(t)]
+            return f"free until {hit.free_until!r}, but {meets(late[0])} at {float(late[0])!r}" if late else None
+        before = list(samples)
+        if status == "CONTACT":
+            lo = exactly(hit.time_interval[0])
+            before = [t for t in samples if t < lo]
+            before += [lo - (last - first) / 10**k for k in (2, 4, 7, 10) if lo - (last - first) / 10**k > first]
+        for t in before:
+            if meets(t):
+                when = "" if status == "FREE" else f" at {hit.time!r}"
+                return f"{status}{when}, but the bodies are {meets(t)} at {float(t)!r}"
+        if status == "CONTACT":
+            time = exactly(hit.time)
+            if not first <= time <= last:
+                return f"time {hit.time!r} outside of the span"
+            return _where(hit, Truth(span, time, poses=poses, sharp=False))
+        return None
+
+    return judge
+
+
+def _rounded(p: Sequence[Any]) -> tuple[F, F, F]:
+    return tuple(F(round(x * 2**100), 2**100) for x in p)  # type: ignore[return-value]

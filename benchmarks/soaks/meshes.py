@@ -12,14 +12,28 @@ from fractions import Fraction as F
 from random import Random
 from typing import Any
 
-from . import judges, shapes, turning
+from . import judges, turning
 from .brute import Mesh, Point, contact_times, cross, minus, moved, plus, start_of, times
-from .laws import QUATERNIONS, rotation
+from .choices import (
+    SPANS,
+    Maker,
+    direction,
+    hollow,
+    notched,
+    off,
+    open_mesh,
+    random_turn,
+    small,
+    solid,
+    span_text,
+    spot,
+    thin,
+    when,
+)
+from .mesh_paths import PATHS
 from .scene import Kind, Question, Scene
 from .shapes import number, text, vector
 from .turning import Axis, Speed, posed, turned
-
-Maker = Callable[[Random], Mesh]
 
 Grown = Callable[[Random], tuple[Callable[[Point], Point], Callable[[Point], Point]]]
 """A change of places, and what it makes of directions."""
@@ -27,125 +41,7 @@ Grown = Callable[[Random], tuple[Callable[[Point], Point], Callable[[Point], Poi
 FIRST = "fc.first_contact(a, b, span)"
 
 
-# ---- choices ----
-
-
-def _solid(rng: Random) -> Mesh:
-    n = rng.randint(1, 4)
-    return rng.choice([
-        lambda: shapes.box(n, rng.randint(1, 4), 2),
-        lambda: shapes.box(2, 2, n, polygons=True),
-        lambda: shapes.random_tetrahedron(rng),
-        lambda: shapes.tetrahedron([(F(0), F(0), F(0)), (F(n), F(0), F(0)), (F(0), F(2), F(0)), (F(0), F(0), F(3))]),
-        lambda: shapes.octahedron(n, 2, rng.randint(1, 3)),
-    ])()
-
-
-def _notched(rng: Random) -> Mesh:
-    return rng.choice([
-        lambda: shapes.corner_prism(rng.randint(1, 2), rng.randint(1, 3)),
-        lambda: shapes.frame(4, rng.choice((1, 2, 3)), rng.randint(1, 3)),
-    ])()
-
-
-def _hollow(rng: Random) -> Mesh:
-    core = rng.choice((0, 2))
-    return shapes.hollow(rng.choice((8, 10)), rng.choice((1, 2)), core)
-
-
-def _open(rng: Random) -> Mesh:
-    return rng.choice([
-        lambda: shapes.sheet(rng.randint(1, 4), rng.randint(1, 4), rng.choice((0, 0, 1, -1))),
-        lambda: shapes.soup(2, rng.randint(1, 3), 2),
-        lambda: shapes.wires(shapes.random_points(rng, 4), [(0, 1), (1, 2), (3, 0)]),
-        lambda: shapes.wires([(F(0), F(0), F(0)), (F(4), F(0), F(0)), (F(4), F(2), F(0))], [(0, 1), (1, 2)]),
-        lambda: shapes.cloud(shapes.random_points(rng, rng.randint(1, 5))),
-        lambda: shapes.cloud([(F(1), F(1), F(1))] * 2),
-        lambda: shapes.sheet(2, 2),
-    ])()
-
-
-def _thin(rng: Random) -> Mesh:
-    small = F(1, 2 ** rng.choice((10, 20, 40, 60)))
-    return rng.choice([
-        lambda: shapes.needle(rng.choice((10, 1000)), small),
-        lambda: shapes.ridge(2, 2, 1, small),
-        lambda: shapes.ridge(4, 2, 1, F(0)),
-        lambda: shapes.ridge(2, 4, 1, -small),
-        lambda: shapes.ridge(2, 2, 2, F(1, 3 * 2**60)),
-    ])()
-
-
-def _small(rng: Random) -> Mesh:
-    """Something of few pieces, for the dearer oracles."""
-    return rng.choice([
-        lambda: shapes.random_tetrahedron(rng), lambda: shapes.box(1, 2, 2), lambda: shapes.sheet(3, 2, 1),
-    ])()
-
-
-def _direction(rng: Random, most: int = 4) -> Point:
-    """Along an axis, in a plane of axes or anyhow; not zero."""
-    while True:
-        v = [F(rng.choice((-1, 1)) * rng.randint(1, most)) for _ in range(3)]
-        for k in rng.sample(range(3), rng.choice((2, 2, 1, 0))):
-            v[k] = F(0)
-        if any(v):
-            return tuple(v)  # type: ignore[return-value]
-
-
-def _off(rng: Random) -> F:
-    """How far features miss one another: mostly not at all."""
-    kind = rng.random()
-    if kind < 0.6:
-        return F(0)
-    if kind < 0.85:
-        return F(rng.choice((-1, 1)), 2 ** rng.choice((10, 20, 30, 40, 50)))
-    return F(rng.choice((-2, -1, 1, 2)), rng.choice((1, 2, 4)))
-
-
-def _spot(rng: Random, mesh: Mesh) -> Point:
-    """A point of the surface: a vertex, the middle of an edge, or a point within a piece."""
-    piece = rng.choice(mesh.pieces)
-    corners = [mesh.vertices[i] for i in rng.sample(piece, len(piece))]
-    weights = rng.choice(((1, 0, 0), (1, 0, 0), (F(1, 2), F(1, 2), 0), (F(1, 4), F(1, 4), F(1, 2))))[: len(corners)]
-    total = sum(weights) or 1
-    if not any(weights):
-        weights = (1, *weights[1:])
-    spot: Point = (F(0), F(0), F(0))
-    for w, p in zip(weights, corners, strict=True):
-        spot = plus(spot, times(F(w) / total, p))
-    return spot
-
-
-def _turn(rng: Random, share: float) -> Callable[[Point], Point]:
-    """A rational rotation for a share of the scenes, else none or a swap of axes."""
-    if rng.random() < share:
-        m = rotation(rng.choice(QUATERNIONS[:6]))
-    elif rng.random() < 0.3:
-        m = rotation(rng.choice(((1, 1, 0, 0), (1, 0, 0, 1), (1, 1, 1, 1), (0, 1, 0, 0))))
-    else:
-        return lambda p: p
-    return lambda p: tuple(sum(m[i][j] * p[j] for j in range(3)) for i in range(3))  # type: ignore[return-value]
-
-
-SPANS: tuple[tuple[F, F], ...] = (
-    (F(0), F(1)), (F(0), F(1)), (F(0), F(1)), (F(0), F(1, 2)), (F(1, 4), F(1)), (F(-1), F(1)), (F(0), F(3)),
-    (F(1, 2), F(5, 8)), (F(-4), F(-2)),
-)
-
-
-def _when(rng: Random, span: tuple[F, F]) -> F:
-    """A time for the features to meet: within, at an end, or outside of the span."""
-    first, last = span
-    part = rng.choice(("0", "1", "1", "1/2", "1/2", "1/4", "3/8", "1/3", "2/3", "5/7", "9/8", "-1/8"))
-    return first + F(part) * (last - first)
-
-
-def _span_text(rng: Random, first: F, last: F | None) -> str:
-    if (first, last) == (0, 1) and rng.random() < 0.5:
-        return "None"
-    end = "float('inf')" if last is None else repr(float(last))
-    return f"({float(first)!r}, {end})"
+# ---- translations ----
 
 
 def _movers(rng: Random, a: Mesh, b: Mesh, v: Point, floats: bool) -> tuple[str, Point, Point]:
@@ -156,7 +52,7 @@ def _movers(rng: Random, a: Mesh, b: Mesh, v: Point, floats: bool) -> tuple[str,
     who = rng.choice("aaabc")
     ours, theirs = {"a": (v, zero), "b": (zero, times(-1, v))}.get(who, (None, None)) or (None, None)
     if ours is None or theirs is None:
-        theirs = _direction(rng)
+        theirs = direction(rng)
         ours = plus(theirs, v)
     lines = []
     for name, body, way in (("a", first, ours), ("b", second, theirs)):
@@ -166,16 +62,13 @@ def _movers(rng: Random, a: Mesh, b: Mesh, v: Point, floats: bool) -> tuple[str,
     return "\n".join(lines), ours, theirs
 
 
-# ---- translations ----
-
-
 def _translation(
     makers: Sequence[Maker], share: float = 0.3, *, endless: bool = False, grown: Grown | None = None, more: bool = True
 ) -> Callable[[Random], Scene]:
     def make(rng: Random) -> Scene:
         a, b = rng.choice(makers)(rng), rng.choice(makers)(rng)
-        a = a.mapped(_turn(rng, share))
-        v = times(rng.choice((1, 1, 2, 5, 20)), _direction(rng, rng.choice((4, 8))))
+        a = a.mapped(random_turn(rng, share))
+        v = times(rng.choice((1, 1, 2, 5, 20)), direction(rng, rng.choice((4, 8))))
         if rng.random() < 0.05:
             v = (F(0), F(0), F(0))
         first, last = rng.choice(SPANS)
@@ -184,8 +77,8 @@ def _translation(
             end = None
             first = rng.choice((F(0), F(0), F(-3), F(2)))
             last = first + rng.choice((4, 1024))
-        meeting = _when(rng, (first, last))
-        shift = minus(plus(_spot(rng, b), times(_off(rng), _direction(rng))), plus(_spot(rng, a), times(meeting, v)))
+        meeting = when(rng, (first, last))
+        shift = minus(plus(spot(rng, b), times(off(rng), direction(rng))), plus(spot(rng, a), times(meeting, v)))
         a = moved(a, shift, 1)
         if grown:
             change, linear = grown(rng)
@@ -194,7 +87,7 @@ def _translation(
             a, b, v = b, a, times(-1, v)
         floats = rng.random() < 0.4
         bodies, ours, theirs = _movers(rng, a, b, v, floats)
-        source = f"{bodies}\nspan = {_span_text(rng, first, end)}\n"
+        source = f"{bodies}\nspan = {span_text(rng, first, end)}\n"
         return _judged(rng, source, a, b, (ours, theirs), (first, end), more)
 
     return make
@@ -265,10 +158,10 @@ def _rotation(
 ) -> Callable[[Random], Scene]:
     def make(rng: Random) -> Scene:
         a, b = rng.choice(makers)(rng), rng.choice(makers)(rng)
-        a = a.mapped(_turn(rng, share))
+        a = a.mapped(random_turn(rng, share))
         place: Point = tuple(F(rng.choice((0, 0, 1, -2, 3)), rng.choice((1, 1, 2, 3))) for _ in range(3))  # type: ignore
         axis = Axis(rng.choice(WAYS), place)
-        b = moved(b, _direction(rng, 6), 1)
+        b = moved(b, direction(rng, 6), 1)
         speed = Speed(rng.choice(RATES), "turns")
         first, last = rng.choice(TURN_SPANS)
         if axis.exact(speed.rate * first) is None:
@@ -278,7 +171,7 @@ def _rotation(
             speed, first, last = Speed(F(rng.choice((1, 2, 3, -1, 6)), rng.choice((1, 2))), "radians"), F(0), F(1)
         end = speed.rate * last if speed.unit == "turns" else F(1, 7)
         c, s = _landing(rng, axis, end)
-        shift = minus(plus(_spot(rng, b), times(_off(rng), _direction(rng))), _spot(rng, a))
+        shift = minus(plus(spot(rng, b), times(off(rng), direction(rng))), spot(rng, a))
         a = posed(moved(a, shift, 1), axis, c, -s)
         if grown:
             change, _ = grown(rng)
@@ -309,8 +202,8 @@ def _turned_scene(
             way = vector(times(rng.choice((1, 1, 2, F(1, 2))), axis.way))
             line += f".moving(fc.Rotation({way}, {vector(axis.point, floats)}, {_angle(rng, own)}))"
         lines.append(f"{name} = {line}")
-    text_span = _span_text(rng, first, last) if any("moving" in line for line in lines) else "(0, 1)"
-    source = "\n".join([*lines, f"span = {text_span}"]) + "\n"
+    clock = span_text(rng, first, last) if any("moving" in line for line in lines) else "(0, 1)"
+    source = "\n".join([*lines, f"span = {clock}"]) + "\n"
 
     answer = turning.first_contact(a, b, axis, speed, first, last)
     assert answer is not None
@@ -344,58 +237,59 @@ def _turned_scene(
 
 
 KINDS: tuple[Kind, ...] = (
+    *PATHS,
     Kind(
-        "meshes/translated solids", "mesh, mesh", _translation([_solid]),
+        "meshes/translated solids", "mesh, mesh", _translation([solid]),
         "status, time to the last bit, initial, point, elements and normal of convex solids that meet in features of "
         "all kinds, before, at and after the ends of the span",
         "anything that needs more than some dozen triangles: trees, engines for many elements, budgets",
     ),
     Kind(
-        "meshes/translated notches", "mesh, mesh", _translation([_notched, _solid], 0.2),
+        "meshes/translated notches", "mesh, mesh", _translation([notched, solid], 0.2),
         "polygons that are not convex or have holes, parts that slide through them, flat diagonals",
         "planes that are exact only up to rounding",
     ),
     Kind(
-        "meshes/translated shells", "mesh, mesh", _translation([_hollow, _solid], 0.2),
+        "meshes/translated shells", "mesh, mesh", _translation([hollow, solid], 0.2),
         "containment: solids in solids, voids, loose cores, passage from inside to the wall", "deep nesting",
     ),
     Kind(
-        "meshes/translated surfaces", "mesh, mesh", _translation([_open, _open, _solid]),
+        "meshes/translated surfaces", "mesh, mesh", _translation([open_mesh, open_mesh, solid]),
         "open surfaces, bare edges, points, triangles that share no vertices; equal points; which own an inside",
         "surfaces of many pieces",
     ),
     Kind(
-        "meshes/translated slivers", "mesh, mesh", _translation([_thin, _thin, _solid], 0.15),
+        "meshes/translated slivers", "mesh, mesh", _translation([thin, thin, solid], 0.15),
         "needles, ridges that are flat or 2**-60 high or deep, vertices that no double holds",
         "planes through more than four corners that are flat but for rounding",
     ),
     Kind(
-        "meshes/translated far and small", "mesh, mesh", _translation([_solid, _open, _thin], 0.2, grown=_scales),
+        "meshes/translated far and small", "mesh, mesh", _translation([solid, open_mesh, thin], 0.2, grown=_scales),
         "under- and overflow, cancellation far from the origin", "sizes beyond 2**100 and below 2**-300",
     ),
     Kind(
-        "meshes/translated for ever", "mesh, mesh", _translation([_solid, _open], 0.2, endless=True),
+        "meshes/translated for ever", "mesh, mesh", _translation([solid, open_mesh], 0.2, endless=True),
         "spans without end, contacts that never end, late contacts", "times beyond 2**20",
     ),
     Kind(
-        "meshes/turned solids", "mesh, mesh", _rotation([_solid, _small], intervals=0.15),
-        "first contacts of turning solids laid on one another at parts of a turn, at Pythagorean angles and at the last "
-        "instant; spans that begin in mid-turn, several turns, both about one axis", "many triangles",
+        "meshes/turned solids", "mesh, mesh", _rotation([solid, small], intervals=0.15),
+        "first contacts of turning solids laid on one another at parts of a turn, at Pythagorean angles and at the "
+        "last instant; spans that begin in mid-turn, several turns, both about one axis", "many triangles",
     ),
     Kind(
-        "meshes/turned surfaces", "mesh, mesh", _rotation([_open, _open, _solid], 0.1),
+        "meshes/turned surfaces", "mesh, mesh", _rotation([open_mesh, open_mesh, solid], 0.1),
         "edges, points and sheets that turn, also within their own plane and through the axis", "many pieces",
     ),
     Kind(
-        "meshes/turned shells and notches", "mesh, mesh", _rotation([_hollow, _notched, _solid], 0.1, intervals=0.02),
+        "meshes/turned shells and notches", "mesh, mesh", _rotation([hollow, notched, solid], 0.1, intervals=0.02),
         "containment and polygons with holes under rotations", "deep nesting",
     ),
     Kind(
-        "meshes/turned slivers", "mesh, mesh", _rotation([_thin, _solid], 0.1),
+        "meshes/turned slivers", "mesh, mesh", _rotation([thin, solid], 0.1),
         "needles and nearly flat ridges under rotations", "rounded planes",
     ),
     Kind(
-        "meshes/turned far and small", "mesh, mesh", _rotation([_solid, _open], 0.1, grown=_scales, intervals=0.03),
+        "meshes/turned far and small", "mesh, mesh", _rotation([solid, open_mesh], 0.1, grown=_scales, intervals=0.03),
         "under- and overflow of angles, axes far from the origin", "sizes beyond 2**100 and below 2**-300",
     ),
 )

@@ -1,8 +1,8 @@
 """Exact first contacts and contact intervals of polyhedra about one axis, by brute force over all pairs of features.
 
 With C = cos(angle) and S = sin(angle) / |axis| a rotated point is rational in C and S, which lie on the ellipse
-C^2 + N S^2 = 1, N = |axis|^2.  Each pair (vertex, plane) or (edge, edge) meets where A + B C + G S = 0, so C and S lie in Q(sqrt(E)) with
-E = N B^2 + G^2 - N A^2 and everything about such a pose is decided by signs of p + q sqrt(E).
+C^2 + N S^2 = 1, N = |axis|^2.  Each pair (vertex, plane) or (edge, edge) meets where A + B C + G S = 0, so C and S lie
+in Q(sqrt(E)) with E = N B^2 + G^2 - N A^2, and everything about such a pose is decided by signs of p + q sqrt(E).
 """
 
 from __future__ import annotations
