@@ -279,7 +279,8 @@ def _any_axis(rng: Random, screw: bool) -> Axis:
 
 
 def _motion(rng: Random, depth: int = 0) -> Path:
-    kind = rng.choice(("shift", "turn", "screw", "between", "keys", "sequence") if depth == 0 else ("shift", "turn", "screw"))
+    simple, joined = ("shift", "turn", "screw"), ("between", "keys", "sequence")
+    kind = rng.choice(simple if depth else simple + joined)
     if kind == "shift":
         return shift(direction(rng, 6))
     if kind == "turn":
@@ -382,22 +383,40 @@ def _pairs(rng: Random) -> Scene:
 
 PLATE = "over a plate wider than the motion, whatever turns meanwhile: "
 PATHS: tuple[Kind, ...] = (
-    Kind("meshes/screwed on a plate", "mesh, mesh", _over_plate("screw"), PLATE + "screws that seat flat, on an edge or "
-         "a vertex, at the last instant, by 2**-50 not, or begin there", "contacts with walls"),
-    Kind("meshes/steps to a plate", "mesh, mesh", _over_plate("steps"), PLATE + "sequences of turns, screws and shifts "
-         "that land at the end of a step, within one, or rest on the plate", "steps that jump"),
-    Kind("meshes/poses over a plate", "mesh, mesh", _over_plate("keys"), PLATE + "poses joined by linear quaternions",
-         "turns about axes that lie askew"),
-    Kind("meshes/curves over a plate", "mesh, mesh", _over_plate("curve"), PLATE + "rational motions of degree 2 to 4, "
-         "also stretching, that graze (double roots), miss by 2**-50, or dip in", "higher degrees"),
-    Kind("meshes/any motion", "mesh, mesh", _sampled(0.0), "contacts missed or reported too early by more than some "
-         "1e-9 of the size, in poses computed from the definitions of all motions",
-         "grazing contacts that are missed, times off by less than 1e-10 of the span"),
-    Kind("meshes/any two motions", "mesh, mesh", _sampled(1.0), "the same where both bodies move, each by its own "
-         "motion", "as above"),
-    Kind("meshes/alike", "mesh, mesh", _alike, "one motion for both, whatever it is: rest", "motions that are equal but "
-         "written differently"),
-    Kind("meshes/pairs", "mesh, mesh", _pairs, "element pairs that are missing from contact_pairs or never meet",
-         "the list of those that pierce at the start; many elements", laws=False),
+    Kind(
+        "meshes/screwed on a plate", "mesh, mesh", _over_plate("screw"),
+        PLATE + "screws that seat flat, on an edge or a vertex, at the last instant, by 2**-50 not, or begin there",
+        "contacts with walls",
+    ),
+    Kind(
+        "meshes/steps to a plate", "mesh, mesh", _over_plate("steps"),
+        PLATE + "sequences of turns, screws and shifts that land at the end of a step, within one, or rest there",
+        "steps that jump",
+    ),
+    Kind(
+        "meshes/poses over a plate", "mesh, mesh", _over_plate("keys"), PLATE + "poses joined by linear quaternions",
+        "turns about axes that lie askew",
+    ),
+    Kind(
+        "meshes/curves over a plate", "mesh, mesh", _over_plate("curve"),
+        PLATE + "rational motions, also stretching, that graze (double roots), miss by 2**-50, or dip in",
+        "degrees above 4",
+    ),
+    Kind(
+        "meshes/any motion", "mesh, mesh", _sampled(0.0),
+        "contacts missed or told too early by more than some 1e-9 of the size, in poses computed from the definitions",
+        "grazing contacts that are missed, times off by less than 1e-10 of the span",
+    ),
+    Kind(
+        "meshes/any two motions", "mesh, mesh", _sampled(1.0), "the same where both bodies move, each in its own way",
+        "as above",
+    ),
+    Kind(
+        "meshes/alike", "mesh, mesh", _alike, "one motion for both, whatever it is: rest",
+        "motions that are equal but written differently",
+    ),
+    Kind(
+        "meshes/pairs", "mesh, mesh", _pairs, "element pairs that are missing from contact_pairs or never meet",
+        "the list of those that pierce at the start; many elements", laws=False,
+    ),
 )
-

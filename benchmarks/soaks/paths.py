@@ -44,7 +44,7 @@ def product(m: Matrix, n: Matrix) -> Matrix:
 
 
 def rigid(turn: Any, shift: Sequence[Any]) -> Matrix:
-    return [[*turn[i], shift[i]] for i in range(3)] + [[F(0), F(0), F(0), F(1)]]
+    return [[*turn[i][:3], shift[i]] for i in range(3)] + [[F(0), F(0), F(0), F(1)]]
 
 
 UNIT: Matrix = rigid([[F(int(i == j)) for j in range(3)] for i in range(3)], (F(0), F(0), F(0)))
