@@ -15,7 +15,7 @@ from . import judges, shapes
 from .brute import Mesh, Point, minus, moved, piece_times, plus, start_of, times
 from .choices import direction, hollow, notched, off, open_mesh, random_turn, small, solid, span_text, spot, thin
 from .laws import QUATERNIONS, rotation
-from .paths import (
+from .poses import (
     REST,
     UNIT,
     Path,

@@ -427,8 +427,10 @@ def contact_times(a: Mesh, b: Mesh, axis: Axis, speed: Speed, first: F, last: F)
 
 
 def _between(N: int, lo: F, hi: F) -> tuple[F, F]:
-    """Rational C and S of an angle near the middle of (lo, hi) turns."""
-    middle = (lo + hi) / 2
+    """Rational C and S of an angle within (lo, hi) turns, that of a half turn excepted."""
+    middle = lo + (hi - lo) * F(11, 23)
+    if middle.denominator == 2:
+        middle = lo + (hi - lo) * F(10, 23)
     reach = (hi - lo) / 8
     with ctx.workprec(DIGITS):
         u = _fraction((arb.pi() * _arb(middle)).tan() / arb(N).sqrt())
