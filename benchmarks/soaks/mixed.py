@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from benchmarks.soaks.landing import landing
+from benchmarks.soaks.piercing import pierced
 from benchmarks.soaks.scene import Kind
 from benchmarks.soaks.shapes import MESHES, SOLIDS
 from benchmarks.soaks.starts import graze, known_start, nested, shallow
@@ -20,6 +21,9 @@ KINDS: tuple[Kind, ...] = (
          "containment that is missed", "when the inner body comes out"),
     Kind("mixed/solid in mesh", "mesh, solid", lambda rng: nested(rng, SOLIDS, MESHES[3:]),
          "containment that is missed", "when the inner body comes out"),
+    Kind("mixed/piercing", "point, solid", pierced,
+         "wrong times, intervals and points of a bare point through solids of all kinds, with holes, tips and edges of "
+         "degree 4; grazes along tangents", "contacts that are not at a vertex"),
     Kind("mixed/tangent start", "mesh, solid", lambda rng: known_start(rng, True),
          "`initial` where bodies fit or touch along lines and surfaces, from inside and outside",
          "what comes after the start"),

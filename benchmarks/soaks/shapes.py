@@ -376,9 +376,14 @@ def hyperboloid(a: F, b: F, c: F, h: F, sheets: int = 1, feature: Any = None) ->
     return Body(name, max(wide, h), **_all(forms), kind="cap", feature=feature, support=support)
 
 
-def half_space(n: Sequence[Any], d: Any) -> Body:
-    return Body(f"fc.half_space({ex.texts(tuple(n))}, {ex.text(d)})", F(0), **_all([plane(n, d)]), kind="half-space",
-                bounded=False)
+def half_space(n: Sequence[Any], d: Any, size: F = F(0)) -> Body:
+    """n of unit length where it is to be touched; `size` for tolerances."""
+
+    def feature(rng: Random) -> Feature:
+        return Feature(ex.scale(d, n), tuple(n), "face", True)  # type: ignore[arg-type]
+
+    return Body(f"fc.half_space({ex.texts(tuple(n))}, {ex.text(d)})", size, **_all([plane(n, d)]), kind="half-space",
+                bounded=False, feature=feature)
 
 
 # ---- polyhedra
@@ -440,7 +445,7 @@ BOX_FACES = "[[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 
 
 def box_mesh(x: F, y: F, z: F) -> Body:
     corners = tuple((sx * x / 2, sy * y / 2, sz * z / 2) for sx in (-1, 1) for sy in (-1, 1) for sz in (-1, 1))
-    made = polytope(corners, BOX_FACES, False)
+    made = polytope(corners, BOX_FACES, False, box(x, y, z).forms)
     return replace(made, feature=lambda rng: box_feature(rng, (x / 2, y / 2, z / 2)))
 
 
@@ -568,6 +573,26 @@ def any_octahedron(rng: Random, s: F) -> Body:
     corners = [(a, zero, zero), (-a, zero, zero), (zero, b, zero), (zero, -b, zero), (zero, zero, c), (zero, zero, -c)]
     faces = "[[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]]"
     return polytope(corners, faces, False)
+
+
+def any_half_space(rng: Random, s: F) -> Body:
+    return half_space(ex.unit(rng), s * rng.randint(-3, 3), s)
+
+
+def any_quadric(rng: Random, s: F) -> Body:
+    """Unbounded: double cones, cylinders, slabs, wedges, saddles, hyperboloids, half-spaces, at times without a centre."""
+    signs = rng.choice(((1, 1, -1, 0), (1, 1, 0, -1), (1, 0, 0, -1), (1, -1, 0, 0), (1, 1, -1, -1), (1, 1, -1, 1),
+                        (-1, -1, -1, 1), (1, -1, 0, 1), (1, 1, 0, 0), (1, -1, 0, 0)))
+    weights = [F(x) * F(rng.randint(1, 5), rng.choice((1, 2, 4))) for x in signs[:3]]
+    rng.shuffle(weights)
+    q = diagonal(*weights, signs[3] * s * s * number(rng))
+    if 0 in weights and rng.random() < 0.4:
+        k = weights.index(0)
+        q[k][3] = q[3][k] = s * rng.choice((1, -1)) * number(rng)
+    if rng.random() < 0.5:
+        q = _pulled(q, ex.inverse(ex.bringing(ex.unit(rng), ex.unit(rng), rng)))
+    name = f"fc.quadric({ex.texts(q)})"
+    return Body(name, 8 * s, (q,), ("form", 0), kind="quadric", bounded=False)
 
 
 SOLIDS: tuple[Callable[[Random, F], Body], ...] = (
