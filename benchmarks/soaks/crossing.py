@@ -15,14 +15,25 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.soaks import exact as ex
-from benchmarks.soaks import shapes as sh
-from benchmarks.soaks.landing import (
-    KINDS, Maker, Touch, calls, clear_from, end_of, flipped, landed, path, program, rational_motion, scales, touch)
-from benchmarks.soaks.paths import Steps
-from benchmarks.soaks.scene import Question, Scene
-from benchmarks.soaks.shapes import Body
-from benchmarks.soaks.verdicts import Posed, Truth, point_wrong
+from . import exact as ex
+from . import solid_shapes as sh
+from .landing import (
+    KINDS,
+    Maker,
+    Touch,
+    calls,
+    end_of,
+    flipped,
+    landed,
+    path,
+    program,
+    rational_motion,
+    scales,
+    touch,
+)
+from .scene import Question, Scene
+from .solid_shapes import Body
+from .verdicts import Posed, Truth, point_wrong
 
 
 def crossing(rng: Random, makers: Sequence[Maker], others: Sequence[Maker]) -> Scene:
@@ -51,8 +62,9 @@ def crossing(rng: Random, makers: Sequence[Maker], others: Sequence[Maker]) -> S
         if status == "FREE":
             return None if seen is None else f"FREE, but {[float(x) for x in seen[1]]} is inside both at {seen[0]}"
         if status == "UNDECIDED":
-            late = seen is not None and hit.free_until is not None and F(hit.free_until) > seen[0]
-            return f"UNDECIDED, free until {hit.free_until!r}, but a point is inside both at {seen[0]}" if late and seen else None
+            if seen is None or hit.free_until is None or F(hit.free_until) <= seen[0]:
+                return None
+            return f"UNDECIDED, free until {hit.free_until!r}, but a point is inside both at {seen[0]}"
         t = F(hit.time)
         if seen is not None and t > seen[0] + F(1, 10**11) * end:
             return f"{status} at {hit.time!r}, but {[float(x) for x in seen[1]]} is inside both at {seen[0]}"
@@ -80,13 +92,9 @@ def plane_wrong(hit: Any, a: Posed, b: Posed, t: F, end: F) -> str | None:
     allowed = 1e-9 * size + 4e-12 * far
     if apart > allowed:
         return f"{apart:.3g} apart at the time told, {hit.time!r}, along the normal told"
-    if apart < -allowed and not _blunt(hit):
+    if apart < -allowed:
         return f"the plane told cuts {-apart:.3g} into the bodies, of size {size:.3g}"
     return None
-
-
-def _blunt(hit: Any) -> bool:
-    return False
 
 
 def witness(rng: Random, a: Posed, b: Posed, end: F, times: int = 24) -> tuple[F, ex.Vector] | None:
@@ -95,9 +103,9 @@ def witness(rng: Random, a: Posed, b: Posed, end: F, times: int = 24) -> tuple[F
     if small.body.flat or not small.body.support:
         small, large = large, small
     points = _samples(rng, small.body)
-    forms = np.array([[[float(x) for x in row] for row in q] for q in large.body.world_forms()]) if not large.body.flat else None
-    if forms is None or not len(points):
+    if large.body.flat or not len(points):
         return None
+    forms = np.array([[[float(x) for x in row] for row in q] for q in large.body.world_forms()])
     homogeneous = np.c_[points, np.ones(len(points))]
     for k in range(times + 1):
         t = end * F(k, times)
@@ -133,7 +141,8 @@ def drilled_landing(rng: Random, makers: Sequence[Maker], others: Sequence[Maker
         t = touch(rng, makers, others, s, s, s)
         if t.b.corners or not t.b.forms:
             continue
-        hole = rng.choice((sh.any_sphere, sh.any_cylinder, sh.any_box, sh.any_ellipsoid, sh.any_cone))(rng, s * rng.choice((1, 1, F(1, 4))))
+        shape = rng.choice((sh.any_sphere, sh.any_cylinder, sh.any_box, sh.any_ellipsoid, sh.any_cone))
+        hole = shape(rng, s * rng.choice((1, 1, F(1, 4))))
         assert hole.feature
         f = hole.feature(rng)
         m = ex.unit(rng)
@@ -179,6 +188,3 @@ def _kept(rng: Random, body: Body, p: ex.Vector) -> bool:
         if body.side(ex.add(p, step)) > 0:
             return True
     return False
-
-
-__all__ = ["crossing", "drilled_landing", "clear_from", "Steps"]

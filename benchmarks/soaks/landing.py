@@ -13,11 +13,11 @@ from fractions import Fraction as F
 from random import Random
 from typing import Any
 
-from benchmarks.soaks import exact as ex
-from benchmarks.soaks.paths import Between, Rest, Rolling, Shift, Steps, Turn, moved
-from benchmarks.soaks.scene import Question, Scene
-from benchmarks.soaks.shapes import Body, Feature
-from benchmarks.soaks.verdicts import Posed, Truth, first, intervals
+from . import exact as ex
+from .paths import Between, Rest, Rolling, Shift, Steps, Turn, moved
+from .scene import Question, Scene
+from .solid_shapes import Body, Feature
+from .verdicts import Posed, Truth, first, intervals
 
 Maker = Callable[[Random, F], Body]
 TIMES = (F(1, 2), F(1, 4), F(3, 4), F(3, 8), F(1, 3), F(2, 3), F(3, 5), F(7, 8), F(1))
@@ -110,8 +110,8 @@ def speed(rng: Random, s: F) -> ex.Vector:
 
 QUATERNIONS = tuple(
     tuple(F(x, d) for x in v) for *v, d in
-    ((3, 0, 0, 4, 5), (0, 4, 0, 3, 5), (0, 0, 5, 12, 13), (1, 2, 0, 2, 3), (2, 3, 0, 6, 7), (1, 4, 4, 4, 7), (0, 0, 0, 1, 1),
-     (1, 1, 1, 1, 2), (2, 4, 5, 6, 9))
+    ((3, 0, 0, 4, 5), (0, 4, 0, 3, 5), (0, 0, 5, 12, 13), (1, 2, 0, 2, 3), (2, 3, 0, 6, 7), (1, 4, 4, 4, 7),
+     (0, 0, 0, 1, 1), (1, 1, 1, 1, 2), (2, 4, 5, 6, 9))
 )
 
 
@@ -120,7 +120,8 @@ def path(rng: Random, kind: str, when: F, touching: Touch, s: F) -> Any:
     near = tuple(touching.point[i] + s * F(rng.randint(-12, 12), 2) for i in range(3))
     if kind == "translation":
         if rng.random() < 0.3:
-            return Shift(ex.scale(s * rng.choice((-1, 1)) * rng.choice((1, 4)) / F(_big(touching.normal)), touching.normal))
+            length = s * rng.choice((-1, 1)) * rng.choice((1, 4))
+            return Shift(ex.scale(length / F(max(map(abs, touching.normal))), touching.normal))
         return Shift(speed(rng, s))
     if kind in ("rotation", "screw"):
         quarters = rng.choice((1, 1, 2, 3, -1, -1, -2, -3, 4, 5))
@@ -149,10 +150,6 @@ def path(rng: Random, kind: str, when: F, touching: Touch, s: F) -> Any:
     return (Steps((*firsts, path(rng, last, part, touching, s)), durations), sum(durations[:-1]) + part * durations[-1])
 
 
-def _big(v: Sequence[Any]) -> Any:
-    return max(abs(x) for x in v)
-
-
 KINDS = ("translation", "rotation", "screw", "rational", "between", "trajectory", "sequence")
 
 
@@ -176,14 +173,14 @@ def landed(rng: Random, kind: str, t: Touch, s: F) -> tuple[Posed, Posed, F, F] 
         return None
     pose_b = xb.pose(when)
     b = Posed(t.b.placed(ex.inverse(pose_b)), xb)
-    normal, level = ex.pull(pose_b, t.normal), None
+    normal = ex.pull(pose_b, t.normal)
     level = ex.dot(normal, ex.apply(ex.inverse(pose_b), t.point))
-    for xa in (xa, _reversed(xa)):
-        if xa is None:
+    for way in (xa, _reversed(xa)):
+        if way is None:
             continue
-        a = Posed(t.a.placed(ex.inverse(xa.pose(when))), xa)
+        a = Posed(t.a.placed(ex.inverse(way.pose(when))), way)
         if a.body.corners:
-            a = Posed(bake(rng, a.body), xa)
+            a = Posed(bake(rng, a.body), way)
         clear = clear_from(a, b, normal, level, F(0), when)
         if clear is not None:
             return a, b, when, clear
@@ -221,7 +218,7 @@ def program(rng: Random, a: Posed, b: Posed, span: tuple[F, F] | None, names: bo
 
 def calls(rng: Random, truth: Truth, expected: Sequence[tuple[F, F]] | None = None, exactly: bool = True,
           slack: F = F(0)) -> tuple[Question, ...]:
-    """The questions: mostly the default, at times in exact arithmetic or by algebra alone, and intervals where known."""
+    """The questions: the default, at times in exact arithmetic or by algebra alone, and intervals where known."""
     ask = [Question("fc.first_contact(a, b, span)", first(truth))]
     dice = rng.random()
     if exactly and dice < 0.15:
@@ -269,7 +266,7 @@ def landing(rng: Random, makers: Sequence[Maker], others: Sequence[Maker], kinds
             start = _dyadic(when * F(rng.randint(1, 15), 16))
         if start >= when:
             continue
-        span, truth_time = (start, end), when
+        span = (start, end)
         shape = rng.choice(("whole", "whole", "whole", "ends there", "ends before", "starts there"))
         status, initial = "CONTACT", None
         if shape == "ends there":
@@ -286,7 +283,8 @@ def landing(rng: Random, makers: Sequence[Maker], others: Sequence[Maker], kinds
         first_a, first_b, normal = flipped(rng, a, b, t.one_normal)
         if any(F(float(x)) != x for x in span):  # spans are doubles
             continue
-        truth = Truth(status, span, first_a, first_b, when if status == "CONTACT" else None, initial=initial, normal=normal)
+        time = when if status == "CONTACT" else None
+        truth = Truth(status, span, first_a, first_b, time, initial=initial, normal=normal)
         written = None if span == (F(0), end) and rng.random() < 0.5 else span
         source = program(rng, first_a, first_b, written, rng.random() < 0.2)
         kind = a.motion.kind if b.motion.kind == "rest" else f"{a.motion.kind}, {b.motion.kind}"

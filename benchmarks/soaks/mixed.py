@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
-from benchmarks.soaks.crossing import crossing, drilled_landing
-from benchmarks.soaks.landing import landing
-from benchmarks.soaks.piercing import pierced
-from benchmarks.soaks.rounds import circling, pinned, straight
-from benchmarks.soaks.scene import Kind
-from benchmarks.soaks.shapes import MESHES, SOLIDS, any_half_space
-from benchmarks.soaks.starts import graze, known_start, nested, shallow
+from .crossing import crossing, drilled_landing
+from .landing import landing
+from .piercing import pierced
+from .rounds import circling, pinned, straight
+from .scene import Kind
+from .solid_shapes import MESHES, SOLIDS, any_half_space
+from .starts import graze, known_start, nested, shallow
 
 PARTNERS = (*SOLIDS, any_half_space)
 THICK = MESHES[3:]
 
 KINDS: tuple[Kind, ...] = (
     Kind("mixed/landing", "mesh, solid", lambda rng: landing(rng, MESHES, PARTNERS),
-         "late, early and missed first contacts of convex bodies, wrong points and normals, false FREE at the ends of spans",
+         "late, early, missed first contacts of convex bodies, wrong points and normals, false FREE at ends of spans",
          "contacts of solids with holes and waists; what comes after the first contact"),
     Kind("mixed/drilled landing", "mesh, csg", lambda rng: drilled_landing(rng, MESHES, SOLIDS),
          "the same on models with holes, at edges of degree 4 and on the walls of unions", "contacts within holes"),
     Kind("mixed/crossing", "mesh, solid", lambda rng: crossing(rng, MESHES, SOLIDS),
-         "false FREE and late contacts where bodies overlap well, early ones, planes of contact that cut into the bodies",
+         "false FREE and late contacts where bodies overlap well, early ones, planes of contact that cut into bodies",
          "exact times; thin overlaps and short contacts"),
     Kind("mixed/shallow start", "mesh, solid", lambda rng: shallow(rng, MESHES, SOLIDS),
          "overlaps and gaps of 1e-1 to 1e-18 of the size taken for each other or for contact later; wrong `initial`",

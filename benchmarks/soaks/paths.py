@@ -1,6 +1,6 @@
 """Motions as text and as poses of their own: what a body's 4x4 matrix is at a rational time, from the definitions.
 
-`pose` is exact where the motion's pose is rational, and good to some 50 digits elsewhere; `quick` is the same in doubles.
+`pose` is exact where the motion's pose is rational, and good to 50 digits elsewhere; `quick` is the same in doubles.
 """
 
 from __future__ import annotations
@@ -10,8 +10,8 @@ from fractions import Fraction as F
 from math import cos, pi, sin
 from typing import Any
 
-from benchmarks.soaks import exact as ex
-from benchmarks.soaks.exact import IDENTITY, Matrix, Vector
+from . import exact as ex
+from .exact import IDENTITY, Matrix, Vector
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 """A bare point on a straight way against any solid: all times of contact by quadratic equations.
 
-Along x(t) = p + t v every form of a solid is a quadratic in t, so signs between its roots tell exactly when the point is
-in the solid.  Roots that are not rational are known to 60 digits; two that agree so far count as one.
+Along x(t) = p + t v every form of a solid is a quadratic in t, so signs between its roots tell exactly when the point
+is in the solid.  Roots that are not rational are known to 60 digits; two that agree so far count as one.
 """
 
 from __future__ import annotations
@@ -11,13 +11,13 @@ from fractions import Fraction as F
 from math import isqrt
 from random import Random
 
-from benchmarks.soaks import exact as ex
-from benchmarks.soaks import shapes as sh
-from benchmarks.soaks.landing import calls, flipped, program
-from benchmarks.soaks.paths import Shift
-from benchmarks.soaks.scene import Scene
-from benchmarks.soaks.shapes import Body
-from benchmarks.soaks.verdicts import Posed, Truth
+from . import exact as ex
+from . import solid_shapes as sh
+from .landing import calls, flipped, program
+from .paths import Shift
+from .scene import Scene
+from .solid_shapes import Body
+from .verdicts import Posed, Truth
 
 TINY = F(1, 2**190)
 
@@ -140,7 +140,8 @@ def any_csg(rng: Random, s: F) -> tuple[Body, list[ex.Vector]]:
         place = ex.product(place, ex.bringing(ex.unit(rng), ex.unit(rng), rng))
     b = b.placed(place)
     points = [x for x in (point, special(rng, a), special(rng, b)) if x]
-    return sh.combined(rng.choice(("-", "-", "|", "&")), a, b), points
+    body = sh.combined(rng.choice(("-", "-", "|", "&")), a, b)
+    return (body, points) if any(_closed(rng, body, x) for x in points) else any_csg(rng, s)  # else perhaps empty
 
 
 def pierced(rng: Random, mesh: bool = True) -> Scene:
@@ -162,7 +163,9 @@ def pierced(rng: Random, mesh: bool = True) -> Scene:
                 m = ex.product(ex.shifting(tuple(s * F(rng.randint(-9, 9), 2) for _ in range(3))), m)
             body, points = body.placed(m), [ex.apply(m, p) for p in points]
         # the way: through a special place at times, along an axis at times, tangent to a surface at times
-        aim = rng.choice(points) if points and rng.random() < 0.8 else tuple(s * F(rng.randint(-8, 8), 2) for _ in range(3))
+        aim: ex.Vector = tuple(s * F(rng.randint(-8, 8), 2) for _ in range(3))  # type: ignore[assignment]
+        if points and rng.random() < 0.8:
+            aim = rng.choice(points)
         v: ex.Vector = tuple(s * F(rng.randint(-12, 12)) for _ in range(3))  # type: ignore[assignment]
         dice = rng.random()
         if dice < 0.25:
@@ -181,7 +184,9 @@ def pierced(rng: Random, mesh: bool = True) -> Scene:
         found = shared(rng, body, p, v, F(0), F(1))
         if found is None:
             continue
-        point = Posed(sh.polytope([p]) if rng.random() < 0.7 else sh.polytope([(F(0),) * 3]).placed(ex.shifting(p)), Shift(v))
+        zero = (F(0), F(0), F(0))
+        bare = sh.polytope([p]) if rng.random() < 0.7 else sh.polytope([zero]).placed(ex.shifting(p))
+        point = Posed(bare, Shift(v))
         solid = Posed(body)
         if rng.random() < 0.2:
             point, solid = Posed(point.body), Posed(body, Shift(ex.scale(-1, v)))
@@ -192,7 +197,7 @@ def pierced(rng: Random, mesh: bool = True) -> Scene:
         elif found:
             status, time = "CONTACT", found[0][0]
         a, b, _ = flipped(rng, point, solid, None)
-        truth = Truth(status, (F(0), F(1)), a, b, time, F(1, 2**170) * (1 if time is None else max(1, abs(time))), initial)
+        truth = Truth(status, (F(0), F(1)), a, b, time, F(1, 2**170), initial)
         span = rng.choice((None, (F(0), F(1))))
         return Scene(program(rng, a, b, span), "translation", calls(rng, truth, found, True, truth.slack))
 

@@ -1,4 +1,4 @@
-"""Balls: contact is a distance of the centre, so times are in closed form (or roots of one convex function of the time).
+"""Balls: contact is a distance of the centre, so times are in closed form (or roots of one convex function).
 
 Along straight ways against balls, half-spaces, boxes, cylinders; on circles and helices against balls, half-spaces and
 cylinders along the axis, where the distance is a constant and one cosine; through waists and holes.
@@ -8,16 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction as F
+from functools import partial
 from random import Random
 
 from flint import arb, ctx, fmpq
 
-from benchmarks.soaks import exact as ex
-from benchmarks.soaks import shapes as sh
-from benchmarks.soaks.landing import calls, flipped, program
-from benchmarks.soaks.paths import Shift, Steps, Turn
-from benchmarks.soaks.scene import Scene
-from benchmarks.soaks.verdicts import Posed, Truth
+from . import exact as ex
+from . import solid_shapes as sh
+from .landing import calls, flipped, program
+from .paths import Shift, Steps, Turn
+from .scene import Scene
+from .verdicts import Posed, Truth
 
 CLOSE = F(1, 2**150)
 
@@ -39,7 +40,7 @@ def square_gap(kind: str, sizes: tuple[F, ...], p: ex.Vector) -> F:
 
 
 def entry(excess: Callable[[F], F]) -> tuple[F, F] | None | str:
-    """First and last time in [0, 1] at which a convex function is <= 0; None if never, "near" where too near a graze."""
+    """First and last time in [0, 1] at which a convex function is <= 0; None if never, "near" too near a graze."""
     lo, hi = 0.0, 1.0
     for _ in range(60):
         x, y = lo + (hi - lo) / 3, hi - (hi - lo) / 3
@@ -63,6 +64,10 @@ def entry(excess: Callable[[F], F]) -> tuple[F, F] | None | str:
     return ends[0], ends[1]
 
 
+def _excess(kind: str, sizes: tuple[F, ...], p: ex.Vector, v: ex.Vector, r: F, t: F) -> F:
+    return square_gap(kind, sizes, ex.add(p, ex.scale(t, v))) - r * r
+
+
 def straight(rng: Random, meshes: bool = False) -> Scene:
     """A ball on a straight way past a box or cylinder: over faces, sides, edges, corners and rims."""
     while True:
@@ -79,9 +84,7 @@ def straight(rng: Random, meshes: bool = False) -> Scene:
         if rng.random() < 0.3:
             p = ex.add(p, ex.scale(r, ex.unit(rng)))
 
-        def excess(t: F, p: ex.Vector = p, v: ex.Vector = v, kind: str = kind, sizes: tuple[F, ...] = sizes, r: F = r) -> F:
-            return square_gap(kind, sizes, ex.add(p, ex.scale(t, v))) - r * r
-
+        excess = partial(_excess, kind, sizes, p, v, r)
         when = entry(excess)
         if when == "near" or excess(F(0)) == 0 or excess(F(1)) == 0:
             continue
@@ -180,7 +183,7 @@ def _arb(x: F) -> arb:
 
 
 def circling(rng: Random, meshes: bool = False) -> Scene:
-    """A ball that turns about an axis, or along a helix, against a ball, a half-space, a cylinder along the axis; a point."""
+    """A ball (or point) that turns about an axis, or along a helix, against a ball, a half-space, a parallel cylinder."""
     while True:
         s = _scale(rng)
         u, o = ex.unit(rng), tuple(s * F(rng.randint(-4, 4), 2) for _ in range(3))
@@ -305,12 +308,11 @@ def seated(rng: Random) -> Scene:
 
 
 def pinned(rng: Random, meshes: bool = False) -> Scene:
-    """A pin in a bore with a clearance of 1e-3 to 1e-12, none, or less than none; it goes along, turns, shifts sideways."""
+    """A pin in a bore with a clearance of 1e-3 to 1e-12, none, or less; it goes along, turns, shifts sideways."""
     while True:
         s = _scale(rng)
         r, h = s * sh.number(rng), s * sh.number(rng)
-        clear = rng.choice((F(1, 10**3), F(1, 10**6), F(1, 10**9), F(1, 10**12), F(1, 2**30), F(0), F(-1, 10**3), F(-1, 10**9)))
-        clear = clear * r
+        clear = r * rng.choice((*(F(1, 10**k) for k in (3, 6, 9, 12)), F(1, 2**30), F(0), F(-1, 10**3), F(-1, 10**9)))
         c, n = rng.choice(sh.ANGLES)
         q = r - clear
         pin = sh.box_mesh(2 * q * c, 2 * q * n, 4 * h) if meshes else sh.cylinder(q, q, 4 * h)
@@ -333,8 +335,8 @@ def pinned(rng: Random, meshes: bool = False) -> Scene:
             elif what == "screws in":
                 motion = Turn((F(0), F(0), F(1)), (F(0), F(0), F(0)), F(rng.choice((1, 3, -5)), 4), down)
             else:
-                motion = Steps((Turn((F(0), F(0), F(1)), (F(0), F(0), F(0)), F(rng.choice((1, -3)), 4)), Shift((F(0), F(0), down))),
-                               (F(1), F(1)))
+                first = Turn((F(0), F(0), F(1)), (F(0), F(0), F(0)), F(rng.choice((1, -3)), 4))
+                motion = Steps((first, Shift((F(0), F(0), down))), (F(1), F(1)))
                 when += 1
             if clear <= 0:
                 status, time = "CONTACT", when

@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-from benchmarks.soaks.crossing import crossing, drilled_landing
-from benchmarks.soaks.landing import landing
-from benchmarks.soaks.rounds import circling, pinned, seated, straight, straight_balls
-from benchmarks.soaks.scene import Kind
-from benchmarks.soaks.shapes import SOLIDS, any_half_space
-from benchmarks.soaks.starts import graze, known_start, nested, shallow
+from .crossing import crossing, drilled_landing
+from .landing import landing
+from .rounds import circling, pinned, seated, straight, straight_balls
+from .scene import Kind
+from .solid_shapes import SOLIDS, any_half_space
+from .starts import graze, known_start, nested, shallow
 
 PARTNERS = (*SOLIDS, any_half_space)
 
 KINDS: tuple[Kind, ...] = (
     Kind("solids/landing", "solid, solid", lambda rng: landing(rng, SOLIDS, PARTNERS),
-         "late, early and missed first contacts of convex solids, wrong points and normals, false FREE at the ends of spans",
+         "late, early, missed first contacts of convex solids, wrong points and normals, false FREE at ends of spans",
          "contacts of solids with holes and waists; what comes after the first contact"),
     Kind("solids/drilled landing", "solid, csg", lambda rng: drilled_landing(rng, SOLIDS, SOLIDS),
          "the same on models with holes, at edges of degree 4 and on the walls of unions", "contacts within holes"),
     Kind("solids/crossing", "solid, solid", lambda rng: crossing(rng, SOLIDS, SOLIDS),
-         "false FREE and late contacts where bodies overlap well, early ones, planes of contact that cut into the bodies",
+         "false FREE and late contacts where bodies overlap well, early ones, planes of contact that cut into bodies",
          "exact times; thin overlaps and short contacts"),
     Kind("solids/shallow start", "solid, solid", lambda rng: shallow(rng, SOLIDS, SOLIDS),
          "overlaps and gaps of 1e-1 to 1e-18 of the size taken for each other or for contact later; wrong `initial`",

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from fractions import Fraction as F
 from typing import Any
 
-from benchmarks.soaks import exact as ex
-from benchmarks.soaks.paths import Rest
-from benchmarks.soaks.scene import Judge
-from benchmarks.soaks.shapes import Body
+from . import exact as ex
+from .paths import Rest
+from .scene import Judge
+from .solid_shapes import Body
 
 WIDTH = F(101, 100) / 10**12
 """Of an enclosure, relative to the span."""
@@ -45,7 +45,7 @@ class Truth:
     status   "FREE", "CONTACT" or "INITIAL_CONTACT"; time and slack: the true time within +- slack.
     initial  what a start in contact is; None where not known.
     normal   the only one there is, from b towards a, any length; None where there are several.
-    outside  no point shared is inside either body (a first contact from apart).
+    graze    they do not press: a normal need not be told.
     """
 
     status: str
@@ -152,11 +152,13 @@ def intervals(truth: Truth, expected: Sequence[tuple[F, F]], slack: F = F(0)) ->
     def judge(found: Any) -> str | None:
         listed = [(tuple(map(F, x.start_interval)), tuple(map(F, x.end_interval))) for x in found]
         if found.status.name == "UNDECIDED":
-            if expected and not listed and found.free_until is not None and F(found.free_until) > expected[0][1] + slack:
-                return f"UNDECIDED, free until {found.free_until!r}, past all of the contact at {float(expected[0][0])!r}"
+            known = found.free_until
+            if expected and not listed and known is not None and F(known) > expected[0][1] + slack:
+                return f"UNDECIDED, free until {known!r}, past the contact at {float(expected[0][0])!r}"
             return None
         if len(listed) != len(expected):
-            return f"intervals {[(x.start, x.end) for x in found]}, true are {[(float(p), float(q)) for p, q in expected]}"
+            true = [(float(p), float(q)) for p, q in expected]
+            return f"intervals {[(x.start, x.end) for x in found]}, true are {true}"
         width = WIDTH * (truth.span[1] - truth.span[0]) + max(map(abs, truth.span)) / 2**50
         for x, (start, end), true in zip(found, listed, expected, strict=True):
             for (lo, hi), t, name in ((start, true[0], "start"), (end, true[1], "end")):

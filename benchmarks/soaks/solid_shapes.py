@@ -13,8 +13,8 @@ from math import sqrt
 from random import Random
 from typing import Any
 
-from benchmarks.soaks import exact as ex
-from benchmarks.soaks.exact import ANGLES, IDENTITY, Matrix, Vector
+from . import exact as ex
+from .exact import ANGLES, IDENTITY, Matrix, Vector
 
 Tree = tuple[Any, ...]
 """("form", k), ("and", tree, ...), ("or", tree, ...), ("not", tree)."""
@@ -580,12 +580,12 @@ def any_half_space(rng: Random, s: F) -> Body:
 
 
 def any_quadric(rng: Random, s: F) -> Body:
-    """Unbounded: double cones, cylinders, slabs, wedges, saddles, hyperboloids, half-spaces, at times without a centre."""
+    """Unbounded: double cones, cylinders, slabs, wedges, saddles, hyperboloids, at times without a centre."""
     signs = rng.choice(((1, 1, -1, 0), (1, 1, 0, -1), (1, 0, 0, -1), (1, -1, 0, 0), (1, 1, -1, -1), (1, 1, -1, 1),
-                        (-1, -1, -1, 1), (1, -1, 0, 1), (1, 1, 0, 0), (1, -1, 0, 0)))
-    weights = [F(x) * F(rng.randint(1, 5), rng.choice((1, 2, 4))) for x in signs[:3]]
+                        (-1, -1, -1, 1), (1, -1, 0, 1), (1, -1, 0, 0)))
+    weights = [F(x) * F(rng.randint(1, 5), rng.choice((1, 2, 4))) ** 2 for x in signs[:3]]
     rng.shuffle(weights)
-    q = diagonal(*weights, signs[3] * s * s * number(rng))
+    q = diagonal(*weights, signs[3] * (s * number(rng)) ** 2)  # squares: of rank 2 the planes are rational
     if 0 in weights and rng.random() < 0.4:
         k = weights.index(0)
         q[k][3] = q[3][k] = s * rng.choice((1, -1)) * number(rng)
