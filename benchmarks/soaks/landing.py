@@ -248,7 +248,7 @@ def landing(rng: Random, makers: Sequence[Maker], others: Sequence[Maker], kinds
     while True:
         s, sa, sb = scales(rng)
         t = touch(rng, makers, others, s, sa, sb)
-        if rng.random() < 0.5:
+        if t.b.support and rng.random() < 0.5:
             t = Touch(t.b, t.a, t.on_b, t.on_a, t.point, ex.scale(-1, t.normal))
         kind = rng.choice(kinds)
         found = landed(rng, kind, t, s)

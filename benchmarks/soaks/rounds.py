@@ -183,7 +183,7 @@ def _arb(x: F) -> arb:
 
 
 def circling(rng: Random, meshes: bool = False) -> Scene:
-    """A ball (or point) that turns about an axis, or along a helix, against a ball, a half-space, a parallel cylinder."""
+    """A ball (or point) that turns about an axis, or on a helix, against a ball, a half-space, a parallel cylinder."""
     while True:
         s = _scale(rng)
         u, o = ex.unit(rng), tuple(s * F(rng.randint(-4, 4), 2) for _ in range(3))
