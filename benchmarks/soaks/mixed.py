@@ -7,14 +7,14 @@ from .landing import landing
 from .piercing import pierced
 from .rounds import circling, pinned, straight
 from .scene import Kind
-from .solid_shapes import MESHES, SOLIDS, any_half_space
+from .solid_shapes import CREASED, MESHES, SOLIDS, any_half_space
 from .starts import graze, known_start, nested, shallow
 
 PARTNERS = (*SOLIDS, any_half_space)
 THICK = MESHES[3:]
 
 KINDS: tuple[Kind, ...] = (
-    Kind("mixed/landing", "mesh, solid", lambda rng: landing(rng, MESHES, PARTNERS),
+    Kind("mixed/landing", "mesh, solid", lambda rng: landing(rng, (*MESHES, *CREASED), PARTNERS),
          "late, early, missed first contacts of convex bodies, wrong points and normals, false FREE at ends of spans",
          "contacts of solids with holes and waists; what comes after the first contact"),
     Kind("mixed/drilled landing", "mesh, csg", lambda rng: drilled_landing(rng, MESHES, SOLIDS),

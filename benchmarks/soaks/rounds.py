@@ -196,7 +196,7 @@ def circling(rng: Random, meshes: bool = False) -> Scene:
         side = ex.cross(u, w)
         if not any(flat):
             continue
-        what = rng.choice(("ball", "half-space", "half-space", "cylinder", "cylinder"))
+        what = rng.choice(("ball", "half-space", "half-space", "cylinder", "cylinder", "bore"))
         advance = None
         if what == "half-space":
             n, d = ex.unit(rng), s * F(rng.randint(-12, 12), 2)
@@ -210,18 +210,26 @@ def circling(rng: Random, meshes: bool = False) -> Scene:
             x = tuple(s * F(rng.randint(-12, 12)) for _ in range(3))  # the centre, from o
             height, level = s * 400, ex.dot(x, u)
             x_flat = ex.sub(x, ex.scale(level, u))
-            if what == "cylinder":
+            if what == "bore":
+                q += r
+            if what in ("cylinder", "bore"):
                 advance = s * F(rng.randint(-40, 40)) if rng.random() < 0.5 else None
                 x = x_flat
                 gap = F(0)
                 z = ex.bringing((F(0), F(0), F(1)), u, rng)
-                other = sh.cylinder(q, q, height).placed(ex.product(ex.shifting(ex.add(o, x)), z))
+                other = sh.cylinder(q, q, height)
+                if what == "bore":
+                    other = sh.combined("-", sh.cylinder(q + 60 * s, q + 60 * s, height), sh.cylinder(q, q, 2 * height))
+                other = other.placed(ex.product(ex.shifting(ex.add(o, x)), z))
             else:
                 gap = level - axial
                 other = sh.sphere(q).placed(ex.shifting(ex.add(o, x)))
             # |flat cos + side sin - x_flat|^2 + gap^2 <= (q + r)^2
             a, b = -2 * ex.dot(flat, x_flat), -2 * ex.dot(side, x_flat)
-            c = (q + r) ** 2 - gap * gap - ex.dot(flat, flat) - ex.dot(x_flat, x_flat)
+            near = q - r if what == "bore" else q + r
+            c = near**2 - gap * gap - ex.dot(flat, flat) - ex.dot(x_flat, x_flat)
+            if what == "bore":  # the other way round: in contact where the centre is no nearer
+                a, b, c = -a, -b, -c
         span = (F(0), F(1))
         if rng.random() < 0.3:
             span = (F(rng.randint(0, 6), 8), F(rng.randint(7, 12), 8))

@@ -58,6 +58,7 @@ class Body:
     faces: str = ""
     kind: str = ""
     bounded: bool = True
+    convex: bool = True
 
     def placed(self, m: Matrix) -> Body:
         return replace(self, place=ex.product(m, self.place))
@@ -76,7 +77,10 @@ class Body:
     def baked(self) -> Body:
         """A polyhedron with its place in its vertices."""
         corners = tuple(ex.apply(self.place, p) for p in self.corners)
-        return replace(polytope(corners, self.faces, self.flat), kind=self.kind) if corners else self
+        if not corners:
+            return self
+        made = polytope(corners, self.faces, self.flat, self.world_forms())
+        return replace(made, kind=self.kind, tree=self.tree, convex=self.convex)
 
     def world_forms(self) -> list[Matrix]:
         back = ex.inverse(self.place)
@@ -595,7 +599,44 @@ def any_quadric(rng: Random, s: F) -> Body:
     return Body(name, 8 * s, (q,), ("form", 0), kind="quadric", bounded=False)
 
 
+def any_notch(rng: Random, s: F) -> Body:
+    """A prism over an L: the block [0, x] x [0, y] less [u, x] x [v, y]; touched at corners and faces of its hull."""
+    u, v, z = s * number(rng), s * number(rng), s * number(rng)
+    x, y = u + s * number(rng), v + s * number(rng)
+    outline = ((F(0), F(0)), (x, F(0)), (x, v), (u, v), (u, y), (F(0), y))
+    corners = tuple((p, q, h) for h in (F(0), z) for p, q in outline)
+    sides = ", ".join(f"[{i}, {(i + 1) % 6}, {(i + 1) % 6 + 6}, {i + 6}]" for i in range(6))
+    faces = f"[[5, 4, 3, 2, 1, 0], [6, 7, 8, 9, 10, 11], {sides}]"
+    forms = [plane((-1, 0, 0), 0), plane((0, -1, 0), 0), *slab(F(0), z)]
+    forms += [plane((1, 0, 0), x), plane((0, 1, 0), v), plane((1, 0, 0), u), plane((0, 1, 0), y)]
+    both = [("and", ("form", 4), ("form", 5)), ("and", ("form", 6), ("form", 7))]
+    tree = ("and", *(("form", k) for k in range(4)), ("or", *both))
+    return _hulled(corners, faces, tuple(forms), tree)
+
+
+def any_open_box(rng: Random, s: F) -> Body:
+    """A box without its top: a surface; touched at corners."""
+    made = any_box_mesh(rng, s)
+    return _hulled(made.corners, BOX_FACES.replace(", [1, 5, 7, 3]", ""), made.forms, made.tree)
+
+
+def _hulled(corners: tuple[Vector, ...], faces: str, forms: tuple[Matrix, ...], tree: Tree) -> Body:
+    """A mesh that is not convex: its places to touch are corners of its hull."""
+    hull = polytope(corners, faces, False, forms)
+
+    def feature(rng: Random) -> Feature:
+        n = ex.unit(rng)
+        best = max(ex.dot(n, p) for p in corners)
+        top = [p for p in corners if ex.dot(n, p) == best]
+        kind = ("point", "line", "face")[min(3, len(top)) - 1]
+        return Feature(rng.choice(top), n, kind, False, ex.sub(top[1], top[0]) if kind == "line" else None)
+
+    return replace(hull, tree=tree, feature=feature, convex=False)
+
+
 SOLIDS: tuple[Callable[[Random, F], Body], ...] = (
     any_sphere, any_ellipsoid, any_cylinder, any_cone, any_frustum, any_paraboloid, any_cap, any_box)
 FLATS: tuple[Callable[[Random, F], Body], ...] = (any_point, any_edge, any_triangle)
 MESHES: tuple[Callable[[Random, F], Body], ...] = (*FLATS, any_box_mesh, any_tetrahedron, any_octahedron)
+CREASED: tuple[Callable[[Random, F], Body], ...] = (any_notch, any_open_box)
+"""Not convex; to land with only."""
