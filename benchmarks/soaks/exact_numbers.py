@@ -162,24 +162,40 @@ def roots(p: Sequence[F], lo: F, hi: F) -> list[Near]:
 
 
 def _refined(p: Sequence[F], a: F, b: F) -> Near:
-    """The only root in (a, b], within 2^-90 of the size of the range, or exactly where it is a simple fraction."""
+    """The only root in (a, b], within 2^-80 of the size of the range, or exactly where it is a simple fraction."""
     if value(p, b) == 0:
         return b, b
-    width = (b - a) / 2**90
-    if value(p, a) == 0:  # that root is another one: leave it
-        a += width
-    below = value(p, a) > 0
-    while b - a > width:
-        m = (a + b) / 2
-        at = value(p, m)
+    size = max(b - a, abs(a), abs(b))
+    below = value(p, b) < 0  # the sign just before the root is that of the other side
+    slope = derivative(p)
+    x = (a + b) / 2
+    for _ in range(12):  # by halves, then by tangents
+        at = value(p, x)
         if at == 0:
-            return m, m
-        if (at > 0) == below:
-            a = m
-        else:
-            b = m
-    guess = ((a + b) / 2).limit_denominator(10**7)
-    return (guess, guess) if value(p, guess) == 0 else (a, b)
+            return x, x
+        a, b = (a, x) if (at < 0) == below else (x, b)
+        x = (a + b) / 2
+    for step in range(8):
+        steep = value(slope, x)
+        if steep == 0:
+            break
+        x -= value(p, x) / steep
+        x = F(round(x / size * 2 ** min(120, 24 << step)), 2 ** min(120, 24 << step)) * size
+        if not a <= x <= b:
+            break
+    guess = x.limit_denominator(10**7)
+    if a < guess <= b and value(p, guess) == 0:
+        return guess, guess
+    lo, hi = x - size / 2**85, x + size / 2**85
+    if a < lo and hi <= b and (value(p, lo) < 0) != below and (value(p, hi) < 0) == below:
+        return lo, hi
+    while b - a > size / 2**80:
+        x = (a + b) / 2
+        at = value(p, x)
+        if at == 0:
+            return x, x
+        a, b = (a, x) if (at < 0) == below else (x, b)
+    return a, b
 
 
 def windows_below(p: Sequence[F], lo: F, hi: F, bound: F = F(0)) -> list[tuple[Near, Near]]:

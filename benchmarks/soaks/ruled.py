@@ -96,16 +96,16 @@ def dyadic(x: F) -> bool:
     return x.denominator & (x.denominator - 1) == 0
 
 
-def some_span(rng: Random, truth: Truth, beyond: bool, needed: bool) -> tuple[F, F] | None:
+def some_span(rng: Random, truth: Truth, beyond: bool, needed: bool, own: F) -> tuple[F, F] | None:
     """A span within what is known; None for that of the motions."""
     lo, hi = truth.domain
     if not beyond:
         lo, hi = max(lo, F(0)), hi
-    if not needed and rng.random() < 0.5 and lo <= 0 and hi >= 1:
+    if not needed and rng.random() < 0.5 and lo <= 0 and hi >= own:
         return None
     marks = [lo, hi, F(0), F(1), lo + (hi - lo) * F(rng.randint(1, 15), 16)]
     for (a, b), (c, d) in truth.windows:
-        marks += [x for x in (a, d) if dyadic(x) or rng.random() < 0.3 and a == b and c == d]
+        marks += [x[0] for x in ((a, b), (c, d)) if x[0] == x[1] and (dyadic(x[0]) or rng.random() < 0.3)]
         marks += [F(float((a + d) / 2)), F(float(a - F(1, 8))), F(float(d + F(1, 16)))]
     marks = sorted({x for x in marks if lo <= x <= hi})
     for _ in range(20):
@@ -136,9 +136,9 @@ def assembled(
     a, b = bodies
     beyond = all(m.motion is None or m.motion.beyond for m in bodies)
     still = all(m.motion is None for m in bodies)
-    span = some_span(rng, truth, beyond, still)
-    natural = (truth.domain[0], truth.domain[1]) if isinstance(motion, Steps) else (F(0), F(1))
-    asked = span or natural
+    own = sum(motion.durations, F(0)) if isinstance(motion, Steps) else F(1)
+    span = some_span(rng, truth, beyond, still, own)
+    asked = span or (F(0), own)
     span_text = "None" if span is None else f"({number(span[0])}, {number(span[1])})"
     source = f"a = {moved(a.body, a.motion)}\nb = {moved(b.body, b.motion)}\nspan = {span_text}\n"
     first = judge_first(truth, asked, a, b)
@@ -590,6 +590,20 @@ def pipes(rng: Random, solid: bool) -> Scene:
 # ------------------------------------------------------------------------------------------------- balls and flat pieces
 
 
+def nearest(around: Sequence[Vector], normal: Vector) -> F:
+    """The square of the distance of a convex polygon from the origin."""
+    squares = []
+    within = True
+    for i, x in enumerate(around):
+        d = sub(around[i - 1], x)
+        k = min(max(-dot(x, d) / dot(d, d), F(0)), F(1))
+        foot = add(x, scaled(d, k))
+        squares.append(dot(foot, foot))
+        side = cross(normal, d)
+        within &= dot(side, x) * dot(side, sub(around[i - 2], x)) <= 0
+    return dot(around[0], normal) ** 2 / dot(normal, normal) if within else min(squares)
+
+
 def balls(rng: Random) -> Scene:
     """A flat piece and a ball under a translation."""
     domain = (F(-1), F(2))
@@ -648,11 +662,11 @@ def balls(rng: Random) -> Scene:
     found = merged(windows + within)
 
     def initial(t: F) -> str | None:
-        if any(w[0][1] < t < w[1][0] for w in found):
-            if all(dot(x, x) < r * r for x in (add(c, scaled(velocity, t)) for c in corners)):
-                return "containment"
-            return None if len(found) != 1 else "overlapping"
-        return "touching" if any(t in (w[0][0], w[1][0]) and domain[0] < t < domain[1] for w in found) else None
+        square = nearest([add(c, scaled(velocity, t)) for c in around], normal)
+        if square >= r * r:
+            return "touching"
+        far = max(dot(x, x) for x in (add(c, scaled(velocity, t)) for c in corners))
+        return "containment" if far < r * r else "overlapping"
 
     ball = Solid(f"fc.sphere({number(r)})", lambda x: float(np.linalg.norm(x)) - float(r), 2 * float(r))
     return assembled(rng, shapes.four_corners(rng, *corners), ball, Shift(velocity),

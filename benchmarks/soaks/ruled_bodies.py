@@ -192,7 +192,8 @@ PASSAGES: tuple[tuple[Polynomial, Polynomial], ...] = (  # of [0, 1] onto itself
 
 
 def passage(rng: Random, u: tuple[F, F], most: int = 3) -> tuple[Polynomial, Polynomial]:
-    """A rising passage of the range u onto [0, 1]."""
+    """A rising passage of the range u onto [0, 1], mostly of low degree."""
+    most = most if rng.random() < 0.3 else 1
     while True:
         top, bottom = rng.choice(PASSAGES)
         if max(len(top), len(bottom)) - 1 <= most:
@@ -289,17 +290,41 @@ class Piece(Body):
             return np.tan((np.arange(n) + 0.37) * np.pi / n)
         return np.linspace(float(self.u[0]), float(self.u[1]), n)
 
-    def _gap(self, x: np.ndarray, angle: np.ndarray) -> np.ndarray:
-        u = np.tan(angle) if self.u is None else angle
-        a, b = self.ends(u)
-        d = b - a
-        dd = np.maximum((d * d).sum(-1), 1e-300)
-        s = ((x - a) * d).sum(-1) / dd
-        if self.s is not None:
-            s = np.clip(s, float(self.s[0]), float(self.s[1]))
-        return np.linalg.norm(a + s[:, None] * d - x, axis=-1)
+    def tables(self) -> tuple[np.ndarray, np.ndarray]:
+        """(degree + 1, 4) float coefficients of both directrices in place."""
+        out = []
+        for curve in (self.first, self.second):
+            curve = curve.mapped(self.placed) if self.placed else curve
+            n = curve.degree + 1
+            out.append(np.array([[float(c) for c in p] + [0.0] * (n - len(p)) for p in (*curve.x, curve.w)]).T)
+        return out[0], out[1]
 
     def off(self, x: np.ndarray) -> float:
+        """By search along u from the nearest of 400 rulings."""
+        tables = self.tables()
+        top = max(len(t) for t in tables)
+        bounds = None if self.s is None else (float(self.s[0]), float(self.s[1]))
+        scale = max(float(np.abs(t).max()) for t in tables)
+        tables = tuple(np.vstack([t, np.zeros((top - len(t), 4))]) / scale if self.u is not None else t / scale
+                       for t in tables)  # type: ignore[assignment]
+
+        def gap(angle: np.ndarray) -> np.ndarray:
+            ends = []
+            for t in tables:
+                n = len(t)
+                if self.u is None:
+                    up, across = np.sin(angle), np.cos(angle)
+                    basis = np.stack([up**k * across ** (n - 1 - k) for k in range(n)], -1)
+                else:
+                    basis = angle[:, None] ** np.arange(n)
+                h = basis @ t
+                ends.append(h[:, :3] / h[:, 3:])
+            d = ends[1] - ends[0]
+            s = ((x - ends[0]) * d).sum(-1) / np.maximum((d * d).sum(-1), 1e-300)
+            if bounds is not None:
+                s = np.clip(s, *bounds)
+            return np.sqrt(((ends[0] + s[:, None] * d - x) ** 2).sum(-1))  # type: ignore[no-any-return]
+
         if self.u is None:
             grid = (np.arange(400) + 0.37) * np.pi / 400
             lo, hi = grid - np.pi / 400, grid + np.pi / 400
@@ -307,15 +332,17 @@ class Piece(Body):
             grid = self.parameters(400)
             step = grid[1] - grid[0]
             lo, hi = np.maximum(grid - step, grid[0]), np.minimum(grid + step, grid[-1])
-        gaps = self._gap(x, grid)
-        least = np.argsort(gaps)[:8]
-        lo, hi = lo[least], hi[least]
-        k = (5**0.5 - 1) / 2
-        for _ in range(75):
-            c, d = hi - k * (hi - lo), lo + k * (hi - lo)
-            left = self._gap(x, c) < self._gap(x, d)
-            lo, hi = np.where(left, lo, c), np.where(left, d, hi)
-        return float(min(gaps.min(), self._gap(x, lo).min(), self._gap(x, hi).min(), self._gap(x, (lo + hi) / 2).min()))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            gaps = np.nan_to_num(gap(grid), nan=np.inf)
+            least = np.argsort(gaps)[:6]
+            lo, hi = lo[least], hi[least]
+            k = (5**0.5 - 1) / 2
+            for _ in range(70):
+                c, d = hi - k * (hi - lo), lo + k * (hi - lo)
+                both = gap(np.concatenate([c, d]))
+                left = both[: len(c)] < both[len(c) :]
+                lo, hi = np.where(left, lo, c), np.where(left, d, hi)
+            return float(np.nanmin([gaps.min(), *gap(lo), *gap(hi), *gap((lo + hi) / 2)]))
 
     @property
     def size(self) -> float:

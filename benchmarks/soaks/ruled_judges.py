@@ -112,7 +112,7 @@ def judge_first(truth: Truth, span: tuple[F, F], a: Moved, b: Moved) -> Callable
             if status != "INITIAL_CONTACT":
                 return f"{status} at {hit.time!r}, but they meet at the start {float(span[0])!r}"
             initial = truth.initial(span[0])
-            if initial is not None and hit.initial != initial:
+            if initial is not None and hit.initial not in (None, initial):
                 return f"initial is {hit.initial!r}, not {initial!r}"
             return wrong
         return time_judgement(hit.time_interval, hit.time, at, span) or exact_judgement(hit.time_exact, at) or wrong
