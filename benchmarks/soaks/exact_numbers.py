@@ -1,7 +1,7 @@
 """Vectors, matrices and polynomials of fractions for oracles: plain Python, nothing of the library.
 
-A polynomial is a list of its coefficients, lowest first.  A number that may be irrational is a pair of fractions (lo, hi)
-that encloses it, equal where it is rational.
+A polynomial is a list of its coefficients, lowest first.  A number that may be irrational is a pair of fractions
+(lo, hi) that encloses it, equal where it is rational.
 """
 
 from __future__ import annotations

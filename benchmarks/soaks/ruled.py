@@ -36,7 +36,6 @@ from .exact_numbers import (
     windows_below,
 )
 from .ruled_bodies import (
-    ONE,
     Body,
     Curve,
     Frame,
@@ -55,7 +54,7 @@ from .ruled_bodies import (
     straight,
     tangent_turn,
 )
-from .ruled_judges import Moved, Truth, Window, first_window, judge_first, judge_intervals
+from .ruled_judges import Moved, Truth, Window, judge_first, judge_intervals
 from .scene import Kind, Question, Scene
 
 MOMENTS = (F(1, 2), F(1, 4), F(3, 4), F(1, 3), F(2, 3), F(5, 8), F(0), F(1), F(1, 10))
@@ -261,9 +260,8 @@ def two_graphs(rng: Random) -> tuple[Piece, Piece, F]:
         sign = 1 if which == 0 else -1
         own = 0 if along[which] == "y" else 1  # the coordinate in which it may be curved
         mine, straight_ = ([F(0)], [F(1)]), list(base)
-        last = which == 1
         other_may = along[1 - which] != along[which]
-        if own in free and (last or not other_may or rng.random() < 2):
+        if own in free:
             top, bottom, _ = bumps[own]
             mine = ([sign * c for c in top], bottom)
             free.discard(own)
@@ -275,7 +273,8 @@ def two_graphs(rng: Random) -> tuple[Piece, Piece, F]:
                 straight_[1 + cross_] += sign * top[1]
             free.discard(cross_)
         whole = rng.random() < 0.15 and which == 1
-        bodies.append(shapes.graph(rng, along[which], x, y, straight_, mine, whole and _covers(along[1], (px, py), (qx, qy))))
+        whole = whole and _covers(along[1], (px, py), (qx, qy))
+        bodies.append(shapes.graph(rng, along[which], x, y, straight_, mine, whole))
     return bodies[0], bodies[1], bumps[0][2] + bumps[1][2]
 
 
@@ -354,7 +353,7 @@ def _bouncing(rng: Random, p: Piece, q: Piece, most: F) -> Scene:
 
 
 def tips(rng: Random, solid: bool) -> Scene:
-    """What points down meets what points up, tip on tip: apexes, corners, edges, ridges; with a turn about the vertical."""
+    """What points down meets what points up: apexes, corners, edges, ridges; with a turn about the vertical."""
     p = shapes.pointing_down(rng)
     q: Body
     if solid:
@@ -492,7 +491,7 @@ def landing(rng: Random) -> Scene:
     return assembled(rng, _plain(p), q, motion, truth, exact=advance == 0)
 
 
-# ---------------------------------------------------------------------------------------------- upright, seen from above
+# --------------------------------------------------------------------------------------------- upright, seen from above
 
 
 def _square(x: Sequence[Polynomial]) -> Polynomial:
@@ -549,7 +548,8 @@ def pipes(rng: Random, solid: bool) -> Scene:
             if r2 < inner:
                 flat = common(flat, beyond(d, (inner - r2) ** 2))
     else:
-        along = rng.choice((vector([-touch[1], touch[0], 0]), vector([1, 2, 0]), touch, vector([rng.randint(1, 3), -1, 0])))
+        along = rng.choice((vector([-touch[1], touch[0], 0]), vector([1, 2, 0]), touch,
+                            vector([rng.randint(1, 3), -1, 0])))
         k0, k1 = rng.choice(((F(0), F(1)), (F(-1), F(1)), (F(-1), F(0)), (F(-1, 3), F(2))))
         start = sub(touch, scaled(velocity, at))
         e0, e1 = ((x[0], x[1], F(0)) for x in (add(start, scaled(along, k0)), add(start, scaled(along, k1))))
@@ -587,7 +587,7 @@ def pipes(rng: Random, solid: bool) -> Scene:
     return assembled(rng, p, q, Shift(velocity), truth, similar=True)
 
 
-# ------------------------------------------------------------------------------------------------- balls and flat pieces
+# ------------------------------------------------------------------------------------------------ balls and flat pieces
 
 
 def nearest(around: Sequence[Vector], normal: Vector) -> F:
@@ -711,7 +711,7 @@ def discs(rng: Random) -> Scene:
     return assembled(rng, disc, wall, Shift(velocity), Truth(cut, domain), similar=False)
 
 
-# -------------------------------------------------------------------------------------------------- witnesses of contact
+# ------------------------------------------------------------------------------------------------- witnesses of contact
 
 
 def random_curve(rng: Random) -> Curve:
@@ -760,7 +760,8 @@ def surface_points(rng: Random) -> tuple[Solid, Vector]:
         r, h = float(n[0]), float(n[1])
         k = rng.choice((F(0), F(1), F(1, 2), F(1, 3)))
         return (Solid(f"fc.cone({n[0]}, {n[1]})",
-                      lambda x: max(float(np.hypot(x[0], x[1])) - r * (1 - float(x[2]) / h), -float(x[2])), 2 * max(r, h)),
+                      lambda x: max(float(np.hypot(x[0], x[1])) - r * (1 - float(x[2]) / h), -float(x[2])),
+                      2 * max(r, h)),
                 add(scaled(direction, n[0] * k), (F(0), F(0), n[1] * (1 - k))))
     h3 = np.array([float(c) / 2 for c in n])
     place = vector([n[0] / 2, n[1] / 2 * rng.choice((1, F(1, 3))), n[2] / 2 * rng.choice((-1, F(1, 2)))])
@@ -828,7 +829,8 @@ def witnesses(rng: Random, other: str) -> Scene:
         spin = tangent_turn(unit, o, rate)
         drift = polynomial_shift(away, [F(0), F(1)] if rng.random() < 0.7 else [F(0), F(1), F(-1)])
         motion = drift.after(spin)
-        m = [[sum((c[i][j] * at**k for k, c in enumerate(motion.coefficients)), F(0)) for j in range(4)] for i in range(4)]
+        m = [[sum((c[i][j] * at**k for k, c in enumerate(motion.coefficients)), F(0)) for j in range(4)]
+             for i in range(4)]
         there = tuple((dot(tuple(m[i][:3]), x) + m[i][3]) / m[3][3] for i in range(3))  # type: ignore[arg-type,assignment]
     else:
         lift = (away if any(away) else UP, [F(0), F(1)])
@@ -898,7 +900,7 @@ KINDS: tuple[Kind, ...] = (
          "times, intervals and `initial` on corners and edges of solids, inside them, at the start",
          "curved pieces; motions that are no translations"),
     Kind("ruled/graphs", "ruled, ruled", graphs,
-         "grazes at a point or along a ruling, isolated instants, lasting contact, borders over borders, s and u ranges",
+         "grazes at a point or along a ruling, isolated instants, lasting contact, borders over borders, ranges",
          "relative turns"),
     Kind("ruled/tips", "ruled, ruled", lambda rng: tips(rng, False),
          "apexes, corners, ridges and edges that meet at one point, under screws and turns too; near misses",
@@ -915,7 +917,8 @@ KINDS: tuple[Kind, ...] = (
          "faces, sides and corners of flat pieces on a ball, grazes, `initial`", "curved pieces"),
     Kind("ruled/trimmed disc", "ruled, ruled", discs, "the rim of a trimmed piece", "inequalities of other degrees"),
     Kind("ruled/witness", "ruled, ruled", lambda rng: witnesses(rng, "piece"),
-         "late and missing contacts of any pieces under any motion, and points off the bodies", "contacts told too early at true points"),
+         "late and missing contacts of any pieces under any motion, and points off the bodies",
+         "contacts told too late that a later witness covers"),
     Kind("ruled/witness on solids", "ruled, solid", lambda rng: witnesses(rng, "solid"), "the same", "the same"),
     Kind("ruled/witness on meshes", "ruled, polyhedron", lambda rng: witnesses(rng, "mesh"), "the same", "the same"),
     Kind("ruled/condition", "ruled, ruled", conditions, "`contact_condition(...).holds` on borders and beyond ranges",

@@ -1,4 +1,4 @@
-"""Bodies and motions of the soak of ruled surfaces: their text, their points and their poses, by definitions of their own."""
+"""Bodies and motions of the soak of ruled surfaces: their text, points and poses, by definitions of their own."""
 
 from __future__ import annotations
 
@@ -570,7 +570,6 @@ def tangent_turn(axis: Vector, point: Vector, rate: F) -> Rational:
     cross_ = ((F(0), -n[2], n[1]), (n[2], F(0), -n[0]), (-n[1], n[0], F(0)))
     out = []
     for k in range(3):
-        d = F(1) if k == 0 else F(0)
         linear = []
         for i in range(3):
             row = []

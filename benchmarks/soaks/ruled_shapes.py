@@ -334,7 +334,8 @@ def top_solid(rng: Random) -> Solid | Mesh:
                        2 * max(n), vector([rng.choice((n[0] * 3 / 2, n[0], 2 * n[0])), 0, -n[1] / 2]))
     if what == "octahedron":
         r = n[0]
-        corners = tuple(vector(x) for x in ((r, 0, -r), (-r, 0, -r), (0, r, -r), (0, -r, -r), (0, 0, 0), (0, 0, -2 * r)))
+        corners = tuple(vector(x) for x in (
+            (r, 0, -r), (-r, 0, -r), (0, r, -r), (0, -r, -r), (0, 0, 0), (0, 0, -2 * r)))
         faces = ((0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4), (2, 0, 5), (1, 2, 5), (3, 1, 5), (0, 3, 5))
         return Mesh(corners, faces, True)
     if what == "slab":
