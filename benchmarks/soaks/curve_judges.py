@@ -136,7 +136,7 @@ def of_pieces(p: Piece, q: Piece, facts: Facts, tolerance: float, seed: int) -> 
         if branches and not curve.open_places:
             joined = np.concatenate(branches)
             for x in np.asarray(curve.isolated_points).reshape(-1, 3):
-                if gap(joined, x) <= 1e-12 * size:
+                if gap(joined, x) <= 1e-12 * size and not is_apex(p, x, size) and not is_apex(q, x, size):
                     return f"isolated point {x.tolist()} is on a branch"
         if len(arcs):
             for _ in range(3):
@@ -160,6 +160,17 @@ def of_pieces(p: Piece, q: Piece, facts: Facts, tolerance: float, seed: int) -> 
         return None
 
     return judge
+
+
+def is_apex(piece: Piece, x: np.ndarray, size: float) -> bool:
+    """Whether rulings meet in x, or one is no more than x: such points are told even where a branch passes."""
+    a, b = piece.ends(np.append(piece.parameters(7), [] if piece.u is None else [float(c) for c in piece.u]))
+    d = b - a
+    dd = (d * d).sum(-1)
+    short = dd <= (1e-9 * size) ** 2
+    off = np.linalg.norm(np.cross(x - a, d), axis=-1) / np.sqrt(np.where(short, 1, dd))
+    at = np.linalg.norm(a - x, axis=-1) <= 1e-9 * size
+    return bool((short & at).any() or (~short & (off <= 1e-9 * size)).sum() > 3)
 
 
 def parameters(rng: Random, piece: Piece, n: int) -> list[float]:

@@ -143,7 +143,7 @@ def flat(rng: Random) -> Scene:
         for p00, p10, p01, p11 in corners:
             ring = [p00, p10, p11, p01]
             rings.append([x for i, x in enumerate(ring) if x != ring[i - 1]])
-        if all(any(cross(sub(r[1], r[0]), sub(r[2], r[0]))) for r in rings):
+        if all(len(r) > 2 and any(cross(sub(r[1], r[0]), sub(r[2], r[0]))) for r in rings):
             break
     kind, ends = shared_part(rings[0], rings[1])
     facts = Facts(holds=tuple(ends), empty=kind == "nothing", area=kind == "area",

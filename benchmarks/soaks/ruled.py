@@ -293,10 +293,10 @@ def windows_of_height(h: Polynomial, most: F, domain: tuple[F, F]) -> tuple[Wind
 UP: Vector = (F(0), F(0), F(1))
 
 
-def graphs(rng: Random) -> Scene:
+def graphs(rng: Random, deforming: bool = False) -> Scene:
     """Graphs that come down on each other: grazes, corners, borders, common rulings, lasting contact."""
     p, q, most = two_graphs(rng)
-    how = rng.choice(("translation", "rational", "deforming", "sequence"))
+    how = "deforming" if deforming else rng.choice(("translation", "rational", "sequence"))
     if how == "translation":
         domain = (F(-1), F(2))
         h = height(rng, 1)
@@ -352,7 +352,7 @@ def _bouncing(rng: Random, p: Piece, q: Piece, most: F) -> Scene:
 # ------------------------------------------------------------------------------------------------------- tips on tops
 
 
-def tips(rng: Random, solid: bool) -> Scene:
+def tips(rng: Random, solid: bool, deforming: bool = False) -> Scene:
     """What points down meets what points up: apexes, corners, edges, ridges; with a turn about the vertical."""
     p = shapes.pointing_down(rng)
     q: Body
@@ -364,7 +364,7 @@ def tips(rng: Random, solid: bool) -> Scene:
         q = q.mapped(Frame(rng.choice((shapes.QUARTER.linear, turn(2, 0, 0, 1), turn(3, 0, 0, -1)))))
         q = _plain(q) if isinstance(q, Piece) else q
     unbounded = isinstance(q, Solid) and "half_space" in q.expression
-    how = rng.choice(("translation", "screw", "screw", "rational", "turning", "deforming", "sequence"))
+    how = "deforming" if deforming else rng.choice(("translation", "screw", "rational", "turning", "sequence"))
     sharp = p.mapped(Frame(offset=(F(0), F(0), F(1))))
     o = vector([0, 0, 0])
     if how in ("translation", "screw", "sequence"):
@@ -380,7 +380,7 @@ def tips(rng: Random, solid: bool) -> Scene:
             return assembled(rng, sharp, q, Shift(add(sideways, (F(0), F(0), speed))), truth, similar=False)
         degrees = F(rng.choice((90, -30, 360, 45, 1000)))
         if how == "screw":
-            return assembled(rng, sharp, q, Turn(UP, o, degrees, speed), truth, exact=False)
+            return assembled(rng, sharp, q, Turn(UP, o, degrees, speed), truth, exact=False, intervals=0.05)
         half = Turn(UP, o, degrees)
         parts = (F(1), F(1, 2)) if rng.random() < 0.5 else (F(1, 2), F(2))
         motion = Steps((half, Shift((F(0), F(0), speed))), parts)
@@ -393,7 +393,7 @@ def tips(rng: Random, solid: bool) -> Scene:
         sharp = _plain(replace(p, as_lists=False).mapped(Frame(offset=(F(0), F(0), gap))))
         domain = (F(-1), F(2))
         truth = Truth(((both(F(-1)), both(F(2))),) if gap == 0 else (), domain)
-        return assembled(rng, sharp, q, Turn(UP, o, F(rng.choice((90, 200, -360)))), truth, exact=False)
+        return assembled(rng, sharp, q, Turn(UP, o, F(rng.choice((90, 200, -360)))), truth, exact=False, intervals=0.1)
     h = height(rng, rng.choice((1, 2)))
     if rng.random() < 0.5:
         h = times(h, h)
@@ -405,11 +405,11 @@ def tips(rng: Random, solid: bool) -> Scene:
         h = [-c for c in h]
         zeros, below = roots(h, *domain), windows_below(h, *domain)
         if value(h, F(0)) == 0 or not below:
-            return tips(rng, solid)
+            return tips(rng, solid, deforming)
     if never_below or not below:
         truth = Truth(tuple((z, z) for z in zeros), domain)
     elif below[0][0][1] <= 0:
-        return tips(rng, solid)
+        return tips(rng, solid, deforming)
     else:
         truth = Truth((below[0],), domain, whole=False)
     if how == "rational":
@@ -776,7 +776,7 @@ def quarter_image(axis: int, quarters: int, x: Vector) -> Vector:
     return out[0], out[1], out[2]
 
 
-def witnesses(rng: Random, other: str) -> Scene:
+def witnesses(rng: Random, other: str, deforming: bool = False) -> Scene:
     """Any two bodies under any motion that certainly meet at a chosen time; how much earlier is not known."""
     p = random_piece(rng, easy=True)
     x = p.exact_point(*random_place(rng))
@@ -797,7 +797,8 @@ def witnesses(rng: Random, other: str) -> Scene:
         if rng.random() < 0.3:
             q = Mesh(mesh.vertices, tuple(f for f in mesh.faces if f == face or rng.random() < 0.6))
     at = rng.choice((F(1), F(1, 2), F(3, 4), F(1, 4)))
-    how = rng.choice(("translation", "rotation", "rotation", "screw", "rational", "rational", "sequence", "deforming"))
+    how = "deforming" if deforming else rng.choice(
+        ("translation", "rotation", "rotation", "screw", "rational", "rational", "sequence"))
     motion: Motion | None = None
     o = vector([rng.randint(-2, 2) for _ in range(3)])
     away = vector([rng.randint(-6, 6) for _ in range(3)])
@@ -921,6 +922,13 @@ KINDS: tuple[Kind, ...] = (
          "contacts told too late that a later witness covers"),
     Kind("ruled/witness on solids", "ruled, solid", lambda rng: witnesses(rng, "solid"), "the same", "the same"),
     Kind("ruled/witness on meshes", "ruled, polyhedron", lambda rng: witnesses(rng, "mesh"), "the same", "the same"),
+    *(Kind(f"ruled/{name}, deforming", bodies, make, "the same for surfaces that deform with the time",
+           "deforming other than by a shift; the laws of motions", laws=False)
+      for name, bodies, make in (
+          ("graphs", "ruled, ruled", lambda rng: graphs(rng, True)),
+          ("tips", "ruled, ruled", lambda rng: tips(rng, False, True)),
+          ("tips on solids", "ruled, solid", lambda rng: tips(rng, True, True)),
+          ("witness", "ruled, ruled", lambda rng: witnesses(rng, rng.choice(("piece", "solid", "mesh")), True)))),
     Kind("ruled/condition", "ruled, ruled", conditions, "`contact_condition(...).holds` on borders and beyond ranges",
          "the text of the condition", laws=False),
 )
