@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from scipy.linalg import expm, logm
 from scipy.spatial.transform import Rotation as Turn
@@ -98,10 +100,15 @@ def on_line(p, q, t):
     return pose
 
 
-def on_screw(p, q, t):
-    """Between two poses, at constant speed about and along one axis."""
+def by_screw(p, q):
+    """From a pose to the next at constant speed about and along one axis."""
     start, end = on_line(p, q, 0), on_line(p, q, 1)
-    return expm(t * np.real(logm(end @ np.linalg.inv(start)))) @ start
+    twist = np.real(logm(end @ np.linalg.inv(start)))
+    return lambda t: expm(t * twist) @ start
+
+
+def by_line(p, q):
+    return lambda t: on_line(p, q, t)
 
 
 def between(rng):
@@ -115,11 +122,12 @@ def between(rng):
 def trajectory(rng, interpolation, way):
     poses = [placed(rng) for _ in range(4)]
     times = np.array([0, 0.25, 0.625, 1])
+    ways = [way(p, q) for p, q in pairwise(poses)]
     motion = fc.Trajectory(times, [v for _, v in poses], interpolation, quat_xyzw=[q for q, _ in poses])
 
     def pose(t):
         k = min(int(np.searchsorted(times, t, "right")), 3) - 1
-        return way(poses[k], poses[k + 1], (t - times[k]) / (times[k + 1] - times[k]))
+        return ways[k]((t - times[k]) / (times[k + 1] - times[k]))
 
     return motion, pose
 
@@ -148,8 +156,8 @@ KINDS = {
     "screw": screw,
     "rational": rational,
     "between": between,
-    "quaternions": lambda rng: trajectory(rng, "linear-quaternion", on_line),
-    "screws": lambda rng: trajectory(rng, "screw", on_screw),
+    "quaternions": lambda rng: trajectory(rng, "linear-quaternion", by_line),
+    "screws": lambda rng: trajectory(rng, "screw", by_screw),
     "sequence": sequence,
     "screw first": lambda rng: sequence(rng, [screw, translation, rotation]),
     "screw between": lambda rng: sequence(rng, [rational, screw, between], [0.5, 0.25, 0.25]),

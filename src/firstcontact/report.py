@@ -12,7 +12,7 @@ from firstcontact.exact.numbers import PRECISIONS, Undecidable, precision
 from firstcontact.result import ContactInterval, Element, ElementPair, FirstContact, Stats, Status
 from firstcontact.search.earliest import Found, Pair
 from firstcontact.search.elements import EDGE, FACE, VERTEX, Feature
-from firstcontact.search.touch import doubles
+from firstcontact.search.touch import carried_normal, doubles
 
 _NAMES = {VERTEX: "vertex", EDGE: "edge", FACE: "face"}
 MOST_OTHERS = 100
@@ -191,5 +191,5 @@ def _place(problem: Any, pair: Pair, instant: Any, time: float) -> tuple[np.ndar
     pose = problem.piece.carry(time)
     if pose is not None:
         point = pose[:3, :3] @ point + pose[:3, 3]
-        normal = None if normal is None else pose[:3, :3] @ normal
+        normal = None if normal is None else carried_normal(pose, normal)
     return point, normal

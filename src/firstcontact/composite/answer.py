@@ -31,6 +31,7 @@ from firstcontact.result import (
     Status,
     Subproblem,
 )
+from firstcontact.search.touch import carried_normal
 
 _ORDER = {"vertex": 0, "apex": 0, "edge": 1, "face": 2}
 BITS = 128
@@ -131,11 +132,8 @@ def to_world(pair: Pair, root: Root, points: np.ndarray, b: Any, time: float) ->
 
 
 def _turned(pair: Pair, root: Root, n: np.ndarray | None, b: Any, time: float) -> np.ndarray | None:
-    """A normal of the frame of b in the world: by the inverse transpose."""
-    if n is None:
-        return None
-    turned = n @ np.linalg.inv(_pose_of_b(pair, root, b, time)[:3, :3])
-    return turned / np.linalg.norm(turned)
+    """A normal of the frame of b in the world."""
+    return None if n is None else carried_normal(_pose_of_b(pair, root, b, time), n)
 
 
 def _pose_of_b(pair: Pair, root: Root, b: Any, time: float) -> np.ndarray:

@@ -61,6 +61,8 @@ FREE, CONTACT, INITIAL, AT_START, PRECISION, SPENT = range(6)
 BY_FORMS, BY_VERTEX_A, BY_VERTEX_B = range(3)
 # Steps towards a point inside both bodies at the start before they count as possibly touching only.
 INWARD_STEPS = 100
+# Part of the size by which a guessed point may be beside the flat piece that it is told of.
+BESIDE = 1e-11
 
 
 @inner
@@ -194,8 +196,12 @@ def _at_start(a, i, ma, b, j, mb, first, count, size, w, c):
 
 
 @inner
-def _upper_end(a, ma, b, mb, lo, near, width, inner, w, c):
-    """CONTACT with a proved common point at a time after lo, as soon as can be within `width`; else -1."""
+def _upper_end(a, ma, b, mb, lo, near, width, inner, size, w, c):
+    """CONTACT with a proved common point at a time after lo, as soon as can be within `width`; else -1.
+
+    The point told is that of the guess, at the time of contact; of a flat piece the one made of its corners where the
+    guess is beside the piece: points and edges as triangles have too few forms to hold it.
+    """
     t_c, i, j = w[UNKNOWN, 3], c[PART], c[PART + 1]
     for attempt in range(2):
         hi = min(t_c + near if attempt == 0 else lo + 0.98 * width, inner)
@@ -218,6 +224,11 @@ def _upper_end(a, ma, b, mb, lo, near, width, inner, w, c):
             w[RESULTS, TIME], w[RESULTS, LO], w[RESULTS, HI] = min(max(t_c, lo), hi), lo, hi
             for k in range(3):
                 w[RESULTS, POINT + k] = w[UNKNOWN, k]
+            if flat and c[MODE] == BY_FORMS:
+                x, y, z = made_point(a, w)
+                off = max(abs(x - w[UNKNOWN, 0]), abs(y - w[UNKNOWN, 1]), abs(z - w[UNKNOWN, 2]))
+                if off > BESIDE * size:
+                    w[RESULTS, POINT], w[RESULTS, POINT + 1], w[RESULTS, POINT + 2] = x, y, z
             return CONTACT
     return -1
 
@@ -292,7 +303,7 @@ def advance_pieces(a, i, ma, b, j, mb, first, last, inner, width, budget, w, c):
             if t >= last:
                 return FREE
             if t >= aim:
-                if _upper_end(a, ma, b, mb, t, near, width, inner, w, c) == CONTACT:
+                if _upper_end(a, ma, b, mb, t, near, width, inner, size, w, c) == CONTACT:
                     w[RESULTS, NORMAL], w[RESULTS, NORMAL + 1], w[RESULTS, NORMAL + 2] = e0, e1, e2
                     return CONTACT
                 guessed = False

@@ -173,7 +173,7 @@ def _own_series(motion: Any, t: arb, speed: fmpq) -> Series:
     if isinstance(motion, RationalMotion):
         argument = arb_poly([t, arb(speed)])
         weight = _series(motion.pose[3][3], argument)
-        return [[_series(x, argument) / weight for x in row] for row in motion.pose[:3]]
+        return [[_divided(_series(x, argument), weight) for x in row] for row in motion.pose[:3]]
     time = arb_series([t, arb(speed)])
     if isinstance(motion, Translation):
         return [
@@ -201,6 +201,11 @@ def _own_series(motion: Any, t: arb, speed: fmpq) -> Series:
 
 def _series(p: Any, argument: arb_poly) -> arb_series:
     return arb_series((arb_poly(fmpq_poly(p)) if p else arb_poly([0]))(argument))
+
+
+def _divided(x: arb_series, y: arb_series) -> arb_series:
+    """x / y; not finite where balls do not tell y from zero, over a time too long for them."""
+    return arb_series([arb("nan")] * ctx.cap) if y[0].contains(0) else x / y
 
 
 def after(pose: Series, first: Matrix) -> Series:
@@ -242,7 +247,7 @@ def inverse(m: Series, rigid: bool) -> Series:
     if not rigid:
         c = cofactors(m)
         determinant = m[0][0] * c[0][0] + m[0][1] * c[0][1] + m[0][2] * c[0][2]
-        linear = [[c[j][i] / determinant for j in range(3)] for i in range(3)]
+        linear = [[_divided(c[j][i], determinant) for j in range(3)] for i in range(3)]
     return [
         [*row, -(row[0] * m[0][3] + row[1] * m[1][3] + row[2] * m[2][3])] for row in linear
     ]

@@ -20,6 +20,7 @@ from firstcontact.ruled.certified_intervals import certified_intervals
 from firstcontact.ruled.names import element
 from firstcontact.search.ruled_events import RuledEvent, first_event, outermost
 from firstcontact.search.ruled_pieces import RuledPiece
+from firstcontact.search.touch import carried_normal
 
 BUDGET = 200_000
 
@@ -92,8 +93,7 @@ def described(
     """What meets, in the world; pose: of b; numbers: of the pieces, joined: their borders that belong to the face."""
     normal = None
     if with_normal and event.normal is not None:
-        normal = event.normal @ np.linalg.inv(pose[:3, :3])
-        normal = normal / np.linalg.norm(normal)
+        normal = carried_normal(pose, event.normal)
     elements = [
         element(shared[which], *outermost(*sides, inner), number, which)
         for sides, number, inner, which in zip(

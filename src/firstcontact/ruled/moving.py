@@ -53,6 +53,7 @@ from firstcontact.ruled.solid_touches import lies, most_of, solid_touch
 from firstcontact.ruled.times import Times
 from firstcontact.ruled.touches import Touch, touch
 from firstcontact.search.earliest import Progress
+from firstcontact.search.touch import carried_normal
 
 BITS = 128
 QUICK_DEGREE = 80
@@ -544,10 +545,7 @@ def _contact(
     shown = None
     if not rest and (len(best.shared) > 1 or (not initial and pairs[0][0].times.is_isolated(start.root))):
         shown = _contact_set(best.shared @ pose[:3, :3].T + pose[:3, 3])
-    normal = None
-    if best.normal is not None and not initial:
-        turned = best.normal @ np.linalg.inv(pose[:3, :3])
-        normal = turned / np.linalg.norm(turned)
+    normal = None if best.normal is None or initial else carried_normal(pose, best.normal)
     return replace(
         answer, point=point, normal=normal, element_a=lowest.element_a, element_b=lowest.element_b,
         others=tuple(p for p, _ in rest[:MOST_OTHERS]), multiplicity=len(touches),

@@ -45,6 +45,16 @@ def translation_touch(
     return np.array(place_doubles((*place[:3], place[3] * scale))), unit_against(cross(x, y), v)
 
 
+def carried_normal(pose: np.ndarray, n: np.ndarray) -> np.ndarray:
+    """The unit normal n of a plane in the frame that the (4, 4) pose brings to the world, there.
+
+    By the inverse transpose: so affine poses keep it across what lies in the plane, and on its side when they mirror.
+    """
+    turned = n @ np.linalg.inv(pose[:3, :3])
+    turned = turned / np.abs(turned).max()
+    return turned / np.linalg.norm(turned)
+
+
 def spanning(corners: list[Vector]) -> list[Vector]:
     """The directions that an element spans: none, one or two; of a pair of elements that meet two together."""
     return [sub(p, corners[0]) for p in corners[1:]]
