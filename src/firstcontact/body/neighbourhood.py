@@ -10,9 +10,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations
 from typing import Any
 
-from flint import arb, fmpq
+from flint import arb, ctx, fmpq
 
 from firstcontact.body.carriers import ONE, ZERO, Quadric, Surface, Vector, dot
 from firstcontact.body.csg import Tree, inside, pattern
@@ -22,8 +23,8 @@ from firstcontact.exact.vectors import cross
 Half = tuple[arb, int]
 """A half-branch: the direction (angle) in which a surface (number) leaves the point, in the plane across the curve."""
 
-# Radius of the circle on which tangent surfaces are told apart, in units of their radius of curvature.  Surfaces that
-# osculate to second order are 2^-180 apart there; enclosures have 400 bits.
+# Radius of the circle on which tangent surfaces are told apart, in units of their radius of curvature and of the angle
+# between them if they cross.  Surfaces that osculate to second order are 2^-180 apart there; enclosures have 400 bits.
 CIRCLE = 2.0**-60
 
 
@@ -56,7 +57,7 @@ def around_curve(
         probe = _first_order(across, gradients)
         halves = [(angle, i, angle) for angle, i in angles]
     else:
-        radius = _radius(surfaces, full)
+        radius = _radius(surfaces, full) * _least_angle(angles)
         probe = _on_circle(p, across, radius, surfaces)
         moved = [(_settled(angle, i, p, across, radius, surfaces), i, angle) for angle, i in angles]
         halves = sorted(moved, key=lambda half: _Exact(half[0]))
@@ -116,6 +117,17 @@ def _first_order(across: tuple[list[arb], list[arb]], gradients: dict[int, Any])
         return 1 if value > 0 else -1
 
     return sign
+
+
+def least_angle() -> float:
+    """At the present precision half-branches that are nearer count as tangent."""
+    return float(2.0 ** (-ctx.prec // 4))
+
+
+def _least_angle(angles: list[Half]) -> arb:
+    """The least of those that are not zero: farther out than in this measure, surfaces that cross may cross again."""
+    sizes = [float(abs(b - a).mid()) for (a, _), (b, _) in combinations(angles, 2)]
+    return arb(min(size for size in sizes if size > least_angle()))
 
 
 def _radius(surfaces: Sequence[Surface], gradients: dict[int, Any]) -> arb:
