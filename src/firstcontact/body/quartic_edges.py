@@ -20,12 +20,12 @@ from flint import arb, arb_mat, fmpq, fmpq_mat
 from firstcontact.body.carriers import EnclosedPoint, Quadric, QuarticCurve, Surface, doubles
 from firstcontact.body.csg import Tree, outcomes
 from firstcontact.body.features import EDGE_KINDS, Piece, enclosure
-from firstcontact.body.neighbourhood import Profile, around_curve, least_angle
+from firstcontact.body.neighbourhood import Profile, around_curve, nearly_tangent
 from firstcontact.body.trimming import BITS
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import Undecidable, dyadic, exact_value, precision
 from firstcontact.exact.quadric_curve import Branch, Degenerate, End, Sweep, swept
-from firstcontact.exact.vectors import cross, dot
+from firstcontact.exact.vectors import cross
 
 BoxF = tuple[np.ndarray, np.ndarray]
 """Corners, (3,) float64 each."""
@@ -228,10 +228,9 @@ class _Curve:
         for bits in (BITS, 4 * BITS):
             with precision(bits):
                 x = [arb(c.mid()) for c in self.sweep.point(branch, 2 * bits)]
-                a, b = (self.surfaces[k].gradient(x) for k in self.on[:2])
-                along = cross(a, b)
-                if dot(along, along) > (16 * least_angle()) ** 2 * dot(a, a) * dot(b, b):
-                    return around_curve(self.tree, self.surfaces, signs, x, [*along, arb(0)])
+                if not nearly_tangent(self.surfaces, self.on[:2], x):
+                    a, b = (self.surfaces[k].gradient(x) for k in self.on[:2])
+                    return around_curve(self.tree, self.surfaces, signs, x, [*cross(a, b), arb(0)])
         raise Undecidable
 
     def _join(self, event: int) -> None:
