@@ -59,7 +59,8 @@ def ellipsoid(r):
     s = same_signs(unit(r, 3), n)
     radii = [x / y for x, y in zip(s, n, strict=True)]
     point = tuple(a * x for a, x in zip(radii, s, strict=True))
-    return Touching(fc.ellipsoid(radii), point, n, lambda p: sum((x / a) ** 2 for x, a in zip(p, radii, strict=True)) - 1)
+    form = lambda p: sum((x / a) ** 2 for x, a in zip(p, radii, strict=True)) - 1  # noqa: E731
+    return Touching(fc.ellipsoid(radii), point, n, form)
 
 
 def cylinder(r):
@@ -182,8 +183,8 @@ def mirror(v):
 
 def turning(start, end, r: Random):
     """A rational rotation that takes one unit vector to the other: two reflections."""
-    other = unit(r, 3)
-    across = (end[1] * other[2] - end[2] * other[1], end[2] * other[0] - end[0] * other[2], end[0] * other[1] - end[1] * other[0])
+    (a, b, c), (d, e, f) = end, unit(r, 3)
+    across = (b * f - c * e, c * d - a * f, a * e - b * d)
     first = mirror([x - y for x, y in zip(start, end, strict=True)]) if start != end else mirror(across)
     second = mirror(across)
     return tuple(apply(transposed(first), row) for row in second)

@@ -256,6 +256,17 @@ def diagonalised(form: Rows) -> list[tuple[fmpq, Vector]]:
     return found
 
 
+def scaled_axes(form: Rows) -> Rows:
+    """Columns as in `diagonalised` whose values are about +-1 (or 0): what is narrow looks wide in this frame."""
+    return columns(*(tuple(x / rough_root(abs(value)) for x in vector) for value, vector in diagonalised(form)))
+
+
+def rough_root(value: fmpq) -> fmpq:
+    """A power of two, less than twice and more than half the square root; 1 for 0."""
+    exponent = (int(value.p).bit_length() - int(value.q).bit_length()) // 2 if value else 0
+    return fmpq(2) ** exponent if exponent >= 0 else 1 / fmpq(2) ** -exponent
+
+
 def inertia(form: Rows) -> tuple[int, int]:
     """How many positive and negative squares the form is a sum of."""
     values = [value for value, _ in diagonalised(form)]

@@ -35,11 +35,12 @@ from firstcontact.body.carriers import (
     doubles,
     inertia,
     null_space,
+    scaled_axes,
     transposed,
 )
 from firstcontact.body.csg import Tree, inside, outcomes, pattern
 from firstcontact.body.intersections import common_curves, line
-from firstcontact.body.neighbourhood import Profile, around_curve, patterns
+from firstcontact.body.neighbourhood import Profile, around_curve, nearly_tangent, patterns
 from firstcontact.body.trimming import BITS, INFINITY, Arc, Break, Loop, Trimmed, largest, trim
 from firstcontact.exact.numbers import dyadic, precision, to_double
 
@@ -200,7 +201,10 @@ def _profile(tree: Tree, surfaces: Sequence[Surface], loop: Loop, arc: Arc) -> P
     values = outcomes(tree, arc.signs)
     if len(values) == 1:
         return Profile("inside" if True in values else "outside", frozenset())
+    on = [i for i, sign in enumerate(arc.signs) if sign == 0]
     with precision(BITS):
+        tangent = nearly_tangent(surfaces, on, loop.point(arb(arc.m), arc.sheet))
+    with precision(4 * BITS if tangent else BITS):
         m = arb(arc.m)
         return around_curve(tree, surfaces, arc.signs, loop.point(m, arc.sheet), loop.tangent(m, arc.sheet))
 
@@ -265,8 +269,7 @@ def _probes(surface: Surface) -> list[Line]:
         return [line(tuple(n + s * fmpq(1, 9) for n, s in zip(normal, slope, strict=True)), foot) for slope in _SLOPES]
     centre = middle(surface)
     block = tuple(row[:3] for row in surface.form[:3])
-    axes = [vector for _, vector in diagonalised(block)]
-    frame = columns(*axes)
+    frame = scaled_axes(block)
     lines = []
     for slope in _SLOPES:
         direction = tuple(dot(row, slope) for row in frame)

@@ -10,11 +10,28 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations
 from typing import Any
 
-from flint import arb, fmpq
+from flint import arb, ctx, fmpq
 
-from firstcontact.body.carriers import ONE, ZERO, Quadric, Surface, Vector, dot
+from firstcontact.body.carriers import (
+    ONE,
+    ZERO,
+    Quadric,
+    Rows,
+    Surface,
+    Vector,
+    bilinear,
+    columns,
+    diagonalised,
+    dot,
+    inverse,
+    null_space,
+    restricted,
+    rough_root,
+    scaled_axes,
+)
 from firstcontact.body.csg import Tree, inside, pattern
 from firstcontact.exact.numbers import to_double
 from firstcontact.exact.vectors import cross
@@ -22,8 +39,8 @@ from firstcontact.exact.vectors import cross
 Half = tuple[arb, int]
 """A half-branch: the direction (angle) in which a surface (number) leaves the point, in the plane across the curve."""
 
-# Radius of the circle on which tangent surfaces are told apart, in units of their radius of curvature.  Surfaces that
-# osculate to second order are 2^-180 apart there; enclosures have 400 bits.
+# Radius of the circle on which tangent surfaces are told apart, in units of their radius of curvature and of the angle
+# between them if they cross.  Surfaces that osculate to second order are 2^-180 apart there; enclosures have 400 bits.
 CIRCLE = 2.0**-60
 
 
@@ -56,7 +73,7 @@ def around_curve(
         probe = _first_order(across, gradients)
         halves = [(angle, i, angle) for angle, i in angles]
     else:
-        radius = _radius(surfaces, full)
+        radius = _radius(surfaces, full) * _least_angle(angles)
         probe = _on_circle(p, across, radius, surfaces)
         moved = [(_settled(angle, i, p, across, radius, surfaces), i, angle) for angle, i in angles]
         halves = sorted(moved, key=lambda half: _Exact(half[0]))
@@ -116,6 +133,25 @@ def _first_order(across: tuple[list[arb], list[arb]], gradients: dict[int, Any])
         return 1 if value > 0 else -1
 
     return sign
+
+
+def least_angle() -> float:
+    """At the present precision half-branches that are nearer count as tangent."""
+    return float(2.0 ** (-ctx.prec // 4))
+
+
+def nearly_tangent(surfaces: Sequence[Surface], on: Sequence[int], x: Sequence[arb]) -> bool:
+    """Whether two of the surfaces may be tangent at x as far as the present precision tells."""
+    gradients = [[arb(c) for c in surfaces[i].gradient([c / x[3] for c in x])] for i in on]
+    least = arb((16 * least_angle()) ** 2)
+    pairs = ((g, h, cross(g, h)) for g, h in combinations(gradients, 2))
+    return any(not dot(n, n) > least * dot(g, g) * dot(h, h) for g, h, n in pairs)
+
+
+def _least_angle(angles: list[Half]) -> arb:
+    """The least of those that are not zero: farther out than in this measure, surfaces that cross may cross again."""
+    sizes = [float(abs(b - a).mid()) for (a, _), (b, _) in combinations(angles, 2)]
+    return arb(min(size for size in sizes if size > least_angle()))
 
 
 def _radius(surfaces: Sequence[Surface], gradients: dict[int, Any]) -> arb:
@@ -203,11 +239,15 @@ def patterns(point: Vector, surfaces: Sequence[Surface], on: Sequence[int]) -> s
     """Which of the forms `on`, all zero at the point (x, y, z, 1), are negative together nearby.
 
     Every pattern listed occurs arbitrarily near.  All that occur are listed where gradients are not zero and tangent
-    surfaces differ in second order; around an apex they are sampled.
+    surfaces differ in second order.  Around the apex of a cone, those of the cone and one plane are; others sampled.
     """
     gradients = {i: surfaces[i].gradient(point) for i in on}
     found: set[tuple[bool, ...]] = set()
-    for d in _directions(gradients):
+    cones = [s for i in on if not any(gradients[i]) and isinstance(s := surfaces[i], Quadric)]
+    directions = _directions(gradients)
+    for cone in cones:
+        directions += _around_cone(cone, [g for g in gradients.values() if any(g)])
+    for d in directions:
         found |= _patterns_along(d, surfaces, on, gradients)
     return found
 
@@ -251,10 +291,35 @@ def _directions(gradients: dict[int, Vector]) -> list[Vector]:
         if sum(1 for g in gradients.values() if any(g) and not any(cross(g, n))) > 1:
             found += _within_plane(n)
     if any(not any(g) for g in gradients.values()):
-        found += _everywhere(200)
         for n in normals:
             found += _within_plane(n)
     return found
+
+
+def _around_cone(cone: Quadric, normals: list[Vector]) -> list[Vector]:
+    """Directions spread evenly as the cone measures them; and in all four sectors between it and each plane."""
+    block = tuple(row[:3] for row in cone.form[:3])
+    frame = scaled_axes(block)
+    found = [tuple(dot(row, d) for row in frame) for d in _everywhere(200)]
+    for n in normals:
+        plane, pole = columns(*null_space((n,))), _pole(block, n)
+        beyond = bilinear(block, pole, pole)
+        for value, y in diagonalised(restricted(block, plane)):
+            if value * beyond >= 0:
+                continue
+            c = tuple(dot(row, y) for row in plane)  # Q(c + t pole) = Q(c) + t^2 Q(pole)
+            t = rough_root(-value / beyond)
+            found += [tuple(s * a + k * t * b for a, b in zip(c, pole, strict=True)) for s in (1, -1) for k in _SHARES]
+    return found
+
+
+# Beside a plane through the apex, inside and outside of the cone.
+_SHARES = (fmpq(1, 4), fmpq(-1, 4), fmpq(4), fmpq(-4))
+
+
+def _pole(block: Rows, normal: Vector) -> Vector:
+    """The direction conjugate to all of the plane."""
+    return tuple(dot(row, normal) for row in inverse(block))
 
 
 def _short(v: Sequence[Any]) -> Vector:

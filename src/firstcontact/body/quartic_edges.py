@@ -20,7 +20,7 @@ from flint import arb, arb_mat, fmpq, fmpq_mat
 from firstcontact.body.carriers import EnclosedPoint, Quadric, QuarticCurve, Surface, doubles
 from firstcontact.body.csg import Tree, outcomes
 from firstcontact.body.features import EDGE_KINDS, Piece, enclosure
-from firstcontact.body.neighbourhood import Profile, around_curve
+from firstcontact.body.neighbourhood import Profile, around_curve, nearly_tangent
 from firstcontact.body.trimming import BITS
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import Undecidable, dyadic, exact_value, precision
@@ -225,10 +225,13 @@ class _Curve:
         values = outcomes(self.tree, signs)
         if len(values) == 1:
             return Profile("inside" if True in values else "outside", frozenset())
-        with precision(BITS):
-            x = [arb(c.mid()) for c in self.sweep.point(branch, 2 * BITS)]
-            a, b = (self.surfaces[k].gradient(x) for k in self.on[:2])
-            return around_curve(self.tree, self.surfaces, signs, x, [*cross(a, b), arb(0)])
+        for bits in (BITS, 4 * BITS):
+            with precision(bits):
+                x = [arb(c.mid()) for c in self.sweep.point(branch, 2 * bits)]
+                if not nearly_tangent(self.surfaces, self.on[:2], x):
+                    a, b = (self.surfaces[k].gradient(x) for k in self.on[:2])
+                    return around_curve(self.tree, self.surfaces, signs, x, [*cross(a, b), arb(0)])
+        raise Undecidable
 
     def _join(self, event: int) -> None:
         """Links at one event.  More than two ends meet in singular points of the curve: they go on straightest."""

@@ -19,7 +19,6 @@ from firstcontact.body.moving import Moving, shape_of
 from firstcontact.composite.flat_contacts import Pair, Shared, shared_set
 from firstcontact.composite.kept_directions import turning_axes
 from firstcontact.composite.same_point import may_touch_more, pairs_at
-from firstcontact.composite.square_subproblems import refuse_untraced
 from firstcontact.composite.touched import Flat, Flats, Point, group, is_parallel, lowest, ranked, with_neighbours
 from firstcontact.report import MOST_OTHERS
 from firstcontact.result import ContactSet, Element, ElementPair, FirstContact, Stats, Status
@@ -47,9 +46,6 @@ def settle(
     models = both_bounded(models, shared["span"])
     found = advance(*models, first, last, tolerance, 10_000 if budget is None else budget)
     if found.beyond:
-        bodies: list[Any] = [shape_of(x) for x in models]
-        for body in bodies:
-            refuse_untraced(body)
         found = first_event(*models, first, last, tolerance, MOST_BOXES if budget is None else budget)
     if found.status == "free":
         stats = Stats(found.steps, found.gaps, seconds=clock.perf_counter() - begin)

@@ -22,7 +22,6 @@ from firstcontact.body.polyhedron import Polyhedron
 from firstcontact.composite.lasting import linear
 from firstcontact.composite.lasting_mesh import LastingOfMesh
 from firstcontact.composite.patches import Patch, patch
-from firstcontact.composite.square_subproblems import refuse_untraced
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import to_double
 from firstcontact.kernels.event_search import FREE, SPENT, VISITS
@@ -92,7 +91,6 @@ class HoledSearch(MeshSearch):
     def __init__(
         self, mesh: Polyhedron, model: CompositeQuadric, mesh_is_a: bool, budget: int | None, progress: Progress | None
     ) -> None:
-        refuse_untraced(model)
         try:
             charts_of(model)
         except NotCharted as reason:

@@ -43,8 +43,8 @@ class Patch:
     corners: tuple[np.ndarray, np.ndarray] = field(default_factory=lambda: (np.zeros(3), np.zeros(3)))
     hulls: dict[Face | Edge, list[Vector]] = field(default_factory=dict)
     """The corners of every face and edge."""
-    _search: dict[str, Any] = field(default_factory=lambda: {"untraced": []})
-    """Planes meet in no curve that `composite.traced_edges` could have missed."""
+    _search: dict[str, Any] = field(default_factory=dict)
+    """What was worked out of these triangles."""
 
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:
         """Lower and upper corner, (3,) float64 each, of a box that holds the triangles."""

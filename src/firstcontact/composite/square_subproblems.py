@@ -20,7 +20,6 @@ from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.features import Edge, Face, Vertex
 from firstcontact.composite.moving_pair import Form, Pair, without_factor
 from firstcontact.composite.system_search import Solid, zeros_within
-from firstcontact.composite.traced_edges import untraced
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import exact_value
 from firstcontact.exact.polynomial_matrix import Matrix, congruent, constant
@@ -217,23 +216,11 @@ def square_subproblems(pair: Pair) -> Iterator[SquareSubproblem]:
     """Edges of degree 4 against faces and edges, enclosed vertices against faces."""
     for moving in (True, False):
         view = View(pair, moving)
-        refuse_untraced(view.own)
         for edge in quartic_edges(view.own):
             yield from _of_edge(view, edge, quartics_too=moving)
         for vertex in view.own.vertices:
             if isinstance(vertex.carrier, EnclosedPoint):
                 yield from _of_vertex(view, vertex, vertex.carrier)
-
-
-def refuse_untraced(body: CompositeQuadric) -> None:
-    """Contacts are complete only if all edges are known."""
-    if body._search.get("traced"):
-        return
-    box = _box_of(body)
-    missed = untraced(body, box) if box is not None else []
-    if missed:
-        raise UnsupportedPair(f"{body.name or 'solid'}: an edge of degree 4 near {missed[0].tolist()} was not traced")
-    body._search["traced"] = True
 
 
 def quartic_edges(body: CompositeQuadric) -> list[Edge]:

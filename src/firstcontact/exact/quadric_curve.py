@@ -124,7 +124,7 @@ class Sweep:
         for scale in (1, 4, 16, 64):
             ends, far = self._beside(event, NEAR * scale)
             _, near = self._beside(event, NEARER * scale)
-            with precision(4 * NEARER * scale):
+            with precision(self._digits(event, NEARER * scale)):
                 groups = _together(far, near)
             if groups is not None:
                 return [[End(*ends[k], near[k]) for k in group] for group in groups]
@@ -133,21 +133,26 @@ class Sweep:
     def _beside(self, event: int, share: int) -> tuple[list[tuple[Branch, bool]], list[list[arb]]]:
         """The ends, and where they are on planes 2^-share of the cells' widths from the event."""
         ends, points = [], []
+        bits = self._digits(event, share)
         for side in (0, 1):
             u = self._inner(event + side, share)[1 - side]
-            here = self.curve.points(u, 4 * share)
+            here = self.curve.points(u, bits)
             if len(here) != len(self.cells[event + side]):
                 raise Undecidable
             ends += [(branch, side == 0) for branch in self.cells[event + side]]
-            with precision(4 * share):
+            with precision(bits):
                 points += [[arb(c.mid()) for c in self._placed(u, p)[:3]] for p in here]
         return ends, points
+
+    def _digits(self, event: int, share: int) -> int:
+        """Bits that tell points apart whose distance is a small part of the gaps beside the event."""
+        return 4 * share + 2 * max(_smallness(gap) for gap in self._gaps[event : event + 2])
 
     def _inner(self, cell: int, bits: int) -> tuple[fmpq, fmpq]:
         """Planes inside the cell, at most 2^-bits of its width from its ends."""
         gap = self._gaps[cell]
         room = gap / fmpq(2) ** bits
-        digits = bits + 24 + max(0, int(gap.q).bit_length() - int(gap.p).bit_length())
+        digits = bits + 24 + _smallness(gap)
         lo, hi = (_bounds(end, digits) for end in self._ends[cell : cell + 2])
         return lo[1] + room / 2, hi[0] - room / 2
 
@@ -357,6 +362,11 @@ def _distinct(roots: list[AlgebraicRoot], lo: fmpq, hi: fmpq) -> list[AlgebraicR
     roots = [r for r in roots if r.compare(lo) > 0 and r.compare(hi) < 0]
     roots.sort(key=cmp_to_key(AlgebraicRoot.compare))
     return [r for k, r in enumerate(roots) if k == 0 or roots[k - 1].compare(r) != 0]
+
+
+def _smallness(x: fmpq) -> int:
+    """How many bits below 1 it is."""
+    return max(0, int(x.q).bit_length() - int(x.p).bit_length())
 
 
 def _bounds(root: AlgebraicRoot, bits: int) -> tuple[fmpq, fmpq]:
