@@ -154,7 +154,7 @@ def _level_points(body: CompositeQuadric, surface: Quadric) -> np.ndarray:
             normal = np.zeros(4)
             normal[k], normal[3] = 1.0, -root.real
             x = dual @ normal
-            if abs(x[3]) > 1e-12 * np.abs(x).max():
+            if abs(x[3]) > 1e-12 * float(np.abs(dual[3]) @ np.abs(normal)):  # no length: bodies come in all sizes
                 found.append(x[:3] / x[3])
     points = np.array(found).reshape(-1, 3)
     may_in, may_out = body._possible(points, slack=1e-7)
