@@ -13,7 +13,8 @@ from firstcontact.exact.numbers import exact_value, precision
 from firstcontact.motion.relative import curved_pieces
 from firstcontact.search.close_up import CloseUp
 from firstcontact.search.convex import convex_pieces
-from firstcontact.search.resting import Relation, relation
+from firstcontact.search.relation import Relation
+from firstcontact.search.resting import relation
 from firstcontact.search.separation import STATIC
 
 Z = (0, 0, 1)

@@ -24,7 +24,7 @@ from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import Undecidable, dyadic, precision
 from firstcontact.exact.roots import AlgebraicRoot
 from firstcontact.exact.square_systems import EnclosedRoot, OpenRoot
-from firstcontact.search.resting import Relation
+from firstcontact.search.relation import Relation
 
 NARROW = fmpq(1, 10**12)
 """Of the span of a piece: what an enclosure of a time of contact may be wide."""

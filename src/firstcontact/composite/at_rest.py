@@ -17,7 +17,8 @@ from firstcontact.composite.moving_pair import Pair
 from firstcontact.exact.number_field import ball
 from firstcontact.exact.numbers import dyadic, precision, sign, simplest, to_double
 from firstcontact.exact.vectors import cross
-from firstcontact.search.resting import Relation, is_one_piece, relation
+from firstcontact.search.relation import Relation
+from firstcontact.search.resting import is_one_piece, relation
 
 BITS, TINY, LARGEST = 384, fmpq(1, 2**300), 2**128
 """Of balls in which a coordinate is looked at, how far they may be off, and denominators that are no chance."""

@@ -6,34 +6,22 @@ in both, in balls; a rational point near it has exact signs.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from enum import Enum
-
 from flint import fmpq
 
-from firstcontact.body.carriers import ONE, Surface
 from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.exact.numbers import exact_value
 from firstcontact.motion.relative import curved_pieces
 from firstcontact.search.advance import PieceSearch
 from firstcontact.search.close_up import CloseUp
 from firstcontact.search.convex import ConvexPieces, NotConvex, convex_pieces, covering_pieces
+from firstcontact.search.relation import Relation
 from firstcontact.search.separation import NoFunction, Separation
 from firstcontact.search.stretches import windows
+from firstcontact.search.tips import Solid, at_tips, is_inside
 
 NOTHING = fmpq(1, 2**180)
 """Of the size: a depth or a distance that balls do not tell from none."""
 START = fmpq(0)
-
-
-class Relation(Enum):
-    """APART: no common point; NEAR: no proof, but neither depth nor distance is more than NOTHING; OVERLAPPING: a
-    common inner point.  The first and the last one are proved.
-    """
-
-    APART = "apart"
-    NEAR = "near"
-    OVERLAPPING = "overlapping"
 
 
 def relation(a: CompositeQuadric, b: CompositeQuadric) -> Relation | None:
@@ -69,7 +57,7 @@ def _of_pieces(a: CompositeQuadric, b: CompositeQuadric, own: ConvexPieces, othe
         except NoFunction:
             found = None
             continue
-        seen = _of_pair(system, [*own.solids[i][0], *other.solids[j][0]])
+        seen = _of_pair(system, own.solids[i], other.solids[j])
         if seen is Relation.OVERLAPPING:
             return seen
         if seen is None or found is Relation.APART:
@@ -77,22 +65,18 @@ def _of_pieces(a: CompositeQuadric, b: CompositeQuadric, own: ConvexPieces, othe
     return found
 
 
-def _of_pair(system: Separation, forms: Sequence[Surface]) -> Relation | None:
-    """Of two convex pieces; forms: the half-spaces of both."""
+def _of_pair(system: Separation, own: Solid, other: Solid) -> Relation | None:
+    """Of two convex pieces."""
+    forms = [*own[0], *other[0]]
     guess = system.guess(START)
     rough = guess or system.roughly(START)
-    if rough is not None and _is_inside(forms, rough.x):
+    if rough is not None and is_inside(forms, rough.x):
         return Relation.OVERLAPPING
     state = None if guess is None else system.least(guess)
     if state is None:
-        return None
-    if _is_inside(forms, state.x):
+        return at_tips(own, other)
+    if is_inside(forms, state.x):
         return Relation.OVERLAPPING
     if system.is_apart(state):
         return Relation.APART
-    return Relation.NEAR if abs(state.s) <= NOTHING * exact_value(system.size) else None
-
-
-def _is_inside(forms: Sequence[Surface], x: Sequence[fmpq]) -> bool:
-    """Whether the point is strictly inside all half-spaces; exact."""
-    return all(form.value((*x, ONE)) < 0 for form in forms)
+    return Relation.NEAR if abs(state.s) <= NOTHING * exact_value(system.size) else at_tips(own, other)

@@ -1,0 +1,99 @@
+"""What is said of bodies that touch, overlap thinly or nearly touch at the start, or hold one another.
+
+Scenes are made in a frame in which the answer is plain: one body below the plane z = 0, one above it, both with the
+origin on their surface and their insides right below and above it; the upper one is then moved by -g along z.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction as F
+
+import numpy as np
+import pytest
+
+import firstcontact as fc
+
+REST = fc.Translation((0, 0, 0))
+INITIAL = fc.Status.INITIAL_CONTACT
+LYING = [[0, 0, 1, 0], [0, 1, 0, 0], [-1, 0, 0, 0], [0, 0, 0, 1]]
+UPSIDE_DOWN = [[1, 0, 0, 0], [0, -1, 0, 0], [0, 0, -1, 0], [0, 0, 0, 1]]
+
+# Bodies above z = 0 that touch it at the origin.
+STANDING = {
+    "ball": fc.sphere(20).translated((0, 0, 20)),
+    "small ball": fc.sphere("1/7").translated((0, 0, "1/7")),
+    "ellipsoid": fc.ellipsoid((1, 2, 3)).translated((0, 0, 3)),
+    "flat ellipsoid": fc.ellipsoid((30, 2, "1/3")).translated((0, 0, "1/3")),
+    "cylinder": fc.cylinder(5, 10).translated((1, 1, 5)),
+    "cylinder on its side": fc.cylinder(5, 10).transformed(LYING).translated((1, 0, 5)),
+    "rim": fc.cylinder(2, 6).transformed([["3/5", 0, "4/5", 0], [0, 1, 0, 0], ["-4/5", 0, "3/5", 0], [0, 0, 0, 1]])
+    .translated(("6/5", 0, "17/5")),
+    "cone": fc.cone(3, 4),
+    "tip": fc.cone(1, 2).transformed(UPSIDE_DOWN).translated((0, 0, 2)),
+    "frustum": fc.frustum(1, 2, 3),
+    "bowl": fc.paraboloid((1, 2), 3),
+    "box": fc.box((2, 3, 4)).translated((0, 0, 2)),
+}  # fmt: skip
+
+
+def half_turn(n):
+    """By 180 degrees about n, as a rational matrix."""
+    size = sum(x * x for x in n)
+    return [[F(2 * n[i] * n[j], size) - (i == j) for j in range(3)] + [0] for i in range(3)] + [[0, 0, 0, 1]]
+
+
+def test_the_rim_stands_on_its_lowest_point():
+    lo, hi = STANDING["rim"].bounds()
+    assert abs(lo[2]) < 1e-12 and hi[2] > 1 and STANDING["rim"].contains((0, 0, 0))
+
+
+def pair(lower, upper, g, turn=(1, 0, 0), scale=F(1), motion=(0, 0, 0)):
+    """(a, b) with b above and moving; all under one half-turn and one scale."""
+    a = STANDING[lower].transformed(UPSIDE_DOWN)
+    b = STANDING[upper].translated((0, 0, -g))
+    m = half_turn(turn)
+    placed = [[x * scale for x in row] for row in m[:3]] + [m[3]]
+    way = [scale * sum(m[i][j] * motion[j] for j in range(3)) for i in range(3)]
+    return a.transformed(placed), b.transformed(placed).moving(fc.Translation(way))
+
+
+def strictly_inside(body, point):
+    """By the signs of the surfaces' forms, in whole numbers."""
+    x = [*map(F, point), F(1)]
+    for surface in body.surfaces:
+        rows = [[F(int(c.p), int(c.q)) for c in row] for row in surface.matrix()]
+        if not sum(x[i] * rows[i][j] * x[j] for i in range(4) for j in range(4)) < 0:
+            return False
+    return True
+
+
+def judge(lower, upper, g, hit):
+    if g < 0:
+        assert hit.status is fc.Status.FREE
+    else:
+        assert (hit.status, hit.initial, hit.time) == (INITIAL, "overlapping" if g > 0 else "touching", 0)
+        assert hit.time_interval == (0, 0) and not np.signbit(hit.time) and hit.free_until == 0
+
+
+def scenes(count, seed):
+    rng = np.random.default_rng(seed)
+    names, gaps = list(STANDING), [F(0), *(s * F(1, 10**k) for s in (1, -1) for k in (3, 7, 12, 18, 30))]
+    for _ in range(count):
+        lower, upper = (names[k] for k in rng.integers(len(names), size=2))
+        g, turn = gaps[rng.integers(len(gaps))], tuple(int(x) for x in rng.integers(-4, 5, size=3))
+        motion = [(0, 0, 0), (0, 0, 1)][rng.integers(2)]
+        scale = [F(1), F(2) ** 40, F(1, 2**40)][rng.integers(3)]
+        yield lower, upper, g, turn if any(turn) else (1, 2, 3), scale, motion
+
+
+@pytest.mark.parametrize("scene", scenes(24, 1), ids=str)
+def test_depths_and_gaps_of_any_size(scene):
+    lower, upper, g, *rest = scene
+    a, b = pair(*scene)
+    if g > 0:
+        middle = (0, 0, -g / 2)
+        assert strictly_inside(STANDING[lower].transformed(UPSIDE_DOWN), middle)
+        assert strictly_inside(STANDING[upper].translated((0, 0, -g)), middle)
+    judge(lower, upper, g, fc.first_contact(a, b))
+    judge(lower, upper, g, fc.first_contact(b, a))
+    judge(lower, upper, g, fc.first_contact(a, b, exact=True))
