@@ -21,7 +21,7 @@ from firstcontact.ruled.answer import apexes, same
 from firstcontact.ruled.arcs import BUDGET, HIGHEST_DEGREE, SMALL_BUDGET, Line, Solved, searched, traced
 from firstcontact.ruled.chains import Chain, chains
 from firstcontact.ruled.cut_out import cut_about
-from firstcontact.ruled.edge_cusps import passed, turns_sharply, with_edges
+from firstcontact.ruled.edge_cusps import passed, with_edges
 from firstcontact.ruled.joined import Found, Stop, Strand, knot
 from firstcontact.ruled.lone_points import is_on_branches, is_on_lines
 from firstcontact.ruled.open_places import (
@@ -37,12 +37,10 @@ from firstcontact.ruled.open_places import (
 from firstcontact.ruled.pieces import Piece
 from firstcontact.ruled.reach import Reached, reached
 from firstcontact.ruled.settled import Settled
-from firstcontact.ruled.standstill_cusps import sharp_turns, turned_back
+from firstcontact.ruled.standstill_cusps import turned_back
 
 # Branches that are shorter, in parts of their coordinates, may be points.
 IN_SPACE = 1e-12
-# Polylines with fewer points than this are looked through for cusps more quickly than surfaces for edges of regression.
-FEW_POINTS = 4096
 # Polylines of so many points are no points: chords are not cut below it.
 LONG = 100
 
@@ -178,17 +176,13 @@ def _strands(solved: Solved, settled: Settled, settles: bool) -> tuple[list[Stra
 def _with_cusps(p: Chain, q: Chain, strands: list[Strand]) -> tuple[list[Strand], list[np.ndarray]]:
     """The strands with rows at their cusps, and these points; exact strands know theirs."""
     cusps: list[np.ndarray] = []
-    few = sum(len(x.points) for x in strands) < FEW_POINTS
-    if few and not any(turns_sharply(x.points) for x in strands):
-        return strands, cusps
-    turning = [len(sharp_turns(x.points)) > 0 for x in strands]
     for own, other, order in ((p, q, [0, 1, 2, 3]), (q, p, [1, 0, 3, 2])):
         edged = with_edges(own)
-        for n, strand in enumerate(strands if edged or any(turning) else []):
-            found = passed(edged, other.pieces, strand.parameters[:, order]) if edged else []
-            if turning[n]:
-                found += turned_back(own.pieces, other.pieces, strand.points, strand.parameters[:, order])
-            for before, after, point, known in sorted(found, key=lambda x: -x[0]):
+        for n, strand in enumerate(strands):
+            parameters = strand.parameters[:, order]
+            found = {x[0]: x for x in turned_back(own, other, strand.points, parameters)}
+            found |= {x[0]: x for x in (passed(edged, other.pieces, parameters) if edged else [])}
+            for before, after, point, known in sorted(found.values(), key=lambda x: -x[0]):
                 strand = replace(strand, points=_with_row(strand.points, before, after, point),
                                  parameters=_with_row(strand.parameters, before, after, known[order]))  # fmt: skip
                 cusps.append(point)

@@ -33,15 +33,6 @@ class Directrices(NamedTuple):
     second: Any
 
 
-def turns_sharply(points: np.ndarray) -> bool:
-    """Whether a polyline turns by more than 60 degrees within three chords, as it does at a cusp."""
-    chords = np.diff(points, axis=0)
-    squares = (chords * chords).sum(1)
-    return any(
-        bool(((chords[k:] * chords[:-k]).sum(1) < 0.5 * np.sqrt(squares[k:] * squares[:-k])).any()) for k in (1, 2)
-    )
-
-
 def with_edges(chain: Chain) -> list[Any]:
     """The developable pieces with an edge of regression."""
     if any(EDGE not in piece._search for piece in chain.pieces):

@@ -1,104 +1,260 @@
-"""Cusps on polylines found in doubles: where a branch passes a ruling at which the family of rulings stands still.
+"""Cusps on polylines found in doubles: where a branch passes the singular point of a torsal ruling.
 
-There Delta_u = <l', m> is zero with Delta, so v stands still too, and the branch turns back: at u = 0 and infinity of a
-family in u^2, along the border of a strip that lies twice in a plane.
+There P_u and P_s are parallel, so Delta_u = <l', m> is zero with Delta: v and the point stand still together.  On a
+ruling at which the family stands still all points are such (u = 0 and infinity of a family in u^2, the border of a
+strip that lies twice in a plane).  Edges of regression, singular points of all rulings, are not looked for here.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Iterator, Sequence
+from itertools import combinations
+from math import comb
+from typing import Any, NamedTuple
 
 import numpy as np
 from flint import fmpq
 from numpy.polynomial.polynomial import polyder, polyval
 
-from firstcontact.exact.roots import roots_in
-from firstcontact.pairs.ruled_ruled import DUAL
-from firstcontact.ruled.cusps import stationary_rulings
+from firstcontact.exact.numbers import precision
+from firstcontact.exact.roots import AlgebraicRoot, roots_in
+from firstcontact.pairs.ruled_ruled import DUAL, PAIRS
+from firstcontact.ruled.chains import Chain, product_table
+from firstcontact.ruled.cusps import singular_points, stationary_rulings, torsal_rulings
 from firstcontact.ruled.pieces import Piece
 from firstcontact.ruled.tracing import Powers, Surfaces, rows
 
-STANDSTILL = "stationary rulings"
-"""The key under which a piece knows their places."""
+TORSAL, LIKELY = "torsal rulings", "likely torsal rulings"
+"""Keys under which a piece knows them exactly, and as far as doubles tell."""
 UNIT = fmpq(-1), fmpq(1)
-# Rows this near such a ruling are on it; how many rows from it the polyline turns sharply; Newton's steps.
+# Coefficients that are not told from zero, in parts of what they are made of; how far from the real axis and beyond a
+# part doubles may put a root; degrees above which they find none; room beside the ends of rulings.
+ZERO, ASIDE, MOST_DEGREE, BESIDE = 1e-11, 1e-2, 24, 1e-2
+# Where rulings turn less than this part of what they usually move, they may stand still.
+STILL = 1e-2
+# Rows this near such a ruling are on it; how many rows about it tell the length of chords; Newton's steps.
 AT_RULING, AROUND, STEPS = 1e-12, 2, 12
-# How far from the polyline the point may be, in chords there.
-FARTHEST = 4.0
+# How far from the polyline the point may be, in chords there; points that are one, in parts of their size.
+FARTHEST, ONE_POINT = 4.0, 1e-8
+# Steps from the ruling, in ranges, at which directions are compared: the first at which the curve has moved that far.
+AWAY, MOVED = (1e-5, 1e-4, 1e-3, 1e-2), 1e-9
 
 Passed = tuple[int, int, np.ndarray, np.ndarray]
 """Rows before and after; the point; u, v, s, t.  Rows between are on the ruling too."""
 
 
-def sharp_turns(points: np.ndarray) -> np.ndarray:
-    """Indices of points at which a polyline turns by more than a right angle."""
-    chords = np.diff(points, axis=0)
-    return np.flatnonzero(np.einsum("ij,ij->i", chords[1:], chords[:-1]) < 0.0) + 1
+class Special(NamedTuple):
+    """A torsal ruling in the chart of u or, reverse, of 1/u; point None where the family stands still."""
+
+    reverse: bool
+    x: float
+    point: np.ndarray | None
 
 
-def turned_back(own: Sequence[Any], others: Sequence[Any], points: np.ndarray, parameters: np.ndarray) -> list[Passed]:
-    """Where a polyline, given by its points and u, v, s, t, turns back at a ruling of the first pieces; not at ends."""
+class Likely(NamedTuple):
+    """The same in doubles, u None where they tell no place."""
+
+    u: float | None
+    point: np.ndarray | None
+
+
+def turned_back(own: Chain, other: Chain, points: np.ndarray, parameters: np.ndarray) -> list[Passed]:
+    """Where a polyline, given by its points and u, v, s, t, turns back at a ruling of the first chain; not at ends."""
     found: dict[int, Passed] = {}
-    turns = sharp_turns(points)
-    at = parameters[turns, 0]
-    for piece in own if len(turns) else ():
-        if piece.u is not None and not ((at >= float(piece.u[0])) & (at <= float(piece.u[1]))).any():
+    if any(LIKELY not in piece._search for piece in own.pieces):
+        _look_for(own)
+    low, high = parameters[:, 0].min(), parameters[:, 0].max()
+    for piece in own.pieces:
+        if piece.u is not None and not (float(piece.u[0]) <= high and low <= float(piece.u[1])):
             continue
-        for reverse, roots in _standstills(piece):
-            x = _in_chart(parameters[:, 0], reverse)
-            low, high = (-2.0, 2.0) if piece.u is None else (float(u) for u in piece.u)
-            inside = (x >= low - AT_RULING) & (x <= high + AT_RULING)
-            for root in roots:
-                side = np.where(np.abs(x - root) <= AT_RULING, 0.0, np.sign(x - root))
-                off = np.flatnonzero(side)
-                for n in np.flatnonzero(side[off[1:]] * side[off[:-1]] < 0.0):
-                    i, j = int(off[n]), int(off[n + 1])
-                    near = ((turns >= i - AROUND) & (turns <= j + AROUND)).any()
-                    if near and inside[i] and inside[j]:
-                        cusp = _at(piece, others, reverse, root, parameters, i, j)
-                        size = np.abs(np.diff(points[max(i - AROUND, 0) : j + AROUND + 1], axis=0)).max()
-                        if cusp is not None and np.abs(cusp[2] - points[i]).max() <= FARTHEST * size:
-                            found[i] = cusp
+        if any(_may_pass(x, points, parameters[:, 0]) for x in piece._search[LIKELY]):
+            for special in _torsal(piece):
+                for cusp in _at_ruling(piece, other.pieces, special, points, parameters):
+                    found[cusp[0]] = cusp
     return list(found.values())
 
 
-def _standstills(piece: Any) -> list[tuple[bool, list[float]]]:
-    """Places of such rulings in the chart of u and, of a closed surface, in that of 1/u too; both may have 1 and -1."""
-    if STANDSTILL not in piece._search:
-        lines = Piece.of(piece)
-        charts = [(False, lines.rulings, lines.u or UNIT)]
-        if lines.u is None:
-            charts.append((True, lines.rulings.reversed(), UNIT))
-        piece._search[STANDSTILL] = [
-            (reverse, [float(root) for root in roots_in(stationary_rulings(x), ends)]) for reverse, x, ends in charts
-        ]
-    return piece._search[STANDSTILL]  # type: ignore[no-any-return]
+# -- rulings ------------------------------------------------------------------------------------------------
 
 
-def _in_chart(u: np.ndarray, reverse: bool) -> np.ndarray:
+def _torsal(piece: Any) -> list[Special]:
+    """Those of a closed surface in the charts of u and of 1/u; both may have 1 and -1."""
+    if TORSAL not in piece._search:
+        own = Piece.of(piece)
+        charts = [(False, own.rulings, own.u or UNIT)]
+        if own.u is None:
+            charts.append((True, own.rulings.reversed(), UNIT))
+        found = []
+        for reverse, lines, ends in charts:
+            still, torsal = stationary_rulings(lines), torsal_rulings(lines)
+            for root in roots_in(still if torsal == 0 else torsal, ends):
+                at = None if root.sign_of(still) == 0 else _singular_point(lines, root)
+                found.append(Special(reverse, float(root), at))
+        piece._search[TORSAL] = found
+    return piece._search[TORSAL]  # type: ignore[no-any-return]
+
+
+def _singular_point(lines: Any, root: AlgebraicRoot) -> np.ndarray:
+    """The point in which a torsal ruling meets its neighbours; not finite where that is at infinity."""
+    at = root.enclosure(128)
+    with precision(128):
+        *point, weight = (c(at) for c in singular_points(lines))
+        return np.array([float((x / weight).mid()) for x in point])
+
+
+def _look_for(chain: Chain) -> None:
+    """Tell all pieces of a chain what torsal rulings they may have, with points between their ends, on the way."""
+    lines = _lines(chain)
+    slopes = np.diff(lines, axis=2)
+    products = (_product(slopes[:, i], slopes[:, 5 - i]) for i in range(3))
+    torsal = next(products) - next(products) + next(products)
+    near = ZERO * np.abs(slopes).max(2).max(1, initial=0.0) ** 2
+    flat = (np.abs(torsal).max(1) <= near) & _may_stand_still(lines, slopes)
+    mixed = (torsal.min(1) <= near) & (torsal.max(1) >= -near) & (np.abs(torsal).max(1) > near)
+    likely: list[list[Likely]] = [[] for _ in chain.pieces]
+    for part in np.flatnonzero(flat | mixed).tolist():
+        own = likely[chain.piece_of[part]]
+        if flat[part] or chain.pieces[chain.piece_of[part]].u is None or torsal.shape[1] > MOST_DEGREE:
+            own.append(Likely(None, None))
+        else:
+            own += _likely(chain, part, torsal[part])
+    for piece, own in zip(chain.pieces, likely, strict=True):
+        piece._search[LIKELY] = own
+
+
+def _lines(chain: Chain) -> np.ndarray:
+    """(parts, 6, m): Bernstein coefficients of l, about the middle of the chain."""
+    middle = chain.box.mean(0)
+    ends = np.concatenate([chain.points[:, k : k + 3] - middle[:, None] * chain.points[:, k + 3 : k + 4]
+                           if k % 4 == 0 else chain.points[:, k : k + 1] for k in (0, 3, 4, 7)], axis=1)  # fmt: skip
+    return np.stack([_product(ends[:, i], ends[:, 4 + j]) - _product(ends[:, j], ends[:, 4 + i]) for i, j in PAIRS], 1)
+
+
+def _product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Of polynomials of one degree in Bernstein form, row by row."""
+    n = a.shape[1] - 1
+    found = np.zeros((len(a), 2 * n + 1))
+    for k, row in enumerate(product_table(n)):
+        found[:, k : k + n + 1] += a[:, k : k + 1] * b * row
+    return found
+
+
+def _may_stand_still(lines: np.ndarray, slopes: np.ndarray) -> np.ndarray:
+    """(parts,): False where a minor of l and l' has one sign."""
+    raised = _raised(slopes)
+    may = np.ones(len(lines), bool)
+    for i, j in combinations(range(6), 2):
+        minor = _product(lines[:, i], raised[:, j]) - _product(lines[:, j], raised[:, i])
+        near = ZERO * np.abs(lines).max(2).max(1) * np.abs(slopes).max(2).max(1)
+        may &= (minor.min(1) <= near) & (minor.max(1) >= -near)
+    return may
+
+
+def _raised(rows_of: np.ndarray) -> np.ndarray:
+    """Polynomials in Bernstein form as of one degree more."""
+    n = rows_of.shape[2]
+    share = np.arange(n + 1) / n
+    padded = np.pad(rows_of, ((0, 0), (0, 0), (1, 1)))
+    return share * padded[:, :, :-1] + (1.0 - share) * padded[:, :, 1:]
+
+
+def _likely(chain: Chain, part: int, torsal: np.ndarray) -> Iterator[Likely]:
+    n = len(torsal) - 1
+    powers = [comb(n, j) * sum((-1) ** (j - i) * comb(j, i) * torsal[i] for i in range(j + 1)) for j in range(n + 1)]
+    usual = np.abs(np.diff([chain.ruling(part, x) for x in (0.0, 0.5, 1.0)], axis=0)).max()
+    for root in np.roots(powers[::-1]):
+        if abs(root.imag) > ASIDE or not -ASIDE <= root.real <= 1.0 + ASIDE:
+            continue
+        x, step = min(max(float(root.real), 0.0), 1.0), 1e-6
+        behind, ahead = chain.ruling(part, x - step), chain.ruling(part, x + step)
+        first, second = 0.5 * (behind + ahead)
+        slope, other = (ahead - behind) / (2.0 * step)
+        along, turn = second - first, np.cross(other - slope, second - first)
+        size = float(turn @ turn)
+        u = float(chain.parameter(np.array([part]), np.array([x]))[0])
+        if size <= (STILL * usual) ** 2 * (along @ along):
+            yield Likely(u, None)
+            continue
+        s = -float(np.cross(slope, along) @ turn) / size
+        if -BESIDE <= s <= 1.0 + BESIDE:
+            yield Likely(u, first + s * along)
+
+
+# -- polylines ----------------------------------------------------------------------------------------------
+
+
+def _may_pass(likely: Likely, points: np.ndarray, u: np.ndarray) -> bool:
+    """Whether a polyline passes such a ruling near its point."""
+    if likely.u is None:
+        return True
+    side = np.sign(u - likely.u)
+    crossing = np.flatnonzero(side[1:] * side[:-1] <= 0.0).tolist()
+    if likely.point is None:
+        return bool(crossing)
+    return any(np.abs(points[k] - likely.point).max() <= FARTHEST * _chord(points, k, k + 1) for k in crossing)
+
+
+def _chord(points: np.ndarray, i: int, j: int) -> float:
+    """The longest one next to these rows."""
+    return float(np.abs(np.diff(points[max(i - AROUND, 0) : j + AROUND + 1], axis=0)).max())
+
+
+def _at_ruling(
+    piece: Any, others: Sequence[Any], special: Special, points: np.ndarray, parameters: np.ndarray
+) -> Iterator[Passed]:
     with np.errstate(divide="ignore"):
-        return 1.0 / u if reverse else u
+        x = 1.0 / parameters[:, 0] if special.reverse else parameters[:, 0]
+    low, high = (-2.0, 2.0) if piece.u is None else (float(u) for u in piece.u)
+    inside = (x >= low - AT_RULING) & (x <= high + AT_RULING)
+    side = np.where(np.abs(x - special.x) <= AT_RULING, 0.0, np.sign(x - special.x))
+    off = np.flatnonzero(side)
+    for n in np.flatnonzero(side[off[1:]] * side[off[:-1]] < 0.0):
+        i, j = int(off[n]), int(off[n + 1])
+        if inside[i] and inside[j] and (over := _Over.of(piece, others, special.reverse, parameters[i, 1])) is not None:
+            point, known = over.at(special.x)
+            size = ONE_POINT * max(1.0, float(np.abs(point).max()))
+            here = special.point is None or bool(np.abs(point - special.point).max() <= size)
+            near = np.abs(point - points[i]).max() <= FARTHEST * _chord(points, i, j)
+            if here and near and over.turns(special.x, high - low):
+                yield i, j, point, known
 
 
-def _at(
-    own: Any, others: Sequence[Any], reverse: bool, x: float, parameters: np.ndarray, i: int, j: int
-) -> Passed | None:
-    """Where the ruling at x meets the other surface, between two rows; Newton."""
-    start = parameters[i, 1]
-    other = next((p for p in others if p.u is None or float(p.u[0]) <= start <= float(p.u[1])), None)
-    if other is None:
-        return None
-    p, q, far = Piece.of(own), Piece.of(other), bool(abs(start) > 1.0)
-    line, lines = polyval(x, rows(p.reversed_rulings(reverse).line).T), rows(q.reversed_rulings(far).line)
-    delta = sum(sign * value * lines[j] for value, (j, sign) in zip(line, DUAL, strict=True))
-    slope, y = polyder(delta), 1.0 / start if far else start
-    for _ in range(STEPS):
-        change = polyval(y, slope)
-        if change == 0.0:
-            return None
-        y -= polyval(y, delta) / change
-    powers = (Powers(np.array([z]), np.array([turned])) for z, turned in ((x, reverse), (y, far)))
-    points, positions = Surfaces(p, q).points(*powers)
-    u, v = (1.0 / z if turned and z else np.inf if turned else z for z, turned in ((x, reverse), (y, far)))
-    return i, j, points[0], np.array([u, v, p.user_s(positions[0, 0]), q.user_s(positions[0, 1])])
+class _Over:
+    """The curve over u, in the chart of u or 1/u, near a value of v."""
+
+    def __init__(self, own: Any, other: Any, reverse: bool, start: float) -> None:
+        self.p, self.q, self.reverse, self.far = Piece.of(own), Piece.of(other), reverse, bool(abs(start) > 1.0)
+        self.start = 1.0 / start if self.far else start
+        self.line = rows(self.p.reversed_rulings(reverse).line).T
+        lines = rows(self.q.reversed_rulings(self.far).line)
+        self.lines = np.array([sign * lines[j] for j, sign in DUAL])
+        self.surfaces = Surfaces(self.p, self.q)
+
+    @classmethod
+    def of(cls, own: Any, others: Sequence[Any], reverse: bool, v: float) -> _Over | None:
+        other = next((p for p in others if p.u is None or float(p.u[0]) <= v <= float(p.u[1])), None)
+        return None if other is None else cls(own, other, reverse, float(v))
+
+    def at(self, x: float) -> tuple[np.ndarray, np.ndarray]:
+        """The point over x, and u, v, s, t; Newton."""
+        delta = polyval(x, self.line) @ self.lines
+        slope, y = polyder(delta), self.start
+        for _ in range(STEPS):
+            change = polyval(y, slope)
+            if change == 0.0:
+                break
+            y -= polyval(y, delta) / change
+        charts = (x, self.reverse), (y, self.far)
+        powers = (Powers(np.array([z]), np.array([turned])) for z, turned in charts)
+        points, positions = self.surfaces.points(*powers)
+        u, v = (1.0 / z if turned and z else np.inf if turned else z for z, turned in charts)
+        return points[0], np.array([u, v, self.p.user_s(positions[0, 0]), self.q.user_s(positions[0, 1])])
+
+    def turns(self, x: float, width: float) -> bool:
+        """Whether the curve leaves the point over x to the side from which it comes there."""
+        centre = self.at(x)[0]
+        for step in AWAY:
+            before, after = (self.at(x + way * step * width)[0] - centre for way in (-1, 1))
+            if min(np.abs(before).max(), np.abs(after).max()) > MOVED * max(1.0, float(np.abs(centre).max())):
+                return bool(before @ after > 0.0)
+        return False
