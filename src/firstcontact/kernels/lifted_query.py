@@ -19,6 +19,7 @@ import numpy as np
 
 from firstcontact.kernels.jit import kernel
 from firstcontact.kernels.principal import form_range
+from firstcontact.kernels.verdict import LOST
 
 # Slots of a cell: box (6), largest |f|, largest coordinate about the origin, largest S / |n| of its facets, each in
 # 1-norms (|n| in the largest entry); then the box of lines and, of facets, the box of planes.
@@ -37,14 +38,14 @@ def line_slack(far, reach, e, scale, err):
     """Bound on the rounding of a form in lines with |f| <= reach, coordinates <= far; e: the query's direction."""
     eps = 4.0 * _U * far + err
     mixed = 1.0 + 2.0 * far / scale
-    return 1024.0 * (eps * far * (e + reach) / scale + _U * mixed * mixed * e * reach)
+    return 1024.0 * (eps * (far / scale) * (e + reach) + _U * mixed * mixed * e * reach) + LOST
 
 
 @kernel
 def plane_slack(far, needle, scale, err):
     eps = 4.0 * _U * far + err
     mixed = 1.0 + 3.0 * far / scale
-    return 1024.0 * (eps * far * needle / scale + _U * mixed * mixed)
+    return 1024.0 * (eps * (far / scale) * needle + _U * mixed * mixed)
 
 
 @kernel
@@ -112,7 +113,7 @@ def _misses_slab(row, query, origin, far, err):
         value += slab[k] * (0.5 * (row[k] + row[k + 3]) - origin[k])
         reach += abs(slab[k]) * 0.5 * (row[k + 3] - row[k])
     eps = 4.0 * _U * far + err
-    return abs(value) > reach * (1.0 + 1e-14) + 1024.0 * eps * far * slab[4]
+    return abs(value) > reach * (1.0 + 1e-14) + 1024.0 * eps * far * slab[4] + LOST
 
 
 @kernel

@@ -16,6 +16,7 @@ import numpy as np
 from numba.extending import overload
 
 from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.verdict import LOST
 
 # Rows: boxes of the corners of the hulls; the box of all; then the number of corners, whether paths are circles, axis,
 # the largest coordinate; and the distances from the axis.
@@ -106,7 +107,7 @@ def _separates(cell, x, m0, m1, m2, slack):
     """Whether the triangle lies strictly on one side of all paths along the axis m; false when that is not a number."""
     p, q = (m0 * x[0] + m1 * x[1]) + m2 * x[2], (m0 * x[3] + m1 * x[4]) + m2 * x[5]
     r = (m0 * x[6] + m1 * x[7]) + m2 * x[8]
-    pad = slack * (abs(m0) + abs(m1) + abs(m2))
+    pad = slack * (abs(m0) + abs(m1) + abs(m2)) + LOST
     lo, hi = min(p, q, r) - pad, max(p, q, r) + pad
     above, below = True, True
     for c in range(int(cell[HULLS, 0])):

@@ -12,6 +12,8 @@ NONE, CERTAIN, UNSURE = 0, 1, 2
 # included); TINY covers underflow: 2^-1075 * 2^300.  See test_det_bound.
 DET_EPS = 9.0 * 2.0**-53 * (1.0 + 2.0**-40)
 TINY = 2.0**-700
+# More than sums of products of three lengths lose below the range of doubles.
+LOST = 2.0**-960
 
 
 @kernel

@@ -81,6 +81,8 @@ def translation_filter(
     lo, hi = quotient(num, num_err, den, den_err)
     if hi < t_first or lo > t_last:
         return NONE, 0.0, 0.0
+    if not lo <= hi:  # beyond the range of doubles
+        return UNSURE, t_first, t_last
     sure = abs(lam) > lam_err and abs(lam1) > lam1_err and abs(mu) > mu_err and abs(mu1) > mu1_err
     return (CERTAIN if sure else UNSURE), lo, hi
 

@@ -68,6 +68,8 @@ def translation_filter(
     lo, hi = quotient(num, num_err, den, den_err)
     if hi < t_first or lo > t_last:
         return NONE, 0.0, 0.0
+    if not lo <= hi:  # beyond the range of doubles
+        return UNSURE, t_first, t_last
     sure = abs(ab) > ab_err and abs(bc) > bc_err and abs(ca) > ca_err
     return (CERTAIN if sure else UNSURE), lo, hi
 

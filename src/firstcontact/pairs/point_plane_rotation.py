@@ -108,7 +108,8 @@ def _radius_misses(p0, p1, p2, a0, a1, a2, b0, b1, b2, c0, c1, c2, err_p, err_f)
         return True
     x0, x1 = v0 - u0, v1 - u1
     near = min(u0 * u0 + u1 * u1, v0 * v0 + v1 * v1)
-    if (u0 * x0 + u1 * x1) * (v0 * x0 + v1 * x1) < 0.0:
+    first, last = u0 * x0 + u1 * x1, v0 * x0 + v1 * x1
+    if (first < 0.0 and last > 0.0) or (first > 0.0 and last < 0.0):  # a product of the two might vanish
         near -= x0 * x0 + x1 * x1  # the foot may lie in between: a bound on how much nearer it is
     return radius < near - margin
 

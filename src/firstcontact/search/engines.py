@@ -50,6 +50,9 @@ SHARE, FEWEST = 4, 4096
 # Lists of all pairs change over at so many tests for each primitive and each pair listed so far; looked at every so
 # many node visits.
 LISTING_SHARE, LISTING_SLICE = 8, 16384
+# Below this size products of coordinates, and errors beside them, leave the range of doubles.  Boxes and halving bear
+# that.
+LEAST_SIZE = 2.0**-450
 
 
 def tests_of_boxes(tree_a: Tree, tree_b: Tree) -> int:
@@ -80,6 +83,8 @@ class ByEngine:
     def advance(self, state: WalkState, limit: int, with_start: bool, all_sides: bool) -> int:
         """Go on with the walk; the reason it came back.  What is pierced at the start is always found with boxes."""
         integers = state.integers
+        if self.engine in ("composed", "sweep") and self._is_tiny():
+            self.engine = "lifted"
         if self.engine == "boxes" or (state.floats[ALL] and not all_sides):
             return self.advance_boxes(state, limit, with_start, all_sides)
         if self.engine == "composed":
@@ -114,6 +119,10 @@ class ByEngine:
 
         return advance_lifted(self, state, limit)
 
+    def _is_tiny(self) -> bool:
+        """Whether the bodies are, and what lies between them."""
+        return all(float(np.abs(tree.boxes[0]).max()) < LEAST_SIZE for tree in (self.tree_a, self.tree_b))
+
     def _tests_of_boxes(self) -> int:
         """`tests_of_boxes`, kept on body a while the trees stay the same."""
         trees = self.tree_a, self.tree_b
@@ -140,7 +149,7 @@ class ByEngine:
         reason = self.advance_boxes(state, min(limit, int(integers[VISITS]) + LISTING_SLICE), with_start, True)
         self.listed += int(integers[CANDIDATES])
         most = LISTING_SHARE * (len(self.tree_a.corners) + len(self.tree_b.corners) + self.listed)
-        if reason != DONE and integers[TESTS] > max(FEWEST, most):
+        if reason != DONE and integers[TESTS] > max(FEWEST, most) and not self._is_tiny():
             begin_lifted(state, with_start and integers[STACK] > 0)
         return reason
 

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from firstcontact.body.polyhedron import LEAST
 from firstcontact.kernels.boxes import CLIP_EPS, clip_to_box
 from firstcontact.kernels.jit import kernel
 from firstcontact.search.tree import SPLIT, Tree, build
@@ -180,7 +181,7 @@ def _framed_error(body: Any, frame: Frame) -> float:
     if all(x in (0, 1, -1) for row in frame for x in row):
         return body.error
     size = float(np.abs(body.vertices).max())
-    return 1.8 * body.error + 3.0 * size * (FRAME_EPS + 4.0 * 2.0**-53)
+    return 1.8 * body.error + 3.0 * size * (FRAME_EPS + 4.0 * 2.0**-53) + LEAST
 
 
 def _refit_tree(body: Any, frame: Frame) -> Tree:
@@ -206,7 +207,7 @@ def refit(boxes, links, cut, xyz, ids, cells, frame, slack):
     largest = 0.0
     for k in range(6):
         largest = max(largest, abs(boxes[0, k]))
-    pad = CLIP_EPS * largest * 3.0 + slack
+    pad = CLIP_EPS * largest * 3.0 + slack + LEAST
     for node in range(boxes.shape[0] - 1, -1, -1):
         box = new_boxes[node]
         if links[node, 1] >= 0:

@@ -58,6 +58,9 @@ from firstcontact.search.windows import collect
 
 Angle = tuple[fmpq, fmpq]  # radians, turns
 
+# Squares of lengths below it leave the range of doubles.
+LOST_LENGTH = 2.0**-500
+
 _ZERO = fmpq(0), fmpq(0)
 _FULL = fmpq(0), fmpq(1)
 
@@ -146,11 +149,11 @@ class RotationProblem(ByEngine):
         self.tree_a, self.tree_b = view_in(self.a, frame), view_in(self.b, frame)
         origin = [to_double(x) for x in self.origin]
         self.centre = tuple(row[0] * origin[0] + row[1] * origin[1] + row[2] * origin[2] for row in frame[:2])
-        shifted = 0.0
+        shifted = LOST_LENGTH
         if any(origin):
             # the centre and the differences to it round: 2^-53 of the sizes each, a few times
             size = max(map(abs, (*self.tree_a.boxes[0].tolist(), *self.tree_b.boxes[0].tolist())))
-            shifted = 2.0**-50 * (size + 3.0 * max(map(abs, origin)))
+            shifted += 2.0**-50 * (size + 3.0 * max(map(abs, origin)))
         self.error_a, self.error_b = self.tree_a.error + shifted, self.tree_b.error + shifted
         self.pad = 2.0 * (self.error_a + self.error_b)
         key = (frame, self.centre, self.pad)

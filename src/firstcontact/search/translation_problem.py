@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from fractions import Fraction
 from typing import Any
 
@@ -10,9 +11,9 @@ import numpy as np
 from flint import arb, fmpq
 
 from firstcontact.exact.instants import RationalInstant, enclose
-from firstcontact.exact.numbers import dyadic, fraction, sign, to_double
+from firstcontact.exact.numbers import below, dyadic, exact_value, fraction, sign, to_double
 from firstcontact.exact.rigid import Matrix, shift
-from firstcontact.exact.vectors import Vector, dot, whole
+from firstcontact.exact.vectors import Vector, dot, scaled, whole
 from firstcontact.exact.windows import ALWAYS, Window, clip, hull
 from firstcontact.motion.relative import Piece
 from firstcontact.pairs import coplanar, line_line, point_plane, segment_facet
@@ -29,25 +30,40 @@ from firstcontact.search.windows import collect
 ZERO = fmpq(0)
 
 
+# Coordinates of velocities above it are as good as any; those below, but not zero, may leave the range of doubles.
+LEAST_SPEED = 2.0**-1000
+
+
 class TranslationProblem(ByEngine):
-    """Body a moves by t v over the local times [0, last] (last None: for ever), body b rests."""
+    """Body a moves by t v over the local times [0, last] (last None: for ever), body b rests.
+
+    The local clock is that of the motions from the piece's start on; where their velocities are huge or tiny, `pace`
+    times as quick.
+    """
 
     begin = 0.0, 0.0
 
     def __init__(self, a: Any, b: Any, piece: Piece) -> None:
         assert piece.velocity is not None
-        self.a, self.b, self.piece, self.v = a, b, piece, piece.velocity
+        self.a, self.b, self.piece = a, b, piece
+        self.v, self._doubles = piece.velocity, [to_double(x) for x in piece.velocity]
+        self.pace = _pace(self.v, self._doubles)
+        if self.pace is not None:
+            self.v = scaled(1 / self.pace, self.v)
+            self._doubles = [to_double(x) for x in self.v]
         self.is_exact = a._pose is None and b._pose is None
         per, (v,) = whole(self.v)
         self._whole_velocity = per, v
         self._known_corners: dict[tuple[Feature, Feature], Any] = {}
         self.last = None if piece.end is None else piece.end - piece.start
+        if self.last is not None and self.pace is not None:
+            self.last *= self.pace
         self.tree_a, self.tree_b = tree_of(a), tree_of(b)
         self._prepare()
 
     def _prepare(self) -> None:
         """Boxes and their velocity in the frame that suits the bodies; parts and their velocity as they are."""
-        v = framed = [to_double(x) for x in self.v]
+        v = framed = self._doubles
         frame = None if self.last is None else shared_frame(self.a, self.b)
         if frame is None:
             self.boxes_a, self.boxes_b = self.tree_a.boxes, self.tree_b.boxes
@@ -59,6 +75,8 @@ class TranslationProblem(ByEngine):
             # the framed velocity is off by 4 roundings of sums over |v|: so much per unit of time
             drift = 2.0**-50 * sum(map(abs, v)) * self.window()[0]
             self.pad = 2.0 * (view_a.error + view_b.error + drift)
+        if any(x != 0 and abs(y) < LEAST_SPEED for x, y in zip(self.v, v, strict=True)):
+            self.pad += 2.0**-800  # so slowly nothing comes that far before the bodies have passed each other
         self.velocity = np.array([*framed, *(1.0 / x if x else math.inf for x in framed), *v])
 
     def window(self) -> tuple[float, float]:
@@ -66,6 +84,8 @@ class TranslationProblem(ByEngine):
         if self.last is None:
             return math.inf, math.inf
         last = to_double(self.last)
+        if math.isinf(last):
+            return last, sys.float_info.max
         if fmpq(*last.as_integer_ratio()) == self.last:
             return last, last
         return math.nextafter(last, math.inf), math.nextafter(last, -math.inf)
@@ -186,7 +206,11 @@ class TranslationProblem(ByEngine):
         """(nearest double, enclosure) of the instant in the motions' clock."""
         if at is None:
             return math.inf, (math.inf, math.inf)
-        return enclose(lambda: self.piece.start + at.value)
+        return enclose(lambda: self._world(at.value))
+
+    def _world(self, local: Any) -> Any:
+        """The local time in the motions' clock."""
+        return self.piece.start + (local if self.pace is None else local / self.pace)
 
     def is_end(self, at: RationalInstant | None, turn: int) -> bool:
         """Whether the instant is the end of the piece."""
@@ -199,13 +223,15 @@ class TranslationProblem(ByEngine):
     def world_exact(self, at: RationalInstant | None, turn: int = 0) -> Fraction | None:
         if at is None:
             return None
-        value = self.piece.start + at.value
+        value = self._world(at.value)
         return fraction(value) if isinstance(value, fmpq) else None
 
     def world_time(self, local: float) -> float:
         """A double not later than the local time, in the motions' clock."""
         if math.isinf(local):
             return local
+        if self.pace is not None:
+            return below(self._world(exact_value(local)))
         t = to_double(self.piece.start)
         return local if t == 0.0 else math.nextafter(t + local, -math.inf)
 
@@ -213,6 +239,14 @@ class TranslationProblem(ByEngine):
         """(point, unit normal or None) of the two elements at the instant, working frame."""
         scale, corners_a, corners_b, v = self._corners(element_a, element_b)
         return translation_touch(element_a, corners_a, element_b, corners_b, v, scale, at)
+
+
+def _pace(v: Vector, doubles: list[float]) -> fmpq | None:
+    """The power of two near the largest coordinate of a velocity; None where doubles do without."""
+    if 1e-30 < max(map(abs, doubles)) < 1e30 or not any(v):
+        return None
+    largest = max(map(abs, v))
+    return fmpq(2) ** (int(largest.p).bit_length() - int(largest.q).bit_length())
 
 
 def _window(element_a: Feature, a: Any, element_b: Feature, b: Any, v: Vector) -> Window | None:

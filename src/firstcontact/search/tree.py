@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from firstcontact.body.polyhedron import LEAST
 from firstcontact.exact.rigid import compose
 from firstcontact.kernels.boxes import CLIP_EPS, clip_to_box, segment_meets_box
 from firstcontact.kernels.jit import kernel
@@ -236,7 +237,7 @@ def _parts(xyz, masks, wide, budget, max_parts):
     limit = wide * flat_area / max(n, 1)
     while _count_parts(width, limit, max_parts) > budget * n + 256:
         limit *= 2.0
-    pad = CLIP_EPS * largest
+    pad = CLIP_EPS * largest + LEAST
     box = np.empty((n, 6))
     ids = np.empty((n, 2), np.int32)
     stack, cell = np.empty((64, 6)), np.empty(6)
