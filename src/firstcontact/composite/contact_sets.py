@@ -2,6 +2,7 @@
 
 Where a set is more than a point its ends and a sample point inside are found in doubles; the sample point is then
 placed exactly and decides.  Ends of segments and arcs lie on edges, so pieces that doubles miss are seen there.
+Points in doubles are homogeneous, in lengths of `Pair.unit`.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from firstcontact.body.csg import Tree, possible
 from firstcontact.composite.membership import On, Vector, form_at, in_both, is_plane
 from firstcontact.composite.moving_pair import Pair
 from firstcontact.exact.number_field import QuadraticElement, ball, sign
-from firstcontact.exact.numbers import dyadic, precision
+from firstcontact.exact.numbers import exact_value, precision
 from firstcontact.exact.roots import AlgebraicRoot
 from firstcontact.pairs.carrier_contact import Contact
 
@@ -69,10 +70,11 @@ class Trim:
 
     def __init__(self, pair: Pair, root: AlgebraicRoot, on_a: On, on_b: On) -> None:
         u = root.enclosure(128)
+        self.unit = pair.unit
         self.models = []
         for body, forms, on in ((pair.a, pair.forms_a, on_a), (pair.b, pair.forms_b, on_b)):
             with precision(128):
-                matrices = np.array([_matrix(form_at(form, u), is_plane(form)) for form in forms])
+                matrices = np.array([_matrix(form_at(form, u), is_plane(form), pair.unit) for form in forms])
             self.models.append((body.tree, matrices, np.isin(np.arange(len(forms)), list(on.surfaces)), on))
 
     def breaks(self, origin: np.ndarray, direction: np.ndarray) -> Iterator[float]:
@@ -119,14 +121,19 @@ def _on_faces(tree: Tree, below: np.ndarray, above: np.ndarray, on: On) -> np.nd
     return np.sum(list(there.values()), axis=0) >= on.fewest
 
 
-def _matrix(form: Any, plane: bool) -> np.ndarray:
+def _matrix(form: Any, plane: bool, unit: float) -> np.ndarray:
     if not plane:
-        m = np.array([[float(x.mid()) for x in row] for row in form])
+        rows = [list(row) for row in form]
     else:
-        m = np.zeros((4, 4))
-        m[3] = m[:, 3] = [float(x.mid()) / 2 for x in form]
-        m[3, 3] *= 2
-    return m / np.abs(m).max()
+        rows = [[arb(0)] * 4 for _ in range(4)]
+        rows[3] = [x / 2 for x in form]
+        for k in range(4):
+            rows[k][3] = rows[3][k]
+        rows[3][3] = form[3]
+    units = 1.0, 1.0, 1.0, unit
+    rows = [[x / u / v for x, v in zip(row, units, strict=True)] for row, u in zip(rows, units, strict=True)]
+    largest = max(abs(x.mid()) for row in rows for x in row)
+    return np.array([[float((x / largest).mid()) for x in row] for row in rows])
 
 
 def _segments(contact: Contact, trim: Trim) -> Iterator[Shared]:
@@ -134,46 +141,32 @@ def _segments(contact: Contact, trim: Trim) -> Iterator[Shared]:
     if sign(first[3]) == 0:
         first, second = second, first
     # X(s) = first + s second, first finite: a scale near 1 for doubles, any for the exact point
-    direction, origin = _floats(second), _floats(first)
-    origin = origin / origin[3]
+    (direction, size), (origin, own_size) = scaled(second, trim.unit), scaled(first, trim.unit)
+    weight = origin[3]
+    origin = origin / weight
     ends = sorted(set(trim.breaks(origin, direction)))
     for lo, hi in zip(ends, ends[1:], strict=False):
         middle = 0.5 * (lo + hi)
         x = origin + middle * direction
         if hi - lo > 1e-9 * (1 + abs(middle)) and trim.inside(x[None])[0] and abs(x[3]) > 1e-12:
-            at = _at(first, second, middle, origin, direction)
+            r = exact_value(middle * weight) * own_size / size
+            at = tuple(a + b * r for a, b in zip(first, second, strict=True))
             points = np.array([(origin + s * direction)[:3] / (origin + s * direction)[3] for s in (lo, hi)])
-            yield Shared("segment", at, points)
+            yield Shared("segment", at, trim.unit * points)
 
 
-def _at(first: Vector, second: Vector, s: float, origin: np.ndarray, direction: np.ndarray) -> Vector:
-    """The exact point near origin + s direction: first + r second with rational r."""
-    with precision(64):  # coordinates in a number field may be beyond all doubles
-        r = dyadic(arb((arb(s) * _scale(first, origin) / _scale(second, direction)).mid()))
-    return tuple(a + b * r for a, b in zip(first, second, strict=True))
-
-
-def _scale(x: Vector, floats: np.ndarray) -> arb:
-    """x / floats, for proportional vectors."""
-    k = int(np.argmax(np.abs(floats)))
-    return ball(x[k], 64) / arb(float(floats[k]))
-
-
-def _floats(x: Vector) -> np.ndarray:
-    """x divided by its largest coordinate, in doubles."""
-    return scaled((x,))[0]
-
-
-def scaled(rows: Sequence[Vector]) -> np.ndarray:
-    """All rows divided by the largest of their entries, in doubles."""
-    values = [[ball(c, 64) for c in row] for row in rows]
-    largest = max((abs(v.mid()) for row in values for v in row), default=arb(1))
+def scaled(x: Vector, unit: float) -> tuple[np.ndarray, fmpq]:
+    """(the homogeneous point in lengths of `unit`, in doubles about 1; the power of two that it was divided by)"""
+    values = [ball(c, 64) for c in x]
     with precision(64):
-        return np.array([[float((v / largest).mid()) for v in row] for row in values])
+        values[3] = values[3] * unit
+        mantissa, exponent = max(abs(arb(v.mid())) for v in values).man_exp()
+        size = fmpq(2) ** int(exponent + mantissa.bit_length())
+        return np.array([float((v / arb(size)).mid()) for v in values]), size
 
 
 def _arcs(contact: Contact, trim: Trim) -> Iterator[Shared]:
-    span, form = scaled(contact.span).T, scaled(contact.form or ())
+    span, form, sizes = _balanced(contact, trim.unit)
     values, vectors = np.linalg.eigh(form)
     if values[1] > 0:  # signs (-, +, +): the odd one last
         values, vectors = values[::-1], vectors[:, ::-1]
@@ -188,8 +181,25 @@ def _arcs(contact: Contact, trim: Trim) -> Iterator[Shared]:
             finer, good = _sampled(span @ axes, angle + np.linspace(-1, 1, FINER) * 2 * np.pi / SAMPLES, trim)
             held = finer[good]
             kind = "conic arc" if len(held) > 1 else "point"
-        at = _on_conic(contact, axes[:, 2], axes @ (round(math.cos(angle), 15), round(math.sin(angle), 15), 1.0))
-        yield Shared(kind, at, held[:, :3] / held[:, 3:], closed=len(run) == SAMPLES)
+        near = axes @ (round(math.cos(angle), 15), round(math.sin(angle), 15), 1.0)
+        at = _on_conic(contact, axes[:, 2], near, sizes)
+        yield Shared(kind, at, trim.unit * held[:, :3] / held[:, 3:], closed=len(run) == SAMPLES)
+
+
+def _balanced(contact: Contact, unit: float) -> tuple[np.ndarray, np.ndarray, list[fmpq]]:
+    """(basis of the plane, its columns about 1 in lengths of `unit`; the conic in it; what takes its y to the contact's)
+
+    Without it small values of the form drown in the rounding of large ones, where models are large or small.
+    """
+    rows = [scaled(x, unit) for x in contact.span]
+    form = contact.form
+    assert form is not None
+    sizes = [size for _, size in rows]
+    with precision(64):
+        balls = [[ball(form[i][j], 64) / arb(sizes[i]) / arb(sizes[j]) for j in range(3)] for i in range(3)]
+        largest = max(abs(x.mid()) for row in balls for x in row)
+        values = np.array([[float((x / largest).mid()) for x in row] for row in balls])
+    return np.array([row for row, _ in rows]).T, values, [1 / size for size in sizes]
 
 
 def _sampled(frame: np.ndarray, angles: np.ndarray, trim: Trim) -> tuple[np.ndarray, np.ndarray]:
@@ -210,10 +220,13 @@ def runs(good: np.ndarray) -> list[np.ndarray]:
     return [run for run in np.split(order, cuts) if good[run[0]]]
 
 
-def _on_conic(contact: Contact, inner: np.ndarray, near: np.ndarray) -> Vector:
-    """The exact point of the conic near y = `near`, on the line from the rational point `inner` within it."""
-    c = [fmpq(*float(v).as_integer_ratio()) for v in inner]
-    d = [fmpq(*float(v).as_integer_ratio()) - w for v, w in zip(near, c, strict=True)]
+def _on_conic(contact: Contact, inner: np.ndarray, near: np.ndarray, sizes: Sequence[fmpq]) -> Vector:
+    """The exact point of the conic near y = `near`, on the line from the rational point `inner` within it.
+
+    Both in the basis that `_balanced` gives; sizes: what makes them the y of the contact.
+    """
+    c = [exact_value(v) * size for v, size in zip(inner, sizes, strict=True)]
+    d = [exact_value(v) * size - w for v, w, size in zip(near, c, sizes, strict=True)]
     form = contact.form
     assert form is not None
 

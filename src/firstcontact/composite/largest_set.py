@@ -12,7 +12,6 @@ from itertools import combinations, product
 from typing import Any
 
 import numpy as np
-from flint import arb
 
 from firstcontact.body.carriers import Conic, Line, Plane
 from firstcontact.body.composite_quadric import CompositeQuadric
@@ -22,8 +21,8 @@ from firstcontact.composite.contact_sets import Shared, Trim, scaled, shared_par
 from firstcontact.composite.membership import Form, On, Vector, in_both, is_plane
 from firstcontact.composite.moving_pair import Pair
 from firstcontact.exact.inertia import dot, null_space, rank
-from firstcontact.exact.number_field import NumberField, ball, is_zero
-from firstcontact.exact.numbers import dyadic, precision
+from firstcontact.exact.number_field import NumberField, is_zero
+from firstcontact.exact.numbers import exact_value
 from firstcontact.exact.pencils import binary_zeros, combination
 from firstcontact.exact.polynomial_matrix import congruent, constant, minors, transpose
 from firstcontact.exact.roots import AlgebraicRoot
@@ -46,7 +45,7 @@ def largest_set(pair: Pair, root: Root, meetings: Sequence[Meeting]) -> Set:
             return "conic arc", meeting.shared.points
     segments = [m.shared for m in meetings if m.shared.kind == "segment"]
     # the corners of a patch and the ends of a segment are all on edges, and so among the meetings
-    if isinstance(root, AlgebraicRoot) and len(_distinct(meetings)) > 1:
+    if isinstance(root, AlgebraicRoot) and len(_distinct(meetings, pair.unit)) > 1:
         touching = _Touching(pair, root, meetings)
         patch = touching.patch()
         if patch is not None:
@@ -57,12 +56,12 @@ def largest_set(pair: Pair, root: Root, meetings: Sequence[Meeting]) -> Set:
     return "point", meetings[0].shared.points
 
 
-def _distinct(meetings: Sequence[Meeting]) -> list[Meeting]:
+def _distinct(meetings: Sequence[Meeting], unit: float) -> list[Meeting]:
     """One meeting for each point."""
     found: list[Meeting] = []
     for meeting in meetings:
         where = meeting.shared.points[0]
-        size = 1.0 + np.abs(where).max()
+        size = unit + np.abs(where).max()
         if all(np.abs(where - other.shared.points[0]).max() > NEAR * size for other in found):
             found.append(meeting)
     return found
@@ -95,16 +94,17 @@ class _Touching:
         return None
 
     def _corners(self, plane: Vector) -> list[np.ndarray]:
-        return [m.shared.points[0] for m in _distinct(self.meetings) if is_zero(dot(plane, m.shared.at))]
+        distinct = _distinct(self.meetings, self.pair.unit)
+        return [m.shared.points[0] for m in distinct if is_zero(dot(plane, m.shared.at))]
 
     def _is_patch(self, corners: list[np.ndarray], plane: Vector, i: int, j: int) -> bool:
         trim = Trim(self.pair, self.root, On({i}), On({j}))
         for x, y, z in combinations(corners[:MOST_CORNERS], 3):
             area = np.linalg.norm(np.cross(y - x, z - x))
             far = max(np.linalg.norm(y - x), np.linalg.norm(z - x))
-            middle = np.append((x + y + z) / 3, 1.0)
+            middle = np.append((x + y + z) / 3 / self.pair.unit, 1.0)
             if area > NEAR * far * far and trim.inside(middle[None])[0]:
-                if not in_both(self.pair, _in_plane(plane, middle), self.root, On({i}), On({j})):
+                if not in_both(self.pair, _in_plane(plane, middle, self.pair.unit), self.root, On({i}), On({j})):
                     return True
         return False
 
@@ -118,7 +118,7 @@ class _Touching:
                 for forms in (self.pair.forms_a, self.pair.forms_b)
             )
             parts, _ = shared_part(self.pair, Contact("line", line), self.root, on_a, on_b)
-            yield from _joined(parts)
+            yield from _joined(parts, self.pair.unit)
 
     def _contains(self, form: Form, line: Span) -> bool:
         if is_plane(form):
@@ -198,26 +198,21 @@ def _kernel(form: Vector) -> list[Vector]:
     ]  # fmt: skip
 
 
-def _joined(parts: Sequence[Shared]) -> list[Shared]:
+def _joined(parts: Sequence[Shared], unit: float) -> list[Shared]:
     """Segments of one line, those that continue each other as one."""
     joined: list[Shared] = []
     for part in parts:
         last = joined[-1].points if joined else None
-        if last is not None and np.abs(last[1] - part.points[0]).max() <= NEAR * (1.0 + np.abs(last).max()):
+        if last is not None and np.abs(last[1] - part.points[0]).max() <= NEAR * (unit + np.abs(last).max()):
             joined[-1] = Shared("segment", part.at, np.array([last[0], part.points[1]]))
         else:
             joined.append(part)
     return joined
 
 
-def _in_plane(plane: Vector, near: np.ndarray) -> Vector:
+def _in_plane(plane: Vector, near: np.ndarray, unit: float) -> Vector:
     """The exact point of the plane near a point given in doubles: a rational combination of points that span it."""
     basis = _kernel(plane)
-    floats = [scaled((x,))[0] for x in basis]
-    weights = np.linalg.lstsq(np.array(floats).T, near, rcond=None)[0]
-    rational = []
-    for x, double, weight in zip(basis, floats, weights, strict=True):
-        k = int(np.argmax(np.abs(double)))
-        with precision(64):
-            rational.append(dyadic((arb(weight) * arb(double[k]) / ball(x[k], 64)).mid()))
-    return combination(basis, rational)
+    known = [scaled(x, unit) for x in basis]
+    weights = np.linalg.lstsq(np.array([double for double, _ in known]).T, near, rcond=None)[0]
+    return combination(basis, [exact_value(w) / size for w, (_, size) in zip(weights, known, strict=True)])

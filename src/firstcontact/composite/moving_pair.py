@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+import numpy as np
 from flint import fmpq, fmpz_poly
 
 from firstcontact.body.carriers import AlgebraicPoint, Conic, Line, Plane, Point, Quadric, Rows
@@ -35,6 +37,15 @@ class Pair:
     @cached_property
     def forms_b(self) -> list[Form]:
         return [_form(surface) for surface in self.b.surfaces]
+
+    @cached_property
+    def unit(self) -> float:
+        """A power of two: the length in which doubles look at points of the frame of b, whatever the size of models."""
+        for body in (self.b, self.a):
+            reach = max(float(np.abs(corner).max()) for corner in body.bounds())
+            if 0.0 < reach < math.inf:
+                return math.ldexp(1.0, math.frexp(reach)[1])
+        return 1.0
 
     def basis(self, carrier: Line | Conic | Point | AlgebraicPoint, moving: bool) -> Matrix:
         """The parameter matrix of a curve or point in the frame of b; an algebraic point's are the powers of its s."""
