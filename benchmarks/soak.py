@@ -37,6 +37,10 @@ SLOW = 20.0
 """Seconds of the processor after which a question is stopped; asked once more, because the first may have compiled."""
 HANG = 180.0
 """Seconds of the clock without a word after which a worker is taken for lost in a loop and ended."""
+LONGEST = 10
+"""Questions that the end of a run names for the time they took."""
+GRACE = 60.0
+"""Seconds of the clock after the last minute that a scene may still take; its worker is ended then, and named."""
 SHOWN = 3
 """Findings of one sort that are printed in full."""
 HEADER = "from fractions import Fraction as F\n\nimport numpy as np\n\nimport firstcontact as fc\n\n"
@@ -250,6 +254,7 @@ class Tally:
     slow: list[Record] = field(default_factory=list)
     laws: Counter[str] = field(default_factory=Counter)
     seconds: float = 0.0
+    longest: list[Record] = field(default_factory=list)
 
     def add(self, record: Record) -> bool:
         """Whether this is the first finding of its sort."""
@@ -257,6 +262,7 @@ class Tally:
         outcomes = self.outcomes.setdefault(key, Counter())
         self.scenes.setdefault(record.kind, set()).add(record.index)
         self.seconds += record.seconds
+        self.longest = sorted([*self.longest, record], key=lambda one: -one.seconds)[:LONGEST]
         if record.law is None:
             self.questions[key] += 1
             outcomes[record.outcome] += 1
@@ -358,6 +364,12 @@ def run(kinds: dict[str, Kind], families: list[str], options: argparse.Namespace
         for worker in list(workers):
             if time.monotonic() - worker.heard > HANG:
                 lost(worker, "slow", None)
+        if time.monotonic() > end + GRACE:
+            for worker in workers:
+                _, _, call = worker.at
+                print(f"# not finished: {worker.job}: {call}", file=sys.stderr)
+                worker.end()
+            workers.clear()
         if time.monotonic() - told > 60:
             told = time.monotonic()
             asked, wrong = sum(tally.questions.values()), sum(tally.count.values())
@@ -460,6 +472,9 @@ def main() -> int:
     print(table(tally))
     print(f"\n{sum(tally.questions.values())} questions and {sum(tally.laws.values())} laws in {minutes:.1f} minutes, "
           f"{sum(tally.questions.values()) / tally.seconds if tally.seconds else 0:.0f} a second of asking")
+    for record in tally.longest:
+        asked = record.law or record.call
+        print(f"{record.seconds:6.1f} s  {record.kind} --index {record.index}  {record.motion}: {asked}")
     for sort in sorted(tally.found):
         print(f"WRONG {tally.count[sort]:6d}  {sort[0]}  {sort[1]}")
     if tally.found or tally.slow:

@@ -58,7 +58,7 @@ def forgeries(hit: Any) -> dict[str, Any]:
     """Wrong answers beside a right one."""
     status = hit.status
     if status is fc.Status.UNDECIDED:
-        return {"free for ever": forged(hit, free_until=float("inf"))} if False else {}
+        return {}
     if status is fc.Status.FREE:
         start = hit.span[0]
         return {"contact": forged(hit, status=fc.Status.CONTACT, time=start, time_interval=(start, start))}
@@ -80,7 +80,7 @@ EXACT = [kind for kind in family_kinds() if kind.name.startswith(("meshes/transl
 @pytest.mark.parametrize("kind", EXACT, ids=lambda kind: kind.name)
 def test_forged_answers_are_noticed(kind: Kind) -> None:
     noticed = set()
-    for index in range(6):
+    for index in range(4):
         for question, answer, _ in answered(kind, index):
             if not question.call.startswith("fc.first_contact"):
                 continue
@@ -110,7 +110,7 @@ def test_intervals_and_pairs_are_judged() -> None:
     for kind in family_kinds():
         if kind.name not in ("meshes/translated solids", "meshes/pairs", "meshes/screwed on a plate"):
             continue
-        for index in range(8):
+        for index in range(5):
             for question, answer, _ in answered(kind, index):
                 if "intervals" in question.call and answer.status is fc.Status.CONTACT:
                     lie = SimpleNamespace(intervals=answer.intervals[1:], status=answer.status, free_until=None)
@@ -126,7 +126,7 @@ def test_laws_notice_answers_that_differ() -> None:
     scene = Scene("", "translation", (question,))
     names = {"a": a, "b": b, "span": None, "fc": fc, "F": soak.Fraction, "np": np}
     laws = set()
-    for n in range(40):
+    for n in range(20):
         for trial in soak.laws.trials(scene, names, Random(n)):
             own = dict(names)
             exec(trial.source, own)
@@ -187,10 +187,11 @@ def test_turning_by_hand() -> None:
     arm = placed(box(3, 1, 1), 1, 0, 0)
     wall = placed(box(1, 3, 1), -1, 1, 0)
     turn = turned_contact(arm, wall, axis, Speed(F(1, 4), "turns"), F(0), F(1))
-    # the far upper corner (4, 1) comes down on the wall's right side x = 0 where it stands at (0, sqrt(17)): above the
-    # wall, which ends at 4; so its upper side, through (1, 1) and (4, 1), meets the corner (0, 4)
-    assert turn is not None and turn.time is not None
-    assert abs(float(turn.time) - (np.pi / 2 - np.arcsin(1 / 4)) / (np.pi / 2)) < 1e-15
-    landing = turned_contact(placed(box(3, 1, 1), 1, -1, 0), placed(box(3, 1, 1), -4, 0, 0), axis,
-                             Speed(F(1, 2), "turns"), F(0), F(1))
-    assert landing is not None and landing.time is not None and landing.exact is False or landing.time == 1
+    # the near upper corner (1, 1) comes to (0, sqrt(2)), on the wall's side, after an eighth of a turn
+    assert turn is not None and (turn.time, turn.exact) == (F(1, 2), True)
+    # a side through the axis lands flat on the wall behind after half a turn
+    flush = placed(box(3, 1, 1), 1, -1, 0), placed(box(3, 1, 1), -4, -1, 0)
+    landing = turned_contact(*flush, axis, Speed(F(1, 2), "turns"), F(0), F(1))
+    assert landing is not None and (landing.time, landing.exact) == (F(1), True)
+    short = turned_contact(*flush, axis, Speed(F(1, 2), "turns"), F(0), F(1023, 1024))
+    assert short is not None and short.time is None

@@ -93,7 +93,7 @@ def trials(scene: Scene, names: dict[str, Any], rng: Random) -> list[Trial]:
     if not any(question.call.startswith("fc.first_contact(") for question in scene.questions):
         return []
     makers: list[Callable[[], Trial | None]] = [
-        lambda: _swapped(), lambda: _split(rng, _span(a, b, span)), lambda: _split_at_contact(),
+        lambda: _swapped(_size(a, b)), lambda: _split(rng, _span(a, b, span)), lambda: _split_at_contact(),
         lambda: _exact(), lambda: _tolerances(), lambda: _budgets(rng),
     ]
     if motions <= CARRIED_KINDS:
@@ -114,6 +114,22 @@ def _span(a: Any, b: Any, span: Any) -> tuple[Any, Any]:
         return span[0], span[1]
     spans = [body.motion.span for body in (a, b) if hasattr(body, "motion")] or [(0.0, 1.0)]
     return max(s[0] for s in spans), min(s[1] for s in spans)
+
+
+def _size(a: Any, b: Any) -> float:
+    """The largest finite extent of the bodies at rest; 1 where both are unbounded."""
+    extents = []
+    for body in (a, b):
+        lower, upper = getattr(body, "body", body).bounds()
+        extents += [float(high - low) for low, high in zip(lower, upper, strict=True)]
+    return max((x for x in extents if math.isfinite(x)), default=1.0)
+
+
+def _clock(x: Any) -> str:
+    """A time as text."""
+    if isinstance(x, F):
+        return number(x)
+    return repr(x) if math.isfinite(x) else f"float('{x!r}')"
 
 
 # ---- what two answers have in common ----
@@ -154,15 +170,15 @@ def _element(element: Any) -> tuple[str, int]:
 # ---- the laws ----
 
 
-def _swapped() -> Trial:
+def _swapped(size: float) -> Trial:
     def judge(one: Any, two: Any) -> str | None:
         wrong = _same(one, two)
         if wrong or not (_alone(one) and _alone(two)):
             return wrong
         if (_element(one.element_a), _element(one.element_b)) != (_element(two.element_b), _element(two.element_a)):
             return f"elements {one.element_a}, {one.element_b} and {two.element_a}, {two.element_b}"
-        size = max(1e-300, *(abs(x) for x in one.point), *(abs(x) for x in two.point))
-        if max(abs(one.point - two.point)) > 1e-9 * size:
+        place = max(abs(x) for x in one.point)
+        if max(abs(one.point - two.point)) > 1e-9 * size + 8 * math.ulp(place):
             return f"points {one.point.tolist()} and {two.point.tolist()}"
         if (one.normal is None) != (two.normal is None):
             return f"normals {one.normal} and {two.normal}"
@@ -179,8 +195,7 @@ def _split(rng: Random, span: tuple[Any, Any]) -> Trial | None:
     middle = first + part * (last - first) if math.isfinite(last) else first + rng.choice((0.5, 1.0, 4.0))
     if not first < middle < last:
         return None
-    end = repr(last) if math.isfinite(last) else "float('inf')"
-    return _halves(f"first, middle, last = {first!r}, {middle!r}, {end}\n")
+    return _halves(f"first, middle, last = {_clock(span[0])}, {middle!r}, {_clock(span[1])}\n")
 
 
 def _split_at_contact() -> Trial:
@@ -282,7 +297,7 @@ def _reversed(span: tuple[Any, Any]) -> Trial:
         return None
 
     first, last = span
-    text = REVERSED + f"forth = ({first!r}, {last!r})\nahead = (-forth[1], -forth[0])\n"
+    text = REVERSED + f"forth = ({_clock(first)}, {_clock(last)})\nahead = (-forth[1], -forth[0])\n"
     calls = ("fc.contact_intervals(a, b, span)", "fc.contact_intervals(back(a), back(b), ahead)")
     return Trial("time reversal", text, calls, judge)
 
