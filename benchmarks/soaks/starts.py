@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction as F
 from random import Random
+from typing import Any
 
 from . import exact as ex
 from . import solid_shapes as sh
@@ -49,7 +50,7 @@ def shallow(rng: Random, makers: Sequence[Maker], others: Sequence[Maker]) -> Sc
                 continue
         course = rng.choice(("parting", "deepening", "sliding", "turning", "still"))
         k = s * rng.choice((1, 4, F(1, 2)))
-        motion: object = Shift(ex.scale(k * {"parting": 1, "deepening": -1}.get(course, 0), unit))
+        motion: Any = Shift(ex.scale(k * {"parting": 1, "deepening": -1}.get(course, 0), unit))
         if course == "sliding":
             motion = Shift(_across(rng, t.normal, k))
         if course == "turning":
@@ -80,8 +81,7 @@ def shallow(rng: Random, makers: Sequence[Maker], others: Sequence[Maker]) -> Sc
         written = rng.choice((None, (F(0), F(1))))
         if p.motion.kind == q.motion.kind == "rest":
             continue
-        return Scene(program(rng, p, q, written), course if course != "turning" else motion.kind,  # type: ignore[attr-defined]
-                     calls(rng, truth, expected, rational_motion(p, q)))
+        return Scene(program(rng, p, q, written), motion.kind, calls(rng, truth, expected, rational_motion(p, q)))
 
 
 def _across(rng: Random, normal: ex.Vector, k: F) -> ex.Vector:
@@ -136,7 +136,7 @@ def graze(rng: Random, makers: Sequence[Maker], others: Sequence[Maker]) -> Scen
             v = _across(rng, t.normal, s * rng.choice((2, 5, 20)))
             if along is not None and not any(ex.cross(v, along)):
                 continue
-            motion: object = Shift(v)
+            motion: Any = Shift(v)
         elif along is not None:
             continue
         elif kind == "spinning":  # about a line along the normal
@@ -163,7 +163,7 @@ def graze(rng: Random, makers: Sequence[Maker], others: Sequence[Maker]) -> Scen
         truth = Truth("CONTACT", (start, end), truth_a, truth_b, when, graze=True)
         exactly = kind != "turning" or rng.random() < 0.5
         written = (start, end) if kind == "turning" or rng.random() < 0.3 else None
-        return Scene(program(rng, truth_a, truth_b, written), f"{a.motion.kind}, graze",
+        return Scene(program(rng, truth_a, truth_b, written), a.motion.kind,
                      calls(rng, truth, [(when, when)], exactly))
 
 
