@@ -132,16 +132,16 @@ def _gap(q: Matrix, p: Sequence[Any]) -> float:
 
     |q(p + d) - q(p)| <= |gradient| |d| + |A| |d|^2, so the surface is no nearer than the root of that.
     """
-    value = value(q, p)
-    if not value:
+    level = value(q, p)
+    if not level:
         return 0.0
     grad = [2 * (ex.dot(q[i][:3], p) + q[i][3]) for i in range(3)]
-    top = max(abs(x) for x in (*grad, value))
-    value, grad = float(value / top), [float(x / top) for x in grad]
+    top = max(abs(x) for x in (*grad, level))
+    level, grad = float(level / top), [float(x / top) for x in grad]
     slope = sqrt(sum(x * x for x in grad))
     bend = sqrt(sum(float(q[i][j] / top) ** 2 for i in range(3) for j in range(3)))
-    size = 2 * abs(value) / (slope + sqrt(slope * slope + 4 * bend * abs(value)))
-    return size if value > 0 else -size
+    size = 2 * abs(level) / (slope + sqrt(slope * slope + 4 * bend * abs(level)))
+    return size if level > 0 else -size
 
 
 def _lower(tree: Tree, gaps: list[float]) -> float:
