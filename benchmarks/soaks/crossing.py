@@ -31,6 +31,7 @@ from .landing import (
     scales,
     touch,
 )
+from .piercing import closed
 from .scene import Question, Scene
 from .solid_shapes import Body
 from .verdicts import Posed, Truth, point_wrong
@@ -159,7 +160,7 @@ def drilled_landing(rng: Random, makers: Sequence[Maker], others: Sequence[Maker
             if hole.reach(n) > float(ex.dot(t.normal, t.point)) - 1e-6 * float(s):
                 continue
         drilled = sh.combined(operation, t.b, hole)
-        if not _kept(rng, drilled, t.point):
+        if not closed(rng, drilled, t.point):
             continue
         kind = rng.choice(KINDS[:6])
         found = landed(rng, kind, t, s)
@@ -179,12 +180,3 @@ def drilled_landing(rng: Random, makers: Sequence[Maker], others: Sequence[Maker
         truth = Truth("CONTACT", span, p, q, when, normal=normal)
         written = None if start == 0 and rng.random() < 0.5 else span
         return Scene(program(rng, p, q, written), a.motion.kind, calls(rng, truth, exactly=rational_motion(a, b)))
-
-
-def _kept(rng: Random, body: Body, p: ex.Vector) -> bool:
-    """Whether points inside the body were found as near as one likes to p."""
-    for _ in range(60):
-        step = tuple(body.size * F(rng.randint(-64, 64), 2**46) for _ in range(3))
-        if body.side(ex.add(p, step)) > 0:
-            return True
-    return False

@@ -104,7 +104,7 @@ class Rolling:
         return (k * self.axis[0], k * self.axis[1], k * self.axis[2], w)
 
     def pose(self, t: Any) -> Matrix:
-        lin = ex_quaternion(self._turn(t))
+        lin = turn_of(self._turn(t))
         shift = [self.point[i] - ex.dot(lin[i], self.point) + t * self.vector[i] for i in range(3)]
         return [*([*lin[i], shift[i]] for i in range(3)), IDENTITY[3]]
 
@@ -131,7 +131,7 @@ class Rolling:
         return f"fc.RationalMotion({ex.texts(powers)})"
 
 
-def ex_quaternion(q: Any) -> list[list[Any]]:
+def turn_of(q: Any) -> list[list[Any]]:
     x, y, z, w = q
     n = w * w + x * x + y * y + z * z
     return [[(w * w + x * x - y * y - z * z) / n, 2 * (x * y - w * z) / n, 2 * (x * z + w * y) / n],
@@ -169,7 +169,7 @@ class Between:
     def pose(self, t: Any) -> Matrix:
         if self.times:
             t = (t - self.times[0]) / (self.times[1] - self.times[0])
-        lin = ex_quaternion([a + (b - a) * t for a, b in zip(self.first, self.last, strict=True)])
+        lin = turn_of([a + (b - a) * t for a, b in zip(self.first, self.last, strict=True)])
         return [*([*lin[i], self.start[i] + (self.end[i] - self.start[i]) * t] for i in range(3)), IDENTITY[3]]
 
     def quick(self, t: float) -> Matrix:
@@ -179,7 +179,7 @@ class Between:
         return True
 
     def text(self) -> str:
-        a, b = ([*([*ex_quaternion(q)[i], v[i]] for i in range(3)), IDENTITY[3]]
+        a, b = ([*([*turn_of(q)[i], v[i]] for i in range(3)), IDENTITY[3]]
                 for q, v in ((self.first, self.start), (self.last, self.end)))
         if self.times:
             return f"fc.Trajectory({ex.texts(list(self.times))}, {ex.texts([a, b])})"

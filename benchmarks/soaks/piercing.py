@@ -80,7 +80,7 @@ def shared(rng: Random, body: Body, p: ex.Vector, v: ex.Vector, start: F, end: F
             if here > 0:
                 return None
             if here == 0:
-                if not _closed(rng, body, at(r.t)):
+                if not closed(rng, body, at(r.t)):
                     return None
                 intervals.append((r.t, r.t))
             continue
@@ -94,8 +94,8 @@ def shared(rng: Random, body: Body, p: ex.Vector, v: ex.Vector, start: F, end: F
     return intervals
 
 
-def _closed(rng: Random, body: Body, p: ex.Vector) -> bool:
-    """Whether points inside the body were found as near as one likes to p."""
+def closed(rng: Random, body: Body, p: ex.Vector) -> bool:
+    """Whether a point inside the body was found next to p: p is no place of a dangling wall."""
     reach = body.size / 2**40
     for _ in range(60):
         step = tuple(reach * F(rng.randint(-64, 64), 64) for _ in range(3))
@@ -141,7 +141,7 @@ def any_csg(rng: Random, s: F) -> tuple[Body, list[ex.Vector]]:
     b = b.placed(place)
     points = [x for x in (point, special(rng, a), special(rng, b)) if x]
     body = sh.combined(rng.choice(("-", "-", "|", "&")), a, b)
-    return (body, points) if any(_closed(rng, body, x) for x in points) else any_csg(rng, s)  # else perhaps empty
+    return (body, points) if any(closed(rng, body, x) for x in points) else any_csg(rng, s)  # else perhaps empty
 
 
 def pierced(rng: Random, mesh: bool = True) -> Scene:
@@ -151,8 +151,8 @@ def pierced(rng: Random, mesh: bool = True) -> Scene:
         what = rng.random()
         if what < 0.5:
             body = rng.choice(sh.SOLIDS)(rng, s)
-            point = special(rng, body)
-            points = [point] if point else []
+            place = special(rng, body)
+            points = [place] if place else []
         elif what < 0.7:
             body = sh.any_quadric(rng, s)
         else:
@@ -204,7 +204,7 @@ def pierced(rng: Random, mesh: bool = True) -> Scene:
 
 def _normal(rng: Random, body: Body, p: ex.Vector) -> ex.Vector | None:
     """The gradient of a form that vanishes at p."""
-    at = [q for q in body.world_forms() if not sh._value(q, p)]
+    at = [q for q in body.world_forms() if not sh.value(q, p)]
     if not at:
         return None
     q = rng.choice(at)

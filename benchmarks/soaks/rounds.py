@@ -10,6 +10,7 @@ from collections.abc import Callable
 from fractions import Fraction as F
 from functools import partial
 from random import Random
+from typing import Any
 
 from flint import arb, ctx, fmpq
 
@@ -333,7 +334,7 @@ def pinned(rng: Random, meshes: bool = False) -> Scene:
         down = -h * 8
         length = above[2] - 2 * h - h / 2  # till the pin's lower end is in the plate's upper face
         status, time, initial, expected, normal = "FREE", None, None, [], None
-        motion: object
+        motion: Any
         start = (F(0), F(0), F(0))
         if what in ("enters", "screws in", "in steps"):
             start = above
@@ -384,7 +385,7 @@ def pinned(rng: Random, meshes: bool = False) -> Scene:
         span = (F(0), F(2)) if what == "in steps" else (F(0), F(1))
         truth = Truth(status, span, a, b, time, initial=initial, normal=normal)
         exactly = "screw" not in what
-        return Scene(program(rng, a, b, None), f"{what}", calls(rng, truth, expected, exactly))
+        return Scene(program(rng, a, b, None), motion.kind, calls(rng, truth, expected, exactly))
 
 
 def _leaves(r: F, p: tuple[F, F], v: tuple[F, F]) -> F:

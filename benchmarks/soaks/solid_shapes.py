@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction as F
-from math import sqrt
+from math import isqrt, sqrt
 from random import Random
 from typing import Any
 
@@ -70,8 +70,6 @@ class Body:
         shift = [row[3] for row in self.place[:3]]
         if ex.shifting(shift) == self.place:
             return f"{self.source}.translated({ex.texts(tuple(shift))})"
-        if self.corners and not self.source:
-            return self.source
         return f"{self.source}.transformed({ex.texts(self.place)})"
 
     def baked(self) -> Body:
@@ -84,11 +82,11 @@ class Body:
 
     def world_forms(self) -> list[Matrix]:
         back = ex.inverse(self.place)
-        return [_pulled(q, back) for q in self.forms]
+        return [pulled(q, back) for q in self.forms]
 
     def signs_at(self, p: Sequence[Any]) -> list[int]:
         q = ex.apply(ex.inverse(self.place), p)
-        return [_sign(_value(form, q)) for form in self.forms]
+        return [_sign(value(form, q)) for form in self.forms]
 
     def side(self, p: Sequence[Any]) -> int:
         """1 inside, 0 on the boundary of some part, -1 outside; exact.  Of solids only."""
@@ -124,7 +122,7 @@ def _sign(x: Any) -> int:
     return (x > 0) - (x < 0)
 
 
-def _value(q: Matrix, p: Sequence[Any]) -> Any:
+def value(q: Matrix, p: Sequence[Any]) -> Any:
     x = (*p, 1)
     return sum(q[i][j] * x[i] * x[j] for i in range(4) for j in range(4) if q[i][j])
 
@@ -134,16 +132,16 @@ def _gap(q: Matrix, p: Sequence[Any]) -> float:
 
     |q(p + d) - q(p)| <= |gradient| |d| + |A| |d|^2, so the surface is no nearer than the root of that.
     """
-    value = _value(q, p)
-    if not value:
+    level = value(q, p)
+    if not level:
         return 0.0
     grad = [2 * (ex.dot(q[i][:3], p) + q[i][3]) for i in range(3)]
-    top = max(abs(x) for x in (*grad, value))
-    value, grad = float(value / top), [float(x / top) for x in grad]
+    top = max(abs(x) for x in (*grad, level))
+    level, grad = float(level / top), [float(x / top) for x in grad]
     slope = sqrt(sum(x * x for x in grad))
     bend = sqrt(sum(float(q[i][j] / top) ** 2 for i in range(3) for j in range(3)))
-    size = 2 * abs(value) / (slope + sqrt(slope * slope + 4 * bend * abs(value)))
-    return size if value > 0 else -size
+    size = 2 * abs(level) / (slope + sqrt(slope * slope + 4 * bend * abs(level)))
+    return size if level > 0 else -size
 
 
 def _lower(tree: Tree, gaps: list[float]) -> float:
@@ -173,7 +171,7 @@ def _sides(tree: Tree, signs: list[int]) -> int:
     raise ValueError(tree)
 
 
-def _pulled(q: Matrix, m: Matrix) -> Matrix:
+def pulled(q: Matrix, m: Matrix) -> Matrix:
     """m^T q m."""
     half = [[sum(q[i][k] * m[k][j] for k in range(4) if m[k][j]) for j in range(4)] for i in range(4)]
     return [[sum(m[k][i] * half[k][j] for k in range(4) if m[k][i]) for j in range(4)] for i in range(4)]
@@ -337,7 +335,7 @@ def paraboloid(a: F, b: F, h: F) -> Body:
             x, y = rng.choice(((3, 4), (5, 12), (8, 15), (0, 1)))  # the slope 2 r / a^2 of the side is x / y
             r = a * a * F(x, y) / 2
             if r * r < a * a * h:
-                d = isqrt_exact(x * x + y * y)
+                d = isqrt(x * x + y * y)
                 return Feature((r * c, r * s, r * r / a**2), (F(x, d) * c, F(x, d) * s, F(-y, d)), "point", True)
         if rng.random() < 0.5:
             return Feature((F(0), F(0), F(0)), (F(0), F(0), F(-1)), "point", True)
@@ -352,10 +350,6 @@ def paraboloid(a: F, b: F, h: F) -> Body:
     wide = root_up(h) * max(a, b) * 2
     return Body(name, max(wide, h), **_all([form, plane((0, 0, 1), h)]), kind="paraboloid", feature=feature,
                 support=support)
-
-
-def isqrt_exact(n: int) -> int:
-    return int(sqrt(n) + 0.5)
 
 
 def root_up(x: F) -> F:
@@ -594,7 +588,7 @@ def any_quadric(rng: Random, s: F) -> Body:
         k = weights.index(0)
         q[k][3] = q[3][k] = s * rng.choice((1, -1)) * number(rng)
     if rng.random() < 0.5:
-        q = _pulled(q, ex.inverse(ex.bringing(ex.unit(rng), ex.unit(rng), rng)))
+        q = pulled(q, ex.inverse(ex.bringing(ex.unit(rng), ex.unit(rng), rng)))
     name = f"fc.quadric({ex.texts(q)})"
     return Body(name, 8 * s, (q,), ("form", 0), kind="quadric", bounded=False)
 

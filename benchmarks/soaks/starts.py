@@ -3,9 +3,10 @@ tangency from inside, along lines and circles; and grazes, in which they only to
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from fractions import Fraction as F
 from random import Random
+from typing import Any
 
 from . import exact as ex
 from . import solid_shapes as sh
@@ -49,7 +50,7 @@ def shallow(rng: Random, makers: Sequence[Maker], others: Sequence[Maker]) -> Sc
                 continue
         course = rng.choice(("parting", "deepening", "sliding", "turning", "still"))
         k = s * rng.choice((1, 4, F(1, 2)))
-        motion: object = Shift(ex.scale(k * {"parting": 1, "deepening": -1}.get(course, 0), unit))
+        motion: Any = Shift(ex.scale(k * {"parting": 1, "deepening": -1}.get(course, 0), unit))
         if course == "sliding":
             motion = Shift(_across(rng, t.normal, k))
         if course == "turning":
@@ -80,8 +81,7 @@ def shallow(rng: Random, makers: Sequence[Maker], others: Sequence[Maker]) -> Sc
         written = rng.choice((None, (F(0), F(1))))
         if p.motion.kind == q.motion.kind == "rest":
             continue
-        return Scene(program(rng, p, q, written), course if course != "turning" else motion.kind,  # type: ignore[attr-defined]
-                     calls(rng, truth, expected, rational_motion(p, q)))
+        return Scene(program(rng, p, q, written), motion.kind, calls(rng, truth, expected, rational_motion(p, q)))
 
 
 def _across(rng: Random, normal: ex.Vector, k: F) -> ex.Vector:
@@ -136,7 +136,7 @@ def graze(rng: Random, makers: Sequence[Maker], others: Sequence[Maker]) -> Scen
             v = _across(rng, t.normal, s * rng.choice((2, 5, 20)))
             if along is not None and not any(ex.cross(v, along)):
                 continue
-            motion: object = Shift(v)
+            motion: Any = Shift(v)
         elif along is not None:
             continue
         elif kind == "spinning":  # about a line along the normal
@@ -163,7 +163,7 @@ def graze(rng: Random, makers: Sequence[Maker], others: Sequence[Maker]) -> Scen
         truth = Truth("CONTACT", (start, end), truth_a, truth_b, when, graze=True)
         exactly = kind != "turning" or rng.random() < 0.5
         written = (start, end) if kind == "turning" or rng.random() < 0.3 else None
-        return Scene(program(rng, truth_a, truth_b, written), f"{a.motion.kind}, graze",
+        return Scene(program(rng, truth_a, truth_b, written), a.motion.kind,
                      calls(rng, truth, [(when, when)], exactly))
 
 
@@ -261,68 +261,69 @@ def known_start(rng: Random, meshes: bool = False) -> Scene:
     plate = sh.combined("-", box(4 * big, 4 * big, h), sh.cylinder(r, r, 2 * h))
     cup = sh.combined("-", box(4 * big, 4 * big, 4 * big), sh.sphere(r))
     a_box = rng.choice((box, mesh)) if meshes else box
-    choices = [
-        (sh.sphere(r), sh.sphere(r), "overlapping"),
-        (sh.sphere(r), sh.ellipsoid(r, r, r), "overlapping"),
-        (sh.cylinder(r, r, h), sh.cylinder(r, r, h), "overlapping"),
-        (sh.frustum(r, zero, h), sh.frustum(r, zero, h), "overlapping"),
-        (sh.sphere(q).placed(_at(*ex.scale(big - q, u))), sh.sphere(big), "overlapping"),
-        (sh.sphere(q).placed(_at(*ex.scale(big + q, u))), sh.sphere(big), "touching"),
-        (sh.sphere(r), sh.cylinder(r, r, 4 * r), "overlapping"),  # along a circle
-        (lifted(sh.sphere(q), r, zero, h / 4), sh.cylinder(big, big, h + 4 * big), "overlapping"),
-        (lifted(sh.sphere(q), big + q, zero, h / 4), sh.cylinder(big, big, h), "touching"),
-        (lifted(sh.cylinder(q, q, h), c * (big + q), n * (big + q), h / 3), sh.cylinder(big, big, h), "touching"),
-        (lifted(sh.cylinder(q, q, h), c * r, n * r, zero), sh.cylinder(big, big, h), "overlapping"),
-        (sh.cylinder(r, r, h), sh.cylinder(r, r, 2 * h), "overlapping"),
-        (lifted(sh.cylinder(r, r, h), zero, zero, h), sh.cylinder(r, r, h), "touching"),
-        (lifted(sh.cylinder(q, q, h), zero, zero, h), sh.cylinder(big, big, h), "touching"),
-        (sh.cylinder(r * c, r * c, 2 * r * n), sh.sphere(r), "overlapping"),  # rims on the sphere
-        (a_box(r * F(2, 3), r * F(4, 3), r * F(4, 3)), sh.sphere(r), "overlapping"),  # corners on the sphere
-        (a_box(2 * r * c, 2 * r * n, h), sh.cylinder(r, r, 2 * h), "overlapping"),  # edges on the side
-        (a_box(2 * r, 2 * r, h), sh.cylinder(r, r, h), "overlapping"),
-        (lifted(a_box(2 * r, 2 * r, h), 2 * r, zero, zero), sh.cylinder(r, r, h), "touching"),  # along a line
-        (lifted(a_box(2 * r, 2 * r, h), r + big, zero, zero), sh.sphere(big), "touching"),
-        (lifted(a_box(r, r, h), r / 2, r / 2, -h / 2), sh.frustum(r, q, h), "touching"),
-        (sh.cylinder(r, r, h), plate, "touching"),  # the pin fits
-        (sh.cylinder(r, r, 4 * h), ring, "touching"),
-        (sh.sphere(r), ring, "touching"),
-        (sh.sphere(r), cup, "touching"),
-        (lifted(sh.sphere(q), *ex.scale(r - q, u)), cup, "touching") if q < r else (sh.sphere(r), cup, "touching"),
-        (lifted(sh.sphere(r / c), zero, zero, h / 2 + r * n / c), plate, "touching"),  # rests on the rim
-        (a_box(2 * r * c, 2 * r * n, h), plate, "touching"),  # edges on the bore
-        (lifted(sh.frustum(r, zero, r), zero, zero, -r - h / 2), sh.cylinder(q, q, h), "touching"),  # on the apex
-        (sh.frustum(zero, r, r), lifted(sh.frustum(q, zero, q), zero, zero, -q), "touching"),
-        (lifted(sh.sphere(q), zero, zero, q), sh.half_space(up, 0), "touching"),
-        (lifted(sh.sphere(q), zero, zero, -q), sh.half_space(up, 0), "overlapping"),
-        (sh.cylinder(q, q, h).placed(_at(zero, zero, -h)), sh.half_space(up, 0), "containment"),
+    choices: list[Callable[[], tuple[Body, Body, str]]] = [
+        lambda: (sh.sphere(r), sh.sphere(r), "overlapping"),
+        lambda: (sh.sphere(r), sh.ellipsoid(r, r, r), "overlapping"),
+        lambda: (sh.cylinder(r, r, h), sh.cylinder(r, r, h), "overlapping"),
+        lambda: (sh.frustum(r, zero, h), sh.frustum(r, zero, h), "overlapping"),
+        lambda: (sh.sphere(q).placed(_at(*ex.scale(big - q, u))), sh.sphere(big), "overlapping"),
+        lambda: (sh.sphere(q).placed(_at(*ex.scale(big + q, u))), sh.sphere(big), "touching"),
+        lambda: (sh.sphere(r), sh.cylinder(r, r, 4 * r), "overlapping"),  # along a circle
+        lambda: (lifted(sh.sphere(q), r, zero, h / 4), sh.cylinder(big, big, h + 4 * big), "overlapping"),
+        lambda: (lifted(sh.sphere(q), big + q, zero, h / 4), sh.cylinder(big, big, h), "touching"),
+        lambda: (lifted(sh.cylinder(q, q, h), c * (r + q), n * (r + q), h / 3), sh.cylinder(r, r, h), "touching"),
+        lambda: (lifted(sh.cylinder(q, q, h), c * r, n * r, zero), sh.cylinder(big, big, h), "overlapping"),
+        lambda: (sh.cylinder(r, r, h), sh.cylinder(r, r, 2 * h), "overlapping"),
+        lambda: (lifted(sh.cylinder(r, r, h), zero, zero, h), sh.cylinder(r, r, h), "touching"),
+        lambda: (lifted(sh.cylinder(q, q, h), zero, zero, h), sh.cylinder(big, big, h), "touching"),
+        lambda: (sh.cylinder(r * c, r * c, 2 * r * n), sh.sphere(r), "overlapping"),  # rims on the sphere
+        lambda: (a_box(r * F(2, 3), r * F(4, 3), r * F(4, 3)), sh.sphere(r), "overlapping"),  # corners on the sphere
+        lambda: (a_box(2 * r * c, 2 * r * n, h), sh.cylinder(r, r, 2 * h), "overlapping"),  # edges on the side
+        lambda: (a_box(2 * r, 2 * r, h), sh.cylinder(r, r, h), "overlapping"),
+        lambda: (lifted(a_box(2 * r, 2 * r, h), 2 * r, zero, zero), sh.cylinder(r, r, h), "touching"),  # along a line
+        lambda: (lifted(a_box(2 * r, 2 * r, h), r + big, zero, zero), sh.sphere(big), "touching"),
+        lambda: (lifted(a_box(r, r, h), r / 2, r / 2, -h / 2), sh.frustum(r, q, h), "touching"),
+        lambda: (sh.cylinder(r, r, h), plate, "touching"),  # the pin fits
+        lambda: (sh.cylinder(r, r, 4 * h), ring, "touching"),
+        lambda: (sh.sphere(r), ring, "touching"),
+        lambda: (sh.sphere(r), cup, "touching"),
+        lambda: (lifted(sh.sphere(r / 3), *ex.scale(r * F(2, 3), u)), cup, "touching"),
+        lambda: (lifted(sh.sphere(r / c), zero, zero, h / 2 + r * n / c), plate, "touching"),  # rests on the rim
+        lambda: (a_box(2 * r * c, 2 * r * n, h), plate, "touching"),  # edges on the bore
+        lambda: (lifted(sh.frustum(r, zero, r), zero, zero, -r - h / 2), sh.cylinder(q, q, h), "touching"),  # tip
+        lambda: (sh.frustum(zero, r, r), lifted(sh.frustum(q, zero, q), zero, zero, -q), "touching"),
+        lambda: (lifted(sh.sphere(q), zero, zero, q), sh.half_space(up, 0), "touching"),
+        lambda: (lifted(sh.sphere(q), zero, zero, -q), sh.half_space(up, 0), "overlapping"),
+        lambda: (sh.cylinder(q, q, h).placed(_at(zero, zero, -h)), sh.half_space(up, 0), "containment"),
     ]
-    points: list[tuple[Body, Body, str]] = []
     if meshes:
         point = sh.polytope([(zero, zero, zero)])
         rod = sh.polytope([(r * c, r * n, -h / 4), (r * c, r * n, h / 4)])
         chord = sh.polytope([ex.scale(r, u), ex.scale(r, ex.scale(-1, (u[1], u[2], u[0])))])
         sheet = sh.polytope([(-r, -r, zero), (r, -r, zero), (zero, r, zero)], "[[0, 1, 2]]")
-        points = [
-            (point.placed(_at(*ex.scale(r, u))), sh.sphere(r), "touching"),
-            (point, sh.sphere(r), "containment"),
-            (point.placed(_at(zero, zero, h)), sh.frustum(r, zero, h), "touching"),
-            (point.placed(_at(r, zero, h / 2)), sh.cylinder(r, r, h), "touching"),
-            (point.placed(_at(r * c, r * n, zero)), plate, "touching"),
-            (rod, sh.cylinder(r, r, h), "touching"),
-            (rod, plate, "touching"),
-            (chord, sh.sphere(r), "overlapping"),
-            (mesh(r, q, h), box(r, q, h), "overlapping"),
-            (mesh(r, q, h).placed(_at(r, zero, zero)), box(r, q, h), "touching"),
-            (mesh(r, q, h).placed(_at(r, q, h)), box(r, q, h), "touching"),
-            (mesh(r / 2, q / 2, h / 2), box(r, q, h), "containment"),
-            (box(r / 2, q / 2, h / 2), mesh(r, q, h), "containment"),
-            (sh.sphere(r), mesh(2 * r, 4 * r, 4 * r), "overlapping"),
-            (sh.sphere(r), mesh(3 * r, 4 * r, 4 * r), "containment"),
-            (sh.cylinder(r, r, h), mesh(2 * r, 3 * r, 2 * h), "overlapping"),
-            (lifted(sheet, zero, zero, h / 2), sh.cylinder(q, q, h), "touching"),
+        choices += 2 * [
+            lambda: (point.placed(_at(*ex.scale(r, u))), sh.sphere(r), "touching"),
+            lambda: (point, sh.sphere(r), "containment"),
+            lambda: (point.placed(_at(zero, zero, h)), sh.frustum(r, zero, h), "touching"),
+            lambda: (point.placed(_at(r, zero, h / 2)), sh.cylinder(r, r, h), "touching"),
+            lambda: (point.placed(_at(r * c, r * n, zero)), plate, "touching"),
+            lambda: (rod, sh.cylinder(r, r, h), "touching"),
+            lambda: (rod, plate, "touching"),
+            lambda: (chord, sh.sphere(r), "overlapping"),
+            lambda: (mesh(r, q, h), box(r, q, h), "overlapping"),
+            lambda: (mesh(r, q, h).placed(_at(r, zero, zero)), box(r, q, h), "touching"),
+            lambda: (mesh(r, q, h).placed(_at(r, q, h)), box(r, q, h), "touching"),
+            lambda: (mesh(r / 2, q / 2, h / 2), box(r, q, h), "containment"),
+            lambda: (box(r / 2, q / 2, h / 2), mesh(r, q, h), "containment"),
+            lambda: (sh.sphere(r), mesh(2 * r, 4 * r, 4 * r), "overlapping"),
+            lambda: (sh.sphere(r), mesh(3 * r, 4 * r, 4 * r), "containment"),
+            lambda: (sh.cylinder(r, r, h), mesh(2 * r, 3 * r, 2 * h), "overlapping"),
+            lambda: (lifted(sheet, zero, zero, h / 2), sh.cylinder(q, q, h), "touching"),
         ]
-        choices = points + [c for c in choices if c[0].corners or c[1].corners]
-    a, b, initial = rng.choice(choices)
+    while True:
+        a, b, initial = rng.choice(choices)()
+        if not meshes or a.corners or b.corners:
+            break
     if b.bounded:
         a, b = _placed_both(rng, a, b, s)
     return _start(rng, a, b, initial, s)

@@ -143,6 +143,24 @@ def normal_wrong(hit: Any, truth: Truth) -> str | None:
         across = ex.length(ex.sub(hit.normal, true))
         if across > 1e-6:
             return f"normal {hit.normal.tolist()}, true is {true}"
+    return radial_wrong(hit, truth)
+
+
+def radial_wrong(hit: Any, truth: Truth) -> str | None:
+    """The normal of a ball is along its radius to the point told."""
+    t = F(hit.time)
+    p = tuple(F(float(x)) for x in hit.point)
+    for x, sign in ((truth.a, 1), (truth.b, -1)):
+        columns = [[row[j] for row in x.body.place[:3]] for j in range(3)]
+        if x.body.kind != "sphere" or any(ex.dot(c, c) != 1 for c in columns):
+            continue
+        centre = ex.apply(x.motion.pose(t), [row[3] for row in x.body.place[:3]])
+        radius = [sign * float(v) for v in ex.sub(centre, p)]
+        half = float(x.body.size) / 2
+        loose = 1e-6 + 1e-11 * (sum(y.way(truth.span) for y in (truth.a, truth.b)) + max(map(abs, hit.point))) / half
+        across = ex.length([n - v / half for n, v in zip(hit.normal, radius, strict=True)])
+        if across > loose + 1e-9 * float(max(truth.a.body.size, truth.b.body.size)) / half:
+            return f"normal {hit.normal.tolist()}, the ball's is {[v / half for v in radius]}"
     return None
 
 
