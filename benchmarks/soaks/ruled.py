@@ -102,9 +102,10 @@ def some_span(rng: Random, truth: Truth, beyond: bool, needed: bool, own: F) -> 
         lo, hi = max(lo, F(0)), hi
     if not needed and rng.random() < 0.5 and lo <= 0 and hi >= own:
         return None
-    marks = [lo, hi, F(0), F(1), lo + (hi - lo) * F(rng.randint(1, 15), 16)]
+    lo, hi = F(lo), F(float(hi)) if F(float(hi)) <= hi else F(float(hi) - 2**-50)
+    marks = [lo, hi, F(0), F(1), F(float(lo + (hi - lo) * F(rng.randint(1, 15), 16)))]
     for (a, b), (c, d) in truth.windows:
-        marks += [x[0] for x in ((a, b), (c, d)) if x[0] == x[1] and (dyadic(x[0]) or rng.random() < 0.3)]
+        marks += [x[0] for x in ((a, b), (c, d)) if x[0] == x[1] and dyadic(x[0])]
         marks += [F(float((a + d) / 2)), F(float(a - F(1, 8))), F(float(d + F(1, 16)))]
     marks = sorted({x for x in marks if lo <= x <= hi})
     for _ in range(20):
