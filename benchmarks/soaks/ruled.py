@@ -102,9 +102,10 @@ def some_span(rng: Random, truth: Truth, beyond: bool, needed: bool, own: F) -> 
         lo, hi = max(lo, F(0)), hi
     if not needed and rng.random() < 0.5 and lo <= 0 and hi >= own:
         return None
-    marks = [lo, hi, F(0), F(1), lo + (hi - lo) * F(rng.randint(1, 15), 16)]
+    lo, hi = F(lo), F(float(hi)) if F(float(hi)) <= hi else F(float(hi) - 2**-50)
+    marks = [lo, hi, F(0), F(1), F(float(lo + (hi - lo) * F(rng.randint(1, 15), 16)))]
     for (a, b), (c, d) in truth.windows:
-        marks += [x[0] for x in ((a, b), (c, d)) if x[0] == x[1] and (dyadic(x[0]) or rng.random() < 0.3)]
+        marks += [x[0] for x in ((a, b), (c, d)) if x[0] == x[1] and dyadic(x[0])]
         marks += [F(float((a + d) / 2)), F(float(a - F(1, 8))), F(float(d + F(1, 16)))]
     marks = sorted({x for x in marks if lo <= x <= hi})
     for _ in range(20):
@@ -687,7 +688,8 @@ def discs(rng: Random) -> Scene:
     reach = root_of_square(normal[0] ** 2 + normal[1] ** 2)  # of the unit disc along the normal
     velocity = vector([rng.randint(-3, 3) for _ in range(3)])
     speed = dot(velocity, normal)
-    offset = -speed * at - rng.choice((reach[0], F(0), reach[0]))  # normal . centre at time 0
+    deep = reach[0] if reach[0] == reach[1] else F(1)
+    offset = -speed * at - rng.choice((deep, F(0), deep))  # normal . centre at time 0
     wall = shapes.four_corners(rng, *(add(scaled(along, k * i), scaled(wide, k * j)) for j in (-1, 1) for i in (-1, 1)))
     centre = scaled(normal, offset / dot(normal, normal))
     disc = Piece(straight(vector([-1, -1, 0]), vector([0, -1, 0])), straight(vector([-1, 1, 0]), vector([0, 1, 0])),
@@ -695,7 +697,7 @@ def discs(rng: Random) -> Scene:
     disc = _plain(disc.mapped(Frame(offset=centre)))
     if speed == 0:
         windows: tuple[Window, ...] = ()
-        if abs(offset) < reach[0] or reach[0] == reach[1] and abs(offset) == reach[0]:
+        if abs(offset) <= reach[0]:
             windows = ((both(domain[0]), both(domain[1])),)
     else:
         ends: list[Near] = []

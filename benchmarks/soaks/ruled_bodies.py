@@ -36,8 +36,8 @@ def number(x: F) -> str:
     x = F(x)
     if x.denominator == 1:
         return str(x.numerator)
-    if x.denominator & (x.denominator - 1) == 0 and x.numerator.bit_length() < 50 and abs(x.numerator) < 10**15:
-        return repr(float(x))  # exact
+    if F(float(x)) == x:
+        return repr(float(x))
     return f"F({x.numerator}, {x.denominator})"
 
 
