@@ -42,6 +42,12 @@ def half_turn(n):
     return [[F(2 * n[i] * n[j], size) - (i == j) for j in range(3)] + [0] for i in range(3)] + [[0, 0, 0, 1]]
 
 
+def test_no_cone_is_walked_into_its_axis():
+    """A large flat ellipsoid on a frustum, whose function has kinks where Newton's method may stay."""
+    scene = "frustum", "flat ellipsoid", F(1, 10**18), (3, -3, -2), F(2) ** 40, (0, 0, 0)
+    judge(*scene[:3], fc.first_contact(*pair(*scene), exact=True))
+
+
 def test_the_rim_stands_on_its_lowest_point():
     lo, hi = STANDING["rim"].bounds()
     assert abs(lo[2]) < 1e-12 and hi[2] > 1 and STANDING["rim"].contains((0, 0, 0))
@@ -86,7 +92,7 @@ def scenes(count, seed):
         yield lower, upper, g, turn if any(turn) else (1, 2, 3), scale, motion
 
 
-@pytest.mark.parametrize("scene", scenes(24, 1), ids=str)
+@pytest.mark.parametrize("scene", list(scenes(16, 1)), ids=str)
 def test_depths_and_gaps_of_any_size(scene):
     lower, upper, g, *rest = scene
     a, b = pair(*scene)
@@ -97,3 +103,77 @@ def test_depths_and_gaps_of_any_size(scene):
     judge(lower, upper, g, fc.first_contact(a, b))
     judge(lower, upper, g, fc.first_contact(b, a))
     judge(lower, upper, g, fc.first_contact(a, b, exact=True))
+
+
+def test_a_thin_lens_is_no_free_start():
+    """Depth 1e-7 in a ball of 20, both turned by the angle with cosine 3/5; with the motion towards and away."""
+    turn = [["3/5", "-4/5", 0, 0], ["4/5", "3/5", 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]
+    a = fc.sphere(20).transformed(turn)
+    b = fc.cylinder(5, 10).translated((25 - F(1, 10**7), 0, 0)).transformed(turn)
+    for way, exact in (((1, 0, 0), False), ((-1, 0, 0), False), ((-1, 0, 0), True)):
+        hit = fc.first_contact(a.moving(fc.Translation(way)), b, exact=exact)
+        assert (hit.status, hit.initial) == (INITIAL, "overlapping")
+    (interval,) = fc.contact_intervals(a.moving(fc.Translation((-1, 0, 0))), b)
+    assert interval.start_interval == (0, 0) and 1.6e-7 < interval.end < 1.7e-7
+
+
+def test_bodies_that_part_soon_began_in_contact():
+    s = F(1, 10**4)
+    a = fc.cylinder(s, 2 * s).translated(((2 - F(1, 1000)) * s, 0, 0)).moving(fc.Translation((s, 0, 0)))
+    b = fc.sphere(s)
+    for hit in (fc.first_contact(a, b), fc.first_contact(b, a), fc.first_contact(a, b, exact=True)):
+        assert (hit.status, hit.initial, str(hit.time)) == (INITIAL, "overlapping", "0.0")
+    assert fc.contact_intervals(a, b)[0].start_interval == (0, 0)
+
+
+@pytest.mark.parametrize("exact", [False, True])
+def test_a_rim_that_touches_a_lying_cylinder_in_one_point(exact):
+    b = fc.cylinder(2, 6).rotated((0, 1, 0), degrees=90).translated((0, -1, 2))
+    for a in (fc.cylinder(1, 2).translated((0, 0, -1)), fc.cone(1, 2).transformed(UPSIDE_DOWN)):
+        assert fc.first_contact(a, b.moving(REST), exact=exact).initial == "touching"
+
+
+def test_a_ball_that_fills_a_room_touches_its_wall():
+    for room in (fc.sphere(2) - fc.sphere(1), fc.box((4, 4, 4)) - fc.sphere(1)):
+        hit = fc.first_contact(room, fc.sphere(1).moving(REST))
+        assert (hit.status, hit.initial) == (INITIAL, "touching")
+
+
+HOLDING = {
+    "ball": (fc.sphere(2), (0, 0, 0), (0, 0, 2)),
+    "ellipsoid": (fc.ellipsoid((1, 2, 3)), (0, 0, 0), (0, 2, 0)),
+    "cylinder": (fc.cylinder(2, 6), (1, 0, 1), (0, 2, 0)),
+    "cone": (fc.cone(2, 3), (0, 0, 1), (0, 0, 3)),
+    "box": (fc.box((2, 3, 4)), (0, 0, 1), (1, F(3, 2), 2)),
+    "mesh": (fc.examples.box((2, 2, 2)), (0, 0, 0), (1, 0, 0)),
+}
+
+
+def shrunk(body, centre, k):
+    """By the factor k towards the centre."""
+    rows = [[k if i == j else 0 for j in range(3)] + [(1 - k) * centre[i]] for i in range(3)]
+    return body.transformed([*rows, [0, 0, 0, 1]])
+
+
+@pytest.mark.parametrize("name", HOLDING)
+def test_one_in_the_other(name):
+    """Containment where the surfaces are apart; not for equal bodies, nor where they touch from inside."""
+    body, inner, border = HOLDING[name]
+    turn = half_turn((1, 2, 3))
+    for other, word in (
+        (shrunk(body, inner, F(1, 2)), "containment"), (shrunk(body, inner, 1 - F(1, 10**9)), "containment"),
+        (shrunk(body, border, F(1, 2)), "overlapping"), (body, "overlapping"),
+    ):  # fmt: skip
+        a, b = other.transformed(turn), body.transformed(turn)
+        assert fc.first_contact(a, b.moving(fc.Translation((0, 0, 1)))).initial == word
+        assert fc.first_contact(b, a.moving(REST), exact=True).initial == word
+
+
+def test_bounds_of_a_large_turned_ellipsoid():
+    """Its box scales with it, exactly by powers of two."""
+    turn = half_turn((-2, 2, -2))
+    body, large = (
+        STANDING["flat ellipsoid"].transformed([[x * F(2) ** k for x in row] for row in turn[:3]] + [turn[3]])
+        for k in (0, 60)
+    )
+    assert np.allclose(np.array(large.bounds()) / 2.0**60, body.bounds(), rtol=1e-9)

@@ -171,7 +171,7 @@ def _whole_surfaces(model: CompositeQuadric) -> set[Vector]:
     """Of the faces that nothing bounds, as forms up to a factor."""
     bounded = {k for edge in (*model.edges, *model.seams) for k in edge.faces}
     forms = (face.carrier.matrix() for face in model.faces if face.index not in bounded)
-    return {upright([x for row in form for x in row]) for form in forms}
+    return {upright(tuple(x for row in form for x in row)) for form in forms}
 
 
 def _is_solid(combination: Callable[[], CompositeQuadric]) -> bool:

@@ -39,6 +39,8 @@ WEIGHT = 1e-5
 CHANGES = 6
 """Of the active functions, before the least at a time is given up."""
 
+BLUR = 1e-4
+"""Of the size: how far doubles round off a cone's kinks, at its tip and on its axis, for Newton's method."""
 ASIDE = np.array([0.03, 0.025, 0.02])
 """Of the size: from the middle of a piece, which may be on the axis of a cone, where its function has a kink."""
 WAYS = np.vstack([np.eye(3), -np.eye(3)]) + 0.1
@@ -141,15 +143,16 @@ def _root(x: Any) -> Any:
 class _Barrier:
     """sharp s - sum log(s - f_k(x)) over (x, s), in doubles; forms, lines: as `Convex.doubles` has them."""
 
-    def __init__(self, forms: np.ndarray, lines: np.ndarray) -> None:
+    def __init__(self, forms: np.ndarray, lines: np.ndarray, blur: float) -> None:
         self.forms, self.lines, self.rooted = forms, lines, lines.any(axis=1)
+        self.blur = blur * blur
 
     def values(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """(n,) values, (n, 4) images of (x, 1) under the forms, (n,) roots, 1 where there is none."""
         point = np.append(x, 1.0)
         image = self.forms @ point
         value = image @ point
-        root = np.where(self.rooted, np.sqrt(np.maximum(value, 1e-60)), 1.0)
+        root = np.where(self.rooted, np.sqrt(np.maximum(value, 0.0) + self.blur), 1.0)
         return np.where(self.rooted, root - self.lines @ point, value), image, root
 
     def height(self, x: np.ndarray, sharp: float) -> float:
@@ -258,7 +261,7 @@ class Separation:
         forms, lines = (np.array([f.doubles()[k] for f in (*self.own, *self.other)]) for k in (0, 1))
         own = len(self.own)
         forms[:own], lines[:own] = pose.T @ forms[:own] @ pose, lines[:own] @ pose
-        barrier = _Barrier(forms, lines)
+        barrier = _Barrier(forms, lines, BLUR * self.size)
         x = np.append(self.centre + self.size * ASIDE, 0.0)
         x[3] = float(barrier.values(x[:3])[0].max()) + 0.1 * self.size
         sharp = 10.0 / self.size

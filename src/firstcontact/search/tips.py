@@ -56,8 +56,7 @@ class _Tip:
 def _tips(solid: Solid) -> Iterator[_Tip]:
     forms, witness = solid
     for form in forms:
-        point = form.apex if isinstance(form, Quadric) else None
-        if point is None or witness is None:
+        if not isinstance(form, Quadric) or (point := form.apex) is None or witness is None:
             continue
         block = tuple(tuple(row[:3]) for row in form.form[:3])
         if inertia(block) == (2, 1) and all(other.value(point) <= 0 for other in forms):
