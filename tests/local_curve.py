@@ -28,7 +28,7 @@ class Scene:
 
     @property
     def point(self) -> list[Fraction]:
-        return [x[0] for x in _point(self.first, *([x] + [Fraction(0)] * ORDER for x in self.places[0]))]
+        return evaluated(self.first, *self.places[0])
 
     def surfaces(self) -> tuple[fc.RuledSurface, fc.RuledSurface]:
         found = [fc.RuledSurface(*(fc.RationalCurve(x) for x in ends), u=u, s=s)
@@ -51,6 +51,34 @@ class Scene:
                         return None
                     ways = {way for way in ways if inward * series[k] * way**k > 0}
         return len(ways)
+
+
+    def turns_back(self) -> bool | None:
+        """Whether the common curve has a cusp at the point; None: that is not told."""
+        steps = curve_at(self.first, self.second, self.places)
+        if steps is None:
+            return None
+        u, s = ([x + c[0], *c[1:]] for x, c in zip(self.places[0], steps, strict=False))
+        moves = zip(*_point(self.first, u, s), strict=True)
+        k = next((k for k, move in enumerate(moves) if k and any(move)), None)
+        return None if k is None else k % 2 == 0
+
+    def has_points_as_rulings(self) -> bool:
+        """Whether one of the two rulings through the point is a point."""
+        return any(not any(slopes(ends, *place)[1])
+                   for ends, place in zip((self.first, self.second), self.places, strict=True))  # fmt: skip
+
+
+def evaluated(ends: Sequence[Directrix], u: Fraction, s: Fraction) -> list[Fraction]:
+    """A point of a piece."""
+    return [x[0] for x in _point(ends, [u, Fraction(0)], [s, Fraction(0)])]
+
+
+def slopes(ends: Sequence[Directrix], u: Fraction, s: Fraction) -> tuple[list[Fraction], list[Fraction]]:
+    """P_u and P_s."""
+    zero, one = Fraction(0), Fraction(1)
+    along_u, along_s = (_point(ends, [u, x], [s, y]) for x, y in ((one, zero), (zero, one)))
+    return [x[1] for x in along_u], [x[1] for x in along_s]
 
 
 def curve_at(

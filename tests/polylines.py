@@ -15,3 +15,9 @@ def distance(points: np.ndarray, branches) -> float:
             t = np.clip(((x - start) * along).sum(1) / length, 0, 1)
             best[k] = min(best[k], np.linalg.norm(start + t[:, None] * along - x, axis=1).min())
     return float(best.max(initial=0.0))
+
+
+def told_twice(curve) -> bool:
+    """Whether an isolated point is on a branch."""
+    return any(distance(x[None], curve.branches) <= 1e-9 * max(1.0, np.abs(x).max()) for x in curve.isolated_points
+               if curve.branches)  # fmt: skip

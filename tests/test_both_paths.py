@@ -7,7 +7,7 @@ import pytest
 
 import firstcontact as fc
 from firstcontact.ruled.cut_out import ROOM, cut_about
-from polylines import distance
+from polylines import distance, told_twice
 from ruled_vectors import vectors
 
 TOLERANCE = 1e-3
@@ -34,6 +34,7 @@ def test_both_paths_give_the_vectors(case):
     found = fc.intersection_curve(case.p, case.q, tolerance=TOLERANCE, method="certified")
     known = fc.intersection_curve(case.p, case.q, tolerance=TOLERANCE, method="algebraic")
     assert not found.open_places and found.two_dimensional == known.two_dimensional
+    assert not told_twice(found) and not told_twice(known)
     assert found.stats.exact_evaluations == ASKED.get(case.name[:3], 0)
     assert not found.stats.exact_evaluations or found.stats.node_visits > 0
     assert (found.box is None) == (case.kind == "static_box")

@@ -232,8 +232,7 @@ class IntersectionCurve:
     overlap_lines     (k, 2, 3) float64: common rulings; of bounded pieces the shared segments, else two points of the
                       line (within the box)
     singular_points   nodes and cusps of the branches
-    isolated_points   (k, 3) float64: points on no branch, and apexes that lie on the other surface (these may be on an
-                      overlap line)
+    isolated_points   (k, 3) float64: points on no branch and, but for apexes on the other surface, on no overlap line
     two_dimensional   whether the surfaces share a part with an area; `branches` then holds what else they share
     graph             nodes with exact parameters, and the edges between them
     delta             Delta(u, v) = sum delta[i, j] u^i v^j: two rulings meet where it vanishes; {} if all do

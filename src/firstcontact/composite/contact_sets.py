@@ -160,7 +160,7 @@ def scaled(x: Vector, unit: float) -> tuple[np.ndarray, fmpq]:
     values = [ball(c, 64) for c in x]
     with precision(64):
         values[3] = values[3] * unit
-        mantissa, exponent = max(abs(arb(v.mid())) for v in values).man_exp()
+        mantissa, exponent = arb(max(abs(v.mid()) for v in values).mid()).man_exp()
         size = fmpq(2) ** int(exponent + mantissa.bit_length())
         return np.array([float((v / arb(size)).mid()) for v in values]), size
 
@@ -187,7 +187,7 @@ def _arcs(contact: Contact, trim: Trim) -> Iterator[Shared]:
 
 
 def _balanced(contact: Contact, unit: float) -> tuple[np.ndarray, np.ndarray, list[fmpq]]:
-    """(basis of the plane, its columns about 1 in lengths of `unit`; the conic in it; what takes its y to the contact's)
+    """(basis of the plane, columns about 1 in lengths of `unit`; the conic in it; what takes its y to the contact's)
 
     Without it small values of the form drown in the rounding of large ones, where models are large or small.
     """

@@ -110,7 +110,7 @@ def _found(
             found.settled += len(own)
             # pieces that were cut may pass infinity
             sides = (a, b) if before is None else (chains(near.p)[0], chains(near.q)[0])
-            strands, cusps = _with_cusps(*sides, strands)
+            strands, cusps = _with_cusps(*sides, strands, tolerance)
             found.add_cusps(cusps)
             found.add(strands + settled.strands(), places, (a, b) if own else None, own)
             exact += own
@@ -173,14 +173,16 @@ def _strands(solved: Solved, settled: Settled, settles: bool) -> tuple[list[Stra
     return strands, places
 
 
-def _with_cusps(p: Chain, q: Chain, strands: list[Strand]) -> tuple[list[Strand], list[np.ndarray]]:
+def _with_cusps(
+    p: Chain, q: Chain, strands: list[Strand], tolerance: float
+) -> tuple[list[Strand], list[np.ndarray]]:
     """The strands with rows at their cusps, and these points; exact strands know theirs."""
     cusps: list[np.ndarray] = []
     for own, other, order in ((p, q, [0, 1, 2, 3]), (q, p, [1, 0, 3, 2])):
         edged = with_edges(own)
         for n, strand in enumerate(strands):
             parameters = strand.parameters[:, order]
-            found = {x[0]: x for x in turned_back(own, other, strand.points, parameters)}
+            found = {x[0]: x for x in turned_back(own, other, strand.points, parameters, tolerance)}
             found |= {x[0]: x for x in (passed(edged, other.pieces, parameters) if edged else [])}
             for before, after, point, known in sorted(found.values(), key=lambda x: -x[0]):
                 strand = replace(strand, points=_with_row(strand.points, before, after, point),

@@ -8,6 +8,7 @@ strip that lies twice in a plane).  Edges of regression, singular points of all 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import lru_cache
 from itertools import combinations
 from math import comb
 from typing import Any, NamedTuple
@@ -30,12 +31,13 @@ UNIT = fmpq(-1), fmpq(1)
 # Coefficients that are not told from zero, in parts of what they are made of; how far from the real axis and beyond a
 # part doubles may put a root; degrees above which they find none; room beside the ends of rulings.
 ZERO, ASIDE, MOST_DEGREE, BESIDE = 1e-11, 1e-2, 24, 1e-2
-# Where rulings turn less than this part of what they usually move, they may stand still.
-STILL = 1e-2
+# Where rulings move less than this part of what they usually do, they may stand still; what divides at least.
+STILL, LEAST = 1e-2, 1e-300
 # Rows this near such a ruling are on it; how many rows about it tell the length of chords; Newton's steps.
 AT_RULING, AROUND, STEPS = 1e-12, 2, 12
-# How far from the polyline the point may be, in chords there; points that are one, in parts of their size.
-FARTHEST, ONE_POINT = 4.0, 1e-8
+# How far from the polyline the point may be, in chords there; points that are one, in parts of their size, and points
+# that may be one.
+FARTHEST, ONE_POINT, ROUGHLY = 4.0, 1e-8, 1e-5
 # Steps from the ruling, in ranges, at which directions are compared: the first at which the curve has moved that far.
 AWAY, MOVED = (1e-5, 1e-4, 1e-3, 1e-2), 1e-9
 
@@ -58,18 +60,20 @@ class Likely(NamedTuple):
     point: np.ndarray | None
 
 
-def turned_back(own: Chain, other: Chain, points: np.ndarray, parameters: np.ndarray) -> list[Passed]:
+def turned_back(
+    own: Chain, other: Chain, points: np.ndarray, parameters: np.ndarray, tolerance: float
+) -> list[Passed]:
     """Where a polyline, given by its points and u, v, s, t, turns back at a ruling of the first chain; not at ends."""
     found: dict[int, Passed] = {}
     if any(LIKELY not in piece._search for piece in own.pieces):
         _look_for(own)
-    low, high = parameters[:, 0].min(), parameters[:, 0].max()
+    u = parameters[:, 0].copy()
+    low, high = u.min(), u.max()
     for piece in own.pieces:
-        if piece.u is not None and not (float(piece.u[0]) <= high and low <= float(piece.u[1])):
-            continue
-        if any(_may_pass(x, points, parameters[:, 0]) for x in piece._search[LIKELY]):
+        near = (x for x in piece._search[LIKELY] if x.u is None or low <= x.u <= high)
+        if any(_may_pass(x, points, u, tolerance) for x in near):
             for special in _torsal(piece):
-                for cusp in _at_ruling(piece, other.pieces, special, points, parameters):
+                for cusp in _at_ruling(piece, other.pieces, special, points, parameters, tolerance):
                     found[cusp[0]] = cusp
     return list(found.values())
 
@@ -106,92 +110,120 @@ def _look_for(chain: Chain) -> None:
     """Tell all pieces of a chain what torsal rulings they may have, with points between their ends, on the way."""
     lines = _lines(chain)
     slopes = np.diff(lines, axis=2)
-    products = (_product(slopes[:, i], slopes[:, 5 - i]) for i in range(3))
-    torsal = next(products) - next(products) + next(products)
-    near = ZERO * np.abs(slopes).max(2).max(1, initial=0.0) ** 2
-    flat = (np.abs(torsal).max(1) <= near) & _may_stand_still(lines, slopes)
-    mixed = (torsal.min(1) <= near) & (torsal.max(1) >= -near) & (np.abs(torsal).max(1) > near)
+    torsal = _product(slopes[:, :3], slopes[:, :2:-1])
+    torsal = torsal[:, 0] - torsal[:, 1] + torsal[:, 2]
+    near = ZERO * np.abs(slopes).max(2).max(1) ** 2
+    flat = np.abs(torsal).max(1) <= near
+    mixed = (torsal.min(1) <= near) & (torsal.max(1) >= -near) & ~flat
+    if flat.any():
+        flat[flat] = _may_stand_still(lines[flat], slopes[flat])
     likely: list[list[Likely]] = [[] for _ in chain.pieces]
     for part in np.flatnonzero(flat | mixed).tolist():
-        own = likely[chain.piece_of[part]]
-        if flat[part] or chain.pieces[chain.piece_of[part]].u is None or torsal.shape[1] > MOST_DEGREE:
-            own.append(Likely(None, None))
+        k = int(chain.piece_of[part])
+        if flat[part] or chain.pieces[k].u is None or torsal.shape[1] > MOST_DEGREE:
+            likely[k].append(Likely(None, None))
         else:
-            own += _likely(chain, part, torsal[part])
+            likely[k] += _likely(chain, part, torsal[part])
     for piece, own in zip(chain.pieces, likely, strict=True):
         piece._search[LIKELY] = own
 
 
 def _lines(chain: Chain) -> np.ndarray:
     """(parts, 6, m): Bernstein coefficients of l, about the middle of the chain."""
-    middle = chain.box.mean(0)
-    ends = np.concatenate([chain.points[:, k : k + 3] - middle[:, None] * chain.points[:, k + 3 : k + 4]
-                           if k % 4 == 0 else chain.points[:, k : k + 1] for k in (0, 3, 4, 7)], axis=1)  # fmt: skip
-    return np.stack([_product(ends[:, i], ends[:, 4 + j]) - _product(ends[:, j], ends[:, 4 + i]) for i, j in PAIRS], 1)
+    ends = chain.points.copy()
+    for k in (0, 4):
+        ends[:, k : k + 3] -= chain.box.mean(0)[:, None] * ends[:, k + 3 : k + 4]
+    i, j = np.array(PAIRS).T
+    return _product(ends[:, i], ends[:, 4 + j]) - _product(ends[:, j], ends[:, 4 + i])
 
 
 def _product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Of polynomials of one degree in Bernstein form, row by row."""
-    n = a.shape[1] - 1
-    found = np.zeros((len(a), 2 * n + 1))
+    """Of polynomials of one degree in Bernstein form, along the last axis."""
+    n = a.shape[-1] - 1
+    found = np.zeros((*a.shape[:-1], 2 * n + 1))
     for k, row in enumerate(product_table(n)):
-        found[:, k : k + n + 1] += a[:, k : k + 1] * b * row
+        found[..., k : k + n + 1] += a[..., k : k + 1] * b * row
     return found
 
 
 def _may_stand_still(lines: np.ndarray, slopes: np.ndarray) -> np.ndarray:
     """(parts,): False where a minor of l and l' has one sign."""
-    raised = _raised(slopes)
-    may = np.ones(len(lines), bool)
-    for i, j in combinations(range(6), 2):
-        minor = _product(lines[:, i], raised[:, j]) - _product(lines[:, j], raised[:, i])
-        near = ZERO * np.abs(lines).max(2).max(1) * np.abs(slopes).max(2).max(1)
-        may &= (minor.min(1) <= near) & (minor.max(1) >= -near)
-    return may
-
-
-def _raised(rows_of: np.ndarray) -> np.ndarray:
-    """Polynomials in Bernstein form as of one degree more."""
-    n = rows_of.shape[2]
-    share = np.arange(n + 1) / n
-    padded = np.pad(rows_of, ((0, 0), (0, 0), (1, 1)))
-    return share * padded[:, :, :-1] + (1.0 - share) * padded[:, :, 1:]
+    # the slopes as of one degree more
+    n = slopes.shape[2]
+    share, padded = np.arange(n + 1) / n, np.pad(slopes, ((0, 0), (0, 0), (1, 1)))
+    raised = share * padded[:, :, :-1] + (1.0 - share) * padded[:, :, 1:]
+    i, j = np.array(list(combinations(range(6), 2))).T
+    minors = _product(lines[:, i], raised[:, j]) - _product(lines[:, j], raised[:, i])
+    near = ZERO * (np.abs(lines).max(2).max(1) * np.abs(slopes).max(2).max(1))[:, None]
+    return ((minors.min(2) <= near) & (minors.max(2) >= -near)).all(1)  # type: ignore[no-any-return]
 
 
 def _likely(chain: Chain, part: int, torsal: np.ndarray) -> Iterator[Likely]:
-    n = len(torsal) - 1
-    powers = [comb(n, j) * sum((-1) ** (j - i) * comb(j, i) * torsal[i] for i in range(j + 1)) for j in range(n + 1)]
-    usual = np.abs(np.diff([chain.ruling(part, x) for x in (0.0, 0.5, 1.0)], axis=0)).max()
-    for root in np.roots(powers[::-1]):
+    control = chain.points[part].reshape(2, 4, -1)
+    usual = np.abs(np.diff(control[:, :3] / control[:, 3:])).max() * (control.shape[2] - 1)
+    for root in np.roots((torsal @ _powers_of(len(torsal) - 1))[::-1]):
         if abs(root.imag) > ASIDE or not -ASIDE <= root.real <= 1.0 + ASIDE:
             continue
-        x, step = min(max(float(root.real), 0.0), 1.0), 1e-6
-        behind, ahead = chain.ruling(part, x - step), chain.ruling(part, x + step)
-        first, second = 0.5 * (behind + ahead)
-        slope, other = (ahead - behind) / (2.0 * step)
-        along, turn = second - first, np.cross(other - slope, second - first)
-        size = float(turn @ turn)
+        x = min(max(float(root.real), 0.0), 1.0)
+        (first, second), (slope, other) = _ends(control, x)
+        along = second - first
+        moved, turn = _cross(slope, along), _cross(other - slope, along)
         u = float(chain.parameter(np.array([part]), np.array([x]))[0])
-        if size <= (STILL * usual) ** 2 * (along @ along):
+        if max(np.abs(moved).max(), np.abs(moved + turn).max()) <= STILL * usual * np.abs(along).max():
             yield Likely(u, None)
             continue
-        s = -float(np.cross(slope, along) @ turn) / size
+        s = -float(moved @ turn) / max(float(turn @ turn), LEAST)
         if -BESIDE <= s <= 1.0 + BESIDE:
             yield Likely(u, first + s * along)
+
+
+@lru_cache(maxsize=64)
+def _powers_of(n: int) -> np.ndarray:
+    """(n + 1, n + 1): Bernstein polynomials of degree n in powers, a row each."""
+    return np.array([[(-1) ** (j - i) * comb(n, j) * comb(j, i) if j >= i else 0 for j in range(n + 1)]
+                     for i in range(n + 1)], float)  # fmt: skip
+
+
+def _ends(control: np.ndarray, x: float) -> tuple[np.ndarray, np.ndarray]:
+    """(2, 3) both ends of the ruling at x, and how they move there."""
+    n = control.shape[2] - 1
+    while control.shape[2] > 2:
+        control = (1.0 - x) * control[:, :, :-1] + x * control[:, :, 1:]
+    value, slope = (1.0 - x) * control[:, :, 0] + x * control[:, :, 1], n * (control[:, :, 1] - control[:, :, 0])
+    point = value[:, :3] / value[:, 3:]
+    return point, (slope[:, :3] - point * slope[:, 3:]) / value[:, 3:]
+
+
+def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Of two vectors; faster than np.cross."""
+    return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
 
 
 # -- polylines ----------------------------------------------------------------------------------------------
 
 
-def _may_pass(likely: Likely, points: np.ndarray, u: np.ndarray) -> bool:
+def _room(point: np.ndarray, tolerance: float) -> float:
+    """How far a polyline may be from a point that the curve passes."""
+    return 2.0 * tolerance + ROUGHLY * max(1.0, float(np.abs(point).max()))
+
+
+def _may_pass(likely: Likely, points: np.ndarray, u: np.ndarray, tolerance: float) -> bool:
     """Whether a polyline passes such a ruling near its point."""
     if likely.u is None:
         return True
-    side = np.sign(u - likely.u)
-    crossing = np.flatnonzero(side[1:] * side[:-1] <= 0.0).tolist()
+    side = u >= likely.u
+    crossing = np.flatnonzero(side[1:] != side[:-1]).tolist()
     if likely.point is None:
         return bool(crossing)
-    return any(np.abs(points[k] - likely.point).max() <= FARTHEST * _chord(points, k, k + 1) for k in crossing)
+    return any(_is_near(likely.point, points[k : k + 2], tolerance) for k in crossing)
+
+
+def _is_near(point: np.ndarray, line: np.ndarray, tolerance: float) -> bool:
+    """Whether the curve may pass through the point along these chords."""
+    along = np.diff(line, axis=0)
+    share = ((point - line[:-1]) * along).sum(1) / np.maximum((along * along).sum(1), LEAST)
+    off = np.abs(line[:-1] + share.clip(0.0, 1.0)[:, None] * along - point).max(1)
+    return bool(off.min() <= _room(point, tolerance))
 
 
 def _chord(points: np.ndarray, i: int, j: int) -> float:
@@ -200,7 +232,7 @@ def _chord(points: np.ndarray, i: int, j: int) -> float:
 
 
 def _at_ruling(
-    piece: Any, others: Sequence[Any], special: Special, points: np.ndarray, parameters: np.ndarray
+    piece: Any, others: Sequence[Any], special: Special, points: np.ndarray, parameters: np.ndarray, tolerance: float
 ) -> Iterator[Passed]:
     with np.errstate(divide="ignore"):
         x = 1.0 / parameters[:, 0] if special.reverse else parameters[:, 0]
@@ -210,7 +242,11 @@ def _at_ruling(
     off = np.flatnonzero(side)
     for n in np.flatnonzero(side[off[1:]] * side[off[:-1]] < 0.0):
         i, j = int(off[n]), int(off[n + 1])
-        if inside[i] and inside[j] and (over := _Over.of(piece, others, special.reverse, parameters[i, 1])) is not None:
+        if not (inside[i] and inside[j]):
+            continue
+        if special.point is not None and not _is_near(special.point, points[i : j + 1], tolerance):
+            continue
+        if (over := _Over.of(piece, others, special.reverse, parameters[i, 1])) is not None:
             point, known = over.at(special.x)
             size = ONE_POINT * max(1.0, float(np.abs(point).max()))
             here = special.point is None or bool(np.abs(point - special.point).max() <= size)
