@@ -8,15 +8,18 @@ from random import Random
 import numpy as np
 import pytest
 from flint import fmpq
-from lenses import PAIRS, pushed
 
 import firstcontact as fc
 from firstcontact.body.carriers import QuarticCurve
 from firstcontact.body.composite_quadric import NoSolid
 from firstcontact.exact.quadric_curve import swept
+from lenses import PAIRS, pushed
 
 TURN = ((F(3, 5), F(-4, 5), 0, 0), (F(4, 5), F(3, 5), 0, 0), (0, 0, 1, 0), (0, 0, 0, 1))
 DEPTHS = [F(1, 10**k) for k in (3, 6, 7, 9, 11, 12, 15, 18, 25)]
+
+
+SCENES = [(20, 5, "1e-7"), (20, 5, "1e-12"), (100, 1, "1e-6"), (20, 5, "1e-30")]
 
 
 def quartic_pieces(body) -> int:
@@ -38,7 +41,7 @@ def test_solids_pushed_into_each_other_share_a_lens_and_no_others_do(kinds):
 
 
 @pytest.mark.parametrize("turned", ["no", "rationally", "by 40 degrees", "about y"])
-@pytest.mark.parametrize(("ball", "tube", "depth"), [(20, 5, "1e-7"), (20, 5, "1e-12"), (100, 1, "1e-6"), (20, 5, "1e-30")])
+@pytest.mark.parametrize(("ball", "tube", "depth"), SCENES)
 def test_a_ball_dips_into_a_cylinder(ball, tube, depth, turned):
     a, b = fc.sphere(ball), fc.cylinder(tube, 10).translated((ball + tube - F(depth), 0, 0))
     turn = {

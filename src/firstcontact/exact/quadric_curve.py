@@ -257,10 +257,10 @@ class _Fibres:
             with precision(bits):
                 found = self._points(u, bits)
             if found is None:
+                self._enough = bits  # planes nearby ask for more too
                 bits *= 2
             else:
                 self._known[key] = found
-        self._enough = max(self._enough, bits // 2)  # planes nearby ask for about as many
         return self._known[key]
 
     def _points(self, u: fmpq, bits: int) -> list[tuple[arb, arb]] | None:
