@@ -19,7 +19,7 @@ TURN = ((F(3, 5), F(-4, 5), 0, 0), (F(4, 5), F(3, 5), 0, 0), (0, 0, 1, 0), (0, 0
 DEPTHS = [F(1, 10**k) for k in (3, 6, 7, 9, 11, 12, 15, 18, 25)]
 
 
-SCENES = [(20, 5, "1e-7"), (20, 5, "1e-12"), (100, 1, "1e-6"), (20, 5, "1e-30")]
+SCENES = [(20, 5, "1e-7"), (20, 5, "1e-12"), (100, 1, "1e-6"), (20, 5, "1e-60")]
 
 
 def quartic_pieces(body) -> int:
@@ -152,3 +152,11 @@ def test_a_thin_sector_of_a_cone_has_its_apex(thin):
     cone = fc.quadric([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, -1, 0], [0, 0, 0, 0]]) & fc.half_space((0, 0, -1), 0)
     sector = cone - fc.half_space((1 + thin, 0, -1), 0)
     assert sector.contains((0, 0, 0)) and len(sector.vertices) == 1
+
+
+def test_a_curve_through_an_apex():
+    """The ball touches the cone in its tip only; the cylinder leaves the cone along a curve that ends in the tip."""
+    ball = fc.sphere(1).translated((F(3, 5), 0, F(14, 5)))
+    assert repr(fc.cone(1, 2) - ball) == "<CompositeQuadric: 2 faces, 1 edge, 1 vertex>"
+    union = fc.cone(2, 4) | fc.cylinder("1/2", 9).translated(("1/2", 0, 3))
+    assert quartic_pieces(union) == 1 and [e.convexity for e in union.edges].count("reentrant") == 2
