@@ -3,7 +3,7 @@
 `exact.quadric_curve` finds every branch, the signs of all other surfaces on it, and how branches go on; what a branch
 is, is decided at one of its points, taken to 400 bits.  Where a surface changes its sign, edges are cut; such points
 are proved by Krawczyk's test.  So no edge and no crossing is missed, however short.  The points of an edge are doubles
-a 300th of the box apart at most; they are for looking at and for searches to begin from.
+a 200th of the box apart at most; they are for looking at and for searches to begin from.
 
 Not proved here: that the ends of branches which come together beside an event meet there.
 """
@@ -30,7 +30,7 @@ from firstcontact.exact.vectors import cross
 BoxF = tuple[np.ndarray, np.ndarray]
 """Corners, (3,) float64 each."""
 
-STEPS = 300
+STEPS = 200
 FEWEST = 16
 """Points inside the shortest branch."""
 MOST_ROUNDS = 12

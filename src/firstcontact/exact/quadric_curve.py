@@ -244,19 +244,23 @@ class _Fibres:
         self.meeting = discriminant(characteristic(_section(first), _section(second)))
         if beta.is_zero() or self.fibre[4].is_zero():
             raise Degenerate
+        self._enough = FIRST_BITS
         self._known: dict[tuple[fmpq, int], list[tuple[arb, arb]]] = {}
 
     def points(self, u: fmpq, bits: int) -> list[tuple[arb, arb]]:
         """(v, w) of the real common points at a plane without coincidence, ascending in v; at least so many bits."""
         key = u, bits
+        bits = max(bits, self._enough)
         while key not in self._known:
             if bits > MOST_BITS:
                 raise Undecidable
             with precision(bits):
                 found = self._points(u, bits)
-            if found is not None:
+            if found is None:
+                self._enough = bits  # planes nearby ask for more too
+                bits *= 2
+            else:
                 self._known[key] = found
-            bits *= 2
         return self._known[key]
 
     def _points(self, u: fmpq, bits: int) -> list[tuple[arb, arb]] | None:
