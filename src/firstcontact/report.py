@@ -10,7 +10,7 @@ import numpy as np
 from firstcontact.body.moving import Moving
 from firstcontact.exact.numbers import PRECISIONS, Undecidable, precision
 from firstcontact.result import ContactInterval, Element, ElementPair, FirstContact, Stats, Status
-from firstcontact.search.earliest import Found, Pair
+from firstcontact.search.earliest import Found, Pair, pairs_at_start
 from firstcontact.search.elements import EDGE, FACE, VERTEX, Feature
 from firstcontact.search.touch import carried_normal, doubles
 
@@ -34,12 +34,34 @@ def _users(body: Any, found: Feature) -> Feature:
 
 
 def element_pairs(a: Any, b: Any, pairs: list[Pair]) -> list[tuple[ElementPair, Pair]]:
-    """The pairs in users' terms with the search's own behind each, each once, lowest first."""
+    """The pairs in users' terms with the search's own behind each, each once, lowest first.
+
+    Of two triangles of one polygon the pair that comes first stands for it.  By the elements of the body that leads,
+    then of the other one: so bodies given the other way round have the same pairs in the same order.
+    """
     first, second = a.name or "a", b.name or "b"
+    a_leads = len(pairs) < 2 or _leads(a, b)
+
+    def order(pair: Any) -> Any:
+        return (pair[1], pair[2]) if a_leads else (pair[2], pair[1])
+
     seen: dict[tuple[Feature, Feature], Pair] = {}
-    for pair in pairs:
+    for pair in sorted(pairs, key=order):
         seen.setdefault((_users(a, pair[1]), _users(b, pair[2])), pair)
-    return [(ElementPair(_named(first, x), _named(second, y)), seen[x, y]) for x, y in sorted(seen)]
+    named = sorted(seen, key=lambda users: users if a_leads else users[::-1])
+    return [(ElementPair(_named(first, x), _named(second, y)), seen[x, y]) for x, y in named]
+
+
+def _leads(a: Any, b: Any) -> bool:
+    """Whether a comes first whichever way round the two are given: the one that moves, else by name and shape."""
+    moves = isinstance(a, Moving), isinstance(b, Moving)
+    return moves[0] if moves[0] != moves[1] else _signature(a) <= _signature(b)
+
+
+def _signature(body: Any) -> tuple[Any, ...]:
+    moving = isinstance(body, Moving)
+    shape = body.body if moving else body
+    return body.name or "", len(shape.vertices), shape.vertices.tobytes(), repr(body.motion) if moving else ""
 
 
 def _named(name: str, element: Feature) -> Element:
@@ -114,24 +136,43 @@ def initial_contact(
     if not jump:
         start = shared["span"][0]
         interval = start, start
-    pairs = [pair for pair, _ in found.start] or found.pairs
+    known = {
+        "status": Status.CONTACT if jump else Status.INITIAL_CONTACT,
+        "time": start,
+        "time_interval": interval,
+        "time_exact": problem.world_exact(problem.start_instant()) if exact else None,
+        "initial": kind,
+        "free_until": interval[0],
+        "reason": None,
+        "stats": stats,
+        "subproblems": (),
+        **shared,
+    }
+    return FirstContact.deferring(known, lambda: _where_at_start(problem, found, shared))
+
+
+def _where_at_start(problem: Any, found: Found, shared: dict[str, Any]) -> dict[str, Any]:
+    """What a result says of the elements that meet at the start: all of them, which the search has not looked for."""
+    pairs = _pairs_at_start(problem) or [pair for pair, _ in found.start] or found.pairs
     named = element_pairs(shared["a"], shared["b"], pairs)
     lowest, pair = named[0]
-    return FirstContact(
-        Status.CONTACT if jump else Status.INITIAL_CONTACT,
-        start,
-        interval,
-        point=_start_point(problem, pair),
-        element_a=lowest.element_a,
-        element_b=lowest.element_b,
-        others=tuple(p for p, _ in named[1 : 1 + MOST_OTHERS]),
-        multiplicity=len(named),
-        time_exact=problem.world_exact(problem.start_instant()) if exact else None,
-        initial=kind,
-        free_until=interval[0],
-        stats=stats,
-        **shared,
-    )
+    return {
+        "point": _start_point(problem, pair),
+        "normal": None,
+        "element_a": lowest.element_a,
+        "element_b": lowest.element_b,
+        "others": tuple(p for p, _ in named[1 : 1 + MOST_OTHERS]),
+        "multiplicity": len(named),
+        "contact_set": None,
+    }
+
+
+def _pairs_at_start(problem: Any) -> list[Pair]:
+    """All pairs of an edge and a face that share a point at the start; none where some are left open."""
+    try:
+        return [pair for pair, _ in pairs_at_start(problem)]
+    except Undecidable:
+        return []
 
 
 @dataclass(frozen=True, slots=True)

@@ -189,19 +189,13 @@ class _Search:
             if self.budget is not None:
                 limit = min(limit, self.budget - self.found.work - int(integers[TESTS]))
             reason = self.problem.advance(state, limit, with_start, all_sides)
-            if reason == FULL:
-                self._collect()
-                state.grow()
-            elif reason == DECIDE:
-                self._collect()
-                if self.found.start and self.stop_at_start:
-                    return True
-            elif reason in (DONE, CROSSING_FOUND):
-                self._collect()
+            self._collect()
+            if reason in (DONE, CROSSING_FOUND) or (self.found.start and self.stop_at_start):
                 return True
-            else:
+            if reason == FULL:
+                state.grow()
+            elif reason != DECIDE:
                 assert reason == SLICE_SPENT
-                self._collect()
                 work = self.found.work + int(integers[VISITS] + integers[TESTS])
                 if self.progress is not None:
                     self.progress(float(state.floats[KEY]), work)
