@@ -84,7 +84,9 @@ def of_solid(model, inverse, point, close):
     """0 where the signs of forms, those within `close` of their surface taken as either, allow inside and outside."""
     x, signs = np.append(point, 1.0), []
     for surface in model.surfaces:
-        form = np.array([[float(c.p) / float(c.q) for c in row] for row in surface.matrix()])
+        rows = surface.matrix()
+        largest = max(abs(c) for row in rows for c in row)
+        form = np.array([[int((c / largest).p) / int((c / largest).q) for c in row] for row in rows])
         form = inverse.T @ form @ inverse
         value, gradient = x @ form @ x, 2 * np.linalg.norm((form @ x)[:3])
         bend = np.abs(np.linalg.eigvalsh(form[:3, :3])).max()
