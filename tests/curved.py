@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 import firstcontact as fc
+from contact_places import assert_place
 
 ONE = np.eye(4)
 REST = fc.Translation((0, 0, 0))
@@ -81,6 +82,7 @@ def share_points(a, b, t: float) -> bool:
 
 def assert_first_by_sampling(a, b, hit, samples: int = 40) -> None:
     """Free at sampled times before the contact, in contact right after it or at it (a graze)."""
+    assert_place(hit, a, b)
     first, last = hit.span
     until = last if hit.time is None else hit.time - 1e-6
     for t in np.linspace(first, max(until, first), samples):

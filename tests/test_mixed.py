@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import firstcontact as fc
+from contact_places import assert_place
 from firstcontact.composite.meshes import first_contact_of_mesh
 from firstcontact.composite.verbs import bounded_span
 from firstcontact.composite.work import Work
@@ -60,6 +61,8 @@ def random_motion(rng, toward) -> object:
 def assert_same(found, expected) -> None:
     assert found.status is expected.status
     assert found.initial == expected.initial
+    for hit in (found, expected):
+        assert_place(hit, hit.a, hit.b)
     if expected.status is fc.Status.CONTACT:
         lo, hi = found.time_interval
         assert lo <= found.time <= hi and hi - lo <= 1.0001e-12 * (found.span[1] - found.span[0])
@@ -187,6 +190,7 @@ def test_gears_and_noisy_meshes_are_free_before_and_in_contact_after():
                 pose = motion(t)
                 assert not model.contains((mesh.vertices - pose[:3, 3]) @ pose[:3, :3]).any()
                 assert not inside(mesh, skin @ pose[:3, :3].T + pose[:3, 3]).any()
+            assert_place(hit, hit.a, hit.b)
             if hit.status is fc.Status.CONTACT:
                 contacts += 1
                 pose = motion(hit.time)

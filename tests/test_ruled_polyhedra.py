@@ -10,6 +10,7 @@ import pytest
 
 import firstcontact as fc
 from amount import amount
+from contact_places import assert_place
 from firstcontact.errors import UnsupportedPair
 
 SADDLE = fc.RuledSurface("(u, 0, 0)", "(u, 1, u)", name="saddle")
@@ -41,6 +42,8 @@ def test_a_planar_piece_is_the_mesh_of_two_triangles(seed):
         assert x.start == pytest.approx(y.start, abs=1e-15) and x.end == pytest.approx(y.end, abs=1e-15)
     hit, known = (fc.first_contact(solid, b.moving(motion)) for b in (piece, mesh))
     assert (hit.status, hit.time) == (known.status, known.time)
+    for x in (hit, known):
+        assert_place(x, x.a, x.b)
 
 
 def test_a_solid_owns_its_interior():
