@@ -290,12 +290,16 @@ class CompositeQuadric(Placing):
 
     def _samples(self) -> Iterator[np.ndarray]:
         """(n, 3) random points each: in the box, in a closer one, or at ever larger distances where no box is known."""
+        from firstcontact.body.extent import hull_of_cells
+
         rng = np.random.default_rng(0)
         if self._box is None:
             yield from (rng.normal(0, scale, (1000, 3)) for scale in (1.0, 30.0, 1000.0))
             return
-        yield rng.uniform(*(np.array([to_double(x) for x in corner]) for corner in self._box), (1000, 3))
-        yield rng.uniform(*self._rough_box(), (2000, 3))
+        lo, hi = (np.array([to_double(x) for x in corner]) for corner in self._box)
+        yield rng.uniform(lo, hi, (1000, 3))
+        lo, hi = hull_of_cells(self, self._box)
+        yield rng.uniform(lo, hi, (2000, 3))
 
     def _is_strict(self, x: Vector, wanted: bool) -> bool:
         signs = self.signs((*x, ONE))
