@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction as F
 
+import numpy as np
 import pytest
 
 import firstcontact as fc
@@ -60,3 +61,34 @@ def test_what_lands_nearly(sign, status, digits):
     advance = -2 - sign * F(1, 10**digits)
     hit = fc.first_contact(BRICK.translated((0, 0, 4)).moving(fc.Screw(Z, degrees=77, advance=advance)), PLATE)
     assert hit.status is (status if digits == 20 else fc.Status.UNDECIDED) and 1 - 1e-12 < hit.free_until
+
+
+ENDING = {
+    "trajectory": lambda way: fc.Trajectory(
+        [0, 1], [np.eye(4).tolist(), [[*np.eye(4)[i, :3].tolist(), w] for i, w in enumerate((*way, 1))]]
+    ),
+    "sequence": lambda way: fc.Sequence([fc.Translation(way)]),
+    "steps": lambda way: fc.Sequence([fc.Translation([F(c) / 2 for c in way])] * 2),
+    "screw": lambda way: fc.Sequence([fc.Screw(way, degrees=360, advance=F(way[0]))]),
+}
+HOLED = {
+    "ball": fc.sphere(1) - fc.cylinder("1/4", 9),
+    "block": fc.box((2, 2, 2)) - fc.cylinder("1/4", 9),
+    "bowl": fc.sphere(1) - fc.ellipsoid((12, 9, 10)).translated((12, 0, 0)),
+}
+TIP = fc.Polyhedron([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+LANDERS = {"mesh": TIP, "ball": fc.sphere(1), "box": fc.box((2, 1, 1)),
+           "open mesh": fc.Polyhedron([(1, 0, 0), (-3, 1, 0), (-3, -1, 1)], [[0, 1, 2]])}  # fmt: skip
+
+
+@pytest.mark.parametrize("ending", ENDING)
+@pytest.mark.parametrize("lander", LANDERS)
+@pytest.mark.parametrize("other", HOLED)
+def test_a_motion_ends_in_contact_with_a_solid_with_a_hole(lander, other, ending):
+    """All landers reach to x = 1, then to x = -1, where the others begin; there is no pose after that.  A step less
+    far misses."""
+    body = LANDERS[lander].translated((-20, 0, 0))
+    hit = fc.first_contact(body.moving(ENDING[ending]((18, 0, 0))), HOLED[other])
+    assert hit.status is fc.Status.CONTACT and hit.time == 1.0 and hit.time_interval[1] == 1.0
+    short = fc.first_contact(body.moving(ENDING[ending]((F(18) - F(1, 10**9), 0, 0))), HOLED[other])
+    assert short.status is fc.Status.FREE

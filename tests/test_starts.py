@@ -7,39 +7,17 @@ origin on their surface and their insides right below and above it; the upper on
 from __future__ import annotations
 
 from fractions import Fraction as F
+from itertools import product
+from random import Random
 
 import numpy as np
 import pytest
 
 import firstcontact as fc
+from standing_bodies import STANDING, UPSIDE_DOWN, half_turn
 
 REST = fc.Translation((0, 0, 0))
 INITIAL = fc.Status.INITIAL_CONTACT
-LYING = [[0, 0, 1, 0], [0, 1, 0, 0], [-1, 0, 0, 0], [0, 0, 0, 1]]
-UPSIDE_DOWN = [[1, 0, 0, 0], [0, -1, 0, 0], [0, 0, -1, 0], [0, 0, 0, 1]]
-
-# Bodies above z = 0 that touch it at the origin.
-STANDING = {
-    "ball": fc.sphere(20).translated((0, 0, 20)),
-    "small ball": fc.sphere("1/7").translated((0, 0, "1/7")),
-    "ellipsoid": fc.ellipsoid((1, 2, 3)).translated((0, 0, 3)),
-    "flat ellipsoid": fc.ellipsoid((30, 2, "1/3")).translated((0, 0, "1/3")),
-    "cylinder": fc.cylinder(5, 10).translated((1, 1, 5)),
-    "cylinder on its side": fc.cylinder(5, 10).transformed(LYING).translated((1, 0, 5)),
-    "rim": fc.cylinder(2, 6).transformed([["3/5", 0, "4/5", 0], [0, 1, 0, 0], ["-4/5", 0, "3/5", 0], [0, 0, 0, 1]])
-    .translated(("6/5", 0, "17/5")),
-    "cone": fc.cone(3, 4),
-    "tip": fc.cone(1, 2).transformed(UPSIDE_DOWN).translated((0, 0, 2)),
-    "frustum": fc.frustum(1, 2, 3),
-    "bowl": fc.paraboloid((1, 2), 3),
-    "box": fc.box((2, 3, 4)).translated((0, 0, 2)),
-}  # fmt: skip
-
-
-def half_turn(n):
-    """By 180 degrees about n, as a rational matrix."""
-    size = sum(x * x for x in n)
-    return [[F(2 * n[i] * n[j], size) - (i == j) for j in range(3)] + [0] for i in range(3)] + [[0, 0, 0, 1]]
 
 
 def test_no_cone_is_walked_into_its_axis():
@@ -177,3 +155,66 @@ def test_bounds_of_a_large_turned_ellipsoid():
         for k in (0, 60)
     )
     assert np.allclose(np.array(large.bounds()) / 2.0**60, body.bounds(), rtol=1e-9)
+
+
+def quarter_turned(x, axis, point, advance):
+    """x after a quarter turn about an axis with a rational length, and a way along it; by Rodrigues' formula."""
+    length = F(np.sqrt(float(sum(c * c for c in axis)))).limit_denominator(1000)
+    k = [c / length for c in axis]
+    y = [p - q for p, q in zip(x, point, strict=True)]
+    along = sum(p * q for p, q in zip(k, y, strict=True))
+    side = k[1] * y[2] - k[2] * y[1], k[2] * y[0] - k[0] * y[2], k[0] * y[1] - k[1] * y[0]
+    return [q + along * c + s + advance * c for q, c, s in zip(point, k, side, strict=True)]
+
+
+AXES = [(F(-2, 9), F(16, 9), F(8, 9)), (F(1), F(2), F(2)), (F(2, 7), F(-3, 7), F(6, 7)), (F(0), F(3), F(-4))]
+
+
+@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("kind", ["solid", "mesh"])
+def test_a_corner_on_a_plane_a_quarter_turn_into_a_screw(seed, kind):
+    """Poses of screws are rational there, though their doubles are rounded."""
+    r = Random(seed)
+    axis, n = r.choice(AXES), r.choice([(F(-3, 7), F(2, 7), F(6, 7)), (F(1, 9), F(4, 9), F(-8, 9)), (0, 0, F(1))])
+    point, advance = [F(r.randint(-9, 9), 3) for _ in range(3)], F(r.randint(-9, 9), 2)
+    pose = half_turn([r.randint(1, 5) for _ in range(3)])
+    sizes = [F(r.randint(1, 9), 2) for _ in range(3)]
+    if kind == "solid":
+        body = fc.box(tuple(sizes))
+    else:
+        body = fc.examples.box((1, 1, 1)).transformed(np.diag([*map(float, sizes), 1.0]))
+    corners = [[s * c / 2 for s, c in zip(sizes, signs, strict=True)] for signs in product((-1, 1), repeat=3)]
+    placed = [[sum(m * c for m, c in zip(row, x, strict=False)) for row in pose[:3]] for x in corners]
+    ends = [quarter_turned(x, axis, point, advance) for x in placed]
+    lowest = min(sum(p * q for p, q in zip(n, x, strict=True)) for x in ends)
+    mover = fc.Screw(axis, point, degrees=360, advance=4 * advance)
+    for depth, kinds in ((0, ("touching",)), (F(1, 1000), ("overlapping",)), (F(1, 10**15), ("overlapping", None))):
+        hit = fc.first_contact(fc.half_space(n, lowest + depth), body.transformed(pose).moving(mover), (0.25, 1))
+        assert hit.status is INITIAL and hit.initial in kinds
+
+
+def test_a_screw_that_begins_in_an_irrational_pose_tells_deep_overlaps():
+    """Where rounded poses cannot change the word."""
+    ring, turn = fc.cylinder(3, 2) - fc.cylinder(1, 4), fc.Screw((0, 0, 1), degrees=100, advance=1)
+    for body, word in ((fc.box((1, 1, 1)).translated((2, 0, -1)), "overlapping"),
+                       (fc.sphere("1/4").translated((2, 0, 0)), "containment")):  # fmt: skip
+        assert fc.first_contact(body.moving(turn), ring, (0.125, 1)).initial == word
+        assert fc.first_contact(ring, body.moving(turn), (0.125, 1)).initial == word
+
+
+def test_a_corner_that_only_touches_a_half_space_at_a_quarter_turn():
+    a = fc.half_space((F(-3, 7), F(2, 7), F(6, 7)), -0.25).transformed([
+        [F(22, 455), F(-1559, 1820), F(-227, 364), F(14, 5)],
+        [F(-549, 910), F(-661, 1820), F(137, 182), F(1, 5)],
+        [F(-173, 260), F(57, 130), F(-17, 26), F(157, 80)],
+        [0, 0, 0, 1],
+    ])  # fmt: skip
+    b = fc.examples.box((8, 5.5, 3)).transformed([
+        [F(-6137, 49815), F(-40943, 39852), F(-93961, 199260), F(-1545211, 265680)],
+        [F(-13289, 199260), F(-3047, 9963), F(40763, 49815), F(227063, 66420)],
+        [F(-52987, 49815), F(9503, 39852), F(1666, 49815), F(519259, 265680)],
+        [0, 0, 0, 1],
+    ])  # fmt: skip
+    screw = fc.Screw((F(-2, 9), F(16, 9), F(8, 9)), (-2, -6, -1), degrees=-360, advance=-3.5)
+    hit = fc.first_contact(a, b.moving(screw), (0.25, 1))
+    assert (hit.status, hit.initial) == (INITIAL, "touching")

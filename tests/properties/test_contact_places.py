@@ -116,3 +116,19 @@ def test_bare_points_and_edges_against_the_lowest_ruling_of_a_lying_cylinder(kin
             body = fc.Polyhedron(corners, [], edges=[(0, 1)][: len(corners) - 1])
             hit = fc.first_contact(body.moving(fc.Translation((0, 0, 12))), cylinder)
             assert np.allclose(hit.point, (x, y, -np.sqrt(4 - x * x)), atol=1e-9)
+
+
+@pytest.mark.parametrize("kind", ["point", "edge"])
+@pytest.mark.parametrize("shift", [(1, -0.5), (0, 0), (-0.75, 0.125)])
+def test_bare_points_and_edges_land_on_flat_faces_where_they_are_then(kind, shift):
+    """A plane alone leaves the place in it open."""
+    solids = fc.box((4, 4, 3)), fc.cylinder(2, 3), fc.frustum(2, 1, 3), fc.paraboloid(1, 3), fc.cone(3, 2).rotated(
+        (1, 0, 0), degrees=180
+    )
+    p, v = np.array((0.25, 0.125, 5)), np.array((*shift, -8))
+    corners = [p] if kind == "point" else [p, p + (0.125, 0.25, 0.5)]
+    body = fc.Polyhedron([tuple(x) for x in corners], [], edges=[(0, 1)][: len(corners) - 1])
+    for solid in solids:
+        hit = fc.first_contact(body.moving(fc.Translation(tuple(v))), solid)
+        assert hit.status is fc.Status.CONTACT and np.allclose(hit.point, p + hit.time * v, atol=1e-9)
+        assert abs(hit.point[2] - solid.bounds()[1][2]) < 1e-9

@@ -25,13 +25,14 @@ from firstcontact.composite.answer import contact_of
 from firstcontact.composite.at_rest import overlap
 from firstcontact.composite.certified import Directions, bounded, may_share_more, on_model
 from firstcontact.composite.mesh_holes import HoledSearch, search_of
+from firstcontact.composite.mesh_starts import Standing
 from firstcontact.composite.moving_pair import Pair
 from firstcontact.composite.patches import (
     Patch,
     is_sharp_edge,
     is_sharp_vertex,
     patch,
-    prism,
+    prisms,
     triangles_at_edge,
     triangles_at_vertex,
 )
@@ -47,6 +48,7 @@ from firstcontact.result import ContactSet, Element, FirstContact, Stats, Status
 from firstcontact.search.containment import component_labels, contains
 from firstcontact.search.frame import tree_of
 from firstcontact.search.mesh_advance import MeshSearch, Open, Swept, Touch
+from firstcontact.search.relation import Relation
 from firstcontact.search.stretches import Untold, Window, windows
 
 MOST_PRISMS = 16
@@ -103,6 +105,7 @@ class _Query:
         self.shared = {"a": self.a, "b": self.b, "span": self.span}
         self.mesh_is_a = isinstance(shape_of(self.a), Polyhedron)
         moving_mesh, moving_model = (self.a, self.b) if self.mesh_is_a else (self.b, self.a)
+        self.moving_mesh = moving_mesh
         self.mesh: Polyhedron = shape_of(moving_mesh)
         self.moving_model = bounded(moving_model, moving_mesh, self.span)
         self.model: CompositeQuadric = shape_of(self.moving_model)
@@ -314,13 +317,15 @@ class _Query:
                 raise Spent
             left = found_left
         if at_start and any(x.free_until <= window.first for x in left):
-            found = self._touching(left, window)
-            if found is not None:
-                return self._touching_result(*found, left)
+            start = self._start(left, window)
+            if start is not None:
+                return start
         if self.exact:
             left = self._earliest(left, window)
         all_found: list[FirstContact] = []
         for group in self._groups(left):
+            if self._is_later(group, all_found):
+                break
             for search in self._searches(group, window):
                 meetings = search.first()
                 if meetings:
@@ -338,6 +343,11 @@ class _Query:
         if self.exact:  # doubles prove a contact that exact arithmetic does not see
             return self._undecided(swept.free_until, "precision")
         return self._contact(replace(swept, free_until=touch.lo))
+
+    def _is_later(self, group: list[Open], found: list[FirstContact]) -> bool:
+        """Whether all of the group is free beyond the first contact found."""
+        first = min((x.time_interval[1] for x in found if x.time_interval is not None), default=math.inf)
+        return min(x.free_until for x in group) > first
 
     def _oriented(self, found: FirstContact, window: Window) -> FirstContact:
         """With the normal towards a: a triangle does not tell on which side of it a model with holes lies."""
@@ -381,10 +391,11 @@ class _Query:
             yield Search(Pair(thin, self.model, piece) if self.mesh_is_a else Pair(self.model, thin, piece), self.work)
 
     def _patch(self, group: list[Open], window: Window) -> Patch:
-        primitives = [x.primitive for x in group]
-        if max(primitives) >= len(self.mesh.triangles):
-            raise UnsupportedPair("bare edges and points meet curved models only where doubles settle it")
-        return patch(self.mesh, primitives, self._side_of_model(group[0], window))
+        primitives = {x.primitive for x in group}
+        outward = (0.0, 0.0, 0.0)
+        if min(primitives) < len(self.mesh.triangles):
+            outward = self._side_of_model(group[0], window)
+        return patch(self.mesh, primitives, outward)
 
     def _side_of_model(self, x: Open, window: Window) -> tuple[float, float, float]:
         """A point in the frame of the polyhedron near the middle of the part of the model, at the window's start."""
@@ -402,6 +413,29 @@ class _Query:
                         return search, meetings
         return None
 
+    def _start(self, left: list[Open], window: Window) -> FirstContact | None:
+        """The answer where doubles leave open what is shared at the start; None proves that nothing is."""
+        try:
+            found = self._touching(left, window)
+        except UnsupportedPair:
+            crossed = self._crossed(left, window)
+            if crossed is None or crossed.status is Status.UNDECIDED:
+                raise
+            return crossed
+        return self._crossed(left, window) if found is None else self._touching_result(*found, left)
+
+    def _crossed(self, left: list[Open], window: Window) -> FirstContact | None:
+        """The answer where a triangle that touches nothing at the start may hold points inside the model."""
+        standing = Standing(self.moving_mesh, self.moving_model, self.first)
+        t = window.first
+        seen = {k: standing.primitive(k) for k in sorted({x.primitive for x in left if x.free_until <= t})}
+        for k, place in seen.items():
+            if place.relation is Relation.OVERLAPPING:
+                touch = Touch(t, t, t, standing.world(place.point), None, k)
+                return self._at_start(self._kind(Swept("initial", t, touch), window), point=touch.point)
+        apart = all(place.relation is Relation.APART for place in seen.values())
+        return None if apart else self._undecided(self.span[0], "precision")
+
     def _touching_result(self, search: Search, meetings: list[Meeting], left: list[Open]) -> FirstContact:
         near = [x for x in left if x.free_until <= self.windows[0].first]
         seen = contact_of(search, meetings, False, self.shared)
@@ -417,24 +451,15 @@ class _Query:
         A plane that parts a triangle from a convex part has the triangle's prism on one of its two sides behind it.
         """
         triangles = {x.primitive: x for x in near}
-        if not search.starts_rational or len(triangles) > MOST_PRISMS:
+        if not search.starts_rational or len(triangles) > MOST_PRISMS or max(triangles) >= len(self.mesh.triangles):
             return False
         piece = search.pair.piece
         return all(self._apart_on_a_side(x, piece) for x in triangles.values())
 
     def _apart_on_a_side(self, x: Open, piece: Any) -> bool:
         points = [self.mesh.exact_vertex(i) for i in self.mesh.triangles[x.primitive].tolist()]
-        middle = self._side_of_model(x, self.windows[0])
-        near = tuple(fmpq(*float(c).as_integer_ratio()) for c in middle)
-        beyond = tuple(2 * p - c for p, c in zip(points[0], near, strict=True))
-        for side in (near, beyond):
-            solid = prism(points, side)
-            if solid is None:
-                return False
-            pair = Pair(solid, self.model, piece) if self.mesh_is_a else Pair(self.model, solid, piece)
-            if not overlap(pair, piece.u_lo):
-                return True
-        return False
+        pairs = ((solid, self.model) if self.mesh_is_a else (self.model, solid) for solid in prisms(points))
+        return any(not overlap(Pair(*pair, piece), piece.u_lo) for pair in pairs)
 
 
 def _is_screw(body: Any) -> bool:

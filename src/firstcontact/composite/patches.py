@@ -1,7 +1,7 @@
-"""Triangles of a polyhedron as a model without inside, so that exact arithmetic meets them by the same cases.
+"""Triangles, bare edges and points of a polyhedron as a model without inside, so that exact arithmetic meets them.
 
 Each triangle is the intersection of both sides of its plane with the insides of its three sides: a point of the
-plane counts as in it, since a form that vanishes there may have either sign (`csg.outcomes`).
+plane counts as in it, since a form that vanishes there may have either sign (`csg.outcomes`).  Edges and points alike.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from firstcontact.body.polyhedron import Polyhedron
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import to_double
 from firstcontact.exact.vectors import cross
+from firstcontact.search.frame import tree_of
 
 ROOM = 0.125
 """Of the size of a patch, by which its box is larger."""
@@ -29,7 +30,7 @@ ROOM = 0.125
 
 @dataclass(frozen=True, eq=False)
 class Patch:
-    """What `composite.algorithm` reads of a model, for some triangles of the polyhedron `source`."""
+    """What `composite.algorithm` reads of a model, for some primitives of the polyhedron `source`."""
 
     source: Polyhedron
     name: str | None
@@ -47,55 +48,96 @@ class Patch:
     """What was worked out of these triangles."""
 
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:
-        """Lower and upper corner, (3,) float64 each, of a box that holds the triangles."""
+        """Lower and upper corner, (3,) float64 each, of a box that holds them."""
         return self.corners
 
 
-def patch(body: Polyhedron, triangles: Iterable[int], outward: Sequence[float]) -> Patch:
-    """The triangles, with their edges and vertices that are not inside flat faces.
+def patch(body: Polyhedron, primitives: Iterable[int], outward: Sequence[float]) -> Patch:
+    """Triangles, bare edges and bare points, by their numbers in the body's tree; with the edges and vertices of
+    triangles that are not inside flat faces.
 
     outward: a point (x, y, z) in the body's frame; normals of faces point to its side.  Raises UnsupportedPair for
     triangles without area.
     """
-    who = body.name or "polyhedron"
+    who, chosen = body.name or "polyhedron", sorted(set(primitives))
     surfaces: list[Surface] = []
     trees: list[Tree] = []
     faces: list[Face] = []
     on_edge: dict[int, set[int]] = defaultdict(set)
     on_vertex: dict[int, set[int]] = defaultdict(set)
     faces_at: dict[int, set[int]] = defaultdict(set)
+    bare: set[int] = set()
     hulls: dict[Face | Edge, Any] = {}
     toward = tuple(fmpq(*float(x).as_integer_ratio()) for x in outward)
-    for k in sorted(set(triangles)):
-        corners = body.triangles[k].tolist()
-        points = [body.exact_vertex(i) for i in corners]
-        forms = triangle_forms(points, toward)
-        if forms is None:
-            raise UnsupportedPair(f"{who}: triangle {k} has no area; exact arithmetic does not take it")
+    for k in chosen:
         first = len(surfaces)
-        surfaces += [forms[0], forms[0].negated(), *forms[1:]]
+        if k >= len(body.triangles):
+            edge, corners = bare_primitive(body, k)
+            surfaces += _bare_forms([body.exact_vertex(i) for i in corners])
+            bare |= set(corners)
+            for n, v in enumerate(corners):
+                on_vertex[v] |= set(range(first, len(surfaces))) - {first + 5 - n if edge is not None else -1}
+            if edge is not None:
+                on_edge[edge] |= set(range(first, first + 4))
+        else:
+            corners = body.triangles[k].tolist()
+            points = [body.exact_vertex(i) for i in corners]
+            forms = triangle_forms(points, toward)
+            if forms is None:
+                raise UnsupportedPair(f"{who}: triangle {k} has no area; exact arithmetic does not take it")
+            surfaces += [forms[0], forms[0].negated(), *forms[1:]]
+            for s in range(3):
+                side = int(body._side_edge[k, s])
+                on_edge[side] |= {first, first + 1, first + 2 + s}
+                faces_at[side].add(len(faces))
+                on_vertex[corners[s]] |= {first, first + 1, first + 2 + s, first + 2 + (s + 2) % 3}
+            polygon = int(body.triangle_face[k])
+            faces.append(Face(polygon, f"{who}.{polygon}", forms[0], (first, first + 1), 1))
+            hulls[faces[-1]] = points
         trees.append(conjunction([Leaf(i) for i in range(first, len(surfaces))]))
-        polygon = int(body.triangle_face[k])
-        for s in range(3):
-            side = int(body._side_edge[k, s])
-            on_edge[side] |= {first, first + 1, first + 2 + s}
-            faces_at[side].add(len(faces))
-            on_vertex[corners[s]] |= {first, first + 1, first + 2 + s, first + 2 + (s + 2) % 3}
-        faces.append(Face(polygon, f"{who}.{polygon}", forms[0], (first, first + 1), 1))
-        hulls[faces[-1]] = points
     edges = [_edge(body, who, k, on_edge[k], faces_at[k]) for k in sorted(on_edge) if is_sharp_edge(body, k)]
     for e in edges:
         hulls[e] = [body.exact_vertex(i) for i in body._segments[e.index].tolist()]
-    vertices = [_vertex(body, who, v, on_vertex[v]) for v in sorted(on_vertex) if is_sharp_vertex(body, v)]
+    sharp = [v for v in sorted(on_vertex) if v in bare or is_sharp_vertex(body, v)]
+    vertices = [_vertex(body, who, v, on_vertex[v]) for v in sharp]
     return Patch(
         body, body.name, tuple(surfaces), _union(trees), tuple(faces), tuple(edges), tuple(vertices),
-        corners=_box(body, triangles), hulls=hulls,
+        corners=_box(body, chosen), hulls=hulls,
     )  # fmt: skip
 
 
-def _box(body: Polyhedron, triangles: Iterable[int]) -> tuple[np.ndarray, np.ndarray]:
+def bare_primitive(body: Polyhedron, k: int) -> tuple[int | None, list[int]]:
+    """(the edge, its two vertices) of a bare edge, (None, [the vertex]) of a bare point."""
+    tree = tree_of(body)
+    e = int(tree.sides[k][0])
+    if e >= len(body._segments):
+        return None, [int(tree.corners[k][0])]
+    return e, body._segments[e].tolist()
+
+
+def _bare_forms(points: Sequence[Vector]) -> list[Plane]:
+    """Planes from both sides through a point, or along an edge; then the two across it, that of its first end first."""
+    p = points[0]
+    if len(points) == 1:
+        return [_plane(n, p) for k in range(3) for n in (_axis(k, 1), _axis(k, -1))]
+    d = _minus(points[1], p)
+    if not any(d):
+        raise UnsupportedPair("an edge without length; exact arithmetic does not take it")
+    m = tuple(cross(d, _axis(min(range(3), key=lambda k: abs(d[k])), 1)))
+    across = m, tuple(cross(d, m))
+    back = tuple(-c for c in d)
+    return [
+        *(_plane(n, p) for m in across for n in (m, tuple(-c for c in m))), _plane(back, p), _plane(d, points[1]),
+    ]  # fmt: skip
+
+
+def _axis(k: int, sign: int) -> Vector:
+    return tuple(fmpq(sign if i == k else 0) for i in range(3))
+
+
+def _box(body: Polyhedron, primitives: Iterable[int]) -> tuple[np.ndarray, np.ndarray]:
     """With some room on all sides, so that it is not flat."""
-    x = body.vertices[body.triangles[sorted(set(triangles))].ravel()]
+    x = body.vertices[tree_of(body).corners[list(primitives)].ravel()]
     lo, hi = x.min(axis=0), x.max(axis=0)
     room = body.error + ROOM * float(np.max(hi - lo))
     return lo - room, hi + room
@@ -198,11 +240,17 @@ def _in_one_plane(body: Polyhedron, triangles: np.ndarray) -> bool:
     return all(dot(n, p) == height for t in points for p in t)
 
 
-def prism(points: Sequence[Vector], toward: Vector) -> CompositeQuadric | None:
-    """The solid between a triangle and its shift by its size away from `toward`; None where it has no area."""
+def prisms(points: Sequence[Vector]) -> list[CompositeQuadric]:
+    """The two solids between a triangle and its shift by its size to either side; none where it has no area."""
+    n = _cross_of(*points)
+    sides = [tuple(p + sign * c for p, c in zip(points[0], n, strict=True)) for sign in (1, -1)]
+    return [_prism(points, toward) for toward in sides] if any(n) else []
+
+
+def _prism(points: Sequence[Vector], toward: Vector) -> CompositeQuadric:
+    """The solid on the other side of a triangle than `toward`."""
     forms = triangle_forms(points, toward)
-    if forms is None:
-        return None
+    assert forms is not None
     plane = forms[0]
     n = plane.normal[:3]
     size = max(abs(x - y) for p in points for x, y in zip(p, points[0], strict=True))

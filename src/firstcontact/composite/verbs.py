@@ -31,10 +31,14 @@ from firstcontact.exact.numbers import above, below, fraction, simplest, to_doub
 from firstcontact.exact.roots import AlgebraicRoot
 from firstcontact.exact.square_systems import OpenRoot
 from firstcontact.motion.polynomial import relative_pieces
+from firstcontact.motion.relative import placement_at
 from firstcontact.motion.span import common_span
 from firstcontact.result import ContactInterval, ContactIntervals, FirstContact, Stats, Status
 from firstcontact.search.advance import Advance, advance
 from firstcontact.search.earliest import Progress
+
+SURELY = 2.0**-30
+"""Of a body's size: by how much it is made smaller and larger to see whether rounded poses tell how it starts."""
 
 
 def first_contact(
@@ -128,11 +132,41 @@ def _is_after(answer: FirstContact, proved: Advance) -> bool:
 
 
 def _at_start(a: Any, b: Any, first: fmpq, begin: float, shared: dict[str, Any]) -> FirstContact:
-    """The answer for the start alone, in the poses as doubles: exact where a screw has not moved yet."""
+    """The answer for the start alone: exact where the poses then are rational, else in the poses as doubles.
+
+    Those tell how the bodies touch or overlap where it is the same for one that is a little smaller or larger.
+    """
     start = shared["span"][0]
-    x, y = (body.at(start) if isinstance(body, Moving) else body for body in (a, b))
-    found = _decided(x, y, first, first, False, False, Work(), begin, {**shared, "span": (start, start)})
-    return _with(found, **shared)
+    rational = all(placement_at(body, first).is_exact for body in (a, b))
+    x, y = (_standing(body, first) if rational else _rounded(body, start) for body in (a, b))
+
+    def decided(x: Any) -> FirstContact:
+        return _decided(x, y, first, first, False, False, Work(), begin, {**shared, "span": (start, start)})
+
+    found = decided(x)
+    told = rational or found.initial is None or all(decided(z).initial == found.initial for z in _smaller_and_larger(x))
+    return _with(found, initial=found.initial if told else None, **shared)
+
+
+def _standing(body: Any, t: fmpq) -> Any:
+    """The body at rest where it is at t, in a rational pose."""
+    return body.body.transformed([*placement_at(body, t).matrix(), (0, 0, 0, 1)]) if isinstance(body, Moving) else body
+
+
+def _rounded(body: Any, t: float) -> Any:
+    return body.at(t) if isinstance(body, Moving) else body
+
+
+def _smaller_and_larger(body: Any) -> list[Any]:
+    """By more than rounding of poses moves it."""
+    lo, hi = body.bounds()
+    middle = np.where(np.isfinite(lo + hi), 0.5 * (lo + hi), 0.0)
+    poses = []
+    for factor in (1.0 - SURELY, 1.0 + SURELY):
+        pose = np.diag([factor, factor, factor, 1.0])
+        pose[:3, 3] = (1.0 - factor) * middle
+        poses.append(pose)
+    return [body.transformed(pose) for pose in poses]
 
 
 def _models(a: Any, b: Any) -> tuple[Any, Any]:

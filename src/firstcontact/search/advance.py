@@ -247,6 +247,11 @@ class PieceSearch:
                 return near, True
         return near, False
 
+    def is_apart(self, i: int, j: int, t: float) -> bool:
+        """Whether doubles prove two pieces apart at t."""
+        (window,) = self.windows
+        return bool(self._outcome(window, i, j, t, t) == FREE)
+
     def passage(self, t: float) -> tuple[Passage, np.ndarray | None] | None:
         """What balls prove of the only window from t on, and a common point at the end if there is contact then.
 

@@ -1,4 +1,4 @@
-"""Two solids at rest: an exact point inside both, or a proof that they share no point, however thin overlap or gap are.
+"""Two solids at one instant: a point inside both, or a proof that they share none, however thin overlap or gap are.
 
 Unions of convex pieces are told pair by pair of pieces: by doubles with proofs first, else by the point that is deepest
 in both, in balls; a rational point near it has exact signs.
@@ -6,9 +6,14 @@ in both, in balls; a rational point near it has exact signs.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
 from flint import fmpq
 
 from firstcontact.body.composite_quadric import CompositeQuadric
+from firstcontact.body.moving import Moving, shape_of
 from firstcontact.exact.numbers import exact_value
 from firstcontact.motion.relative import curved_pieces
 from firstcontact.search.advance import PieceSearch
@@ -17,7 +22,7 @@ from firstcontact.search.convex import ConvexPieces, NotConvex, convex_pieces, c
 from firstcontact.search.relation import Relation
 from firstcontact.search.separation import NoFunction, Separation
 from firstcontact.search.stretches import windows
-from firstcontact.search.tips import Solid, at_tips, is_inside
+from firstcontact.search.tips import Solid, at_tips, is_inside, tip_inside
 
 NOTHING = fmpq(1, 2**180)
 """Of the size: a depth or a distance that balls do not tell from none."""
@@ -45,6 +50,46 @@ def is_one_piece(body: CompositeQuadric) -> bool:
         return False
 
 
+@dataclass(frozen=True)
+class Place:
+    """How two convex pieces lie to each other; None where it is not told.  point: inside both where they overlap."""
+
+    relation: Relation | None
+    point: Sequence[fmpq] | None = None
+
+
+def places(a: Any, b: Any, t: fmpq) -> list[Place]:
+    """How solid a, one convex piece, lies at time t to every convex piece that b is made of, or covered by.
+
+    a, b: at rest or moving; points are in the frame of b's shape.  Raises NotConvex.
+    """
+    own, other = convex_pieces(shape_of(a)), pieces_of(shape_of(b))
+    doubles = PieceSearch(own, other, windows(a, b, t, t), 1.0, 1)
+    (motion,) = curved_pieces(a, b, t, t)
+    rest = not (isinstance(a, Moving) or isinstance(b, Moving))
+    start = doubles.windows[0].first  # rounded, where t is no double
+    found = []
+    for j in range(other.count):
+        if exact_value(start) == t and doubles.is_apart(0, j, start):
+            found.append(Place(Relation.APART))
+            continue
+        try:
+            system = CloseUp(motion, own, 0, other, j).separation
+        except NoFunction:
+            found.append(Place(None))
+            continue
+        found.append(_of_pair(system, own.solids[0], other.solids[j]) if rest else _at(system, t))
+    return found
+
+
+def pieces_of(body: CompositeQuadric) -> ConvexPieces:
+    """The convex pieces that make up a body, else those that cover it.  Raises NotConvex."""
+    try:
+        return convex_pieces(body)
+    except NotConvex:
+        return covering_pieces(body)
+
+
 def _of_pieces(a: CompositeQuadric, b: CompositeQuadric, own: ConvexPieces, other: ConvexPieces) -> Relation | None:
     pairs, overlap = PieceSearch(own, other, windows(a, b, START, START), 1.0, 1).not_apart(0.0)
     if overlap:
@@ -57,7 +102,7 @@ def _of_pieces(a: CompositeQuadric, b: CompositeQuadric, own: ConvexPieces, othe
         except NoFunction:
             found = None
             continue
-        seen = _of_pair(system, own.solids[i], other.solids[j])
+        seen = _of_pair(system, own.solids[i], other.solids[j]).relation
         if seen is Relation.OVERLAPPING:
             return seen
         if seen is None or found is Relation.APART:
@@ -65,18 +110,39 @@ def _of_pieces(a: CompositeQuadric, b: CompositeQuadric, own: ConvexPieces, othe
     return found
 
 
-def _of_pair(system: Separation, own: Solid, other: Solid) -> Relation | None:
-    """Of two convex pieces."""
+def _of_pair(system: Separation, own: Solid, other: Solid) -> Place:
+    """Of two convex pieces at rest."""
     forms = [*own[0], *other[0]]
     guess = system.guess(START)
     rough = guess or system.roughly(START)
     if rough is not None and is_inside(forms, rough.x):
-        return Relation.OVERLAPPING
+        return Place(Relation.OVERLAPPING, rough.x)
     state = None if guess is None else system.least(guess)
     if state is None:
-        return at_tips(own, other)
+        return _by_tips(own, other)
     if is_inside(forms, state.x):
-        return Relation.OVERLAPPING
+        return Place(Relation.OVERLAPPING, state.x)
     if system.is_apart(state):
-        return Relation.APART
-    return Relation.NEAR if abs(state.s) <= NOTHING * exact_value(system.size) else at_tips(own, other)
+        return Place(Relation.APART)
+    near = abs(state.s) <= NOTHING * exact_value(system.size)
+    return Place(Relation.NEAR) if near else _by_tips(own, other)
+
+
+def _by_tips(own: Solid, other: Solid) -> Place:
+    return Place(at_tips(own, other), tip_inside(own, other))
+
+
+def _at(system: Separation, t: fmpq) -> Place:
+    """Of two convex pieces at a time, by balls alone."""
+    guess = system.guess(t)
+    rough = guess or system.roughly(t)
+    if rough is not None and rough.s < 0 and system.shares(t, rough.x):
+        return Place(Relation.OVERLAPPING, rough.x)
+    state = None if guess is None else system.least(guess)
+    if state is None:
+        return Place(None)
+    if abs(state.s) <= NOTHING * exact_value(system.size):
+        return Place(Relation.NEAR)
+    if state.s < 0 and system.shares(t, state.x):
+        return Place(Relation.OVERLAPPING, state.x)
+    return Place(Relation.APART if system.is_apart(state) else None)

@@ -20,10 +20,9 @@ Solid = tuple[list[Surface], Sequence[fmpq] | None]
 
 def at_tips(own: Solid, other: Solid) -> Relation | None:
     """What the tips of either piece tell; None where that is nothing."""
+    if tip_inside(own, other) is not None:
+        return Relation.OVERLAPPING
     tips = list(_tips(own)), list(_tips(other))
-    for mine, theirs in ((tips[0], other[0]), (tips[1], own[0])):
-        if any(is_inside(theirs, tip.point) for tip in mine):
-            return Relation.OVERLAPPING
     known = [_beyond(tip, form) for mine, theirs in ((tips[0], other[0]), (tips[1], own[0]))
              for tip in mine for form in theirs]  # fmt: skip
     known += [_face_to_face(tip, far) for tip in tips[0] for far in tips[1]]
@@ -31,6 +30,12 @@ def at_tips(own: Solid, other: Solid) -> Relation | None:
         if answer in known:
             return answer
     return None
+
+
+def tip_inside(own: Solid, other: Solid) -> Vector | None:
+    """The tip of one piece that lies inside the other."""
+    known = ((tip.point, theirs[0]) for mine, theirs in ((own, other), (other, own)) for tip in _tips(mine))
+    return next((point for point, forms in known if is_inside(forms, point)), None)
 
 
 def is_inside(forms: Sequence[Surface], x: Sequence[fmpq]) -> bool:

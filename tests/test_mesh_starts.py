@@ -1,0 +1,123 @@
+"""Flat meshes that touch, cross or miss a solid by next to nothing at the start.
+
+In a frame in which the answer is plain: a triangle below the plane z = 0 that holds the origin, and a solid above it
+with the origin on its surface, moved by -g along z.  So the origin is inside for g > 0, and z = 0 parts them for g < 0.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction as F
+from random import Random
+
+import pytest
+
+import firstcontact as fc
+from standing_bodies import STANDING, half_turn
+
+INITIAL = fc.Status.INITIAL_CONTACT
+HOLED = {
+    "plate": (fc.box((6, 6, 4)) - fc.cylinder(1, 9)).translated((2, 0, 2)),
+    "hollow ball": (fc.sphere(20) - fc.sphere(5)).translated((0, 0, 20)),
+    "ring": (fc.cylinder(5, 4) - fc.cylinder(1, 9)).translated((3, 0, 2)),
+}
+FLAT = {
+    "tip": [(0, 0, 0), (70, -30, -90), (-20, 80, -60)],
+    "edge": [(90, 60, 0), (-60, -40, 0), (10, 0, -80)],
+    "face": [(90, 80, 0), (-100, 70, 0), (10, -90, 0)],
+}
+DEPTHS = [s * F(1, 10**k) for s in (1, -1) for k in (3, 8, 11, 13, 15, 16, 18, 25, 40)]
+
+
+def judge(g, hit, words=("overlapping",)):
+    if g < 0:
+        assert hit.status is fc.Status.FREE
+    else:
+        assert hit.status is INITIAL and hit.time == 0 and hit.initial in words
+
+
+def turned(r):
+    """A half turn, as a matrix, and with a shift: so that no coordinate is a double."""
+    m = half_turn([r.randint(1, 4) * r.choice((-1, 1)) for _ in range(3)])
+    return [[*row[:3], F(r.randint(-40, 40), 7)] for row in m[:3]] + [m[3]]
+
+
+def scenes(count, seed):
+    r = Random(seed)
+    for k in range(count):
+        yield list(FLAT)[k % 3], r.choice(list(STANDING)), r.choice(DEPTHS), r.randint(0, 10**6)
+
+
+@pytest.mark.parametrize("flat, name, g, seed", list(scenes(24, 3)))
+def test_depths_and_gaps_of_any_size(flat, name, g, seed):
+    r = Random(seed)
+    pose = turned(r)
+    mesh = fc.Polyhedron(FLAT[flat], [[0, 1, 2]]).transformed(pose)
+    body = STANDING[name].translated((0, 0, -g)).transformed(pose)
+    up = [row[2] for row in pose[:3]]
+    still = fc.Translation((0, 0, 0))
+    scene = [(mesh.moving(still), body), (body.moving(fc.Translation(up)), mesh)][r.randint(0, 1)]
+    judge(g, fc.first_contact(*scene))
+    if seed % 3 == 0:
+        judge(g, fc.first_contact(*scene, exact=True))
+
+
+@pytest.mark.parametrize("flat", FLAT)
+@pytest.mark.parametrize("name", HOLED)
+def test_solids_with_holes(flat, name):
+    mesh = fc.Polyhedron(FLAT[flat], [[0, 1, 2]])
+    pose = turned(Random(len(name)))
+    for g in (F(1, 10**15), F(-1, 10**15)):
+        body = HOLED[name].translated((0, 0, -g))
+        hit = fc.first_contact(mesh.transformed(pose).moving(fc.Translation((0, 0, 0))), body.transformed(pose))
+        judge(g, hit, ("overlapping", None))
+
+
+@pytest.mark.parametrize("flat", ["tip", "face"])
+@pytest.mark.parametrize("k", [8, 13, 16, 25])
+def test_starts_in_irrational_poses(flat, k):
+    """The mesh turns about z, so all of it keeps its height; a screw takes it down."""
+    mesh = fc.Polyhedron(FLAT[flat], [[0, 1, 2]])
+    for g in (F(1, 10**k), F(-1, 10**k)):
+        body = STANDING["small ball"].translated((0, 0, -g))
+        turn = fc.Rotation((0, 0, 1), degrees=50)
+        judge_at(g, fc.first_contact(mesh.moving(turn), body, (0.25, 0.75)), 0.25)
+        if g < 0:
+            continue  # under a screw nothing is exact
+        screw = fc.Screw((0, 0, 1), degrees=50, advance=-4)
+        judge_at(g, fc.first_contact(body, mesh.translated((0, 0, 1)).moving(screw), (0.25, 0.75)), 0.25)
+
+
+def judge_at(g, hit, t):
+    if g < 0:
+        assert hit.status is fc.Status.FREE
+    else:
+        assert hit.status is INITIAL and hit.time == t and hit.initial in ("overlapping", None)
+
+
+def test_the_tip_of_a_triangle_is_inside_a_cylinder_by_next_to_nothing():
+    x = F(3071999999999987, 998400000000000)
+    a = fc.cylinder(8, 2.5).translated((x, F(3071999999999987, 416000000000000), 0.625))
+    b = fc.Polyhedron([(0, 0, 0), (0.75, 0, 0), (-3, 5, 0)], [[0, 1, 2]]).transformed([
+        [F(-1782, 2275), F(141, 455), F(1226, 2275), F(-8871, 2275)],
+        [F(-274, 455), F(-54, 91), F(-243, 455), F(528, 455)],
+        [F(27, 175), F(-26, 35), F(114, 175), F(731, 175)],
+        [0, 0, 0, 1],
+    ])  # fmt: skip
+    still, aside = fc.Translation((0, 0, 0)), fc.Translation((1, 0, 0))
+    for hit in (fc.first_contact(a.moving(still), b), fc.first_contact(a, b.moving(aside)),
+                fc.first_contact(b.moving(aside), a, exact=True)):  # fmt: skip
+        assert (hit.status, hit.initial, hit.time) == (INITIAL, "overlapping", 0)
+
+
+def test_a_bowl_and_a_ball_that_overlap_by_rounding():
+    a = fc.paraboloid(1, 8).translated((F(-83, 26), F(443, 312), F(-313, 576)))
+    b = fc.sphere(1).transformed([
+        [F(-85526, 91767), F(-9638, 91767), F(2449, 7059), F(-16104872267476893761, 6088866696204910592)],
+        [F(-9638, 91767), F(-76883, 91767), F(-3782, 7059), F(120408239637377580731, 73066400354458927104)],
+        [F(2449, 7059), F(-3782, 7059), F(418, 543), F(-666532744850833395, 468374361246531584)],
+        [0, 0, 0, 1],
+    ])  # fmt: skip
+    b = b.moving(fc.Translation((-0.75, 1, F(-5, 39))))
+    for method in ("auto", "algebraic"):
+        hit = fc.first_contact(a, b, method=method)
+        assert (hit.status, hit.initial) == (INITIAL, "overlapping")
