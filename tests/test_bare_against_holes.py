@@ -19,6 +19,14 @@ def ball(r):
     return np.diag([1.0, 1.0, 1.0, -r * r])
 
 
+def aside(x):
+    """The tube of radius 1 about a line through (x, 0, 0)."""
+    form = tube(1.0)
+    form[0, 3] = form[3, 0] = -x
+    form[3, 3] += x * x
+    return form
+
+
 def slab(axis, h):
     form = np.zeros((4, 4))
     form[axis, axis], form[3, 3] = 1.0, -h * h
@@ -30,6 +38,7 @@ SOLIDS = {
     "ring": (fc.cylinder(2, 12) - fc.cylinder(1, 20), [tube(2), slab(2, 6)], [tube(1)]),
     "block": (fc.box((5, 5, 5)) - fc.cylinder(1, 20), [slab(0, 2.5), slab(1, 2.5), slab(2, 2.5)], [tube(1)]),
     "bead": (fc.sphere(5) - fc.cylinder(1, 20), [ball(5)], [tube(1)]),
+    "pierced aside": (fc.sphere(5) - fc.cylinder(1, 20).translated((1, 0, 0)), [ball(5)], [aside(1.0)]),
     "shell": (fc.sphere(4) - fc.sphere(3), [ball(4)], [ball(3)]),
     "bowl": (fc.box((8, 8, 6)) - fc.sphere("5/2"), [slab(0, 4), slab(1, 4), slab(2, 3)], [ball(2.5)]),
 }  # fmt: skip
@@ -77,8 +86,8 @@ def test_points(name, seed):
 
 @pytest.mark.parametrize("name", SOLIDS)
 @pytest.mark.parametrize("seed", range(3))
-def test_edges(name, seed):
-    """Not later than any of many points of the edge, and where told both bodies are."""
+def test_edges_and_open_triangles(name, seed):
+    """Not later than any of many points of an edge, and where told both bodies are."""
     rng = np.random.default_rng([seed, len(name), 1])
     solid, within, out = SOLIDS[name]
     p, v = eighths(rng, 7 if seed % 2 else 1), eighths(rng, 12)
@@ -87,7 +96,10 @@ def test_edges(name, seed):
     hit = fc.first_contact(edge.moving(fc.Translation(tuple(v))), solid)
     times = [first_time(p + s * (q - p), v, within, out) for s in np.linspace(0, 1, 401)]
     known = [t for t in times if t is not None]
-    assert hit.status is not fc.Status.UNDECIDED
+    open_mesh = fc.Polyhedron([tuple(p), tuple(q), tuple(p + 0.25 * v[[1, 2, 0]])], [[0, 1, 2]])
+    swept = fc.first_contact(open_mesh.moving(fc.Translation(tuple(v))), solid)
+    assert hit.status is not fc.Status.UNDECIDED and swept.status is not fc.Status.UNDECIDED
+    assert swept.free_until <= hit.free_until + 1e-9
     if known:
         assert hit.status is not fc.Status.FREE and hit.time <= min(known) + 1e-9
     if hit.status is fc.Status.CONTACT:
@@ -102,7 +114,7 @@ def test_the_places_reported():
     ring = fc.cylinder(2, 12) - fc.cylinder(1, 20)
     for solid, p, v, time in (
         (ring, (1, -5, 1), (1, 7, 1), 0.53033370452904),
-        (ring, (0.25, 0.125, 5), (0.7, 3, -1), 0.2762541),
+        (ring, (0.25, 0.125, 5), (0.7, 3, -1), 0.259062547),
         (fc.box((5, 5, 5)) - fc.cylinder(1, 20), (1, -5, 1), (1, 7, 1), 5 / 14),
         (fc.sphere(5) - fc.cylinder(1, 20), (1, -8, 1), (1, 7, 1), 0.495631113),
     ):

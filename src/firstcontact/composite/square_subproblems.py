@@ -11,11 +11,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 from flint import fmpq, fmpq_mat, fmpz_poly
 
-from firstcontact.body.carriers import EnclosedPoint, Plane, QuarticCurve, doubles
+from firstcontact.body.carriers import EnclosedPoint, Plane, QuarticCurve, doubles, upright
 from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.features import Edge, Face, Vertex
 from firstcontact.composite.moving_pair import Form, Pair, without_factor
@@ -267,12 +268,15 @@ def _box_of(body: CompositeQuadric) -> BoxQ | None:
 
 
 def _two_surfaces(body: CompositeQuadric, edge: Edge) -> list[int]:
-    """Of the surfaces that hold the edge, two that cross there: those of its faces."""
+    """Of the surfaces that hold the edge, two that cross there: those of its faces where it has two."""
     if isinstance(edge.carrier, QuarticCurve):
         return list(edge.surfaces[:2])
     numbers = dict.fromkeys(body.faces[k].surfaces[0] for k in edge.faces)
     ordered = sorted(numbers, key=lambda k: not isinstance(body.surfaces[k], Plane))
-    return ordered[:2]
+    different: dict[Any, int] = {}
+    for k in (*ordered, *edge.surfaces):  # rims of open meshes and bare edges have planes from both sides
+        different.setdefault(upright(tuple(x for row in body.surfaces[k].matrix() for x in row)), k)
+    return list(different.values())[:2]
 
 
 def _three_surfaces(body: CompositeQuadric, vertex: Vertex) -> tuple[int, ...]:
