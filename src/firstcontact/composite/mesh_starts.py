@@ -79,7 +79,7 @@ class Standing:
         return places(_following(side, self.mesh), self.model, self.t)
 
     def _by_intersection(self, points: list[Vector], sides: list[CompositeQuadric]) -> Place:
-        """Of a model that is no union of convex pieces: what the prisms share with it tells, and points beneath that."""
+        """Of a model that is no union of convex pieces: by what prisms share with it, and the points beneath that."""
         model = shape_of(self.model)
         if self.relative is None or _is_made_of_pieces(model):
             return Place(None)
