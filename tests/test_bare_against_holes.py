@@ -77,7 +77,7 @@ def test_points(name, seed):
         if expected is None:
             assert hit.status is fc.Status.FREE
         elif expected == 0.0:
-            assert hit.status is fc.Status.INITIAL_CONTACT and hit.initial in ("containment", None)
+            assert hit.status is fc.Status.INITIAL_CONTACT and hit.initial == "containment"
         else:
             assert hit.status is fc.Status.CONTACT and abs(hit.time - expected) < 1e-9
             assert np.allclose(hit.point, p + hit.time * v if k == 0 else p, atol=1e-8)

@@ -6,6 +6,7 @@ segment from one to the other passes the triangle inside that piece; a piece apa
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -79,9 +80,9 @@ class Standing:
         return places(_following(side, self.mesh), self.model, self.t)
 
     def _by_intersection(self, points: list[Vector], sides: list[CompositeQuadric]) -> Place:
-        """Of a model that is no union of convex pieces: by what prisms share with it, and the points beneath that."""
+        """By what prisms share with the model, and the points beneath that."""
         model = shape_of(self.model)
-        if self.relative is None or _is_made_of_pieces(model):
+        if self.relative is None:
             return Place(None)
         for side in sides:
             try:
@@ -92,7 +93,7 @@ class Standing:
                 return Place(Relation.OVERLAPPING, x)
         return Place(None)
 
-    def world(self, x: Vector) -> np.ndarray:
+    def world(self, x: Sequence[fmpq]) -> np.ndarray:
         """(3,) a point of the model's frame, where it is at t."""
         place = np.array([to_double(c) for c in x])
         if not isinstance(self.model, Moving):

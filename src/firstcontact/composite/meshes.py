@@ -29,6 +29,7 @@ from firstcontact.composite.mesh_starts import Standing
 from firstcontact.composite.moving_pair import Pair
 from firstcontact.composite.patches import (
     Patch,
+    bare_primitive,
     is_sharp_edge,
     is_sharp_vertex,
     patch,
@@ -180,6 +181,9 @@ class _Query:
             return "containment"
         if start.touch is None:  # surfaces may touch, and no more
             return "overlapping" if self._touching(start.open, window) is not None else None
+        k = start.touch.primitive
+        if k >= len(self.mesh.triangles) and bare_primitive(self.mesh, k)[0] is None:
+            return "containment"  # a point
         # a point of this triangle lies inside the model: so does its component, or it crosses the surface
         component = component_labels(self.mesh)
         ours = component == component[self._corner(start.touch)]
@@ -430,7 +434,7 @@ class _Query:
         t = window.first
         seen = {k: standing.primitive(k) for k in sorted({x.primitive for x in left if x.free_until <= t})}
         for k, place in seen.items():
-            if place.relation is Relation.OVERLAPPING:
+            if place.relation is Relation.OVERLAPPING and place.point is not None:
                 touch = Touch(t, t, t, standing.world(place.point), None, k)
                 return self._at_start(self._kind(Swept("initial", t, touch), window), point=touch.point)
         apart = all(place.relation is Relation.APART for place in seen.values())
