@@ -57,53 +57,77 @@ def patch(body: Polyhedron, primitives: Iterable[int], outward: Sequence[float])
     triangles that are not inside flat faces.
 
     outward: a point (x, y, z) in the body's frame; normals of faces point to its side.  Raises UnsupportedPair for
-    triangles without area.
+    triangles without area and edges without length.
     """
-    who, chosen = body.name or "polyhedron", sorted(set(primitives))
-    surfaces: list[Surface] = []
-    trees: list[Tree] = []
-    faces: list[Face] = []
-    on_edge: dict[int, set[int]] = defaultdict(set)
-    on_vertex: dict[int, set[int]] = defaultdict(set)
-    faces_at: dict[int, set[int]] = defaultdict(set)
-    bare: set[int] = set()
-    hulls: dict[Face | Edge, Any] = {}
-    toward = tuple(fmpq(*float(x).as_integer_ratio()) for x in outward)
+    chosen = sorted(set(primitives))
+    parts = _Parts(body, tuple(fmpq(*float(x).as_integer_ratio()) for x in outward))
     for k in chosen:
-        first = len(surfaces)
-        if k >= len(body.triangles):
-            edge, corners = bare_primitive(body, k)
-            surfaces += _bare_forms([body.exact_vertex(i) for i in corners])
-            bare |= set(corners)
-            for n, v in enumerate(corners):
-                on_vertex[v] |= set(range(first, len(surfaces))) - {first + 5 - n if edge is not None else -1}
-            if edge is not None:
-                on_edge[edge] |= set(range(first, first + 4))
+        first = len(parts.surfaces)
+        if k < len(body.triangles):
+            parts.add_triangle(k)
         else:
-            corners = body.triangles[k].tolist()
-            points = [body.exact_vertex(i) for i in corners]
-            forms = triangle_forms(points, toward)
-            if forms is None:
-                raise UnsupportedPair(f"{who}: triangle {k} has no area; exact arithmetic does not take it")
-            surfaces += [forms[0], forms[0].negated(), *forms[1:]]
-            for s in range(3):
-                side = int(body._side_edge[k, s])
-                on_edge[side] |= {first, first + 1, first + 2 + s}
-                faces_at[side].add(len(faces))
-                on_vertex[corners[s]] |= {first, first + 1, first + 2 + s, first + 2 + (s + 2) % 3}
-            polygon = int(body.triangle_face[k])
-            faces.append(Face(polygon, f"{who}.{polygon}", forms[0], (first, first + 1), 1))
-            hulls[faces[-1]] = points
-        trees.append(conjunction([Leaf(i) for i in range(first, len(surfaces))]))
-    edges = [_edge(body, who, k, on_edge[k], faces_at[k]) for k in sorted(on_edge) if is_sharp_edge(body, k)]
+            parts.add_bare(k)
+        parts.trees.append(conjunction([Leaf(i) for i in range(first, len(parts.surfaces))]))
+    edges, vertices = parts.edges(), parts.vertices()
     for e in edges:
-        hulls[e] = [body.exact_vertex(i) for i in body._segments[e.index].tolist()]
-    sharp = [v for v in sorted(on_vertex) if v in bare or is_sharp_vertex(body, v)]
-    vertices = [_vertex(body, who, v, on_vertex[v]) for v in sharp]
+        parts.hulls[e] = [body.exact_vertex(i) for i in body._segments[e.index].tolist()]
     return Patch(
-        body, body.name, tuple(surfaces), _union(trees), tuple(faces), tuple(edges), tuple(vertices),
-        corners=_box(body, chosen), hulls=hulls,
+        body, body.name, tuple(parts.surfaces), _union(parts.trees), tuple(parts.faces), tuple(edges), tuple(vertices),
+        corners=_box(body, chosen), hulls=parts.hulls,
     )  # fmt: skip
+
+
+class _Parts:
+    """Of a patch: on_edge, on_vertex: the surfaces that hold each; bare: vertices of bare edges and bare points."""
+
+    def __init__(self, body: Polyhedron, toward: Vector) -> None:
+        self.body, self.who, self.toward = body, body.name or "polyhedron", toward
+        self.surfaces: list[Surface] = []
+        self.trees: list[Tree] = []
+        self.faces: list[Face] = []
+        self.on_edge: dict[int, set[int]] = defaultdict(set)
+        self.on_vertex: dict[int, set[int]] = defaultdict(set)
+        self.faces_at: dict[int, set[int]] = defaultdict(set)
+        self.bare: set[int] = set()
+        self.hulls: dict[Face | Edge, Any] = {}
+
+    def add_triangle(self, k: int) -> None:
+        body, first = self.body, len(self.surfaces)
+        corners = body.triangles[k].tolist()
+        points = [body.exact_vertex(i) for i in corners]
+        forms = triangle_forms(points, self.toward)
+        if forms is None:
+            raise UnsupportedPair(f"{self.who}: triangle {k} has no area; exact arithmetic does not take it")
+        self.surfaces += [forms[0], forms[0].negated(), *forms[1:]]
+        for s in range(3):
+            side = int(body._side_edge[k, s])
+            self.on_edge[side] |= {first, first + 1, first + 2 + s}
+            self.faces_at[side].add(len(self.faces))
+            self.on_vertex[corners[s]] |= {first, first + 1, first + 2 + s, first + 2 + (s + 2) % 3}
+        polygon = int(body.triangle_face[k])
+        self.faces.append(Face(polygon, f"{self.who}.{polygon}", forms[0], (first, first + 1), 1))
+        self.hulls[self.faces[-1]] = points
+
+    def add_bare(self, k: int) -> None:
+        edge, corners = bare_primitive(self.body, k)
+        along = set(range(len(self.surfaces), len(self.surfaces) + 4))
+        ends = len(self.surfaces) + 4, len(self.surfaces) + 5
+        self.surfaces += _bare_forms([self.body.exact_vertex(i) for i in corners])
+        self.bare |= set(corners)
+        if edge is None:
+            self.on_vertex[corners[0]] |= {*along, *ends}
+            return
+        self.on_edge[edge] |= along
+        for v, end in zip(corners, ends, strict=True):
+            self.on_vertex[v] |= {*along, end}
+
+    def edges(self) -> list[Edge]:
+        sharp = (k for k in sorted(self.on_edge) if is_sharp_edge(self.body, k))
+        return [_edge(self.body, self.who, k, self.on_edge[k], self.faces_at[k]) for k in sharp]
+
+    def vertices(self) -> list[Vertex]:
+        sharp = (v for v in sorted(self.on_vertex) if v in self.bare or is_sharp_vertex(self.body, v))
+        return [_vertex(self.body, self.who, v, self.on_vertex[v]) for v in sharp]
 
 
 def bare_primitive(body: Polyhedron, k: int) -> tuple[int | None, list[int]]:
