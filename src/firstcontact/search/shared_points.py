@@ -27,7 +27,7 @@ from firstcontact.search.advance import Advance, Feature
 from firstcontact.search.convex import covering_pieces
 from firstcontact.search.event_tables import Tables, crossing_surfaces
 from firstcontact.search.instants import NEAR, Instant
-from firstcontact.search.stretches import known_steps, step_index
+from firstcontact.search.stretches import known_steps, step_near
 
 BITS = 256
 TRIED = 8
@@ -54,8 +54,7 @@ class Shared:
 def ball_pose(body: Any, t: fmpq) -> Matrix:
     """The pose at t as (3, 4) balls, at the present precision."""
     motion = body.motion if isinstance(body, Moving) else REST
-    steps = known_steps(motion)
-    rows = steps[step_index(steps, t, t)].pose(t).matrix()
+    rows = step_near(known_steps(motion), t).pose(t).matrix()
     return tuple(tuple(ball(x) for x in row) for row in rows)  # type: ignore[return-value]
 
 

@@ -97,6 +97,14 @@ def step_index(steps: tuple[Step, ...], begin: fmpq, end: fmpq) -> int:
     raise Untold("no pose")
 
 
+def step_near(steps: tuple[Step, ...], time: fmpq) -> Step:
+    """The step in charge at a time.
+
+    Roundings and Newton's method lead a little beyond the motion, where its first or its last step goes on.
+    """
+    return next((step for step in steps if step.end is None or time <= step.end), steps[-1])
+
+
 @lru_cache(maxsize=256)
 def _stretch(motion: Any, index: int, begin: fmpq, end: fmpq) -> np.ndarray:
     step = known_steps(motion)[index]

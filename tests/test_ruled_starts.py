@@ -1,0 +1,111 @@
+"""Ruled surfaces that share points with another body at the start: the place told, thin overlaps and gaps, ends.
+
+Places are checked in plain numpy.  Scenes are made with a common point by construction, or in a frame in which the
+surface has the origin as its lowest point, on or near the top of the other body.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction as F
+from random import Random
+
+import numpy as np
+import pytest
+
+import firstcontact as fc
+from amount import amount
+from contact_places import assert_on_both
+
+INITIAL = fc.Status.INITIAL_CONTACT
+
+
+def test_the_point_of_a_start_is_on_both_pieces():
+    """It was 2.6e-5 off the second one, as far as the box that held it was wide."""
+    along = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]
+    a = fc.RuledSurface(
+        "(-931/1300 - 14/5*u, -287/80 + 14/5*u, -22533/5200 + 14/5*u)",
+        "(-2751/1300 - 14/5*u + 21/5*u**2, -63/80 - 14*u + 77/5*u**2, -7973/5200 - 42/5*u + 14/5*u**2)",
+    ).moving(fc.RationalMotion([along, [[0, 0, 0, "-7/5"], [0, 0, 0, "14/5"], [0, 0, 0, "-14/5"], [0, 0, 0, 0]]]))
+    b = fc.RuledSurface("(0, -28/5 + 14/5*u, -14/5)", "(-7 - 7/5*u, -28/5*u, -21/5)").moving(fc.RationalMotion([
+        along,
+        [[0, 0, -1, "7/5"], [0, 0, 0, "49/5"], [1, 0, 0, 0], [0, 0, 0, 0]],
+        [[-0.25, 0, 0, "-63/10"], [0, 0.25, 0, -7], [0, 0, -0.25, "21/5"], [0, 0, 0, 0.25]],
+        [[0, 0, 0, "7/20"], [0, 0, 0, "49/20"], [0, 0, 0, -1.75], [0, 0, 0, 0]],
+        [[0, 0, 0, "-7/10"], [0, 0, 0, -1.75], [0, 0, 0, "21/20"], [0, 0, 0, 0]],
+    ]))  # fmt: skip
+    hit = fc.first_contact(a, b, (0.4375, 1))
+    assert (hit.status, hit.initial) == (INITIAL, "touching")
+    assert_on_both(hit, a, b)
+
+
+# ------------------------------------------------------------------------------------ starts with a place in common
+
+
+def numbers(rng, n, below=1):
+    return [F(rng.randint(-12, 12), 4 * below) for _ in range(n)]
+
+
+def directrix(rng, degree):
+    return [numbers(rng, 3, 1 + k) for k in range(degree + 1)]
+
+
+def value(curve, u):
+    return [sum(c[k] * u**i for i, c in enumerate(curve)) for k in range(3)]
+
+
+def piece_through(rng, point, size):
+    """A piece that has the point inside, its numbers times the size."""
+    first, second = (directrix(rng, rng.randint(1, 3)) for _ in range(2))
+    u, s = (F(rng.randint(1, 15), 16) for _ in range(2))
+    here = [(1 - s) * x + s * y for x, y in zip(value(first, u), value(second, u), strict=True)]
+    curves = []
+    for curve in (first, second):
+        curve[0] = [c + p - h for c, p, h in zip(curve[0], point, here, strict=True)]
+        curves.append(fc.RationalCurve([[size * curve[i][k] for i in range(len(curve))] for k in range(3)], [1]))
+    return fc.RuledSurface(*curves)
+
+
+def triangle_through(rng, point, size):
+    corners = [numbers(rng, 3) for _ in range(3)]
+    middle = [sum(c[k] for c in corners) / 3 for k in range(3)]
+    corners = [[size * (c[k] + point[k] - middle[k]) for k in range(3)] for c in corners]
+    return fc.Polyhedron(corners, [[0, 1, 2]])
+
+
+def some_motion(rng, how, size):
+    v = [size * x for x in numbers(rng, 3)]
+    axis, at = [1, rng.randint(-2, 2), rng.randint(-2, 2)], [size * x for x in numbers(rng, 3)]
+    match how:
+        case "translation":
+            return fc.Translation(v)
+        case "rotation":
+            return fc.Rotation(axis, at, degrees=rng.choice((30, -90, 200)))
+        case "screw":
+            return fc.Screw(axis, at, degrees=rng.choice((25, -120)), advance=size)
+        case _:
+            rows = [[[int(i == j) for j in range(4)] for i in range(4)], [[0, 0, 0, x] for x in v] + [[0] * 4]]
+            return fc.RationalMotion([*rows, [[0, 0, 0, x] for x in v[::-1]] + [[0] * 4]])
+
+
+MOTIONS = "translation", "rotation", "screw", "rational"
+
+
+def start_scene(seed):
+    rng = Random(seed)
+    size = F(2) ** rng.choice((-100, -30, 0, 0, 0, 30, 100))
+    point = numbers(rng, 3)
+    other = triangle_through if seed % 3 == 0 else piece_through
+    a, b = piece_through(rng, point, size), other(rng, point, size)
+    how = MOTIONS[seed % 4]
+    a = a.moving(some_motion(rng, how, size))
+    if how != "screw" and rng.random() < 0.5:
+        b = b.moving(some_motion(rng, how if how != "rotation" else "translation", size))
+    return (b, a) if rng.random() < 0.5 else (a, b)
+
+
+@pytest.mark.parametrize("seed", range(amount(8)))
+def test_points_of_starts(seed):
+    a, b = start_scene(seed)
+    hit = fc.first_contact(a, b, (0, F(1, 8)))
+    assert hit.status is INITIAL and hit.point is not None, hit
+    assert_on_both(hit, a, b)
