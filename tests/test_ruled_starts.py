@@ -9,7 +9,6 @@ from __future__ import annotations
 from fractions import Fraction as F
 from random import Random
 
-import numpy as np
 import pytest
 
 import firstcontact as fc
