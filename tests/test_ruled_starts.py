@@ -108,3 +108,26 @@ def test_points_of_starts(seed):
     hit = fc.first_contact(a, b, (0, F(1, 8)))
     assert hit.status is INITIAL and hit.point is not None, hit
     assert_on_both(hit, a, b)
+
+
+# ------------------------------------------------------------------------------------------- ends of sequences
+
+
+def test_an_event_at_the_end_of_a_sequence():
+    """A cone's apex comes down on a rim at the last instant; the event's enclosure reaches beyond it."""
+    cone = fc.RuledSurface(
+        "((24 + 8*u**2)/(1 + u**2), (-168 + 48*u - 168*u**2)/(5 + 5*u**2), (56 + 64*u + 56*u**2)/(5 + 5*u**2))",
+        "(16, -104/5, 8/5)", u=None,
+    )  # fmt: skip
+    down = fc.Translation((0, F(64, 5), F(-48, 5)))
+    turn = fc.Rotation((0, F(-32, 5), F(24, 5)), (16, -8, -8), degrees=-30)
+    placed = [[F(32, 5), F(24, 5), 0, 16], [F(-72, 25), F(96, 25), F(-32, 5), F(-8, 5)],
+              [F(-96, 25), F(128, 25), F(24, 5), F(-64, 5)], [0, 0, 0, 1]]  # fmt: skip
+    rod = fc.cylinder(2, 2).transformed(placed)
+    hit = fc.first_contact(cone.moving(fc.Sequence([turn, down], [F(1, 2), 2])), rod)
+    assert hit.status is fc.Status.CONTACT or hit.reason == "precision"
+    assert hit.free_until == pytest.approx(2.5, abs=1e-9)
+    # it goes on a little: then there is a contact to prove
+    beyond = fc.Sequence([turn, down, fc.Translation((0, F(64, 500), F(-48, 500)))], [F(1, 2), 2, F(1, 50)])
+    hit = fc.first_contact(cone.moving(beyond), rod)
+    assert hit.status is fc.Status.CONTACT and hit.time == pytest.approx(2.5, abs=1e-9)
