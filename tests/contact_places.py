@@ -18,6 +18,13 @@ def assert_place(hit, a, b):
     """The point of a CONTACT is on both bodies at its time; the normal is unit."""
     if hit.status is not fc.Status.CONTACT or hit.point is None:
         return
+    assert_on_both(hit, a, b)
+    if hit.normal is not None:
+        assert abs(np.linalg.norm(hit.normal) - 1) < 1e-12
+
+
+def assert_on_both(hit, a, b):
+    """The point is on the surfaces of both bodies at the time told."""
     lo, hi = hit.time_interval
     for body in (a, b):
         pose = pose_of(body, hit.time)
@@ -25,8 +32,6 @@ def assert_place(hit, a, b):
         way = max(np.abs(pose_of(body, t) - pose).max() for t in (lo, hi)) * (size + 1)
         off = beside(shape(body).at(hit.time), pose, hit.point, CLOSE * size)
         assert off <= CLOSE * size + 2 * way, (off, hit.point, body)
-    if hit.normal is not None:
-        assert abs(np.linalg.norm(hit.normal) - 1) < 1e-12
 
 
 def shape(body):

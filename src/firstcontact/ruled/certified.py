@@ -47,6 +47,8 @@ def first_contact(
         return FirstContact(Status.UNDECIDED, free_until=until, reason=found.reason, stats=stats, **shared)
     status = Status.INITIAL_CONTACT if found.status == "initial" else Status.CONTACT
     answer: dict[str, Any] = {"free_until": found.free_until, "stats": stats, **shared}
+    if status is Status.INITIAL_CONTACT:
+        answer["initial"] = "touching"
     if found.event is not None:
         assert found.time is not None
         pose = _pose_of_b(step, shared["b"], found.time)

@@ -41,7 +41,7 @@ from firstcontact.result import (
     Stats,
     Status,
 )
-from firstcontact.ruled import certified, posed
+from firstcontact.ruled import certified, posed, starts
 from firstcontact.ruled.conditions import conditions
 from firstcontact.ruled.names import element as element_of_piece
 from firstcontact.ruled.polyhedra import MOST_PAIRS, Interior, near_pairs, triangles_of
@@ -200,8 +200,22 @@ def first_contact(
     progress: Progress | None = None,
 ) -> FirstContact:
     """The first shared point: exactly; in doubles, with proofs, on request and where elimination leads far."""
-    begin = clock.perf_counter()
     first, last = _span(a, b, span)
+    found = _first_contact(a, b, first, last, exact, method, tolerance, budget, progress)
+    if method != "auto" or budget is not None or not starts.is_open(found):
+        return found
+
+    def at_rest(p: Any, q: Any) -> FirstContact:
+        return _first_contact(p, q, first, first, False, "algebraic", tolerance, None, progress)
+
+    return starts.told_at_rest(found, first, at_rest)
+
+
+def _first_contact(
+    a: Any, b: Any, first: fmpq, last: fmpq, exact: bool, method: str, tolerance: float, budget: int | None,
+    progress: Progress | None,
+) -> FirstContact:
+    begin = clock.perf_counter()
     shared = {"a": a, "b": b, "span": (to_double(first), to_double(last))}
     algebraic = exact or method == "algebraic"
     if _is_with_model(a, b):

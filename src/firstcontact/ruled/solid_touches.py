@@ -82,7 +82,7 @@ def _sign_at(contact: Contact, f: fmpz_mpoly) -> int:
 def feature_at(solid: CompositeQuadric, signs: Sequence[int], point: np.ndarray) -> Face | Edge | Vertex | None:
     """The lowest feature on surfaces that vanish at the point and near it; None off the boundary."""
     on = {k for k, own in enumerate(signs) if own == 0}
-    size = NEAR * (1.0 + float(np.abs(point).max()))
+    size = NEAR * _length(solid, point)
     vertices = [v for v in solid.vertices if np.abs(np.subtract(v.position, point)).max() < size + v.error]
     if vertices:
         return vertices[0]
@@ -163,7 +163,13 @@ def _outward(solid: CompositeQuadric, face: Face, point: np.ndarray) -> np.ndarr
     form = solid._forms_f[face.surfaces[0]]
     n = face.orientation * (form @ np.append(point, 1.0))[:3]
     length = float(np.linalg.norm(n))
-    return n / length if length > NEAR * np.abs(form).max() else None
+    return n / length if length > NEAR * np.abs(form[:3, :3]).max() * _length(solid, point) else None
+
+
+def _length(solid: CompositeQuadric, point: np.ndarray) -> float:
+    """Of the solid and its place; an unbounded one has no size of its own."""
+    largest = float(np.abs(solid.bounds()).max())
+    return float(np.abs(point).max()) + (largest if largest < np.inf else 1.0)
 
 
 # -- at the start ---------------------------------------------------------------------------------------------

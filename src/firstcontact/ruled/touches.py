@@ -193,7 +193,7 @@ def _normal(
     if len(size) < 2 or size[1] < 1e-6 or (len(size) > 2 and size[2] > 1e-6):
         return None
     approach = float(base[2] @ (speeds[0] - speeds[1]))
-    if not abs(approach) > 1e-9:
+    if not abs(approach) > 1e-9 * max(float(np.linalg.norm(speed)) for speed in speeds):
         return None
     normal: np.ndarray = base[2] if approach < 0 else -base[2]
     return normal

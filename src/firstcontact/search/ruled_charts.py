@@ -572,7 +572,8 @@ def crossing_at(model: CompositeQuadric, vertex: Vertex) -> tuple[int, int, int]
     units: list[np.ndarray] = []
     for k, n in normals.items():
         length = float(np.linalg.norm(n))
-        if length <= 1e-9 * np.abs(model._forms_f[k]).max():
+        bend = float(np.abs(model._forms_f[k][:3, :3]).max())
+        if length <= bend * (1e-9 * float(np.abs(point[:3]).max()) + 16.0 * vertex.error):  # a tip
             continue
         if len(units) == 0 or np.linalg.svd(np.array([*units, n / length]))[1][-1] > FLAT:
             chosen.append(k)

@@ -48,6 +48,8 @@ FEW, MANY = 40, 200
 """Boxes looked at in balls: for all that touch each other, then for one."""
 REACH, STAGES = 256.0, 10
 """Widths of the answer over which balls look for events at first, and how often they do."""
+STEPS, RANK = 40, 1e-9
+"""Newton's steps to a common point at most; slopes below this part of the largest one move nothing."""
 LEAST_PART = 2.0**-20
 """Of the span, below which it is not searched in shorter parts."""
 ROUNDINGS = 16 * 2.0**-52
@@ -201,7 +203,37 @@ class Search:
         zero = None if system is None else self._zero(system, box, kind)
         if system is not None and zero is not None:
             return self._event(zero, system, kind)
-        return self._described(kind, x, time, (lo, hi), zero)
+        return self._described(kind, self._common(kind, x), time, (lo, hi), zero)
+
+    def start(self, row: int) -> RuledEvent:
+        """The certain contact at the earliest of its times in a row of the boxes found, which tells of one at rest."""
+        box, kind = self.found[row], self.found_kinds[row]
+        lo, hi = box[4].tolist()
+        x = self._common(kind, np.array([*(0.5 * (box[:4, 0] + box[:4, 1])), lo]))
+        return self._described(kind, x, lo, (lo, hi), None)
+
+    def _common(self, kind: np.ndarray, x: np.ndarray) -> np.ndarray:
+        """(u, s, v, t, time) with the parameters near x at which the pieces meet at that time.
+
+        Newton's method by least steps within the pieces; what is fixed in the stratum stays.  Where it leads to no
+        point of both (at a time a little before a contact), that where they come nearest on the way.
+        """
+        system = ContactSystem(self._curves(kind), [None] * 4, ())
+        limits = np.array([[to_double(c) for c in ends] for ends in self._limits(kind)])
+        fixed = [k for k in range(4) if not kind[STRATUM] >> k & 1]
+        limits[fixed] = x[fixed, None]
+        best, least = x, math.inf
+        for _ in range(STEPS):
+            with precision(BITS):
+                here = [arb(c) for c in x.tolist()]
+                gap = np.array([float(c.mid()) for c in system.values(here)])
+                slopes = np.array([[float(c.mid()) for c in row[:4]] for row in system.jacobian(here)])
+            size = float(np.abs(gap).max())
+            if not size < least or not np.all(np.isfinite(slopes)):
+                break
+            best, least = x, size
+            x = np.append(x[:4] + _least_step(slopes, gap, limits - x[:4, None]), x[4])
+        return best
 
     def _system(self, box: np.ndarray, kind: np.ndarray) -> ContactSystem | None:
         """A regular square system of the stratum near the box; parameters that nothing fixes stay in their middle."""
@@ -345,6 +377,20 @@ class Search:
         )  # fmt: skip
 
 
+def _least_step(slopes: np.ndarray, gap: np.ndarray, room: np.ndarray) -> np.ndarray:
+    """The shortest step (n,) for which slopes @ step is nearest to -gap, each part of it within its room (n, 2)."""
+    step, free = np.zeros(len(room)), np.ones(len(room), bool)
+    for _ in room:
+        rest = gap + slopes[:, ~free] @ step[~free]
+        step[free] = np.linalg.lstsq(slopes[:, free], -rest, rcond=RANK)[0]
+        beyond = free & ((step < room[:, 0]) | (step > room[:, 1]))
+        step = np.clip(step, room[:, 0], room[:, 1])
+        if not beyond.any():
+            break
+        free &= ~beyond
+    return step
+
+
 def _rank(kind: np.ndarray) -> int:
     """Of events at one time that of the lowest stratum, the least degenerate, comes first."""
     return int(kind[STRATUM]).bit_count()
@@ -448,7 +494,7 @@ def first_event_of(s: Search, first: fmpq, last: fmpq, tolerance: float, budget:
     width = max(0.1 * tolerance * (hi - lo), ROUNDINGS * max(abs(lo), abs(hi)))
     start = s.at_rest(lo, above(first), width, budget)
     if start:
-        return RuledContact("initial", lo, lo, (lo, above(first)), s.event(s.count - 1), boxes=s.visits)
+        return RuledContact("initial", lo, lo, (lo, above(first)), s.start(s.count - 1), boxes=s.visits)
     if start is None:
         return RuledContact("open", lo, reason="precision", boxes=s.visits)
     begin, end, stage, whole = lo, hi, 0, tolerance * (hi - lo)

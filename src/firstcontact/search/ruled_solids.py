@@ -67,7 +67,7 @@ STEP = fmpq(1, 2**80)
 REGULAR = 1e12
 """Condition of an event beyond which its place is left as the search knows it."""
 SMOOTH = 1e-6
-"""Slope of a surface, its largest entry 1, below which a place counts as its tip."""
+"""Slope of a surface, over that at the model's size from a tip, below which a place counts as one."""
 ROUNDS = 4
 REACH, STAGES = 256.0, 10
 """Widths of the answer over which balls look for events at first, and how often they do."""
@@ -311,7 +311,8 @@ class RuledSearch(EventSearch):
         m = compose(inverse_map(ball_pose(self.bodies[1 - self.side], t)), ball_pose(self.bodies[self.side], t))
         there = middles(m) @ [*_in_doubles(feature.sheet.at(t), *place), 1.0]
         size = NEAR * float(self.tables.units[1 - self.side, 3])
-        sizes = np.abs(model._forms_f).max(axis=(1, 2)) * (1.0 + np.abs(there).max()) ** 2
+        far = np.append(np.full(3, float(self.tables.units[1 - self.side, 3]) + np.abs(there).max()), 1.0)
+        sizes = np.abs(model._forms_f * far * far[:, None]).max(axis=(1, 2))
         point = np.append(there, 1.0)
         on = np.abs(point @ model._forms_f @ point) < NEAR * sizes
         for chart, own in enumerate(features):
@@ -375,6 +376,8 @@ class Event:
         x, s = tables.features[int(box[CHART])].place(float(box[2]), float(box[4]))  # type: ignore[union-attr]
         x, s = (x if self.own.x is None else self.own.x), (s if self.own.s is None else self.own.s)
         place = min(max(x, -1.0), 1.0), min(max(s, 0.0), 1.0)
+        self.sizes = float(tables.units[side, 3]), float(tables.units[1 - side, 3])
+        """Of the ruled surface and of the model."""
         self.free = [k for k, fixed in enumerate((self.own.x, self.own.s)) if fixed is None]
         self.place = [exact_value(c) for c in place]
         self.moment = exact_value(float(0.5 * (box[6] + box[7])))
@@ -483,7 +486,11 @@ class Event:
         self.moment = z[-1]
         x, s = self.place
         _, _, gradients = self._values(self.place, self.moment)
-        smooth = all(max(abs(float(c.mid())) for c in g) > SMOOTH for g in gradients)
+        smooth = all(
+            max(abs(float(c.mid())) for c in g) > SMOOTH * self.sizes[1] * max(float(abs(c).mid()) for row in form[:3]
+                                                                               for c in row[:3])
+            for g, form in zip(gradients, self.surfaces, strict=True)
+        )  # fmt: skip
         self.regular = bool(-1 <= x <= 1 and 0 <= s <= 1 and smooth)
         return True
 
@@ -601,7 +608,8 @@ class Event:
             by_x, by_s = (float(c.mid()) for c in self.cuts[0].slopes(x, s))
             found = [found[0] * by_s - found[1] * by_x]
         lengths = [float(np.linalg.norm(way)) for way in found]
-        if not all(length > 1e-30 for length in lengths):
+        least = 1e-30 * self.sizes[0] * float(abs(arb(point[3])).mid()) ** 2
+        if not all(length > least for length in lengths):
             return []
         return [way / length for way, length in zip(found, lengths, strict=True)]
 

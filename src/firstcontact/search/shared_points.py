@@ -27,7 +27,7 @@ from firstcontact.search.advance import Advance, Feature
 from firstcontact.search.convex import covering_pieces
 from firstcontact.search.event_tables import Tables, crossing_surfaces
 from firstcontact.search.instants import NEAR, Instant
-from firstcontact.search.stretches import known_steps
+from firstcontact.search.stretches import known_steps, step_near
 
 BITS = 256
 TRIED = 8
@@ -52,11 +52,9 @@ class Shared:
 
 
 def ball_pose(body: Any, t: fmpq) -> Matrix:
-    """The pose at t as (3, 4) balls, at the present precision; before and after the motion its first and last step
-    go on, for what is looked for near its ends."""
-    steps = known_steps(body.motion if isinstance(body, Moving) else REST)
-    nearest = steps[0] if t < steps[0].start else steps[-1]
-    rows = next((step for step in steps if step.covers(t, t)), nearest).pose(t).matrix()
+    """The pose at t as (3, 4) balls, at the present precision; the first and the last step go on beyond the motion."""
+    motion = body.motion if isinstance(body, Moving) else REST
+    rows = step_near(known_steps(motion), t).pose(t).matrix()
     return tuple(tuple(ball(x) for x in row) for row in rows)  # type: ignore[return-value]
 
 

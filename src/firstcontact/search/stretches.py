@@ -97,6 +97,14 @@ def step_index(steps: tuple[Step, ...], begin: fmpq, end: fmpq) -> int:
     raise Untold("no pose")
 
 
+def step_near(steps: tuple[Step, ...], time: fmpq) -> Step:
+    """The step in charge at a time.
+
+    Roundings and Newton's method lead a little beyond the motion, where its first or its last step goes on.
+    """
+    return next((step for step in steps if step.end is None or time <= step.end), steps[-1])
+
+
 @lru_cache(maxsize=256)
 def _stretch(motion: Any, index: int, begin: fmpq, end: fmpq) -> np.ndarray:
     step = known_steps(motion)[index]
@@ -122,7 +130,7 @@ def _rational(step: Step, centre: fmpq, scale: fmpq, head: np.ndarray) -> np.nda
     head[KIND] = RATIONAL
     if isinstance(step.motion, Translation) and not step.before.factors:
         return _straight(step, centre, scale, head)
-    before, off = _rounded_pose(step.before)
+    before, (off_r, off_t) = _rounded_pose(step.before)
     local = fmpq_poly([step.share(centre), scale / step.duration])
     own = projective.substituted(own_pose(step.motion, "a body"), local)
     held = projective.fixed(before)
@@ -144,24 +152,24 @@ def _rational(step: Step, centre: fmpq, scale: fmpq, head: np.ndarray) -> np.nda
     # coefficients rounded once; two roundings per step of Horner's rule; s itself within 4 U
     sums = np.abs(table) @ (8.0 * np.arange(n) + 3.0) * U
     head[ERROR_R], head[ERROR_T] = sums[:9].max(), sums[9:12].max()
-    if off:  # the sum over the entries of `own`, each times one of `before`
+    if off_r or off_t:  # the sum over the linear entries of `own`, each times one of `before`
         unit = factor * fmpq(held[3][3][0])
-        off *= 2 * sum(abs(to_double(fmpq(c) * unit)) for row in own for x in row for c in x.coeffs())
-        head[ERROR_R], head[ERROR_T] = head[ERROR_R] + off, head[ERROR_T] + off
+        turn = 2 * sum(abs(to_double(fmpq(c) * unit)) for row in own[:3] for x in row[:3] for c in x.coeffs())
+        head[ERROR_R], head[ERROR_T] = head[ERROR_R] + turn * off_r, head[ERROR_T] + turn * off_t
     head[ERROR_W] = 0.0 if straight else sums[12]
     head[DEGREE] = n - 1
     return table
 
 
-def _rounded_pose(before: Placement) -> tuple[Matrix, float]:
-    """A rational matrix, and how far its entries are from the pose's at most."""
+def _rounded_pose(before: Placement) -> tuple[Matrix, tuple[float, float]]:
+    """A rational matrix, and how far its linear entries and its shift are from the pose's at most."""
     if before.is_exact:
-        return before.matrix(), 0.0
+        return before.matrix(), (0.0, 0.0)
     with precision(BITS):
         balls = before.matrix()
-        off = max(above(dyadic(arb(x).rad())) for row in balls for x in row)
+        off = [[above(dyadic(arb(x).rad())) for x in row] for row in balls]
         rows = tuple(tuple(dyadic(arb(x).mid()) for x in row) for row in balls)
-        return rows, off  # type: ignore[return-value]
+        return rows, (max(max(row[:3]) for row in off), max(row[3] for row in off))  # type: ignore[return-value]
 
 
 def _straight(step: Step, centre: fmpq, scale: fmpq, head: np.ndarray) -> np.ndarray:
