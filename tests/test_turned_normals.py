@@ -6,7 +6,6 @@ from fractions import Fraction as F
 from random import Random
 
 import numpy as np
-import pytest
 
 import firstcontact as fc
 
@@ -32,9 +31,15 @@ def test_an_edge_that_turns_far_from_the_origin():
     assert abs(hit.normal @ (3.0, 0.0, 1.0)) < 1e-14
 
 
-@pytest.mark.parametrize("seed", range(40))
-def test_normals_are_across_the_elements(seed):
-    """Small tetrahedra about an axis near by, all of them far away by powers of two or by numbers of many digits."""
+def test_normals_are_across_the_elements():
+    assert sum(is_across(seed) for seed in range(300)) == 33
+
+
+def is_across(seed: int) -> bool:
+    """Small tetrahedra about an axis near by, all of them far away by powers of two or by numbers of many digits.
+
+    Whether they meet; the normal is then across the elements.
+    """
     rng = Random(seed)
     unit = F(1, rng.choice((1, 64, 1024, 2**20)))
     far = [F(rng.choice((0, 12345678, -(2**20), 7 * 10**5))) for _ in range(3)]
@@ -43,17 +48,17 @@ def test_normals_are_across_the_elements(seed):
         return tuple(o + unit * F(rng.randint(-r, r), 4) for o, r in zip(far, reach, strict=True))
 
     a, b = ([near(12, 12, 4) for _ in range(4)] for _ in "ab")
-    b = [(x + unit * 7, y, z) for x, y, z in b]
+    b = [(x + unit * 5, y, z) for x, y, z in b]
     axis = rng.choice(((0, 0, 1), (1, 1, 4), (0, -1, 3)))
     motion = fc.Rotation(axis, near(2, 2, 2), turns=F(rng.choice((-1, 1)), rng.choice((1, 2, 3))))
     hit = fc.first_contact(fc.Polyhedron(a, FACES).moving(motion), fc.Polyhedron(b, FACES))
-    if hit.normal is None:
-        assert hit.status is not fc.Status.CONTACT
-        return
+    if hit.status is not fc.Status.CONTACT:
+        return False
     angle = 2 * np.pi * float(motion.angle.p) / float(motion.angle.q) * hit.time
     spans = [turned(axis, angle, d) for d in spanned(hit.element_a, a)] + spanned(hit.element_b, b)
     assert spans
-    assert max(abs(hit.normal @ d) / np.linalg.norm(d) for d in spans) < 1e-13
+    assert max(abs(hit.normal @ d) / np.linalg.norm(d) for d in spans) < 1e-13, seed
+    return True
 
 
 def spanned(element, corners) -> list[np.ndarray]:
