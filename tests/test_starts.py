@@ -217,3 +217,28 @@ def test_a_corner_that_only_touches_a_half_space_at_a_quarter_turn():
     screw = fc.Screw((F(-2, 9), F(16, 9), F(8, 9)), (-2, -6, -1), degrees=-360, advance=-3.5)
     hit = fc.first_contact(a, b.moving(screw), (0.25, 1))
     assert (hit.status, hit.initial) == (INITIAL, "touching")
+
+
+def test_a_small_cone_touches_an_ellipsoid_as_a_screw_starts():
+    """A rational plane through the lowest point of the rim has the bodies on either side."""
+    cone = fc.cone(F(3, 425984), F(5, 1703936)).transformed(
+        [[F(434, 507), F(167, 507), F(-202, 507), F(-80973155, 3455582208)],
+         [F(7, 507), F(-398, 507), F(-314, 507), F(-270029417, 17277911040)],
+         [F(-262, 507), F(266, 507), F(-343, 507), F(31927, 34555822080)], [0, 0, 0, 1]])  # fmt: skip
+    screw = fc.Screw((F(-12, 7), F(6, 7), F(4, 7)), (-0.0390625, -0.0078125, -0.0234375), turns=-0.25,
+                     advance=0.0859375)  # fmt: skip
+    ellipsoid = fc.ellipsoid((0.5, 0.15625, 0.15625)).transformed(
+        [[F(-74, 435), F(19, 87), F(418, 435), F(-1933, 723840)], [F(19, 87), F(-82, 87), F(22, 87), F(-9527, 72384)],
+         [F(418, 435), F(22, 87), F(49, 435), F(-81481, 180960)], [0, 0, 0, 1]])  # fmt: skip
+    assert fc.first_contact(cone.moving(screw), ellipsoid).initial == "touching"
+
+
+def test_a_tiny_ellipsoid_touches_a_ball_as_a_turn_starts():
+    ball = fc.sphere(0.0625).transformed(
+        [[F(79612, 113985), F(76784, 113985), F(-5509, 22797), F(15, 272)],
+         [F(8324, 22797), F(-14267, 22797), F(-15712, 22797), F(-1, 34)],
+         [F(-4127, 6705), F(2636, 6705), F(-916, 1341), 0], [0, 0, 0, 1]])  # fmt: skip
+    tiny = fc.ellipsoid((F(1, 5242880), 4.76837158203125e-07, 7.152557373046875e-07)).transformed(
+        [[0, 1, 0, F(-40959, 2621440)], [-1, 0, 0, F(-3276797, 26214400)], [0, 0, 1, 0], [0, 0, 0, 1]])  # fmt: skip
+    turn = fc.Rotation((0, 0, 15), (-0.0703125, -0.0546875, 0.0234375), degrees=-1080)
+    assert fc.first_contact(ball, tiny.moving(turn), (0.25, 1)).initial == "touching"

@@ -8,11 +8,12 @@ from typing import Any
 import numpy as np
 from flint import arb, ctx
 
+from firstcontact.body.carriers import Plane
 from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.features import Edge, Face, Vertex
 from firstcontact.composite.algorithm import Candidate, Meeting, Root, Search
 from firstcontact.composite.contact_sets import cartesian
-from firstcontact.composite.largest_set import largest_set
+from firstcontact.composite.largest_set import NEAR, largest_set
 from firstcontact.composite.membership import form_at, is_plane
 from firstcontact.composite.moving_pair import Pair
 from firstcontact.composite.polyhedra import face_at
@@ -42,7 +43,6 @@ def contact_of(search: Search, meetings: Sequence[Meeting], exact: bool, shared:
     pair, root = search.pair, meetings[0].candidate.root
     named = ranked(pair, meetings)
     (lowest, meeting), *rest = named
-    normals = (normal(m, m.shared.points[0]) for _, m in named[:MOST_OTHERS])
     time, interval = world_time(pair, root)
     if (open_from := search.open_from()) is not None:  # narrower than any tolerance, but not decided
         interval = world_time(pair, AlgebraicRoot.of(open_from))[1][0], interval[1]
@@ -51,7 +51,7 @@ def contact_of(search: Search, meetings: Sequence[Meeting], exact: bool, shared:
         Status.CONTACT, time, interval,
         pair.piece.exact_time(root) if exact else None,
         to_world(pair, root, where[None], shared["b"], time)[0],
-        _turned(pair, root, next((n for n in normals if n is not None), None), shared["b"], time),
+        _turned(pair, root, _normal_at(where, [m for _, m in named[:MOST_OTHERS]], pair.unit), shared["b"], time),
         lowest.element_a, lowest.element_b,
         tuple(p for p, _ in rest[:MOST_OTHERS]), len(named),
         _contact_set(pair, root, meetings, shared["b"], time),
@@ -154,7 +154,28 @@ def _pose(matrix: Matrix, root: Root) -> np.ndarray:
 # -- normals --------------------------------------------------------------------------------------------------
 
 
-def normal(meeting: Meeting, where: np.ndarray) -> np.ndarray | None:
+def _normal_at(where: np.ndarray, meetings: Sequence[Meeting], unit: float) -> np.ndarray | None:
+    """The normal of the first meeting there: along curves it changes from point to point.
+
+    Where the first has none, that of another one that meets at the same point, or is in a plane through it.
+    """
+    near = NEAR * (unit + float(np.abs(where).max()))
+    for k, meeting in enumerate(meetings):
+        own = where if k == 0 else cartesian(meeting.shared.at)
+        n = _normal(meeting, own)
+        if n is None:
+            continue
+        if np.abs(where - own).max() <= near or (_is_flat(meeting) and abs(float(n @ (where - own))) <= near):
+            return n
+    return None
+
+
+def _is_flat(meeting: Meeting) -> bool:
+    task = meeting.candidate.subproblem
+    return any(isinstance(x, Face) and isinstance(x.carrier, Plane) for x in (task.a, task.b))
+
+
+def _normal(meeting: Meeting, where: np.ndarray) -> np.ndarray | None:
     """Unit normal from b towards a in the frame of b, in doubles; None where no plane separates the features.
 
     A face decides by its gradient; two edges by their tangents, on the side of the faces beside them.

@@ -18,8 +18,11 @@ from firstcontact.exact.numbers import (
     above,
     ball,
     ball_bounds,
+    dyadic,
     exact_value,
+    nearest_double,
     precision,
+    simplest,
     to_double,
 )
 from firstcontact.exact.rigid import Matrix, apply, compose, inverse_map
@@ -44,6 +47,7 @@ from firstcontact.search.elements import (
     vertices_of,
 )
 from firstcontact.search.frame import tree_of
+from firstcontact.search.generic_turns import relative_pose
 from firstcontact.search.planar import BeginsNothing, generic_poses, has_walls, normal_of_motion
 from firstcontact.search.tree import FACET
 from firstcontact.search.windows import PART_ROOM
@@ -70,6 +74,7 @@ class EnclosedProblem(CurvedProblem):
         super().__init__(a, b, piece)
         self._instants: dict[Hashable, list[tuple[RationalInstant, arb]]] = {}
         self._possible: dict[tuple[Feature, Feature], float] = {}
+        self._poses_at: dict[fmpq, tuple[Any, Any, bool] | None] = {}
 
     @cached_property
     def _generic(self) -> tuple[Any, Any] | None:
@@ -152,14 +157,16 @@ class EnclosedProblem(CurvedProblem):
 
     def _contacts_in(
         self, pair: Corners, lo: fmpq, hi: fmpq, first_only: bool = False, lasting: list[list[bool]] | None = None
-    ) -> list[tuple[arb, arb]]:
+    ) -> list[tuple[Any, arb]]:
         """The contacts of two elements from lo to hi, or the first of them, each with a time in which it is alone.
+
+        They are balls, but rational at an end of the piece and where balls would leave them open.
 
         lasting: as `_lasting` tells.
         Undecidable carries a double before which there certainly is none.
         """
         waiting, looks = [(lo, hi)], 0
-        out: list[tuple[arb, arb]] = []
+        out: list[tuple[Any, arb]] = []
         # `waiting` holds, last one first, the times at which contacts may be that are not in `out`.
         while waiting and not (first_only and out):
             left, right = waiting.pop()
@@ -191,9 +198,63 @@ class EnclosedProblem(CurvedProblem):
         values = [x[0] for x, always in zip((*at.least, *at.more), held, strict=False) if not always]
         if any(x < 0 for x in values):
             return None
-        if not all(x > 0 for x in values):
+        is_clear = all(x > 0 for x in values)
+        if is_clear and 0 < root < arb(self.length):
+            return self._rounded(pair, index, root, left, right), alone
+        time = self._rational_contact(pair, index, root, at)
+        if time is OPEN and not is_clear:
             raise Undecidable(ball_bounds(root)[0])
-        return root, alone
+        return None if time is None else (root if time is OPEN else time, alone)
+
+    def _rounded(self, pair: Corners, index: int, root: arb, left: fmpq, right: fmpq) -> arb:
+        """The root, narrow enough to tell the double nearest its time, where some precision does."""
+        bits = 2 * ctx.prec
+        while bits <= PRECISIONS[-1] and nearest_double(root + self.piece.start) is None:
+            with precision(bits):
+                found = self._root(pair, index, left, right)
+            if found is None or found is OPEN or not found[0].rad() < root.rad():
+                break
+            root, bits = found[0], 2 * bits
+        return root
+
+    # -- times that are rational ----------------------------------------------------------------------------
+
+    def _rational_contact(self, pair: Corners, index: int, root: arb, at: Conditions) -> Any:
+        """The time of contact where it is a rational one of few bits, or an end of the piece, in the ball `root`.
+
+        None: there is no contact; OPEN: it is not proved that the equation holds at that time.
+        at: the conditions in balls, for those that are not told exactly.
+        """
+        time = self._rational_in(root)
+        poses = self._exact_poses(time)
+        if poses is None:
+            return OPEN
+        pose, back, is_exact = poses
+        exact = self.conditions(pair, pose, back)[index]
+        if any(exact.zero):
+            return OPEN
+        for name in ("least", "more"):
+            for polynomial, around in zip(getattr(exact, name), getattr(at, name), strict=True):
+                value = polynomial[0] if is_exact or not polynomial else around[0]
+                if value < 0 or (value == 0 and name == "more"):
+                    return None
+                if not value >= 0:
+                    raise Undecidable(ball_bounds(root)[0])
+        return time
+
+    def _rational_in(self, root: arb) -> fmpq:
+        for end in (self.length, fmpq(0)):
+            if root.contains(end):
+                return end
+        return simplest(dyadic(root.lower()), dyadic(root.upper()))
+
+    def _exact_poses(self, time: fmpq) -> tuple[Any, Any, bool] | None:
+        if not self.is_exact:
+            return None
+        if time not in self._poses_at:
+            there = time + self.piece.start
+            self._poses_at[time] = relative_pose(self.piece.leg_a.place(there), self.piece.leg_b.place(there))
+        return self._poses_at[time]
 
     def _conditions_over(self, pair: Corners, left: fmpq, right: fmpq) -> list[Any]:
         """The conditions as series about the middle of a time, their last terms enclosing the rest."""
@@ -247,11 +308,11 @@ class EnclosedProblem(CurvedProblem):
         with terms(2, ctx.prec):
             return self.conditions(pair, *self._poses(t))[index].zero[0]
 
-    def _in_window(self, t: arb) -> bool:
-        """Whether the time lies in the piece; Undecidable at its ends."""
-        if t < 0 or t > arb(self.length):
+    def _in_window(self, t: Any) -> bool:
+        """Whether the time lies in the piece; Undecidable for balls at its ends."""
+        if t < 0 or t > self.length:
             return False
-        if t > 0 and t < arb(self.length):
+        if isinstance(t, fmpq) or (t > 0 and t < self.length):
             return True
         raise Undecidable(ball_bounds(t)[0])
 

@@ -6,8 +6,6 @@ and shift are powers of one variable u that no term of the polynomial confuses.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from flint import fmpq, fmpq_poly
 
@@ -18,13 +16,12 @@ from firstcontact.motion.curved import CurvedPiece, Leg
 from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.translation import Translation
+from firstcontact.search.generic_turns import Rows, generic_turn
 
 # Powers of u for the two components of the shift: conditions have degree 6 at most in the turn's parameter u.
 SHIFT_1, SHIFT_2 = 16, 32
 # Sine of the angle below which a triangle may be level, and part of lengths below which a corner may be on an edge.
 LEVEL = 1e-9
-
-Rows = list[list[Any]]
 
 
 class BeginsNothing(Exception):
@@ -50,20 +47,12 @@ def _is_across(leg: Leg, normal: Vector) -> bool:
 
 def generic_poses(normal: Vector) -> tuple[Rows, Rows]:
     """The generic pose in the plane and its inverse, each up to a positive factor: (4, 4) polynomials in u."""
-    x, y, z = normal
-    across = [[fmpq(0), -z, y], [z, fmpq(0), -x], [-y, x, fmpq(0)]]
-    square = dot(normal, normal)
-    weight = fmpq_poly([1, 0, square])
-    turn = [
-        [fmpq_poly([int(i == j), 2 * across[i][j], 2 * normal[i] * normal[j] - (square if i == j else 0)])
-         for j in range(3)]
-        for i in range(3)
-    ]  # fmt: skip
+    u = fmpq_poly([0, 1])
+    turn, weight = generic_turn(normal, u)
     k = min(range(3), key=lambda i: abs(normal[i]))
     unit = fmpq(int(k == 0)), fmpq(int(k == 1)), fmpq(int(k == 2))
     first = cross(normal, unit)
     second = cross(normal, first)
-    u = fmpq_poly([0, 1])
     shift = [u**SHIFT_1 * p + u**SHIFT_2 * q for p, q in zip(first, second, strict=True)]
     nil = fmpq_poly([0])
     pose = [[*row, s * weight] for row, s in zip(turn, shift, strict=True)]

@@ -126,7 +126,9 @@ def rotation_normal(
     """
     h = directions(axis.h)
     moving, resting = spanning(corners_a), spanning(corners_b)
-    turned = _turned_doubles(h, [directions(x) for x in moving], at.bounds()[0])
+    with precision(PRECISIONS[0]):
+        angle = float(at.local().mid())  # its bounds may be those of the floats, which are wide far from the axis
+    turned = _turned_doubles(h, [directions(x) for x in moving], angle)
     x, y = turned + [directions(x) for x in resting]
     n, velocity = cross(x, y), cross(h, where)
     n_size, v_size, speed = _norm(n), _norm(velocity), dot(n, velocity)
