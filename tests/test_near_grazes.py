@@ -10,6 +10,7 @@ from flint import arb, fmpq
 
 import firstcontact as fc
 from firstcontact.exact.numbers import exact_value, precision
+from firstcontact.exact.rigid import IDENTITY
 from firstcontact.motion.relative import curved_pieces
 from firstcontact.search.close_up import CloseUp
 from firstcontact.search.convex import convex_pieces
@@ -89,7 +90,7 @@ def test_a_sliver_of_contact_under_a_rotation():
     (interval,) = fc.contact_intervals(a, fc.ellipsoid((2, 1, 1)).translated((0, 5 - F(1, 10**15), 0)))
     assert interval.start < 0.45 - 1e-9 and interval.end > 0.45 + 1e-9
     for x, lie in ((F(1, 10**40), Relation.OVERLAPPING), (0, Relation.NEAR), (-F(1, 10**40), Relation.APART)):
-        assert relation(BALL, BALL.translated((2 - x, 0, 0))) is lie
+        assert relation(BALL, BALL.translated((2 - x, 0, 0)), IDENTITY) is lie
 
 
 def test_gears_touch_at_an_angle_with_rational_cosine():

@@ -16,6 +16,7 @@ from firstcontact.body.neighbourhood import patterns
 from firstcontact.composite.moving_pair import Pair
 from firstcontact.exact.number_field import ball
 from firstcontact.exact.numbers import dyadic, precision, sign, simplest, to_double
+from firstcontact.exact.rigid import Matrix
 from firstcontact.exact.vectors import cross
 from firstcontact.search.relation import Relation
 from firstcontact.search.resting import is_one_piece, relation
@@ -28,9 +29,12 @@ MOST_PLACES = 8
 
 def placed(pair: Pair, u: fmpq) -> CompositeQuadric:
     """Model a where it stands at u, in the frame of b; exact."""
-    pose = [[x(u) for x in row] for row in pair.piece.pose]
-    weight = pose[3][3]
-    return pair.a.transformed([[x / weight for x in row] for row in pose])
+    return pair.a.transformed([*_pose_at(pair, u), (0, 0, 0, 1)])
+
+
+def _pose_at(pair: Pair, u: fmpq) -> Matrix:
+    rows = [[x(u) for x in row] for row in pair.piece.pose]
+    return tuple(tuple(x / rows[3][3] for x in row) for row in rows[:3])  # type: ignore[return-value]
 
 
 def relation_at(pair: Pair, u: fmpq) -> Relation | None:
@@ -40,7 +44,7 @@ def relation_at(pair: Pair, u: fmpq) -> Relation | None:
         return Relation.APART
     if _is_polytope(pair.a) and _is_polytope(pair.b):
         return None if _separated(pair, u) else Relation.OVERLAPPING
-    return relation(placed(pair, u), pair.b)
+    return relation(pair.a, pair.b, _pose_at(pair, u))
 
 
 def overlap(pair: Pair, u: fmpq) -> bool:

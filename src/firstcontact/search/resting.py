@@ -12,9 +12,12 @@ from typing import Any
 
 from flint import fmpq
 
+from firstcontact.body.carriers import ONE, ZERO, inverse
 from firstcontact.body.composite_quadric import CompositeQuadric
 from firstcontact.body.moving import Moving, shape_of
-from firstcontact.exact.numbers import exact_value
+from firstcontact.exact.numbers import exact_value, fraction
+from firstcontact.exact.rigid import Matrix, apply
+from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.relative import curved_pieces
 from firstcontact.search.advance import PieceSearch
 from firstcontact.search.close_up import CloseUp
@@ -29,14 +32,15 @@ NOTHING = fmpq(1, 2**180)
 START = fmpq(0)
 
 
-def relation(a: CompositeQuadric, b: CompositeQuadric) -> Relation | None:
-    """How the bounded solids lie to each other; None where it is not told, as for most that are not convex."""
+def relation(a: CompositeQuadric, b: CompositeQuadric, pose: Matrix) -> Relation | None:
+    """How the bounded solids, a in the pose, lie to each other; None where it is not told, as for most not convex."""
+    there = a.moving(RationalMotion([[*([fraction(x) for x in row] for row in pose), [0, 0, 0, 1]]]))
     try:
-        return _of_pieces(a, b, convex_pieces(a), convex_pieces(b))
+        return _of_pieces(there, b, pose)
     except NotConvex:
         pass
     try:
-        covers = PieceSearch(covering_pieces(a), covering_pieces(b), windows(a, b, START, START), 1.0, 1)
+        covers = PieceSearch(covering_pieces(a), covering_pieces(b), windows(there, b, START, START), 1.0, 1)
     except NotConvex:
         return None
     return None if covers.not_apart(0.0)[0] else Relation.APART
@@ -90,7 +94,8 @@ def pieces_of(body: CompositeQuadric) -> ConvexPieces:
         return covering_pieces(body)
 
 
-def _of_pieces(a: CompositeQuadric, b: CompositeQuadric, own: ConvexPieces, other: ConvexPieces) -> Relation | None:
+def _of_pieces(a: Moving, b: CompositeQuadric, pose: Matrix) -> Relation | None:
+    own, other = convex_pieces(shape_of(a)), convex_pieces(b)
     pairs, overlap = PieceSearch(own, other, windows(a, b, START, START), 1.0, 1).not_apart(0.0)
     if overlap:
         return Relation.OVERLAPPING
@@ -102,12 +107,19 @@ def _of_pieces(a: CompositeQuadric, b: CompositeQuadric, own: ConvexPieces, othe
         except NoFunction:
             found = None
             continue
-        seen = _of_pair(system, own.solids[i], other.solids[j]).relation
+        seen = _of_pair(system, _placed(own.solids[i], pose), other.solids[j]).relation
         if seen is Relation.OVERLAPPING:
             return seen
         if seen is None or found is Relation.APART:
             found = seen
     return found
+
+
+def _placed(solid: Solid, pose: Matrix) -> Solid:
+    back = inverse((*pose, (ZERO, ZERO, ZERO, ONE)))
+    forms, inner = solid
+    moved = None if inner is None else apply(pose, (inner[0], inner[1], inner[2]))
+    return [form.placed(back) for form in forms], moved
 
 
 def _of_pair(system: Separation, own: Solid, other: Solid) -> Place:
