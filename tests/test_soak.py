@@ -26,7 +26,7 @@ from soaks.turning import first_contact as turned_contact  # noqa: E402
 SEED = 20
 SCENES = 1
 LONG = {
-    "curves/level sets", "meshes/screwed on a plate", "meshes/steps to a plate", "mixed/graze", "mixed/landing",
+    "meshes/screwed on a plate", "meshes/steps to a plate", "mixed/graze", "mixed/landing",
     "mixed/pin in a bore", "solids/nested start", "solids/pin in a bore", "solids/two balls", "ruled/tips on solids",
 }  # fmt: skip
 """Kinds that take seconds a scene: for the soak itself, and thorough tests."""
@@ -36,7 +36,12 @@ def family_kinds() -> list[Kind]:
     return list(soak.load(list(soak.FAMILIES)).values())
 
 
-SHORT = [kind for kind in family_kinds() if THOROUGH or kind.name not in LONG]
+OPEN = {"curves/level sets": "loops thinner than the square root of rounding are drawn far too large"}
+"""Findings that are not mended; a kind whose scene is right again is to be taken out."""
+SHORT = [
+    pytest.param(kind, marks=[pytest.mark.xfail(reason=OPEN[kind.name], strict=True)] if kind.name in OPEN else [])
+    for kind in family_kinds() if THOROUGH or kind.name not in LONG
+]  # fmt: skip
 
 
 @pytest.mark.parametrize("kind", SHORT, ids=lambda kind: kind.name)
