@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import argparse
 import importlib
+import math
 import multiprocessing
 import re
 import signal
@@ -305,29 +306,54 @@ def _sort(text: str) -> str:
     return re.sub(r"'[^']*'", "'..'", first)[:160]
 
 
+class Turns:
+    """Which scene is next: the kind that took the least time so far has the next turn, so that a kind whose scenes take
+    long has as much of the run as the others, not more."""
+
+    def __init__(self, kinds: dict[str, Kind], options: argparse.Namespace) -> None:
+        first = 0 if options.index is None else options.index
+        self.last = math.inf if options.scenes is None else options.scenes
+        if options.index is not None:
+            self.last = options.index + 1
+        self.next = dict.fromkeys(kinds, first)
+        self.spent = dict.fromkeys(kinds, 0.0)
+        self.begun: dict[str, dict[int, float]] = {name: {} for name in kinds}
+
+    def take(self) -> tuple[str, int] | None:
+        """(kind, index); None where all are done."""
+        now = time.monotonic()
+
+        def so_far(name: str) -> tuple[float, int]:
+            return self.spent[name] + sum(now - begin for begin in self.begun[name].values()), self.next[name]
+
+        name = min((name for name, index in self.next.items() if index < self.last), key=so_far, default=None)
+        if name is None:
+            return None
+        index = self.next[name]
+        self.next[name] += 1
+        self.begun[name][index] = now
+        return name, index
+
+    def done(self, name: str, index: int) -> None:
+        self.spent[name] += time.monotonic() - self.begun[name].pop(index)
+
+
 def run(kinds: dict[str, Kind], families: list[str], options: argparse.Namespace) -> Tally:
-    """Scenes of all kinds in turn until the minutes are over."""
+    """Scenes of all kinds until the minutes are over."""
     tally = Tally(kinds, options.seed)
     end = time.monotonic() + 60 * options.minutes
-
-    def jobs() -> Iterator[tuple[str, int]]:
-        if options.index is not None:
-            yield from ((name, options.index) for name in kinds)
-            return
-        index = 0
-        while options.scenes is None or index < options.scenes:
-            yield from ((name, index) for name in kinds)
-            index += 1
+    turns = Turns(kinds, options)
 
     def tell(record: Record) -> None:
         if tally.add(record):
             print(record.snippet(options.seed), flush=True)
 
-    coming = jobs()
     workers = [Worker(families, options.seed, options.laws) for _ in range(options.workers)]
 
     def next_job(worker: Worker) -> None:
-        job = next(coming, None) if time.monotonic() < end else None
+        if worker.job is not None:
+            turns.done(*worker.job)
+        job = turns.take() if time.monotonic() < end else None
         if job is None:
             worker.end()
             workers.remove(worker)

@@ -5,6 +5,6 @@ import os
 THOROUGH = os.environ.get("FIRSTCONTACT_THOROUGH") == "1"
 
 
-def amount(n: int, share: int = 3) -> int:
+def amount(n: int, share: int = 6) -> int:
     """n, or the share of it that runs by default; seeds start at the same number either way."""
-    return n if THOROUGH else n // share
+    return n if THOROUGH else max(1, n // share)

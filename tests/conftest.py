@@ -8,6 +8,7 @@ import os
 import hypothesis
 import pytest
 
+from amount import THOROUGH
 from firstcontact import query
 
 hypothesis.settings.register_profile("fixed", derandomize=True, deadline=None, database=None, print_blob=True)
@@ -33,6 +34,29 @@ def chosen_engine():
     original, query.problems_in_order = query.problems_in_order, problems_in_order
     yield
     query.problems_in_order = original
+
+
+def pytest_collection_modifyitems(config, items):
+    """Leave out what `share` marks leave out: on a diagonal, so that each value of one parameter is seen if another one
+    has enough values."""
+    if THOROUGH:
+        return
+    values = {}
+    left_out = {item for item in items if _is_left_out(item, values)}
+    items[:] = [item for item in items if item not in left_out]
+    config.hook.pytest_deselected(items=list(left_out))
+
+
+def _is_left_out(item, values):
+    """values: of each test's parameters those seen so far, by identity."""
+    mark = item.get_closest_marker("share")
+    if mark is None:
+        return False
+    places = 0
+    for name, value in item.callspec.params.items():
+        known = values.setdefault((item.nodeid.split("[")[0], name), {})
+        places += known.setdefault(id(value), len(known))
+    return places % mark.args[0] != 0
 
 
 def pytest_runtest_setup(item):

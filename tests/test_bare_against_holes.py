@@ -84,6 +84,7 @@ def test_points(name, seed):
             assert (hit.element_a, hit.element_b)[k].kind == "vertex"
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("name", SOLIDS)
 @pytest.mark.parametrize("seed", range(3))
 def test_edges_and_open_triangles(name, seed):

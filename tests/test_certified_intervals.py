@@ -54,6 +54,7 @@ def overlap(x, y) -> bool:
     return x[0] <= y[1] and y[0] <= x[1]
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("name", SCENES)
 def test_as_exact_arithmetic_tells(name):
     proved, known = forced(*SCENES[name]), fc.contact_intervals(*SCENES[name])

@@ -89,11 +89,12 @@ def test_the_fourth_derivative_is_below_its_bound(weighted):
     assert seen > amount(40, 6) and close > seen // 4
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-6])
 @pytest.mark.parametrize("weighted", [False, True])
 def test_arcs_stay_within_the_tolerance_of_their_chords(weighted, tolerance):
     worst = 0.0
-    for seed in range(amount(30, 3)):
+    for seed in range(amount(30, 6)):
         arcs = Arcs(*waves(seed, weighted), tolerance)
         solved, rng = arcs.solved, np.random.default_rng(seed)
         for k in arcs.kept:

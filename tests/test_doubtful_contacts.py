@@ -19,6 +19,7 @@ def encloses(hit, time):
     return lo <= time * (1 + 1e-15) and time * (1 - 1e-15) <= hi and hi - lo <= 1e-12
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("height", [0.25, 0.3, 0.9, "1/3"])
 def test_an_edge_that_lands_on_an_edge(height):
     """By symmetry the inner edge of one cube comes to lie in that of the other."""

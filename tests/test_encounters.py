@@ -47,6 +47,7 @@ def answer(encounter, **how):
     return fc.first_contact(encounter.moving, encounter.resting, **how)
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("name, turning", EVERY, ids=str)
 def test_the_library_finds_what_the_reference_finds(name, turning):
     """All pairs in exact arithmetic, on few rods, points and facets."""

@@ -35,6 +35,7 @@ MEETINGS = {
 }
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("name", MEETINGS)
 def test_known_meetings(name):
     a, b, expected = MEETINGS[name]
@@ -53,6 +54,7 @@ def test_known_meetings(name):
     assert lo <= expected[0][0] <= hi and hi - lo <= 1e-12 * max(1, hi)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("size", [1, 10, 100])
 @pytest.mark.parametrize("shape", [fc.cylinder(1, 2), fc.cylinder(1, 2).to_mesh(0.1)], ids=["solid", "mesh"])
 def test_enclosures_are_as_narrow_as_the_time_asks(shape, size):

@@ -30,10 +30,11 @@ def assert_agreement(scenes) -> None:
     assert len(seen) == 3, seen
 
 
+@pytest.mark.share(2)
 @MOTIONS
-@pytest.mark.parametrize("first", range(0, amount(2000), 250))
+@pytest.mark.parametrize("first", range(0, amount(2000), 125))
 def test_lattice_scenes(first, rotating):
-    assert_agreement((lattice_scene(seed, rotating), False) for seed in range(first, first + 250))
+    assert_agreement((lattice_scene(seed, rotating), False) for seed in range(first, first + 125))
 
 
 @MOTIONS
@@ -51,6 +52,7 @@ def test_solids_own_their_interior(rotating):
     assert_agreement((scene(seed), False) for seed in range(20_000, 20_000 + amount(250)))
 
 
+@pytest.mark.share(2)
 @MOTIONS
 @pytest.mark.parametrize("bits", [45, 50])
 def test_degenerate_scenes_shaken_by_a_hair(bits, rotating):
@@ -62,7 +64,7 @@ def test_degenerate_scenes_shaken_by_a_hair(bits, rotating):
         s, rng = lattice_scene(seed, rotating), np.random.default_rng(seed)
         return Scene(shaken(s.a, rng), shaken(s.b, rng), s.translation, s.rotation, s.until)
 
-    assert_agreement((scene(1000 * bits + k), False) for k in range(120))
+    assert_agreement((scene(1000 * bits + k), False) for k in range(amount(120)))
 
 
 @MOTIONS
@@ -108,7 +110,7 @@ def test_random_float_scenes(rotating):
             until=s.until,
         )
 
-    assert_agreement((scene(seed), False) for seed in range(40_000, 40_080))
+    assert_agreement((scene(seed), False) for seed in range(40_000, 40_000 + amount(80, 4)))
 
 
 @MOTIONS
@@ -151,6 +153,7 @@ def test_any_small_rotation(a, b, h, point, angle):
 # ------------------------------------------------------------------------------------------------- families
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("seed", [1, 2])
 @pytest.mark.parametrize("family", FAMILIES)
 def test_near_miss_families(family, seed):

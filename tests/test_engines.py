@@ -31,14 +31,16 @@ from generators import FAMILIES, Scene, to_tangent
 MOTIONS = pytest.mark.parametrize("rotating", [False, True], ids=["translation", "rotation"])
 
 
+@pytest.mark.share(2)
 @MOTIONS
 @pytest.mark.parametrize(("engine", "count"), [("lifted", 240), ("composed", 60)])
 def test_small_scenes_by_engine(engine, count, rotating):
-    scenes = small_scenes(70_000, amount(count), rotating)
+    scenes = small_scenes(70_000, amount(count, 3), rotating)
     seen = Counter(assert_same_first_contact(scene, engine=engine) for scene in scenes)
     assert len(seen) == 3, seen
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("engine", ["lifted", "composed"])
 @pytest.mark.parametrize("family", FAMILIES)
 def test_near_miss_families_by_engine(family, engine):
@@ -161,6 +163,7 @@ def rationals(x) -> list[Fraction]:
     return [Fraction(float(v)) for v in x]
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("d", [4, 6])
 @pytest.mark.parametrize("spread", [1.0, 2.0**-30, 0.0])
 def test_boxes_along_principal_axes_hold_their_vectors(d, spread):

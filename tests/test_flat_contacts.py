@@ -62,6 +62,7 @@ def pairs(hit) -> set[tuple[str, str]]:
     return {*rest, (str(hit.element_a), str(hit.element_b))}
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("name", SCENES)
 def test_both_paths_tell_the_same(name, monkeypatch):
     a, vector, b, kind = SCENES[name]

@@ -252,6 +252,7 @@ def rulings(surface: fc.RuledSurface) -> Rulings:
 # -- no branch is missed ------------------------------------------------------------------------------------
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("name", ["s01", "s03", "s10", "s11", "s12", "b01", "b02", "b09", "b10", "b11"])
 def test_no_branch_is_missed(name):
     """Rulings of P at random u meet Q in points that are roots of one polynomial: each is on the curve."""

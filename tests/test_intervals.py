@@ -58,15 +58,15 @@ def bounded(seed: int, rotating: bool) -> Scene:
 
 
 @MOTIONS
-@pytest.mark.parametrize("first", range(0, amount(600, 3), 200))
+@pytest.mark.parametrize("first", range(0, amount(600), 50))
 def test_lattice_scenes(first, rotating):
-    counts = [assert_same_intervals(bounded(seed, rotating)) for seed in range(first, first + 200)]
+    counts = [assert_same_intervals(bounded(seed, rotating)) for seed in range(first, first + 50)]
     assert max(counts) > 1
 
 
 @MOTIONS
 def test_lattice_scenes_exactly(rotating):
-    for seed in range(5000, 5080):
+    for seed in range(5000, 5000 + amount(80, 4)):
         assert_same_intervals(bounded(seed, rotating), exact=True)
 
 

@@ -31,6 +31,7 @@ SCENES = {
 }  # fmt: skip
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("name", SCENES)
 def test_landing(name):
     body, motion, other, kind = SCENES[name]
@@ -81,6 +82,7 @@ LANDERS = {"mesh": TIP, "ball": fc.sphere(1), "box": fc.box((2, 1, 1)),
            "open mesh": fc.Polyhedron([(1, 0, 0), (-3, 1, 0), (-3, -1, 1)], [[0, 1, 2]])}  # fmt: skip
 
 
+@pytest.mark.share(5)
 @pytest.mark.parametrize("ending", ENDING)
 @pytest.mark.parametrize("lander", LANDERS)
 @pytest.mark.parametrize("other", HOLED)

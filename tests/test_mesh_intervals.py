@@ -54,6 +54,7 @@ def assert_near(found, known):
     assert ends.shape == np.shape(known) and np.abs(ends - known).max() <= 1e-11
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("name", CLIP_SCENES)
 def test_as_the_union_of_its_parts(name):
     body = CLIP_SCENES[name]

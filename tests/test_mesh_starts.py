@@ -47,6 +47,7 @@ def scenes(count, seed):
         yield list(FLAT)[k % 3], r.choice(list(STANDING)), r.choice(DEPTHS), r.randint(0, 10**6)
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("flat, name, g, seed", list(scenes(24, 3)))
 def test_depths_and_gaps_of_any_size(flat, name, g, seed):
     r = Random(seed)
@@ -61,6 +62,7 @@ def test_depths_and_gaps_of_any_size(flat, name, g, seed):
         judge(g, fc.first_contact(*scene, exact=True))
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("flat", FLAT)
 @pytest.mark.parametrize("name", HOLED)
 def test_solids_with_holes(flat, name):

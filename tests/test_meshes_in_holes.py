@@ -111,6 +111,7 @@ def test_in_the_hole_from_the_start():
     assert hit.contact_set is None  # all along the wall
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize(
     ("body", "model", "kind"),
     [

@@ -124,6 +124,7 @@ def overlap_seen(a, motion, b, points, t):
     return b.contains(there).any() or a.contains((points[1] - m[:3, 3]) @ np.linalg.inv(m[:3, :3]).T).any()
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize(("make_a", "make_b", "motion"), SCREWS)
 def test_screws_agree_with_samples(make_a, make_b, motion):
     turned = make_a().rotated((1, 2, 3), degrees=40).translated((-3, 0.125, 0.25))

@@ -8,6 +8,7 @@ import pytest
 from flint import arb, ctx
 
 import naive
+from amount import amount
 from generators import lattice_scene
 from vectors import VECTORS, Vector
 
@@ -77,7 +78,7 @@ def test_parity_counts_a_cavity_as_outside():
 def test_intervals_against_poses_at_random(rotating):
     """The reference's intervals say what a static test of the posed bodies says."""
     met = 0
-    for seed in range(120):
+    for seed in range(amount(120, 4)):
         s = lattice_scene(seed, rotating)
         a, b = naive.shape(s.a.v, s.a.e, s.a.f), naive.shape(s.b.v, s.b.e, s.b.f)
         motion, until = naive.Shift(s.translation or (0, 0, 0)), 4

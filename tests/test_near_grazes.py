@@ -49,6 +49,7 @@ PASSING = {
 }  # fmt: skip
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("name", PASSING)
 def test_a_graze_a_miss_and_a_hit(name):
     touch, miss, hit = (fc.first_contact(*PASSING[name](gap)) for gap in (0, TINY, -TINY))
@@ -60,6 +61,7 @@ def test_a_graze_a_miss_and_a_hit(name):
     assert {hit.element_a.kind, touch.element_a.kind} == {"edge" if name == "cone's rim" else "face"}
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("gap", [F(1, 10**9), F(1, 10**12), F(1, 10**15), F(1, 10**40)])
 def test_times_against_the_distance_of_balls(gap):
     """4 is the square of the distance from (0, 5 - gap, 2) to (3 cos, 3 sin, 4 t) when they touch."""

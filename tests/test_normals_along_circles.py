@@ -37,6 +37,7 @@ def test_a_ball_on_the_rim_of_a_hole(exact):
     check(fc.first_contact(ball, plate, exact=exact), (0, 0, 6.5), 4.25)
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("exact", [False, True])
 @pytest.mark.parametrize("seed", range(8))
 def test_balls_in_holes_and_seats(seed, exact):

@@ -25,6 +25,7 @@ def prism(rng, high: float) -> fc.Polyhedron:
     return fc.Polyhedron(points, [k[::-1].tolist(), (k + n).tolist(), *walls])
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("seed", range(amount(18)))
 def test_parts_on_one_table_touch_as_parts_at_two_heights(seed):
     rng = np.random.default_rng(seed)

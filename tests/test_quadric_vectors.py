@@ -51,6 +51,7 @@ def on_segment(p, start, end) -> bool:
     return -1e-9 <= s <= 1 + 1e-9 and np.abs(start + s * (end - start) - p).max() <= 1e-9
 
 
+@pytest.mark.share(5)
 @EACH
 def test_swapping_the_bodies_turns_the_normal(vector):
     a, b = vector.bodies
@@ -64,6 +65,7 @@ def test_swapping_the_bodies_turns_the_normal(vector):
             assert np.allclose(hit.normal, -back.normal, atol=1e-9)
 
 
+@pytest.mark.share(5)
 @EACH
 def test_both_paths_agree(vector):
     """Certified floats and exact algebra share no code beyond the model."""

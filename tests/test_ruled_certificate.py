@@ -52,6 +52,7 @@ def test_double_zeros_are_left():
     assert not isolated(Circle(fmpq(3, 2)), [[arb(0, 2), arb("0.01", 2)]]).zeros
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize(
     "motion",
     [
@@ -94,6 +95,7 @@ def scene(seed):
     return WING.translated(rng.integers(-4, 5, 3)), motions[seed % 3](), solid
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("seed", [1, 14, 16, *range(20, 20 + amount(40, 20))])
 def test_large_surfaces_and_small_solids(seed):
     """Contact is decided to 1e-12; an independent truth: sampled points before and after."""

@@ -25,6 +25,7 @@ def tetrahedron(rng):
     return fc.Polyhedron(points, [[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]])
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("seed", range(amount(12)))
 def test_a_planar_piece_is_the_mesh_of_two_triangles(seed):
     rng = np.random.default_rng(seed)

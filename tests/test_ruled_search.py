@@ -79,6 +79,7 @@ def test_first_contact_of_vectors(name: str) -> None:
         assert found.event.zero is not None and found.event.elements == ELEMENTS.get(name, found.event.elements)
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("name", sorted(MOVING))
 def test_times_of_contact_of_vectors(name: str) -> None:
     p, q, first, last = pieces(MOVING[name])

@@ -47,6 +47,7 @@ def moving(name, how, k):
     return upper.transformed(grown).moving(motion(how, k)), lower.transformed(grown)
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("how", ["translation", "screw", "sequence"])
 @pytest.mark.parametrize("name", SCENES)
 def test_lengths_times_a_power_of_two(name, how):

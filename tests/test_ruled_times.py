@@ -140,6 +140,7 @@ CASES = {
 }  # fmt: skip
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("name", CASES)
 def test_degenerate_pairs(name):
     a, b, span, expected = CASES[name]

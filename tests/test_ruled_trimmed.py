@@ -121,6 +121,7 @@ def test_every_part_of_a_piece_has_a_place():
     assert len(inner_places(DISC)) >= 1  # the disc touches the borders of its square from inside
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize(
     "trim",
     [

@@ -33,6 +33,7 @@ def test_a_ball_that_lands_beside_or_on_an_edge(where, other, count):
     assert told.stats.exact_evaluations == 0  # of a search of all features
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("seed", range(amount(30)))
 def test_both_paths_name_the_same_on_a_lattice(seed):
     rng = np.random.default_rng(seed)

@@ -105,6 +105,7 @@ def pipe(radius, axis: int, at=(0, 0), turn=(1, 0)):
     return strip(grid, [0, 0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 4], [[2 ** (k // 2)] * 2 for k in range(9)])
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("turn", [(1, 0), (F(3, 5), F(4, 5))], ids=["at knots", "between knots"])
 @pytest.mark.parametrize("other", [(1, 0), (F(5, 13), F(12, 13))], ids=["at knots", "between knots"])
 def test_crossings_and_touches_are_decided(turn, other):

@@ -39,7 +39,7 @@ def in_units(scene: Scene, units) -> Scene:
 @MOTIONS
 def test_one_unit_of_length(rotating):
     seen = Counter()
-    for seed in range(70_000, 70_000 + amount(45)):
+    for seed in range(70_000, 70_000 + amount(45, 3)):
         scene = lattice_scene(seed, rotating)
         status, _, nearest = reference(naive.first_contact, scene)
         seen[status] += 1
@@ -74,7 +74,7 @@ def test_every_axis_in_its_own_unit(rotating):
         return in_units(lattice_scene(seed, rotating), units)
 
     seen = Counter()
-    for seed in range(72_000, 72_000 + amount(45)):
+    for seed in range(72_000, 72_000 + amount(45, 3)):
         s = scene(seed)
         status, _, nearest = reference(naive.first_contact, s)
         hit = fc.first_contact(*question(s))
@@ -87,7 +87,7 @@ def test_every_axis_in_its_own_unit(rotating):
 def test_speeds(k):
     """As many times as quick, and as many times sooner; from 2^-1040 on spans end beyond the largest double."""
     met = 0
-    for seed in range(73_000, 73_000 + amount(30)):
+    for seed in range(73_000, 73_000 + amount(30, 3)):
         scene = lattice_scene(seed, False)
         until = F(4) if scene.until is None else F(scene.until)
         status, time, _ = reference(naive.first_contact, replace(scene, until=until))

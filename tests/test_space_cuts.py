@@ -40,6 +40,7 @@ def test_small_scenes_by_space(turning, eager):
     assert len(seen) == 3, seen
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("family", FAMILIES)
 def test_near_miss_families_by_space(family, eager):
     a, b = FAMILIES[family](12, 6)

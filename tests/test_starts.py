@@ -70,6 +70,7 @@ def scenes(count, seed):
         yield lower, upper, g, turn if any(turn) else (1, 2, 3), scale, motion
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("scene", list(scenes(16, 1)), ids=str)
 def test_depths_and_gaps_of_any_size(scene):
     lower, upper, g, *rest = scene
@@ -133,6 +134,7 @@ def shrunk(body, centre, k):
     return body.transformed([*rows, [0, 0, 0, 1]])
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("name", HOLDING)
 def test_one_in_the_other(name):
     """Containment where the surfaces are apart; not for equal bodies, nor where they touch from inside."""

@@ -93,6 +93,7 @@ def test_meshes_and_closed_solids():
     assert same_answer(fc.first_contact(*ask, engine="sweep"), fc.first_contact(*ask, engine="boxes"))
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("seed", range(4))
 def test_trees_keep_their_order_and_older_trees_stay(seed):
     """Cells put in and taken out at random, in facets one above the other, against a sorted list."""

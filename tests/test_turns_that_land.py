@@ -22,6 +22,7 @@ SPANS = [(-1, 0), (-7, -6), (F(-1, 2), 0), (-5, 0), (F(-23, 4), 0), (F(45, 4), 1
 ASKED = [(SPANS[0], engine) for engine in ENGINES] + list(zip(SPANS[1:], ENGINES, strict=True))
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("span, engine", ASKED)
 def test_a_lid_that_closes_with_the_last_instant(span, engine):
     """By 60 degrees a unit of time; in the last of them it comes down from above."""

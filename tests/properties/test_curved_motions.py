@@ -45,9 +45,9 @@ def same_contact(x, y) -> None:
 
 
 @pytest.mark.parametrize("generic", [False, True], ids=["degenerate", "random"])
-@pytest.mark.parametrize("block", range(amount(4)))
+@pytest.mark.parametrize("block", range(amount(12)))
 def test_a_translation_as_a_rational_motion(block, generic):
-    for seed in range(25 * block, 25 * block + 25):
+    for seed in range(8 * block, 8 * block + 8):
         rng = np.random.default_rng([1, seed, generic])
         a, b = random_body(rng, generic), random_body(rng, generic)
         v = rng.integers(-5, 6, 3).tolist()
@@ -58,9 +58,9 @@ def test_a_translation_as_a_rational_motion(block, generic):
 
 
 @pytest.mark.parametrize("generic", [False, True], ids=["degenerate", "random"])
-@pytest.mark.parametrize("block", range(amount(4)))
+@pytest.mark.parametrize("block", range(amount(12)))
 def test_a_rotation_as_a_rational_motion(block, generic):
-    for seed in range(25 * block, 25 * block + 25):
+    for seed in range(8 * block, 8 * block + 8):
         rng = np.random.default_rng([2, seed, generic])
         a, b = random_body(rng, generic), random_body(rng, generic)
         axis, point = AXES[rng.integers(5)], (rng.integers(-4, 5, 3) / 2).tolist()
@@ -76,7 +76,7 @@ def test_a_rotation_as_a_rational_motion(block, generic):
 def test_screws_whose_relative_motion_is_simple():
     """A screw seen from a body that turns alike is a translation; from one that advances alike, a rotation."""
     contacts = 0
-    for seed in range(amount(100)):
+    for seed in range(amount(100, 4)):
         rng = np.random.default_rng([3, seed])
         a, b = random_body(rng, True), random_body(rng, True)
         axis, length = [((0, 0, 1), 1), ((0, -3, 4), 5), ((1, 2, 2), 3)][rng.integers(3)]
@@ -304,10 +304,11 @@ def _shift(x, y, z) -> np.ndarray:
 # ------------------------------------------------------------------------------------------- intervals and pairs
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("generic", [False, True], ids=["degenerate", "random"])
 @pytest.mark.parametrize("block", range(2))
 def test_intervals_of_simple_motions(block, generic):
-    for seed in range(25 * block, 25 * block + 25):
+    for seed in range(8 * block, 8 * block + 8):
         rng = np.random.default_rng([9, seed, generic])
         a, b = random_body(rng, generic), random_body(rng, generic)
         if seed % 2:
@@ -326,6 +327,7 @@ def test_intervals_of_simple_motions(block, generic):
         assert [(i.start, i.end) for i in x] == [tuple(pytest.approx(t, abs=1e-10) for t in i) for i in y], seed
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("seed", range(6))
 def test_intervals_of_screws_against_samples(seed):
     rng = np.random.default_rng([10, seed])

@@ -13,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import firstcontact as fc
+from amount import amount
 from curved import rational_turn
 
 Status = fc.Status
@@ -55,7 +56,7 @@ def expect(hit, spans, overlapping: bool):
         assert hit.status is Status.CONTACT and hit.time == pytest.approx(float(first), abs=1e-12)
 
 
-@settings(max_examples=40)
+@settings(max_examples=amount(60))
 @given(radius, radius, vector, vector)
 def test_balls(r, s, start, v):
     a, b = fc.sphere(r).translated(start), fc.sphere(s)
@@ -63,7 +64,7 @@ def test_balls(r, s, start, v):
     expect(both_paths(a.moving(fc.Translation(v)), b), [near(start, v, r + s)], inside)
 
 
-@settings(max_examples=40)
+@settings(max_examples=amount(60))
 @given(radius, radius, vector, vector)
 def test_upright_cylinders(r, s, start, v):
     """Coaxial and parallel ones, side to side, end to end and rim to rim; they touch when near both ways."""
@@ -78,6 +79,7 @@ CROSSED = fc.cylinder(1, 6).rotated((1, 0, 0), degrees=90).translated((2, 0, 0))
 REST, UP = fc.Translation((0, 0, 0)), fc.Translation((0, 0, 1))
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize(
     ("a", "b"),
     [
@@ -104,13 +106,13 @@ SOLIDS = st.sampled_from([
 ])  # fmt: skip
 
 
-@settings(max_examples=25)
+@settings(max_examples=amount(40))
 @given(SOLIDS, SOLIDS, vector, vector)
 def test_solids_on_a_lattice(a, b, start, v):
     both_paths(a.translated(start).moving(fc.Translation(v)), b)
 
 
-@settings(max_examples=20)
+@settings(max_examples=amount(30))
 @given(SOLIDS, SOLIDS, vector, st.sampled_from([(0, 0, 1), (1, 0, 0), (0, 1, 1)]), st.tuples(step, step, st.just(0)))
 def test_solids_that_turn(a, b, start, axis, point):
     both_paths(a.translated(start).moving(rational_turn(axis, point)), b)

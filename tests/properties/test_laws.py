@@ -10,11 +10,12 @@ import pytest
 import firstcontact as fc
 import generators as g
 from agreement import polyhedron
+from amount import amount
 from generators import Scene, lattice_scene
 from vectors import Body
 
 MOTIONS = pytest.mark.parametrize("rotating", [False, True], ids=["translation", "rotation"])
-SEEDS = range(60_000, 60_080)
+SEEDS = range(60_000, 60_000 + amount(80, 4))
 
 
 def scenes(rotating: bool):
@@ -113,6 +114,7 @@ def test_time_runs_backwards_in_a_turn(degrees):
             assert abs(i.start - (1 - j.end)) <= 2.0**-51 and abs(i.end - (1 - j.start)) <= 2.0**-51, scene
 
 
+@pytest.mark.share(2)
 @MOTIONS
 @pytest.mark.parametrize("cut", [Fraction(1, 2), Fraction(1, 4), Fraction(5, 8)])
 def test_a_split_span_gives_the_same_first_contact(cut, rotating):
@@ -182,6 +184,7 @@ def test_one_rigid_motion_of_everything_changes_no_time(rotating):
         assert moved == ask(a.moving(motion(scene)), b), scene
 
 
+@pytest.mark.share(3)
 @MOTIONS
 @pytest.mark.parametrize(
     "factor", [Fraction(2) ** -40, Fraction(2) ** 30, Fraction(254, 10), Fraction(1, 1000)], ids=str

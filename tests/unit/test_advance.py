@@ -225,6 +225,7 @@ def apart(a, b, t) -> float:
     return best
 
 
+@pytest.mark.share(5)
 @pytest.mark.parametrize("seed", range(amount(150)))
 def test_random_pairs(seed):
     a, b = random_pair(seed)

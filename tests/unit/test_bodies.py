@@ -364,6 +364,7 @@ def test_trimesh_and_back():
     assert np.array_equal(again.triangles, body.triangles)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize(
     "body",
     [
@@ -412,6 +413,7 @@ TURNS = [
 ]  # fmt: skip
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("motion", TURNS, ids=str)
 @pytest.mark.parametrize("part", [1.0, 0.37])
 def test_bounds_hold_the_moving_body(motion, part):

@@ -33,6 +33,7 @@ def piece_of(name: str):
     return pieces(BODY.moving(motion), BODY if other is None else BODY.moving(other), None)[0][0]
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("name", MOTIONS)
 def test_every_row_is_within_its_error(name):
     piece = piece_of(name)
@@ -57,6 +58,7 @@ def test_every_row_is_within_its_error(name):
                     assert abs(value) <= arb(float(array[index, cells.ERRORS + 1, group]))
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("name", MOTIONS)
 def test_boxes_are_apart_until_they_are_said_to_meet(name):
     piece = piece_of(name)

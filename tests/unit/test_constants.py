@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from flint import arb, arb_poly, fmpq
 
+from amount import amount
 from firstcontact.exact.numbers import precision
 from firstcontact.kernels import angle, running, verdict
 from firstcontact.search.frame import FRAME_EPS, frame_of
@@ -63,7 +64,7 @@ def test_det_bound():
         p = rng.uniform(1, 2, (3, 3)) * np.array([[1, -1, 1], [1, 1, -1], [-1, 1, 1]])
         return p.tolist(), (rng.uniform(-0.5, 0.5, (3, 3)) * 2.0**-20).tolist()
 
-    worst = max(worst_det(draw, 2500) for draw in (generic, nearly_singular, other_scales, all_of_one_sign))
+    worst = max(worst_det(draw, amount(2500, 4)) for draw in (generic, nearly_singular, other_scales, all_of_one_sign))
     assert worst < 1
     assert climb(rng) < 1
     assert worst > 0.05  # the test sees errors at all
@@ -75,7 +76,7 @@ def climb(rng) -> float:
     for _ in range(4):
         p, o = rng.uniform(-1, 1, (3, 3)), rng.uniform(-1, 1, (3, 3))
         here = det_ratio(p.tolist(), o.tolist())
-        for _ in range(250):
+        for _ in range(amount(250, 4)):
             p2, o2 = p.copy(), o.copy()
             target = p2 if rng.integers(2) else o2
             i, j = rng.integers(3, size=2)
@@ -100,7 +101,7 @@ def test_slack_of_moved_vectors():
     """`slack3` bounds the change of a determinant when vectors move by bounded 1-norms."""
     rng = np.random.default_rng(13)
     worst = 0.0
-    for _ in range(2000):
+    for _ in range(amount(2000)):
         v = [[Fraction(x) for x in row] for row in rng.uniform(-1, 1, (3, 3)).tolist()]
         size = [float(sum(map(abs, row))) for row in v]
         d = (2.0 ** rng.uniform(-40, 0, 3)).tolist()
@@ -115,7 +116,7 @@ def test_slack_of_moved_vectors():
 
 def test_quotient_encloses():
     rng = np.random.default_rng(14)
-    for _ in range(4000):
+    for _ in range(amount(4000)):
         n, d = rng.uniform(-1, 1, 2) * np.exp2(rng.uniform(-60, 60, 2))
         d_err = abs(d) * 2.0 ** rng.uniform(-60, -0.1)
         n_err = abs(n) * 2.0 ** rng.uniform(-60, 3)
@@ -214,7 +215,7 @@ def test_polynomial_of_atan_is_proved():
 def test_angle_bounds_enclose():
     rng = np.random.default_rng(22)
     narrow = 0
-    for k in range(3000):
+    for k in range(amount(3000)):
         phi, size = rng.uniform(0, 2 * np.pi), 2.0 ** rng.uniform(-30, 30)
         if k % 5 == 0:
             phi = rng.choice([0.0, np.pi / 2, np.pi]) + rng.uniform(-1, 1) * 2.0 ** -rng.uniform(1, 50)
@@ -260,7 +261,7 @@ def test_running_operations(name):
         "div": lambda x, y: x / y,
     }[name]
     worst = 0.0
-    for _ in range(4000):
+    for _ in range(amount(4000)):
         (x, ex), (y, ey) = draw(rng), draw(rng)
         if name == "div" and not abs(y) > ey:
             continue
@@ -275,7 +276,7 @@ def test_running_operations(name):
 def test_running_products_of_vectors(name):
     rng = np.random.default_rng(32)
     kernel = getattr(running, name)
-    for _ in range(4000):
+    for _ in range(amount(4000)):
         (x0, ex), (x1, _), (y0, ey), (y1, _) = (draw(rng) for _ in range(4))
         r, er = kernel(x0, x1, ex, y0, y1, ey)
         t = [inside(rng, v, e) for v, e in ((x0, ex), (x1, ex), (y0, ey), (y1, ey))]
@@ -285,7 +286,7 @@ def test_running_products_of_vectors(name):
 
 def test_running_root():
     rng = np.random.default_rng(33)
-    for k in range(20000):
+    for k in range(amount(20_000)):
         x, ex = draw(rng)
         x = abs(x)
         if k % 2:  # errors of the size of one rounding, just above a power of two

@@ -79,6 +79,7 @@ def scenes(family, rng, n, kind):
     return zip(a.tolist(), turned_onto(family, rng, a, b).tolist(), strict=True)
 
 
+@pytest.mark.share(3)
 @KINDS
 @pytest.mark.parametrize("family", FAMILIES)
 def test_filter_agrees_with_exact_contacts(kind, family):
@@ -103,6 +104,7 @@ def test_filter_agrees_with_exact_contacts(kind, family):
         assert seen[NONE] > 0.2 * n and seen[UNSURE] > 0, seen
 
 
+@pytest.mark.share(3)
 @KINDS
 @pytest.mark.parametrize("family", FAMILIES)
 def test_filter_with_rounded_coordinates(kind, family):

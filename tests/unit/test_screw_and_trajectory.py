@@ -223,6 +223,7 @@ def test_the_span_of_a_query():
         common_span(rational, CUBE.moving(fc.Trajectory([2, 3], [ONE, ONE])), None)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("motion", [
     fc.RationalMotion([ONE]), fc.Screw((0, 0, 1), turns=1), fc.Trajectory([0, 1], [ONE, ONE]),
     fc.Sequence([fc.Translation((1, 0, 0)), fc.Screw((0, 0, 1), turns=1)]),
@@ -265,6 +266,7 @@ MOTIONS = [
 ]  # fmt: skip
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("motion", MOTIONS, ids=repr)
 @pytest.mark.parametrize("part", [(0.0, 1.0), (0.3, 0.37), (0.5, 0.5)])
 def test_bounds_hold_the_moving_body(motion, part):
@@ -333,6 +335,7 @@ def test_bounds_of_an_unknown_motion_are_refused():
 TURNS_AND_SHIFTS = [fc.Translation((1, -2, 3)), fc.Rotation((1, 1, 0), degrees=300)]
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("motion", [*MOTIONS, *TURNS_AND_SHIFTS], ids=repr)
 def test_bounds_hold_a_moving_solid(motion):
     solid = fc.cylinder(1, 3) - fc.sphere(1).translated((0, 0, 1))

@@ -56,6 +56,7 @@ FACET = (point_plane.translation_filter, point_plane.translation_window, facet_o
 KINDS = pytest.mark.parametrize("kind", [EDGES, FACET], ids=["edge edge", "vertex facet"])
 
 
+@pytest.mark.share(3)
 @KINDS
 @pytest.mark.parametrize("family", FAMILIES)
 def test_filter_agrees_with_exact_window(kind, family):
@@ -79,6 +80,7 @@ def test_filter_agrees_with_exact_window(kind, family):
         assert seen[NONE] > 0.2 * n and seen[UNSURE] > (0.01 * n if family != "shaken" else 0), seen
 
 
+@pytest.mark.share(3)
 @KINDS
 @pytest.mark.parametrize("family", FAMILIES)
 def test_filter_with_rounded_coordinates(kind, family):
@@ -106,6 +108,7 @@ CROSSING = {segment_facet.APART: (NONE, UNSURE), segment_facet.TOUCHING: (UNSURE
             segment_facet.CROSSING: (CERTAIN, UNSURE)}  # fmt: skip
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("family", FAMILIES)
 def test_crossing_filter(family):
     rng = np.random.default_rng(53)
@@ -123,6 +126,7 @@ def test_crossing_filter(family):
         assert seen[segment_facet.APART, UNSURE] + seen[segment_facet.CROSSING, UNSURE] == 0
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("family", FAMILIES)
 def test_crossing_filter_with_rounded_coordinates(family):
     rng = np.random.default_rng(54)

@@ -112,6 +112,7 @@ def holds(box, point) -> bool:
     return all(Fraction(box[k]) <= x <= Fraction(box[k + 3]) for k, x in enumerate(point))
 
 
+@pytest.mark.share(3)
 @NAMES
 def test_boxes_hold_their_triangles(name):
     tree = tree_of(BODIES[name]())
@@ -200,6 +201,7 @@ def test_splitting_makes_the_boxes_smaller():
         assert np.max(box[3:] - box[:3]) < 0.75 * whole.max()
 
 
+@pytest.mark.share(5)
 @NAMES
 @pytest.mark.parametrize("axis", [(1.0, 2.0, 3.0), (-0.3, 1e-9, 0.7), (0.0, 1.0, 0.0)])
 def test_refitted_boxes_hold_the_turned_body(name, axis):

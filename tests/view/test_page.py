@@ -97,7 +97,7 @@ def state(browser, expression):
     return browser.execute_script(f"return window.firstcontact.{expression}")
 
 
-def wait_until(condition, seconds=30.0):  # a limit, not a measure: browsers are slow on busy machines
+def wait_until(condition, seconds=120.0):  # a limit, not a measure: browsers are slow on busy machines
     end = time.monotonic() + seconds
     while not (value := condition()):
         assert time.monotonic() < end, "waited in vain"

@@ -13,7 +13,7 @@ from functools import cached_property, cmp_to_key
 
 from flint import fmpq
 
-from firstcontact.composite.at_rest import coincide, overlap, relation_at
+from firstcontact.composite.at_rest import coincide, overlap
 from firstcontact.composite.contact_sets import Shared, shared_part
 from firstcontact.composite.membership import extent
 from firstcontact.composite.moving_pair import Pair
@@ -24,7 +24,6 @@ from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import Undecidable, dyadic, precision
 from firstcontact.exact.roots import AlgebraicRoot
 from firstcontact.exact.square_systems import EnclosedRoot, OpenRoot
-from firstcontact.search.relation import Relation
 
 NARROW = fmpq(1, 10**12)
 """Of the span of a piece: what an enclosure of a time of contact may be wide."""
@@ -58,7 +57,9 @@ class Search:
     """One piece of the motion: its subproblems, candidates in order of time, and the verdicts given so far.
 
     near: surfaces of either model; only features on these are looked at.
-    undecided: candidates (by id) whose verdict is open, and why.  Raises `work.Spent` when the work's budget is.
+    undecided: candidates (by id) whose verdict is open, and why.
+    overlaps: what `overlap` told, by u.
+    Raises `work.Spent` when the work's budget is.
     """
 
     pair: Pair
@@ -67,6 +68,7 @@ class Search:
     candidates: list[Candidate] = field(default_factory=list)
     verdicts: dict[int, tuple[list[Meeting], str]] = field(default_factory=dict)
     undecided: dict[int, str] = field(default_factory=dict)
+    overlaps: dict[fmpq, bool | None] = field(default_factory=dict)
     near: tuple[frozenset[int], frozenset[int]] | None = None
 
     def __post_init__(self) -> None:
@@ -168,20 +170,25 @@ class Search:
                 raise UnsupportedPair(f"{task.a.name} slides in {task.b.name}; not decided: {error}") from error
         return found
 
-    def share_a_point(self, u: fmpq) -> bool:
-        """Whether the models share a point at a rational u that is no candidate."""
-        return bool(self.lasting(u)) or overlap(self.pair, u) or coincide(self.pair, u)
+    def share_a_point(self, u: fmpq) -> bool | None:
+        """Whether the models share a point at a rational u that is no candidate; None where it is not proved that they
+        share none."""
+        if self.lasting(u):
+            return True
+        overlapping = self._overlap(u)
+        return True if overlapping or coincide(self.pair, u) else overlapping
 
-    def may_share_a_point(self, u: fmpq) -> bool:
-        """Whether they do, or come so close that it is not proved that they do not."""
-        return self.share_a_point(u) or relation_at(self.pair, u) is Relation.NEAR
+    def _overlap(self, u: fmpq) -> bool | None:
+        if u not in self.overlaps:
+            self.overlaps[u] = overlap(self.pair, u)
+        return self.overlaps[u]
 
-    def shares_a_point_at_end(self) -> bool:
-        """Whether the models share a point after the last candidate: a check of a search that found no contact."""
+    def may_share_a_point_at_end(self) -> bool:
+        """Whether they may share one after the last candidate: a check of a search that found no contact."""
         piece = self.pair.piece
         assert piece.u_hi is not None
         lo = self.beyond(self.candidates[-1].root) if self.candidates else piece.u_lo
-        return lo < piece.u_hi and self.may_share_a_point((lo + piece.u_hi) / 2)
+        return lo < piece.u_hi and self.share_a_point((lo + piece.u_hi) / 2) is not False
 
     def is_at_start(self, root: Root) -> bool:
         return self.pair.piece.clock.compare(root, self.pair.piece.start) == 0
@@ -193,7 +200,7 @@ class Search:
 
     def overlaps_after_start(self) -> bool:
         """Whether the interiors overlap at the times between the start and the next candidate."""
-        return overlap(self.pair, self.moment_after_start())
+        return self._overlap(self.moment_after_start()) is True
 
     def coincides_at_start(self) -> bool:
         """Whether whole surfaces of the models coincide at the start."""
@@ -201,7 +208,7 @@ class Search:
 
     def may_share_a_point_after_start(self) -> bool:
         """Whether it is not proved that they share none then."""
-        return self.may_share_a_point(self.moment_after_start())
+        return self.share_a_point(self.moment_after_start()) is not False
 
     def moment_after_start(self) -> fmpq:
         """A rational u after the start of the piece and before every later candidate."""

@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 from flint import arb, fmpq
 
-from firstcontact.body.carriers import ONE, Line, Plane, Point, Rows, Vector, dot, times, upright
+from firstcontact.body.carriers import ONE, ZERO, Line, Plane, Point, Rows, Vector, dot, times, upright
 from firstcontact.body.composite_quadric import CompositeQuadric, NoSolid, joined
 from firstcontact.body.csg import And, Leaf, Not, Tree, inside, pattern
+from firstcontact.body.features import Face
 from firstcontact.body.neighbourhood import patterns
 from firstcontact.composite.moving_pair import Pair
 from firstcontact.exact.number_field import ball
@@ -47,11 +48,14 @@ def relation_at(pair: Pair, u: fmpq) -> Relation | None:
     return relation(pair.a, pair.b, _pose_at(pair, u))
 
 
-def overlap(pair: Pair, u: fmpq) -> bool:
-    """Whether the interiors of the two models share a point at u: by a proof, else by the Boolean intersection."""
+def overlap(pair: Pair, u: fmpq) -> bool | None:
+    """Whether the interiors of the two models share a point at u: by a proof, else by the Boolean intersection.
+
+    None: they come so close that neither tells.
+    """
     known = relation_at(pair, u)
     if known is not None:
-        return known is Relation.OVERLAPPING
+        return None if known is Relation.NEAR else known is Relation.OVERLAPPING
     if _is_polytope(pair.a) and _is_polytope(pair.b):
         return False
     return _is_solid(lambda: placed(pair, u) & pair.b)
@@ -69,7 +73,7 @@ def overlap_around(pair: Pair, u: fmpq, shared: Sequence[Vector]) -> bool:
     seen = [_meet_around(a, b, p) for p in map(_rational, shared[:MOST_PLACES]) if p is not None]
     if True in seen:
         return True
-    return False if False in seen and is_one_piece(a) and is_one_piece(b) else overlap(pair, u)
+    return False if False in seen and is_one_piece(a) and is_one_piece(b) else overlap(pair, u) is True
 
 
 def _rational(x: Vector) -> Vector | None:
@@ -98,7 +102,9 @@ def _meet_around(a: CompositeQuadric, b: CompositeQuadric, p: Vector) -> bool | 
 
 def coincide(pair: Pair, u: fmpq) -> bool:
     """Whether a whole closed surface is a face of both at u: no edge tells, then, that the models touch."""
-    return _share_a_whole_surface(placed(pair, u), pair.b)
+    if not (_whole_faces(pair.a) and _whole_faces(pair.b)):
+        return False
+    return not _whole_surfaces(placed(pair, u)).isdisjoint(_whole_surfaces(pair.b))
 
 
 def _is_polytope(model: CompositeQuadric) -> bool:
@@ -119,8 +125,7 @@ def _is_conjunction(tree: Tree) -> bool:
 
 def _separated(pair: Pair, u: fmpq) -> bool:
     """Whether a plane along a face of one polytope, or along an edge of each, has their interiors on two sides."""
-    pose = tuple(tuple(x(u) / pair.piece.pose[3][3](u) for x in row) for row in pair.piece.pose)
-    points_a, edges_a = _skeleton(pair.a, pose)
+    points_a, edges_a = _skeleton(pair.a, (*_pose_at(pair, u), (ZERO, ZERO, ZERO, ONE)))
     points_b, edges_b = _skeleton(pair.b, None)
     normals = [tuple(c(u) for c in form[:3]) for form in (*pair.forms_a, *pair.forms_b)]
     normals += [cross(d, e) for d in edges_a for e in edges_b]
@@ -151,8 +156,7 @@ def _box_of_a(pair: Pair, u: fmpq) -> tuple[np.ndarray, np.ndarray]:
     lo, hi = pair.a.bounds()
     if not np.all(np.isfinite([lo, hi])):
         return np.full(3, -np.inf), np.full(3, np.inf)
-    rows = [[x(u) for x in row] for row in pair.piece.pose]
-    pose = np.array([[to_double(x / rows[3][3]) for x in row] for row in rows[:3]])
+    pose = np.array([[to_double(x) for x in row] for row in _pose_at(pair, u)])
     corners = np.array(list(product(*zip(lo, hi, strict=True))))
     moved = corners @ pose[:, :3].T + pose[:, 3]
     # entries, products and sums: a handful of roundings relative to the sizes of the terms
@@ -162,19 +166,21 @@ def _box_of_a(pair: Pair, u: fmpq) -> tuple[np.ndarray, np.ndarray]:
 
 def is_containment(pair: Pair, u: fmpq) -> bool:
     """Whether one model holds the other at u, for models whose interiors overlap and whose features touch nowhere."""
+    if coincide(pair, u):
+        return False
     a, b = placed(pair, u), pair.b
-    return not _share_a_whole_surface(a, b) and not (_is_solid(lambda: a - b) and _is_solid(lambda: b - a))
+    return not (_is_solid(lambda: a - b) and _is_solid(lambda: b - a))
 
 
-def _share_a_whole_surface(a: CompositeQuadric, b: CompositeQuadric) -> bool:
-    """Whether both have all of one closed surface as a face: no edge tells, then, that their surfaces meet."""
-    return not _whole_surfaces(a).isdisjoint(_whole_surfaces(b))
+def _whole_faces(model: CompositeQuadric) -> list[Face]:
+    """The faces that nothing bounds."""
+    bounded = {k for edge in (*model.edges, *model.seams) for k in edge.faces}
+    return [face for face in model.faces if face.index not in bounded]
 
 
 def _whole_surfaces(model: CompositeQuadric) -> set[Vector]:
     """Of the faces that nothing bounds, as forms up to a factor."""
-    bounded = {k for edge in (*model.edges, *model.seams) for k in edge.faces}
-    forms = (face.carrier.matrix() for face in model.faces if face.index not in bounded)
+    forms = (face.carrier.matrix() for face in _whole_faces(model))
     return {upright(tuple(x for row in form for x in row)) for form in forms}
 
 

@@ -57,7 +57,7 @@ def _placed(body: Any, t: fmpq) -> tuple[CompositeQuadric, Rotation | Screw | No
         return body, None
     model, motion, there = body.body, body.motion, placement_at(body, t)
     if there.is_exact:
-        return model.transformed([*there.matrix(), (0, 0, 0, 1)]), None
+        return there.place(model), None
     if not isinstance(motion, Rotation | Screw):
         return None
     turns = motion.angle * t

@@ -137,8 +137,9 @@ def _at_start(a: Any, b: Any, first: fmpq, begin: float, shared: dict[str, Any])
     Those tell how the bodies touch or overlap where it is the same for one that is a little smaller or larger.
     """
     start = shared["span"][0]
-    rational = all(placement_at(body, first).is_exact for body in (a, b))
-    x, y = (_standing(body, first) if rational else _rounded(body, start) for body in (a, b))
+    there = [(placement_at(body, first), body) for body in (a, b)]
+    rational = all(pose.is_exact for pose, _ in there)
+    x, y = (pose.place(shape_of(body)) if rational else _rounded(body, start) for pose, body in there)
 
     def decided(x: Any) -> FirstContact:
         return _decided(x, y, first, first, False, False, Work(), begin, {**shared, "span": (start, start)})
@@ -146,11 +147,6 @@ def _at_start(a: Any, b: Any, first: fmpq, begin: float, shared: dict[str, Any])
     found = decided(x)
     told = rational or found.initial is None or all(decided(z).initial == found.initial for z in _smaller_and_larger(x))
     return _with(found, initial=found.initial if told else None, **shared)
-
-
-def _standing(body: Any, t: fmpq) -> Any:
-    """The body at rest where it is at t, in a rational pose."""
-    return body.body.transformed([*placement_at(body, t).matrix(), (0, 0, 0, 1)]) if isinstance(body, Moving) else body
 
 
 def _rounded(body: Any, t: float) -> Any:
@@ -204,7 +200,7 @@ def _decided(
     work.budget = None  # it is for the answer; a list that was asked for is complete
     if answer is None:
         answer = FirstContact(Status.FREE, free_until=to_double(last), **shared)
-        if searches and searches[-1].shares_a_point_at_end():  # an event was missed: never call that free
+        if searches and searches[-1].may_share_a_point_at_end():  # an event was missed: never call that free
             answer = FirstContact(Status.UNDECIDED, free_until=shared["span"][0], reason="precision", **shared)
     evaluations = sum(len(search.verdicts) for search in searches)
     stats = Stats(0, sum(len(s.tasks) for s in searches), 0, evaluations, clock.perf_counter() - begin)
@@ -465,8 +461,7 @@ def _windows(search: Search) -> Iterator[tuple[_End, _End]]:
 
 def _share(search: Search, u: fmpq) -> bool:
     """Whether the models share a point at u, which is no candidate."""
-    if search.share_a_point(u):
-        return True
-    if search.may_share_a_point(u):
+    shared = search.share_a_point(u)
+    if shared is None:
         raise UnsupportedPair("the models come so close that it is not proved whether they touch")
-    return False
+    return shared
