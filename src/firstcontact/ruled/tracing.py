@@ -49,6 +49,10 @@ ROUND = 2.0**-53
 # Zeros of a polynomial in one variable this near each other, or a pair of conjugate ones, may have been moved together
 # or apart by rounding: about its fourth root, so that even three in one are.
 CLOSE = 1e-5
+# Of coefficients that are divided by.
+SMALLEST = 1e-300
+# Farther than this from a chord, in parts of the way to the next strand with the same sign of f_y, points may be on it.
+FAR = 0.25
 # Strands over a shorter range of x, in parts of x, have too few doubles there.
 FINE = 2.0**-40
 
@@ -215,6 +219,9 @@ class Tracer:
         x_ends = np.stack((self.lo[:, 0], self.hi[:, 0]))
         whole = np.array([not s.slabs for s in strands], bool)  # lines
         self.fine = whole | (np.ptp(x_ends, axis=0) > FINE * np.abs(x_ends).max(0))
+        # the least distance seen to roots over the same x with the same sign of f_y
+        self.gap = np.full(len(strands), np.inf)
+        self._known: dict[tuple[int, fmpq], float] = {}
         every = np.arange(len(strands))
         largest = np.abs([s.window for s in strands]).max(1)
         self.noise, self.bend = self._bounds(every, np.abs(x_ends).max(0), largest)
@@ -262,8 +269,11 @@ class Tracer:
                 slab = self._slab(int(strand[n]), x[n])
                 if roots is not None and slab is not None and len(roots) == slab[1]:
                     y[n] = roots[slab[0]]
+                    apart = [abs(roots[j] - y[n]) for j in (slab[0] - 2, slab[0] + 2) if 0 <= j < len(roots)]
+                    self.gap[strand[n]] = min([self.gap[strand[n]], *apart])
         for n in np.flatnonzero(np.isnan(y)):
             x[n], y[n] = self._exact(int(strand[n]), tau[n], x[n])
+            self.gap[strand[n]] = min(self.gap[strand[n]], CLOSE)
         return x, y
 
     def _slab(self, strand: int, x: float) -> tuple[int, int] | None:
@@ -280,7 +290,7 @@ class Tracer:
         u = Powers(x, self.reverse_u[strand])
         rows = (c.T @ u.table(c.shape[0] - 1)).T
         rows = np.where(self.reverse_v[strand, None], rows[:, ::-1], rows)
-        size = np.abs(rows).max(1)
+        size = np.maximum(np.abs(rows).max(1), SMALLEST)
         lead = np.where(np.abs(rows[:, -1]) > 1e-14 * size, rows[:, -1], 1e-14 * size)
         degree = rows.shape[1] - 1
         companion = np.zeros((len(x), degree, degree))
@@ -396,20 +406,24 @@ class Tracer:
         others, the exact one.
         """
         own = np.flatnonzero(~self.across[strand])
+        which, from_x, from_y = strand[own], x[own], y[own]
         across = None if chord is None else (-chord[1][own], chord[0][own])
-        (near_x, near_y), slope, still, clear = self._moved(strand[own], x[own], y[own], across)
-        if chord is not None:
-            start, end = chord[2][own], chord[3][own]
+        (near_x, near_y), slope, still, clear = self._moved(which, from_x, from_y, across)
+        way = np.hypot(near_x - from_x, near_y - from_y)
+        if chord is None:
+            lost = way > CLOSE
+        else:
+            start, end, lost = chord[2][own], chord[3][own], np.zeros(len(own), bool)
             beside = (near_x < np.minimum(start, end)) | (near_x > np.maximum(start, end))
-            astray = np.flatnonzero((beside | ~still) & self.fine[strand[own]])
+            astray = np.flatnonzero((beside | ~still | (way > FAR * self.gap[which])) & self.fine[which])
             if len(astray):
-                which = strand[own[astray]]
-                at = self._roots(which, tau[own[astray]], x[own[astray]])
-                found, slope[astray], _, clear[astray] = self._moved(which, *at)
+                at = self._roots(which[astray], tau[own[astray]], from_x[astray])
+                found, slope[astray], _, clear[astray] = self._moved(which[astray], *at)
+                lost[astray] = np.hypot(found[0] - at[0], found[1] - at[1]) > CLOSE
                 near_x[astray], near_y[astray] = found
-        lost = ~clear | ((slope * self.slope_sign[strand[own]] < 0) & (np.abs(slope) > FLAT))
+        lost |= ~clear | ((slope * self.slope_sign[which] < 0) & (np.abs(slope) > FLAT))
         for i in np.flatnonzero(lost):
-            near_x[i], near_y[i] = self._exact(int(strand[own[i]]), tau[own[i]], x[own[i]])
+            near_x[i], near_y[i] = self._exact(int(which[i]), tau[own[i]], from_x[i])
         x, y = x.copy(), y.copy()
         x[own], y[own] = near_x, near_y
         return x, y
@@ -419,7 +433,7 @@ class Tracer:
     ) -> tuple[tuple[np.ndarray, np.ndarray], np.ndarray, np.ndarray, np.ndarray]:
         """Newton steps in a direction, by default the gradient.
 
-        Also f_y in units of the gradient, whether the last step is short, and whether doubles tell the zero.
+        Also f_y in units of the gradient, whether the last step is short, and whether doubles tell the zero from others.
         """
         x, y, slope, still = x.copy(), y.copy(), np.zeros(len(x)), np.ones(len(x), bool)
         steep, last = np.zeros(len(x)), np.zeros(len(x))
@@ -504,7 +518,9 @@ class Tracer:
             at = fmpq(*float(min(max(x, np.nextafter(lo, hi)), np.nextafter(hi, lo))).as_integer_ratio())
         else:
             at = edge.between(fmpq(*float(np.sin(0.5 * np.pi * tau) ** 2).as_integer_ratio()))
-        return to_double(at), float(edge.at(at))
+        if (strand, at) not in self._known:
+            self._known[strand, at] = float(edge.at(at))
+        return to_double(at), self._known[strand, at]
 
 
 def _power_bounds(degree: int, x: np.ndarray, reverse: np.ndarray) -> list[np.ndarray]:
