@@ -102,7 +102,7 @@ class Settled:
         return Strand(branch.points, branch.parameters, stops, branch.multiplicity, places)
 
     def _stop(self, pair: PiecePair, end: BranchEnd, place: np.ndarray) -> Stop:
-        """Bounds at which a piece goes on in its neighbour are none of the curve's; at others nothing else ends here."""
+        """Bounds at which a piece goes on in its neighbour are none of the curve's; nothing else ends at others."""
         inner = {f"{name}={u}" for name, chain, k in zip("uv", self.chains, pair, strict=True) for u in chain.knots(k)}
         on = tuple(name for name in end.on if name not in inner)
         if end.kind == "boundary" and not on:

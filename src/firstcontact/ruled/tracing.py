@@ -433,7 +433,7 @@ class Tracer:
     ) -> tuple[tuple[np.ndarray, np.ndarray], np.ndarray, np.ndarray, np.ndarray]:
         """Newton steps in a direction, by default the gradient.
 
-        Also f_y in units of the gradient, whether the last step is short, and whether doubles tell the zero from others.
+        Also f_y in units of the gradient, whether the last step is short, and whether doubles tell this zero alone.
         """
         x, y, slope, still = x.copy(), y.copy(), np.zeros(len(x)), np.ones(len(x), bool)
         steep, last = np.zeros(len(x)), np.zeros(len(x))
