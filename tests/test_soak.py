@@ -36,7 +36,7 @@ def family_kinds() -> list[Kind]:
     return list(soak.load(list(soak.FAMILIES)).values())
 
 
-OPEN = {"curves/level sets": "loops thinner than the square root of rounding are drawn far too large"}
+OPEN: dict[str, str] = {}
 """Findings that are not mended; a kind whose scene is right again is to be taken out."""
 SHORT = [
     pytest.param(kind, marks=[pytest.mark.xfail(reason=OPEN[kind.name], strict=True)] if kind.name in OPEN else [])

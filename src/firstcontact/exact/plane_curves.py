@@ -212,10 +212,32 @@ class Branch(Edge):
         return [(self._column.samples[s], k) for s, k in self._pieces]
 
     @property
+    def numbers(self) -> list[int]:
+        """How many roots the curve has in the open cell over every slab the edge crosses."""
+        return [len(self._column.branches[s][self._cell][self.curve][1]) for s, _ in self._pieces]
+
+    @property
+    def slope_sign(self) -> int:
+        """The sign of f_y, f the curve in the chart, all along the edge."""
+        s, k = self._pieces[0]
+        f, roots = self._column.branches[s][self._cell][self.curve]
+        return _irreducible(f, *roots[k]).sign_of(f.derivative())
+
+    @property
     def limits(self) -> list[AlgebraicRoot]:
         """The ends of the slabs, ascending in x: one more than `slabs`."""
         first = self._pieces[0][0]
         return self._column.alphas[first : first + len(self._pieces) + 1]
+
+    def between(self, share: fmpq) -> fmpq:
+        """A rational x inside, at about this share of the way from start to end."""
+        bits = FIRST
+        while bits <= LAST:
+            (start, lo), (hi, end) = (bounds(self.limits[k].enclosure(bits)) for k in (0, -1))
+            if end - start < (1 + fmpq(1, 2**FIRST)) * (hi - lo):
+                return lo + (hi - lo) * share
+            bits *= 2
+        raise PrecisionExhausted(f"the ends of {self}")
 
     def at(self, x: fmpq) -> AlgebraicRoot:
         """y over x, a rational number strictly between the ends of the edge."""

@@ -252,7 +252,7 @@ class _Assembly:
             inside = [float((1 / x if reverse else x).mid()) for x, reverse in zip((u, v), edge.chart, strict=True)]
         v_range = self.found.v or (fmpq(-1), fmpq(1))
         window = to_double(v_range[0]), to_double(v_range[1])
-        slabs = [(to_double(x), k) for x, k in getattr(edge, "slabs", [])]
+        slabs = [(k, n) for (_, k), n in zip(edge.slabs, edge.numbers, strict=True)] if hasattr(edge, "slabs") else []
         limits = [float(x.enclosure(64).mid()) for x in edge.limits] if slabs else []
         at = inside[0], inside[1]
         return Strand(edge, edge.chart, edge.vertical, edge.curve, (x0, y0), (x1, y1), at, window, slabs, limits)

@@ -250,7 +250,10 @@ def _at_knots(chains: tuple[Chain, ...], strand: Strand) -> list[int]:
 
 def _on_knots(chains: tuple[Chain, ...], places: np.ndarray) -> np.ndarray:
     """(n, 2): whether places are on a knot's ruling of either chain."""
-    return (np.abs(places - np.round(places)) <= ONE_PLACE) & np.array([chain.has_knots for chain in chains])
+    nearest = np.round(places)
+    lengths = np.array([len(chain.pieces) for chain in chains])
+    inner = np.array([chain.closed for chain in chains]) | ((nearest > 0) & (nearest < lengths))
+    return (np.abs(places - nearest) <= ONE_PLACE) & inner & np.array([chain.has_knots for chain in chains])
 
 
 def _run_along_knots(chains: tuple[Chain, ...], *strands: Strand) -> bool:

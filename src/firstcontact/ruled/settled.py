@@ -102,11 +102,13 @@ class Settled:
         return Strand(branch.points, branch.parameters, stops, branch.multiplicity, places)
 
     def _stop(self, pair: PiecePair, end: BranchEnd, place: np.ndarray) -> Stop:
-        """Bounds at which a piece goes on in its neighbour are none of the curve's."""
+        """Bounds at which a piece goes on in its neighbour are none of the curve's; nothing else ends at others."""
         inner = {f"{name}={u}" for name, chain, k in zip("uv", self.chains, pair, strict=True) for u in chain.knots(k)}
         on = tuple(name for name in end.on if name not in inner)
         if end.kind == "boundary" and not on:
             return knot(*self.chains, place, end.point, end.parameters)
+        if end.kind == "boundary" and len(on) == len(end.on):
+            return Stop(end)
         return Stop(replace(end, on=on) if len(on) < len(end.on) else end, place)
 
 

@@ -1,9 +1,12 @@
 """Polylines along the edges of the topology graph, in doubles; the ends come from exact nodes.
 
 A point is a pair (x, y) in the chart of its edge, moved onto f = 0 by Newton steps along the gradient, so that turning
-points need no care.  On an open edge f_y has one sign, and neighbouring branches have opposite ones: that is checked
-at every point, and a point that fails is taken from the exact root.  The meeting point is projected onto the ruling of
-P, so rounding leaves it on that ruling, also where the two rulings are nearly one line.
+points need no care.  It is kept where the rounding of f is small against the squared slope over the second derivatives:
+by Kantorovich's theorem there is one zero next to it then, far nearer than any other.  On an open edge f_y has one
+sign, and neighbouring branches have opposite ones: that is checked at every point.  A point that fails one of both is
+taken from the exact root: beside nodes and cusps, in thin necks, on loops that are hardly more than a point.  The
+meeting point is projected onto the ruling of P, so rounding leaves it on that ruling, also where the two rulings are
+nearly one line.
 """
 
 from __future__ import annotations
@@ -17,6 +20,7 @@ import numpy as np
 from flint import fmpq, fmpz_mpoly, fmpz_poly
 
 from firstcontact.errors import InputError
+from firstcontact.exact.numbers import to_double
 from firstcontact.ruled.pieces import Piece
 
 # Parts of an edge before any refinement.
@@ -38,6 +42,19 @@ STEPS = 8
 SHORT = 1e-6
 # f_y in units of the gradient below which its sign is not compared.
 FLAT = 1e-6
+# Rounding of f times its second derivatives, in parts of the squared slope, up to which doubles tell a zero; 1/2 would
+# do for there to be one, its root is how far it may be in parts of the way to the next.
+CLEAR = 1e-4
+ROUND = 2.0**-53
+# Zeros of a polynomial in one variable this near each other, or a pair of conjugate ones, may have been moved together
+# or apart by rounding: about its fourth root, so that even three in one are.
+CLOSE = 1e-5
+# Of coefficients that are divided by.
+SMALLEST = 1e-300
+# Farther than this from a chord, in parts of the way to the next strand with the same sign of f_y, points may be on it.
+FAR = 0.25
+# Strands over a shorter range of x, in parts of x, have too few doubles there.
+FINE = 2.0**-40
 
 
 Chord = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
@@ -149,7 +166,7 @@ class Strand:
     lo, hi       (x, y) at its ends
     inside       (x, y) of a point on it
     window       least and largest y of the chart
-    slabs        (x, k): over all of the slab the strand is the k-th root of its curve inside the window
+    slabs        (k, n): over all of the slab the strand is the k-th of the n roots of its curve inside the window
     limits       the ends of the slabs, ascending
     """
 
@@ -161,7 +178,7 @@ class Strand:
     hi: tuple[float, float]
     inside: tuple[float, float]
     window: tuple[float, float]
-    slabs: list[tuple[float, int]]
+    slabs: list[tuple[int, int]]
     limits: list[float]
 
 
@@ -199,11 +216,16 @@ class Tracer:
         self.factor = np.array([s.factor for s in strands])
         self.across = np.array([s.across for s in strands])
         self.lo, self.hi, inside = (np.array([getattr(s, k) for s in strands]) for k in ("lo", "hi", "inside"))
-        self.slope_sign = np.zeros(len(strands))
-        self.inside = inside
+        x_ends = np.stack((self.lo[:, 0], self.hi[:, 0]))
+        whole = np.array([not s.slabs for s in strands], bool)  # lines
+        self.fine = whole | (np.ptp(x_ends, axis=0) > FINE * np.abs(x_ends).max(0))
+        # the least distance seen to roots over the same x with the same sign of f_y
+        self.gap = np.full(len(strands), np.inf)
+        self._known: dict[tuple[int, fmpq], float] = {}
         every = np.arange(len(strands))
-        _, slope, _ = self._moved(every, inside[:, 0], inside[:, 1], 0)
-        self.slope_sign = np.where(np.abs(slope) > FLAT, np.sign(slope), 0.0)
+        largest = np.abs([s.window for s in strands]).max(1)
+        self.noise, self.bend = self._bounds(every, np.abs(x_ends).max(0), largest)
+        self.slope_sign = self._slope_signs(inside)
 
     def trace(self, ends: np.ndarray, tolerance: float, radius: float) -> list[Points]:
         """The polyline of every strand, its ends included.
@@ -229,49 +251,59 @@ class Tracer:
         across = self.across[strand]
         x, y = np.where(across, self.lo[strand, 0], along), along.copy()
         own = np.flatnonzero(~across)
-        y[own] = self._roots(strand[own], x[own])
+        x[own], y[own] = self._roots(strand[own], tau[own], x[own])
         return self._at(strand, tau, x, y)
 
-    def _roots(self, strand: np.ndarray, x: np.ndarray) -> np.ndarray:
-        """The y of the strands over x: the root with the index the slab tells, of as many real roots as the slab has.
+    def _roots(self, strand: np.ndarray, tau: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(x, y) of the strands over x: the root with the index the slab tells, of as many as there are.
 
-        Where doubles find another number of them, the exact root.
+        Where doubles find another number of them, or may have confused some, the exact root.
         """
-        y = np.full(len(x), np.nan)
-        slabs = [max(0, min(int(np.searchsorted(self.strands[i].limits, at)) - 1, len(self.strands[i].slabs) - 1))
-                 for i, at in zip(strand, x, strict=True)]  # fmt: skip
+        x, y = x.copy(), np.full(len(x), np.nan)
         for k, c in enumerate(self.coefficients):
-            own = [n for n in np.flatnonzero(self.factor[strand] == k) if self.strands[strand[n]].slabs]
-            pieces = sorted({(strand[n], slabs[n]) for n in own})
-            if not own:
+            own = np.flatnonzero((self.factor[strand] == k) & self.fine[strand])
+            own = own[[self._slab(int(strand[n]), x[n]) is not None for n in own]] if len(own) else own
+            if len(own) == 0:
                 continue
-            samples = np.array([self.strands[i].slabs[j][0] for i, j in pieces])
-            which = np.array([i for i, _ in pieces] + [strand[n] for n in own])
-            real = self._real_roots(c, which, np.concatenate((samples, x[own])))
-            counts = {piece: len(roots) for piece, roots in zip(pieces, real, strict=False)}
-            for n, roots in zip(own, real[len(pieces) :], strict=True):
-                index = self.strands[strand[n]].slabs[slabs[n]][1]
-                if index < len(roots) == counts[strand[n], slabs[n]]:
-                    y[n] = roots[index]
+            for n, roots in zip(own, self._real_roots(c, strand[own], x[own]), strict=True):
+                slab = self._slab(int(strand[n]), x[n])
+                if roots is not None and slab is not None and len(roots) == slab[1]:
+                    y[n] = roots[slab[0]]
+                    apart = [abs(roots[j] - y[n]) for j in (slab[0] - 2, slab[0] + 2) if 0 <= j < len(roots)]
+                    self.gap[strand[n]] = min([self.gap[strand[n]], *apart])
         for n in np.flatnonzero(np.isnan(y)):
-            _, y[n] = self._exact(int(strand[n]), x[n])
-        return y
+            x[n], y[n] = self._exact(int(strand[n]), tau[n], x[n])
+            self.gap[strand[n]] = min(self.gap[strand[n]], CLOSE)
+        return x, y
 
-    def _real_roots(self, c: np.ndarray, strand: np.ndarray, x: np.ndarray) -> list[list[float]]:
-        """The real roots of f(x, .) inside the window of the chart, ascending."""
+    def _slab(self, strand: int, x: float) -> tuple[int, int] | None:
+        """Index and number of the roots over x; None where x is not told from the end of a slab."""
+        s = self.strands[strand]
+        at = int(np.searchsorted(s.limits, x)) - 1
+        if not 0 <= at < len(s.slabs):
+            return None
+        near = FINE * abs(x)
+        return s.slabs[at] if s.limits[at] + near < x < s.limits[at + 1] - near else None
+
+    def _real_roots(self, c: np.ndarray, strand: np.ndarray, x: np.ndarray) -> list[list[float] | None]:
+        """The real roots of f(x, .) inside the window of the chart, ascending; None where some may be confused."""
         u = Powers(x, self.reverse_u[strand])
         rows = (c.T @ u.table(c.shape[0] - 1)).T
         rows = np.where(self.reverse_v[strand, None], rows[:, ::-1], rows)
-        size = np.abs(rows).max(1)
+        size = np.maximum(np.abs(rows).max(1), SMALLEST)
         lead = np.where(np.abs(rows[:, -1]) > 1e-14 * size, rows[:, -1], 1e-14 * size)
         degree = rows.shape[1] - 1
         companion = np.zeros((len(x), degree, degree))
         companion[:, np.arange(1, degree), np.arange(degree - 1)] = 1.0
         companion[:, :, -1] = -rows[:, :-1] / lead[:, None]
         values = np.linalg.eigvals(companion)
-        low, high = np.array([self.strands[i].window for i in strand]).T
-        real = (np.abs(values.imag) < 1e-7) & (values.real > low[:, None]) & (values.real < high[:, None])
-        return [sorted(row[keep].real.tolist()) for row, keep in zip(values, real, strict=True)]
+        low, high = (edge[:, None] for edge in np.array([self.strands[i].window for i in strand]).T)
+        near = (values.real > low - CLOSE) & (values.real < high + CLOSE) & (np.abs(values.imag) < CLOSE)
+        apart = np.abs(values[:, :, None] - values[:, None, :]) + np.where(np.eye(degree, dtype=bool), np.inf, 0.0)
+        clear = ~(near & (apart.min(2, initial=np.inf) < CLOSE)).any(1)
+        real = (values.imag == 0.0) & (values.real > low) & (values.real < high)
+        return [sorted(row[keep].real.tolist()) if sure else None
+                for row, keep, sure in zip(values, real, clear, strict=True)]  # fmt: skip
 
     def _cut(self, points: Points, ends: np.ndarray, radius: float) -> Points:
         """Ends beyond the radius for strands that go to infinity, instead of what is farther out."""
@@ -308,7 +340,7 @@ class Tracer:
         along, across = self._along(strand, tau), self.across[strand]
         if across[0]:
             return self._at(strand, tau, near.x, along)
-        return self._at(strand, tau, along, self._roots(strand, along))
+        return self._at(strand, tau, *self._roots(strand, tau, along))
 
     def _refined(self, points: Points, tolerance: float, radius: float) -> Points:
         """Chords are examined at three inner points; where the curve bends evenly, these settle what follows."""
@@ -355,7 +387,7 @@ class Tracer:
         self, strand: np.ndarray, tau: np.ndarray, x: np.ndarray, y: np.ndarray,
         chord: Chord | None = None,
     ) -> Points:  # fmt: skip
-        x, y = self._settled(strand, x, y, chord)
+        x, y = self._settled(strand, tau, x, y, chord)
         u, v = Powers(x, self.reverse_u[strand]), Powers(y, self.reverse_v[strand])
         return Points(strand, tau, x, y, *self.surfaces.points(u, v))
 
@@ -366,67 +398,136 @@ class Tracer:
         return lo + (hi - lo) * np.sin(0.5 * np.pi * tau) ** 2
 
     def _settled(
-        self, strand: np.ndarray, x: np.ndarray, y: np.ndarray, chord: Chord | None
+        self, strand: np.ndarray, tau: np.ndarray, x: np.ndarray, y: np.ndarray, chord: Chord | None
     ) -> tuple[np.ndarray, np.ndarray]:
         """The points on their curve, moved across the chord, or along the gradient; those with u constant stay.
 
-        Where that leads away from the chord, or nowhere, the root over x is taken.
+        Where that leads away from the chord, or nowhere, the root over x is taken; where doubles do not tell it from
+        others, the exact one.
         """
         own = np.flatnonzero(~self.across[strand])
+        which, from_x, from_y = strand[own], x[own], y[own]
         across = None if chord is None else (-chord[1][own], chord[0][own])
-        (near_x, near_y), slope, still = self._moved(strand[own], x[own], y[own], STEPS, across)
-        if chord is not None:
-            start, end = chord[2][own], chord[3][own]
+        (near_x, near_y), slope, still, clear = self._moved(which, from_x, from_y, across)
+        way = np.hypot(near_x - from_x, near_y - from_y)
+        if chord is None:
+            lost = way > CLOSE
+        else:
+            start, end, lost = chord[2][own], chord[3][own], np.zeros(len(own), bool)
             beside = (near_x < np.minimum(start, end)) | (near_x > np.maximum(start, end))
-            astray = np.flatnonzero(beside | ~still)
+            astray = np.flatnonzero((beside | ~still | (way > FAR * self.gap[which])) & self.fine[which])
             if len(astray):
-                which, at = strand[own[astray]], x[own[astray]]
-                found, slope[astray], _ = self._moved(which, at, self._roots(which, at), STEPS)
+                at = self._roots(which[astray], tau[own[astray]], from_x[astray])
+                found, slope[astray], _, clear[astray] = self._moved(which[astray], *at)
+                lost[astray] = np.hypot(found[0] - at[0], found[1] - at[1]) > CLOSE
                 near_x[astray], near_y[astray] = found
-        lost = np.flatnonzero((slope * self.slope_sign[strand[own]] < 0) & (np.abs(slope) > FLAT))
-        for i in lost:
-            near_x[i], near_y[i] = self._exact(int(strand[own[i]]), x[own[i]])
+        lost |= ~clear | ((slope * self.slope_sign[which] < 0) & (np.abs(slope) > FLAT))
+        for i in np.flatnonzero(lost):
+            near_x[i], near_y[i] = self._exact(int(which[i]), tau[own[i]], from_x[i])
         x, y = x.copy(), y.copy()
         x[own], y[own] = near_x, near_y
         return x, y
 
     def _moved(
-        self, strand: np.ndarray, x: np.ndarray, y: np.ndarray, steps: int,
-        across: tuple[np.ndarray, np.ndarray] | None = None,
-    ) -> tuple[tuple[np.ndarray, np.ndarray], np.ndarray, np.ndarray]:  # fmt: skip
-        """Newton steps in a direction, by default the gradient; f_y in units of that, and whether the last is short."""
+        self, strand: np.ndarray, x: np.ndarray, y: np.ndarray, across: tuple[np.ndarray, np.ndarray] | None = None
+    ) -> tuple[tuple[np.ndarray, np.ndarray], np.ndarray, np.ndarray, np.ndarray]:
+        """Newton steps in a direction, by default the gradient.
+
+        Also f_y in units of the gradient, whether the last step is short, and whether doubles tell this zero alone.
+        """
         x, y, slope, still = x.copy(), y.copy(), np.zeros(len(x)), np.ones(len(x), bool)
-        for k, c in enumerate(self.coefficients):
-            own = np.flatnonzero(self.factor[strand] == k)
-            if len(own) == 0:
-                continue
-            reverse_u, reverse_v = self.reverse_u[strand[own]], self.reverse_v[strand[own]]
+        steep, last = np.zeros(len(x)), np.zeros(len(x))
+        for k, own in self._of_factors(strand):
             at_x, at_y = x[own], y[own]
-            for _ in range(steps + 1):
-                u, v = Powers(at_x, reverse_u), Powers(at_y, reverse_v)
-                in_u, in_v = u.table(c.shape[0] - 1), c @ v.table(c.shape[1] - 1)
-                fx = (u.slopes(c.shape[0] - 1) * in_v).sum(0)
-                fy = (in_u * (c @ v.slopes(c.shape[1] - 1))).sum(0)
-                if steps == 0:
-                    break
+            for _ in range(STEPS + 1):
+                value, fx, fy = self._values(k, strand[own], at_x, at_y)
                 dx, dy = (fx, fy) if across is None else (across[0][own], across[1][own])
                 rise = fx * dx + fy * dy
-                move = (in_u * in_v).sum(0) / np.where(rise == 0, np.inf, rise)
+                move = value / np.where(rise == 0, np.inf, rise)
                 move_x, move_y = move * dx, move * dy
                 at_x, at_y = at_x - move_x, at_y - move_y
-                if max(np.abs(move_x).max(), np.abs(move_y).max()) < SETTLED:
+                last[own] = np.abs(move_x) + np.abs(move_y)
+                if last[own].max() < SETTLED:
                     break
-            size = np.hypot(fx, fy)
+            size, length = np.hypot(fx, fy), np.hypot(dx, dy)
             x[own], y[own], slope[own] = at_x, at_y, fy / np.where(size == 0, 1.0, size)
-            if steps:
-                still[own] = np.abs(move_x) + np.abs(move_y) < SHORT
-        return (x, y), slope, still
+            steep[own] = np.abs(rise) / np.where(length == 0, 1.0, length)
+            still[own] = last[own] < SHORT
+        return (x, y), slope, still, still & self._is_clear(strand, x, y, steep, last)
 
-    def _exact(self, strand: int, x: float) -> tuple[float, float]:
-        """The point of the strand over x, or over the next double inside its ends."""
-        lo, hi = sorted((self.lo[strand, 0], self.hi[strand, 0]))
-        x = min(max(x, np.nextafter(lo, hi)), np.nextafter(hi, lo))
-        return x, float(self.strands[strand].edge.at(fmpq(*float(x).as_integer_ratio())))
+    def _of_factors(self, strand: np.ndarray) -> list[tuple[int, np.ndarray]]:
+        """Indices of the points on each of the curves that have any."""
+        found = ((k, np.flatnonzero(self.factor[strand] == k)) for k in range(len(self.coefficients)))
+        return [(k, own) for k, own in found if len(own)]
+
+    def _values(
+        self, k: int, strand: np.ndarray, x: np.ndarray, y: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """f, f_x, f_y of a curve at points of its strands."""
+        c = self.coefficients[k]
+        u, v = Powers(x, self.reverse_u[strand]), Powers(y, self.reverse_v[strand])
+        in_u, in_v = u.table(c.shape[0] - 1), c @ v.table(c.shape[1] - 1)
+        fx = (u.slopes(c.shape[0] - 1) * in_v).sum(0)
+        fy = (in_u * (c @ v.slopes(c.shape[1] - 1))).sum(0)
+        return (in_u * in_v).sum(0), fx, fy
+
+    def _is_clear(
+        self, strand: np.ndarray, x: np.ndarray, y: np.ndarray, steep: np.ndarray, last: np.ndarray | float
+    ) -> np.ndarray:
+        """Whether a slope and the last of Newton's steps tell a zero from others: first by bounds of whole strands."""
+
+        def told(noise: np.ndarray, bend: np.ndarray, steep: np.ndarray, last: np.ndarray) -> np.ndarray:
+            return (noise * bend <= CLEAR * steep**2) & (last * bend <= np.sqrt(CLEAR) * steep) & (steep > 0)
+
+        last = np.broadcast_to(last, steep.shape)
+        clear = self.fine[strand] & told(self.noise[strand], self.bend[strand], steep, last)
+        closer = np.flatnonzero(~clear & self.fine[strand])
+        if len(closer):
+            bounds = self._bounds(strand[closer], np.abs(x[closer]), np.abs(y[closer]))
+            clear[closer] = told(*bounds, steep[closer], last[closer])
+        return clear
+
+    def _bounds(self, strand: np.ndarray, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Bounds on the rounding of f and on its second derivatives, at points of strands up to this far from 0."""
+        noise, bend = np.zeros(len(x)), np.zeros(len(x))
+        for k, own in self._of_factors(strand):
+            sizes = np.abs(self.coefficients[k])
+            n, m = sizes.shape[0] - 1, sizes.shape[1] - 1
+            u = _power_bounds(n, x[own], self.reverse_u[strand[own]])
+            v = [sizes @ table for table in _power_bounds(m, y[own], self.reverse_v[strand[own]])]
+            noise[own] = (n + m + 3) * ROUND * (u[0] * v[0]).sum(0)
+            bend[own] = (u[2] * v[0] + 2.0 * u[1] * v[1] + u[0] * v[2]).sum(0)
+        return noise, bend
+
+    def _slope_signs(self, inside: np.ndarray) -> np.ndarray:
+        """The signs of f_y on the strands, 0 where it is small at the point inside."""
+        signs, every = np.zeros(len(self.strands)), np.arange(len(self.strands))
+        for k, own in self._of_factors(every):
+            x, y = inside[own].T
+            _, fx, fy = self._values(k, own, x, y)
+            signs[own] = np.where(np.abs(fy) > FLAT * np.hypot(fx, fy), np.sign(fy), 0.0)
+            for i in own[~self._is_clear(own, x, y, np.abs(fy), 0.0) & ~self.across[own]]:
+                signs[i] = self.strands[i].edge.slope_sign
+        return signs
+
+    def _exact(self, strand: int, tau: float, x: float) -> tuple[float, float]:
+        """The point of the strand over x, or over the next double inside its ends; over tau where these are few."""
+        edge = self.strands[strand].edge
+        if self.fine[strand]:
+            lo, hi = sorted((self.lo[strand, 0], self.hi[strand, 0]))
+            at = fmpq(*float(min(max(x, np.nextafter(lo, hi)), np.nextafter(hi, lo))).as_integer_ratio())
+        else:
+            at = edge.between(fmpq(*float(np.sin(0.5 * np.pi * tau) ** 2).as_integer_ratio()))
+        if (strand, at) not in self._known:
+            self._known[strand, at] = float(edge.at(at))
+        return to_double(at), self._known[strand, at]
+
+
+def _power_bounds(degree: int, x: np.ndarray, reverse: np.ndarray) -> list[np.ndarray]:
+    """(degree + 1, n) tables of powers, as `Powers` has them, and of their first two derivatives; x not negative."""
+    rising = np.arange(degree + 1)[:, None]
+    power = np.where(reverse, degree - rising, rising)
+    return [x**power, power * x ** np.maximum(power - 1, 0), power * (power - 1) * x ** np.maximum(power - 2, 0)]
 
 
 def _shape(left: np.ndarray, inner: list[np.ndarray], right: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

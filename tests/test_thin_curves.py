@@ -1,0 +1,137 @@
+"""Intersection curves with parts nearer each other than the square root of rounding: both methods, both surfaces."""
+
+from __future__ import annotations
+
+from fractions import Fraction as F
+
+import numpy as np
+import pytest
+
+import firstcontact as fc
+
+METHODS = ["algebraic", "certified"]
+X0, Y0 = F(1, 3), F(-1, 7)
+TOLERANCE = 1e-3
+
+
+def graphs(f, g, x=(F(-2), F(2)), y=(F(-2), F(2))):
+    """z = f(x - X0), ruled along y, and z = -g(y - Y0), ruled along x: they meet where f + g = 0."""
+
+    def moved(c, at):
+        """Coefficients of the polynomial in the variable less `at`."""
+        found = [F(0)]
+        for a in reversed(c):
+            found = [p - at * q for p, q in zip([F(0), *found], [*found, F(0)], strict=True)]
+            found[0] += a
+        return found
+
+    heights = moved(f, X0), [-c for c in moved(g, Y0)]
+    p = [fc.RationalCurve([[0, 1], [end], heights[0]], [1]) for end in y]
+    q = [fc.RationalCurve([[end], [0, 1], heights[1]], [1]) for end in x]
+    return fc.RuledSurface(*p, u=x), fc.RuledSurface(*q, u=y)
+
+
+def curve(p, q, method):
+    """The curve, its points checked to be on both surfaces at their own parameters."""
+    found = fc.intersection_curve(p, q, tolerance=TOLERANCE, method=method)
+    assert not found.open_places and not found.two_dimensional
+    for branch in found.branches:
+        for surface, u, s in ((p, 0, 2), (q, 1, 3)):
+            own = [surface.points(float(x[u]), [float(x[s])])[0] for x in branch.parameters]
+            assert branch.points == pytest.approx(np.array(own), abs=1e-12)
+    return found
+
+
+def spans(branch) -> np.ndarray:
+    """How far a branch goes along x and along y."""
+    return np.ptp(branch.points, axis=0)[:2]
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("digits", [6, 8, 9, 11, 14])
+def test_small_loops_are_as_small_as_they_are(digits, method):
+    r = F(1, 10**digits)
+    found = curve(*graphs([-r * r, 0, 1], [0, 0, 1]), method)
+    (loop,) = found.branches
+    assert loop.closed and not len(found.isolated_points)
+    away = np.hypot(loop.points[:, 0] - float(X0), loop.points[:, 1] - float(Y0))
+    assert away == pytest.approx(float(r), rel=1e-6, abs=2e-16)
+    assert spans(loop) == pytest.approx(2 * float(r), rel=1e-2, abs=2e-16)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("digits", [7, 10, 17])
+@pytest.mark.parametrize("axis", [0, 1], ids=["along y", "along x"])
+def test_slivers_are_as_thin_as_they_are(axis, digits, method):
+    e = F(1, 10**digits)
+    thin, long = [F(0), F(0), F(1)], [-e * e, F(0), e * e]
+    found = curve(*graphs(*((thin, long) if axis == 0 else (long, thin))), method)
+    (loop,) = found.branches
+    width, length = spans(loop) if axis == 0 else spans(loop)[::-1]
+    assert loop.closed and length == pytest.approx(2, abs=2 * TOLERANCE)
+    assert width == pytest.approx(2 * float(e), rel=1e-2, abs=2e-16)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("digits", [7, 10, 15])
+def test_branches_side_by_side_stay_two(digits, method):
+    e = F(1, 10**digits)
+    found = curve(*graphs([-e * e], [0, 0, 1]), method)
+    assert [branch.closed for branch in found.branches] == [False, False]
+    sides = sorted(float(branch.points[0, 1] - float(Y0)) for branch in found.branches)
+    assert sides == pytest.approx([-float(e), float(e)], rel=1e-6, abs=1e-16)
+    assert all(spans(branch) == pytest.approx([4, 0], abs=1e-15) for branch in found.branches)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("digits", [8, 13])
+def test_small_loops_are_cut_by_borders(digits, method):
+    r = F(1, 10**digits)
+    f, g = [-r * r, 0, 1], [0, 0, 1]
+    (arc,) = curve(*graphs(f, g, (X0 - r / 2, F(2))), method).branches
+    assert not arc.closed and [end.on for end in arc.ends] == [(f"u={X0 - r / 2}", "t=0")] * 2
+    assert spans(arc) == pytest.approx([1.5 * float(r), 2 * float(r)], rel=1e-2, abs=2e-16)
+    (arc,) = curve(*graphs(f, g, (X0, F(2)), (Y0, F(2))), method).branches
+    assert not arc.closed and {end.on for end in arc.ends} == {(f"u={X0}", "t=0"), (f"v={Y0}", "s=0")}
+    assert spans(arc) == pytest.approx(float(r), rel=1e-2, abs=2e-16)
+    first, second = curve(*graphs(f, g, (X0 - r / 2, X0 + r / 3)), method).branches
+    assert not first.closed and not second.closed
+    assert abs(first.points[0, 1] - second.points[0, 1]) == pytest.approx(3**0.5 * float(r), rel=1e-6, abs=2e-16)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("sign", [1, -1])
+def test_necks_open_one_way_or_the_other(sign, method):
+    """y^2 = x^2 (x + 1) with a little added: a loop beside an arc, or one arc."""
+    e = F(sign, 10**14)
+    found = curve(*graphs([e, 0, -1, -1], [0, 0, 1], (X0 - 2, X0 + 1)), method)
+    assert sorted(branch.closed for branch in found.branches) == ([False, True] if sign > 0 else [False])
+    assert not found.singular_points
+    if sign > 0:
+        gap = [np.abs(branch.points[:, 0] - float(X0)).min() for branch in found.branches]
+        assert gap == pytest.approx([1e-7] * 2, rel=1e-4)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_small_loop_beside_another_branch(method):
+    """Over the loop there is a third root, on a strand with the same sign of the slope as one side of the loop."""
+    e = F(1, 10**13)
+    found = curve(*graphs([0, 0, -e], [e * e / 4, -e * e, F(-1, 4), 1]), method)
+    loop, other = sorted(found.branches, key=lambda branch: not branch.closed)
+    assert loop.closed and not other.closed
+    assert spans(loop) == pytest.approx([1e-13 / e**0.5, 2e-13], rel=1e-2)
+    assert other.points[:, 1].min() - float(Y0) > 0.2
+
+
+def test_a_finding_of_the_soak():
+    """A loop of 1e-9 beside parameters that are rational functions of u."""
+    height = [F(24499999999999999999, 10**18), 28, 8]
+    p = fc.RuledSurface(*(fc.RationalCurve([[4, 2], [y], height], [1]) for y in (-2, 3)), u=(-3, -1))
+    rim = [-18, 36, -16], [-25, F(220, 3), F(-484, 9)]
+    q = fc.RuledSurface(
+        fc.RationalCurve([[0, 0, 0], *rim], [9, -12, 4]), fc.RationalCurve([[6, -8, F(8, 3)], *rim], [9, -12, 4]),
+        s=(-3, 3),
+    )  # fmt: skip
+    for method in METHODS:
+        (loop,) = curve(p, q, method).branches
+        assert loop.closed and 0 < loop.length < 1e-8
