@@ -8,7 +8,6 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from amount import amount
 from firstcontact.kernels.angle import TWO_PI
 from firstcontact.kernels.boxes import CLIP_EPS, clip_to_box, segment_meets_box
 from firstcontact.search.cylinder import COLUMNS, range_of_box
@@ -134,7 +133,7 @@ def test_entry_angle_is_never_late(kind):
     rng = np.random.default_rng(93)
     later_than_first = 0
     pad = 1e-12  # the plant itself is rounded
-    for _ in range(amount(8000)):
+    for _ in range(8000):
         a, b, centre, phi = planted(rng, kind)
         motion = turning(centre, a, b, pad)
         for first in (0.0, phi * float(rng.uniform(0, 1)), phi):
@@ -150,7 +149,7 @@ def test_entry_angle_is_never_late(kind):
 def test_angle_window_encloses(kind):
     rng = np.random.default_rng(94)
     early_exit = 0
-    for _ in range(amount(8000)):
+    for _ in range(8000):
         a, b, centre, phi = planted(rng, kind)
         last = max(phi, float(rng.uniform(0, TWO_PI)))
         entry, leave = angle_window(turning(centre, a, b, 1e-12), 0, 0, 1e-12, last)
@@ -179,7 +178,7 @@ def test_clipped_triangles_keep_what_lies_in_the_box():
     rng = np.random.default_rng(95)
     polygon, scratch = np.empty((12, 3)), np.empty((12, 3))
     kept = 0
-    for k in range(amount(1500)):
+    for k in range(1500):
         xyz = rng.integers(-3, 4, 9).astype(float) if k % 2 else rng.uniform(-3, 3, 9)
         lo = rng.integers(-2, 2, 3).astype(float) if k % 3 else rng.uniform(-2, 1, 3)
         box = np.concatenate([lo, lo + rng.integers(0, 3, 3)])
@@ -202,7 +201,7 @@ def test_clipped_triangles_keep_what_lies_in_the_box():
 def test_segment_meets_box_denies_no_meeting():
     rng = np.random.default_rng(96)
     denied = 0
-    for k in range(amount(4000)):
+    for k in range(4000):
         p, q = (rng.integers(-3, 4, 3).astype(float) if k % 2 else rng.uniform(-3, 3, 3) for _ in range(2))
         inner = p + float(rng.uniform(0, 1)) * (q - p)
         lo, hi = inner - rng.uniform(0, 1, 3), inner + rng.uniform(0, 1, 3)
