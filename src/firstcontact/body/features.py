@@ -539,6 +539,9 @@ def _ellipse_frame(form: Rows, basis: np.ndarray) -> np.ndarray:
     lengths = np.linalg.norm(basis[:3, :2], axis=0)  # the directions are orthogonal
     scaled = np.array([[to_double(c / depth) for c in row] for row in block]) / np.outer(lengths, lengths)
     values, vectors = np.linalg.eigh(scaled)
+    # of an ellipse a hundred million times longer than wide doubles do not tell the smaller value from zero
+    determinant = (block[0][0] * block[1][1] - block[0][1] * block[1][0]) / depth**2
+    values[0] = to_double(determinant) / float(np.prod(lengths)) ** 2 / values[1]
     axes = vectors / lengths[:, None] / np.sqrt(values)
     return np.column_stack([basis @ [to_double(x), to_double(y), 1.0], basis[:, :2] @ axes])
 

@@ -15,7 +15,7 @@ from firstcontact.composite.algorithm import Candidate, Meeting, Root, Search
 from firstcontact.composite.contact_sets import cartesian
 from firstcontact.composite.largest_set import NEAR, largest_set
 from firstcontact.composite.membership import form_at, is_plane
-from firstcontact.composite.moving_pair import Pair
+from firstcontact.composite.moving_pair import Form, Pair
 from firstcontact.composite.polyhedra import face_at
 from firstcontact.exact.instants import enclose
 from firstcontact.exact.numbers import precision
@@ -189,13 +189,29 @@ def _normal(meeting: Meeting, where: np.ndarray) -> np.ndarray | None:
         return _unit(-outward_a[0])
     if not (isinstance(task.a, Edge) and isinstance(task.b, Edge)):
         return None
-    if len(outward_a) < 2 or len(outward_b) < 2:  # the rim of a surface without inside
+    along_a = _tangent(task.pair, task.a, True, root, where)
+    along_b = _tangent(task.pair, task.b, False, root, where)
+    if along_a is None or along_b is None:
         return None
-    n = _unit(np.cross(np.cross(outward_a[0], outward_a[1]), np.cross(outward_b[0], outward_b[1])))
+    n = _unit(np.cross(along_a, along_b))
     if n is None:
         return None
-    way = float(n @ (outward_b[0] + outward_b[1] - outward_a[0] - outward_a[1]))
+    way = float(n @ (sum(outward_b, np.zeros(3)) - sum(outward_a, np.zeros(3))))
     return None if abs(way) < 1e-9 else n * np.sign(way)
+
+
+def _tangent(pair: Pair, edge: Edge, moving: bool, root: Root, where: np.ndarray) -> np.ndarray | None:
+    """A tangent of an edge, by two surfaces that hold it; None for the rim of a surface without inside."""
+    forms = pair.forms_a if moving else pair.forms_b
+    faces = (pair.a if moving else pair.b).faces
+    if len(edge.faces) >= 2:
+        through = [faces[k].surfaces[0] for k in edge.faces[:2]]
+    elif not edge.faces:  # a bare edge: both sides of one plane, then both of another one
+        through = list(edge.surfaces[::2])
+    else:
+        return None
+    one, other = (_gradient(forms[k], root, where) for k in through)
+    return np.cross(one, other)
 
 
 def _outward(
@@ -204,20 +220,22 @@ def _outward(
     """Outward unit normals of the faces that hold the feature, at a point of it."""
     body, forms = (pair.a, pair.forms_a) if moving else (pair.b, pair.forms_b)
     faces = [feature] if isinstance(feature, Face) else [body.faces[k] for k in getattr(feature, "faces", ())]
-    u, x = root.enclosure(BITS), np.append(where, 1.0)
     found = []
     for face in faces:
-        form = forms[face.surfaces[0]]
-        with precision(BITS):
-            at = form_at(form, u)
-            if is_plane(form):
-                gradient = np.array([float(c.mid()) for c in at[:3]])
-            else:
-                gradient = np.array([float(sum((r * arb(c) for r, c in zip(row, x, strict=True)), arb(0)).mid())
-                                     for row in at[:3]])  # fmt: skip
-        unit = _unit(gradient * face.orientation)
+        unit = _unit(_gradient(forms[face.surfaces[0]], root, where) * face.orientation)
         found.append(np.zeros(3) if unit is None else unit)
     return found
+
+
+def _gradient(form: Form, root: Root, where: np.ndarray) -> np.ndarray:
+    """Of the surface where it stands at the root, at a point of it, to a positive factor."""
+    u, x = root.enclosure(BITS), np.append(where, 1.0)
+    with precision(BITS):
+        at = form_at(form, u)
+        if is_plane(form):
+            return np.array([float(c.mid()) for c in at[:3]])
+        return np.array([float(sum((r * arb(c) for r, c in zip(row, x, strict=True)), arb(0)).mid())
+                         for row in at[:3]])  # fmt: skip
 
 
 def _unit(v: np.ndarray) -> np.ndarray | None:

@@ -50,7 +50,7 @@ def _planar_equation(line: Form, conic: Matrix) -> Equation:
     polynomial = determinant(congruent(line, conic))
     if polynomial == 0:
         return Equation(None, "identically zero: the line stays tangent to the conic in its plane")
-    return Equation(polynomial, "coplanar for all u: case X")
+    return Equation(polynomial, "coplanar for all u: case X", permanent=True)  # crossings, between tangencies
 
 
 def crossing(line: Form, basis: Form) -> Vector:
