@@ -59,6 +59,7 @@ class Record:
     outcome  name of the status ("CONTACT", ...), "answered" (an answer without status), "refused" (InputError or
              UnsupportedPair), "slow", or "raised".
     wrong    what is wrong with the answer, None where nothing is.
+    untold   whether a start in contact was told without its kind: `initial` None, which is "not proved".
     """
 
     kind: str
@@ -71,6 +72,7 @@ class Record:
     answer: str = ""
     wrong: str | None = None
     law: str | None = None
+    untold: bool = False
 
     def snippet(self, seed: int) -> str:
         """The finding as a program."""
@@ -111,8 +113,8 @@ def _timed(work: Any) -> tuple[Any, float]:
         signal.setitimer(signal.ITIMER_PROF, 0)
 
 
-def _answered(calls: tuple[str, ...], names: dict[str, Any], judge: Any) -> tuple[str, float, str, str | None]:
-    """(outcome, seconds, answers as text, what is wrong) of calls that are judged together."""
+def _answered(calls: tuple[str, ...], names: dict[str, Any], judge: Any) -> tuple[str, float, str, str | None, bool]:
+    """(outcome, seconds, answers as text, what is wrong, untold) of calls that are judged together."""
     import firstcontact as fc
 
     seconds = 0.0
@@ -129,16 +131,20 @@ def _answered(calls: tuple[str, ...], names: dict[str, Any], judge: Any) -> tupl
                 shown = "\n".join(_text(answer) for answer in answers)
             last = answers[-1]
             outcome = last.status.name if hasattr(last, "status") else "answered"
-            return outcome, seconds, shown, wrong
+            return outcome, seconds, shown, wrong, outcome == "INITIAL_CONTACT" and _is_untold(last)
         except Stopped:
             if attempt:
-                return "slow", SLOW, "", None
+                return "slow", SLOW, "", None, False
         except (fc.InputError, fc.UnsupportedPair) as error:
-            return "refused", seconds, f"{type(error).__name__}: {str(error).splitlines()[0]}", None
+            return "refused", seconds, f"{type(error).__name__}: {str(error).splitlines()[0]}", None, False
         except Exception as error:
             trace = traceback.format_exc().splitlines()[-8:]
-            return "raised", seconds, "\n".join(trace), f"raised {type(error).__name__}: {str(error)[:200]}"
+            return "raised", seconds, "\n".join(trace), f"raised {type(error).__name__}: {str(error)[:200]}", False
     raise AssertionError
+
+
+def _is_untold(hit: Any) -> bool:
+    return getattr(hit, "initial", "told") is None
 
 
 def _text(answer: Any) -> str:
@@ -180,8 +186,9 @@ def try_scene(kind: Kind, seed: int, index: int, share: float = 0.25, say: Any =
         return
     for question in scene.questions:
         say(scene.motion, scene.source, question.call)
-        outcome, seconds, answer, wrong = _answered((question.call,), names, question.judge)
-        yield Record(kind.name, index, scene.motion, scene.source, question.call, outcome, seconds, answer, wrong)
+        outcome, seconds, answer, wrong, untold = _answered((question.call,), names, question.judge)
+        asked = scene.motion, scene.source, question.call
+        yield Record(kind.name, index, *asked, outcome, seconds, answer, wrong, untold=untold)
     rng = Random(f"{seed}/{kind.name}/{index}/laws")
     if not kind.laws or rng.random() >= share:
         return
@@ -193,7 +200,7 @@ def try_scene(kind: Kind, seed: int, index: int, share: float = 0.25, say: Any =
             exec(trial.source, own)
         except (fc.InputError, fc.UnsupportedPair):
             continue
-        outcome, seconds, answer, wrong = _answered(trial.calls, own, trial.judge)
+        outcome, seconds, answer, wrong, _ = _answered(trial.calls, own, trial.judge)
         calls = "\n".join(trial.calls)
         yield Record(kind.name, index, scene.motion, source, calls, outcome, seconds, answer, wrong, trial.law)
 
@@ -258,6 +265,7 @@ class Tally:
     count: Counter[tuple[str, str]] = field(default_factory=Counter)
     slow: list[Record] = field(default_factory=list)
     laws: Counter[str] = field(default_factory=Counter)
+    queries: int = 0
     seconds: float = 0.0
     longest: list[Record] = field(default_factory=list)
 
@@ -267,10 +275,12 @@ class Tally:
         outcomes = self.outcomes.setdefault(key, Counter())
         self.scenes.setdefault(record.kind, set()).add(record.index)
         self.seconds += record.seconds
+        self.queries += record.call.count("\n") + 1
         self.longest = sorted([*self.longest, record], key=lambda one: -one.seconds)[:LONGEST]
         if record.law is None:
             self.questions[key] += 1
             outcomes[record.outcome] += 1
+            outcomes["untold"] += record.untold
         else:
             self.laws[record.law] += 1
             outcomes["laws"] += 1
@@ -413,14 +423,14 @@ STATUSES = ("FREE", "CONTACT", "INITIAL_CONTACT", "answered", "UNDECIDED", "refu
 def table(tally: Tally) -> str:
     """Markdown: a line per kind of scene and kind of motion."""
     lines = ["| kind | motion | scenes | questions | free | contact | initial | other answers | undecided | refused "
-             "| slow | laws | wrong |", "|---|---|" + "--:|" * 11]
+             "| untold | slow | laws | wrong |", "|---|---|" + "--:|" * 12]
     for kind, motion in sorted(tally.outcomes):
         counts = tally.outcomes[kind, motion]
         asked = tally.questions[kind, motion]
         rate = f"{counts['UNDECIDED']} ({counts['UNDECIDED'] / asked:.1%})" if asked and counts["UNDECIDED"] else "0"
         cells = [kind, motion, len(tally.scenes[kind]), asked, counts["FREE"], counts["CONTACT"],
                  counts["INITIAL_CONTACT"], counts["answered"], rate, counts["refused"],
-                 counts["slow"] + counts["slow in a law"], counts["laws"], counts["wrong"]]
+                 counts["untold"], counts["slow"] + counts["slow in a law"], counts["laws"], counts["wrong"]]
         lines.append("| " + " | ".join(str(cell) for cell in cells) + " |")
     return "\n".join(lines)
 
@@ -446,12 +456,13 @@ def report(tally: Tally, options: argparse.Namespace, minutes: float) -> str:
     parts = [
         "# Soak", "",
         f"Written by `python benchmarks/soak.py --minutes {options.minutes:g} --seed {options.seed} --workers "
-        f"{options.workers}`: {sum(map(len, tally.scenes.values()))} scenes, {sum(tally.questions.values())} questions "
-        f"and {sum(tally.laws.values())} laws in {minutes:.0f} minutes; {wrong} wrong, {len(tally.slow)} slow "
-        f"(over {SLOW:g} s of one processor).", "",
+        f"{options.workers}`: {sum(map(len, tally.scenes.values()))} scenes, {tally.queries} queries "
+        f"({sum(tally.questions.values())} questions, the others in {sum(tally.laws.values())} laws) in {minutes:.0f} "
+        f"minutes; {wrong} wrong, {len(tally.slow)} slow (over {SLOW:g} s of one processor).", "",
         "Scenes are random, most of them degenerate on purpose; truths come from constructions, exact rational brute "
         "force and static tests that share no code with the library (`benchmarks/soaks/`). An UNDECIDED is counted, "
-        "not called wrong, unless its `free_until` passes a contact.", "",
+        "not called wrong, unless its `free_until` passes a contact; so is a start in contact whose kind is not told "
+        "(`initial` None). Every kind of scene has as much of the time as any other.", "",
         "## Undecided", "", rates(tally), "",
         "## Answers", "", table(tally), "",
         "## Laws", "", "| law | tried |", "|---|--:|",
@@ -500,8 +511,8 @@ def main() -> int:
     tally = run(kinds, families, options)
     minutes = (time.monotonic() - begin) / 60
     print(table(tally))
-    print(f"\n{sum(tally.questions.values())} questions and {sum(tally.laws.values())} laws in {minutes:.1f} minutes, "
-          f"{sum(tally.questions.values()) / tally.seconds if tally.seconds else 0:.0f} a second of asking")
+    print(f"\n{tally.queries} queries ({sum(tally.questions.values())} questions, {sum(tally.laws.values())} laws) in "
+          f"{minutes:.1f} minutes, {tally.queries / tally.seconds if tally.seconds else 0:.0f} a second of asking")
     for record in tally.longest:
         asked = record.law or record.call
         print(f"{record.seconds:6.1f} s  {record.kind} --index {record.index}  {record.motion}: {asked}")

@@ -123,3 +123,22 @@ def test_a_bowl_and_a_ball_that_overlap_by_rounding():
     for method in ("auto", "algebraic"):
         hit = fc.first_contact(a, b, method=method)
         assert (hit.status, hit.initial) == (INITIAL, "overlapping")
+
+
+@pytest.mark.parametrize("shift", [(0, 0, 0), (1, 0, 0), (0, F(1, 8), 0), (0, 0, 1)])
+def test_an_edge_across_a_cap_meets_its_rim_all_the_time(shift):
+    """In the plane of the cap the edge crosses the rim at every instant, so no root of an equation tells."""
+    edge, pin = fc.Polyhedron([(-3, 0, 1), (3, 0, 1)], [], edges=[(0, 1)]), fc.cylinder(1, 2)
+    moving = edge.moving(fc.Translation(shift)) if any(shift) else edge
+    for exact in (False, True):
+        hit = fc.first_contact(moving, pin, exact=exact)
+        assert hit.status is fc.Status.INITIAL_CONTACT and hit.initial in (None, "touching")
+        assert hit.point[2] == 1.0 and abs(hit.point[0]) <= 1.0
+
+
+@pytest.mark.parametrize("swap", [False, True])
+def test_the_normal_where_an_edge_lands_across_a_cap(swap):
+    edge, pin = fc.Polyhedron([(-3, 0, 2), (3, 0, 2)], [], edges=[(0, 1)]), fc.cylinder(1, 2)
+    landing = edge.moving(fc.Translation((0, 0, -1)))
+    hit = fc.first_contact(*((pin, landing) if swap else (landing, pin)))
+    assert hit.time == 1.0 and hit.normal.tolist() == pytest.approx([0, 0, -1 if swap else 1], abs=1e-15)

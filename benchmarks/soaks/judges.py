@@ -82,7 +82,7 @@ def first_contact(truth: Truth) -> Judge:
         if wrong:
             return wrong
         if status == "INITIAL_CONTACT":
-            if truth.initial != "any" and hit.initial != truth.initial:
+            if truth.initial != "any" and hit.initial not in (None, truth.initial):  # None says that none was proved
                 return f"initial {hit.initial!r}, true {truth.initial!r}"
             if hit.normal is not None:
                 return f"normal {hit.normal.tolist()} at a start in contact"

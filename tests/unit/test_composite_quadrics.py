@@ -417,3 +417,15 @@ def test_balls_of_all_sizes_have_bounds_also_far_from_the_origin(power, radii):
         for k, r in enumerate(radii):
             assert float(off * scale - loose * r) <= lo[k] <= float(off * scale - r)
             assert float(off * scale + r) <= hi[k] <= float(off * scale + loose * r)
+
+
+def test_an_ellipse_many_times_longer_than_wide():
+    """A plane nearly along a cylinder: doubles would call the section's smaller curvature zero or negative."""
+    turn = [[Fraction(x, 135) for x in row] for row in ([34, 38, -125], [-62, -109, -50], [-115, 70, -10])]
+    bore = fc.cylinder(1, 2**60).transformed([*([*row, 0] for row in turn), [0, 0, 0, 1]])
+    for k in (0, 1):  # across the axis but for the rounding of its numbers
+        normal = [Fraction(float(row[k])) for row in turn]
+        off = abs(float(sum(n * row[2] for n, row in zip(normal, turn, strict=True))))
+        frames = [e.frame for e in (fc.half_space(normal, 0) & bore).edges if e.frame.shape[1] == 3]
+        lengths = [np.linalg.norm(frame[:3, 1:], axis=0) for frame in frames]
+        assert any(x == pytest.approx([1 / off, 1], rel=1e-6) for x in (sorted(y, reverse=True) for y in lengths))
