@@ -135,3 +135,41 @@ def test_a_finding_of_the_soak():
     for method in METHODS:
         (loop,) = curve(p, q, method).branches
         assert loop.closed and 0 < loop.length < 1e-8
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_surfaces_far_smaller_than_their_coordinates_keep_the_range_of_s(method):
+    """Rulings of some 1e-6 next to (1, 1, 2), told by doubles: their places on rulings are known to 1e-10."""
+    k = F(1, 2**20)
+    sides = [
+        [[-k, 4 * k], [k - 1, -4 * k], [-2 - k, k]], [[-k, -k], [2 * k - 1, -2 * k], [2 * k - 2, -3 * k]],
+        [[-F(11, 3) * k, 4 * k], [F(11, 3) * k - 1, -4 * k], [-2 - F(5, 3) * k, k]],
+        [[-F(7, 3) * k, k], [-1 - F(2, 3) * k, 2 * k], [2 * k - 2, -2 * k, k]],
+    ]  # fmt: skip
+    a, b, c, d = (fc.RationalCurve(x, [1]) for x in sides)
+    p, q = fc.RuledSurface(a, b), fc.RuledSurface(c, d)
+    for x in ((p, q), (q, p)):
+        found = fc.intersection_curve(*x, tolerance=1e-9, method=method)
+        assert found.branches
+        for branch in found.branches:
+            assert 0.0 <= branch.parameters[:, 2:].min() and branch.parameters[:, 2:].max() <= 1.0
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize(
+    "u",
+    [(F(1, 2), F(1, 2) + F(1, 2**60)), (F(-280000000000000001, 2 * 10**17), F(-419999999999999999, 3 * 10**17))],
+    ids=["from a double", "about a double"],
+)
+def test_ranges_of_u_that_are_one_double(u, method):
+    """Surfaces that touch along a ruling inside of the range: doubles leave that open."""
+    middle = (u[0] + u[1]) / 2
+    height = [middle**2, -2 * middle, 1]
+    p = fc.RuledSurface(*(fc.RationalCurve([[0, 1], [y], height], [1]) for y in (0, 1)), u=u)
+    q = fc.RuledSurface("(-3, u, 0)", "(2, u, 0)", u=(F(1, 3), F(2, 3)))
+    for x in ((p, q), (q, p)):
+        found = fc.intersection_curve(*x, tolerance=TOLERANCE, method=method)
+        (branch,) = found.branches
+        assert branch.multiplicity == 2 and branch.length == pytest.approx(1 / 3)
+        assert not found.open_places
