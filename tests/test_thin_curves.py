@@ -173,3 +173,27 @@ def test_ranges_of_u_that_are_one_double(u, method):
         (branch,) = found.branches
         assert branch.multiplicity == 2 and branch.length == pytest.approx(1 / 3)
         assert not found.open_places
+
+
+@pytest.mark.parametrize("k", [F(1), F(1, 2**40), F(1, 3**60)], ids=["as it is", "small", "smaller"])
+def test_small_scenes_have_the_curves_of_large_ones(k):
+    """Two cones with one apex share four rulings; a plane cuts a saddle in a box."""
+
+    def sized(*sides, **ranges):
+        ways = [[k if i == j < 3 else int(i == j) for j in range(4)] for i in range(4)]
+        return fc.RuledSurface(*sides, **ranges).transformed(ways)
+
+    cones = [sized("(1, 1, -2)", f"(1 + (1-u**2)/(1+u**2)*{a}, 1 + 2*u/(1+u**2)*{b}, -1)", u=None, s=(-1, 1))
+             for a, b in ((2, 1), (1, 2))]  # fmt: skip
+    for method in METHODS:
+        found = fc.intersection_curve(*cones, tolerance=1e-3 * float(k), method=method)
+        assert len(found.overlap_lines) == 4 and not found.branches
+        assert found.isolated_points / float(k) == pytest.approx(np.array([[1, 1, -2]]))
+        assert np.ptp(found.overlap_lines / float(k), axis=1)[:, 2] == pytest.approx(np.array([2, 2, 2, 2]))
+    saddle, level = sized("(u, 0, 0)", "(u, 1, u)"), sized("(0, u, 1/3)", "(1, u, 1/3)")
+    found = fc.intersection_curve(saddle, level, tolerance=1e-3 * float(k), box=((0, 0, 0), (k / 2, k, k)))
+    (branch,) = found.branches
+    assert {name for end in branch.ends for name in end.on} == {"v=1", "s=1", f"y={k}", f"x={k / 2}"}
+    assert branch.length / float(k) == pytest.approx(0.374302, rel=1e-3)
+    assert sorted(end.point[1] / float(k) for end in branch.ends) == pytest.approx([2 / 3, 1.0])
+    assert found.box[1] / float(k) == pytest.approx(np.array([0.5, 1, 1]))
