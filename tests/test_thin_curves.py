@@ -175,8 +175,8 @@ def test_ranges_of_u_that_are_one_double(u, method):
         assert not found.open_places
 
 
-@pytest.mark.parametrize("k", [F(1), F(1, 2**40), F(1, 3**60)], ids=["as it is", "small", "smaller"])
-def test_small_scenes_have_the_curves_of_large_ones(k):
+@pytest.mark.parametrize("k", [F(1), F(1, 2**40), F(1, 3**60), F(2**60)], ids=["as it is", "small", "smaller", "large"])
+def test_scenes_of_all_sizes_have_the_same_curves(k):
     """Two cones with one apex share four rulings; a plane cuts a saddle in a box."""
 
     def sized(*sides, **ranges):

@@ -1,7 +1,8 @@
-"""Scenes far smaller than 1, made larger for the search and their curve small again.
+"""Scenes far smaller or larger than 1, brought to that size for the search, and their curve taken back.
 
 That points are one is told in parts of max(1, their coordinates): of 1, so that points next to the origin are told by
-the size of the scene.  The factor is a power of 2, so doubles keep all their bits.
+the size of the scene.  That a point is at infinity is told by its weight in parts of X, Y and Z.  The factor is a power
+of 2, so doubles keep all their bits.
 """
 
 from __future__ import annotations
@@ -18,14 +19,14 @@ from firstcontact.exact.numbers import rational
 from firstcontact.ruled.spots import Box
 from firstcontact.ruled.tracing import Powers, rows
 
-# Scenes this large are left as they are.
-LARGE = 2.0**-4
+# Scenes between these sizes are left as they are.
+SMALL, LARGE = 2.0**-4, 2.0**24
 
 
-def enlargement(surfaces: Sequence[Any]) -> Fraction:
+def size_factor(surfaces: Sequence[Any]) -> Fraction:
     """The power of 2 that brings the largest coordinate of some points of the directrices next to 1, or 1."""
     size = max(_size(piece) for surface in surfaces for piece in surface.pieces)
-    return Fraction(1) if size >= LARGE or size == 0.0 else Fraction(2) ** -math.frexp(size)[1]
+    return Fraction(1) if SMALL <= size <= LARGE or size == 0.0 else Fraction(2) ** -math.frexp(size)[1]
 
 
 def _size(piece: Any) -> float:
@@ -42,21 +43,21 @@ def _size(piece: Any) -> float:
     return float(sizes[np.isfinite(sizes)].max(initial=0.0))
 
 
-def enlarged(surface: Any, factor: Fraction) -> Any:
+def resized(surface: Any, factor: Fraction) -> Any:
     return surface.transformed([[factor if i == j < 3 else int(i == j) for j in range(4)] for i in range(4)])
 
 
-def enlarged_box(box: Box, factor: Fraction) -> Box:
+def resized_box(box: Box, factor: Fraction) -> Box:
     low, high = ([rational(x, "box") * rational(factor, "factor") for x in corner] for corner in box)
     return (low[0], low[1], low[2]), (high[0], high[1], high[2])
 
 
-def reduced(fields: dict[str, Any], factor: Fraction, box: Box | None) -> dict[str, Any]:
-    """The fields of IntersectionCurve for the scene as it was, from those of the enlarged one; box: as it was."""
+def restored(fields: dict[str, Any], factor: Fraction, box: Box | None) -> dict[str, Any]:
+    """The fields of IntersectionCurve for the scene as it was, from those of the resized one; box: as it was."""
     k = 1.0 / float(factor)
     names = {} if box is None else {
         f"{axis}={larger}": f"{axis}={end}"
-        for ends, others in zip(box, enlarged_box(box, factor), strict=True)
+        for ends, others in zip(box, resized_box(box, factor), strict=True)
         for axis, end, larger in zip("xyz", ends, others, strict=True)
     }  # fmt: skip
 
