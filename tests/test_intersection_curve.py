@@ -550,6 +550,45 @@ def test_an_apex_touches_a_strip(z, s, points):
         assert (found.isolated_points == 0).all()
 
 
+@pytest.mark.parametrize("method", ["algebraic", "certified"])
+@pytest.mark.parametrize(
+    ("sides", "u"),
+    [
+        (("(u, -1, 0)", "(u, 1, 0)"), (0, 1)),
+        (("(u, -u, 0)", "(u, u, 0)"), (0, 1)),
+        (("(u**2, u, 0)", "(u**2 + 1, u, 0)"), (-1, 1)),
+        (("((u**2 - 1/2)**2, u**2 - 1/2, 0)", "((u**2 - 1/2)**2 + 1, u**2 - 1/2, 0)"), (-1, 1)),
+        (("(u, 1, 0)", "(u, 2, 0)"), (0, 1)),
+    ],
+    ids=["its end ruling", "a ruling that is a point", "its directrix", "its directrix at irrational u", "beside it"],
+)
+def test_an_apex_touches_a_piece_of_its_plane(sides, u, method):
+    """A triangle to the left of its corner, and a piece of the plane to the right: no curve, for all that is in u, v.
+
+    Along the ruling through the corner every pair (u, v) meets in the corner.
+    """
+    triangle = fc.RuledSurface("(-1, u, 0)", "(0, 0, 0)", u=(-1, 1))
+    piece = fc.RuledSurface(*sides, u=u)
+    for pair in ((triangle, piece), (piece, triangle)):
+        found = fc.intersection_curve(*pair, method=method)
+        assert not found.branches and not found.two_dimensional and not found.open_places
+        assert found.isolated_points.tolist() == ([] if sides[0] == "(u, 1, 0)" else [[0, 0, 0]])
+
+
+@pytest.mark.parametrize(
+    ("trim", "points", "method"),
+    [([], 1, "algebraic"), ([], 1, "certified"), (["s <= 1"], 1, "algebraic"), (["s <= 2/3"], 0, "algebraic")],
+)
+def test_triangles_of_one_plane_touch_in_their_corners(trim, points, method):
+    """To the left and to the right of a common apex: rulings that are one line meet there alone."""
+    left = fc.RuledSurface("(-1/2, u + 1, 2)", "(1/2, 1, 2)", u=(-1, 1), trim=trim)
+    right = fc.RuledSurface("(1/2, 1, 2)", "(3/2, u**2 + u/2 + 1, 2)", u=(-1, 1), s=(0, 2))
+    for pair in ((left, right), (right, left)):
+        found = fc.intersection_curve(*pair, method=method)
+        assert not found.branches and not found.two_dimensional and not found.open_places
+        assert found.isolated_points.tolist() == [[0.5, 1, 2]] * points
+
+
 def test_a_strip_through_the_apex_keeps_the_curve_that_ends_there():
     """The plane x = z / 2 through the tip meets the cone in two lines, of the strip's y in [0, 1] one half."""
     cone = fc.RuledSurface("(0, 0, 0)", "((1-u**2)/(1+u**2), 2*u/(1+u**2), 1)", u=None, s=None)

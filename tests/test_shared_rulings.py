@@ -175,3 +175,19 @@ def test_common_rulings_of_trimmed_saddles_against_samples(seed):
             values = [f(x, y) for f in p_rules] + [f(x, (1 - y) / 2) for f in q_rules]
             on = any(abs(a[0] - x) < 1e-12 and min(a[1], b[1]) <= y <= max(a[1], b[1]) for a, b in found.overlap_lines)
             assert on == (min(values, default=1) >= 0), f"seed {seed}: y = {y} at x = {x}"
+
+
+@pytest.mark.parametrize("method", ["algebraic", "certified"])
+def test_a_point_of_a_common_ruling_is_one_however_it_rounds(method):
+    """Rulings of one line that touch end to end in (6, 2, -2), told by u = 1/9 and by v = 0."""
+    p = fc.RuledSurface(
+        "((7/2 + 69/2*u)/(1 + 3*u), (-1/2 + 45/2*u)/(1 + 3*u), (-3 + 3*u)/(1 + 3*u))",
+        "((9/2 + 63/2*u)/(1 + 3*u), (1/2 + 39/2*u)/(1 + 3*u), (-3 + 3*u)/(1 + 3*u))", u=(0, "1/3"), s=(1, 2),
+    )  # fmt: skip
+    q = fc.RuledSurface(
+        "(9/2, 1/2 + 1/2*u, -2 - 3/2*u)", "(9003/2000, 1003/2000 + 999/2000*u, -2 - 2997/2000*u)", s=(-1000, 1000)
+    )
+    for pair in ((p, q), (q, p)):
+        found = fc.intersection_curve(*pair, method=method)
+        assert not len(found.overlap_lines) and not found.branches
+        assert found.isolated_points.tolist() == [[6, 2, -2]]

@@ -154,6 +154,21 @@ def test_laws_notice_answers_that_differ() -> None:
     assert len(laws) >= 10
 
 
+def test_apexes_on_common_rulings_may_be_told() -> None:
+    """An apex at the end of a common ruling is an isolated point by the documentation, no other point of it is."""
+    kind = next(kind for kind in family_kinds() if kind.name == "curves/flat pieces")
+    scene = kind.make(Random(f"32/{kind.name}/60"))
+    names: dict[str, Any] = {"fc": fc, "F": soak.Fraction, "np": np}
+    exec(scene.source, names)
+    question = scene.questions[0]
+    curve = eval(question.call, names)
+    (apex,), ((other, end),) = curve.isolated_points, curve.overlap_lines
+    assert np.array_equal(apex, end) and question.judge(curve) is None
+    assert question.judge(dataclasses.replace(curve, isolated_points=np.empty((0, 3)))) is None
+    for wrong in (other, (other + end) / 2):
+        assert question.judge(dataclasses.replace(curve, isolated_points=wrong[None])) is not None
+
+
 def test_a_finding_prints_as_a_program_that_runs() -> None:
     source = "a = fc.examples.box((1, 1, 1)).moving(fc.Translation((8, 0, 0)))\n"
     source += "b = fc.examples.box((1, 1, 1)).translated((3, 0, 0))\nspan = None\n"

@@ -135,3 +135,65 @@ def test_a_finding_of_the_soak():
     for method in METHODS:
         (loop,) = curve(p, q, method).branches
         assert loop.closed and 0 < loop.length < 1e-8
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_surfaces_far_smaller_than_their_coordinates_keep_the_range_of_s(method):
+    """Rulings of some 1e-6 next to (1, 1, 2), told by doubles: their places on rulings are known to 1e-10."""
+    k = F(1, 2**20)
+    sides = [
+        [[-k, 4 * k], [k - 1, -4 * k], [-2 - k, k]], [[-k, -k], [2 * k - 1, -2 * k], [2 * k - 2, -3 * k]],
+        [[-F(11, 3) * k, 4 * k], [F(11, 3) * k - 1, -4 * k], [-2 - F(5, 3) * k, k]],
+        [[-F(7, 3) * k, k], [-1 - F(2, 3) * k, 2 * k], [2 * k - 2, -2 * k, k]],
+    ]  # fmt: skip
+    a, b, c, d = (fc.RationalCurve(x, [1]) for x in sides)
+    p, q = fc.RuledSurface(a, b), fc.RuledSurface(c, d)
+    for x in ((p, q), (q, p)):
+        found = fc.intersection_curve(*x, tolerance=1e-9, method=method)
+        assert found.branches
+        for branch in found.branches:
+            assert 0.0 <= branch.parameters[:, 2:].min() and branch.parameters[:, 2:].max() <= 1.0
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize(
+    "u",
+    [(F(1, 2), F(1, 2) + F(1, 2**60)), (F(-280000000000000001, 2 * 10**17), F(-419999999999999999, 3 * 10**17))],
+    ids=["from a double", "about a double"],
+)
+def test_ranges_of_u_that_are_one_double(u, method):
+    """Surfaces that touch along a ruling inside of the range: doubles leave that open."""
+    middle = (u[0] + u[1]) / 2
+    height = [middle**2, -2 * middle, 1]
+    p = fc.RuledSurface(*(fc.RationalCurve([[0, 1], [y], height], [1]) for y in (0, 1)), u=u)
+    q = fc.RuledSurface("(-3, u, 0)", "(2, u, 0)", u=(F(1, 3), F(2, 3)))
+    for x in ((p, q), (q, p)):
+        found = fc.intersection_curve(*x, tolerance=TOLERANCE, method=method)
+        (branch,) = found.branches
+        assert branch.multiplicity == 2 and branch.length == pytest.approx(1 / 3)
+        assert not found.open_places
+
+
+@pytest.mark.parametrize("k", [F(1), F(1, 2**40), F(1, 3**60), F(2**60)], ids=["as it is", "small", "smaller", "large"])
+def test_scenes_of_all_sizes_have_the_same_curves(k):
+    """Two cones with one apex share four rulings; a plane cuts a saddle in a box."""
+
+    def sized(*sides, **ranges):
+        ways = [[k if i == j < 3 else int(i == j) for j in range(4)] for i in range(4)]
+        return fc.RuledSurface(*sides, **ranges).transformed(ways)
+
+    cones = [sized("(1, 1, -2)", f"(1 + (1-u**2)/(1+u**2)*{a}, 1 + 2*u/(1+u**2)*{b}, -1)", u=None, s=(-1, 1))
+             for a, b in ((2, 1), (1, 2))]  # fmt: skip
+    for method in METHODS:
+        found = fc.intersection_curve(*cones, tolerance=1e-3 * float(k), method=method)
+        assert len(found.overlap_lines) == 4 and not found.branches
+        assert found.isolated_points / float(k) == pytest.approx(np.array([[1, 1, -2]]))
+        assert np.ptp(found.overlap_lines / float(k), axis=1)[:, 2] == pytest.approx(np.array([2, 2, 2, 2]))
+    saddle, level = sized("(u, 0, 0)", "(u, 1, u)"), sized("(0, u, 1/3)", "(1, u, 1/3)")
+    found = fc.intersection_curve(saddle, level, tolerance=1e-3 * float(k), box=((0, 0, 0), (k / 2, k, k)))
+    (branch,) = found.branches
+    assert {name for end in branch.ends for name in end.on} == {"v=1", "s=1", f"y={k}", f"x={k / 2}"}
+    assert branch.length / float(k) == pytest.approx(0.374302, rel=1e-3)
+    assert sorted(end.point[1] / float(k) for end in branch.ends) == pytest.approx([2 / 3, 1.0])
+    assert found.box[1] / float(k) == pytest.approx(np.array([0.5, 1, 1]))

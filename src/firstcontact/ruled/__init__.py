@@ -1,5 +1,6 @@
 """Ruled surfaces: intersection curves at rest, times of contact in motion.
 
+resized        scenes far smaller or larger than 1, brought to that size for the search
 intersection   the verb's pipeline
 pieces         bounded pieces: parameter ranges, s in [0, 1], trimming
 clipping       which parts of Delta = 0 belong to both pieces; overlaps of common rulings

@@ -128,7 +128,7 @@ def traced(found: Searched, tolerance: float) -> Solved:
             break
         room *= 4
         if room > MOST_ROOM:
-            raise InputError(f"tolerance {tolerance:g} needs more than {MOST_ROOM // 4} points; give a larger one")
+            raise InputError(f"this tolerance needs more than {MOST_ROOM // 4} points; give a larger one")
     for table in (points, parameters):  # branches are views of these
         table.resize((int(rows.max(initial=0)), table.shape[1]), refcheck=False)
     return Solved(p, q, places, arcs, lines, points, parameters, rows, turned, found.opened)

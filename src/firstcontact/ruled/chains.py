@@ -78,6 +78,8 @@ class Chain:
             start, end = np.arctan([low, high]) / np.pi
             # an end may be told with rounding: a little before the start is no whole turn behind it
             return k + ((np.arctan(u) / np.pi - start + SLIGHT) % 1.0 - SLIGHT) / (end - start + 1.0)
+        if low == high:  # one double stands for the whole piece
+            return np.full_like(u, k + 0.5)
         return k + (u - low) / (high - low)
 
     def along(self, part: int, x: float) -> float:

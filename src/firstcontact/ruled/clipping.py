@@ -34,6 +34,8 @@ from firstcontact.ruled.spots import Box, Spot, equalities, sides, spot
 Degrees = tuple[int, int]
 # Precision at which a bound that cannot be told from equality is named at an end: agreement to 1e-90.
 EQUAL_BITS = 320
+# Of points on common rulings.
+LINE_BITS = 128
 
 
 @dataclass(frozen=True)
@@ -185,9 +187,10 @@ def overlap(p: Piece, q: Piece, u: Parameter, v: Parameter) -> np.ndarray | None
             lows.append(ends[0])
             highs.append(ends[1])
     low, high = max(lows, key=cmp_to_key(_End.compare)), min(highs, key=cmp_to_key(_End.compare))
-    if low.compare(high) > 0:
+    order = low.compare(high)
+    if order > 0:
         return None
-    return np.array([low.point(), high.point()])
+    return np.array([low.point(), (high if order else low).point()])
 
 
 class _End:
@@ -202,14 +205,16 @@ class _End:
         return sign_at(self.x * other.w - other.x * self.w, *self.at, (0, 0))
 
     def point(self) -> list[float]:
-        r = self.root.enclosure(128)
-        return [float((c(r) / self.curve[3](r)).mid()) for c in self.curve[:3]]
+        r = self.root.enclosure(LINE_BITS)
+        with precision(LINE_BITS):
+            return [float((c(r) / self.curve[3](r)).mid()) for c in self.curve[:3]]
 
 
 def _two_points(lines: Rulings, root: AlgebraicRoot) -> np.ndarray:
     """The point of a line next to the origin, and another at distance 1."""
-    r = root.enclosure(128)
-    l01, l02, l03, l12, l13, l23 = (float(c(r).mid()) for c in lines.line)
+    r = root.enclosure(LINE_BITS)
+    with precision(LINE_BITS):
+        l01, l02, l03, l12, l13, l23 = (float(c(r).mid()) for c in lines.line)
     direction, moment = -np.array([l03, l13, l23]), np.array([l12, -l02, l01])  # X2 - X1 and X1 x X2
     foot = np.cross(direction, moment) / (direction @ direction)
     return np.array([foot, foot + direction / np.linalg.norm(direction)])

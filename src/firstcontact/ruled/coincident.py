@@ -16,10 +16,10 @@ from flint import fmpq, fmpz, fmpz_mpoly, fmpz_poly
 from firstcontact.exact import bivariate
 from firstcontact.exact.bivariate import in_u, in_v, irreducible
 from firstcontact.exact.roots import AlgebraicRoot
-from firstcontact.pairs.ruled_ruled import all_real_roots, divides
+from firstcontact.pairs.ruled_ruled import all_real_roots, divides, rulings_through
 from firstcontact.ruled.answer import Found, Pair
-from firstcontact.ruled.branches import add_curves
-from firstcontact.ruled.clipping import Condition
+from firstcontact.ruled.branches import add_apex, add_curves
+from firstcontact.ruled.clipping import Condition, in_range
 from firstcontact.ruled.pieces import Piece, at_place
 from firstcontact.ruled.shared_rulings import holds
 from firstcontact.ruled.sheets import samples
@@ -40,8 +40,24 @@ def all_meet(found: Found) -> None:
         points = found.clip.points
         borders = [f for f in _borders(conditions, found.p.u, found.q.u)
                    if found.clip.columns(f) and not all(divides(f, x) for x in points[3])]  # fmt: skip
-        if borders:  # on others rulings are one line, or meet at infinity
-            add_curves(found, [(f, 1) for f in borders])
+        # on others rulings are one line, or meet at infinity
+        curves = [f for f in borders if not _add_apex_of_other(found, f)]
+        if curves:
+            add_curves(found, [(f, 1) for f in curves])
+
+
+def _add_apex_of_other(found: Found, border: fmpz_mpoly) -> bool:
+    """Whether a border is of rulings through the apex of the other piece: they share that point, and no curve."""
+    side = 0 if border.degrees()[1] == 0 else 1
+    own, apex = found.pieces[side], found.pieces[1 - side].rulings.apex
+    line = (in_u, in_v)[side]
+    if border.degrees()[1 - side] or apex is None or not divides(border, line(rulings_through(own.rulings, apex))):
+        return False
+    point = np.array([float(fmpq(x, apex[3])) for x in apex[:3]])
+    for parameter in all_real_roots(bivariate.univariate(border, "uv"[side])):
+        if in_range(own, parameter):
+            add_apex(found, line(parameter.polynomial), point, side, parameter)
+    return True
 
 
 def _apex(found: Found, apex: Sequence[fmpz]) -> None:

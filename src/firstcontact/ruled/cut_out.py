@@ -24,7 +24,12 @@ Range = tuple[float, float]
 
 
 def cut_about(surface: Any, places: Sequence[Range]) -> Any:
-    """The strip of pieces of a RuledSurface some of which hold the places, ranges of u; itself where they fill it."""
+    """The strip of pieces of a RuledSurface some of which hold the places, ranges of u; itself where they fill it.
+
+    They fill a range of u whose ends are one double.
+    """
+    if surface.u is not None and float(surface.u[0]) == float(surface.u[1]):
+        return surface
     low, high = (-0.5, 0.5) if surface.u is None else (0.0, 1.0)
     rooms = list(_rooms([tuple(_share(surface, u) for u in place) for place in places]))  # type: ignore[misc]
     if len(rooms) > MOST_PLACES or (surface.u is None and (rooms[0][0] <= low or rooms[-1][1] >= high)):

@@ -30,6 +30,11 @@ class Border:
         point = [(d - n) * a[i] * b[3] + n * b[i] * a[3] for i in range(3)]
         return (*point, d * a[3] * b[3], n, d)
 
+    def is_point(self, rulings: Rulings) -> bool:
+        """Whether it is one point for all rulings."""
+        *point, weight = self.curve(rulings)[:4]
+        return all(x.derivative() * weight == x * weight.derivative() for x in point)
+
 
 def borders(piece: Piece, side: int) -> list[Border]:
     found = [Border(side, ((end,), (1,))) for end in (0, 1)] if piece.bounded else []

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
 from flint import fmpq, fmpz, fmpz_poly
 
 from firstcontact.body.rational_curve import terms
@@ -69,9 +70,13 @@ class Piece:
         return AlgebraicRoot(shifted, self.shift + 1 / hi, self.shift + 1 / lo)
 
     def user_s(self, s: Any) -> Any:
-        """The user's s of values here (floats)."""
+        """The user's s of values here (floats), of points of the piece.
+
+        Beside the size of their coordinates short rulings may be no more than rounding: that leads out of no bounds.
+        """
         low, high = (float(fraction(x)) for x in self.s_range)
-        return s if (low, high) == (0.0, 1.0) else low + (high - low) * s
+        own = s if (low, high) == (0.0, 1.0) else low + (high - low) * s
+        return np.clip(own, low, high) if self.bounded else own
 
 
 def at_place(g: Mapping[tuple[int, int], Any], u: Any, n: Any, d: Any, power: int | None = None) -> Any:

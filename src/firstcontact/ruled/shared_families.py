@@ -52,7 +52,9 @@ def along_correspondence(found: Found, correspondence: fmpz_mpoly) -> None:
             return
         if area is not None:
             for border in touching_borders(p, q, u, v, box):
-                touching.setdefault(border, []).append(edge)
+                # a border that is a point is the common apex, which `coincident` tells
+                if not border.is_point(found.pieces[border.side].rulings):
+                    touching.setdefault(border, []).append(edge)
     for border, edges in touching.items():
         add_branches(found, Joints(found, graph, BorderCurve(p, q, border)), edges, [(f, 1) for f in factors])
     used = {k for edges in touching.values() for edge in edges for k in (edge.start, edge.end)}

@@ -360,7 +360,7 @@ class Tracer:
             quarter = (need > 2) & (need <= 4) & (uneven <= EVEN_QUARTERS)
             split = (need > 1) & ~halve & ~quarter
             if need.sum() > MOST_CHORDS:
-                raise InputError(f"tolerance {tolerance:g} needs more than {MOST_CHORDS} points; give a larger one")
+                raise InputError(f"this tolerance needs more than {MOST_CHORDS} points; give a larger one")
             done += inner[1][halve | quarter] + inner[0][quarter] + inner[2][quarter]
             parts = np.clip(np.ceil(need / 3.5), 2, MOST_PARTS).astype(int)
             fresh = self._parts(left[split], [x[split] for x in inner], right[split], parts[split])

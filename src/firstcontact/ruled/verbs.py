@@ -14,6 +14,7 @@ from firstcontact.result import Stats
 from firstcontact.ruled.certified_curve import certified_curve, is_supported
 from firstcontact.ruled.intersection import intersection
 from firstcontact.ruled.pieces import Piece
+from firstcontact.ruled.resized import resized, resized_box, restored, size_factor
 from firstcontact.ruled.settled import BEARABLE
 from firstcontact.ruled.spots import Box, box_of, corners
 
@@ -30,7 +31,14 @@ def intersection_curve(p: Any, q: Any, tolerance: float, method: str, box: Any) 
     if method not in METHODS:
         raise UnsupportedPair(f"method {method!r} is unknown to intersection_curve; choose one of {', '.join(METHODS)}")
     limits = box_of(box)
-    fields = {"box": corners(limits)} | _fields(p, q, tolerance, method, limits)
+    factor = size_factor((p, q))
+    if factor == 1:
+        fields = _fields(p, q, tolerance, method, limits)
+    else:
+        own_box = None if limits is None else resized_box(limits, factor)
+        fields = _fields(resized(p, factor), resized(q, factor), tolerance * float(factor), method, own_box)
+        fields = restored(fields, factor, limits)
+    fields = {"box": corners(limits)} | fields
     stats = fields.pop("stats", Stats())
     return IntersectionCurve(**fields, stats=replace(stats, seconds=clock.perf_counter() - begin), a=p, b=q)
 
