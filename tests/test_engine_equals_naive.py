@@ -64,7 +64,7 @@ def test_degenerate_scenes_shaken_by_a_hair(bits, rotating):
         s, rng = lattice_scene(seed, rotating), np.random.default_rng(seed)
         return Scene(shaken(s.a, rng), shaken(s.b, rng), s.translation, s.rotation, s.until)
 
-    assert_agreement((scene(1000 * bits + k), False) for k in range(amount(120)))
+    assert_agreement((scene(1000 * bits + k), False) for k in range(amount(120, 2)))
 
 
 @MOTIONS

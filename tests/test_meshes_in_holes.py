@@ -53,7 +53,7 @@ def random_motion(rng, toward):
 def test_an_angle_touches_when_its_first_part_does():
     rng = np.random.default_rng(11)
     seen = {status: 0 for status in fc.Status}
-    for k in range(amount(18)):
+    for k in range(amount(18, 3)):
         place = np.array([*rng.normal(size=2) * 1.5, 4.0]) if k % 3 else rng.normal(size=3) * 2.0
         turn = {"axis": rng.normal(size=3), "degrees": float(rng.uniform(0, 180))}
         motion, model = random_motion(rng, -place), (WAIST, PLATE, PLATE, SHELL)[k % 4]

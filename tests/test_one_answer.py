@@ -32,7 +32,7 @@ def told(hit, swapped: bool = False):
 @MOTIONS
 def test_engines_and_orders(rotating):
     seen = Counter()
-    for seed in range(80_000, 80_000 + amount(150)):
+    for seed in range(80_000, 80_000 + amount(150, 3)):
         a, b, span = question(lattice_scene(seed, rotating))
         hit = fc.first_contact(a, b, span, engine="boxes")
         seen[hit.status] += 1
@@ -75,7 +75,7 @@ def test_diagonals_of_flat_faces_are_told_in_any_unit(k):
 def test_what_a_budget_proves_free_is_free(rotating):
     """No contact is before `free_until`, at whatever step the work ends."""
     left = 0
-    for seed in range(81_000, 81_000 + amount(90)):
+    for seed in range(81_000, 81_000 + amount(90, 3)):
         scene = lattice_scene(seed, rotating)
         status, _, nearest = reference(naive.first_contact, scene)
         if status == naive.FREE:

@@ -52,7 +52,7 @@ def test_lattice_scenes(first, rotating):
 def test_reported_pairs_are_those_tested_one_by_one(rotating):
     """By the levels of the linearisation from the first pair on."""
     most = 0
-    for scene in small_scenes(5000, amount(120), rotating):
+    for scene in small_scenes(5000, amount(120, 3), rotating):
         answers = []
         for engine in ("boxes", "composed"):
             problems = problems_in_order(*question(scene)[:2], pieces(*question(scene))[0], engine)

@@ -215,7 +215,7 @@ def test_polynomial_of_atan_is_proved():
 def test_angle_bounds_enclose():
     rng = np.random.default_rng(22)
     narrow = 0
-    for k in range(amount(3000)):
+    for k in range(3000):
         phi, size = rng.uniform(0, 2 * np.pi), 2.0 ** rng.uniform(-30, 30)
         if k % 5 == 0:
             phi = rng.choice([0.0, np.pi / 2, np.pi]) + rng.uniform(-1, 1) * 2.0 ** -rng.uniform(1, 50)
