@@ -184,13 +184,24 @@ class CompositeQuadric(Placing):
 
     def contains_exactly(self, point: Vector) -> bool:
         """Whether the rational point (x, y, z) is in the closed solid."""
+        return True in self._around(point)
+
+    def holds_inside(self, point: Vector) -> bool:
+        """Whether the rational point (x, y, z) is proved to be an inner point of the solid."""
+        x = (*point, ONE)
+        if any(s.value(x) == 0 and not any(s.gradient(x)) for s in self.surfaces):
+            return False  # next to a tip not all of `patterns` may be known
+        return self._around(point) == {True}
+
+    def _around(self, point: Vector) -> set[bool]:
+        """Which of inside and outside there is arbitrarily near the point."""
         x = (*point, ONE)
         signs = self.signs(x)
         values = outcomes(self.tree, signs)
         if len(values) == 1:
-            return True in values
+            return values
         on = [i for i, sign in enumerate(signs) if sign == 0]
-        return any(inside(self.tree, pattern(signs, on, p)) for p in patterns(x, self.surfaces, on))
+        return {inside(self.tree, pattern(signs, on, p)) for p in patterns(x, self.surfaces, on)}
 
     def signs(self, x: Vector) -> list[int]:
         """Exact sign of every surface's form at the homogeneous point x, w > 0."""

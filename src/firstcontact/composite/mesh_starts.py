@@ -41,8 +41,8 @@ class Standing:
             self.relative = compose(inverse_map(other), own)
 
     def primitive(self, k: int) -> Place:
-        """How a triangle, a bare edge or a bare point that touches nothing lies to the model, by a proof; NEAR and
-        None: not told.  A point is in the model's frame."""
+        """How a triangle, a bare edge or a bare point lies to the model, by a proof; NEAR and None: not told, but that
+        they share the point, if there is one.  A point is in the model's frame."""
         mesh = shape_of(self.mesh)
         bare = k >= len(mesh.triangles)
         points = [mesh.exact_vertex(i) for i in (bare_primitive(mesh, k)[1] if bare else mesh.triangles[k].tolist())]
@@ -53,11 +53,18 @@ class Standing:
         return _on_segment(points[0], points[-1], shape_of(self.model)) if bare else self._triangle(points)
 
     def _triangle(self, points: list[Vector]) -> Place:
+        if self.relative is None:
+            return self._within(points)
+        places = [_on_segment(points[k - 1], points[k], shape_of(self.model)) for k in range(3)]
+        overlapping = [place for place in places if place.relation is Relation.OVERLAPPING]
+        if overlapping:
+            return overlapping[0]
+        found = self._within(points)
+        return next((place for place in places if place.point is not None), found) if found.point is None else found
+
+    def _within(self, points: list[Vector]) -> Place:
+        """Of the inside of a triangle."""
         model = shape_of(self.model)
-        if self.relative is not None:
-            for k in range(3):
-                if (place := _on_segment(points[k - 1], points[k], model)).relation is Relation.OVERLAPPING:
-                    return place
         sides = prisms(points)
         try:
             seen = [self._places(side) for side in sides]
@@ -70,7 +77,7 @@ class Standing:
             told = False
             if one.relation is other.relation is Relation.OVERLAPPING:
                 x = one.point if self.relative is None else _between(points, one.point, other.point)
-                if _is_made_of_pieces(model) or (self.relative is not None and model.contains_exactly(x)):
+                if _is_made_of_pieces(model) or (self.relative is not None and model.holds_inside(x)):
                     return Place(Relation.OVERLAPPING, x)
         return Place(Relation.APART) if told else self._by_intersection(points, sides)
 
@@ -89,7 +96,7 @@ class Standing:
                 inner = (side & model)._witness
             except NoSolid:
                 return Place(Relation.APART)
-            if inner is not None and model.contains_exactly(x := _foot(points, inner)):
+            if inner is not None and model.holds_inside(x := _foot(points, inner)):
                 return Place(Relation.OVERLAPPING, x)
         return Place(None)
 
@@ -103,7 +110,7 @@ class Standing:
 
 
 def _on_segment(p: Vector, q: Vector, model: CompositeQuadric) -> Place:
-    """Of the segment from p to q, which touches no surface from outside: between two that it passes it is in or out."""
+    """Of the segment from p to q: between two surfaces that it passes it is in, out, or on one of them."""
     way = sub(q, p)
     passes = fmpz_poly([1])
     for surface in model.surfaces:
@@ -112,11 +119,14 @@ def _on_segment(p: Vector, q: Vector, model: CompositeQuadric) -> Place:
         along = fmpq_poly([dot(x, [dot(row, x) for row in form]), 2 * dot(image, x), dot(image, v)])
         if along.degree() > 0:
             passes *= along.numer()
+    shared = Place(Relation.APART)
     for s in (START, START + 1, *_between_roots(real_roots(passes, START, START + 1))):
         at = tuple(c + s * d for c, d in zip(p, way, strict=True))
-        if model.contains_exactly(at):
+        if model.holds_inside(at):
             return Place(Relation.OVERLAPPING, at)
-    return Place(Relation.APART)
+        if shared.point is None and model.contains_exactly(at):
+            shared = Place(Relation.NEAR, at)
+    return shared
 
 
 def _between_roots(roots: list[AlgebraicRoot]) -> list[fmpq]:

@@ -429,7 +429,7 @@ class _Query:
         return self._crossed(left, window) if found is None else self._touching_result(*found, left)
 
     def _crossed(self, left: list[Open], window: Window) -> FirstContact | None:
-        """The answer where a triangle that touches nothing at the start may hold points inside the model."""
+        """The answer where a triangle that is not known to touch at the start may hold points of the model."""
         standing = Standing(self.moving_mesh, self.moving_model, self.first)
         t = window.first
         seen = {k: standing.primitive(k) for k in sorted({x.primitive for x in left if x.free_until <= t})}
@@ -437,6 +437,9 @@ class _Query:
             if place.relation is Relation.OVERLAPPING and place.point is not None:
                 touch = Touch(t, t, t, standing.world(place.point), None, k)
                 return self._at_start(self._kind(Swept("initial", t, touch), window), point=touch.point)
+        for place in seen.values():
+            if place.point is not None:  # shared, and not told whether it is an inner one
+                return self._at_start(None, point=standing.world(place.point))
         apart = all(place.relation is Relation.APART for place in seen.values())
         return None if apart else self._undecided(self.span[0], "precision")
 
