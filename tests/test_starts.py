@@ -244,3 +244,13 @@ def test_a_tiny_ellipsoid_touches_a_ball_as_a_turn_starts():
         [[0, 1, 0, F(-40959, 2621440)], [-1, 0, 0, F(-3276797, 26214400)], [0, 0, 1, 0], [0, 0, 0, 1]])  # fmt: skip
     turn = fc.Rotation((0, 0, 15), (-0.0703125, -0.0546875, 0.0234375), degrees=-1080)
     assert fc.first_contact(ball, tiny.moving(turn), (0.25, 1)).initial == "touching"
+
+
+def test_an_apex_in_the_bowl_of_a_hyperboloid_at_the_origin():
+    """The bowl's lowest point is the origin, and its box was told to end above it."""
+    bowl = fc.hyperboloid((F(288, 65), F(288, 65), 2), F(91, 10), sheets=2).translated((0, 0, -2))
+    for depth in (F(15, 468374361246531584), F(1, 10**6), F(1, 10)):
+        cone = fc.cone(F(15, 13), F(25, 52)).translated((0, 0, depth - F(25, 52))).moving(fc.Translation((0, 0, 0.5)))
+        for method in ("auto", "algebraic"):
+            hit = fc.first_contact(cone, bowl, method=method)
+            assert (hit.status, hit.initial) == (fc.Status.INITIAL_CONTACT, "overlapping")

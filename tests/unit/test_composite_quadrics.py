@@ -429,3 +429,16 @@ def test_an_ellipse_many_times_longer_than_wide():
         frames = [e.frame for e in (fc.half_space(normal, 0) & bore).edges if e.frame.shape[1] == 3]
         lengths = [np.linalg.norm(frame[:3, 1:], axis=0) for frame in frames]
         assert any(x == pytest.approx([1 / off, 1], rel=1e-6) for x in (sorted(y, reverse=True) for y in lengths))
+
+
+def test_boxes_of_solids_whose_surface_passes_the_origin():
+    """There all terms of a form are small together, and the farthest point along an axis is no less on the solid."""
+    for r in (Fraction(n, d) for d in (1, 3, 7, 13, 65) for n in (1, 2, 6, 7, 15, 58)):
+        solids = [(fc.sphere(r), r), (fc.sphere(r), -r), (fc.ellipsoid((r, 2 * r, r / 3)), r / 3),
+                  (fc.hyperboloid((2 * r, r, r), 4 * r, sheets=2), -r)]  # fmt: skip
+        for solid, shift in solids:
+            lo, hi = solid.bounds()
+            lo_there, hi_there = solid.translated((0, 0, shift)).bounds()
+            move = np.array([0, 0, float(shift)])
+            assert np.abs(lo_there - lo - move).max() <= 1e-6 * float(r), (r, solid)
+            assert np.abs(hi_there - hi - move).max() <= 1e-6 * float(r), (r, solid)

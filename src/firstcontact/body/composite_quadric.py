@@ -211,15 +211,23 @@ class CompositeQuadric(Placing):
     def _possible(self, p: np.ndarray, slack: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
         """(may be inside, may be outside), (n,) bools each, at (n, 3) float64 points.
 
-        Forms smaller than their rounding error, and than `slack` times the size of their terms, may have either sign.
+        Forms smaller than their rounding error may have either sign, and those that vanish within `slack` times the
+        largest coordinate of any of the points: of any, since next to the origin all terms are small together.
         """
         x = np.column_stack([p, np.ones(len(p))])
         values = np.einsum("ni,sij,nj->sn", x, self._forms_f, x, optimize=True)
-        sizes = np.einsum("ni,sij,nj->sn", np.abs(x), np.abs(self._forms_f), np.abs(x), optimize=True)
         # coefficients, products and sums of sixteen terms: fewer than 32 roundings of relative size 2^-53;
         # input numbers that are no doubles add one more per coordinate
-        error = sizes * max(40 * 2.0**-53, slack) + 1e-290
+        sizes = self._sizes(np.abs(x))
+        error = sizes * (40 * 2.0**-53) + 1e-290
+        if slack:
+            reach = np.abs(x) + [*[slack * np.abs(p).max(initial=0.0)] * 3, 0.0]
+            error = error + (self._sizes(reach) * (1 + 2.0**-45) - sizes)
         return possible(self.tree, values < error, values > -error)
+
+    def _sizes(self, x: np.ndarray) -> np.ndarray:
+        """(surfaces, n): the sizes of the forms' terms at (n, 4) points that are not negative."""
+        return np.einsum("ni,sij,nj->sn", x, np.abs(self._forms_f), x, optimize=True)
 
     @property
     def bounded(self) -> bool:

@@ -108,8 +108,8 @@ def tight_box(body: CompositeQuadric, box: Box) -> tuple[np.ndarray, np.ndarray]
     else:
         points = [np.array([v.position for v in body.vertices]).reshape(-1, 3)]
         points += [_extremes_on_edge(edge) for edge in curves]
-        points += [_level_points(body, face.carrier) for face in body.faces if isinstance(face.carrier, Quadric)]
-        p = np.concatenate(points)
+        level = [_level_points(face.carrier) for face in body.faces if isinstance(face.carrier, Quadric)]
+        p = _of_the_solid(body, np.concatenate(points), np.concatenate([np.empty((0, 3)), *level]))
         pad = 1e-9 * (np.ptp(p, axis=0).max() + np.abs(p).max())
         new_lo, new_hi = p.min(axis=0) - pad, p.max(axis=0) + pad
     return np.maximum(lo, new_lo), np.minimum(hi, new_hi)
@@ -137,8 +137,8 @@ def _level_parameters(frame: np.ndarray, k: int, start: float) -> list[float]:
     return [start + (math.atan2(b, a) + s * math.acos(-d / length) - start) % (2 * math.pi) for s in (1, -1)]
 
 
-def _level_points(body: CompositeQuadric, surface: Quadric) -> np.ndarray:
-    """(n, 3): points of the surface where its tangent plane x_k = c is level, if they may belong to the solid.
+def _level_points(surface: Quadric) -> np.ndarray:
+    """(n, 3): points of the surface where its tangent plane x_k = c is level.
 
     With D = Q^-1, the planes x_k = c tangent to the surface satisfy (e_k, -c) D (e_k, -c)^T = 0; it touches in
     D (e_k, -c)^T.  Worked out in balls from exact numbers: doubles lose the points of small or large surfaces.
@@ -152,9 +152,15 @@ def _level_points(body: CompositeQuadric, surface: Quadric) -> np.ndarray:
         for k in range(3):
             for c, w in _level_planes(dual[3][3], dual[k][3], dual[k][k]):
                 found.append([float((arb(row[k]) - c * arb(row[3])) / w) for row in dual[:3]])
-    points = np.array(found).reshape(-1, 3)
-    may_in, may_out = body._possible(points, slack=1e-7)
-    return points[may_in & may_out]
+    return np.array(found).reshape(-1, 3)
+
+
+def _of_the_solid(body: CompositeQuadric, sure: np.ndarray, level: np.ndarray) -> np.ndarray:
+    """The sure points, and the level ones at which the solid may have points."""
+    points = np.concatenate([sure, level])
+    may_be = body._possible(points, slack=1e-7)[0]
+    may_be[: len(sure)] = True
+    return points[may_be]
 
 
 def _level_planes(a: fmpq, b: fmpq, c: fmpq) -> list[tuple[arb, arb]]:
