@@ -162,8 +162,8 @@ def size(body: Mesh) -> float:
 
 
 def tolerance(body: Mesh) -> float:
-    """1e-9 of the size of a body, and the rounding of a point's coordinates."""
-    return 1e-9 * size(body) + 4 * math.ulp(max(abs(float(x)) for p in body.vertices for x in p))
+    """1e-9 of the size of a body, and the rounding of a point that a pose in doubles has carried."""
+    return 1e-9 * size(body) + 16 * math.ulp(max(abs(float(x)) for p in body.vertices for x in p))
 
 
 def intervals(times: Sequence[tuple[F, F | None]], span: tuple[F, F | None], slack: F = F(0)) -> Judge:

@@ -230,6 +230,8 @@ def _over_plate(kind: str) -> Callable[[Random], Scene]:
         tall = high - low
         wide = 40 + int(4 * max(abs(x) for p in body.vertices for x in p))
         thick = rng.choice((0, 1, 4))
+        if kind == "curve" and tall < F(1, 4):  # what is thinner may sink below a sheet
+            thick = max(thick, 1)
         if thick:
             plate = moved(shapes.box(2 * wide, 2 * wide, thick, polygons=rng.random() < 0.5), (-wide, -wide, -thick), 1)
         else:

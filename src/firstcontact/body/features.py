@@ -378,7 +378,8 @@ class _Corners:
                 corner.apex = True
 
     def numbered(self, names: Any) -> tuple[Vertex, ...]:
-        corners = [corner for corner in self.all() if corner.is_vertex]
+        # by their surfaces, not as the loops pass them: a turned copy has the same numbers
+        corners = sorted((c for c in self.all() if c.is_vertex), key=lambda c: sorted(c.surfaces))
         surfaces = [tuple(sorted(corner.surfaces)) for corner in corners]
         called = names.vertices([(on, corner.apex) for on, corner in zip(surfaces, corners, strict=True)])
         vertices = []
