@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import argparse
 import importlib
-import math
 import multiprocessing
 import re
 import signal
@@ -19,7 +18,7 @@ import sys
 import time
 import traceback
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
 from multiprocessing.connection import Connection, wait
@@ -56,10 +55,9 @@ class Stopped(BaseException):
 class Record:
     """What became of one question.
 
-    outcome  name of the status ("CONTACT", ...), "answered" (an answer without status), "refused" (InputError or
-             UnsupportedPair), "slow", or "raised".
+    outcome  name of the status ("CONTACT", ...), "untold" (a start in contact whose kind is not proved), "answered"
+             (an answer without status), "refused" (InputError or UnsupportedPair), "slow", or "raised".
     wrong    what is wrong with the answer, None where nothing is.
-    untold   whether a start in contact was told without its kind: `initial` None, which is "not proved".
     """
 
     kind: str
@@ -72,7 +70,6 @@ class Record:
     answer: str = ""
     wrong: str | None = None
     law: str | None = None
-    untold: bool = False
 
     def snippet(self, seed: int) -> str:
         """The finding as a program."""
@@ -113,8 +110,8 @@ def _timed(work: Any) -> tuple[Any, float]:
         signal.setitimer(signal.ITIMER_PROF, 0)
 
 
-def _answered(calls: tuple[str, ...], names: dict[str, Any], judge: Any) -> tuple[str, float, str, str | None, bool]:
-    """(outcome, seconds, answers as text, what is wrong, untold) of calls that are judged together."""
+def _answered(calls: tuple[str, ...], names: dict[str, Any], judge: Any) -> tuple[str, float, str, str | None]:
+    """(outcome, seconds, answers as text, what is wrong) of calls that are judged together."""
     import firstcontact as fc
 
     seconds = 0.0
@@ -129,22 +126,23 @@ def _answered(calls: tuple[str, ...], names: dict[str, Any], judge: Any) -> tupl
             wrong, _ = _timed(lambda answers=answers: judge(*answers))
             if wrong is not None:
                 shown = "\n".join(_text(answer) for answer in answers)
-            last = answers[-1]
-            outcome = last.status.name if hasattr(last, "status") else "answered"
-            return outcome, seconds, shown, wrong, outcome == "INITIAL_CONTACT" and _is_untold(last)
+            return _outcome(answers[-1]), seconds, shown, wrong
         except Stopped:
             if attempt:
-                return "slow", SLOW, "", None, False
+                return "slow", SLOW, "", None
         except (fc.InputError, fc.UnsupportedPair) as error:
-            return "refused", seconds, f"{type(error).__name__}: {str(error).splitlines()[0]}", None, False
+            return "refused", seconds, f"{type(error).__name__}: {str(error).splitlines()[0]}", None
         except Exception as error:
             trace = traceback.format_exc().splitlines()[-8:]
-            return "raised", seconds, "\n".join(trace), f"raised {type(error).__name__}: {str(error)[:200]}", False
+            return "raised", seconds, "\n".join(trace), f"raised {type(error).__name__}: {str(error)[:200]}"
     raise AssertionError
 
 
-def _is_untold(hit: Any) -> bool:
-    return getattr(hit, "initial", "told") is None
+def _outcome(answer: Any) -> str:
+    if not hasattr(answer, "status"):
+        return "answered"
+    name: str = answer.status.name
+    return "untold" if name == "INITIAL_CONTACT" and getattr(answer, "initial", "told") is None else name
 
 
 def _text(answer: Any) -> str:
@@ -186,9 +184,8 @@ def try_scene(kind: Kind, seed: int, index: int, share: float = 0.25, say: Any =
         return
     for question in scene.questions:
         say(scene.motion, scene.source, question.call)
-        outcome, seconds, answer, wrong, untold = _answered((question.call,), names, question.judge)
-        asked = scene.motion, scene.source, question.call
-        yield Record(kind.name, index, *asked, outcome, seconds, answer, wrong, untold=untold)
+        outcome, seconds, answer, wrong = _answered((question.call,), names, question.judge)
+        yield Record(kind.name, index, scene.motion, scene.source, question.call, outcome, seconds, answer, wrong)
     rng = Random(f"{seed}/{kind.name}/{index}/laws")
     if not kind.laws or rng.random() >= share:
         return
@@ -200,7 +197,7 @@ def try_scene(kind: Kind, seed: int, index: int, share: float = 0.25, say: Any =
             exec(trial.source, own)
         except (fc.InputError, fc.UnsupportedPair):
             continue
-        outcome, seconds, answer, wrong, _ = _answered(trial.calls, own, trial.judge)
+        outcome, seconds, answer, wrong = _answered(trial.calls, own, trial.judge)
         calls = "\n".join(trial.calls)
         yield Record(kind.name, index, scene.motion, source, calls, outcome, seconds, answer, wrong, trial.law)
 
@@ -280,7 +277,6 @@ class Tally:
         if record.law is None:
             self.questions[key] += 1
             outcomes[record.outcome] += 1
-            outcomes["untold"] += record.untold
         else:
             self.laws[record.law] += 1
             outcomes["laws"] += 1
@@ -320,39 +316,32 @@ class Turns:
     """Which scene is next: the kind that took the least time so far has the next turn, so that a kind whose scenes take
     long has as much of the run as the others, not more."""
 
-    def __init__(self, kinds: dict[str, Kind], options: argparse.Namespace) -> None:
-        first = 0 if options.index is None else options.index
-        self.last = math.inf if options.scenes is None else options.scenes
-        if options.index is not None:
-            self.last = options.index + 1
-        self.next = dict.fromkeys(kinds, first)
-        self.spent = dict.fromkeys(kinds, 0.0)
-        self.begun: dict[str, dict[int, float]] = {name: {} for name in kinds}
+    def __init__(self, kinds: Iterable[str], indices: Iterable[int]) -> None:
+        self.left = {name: iter(indices) for name in kinds}
+        self.spent = dict.fromkeys(self.left, 0.0)
+        self.begun: dict[tuple[str, int], float] = {}
 
     def take(self) -> tuple[str, int] | None:
         """(kind, index); None where all are done."""
-        now = time.monotonic()
-
-        def so_far(name: str) -> tuple[float, int]:
-            return self.spent[name] + sum(now - begin for begin in self.begun[name].values()), self.next[name]
-
-        name = min((name for name, index in self.next.items() if index < self.last), key=so_far, default=None)
-        if name is None:
-            return None
-        index = self.next[name]
-        self.next[name] += 1
-        self.begun[name][index] = now
-        return name, index
+        while self.left:
+            name = min(self.left, key=lambda name: self.spent[name])
+            index = next(self.left[name], None)
+            if index is not None:
+                self.begun[name, index] = time.monotonic()
+                return name, index
+            del self.left[name]
+        return None
 
     def done(self, name: str, index: int) -> None:
-        self.spent[name] += time.monotonic() - self.begun[name].pop(index)
+        self.spent[name] += time.monotonic() - self.begun.pop((name, index))
 
 
 def run(kinds: dict[str, Kind], families: list[str], options: argparse.Namespace) -> Tally:
     """Scenes of all kinds until the minutes are over."""
     tally = Tally(kinds, options.seed)
     end = time.monotonic() + 60 * options.minutes
-    turns = Turns(kinds, options)
+    last = sys.maxsize if options.scenes is None else options.scenes
+    turns = Turns(kinds, range(last) if options.index is None else [options.index])
 
     def tell(record: Record) -> None:
         if tally.add(record):
@@ -415,9 +404,6 @@ def run(kinds: dict[str, Kind], families: list[str], options: argparse.Namespace
             asked, wrong = sum(tally.questions.values()), sum(tally.count.values())
             print(f"# {(told - end) / 60 + options.minutes:.0f} min: {asked} questions, {wrong} wrong", file=sys.stderr)
     return tally
-
-
-STATUSES = ("FREE", "CONTACT", "INITIAL_CONTACT", "answered", "UNDECIDED", "refused", "slow", "raised")
 
 
 def table(tally: Tally) -> str:

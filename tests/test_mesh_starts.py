@@ -142,3 +142,24 @@ def test_the_normal_where_an_edge_lands_across_a_cap(swap):
     landing = edge.moving(fc.Translation((0, 0, -1)))
     hit = fc.first_contact(*((pin, landing) if swap else (landing, pin)))
     assert hit.time == 1.0 and hit.normal.tolist() == pytest.approx([0, 0, -1 if swap else 1], abs=1e-15)
+
+
+def test_a_corner_on_a_side_is_no_inner_point():
+    """A quarter turn about an oblique axis has brought a corner of the triangle onto the side of the frustum."""
+    k = F(1, 2**40)
+    frustum = fc.frustum(F(29, 5629499534213120), F(1, 2**48), F(3, 1407374883553280)).transformed([
+        [F(7, 65), F(-24, 25), F(-84, 325), F(-44087, 17592186044416000)],
+        [F(-24, 25), F(-21, 125), F(28, 125), F(-1600609, 703687441776640000)],
+        [F(-84, 325), F(28, 125), F(-1527, 1625), F(480203, 175921860444160000)],
+        [0, 0, 0, 1],
+    ])  # fmt: skip
+    triangle = fc.Polyhedron([(0, 0, 0), (F(3, 4) * k, 0, 0), (k, F(11, 4) * k, 0)], [[0, 1, 2]]).transformed([
+        [F(476, 2349), F(1093, 2349), F(-2024, 2349), F(-1921, 10331011254583296)],
+        [F(-11080, 30537), F(130232, 152685), F(57299, 152685), F(-998303, 167878932886978560)],
+        [F(27775, 30537), F(36124, 152685), F(52168, 152685), F(305017, 83939466443489280)],
+        [0, 0, 0, 1],
+    ])  # fmt: skip
+    a = frustum.moving(fc.Translation((7 * k, 6 * k, -6 * k)))
+    b = triangle.moving(fc.Rotation((F(2, 3), F(-1, 3), F(-2, 3)), (-k / 2, F(-11, 2) * k, F(3, 2) * k), turns=-5))
+    hit = fc.first_contact(a, b, (0.25, 1))
+    assert hit.status is INITIAL and hit.initial in (None, "touching")

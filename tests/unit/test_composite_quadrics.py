@@ -434,11 +434,37 @@ def test_an_ellipse_many_times_longer_than_wide():
 def test_boxes_of_solids_whose_surface_passes_the_origin():
     """There all terms of a form are small together, and the farthest point along an axis is no less on the solid."""
     for r in (Fraction(n, d) for d in (1, 3, 7, 13, 65) for n in (1, 2, 6, 7, 15, 58)):
-        solids = [(fc.sphere(r), r), (fc.sphere(r), -r), (fc.ellipsoid((r, 2 * r, r / 3)), r / 3),
-                  (fc.hyperboloid((2 * r, r, r), 4 * r, sheets=2), -r)]  # fmt: skip
-        for solid, shift in solids:
-            lo, hi = solid.bounds()
-            lo_there, hi_there = solid.translated((0, 0, shift)).bounds()
-            move = np.array([0, 0, float(shift)])
-            assert np.abs(lo_there - lo - move).max() <= 1e-6 * float(r), (r, solid)
-            assert np.abs(hi_there - hi - move).max() <= 1e-6 * float(r), (r, solid)
+        sheet = 2 * r * math.sqrt(15)  # of the bowl's rim: 2 r sqrt((h / r)^2 - 1), h = 4 r
+        solids = [
+            (fc.sphere(r), (-r, -r, -r), (r, r, r), (0, 0, r)),
+            (fc.sphere(r), (-r, -r, -r), (r, r, r), (0, 0, -r)),
+            (fc.ellipsoid((r, 2 * r, r / 3)), (-r, -2 * r, -r / 3), (r, 2 * r, r / 3), (0, 0, r / 3)),
+            (fc.ellipsoid((r, 2 * r, r / 3)), (-r, -2 * r, -r / 3), (r, 2 * r, r / 3), (-r, 0, 0)),
+            (fc.hyperboloid((2 * r, 2 * r, r), 4 * r, sheets=2), (-sheet, -sheet, r), (sheet, sheet, 4 * r),
+             (0, 0, -r)),
+        ]  # fmt: skip
+        for solid, low, high, shift in solids:
+            found = solid.translated(shift).bounds()
+            for corner, true in zip(found, (low, high), strict=True):
+                there = [float(x) + float(y) for x, y in zip(true, shift, strict=True)]
+                assert np.abs(corner - there).max() <= 1e-6 * float(r), (r, solid, shift)
+            assert np.all(found[0] <= np.add(*([float(x) for x in v] for v in (low, shift))) + 1e-12 * float(r))
+
+
+def test_numbers_of_vertices_do_not_depend_on_the_pose():
+    """Of vertices on different surfaces; those on the same ones have numbers next to each other, in any order."""
+    solids = [fc.box((2, 3, 4)), fc.cylinder(2, 6) & fc.box((3, 9, 2)), fc.cone(2, 3) - fc.box((1, 1, 9))]
+    turns = [[[Fraction(x, 39) for x in row] for row in rows] for rows in (
+        [(-29, 22, -14), (-2, 19, 34), (26, 26, -13)], [(39, 0, 0), (0, -15, 36), (0, -36, -15)],
+        [(0, 0, 39), (39, 0, 0), (0, 39, 0)])]  # fmt: skip
+    for solid in solids:
+        surfaces = [v.surfaces for v in solid.vertices]
+        places = np.array([v.position for v in solid.vertices])
+        for turn in turns:
+            placed = solid.transformed([*([*row, k] for k, row in enumerate(turn)), [0, 0, 0, 1]])
+            carried = places @ np.array(turn, float).T + np.arange(3.0)
+            assert [v.surfaces for v in placed.vertices] == surfaces
+            for k, vertex in enumerate(placed.vertices):
+                same = [i for i, on in enumerate(surfaces) if on == surfaces[k]]
+                assert np.abs(carried[same] - vertex.position).max(axis=1).min() < 1e-12
+                assert len(same) > 1 or vertex.name == solid.vertices[k].name

@@ -188,10 +188,11 @@ class CompositeQuadric(Placing):
 
     def holds_inside(self, point: Vector) -> bool:
         """Whether the rational point (x, y, z) is proved to be an inner point of the solid."""
+        return self._around(point) == {True} and not self._is_tip(point)  # next to tips `patterns` may miss some
+
+    def _is_tip(self, point: Vector) -> bool:
         x = (*point, ONE)
-        if any(s.value(x) == 0 and not any(s.gradient(x)) for s in self.surfaces):
-            return False  # next to a tip not all of `patterns` may be known
-        return self._around(point) == {True}
+        return any(s.value(x) == 0 and not any(s.gradient(x)) for s in self.surfaces)
 
     def _around(self, point: Vector) -> set[bool]:
         """Which of inside and outside there is arbitrarily near the point."""

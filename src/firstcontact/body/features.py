@@ -378,7 +378,7 @@ class _Corners:
                 corner.apex = True
 
     def numbered(self, names: Any) -> tuple[Vertex, ...]:
-        # by their surfaces, not as the loops pass them: a turned copy has the same numbers
+        # by their surfaces, not as the loops pass them: in a turned copy only those on the same ones may change places
         corners = sorted((c for c in self.all() if c.is_vertex), key=lambda c: sorted(c.surfaces))
         surfaces = [tuple(sorted(corner.surfaces)) for corner in corners]
         called = names.vertices([(on, corner.apex) for on, corner in zip(surfaces, corners, strict=True)])

@@ -189,8 +189,8 @@ def _normal(meeting: Meeting, where: np.ndarray) -> np.ndarray | None:
         return _unit(-outward_a[0])
     if not (isinstance(task.a, Edge) and isinstance(task.b, Edge)):
         return None
-    along_a = _tangent(task.pair, task.a, True, root, where)
-    along_b = _tangent(task.pair, task.b, False, root, where)
+    along_a = _tangent(task.pair.forms_a, task.a, outward_a, root, where)
+    along_b = _tangent(task.pair.forms_b, task.b, outward_b, root, where)
     if along_a is None or along_b is None:
         return None
     n = _unit(np.cross(along_a, along_b))
@@ -200,17 +200,16 @@ def _normal(meeting: Meeting, where: np.ndarray) -> np.ndarray | None:
     return None if abs(way) < 1e-9 else n * np.sign(way)
 
 
-def _tangent(pair: Pair, edge: Edge, moving: bool, root: Root, where: np.ndarray) -> np.ndarray | None:
+def _tangent(
+    forms: Sequence[Form], edge: Edge, outward: list[np.ndarray], root: Root, where: np.ndarray
+) -> np.ndarray | None:
     """A tangent of an edge, by two surfaces that hold it; None for the rim of a surface without inside."""
-    forms = pair.forms_a if moving else pair.forms_b
-    faces = (pair.a if moving else pair.b).faces
-    if len(edge.faces) >= 2:
-        through = [faces[k].surfaces[0] for k in edge.faces[:2]]
-    elif not edge.faces:  # a bare edge: both sides of one plane, then both of another one
-        through = list(edge.surfaces[::2])
+    if len(outward) >= 2:
+        one, other = outward[:2]
+    elif not outward:  # a bare edge: both sides of one plane, then both of another one
+        one, other = (_gradient(forms[k], root, where) for k in edge.surfaces[::2])
     else:
         return None
-    one, other = (_gradient(forms[k], root, where) for k in through)
     return np.cross(one, other)
 
 

@@ -55,12 +55,15 @@ class Standing:
     def _triangle(self, points: list[Vector]) -> Place:
         if self.relative is None:
             return self._within(points)
-        places = [_on_segment(points[k - 1], points[k], shape_of(self.model)) for k in range(3)]
-        overlapping = [place for place in places if place.relation is Relation.OVERLAPPING]
-        if overlapping:
-            return overlapping[0]
+        shared = None
+        for k in range(3):
+            side = _on_segment(points[k - 1], points[k], shape_of(self.model))
+            if side.relation is Relation.OVERLAPPING:
+                return side
+            if side.point is not None:
+                shared = shared or side
         found = self._within(points)
-        return next((place for place in places if place.point is not None), found) if found.point is None else found
+        return found if shared is None or found.point is not None else shared
 
     def _within(self, points: list[Vector]) -> Place:
         """Of the inside of a triangle."""
@@ -122,9 +125,11 @@ def _on_segment(p: Vector, q: Vector, model: CompositeQuadric) -> Place:
     shared = Place(Relation.APART)
     for s in (START, START + 1, *_between_roots(real_roots(passes, START, START + 1))):
         at = tuple(c + s * d for c, d in zip(p, way, strict=True))
+        if not model.contains_exactly(at):
+            continue
         if model.holds_inside(at):
             return Place(Relation.OVERLAPPING, at)
-        if shared.point is None and model.contains_exactly(at):
+        if shared.point is None:
             shared = Place(Relation.NEAR, at)
     return shared
 

@@ -9,13 +9,20 @@ from __future__ import annotations
 import hashlib
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import numba
 import numpy as np
 from numba import njit
+from numba.core.compiler_lock import global_compiler_lock
+
+try:
+    import fcntl
+except ImportError:  # Windows: processes that start together may compile the same kernel twice
+    fcntl = None  # type: ignore[assignment]
 
 _PACKAGE = Path(__file__).resolve().parent.parent
 
@@ -41,6 +48,8 @@ def _digest() -> str:
 
 
 CACHE = _user_cache() / _digest()
+_held: set[str] = set()
+"""Kernels that this process compiles at this moment."""
 
 
 def kernel(function: Callable[..., Any], allocates: bool = True, entry: bool = True) -> Any:
@@ -53,12 +62,44 @@ def kernel(function: Callable[..., Any], allocates: bool = True, entry: bool = T
     previous = config.CACHE_DIR
     config.CACHE_DIR = str(CACHE)
     try:  # _nrt is always said: kernels called would take it over from their callers
-        return compiled(
+        dispatcher = compiled(
             cache=True, nogil=True, error_model="numpy", _nrt=allocates,
             no_cfunc_wrapper=True, no_cpython_wrapper=not entry,
         )(function)  # fmt: skip
     finally:
         config.CACHE_DIR = previous
+    compile_or_load, name = dispatcher.compile, f"{function.__module__}.{function.__qualname__}"
+
+    def alone(signature: Any) -> Any:
+        # the lock of threads first: none of them waits for a file that another one of its process holds, and
+        # processes wait for each other along calls only, which make no ring
+        with global_compiler_lock, _no_other_process(name):
+            return compile_or_load(signature)
+
+    dispatcher.compile = alone
+    return dispatcher
+
+
+@contextmanager
+def _no_other_process(kernel: str) -> Iterator[None]:
+    """Processes that start together compile a kernel once: the others wait, and find it in the cache."""
+    if fcntl is None or kernel in _held:
+        yield
+        return
+    try:
+        CACHE.mkdir(parents=True, exist_ok=True)
+        file = os.open(CACHE / f"{kernel}.lock", os.O_RDWR | os.O_CREAT, 0o666)
+    except OSError:  # a cache that cannot be written to is none that anybody waits for
+        yield
+        return
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        _held.add(kernel)
+        yield
+    finally:
+        _held.discard(kernel)
+        fcntl.flock(file, fcntl.LOCK_UN)  # said, as a process forked meanwhile has the file open too
+        os.close(file)
 
 
 def uncounted(function: Callable[..., Any]) -> Any:

@@ -17,7 +17,7 @@ import numpy as np
 
 from firstcontact.exact.numbers import rational
 from firstcontact.ruled.spots import Box
-from firstcontact.ruled.tracing import Powers, rows
+from firstcontact.ruled.tracing import ALL_AROUND, Powers, rows, sizes
 
 # Scenes between these sizes are left as they are.
 SMALL, LARGE = 2.0**-4, 2.0**24
@@ -31,16 +31,11 @@ def size_factor(surfaces: Sequence[Any]) -> Fraction:
 
 def _size(piece: Any) -> float:
     """The largest coordinate of some points of the directrices, none at infinity."""
-    if piece.u is None:
-        x, reverse = np.array([-1.0, 0.0, 1.0, -0.5, 0.5, 0.0]), np.repeat([False, True], 3)
-    else:
+    at = ALL_AROUND
+    if piece.u is not None:
         low, high = (float(u) for u in piece.u)
-        x, reverse = np.linspace(low, high, 5), np.zeros(5, bool)
-    at = Powers(x, reverse)
-    with np.errstate(all="ignore"):
-        points = [c @ at.table(c.shape[1] - 1) for c in (rows(side.components) for side in piece.sides)]
-        sizes = np.concatenate([np.abs(c[:3] / c[3]).max(0) for c in points])
-    return float(sizes[np.isfinite(sizes)].max(initial=0.0))
+        at = np.linspace(low, high, 5), np.zeros(5, bool)
+    return float(sizes([rows(side.components) for side in piece.sides], Powers(*at)).max(initial=0.0))
 
 
 def resized(surface: Any, factor: Fraction) -> Any:

@@ -12,10 +12,10 @@ from typing import Any
 
 from flint import fmpq
 
-from firstcontact.body.moving import Moving
+from firstcontact.body.moving import shape_of
 from firstcontact.errors import UnsupportedPair
+from firstcontact.motion.relative import placement_at
 from firstcontact.result import FirstContact, Status
-from firstcontact.search.stretches import known_steps, step_near
 
 
 def is_open(found: FirstContact) -> bool:
@@ -42,9 +42,7 @@ def told_at_rest(found: FirstContact, first: fmpq, decide: Callable[[Any, Any], 
 
 
 def _placed(body: Any, time: fmpq) -> Any:
-    if not isinstance(body, Moving):
-        return body
-    pose = step_near(known_steps(body.motion), time).pose(time)
+    pose = placement_at(body, time)
     if not pose.is_exact:
         raise UnsupportedPair("an irrational pose at the start")
-    return pose.place(body.body)
+    return pose.place(shape_of(body))

@@ -57,6 +57,8 @@ FAR = 0.25
 FINE = 2.0**-40
 
 
+ALL_AROUND = np.array([-1.0, 0.0, 1.0, -0.5, 0.5, 0.0]), np.repeat([False, True], 3)
+"""Some parameters of a closed family, as `Powers` takes them."""
 Chord = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 """From one point to another: differences of x and of y, both x."""
 
@@ -87,6 +89,15 @@ class Powers:
             plain = plain * self.x
         return self._turned(table)
 
+    def bends(self, degree: int) -> np.ndarray:
+        """Second derivatives of the table by x."""
+        table = np.zeros((degree + 1, len(self.x)))
+        plain = np.ones(len(self.x))
+        for i in range(2, degree + 1):
+            np.multiply(plain, i * (i - 1), out=table[i])
+            plain = plain * self.x
+        return self._turned(table)
+
     def _turned(self, table: np.ndarray) -> np.ndarray:
         return np.where(self.reverse, table[::-1], table) if self.reverse.any() else table
 
@@ -106,6 +117,14 @@ def rows(curve: Sequence[fmpz_poly]) -> np.ndarray:
     degree = max(c.degree() for c in curve)
     largest = max(abs(int(x)) for c in curve for x in c.coeffs())
     return np.array([[int(c[i]) / largest for i in range(degree + 1)] for c in curve])
+
+
+def sizes(curves: Sequence[np.ndarray], at: Powers) -> np.ndarray:
+    """The largest coordinates, in size, of points of curves (as by `rows`); of those that are not at infinity."""
+    with np.errstate(all="ignore"):
+        points = [c @ at.table(c.shape[1] - 1) for c in curves]
+        found = np.concatenate([np.abs(c[:3] / c[3]).max(0) for c in points])
+    return found[np.isfinite(found)]
 
 
 class Surfaces:
@@ -129,13 +148,8 @@ class Surfaces:
 
     def size(self) -> float:
         """The median of the coordinates, in size, of some points of the directrices."""
-        x = np.array([-1.0, 0.0, 1.0, -0.5, 0.5, 0.0])
-        at = Powers(x, np.array([False, False, False, True, True, True]))
-        with np.errstate(all="ignore"):
-            points = [c @ at.table(c.shape[1] - 1) for ends in self.ends for c in ends]
-            sizes = np.concatenate([np.abs(c[:3] / c[3]).max(0) for c in points])
-        sizes = sizes[np.isfinite(sizes)]
-        return float(np.median(sizes)) if len(sizes) else 1.0
+        found = sizes([c for ends in self.ends for c in ends], Powers(*ALL_AROUND))
+        return float(np.median(found)) if len(found) else 1.0
 
 
 def _foot(line: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -260,16 +274,16 @@ class Tracer:
         Where doubles find another number of them, or may have confused some, the exact root.
         """
         x, y = x.copy(), np.full(len(x), np.nan)
+        slabs = {n: slab for n, i in enumerate(strand) if self.fine[i] and (slab := self._slab(int(i), x[n]))}
         for k, c in enumerate(self.coefficients):
-            own = np.flatnonzero((self.factor[strand] == k) & self.fine[strand])
-            own = own[[self._slab(int(strand[n]), x[n]) is not None for n in own]] if len(own) else own
+            own = np.array([n for n in slabs if self.factor[strand[n]] == k], int)
             if len(own) == 0:
                 continue
             for n, roots in zip(own, self._real_roots(c, strand[own], x[own]), strict=True):
-                slab = self._slab(int(strand[n]), x[n])
-                if roots is not None and slab is not None and len(roots) == slab[1]:
-                    y[n] = roots[slab[0]]
-                    apart = [abs(roots[j] - y[n]) for j in (slab[0] - 2, slab[0] + 2) if 0 <= j < len(roots)]
+                index, number = slabs[n]
+                if roots is not None and len(roots) == number:
+                    y[n] = roots[index]
+                    apart = [abs(roots[j] - y[n]) for j in (index - 2, index + 2) if 0 <= j < len(roots)]
                     self.gap[strand[n]] = min([self.gap[strand[n]], *apart])
         for n in np.flatnonzero(np.isnan(y)):
             x[n], y[n] = self._exact(int(strand[n]), tau[n], x[n])
@@ -491,12 +505,13 @@ class Tracer:
         """Bounds on the rounding of f and on its second derivatives, at points of strands up to this far from 0."""
         noise, bend = np.zeros(len(x)), np.zeros(len(x))
         for k, own in self._of_factors(strand):
-            sizes = np.abs(self.coefficients[k])
-            n, m = sizes.shape[0] - 1, sizes.shape[1] - 1
-            u = _power_bounds(n, x[own], self.reverse_u[strand[own]])
-            v = [sizes @ table for table in _power_bounds(m, y[own], self.reverse_v[strand[own]])]
-            noise[own] = (n + m + 3) * ROUND * (u[0] * v[0]).sum(0)
-            bend[own] = (u[2] * v[0] + 2.0 * u[1] * v[1] + u[0] * v[2]).sum(0)
+            c = np.abs(self.coefficients[k])
+            n, m = c.shape[0] - 1, c.shape[1] - 1
+            u, v = Powers(x[own], self.reverse_u[strand[own]]), Powers(y[own], self.reverse_v[strand[own]])
+            in_u, in_v = u.table(n), c @ v.table(m)
+            noise[own] = (n + m + 3) * ROUND * (in_u * in_v).sum(0)
+            mixed = 2.0 * u.slopes(n) * (c @ v.slopes(m))
+            bend[own] = (u.bends(n) * in_v + mixed + in_u * (c @ v.bends(m))).sum(0)
         return noise, bend
 
     def _slope_signs(self, inside: np.ndarray) -> np.ndarray:
@@ -521,13 +536,6 @@ class Tracer:
         if (strand, at) not in self._known:
             self._known[strand, at] = float(edge.at(at))
         return to_double(at), self._known[strand, at]
-
-
-def _power_bounds(degree: int, x: np.ndarray, reverse: np.ndarray) -> list[np.ndarray]:
-    """(degree + 1, n) tables of powers, as `Powers` has them, and of their first two derivatives; x not negative."""
-    rising = np.arange(degree + 1)[:, None]
-    power = np.where(reverse, degree - rising, rising)
-    return [x**power, power * x ** np.maximum(power - 1, 0), power * (power - 1) * x ** np.maximum(power - 2, 0)]
 
 
 def _shape(left: np.ndarray, inner: list[np.ndarray], right: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
