@@ -26,7 +26,7 @@ import firstcontact as fc
 from curved_peers import PEERS, Found, advance, installed
 from curved_peers.parts import SCENES, Ours
 from curved_peers.paths import Path
-from firstcontact.worked_examples import example_7, example_8
+from firstcontact.examples.choi import example_7, example_8
 
 SEED = 2014
 CLOSE = 1e-6
@@ -294,7 +294,7 @@ def examples(repeats: int) -> list[str]:
 ALONE = """
 import re
 import firstcontact as fc
-from firstcontact.worked_examples import example_7, example_8
+from firstcontact.examples.choi import example_7, example_8
 for a, b in (example_7(), example_8()):
     for method in METHODS:
         fc.first_contact(a, b, method=method)

@@ -18,11 +18,11 @@ from typing import Any
 import numpy as np
 
 from firstcontact import examples
-from firstcontact.search.composed_problem import Composed, Frame, rotation_groups, translation_groups
-from firstcontact.search.frame import frame_of, view_in
-from firstcontact.search.lifted_elements import Elements, edges_of
-from firstcontact.search.state import BEST, CANDIDATES, DONE, STACK, TESTS, VISITS, WalkState
-from firstcontact.search.tree import SIDE
+from firstcontact.search.levels.composed_problem import Composed, Frame, rotation_groups, translation_groups
+from firstcontact.search.lifted.lifted_elements import Elements, edges_of
+from firstcontact.search.trees.frame import frame_of, view_in
+from firstcontact.search.trees.state import BEST, CANDIDATES, DONE, STACK, TESTS, VISITS, WalkState
+from firstcontact.search.trees.tree import SIDE
 
 HERE = Path(__file__).resolve().parent
 QUERIES, HULL_QUERIES = 512, 4096

@@ -6,8 +6,16 @@ from fractions import Fraction
 
 from flint import fmpq, fmpz_poly
 
-from firstcontact.exact.polynomial_matrix import Matrix, adjugate, congruent, constant, primitive, product, transpose
-from firstcontact.exact.roots import real_roots
+from firstcontact.exact.fields.roots import real_roots
+from firstcontact.exact.polynomials.polynomial_matrix import (
+    Matrix,
+    adjugate,
+    congruent,
+    constant,
+    primitive,
+    product,
+    transpose,
+)
 
 SPAN = fmpq(0), fmpq(1)
 DISC = constant([[1, 0, 0], [0, 1, 0], [0, 0, -1]])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import firstcontact as fc
-from firstcontact.ruled.cut_out import ROOM, cut_about
+from firstcontact.curves.certified.cut_out import ROOM, cut_about
 from polylines import distance, told_twice
 from ruled_vectors import vectors
 

@@ -12,8 +12,8 @@ from flint import fmpq, fmpz, fmpz_poly
 import firstcontact as fc
 from firstcontact import brackets
 from firstcontact.exact import brackets as exact
-from firstcontact.exact.number_field import NumberField
-from firstcontact.exact.roots import real_roots
+from firstcontact.exact.fields.number_field import NumberField
+from firstcontact.exact.fields.roots import real_roots
 from ruled_vectors import cases
 
 ORDERS = [(0, 1, 2, 3), (1, 0, 2, 3), (0, 1, 3, 2), (2, 3, 0, 1), (3, 2, 1, 0)]

@@ -11,7 +11,7 @@ import pytest
 
 import firstcontact as fc
 from amount import amount
-from firstcontact.ruled.certified_curve import certified_curve
+from firstcontact.curves.certified.certified_curve import certified_curve
 from polylines import distance, told_twice
 
 TOLERANCE = 1e-4

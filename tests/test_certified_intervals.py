@@ -9,17 +9,17 @@ import pytest
 from flint import fmpq
 
 import firstcontact as fc
-from firstcontact.body import primitives
-from firstcontact.body.csg import inside
-from firstcontact.composite import certified_intervals as module
-from firstcontact.composite.certified_intervals import certified_intervals, reversed_in_time
-from firstcontact.composite.standing import prisms_on_common_plane
-from firstcontact.composite.verbs import _models
-from firstcontact.composite.work import Work
+from firstcontact.body.solid import primitives
+from firstcontact.body.solid.csg import inside
+from firstcontact.contact.models import intervals as module
+from firstcontact.contact.models.first import _models
+from firstcontact.contact.models.intervals import certified_intervals, reversed_in_time
+from firstcontact.contact.models.standing import prisms_on_common_plane
 from firstcontact.kernels.poses import pose_at
 from firstcontact.kernels.workspace import HERE_A, workspace
-from firstcontact.scene import load_scene
-from firstcontact.search.stretches import windows
+from firstcontact.motion.relative.stretches import windows
+from firstcontact.scene.load import load_scene
+from firstcontact.work import Work
 
 BALL, SMALL = primitives.sphere(1), primitives.sphere("1/2")
 EGG = primitives.ellipsoid((1, 2, "1/2"))

@@ -8,10 +8,10 @@ import pytest
 import firstcontact as fc
 from agreement import same_answer
 from amount import amount
-from firstcontact.search.composed import FORM, NEXT, WAY
-from firstcontact.search.composed_problem import Frame, plan_of, rotation_groups, translation_groups
-from firstcontact.search.frame import tree_of
-from firstcontact.search.lifted_elements import edges_of
+from firstcontact.search.levels.composed import FORM, NEXT, WAY
+from firstcontact.search.levels.composed_problem import Frame, plan_of, rotation_groups, translation_groups
+from firstcontact.search.lifted.lifted_elements import edges_of
+from firstcontact.search.trees.frame import tree_of
 
 ENCOUNTERS = [fc.examples.woven_rods, fc.examples.layered_reguli]
 

@@ -12,7 +12,7 @@ import generators as g
 import naive
 from agreement import polyhedron
 from amount import amount
-from firstcontact.search.containment import _fit_into, component_boxes, component_labels, component_vertices
+from firstcontact.search.trees.containment import _fit_into, component_boxes, component_labels, component_vertices
 from generators import box, moved
 from vectors import Body
 

@@ -7,11 +7,11 @@ import pytest
 
 import firstcontact as fc
 from amount import amount
-from firstcontact.kernels import curve_bends
-from firstcontact.kernels import curve_points as columns
-from firstcontact.ruled import arcs
-from firstcontact.ruled.chains import chains
-from firstcontact.ruled.settled import Settled
+from firstcontact.curves.certified import arcs
+from firstcontact.curves.certified.chains import chains
+from firstcontact.curves.certified.settled import Settled
+from firstcontact.kernels.curves import bends as curve_bends
+from firstcontact.kernels.curves import points as columns
 
 
 def waves(seed: int, weighted: bool):

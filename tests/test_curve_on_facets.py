@@ -9,7 +9,7 @@ import pytest
 
 import firstcontact as fc
 from amount import amount
-from firstcontact.body.ruled_strip import RuledStrip
+from firstcontact.body.ruled.strip import RuledStrip
 from firstcontact.errors import UnsupportedPair
 
 CIRCLE = "(1-u**2)/(1+u**2), 2*u/(1+u**2)"

@@ -3,9 +3,9 @@
 import pytest
 
 import firstcontact as fc
-from firstcontact.body import primitives
-from firstcontact.composite.algorithm import Search
-from firstcontact.composite.at_rest import _is_solid
+from firstcontact.body.solid import primitives
+from firstcontact.contact.models.algorithm import Search
+from firstcontact.contact.models.at_rest import _is_solid
 
 # Both steps pass over the hole of the plate without touching it, in turn; the second ends in contact.
 PLATE = primitives.box((60, 60, 10)) - primitives.cylinder(8, 20)

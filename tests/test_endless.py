@@ -8,7 +8,7 @@ import pytest
 
 import firstcontact as fc
 from amount import amount
-from firstcontact import endless
+from firstcontact.contact import endless
 
 ENDLESS = (0, math.inf)
 PIN = fc.cylinder(1, 2)

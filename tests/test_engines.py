@@ -13,10 +13,10 @@ import generators as g
 import naive
 from agreement import assert_same_first_contact, question, same_answer, small_scenes
 from amount import amount
-from firstcontact.kernels.lifted_query import FORMS, ROWS, line_slack, plane_slack, write_form
-from firstcontact.kernels.meridians import may_meet_turning
-from firstcontact.kernels.principal import box_columns, fit_box, form_range
-from firstcontact.kernels.swept_cell import (
+from firstcontact.kernels.lifted.meridians import may_meet_turning
+from firstcontact.kernels.lifted.principal import box_columns, fit_box, form_range
+from firstcontact.kernels.lifted.query import FORMS, ROWS, line_slack, plane_slack, write_form
+from firstcontact.kernels.lifted.swept_cell import (
     PATH_ROWS,
     begin_cell,
     edge_distances,
@@ -24,8 +24,8 @@ from firstcontact.kernels.swept_cell import (
     facet_may_meet,
     put_path,
 )
-from firstcontact.search.frame import tree_of
-from firstcontact.search.lifted_elements import edges_of, facets_of, lift
+from firstcontact.search.lifted.lifted_elements import edges_of, facets_of, lift
+from firstcontact.search.trees.frame import tree_of
 from generators import FAMILIES, Scene, to_tangent
 
 MOTIONS = pytest.mark.parametrize("rotating", [False, True], ids=["translation", "rotation"])

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 import firstcontact as fc
-from firstcontact.composite import certified, flat_contacts, verbs
+from firstcontact.contact.models import certified, flat_contacts
+from firstcontact.contact.models import first as verbs
 
 BOX, DRUM, CONE = fc.box((1, 2, "3/2")), fc.cylinder("3/4", 2), fc.cone("3/4", 2)
 LYING = DRUM.rotated((1, 0, 0), degrees=90)

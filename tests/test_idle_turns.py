@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import firstcontact as fc
-from firstcontact.composite.idle_turns import without_idle_turn
+from firstcontact.contact.models.idle_turns import without_idle_turn
 
 Z = (0, 0, 1)
 PLATE = fc.box((6, 6, 2))

@@ -13,7 +13,7 @@ from flint import fmpz_poly
 
 import firstcontact as fc
 import ruled_vectors
-from firstcontact.exact.bivariate import U, V, polynomial
+from firstcontact.exact.polynomials.bivariate import U, V, polynomial
 from firstcontact.pairs import ruled_ruled
 from firstcontact.pairs.ruled_ruled import FactorKind, Rulings
 from ruled_vectors import value
@@ -239,7 +239,7 @@ def test_example_3_is_one_loop_near_the_origin_and_two_branches_far_out():
 
 
 def _graph(vector):
-    from firstcontact.exact.plane_curves import topology
+    from firstcontact.exact.curves.plane_curves import topology
 
     p, q = rulings(vector.p), rulings(vector.q)
     return topology(ruled_ruled.delta(p, q))

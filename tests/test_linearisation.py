@@ -8,8 +8,8 @@ from flint import fmpq
 
 from amount import THOROUGH
 from firstcontact.kernels.verdict import CERTAIN, NONE, UNSURE
-from firstcontact.pairs import line_line, line_line_rotation
-from firstcontact.search.linearisation import (
+from firstcontact.pairs.elements import line_line, line_line_rotation
+from firstcontact.search.levels.linearisation import (
     EdgeSet,
     Translated,
     Turned,

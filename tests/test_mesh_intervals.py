@@ -7,9 +7,9 @@ import pytest
 from flint import fmpq
 
 import firstcontact as fc
-from firstcontact.body import primitives
-from firstcontact.composite.mesh_intervals import intervals_of_mesh
-from firstcontact.composite.work import Work
+from firstcontact.body.solid import primitives
+from firstcontact.contact.mesh_model.mesh_intervals import intervals_of_mesh
+from firstcontact.work import Work
 
 BALL, SMALL, PIN = primitives.sphere(1), primitives.sphere("1/4"), primitives.cylinder("1/2", 2)
 OUTLINE = np.array([(-3, -2), (3, -2), (3, 2), (2, 2), (2, -1), (-2, -1), (-2, 2), (-3, 2)], float)

@@ -9,9 +9,9 @@ import pytest
 
 import firstcontact as fc
 from contact_places import assert_place
-from firstcontact.composite.meshes import first_contact_of_mesh
-from firstcontact.composite.verbs import bounded_span
-from firstcontact.composite.work import Work
+from firstcontact.contact.mesh_model.first import first_contact_of_mesh
+from firstcontact.contact.models.first import bounded_span
+from firstcontact.work import Work
 
 CORNERS = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]
 UP = fc.Translation((0, 0, 1))

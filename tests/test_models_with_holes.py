@@ -11,16 +11,16 @@ import pytest
 from flint import fmpq
 
 import firstcontact as fc
-from firstcontact.composite.certified import both_bounded
-from firstcontact.kernels import event_search, feature_boxes, moving_forms
-from firstcontact.kernels.support import support
+from firstcontact.contact.models.certified import both_bounded
+from firstcontact.kernels.convex.support import support
+from firstcontact.kernels.events import event_search, feature_boxes, moving_forms
 from firstcontact.kernels.workspace import workspace
-from firstcontact.scene import load_scene
-from firstcontact.search import events
-from firstcontact.search.convex import covering_pieces
-from firstcontact.search.event_tables import tables_of
-from firstcontact.search.events import first_event
-from firstcontact.search.stretches import windows
+from firstcontact.motion.relative.stretches import windows
+from firstcontact.scene.load import load_scene
+from firstcontact.search.convex.convex import covering_pieces
+from firstcontact.search.events import events
+from firstcontact.search.events.event_tables import tables_of
+from firstcontact.search.events.events import first_event
 from quadric_vectors import RATIONAL
 
 SCENE = Path(__file__).parent / "data" / "pin_in_plate.toml"

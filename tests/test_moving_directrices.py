@@ -8,7 +8,7 @@ from flint import fmpq
 
 import firstcontact as fc
 from firstcontact.exact.numbers import precision
-from firstcontact.motion.directrices import directrix_pieces
+from firstcontact.search.rulings.directrices import directrix_pieces
 
 CIRCLE = "((1-u**2)/(1+u**2), 2*u/(1+u**2), {})"
 STRIP = fc.RuledSurface("(u, 0, 0)", "(u**2, 1, u)", s=("-1/2", 2), name="strip")

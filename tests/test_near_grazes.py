@@ -11,12 +11,12 @@ from flint import arb, fmpq
 import firstcontact as fc
 from firstcontact.exact.numbers import exact_value, precision
 from firstcontact.exact.rigid import IDENTITY
-from firstcontact.motion.relative import curved_pieces
-from firstcontact.search.close_up import CloseUp
-from firstcontact.search.convex import convex_pieces
-from firstcontact.search.relation import Relation
-from firstcontact.search.resting import relation
-from firstcontact.search.separation import STATIC
+from firstcontact.motion.relative.pieces import curved_pieces
+from firstcontact.search.convex.close_up import CloseUp
+from firstcontact.search.convex.convex import convex_pieces
+from firstcontact.search.convex.relation import Relation
+from firstcontact.search.convex.resting import relation
+from firstcontact.search.convex.separation import STATIC
 
 Z = (0, 0, 1)
 BALL = fc.sphere(1).named("ball")

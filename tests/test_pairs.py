@@ -9,10 +9,10 @@ import generators as g
 import naive
 from agreement import polyhedron, question, reference_motion, small_scenes
 from amount import amount
-from firstcontact.motion.relative import pieces
-from firstcontact.report import element_pairs
-from firstcontact.search.earliest import all_pairs
-from firstcontact.search.problem import problems_in_order
+from firstcontact.contact.polyhedra.answers import element_pairs
+from firstcontact.contact.polyhedra.earliest import all_pairs
+from firstcontact.contact.polyhedra.problem import problems_in_order
+from firstcontact.motion.relative.pieces import pieces
 from generators import Scene, lattice_scene
 from vectors import Body
 

@@ -8,7 +8,7 @@ from flint import fmpq
 
 import firstcontact as fc
 from amount import amount
-from firstcontact.search.planar import has_walls
+from firstcontact.contact.polyhedra.planar import has_walls
 
 UP = (0, 0, 1)
 NORMAL = fmpq(0), fmpq(0), fmpq(1)

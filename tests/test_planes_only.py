@@ -9,8 +9,8 @@ import pytest
 
 import firstcontact as fc
 from amount import amount
-from firstcontact.composite import verbs
-from firstcontact.composite.polyhedra import as_model
+from firstcontact.contact.models import first as verbs
+from firstcontact.contact.reduce import as_model
 
 MOTIONS = ("translation", "rotation")
 

@@ -10,15 +10,15 @@ from flint import arb, fmpq
 
 import firstcontact as fc
 from amount import amount
-from firstcontact.composite.certified_intervals import Certified
-from firstcontact.composite.work import Work
+from firstcontact.contact.models.intervals import Certified
+from firstcontact.contact.ruled import posed
 from firstcontact.exact.numbers import precision
-from firstcontact.motion.curved import terms
-from firstcontact.motion.relative import curved_pieces
-from firstcontact.ruled import posed
-from firstcontact.search.posed_pieces import PosedPiece, in_local_time, pose_windows
-from firstcontact.search.ruled_events import Search, first_event_of
-from firstcontact.search.ruled_pieces import RuledPiece
+from firstcontact.motion.relative.curved import terms
+from firstcontact.motion.relative.pieces import curved_pieces
+from firstcontact.search.rulings.posed_pieces import PosedPiece, in_local_time, pose_windows
+from firstcontact.search.rulings.ruled_events import Search, first_event_of
+from firstcontact.search.rulings.ruled_pieces import RuledPiece
+from firstcontact.work import Work
 
 SADDLE = fc.RuledSurface("(u, 0, 0)", "(u, 1, u)", name="saddle").translated((-10, 0, 0))
 WALL = fc.RuledSurface("(0, -3, 2*u-1)", "(0, 3, 2*u-1)", name="wall")

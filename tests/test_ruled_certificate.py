@@ -8,12 +8,12 @@ from flint import arb, fmpq
 
 import firstcontact as fc
 from amount import amount
-from firstcontact.exact.isolation import isolated
+from firstcontact.contact.ruled_solid.certified import RuledAndSolid
 from firstcontact.exact.numbers import precision
-from firstcontact.exact.square_systems import Equations
-from firstcontact.ruled.solids import RuledAndSolid
-from firstcontact.search.ruled_certificate import EventSystem, PoseJet
-from firstcontact.search.ruled_solids import Event
+from firstcontact.exact.systems.isolation import isolated
+from firstcontact.exact.systems.square_systems import Equations
+from firstcontact.search.events.ruled_certificate import EventSystem, PoseJet
+from firstcontact.search.events.ruled_solids import Event
 
 WING = fc.RuledSurface(
     "(u/4 - u**4, (u - 2*u**3)/(1 + u**2), -u**2)", "(u**3/2, 3*u - u**4/4, 1)", u=(0, 3), name="wing"

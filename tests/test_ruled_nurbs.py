@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import firstcontact as fc
-from firstcontact.body.ruled_strip import RuledStrip
-from firstcontact.body.ruled_surface import RuledSurface
+from firstcontact.body.ruled.strip import RuledStrip
+from firstcontact.body.ruled.surface import RuledSurface
 
 CIRCLE = "((1-u**2)/(1+u**2), 2*u/(1+u**2), {})"
 

@@ -9,10 +9,10 @@ import pytest
 from click.testing import CliRunner
 
 import firstcontact as fc
-from firstcontact.body.ruled_surface import RuledSurface
+from firstcontact.body.ruled.surface import RuledSurface
 from firstcontact.cli.info import info
 from firstcontact.result import Element, FirstContact, Status
-from firstcontact.scene import load_scene
+from firstcontact.scene.load import load_scene
 from firstcontact.view.drawing import drawings
 from firstcontact.view.html import page_text
 from firstcontact.view.pair import Pair

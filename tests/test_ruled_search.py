@@ -11,11 +11,12 @@ import pytest
 from flint import arb, fmpq
 
 import firstcontact as fc
-from firstcontact.composite.work import Work
+from firstcontact.contact.ruled import certified
+from firstcontact.contact.ruled.intervals import certified_intervals
 from firstcontact.exact.numbers import precision
-from firstcontact.exact.ruled_systems import ContactSystem
-from firstcontact.kernels.linear_models import REST
-from firstcontact.kernels.ruled_models import (
+from firstcontact.exact.systems.ruled_systems import ContactSystem
+from firstcontact.kernels.rulings.linear_models import REST
+from firstcontact.kernels.rulings.models import (
     GAP,
     MINORS,
     MOST_DEGREE,
@@ -24,10 +25,9 @@ from firstcontact.kernels.ruled_models import (
     difference_models,
     minor_models,
 )
-from firstcontact.ruled import certified
-from firstcontact.ruled.certified_intervals import certified_intervals
-from firstcontact.search.ruled_events import RuledContact, first_event
-from firstcontact.search.ruled_pieces import RuledPiece
+from firstcontact.search.rulings.ruled_events import RuledContact, first_event
+from firstcontact.search.rulings.ruled_pieces import RuledPiece
+from firstcontact.work import Work
 from ruled_vectors import Vector, value, vectors
 
 UNIT = (-1, 1)

@@ -8,8 +8,8 @@ from flint import fmpq
 
 import firstcontact as fc
 from amount import amount
-from firstcontact.exact.trivariate import RING
-from firstcontact.ruled.sheets import MOST_DEGREE, Sheet, TooLarge
+from firstcontact.contact.signs.sheets import MOST_DEGREE, Sheet, TooLarge
+from firstcontact.exact.polynomials.trivariate import RING
 
 SADDLE = fc.RuledSurface("(u, 0, 0)", "(u, 1, u)", name="saddle")
 DISC = fc.RuledSurface("(u, -1, 0)", "(u, 1, 0)", u=(-1, 1), trim=["u**2 + (2*s-1)**2 <= 1"], name="disc")

@@ -8,7 +8,7 @@ import pytest
 import firstcontact as fc
 from amount import amount
 from firstcontact.errors import UnsupportedPair
-from firstcontact.kernels.feature_boxes import (
+from firstcontact.kernels.events.feature_boxes import (
     ABOUT,
     BEND,
     BEND_U,

@@ -12,8 +12,8 @@ import pytest
 from flint import fmpq, fmpz_poly
 
 import firstcontact as fc
-from firstcontact.body.rational_curve import RationalCurve
-from firstcontact.body.ruled_surface import RuledSurface
+from firstcontact.body.ruled.rational_curve import RationalCurve
+from firstcontact.body.ruled.surface import RuledSurface
 from ruled_vectors import numbers, value, vectors
 
 CIRCLE = "((1-u**2)/(1+u**2), 2*u/(1+u**2), {})"

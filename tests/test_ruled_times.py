@@ -9,13 +9,13 @@ import pytest
 from flint import fmpq
 
 import firstcontact as fc
+from firstcontact.contact.ruled import first as moving
+from firstcontact.contact.signs.conditions import conditions
+from firstcontact.contact.signs.times import Times
+from firstcontact.contact.signs.touches import touch
 from firstcontact.errors import UnsupportedPair
-from firstcontact.exact.number_field import is_zero
-from firstcontact.motion.directrices import directrix_pieces
-from firstcontact.ruled import moving
-from firstcontact.ruled.conditions import conditions
-from firstcontact.ruled.times import Times
-from firstcontact.ruled.touches import touch
+from firstcontact.exact.fields.number_field import is_zero
+from firstcontact.search.rulings.directrices import directrix_pieces
 from ruled_vectors import numbers, value, vectors
 
 MOVING = {v.name[:3]: v for v in vectors("moving")}

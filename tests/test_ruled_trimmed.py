@@ -9,8 +9,8 @@ import pytest
 
 import firstcontact as fc
 from amount import amount
+from firstcontact.contact.signs.trimmed import inner_places
 from firstcontact.errors import UnsupportedPair
-from firstcontact.ruled.trimmed import inner_places
 from firstcontact.view.ruled import bounded_parts, element_corners
 
 DISC = fc.RuledSurface("(u, -1, 0)", "(u, 1, 0)", u=(-1, 1), trim=["u**2 + (2*s-1)**2 <= 1"], name="disc")

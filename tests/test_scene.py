@@ -9,8 +9,8 @@ import firstcontact as fc
 from firstcontact.errors import InputError
 from firstcontact.exact.numbers import fraction
 from firstcontact.io.meshes import write_mesh
-from firstcontact.scene import load_scene, parse_number, parse_time
-from firstcontact.scene_solids import combined
+from firstcontact.scene.load import load_scene, parse_number, parse_time
+from firstcontact.scene.solids import combined
 
 TETRAHEDRON = """
 shape = "polyhedron"
@@ -304,7 +304,7 @@ def test_a_missing_scene_and_a_binary_one(tmp_path):
 
 
 def test_a_body_may_be_named_like_a_shape_or_a_motion(scene_of):
-    text = bodies("at = [nan, 0, 0]").replace("body.a", "body.polyhedron")
+    text = bodies("at = [nan, 0, 0]").replace("body.a", "body.polyhedron.polyhedron")
     with pytest.raises(InputError, match=r"body\.polyhedron\.at\[0\]: "):
         scene_of(text)
 

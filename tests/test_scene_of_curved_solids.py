@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import firstcontact as fc
-from firstcontact.body.carriers import doubles
+from firstcontact.body.solid.carriers import doubles
 from firstcontact.cli import run
-from firstcontact.scene import load_scene
+from firstcontact.scene.load import load_scene
 
 SCENE = Path(__file__).parent / "data" / "pin_in_plate.toml"
 

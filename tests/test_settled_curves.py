@@ -9,9 +9,9 @@ import pytest
 
 import firstcontact as fc
 from amount import amount
-from firstcontact.ruled import certified_curve
-from firstcontact.ruled.open_places import without
-from firstcontact.ruled.settled import Settled
+from firstcontact.curves.certified import certified_curve
+from firstcontact.curves.certified.open_places import without
+from firstcontact.curves.certified.settled import Settled
 
 TOLERANCE = 1e-3
 strip = fc.RuledSurface.from_nurbs

@@ -10,9 +10,9 @@ from flint import fmpq, fmpz_poly
 
 import firstcontact as fc
 from amount import amount
-from firstcontact.exact.line_sets import not_negative
-from firstcontact.exact.number_field import NumberField
-from firstcontact.exact.roots import real_roots
+from firstcontact.exact.curves.line_sets import not_negative
+from firstcontact.exact.fields.number_field import NumberField
+from firstcontact.exact.fields.roots import real_roots
 
 SADDLE = "(u, 0, 0)", "(u, 1, u)"
 CIRCLE = "((1-u**2)/(1+u**2), 2*u/(1+u**2), {})"

@@ -14,7 +14,7 @@ import pytest
 
 import firstcontact as fc
 from amount import THOROUGH, amount
-from firstcontact.ruled.certified_curve import certified_curve
+from firstcontact.curves.certified.certified_curve import certified_curve
 from local_curve import Directrix, Scene, evaluated, slopes
 from polylines import told_twice
 

@@ -11,8 +11,18 @@ import firstcontact as fc
 import generators as g
 from agreement import assert_same_first_contact, question, same_answer, small_scenes
 from amount import amount
-from firstcontact.search.sheets import sheets_of
-from firstcontact.search.sweep import MARGIN, NONE, Cells, Order, Trees, cells_of, order_of, with_cell, without_cell
+from firstcontact.search.sweep.sheets import sheets_of
+from firstcontact.search.sweep.sweep import (
+    MARGIN,
+    NONE,
+    Cells,
+    Order,
+    Trees,
+    cells_of,
+    order_of,
+    with_cell,
+    without_cell,
+)
 from generators import Scene
 
 

@@ -5,8 +5,8 @@ from collections import Counter
 import pytest
 
 import firstcontact as fc
-from firstcontact.body.carriers import Conic, Line, Plane, Quadric
-from firstcontact.worked_examples import example_7, example_8
+from firstcontact.body.solid.carriers import Conic, Line, Plane, Quadric
+from firstcontact.examples.choi import example_7, example_8
 
 
 def census(solid):

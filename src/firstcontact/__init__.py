@@ -13,25 +13,24 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from firstcontact import brackets as brackets
     from firstcontact import examples as examples
-    from firstcontact.body.composite_quadric import CompositeQuadric as CompositeQuadric
-    from firstcontact.body.moving import Moving as Moving
-    from firstcontact.body.polyhedron import Polyhedron as Polyhedron
-    from firstcontact.body.primitives import box as box
-    from firstcontact.body.primitives import cone as cone
-    from firstcontact.body.primitives import cylinder as cylinder
-    from firstcontact.body.primitives import ellipsoid as ellipsoid
-    from firstcontact.body.primitives import frustum as frustum
-    from firstcontact.body.primitives import half_space as half_space
-    from firstcontact.body.primitives import hyperboloid as hyperboloid
-    from firstcontact.body.primitives import paraboloid as paraboloid
-    from firstcontact.body.primitives import quadric as quadric
-    from firstcontact.body.primitives import sphere as sphere
-    from firstcontact.body.rational_curve import RationalCurve as RationalCurve
-    from firstcontact.body.ruled_surface import RuledSurface as RuledSurface
-    from firstcontact.curve import IntersectionCurve as IntersectionCurve
+    from firstcontact.body.polyhedron.polyhedron import Polyhedron as Polyhedron
+    from firstcontact.body.ruled.rational_curve import RationalCurve as RationalCurve
+    from firstcontact.body.ruled.surface import RuledSurface as RuledSurface
+    from firstcontact.body.solid.composite_quadric import CompositeQuadric as CompositeQuadric
+    from firstcontact.body.solid.primitives import box as box
+    from firstcontact.body.solid.primitives import cone as cone
+    from firstcontact.body.solid.primitives import cylinder as cylinder
+    from firstcontact.body.solid.primitives import ellipsoid as ellipsoid
+    from firstcontact.body.solid.primitives import frustum as frustum
+    from firstcontact.body.solid.primitives import half_space as half_space
+    from firstcontact.body.solid.primitives import hyperboloid as hyperboloid
+    from firstcontact.body.solid.primitives import paraboloid as paraboloid
+    from firstcontact.body.solid.primitives import quadric as quadric
+    from firstcontact.body.solid.primitives import sphere as sphere
     from firstcontact.errors import FirstContactError as FirstContactError
     from firstcontact.errors import InputError as InputError
     from firstcontact.errors import UnsupportedPair as UnsupportedPair
+    from firstcontact.motion.moving import Moving as Moving
     from firstcontact.motion.rational import RationalMotion as RationalMotion
     from firstcontact.motion.rotation import Rotation as Rotation
     from firstcontact.motion.screw import Screw as Screw
@@ -50,25 +49,26 @@ if TYPE_CHECKING:
     from firstcontact.result import ExactAngle as ExactAngle
     from firstcontact.result import FirstContact as FirstContact
     from firstcontact.result import Status as Status
+    from firstcontact.result_curve import IntersectionCurve as IntersectionCurve
 
 __version__ = "0.1.0"
 
 _HOME = {
-    "CompositeQuadric": "body.composite_quadric",
-    "Moving": "body.moving",
-    "Polyhedron": "body.polyhedron",
-    "RationalCurve": "body.rational_curve",
-    "RuledSurface": "body.ruled_surface",
-    "box": "body.primitives",
-    "cone": "body.primitives",
-    "cylinder": "body.primitives",
-    "ellipsoid": "body.primitives",
-    "frustum": "body.primitives",
-    "half_space": "body.primitives",
-    "hyperboloid": "body.primitives",
-    "paraboloid": "body.primitives",
-    "quadric": "body.primitives",
-    "sphere": "body.primitives",
+    "CompositeQuadric": "body.solid.composite_quadric",
+    "Moving": "motion.moving",
+    "Polyhedron": "body.polyhedron.polyhedron",
+    "RationalCurve": "body.ruled.rational_curve",
+    "RuledSurface": "body.ruled.surface",
+    "box": "body.solid.primitives",
+    "cone": "body.solid.primitives",
+    "cylinder": "body.solid.primitives",
+    "ellipsoid": "body.solid.primitives",
+    "frustum": "body.solid.primitives",
+    "half_space": "body.solid.primitives",
+    "hyperboloid": "body.solid.primitives",
+    "paraboloid": "body.solid.primitives",
+    "quadric": "body.solid.primitives",
+    "sphere": "body.solid.primitives",
     "IntersectionCurve": "curve",
     "FirstContactError": "errors",
     "InputError": "errors",
@@ -79,7 +79,7 @@ _HOME = {
     "Sequence": "motion.sequence",
     "Trajectory": "motion.trajectory",
     "Translation": "motion.translation",
-    "contact_condition": "ruled.contact_condition",
+    "contact_condition": "contact.ruled.contact_condition",
     "contact_intervals": "query",
     "contact_pairs": "query",
     "first_contact": "query",

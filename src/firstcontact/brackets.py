@@ -24,7 +24,7 @@ from flint import fmpq, fmpz
 from firstcontact.errors import InputError
 from firstcontact.exact import brackets as exact
 from firstcontact.exact.brackets import LinesRelation, SegmentsRelation
-from firstcontact.exact.number_field import ExactNumber, sign
+from firstcontact.exact.fields.number_field import ExactNumber, sign
 from firstcontact.exact.numbers import fraction, rational, to_double
 from firstcontact.exact.vectors import Vector, whole
 

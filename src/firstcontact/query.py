@@ -8,14 +8,8 @@ from functools import cache
 from numbers import Real
 from typing import TYPE_CHECKING, Any
 
-from firstcontact.body.moving import shape_of
-from firstcontact.body.polyhedron import Polyhedron
-from firstcontact.errors import FirstContactError, InputError, UnsupportedPair
-from firstcontact.exact.numbers import Undecidable, to_double
-from firstcontact.motion.curved import CurvedPiece
-from firstcontact.motion.relative import pieces
-from firstcontact.motion.span import common_span
-from firstcontact.report import (
+from firstcontact.body.polyhedron.polyhedron import Polyhedron
+from firstcontact.contact.polyhedra.answers import (
     JoinedInterval,
     contact_of,
     contained_at_start,
@@ -24,16 +18,22 @@ from firstcontact.report import (
     interval_of,
     join,
 )
+from firstcontact.contact.polyhedra.earliest import Found, Pair, Progress, all_pairs, earliest
+from firstcontact.contact.polyhedra.intervals import contact_windows
+from firstcontact.contact.polyhedra.overlap import initial_kind
+from firstcontact.contact.polyhedra.problem import problem_of, problems_in_order
+from firstcontact.errors import FirstContactError, InputError, UnsupportedPair
+from firstcontact.exact.numbers import Undecidable, to_double
+from firstcontact.motion.moving import shape_of
+from firstcontact.motion.relative.curved import CurvedPiece
+from firstcontact.motion.relative.pieces import pieces
+from firstcontact.motion.span import common_span
 from firstcontact.result import ContactIntervals, ContactPairs, FirstContact, Stats, Status
-from firstcontact.search.earliest import Found, Pair, Progress, all_pairs, earliest
-from firstcontact.search.intervals import contact_windows
-from firstcontact.search.overlap import initial_kind
-from firstcontact.search.problem import problem_of, problems_in_order
 
 NO_WORK = Stats()
 
 if TYPE_CHECKING:
-    from firstcontact.curve import IntersectionCurve
+    from firstcontact.result_curve import IntersectionCurve
 
 
 def first_contact(
@@ -89,7 +89,7 @@ def first_contact(
         def ask(within: Any, narrow: float) -> FirstContact:
             return search(a, b, within, exact, method, narrow, budget, progress)
 
-        from firstcontact import endless
+        from firstcontact.contact import endless
 
         return endless.first_contact(ask, a, b, span, tolerance)
     parts, first, last = pieces(a, b, span)
@@ -154,7 +154,7 @@ def contact_intervals(
             return search(a, b, within, exact, budget, progress, narrow)
 
         if _is_endless(a, b, span):
-            from firstcontact import endless
+            from firstcontact.contact import endless
 
             return endless.contact_intervals(ask, a, b, span, tolerance)
         return ask(span, tolerance)
@@ -247,8 +247,9 @@ def intersection_curve(
     >>> [end.point.tolist() for end in curve.branches[0].ends]
     [[0.5, 1.0, 0.5], [1.0, 0.5, 0.5]]
     """
-    from firstcontact.exact.fibres import PrecisionExhausted
-    from firstcontact.ruled import solid_verbs, verbs
+    from firstcontact.curves import ruled as verbs
+    from firstcontact.curves.with_solids import solid_verbs
+    from firstcontact.exact.curves.fibres import PrecisionExhausted
 
     kinds = {_kind(body) for body in (p, q)}
     if not (isinstance(tolerance, Real) and tolerance > 0):
@@ -266,10 +267,10 @@ def intersection_curve(
 def _of_curved(kind: str) -> Any:
     """The module with the verbs of curved bodies."""
     if kind == "ruled":
-        from firstcontact.ruled import moving
+        from firstcontact.contact.ruled import first as moving
 
         return moving
-    from firstcontact.composite import verbs
+    from firstcontact.contact.models import first as verbs
 
     return verbs
 

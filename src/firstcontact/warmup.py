@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from firstcontact import query
-from firstcontact.body.polyhedron import Polyhedron
-from firstcontact.body.ruled_surface import RuledSurface
+from firstcontact.body.polyhedron.polyhedron import Polyhedron
+from firstcontact.body.ruled.surface import RuledSurface
 from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.sequence import Sequence
 from firstcontact.motion.translation import Translation
-from firstcontact.search.crowding import crowding
-from firstcontact.search.frame import tree_of
+from firstcontact.search.trees.crowding import crowding
+from firstcontact.search.trees.frame import tree_of
 
 
 def warm(progress: Callable[[str], object] | None = None) -> None:

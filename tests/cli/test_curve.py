@@ -11,7 +11,7 @@ import pytest
 from firstcontact import query
 from firstcontact.cli import progress
 from firstcontact.kernels import jit
-from firstcontact.scene import load_scene
+from firstcontact.scene.load import load_scene
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 LOW = '[body.low]\nshape = "ruled"\nfirst = "(u, 0, 0)"\nsecond = "(u, 1, u)"\n'

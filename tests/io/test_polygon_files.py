@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import firstcontact as fc
-from firstcontact.body.triangulate import shapes
+from firstcontact.body.polyhedron.triangulate import shapes
 from firstcontact.errors import InputError
 from firstcontact.io.meshes import read_mesh
 

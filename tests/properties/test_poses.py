@@ -15,15 +15,15 @@ from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import precision, to_double
 from firstcontact.kernels.poses import pose_at
 from firstcontact.kernels.workspace import HERE_A, workspace
-from firstcontact.motion import projective
-from firstcontact.motion.curved import CurvedPiece, terms
-from firstcontact.motion.polynomial import relative_pieces
-from firstcontact.motion.relative import curved_pieces, pieces, placement_at
-from firstcontact.motion.sweep import swept_box
-from firstcontact.search.posed_pieces import pose_windows
-from firstcontact.search.ruled_certificate import PoseJet
-from firstcontact.search.shared_points import ball_pose
-from firstcontact.search.stretches import windows
+from firstcontact.motion.relative import projective
+from firstcontact.motion.relative.curved import CurvedPiece, terms
+from firstcontact.motion.relative.pieces import curved_pieces, pieces, placement_at
+from firstcontact.motion.relative.polynomial import relative_pieces
+from firstcontact.motion.relative.stretches import windows
+from firstcontact.motion.relative.sweep import swept_box
+from firstcontact.search.events.ruled_certificate import PoseJet
+from firstcontact.search.events.shared_points import ball_pose
+from firstcontact.search.rulings.posed_pieces import pose_windows
 from firstcontact.view.poses import _twist as twist
 from firstcontact.view.poses import sample_poses, screw_between
 from poses_by_hand import KINDS, angle_of, axis_of, shift, turn, vector

@@ -12,9 +12,9 @@ from flint import fmpq
 
 import firstcontact as fc
 from amount import amount
-from firstcontact.search.advance import PieceSearch, advance
-from firstcontact.search.convex import convex_pieces
-from firstcontact.search.stretches import windows
+from firstcontact.motion.relative.stretches import windows
+from firstcontact.search.convex.advance import PieceSearch, advance
+from firstcontact.search.convex.convex import convex_pieces
 from quadric_vectors import VECTORS, quaternion_matrix
 
 # What the fast path leaves to the exact one, and why.
@@ -207,8 +207,8 @@ def random_pair(seed):
 
 def apart(a, b, t) -> float:
     """An upper bound of how far apart the pieces are at t: no direction of many parts them by more than it."""
-    from firstcontact.kernels.support import support
-    from firstcontact.search.convex import convex_pieces
+    from firstcontact.kernels.convex.support import support
+    from firstcontact.search.convex.convex import convex_pieces
 
     rng = np.random.default_rng(0)
     n = rng.normal(size=(400, 3))

@@ -10,11 +10,12 @@ from flint import arb, fmpq
 
 import firstcontact as fc
 from firstcontact.exact.numbers import precision, rational
-from firstcontact.kernels import poses, separation
-from firstcontact.kernels.support import FORMS, form_value, support
+from firstcontact.kernels import poses
+from firstcontact.kernels.convex import separation
+from firstcontact.kernels.convex.support import FORMS, form_value, support
 from firstcontact.kernels.workspace import HERE_A, HERE_B, MIDDLE, RADIUS, SPEED, SPREAD, workspace
-from firstcontact.search.convex import NotConvex, convex_pieces
-from firstcontact.search.stretches import windows
+from firstcontact.motion.relative.stretches import windows
+from firstcontact.search.convex.convex import NotConvex, convex_pieces
 
 SOLIDS = {
     "box": fc.box((1, 2, 3)),
@@ -179,7 +180,7 @@ def test_bending_bounds_the_second_derivative(name):
 
 def test_form_bound():
     """Values of forms are within FORM_EPS of their true values, relative to the sum of their terms."""
-    from firstcontact.kernels.shared_point import FORM_EPS
+    from firstcontact.kernels.convex.shared_point import FORM_EPS
 
     rng = np.random.default_rng(8)
     for name in ("sphere", "ellipsoid", "cut ellipsoid", "sheared cone"):

@@ -10,13 +10,13 @@ import pytest
 from flint import fmpq, fmpz_poly
 
 import firstcontact as fc
-from firstcontact.body.carriers import AlgebraicPoint
-from firstcontact.composite.algorithm import Search
-from firstcontact.composite.moving_pair import Pair
-from firstcontact.exact.field_towers import TowerElement
-from firstcontact.exact.number_field import NumberField, ball, is_zero, sign
-from firstcontact.exact.roots import AlgebraicRoot, real_roots
-from firstcontact.motion.polynomial import relative_pieces
+from firstcontact.body.solid.carriers import AlgebraicPoint
+from firstcontact.contact.models.algorithm import Search
+from firstcontact.contact.models.moving_pair import Pair
+from firstcontact.exact.fields.field_towers import TowerElement
+from firstcontact.exact.fields.number_field import NumberField, ball, is_zero, sign
+from firstcontact.exact.fields.roots import AlgebraicRoot, real_roots
+from firstcontact.motion.relative.polynomial import relative_pieces
 
 
 def root(coefficients, lo, hi) -> AlgebraicRoot:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from flint import fmpq, fmpz_poly
 
-from firstcontact.exact.bivariate import (
+from firstcontact.exact.fields.roots import AlgebraicRoot, isolate, real_roots
+from firstcontact.exact.polynomials.bivariate import (
     U,
     V,
     chart,
@@ -22,7 +23,6 @@ from firstcontact.exact.bivariate import (
     sign_at,
     slope,
 )
-from firstcontact.exact.roots import AlgebraicRoot, isolate, real_roots
 
 F = U**2 * V**3 - 5 * U * V + 7 * V**2 - 2
 

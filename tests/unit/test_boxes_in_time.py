@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from firstcontact.kernels.angle import TWO_PI
-from firstcontact.kernels.boxes import CLIP_EPS, clip_to_box, segment_meets_box
-from firstcontact.search.cylinder import COLUMNS, range_of_box
-from firstcontact.search.rotate import angle_window, entry_angle
-from firstcontact.search.translate import entry_time, slab_window
+from firstcontact.kernels.lifted.boxes import CLIP_EPS, clip_to_box, segment_meets_box
+from firstcontact.search.trees.cylinder import COLUMNS, range_of_box
+from firstcontact.search.trees.rotate import angle_window, entry_angle
+from firstcontact.search.trees.translate import entry_time, slab_window
 
 INF = math.inf
 
@@ -119,7 +119,7 @@ def planted(rng, kind: str):
 
 
 def turning(centre, a, b, pad) -> np.ndarray:
-    """The motion array of two trees of one box each (see `search.rotate`)."""
+    """The motion array of two trees of one box each (see `search.trees.rotate`)."""
     motion = np.zeros((3, COLUMNS))
     motion[2, :3] = centre[0], centre[1], 1
     for row, box in zip(motion, (a, b), strict=False):

@@ -7,10 +7,11 @@ from itertools import product as pairs_of
 
 from flint import fmpq, fmpz_poly
 
-from firstcontact.exact.conic_pencils import ConicMeeting, conic_contacts, line_resultant, point_pairs
-from firstcontact.exact.number_field import NumberField, sign
-from firstcontact.exact.pencils import Meeting, characteristic, contact_equation, discriminant, pencil_contacts
-from firstcontact.exact.polynomial_matrix import (
+from firstcontact.exact.fields.number_field import NumberField, sign
+from firstcontact.exact.fields.roots import real_roots
+from firstcontact.exact.pencils.conic_pencils import ConicMeeting, conic_contacts, line_resultant, point_pairs
+from firstcontact.exact.pencils.pencils import Meeting, characteristic, contact_equation, discriminant, pencil_contacts
+from firstcontact.exact.polynomials.polynomial_matrix import (
     adjugate,
     congruent,
     constant,
@@ -20,7 +21,6 @@ from firstcontact.exact.polynomial_matrix import (
     product,
     transpose,
 )
-from firstcontact.exact.roots import real_roots
 
 T, ONE, NONE = fmpz_poly([0, 1]), fmpz_poly([1]), fmpz_poly([0])
 SPAN = (fmpq(0), fmpq(1))

@@ -22,10 +22,10 @@ from carriers_by_hand import (
     pose,
     shift,
 )
-from firstcontact.exact.polynomial_matrix import constant
-from firstcontact.exact.roots import real_roots
-from firstcontact.pairs import (
-    carrier_cases,
+from firstcontact.exact.fields.roots import real_roots
+from firstcontact.exact.polynomials.polynomial_matrix import constant
+from firstcontact.pairs.carriers import cases as carrier_cases
+from firstcontact.pairs.carriers import (
     conic_conic,
     conic_plane,
     conic_quadric,

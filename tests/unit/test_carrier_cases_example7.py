@@ -12,8 +12,8 @@ import pytest
 from flint import fmpz_poly
 
 from carriers_by_hand import SPAN, candidates, diagonal, level, moved_plane, moved_quadric, points, pose
-from firstcontact.exact.roots import real_roots
-from firstcontact.pairs import conic_conic, conic_plane, conic_quadric, quadric_quadric
+from firstcontact.exact.fields.roots import real_roots
+from firstcontact.pairs.carriers import conic_conic, conic_plane, conic_quadric, quadric_quadric
 
 M_A = pose((1, 0, 0, [30, -60]), (0, 1, 0, 20), (0, 0, 1, 0), (0, 0, 0, 1))
 M_B = pose(

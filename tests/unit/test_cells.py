@@ -11,12 +11,13 @@ from flint import arb, fmpq
 import firstcontact as fc
 from amount import amount
 from curved import pose, random_body, rational_turn
+from firstcontact.contact.polyhedra.enclosed_problem import corners_as_doubles
+from firstcontact.contact.polyhedra.problem import problem_of
 from firstcontact.kernels.verdict import CERTAIN, NONE
-from firstcontact.motion.curved import terms
-from firstcontact.motion.relative import pieces
-from firstcontact.search import cells, curve
-from firstcontact.search.enclosed_problem import corners_as_doubles
-from firstcontact.search.problem import problem_of
+from firstcontact.motion.relative import cells
+from firstcontact.motion.relative.curved import terms
+from firstcontact.motion.relative.pieces import pieces
+from firstcontact.search.trees import curve
 
 BODY = fc.examples.box((1, 1, 1))
 MOTIONS = {

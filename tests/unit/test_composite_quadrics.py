@@ -12,7 +12,7 @@ import pytest
 from flint import fmpq
 
 import firstcontact as fc
-from firstcontact.body.carriers import AlgebraicPoint, Conic, EnclosedPoint, Line, Point, QuarticCurve
+from firstcontact.body.solid.carriers import AlgebraicPoint, Conic, EnclosedPoint, Line, Point, QuarticCurve
 
 
 def counts(body):
@@ -400,7 +400,7 @@ def test_faces_without_edges_are_found_beside_ones_with():
     ],
 )  # fmt: skip
 def test_which_surfaces_are_one_piece(form, connected):
-    from firstcontact.body.features import _is_connected
+    from firstcontact.body.solid.features import _is_connected
 
     (surface,) = fc.quadric(form).surfaces
     assert _is_connected(surface) is _is_connected(surface.negated()) is connected

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from flint import fmpq, fmpz_poly
 
-from firstcontact.exact.conditions import Conditions, between, distinct
-from firstcontact.exact.roots import AlgebraicRoot, real_roots
+from firstcontact.exact.fields.conditions import Conditions, between, distinct
+from firstcontact.exact.fields.roots import AlgebraicRoot, real_roots
 
 P = fmpz_poly
 ZERO, ONE, TWO = fmpq(0), fmpq(1), fmpq(2)

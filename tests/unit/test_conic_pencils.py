@@ -9,7 +9,9 @@ from fractions import Fraction
 import pytest
 from flint import fmpq, fmpz_poly
 
-from firstcontact.exact.conic_pencils import (
+from firstcontact.exact.fields.number_field import NumberField, is_zero
+from firstcontact.exact.fields.roots import real_roots
+from firstcontact.exact.pencils.conic_pencils import (
     ConicMeeting,
     PointPairs,
     conic_contacts,
@@ -18,11 +20,9 @@ from firstcontact.exact.conic_pencils import (
     proportional,
     shared_points,
 )
-from firstcontact.exact.inertia import null_space, value
-from firstcontact.exact.number_field import NumberField, is_zero
-from firstcontact.exact.pencils import IDENTICALLY_DEGENERATE, characteristic, discriminant
-from firstcontact.exact.polynomial_matrix import congruent
-from firstcontact.exact.roots import real_roots
+from firstcontact.exact.pencils.pencils import IDENTICALLY_DEGENERATE, characteristic, discriminant
+from firstcontact.exact.polynomials.inertia import null_space, value
+from firstcontact.exact.polynomials.polynomial_matrix import congruent
 
 
 def binary(p, q, r):

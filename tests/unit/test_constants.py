@@ -12,7 +12,7 @@ from flint import arb, arb_poly, fmpq
 from amount import amount
 from firstcontact.exact.numbers import precision
 from firstcontact.kernels import angle, running, verdict
-from firstcontact.search.frame import FRAME_EPS, frame_of
+from firstcontact.search.trees.frame import FRAME_EPS, frame_of
 
 # ---------------------------------------------------------------------------------------------- determinants
 

@@ -11,10 +11,10 @@ import pytest
 from flint import fmpq, fmpz
 
 from amount import amount
-from firstcontact.exact.instants import AngleInstant
-from firstcontact.exact.turning import Axis
-from firstcontact.pairs import coplanar, line_line, line_line_rotation, point_plane, point_plane_rotation
-from firstcontact.search import state, walk
+from firstcontact.exact.times.instants import AngleInstant
+from firstcontact.exact.times.turning import Axis
+from firstcontact.pairs.elements import coplanar, line_line, line_line_rotation, point_plane, point_plane_rotation
+from firstcontact.search.trees import state, walk
 
 KINDS = {"vertex and face": (1, 3), "face and vertex": (3, 1), "edges": (2, 2)}
 BITS = (30, 36, 42, 48, 54, 60)

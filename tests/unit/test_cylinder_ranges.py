@@ -9,16 +9,16 @@ import pytest
 
 import firstcontact as fc
 from firstcontact.kernels.angle import TWO_PI
-from firstcontact.search.cylinder import COLUMNS, KNOWN, PHI, R_HI, R_LO, WIDTH, Z_HI, Z_LO, learn
-from firstcontact.search.frame import frame_of, view_in
-from firstcontact.search.tree import SPLIT
+from firstcontact.search.trees.cylinder import COLUMNS, KNOWN, PHI, R_HI, R_LO, WIDTH, Z_HI, Z_LO, learn
+from firstcontact.search.trees.frame import frame_of, view_in
+from firstcontact.search.trees.tree import SPLIT
 from unit.test_tree import BODIES, samples
 
 PAD = 1e-12  # the sampled points are rounded
 
 
 def ranges(tree, centre, order) -> np.ndarray:
-    """The motion array with the rows of all nodes learnt in that order (see `search.rotate`)."""
+    """The motion array with the rows of all nodes learnt in that order (see `search.trees.rotate`)."""
     motion = np.zeros((len(tree.boxes) + 1, COLUMNS))
     motion[-1, :3] = (*centre, 0)
     for node in order:

@@ -10,16 +10,16 @@ import pytest
 from flint import arb, fmpq, fmpz_poly
 
 import firstcontact as fc
-from firstcontact.body.carriers import EnclosedPoint, QuarticCurve
-from firstcontact.composite.algorithm import Search
-from firstcontact.composite.at_rest import overlap
-from firstcontact.composite.moving_pair import Pair
-from firstcontact.composite.square_subproblems import SquareSubproblem
+from firstcontact.body.solid.carriers import EnclosedPoint, QuarticCurve
+from firstcontact.contact.models.algorithm import Search
+from firstcontact.contact.models.at_rest import overlap
+from firstcontact.contact.models.moving_pair import Pair
+from firstcontact.contact.models.square_subproblems import SquareSubproblem
+from firstcontact.exact.fields.roots import AlgebraicRoot
 from firstcontact.exact.numbers import precision
-from firstcontact.exact.polynomial_matrix import constant, determinant
-from firstcontact.exact.roots import AlgebraicRoot
-from firstcontact.exact.square_systems import EnclosedRoot, OpenRoot, SquareSystem, certified
-from firstcontact.motion.polynomial import relative_pieces
+from firstcontact.exact.polynomials.polynomial_matrix import constant, determinant
+from firstcontact.exact.systems.square_systems import EnclosedRoot, OpenRoot, SquareSystem, certified
+from firstcontact.motion.relative.polynomial import relative_pieces
 
 
 def search(a, b) -> Search:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import firstcontact as fc
-from firstcontact.search.kept import kept
+from firstcontact.search.trees.kept import kept
 
 
 class Refused(Exception):

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import ast
+import importlib
 import json
 import os
 import subprocess
 import sys
+import types
 from pathlib import Path
 
 import pytest
+from numba.core.dispatcher import Dispatcher
 
 import firstcontact
+from firstcontact.kernels import jit
 
 PACKAGE = Path(firstcontact.__file__).parent
 ABOVE_EXACT = (
@@ -78,7 +82,7 @@ def test_exact_knows_no_arrays_and_nothing_above():
 
 
 def test_exact_uses_of_the_results_only_its_numbers():
-    used = {n for f in (PACKAGE / "exact").glob("*.py") for n in imports(f, lazy=True) if ".result." in n}
+    used = {n for f in (PACKAGE / "exact").rglob("*.py") for n in imports(f, lazy=True) if ".result." in n}
     assert used <= {"firstcontact.result.AlgebraicNumber"}
 
 
@@ -155,9 +159,35 @@ print(json.dumps(found))
 def test_every_kernel_has_one_signature():
     """Three for the walks, whose motion argument has a type of its own for each kind of motion."""
     found = json.loads(fresh_python(QUERIES).splitlines()[-1])
-    walks = {"firstcontact.search.walk.walk", "firstcontact.search.windows.collect"}
+    walks = {"firstcontact.search.trees.walk.walk", "firstcontact.search.trees.windows.collect"}
     assert len(found) > 40
     assert {name: found[name] for name in walks} == dict.fromkeys(walks, 3)
     assert {name: n for name, n in found.items() if n > 1 and name not in walks} == {}
-    called = ("body.topology.derive_edges", "search.tree._split", "search.tree._parts", "search.frame.refit")
+    trees = ("tree._split", "tree._parts", "frame.refit")
+    called = ("body.polyhedron.topology.derive_edges", *(f"search.trees.{name}" for name in trees))
     assert [found[f"firstcontact.{name}"] for name in called] == [1, 1, 1, 1]
+
+
+def test_the_cache_notices_edits_of_all_that_kernels_are_made_of():
+    """Numba sees edits of a kernel's own file only; the folder's name is a digest of all files in `jit.sources`."""
+    known = set(jit.sources())
+    kernels = 0
+    for file in sorted(PACKAGE.rglob("*.py")):
+        home = importlib.import_module(module_of(file))
+        own = [f for f in vars(home).values() if isinstance(f, Dispatcher) and f.py_func.__module__ == home.__name__]
+        kernels += len(own)
+        assert not own or file in known, file
+        used = {name for kernel in own for name in _names(kernel.py_func.__code__)}
+        for node in ast.walk(ast.parse(file.read_text())):
+            if isinstance(node, ast.ImportFrom) and node.module.startswith("firstcontact"):
+                for name in (alias.name for alias in node.names if (alias.asname or alias.name) in used):
+                    at = PACKAGE.parent / Path(*node.module.split("."))
+                    assert {at.with_suffix(".py"), (at / name).with_suffix(".py")} & known, (file, node.module, name)
+    assert kernels > 200
+
+
+def _names(code):
+    yield from code.co_names
+    for inner in code.co_consts:
+        if isinstance(inner, types.CodeType):
+            yield from _names(inner)

@@ -11,7 +11,7 @@ import pytest
 
 import firstcontact as fc
 from firstcontact.exact.numbers import to_double
-from firstcontact.motion.relative import pieces
+from firstcontact.motion.relative.pieces import pieces
 
 CUBE = fc.examples.box((1, 1, 1))
 

@@ -7,11 +7,11 @@ import random
 import pytest
 from flint import arb, fmpq, fmpq_mat, fmpz_poly
 
-from firstcontact.exact.inertia import inertia, null_space, rank, times, value
-from firstcontact.exact.number_field import NumberField, QuadraticElement, ball, is_zero, sign, square_root
+from firstcontact.exact.fields.number_field import NumberField, QuadraticElement, ball, is_zero, sign, square_root
+from firstcontact.exact.fields.roots import AlgebraicRoot, real_roots
 from firstcontact.exact.numbers import precision
-from firstcontact.exact.polynomial_matrix import congruent
-from firstcontact.exact.roots import AlgebraicRoot, real_roots
+from firstcontact.exact.polynomials.inertia import inertia, null_space, rank, times, value
+from firstcontact.exact.polynomials.polynomial_matrix import congruent
 
 
 def field_of(coefficients, lo, hi) -> NumberField:

@@ -8,7 +8,9 @@ import re
 import pytest
 from flint import fmpq, fmpq_mat, fmpq_poly, fmpz_poly
 
-from firstcontact.exact.contact_classes import (
+from firstcontact.exact.fields.number_field import NumberField, is_zero
+from firstcontact.exact.fields.roots import AlgebraicRoot, real_roots
+from firstcontact.exact.pencils.contact_classes import (
     CLASSES,
     canonical,
     contact_class,
@@ -18,9 +20,7 @@ from firstcontact.exact.contact_classes import (
     segre_symbol,
     signature_sequence,
 )
-from firstcontact.exact.inertia import times, value
-from firstcontact.exact.number_field import NumberField, is_zero
-from firstcontact.exact.pencils import (
+from firstcontact.exact.pencils.pencils import (
     IDENTICALLY_DEGENERATE,
     Meeting,
     characteristic,
@@ -30,8 +30,15 @@ from firstcontact.exact.pencils import (
     pencil_contacts,
     resultant,
 )
-from firstcontact.exact.polynomial_matrix import adjugate, congruent, constant, determinant, evaluate, primitive
-from firstcontact.exact.roots import AlgebraicRoot, real_roots
+from firstcontact.exact.polynomials.inertia import times, value
+from firstcontact.exact.polynomials.polynomial_matrix import (
+    adjugate,
+    congruent,
+    constant,
+    determinant,
+    evaluate,
+    primitive,
+)
 
 
 def form(text: str):

@@ -7,8 +7,8 @@ import random
 import pytest
 from flint import fmpq, fmpz_poly
 
-from firstcontact.exact.bivariate import U, V, factors, polynomial, restrict, sign_at
-from firstcontact.exact.plane_curves import Branch, Graph, reciprocal, topology
+from firstcontact.exact.curves.plane_curves import Branch, Graph, reciprocal, topology
+from firstcontact.exact.polynomials.bivariate import U, V, factors, polynomial, restrict, sign_at
 
 u, v = U, V
 BOX = {"u": (fmpq(-2), fmpq(2)), "v": (fmpq(-2), fmpq(2))}

@@ -13,9 +13,9 @@ from scipy.spatial.transform import Rotation as Turn
 
 import firstcontact as fc
 from firstcontact.exact.numbers import precision, to_double
-from firstcontact.motion import projective
-from firstcontact.motion.clocks import _is_part_of_half_turn
-from firstcontact.motion.polynomial import relative, relative_pieces, step_pieces, steps_within
+from firstcontact.motion.relative import projective
+from firstcontact.motion.relative.clocks import _is_part_of_half_turn
+from firstcontact.motion.relative.polynomial import relative, relative_pieces, step_pieces, steps_within
 
 CUBE = fc.examples.box((1, 1, 1)).named("cube")
 ZERO, ONE = fmpq(0), fmpq(1)

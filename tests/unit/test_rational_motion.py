@@ -12,8 +12,8 @@ from flint import fmpq, fmpz_poly
 from scipy.spatial.transform import Rotation as Turn
 
 import firstcontact as fc
-from firstcontact.exact import bernstein
-from firstcontact.motion import projective
+from firstcontact.exact.polynomials import bernstein
+from firstcontact.motion.relative import projective
 
 ONE = np.eye(4)
 

@@ -8,8 +8,9 @@ from fractions import Fraction
 import pytest
 from flint import arb, fmpq, fmpq_poly, fmpz_poly
 
+from firstcontact.exact.fields.roots import AlgebraicRoot, isolate, on_half_line, real_roots, variations
 from firstcontact.exact.numbers import precision
-from firstcontact.exact.polynomial_matrix import (
+from firstcontact.exact.polynomials.polynomial_matrix import (
     adjugate,
     congruent,
     constant,
@@ -20,7 +21,6 @@ from firstcontact.exact.polynomial_matrix import (
     product,
     transpose,
 )
-from firstcontact.exact.roots import AlgebraicRoot, isolate, on_half_line, real_roots, variations
 from firstcontact.result import AlgebraicNumber
 
 X = fmpz_poly([0, 1])

@@ -9,10 +9,10 @@ import pytest
 from flint import arb, fmpq
 
 from firstcontact.exact.numbers import precision
-from firstcontact.exact.turning import Axis
+from firstcontact.exact.times.turning import Axis
 from firstcontact.kernels.angle import TWO_PI
 from firstcontact.kernels.verdict import CERTAIN, NONE, UNSURE
-from firstcontact.pairs import line_line_rotation, point_plane_rotation
+from firstcontact.pairs.elements import line_line_rotation, point_plane_rotation
 from unit.inputs import FAMILIES, count, disturbed, errors, exact, points, turned_onto
 
 Z, BACK = (Axis((fmpq(0), fmpq(0), fmpq(s))) for s in (1, -1))

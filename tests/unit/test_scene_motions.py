@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import firstcontact as fc
-from firstcontact.scene import load_scene
+from firstcontact.scene.load import load_scene
 
 BODY = """[body.a]
 shape = "polyhedron"

@@ -10,9 +10,9 @@ import pytest
 from flint import fmpq
 
 import firstcontact as fc
-from firstcontact.body.carriers import QuarticCurve
-from firstcontact.body.composite_quadric import NoSolid
-from firstcontact.exact.quadric_curve import swept
+from firstcontact.body.solid.carriers import QuarticCurve
+from firstcontact.body.solid.composite_quadric import NoSolid
+from firstcontact.exact.curves.quadric_curve import swept
 from lenses import PAIRS, pushed
 
 TURN = ((F(3, 5), F(-4, 5), 0, 0), (F(4, 5), F(3, 5), 0, 0), (0, 0, 1, 0), (0, 0, 0, 1))

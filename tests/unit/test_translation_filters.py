@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from firstcontact.kernels.verdict import CERTAIN, NONE, UNSURE
-from firstcontact.pairs import line_line, point_plane, segment_facet
+from firstcontact.pairs.elements import line_line, point_plane, segment_facet
 from unit.inputs import FAMILIES, above, below, count, disturbed, errors, exact, points, translations
 
 INF = math.inf

@@ -12,8 +12,8 @@ from flint import arb
 import firstcontact as fc
 import generators as g
 from firstcontact.exact.numbers import precision
-from firstcontact.search.frame import frame_of, natural_frame, tree_of, view_in
-from firstcontact.search.tree import BARE, CORNER, FACET, FLAT_SIDE, SIDE, SPLIT
+from firstcontact.search.trees.frame import frame_of, natural_frame, tree_of, view_in
+from firstcontact.search.trees.tree import BARE, CORNER, FACET, FLAT_SIDE, SIDE, SPLIT
 from unit.test_constants import exact_frame
 
 

@@ -3,7 +3,8 @@
 import numpy as np
 
 from firstcontact import examples, first_contact
-from firstcontact.search import earliest, state
+from firstcontact.contact.polyhedra import earliest
+from firstcontact.search.trees import state
 
 
 def test_the_heap_fills_while_pairs_wait_on_the_stack(monkeypatch):

@@ -3,7 +3,7 @@
 import numpy as np
 
 import firstcontact as fc
-from firstcontact.body.polyhedron import Polyhedron
+from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.sequence import Sequence
 from firstcontact.motion.translation import Translation

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import firstcontact as fc
-from firstcontact.body.ruled_surface import RuledSurface
+from firstcontact.body.ruled.surface import RuledSurface
 from firstcontact.view.curve import clipped, components, layers, sight
 from firstcontact.view.drawing import drawings
 from firstcontact.view.overlap import distances

@@ -3,7 +3,7 @@
 import numpy as np
 
 from firstcontact import examples
-from firstcontact.body.polyhedron import Polyhedron
+from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.result import Element
 from firstcontact.view.geometry import element_vertices, face_outline, sharp_edges
 from view import scenes

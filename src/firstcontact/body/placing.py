@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any, Self
 
-from firstcontact.body.moving import Moving
 from firstcontact.errors import InputError
 from firstcontact.exact.numbers import rational
 from firstcontact.exact.rigid import Matrix, determinant, near_rotation, shift
+from firstcontact.motion.moving import Moving
 from firstcontact.motion.translation import vector3
 
 

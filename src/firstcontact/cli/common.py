@@ -63,7 +63,7 @@ def _command(function: Callable[..., int], decorators: tuple[Any, ...]) -> click
 def answer_checks(scene_file: str, options: Options, verb_name: str) -> list[Any]:
     """The verb's results for all checks of the scene, in order."""
     from firstcontact.cli.progress import Progress
-    from firstcontact.scene import load_scene
+    from firstcontact.scene.load import load_scene
 
     check_target(options.json, options.html)
     span = _parse_span(options.span)
@@ -145,7 +145,7 @@ def refuse_single(path: Path, pairs: Sequence[Any]) -> None:
 
 
 def _parse_span(span: tuple[str, str] | None) -> tuple[Any, Any] | None:
-    from firstcontact.scene import parse_time
+    from firstcontact.scene.load import parse_time
 
     if span is None:
         return None

@@ -30,9 +30,9 @@ def curve(scene: str, options: common.Options, **asked: Any) -> int:
 
 def _curves(scene_file: str, options: common.Options, asked: dict[str, Any]) -> list[Any]:
     from firstcontact.cli.progress import Progress
+    from firstcontact.curves.ruled import takes_kernels
     from firstcontact.query import intersection_curve
-    from firstcontact.ruled.verbs import takes_kernels
-    from firstcontact.scene import load_scene
+    from firstcontact.scene.load import load_scene
 
     scene = load_scene(scene_file)
     common.refuse_single(scene.path, scene.curves)
@@ -67,7 +67,7 @@ def _resting(body: Any, key: str, time: Any) -> Any:
 
 def _read(asked: dict[str, Any]) -> dict[str, Any]:
     """The options that were given, as fields of the scene's questions."""
-    from firstcontact.scene import parse_number
+    from firstcontact.scene.load import parse_number
 
     def number(option: str, text: str) -> Any:
         try:

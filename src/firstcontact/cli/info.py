@@ -23,13 +23,13 @@ def info(file: str) -> int:
 
 
 def _mesh_lines(file: str) -> list[str]:
-    from firstcontact.body.polyhedron import Polyhedron
+    from firstcontact.body.polyhedron.polyhedron import Polyhedron
 
     return [file, *_body_lines(Polyhedron.load(file))]
 
 
 def _scene_lines(file: str) -> list[str]:
-    from firstcontact.scene import load_scene
+    from firstcontact.scene.load import load_scene
 
     scene = load_scene(file)
     lines = [f"{file}: {_count(len(scene.bodies), 'body', 'bodies')}, {_count(len(scene.checks), 'check')}"]
@@ -44,7 +44,7 @@ def _scene_lines(file: str) -> list[str]:
 
 
 def _body_lines(body: Any) -> list[str]:
-    from firstcontact.body.composite_quadric import CompositeQuadric
+    from firstcontact.body.solid.composite_quadric import CompositeQuadric
 
     if isinstance(body, CompositeQuadric):
         return _solid_lines(body)
@@ -118,7 +118,7 @@ def _components(body: Any) -> int:
     """Connected pieces of vertices and edges; vertices that nothing uses are not counted beside edges."""
     import numpy as np
 
-    from firstcontact.body.topology import component_of_vertices
+    from firstcontact.body.polyhedron.topology import component_of_vertices
 
     piece = component_of_vertices(body.edges, len(body.vertices))
     used = np.unique(body.edges) if len(body.edges) else np.arange(len(body.vertices))

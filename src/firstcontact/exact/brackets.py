@@ -12,7 +12,7 @@ from typing import Any
 
 from flint import fmpq, fmpz
 
-from firstcontact.exact.number_field import is_zero, sign
+from firstcontact.exact.fields.number_field import is_zero, sign
 from firstcontact.exact.vectors import Vector, add, cross, dot, scaled, sub
 
 

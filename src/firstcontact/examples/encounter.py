@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from firstcontact.body.moving import Moving
-from firstcontact.body.polyhedron import Polyhedron
+from firstcontact.body.polyhedron.polyhedron import Polyhedron
+from firstcontact.motion.moving import Moving
 from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.translation import Translation
 

@@ -13,7 +13,7 @@ from math import cos, pi, sin, tan
 
 import numpy as np
 
-from firstcontact.body.polyhedron import Polyhedron
+from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.examples.encounter import GRID, Encounter, FloatArray, motion_over, placed, rounded
 from firstcontact.examples.solids import noisy_sphere
 from firstcontact.motion.rotation import Rotation

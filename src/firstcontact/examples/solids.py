@@ -17,7 +17,7 @@ from typing import ParamSpec
 import numpy as np
 from numpy.typing import NDArray
 
-from firstcontact.body.polyhedron import Polyhedron
+from firstcontact.body.polyhedron.polyhedron import Polyhedron
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int32]

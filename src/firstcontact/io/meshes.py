@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from firstcontact.body.triangulate import shapes, triangulate
+from firstcontact.body.polyhedron.triangulate import shapes, triangulate
 from firstcontact.errors import InputError
 from firstcontact.io.polygon_files import Faces, read_obj, read_off, read_ply
 

@@ -42,7 +42,7 @@ def _user_cache() -> Path:
 def _digest() -> str:
     h = hashlib.sha256(f"{numba.__version__} {np.__version__}".encode())
     for folder in ("body", "kernels", "pairs", "search"):
-        for file in sorted((_PACKAGE / folder).glob("*.py")):
+        for file in sorted((_PACKAGE / folder).rglob("*.py")):
             h.update(file.read_bytes())
     return h.hexdigest()[:24]
 

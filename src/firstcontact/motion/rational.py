@@ -9,10 +9,10 @@ import numpy as np
 from flint import fmpq, fmpq_poly, fmpz_poly
 
 from firstcontact.errors import InputError
-from firstcontact.exact import bernstein
 from firstcontact.exact.numbers import fraction, rational, to_double
-from firstcontact.motion import projective
+from firstcontact.exact.polynomials import bernstein
 from firstcontact.motion.poses import BITS, Pose, read_poses, read_rows, sqrt_near
+from firstcontact.motion.relative import projective
 from firstcontact.motion.translation import LARGEST, SPAN
 
 _0, _1 = fmpq(0), fmpq(1)

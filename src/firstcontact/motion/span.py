@@ -6,9 +6,9 @@ from typing import Any
 
 from flint import fmpq
 
-from firstcontact.body.moving import Moving
 from firstcontact.errors import InputError
 from firstcontact.exact.numbers import rational, to_double
+from firstcontact.motion.moving import Moving
 from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.sequence import Sequence
 from firstcontact.motion.trajectory import Trajectory

@@ -21,9 +21,9 @@ from typing import Any
 from flint import fmpq, fmpz, fmpz_mat, fmpz_mpoly, fmpz_poly
 
 from firstcontact.errors import InputError
-from firstcontact.exact import bivariate
-from firstcontact.exact.bivariate import CONTEXT, in_u, in_v
-from firstcontact.exact.roots import AlgebraicRoot, real_roots, reversed_polynomial
+from firstcontact.exact.fields.roots import AlgebraicRoot, real_roots, reversed_polynomial
+from firstcontact.exact.polynomials import bivariate
+from firstcontact.exact.polynomials.bivariate import CONTEXT, in_u, in_v
 
 Vector = tuple[Any, Any, Any, Any]
 Matrix = tuple[Vector, ...]

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from firstcontact.curve import IntersectionCurve
+from firstcontact.result_curve import IntersectionCurve
 from firstcontact.view.overlap import overlap_triangles
 
 if TYPE_CHECKING:

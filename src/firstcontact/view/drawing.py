@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from firstcontact.body.carriers import QuarticCurve
-from firstcontact.body.composite_quadric import CompositeQuadric
-from firstcontact.body.features import Edge
-from firstcontact.body.polyhedron import Polyhedron
-from firstcontact.body.quadric_mesh import face_triangles
-from firstcontact.body.ruled_strip import RuledStrip
-from firstcontact.body.ruled_surface import RuledSurface
+from firstcontact.body.polyhedron.polyhedron import Polyhedron
+from firstcontact.body.ruled.strip import RuledStrip
+from firstcontact.body.ruled.surface import RuledSurface
+from firstcontact.body.solid.carriers import QuarticCurve
+from firstcontact.body.solid.composite_quadric import CompositeQuadric
+from firstcontact.body.solid.features import Edge
+from firstcontact.body.solid_mesh.quadric_mesh import face_triangles
 from firstcontact.errors import InputError
 from firstcontact.result import Element
 from firstcontact.view import ruled

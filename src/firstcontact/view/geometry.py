@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from firstcontact.body.polyhedron import Polyhedron
+from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.result import Element
 
 # Edges are drawn where the surface bends by more than this.  Smaller: scanned meshes turn into wire nets;

@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from firstcontact.curve import IntersectionCurve
 from firstcontact.result import Element, FirstContact, Status
+from firstcontact.result_curve import IntersectionCurve
 from firstcontact.view.curve import layers
 from firstcontact.view.drawing import Drawing, contact_curve, drawings
 from firstcontact.view.pair import Pair, Result, is_moving, pairs_of, pose

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from firstcontact.body.ruled_mesh import Inequality, clipped, ends_of, grid_triangles, parameters_of
-from firstcontact.body.ruled_surface import RuledSurface
+from firstcontact.body.ruled.mesh import Inequality, clipped, ends_of, grid_triangles, parameters_of
+from firstcontact.body.ruled.surface import RuledSurface
 from firstcontact.view.ruled import nearest
 
 if TYPE_CHECKING:

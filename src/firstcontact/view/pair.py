@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from firstcontact.curve import IntersectionCurve
 from firstcontact.errors import InputError
 from firstcontact.result import ContactIntervals, Element, FirstContact, Status
+from firstcontact.result_curve import IntersectionCurve
 
 # What a stretch of the timeline says about the two bodies.
 FREE, CONTACT, UNDECIDED, NOT_ASKED = "free", "contact", "undecided", "not asked"

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from firstcontact.body.ruled_mesh import clipped, ends_of, grid_triangles, parameters_of, piece_triangles, welded
-from firstcontact.body.ruled_surface import RuledSurface
+from firstcontact.body.ruled.mesh import clipped, ends_of, grid_triangles, parameters_of, piece_triangles, welded
+from firstcontact.body.ruled.surface import RuledSurface
 from firstcontact.errors import InputError
 from firstcontact.result import Element
 

@@ -1,0 +1,1 @@
+"""Polyhedra: vertices, edges and facets with exact coordinates."""

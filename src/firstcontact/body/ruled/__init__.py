@@ -1,0 +1,1 @@
+"""Ruled surfaces: strips between two directrices, rational or NURBS, whole or trimmed."""

@@ -1,0 +1,426 @@
+"""Composite quadric models: solids bounded by planes and quadrics, combined by Boolean operations."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import product
+from typing import Any
+
+import numpy as np
+from flint import fmpq
+
+from firstcontact.body.placing import Placing
+from firstcontact.body.solid.carriers import (
+    ONE,
+    ZERO,
+    Box,
+    Plane,
+    Quadric,
+    Rows,
+    Surface,
+    Vector,
+    doubles,
+    inverse,
+    upright,
+)
+from firstcontact.body.solid.csg import And, Leaf, Not, Or, Tree, inside, outcomes, pattern, possible, renumbered
+from firstcontact.body.solid.feature_names import Names, Part
+from firstcontact.body.solid.features import Edge, Face, Features, Vertex, derive
+from firstcontact.body.solid.neighbourhood import patterns
+from firstcontact.errors import InputError
+from firstcontact.exact.numbers import to_double
+from firstcontact.exact.rigid import Matrix, apply
+from firstcontact.motion.translation import LARGEST, vector3
+
+
+class NoSolid(InputError):
+    """A combination without interior points, or one of all of space."""
+
+
+class CompositeQuadric(Placing):
+    """A solid of planes and quadrics at rest, closed and regularised (no dangling faces); immutable.
+
+    Made by the builders (`fc.box`, `fc.cylinder`, ...) and combined with ``|`` (union), ``&`` (intersection) and
+    ``-`` (difference).  All numbers are exact: doubles are the binary rationals they are, "1/3" and Fraction stay
+    exact.  Raises InputError when the combination holds no interior point, or all of space.
+
+    >>> from firstcontact.body.solid.primitives import box, cylinder
+    >>> plate = (box((4, 4, 1)) - cylinder(1, 2).named("hole")).named("plate")
+    >>> plate
+    <CompositeQuadric 'plate': 7 faces, 14 edges, 8 vertices>
+    >>> plate.faces[6].name, plate.contains([(0, 0, 0), (1, 0, 0)]).tolist()
+    ('plate.hole.side', [False, True])
+    """
+
+    def __init__(
+        self,
+        surfaces: Sequence[Surface],
+        tree: Tree,
+        parts: Sequence[Part] = (),
+        *,
+        box: Box | None = None,
+        witness: Vector | None = None,
+        name: str | None = None,
+    ) -> None:
+        """surfaces: different ones; tree: leaf i is where surface i's form is <= 0.
+
+        box: exact corners of a box that holds the solid, if known.  witness: a point likely in the interior.
+        """
+        self.name = name
+        self.surfaces = tuple(surfaces)
+        """The complete surfaces, as `Plane` and `Quadric`; features refer to them by number."""
+        self.tree = tree
+        self.parts = tuple(parts)
+        self._box = box
+        self._forms_f = np.array([doubles(s.matrix()) for s in self.surfaces])
+        self._witness = witness
+        self._search: dict[str, Any] = {}
+        """What was worked out of this body: it follows from its geometry and its name, so no copy inherits it."""
+        self.whole: CompositeQuadric | None = None
+        """The unbounded model of which this one is the part that matters, if it is."""
+        self.source: Any = None
+        """The polyhedron this model stands for, if it does."""
+        self._validate()
+
+    # -- features -------------------------------------------------------------------------------------------
+
+    @property
+    def faces(self) -> tuple[Face, ...]:
+        return self._features().faces
+
+    @property
+    def edges(self) -> tuple[Edge, ...]:
+        """The sharp edges, convex and reentrant."""
+        return self._features().edges
+
+    @property
+    def seams(self) -> tuple[Edge, ...]:
+        """Curves where two faces meet smoothly."""
+        return self._features().seams
+
+    @property
+    def vertices(self) -> tuple[Vertex, ...]:
+        """End points and crossings of edges, and tips of cones."""
+        return self._features().vertices
+
+    def _features(self) -> Features:
+        known: Features | None = self._search.get("features")
+        if known is None:
+            names = Names(self.name, self.parts, self.surfaces)
+            known = self._search["features"] = derive(self.tree, self.surfaces, names, self._rough_box)
+        return known
+
+    # -- combining ------------------------------------------------------------------------------------------
+
+    def __or__(self, other: CompositeQuadric) -> CompositeQuadric:
+        return self._combined(other, Or)
+
+    def __and__(self, other: CompositeQuadric) -> CompositeQuadric:
+        return self._combined(other, And)
+
+    def __sub__(self, other: CompositeQuadric) -> CompositeQuadric:
+        return self._combined(other, lambda a, b: And(a, Not(b)), subtract=True)
+
+    def _combined(self, other: Any, operation: Any, *, subtract: bool = False) -> CompositeQuadric:
+        if not isinstance(other, CompositeQuadric):
+            return NotImplemented
+        surfaces, tree = joined(self.surfaces, other.surfaces, other.tree)
+        parts = [*self._inner_parts(), *other._inner_parts(surfaces, flipped=subtract)]
+        if subtract:
+            box, tree = self._box, And(self.tree, tree.inner if isinstance(tree, Not) else Not(tree))
+        else:
+            tree = operation(self.tree, tree)
+            box = _hull(self._box, other._box) if operation is Or else _overlap(self._box, other._box)
+        return CompositeQuadric(surfaces, tree, parts, box=box, witness=self._witness or other._witness)
+
+    def _inner_parts(self, surfaces: Sequence[Surface] | None = None, *, flipped: bool = False) -> list[Part]:
+        """The parts with this solid's name in front, for surfaces numbered as in `surfaces`."""
+        parts = []
+        for part in self.parts:
+            path = ".".join(p for p in (self.name, part.path) if p)
+            labels = part.labels
+            if surfaces is not None:
+                place = [_place(surfaces, s) for s in self.surfaces]
+                labels = tuple(
+                    (place[i][0], side * place[i][1] * (-1 if flipped else 1), label) for i, side, label in labels
+                )
+            parts.append(Part(path, labels, part.edges, part.cuts + flipped))
+        return parts
+
+    # -- placing --------------------------------------------------------------------------------------------
+
+    def _with(self, **changes: Any) -> CompositeQuadric:
+        other = object.__new__(CompositeQuadric)
+        other.__dict__.update(self.__dict__)
+        other.__dict__.update(_search={}, whole=None, source=None)
+        other.__dict__.update(changes)
+        return other
+
+    def _mapped(self, matrix: Matrix) -> CompositeQuadric:
+        back = inverse((*matrix, (ZERO, ZERO, ZERO, ONE)))
+        surfaces = tuple(s.placed(back) for s in self.surfaces)
+        box = self._box
+        if box is not None:
+            corners = [apply(matrix, corner) for corner in product(*zip(*box, strict=True))]  # type: ignore[arg-type]
+            box = tuple(min(c) for c in zip(*corners, strict=True)), tuple(max(c) for c in zip(*corners, strict=True))
+            if any(abs(x) >= LARGEST for corner in box for x in corner):
+                raise InputError(f"{self._who}: coordinates leave the range 2^150 under this map")
+        witness = None if self._witness is None else apply(matrix, self._witness)  # type: ignore[arg-type]
+        return self._with(
+            surfaces=surfaces,
+            _forms_f=np.array([doubles(s.matrix()) for s in surfaces]),
+            _box=box,
+            _witness=witness,
+        )
+
+    # -- looking --------------------------------------------------------------------------------------------
+
+    def contains(self, points: Any) -> np.ndarray:
+        """(n,) bools: whether each of the (n, 3) points is in the closed solid; one bool for one (3,) point.
+
+        Exact for the coordinates given: floats decide only where their error bound lets them.
+        """
+        p = np.asarray(points, float)
+        single = p.ndim == 1
+        rows = [points] if single else points
+        p = np.atleast_2d(p)
+        if p.ndim != 2 or p.shape[1] != 3:
+            raise InputError(f"points have shape {np.shape(points)}; give an (n, 3) array")
+        if not np.all(np.isfinite(p)):
+            raise InputError("points hold a value that is not finite")
+        may_in, may_out = self._possible(p)
+        answer = may_in & ~may_out
+        for k in np.flatnonzero(may_in & may_out):
+            answer[k] = self.contains_exactly(vector3(rows[k], f"point {k}"))
+        return answer[0] if single else answer
+
+    def contains_exactly(self, point: Vector) -> bool:
+        """Whether the rational point (x, y, z) is in the closed solid."""
+        return True in self._around(point)
+
+    def holds_inside(self, point: Vector) -> bool:
+        """Whether the rational point (x, y, z) is proved to be an inner point of the solid."""
+        return self._around(point) == {True} and not self._is_tip(point)  # next to tips `patterns` may miss some
+
+    def _is_tip(self, point: Vector) -> bool:
+        x = (*point, ONE)
+        return any(s.value(x) == 0 and not any(s.gradient(x)) for s in self.surfaces)
+
+    def _around(self, point: Vector) -> set[bool]:
+        """Which of inside and outside there is arbitrarily near the point."""
+        x = (*point, ONE)
+        signs = self.signs(x)
+        values = outcomes(self.tree, signs)
+        if len(values) == 1:
+            return values
+        on = [i for i, sign in enumerate(signs) if sign == 0]
+        return {inside(self.tree, pattern(signs, on, p)) for p in patterns(x, self.surfaces, on)}
+
+    def signs(self, x: Vector) -> list[int]:
+        """Exact sign of every surface's form at the homogeneous point x, w > 0."""
+        values = (s.value(x) for s in self.surfaces)
+        return [(v > 0) - (v < 0) for v in values]
+
+    def _possible(self, p: np.ndarray, slack: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
+        """(may be inside, may be outside), (n,) bools each, at (n, 3) float64 points.
+
+        Forms smaller than their rounding error may have either sign, and those that vanish within `slack` times the
+        largest coordinate of any of the points: of any, since next to the origin all terms are small together.
+        """
+        x = np.column_stack([p, np.ones(len(p))])
+        values = np.einsum("ni,sij,nj->sn", x, self._forms_f, x, optimize=True)
+        # coefficients, products and sums of sixteen terms: fewer than 32 roundings of relative size 2^-53;
+        # input numbers that are no doubles add one more per coordinate
+        sizes = self._sizes(np.abs(x))
+        error = sizes * (40 * 2.0**-53) + 1e-290
+        if slack:
+            reach = np.abs(x) + [*[slack * np.abs(p).max(initial=0.0)] * 3, 0.0]
+            error = error + (self._sizes(reach) * (1 + 2.0**-45) - sizes)
+        return possible(self.tree, values < error, values > -error)
+
+    def _sizes(self, x: np.ndarray) -> np.ndarray:
+        """(surfaces, n): the sizes of the forms' terms at (n, 4) points that are not negative."""
+        return np.einsum("ni,sij,nj->sn", x, np.abs(self._forms_f), x, optimize=True)
+
+    @property
+    def bounded(self) -> bool:
+        """True proves that the solid is bounded; False where no bound was found."""
+        return self._finite_box() is not None
+
+    def bounds(self, span: tuple[float, float] | None = None) -> tuple[np.ndarray, np.ndarray]:
+        """Lower and upper corner, (3,) float64 each, of a box that holds the body; infinite where no bound is known."""
+        from firstcontact.body.solid.extent import tight_box
+
+        box = self._finite_box()
+        if box is None:
+            return np.full(3, -np.inf), np.full(3, np.inf)
+        if "box" not in self._search:
+            self._search["box"] = tight_box(self, box)
+        lo, hi = self._search["box"]
+        return lo.copy(), hi.copy()
+
+    def _rough_box(self) -> tuple[np.ndarray, np.ndarray] | None:
+        """Float corners of a box that holds the solid, found without its edges."""
+        from firstcontact.body.solid.extent import hull_of_cells
+
+        box = self._finite_box()
+        return None if box is None else hull_of_cells(self, box)
+
+    def _finite_box(self) -> Box | None:
+        if self._box is None and "unbounded" not in self._search:
+            from firstcontact.body.solid.extent import proved_box
+
+            self._box = proved_box(self.tree, self.surfaces)
+            if self._box is None:
+                self._search["unbounded"] = True
+        return self._box
+
+    def to_mesh(self, tolerance: float) -> Any:
+        """A Polyhedron of triangles with all vertices on the surfaces, at most `tolerance` from the solid's faces."""
+        from firstcontact.body.solid_mesh.quadric_mesh import mesh
+
+        return mesh(self, tolerance)
+
+    def __repr__(self) -> str:
+        name = f" {self.name!r}" if self.name else ""
+        counts = (len(self.faces), "face"), (len(self.edges), "edge"), (len(self.vertices), "vertex")
+        return f"<CompositeQuadric{name}: {', '.join(_count(n, what) for n, what in counts)}>"
+
+    # -- inside ---------------------------------------------------------------------------------------------
+
+    @property
+    def _who(self) -> str:
+        return self.name or "solid"
+
+    def _validate(self) -> None:
+        """An interior and an exterior point: looked for at random first, then decided by the faces."""
+        for x in (x for form in self._forms_f for x in form.ravel()):
+            if not abs(x) < np.inf:
+                raise InputError(f"{self._who}: a coefficient is beyond the range of doubles")
+        self._witness = self._strict_point(True)
+        if self._witness is not None and (self._box is not None or self._strict_point(False) is not None):
+            return
+        if not self.faces:
+            values = outcomes(self.tree, [-1] * len(self.surfaces)) if not self.surfaces else None
+            sample = self._anywhere()
+            full = values == {True} or (sample is not None and sample)
+            what = "fills all of space" if full else "is empty: its conditions contradict each other"
+            raise NoSolid(f"{self._who} {what}; check the operands")
+
+    def _strict_point(self, wanted: bool) -> Vector | None:
+        """A rational point with no form zero, whose Boolean value is the one wanted; None when none was met."""
+        if wanted and self._witness is not None and self._is_strict(self._witness, True):
+            return self._witness
+        for p in self._samples():
+            may_in, may_out = self._possible(p)
+            good = may_in & ~may_out if wanted else may_out & ~may_in
+            for k in np.flatnonzero(good)[:3]:
+                x = tuple(fmpq(*float(c).as_integer_ratio()) for c in p[k])
+                if self._is_strict(x, wanted):
+                    return x
+        return None
+
+    def _samples(self) -> Iterator[np.ndarray]:
+        """(n, 3) random points each: in the box, in a closer one, or at ever larger distances where no box is known."""
+        from firstcontact.body.solid.extent import hull_of_cells
+
+        rng = np.random.default_rng(0)
+        if self._box is None:
+            yield from (rng.normal(0, scale, (1000, 3)) for scale in (1.0, 30.0, 1000.0))
+            return
+        lo, hi = (np.array([to_double(x) for x in corner]) for corner in self._box)
+        yield rng.uniform(lo, hi, (1000, 3))
+        lo, hi = hull_of_cells(self, self._box)
+        yield rng.uniform(lo, hi, (2000, 3))
+
+    def _is_strict(self, x: Vector, wanted: bool) -> bool:
+        signs = self.signs((*x, ONE))
+        return 0 not in signs and inside(self.tree, [s < 0 for s in signs]) == wanted
+
+    def _anywhere(self) -> bool | None:
+        """The Boolean value at some point where no form vanishes; for solids without faces it is the same all over."""
+        for k in range(100):
+            signs = self.signs((fmpq(k, 97), fmpq(k * k, 89), fmpq(1, 83), ONE))
+            if 0 not in signs:
+                return bool(inside(self.tree, [s < 0 for s in signs]))
+        return None
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_search": {}}
+
+
+def _count(n: int, what: str) -> str:
+    plural = "vertices" if what == "vertex" else what + "s"
+    return f"{n} {what if n == 1 else plural}"
+
+
+# -- surfaces of operands -----------------------------------------------------------------------------------
+
+
+def _key(surface: Surface) -> Vector:
+    """The same for a form and all its multiples."""
+    flat = surface.normal if isinstance(surface, Plane) else tuple(x for row in surface.form for x in row)
+    return upright(flat)
+
+
+def _place(surfaces: Sequence[Surface], surface: Surface) -> tuple[int, int]:
+    """(number, +-1): where the surface stands in the list, and whether with the same sign."""
+    i = next(i for i, other in enumerate(surfaces) if _key(other) == _key(surface))
+    return i, 1 if surfaces[i] == surface else -1
+
+
+def joined(first: Sequence[Surface], second: Sequence[Surface], tree: Tree) -> tuple[list[Surface], Tree]:
+    """All surfaces, equal ones once; and the second solid's tree in the new numbers.
+
+    Half-spaces on the two sides of one surface become one leaf and its negation: so solids that touch along a
+    surface leave no wall there.
+    """
+    surfaces = list(first)
+    keys = {_key(s): i for i, s in enumerate(surfaces)}
+    leaves: list[Tree] = []
+    for surface in second:
+        i = keys.setdefault(_key(surface), len(surfaces))
+        if i == len(surfaces):
+            surfaces.append(surface)
+        leaves.append(Leaf(i) if surfaces[i] == surface else Not(Leaf(i)))
+    return surfaces, renumbered(tree, leaves)
+
+
+def _hull(first: Box | None, second: Box | None) -> Box | None:
+    if first is None or second is None:
+        return None
+    return tuple(map(min, first[0], second[0])), tuple(map(max, first[1], second[1]))
+
+
+def _overlap(first: Box | None, second: Box | None) -> Box | None:
+    if first is None or second is None:
+        return first or second
+    lo, hi = tuple(map(max, first[0], second[0])), tuple(map(min, first[1], second[1]))
+    return lo, tuple(map(max, lo, hi))
+
+
+# -- intersections of half-spaces --------------------------------------------------------------------------
+
+
+def solid(
+    leaves: Sequence[tuple[str, Surface]], edges: Sequence[tuple[str, str, str]] = (), **known: Any
+) -> CompositeQuadric:
+    """The intersection of named half-spaces."""
+    from firstcontact.body.solid.csg import conjunction
+
+    surfaces: list[Surface] = []
+    trees: list[Tree] = []
+    labels = []
+    for label, surface in leaves:
+        surfaces, tree = joined(surfaces, [surface], Leaf(0))
+        trees.append(tree)
+        number = tree.inner if isinstance(tree, Not) else tree
+        assert isinstance(number, Leaf)
+        labels.append((number.surface, -1 if isinstance(tree, Not) else 1, label))
+    return CompositeQuadric(surfaces, conjunction(trees), [Part("", tuple(labels), tuple(edges))], **known)
+
+
+def form_of(rows: Rows) -> Quadric:
+    from firstcontact.body.solid.carriers import primitive_rows
+
+    return Quadric(primitive_rows(rows))

@@ -1,1 +1,0 @@
-"""Composite quadric models in contact, by the algebra of Choi et al. 2014."""

@@ -1,0 +1,13 @@
+"""Whether, when and where two moving bodies meet: a room for each pair of kinds of bodies.
+
+polyhedra     two polyhedra
+models        two solids of planes and quadrics
+mesh_model    a polyhedron and a solid
+ruled         two ruled surfaces
+ruled_solid   a ruled surface and a solid
+signs         what both of them share: contact by signs of polynomials in u, v, s and the time
+
+reduce    polyhedra as solids of planes, where these are quicker
+endless   spans without an end
+named     elements of ruled surfaces by name
+"""

@@ -1,0 +1,9 @@
+"""A polyhedron and a solid of planes and quadrics.
+
+first            `first_contact` and `contact_intervals`
+mesh_intervals   all contacts, patch by patch
+mesh_starts      how they lie at the start
+mesh_holes       the mesh against solids with holes or waists
+patches          triangles, edges and points of a mesh as a model without inside
+lasting_mesh     contacts that last
+"""

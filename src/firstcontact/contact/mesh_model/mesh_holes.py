@@ -1,0 +1,406 @@
+"""The surface of a polyhedron against a curved model that is no union of convex parts: one with holes, or a waist.
+
+Convex pieces that cover the model leave few triangles; these go in groups, each as a flat model, through the search for
+events (`search.events.events`).  A flat model has no inside: what closes an interval from above is a point of the
+polyhedron that the model is proved to hold soon after.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from firstcontact.body.polyhedron.polyhedron import Polyhedron
+from firstcontact.body.solid import primitives
+from firstcontact.body.solid.carriers import QuarticCurve, doubles
+from firstcontact.body.solid.composite_quadric import CompositeQuadric
+from firstcontact.body.solid.features import Edge, Face, Vertex
+from firstcontact.contact.mesh_model.lasting_mesh import LastingOfMesh
+from firstcontact.contact.mesh_model.patches import Patch, patch
+from firstcontact.contact.polyhedra.earliest import Progress
+from firstcontact.errors import UnsupportedPair
+from firstcontact.exact.numbers import to_double
+from firstcontact.kernels.events.event_search import FREE, SPENT, VISITS
+from firstcontact.motion.relative.stretches import Window
+from firstcontact.search.convex.convex import ConvexPieces, NotConvex, convex_pieces, covering_pieces
+from firstcontact.search.convex.mesh_advance import MeshSearch, Open, Swept, Touch
+from firstcontact.search.events import events
+from firstcontact.search.events.charts import NotCharted, charts_of
+from firstcontact.search.events.event_tables import crossing_surfaces, tables_of
+from firstcontact.search.events.instants import Instant
+from firstcontact.search.events.shared_points import Event, events_in
+from firstcontact.timeline.lasting import linear
+
+MOST_TRIANGLES = 10
+"""In a group: its planes and those of the sides are told apart by bits of one word."""
+MOST_BOXES = 200_000
+"""Boxes looked at for one group before it counts as open."""
+RESOLVED = 1e-12
+"""Part of a window: to what times candidates are told apart."""
+SHARES = 0.25, 0.9
+"""Of the width of the answer: how long after the last free time a common point is sought."""
+NEAR = 1e-5
+"""Part of a triangle's size within which places of contact count as one."""
+MOMENT = 1e-6
+"""Part of a window over which velocities are taken."""
+GRAZING = 1e-6
+"""Sine of the angle below which the sense of an approach is not told."""
+OFF, OFF_QUARTIC = 1e-9, 1e-6
+"""Part of a model's size within which doubles have points of its curves."""
+
+
+def search_of(
+    mesh: Polyhedron, model: CompositeQuadric, mesh_is_a: bool, budget: int | None, progress: Progress | None = None
+) -> MeshSearch:
+    """By convex parts where the model is a union of such, else by events.  Raises UnsupportedPair."""
+    try:
+        return MeshSearch(mesh, convex_pieces(model), mesh_is_a, budget, progress)
+    except NotConvex:
+        return HoledSearch(mesh, model, mesh_is_a, budget, progress)
+
+
+def _cover(model: CompositeQuadric) -> ConvexPieces:
+    """Convex pieces that cover the model, at worst its box."""
+    try:
+        return covering_pieces(model)
+    except NotConvex:
+        lo, hi = model.bounds()
+        wide = (hi - lo) * (1.0 + 2.0**-40) + 2.0**-40 * np.abs([lo, hi]).max()
+        return convex_pieces(primitives.box(wide.tolist()).translated((0.5 * (lo + hi)).tolist()))
+
+
+@dataclass(frozen=True)
+class _Stop:
+    """A slab of time, the first one that may hold an event of a group; boxes: those that survive there."""
+
+    lo: float
+    boxes: np.ndarray
+    search: events.EventSearch
+    spent: bool
+
+
+class HoledSearch(MeshSearch):
+    """As `MeshSearch`, whose pieces cover the model only."""
+
+    pieces_are_model = False
+
+    def __init__(
+        self, mesh: Polyhedron, model: CompositeQuadric, mesh_is_a: bool, budget: int | None, progress: Progress | None
+    ) -> None:
+        try:
+            charts_of(model)
+        except NotCharted as reason:
+            raise UnsupportedPair(f"{model.name or 'a model'} meets small convex polyhedra only: {reason}") from reason
+        pieces = _cover(model)
+        super().__init__(mesh, pieces, mesh_is_a, budget, progress)
+        self.mesh, self.model = mesh, model
+        self.lasting = LastingOfMesh(mesh, model, mesh_is_a)
+        self.groups: dict[tuple[int, ...], _Group] = {}
+
+    # -- the searches ----------------------------------------------------------------------------------------
+
+    def run(self, window: Window, width: float, back: float | None = None) -> Swept:
+        near = self.near(window)
+        if near.reason == "budget" or near.status == "free":
+            return near
+        left: list[Open] = [x for x in near.open if x.primitive >= len(self.mesh.triangles)]
+        groups, inside = self._grouped(near.open), []
+        for group, free_until in groups:
+            if free_until > window.first:
+                continue
+            if self._apart(group, window):
+                continue
+            if (place := self.lasting.on(group.triangles).deepest(window, window.first, [])) is not None:
+                t = window.first
+                return self._answer("initial", t, touch=Touch(t, t, t, place, None, group.triangles[0]))
+            inside.append(group)
+            left += group.opened(window.first)
+        best: Touch | None = None
+        if window.last > window.first:
+            rest = [(group, t) for group, t in groups if group not in inside]
+            best, spent = self._first_of(rest, left, window, width)
+            if spent is not None:
+                return self._answer("open", min([spent, *(x.free_until for x in left)]), reason="budget")
+        return self._settled(window, best, left, width)
+
+    def candidates(self, window: Window, until: float) -> list[Open] | None:
+        width = RESOLVED * (window.last - window.first)
+        near = self.near(window._replace(last=until, inner=window.first))
+        if near.reason == "budget":
+            return None
+        left: list[Open] = [x for x in near.open if x.primitive >= len(self.mesh.triangles)]
+        for group, free_until in self._grouped(near.open):
+            if free_until <= window.first and not self._apart(group, window):
+                left += group.opened(window.first)
+            elif (stop := self._stop(group, window, max(free_until, window.first), until, width)) is not None:
+                left += group.opened(stop.lo)
+                if stop.spent:
+                    return None
+        return left
+
+    def points_of_model(self, window: Window) -> list[tuple[float, float, float] | None]:
+        own, other = self._motions(window)
+        p, q = (self.lasting.pose(m, window.first) for m in (own, other))
+        points, off = _anchors(self.model)
+        size = float(np.abs(points).max() + np.abs(p[9:12]).max() + np.abs(q[9:12]).max())
+        x = np.linalg.solve(linear(p), (points @ linear(q).T + q[9:12] - p[9:12]).T).T
+        off = 2.0 * off * float(np.abs(np.linalg.solve(linear(p), linear(q))).sum(axis=1).max()) + 1e-13 * size
+        corners = self.mesh.vertices[self.mesh.triangles]
+        return [
+            tuple(c) if _least_distance(corners, c) > r + 2.0 * self.mesh.error else None
+            for c, r in zip(x, off.tolist(), strict=True)
+        ]
+
+    def approach(self, window: Window, t: float, place: np.ndarray) -> np.ndarray:
+        """(3,) velocity of the polyhedron as the model sees it, at a point, all in the world."""
+        h = MOMENT * (window.last - window.first)
+        times = max(t - h, window.first), min(t + h, window.inner)
+        rates = []
+        for m in self._motions(window):
+            here = self.lasting.pose(m, t)
+            x = np.linalg.solve(linear(here), place - here[9:12])
+            before, after = (linear(p) @ x + p[9:12] for p in (self.lasting.pose(m, s) for s in times))
+            rates.append((after - before) / max(times[1] - times[0], 1e-300))
+        return rates[0] - rates[1]
+
+    # -- groups ----------------------------------------------------------------------------------------------
+
+    def _grouped(self, near: Iterable[Open]) -> list[tuple[_Group, float]]:
+        """Neighbours, with the time to which the pieces that cover the model leave them free, early ones first."""
+        free: dict[int, Open] = {}
+        for x in sorted(near, key=lambda x: -x.free_until):
+            if x.primitive < len(self.mesh.triangles):
+                free[x.primitive] = x
+        around = defaultdict(list)
+        for k in free:
+            for v in self.mesh.triangles[k].tolist():
+                around[v].append(k)
+        found, taken = [], set()
+        for k in sorted(free, key=lambda k: (free[k].free_until, k)):
+            if k in taken:
+                continue
+            group = [k]
+            taken.add(k)
+            for member in group:
+                for v in self.mesh.triangles[member].tolist():
+                    for n in around[v]:
+                        if n not in taken and len(group) < MOST_TRIANGLES:
+                            taken.add(n)
+                            group.append(n)
+            found.append((self._group(tuple(sorted(group)), free[k].piece), min(free[n].free_until for n in group)))
+        return sorted(found, key=lambda x: x[1])
+
+    def _group(self, triangles: tuple[int, ...], piece: int) -> _Group:
+        known = self.groups.get(triangles)
+        if known is None:
+            known = self.groups[triangles] = _Group(triangles, piece, patch(self.mesh, triangles, (0.0, 0.0, 0.0)))
+        return known
+
+    def _search(self, group: _Group, window: Window, width: float) -> events.EventSearch:
+        bodies: tuple[Any, Any] = (group.patch, self.model) if self.mesh_is_a else (self.model, group.patch)
+        budget = int(min(MOST_BOXES, max(self.budget - self.tests, 0)))
+        if group.tables is None:
+            group.tables = tables_of(*bodies)
+        search = events.EventSearch(*bodies, group.tables, [window], 1.0, budget)
+        search.width = width
+        return search
+
+    def _apart(self, group: _Group, window: Window) -> bool:
+        """Whether the triangles are proved apart from the model at the start of the window."""
+        search = self._search(group, window, 0.0)
+        budget = min(search.budget, events.MOST_STILL)
+        apart = search.searched(True, window, window.first, window.first, budget) == FREE
+        self.tests += int(search.counters[VISITS])
+        return apart
+
+    def _stop(self, group: _Group, window: Window, begin: float, last: float, width: float) -> _Stop | None:
+        """The first slab that may hold an event of the group, which is apart at `begin`; None: none up to `last`."""
+        search = self._search(group, window, width)
+        outcome = search.first(window._replace(last=last), begin)
+        self.tests += int(search.counters[VISITS])
+        if outcome == FREE:
+            return None
+        lo, _, count, start = search.result.tolist()
+        boxes = search.pool[int(start) : int(start + count)] if outcome != SPENT else search.pool[:0]
+        return _Stop(max(lo, begin), boxes, search, outcome == SPENT and self.tests >= self.budget)
+
+    # -- contact ---------------------------------------------------------------------------------------------
+
+    def _first_of(
+        self, groups: Sequence[tuple[_Group, float]], left: list[Open], window: Window, width: float
+    ) -> tuple[Touch | None, float | None]:
+        """(the first proved contact, a time until which all is free where the budget ended); what is open is added."""
+        best: Touch | None = None
+        for group, free_until in groups:
+            limit = window.last if best is None else best.hi
+            begin = max(free_until, window.first)
+            if begin > limit:
+                break
+            if self.progress is not None:
+                self.progress(begin, int(self.state[0]) + self.tests)
+            stop = self._stop(group, window, begin, limit, width)
+            if stop is None:
+                continue
+            if stop.spent:
+                return best, begin if best is None else min(begin, best.lo)
+            touch = self._touch(group, stop, window, width)
+            if touch is None:
+                left += group.opened(stop.lo)
+            else:
+                best = touch if best is None else _first(best, touch)
+        return best, None
+
+    def _touch(self, group: _Group, stop: _Stop, window: Window, width: float) -> Touch | None:
+        """The contact in a slab, if one of the triangles is proved to hold a point of the model soon after."""
+        instant = Instant(group.tables, window, stop.search.scratch)
+        found = events_in(stop.search.bodies, instant, stop.boxes, stop.lo, stop.lo + 0.98 * width)
+        lasting = self.lasting.on(group.triangles)
+        for event in found:
+            where = _place(instant, event)
+            for share in SHARES:
+                at = min(stop.lo + share * width, window.inner)
+                if at >= stop.lo and lasting.is_held_near(window, at, where, NEAR):
+                    return self._named(group, instant, stop, window, at, event, where)
+        return None
+
+    def _named(
+        self, group: _Group, instant: Instant, stop: _Stop, window: Window, at: float, event: Event, where: np.ndarray
+    ) -> Touch:
+        """The contact proved at `at` near an event."""
+        time = min(max(event.time, stop.lo), at)
+        instant.place(time, time)
+        poses = instant.poses()
+        pose = poses[1 if self.mesh_is_a else 0]
+        inverse = np.linalg.inv(pose[:, :3])
+        frame = [*pose[:, :3].ravel().tolist(), *pose[:, 3].tolist()], [*inverse.ravel().tolist(), 0.0, 0.0, 0.0]
+        mine, theirs = (event.own, event.other) if (event.side == 0) == self.mesh_is_a else (event.other, event.own)
+        alone = not stop.search._is_spread(stop.boxes)
+        primitive, corner, sides = group.primitive(self.mesh, mine)
+        n = self._normal(mine, theirs, where, poses if self.mesh_is_a else poses[::-1])
+        if n is not None:
+            n = self._toward_model(n, self.approach(window, time, where))
+        kind = type(theirs).__name__.lower(), theirs.index
+        return Touch(stop.lo, at, time, where, n, primitive, corner, sides, (kind,), frame, alone)
+
+    def oriented(self, n: np.ndarray, window: Window, t: float, place: np.ndarray) -> np.ndarray | None:
+        """The normal as it points from the polyhedron to the model; None where the bodies move across it."""
+        return self._toward_model(n, self.approach(window, t, place))
+
+    @staticmethod
+    def _toward_model(n: np.ndarray, v: np.ndarray) -> np.ndarray | None:
+        way = float(n @ v)
+        return None if abs(way) <= GRAZING * float(np.linalg.norm(v)) else n * np.sign(way)
+
+    def _normal(
+        self, mine: Any, theirs: Any, where: np.ndarray, poses: Sequence[np.ndarray]
+    ) -> np.ndarray | None:
+        """Unit, in the world, either way; poses: of the polyhedron and of the model."""
+        turn, back = poses[0][:, :3], np.linalg.inv(poses[1][:, :3])
+        local = back @ (where - poses[1][:, 3])
+        n: np.ndarray
+        if isinstance(theirs, Face):
+            n = self._gradient(theirs.surfaces[0], local) @ back
+        elif isinstance(mine, Face):
+            n = np.array(doubles((mine.carrier.matrix()[3],))[0][:3]) @ np.linalg.inv(turn)
+        elif isinstance(mine, Edge) and isinstance(theirs, Edge):
+            first, second = (self._gradient(k, local) @ back for k in crossing_surfaces(self.model, theirs))
+            n = np.cross(turn @ mine.frame[:3, 0], np.cross(first, second))
+        else:
+            return None
+        length = float(np.linalg.norm(n))
+        return n / length if length > 0.0 else None
+
+    def _gradient(self, surface: int, x: np.ndarray) -> np.ndarray:
+        g = (self.model._forms_f[surface] @ np.append(x, 1.0))[:3]
+        return g / max(float(np.linalg.norm(g)), 1e-300)
+
+
+@dataclass(eq=False)
+class _Group:
+    triangles: tuple[int, ...]
+    piece: int
+    patch: Patch
+    tables: Any = None
+
+    def opened(self, free_until: float) -> list[Open]:
+        return [Open(k, self.piece, free_until) for k in self.triangles]
+
+    def primitive(self, mesh: Polyhedron, feature: Any) -> tuple[int, int, tuple[int, ...]]:
+        """(a triangle at the feature, the corner or -1, the sides) of it."""
+        rows = list(self.triangles)
+        if isinstance(feature, Face):
+            return rows[self.patch.faces.index(feature)], -1, ()
+        numbers = mesh.triangles if isinstance(feature, Vertex) else mesh._side_edge
+        i, k = (int(x[0]) for x in np.nonzero(numbers[rows] == feature.index))
+        return (rows[i], k, ()) if isinstance(feature, Vertex) else (rows[i], -1, (k,))
+
+
+def _first(x: Touch, y: Touch) -> Touch:
+    """The earlier one of two contacts."""
+    first = min(x, y, key=lambda touch: touch.lo)
+    hi = min(x.hi, y.hi)
+    together = float(np.abs(x.point - y.point).max()) <= NEAR * float(np.abs(x.point).max())
+    return replace(first, hi=hi, time=min(first.time, hi), alone=x.alone and y.alone and together)
+
+
+def _place(instant: Instant, event: Event) -> np.ndarray:
+    """(3,) where the event is, in the world."""
+    instant.place(event.time, event.time)
+    pose = instant.poses()[event.side]
+    return pose[:, :3] @ [to_double(c) for c in event.x] + pose[:, 3]
+
+
+# -- points of every part of a model -------------------------------------------------------------------------
+
+
+def _anchors(model: CompositeQuadric) -> tuple[np.ndarray, np.ndarray]:
+    """(n, 3) points, at least one on every connected part of the boundary, and (n,) how far off they may be.
+
+    A part of the boundary has an edge or a seam, or is a whole ellipsoid.
+    """
+    known = model._search.get("anchors")
+    if known is None:
+        known = model._search["anchors"] = _find_anchors(model)
+    return known
+
+
+def _find_anchors(model: CompositeQuadric) -> tuple[np.ndarray, np.ndarray]:
+    lo, hi = model.bounds()
+    size = float(np.abs([lo, hi]).max())
+    found = [(np.array(v.position), v.error + OFF * size) for v in model.vertices]
+    curves = [*model.edges, *model.seams]
+    for edge in curves:
+        off = OFF_QUARTIC if isinstance(edge.carrier, QuarticCurve) else OFF
+        closed = [p.lo for p in edge.pieces if p.start is None or p.end is None]
+        found += [(x, off * size) for x in edge.points(closed)] if closed else []
+    on_curves = {k for edge in curves for k in edge.surfaces}
+    for face in model.faces:
+        if not on_curves & set(face.surfaces):
+            found.append((_on_ellipsoid(model._forms_f[face.surfaces[0]]), OFF * size))
+    return np.array([x for x, _ in found]).reshape(-1, 3), np.array([r for _, r in found])
+
+
+def _on_ellipsoid(form: np.ndarray) -> np.ndarray:
+    centre = -np.linalg.solve(form[:3, :3], form[:3, 3])
+    depth = form[3, 3] + form[3, :3] @ centre
+    return centre + [np.sqrt(max(-depth / form[0, 0], 0.0)), 0.0, 0.0]
+
+
+def _least_distance(corners: np.ndarray, x: np.ndarray) -> float:
+    """At most the distance from a point to triangles (n, 3, 3): of their planes, and across their sides."""
+    if not len(corners):
+        return np.inf
+    sides = np.roll(corners, -1, axis=1) - corners
+    normals = np.cross(sides[:, 0], sides[:, 1])
+    far = np.abs(np.einsum("nd,nd->n", normals, x - corners[:, 0])) / _lengths(normals)
+    outward = np.cross(sides, normals[:, None])
+    beyond = np.einsum("nsd,nsd->ns", outward, x - corners) / _lengths(outward)
+    return float(np.maximum(far, beyond.max(axis=1)).min())
+
+
+def _lengths(x: np.ndarray) -> np.ndarray:
+    return np.maximum(np.linalg.norm(x, axis=-1), 1e-300)

@@ -1,0 +1,70 @@
+"""All times of contact of a polyhedron of any shape and a curved model, under any motion.
+
+Free time is passed by the triangles and parity, contact by a point of the polyhedron: one of its surface, or inside it
+by parity, which does not change with time; so only the model has to hold it over a stretch.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from flint import fmpq
+
+from firstcontact.body.polyhedron.polyhedron import Polyhedron
+from firstcontact.body.solid.composite_quadric import CompositeQuadric
+from firstcontact.contact.mesh_model.first import holds_model, windows_of
+from firstcontact.contact.mesh_model.lasting_mesh import LastingOfMesh
+from firstcontact.contact.mesh_model.mesh_holes import search_of
+from firstcontact.contact.models.certified import bounded
+from firstcontact.contact.models.intervals import Found, Sweep
+from firstcontact.exact.numbers import to_double
+from firstcontact.motion.moving import shape_of
+from firstcontact.motion.relative.stretches import Window
+from firstcontact.search.convex.mesh_advance import BACK
+from firstcontact.work import Work
+
+
+def intervals_of_mesh(
+    a: Any, b: Any, first: fmpq, last: fmpq, tolerance: float, work: Work,
+    touches_at_start: Callable[[], np.ndarray | None],
+) -> Found:  # fmt: skip
+    """All closed times of contact of a Polyhedron and a CompositeQuadric, in either order, over [first, last].
+
+    tolerance, touches_at_start: as `certified_intervals` has them.  Raises UnsupportedPair.
+    """
+    mesh_is_a = isinstance(shape_of(a), Polyhedron)
+    moving_mesh, moving_model = (a, b) if mesh_is_a else (b, a)
+    moving_model = bounded(moving_model, moving_mesh, (to_double(first), to_double(last)))
+    mesh, model = shape_of(moving_mesh), shape_of(moving_model)
+    parts = windows_of(a, b, first, last)
+    width = tolerance * (parts[-1].last - parts[0].first)
+    free, lasting = _Free(mesh, model, mesh_is_a, width), LastingOfMesh(mesh, model, mesh_is_a)
+    return Sweep(free, lasting, parts, width, work, touches_at_start).run()
+
+
+class _Free:
+    def __init__(self, mesh: Polyhedron, model: CompositeQuadric, mesh_is_a: bool, width: float) -> None:
+        self.mesh, self.width = mesh, width
+        self.search = search_of(mesh, model, mesh_is_a, None)
+
+    def at(self, window: Window, t: float) -> bool:
+        here = window._replace(first=t, last=t, inner=t)
+        return self.search.at_start(here).status == "free" and holds_model(self.search, self.mesh, here) is False
+
+    def until(self, window: Window, t: float, end: float) -> tuple[float, list[np.ndarray]]:
+        part = window._replace(first=t, last=end, inner=min(end, window.inner))
+        found = self.search.run(part, self.width, BACK * (window.last - window.first))
+        if found.status == "free":
+            return end, []
+        until = min(max(t, found.free_until), math.nextafter(end, t))
+        return until, [] if found.touch is None else [found.touch.point]
+
+    def near_start(self, window: Window) -> list[np.ndarray]:
+        found = self.search.at_start(window)
+        return [] if found.touch is None else [found.touch.point]
+
+    def passage(self, window: Window, t: float) -> None:
+        return None

@@ -1,0 +1,289 @@
+"""Triangles, bare edges and points of a polyhedron as a model without inside, so that exact arithmetic meets them.
+
+Each triangle is the intersection of both sides of its plane with the insides of its three sides: a point of the
+plane counts as in it, since a form that vanishes there may have either sign (`csg.outcomes`).  Edges and points alike.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from flint import fmpq
+
+from firstcontact.body.polyhedron.polyhedron import Polyhedron
+from firstcontact.body.solid.carriers import ONE, ZERO, Line, Plane, Point, Surface, Vector, columns, dot, primitive
+from firstcontact.body.solid.composite_quadric import CompositeQuadric
+from firstcontact.body.solid.csg import Leaf, Or, Tree, conjunction
+from firstcontact.body.solid.features import Edge, Face, Piece, Vertex
+from firstcontact.errors import UnsupportedPair
+from firstcontact.exact.numbers import to_double
+from firstcontact.exact.vectors import cross
+from firstcontact.search.trees.frame import tree_of
+
+ROOM = 0.125
+"""Of the size of a patch, by which its box is larger."""
+
+
+@dataclass(frozen=True, eq=False)
+class Patch:
+    """What `contact.models.algorithm` reads of a model, for some primitives of the polyhedron `source`."""
+
+    source: Polyhedron
+    name: str | None
+    surfaces: tuple[Surface, ...]
+    tree: Tree
+    faces: tuple[Face, ...]
+    edges: tuple[Edge, ...]
+    vertices: tuple[Vertex, ...]
+    seams: tuple[Edge, ...] = ()
+    whole: None = None
+    corners: tuple[np.ndarray, np.ndarray] = field(default_factory=lambda: (np.zeros(3), np.zeros(3)))
+    hulls: dict[Face | Edge, list[Vector]] = field(default_factory=dict)
+    """The corners of every face and edge."""
+    _search: dict[str, Any] = field(default_factory=dict)
+    """What was worked out of these triangles."""
+
+    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        """Lower and upper corner, (3,) float64 each, of a box that holds them."""
+        return self.corners
+
+
+def patch(body: Polyhedron, primitives: Iterable[int], outward: Sequence[float]) -> Patch:
+    """Triangles, bare edges and bare points, by their numbers in the body's tree; with the edges and vertices of
+    triangles that are not inside flat faces.
+
+    outward: a point (x, y, z) in the body's frame; normals of faces point to its side.  Raises UnsupportedPair for
+    triangles without area and edges without length.
+    """
+    chosen = sorted(set(primitives))
+    parts = _Parts(body, tuple(fmpq(*float(x).as_integer_ratio()) for x in outward))
+    for k in chosen:
+        first = len(parts.surfaces)
+        if k < len(body.triangles):
+            parts.add_triangle(k)
+        else:
+            parts.add_bare(k)
+        parts.trees.append(conjunction([Leaf(i) for i in range(first, len(parts.surfaces))]))
+    edges, vertices = parts.edges(), parts.vertices()
+    for e in edges:
+        parts.hulls[e] = [body.exact_vertex(i) for i in body._segments[e.index].tolist()]
+    return Patch(
+        body, body.name, tuple(parts.surfaces), _union(parts.trees), tuple(parts.faces), tuple(edges), tuple(vertices),
+        corners=_box(body, chosen), hulls=parts.hulls,
+    )  # fmt: skip
+
+
+class _Parts:
+    """Of a patch: on_edge, on_vertex: the surfaces that hold each; bare: vertices of bare edges and bare points."""
+
+    def __init__(self, body: Polyhedron, toward: Vector) -> None:
+        self.body, self.who, self.toward = body, body.name or "polyhedron", toward
+        self.surfaces: list[Surface] = []
+        self.trees: list[Tree] = []
+        self.faces: list[Face] = []
+        self.on_edge: dict[int, set[int]] = defaultdict(set)
+        self.on_vertex: dict[int, set[int]] = defaultdict(set)
+        self.faces_at: dict[int, set[int]] = defaultdict(set)
+        self.bare: set[int] = set()
+        self.hulls: dict[Face | Edge, Any] = {}
+
+    def add_triangle(self, k: int) -> None:
+        body, first = self.body, len(self.surfaces)
+        corners = body.triangles[k].tolist()
+        points = [body.exact_vertex(i) for i in corners]
+        forms = triangle_forms(points, self.toward)
+        if forms is None:
+            raise UnsupportedPair(f"{self.who}: triangle {k} has no area; exact arithmetic does not take it")
+        self.surfaces += [forms[0], forms[0].negated(), *forms[1:]]
+        for s in range(3):
+            side = int(body._side_edge[k, s])
+            self.on_edge[side] |= {first, first + 1, first + 2 + s}
+            self.faces_at[side].add(len(self.faces))
+            self.on_vertex[corners[s]] |= {first, first + 1, first + 2 + s, first + 2 + (s + 2) % 3}
+        polygon = int(body.triangle_face[k])
+        self.faces.append(Face(polygon, f"{self.who}.{polygon}", forms[0], (first, first + 1), 1))
+        self.hulls[self.faces[-1]] = points
+
+    def add_bare(self, k: int) -> None:
+        edge, corners = bare_primitive(self.body, k)
+        along = set(range(len(self.surfaces), len(self.surfaces) + 4))
+        ends = len(self.surfaces) + 4, len(self.surfaces) + 5
+        self.surfaces += _bare_forms([self.body.exact_vertex(i) for i in corners])
+        self.bare |= set(corners)
+        if edge is None:
+            self.on_vertex[corners[0]] |= {*along, *ends}
+            return
+        self.on_edge[edge] |= along
+        for v, end in zip(corners, ends, strict=True):
+            self.on_vertex[v] |= {*along, end}
+
+    def edges(self) -> list[Edge]:
+        sharp = (k for k in sorted(self.on_edge) if is_sharp_edge(self.body, k))
+        return [_edge(self.body, self.who, k, self.on_edge[k], self.faces_at[k]) for k in sharp]
+
+    def vertices(self) -> list[Vertex]:
+        sharp = (v for v in sorted(self.on_vertex) if v in self.bare or is_sharp_vertex(self.body, v))
+        return [_vertex(self.body, self.who, v, self.on_vertex[v]) for v in sharp]
+
+
+def bare_primitive(body: Polyhedron, k: int) -> tuple[int | None, list[int]]:
+    """(the edge, its two vertices) of a bare edge, (None, [the vertex]) of a bare point."""
+    tree = tree_of(body)
+    e = int(tree.sides[k][0])
+    if e >= len(body._segments):
+        return None, [int(tree.corners[k][0])]
+    return e, body._segments[e].tolist()
+
+
+def _bare_forms(points: Sequence[Vector]) -> list[Plane]:
+    """Planes from both sides through a point, or along an edge; then the two across it, that of its first end first."""
+    p = points[0]
+    if len(points) == 1:
+        return [_plane(n, p) for k in range(3) for n in (_axis(k, 1), _axis(k, -1))]
+    d = _minus(points[1], p)
+    if not any(d):
+        raise UnsupportedPair("an edge without length; exact arithmetic does not take it")
+    m = tuple(cross(d, _axis(min(range(3), key=lambda k: abs(d[k])), 1)))
+    across = m, tuple(cross(d, m))
+    back = tuple(-c for c in d)
+    return [
+        *(_plane(n, p) for m in across for n in (m, tuple(-c for c in m))), _plane(back, p), _plane(d, points[1]),
+    ]  # fmt: skip
+
+
+def _axis(k: int, sign: int) -> Vector:
+    return tuple(fmpq(sign if i == k else 0) for i in range(3))
+
+
+def _box(body: Polyhedron, primitives: Iterable[int]) -> tuple[np.ndarray, np.ndarray]:
+    """With some room on all sides, so that it is not flat."""
+    x = body.vertices[tree_of(body).corners[list(primitives)].ravel()]
+    lo, hi = x.min(axis=0), x.max(axis=0)
+    room = body.error + ROOM * float(np.max(hi - lo))
+    return lo - room, hi + room
+
+
+def _union(trees: Sequence[Tree]) -> Tree:
+    if len(trees) == 1:
+        return trees[0]
+    half = len(trees) // 2
+    return Or(_union(trees[:half]), _union(trees[half:]))
+
+
+def triangle_forms(points: Sequence[Vector], toward: Vector) -> list[Plane] | None:
+    """The plane, positive at `toward` (either way where that lies in it), and the sides, negative inside.
+
+    None for a triangle without area.
+    """
+    n = _cross_of(*points)
+    if not any(n):
+        return None
+    if dot(n, [x - y for x, y in zip(toward, points[0], strict=True)]) < 0:
+        n = tuple(-x for x in n)
+    planes = [_plane(n, points[0])]
+    for s in range(3):
+        p, q, r = points[s], points[(s + 1) % 3], points[(s + 2) % 3]
+        m = cross(_minus(q, p), n)
+        planes.append(_plane(m if dot(m, _minus(r, p)) < 0 else tuple(-x for x in m), p))
+    return planes
+
+
+def _plane(n: Sequence[Any], point: Vector) -> Plane:
+    return Plane(primitive((*n, -dot(n, point))))
+
+
+def _minus(x: Vector, y: Vector) -> Vector:
+    return tuple(a - b for a, b in zip(x, y, strict=True))
+
+
+def _cross_of(a: Vector, b: Vector, c: Vector) -> Vector:
+    return tuple(cross(_minus(b, a), _minus(c, a)))
+
+
+def _edge(body: Polyhedron, who: str, e: int, surfaces: set[int], faces: set[int]) -> Edge:
+    i, j = body._segments[e].tolist()
+    a, b = body.exact_vertex(i), body.exact_vertex(j)
+    line = Line(columns((*_minus(b, a), ZERO), (*a, ONE)))
+    frame = np.array([[to_double(c) for c in row] for row in line.basis])
+    pieces = (Piece(0.0, 1.0, i, j),)
+    return Edge(e, f"{who}.{e}", line, tuple(sorted(surfaces)), "convex", pieces, tuple(sorted(faces)), frame)
+
+
+def _vertex(body: Polyhedron, who: str, v: int, surfaces: set[int]) -> Vertex:
+    x = body.exact_vertex(v)
+    where = to_double(x[0]), to_double(x[1]), to_double(x[2])
+    return Vertex(v, f"{who}.{v}", Point(columns((*x, ONE))), tuple(sorted(surfaces)), where, body.error)
+
+
+def is_sharp_edge(body: Polyhedron, e: int) -> bool:
+    """Whether a segment is an edge that users know, and its triangles do not lie in one plane."""
+    if not 0 <= e < len(body.edges):
+        return False
+    return e < body._given_edges or not _in_one_plane(body, triangles_at_edge(body, e))
+
+
+def is_sharp_vertex(body: Polyhedron, v: int) -> bool:
+    """Whether the triangles at a vertex do not lie in one plane, or end there (on the rim of an open surface)."""
+    around = triangles_at_vertex(body, v)
+    sides = np.unique(body._side_edge[around])
+    ends = (e for e in sides if v in body._segments[e] and len(triangles_at_edge(body, e)) < 2)
+    return not _in_one_plane(body, around) or any(ends)
+
+
+def triangles_at_edge(body: Polyhedron, e: int) -> np.ndarray:
+    return _at(body, "triangles at edges", body._side_edge, e)
+
+
+def triangles_at_vertex(body: Polyhedron, v: int) -> np.ndarray:
+    return _at(body, "triangles at vertices", body.triangles, v)
+
+
+def _at(body: Polyhedron, key: str, numbers: np.ndarray, k: int) -> np.ndarray:
+    """The rows (n, 3) that name the number, ascending; their order by numbers is kept on the body."""
+    known = body._search.get(key)
+    if known is None:
+        order = np.argsort(numbers.ravel(), kind="stable")
+        known = body._search[key] = order // 3, numbers.ravel()[order]
+    rows, ordered = known
+    return rows[np.searchsorted(ordered, k) : np.searchsorted(ordered, k, side="right")]
+
+
+def _in_one_plane(body: Polyhedron, triangles: np.ndarray) -> bool:
+    """Whether there are several triangles, all in one plane; exact."""
+    if len(triangles) < 2:
+        return False
+    points = [[body.exact_vertex(i) for i in t] for t in body.triangles[triangles].tolist()]
+    n = next((n for n in (_cross_of(*t) for t in points) if any(n)), None)
+    if n is None:
+        return False
+    height = dot(n, points[0][0])
+    return all(dot(n, p) == height for t in points for p in t)
+
+
+def prisms(points: Sequence[Vector]) -> list[CompositeQuadric]:
+    """The two solids between a triangle and its shift by its size to either side; none where it has no area."""
+    n = _cross_of(*points)
+    sides = [tuple(p + sign * c for p, c in zip(points[0], n, strict=True)) for sign in (1, -1)]
+    return [_prism(points, toward) for toward in sides] if any(n) else []
+
+
+def _prism(points: Sequence[Vector], toward: Vector) -> CompositeQuadric:
+    """The solid on the other side of a triangle than `toward`."""
+    forms = triangle_forms(points, toward)
+    assert forms is not None
+    plane = forms[0]
+    n = plane.normal[:3]
+    size = max(abs(x - y) for p in points for x, y in zip(p, points[0], strict=True))
+    depth = size * max(abs(x) for x in n)  # of the form, so about a size in space
+    floor = Plane(primitive((*(-x for x in n), -plane.normal[3] - depth)))
+    surfaces: list[Surface] = [plane, floor, *forms[1:]]
+    step = depth / dot(n, n) / 2
+    middle = tuple(sum((p[k] for p in points), ZERO) / 3 - step * n[k] for k in range(3))
+    ends = [*points, *(tuple(p[k] - 2 * step * n[k] for k in range(3)) for p in points)]
+    box = tuple(tuple(f(p[k] for p in ends) for k in range(3)) for f in (min, max))
+    tree = conjunction([Leaf(i) for i in range(len(surfaces))])
+    return CompositeQuadric(surfaces, tree, box=box, witness=middle)  # type: ignore[arg-type]

@@ -1,0 +1,274 @@
+"""From meetings of features to the result users read: elements, points, normals, contact sets, times."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from flint import arb, ctx
+
+from firstcontact.body.solid.carriers import Plane
+from firstcontact.body.solid.composite_quadric import CompositeQuadric
+from firstcontact.body.solid.features import Edge, Face, Vertex
+from firstcontact.contact.models.algorithm import Candidate, Meeting, Root, Search
+from firstcontact.contact.models.contact_sets import cartesian
+from firstcontact.contact.models.largest_set import NEAR, largest_set
+from firstcontact.contact.models.membership import form_at, is_plane
+from firstcontact.contact.models.moving_pair import Form, Pair
+from firstcontact.contact.polyhedra.answers import MOST_OTHERS
+from firstcontact.contact.reduce import face_at
+from firstcontact.exact.fields.roots import AlgebraicRoot
+from firstcontact.exact.numbers import precision
+from firstcontact.exact.polynomials.polynomial_matrix import Matrix
+from firstcontact.exact.times.instants import enclose
+from firstcontact.result import (
+    CandidateTime,
+    ContactInterval,
+    ContactSet,
+    Element,
+    ElementPair,
+    FirstContact,
+    Status,
+    Subproblem,
+)
+from firstcontact.search.trees.touch import carried_normal
+
+_ORDER = {"vertex": 0, "apex": 0, "edge": 1, "face": 2}
+BITS = 128
+
+
+def contact_of(search: Search, meetings: Sequence[Meeting], exact: bool, shared: dict[str, Any]) -> FirstContact:
+    """The CONTACT result, the lowest (kind, index) of the simultaneous pairs first."""
+    pair, root = search.pair, meetings[0].candidate.root
+    named = ranked(pair, meetings)
+    (lowest, meeting), *rest = named
+    time, interval = world_time(pair, root)
+    if (open_from := search.open_from()) is not None:  # narrower than any tolerance, but not decided
+        interval = world_time(pair, AlgebraicRoot.of(open_from))[1][0], interval[1]
+    where = cartesian(meeting.shared.at)
+    return FirstContact(
+        Status.CONTACT, time, interval,
+        pair.piece.exact_time(root) if exact else None,
+        to_world(pair, root, where[None], shared["b"], time)[0],
+        _turned(pair, root, _normal_at(where, [m for _, m in named[:MOST_OTHERS]], pair.unit), shared["b"], time),
+        lowest.element_a, lowest.element_b,
+        tuple(p for p, _ in rest[:MOST_OTHERS]), len(named),
+        _contact_set(pair, root, meetings, shared["b"], time),
+        free_until=interval[0],
+        **shared,
+    )  # fmt: skip
+
+
+def _contact_set(pair: Pair, root: Root, meetings: Sequence[Meeting], b: Any, time: float) -> ContactSet:
+    kind, points = largest_set(pair, root, meetings)
+    return ContactSet(kind, to_world(pair, root, points, b, time))
+
+
+def ranked(pair: Pair, meetings: Sequence[Meeting]) -> list[tuple[ElementPair, Meeting]]:
+    """Each pair of elements once, lowest first."""
+    seen: dict[ElementPair, Meeting] = {}
+    for meeting in meetings:
+        task, where = meeting.candidate.subproblem, meeting.shared.points[0]
+        in_a = _pose(pair.piece.pose, meeting.candidate.root)
+        seen.setdefault(
+            ElementPair(
+                element(pair.a, task.a, "a", np.linalg.solve(in_a[:3, :3], where - in_a[:3, 3])),
+                element(pair.b, task.b, "b", where),
+            ),
+            meeting,
+        )
+
+    return sorted(seen.items(), key=lambda item: (*rank(item[0].element_a), *rank(item[0].element_b)))
+
+
+def rank(x: Element) -> tuple[int, int]:
+    """Vertices before edges before faces."""
+    return _ORDER[x.kind], x.index
+
+
+def element(
+    body: CompositeQuadric, feature: Face | Edge | Vertex, which: str, where: np.ndarray | None = None
+) -> Element:
+    """The feature as users see it; of coplanar faces of a polyhedron the one that holds `where`, in its own frame."""
+    if body.source is not None:
+        index = feature.index
+        if isinstance(feature, Face) and where is not None:
+            index = face_at(body.source, index, where)
+        name = body.name or which
+        return Element(type(feature).__name__.lower(), name, index, name)
+    kind = "face" if isinstance(feature, Face) else "edge" if isinstance(feature, Edge) else "vertex"
+    if kind == "vertex" and feature.name.endswith("apex"):
+        kind = "apex"
+    return Element(kind, body.name or which, feature.index, feature.name)
+
+
+# -- times and frames -----------------------------------------------------------------------------------------
+
+
+def interval_of(start: Any, end: Any, exact: bool) -> ContactInterval:
+    """From ends whose `value(exact)` is the nearest double, an enclosure and the exact time."""
+    (t0, lo, exact0), (t1, hi, exact1) = start.value(exact), end.value(exact)
+    return ContactInterval(t0, t1, lo, hi, exact0, exact1)
+
+
+def world_time(pair: Pair, root: Root) -> tuple[float, tuple[float, float]]:
+    """(nearest double, enclosure) of a root's time."""
+    value = root.rational
+
+    def number() -> Any:
+        u = root.enclosure(ctx.prec) if value is None else arb(value)
+        return pair.piece.time_of(u)
+
+    if value is not None and type(pair.piece.clock).__name__ == "StraightClock":
+        return enclose(lambda: value)
+    return enclose(number)
+
+
+def to_world(pair: Pair, root: Root, points: np.ndarray, b: Any, time: float) -> np.ndarray:
+    """(n, 3) points of the frame of b in the world at the root."""
+    pose = _pose_of_b(pair, root, b, time)
+    return points @ pose[:3, :3].T + pose[:3, 3]
+
+
+def _turned(pair: Pair, root: Root, n: np.ndarray | None, b: Any, time: float) -> np.ndarray | None:
+    """A normal of the frame of b in the world."""
+    return None if n is None else carried_normal(_pose_of_b(pair, root, b, time), n)
+
+
+def _pose_of_b(pair: Pair, root: Root, b: Any, time: float) -> np.ndarray:
+    frame = pair.piece.frame
+    if frame is None:  # bodies that turn about one line at different speeds
+        return b.motion(time)
+    return _pose(frame, root)
+
+
+def _pose(matrix: Matrix, root: Root) -> np.ndarray:
+    """(4, 4) doubles of a polynomial pose at the root."""
+    u = root.enclosure(BITS)
+    with precision(BITS):
+        rows = [[x(u) for x in row] for row in matrix]
+        return np.array([[float((x / rows[3][3]).mid()) for x in row] for row in rows])
+
+
+# -- normals --------------------------------------------------------------------------------------------------
+
+
+def _normal_at(where: np.ndarray, meetings: Sequence[Meeting], unit: float) -> np.ndarray | None:
+    """The normal of the first meeting there: along curves it changes from point to point.
+
+    Where the first has none, that of another one that meets at the same point, or is in a plane through it.
+    """
+    near = NEAR * (unit + float(np.abs(where).max()))
+    for k, meeting in enumerate(meetings):
+        own = where if k == 0 else cartesian(meeting.shared.at)
+        n = _normal(meeting, own)
+        if n is None:
+            continue
+        if np.abs(where - own).max() <= near or (_is_flat(meeting) and abs(float(n @ (where - own))) <= near):
+            return n
+    return None
+
+
+def _is_flat(meeting: Meeting) -> bool:
+    task = meeting.candidate.subproblem
+    return any(isinstance(x, Face) and isinstance(x.carrier, Plane) for x in (task.a, task.b))
+
+
+def _normal(meeting: Meeting, where: np.ndarray) -> np.ndarray | None:
+    """Unit normal from b towards a in the frame of b, in doubles; None where no plane separates the features.
+
+    A face decides by its gradient; two edges by their tangents, on the side of the faces beside them.
+    """
+    task, root = meeting.candidate.subproblem, meeting.candidate.root
+    outward_a = _outward(task.pair, task.a, True, root, where)
+    outward_b = _outward(task.pair, task.b, False, root, where)
+    if isinstance(task.b, Face):
+        return _unit(outward_b[0])
+    if isinstance(task.a, Face):
+        return _unit(-outward_a[0])
+    if not (isinstance(task.a, Edge) and isinstance(task.b, Edge)):
+        return None
+    along_a = _tangent(task.pair.forms_a, task.a, outward_a, root, where)
+    along_b = _tangent(task.pair.forms_b, task.b, outward_b, root, where)
+    if along_a is None or along_b is None:
+        return None
+    n = _unit(np.cross(along_a, along_b))
+    if n is None:
+        return None
+    way = float(n @ (sum(outward_b, np.zeros(3)) - sum(outward_a, np.zeros(3))))
+    return None if abs(way) < 1e-9 else n * np.sign(way)
+
+
+def _tangent(
+    forms: Sequence[Form], edge: Edge, outward: list[np.ndarray], root: Root, where: np.ndarray
+) -> np.ndarray | None:
+    """A tangent of an edge, by two surfaces that hold it; None for the rim of a surface without inside."""
+    if len(outward) >= 2:
+        one, other = outward[:2]
+    elif not outward:  # a bare edge: both sides of one plane, then both of another one
+        one, other = (_gradient(forms[k], root, where) for k in edge.surfaces[::2])
+    else:
+        return None
+    return np.cross(one, other)
+
+
+def _outward(
+    pair: Pair, feature: Face | Edge | Vertex, moving: bool, root: Root, where: np.ndarray
+) -> list[np.ndarray]:
+    """Outward unit normals of the faces that hold the feature, at a point of it."""
+    body, forms = (pair.a, pair.forms_a) if moving else (pair.b, pair.forms_b)
+    faces = [feature] if isinstance(feature, Face) else [body.faces[k] for k in getattr(feature, "faces", ())]
+    found = []
+    for face in faces:
+        unit = _unit(_gradient(forms[face.surfaces[0]], root, where) * face.orientation)
+        found.append(np.zeros(3) if unit is None else unit)
+    return found
+
+
+def _gradient(form: Form, root: Root, where: np.ndarray) -> np.ndarray:
+    """Of the surface where it stands at the root, at a point of it, to a positive factor."""
+    u, x = root.enclosure(BITS), np.append(where, 1.0)
+    with precision(BITS):
+        at = form_at(form, u)
+        if is_plane(form):
+            return np.array([float(c.mid()) for c in at[:3]])
+        return np.array([float(sum((r * arb(c) for r, c in zip(row, x, strict=True)), arb(0)).mid())
+                         for row in at[:3]])  # fmt: skip
+
+
+def _unit(v: np.ndarray) -> np.ndarray | None:
+    largest = np.abs(v).max()
+    if not largest > 0:
+        return None
+    v = v / largest
+    return v / np.linalg.norm(v)
+
+
+# -- the list of subproblems ----------------------------------------------------------------------------------
+
+
+def listed(searches: Sequence[Search], b: Any) -> tuple[Subproblem, ...]:
+    """Every pair of features with its candidate times over all pieces, judged."""
+    rows: dict[tuple[Element, Element, str], list[CandidateTime]] = {}
+    reasons: dict[tuple[Element, Element, str], str] = {}
+    for search in searches:
+        by_task: dict[int, list[Candidate]] = {}
+        for candidate in search.candidates:
+            by_task.setdefault(id(candidate.subproblem), []).append(candidate)
+        for task in search.tasks:
+            key = element(search.pair.a, task.a, "a"), element(search.pair.b, task.b, "b"), task.case
+            reasons[key] = task.equation.reason if task.equation.candidates is None else ""
+            rows.setdefault(key, []).extend(_judged(search, c, b) for c in by_task.get(id(task), []))
+    return tuple(Subproblem(*key, tuple(found), reasons[key]) for key, found in rows.items())
+
+
+def _judged(search: Search, candidate: Candidate, b: Any) -> CandidateTime:
+    meetings, reason = search.verdict(candidate)
+    time, _ = world_time(search.pair, candidate.root)
+    point = None
+    if meetings:
+        where = cartesian(meetings[0].shared.at)
+        point = to_world(search.pair, candidate.root, where[None], b, time)[0]
+    verdict = "contact" if meetings else "no contact"
+    return CandidateTime(time, candidate.root.multiplicity, point, verdict, reason)

@@ -1,0 +1,193 @@
+"""Two models at one rational instant: do their interiors overlap, and does one hold the other?"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from itertools import product
+from typing import Any
+
+import numpy as np
+from flint import arb, fmpq
+
+from firstcontact.body.solid.carriers import ONE, ZERO, Line, Plane, Point, Rows, Vector, dot, times, upright
+from firstcontact.body.solid.composite_quadric import CompositeQuadric, NoSolid, joined
+from firstcontact.body.solid.csg import And, Leaf, Not, Tree, inside, pattern
+from firstcontact.body.solid.features import Face
+from firstcontact.body.solid.neighbourhood import patterns
+from firstcontact.contact.models.moving_pair import Pair
+from firstcontact.exact.fields.number_field import ball
+from firstcontact.exact.numbers import dyadic, precision, sign, simplest, to_double
+from firstcontact.exact.rigid import Matrix
+from firstcontact.exact.vectors import cross
+from firstcontact.search.convex.relation import Relation
+from firstcontact.search.convex.resting import is_one_piece, relation
+
+BITS, TINY, LARGEST = 384, fmpq(1, 2**300), 2**128
+"""Of balls in which a coordinate is looked at, how far they may be off, and denominators that are no chance."""
+MOST_PLACES = 8
+"""Shared points whose surroundings are looked at."""
+
+
+def placed(pair: Pair, u: fmpq) -> CompositeQuadric:
+    """Model a where it stands at u, in the frame of b; exact."""
+    return pair.a.transformed([*_pose_at(pair, u), (0, 0, 0, 1)])
+
+
+def _pose_at(pair: Pair, u: fmpq) -> Matrix:
+    rows = [[x(u) for x in row] for row in pair.piece.pose]
+    return tuple(tuple(x / rows[3][3] for x in row) for row in rows[:3])  # type: ignore[return-value]
+
+
+def relation_at(pair: Pair, u: fmpq) -> Relation | None:
+    """How the two models lie to each other at u, proved; None where algebra is to tell."""
+    (lo, hi), (low, high) = _box_of_a(pair, u), pair.b.bounds()
+    if np.any(lo > high) or np.any(low > hi):
+        return Relation.APART
+    if _is_polytope(pair.a) and _is_polytope(pair.b):
+        return None if _separated(pair, u) else Relation.OVERLAPPING
+    return relation(pair.a, pair.b, _pose_at(pair, u))
+
+
+def overlap(pair: Pair, u: fmpq) -> bool | None:
+    """Whether the interiors of the two models share a point at u: by a proof, else by the Boolean intersection.
+
+    None: they come so close that neither tells.
+    """
+    known = relation_at(pair, u)
+    if known is not None:
+        return None if known is Relation.NEAR else known is Relation.OVERLAPPING
+    if _is_polytope(pair.a) and _is_polytope(pair.b):
+        return False
+    return _is_solid(lambda: placed(pair, u) & pair.b)
+
+
+def overlap_around(pair: Pair, u: fmpq, shared: Sequence[Vector]) -> bool:
+    """As `overlap`, for models that share the points (homogeneous, exact, in the frame of b).
+
+    Around a point that two convex models share their interiors meet, or nowhere.
+    """
+    known = relation_at(pair, u)
+    if known is not None:
+        return known is Relation.OVERLAPPING
+    a, b = placed(pair, u), pair.b
+    seen = [_meet_around(a, b, p) for p in map(_rational, shared[:MOST_PLACES]) if p is not None]
+    if True in seen:
+        return True
+    return False if False in seen and is_one_piece(a) and is_one_piece(b) else overlap(pair, u) is True
+
+
+def _rational(x: Vector) -> Vector | None:
+    """The point (x, y, z), if its coordinates seem to be rational."""
+    balls = [ball(c, BITS) for c in x]
+    with precision(BITS):
+        balls = [c / balls[3] for c in balls[:3]]
+        ends = [(dyadic(arb(c.lower())), dyadic(arb(c.upper()))) for c in balls]
+    found = [simplest(lo - TINY * (1 + abs(lo)), hi + TINY * (1 + abs(hi))) for lo, hi in ends]
+    return tuple(found) if all(x.q < LARGEST for x in found) else None
+
+
+def _meet_around(a: CompositeQuadric, b: CompositeQuadric, p: Vector) -> bool | None:
+    """Whether the interiors meet arbitrarily near p; None where p is not shared, or a tip of a cone hides it."""
+    surfaces, tree = joined(a.surfaces, b.surfaces, b.tree)
+    x = (*p, ONE)
+    signs = [sign(surface.value(x)) for surface in surfaces]
+    on = [k for k, found in enumerate(signs) if found == 0]
+    if not (a.contains_exactly(p) and b.contains_exactly(p)):
+        return None
+    both = And(a.tree, tree)
+    if any(inside(both, pattern(signs, on, negative)) for negative in patterns(x, surfaces, on)):
+        return True
+    return False if all(any(surfaces[k].gradient(x)) for k in on) else None
+
+
+def coincide(pair: Pair, u: fmpq) -> bool:
+    """Whether a whole closed surface is a face of both at u: no edge tells, then, that the models touch."""
+    if not (_whole_faces(pair.a) and _whole_faces(pair.b)):
+        return False
+    return not _whole_surfaces(placed(pair, u)).isdisjoint(_whole_surfaces(pair.b))
+
+
+def _is_polytope(model: CompositeQuadric) -> bool:
+    """Whether the model is bounded and the intersection of half-spaces, with rational vertices."""
+    return (
+        model.bounded
+        and all(isinstance(surface, Plane) for surface in model.surfaces)
+        and all(isinstance(vertex.carrier, Point) for vertex in model.vertices)
+        and _is_conjunction(model.tree)
+    )
+
+
+def _is_conjunction(tree: Tree) -> bool:
+    if isinstance(tree, And):
+        return _is_conjunction(tree.first) and _is_conjunction(tree.second)
+    return isinstance(tree, Leaf) or (isinstance(tree, Not) and isinstance(tree.inner, Leaf))
+
+
+def _separated(pair: Pair, u: fmpq) -> bool:
+    """Whether a plane along a face of one polytope, or along an edge of each, has their interiors on two sides."""
+    points_a, edges_a = _skeleton(pair.a, (*_pose_at(pair, u), (ZERO, ZERO, ZERO, ONE)))
+    points_b, edges_b = _skeleton(pair.b, None)
+    normals = [tuple(c(u) for c in form[:3]) for form in (*pair.forms_a, *pair.forms_b)]
+    normals += [cross(d, e) for d in edges_a for e in edges_b]
+    for n in {upright(n) for n in normals if any(n)}:
+        a, b = [dot(n, p) for p in points_a], [dot(n, p) for p in points_b]
+        if max(a) <= min(b) or max(b) <= min(a):
+            return True
+    return False
+
+
+def _skeleton(model: CompositeQuadric, pose: Rows | None) -> tuple[list[Vector], list[Vector]]:
+    """Vertices (x, y, z) and directions of edges, in the pose if there is one."""
+    bases: list[list[Rows]] = [[], []]
+    kinds: tuple[Sequence[Any], ...] = (model.vertices, model.edges)
+    for k, features in enumerate(kinds):
+        for feature in features:
+            assert isinstance(feature.carrier, Point | Line)
+            bases[k].append(feature.carrier.basis if pose is None else times(pose, feature.carrier.basis))
+    points, edges = bases
+    return (
+        [tuple(row[0] / basis[3][0] for row in basis[:3]) for basis in points],
+        [tuple(row[0] for row in basis[:3]) for basis in edges],
+    )
+
+
+def _box_of_a(pair: Pair, u: fmpq) -> tuple[np.ndarray, np.ndarray]:
+    """Corners of a box around model a at u, in the frame of b: that of the turned corners of its own box."""
+    lo, hi = pair.a.bounds()
+    if not np.all(np.isfinite([lo, hi])):
+        return np.full(3, -np.inf), np.full(3, np.inf)
+    pose = np.array([[to_double(x) for x in row] for row in _pose_at(pair, u)])
+    corners = np.array(list(product(*zip(lo, hi, strict=True))))
+    moved = corners @ pose[:, :3].T + pose[:, 3]
+    # entries, products and sums: a handful of roundings relative to the sizes of the terms
+    pad = 1e-14 * (np.abs(corners) @ np.abs(pose[:, :3]).T + np.abs(pose[:, 3])).max(axis=0)
+    return moved.min(axis=0) - pad, moved.max(axis=0) + pad
+
+
+def is_containment(pair: Pair, u: fmpq) -> bool:
+    """Whether one model holds the other at u, for models whose interiors overlap and whose features touch nowhere."""
+    if coincide(pair, u):
+        return False
+    a, b = placed(pair, u), pair.b
+    return not (_is_solid(lambda: a - b) and _is_solid(lambda: b - a))
+
+
+def _whole_faces(model: CompositeQuadric) -> list[Face]:
+    """The faces that nothing bounds."""
+    bounded = {k for edge in (*model.edges, *model.seams) for k in edge.faces}
+    return [face for face in model.faces if face.index not in bounded]
+
+
+def _whole_surfaces(model: CompositeQuadric) -> set[Vector]:
+    """Of the faces that nothing bounds, as forms up to a factor."""
+    forms = (face.carrier.matrix() for face in _whole_faces(model))
+    return {upright(tuple(x for row in form for x in row)) for form in forms}
+
+
+def _is_solid(combination: Callable[[], CompositeQuadric]) -> bool:
+    """Whether the combination has interior points."""
+    try:
+        combination()
+    except NoSolid:
+        return False
+    return True

@@ -1,0 +1,249 @@
+"""First contact in doubles with proofs.
+
+`search.convex.advance` is for unions of convex models, `search.events.events` for all others.
+What they cannot settle (grazes, contact at the start) is left to exact arithmetic.
+"""
+
+from __future__ import annotations
+
+import math
+import time as clock
+from collections.abc import Sequence as Listing
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from flint import fmpq
+
+from firstcontact.body.solid import primitives
+from firstcontact.contact.models.flat_contacts import Pair, Shared, shared_set
+from firstcontact.contact.models.kept_directions import turning_axes
+from firstcontact.contact.models.same_point import may_touch_more, pairs_at
+from firstcontact.contact.models.touched import Flat, Flats, Point, group, is_parallel, lowest, ranked, with_neighbours
+from firstcontact.contact.polyhedra.answers import MOST_OTHERS
+from firstcontact.motion.moving import Moving, shape_of
+from firstcontact.result import ContactSet, Element, ElementPair, FirstContact, Stats, Status
+from firstcontact.search.convex.advance import Advance, advance
+from firstcontact.search.events.events import MOST_BOXES, first_event
+
+LARGEST = 2.0**60
+"""Coordinates up to which an unbounded model is cut."""
+
+
+def settle(
+    models: tuple[Any, Any],
+    first: fmpq,
+    last: fmpq,
+    tolerance: float,
+    budget: int | None,
+    begin: float,
+    shared: dict[str, Any],
+) -> tuple[FirstContact | None, Advance]:
+    """(the answer, None where it is left to exact arithmetic; what was proved).
+
+    models: both, at rest or moving; begin: when the query began, by `time.perf_counter`.  Among features that touch at
+    the same time the answer names one pair.
+    """
+    models = both_bounded(models, shared["span"])
+    found = advance(*models, first, last, tolerance, 10_000 if budget is None else budget)
+    if found.beyond:
+        found = first_event(*models, first, last, tolerance, MOST_BOXES if budget is None else budget)
+    if found.status == "free":
+        stats = Stats(found.steps, found.gaps, seconds=clock.perf_counter() - begin)
+        return FirstContact(Status.FREE, free_until=shared["span"][1], stats=stats, **shared), found
+    if found.status != "contact" or found.normal is None:
+        return None, found
+    answer, told = contact(models, found, begin, shared)
+    return (answer if told else None), found
+
+
+def both_bounded(models: tuple[Any, Any], span: tuple[float, float]) -> tuple[Any, Any]:
+    """Both models, a resting unbounded one cut to what the other may touch."""
+    a, b = models
+    return bounded(a, b, span), bounded(b, a, span)
+
+
+def bounded(body: Any, other: Any, span: tuple[float, float]) -> Any:
+    """A resting unbounded model cut to a cube around the other body's whole path: nothing is touched beyond.
+
+    The cube comes in powers of two, so that other motions find the cut model again.
+    """
+    if isinstance(body, Moving) or body.bounded:
+        return body
+    lo, hi = other.bounds(span)
+    reach = float(max(np.abs(lo).max(), np.abs(hi).max()))
+    if not reach < LARGEST:
+        return body
+    size = math.frexp(reach)[1] + 1
+    cut = body._search.setdefault("cut", {})
+    if size not in cut:
+        cube = primitives.box((2 ** (size + 1),) * 3) if size > 0 else primitives.box((4, 4, 4))
+        cut[size] = body & cube
+        cut[size].whole = body
+    return cut[size]
+
+
+def contact(
+    models: tuple[Any, Any], found: Advance, begin: float, shared: dict[str, Any]
+) -> tuple[FirstContact | None, bool]:
+    """(the CONTACT result, None where no features are known; whether it tells all that the features share).
+
+    Its time and elements are known at once; what else meets there is put into the terms of users when asked for.
+    """
+    if not found.features_a or not found.features_b:
+        return None, False
+    assert found.time_interval is not None and found.point is not None and found.normal is not None
+    (x, y, z), n, frames = found.point.tolist(), found.normal.tolist(), found.frames
+    point = x, y, z
+    on_a = _On(models[0], found.features_a, point, n, (frames[0], frames[4]), "a")
+    on_b = _On(models[1], found.features_b, point, n, (frames[1], frames[5]), "b")
+    named: Named = [(on_a.element, on_b.element, point)]
+    shares: Shares | None = None
+    if not found.spread:
+        flats_a = on_a.flats()
+        flats_b = on_b.flats() if flats_a else []
+        if not may_share_more(flats_a, flats_b):
+            shares = "point", [point]
+            place_a, place_b = (on_a.where, on_a.normal), (on_b.where, on_b.normal)
+            if may_touch_more(on_a.known, place_a) or may_touch_more(on_b.known, place_b):
+                wholes = on_a.known.model, on_b.known.model
+                complete = pairs_at(models, wholes, found, (place_a, place_b), shared)
+                if complete is not None:
+                    stats = Stats(found.steps, found.gaps, seconds=clock.perf_counter() - begin)
+                    return replace(complete, stats=stats), True
+        elif (flat := _flat_set(models, (on_a, on_b), (flats_a, flats_b), found, point)) is not None:
+            shares = flat.kind, flat.points
+            named = _named((on_a, on_b), flat.pairs)
+    known = {
+        "status": Status.CONTACT, "time": found.time, "time_interval": found.time_interval, "time_exact": None,
+        "element_a": named[0][0], "element_b": named[0][1], "initial": None, "free_until": found.time_interval[0],
+        "reason": None, "stats": Stats(found.steps, found.gaps, 0, 0, clock.perf_counter() - begin),
+        "subproblems": (), **shared,
+    }  # fmt: skip
+    answer = FirstContact.deferring(known, lambda: _where(named, found.normal, shares))
+    return answer, shares is not None
+
+
+def _where(named: Named, normal: np.ndarray | None, shares: Shares | None) -> dict[str, Any]:
+    """What a CONTACT result says of the place and of further pairs."""
+    return {
+        "point": np.array(named[0][2]),
+        "normal": normal,
+        "others": tuple(ElementPair(a, b) for a, b, _ in named[1 : 1 + MOST_OTHERS]),
+        "multiplicity": len(named),
+        "contact_set": None if shares is None else ContactSet(*shares),
+    }
+
+
+def _flat_set(
+    models: tuple[Any, Any], on: tuple[_On, _On], flats: tuple[Flats, Flats], found: Advance, point: Point
+) -> Shared | None:
+    """What flat things around the contact share, where that is told without algebra."""
+    axes = turning_axes(*models)
+    if axes is None or len(axes) > 1:
+        return None
+    a, b = on
+    also = None
+    if found.complete and found.also is not None:
+        also = [(group(a.body, x).surfaces, group(b.body, y).surfaces) for x, y in found.also]
+    return shared_set((a.known.model, b.known.model), (a.pose, b.pose), flats, point, axes, also)
+
+
+def _named(on: tuple[_On, _On], pairs: list[Pair]) -> Named:
+    """Each pair of elements once, with where it meets, lowest first."""
+    a, b = on
+    model_a, model_b = a.known.model, b.known.model
+    seen: dict[tuple[tuple[int, int], tuple[int, int]], tuple[Element, Element, Point]] = {}
+    for x, y, where in pairs:
+        # only coplanar faces of polyhedra are told apart by where it is
+        rank_a, element_a = ranked(model_a, x, "a", where if model_a.source is None else a.local(where))
+        rank_b, element_b = ranked(model_b, y, "b", where if model_b.source is None else b.local(where))
+        seen.setdefault((rank_a, rank_b), (element_a, element_b, where))
+    return [seen[ranks] for ranks in sorted(seen)]
+
+
+Directions = Listing[tuple[Any, Point | None]]
+"""Of flat things around a contact, in the world, None of a plane."""
+Named = list[tuple[Element, Element, Point]]
+"""Pairs of elements as users call them, lowest first, each with a point at which it meets, world."""
+Shares = tuple[str, Listing[Point] | np.ndarray]
+"""Kind and points of a `ContactSet`."""
+
+
+def on_model(
+    body: Any,
+    features: tuple[tuple[str, int], ...],
+    place: tuple[np.ndarray, np.ndarray],
+    frame: tuple[list[float], list[float]],
+    which: str,
+) -> tuple[Element, list[tuple[Flat, Point | None]]]:
+    """The lowest of the touched features, and what is flat around the contact.
+
+    place: its point and normal, world frame; frame: pose (R by rows, T) of the body then, and R^-1.
+    """
+    there = _On(body, features, place[0].tolist(), place[1].tolist(), frame, which)
+    return there.element, there.flats()
+
+
+class _On:
+    """A body at a contact: the place as plain numbers, all else as for `on_model`.
+
+    known: the features, of the whole model where the body is a cut one; element: the lowest of them; where, normal: the
+    place in the frame of the body.
+    """
+
+    __slots__ = ("body", "element", "inverse", "known", "normal", "pose", "where")
+
+    def __init__(
+        self, body: Any, features: tuple[tuple[str, int], ...], point: Point, normal: Point,
+        frame: tuple[list[float], list[float]], which: str,
+    ) -> None:
+        self.pose, self.inverse = frame
+        pose = self.pose
+        self.where = self.local(point)
+        p, q, r = normal
+        self.normal = (
+            pose[0] * p + pose[3] * q + pose[6] * r,
+            pose[1] * p + pose[4] * q + pose[7] * r,
+            pose[2] * p + pose[5] * q + pose[8] * r,
+        )
+        self.body: Any = shape_of(body)
+        self.known = group(self.body, features)
+        self.element = lowest(self.known, which, self.where)
+
+    def local(self, p: Point) -> Point:
+        """A world point in the frame of the body."""
+        pose, inverse = self.pose, self.inverse
+        x, y, z = p[0] - pose[9], p[1] - pose[10], p[2] - pose[11]
+        return (
+            inverse[0] * x + inverse[1] * y + inverse[2] * z,
+            inverse[3] * x + inverse[4] * y + inverse[5] * z,
+            inverse[6] * x + inverse[7] * y + inverse[8] * z,
+        )
+
+    def flats(self) -> list[tuple[Flat, Point | None]]:
+        """What is flat around the contact, with its direction in the world, None of a plane."""
+        pose, n = self.pose, self.normal
+        return [
+            (flat, _turned(pose, flat.direction))
+            for feature in with_neighbours(self.known, self.where) for flat in feature.flats(self.where, n)
+        ]  # fmt: skip
+
+
+def _turned(pose: list[float], d: Point | None) -> Point | None:
+    if d is None:
+        return None
+    return (
+        pose[0] * d[0] + pose[1] * d[1] + pose[2] * d[2],
+        pose[3] * d[0] + pose[4] * d[1] + pose[5] * d[2],
+        pose[6] * d[0] + pose[7] * d[1] + pose[8] * d[2],
+    )
+
+
+def may_share_more(a: Directions, b: Directions) -> bool:
+    """Whether flat features may share more than a point."""
+    for _, d in a:
+        for _, e in b:
+            if d is None or e is None or is_parallel(d, e):
+                return True
+    return False

@@ -1,0 +1,112 @@
+"""Whether points of contact sets lie in the closed models: signs of all surfaces at points of a number field."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from itertools import product
+from typing import Any, NamedTuple
+
+from flint import arb
+
+from firstcontact.body.solid.composite_quadric import CompositeQuadric
+from firstcontact.body.solid.csg import borders, outcomes
+from firstcontact.body.solid.features import Edge, Face, Vertex
+from firstcontact.contact.models.moving_pair import Form, Pair
+from firstcontact.exact.fields.number_field import NumberField, ball, sign
+from firstcontact.exact.fields.roots import AlgebraicRoot
+from firstcontact.exact.numbers import Undecidable, precision
+from firstcontact.exact.polynomials.inertia import dot, value
+from firstcontact.exact.systems.square_systems import EnclosedNumber, EnclosedRoot
+
+Vector = tuple[Any, ...]
+Root = AlgebraicRoot | EnclosedRoot
+BITS = (96, 384)
+"""Precisions of the balls that decide before the field does: zeros apart, nearly all signs show at the first."""
+
+
+class On(NamedTuple):
+    """Surfaces known to hold a set, and the faces (surface, orientation) in which its points are asked to be: of a face
+    itself, of an edge two on different surfaces.  None of a vertex, or where all of the model counts."""
+
+    surfaces: Collection[int]
+    faces: Collection[tuple[int, int]] = ()
+
+    @property
+    def fewest(self) -> int:
+        """How many surfaces must have one of their faces there."""
+        return min(len({k for k, _ in self.faces}), 2)
+
+
+def extent(body: CompositeQuadric, feature: Face | Edge | Vertex, surfaces: Collection[int]) -> On:
+    """Of the sets of one feature's carrier: beyond the feature they are not its contacts."""
+    if isinstance(feature, Vertex):
+        return On(surfaces)
+    faces = [feature] if isinstance(feature, Face) else [body.faces[k] for k in feature.faces]
+    return On(surfaces, [(face.surfaces[0], face.orientation) for face in faces])
+
+
+def in_both(pair: Pair, x: Vector, root: Root, on_a: On, on_b: On) -> str:
+    """"" when x lies in both closed models, on the faces asked for, else why not: which it is outside of,
+    or beyond the feature of.
+
+    A point on several surfaces counts as in the model when some pattern of their signs does: exact where their
+    gradients are independent.  Undecidable where enclosures leave signs open that matter.
+    """
+    for body, forms, on, who in ((pair.a, pair.forms_a, on_a, "a"), (pair.b, pair.forms_b, on_b, "b")):
+        signs = [0 if k in on.surfaces else sign_at(form, x, root) for k, form in enumerate(forms)]
+        unknown = [k for k, found in enumerate(signs) if found is None]
+        inside = {True in outcomes(body.tree, _with(signs, unknown, s)) for s in product((-1, 1), repeat=len(unknown))}
+        if len(inside) == 2:
+            raise Undecidable(f"precision: whether the point lies in {body.name or who}")
+        if not any(inside):
+            return f"outside {body.name or who}"
+        choices = product((-1, 1), repeat=len(unknown))
+        if on.faces and not any(_on_faces(body, _with(signs, unknown, s), on) for s in choices):
+            return f"beyond the feature of {body.name or who}"
+    return ""
+
+
+def _on_faces(body: CompositeQuadric, signs: Sequence[int], on: On) -> bool:
+    return len({k for k, side in on.faces if borders(body.tree, signs, k, side)}) >= on.fewest
+
+
+def _with(signs: Sequence[int | None], unknown: Sequence[int], chosen: Sequence[int]) -> list[int]:
+    replaced = dict(zip(unknown, chosen, strict=True))
+    return [replaced.get(k, 0) if s is None else s for k, s in enumerate(signs)]
+
+
+def sign_at(form: Form, x: Vector, root: Root) -> int | None:
+    """Exact sign of N.X (times the sign of w) or X^T Q X at the homogeneous point x over the field of the root.
+
+    None for enclosed points whose balls do not show it.
+    """
+    for bits in BITS:
+        u = root.enclosure(bits)
+        balls = [ball(c, bits) for c in x]
+        with precision(bits):
+            found = form_value(form_at(form, u), balls)
+            if is_plane(form):
+                found = found * balls[3]
+        if found > 0 or found < 0:
+            return 1 if found > 0 else -1
+    if any(isinstance(c, EnclosedNumber) for c in x):
+        return None
+    assert isinstance(root, AlgebraicRoot)
+    field = NumberField(root)
+    if is_plane(form):
+        return sign(dot([field(c) for c in form], x)) * sign(x[3])
+    return sign(value(field.matrix(form), x))
+
+
+def is_plane(form: Form) -> bool:
+    return not isinstance(form[0], tuple)
+
+
+def form_at(form: Form, u: arb) -> Any:
+    """The form at an enclosure of u."""
+    return [c(u) for c in form] if is_plane(form) else [[c(u) for c in row] for row in form]
+
+
+def form_value(form: Any, x: Sequence[Any]) -> Any:
+    """N.X or X^T Q X in any numbers."""
+    return value(form, x) if isinstance(form[0], list | tuple) else dot(form, x)

@@ -1,0 +1,113 @@
+"""The pairs of features that meet at one point and instant, where floats cannot tell them from such that pass nearby.
+
+A ball that lands on an edge from straight above touches the face beside it too.  Which do is decided by exact
+arithmetic for the features whose surfaces all pass near the point.
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+
+from firstcontact.body.solid.composite_quadric import CompositeQuadric
+from firstcontact.contact.models.algorithm import Search
+from firstcontact.contact.models.answer import contact_of
+from firstcontact.contact.models.forms import Form, forms_of, gradient, value
+from firstcontact.contact.models.moving_pair import Pair
+from firstcontact.contact.models.touched import ACROSS, Group, Point, is_parallel
+from firstcontact.errors import UnsupportedPair
+from firstcontact.exact.numbers import exact_value
+from firstcontact.motion.moving import Moving
+from firstcontact.motion.relative.polynomial import relative_pieces
+from firstcontact.result import FirstContact
+from firstcontact.search.convex.advance import Advance
+from firstcontact.work import Work
+
+NEAR = 1e-7
+"""Of the size of its terms: where a form is smaller than that, its surface may pass through the point."""
+
+Place = tuple[Point, Point]
+"""A point of a model and the normal of the contact, in the model's frame."""
+
+
+def near_surfaces(model: CompositeQuadric, where: Point) -> list[int]:
+    """The surfaces that pass through the point, or nearly."""
+    x, y, z = where
+    near = []
+    for k, (linear, squares, least) in enumerate(_limits(model, where)):
+        p, q, r, s = linear
+        height = p * x + q * y + r * z + s
+        if squares is not None:
+            a, b, c, d, e, f = squares
+            height += (a * x + d * y + e * z) * x + (b * y + f * z) * y + c * z * z
+        if abs(height) <= least:
+            near.append(k)
+    return near
+
+
+def _limits(model: CompositeQuadric, where: Point) -> list[tuple[Form, Form | None, float]]:
+    """Of every surface the linear and square terms of its form (None of planes), and below which it nearly vanishes."""
+    known: list[tuple[Form, Form | None, float]] | None = model._search.get("near")
+    if known is None:
+        far = np.abs(model.bounds()).max(axis=0).tolist() if model.bounded else where
+        known = [(f[6:], f[:6] if any(f[:6]) else None, NEAR * value(f, *far)[1]) for f in forms_of(model)]
+        if model.bounded:
+            model._search["near"] = known
+    return known
+
+
+def may_touch_more(known: Group, place: Place) -> bool:
+    """Whether faces or edges around the touched edge or vertex may touch in the same point.
+
+    Where more surfaces pass, or the normal is across one of its faces, or an edge at the vertex across the normal.
+    """
+    if known.smooth:
+        return False
+    (x, y, z), n = place
+    near = near_surfaces(known.model, place[0])
+    if len(near) > len(known.surfaces):
+        return True
+    forms, gradients = forms_of(known.model), []
+    for k in near:
+        g = gradient(forms[k], x, y, z)
+        if any(g):  # none at an apex
+            if is_parallel(g, n):
+                return True
+            gradients.append(g)
+    if len(gradients) < 3:
+        return False
+    p, q, r = n
+    square = p * p + q * q + r * r
+    for (a, b, c), (d, e, f) in combinations(gradients, 2):
+        u, v, w = b * f - c * e, c * d - a * f, a * e - b * d
+        if abs(u * p + v * q + w * r) <= ACROSS * math.sqrt(square * (u * u + v * v + w * w)):
+            return True
+    return False
+
+
+def pairs_at(
+    bodies: tuple[Any, Any], models: tuple[CompositeQuadric, CompositeQuadric], found: Advance,
+    places: tuple[Place, Place], shared: dict[str, Any],
+) -> FirstContact | None:  # fmt: skip
+    """The proved contact with all pairs that meet in its point; None where algebra does not take the motions."""
+    assert found.time is not None and found.time_interval is not None
+    lo, hi = found.time_interval
+    near = tuple(frozenset(near_surfaces(model, place[0])) for model, place in zip(models, places, strict=True))
+    a, b = (Moving(m, x.motion) if isinstance(x, Moving) else m for x, m in zip(bodies, models, strict=True))
+    first, last = (exact_value(t) for t in shared["span"])
+    try:
+        for piece in relative_pieces(a, b, first, last):
+            within = piece.end is not None and piece.start <= exact_value(lo) and exact_value(hi) <= piece.end
+            if piece.exact and within:
+                search = Search(Pair(*models, piece), Work(), near=near)  # type: ignore[arg-type]
+                meetings = search.first()
+                answer = contact_of(search, meetings, False, shared) if meetings else None
+                if answer is not None and answer.time_interval is not None:
+                    start, end = answer.time_interval
+                    return answer if start <= hi and lo <= end else None
+    except UnsupportedPair:
+        return None
+    return None

@@ -1,0 +1,236 @@
+"""From what the search proved to the result users read: elements, points, normals, times in the world."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from firstcontact.contact.polyhedra.earliest import Found, Pair, pairs_at_start
+from firstcontact.exact.numbers import PRECISIONS, Undecidable, precision
+from firstcontact.motion.moving import Moving
+from firstcontact.result import ContactInterval, Element, ElementPair, FirstContact, Stats, Status
+from firstcontact.search.trees.elements import EDGE, FACE, VERTEX, Feature
+from firstcontact.search.trees.touch import carried_normal, doubles
+
+_NAMES = {VERTEX: "vertex", EDGE: "edge", FACE: "face"}
+MOST_OTHERS = 100
+
+
+def _users(body: Any, found: Feature) -> Feature:
+    """The element as users count: polygons instead of triangles, points instead of their stand-ins."""
+    if isinstance(body, Moving):
+        body = body.body
+    kind, index = found
+    if kind == FACE:
+        return FACE, int(body.triangle_face[index])
+    if kind == EDGE and index >= len(body._segments):
+        return VERTEX, index - len(body._segments)
+    if kind == EDGE and index >= len(body.edges):  # a diagonal of a polygon belongs to its face
+        triangle = int(np.argwhere(body._side_edge == index)[0, 0])
+        return FACE, int(body.triangle_face[triangle])
+    return found
+
+
+def element_pairs(a: Any, b: Any, pairs: list[Pair]) -> list[tuple[ElementPair, Pair]]:
+    """The pairs in users' terms with the search's own behind each, each once, lowest first.
+
+    Of two triangles of one polygon the pair that comes first stands for it.  By the elements of the body that leads,
+    then of the other one: so bodies given the other way round have the same pairs in the same order.
+    """
+    first, second = a.name or "a", b.name or "b"
+    a_leads = len(pairs) < 2 or _leads(a, b)
+
+    def order(pair: Any) -> Any:
+        return (pair[1], pair[2]) if a_leads else (pair[2], pair[1])
+
+    seen: dict[tuple[Feature, Feature], Pair] = {}
+    for pair in sorted(pairs, key=order):
+        seen.setdefault((_users(a, pair[1]), _users(b, pair[2])), pair)
+    named = sorted(seen, key=lambda users: users if a_leads else users[::-1])
+    return [(ElementPair(_named(first, x), _named(second, y)), seen[x, y]) for x, y in named]
+
+
+def _leads(a: Any, b: Any) -> bool:
+    """Whether a comes first whichever way round the two are given: the one that moves, else by name and shape."""
+    moves = isinstance(a, Moving), isinstance(b, Moving)
+    return moves[0] if moves[0] != moves[1] else _signature(a) <= _signature(b)
+
+
+def _signature(body: Any) -> tuple[Any, ...]:
+    moving = isinstance(body, Moving)
+    shape = body.body if moving else body
+    return body.name or "", len(shape.vertices), shape.vertices.tobytes(), repr(body.motion) if moving else ""
+
+
+def _named(name: str, element: Feature) -> Element:
+    return Element(_NAMES[element[0]], name, element[1], name)
+
+
+def contact_of(problem: Any, found: Found, exact: bool, stats: Stats, shared: dict[str, Any]) -> FirstContact:
+    """The CONTACT result of a search that found one; where and of what it is waits until it is asked for."""
+    time, interval = problem.world_instant(found.instant)
+    known = {
+        "status": Status.CONTACT,
+        "time": time,
+        "time_interval": interval,
+        "time_exact": problem.world_exact(found.instant) if exact else None,
+        "initial": None,
+        "free_until": interval[0],
+        "reason": None,
+        "stats": stats,
+        "subproblems": (),
+        **shared,
+    }
+    return FirstContact.deferring(known, lambda: _where(problem, found, time, shared))
+
+
+def _where(problem: Any, found: Found, time: float, shared: dict[str, Any]) -> dict[str, Any]:
+    """What a CONTACT result says of the elements and the place."""
+    named = element_pairs(shared["a"], shared["b"], found.pairs)
+    (lowest, pair), *rest = named
+    point, normal = _place(problem, pair, found.instant, time)
+    return {
+        "point": point,
+        "normal": normal,
+        "element_a": lowest.element_a,
+        "element_b": lowest.element_b,
+        "others": tuple(p for p, _ in rest[:MOST_OTHERS]),
+        "multiplicity": len(named),
+        "contact_set": "point" if len(named) == 1 and normal is not None else None,
+    }
+
+
+def contained_at_start(
+    problem: Any, exact: bool, stats: Stats, shared: dict[str, Any], jump: bool = False
+) -> FirstContact:
+    """The result for bodies one of which lies inside the other at the start; `jump`: that of a later step."""
+    start, interval = problem.world_instant(problem.start_instant())
+    return FirstContact(
+        Status.CONTACT if jump else Status.INITIAL_CONTACT,
+        start,
+        interval if jump else (start, start),
+        problem.world_exact(problem.start_instant()) if exact else None,
+        initial=None if jump else "containment",
+        free_until=interval[0] if jump else start,
+        stats=stats,
+        **shared,
+    )
+
+
+def initial_contact(
+    problem: Any,
+    found: Found,
+    kind: str | None,
+    exact: bool,
+    stats: Stats,
+    shared: dict[str, Any],
+    jump: bool = False,
+) -> FirstContact:
+    """The INITIAL_CONTACT result: the surfaces share a point at the start of the span.
+
+    jump: they do when the body jumps to the start of a later step, which is a CONTACT at that time.
+    """
+    start, interval = problem.world_instant(problem.start_instant())
+    if not jump:
+        start = shared["span"][0]
+        interval = start, start
+    known = {
+        "status": Status.CONTACT if jump else Status.INITIAL_CONTACT,
+        "time": start,
+        "time_interval": interval,
+        "time_exact": problem.world_exact(problem.start_instant()) if exact else None,
+        "initial": kind,
+        "free_until": interval[0],
+        "reason": None,
+        "stats": stats,
+        "subproblems": (),
+        **shared,
+    }
+    return FirstContact.deferring(known, lambda: _where_at_start(problem, found, shared))
+
+
+def _where_at_start(problem: Any, found: Found, shared: dict[str, Any]) -> dict[str, Any]:
+    """What a result says of the elements that meet at the start: all of them, which the search has not looked for."""
+    pairs = _pairs_at_start(problem) or [pair for pair, _ in found.start] or found.pairs
+    named = element_pairs(shared["a"], shared["b"], pairs)
+    lowest, pair = named[0]
+    return {
+        "point": _start_point(problem, pair),
+        "normal": None,
+        "element_a": lowest.element_a,
+        "element_b": lowest.element_b,
+        "others": tuple(p for p, _ in named[1 : 1 + MOST_OTHERS]),
+        "multiplicity": len(named),
+        "contact_set": None,
+    }
+
+
+def _pairs_at_start(problem: Any) -> list[Pair]:
+    """All pairs of an edge and a face that share a point at the start; none where some are left open."""
+    try:
+        return [pair for pair, _ in pairs_at_start(problem)]
+    except Undecidable:
+        return []
+
+
+@dataclass(frozen=True, slots=True)
+class JoinedInterval:
+    """A window of contact, its ends each in the clock of the piece that holds it: (problem, instant, turn)."""
+
+    start: tuple[Any, Any, int]
+    end: tuple[Any, Any, int]
+
+    def at_start(self, piece: Any) -> bool:
+        """Whether it begins with that piece."""
+        problem, instant, turn = self.start
+        return problem.piece is piece and turn == 0 and instant.is_zero()
+
+
+def join(intervals: list[JoinedInterval], problem: Any, windows: list[Any]) -> list[JoinedInterval]:
+    """The intervals with the next piece's windows; contact at the joint of two pieces goes on."""
+    out = list(intervals)
+    for start, turn, end, last in problem.repeated(windows):
+        if out and turn == 0 and start.is_zero() and out[-1].end[0] is not problem and _ends_piece(out[-1]):
+            out[-1] = JoinedInterval(out[-1].start, (problem, end, last))
+        else:
+            out.append(JoinedInterval((problem, start, turn), (problem, end, last)))
+    return out
+
+
+def _ends_piece(interval: JoinedInterval) -> bool:
+    problem, instant, turn = interval.end
+    return problem.is_end(instant, turn)
+
+
+def interval_of(joined: JoinedInterval, exact: bool) -> ContactInterval:
+    (problem, start, turn), (problem_end, end, turn_end) = joined.start, joined.end
+    t0, lo = problem.world_instant(start, turn)
+    t1, hi = problem_end.world_instant(end, turn_end)
+    return ContactInterval(
+        t0,
+        t1,
+        lo,
+        hi,
+        problem.world_exact(start, turn) if exact else None,
+        problem_end.world_exact(end, turn_end) if exact else None,
+    )
+
+
+def _start_point(problem: Any, pair: Pair) -> np.ndarray | None:
+    with precision(PRECISIONS[0]):
+        try:
+            return doubles(problem.start_point(pair[1], pair[2]))
+        except Undecidable:
+            return None
+
+
+def _place(problem: Any, pair: Pair, instant: Any, time: float) -> tuple[np.ndarray, np.ndarray | None]:
+    """Contact point and unit normal (from b towards a) in the world."""
+    point, normal = problem.touch(pair[1], pair[2], instant)
+    pose = problem.piece.carry(time)
+    if pose is not None:
+        point = pose[:3, :3] @ point + pose[:3, 3]
+        normal = None if normal is None else carried_normal(pose, normal)
+    return point, normal

@@ -1,0 +1,473 @@
+"""One piece of curved motion without a rational pose: contact times as balls of any precision."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from functools import cached_property, cmp_to_key
+from itertools import product
+from typing import Any
+
+import numpy as np
+from flint import arb, arb_series, ctx, fmpq
+
+from firstcontact.contact.polyhedra.curved_problem import Corners, CurvedProblem
+from firstcontact.contact.polyhedra.earliest import SOON
+from firstcontact.contact.polyhedra.generic_turns import relative_pose
+from firstcontact.contact.polyhedra.planar import BeginsNothing, generic_poses, has_walls, normal_of_motion
+from firstcontact.exact.fields.conditions import Conditions
+from firstcontact.exact.numbers import (
+    PRECISIONS,
+    Undecidable,
+    above,
+    ball,
+    ball_bounds,
+    dyadic,
+    exact_value,
+    nearest_double,
+    precision,
+    simplest,
+    to_double,
+)
+from firstcontact.exact.rigid import Matrix, apply, compose, inverse_map
+from firstcontact.exact.times.instants import RationalInstant, enclose
+from firstcontact.exact.vectors import cross, sub
+from firstcontact.kernels.verdict import CERTAIN, NONE
+from firstcontact.motion.relative.curved import CurvedPiece, inverse, terms
+from firstcontact.pairs.elements import moving
+from firstcontact.result import ExactTime
+from firstcontact.search.trees import curve, curve_windows
+from firstcontact.search.trees.containment import contains
+from firstcontact.search.trees.elements import (
+    EDGE,
+    FACE,
+    KINDS,
+    VERTEX,
+    Feature,
+    Primitive,
+    certainly_meet,
+    corners_of,
+    vertices_of,
+)
+from firstcontact.search.trees.frame import tree_of
+from firstcontact.search.trees.tree import FACET
+from firstcontact.search.trees.windows import PART_ROOM
+
+# Bits of poses between two instants.
+_BITS = 512
+# What looking at a stretch of time answers when it is not clear.
+OPEN = "open"
+# Terms of the series that stand for the motion over a short time, the last one enclosing the rest.
+_TERMS = 8
+# Times looked at before a pair counts as undecidable at a precision.
+_MOST_LOOKS = 200
+# The first time to look into around a bound of the floats, as a share of the piece.
+_NEAR = 2.0**-28
+
+
+class EnclosedProblem(CurvedProblem):
+    """A piece whose pose has no rational form, such as a screw: contact times are balls of any precision.
+
+    What no precision decides, such as a graze, raises Undecidable.
+    """
+
+    def __init__(self, a: Any, b: Any, piece: CurvedPiece) -> None:
+        super().__init__(a, b, piece)
+        self._instants: dict[Hashable, list[tuple[RationalInstant, arb]]] = {}
+        self._possible: dict[tuple[Feature, Feature], float] = {}
+        self._poses_at: dict[fmpq, tuple[Any, Any, bool] | None] = {}
+
+    @cached_property
+    def _generic(self) -> tuple[Any, Any] | None:
+        """The generic pose of motions in the plane, and its inverse; None where this motion is in no plane."""
+        normal = normal_of_motion(self.piece)
+        return None if normal is None or not self.is_exact else generic_poses(normal)
+
+    @cached_property
+    def _have_walls(self) -> bool:
+        normal = normal_of_motion(self.piece)
+        return normal is not None and has_walls(self.a, normal) and has_walls(self.b, normal)
+
+    def _lasting(self, pair: Corners) -> list[list[bool]] | None:
+        """For every part of the conditions, which of `least` and `more` vanish at all times; None where none may.
+
+        Raises BeginsNothing for elements that slide in one another; Undecidable where contact may begin so.
+        """
+        if self._generic is None:
+            return None
+        parts = self.conditions(pair, *self._generic)
+        if all(not any(c.zero) for c in parts):
+            raise BeginsNothing if self._have_walls else Undecidable
+        return [[not p for p in (*c.least, *c.more)] for c in parts]
+
+    def conditions(self, pair: Corners, pose: Any, back: Any) -> list[Conditions]:
+        """When the two elements share a point, but for parallel edges; power series in the time."""
+        x, y = pair
+        if len(x) == 1:
+            return moving.vertex_facet(moving.times(pose, x[0], 1), *y)  # type: ignore[call-arg]
+        if len(y) == 1:
+            return moving.vertex_facet(moving.times(back, y[0], 1), *x)  # type: ignore[call-arg]
+        edge = moving.turned(pose, sub(x[1], x[0]))
+        return [moving.edge_edge_crossing(moving.times(pose, x[0], 1), edge, *y)]  # type: ignore[call-arg]
+
+    def contact(self, element_a: Feature, element_b: Feature) -> RationalInstant | None:
+        """The earliest time of the window at which the two elements share a point, as a ball.
+
+        Floats say before when there is none; from there on balls decide.
+        """
+        if element_a[0] == element_b[0] == EDGE and self._stay_parallel(element_a, element_b):
+            return None
+        kind = next(k for k, pair in KINDS.items() if pair == (element_a[0], element_b[0]))
+        xa, xb = (corners_as_doubles(body, e) for body, e in ((self.a, element_a), (self.b, element_b)))
+        pair = corners_of(self.a, element_a), corners_of(self.b, element_b)
+        lasting = self._lasting(pair)
+        first, last = 0.0, self.window()[0]
+        near = _NEAR * last
+        while True:
+            verdict, lo, hi = curve.pair_window(
+                self.motion, kind, xa, xb, self.tree_a.error, self.tree_b.error, first, last
+            )
+            if verdict == NONE:
+                return None
+            self._possible[element_a, element_b] = lo
+            until = hi if verdict == CERTAIN and hi - lo < near else lo + near
+            try:
+                found = self._contacts_in(pair, exact_value(lo), exact_value(until), True, lasting)
+            except Undecidable as unclear:
+                self._possible[element_a, element_b] = max(lo, *unclear.args)
+                raise
+            if found:
+                return RationalInstant(found[0][0])
+            if until >= last:
+                return None
+            first, near = until, 4.0 * near
+
+    def _stay_parallel(self, edge_a: Feature, edge_b: Feature) -> bool:
+        """Whether the edges are parallel at all times, and a facet at one of them.
+
+        Then they share a point only where an end of one lies in the other: a corner of that facet on the other body, or
+        a corner of the other on the facet.
+        """
+        directions = []
+        for leg, body, edge in ((self.piece.leg_a, self.a, edge_a), (self.piece.leg_b, self.b, edge_b)):
+            direction = leg.fixed_direction(sub(*corners_of(body, edge)))
+            if direction is None:
+                return False
+            directions.append(direction)
+        return not any(cross(*directions)) and (_has_facet(self.a, edge_a) or _has_facet(self.b, edge_b))
+
+    def _contacts_in(
+        self, pair: Corners, lo: fmpq, hi: fmpq, first_only: bool = False, lasting: list[list[bool]] | None = None
+    ) -> list[tuple[Any, arb]]:
+        """The contacts of two elements from lo to hi, or the first of them, each with a time in which it is alone.
+
+        They are balls, but rational at an end of the piece and where balls would leave them open.
+
+        lasting: as `_lasting` tells.
+        Undecidable carries a double before which there certainly is none.
+        """
+        waiting, looks = [(lo, hi)], 0
+        out: list[tuple[Any, arb]] = []
+        # `waiting` holds, last one first, the times at which contacts may be that are not in `out`.
+        while waiting and not (first_only and out):
+            left, right = waiting.pop()
+            looks += 1
+            found = self._look(pair, left, right, lasting)
+            if found == OPEN:
+                if looks > _MOST_LOOKS or right - left < fmpq(1, 2 ** (ctx.prec // 2)) * self.length:
+                    raise Undecidable(to_double(left))
+                cut = left + (right - left) * fmpq(15, 31)  # no power of two: events like those
+                waiting += [(cut, right), (left, cut)]
+            elif found is not None and self._in_window(found[0]):
+                out.append(found)
+        return out
+
+    def _look(self, pair: Corners, left: fmpq, right: fmpq, lasting: list[list[bool]] | None) -> Any:
+        """None: certainly no contact from left to right; OPEN: not clear; else the contact and a time it has alone."""
+        parts = self._conditions_over(pair, left, right)
+        open_parts = [k for k, c in enumerate(parts) if not _excluded(c, ball((right - left) / 2))]
+        if len(open_parts) != 1:
+            return OPEN if open_parts else None
+        index = open_parts[0]
+        found = self._root(pair, index, left, right)
+        if found is None or found is OPEN:
+            return found
+        root, alone = found
+        with terms(1, ctx.prec):
+            at = self.conditions(pair, *self._poses(root))[index]
+        held = [False] * 9 if lasting is None else lasting[index]
+        values = [x[0] for x, always in zip((*at.least, *at.more), held, strict=False) if not always]
+        if any(x < 0 for x in values):
+            return None
+        is_clear = all(x > 0 for x in values)
+        if is_clear and 0 < root < arb(self.length):
+            return self._rounded(pair, index, root, left, right), alone
+        time = self._rational_contact(pair, index, root, at)
+        if time is OPEN and not is_clear:
+            raise Undecidable(ball_bounds(root)[0])
+        return None if time is None else (root if time is OPEN else time, alone)
+
+    def _rounded(self, pair: Corners, index: int, root: arb, left: fmpq, right: fmpq) -> arb:
+        """The root, narrow enough to tell the double nearest its time, where some precision does."""
+        bits = 2 * ctx.prec
+        while bits <= PRECISIONS[-1] and nearest_double(root + self.piece.start) is None:
+            with precision(bits):
+                found = self._root(pair, index, left, right)
+            if found is None or found is OPEN or not found[0].rad() < root.rad():
+                break
+            root, bits = found[0], 2 * bits
+        return root
+
+    # -- times that are rational ----------------------------------------------------------------------------
+
+    def _rational_contact(self, pair: Corners, index: int, root: arb, at: Conditions) -> Any:
+        """The time of contact where it is a rational one of few bits, or an end of the piece, in the ball `root`.
+
+        None: there is no contact; OPEN: it is not proved that the equation holds at that time.
+        at: the conditions in balls, for those that are not told exactly.
+        """
+        time = self._rational_in(root)
+        poses = self._exact_poses(time)
+        if poses is None:
+            return OPEN
+        pose, back, is_exact = poses
+        exact = self.conditions(pair, pose, back)[index]
+        if any(exact.zero):
+            return OPEN
+        for name in ("least", "more"):
+            for polynomial, around in zip(getattr(exact, name), getattr(at, name), strict=True):
+                value = polynomial[0] if is_exact or not polynomial else around[0]
+                if value < 0 or (value == 0 and name == "more"):
+                    return None
+                if not value >= 0:
+                    raise Undecidable(ball_bounds(root)[0])
+        return time
+
+    def _rational_in(self, root: arb) -> fmpq:
+        for end in (self.length, fmpq(0)):
+            if root.contains(end):
+                return end
+        return simplest(dyadic(root.lower()), dyadic(root.upper()))
+
+    def _exact_poses(self, time: fmpq) -> tuple[Any, Any, bool] | None:
+        if not self.is_exact:
+            return None
+        if time not in self._poses_at:
+            there = time + self.piece.start
+            self._poses_at[time] = relative_pose(self.piece.leg_a.place(there), self.piece.leg_b.place(there))
+        return self._poses_at[time]
+
+    def _conditions_over(self, pair: Corners, left: fmpq, right: fmpq) -> list[Any]:
+        """The conditions as series about the middle of a time, their last terms enclosing the rest."""
+        middle = (left + right) / 2
+        with terms(_TERMS, ctx.prec):
+            poses = self._poses(ball(middle)), self._poses(arb(left).union(arb(right)))
+            sharp, blurred = (self.conditions(pair, *pose) for pose in poses)
+        return [
+            Conditions(*(  # type: ignore[arg-type]
+                tuple(_joined(f, g) for f, g in zip(getattr(c, name), getattr(d, name), strict=True))
+                for name in ("zero", "least", "more")
+            ))
+            for c, d in zip(sharp, blurred, strict=True)
+        ]  # fmt: skip
+
+    def _poses(self, t: arb) -> tuple[Any, Any]:
+        """The pose of a seen from b at the local time, and its inverse, with their last rows."""
+        pose = self.piece.series(t + self.piece.start)
+        last = [[0, 0, 0, arb_series([1])]]
+        return pose + last, inverse(pose, self.piece.is_rigid) + last
+
+    def _root(self, pair: Corners, index: int, left: fmpq, right: fmpq) -> Any:
+        """The one zero from left to right by Newton's method: (ball, time alone), None, or OPEN.
+
+        The time is blown up a little, so that a zero at its end is inside; m - f(m) / f'(X) inside X proves one zero.
+        """
+        margin = (right - left) / 8
+        x = alone = arb(left - margin).union(arb(right + margin))
+        inside = False
+        for _ in range(2 * PRECISIONS[-1].bit_length()):
+            m = arb(x.mid())
+            value, slope = self._value(pair, index, m)[0], self._value(pair, index, x)[1]
+            if slope.contains(0):
+                return OPEN
+            step = m - value / slope
+            if not step.overlaps(x):
+                return None
+            inside = inside or bool(x.contains_interior(step))
+            narrower = x.intersection(step)
+            done = not narrower.rad() < 0.5 * x.rad()
+            x = narrower
+            if done:
+                break
+        if not inside:
+            return OPEN
+        if x < left or x > right:
+            return None
+        return x, alone
+
+    def _value(self, pair: Corners, index: int, t: arb) -> Any:
+        with terms(2, ctx.prec):
+            return self.conditions(pair, *self._poses(t))[index].zero[0]
+
+    def _in_window(self, t: Any) -> bool:
+        """Whether the time lies in the piece; Undecidable for balls at its ends."""
+        if t < 0 or t > self.length:
+            return False
+        if isinstance(t, fmpq) or (t > 0 and t < self.length):
+            return True
+        raise Undecidable(ball_bounds(t)[0])
+
+    def meets_by(self, element_a: Feature, element_b: Feature, after: float) -> float | None:
+        """A time soon after that one at which the bodies certainly share a point at the two elements, or None.
+
+        That settles a first contact no precision names, such as an edge that lands on an edge: it is in between.
+        """
+        beside = [_beside(body, e) for body, e in ((self.a, element_a), (self.b, element_b))]
+        with precision(_BITS):
+            for share in (2.0**-12, 2.0**-6, 0.5):
+                t = min(exact_value(after) + exact_value(share * SOON) * self.length, self.length)
+                pose = self._pose_at(t + self.piece.start)
+                if (
+                    any(certainly_meet(x.moved(pose), y) for x, y in product(*beside))
+                    or _certainly_holds(self.b, self.a, element_a, pose)
+                    or _certainly_holds(self.a, self.b, element_b, inverse_map(pose))
+                ):
+                    return above(t)
+        return None
+
+    def _pose_at(self, t: fmpq) -> Matrix:
+        """The pose of a seen from b at that time of the clock: rational where both are, else in balls."""
+        pose_a, pose_b = (leg.place(t).matrix() for leg in (self.piece.leg_a, self.piece.leg_b))
+        return compose(inverse_map(pose_b), pose_a)
+
+    def possible(self, element_a: Feature, element_b: Feature) -> float:
+        """A time before which the two elements, which no precision could decide, certainly do not meet."""
+        return self._possible.get((element_a, element_b), 0.0)
+
+    def events(
+        self, a: Primitive, b: Primitive, pairs: list[tuple[Hashable, Corners]]
+    ) -> list[tuple[RationalInstant, bool]]:
+        """The instants of contact of elements where floats leave open whether contact begins or ends there."""
+        found: dict[int, RationalInstant] = {}
+        with precision(max(ctx.prec, _BITS)):
+            for lo, hi in self._open_times(a, b):
+                for name, pair in pairs:
+                    for root, alone in self._contacts_in(pair, lo, hi):
+                        instant = self._known(name, root, alone)
+                        found[id(instant)] = instant
+            return [(instant, True) for instant in sorted(found.values(), key=cmp_to_key(self.order))]
+
+    def _known(self, name: Hashable, root: arb, alone: arb) -> RationalInstant:
+        """The instant of that contact of two elements: one object, whichever primitives ask, equal to itself."""
+        known = self._instants.setdefault(name, [])
+        for instant, around in known:
+            if around.contains(root):
+                return instant
+        known.append((RationalInstant(root), alone))
+        return known[-1][0]
+
+    def order(self, x: RationalInstant, y: RationalInstant) -> int:
+        """-1, 0, 1: x before, at, after y; Undecidable for different contacts that balls do not tell apart."""
+        return 0 if x is y else x.compare(y)
+
+    def _open_times(self, a: Primitive, b: Primitive) -> list[tuple[fmpq, fmpq]]:
+        """Disjoint times in which the floats do not know whether two primitives meet."""
+        xa, xb = (np.array([[to_double(x) for x in p] for p in (*c.corners, c.corners[-1])][:3]) for c in (a, b))
+        mask_a, mask_b = (np.int64(FACET if c.is_facet else 0) for c in (a, b))
+        out = np.empty((PART_ROOM, 4))
+        last = self.window()[0]
+        errors = self.tree_a.error, self.tree_b.error
+        count = curve_windows.windows_of_parts(self.motion, mask_a, xa.ravel(), mask_b, xb.ravel(), *errors, last, out)
+        if count < 0:
+            return [(fmpq(0), self.length)]
+        zones: list[tuple[float, float]] = []
+        for w0, w1, w2, w3 in out[:count].tolist():
+            for lo, hi in ((w0, w1), (w2, w3)) if w1 < w2 else ((w0, w3),):
+                if hi < 0.0 or lo > last or lo == hi:
+                    continue
+                if zones and lo <= zones[-1][1]:
+                    zones[-1] = zones[-1][0], max(hi, zones[-1][1])
+                else:
+                    zones.append((lo, hi))
+        return [(exact_value(lo), exact_value(hi)) for lo, hi in zones]
+
+    def pose_between(self, x: RationalInstant, y: RationalInstant) -> Matrix:
+        """The pose of a half way between x and y, in balls."""
+        with terms(1, _BITS):
+            middle = self.piece.series((ball(x.value) + ball(y.value)) / 2 + self.piece.start)
+            return tuple(tuple(entry[0] for entry in row) for row in middle)  # type: ignore[return-value]
+
+    def float_window(self, lo: float, hi: float) -> tuple[RationalInstant, RationalInstant]:
+        """A certain window given by doubles, clipped to the piece."""
+        first, last = (min(max(exact_value(x), fmpq(0)), self.length) for x in (lo, hi))
+        return RationalInstant(first), RationalInstant(last)
+
+    def start_instant(self) -> RationalInstant:
+        return RationalInstant(fmpq(0))
+
+    def end_instant(self) -> RationalInstant:
+        return RationalInstant(self.length)
+
+    def world_instant(self, at: RationalInstant, turn: int = 0) -> tuple[float, tuple[float, float]]:
+        """(nearest double, enclosure) of the instant in the motions' clock."""
+        return enclose(lambda: at.value + self.piece.start)
+
+    def world_exact(self, at: RationalInstant, turn: int = 0) -> ExactTime | None:
+        """None: no exact form."""
+        return None
+
+
+
+def _beside(body: Any, element: Feature) -> list[Primitive]:
+    """The triangles and bare edges that share a corner with the element."""
+    corners = vertices_of(body, element)
+    primitives = [t for t in body.triangles.tolist() if not set(corners).isdisjoint(t)]
+    if not primitives:
+        primitives = [s for s in body._segments.tolist() if not set(corners).isdisjoint(s)] or [corners]
+    return [Primitive.of([body.exact_vertex(i) for i in p]) for p in primitives]
+
+
+def _certainly_holds(solid: Any, body: Any, element: Feature, pose: Matrix) -> bool:
+    """Whether the element is a vertex of the body that certainly lies inside the solid."""
+    if not solid.solid or element[0] != VERTEX:
+        return False
+    try:
+        return contains(solid, tree_of(solid), apply(pose, body.exact_vertex(element[1])))
+    except Undecidable:
+        return False
+
+
+def _has_facet(body: Any, edge: Feature) -> bool:
+    """Whether the edge is a side of a triangle."""
+    return bool(np.any(np.isin(body.triangles, vertices_of(body, edge)).sum(axis=1) >= 2))
+
+
+def corners_as_doubles(body: Any, element: Feature) -> np.ndarray:
+    """The corners of an element as the doubles of the body, the last one repeated."""
+    kind, index = element
+    if kind == FACE:
+        rows = body.triangles[index]
+    elif kind == EDGE:
+        n = len(body._segments)
+        rows = body._segments[index][[0, 1, 1]] if index < n else np.full(3, index - n)
+    else:
+        rows = np.full(3, index)
+    return np.ascontiguousarray(body.vertices[rows], np.float64).reshape(9)
+
+
+def _joined(sharp: Any, blurred: Any) -> list[arb]:
+    """Coefficients about the middle, the last one those of all the time (Lagrange's remainder)."""
+    return [*(sharp[k] for k in range(_TERMS - 1)), blurred[_TERMS - 1]]
+
+
+def _excluded(c: Any, half: arb) -> bool:
+    """Whether some condition certainly fails all the time of that half length."""
+    return any(_signed(f, half) != 0 for f in c.zero) or any(_signed(f, half) < 0 for f in (*c.least, *c.more))
+
+
+def _signed(f: list[arb], half: arb) -> int:
+    """The sign a function certainly has all the time, else 0."""
+    span, power = arb(0), arb(1)
+    for c in f[1:]:
+        power *= half
+        span += abs(c) * power
+    return 1 if f[0] > span else -1 if f[0] < -span else 0

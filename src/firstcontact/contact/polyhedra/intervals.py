@@ -1,0 +1,141 @@
+"""All closed times of one piece at which two bodies share a point: floats cover the inside, exact ends."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cmp_to_key
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from firstcontact.contact.polyhedra.earliest import Progress
+from firstcontact.exact.numbers import Undecidable
+from firstcontact.search.trees.containment import contained_at, decide
+from firstcontact.search.trees.state import SLICE
+from firstcontact.search.trees.windows import COVERS, DONE, FOUND, FULL, STACK, TESTS, VISITS
+
+Window = tuple[Any, Any]
+
+
+@dataclass(slots=True)
+class Windows:
+    """Windows of contact (start, end), exact instants, disjoint and ascending; or why there are none to trust."""
+
+    windows: list[Window] = field(default_factory=list)
+    open: str | None = None
+    visits: int = 0
+    tests: int = 0
+    unsure: int = 0
+    exact: int = 0
+    engine: str = "boxes"
+
+
+def contact_windows(problem: Any, budget: int | None, progress: Progress | None) -> Windows:
+    """All windows of contact of the piece, its solids' interiors included."""
+    answer = Windows()
+    collected = _collect(problem, answer, budget, progress)
+    if collected is None:
+        answer.open = "budget"
+        return answer
+    cover, parts = collected
+    try:
+        last = problem.window()[0]
+        items = [problem.float_window(lo, hi) for lo, hi in cover if hi >= 0.0 and lo <= last]
+        items = [(start, end) for start, end in items if problem.order(start, end) <= 0]
+        for part_a, part_b in parts:
+            answer.exact += 1
+            items += decide(lambda a=part_a, b=part_b: problem.windows_of(a, b))
+        answer.windows = _union(items, problem)
+        if problem.a.solid or problem.b.solid:
+            answer.windows = _with_containment(problem, answer.windows)
+    except Undecidable:
+        answer.open = "precision"
+    return answer
+
+
+def _collect(
+    problem: Any, answer: Windows, budget: int | None, progress: Progress | None
+) -> tuple[list[tuple[float, float]], list[tuple[int, int]]] | None:
+    """(certain cover, primitive pairs that matter at its ends); None when the budget is spent."""
+    integers = np.zeros(5, np.int64)
+    integers[STACK] = 1
+    stack = np.zeros((1024, 2), np.int32)
+    cover = np.empty((64, 2))
+    times, parts = np.empty((4096, 4)), np.empty((4096, 2), np.int32)
+    while True:
+        limit = int(integers[VISITS]) + SLICE
+        if budget is not None:
+            limit = min(limit, budget - int(integers[TESTS]))
+        reason = problem.collect(limit, integers, stack, cover, times, parts)
+        answer.visits, answer.tests = int(integers[VISITS]), int(integers[TESTS])
+        if reason == DONE:
+            break
+        if reason == FULL:
+            times, parts = _drop_covered(integers, cover, times, parts)
+            if integers[STACK] * 2 > len(stack):
+                stack = np.concatenate([stack, np.zeros_like(stack)])
+            continue
+        if progress is not None:
+            progress(0.0, answer.visits + answer.tests)
+        if budget is not None and answer.visits + answer.tests >= budget:
+            return None
+    times, parts = _drop_covered(integers, cover, times, parts)
+    n = int(integers[FOUND])
+    answer.unsure = int(np.sum(times[:n, 0] > times[:n, 3]))
+    ids_a, ids_b = problem.tree_a.ids[parts[:n, 0], 0], problem.tree_b.ids[parts[:n, 1], 0]
+    pairs = sorted(set(zip(ids_a.tolist(), ids_b.tolist(), strict=True)))
+    return [tuple(c) for c in cover[: int(integers[COVERS])].tolist()], pairs  # type: ignore[misc]
+
+
+def _drop_covered(
+    integers: np.ndarray, cover: np.ndarray, times: np.ndarray, parts: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Forget windows strictly inside the cover; keep room for as many again."""
+    n = int(integers[FOUND])
+    kept = times[:n]
+    unsure = kept[:, 0] > kept[:, 3]
+    lo = np.where(unsure, kept[:, 2], kept[:, 0])
+    inside = np.zeros(n, bool)
+    for c0, c1 in cover[: int(integers[COVERS])]:
+        inside |= (c0 < lo) & (kept[:, 3] < c1)
+    keep = np.flatnonzero(~inside)
+    size = max(4096, 2 * len(keep))
+    new_times, new_parts = np.empty((size, 4)), np.empty((size, 2), np.int32)
+    new_times[: len(keep)], new_parts[: len(keep)] = times[keep], parts[keep]
+    integers[FOUND] = len(keep)
+    return new_times, new_parts
+
+
+def _union(items: list[Window], problem: Any) -> list[Window]:
+    """The union of closed windows as disjoint windows, ascending; windows that touch become one."""
+
+    def by_start(x: Window, y: Window) -> int:
+        return problem.order(x[0], y[0])
+
+    items = sorted(items, key=cmp_to_key(by_start))
+    out: list[Window] = []
+    for start, end in items:
+        if out and problem.order(start, out[-1][1]) <= 0:
+            if problem.order(end, out[-1][1]) > 0:
+                out[-1] = out[-1][0], end
+        else:
+            out.append((start, end))
+    return out
+
+
+def _with_containment(problem: Any, windows: list[Window]) -> list[Window]:
+    """The windows and those gaps between them in which a body lies inside the other.
+
+    The surfaces share no point in a gap, so one time in it decides the whole gap.
+    """
+    begin, end = problem.start_instant(), problem.end_instant()
+    ends: list[Window] = [(None, begin), *windows, (end, None)]
+    out: list[Window] = []
+    for before, after in pairwise(ends):
+        left, right = before[1], after[0]
+        if windows and problem.order(left, right) >= 0:
+            continue
+        if contained_at(problem, left, right):
+            out.append((left, right))
+    return _union(windows + out, problem)

@@ -1,0 +1,90 @@
+"""From a piece of relative motion to the search problem it poses."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+import numpy as np
+from flint import fmpq
+
+from firstcontact.contact.polyhedra.translation_problem import TranslationProblem
+from firstcontact.motion.moving import shape_of
+from firstcontact.motion.relative.curved import CurvedPiece
+from firstcontact.motion.relative.pieces import Piece
+
+
+def problem_of(a: Any, b: Any, piece: Any, engine: str = "boxes", threads: int = 1) -> Any:
+    """The search problem of the piece, both bodies placed at its reference time."""
+    if isinstance(piece, CurvedPiece):
+        from firstcontact.contact.polyhedra.enclosed_problem import EnclosedProblem
+        from firstcontact.contact.polyhedra.rational_problem import RationalProblem
+
+        body_a, body_b = (shape_of(body) for body in (a, b))
+        return (RationalProblem if piece.polynomial else EnclosedProblem)(body_a, body_b, piece)
+    body_a, body_b = _placed(a, b, piece)
+    if piece.velocity is not None:
+        problem: Any = TranslationProblem(body_a, body_b, piece)
+    else:
+        from firstcontact.contact.polyhedra.rotation_problem import RotationProblem
+
+        problem = RotationProblem(body_a, body_b, piece)
+    problem.engine, problem.threads = engine, threads
+    return problem
+
+
+def problems_in_order(
+    a: Any, b: Any, parts: Iterable[Any], engine: str = "boxes", threads: int = 1
+) -> Iterator[tuple[Any, bool]]:
+    """The problems to search one after the other, and whether the bodies may share points from its beginning on.
+
+    That is so in the first one, in which both bodies stand as the span starts, and after a jump.
+    """
+    before = None
+    for k, piece in enumerate(parts):
+        if isinstance(piece, CurvedPiece):
+            if k == 0 or not piece.continues(before):
+                start = piece_at_start(piece)
+                bodies = _placed(a, b, start)
+                if k == 0 or not _boxes_apart(*bodies):
+                    yield TranslationProblem(*bodies, start), True
+            yield problem_of(a, b, piece, engine), False
+        else:
+            problem = problem_of(a, b, piece, engine, threads)
+            yield from _simple_problems(a, b, problem, k == 0 or isinstance(before, CurvedPiece))
+        before = piece
+
+
+def _simple_problems(a: Any, b: Any, problem: Any, with_start: bool) -> Iterator[tuple[Any, bool]]:
+    """The problems of a translation or rotation."""
+    piece: Piece = problem.piece
+    if piece.reference == piece.start:
+        yield problem, with_start
+        return
+    if with_start:
+        from firstcontact.contact.polyhedra.standstill import Standstill
+
+        start = piece.at_start()
+        yield Standstill(*_placed(a, b, start), start, problem), True
+    for part in problem.parts():
+        yield part, False
+
+
+def piece_at_start(piece: CurvedPiece) -> Piece:
+    """The instant in which a curved piece starts, both bodies as they stand in the world then."""
+    zero = fmpq(0), fmpq(0), fmpq(0)
+    rate = fmpq(0), fmpq(0)
+    return Piece(piece.start, piece.start, piece.start, *piece.placed_at_start(), zero, None, None, rate)
+
+
+def _boxes_apart(a: Any, b: Any) -> bool:
+    """Whether two bodies at rest certainly share no point, by their boxes."""
+    (lo_a, hi_a), (lo_b, hi_b) = a.bounds(), b.bounds()
+    size = max(float(np.abs(x).max()) for x in (lo_a, hi_a, lo_b, hi_b))
+    pad = 1e-15 * size  # each bound rounds once
+    return bool(np.any(lo_a > hi_b + pad) or np.any(lo_b > hi_a + pad))
+
+
+def _placed(a: Any, b: Any, piece: Piece) -> tuple[Any, Any]:
+    body_a, body_b = (shape_of(body) for body in (a, b))
+    return piece.place_a.place(body_a), piece.place_b.place(body_b)

@@ -1,0 +1,268 @@
+"""One piece of relative translation: the walk over two trees, and exact answers for pairs of elements."""
+
+from __future__ import annotations
+
+import math
+import sys
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from flint import arb, fmpq
+
+from firstcontact.contact.polyhedra.engines import ByEngine
+from firstcontact.exact.numbers import below, dyadic, exact_value, fraction, sign, to_double
+from firstcontact.exact.rigid import Matrix, shift
+from firstcontact.exact.times.instants import RationalInstant, enclose
+from firstcontact.exact.times.windows import ALWAYS, Window, clip, hull
+from firstcontact.exact.vectors import Vector, dot, scaled, whole
+from firstcontact.motion.relative.pieces import Piece
+from firstcontact.pairs.elements import coplanar, line_line, point_plane, segment_facet
+from firstcontact.search.trees import translate  # noqa: F401 - the walk under this motion
+from firstcontact.search.trees.containment import contained
+from firstcontact.search.trees.elements import EDGE, VERTEX, Feature, Primitive, corners_of, whole_corners
+from firstcontact.search.trees.frame import shared_frame, tree_of, view_in
+from firstcontact.search.trees.state import WalkState
+from firstcontact.search.trees.touch import Touch, translation_touch
+from firstcontact.search.trees.walk import walk
+from firstcontact.search.trees.windows import collect
+
+ZERO = fmpq(0)
+
+
+# Coordinates of velocities above it are as good as any; those below, but not zero, may leave the range of doubles.
+LEAST_SPEED = 2.0**-1000
+
+
+class TranslationProblem(ByEngine):
+    """Body a moves by t v over the local times [0, last] (last None: for ever), body b rests.
+
+    The local clock is that of the motions from the piece's start on; where their velocities are huge or tiny, `pace`
+    times as quick.
+    """
+
+    begin = 0.0, 0.0
+
+    def __init__(self, a: Any, b: Any, piece: Piece) -> None:
+        assert piece.velocity is not None
+        self.a, self.b, self.piece = a, b, piece
+        self.v, self._doubles = piece.velocity, [to_double(x) for x in piece.velocity]
+        self.pace = _pace(self.v, self._doubles)
+        if self.pace is not None:
+            self.v = scaled(1 / self.pace, self.v)
+            self._doubles = [to_double(x) for x in self.v]
+        self.is_exact = a._pose is None and b._pose is None
+        per, (v,) = whole(self.v)
+        self._whole_velocity = per, v
+        self._known_corners: dict[tuple[Feature, Feature], Any] = {}
+        self.last = None if piece.end is None else piece.end - piece.start
+        if self.last is not None and self.pace is not None:
+            self.last *= self.pace
+        self.tree_a, self.tree_b = tree_of(a), tree_of(b)
+        self._prepare()
+
+    def _prepare(self) -> None:
+        """Boxes and their velocity in the frame that suits the bodies; parts and their velocity as they are."""
+        v = framed = self._doubles
+        frame = None if self.last is None else shared_frame(self.a, self.b)
+        if frame is None:
+            self.boxes_a, self.boxes_b = self.tree_a.boxes, self.tree_b.boxes
+            self.pad = 2.0 * (self.tree_a.error + self.tree_b.error)
+        else:
+            view_a, view_b = view_in(self.a, frame), view_in(self.b, frame)
+            self.boxes_a, self.boxes_b = view_a.boxes, view_b.boxes
+            framed = [x if abs(x) >= 1e-300 else 0.0 for x in (dot(row, v) for row in frame)]  # type: ignore[arg-type]
+            # the framed velocity is off by 4 roundings of sums over |v|: so much per unit of time
+            drift = 2.0**-50 * sum(map(abs, v)) * self.window()[0]
+            self.pad = 2.0 * (view_a.error + view_b.error + drift)
+        if any(x != 0 and abs(y) < LEAST_SPEED for x, y in zip(self.v, v, strict=True)):
+            self.pad += 2.0**-800  # so slowly nothing comes that far before the bodies have passed each other
+        self.velocity = np.array([*framed, *(1.0 / x if x else math.inf for x in framed), *v])
+
+    def window(self) -> tuple[float, float]:
+        """(last, sure last): outward and inward doubles around the end of the window."""
+        if self.last is None:
+            return math.inf, math.inf
+        last = to_double(self.last)
+        if math.isinf(last):
+            return last, sys.float_info.max
+        if fmpq(*last.as_integer_ratio()) == self.last:
+            return last, last
+        return math.nextafter(last, math.inf), math.nextafter(last, -math.inf)
+
+    def advance_boxes(self, state: WalkState, limit: int, with_start: bool, all_sides: bool) -> int:
+        """Go on with the walk over trees of boxes; the reason it came back."""
+        a, b = self.tree_a, self.tree_b
+        return walk(
+            self.boxes_a, a.links, a.xyz, a.ids, self.boxes_b, b.links, b.xyz, b.ids,
+            self.velocity, a.error, b.error, self.pad, with_start, all_sides, limit,
+            state.floats, state.integers, state.keys, state.pairs, state.stack, state.times, state.candidates,
+        )  # fmt: skip
+
+    def _corners(self, element_a: Feature, element_b: Feature) -> Any:
+        """`whole_corners` with the velocity; of rational bodies they are kept, precision does not change them."""
+        key = element_a, element_b
+        found = self._known_corners.get(key)
+        if found is None:
+            found = whole_corners(self.a, element_a, self.b, element_b, *self._whole_velocity)
+            if self.is_exact:
+                self._known_corners[key] = found
+        return found
+
+    def contact(self, element_a: Feature, element_b: Feature) -> RationalInstant | None:
+        """The earliest time of the window at which the two elements share a point; exact."""
+        _, corners_a, corners_b, v = self._corners(element_a, element_b)
+        clipped = clip(_window(element_a, corners_a, element_b, corners_b, v), (ZERO, self.last))
+        return None if clipped is None else RationalInstant(clipped[0])
+
+    def contact_within(self, element_a: Feature, element_b: Feature, lo: float, hi: float) -> RationalInstant | None:
+        """The first contact of the two elements, of which floats have proved that it is in [lo, hi]; exact."""
+        if self.is_exact:
+            per, v = self._whole_velocity
+            whole = int(v[0]), int(v[1]), int(v[2])
+            _, a, b, v = whole_corners(self.a, element_a, self.b, element_b, per, whole, int)
+            time = coplanar.translation_instant(a, b, v)
+            if time is not None:
+                return RationalInstant(time)
+        return self.contact(element_a, element_b)
+
+    def possible(self, element_a: Feature, element_b: Feature) -> float:
+        """A time before which the two elements, which no precision could decide, certainly do not meet."""
+        return 0.0
+
+    # -- all windows ----------------------------------------------------------------------------------------
+
+    def collect(self, limit: int, integers: Any, stack: Any, cover: Any, times: Any, parts: Any) -> int:
+        """Go on collecting windows (`windows.collect`)."""
+        a, b = self.tree_a, self.tree_b
+        return collect(
+            self.boxes_a, a.links, a.xyz, a.ids, self.boxes_b, b.links, b.xyz, b.ids,
+            self.velocity, a.error, b.error, self.pad, self.window()[0], limit, integers, stack, cover, times, parts,
+        )  # fmt: skip
+
+    def windows_of(self, primitive_a: int, primitive_b: int) -> list[tuple[RationalInstant, RationalInstant | None]]:
+        """The windows of contact of two primitives, exact: at most one, both are convex."""
+        a, b = Primitive(self.a, self.tree_a, primitive_a), Primitive(self.b, self.tree_b, primitive_b)
+        back = (-self.v[0], -self.v[1], -self.v[2])
+        if not any(sign(x) for x in self.v):
+            found: Window | None = ALWAYS if a.meets(b) else None
+        else:
+            found = hull(
+                [_edge_window(x, y, self.v) for x in a.sides for y in b.sides]
+                + [_vertex_window(x, b.corners, self.v) for x in a.corners if b.is_facet]
+                + [_vertex_window(y, a.corners, back) for y in b.corners if a.is_facet]
+            )
+        clipped = clip(found, (ZERO, self.last))
+        if clipped is None:
+            return []
+        return [(RationalInstant(clipped[0]), None if clipped[1] is None else RationalInstant(clipped[1]))]
+
+    def float_window(self, lo: float, hi: float) -> tuple[RationalInstant, RationalInstant | None]:
+        """A certain window given by doubles, clipped to the piece."""
+        first = fmpq(*max(lo, 0.0).as_integer_ratio())
+        if math.isinf(hi):
+            return RationalInstant(first), self.end_instant()
+        end = fmpq(*hi.as_integer_ratio())
+        return RationalInstant(first), RationalInstant(end if self.last is None or end < self.last else self.last)
+
+    def start_instant(self) -> RationalInstant:
+        return RationalInstant(ZERO)
+
+    def end_instant(self) -> RationalInstant | None:
+        """The end of the piece; None: never."""
+        return None if self.last is None else RationalInstant(self.last)
+
+    def order(self, x: RationalInstant | None, y: RationalInstant | None) -> int:
+        """-1, 0, 1: x before, at, after y (None: never)."""
+        if x is None or y is None:
+            return (x is None) - (y is None)
+        return x.compare(y)
+
+    def pose_between(self, x: RationalInstant, y: RationalInstant | None) -> Matrix:
+        """The pose of a at a time strictly between x and y (at x when they are equal); exact."""
+        time = x.value + 1 if y is None else (x.value + y.value) / 2
+        if isinstance(time, arb):
+            time = dyadic(time.mid())
+        return shift((time * self.v[0], time * self.v[1], time * self.v[2]))
+
+    # -- answers --------------------------------------------------------------------------------------------
+
+    def start_relation(self, element_a: Feature, element_b: Feature) -> int:
+        """How an edge and a facet relate at the start of the window (`segment_facet.relation`); exact."""
+        corners_a, corners_b = corners_of(self.a, element_a), corners_of(self.b, element_b)
+        segment, facet = (corners_a, corners_b) if element_a[0] == EDGE else (corners_b, corners_a)
+        return segment_facet.relation(*segment, *facet)
+
+    def start_point(self, element_a: Feature, element_b: Feature) -> Vector:
+        """A shared point of the two elements at the start, given that there is one; exact."""
+        corners_a, corners_b = corners_of(self.a, element_a), corners_of(self.b, element_b)
+        return segment_facet.start_point(corners_a, corners_b)
+
+    def is_contained(self) -> bool:
+        """Whether a body lies inside the other one at the start; their surfaces share no point."""
+        return contained(self.a, self.b) is not None
+
+    def world_instant(self, at: RationalInstant | None, turn: int = 0) -> tuple[float, tuple[float, float]]:
+        """(nearest double, enclosure) of the instant in the motions' clock."""
+        if at is None:
+            return math.inf, (math.inf, math.inf)
+        return enclose(lambda: self._world(at.value))
+
+    def _world(self, local: Any) -> Any:
+        """The local time in the motions' clock."""
+        return self.piece.start + (local if self.pace is None else local / self.pace)
+
+    def is_end(self, at: RationalInstant | None, turn: int) -> bool:
+        """Whether the instant is the end of the piece."""
+        return self.order(at, self.end_instant()) == 0
+
+    def repeated(self, windows: list[tuple[Any, Any]]) -> list[tuple[Any, int, Any, int]]:
+        """The windows as (start, turn, end, turn): a translation has no turns."""
+        return [(start, 0, end, 0) for start, end in windows]
+
+    def world_exact(self, at: RationalInstant | None, turn: int = 0) -> Fraction | None:
+        if at is None:
+            return None
+        value = self._world(at.value)
+        return fraction(value) if isinstance(value, fmpq) else None
+
+    def world_time(self, local: float) -> float:
+        """A double not later than the local time, in the motions' clock."""
+        if math.isinf(local):
+            return local
+        if self.pace is not None:
+            return below(self._world(exact_value(local)))
+        t = to_double(self.piece.start)
+        return local if t == 0.0 else math.nextafter(t + local, -math.inf)
+
+    def touch(self, element_a: Feature, element_b: Feature, at: RationalInstant) -> Touch:
+        """(point, unit normal or None) of the two elements at the instant, working frame."""
+        scale, corners_a, corners_b, v = self._corners(element_a, element_b)
+        return translation_touch(element_a, corners_a, element_b, corners_b, v, scale, at)
+
+
+def _pace(v: Vector, doubles: list[float]) -> fmpq | None:
+    """The power of two near the largest coordinate of a velocity; None where doubles do without."""
+    if 1e-30 < max(map(abs, doubles)) < 1e30 or not any(v):
+        return None
+    largest = max(map(abs, v))
+    return fmpq(2) ** (int(largest.p).bit_length() - int(largest.q).bit_length())
+
+
+def _window(element_a: Feature, a: Any, element_b: Feature, b: Any, v: Vector) -> Window | None:
+    """The times at which two elements with those corners meet, the first moving by v per unit of time."""
+    if element_a[0] == VERTEX:
+        return _vertex_window(a[0], b, v)
+    if element_b[0] == VERTEX:
+        return _vertex_window(b[0], a, (-v[0], -v[1], -v[2]))
+    return _edge_window(a, b, v)
+
+
+def _vertex_window(p: Vector, facet: Any, v: Vector) -> Window | None:
+    a, b, c = facet
+    return point_plane.translation_window(p, a, b, c, v)
+
+
+def _edge_window(x: Any, y: Any, v: Vector) -> Window | None:
+    (a, b), (c, d) = x, y
+    return line_line.translation_window(a, b, c, d, v)

@@ -1,0 +1,8 @@
+"""Two ruled surfaces.
+
+first        `first_contact` and `contact_intervals`: pieces of motion, results
+certified    the search in doubles with proofs; `intervals` has all contacts by it
+posed        surfaces in irrational poses
+triangles    polyhedra as ruled surfaces, triangle by triangle
+contact_condition   the verb: the condition on u and T alone; `implicants` shortens it
+"""

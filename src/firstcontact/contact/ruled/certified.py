@@ -1,0 +1,108 @@
+"""Answers of the certified search in doubles, for moving ruled pieces that elimination does not master."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from typing import Any, NamedTuple
+
+import numpy as np
+from flint import fmpq
+
+from firstcontact.contact.models.first import proved_intervals
+from firstcontact.contact.named import element
+from firstcontact.contact.ruled.intervals import certified_intervals
+from firstcontact.errors import UnsupportedPair
+from firstcontact.exact.numbers import to_double
+from firstcontact.motion.moving import shape_of
+from firstcontact.motion.relative.clocks import StraightClock
+from firstcontact.result import ContactIntervals, FirstContact, Stats, Status
+from firstcontact.search.rulings.directrices import DirectrixPiece, directrix_pieces
+from firstcontact.search.rulings.ruled_events import RuledEvent, first_event, outermost
+from firstcontact.search.rulings.ruled_pieces import RuledPiece
+from firstcontact.search.trees.touch import carried_normal
+from firstcontact.work import Work
+
+BUDGET = 200_000
+
+
+class Pieces(NamedTuple):
+    """Both surfaces in the frame of b, and the motion."""
+
+    step: DirectrixPiece
+    p: RuledPiece
+    q: RuledPiece
+
+
+def first_contact(
+    pieces: Pieces, first: fmpq, last: fmpq, tolerance: float, budget: int | None, shared: dict[str, Any]
+) -> FirstContact:
+    """The first contact with an enclosure of its time; UNDECIDED where doubles do not tell."""
+    step, p, q = pieces
+    found = first_event(p, q, first, last, tolerance, BUDGET if budget is None else budget)
+    stats = Stats(node_visits=found.boxes)
+    if found.status == "free":
+        return FirstContact(Status.FREE, free_until=to_double(last), stats=stats, **shared)
+    if found.status == "open":
+        until = max(found.free_until, to_double(first))
+        return FirstContact(Status.UNDECIDED, free_until=until, reason=found.reason, stats=stats, **shared)
+    status = Status.INITIAL_CONTACT if found.status == "initial" else Status.CONTACT
+    answer: dict[str, Any] = {"free_until": found.free_until, "stats": stats, **shared}
+    if status is Status.INITIAL_CONTACT:
+        answer["initial"] = "touching"
+    if found.event is not None:
+        assert found.time is not None
+        pose = _pose_of_b(step, shared["b"], found.time)
+        answer |= described(found.event, pose, status is Status.CONTACT, shared)
+    return FirstContact(status, found.time, found.time_interval, **answer)
+
+
+def contact_intervals(
+    pieces: Pieces, first: fmpq, last: fmpq, tolerance: float, work: Work, begin: float, shared: dict[str, Any]
+) -> ContactIntervals:
+    """All contacts with enclosures of their ends; UNDECIDED from the first time on at which nothing is proved."""
+    found = certified_intervals(pieces.p, pieces.q, first, last, tolerance, work)
+    return proved_intervals(found, work, begin, shared)
+
+
+def pieces_of(a: Any, b: Any, first: fmpq, last: fmpq) -> Pieces | None:
+    """None unless both are one piece, bounded in s and not trimmed, under one motion rational in the time."""
+    for body in (a, b):
+        pieces: list[Any] = list(getattr(shape_of(body), "pieces", ()))
+        if len(pieces) != 1 or pieces[0].s is None or pieces[0].trim:
+            return None
+    try:
+        steps = list(directrix_pieces(a, b, first, last))
+    except UnsupportedPair:
+        return None
+    if len(steps) > 1 or not isinstance(steps[0].motion.clock, StraightClock) or not steps[0].motion.exact:
+        return None
+    p, q = (RuledPiece.of(sides, shape_of(body).u) for sides, body in ((steps[0].p, a), (steps[0].q, b)))
+    return Pieces(steps[0], p, q)
+
+
+def _pose_of_b(step: DirectrixPiece, b: Any, time: float) -> np.ndarray:
+    frame = step.motion.frame
+    if frame is None:
+        return np.asarray(b.motion(time), float)
+    rows = np.array([[sum(int(c) * time**k for k, c in enumerate(x.coeffs())) for x in row] for row in frame], float)
+    return rows / rows[3, 3]
+
+
+def described(
+    event: RuledEvent, pose: np.ndarray, with_normal: bool, shared: dict[str, Any], numbers: tuple[int, int] = (0, 0),
+    joined: tuple[Collection[str], Collection[str]] = ((), ()),
+) -> dict[str, Any]:
+    """What meets, in the world; pose: of b; numbers: of the pieces, joined: their borders that belong to the face."""
+    normal = None
+    if with_normal and event.normal is not None:
+        normal = carried_normal(pose, event.normal)
+    elements = [
+        element(shared[which], *outermost(*sides, inner), number, which)
+        for sides, number, inner, which in zip(
+            (event.sides[:2], event.sides[2:]), numbers, joined, "ab", strict=True
+        )
+    ]
+    return {
+        "point": pose[:3, :3] @ event.point + pose[:3, 3], "normal": normal,
+        "element_a": elements[0], "element_b": elements[1], "multiplicity": 1,
+    }  # fmt: skip

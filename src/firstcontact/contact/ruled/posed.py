@@ -1,0 +1,232 @@
+"""Two ruled surfaces under motions that no rational function describes: screws, turns about different axes.
+
+The relative motion is cut into windows in which it is a polynomial but for a proved rest
+(`search.rulings.posed_pieces`).  In each the search in doubles decides, and events are refined in balls with the motion
+itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from flint import fmpq
+
+from firstcontact.body.polyhedron.polyhedron import Polyhedron
+from firstcontact.body.ruled.surface import RuledSurface
+from firstcontact.contact.models.first import proved_intervals
+from firstcontact.contact.models.intervals import Certified, Found
+from firstcontact.contact.ruled.certified import BUDGET, described
+from firstcontact.contact.ruled.intervals import certified_intervals
+from firstcontact.contact.ruled.triangles import MOST_PAIRS, Interior, near_pairs, triangles_of
+from firstcontact.contact.signs.conditions import check_weight
+from firstcontact.errors import UnsupportedPair
+from firstcontact.exact.numbers import below, to_double
+from firstcontact.exact.rigid import compose, inverse_map
+from firstcontact.motion.moving import Moving, shape_of
+from firstcontact.motion.relative import projective
+from firstcontact.motion.relative.clocks import StraightClock
+from firstcontact.motion.relative.curved import CurvedPiece
+from firstcontact.motion.relative.pieces import curved_pieces
+from firstcontact.motion.relative.polynomial import PolynomialPiece
+from firstcontact.result import ContactIntervals, FirstContact, Stats, Status
+from firstcontact.search.rulings.directrices import signed
+from firstcontact.search.rulings.posed_pieces import PosedPiece, PoseWindow, in_local_time, pose_windows
+from firstcontact.search.rulings.ruled_events import RuledContact, Search, first_event_of
+from firstcontact.search.rulings.ruled_pieces import RuledPiece
+from firstcontact.work import Spent, Work
+
+MOST_TOLERANCE = 1e-3
+"""Of a window's time."""
+
+
+@dataclass(frozen=True)
+class _Found:
+    """What is proved of two pieces in a window, in true time; numbers: theirs."""
+
+    contact: RuledContact
+    numbers: tuple[int, int]
+    free_until: float
+    interval: tuple[float, float] | None
+
+    @property
+    def is_initial(self) -> bool:
+        return self.contact.status == "initial"
+
+
+def first_contact(
+    a: Any, b: Any, first: fmpq, last: fmpq, tolerance: float, work: Work, shared: dict[str, Any], most: int = BUDGET
+) -> FirstContact:
+    """The first contact with an enclosure of its time; UNDECIDED where doubles and balls do not tell.
+
+    most: boxes for two pieces in a window.
+    """
+    pair = _Pair(a, b, first, last)
+    for window in pair.windows():
+        work.reached(max(below(window.start), shared["span"][0]))
+        try:
+            found = [pair.searched(window, i, j, tolerance, work, most) for i, j in pair.near(window)]
+        except Spent:
+            return _undecided(work.free_until, "budget", work, shared)
+        met = [x for x in found if x.interval is not None]
+        left = [x for x in found if x.contact.status == "open"]
+        if window.start == first and not any(x.is_initial for x in met) and pair.is_contained(window.motion):
+            time, stats = shared["span"][0], Stats(node_visits=work.done)
+            how = None if any(x.free_until <= time for x in left) else "containment"
+            return FirstContact(
+                Status.INITIAL_CONTACT, time, (time, time), initial=how, free_until=time, stats=stats, **shared
+            )
+        best = min(met, key=lambda x: x.interval, default=None)  # type: ignore[arg-type,return-value]
+        until = min((x.free_until for x in left), default=None)
+        if best is not None and best.interval is not None and (until is None or best.interval[1] <= until):
+            return _answer(pair, window, best, window.start == first, work, shared)
+        if until is not None:
+            spent = work.budget is not None and any(x.contact.reason == "budget" for x in left)
+            reason = "budget" if spent else "precision"
+            return _undecided(until, reason, work, shared)
+    return FirstContact(Status.FREE, free_until=to_double(last), stats=Stats(node_visits=work.done), **shared)
+
+
+def contact_intervals(
+    a: Any, b: Any, first: fmpq, last: fmpq, tolerance: float, work: Work, begin: float, shared: dict[str, Any]
+) -> ContactIntervals:
+    """All contacts with enclosures of their ends; UNDECIDED from the first time on at which nothing is proved."""
+    pair, intervals = _Pair(a, b, first, last), list[Certified]()
+    if pair.interior is not None:
+        raise UnsupportedPair(f"{a!r} and {b!r}: such motions have no contact intervals with solid polyhedra")
+    for window in pair.windows():
+        work.reached(max(below(window.start), shared["span"][0]))
+        found = [pair.followed(window, i, j, tolerance, work) for i, j in pair.near(window)]
+        intervals = _united([*intervals, *(x for own in found for x in own.intervals)])
+        stopped = min((own for own in found if own.reason is not None), key=lambda own: own.until, default=None)
+        if stopped is not None:
+            known = tuple(_known(x, stopped.until, to_double(last)) for x in intervals if x.start[1] <= stopped.until)
+            return proved_intervals(Found(known, stopped.until, stopped.reason), work, begin, shared)
+    return proved_intervals(Found(tuple(intervals), to_double(last), None), work, begin, shared)
+
+
+def _united(intervals: list[Certified]) -> list[Certified]:
+    """The union; ends of one and starts of another that are not told apart count as one time."""
+    found: list[Certified] = []
+    for x in sorted(intervals, key=lambda x: x.start):
+        if found and x.start[0] <= found[-1].end[1]:
+            y = found[-1]
+            ends = tuple(map(max, x.end, y.end))
+            found[-1] = replace(y, start=(y.start[0], min(x.start[1], y.start[1])), end=ends)  # type: ignore[arg-type]
+        else:
+            found.append(x)
+    return found
+
+
+def _known(x: Certified, until: float, last: float) -> Certified:
+    """What is known of an interval where nothing is proved from a time on."""
+    return x if x.end[1] < until else Certified(x.start, (min(x.end[0], until), last), True)
+
+
+def _undecided(until: float, reason: str, work: Work, shared: dict[str, Any]) -> FirstContact:
+    until = max(until, shared["span"][0])
+    return FirstContact(
+        Status.UNDECIDED, free_until=until, reason=reason, stats=Stats(node_visits=work.done), **shared
+    )
+
+
+def _answer(
+    pair: _Pair, window: PoseWindow, found: _Found, at_start: bool, work: Work, shared: dict[str, Any]
+) -> FirstContact:
+    assert found.interval is not None
+    lo, hi = found.interval
+    initial = at_start and found.is_initial
+    status = Status.INITIAL_CONTACT if initial else Status.CONTACT
+    assert found.contact.time is not None
+    time = lo if initial else min(max(window.true_time(found.contact.time), lo), hi)
+    answer: dict[str, Any] = {"free_until": lo, "stats": Stats(node_visits=work.done), **shared}
+    if initial and pair.interior is None:
+        answer["initial"] = "touching"
+    if found.contact.event is not None:
+        pose = window.motion.carry(time)
+        pose = np.eye(4) if pose is None else pose
+        joined = tuple(own[k].joined for own, k in zip(pair.surfaces, found.numbers, strict=True))
+        answer |= described(found.contact.event, pose, not initial, shared, found.numbers, joined)  # type: ignore[arg-type]
+    return FirstContact(status, time, found.interval, **answer)
+
+
+class _Pair:
+    """The pieces of both surfaces and the windows of their relative motion."""
+
+    def __init__(self, a: Any, b: Any, first: fmpq, last: fmpq) -> None:
+        self.bodies, self.first, self.last = (a, b), first, last
+        self.interior = Interior.of(a, b)
+        self.surfaces: list[tuple[RuledSurface, ...]] = []
+        self.pieces: list[list[RuledPiece]] = []
+        for body in (a, b):
+            shape = shape_of(body)
+            surfaces = triangles_of(shape) if isinstance(shape, Polyhedron) else shape.pieces
+            for surface in surfaces:
+                if surface.s is None or surface.trim:
+                    raise UnsupportedPair(
+                        f"{surface!r}: under motions that are no rational functions of the time, ruled surfaces are "
+                        "taken bounded in s and not trimmed"
+                    )
+                for side in surface.sides:
+                    check_weight(surface, side, (first, last))
+            self.surfaces.append(surfaces)
+            self.pieces.append([RuledPiece.of(signed(s.sides, s, (first + last) / 2), s.u) for s in surfaces])
+
+    def windows(self) -> Iterator[PoseWindow]:
+        for motion in curved_pieces(*self.bodies, self.first, self.last):
+            yield from pose_windows(motion, motion.start, motion.end)
+
+    def is_contained(self, motion: CurvedPiece) -> bool:
+        """Whether a solid polyhedron holds a piece at the start, where the surfaces share no point."""
+        if self.interior is None:
+            return False
+        placed = motion.placed_at_start()
+        if not all(place.is_exact for place in placed):
+            raise UnsupportedPair("{!r} and {!r} start in an irrational pose".format(*self.bodies))
+        pose = compose(inverse_map(placed[1].matrix()), placed[0].matrix())
+        t = self.first
+        still = PolynomialPiece(t, t, projective.fixed(pose), t, t, StraightClock(), True, "a body at the start")
+        return self.interior.holds(still, t)
+
+    def near(self, window: PoseWindow) -> list[tuple[int, int]]:
+        """The pieces that may meet."""
+        if all(len(own) == 1 for own in self.pieces):
+            return [(0, 0)]
+        a, b = ([_moving(s, body) for s in own] for own, body in zip(self.surfaces, self.bodies, strict=True))
+        found = near_pairs(a, b, window.start, window.end)
+        if len(found) > MOST_PAIRS:
+            who = "{!r} and {!r}".format(*self.bodies)
+            raise UnsupportedPair(f"{who}: {len(found)} pairs of pieces and triangles come near each other, too many")
+        return found
+
+    def searched(self, window: PoseWindow, i: int, j: int, tolerance: float, work: Work, most: int) -> _Found:
+        budget = most if work.budget is None else work.budget - work.done
+        if budget <= 0:
+            raise Spent
+        p, q = PosedPiece.posed(self.pieces[0][i], window), in_local_time(self.pieces[1][j], window)
+        found = first_event_of(Search(p, q), fmpq(-1), fmpq(1), self.local(tolerance, window), budget)
+        work.done += found.boxes
+        interval = None if found.time_interval is None else window.true_times(*found.time_interval)
+        return _Found(found, (i, j), window.true_times(found.free_until, 1.0)[0], interval)
+
+    def followed(self, window: PoseWindow, i: int, j: int, tolerance: float, work: Work) -> Found:
+        """All contacts of two pieces in a window."""
+        p, q = PosedPiece.posed(self.pieces[0][i], window), in_local_time(self.pieces[1][j], window)
+        own = Work(None if work.budget is None else max(work.budget - work.done, 1), None)
+        found = certified_intervals(p, q, fmpq(-1), fmpq(1), self.local(tolerance, window), own)
+        work.done += own.done
+        intervals = (
+            replace(x, start=window.true_times(*x.start), end=window.true_times(*x.end)) for x in found.intervals
+        )
+        return Found(tuple(intervals), window.true_times(found.until, 1.0)[0], found.reason)
+
+    def local(self, tolerance: float, window: PoseWindow) -> float:
+        """The tolerance, a part of the span, as a part of the window's time."""
+        width = float(window.end - window.start)
+        return min(tolerance * float(self.last - self.first) / width, MOST_TOLERANCE) if width else MOST_TOLERANCE
+
+
+def _moving(surface: RuledSurface, body: Any) -> Any:
+    return Moving(surface, body.motion) if isinstance(body, Moving) else surface

@@ -1,0 +1,79 @@
+"""`intersection_curve` of two ruled surfaces at rest."""
+
+from __future__ import annotations
+
+import time as clock
+from dataclasses import replace
+from typing import Any
+
+from firstcontact.body.ruled.strip import RuledStrip
+from firstcontact.body.ruled.surface import RuledSurface
+from firstcontact.contact.signs.pieces import Piece
+from firstcontact.curves.certified.certified_curve import certified_curve, is_supported
+from firstcontact.curves.certified.settled import BEARABLE
+from firstcontact.curves.exactly.intersection import intersection
+from firstcontact.curves.exactly.spots import Box, box_of, corners
+from firstcontact.curves.resized import resized, resized_box, restored, size_factor
+from firstcontact.errors import InputError, UnsupportedPair
+from firstcontact.result import Stats
+from firstcontact.result_curve import IntersectionCurve
+
+METHODS = ("auto", "algebraic", "certified")
+# Largest product of the degrees of Delta that "auto" decides exactly at once (some 40 ms).
+SMALL = 20
+
+
+def intersection_curve(p: Any, q: Any, tolerance: float, method: str, box: Any) -> IntersectionCurve:
+    """All points that the two surfaces share."""
+    begin = clock.perf_counter()
+    for surface in (p, q):
+        _check(surface)
+    if method not in METHODS:
+        raise UnsupportedPair(f"method {method!r} is unknown to intersection_curve; choose one of {', '.join(METHODS)}")
+    limits = box_of(box)
+    factor = size_factor((p, q))
+    if factor == 1:
+        fields = _fields(p, q, tolerance, method, limits)
+    else:
+        own_box = None if limits is None else resized_box(limits, factor)
+        fields = _fields(resized(p, factor), resized(q, factor), tolerance * float(factor), method, own_box)
+        fields = restored(fields, factor, limits)
+    fields = {"box": corners(limits)} | fields
+    stats = fields.pop("stats", Stats())
+    return IntersectionCurve(**fields, stats=replace(stats, seconds=clock.perf_counter() - begin), a=p, b=q)
+
+
+def takes_kernels(p: Any, q: Any, method: str, box: Any) -> bool:
+    """Whether these bodies' curve is looked for in doubles, by compiled code."""
+    if not all(isinstance(x, RuledSurface | RuledStrip) for x in (p, q)) or method == "algebraic" or box is not None:
+        return False
+    if method == "certified" or any(len(x.pieces) > 1 for x in (p, q)):
+        return True
+    first, second = p.pieces[0], q.pieces[0]
+    sizes = [Piece.of(x).rulings.degree for x in (first, second)]
+    return sizes[0] * sizes[1] > SMALL and all(x.bounded and is_supported(x) for x in (first, second))
+
+
+def _fields(p: Any, q: Any, tolerance: float, method: str, box: Box | None) -> dict[str, Any]:
+    """Those of IntersectionCurve, by the path that the method names."""
+    strips = [x for x in (p, q) if isinstance(x, RuledStrip) and len(x.pieces) > 1]
+    if method == "algebraic" and strips:
+        raise UnsupportedPair(f"{strips[0]!r} has several pieces; give two of its pieces at a time, or another method")
+    if box is not None and (method == "certified" or strips):
+        raise UnsupportedPair('a box cuts the curve on the exact path only; leave it out, or give single pieces')
+    if takes_kernels(p, q, method, box):
+        fields = certified_curve(p, q, tolerance, settles=bool(strips) or method == "certified")
+        if method == "certified" or strips or not fields["open_places"]:
+            return fields
+        sizes = [Piece.of(x.pieces[0]).rulings.degree for x in (p, q)]
+        if sizes[0] * sizes[1] > BEARABLE:
+            return fields
+    return intersection(Piece.of(p.pieces[0]), Piece.of(q.pieces[0]), tolerance, box)
+
+
+def _check(surface: Any) -> None:
+    if not isinstance(surface, RuledSurface | RuledStrip):
+        at = "; give body.at(t)" if hasattr(surface, "motion") else ""
+        raise UnsupportedPair(f"intersection_curve is for two ruled surfaces at rest, not {surface!r}{at}")
+    if surface.deforming:
+        raise InputError(f"{surface!r} deforms with the time; give surface.at(t)")

@@ -1,0 +1,1 @@
+"""Algebraic numbers: real roots, number fields and their towers, signs under conditions."""

@@ -1,0 +1,1 @@
+"""Polynomials of several variables, matrices of them, and Bernstein form."""

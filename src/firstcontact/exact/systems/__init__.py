@@ -1,0 +1,1 @@
+"""Square systems of polynomials: isolation of their roots, Krawczyk's test."""

@@ -1,0 +1,126 @@
+"""All zeros of a square system in boxes, in ball arithmetic: for what doubles leave open.
+
+A box is dropped where an equation has no zero on it or Krawczyk's image of it lies beside it.  Where the image lies
+inside it, the box holds exactly one zero.  Others are narrowed to the image, by every equation alone too, or halved.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+from flint import arb, arb_mat
+
+from firstcontact.exact.numbers import precision
+from firstcontact.exact.systems.square_systems import Equations, Zero, krawczyk_image
+
+Box = list[arb]
+BITS = 192
+ENOUGH = 0.5
+"""Part of its widest side to which an image must narrow a box lest it be halved."""
+LEAST = 2.0**-120
+"""Part of its first width below which a side is not halved."""
+
+
+class Isolation(NamedTuple):
+    """zeros: simple ones, each once; left: boxes that may hold others."""
+
+    zeros: list[Zero]
+    left: list[Box]
+
+
+def isolated(
+    system: Equations, boxes: Sequence[Sequence[arb]], most: int = 200, drops: Callable[[Box], bool] | None = None
+) -> Isolation:
+    """All zeros in the boxes; most: boxes looked at, after which the rest is left.
+
+    drops: tells boxes whose zeros are not asked for, of which none need be found.
+    """
+    found = Isolation([], [])
+    with precision(BITS):
+        for box in boxes:
+            most = _search(system, list(box), found, most, drops)
+    return found
+
+
+def _search(
+    system: Equations, first: Box, found: Isolation, most: int, drops: Callable[[Box], bool] | None
+) -> int:
+    """Add what the box holds; the number of boxes that may still be looked at."""
+    widths = [c.rad() for c in first]
+    queue = deque([first])
+    while queue:
+        box = queue.popleft()  # the largest first, so that what is left in the end is small
+        if any(_holds(zero, box) for zero in found.zeros):
+            continue
+        if most <= 0:
+            found.left.append(box)
+            continue
+        most -= 1
+        left = _narrowed(system, box)
+        if isinstance(left, Zero):
+            if not any(left.is_same(zero) for zero in found.zeros):
+                found.zeros.append(left)
+            continue
+        if left is None:
+            continue
+        shares = [_share(c, w) for c, w in zip(left, widths, strict=True)]
+        widest = max(range(len(box)), key=shares.__getitem__)
+        if shares[widest] <= ENOUGH * max(_share(c, w) for c, w in zip(box, widths, strict=True)):
+            queue.append(left)
+        elif shares[widest] < LEAST:
+            found.left.append(left)
+        elif drops is None or not drops(left):
+            queue += reversed(_halves(left, widest))  # lower halves first: what is left over comes late
+    return most
+
+
+def _share(side: arb, width: arb) -> float:
+    return float((side.rad() / width).mid()) if width > 0 else 0.0
+
+
+def _holds(zero: Zero, box: Box) -> bool:
+    """Whether all of the box is where this zero is the only one."""
+    return all(arb(m, r).contains(c) for m, r, c in zip(zero.centre, zero.reach, box, strict=True))
+
+
+def _halves(box: Box, k: int) -> list[Box]:
+    """Both, which may overlap by roundings."""
+    quarter = box[k].rad() / 2
+    middles = box[k].mid() - quarter, box[k].mid() + quarter
+    return [[*box[:k], arb(m, quarter), *box[k + 1 :]] for m in middles]
+
+
+def _narrowed(system: Equations, box: Box) -> Box | Zero | None:
+    """The part that may hold zeros, or its only zero; None where there is none."""
+    centre = [arb(c.mid()) for c in box]
+    offset = [arb(0, c.rad()) for c in box]
+    values, slopes = system.values(centre), arb_mat(system.jacobian(box))
+    column = arb_mat(len(box), 1, offset)
+    if not all((v + d).contains(0) for v, d in zip(values, (slopes * column).entries(), strict=True)):
+        return None
+    box = _narrowed_by_each(values, slopes.tolist(), centre, offset, box)
+    moved = krawczyk_image(values, slopes, offset)
+    if moved is None:
+        return box
+    if all(d.contains_interior(i) for d, i in zip(offset, moved, strict=True)):
+        return Zero(system, centre, [c.rad() for c in box], [c + i for c, i in zip(centre, moved, strict=True)])
+    image = [c + i for c, i in zip(centre, moved, strict=True)]
+    if not all(x.overlaps(c) for x, c in zip(image, box, strict=True)):
+        return None
+    return [x.intersection(c) if x.is_finite() else c for x, c in zip(image, box, strict=True)]
+
+
+def _narrowed_by_each(values: list[arb], slopes: list[list[arb]], centre: Box, offset: Box, box: Box) -> Box:
+    """The box without what single equations rule out of single unknowns; that tells of zeros that are not simple, too,
+    such as those of a line that lands on a plane."""
+    found = list(box)
+    for value, row in zip(values, slopes, strict=True):
+        for k, slope in enumerate(row):
+            if not slope.contains(0):
+                rest = sum((c * d for j, (c, d) in enumerate(zip(row, offset, strict=True)) if j != k), value)
+                image = centre[k] - rest / slope
+                if image.overlaps(found[k]):
+                    found[k] = image.intersection(found[k])
+    return found

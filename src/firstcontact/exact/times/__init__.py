@@ -1,0 +1,1 @@
+"""Instants and windows of time with exact ends."""

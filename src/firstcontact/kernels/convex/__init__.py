@@ -1,0 +1,1 @@
+"""Convex pieces: support points, separation, advancement and the moment of touch."""

@@ -1,0 +1,1 @@
+"""Arcs of intersection curves: cells, nets, tracing and trimming."""

@@ -1,0 +1,1 @@
+"""Events of features of solids: boxes, forms in motion and their search."""

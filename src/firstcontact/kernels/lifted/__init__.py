@@ -1,0 +1,1 @@
+"""Queries in the lifted space of lines and edges (Schömer & Thiel 1995)."""

@@ -1,0 +1,1 @@
+"""Moving rulings: models of events, boxes and their search."""

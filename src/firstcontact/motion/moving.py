@@ -1,0 +1,65 @@
+"""A body under a motion."""
+
+from __future__ import annotations
+
+import itertools
+from typing import Any
+
+import numpy as np
+
+from firstcontact.errors import InputError
+
+
+class Moving:
+    """A body and its motion; `.at(t)` is the body at rest in its pose at time t."""
+
+    __slots__ = ("body", "motion")
+
+    def __init__(self, body: Any, motion: Any) -> None:
+        if isinstance(motion, type) or not callable(motion) or not hasattr(motion, "span"):
+            kinds = "Translation, Rotation, Screw, RationalMotion, Sequence or Trajectory"
+            raise InputError(f"{motion!r} is no motion; give a {kinds}")
+        self.body = body
+        self.motion = motion
+
+    @property
+    def name(self) -> str | None:
+        return self.body.name
+
+    def named(self, name: str) -> Moving:
+        return Moving(self.body.named(name), self.motion)
+
+    def at(self, t: float) -> Any:
+        """The body at rest in its shape and pose at time t; the pose's entries are the doubles of motion(t)."""
+        return self.body.at(t).transformed(self.motion(t))
+
+    def bounds(self, span: tuple[float, float] | None = None) -> tuple[np.ndarray, np.ndarray]:
+        """Lower and upper corner, (3,) float64 each, of a box that holds the body at all times of the span.
+
+        Infinite where a translation or a screw goes on for ever, and where the body has no end.
+        """
+        from firstcontact.motion.relative.sweep import swept_box
+
+        first, last = self.motion.span if span is None else span
+        points, error = _hull(self.body, (first, last))
+        if not np.all(np.isfinite(points)):
+            return np.full(3, -np.inf), np.full(3, np.inf)
+        return swept_box(self.motion, float(first), float(last), points, error)
+
+    def __repr__(self) -> str:
+        return f"{self.body!r} moving by {self.motion!r}"
+
+    def __reduce__(self) -> Any:
+        return Moving, (self.body, self.motion)
+
+
+def shape_of(body: Any) -> Any:
+    """The body itself, of one that moves or rests."""
+    return body.body if isinstance(body, Moving) else body
+
+
+def _hull(body: Any, span: tuple[float, float]) -> tuple[np.ndarray, float]:
+    """Points (n, 3) whose convex hull, grown by the returned length, holds the body at all times of the span."""
+    if isinstance(getattr(body, "vertices", None), np.ndarray):
+        return body.vertices, body.error
+    return np.array(list(itertools.product(*zip(*body.bounds(span), strict=True)))), 0.0

@@ -1,0 +1,138 @@
+"""A curved motion for the kernels: the relative pose as polynomials over cells of time, with proven errors.
+
+Every function is a polynomial of degree 7 in Bernstein form over each cell: that of Taylor at the cell's middle, its
+error the next term over the whole cell (Lagrange) and all roundings.  Cells halve the piece again and again, level
+under level, until the error is small beside the bodies.  All is one array (`motion` in `curve`), because every further
+array argument costs reference counts in inner loops.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from flint import arb, fmpq
+
+from firstcontact.exact.numbers import ball, to_double
+from firstcontact.motion.relative.curved import CurvedPiece, Series, cofactors, inverse, terms
+
+TERMS = 8
+# Rows of a cell, each with TERMS coefficients: linear part and shift of the pose of a seen from b; the cofactors of the
+# linear part and the cross products of the shift with its columns (side products with fixed lines are linear in these);
+# the inverse pose; bounds (row sums of absolute values of the linear parts, entry by entry, see `curve`); errors.
+LINEAR, SHIFT, COFACTOR, MOMENT, BACK, BACK_SHIFT = 0, 9, 12, 21, 30, 39
+SPREAD, BACK_SPREAD, ERRORS, ROWS = 42, 44, 46, 48
+_GROUPS = ((LINEAR, 9), (SHIFT, 3), (COFACTOR, 9), (MOMENT, 9), (BACK, 9), (BACK_SHIFT, 3))
+# Places in row ERRORS: one bound per group (rounding of sums over it included), then the largest of each group in the
+# row behind; cell 0 has, behind its six errors, the number of levels below and the length of the piece.
+LEVELS, LENGTH = 6, 7
+# Cells behind the last one that kernels use as scratch.
+SCRATCH = 64
+# Error beside the bodies' size that ends the halving, and most levels.
+WANTED, MOST_LEVELS = 1e-13, 7
+_BITS = 128
+# Sums of up to 27 products with a coefficient from a row: 32 roundings of 2^-53, relative to the largest entry.
+_ROUNDING = 64.0 * 2.0**-53
+
+
+def _to_bernstein() -> np.ndarray:
+    """(8, 8): Bernstein coefficients over [-1, 1] of the powers; entries in [-1, 1]."""
+    out = np.zeros((TERMS, TERMS))
+    for k in range(TERMS):
+        power = np.array([1.0])
+        for _ in range(k):  # x = s - (1 - s)
+            power = (np.append(0.0, power) * np.arange(len(power) + 1) / len(power)
+                     - np.append(power, 0.0) * np.arange(len(power), -1, -1) / len(power))  # fmt: skip
+        while len(power) < TERMS:
+            n = len(power)
+            i = np.arange(n + 1) / n
+            power = i * np.append(0.0, power) + (1 - i) * np.append(power, 0.0)
+        out[:, k] = power
+    return out
+
+
+_BERNSTEIN = _to_bernstein()
+
+
+def cells_of(piece: CurvedPiece, size_a: float, size_b: float) -> np.ndarray:
+    """The array of the piece for bodies with coordinates up to size_a and size_b: (cells + SCRATCH, ROWS, TERMS)."""
+    length = piece.end - piece.start
+    found: list[np.ndarray] = []
+    levels = 0
+    while True:
+        count = 1 << levels
+        level = [_cell(piece, piece.start + length * i / count, length / count) for i in range(count)]
+        found += level
+        worst = max(_displacement(cell, size_a) for cell in level)
+        size = size_b + max(_reach(cell, size_a) for cell in level)
+        if worst <= WANTED * size < np.inf or levels == MOST_LEVELS:
+            break
+        levels += 1
+    out = np.zeros((len(found) + SCRATCH, ROWS, TERMS))
+    out[: len(found)] = found
+    out[0, ERRORS, LEVELS], out[0, ERRORS, LENGTH] = levels, to_double(length)
+    return out
+
+
+def _displacement(cell: np.ndarray, size: float) -> float:
+    """How far a point of the moving body may be from where the polynomials have it."""
+    return 3.0 * size * cell[ERRORS, 0] + cell[ERRORS, 1]
+
+
+def _reach(cell: np.ndarray, size: float) -> float:
+    return 3.0 * size * cell[ERRORS + 1, 0] + cell[ERRORS + 1, 1]
+
+
+def _cell(piece: CurvedPiece, start: fmpq, width: fmpq) -> np.ndarray:
+    """(ROWS, TERMS) for the times from start to start + width."""
+    half = width / 2
+    middle = start + half
+    with terms(TERMS + 1, _BITS):
+        sharp = _functions(piece, ball(middle))
+        # not finite where the cell is so long that a divisor may vanish in it
+        blurred = _functions(piece, arb(middle - half).union(arb(middle + half)))
+        powers = [ball(half) ** k for k in range(TERMS + 1)]
+        out = np.zeros((ROWS, TERMS))
+        rest = np.zeros(ERRORS)
+        for row, (f, g) in enumerate(zip(sharp, blurred, strict=True)):
+            coefficients = f.coeffs()[:TERMS]
+            for k, c in enumerate(coefficients):
+                out[row, k] = float(c * powers[k])
+            tail = g[TERMS] * powers[TERMS]
+            rest[row] = float(abs(tail).upper())
+    return _bounded(out, rest)
+
+
+def _functions(piece: CurvedPiece, t: arb) -> list[Any]:
+    """The series of the rows of a cell, in their order."""
+    pose: Series = piece.series(t)
+    linear, shift = [row[:3] for row in pose], [row[3] for row in pose]
+    rigid = piece.is_rigid
+    back = inverse(pose, rigid)
+    normal = linear if rigid else cofactors(pose)
+    moment = [
+        [shift[(i + 1) % 3] * linear[(i + 2) % 3][j] - shift[(i + 2) % 3] * linear[(i + 1) % 3][j] for j in range(3)]
+        for i in range(3)
+    ]
+    rows = [*(x for row in linear for x in row), *shift, *(x for row in normal for x in row)]
+    return [*rows, *(x for row in moment for x in row), *(x for row in back for x in row[:3]), *(r[3] for r in back)]
+
+
+def _bounded(cell: np.ndarray, rest: np.ndarray) -> np.ndarray:
+    """The cell with powers turned to Bernstein coefficients, and all its bounds."""
+    if not (np.isfinite(cell).all() and np.isfinite(rest).all()):  # nothing is known: its halves may do better
+        cell[:SPREAD], cell[SPREAD:] = 0.0, np.inf
+        cell[ERRORS, LEVELS:] = 0.0
+        return cell
+    powers = cell[:SPREAD].copy()
+    rounding = 32.0 * 2.0**-53 * np.abs(powers).sum(axis=1)  # one double each, and the sum of eight products
+    cell[:SPREAD] = powers @ _BERNSTEIN.T
+    error = rest[:SPREAD] + rounding
+    largest = np.abs(cell[:SPREAD]).max(axis=1) + error
+    for k, (row, count) in enumerate(_GROUPS):
+        most = float(largest[row : row + count].max())
+        cell[ERRORS, k] = float(error[row : row + count].max()) + _ROUNDING * most
+        cell[ERRORS + 1, k] = most
+    cell[SPREAD, :], cell[SPREAD + 1, 0] = largest[:8], largest[8]
+    cell[BACK_SPREAD, :], cell[BACK_SPREAD + 1, 0] = largest[BACK : BACK + 8], largest[BACK + 8]
+    return cell

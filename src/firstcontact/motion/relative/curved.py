@@ -1,0 +1,255 @@
+"""Relative motion that is neither one translation nor one rotation: power series of the pose at any time, and the
+pose itself as a rational function of the time where it is one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from flint import arb, arb_poly, arb_series, ctx, fmpq, fmpq_poly
+
+from firstcontact.exact.numbers import ball, precision, rational
+from firstcontact.exact.rigid import IDENTITY, Matrix
+from firstcontact.exact.vectors import Vector, cross, dot
+from firstcontact.motion.placement import Placement, advanced
+from firstcontact.motion.rational import RationalMotion
+from firstcontact.motion.relative.polynomial import PolynomialPiece, relative, step_pieces
+from firstcontact.motion.relative.polynomial import Step as PolynomialStep
+from firstcontact.motion.rotation import Rotation, angle_ball
+from firstcontact.motion.screw import Screw
+from firstcontact.motion.translation import Translation
+
+# A pose as power series in (time - t): three rows of four.
+Series = list[list[Any]]
+
+
+class terms(precision):  # noqa: N801 - reads as `with terms(8, 128):`
+    """Context: power series of that many terms in balls of that many bits."""
+
+    def __init__(self, count: int, bits: int) -> None:
+        super().__init__(bits)
+        self.count = count
+
+    def __enter__(self) -> None:
+        super().__enter__()
+        self.cap = ctx.cap
+        ctx.cap = self.count
+
+    def __exit__(self, *exception: object) -> None:
+        ctx.cap = self.cap
+        super().__exit__(*exception)
+
+
+@dataclass(frozen=True, slots=True)
+class Leg:
+    """One body's motion during a piece: `motion` at its own time (t - origin) / unit, after the pose `before`."""
+
+    motion: Any
+    origin: fmpq
+    unit: fmpq
+    before: Placement
+    of: str
+
+    @property
+    def rests(self) -> bool:
+        """Whether the body stands in the identity at all times."""
+        motion = self.motion
+        still = isinstance(motion, Translation) and not any(motion.vector)
+        return not self.before.factors and (still or (isinstance(motion, Rotation) and motion.angle == 0))
+
+    @property
+    def is_rigid(self) -> bool:
+        """Whether the pose is a rotation and a shift at all times."""
+        rigid = not isinstance(self.motion, RationalMotion) or self.motion.rigid
+        return rigid and all(_is_rotation(f) for f in self.before.factors if isinstance(f, tuple))
+
+    def fixed_direction(self, v: Vector) -> Vector | None:
+        """Where the motion takes the direction v, if to one and the same at all times that is known exactly."""
+        if not self.before.is_exact or isinstance(self.motion, RationalMotion):
+            return None
+        matrix = self.before.matrix()
+        turned = dot(matrix[0][:3], v), dot(matrix[1][:3], v), dot(matrix[2][:3], v)
+        turns = isinstance(self.motion, Rotation | Screw) and self.motion.angle != 0
+        return None if turns and any(cross(turned, self.motion.axis)) else turned
+
+    def series(self, t: arb) -> Series:
+        """The pose around the time t."""
+        pose = _own_series(self.motion, (t - self.origin) / self.unit, 1 / self.unit)
+        if not self.before.factors:
+            return pose
+        return after(pose, self.before.matrix())
+
+    def place(self, time: fmpq) -> Placement:
+        """The pose at that time."""
+        return advanced(self.before, self.motion, (time - self.origin) / self.unit)
+
+
+@dataclass(frozen=True)
+class CurvedPiece:
+    """Motion of a seen from b during [start, end], by the motions of both; local time is t - start.
+
+    The working frame is that of body b as it was given; `carry` brings points of it to the world.
+    """
+
+    start: fmpq
+    end: fmpq
+    leg_a: Leg
+    leg_b: Leg
+
+    @property
+    def reference(self) -> fmpq:
+        return self.start
+
+    def series(self, t: arb) -> Series:
+        """The pose of a seen from b around the time t, power series in the time; under `terms`."""
+        pose = self.leg_a.series(t)
+        return pose if self.leg_b.rests else composed(inverse(self.leg_b.series(t), self.leg_b.is_rigid), pose)
+
+    @property
+    def is_rigid(self) -> bool:
+        return self.leg_a.is_rigid and self.leg_b.is_rigid
+
+    @cached_property
+    def polynomial(self) -> PolynomialPiece | None:
+        """The relative motion as a rational function of the time, where it is one."""
+        parts = [_polynomial(leg, self.start, self.end) for leg in (self.leg_a, self.leg_b)]
+        if parts[0] is None or parts[1] is None:
+            return None
+        return relative(parts[0], parts[1])
+
+    def carry(self, t: float) -> np.ndarray | None:
+        """Float pose (4, 4) of the working frame in the world at time t; None where it rests."""
+        if self.leg_b.rests:
+            return None
+        time = min(max(rational(t, "time"), self.start), self.end)
+        with terms(1, 128):
+            rows = self.leg_b.series(ball(time))
+            return np.array([[float(x[0]) for x in row] for row in rows] + [[0.0, 0.0, 0.0, 1.0]])
+
+    def placed_at_start(self) -> tuple[Placement, Placement]:
+        """Both bodies' poses in the world at the start."""
+        return self.leg_a.place(self.start), self.leg_b.place(self.start)
+
+    def continues(self, before: Any) -> bool:
+        """Whether both bodies certainly start where they stand at the end of the piece before."""
+        if not isinstance(before, CurvedPiece):
+            return False
+        return all(
+            mine.place(self.start).factors == theirs.place(before.end).factors and mine.place(self.start).is_exact
+            for mine, theirs in ((self.leg_a, before.leg_a), (self.leg_b, before.leg_b))
+        )
+
+    def why_inexact(self) -> str:
+        """Why the contact times of the piece have no exact form."""
+        return (
+            f"{self.leg_a.of} with {self.leg_b.of}: their relative motion is no rational function of the time, so "
+            "times of contact have no exact form; ask without exact=True for certified enclosures"
+        )
+
+
+def _polynomial(leg: Leg, start: fmpq, end: fmpq) -> PolynomialPiece | None:
+    turns = isinstance(leg.motion, Rotation | Screw) and (leg.motion.angle != 0 or isinstance(leg.motion, Screw))
+    if turns or not leg.before.is_exact:
+        return None
+    step = PolynomialStep(leg.motion, None, None, leg.before.matrix(), True, leg.origin, leg.unit)
+    return next(step_pieces(step, start, end, leg.of))
+
+
+def _is_rotation(m: Matrix) -> bool:
+    """Whether the linear part of a rational matrix is a rotation or a reflection."""
+    return all(
+        sum((m[k][i] * m[k][j] for k in range(3)), fmpq(0)) == (i == j) for i in range(3) for j in range(i, 3)
+    )
+
+
+# ------------------------------------------------------------------------------------------------------ series
+
+
+def _own_series(motion: Any, t: arb, speed: fmpq) -> Series:
+    """The pose of one motion at its own time t + speed x, in powers of x."""
+    if isinstance(motion, RationalMotion):
+        argument = arb_poly([t, arb(speed)])
+        weight = _series(motion.pose[3][3], argument)
+        return [[_divided(_series(x, argument), weight) for x in row] for row in motion.pose[:3]]
+    time = arb_series([t, arb(speed)])
+    if isinstance(motion, Translation):
+        return [
+            [*(arb_series([int(i == j)]) for j in range(3)), time * ball(motion.vector[i])] for i in range(3)
+        ]
+    angle = time * angle_ball(motion.angle, motion.unit)
+    cosine, sine = angle.cos(), angle.sin()
+    h: list[Any] = [ball(x) for x in motion.axis]
+    square = ball(dot(motion.axis, motion.axis))
+    length = square.sqrt()
+    across: Any = [[0, -h[2], h[1]], [h[2], 0, -h[0]], [-h[1], h[0], 0]]
+    rows: Series = []
+    for i in range(3):
+        row = []
+        for j in range(3):
+            along = h[i] * h[j] / square
+            entry = cosine * (int(i == j) - along) + along
+            row.append(entry if i == j else entry + sine * (across[i][j] / length))
+        shift = ball(motion.point[i]) - sum((x * ball(motion.point[j]) for j, x in enumerate(row)), arb_series([0]))
+        if isinstance(motion, Screw):
+            shift = shift + time * (ball(motion.advance) * h[i] / length)
+        rows.append([*row, shift])
+    return rows
+
+
+def _series(p: Any, argument: arb_poly) -> arb_series:
+    return arb_series((arb_poly(fmpq_poly(p)) if p else arb_poly([0]))(argument))
+
+
+def _divided(x: arb_series, y: arb_series) -> arb_series:
+    """x / y; not finite where balls do not tell y from zero, over a time too long for them."""
+    return arb_series([arb("nan")] * ctx.cap) if y[0].contains(0) else x / y
+
+
+def after(pose: Series, first: Matrix) -> Series:
+    """The pose applied after a fixed map."""
+    if first is IDENTITY:
+        return pose
+    columns = [[ball(first[k][j]) for k in range(3)] for j in range(4)]
+    return [
+        [
+            row[0] * columns[j][0] + row[1] * columns[j][1] + row[2] * columns[j][2] + (row[3] if j == 3 else 0)
+            for j in range(4)
+        ]
+        for row in pose
+    ]
+
+
+def composed(m: Series, n: Series) -> Series:
+    """First n, then m."""
+    return [
+        [
+            row[0] * n[0][j] + row[1] * n[1][j] + row[2] * n[2][j] + (row[3] if j == 3 else 0) for j in range(4)
+        ]
+        for row in m
+    ]
+
+
+def cofactors(m: Series) -> Series:
+    """The matrix of cofactors of the linear part: det(m) m^-T, what cross products are mapped by."""
+    out = []
+    for i in range(3):
+        p, q = m[(i + 1) % 3], m[(i + 2) % 3]
+        out.append([p[(j + 1) % 3] * q[(j + 2) % 3] - p[(j + 2) % 3] * q[(j + 1) % 3] for j in range(3)])
+    return out
+
+
+def inverse(m: Series, rigid: bool) -> Series:
+    """The inverse map; the transpose does for rotations."""
+    linear = [[m[j][i] for j in range(3)] for i in range(3)]
+    if not rigid:
+        c = cofactors(m)
+        determinant = m[0][0] * c[0][0] + m[0][1] * c[0][1] + m[0][2] * c[0][2]
+        linear = [[_divided(c[j][i], determinant) for j in range(3)] for i in range(3)]
+    return [
+        [*row, -(row[0] * m[0][3] + row[1] * m[1][3] + row[2] * m[2][3])] for row in linear
+    ]
+
+

@@ -1,0 +1,227 @@
+"""Two moving bodies -> one: pieces of time in which the relative motion is one translation, one rotation, or curved.
+
+In every piece of the first two kinds both bodies stand placed at its reference time, b is at rest in the working
+frame, and a moves in it.  The working frame itself follows b: `carry` brings points of it back to the world.
+Curved pieces (`curved`) hold both motions.
+
+The reference is the start of the piece, but where a rotation's pose is irrational there: then it is the
+time at which the rotation began in a rational pose, and the piece is a window of its angles.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+from flint import fmpq
+
+from firstcontact.errors import InputError, UnsupportedPair
+from firstcontact.exact.numbers import to_double
+from firstcontact.exact.vectors import cross, dot, scaled, sub
+from firstcontact.motion.moving import Moving
+from firstcontact.motion.placement import Placement, Turn, angle_of
+from firstcontact.motion.rational import RationalMotion
+from firstcontact.motion.relative.curved import CurvedPiece, Leg
+from firstcontact.motion.rotation import Rotation, rotation_matrix
+from firstcontact.motion.screw import Screw
+from firstcontact.motion.sequence import Sequence
+from firstcontact.motion.span import common_span
+from firstcontact.motion.steps import RESTING, Step, steps_of
+from firstcontact.motion.translation import Translation
+
+_0 = fmpq(0)
+# Motions of which two may be one, and all that polyhedra can be followed under.
+SIMPLE = Translation, Rotation
+SUPPORTED = *SIMPLE, Screw, RationalMotion
+
+
+class Piece(NamedTuple):
+    """Relative motion of a seen from b during [start, end] (end None: for ever); local time is t - reference.
+
+    velocity (translation) per unit of time, or axis, point and rate (radians, turns) per unit of time.
+    """
+
+    start: fmpq
+    end: fmpq | None
+    reference: fmpq
+    place_a: Placement
+    place_b: Placement
+    velocity: tuple[fmpq, fmpq, fmpq] | None
+    axis: tuple[fmpq, fmpq, fmpq] | None
+    point: tuple[fmpq, fmpq, fmpq] | None
+    rate: tuple[fmpq, fmpq]
+    carry_velocity: tuple[fmpq, fmpq, fmpq] | None = None
+    carry_rate: tuple[fmpq, fmpq] | None = None
+
+    def carry(self, t: float) -> np.ndarray | None:
+        """Float pose (4, 4) of the working frame in the world at time t; None where it rests."""
+        local = t - to_double(self.reference)
+        if self.carry_velocity is not None:
+            pose = np.eye(4)
+            pose[:3, 3] = [to_double(x) * local for x in self.carry_velocity]
+            return pose
+        if self.carry_rate is not None and self.axis is not None and self.point is not None:
+            angle = (to_double(self.carry_rate[0]) + 2 * np.pi * to_double(self.carry_rate[1])) * local
+            axis, point = (np.array([to_double(x) for x in v]) for v in (self.axis, self.point))
+            return rotation_matrix(axis, point, angle)
+        return None
+
+    def at_start(self) -> Piece:
+        """The instant in which a rotation's window starts, both bodies as they stand in the world then."""
+        assert self.axis is not None and self.point is not None
+        passed, carry = self.start - self.reference, self.carry_rate or (_0, _0)
+        rate_a = self.rate[0] + carry[0], self.rate[1] + carry[1]
+        turn_a, turn_b = (Turn(self.axis, self.point, *_times(passed, rate)) for rate in (rate_a, carry))
+        placed = self.place_a.then(turn_a), self.place_b.then(turn_b)
+        return Piece(self.start, self.start, self.start, *placed, (_0, _0, _0), None, None, (_0, _0))
+
+
+def pieces(a: Any, b: Any, span: Any) -> tuple[list[Piece | CurvedPiece], fmpq, fmpq | None]:
+    """The pieces of the relative motion over the span, in time order, and the span itself.
+
+    Raises InputError for a bad span, UnsupportedPair for motions of other classes.
+    """
+    first, last = common_span(a, b, span)
+    steps_a, steps_b = list(_steps(a)), list(_steps(b))
+    if len(steps_a) == len(steps_b) == 1:
+        return [_reduce(a, b, steps_a[0], steps_b[0], first, last)], first, last
+    assert last is not None  # sequences have bounded spans
+    out = []
+    for t0, t1 in _cut(steps_a, steps_b, first, last):
+        out.append(_reduce(a, b, _step_at(steps_a, t0), _step_at(steps_b, t0), t0, t1))
+    return out, first, last
+
+
+def curved_pieces(a: Any, b: Any, first: fmpq, last: fmpq) -> list[CurvedPiece]:
+    """The pieces over [first, last] by the motions themselves, whatever they are: poses as power series at any time."""
+    steps_a, steps_b = list(_steps(a)), list(_steps(b))
+    return [
+        _curved(a, b, _step_at(steps_a, t0), _step_at(steps_b, t0), t0, t1)
+        for t0, t1 in _cut(steps_a, steps_b, first, last)
+    ]
+
+
+def placement_at(body: Any, time: fmpq) -> Placement:
+    """Where the body stands at the time, one of its motion's span."""
+    return _step_at(list(_steps(body)), time).pose(time)
+
+
+def _cut(steps_a: list[Step], steps_b: list[Step], first: fmpq, last: fmpq) -> list[tuple[fmpq, fmpq]]:
+    """The stretches of [first, last] in which both bodies make one step."""
+    cuts = {first, last}
+    cuts.update(t for s in (*steps_a, *steps_b) for t in (s.start, s.end) if t is not None and first < t < last)
+    times = sorted(cuts)
+    return list(zip(times, times[1:] or times, strict=False))
+
+
+def _step_at(steps: list[Step], time: fmpq) -> Step:
+    """The step that is made from that time on."""
+    return steps[max(0, bisect_right(steps, time, key=lambda s: s.start) - 1)]
+
+
+def _steps(body: Any) -> Iterator[Step]:
+    if not isinstance(body, Moving):
+        yield RESTING
+        return
+    for k, part in enumerate(getattr(body.motion, "steps", [body.motion])):
+        if not isinstance(part, SUPPORTED):
+            where = f"step {k} of the Sequence, " if isinstance(body.motion, Sequence) else ""
+            raise UnsupportedPair(
+                f"{where}{part!r} of {_who(body)}: polyhedra take Translation, Rotation, Screw, RationalMotion, "
+                "Trajectory and a Sequence of them"
+            )
+    yield from steps_of(body.motion)
+
+
+def _times(factor: fmpq, rate: tuple[fmpq, fmpq]) -> tuple[fmpq, fmpq]:
+    return factor * rate[0], factor * rate[1]
+
+
+def _rests(motion: Any) -> bool:
+    if isinstance(motion, Translation):
+        return not any(motion.vector)
+    return isinstance(motion, Rotation) and motion.angle == 0
+
+
+def _reduce(a: Any, b: Any, step_a: Step, step_b: Step, start: fmpq, end: fmpq | None) -> Piece | CurvedPiece:
+    """One piece; the table of section 6 of the derivation: which pairs of motions are one motion.
+
+    All others are curved.
+    """
+    motion_a, motion_b = step_a.motion, step_b.motion
+    if not (_is_straight_or_turn(step_a) and _is_straight_or_turn(step_b)):
+        return _curved(a, b, step_a, step_b, start, end)
+    rest_a, rest_b = _rests(motion_a), _rests(motion_b)
+    straight_a = rest_a or isinstance(motion_a, Translation)
+    straight_b = rest_b or isinstance(motion_b, Translation)
+    if straight_a and straight_b:
+        v_a, v_b = _velocity(step_a, rest_a), _velocity(step_b, rest_b)
+        return Piece(
+            start, end, start, step_a.pose(start), step_b.pose(start),
+            sub(v_a, v_b), None, None, (_0, _0),
+            carry_velocity=v_b if any(v_b) else None,
+        )  # fmt: skip
+    if (straight_a and not rest_a) or (straight_b and not rest_b):
+        return _curved(a, b, step_a, step_b, start, end)
+    lead = motion_b if rest_a else motion_a
+    assert isinstance(lead, Rotation)
+    rate_a, rate_b = _rate(step_a, rest_a, lead), _rate(step_b, rest_b, lead)
+    if rate_a is None or rate_b is None:
+        return _curved(a, b, step_a, step_b, start, end)
+    rate = rate_a[0] - rate_b[0], rate_a[1] - rate_b[1]
+    placed = step_a.pose(start), step_b.pose(start)
+    carry_rate = rate_b if any(rate_b) else None
+    if not any(rate):
+        zero = (_0, _0, _0)
+        return Piece(start, end, start, *placed, zero, lead.axis, lead.point, rate, carry_rate=carry_rate)
+    reference = start
+    if not (placed[0].is_exact and placed[1].is_exact):
+        begins = {step.start for step, rests in ((step_a, rest_a), (step_b, rest_b)) if not rests}
+        if len(begins) == 1 and step_a.before.is_exact and step_b.before.is_exact:
+            reference, placed = begins.pop(), (step_a.before, step_b.before)
+    return Piece(start, end, reference, *placed, None, lead.axis, lead.point, rate, carry_rate=carry_rate)
+
+
+def _is_straight_or_turn(step: Step) -> bool:
+    return isinstance(step.motion, SIMPLE)
+
+
+def _curved(a: Any, b: Any, step_a: Step, step_b: Step, start: fmpq, end: fmpq | None) -> CurvedPiece:
+    """The piece by the motions themselves."""
+    if end is None:
+        raise InputError(
+            f"the span has no end, but {type(step_a.motion).__name__} of {_who(a, 'a')} with "
+            f"{type(step_b.motion).__name__} of {_who(b, 'b')} needs one; give span=(first, last)"
+        )
+    legs = [
+        Leg(s.motion, s.start, s.duration, s.before, f"{type(s.motion).__name__} of {_who(body, default)}")
+        for s, body, default in ((step_a, a, "a"), (step_b, b, "b"))
+    ]
+    return CurvedPiece(start, end, *legs)
+
+
+def _velocity(step: Step, rests: bool) -> tuple[fmpq, fmpq, fmpq]:
+    if rests or not isinstance(step.motion, Translation):
+        return (_0, _0, _0)
+    return step.motion.vector if step.end is None else scaled(1 / step.duration, step.motion.vector)
+
+
+def _rate(step: Step, rests: bool, lead: Rotation) -> tuple[fmpq, fmpq] | None:
+    """(radians, turns) per unit of time about the axis of `lead`; None when the axes differ."""
+    if rests:
+        return (_0, _0)
+    motion = step.motion
+    assert isinstance(motion, Rotation)
+    sense = 1
+    if motion is not lead:
+        if any(cross(motion.axis, lead.axis)) or any(cross(sub(motion.point, lead.point), lead.axis)):
+            return None
+        sense = 1 if dot(motion.axis, lead.axis) > 0 else -1
+    radians, turns = angle_of(motion, sense / step.duration)
+    return radians, turns
+
+
+def _who(body: Any, default: str = "a body") -> str:
+    return repr(body.name) if getattr(body, "name", None) else f"body {default}" if len(default) == 1 else default

@@ -1,0 +1,226 @@
+"""Motions as stretches of time in the form that the kernels of `kernels.poses` read, with proved errors."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from flint import arb, fmpq, fmpq_poly
+
+from firstcontact.exact.numbers import above, below, dyadic, precision, to_double
+from firstcontact.exact.rigid import Matrix, ball_rotation, compose
+from firstcontact.exact.vectors import cross, dot
+from firstcontact.kernels.poses import (
+    CENTRE,
+    DEGREE,
+    ERROR_R,
+    ERROR_T,
+    ERROR_W,
+    KIND,
+    OMEGA,
+    PER_HALF,
+    RATIONAL,
+    SINE_EPS,
+    STRAIGHT,
+    TURNING,
+)
+from firstcontact.motion.moving import Moving
+from firstcontact.motion.placement import Placement
+from firstcontact.motion.relative import projective
+from firstcontact.motion.relative.polynomial import own_pose
+from firstcontact.motion.rotation import Rotation, angle_ball
+from firstcontact.motion.screw import Screw
+from firstcontact.motion.steps import REST, Step, steps_of
+from firstcontact.motion.translation import Translation
+
+U = 2.0**-53
+BITS = 192
+# Largest half angle (radians) of one stretch: `sine_cosine` reduces arguments below 2^10.
+MOST_RADIANS = 1000.0
+
+
+class Untold(Exception):
+    """A motion that the kernels cannot follow; the text says why."""
+
+
+class Window(NamedTuple):
+    """Both motions as (14, n) arrays over [first, last], exact times rounded outward; inner: `last` rounded inward."""
+
+    first: float
+    last: float
+    inner: float
+    a: np.ndarray
+    b: np.ndarray
+
+
+def windows(a: Any, b: Any, first: fmpq, last: fmpq) -> list[Window]:
+    """The windows of time in which both bodies follow one step each, in order."""
+    motion_a = a.motion if isinstance(a, Moving) else REST
+    motion_b = b.motion if isinstance(b, Moving) else REST
+    return _windows_of(motion_a, motion_b, int(first.p), int(first.q), int(last.p), int(last.q))
+
+
+@lru_cache(maxsize=128)
+def _windows_of(motion_a: Any, motion_b: Any, p: int, q: int, r: int, s: int) -> list[Window]:
+    """Over [p / q, r / s]: whole numbers, since rationals take a microsecond to hash."""
+    motions, first, last = (motion_a, motion_b), fmpq(p, q), fmpq(r, s)
+    steps = [known_steps(m) for m in motions]
+    cuts = {first, last}
+    for own in steps:
+        for step in own:
+            if step.end is not None:
+                cuts |= {t for t in (step.start, step.end) if first < t < last}
+    times = sorted(cuts)
+    found = []
+    for begin, end in zip(times, times[1:] or times, strict=False):
+        pair = [_stretch(m, step_index(own, begin, end), begin, end) for m, own in zip(motions, steps, strict=True)]
+        found.append(Window(*_rounded(begin, end), *pair))
+    return found
+
+
+@lru_cache(maxsize=128)
+def _rounded(begin: fmpq, end: fmpq) -> tuple[float, float, float]:
+    return below(begin), above(end), below(end)
+
+
+@lru_cache(maxsize=128)
+def known_steps(motion: Any) -> tuple[Step, ...]:
+    return tuple(steps_of(motion))
+
+
+def step_index(steps: tuple[Step, ...], begin: fmpq, end: fmpq) -> int:
+    """The step in charge of [begin, end]."""
+    for k, step in enumerate(steps):
+        if step.covers(begin, end):
+            return k
+    raise Untold("no pose")
+
+
+def step_near(steps: tuple[Step, ...], time: fmpq) -> Step:
+    """The step in charge at a time.
+
+    Roundings and Newton's method lead a little beyond the motion, where its first or its last step goes on.
+    """
+    return next((step for step in steps if step.end is None or time <= step.end), steps[-1])
+
+
+@lru_cache(maxsize=256)
+def _stretch(motion: Any, index: int, begin: fmpq, end: fmpq) -> np.ndarray:
+    step = known_steps(motion)[index]
+    middle = to_double((begin + end) / 2)
+    half = max(to_double(end - begin) / 2 * (1 + 1e-9), 1e-300)
+    if end == begin:
+        half = 1.0
+    head = np.zeros(9)
+    head[CENTRE], head[PER_HALF] = middle, 1.0 / half
+    # the exact scale that the kernel uses is that of the double 1 / half
+    centre, scale = fmpq(*middle.as_integer_ratio()), 1 / fmpq(*float(head[PER_HALF]).as_integer_ratio())
+    turns = isinstance(step.motion, Rotation | Screw)
+    coefficients = (_turning if turns else _rational)(step, centre, scale, head)
+    table = np.zeros((14, max(len(head), coefficients.shape[1])))
+    table[0, : len(head)], table[1:, : coefficients.shape[1]] = head, coefficients
+    if not np.all(np.isfinite(table)):
+        raise Untold("numbers beyond the range of doubles")
+    return table
+
+
+def _rational(step: Step, centre: fmpq, scale: fmpq, head: np.ndarray) -> np.ndarray:
+    """Polynomials in s = (t - centre) / scale."""
+    head[KIND] = RATIONAL
+    if isinstance(step.motion, Translation) and not step.before.factors:
+        return _straight(step, centre, scale, head)
+    before, (off_r, off_t) = _rounded_pose(step.before)
+    local = fmpq_poly([step.share(centre), scale / step.duration])
+    own = projective.substituted(own_pose(step.motion, "a body"), local)
+    held = projective.fixed(before)
+    pose = projective.product(own, held)
+    rows = [[fmpq_poly(x) for x in row] for row in pose]
+    weight = rows[3][3]
+    largest = max(abs(x) for x in weight.coeffs())
+    straight = weight.degree() == 0
+    factor = (1 if not straight or weight[0] > 0 else -1) / largest
+    entries = [rows[i][j] for i in range(3) for j in range(3)] + [rows[i][3] for i in range(3)] + [weight]
+    n = 1 + max(x.degree() for x in entries)
+    table = np.zeros((13, n))
+    for e, p in enumerate(entries):
+        for k, x in enumerate(p.coeffs()):
+            table[e, k] = to_double(x * factor)
+    if not straight and table[12] @ np.array([0.0**k for k in range(n)]) < 0:
+        table = -table
+    head[STRAIGHT] = float(straight)
+    # coefficients rounded once; two roundings per step of Horner's rule; s itself within 4 U
+    sums = np.abs(table) @ (8.0 * np.arange(n) + 3.0) * U
+    head[ERROR_R], head[ERROR_T] = sums[:9].max(), sums[9:12].max()
+    if off_r or off_t:  # the sum over the linear entries of `own`, each times one of `before`
+        unit = factor * fmpq(held[3][3][0])
+        turn = 2 * sum(abs(to_double(fmpq(c) * unit)) for row in own[:3] for x in row[:3] for c in x.coeffs())
+        head[ERROR_R], head[ERROR_T] = head[ERROR_R] + turn * off_r, head[ERROR_T] + turn * off_t
+    head[ERROR_W] = 0.0 if straight else sums[12]
+    head[DEGREE] = n - 1
+    return table
+
+
+def _rounded_pose(before: Placement) -> tuple[Matrix, tuple[float, float]]:
+    """A rational matrix, and how far its linear entries and its shift are from the pose's at most."""
+    if before.is_exact:
+        return before.matrix(), (0.0, 0.0)
+    with precision(BITS):
+        balls = before.matrix()
+        off = [[above(dyadic(arb(x).rad())) for x in row] for row in balls]
+        rows = tuple(tuple(dyadic(arb(x).mid()) for x in row) for row in balls)
+        return rows, (max(max(row[:3]) for row in off), max(row[3] for row in off))  # type: ignore[return-value]
+
+
+def _straight(step: Step, centre: fmpq, scale: fmpq, head: np.ndarray) -> np.ndarray:
+    """As `_rational`, for a translation from the identity, and faster."""
+    table = np.zeros((13, 2))
+    table[[0, 4, 8, 12], 0] = 1.0
+    here, rate = step.share(centre), scale / step.duration
+    for k, x in enumerate(step.motion.vector):
+        if x:
+            table[9 + k] = to_double(x * here), to_double(x * rate)
+    head[STRAIGHT], head[DEGREE] = 1.0, 1.0
+    head[ERROR_T] = float((np.abs(table[9:12]) @ (3 * U, 11 * U)).max())
+    return table
+
+
+def _turning(step: Step, centre: fmpq, scale: fmpq, head: np.ndarray) -> np.ndarray:
+    """Linear in 1, sin, 1 - cos of the angle turned since `centre`, and s = (t - centre) / scale."""
+    motion = step.motion
+    head[KIND] = TURNING
+    advance = motion.advance if isinstance(motion, Screw) else fmpq(0)
+    local = step.share(centre)
+    with precision(BITS):
+        length = arb(dot(motion.axis, motion.axis)).sqrt()
+        k = [arb(x) / length for x in motion.axis]
+        p = [arb(x) for x in motion.point]
+        omega = angle_ball(motion.angle * scale / step.duration, motion.unit)
+        turned = ball_rotation(motion.axis, motion.point, angle_ball(motion.angle * local, motion.unit))
+        base = compose(turned, tuple(tuple(arb(x) for x in row) for row in step.before.matrix()))  # type: ignore[arg-type]
+        columns = [[base[i][j] for i in range(3)] for j in range(3)]
+        shift = [base[i][3] for i in range(3)]
+        arm = [s - q for s, q in zip(shift, p, strict=True)]
+        once = [cross(k, c) for c in (*columns, arm)]
+        twice = [cross(k, c) for c in once]
+        far = [s + arb(advance * local) * x for s, x in zip(shift, k, strict=True)]
+        slope = [arb(advance * scale / step.duration) * x for x in k]
+        order = [(i, j) for i in range(3) for j in range(3)] + [(i, 3) for i in range(3)]
+        zeroth = [*columns, far]
+        table = np.array([
+            [_middle(zeroth[j][i]), _middle(once[j][i]), _middle(twice[j][i]), _middle(slope[i]) if j == 3 else 0.0]
+            for i, j in order
+        ])  # fmt: skip
+        head[OMEGA] = _middle(omega)
+    if abs(head[OMEGA]) > MOST_RADIANS:
+        raise Untold("too many turns")
+    # entries and omega rounded once, the sum of four terms, s within 4 U, the sine within SINE_EPS
+    off = np.array([8 * U, 8 * U, 16 * U, 12 * U])
+    wobble = SINE_EPS + 8 * U * abs(head[OMEGA])
+    errors = np.abs(table) @ off + (np.abs(table[:, 1]) + np.abs(table[:, 2])) * wobble
+    head[ERROR_R], head[ERROR_T] = errors[:9].max(), errors[9:].max()
+    return np.vstack([table, np.zeros(4)])
+
+
+def _middle(x: arb) -> float:
+    return float(x.mid())

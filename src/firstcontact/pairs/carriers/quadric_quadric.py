@@ -1,0 +1,107 @@
+"""Case I: quadric against quadric, by the pencil l A - B.
+
+The surfaces touch at X where (l0 A - B) X = 0 for a multiple root l0 of det(l A - B), or at an apex of one of them
+(Choi et al. 2014, theorem on the pencil; Tu et al. 2009).  Roots l = 0 and l = inf that are there for all u belong to
+surfaces of rank 3 and mean their apex: case VI, so they are divided out.  Other permanent multiple roots (spheres,
+homothetic quadrics, surfaces of revolution about one axis) are left out as `exact.pencils.pencils` says (re-derived).
+Pencils that are degenerate for all u: two cylinders with parallel axes are cut by a coordinate plane, which leaves
+case VIII and contact along rulings; apexes (case VI) and rims (case III) see the events of all others (re-derived).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from firstcontact.exact.fields.number_field import NumberField, is_zero
+from firstcontact.exact.fields.roots import AlgebraicRoot
+from firstcontact.exact.pencils.pencils import Meeting, Tangency, characteristic, pencil_contacts
+from firstcontact.exact.polynomials.inertia import null_space, times
+from firstcontact.exact.polynomials.polynomial_matrix import Matrix, adjugate, minors
+from firstcontact.pairs.carriers import planar_conics
+from firstcontact.pairs.carriers.contact import (
+    CROSSING,
+    IMAGINARY,
+    Contacts,
+    Equation,
+    Form,
+    Vector,
+    finite,
+    gather,
+    nothing,
+    zero,
+)
+
+DEGENERATE = "identically degenerate pencil: an apex (case VI) or a rim (case III) sees the event"
+APEX = "apex: case VI"
+
+
+def equation(a: Matrix, b: Matrix) -> Equation:
+    """The u at which the quadrics may touch away from their apexes; A, B symmetric 4x4."""
+    coefficients = characteristic(a, b)
+    if any(coefficients):
+        return planar_conics.pencil_equation(coefficients)
+    axis = next(v for v in adjugate(a) if any(v)) if any(minors(a, 3)) else ()
+    if not axis or any(times(b, axis)):
+        return Equation(None, DEGENERATE)
+    k = next(i for i in range(4) if axis[i] != 0)
+    return replace(
+        planar_conics.equation(without_coordinate(a, k), without_coordinate(b, k)),
+        reason="common apex or parallel axes for all u: case VIII of a section",
+    )
+
+
+def contacts(a: Matrix, b: Matrix, root: AlgebraicRoot) -> Contacts:
+    """Isolated points, lines and conics in which the surfaces touch without crossing; multiplier: sign of l0."""
+    field = NumberField(root)
+    form_a, form_b = field.matrix(a), field.matrix(b)
+    coefficients = [field(c) for c in characteristic(a, b)]
+    if zero(coefficients):
+        return degenerate_contacts(form_a, form_b)
+    tangencies = pencil_contacts(form_a, form_b, coefficients).tangencies
+    return gather([contact_sets(tangency) for tangency in tangencies], IMAGINARY)
+
+
+NO_CONTACT = {
+    Meeting.CROSSING: CROSSING,
+    Meeting.CUSP: CROSSING,
+    Meeting.PLANES: CROSSING,
+    Meeting.IMAGINARY: IMAGINARY,
+    Meeting.SINGULAR: APEX,
+    Meeting.SURFACE: "the surfaces coincide",
+}
+
+
+def contact_sets(tangency: Tangency) -> Contacts:
+    """The contact sets of one multiple root, finite and away from apexes."""
+    if tangency.side == 0:
+        return nothing(APEX)
+    if tangency.meeting in NO_CONTACT:
+        return nothing(NO_CONTACT[tangency.meeting])
+    spans: list[tuple[Vector, ...]] = [(x,) for x in tangency.points]
+    spans += tangency.lines
+    sets = [finite(span, multiplier=tangency.side) for span in spans]
+    if tangency.plane:
+        sets.append(finite(tangency.plane, form=tangency.form, multiplier=tangency.side))
+    return gather(sets, IMAGINARY)
+
+
+def degenerate_contacts(a: Form, b: Form) -> Contacts:
+    """Where det(l A - B) = 0 for every l at this u: parallel axes touch along rulings, by case VIII of the sections."""
+    null = null_space(a)
+    if len(null) != 1 or not zero(times(b, null[0])):
+        return nothing("the pencil is degenerate at this time: case III or VI")
+    (axis,) = null
+    k = next(i for i in range(4) if not is_zero(axis[i]))
+    zero_ = axis[k] * 0
+    plane = tuple(tuple(zero_ + 1 if i == j else zero_ for i in range(4)) for j in range(4) if j != k)
+    touching = planar_conics.contacts(without_coordinate(a, k), without_coordinate(b, k), plane)
+    if any(contact.kind != "point" for contact in touching.found):
+        return nothing("the surfaces coincide")
+    sets = [finite((contact.span[0], axis), multiplier=contact.multiplier) for contact in touching.found]
+    return gather(sets, f"parallel axes: {touching.reason}")
+
+
+def without_coordinate(form: Any, k: int) -> Any:
+    """The form on the coordinate plane X_k = 0."""
+    return tuple(tuple(x for j, x in enumerate(row) if j != k) for i, row in enumerate(form) if i != k)

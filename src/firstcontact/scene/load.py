@@ -1,0 +1,446 @@
+"""Scene files: TOML in, bodies, motions and checks out.
+
+Keys are the constructors' argument names.  A bare TOML float is the double it denotes; a quoted number
+("1/3", "0.1") is exact.  Every fault is one InputError that names the file, the key and the cure.
+"""
+
+from __future__ import annotations
+
+import itertools
+import tomllib
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, StrictBool, StrictInt, StrictStr, ValidationError, model_validator
+
+from firstcontact.body.polyhedron.polyhedron import Polyhedron
+from firstcontact.body.ruled.rational_curve import RationalCurve
+from firstcontact.body.ruled.strip import RuledStrip
+from firstcontact.body.ruled.surface import RuledSurface
+from firstcontact.errors import InputError
+from firstcontact.motion.rational import RationalMotion
+from firstcontact.motion.rotation import Rotation
+from firstcontact.motion.screw import Screw
+from firstcontact.motion.sequence import Sequence
+from firstcontact.motion.trajectory import Trajectory
+from firstcontact.motion.translation import Translation
+from firstcontact.scene import solids
+from firstcontact.scene.values import (
+    Corners,
+    Directrix,
+    Edge,
+    Face,
+    KeyFault,
+    Matrix,
+    Number,
+    Numbers,
+    Pair,
+    Placed,
+    Pose,
+    Quaternion,
+    Range,
+    Span,
+    Table,
+    Vector,
+    at_key,
+    parse_number,
+    parse_time,
+    placed,
+)
+
+__all__ = ["Check", "Curve", "Scene", "load_scene", "parse_number", "parse_time"]
+
+
+class TranslationTable(Table):
+    type: Literal["translation"]
+    vector: Vector
+
+    def build(self) -> Translation:
+        return Translation(self.vector)
+
+
+class _Turn(Table):
+    axis: Vector
+    point: Vector = (0, 0, 0)
+    radians: Number = None
+    degrees: Number = None
+    turns: Number = None
+
+    def _angle(self) -> dict[str, Any]:
+        return {"radians": self.radians, "degrees": self.degrees, "turns": self.turns}
+
+
+class RotationTable(_Turn):
+    type: Literal["rotation"]
+
+    def build(self) -> Rotation:
+        return Rotation(self.axis, self.point, **self._angle())
+
+
+class ScrewTable(_Turn):
+    type: Literal["screw"]
+    advance: Number = 0
+
+    def build(self) -> Screw:
+        return Screw(self.axis, self.point, **self._angle(), advance=self.advance)
+
+
+class RationalTable(Table):
+    type: Literal["rational"]
+    coefficients: list[Matrix]
+
+    def build(self) -> RationalMotion:
+        return RationalMotion(self.coefficients)
+
+
+class _Quaternions(Table):
+    quat_xyzw: list[Quaternion] | None = None
+    quat_wxyz: list[Quaternion] | None = None
+
+    def _check(self, **poses: Any) -> dict[str, Any]:
+        """The quaternions, after a look whether the poses are of the kind that goes with them."""
+        given = self.quat_xyzw is not None or self.quat_wxyz is not None
+        for key, pose in poses.items():
+            if given and len(pose) != 3:
+                raise InputError(f"{key} is a matrix, but quaternions are given too; write a vector [x, y, z]")
+            if not given and len(pose) == 3:
+                raise InputError(f"{key} is a vector; add quat_xyzw or quat_wxyz, or write a 4x4 matrix")
+        return {"quat_xyzw": self.quat_xyzw, "quat_wxyz": self.quat_wxyz}
+
+
+class BetweenTable(_Quaternions):
+    type: Literal["between"]
+    pose0: Pose
+    pose1: Pose
+
+    def build(self) -> RationalMotion:
+        quaternions = self._check(pose0=self.pose0, pose1=self.pose1)
+        return RationalMotion.between(self.pose0, self.pose1, **quaternions)
+
+
+class TrajectoryTable(_Quaternions):
+    type: Literal["trajectory"]
+    times: list[Number]
+    poses: list[Pose]
+    interpolation: Literal["linear-quaternion", "screw"] = "linear-quaternion"
+
+    def build(self) -> Trajectory:
+        quaternions = self._check(**{f"poses[{k}]": pose for k, pose in enumerate(self.poses)})
+        return Trajectory(self.times, self.poses, self.interpolation, **quaternions)
+
+
+Step = Annotated[
+    TranslationTable | RotationTable | ScrewTable | RationalTable | BetweenTable, Field(discriminator="type")
+]
+
+
+class SequenceTable(Table):
+    type: Literal["sequence"]
+    steps: list[Step]
+    durations: list[Number] | None = None
+
+    def build(self) -> Sequence:
+        return Sequence([step.build() for step in self.steps], durations=self.durations)
+
+
+Motion = Annotated[
+    TranslationTable | RotationTable | ScrewTable | RationalTable | BetweenTable | SequenceTable | TrajectoryTable,
+    Field(discriminator="type"),
+]
+
+
+class _Body(Placed):
+    name: StrictStr | None = None
+    motion: Motion | None = None
+
+
+class MeshBody(_Body):
+    shape: Literal["mesh"]
+    file: StrictStr
+    solid: StrictBool | None = None
+
+    def build(self, key: str, folder: Path) -> Polyhedron:
+        return Polyhedron.load(folder / self.file, solid=self.solid, name=self.name or key)
+
+
+class PolyhedronBody(_Body):
+    shape: Literal["polyhedron"]
+    vertices: list[Vector]
+    faces: list[Face] = []
+    edges: list[Edge] | None = None
+    solid: StrictBool | None = None
+
+    def build(self, key: str, folder: Path) -> Polyhedron:
+        name = self.name or key
+        return Polyhedron(self.vertices, self.faces, edges=self.edges, solid=self.solid, name=name)
+
+
+class _SolidBody(_Body, solids.Solid):
+    def build(self, key: str, folder: Path) -> Any:
+        return self.solid().named(self.name or key)
+
+
+class BoxBody(solids.Box, _SolidBody): ...
+
+
+class SphereBody(solids.Sphere, _SolidBody): ...
+
+
+class EllipsoidBody(solids.Ellipsoid, _SolidBody): ...
+
+
+class CylinderBody(solids.Cylinder, _SolidBody): ...
+
+
+class ConeBody(solids.Cone, _SolidBody): ...
+
+
+class FrustumBody(solids.Frustum, _SolidBody): ...
+
+
+class ParaboloidBody(solids.Paraboloid, _SolidBody): ...
+
+
+class HyperboloidBody(solids.Hyperboloid, _SolidBody): ...
+
+
+class HalfSpaceBody(solids.HalfSpace, _SolidBody): ...
+
+
+class QuadricBody(solids.Quadric, _SolidBody): ...
+
+
+class CsgBody(solids.Csg, _SolidBody): ...
+
+
+class RuledBody(_Body):
+    """Two directrices, as strings or as tables of coefficients ("all": every u, or whole rulings), or a NURBS grid."""
+
+    shape: Literal["ruled"]
+    first: Directrix = None
+    second: Directrix = None
+    u: Range = (0, 1)
+    s: Range = (0, 1)
+    trim: list[StrictStr] = []
+    points: list[list[Vector]] | None = None
+    knots: Numbers = None
+    weights: Numbers = None
+    degree: Any = None
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> RuledBody:
+        curves, grid = {"first", "second", "u", "s", "trim"}, {"points", "knots", "weights", "degree"}
+        given = self.model_fields_set
+        if "points" not in given and not {"first", "second"} <= given:
+            raise ValueError("give first and second, or points; for a NURBS surface points, knots and weights")
+        wrong = sorted(given & (curves if "points" in given else grid))
+        if wrong:
+            other = "points" if "points" in given else "first and second"
+            raise ValueError(f"{wrong[0]} does not go with {other}; leave it out")
+        return self
+
+    def build(self, key: str, folder: Path) -> RuledSurface | RuledStrip:
+        if self.points is not None:
+            return RuledSurface.from_nurbs(
+                self.points, self.knots, self.weights, degree=self.degree, name=self.name or key
+            )
+        curves = []
+        for name in ("first", "second"):
+            given = getattr(self, name)
+            with at_key(name):
+                curves.append(given if isinstance(given, str) else RationalCurve(**given))
+        return RuledSurface(*curves, u=self.u, s=self.s, trim=self.trim, name=self.name or key)
+
+
+Body = Annotated[
+    MeshBody
+    | PolyhedronBody
+    | BoxBody
+    | SphereBody
+    | EllipsoidBody
+    | CylinderBody
+    | ConeBody
+    | FrustumBody
+    | ParaboloidBody
+    | HyperboloidBody
+    | HalfSpaceBody
+    | QuadricBody
+    | CsgBody
+    | RuledBody,
+    Field(discriminator="shape"),
+]
+
+
+class CheckTable(Table):
+    pair: Pair
+    span: Span | None = None
+    exact: StrictBool = False
+    tolerance: Annotated[Number, Field(gt=0)] = 1e-12
+    budget: Annotated[StrictInt, Field(gt=0)] | None = None
+
+
+class CurveTable(Table):
+    pair: Pair
+    at: Number = None
+    tolerance: Annotated[Number, Field(gt=0)] = 1e-6
+    box: Corners | None = None
+    method: StrictStr = "auto"
+
+
+class SceneTable(Table):
+    body: dict[str, Body]
+    check: list[CheckTable] = []
+    curve: list[CurveTable] = []
+
+
+@dataclass(frozen=True)
+class Check:
+    """One question of a scene: the keys of two bodies and the verb's keyword arguments."""
+
+    a: str
+    b: str
+    span: tuple[Any, Any] | None = None
+    exact: bool = False
+    tolerance: float = 1e-12
+    budget: int | None = None
+
+    def arguments(self) -> dict[str, Any]:
+        keys = ("span", "exact", "tolerance", "budget")
+        return {key: getattr(self, key) for key in keys}
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A question of `firstcontact curve`: the keys of two bodies, the time at which they rest, the verb's arguments."""
+
+    a: str
+    b: str
+    at: Any = None
+    tolerance: float = 1e-6
+    box: Any = None
+    method: str = "auto"
+
+    def arguments(self) -> dict[str, Any]:
+        return {key: getattr(self, key) for key in ("tolerance", "box", "method")}
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Bodies by key, at rest or Moving, the checks to run on them, and the intersection curves to find."""
+
+    path: Path
+    bodies: dict[str, Any]
+    checks: tuple[Check, ...]
+    curves: tuple[Curve, ...]
+
+
+def load_scene(path: str | Path) -> Scene:
+    """The scene of a TOML file; mesh files are looked for relative to it."""
+    path = Path(path)
+    tables = _read(path)
+    try:
+        scene = SceneTable.model_validate(tables)
+    except ValidationError as error:
+        raise InputError(f"{path}: {_first_fault(error, tables)}") from error
+    bodies = {key: _build(path, key, body) for key, body in scene.body.items()}
+    checks = tuple(_checks(path, scene))
+    return Scene(path, bodies, checks, tuple(_curves(path, scene, checks)))
+
+
+def _read(path: Path) -> dict[str, Any]:
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise InputError(f"{path}: {reason}; give the path of a scene file (TOML)") from error
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path}: not text; give a scene file (TOML, UTF-8)") from error
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{path}: not valid TOML: {error}; mend it there") from error
+
+
+def _build(path: Path, key: str, table: Any) -> Any:
+    """The body in its place, given its motion."""
+    try:
+        with at_key(f"body.{key}"):
+            body = placed(table.build(key, path.parent), table)
+            if table.motion is None:
+                return body
+            with at_key("motion"):
+                return body.moving(table.motion.build())
+    except KeyFault as error:
+        raise InputError(f"{path}: {error}") from error
+
+
+def _checks(path: Path, scene: SceneTable) -> list[Check]:
+    if not scene.check:
+        return [Check(a, b) for a, b in itertools.combinations(scene.body, 2)]
+    checks = []
+    for k, table in enumerate(scene.check):
+        a, b = _pair(path, scene, f"check[{k}]", table.pair)
+        checks.append(Check(a, b, table.span, table.exact, float(table.tolerance), table.budget))
+    return checks
+
+
+def _curves(path: Path, scene: SceneTable, checks: Iterable[Check]) -> list[Curve]:
+    """Of the pairs of [[curve]] tables; without any, of the pairs that are checked."""
+    if not scene.curve:
+        return [Curve(check.a, check.b) for check in checks]
+    curves = []
+    for k, table in enumerate(scene.curve):
+        a, b = _pair(path, scene, f"curve[{k}]", table.pair)
+        curves.append(Curve(a, b, table.at, float(table.tolerance), table.box, table.method))
+    return curves
+
+
+def _pair(path: Path, scene: SceneTable, key: str, pair: tuple[str, str]) -> tuple[str, str]:
+    """The pair, after a look whether both bodies are there."""
+    for name in pair:
+        if name not in scene.body:
+            known = ", ".join(map(repr, scene.body))
+            raise InputError(f"{path}: {key}.pair: no body {name!r}; the bodies are {known}")
+    if pair[0] == pair[1]:
+        raise InputError(f"{path}: {key}.pair: {pair[0]!r} against itself; name two bodies")
+    return pair
+
+
+def _first_fault(error: ValidationError, tables: dict[str, Any]) -> str:
+    """The first of pydantic's faults as "key: what is wrong; what to do"."""
+    faults = error.errors(include_url=False)
+    fault = faults[0]
+    more = f" (and {len(faults) - 1} more)" if len(faults) > 1 else ""
+    key = _key(fault["loc"], tables)
+    return f"{key + ': ' if key else ''}{_message(fault)}{more}"
+
+
+def _message(fault: Any) -> str:
+    context = fault.get("ctx", {})
+    match fault["type"]:
+        case "value_error":
+            return str(context["error"])
+        case "missing":
+            return "missing; add this key"
+        case "union_tag_not_found":
+            return f"key {context['discriminator']} is missing; add it"
+        case "union_tag_invalid":
+            key = context["discriminator"].strip("'")
+            return f"{key} {context['tag']!r} is not supported; use one of {context['expected_tags']}"
+        case _:
+            message = fault["msg"].replace("Input should", "should").replace("dictionary", "table")
+            return f"{fault['input']!r} is wrong: it {message}"
+
+
+def _key(location: tuple[int | str, ...], tables: Any) -> str:
+    """`body.lid.motion.axis` of pydantic's location, which also names the variant of each tagged table."""
+    key = ""
+    for part in location:
+        table = tables if isinstance(tables, dict) else {}
+        if isinstance(part, int):
+            key += f"[{part}]"
+            tables = tables[part] if isinstance(tables, list) and part < len(tables) else None
+        elif part in table or part not in (table.get("shape"), table.get("type")):
+            key += f".{part}"
+            tables = table.get(part)
+    return key.removeprefix(".")

@@ -1,0 +1,1 @@
+"""Motions composed of several: rounds of linearisation, level by level."""

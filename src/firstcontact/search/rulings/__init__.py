@@ -1,0 +1,1 @@
+"""Events of two ruled surfaces: pieces of them in motion."""

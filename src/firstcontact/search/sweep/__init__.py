@@ -1,0 +1,1 @@
+"""The engine that sweeps facets as sheets about an axis, or along a direction."""

@@ -1,0 +1,1 @@
+"""Boxes swept in time, and the walks over two trees of them."""

@@ -1,0 +1,287 @@
+"""Is a point inside a closed polyhedron?  Crossing parity of the ray towards +x, decided exactly.
+
+The ray's origin counts as shifted by (eps, eps^2) in y and z, eps infinitesimal (half-open rule), so that the
+ray passes through no edge and no vertex; floats decide the triangles it certainly hits or misses.
+"""
+
+from __future__ import annotations
+
+import weakref
+from typing import Any
+
+import numpy as np
+from flint import fmpq
+
+from firstcontact.body.polyhedron.topology import component_of_vertices
+from firstcontact.exact.numbers import PRECISIONS, Undecidable, precision, sign, to_double
+from firstcontact.exact.rigid import apply, inverse_map
+from firstcontact.exact.vectors import Vector, cross, dot, sub
+from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.verdict import DET_EPS, TINY, cross_size
+from firstcontact.kernels.verdict import cross as cross_f
+from firstcontact.search.lifted.lifted_elements import select
+from firstcontact.search.trees.frame import tree_of
+from firstcontact.search.trees.tree import FACET, Tree
+
+# Boxes of components that are looked at one by one.
+_LEAF = 4
+
+
+@kernel
+def _side(ay, az, by, bz, err):
+    """Certain sign of the turn of (a, b) about the origin, 0 when unsure."""
+    left, right = ay * bz, az * by
+    size = abs(ay) + abs(az) + abs(by) + abs(bz)
+    bound = DET_EPS * (abs(left) + abs(right)) + err * (size + err) * 2.0 + TINY
+    o = left - right
+    return 1 if o > bound else -1 if o < -bound else 0
+
+
+@kernel
+def ray_crossings(boxes, links, xyz, ids, p, err, hits):
+    """Fill hits with (triangle, 1 certain | 0 unsure) met by the ray from p (3,) to +x; returns their number.
+
+    err bounds the error of every difference of coordinates.  Stops short when hits is full: returns -1.
+    """
+    stack = np.empty(256, np.int64)
+    stack[0] = 0
+    depth, n = 1, 0
+    while depth > 0:
+        depth -= 1
+        node = stack[depth]
+        box = boxes[node]
+        if (
+            box[3] < p[0] - err or box[1] > p[1] + err or box[4] < p[1] - err
+            or box[2] > p[2] + err or box[5] < p[2] - err
+        ):  # fmt: skip
+            continue
+        if links[node, 1] >= 0:
+            stack[depth], stack[depth + 1] = links[node, 0], links[node, 1]
+            depth += 2
+            continue
+        part = links[node, 0]
+        if not ids[part, 1] & FACET:
+            continue
+        x = xyz[part]
+        a0, a1, a2 = x[0] - p[0], x[1] - p[1], x[2] - p[2]
+        b0, b1, b2 = x[3] - p[0], x[4] - p[1], x[5] - p[2]
+        c0, c1, c2 = x[6] - p[0], x[7] - p[1], x[8] - p[2]
+        ab, bc, ca = _side(a1, a2, b1, b2, err), _side(b1, b2, c1, c2, err), _side(c1, c2, a1, a2, err)
+        if max(ab, bc, ca) > 0 and min(ab, bc, ca) < 0:
+            continue
+        g0, g1, g2 = cross_f(b0, b1, b2, c0, c1, c2)
+        s0, s1, s2 = cross_size(b0, b1, b2, c0, c1, c2)
+        det = a0 * g0 + a1 * g1 + a2 * g2
+        size = (abs(a0) + abs(a1) + abs(a2)) * (abs(b0) + abs(b1) + abs(b2)) * (abs(c0) + abs(c1) + abs(c2))
+        bound = DET_EPS * (abs(a0) * s0 + abs(a1) * s1 + abs(a2) * s2) + TINY
+        if err > 0.0:
+            r = 3.0 * err
+            a, b, c = abs(a0) + abs(a1) + abs(a2) + r, abs(b0) + abs(b1) + abs(b2) + r, abs(c0) + abs(c1) + abs(c2) + r
+            bound += 1.000001 * (a * b * c - size) + 1e-14 * a * b * c
+        certain = ab * bc * ca != 0 and abs(det) > bound
+        if certain and (det > 0.0) != (ab > 0):
+            continue  # the plane is met behind the origin
+        known = False
+        for i in range(n):
+            known = known or hits[i, 0] == ids[part, 0]
+        if not known:
+            if n == hits.shape[0]:
+                return -1
+            hits[n, 0], hits[n, 1] = ids[part, 0], 1 if certain else 0
+            n += 1
+    return n
+
+
+def contains(solid: Any, tree: Tree, point: Vector) -> bool:
+    """Whether the exact point, not on the surface, lies inside the closed polyhedron.
+
+    Raises Undecidable where irrational poses leave it open.
+    """
+    p = np.array([to_double(x) if isinstance(x, fmpq) else float(x) for x in point])
+    doubles = p.tolist()
+    exact = all(
+        isinstance(x, fmpq) and fmpq(*y.as_integer_ratio()) == x for x, y in zip(point, doubles, strict=True)
+    )
+    err = 2.0 * tree.error + (0.0 if exact else float(np.abs(p).max()) * 2.0**-51 + 1e-300)
+    hits = np.empty((64, 2), np.int64)
+    while (n := ray_crossings(tree.boxes, tree.links, tree.xyz, tree.ids, p, err, hits)) < 0:
+        hits = np.empty((4 * len(hits), 2), np.int64)
+    inside = False
+    for triangle, certain in hits[:n].tolist():
+        if certain or _crosses(point, *(solid.exact_vertex(i) for i in solid.triangles[triangle].tolist())):
+            inside = not inside
+    return inside
+
+
+def _crosses(p: Vector, a: Vector, b: Vector, c: Vector) -> bool:
+    """Whether the shifted ray from p towards +x crosses the triangle; exact."""
+    x, y, z = sub(a, p), sub(b, p), sub(c, p)
+    turns = {_shifted_side(x, y), _shifted_side(y, z), _shifted_side(z, x)}
+    if len(turns) != 1 or 0 in turns:
+        return False
+    return sign(dot(x, cross(y, z))) == turns.pop()
+
+
+def _shifted_side(q: Vector, r: Vector) -> int:
+    """Sign of the turn of (q, r) about (eps, eps^2) in the plane (y, z)."""
+    for value in (q[1] * r[2] - q[2] * r[1], q[2] - r[2], r[1] - q[1]):
+        s = sign(value)
+        if s:
+            return s
+    return 0
+
+
+def component_labels(body: Any) -> np.ndarray:
+    """(n,) for every vertex the smallest vertex of its component."""
+    cached = body._search.get("labels")
+    if cached is None:
+        cached = body._search["labels"] = component_of_vertices(body._segments, len(body.vertices))
+    return cached
+
+
+def component_vertices(body: Any) -> list[int]:
+    """One vertex of every connected component of the body."""
+    cached = body._search.get("components")
+    if cached is None:
+        used = np.zeros(len(body.vertices), bool)
+        used[body.triangles.ravel()] = True
+        used[body._segments.ravel()] = True
+        if not used.any():
+            used[:] = True
+        cached = body._search["components"] = np.unique(component_labels(body)[used]).tolist()
+    return cached
+
+
+def contained(a: Any, b: Any) -> tuple[str, int] | None:
+    """("a", vertex) when a component of a lies inside the solid b, ("b", vertex) the other way round, or None.
+
+    The surfaces share no point.  The answer is kept for the next motion of the same two bodies.
+    Raises Undecidable.
+    """
+    known = a._search.get("contained")
+    if known is None or known[0]() is not b:
+        known = a._search["contained"] = weakref.ref(b), _find_contained(a, b)
+    return known[1]
+
+
+def _find_contained(a: Any, b: Any) -> tuple[str, int] | None:
+    """The answer of `contained`."""
+    for inner, outer, side in ((a, b, "a"), (b, a, "b")):
+        if not outer.solid:
+            continue
+        tree, pad = tree_of(outer), outer.error + inner.error
+        x0, y0, z0, x1, y1, z1 = tree.boxes[0].tolist()
+        u0, v0, w0, u1, v1, w1 = tree_of(inner).boxes[0].tolist()
+        if u0 > x1 + pad or v0 > y1 + pad or w0 > z1 + pad or x0 > u1 + pad or y0 > v1 + pad or z0 > w1 + pad:
+            return None
+        vertices, fits = component_vertices(inner), _fit_into(component_boxes(inner), component_boxes(outer), pad)
+        for v in (vertices[k] for k in np.flatnonzero(fits)):
+            if decide(lambda v=v: contains(outer, tree, inner.exact_vertex(v))):  # noqa: B023
+                return side, v
+    return None
+
+
+def component_boxes(body: Any) -> np.ndarray:
+    """(k, 6) the box of each of `component_vertices`."""
+    cached = body._search.get("component boxes")
+    if cached is None:
+        labels, first = component_labels(body), np.array(component_vertices(body))
+        order = np.argsort(labels, kind="stable")
+        starts = np.searchsorted(labels[order], first)
+        # a vertex that nothing uses is a component of its own, and ends the one before it
+        ends = np.searchsorted(labels[order], first, side="right")
+        places = body.vertices[order]
+        cuts = np.stack([starts, ends], axis=1).ravel()
+        padded = np.concatenate([places, places[-1:]])  # a cut may be the end
+        low, high = (f.reduceat(padded, cuts, axis=0)[::2] for f in (np.minimum, np.maximum))
+        cached = body._search["component boxes"] = np.concatenate([low, high], axis=1)
+    return cached
+
+
+@kernel
+def _fit_into(inner, outer, pad):
+    """(k,) whether the box lies in one of `outer`: else its component is in none, for each is a closed surface.
+
+    The others, as points with six coordinates, stand in a tree of halves; a node holds lowest lows and highest highs.
+    """
+    fits = np.zeros(inner.shape[0], np.bool_)
+    n = outer.shape[0]
+    order, keys, bounds = np.arange(n), np.empty(n), np.empty((2 * n + 1, 6))
+    stack = np.empty((128, 3), np.int64)
+    stack[0, 0], stack[0, 1], stack[0, 2] = 0, 0, n
+    depth = 1
+    while depth > 0:
+        depth -= 1
+        node, first, last = stack[depth]
+        widest, axis = -1.0, 0
+        for k in range(6):
+            low, high = np.inf, -np.inf
+            for i in range(first, last):
+                low, high = min(low, outer[order[i], k]), max(high, outer[order[i], k])
+            bounds[node, k] = low if k < 3 else high
+            if high - low > widest:
+                widest, axis = high - low, k
+        if last - first > _LEAF:
+            for i in range(first, last):
+                keys[i] = outer[order[i], axis]
+            select(keys, order, first, last, (first + last) // 2)
+            depth = _push_halves(stack, depth, node, first, last)
+    for i in range(inner.shape[0]):
+        stack[0, 0], stack[0, 1], stack[0, 2] = 0, 0, n
+        depth = 1
+        while depth > 0 and not fits[i]:
+            depth -= 1
+            node, first, last = stack[depth]
+            if not _fits(inner[i], bounds[node], pad):
+                continue
+            if last - first > _LEAF:
+                depth = _push_halves(stack, depth, node, first, last)
+                continue
+            for k in range(first, last):
+                fits[i] = fits[i] or _fits(inner[i], outer[order[k]], pad)
+    return fits
+
+
+@kernel
+def _push_halves(stack, depth, node, first, last):
+    middle = (first + last) // 2
+    stack[depth, 0], stack[depth, 1], stack[depth, 2] = 2 * node + 1, first, middle
+    stack[depth + 1, 0], stack[depth + 1, 1], stack[depth + 1, 2] = 2 * node + 2, middle, last
+    return depth + 2
+
+
+@kernel
+def _fits(x, y, pad):
+    for k in range(3):
+        if y[k] > x[k] + pad or y[k + 3] < x[k + 3] - pad:
+            return False
+    return True
+
+
+def contained_at(problem: Any, left: Any, right: Any) -> bool:
+    """Whether one body lies inside the other at a time between two instants without surface contact.
+
+    Raises Undecidable.
+    """
+    a, b = problem.a, problem.b
+    pose = problem.pose_between(left, right)
+    back = inverse_map(pose)
+    for inner, outer, to_outer in ((a, b, pose), (b, a, back)):
+        if not outer.solid:
+            continue
+        tree = tree_of(outer)
+        for v in component_vertices(inner):
+            if decide(lambda v=v: contains(outer, tree, apply(to_outer, inner.exact_vertex(v)))):  # noqa: B023
+                return True
+    return False
+
+
+def decide(question: Any) -> Any:
+    """The answer at the first precision that decides it; Undecidable behind the last."""
+    for bits in PRECISIONS:
+        with precision(bits):
+            try:
+                return question()
+            except Undecidable:
+                continue
+    raise Undecidable

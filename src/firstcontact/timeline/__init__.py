@@ -1,0 +1,1 @@
+"""All contacts in time: contacts that last."""

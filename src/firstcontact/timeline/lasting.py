@@ -1,0 +1,325 @@
+"""Proof that contact lasts: a point fixed in one of two moving bodies stays inside both over a stretch of time.
+
+The point is sought in doubles, deep inside both bodies.  Let x, y be its places in its own model and in the other one
+at a time t, A, B their poses, R the linear part of B.  At a time s it has moved by R(s)^-1 (A'(r) x - B'(r) y) (s - t)
+in the other body, each row at some r between (mean values).  Ball arithmetic over enclosures of poses and speeds puts
+all these places inside the other body, or proves nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from itertools import product
+from typing import Any, Generic, TypeVar
+
+import numpy as np
+from flint import arb
+
+from firstcontact.body.solid.composite_quadric import CompositeQuadric
+from firstcontact.body.solid.csg import And, Leaf, Not, Tree, possible
+from firstcontact.exact.numbers import precision
+from firstcontact.exact.rigid import inverse_map
+from firstcontact.kernels.poses import accelerations, pose_at
+from firstcontact.kernels.workspace import HERE_A, SPEED, SPREAD, workspace
+from firstcontact.motion.relative.stretches import Window
+
+BITS = 128
+ROUNDS = 20
+"""Of the search for a deeper point."""
+SAMPLES = 2000
+"""Points of either model's box among which a common one is sought where nothing is known."""
+MOST_STEPS = 300
+"""Of one proof of lasting contact."""
+SIGNS = np.array([x for x in product((-1.0, 0.0, 1.0), repeat=3) if any(x)])
+GROWTH, SHRINKAGE = 2.0, 0.25
+
+
+P = TypeVar("P")
+
+
+class Solid:
+    """A model as the proof reads it: its forms exact, and in doubles with gradients of about 1 around it."""
+
+    def __init__(self, model: CompositeQuadric) -> None:
+        self.model = model
+        with precision(BITS):
+            self.exact = [[[arb(c) for c in row] for row in s.matrix()] for s in model.surfaces]
+        self.forms = _normalised(model)
+
+    def holds(self, x: Sequence[arb], moved: Sequence[arb] | None = None) -> bool:
+        """Whether the model holds x (in its frame), and all points that far from it."""
+        below, above = [], []
+        for m in self.exact:
+            image = [row[0] * x[0] + row[1] * x[1] + row[2] * x[2] + row[3] for row in m]
+            value = x[0] * image[0] + x[1] * image[1] + x[2] * image[2] + image[3]
+            if moved is not None:
+                for i in range(3):
+                    bent = m[i][0] * moved[0] + m[i][1] * moved[1] + m[i][2] * moved[2]
+                    value += moved[i] * (2 * image[i] + bent)
+            below.append(not value > 0)
+            above.append(not value < 0)
+        return not possible(self.model.tree, below, above)[1]
+
+    def placed(self, linear: np.ndarray, shift: np.ndarray) -> np.ndarray:
+        """The scaled forms in the frame in which a point x of the model is at linear x + shift."""
+        back = np.eye(4)
+        back[:3, :3] = np.linalg.inv(linear)
+        back[:3, 3] = -back[:3, :3] @ shift
+        return back.T @ self.forms @ back
+
+    def height(self, forms: np.ndarray, centre: np.ndarray, steps: np.ndarray) -> np.ndarray:
+        """(n,) about how far the points centre + steps (n, 3) are from inside, negative inside; forms: as placed."""
+        image = forms @ np.append(centre, 1.0)
+        value = image[:, :3] @ centre + image[:, 3]
+        bent = np.einsum("ni,sij,nj->sn", steps, forms[:, :3, :3], steps, optimize=True)
+        return tree_height(self.model.tree, value[:, None] + 2.0 * image[:, :3] @ steps.T + bent)
+
+    def samples(self) -> np.ndarray:
+        """(n, 3) points of its box, none where that is unbounded."""
+        lo, hi = self.model.bounds()
+        if not np.all(np.isfinite([lo, hi])):
+            return np.zeros((0, 3))
+        return lo + np.random.default_rng(0).uniform(size=(SAMPLES, 3)) * (hi - lo)
+
+
+class Lasting(Generic[P]):
+    """How contact of two bodies is followed; all points are in world coordinates, all times are those of a window.
+
+    P: a point that is proved to be in both bodies at a time, and so that it can be followed.
+    """
+
+    def __init__(self) -> None:
+        self.scratch = workspace()[0]
+
+    def held(self, window: Window, t: float, seeds: Sequence[np.ndarray]) -> P | None:
+        """A point proved inside both bodies at t, about as deep as can be near one of the seeds."""
+        raise NotImplementedError
+
+    def follow(self, window: Window, t: float, end: float, point: P) -> np.ndarray | None:
+        """Where the point comes to, if it is proved to be in both bodies over [t, end]."""
+        raise NotImplementedError
+
+    def place(self, window: Window, t: float, point: P) -> np.ndarray:
+        raise NotImplementedError
+
+    def anywhere(self, window: Window, t: float) -> np.ndarray | None:
+        """A point proved inside both bodies at t, where none is known."""
+        raise NotImplementedError
+
+    def deepest(self, window: Window, t: float, seeds: Sequence[np.ndarray]) -> np.ndarray | None:
+        """The place of the point that `held` finds."""
+        found = self.held(window, t, seeds)
+        return None if found is None else self.place(window, t, found)
+
+    def until(
+        self, window: Window, t: float, end: float, point: np.ndarray, least: float, step: Callable[[], None]
+    ) -> tuple[float, np.ndarray]:
+        """(a time up to `end` with proved contact from t on, t itself where none is proved; a common point near then).
+
+        point: a common point at t, or near one.  least: part of the longest proved step below which it gives up.
+        step: called before every step.
+        """
+        length, longest = end - t, 0.0
+        for _ in range(MOST_STEPS):
+            if t >= end:
+                break
+            step()
+            found = self.held(window, t, [point])
+            if found is None:
+                break
+            length = min(length, end - t)
+            while True:
+                shortest = max(least * longest, 4.0 * (np.nextafter(abs(t), np.inf) - abs(t)))
+                if length < shortest and length < end - t:
+                    return t, self.place(window, t, found)
+                later = end if length >= end - t else t + length
+                there = self.follow(window, t, later, found)
+                if there is not None:
+                    break
+                if longest == 0.0 and length < 1e-18 * (end - t):
+                    return t, self.place(window, t, found)
+                length *= SHRINKAGE
+            point = there
+            longest, t, length = max(longest, later - t), later, GROWTH * length
+        return t, point
+
+    def drift(
+        self, own: np.ndarray, other: np.ndarray, t: float, end: float, x: Sequence[arb], y: np.ndarray
+    ) -> list[arb]:
+        """How far from y a point x fixed in its own body is over [t, end], both in their bodies' frames."""
+        p, q = self.pose(own, t), self.pose(other, t)
+        p_speed, p_spread = self._speeds(own, t, end)
+        q_speed, q_spread = self._speeds(other, t, end)
+        z = [arb(c) for c in y.tolist()]
+        length = arb(end) - arb(t)
+        passed = length / 2 + arb(0, 1) * length / 2
+        off = []
+        for i in range(3):
+            here = _image(p, p[12], p[13], i, x) - _image(q, q[12], q[13], i, z)
+            rate = _image(p_speed, p_spread, None, i, x) - _image(q_speed, q_spread, None, i, z)
+            off.append(here + passed * rate)
+        turned = [
+            [arb(q[3 * i + j], q[12]) + passed * arb(q_speed[3 * i + j], q_spread[3 * i + j]) for j in range(3)]
+            for i in range(3)
+        ]
+        back = inverse_map(tuple((*row, arb(0)) for row in turned))  # type: ignore[arg-type]
+        return [row[0] * off[0] + row[1] * off[1] + row[2] * off[2] for row in back]
+
+    def pose(self, m: np.ndarray, t: float) -> np.ndarray:
+        """The fourteen numbers of a pose: linear part, shift, and their errors."""
+        pose_at(m, t, self.scratch, HERE_A)
+        return self.scratch[HERE_A].copy()
+
+    def _speeds(self, m: np.ndarray, t: float, end: float) -> tuple[np.ndarray, np.ndarray]:
+        accelerations(m, t, end, self.scratch)
+        return self.scratch[SPEED].copy(), self.scratch[SPREAD].copy()
+
+
+class LastingOfModels(Lasting[np.ndarray]):
+    """Two models: a world point, fixed in either of them."""
+
+    def __init__(self, a: CompositeQuadric, b: CompositeQuadric) -> None:
+        super().__init__()
+        self.solids = Solid(a), Solid(b)
+        directions = np.random.default_rng(0).normal(size=(30, 3))
+        self.directions = directions / np.linalg.norm(directions, axis=1, keepdims=True)
+
+    # -- the proof ------------------------------------------------------------------------------------------
+
+    def follow(self, window: Window, t: float, end: float, point: np.ndarray) -> np.ndarray | None:
+        for side in (0, 1):
+            if self.stays(window, t, end, side, point):
+                m = (window.a, window.b)[side]
+                p, q = self.pose(m, t), self.pose(m, end)
+                return linear(q) @ np.linalg.solve(linear(p), point - p[9:12]) + q[9:12]
+        return None
+
+    def place(self, window: Window, t: float, point: np.ndarray) -> np.ndarray:
+        return point
+
+    def is_shared(self, window: Window, t: float, point: np.ndarray) -> bool:
+        """Whether the point is proved to be in both models at t."""
+        return self.stays(window, t, t, 0, point)
+
+    def stays(self, window: Window, t: float, end: float, side: int, point: np.ndarray) -> bool:
+        """Whether the point, fixed in model `side`, is proved to be in both models over [t, end]."""
+        own, other = (window.a, window.b) if side == 0 else (window.b, window.a)
+        p, q = self.pose(own, t), self.pose(other, t)
+        x = np.linalg.solve(linear(p), point - p[9:12])
+        y = np.linalg.solve(linear(q), linear(p) @ x + p[9:12] - q[9:12])
+        with precision(BITS):
+            here = [arb(c) for c in x.tolist()]
+            if not self.solids[side].holds(here):
+                return False
+            there = [arb(c) for c in y.tolist()]
+            return self.solids[1 - side].holds(there, self.drift(own, other, t, end, here, y))
+
+    # -- points ---------------------------------------------------------------------------------------------
+
+    def anywhere(self, window: Window, t: float) -> np.ndarray | None:
+        """From samples of their boxes."""
+        forms, points = self._placed(window, t), []
+        for solid, m in zip(self.solids, (window.a, window.b), strict=True):
+            pose = self.pose(m, t)
+            points.append(solid.samples() @ linear(pose).T + pose[9:12])
+        x = np.concatenate(points)
+        best = np.argsort(self._height(forms, np.zeros(3), x))[:4]
+        return self.deepest(window, t, list(x[best]))
+
+    def held(self, window: Window, t: float, seeds: Sequence[np.ndarray]) -> np.ndarray | None:
+        forms = self._placed(window, t)
+        for seed in seeds:
+            point, depth = descended(
+                lambda x, steps: self._height(forms, x, steps), lambda x: self._directions(forms, x),
+                np.asarray(seed, float),
+            )  # fmt: skip
+            if depth < 0.0 and self.is_shared(window, t, point):
+                return point
+        return None
+
+    def _directions(self, forms: list[np.ndarray], point: np.ndarray) -> np.ndarray:
+        """(n, 3) unit: fixed ones, and across and away from the nearest surfaces."""
+        every = np.concatenate(forms)
+        image = every @ np.append(point, 1.0)
+        near = np.argsort(np.abs(image[:, :3] @ point + image[:, 3]))[:3]
+        lengths = np.linalg.norm(image[near, :3], axis=1, keepdims=True)
+        mixed = SIGNS[:, : len(near)] @ (image[near, :3] / np.maximum(lengths, 1e-300))
+        even = SIGNS[:, : len(near)] @ np.linalg.pinv(image[near, :3], rcond=1e-9).T  # all alike: thin corners
+        mixed = np.concatenate([mixed, even])
+        lengths = np.linalg.norm(mixed, axis=1, keepdims=True)
+        return np.concatenate([self.directions, mixed / np.maximum(lengths, 1e-300)])
+
+    def _placed(self, window: Window, t: float) -> list[np.ndarray]:
+        """The scaled forms of both models in the world at t."""
+        poses = [self.pose(m, t) for m in (window.a, window.b)]
+        return [s.placed(linear(pose), pose[9:12]) for s, pose in zip(self.solids, poses, strict=True)]
+
+    def _height(self, forms: list[np.ndarray], centre: np.ndarray, steps: np.ndarray) -> np.ndarray:
+        """(n,) about how far the points centre + steps are from inside both models, negative inside."""
+        return np.maximum(*(s.height(form, centre, steps) for s, form in zip(self.solids, forms, strict=True)))
+
+
+def descended(
+    height_of: Callable[[np.ndarray, np.ndarray], np.ndarray], directions: Callable[[np.ndarray], np.ndarray],
+    point: np.ndarray,
+) -> tuple[np.ndarray, float]:
+    """The point moved downhill by tries around it, and the height there.
+
+    height_of: of (point, steps (n, k)) the heights (n,) at point + steps; directions: (m, k) steps worth a try.
+    """
+    height = float(height_of(point, np.zeros((1, len(point))))[0])
+    size = abs(height) + float(np.abs(point).max()) + 1e-300
+    scales = 0.5 ** np.arange(1.0, 54.0, 2.0)
+    steps = size * np.concatenate([r * directions(point) for r in scales])
+    heights = height_of(point, steps)
+    best = int(np.argmin(heights))
+    radius = 2.0 * abs(height)
+    if heights[best] < height:
+        radius = 2.0 * float(np.linalg.norm(steps[best]))
+        point, height = point + steps[best], float(heights[best])
+    for _ in range(ROUNDS):
+        around = directions(point)
+        steps = radius * np.concatenate([r * around for r in (0.1, 0.3, 0.6, 1.0)])
+        heights = height_of(point, steps)
+        best = int(np.argmin(heights))
+        gain = height - float(heights[best])
+        if gain > 0.0:
+            point, height = point + steps[best], float(heights[best])
+        radius *= 2.0 if gain > 0.03 * radius else 0.5
+        if height < 0.0 and radius < -0.2 * height:
+            break
+    return point, height
+
+
+def linear(pose: np.ndarray) -> np.ndarray:
+    return pose[:9].reshape(3, 3)
+
+
+def _image(rows: np.ndarray, error: Any, shift_error: Any, i: int, x: Sequence[arb]) -> arb:
+    """Row i of R x + T; error: of all entries of R (shift_error: of T), or of each of the twelve."""
+    if shift_error is None:
+        r, e = [float(error[3 * i + j]) for j in range(3)], float(error[9 + i])
+    else:
+        r, e = [float(error)] * 3, float(shift_error)
+    total = arb(float(rows[9 + i]), e)
+    for j in range(3):
+        total += arb(float(rows[3 * i + j]), r[j]) * x[j]
+    return total
+
+
+def tree_height(tree: Tree, values: np.ndarray) -> np.ndarray:
+    if isinstance(tree, Leaf):
+        return values[tree.surface]
+    if isinstance(tree, Not):
+        return -tree_height(tree.inner, values)
+    first, second = tree_height(tree.first, values), tree_height(tree.second, values)
+    return np.maximum(first, second) if isinstance(tree, And) else np.minimum(first, second)
+
+
+def _normalised(model: CompositeQuadric) -> np.ndarray:
+    """(n, 4, 4) forms of gradients of about 1 around the model."""
+    lo, hi = (np.clip(x, -1e6, 1e6) for x in model.bounds())
+    corners = np.array([[x, y, z] for x in (lo[0], hi[0]) for y in (lo[1], hi[1]) for z in (lo[2], hi[2])])
+    points = np.column_stack([corners, np.ones(8)])
+    gradients = np.linalg.norm(2.0 * np.einsum("sij,nj->sni", model._forms_f, points)[:, :, :3], axis=2)
+    return model._forms_f / np.maximum(np.median(gradients, axis=1), 1e-300)[:, None, None]
