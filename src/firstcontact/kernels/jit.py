@@ -1,7 +1,8 @@
 """The one decorator that compiles kernels.
 
 Numba's disk cache does not notice edits in another file that a cached function calls, so all kernels of the
-library share a cache folder named by a digest of all kernel sources and of the numba and numpy versions.
+library share a cache folder named by a digest of the sources of all kernels, of the constants that they use, and of
+the numba and numpy versions.
 """
 
 from __future__ import annotations
@@ -25,6 +26,10 @@ except ImportError:  # Windows: processes that start together may compile the sa
     fcntl = None  # type: ignore[assignment]
 
 _PACKAGE = Path(__file__).resolve().parent.parent
+_PARTS = (
+    "body/polyhedron", "kernels", "motion/relative/cells.py", "pairs/elements", "search/levels",
+    "search/lifted", "search/sweep", "search/trees",
+)  # fmt: skip
 
 
 def _user_cache() -> Path:
@@ -39,11 +44,16 @@ def _user_cache() -> Path:
     return Path(base) / "firstcontact"
 
 
+def sources() -> list[Path]:
+    """Files that hold kernels, or constants that kernels use."""
+    parts = [_PACKAGE / part for part in _PARTS]
+    return sorted(file for part in parts for file in ([part] if part.suffix else part.rglob("*.py")))
+
+
 def _digest() -> str:
     h = hashlib.sha256(f"{numba.__version__} {np.__version__}".encode())
-    for folder in ("body", "kernels", "pairs", "search"):
-        for file in sorted((_PACKAGE / folder).rglob("*.py")):
-            h.update(file.read_bytes())
+    for file in sources():
+        h.update(file.read_bytes())
     return h.hexdigest()[:24]
 
 
