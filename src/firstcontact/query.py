@@ -18,7 +18,7 @@ from firstcontact.contact.polyhedra.answers import (
     interval_of,
     join,
 )
-from firstcontact.contact.polyhedra.earliest import Found, Pair, Progress, all_pairs, earliest
+from firstcontact.contact.polyhedra.earliest import Found, Pair, all_pairs, earliest
 from firstcontact.contact.polyhedra.intervals import contact_windows
 from firstcontact.contact.polyhedra.overlap import initial_kind
 from firstcontact.contact.polyhedra.problem import problem_of, problems_in_order
@@ -29,6 +29,7 @@ from firstcontact.motion.relative.curved import CurvedPiece
 from firstcontact.motion.relative.pieces import pieces
 from firstcontact.motion.span import common_span
 from firstcontact.result import ContactIntervals, ContactPairs, FirstContact, Stats, Status
+from firstcontact.work import Progress
 
 NO_WORK = Stats()
 

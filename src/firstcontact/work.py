@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
-from firstcontact.contact.polyhedra.earliest import Progress
+Progress = Callable[[float, int], None]
+"""Called with the time before which all is proved, and how much was done."""
 
 
 class Spent(Exception):

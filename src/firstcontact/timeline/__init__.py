@@ -1,1 +1,1 @@
-"""All contacts in time: contacts that last."""
+"""All contacts in time; by now those that last."""

@@ -21,7 +21,6 @@ from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.body.solid.features import Edge, Face, Vertex
 from firstcontact.contact.mesh_model.lasting_mesh import LastingOfMesh
 from firstcontact.contact.mesh_model.patches import Patch, patch
-from firstcontact.contact.polyhedra.earliest import Progress
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import to_double
 from firstcontact.kernels.events.event_search import FREE, SPENT, VISITS
@@ -34,6 +33,7 @@ from firstcontact.search.events.event_tables import crossing_surfaces, tables_of
 from firstcontact.search.events.instants import Instant
 from firstcontact.search.events.shared_points import Event, events_in
 from firstcontact.timeline.lasting import linear
+from firstcontact.work import Progress
 
 MOST_TRIANGLES = 10
 """In a group: its planes and those of the sides are told apart by bits of one word."""

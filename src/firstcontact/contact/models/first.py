@@ -23,7 +23,6 @@ from firstcontact.contact.models.intervals import Found, certified_intervals
 from firstcontact.contact.models.last_instant import landing
 from firstcontact.contact.models.moving_pair import Pair
 from firstcontact.contact.models.standing import prisms_on_common_plane
-from firstcontact.contact.polyhedra.earliest import Progress
 from firstcontact.contact.reduce import as_model, is_small_and_convex
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.fields.roots import AlgebraicRoot
@@ -35,7 +34,7 @@ from firstcontact.motion.relative.polynomial import relative_pieces
 from firstcontact.motion.span import common_span
 from firstcontact.result import ContactInterval, ContactIntervals, FirstContact, Stats, Status
 from firstcontact.search.convex.advance import Advance, advance
-from firstcontact.work import Spent, Work
+from firstcontact.work import Progress, Spent, Work
 
 SURELY = 2.0**-30
 """Of a body's size: by how much it is made smaller and larger to see whether rounded poses tell how it starts."""

@@ -34,11 +34,10 @@ from firstcontact.search.trees.state import (
     borrow_state,
     return_state,
 )
+from firstcontact.work import Progress
 
 # A contact in doubt need not be decided where the bodies certainly meet within this share of the window after it.
 SOON = 2.0**-40
-
-Progress = Callable[[float, int], None]
 
 # A pair of elements in contact: kind (see `state`), element of a, element of b.
 Pair = tuple[int, Feature, Feature]

@@ -90,7 +90,7 @@ class ByEngine:
         if self.engine == "composed":
             return self._advance_composed(state, limit, with_start, all_sides)
         if self.engine == "sweep" and not all_sides:
-            from firstcontact.search.sweep.sweep_problem import advance_sweep
+            from firstcontact.contact.polyhedra.sweep_problem import advance_sweep
 
             if not integers[LIFTED]:
                 begin_lifted(state, with_start)
@@ -115,7 +115,7 @@ class ByEngine:
                 return reason
         if not integers[LIFTED]:
             begin_lifted(state, with_start)
-        from firstcontact.search.lifted.lifted_problem import advance_lifted
+        from firstcontact.contact.polyhedra.lifted_problem import advance_lifted
 
         return advance_lifted(self, state, limit)
 
@@ -132,7 +132,7 @@ class ByEngine:
         return int(known[2])
 
     def _advance_composed(self, state: WalkState, limit: int, with_start: bool, all_sides: bool) -> int:
-        from firstcontact.search.levels.composed_problem import advance_composed
+        from firstcontact.contact.polyhedra.composed_problem import advance_composed
 
         if not state.integers[LIFTED]:
             begin_lifted(state, with_start)

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from firstcontact.contact.polyhedra.earliest import Progress
 from firstcontact.exact.numbers import Undecidable
 from firstcontact.search.trees.containment import contained_at, decide
 from firstcontact.search.trees.state import SLICE
 from firstcontact.search.trees.windows import COVERS, DONE, FOUND, FULL, STACK, TESTS, VISITS
+from firstcontact.work import Progress
 
 Window = tuple[Any, Any]
 

@@ -23,7 +23,6 @@ from firstcontact.contact.models.answer import element as element_of_solid
 from firstcontact.contact.models.answer import interval_of
 from firstcontact.contact.named import element as element_of_piece
 from firstcontact.contact.polyhedra.answers import MOST_OTHERS
-from firstcontact.contact.polyhedra.earliest import Progress
 from firstcontact.contact.ruled import certified, posed
 from firstcontact.contact.ruled.triangles import MOST_PAIRS, Interior, near_pairs, triangles_of
 from firstcontact.contact.ruled_solid.solid_conditions import SolidConditions
@@ -54,7 +53,7 @@ from firstcontact.result import (
 )
 from firstcontact.search.rulings.directrices import DirectrixPiece, directrix_pieces, sides_from
 from firstcontact.search.trees.touch import carried_normal
-from firstcontact.work import Spent, Work
+from firstcontact.work import Progress, Spent, Work
 
 BITS = 128
 QUICK_DEGREE = 80

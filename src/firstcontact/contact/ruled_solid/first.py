@@ -15,7 +15,6 @@ from flint import fmpq
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.contact.models.first import proved_intervals
-from firstcontact.contact.polyhedra.earliest import Progress
 from firstcontact.contact.ruled import first as moving
 from firstcontact.contact.ruled_solid import certified as solids
 from firstcontact.contact.signs.sheets import MOST_DEGREE
@@ -23,7 +22,7 @@ from firstcontact.contact.signs.whole_rulings import cut_to
 from firstcontact.errors import UnsupportedPair
 from firstcontact.motion.moving import shape_of
 from firstcontact.result import ContactIntervals, Element, ElementPair, FirstContact, Status
-from firstcontact.work import Work
+from firstcontact.work import Progress, Work
 
 SMALL_DEGREE = 150
 """Of equations for times that elimination may lead to before doubles are asked for intervals."""

@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 
-from firstcontact.contact.polyhedra.earliest import Progress
 from firstcontact.kernels.convex.advancement import (
     BY_FORMS,
     BY_VERTEX_A,
@@ -56,6 +55,7 @@ from firstcontact.motion.relative.stretches import Window
 from firstcontact.search.convex.advance import Feature, named
 from firstcontact.search.convex.convex import ConvexPieces
 from firstcontact.search.trees.frame import tree_of
+from firstcontact.work import Progress
 
 STRIDES = 10_000
 """For one triangle at most."""

@@ -21,7 +21,7 @@ import numpy as np
 
 from firstcontact.kernels.jit import kernel
 from firstcontact.kernels.lifted.principal import CENTRE, RANK, box_columns, fit_box, form_range
-from firstcontact.search.lifted.lifted_elements import select
+from firstcontact.kernels.selection import select
 from firstcontact.search.trees.state import CANDIDATES, DONE, FULL, LEAF_ROOM, SLICE_SPENT, VISITS
 from firstcontact.search.trees.walk import test_events
 

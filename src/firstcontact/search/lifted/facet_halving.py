@@ -38,6 +38,7 @@ from firstcontact.kernels.lifted.swept_cell import (
     facet_may_meet,
     put_path,
 )
+from firstcontact.kernels.selection import select
 from firstcontact.search.lifted.halving import (
     A_FIRST,
     A_LAST,
@@ -49,7 +50,6 @@ from firstcontact.search.lifted.halving import (
     second_moments,
     why_pause,
 )
-from firstcontact.search.lifted.lifted_elements import select
 from firstcontact.search.lifted.lifted_motion import lay_corner, lay_path
 from firstcontact.search.trees.state import (
     CROSSING_FOUND,

@@ -20,7 +20,7 @@ from firstcontact.kernels.jit import kernel
 from firstcontact.kernels.lifted.principal import box_columns, fit_box
 from firstcontact.kernels.lifted.query import E_FORMS, L_QUERY, LINES, N_FORMS, REACH, ROWS, SIZES, line_slack, may_meet
 from firstcontact.kernels.lifted.swept_cell import axis_of, edge_keeps_off
-from firstcontact.search.lifted.lifted_elements import select
+from firstcontact.kernels.selection import select
 from firstcontact.search.lifted.lifted_motion import PLACE, lay_edge
 from firstcontact.search.lifted.space_cut import (
     A_FIRST,

@@ -157,28 +157,3 @@ def _write_plane(x, way, scale, out):
         out[k] *= s
     out[3] = -(out[0] * x[0, 0] + out[1] * x[0, 1] + out[2] * x[0, 2]) / scale
     return 1.5 * size / largest  # |e|, |f| in 1-norm
-
-
-@kernel
-def select(keys, order, first, last, middle):
-    """Rearrange so that the smallest keys of [first, last) stand before `middle` (quickselect, middle pivots)."""
-    lo, hi = first, last - 1
-    while lo < hi:
-        pivot = keys[(lo + hi) // 2]
-        i, j = lo, hi
-        while i <= j:
-            while keys[i] < pivot:
-                i += 1
-            while pivot < keys[j]:
-                j -= 1
-            if i <= j:
-                keys[i], keys[j] = keys[j], keys[i]
-                order[i], order[j] = order[j], order[i]
-                i += 1
-                j -= 1
-        if middle <= j:
-            hi = j
-        elif middle >= i:
-            lo = i
-        else:
-            return

@@ -17,9 +17,9 @@ from firstcontact.exact.numbers import PRECISIONS, Undecidable, precision, sign,
 from firstcontact.exact.rigid import apply, inverse_map
 from firstcontact.exact.vectors import Vector, cross, dot, sub
 from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.selection import select
 from firstcontact.kernels.verdict import DET_EPS, TINY, cross_size
 from firstcontact.kernels.verdict import cross as cross_f
-from firstcontact.search.lifted.lifted_elements import select
 from firstcontact.search.trees.frame import tree_of
 from firstcontact.search.trees.tree import FACET, Tree
 

@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 
+from firstcontact.contact.polyhedra.lifted_problem import lifted_scratch, motion_of, walk_lifted
 from firstcontact.errors import FirstContactError
 from firstcontact.kernels.angle import TWO_PI
 from firstcontact.search.lifted.lifted_elements import corners_of_tree, facets_of
-from firstcontact.search.lifted.lifted_problem import lifted_scratch, motion_of, walk_lifted
 from firstcontact.search.lifted.lifted_walk import CORNERS, FACETS
 from firstcontact.search.sweep.sheets import sheets_of
 from firstcontact.search.sweep.sweep import LARGEST_GROUP, LOST, Cells, Order, cells_of, order_of, sweep_group

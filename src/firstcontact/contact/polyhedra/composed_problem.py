@@ -21,6 +21,7 @@ from typing import Any
 
 import numpy as np
 
+from firstcontact.contact.polyhedra.lifted_problem import lifted_scratch, motion_of, walk_lifted
 from firstcontact.search.levels.composed import (
     FEATURE,
     FORM,
@@ -52,7 +53,6 @@ from firstcontact.search.levels.linearisation import (
 )
 from firstcontact.search.lifted.lifted_elements import Elements, edges_of
 from firstcontact.search.lifted.lifted_motion import ARC_STARTS, arc_tangent
-from firstcontact.search.lifted.lifted_problem import lifted_scratch, motion_of, walk_lifted
 from firstcontact.search.lifted.lifted_walk import EDGES
 from firstcontact.search.trees.rounds import Finds, shared
 from firstcontact.search.trees.state import BEST, CANDIDATES, DECIDE, DONE, FULL, SLICE_SPENT, VISITS
