@@ -10,6 +10,7 @@ import pytest
 
 from amount import THOROUGH
 from firstcontact import query
+from firstcontact.contact.polyhedra import first
 
 hypothesis.settings.register_profile("fixed", derandomize=True, deadline=None, database=None, print_blob=True)
 hypothesis.settings.load_profile("fixed")
@@ -31,9 +32,9 @@ def chosen_engine():
             return original(a, b, parts, engine)
         return original(a, b, parts, ENGINE if engine == "auto" else engine, threads)
 
-    original, query.problems_in_order = query.problems_in_order, problems_in_order
+    original, first.problems_in_order = first.problems_in_order, problems_in_order
     yield
-    query.problems_in_order = original
+    first.problems_in_order = original
 
 
 def pytest_collection_modifyitems(config, items):

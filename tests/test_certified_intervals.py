@@ -13,12 +13,13 @@ from firstcontact.body.solid import primitives
 from firstcontact.body.solid.csg import inside
 from firstcontact.contact.models import intervals as module
 from firstcontact.contact.models.first import _models
-from firstcontact.contact.models.intervals import certified_intervals, reversed_in_time
+from firstcontact.contact.models.intervals import certified_intervals
 from firstcontact.contact.models.standing import prisms_on_common_plane
 from firstcontact.kernels.poses import pose_at
 from firstcontact.kernels.workspace import HERE_A, workspace
 from firstcontact.motion.relative.stretches import windows
 from firstcontact.scene.load import load_scene
+from firstcontact.timeline.sweep import reversed_in_time
 from firstcontact.work import Work
 
 BALL, SMALL = primitives.sphere(1), primitives.sphere("1/2")

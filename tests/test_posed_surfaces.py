@@ -10,7 +10,6 @@ from flint import arb, fmpq
 
 import firstcontact as fc
 from amount import amount
-from firstcontact.contact.models.intervals import Certified
 from firstcontact.contact.ruled import posed
 from firstcontact.exact.numbers import precision
 from firstcontact.motion.relative.curved import terms
@@ -18,6 +17,7 @@ from firstcontact.motion.relative.pieces import curved_pieces
 from firstcontact.search.rulings.posed_pieces import PosedPiece, in_local_time, pose_windows
 from firstcontact.search.rulings.ruled_events import Search, first_event_of
 from firstcontact.search.rulings.ruled_pieces import RuledPiece
+from firstcontact.timeline.sweep import Certified
 from firstcontact.work import Work
 
 SADDLE = fc.RuledSurface("(u, 0, 0)", "(u, 1, u)", name="saddle").translated((-10, 0, 0))

@@ -16,6 +16,9 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
+MOST_OTHERS = 100
+"""Further pairs of elements that a result lists."""
+
 
 class Status(Enum):
     """How a query ended; the value says what is proved and what to do next."""

@@ -1,9 +1,17 @@
-"""How much exact work a query has done, whom to tell, and where to stop."""
+"""What was asked, how much work may be done for it, and how much has been done."""
 
 from __future__ import annotations
 
+import time as clock
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+from flint import fmpq
+
+from firstcontact.exact.numbers import below, to_double
+from firstcontact.result import Stats
 
 Progress = Callable[[float, int], None]
 """Called with the time before which all is proved, and how much was done."""
@@ -35,3 +43,58 @@ class Work:
         self.done += 1
         if self.progress is not None:
             self.progress(self.free_until, self.done)
+
+
+@dataclass(frozen=True)
+class Query:
+    """Two bodies, at rest or moving, over the closed span [first, last]; a sub-question is `replace(query, ...)`.
+
+    last: None without end.  exact, method, engine, tolerance, budget, progress, threads: as
+    `firstcontact.first_contact` has them.  begin: when it was asked, by `time.perf_counter`.
+    """
+
+    a: Any
+    b: Any
+    first: fmpq
+    last: fmpq | None
+    exact: bool = False
+    method: str = "auto"
+    engine: str = "auto"
+    tolerance: float = 1e-12
+    budget: int | None = None
+    progress: Progress | None = None
+    threads: int = 1
+    begin: float = field(default_factory=clock.perf_counter)
+
+    @cached_property
+    def span(self) -> tuple[float, float]:
+        """The span in doubles."""
+        return to_double(self.first), float("inf") if self.last is None else to_double(self.last)
+
+    @property
+    def end(self) -> fmpq:
+        """`last`, of a query that has an end."""
+        assert self.last is not None
+        return self.last
+
+    @property
+    def bodies(self) -> tuple[Any, Any]:
+        return self.a, self.b
+
+    @property
+    def shared(self) -> dict[str, Any]:
+        """What every result says of its question."""
+        return {"a": self.a, "b": self.b, "span": self.span}
+
+    @property
+    def is_algebraic(self) -> bool:
+        """Whether only exact arithmetic may answer."""
+        return self.exact or self.method == "algebraic"
+
+    def work(self) -> Work:
+        """A new account of the work, with all of the budget."""
+        return Work(self.budget, self.progress, below(self.first))
+
+    def stats(self, node_visits: int = 0, pair_tests: int = 0, exact_evaluations: int = 0) -> Stats:
+        """The work done, and the time since the question was asked."""
+        return Stats(node_visits, pair_tests, 0, exact_evaluations, clock.perf_counter() - self.begin)

@@ -8,10 +8,12 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from flint import fmpq
 
 import firstcontact as fc
 from firstcontact.exact.numbers import to_double
 from firstcontact.motion.relative.pieces import pieces
+from firstcontact.motion.span import common_span
 
 CUBE = fc.examples.box((1, 1, 1))
 
@@ -181,8 +183,9 @@ def test_spans_of_sequences_are_bounded():
 def test_pieces_end_where_either_body_changes_its_motion():
     a = CUBE.moving(fc.Sequence([MOVE, SHIFT, MOVE], durations=[1, 1, 2]))
     b = CUBE.moving(fc.Sequence([SHIFT, MOVE], durations=["3/2", "5/2"]))
-    parts, first, last = pieces(a, b, None)
+    first, last = common_span(a, b, None)
+    parts = pieces(a, b, first, last)
     times = [(to_double(p.start), to_double(p.end)) for p in parts]
     assert times == [(0, 1), (1, 1.5), (1.5, 2), (2, 4)]
     assert (to_double(first), to_double(last)) == (0, 4)
-    assert [to_double(p.start) for p in pieces(a, b, (0.5, 1.25))[0]] == [0.5, 1]
+    assert [to_double(p.start) for p in pieces(a, b, fmpq(1, 2), fmpq(5, 4))] == [0.5, 1]

@@ -21,60 +21,58 @@ from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.relative.pieces import Piece, pieces
 from firstcontact.motion.rotation import angle_ball
 from firstcontact.result import ContactIntervals, FirstContact, Status
+from firstcontact.work import Query
 
 ENDLESS = float("inf")
-Span = tuple[fmpq, fmpq]
 Vector = tuple[fmpq, fmpq, fmpq]
 Box = tuple[Vector, Vector]
 
 
-def first_contact(
-    ask: Callable[[Span, float], FirstContact], a: Any, b: Any, span: Any, tolerance: float
-) -> FirstContact:
-    """The answer of `ask(span, tolerance)` for a span without end; its enclosure is tolerance max(1, |t|) wide."""
-    _, first, last = _settling(a, b, span)
-    found = ask((first, last), tolerance)
+def first_contact(ask: Callable[[Query], FirstContact], query: Query) -> FirstContact:
+    """What `ask` tells of spans with an end, for one without; the enclosure is tolerance max(1, |t|) wide."""
+    _, last = _settling(query)
+    found = ask(replace(query, last=last))
     if found.status is Status.CONTACT:
         assert found.time_interval is not None
+        first = query.first
         until = first + max(fmpq(1), (exact_value(found.time_interval[1]) - first) * fmpq(5, 4))
         if until < last:  # the enclosure was relative to a longer span
-            found = ask((first, until), 0.8 * tolerance)
+            found = ask(replace(query, last=until, tolerance=0.8 * query.tolerance))
     free_until = ENDLESS if found.status is Status.FREE else found.free_until
-    return replace(found, span=(to_double(first), ENDLESS), free_until=free_until)
+    return replace(found, span=query.span, free_until=free_until)
 
 
-def contact_intervals(
-    ask: Callable[[Span, float], ContactIntervals], a: Any, b: Any, span: Any, tolerance: float
-) -> ContactIntervals:
-    """The answer of `ask(span, tolerance)` for a span without end; what lasts to the end of change lasts for ever."""
-    piece, first, last = _settling(a, b, span)
+def contact_intervals(ask: Callable[[Query], ContactIntervals], query: Query) -> ContactIntervals:
+    """What `ask` tells of spans with an end, for one without; what lasts to the end of change lasts for ever."""
+    (piece, last), tolerance = _settling(query), query.tolerance
     if piece.velocity is None:
         raise InputError("contact_intervals needs a bounded span for a rotation; give span=(first, last)")
-    found = ask((first, last), tolerance)
+    found = ask(replace(query, last=last))
     widths = [
         ((hi - lo) / max(1.0, abs(lo)) if lo < hi else 0.0)
         for interval in found for lo, hi in (interval.start_interval, interval.end_interval)
     ]  # fmt: skip
     if max(widths, default=0.0) > tolerance:  # the enclosures were relative to a longer span
-        found = ask((first, last), 0.8 * tolerance * tolerance / max(widths))
+        found = ask(replace(query, last=last, tolerance=0.8 * tolerance * tolerance / max(widths)))
     ends = list(found)
     if ends and ends[-1].end_interval[1] >= to_double(last):
         ends[-1] = replace(ends[-1], end=ENDLESS, end_interval=(ENDLESS, ENDLESS), end_exact=None)
     free_until = ENDLESS if found.status is Status.FREE else found.free_until
-    return replace(found, intervals=tuple(ends), span=(to_double(first), ENDLESS), free_until=free_until)
+    return replace(found, intervals=tuple(ends), span=query.span, free_until=free_until)
 
 
-def _settling(a: Any, b: Any, span: Any) -> tuple[Piece, fmpq, fmpq]:
-    """The relative motion, the start, and a time from which on the bodies share points always or never."""
-    for body in (a, b):
+def _settling(query: Query) -> tuple[Piece, fmpq]:
+    """The relative motion, and a time from which on the bodies share points always or never."""
+    a, b, first = query.a, query.b, query.first
+    for body in query.bodies:
         if getattr(shape_of(body), "deforming", False):
             raise InputError(f"{body!r} deforms, which needs a bounded span; give span=(first, last)")
-    (piece,), first, _ = pieces(a, b, span)
+    (piece,) = pieces(a, b, first, None)
     assert isinstance(piece, Piece)  # others need an end
     if piece.velocity is None:
         with precision(64):
             rate = angle_ball(piece.rate[0], "radians") + angle_ball(piece.rate[1], "turns")
-            return piece, first, first + exact_value(ball_bounds(abs(2 * arb.pi() / rate))[1])
+            return piece, first + exact_value(ball_bounds(abs(2 * arb.pi() / rate))[1])
     wait = fmpq(0)
     if any(piece.velocity):
         box_a, box_b = (_box(x, first) for x in (a, b))
@@ -86,7 +84,7 @@ def _settling(a: Any, b: Any, span: Any) -> tuple[Piece, fmpq, fmpq]:
             wait = _settled(a, box_b, scaled(fmpq(-1), piece.velocity), first)
         else:
             raise UnsupportedPair(f"{a!r} and {b!r} are both unbounded; one of them must be bounded")
-    return piece, first, first + 2 * wait + 1
+    return piece, first + 2 * wait + 1
 
 
 def _box(body: Any, first: fmpq) -> Box | None:

@@ -8,9 +8,8 @@ whether the polyhedron holds it.  Exact arithmetic takes the few triangles that 
 from __future__ import annotations
 
 import math
-import time as clock
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -35,10 +34,11 @@ from firstcontact.contact.models.algorithm import Meeting, Search
 from firstcontact.contact.models.answer import contact_of
 from firstcontact.contact.models.at_rest import overlap
 from firstcontact.contact.models.certified import Directions, bounded, may_share_more, on_model
+from firstcontact.contact.models.idle_turns import without_idle_turns
 from firstcontact.contact.models.moving_pair import Pair
 from firstcontact.contact.models.touched import ACROSS
 from firstcontact.errors import UnsupportedPair
-from firstcontact.exact.numbers import exact_value, fraction, to_double
+from firstcontact.exact.numbers import exact_value, fraction
 from firstcontact.kernels.convex.mesh_walk import VISITS
 from firstcontact.kernels.convex.support import FORMS
 from firstcontact.motion.moving import Moving, shape_of
@@ -50,21 +50,21 @@ from firstcontact.search.convex.mesh_advance import MeshSearch, Open, Swept, Tou
 from firstcontact.search.convex.relation import Relation
 from firstcontact.search.trees.containment import component_labels, contains
 from firstcontact.search.trees.frame import tree_of
-from firstcontact.work import Spent, Work
+from firstcontact.work import Query, Spent
 
 MOST_PRISMS = 16
 """Triangles looked at one by one to tell touching from overlapping."""
 
 
-def first_contact_of_mesh(
-    a: Any, b: Any, first: fmpq, last: fmpq, exact: bool, tolerance: float, work: Work
-) -> FirstContact:
+def first_contact(query: Query) -> FirstContact:
     """The first contact of a Polyhedron and a CompositeQuadric, in either order, at rest or moving.
 
-    exact: the time is recomputed exactly among the triangles that doubles leave.  work: visits and strides count, and
-    the steps of exact searches.  Raises UnsupportedPair.
+    exact, or method "algebraic": the time is recomputed exactly among the triangles that doubles leave.  Visits and
+    strides count as work, and the steps of exact searches.  Raises UnsupportedPair.
     """
-    return _Query(a, b, first, last, exact, tolerance, work).answer()
+    plain = without_idle_turns(query)
+    found = _Answer(plain).answer()
+    return found if plain is query else replace(found, a=query.a, b=query.b)
 
 
 def windows_of(a: Any, b: Any, first: fmpq, last: fmpq) -> list[Window]:
@@ -90,20 +90,13 @@ def holds_model(search: MeshSearch, mesh: Polyhedron, window: Window) -> bool | 
     return None if None in placed else False
 
 
-@dataclass
-class _Query:
-    a: Any
-    b: Any
-    first: fmpq
-    last: fmpq
-    exact: bool
-    tolerance: float
-    work: Work
+class _Answer:
+    """The way to an answer: what all its steps read."""
 
-    def __post_init__(self) -> None:
-        self.begin = clock.perf_counter()
-        self.span = to_double(self.first), to_double(self.last)
-        self.shared = {"a": self.a, "b": self.b, "span": self.span}
+    def __init__(self, query: Query) -> None:
+        self.query, self.exact, self.work = query, query.is_algebraic, query.work()
+        self.a, self.b, self.first, self.last = query.a, query.b, query.first, query.end
+        self.span, self.shared = query.span, query.shared
         self.mesh_is_a = isinstance(shape_of(self.a), Polyhedron)
         moving_mesh, moving_model = (self.a, self.b) if self.mesh_is_a else (self.b, self.a)
         self.moving_mesh = moving_mesh
@@ -111,8 +104,8 @@ class _Query:
         self.moving_model = bounded(moving_model, moving_mesh, self.span)
         self.model: CompositeQuadric = shape_of(self.moving_model)
         self.windows = windows_of(self.a, self.b, self.first, self.last)
-        self.search = search_of(self.mesh, self.model, self.mesh_is_a, self.work.budget, self.work.progress)
-        self.width = self.tolerance * (self.windows[-1].last - self.windows[0].first)
+        self.search = search_of(self.mesh, self.model, self.mesh_is_a, query.budget, query.progress)
+        self.width = query.tolerance * (self.windows[-1].last - self.windows[0].first)
 
     def answer(self) -> FirstContact:
         for k, window in enumerate(self.windows):
@@ -148,8 +141,7 @@ class _Query:
         return FirstContact(status, stats=self._stats(), **fields, **self.shared)
 
     def _stats(self) -> Stats:
-        s = self.search
-        return Stats(int(s.state[VISITS]), s.tests, 0, self.work.done, clock.perf_counter() - self.begin)
+        return self.query.stats(int(self.search.state[VISITS]), self.search.tests, self.work.done)
 
     def _undecided(self, free_until: float, reason: str | None) -> FirstContact:
         return self._result(Status.UNDECIDED, free_until=max(free_until, self.span[0]), reason=reason)
@@ -203,7 +195,9 @@ class _Query:
         lo, hi = self.model.bounds()
         room = primitives.box(((hi - lo) * 2).tolist()).translated(((lo + hi) / 2).tolist())
         try:
-            around = search_of(self.mesh, room - self.model, self.mesh_is_a, self.work.budget, self.work.progress)
+            around = search_of(
+                self.mesh, room - self.model, self.mesh_is_a, self.query.budget, self.query.progress
+            )
         except UnsupportedPair:
             return None
         start = around.at_start(window)

@@ -7,41 +7,52 @@ by parity, which does not change with time; so only the model has to hold it ove
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
-from flint import fmpq
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
-from firstcontact.contact.mesh_model.first import holds_model, windows_of
+from firstcontact.contact.mesh_model.first import first_contact, holds_model, windows_of
 from firstcontact.contact.mesh_model.lasting_mesh import LastingOfMesh
 from firstcontact.contact.mesh_model.mesh_holes import search_of
 from firstcontact.contact.models.certified import bounded
-from firstcontact.contact.models.intervals import Found, Sweep
-from firstcontact.exact.numbers import to_double
+from firstcontact.contact.models.idle_turns import without_idle_turns
+from firstcontact.errors import UnsupportedPair
 from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.stretches import Window
+from firstcontact.result import ContactIntervals
 from firstcontact.search.convex.mesh_advance import BACK
-from firstcontact.work import Work
+from firstcontact.timeline.answers import proved_intervals
+from firstcontact.timeline.sweep import Found, Sweep
+from firstcontact.work import Query, Work
 
 
-def intervals_of_mesh(
-    a: Any, b: Any, first: fmpq, last: fmpq, tolerance: float, work: Work,
-    touches_at_start: Callable[[], np.ndarray | None],
-) -> Found:  # fmt: skip
-    """All closed times of contact of a Polyhedron and a CompositeQuadric, in either order, over [first, last].
+def contact_intervals(query: Query) -> ContactIntervals:
+    """All closed times of contact of a Polyhedron and a CompositeQuadric, in either order; certified.
 
-    tolerance, touches_at_start: as `certified_intervals` has them.  Raises UnsupportedPair.
+    Raises UnsupportedPair.
     """
+    if query.exact:
+        raise UnsupportedPair("contact intervals of meshes with curved models are not exact; drop exact=True")
+    plain, work = without_idle_turns(query), query.work()
+    found = proved_intervals(_all_contacts(plain, work), work, plain)
+    return found if plain is query else replace(found, a=query.a, b=query.b)
+
+
+def _all_contacts(query: Query, work: Work) -> Found:
+    a, b = query.bodies
     mesh_is_a = isinstance(shape_of(a), Polyhedron)
     moving_mesh, moving_model = (a, b) if mesh_is_a else (b, a)
-    moving_model = bounded(moving_model, moving_mesh, (to_double(first), to_double(last)))
+    moving_model = bounded(moving_model, moving_mesh, query.span)
     mesh, model = shape_of(moving_mesh), shape_of(moving_model)
-    parts = windows_of(a, b, first, last)
-    width = tolerance * (parts[-1].last - parts[0].first)
+    parts = windows_of(a, b, query.first, query.end)
+    width = query.tolerance * (parts[-1].last - parts[0].first)
     free, lasting = _Free(mesh, model, mesh_is_a, width), LastingOfMesh(mesh, model, mesh_is_a)
+
+    def touches_at_start() -> np.ndarray | None:
+        return first_contact(replace(query, last=query.first, budget=None, progress=None)).point
+
     return Sweep(free, lasting, parts, width, work, touches_at_start).run()
 
 

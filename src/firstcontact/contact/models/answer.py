@@ -16,15 +16,14 @@ from firstcontact.contact.models.contact_sets import cartesian
 from firstcontact.contact.models.largest_set import NEAR, largest_set
 from firstcontact.contact.models.membership import form_at, is_plane
 from firstcontact.contact.models.moving_pair import Form, Pair
-from firstcontact.contact.polyhedra.answers import MOST_OTHERS
 from firstcontact.contact.reduce import face_at
 from firstcontact.exact.fields.roots import AlgebraicRoot
 from firstcontact.exact.numbers import precision
 from firstcontact.exact.polynomials.polynomial_matrix import Matrix
 from firstcontact.exact.times.instants import enclose
 from firstcontact.result import (
+    MOST_OTHERS,
     CandidateTime,
-    ContactInterval,
     ContactSet,
     Element,
     ElementPair,
@@ -104,12 +103,6 @@ def element(
 
 
 # -- times and frames -----------------------------------------------------------------------------------------
-
-
-def interval_of(start: Any, end: Any, exact: bool) -> ContactInterval:
-    """From ends whose `value(exact)` is the nearest double, an enclosure and the exact time."""
-    (t0, lo, exact0), (t1, hi, exact1) = start.value(exact), end.value(exact)
-    return ContactInterval(t0, t1, lo, hi, exact0, exact1)
 
 
 def world_time(pair: Pair, root: Root) -> tuple[float, tuple[float, float]]:

@@ -7,53 +7,43 @@ What they cannot settle (grazes, contact at the start) is left to exact arithmet
 from __future__ import annotations
 
 import math
-import time as clock
 from collections.abc import Sequence as Listing
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from flint import fmpq
 
 from firstcontact.body.solid import primitives
 from firstcontact.contact.models.flat_contacts import Pair, Shared, shared_set
 from firstcontact.contact.models.kept_directions import turning_axes
 from firstcontact.contact.models.same_point import may_touch_more, pairs_at
 from firstcontact.contact.models.touched import Flat, Flats, Point, group, is_parallel, lowest, ranked, with_neighbours
-from firstcontact.contact.polyhedra.answers import MOST_OTHERS
 from firstcontact.motion.moving import Moving, shape_of
-from firstcontact.result import ContactSet, Element, ElementPair, FirstContact, Stats, Status
+from firstcontact.result import MOST_OTHERS, ContactSet, Element, ElementPair, FirstContact, Status
 from firstcontact.search.convex.advance import Advance, advance
 from firstcontact.search.events.events import MOST_BOXES, first_event
+from firstcontact.work import Query
 
 LARGEST = 2.0**60
 """Coordinates up to which an unbounded model is cut."""
 
 
-def settle(
-    models: tuple[Any, Any],
-    first: fmpq,
-    last: fmpq,
-    tolerance: float,
-    budget: int | None,
-    begin: float,
-    shared: dict[str, Any],
-) -> tuple[FirstContact | None, Advance]:
+def settle(models: tuple[Any, Any], query: Query) -> tuple[FirstContact | None, Advance]:
     """(the answer, None where it is left to exact arithmetic; what was proved).
 
-    models: both, at rest or moving; begin: when the query began, by `time.perf_counter`.  Among features that touch at
-    the same time the answer names one pair.
+    models: both bodies of the query as models.  Among features that touch at the same time the answer names one pair.
     """
-    models = both_bounded(models, shared["span"])
-    found = advance(*models, first, last, tolerance, 10_000 if budget is None else budget)
+    models, budget = both_bounded(models, query.span), query.budget
+    found = advance(*models, query.first, query.end, query.tolerance, 10_000 if budget is None else budget)
     if found.beyond:
-        found = first_event(*models, first, last, tolerance, MOST_BOXES if budget is None else budget)
+        most = MOST_BOXES if budget is None else budget
+        found = first_event(*models, query.first, query.end, query.tolerance, most)
     if found.status == "free":
-        stats = Stats(found.steps, found.gaps, seconds=clock.perf_counter() - begin)
-        return FirstContact(Status.FREE, free_until=shared["span"][1], stats=stats, **shared), found
+        stats = query.stats(found.steps, found.gaps)
+        return FirstContact(Status.FREE, free_until=query.span[1], stats=stats, **query.shared), found
     if found.status != "contact" or found.normal is None:
         return None, found
-    answer, told = contact(models, found, begin, shared)
+    answer, told = contact(models, found, query)
     return (answer if told else None), found
 
 
@@ -83,9 +73,7 @@ def bounded(body: Any, other: Any, span: tuple[float, float]) -> Any:
     return cut[size]
 
 
-def contact(
-    models: tuple[Any, Any], found: Advance, begin: float, shared: dict[str, Any]
-) -> tuple[FirstContact | None, bool]:
+def contact(models: tuple[Any, Any], found: Advance, query: Query) -> tuple[FirstContact | None, bool]:
     """(the CONTACT result, None where no features are known; whether it tells all that the features share).
 
     Its time and elements are known at once; what else meets there is put into the terms of users when asked for.
@@ -107,18 +95,16 @@ def contact(
             place_a, place_b = (on_a.where, on_a.normal), (on_b.where, on_b.normal)
             if may_touch_more(on_a.known, place_a) or may_touch_more(on_b.known, place_b):
                 wholes = on_a.known.model, on_b.known.model
-                complete = pairs_at(models, wholes, found, (place_a, place_b), shared)
+                complete = pairs_at(models, wholes, found, (place_a, place_b), query.shared)
                 if complete is not None:
-                    stats = Stats(found.steps, found.gaps, seconds=clock.perf_counter() - begin)
-                    return replace(complete, stats=stats), True
+                    return replace(complete, stats=query.stats(found.steps, found.gaps)), True
         elif (flat := _flat_set(models, (on_a, on_b), (flats_a, flats_b), found, point)) is not None:
             shares = flat.kind, flat.points
             named = _named((on_a, on_b), flat.pairs)
     known = {
         "status": Status.CONTACT, "time": found.time, "time_interval": found.time_interval, "time_exact": None,
         "element_a": named[0][0], "element_b": named[0][1], "initial": None, "free_until": found.time_interval[0],
-        "reason": None, "stats": Stats(found.steps, found.gaps, 0, 0, clock.perf_counter() - begin),
-        "subproblems": (), **shared,
+        "reason": None, "stats": query.stats(found.steps, found.gaps), "subproblems": (), **query.shared,
     }  # fmt: skip
     answer = FirstContact.deferring(known, lambda: _where(named, found.normal, shares))
     return answer, shares is not None

@@ -6,6 +6,7 @@ generator K of the turns.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 from flint import fmpq, fmpq_mat
@@ -17,8 +18,15 @@ from firstcontact.motion.moving import Moving
 from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.translation import Translation
+from firstcontact.work import Query
 
 ORIGIN = (fmpq(0),) * 3
+
+
+def without_idle_turns(query: Query) -> Query:
+    """The query, or one of bodies that hold the same points at all times and turn less."""
+    a, b = (without_idle_turn(body) for body in query.bodies)
+    return query if a is query.a and b is query.b else replace(query, a=a, b=b)
 
 
 def without_idle_turn(body: Any) -> Any:

@@ -1,17 +1,10 @@
-"""All times of contact of two bodies under any motion, proved in doubles and balls.
-
-Free time is passed by the searches for the first contact, contact by `lasting`.  Where contact may end, a later time is
-proved free; the last contact before it is the first one with time running backwards, and from there contact is proved
-back to where it was lost.  Where bodies nearly graze that is too coarse, and a `Passage` in finer arithmetic steps in.
-What is proved neither way ends the answer.
-"""
+"""All times of contact of two models under any motion, by the sweep: their free time."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
-from typing import Any, Generic, Protocol, TypeVar
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from flint import fmpq
@@ -21,73 +14,23 @@ from firstcontact.contact.models.last_instant import landing
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import above, below, simplest
 from firstcontact.kernels.events.event_search import CHART, FREE
-from firstcontact.kernels.poses import CENTRE, KIND, TURNING, pose_at
+from firstcontact.kernels.poses import pose_at
 from firstcontact.kernels.workspace import HERE_A, workspace
 from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.curved import CurvedPiece
 from firstcontact.motion.relative.pieces import curved_pieces
 from firstcontact.motion.relative.stretches import Untold, Window, windows
 from firstcontact.search.convex import advance
-from firstcontact.search.convex.close_up import Passage
 from firstcontact.search.convex.convex import NotConvex, convex_pieces
 from firstcontact.search.events import events
 from firstcontact.search.events.charts import NotCharted
 from firstcontact.search.events.event_tables import tables_of
 from firstcontact.timeline.lasting import LastingOfModels
-from firstcontact.work import Spent, Work
+from firstcontact.timeline.sweep import Found, Pass, Sweep
+from firstcontact.work import Work
 
 STRIDES, BOXES = 10_000, events.MOST_BOXES
-LEAST_AHEAD, LEAST_BACK = 1e-3, 1e-6
-"""Parts of the longest step below which proofs of lasting contact give up: towards its end, and from there back."""
 SEEDS = 4
-MOST_TURNS = 20
-"""Stretches of one contact followed one after the other before the rest is left open."""
-TRIES = 8
-"""Times without contact looked for between two times in contact."""
-
-
-@dataclass(frozen=True)
-class Certified:
-    """start, end: enclosures of either end; open: whether it is followed no farther than to end[0]."""
-
-    start: tuple[float, float]
-    end: tuple[float, float]
-    open: bool = False
-
-
-@dataclass(frozen=True)
-class Found:
-    """intervals: all up to `until`, in order; those that may go on then end at (until, end of the span).
-
-    reason: "precision" or "budget" where `until` is before the end of the span.
-    """
-
-    intervals: tuple[Certified, ...]
-    until: float
-    reason: str | None
-
-
-class Open(Exception):
-    """Nothing is proved from that time on."""
-
-    def __init__(self, time: float) -> None:
-        self.time = time
-
-
-@dataclass(frozen=True)
-class Touch:
-    """The first contact after free time.
-
-    lo, hi   no contact before lo; sure: one at or before hi.
-    at       a later time, or hi, up to which contact does not begin or end again; None where none is known.
-    point    a common one at that time; None where there is contact at one instant only.
-    """
-
-    lo: float
-    hi: float
-    sure: bool = True
-    at: float | None = None
-    point: np.ndarray | None = None
 
 
 def certified_intervals(
@@ -113,75 +56,6 @@ def certified_intervals(
         return Sweep(free, lasting, parts, width, work, touches_at_start).run()
     except (NotCharted, Untold) as reason:
         raise UnsupportedPair(f"contact intervals are not decided: {reason}") from reason
-
-
-def reversed_in_time(window: Window) -> Window:
-    """The window as seen at times -t."""
-    tables = []
-    for m in (window.a, window.b):
-        table = m.copy()
-        table[0, CENTRE] = -m[0, CENTRE]
-        odd = [1, 3] if m[0, KIND] == TURNING else list(range(1, m.shape[1], 2))
-        table[1:, odd] = -m[1:, odd]
-        tables.append(table)
-    return Window(-window.last, -window.first, -math.nextafter(window.first, math.inf), *tables)
-
-
-class Timed(Protocol):
-    """What the sweep knows of a `Window` or the like."""
-
-    @property
-    def first(self) -> float: ...
-    @property
-    def last(self) -> float: ...
-    @property
-    def inner(self) -> float: ...
-
-
-W = TypeVar("W", bound=Timed)
-
-
-class Free(Protocol):
-    """How free time is passed; window: any that the sweep was given, or its mirror."""
-
-    def at(self, window: Any, t: float) -> bool:
-        """Whether the bodies are proved apart at t."""
-
-    def until(self, window: Any, t: float, end: float) -> tuple[float, list[np.ndarray]]:
-        """(a time until which the bodies, apart at t, stay apart; where they may touch then).
-
-        Without such places they are apart at that time too.
-        """
-
-    def near_start(self, window: Any) -> list[np.ndarray]:
-        """Where the bodies may touch at the start of the window."""
-
-    def passage(self, window: Any, t: float) -> Pass | None:
-        """What finer arithmetic proves from t on; None where that is nothing."""
-
-
-class Following(Protocol):
-    """How contact is followed, see `lasting.Lasting`."""
-
-    def deepest(self, window: Any, t: float, seeds: Sequence[np.ndarray]) -> np.ndarray | None: ...
-
-    def anywhere(self, window: Any, t: float) -> np.ndarray | None: ...
-
-    def until(
-        self, window: Any, t: float, end: float, point: np.ndarray, least: float, step: Callable[[], None]
-    ) -> tuple[float, np.ndarray]: ...
-
-
-@dataclass(frozen=True)
-class Pass:
-    """passage: what is proved of all times up to its end; point: a common one near its end, if there is contact then.
-
-    instant: the time of a graze, proved to be one of contact; None where there is no graze, or it is not proved.
-    """
-
-    passage: Passage
-    point: np.ndarray | None
-    instant: fmpq | None
 
 
 class _Free:
@@ -259,220 +133,3 @@ class _Free:
             pose_at((window.a, window.b)[side], float(search.result[0]), scratch, HERE_A)
             found.append(scratch[HERE_A, :9].reshape(3, 3) @ place + scratch[HERE_A, 9:12])
         return found
-
-
-class Sweep(Generic[W]):
-    """touches_at_start: as `certified_intervals` has it; width: of the enclosures of events."""
-
-    most_turns = MOST_TURNS
-
-    def __init__(
-        self,
-        free: Free,
-        lasting: Following,
-        parts: list[W],
-        width: float,
-        work: Work,
-        touches_at_start: Callable[[], np.ndarray | None],
-    ) -> None:
-        self.free, self.lasting = free, lasting
-        self.windows, self.width, self.work = parts, width, work
-        self.touches_at_start = touches_at_start
-        self.intervals: list[Certified] = []
-        self.start: tuple[float, float] | None = None
-        self.turns = 0
-        self.reached = parts[0].first
-
-    def run(self) -> Found:
-        reason, point = None, None
-        try:
-            for k, window in enumerate(self.windows):
-                self.reached = window.first
-                point = self._window(window, point, k == 0)
-        except Open as stopped:
-            self.reached, reason = max(self.reached, stopped.time), "precision"
-        except Spent:
-            reason = "budget"
-        last = self.windows[-1].last
-        if reason is None:
-            self.reached = last
-        if self.start is not None:
-            self._close((self.reached, last), reason is not None)
-        return Found(tuple(self.intervals), self.reached, reason)
-
-    def _close(self, end: tuple[float, float], open: bool = False) -> None:
-        assert self.start is not None
-        start, self.start = self.start, None
-        joined = self.intervals[-1] if self.intervals else None
-        if joined is not None and start[1] <= joined.end[0]:  # from one window to the next
-            self.intervals[-1] = replace(joined, end=end, open=open)
-        else:
-            self.intervals.append(Certified(start, end, open))
-
-    def _step(self) -> None:
-        starts = [x.start[0] for x in self.intervals[:1]] or ([self.reached] if self.start is None else [self.start[0]])
-        self.work.free_until = starts[0]
-        self.work.step()
-
-    def _window(self, window: W, point: np.ndarray | None, is_first: bool) -> np.ndarray | None:
-        """Follow the state through one window; a common point at its end, None where there is none."""
-        t = window.first
-        self._step()
-        if self.free.at(window, t):
-            if self.start is not None:  # the pose jumps
-                self._close((t, t))
-            point = None
-        else:
-            point = self._at_start(window, point, is_first)
-            if self.start is None:
-                self.start = t, t
-        while t < window.last:
-            if self.start is None:
-                t, point = self._enter(window, t)
-            else:
-                assert point is not None
-                t, point = self._leave(window, t, point)
-            self.reached = t
-        return point
-
-    def _at_start(self, window: W, point: np.ndarray | None, is_first: bool) -> np.ndarray:
-        t = window.first
-        found = self.lasting.deepest(window, t, [point]) if point is not None else None
-        if found is None:
-            found = self.lasting.anywhere(window, t)
-        if found is not None:
-            return found
-        if seeds := self.free.near_start(window):
-            return seeds[0]
-        if is_first and (seed := self.touches_at_start()) is not None:
-            return seed
-        raise Open(t)
-
-    def _finer(self, window: W, t: float) -> tuple[float, np.ndarray | None]:
-        """As `_enter` or `_leave`, by a passage from t on.  May raise Open."""
-        self._step()
-        found = self.free.passage(window, t)
-        if found is None or found.passage.stretches[0].contact != (self.start is not None):
-            raise Open(t)
-        passage = found.passage
-        for before, after in zip(passage.stretches, passage.stretches[1:], strict=False):
-            event = below(before.hi), above(after.lo)
-            if before.contact and after.contact or passage.graze is not None:
-                if found.instant is None:
-                    raise Open(event[0])
-                if not after.contact:
-                    at = below(found.instant), above(found.instant)
-                    self.start = event[0], at[1]
-                    self._close((at[0], event[1]))
-            elif after.contact:
-                self.start, self.turns = event, 0
-            else:
-                self._close(event)
-        return min(below(passage.until), window.last), found.point
-
-    def _enter(self, window: W, t: float) -> tuple[float, np.ndarray | None]:
-        """(the time up to which all is settled, a common point then or None), from t, which is free."""
-        self._step()
-        found = self._touch(window, t, window.last)
-        if found is None:
-            return window.last, None
-        self.reached = found.lo
-        if not found.sure:
-            return self._finer(window, found.lo)
-        self.start, self.turns = (found.lo, found.hi), 0
-        if found.at is None:
-            raise Open(found.hi)
-        if found.point is None:
-            self._close(self.start)
-        return found.at, found.point
-
-    def _touch(self, window: W, t: float, end: float) -> Touch | None:
-        """The first contact from t, which is free, to the time `end`; None where there is none."""
-        lo, seeds = self.free.until(window, t, end)
-        if lo >= end and not seeds:
-            return None
-        hi, point = self._soon(window, lo, min(window.inner, end), seeds)
-        return Touch(lo, hi, point is not None, hi, point)
-
-    def _soon(
-        self, window: W, lo: float, latest: float, seeds: list[np.ndarray]
-    ) -> tuple[float, np.ndarray | None]:
-        """(a time within the width after lo, a point proved common then)."""
-        for share in (0.25, 0.9):
-            at = min(lo + share * self.width, latest)
-            if lo <= at <= lo + self.width and (point := self.lasting.deepest(window, at, seeds)) is not None:
-                return at, point
-        return lo, None
-
-    def _leave(self, window: W, t: float, point: np.ndarray) -> tuple[float, np.ndarray | None]:
-        """(a later time up to which all is settled, a common point then or None), from t, which is in contact."""
-        self.turns += 1
-        if self.turns > self.most_turns:
-            raise Open(t)
-        t, point = self.lasting.until(window, t, window.last, point, LEAST_AHEAD, self._step)
-        self.reached = t
-        if t >= window.last:
-            return t, point
-        try:
-            return self._left(window, t, point)
-        except Open:
-            return self._finer(window, t)
-
-    def _left(self, window: W, t: float, point: np.ndarray) -> tuple[float, np.ndarray | None]:
-        """As `_leave`, from t where contact is not proved to last."""
-        for later in self._ahead(window, t):
-            self._step()
-            if self.free.at(window, later):
-                return self._back(window, t, later)
-            there = self.lasting.deepest(window, later, [point])
-            if there is None:
-                there = self.lasting.anywhere(window, later)
-            if there is not None:
-                gap = self._lost_before(window, t, later, there)
-                return (later, there) if gap is None else self._back(window, t, gap)
-        raise Open(t)
-
-    def _ahead(self, window: W, t: float) -> Iterator[float]:
-        """Times after t, ever farther apart, up to the window's end."""
-        passed = t - (self.start[1] if self.start is not None else t)
-        step = max(0.5 * self.width, 8.0 * math.ulp(t), 1e-4 * passed)  # in few turns, however little each proves
-        while t + step < window.last:
-            yield t + step
-            step *= 2.0
-        yield window.last
-
-    def _back(self, window: W, t: float, later: float) -> tuple[float, None]:
-        """Where contact at t ends before the time `later`, which is free; a time that is free."""
-        mirror = self._mirrored(window)
-        for _ in range(TRIES):
-            self._step()
-            last = self._touch(mirror, -later, -t)
-            hi = t if last is None else -last.lo
-            if hi - t <= self.width:
-                self._close((t, max(hi, t)))
-                return later, None
-            if last is None or last.at is None or not last.sure:
-                raise Open(t)
-            gap: float | None = -last.at
-            if last.point is not None:
-                gap = self._lost_before(window, t, -last.at, last.point)
-            if gap is None:
-                self._close((-last.hi, hi))
-                return later, None
-            later = gap
-        raise Open(t)
-
-    def _mirrored(self, window: W) -> W:
-        return reversed_in_time(window)  # type: ignore[arg-type, return-value]
-
-    def _lost_before(self, window: W, t: float, later: float, point: np.ndarray) -> float | None:
-        """None if contact lasts from t to `later`, both in contact; else a free time between.  May raise Open."""
-        mirror = self._mirrored(window)
-        back, _ = self.lasting.until(mirror, -later, -t, point, LEAST_BACK, self._step)
-        if -back - t <= self.width:
-            return None
-        for k in range(1, TRIES):
-            middle = t + (-back - t) * k / TRIES
-            if t < middle < later and self.free.at(window, middle):
-                return middle
-        raise Open(t)

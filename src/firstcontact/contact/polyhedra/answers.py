@@ -10,12 +10,11 @@ import numpy as np
 from firstcontact.contact.polyhedra.earliest import Found, Pair, pairs_at_start
 from firstcontact.exact.numbers import PRECISIONS, Undecidable, precision
 from firstcontact.motion.moving import Moving
-from firstcontact.result import ContactInterval, Element, ElementPair, FirstContact, Stats, Status
+from firstcontact.result import MOST_OTHERS, ContactInterval, Element, ElementPair, FirstContact, Stats, Status
 from firstcontact.search.trees.elements import EDGE, FACE, VERTEX, Feature
 from firstcontact.search.trees.touch import carried_normal, doubles
 
 _NAMES = {VERTEX: "vertex", EDGE: "edge", FACE: "face"}
-MOST_OTHERS = 100
 
 
 def _users(body: Any, found: Feature) -> Feature:

@@ -6,21 +6,19 @@ from collections.abc import Collection
 from typing import Any, NamedTuple
 
 import numpy as np
-from flint import fmpq
 
-from firstcontact.contact.models.first import proved_intervals
 from firstcontact.contact.named import element
 from firstcontact.contact.ruled.intervals import certified_intervals
 from firstcontact.errors import UnsupportedPair
-from firstcontact.exact.numbers import to_double
 from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.clocks import StraightClock
-from firstcontact.result import ContactIntervals, FirstContact, Stats, Status
+from firstcontact.result import ContactIntervals, FirstContact, Status
 from firstcontact.search.rulings.directrices import DirectrixPiece, directrix_pieces
 from firstcontact.search.rulings.ruled_events import RuledEvent, first_event, outermost
 from firstcontact.search.rulings.ruled_pieces import RuledPiece
 from firstcontact.search.trees.touch import carried_normal
-from firstcontact.work import Work
+from firstcontact.timeline.answers import proved_intervals
+from firstcontact.work import Query, Work
 
 BUDGET = 200_000
 
@@ -33,17 +31,16 @@ class Pieces(NamedTuple):
     q: RuledPiece
 
 
-def first_contact(
-    pieces: Pieces, first: fmpq, last: fmpq, tolerance: float, budget: int | None, shared: dict[str, Any]
-) -> FirstContact:
+def first_contact(pieces: Pieces, query: Query) -> FirstContact:
     """The first contact with an enclosure of its time; UNDECIDED where doubles do not tell."""
-    step, p, q = pieces
-    found = first_event(p, q, first, last, tolerance, BUDGET if budget is None else budget)
-    stats = Stats(node_visits=found.boxes)
+    (step, p, q), shared = pieces, query.shared
+    budget = BUDGET if query.budget is None else query.budget
+    found = first_event(p, q, query.first, query.end, query.tolerance, budget)
+    stats = query.stats(found.boxes)
     if found.status == "free":
-        return FirstContact(Status.FREE, free_until=to_double(last), stats=stats, **shared)
+        return FirstContact(Status.FREE, free_until=query.span[1], stats=stats, **shared)
     if found.status == "open":
-        until = max(found.free_until, to_double(first))
+        until = max(found.free_until, query.span[0])
         return FirstContact(Status.UNDECIDED, free_until=until, reason=found.reason, stats=stats, **shared)
     status = Status.INITIAL_CONTACT if found.status == "initial" else Status.CONTACT
     answer: dict[str, Any] = {"free_until": found.free_until, "stats": stats, **shared}
@@ -51,32 +48,30 @@ def first_contact(
         answer["initial"] = "touching"
     if found.event is not None:
         assert found.time is not None
-        pose = _pose_of_b(step, shared["b"], found.time)
+        pose = _pose_of_b(step, query.b, found.time)
         answer |= described(found.event, pose, status is Status.CONTACT, shared)
     return FirstContact(status, found.time, found.time_interval, **answer)
 
 
-def contact_intervals(
-    pieces: Pieces, first: fmpq, last: fmpq, tolerance: float, work: Work, begin: float, shared: dict[str, Any]
-) -> ContactIntervals:
+def contact_intervals(pieces: Pieces, query: Query, work: Work) -> ContactIntervals:
     """All contacts with enclosures of their ends; UNDECIDED from the first time on at which nothing is proved."""
-    found = certified_intervals(pieces.p, pieces.q, first, last, tolerance, work)
-    return proved_intervals(found, work, begin, shared)
+    found = certified_intervals(pieces.p, pieces.q, query.first, query.end, query.tolerance, work)
+    return proved_intervals(found, work, query)
 
 
-def pieces_of(a: Any, b: Any, first: fmpq, last: fmpq) -> Pieces | None:
+def pieces_of(query: Query) -> Pieces | None:
     """None unless both are one piece, bounded in s and not trimmed, under one motion rational in the time."""
-    for body in (a, b):
+    for body in query.bodies:
         pieces: list[Any] = list(getattr(shape_of(body), "pieces", ()))
         if len(pieces) != 1 or pieces[0].s is None or pieces[0].trim:
             return None
     try:
-        steps = list(directrix_pieces(a, b, first, last))
+        steps = list(directrix_pieces(query.a, query.b, query.first, query.end))
     except UnsupportedPair:
         return None
     if len(steps) > 1 or not isinstance(steps[0].motion.clock, StraightClock) or not steps[0].motion.exact:
         return None
-    p, q = (RuledPiece.of(sides, shape_of(body).u) for sides, body in ((steps[0].p, a), (steps[0].q, b)))
+    p, q = (RuledPiece.of(sides, shape_of(body).u) for sides, body in ((steps[0].p, query.a), (steps[0].q, query.b)))
     return Pieces(steps[0], p, q)
 
 

@@ -17,11 +17,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from flint import fmpq
 
-from firstcontact.contact.models.intervals import Found, Open, Sweep, Touch
 from firstcontact.exact.numbers import above, ball_bounds, below, exact_value
 from firstcontact.kernels.rulings.search import ALL_EVENTS, DONE, SURE
 from firstcontact.search.rulings.ruled_events import ROUNDINGS, Held, RuledContact, Search, first_event_of
 from firstcontact.search.rulings.ruled_pieces import RuledPiece
+from firstcontact.timeline.sweep import Found, Open, Sweep, Touch
 from firstcontact.work import Work
 
 REACHES = tuple(2.0**-k for k in (6, 9))

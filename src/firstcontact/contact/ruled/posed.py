@@ -16,14 +16,12 @@ from flint import fmpq
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.body.ruled.surface import RuledSurface
-from firstcontact.contact.models.first import proved_intervals
-from firstcontact.contact.models.intervals import Certified, Found
 from firstcontact.contact.ruled.certified import BUDGET, described
 from firstcontact.contact.ruled.intervals import certified_intervals
 from firstcontact.contact.ruled.triangles import MOST_PAIRS, Interior, near_pairs, triangles_of
 from firstcontact.contact.signs.conditions import check_weight
 from firstcontact.errors import UnsupportedPair
-from firstcontact.exact.numbers import below, to_double
+from firstcontact.exact.numbers import below
 from firstcontact.exact.rigid import compose, inverse_map
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.relative import projective
@@ -31,12 +29,14 @@ from firstcontact.motion.relative.clocks import StraightClock
 from firstcontact.motion.relative.curved import CurvedPiece
 from firstcontact.motion.relative.pieces import curved_pieces
 from firstcontact.motion.relative.polynomial import PolynomialPiece
-from firstcontact.result import ContactIntervals, FirstContact, Stats, Status
+from firstcontact.result import ContactIntervals, FirstContact, Status
 from firstcontact.search.rulings.directrices import signed
 from firstcontact.search.rulings.posed_pieces import PosedPiece, PoseWindow, in_local_time, pose_windows
 from firstcontact.search.rulings.ruled_events import RuledContact, Search, first_event_of
 from firstcontact.search.rulings.ruled_pieces import RuledPiece
-from firstcontact.work import Spent, Work
+from firstcontact.timeline.answers import proved_intervals
+from firstcontact.timeline.sweep import Certified, Found
+from firstcontact.work import Query, Spent, Work
 
 MOST_TOLERANCE = 1e-3
 """Of a window's time."""
@@ -56,55 +56,55 @@ class _Found:
         return self.contact.status == "initial"
 
 
-def first_contact(
-    a: Any, b: Any, first: fmpq, last: fmpq, tolerance: float, work: Work, shared: dict[str, Any], most: int = BUDGET
-) -> FirstContact:
+def first_contact(query: Query, work: Work, most: int = BUDGET) -> FirstContact:
     """The first contact with an enclosure of its time; UNDECIDED where doubles and balls do not tell.
 
     most: boxes for two pieces in a window.
     """
-    pair = _Pair(a, b, first, last)
+    pair = _Pair(query)
     for window in pair.windows():
-        work.reached(max(below(window.start), shared["span"][0]))
+        work.reached(max(below(window.start), query.span[0]))
         try:
-            found = [pair.searched(window, i, j, tolerance, work, most) for i, j in pair.near(window)]
+            found = [pair.searched(window, i, j, work, most) for i, j in pair.near(window)]
         except Spent:
-            return _undecided(work.free_until, "budget", work, shared)
+            return _undecided(work.free_until, "budget", work, query)
         met = [x for x in found if x.interval is not None]
         left = [x for x in found if x.contact.status == "open"]
-        if window.start == first and not any(x.is_initial for x in met) and pair.is_contained(window.motion):
-            time, stats = shared["span"][0], Stats(node_visits=work.done)
+        at_start = window.start == query.first
+        if at_start and not any(x.is_initial for x in met) and pair.is_contained(window.motion):
+            time = query.span[0]
             how = None if any(x.free_until <= time for x in left) else "containment"
             return FirstContact(
-                Status.INITIAL_CONTACT, time, (time, time), initial=how, free_until=time, stats=stats, **shared
-            )
+                Status.INITIAL_CONTACT, time, (time, time), initial=how, free_until=time, stats=query.stats(work.done),
+                **query.shared,
+            )  # fmt: skip
         best = min(met, key=lambda x: x.interval, default=None)  # type: ignore[arg-type,return-value]
         until = min((x.free_until for x in left), default=None)
         if best is not None and best.interval is not None and (until is None or best.interval[1] <= until):
-            return _answer(pair, window, best, window.start == first, work, shared)
+            return _answer(pair, window, best, at_start, work)
         if until is not None:
             spent = work.budget is not None and any(x.contact.reason == "budget" for x in left)
             reason = "budget" if spent else "precision"
-            return _undecided(until, reason, work, shared)
-    return FirstContact(Status.FREE, free_until=to_double(last), stats=Stats(node_visits=work.done), **shared)
+            return _undecided(until, reason, work, query)
+    return FirstContact(Status.FREE, free_until=query.span[1], stats=query.stats(work.done), **query.shared)
 
 
-def contact_intervals(
-    a: Any, b: Any, first: fmpq, last: fmpq, tolerance: float, work: Work, begin: float, shared: dict[str, Any]
-) -> ContactIntervals:
+def contact_intervals(query: Query, work: Work) -> ContactIntervals:
     """All contacts with enclosures of their ends; UNDECIDED from the first time on at which nothing is proved."""
-    pair, intervals = _Pair(a, b, first, last), list[Certified]()
+    pair, intervals, last = _Pair(query), list[Certified](), query.span[1]
     if pair.interior is not None:
-        raise UnsupportedPair(f"{a!r} and {b!r}: such motions have no contact intervals with solid polyhedra")
+        raise UnsupportedPair(
+            f"{query.a!r} and {query.b!r}: such motions have no contact intervals with solid polyhedra"
+        )
     for window in pair.windows():
-        work.reached(max(below(window.start), shared["span"][0]))
-        found = [pair.followed(window, i, j, tolerance, work) for i, j in pair.near(window)]
+        work.reached(max(below(window.start), query.span[0]))
+        found = [pair.followed(window, i, j, work) for i, j in pair.near(window)]
         intervals = _united([*intervals, *(x for own in found for x in own.intervals)])
         stopped = min((own for own in found if own.reason is not None), key=lambda own: own.until, default=None)
         if stopped is not None:
-            known = tuple(_known(x, stopped.until, to_double(last)) for x in intervals if x.start[1] <= stopped.until)
-            return proved_intervals(Found(known, stopped.until, stopped.reason), work, begin, shared)
-    return proved_intervals(Found(tuple(intervals), to_double(last), None), work, begin, shared)
+            known = tuple(_known(x, stopped.until, last) for x in intervals if x.start[1] <= stopped.until)
+            return proved_intervals(Found(known, stopped.until, stopped.reason), work, query)
+    return proved_intervals(Found(tuple(intervals), last, None), work, query)
 
 
 def _united(intervals: list[Certified]) -> list[Certified]:
@@ -125,42 +125,42 @@ def _known(x: Certified, until: float, last: float) -> Certified:
     return x if x.end[1] < until else Certified(x.start, (min(x.end[0], until), last), True)
 
 
-def _undecided(until: float, reason: str, work: Work, shared: dict[str, Any]) -> FirstContact:
-    until = max(until, shared["span"][0])
+def _undecided(until: float, reason: str, work: Work, query: Query) -> FirstContact:
+    until = max(until, query.span[0])
     return FirstContact(
-        Status.UNDECIDED, free_until=until, reason=reason, stats=Stats(node_visits=work.done), **shared
+        Status.UNDECIDED, free_until=until, reason=reason, stats=query.stats(work.done), **query.shared
     )
 
 
-def _answer(
-    pair: _Pair, window: PoseWindow, found: _Found, at_start: bool, work: Work, shared: dict[str, Any]
-) -> FirstContact:
+def _answer(pair: _Pair, window: PoseWindow, found: _Found, at_start: bool, work: Work) -> FirstContact:
+    query = pair.query
     assert found.interval is not None
     lo, hi = found.interval
     initial = at_start and found.is_initial
     status = Status.INITIAL_CONTACT if initial else Status.CONTACT
     assert found.contact.time is not None
     time = lo if initial else min(max(window.true_time(found.contact.time), lo), hi)
-    answer: dict[str, Any] = {"free_until": lo, "stats": Stats(node_visits=work.done), **shared}
+    answer: dict[str, Any] = {"free_until": lo, "stats": query.stats(work.done), **query.shared}
     if initial and pair.interior is None:
         answer["initial"] = "touching"
     if found.contact.event is not None:
         pose = window.motion.carry(time)
         pose = np.eye(4) if pose is None else pose
         joined = tuple(own[k].joined for own, k in zip(pair.surfaces, found.numbers, strict=True))
-        answer |= described(found.contact.event, pose, not initial, shared, found.numbers, joined)  # type: ignore[arg-type]
+        place = described(found.contact.event, pose, not initial, query.shared, found.numbers, joined)  # type: ignore[arg-type]
+        answer |= place
     return FirstContact(status, time, found.interval, **answer)
 
 
 class _Pair:
     """The pieces of both surfaces and the windows of their relative motion."""
 
-    def __init__(self, a: Any, b: Any, first: fmpq, last: fmpq) -> None:
-        self.bodies, self.first, self.last = (a, b), first, last
-        self.interior = Interior.of(a, b)
+    def __init__(self, query: Query) -> None:
+        self.query, self.bodies, self.first, self.last = query, query.bodies, query.first, query.end
+        self.interior = Interior.of(*query.bodies)
         self.surfaces: list[tuple[RuledSurface, ...]] = []
         self.pieces: list[list[RuledPiece]] = []
-        for body in (a, b):
+        for body in query.bodies:
             shape = shape_of(body)
             surfaces = triangles_of(shape) if isinstance(shape, Polyhedron) else shape.pieces
             for surface in surfaces:
@@ -170,12 +170,12 @@ class _Pair:
                         "taken bounded in s and not trimmed"
                     )
                 for side in surface.sides:
-                    check_weight(surface, side, (first, last))
+                    check_weight(surface, side, (self.first, self.last))
             self.surfaces.append(surfaces)
-            self.pieces.append([RuledPiece.of(signed(s.sides, s, (first + last) / 2), s.u) for s in surfaces])
+            self.pieces.append([RuledPiece.of(signed(s.sides, s, (self.first + self.last) / 2), s.u) for s in surfaces])
 
     def windows(self) -> Iterator[PoseWindow]:
-        for motion in curved_pieces(*self.bodies, self.first, self.last):
+        for motion in curved_pieces(self.query.a, self.query.b, self.first, self.last):
             yield from pose_windows(motion, motion.start, motion.end)
 
     def is_contained(self, motion: CurvedPiece) -> bool:
@@ -201,31 +201,33 @@ class _Pair:
             raise UnsupportedPair(f"{who}: {len(found)} pairs of pieces and triangles come near each other, too many")
         return found
 
-    def searched(self, window: PoseWindow, i: int, j: int, tolerance: float, work: Work, most: int) -> _Found:
+    def searched(self, window: PoseWindow, i: int, j: int, work: Work, most: int) -> _Found:
         budget = most if work.budget is None else work.budget - work.done
         if budget <= 0:
             raise Spent
         p, q = PosedPiece.posed(self.pieces[0][i], window), in_local_time(self.pieces[1][j], window)
-        found = first_event_of(Search(p, q), fmpq(-1), fmpq(1), self.local(tolerance, window), budget)
+        found = first_event_of(Search(p, q), fmpq(-1), fmpq(1), self.local(window), budget)
         work.done += found.boxes
         interval = None if found.time_interval is None else window.true_times(*found.time_interval)
         return _Found(found, (i, j), window.true_times(found.free_until, 1.0)[0], interval)
 
-    def followed(self, window: PoseWindow, i: int, j: int, tolerance: float, work: Work) -> Found:
+    def followed(self, window: PoseWindow, i: int, j: int, work: Work) -> Found:
         """All contacts of two pieces in a window."""
         p, q = PosedPiece.posed(self.pieces[0][i], window), in_local_time(self.pieces[1][j], window)
         own = Work(None if work.budget is None else max(work.budget - work.done, 1), None)
-        found = certified_intervals(p, q, fmpq(-1), fmpq(1), self.local(tolerance, window), own)
+        found = certified_intervals(p, q, fmpq(-1), fmpq(1), self.local(window), own)
         work.done += own.done
         intervals = (
             replace(x, start=window.true_times(*x.start), end=window.true_times(*x.end)) for x in found.intervals
         )
         return Found(tuple(intervals), window.true_times(found.until, 1.0)[0], found.reason)
 
-    def local(self, tolerance: float, window: PoseWindow) -> float:
+    def local(self, window: PoseWindow) -> float:
         """The tolerance, a part of the span, as a part of the window's time."""
         width = float(window.end - window.start)
-        return min(tolerance * float(self.last - self.first) / width, MOST_TOLERANCE) if width else MOST_TOLERANCE
+        if width == 0.0:
+            return MOST_TOLERANCE
+        return min(self.query.tolerance * float(self.last - self.first) / width, MOST_TOLERANCE)
 
 
 def _moving(surface: RuledSurface, body: Any) -> Any:

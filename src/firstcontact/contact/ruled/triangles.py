@@ -18,16 +18,17 @@ from firstcontact.body.ruled.rational_curve import RationalCurve
 from firstcontact.body.ruled.surface import RuledSurface
 from firstcontact.contact.reduce import as_model, is_small_and_convex
 from firstcontact.contact.ruled_solid.solid_conditions import SolidConditions
-from firstcontact.contact.ruled_solid.solid_touches import lies, most_of
+from firstcontact.contact.ruled_solid.solid_touches import lies
 from firstcontact.contact.signs.conditions import local_trims
 from firstcontact.contact.signs.times import Times
+from firstcontact.contact.signs.touches import most_of
 from firstcontact.contact.signs.trimmed import inner_places
 from firstcontact.errors import InputError, UnsupportedPair
 from firstcontact.exact.fields.roots import AlgebraicRoot
 from firstcontact.exact.numbers import rational
 from firstcontact.exact.rigid import apply, inverse_map
 from firstcontact.exact.vectors import Vector
-from firstcontact.motion.moving import shape_of
+from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.relative import projective
 from firstcontact.motion.relative.polynomial import PolynomialPiece
 from firstcontact.search.trees.containment import contains
@@ -91,6 +92,19 @@ def element_of(body: Polyhedron, triangle: int, kind: str, index: int) -> tuple[
     if kind == "face":
         return "face", int(body.triangle_face[triangle])
     return "edge", int(body._side_edge[triangle][1 if kind == "directrix" else 2 * index])
+
+
+def parts_of(body: Any) -> list[Any]:
+    """The pieces of a ruled surface, or the triangles of a polyhedron, moving as it does."""
+    shape: Any = shape_of(body)
+    pieces: tuple[RuledSurface, ...]
+    if isinstance(shape, Polyhedron):
+        pieces = triangles_of(shape)
+    elif hasattr(shape, "pieces"):
+        pieces = shape.pieces
+    else:
+        raise InputError(f"{body!r} is no ruled surface")
+    return [Moving(piece, body.motion) if isinstance(body, Moving) else piece for piece in pieces]
 
 
 def near_pairs(a_parts: list[Any], b_parts: list[Any], first: fmpq, last: fmpq) -> list[tuple[int, int]]:

@@ -5,44 +5,42 @@ Contact of a surface that lies inside the solid counts: the solid owns its inter
 
 from __future__ import annotations
 
-import time as clock
 from typing import Any
 
 import numpy as np
-from flint import fmpq
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.body.solid.features import Edge, Face, Vertex
 from firstcontact.contact.models.answer import element as element_of_solid
 from firstcontact.contact.models.certified import bounded
-from firstcontact.contact.models.intervals import Found, Sweep
 from firstcontact.contact.named import element
 from firstcontact.contact.reduce import as_model
 from firstcontact.contact.ruled_solid.lasting import RuledFree, RuledLasting
 from firstcontact.contact.signs.conditions import local_trims, reversed_trims
 from firstcontact.contact.signs.whole_rulings import cut_to
 from firstcontact.errors import UnsupportedPair
-from firstcontact.exact.numbers import exact_value, to_double
+from firstcontact.exact.numbers import exact_value
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.relative.stretches import Untold, Window, windows
-from firstcontact.result import ContactSet, Element, FirstContact, Stats, Status
+from firstcontact.result import ContactIntervals, ContactSet, Element, FirstContact, Status
 from firstcontact.search.convex.advance import Advance
 from firstcontact.search.events.charts import NotCharted
 from firstcontact.search.events.event_tables import Tables
 from firstcontact.search.events.events import MOST_BOXES
 from firstcontact.search.events.ruled_charts import RuledFeature, Sheet, ruled_tables, sheets_of
 from firstcontact.search.events.ruled_solids import RuledContact, RuledSearch
-from firstcontact.work import Work
+from firstcontact.timeline.answers import proved_intervals
+from firstcontact.timeline.sweep import Sweep
+from firstcontact.work import Query, Work
 
 
 class RuledAndSolid:
     """Both bodies over [first, last], with what the searches read of them.  Raises UnsupportedPair."""
 
-    def __init__(self, a: Any, b: Any, first: fmpq, last: fmpq) -> None:
-        self.given = a, b
-        self.first, self.last = first, last
-        self.span = to_double(first), to_double(last)
+    def __init__(self, query: Query) -> None:
+        self.given = a, b = query.bodies
+        self.first, self.last, self.span = query.first, query.end, query.span
         shapes = [shape_of(x) for x in (a, b)]
         self.side = 0 if hasattr(shapes[0], "pieces") else 1
         solid: Any = _as_model((a, b)[1 - self.side])
@@ -57,7 +55,7 @@ class RuledAndSolid:
             self.tables: Tables = ruled_tables(
                 shapes[self.side], self.sheets, self.model, self.side, self.span
             )
-            self.windows: list[Window] = windows(*self.bodies, first, last)
+            self.windows: list[Window] = windows(*self.bodies, self.first, self.last)
         except (NotCharted, Untold) as reason:
             raise UnsupportedPair(f"{a!r} and {b!r}: {reason}, which doubles do not take against solids") from reason
 
@@ -75,21 +73,16 @@ def _as_model(body: Any) -> Any:
     return Moving(model, body.motion) if isinstance(body, Moving) else model
 
 
-def first_contact(
-    a: Any, b: Any, first: fmpq, last: fmpq, tolerance: float, budget: int | None
-) -> FirstContact:
+def first_contact(query: Query) -> FirstContact:
     """The first shared point with an enclosure of its time; UNDECIDED where doubles do not tell."""
-    begin = clock.perf_counter()
-    pair = RuledAndSolid(a, b, first, last)
-    search = RuledSearch(
-        *pair.bodies, pair.tables, pair.windows, tolerance, MOST_BOXES if budget is None else budget, pair.side
-    )
-    contact = search.contact(first, last)
+    pair = RuledAndSolid(query)
+    budget = MOST_BOXES if query.budget is None else query.budget
+    search = RuledSearch(*pair.bodies, pair.tables, pair.windows, query.tolerance, budget, pair.side)
+    contact = search.contact(query.first, query.end)
     found = contact.found
     if found.status == "open" and found.free_until <= pair.windows[0].first and found.reason == "precision":
         found = _common_at_start(pair) or found
-    shared = {"a": a, "b": b, "span": pair.span}
-    shared["stats"] = Stats(found.steps, found.gaps, seconds=clock.perf_counter() - begin)
+    shared = {**query.shared, "stats": query.stats(found.steps, found.gaps)}
     start = pair.span[0]
     if found.status == "free":
         return FirstContact(Status.FREE, free_until=pair.span[1], **shared)
@@ -182,10 +175,9 @@ def _solid_element(pair: RuledAndSolid, feature: Face | Edge | Vertex, point: np
     return element_of_solid(model, feature, "ab"[1 - pair.side], where)
 
 
-def contact_intervals(
-    a: Any, b: Any, first: fmpq, last: fmpq, tolerance: float, work: Work
-) -> Found:
-    """All closed times of contact, with enclosures of their ends."""
-    pair = RuledAndSolid(a, b, first, last)
-    width = tolerance * (pair.windows[-1].last - pair.windows[0].first)
-    return Sweep(pair.free(width), pair.lasting(), pair.windows, width, work, lambda: None).run()
+def contact_intervals(query: Query, work: Work) -> ContactIntervals:
+    """All closed times of contact, with enclosures of their ends, as far as doubles prove them."""
+    pair = RuledAndSolid(query)
+    width = query.tolerance * (pair.windows[-1].last - pair.windows[0].first)
+    found = Sweep(pair.free(width), pair.lasting(), pair.windows, width, work, lambda: None).run()
+    return proved_intervals(found, work, query)

@@ -6,60 +6,72 @@ intervals the other way round, as elimination is the shorter way to them where d
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
 from typing import Any
 
 from flint import fmpq
 
-from firstcontact.body.polyhedron.polyhedron import Polyhedron
+from firstcontact.body.ruled.surface import RuledSurface
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
-from firstcontact.contact.models.first import proved_intervals
-from firstcontact.contact.ruled import first as moving
-from firstcontact.contact.ruled_solid import certified as solids
+from firstcontact.contact.models.answer import element as element_of_solid
+from firstcontact.contact.named import element
+from firstcontact.contact.ruled.triangles import near_pairs, parts_of
+from firstcontact.contact.ruled_solid import certified
+from firstcontact.contact.ruled_solid.solid_conditions import SolidConditions
+from firstcontact.contact.ruled_solid.solid_times import solid_times
+from firstcontact.contact.ruled_solid.solid_touches import lies, solid_touch
+from firstcontact.contact.signs import exactly
+from firstcontact.contact.signs.exactly import PiecePair, span_of
 from firstcontact.contact.signs.sheets import MOST_DEGREE
+from firstcontact.contact.signs.starts import with_start
 from firstcontact.contact.signs.whole_rulings import cut_to
 from firstcontact.errors import UnsupportedPair
+from firstcontact.exact.numbers import below
 from firstcontact.motion.moving import shape_of
+from firstcontact.motion.relative.polynomial import PolynomialPiece, relative_pieces
 from firstcontact.result import ContactIntervals, Element, ElementPair, FirstContact, Status
-from firstcontact.work import Progress, Work
+from firstcontact.search.rulings.directrices import sides_from
+from firstcontact.work import Query, Work
 
+QUICK_DEGREE = 80
+"""Of equations that elimination may lead to where the search in doubles has found the contact."""
 SMALL_DEGREE = 150
 """Of equations for times that elimination may lead to before doubles are asked for intervals."""
 QUICK_BUDGET = 50_000
 """Boxes that the search in doubles looks at before exact arithmetic is asked for a first contact."""
 
 
-def first_contact(
-    a: Any, b: Any, first: fmpq, last: fmpq, exact: bool, method: str, tolerance: float, budget: int | None,
-    progress: Progress | None, shared: dict[str, Any], begin: float,
-) -> FirstContact:
+def first_contact(query: Query) -> FirstContact:
     """The first shared point; in doubles, and exactly what they leave open or do not take, as the method allows."""
+    return with_start(query, _first_contact)
+
+
+def _first_contact(query: Query) -> FirstContact:
     proved, refused = None, ""
-    if method != "algebraic" and not exact:
-        quick = QUICK_BUDGET if budget is None and method == "auto" else budget
+    if not query.is_algebraic:
+        quick = QUICK_BUDGET if query.budget is None and query.method == "auto" else query.budget
         try:
-            proved = solids.first_contact(a, b, first, last, tolerance, quick)
+            proved = certified.first_contact(replace(query, budget=quick))
         except UnsupportedPair as reason:
-            if method == "certified":
+            if query.method == "certified":
                 raise
             refused = str(reason)
-        if proved is not None and (method == "certified" or _is_told(proved, budget)):
+        if proved is not None and (query.method == "certified" or _is_told(proved, query.budget)):
             return proved
     known = proved is not None and proved.status is Status.CONTACT
+    work, (ordered, is_turned) = query.work(), _solid_last(query)
     try:
-        ordered, is_turned = _solid_last(a, b, shared)
-        degree = moving.QUICK_DEGREE if known else MOST_DEGREE
-        found = moving.decided(
-            ordered["a"], ordered["b"], first, last, exact, degree, budget, progress, ordered, begin
-        )
+        stretches = _pieces(ordered, work, QUICK_DEGREE if known else MOST_DEGREE)
+        found = exactly.first_contact(ordered, stretches, None, work)
     except UnsupportedPair as reason:
         if proved is None:
             raise _also_refused(reason, refused) from None
-        if proved.reason == "budget" and budget is None:
-            return solids.first_contact(a, b, first, last, tolerance, None)
+        if proved.reason == "budget" and query.budget is None:
+            return certified.first_contact(query)
         return proved
-    return replace(_turned(found) if is_turned else found, a=a, b=b)
+    return replace(_turned(found) if is_turned else found, a=query.a, b=query.b)
 
 
 def _is_told(proved: FirstContact, budget: int | None) -> bool:
@@ -71,16 +83,11 @@ def _is_told(proved: FirstContact, budget: int | None) -> bool:
     return proved.status is Status.FREE or budget is not None and proved.reason == "budget"
 
 
-def _solid_last(a: Any, b: Any, shared: dict[str, Any]) -> tuple[dict[str, Any], bool]:
-    """The bodies and the span with the solid as b, its whole rulings cut, and whether they changed places.
-
-    With a polyhedron they stay as they are.
-    """
-    if any(isinstance(shape_of(x), Polyhedron) for x in (a, b)):
-        return shared, False
-    is_turned = isinstance(shape_of(a), CompositeQuadric)
-    ruled, solid = (b, a) if is_turned else (a, b)
-    return {"a": cut_to(ruled, solid, shared["span"]), "b": solid, "span": shared["span"]}, is_turned
+def _solid_last(query: Query) -> tuple[Query, bool]:
+    """The query with the solid as b and whole rulings cut, and whether the bodies changed places."""
+    is_turned = isinstance(shape_of(query.a), CompositeQuadric)
+    ruled, solid = query.bodies[::-1] if is_turned else query.bodies
+    return replace(query, a=cut_to(ruled, solid, query.span), b=solid), is_turned
 
 
 def _turned(found: FirstContact) -> FirstContact:
@@ -100,39 +107,39 @@ def _called(body: Any, before: str, after: str, element: Element | None) -> Any:
     return replace(element, body=after, label=after if element.label == before else element.label)
 
 
-def contact_intervals(
-    a: Any, b: Any, first: fmpq, last: fmpq, exact: bool, tolerance: float, work: Work, begin: float,
-    shared: dict[str, Any],
-) -> ContactIntervals:
-    """All closed times of contact; the solid may be a convex polyhedron."""
+def contact_intervals(query: Query) -> ContactIntervals:
+    """All closed times of contact."""
+    ordered, _ = _solid_last(query)
+
+    def decide(work: Work, most_degree: int) -> ContactIntervals:
+        windows = exactly.all_windows(_pieces(ordered, work, most_degree), None)
+        return exactly.as_intervals(*windows, query, work)
+
+    return in_turn(query, decide)
+
+
+def in_turn(query: Query, decide: Callable[[Work, int], ContactIntervals]) -> ContactIntervals:
+    """What `decide(work, most_degree)` tells by elimination where degrees are small, else doubles, else elimination."""
+    work = query.work()
     proved, refused = None, ""
-    if not exact:
+    if not query.exact:
         try:
-            return _exactly(a, b, first, last, exact, SMALL_DEGREE, work, begin, shared)
+            return decide(work, SMALL_DEGREE)
         except UnsupportedPair:
             pass
         try:
-            proved = in_doubles(a, b, first, last, tolerance, work, begin, shared)
+            proved = certified.contact_intervals(query, work)
         except UnsupportedPair as reason:
             refused = str(reason)
         else:
             if proved.status is not Status.UNDECIDED or (work.budget is not None and proved.reason == "budget"):
                 return proved
     try:
-        return _exactly(a, b, first, last, exact, MOST_DEGREE, work, begin, shared)
+        return decide(work, MOST_DEGREE)
     except UnsupportedPair as reason:
         if proved is None:
             raise _also_refused(reason, refused) from None
         return proved
-
-
-def _exactly(
-    a: Any, b: Any, first: fmpq, last: fmpq, exact: bool, most_degree: int, work: Work, begin: float,
-    shared: dict[str, Any],
-) -> ContactIntervals:
-    ordered, _ = _solid_last(a, b, shared)
-    windows, reason = moving.all_windows(ordered["a"], ordered["b"], first, last, work, most_degree)
-    return moving.as_intervals(windows, reason, first, last, exact, work, begin, shared)
 
 
 def _also_refused(reason: UnsupportedPair, in_doubles: str) -> UnsupportedPair:
@@ -140,8 +147,31 @@ def _also_refused(reason: UnsupportedPair, in_doubles: str) -> UnsupportedPair:
     return UnsupportedPair(f"{in_doubles}; exactly: {reason}") if in_doubles else reason
 
 
-def in_doubles(
-    a: Any, b: Any, first: fmpq, last: fmpq, tolerance: float, work: Work, begin: float, shared: dict[str, Any]
-) -> ContactIntervals:
-    """The intervals as far as doubles prove them."""
-    return proved_intervals(solids.contact_intervals(a, b, first, last, tolerance, work), work, begin, shared)
+def _pieces(query: Query, work: Work, most_degree: int) -> Iterator[tuple[PolynomialPiece, list[PiecePair]]]:
+    """The pieces of the relative motion in time order, with the ruled pieces that the solid, b, may meet."""
+    a, b, first, last = query.a, query.b, query.first, query.end
+    pieces: tuple[RuledSurface, ...] = shape_of(a).pieces
+    numbers = range(len(pieces))
+    near = [i for i, _ in near_pairs(parts_of(a), [b], first, last)] if len(pieces) > 1 else numbers
+    for motion in relative_pieces(a, b, first, last):
+        work.free_until = below(motion.start)
+        found = []
+        for i in near:
+            span, sides = span_of(motion), sides_from(pieces[i], motion)
+            held = SolidConditions.of(pieces[i], sides, shape_of(b), span)
+            touches, named = partial(solid_touch, joined=pieces[i].joined), partial(_named, query, i)
+            for times in solid_times(held, span, work, most_degree):
+                found.append(PiecePair(motion, times, touches, named, partial(_lies, times.conditions)))
+        yield motion, found
+
+
+def _named(query: Query, number: int, known: tuple[str, Any], which: str) -> Element | None:
+    """None for a point inside the solid, b."""
+    kind, index = known
+    if which == "a":
+        return element(query.a, kind, index, number, which)
+    return None if index is None else element_of_solid(shape_of(query.b), index, which)
+
+
+def _lies(conditions: Any, t: fmpq) -> str:
+    return lies(conditions, t) if isinstance(conditions, SolidConditions) else "touching"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from flint import fmpq, fmpz_mpoly
@@ -181,12 +181,6 @@ def lies(c: SolidConditions, t: fmpq) -> str:
         return "touching"
     crossing = Times(c.only("boundary"), (t, t)).at(AlgebraicRoot.of(t))
     return "overlapping" if crossing else "containment"
-
-
-def most_of(found: Iterable[str]) -> str:
-    """How a surface lies whose pieces lie so."""
-    known = set(found)
-    return next((x for x in ("overlapping", "containment") if x in known), "touching")
 
 
 def _cells(c: SolidConditions, t: fmpq) -> Iterator[list[int]]:

@@ -16,29 +16,34 @@ from firstcontact.errors import UnsupportedPair
 from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.pieces import placement_at
 from firstcontact.result import FirstContact, Status
+from firstcontact.work import Query
 
 
-def is_open(found: FirstContact) -> bool:
+def with_start(query: Query, answer: Callable[[Query], FirstContact]) -> FirstContact:
+    """What `answer` says of the query, and where it leaves the start open, of the bodies at rest in their poses then.
+
+    UNDECIDED remains where they are apart: nothing is proved of the times after the start.
+    """
+    found = answer(query)
+    if query.method != "auto" or query.budget is not None or not _is_open(found):
+        return found
+    try:
+        a, b = (_placed(body, query.first) for body in query.bodies)
+        told = answer(replace(query, a=a, b=b, last=query.first, exact=False, method="algebraic"))
+    except UnsupportedPair:
+        return found
+    if told.status is not Status.INITIAL_CONTACT:
+        return found
+    return replace(told, a=query.a, b=query.b, span=query.span, stats=found.stats + told.stats)
+
+
+def _is_open(found: FirstContact) -> bool:
     """Whether something is left to tell of the start."""
     if found.status is Status.INITIAL_CONTACT:
         return found.initial is None
     if found.status is not Status.UNDECIDED or found.free_until is None:
         return False
     return found.reason == "precision" and found.free_until <= found.span[0]
-
-
-def told_at_rest(found: FirstContact, first: fmpq, decide: Callable[[Any, Any], FirstContact]) -> FirstContact:
-    """What `decide` says of the bodies at rest in their poses then; else what was found.
-
-    UNDECIDED remains where they are apart: nothing is proved of the times after the start.
-    """
-    try:
-        told = decide(_placed(found.a, first), _placed(found.b, first))
-    except UnsupportedPair:
-        return found
-    if told.status is not Status.INITIAL_CONTACT:
-        return found
-    return replace(told, a=found.a, b=found.b, span=found.span, stats=found.stats + told.stats)
 
 
 def _placed(body: Any, time: fmpq) -> Any:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import reduce
 from typing import Any
@@ -226,3 +226,9 @@ def shown_parameter(x: FieldElement, inverse: bool) -> float:
         return float("inf")
     with precision(BITS):
         return float((arb(1) / x.ball(BITS)).mid())
+
+
+def most_of(found: Iterable[str]) -> str:
+    """How a surface lies whose pieces lie so."""
+    known = set(found)
+    return next((x for x in ("overlapping", "containment") if x in known), "touching")

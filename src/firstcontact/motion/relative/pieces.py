@@ -27,7 +27,6 @@ from firstcontact.motion.relative.curved import CurvedPiece, Leg
 from firstcontact.motion.rotation import Rotation, rotation_matrix
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.sequence import Sequence
-from firstcontact.motion.span import common_span
 from firstcontact.motion.steps import RESTING, Step, steps_of
 from firstcontact.motion.translation import Translation
 
@@ -78,20 +77,19 @@ class Piece(NamedTuple):
         return Piece(self.start, self.start, self.start, *placed, (_0, _0, _0), None, None, (_0, _0))
 
 
-def pieces(a: Any, b: Any, span: Any) -> tuple[list[Piece | CurvedPiece], fmpq, fmpq | None]:
-    """The pieces of the relative motion over the span, in time order, and the span itself.
+def pieces(a: Any, b: Any, first: fmpq, last: fmpq | None) -> list[Piece | CurvedPiece]:
+    """The pieces of the relative motion over [first, last], in time order.
 
-    Raises InputError for a bad span, UnsupportedPair for motions of other classes.
+    Raises UnsupportedPair for motions of other classes.
     """
-    first, last = common_span(a, b, span)
     steps_a, steps_b = list(_steps(a)), list(_steps(b))
     if len(steps_a) == len(steps_b) == 1:
-        return [_reduce(a, b, steps_a[0], steps_b[0], first, last)], first, last
+        return [_reduce(a, b, steps_a[0], steps_b[0], first, last)]
     assert last is not None  # sequences have bounded spans
     out = []
     for t0, t1 in _cut(steps_a, steps_b, first, last):
         out.append(_reduce(a, b, _step_at(steps_a, t0), _step_at(steps_b, t0), t0, t1))
-    return out, first, last
+    return out
 
 
 def curved_pieces(a: Any, b: Any, first: fmpq, last: fmpq) -> list[CurvedPiece]:

@@ -1,0 +1,150 @@
+"""`first_contact`, `contact_intervals` and `contact_pairs` of two polyhedra."""
+
+from __future__ import annotations
+
+import time as clock
+from dataclasses import replace
+from typing import Any
+
+from firstcontact.contact.polyhedra.answers import (
+    JoinedInterval,
+    contact_of,
+    contained_at_start,
+    element_pairs,
+    initial_contact,
+    interval_of,
+    join,
+)
+from firstcontact.contact.polyhedra.earliest import Found, Pair, all_pairs, earliest
+from firstcontact.contact.polyhedra.intervals import contact_windows
+from firstcontact.contact.polyhedra.overlap import initial_kind
+from firstcontact.contact.polyhedra.problem import problem_of, problems_in_order
+from firstcontact.errors import FirstContactError, UnsupportedPair
+from firstcontact.exact.numbers import Undecidable, to_double
+from firstcontact.motion.relative.curved import CurvedPiece
+from firstcontact.motion.relative.pieces import pieces
+from firstcontact.result import ContactIntervals, ContactPairs, FirstContact, Stats, Status
+from firstcontact.work import Query
+
+NO_WORK = Stats()
+
+
+def first_contact(query: Query) -> FirstContact:
+    """The first contact, proved; its time exact, or enclosed where it has no exact form."""
+    parts = _pieces(query)
+    if query.engine not in ("auto", "boxes") and any(isinstance(piece, CurvedPiece) for piece in parts):
+        raise UnsupportedPair(
+            f"engine {query.engine!r} searches translations and rotations; other motions take 'auto'"
+        )
+    stats, begin, exact, shared = NO_WORK, query.begin, query.exact, query.shared
+    problems = problems_in_order(query.a, query.b, parts, query.engine, query.threads)
+    for k, (problem, with_start) in enumerate(problems):
+        found = earliest(problem, _left(query, stats), query.progress, with_start=with_start)
+        stats = _added(stats, found)
+        if found.open is not None:
+            return _undecided(found.open, problem.world_time(found.free_until), stats, query)
+        if found.start or (k == 0 and _starts_at_once(found)):
+            try:
+                kind = initial_kind(problem, found) if k == 0 else None
+            except Undecidable:
+                kind = None
+            return initial_contact(problem, found, kind, exact, _timed(stats, begin), shared, jump=k > 0)
+        if with_start:
+            try:
+                inside = problem.is_contained()
+            except Undecidable:
+                return _undecided("precision", query.span[0], stats, query)
+            if inside:
+                return contained_at_start(problem, exact, _timed(stats, begin), shared, jump=k > 0)
+        if found.instant is not None:
+            return contact_of(problem, found, exact, _timed(stats, begin), shared)
+    return FirstContact(Status.FREE, free_until=query.span[1], stats=_timed(stats, begin), **shared)
+
+
+def contact_intervals(query: Query) -> ContactIntervals:
+    """All closed times of contact, with exact ends where these have an exact form."""
+    parts = _pieces(query)
+    stats, begin, exact, shared = NO_WORK, query.begin, query.exact, query.shared
+    ends: list[JoinedInterval] = []
+    for piece in parts:
+        problem = problem_of(query.a, query.b, piece)
+        found = contact_windows(problem, _left(query, stats), query.progress)
+        stats = _added(stats, found)
+        if found.open is not None:
+            until = to_double(piece.start)
+            if found.open == "precision":  # where a first contact is easier to tell than all windows
+                rest = first_contact(
+                    Query(query.a, query.b, piece.start, query.last, progress=query.progress)
+                )
+                if rest.status is Status.FREE:
+                    break
+                until = max(until, rest.free_until or until)
+            intervals = tuple(interval_of(e, exact) for e in ends)
+            return ContactIntervals(
+                intervals, Status.UNDECIDED, until, found.open, _timed(stats, begin), **shared
+            )
+        ends = join(ends, problem, found.windows)
+    intervals = tuple(interval_of(e, exact) for e in ends)
+    status = Status.FREE if not ends else Status.INITIAL_CONTACT if ends[0].at_start(parts[0]) else Status.CONTACT
+    until = query.span[1] if not ends else intervals[0].start
+    return ContactIntervals(intervals, status, until, None, _timed(stats, begin), **shared)
+
+
+def contact_pairs(query: Query) -> ContactPairs:
+    """All pairs of elements that meet during the span."""
+    stats = NO_WORK
+    met: list[Pair] = []
+    pierced: list[Pair] = []
+    for problem, with_start in problems_in_order(query.a, query.b, _pieces(query), "auto"):
+        found = all_pairs(problem, with_start=with_start)
+        if found.open is not None:
+            raise FirstContactError("a pair of elements cannot be decided in this irrational pose")
+        stats = _added(stats, found)
+        met += found.pairs
+        pierced += [pair for pair, _ in found.start]
+    return ContactPairs(
+        tuple(p for p, _ in element_pairs(query.a, query.b, met)),
+        tuple(p for p, _ in element_pairs(query.a, query.b, pierced)),
+        _timed(stats, query.begin),
+    )
+
+
+def _pieces(query: Query) -> list[Any]:
+    """The pieces of the relative motion; UnsupportedPair where exact times are asked of one that has none."""
+    parts = pieces(query.a, query.b, query.first, query.last)
+    if query.exact:
+        for piece in parts:
+            if isinstance(piece, CurvedPiece) and piece.polynomial is None:
+                raise UnsupportedPair(piece.why_inexact())
+    return parts
+
+
+def _left(query: Query, stats: Stats) -> int | None:
+    """What is left of the budget."""
+    return None if query.budget is None else max(0, query.budget - int(stats.node_visits + stats.pair_tests))
+
+
+def _starts_at_once(found: Found) -> bool:
+    return found.instant is not None and found.instant.is_zero()
+
+
+def _undecided(reason: str, free_until: float, stats: Stats, query: Query) -> FirstContact:
+    return FirstContact(
+        Status.UNDECIDED, free_until=free_until, reason=reason, stats=_timed(stats, query.begin), **query.shared
+    )
+
+
+def _added(stats: Stats, found: Any) -> Stats:
+    """The work so far with that of one more search."""
+    return Stats(
+        stats.node_visits + found.visits,
+        stats.pair_tests + found.tests,
+        stats.undecided + found.unsure,
+        stats.exact_evaluations + found.exact,
+        engine=found.engine or stats.engine,
+    )
+
+
+def _timed(stats: Stats, begin: float) -> Stats:
+    """The work of a search, and the time since `begin`."""
+    return replace(stats, seconds=clock.perf_counter() - begin)

@@ -1,0 +1,36 @@
+"""Results out of what was proved of all times."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from firstcontact.result import ContactInterval, ContactIntervals, Status
+from firstcontact.timeline.sweep import Found
+from firstcontact.work import Query, Work
+
+
+def proved_intervals(found: Found, work: Work, query: Query) -> ContactIntervals:
+    """What the certified path found, as a result."""
+    first, last = query.span
+    intervals = []
+    for x in found.intervals:
+        start, end = ((max(lo, first) + 0.0, min(hi, last) + 0.0) for lo, hi in (x.start, x.end))  # never -0.0
+        intervals.append(ContactInterval(_middle(start), end[0] if x.open else _middle(end), start, end))
+    status, until = Status.FREE, last
+    if intervals:
+        until = intervals[0].start_interval[0]
+        status = Status.INITIAL_CONTACT if intervals[0].start_interval == (first, first) else Status.CONTACT
+    if found.reason is not None:
+        status, until = Status.UNDECIDED, max(first, found.until)
+    return ContactIntervals(tuple(intervals), status, until, found.reason, query.stats(work.done), **query.shared)
+
+
+def _middle(interval: tuple[float, float]) -> float:
+    lo, hi = interval
+    return min(max(lo + 0.5 * (hi - lo), lo), hi)
+
+
+def interval_of(start: Any, end: Any, exact: bool) -> ContactInterval:
+    """From ends whose `value(exact)` is the nearest double, an enclosure and the exact time."""
+    (t0, lo, exact0), (t1, hi, exact1) = start.value(exact), end.value(exact)
+    return ContactInterval(t0, t1, lo, hi, exact0, exact1)
