@@ -254,3 +254,27 @@ def test_an_apex_in_the_bowl_of_a_hyperboloid_at_the_origin():
         for method in ("auto", "algebraic"):
             hit = fc.first_contact(cone, bowl, method=method)
             assert (hit.status, hit.initial) == (fc.Status.INITIAL_CONTACT, "overlapping")
+
+
+ABOVE = {
+    "ball": fc.sphere(1).translated((0, 0, 1)),
+    "can": fc.cylinder(1, 2).translated((0, 0, 1)),
+    "lying can": fc.cylinder(1, 2).rotated((1, 0, 0), degrees=90).translated((0, 0, 1)),
+    "tip": fc.frustum(0, 1, 1),
+    "wide tip": fc.frustum(0, 3, 1),
+    "bowl": fc.paraboloid((1, 1), 1),
+    "egg": fc.ellipsoid((1, 2, 1)).translated((0, 0, 1)),
+    "sheet": fc.hyperboloid((1, 1, 1), 2, sheets=2).translated((0, 0, -1)),
+}
+"""Solids in z >= 0 that hold the origin: there all terms of a form vanish, its rounding error too."""
+
+
+@pytest.mark.parametrize("name", ABOVE)
+def test_touching_at_the_origin_is_no_overlap(name):
+    upside_down = [[1, 0, 0, 0], [0, -1, 0, 0], [0, 0, -1, 0], [0, 0, 0, 1]]
+    cone = fc.cone(1, 1).translated((0, 0, -1))
+    for body in [*(other.transformed(upside_down) for other in ABOVE.values()), cone]:
+        hit = fc.first_contact(ABOVE[name], body)
+        assert hit.status is INITIAL and hit.initial == "touching", body
+        deeper = fc.first_contact(ABOVE[name], body.translated((0, 0, F(1, 2**20))))
+        assert deeper.initial == "overlapping", body

@@ -175,11 +175,14 @@ def _unit_along(n: ex.Vector) -> ex.Vector | None:
 
 
 def _grazes(a: Posed, b: Posed, normal: ex.Vector, level: F, when: F) -> tuple[F, F] | None:
-    """A span around `when` in which the plane is clear of a at all other times, by a parabola's room."""
+    """A span around `when`, less than a turn to each side, in which the plane is clear of a at all other times, by a
+    parabola's room."""
     size = ex.length(normal) * float(min(x.body.size for x in (a, b) if x.body.size))
     for wide in (F(1), F(1, 2), F(1, 8), F(1, 32)):
-        if all(gap(a, b, normal, level, float(when + sign * wide * F(k, 40))) > 0.02 * size * (wide * k / 40) ** 2
-               for k in range(1, 41) for sign in (1, -1)):
+        if wide * abs(a.motion.turns) < 1 and all(
+            gap(a, b, normal, level, float(when + sign * wide * F(k, 40))) > 0.02 * size * (wide * k / 40) ** 2
+            for k in range(1, 41) for sign in (1, -1)
+        ):
             start, end = F(int((when - wide) * 64), 64), F(int((when + wide) * 64), 64)
             return (start, end) if start < when < end else None
     return None

@@ -30,7 +30,10 @@ FORM_EPS = 20.0 * U
 
 @inner
 def is_inside(p, i, y0, y1, y2, off):
-    """Whether all points within `off` (per coordinate) of a local point are certainly inside piece i."""
+    """Whether all points within `off` (per coordinate) of a local point are certainly inner ones of piece i.
+
+    At the origin, on a surface that passes it, nothing is rounded: value and margin are 0, and the point is none.
+    """
     for k in range(int(p[i, FORMS]), int(p[i, FORMS + 1])):
         if p[k, FLAT] != 0.0:
             return False
@@ -42,7 +45,7 @@ def is_inside(p, i, y0, y1, y2, off):
             for c in range(6):
                 bend += abs(p[k, c])
             margin += 1.0001 * ((abs(g0) + abs(g1) + abs(g2)) * off + bend * off * off) + FORM_EPS * size
-        if value + margin > 0.0:
+        if value + margin >= 0.0:
             return False
     return True
 

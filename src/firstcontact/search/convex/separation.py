@@ -163,7 +163,10 @@ class _Barrier:
         """By Newton's method from x, (4,)."""
         for _ in range(30):
             values, image, root = self.values(x[:3])
-            w = 1.0 / (x[3] - values)
+            gaps = x[3] - values
+            if not np.all(gaps > 0.0):
+                return None
+            w = 1.0 / gaps
             factor = np.where(self.rooted, 1.0, 2.0) / root
             v = np.column_stack([image[:, :3] * factor[:, None] - self.lines[:, :3], -np.ones(len(w))])
             bent = self.forms[:, :3, :3] * factor[:, None, None]
