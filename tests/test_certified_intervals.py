@@ -11,7 +11,6 @@ from flint import fmpq
 import firstcontact as fc
 from firstcontact.body.solid import primitives
 from firstcontact.body.solid.csg import inside
-from firstcontact.contact.models import intervals as module
 from firstcontact.contact.models.first import _models
 from firstcontact.contact.models.intervals import certified_intervals
 from firstcontact.contact.models.standing import prisms_on_common_plane
@@ -19,8 +18,8 @@ from firstcontact.kernels.poses import pose_at
 from firstcontact.kernels.workspace import HERE_A, workspace
 from firstcontact.motion.relative.stretches import windows
 from firstcontact.scene.load import load_scene
-from firstcontact.timeline.sweep import reversed_in_time
-from firstcontact.work import Work
+from firstcontact.timeline.sweep import Sweep, reversed_in_time
+from firstcontact.work import Query, Work
 
 BALL, SMALL = primitives.sphere(1), primitives.sphere("1/2")
 EGG = primitives.ellipsoid((1, 2, "1/2"))
@@ -46,7 +45,7 @@ SCENES = {
 
 
 def forced(a, b):
-    found = certified_intervals(_models(a, b), fmpq(0), fmpq(1), 1e-12, Work(), lambda: None)
+    found = certified_intervals(_models(Query(a, b, fmpq(0), fmpq(1))), fmpq(0), fmpq(1), 1e-12, Work(), lambda: None)
     assert found.reason is None and found.until == 1
     return found.intervals
 
@@ -141,7 +140,7 @@ def test_windows_reversed_in_time(motion):
 
 def test_the_number_of_contacts_is_not_limited(monkeypatch):
     """Stretches are counted within one contact: the limit once was for all of them."""
-    monkeypatch.setattr(module, "MOST_TURNS", 3)
+    monkeypatch.setattr(Sweep, "most_turns", 3)
     post = primitives.cylinder("1/4", 4).translated((2, 0, 0))
     ball = SMALL.translated((-2, 0, 0)).moving(fc.Screw((0, 0, 1), degrees=360 * 5, advance="1/10"))
     found = fc.contact_intervals(ball, post)

@@ -8,8 +8,8 @@ from flint import fmpq
 
 import firstcontact as fc
 from firstcontact.body.solid import primitives
-from firstcontact.contact.mesh_model.mesh_intervals import intervals_of_mesh
-from firstcontact.work import Work
+from firstcontact.contact.mesh_model.mesh_intervals import contact_intervals
+from firstcontact.work import Query
 
 BALL, SMALL, PIN = primitives.sphere(1), primitives.sphere("1/4"), primitives.cylinder("1/2", 2)
 OUTLINE = np.array([(-3, -2), (3, -2), (3, 2), (2, 2), (2, -1), (-2, -1), (-2, 2), (-3, 2)], float)
@@ -72,9 +72,9 @@ def test_a_convex_polyhedron_as_exact_arithmetic_tells():
     cube = fc.examples.box((2, 2, 2))
     egg = primitives.ellipsoid((1, 2, "1/2")).translated((-4, "1/3", "1/5")).moving(fc.Translation((8, 1, 0)))
     (known,) = fc.contact_intervals(egg, cube, exact=True)
-    found = intervals_of_mesh(egg, cube, fmpq(0), fmpq(1), 1e-12, Work(), lambda: None)
-    (x,) = found.intervals
-    assert found.reason is None and x.start[0] <= known.start <= x.start[1] and x.end[0] <= known.end <= x.end[1]
+    (x,) = contact_intervals(Query(egg, cube, fmpq(0), fmpq(1)))
+    assert x.start_interval[0] <= known.start <= x.start_interval[1]
+    assert x.end_interval[0] <= known.end <= x.end_interval[1]
 
 
 def test_a_surface_and_an_edge_by_hand():

@@ -9,9 +9,9 @@ import pytest
 
 import firstcontact as fc
 from contact_places import assert_place
-from firstcontact.contact.mesh_model.first import first_contact_of_mesh
-from firstcontact.contact.models.first import bounded_span
-from firstcontact.work import Work
+from firstcontact.contact.mesh_model.first import first_contact
+from firstcontact.motion.span import common_span
+from firstcontact.work import Query
 
 CORNERS = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]
 UP = fc.Translation((0, 0, 1))
@@ -30,7 +30,7 @@ ELL_OF_BOXES = fc.box((2, 1, 1)).translated((1, 0.5, 0.5)) | fc.box((1, 2, 1)).t
 
 
 def by_triangles(a, b) -> fc.FirstContact:
-    return first_contact_of_mesh(a, b, *bounded_span(a, b, None), False, 1e-12, Work())
+    return first_contact(Query(a, b, *common_span(a, b, None)))
 
 
 def random_model(rng) -> fc.CompositeQuadric:

@@ -13,6 +13,7 @@ from firstcontact.contact.polyhedra.answers import element_pairs
 from firstcontact.contact.polyhedra.earliest import all_pairs
 from firstcontact.contact.polyhedra.problem import problems_in_order
 from firstcontact.motion.relative.pieces import pieces
+from firstcontact.motion.span import common_span
 from generators import Scene, lattice_scene
 from vectors import Body
 
@@ -55,7 +56,8 @@ def test_reported_pairs_are_those_tested_one_by_one(rotating):
     for scene in small_scenes(5000, amount(120, 3), rotating):
         answers = []
         for engine in ("boxes", "composed"):
-            problems = problems_in_order(*question(scene)[:2], pieces(*question(scene))[0], engine)
+            a, b, span = question(scene)
+            problems = problems_in_order(a, b, pieces(a, b, *common_span(a, b, span)), engine)
             found = [all_pairs(problem, with_start) for problem, with_start in problems]
             answers.append([(set(x.pairs), set(x.start)) for x in found])
         assert answers[0] == answers[1], scene
@@ -73,7 +75,8 @@ def test_few_of_many_woven_pairs(closed, turning):
     moving = scene.a.moving(motion)
     pairs = fc.contact_pairs(moving, scene.b)
     assert pairs.stats.engine == "composed"
-    ((problem, with_start),) = problems_in_order(moving, scene.b, pieces(moving, scene.b, None)[0])
+    parts = pieces(moving, scene.b, *common_span(moving, scene.b, None))
+    ((problem, with_start),) = problems_in_order(moving, scene.b, parts)
     tested = all_pairs(problem, with_start)
     found = [p for p, _ in element_pairs(scene.a, scene.b, tested.pairs)]
     assert list(pairs) == found and len(found) > 20

@@ -103,3 +103,24 @@ def test_a_box_that_slides_along_a_shelf_touches_it_all_the_time():
     assert [(i.start, i.end) for i in found] == [(0.3125, 0.6875)]
     hit = fc.first_contact(parcel.moving(fc.Translation((8, 0, 0))), shelf)
     assert hit.time == 0.3125
+
+
+ROCK = fc.Polyhedron(
+    [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)],
+    [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]],
+)
+"""Four faces meet at each vertex; three of them tell where it is."""
+
+
+@pytest.mark.parametrize("swap", [False, True], ids=["", "swapped"])
+def test_a_vertex_of_four_faces_is_told_as_one(swap):
+    rng = np.random.default_rng(11)
+    for _ in range(20):
+        x, y = (Fraction(int(k), 100) for k in rng.integers(-20, 21, 2))
+        u, v = (Fraction(int(k), 40) for k in rng.integers(-10, 11, 2))
+        bodies = ROCK.moving(fc.Translation((u, v, -4))), fc.sphere(1).translated((x, y, -4))
+        hit = fc.first_contact(*bodies[::-1] if swap else bodies)
+        rock, ball = (hit.element_b, hit.element_a) if swap else (hit.element_a, hit.element_b)
+        assert (rock.kind, rock.index, ball.kind) == ("vertex", 5, "face")
+        down = np.array([float(u), float(v), -4.0]) * hit.time + [0, 0, -1]
+        assert hit.point == pytest.approx(down, abs=1e-14) and hit.contact_set == "point"

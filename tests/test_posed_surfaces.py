@@ -18,7 +18,7 @@ from firstcontact.search.rulings.posed_pieces import PosedPiece, in_local_time, 
 from firstcontact.search.rulings.ruled_events import Search, first_event_of
 from firstcontact.search.rulings.ruled_pieces import RuledPiece
 from firstcontact.timeline.sweep import Certified
-from firstcontact.work import Work
+from firstcontact.work import Query, Work
 
 SADDLE = fc.RuledSurface("(u, 0, 0)", "(u, 1, u)", name="saddle").translated((-10, 0, 0))
 WALL = fc.RuledSurface("(0, -3, 2*u-1)", "(0, 3, 2*u-1)", name="wall")
@@ -26,9 +26,8 @@ WALL = fc.RuledSurface("(0, -3, 2*u-1)", "(0, 3, 2*u-1)", name="wall")
 
 def first(a, b, span=(0, 1), tolerance=1e-12):
     lo, hi = map(Fraction, span)
-    shared = {"a": a, "b": b, "span": (float(lo), float(hi))}
     ends = (fmpq(x.numerator, x.denominator) for x in (lo, hi))
-    return posed.first_contact(a, b, *ends, tolerance, Work(), shared)
+    return posed.first_contact(Query(a, b, *ends, tolerance=tolerance), Work())
 
 
 def test_a_saddle_screwed_through_a_wall():
@@ -265,8 +264,7 @@ def test_equals_the_exact_path(seed):
 def test_intervals_equal_the_exact_ones(seed):
     a, b = scene(100 + seed)
     known = fc.contact_intervals(a, b)
-    shared = {"a": a, "b": b, "span": (0.0, 1.0)}
-    found = posed.contact_intervals(a, b, fmpq(0), fmpq(1), 1e-12, Work(), 0.0, shared)
+    found = posed.contact_intervals(Query(a, b, fmpq(0), fmpq(1)), Work())
     assert found.status in (known.status, fc.Status.UNDECIDED), f"seed {seed}"
     decided = [x for x in known.intervals if found.status is not fc.Status.UNDECIDED or x.end < found.free_until]
     assert len(found.intervals) >= len(decided), f"seed {seed}"

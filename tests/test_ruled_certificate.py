@@ -14,6 +14,7 @@ from firstcontact.exact.systems.isolation import isolated
 from firstcontact.exact.systems.square_systems import Equations
 from firstcontact.search.events.ruled_certificate import EventSystem, PoseJet
 from firstcontact.search.events.ruled_solids import Event
+from firstcontact.work import Query
 
 WING = fc.RuledSurface(
     "(u/4 - u**4, (u - 2*u**3)/(1 + u**2), -u**2)", "(u**3/2, 3*u - u**4/4, 1)", u=(0, 3), name="wing"
@@ -62,7 +63,7 @@ def test_double_zeros_are_left():
 )
 @pytest.mark.parametrize("way", [1, -1])
 def test_derivatives_of_event_systems(motion, way):
-    pair = RuledAndSolid(WING, SOLIDS[3].moving(motion), fmpq(0), fmpq(1))
+    pair = RuledAndSolid(Query(WING, SOLIDS[3].moving(motion), fmpq(0), fmpq(1)))
     window = pair.windows[0]
     step, kinds = fmpq(1, 2**90), set()
     with precision(400):

@@ -27,7 +27,7 @@ from firstcontact.kernels.rulings.models import (
 )
 from firstcontact.search.rulings.ruled_events import RuledContact, first_event
 from firstcontact.search.rulings.ruled_pieces import RuledPiece
-from firstcontact.work import Work
+from firstcontact.work import Query, Work
 from ruled_vectors import Vector, value, vectors
 
 UNIT = (-1, 1)
@@ -360,13 +360,12 @@ CORNERS = {
 def test_corners_that_meet_are_not_passed_over(name: str) -> None:
     first, second, u, edge, (start, end) = CORNERS[name]
     p, q = fc.RuledSurface(first, second, u=u), fc.RuledSurface("(u, 0, 0)", edge, u=UNIT)
-    pieces = certified.pieces_of(p, q, fmpq(-2), fmpq(2))
+    query = Query(p, q, fmpq(-2), fmpq(2))
+    pieces = certified.pieces_of(query)
     assert pieces is not None
     for found in (
         fc.first_contact(p, q, (-2, 2), method="certified"),
-        certified.contact_intervals(
-            pieces, fmpq(-2), fmpq(2), 1e-12, Work(), 0.0, {"a": p, "b": q, "span": (-2.0, 2.0)}
-        ),
+        certified.contact_intervals(pieces, query, Work()),
     ):
         assert found.status is not fc.Status.FREE and start - 1e-12 <= found.free_until <= start
     (x,) = fc.contact_intervals(p, q, (-2, 2))

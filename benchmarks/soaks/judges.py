@@ -99,9 +99,10 @@ def _where(hit: Any, truth: Truth) -> str | None:
     bodies = truth.poses(truth.time)
     if hit.point is None:
         return None if initial else "no point"
+    rounding = _rounding((*bodies, *truth.poses(truth.span[0])))
     for body, side in zip(bodies, "ab", strict=True):
         off = distance(hit.point, body)
-        if off > tolerance(body) and not (initial and body.solid and _within(hit.point, body)):
+        if off > 1e-9 * size(body) + rounding and not (initial and body.solid and _within(hit.point, body)):
             return f"point {hit.point.tolist()} is {off:.3g} off body {side}, whose size is {size(body):.3g}"
     if initial:
         return None
@@ -111,7 +112,7 @@ def _where(hit: Any, truth: Truth) -> str | None:
         return f"elements {elements[0]} and {elements[1]} share no point at that time"
     for body, element, side in zip(bodies, pieces, "ab", strict=True):
         off = min(distance(hit.point, Mesh(body.vertices, (p,), ())) for p in element)
-        if off > tolerance(body):
+        if off > 1e-9 * size(body) + rounding:
             return f"point {hit.point.tolist()} is {off:.3g} off the element of {side}"
     normal = hit.normal
     if normal is None:
@@ -161,9 +162,9 @@ def size(body: Mesh) -> float:
     return max(float(max(p[k] for p in body.vertices) - min(p[k] for p in body.vertices)) for k in range(3))
 
 
-def tolerance(body: Mesh) -> float:
-    """1e-9 of the size of a body, and the rounding of a point that a pose in doubles has carried."""
-    return 1e-9 * size(body) + 16 * math.ulp(max(abs(float(x)) for p in body.vertices for x in p))
+def _rounding(bodies: Sequence[Mesh]) -> float:
+    """Of a point that a pose in doubles has carried as far as a body has come since the span began."""
+    return 16 * math.ulp(max(abs(float(x)) for body in bodies for p in body.vertices for x in p))
 
 
 def intervals(times: Sequence[tuple[F, F | None]], span: tuple[F, F | None], slack: F = F(0)) -> Judge:

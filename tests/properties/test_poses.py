@@ -155,7 +155,7 @@ PAIRS = [
 def test_two_bodies(pair, seed):
     (a, pose_a), (b, pose_b) = made(pair[0], seed), made(pair[1], seed + 1000)
     zero, one = fmpq(0), fmpq(1)
-    meshes, curved = pieces(a, b, None)[0], curved_pieces(a, b, zero, one)
+    meshes, curved = pieces(a, b, zero, one), curved_pieces(a, b, zero, one)
     try:
         polynomial = list(relative_pieces(a, b, zero, one))
     except UnsupportedPair:

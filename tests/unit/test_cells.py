@@ -17,6 +17,7 @@ from firstcontact.kernels.verdict import CERTAIN, NONE
 from firstcontact.motion.relative import cells
 from firstcontact.motion.relative.curved import terms
 from firstcontact.motion.relative.pieces import pieces
+from firstcontact.motion.span import common_span
 from firstcontact.search.trees import curve
 
 BODY = fc.examples.box((1, 1, 1))
@@ -31,7 +32,8 @@ MOTIONS = {
 
 def piece_of(name: str):
     motion, other = MOTIONS[name]
-    return pieces(BODY.moving(motion), BODY if other is None else BODY.moving(other), None)[0][0]
+    a, b = BODY.moving(motion), BODY if other is None else BODY.moving(other)
+    return pieces(a, b, *common_span(a, b, None))[0]
 
 
 @pytest.mark.share(2)
@@ -89,7 +91,8 @@ def test_elements_seen_by_floats_and_exactly(generic):
         rng = np.random.default_rng([3, seed])
         a, b = random_body(rng, generic), random_body(rng, generic)
         motion = rational_turn(*[((0, 0, 1), (1, 0, 0)), ((1, 2, 2), (0, 0.5, 0))][seed % 2])
-        problem = problem_of(a.moving(motion), b, pieces(a.moving(motion), b, None)[0][0])
+        moving = a.moving(motion)
+        problem = problem_of(moving, b, pieces(moving, b, *common_span(moving, b, None))[0])
         for _ in range(40):
             pair = _random_pair(rng, a, b)
             if pair is None:

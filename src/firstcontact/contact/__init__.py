@@ -9,5 +9,6 @@ signs         what both of them share: contact by signs of polynomials in u, v, 
 
 reduce    polyhedra as solids of planes, where these are quicker
 endless   spans without an end
+resized   small bodies far from the origin, scenes far from size 1
 named     elements of ruled surfaces by name
 """

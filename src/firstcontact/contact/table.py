@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from enum import Enum
-from functools import cache
+from functools import cache, partial
 from importlib import import_module
 from typing import Any
 
@@ -61,13 +61,12 @@ def first_contact(query: Query) -> FirstContact:
         return found
     if query.engine != "auto":
         raise UnsupportedPair(f"engine {query.engine!r} searches trees of polyhedra; curved models take 'auto'")
+    from firstcontact.contact import endless, resized
+
     room = _curved(kinds, query)
     if query.last is None:
-        from firstcontact.contact import endless
-
-        return endless.first_contact(room.first_contact, query)
-    found = room.first_contact(query)
-    return found
+        return endless.first_contact(partial(resized.first_contact, room.first_contact), query)
+    return resized.first_contact(room.first_contact, query)
 
 
 def contact_intervals(query: Query) -> ContactIntervals:
@@ -76,13 +75,12 @@ def contact_intervals(query: Query) -> ContactIntervals:
     if kinds == MESHES:
         found: ContactIntervals = _room("polyhedra").contact_intervals(query)
         return found
+    from firstcontact.contact import endless, resized
+
     room = _curved(kinds, query)
     if query.last is None:
-        from firstcontact.contact import endless
-
-        return endless.contact_intervals(room.contact_intervals, query)
-    found = room.contact_intervals(query)
-    return found
+        return endless.contact_intervals(partial(resized.contact_intervals, room.contact_intervals), query)
+    return resized.contact_intervals(room.contact_intervals, query)
 
 
 def contact_pairs(query: Query) -> ContactPairs:

@@ -126,5 +126,6 @@ def inner(function: Callable[..., Any]) -> Any:
 
 
 def is_compiled(module: str = "") -> bool:
-    """Whether the cache folder of this version holds anything yet, of the module where one is named."""
-    return CACHE.is_dir() and any(CACHE.rglob(f"{module}*.nbi"))
+    """Whether the cache folder of this version holds anything yet; module: of this one, as "curves/cells"."""
+    folder, _, name = module.rpartition("/")  # Numba puts the kernels of a folder in one of that name and a digest
+    return CACHE.is_dir() and any(CACHE.glob(f"{folder}*/{name}*.nbi"))

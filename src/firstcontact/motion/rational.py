@@ -11,6 +11,7 @@ from flint import fmpq, fmpq_poly, fmpz_poly
 from firstcontact.errors import InputError
 from firstcontact.exact.numbers import fraction, rational, to_double
 from firstcontact.exact.polynomials import bernstein
+from firstcontact.exact.vectors import Vector, dot
 from firstcontact.motion.poses import BITS, Pose, read_poses, read_rows, sqrt_near
 from firstcontact.motion.relative import projective
 from firstcontact.motion.translation import LARGEST, SPAN
@@ -112,6 +113,19 @@ class RationalMotion:
             entries = [[bernstein.coefficients(x, lo, hi, n) for x in row] for row in self.pose]
             out += [[[to_double(x[i] / w) for x in row] for row in entries] for i, w in enumerate(weights)]
         return np.array(out)
+
+    def carried(self, scale: fmpq, by: Vector) -> RationalMotion:
+        """The same motion in a world carried by x -> scale x + by."""
+        moved = []
+        for *rows, weights in self.coefficients:
+            there = [list(weights)]
+            for row, c in zip(reversed(rows), reversed(by), strict=True):
+                there.insert(0, [scale * x + c * w for x, w in zip(row, weights, strict=True)])
+            for row in there:  # of points x = (y - by) / scale
+                row[:3] = [x / scale for x in row[:3]]
+                row[3] -= dot(row[:3], by)
+            moved.append(there)
+        return RationalMotion(moved)
 
     def __repr__(self) -> str:
         return f"<RationalMotion: degree {self.degree}, {'rigid' if self.rigid else 'affine'}>"

@@ -11,7 +11,7 @@ from flint import arb, fmpq
 
 from firstcontact.exact.numbers import fraction, precision, rational, to_double
 from firstcontact.exact.rigid import ball_rotation, rational_sqrt
-from firstcontact.exact.vectors import dot, scaled
+from firstcontact.exact.vectors import Vector, add, dot, scaled
 from firstcontact.motion.rotation import Rotation, angle_ball, direction, read_angle
 from firstcontact.motion.translation import SPAN, Translation, vector3
 
@@ -83,6 +83,10 @@ class Screw:
         if self.angle == 0 and length is not None:
             return Translation(scaled(self.advance / length, self.axis))
         return self
+
+    def carried(self, scale: fmpq, by: Vector) -> Screw:
+        """The same motion in a world carried by x -> scale x + by."""
+        return _rebuild(self.axis, add(scaled(scale, self.point), by), self.unit, self.angle, scale * self.advance)
 
     def __repr__(self) -> str:
         axis, point = (tuple(map(to_double, v)) for v in (self.axis, self.point))

@@ -11,6 +11,7 @@ from flint import fmpq
 
 from firstcontact.errors import InputError
 from firstcontact.exact.numbers import fraction, rational, to_double
+from firstcontact.exact.vectors import Vector
 from firstcontact.motion.placement import HERE, Placement, advanced
 from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.rotation import Rotation
@@ -85,6 +86,11 @@ class Sequence:
         start, end = self.starts[k], self.ends[k]
         local = (float(t) - to_double(start)) / to_double(end - start)
         return self.steps[k](min(max(local, 0.0), 1.0)) @ self.before(k).doubles()
+
+    def carried(self, scale: fmpq, by: Vector) -> Sequence:
+        """The same motion in a world carried by x -> scale x + by."""
+        durations = [end - start for start, end in zip(self.starts, self.ends, strict=True)]
+        return Sequence([step.carried(scale, by) for step in self.steps], durations)
 
     def __repr__(self) -> str:
         return f"Sequence({list(self.steps)!r})"

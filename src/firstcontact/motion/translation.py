@@ -10,6 +10,7 @@ from flint import fmpq
 
 from firstcontact.errors import InputError
 from firstcontact.exact.numbers import rational, to_double
+from firstcontact.exact.vectors import Vector, scaled
 
 SPAN = (0.0, 1.0)
 
@@ -59,6 +60,10 @@ class Translation:
         pose = np.eye(4)
         pose[:3, 3] = [float(t) * to_double(x) for x in self.vector]
         return pose
+
+    def carried(self, scale: fmpq, by: Vector) -> Translation:
+        """The same motion in a world carried by x -> scale x + by."""
+        return Translation(scaled(scale, self.vector))
 
     def __repr__(self) -> str:
         return "Translation(({}, {}, {}))".format(*map(to_double, self.vector))

@@ -362,9 +362,12 @@ def named(pieces: ConvexPieces, forms: list[int]) -> tuple[Feature, ...]:
     known = pieces.named.get(key)
     if known is None:
         surfaces = [int(pieces.array[k, 10]) for k in forms]
-        labels = pieces.labels
-        if frozenset(surfaces) in labels:
-            known = (labels[frozenset(surfaces)],)
+        labels, on = pieces.labels, frozenset(surfaces)
+        holding = [label for around, label in labels.items() if on < around] if len(on) > 1 else []
+        if on in labels:
+            known = (labels[on],)
+        elif len(holding) == 1:  # a vertex in which more faces meet
+            known = (holding[0],)
         else:
             known = tuple(labels[frozenset([s])] for s in surfaces if frozenset([s]) in labels)
         pieces.named[key] = known
