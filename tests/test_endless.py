@@ -9,6 +9,8 @@ import pytest
 import firstcontact as fc
 from amount import amount
 from firstcontact.contact import endless
+from firstcontact.motion.span import common_span
+from firstcontact.work import Query
 
 ENDLESS = (0, math.inf)
 PIN = fc.cylinder(1, 2)
@@ -74,14 +76,14 @@ def test_intervals_whose_enclosures_are_too_wide_are_asked_for_again():
     a, b, _ = MEETINGS["pins pass"]
     asked = []
 
-    def ask(span, tolerance):
-        asked.append(tolerance)
-        found = fc.contact_intervals(a, b, span)
-        room = tolerance * float(int(span[1].p) / int(span[1].q)) / 2
+    def ask(query):
+        asked.append(query.tolerance)
+        found = fc.contact_intervals(a, b, (query.first, query.last))
+        room = query.tolerance * query.span[1] / 2
         wide = replace(found[0], start_interval=(found[0].start - room, found[0].start + room))
         return replace(found, intervals=(wide,))
 
-    (interval,) = endless.contact_intervals(ask, a, b, ENDLESS, 1e-6)
+    (interval,) = endless.contact_intervals(ask, Query(a, b, *common_span(a, b, ENDLESS), tolerance=1e-6))
     lo, hi = interval.start_interval
     assert len(asked) == 2 and hi - lo <= 1e-6 * 3
 

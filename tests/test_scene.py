@@ -304,7 +304,7 @@ def test_a_missing_scene_and_a_binary_one(tmp_path):
 
 
 def test_a_body_may_be_named_like_a_shape_or_a_motion(scene_of):
-    text = bodies("at = [nan, 0, 0]").replace("body.a", "body.polyhedron.polyhedron")
+    text = bodies("at = [nan, 0, 0]").replace("body.a", "body.polyhedron")
     with pytest.raises(InputError, match=r"body\.polyhedron\.at\[0\]: "):
         scene_of(text)
 

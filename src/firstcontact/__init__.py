@@ -69,7 +69,7 @@ _HOME = {
     "paraboloid": "body.solid.primitives",
     "quadric": "body.solid.primitives",
     "sphere": "body.solid.primitives",
-    "IntersectionCurve": "curve",
+    "IntersectionCurve": "result_curve",
     "FirstContactError": "errors",
     "InputError": "errors",
     "UnsupportedPair": "errors",

@@ -546,7 +546,7 @@ def test_every_pair_of_kinds_has_a_case_or_a_reason():
             if isinstance(entry, carrier_cases.Exempt):
                 assert entry.reason
             else:
-                assert import_module(f"firstcontact.pairs.{entry.file}")
+                assert import_module(f"firstcontact.pairs.carriers.{entry.file}")
     cases = [e for e in carrier_cases.PAIRS.values() if isinstance(e, carrier_cases.Case)]
     numbers = {e.number for e in cases} | {e.planar for e in cases if e.planar}
     assert numbers == {"I", "II", "III", "IV", "V", "VI", "VII", "VIII", "IX", "X", "XI"}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -117,14 +117,10 @@ class RationalMotion:
     def carried(self, scale: fmpq, by: Vector) -> RationalMotion:
         """The same motion in a world carried by x -> scale x + by."""
         moved = []
-        for *rows, weights in self.coefficients:
-            there = [list(weights)]
-            for row, c in zip(reversed(rows), reversed(by), strict=True):
-                there.insert(0, [scale * x + c * w for x, w in zip(row, weights, strict=True)])
-            for row in there:  # of points x = (y - by) / scale
-                row[:3] = [x / scale for x in row[:3]]
-                row[3] -= dot(row[:3], by)
-            moved.append(there)
+        for matrix in self.coefficients:
+            weights, pairs = matrix[3], zip(matrix[:3], by, strict=True)
+            rows = [[scale * x + c * w for x, w in zip(row, weights, strict=True)] for row, c in pairs]
+            moved.append([_of_carried(row, scale, by) for row in (*rows, weights)])
         return RationalMotion(moved)
 
     def __repr__(self) -> str:
@@ -133,6 +129,12 @@ class RationalMotion:
     def __reduce__(self) -> Any:
         rows = tuple(tuple(tuple(map(fraction, row)) for row in matrix) for matrix in self.coefficients)
         return RationalMotion, (rows,)
+
+
+def _of_carried(row: Sequence[fmpq], scale: fmpq, by: Vector) -> list[fmpq]:
+    """A row of a pose, for points y = scale x + by instead of x."""
+    linear = [x / scale for x in row[:3]]
+    return [*linear, row[3] - dot(linear, by)]
 
 
 def join(start: Pose, end: Pose, names: str) -> RationalMotion:

@@ -1,6 +1,7 @@
 """A polyhedron and a solid of planes and quadrics.
 
 first            `first_contact` and `contact_intervals`
+by_triangles     the first contact
 mesh_intervals   all contacts, patch by patch
 mesh_starts      how they lie at the start
 mesh_holes       the mesh against solids with holes or waists

@@ -13,7 +13,7 @@ import numpy as np
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
-from firstcontact.contact.mesh_model.first import first_contact, holds_model, windows_of
+from firstcontact.contact.mesh_model.by_triangles import first_contact, holds_model, windows_of
 from firstcontact.contact.mesh_model.lasting_mesh import LastingOfMesh
 from firstcontact.contact.mesh_model.mesh_holes import search_of
 from firstcontact.contact.models.certified import bounded

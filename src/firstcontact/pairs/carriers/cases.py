@@ -13,7 +13,7 @@ KINDS = ("point", "line", "conic", "plane", "quadric")
 
 @dataclass(frozen=True)
 class Case:
-    """`number` of the case ("I" to "XI") and `file`, the module of `pairs` with its equation and contact points.
+    """`number` of the case ("I" to "XI") and `file`, the module here with its equation and contact points.
 
     planar: the case that takes over where both carriers lie in one plane.
     """
