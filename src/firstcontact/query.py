@@ -56,7 +56,7 @@ def first_contact(
     (0.5, [1.0, 1.0, 4.0])
     """
     begin = clock.perf_counter()
-    _check(a, b, method, engine, tolerance, budget)
+    _check(method, engine, tolerance, budget)
     if not isinstance(threads, int) or threads < 1:
         raise InputError(f"threads is {threads!r}; give a whole number from 1 on")
     first, last = common_span(a, b, span)
@@ -87,7 +87,7 @@ def contact_intervals(
       [0.25, 0.5]
     """
     begin = clock.perf_counter()
-    _check(a, b, "auto", "auto", tolerance, budget)
+    _check("auto", "auto", tolerance, budget)
     first, last = common_span(a, b, span)
     return table.contact_intervals(
         Query(a, b, first, last, exact, tolerance=tolerance, budget=budget, progress=progress, begin=begin)
@@ -157,9 +157,8 @@ METHODS = ("auto", "certified", "algebraic")
 ENGINES = ("auto", "boxes", "lifted", "composed", "sweep")
 
 
-def _check(a: Any, b: Any, method: str, engine: str, tolerance: float, budget: int | None) -> None:
+def _check(method: str, engine: str, tolerance: float, budget: int | None) -> None:
     """Raises for arguments that no search takes."""
-    table.kinds_of(a, b)
     if method not in METHODS:
         raise UnsupportedPair(f"method {method!r} is unknown; choose one of {', '.join(METHODS)}")
     if engine not in ENGINES:

@@ -38,6 +38,9 @@ class _Map:
         return (points - [to_double(c) for c in self.by]) / to_double(self.scale)
 
 
+_Place = tuple[float, tuple[float, ...], float]
+"""Size, middle, and the greatest coordinate of it; ordered by size."""
+_places: WeakKeyDictionary[Any, _Place] = WeakKeyDictionary()
 _copies: WeakKeyDictionary[Any, dict[_Map, Any]] = WeakKeyDictionary()
 """Shapes carried along: they keep what queries work out about them."""
 
@@ -68,18 +71,26 @@ def contact_intervals(answer: Callable[[Query], ContactIntervals], query: Query)
 
 def _better_world(query: Query) -> _Map | None:
     """One with the smaller body near the origin and of size 1; None where it nearly is so."""
-    size, middle = math.inf, np.zeros(3)
-    for body in query.bodies:
-        lo, hi = shape_of(body).bounds(query.span)
-        own = float((hi - lo).max())
-        if 0.0 < own < size:
-            size, middle = own, 0.5 * (lo + hi)
-    if size == math.inf or (SMALL <= size <= LARGE and float(np.abs(middle).max()) <= FAR * size):
+    size, middle, reach = min(_place(shape_of(query.a), query), _place(shape_of(query.b), query))
+    if size == math.inf or (SMALL <= size <= LARGE and reach <= FAR * size):
         return None
     unit = 2.0 ** math.floor(math.log2(size))
-    scale = 1 / exact_value(unit)
-    x, y, z = (fmpq(-round(c / unit)) for c in middle.tolist())
-    return _Map(scale, (x, y, z))
+    x, y, z = (fmpq(-round(c / unit)) for c in middle)
+    return _Map(1 / exact_value(unit), (x, y, z))
+
+
+def _place(shape: Any, query: Query) -> _Place:
+    place = _places.get(shape)
+    if place is None:
+        lo, hi = shape.bounds(query.span)
+        size = float((hi - lo).max())
+        place = math.inf, (0.0, 0.0, 0.0), 0.0  # points, and what has no end, tell no size
+        if 0.0 < size < math.inf:
+            middle = 0.5 * (lo + hi)
+            place = size, tuple(middle.tolist()), float(np.abs(middle).max())
+        if not getattr(shape, "deforming", False):
+            _places[shape] = place
+    return place
 
 
 def _carried(query: Query, world: _Map) -> Query:

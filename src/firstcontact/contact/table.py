@@ -8,6 +8,7 @@ from importlib import import_module
 from typing import Any
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
+from firstcontact.contact import resized
 from firstcontact.errors import UnsupportedPair
 from firstcontact.motion.moving import shape_of
 from firstcontact.result import ContactIntervals, ContactPairs, FirstContact
@@ -61,10 +62,10 @@ def first_contact(query: Query) -> FirstContact:
         return found
     if query.engine != "auto":
         raise UnsupportedPair(f"engine {query.engine!r} searches trees of polyhedra; curved models take 'auto'")
-    from firstcontact.contact import endless, resized
-
     room = _curved(kinds, query)
     if query.last is None:
+        from firstcontact.contact import endless
+
         return endless.first_contact(partial(resized.first_contact, room.first_contact), query)
     return resized.first_contact(room.first_contact, query)
 
@@ -75,10 +76,10 @@ def contact_intervals(query: Query) -> ContactIntervals:
     if kinds == MESHES:
         found: ContactIntervals = _room("polyhedra").contact_intervals(query)
         return found
-    from firstcontact.contact import endless, resized
-
     room = _curved(kinds, query)
     if query.last is None:
+        from firstcontact.contact import endless
+
         return endless.contact_intervals(partial(resized.contact_intervals, room.contact_intervals), query)
     return resized.contact_intervals(room.contact_intervals, query)
 
