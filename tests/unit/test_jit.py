@@ -24,6 +24,7 @@ def test_processes_that_start_together_compile_a_kernel_once(tmp_path):
         subprocess.Popen([sys.executable, str(tmp_path / "ask.py")], stdout=subprocess.PIPE, text=True, env=environment)
         for _ in range(4)
     ]
-    told = sorted(process.communicate()[0].split() for process in asking)
+    told = [[int(n) for n in process.communicate()[0].split()] for process in asking]
     assert all(process.returncode == 0 for process in asking)
-    assert told == [["0", "2"]] * 3 + [["2", "0"]]  # misses, hits: an integer and a float
+    misses, hits = map(sum, zip(*told, strict=True))
+    assert (misses, hits) == (2, 6)  # of four processes, for an integer and a float: whoever came first
