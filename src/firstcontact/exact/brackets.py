@@ -1,6 +1,6 @@
 """Brackets of points, and with them how two lines or two segments in space meet; over any exact ring.
 
-Points are triples of int, fmpz, fmpq, or of numbers with `sign()` (exact.number_field).  The lemmas are those of
+Points are triples of int, fmpz, fmpq, or of numbers with `sign()` (exact.fields.number_field).  The lemmas are those of
 [Chen11], repaired: 3-brackets keep their sign and share one projection, 2-brackets one direction, degenerate segments
 are points.
 """

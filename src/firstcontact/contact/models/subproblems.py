@@ -70,7 +70,7 @@ class Subproblem:
 
 @dataclass(frozen=True)
 class _Carrier:
-    """A feature's carrier in the frame of b: `kind` as `carrier_cases` names it, `values` as the files take it."""
+    """A feature's carrier in the frame of b: `kind` as `pairs.carriers.cases` has it, `values` as the files take it."""
 
     feature: Feature
     kind: str

@@ -23,7 +23,7 @@ from firstcontact.contact.ruled_solid import first as with_solid
 from firstcontact.contact.signs import exactly
 from firstcontact.contact.signs.conditions import conditions
 from firstcontact.contact.signs.exactly import PiecePair, span_of
-from firstcontact.contact.signs.sheets import MOST_DEGREE, TooLarge
+from firstcontact.contact.signs.sheets import MOST_DEGREE, QUICK_DEGREE, TooLarge
 from firstcontact.contact.signs.starts import with_start
 from firstcontact.contact.signs.times import Times
 from firstcontact.contact.signs.touches import touch
@@ -35,8 +35,6 @@ from firstcontact.result import ContactIntervals, FirstContact, Status
 from firstcontact.search.rulings.directrices import DirectrixPiece, directrix_pieces
 from firstcontact.work import Query, Work
 
-QUICK_DEGREE = 80
-"""Of equations that elimination may lead to where the search in doubles takes the pair too."""
 MESH_BOXES = 5_000
 """Boxes for a piece and a triangle after which elimination is asked instead."""
 NEARBY = fmpq(1, 2**30)

@@ -24,7 +24,7 @@ from firstcontact.contact.ruled_solid.solid_times import solid_times
 from firstcontact.contact.ruled_solid.solid_touches import lies, solid_touch
 from firstcontact.contact.signs import exactly
 from firstcontact.contact.signs.exactly import PiecePair, span_of
-from firstcontact.contact.signs.sheets import MOST_DEGREE
+from firstcontact.contact.signs.sheets import MOST_DEGREE, QUICK_DEGREE
 from firstcontact.contact.signs.starts import with_start
 from firstcontact.contact.signs.whole_rulings import cut_to
 from firstcontact.errors import UnsupportedPair
@@ -35,8 +35,6 @@ from firstcontact.result import ContactIntervals, Element, ElementPair, FirstCon
 from firstcontact.search.rulings.directrices import sides_from
 from firstcontact.work import Query, Work
 
-QUICK_DEGREE = 80
-"""Of equations that elimination may lead to where the search in doubles has found the contact."""
 SMALL_DEGREE = 150
 """Of equations for times that elimination may lead to before doubles are asked for intervals."""
 QUICK_BUDGET = 50_000

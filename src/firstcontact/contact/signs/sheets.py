@@ -37,6 +37,8 @@ from firstcontact.exact.polynomials.trivariate import (
 Pairs = tuple[tuple[fmpz_mpoly, fmpz_mpoly], ...]
 MOST_DEGREE = 400
 """Of equations for times, as far as it can be foreseen: those of degree 230 take a second."""
+QUICK_DEGREE = 80
+"""The same where a search in doubles takes the bodies too."""
 MOST_BITS = 100_000
 """Of all coefficients of an equation together, about, where less than that degree is asked for: a tenth of a second."""
 

@@ -1,8 +1,8 @@
 """The surfaces of one body as seen from another over a short time: forms linear in time, with proved remainders.
 
 Over a slab of time every number is value + slope s + [-rest, rest], -1 <= s <= 1 (a Taylor model of first order).
-Points are homogeneous and in units of their body (see `search.patches`); forms are symmetric 4x4 matrices, of planes
-the four coefficients.
+Points are homogeneous and in units of their body (see `search.events.event_tables`); forms are symmetric 4x4 matrices,
+of planes the four coefficients.
 """
 
 from __future__ import annotations
