@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 
@@ -135,3 +137,11 @@ def test_surfaces_are_cut_about_places():
     (inner, rest) = (x.u for x in cut_about(closed, [(1.0, 1.0)]).pieces)
     assert inner[0] < 1 < inner[1] and rest == inner[::-1]
     assert cut_about(closed, [(-1e9, -1e9)]) is closed
+
+
+def test_no_piece_of_a_cut_surface_is_a_ruling():
+    """A cut next to an end was rounded to it, and the piece between them taken for one that passes infinity."""
+    piece = fc.RuledSurface("(u, 0, 0)", "(u, 1, u)", u=(0, Fraction(1, 3)))
+    for place in ((0.010416666666666666, 0.32291666666666663), (1 / 96, 0.1), (0.1, 0.3)):
+        ends = [x.u for x in cut_about(piece, [place]).pieces]
+        assert ends[0][0] == 0 and ends[-1][1] == Fraction(1, 3) and all(lo < hi for lo, hi in ends)

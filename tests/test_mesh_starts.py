@@ -163,3 +163,26 @@ def test_a_corner_on_a_side_is_no_inner_point():
     b = triangle.moving(fc.Rotation((F(2, 3), F(-1, 3), F(-2, 3)), (-k / 2, F(-11, 2) * k, F(3, 2) * k), turns=-5))
     hit = fc.first_contact(a, b, (0.25, 1))
     assert hit.status is INITIAL and hit.initial in (None, "touching")
+
+
+ON_THE_BALL = [(F(2, 3), F(2, 3), F(1, 3)), (F(6, 7), F(-2, 7), F(3, 7)), (0, 0, -1)]
+
+
+@pytest.mark.parametrize("at", ON_THE_BALL)
+@pytest.mark.parametrize("swap", [False, True], ids=["", "swapped"])
+def test_points_and_edges_that_touch_are_told_so(at, swap):
+    """An edge in the tangent plane, the point alone, and both a little deeper."""
+    x, y, z = at
+    across = (y, -x, 0) if (x, y) != (0, 0) else (1, 0, 0)
+    ends = [tuple(c + k * d for c, d in zip(at, across, strict=True)) for k in (-1, 2)]
+    point, edge = fc.Polyhedron([at], []), fc.Polyhedron(ends, [], edges=[(0, 1)])
+    ball = fc.sphere(1)
+    for body, deeper in ((point, "containment"), (edge, "overlapping")):
+        for other, kind in ((ball, "touching"), (fc.sphere(1 + F(1, 2**30)), deeper)):
+            hit = fc.first_contact(*((other, body) if swap else (body, other)))
+            assert hit.status is INITIAL and hit.initial == kind, (body, kind)
+
+
+def test_a_point_at_a_tip_is_not_told_more_than_is_proved():
+    hit = fc.first_contact(fc.Polyhedron([(0, 0, 1)], []), fc.cone(1, 1))
+    assert hit.status is INITIAL and hit.initial in (None, "touching")

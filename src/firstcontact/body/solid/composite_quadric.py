@@ -200,9 +200,10 @@ class CompositeQuadric(Placing):
 
     def holds_inside(self, point: Vector) -> bool:
         """Whether the rational point (x, y, z) is proved to be an inner point of the solid."""
-        return self._around(point) == {True} and not self._is_tip(point)  # next to tips `patterns` may miss some
+        return self._around(point) == {True} and not self.is_tip(point)  # next to tips `patterns` may miss some
 
-    def _is_tip(self, point: Vector) -> bool:
+    def is_tip(self, point: Vector) -> bool:
+        """Whether a surface has no tangent plane at the rational point."""
         x = (*point, ONE)
         return any(s.value(x) == 0 and not any(s.gradient(x)) for s in self.surfaces)
 

@@ -432,8 +432,9 @@ class _Answer:
                 touch = Touch(t, t, t, standing.world(place.point), None, k)
                 return self._at_start(self._kind(Swept("initial", t, touch), window), point=touch.point)
         for place in seen.values():
-            if place.point is not None:  # shared, and not told whether it is an inner one
-                return self._at_start(None, point=standing.world(place.point))
+            if place.point is not None:  # shared
+                bare = all(k >= len(self.mesh.triangles) and standing.is_outside(k) for k in seen)
+                return self._at_start("touching" if bare else None, point=standing.world(place.point))
         apart = all(place.relation is Relation.APART for place in seen.values())
         return None if apart else self._undecided(self.span[0], "precision")
 
@@ -447,15 +448,16 @@ class _Answer:
         )  # fmt: skip
 
     def _interiors_apart(self, search: Search, near: list[Open]) -> bool:
-        """Whether no triangle that may touch at the start holds a point inside the model; True is proved.
+        """Whether nothing that may touch at the start holds a point inside the model; True is proved.
 
         A plane that parts a triangle from a convex part has the triangle's prism on one of its two sides behind it.
         """
-        triangles = {x.primitive: x for x in near}
-        if not search.starts_rational or len(triangles) > MOST_PRISMS or max(triangles) >= len(self.mesh.triangles):
+        seen = {x.primitive: x for x in near}
+        if not search.starts_rational or len(seen) > MOST_PRISMS:
             return False
-        piece = search.pair.piece
-        return all(self._apart_on_a_side(x, piece) for x in triangles.values())
+        count, piece = len(self.mesh.triangles), search.pair.piece
+        standing = Standing(self.moving_mesh, self.moving_model, self.first)
+        return all(self._apart_on_a_side(x, piece) if k < count else standing.is_outside(k) for k, x in seen.items())
 
     def _apart_on_a_side(self, x: Open, piece: Any) -> bool:
         points = [self.mesh.exact_vertex(i) for i in self.mesh.triangles[x.primitive].tolist()]

@@ -34,9 +34,10 @@ def cut_about(surface: Any, places: Sequence[Range]) -> Any:
     rooms = list(_rooms([tuple(_share(surface, u) for u in place) for place in places]))  # type: ignore[misc]
     if len(rooms) > MOST_PLACES or (surface.u is None and (rooms[0][0] <= low or rooms[-1][1] >= high)):
         return surface
-    cuts = [_parameter(surface, x) for room in rooms for x in room if low < x < high]
+    cuts = list(dict.fromkeys(_parameter(surface, x) for room in rooms for x in room if low < x < high))
     if surface.u is not None:
-        cuts = [surface.u[0], *cuts, surface.u[1]]
+        first, last = surface.u
+        cuts = [first, *(u for u in cuts if first < u < last), last]  # one next to an end may be rounded to it
         pieces = [surface._with(u=u, joined=surface.joined | {"u0", "u1"}) for u in pairwise(cuts)]
         for k, end in ((0, "u0"), (-1, "u1")):
             if end not in surface.joined:
