@@ -142,15 +142,28 @@ def _features(
 
 def face_at(body: Polyhedron, lowest: int, point: np.ndarray) -> int:
     """The face, coplanar with the face `lowest`, that holds the point (nearly; in the body's frame)."""
+    known = body._search.setdefault("coplanar", {})
+    if lowest not in known:
+        known[lowest] = _coplanar(body, lowest)
+    faces, corners, inward = known[lowest]
+    if len(faces) == 1:
+        return lowest
+    depths = np.einsum("ksi,ksi->ks", inward, point - corners).min(axis=1)
+    return int(faces[int(depths.argmax())])
+
+
+def _coplanar(body: Polyhedron, lowest: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The faces, (n, 3, 3) corners and directions into the triangle across its sides, of all triangles in its plane.
+
+    One triangle stands for a plane with one face.
+    """
     x = body.vertices[body.triangles]
     normals = np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
     normals = normals / np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
     first = int(np.flatnonzero(body.triangle_face == lowest)[0])
     size = np.abs(x).max() + 1e-300
-    flat = np.abs((x - x[first, 0]) @ normals[first]).max(axis=1) < 1e-9 * size
-    best, found = -np.inf, lowest
-    for k in np.flatnonzero(flat):
-        inward = [np.cross(normals[k], x[k, (s + 1) % 3] - x[k, s]) @ (point - x[k, s]) for s in range(3)]
-        if min(inward) > best:
-            best, found = min(inward), int(body.triangle_face[k])
-    return found
+    flat = np.flatnonzero(np.abs((x - x[first, 0]) @ normals[first]).max(axis=1) < 1e-9 * size)
+    if len(np.unique(body.triangle_face[flat])) == 1:
+        flat = flat[:1]
+    sides = np.roll(x[flat], -1, axis=1) - x[flat]
+    return body.triangle_face[flat], x[flat], np.cross(normals[flat][:, None], sides)
