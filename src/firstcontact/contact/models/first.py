@@ -60,7 +60,8 @@ def first_contact(query: Query) -> FirstContact:
     except UnsupportedPair as refusal:
         landed = _landed(query, *models, proved)
         return landed if landed is not None else _proved_only(query, models, proved, refusal)
-    if proved.status == "contact" and _is_after(decided, proved):  # a proof is not given up
+    started = proved.status == "initial" and decided.status is not Status.INITIAL_CONTACT
+    if started or (proved.status == "contact" and _is_after(decided, proved)):  # a proof is not given up
         return _proved_only(query, models, proved, None)
     return decided
 

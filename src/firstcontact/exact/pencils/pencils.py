@@ -8,12 +8,13 @@ tangent plane (re-derived; it reproduces the contact classes of Tu et al. 2009).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import Any
 
 from flint import Ordering, fmpz_mpoly_ctx, fmpz_poly
+from flint.utils.flint_exceptions import DomainError
 
 from firstcontact.exact.fields.field_towers import product
 from firstcontact.exact.fields.number_field import filtered_sign, is_zero, sign, square_root
@@ -145,17 +146,38 @@ def contact_equation(coefficients: Sequence[fmpz_poly]) -> ContactEquation:
 
 def squarefree_parts(c: Sequence[fmpz_poly]) -> list[list[fmpz_poly]]:
     """The squarefree factors, one per multiplicity, of sum c_k l^k over Q(u): each ascending in l, degree >= 1."""
+    return [part for part, _ in _squarefree(c)]
+
+
+def _squarefree(c: Sequence[fmpz_poly]) -> Iterator[tuple[list[fmpz_poly], int]]:
+    """As `squarefree_parts`, each with its multiplicity."""
     terms: dict[tuple[int, ...], Any] = {(k, i): x for k, p in enumerate(c) for i, x in enumerate(p.coeffs()) if x}
     polynomial = _PLANE.from_dict(terms)
-    parts = []
-    for factor, _ in polynomial.factor_squarefree()[1]:
+    for factor, multiplicity in polynomial.factor_squarefree()[1]:
         degree = factor.degrees()[0]
         if degree:
             rows: list[dict[int, Any]] = [{} for _ in range(degree + 1)]
             for (k, i), x in factor.to_dict().items():
                 rows[k][i] = x
-            parts.append([fmpz_poly([row.get(i, 0) for i in range(max(row, default=0) + 1)]) for row in rows])
-    return parts
+            part = [fmpz_poly([row.get(i, 0) for i in range(max(row, default=0) + 1)]) for row in rows]
+            yield part, int(multiplicity)
+
+
+def permanent_roots(c: Sequence[fmpz_poly]) -> list[tuple[fmpz_poly, fmpz_poly]]:
+    """(alpha, beta) of the roots l = alpha / beta of sum c_k l^k, rational in u, that are multiple for all u; but 0."""
+    found = []
+    for part, multiplicity in _squarefree(c):
+        if multiplicity == 1:
+            continue
+        if len(part) == 2:
+            found.append((-part[0], part[1]))
+        elif len(part) == 3:
+            try:
+                root = discriminant(part).sqrt()
+            except DomainError:  # two that are conjugate
+                continue
+            found += [(s * root - part[1], 2 * part[2]) for s in (-1, 1)]
+    return [(alpha, beta) for alpha, beta in found if alpha != 0]
 
 
 _PLANE = fmpz_mpoly_ctx.get(("l", "u"), Ordering.lex)

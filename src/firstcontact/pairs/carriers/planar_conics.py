@@ -17,7 +17,14 @@ from flint import acb_poly, fmpq, fmpz_poly
 from firstcontact.exact.fields.number_field import ball, sign
 from firstcontact.exact.numbers import PRECISIONS, Undecidable, dyadic, precision
 from firstcontact.exact.pencils.conic_pencils import ConicMeeting, conic_contacts
-from firstcontact.exact.pencils.pencils import characteristic, combination, contact_equation, discriminant, member
+from firstcontact.exact.pencils.pencils import (
+    characteristic,
+    combination,
+    contact_equation,
+    discriminant,
+    member,
+    permanent_roots,
+)
 from firstcontact.exact.polynomials.inertia import inertia
 from firstcontact.exact.polynomials.polynomial_matrix import Matrix, minors
 from firstcontact.pairs.carriers.contact import (
@@ -45,7 +52,7 @@ def equation(a: Matrix, b: Matrix) -> Equation:
     nothing: B touches A where its two lines become one, and where one line for all u touches A (re-derived).
     """
     coefficients = characteristic(a, b)
-    found = pencil_equation(coefficients)
+    found = pencil_equation(coefficients, a, b)
     if found.polynomial is None or coefficients[0] != 0:
         return found
     double_line = common_factor(minors(b, 2))
@@ -55,8 +62,12 @@ def equation(a: Matrix, b: Matrix) -> Equation:
     return replace(found, polynomial=found.polynomial * tangent, reason=PERMANENT, permanent=True)
 
 
-def pencil_equation(coefficients: list[fmpz_poly]) -> Equation:
-    """One polynomial for a pencil; it also vanishes where the pencil is degenerate at one u only."""
+def pencil_equation(coefficients: list[fmpz_poly], a: Matrix, b: Matrix) -> Equation:
+    """One polynomial for a pencil; it also vanishes where the pencil is degenerate at one u only.
+
+    Where a root is multiple for all u, as with parabolas and paraboloids that always touch at infinity, what else
+    touches with the same root shows where its member's rank is smaller than it is for all u (re-derived).
+    """
     found = contact_equation(coefficients)
     if found.reason is not None:
         return Equation(None, f"identically zero: {found.reason}")
@@ -65,6 +76,10 @@ def pencil_equation(coefficients: list[fmpz_poly]) -> Equation:
         polynomial *= factor
     if found.deflated or not found.factors:
         polynomial *= common_factor(coefficients)
+    for alpha, beta in permanent_roots(coefficients) if found.deflated else ():
+        member = [[alpha * x - beta * y for x, y in zip(*rows, strict=True)] for rows in zip(a, b, strict=True)]
+        ranks = (minors(member, k) for k in range(len(member), 0, -1))
+        polynomial *= common_factor(next(found for found in ranks if any(x != 0 for x in found)))
     return Equation(polynomial, PERMANENT if found.deflated else "", permanent=found.deflated)
 
 

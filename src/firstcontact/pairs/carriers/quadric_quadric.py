@@ -40,7 +40,7 @@ def equation(a: Matrix, b: Matrix) -> Equation:
     """The u at which the quadrics may touch away from their apexes; A, B symmetric 4x4."""
     coefficients = characteristic(a, b)
     if any(coefficients):
-        return planar_conics.pencil_equation(coefficients)
+        return planar_conics.pencil_equation(coefficients, a, b)
     axis = next(v for v in adjugate(a) if any(v)) if any(minors(a, 3)) else ()
     if not axis or any(times(b, axis)):
         return Equation(None, DEGENERATE)
