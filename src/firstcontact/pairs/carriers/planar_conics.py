@@ -79,7 +79,7 @@ def pencil_equation(coefficients: list[fmpz_poly], a: Matrix, b: Matrix) -> Equa
     for alpha, beta in permanent_roots(coefficients) if found.deflated else ():
         member = [[alpha * x - beta * y for x, y in zip(*rows, strict=True)] for rows in zip(a, b, strict=True)]
         ranks = (minors(member, k) for k in range(len(member), 0, -1))
-        polynomial *= common_factor(next(found for found in ranks if any(x != 0 for x in found)))
+        polynomial *= common_factor(next((found for found in ranks if any(x != 0 for x in found)), [ONE]))
     return Equation(polynomial, PERMANENT if found.deflated else "", permanent=found.deflated)
 
 
