@@ -51,7 +51,7 @@ def bodies(s: F) -> dict[str, tuple[object, object]]:
 def carried(body: object, motion: object) -> object:
     """By AWAY, motion and all."""
     by = tuple(fmpq(x.numerator, x.denominator) for x in AWAY)
-    return body.translated(AWAY) if motion is None else body.translated(AWAY).moving(motion.carried(fmpq(1), by))
+    return body.translated(AWAY) if motion is None else body.translated(AWAY).moving(motion.shifted(by))
 
 
 @pytest.mark.share(3)
@@ -78,13 +78,14 @@ def test_the_answer_is_that_near_the_origin(pair, motion, size):
 
 
 @pytest.mark.parametrize("motion", list(motions(F(1))))
-def test_a_motion_in_another_world(motion):
-    scale, by = fmpq(1, 4), (fmpq(3), fmpq(-5, 2), fmpq(7, 3))
-    there = np.diag([0.25, 0.25, 0.25, 1])
+def test_a_motion_in_a_shifted_world(motion):
+    by = fmpq(3), fmpq(-5, 2), fmpq(7, 3)
+    there, back = np.eye(4), np.eye(4)
     there[:3, 3] = [3, -2.5, 7 / 3]
+    back[:3, 3] = -there[:3, 3]
     here = motions(F(1))[motion]
     for t in np.linspace(0, 1, 9):
-        assert here.carried(scale, by)(t) == pytest.approx(there @ here(t) @ np.linalg.inv(there), abs=1e-14)
+        assert here.shifted(by)(t) == pytest.approx(there @ here(t) @ back, abs=1e-14)
 
 
 @pytest.mark.parametrize("method", ["auto", "algebraic"])
@@ -106,3 +107,19 @@ def test_the_normal_of_a_small_ball_is_that_of_the_face_it_meets():
     hit = fc.first_contact(cone.moving(fc.Translation((-36, 0, 44))), ball)
     assert hit.normal == pytest.approx([0.6, -0.8, 0], abs=1e-15)
     assert hit.time_interval[0] <= F(2523131, 3538944) <= hit.time_interval[1]
+
+
+@pytest.mark.parametrize("swap", [False, True], ids=["", "swapped"])
+@pytest.mark.parametrize("spin", [False, True], ids=["shift", "screw"])
+@pytest.mark.parametrize("size", [F(1, 2**40), F(1, 2**30), F(1), F(2**30)], ids=["2^-40", "2^-30", "1", "2^30"])
+def test_balls_meet_when_they_do(size, spin, swap):
+    """By Pythagoras: 3 sizes aside and two radii of 5/2 leave a height of 4.  The screw turns a ball on the spot."""
+    x, y, z = (c * max(size, 1) for c in AWAY)
+    down = fc.Screw((0, 0, -1), (x, y, z), degrees=100, advance=8 * size) if spin else fc.Translation((0, 0, -8 * size))
+    a = fc.sphere(size * F(5, 2)).translated((x, y, z + 10 * size)).moving(down)
+    b = fc.sphere(size * F(5, 2)).translated((x + 3 * size, y, z))
+    hit = fc.first_contact(*((b, a) if swap else (a, b)))
+    assert hit.status is CONTACT and hit.time_interval[0] <= F(3, 4) <= hit.time_interval[1]
+    assert hit.normal == pytest.approx(np.array([-0.6, 0, 0.8]) * (-1 if swap else 1), abs=1e-12)
+    where = np.array([float(x + F(3, 2) * size), float(y), float(z + 2 * size)])
+    assert hit.point == pytest.approx(where, abs=1e-12 * float(size) + 4e-16 * float(max(abs(x), abs(z))))

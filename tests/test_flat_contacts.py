@@ -163,6 +163,20 @@ def test_a_proved_contact_overrules_a_later_one(monkeypatch):
     assert hit.time == pytest.approx(5 / 12, abs=1e-15) and hit.contact_set is None
 
 
+def test_a_proved_start_overrules_a_later_answer(monkeypatch):
+    """Exact arithmetic once saw no contact where doubles had proved a common point."""
+    decided = verbs._decided
+
+    def blind(query, work):
+        free = fc.FirstContact(fc.Status.FREE, free_until=query.span[1], **query.shared)
+        return free if query.last != query.first else decided(query, work)
+
+    monkeypatch.setattr(verbs, "_decided", blind)
+    bowl = fc.paraboloid(1, 2)
+    hit = fc.first_contact(bowl.moving(fc.Translation((0, 0, 5))), bowl.translated((0, 0, "1/2")))
+    assert hit.status is fc.Status.INITIAL_CONTACT and hit.time_interval == (0.0, 0.0)
+
+
 CAP = DRUM.translated((0, 0, -1))
 """Its round cap is in the plane z = 0."""
 ASIDE = CAP.translated(("1/4", "1/10", 0))

@@ -184,5 +184,7 @@ def test_points_and_edges_that_touch_are_told_so(at, swap):
 
 
 def test_a_point_at_a_tip_is_not_told_more_than_is_proved():
-    hit = fc.first_contact(fc.Polyhedron([(0, 0, 1)], []), fc.cone(1, 1))
+    point, cone = fc.Polyhedron([(0, 0, 1)], []), fc.cone(1, 1)
+    assert cone.vertices[0].position == (0, 0, 1)
+    hit = fc.first_contact(point, cone)
     assert hit.status is INITIAL and hit.initial in (None, "touching")

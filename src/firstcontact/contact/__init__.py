@@ -9,6 +9,6 @@ signs         what both of them share: contact by signs of polynomials in u, v, 
 
 reduce    polyhedra as solids of planes, where these are quicker
 endless   spans without an end
-resized   small bodies far from the origin, scenes far from size 1
+centred   small bodies far from the origin
 named     elements of ruled surfaces by name
 """

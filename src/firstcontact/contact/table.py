@@ -8,7 +8,7 @@ from importlib import import_module
 from typing import Any
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
-from firstcontact.contact import resized
+from firstcontact.contact import centred
 from firstcontact.errors import UnsupportedPair
 from firstcontact.motion.moving import shape_of
 from firstcontact.result import ContactIntervals, ContactPairs, FirstContact
@@ -66,8 +66,8 @@ def first_contact(query: Query) -> FirstContact:
     if query.last is None:
         from firstcontact.contact import endless
 
-        return endless.first_contact(partial(resized.first_contact, room.first_contact), query)
-    return resized.first_contact(room.first_contact, query)
+        return endless.first_contact(partial(centred.first_contact, room.first_contact), query)
+    return centred.first_contact(room.first_contact, query)
 
 
 def contact_intervals(query: Query) -> ContactIntervals:
@@ -80,8 +80,8 @@ def contact_intervals(query: Query) -> ContactIntervals:
     if query.last is None:
         from firstcontact.contact import endless
 
-        return endless.contact_intervals(partial(resized.contact_intervals, room.contact_intervals), query)
-    return resized.contact_intervals(room.contact_intervals, query)
+        return endless.contact_intervals(partial(centred.contact_intervals, room.contact_intervals), query)
+    return centred.contact_intervals(room.contact_intervals, query)
 
 
 def contact_pairs(query: Query) -> ContactPairs:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -114,13 +114,13 @@ class RationalMotion:
             out += [[[to_double(x[i] / w) for x in row] for row in entries] for i, w in enumerate(weights)]
         return np.array(out)
 
-    def carried(self, scale: fmpq, by: Vector) -> RationalMotion:
-        """The same motion in a world carried by x -> scale x + by."""
+    def shifted(self, by: Vector) -> RationalMotion:
+        """The same motion in a world shifted by a vector."""
         moved = []
         for matrix in self.coefficients:
             weights, pairs = matrix[3], zip(matrix[:3], by, strict=True)
-            rows = [[scale * x + c * w for x, w in zip(row, weights, strict=True)] for row, c in pairs]
-            moved.append([_of_carried(row, scale, by) for row in (*rows, weights)])
+            rows = [[x + c * w for x, w in zip(row, weights, strict=True)] for row, c in pairs]
+            moved.append([[*row[:3], row[3] - dot(row[:3], by)] for row in (*rows, weights)])
         return RationalMotion(moved)
 
     def __repr__(self) -> str:
@@ -129,12 +129,6 @@ class RationalMotion:
     def __reduce__(self) -> Any:
         rows = tuple(tuple(tuple(map(fraction, row)) for row in matrix) for matrix in self.coefficients)
         return RationalMotion, (rows,)
-
-
-def _of_carried(row: Sequence[fmpq], scale: fmpq, by: Vector) -> list[fmpq]:
-    """A row of a pose, for points y = scale x + by instead of x."""
-    linear = [x / scale for x in row[:3]]
-    return [*linear, row[3] - dot(linear, by)]
 
 
 def join(start: Pose, end: Pose, names: str) -> RationalMotion:

@@ -11,7 +11,7 @@ from flint import arb, fmpq
 
 from firstcontact.errors import InputError
 from firstcontact.exact.numbers import fraction, rational, to_double
-from firstcontact.exact.vectors import Vector, add, scaled
+from firstcontact.exact.vectors import Vector, add
 from firstcontact.motion.translation import SPAN, vector3
 
 
@@ -59,9 +59,9 @@ class Rotation:
         """The angle over the span (0, 1), rounded."""
         return to_double(self.angle) * (1.0 if self.unit == "radians" else 2 * math.pi)
 
-    def carried(self, scale: fmpq, by: Vector) -> Rotation:
-        """The same motion in a world carried by x -> scale x + by."""
-        return _rebuild(self.axis, add(scaled(scale, self.point), by), self.unit, self.angle)
+    def shifted(self, by: Vector) -> Rotation:
+        """The same motion in a world shifted by a vector."""
+        return _rebuild(self.axis, add(self.point, by), self.unit, self.angle)
 
     def __repr__(self) -> str:
         axis, point = (tuple(map(to_double, v)) for v in (self.axis, self.point))

@@ -84,9 +84,9 @@ class Screw:
             return Translation(scaled(self.advance / length, self.axis))
         return self
 
-    def carried(self, scale: fmpq, by: Vector) -> Screw:
-        """The same motion in a world carried by x -> scale x + by."""
-        return _rebuild(self.axis, add(scaled(scale, self.point), by), self.unit, self.angle, scale * self.advance)
+    def shifted(self, by: Vector) -> Screw:
+        """The same motion in a world shifted by a vector."""
+        return _rebuild(self.axis, add(self.point, by), self.unit, self.angle, self.advance)
 
     def __repr__(self) -> str:
         axis, point = (tuple(map(to_double, v)) for v in (self.axis, self.point))

@@ -87,10 +87,10 @@ class Sequence:
         local = (float(t) - to_double(start)) / to_double(end - start)
         return self.steps[k](min(max(local, 0.0), 1.0)) @ self.before(k).doubles()
 
-    def carried(self, scale: fmpq, by: Vector) -> Sequence:
-        """The same motion in a world carried by x -> scale x + by."""
+    def shifted(self, by: Vector) -> Sequence:
+        """The same motion in a world shifted by a vector."""
         durations = [end - start for start, end in zip(self.starts, self.ends, strict=True)]
-        return Sequence([step.carried(scale, by) for step in self.steps], durations)
+        return Sequence([step.shifted(by) for step in self.steps], durations)
 
     def __repr__(self) -> str:
         return f"Sequence({list(self.steps)!r})"

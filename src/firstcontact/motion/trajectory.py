@@ -107,15 +107,15 @@ class Trajectory:
             return start
         return step.pose(share) @ start
 
-    def carried(self, scale: fmpq, by: Vector) -> Trajectory:
-        """The same motion in a world carried by x -> scale x + by.
+    def shifted(self, by: Vector) -> Trajectory:
+        """The same motion in a world shifted by a vector.
 
         Its steps are no longer those between its poses, so it is not for pickles.
         """
         turned = (_turned(p.quaternion[0], p.quaternion[1:], by) for p in self.poses)
-        vectors = [add(scaled(scale, p.vector), sub(by, x)) for p, x in zip(self.poses, turned, strict=True)]
+        vectors = [add(p.vector, sub(by, x)) for p, x in zip(self.poses, turned, strict=True)]
         moved = _rebuild(self.times, vectors, [p.quaternion for p in self.poses], self.interpolation)
-        moved.steps = tuple(step.carried(scale, by) for step in self.steps)
+        moved.steps = tuple(step.shifted(by) for step in self.steps)
         return moved
 
     def __repr__(self) -> str:

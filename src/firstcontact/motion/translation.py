@@ -10,7 +10,7 @@ from flint import fmpq
 
 from firstcontact.errors import InputError
 from firstcontact.exact.numbers import rational, to_double
-from firstcontact.exact.vectors import Vector, scaled
+from firstcontact.exact.vectors import Vector
 
 SPAN = (0.0, 1.0)
 
@@ -61,9 +61,9 @@ class Translation:
         pose[:3, 3] = [float(t) * to_double(x) for x in self.vector]
         return pose
 
-    def carried(self, scale: fmpq, by: Vector) -> Translation:
-        """The same motion in a world carried by x -> scale x + by."""
-        return Translation(scaled(scale, self.vector))
+    def shifted(self, by: Vector) -> Translation:
+        """The same motion in a world shifted by a vector."""
+        return self
 
     def __repr__(self) -> str:
         return "Translation(({}, {}, {}))".format(*map(to_double, self.vector))

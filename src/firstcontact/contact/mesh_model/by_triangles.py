@@ -34,7 +34,7 @@ from firstcontact.contact.models.algorithm import Meeting, Search
 from firstcontact.contact.models.answer import contact_of
 from firstcontact.contact.models.at_rest import overlap
 from firstcontact.contact.models.certified import Directions, bounded, may_share_more, on_model
-from firstcontact.contact.models.idle_turns import without_idle_turns
+from firstcontact.contact.models.idle_turns import ignoring_idle_turns
 from firstcontact.contact.models.moving_pair import Pair
 from firstcontact.contact.models.touched import ACROSS
 from firstcontact.errors import UnsupportedPair
@@ -56,15 +56,14 @@ MOST_PRISMS = 16
 """Triangles looked at one by one to tell touching from overlapping."""
 
 
+@ignoring_idle_turns
 def first_contact(query: Query) -> FirstContact:
     """The first contact of a Polyhedron and a CompositeQuadric, in either order, at rest or moving.
 
     exact, or method "algebraic": the time is recomputed exactly among the triangles that doubles leave.  Visits and
     strides count as work, and the steps of exact searches.  Raises UnsupportedPair.
     """
-    plain = without_idle_turns(query)
-    found = _Answer(plain).answer()
-    return found if plain is query else replace(found, a=query.a, b=query.b)
+    return _Answer(query).answer()
 
 
 def windows_of(a: Any, b: Any, first: fmpq, last: fmpq) -> list[Window]:
@@ -433,8 +432,8 @@ class _Answer:
                 return self._at_start(self._kind(Swept("initial", t, touch), window), point=touch.point)
         for place in seen.values():
             if place.point is not None:  # shared
-                bare = all(k >= len(self.mesh.triangles) and standing.is_outside(k) for k in seen)
-                return self._at_start("touching" if bare else None, point=standing.world(place.point))
+                kind = "touching" if all(place.outside for place in seen.values()) else None
+                return self._at_start(kind, point=standing.world(place.point))
         apart = all(place.relation is Relation.APART for place in seen.values())
         return None if apart else self._undecided(self.span[0], "precision")
 
@@ -455,9 +454,11 @@ class _Answer:
         seen = {x.primitive: x for x in near}
         if not search.starts_rational or len(seen) > MOST_PRISMS:
             return False
-        count, piece = len(self.mesh.triangles), search.pair.piece
+        bare = [k for k in seen if k >= len(self.mesh.triangles)]
         standing = Standing(self.moving_mesh, self.moving_model, self.first)
-        return all(self._apart_on_a_side(x, piece) if k < count else standing.is_outside(k) for k, x in seen.items())
+        return all(standing.primitive(k).outside for k in bare) and all(
+            self._apart_on_a_side(x, search.pair.piece) for k, x in seen.items() if k not in bare
+        )
 
     def _apart_on_a_side(self, x: Open, piece: Any) -> bool:
         points = [self.mesh.exact_vertex(i) for i in self.mesh.triangles[x.primitive].tolist()]

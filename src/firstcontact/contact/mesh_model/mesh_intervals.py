@@ -17,7 +17,7 @@ from firstcontact.contact.mesh_model.by_triangles import first_contact, holds_mo
 from firstcontact.contact.mesh_model.lasting_mesh import LastingOfMesh
 from firstcontact.contact.mesh_model.mesh_holes import search_of
 from firstcontact.contact.models.certified import bounded
-from firstcontact.contact.models.idle_turns import without_idle_turns
+from firstcontact.contact.models.idle_turns import ignoring_idle_turns
 from firstcontact.errors import UnsupportedPair
 from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.stretches import Window
@@ -28,6 +28,7 @@ from firstcontact.timeline.sweep import Found, Sweep
 from firstcontact.work import Query, Work
 
 
+@ignoring_idle_turns
 def contact_intervals(query: Query) -> ContactIntervals:
     """All closed times of contact of a Polyhedron and a CompositeQuadric, in either order; certified.
 
@@ -35,9 +36,8 @@ def contact_intervals(query: Query) -> ContactIntervals:
     """
     if query.exact:
         raise UnsupportedPair("contact intervals of meshes with curved models are not exact; drop exact=True")
-    plain, work = without_idle_turns(query), query.work()
-    found = proved_intervals(_all_contacts(plain, work), work, plain)
-    return found if plain is query else replace(found, a=query.a, b=query.b)
+    work = query.work()
+    return proved_intervals(_all_contacts(query, work), work, query)
 
 
 def _all_contacts(query: Query, work: Work) -> Found:

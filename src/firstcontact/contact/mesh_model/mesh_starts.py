@@ -6,7 +6,7 @@ segment from one to the other passes the triangle inside that piece; a piece apa
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -44,33 +44,13 @@ class Standing:
         """How a triangle, a bare edge or a bare point lies to the model, by a proof; NEAR and None: not told, but that
         they share the point, if there is one.  A point is in the model's frame."""
         mesh = shape_of(self.mesh)
-        if k >= len(mesh.triangles):
-            ends = self._bare(k)
-            return Place(None) if ends is None else _on_segment(ends[0], ends[-1], shape_of(self.model))
-        points = [mesh.exact_vertex(i) for i in mesh.triangles[k].tolist()]
-        if not all(isinstance(c, fmpq) for p in points for c in p):
+        bare = k >= len(mesh.triangles)
+        points = [mesh.exact_vertex(i) for i in (bare_primitive(mesh, k)[1] if bare else mesh.triangles[k].tolist())]
+        if not all(isinstance(c, fmpq) for p in points for c in p) or (bare and self.relative is None):
             return Place(None)
-        return self._triangle(points if self.relative is None else [apply(self.relative, p) for p in points])
-
-    def _bare(self, k: int) -> list[Vector] | None:
-        """The ends of a bare edge, or a bare point, in the model's frame; None where they are not rational."""
-        mesh = shape_of(self.mesh)
-        points = [mesh.exact_vertex(i) for i in bare_primitive(mesh, k)[1]]
-        if self.relative is None or not all(isinstance(c, fmpq) for p in points for c in p):
-            return None
-        return [apply(self.relative, p) for p in points]
-
-    def is_outside(self, k: int) -> bool:
-        """Whether a bare edge or point is proved to hold no inner point of the model."""
-        points = self._bare(k)
-        model = shape_of(self.model)
-        if points is None:
-            return False
-        # inner points are no lone ones, so that the places between those on surfaces tell of all; but for tips
-        return not any(
-            model.contains_exactly(at) and (model.holds_inside(at) or model.is_tip(at))
-            for at in _places_on(points[0], points[-1], model)
-        )
+        if self.relative is not None:
+            points = [apply(self.relative, p) for p in points]
+        return _on_segment(points[0], points[-1], shape_of(self.model)) if bare else self._triangle(points)
 
     def _triangle(self, points: list[Vector]) -> Place:
         if self.relative is None:
@@ -81,7 +61,7 @@ class Standing:
             if side.relation is Relation.OVERLAPPING:
                 return side
             if side.point is not None:
-                shared = shared or side
+                shared = shared or Place(side.relation, side.point)  # what is proved of a side alone stays there
         found = self._within(points)
         return found if shared is None or found.point is not None else shared
 
@@ -134,19 +114,6 @@ class Standing:
 
 def _on_segment(p: Vector, q: Vector, model: CompositeQuadric) -> Place:
     """Of the segment from p to q: between two surfaces that it passes it is in, out, or on one of them."""
-    shared = Place(Relation.APART)
-    for at in _places_on(p, q, model):
-        if not model.contains_exactly(at):
-            continue
-        if model.holds_inside(at):
-            return Place(Relation.OVERLAPPING, at)
-        if shared.point is None:
-            shared = Place(Relation.NEAR, at)
-    return shared
-
-
-def _places_on(p: Vector, q: Vector, model: CompositeQuadric) -> Iterator[Vector]:
-    """The ends of the segment from p to q, and a point of it between any two places at which it passes a surface."""
     way = sub(q, p)
     passes = fmpz_poly([1])
     for surface in model.surfaces:
@@ -155,8 +122,16 @@ def _places_on(p: Vector, q: Vector, model: CompositeQuadric) -> Iterator[Vector
         along = fmpq_poly([dot(x, [dot(row, x) for row in form]), 2 * dot(image, x), dot(image, v)])
         if along.degree() > 0:
             passes *= along.numer()
+    shared, outside = None, True
     for s in (START, START + 1, *_between_roots(real_roots(passes, START, START + 1))):
-        yield tuple(c + s * d for c, d in zip(p, way, strict=True))
+        at = tuple(c + s * d for c, d in zip(p, way, strict=True))
+        if not model.contains_exactly(at):
+            continue
+        if model.holds_inside(at):
+            return Place(Relation.OVERLAPPING, at)
+        shared, outside = shared or at, outside and not model.is_tip(at)
+    # inner points are no lone ones: the places between those on surfaces tell of all
+    return Place(Relation.APART if shared is None else Relation.NEAR, shared, outside)
 
 
 def _between_roots(roots: list[AlgebraicRoot]) -> list[fmpq]:

@@ -15,7 +15,7 @@ from firstcontact.contact.models.algorithm import Meeting, Root, Search, between
 from firstcontact.contact.models.answer import contact_of, listed, world_time
 from firstcontact.contact.models.at_rest import is_containment, overlap_around
 from firstcontact.contact.models.certified import both_bounded, contact, settle
-from firstcontact.contact.models.idle_turns import without_idle_turns
+from firstcontact.contact.models.idle_turns import ignoring_idle_turns
 from firstcontact.contact.models.intervals import certified_intervals
 from firstcontact.contact.models.last_instant import landing
 from firstcontact.contact.models.moving_pair import Pair
@@ -37,14 +37,12 @@ SURELY = 2.0**-30
 """Of a body's size: by how much it is made smaller and larger to see whether rounded poses tell how it starts."""
 
 
+@ignoring_idle_turns
 def first_contact(query: Query) -> FirstContact:
     """The first contact over the span: certified in doubles where that settles it, else decided exactly.
 
     exact, or method "algebraic": exactly at once; "algebraic" judges and lists every subproblem too.
     """
-    plain = without_idle_turns(query)
-    if plain is not query:
-        return _with(first_contact(plain), a=query.a, b=query.b)
     models = _models(query)
     if query.is_algebraic:
         return _decided(query, query.work())
@@ -87,7 +85,9 @@ def _proved_only(
         if there.status is Status.INITIAL_CONTACT:
             return there
         if proved.status == "initial":  # proved for the true pose, though its doubles do not touch
-            return _with(there, status=Status.INITIAL_CONTACT, time=start)
+            return _with(
+                there, status=Status.INITIAL_CONTACT, time=start, time_interval=(start, start), free_until=start
+            )
     if proved.reason not in ("precision", "budget", None):
         raise UnsupportedPair(
             f"{refusal}; without them it is not decided either: {proved.reason}"
@@ -197,14 +197,12 @@ def _decided(query: Query, work: Work) -> FirstContact:
     return _with(answer, stats=stats, subproblems=listed(searches, query.b) if with_list else ())
 
 
+@ignoring_idle_turns
 def contact_intervals(query: Query) -> ContactIntervals:
     """All closed times of contact: by algebra, or certified in doubles where algebra does not take the pair.
 
     tolerance: as part of the span, of the certified path only; algebra is exact.
     """
-    plain = without_idle_turns(query)
-    if plain is not query:
-        return replace(contact_intervals(plain), a=query.a, b=query.b)
     models = _models(query)
     if not query.exact and query.budget is None and _is_free(query, models):
         return ContactIntervals((), Status.FREE, query.span[1], None, query.stats(), **query.shared)

@@ -6,8 +6,10 @@ generator K of the turns.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from functools import wraps
+from typing import Any, TypeVar
 
 from flint import fmpq, fmpq_mat
 
@@ -18,15 +20,24 @@ from firstcontact.motion.moving import Moving
 from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.translation import Translation
+from firstcontact.result import ContactIntervals, FirstContact
 from firstcontact.work import Query
 
 ORIGIN = (fmpq(0),) * 3
+R = TypeVar("R", FirstContact, ContactIntervals)
 
 
-def without_idle_turns(query: Query) -> Query:
-    """The query, or one of bodies that hold the same points at all times and turn less."""
-    a, b = (without_idle_turn(body) for body in query.bodies)
-    return query if a is query.a and b is query.b else replace(query, a=a, b=b)
+def ignoring_idle_turns(answer: Callable[[Query], R]) -> Callable[[Query], R]:
+    """Decorates what answers queries: it is asked about bodies that hold the same points at all times and turn less."""
+
+    @wraps(answer)
+    def asked(query: Query) -> R:
+        a, b = (without_idle_turn(body) for body in query.bodies)
+        if a is query.a and b is query.b:
+            return answer(query)
+        return replace(answer(replace(query, a=a, b=b)), a=query.a, b=query.b)
+
+    return asked
 
 
 def without_idle_turn(body: Any) -> Any:

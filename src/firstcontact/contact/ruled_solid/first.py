@@ -59,8 +59,8 @@ def _first_contact(query: Query) -> FirstContact:
         if proved is not None and (query.method == "certified" or _is_told(proved, query.budget)):
             return proved
     known = proved is not None and proved.status is Status.CONTACT
-    work, (ordered, is_turned) = query.work(), _solid_last(query)
     try:
+        work, (ordered, is_turned) = query.work(), _solid_last(query)
         stretches = _pieces(ordered, work, QUICK_DEGREE if known else MOST_DEGREE)
         found = exactly.first_contact(ordered, stretches, None, work)
     except UnsupportedPair as reason:
@@ -107,9 +107,8 @@ def _called(body: Any, before: str, after: str, element: Element | None) -> Any:
 
 def contact_intervals(query: Query) -> ContactIntervals:
     """All closed times of contact."""
-    ordered, _ = _solid_last(query)
-
     def decide(work: Work, most_degree: int) -> ContactIntervals:
+        ordered, _ = _solid_last(query)
         windows = exactly.all_windows(_pieces(ordered, work, most_degree), None)
         return exactly.as_intervals(*windows, query, work)
 

@@ -46,12 +46,8 @@ PAIRS: dict[tuple[str, str], Case | Exempt] = {
     ("point", "point"): Exempt("a vertex lies on the faces around it"),
 }
 
-CONE_OR_CYLINDER = Exempt("the plane touches in a ruling, which ends on an edge that sees the same time")
 POINTS = ("algebraic point", "enclosed point")
 """Vertices without rational coordinates: the pairs of "point", in other files."""
-
-REENTRANT = Exempt("nothing fits into a reentrant edge without touching one of its faces first")
-SMOOTH = Exempt("a smooth seam is no edge: the faces beside it see the contact")
 
 
 def case_of(kind_a: str, kind_b: str) -> Case | Exempt:

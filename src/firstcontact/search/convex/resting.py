@@ -56,10 +56,14 @@ def is_one_piece(body: CompositeQuadric) -> bool:
 
 @dataclass(frozen=True)
 class Place:
-    """How two convex pieces lie to each other; None where it is not told.  point: inside both where they overlap."""
+    """How two convex pieces lie to each other; None where it is not told.
+
+    point: inside both where they overlap; outside: whether it is proved that neither has inner points in the other.
+    """
 
     relation: Relation | None
     point: Sequence[fmpq] | None = None
+    outside: bool = False
 
 
 def places(a: Any, b: Any, t: fmpq) -> list[Place]:
