@@ -51,3 +51,26 @@ def test_where_algebra_does_not_go_one_pair_is_named():
     moving = BALL.translated((1, 2, 4)).moving(fc.Screw((0, 0, 1), (0, 2, 0), degrees=30, advance=-4))
     hit = fc.first_contact(moving, fc.box((2, 6, 2)))
     assert hit.status is fc.Status.CONTACT and hit.multiplicity == 1
+
+
+@pytest.mark.parametrize("swap", [False, True], ids=["", "swapped"])
+def test_that_one_pair_meets_is_not_told_where_that_is_not_known(swap):
+    """A vertex lands on a vertex under a screw: which of the events there is named depends on rounding."""
+    cut = fc.box((5, "5/2", "5/2")).transformed([
+        ["-33/65", 0, "56/65", "-17/13"], [0, -1, 0, "-15/4"], ["56/65", 0, "33/65", "-171/52"], [0, 0, 0, 1],
+    ])  # fmt: skip
+    stub = fc.frustum("1/2", "23/26", "12/13").transformed([
+        ["-6/7", "-3/7", "2/7", "-151/91"], ["-3/7", "2/7", "-6/7", "-107/42"],
+        ["2/7", "-6/7", "-3/7", "-93/182"], [0, 0, 0, 1],
+    ]) - cut  # fmt: skip
+    tip = fc.Polyhedron(
+        [("-219/98", "349/98", "-697/98"), ("-411/98", "365/98", "-661/98"), ("-3/2", "-5/2", "-1/2"),
+         ("-134/49", "1041/196", "-501/98")], [(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)],
+    ).transformed([
+        ["16/81", "79/81", "8/81", "100/81"], ["-47/81", "16/81", "-64/81", "253/81"],
+        ["-64/81", "8/81", "49/81", "911/324"], [0, 0, 0, 1],
+    ])  # fmt: skip
+    a, b = stub, tip.moving(fc.Screw(("-4/9", "-4/9", "7/9"), ("7/2", "3/2", 0), degrees=360, advance=-1))
+    hit = fc.first_contact(*((b, a) if swap else (a, b)))
+    assert hit.status is fc.Status.CONTACT and hit.point == pytest.approx([-1.5, -2.5, -0.5], abs=1e-9)
+    assert hit.multiplicity > 1 or hit.contact_set is None

@@ -160,7 +160,10 @@ def _same(one: Any, two: Any, initial: bool = True) -> str | None:
 
 
 def _alone(hit: Any) -> bool:
-    return hit.status.name == "CONTACT" and hit.multiplicity == 1 and hit.contact_set in (None, "point")
+    """Whether the answer says that one pair of elements meets, and no other.  Of meshes all pairs are listed always."""
+    meshes = all(type(getattr(x, "body", x)).__name__ == "Polyhedron" for x in (hit.a, hit.b))
+    told = hit.contact_set == "point" or (meshes and hit.contact_set is None)
+    return hit.status.name == "CONTACT" and hit.multiplicity == 1 and told
 
 
 def _element(element: Any) -> tuple[str, int]:

@@ -282,7 +282,8 @@ class FirstContact(_Deferring):
                     undefined (grazing, parallel edges, a start in contact).
     element_a/_b    the two elements; among simultaneous pairs the lowest (kind, index).
     others          further pairs at that time, at most 100; ``multiplicity`` counts all of them.
-    contact_set     "point", "segment", "conic arc" or "patch"; None where the shared set was not computed.
+    contact_set     "point", "segment", "conic arc" or "patch"; None where the shared set, and with it which further
+                    pairs meet, was not computed.
     subproblems     curved models with ``method="algebraic"``: every pair of features that is not exempt.
     initial         for INITIAL_CONTACT: "touching", "overlapping" or "containment"; None where none was proved.
     free_until      no shared point before this time; proved.

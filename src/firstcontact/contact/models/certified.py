@@ -93,11 +93,13 @@ def contact(models: tuple[Any, Any], found: Advance, query: Query) -> tuple[Firs
         if not may_share_more(flats_a, flats_b):
             shares = "point", [point]
             place_a, place_b = (on_a.where, on_a.normal), (on_b.where, on_b.normal)
-            if may_touch_more(on_a.known, place_a) or may_touch_more(on_b.known, place_b):
+            sides = (on_a.known, place_a), (on_b.known, place_b)
+            if any(may_touch_more(known, place, found.one_event) for known, place in sides):
                 wholes = on_a.known.model, on_b.known.model
                 complete = pairs_at(models, wholes, found, (place_a, place_b), query.shared)
                 if complete is not None:
                     return replace(complete, stats=query.stats(found.steps, found.gaps)), True
+                shares = None  # a point, but which further pairs meet there is not known
         elif (flat := _flat_set(models, (on_a, on_b), (flats_a, flats_b), found, point)) is not None:
             shares = flat.kind, flat.points
             named = _named((on_a, on_b), flat.pairs)

@@ -59,17 +59,20 @@ def _limits(model: CompositeQuadric, where: Point) -> list[tuple[Form, Form | No
     return known
 
 
-def may_touch_more(known: Group, place: Place) -> bool:
-    """Whether faces or edges around the touched edge or vertex may touch in the same point.
+def may_touch_more(known: Group, place: Place, one_event: bool) -> bool:
+    """Whether faces or edges around the touched feature may touch in the same point.
 
     Where more surfaces pass, or the normal is across one of its faces, or an edge at the vertex across the normal.
+    one_event: whether other events may be at the same place, as of a face beside whose border it is.
     """
-    if known.smooth:
+    if known.smooth and not one_event:
         return False
     (x, y, z), n = place
     near = near_surfaces(known.model, place[0])
     if len(near) > len(known.surfaces):
         return True
+    if known.smooth:
+        return False
     forms, gradients = forms_of(known.model), []
     for k in near:
         g = gradient(forms[k], x, y, z)

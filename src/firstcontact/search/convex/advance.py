@@ -75,6 +75,7 @@ class Advance:
     reason         of "open": "precision", "budget", or what of the model or motion is beyond this path.
     spread         whether what may touch at the contact is more than one point.
     also           features_a and _b of other pairs of pieces that touch at the same time; None: not known.
+    one_event      whether the features are those of one of the events at the contact.
     complete       whether no surface passes through the point but those of the features.
     graze          of "open": times between which alone the bodies may touch first, and only at one instant.
     beyond         whether a model is no union of convex pieces, so that nothing was tried.
@@ -93,6 +94,7 @@ class Advance:
     reason: str | None = None
     spread: bool = False
     also: tuple[tuple[tuple[Feature, ...], tuple[Feature, ...]], ...] | None = None
+    one_event: bool = False
     complete: bool = False
     graze: tuple[fmpq, fmpq] | None = None
     beyond: bool = False

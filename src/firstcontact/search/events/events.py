@@ -176,7 +176,7 @@ class EventSearch:
         return self._answer(
             "contact", lo, time=found.time, time_interval=(lo, found.proved_at), point=found.point,
             normal=found.normal, features_a=found.features_a, features_b=found.features_b,
-            frames=found.frames, spread=self._is_spread(boxes),
+            frames=found.frames, spread=self._is_spread(boxes), one_event=True,
         )  # fmt: skip
 
     def _is_spread(self, boxes: np.ndarray) -> bool:
