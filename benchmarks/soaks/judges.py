@@ -120,10 +120,8 @@ def _where(hit: Any, truth: Truth) -> str | None:
     if abs(math.sqrt(dot(normal, normal)) - 1) > 1e-9:
         return f"normal {normal.tolist()} is no unit vector"
     if truth.velocity is not None:
-        # at a vertex if one touches: next to an axis the rounding of a point is all there is of its way
-        both = zip(bodies, pieces, strict=True)
-        corners = (body.vertices[p[0]] for body, piece in both for p in piece if len(p) == 1)
-        speed = _unit(truth.velocity(next(corners, [F(float(x)) for x in hit.point])))
+        # next to an axis the rounding of the point is all there is of its way
+        speed = _unit(truth.velocity(_meeting_place(bodies, pieces) or [F(float(x)) for x in hit.point]))
         if dot(normal, speed) > 1e-9:
             return f"normal {normal.tolist()} points from a towards b"
     for body, element, e in zip(bodies, pieces, elements, strict=True):
@@ -135,6 +133,27 @@ def _where(hit: Any, truth: Truth) -> str | None:
                 if any(d) and abs(dot(d, normal)) > 1e-8:
                     return f"normal {normal.tolist()} is not across {e.kind} {e.index}"
     return None
+
+
+def _meeting_place(bodies: Sequence[Mesh], pieces: Sequence[Any]) -> list[Any] | None:
+    """Where a vertex is, if one touches, or two edges cross; None where that is not one point."""
+    both = list(zip(bodies, pieces, strict=True))
+    corners = [body.vertices[p[0]] for body, piece in both for p in piece if len(p) == 1]
+    if corners:
+        return list(corners[0])
+    if any(len(piece) != 1 or len(piece[0]) != 2 for piece in pieces):
+        return None
+    (p, d), (q, e) = ((x, [v - u for u, v in zip(x, y, strict=True)]) for x, y in (
+        [body.vertices[i] for i in piece[0]] for body, piece in both))
+    n = _cross(d, e)
+    if not any(n):
+        return None
+    share = dot(_cross([v - u for u, v in zip(p, q, strict=True)], e), n) / dot(n, n)
+    return [x + share * y for x, y in zip(p, d, strict=True)]
+
+
+def _cross(x: Sequence[Any], y: Sequence[Any]) -> list[Any]:
+    return [x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]]
 
 
 def _unit(v: Sequence[Any]) -> list[float]:

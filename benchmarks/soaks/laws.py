@@ -112,8 +112,13 @@ def trials(scene: Scene, names: dict[str, Any], rng: Random) -> list[Trial]:
 def _span(a: Any, b: Any, span: Any) -> tuple[Any, Any]:
     if span is not None:
         return span[0], span[1]
-    spans = [body.motion.span for body in (a, b) if hasattr(body, "motion")] or [(0.0, 1.0)]
+    spans = [_exact_span(body.motion) for body in (a, b) if hasattr(body, "motion")] or [(0.0, 1.0)]
     return max(s[0] for s in spans), min(s[1] for s in spans)
+
+
+def _exact_span(motion: Any) -> tuple[Any, Any]:
+    """Sequences may end at a time that is no double, and land there."""
+    return (F(0), F(str(motion.ends[-1]))) if type(motion).__name__ == "Sequence" else motion.span
 
 
 def _size(a: Any, b: Any) -> float:

@@ -141,10 +141,10 @@ def intersection_curve(
     from firstcontact.curves.with_solids import solid_verbs
     from firstcontact.exact.curves.fibres import PrecisionExhausted
 
-    kinds = {table.kind_of(body) for body in (p, q)}
+    table.proves("intersection_curve", p, q)
     if not (isinstance(tolerance, Real) and tolerance > 0):
         raise InputError(f"tolerance is {tolerance!r}; give a positive length")
-    search = solid_verbs if table.Kind.RULED in kinds and len(kinds) > 1 else verbs
+    search = verbs if set(table.kinds_of(p, q)) == {table.Kind.RULED} else solid_verbs
     try:
         return search.intersection_curve(p, q, tolerance, method, box)
     except PrecisionExhausted as error:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import asdict, dataclass, field, fields
 from enum import Enum
 from fractions import Fraction
 from functools import cache
@@ -72,7 +72,16 @@ def _setters(cls: Any) -> dict[str, Callable[[Any, Any], None]]:
 
 
 @dataclass(frozen=True, slots=True)
-class Stats(Mapping[str, float | str]):
+class Asked:
+    """A way to an answer that was asked: what it told (a status, or why it passed the question on), and its time."""
+
+    way: str
+    told: str
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class Stats(Mapping[str, "float | str | tuple[Asked, ...]"]):
     """Work done by one query; readable as attributes and as a mapping."""
 
     node_visits: int = 0
@@ -83,8 +92,14 @@ class Stats(Mapping[str, float | str]):
     seconds: float = 0.0
     engine: str = ""
     """Of polyhedra: which engine answered (the last one, where there were several pieces of motion)."""
+    ways: tuple[Asked, ...] = ()
+    """The ways to an answer that were asked, in order."""
 
-    def __getitem__(self, key: str) -> float | str:
+    def note(self, ways: tuple[Asked, ...]) -> None:
+        """Fills `ways`, before the stats are given away."""
+        object.__setattr__(self, "ways", ways)
+
+    def __getitem__(self, key: str) -> float | str | tuple[Asked, ...]:
         if key not in list(self):
             raise KeyError(key)
         return getattr(self, key)
@@ -103,6 +118,7 @@ class Stats(Mapping[str, float | str]):
             self.exact_evaluations + other.exact_evaluations,
             self.seconds + other.seconds,
             other.engine or self.engine,
+            self.ways + other.ways,
         )
 
 
@@ -350,7 +366,7 @@ class FirstContact(_Deferring):
             "contact_set": self.contact_set,
             "free_until": self.free_until,
             "reason": self.reason,
-            "stats": dict(self.stats),
+            "stats": asdict(self.stats),
         }
 
     def to_json(self) -> str:
@@ -437,7 +453,7 @@ class ContactIntervals(_NoTruth, Sequence[ContactInterval]):
             "intervals": [interval.to_dict() for interval in self.intervals],
             "free_until": self.free_until,
             "reason": self.reason,
-            "stats": dict(self.stats),
+            "stats": asdict(self.stats),
         }
 
     def to_json(self) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from fractions import Fraction
 from typing import Any
 
@@ -314,7 +314,7 @@ class IntersectionCurve:
             "method": self.method,
             "open_places": [x.to_dict() for x in self.open_places],
             "box": None if self.box is None else self.box.tolist(),
-            "stats": dict(self.stats),
+            "stats": asdict(self.stats),
         }
 
     def to_json(self) -> str:

@@ -207,7 +207,7 @@ def test_algebraic_numbers_print_their_polynomial():
 def test_stats_read_both_ways():
     stats = hits()["contact"].stats
     assert stats.node_visits == stats["node_visits"] > 0
-    assert set(stats) == {"node_visits", "pair_tests", "undecided", "exact_evaluations", "seconds", "engine"}
+    assert set(stats) == {"node_visits", "pair_tests", "undecided", "exact_evaluations", "seconds", "engine", "ways"}
     with pytest.raises(KeyError):
         stats["nonsense"]
 

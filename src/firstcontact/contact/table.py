@@ -1,7 +1,11 @@
-"""Who answers: the kinds of bodies, and the room for each pair of them."""
+"""Who answers: the kinds of bodies, the room for each pair of them, and what it proves.
+
+`python -m firstcontact.contact.table` prints the table of the docs.
+"""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from enum import Enum
 from functools import cache, partial
 from importlib import import_module
@@ -23,15 +27,35 @@ class Kind(Enum):
     RULED = "RuledSurface"
 
 
-ROOMS = {
-    (Kind.MESH, Kind.MESH): "polyhedra",
-    (Kind.MESH, Kind.MODEL): "mesh_model",
-    (Kind.MESH, Kind.RULED): "ruled",
-    (Kind.MODEL, Kind.MODEL): "models",
-    (Kind.MODEL, Kind.RULED): "ruled_solid",
-    (Kind.RULED, Kind.RULED): "ruled",
+EXACT, CERTIFIED, NOT = "exact; else certified", "certified", "no"
+"""What a verb proves of a pair: exact times where the relative pose is a rational function of one parameter, certified
+ones under all other motions; certified ones under all; nothing."""
+CONVEX = "exact; else certified, of solids that are convex"
+VERBS = "first_contact", "contact_intervals", "contact_pairs", "intersection_curve"
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two kinds of bodies: the room that answers, and what it proves, by `VERBS`.  Curves are of bodies at rest."""
+
+    room: str
+    proves: tuple[str, str, str, str]
+
+
+PAIRS = {
+    (Kind.MESH, Kind.MESH): Pair("polyhedra", (EXACT, EXACT, EXACT, NOT)),
+    (Kind.MESH, Kind.MODEL): Pair("mesh_model", (EXACT, CERTIFIED, NOT, NOT)),
+    (Kind.MESH, Kind.RULED): Pair("ruled", (EXACT, CONVEX, NOT, "exact")),
+    (Kind.MODEL, Kind.MODEL): Pair("models", (EXACT, EXACT, NOT, NOT)),
+    (Kind.MODEL, Kind.RULED): Pair("ruled_solid", (EXACT, EXACT, NOT, "exact")),
+    (Kind.RULED, Kind.RULED): Pair("ruled", (EXACT, EXACT, NOT, "exact")),
 }
-"""Loaded when they are asked: meshes need not load curved models."""
+"""Rooms are loaded when they are asked: meshes need not load curved models."""
+INSTEAD = {
+    "contact_pairs": "first_contact(..., method='algebraic') lists the features of solids",
+    "intersection_curve": "the boundaries of solids meet in the edges of a & b",
+}
+"""What to ask of pairs that a verb does not take."""
 MESHES = Kind.MESH, Kind.MESH
 _KINDS = {"CompositeQuadric": Kind.MODEL, "RuledSurface": Kind.RULED, "RuledStrip": Kind.RULED}
 _ORDER = list(Kind)
@@ -54,42 +78,54 @@ def kinds_of(a: Any, b: Any) -> tuple[Kind, Kind]:
     return (one, other) if _ORDER.index(one) <= _ORDER.index(other) else (other, one)
 
 
+def proves(verb: str, a: Any, b: Any) -> str:
+    """What a verb proves of two bodies.  UnsupportedPair, which tells what would do instead, where it takes no such."""
+    told = PAIRS[kinds_of(a, b)].proves[VERBS.index(verb)]
+    if told == NOT:
+        taken = ", ".join(
+            f"{x.value} with {y.value}" for (x, y), pair in PAIRS.items() if pair.proves[VERBS.index(verb)] != NOT
+        )
+        raise UnsupportedPair(f"{verb} is for {taken}, not for {a!r} with {b!r}; {INSTEAD[verb]}")
+    return told
+
+
+def matrix() -> str:
+    """The table as docs/motions.md has it."""
+    rows = [("bodies", *(f"`{verb}`" for verb in VERBS)), ("---",) * (1 + len(VERBS))]
+    rows += [(f"`{x.value}`, `{y.value}`", *pair.proves) for (x, y), pair in PAIRS.items()]
+    return "\n".join("| " + " | ".join(row) + " |" for row in rows)
+
+
 def first_contact(query: Query) -> FirstContact:
     """The answer of the room for the bodies."""
-    kinds = kinds_of(*query.bodies)
-    if kinds == MESHES:
-        found: FirstContact = _room("polyhedra").first_contact(query)
-        return found
-    if query.engine != "auto":
-        raise UnsupportedPair(f"engine {query.engine!r} searches trees of polyhedra; curved models take 'auto'")
-    room = _curved(kinds, query)
-    if query.last is None:
-        from firstcontact.contact import endless
-
-        return endless.first_contact(partial(centred.first_contact, room.first_contact), query)
-    return centred.first_contact(room.first_contact, query)
+    return _answer("first_contact", query)
 
 
 def contact_intervals(query: Query) -> ContactIntervals:
     """The answer of the room for the bodies."""
-    kinds = kinds_of(*query.bodies)
-    if kinds == MESHES:
-        found: ContactIntervals = _room("polyhedra").contact_intervals(query)
-        return found
-    room = _curved(kinds, query)
-    if query.last is None:
-        from firstcontact.contact import endless
-
-        return endless.contact_intervals(partial(centred.contact_intervals, room.contact_intervals), query)
-    return centred.contact_intervals(room.contact_intervals, query)
+    return _answer("contact_intervals", query)
 
 
 def contact_pairs(query: Query) -> ContactPairs:
-    """Of two polyhedra."""
-    if kinds_of(*query.bodies) != MESHES:
-        raise UnsupportedPair("contact_pairs is for polyhedra; first_contact(..., method='algebraic') lists features")
-    found: ContactPairs = _room("polyhedra").contact_pairs(query)
+    """The answer of the room for the bodies."""
+    proves("contact_pairs", *query.bodies)
+    found: ContactPairs = _room(PAIRS[kinds_of(*query.bodies)].room).contact_pairs(query)
     return found
+
+
+def _answer(verb: str, query: Query) -> Any:
+    """What the room for the bodies says, which for curved bodies is asked about bounded spans near the origin."""
+    kinds = kinds_of(*query.bodies)
+    if kinds == MESHES:
+        return getattr(_room(PAIRS[kinds].room), verb)(query)
+    if query.engine != "auto":
+        raise UnsupportedPair(f"engine {query.engine!r} searches trees of polyhedra; curved models take 'auto'")
+    near = partial(getattr(centred, verb), getattr(_curved(kinds, query), verb))
+    if query.last is not None:
+        return near(query)
+    from firstcontact.contact import endless
+
+    return getattr(endless, verb)(near, query)
 
 
 def _curved(kinds: tuple[Kind, Kind], query: Query) -> Any:
@@ -100,9 +136,13 @@ def _curved(kinds: tuple[Kind, Kind], query: Query) -> Any:
         meshes = (shape_of(x) for x in query.bodies)
         if all(is_small_and_convex(x) for x in meshes if isinstance(x, Polyhedron)):
             return _room("models")
-    return _room(ROOMS[kinds])
+    return _room(PAIRS[kinds].room)
 
 
 @cache
 def _room(name: str) -> Any:
     return import_module(f"firstcontact.contact.{name}.first")
+
+
+if __name__ == "__main__":
+    print(matrix())

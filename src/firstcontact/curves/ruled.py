@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time as clock
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from firstcontact.body.ruled.strip import RuledStrip
@@ -13,7 +14,7 @@ from firstcontact.curves.certified.certified_curve import certified_curve, is_su
 from firstcontact.curves.certified.settled import BEARABLE
 from firstcontact.curves.exactly.intersection import intersection
 from firstcontact.curves.exactly.spots import Box, box_of, corners
-from firstcontact.curves.resized import resized, resized_box, restored, size_factor
+from firstcontact.curves.placed import searched
 from firstcontact.errors import InputError, UnsupportedPair
 from firstcontact.result import Stats
 from firstcontact.result_curve import IntersectionCurve
@@ -31,13 +32,7 @@ def intersection_curve(p: Any, q: Any, tolerance: float, method: str, box: Any) 
     if method not in METHODS:
         raise UnsupportedPair(f"method {method!r} is unknown to intersection_curve; choose one of {', '.join(METHODS)}")
     limits = box_of(box)
-    factor = size_factor((p, q))
-    if factor == 1:
-        fields = _fields(p, q, tolerance, method, limits)
-    else:
-        own_box = None if limits is None else resized_box(limits, factor)
-        fields = _fields(resized(p, factor), resized(q, factor), tolerance * float(factor), method, own_box)
-        fields = restored(fields, factor, limits)
+    fields = searched(partial(_fields, method=method), p, q, tolerance, limits)
     fields = {"box": corners(limits)} | fields
     stats = fields.pop("stats", Stats())
     return IntersectionCurve(**fields, stats=replace(stats, seconds=clock.perf_counter() - begin), a=p, b=q)
@@ -54,7 +49,7 @@ def takes_kernels(p: Any, q: Any, method: str, box: Any) -> bool:
     return sizes[0] * sizes[1] > SMALL and all(x.bounded and is_supported(x) for x in (first, second))
 
 
-def _fields(p: Any, q: Any, tolerance: float, method: str, box: Box | None) -> dict[str, Any]:
+def _fields(p: Any, q: Any, tolerance: float, box: Box | None, method: str) -> dict[str, Any]:
     """Those of IntersectionCurve, by the path that the method names."""
     strips = [x for x in (p, q) if isinstance(x, RuledStrip) and len(x.pieces) > 1]
     if method == "algebraic" and strips:

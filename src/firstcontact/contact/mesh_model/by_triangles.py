@@ -37,6 +37,7 @@ from firstcontact.contact.models.certified import Directions, bounded, may_share
 from firstcontact.contact.models.idle_turns import ignoring_idle_turns
 from firstcontact.contact.models.moving_pair import Pair
 from firstcontact.contact.models.touched import ACROSS
+from firstcontact.contact.ways import Way, answered
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import exact_value, fraction
 from firstcontact.kernels.convex.mesh_walk import VISITS
@@ -63,7 +64,7 @@ def first_contact(query: Query) -> FirstContact:
     exact, or method "algebraic": the time is recomputed exactly among the triangles that doubles leave.  Visits and
     strides count as work, and the steps of exact searches.  Raises UnsupportedPair.
     """
-    return _Answer(query).answer()
+    return answered([Way("by triangles", lambda query, _: _Answer(query).answer())], query)
 
 
 def windows_of(a: Any, b: Any, first: fmpq, last: fmpq) -> list[Window]:

@@ -18,6 +18,7 @@ from firstcontact.contact.mesh_model.lasting_mesh import LastingOfMesh
 from firstcontact.contact.mesh_model.mesh_holes import search_of
 from firstcontact.contact.models.certified import bounded
 from firstcontact.contact.models.idle_turns import ignoring_idle_turns
+from firstcontact.contact.ways import Way, answered
 from firstcontact.errors import UnsupportedPair
 from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.stretches import Window
@@ -36,6 +37,10 @@ def contact_intervals(query: Query) -> ContactIntervals:
     """
     if query.exact:
         raise UnsupportedPair("contact intervals of meshes with curved models are not exact; drop exact=True")
+    return answered([Way("by triangles", _by_triangles)], query)
+
+
+def _by_triangles(query: Query, _: None) -> ContactIntervals:
     work = query.work()
     return proved_intervals(_all_contacts(query, work), work, query)
 

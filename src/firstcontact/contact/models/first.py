@@ -21,6 +21,7 @@ from firstcontact.contact.models.last_instant import landing
 from firstcontact.contact.models.moving_pair import Pair
 from firstcontact.contact.models.standing import prisms_on_common_plane
 from firstcontact.contact.reduce import as_model
+from firstcontact.contact.ways import Passed, Way, answered
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.fields.roots import AlgebraicRoot
 from firstcontact.exact.numbers import above, below, fraction, simplest, to_double
@@ -44,23 +45,42 @@ def first_contact(query: Query) -> FirstContact:
     exact, or method "algebraic": exactly at once; "algebraic" judges and lists every subproblem too.
     """
     models = _models(query)
-    if query.is_algebraic:
-        return _decided(query, query.work())
-    answer, proved = settle(models, query)
-    if answer is not None:
-        return answer
-    if proved.reason == "budget" and query.budget is not None:
-        return _undecided(query, proved, "budget")
-    work = query.work()
-    work.done = proved.steps
-    try:
-        decided = _decided(query, work)
-    except UnsupportedPair as refusal:
+
+    def in_doubles(query: Query, _: None) -> FirstContact | Passed:
+        answer, proved = settle(models, query)
+        if answer is not None:
+            return answer
+        if proved.reason == "budget" and query.budget is not None:
+            return _undecided(query, proved, "budget")
+        return Passed(proved.reason or proved.status, proved)
+
+    def at_last_instant(query: Query, proved: Advance) -> FirstContact | Passed:
         landed = _landed(query, *models, proved)
-        return landed if landed is not None else _proved_only(query, models, proved, refusal)
-    started = proved.status == "initial" and decided.status is not Status.INITIAL_CONTACT
-    if started or (proved.status == "contact" and _is_after(decided, proved)):  # a proof is not given up
-        return _proved_only(query, models, proved, None)
+        return Passed("no landing") if landed is None else landed
+
+    def as_proved(query: Query, proved: Advance) -> FirstContact:
+        return _proved_only(query, models, proved)
+
+    return answered([
+        Way("in doubles", in_doubles, lambda query, _: not query.is_algebraic),
+        Way("exactly", _exactly),
+        Way("at the last instant", at_last_instant, _is_proved),
+        Way("what doubles proved", as_proved, _is_proved),
+    ], query)  # fmt: skip
+
+
+def _is_proved(query: Query, proved: Advance | None) -> bool:
+    return proved is not None
+
+
+def _exactly(query: Query, proved: Advance | None) -> FirstContact | Passed:
+    """What exact arithmetic says, unless it denies a proof."""
+    work = query.work()
+    if proved is not None:
+        work.done = proved.steps
+    decided = _decided(query, work)
+    if proved is not None and _denies(decided, proved):
+        return Passed("it denies what doubles proved")
     return decided
 
 
@@ -71,10 +91,8 @@ def _undecided(query: Query, proved: Advance, reason: str) -> FirstContact:
     )
 
 
-def _proved_only(
-    query: Query, models: tuple[Any, Any], proved: Advance, refusal: UnsupportedPair | None
-) -> FirstContact:
-    """What the certified path proved, where exact arithmetic does not take the pair or contradicts."""
+def _proved_only(query: Query, models: tuple[Any, Any], proved: Advance) -> FirstContact:
+    """What the certified path proved, where exact arithmetic does not take the pair or denies it."""
     start = query.span[0]
     if proved.status == "contact":  # only what it shares is open
         seen, _ = contact(both_bounded(models, query.span), proved, query)
@@ -89,9 +107,7 @@ def _proved_only(
                 there, status=Status.INITIAL_CONTACT, time=start, time_interval=(start, start), free_until=start
             )
     if proved.reason not in ("precision", "budget", None):
-        raise UnsupportedPair(
-            f"{refusal}; without them it is not decided either: {proved.reason}"
-        ) from refusal
+        raise UnsupportedPair(f"it is not decided: {proved.reason}")
     return _undecided(query, proved, proved.reason or "precision")
 
 
@@ -114,8 +130,12 @@ def _landed(query: Query, a: Any, b: Any, proved: Advance) -> FirstContact | Non
     )  # fmt: skip
 
 
-def _is_after(answer: FirstContact, proved: Advance) -> bool:
-    """Whether the answer denies the proved contact."""
+def _denies(answer: FirstContact, proved: Advance) -> bool:
+    """Whether the answer has no contact where one is proved."""
+    if proved.status == "initial":
+        return answer.status is not Status.INITIAL_CONTACT
+    if proved.status != "contact":
+        return False
     assert proved.time_interval is not None and answer.free_until is not None
     return answer.status is Status.FREE or answer.free_until > proved.time_interval[1]
 
@@ -204,22 +224,24 @@ def contact_intervals(query: Query) -> ContactIntervals:
     tolerance: as part of the span, of the certified path only; algebra is exact.
     """
     models = _models(query)
-    if not query.exact and query.budget is None and _is_free(query, models):
+
+    def if_free(query: Query, _: None) -> ContactIntervals | Passed:
+        if not _is_free(query, models):
+            return Passed("not free")
         return ContactIntervals((), Status.FREE, query.span[1], None, query.stats(), **query.shared)
-    try:
-        return _decided_intervals(query)
-    except UnsupportedPair as refusal:
-        if query.exact:
-            raise
-        work = query.work()
-        try:
-            standing = prisms_on_common_plane(*models)
-            found = certified_intervals(
-                standing or models, query.first, query.end, query.tolerance, work, lambda: _touching_at_start(query)
-            )
-        except UnsupportedPair as other:
-            raise UnsupportedPair(f"{refusal}; {other}") from other
-    return proved_intervals(found, work, query)
+
+    def in_doubles(query: Query, _: None) -> ContactIntervals:
+        work, pair = query.work(), prisms_on_common_plane(*models) or models
+        found = certified_intervals(
+            pair, query.first, query.end, query.tolerance, work, lambda: _touching_at_start(query)
+        )
+        return proved_intervals(found, work, query)
+
+    return answered([
+        Way("in doubles, if free", if_free, lambda query, _: not query.exact and query.budget is None),
+        Way("exactly", lambda query, _: _decided_intervals(query)),
+        Way("in doubles", in_doubles, lambda query, _: not query.exact),
+    ], query)  # fmt: skip
 
 
 def _is_free(query: Query, models: tuple[Any, Any]) -> bool:

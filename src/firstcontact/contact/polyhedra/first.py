@@ -19,6 +19,7 @@ from firstcontact.contact.polyhedra.earliest import Found, Pair, all_pairs, earl
 from firstcontact.contact.polyhedra.intervals import contact_windows
 from firstcontact.contact.polyhedra.overlap import initial_kind
 from firstcontact.contact.polyhedra.problem import problem_of, problems_in_order
+from firstcontact.contact.ways import Way, answered
 from firstcontact.errors import FirstContactError, UnsupportedPair
 from firstcontact.exact.numbers import Undecidable, to_double
 from firstcontact.motion.relative.curved import CurvedPiece
@@ -31,6 +32,10 @@ NO_WORK = Stats()
 
 def first_contact(query: Query) -> FirstContact:
     """The first contact, proved; its time exact, or enclosed where it has no exact form."""
+    return answered([Way("by trees", _first_contact)], query)
+
+
+def _first_contact(query: Query, _: None = None) -> FirstContact:
     parts = _pieces(query)
     if query.engine not in ("auto", "boxes") and any(isinstance(piece, CurvedPiece) for piece in parts):
         raise UnsupportedPair(
@@ -63,6 +68,10 @@ def first_contact(query: Query) -> FirstContact:
 
 def contact_intervals(query: Query) -> ContactIntervals:
     """All closed times of contact, with exact ends where these have an exact form."""
+    return answered([Way("by trees", _contact_intervals)], query)
+
+
+def _contact_intervals(query: Query, _: None) -> ContactIntervals:
     parts = _pieces(query)
     stats, begin, exact, shared = NO_WORK, query.begin, query.exact, query.shared
     ends: list[JoinedInterval] = []
@@ -73,7 +82,7 @@ def contact_intervals(query: Query) -> ContactIntervals:
         if found.open is not None:
             until = to_double(piece.start)
             if found.open == "precision":  # where a first contact is easier to tell than all windows
-                rest = first_contact(
+                rest = _first_contact(
                     Query(query.a, query.b, piece.start, query.last, progress=query.progress)
                 )
                 if rest.status is Status.FREE:

@@ -6,7 +6,7 @@ triangles, and as a solid of planes where it is convex and small.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -27,6 +27,7 @@ from firstcontact.contact.signs.sheets import MOST_DEGREE, QUICK_DEGREE, TooLarg
 from firstcontact.contact.signs.starts import with_start
 from firstcontact.contact.signs.times import Times
 from firstcontact.contact.signs.touches import touch
+from firstcontact.contact.ways import Passed, Way, answered
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import below, exact_value
 from firstcontact.motion.moving import shape_of
@@ -50,23 +51,19 @@ def contact_intervals(query: Query) -> ContactIntervals:
         return with_solid.in_turn(query, partial(_all_exactly, query))
     work = query.work()
     quick = None if query.exact else certified.pieces_of(query)
-    try:
-        return _all_exactly(query, work, MOST_DEGREE if quick is None else QUICK_DEGREE)
-    except UnsupportedPair as refusal:
-        if query.exact:
-            raise
-        try:
-            if quick is None:
-                return posed.contact_intervals(query, work)
-            proved = certified.contact_intervals(quick, query, work)
-        except UnsupportedPair:
-            raise refusal from None
-        if proved.reason != "precision":
-            return proved
-        try:
-            return _all_exactly(query, work, MOST_DEGREE)
-        except UnsupportedPair:
-            return proved
+
+    def in_doubles(query: Query, _: None) -> ContactIntervals | Passed:
+        if quick is None:
+            return posed.contact_intervals(query, work)
+        proved = certified.contact_intervals(quick, query, work)
+        return proved if proved.reason != "precision" else Passed("precision", proved)
+
+    first_degree = MOST_DEGREE if quick is None else QUICK_DEGREE
+    return answered([
+        Way("exactly", lambda query, _: _all_exactly(query, work, first_degree)),
+        Way("in doubles", in_doubles, lambda query, _: not query.exact),
+        Way("exactly, all degrees", lambda query, _: _all_exactly(query, work, MOST_DEGREE), _is_proved),
+    ], query)  # fmt: skip
 
 
 def first_contact(query: Query) -> FirstContact:
@@ -75,42 +72,35 @@ def first_contact(query: Query) -> FirstContact:
 
 
 def _first_contact(query: Query) -> FirstContact:
-    if not query.is_algebraic and _is_with_convex(query):
-        found = _on_convex(query)
-        if found is not None:
-            return found
-    if not query.is_algebraic and query.method != "certified" and _is_with_mesh(query):
-        found = _on_mesh(query)
-        if found is not None:
-            return found
     quick = None if query.is_algebraic else certified.pieces_of(query)
-    if query.method == "certified" and not query.exact:
-        return _proved(quick, query)
-    try:
-        return _exactly(query, MOST_DEGREE if quick is None else QUICK_DEGREE)
-    except UnsupportedPair as refusal:
-        if query.is_algebraic:
-            raise
-        try:
-            found = _proved(quick, query)
-        except UnsupportedPair:
-            raise refusal from None
-    if quick is None or found.reason != "precision":
-        return found
-    return _or_proved(lambda: _exactly(query, MOST_DEGREE), found)
+    first_degree = MOST_DEGREE if quick is None else QUICK_DEGREE
+
+    def in_doubles(query: Query, _: None) -> FirstContact | Passed:
+        if quick is None:
+            return posed.first_contact(query, query.work())
+        proved = certified.first_contact(quick, query)
+        is_told = query.method == "certified" or proved.reason != "precision"
+        return proved if is_told else Passed("precision", proved)
+
+    return answered([
+        Way("as a solid", _on_convex, lambda query, _: not query.is_algebraic and _is_with_convex(query)),
+        Way("by triangles", _on_mesh, _is_for_triangles),
+        Way("exactly", lambda query, _: _exactly(query, first_degree), _is_for_elimination),
+        Way("in doubles", in_doubles, lambda query, proved: proved is None and not query.is_algebraic),
+        Way("exactly, all degrees", lambda query, _: _exactly(query, MOST_DEGREE), _is_proved),
+    ], query)  # fmt: skip
 
 
-def _proved(quick: certified.Pieces | None, query: Query) -> FirstContact:
-    """The first contact of two surfaces in doubles; raises UnsupportedPair for what they do not take."""
-    return posed.first_contact(query, query.work()) if quick is None else certified.first_contact(quick, query)
+def _is_for_triangles(query: Query, proved: Any) -> bool:
+    return proved is None and query.method == "auto" and not query.exact and _is_with_mesh(query)
 
 
-def _or_proved(decide: Callable[[], FirstContact], proved: FirstContact) -> FirstContact:
-    """What exact arithmetic says, or what doubles have proved where equations are too large for it."""
-    try:
-        return decide()
-    except UnsupportedPair:
-        return proved
+def _is_for_elimination(query: Query, proved: Any) -> bool:
+    return proved is None and (query.exact or query.method != "certified")
+
+
+def _is_proved(query: Query, proved: Any) -> bool:
+    return proved is not None
 
 
 def _is_with_mesh(query: Query) -> bool:
@@ -123,34 +113,31 @@ def _is_with_convex(query: Query) -> bool:
     return any(isinstance(shape, Polyhedron) and is_small_and_convex(shape) for shape in shapes)
 
 
-def _on_convex(query: Query) -> FirstContact | None:
-    """In doubles, and exactly what they leave open unless method is "certified"; None where they fail."""
-    try:
-        proved = by_search.first_contact(query)
-    except UnsupportedPair:
-        return None
+def _on_convex(query: Query, _: None) -> FirstContact | Passed:
+    """In doubles, for exact arithmetic to go on unless method is "certified"."""
+    proved = by_search.first_contact(query)
     if query.method == "certified" or _is_settled(proved):
         return proved
-    return _or_proved(lambda: _exactly(query, MOST_DEGREE), proved)
+    return Passed(proved.reason or "it is not told what touches", proved)
 
 
-def _on_mesh(query: Query) -> FirstContact | None:
-    """In doubles, and what meets exactly, around the time proved, where equations are small; None where they fail.
+def _on_mesh(query: Query, _: None) -> FirstContact | Passed:
+    """In doubles, and what meets exactly, around the time proved, where equations are small.
 
     Elimination over all the span takes every triangle that the surface comes near.
     """
-    try:
-        proved = posed.first_contact(query, query.work(), MESH_BOXES)
-    except UnsupportedPair:
-        return None
+    proved = posed.first_contact(query, query.work(), MESH_BOXES)
     if proved.status is Status.UNDECIDED and proved.reason == "precision":
-        return None
+        return Passed("precision")
     if proved.time_interval is None or proved.initial == "containment":
         return proved
     room = NEARBY * (query.end - query.first)
     lo, hi = (exact_value(t) for t in proved.time_interval)
     near = replace(query, first=max(query.first, lo - room), last=min(query.end, hi + room), exact=False)
-    found = _or_proved(lambda: _exactly(near, QUICK_DEGREE), proved)
+    try:
+        found = _exactly(near, QUICK_DEGREE)
+    except UnsupportedPair:
+        return proved
     return replace(found, span=query.span) if found.status is proved.status else proved
 
 

@@ -27,7 +27,7 @@ from firstcontact.contact.signs.exactly import PiecePair, span_of
 from firstcontact.contact.signs.sheets import MOST_DEGREE, QUICK_DEGREE
 from firstcontact.contact.signs.starts import with_start
 from firstcontact.contact.signs.whole_rulings import cut_to
-from firstcontact.errors import UnsupportedPair
+from firstcontact.contact.ways import Passed, Way, answered
 from firstcontact.exact.numbers import below
 from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.polynomial import PolynomialPiece, relative_pieces
@@ -47,29 +47,32 @@ def first_contact(query: Query) -> FirstContact:
 
 
 def _first_contact(query: Query) -> FirstContact:
-    proved, refused = None, ""
-    if not query.is_algebraic:
-        quick = QUICK_BUDGET if query.budget is None and query.method == "auto" else query.budget
-        try:
-            proved = certified.first_contact(replace(query, budget=quick))
-        except UnsupportedPair as reason:
-            if query.method == "certified":
-                raise
-            refused = str(reason)
-        if proved is not None and (query.method == "certified" or _is_told(proved, query.budget)):
-            return proved
-    known = proved is not None and proved.status is Status.CONTACT
-    try:
-        work, (ordered, is_turned) = query.work(), _solid_last(query)
-        stretches = _pieces(ordered, work, QUICK_DEGREE if known else MOST_DEGREE)
-        found = exactly.first_contact(ordered, stretches, None, work)
-    except UnsupportedPair as reason:
-        if proved is None:
-            raise _also_refused(reason, refused) from None
-        if proved.reason == "budget" and query.budget is None:
-            return certified.first_contact(query)
+    return answered([
+        Way("in doubles", _in_doubles, lambda query, _: not query.is_algebraic),
+        Way("exactly", _exactly, lambda query, _: query.method != "certified"),
+        Way("in doubles, on and on", lambda query, _: certified.first_contact(query), _is_cut_short),
+    ], query)  # fmt: skip
+
+
+def _in_doubles(query: Query, _: None) -> FirstContact | Passed:
+    """Cut short where exact arithmetic may be asked too."""
+    quick = QUICK_BUDGET if query.budget is None and query.method == "auto" else query.budget
+    proved = certified.first_contact(replace(query, budget=quick))
+    if query.method == "certified" or _is_told(proved, query.budget):
         return proved
+    return Passed(proved.reason or "it is not told what touches", proved)
+
+
+def _exactly(query: Query, proved: FirstContact | None) -> FirstContact:
+    known = proved is not None and proved.status is Status.CONTACT
+    work, (ordered, is_turned) = query.work(), _solid_last(query)
+    stretches = _pieces(ordered, work, QUICK_DEGREE if known else MOST_DEGREE)
+    found = exactly.first_contact(ordered, stretches, None, work)
     return replace(_turned(found) if is_turned else found, a=query.a, b=query.b)
+
+
+def _is_cut_short(query: Query, proved: FirstContact | None) -> bool:
+    return proved is not None and proved.reason == "budget" and query.budget is None
 
 
 def _is_told(proved: FirstContact, budget: int | None) -> bool:
@@ -118,30 +121,17 @@ def contact_intervals(query: Query) -> ContactIntervals:
 def in_turn(query: Query, decide: Callable[[Work, int], ContactIntervals]) -> ContactIntervals:
     """What `decide(work, most_degree)` tells by elimination where degrees are small, else doubles, else elimination."""
     work = query.work()
-    proved, refused = None, ""
-    if not query.exact:
-        try:
-            return decide(work, SMALL_DEGREE)
-        except UnsupportedPair:
-            pass
-        try:
-            proved = certified.contact_intervals(query, work)
-        except UnsupportedPair as reason:
-            refused = str(reason)
-        else:
-            if proved.status is not Status.UNDECIDED or (work.budget is not None and proved.reason == "budget"):
-                return proved
-    try:
-        return decide(work, MOST_DEGREE)
-    except UnsupportedPair as reason:
-        if proved is None:
-            raise _also_refused(reason, refused) from None
-        return proved
 
+    def in_doubles(query: Query, _: None) -> ContactIntervals | Passed:
+        proved = certified.contact_intervals(query, work)
+        spent = work.budget is not None and proved.reason == "budget"
+        return proved if spent or proved.status is not Status.UNDECIDED else Passed(str(proved.reason), proved)
 
-def _also_refused(reason: UnsupportedPair, in_doubles: str) -> UnsupportedPair:
-    """Why neither way is open."""
-    return UnsupportedPair(f"{in_doubles}; exactly: {reason}") if in_doubles else reason
+    return answered([
+        Way("exactly, low degrees", lambda query, _: decide(work, SMALL_DEGREE), lambda query, _: not query.exact),
+        Way("in doubles", in_doubles, lambda query, _: not query.exact),
+        Way("exactly", lambda query, _: decide(work, MOST_DEGREE)),
+    ], query)  # fmt: skip
 
 
 def _pieces(query: Query, work: Work, most_degree: int) -> Iterator[tuple[PolynomialPiece, list[PiecePair]]]:

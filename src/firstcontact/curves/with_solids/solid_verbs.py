@@ -22,7 +22,8 @@ from firstcontact.contact.signs.whole_rulings import cut_to
 from firstcontact.curves.certified.chains import Chain, chains
 from firstcontact.curves.certified.cover import Cover
 from firstcontact.curves.certified.joined import ONE_PLACE, Found, Near, Stop, Strand
-from firstcontact.curves.exactly.spots import box_of, corners
+from firstcontact.curves.exactly.spots import Box, box_of, corners
+from firstcontact.curves.placed import searched
 from firstcontact.curves.with_solids.facet_curve import FacetCurve, Facets, facets
 from firstcontact.curves.with_solids.solid_curve import ModelCurve, SheetCurve
 from firstcontact.errors import InputError, UnsupportedPair
@@ -38,16 +39,23 @@ def intersection_curve(p: Any, q: Any, tolerance: float, method: str, box: Any) 
     begin = clock.perf_counter()
     ruled, solid = (p, q) if hasattr(p, "pieces") else (q, p)
     _check(ruled)
+    if not isinstance(solid, Polyhedron | CompositeQuadric):
+        raise UnsupportedPair(f"{solid!r}: give a body at rest (body.at(t))")
     if method not in ("auto", "algebraic"):
         raise UnsupportedPair(f"method {method!r}: intersection curves with solids are exact; choose 'auto'")
     limits = box_of(box)
-    sheets = _Sheets(cut_to(ruled, solid, (0.0, 1.0)), _boundary(solid), tolerance, limits, ruled is p)
-    if len(ruled.pieces) == 1 and isinstance(sheets.solid, CompositeQuadric):
-        fields = sheets.of_model(Piece.of(sheets.ruled.pieces[0])).run()
-    else:
-        fields = _joined(sheets)
+    fields = searched(_fields, p, q, tolerance, limits)
     fields |= {"stats": Stats(seconds=clock.perf_counter() - begin), "box": corners(limits)}
     return IntersectionCurve(**fields, a=p, b=q)
+
+
+def _fields(p: Any, q: Any, tolerance: float, limits: Box | None) -> dict[str, Any]:
+    """Those of IntersectionCurve."""
+    ruled, solid = (p, q) if hasattr(p, "pieces") else (q, p)
+    sheets = _Sheets(cut_to(ruled, solid, (0.0, 1.0)), _boundary(solid), tolerance, limits, ruled is p)
+    if len(ruled.pieces) == 1 and isinstance(sheets.solid, CompositeQuadric):
+        return sheets.of_model(Piece.of(sheets.ruled.pieces[0])).run()
+    return _joined(sheets)
 
 
 def _check(ruled: Any) -> None:
@@ -60,13 +68,11 @@ def _check(ruled: Any) -> None:
             raise UnsupportedPair(f"{ruled!r} has rows of strips side by side; give them one by one")
 
 
-def _boundary(solid: Any) -> CompositeQuadric | Facets:
+def _boundary(solid: Polyhedron | CompositeQuadric) -> CompositeQuadric | Facets:
     """A model, or the facets of a polyhedron."""
     if isinstance(solid, Polyhedron):
         return as_model(solid) if is_small_and_convex(solid) else facets(solid)
-    if isinstance(solid, CompositeQuadric):
-        return solid
-    raise UnsupportedPair(f"{solid!r}: give a body at rest (body.at(t))")
+    return solid
 
 
 class _Sheets:

@@ -1,0 +1,79 @@
+"""The ways to an answer, asked one after the other; what one of them has proved is told to the next."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from firstcontact.errors import UnsupportedPair
+from firstcontact.result import Asked, ContactIntervals, FirstContact
+from firstcontact.work import Query
+
+Answer = FirstContact | ContactIntervals
+
+
+@dataclass(frozen=True, slots=True)
+class Passed:
+    """That a way leaves the question to the next one.
+
+    proved: what it found all the same; an answer stands where no other way gives one.
+    """
+
+    reason: str
+    proved: Any = None
+
+
+def _always(query: Query, proved: Any) -> bool:
+    return True
+
+
+@dataclass(frozen=True, slots=True)
+class Way:
+    """One way to an answer.
+
+    run(query, proved)    an answer or `Passed`; UnsupportedPair passes too.
+    takes(query, proved)  whether the way is asked.
+    proved                what the way before, or one before that, has proved; None: nothing.
+    """
+
+    name: str
+    run: Callable[[Query, Any], Any]
+    takes: Callable[[Query, Any], bool] = _always
+
+
+def answered(ways: Sequence[Way], query: Query) -> Any:
+    """The first answer, else the last one that was proved on the way; its stats tell the ways asked.
+
+    Raises UnsupportedPair with the reasons of all that refused.
+    """
+    asked: list[Asked] = []
+    refusals: list[tuple[str, str]] = []
+    proved: Any = None
+    for way in ways:
+        if not way.takes(query, proved):
+            continue
+        begin = clock.perf_counter()
+        try:
+            found = way.run(query, proved)
+        except UnsupportedPair as refusal:
+            found = Passed(str(refusal))
+            refusals.append((way.name, found.reason))
+        passes = isinstance(found, Passed)
+        told = f"passed: {found.reason}" if passes else found.status.name
+        asked.append(Asked(way.name, told, clock.perf_counter() - begin))
+        if not passes:
+            return _told(found, asked)
+        proved = found.proved if found.proved is not None else proved
+    if isinstance(proved, Answer):
+        return _told(proved, asked)
+    if len(refusals) == 1:
+        raise UnsupportedPair(refusals[0][1])
+    raise UnsupportedPair("; ".join(f"{name}: {reason}" for name, reason in refusals))
+
+
+def _told(found: Answer, asked: Sequence[Asked]) -> Answer:
+    """The answer, fresh from its search, with the ways that were asked before those that it tells already."""
+    found.stats.note((*asked, *found.stats.ways))
+    return found

@@ -1,0 +1,140 @@
+"""Scenes far from the origin, or far smaller or larger than 1, brought there for the search, their curve taken back.
+
+That points are one is told in parts of max(1, their coordinates): of 1, so that points next to the origin are told by
+the size of the scene.  That a point is at infinity is told by its weight in parts of X, Y and Z.  The factor is a power
+of 2, so doubles keep all their bits, and the shift is by few binary digits.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+from firstcontact.curves.exactly.spots import Box
+from firstcontact.curves.exactly.tracing import ALL_AROUND, Powers, rows
+from firstcontact.exact.numbers import rational
+
+SMALL, LARGE = 2.0**-4, 2.0**24
+"""Scenes between these sizes are left as they are."""
+FAR = 2.0**6
+"""Sizes of the smaller body from the origin beyond which a scene is shifted."""
+Corners = tuple[np.ndarray, np.ndarray]
+Search = Callable[[Any, Any, float, Box | None], dict[str, Any]]
+
+
+@dataclass(frozen=True)
+class Placing:
+    """x -> factor (x + by)."""
+
+    factor: Fraction
+    by: tuple[Fraction, Fraction, Fraction]
+
+    def body(self, body: Any) -> Any:
+        k, nil = self.factor, Fraction(0)
+        rows = [[k if i == j else nil for j in range(3)] + [k * self.by[i]] for i in range(3)]
+        return body.transformed([*rows, [nil, nil, nil, Fraction(1)]])
+
+    def box(self, box: Box) -> Box:
+        k = rational(self.factor, "factor")
+        low, high = (
+            [k * (rational(x, "box") + rational(d, "shift")) for x, d in zip(corner, self.by, strict=True)]
+            for corner in box
+        )
+        return (low[0], low[1], low[2]), (high[0], high[1], high[2])
+
+    def back(self, points: np.ndarray) -> np.ndarray:
+        return points / float(self.factor) - np.array(self.by, float)
+
+
+def searched(search: Search, p: Any, q: Any, tolerance: float, box: Box | None) -> dict[str, Any]:
+    """The fields of IntersectionCurve that `search(p, q, tolerance, box)` finds of the scene in a better place."""
+    placing = _placing((p, q))
+    if placing is None:
+        return search(p, q, tolerance, box)
+    own_box = None if box is None else placing.box(box)
+    fields = search(placing.body(p), placing.body(q), tolerance * float(placing.factor), own_box)
+    return restored(fields, placing, box)
+
+
+def _placing(bodies: Sequence[Any]) -> Placing | None:
+    """None where the scene stays as it is."""
+    corners = [_corners(body) for body in bodies]
+    by = _shift(corners)
+    moved = np.array(by, float)
+    reach = [np.abs(np.array(own) + moved).max() for own in corners if np.isfinite(own).all()]
+    size = float(max(reach, default=0.0))
+    factor = Fraction(1) if SMALL <= size <= LARGE or size == 0.0 else Fraction(2) ** -math.frexp(size)[1]
+    return None if factor == 1 and not any(by) else Placing(factor, by)
+
+
+def _shift(corners: Sequence[Corners]) -> tuple[Fraction, Fraction, Fraction]:
+    """What brings the smaller body to the origin; nothing where it is near."""
+    low, high = min(corners, key=lambda x: float((x[1] - x[0]).max()))
+    size, middle = float((high - low).max()), 0.5 * (low + high)
+    if not 0.0 < size < math.inf or np.abs(middle).max() <= FAR * size:
+        return Fraction(0), Fraction(0), Fraction(0)
+    unit = 2.0 ** math.floor(math.log2(size))
+    x, y, z = (Fraction(-round(c / unit)) * Fraction(unit) for c in middle.tolist())
+    return x, y, z
+
+
+def _corners(body: Any) -> Corners:
+    """Of a box around some points of the directrices, none at infinity, or around a solid; infinite where unknown."""
+    if not hasattr(body, "pieces"):
+        low, high = body.bounds()
+        return np.asarray(low, float), np.asarray(high, float)
+    points = np.concatenate([_points(piece) for piece in body.pieces], axis=1)
+    if not points.size:
+        return np.full(3, -math.inf), np.full(3, math.inf)
+    return points.min(axis=1), points.max(axis=1)
+
+
+def _points(piece: Any) -> np.ndarray:
+    """(3, n) of the directrices, none at infinity."""
+    at = ALL_AROUND
+    if piece.u is not None:
+        low, high = (float(u) for u in piece.u)
+        at = np.linspace(low, high, 5), np.zeros(5, bool)
+    powers, found = Powers(*at), []
+    for curve in (rows(side.components) for side in piece.sides):
+        x, y, z, w = curve @ powers.table(curve.shape[1] - 1)
+        with np.errstate(all="ignore"):
+            found.append(np.array([x / w, y / w, z / w]))
+    points = np.concatenate(found, axis=1)
+    finite: np.ndarray = points[:, np.isfinite(points).all(axis=0)]
+    return finite
+
+
+def restored(fields: dict[str, Any], placing: Placing, box: Box | None) -> dict[str, Any]:
+    """The fields of IntersectionCurve for the scene as it was, from those of the placed one; box: as it was."""
+    back = placing.back
+    names = {} if box is None else {
+        f"{axis}={larger}": f"{axis}={end}"
+        for ends, others in zip(box, placing.box(box), strict=True)
+        for axis, end, larger in zip("xyz", ends, others, strict=True)
+    }  # fmt: skip
+
+    def moved(x: Any, **changes: Any) -> Any:
+        return replace(x, point=None if x.point is None else back(x.point), **changes)
+
+    graph = fields["graph"]
+    found = fields | {
+        "branches": tuple(
+            replace(x, points=back(x.points), ends=tuple(moved(end, on=tuple(names.get(n, n) for n in end.on))
+                                                       for end in x.ends))
+            for x in fields["branches"]
+        ),
+        "graph": replace(graph, nodes=tuple(moved(x) for x in graph.nodes)),
+    }  # fmt: skip
+    for name in ("overlap_lines", "isolated_points"):
+        found[name] = back(fields[name])
+    for name in ("singular_points", "open_places"):
+        found[name] = tuple(moved(x) for x in fields.get(name, ()))
+    if fields.get("box") is not None:
+        found["box"] = back(fields["box"])
+    return found

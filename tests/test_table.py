@@ -1,0 +1,78 @@
+"""What `contact.table` says of each pair of bodies, and with it the docs, is what the verbs do."""
+
+from __future__ import annotations
+
+from fractions import Fraction as F
+from pathlib import Path
+
+import pytest
+
+import firstcontact as fc
+from firstcontact.contact import table
+from firstcontact.contact.table import CERTIFIED, CONVEX, EXACT, NOT, PAIRS, VERBS, Kind
+
+CORNER = fc.Polyhedron(
+    [(x, y, z) for z in (0, 1) for x, y in ((0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2))],
+    [[5, 4, 3], [5, 3, 0], [0, 3, 2], [0, 2, 1], [9, 10, 11], [9, 11, 6], [6, 8, 9], [6, 7, 8],
+     *(f for k in range(6) for j in [(k + 1) % 6] for f in ([k, j, j + 6], [k, j + 6, k + 6]))],
+)  # fmt: skip
+TILTED = [["2/3", "-1/3", "2/3", 0], ["2/3", "2/3", "-1/3", 0], ["-1/3", "2/3", "2/3", 0], [0, 0, 0, 1]]
+BODIES = {
+    Kind.MESH: CORNER.transformed(TILTED),
+    Kind.MODEL: fc.cylinder(1, 2),
+    Kind.RULED: fc.RuledSurface("(u, 0, 0)", "(u, 1, u)"),
+}
+ABOVE = (F(1, 5), F(1, 3), 5)
+RATIONAL = fc.Translation((F(1, 7), F(1, 9), -8))
+SCREW = fc.Screw((1, 0, -8), degrees=9, advance=7)
+TWO_VERBS = VERBS[:2]
+CASES = [pytest.param(x, verb, id="-".join((*(k.name for k in x), verb))) for x in PAIRS for verb in TWO_VERBS]
+
+
+def test_the_docs_print_the_table():
+    docs = Path(__file__).parents[1] / "docs" / "motions.md"
+    assert table.matrix() in docs.read_text()
+
+
+@pytest.mark.parametrize(("kinds", "verb"), CASES)
+def test_what_is_proved_of_a_pair(kinds, verb):
+    a, b = (BODIES[k] for k in kinds)
+    told, ask = PAIRS[kinds].proves[VERBS.index(verb)], getattr(fc, verb)
+    above = a.translated(ABOVE)
+    if told == CERTIFIED:
+        with pytest.raises(fc.UnsupportedPair, match="drop exact=True"):
+            ask(above.moving(RATIONAL), b, exact=True)
+    else:
+        hit = ask(above.moving(RATIONAL), b, exact=True)
+        assert hit.status is fc.Status.CONTACT
+        assert (hit.time_exact if verb == "first_contact" else hit.intervals[0].start_exact) is not None
+    with pytest.raises(fc.UnsupportedPair):
+        ask(above.moving(SCREW), b, exact=True)
+    if told == CONVEX:
+        with pytest.raises(fc.UnsupportedPair):
+            ask(above.moving(SCREW), b)
+        above = fc.examples.box((2, 2, 2)).translated(ABOVE)
+    hit = ask(above.moving(SCREW), b)
+    assert hit.status is fc.Status.CONTACT
+    assert hit.stats.ways[-1].told == "CONTACT" and sum(x.seconds for x in hit.stats.ways) <= hit.stats.seconds + 1
+
+
+@pytest.mark.parametrize("kinds", PAIRS, ids=lambda kinds: "-".join(k.name for k in kinds))
+@pytest.mark.parametrize("verb", VERBS[2:])
+def test_verbs_that_take_some_pairs_only(kinds, verb):
+    a, b = (BODIES[k] for k in kinds)
+    if PAIRS[kinds].proves[VERBS.index(verb)] == NOT:
+        with pytest.raises(fc.UnsupportedPair, match=f"{verb} is for .* not for .*; "):
+            getattr(fc, verb)(a, b)
+    else:
+        getattr(fc, verb)(a, b)
+
+
+def test_a_way_that_passes_is_told():
+    """Doubles leave a graze to exact arithmetic."""
+    ball = fc.sphere(1)
+    hit = fc.first_contact(ball.translated((2, 0, 5)).moving(fc.Translation((0, 0, -10))), ball)
+    assert [x.way for x in hit.stats.ways] == ["in doubles", "exactly"]
+    assert hit.stats.ways[0].told.startswith("passed") and hit.stats.ways[1].told == "CONTACT"
+    assert hit.to_dict()["stats"]["ways"][1]["way"] == "exactly"
+    assert EXACT == PAIRS[Kind.MODEL, Kind.MODEL].proves[0]
