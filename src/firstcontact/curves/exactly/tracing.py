@@ -31,6 +31,9 @@ LARGEST_TURN = np.radians(20.0)
 # How far a chord may be from bending evenly where it is cut in two or in four unseen, in parts of its largest offset:
 # by a term of third order that makes the farthest of the parts leave its chord by 1 / KEEP of what even ones do.
 EVEN_HALVES, EVEN_QUARTERS = 0.1, 0.07
+# Part of the way along a chord that may be between two of its points and stay unseen.  Beside a tip of a cone the curve
+# in u, v turns sharply into a ruling along which all points are next to the tip.
+LEAP = 0.75
 # Parts into which one chord may fall in one round, and rounds: a guard, 4 are usual.
 MOST_PARTS = 128
 MOST_ROUNDS = 24
@@ -365,9 +368,10 @@ class Tracer:
             if len(left.tau) == 0:
                 break
             inner = [self._inside(left, right, part) for part in (0.25, 0.5, 0.75)]
-            off, bend, uneven = _shape(left.space, [x.space for x in inner], right.space)
+            off, bend, uneven, leap = _shape(left.space, [x.space for x in inner], right.space)
             allowed = tolerance * np.maximum(1.0, np.abs(inner[1].space).max(1) / radius) ** 2
             need = np.maximum(np.sqrt(off / (KEEP * allowed)), bend / LARGEST_TURN)
+            need, uneven = np.where(leap > LEAP, np.maximum(need, 2.0), need), np.where(leap > LEAP, np.inf, uneven)
             tiny = np.linalg.norm(right.space - left.space, axis=1) + off < 0.25 * allowed
             need = np.where(tiny, 0.0, need)
             halve = (need > 1) & (need <= 2) & (uneven <= EVEN_HALVES)
@@ -538,8 +542,9 @@ class Tracer:
         return to_double(at), self._known[strand, at]
 
 
-def _shape(left: np.ndarray, inner: list[np.ndarray], right: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """How far the inner points are off the chord, how much the curve turns, and how it differs from a parabola."""
+def _shape(left: np.ndarray, inner: list[np.ndarray], right: np.ndarray) -> tuple[np.ndarray, ...]:
+    """How far the inner points are off the chord, how much the curve turns, how it differs from a parabola, and the
+    largest way from point to point, in parts of all."""
     chord = right - left
     length = np.linalg.norm(chord, axis=1)
     unit = chord / np.where(length > 0, length, 1.0)[:, None]
@@ -554,7 +559,9 @@ def _shape(left: np.ndarray, inner: list[np.ndarray], right: np.ndarray) -> tupl
     cosine = (start * stop).sum(1) / np.where(sizes > 0, sizes, 1.0)
     bend = np.where(sizes > 0, np.arccos(np.clip(cosine, -1.0, 1.0)), 0.0)
     uneven = np.maximum(np.abs(offsets[0] - 0.75 * off), np.abs(offsets[2] - 0.75 * off)) / np.where(off > 0, off, 1.0)
-    return off, bend, uneven
+    ways = np.linalg.norm(np.diff([left, *inner, right], axis=0), axis=2)
+    total = ways.sum(0)
+    return off, bend, uneven, ways.max(0) / np.where(total > 0, total, 1.0)
 
 
 def _lagrange(t: np.ndarray) -> list[np.ndarray]:
