@@ -1,4 +1,4 @@
-"""Curves that pass the tip of a cone closely: between two points of the polyline they leave it by the tolerance at most."""
+"""Curves that pass the tip of a cone closely stay within the tolerance of their polyline, between its points too."""
 
 from __future__ import annotations
 
