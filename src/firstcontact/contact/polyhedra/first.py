@@ -46,8 +46,9 @@ def _first_contact(query: Query, _: None = None) -> FirstContact:
     for k, (problem, with_start) in enumerate(problems):
         found = earliest(problem, _left(query, stats), query.progress, with_start=with_start)
         stats = _added(stats, found)
-        if found.open is not None:
-            return _undecided(found.open, problem.world_time(found.free_until), stats, query)
+        until = None if found.open is None else problem.world_time(found.free_until)
+        if until is not None and (not with_start or until <= to_double(problem.piece.start)):
+            return _undecided(str(found.open), until, stats, query)
         if found.start or (k == 0 and _starts_at_once(found)):
             try:
                 kind = initial_kind(problem, found) if k == 0 else None
@@ -61,6 +62,8 @@ def _first_contact(query: Query, _: None = None) -> FirstContact:
                 return _undecided("precision", query.span[0], stats, query)
             if inside:
                 return contained_at_start(problem, exact, _timed(stats, begin), shared, jump=k > 0)
+        if until is not None:
+            return _undecided(str(found.open), until, stats, query)
         if found.instant is not None:
             return contact_of(problem, found, exact, _timed(stats, begin), shared)
     return FirstContact(Status.FREE, free_until=query.span[1], stats=_timed(stats, begin), **shared)
