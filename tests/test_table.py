@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import doctest
+import runpy
 from fractions import Fraction as F
 from pathlib import Path
 
@@ -29,9 +31,22 @@ TWO_VERBS = VERBS[:2]
 CASES = [pytest.param(x, verb, id="-".join((*(k.name for k in x), verb))) for x in PAIRS for verb in TWO_VERBS]
 
 
+DOCS = Path(__file__).parents[1] / "docs"
+
+
 def test_the_docs_print_the_table():
-    docs = Path(__file__).parents[1] / "docs" / "motions.md"
-    assert table.matrix() in docs.read_text()
+    assert table.matrix() in (DOCS / "motions.md").read_text()
+
+
+def test_the_example_of_ways_in_the_docs():
+    found = doctest.testfile(str(DOCS / "how-it-works.md"), module_relative=False)
+    assert found.attempted > 0 and found.failed == 0
+
+
+def test_the_picture_of_the_house_knows_all_rooms():
+    drawn = runpy.run_path(str(DOCS / "draw.py"))
+    rooms = {room for layer in drawn["layers"]() for room in layer}
+    assert rooms == set(drawn["SAYS"]) == {room for floor in drawn["FLOORS"].values() for room in floor}
 
 
 @pytest.mark.parametrize(("kinds", "verb"), CASES)
