@@ -682,15 +682,14 @@ def discs(rng: Random) -> Scene:
     domain = (F(-1), F(2))
     normal = rng.choice((vector([3, 4, 0]), vector([1, 0, 0]), vector([1, 1, 1]), vector([2, 1, 2]), vector([0, 1, 0])))
     along = cross(normal, vector([1, 2, -3]))
-    wide = cross(normal, along)
-    k = F(20) / max(abs(c) for c in (*along, *wide))
+    along, wide = (scaled(d, F(30) / max(map(abs, d))) for d in (along, cross(normal, along)))
     at = moment(rng)
     reach = root_of_square(normal[0] ** 2 + normal[1] ** 2)  # of the unit disc along the normal
     velocity = vector([rng.randint(-3, 3) for _ in range(3)])
     speed = dot(velocity, normal)
     deep = reach[0] if reach[0] == reach[1] else F(1)
     offset = -speed * at - rng.choice((deep, F(0), deep))  # normal . centre at time 0
-    wall = shapes.four_corners(rng, *(add(scaled(along, k * i), scaled(wide, k * j)) for j in (-1, 1) for i in (-1, 1)))
+    wall = shapes.four_corners(rng, *(add(scaled(along, i), scaled(wide, j)) for j in (-1, 1) for i in (-1, 1)))
     centre = scaled(normal, offset / dot(normal, normal))
     disc = Piece(straight(vector([-1, -1, 0]), vector([0, -1, 0])), straight(vector([-1, 1, 0]), vector([0, 1, 0])),
                  (F(0), F(2)), trim=("(u-1)**2 + (2*s-1)**2 <= 1",))

@@ -12,7 +12,7 @@ from dataclasses import asdict, dataclass, field, fields
 from enum import Enum
 from fractions import Fraction
 from functools import cache
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, Self, overload
 
 import numpy as np
 
@@ -102,7 +102,8 @@ class Stats(Mapping[str, "float | str | tuple[Asked, ...]"]):
     def __getitem__(self, key: str) -> float | str | tuple[Asked, ...]:
         if key not in list(self):
             raise KeyError(key)
-        return getattr(self, key)
+        value: float | str | tuple[Asked, ...] = getattr(self, key)
+        return value
 
     def __iter__(self) -> Iterator[str]:
         return (f.name for f in fields(self))
@@ -436,7 +437,11 @@ class ContactIntervals(_NoTruth, Sequence[ContactInterval]):
     def __len__(self) -> int:
         return len(self.intervals)
 
-    def __getitem__(self, index):  # type: ignore[no-untyped-def]
+    @overload
+    def __getitem__(self, index: int) -> ContactInterval: ...
+    @overload
+    def __getitem__(self, index: slice) -> tuple[ContactInterval, ...]: ...
+    def __getitem__(self, index: int | slice) -> ContactInterval | tuple[ContactInterval, ...]:
         return self.intervals[index]
 
     def __str__(self) -> str:
@@ -480,7 +485,11 @@ class ContactPairs(_NoTruth, Sequence[ElementPair]):
     def __len__(self) -> int:
         return len(self.pairs)
 
-    def __getitem__(self, index):  # type: ignore[no-untyped-def]
+    @overload
+    def __getitem__(self, index: int) -> ElementPair: ...
+    @overload
+    def __getitem__(self, index: slice) -> tuple[ElementPair, ...]: ...
+    def __getitem__(self, index: int | slice) -> ElementPair | tuple[ElementPair, ...]:
         return self.pairs[index]
 
     @property

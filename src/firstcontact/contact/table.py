@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from enum import Enum
 from functools import cache, partial
 from importlib import import_module
-from typing import Any
+from typing import Any, Literal, Protocol, overload
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact import centred
@@ -57,7 +57,7 @@ INSTEAD = {
 }
 """What to ask of pairs that a verb does not take."""
 MESHES = Kind.MESH, Kind.MESH
-_KINDS = {"CompositeQuadric": Kind.MODEL, "RuledSurface": Kind.RULED, "RuledStrip": Kind.RULED}
+_KINDS = {**{kind.value: kind for kind in Kind}, "RuledStrip": Kind.RULED}
 _ORDER = list(Kind)
 
 
@@ -66,9 +66,8 @@ def kind_of(body: Any) -> Kind:
     shape: Any = shape_of(body)
     kind = Kind.MESH if isinstance(shape, Polyhedron) else _KINDS.get(type(shape).__name__)
     if kind is None:
-        raise UnsupportedPair(
-            f"{body!r} is no body; give a Polyhedron, a CompositeQuadric or a RuledSurface, at rest or moving"
-        )
+        kinds = ", ".join(kind.value for kind in Kind)
+        raise UnsupportedPair(f"{body!r} is no body; give one of {kinds}, at rest or moving")
     return kind
 
 
@@ -109,10 +108,21 @@ def contact_intervals(query: Query) -> ContactIntervals:
 def contact_pairs(query: Query) -> ContactPairs:
     """The answer of the room for the bodies."""
     proves("contact_pairs", *query.bodies)
-    found: ContactPairs = _room(PAIRS[kinds_of(*query.bodies)].room).contact_pairs(query)
-    return found
+    return _room(PAIRS[kinds_of(*query.bodies)].room).contact_pairs(query)
 
 
+class _Room(Protocol):
+    """What answers for a pair of kinds: the module `first` of its folder; `contact_pairs` is that of polyhedra."""
+
+    def first_contact(self, query: Query) -> FirstContact: ...
+    def contact_intervals(self, query: Query) -> ContactIntervals: ...
+    def contact_pairs(self, query: Query) -> ContactPairs: ...
+
+
+@overload
+def _answer(verb: Literal["first_contact"], query: Query) -> FirstContact: ...
+@overload
+def _answer(verb: Literal["contact_intervals"], query: Query) -> ContactIntervals: ...
 def _answer(verb: str, query: Query) -> Any:
     """What the room for the bodies says, which for curved bodies is asked about bounded spans near the origin."""
     kinds = kinds_of(*query.bodies)
@@ -128,7 +138,7 @@ def _answer(verb: str, query: Query) -> Any:
     return getattr(endless, verb)(near, query)
 
 
-def _curved(kinds: tuple[Kind, Kind], query: Query) -> Any:
+def _curved(kinds: tuple[Kind, Kind], query: Query) -> _Room:
     """The room of a pair that is not two polyhedra; a small convex polyhedron is a model beside a model."""
     if kinds == (Kind.MESH, Kind.MODEL):
         from firstcontact.contact.reduce import is_small_and_convex
@@ -140,8 +150,10 @@ def _curved(kinds: tuple[Kind, Kind], query: Query) -> Any:
 
 
 @cache
-def _room(name: str) -> Any:
-    return import_module(f"firstcontact.contact.{name}.first")
+def _room(name: str) -> _Room:
+    room: Any = import_module(f"firstcontact.contact.{name}.first")
+    found: _Room = room
+    return found
 
 
 if __name__ == "__main__":

@@ -5,13 +5,14 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 from firstcontact.errors import UnsupportedPair
 from firstcontact.result import Asked, ContactIntervals, FirstContact
 from firstcontact.work import Query
 
 Answer = FirstContact | ContactIntervals
+R = TypeVar("R", FirstContact, ContactIntervals)
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +31,7 @@ def _always(query: Query, proved: Any) -> bool:
 
 
 @dataclass(frozen=True, slots=True)
-class Way:
+class Way(Generic[R]):
     """One way to an answer.
 
     run(query, proved)    an answer or `Passed`; UnsupportedPair passes too.
@@ -39,11 +40,11 @@ class Way:
     """
 
     name: str
-    run: Callable[[Query, Any], Any]
+    run: Callable[[Query, Any], R | Passed]
     takes: Callable[[Query, Any], bool] = _always
 
 
-def answered(ways: Sequence[Way], query: Query) -> Any:
+def answered(ways: Sequence[Way[R]], query: Query) -> R:
     """The first answer, else the last one that was proved on the way; its stats tell the ways asked.
 
     Raises UnsupportedPair with the reasons of all that refused.
@@ -56,24 +57,25 @@ def answered(ways: Sequence[Way], query: Query) -> Any:
             continue
         begin = clock.perf_counter()
         try:
-            found = way.run(query, proved)
+            found: R | Passed = way.run(query, proved)
         except UnsupportedPair as refusal:
             found = Passed(str(refusal))
             refusals.append((way.name, found.reason))
-        passes = isinstance(found, Passed)
-        told = f"passed: {found.reason}" if passes else found.status.name
+        told = f"passed: {found.reason}" if isinstance(found, Passed) else found.status.name
         asked.append(Asked(way.name, told, clock.perf_counter() - begin))
-        if not passes:
+        if not isinstance(found, Passed):
             return _told(found, asked)
         proved = found.proved if found.proved is not None else proved
-    if isinstance(proved, Answer):
-        return _told(proved, asked)
+    stands = isinstance(proved, Answer)
+    if stands:
+        last: R = proved  # ways to one kind of answer prove no other kind
+        return _told(last, asked)
     if len(refusals) == 1:
         raise UnsupportedPair(refusals[0][1])
     raise UnsupportedPair("; ".join(f"{name}: {reason}" for name, reason in refusals))
 
 
-def _told(found: Answer, asked: Sequence[Asked]) -> Answer:
+def _told(found: R, asked: Sequence[Asked]) -> R:
     """The answer, fresh from its search, with the ways that were asked before those that it tells already."""
     found.stats.note((*asked, *found.stats.ways))
     return found

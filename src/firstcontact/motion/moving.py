@@ -24,7 +24,8 @@ class Moving:
 
     @property
     def name(self) -> str | None:
-        return self.body.name
+        name: str | None = self.body.name
+        return name
 
     def named(self, name: str) -> Moving:
         return Moving(self.body.named(name), self.motion)

@@ -182,7 +182,7 @@ def _checked(pose: projective.Matrix) -> projective.Matrix:
 
 
 def _refuse_zero(p: fmpz_poly, what: str) -> None:
-    if p == 0:
+    if p.is_zero():
         raise InputError(f"RationalMotion: {what} at all times; give an invertible motion")
     zero = bernstein.zero_between(p, _0, _1, NEAR)
     if zero is not None:

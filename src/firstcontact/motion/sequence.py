@@ -85,7 +85,8 @@ class Sequence:
         k = min(bisect_left([to_double(end) for end in self.ends], t), len(self.steps) - 1)
         start, end = self.starts[k], self.ends[k]
         local = (float(t) - to_double(start)) / to_double(end - start)
-        return self.steps[k](min(max(local, 0.0), 1.0)) @ self.before(k).doubles()
+        pose: np.ndarray = self.steps[k](min(max(local, 0.0), 1.0)) @ self.before(k).doubles()
+        return pose
 
     def shifted(self, by: Vector) -> Sequence:
         """The same motion in a world shifted by a vector."""

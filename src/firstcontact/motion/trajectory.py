@@ -105,7 +105,8 @@ class Trajectory:
         if isinstance(step, Translation):
             start[:3, 3] = [to_double(x + share * v) for x, v in zip(self.poses[k].vector, step.vector, strict=True)]
             return start
-        return step.pose(share) @ start
+        pose: np.ndarray = step.pose(share) @ start
+        return pose
 
     def shifted(self, by: Vector) -> Trajectory:
         """The same motion in a world shifted by a vector.

@@ -170,6 +170,7 @@ class Polyhedron(Placing):
     edges: np.ndarray
     solid: bool
     _closed: bool
+    _sides: np.ndarray | None
     _side_edge: np.ndarray
     _segments: np.ndarray
     _given_edges: int
@@ -242,7 +243,7 @@ def _read_faces(body: Polyhedron, faces: Any, who: str) -> None:
         body.triangles = np.ascontiguousarray(array, np.int32)
         body.triangle_face = np.arange(len(array), dtype=np.int32)
         body.n_faces = len(array)
-        body._sides = None  # type: ignore[attr-defined]
+        body._sides = None
     else:
         triangles: list[tuple[int, int, int]] = []
         owner: list[int] = []
@@ -260,7 +261,7 @@ def _read_faces(body: Polyhedron, faces: Any, who: str) -> None:
         body.triangles = np.array(triangles, np.int32).reshape(-1, 3)
         body.triangle_face = np.array(owner, np.int32)
         body.n_faces = len(faces)
-        body._sides = np.array(sides, np.int32).reshape(-1, 2)  # type: ignore[attr-defined]
+        body._sides = np.array(sides, np.int32).reshape(-1, 2)
     body.triangles.flags.writeable = False
 
 
@@ -328,14 +329,13 @@ def _derive(body: Polyhedron, given: np.ndarray | None, solid: bool | None, who:
 
     n = len(body.vertices)
     if len(body.triangles):
-        segments, side_edge, count, balance = derive_edges(body.triangles, n)
+        segments, side_edge, count, _ = derive_edges(body.triangles, n)
     else:
         segments, side_edge = np.empty((0, 2), np.int32), np.empty((0, 3), np.int32)
-        count = balance = np.empty(0, np.int32)
+        count = np.empty(0, np.int32)
     body._closed = bool(len(count)) and not np.any(count & 1)
-    body._oriented = body._closed and not np.any(balance)  # type: ignore[attr-defined]
     n_edges = len(segments)
-    if given is not None or body._sides is not None:  # type: ignore[attr-defined]
+    if given is not None or body._sides is not None:
         segments, n_edges, side_edge = _renumber(body, segments, side_edge, given, n)
     body._given_edges = 0 if given is None else len(given)
     body._segments = segments
@@ -357,10 +357,10 @@ def _renumber(
 ) -> tuple[np.ndarray, int, np.ndarray]:
     """Number the segments: given edges, then missing polygon sides (sorted), then polygon diagonals."""
     key = segments[:, 0].astype(np.int64) * n + segments[:, 1]  # sorted, by construction
-    if body._sides is None:  # type: ignore[attr-defined]
+    if body._sides is None:
         is_side = np.ones(len(segments), bool)
     else:
-        ends = np.sort(body._sides, axis=1).astype(np.int64)  # type: ignore[attr-defined]
+        ends = np.sort(body._sides, axis=1).astype(np.int64)
         is_side = np.isin(key, ends[:, 0] * n + ends[:, 1])
     first = np.empty((0, 2), np.int32) if given is None else given
     number = np.full(len(segments), -1, np.int64)

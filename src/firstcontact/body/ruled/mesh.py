@@ -154,12 +154,14 @@ def _bend(side: np.ndarray) -> float:
 
 
 def _start(side: np.ndarray) -> np.ndarray:
-    return side[:3, 0] / side[3, 0]
+    point: np.ndarray = side[:3, 0] / side[3, 0]
+    return point
 
 
 def _end(side: np.ndarray) -> np.ndarray:
     x = side.sum(axis=1)
-    return x[:3] / x[3]
+    point: np.ndarray = x[:3] / x[3]
+    return point
 
 
 def _shifted(n: int, start: float, width: float) -> np.ndarray:

@@ -120,7 +120,7 @@ class RationalCurve:
     def flipped(self) -> RationalCurve:
         """The same curve with the signs of X, Y, Z and W changed."""
         curve = object.__new__(RationalCurve)
-        curve.components = tuple(-x for x in self.components)  # type: ignore[assignment]
+        curve.components = tuple(-x for x in self.components)
         return curve
 
     def positive_at(self, u: fmpq, t: fmpq) -> RationalCurve:
@@ -150,7 +150,8 @@ class RationalCurve:
         """(..., 3) float64 points at rest, for u of any shape; it may be infinite, poles give NaN or infinity."""
         values = self.homogeneous(u)
         with np.errstate(all="ignore"):
-            return values[..., :3] / values[..., 3:]
+            found: np.ndarray = values[..., :3] / values[..., 3:]
+            return found
 
     def homogeneous(self, u: Any) -> np.ndarray:
         """(..., 4) float64 values of X, Y, Z, W at rest, up to a factor, finite at all u."""
@@ -172,7 +173,7 @@ class RationalCurve:
     def _resting(self) -> tuple[fmpz_poly, ...]:
         if self.deforming:
             raise InputError("this curve deforms with the time T; take .at(t)")
-        return self.components  # type: ignore[return-value]
+        return self.components
 
     def __eq__(self, other: object) -> bool:
         """Whether the parametrisations agree: the same point at every u, and T."""
@@ -246,7 +247,7 @@ def _primitive(components: Sequence[Component]) -> Components:
         found = [in_u(x) for x in found]
         common = reduce(fmpz_poly.gcd, found)
         found = [x // common for x in found]
-    return tuple(found)  # type: ignore[return-value]
+    return tuple(found)
 
 
 def in_u(p: Component) -> fmpz_poly:
@@ -278,7 +279,7 @@ def _homogeneous(parts: list[dict[tuple[int, int], fmpq]]) -> Components:
     """The integer components of rational coefficients by (i, j)."""
     scale = reduce(fmpz.lcm, (c.q for part in parts for c in part.values()), fmpz(1))
     rows = [RING.from_dict({key: (c * scale).p for key, c in part.items() if c}) for part in parts]
-    if rows[3] == 0:
+    if rows[3].is_zero():
         raise InputError("RationalCurve denominator is 0; give one such as [1], or [1, 0, 1] for 1 + u**2")
     return _primitive(rows)
 

@@ -31,6 +31,7 @@ Interval = tuple[Fraction, Fraction]
 PARAMETERS = context(("u", "s"))
 """The ring of trimming polynomials."""
 _ONE = fmpq(1)
+_WHOLE = Fraction(0), Fraction(1)
 # Stands for infinity where a trimming polynomial is evaluated in floats.
 FAR = 1e12
 
@@ -169,14 +170,15 @@ class RuledSurface(Placing):
 
         The surface is (1 - r) sides[0] + r sides[1] with s = s0 + (s1 - s0) r.
         """
-        if self.s is None or self.s == (0, 1):
+        if self.s is None or self.s == _WHOLE:
             return self.first, self.second
         if "sides" not in self._search:
             found = (_blend(self.first, self.second, rational(s, "s")) for s in self.s)
             if not self.deforming:
                 found = (self._positive(curve) for curve in found)
             self._search["sides"] = tuple(found)
-        return self._search["sides"]  # type: ignore[no-any-return]
+        known: tuple[RationalCurve, RationalCurve] = self._search["sides"]
+        return known
 
     @property
     def tracing_index(self) -> int:
@@ -188,7 +190,8 @@ class RuledSurface(Placing):
             raise InputError(f"{self._who} deforms with the time T; take .at(t)")
         if "tracing index" not in self._search:
             self._search["tracing index"] = _tracing_index(self._lines())
-        return self._search["tracing index"]  # type: ignore[no-any-return]
+        known: int = self._search["tracing index"]
+        return known
 
     @property
     def is_proper(self) -> bool:
@@ -215,7 +218,8 @@ class RuledSurface(Placing):
         if np.any(np.isnan(s)):
             raise InputError("s holds NaN; give parameters")
         r = s[..., None]
-        return (1 - r) * self.first.points(u) + r * self.second.points(u)
+        found: np.ndarray = (1 - r) * self.first.points(u) + r * self.second.points(u)
+        return found
 
     def keeps(self, u: Any, s: Any) -> np.ndarray:
         """Bools of the shape that u and s broadcast to: whether the trimming inequalities hold there, in floats."""

@@ -53,7 +53,8 @@ class Plane:
 
     def polar(self, x: Vector, y: Vector) -> fmpq:
         """The symmetric bilinear form of N.X times w."""
-        return (dot(self.normal, x) * y[3] + dot(self.normal, y) * x[3]) / 2
+        twice: fmpq = dot(self.normal, x) * y[3] + dot(self.normal, y) * x[3]
+        return twice / 2
 
     def matrix(self) -> Rows:
         """The form N.X times w as a symmetric 4x4 matrix."""
@@ -81,7 +82,8 @@ class Quadric:
         return tuple(2 * sum(self.form[i][j] * x[j] for j in range(4)) for i in range(3))
 
     def polar(self, x: Vector, y: Vector) -> fmpq:
-        return bilinear(self.form, x, y)
+        value: fmpq = bilinear(self.form, x, y)
+        return value
 
     def matrix(self) -> Rows:
         return self.form

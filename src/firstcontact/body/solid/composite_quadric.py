@@ -123,7 +123,8 @@ class CompositeQuadric(Placing):
 
     def _combined(self, other: Any, operation: Any, *, subtract: bool = False) -> CompositeQuadric:
         if not isinstance(other, CompositeQuadric):
-            return NotImplemented
+            refused: CompositeQuadric = NotImplemented
+            return refused
         surfaces, tree = joined(self.surfaces, other.surfaces, other.tree)
         parts = [*self._inner_parts(), *other._inner_parts(surfaces, flipped=subtract)]
         if subtract:
@@ -189,10 +190,11 @@ class CompositeQuadric(Placing):
         if not np.all(np.isfinite(p)):
             raise InputError("points hold a value that is not finite")
         may_in, may_out = self._possible(p)
-        answer = may_in & ~may_out
+        answer: np.ndarray = may_in & ~may_out
         for k in np.flatnonzero(may_in & may_out):
             answer[k] = self.contains_exactly(vector3(rows[k], f"point {k}"))
-        return answer[0] if single else answer
+        told: np.ndarray = answer[0] if single else answer
+        return told
 
     def contains_exactly(self, point: Vector) -> bool:
         """Whether the rational point (x, y, z) is in the closed solid."""
@@ -241,7 +243,8 @@ class CompositeQuadric(Placing):
 
     def _sizes(self, x: np.ndarray) -> np.ndarray:
         """(surfaces, n): the sizes of the forms' terms at (n, 4) points that are not negative."""
-        return np.einsum("ni,sij,nj->sn", x, np.abs(self._forms_f), x, optimize=True)
+        sizes: np.ndarray = np.einsum("ni,sij,nj->sn", x, np.abs(self._forms_f), x, optimize=True)
+        return sizes
 
     @property
     def bounded(self) -> bool:

@@ -10,7 +10,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeVar
+
+if TYPE_CHECKING:
+    import numpy as np
+
+Truth = TypeVar("Truth", bool, "np.ndarray")
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,8 +56,8 @@ def inside(tree: Tree, negative: Sequence[Any]) -> Any:
     return first & second if isinstance(tree, And) else first | second
 
 
-def possible(tree: Tree, below: Sequence[Any], above: Sequence[Any]) -> tuple[Any, Any]:
-    """(may be inside, may be outside), arrays of bools, where form i may be negative (below) or positive (above)."""
+def possible(tree: Tree, below: Sequence[Truth], above: Sequence[Truth]) -> tuple[Truth, Truth]:
+    """(may be inside, may be outside), bools or arrays, where form i may be negative (below) or positive (above)."""
     if isinstance(tree, Leaf):
         return below[tree.surface], above[tree.surface]
     if isinstance(tree, Not):

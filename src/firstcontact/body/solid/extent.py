@@ -78,7 +78,8 @@ def _form_f(surface: Surface) -> np.ndarray:
 
 def _may_be_inside(tree: Tree, forms: list[np.ndarray], x: np.ndarray, h: np.ndarray) -> np.ndarray:
     """(n,) bools: False proves that the box x +- h, rows (4,) homogeneous with w >= 0, is outside."""
-    below, above = [], []
+    below: list[np.ndarray] = []
+    above: list[np.ndarray] = []
     reach = np.abs(x) + h
     for form in forms:
         if form.ndim == 1:
@@ -160,7 +161,8 @@ def _of_the_solid(body: CompositeQuadric, sure: np.ndarray, level: np.ndarray) -
     points = np.concatenate([sure, level])
     may_be = body._possible(points, slack=1e-7)[0]
     may_be[: len(sure)] = True
-    return points[may_be]
+    possibly: np.ndarray = points[may_be]
+    return possibly
 
 
 def _level_planes(a: fmpq, b: fmpq, c: fmpq) -> list[tuple[arb, arb]]:

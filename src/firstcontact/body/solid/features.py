@@ -99,9 +99,11 @@ class Edge:
             chord = np.stack([np.interp(t, steps, self.frame[:, k]) for k in range(3)], axis=-1)
             return PairF(self.carrier.first, self.carrier.second).pulled(chord)
         if self.frame.shape[1] == 2:
-            return (self.frame @ np.stack([t, np.ones_like(t)]))[:3].T
-        x = self.frame @ np.stack([np.ones_like(t), np.cos(t), np.sin(t)])
-        return (x[:3] / x[3]).T
+            on_line: np.ndarray = self.frame @ np.stack([t, np.ones_like(t)])
+            return on_line[:3].T
+        x: np.ndarray = self.frame @ np.stack([np.ones_like(t), np.cos(t), np.sin(t)])
+        found: np.ndarray = x[:3] / x[3]
+        return found.T
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,8 +20,9 @@ from firstcontact.body.solid.carriers import (
     inertia,
     primitive,
 )
-from firstcontact.body.solid.composite_quadric import CompositeQuadric, Part, form_of, solid
+from firstcontact.body.solid.composite_quadric import CompositeQuadric, form_of, solid
 from firstcontact.body.solid.csg import And, Leaf, Not, Or
+from firstcontact.body.solid.feature_names import Part
 from firstcontact.body.solid.intersections import linear_factors
 from firstcontact.errors import InputError
 from firstcontact.exact.numbers import rational

@@ -159,12 +159,14 @@ class PairF:
 
     def value(self, p: np.ndarray) -> np.ndarray:
         x = np.column_stack([p, np.ones(len(p))])
-        return np.einsum("ni,sij,nj->ns", x, self.forms, x)
+        values: np.ndarray = np.einsum("ni,sij,nj->ns", x, self.forms, x)
+        return values
 
     def gradients(self, p: np.ndarray) -> np.ndarray:
         """(n, 2, 3)."""
         x = np.column_stack([p, np.ones(len(p))])
-        return 2 * np.einsum("sij,nj->nsi", self.forms, x)[..., :3]
+        slopes: np.ndarray = 2 * np.einsum("sij,nj->nsi", self.forms, x)[..., :3]
+        return slopes
 
 
 # -- branches -----------------------------------------------------------------------------------------------

@@ -36,14 +36,16 @@ class Chart:
     whole: bool = False
 
     def coordinates(self, points: np.ndarray) -> np.ndarray:
-        return (points - self.origin) @ self.axes.T
+        y: np.ndarray = (points - self.origin) @ self.axes.T
+        return y
 
     def holds(self, points: np.ndarray) -> np.ndarray:
         """(n,) bools: which points of the surface are on this sheet (tips of cones are on both)."""
         if not self.sheet:
             return np.ones(len(points), bool)
         y = self.coordinates(points)
-        return self.sheet * y[:, 2] > -1e-9 * (1 + np.abs(y).max(axis=1))
+        on_sheet: np.ndarray = self.sheet * y[:, 2] > -1e-9 * (1 + np.abs(y).max(axis=1))
+        return on_sheet
 
     def rays(self, points: np.ndarray) -> np.ndarray:
         """(n, 3) rays, of any length, of (n, 3) points."""
@@ -125,7 +127,8 @@ def _normal_form(
 def _in_frame(form: np.ndarray, origin: np.ndarray, axes: np.ndarray) -> np.ndarray:
     to_space = np.eye(4)
     to_space[:3, :3], to_space[:3, 3] = np.linalg.inv(axes), origin
-    return to_space.T @ form @ to_space
+    here: np.ndarray = to_space.T @ form @ to_space
+    return here
 
 
 def _graph(form: np.ndarray, start: np.ndarray, axes: np.ndarray, sheet: int, points: np.ndarray) -> Chart:
@@ -148,7 +151,8 @@ def _icosahedron() -> np.ndarray:
     quarter = [(0, a, b * g) for a in (1, -1) for b in (1, -1)]
     corners = np.array([np.roll(c, k) for c in quarter for k in range(3)])
     turn = np.linalg.qr(np.array([[0.83, 0.31, -0.47], [0.22, 0.91, 0.35], [-0.57, 0.41, 0.79]]))[0]
-    return corners @ turn
+    turned: np.ndarray = corners @ turn
+    return turned
 
 
 def _rings(height: float) -> np.ndarray:

@@ -269,11 +269,13 @@ def _side(body: CompositeQuadric, skin: _Skin, corners: np.ndarray) -> tuple[int
 
 def _value(form: np.ndarray, p: np.ndarray) -> np.ndarray:
     x = np.column_stack([p, np.ones(len(p))])
-    return np.einsum("ni,ij,nj->n", x, form, x)
+    values: np.ndarray = np.einsum("ni,ij,nj->n", x, form, x)
+    return values
 
 
 def _slope(form: np.ndarray, p: np.ndarray) -> np.ndarray:
-    return 2 * (p @ form[:3, :3] + form[3, :3])
+    slopes: np.ndarray = 2 * (p @ form[:3, :3] + form[3, :3])
+    return slopes
 
 
 # -- refining -----------------------------------------------------------------------------------------------
@@ -307,7 +309,8 @@ def _off(skin: _Skin, a: np.ndarray, b: np.ndarray) -> np.ndarray:
     steep = np.linalg.norm(_slope(skin.form, skin.points), axis=1)
     bend = np.abs(np.einsum("ni,ij,nj->n", along, skin.form[:3, :3], along))
     total = steep[a] + steep[b]
-    return np.divide(bend, 2 * total, out=np.zeros_like(bend), where=total > 0)
+    off: np.ndarray = np.divide(bend, 2 * total, out=np.zeros_like(bend), where=total > 0)
+    return off
 
 
 def _halve(skin: _Skin, keys: np.ndarray) -> None:
@@ -351,7 +354,8 @@ def _flip(skin: _Skin, bound: float, rounds: int) -> None:
     """Flip inner sides whose other diagonal is closer to the surface, or nearly as close and shorter."""
 
     def cost(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-        return _off(skin, a, b) + by_length * np.linalg.norm(skin.points[a] - skin.points[b], axis=1)
+        length: np.ndarray = np.linalg.norm(skin.points[a] - skin.points[b], axis=1)
+        return _off(skin, a, b) + by_length * length
 
     by_length = LENGTH_SHARE * bound / float(np.ptp(skin.points, axis=0).max())
     rays = _unit(skin.rays)
@@ -385,12 +389,14 @@ def _flip(skin: _Skin, bound: float, rounds: int) -> None:
 
 
 def _turn(rays: np.ndarray, a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
-    return np.sum(np.cross(rays[a], rays[b]) * rays[c], axis=1)
+    volumes: np.ndarray = np.sum(np.cross(rays[a], rays[b]) * rays[c], axis=1)
+    return volumes
 
 
 def _unit(vectors: np.ndarray) -> np.ndarray:
     length = np.linalg.norm(vectors, axis=1, keepdims=True)
-    return np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0)
+    units: np.ndarray = np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0)
+    return units
 
 
 def _sides(triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -400,4 +406,5 @@ def _sides(triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def _keys(skin: _Skin, a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """One number for each pair of corners, whatever their order."""
-    return np.minimum(a, b).astype(np.int64) * len(skin.rays) + np.maximum(a, b)
+    keys: np.ndarray = np.minimum(a, b).astype(np.int64) * len(skin.rays) + np.maximum(a, b)
+    return keys

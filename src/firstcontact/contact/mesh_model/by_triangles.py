@@ -282,7 +282,7 @@ class _Answer:
             return int(corners[0])
         k = touch.corner
         if k < 0 and len(touch.sides) == 2 and touch.primitive < len(self.mesh.triangles):
-            k = {(0, 1): 1, (1, 2): 2, (0, 2): 0}[touch.sides]  # type: ignore[index]
+            k = {(0, 1): 1, (1, 2): 2, (0, 2): 0}[touch.sides]
         return int(corners[k]) if k >= 0 and is_sharp_vertex(self.mesh, int(corners[k])) else None
 
     def _flats(self, triangles: list[int], edges: list[int], touch: Touch) -> Directions:
@@ -382,7 +382,7 @@ class _Answer:
         last = first if only_start else min(self.last, fmpq(*window.last.as_integer_ratio()))
         bodies = self.a, self.b
         if only_start and first == 0:  # where a motion of constant speed has not begun
-            bodies = tuple(x.body if _is_screw(x) else x for x in bodies)  # type: ignore[assignment]
+            bodies = tuple(x.body if _is_screw(x) else x for x in bodies)
         for piece in relative_pieces(*bodies, first, last):
             if not piece.exact:
                 raise UnsupportedPair(f"{piece.of}: the pose before this step is irrational")

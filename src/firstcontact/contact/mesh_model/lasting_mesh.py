@@ -82,7 +82,8 @@ class LastingOfMesh(Lasting[MeshPoint]):
 
     def place(self, window: Window, t: float, point: MeshPoint) -> np.ndarray:
         p = self.pose(self._motions(window)[0], t)
-        return linear(p) @ point.local + p[9:12]
+        place: np.ndarray = linear(p) @ point.local + p[9:12]
+        return place
 
     def _motions(self, window: Window) -> tuple[np.ndarray, np.ndarray]:
         """Of the polyhedron, of the model."""

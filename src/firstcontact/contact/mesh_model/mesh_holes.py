@@ -165,7 +165,8 @@ class HoledSearch(MeshSearch):
             x = np.linalg.solve(linear(here), place - here[9:12])
             before, after = (linear(p) @ x + p[9:12] for p in (self.lasting.pose(m, s) for s in times))
             rates.append((after - before) / max(times[1] - times[0], 1e-300))
-        return rates[0] - rates[1]
+        seen: np.ndarray = rates[0] - rates[1]
+        return seen
 
     # -- groups ----------------------------------------------------------------------------------------------
 
@@ -316,7 +317,8 @@ class HoledSearch(MeshSearch):
 
     def _gradient(self, surface: int, x: np.ndarray) -> np.ndarray:
         g = (self.model._forms_f[surface] @ np.append(x, 1.0))[:3]
-        return g / max(float(np.linalg.norm(g)), 1e-300)
+        unit: np.ndarray = g / max(float(np.linalg.norm(g)), 1e-300)
+        return unit
 
 
 @dataclass(eq=False)
@@ -351,7 +353,8 @@ def _place(instant: Instant, event: Event) -> np.ndarray:
     """(3,) where the event is, in the world."""
     instant.place(event.time, event.time)
     pose = instant.poses()[event.side]
-    return pose[:, :3] @ [to_double(c) for c in event.x] + pose[:, 3]
+    place: np.ndarray = pose[:, :3] @ [to_double(c) for c in event.x] + pose[:, 3]
+    return place
 
 
 # -- points of every part of a model -------------------------------------------------------------------------
@@ -387,7 +390,8 @@ def _find_anchors(model: CompositeQuadric) -> tuple[np.ndarray, np.ndarray]:
 def _on_ellipsoid(form: np.ndarray) -> np.ndarray:
     centre = -np.linalg.solve(form[:3, :3], form[:3, 3])
     depth = form[3, 3] + form[3, :3] @ centre
-    return centre + [np.sqrt(max(-depth / form[0, 0], 0.0)), 0.0, 0.0]
+    point: np.ndarray = centre + [np.sqrt(max(-depth / form[0, 0], 0.0)), 0.0, 0.0]
+    return point
 
 
 def _least_distance(corners: np.ndarray, x: np.ndarray) -> float:
@@ -403,4 +407,5 @@ def _least_distance(corners: np.ndarray, x: np.ndarray) -> float:
 
 
 def _lengths(x: np.ndarray) -> np.ndarray:
-    return np.maximum(np.linalg.norm(x, axis=-1), 1e-300)
+    lengths: np.ndarray = np.maximum(np.linalg.norm(x, axis=-1), 1e-300)
+    return lengths

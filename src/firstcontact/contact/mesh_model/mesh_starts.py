@@ -109,7 +109,8 @@ class Standing:
         if not isinstance(self.model, Moving):
             return place
         pose = self.model.motion(to_double(self.t))
-        return pose[:3, :3] @ place + pose[:3, 3]
+        moved: np.ndarray = pose[:3, :3] @ place + pose[:3, 3]
+        return moved
 
 
 def _on_segment(p: Vector, q: Vector, model: CompositeQuadric) -> Place:

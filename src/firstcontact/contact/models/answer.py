@@ -121,7 +121,8 @@ def world_time(pair: Pair, root: Root) -> tuple[float, tuple[float, float]]:
 def to_world(pair: Pair, root: Root, points: np.ndarray, b: Any, time: float) -> np.ndarray:
     """(n, 3) points of the frame of b in the world at the root."""
     pose = _pose_of_b(pair, root, b, time)
-    return points @ pose[:3, :3].T + pose[:3, 3]
+    moved: np.ndarray = points @ pose[:3, :3].T + pose[:3, 3]
+    return moved
 
 
 def _turned(pair: Pair, root: Root, n: np.ndarray | None, b: Any, time: float) -> np.ndarray | None:
@@ -132,7 +133,8 @@ def _turned(pair: Pair, root: Root, n: np.ndarray | None, b: Any, time: float) -
 def _pose_of_b(pair: Pair, root: Root, b: Any, time: float) -> np.ndarray:
     frame = pair.piece.frame
     if frame is None:  # bodies that turn about one line at different speeds
-        return b.motion(time)
+        pose: np.ndarray = b.motion(time)
+        return pose
     return _pose(frame, root)
 
 
@@ -235,7 +237,8 @@ def _unit(v: np.ndarray) -> np.ndarray | None:
     if not largest > 0:
         return None
     v = v / largest
-    return v / np.linalg.norm(v)
+    unit: np.ndarray = v / np.linalg.norm(v)
+    return unit
 
 
 # -- the list of subproblems ----------------------------------------------------------------------------------

@@ -118,7 +118,8 @@ def _on_faces(tree: Tree, below: np.ndarray, above: np.ndarray, on: On) -> np.nd
                 low[k], high[k] = negative, not negative
                 sides.append(possible(tree, list(low.copy()), list(high.copy())))
             there[k] |= sides[0][0] & sides[1][1]
-    return np.sum(list(there.values()), axis=0) >= on.fewest
+    enough: np.ndarray = np.sum(list(there.values()), axis=0) >= on.fewest
+    return enough
 
 
 def _matrix(form: Any, plane: bool, unit: float) -> np.ndarray:

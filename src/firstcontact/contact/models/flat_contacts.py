@@ -113,7 +113,8 @@ def _is_parallel(x: Flat, y: Flat) -> bool:
     plane, line = (x, y) if x.direction is None else (y, x)
     if plane.exact is None:
         return False
-    return dot(plane.exact, _tangent(line, plane) if line.exact is None else line.exact) == 0
+    across: bool = dot(plane.exact, _tangent(line, plane) if line.exact is None else line.exact) == 0
+    return across
 
 
 def _tangent(cone: Flat, plane: Flat) -> tuple[int, ...]:
@@ -546,6 +547,7 @@ def _at_surface(
     model: CompositeQuadric, feature: Feature, surface: int
 ) -> tuple[list[Face], list[Vertex], list[Edge]]:
     """The faces that join a face smoothly along a curve in the surface; the vertices and edges of the feature there."""
+    known: dict[tuple[Feature, int], tuple[list[Face], list[Vertex], list[Edge]]]
     known = model._search.setdefault("at surfaces", {})
     found = known.get((feature, surface))
     if found is None:
@@ -668,7 +670,7 @@ class _Outline:
 
 def _outline(body: _Body, face: Face) -> _Outline:
     """In the world; its local form is kept on the model."""
-    known = body.model._search.setdefault("outlines", {})
+    known: dict[Face, _Outline] = body.model._search.setdefault("outlines", {})
     outline = known.get(face)
     if outline is None:
         outline = known[face] = _local_outline(body.model, face)
@@ -757,7 +759,8 @@ def _box_around(rim: Edge) -> np.ndarray:
 
 
 def _in_pieces(edge: Edge, angles: np.ndarray) -> np.ndarray:
-    return np.any([(angles - p.lo) % (2.0 * np.pi) <= p.hi - p.lo for p in edge.pieces], axis=0)
+    held: np.ndarray = np.any([(angles - p.lo) % (2.0 * np.pi) <= p.hi - p.lo for p in edge.pieces], axis=0)
+    return held
 
 
 def _crossing(
@@ -798,7 +801,7 @@ def _arcs(body: _Body, rim: Edge, other: _Body, on: frozenset[int]) -> list[np.n
     points = np.stack(body.world(rim.points(angles).T), axis=1)
     good = _in_pieces(rim, angles)
     x, y, z = other.local(points.T)
-    negative: list[Any] = [value(form, x, y, z)[0] < 0.0 for form in other.forms]  # type: ignore[arg-type]
+    negative: list[Any] = [value(form, x, y, z)[0] < 0.0 for form in other.forms]
     either = []
     for choice in product((True, False), repeat=len(on)):
         for k, side in zip(on, choice, strict=True):

@@ -61,7 +61,8 @@ def _stays_level(motion: Any, axis: Axis) -> bool:
     if isinstance(motion, Sequence):
         return all(_stays_level(step, axis) for step in motion.steps)
     if isinstance(motion, Translation):
-        return dot(motion.vector, axis) == 0
+        level: bool = dot(motion.vector, axis) == 0
+        return level
     return not isinstance(motion, Screw) or motion.advance == 0
 
 
@@ -86,7 +87,7 @@ def _prism(body: CompositeQuadric, sides: Listing[Surface], plane: Plane, high: 
     *n, d = plane.normal
     square = dot(n, n)
     onto = [[fmpq(int(i == j)) - n[i] * c / square for j, c in enumerate((*n, d))] for i in range(3)]
-    rows: Rows = (*map(tuple, onto), (fmpq(0), fmpq(0), fmpq(0), fmpq(1)))  # type: ignore[assignment]
+    rows: Rows = (*map(tuple, onto), (fmpq(0), fmpq(0), fmpq(0), fmpq(1)))
     walls: dict[Any, Surface] = {}
     for side in sides:
         wall = side.placed(rows)

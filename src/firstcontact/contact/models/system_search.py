@@ -84,7 +84,8 @@ class _Model:
 
     def size(self, half: np.ndarray) -> np.ndarray:
         """Bound of the part beyond the value."""
-        return np.einsum("ni,ni->n", np.abs(self.slope), half) + self.rest
+        size: np.ndarray = np.einsum("ni,ni->n", np.abs(self.slope), half) + self.rest
+        return size
 
 
 class _Form:

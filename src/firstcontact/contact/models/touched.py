@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import inf, sqrt
-from typing import Any
 
 import numpy as np
 from flint import fmpq, fmpq_mat
@@ -153,7 +152,7 @@ def with_neighbours(known: Group, where: Point) -> list[Touched]:
     if not near:
         return known.features
     there = known.surfaces.union(near)
-    met = model._search.setdefault("met", {})
+    met: dict[frozenset[int], list[Touched]] = model._search.setdefault("met", {})
     if there not in met:
         faces = [f for f in model.faces if there.issuperset(f.surfaces)]
         edges = [e for e in model.edges if there.issuperset(e.surfaces)]
@@ -204,6 +203,7 @@ def ranked(
     model: CompositeQuadric, feature: Face | Edge | Vertex, which: str, where: Point
 ) -> tuple[tuple[int, int], Element]:
     """`rank` of a feature and how body `which` calls it; kept on the model, but for one of several coplanar faces."""
+    elements: dict[tuple[str, Face | Edge | Vertex], tuple[tuple[int, int], Element]]
     elements = model._search.setdefault("elements", {})
     known = elements.get((which, feature))
     if known is None:
@@ -216,7 +216,7 @@ def ranked(
 
 def touched(model: CompositeQuadric, kind: str, index: int) -> Touched:
     """A feature as `search.convex.advance` numbers it; of a cut model, that of the whole one on the same surfaces."""
-    known = model._search.setdefault("touched", {})
+    known: dict[tuple[str, int], Touched] = model._search.setdefault("touched", {})
     found = known.get((kind, index))
     if found is None:
         feature = _feature(model, kind, index)
@@ -230,18 +230,23 @@ def touched(model: CompositeQuadric, kind: str, index: int) -> Touched:
 
 
 def _feature(model: CompositeQuadric, kind: str, index: int) -> Face | Edge | Vertex:
-    features: Any = {"face": model.faces, "edge": model.edges}.get(kind, model.vertices)
-    found: Any
+    features = _features(model, kind)
+    found: Face | Edge | Vertex
     if kind == "corner":  # of a piece: the nearest of the model
         where = convex_pieces(model).array[index, :3]
-        found = min(features, key=lambda v: float(np.abs(np.array(v.position) - where).max()))
+        found = min(model.vertices, key=lambda v: float(np.abs(np.array(v.position) - where).max()))
     else:
         found = next(f for f in features if f.index == index)
     if model.whole is None:
         return found
     carriers = {model.surfaces[k] for k in found.surfaces}
-    of_whole: Any = {"face": model.whole.faces, "edge": model.whole.edges}.get(kind, model.whole.vertices)
+    of_whole = _features(model.whole, kind)
     return next(f for f in of_whole if carriers <= {model.whole.surfaces[k] for k in f.surfaces})
+
+
+def _features(model: CompositeQuadric, kind: str) -> Sequence[Face | Edge | Vertex]:
+    known: dict[str, Sequence[Face | Edge | Vertex]] = {"face": model.faces, "edge": model.edges}
+    return known.get(kind, model.vertices)
 
 
 def _inverse(form: Rows) -> Rows:

@@ -7,13 +7,18 @@ from typing import Any
 
 import numpy as np
 
-from firstcontact.contact.polyhedra.earliest import Found, Pair, pairs_at_start
+from firstcontact.body.polyhedron.polyhedron import Polyhedron
+from firstcontact.contact.polyhedra.earliest import Found, Pair, Problem, Searched, Window, pairs_at_start
 from firstcontact.exact.numbers import PRECISIONS, Undecidable, precision
+from firstcontact.exact.times.instants import Instant
 from firstcontact.motion.moving import Moving
+from firstcontact.motion.relative.curved import CurvedPiece
+from firstcontact.motion.relative.pieces import Piece
 from firstcontact.result import MOST_OTHERS, ContactInterval, Element, ElementPair, FirstContact, Stats, Status
 from firstcontact.search.trees.elements import EDGE, FACE, VERTEX, Feature
 from firstcontact.search.trees.touch import carried_normal, doubles
 
+Body = Polyhedron | Moving
 _NAMES = {VERTEX: "vertex", EDGE: "edge", FACE: "face"}
 
 
@@ -32,7 +37,7 @@ def _users(body: Any, found: Feature) -> Feature:
     return found
 
 
-def element_pairs(a: Any, b: Any, pairs: list[Pair]) -> list[tuple[ElementPair, Pair]]:
+def element_pairs(a: Body, b: Body, pairs: list[Pair]) -> list[tuple[ElementPair, Pair]]:
     """The pairs in users' terms with the search's own behind each, each once, lowest first.
 
     Of two triangles of one polygon the pair that comes first stands for it.  By the elements of the body that leads,
@@ -41,7 +46,7 @@ def element_pairs(a: Any, b: Any, pairs: list[Pair]) -> list[tuple[ElementPair, 
     first, second = a.name or "a", b.name or "b"
     a_leads = len(pairs) < 2 or _leads(a, b)
 
-    def order(pair: Any) -> Any:
+    def order(pair: Pair) -> tuple[Feature, Feature]:
         return (pair[1], pair[2]) if a_leads else (pair[2], pair[1])
 
     seen: dict[tuple[Feature, Feature], Pair] = {}
@@ -51,7 +56,7 @@ def element_pairs(a: Any, b: Any, pairs: list[Pair]) -> list[tuple[ElementPair, 
     return [(ElementPair(_named(first, x), _named(second, y)), seen[x, y]) for x, y in named]
 
 
-def _leads(a: Any, b: Any) -> bool:
+def _leads(a: Body, b: Body) -> bool:
     """Whether a comes first whichever way round the two are given: the one that moves, else by name and shape."""
     moves = isinstance(a, Moving), isinstance(b, Moving)
     return moves[0] if moves[0] != moves[1] else _signature(a) <= _signature(b)
@@ -67,7 +72,7 @@ def _named(name: str, element: Feature) -> Element:
     return Element(_NAMES[element[0]], name, element[1], name)
 
 
-def contact_of(problem: Any, found: Found, exact: bool, stats: Stats, shared: dict[str, Any]) -> FirstContact:
+def contact_of(problem: Problem, found: Found, exact: bool, stats: Stats, shared: dict[str, Any]) -> FirstContact:
     """The CONTACT result of a search that found one; where and of what it is waits until it is asked for."""
     time, interval = problem.world_instant(found.instant)
     known = {
@@ -85,7 +90,7 @@ def contact_of(problem: Any, found: Found, exact: bool, stats: Stats, shared: di
     return FirstContact.deferring(known, lambda: _where(problem, found, time, shared))
 
 
-def _where(problem: Any, found: Found, time: float, shared: dict[str, Any]) -> dict[str, Any]:
+def _where(problem: Problem, found: Found, time: float, shared: dict[str, Any]) -> dict[str, Any]:
     """What a CONTACT result says of the elements and the place."""
     named = element_pairs(shared["a"], shared["b"], found.pairs)
     (lowest, pair), *rest = named
@@ -102,7 +107,7 @@ def _where(problem: Any, found: Found, time: float, shared: dict[str, Any]) -> d
 
 
 def contained_at_start(
-    problem: Any, exact: bool, stats: Stats, shared: dict[str, Any], jump: bool = False
+    problem: Problem, exact: bool, stats: Stats, shared: dict[str, Any], jump: bool = False
 ) -> FirstContact:
     """The result for bodies one of which lies inside the other at the start; `jump`: that of a later step."""
     start, interval = problem.world_instant(problem.start_instant())
@@ -119,7 +124,7 @@ def contained_at_start(
 
 
 def initial_contact(
-    problem: Any,
+    problem: Searched,
     found: Found,
     kind: str | None,
     exact: bool,
@@ -150,7 +155,7 @@ def initial_contact(
     return FirstContact.deferring(known, lambda: _where_at_start(problem, found, shared))
 
 
-def _where_at_start(problem: Any, found: Found, shared: dict[str, Any]) -> dict[str, Any]:
+def _where_at_start(problem: Searched, found: Found, shared: dict[str, Any]) -> dict[str, Any]:
     """What a result says of the elements that meet at the start: all of them, which the search has not looked for."""
     pairs = _pairs_at_start(problem) or [pair for pair, _ in found.start] or found.pairs
     named = element_pairs(shared["a"], shared["b"], pairs)
@@ -166,7 +171,7 @@ def _where_at_start(problem: Any, found: Found, shared: dict[str, Any]) -> dict[
     }
 
 
-def _pairs_at_start(problem: Any) -> list[Pair]:
+def _pairs_at_start(problem: Searched) -> list[Pair]:
     """All pairs of an edge and a face that share a point at the start; none where some are left open."""
     try:
         return [pair for pair, _ in pairs_at_start(problem)]
@@ -178,16 +183,16 @@ def _pairs_at_start(problem: Any) -> list[Pair]:
 class JoinedInterval:
     """A window of contact, its ends each in the clock of the piece that holds it: (problem, instant, turn)."""
 
-    start: tuple[Any, Any, int]
-    end: tuple[Any, Any, int]
+    start: tuple[Problem, Instant, int]
+    end: tuple[Problem, Instant | None, int]
 
-    def at_start(self, piece: Any) -> bool:
+    def at_start(self, piece: Piece | CurvedPiece) -> bool:
         """Whether it begins with that piece."""
         problem, instant, turn = self.start
         return problem.piece is piece and turn == 0 and instant.is_zero()
 
 
-def join(intervals: list[JoinedInterval], problem: Any, windows: list[Any]) -> list[JoinedInterval]:
+def join(intervals: list[JoinedInterval], problem: Problem, windows: list[Window]) -> list[JoinedInterval]:
     """The intervals with the next piece's windows; contact at the joint of two pieces goes on."""
     out = list(intervals)
     for start, turn, end, last in problem.repeated(windows):
@@ -217,7 +222,7 @@ def interval_of(joined: JoinedInterval, exact: bool) -> ContactInterval:
     )
 
 
-def _start_point(problem: Any, pair: Pair) -> np.ndarray | None:
+def _start_point(problem: Searched, pair: Pair) -> np.ndarray | None:
     with precision(PRECISIONS[0]):
         try:
             return doubles(problem.start_point(pair[1], pair[2]))
@@ -225,7 +230,7 @@ def _start_point(problem: Any, pair: Pair) -> np.ndarray | None:
             return None
 
 
-def _place(problem: Any, pair: Pair, instant: Any, time: float) -> tuple[np.ndarray, np.ndarray | None]:
+def _place(problem: Problem, pair: Pair, instant: Instant | None, time: float) -> tuple[np.ndarray, np.ndarray | None]:
     """Contact point and unit normal (from b towards a) in the world."""
     point, normal = problem.touch(pair[1], pair[2], instant)
     pose = problem.piece.carry(time)

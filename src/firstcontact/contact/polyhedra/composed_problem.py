@@ -21,6 +21,7 @@ from typing import Any
 
 import numpy as np
 
+from firstcontact.contact.polyhedra.engines import ByEngine
 from firstcontact.contact.polyhedra.lifted_problem import lifted_scratch, motion_of, walk_lifted
 from firstcontact.search.levels.composed import (
     FEATURE,
@@ -55,7 +56,7 @@ from firstcontact.search.lifted.lifted_elements import Elements, edges_of
 from firstcontact.search.lifted.lifted_motion import ARC_STARTS, arc_tangent
 from firstcontact.search.lifted.lifted_walk import EDGES
 from firstcontact.search.trees.rounds import Finds, shared
-from firstcontact.search.trees.state import BEST, CANDIDATES, DECIDE, DONE, FULL, SLICE_SPENT, VISITS
+from firstcontact.search.trees.state import BEST, CANDIDATES, DECIDE, DONE, FULL, SLICE_SPENT, VISITS, WalkState
 from firstcontact.search.trees.state import QUERY as ROUND
 from firstcontact.search.trees.state import STACK as PART
 from firstcontact.search.trees.tree import FLAT_SIDE, SIDE
@@ -224,7 +225,7 @@ def _turned(a: Point, b: Point, tangent: Callable[[int], float], full: bool) -> 
     def conjunctions(chosen: slice, arc: int) -> tuple[Conjunction, ...]:
         c, s = (Bounded(x, _U) for x in ARC_STARTS[arc].tolist())
         begin, end = ((c * x - s * y, s * x + c * y, z) for x, y, z in (_some(p, chosen) for p in (a, b)))
-        found = rotation_conjunctions(begin, end, np.float64(tangent(arc)))  # type: ignore[arg-type]
+        found = rotation_conjunctions(begin, end, np.float64(tangent(arc)))
         return found if full else tuple({_on_time(x): None for x in found})
 
     return conjunctions
@@ -276,7 +277,7 @@ class Composed:
     threads: int = 1
     workers: list[Worker] = field(default_factory=list)
 
-    def advance(self, state: Any, arc: int, limit: int) -> int:
+    def advance(self, state: WalkState, arc: int, limit: int) -> int:
         """Go on with the rounds of the arc; the reason it came back.  PART and ROUND keep the place."""
         integers = state.integers
         while True:
@@ -300,7 +301,7 @@ class Composed:
             if integers[CANDIDATES]:
                 return DECIDE
 
-    def _share_out(self, group: Group, first: int, arc: int, state: Any) -> bool:
+    def _share_out(self, group: Group, first: int, arc: int, state: WalkState) -> bool:
         """Begin the round at the moving edge `first`; False when there is none."""
         last = min(len(group.parts), max(FIRST_ROUND, 2 * first))
         if first >= last:
@@ -346,7 +347,7 @@ class Composed:
 # ------------------------------------------------------------------------------------------------- problems
 
 
-def advance_composed(problem: Any, state: Any, limit: int, all_sides: bool = False) -> int:
+def advance_composed(problem: ByEngine, state: WalkState, limit: int, all_sides: bool = False) -> int:
     """Go on with the search of a translation or rotation; the reason it came back.
 
     Corners against facets, and edges through facets at the start, are asked of lifted trees.
@@ -357,7 +358,7 @@ def advance_composed(problem: Any, state: Any, limit: int, all_sides: bool = Fal
     return walk_lifted(problem, scratch, state, limit, {EDGES: lambda arc: composed.advance(state, arc, limit)})
 
 
-def _composed(problem: Any, state: Any, all_sides: bool) -> Composed:
+def _composed(problem: ByEngine, state: WalkState, all_sides: bool) -> Composed:
     a, b, floats = problem.tree_a, problem.tree_b, state.floats
     moving, resting = edges_of(a, all_sides), edges_of(b, all_sides)
     motion, reach, errors = motion_of(problem)

@@ -9,13 +9,15 @@ from __future__ import annotations
 import math
 from collections.abc import Hashable, Iterator
 from itertools import pairwise
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 from flint import fmpq
 
+from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.exact.numbers import PRECISIONS, ball, to_double
 from firstcontact.exact.rigid import Matrix, apply
+from firstcontact.exact.times.instants import Instant
 from firstcontact.exact.vectors import Vector, add, cross, dot, sub
 from firstcontact.motion.relative.cells import cells_of
 from firstcontact.motion.relative.curved import CurvedPiece, inverse, terms
@@ -32,18 +34,19 @@ from firstcontact.search.trees.tree import Tree
 from firstcontact.search.trees.walk import walk
 from firstcontact.search.trees.windows import collect
 
+At = TypeVar("At", bound=Instant)
 # Two elements by their exact corners: one, two or three of each.
 Corners = tuple[list[Vector], list[Vector]]
 # Names of the sides and corners of a primitive, and its own.
 Ids = tuple[list[Hashable], list[Hashable], Hashable]
 
 
-class CurvedProblem:
+class CurvedProblem(Generic[At]):
     """Body a moves by the piece's pose, body b rests; both in the frames they are given in."""
 
     begin = 0.0, 0.0
 
-    def __init__(self, a: Any, b: Any, piece: CurvedPiece) -> None:
+    def __init__(self, a: Polyhedron, b: Polyhedron, piece: CurvedPiece) -> None:
         self.a, self.b, self.piece = a, b, piece
         self.is_exact = a._pose is None and b._pose is None
         self.tree_a, self.tree_b = tree_of(a), tree_of(b)
@@ -65,17 +68,18 @@ class CurvedProblem:
     def advance(self, state: WalkState, limit: int, with_start: bool, all_sides: bool) -> int:
         """Go on with the walk; the reason it came back.  The start is another problem's (`problem`)."""
         a, b = self.tree_a, self.tree_b
-        return walk(
+        reason: int = walk(
             a.boxes, a.links, a.xyz, a.ids, b.boxes, b.links, b.xyz, b.ids,
             self.motion, a.error, b.error, self.pad, False, all_sides, limit,
             state.floats, state.integers, state.keys, state.pairs, state.stack, state.times, state.candidates,
         )  # fmt: skip
+        return reason
 
-    def contact(self, element_a: Feature, element_b: Feature) -> Any:
+    def contact(self, element_a: Feature, element_b: Feature) -> At | None:
         """The earliest time of the window at which the two elements share a point."""
         raise NotImplementedError
 
-    def contact_within(self, element_a: Feature, element_b: Feature, lo: float, hi: float) -> Any:
+    def contact_within(self, element_a: Feature, element_b: Feature, lo: float, hi: float) -> At | None:
         """The same, of two elements of which floats have proved that they meet in [lo, hi]."""
         return self.contact(element_a, element_b)
 
@@ -85,22 +89,26 @@ class CurvedProblem:
 
     # -- all windows ----------------------------------------------------------------------------------------
 
-    def collect(self, limit: int, integers: Any, stack: Any, cover: Any, times: Any, parts: Any) -> int:
+    def collect(
+        self, limit: int, integers: np.ndarray, stack: np.ndarray, cover: np.ndarray, times: np.ndarray,
+        parts: np.ndarray,
+    ) -> int:  # fmt: skip
         """Go on collecting windows (`windows.collect`)."""
         a, b = self.tree_a, self.tree_b
-        return collect(
+        reason: int = collect(
             a.boxes, a.links, a.xyz, a.ids, b.boxes, b.links, b.xyz, b.ids, self.motion,
             a.error, b.error, self.pad, self.window()[0], limit, integers, stack, cover, times, parts,
         )  # fmt: skip
+        return reason
 
-    def windows_of(self, primitive_a: int, primitive_b: int) -> list[tuple[Any, Any]]:
+    def windows_of(self, primitive_a: int, primitive_b: int) -> list[tuple[At, At]]:
         """The windows of contact of two primitives: between two consecutive events nothing changes."""
         a, b = Primitive(self.a, self.tree_a, primitive_a), Primitive(self.b, self.tree_b, primitive_b)
-        windows: list[tuple[Any, Any]] = []
+        windows: list[tuple[At, At]] = []
         begin, end = self.start_instant(), self.end_instant()
         pairs = list(element_pairs(a, ids_of(self.tree_a, primitive_a), b, ids_of(self.tree_b, primitive_b)))
         events = [(begin, False), *self.events(a, b, pairs), (end, False)]
-        open_since: Any = None
+        open_since: At | None = None
         for (left, touching), (right, _) in pairwise(events):
             if self.order(left, right) < 0 and self.meet_between(a, b, left, right):
                 open_since = left if open_since is None else open_since
@@ -114,16 +122,16 @@ class CurvedProblem:
 
     def events(
         self, a: Primitive, b: Primitive, pairs: list[tuple[Hashable, Corners]]
-    ) -> list[tuple[Any, bool]]:
+    ) -> list[tuple[At, bool]]:
         """The instants within the piece at which contact may begin or end, ascending, and whether they are contacts."""
         raise NotImplementedError
 
-    def meet_between(self, a: Primitive, b: Primitive, left: Any, right: Any) -> bool:
+    def meet_between(self, a: Primitive, b: Primitive, left: At, right: At) -> bool:
         """Whether two primitives share a point at a time between two instants."""
         pose = self.pose_between(left, right)
         return bool(decide(lambda: a.moved(pose).meets(b)))
 
-    def pose_between(self, x: Any, y: Any) -> Matrix:
+    def pose_between(self, x: At, y: At) -> Matrix:
         raise NotImplementedError
 
     # -- answers --------------------------------------------------------------------------------------------
@@ -133,25 +141,25 @@ class CurvedProblem:
         t = to_double(self.piece.start)
         return local if t == 0.0 else math.nextafter(t + local, -math.inf)
 
-    def is_end(self, at: Any, turn: int) -> bool:
+    def is_end(self, at: At, turn: int) -> bool:
         """Whether the instant is the end of the piece."""
         return self.order(at, self.end_instant()) == 0
 
-    def order(self, x: Any, y: Any) -> int:
+    def order(self, x: At, y: At) -> int:
         """-1, 0, 1: x before, at, after y."""
         return x.compare(y)
 
-    def start_instant(self) -> Any:
+    def start_instant(self) -> At:
         raise NotImplementedError
 
-    def end_instant(self) -> Any:
+    def end_instant(self) -> At:
         raise NotImplementedError
 
-    def repeated(self, windows: list[tuple[Any, Any]]) -> list[tuple[Any, int, Any, int]]:
+    def repeated(self, windows: list[tuple[At, At]]) -> list[tuple[At, int, At, int]]:
         """The windows as (start, turn, end, turn): there are no turns."""
         return [(start, 0, end, 0) for start, end in windows]
 
-    def touch(self, element_a: Feature, element_b: Feature, at: Any) -> Touch:
+    def touch(self, element_a: Feature, element_b: Feature, at: At) -> Touch:
         """(point, unit normal or None) of the two elements at the instant, working frame."""
         corners_a, corners_b = corners_of(self.a, element_a), corners_of(self.b, element_b)
         for bits in PRECISIONS:

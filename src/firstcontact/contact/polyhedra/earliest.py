@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from flint import arb
 
 from firstcontact.contact.polyhedra.engines import ByEngine
 from firstcontact.contact.polyhedra.planar import BeginsNothing
 from firstcontact.exact.numbers import PRECISIONS, Undecidable, exact_value, precision
-from firstcontact.exact.times.instants import RationalInstant
+from firstcontact.exact.times.instants import Instant, RationalInstant
 from firstcontact.search.trees.elements import KINDS, Feature, feature
 from firstcontact.search.trees.state import (
     ALL,
@@ -36,6 +36,18 @@ from firstcontact.search.trees.state import (
 )
 from firstcontact.work import Progress
 
+if TYPE_CHECKING:
+    import numpy as np
+
+    from firstcontact.body.polyhedron.polyhedron import Polyhedron
+    from firstcontact.exact.rigid import Matrix
+    from firstcontact.exact.vectors import Vector
+    from firstcontact.motion.relative.curved import CurvedPiece
+    from firstcontact.motion.relative.pieces import Piece
+    from firstcontact.result import ExactTime
+    from firstcontact.search.trees.touch import Touch
+    from firstcontact.search.trees.tree import Tree
+
 # A contact in doubt need not be decided where the bodies certainly meet within this share of the window after it.
 SOON = 2.0**-40
 
@@ -43,21 +55,65 @@ SOON = 2.0**-40
 Pair = tuple[int, Feature, Feature]
 
 
+# A closed time of contact; the end None: never.
+Window = tuple[Instant, Instant | None]
+# The same, each end with the number of full turns before it.
+Repeated = tuple[Instant, int, Instant | None, int]
+
+
 class Problem(Protocol):
-    """One piece of relative motion, as the search sees it."""
+    """One piece of relative motion, as the search sees it.  Its methods take instants of the kind that it gives."""
 
-    tree_a: Any
-    tree_b: Any
+    a: Polyhedron
+    b: Polyhedron
+    tree_a: Tree
+    tree_b: Tree
 
+    @property
+    def piece(self) -> Piece | CurvedPiece: ...
     @property
     def begin(self) -> tuple[float, float]: ...
     def window(self) -> tuple[float, float]: ...
+
+    # the first contact
     def advance(self, state: WalkState, limit: int, with_start: bool, all_sides: bool) -> int: ...
-    def contact(self, element_a: Feature, element_b: Feature) -> Any: ...
-    def contact_within(self, element_a: Feature, element_b: Feature, lo: float, hi: float) -> Any: ...
-    def possible(self, element_a: Feature, element_b: Feature) -> float: ...
+    def contact(self, element_a: Feature, element_b: Feature) -> Instant | None: ...
+    def contact_within(self, element_a: Feature, element_b: Feature, lo: float, hi: float) -> Instant | None: ...
     def meets_by(self, element_a: Feature, element_b: Feature, after: float) -> float | None: ...
+
+    # all windows
+    def collect(
+        self, limit: int, integers: np.ndarray, stack: np.ndarray, cover: np.ndarray, times: np.ndarray,
+        parts: np.ndarray,
+    ) -> int: ...  # fmt: skip
+    def windows_of(self, primitive_a: int, primitive_b: int) -> Sequence[Window]: ...
+    def float_window(self, lo: float, hi: float) -> Window: ...
+    def repeated(self, windows: list[Any]) -> Sequence[Repeated]: ...
+
+    # instants
+    def start_instant(self) -> Instant: ...
+    def end_instant(self) -> Instant | None: ...
+    def order(self, x: Any, y: Any) -> int: ...
+    def pose_between(self, x: Any, y: Any) -> Matrix: ...
+    def is_end(self, at: Any, turn: int) -> bool: ...
+    def touch(self, element_a: Feature, element_b: Feature, at: Any) -> Touch: ...
+
+    # the motions' clock
+    def world_instant(self, at: Any, turn: int = 0) -> tuple[float, tuple[float, float]]: ...
+    def world_exact(self, at: Any, turn: int = 0) -> ExactTime | None: ...
+    def world_time(self, local: float) -> float: ...
+
+
+class Searched(Problem, Protocol):
+    """A problem that is asked about its start too, and what it leaves in doubt.
+
+    Those of curved motion are not: their start is that of another problem.
+    """
+
+    def possible(self, element_a: Feature, element_b: Feature) -> float: ...
     def start_relation(self, element_a: Feature, element_b: Feature) -> int: ...
+    def start_point(self, element_a: Feature, element_b: Feature) -> Vector: ...
+    def is_contained(self) -> bool: ...
 
 
 @dataclass(slots=True)
@@ -70,7 +126,7 @@ class Found:
     open      None, or "budget" / "precision": what stopped the search; free_until (local) is proved
     """
 
-    instant: Any = None
+    instant: Instant | None = None
     pairs: list[Pair] = field(default_factory=list)
     start: list[tuple[Pair, bool]] = field(default_factory=list)
     open: str | None = None
@@ -87,7 +143,7 @@ class Found:
 
 
 def earliest(
-    problem: Problem, budget: int | None = None, progress: Progress | None = None, with_start: bool = True
+    problem: Searched, budget: int | None = None, progress: Progress | None = None, with_start: bool = True
 ) -> Found:
     """The first contact of the piece, proved.
 
@@ -108,7 +164,7 @@ def earliest(
     return found
 
 
-def all_pairs(problem: Problem, with_start: bool = True) -> Found:
+def all_pairs(problem: Searched, with_start: bool = True) -> Found:
     """`pairs`: every vertex/face, edge/edge and face/vertex pair that meets in the piece; `start`: edges through
 
     faces at its start.  Undecided pairs are decided exactly.
@@ -132,7 +188,7 @@ def all_pairs(problem: Problem, with_start: bool = True) -> Found:
     return found
 
 
-def pairs_at_start(problem: Problem) -> list[tuple[Pair, bool]]:
+def pairs_at_start(problem: Searched) -> list[tuple[Pair, bool]]:
     """All (edge, facet) pairs that share a point at the start of the piece, and whether they cross."""
     state = borrow_state()
     try:
@@ -154,15 +210,15 @@ def engine_of(problem: Problem, state: WalkState) -> str:
 
 class _Search:
     def __init__(
-        self, problem: Problem, state: WalkState, found: Found, budget: int | None, progress: Progress | None
+        self, problem: Searched, state: WalkState, found: Found, budget: int | None, progress: Progress | None
     ) -> None:
         self.problem, self.state, self.found = problem, state, found
         self.budget, self.progress = budget, progress
         self.waiting: list[tuple[float, float, list[int]]] = []  # candidates the floats are sure of: lo, hi, row
-        self.decided: dict[Pair, Any] = {}  # exact times
+        self.decided: dict[Pair, Instant | None] = {}  # exact times
         self.doubtful: dict[Pair, float] = {}  # pairs no precision decides, with their lower bounds
         self.stop_at_start = True
-        self.best: Any = None
+        self.best: Instant | None = None
         """The earliest exact time so far, and the pairs that realise it."""
         self.tied: list[Pair] = []
         self.met_by = float("inf")
@@ -278,7 +334,9 @@ class _Search:
             elif order == 0:
                 self.tied.append(pair)
 
-    def _contact_and_bound(self, pair: Pair, lo: float, sure_until: float | None) -> tuple[Any, float] | None:
+    def _contact_and_bound(
+        self, pair: Pair, lo: float, sure_until: float | None
+    ) -> tuple[Instant | None, float] | None:
         """The exact time of the pair and a double not before it; None where it is left in doubt.
 
         That is so when no precision decides it, and when the bodies certainly meet so soon after that it need not be.
@@ -320,7 +378,7 @@ class _Search:
     def _is_soon(self, after: float) -> bool:
         return after <= self.met_by <= after + SOON * self.problem.window()[0]
 
-    def _exactly(self, question: Callable[[], Any]) -> Any:
+    def _exactly(self, question: Callable[[], int]) -> int | None:
         """The answer of the exact face, at rising precision where it is in balls; None when none decides."""
         for bits in PRECISIONS:
             with precision(bits):
@@ -330,7 +388,7 @@ class _Search:
                     continue
         return None
 
-    def _order(self, x: Any, y: Any) -> int:
+    def _order(self, x: Instant, y: Instant) -> int:
         """-1, 0, 1: x before, at, after y; 0 also where no ball tells them apart."""
         for bits in PRECISIONS:
             with precision(bits):

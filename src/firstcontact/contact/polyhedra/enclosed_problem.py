@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 from flint import arb, arb_series, ctx, fmpq
 
+from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact.polyhedra.curved_problem import Corners, CurvedProblem
 from firstcontact.contact.polyhedra.earliest import SOON
-from firstcontact.contact.polyhedra.generic_turns import relative_pose
+from firstcontact.contact.polyhedra.generic_turns import Rows, relative_pose
 from firstcontact.contact.polyhedra.planar import BeginsNothing, generic_poses, has_walls, normal_of_motion
 from firstcontact.exact.fields.conditions import Conditions
 from firstcontact.exact.numbers import (
@@ -64,20 +65,20 @@ _MOST_LOOKS = 200
 _NEAR = 2.0**-28
 
 
-class EnclosedProblem(CurvedProblem):
+class EnclosedProblem(CurvedProblem[RationalInstant]):
     """A piece whose pose has no rational form, such as a screw: contact times are balls of any precision.
 
     What no precision decides, such as a graze, raises Undecidable.
     """
 
-    def __init__(self, a: Any, b: Any, piece: CurvedPiece) -> None:
+    def __init__(self, a: Polyhedron, b: Polyhedron, piece: CurvedPiece) -> None:
         super().__init__(a, b, piece)
         self._instants: dict[Hashable, list[tuple[RationalInstant, arb]]] = {}
         self._possible: dict[tuple[Feature, Feature], float] = {}
-        self._poses_at: dict[fmpq, tuple[Any, Any, bool] | None] = {}
+        self._poses_at: dict[fmpq, tuple[Rows, Rows, bool] | None] = {}
 
     @cached_property
-    def _generic(self) -> tuple[Any, Any] | None:
+    def _generic(self) -> tuple[Rows, Rows] | None:
         """The generic pose of motions in the plane, and its inverse; None where this motion is in no plane."""
         normal = normal_of_motion(self.piece)
         return None if normal is None or not self.is_exact else generic_poses(normal)
@@ -99,15 +100,15 @@ class EnclosedProblem(CurvedProblem):
             raise BeginsNothing if self._have_walls else Undecidable
         return [[not p for p in (*c.least, *c.more)] for c in parts]
 
-    def conditions(self, pair: Corners, pose: Any, back: Any) -> list[Conditions]:
+    def conditions(self, pair: Corners, pose: Rows, back: Rows) -> list[Conditions]:
         """When the two elements share a point, but for parallel edges; power series in the time."""
         x, y = pair
         if len(x) == 1:
-            return moving.vertex_facet(moving.times(pose, x[0], 1), *y)  # type: ignore[call-arg]
+            return moving.vertex_facet(moving.times(pose, x[0], 1), *y)
         if len(y) == 1:
-            return moving.vertex_facet(moving.times(back, y[0], 1), *x)  # type: ignore[call-arg]
+            return moving.vertex_facet(moving.times(back, y[0], 1), *x)
         edge = moving.turned(pose, sub(x[1], x[0]))
-        return [moving.edge_edge_crossing(moving.times(pose, x[0], 1), edge, *y)]  # type: ignore[call-arg]
+        return [moving.edge_edge_crossing(moving.times(pose, x[0], 1), edge, *y)]
 
     def contact(self, element_a: Feature, element_b: Feature) -> RationalInstant | None:
         """The earliest time of the window at which the two elements share a point, as a ball.
@@ -157,7 +158,7 @@ class EnclosedProblem(CurvedProblem):
 
     def _contacts_in(
         self, pair: Corners, lo: fmpq, hi: fmpq, first_only: bool = False, lasting: list[list[bool]] | None = None
-    ) -> list[tuple[Any, arb]]:
+    ) -> list[tuple[arb | fmpq, arb]]:
         """The contacts of two elements from lo to hi, or the first of them, each with a time in which it is alone.
 
         They are balls, but rational at an end of the piece and where balls would leave them open.
@@ -166,7 +167,7 @@ class EnclosedProblem(CurvedProblem):
         Undecidable carries a double before which there certainly is none.
         """
         waiting, looks = [(lo, hi)], 0
-        out: list[tuple[Any, arb]] = []
+        out: list[tuple[arb | fmpq, arb]] = []
         # `waiting` holds, last one first, the times at which contacts may be that are not in `out`.
         while waiting and not (first_only and out):
             left, right = waiting.pop()
@@ -248,7 +249,7 @@ class EnclosedProblem(CurvedProblem):
                 return end
         return simplest(dyadic(root.lower()), dyadic(root.upper()))
 
-    def _exact_poses(self, time: fmpq) -> tuple[Any, Any, bool] | None:
+    def _exact_poses(self, time: fmpq) -> tuple[Rows, Rows, bool] | None:
         if not self.is_exact:
             return None
         if time not in self._poses_at:
@@ -256,7 +257,7 @@ class EnclosedProblem(CurvedProblem):
             self._poses_at[time] = relative_pose(self.piece.leg_a.place(there), self.piece.leg_b.place(there))
         return self._poses_at[time]
 
-    def _conditions_over(self, pair: Corners, left: fmpq, right: fmpq) -> list[Any]:
+    def _conditions_over(self, pair: Corners, left: fmpq, right: fmpq) -> list[Conditions]:
         """The conditions as series about the middle of a time, their last terms enclosing the rest."""
         middle = (left + right) / 2
         with terms(_TERMS, ctx.prec):
@@ -270,7 +271,7 @@ class EnclosedProblem(CurvedProblem):
             for c, d in zip(sharp, blurred, strict=True)
         ]  # fmt: skip
 
-    def _poses(self, t: arb) -> tuple[Any, Any]:
+    def _poses(self, t: arb) -> tuple[Rows, Rows]:
         """The pose of a seen from b at the local time, and its inverse, with their last rows."""
         pose = self.piece.series(t + self.piece.start)
         last = [[0, 0, 0, arb_series([1])]]
@@ -308,7 +309,7 @@ class EnclosedProblem(CurvedProblem):
         with terms(2, ctx.prec):
             return self.conditions(pair, *self._poses(t))[index].zero[0]
 
-    def _in_window(self, t: Any) -> bool:
+    def _in_window(self, t: arb | fmpq) -> bool:
         """Whether the time lies in the piece; Undecidable for balls at its ends."""
         if t < 0 or t > self.length:
             return False
@@ -356,7 +357,7 @@ class EnclosedProblem(CurvedProblem):
                         found[id(instant)] = instant
             return [(instant, True) for instant in sorted(found.values(), key=cmp_to_key(self.order))]
 
-    def _known(self, name: Hashable, root: arb, alone: arb) -> RationalInstant:
+    def _known(self, name: Hashable, root: arb | fmpq, alone: arb) -> RationalInstant:
         """The instant of that contact of two elements: one object, whichever primitives ask, equal to itself."""
         known = self._instants.setdefault(name, [])
         for instant, around in known:
@@ -417,7 +418,7 @@ class EnclosedProblem(CurvedProblem):
 
 
 
-def _beside(body: Any, element: Feature) -> list[Primitive]:
+def _beside(body: Polyhedron, element: Feature) -> list[Primitive]:
     """The triangles and bare edges that share a corner with the element."""
     corners = vertices_of(body, element)
     primitives = [t for t in body.triangles.tolist() if not set(corners).isdisjoint(t)]
@@ -426,7 +427,7 @@ def _beside(body: Any, element: Feature) -> list[Primitive]:
     return [Primitive.of([body.exact_vertex(i) for i in p]) for p in primitives]
 
 
-def _certainly_holds(solid: Any, body: Any, element: Feature, pose: Matrix) -> bool:
+def _certainly_holds(solid: Polyhedron, body: Polyhedron, element: Feature, pose: Matrix) -> bool:
     """Whether the element is a vertex of the body that certainly lies inside the solid."""
     if not solid.solid or element[0] != VERTEX:
         return False
@@ -436,12 +437,12 @@ def _certainly_holds(solid: Any, body: Any, element: Feature, pose: Matrix) -> b
         return False
 
 
-def _has_facet(body: Any, edge: Feature) -> bool:
+def _has_facet(body: Polyhedron, edge: Feature) -> bool:
     """Whether the edge is a side of a triangle."""
     return bool(np.any(np.isin(body.triangles, vertices_of(body, edge)).sum(axis=1) >= 2))
 
 
-def corners_as_doubles(body: Any, element: Feature) -> np.ndarray:
+def corners_as_doubles(body: Polyhedron, element: Feature) -> np.ndarray:
     """The corners of an element as the doubles of the body, the last one repeated."""
     kind, index = element
     if kind == FACE:

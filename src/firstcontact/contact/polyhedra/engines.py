@@ -19,11 +19,11 @@ The plane sweep and the levels of `composed` are asked only by name, the latter 
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
+from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.search.trees.crowding import crowding
+from firstcontact.search.trees.elements import Feature
 from firstcontact.search.trees.state import (
     ALL,
     CANDIDATES,
@@ -76,7 +76,8 @@ class ByEngine:
     engine = "boxes"
     threads = 1
     listed = 0
-    a: Any
+    a: Polyhedron
+    b: Polyhedron
     tree_a: Tree
     tree_b: Tree
 
@@ -161,7 +162,7 @@ class ByEngine:
             return "composed" if state.floats[ALL] else "lifted"
         return self.engine
 
-    def meets_by(self, element_a: Any, element_b: Any, after: float) -> float | None:
+    def meets_by(self, element_a: Feature, element_b: Feature, after: float) -> float | None:
         """A time soon after that one by which the bodies certainly share a point: none is sought, pairs are exact."""
         return None
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time as clock
 from dataclasses import replace
-from typing import Any
 
 from firstcontact.contact.polyhedra.answers import (
     JoinedInterval,
@@ -16,14 +15,14 @@ from firstcontact.contact.polyhedra.answers import (
     join,
 )
 from firstcontact.contact.polyhedra.earliest import Found, Pair, all_pairs, earliest
-from firstcontact.contact.polyhedra.intervals import contact_windows
+from firstcontact.contact.polyhedra.intervals import Windows, contact_windows
 from firstcontact.contact.polyhedra.overlap import initial_kind
 from firstcontact.contact.polyhedra.problem import problem_of, problems_in_order
 from firstcontact.contact.ways import Way, answered
 from firstcontact.errors import FirstContactError, UnsupportedPair
 from firstcontact.exact.numbers import Undecidable, to_double
 from firstcontact.motion.relative.curved import CurvedPiece
-from firstcontact.motion.relative.pieces import pieces
+from firstcontact.motion.relative.pieces import Piece, pieces
 from firstcontact.result import ContactIntervals, ContactPairs, FirstContact, Stats, Status
 from firstcontact.work import Query
 
@@ -121,7 +120,7 @@ def contact_pairs(query: Query) -> ContactPairs:
     )
 
 
-def _pieces(query: Query) -> list[Any]:
+def _pieces(query: Query) -> list[Piece | CurvedPiece]:
     """The pieces of the relative motion; UnsupportedPair where exact times are asked of one that has none."""
     parts = pieces(query.a, query.b, query.first, query.last)
     if query.exact:
@@ -146,7 +145,7 @@ def _undecided(reason: str, free_until: float, stats: Stats, query: Query) -> Fi
     )
 
 
-def _added(stats: Stats, found: Any) -> Stats:
+def _added(stats: Stats, found: Found | Windows) -> Stats:
     """The work so far with that of one more search."""
     return Stats(
         stats.node_visits + found.visits,

@@ -21,7 +21,7 @@ APART = 8
 MOST_TURNS = 3
 
 
-def generic_turn(axis: Vector, u: Any) -> tuple[Rows, Any]:
+def generic_turn(axis: Vector, u: fmpq_poly) -> tuple[Rows, fmpq_poly]:
     """(linear part, weight): the turn about the axis by 2 atan(|axis| u), times 1 + |axis|^2 u^2."""
     x, y, z = axis
     across = [[fmpq(0), -z, y], [z, fmpq(0), -x], [-y, x, fmpq(0)]]
@@ -52,7 +52,7 @@ def relative_pose(place_a: Placement, place_b: Placement) -> tuple[Rows, Rows, b
     return pose, back, turns == 0
 
 
-def _steps(factor: Any, index: int) -> list[tuple[Rows, Rows]] | None:
+def _steps(factor: Matrix | Turn | Twist, index: int) -> list[tuple[Rows, Rows]] | None:
     """A factor of a placement as maps to apply one after the other, each with its inverse."""
     if not isinstance(factor, Turn | Twist):
         return [_fixed(factor)]

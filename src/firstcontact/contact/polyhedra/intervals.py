@@ -9,13 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from firstcontact.contact.polyhedra.earliest import Problem, Window
 from firstcontact.exact.numbers import Undecidable
 from firstcontact.search.trees.containment import contained_at, decide
 from firstcontact.search.trees.state import SLICE
 from firstcontact.search.trees.windows import COVERS, DONE, FOUND, FULL, STACK, TESTS, VISITS
 from firstcontact.work import Progress
-
-Window = tuple[Any, Any]
 
 
 @dataclass(slots=True)
@@ -31,7 +30,7 @@ class Windows:
     engine: str = "boxes"
 
 
-def contact_windows(problem: Any, budget: int | None, progress: Progress | None) -> Windows:
+def contact_windows(problem: Problem, budget: int | None, progress: Progress | None) -> Windows:
     """All windows of contact of the piece, its solids' interiors included."""
     answer = Windows()
     collected = _collect(problem, answer, budget, progress)
@@ -55,7 +54,7 @@ def contact_windows(problem: Any, budget: int | None, progress: Progress | None)
 
 
 def _collect(
-    problem: Any, answer: Windows, budget: int | None, progress: Progress | None
+    problem: Problem, answer: Windows, budget: int | None, progress: Progress | None
 ) -> tuple[list[tuple[float, float]], list[tuple[int, int]]] | None:
     """(certain cover, primitive pairs that matter at its ends); None when the budget is spent."""
     integers = np.zeros(5, np.int64)
@@ -85,7 +84,7 @@ def _collect(
     answer.unsure = int(np.sum(times[:n, 0] > times[:n, 3]))
     ids_a, ids_b = problem.tree_a.ids[parts[:n, 0], 0], problem.tree_b.ids[parts[:n, 1], 0]
     pairs = sorted(set(zip(ids_a.tolist(), ids_b.tolist(), strict=True)))
-    return [tuple(c) for c in cover[: int(integers[COVERS])].tolist()], pairs  # type: ignore[misc]
+    return [tuple(c) for c in cover[: int(integers[COVERS])].tolist()], pairs
 
 
 def _drop_covered(
@@ -107,7 +106,7 @@ def _drop_covered(
     return new_times, new_parts
 
 
-def _union(items: list[Window], problem: Any) -> list[Window]:
+def _union(items: list[Window], problem: Problem) -> list[Window]:
     """The union of closed windows as disjoint windows, ascending; windows that touch become one."""
 
     def by_start(x: Window, y: Window) -> int:
@@ -124,13 +123,13 @@ def _union(items: list[Window], problem: Any) -> list[Window]:
     return out
 
 
-def _with_containment(problem: Any, windows: list[Window]) -> list[Window]:
+def _with_containment(problem: Problem, windows: list[Window]) -> list[Window]:
     """The windows and those gaps between them in which a body lies inside the other.
 
     The surfaces share no point in a gap, so one time in it decides the whole gap.
     """
     begin, end = problem.start_instant(), problem.end_instant()
-    ends: list[Window] = [(None, begin), *windows, (end, None)]
+    ends: list[tuple[Any, Any]] = [(None, begin), *windows, (end, None)]
     out: list[Window] = []
     for before, after in pairwise(ends):
         left, right = before[1], after[0]

@@ -10,6 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from firstcontact.body.polyhedron.polyhedron import Polyhedron
+from firstcontact.contact.polyhedra.engines import ByEngine
 from firstcontact.contact.polyhedra.translation_problem import TranslationProblem
 from firstcontact.kernels.lifted.meridians import may_meet_turning
 from firstcontact.kernels.lifted.swept_cell import edge_distances
@@ -48,14 +50,14 @@ class Scratch:
     room: Room
 
 
-def advance_lifted(problem: Any, state: WalkState, limit: int) -> int:
+def advance_lifted(problem: ByEngine, state: WalkState, limit: int) -> int:
     """Go on with the walk of a translation or rotation by lines and planes; the reason it came back."""
     if state.scratch is None:
         state.scratch = lifted_scratch(problem)
     return walk_lifted(problem, state.scratch, state, limit)
 
 
-def lifted_scratch(problem: Any) -> Scratch:
+def lifted_scratch(problem: ByEngine) -> Scratch:
     frame = frame_of(problem.tree_b)
     of_a, of_b = lifted_of(problem.a, problem.tree_a), lifted_of(problem.b, problem.tree_b)
     motion, _, _ = motion_of(problem)
@@ -67,7 +69,7 @@ def lifted_scratch(problem: Any) -> Scratch:
 
 
 def walk_lifted(
-    problem: Any, scratch: Scratch, state: WalkState, limit: int,
+    problem: ByEngine, scratch: Scratch, state: WalkState, limit: int,
     searches: Mapping[int, Callable[[int], int]] = MappingProxyType({}),
 ) -> int:  # fmt: skip
     """`lifted_walk` of the problem."""
@@ -134,10 +136,11 @@ def parting(problem: TranslationProblem) -> float:
     return last * (1.0 + 1e-14)
 
 
-def lifted_of(body: Any, tree: Tree) -> Lifted:
+def lifted_of(body: Polyhedron, tree: Tree) -> Lifted:
     """Elements of the body in the frame of the tree; kept on the body for the next query."""
     cached = body._search.get("lifted")
     if cached is None or cached[0] is not tree:
         lifted = Lifted(edges_of(tree), corners_of_tree(tree), facets_of(tree))
         cached = body._search["lifted"] = tree, lifted
-    return cached[1]
+    known: Lifted = cached[1]
+    return known

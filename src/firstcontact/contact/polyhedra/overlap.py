@@ -8,14 +8,14 @@ cell is enough.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import chain, combinations
-from typing import Any
 
 import numpy as np
 from flint import fmpq
 
-from firstcontact.contact.polyhedra.earliest import Found, Pair, earliest, pairs_at_start
+from firstcontact.body.polyhedron.polyhedron import Polyhedron
+from firstcontact.contact.polyhedra.earliest import Found, Pair, Searched, earliest, pairs_at_start
 from firstcontact.exact.numbers import Undecidable, sign, to_double
 from firstcontact.exact.vectors import Vector, add, along, cross, dot, scaled, sub
 from firstcontact.pairs.elements import point_line
@@ -30,7 +30,7 @@ from firstcontact.search.trees.frame import tree_of
 PLANES_TRIED = 12
 
 
-def initial_kind(problem: Any, found: Found) -> str:
+def initial_kind(problem: Searched, found: Found) -> str:
     """ "touching" or "overlapping", for bodies whose surfaces share a point at the start.
 
     Overlapping: some point of one lies in the interior of the other, which is a solid.
@@ -68,7 +68,7 @@ def _key(x: Vector) -> tuple[float, float, float]:
 # -- cheap answers ------------------------------------------------------------------------------------------
 
 
-def _separated(a: Any, b: Any, touching: list[Pair]) -> bool:
+def _separated(a: Polyhedron, b: Polyhedron, touching: list[Pair]) -> bool:
     """Whether a plane through the contact certainly has the two bodies on its two sides."""
     for pair in touching[:PLANES_TRIED]:
         for normal, point in _planes(corners_of(a, pair[1]), corners_of(b, pair[2])):
@@ -91,13 +91,13 @@ def _planes(x: list[Vector], y: list[Vector]) -> Iterator[tuple[Vector, Vector]]
             yield cross(sub(q, p), sub(s, r)), p
 
 
-def _sides_of(corners: list[Vector]) -> list[tuple[Vector, Vector]]:
+def _sides_of(corners: Sequence[Vector]) -> list[tuple[Vector, Vector]]:
     if len(corners) == 3:
         return [(corners[0], corners[1]), (corners[1], corners[2]), (corners[2], corners[0])]
     return [(corners[0], corners[1])] if len(corners) == 2 else []
 
 
-def _sides(body: Any, normal: Vector, point: Vector) -> tuple[int, ...]:
+def _sides(body: Polyhedron, normal: Vector, point: Vector) -> tuple[int, ...]:
     """On which sides of the plane vertices lie: a sorted subset of -1, 0, 1; exact."""
     n, p = (np.array([to_double(x) for x in v]) for v in (normal, point))
     values = (body.vertices - p) @ n
@@ -111,7 +111,7 @@ def _sides(body: Any, normal: Vector, point: Vector) -> tuple[int, ...]:
     return tuple(sorted(found))
 
 
-def _component_inside(inner: Any, outer: Any, touching: list[Feature]) -> bool:
+def _component_inside(inner: Polyhedron, outer: Polyhedron, touching: list[Feature]) -> bool:
     """Whether a component of `inner` that touches nothing lies inside `outer`."""
     vertices = component_vertices(inner)
     if not outer.solid or len(vertices) == 1:
@@ -123,7 +123,7 @@ def _component_inside(inner: Any, outer: Any, touching: list[Feature]) -> bool:
     return any(contains(outer, tree, inner.exact_vertex(v)) for v in free)
 
 
-def _some_vertex(body: Any, element: Feature) -> int:
+def _some_vertex(body: Polyhedron, element: Feature) -> int:
     kind, index = element
     if kind == VERTEX:
         return index
@@ -135,7 +135,7 @@ def _some_vertex(body: Any, element: Feature) -> int:
 # -- tangent cones ------------------------------------------------------------------------------------------
 
 
-def _shared_vertices(a: Any, b: Any, pair: Pair) -> Iterator[Vector]:
+def _shared_vertices(a: Polyhedron, b: Polyhedron, pair: Pair) -> Iterator[Vector]:
     """The vertices of the set the two elements share: corners of one on the other, crossings of edges."""
     x, y = corners_of(a, pair[1]), corners_of(b, pair[2])
     yield from (p for p in x if _on(p, y))
@@ -147,7 +147,7 @@ def _shared_vertices(a: Any, b: Any, pair: Pair) -> Iterator[Vector]:
             yield along(r, dot(cross(sub(r, p), e), n) / dot(n, n), f)
 
 
-def _on(p: Vector, corners: Any) -> bool:
+def _on(p: Vector, corners: Sequence[Vector]) -> bool:
     """Whether p lies on the closed vertex, edge or triangle."""
     if len(corners) == 1:
         return p == corners[0]
@@ -159,7 +159,7 @@ def _on(p: Vector, corners: Any) -> bool:
     return dot(n, sub(p, corners[0])) == 0 and in_triangle(p, *corners, n)  # type: ignore[call-arg]
 
 
-def _facets_at(body: Any, x: Vector) -> list[list[Vector]]:
+def _facets_at(body: Polyhedron, x: Vector) -> list[list[Vector]]:
     """Corners of the triangles that contain x."""
     p = np.array([to_double(c) for c in x])
     corners = body.vertices[body.triangles]
@@ -169,7 +169,7 @@ def _facets_at(body: Any, x: Vector) -> list[list[Vector]]:
     return [t for t in triangles if _on(x, t)]
 
 
-def _cones_overlap(a: Any, b: Any, x: Vector) -> bool:
+def _cones_overlap(a: Polyhedron, b: Polyhedron, x: Vector) -> bool:
     """Whether near x some point of one body lies in the interior of the other (solid) one."""
     facets_a, facets_b = _facets_at(a, x), _facets_at(b, x)
     normals: list[Vector] = []
@@ -218,7 +218,7 @@ def _cell_directions(normals: list[Vector]) -> Iterator[Vector]:
                     yield along(r, min(reach, default=fmpq(2)) / 2, w)
 
 
-def _edge_directions(body: Any, x: Vector) -> Iterator[Vector]:
+def _edge_directions(body: Polyhedron, x: Vector) -> Iterator[Vector]:
     """Directions along the edges that contain x."""
     p = np.array([to_double(c) for c in x])
     ends = body.vertices[body._segments]
@@ -244,7 +244,7 @@ def _facet_directions(facets: list[list[Vector]], x: Vector, normals: list[Vecto
                 yield w
 
 
-def _inside_along(body: Any, x: Vector, g: Vector) -> bool:
+def _inside_along(body: Polyhedron, x: Vector, g: Vector) -> bool:
     """Whether x + s g lies in the interior of the solid for all small s > 0; g lies in no facet's plane there."""
     size = max(abs(c) for c in g)
     span = max(float(np.ptp(body.vertices)), 1e-300)
@@ -258,7 +258,7 @@ def _inside_along(body: Any, x: Vector, g: Vector) -> bool:
     return contains(body, tree, y)
 
 
-def _meets_far_facet(body: Any, x: Vector, y: Vector) -> bool:
+def _meets_far_facet(body: Polyhedron, x: Vector, y: Vector) -> bool:
     """Whether the segment from x to y meets a triangle of the body that does not contain x."""
     p, q = (np.array([to_double(c) for c in v]) for v in (x, y))
     corners = body.vertices[body.triangles]

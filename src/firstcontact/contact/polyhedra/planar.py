@@ -40,7 +40,8 @@ def normal_of_motion(piece: CurvedPiece) -> Vector | None:
 def _is_across(leg: Leg, normal: Vector) -> bool:
     motion = leg.motion
     if isinstance(motion, Translation):
-        return dot(motion.vector, normal) == 0
+        across: bool = dot(motion.vector, normal) == 0
+        return across
     turns = isinstance(motion, Rotation) or (isinstance(motion, Screw) and motion.advance == 0)
     return turns and not any(cross(motion.axis, normal))
 

@@ -3,28 +3,36 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import fmpq
 
+from firstcontact.body.polyhedron.polyhedron import Polyhedron
+from firstcontact.contact.polyhedra.answers import Body
+from firstcontact.contact.polyhedra.earliest import Problem, Searched
 from firstcontact.contact.polyhedra.translation_problem import TranslationProblem
 from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.curved import CurvedPiece
 from firstcontact.motion.relative.pieces import Piece
 
+if TYPE_CHECKING:
+    from firstcontact.contact.polyhedra.rotation_problem import RotationProblem
 
-def problem_of(a: Any, b: Any, piece: Any, engine: str = "boxes", threads: int = 1) -> Any:
+
+def problem_of(a: Body, b: Body, piece: Piece | CurvedPiece, engine: str = "boxes", threads: int = 1) -> Problem:
     """The search problem of the piece, both bodies placed at its reference time."""
     if isinstance(piece, CurvedPiece):
         from firstcontact.contact.polyhedra.enclosed_problem import EnclosedProblem
         from firstcontact.contact.polyhedra.rational_problem import RationalProblem
 
         body_a, body_b = (shape_of(body) for body in (a, b))
-        return (RationalProblem if piece.polynomial else EnclosedProblem)(body_a, body_b, piece)
+        if piece.polynomial:
+            return RationalProblem(body_a, body_b, piece)
+        return EnclosedProblem(body_a, body_b, piece)
     body_a, body_b = _placed(a, b, piece)
     if piece.velocity is not None:
-        problem: Any = TranslationProblem(body_a, body_b, piece)
+        problem: TranslationProblem | RotationProblem = TranslationProblem(body_a, body_b, piece)
     else:
         from firstcontact.contact.polyhedra.rotation_problem import RotationProblem
 
@@ -34,8 +42,8 @@ def problem_of(a: Any, b: Any, piece: Any, engine: str = "boxes", threads: int =
 
 
 def problems_in_order(
-    a: Any, b: Any, parts: Iterable[Any], engine: str = "boxes", threads: int = 1
-) -> Iterator[tuple[Any, bool]]:
+    a: Body, b: Body, parts: Iterable[Piece | CurvedPiece], engine: str = "boxes", threads: int = 1
+) -> Iterator[tuple[Searched, bool]]:
     """The problems to search one after the other, and whether the bodies may share points from its beginning on.
 
     That is so in the first one, in which both bodies stand as the span starts, and after a jump.
@@ -48,14 +56,15 @@ def problems_in_order(
                 bodies = _placed(a, b, start)
                 if k == 0 or not _boxes_apart(*bodies):
                     yield TranslationProblem(*bodies, start), True
-            yield problem_of(a, b, piece, engine), False
+            curved: Any = problem_of(a, b, piece, engine)
+            yield curved, False
         else:
             problem = problem_of(a, b, piece, engine, threads)
             yield from _simple_problems(a, b, problem, k == 0 or isinstance(before, CurvedPiece))
         before = piece
 
 
-def _simple_problems(a: Any, b: Any, problem: Any, with_start: bool) -> Iterator[tuple[Any, bool]]:
+def _simple_problems(a: Body, b: Body, problem: Any, with_start: bool) -> Iterator[tuple[Searched, bool]]:
     """The problems of a translation or rotation."""
     piece: Piece = problem.piece
     if piece.reference == piece.start:
@@ -77,7 +86,7 @@ def piece_at_start(piece: CurvedPiece) -> Piece:
     return Piece(piece.start, piece.start, piece.start, *piece.placed_at_start(), zero, None, None, rate)
 
 
-def _boxes_apart(a: Any, b: Any) -> bool:
+def _boxes_apart(a: Polyhedron, b: Polyhedron) -> bool:
     """Whether two bodies at rest certainly share no point, by their boxes."""
     (lo_a, hi_a), (lo_b, hi_b) = a.bounds(), b.bounds()
     size = max(float(np.abs(x).max()) for x in (lo_a, hi_a, lo_b, hi_b))
@@ -85,6 +94,6 @@ def _boxes_apart(a: Any, b: Any) -> bool:
     return bool(np.any(lo_a > hi_b + pad) or np.any(lo_b > hi_a + pad))
 
 
-def _placed(a: Any, b: Any, piece: Piece) -> tuple[Any, Any]:
+def _placed(a: Body, b: Body, piece: Piece) -> tuple[Polyhedron, Polyhedron]:
     body_a, body_b = (shape_of(body) for body in (a, b))
     return piece.place_a.place(body_a), piece.place_b.place(body_b)

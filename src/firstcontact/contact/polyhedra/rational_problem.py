@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
-from typing import Any
 
-from flint import ctx
+from flint import ctx, fmpz
 
+from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact.polyhedra.curved_problem import Corners, CurvedProblem
 from firstcontact.exact.fields.conditions import Conditions, between, distinct
 from firstcontact.exact.fields.roots import AlgebraicRoot
@@ -23,10 +23,10 @@ from firstcontact.result import ExactTime
 from firstcontact.search.trees.elements import Feature, Primitive, corners_of
 
 
-class RationalProblem(CurvedProblem):
+class RationalProblem(CurvedProblem[RootInstant]):
     """A piece whose pose is a rational function of the time: every answer is exact."""
 
-    def __init__(self, a: Any, b: Any, piece: CurvedPiece) -> None:
+    def __init__(self, a: Polyhedron, b: Polyhedron, piece: CurvedPiece) -> None:
         super().__init__(a, b, piece)
         assert piece.polynomial is not None
         self.path: PolynomialPiece = piece.polynomial
@@ -45,23 +45,23 @@ class RationalProblem(CurvedProblem):
         scale, corners = whole(*pair[0], *pair[1])
         x, y = corners[: len(pair[0])], corners[len(pair[0]) :]
         if len(x) == 1:
-            return moving.vertex_facet(moving.times(self.path.pose, x[0], scale), *y)  # type: ignore[call-arg]
+            return moving.vertex_facet(moving.times(self.path.pose, x[0], scale), *y)
         if len(y) == 1:
-            return moving.vertex_facet(moving.times(self.back, y[0], scale), *x)  # type: ignore[call-arg]
+            return moving.vertex_facet(moving.times(self.back, y[0], scale), *x)
         return self._edges(x, y, scale)
 
-    def _edges(self, x: list[Vector], y: list[Vector], scale: Any) -> list[Conditions]:
+    def _edges(self, x: list[Vector], y: list[Vector], scale: fmpz) -> list[Conditions]:
         """Edges that cross, and where that is not all, ends of one on the other."""
         pose = self.path.pose
         start = moving.times(pose, x[0], scale)
-        crossing = moving.edge_edge_crossing(start, moving.turned(pose, sub(x[1], x[0])), *y)  # type: ignore[call-arg]
+        crossing = moving.edge_edge_crossing(start, moving.turned(pose, sub(x[1], x[0])), *y)
         if not crossing.lasting and not self._parallel_at_events(crossing):
             return [crossing]
         found = [crossing]
         for p in x:
-            found += moving.vertex_edge(moving.times(pose, p, scale), *y)  # type: ignore[call-arg]
+            found += moving.vertex_edge(moving.times(pose, p, scale), *y)
         for p in y:
-            found += moving.vertex_edge(moving.times(self.back, p, scale), *x)  # type: ignore[call-arg]
+            found += moving.vertex_edge(moving.times(self.back, p, scale), *x)
         return found
 
     def _parallel_at_events(self, crossing: Conditions) -> bool:
@@ -98,7 +98,7 @@ class RationalProblem(CurvedProblem):
         time = x.root.rational if x.root.compare(y.root) == 0 else between(x.root, y.root)
         assert time is not None
         rows = projective.value(self.path.pose, time)
-        return tuple(rows[0]), tuple(rows[1]), tuple(rows[2])  # type: ignore[return-value]
+        return tuple(rows[0]), tuple(rows[1]), tuple(rows[2])
 
     def float_window(self, lo: float, hi: float) -> tuple[RootInstant, RootInstant]:
         """A certain window given by doubles, clipped to the piece."""

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from flint import arb, fmpq, fmpz
 
+from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact.polyhedra.engines import ByEngine
 from firstcontact.errors import InputError
 from firstcontact.exact.fields.algebraic import algebraic
@@ -33,6 +34,7 @@ from firstcontact.exact.rigid import Matrix, quaternion_rotation
 from firstcontact.exact.times.instants import (
     AngleInstant,
     LimitInstant,
+    TurnInstant,
     compare_angles,
     enclose,
     same_instant,
@@ -57,6 +59,7 @@ from firstcontact.search.trees.walk import walk
 from firstcontact.search.trees.windows import collect
 
 Angle = tuple[fmpq, fmpq]  # radians, turns
+Window = tuple[TurnInstant, TurnInstant]
 
 # Squares of lengths below it leave the range of doubles.
 LOST_LENGTH = 2.0**-500
@@ -79,7 +82,7 @@ class RotationProblem(ByEngine):
     angle `opening` of the first turn; the problem searches that turn from zero, its `parts` from there.
     """
 
-    def __init__(self, a: Any, b: Any, piece: Piece) -> None:
+    def __init__(self, a: Polyhedron, b: Polyhedron, piece: Piece) -> None:
         assert piece.axis is not None and piece.point is not None
         self.a, self.b, self.piece = a, b, piece
         self.is_exact = a._pose is None and b._pose is None
@@ -100,7 +103,7 @@ class RotationProblem(ByEngine):
         self.last = None if piece.end is None else self._angle_at(piece.end)
         if self.last is not None and self.turn:
             self.last = self.last[0], self.last[1] - self.turn
-        self._known_corners: dict[tuple[Feature, Feature], Any] = {}
+        self._known_corners: dict[tuple[Feature, Feature], tuple[fmpz, list[Vector], list[Vector]]] = {}
         self._window: tuple[float, float] | None = None
         self._prepare()
 
@@ -184,13 +187,14 @@ class RotationProblem(ByEngine):
     def advance_boxes(self, state: WalkState, limit: int, with_start: bool, all_sides: bool) -> int:
         """Go on with the walk over trees of boxes; the reason it came back."""
         a, b = self.tree_a, self.tree_b
-        return walk(
+        reason: int = walk(
             a.boxes, a.links, a.xyz, a.ids, b.boxes, b.links, b.xyz, b.ids,
             self.motion, self.error_a, self.error_b, self.pad, with_start, all_sides, limit,
             state.floats, state.integers, state.keys, state.pairs, state.stack, state.times, state.candidates,
         )  # fmt: skip
+        return reason
 
-    def _corners(self, element_a: Feature, element_b: Feature) -> tuple[Any, list[Vector], list[Vector]]:
+    def _corners(self, element_a: Feature, element_b: Feature) -> tuple[fmpz, list[Vector], list[Vector]]:
         """(scale, scale times the exact corners about the axis' point); kept, unless they depend on the precision."""
         key = element_a, element_b
         found = self._known_corners.get(key)
@@ -220,12 +224,12 @@ class RotationProblem(ByEngine):
         scale, a, b = self._corners(element_a, element_b)
         axis = self._whole_axis
         if element_a[0] == VERTEX:
-            found = point_plane_rotation.rotation_contacts(axis, a[0], *b)  # type: ignore[call-arg]
+            found = point_plane_rotation.rotation_contacts(axis, a[0], *b)
         elif element_b[0] == VERTEX:
-            back = point_plane_rotation.rotation_contacts(axis.reversed(), b[0], *a)  # type: ignore[call-arg]
+            back = point_plane_rotation.rotation_contacts(axis.reversed(), b[0], *a)
             found = [(instant, (*b[0], 1)) for instant, _ in back]
         else:
-            found = line_line_rotation.rotation_contacts(axis, *a, *b)  # type: ignore[call-arg]
+            found = line_line_rotation.rotation_contacts(axis, *a, *b)
         return [(instant, (x, y, z, w * scale)) for instant, (x, y, z, w) in found]
 
     def contact(self, element_a: Feature, element_b: Feature) -> AngleInstant | None:
@@ -270,15 +274,19 @@ class RotationProblem(ByEngine):
 
     # -- all windows ----------------------------------------------------------------------------------------
 
-    def collect(self, limit: int, integers: Any, stack: Any, cover: Any, times: Any, parts: Any) -> int:
+    def collect(
+        self, limit: int, integers: np.ndarray, stack: np.ndarray, cover: np.ndarray, times: np.ndarray,
+        parts: np.ndarray,
+    ) -> int:  # fmt: skip
         """Go on collecting windows (`windows.collect`)."""
         a, b = self.tree_a, self.tree_b
-        return collect(
+        reason: int = collect(
             a.boxes, a.links, a.xyz, a.ids, b.boxes, b.links, b.xyz, b.ids, self.motion,
             self.error_a, self.error_b, self.pad, self.window()[0], limit, integers, stack, cover, times, parts,
         )  # fmt: skip
+        return reason
 
-    def windows_of(self, primitive_a: int, primitive_b: int) -> list[tuple[Any, Any]]:
+    def windows_of(self, primitive_a: int, primitive_b: int) -> list[Window]:
         """The windows of contact of two primitives in the first turn, exact."""
         a, b = Primitive(self.a, self.tree_a, primitive_a), Primitive(self.b, self.tree_b, primitive_b)
         return self._windows(a, b)
@@ -292,17 +300,17 @@ class RotationProblem(ByEngine):
             for start, end in self._windows(a, b)
         )
 
-    def _windows(self, a: Primitive, b: Primitive) -> list[tuple[Any, Any]]:
+    def _windows(self, a: Primitive, b: Primitive) -> list[Window]:
         """Between two consecutive events nothing changes: one look into each gap decides it."""
-        end: Any = self.end_instant()
-        events: list[Any] = [self.start_instant()]
+        end: TurnInstant = self.end_instant()
+        events: list[TurnInstant] = [self.start_instant()]
         for event in sorted(self._events(a, b), key=cmp_to_key(compare_angles)):
             if compare_angles(event, events[-1]) > 0 and compare_angles(event, end) < 0:
                 events.append(event)
             elif compare_angles(event, end) == 0:
                 end = event
         events.append(end)
-        windows = []
+        windows: list[Window] = []
         instants = {id(e) for e in self._touching(events, a, b)}
         start = None
         for left, right in zip(events, events[1:], strict=False):
@@ -333,7 +341,7 @@ class RotationProblem(ByEngine):
             found += [c for p in corners_b for c in point_plane_rotation.rotation_contacts(back, p, *corners_a)]
         return [instant for instant, _ in found]
 
-    def _touching(self, events: list[Any], a: Primitive, b: Primitive) -> list[Any]:
+    def _touching(self, events: list[TurnInstant], a: Primitive, b: Primitive) -> list[TurnInstant]:
         """Which of the instants are instants of contact: all events are, the start where the primitives meet."""
         inner = events[1:-1]
         if a.meets(b):
@@ -358,11 +366,11 @@ class RotationProblem(ByEngine):
             return LimitInstant(*_FULL)
         return LimitInstant(*self.last)
 
-    def order(self, x: Any, y: Any) -> int:
+    def order(self, x: TurnInstant, y: TurnInstant) -> int:
         """-1, 0, 1: x before, at, after y."""
         return compare_angles(x, y)
 
-    def pose_between(self, x: Any, y: Any) -> Matrix:
+    def pose_between(self, x: TurnInstant, y: TurnInstant) -> Matrix:
         """A rational pose of a at an angle strictly between x and y."""
         with precision(512):
             half = (x.local() + y.local()) / 4
@@ -392,7 +400,7 @@ class RotationProblem(ByEngine):
 
     # -- what users read ------------------------------------------------------------------------------------
 
-    def touch(self, element_a: Feature, element_b: Feature, at: Any) -> Touch:
+    def touch(self, element_a: Feature, element_b: Feature, at: TurnInstant) -> Touch:
         """(point, unit normal or None) of the two elements at the instant, working frame."""
         contacts = self.contacts(element_a, element_b)
         point = next(q for instant, q in contacts if len(contacts) == 1 or same_instant(instant, at))
@@ -401,7 +409,7 @@ class RotationProblem(ByEngine):
         normal = rotation_normal(corners_a, corners_b, self._whole_axis, point, where, at)
         return np.array([x + to_double(y) for x, y in zip(where, self.origin, strict=True)]), normal
 
-    def world_instant(self, at: Any, turn: int = 0) -> tuple[float, tuple[float, float]]:
+    def world_instant(self, at: TurnInstant, turn: int = 0) -> tuple[float, tuple[float, float]]:
         """(nearest double, enclosure) of the instant, `turn` full turns later, in the motions' clock."""
         exact = self._rational_time(at, turn)
         return enclose(lambda: self._time(at.local(), turn) if exact is None else exact)
@@ -412,7 +420,7 @@ class RotationProblem(ByEngine):
         passed = turn + self.turn
         return self.piece.reference + (angle_ball(fmpq(passed), "turns") + angle if passed else angle) / per_time
 
-    def _rational_time(self, at: Any, turn: int = 0) -> fmpq | None:
+    def _rational_time(self, at: TurnInstant, turn: int = 0) -> fmpq | None:
         """The time where it is rational because the angle is: quarter turns, the limits of the motion."""
         if isinstance(at, LimitInstant):
             share, turns = at.radians, at.turns + turn + self.turn
@@ -439,20 +447,20 @@ class RotationProblem(ByEngine):
         cosine, sine = at.cosine_sine()
         return ExactAngle(algebraic(cosine, fmpq(1)), algebraic(sine, self.axis.K), self.world_instant(at, turn)[0])
 
-    def is_end(self, at: Any, turn: int) -> bool:
+    def is_end(self, at: TurnInstant, turn: int) -> bool:
         """Whether the instant, `turn` full turns later, is the end of the piece."""
         if self.last is None:
             return False
         return compare_angles(at, LimitInstant(self.last[0], self.last[1] - turn)) == 0
 
-    def repeated(self, windows: list[tuple[Any, Any]]) -> list[tuple[Any, int, Any, int]]:
+    def repeated(self, windows: list[Window]) -> list[tuple[TurnInstant, int, TurnInstant, int]]:
         """The windows of the first turn, (start, turn, end, turn), through all turns of the piece."""
         if self.last is None:
             raise InputError("contact_intervals needs a bounded span for a rotation; give span=(first, last)")
         opened = self._from_opening(windows)
         if not self._beyond_full_turn():
             return [(start, 0, end, 0) for start, end in opened]
-        out: list[tuple[Any, int, Any, int]] = []
+        out: list[tuple[TurnInstant, int, TurnInstant, int]] = []
         full, turn = LimitInstant(fmpq(0), fmpq(1)), 0
         while compare_angles(left := LimitInstant(self.last[0], self.last[1] - turn), self.start_instant()) >= 0:
             for start, end in windows if turn else opened:
@@ -469,7 +477,7 @@ class RotationProblem(ByEngine):
             turn += 1
         return out
 
-    def _from_opening(self, windows: list[tuple[Any, Any]]) -> list[tuple[Any, Any]]:
+    def _from_opening(self, windows: list[Window]) -> list[Window]:
         """The windows of the first turn, from the opening on."""
         if self.opening == _ZERO:
             return windows
@@ -515,7 +523,7 @@ def _whole_turns(radians: fmpq, turns: fmpq) -> int:
         bits *= 2
 
 
-def _ranges(body: Any, tree_a: Tree, tree_b: Tree, key: Any) -> np.ndarray:
+def _ranges(body: Polyhedron, tree_a: Tree, tree_b: Tree, key: Any) -> np.ndarray:
     """The array walks fill with ranges of nodes; kept while trees and axis stay the same."""
     cached = body._search.get("ranges")
     if cached is None or cached[0] != key or cached[1] is not tree_a or cached[2] is not tree_b:
@@ -523,4 +531,5 @@ def _ranges(body: Any, tree_a: Tree, tree_b: Tree, key: Any) -> np.ndarray:
         ranges = np.zeros((q + r + 1, COLUMNS))
         ranges[-1, :3] = (*key[1], q)
         cached = body._search["ranges"] = key, tree_a, tree_b, ranges
-    return cached[3]
+    known: np.ndarray = cached[3]
+    return known

@@ -11,6 +11,7 @@ from typing import Any
 
 from flint import fmpq
 
+from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact.polyhedra.earliest import earliest
 from firstcontact.contact.polyhedra.rotation_problem import RotationProblem
 from firstcontact.contact.polyhedra.translation_problem import TranslationProblem
@@ -25,19 +26,21 @@ from firstcontact.search.trees.elements import Feature
 class Standstill(TranslationProblem):
     """Bodies a and b at rest, as they stand at the opening of the turn."""
 
-    def __init__(self, a: Any, b: Any, piece: Piece, turn: RotationProblem) -> None:
+    def __init__(self, a: Polyhedron, b: Polyhedron, piece: Piece, turn: RotationProblem) -> None:
         super().__init__(a, b, piece)
         self.turn = turn
 
     def contact(self, element_a: Feature, element_b: Feature) -> RationalInstant | None:
         try:
-            return decide(lambda: super(Standstill, self).contact(element_a, element_b))
+            found: RationalInstant | None = decide(lambda: super(Standstill, self).contact(element_a, element_b))
+            return found
         except Undecidable:
             return RationalInstant(fmpq(0)) if self.turn.meet_at_opening(element_a, element_b) else None
 
     def start_relation(self, element_a: Feature, element_b: Feature) -> int:
         try:
-            return decide(lambda: super(Standstill, self).start_relation(element_a, element_b))
+            relation: int = decide(lambda: super(Standstill, self).start_relation(element_a, element_b))
+            return relation
         except Undecidable:  # elements that cross are no such case: what decides it is not zero
             return TOUCHING if self.turn.meet_at_opening(element_a, element_b) else APART
 
@@ -54,7 +57,7 @@ class Standstill(TranslationProblem):
         """
         turn = self.turn.after_opening()
         begin = turn.start_instant()
-        event = earliest(turn, with_start=False).instant or turn.end_instant()
+        event: Any = earliest(turn, with_start=False).instant or turn.end_instant()
         if turn.order(begin, event) == 0:
             raise Undecidable
         return TranslationProblem(turn.a._mapped(turn.pose_between(begin, event)), turn.b, self.piece)

@@ -12,16 +12,18 @@ from typing import Any
 
 import numpy as np
 
+from firstcontact.contact.polyhedra.engines import ByEngine
 from firstcontact.contact.polyhedra.lifted_problem import lifted_scratch, motion_of, walk_lifted
 from firstcontact.errors import FirstContactError
 from firstcontact.kernels.angle import TWO_PI
-from firstcontact.search.lifted.lifted_elements import corners_of_tree, facets_of
+from firstcontact.search.lifted.lifted_elements import Elements, corners_of_tree, facets_of
 from firstcontact.search.lifted.lifted_walk import CORNERS, FACETS
 from firstcontact.search.sweep.sheets import sheets_of
 from firstcontact.search.sweep.sweep import LARGEST_GROUP, LOST, Cells, Order, cells_of, order_of, sweep_group
 from firstcontact.search.trees.frame import frame_of
 from firstcontact.search.trees.rounds import Finds, shared
-from firstcontact.search.trees.state import CANDIDATES, DECIDE, DONE, FULL, QUERY, SLICE_SPENT, VISITS
+from firstcontact.search.trees.state import CANDIDATES, DECIDE, DONE, FULL, QUERY, SLICE_SPENT, VISITS, WalkState
+from firstcontact.search.trees.tree import Tree
 
 ROUND = 8
 """Groups in a round."""
@@ -83,7 +85,7 @@ class Swept:
     work: tuple[Any, ...]
     threads: int
 
-    def advance(self, state: Any, phase: int, limit: int) -> int:
+    def advance(self, state: WalkState, phase: int, limit: int) -> int:
         """Go on with the groups of a phase; the reason it came back.  QUERY counts the groups that are done."""
         side, integers = self.sides.get(phase), state.integers
         if side is None:  # a turn is searched in arcs, of which the first one swept it all
@@ -120,7 +122,7 @@ class Swept:
             raise FirstContactError("the sweep lost the order of its arcs; engine 'lifted' does without")
 
 
-def advance_sweep(problem: Any, state: Any, limit: int) -> int:
+def advance_sweep(problem: ByEngine, state: WalkState, limit: int) -> int:
     """Go on with the search of a translation or rotation; the reason it came back."""
     if state.scratch is None:
         motion, _, errors = motion_of(problem)
@@ -138,14 +140,14 @@ def advance_sweep(problem: Any, state: Any, limit: int) -> int:
     return walk_lifted(problem, scratch, state, limit, searches)
 
 
-def _side(moving: Any, resting: Any, motion: np.ndarray, sense: float, error: float) -> Side:
+def _side(moving: Tree, resting: Tree, motion: np.ndarray, sense: float, error: float) -> Side:
     """The vertices of one tree, as they move against the other one, and the facets of that one."""
     found, faced, parts, facets, points = _vertices_and_facets(moving, resting)
     v = sense * motion[6:9]
     speed = float(np.abs(v).max(initial=0.0))
     if not len(facets) or not len(points) or speed == 0.0:
         return Side(np.empty((0, 4)), found.parts, facets, faced.parts, 0.0, 1.0, sense < 0.0, False)
-    frame = np.array(frame_of(tuple((v / speed).tolist())), float)  # type: ignore[arg-type]
+    frame = np.array(frame_of(tuple((v / speed).tolist())), float)
     frame[:2] = np.array([[math.cos(_TURN), math.sin(_TURN)], [-math.sin(_TURN), math.cos(_TURN)]]) @ frame[:2]
     origin = 0.5 * (facets.min(axis=(0, 1)) + facets.max(axis=(0, 1)))
     far = float(max(np.abs(facets - origin).max(), np.abs(points - origin).max()))
@@ -158,7 +160,7 @@ def _side(moving: Any, resting: Any, motion: np.ndarray, sense: float, error: fl
     )  # fmt: skip
 
 
-def _side_about(moving: Any, resting: Any, motion: np.ndarray, sense: float, error: float) -> Side:
+def _side_about(moving: Tree, resting: Tree, motion: np.ndarray, sense: float, error: float) -> Side:
     """The same for a rotation.  What turns backward turns forward in the mirror image y -> -y."""
     found, faced, parts, facets, points = _vertices_and_facets(moving, resting)
     if not len(facets) or not len(points):
@@ -177,7 +179,7 @@ def _side_about(moving: Any, resting: Any, motion: np.ndarray, sense: float, err
     )  # fmt: skip
 
 
-def _vertices_and_facets(moving: Any, resting: Any) -> tuple[Any, Any, np.ndarray, np.ndarray, np.ndarray]:
+def _vertices_and_facets(moving: Tree, resting: Tree) -> tuple[Elements, Elements, np.ndarray, np.ndarray, np.ndarray]:
     """Elements, parts and corners; facets in the order of the tree, so that neighbours come into one group."""
     found, faced = corners_of_tree(moving), facets_of(resting)
     order = np.argsort(faced.parts[:, 0])

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 import sys
+from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
 import numpy as np
-from flint import arb, fmpq
+from flint import arb, fmpq, fmpz
 
+from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact.polyhedra.engines import ByEngine
 from firstcontact.exact.numbers import below, dyadic, exact_value, fraction, sign, to_double
 from firstcontact.exact.rigid import Matrix, shift
@@ -43,7 +45,7 @@ class TranslationProblem(ByEngine):
 
     begin = 0.0, 0.0
 
-    def __init__(self, a: Any, b: Any, piece: Piece) -> None:
+    def __init__(self, a: Polyhedron, b: Polyhedron, piece: Piece) -> None:
         assert piece.velocity is not None
         self.a, self.b, self.piece = a, b, piece
         self.v, self._doubles = piece.velocity, [to_double(x) for x in piece.velocity]
@@ -54,7 +56,7 @@ class TranslationProblem(ByEngine):
         self.is_exact = a._pose is None and b._pose is None
         per, (v,) = whole(self.v)
         self._whole_velocity = per, v
-        self._known_corners: dict[tuple[Feature, Feature], Any] = {}
+        self._known_corners: dict[tuple[Feature, Feature], tuple[fmpz, list[Vector], list[Vector], Vector]] = {}
         self.last = None if piece.end is None else piece.end - piece.start
         if self.last is not None and self.pace is not None:
             self.last *= self.pace
@@ -71,7 +73,7 @@ class TranslationProblem(ByEngine):
         else:
             view_a, view_b = view_in(self.a, frame), view_in(self.b, frame)
             self.boxes_a, self.boxes_b = view_a.boxes, view_b.boxes
-            framed = [x if abs(x) >= 1e-300 else 0.0 for x in (dot(row, v) for row in frame)]  # type: ignore[arg-type]
+            framed = [x if abs(x) >= 1e-300 else 0.0 for x in (dot(row, v) for row in frame)]
             # the framed velocity is off by 4 roundings of sums over |v|: so much per unit of time
             drift = 2.0**-50 * sum(map(abs, v)) * self.window()[0]
             self.pad = 2.0 * (view_a.error + view_b.error + drift)
@@ -93,13 +95,16 @@ class TranslationProblem(ByEngine):
     def advance_boxes(self, state: WalkState, limit: int, with_start: bool, all_sides: bool) -> int:
         """Go on with the walk over trees of boxes; the reason it came back."""
         a, b = self.tree_a, self.tree_b
-        return walk(
+        reason: int = walk(
             self.boxes_a, a.links, a.xyz, a.ids, self.boxes_b, b.links, b.xyz, b.ids,
             self.velocity, a.error, b.error, self.pad, with_start, all_sides, limit,
             state.floats, state.integers, state.keys, state.pairs, state.stack, state.times, state.candidates,
         )  # fmt: skip
+        return reason
 
-    def _corners(self, element_a: Feature, element_b: Feature) -> Any:
+    def _corners(
+        self, element_a: Feature, element_b: Feature
+    ) -> tuple[fmpz, list[Vector], list[Vector], Vector]:
         """`whole_corners` with the velocity; of rational bodies they are kept, precision does not change them."""
         key = element_a, element_b
         found = self._known_corners.get(key)
@@ -132,13 +137,17 @@ class TranslationProblem(ByEngine):
 
     # -- all windows ----------------------------------------------------------------------------------------
 
-    def collect(self, limit: int, integers: Any, stack: Any, cover: Any, times: Any, parts: Any) -> int:
+    def collect(
+        self, limit: int, integers: np.ndarray, stack: np.ndarray, cover: np.ndarray, times: np.ndarray,
+        parts: np.ndarray,
+    ) -> int:  # fmt: skip
         """Go on collecting windows (`windows.collect`)."""
         a, b = self.tree_a, self.tree_b
-        return collect(
+        reason: int = collect(
             self.boxes_a, a.links, a.xyz, a.ids, self.boxes_b, b.links, b.xyz, b.ids,
             self.velocity, a.error, b.error, self.pad, self.window()[0], limit, integers, stack, cover, times, parts,
         )  # fmt: skip
+        return reason
 
     def windows_of(self, primitive_a: int, primitive_b: int) -> list[tuple[RationalInstant, RationalInstant | None]]:
         """The windows of contact of two primitives, exact: at most one, both are convex."""
@@ -216,7 +225,9 @@ class TranslationProblem(ByEngine):
         """Whether the instant is the end of the piece."""
         return self.order(at, self.end_instant()) == 0
 
-    def repeated(self, windows: list[tuple[Any, Any]]) -> list[tuple[Any, int, Any, int]]:
+    def repeated(
+        self, windows: list[tuple[RationalInstant, RationalInstant | None]]
+    ) -> list[tuple[RationalInstant, int, RationalInstant | None, int]]:
         """The windows as (start, turn, end, turn): a translation has no turns."""
         return [(start, 0, end, 0) for start, end in windows]
 
@@ -249,7 +260,9 @@ def _pace(v: Vector, doubles: list[float]) -> fmpq | None:
     return fmpq(2) ** (int(largest.p).bit_length() - int(largest.q).bit_length())
 
 
-def _window(element_a: Feature, a: Any, element_b: Feature, b: Any, v: Vector) -> Window | None:
+def _window(
+    element_a: Feature, a: Sequence[Vector], element_b: Feature, b: Sequence[Vector], v: Vector
+) -> Window | None:
     """The times at which two elements with those corners meet, the first moving by v per unit of time."""
     if element_a[0] == VERTEX:
         return _vertex_window(a[0], b, v)
@@ -258,11 +271,11 @@ def _window(element_a: Feature, a: Any, element_b: Feature, b: Any, v: Vector) -
     return _edge_window(a, b, v)
 
 
-def _vertex_window(p: Vector, facet: Any, v: Vector) -> Window | None:
+def _vertex_window(p: Vector, facet: Sequence[Vector], v: Vector) -> Window | None:
     a, b, c = facet
     return point_plane.translation_window(p, a, b, c, v)
 
 
-def _edge_window(x: Any, y: Any, v: Vector) -> Window | None:
+def _edge_window(x: Sequence[Vector], y: Sequence[Vector], v: Vector) -> Window | None:
     (a, b), (c, d) = x, y
     return line_line.translation_window(a, b, c, d, v)

@@ -80,7 +80,8 @@ def _pose_of_b(step: DirectrixPiece, b: Any, time: float) -> np.ndarray:
     if frame is None:
         return np.asarray(b.motion(time), float)
     rows = np.array([[sum(int(c) * time**k for k, c in enumerate(x.coeffs())) for x in row] for row in frame], float)
-    return rows / rows[3, 3]
+    pose: np.ndarray = rows / rows[3, 3]
+    return pose
 
 
 def described(

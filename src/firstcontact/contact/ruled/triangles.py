@@ -48,7 +48,7 @@ def triangles_of(body: Polyhedron) -> tuple[RuledSurface, ...]:
     known = body._search.get("ruled triangles")
     if known is None:
         known = body._search["ruled triangles"] = _triangles(body)
-    return known  # type: ignore[no-any-return]
+    return known
 
 
 def _triangles(body: Polyhedron) -> tuple[RuledSurface, ...]:
@@ -183,7 +183,7 @@ class Interior:
 
     def _contains(self, point: Vector, motion: PolynomialPiece, x: fmpq) -> bool:
         pose = self._pose(motion, x)
-        there = apply(inverse_map(pose) if self.mesh_first else pose, point)  # type: ignore[arg-type]
+        there = apply(inverse_map(pose) if self.mesh_first else pose, point)
         return contains(self.mesh, tree_of(self.mesh), there)
 
     def _pose(self, motion: PolynomialPiece, x: fmpq) -> Any:

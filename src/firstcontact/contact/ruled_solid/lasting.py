@@ -190,7 +190,8 @@ class RuledLasting(Lasting[np.ndarray]):
 
     def _heights(self, forms: np.ndarray, k: int, table: np.ndarray, places: np.ndarray) -> np.ndarray:
         heights = self.solid.height(forms, np.zeros(3), self._points(table, places)[:, :3])
-        return np.max([heights, *self._cut_off(k, places)], axis=0)
+        highest: np.ndarray = np.max([heights, *self._cut_off(k, places)], axis=0)
+        return highest
 
     def _cut_off(self, k: int, places: np.ndarray) -> np.ndarray:
         """(m, n) by how much the inequalities of a sheet fail, negative where they hold, in units of its size."""

@@ -278,7 +278,7 @@ def _contact(
         return answer
     (lowest, best), *rest = (touches[key] for key in sorted(touches))
     if lowest.element_b is None:  # inside a solid of planes and quadrics
-        lowest = ElementPair(None, None)  # type: ignore[arg-type]
+        lowest = ElementPair(None, None)
     pose = _pose_of_b(start, query.b, time)
     point = pose[:3, :3] @ best.point + pose[:3, 3]
     shown = None

@@ -145,7 +145,8 @@ def powers(c: SignConditions) -> np.ndarray:
             for key, x in terms(f):
                 row[key] = int(x) / total
         c.known["powers"] = table
-    return c.known["powers"]  # type: ignore[no-any-return]
+    known: np.ndarray = c.known["powers"]
+    return known
 
 
 @lru_cache(maxsize=256)

@@ -68,7 +68,8 @@ class Ruling:
         if not axes:
             return None
         k = max(axes, key=lambda k: abs(in_double(self.way[k])))  # of a point near the line the best one
-        return (point[k] - self.first[k]) / self.way[k]
+        place: FieldElement = (point[k] - self.first[k]) / self.way[k]
+        return place
 
 
 def touch(contact: Contact, joined: tuple[frozenset[str], frozenset[str]]) -> Touch:

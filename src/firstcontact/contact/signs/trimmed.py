@@ -47,7 +47,8 @@ def inner_places(surface: RuledSurface) -> list[Place]:
         return [(fmpq(-1) if surface.u is None else rational(surface.u[0], "u"), fmpq(0))]
     if "inner places" not in surface._search:
         surface._search["inner places"] = _inner_places(surface)
-    return surface._search["inner places"]  # type: ignore[no-any-return]
+    known: list[Place] = surface._search["inner places"]
+    return known
 
 
 def _inner_places(surface: RuledSurface) -> list[Place]:

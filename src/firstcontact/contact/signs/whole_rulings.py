@@ -69,7 +69,8 @@ def segments(piece: RuledSurface, centre: Sequence[float], reach: float) -> list
             while (ranges := _ranges_near(piece, c, far)) is not None and not ranges:
                 far *= 2
             piece._search[key] = None if ranges is None else _over(piece, ranges, c, far)
-    return piece._search[key]  # type: ignore[no-any-return]
+    known: list[RuledSurface] | None = piece._search[key]
+    return known
 
 
 def _over(piece: RuledSurface, ranges: Sequence[Range], c: Sequence[fmpq], reach: fmpq) -> list[RuledSurface] | None:

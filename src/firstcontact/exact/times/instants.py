@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Protocol
 
 from flint import arb, ctx, fmpq
 
@@ -57,7 +57,16 @@ def _around(value: fmpq) -> tuple[float, tuple[float, float]]:
     return t, ((t, math.nextafter(t, math.inf)) if exact < value else (math.nextafter(t, -math.inf), t))
 
 
-def same_instant(x: Any, y: Any) -> bool:
+class Instant(Protocol):
+    """A time in the local clock of one piece; it compares with those of the same clock."""
+
+    def compare(self, other: Any) -> int: ...
+    def local(self) -> arb: ...
+    def bounds(self) -> tuple[float, float]: ...
+    def is_zero(self) -> bool: ...
+
+
+def same_instant(x: Instant, y: Instant) -> bool:
     """Whether two instants are equal, or cannot be told apart at the present precision."""
     try:
         return x is y or x.compare(y) == 0
@@ -231,7 +240,11 @@ class LimitInstant:
         return compare_angles(self, other)
 
 
-def compare_angles(x: Any, y: Any) -> int:
+TurnInstant = AngleInstant | LimitInstant
+"""In the clock of a rotation."""
+
+
+def compare_angles(x: TurnInstant, y: TurnInstant) -> int:
     """-1, 0, 1: x before, at, after y; any two instants of a rotation."""
     if not (isinstance(x, LimitInstant) or isinstance(y, LimitInstant)):
         return x.compare(y)

@@ -76,11 +76,13 @@ def cells_of(piece: CurvedPiece, size_a: float, size_b: float) -> np.ndarray:
 
 def _displacement(cell: np.ndarray, size: float) -> float:
     """How far a point of the moving body may be from where the polynomials have it."""
-    return 3.0 * size * cell[ERRORS, 0] + cell[ERRORS, 1]
+    far: float = 3.0 * size * cell[ERRORS, 0] + cell[ERRORS, 1]
+    return far
 
 
 def _reach(cell: np.ndarray, size: float) -> float:
-    return 3.0 * size * cell[ERRORS + 1, 0] + cell[ERRORS + 1, 1]
+    reach: float = 3.0 * size * cell[ERRORS + 1, 0] + cell[ERRORS + 1, 1]
+    return reach
 
 
 def _cell(piece: CurvedPiece, start: fmpq, width: fmpq) -> np.ndarray:

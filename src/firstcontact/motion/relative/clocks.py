@@ -13,15 +13,18 @@ from typing import Any
 from flint import arb, ctx, fmpq, fmpq_poly, fmpz, fmpz_poly
 
 from firstcontact.exact.fields.algebraic import algebraic, isolate
+from firstcontact.exact.fields.roots import AlgebraicRoot
 from firstcontact.exact.fields.surd import Surd
 from firstcontact.exact.numbers import ball, dyadic, fraction, precision
 from firstcontact.exact.rigid import rational_sqrt
-from firstcontact.exact.systems.square_systems import MOST_BITS
+from firstcontact.exact.systems.square_systems import MOST_BITS, EnclosedRoot, OpenRoot
 from firstcontact.exact.times.instants import enclose
 from firstcontact.result import AlgebraicNumber, ExactAngle
 
 # Bits of the rational bounds of u, and of the rational times near quarter turns given in radians.
 BITS = 160
+
+Root = AlgebraicRoot | EnclosedRoot | OpenRoot
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,11 +39,11 @@ class StraightClock:
         """An enclosure of the time at u, at the present precision."""
         return ball(u)
 
-    def compare(self, root: Any, time: fmpq) -> int:
+    def compare(self, root: Root, time: fmpq) -> int:
         """-1, 0, 1: the root's time lies before, at, after `time`; exact."""
         return root.sign_of(fmpz_poly([-time.p, time.q]))
 
-    def exact_time(self, root: Any) -> Fraction | AlgebraicNumber:
+    def exact_time(self, root: AlgebraicRoot) -> Fraction | AlgebraicNumber:
         """The root's time."""
         return root.number()
 
@@ -110,7 +113,7 @@ class AngleClock:
             return arb(self.origin) + (self.halves * arb.pi() + 2 * half) / arb(self.rate)
         return arb(self.origin) + (arb(fmpq(self.halves, 2)) + half / arb.pi()) / arb(self.rate)
 
-    def compare(self, root: Any, time: fmpq) -> int:
+    def compare(self, root: Root, time: fmpq) -> int:
         """-1, 0, 1: the root's time lies before, at, after `time`; exact.
 
         Balls decide all but equality.  Radians: no angle but 0 has an algebraic tangent (Lindemann).  Turns: equality
@@ -140,7 +143,7 @@ class AngleClock:
                 return 0
             bits *= 2
 
-    def exact_time(self, root: Any) -> Fraction | ExactAngle:
+    def exact_time(self, root: AlgebraicRoot) -> Fraction | ExactAngle:
         """The root's time: a Fraction at quarter turns, else the angle turned, in [0, 2 pi), and its time."""
         quarter = self._quarter(root)
         if quarter is not None:
@@ -148,7 +151,7 @@ class AngleClock:
         time = enclose(lambda: self.time(root.enclosure(ctx.prec)))[0]
         return ExactAngle(*self._cosine_sine(root), time)
 
-    def _quarter(self, root: Any) -> fmpq | None:
+    def _quarter(self, root: AlgebraicRoot) -> fmpq | None:
         reference = self.reference_time()
         if reference is None:
             return None
@@ -159,7 +162,7 @@ class AngleClock:
             return None
         return reference + root.sign_of(fmpz_poly([0, 1])) * fmpq(1, 4) / self.rate
 
-    def _cosine_sine(self, root: Any) -> tuple[AlgebraicNumber | Fraction, AlgebraicNumber | Fraction]:
+    def _cosine_sine(self, root: AlgebraicRoot) -> tuple[AlgebraicNumber | Fraction, AlgebraicNumber | Fraction]:
         """(1 - K u^2) / (1 + K u^2) and 2 sqrt(K) u / (1 + K u^2), negated at odd half turns; K = square."""
         k, way = self.square, -1 if self.halves % 2 else 1
         u = root.rational

@@ -22,7 +22,7 @@ from firstcontact.exact.vectors import Vector, cross, dot, scaled, sub
 from firstcontact.motion.moving import Moving
 from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.relative import projective
-from firstcontact.motion.relative.clocks import AngleClock, StraightClock
+from firstcontact.motion.relative.clocks import AngleClock, Root, StraightClock
 from firstcontact.motion.relative.projective import Matrix
 from firstcontact.motion.rotation import Rotation, angle_ball
 from firstcontact.motion.span import limits
@@ -70,7 +70,7 @@ class PolynomialPiece:
         """An enclosure of the time at u (a ball or fmpq), at the present precision."""
         return self.clock.time(u)
 
-    def exact_time(self, root: Any) -> ExactTime | None:
+    def exact_time(self, root: Root) -> ExactTime | None:
         """The time of a root in u: Fraction, AlgebraicNumber, or ExactAngle where it is neither.
 
         None for roots that are known by enclosures only.
@@ -83,7 +83,7 @@ class PolynomialPiece:
                     return fraction(time)
         return self.clock.exact_time(root)
 
-    def contains(self, root: Any) -> bool:
+    def contains(self, root: Root) -> bool:
         """Whether the root's time lies in the closed [start, end]; exact."""
         if self.clock.compare(root, self.start) < 0:
             return False

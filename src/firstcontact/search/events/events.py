@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from flint import fmpq
 
+from firstcontact.exact.numbers import below
 from firstcontact.kernels.events.event_search import (
     AT_U,
     AT_V,
@@ -30,7 +31,7 @@ from firstcontact.kernels.events.event_search import (
 )
 from firstcontact.kernels.events.feature_boxes import SLAB
 from firstcontact.motion.moving import shape_of
-from firstcontact.motion.relative.stretches import Untold, Window, below, windows
+from firstcontact.motion.relative.stretches import Untold, Window, windows
 from firstcontact.search.convex.advance import Advance, advance
 from firstcontact.search.events.charts import NotCharted
 from firstcontact.search.events.event_tables import Tables, tables_of

@@ -16,7 +16,16 @@ from typing import Any, NamedTuple
 import numpy as np
 from flint import arb, fmpq
 
-from firstcontact.exact.numbers import ball_bounds, dyadic, exact_value, nearest_double, precision, to_double
+from firstcontact.exact.numbers import (
+    above,
+    ball_bounds,
+    below,
+    dyadic,
+    exact_value,
+    nearest_double,
+    precision,
+    to_double,
+)
 from firstcontact.exact.systems.isolation import isolated
 from firstcontact.exact.systems.ruled_systems import ContactSystem, Curve
 from firstcontact.exact.systems.square_systems import Zero, certified
@@ -36,7 +45,6 @@ from firstcontact.kernels.rulings.search import (
     VISITS,
     search,
 )
-from firstcontact.motion.relative.stretches import above, below
 from firstcontact.search.rulings.ruled_pieces import RuledPiece
 
 ROOM = 1 << 15
