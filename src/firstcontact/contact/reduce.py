@@ -17,6 +17,7 @@ from firstcontact.body.solid.carriers import ONE, ZERO, Line, Plane, Point, Surf
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.body.solid.csg import Leaf, conjunction
 from firstcontact.body.solid.features import Edge, Face, Features, Piece, Vertex
+from firstcontact.contact.ways import Passed, tried
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import to_double
 from firstcontact.exact.vectors import cross
@@ -42,11 +43,7 @@ def is_small_and_convex(body: Polyhedron) -> bool:
     known = body._search.get("small and convex")
     if known is None:
         known = body.solid and len(body.triangles) <= MOST_TRIANGLES
-        if known:
-            try:
-                as_model(body)
-            except UnsupportedPair:
-                known = False
+        known = known and not isinstance(tried(lambda: as_model(body)), Passed)
         body._search["small and convex"] = known
     return bool(known)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Generic, TypeVar
 
 from firstcontact.errors import UnsupportedPair
@@ -20,10 +21,23 @@ class Passed:
     """That a way leaves the question to the next one.
 
     proved: what it found all the same; an answer stands where no other way gives one.
+    refused: whether it does not take such questions at all.
     """
 
     reason: str
     proved: Any = None
+    refused: bool = False
+
+
+T = TypeVar("T")
+
+
+def tried(ask: Callable[[], T]) -> T | Passed:
+    """What `ask` tells; its refusal passes."""
+    try:
+        return ask()
+    except UnsupportedPair as refusal:
+        return Passed(str(refusal), refused=True)
 
 
 def _always(query: Query, proved: Any) -> bool:
@@ -56,15 +70,13 @@ def answered(ways: Sequence[Way[R]], query: Query) -> R:
         if not way.takes(query, proved):
             continue
         begin = clock.perf_counter()
-        try:
-            found: R | Passed = way.run(query, proved)
-        except UnsupportedPair as refusal:
-            found = Passed(str(refusal))
-            refusals.append((way.name, found.reason))
+        found: R | Passed = tried(partial(way.run, query, proved))
         told = f"passed: {found.reason}" if isinstance(found, Passed) else found.status.name
         asked.append(Asked(way.name, told, clock.perf_counter() - begin))
         if not isinstance(found, Passed):
             return _told(found, asked)
+        if found.refused:
+            refusals.append((way.name, found.reason))
         proved = found.proved if found.proved is not None else proved
     stands = isinstance(proved, Answer)
     if stands:

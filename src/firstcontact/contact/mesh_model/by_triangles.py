@@ -37,7 +37,7 @@ from firstcontact.contact.models.certified import Directions, bounded, may_share
 from firstcontact.contact.models.idle_turns import ignoring_idle_turns
 from firstcontact.contact.models.moving_pair import Pair
 from firstcontact.contact.models.touched import ACROSS
-from firstcontact.contact.ways import Way, answered
+from firstcontact.contact.ways import Passed, Way, answered, tried
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import exact_value, fraction
 from firstcontact.kernels.convex.mesh_walk import VISITS
@@ -129,13 +129,14 @@ class _Answer:
         if swept.status == "free":
             return None
         try:
-            return self._decided(window, swept, at_start)
+            found = tried(lambda: self._decided(window, swept, at_start))
         except Spent:
             return self._undecided(swept.free_until, "budget")
-        except UnsupportedPair:
-            if self.exact:
-                raise
-            return self._undecided(swept.free_until, "precision")
+        if not isinstance(found, Passed):
+            return found
+        if self.exact:
+            raise UnsupportedPair(found.reason)
+        return self._undecided(swept.free_until, "precision")
 
     def _result(self, status: Status, **fields: Any) -> FirstContact:
         return FirstContact(status, stats=self._stats(), **fields, **self.shared)
@@ -194,11 +195,10 @@ class _Answer:
         """As `_kind`, where the polyhedron's surface meets the material: what it shares with all around that tells."""
         lo, hi = self.model.bounds()
         room = primitives.box(((hi - lo) * 2).tolist()).translated(((lo + hi) / 2).tolist())
-        try:
-            around = search_of(
-                self.mesh, room - self.model, self.mesh_is_a, self.query.budget, self.query.progress
-            )
-        except UnsupportedPair:
+        around = tried(
+            lambda: search_of(self.mesh, room - self.model, self.mesh_is_a, self.query.budget, self.query.progress)
+        )
+        if isinstance(around, Passed):
             return None
         start = around.at_start(window)
         if start.status == "free":  # what the polyhedron holds of it then is a cavity in the material
@@ -413,12 +413,11 @@ class _Answer:
 
     def _start(self, left: list[Open], window: Window) -> FirstContact | None:
         """The answer where doubles leave open what is shared at the start; None proves that nothing is."""
-        try:
-            found = self._touching(left, window)
-        except UnsupportedPair:
+        found = tried(lambda: self._touching(left, window))
+        if isinstance(found, Passed):
             crossed = self._crossed(left, window)
             if crossed is None or crossed.status is Status.UNDECIDED:
-                raise
+                raise UnsupportedPair(found.reason)
             return crossed
         return self._crossed(left, window) if found is None else self._touching_result(*found, left)
 

@@ -18,7 +18,7 @@ from firstcontact.contact.models.answer import contact_of
 from firstcontact.contact.models.forms import Form, forms_of, gradient, value
 from firstcontact.contact.models.moving_pair import Pair
 from firstcontact.contact.models.touched import ACROSS, Group, Point, is_parallel
-from firstcontact.errors import UnsupportedPair
+from firstcontact.contact.ways import Passed, tried
 from firstcontact.exact.numbers import exact_value
 from firstcontact.motion.moving import Moving
 from firstcontact.motion.relative.polynomial import relative_pieces
@@ -101,16 +101,19 @@ def pairs_at(
     near = tuple(frozenset(near_surfaces(model, place[0])) for model, place in zip(models, places, strict=True))
     a, b = (Moving(m, x.motion) if isinstance(x, Moving) else m for x, m in zip(bodies, models, strict=True))
     first, last = (exact_value(t) for t in shared["span"])
-    try:
+
+    def told() -> FirstContact | None:
         for piece in relative_pieces(a, b, first, last):
             within = piece.end is not None and piece.start <= exact_value(lo) and exact_value(hi) <= piece.end
-            if piece.exact and within:
-                search = Search(Pair(*models, piece), Work(), near=near)  # type: ignore[arg-type]
-                meetings = search.first()
-                answer = contact_of(search, meetings, False, shared) if meetings else None
-                if answer is not None and answer.time_interval is not None:
-                    start, end = answer.time_interval
-                    return answer if start <= hi and lo <= end else None
-    except UnsupportedPair:
+            if not (piece.exact and within):
+                continue
+            search = Search(Pair(*models, piece), Work(), near=near)  # type: ignore[arg-type]
+            meetings = search.first()
+            answer = contact_of(search, meetings, False, shared) if meetings else None
+            if answer is not None and answer.time_interval is not None:
+                start, end = answer.time_interval
+                return answer if start <= hi and lo <= end else None
         return None
-    return None
+
+    complete = tried(told)
+    return None if isinstance(complete, Passed) else complete

@@ -9,7 +9,7 @@ import numpy as np
 
 from firstcontact.contact.named import element
 from firstcontact.contact.ruled.intervals import certified_intervals
-from firstcontact.errors import UnsupportedPair
+from firstcontact.contact.ways import Passed, tried
 from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.clocks import StraightClock
 from firstcontact.result import ContactIntervals, FirstContact, Status
@@ -65,9 +65,8 @@ def pieces_of(query: Query) -> Pieces | None:
         pieces: list[Any] = list(getattr(shape_of(body), "pieces", ()))
         if len(pieces) != 1 or pieces[0].s is None or pieces[0].trim:
             return None
-    try:
-        steps = list(directrix_pieces(query.a, query.b, query.first, query.end))
-    except UnsupportedPair:
+    steps = tried(lambda: list(directrix_pieces(query.a, query.b, query.first, query.end)))
+    if isinstance(steps, Passed):
         return None
     if len(steps) > 1 or not isinstance(steps[0].motion.clock, StraightClock) or not steps[0].motion.exact:
         return None

@@ -23,6 +23,7 @@ from firstcontact.contact.signs.conditions import Conditions, Range, conditions
 from firstcontact.contact.signs.fibres import Fibre, count
 from firstcontact.contact.signs.sheets import Sheet, TooLarge, candidates, critical_times, instants, samples, sheets
 from firstcontact.contact.signs.times import Times, roots_of
+from firstcontact.contact.ways import Passed, tried
 from firstcontact.errors import InputError, UnsupportedPair
 from firstcontact.exact.fields.roots import AlgebraicRoot, real_roots, roots_in
 from firstcontact.exact.numbers import fraction, rational, simplest
@@ -137,10 +138,8 @@ class ContactCondition:
             ) or "never"  # fmt: skip
         lines = [shown, *(f"  {names[k]} = {polynomials[k]}" for k in used)]
         if self.count is None:
-            try:
-                lines.append("for some u: " + (" or ".join(map(_time_text, self.intervals)) or "never"))
-            except UnsupportedPair as reason:
-                lines.append(f"for some u: {reason}")
+            times = tried(lambda: " or ".join(map(_time_text, self.intervals)) or "never")
+            lines.append(f"for some u: {times.reason if isinstance(times, Passed) else times}")
         return "\n".join(lines)
 
     @cached_property

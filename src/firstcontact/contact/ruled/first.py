@@ -27,8 +27,7 @@ from firstcontact.contact.signs.sheets import MOST_DEGREE, QUICK_DEGREE, TooLarg
 from firstcontact.contact.signs.starts import with_start
 from firstcontact.contact.signs.times import Times
 from firstcontact.contact.signs.touches import touch
-from firstcontact.contact.ways import Passed, Way, answered
-from firstcontact.errors import UnsupportedPair
+from firstcontact.contact.ways import Passed, Way, answered, tried
 from firstcontact.exact.numbers import below, exact_value
 from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.polynomial import PolynomialPiece, relative_pieces
@@ -134,11 +133,10 @@ def _on_mesh(query: Query, _: None) -> FirstContact | Passed:
     room = NEARBY * (query.end - query.first)
     lo, hi = (exact_value(t) for t in proved.time_interval)
     near = replace(query, first=max(query.first, lo - room), last=min(query.end, hi + room), exact=False)
-    try:
-        found = _exactly(near, QUICK_DEGREE)
-    except UnsupportedPair:
+    found = tried(lambda: _exactly(near, QUICK_DEGREE))
+    if isinstance(found, Passed) or found.status is not proved.status:
         return proved
-    return replace(found, span=query.span) if found.status is proved.status else proved
+    return replace(found, span=query.span)
 
 
 def _is_settled(proved: FirstContact) -> bool:

@@ -12,6 +12,7 @@ from typing import Any
 
 from flint import fmpq
 
+from firstcontact.contact.ways import Passed, tried
 from firstcontact.errors import UnsupportedPair
 from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.pieces import placement_at
@@ -27,12 +28,8 @@ def with_start(query: Query, answer: Callable[[Query], FirstContact]) -> FirstCo
     found = answer(query)
     if query.method != "auto" or query.budget is not None or not _is_open(found):
         return found
-    try:
-        a, b = (_placed(body, query.first) for body in query.bodies)
-        told = answer(replace(query, a=a, b=b, last=query.first, exact=False, method="algebraic"))
-    except UnsupportedPair:
-        return found
-    if told.status is not Status.INITIAL_CONTACT:
+    told = tried(lambda: answer(_at_rest(query)))
+    if isinstance(told, Passed) or told.status is not Status.INITIAL_CONTACT:
         return found
     return replace(told, a=query.a, b=query.b, span=query.span, stats=found.stats + told.stats)
 
@@ -44,6 +41,12 @@ def _is_open(found: FirstContact) -> bool:
     if found.status is not Status.UNDECIDED or found.free_until is None:
         return False
     return found.reason == "precision" and found.free_until <= found.span[0]
+
+
+def _at_rest(query: Query) -> Query:
+    """About the bodies as they stand at the start, exactly."""
+    a, b = (_placed(body, query.first) for body in query.bodies)
+    return replace(query, a=a, b=b, last=query.first, exact=False, method="algebraic")
 
 
 def _placed(body: Any, time: fmpq) -> Any:
