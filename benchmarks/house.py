@@ -134,7 +134,7 @@ def report(now: dict[str, int], before: dict[str, int]) -> str:
     head = "| what | before | now |\n|---|--:|--:|\n" if before else "| what | now |\n|---|--:|\n"
     rows = []
     for what, value in now.items():
-        cells = [what, *([str(before.get(what, 0))] if before else []), str(value)]
+        cells = [what, *([str(before.get(what, ""))] if before else []), str(value)]
         rows.append("| " + " | ".join(cells) + " |")
     return HEADER + head + "\n".join(rows) + "\n"
 

@@ -83,7 +83,7 @@ def test_intervals_whose_enclosures_are_too_wide_are_asked_for_again():
         wide = replace(found[0], start_interval=(found[0].start - room, found[0].start + room))
         return replace(found, intervals=(wide,))
 
-    (interval,) = endless.contact_intervals(ask, Query(a, b, *common_span(a, b, ENDLESS), tolerance=1e-6))
+    (interval,) = endless.intervals(ask, Query(a, b, *common_span(a, b, ENDLESS), tolerance=1e-6))
     lo, hi = interval.start_interval
     assert len(asked) == 2 and hi - lo <= 1e-6 * 3
 

@@ -8,7 +8,7 @@ from flint import fmpq
 
 import firstcontact as fc
 from firstcontact.body.solid import primitives
-from firstcontact.contact.mesh_model.mesh_intervals import contact_intervals
+from firstcontact.contact.mesh_model.mesh_intervals import intervals
 from firstcontact.work import Query
 
 BALL, SMALL, PIN = primitives.sphere(1), primitives.sphere("1/4"), primitives.cylinder("1/2", 2)
@@ -72,7 +72,7 @@ def test_a_convex_polyhedron_as_exact_arithmetic_tells():
     cube = fc.examples.box((2, 2, 2))
     egg = primitives.ellipsoid((1, 2, "1/2")).translated((-4, "1/3", "1/5")).moving(fc.Translation((8, 1, 0)))
     (known,) = fc.contact_intervals(egg, cube, exact=True)
-    (x,) = contact_intervals(Query(egg, cube, fmpq(0), fmpq(1)))
+    (x,) = intervals(Query(egg, cube, fmpq(0), fmpq(1)))
     assert x.start_interval[0] <= known.start <= x.start_interval[1]
     assert x.end_interval[0] <= known.end <= x.end_interval[1]
 

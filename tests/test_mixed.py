@@ -9,7 +9,7 @@ import pytest
 
 import firstcontact as fc
 from contact_places import assert_place
-from firstcontact.contact.mesh_model.first import first_contact
+from firstcontact.contact.mesh_model.first import first
 from firstcontact.motion.span import common_span
 from firstcontact.work import Query
 
@@ -30,7 +30,7 @@ ELL_OF_BOXES = fc.box((2, 1, 1)).translated((1, 0.5, 0.5)) | fc.box((1, 2, 1)).t
 
 
 def by_triangles(a, b) -> fc.FirstContact:
-    return first_contact(Query(a, b, *common_span(a, b, None)))
+    return first(Query(a, b, *common_span(a, b, None)))
 
 
 def random_model(rng) -> fc.CompositeQuadric:

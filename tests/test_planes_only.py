@@ -51,7 +51,7 @@ def test_planes_only_agree_with_polyhedra(kind, lattice):
         a, b = random_hull(rng, lattice), random_hull(rng, lattice)
         moving = a.moving(random_motion(rng, kind, lattice))
         expected = fc.first_contact(moving, b)
-        found = verbs.first_contact(Query(moving, b, fmpq(0), fmpq(1), method="algebraic"))
+        found = verbs.first(Query(moving, b, fmpq(0), fmpq(1), method="algebraic"))
         assert found.status is expected.status, (moving, b)
         seen.add(found.status)
         if found.status is fc.Status.CONTACT:
@@ -91,7 +91,7 @@ def test_intervals_agree_with_polyhedra(lattice):
     for _ in range(amount(24 if lattice else 8)):
         a, b = random_hull(rng, lattice), random_hull(rng, lattice)
         moving = a.moving(random_motion(rng, "translation", lattice))
-        expected, found = fc.contact_intervals(moving, b), verbs.contact_intervals(Query(moving, b, fmpq(0), fmpq(1)))
+        expected, found = fc.contact_intervals(moving, b), verbs.intervals(Query(moving, b, fmpq(0), fmpq(1)))
         assert [t for i in found for t in (i.start, i.end)] == pytest.approx(
             [t for i in expected for t in (i.start, i.end)], abs=1e-15
         )

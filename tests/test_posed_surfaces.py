@@ -27,7 +27,7 @@ WALL = fc.RuledSurface("(0, -3, 2*u-1)", "(0, 3, 2*u-1)", name="wall")
 def first(a, b, span=(0, 1), tolerance=1e-12):
     lo, hi = map(Fraction, span)
     ends = (fmpq(x.numerator, x.denominator) for x in (lo, hi))
-    return posed.first_contact(Query(a, b, *ends, tolerance=tolerance), Work())
+    return posed.first(Query(a, b, *ends, tolerance=tolerance), Work())
 
 
 def test_a_saddle_screwed_through_a_wall():
@@ -264,7 +264,7 @@ def test_equals_the_exact_path(seed):
 def test_intervals_equal_the_exact_ones(seed):
     a, b = scene(100 + seed)
     known = fc.contact_intervals(a, b)
-    found = posed.contact_intervals(Query(a, b, fmpq(0), fmpq(1)), Work())
+    found = posed.intervals(Query(a, b, fmpq(0), fmpq(1)), Work())
     assert found.status in (known.status, fc.Status.UNDECIDED), f"seed {seed}"
     decided = [x for x in known.intervals if found.status is not fc.Status.UNDECIDED or x.end < found.free_until]
     assert len(found.intervals) >= len(decided), f"seed {seed}"

@@ -365,7 +365,7 @@ def test_corners_that_meet_are_not_passed_over(name: str) -> None:
     assert pieces is not None
     for found in (
         fc.first_contact(p, q, (-2, 2), method="certified"),
-        certified.contact_intervals(pieces, query, Work()),
+        certified.intervals(pieces, query, Work()),
     ):
         assert found.status is not fc.Status.FREE and start - 1e-12 <= found.free_until <= start
     (x,) = fc.contact_intervals(p, q, (-2, 2))

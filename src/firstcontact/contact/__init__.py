@@ -7,6 +7,8 @@ ruled         two ruled surfaces
 ruled_solid   a ruled surface and a solid
 signs         what both of them share: contact by signs of polynomials in u, v, s and the time
 
+table     who answers, and what is proved
+ways      the ways to an answer, asked in order; rooms list theirs in `first`
 reduce    polyhedra as solids of planes, where these are quicker
 endless   spans without an end
 centred   small bodies far from the origin

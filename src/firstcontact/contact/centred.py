@@ -29,7 +29,7 @@ _copies: WeakKeyDictionary[Any, dict[Vector, Any]] = WeakKeyDictionary()
 """Shifted shapes: they keep what queries work out about them."""
 
 
-def first_contact(answer: Callable[[Query], FirstContact], query: Query) -> FirstContact:
+def first(answer: Callable[[Query], FirstContact], query: Query) -> FirstContact:
     """What `answer` tells of the query."""
     by = _shift(query)
     if by is None:
@@ -45,7 +45,7 @@ def first_contact(answer: Callable[[Query], FirstContact], query: Query) -> Firs
     return replace(found, **changes)
 
 
-def contact_intervals(answer: Callable[[Query], ContactIntervals], query: Query) -> ContactIntervals:
+def intervals(answer: Callable[[Query], ContactIntervals], query: Query) -> ContactIntervals:
     """What `answer` tells of the query."""
     by = _shift(query)
     if by is None:

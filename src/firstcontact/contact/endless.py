@@ -28,7 +28,7 @@ Vector = tuple[fmpq, fmpq, fmpq]
 Box = tuple[Vector, Vector]
 
 
-def first_contact(ask: Callable[[Query], FirstContact], query: Query) -> FirstContact:
+def first(ask: Callable[[Query], FirstContact], query: Query) -> FirstContact:
     """What `ask` tells of spans with an end, for one without; the enclosure is tolerance max(1, |t|) wide."""
     _, last = _settling(query)
     found = ask(replace(query, last=last))
@@ -42,7 +42,7 @@ def first_contact(ask: Callable[[Query], FirstContact], query: Query) -> FirstCo
     return replace(found, span=query.span, free_until=free_until)
 
 
-def contact_intervals(ask: Callable[[Query], ContactIntervals], query: Query) -> ContactIntervals:
+def intervals(ask: Callable[[Query], ContactIntervals], query: Query) -> ContactIntervals:
     """What `ask` tells of spans with an end, for one without; what lasts to the end of change lasts for ever."""
     (piece, last), tolerance = _settling(query), query.tolerance
     if piece.velocity is None:

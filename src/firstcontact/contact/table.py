@@ -97,32 +97,32 @@ def matrix() -> str:
 
 def first_contact(query: Query) -> FirstContact:
     """The answer of the room for the bodies."""
-    return _answer("first_contact", query)
+    return _answer("first", query)
 
 
 def contact_intervals(query: Query) -> ContactIntervals:
     """The answer of the room for the bodies."""
-    return _answer("contact_intervals", query)
+    return _answer("intervals", query)
 
 
 def contact_pairs(query: Query) -> ContactPairs:
     """The answer of the room for the bodies."""
     proves("contact_pairs", *query.bodies)
-    return _room(PAIRS[kinds_of(*query.bodies)].room).contact_pairs(query)
+    return _room(PAIRS[kinds_of(*query.bodies)].room).pairs(query)
 
 
 class _Room(Protocol):
-    """What answers for a pair of kinds: the module `first` of its folder; `contact_pairs` is that of polyhedra."""
+    """What answers for a pair of kinds: the module `first` of its folder; `pairs` is that of polyhedra."""
 
-    def first_contact(self, query: Query) -> FirstContact: ...
-    def contact_intervals(self, query: Query) -> ContactIntervals: ...
-    def contact_pairs(self, query: Query) -> ContactPairs: ...
+    def first(self, query: Query) -> FirstContact: ...
+    def intervals(self, query: Query) -> ContactIntervals: ...
+    def pairs(self, query: Query) -> ContactPairs: ...
 
 
 @overload
-def _answer(verb: Literal["first_contact"], query: Query) -> FirstContact: ...
+def _answer(verb: Literal["first"], query: Query) -> FirstContact: ...
 @overload
-def _answer(verb: Literal["contact_intervals"], query: Query) -> ContactIntervals: ...
+def _answer(verb: Literal["intervals"], query: Query) -> ContactIntervals: ...
 def _answer(verb: str, query: Query) -> Any:
     """What the room for the bodies says, which for curved bodies is asked about bounded spans near the origin."""
     kinds = kinds_of(*query.bodies)

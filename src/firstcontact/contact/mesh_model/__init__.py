@@ -1,6 +1,6 @@
 """A polyhedron and a solid of planes and quadrics.
 
-first            `first_contact` and `contact_intervals`
+first            `first`, the first contact, and `intervals`, all of them: the ways to both
 by_triangles     the first contact
 mesh_intervals   all contacts, patch by patch
 mesh_starts      how they lie at the start

@@ -58,7 +58,7 @@ MOST_PRISMS = 16
 
 
 @ignoring_idle_turns
-def first_contact(query: Query) -> FirstContact:
+def first(query: Query) -> FirstContact:
     """The first contact of a Polyhedron and a CompositeQuadric, in either order, at rest or moving.
 
     exact, or method "algebraic": the time is recomputed exactly among the triangles that doubles leave.  Visits and

@@ -13,7 +13,7 @@ import numpy as np
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
-from firstcontact.contact.mesh_model.by_triangles import first_contact, holds_model, windows_of
+from firstcontact.contact.mesh_model.by_triangles import first, holds_model, windows_of
 from firstcontact.contact.mesh_model.lasting_mesh import LastingOfMesh
 from firstcontact.contact.mesh_model.mesh_holes import search_of
 from firstcontact.contact.models.certified import bounded
@@ -30,7 +30,7 @@ from firstcontact.work import Query, Work
 
 
 @ignoring_idle_turns
-def contact_intervals(query: Query) -> ContactIntervals:
+def intervals(query: Query) -> ContactIntervals:
     """All closed times of contact of a Polyhedron and a CompositeQuadric, in either order; certified.
 
     Raises UnsupportedPair.
@@ -56,7 +56,7 @@ def _all_contacts(query: Query, work: Work) -> Found:
     free, lasting = _Free(mesh, model, mesh_is_a, width), LastingOfMesh(mesh, model, mesh_is_a)
 
     def touches_at_start() -> np.ndarray | None:
-        return first_contact(replace(query, last=query.first, budget=None, progress=None)).point
+        return first(replace(query, last=query.first, budget=None, progress=None)).point
 
     return Sweep(free, lasting, parts, width, work, touches_at_start).run()
 

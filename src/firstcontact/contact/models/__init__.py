@@ -1,6 +1,6 @@
 """Two solids of planes and quadrics, by the algebra of Choi et al. 2014 and by certified search.
 
-first           `first_contact` and `contact_intervals`
+first           `first`, the first contact, and `intervals`, all of them: the ways to both
 algorithm, subproblems, square_subproblems, system_search   contact equations of pairs of carriers and their roots
 membership, contact_sets, largest_set, same_point, touched, flat_contacts   what is shared at a root, and on which faces
 moving_pair, forms, kept_directions, idle_turns   two models as one moves beside the other

@@ -39,7 +39,7 @@ SURELY = 2.0**-30
 
 
 @ignoring_idle_turns
-def first_contact(query: Query) -> FirstContact:
+def first(query: Query) -> FirstContact:
     """The first contact over the span: certified in doubles where that settles it, else decided exactly.
 
     exact, or method "algebraic": exactly at once; "algebraic" judges and lists every subproblem too.
@@ -218,7 +218,7 @@ def _decided(query: Query, work: Work) -> FirstContact:
 
 
 @ignoring_idle_turns
-def contact_intervals(query: Query) -> ContactIntervals:
+def intervals(query: Query) -> ContactIntervals:
     """All closed times of contact: by algebra, or certified in doubles where algebra does not take the pair.
 
     tolerance: as part of the span, of the certified path only; algebra is exact.

@@ -29,7 +29,7 @@ from firstcontact.work import Query
 NO_WORK = Stats()
 
 
-def first_contact(query: Query) -> FirstContact:
+def first(query: Query) -> FirstContact:
     """The first contact, proved; its time exact, or enclosed where it has no exact form."""
     return answered([Way("by trees", _first_contact)], query)
 
@@ -68,7 +68,7 @@ def _first_contact(query: Query, _: None = None) -> FirstContact:
     return FirstContact(Status.FREE, free_until=query.span[1], stats=_timed(stats, begin), **shared)
 
 
-def contact_intervals(query: Query) -> ContactIntervals:
+def intervals(query: Query) -> ContactIntervals:
     """All closed times of contact, with exact ends where these have an exact form."""
     return answered([Way("by trees", _contact_intervals)], query)
 
@@ -101,7 +101,7 @@ def _contact_intervals(query: Query, _: None) -> ContactIntervals:
     return ContactIntervals(intervals, status, until, None, _timed(stats, begin), **shared)
 
 
-def contact_pairs(query: Query) -> ContactPairs:
+def pairs(query: Query) -> ContactPairs:
     """All pairs of elements that meet during the span."""
     stats = NO_WORK
     met: list[Pair] = []

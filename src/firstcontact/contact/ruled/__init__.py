@@ -1,6 +1,6 @@
 """Two ruled surfaces.
 
-first        `first_contact` and `contact_intervals`: pieces of motion, results
+first        `first`, the first contact, and `intervals`, all of them: the ways to both
 certified    the search in doubles with proofs; `intervals` has all contacts by it
 posed        surfaces in irrational poses
 triangles    polyhedra as ruled surfaces, triangle by triangle

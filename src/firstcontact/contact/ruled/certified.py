@@ -31,7 +31,7 @@ class Pieces(NamedTuple):
     q: RuledPiece
 
 
-def first_contact(pieces: Pieces, query: Query) -> FirstContact:
+def first(pieces: Pieces, query: Query) -> FirstContact:
     """The first contact with an enclosure of its time; UNDECIDED where doubles do not tell."""
     (step, p, q), shared = pieces, query.shared
     budget = BUDGET if query.budget is None else query.budget
@@ -53,7 +53,7 @@ def first_contact(pieces: Pieces, query: Query) -> FirstContact:
     return FirstContact(status, found.time, found.time_interval, **answer)
 
 
-def contact_intervals(pieces: Pieces, query: Query, work: Work) -> ContactIntervals:
+def intervals(pieces: Pieces, query: Query, work: Work) -> ContactIntervals:
     """All contacts with enclosures of their ends; UNDECIDED from the first time on at which nothing is proved."""
     found = certified_intervals(pieces.p, pieces.q, query.first, query.end, query.tolerance, work)
     return proved_intervals(found, work, query)

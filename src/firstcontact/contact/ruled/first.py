@@ -41,7 +41,7 @@ NEARBY = fmpq(1, 2**30)
 """Part of the span around a time proved in doubles in which it is decided exactly."""
 
 
-def contact_intervals(query: Query) -> ContactIntervals:
+def intervals(query: Query) -> ContactIntervals:
     """All closed times at which the bodies share a point; in doubles, with proofs, where elimination goes too far.
 
     tolerance: as part of the span, of the certified path only.
@@ -53,8 +53,8 @@ def contact_intervals(query: Query) -> ContactIntervals:
 
     def in_doubles(query: Query, _: None) -> ContactIntervals | Passed:
         if quick is None:
-            return posed.contact_intervals(query, work)
-        proved = certified.contact_intervals(quick, query, work)
+            return posed.intervals(query, work)
+        proved = certified.intervals(quick, query, work)
         return proved if proved.reason != "precision" else Passed("precision", proved)
 
     first_degree = MOST_DEGREE if quick is None else QUICK_DEGREE
@@ -65,7 +65,7 @@ def contact_intervals(query: Query) -> ContactIntervals:
     ], query)  # fmt: skip
 
 
-def first_contact(query: Query) -> FirstContact:
+def first(query: Query) -> FirstContact:
     """The first shared point: exactly; in doubles, with proofs, on request and where elimination leads far."""
     return with_start(query, _first_contact)
 
@@ -76,8 +76,8 @@ def _first_contact(query: Query) -> FirstContact:
 
     def in_doubles(query: Query, _: None) -> FirstContact | Passed:
         if quick is None:
-            return posed.first_contact(query, query.work())
-        proved = certified.first_contact(quick, query)
+            return posed.first(query, query.work())
+        proved = certified.first(quick, query)
         is_told = query.method == "certified" or proved.reason != "precision"
         return proved if is_told else Passed("precision", proved)
 
@@ -114,7 +114,7 @@ def _is_with_convex(query: Query) -> bool:
 
 def _on_convex(query: Query, _: None) -> FirstContact | Passed:
     """In doubles, for exact arithmetic to go on unless method is "certified"."""
-    proved = by_search.first_contact(query)
+    proved = by_search.first(query)
     if query.method == "certified" or _is_settled(proved):
         return proved
     return Passed(proved.reason or "it is not told what touches", proved)
@@ -125,7 +125,7 @@ def _on_mesh(query: Query, _: None) -> FirstContact | Passed:
 
     Elimination over all the span takes every triangle that the surface comes near.
     """
-    proved = posed.first_contact(query, query.work(), MESH_BOXES)
+    proved = posed.first(query, query.work(), MESH_BOXES)
     if proved.status is Status.UNDECIDED and proved.reason == "precision":
         return Passed("precision")
     if proved.time_interval is None or proved.initial == "containment":
@@ -152,7 +152,7 @@ def _is_settled(proved: FirstContact) -> bool:
 def _exactly(query: Query, most_degree: int) -> FirstContact:
     """Raises TooLarge beyond the degree."""
     work = query.work()
-    return exactly.first_contact(query, _pieces(query, work, most_degree), Interior.of(*query.bodies), work)
+    return exactly.first(query, _pieces(query, work, most_degree), Interior.of(*query.bodies), work)
 
 
 def _all_exactly(query: Query, work: Work, most_degree: int) -> ContactIntervals:

@@ -56,7 +56,7 @@ class _Found:
         return self.contact.status == "initial"
 
 
-def first_contact(query: Query, work: Work, most: int = BUDGET) -> FirstContact:
+def first(query: Query, work: Work, most: int = BUDGET) -> FirstContact:
     """The first contact with an enclosure of its time; UNDECIDED where doubles and balls do not tell.
 
     most: boxes for two pieces in a window.
@@ -89,7 +89,7 @@ def first_contact(query: Query, work: Work, most: int = BUDGET) -> FirstContact:
     return FirstContact(Status.FREE, free_until=query.span[1], stats=query.stats(work.done), **query.shared)
 
 
-def contact_intervals(query: Query, work: Work) -> ContactIntervals:
+def intervals(query: Query, work: Work) -> ContactIntervals:
     """All contacts with enclosures of their ends; UNDECIDED from the first time on at which nothing is proved."""
     pair, intervals, last = _Pair(query), list[Certified](), query.span[1]
     if pair.interior is not None:

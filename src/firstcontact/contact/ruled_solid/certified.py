@@ -73,7 +73,7 @@ def _as_model(body: Any) -> Any:
     return Moving(model, body.motion) if isinstance(body, Moving) else model
 
 
-def first_contact(query: Query) -> FirstContact:
+def first(query: Query) -> FirstContact:
     """The first shared point with an enclosure of its time; UNDECIDED where doubles do not tell."""
     pair = RuledAndSolid(query)
     budget = MOST_BOXES if query.budget is None else query.budget
@@ -175,7 +175,7 @@ def _solid_element(pair: RuledAndSolid, feature: Face | Edge | Vertex, point: np
     return element_of_solid(model, feature, "ab"[1 - pair.side], where)
 
 
-def contact_intervals(query: Query, work: Work) -> ContactIntervals:
+def intervals(query: Query, work: Work) -> ContactIntervals:
     """All closed times of contact, with enclosures of their ends, as far as doubles prove them."""
     pair = RuledAndSolid(query)
     width = query.tolerance * (pair.windows[-1].last - pair.windows[0].first)

@@ -41,7 +41,7 @@ QUICK_BUDGET = 50_000
 """Boxes that the search in doubles looks at before exact arithmetic is asked for a first contact."""
 
 
-def first_contact(query: Query) -> FirstContact:
+def first(query: Query) -> FirstContact:
     """The first shared point; in doubles, and exactly what they leave open or do not take, as the method allows."""
     return with_start(query, _first_contact)
 
@@ -50,14 +50,14 @@ def _first_contact(query: Query) -> FirstContact:
     return answered([
         Way("in doubles", _in_doubles, lambda query, _: not query.is_algebraic),
         Way("exactly", _exactly, lambda query, _: query.method != "certified"),
-        Way("in doubles, on and on", lambda query, _: certified.first_contact(query), _is_cut_short),
+        Way("in doubles, on and on", lambda query, _: certified.first(query), _is_cut_short),
     ], query)  # fmt: skip
 
 
 def _in_doubles(query: Query, _: None) -> FirstContact | Passed:
     """Cut short where exact arithmetic may be asked too."""
     quick = QUICK_BUDGET if query.budget is None and query.method == "auto" else query.budget
-    proved = certified.first_contact(replace(query, budget=quick))
+    proved = certified.first(replace(query, budget=quick))
     if query.method == "certified" or _is_told(proved, query.budget):
         return proved
     return Passed(proved.reason or "it is not told what touches", proved)
@@ -67,7 +67,7 @@ def _exactly(query: Query, proved: FirstContact | None) -> FirstContact:
     known = proved is not None and proved.status is Status.CONTACT
     work, (ordered, is_turned) = query.work(), _solid_last(query)
     stretches = _pieces(ordered, work, QUICK_DEGREE if known else MOST_DEGREE)
-    found = exactly.first_contact(ordered, stretches, None, work)
+    found = exactly.first(ordered, stretches, None, work)
     return replace(_turned(found) if is_turned else found, a=query.a, b=query.b)
 
 
@@ -108,7 +108,7 @@ def _called(body: Any, before: str, after: str, element: Element | None) -> Any:
     return replace(element, body=after, label=after if element.label == before else element.label)
 
 
-def contact_intervals(query: Query) -> ContactIntervals:
+def intervals(query: Query) -> ContactIntervals:
     """All closed times of contact."""
     def decide(work: Work, most_degree: int) -> ContactIntervals:
         ordered, _ = _solid_last(query)
@@ -123,7 +123,7 @@ def in_turn(query: Query, decide: Callable[[Work, int], ContactIntervals]) -> Co
     work = query.work()
 
     def in_doubles(query: Query, _: None) -> ContactIntervals | Passed:
-        proved = certified.contact_intervals(query, work)
+        proved = certified.intervals(query, work)
         spent = work.budget is not None and proved.reason == "budget"
         return proved if spent or proved.status is not Status.UNDECIDED else Passed(str(proved.reason), proved)
 

@@ -140,7 +140,7 @@ def as_intervals(windows: Windows, reason: str | None, query: Query, work: Work)
     return ContactIntervals(intervals, status, until, reason, stats, **query.shared)
 
 
-def first_contact(query: Query, stretches: Stretches, interior: Holding | None, work: Work) -> FirstContact:
+def first(query: Query, stretches: Stretches, interior: Holding | None, work: Work) -> FirstContact:
     """The first contact in exact arithmetic."""
     try:
         for motion, pairs in stretches:
