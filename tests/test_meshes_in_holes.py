@@ -164,3 +164,19 @@ def test_contact_ends_where_the_pin_has_left_the_wall():
     there = fc.Translation((1, 0, 0))
     found = fc.contact_intervals(PIN.moving(there), PLATE)
     assert len(found.intervals) == 1 and found.intervals[0].start == pytest.approx(0.5, abs=1e-11)
+
+
+@pytest.mark.parametrize("swap", [False, True], ids=["", "swapped"])
+def test_that_one_pair_meets_is_not_told_where_that_is_not_known(swap):
+    """A corner lands on the rim of a bite: which of the events there is named depends on rounding."""
+    bite = fc.ellipsoid(("63/20", "63/20", "7/4")).transformed([
+        ["-5/13", "144/169", "-60/169", "4704/4225"], ["48/65", "9/169", "-568/845", "-14203/16900"],
+        ["-36/65", "-88/169", "-549/845", "-8001/4225"], [0, 0, 0, 1],
+    ])  # fmt: skip
+    can = fc.cylinder("1/2", 2).translated((0, "1/2", "1/4")) - bite
+    corners = [("746/105", "-62/7", "361/210"), ("142/21", "-134/7", "-187/42"), ("1/3", -4, "-1/6")]
+    leaf = fc.Polyhedron(corners, [[0, 1, 2]]).moving(fc.Translation((-1, 12, "1/2")))
+    hit = fc.first_contact(*((leaf, can) if swap else (can, leaf)))
+    assert hit.status is fc.Status.CONTACT and hit.time_interval[0] <= 1 / 3 <= hit.time_interval[1]
+    assert hit.point == pytest.approx([0, 0, 0], abs=1e-9)
+    assert hit.multiplicity > 1 or hit.contact_set is None

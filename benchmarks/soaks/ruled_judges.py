@@ -148,6 +148,9 @@ def judge_intervals(truth: Truth, span: tuple[F, F]) -> Callable[[Any], str | No
                 or time_judgement(interval.end_interval, interval.end, window[1], span)
                 or exact_judgement(interval.start_exact, window[0]) or exact_judgement(interval.end_exact, window[1]))
 
+    def begins(interval: Any, window: Window) -> str | None:
+        return time_judgement(interval.start_interval, interval.start, window[0], span)
+
     def judge(answer: Any) -> str | None:
         found = list(answer)
         told = [(float(w[0][0]), float(w[1][0])) for w in expected]
@@ -161,7 +164,7 @@ def judge_intervals(truth: Truth, span: tuple[F, F]) -> Callable[[Any], str | No
         if answer.status.name == "UNDECIDED":
             until = F(answer.free_until)
             for w in expected:
-                if w[1][1] < until and not any(ends(i, w) is None for i in found):
+                if w[1][1] < until and not any((ends if truth.whole else begins)(i, w) is None for i in found):
                     return f"intervals {got} until {answer.free_until!r} leave out one of {told}"
             return None
         if not truth.whole:

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 from flint import fmpq
 
+from firstcontact.body.kept import Kept
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.body.solid.carriers import ONE, ZERO, Line, Plane, Point, Surface, Vector, columns, dot, primitive
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
@@ -26,26 +27,29 @@ MOST_TRIANGLES = 100
 """Of a convex polyhedron that is taken as a model: its features are met pair by pair."""
 
 
+_MODELS = Kept[dict[str | None, CompositeQuadric]]()
+_SMALL_AND_CONVEX = Kept[bool]()
+_COPLANAR = Kept[dict[int, tuple[np.ndarray, np.ndarray, np.ndarray]]]()
+
+
 def as_model(body: Polyhedron) -> CompositeQuadric:
     """The closed convex polyhedron as a model, exact; kept on the body (its copies by other names share what it keeps).
 
     UnsupportedPair for polyhedra that are open, bare edges or points, in an irrational pose, or not convex.
     """
-    key = "model", body.name
-    model = body._search.get(key)
-    if model is None:
-        model = body._search[key] = _model(body)
-    return model
+    known = _MODELS.of(body, dict)
+    if body.name not in known:
+        known[body.name] = _model(body)
+    return known[body.name]
 
 
 def is_small_and_convex(body: Polyhedron) -> bool:
     """Whether the polyhedron is best taken as a model; others go by their triangles."""
-    known = body._search.get("small and convex")
-    if known is None:
-        known = body.solid and len(body.triangles) <= MOST_TRIANGLES
-        known = known and not isinstance(tried(lambda: as_model(body)), Passed)
-        body._search["small and convex"] = known
-    return bool(known)
+    def decided() -> bool:
+        small = body.solid and len(body.triangles) <= MOST_TRIANGLES
+        return small and not isinstance(tried(lambda: as_model(body)), Passed)
+
+    return _SMALL_AND_CONVEX.of(body, decided)
 
 
 def _model(body: Polyhedron) -> CompositeQuadric:
@@ -66,7 +70,7 @@ def _model(body: Polyhedron) -> CompositeQuadric:
     tree = conjunction([Leaf(i) for i in range(len(surfaces))])
     model = CompositeQuadric(surfaces, tree, box=box, witness=inner, name=body.name)  # type: ignore[arg-type]
     model.source = body
-    model._search["features"] = _features(body, points, surfaces, list(planes.values()), used, who)
+    model.know(_features(body, points, surfaces, list(planes.values()), used, who))
     return model
 
 
@@ -139,7 +143,7 @@ def _features(
 
 def face_at(body: Polyhedron, lowest: int, point: np.ndarray) -> int:
     """The face, coplanar with the face `lowest`, that holds the point (nearly; in the body's frame)."""
-    known = body._search.setdefault("coplanar", {})
+    known = _COPLANAR.of(body, dict)
     if lowest not in known:
         known[lowest] = _coplanar(body, lowest)
     faces, corners, inward = known[lowest]

@@ -103,6 +103,10 @@ class CompositeQuadric(Placing):
         """End points and crossings of edges, and tips of cones."""
         return self._features().vertices
 
+    def know(self, features: Features) -> None:
+        """What a builder has worked out already is not derived again."""
+        self._search["features"] = features
+
     def _features(self) -> Features:
         known: Features | None = self._search.get("features")
         if known is None:

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from firstcontact.body.kept import Kept
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.body.solid import primitives
 from firstcontact.body.solid.carriers import QuarticCurve, doubles
@@ -21,6 +22,7 @@ from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.body.solid.features import Edge, Face, Vertex
 from firstcontact.contact.mesh_model.lasting_mesh import LastingOfMesh
 from firstcontact.contact.mesh_model.patches import Patch, patch
+from firstcontact.contact.models.same_point import near_surfaces
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import to_double
 from firstcontact.kernels.events.event_search import FREE, SPENT, VISITS
@@ -45,6 +47,8 @@ SHARES = 0.25, 0.9
 """Of the width of the answer: how long after the last free time a common point is sought."""
 NEAR = 1e-5
 """Part of a triangle's size within which places of contact count as one."""
+BESIDE = 1e-7
+"""Weight of a corner below which a place may be on the border of an edge or a triangle that does without it."""
 MOMENT = 1e-6
 """Part of a window over which velocities are taken."""
 GRAZING = 1e-6
@@ -279,13 +283,29 @@ class HoledSearch(MeshSearch):
         inverse = np.linalg.inv(pose[:, :3])
         frame = [*pose[:, :3].ravel().tolist(), *pose[:, 3].tolist()], [*inverse.ravel().tolist(), 0.0, 0.0, 0.0]
         mine, theirs = (event.own, event.other) if (event.side == 0) == self.mesh_is_a else (event.other, event.own)
-        alone = not stop.search._is_spread(stop.boxes)
         primitive, corner, sides = group.primitive(self.mesh, mine)
+        numbers = [mine.index] if isinstance(mine, Vertex) else self.mesh.triangles[primitive]
+        if isinstance(mine, Edge):
+            numbers = self.mesh._segments[mine.index]
+        alone = not stop.search._is_spread(stop.boxes)
+        alone = alone and self._is_clear(self.mesh.vertices[numbers], theirs, where, poses)
         n = self._normal(mine, theirs, where, poses if self.mesh_is_a else poses[::-1])
         if n is not None:
             n = self._toward_model(n, self.approach(window, time, where))
         kind = type(theirs).__name__.lower(), theirs.index
         return Touch(stop.lo, at, time, where, n, primitive, corner, sides, (kind,), frame, alone)
+
+    def _is_clear(self, corners: np.ndarray, theirs: Any, where: np.ndarray, poses: Sequence[np.ndarray]) -> bool:
+        """Whether the place is clear of what borders the two features, so that no other event may be there.
+
+        corners: of the polyhedron's feature; a vertex borders on faces and edges that meet there too.
+        """
+        own, other = poses if self.mesh_is_a else poses[::-1]
+        x, y = (np.linalg.solve(pose[:, :3], where - pose[:, 3]) for pose in (own, other))
+        if len(near_surfaces(self.model, tuple(y.tolist()))) > len(theirs.surfaces):
+            return False
+        weights, *_ = np.linalg.lstsq(np.vstack([corners.T, np.ones(len(corners))]), np.append(x, 1.0), rcond=None)
+        return bool(weights.min() > BESIDE)
 
     def oriented(self, n: np.ndarray, window: Window, t: float, place: np.ndarray) -> np.ndarray | None:
         """The normal as it points from the polyhedron to the model; None where the bodies move across it."""
@@ -360,15 +380,15 @@ def _place(instant: Instant, event: Event) -> np.ndarray:
 # -- points of every part of a model -------------------------------------------------------------------------
 
 
+_ANCHORS = Kept[tuple[np.ndarray, np.ndarray]]()
+
+
 def _anchors(model: CompositeQuadric) -> tuple[np.ndarray, np.ndarray]:
     """(n, 3) points, at least one on every connected part of the boundary, and (n,) how far off they may be.
 
     A part of the boundary has an edge or a seam, or is a whole ellipsoid.
     """
-    known = model._search.get("anchors")
-    if known is None:
-        known = model._search["anchors"] = _find_anchors(model)
-    return known
+    return _ANCHORS.of(model, lambda: _find_anchors(model))
 
 
 def _find_anchors(model: CompositeQuadric) -> tuple[np.ndarray, np.ndarray]:

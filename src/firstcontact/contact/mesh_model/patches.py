@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from flint import fmpq
 
+from firstcontact.body.kept import Kept
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.body.solid.carriers import ONE, ZERO, Line, Plane, Point, Surface, Vector, columns, dot, primitive
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
@@ -44,7 +45,7 @@ class Patch:
     corners: tuple[np.ndarray, np.ndarray] = field(default_factory=lambda: (np.zeros(3), np.zeros(3)))
     hulls: dict[Face | Edge, list[Vector]] = field(default_factory=dict)
     """The corners of every face and edge."""
-    _search: dict[str, Any] = field(default_factory=dict)
+    _search: dict[Any, Any] = field(default_factory=dict)
     """What was worked out of these triangles."""
 
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:
@@ -234,21 +235,25 @@ def is_sharp_vertex(body: Polyhedron, v: int) -> bool:
     return not _in_one_plane(body, around) or any(ends)
 
 
+_AT_EDGES = Kept[tuple[np.ndarray, np.ndarray]]()
+_AT_VERTICES = Kept[tuple[np.ndarray, np.ndarray]]()
+
+
 def triangles_at_edge(body: Polyhedron, e: int) -> np.ndarray:
-    return _at(body, "triangles at edges", body._side_edge, e)
+    return _at(body, _AT_EDGES, body._side_edge, e)
 
 
 def triangles_at_vertex(body: Polyhedron, v: int) -> np.ndarray:
-    return _at(body, "triangles at vertices", body.triangles, v)
+    return _at(body, _AT_VERTICES, body.triangles, v)
 
 
-def _at(body: Polyhedron, key: str, numbers: np.ndarray, k: int) -> np.ndarray:
+def _at(body: Polyhedron, place: Kept[tuple[np.ndarray, np.ndarray]], numbers: np.ndarray, k: int) -> np.ndarray:
     """The rows (n, 3) that name the number, ascending; their order by numbers is kept on the body."""
-    known = body._search.get(key)
-    if known is None:
+    def sort() -> tuple[np.ndarray, np.ndarray]:
         order = np.argsort(numbers.ravel(), kind="stable")
-        known = body._search[key] = order // 3, numbers.ravel()[order]
-    rows, ordered = known
+        return order // 3, numbers.ravel()[order]
+
+    rows, ordered = place.of(body, sort)
     return rows[np.searchsorted(ordered, k) : np.searchsorted(ordered, k, side="right")]
 
 

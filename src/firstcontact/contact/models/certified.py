@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from firstcontact.body.kept import Kept
 from firstcontact.body.solid import primitives
 from firstcontact.contact.models.flat_contacts import Pair, Shared, shared_set
 from firstcontact.contact.models.kept_directions import turning_axes
@@ -26,6 +27,7 @@ from firstcontact.work import Query
 
 LARGEST = 2.0**60
 """Coordinates up to which an unbounded model is cut."""
+_CUT = Kept[dict[int, Any]]()
 
 
 def settle(models: tuple[Any, Any], query: Query) -> tuple[FirstContact | None, Advance]:
@@ -65,7 +67,7 @@ def bounded(body: Any, other: Any, span: tuple[float, float]) -> Any:
     if not reach < LARGEST:
         return body
     size = math.frexp(reach)[1] + 1
-    cut = body._search.setdefault("cut", {})
+    cut = _CUT.of(body, dict)
     if size not in cut:
         cube = primitives.box((2 ** (size + 1),) * 3) if size > 0 else primitives.box((4, 4, 4))
         cut[size] = body & cube

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from flint import fmpq_mat
 
+from firstcontact.body.kept import Kept
 from firstcontact.body.solid.carriers import Conic, Line, Plane, QuarticCurve, dot
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.body.solid.csg import And, Leaf, Not, Or, Tree, inside
@@ -38,6 +39,10 @@ UPRIGHT = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]
 IN, OUT = 1, 2
 
 Feature = Face | Edge | Vertex
+_SHAPE = Kept["_Shape"]()
+_WIDENED_BOX = Kept[tuple[list[float], list[float]]]()
+_AT_SURFACES = Kept[dict[tuple[Feature, int], tuple[list[Face], list[Vertex], list[Edge]]]]()
+_OUTLINES = Kept[dict[Face, "_Outline"]]()
 Pair = tuple[Feature, Feature, Point]
 """A feature of a, one of b, and a point at which they meet, world."""
 
@@ -182,11 +187,9 @@ def _is_plain(form: Form, slope: float | None) -> bool:
 
 
 def _shape(model: CompositeQuadric) -> _Shape:
-    known = model._search.get("shape")
-    if known is None:
-        pieces = _pieces(model.tree) if _is_convex(model) else []
-        known = model._search["shape"] = _Shape(model, forms_of(model), pieces, {})
-    return known
+    return _SHAPE.of(
+        model, lambda: _Shape(model, forms_of(model), _pieces(model.tree) if _is_convex(model) else [], {})
+    )
 
 
 def _is_convex(model: CompositeQuadric) -> bool:
@@ -378,12 +381,12 @@ class _Body:
 
     def is_far(self, x: Point) -> bool:
         """Whether a local point is clear of the model's box."""
-        known = self.model._search.get("widened box")
-        if known is None:
-            low, high = self.model.bounds()
-            off = 10.0 * CLEAR * (1.0 + max(np.abs(low).max(), np.abs(high).max()))
-            known = self.model._search["widened box"] = (low - off).tolist(), (high + off).tolist()
-        return any(c < p or c > q for c, p, q in zip(x, *known, strict=True))
+        return any(c < p or c > q for c, p, q in zip(x, *_WIDENED_BOX.of(self.model, self._widened_box), strict=True))
+
+    def _widened_box(self) -> tuple[list[float], list[float]]:
+        low, high = self.model.bounds()
+        off = 10.0 * CLEAR * (1.0 + max(np.abs(low).max(), np.abs(high).max()))
+        return (low - off).tolist(), (high + off).tolist()
 
 
 def _last(ends: list[End], way: float, near: float) -> End:
@@ -547,8 +550,7 @@ def _at_surface(
     model: CompositeQuadric, feature: Feature, surface: int
 ) -> tuple[list[Face], list[Vertex], list[Edge]]:
     """The faces that join a face smoothly along a curve in the surface; the vertices and edges of the feature there."""
-    known: dict[tuple[Feature, int], tuple[list[Face], list[Vertex], list[Edge]]]
-    known = model._search.setdefault("at surfaces", {})
+    known = _AT_SURFACES.of(model, dict)
     found = known.get((feature, surface))
     if found is None:
         around = {*feature.surfaces, surface}
@@ -670,7 +672,7 @@ class _Outline:
 
 def _outline(body: _Body, face: Face) -> _Outline:
     """In the world; its local form is kept on the model."""
-    known: dict[Face, _Outline] = body.model._search.setdefault("outlines", {})
+    known = _OUTLINES.of(body.model, dict)
     outline = known.get(face)
     if outline is None:
         outline = known[face] = _local_outline(body.model, face)

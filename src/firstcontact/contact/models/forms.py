@@ -5,18 +5,19 @@ A query judges one or two points, for which arrays of three numbers cost more th
 
 from __future__ import annotations
 
+from firstcontact.body.kept import Kept
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
 
 Form = tuple[float, ...]
 """xx, yy, zz, 2 xy, 2 xz, 2 yz, 2 x, 2 y, 2 z, 1 of a surface, negative inside."""
 
 
+_FORMS = Kept[list[Form]]()
+
+
 def forms_of(model: CompositeQuadric) -> list[Form]:
     """Those of all surfaces, kept on the model."""
-    known: list[Form] | None = model._search.get("forms")
-    if known is None:
-        known = model._search["forms"] = [_form(m) for m in model._forms_f.tolist()]
-    return known
+    return _FORMS.of(model, lambda: [_form(m) for m in model._forms_f.tolist()])
 
 
 def _form(m: list[list[float]]) -> Form:

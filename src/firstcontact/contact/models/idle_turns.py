@@ -13,6 +13,7 @@ from typing import Any, TypeVar
 
 from flint import fmpq, fmpq_mat
 
+from firstcontact.body.kept import Kept
 from firstcontact.body.solid.carriers import Plane, Surface
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.exact.vectors import cross
@@ -25,6 +26,8 @@ from firstcontact.work import Query
 
 ORIGIN = (fmpq(0),) * 3
 R = TypeVar("R", FirstContact, ContactIntervals)
+_ROUND = Kept[dict[tuple[tuple[int, int], ...], bool]]()
+"""By axis and point, whether the model is one of revolution about that line."""
 
 
 def ignoring_idle_turns(answer: Callable[[Query], R]) -> Callable[[Query], R]:
@@ -56,11 +59,11 @@ def without_idle_turn(body: Any) -> Any:
 
 
 def _is_round(model: CompositeQuadric, motion: Rotation | Screw) -> bool:
-    known = model._search.setdefault("round", {})
+    known = _ROUND.of(model, dict)
     line = tuple((int(x.p), int(x.q)) for x in (*motion.axis, *motion.point))
     if line not in known:
         known[line] = all(is_same(surface, motion.axis, motion.point) for surface in model.surfaces)
-    return bool(known[line])
+    return known[line]
 
 
 def is_same(surface: Surface, axis: tuple[fmpq, ...], point: tuple[fmpq, ...]) -> bool:

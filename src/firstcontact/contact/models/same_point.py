@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from firstcontact.body.kept import Kept
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.contact.models.algorithm import Search
 from firstcontact.contact.models.answer import contact_of
@@ -29,6 +30,7 @@ from firstcontact.work import Work
 NEAR = 1e-7
 """Of the size of its terms: where a form is smaller than that, its surface may pass through the point."""
 
+_LIMITS = Kept[list[tuple[Form, Form | None, float]]]()
 Place = tuple[Point, Point]
 """A point of a model and the normal of the contact, in the model's frame."""
 
@@ -50,13 +52,12 @@ def near_surfaces(model: CompositeQuadric, where: Point) -> list[int]:
 
 def _limits(model: CompositeQuadric, where: Point) -> list[tuple[Form, Form | None, float]]:
     """Of every surface the linear and square terms of its form (None of planes), and below which it nearly vanishes."""
-    known: list[tuple[Form, Form | None, float]] | None = model._search.get("near")
-    if known is None:
-        far = np.abs(model.bounds()).max(axis=0).tolist() if model.bounded else where
-        known = [(f[6:], f[:6] if any(f[:6]) else None, NEAR * value(f, *far)[1]) for f in forms_of(model)]
-        if model.bounded:
-            model._search["near"] = known
-    return known
+    def limits(far: Point) -> list[tuple[Form, Form | None, float]]:
+        return [(f[6:], f[:6] if any(f[:6]) else None, NEAR * value(f, *far)[1]) for f in forms_of(model)]
+
+    if not model.bounded:
+        return limits(where)
+    return _LIMITS.of(model, lambda: limits(tuple(np.abs(model.bounds()).max(axis=0).tolist())))
 
 
 def may_touch_more(known: Group, place: Place, one_event: bool) -> bool:

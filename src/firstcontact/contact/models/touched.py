@@ -13,6 +13,7 @@ from math import inf, sqrt
 import numpy as np
 from flint import fmpq, fmpq_mat
 
+from firstcontact.body.kept import Kept
 from firstcontact.body.solid.carriers import Line, Plane, Rows, doubles, null_space, times, upright
 from firstcontact.body.solid.carriers import Point as RationalPoint
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
@@ -120,10 +121,17 @@ class Group:
     smooth: bool
 
 
+_GROUPS = Kept[dict[tuple[tuple[str, int], ...], Group]]()
+_SEAMED = Kept[list[tuple[int, Form, float]]]()
+_MET = Kept[dict[frozenset[int], list[Touched]]]()
+_ELEMENTS = Kept[dict[tuple[str, Face | Edge | Vertex], tuple[tuple[int, int], Element]]]()
+_TOUCHED = Kept[dict[tuple[str, int], Touched]]()
+
+
 def group(model: CompositeQuadric, features: tuple[tuple[str, int], ...]) -> Group:
     """Features as `search.convex.advance` numbers them, kept on the model."""
-    groups = model._search.setdefault("groups", {})
-    known: Group | None = groups.get(features)
+    groups = _GROUPS.of(model, dict)
+    known = groups.get(features)
     if known is None:
         found = [touched(model, kind, index) for kind, index in features]
         surfaces = frozenset(k for x in found for k in x.feature.surfaces)
@@ -138,9 +146,7 @@ def with_neighbours(known: Group, where: Point) -> list[Touched]:
     Features of a piece tell all but what joins it smoothly in other pieces.
     """
     model = known.model
-    seamed = model._search.get("seamed")
-    if seamed is None:
-        seamed = model._search["seamed"] = _seamed(model)
+    seamed = _SEAMED.of(model, lambda: _seamed(model))
     if not seamed:
         return known.features
     own, near = known.features[0].feature.surfaces, []
@@ -152,7 +158,7 @@ def with_neighbours(known: Group, where: Point) -> list[Touched]:
     if not near:
         return known.features
     there = known.surfaces.union(near)
-    met: dict[frozenset[int], list[Touched]] = model._search.setdefault("met", {})
+    met = _MET.of(model, dict)
     if there not in met:
         faces = [f for f in model.faces if there.issuperset(f.surfaces)]
         edges = [e for e in model.edges if there.issuperset(e.surfaces)]
@@ -203,8 +209,7 @@ def ranked(
     model: CompositeQuadric, feature: Face | Edge | Vertex, which: str, where: Point
 ) -> tuple[tuple[int, int], Element]:
     """`rank` of a feature and how body `which` calls it; kept on the model, but for one of several coplanar faces."""
-    elements: dict[tuple[str, Face | Edge | Vertex], tuple[tuple[int, int], Element]]
-    elements = model._search.setdefault("elements", {})
+    elements = _ELEMENTS.of(model, dict)
     known = elements.get((which, feature))
     if known is None:
         x = element(model, feature, which, np.array(where))
@@ -216,7 +221,7 @@ def ranked(
 
 def touched(model: CompositeQuadric, kind: str, index: int) -> Touched:
     """A feature as `search.convex.advance` numbers it; of a cut model, that of the whole one on the same surfaces."""
-    known: dict[tuple[str, int], Touched] = model._search.setdefault("touched", {})
+    known = _TOUCHED.of(model, dict)
     found = known.get((kind, index))
     if found is None:
         feature = _feature(model, kind, index)

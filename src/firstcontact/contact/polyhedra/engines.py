@@ -21,6 +21,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from firstcontact.body.kept import Kept
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.search.trees.crowding import crowding
 from firstcontact.search.trees.elements import Feature
@@ -53,6 +54,7 @@ LISTING_SHARE, LISTING_SLICE = 8, 16384
 # Below this size products of coordinates, and errors beside them, leave the range of doubles.  Boxes and halving bear
 # that.
 LEAST_SIZE = 2.0**-450
+_TESTS_OF_BOXES = Kept[tuple[Tree, Tree, int]]()
 
 
 def tests_of_boxes(tree_a: Tree, tree_b: Tree) -> int:
@@ -127,10 +129,10 @@ class ByEngine:
     def _tests_of_boxes(self) -> int:
         """`tests_of_boxes`, kept on body a while the trees stay the same."""
         trees = self.tree_a, self.tree_b
-        known = self.a._search.get("tests of boxes")
+        known = _TESTS_OF_BOXES.get(self.a)
         if known is None or known[0] is not trees[0] or known[1] is not trees[1]:
-            known = self.a._search["tests of boxes"] = *trees, tests_of_boxes(*trees)
-        return int(known[2])
+            known = _TESTS_OF_BOXES.put(self.a, (*trees, tests_of_boxes(*trees)))
+        return known[2]
 
     def _advance_composed(self, state: WalkState, limit: int, with_start: bool, all_sides: bool) -> int:
         from firstcontact.contact.polyhedra.composed_problem import advance_composed

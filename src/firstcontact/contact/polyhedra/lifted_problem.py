@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from firstcontact.body.kept import Kept
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact.polyhedra.engines import ByEngine
 from firstcontact.contact.polyhedra.translation_problem import TranslationProblem
@@ -136,11 +137,12 @@ def parting(problem: TranslationProblem) -> float:
     return last * (1.0 + 1e-14)
 
 
+_LIFTED = Kept[tuple[Tree, Lifted]]()
+
+
 def lifted_of(body: Polyhedron, tree: Tree) -> Lifted:
     """Elements of the body in the frame of the tree; kept on the body for the next query."""
-    cached = body._search.get("lifted")
+    cached = _LIFTED.get(body)
     if cached is None or cached[0] is not tree:
-        lifted = Lifted(edges_of(tree), corners_of_tree(tree), facets_of(tree))
-        cached = body._search["lifted"] = tree, lifted
-    known: Lifted = cached[1]
-    return known
+        cached = _LIFTED.put(body, (tree, Lifted(edges_of(tree), corners_of_tree(tree), facets_of(tree))))
+    return cached[1]

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from flint import arb, fmpq, fmpz
 
+from firstcontact.body.kept import Kept
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact.polyhedra.engines import ByEngine
 from firstcontact.errors import InputError
@@ -523,13 +524,15 @@ def _whole_turns(radians: fmpq, turns: fmpq) -> int:
         bits *= 2
 
 
+_RANGES = Kept[tuple[Any, Tree, Tree, np.ndarray]]()
+
+
 def _ranges(body: Polyhedron, tree_a: Tree, tree_b: Tree, key: Any) -> np.ndarray:
     """The array walks fill with ranges of nodes; kept while trees and axis stay the same."""
-    cached = body._search.get("ranges")
+    cached = _RANGES.get(body)
     if cached is None or cached[0] != key or cached[1] is not tree_a or cached[2] is not tree_b:
         q, r = len(tree_a.boxes), len(tree_b.boxes)
         ranges = np.zeros((q + r + 1, COLUMNS))
         ranges[-1, :3] = (*key[1], q)
-        cached = body._search["ranges"] = key, tree_a, tree_b, ranges
-    known: np.ndarray = cached[3]
-    return known
+        cached = _RANGES.put(body, (key, tree_a, tree_b, ranges))
+    return cached[3]

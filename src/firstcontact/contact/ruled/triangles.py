@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from flint import fmpq, fmpz_poly
 
+from firstcontact.body.kept import Kept
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.body.ruled.rational_curve import RationalCurve
 from firstcontact.body.ruled.surface import RuledSurface
@@ -40,15 +41,15 @@ MOST_PAIRS = 400
 """Pairs of pieces and triangles that come near each other, beyond which exact arithmetic is no way."""
 
 
+_TRIANGLES = Kept[tuple[RuledSurface, ...]]()
+
+
 def triangles_of(body: Polyhedron) -> tuple[RuledSurface, ...]:
     """The triangles as pieces: side 0 is the first corner, side 1 the opposite side from the second to the third.
 
     Kept on the body.  UnsupportedPair for bare edges and points, triangles without area and irrational poses.
     """
-    known = body._search.get("ruled triangles")
-    if known is None:
-        known = body._search["ruled triangles"] = _triangles(body)
-    return known
+    return _TRIANGLES.of(body, lambda: _triangles(body))
 
 
 def _triangles(body: Polyhedron) -> tuple[RuledSurface, ...]:

@@ -13,6 +13,7 @@ from typing import Any
 
 from flint import fmpq, fmpz_mpoly, fmpz_poly
 
+from firstcontact.body.kept import Kept
 from firstcontact.body.ruled.surface import RuledSurface
 from firstcontact.contact.signs.conditions import bound_once, local_trims, polynomials
 from firstcontact.contact.signs.sheets import samples
@@ -39,16 +40,14 @@ WAYS = (0, 1), (0, -1), (1, 1), (1, -1)
 UNIT = fmpq(0), fmpq(1)
 Place = tuple[fmpq, fmpq]
 """u, and s counted from 0 to 1."""
+_INNER_PLACES = Kept[list[Place]]()
 
 
 def inner_places(surface: RuledSurface) -> list[Place]:
     """One place at least in every component; of one without inequalities a corner.  Raises UnsupportedPair."""
     if not surface.trim:
         return [(fmpq(-1) if surface.u is None else rational(surface.u[0], "u"), fmpq(0))]
-    if "inner places" not in surface._search:
-        surface._search["inner places"] = _inner_places(surface)
-    known: list[Place] = surface._search["inner places"]
-    return known
+    return _INNER_PLACES.of(surface, lambda: _inner_places(surface))
 
 
 def _inner_places(surface: RuledSurface) -> list[Place]:

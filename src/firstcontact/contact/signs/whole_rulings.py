@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from flint import fmpq, fmpz_poly
 
+from firstcontact.body.kept import Kept
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.body.ruled.surface import RuledSurface
 from firstcontact.contact.signs.pieces import range_of
@@ -56,21 +57,23 @@ def cut_to(ruled: Any, solid: Any, span: tuple[float, float]) -> Any:
     return Moving(found[0], ruled.motion) if isinstance(ruled, Moving) else found[0]
 
 
+_SEGMENTS = Kept[dict[tuple[tuple[float, ...], float], list[RuledSurface] | None]]()
+
+
 def segments(piece: RuledSurface, centre: Sequence[float], reach: float) -> list[RuledSurface] | None:
     """Surfaces with bounded rulings that hold all of this one within the reach of the centre, or farther out: never [].
 
     None where directrices meet or have poles on the way, or where u would have to pass through infinity.
     """
-    key = "segments", tuple(centre), reach
-    if key not in piece._search:
+    known, key = _SEGMENTS.of(piece, dict), (tuple(centre), reach)
+    if key not in known:
         c, far = [exact_value(float(x)) for x in centre], exact_value(float(reach))
-        piece._search[key] = _over(piece, [range_of(piece.u)], c, far)
-        if piece._search[key] is None:
+        known[key] = _over(piece, [range_of(piece.u)], c, far)
+        if known[key] is None:
             while (ranges := _ranges_near(piece, c, far)) is not None and not ranges:
                 far *= 2
-            piece._search[key] = None if ranges is None else _over(piece, ranges, c, far)
-    known: list[RuledSurface] | None = piece._search[key]
-    return known
+            known[key] = None if ranges is None else _over(piece, ranges, c, far)
+    return known[key]
 
 
 def _over(piece: RuledSurface, ranges: Sequence[Range], c: Sequence[fmpq], reach: fmpq) -> list[RuledSurface] | None:

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from flint import fmpq
 
+from firstcontact.body.kept import Kept
 from firstcontact.body.ruled.surface import RuledSurface
 from firstcontact.exact.numbers import rational, to_double
 from firstcontact.kernels.curves import nets
@@ -126,11 +127,12 @@ class Chain:
         return np.array([first[:3] / first[3], second[:3] / second[3]])
 
 
+_CHAINS = Kept[list[Chain]]()
+
+
 def chains(surface: Any) -> list[Chain]:
     """Those of a RuledSurface or RuledStrip at rest, with bounded rulings and without trimming."""
-    if "chains" not in surface._search:
-        surface._search["chains"] = [_chain(run) for run in _runs(surface.pieces)]
-    return surface._search["chains"]  # type: ignore[no-any-return]
+    return _CHAINS.of(surface, lambda: [_chain(run) for run in _runs(surface.pieces)])
 
 
 def _runs(pieces: Sequence[RuledSurface]) -> Iterator[list[RuledSurface]]:

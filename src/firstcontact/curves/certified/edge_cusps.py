@@ -11,12 +11,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.polynomial.polynomial import polyder, polyval
 
+from firstcontact.body.kept import Kept
 from firstcontact.contact.signs.pieces import Piece
 from firstcontact.curves.certified.chains import Chain
 from firstcontact.curves.exactly.cusps import torsal_rulings
 
-EDGE = "edge of regression"
-"""The key under which a piece knows whether it has one."""
+_HAS_EDGE = Kept[bool]()
+"""Whether a piece has an edge of regression."""
 # Volumes of four control points, in parts of their sizes, above which a piece is certainly no developable; cosine of
 # the turn of a normal that passes zero; lengths of normals, in parts of the largest, below which they show nothing.
 NOT_FLAT, REVERSED, AT_EDGE = 1e-9, -0.5, 1e-9
@@ -35,11 +36,11 @@ class Directrices(NamedTuple):
 
 def with_edges(chain: Chain) -> list[Any]:
     """The developable pieces with an edge of regression."""
-    if any(EDGE not in piece._search for piece in chain.pieces):
+    if any(_HAS_EDGE.get(piece) is None for piece in chain.pieces):
         flat = _may_be_flat(chain)
         for k, piece in enumerate(chain.pieces):
-            piece._search[EDGE] = k in flat and _has_edge(piece)
-    return [piece for piece in chain.pieces if piece._search[EDGE]]
+            _HAS_EDGE.put(piece, k in flat and _has_edge(piece))
+    return [piece for piece in chain.pieces if _HAS_EDGE.get(piece)]
 
 
 def passed(

@@ -17,6 +17,7 @@ import numpy as np
 from flint import fmpq
 from numpy.polynomial.polynomial import polyder, polyval
 
+from firstcontact.body.kept import Kept
 from firstcontact.contact.signs.pieces import Piece
 from firstcontact.curves.certified.chains import Chain, product_table
 from firstcontact.curves.exactly.cusps import singular_points, stationary_rulings, torsal_rulings
@@ -25,8 +26,9 @@ from firstcontact.exact.fields.roots import AlgebraicRoot, roots_in
 from firstcontact.exact.numbers import precision
 from firstcontact.pairs.ruled_ruled import DUAL, PAIRS
 
-TORSAL, LIKELY = "torsal rulings", "likely torsal rulings"
-"""Keys under which a piece knows them exactly, and as far as doubles tell."""
+_TORSAL = Kept[list["Special"]]()
+_LIKELY = Kept[list["Likely"]]()
+"""Torsal rulings of a piece, exactly, and as far as doubles tell."""
 UNIT = fmpq(-1), fmpq(1)
 # Coefficients that are not told from zero, in parts of what they are made of; how far from the real axis and beyond a
 # part doubles may put a root; degrees above which they find none; room beside the ends of rulings.
@@ -65,12 +67,12 @@ def turned_back(
 ) -> list[Passed]:
     """Where a polyline, given by its points and u, v, s, t, turns back at a ruling of the first chain; not at ends."""
     found: dict[int, Passed] = {}
-    if any(LIKELY not in piece._search for piece in own.pieces):
+    if any(_LIKELY.get(piece) is None for piece in own.pieces):
         _look_for(own)
     u = parameters[:, 0].copy()
     low, high = u.min(), u.max()
     for piece in own.pieces:
-        near = (x for x in piece._search[LIKELY] if x.u is None or low <= x.u <= high)
+        near = (x for x in _LIKELY.get(piece) or () if x.u is None or low <= x.u <= high)
         if any(_may_pass(x, points, u, tolerance) for x in near):
             for special in _torsal(piece):
                 for cusp in _at_ruling(piece, other.pieces, special, points, parameters, tolerance):
@@ -83,19 +85,18 @@ def turned_back(
 
 def _torsal(piece: Any) -> list[Special]:
     """Those of a closed surface in the charts of u and of 1/u; both may have 1 and -1."""
-    if TORSAL not in piece._search:
-        own = Piece.of(piece)
-        charts = [(False, own.rulings, own.u or UNIT)]
-        if own.u is None:
-            charts.append((True, own.rulings.reversed(), UNIT))
-        found = []
-        for reverse, lines, ends in charts:
-            still, torsal = stationary_rulings(lines), torsal_rulings(lines)
-            for root in roots_in(still if torsal == 0 else torsal, ends):
-                at = None if root.sign_of(still) == 0 else _singular_point(lines, root)
-                found.append(Special(reverse, float(root), at))
-        piece._search[TORSAL] = found
-    return piece._search[TORSAL]  # type: ignore[no-any-return]
+    return _TORSAL.of(piece, lambda: list(_torsal_rulings(Piece.of(piece))))
+
+
+def _torsal_rulings(piece: Piece) -> Iterator[Special]:
+    charts = [(False, piece.rulings, piece.u or UNIT)]
+    if piece.u is None:
+        charts.append((True, piece.rulings.reversed(), UNIT))
+    for reverse, lines, ends in charts:
+        still, torsal = stationary_rulings(lines), torsal_rulings(lines)
+        for root in roots_in(still if torsal == 0 else torsal, ends):
+            at = None if root.sign_of(still) == 0 else _singular_point(lines, root)
+            yield Special(reverse, float(root), at)
 
 
 def _singular_point(lines: Any, root: AlgebraicRoot) -> np.ndarray:
@@ -125,7 +126,7 @@ def _look_for(chain: Chain) -> None:
         else:
             likely[k] += _likely(chain, part, torsal[part])
     for piece, own in zip(chain.pieces, likely, strict=True):
-        piece._search[LIKELY] = own
+        _LIKELY.put(piece, own)
 
 
 def _lines(chain: Chain) -> np.ndarray:

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from flint import fmpq
 
+from firstcontact.body.kept import Kept
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.body.solid.carriers import Plane, Vector, dot, primitive
 from firstcontact.contact.signs.pieces import Piece
@@ -129,6 +130,9 @@ class Facets:
         return Plane(primitive((*n, -dot(n, a))))
 
 
+_FACETS = Kept[dict[str | None, Facets]]()
+
+
 def facets(body: Polyhedron) -> Facets:
     """Kept on the body; UnsupportedPair where it has no faces or no rational vertices."""
     who = body.name or "the polyhedron"
@@ -136,10 +140,10 @@ def facets(body: Polyhedron) -> Facets:
         raise UnsupportedPair(f"{who} has no faces; intersection_curve is with faces of polyhedra")
     if body._pose is not None:
         raise UnsupportedPair(f"{who} is in an irrational pose, in which intersection_curve does not take polyhedra")
-    key = "facets", body.name
-    if key not in body._search:
-        body._search[key] = Facets(body)
-    return body._search[key]  # type: ignore[no-any-return]
+    known = _FACETS.of(body, dict)
+    if body.name not in known:
+        known[body.name] = Facets(body)
+    return known[body.name]
 
 
 def _way(a: Vector, b: Vector) -> Vector:

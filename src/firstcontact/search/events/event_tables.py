@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from firstcontact.body.kept import Kept
 from firstcontact.body.solid.carriers import Line, Plane, QuarticCurve
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.body.solid.features import Edge, Face, Vertex
@@ -46,11 +47,14 @@ class Tables:
     known_still: np.ndarray
 
 
+_TABLES = Kept[tuple[weakref.ref[CompositeQuadric], Tables]]()
+
+
 def tables_of(a: CompositeQuadric, b: CompositeQuadric) -> Tables:
     """The tables of two bodies, kept for the second one they were asked with last.  Raises NotCharted."""
-    known = a._search.get("event tables")
+    known = _TABLES.get(a)
     if known is None or known[0]() is not b:
-        known = a._search["event tables"] = weakref.ref(b), _tables(a, b)
+        known = _TABLES.put(a, (weakref.ref(b), _tables(a, b)))
     return known[1]
 
 
