@@ -121,8 +121,8 @@ def _says_any(node: ast.FunctionDef) -> bool:
 
 
 def _is_private(node: ast.Attribute) -> bool:
-    """Of another object than self, cls, a module or super()."""
-    if not node.attr.startswith("_") or node.attr.startswith("__"):
+    """Of another object than self and cls; `_replace` is how named tuples call it."""
+    if not node.attr.startswith("_") or node.attr.startswith("__") or node.attr == "_replace":
         return False
     return not (isinstance(node.value, ast.Name) and node.value.id in ("self", "cls"))
 

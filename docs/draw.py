@@ -24,7 +24,7 @@ SAYS = {
     "__main__": "python -m firstcontact", "cli": "the commands", "view": "pages and pictures",
     "warmup": "compiles ahead",
     "scene": "TOML scenes", "query": "the verbs: checks, one Query", "curves": "intersection curves",
-    "contact": "a room for each pair of kinds of bodies;\ntable, ways", "timeline": "all contacts in time",
+    "contact": "a room for each pair of kinds of bodies; table, ways", "timeline": "all contacts in time",
     "search": "candidates and proofs", "examples": "bodies to try", "io": "mesh files", "pairs": "formulas of features",
     "body": "meshes, solids, ruled surfaces", "motion": "motions, relative motion", "brackets": "segments in brackets",
     "work": "Query, budget", "kernels": "compiled code", "exact": "numbers, polynomials, roots",
@@ -61,8 +61,7 @@ def draw_house(path: Path) -> None:
             _box(axes, i * width + 0.04, -k, width - 0.08, 0.86, SHADES[floor])
             inner = ", ".join(subrooms(room))
             axes.text(i * width + 0.2, -k + 0.43, room, va="center", fontsize=10, weight="bold", color=INK)
-            says = SAYS[room].replace("\n", " ")
-            text = f"{says}{': ' + inner if inner else ''}"
+            text = f"{SAYS[room]}{': ' + inner if inner else ''}"
             text = _wrapped(text, int(16 * (width - 2.3)))
             axes.text(i * width + 1.6, -k + 0.43, text, va="center", fontsize=7, color=INK)
             right = (i + 1) * width - 0.2

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import firstcontact as fc
+from polylines import distance
 
 AWAY = (-3145728, 7, -2097152)
 CONE = fc.RuledSurface(
@@ -55,3 +56,25 @@ def test_the_curve_is_that_near_the_origin(pair, boxed, size):
     assert np.abs(far.isolated_points - shift - float(size) * near.isolated_points).max(initial=0.0) <= ulp
     if boxed:
         assert far.box == pytest.approx(np.array(box, float))
+
+
+@pytest.mark.parametrize("size", [F(1), F(1, 2**20), F(2**30)], ids=["1", "2^-20", "2^30"])
+@pytest.mark.parametrize("other", ["surface", "half-space", "sheet"])
+def test_a_saddle_is_cut_in_a_hyperbola(other, size):
+    """z = x y over the unit square at height 1/2: by school, from (1/2, 1) to (1, 1/2)."""
+    x, y, z = (c * size for c in AWAY)
+    level = z + size / 2
+    saddle = fc.RuledSurface(f"({x} + {size}*u, {y}, {z})", f"({x} + {size}*u, {y + size}, {z} + {size}*u)")
+    corners = [(x, y, level), (x + size, y, level), (x + size, y + size, level), (x, y + size, level)]
+    cut = {
+        "surface": fc.RuledSurface(f"({x} + {size}*u, {y}, {level})", f"({x} + {size}*u, {y + size}, {level})"),
+        "half-space": fc.half_space((0, 0, 1), level),
+        "sheet": fc.Polyhedron(corners, [[0, 1, 2, 3]]),
+    }[other]
+    (branch,) = fc.intersection_curve(saddle, cut, tolerance=1e-4 * float(size)).branches
+    p, q, h = ((branch.points - np.array([x, y, z], float)) / float(size)).T
+    assert np.abs(h - 0.5).max() < 4e-9 and np.abs(p * q - 0.5).max() < 4e-9
+    assert sorted([p[0], p[-1]]) == pytest.approx([0.5, 1.0], abs=4e-9)
+    t = np.linspace(0.5, 1.0, 300)
+    truth = np.stack((t, 0.5 / t, np.full(300, 0.5)), axis=1) * float(size) + np.array([x, y, z], float)
+    assert distance(truth, [branch]) <= 1.001e-4 * float(size)

@@ -8,19 +8,9 @@ import numpy as np
 import pytest
 
 import firstcontact as fc
+from polylines import distance
 
 CONE = fc.RuledSurface("(0, 0, 0)", "((1-u**2)/(1+u**2), 2*u/(1+u**2), 1)", u=None, s=(0, 3))
-
-
-def farthest(points: np.ndarray, polyline: np.ndarray) -> float:
-    """The largest distance from one of the points to the polyline."""
-    start, along = polyline[:-1], np.diff(polyline, axis=0)
-    squares = np.maximum((along * along).sum(1), 1e-300)
-    worst = 0.0
-    for x in points:
-        share = np.clip(((x - start) * along).sum(1) / squares, 0.0, 1.0)
-        worst = max(worst, float(np.linalg.norm(start + share[:, None] * along - x, axis=1).min()))
-    return worst
 
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-5])
@@ -34,6 +24,4 @@ def test_a_bent_wall_past_a_tip(off, bend, tolerance):
     x = np.concatenate([np.linspace(-3 / 7, 4 / 7, 801), *(np.geomspace(1e-9, 0.4, 200) * s for s in (-1, 1))])
     y = x / 2 + float(bend) * x**2 + float(off)
     truth = np.stack((x, y, np.hypot(x, y)), axis=1)
-    polyline = [branch.points for branch in curve.branches]
-    off_all = [min(farthest(point[None], points) for points in polyline) for point in truth]
-    assert max(off_all) <= tolerance
+    assert distance(truth, curve.branches) <= tolerance

@@ -73,6 +73,15 @@ def test_what_is_proved_of_a_pair(kinds, verb):
 
 
 @pytest.mark.parametrize("kinds", PAIRS, ids=lambda kinds: "-".join(k.name for k in kinds))
+def test_exact_times_whatever_the_method(kinds):
+    """exact=True is the stronger wish: "certified" beside it once left a surface and a solid without any way."""
+    a, b = (BODIES[k] for k in kinds)
+    for method in ("auto", "certified", "algebraic"):
+        hit = fc.first_contact(a.translated(ABOVE).moving(RATIONAL), b, exact=True, method=method)
+        assert hit.status is fc.Status.CONTACT and hit.time_exact is not None
+
+
+@pytest.mark.parametrize("kinds", PAIRS, ids=lambda kinds: "-".join(k.name for k in kinds))
 @pytest.mark.parametrize("verb", VERBS[2:])
 def test_verbs_that_take_some_pairs_only(kinds, verb):
     a, b = (BODIES[k] for k in kinds)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from fractions import Fraction as F
 from typing import Any
 
-from .brute import Mesh, distance, dot, inside, share, start_of, whole
+from .brute import Mesh, cross, distance, dot, inside, share, start_of, whole
 from .scene import Judge
 
 Poses = Callable[[Any], tuple[Mesh, Mesh]]
@@ -145,15 +145,11 @@ def _meeting_place(bodies: Sequence[Mesh], pieces: Sequence[Any]) -> list[Any] |
         return None
     (p, d), (q, e) = ((x, [v - u for u, v in zip(x, y, strict=True)]) for x, y in (
         [body.vertices[i] for i in piece[0]] for body, piece in both))
-    n = _cross(d, e)
+    n = cross(d, e)
     if not any(n):
         return None
-    share = dot(_cross([v - u for u, v in zip(p, q, strict=True)], e), n) / dot(n, n)
+    share = dot(cross([v - u for u, v in zip(p, q, strict=True)], e), n) / dot(n, n)
     return [x + share * y for x, y in zip(p, d, strict=True)]
-
-
-def _cross(x: Sequence[Any], y: Sequence[Any]) -> list[Any]:
-    return [x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]]
 
 
 def _unit(v: Sequence[Any]) -> list[float]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import firstcontact as fc
-from firstcontact.search.trees.kept import kept
+from firstcontact.body.kept import Kept
 
 
 class Refused(Exception):
@@ -13,14 +13,15 @@ class Refused(Exception):
 
 
 def test_it_is_made_once():
-    body, made = fc.sphere(1), []
+    body, made, place = fc.sphere(1), [], Kept[str]()
     for _ in range(2):
-        assert kept(body, "name", lambda: made.append(1) or "thing", Refused) == "thing"
-    assert len(made) == 1
+        assert place.of(body, lambda: made.append(1) or "thing") == "thing"
+        assert place.of_or_refusal(body, lambda: made.append(1) or "thing", Refused) == "thing"
+    assert len(made) == 1 and place.get(body) == "thing" and place.get(fc.sphere(1)) is None
 
 
 def test_a_refusal_is_kept_and_raised_again():
-    body, asked = fc.sphere(1), []
+    body, asked, place = fc.sphere(1), [], Kept[str]()
 
     def refuse():
         asked.append(1)
@@ -28,12 +29,12 @@ def test_a_refusal_is_kept_and_raised_again():
 
     for _ in range(2):
         with pytest.raises(Refused, match="why"):
-            kept(body, "name", refuse, Refused)
+            place.of_or_refusal(body, refuse, Refused)
     assert len(asked) == 1
 
 
 def test_what_is_no_refusal_is_not_kept():
-    body = fc.sphere(1)
+    body, place = fc.sphere(1), Kept[int]()
     with pytest.raises(ZeroDivisionError):
-        kept(body, "name", lambda: 1 / 0, Refused)
-    assert kept(body, "name", lambda: 2, Refused) == 2
+        place.of_or_refusal(body, lambda: 1 // 0, Refused)
+    assert place.of_or_refusal(body, lambda: 2, Refused) == 2

@@ -22,6 +22,19 @@ class Kept(Generic[T]):
             found = kept[self] = make()
         return found
 
+    def of_or_refusal(self, body: Any, make: Callable[[], T], refusal: type[Exception]) -> T:
+        """As `of`; where `make` raises an exception of that class, that is kept and raised whenever it is asked."""
+        def made() -> Any:
+            try:
+                return make()
+            except refusal as reason:
+                return reason
+
+        found = self.of(body, made)
+        if isinstance(found, refusal):
+            raise found
+        return found
+
     def get(self, body: Any) -> T | None:
         found: T | None = body._search.get(self)
         return found

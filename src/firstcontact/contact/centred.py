@@ -9,11 +9,12 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from firstcontact.exact.numbers import exact_value, to_double
+from firstcontact.body.kept import Kept
+from firstcontact.exact.numbers import to_double
+from firstcontact.exact.rigid import to_origin
 from firstcontact.exact.vectors import Vector
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.result import ContactIntervals, ContactSet, FirstContact, Subproblem
@@ -24,9 +25,9 @@ FAR = 2.0**10
 
 _Place = tuple[float, tuple[float, ...], float]
 """Size, middle, and the greatest coordinate of it; ordered by size."""
-_places: WeakKeyDictionary[Any, _Place] = WeakKeyDictionary()
-_copies: WeakKeyDictionary[Any, dict[Vector, Any]] = WeakKeyDictionary()
-"""Shifted shapes: they keep what queries work out about them."""
+_PLACE = Kept[_Place]()
+_COPIES = Kept[dict[tuple[Vector, str | None], Any]]()
+"""Shifted shapes, by the shift and their name: they keep what queries work out about them."""
 
 
 def first(answer: Callable[[Query], FirstContact], query: Query) -> FirstContact:
@@ -58,23 +59,19 @@ def _shift(query: Query) -> Vector | None:
     size, middle, reach = min(_place(shape_of(query.a), query), _place(shape_of(query.b), query))
     if reach <= FAR * size:
         return None
-    unit = 2.0 ** math.floor(math.log2(size))
-    x, y, z = (exact_value(-unit * round(c / unit)) for c in middle)
-    return x, y, z
+    return to_origin(middle, size)
 
 
 def _place(shape: Any, query: Query) -> _Place:
-    place = _places.get(shape)
-    if place is None:
+    def found() -> _Place:
         lo, hi = shape.bounds(query.span)
         size = float((hi - lo).max())
-        place = math.inf, (0.0, 0.0, 0.0), 0.0  # points, and what has no end, tell no size
-        if 0.0 < size < math.inf:
-            middle = 0.5 * (lo + hi)
-            place = size, tuple(middle.tolist()), float(np.abs(middle).max())
-        if not getattr(shape, "deforming", False):
-            _places[shape] = place
-    return place
+        if not 0.0 < size < math.inf:  # points, and what has no end, tell no size
+            return math.inf, (0.0, 0.0, 0.0), 0.0
+        middle = 0.5 * (lo + hi)
+        return size, tuple(middle.tolist()), float(np.abs(middle).max())
+
+    return found() if getattr(shape, "deforming", False) else _PLACE.of(shape, found)
 
 
 def _shifted(query: Query, by: Vector) -> Query:
@@ -84,10 +81,10 @@ def _shifted(query: Query, by: Vector) -> Query:
 
 def _shifted_body(body: Any, by: Vector) -> Any:
     shape = shape_of(body)
-    known = _copies.setdefault(shape, {})
-    if by not in known:
-        known[by] = shape.translated(by)
-    return Moving(known[by], body.motion.shifted(by)) if isinstance(body, Moving) else known[by]
+    known, key = _COPIES.of(shape, dict), (by, shape.name)
+    if key not in known:
+        known[key] = shape.translated(by)
+    return Moving(known[key], body.motion.shifted(by)) if isinstance(body, Moving) else known[key]
 
 
 def _shifted_back(listed: Subproblem, back: np.ndarray) -> Subproblem:

@@ -44,6 +44,11 @@ def _always(query: Query, proved: Any) -> bool:
     return True
 
 
+def is_proved(query: Query, proved: Any) -> bool:
+    """For ways that begin with a proof."""
+    return proved is not None
+
+
 @dataclass(frozen=True, slots=True)
 class Way(Generic[R]):
     """One way to an answer.

@@ -10,14 +10,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from fractions import Fraction
 from typing import Any
 
 import numpy as np
+from flint import fmpq
 
 from firstcontact.curves.exactly.spots import Box
 from firstcontact.curves.exactly.tracing import ALL_AROUND, Powers, rows
-from firstcontact.exact.numbers import rational
+from firstcontact.exact.numbers import rational, to_double
+from firstcontact.exact.rigid import to_origin
+from firstcontact.exact.vectors import Vector
 
 SMALL, LARGE = 2.0**-4, 2.0**24
 """Scenes between these sizes are left as they are."""
@@ -31,24 +33,22 @@ Search = Callable[[Any, Any, float, Box | None], dict[str, Any]]
 class Placing:
     """x -> factor (x + by)."""
 
-    factor: Fraction
-    by: tuple[Fraction, Fraction, Fraction]
+    factor: fmpq
+    by: Vector
 
     def body(self, body: Any) -> Any:
-        k, nil = self.factor, Fraction(0)
+        k, nil = self.factor, fmpq(0)
         rows = [[k if i == j else nil for j in range(3)] + [k * self.by[i]] for i in range(3)]
-        return body.transformed([*rows, [nil, nil, nil, Fraction(1)]])
+        return body.transformed([*rows, [nil, nil, nil, fmpq(1)]])
 
     def box(self, box: Box) -> Box:
-        k = rational(self.factor, "factor")
         low, high = (
-            [k * (rational(x, "box") + rational(d, "shift")) for x, d in zip(corner, self.by, strict=True)]
-            for corner in box
+            [self.factor * (rational(x, "box") + d) for x, d in zip(corner, self.by, strict=True)] for corner in box
         )
         return (low[0], low[1], low[2]), (high[0], high[1], high[2])
 
     def back(self, points: np.ndarray) -> np.ndarray:
-        return points / float(self.factor) - np.array(self.by, float)
+        return points / to_double(self.factor) - [to_double(d) for d in self.by]
 
 
 def searched(search: Search, p: Any, q: Any, tolerance: float, box: Box | None) -> dict[str, Any]:
@@ -57,7 +57,7 @@ def searched(search: Search, p: Any, q: Any, tolerance: float, box: Box | None) 
     if placing is None:
         return search(p, q, tolerance, box)
     own_box = None if box is None else placing.box(box)
-    fields = search(placing.body(p), placing.body(q), tolerance * float(placing.factor), own_box)
+    fields = search(placing.body(p), placing.body(q), tolerance * to_double(placing.factor), own_box)
     return restored(fields, placing, box)
 
 
@@ -65,22 +65,20 @@ def _placing(bodies: Sequence[Any]) -> Placing | None:
     """None where the scene stays as it is."""
     corners = [_corners(body) for body in bodies]
     by = _shift(corners)
-    moved = np.array(by, float)
+    moved = [to_double(d) for d in by]
     reach = [np.abs(np.array(own) + moved).max() for own in corners if np.isfinite(own).all()]
     size = float(max(reach, default=0.0))
-    factor = Fraction(1) if SMALL <= size <= LARGE or size == 0.0 else Fraction(2) ** -math.frexp(size)[1]
+    factor = fmpq(1) if SMALL <= size <= LARGE or size == 0.0 else fmpq(2) ** -math.frexp(size)[1]
     return None if factor == 1 and not any(by) else Placing(factor, by)
 
 
-def _shift(corners: Sequence[Corners]) -> tuple[Fraction, Fraction, Fraction]:
+def _shift(corners: Sequence[Corners]) -> Vector:
     """What brings the smaller body to the origin; nothing where it is near."""
     low, high = min(corners, key=lambda x: float((x[1] - x[0]).max()))
     size, middle = float((high - low).max()), 0.5 * (low + high)
     if not 0.0 < size < math.inf or np.abs(middle).max() <= FAR * size:
-        return Fraction(0), Fraction(0), Fraction(0)
-    unit = 2.0 ** math.floor(math.log2(size))
-    x, y, z = (Fraction(-round(c / unit)) * Fraction(unit) for c in middle.tolist())
-    return x, y, z
+        return fmpq(0), fmpq(0), fmpq(0)
+    return to_origin(middle.tolist(), size)
 
 
 def _corners(body: Any) -> Corners:

@@ -5,11 +5,13 @@ A matrix is a tuple of three rows (m0, m1, m2, shift).
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from typing import Any
 
 from flint import arb, fmpq
 
-from firstcontact.exact.numbers import ball, precision
+from firstcontact.exact.numbers import ball, exact_value, precision
 
 Row = tuple[Any, Any, Any, Any]
 Matrix = tuple[Row, Row, Row]
@@ -21,6 +23,13 @@ IDENTITY: Matrix = ((_1, _0, _0, _0), (_0, _1, _0, _0), (_0, _0, _1, _0))
 
 def shift(v: Vector) -> Matrix:
     return ((_1, _0, _0, v[0]), (_0, _1, _0, v[1]), (_0, _0, _1, v[2]))
+
+
+def to_origin(middle: Sequence[float], size: float) -> Vector:
+    """The shift, of few binary digits, that brings the middle of something of this size to the origin, or near it."""
+    unit = 2.0 ** math.floor(math.log2(size))
+    x, y, z = (exact_value(-unit * round(c / unit)) for c in middle)
+    return x, y, z
 
 
 def apply(m: Matrix, p: Vector) -> Vector:

@@ -18,7 +18,7 @@ from flint import fmpq
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.body.solid import primitives
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
-from firstcontact.contact.mesh_model.mesh_holes import HoledSearch, search_of
+from firstcontact.contact.mesh_model.mesh_holes import search_of
 from firstcontact.contact.mesh_model.mesh_starts import Standing
 from firstcontact.contact.mesh_model.patches import (
     Patch,
@@ -41,7 +41,6 @@ from firstcontact.contact.ways import Passed, Way, answered, tried
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import exact_value, fraction
 from firstcontact.kernels.convex.mesh_walk import VISITS
-from firstcontact.kernels.convex.support import FORMS
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.relative.polynomial import relative_pieces
 from firstcontact.motion.relative.stretches import Untold, Window, windows
@@ -185,7 +184,7 @@ class _Answer:
             if not np.all(self.model._possible(some, slack)[0]):
                 return "overlapping"
         if self.search.pieces_are_model:
-            inside = self._inside_parts(x, slack)
+            inside = self.search.pieces.holding(x, slack)
             triangles = self.mesh.triangles[ours[self.mesh.triangles[:, 0]]]  # each with all corners in one part
             if len(triangles) > 0 and np.all(np.any(np.all(inside[:, triangles], axis=2), axis=0)):
                 return "containment"
@@ -208,18 +207,6 @@ class _Answer:
 
     def _corner(self, touch: Touch) -> int:
         return int(tree_of(self.mesh).corners[touch.primitive, 0])
-
-    def _inside_parts(self, x: np.ndarray, slack: float) -> np.ndarray:
-        """(parts, n) bools: points (n, 3) in the frame of the model surely inside each convex part."""
-        forms = self.search.pieces.array
-        terms = np.column_stack([
-            x * x, x[:, 0] * x[:, 1], x[:, 0] * x[:, 2], x[:, 1] * x[:, 2], x, np.ones(len(x)),
-        ])  # fmt: skip
-        found = []
-        for head in forms[: self.search.pieces.count]:
-            rows = forms[int(head[FORMS]) : int(head[FORMS + 1]), :10]
-            found.append(np.all(terms @ rows.T < -slack * (np.abs(terms) @ np.abs(rows).T), axis=1))
-        return np.array(found)
 
     def _vertices_at(self, window: Window) -> tuple[np.ndarray, float]:
         """(n, 3) vertices in the frame of the model at the start of the window; their error as a part of sizes."""
@@ -348,9 +335,9 @@ class _Answer:
         return min(x.free_until for x in group) > first
 
     def _oriented(self, found: FirstContact, window: Window) -> FirstContact:
-        """With the normal towards a: a triangle does not tell on which side of it a model with holes lies."""
+        """With the normal towards a: a triangle does not tell on which side of it the model lies, and that changes."""
         n, place, t = found.normal, found.point, found.time
-        if not isinstance(self.search, HoledSearch) or n is None or place is None or t is None:
+        if n is None or place is None or t is None:
             return found
         n = self.search.oriented(n, window, t, place)
         return replace(found, normal=None if n is None else -n if self.mesh_is_a else n)

@@ -284,24 +284,28 @@ class HoledSearch(MeshSearch):
         frame = [*pose[:, :3].ravel().tolist(), *pose[:, 3].tolist()], [*inverse.ravel().tolist(), 0.0, 0.0, 0.0]
         mine, theirs = (event.own, event.other) if (event.side == 0) == self.mesh_is_a else (event.other, event.own)
         primitive, corner, sides = group.primitive(self.mesh, mine)
-        numbers = [mine.index] if isinstance(mine, Vertex) else self.mesh.triangles[primitive]
-        if isinstance(mine, Edge):
-            numbers = self.mesh._segments[mine.index]
-        alone = not stop.search._is_spread(stop.boxes)
-        alone = alone and self._is_clear(self.mesh.vertices[numbers], theirs, where, poses)
-        n = self._normal(mine, theirs, where, poses if self.mesh_is_a else poses[::-1])
+        ours = poses if self.mesh_is_a else poses[::-1]
+        alone = not stop.search._is_spread(stop.boxes) and self._is_clear(
+            self.mesh.vertices[self._corners(mine, primitive)], theirs, where, ours
+        )
+        n = self._normal(mine, theirs, where, ours)
         if n is not None:
             n = self._toward_model(n, self.approach(window, time, where))
         kind = type(theirs).__name__.lower(), theirs.index
         return Touch(stop.lo, at, time, where, n, primitive, corner, sides, (kind,), frame, alone)
 
+    def _corners(self, feature: Any, triangle: int) -> Any:
+        """The vertices of a vertex, an edge, or a face that is this triangle."""
+        if isinstance(feature, Vertex):
+            return [feature.index]
+        return self.mesh._segments[feature.index] if isinstance(feature, Edge) else self.mesh.triangles[triangle]
+
     def _is_clear(self, corners: np.ndarray, theirs: Any, where: np.ndarray, poses: Sequence[np.ndarray]) -> bool:
         """Whether the place is clear of what borders the two features, so that no other event may be there.
 
-        corners: of the polyhedron's feature; a vertex borders on faces and edges that meet there too.
+        corners: of the polyhedron's feature; poses: of the polyhedron and of the model.
         """
-        own, other = poses if self.mesh_is_a else poses[::-1]
-        x, y = (np.linalg.solve(pose[:, :3], where - pose[:, 3]) for pose in (own, other))
+        x, y = (np.linalg.solve(pose[:, :3], where - pose[:, 3]) for pose in poses)
         if len(near_surfaces(self.model, tuple(y.tolist()))) > len(theirs.surfaces):
             return False
         weights, *_ = np.linalg.lstsq(np.vstack([corners.T, np.ones(len(corners))]), np.append(x, 1.0), rcond=None)

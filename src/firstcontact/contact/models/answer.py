@@ -35,6 +35,8 @@ from firstcontact.search.trees.touch import carried_normal
 
 _ORDER = {"vertex": 0, "apex": 0, "edge": 1, "face": 2}
 BITS = 128
+SINGULAR = 2.0**-40
+"""Part of the size of its terms below which a gradient counts as 0."""
 
 
 def contact_of(search: Search, meetings: Sequence[Meeting], exact: bool, shared: dict[str, Any]) -> FirstContact:
@@ -222,14 +224,16 @@ def _outward(
 
 
 def _gradient(form: Form, root: Root, where: np.ndarray) -> np.ndarray:
-    """Of the surface where it stands at the root, at a point of it, to a positive factor."""
+    """Of the surface where it stands at the root, at a point of it, to a positive factor; 0 at a cone's tip."""
     u, x = root.enclosure(BITS), np.append(where, 1.0)
     with precision(BITS):
         at = form_at(form, u)
         if is_plane(form):
             return np.array([float(c.mid()) for c in at[:3]])
-        return np.array([float(sum((r * arb(c) for r, c in zip(row, x, strict=True)), arb(0)).mid())
-                         for row in at[:3]])  # fmt: skip
+        terms = [[r * arb(c) for r, c in zip(row, x, strict=True)] for row in at[:3]]
+        found = np.array([float(sum(row, arb(0)).mid()) for row in terms])
+        size = max(float(abs(c).mid()) for row in terms for c in row)
+    return found if np.abs(found).max() > SINGULAR * size else np.zeros(3)
 
 
 def _unit(v: np.ndarray) -> np.ndarray | None:

@@ -30,8 +30,8 @@ LARGEST = 2.0**60
 _CUT = Kept[dict[int, Any]]()
 
 
-def settle(models: tuple[Any, Any], query: Query) -> tuple[FirstContact | None, Advance]:
-    """(the answer, None where it is left to exact arithmetic; what was proved).
+def settle(models: tuple[Any, Any], query: Query) -> tuple[FirstContact | None, bool, Advance]:
+    """(the answer, None where there is none; whether it tells all that is shared; what was proved).
 
     models: both bodies of the query as models.  Among features that touch at the same time the answer names one pair.
     """
@@ -42,11 +42,10 @@ def settle(models: tuple[Any, Any], query: Query) -> tuple[FirstContact | None, 
         found = first_event(*models, query.first, query.end, query.tolerance, most)
     if found.status == "free":
         stats = query.stats(found.steps, found.gaps)
-        return FirstContact(Status.FREE, free_until=query.span[1], stats=stats, **query.shared), found
+        return FirstContact(Status.FREE, free_until=query.span[1], stats=stats, **query.shared), True, found
     if found.status != "contact" or found.normal is None:
-        return None, found
-    answer, told = contact(models, found, query)
-    return (answer if told else None), found
+        return None, False, found
+    return *contact(models, found, query), found
 
 
 def both_bounded(models: tuple[Any, Any], span: tuple[float, float]) -> tuple[Any, Any]:

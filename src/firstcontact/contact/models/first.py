@@ -14,14 +14,14 @@ from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.contact.models.algorithm import Meeting, Root, Search, between
 from firstcontact.contact.models.answer import contact_of, listed, world_time
 from firstcontact.contact.models.at_rest import is_containment, overlap_around
-from firstcontact.contact.models.certified import both_bounded, contact, settle
+from firstcontact.contact.models.certified import both_bounded, settle
 from firstcontact.contact.models.idle_turns import ignoring_idle_turns
 from firstcontact.contact.models.intervals import certified_intervals
 from firstcontact.contact.models.last_instant import landing
 from firstcontact.contact.models.moving_pair import Pair
 from firstcontact.contact.models.standing import prisms_on_common_plane
 from firstcontact.contact.reduce import as_model
-from firstcontact.contact.ways import Passed, Way, answered
+from firstcontact.contact.ways import Passed, Way, answered, is_proved
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.fields.roots import AlgebraicRoot
 from firstcontact.exact.numbers import above, below, fraction, simplest, to_double
@@ -45,11 +45,13 @@ def first(query: Query) -> FirstContact:
     exact, or method "algebraic": exactly at once; "algebraic" judges and lists every subproblem too.
     """
     models = _models(query)
+    seen: FirstContact | None = None  # the contact that doubles prove, though not all that is shared
 
     def in_doubles(query: Query, _: None) -> FirstContact | Passed:
-        answer, proved = settle(models, query)
-        if answer is not None:
-            return answer
+        nonlocal seen
+        seen, told, proved = settle(models, query)
+        if seen is not None and told:
+            return seen
         if proved.reason == "budget" and query.budget is not None:
             return _undecided(query, proved, "budget")
         return Passed(proved.reason or proved.status, proved)
@@ -59,18 +61,14 @@ def first(query: Query) -> FirstContact:
         return Passed("no landing") if landed is None else landed
 
     def as_proved(query: Query, proved: Advance) -> FirstContact:
-        return _proved_only(query, models, proved)
+        return _proved_only(query, proved) if seen is None else seen
 
     return answered([
         Way("in doubles", in_doubles, lambda query, _: not query.is_algebraic),
         Way("exactly", _exactly),
-        Way("at the last instant", at_last_instant, _is_proved),
-        Way("what doubles proved", as_proved, _is_proved),
+        Way("at the last instant", at_last_instant, is_proved),
+        Way("what doubles proved", as_proved, is_proved),
     ], query)  # fmt: skip
-
-
-def _is_proved(query: Query, proved: Advance | None) -> bool:
-    return proved is not None
 
 
 def _exactly(query: Query, proved: Advance | None) -> FirstContact | Passed:
@@ -91,13 +89,9 @@ def _undecided(query: Query, proved: Advance, reason: str) -> FirstContact:
     )
 
 
-def _proved_only(query: Query, models: tuple[Any, Any], proved: Advance) -> FirstContact:
-    """What the certified path proved, where exact arithmetic does not take the pair or denies it."""
+def _proved_only(query: Query, proved: Advance) -> FirstContact:
+    """What the certified path proved, but for contacts, where exact arithmetic does not take the pair or denies it."""
     start = query.span[0]
-    if proved.status == "contact":  # only what it shares is open
-        seen, _ = contact(both_bounded(models, query.span), proved, query)
-        if seen is not None:
-            return seen
     if proved.status == "initial" or proved.free_until <= start:
         there = _at_start(query)
         if there.status is Status.INITIAL_CONTACT:

@@ -27,7 +27,7 @@ from firstcontact.contact.signs.sheets import MOST_DEGREE, QUICK_DEGREE, TooLarg
 from firstcontact.contact.signs.starts import with_start
 from firstcontact.contact.signs.times import Times
 from firstcontact.contact.signs.touches import touch
-from firstcontact.contact.ways import Passed, Way, answered, tried
+from firstcontact.contact.ways import Passed, Way, answered, is_proved, tried
 from firstcontact.exact.numbers import below, exact_value
 from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.polynomial import PolynomialPiece, relative_pieces
@@ -61,7 +61,7 @@ def intervals(query: Query) -> ContactIntervals:
     return answered([
         Way("exactly", lambda query, _: _all_exactly(query, work, first_degree)),
         Way("in doubles", in_doubles, lambda query, _: not query.exact),
-        Way("exactly, all degrees", lambda query, _: _all_exactly(query, work, MOST_DEGREE), _is_proved),
+        Way("exactly, all degrees", lambda query, _: _all_exactly(query, work, MOST_DEGREE), is_proved),
     ], query)  # fmt: skip
 
 
@@ -86,7 +86,7 @@ def _first_contact(query: Query) -> FirstContact:
         Way("by triangles", _on_mesh, _is_for_triangles),
         Way("exactly", lambda query, _: _exactly(query, first_degree), _is_for_elimination),
         Way("in doubles", in_doubles, lambda query, proved: proved is None and not query.is_algebraic),
-        Way("exactly, all degrees", lambda query, _: _exactly(query, MOST_DEGREE), _is_proved),
+        Way("exactly, all degrees", lambda query, _: _exactly(query, MOST_DEGREE), is_proved),
     ], query)  # fmt: skip
 
 
@@ -96,10 +96,6 @@ def _is_for_triangles(query: Query, proved: Any) -> bool:
 
 def _is_for_elimination(query: Query, proved: Any) -> bool:
     return proved is None and (query.exact or query.method != "certified")
-
-
-def _is_proved(query: Query, proved: Any) -> bool:
-    return proved is not None
 
 
 def _is_with_mesh(query: Query) -> bool:

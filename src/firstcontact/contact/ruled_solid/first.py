@@ -49,7 +49,7 @@ def first(query: Query) -> FirstContact:
 def _first_contact(query: Query) -> FirstContact:
     return answered([
         Way("in doubles", _in_doubles, lambda query, _: not query.is_algebraic),
-        Way("exactly", _exactly, lambda query, _: query.method != "certified"),
+        Way("exactly", _exactly, lambda query, _: query.exact or query.method != "certified"),
         Way("in doubles, on and on", lambda query, _: certified.first(query), _is_cut_short),
     ], query)  # fmt: skip
 

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from flint import arb, fmpq, fmpq_mat
 
+from firstcontact.body.kept import Kept
 from firstcontact.body.solid.carriers import (
     ONE,
     Conic,
@@ -30,8 +31,7 @@ from firstcontact.body.solid.composite_quadric import CompositeQuadric, NoSolid
 from firstcontact.body.solid.csg import Leaf, Not, Or, Tree, conjunction
 from firstcontact.body.solid.features import Edge, Face
 from firstcontact.exact.numbers import precision, to_double
-from firstcontact.kernels.convex.support import BALL, BOWL, BOX, SHEET, support
-from firstcontact.search.trees.kept import kept
+from firstcontact.kernels.convex.support import BALL, BOWL, BOX, FORMS, SHEET, support
 
 U = 2.0**-53
 WIDTH = 14
@@ -74,10 +74,25 @@ class ConvexPieces:
         """The rows of the fewest convex pieces that make up the body."""
         return range(self.count) if self.union is None else (self.union,)
 
+    def holding(self, x: np.ndarray, slack: float) -> np.ndarray:
+        """(pieces, n) bools: points (n, 3) this part of the forms' size inside each; a negative slack: or outside."""
+        terms = np.column_stack([
+            x * x, x[:, 0] * x[:, 1], x[:, 0] * x[:, 2], x[:, 1] * x[:, 2], x, np.ones(len(x)),
+        ])  # fmt: skip
+        found = []
+        for head in self.array[: self.count]:
+            rows = self.array[int(head[FORMS]) : int(head[FORMS + 1]), :10]
+            found.append(np.all(terms @ rows.T < -slack * (np.abs(terms) @ np.abs(rows).T), axis=1))
+        return np.array(found)
+
+
+_CONVEX = Kept[ConvexPieces]()
+_COVERING = Kept[ConvexPieces]()
+
 
 def convex_pieces(body: CompositeQuadric) -> ConvexPieces:
     """The pieces of a body, kept on it.  Raises NotConvex."""
-    return kept(body, "convex", lambda: _of_clauses(body, _clauses(body.tree, True)), NotConvex)
+    return _CONVEX.of_or_refusal(body, lambda: _of_clauses(body, _clauses(body.tree, True)), NotConvex)
 
 
 def covering_pieces(body: CompositeQuadric) -> ConvexPieces:
@@ -85,7 +100,7 @@ def covering_pieces(body: CompositeQuadric) -> ConvexPieces:
 
     Raises NotConvex.
     """
-    return kept(body, "covering", lambda: _covering(body), NotConvex)
+    return _COVERING.of_or_refusal(body, lambda: _covering(body), NotConvex)
 
 
 def _covering(body: CompositeQuadric) -> ConvexPieces:

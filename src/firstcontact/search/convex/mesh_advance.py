@@ -43,6 +43,7 @@ from firstcontact.kernels.workspace import (
     MODE,
     NORMAL,
     POINT,
+    POSE_A,
     POSE_B,
     RESULTS,
     STEPS,
@@ -62,6 +63,8 @@ STRIDES = 10_000
 BACK = 1e-5
 """Part of a window by which searches in a box start before the time to which it is proved free."""
 SLICE_VISITS = 20_000
+BESIDE = 1e-9
+"""Of the size of its terms: forms smaller than that count as 0 at a point of contact."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,6 +165,23 @@ class MeshSearch:
         mesh, model = self._motions(window)
         proved, *x = point_inside(self.rows, mesh, self.pieces.array, j, model, window.first, self.workspace)
         return tuple(x) if proved else None
+
+    def oriented(self, n: np.ndarray, window: Window, t: float, place: np.ndarray) -> np.ndarray | None:
+        """A unit normal (3,) of both bodies where they touch, in the world, as it points from the mesh to the model.
+
+        None where pieces at the place lie on both sides, or none is known to be there.
+        """
+        now = Window(t, t, t, window.a, window.b)
+        inside = {j: x for j in range(self.pieces.count) if (x := self.point_of_piece(j, now)) is not None}
+        if not inside:
+            return None
+        mesh, model = (self.workspace[k, :12].copy() for k in (POSE_A, POSE_B))
+        local = np.linalg.solve(model[:9].reshape(3, 3), place - model[9:])
+        there = self.pieces.holding(local[None], -BESIDE)[:, 0]
+        ways = [n @ (mesh[:9].reshape(3, 3) @ x + mesh[9:] - place) for j, x in inside.items() if there[j]]
+        if ways and min(ways) > 0.0:
+            return n
+        return -n if ways and max(ways) < 0.0 else None
 
     def _motions(self, window: Window) -> tuple[np.ndarray, np.ndarray]:
         return (window.a, window.b) if self.mesh_is_a else (window.b, window.a)

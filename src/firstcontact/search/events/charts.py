@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from flint import arb, fmpq
 
+from firstcontact.body.kept import Kept
 from firstcontact.body.solid.carriers import (
     ONE,
     ZERO,
@@ -54,7 +55,6 @@ from firstcontact.kernels.events.feature_boxes import (
     UNLESS_OUT,
     WIDTH,
 )
-from firstcontact.search.trees.kept import kept
 
 BITS = 192
 ARC = fmpq(4142136, 10**7)
@@ -105,9 +105,12 @@ class Charts:
     charts: list[Chart]
 
 
+_CHARTS = Kept[Charts]()
+
+
 def charts_of(body: CompositeQuadric) -> Charts:
     """The charts of a body, kept on it.  Raises NotCharted."""
-    return kept(body, "charts", lambda: _Builder(body).build(), NotCharted)
+    return _CHARTS.of_or_refusal(body, lambda: _Builder(body).build(), NotCharted)
 
 
 def resting(forms: np.ndarray, kinds: np.ndarray) -> np.ndarray:
