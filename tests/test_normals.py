@@ -47,3 +47,14 @@ def test_a_point_on_the_tip_of_a_cone_has_no_normal(size, exact):
         hit = fc.first_contact(a, b, exact=exact)
         assert hit.status is fc.Status.CONTACT
         assert hit.time == pytest.approx(1 / 3) and hit.normal is None
+
+
+@pytest.mark.parametrize("swapped", [False, True])
+@pytest.mark.parametrize("radius", [F(1), F(1, 6144), F(100)], ids=str)
+def test_a_contact_at_the_origin_has_its_normal(radius, swapped):
+    """All terms of a form are 0 there, so their size told nothing and the normal was lost."""
+    ball = fc.sphere(radius).translated((0, 0, radius))
+    leaf = fc.Polyhedron([(0, 0, 0), (3, 0, -1), (0, 3, -1)], [[0, 1, 2]])
+    moving = leaf.translated((0, 1, -4)).moving(fc.Translation((0, -1, 4)))
+    hit = fc.first_contact(*((moving, ball) if swapped else (ball, moving)), exact=True)
+    assert hit.time_exact == 1 and hit.normal == pytest.approx([0, 0, -1 if swapped else 1])

@@ -184,7 +184,8 @@ class _Answer:
             if not np.all(self.model._possible(some, slack)[0]):
                 return "overlapping"
         if self.search.pieces_are_model:
-            inside = self.search.pieces.holding(x, slack)
+            pieces = self.search.pieces
+            inside = np.array([pieces.inside(j, x, slack) for j in range(pieces.count)])
             triangles = self.mesh.triangles[ours[self.mesh.triangles[:, 0]]]  # each with all corners in one part
             if len(triangles) > 0 and np.all(np.any(np.all(inside[:, triangles], axis=2), axis=0)):
                 return "containment"

@@ -74,16 +74,20 @@ class ConvexPieces:
         """The rows of the fewest convex pieces that make up the body."""
         return range(self.count) if self.union is None else (self.union,)
 
-    def holding(self, x: np.ndarray, slack: float) -> np.ndarray:
-        """(pieces, n) bools: points (n, 3) this part of the forms' size inside each; a negative slack: or outside."""
-        terms = np.column_stack([
-            x * x, x[:, 0] * x[:, 1], x[:, 0] * x[:, 2], x[:, 1] * x[:, 2], x, np.ones(len(x)),
-        ])  # fmt: skip
-        found = []
-        for head in self.array[: self.count]:
-            rows = self.array[int(head[FORMS]) : int(head[FORMS + 1]), :10]
-            found.append(np.all(terms @ rows.T < -slack * (np.abs(terms) @ np.abs(rows).T), axis=1))
-        return np.array(found)
+    def inside(self, j: int, x: np.ndarray, slack: float, reach: float = 0.0) -> np.ndarray:
+        """(n,) bools: points (n, 3) inside piece j by this part of the size of its forms' terms.
+
+        A negative slack: or outside by less.  reach: added to coordinates for that size, which is 0 at the origin.
+        """
+        head = self.array[j]
+        forms = self.array[int(head[FORMS]) : int(head[FORMS + 1]), :10]
+        found: np.ndarray = np.all(_terms(x) @ forms.T < -slack * (_terms(np.abs(x) + reach) @ np.abs(forms).T), axis=1)
+        return found
+
+
+def _terms(x: np.ndarray) -> np.ndarray:
+    """(n, 10), in the order of the forms' coefficients."""
+    return np.column_stack([x * x, x[:, 0] * x[:, 1], x[:, 0] * x[:, 2], x[:, 1] * x[:, 2], x, np.ones(len(x))])
 
 
 _CONVEX = Kept[ConvexPieces]()

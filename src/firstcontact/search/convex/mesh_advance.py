@@ -171,14 +171,15 @@ class MeshSearch:
 
         None where pieces at the place lie on both sides, or none is known to be there.
         """
-        now = Window(t, t, t, window.a, window.b)
-        inside = {j: x for j in range(self.pieces.count) if (x := self.point_of_piece(j, now)) is not None}
-        if not inside:
-            return None
-        mesh, model = (self.workspace[k, :12].copy() for k in (POSE_A, POSE_B))
-        local = np.linalg.solve(model[:9].reshape(3, 3), place - model[9:])
-        there = self.pieces.holding(local[None], -BESIDE)[:, 0]
-        ways = [n @ (mesh[:9].reshape(3, 3) @ x + mesh[9:] - place) for j, x in inside.items() if there[j]]
+        now, ways = Window(t, t, t, window.a, window.b), []
+        for j in range(self.pieces.count):
+            if (x := self.point_of_piece(j, now)) is None:
+                continue
+            mesh, model = self.workspace[POSE_A], self.workspace[POSE_B]
+            local = np.linalg.solve(model[:9].reshape(3, 3), place - model[9:12])
+            off = mesh[:9].reshape(3, 3) @ x + mesh[9:12] - place
+            if self.pieces.inside(j, local[None], -BESIDE, float(np.abs(off).max()))[0]:
+                ways.append(float(n @ off))
         if ways and min(ways) > 0.0:
             return n
         return -n if ways and max(ways) < 0.0 else None
