@@ -74,3 +74,20 @@ def test_that_one_pair_meets_is_not_told_where_that_is_not_known(swap):
     hit = fc.first_contact(*((b, a) if swap else (a, b)))
     assert hit.status is fc.Status.CONTACT and hit.point == pytest.approx([-1.5, -2.5, -0.5], abs=1e-9)
     assert hit.multiplicity > 1 or hit.contact_set is None
+
+
+@pytest.mark.parametrize("swapped", [False, True])
+@pytest.mark.parametrize(("s", "alone"), [((-3, 3), False), ((-3, 4), True)], ids=["its vertex", "its end ruling"])
+def test_a_ruled_surface_that_lands_on_a_ball(s, alone, swapped):
+    """By its vertex, whose two borders touch as well: doubles named one of them and said that it was alone."""
+    sheet = fc.RuledSurface(
+        "(((-1) + (-5/2)*u)/((2) + (-1)*u), ((4) + (-1/2)*u)/((2) + (-1)*u), ((7) + (-7/2)*u)/((2) + (-1)*u))",
+        "(((-5/3) + (-13/6)*u)/((2) + (-1)*u), ((8/3) + (1/6)*u)/((2) + (-1)*u), ((7) + (-7/2)*u)/((2) + (-1)*u))",
+        u=(-1, 1), s=s,
+    ).moving(fc.Translation((1, 1, -1)))  # fmt: skip
+    bodies = (fc.sphere(3), sheet) if swapped else (sheet, fc.sphere(3))
+    hit, exact = fc.first_contact(*bodies), fc.first_contact(*bodies, exact=True)
+    assert hit.time == exact.time == 0.5 and exact.contact_set == "point"
+    assert hit.contact_set == ("point" if alone else None)
+    if alone:
+        assert pairs(hit) == pairs(exact)

@@ -123,7 +123,9 @@ class RuledSearch(EventSearch):
         if self.event is None:
             return RuledContact(found, boxes=self.left)
         cut = min(self.event.numbers, default=None)
-        return RuledContact(found, self.event.own, cut, self.event.other, self.event.regular and not found.spread)
+        with precision(BITS):
+            isolated = self.event.regular and not found.spread and self.event.is_clear()
+        return RuledContact(found, self.event.own, cut, self.event.other, isolated)
 
     def is_away_from_boundary(self) -> bool:
         """True proves that no point of the surface lies on the model's boundary at the start."""
@@ -312,10 +314,7 @@ class RuledSearch(EventSearch):
         m = compose(inverse_map(ball_pose(self.bodies[1 - self.side], t)), ball_pose(self.bodies[self.side], t))
         there = middles(m) @ [*_in_doubles(feature.sheet.at(t), *place), 1.0]
         size = NEAR * float(self.tables.units[1 - self.side, 3])
-        far = np.append(np.full(3, float(self.tables.units[1 - self.side, 3]) + np.abs(there).max()), 1.0)
-        sizes = np.abs(model._forms_f * far * far[:, None]).max(axis=(1, 2))
-        point = np.append(there, 1.0)
-        on = np.abs(point @ model._forms_f @ point) < NEAR * sizes
+        on = _surfaces_near(model, there, float(self.tables.units[1 - self.side, 3]))
         for chart, own in enumerate(features):
             if own.sheet is not feature.sheet or not own.is_near(place, NEAR):
                 continue
@@ -542,6 +541,20 @@ class Event:
 
     # -- the answer -----------------------------------------------------------------------------------------
 
+    def is_clear(self) -> bool:
+        """Whether the place is well within its features: clear of their borders, so that no lower ones may be there."""
+        x, s = self.place
+        borders = [1 - abs(x)] if 0 in self.free else []
+        borders += [s, 1 - s] if 1 in self.free else []
+        if any(to_double(c) < NEAR for c in borders):
+            return False
+        cuts = self.own.sheet.cuts
+        if any(abs(c.value(x, s)) < exact_value(NEAR) * c.size for c in cuts if c not in self.cuts):
+            return False
+        m = self.relative(self.moment)
+        there = np.array([float(c.mid()) for c in mapped(m, _exact_point(self._sheet, self.place))])
+        return bool(_surfaces_near(self.model, there, self.sizes[1]).sum() <= len(self.other.surfaces))
+
     def geometry(self) -> tuple[np.ndarray, np.ndarray | None]:
         """Point, and unit normal from b towards a where there is one; in the world."""
         pose = middles(ball_pose(self.bodies[self.side], self.moment))
@@ -613,6 +626,14 @@ class Event:
         if not all(length > least for length in lengths):
             return []
         return [way / length for way, length in zip(found, lengths, strict=True)]
+
+
+def _surfaces_near(model: CompositeQuadric, x: np.ndarray, size: float) -> np.ndarray:
+    """(n,) bools: the surfaces of a model of this size that pass near a point (3,) of its frame."""
+    far, point = np.append(np.full(3, size + np.abs(x).max()), 1.0), np.append(x, 1.0)
+    sizes = np.abs(model._forms_f * far * far[:, None]).max(axis=(1, 2))
+    near: np.ndarray = np.abs(point @ model._forms_f @ point) < NEAR * sizes
+    return near
 
 
 def _sampled(
