@@ -117,7 +117,10 @@ def test_what_needs_an_end():
     with pytest.raises(fc.UnsupportedPair, match="opens along the motion; give span"):  # for some of its points
         fc.first_contact(fc.sphere(1).translated((0.5, 9, 0)).moving(rising), saddle, ENDLESS)
     assert fc.first_contact(fc.sphere(1).translated((9, 9, 0)).moving(rising), saddle, ENDLESS).status is fc.Status.FREE
-    with pytest.raises(fc.InputError, match="Screw"):
+    with pytest.raises(fc.InputError, match="no end, but Screw of body a needs one; give span"):
         fc.first_contact(PIN.moving(fc.Screw((0, 0, 1), degrees=9, advance=1)), FLOOR, ENDLESS)
+    falling = FLOOR.translated((0, 0, 5)).moving(fc.Translation((0, 0, -1)))
+    with pytest.raises(fc.InputError, match="no end, but Screw of body a needs one; give span"):
+        fc.first_contact(PIN.moving(fc.Screw((0, 0, 1), degrees=9, advance=1)), falling, ENDLESS)
     with pytest.raises(fc.InputError, match="deforms"):
         fc.first_contact(fc.RuledSurface("(u, 0, T)", "(u, 1, u)"), SHEET, ENDLESS)

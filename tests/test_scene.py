@@ -273,6 +273,8 @@ FAULTS = {
         ["body.a.motion", "1 steps but 2 durations"],
     ),
     "unknown body": (CHECK + 'pair = ["a", "z"]\n', ["check[0].pair", "'z'", "'a', 'b'"]),
+    "one check": (bodies() + '[check]\npair = ["a", "b"]\n', ["check: [check]", "write [[check]]"]),
+    "one curve": (CHECK + 'pair = ["a", "b"]\n[curve]\npair = ["a", "b"]\n', ["curve: [curve]", "write [[curve]]"]),
     "same body": (CHECK + 'pair = ["a", "a"]\n', ["check[0].pair", "itself"]),
     "three bodies": (CHECK + 'pair = ["a", "b", "a"]\n', ["check[0].pair", "two body names"]),
     "no pair": (CHECK + "exact = true\n", ["check[0].pair: missing"]),

@@ -78,3 +78,15 @@ def test_a_reader_that_leaves_early_gets_neither_an_answer_nor_a_complaint(pytho
     closed = f"import os; read, write = os.pipe(); os.close(read); os.dup2(write, 1); {MAIN}"
     done = python(closed, "info", cubes("1.1"))
     assert done.returncode == 141 and done.stderr == ""
+
+
+def test_a_scene_in_which_nothing_moves_warns(python, tmp_path):
+    path = tmp_path / "still.toml"
+    path.write_text(
+        "[body.a]\nshape = 'sphere'\nradius = 1\n[body.b]\nshape = 'sphere'\nradius = 1\nat = [3, 0, 0]\n"
+        "[[check]]\npair = ['a', 'b']\n"
+    )
+    done = python(MAIN, "check", path)
+    assert done.returncode == 0 and "FREE" in done.stdout.upper()
+    (warning,) = [line for line in done.stderr.splitlines() if "kernels" not in line]
+    assert warning.startswith(f"firstcontact: {path}: nothing that is checked moves") and "motion]" in warning

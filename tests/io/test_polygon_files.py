@@ -141,3 +141,31 @@ def test_welded_corners_of_polygons(tmp_path):
     numbered = [list(range(*pair)) for pair in zip(ends[:-1], ends[1:], strict=True)]
     prism = fc.Polyhedron.load(written(tmp_path, obj, apart, numbered))
     assert prism.solid and len(prism.vertices) == 12 and prism.n_faces == 8
+
+
+STRIPS = """ply
+format ascii 1.0
+element vertex 6
+property float x
+property float y
+property float z
+element tristrips 1
+property list int int vertex_indices
+end_header
+0 0 0
+1 0 0
+0 1 0
+1 1 0
+0 2 0
+1 2 5
+"""
+
+
+def test_strips_of_triangles(tmp_path):
+    """Every other triangle of a strip is turned round, -1 begins a new strip, a corner twice only leads on."""
+    path = tmp_path / "strips.ply"
+    path.write_text(STRIPS + "11 0 1 2 3 4 -1 2 3 3 4 5\n")
+    vertices, faces = read_mesh(path)
+    assert np.asarray(faces).tolist() == [[0, 1, 2], [2, 1, 3], [2, 3, 4], [3, 4, 5]] and len(vertices) == 6
+    x, y, z = np.moveaxis(vertices[np.asarray(faces)[:3]], 1, 0)
+    assert (np.cross(y - x, z - x)[:, 2] > 0).all()  # all the same way up

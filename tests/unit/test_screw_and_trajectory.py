@@ -212,13 +212,17 @@ def test_the_span_of_a_query():
     late = CUBE.moving(fc.Trajectory([0.5, 3], [ONE, ONE]))
     rational = CUBE.moving(fc.RationalMotion([ONE]))
     screw = CUBE.moving(fc.Screw((0, 0, 1), turns=1))
-    assert common_span(late, rational, None) == (fmpq(1, 2), 1)
-    assert common_span(late, screw, None) == (fmpq(1, 2), 1) and common_span(late, CUBE, None) == (fmpq(1, 2), 3)
+    for other in (rational, screw):
+        with pytest.warns(UserWarning, match="only: give span"):
+            assert common_span(late, other, None) == (fmpq(1, 2), 1)
+    assert common_span(late, CUBE, None) == (fmpq(1, 2), 3)
     assert common_span(late, screw, (1, "5/2")) == (1, fmpq(5, 2)) and common_span(screw, CUBE, (-3, 7)) == (-3, 7)
     outside = (late, (0, 1), "Trajectory"), (rational, (0, 2), "RationalMotion"), (rational, (0, math.inf), "Rational")
     for a, span, kind in outside:
         with pytest.raises(fc.InputError, match=f"leaves the span .* of the {kind}"):
             common_span(a, CUBE, span)
+    with pytest.warns(UserWarning, match=r"spans \(0.5, 3.0\) and \(0.0, 1.0\); the answer is about \(0.5, 1.0\) only"):
+        fc.first_contact(late, screw)
     with pytest.raises(fc.InputError, match="share no time"):
         common_span(rational, CUBE.moving(fc.Trajectory([2, 3], [ONE, ONE])), None)
 

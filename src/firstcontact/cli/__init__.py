@@ -8,6 +8,8 @@ from __future__ import annotations
 import logging
 import os
 import sys
+import warnings
+from typing import Any
 
 import click
 
@@ -42,6 +44,7 @@ for command in (check, intervals, curve, info, warmup):
 def main() -> None:
     """Run the command line and leave with its exit code."""
     logging.getLogger("trimesh").addHandler(logging.NullHandler())  # its warnings would double our one line
+    warnings.showwarning = _warn
     sys.exit(run(sys.argv[1:]))
 
 
@@ -70,6 +73,11 @@ def run(arguments: list[str]) -> int:
         # Keep Python from complaining about the unwritten rest at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return READER_LEFT
+
+
+def _warn(message: Warning | str, *_: Any, **__: Any) -> None:
+    """One line on stderr, as of errors."""
+    click.echo(f"firstcontact: {message}", err=True)
 
 
 def _fail(message: str) -> int:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import json
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -71,6 +72,11 @@ def answer_checks(scene_file: str, options: Options, verb_name: str) -> list[Any
     refuse_single(scene.path, scene.checks)
     from firstcontact import query
 
+    if not any(hasattr(scene.bodies[key], "motion") for check in scene.checks for key in (check.a, check.b)):
+        warnings.warn(
+            f"{scene.path}: nothing that is checked moves, so bodies are looked at as they stand; "
+            "give one a [body.NAME.motion]", stacklevel=1,
+        )  # fmt: skip
     verb = getattr(query, verb_name)
     announce_compilation()
     results = []

@@ -101,7 +101,9 @@ def _load(path: Path) -> tuple[np.ndarray, np.ndarray | Faces]:
         raise InputError(f"{path}: {_reason(error)}; check that the file can be read") from error
     except Exception as error:  # readers of damaged files raise anything, from KeyError to struct.error
         cure = f"not readable as {path.suffix[1:].upper()}; export the file again or convert it to STL"
-        raise InputError(f"{path}: {cure} (reader: {type(error).__name__}: {error})") from error
+        # a reader that looks for a package to guess at the encoding has not read the file as what its name says
+        reason = "damaged" if isinstance(error, ImportError) else f"reader: {type(error).__name__}: {error}"
+        raise InputError(f"{path}: {cure} ({reason})") from error
 
 
 def _through_trimesh(path: Path) -> tuple[np.ndarray, np.ndarray]:

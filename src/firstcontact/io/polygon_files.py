@@ -55,7 +55,8 @@ PLY_TYPES = {
 
 
 def read_ply(path: Path) -> tuple[np.ndarray, Faces]:
-    """Vertices (n, 3) float64 and the corners of every face of a PLY file; other elements are skipped."""
+    """Vertices (n, 3) float64 and the corners of every face of a PLY file, and of every triangle of its strips; other
+    elements are skipped."""
     data = path.read_bytes()
     encoding, elements, start = _ply_header(data)
     source = _PlyText(data[start:]) if encoding == "ascii" else _PlyBinary(data, start, encoding)
@@ -72,7 +73,22 @@ def read_ply(path: Path) -> tuple[np.ndarray, Faces]:
             row = [source.take(kind, 1 if size is None else source.take(size, 1)[0]) for _, size, kind in properties]
             if name == "face":
                 faces.append(list(row[names.index("vertex_indices") if corners is None else corners]))
+            elif name == "tristrips":
+                faces += _of_strips(list(row[names.index("vertex_indices") if corners is None else corners]))
     return vertices, faces
+
+
+def _of_strips(corners: list[int]) -> Faces:
+    """The triangles of strips that -1 parts: every other one is turned; those with a corner twice only lead on."""
+    faces: Faces = []
+    begin = 0
+    for end in [k for k, corner in enumerate(corners) if corner == -1] + [len(corners)]:
+        strip = corners[begin:end]
+        for k, (p, q, r) in enumerate(zip(strip, strip[1:], strip[2:], strict=False)):
+            if len({p, q, r}) == 3:
+                faces.append([q, p, r] if k % 2 else [p, q, r])
+        begin = end + 1
+    return faces
 
 
 def _ply_header(data: bytes) -> tuple[str, list[Element], int]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import Any
 
 from flint import fmpq
@@ -26,7 +27,8 @@ def limits(motion: Any) -> tuple[fmpq, fmpq] | None:
 
 
 def common_span(a: Any, b: Any, span: Any) -> tuple[fmpq, fmpq | None]:
-    """The exact span (None: without end) of a query; by default the intersection of the motions' spans.
+    """The exact span (None: without end) of a query; by default the intersection of the motions' spans, which warns
+    where these are not the same.
 
     InputError where a motion has no poses in all of it, where it is malformed, or where the motions share no time.
     """
@@ -39,6 +41,13 @@ def common_span(a: Any, b: Any, span: Any) -> tuple[fmpq, fmpq | None]:
         first, end = max(s[0] for s in spans), min(s[1] for s in spans)
         if end < first:
             raise InputError(f"the spans {' and '.join(str(m.span) for m in motions)} of the motions share no time")
+        if spans[0] != spans[1]:
+            given = " and ".join(str(m.span) for m in motions)
+            common = to_double(first), to_double(end)
+            warnings.warn(
+                f"the motions have the spans {given}; the answer is about {common} only: give span=(first, last)",
+                stacklevel=3,
+            )
         return first, end
     try:
         if isinstance(span, str | set | frozenset | dict):  # of letters, or of no order

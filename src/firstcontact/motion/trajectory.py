@@ -29,7 +29,8 @@ class Trajectory:
     per time, any length) ``poses`` are the vectors.
     interpolation: "linear-quaternion": each step is ``RationalMotion.between``; "screw": each step turns and advances
     at constant speed about the one axis that carries a pose to the next.  Both take the short way round, and both
-    refuse neighbouring poses half a turn apart.
+    refuse neighbouring poses half a turn apart.  Under "linear-quaternion" the frame's origin goes straight, which a
+    link of a robot does not: docs/motions.md tells by how much.
 
     Poses are exact where they are rational rotations, otherwise within 2^-60 (see `RationalMotion.between`).  A step
     starts exactly in its pose; under "linear-quaternion" it also ends exactly in the next one.  Under "screw" axis and

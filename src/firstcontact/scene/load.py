@@ -13,7 +13,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, StrictBool, StrictInt, StrictStr, ValidationError, model_validator
+from pydantic import (
+    Field,
+    StrictBool,
+    StrictInt,
+    StrictStr,
+    ValidationError,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.body.ruled.rational_curve import RationalCurve
@@ -293,6 +302,14 @@ class SceneTable(Table):
     body: dict[str, Body]
     check: list[CheckTable] = []
     curve: list[CurveTable] = []
+
+    @field_validator("check", "curve", mode="before")
+    @classmethod
+    def _is_list(cls, value: Any, info: ValidationInfo) -> Any:
+        if isinstance(value, dict):
+            name = info.field_name
+            raise ValueError(f"[{name}] is one table of a list; write [[{name}]]")
+        return value
 
 
 @dataclass(frozen=True)

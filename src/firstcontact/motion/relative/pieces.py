@@ -189,9 +189,12 @@ def _is_straight_or_turn(step: Step) -> bool:
 def _curved(a: Any, b: Any, step_a: Step, step_b: Step, start: fmpq, end: fmpq | None) -> CurvedPiece:
     """The piece by the motions themselves."""
     if end is None:
+        steps = (step_a.motion, _who(a, "a")), (step_b.motion, _who(b, "b"))
+        named = [(motion, f"{type(motion).__name__} of {who}") for motion, who in steps]
+        bent = [name for motion, name in named if not isinstance(motion, SIMPLE)]  # straight ones and turns need none
         raise InputError(
-            f"the span has no end, but {type(step_a.motion).__name__} of {_who(a, 'a')} with "
-            f"{type(step_b.motion).__name__} of {_who(b, 'b')} needs one; give span=(first, last)"
+            f"the span has no end, but {' with '.join(bent or [name for _, name in named])} needs one; "
+            "give span=(first, last)"
         )
     legs = [
         Leg(s.motion, s.start, s.duration, s.before, f"{type(s.motion).__name__} of {_who(body, default)}")
