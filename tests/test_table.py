@@ -100,3 +100,14 @@ def test_a_way_that_passes_is_told():
     assert hit.stats.ways[0].told.startswith("passed") and hit.stats.ways[1].told == "CONTACT"
     assert hit.to_dict()["stats"]["ways"][1]["way"] == "exactly"
     assert EXACT == PAIRS[Kind.MODEL, Kind.MODEL].proves[0]
+
+
+def test_no_budget_but_the_callers_is_named():
+    """A bolt turns into a hole of its own size: doubles look at all the boxes they may, which nobody asked them to."""
+    bolt, plate = fc.cylinder(1, 6).translated((0, 0, 6)), fc.box((8, 8, 2)) - fc.cylinder(1, 4)
+    a, b = bolt.moving(fc.Screw((0, 0, 1), turns=3, advance=-9)), plate.moving(fc.Rotation((0, 0, 1), turns=F(1, 3)))
+    for x, y in ((a, b), (b, a)):
+        hit = fc.first_contact(x, y)
+        assert hit.status is not fc.Status.FREE and hit.reason != "budget" and hit.free_until <= 2 / 9
+    assert fc.contact_intervals(a, b).reason != "budget"
+    assert fc.first_contact(a, b, budget=1).reason == "budget"

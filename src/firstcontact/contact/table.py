@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from functools import cache, partial
 from importlib import import_module
@@ -132,10 +132,16 @@ def _answer(verb: str, query: Query) -> Any:
         raise UnsupportedPair(f"engine {query.engine!r} searches trees of polyhedra; curved models take 'auto'")
     near = partial(getattr(centred, verb), getattr(_curved(kinds, query), verb))
     if query.last is not None:
-        return near(query)
+        return _said(near(query), query)
     from firstcontact.contact import endless
 
-    return getattr(endless, verb)(near, query)
+    return _said(getattr(endless, verb)(near, query), query)
+
+
+def _said(answer: Any, query: Query) -> Any:
+    """The answer, which names no budget but the caller's: one of a search's own is a limit to what it can tell."""
+    own = answer.reason == "budget" and query.budget is None
+    return replace(answer, reason="precision") if own else answer
 
 
 def _curved(kinds: tuple[Kind, Kind], query: Query) -> _Room:
