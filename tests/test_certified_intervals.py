@@ -70,7 +70,7 @@ def share_points(a, b, t, grid) -> bool:
     held = []
     for model, x in ((a.body, grid @ pose[:3, :3].T + pose[:3, 3]), (b, grid)):
         x = np.column_stack([x, np.ones(len(x))])
-        held.append(inside(model.tree, list(np.einsum("ni,sij,nj->sn", x, model._forms_f, x, optimize=True) < 0)))
+        held.append(inside(model.tree, list(np.einsum("ni,sij,nj->sn", x, model.forms, x, optimize=True) < 0)))
     return bool(np.any(held[0] & held[1]))
 
 

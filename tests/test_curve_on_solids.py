@@ -28,8 +28,8 @@ SOLIDS = {
 def values(solid, points):
     """(surfaces, n) distances from the surfaces, about."""
     x = np.column_stack([points, np.ones(len(points))])
-    gradients = 2 * np.einsum("fij,nj->fni", solid._forms_f, x)[:, :, :3]
-    return np.einsum("ni,fij,nj->fn", x, solid._forms_f, x) / np.linalg.norm(gradients, axis=2)
+    gradients = 2 * np.einsum("fij,nj->fni", solid.forms, x)[:, :, :3]
+    return np.einsum("ni,fij,nj->fn", x, solid.forms, x) / np.linalg.norm(gradients, axis=2)
 
 
 @pytest.mark.parametrize("surface", [SADDLE, PIPE, CONE])

@@ -90,3 +90,15 @@ def test_a_scene_in_which_nothing_moves_warns(python, tmp_path):
     assert done.returncode == 0 and "FREE" in done.stdout.upper()
     (warning,) = [line for line in done.stderr.splitlines() if "kernels" not in line]
     assert warning.startswith(f"firstcontact: {path}: nothing that is checked moves") and "motion]" in warning
+
+
+def test_a_surface_that_deforms_is_not_said_to_rest(python, tmp_path):
+    path = tmp_path / "deforming.toml"
+    path.write_text(
+        "[body.a]\nshape = 'ruled'\nfirst = '(u, 0, 2 - T)'\nsecond = '(u, 1, 2 - T)'\n"
+        "[body.b]\nshape = 'ruled'\nfirst = '(u, 0, 0)'\nsecond = '(u, 1, 1/2)'\n"
+        "[[check]]\npair = ['a', 'b']\nspan = [0, 2]\n"
+    )
+    done = python(MAIN, "check", path)
+    assert done.returncode == 1 and "CONTACT at time 1.5" in done.stdout
+    assert not [line for line in done.stderr.splitlines() if "kernels" not in line]

@@ -86,7 +86,7 @@ def test_sides_of_surfaces_are_faces():
         sides = {(f.surfaces[0], f.orientation) for f in body.faces}
         s = np.linspace(0, 1, 40)[:, None, None]
         x = np.concatenate([p + s * (q - p), np.ones((40, 1500, 1))], axis=2)
-        signs = np.einsum("kni,sij,knj->skn", x, body._forms_f, x, optimize=True) > 0
+        signs = np.einsum("kni,sij,knj->skn", x, body.forms, x, optimize=True) > 0
         may_in, may_out = body._possible(x[..., :3].reshape(-1, 3))
         inside = (may_in & ~may_out).reshape(40, 1500)
         changed = signs[:, 1:] != signs[:, :-1]

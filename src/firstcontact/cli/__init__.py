@@ -77,9 +77,13 @@ def run(arguments: list[str]) -> int:
 
 def _warn(message: Warning | str, *_: Any, **__: Any) -> None:
     """One line on stderr, as of errors."""
-    click.echo(f"firstcontact: {message}", err=True)
+    _say(str(message))
 
 
 def _fail(message: str) -> int:
-    click.echo(f"firstcontact: {' '.join(message.splitlines())}", err=True)
+    _say(message)
     return BAD_INPUT
+
+
+def _say(message: str) -> None:
+    click.echo(f"firstcontact: {' '.join(message.splitlines())}", err=True)

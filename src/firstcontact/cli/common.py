@@ -61,6 +61,11 @@ def _command(function: Callable[..., int], decorators: tuple[Any, ...]) -> click
     return click.command(name=function.__name__)(command)
 
 
+def _changes(body: Any) -> bool:
+    """Whether it moves, or its shape does: ruled surfaces may deform with the time."""
+    return hasattr(body, "motion") or getattr(body, "deforming", False)
+
+
 def answer_checks(scene_file: str, options: Options, verb_name: str) -> list[Any]:
     """The verb's results for all checks of the scene, in order."""
     from firstcontact.cli.progress import Progress
@@ -72,7 +77,7 @@ def answer_checks(scene_file: str, options: Options, verb_name: str) -> list[Any
     refuse_single(scene.path, scene.checks)
     from firstcontact import query
 
-    if not any(hasattr(scene.bodies[key], "motion") for check in scene.checks for key in (check.a, check.b)):
+    if not any(_changes(scene.bodies[key]) for check in scene.checks for key in (check.a, check.b)):
         warnings.warn(
             f"{scene.path}: nothing that is checked moves, so bodies are looked at as they stand; "
             "give one a [body.NAME.motion]", stacklevel=1,

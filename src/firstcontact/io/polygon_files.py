@@ -60,7 +60,8 @@ def read_ply(path: Path) -> tuple[np.ndarray, Faces]:
     data = path.read_bytes()
     encoding, elements, start = _ply_header(data)
     source = _PlyText(data[start:]) if encoding == "ascii" else _PlyBinary(data, start, encoding)
-    vertices, faces = np.empty((0, 3)), []
+    vertices = np.empty((0, 3))
+    faces: Faces = []
     for name, count, properties in elements:
         names = [label for label, _, _ in properties]
         if all(size is None for _, size, _ in properties):
@@ -68,13 +69,12 @@ def read_ply(path: Path) -> tuple[np.ndarray, Faces]:
             if name == "vertex":
                 vertices = table[:, [names.index(axis) for axis in "xyz"]]
             continue
-        corners = next((k for k, label in enumerate(names) if label in ("vertex_indices", "vertex_index")), None)
+        at = next((k for k, label in enumerate(names) if label in ("vertex_indices", "vertex_index")), None)
         for _ in range(count):
             row = [source.take(kind, 1 if size is None else source.take(size, 1)[0]) for _, size, kind in properties]
-            if name == "face":
-                faces.append(list(row[names.index("vertex_indices") if corners is None else corners]))
-            elif name == "tristrips":
-                faces += _of_strips(list(row[names.index("vertex_indices") if corners is None else corners]))
+            if name in ("face", "tristrips"):
+                corners = list(row[names.index("vertex_indices") if at is None else at])
+                faces += [corners] if name == "face" else _of_strips(corners)
     return vertices, faces
 
 

@@ -321,5 +321,5 @@ def _normalised(model: CompositeQuadric) -> np.ndarray:
     lo, hi = (np.clip(x, -1e6, 1e6) for x in model.bounds())
     corners = np.array([[x, y, z] for x in (lo[0], hi[0]) for y in (lo[1], hi[1]) for z in (lo[2], hi[2])])
     points = np.column_stack([corners, np.ones(8)])
-    gradients = np.linalg.norm(2.0 * np.einsum("sij,nj->sni", model._forms_f, points)[:, :, :3], axis=2)
-    return model._forms_f / np.maximum(np.median(gradients, axis=1), 1e-300)[:, None, None]
+    gradients = np.linalg.norm(2.0 * np.einsum("sij,nj->sni", model.forms, points)[:, :, :3], axis=2)
+    return model.forms / np.maximum(np.median(gradients, axis=1), 1e-300)[:, None, None]

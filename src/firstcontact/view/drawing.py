@@ -185,7 +185,7 @@ def _normals(body: CompositeQuadric, corners: np.ndarray, owner: np.ndarray) -> 
     normals = np.repeat(flat[:, None], 3, axis=1)
     x = np.concatenate([corners, np.ones((*corners.shape[:2], 1))], axis=2)
     for face in body.faces:
-        form = face.orientation * body._forms_f[face.surfaces[0]]
+        form = face.orientation * body.forms[face.surfaces[0]]
         own = owner == face.index
         gradient = (x[own] @ form)[..., :3]
         steep = np.linalg.norm(gradient, axis=2, keepdims=True)

@@ -32,6 +32,9 @@ from firstcontact.exact.numbers import to_double
 from firstcontact.exact.rigid import Matrix, apply
 from firstcontact.motion.translation import LARGEST, vector3
 
+SINGULAR = 2.0**-40
+"""Part of the size of its terms below which a gradient counts as 0."""
+
 
 class NoSolid(InputError):
     """A combination without interior points, or one of all of space."""
@@ -72,7 +75,7 @@ class CompositeQuadric(Placing):
         self.tree = tree
         self.parts = tuple(parts)
         self._box = box
-        self._forms_f = np.array([doubles(s.matrix()) for s in self.surfaces])
+        self.forms = np.array([doubles(s.matrix()) for s in self.surfaces])
         self._witness = witness
         self._search: dict[str, Any] = {}
         """What was worked out of this body: it follows from its geometry and its name, so no copy inherits it."""
@@ -173,7 +176,7 @@ class CompositeQuadric(Placing):
         witness = None if self._witness is None else apply(matrix, self._witness)  # type: ignore[arg-type]
         return self._with(
             surfaces=surfaces,
-            _forms_f=np.array([doubles(s.matrix()) for s in surfaces]),
+            forms=np.array([doubles(s.matrix()) for s in surfaces]),
             _box=box,
             _witness=witness,
         )
@@ -235,7 +238,7 @@ class CompositeQuadric(Placing):
         largest coordinate of any of the points: of any, since next to the origin all terms are small together.
         """
         x = np.column_stack([p, np.ones(len(p))])
-        values = np.einsum("ni,sij,nj->sn", x, self._forms_f, x, optimize=True)
+        values = np.einsum("ni,sij,nj->sn", x, self.forms, x, optimize=True)
         # coefficients, products and sums of sixteen terms: fewer than 32 roundings of relative size 2^-53;
         # input numbers that are no doubles add one more per coordinate
         sizes = self._sizes(np.abs(x))
@@ -247,8 +250,16 @@ class CompositeQuadric(Placing):
 
     def _sizes(self, x: np.ndarray) -> np.ndarray:
         """(surfaces, n): the sizes of the forms' terms at (n, 4) points that are not negative."""
-        sizes: np.ndarray = np.einsum("ni,sij,nj->sn", x, np.abs(self._forms_f), x, optimize=True)
+        sizes: np.ndarray = np.einsum("ni,sij,nj->sn", x, np.abs(self.forms), x, optimize=True)
         return sizes
+
+    def gradient(self, surface: int, x: np.ndarray) -> np.ndarray:
+        """(3,): unit, of the form of a surface at (3,) x on it; 0 where it vanishes, as at the tip of a cone."""
+        terms = self.forms[surface][:3] * np.append(x, 1.0)
+        g = terms.sum(axis=1)
+        length = float(np.linalg.norm(g))
+        unit: np.ndarray = g / length if length > SINGULAR * np.abs(terms).max() else np.zeros(3)
+        return unit
 
     @property
     def bounded(self) -> bool:
@@ -302,7 +313,7 @@ class CompositeQuadric(Placing):
 
     def _validate(self) -> None:
         """An interior and an exterior point: looked for at random first, then decided by the faces."""
-        for x in (x for form in self._forms_f for x in form.ravel()):
+        for x in (x for form in self.forms for x in form.ravel()):
             if not abs(x) < np.inf:
                 raise InputError(f"{self._who}: a coefficient is beyond the range of doubles")
         self._witness = self._strict_point(True)

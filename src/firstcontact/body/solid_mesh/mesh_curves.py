@@ -75,7 +75,7 @@ class Samples:
         """Points known by now that the run passes become its samples: other curves end or cross there."""
         points = np.array(self.points)
         x = np.column_stack([points, np.ones(len(points))])
-        forms = body._forms_f[list(run.edge.surfaces)]
+        forms = body.forms[list(run.edge.surfaces)]
         value = np.abs(np.einsum("ni,sij,nj->sn", x, forms, x))
         size = np.einsum("ni,sij,nj->sn", np.abs(x), np.abs(forms), np.abs(x))
         lo, hi = run.at

@@ -220,7 +220,7 @@ def _skin(
     all_points = np.concatenate([chart.lifted(chart.base), points[order]])
     fixed = np.array([a * len(all_rays) + b for a, b in net.fixed if a < b], np.int64)
     skin = _Skin(
-        i, body._forms_f[i], chart, all_rays, all_points, numbers, triangles, np.zeros(len(triangles), int),
+        i, body.forms[i], chart, all_rays, all_points, numbers, triangles, np.zeros(len(triangles), int),
         np.sort(fixed), 1,
     )  # fmt: skip
     _keep_boundary(body, skin)
@@ -253,17 +253,17 @@ def _side(body: CompositeQuadric, skin: _Skin, corners: np.ndarray) -> tuple[int
     rays = _unit(skin.rays)[corners]
     middle = rays.mean(axis=1)
     centre = skin.chart.lifted(middle)
-    values = [_value(form, centre) for form in body._forms_f]
+    values = [_value(form, centre) for form in body.forms]
     curves = [*body.edges, *body.seams]
     others = sorted({j for e in curves if i in e.surfaces for j in e.surfaces if j != i})
-    clear = [np.abs(values[j]) / np.linalg.norm(_slope(body._forms_f[j], centre), axis=1) for j in others]
+    clear = [np.abs(values[j]) / np.linalg.norm(_slope(body.forms[j], centre), axis=1) for j in others]
     clearance = np.min([np.full(len(centre), np.inf), *clear], axis=0)
     k = int(np.argmax(clearance))
     below, above = (inside(body.tree, [bool(v[k] < 0) if j != i else at for j, v in enumerate(values)])
                     for at in (True, False))  # fmt: skip
     small = skin.chart.lifted(middle[k] + 1e-3 * (rays[k] - middle[k]))
     normal = np.cross(small[1] - small[0], small[2] - small[0])
-    outward = 1 if normal @ _slope(body._forms_f[i], centre[k : k + 1])[0] > 0 else -1
+    outward = 1 if normal @ _slope(body.forms[i], centre[k : k + 1])[0] > 0 else -1
     return int(below) - int(above), outward
 
 

@@ -328,21 +328,16 @@ class HoledSearch(MeshSearch):
         local = back @ (where - poses[1][:, 3])
         n: np.ndarray
         if isinstance(theirs, Face):
-            n = self._gradient(theirs.surfaces[0], local) @ back
+            n = self.model.gradient(theirs.surfaces[0], local) @ back
         elif isinstance(mine, Face):
             n = np.array(doubles((mine.carrier.matrix()[3],))[0][:3]) @ np.linalg.inv(turn)
         elif isinstance(mine, Edge) and isinstance(theirs, Edge):
-            first, second = (self._gradient(k, local) @ back for k in crossing_surfaces(self.model, theirs))
+            first, second = (self.model.gradient(k, local) @ back for k in crossing_surfaces(self.model, theirs))
             n = np.cross(turn @ mine.frame[:3, 0], np.cross(first, second))
         else:
             return None
         length = float(np.linalg.norm(n))
         return n / length if length > 0.0 else None
-
-    def _gradient(self, surface: int, x: np.ndarray) -> np.ndarray:
-        g = (self.model._forms_f[surface] @ np.append(x, 1.0))[:3]
-        unit: np.ndarray = g / max(float(np.linalg.norm(g)), 1e-300)
-        return unit
 
 
 @dataclass(eq=False)
@@ -407,7 +402,7 @@ def _find_anchors(model: CompositeQuadric) -> tuple[np.ndarray, np.ndarray]:
     on_curves = {k for edge in curves for k in edge.surfaces}
     for face in model.faces:
         if not on_curves & set(face.surfaces):
-            found.append((_on_ellipsoid(model._forms_f[face.surfaces[0]]), OFF * size))
+            found.append((_on_ellipsoid(model.forms[face.surfaces[0]]), OFF * size))
     return np.array([x for x, _ in found]).reshape(-1, 3), np.array([r for _, r in found])
 
 

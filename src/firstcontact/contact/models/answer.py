@@ -9,7 +9,7 @@ import numpy as np
 from flint import arb, ctx
 
 from firstcontact.body.solid.carriers import Plane
-from firstcontact.body.solid.composite_quadric import CompositeQuadric
+from firstcontact.body.solid.composite_quadric import SINGULAR, CompositeQuadric
 from firstcontact.body.solid.features import Edge, Face, Vertex
 from firstcontact.contact.models.algorithm import Candidate, Meeting, Root, Search
 from firstcontact.contact.models.contact_sets import cartesian
@@ -35,8 +35,6 @@ from firstcontact.search.trees.touch import carried_normal
 
 _ORDER = {"vertex": 0, "apex": 0, "edge": 1, "face": 2}
 BITS = 128
-SINGULAR = 2.0**-40
-"""Part of the size of its terms below which a gradient counts as 0."""
 
 
 def contact_of(search: Search, meetings: Sequence[Meeting], exact: bool, shared: dict[str, Any]) -> FirstContact:

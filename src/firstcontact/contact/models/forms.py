@@ -17,7 +17,7 @@ _FORMS = Kept[list[Form]]()
 
 def forms_of(model: CompositeQuadric) -> list[Form]:
     """Those of all surfaces, kept on the model."""
-    return _FORMS.of(model, lambda: [_form(m) for m in model._forms_f.tolist()])
+    return _FORMS.of(model, lambda: [_form(m) for m in model.forms.tolist()])
 
 
 def _form(m: list[list[float]]) -> Form:

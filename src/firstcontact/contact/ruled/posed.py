@@ -83,8 +83,7 @@ def first(query: Query, work: Work, most: int = BUDGET) -> FirstContact:
         if best is not None and best.interval is not None and (until is None or best.interval[1] <= until):
             return _answer(pair, window, best, at_start, work)
         if until is not None:
-            spent = work.budget is not None and any(x.contact.reason == "budget" for x in left)
-            reason = "budget" if spent else "precision"
+            reason = "budget" if any(x.contact.reason == "budget" for x in left) else "precision"
             return _undecided(until, reason, work, query)
     return FirstContact(Status.FREE, free_until=query.span[1], stats=query.stats(work.done), **query.shared)
 

@@ -134,7 +134,8 @@ def _normal(
     tangents: Sequence[np.ndarray],
 ) -> np.ndarray | None:
     """Unit, out of the solid; None where the elements span no plane."""
-    outward = [n for n in (_outward(solid, face, point) for face in _faces(solid, feature, signs)) if n is not None]
+    faces = _faces(solid, feature, signs)
+    outward = [n for n in (f.orientation * solid.gradient(f.surfaces[0], point) for f in faces) if np.any(n)]
     if not outward:
         return None
     if isinstance(feature, Face):
@@ -157,13 +158,6 @@ def _faces(solid: CompositeQuadric, feature: Face | Edge | Vertex, signs: Sequen
         yield from (solid.faces[k] for k in feature.faces)
     else:
         yield from (f for f in solid.faces if signs[f.surfaces[0]] == 0)
-
-
-def _outward(solid: CompositeQuadric, face: Face, point: np.ndarray) -> np.ndarray | None:
-    form = solid._forms_f[face.surfaces[0]]
-    n = face.orientation * (form @ np.append(point, 1.0))[:3]
-    length = float(np.linalg.norm(n))
-    return n / length if length > NEAR * np.abs(form[:3, :3]).max() * _length(solid, point) else None
 
 
 def _length(solid: CompositeQuadric, point: np.ndarray) -> float:

@@ -328,9 +328,9 @@ class ModelCurve(SheetCurve):
 
     def _check_crossing(self, on: list[int], point: np.ndarray) -> None:
         """UnsupportedPair where signs alone do not tell the boundary: the solid's surfaces do not cross there."""
-        gradients = np.array([(self.model._forms_f[k] @ np.append(point, 1.0))[:3] for k in on])
+        gradients = np.array([(self.model.forms[k] @ np.append(point, 1.0))[:3] for k in on])
         lengths = np.linalg.norm(gradients, axis=1, keepdims=True)
-        size = np.abs(self.model._forms_f[on]).max(axis=(1, 2))[:, None] * (1.0 + np.abs(point).max())
+        size = np.abs(self.model.forms[on]).max(axis=(1, 2))[:, None] * (1.0 + np.abs(point).max())
         clear = len(on) <= 3 and np.all(lengths > FLAT * size)
         if not clear or np.linalg.svd(gradients / lengths)[1][-1] < FLAT:
             names = "({:.9g}, {:.9g}, {:.9g})".format(*point)

@@ -188,19 +188,15 @@ def _is_straight_or_turn(step: Step) -> bool:
 
 def _curved(a: Any, b: Any, step_a: Step, step_b: Step, start: fmpq, end: fmpq | None) -> CurvedPiece:
     """The piece by the motions themselves."""
+    steps = (step_a, _who(a, "a")), (step_b, _who(b, "b"))
+    named = [(step, f"{type(step.motion).__name__} of {who}") for step, who in steps]
     if end is None:
-        steps = (step_a.motion, _who(a, "a")), (step_b.motion, _who(b, "b"))
-        named = [(motion, f"{type(motion).__name__} of {who}") for motion, who in steps]
-        bent = [name for motion, name in named if not isinstance(motion, SIMPLE)]  # straight ones and turns need none
+        bent = [name for s, name in named if not isinstance(s.motion, SIMPLE)]  # straight ones and turns need none
         raise InputError(
             f"the span has no end, but {' with '.join(bent or [name for _, name in named])} needs one; "
             "give span=(first, last)"
         )
-    legs = [
-        Leg(s.motion, s.start, s.duration, s.before, f"{type(s.motion).__name__} of {_who(body, default)}")
-        for s, body, default in ((step_a, a, "a"), (step_b, b, "b"))
-    ]
-    return CurvedPiece(start, end, *legs)
+    return CurvedPiece(start, end, *[Leg(s.motion, s.start, s.duration, s.before, name) for s, name in named])
 
 
 def _velocity(step: Step, rests: bool) -> tuple[fmpq, fmpq, fmpq]:

@@ -172,11 +172,12 @@ class MeshSearch:
         None where pieces at the place lie on both sides, or none is known to be there.
         """
         now, ways = Window(t, t, t, window.a, window.b), []
-        for j in range(self.pieces.count):
-            if (x := self.point_of_piece(j, now)) is None:
-                continue
-            mesh, model = self.workspace[POSE_A], self.workspace[POSE_B]
-            local = np.linalg.solve(model[:9].reshape(3, 3), place - model[9:12])
+        inner = [(j, x) for j in range(self.pieces.count) if (x := self.point_of_piece(j, now)) is not None]
+        if not inner:
+            return None
+        mesh, model = self.workspace[POSE_A], self.workspace[POSE_B]
+        local = np.linalg.solve(model[:9].reshape(3, 3), place - model[9:12])
+        for j, x in inner:
             off = mesh[:9].reshape(3, 3) @ x + mesh[9:12] - place
             if self.pieces.inside(j, local[None], -BESIDE, float(np.abs(off).max()))[0]:
                 ways.append(float(n @ off))

@@ -567,12 +567,12 @@ def _model_forms(model: CompositeQuadric) -> tuple[Charts, dict[int, int]]:
 def crossing_at(model: CompositeQuadric, vertex: Vertex) -> tuple[int, int, int] | None:
     """Three surfaces that cross at the vertex."""
     point = np.array([*vertex.position, 1.0])
-    normals = {k: (model._forms_f[k] @ point)[:3] for k in vertex.surfaces}
+    normals = {k: (model.forms[k] @ point)[:3] for k in vertex.surfaces}
     chosen: list[int] = []
     units: list[np.ndarray] = []
     for k, n in normals.items():
         length = float(np.linalg.norm(n))
-        bend = float(np.abs(model._forms_f[k][:3, :3]).max())
+        bend = float(np.abs(model.forms[k][:3, :3]).max())
         if length <= bend * (1e-9 * float(np.abs(point[:3]).max()) + 16.0 * vertex.error):  # a tip
             continue
         if len(units) == 0 or np.linalg.svd(np.array([*units, n / length]))[1][-1] > FLAT:

@@ -576,11 +576,10 @@ class Event:
         # of a polyhedron's features the numbers are its own
         faces = [self.other] if isinstance(self.other, Face) else [self.model.faces[k] for k in self._beside()]
         m = self.relative(self.moment)
-        there = np.array([float(c.mid()) for c in mapped(m, _exact_point(self._sheet, place))] + [1.0])
+        there = np.array([float(c.mid()) for c in mapped(m, _exact_point(self._sheet, place))])
         outward = np.zeros(3)
         for face in faces:
-            g = face.orientation * (self.model._forms_f[face.surfaces[0]] @ there)[:3]
-            outward += g / max(float(np.linalg.norm(g)), 1e-300)
+            outward += face.orientation * self.model.gradient(face.surfaces[0], there)
         if isinstance(self.other, Face):
             n = outward
         else:
@@ -631,8 +630,8 @@ class Event:
 def _surfaces_near(model: CompositeQuadric, x: np.ndarray, size: float) -> np.ndarray:
     """(n,) bools: the surfaces of a model of this size that pass near a point (3,) of its frame."""
     far, point = np.append(np.full(3, size + np.abs(x).max()), 1.0), np.append(x, 1.0)
-    sizes = np.abs(model._forms_f * far * far[:, None]).max(axis=(1, 2))
-    near: np.ndarray = np.abs(point @ model._forms_f @ point) < NEAR * sizes
+    sizes = np.abs(model.forms * far * far[:, None]).max(axis=(1, 2))
+    near: np.ndarray = np.abs(point @ model.forms @ point) < NEAR * sizes
     return near
 
 

@@ -197,12 +197,7 @@ def _named(feature: Face | Edge | Vertex) -> Feature:
 def _outward(body: CompositeQuadric, feature: Face | Edge | Vertex, x: np.ndarray) -> list[np.ndarray]:
     """Outward unit normals at x of the feature, or of the faces beside it."""
     faces = [feature] if isinstance(feature, Face) else [body.faces[k] for k in getattr(feature, "faces", ())]
-    found = []
-    for face in faces:
-        form = body._forms_f[face.surfaces[0]]
-        gradient = face.orientation * (form @ np.append(x, 1.0))[:3]
-        found.append(gradient / max(float(np.linalg.norm(gradient)), 1e-300))
-    return found
+    return [face.orientation * body.gradient(face.surfaces[0], x) for face in faces]
 
 
 # -- the event, precise -------------------------------------------------------------------------------------
@@ -423,7 +418,7 @@ def _second_order(
     there = [*mapped(m, point), arb(1)]
     turn = middles(m)[:, :3]
     for model, at, back in ((own, point, np.eye(3)), (other, there, turn)):
-        for surface, form in zip(model.surfaces, model._forms_f, strict=True):
+        for surface, form in zip(model.surfaces, model.forms, strict=True):
             largest = arb(max(abs(c) for row in surface.matrix() for c in row))
             values.append(float((surface.value(at) / largest).mid()))
             gradients.append(back.T @ [float((arb(c) / largest).mid()) for c in surface.gradient(at)])
