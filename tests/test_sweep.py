@@ -218,3 +218,26 @@ def test_sheets_that_may_precede_do_so_wherever_they_share_a_point(seed):
             assert not precedes[c, d] or behind <= 0.5 * (slacks[c] + slacks[d])
             compared += c != d
     assert compared > 400
+
+
+@pytest.mark.parametrize("back", [False, True], ids=["a, b", "b, a"])
+def test_arcs_that_touch_end(back):
+    """Both crossings of two arcs round to one place: the sweep once went from one to the other for ever."""
+    a = fc.Polyhedron([(-3, 3, -4), (-1, 1, -4), (-1, 3, -6)], [[0, 1, 2]])
+    corners = [(x, y, z) for z in (1, -1) for r in (3, 1) for x, y in ((r, -r), (-r, -r), (-r, r), (r, r))]
+    faces = [
+        (9, 10, 14), (9, 14, 13), (2, 3, 11), (2, 11, 10), (6, 15, 7), (6, 14, 15), (2, 3, 7), (2, 7, 6),
+    ]  # fmt: skip
+    b = fc.Polyhedron(corners, faces)
+    moving = a.moving(fc.Rotation((1, 1, 1), radians=1))
+    bodies = (b, moving) if back else (moving, b)
+    # the mesh lies in |z| <= 1, max(|x|, |y|) <= 3; all of the triangle stays outside, as samples along it say
+    rng = np.random.default_rng(5)
+    places = rng.dirichlet((1, 1, 1), 400) @ np.array(a.vertices)
+    axis = np.ones(3) / np.sqrt(3)
+    for angle in np.linspace(0, 1, 101):
+        along = np.outer(places @ axis, axis)
+        turned = along + np.cos(angle) * (places - along) + np.sin(angle) * np.cross(axis, places)
+        assert np.all((np.abs(turned[:, 2]) > 1) | (np.abs(turned[:, :2]).max(axis=1) > 3))
+    for engine in ("sweep", "boxes"):
+        assert fc.first_contact(*bodies, engine=engine).status is fc.Status.FREE

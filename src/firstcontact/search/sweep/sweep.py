@@ -551,10 +551,12 @@ def _cross(trees, line, order, cells, i, waiting):
 
 @inner
 def _crossing(line, cells, i, x):
-    """Where the arcs at places i and i + 1 cross from x on; inf if they do not before one of them ends.
+    """Where the arcs at places i and i + 1 cross after x; inf if they do not before one of them ends.
 
     Arcs that roundings have put in the wrong order, by more than an arc can be off, cross at once: so neighbours are
     in order but for 1 / 32 of MARGIN divided by the number of arcs, and all arcs but for that share of MARGIN.
+    Others cross beyond x, be it by its last digit: where two arcs touch, both their crossings may round to x, and
+    each of them would bring on the other one for ever.
     """
     if i < 0 or i + 1 >= line.used[0]:
         return np.inf
@@ -564,6 +566,7 @@ def _crossing(line, cells, i, x):
     if gap < -MARGIN / (128.0 * (line.place.shape[0] + 8.0)):
         return x
     when = x + _fall(max(0.0, gap), _slope(above, x) - _slope(below, x), above[3] - below[3])
+    when = max(when, np.nextafter(x, np.inf))
     return when if when <= min(cells.x[s // 2, 1], cells.x[t // 2, 1]) else np.inf
 
 
@@ -596,7 +599,7 @@ def sweep_group(cells, starts, ends, order, tolerance, points, pace, askers, par
     trees = Trees(np.empty(0, np.int32), np.empty(0, np.int32), np.empty(0, np.int32), np.zeros(1, np.int64))
     waiting = np.empty(2 * n + 64, np.int32)
     keys, pairs, size = np.empty(1024), np.empty((1024, 2), np.int32), 0
-    a = b = 0
+    a = b = crossings = 0
     p, stop = 0, points.shape[0]
     while b < n:
         start = cells.x[starts[a], 0] if a < n else np.inf
@@ -617,7 +620,8 @@ def sweep_group(cells, starts, ends, order, tolerance, points, pace, askers, par
             size = heap_pop(keys, pairs, size)
             if line.place[s] < 0 or line.place[t] != line.place[s] + 1:
                 continue  # no longer neighbours
-            if s // 2 == t // 2:
+            crossings += 1
+            if s // 2 == t // 2 or crossings > 8 * n * n:  # two arcs cross twice at most: 4 n (2 n - 1) / 2 times
                 return LOST
             i = np.int64(line.place[s])
             trees = _cross(trees, line, order, cells, i, waiting)
