@@ -16,6 +16,8 @@ from typing import TYPE_CHECKING, Any, Self, overload
 
 import numpy as np
 
+TOLD_CORRECTION = 1e-9
+"""Of rounded poses: from that on the text of an answer tells it."""
 MOST_OTHERS = 100
 """Further pairs of elements that a result lists."""
 
@@ -328,6 +330,9 @@ class FirstContact(_Deferring):
     subproblems: tuple[Subproblem, ...] = field(default=(), repr=False)
 
     def __str__(self) -> str:
+        return self._told() + _corrected(self.a, self.b)
+
+    def _told(self) -> str:
         names = f"{_name(self.a, 'a')} and {_name(self.b, 'b')}"
         lo, hi = self.span
         if self.status is Status.FREE:
@@ -448,7 +453,7 @@ class ContactIntervals(_NoTruth, Sequence[ContactInterval]):
         head = f"{_name(self.a, 'a')} and {_name(self.b, 'b')}: {self.status.name}"
         if self.status is Status.UNDECIDED:
             head += f" ({self.reason}); decided until {self.free_until!r}"
-        return "\n".join([head, *(f"  {interval}" for interval in self.intervals)])
+        return "\n".join([head, *(f"  {interval}" for interval in self.intervals)]) + _corrected(self.a, self.b)
 
     def to_dict(self) -> dict[str, Any]:
         return {
@@ -514,3 +519,15 @@ def finite(value: Any) -> Any:
 
 def _name(body: Any, default: str) -> str:
     return getattr(body, "name", None) or default
+
+
+def _corrected(a: Any, b: Any) -> str:
+    """The end of an answer's text: how far given poses are off the rotations that were looked at."""
+    bodies = [
+        (_name(body, x), getattr(getattr(body, "motion", None), "correction", 0.0))
+        for body, x in ((a, "a"), (b, "b"))
+    ]
+    return "".join(
+        f"\n  matrices of {name} are no exact rotations: the nearest ones were taken, entries off by up to {off:.1g}"
+        for name, off in bodies if off > TOLD_CORRECTION
+    )  # fmt: skip

@@ -256,8 +256,10 @@ def test_speed_is_that_of_unit_quaternions_to_2_to_the_minus_60():
     [
         ((ONE, np.diag([-1, -1, 1, 1])), {}, "half a turn apart"),
         (((0, 0, 0), (1, 0, 0)), {"quat_xyzw": [(0, 0, 0, 1), (1, 0, 0, 0)]}, "half a turn apart"),
-        ((ONE, np.diag([2, 1, 1, 1])), {}, "pose1: the linear part is no rotation"),
-        ((np.diag([-1, 1, 1, 1]), ONE), {}, "pose0: the linear part is no rotation"),
+        ((ONE, np.diag([2, 1, 1, 1])), {}, "pose1: the linear part is no rotation .it misses one by 3, more "),
+        ((np.diag([-1, 1, 1, 1]), ONE), {}, "pose0: the linear part is no rotation, it mirrors the body"),
+        ((ONE, ONE), {"snap": -1}, "snap is -1; give a number that is not negative"),
+        ((ONE, np.diag([1 + 1e-9, 1, 1, 1])), {"snap": 0}, "pose1: the linear .* misses one by 2e-09"),
         ((ONE, ONE + 1e-6), {}, r"pose1: the last row is not \(0, 0, 0, 1\)"),
         ((ONE, ONE[:3]), {}, "pose1 is"),
         ((ONE, 5), {}, "pose1 is 5"),

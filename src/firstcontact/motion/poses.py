@@ -2,20 +2,21 @@
 
 A pose is a 4x4 array, or (scipy Rotation, vector); with ``quat_xyzw=`` or ``quat_wxyz=`` it is a vector, and the
 quaternions stand beside, one per pose.  A quaternion of any length counts as given: it is the rotation
-x -> q x q^-1.  A matrix that is exactly a rotation is taken exactly; one that is a rotation up to rounding (1e-9)
-becomes the nearest rotation, by a rational quaternion within 2^-60.
+x -> q x q^-1.  A matrix that is exactly a rotation is taken exactly; one that is a rotation up to rounding (`SNAP`)
+becomes the nearest rotation, by a rational quaternion within 2^-60, and the pose tells how far that is.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from flint import fmpq, fmpz
 
 from firstcontact.errors import InputError
-from firstcontact.exact.numbers import fraction, rational
+from firstcontact.exact.numbers import fraction, rational, to_double
 from firstcontact.exact.rigid import Matrix, quaternion_rotation
 from firstcontact.exact.vectors import Vector, det
 from firstcontact.motion.translation import vector3
@@ -23,18 +24,22 @@ from firstcontact.motion.translation import vector3
 Quaternion = tuple[fmpq, fmpq, fmpq, fmpq]
 Rows = list[list[fmpq]]
 
-# Largest |R^T R - 1| of a matrix that counts as a rounded rotation; twelve printed digits stay below it.
-ROUNDED = fmpq(1, 10**9)
+SNAP = 1e-6
+"""Largest |R^T R - 1| of a matrix that counts as a rounded rotation; float32 and seven printed digits stay below it."""
 # Bits of a quaternion that stands for a rounded rotation: its angle is then within 2^-60.
 BITS = 64
 
 
 @dataclass(frozen=True, slots=True)
 class Pose:
-    """Rotation by the quaternion (w, x, y, z), coprime integers, followed by a shift by `vector`."""
+    """Rotation by the quaternion (w, x, y, z), coprime integers, followed by a shift by `vector`.
+
+    correction: by how much an entry of the matrix that was given is off this rotation, at most.
+    """
 
     quaternion: Quaternion
     vector: Vector
+    correction: float = field(default=0.0, compare=False)
 
     def matrix(self) -> Matrix:
         """The exact 3x4 matrix."""
@@ -43,18 +48,24 @@ class Pose:
         return tuple((*row[:3], shift) for row, shift in zip(rows, self.vector, strict=True))  # type: ignore[return-value]
 
     def __reduce__(self) -> Any:
-        return _rebuild, (tuple(map(fraction, self.quaternion)), tuple(map(fraction, self.vector)))
+        rows = tuple(map(fraction, self.quaternion)), tuple(map(fraction, self.vector))
+        return _rebuild, (*rows, self.correction)
 
 
-def _rebuild(quaternion: Any, vector: Any) -> Pose:
-    return Pose(tuple(rational(x, "quaternion") for x in quaternion), vector3(vector, "vector"))  # type: ignore[arg-type]
+def _rebuild(quaternion: Any, vector: Any, correction: float = 0.0) -> Pose:
+    exact = tuple(rational(x, "quaternion") for x in quaternion)
+    return Pose(exact, vector3(vector, "vector"), correction)  # type: ignore[arg-type]
 
 
-def read_poses(poses: Iterable[Any], names: Iterable[str], quat_xyzw: Any = None, quat_wxyz: Any = None) -> list[Pose]:
+def read_poses(
+    poses: Iterable[Any], names: Iterable[str], quat_xyzw: Any = None, quat_wxyz: Any = None, snap: Any = SNAP
+) -> list[Pose]:
     """The poses, named in errors by `names`; with quaternions given, `poses` are their vectors (n, 3)."""
-    poses, names = list(poses), list(names)
+    poses, names, most = list(poses), list(names), rational(snap, "snap")
+    if most < 0:
+        raise InputError(f"snap is {snap!r}; give a number that is not negative")
     if quat_xyzw is None and quat_wxyz is None:
-        return [read_pose(pose, name) for pose, name in zip(poses, names, strict=True)]
+        return [read_pose(pose, name, most) for pose, name in zip(poses, names, strict=True)]
     if quat_xyzw is not None and quat_wxyz is not None:
         raise InputError("quat_xyzw= and quat_wxyz= are both given; give one of them")
     key, values = ("quat_xyzw", quat_xyzw) if quat_xyzw is not None else ("quat_wxyz", quat_wxyz)
@@ -70,7 +81,7 @@ def read_poses(poses: Iterable[Any], names: Iterable[str], quat_xyzw: Any = None
     ]
 
 
-def read_pose(pose: Any, name: str) -> Pose:
+def read_pose(pose: Any, name: str, snap: fmpq) -> Pose:
     """One pose: a 4x4 array, or (scipy Rotation, vector)."""
     parts = list(pose) if hasattr(pose, "__iter__") else []
     if len(parts) == 2 and hasattr(parts[0], "as_quat"):
@@ -82,7 +93,10 @@ def read_pose(pose: Any, name: str) -> Pose:
     rows = read_rows(parts, name)
     if rows[3] != [0, 0, 0, 1]:
         raise InputError(f"{name}: the last row is not (0, 0, 0, 1); give a rigid pose")
-    return Pose(_quaternion_of(rows, name), vector3([row[3] for row in rows[:3]], name))
+    turn = Pose(_quaternion_of(rows, name, snap), vector3([row[3] for row in rows[:3]], name))
+    off = max(abs(x - y) for given, taken in zip(rows, turn.matrix(), strict=False)
+              for x, y in zip(given[:3], taken, strict=False))  # fmt: skip
+    return turn if off == 0 else replace(turn, correction=math.nextafter(to_double(off), 1.0))
 
 
 def read_rows(values: Any, name: str) -> Rows:
@@ -116,14 +130,20 @@ def _primitive(q: list[fmpq]) -> Quaternion:
     return tuple(x * below / content for x in q)  # type: ignore[return-value]
 
 
-def _quaternion_of(rows: Rows, name: str) -> Quaternion:
+def _quaternion_of(rows: Rows, name: str, snap: fmpq) -> Quaternion:
     """The quaternion of a rotation matrix, exact where the matrix is."""
     r = [row[:3] for row in rows[:3]]
     defect = _defect(r)
-    if defect > ROUNDED or det(*r) < 0:
+    if defect > snap:
         raise InputError(
-            f"{name}: the linear part is no rotation (it misses one by {float(defect.p) / float(defect.q):.1g}); "
-            "give a rotation, or RationalMotion(coefficients) for affine motions"
+            f"{name}: the linear part is no rotation (it misses one by {to_double(defect):.1g}, more than "
+            f"snap = {to_double(snap):.1g}); give more digits, a larger snap=, or RationalMotion(coefficients) for "
+            "affine motions"
+        )
+    if det(*r) < 0:
+        raise InputError(
+            f"{name}: the linear part is no rotation, it mirrors the body (its determinant is negative); "
+            "check the order and the signs of its axes"
         )
     while defect != 0 and defect > fmpq(1, 2**80):
         r = _nearer_rotation(r)

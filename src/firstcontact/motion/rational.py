@@ -12,7 +12,7 @@ from firstcontact.errors import InputError
 from firstcontact.exact.numbers import fraction, rational, to_double
 from firstcontact.exact.polynomials import bernstein
 from firstcontact.exact.vectors import Vector, dot
-from firstcontact.motion.poses import BITS, Pose, read_poses, read_rows, sqrt_near
+from firstcontact.motion.poses import BITS, SNAP, Pose, read_poses, read_rows, sqrt_near
 from firstcontact.motion.relative import projective
 from firstcontact.motion.translation import LARGEST, SPAN
 
@@ -43,7 +43,7 @@ class RationalMotion:
     (True, 2)
     """
 
-    __slots__ = ("coefficients", "pose", "rigid")
+    __slots__ = ("coefficients", "pose", "rigid", "correction")
     span = SPAN
     extends = False
 
@@ -52,6 +52,8 @@ class RationalMotion:
     """The motion as integer polynomials without common factor, weight positive on the span."""
     rigid: bool
     """Whether the linear part is a rotation times the weight, exactly."""
+    correction: float
+    """By how much an entry of a matrix given to `between` is off the rotation that it stands for, at most."""
 
     def __init__(self, coefficients: Iterable[Any]) -> None:
         self.coefficients = _read(coefficients)
@@ -60,24 +62,28 @@ class RationalMotion:
         ]
         self.pose = _checked(projective.integral(entries))
         self.rigid = projective.is_rigid(self.pose)
+        self.correction = 0.0
 
     @classmethod
-    def between(cls, pose0: Any, pose1: Any, *, quat_xyzw: Any = None, quat_wxyz: Any = None) -> RationalMotion:
+    def between(
+        cls, pose0: Any, pose1: Any, *, quat_xyzw: Any = None, quat_wxyz: Any = None, snap: Any = SNAP
+    ) -> RationalMotion:
         """The motion from pose0 (t = 0) to pose1 (t = 1): straight line of unit quaternions, linear translation.
 
         pose0, pose1: 4x4 arrays or (scipy Rotation, vector); with ``quat_xyzw=`` or ``quat_wxyz=`` (two quaternions
         of any length) they are the two vectors.  The body turns the short way; poses half a turn apart leave the way
         open and are an InputError.  Rotation of degree 2, motion of degree 3 in t; rotation rate not constant.
 
-        Both end poses are met exactly where they are rational rotations; a 4x4 array of doubles that is one only up
-        to rounding stands for the nearest rotation, within 2^-60.  The lengths of the quaternions, which set the
-        speed along the way, are rational within 2^-60.
+        Both end poses are met exactly where they are rational rotations; a 4x4 array that is one only up to rounding
+        stands for the nearest rotation, within 2^-60; ``correction`` tells by how much an entry of it is off, at
+        most, and more than `snap`, as entries of R^T R - 1 tell, is an InputError.  The lengths of the quaternions,
+        which set the speed along the way, are rational within 2^-60.
 
         >>> turn = RationalMotion.between((0, 0, 0), (4, 0, 0), quat_xyzw=[(0, 0, 0, 1), (0, 0, 1, 1)])
         >>> turn(1.0)[:3].astype(int).tolist()
         [[0, -1, 0, 4], [1, 0, 0, 0], [0, 0, 1, 0]]
         """
-        start, end = read_poses((pose0, pose1), ("pose0", "pose1"), quat_xyzw, quat_wxyz)
+        start, end = read_poses((pose0, pose1), ("pose0", "pose1"), quat_xyzw, quat_wxyz, snap)
         return join(start, end, "pose0 and pose1")
 
     @property
@@ -128,7 +134,13 @@ class RationalMotion:
 
     def __reduce__(self) -> Any:
         rows = tuple(tuple(tuple(map(fraction, row)) for row in matrix) for matrix in self.coefficients)
-        return RationalMotion, (rows,)
+        return _rebuild, (rows, self.correction)
+
+
+def _rebuild(coefficients: Any, correction: float) -> RationalMotion:
+    made = RationalMotion(coefficients)
+    made.correction = correction
+    return made
 
 
 def join(start: Pose, end: Pose, names: str) -> RationalMotion:
@@ -144,7 +156,9 @@ def join(start: Pose, end: Pose, names: str) -> RationalMotion:
     vector = [fmpq_poly([x, y - x]) for x, y in zip(start.vector, end.vector, strict=True)]
     rows = projective.of_quaternion(line, vector)
     degree = max(x.degree() for row in rows for x in row)
-    return RationalMotion([[[fmpq(x[k]) for x in row] for row in rows] for k in range(degree + 1)])
+    made = RationalMotion([[[fmpq(x[k]) for x in row] for row in rows] for k in range(degree + 1)])
+    made.correction = max(start.correction, end.correction)
+    return made
 
 
 def refuse_half_turn(cosine: fmpq, square_p: fmpq, square_q: fmpq, names: str) -> None:

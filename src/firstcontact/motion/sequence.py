@@ -65,6 +65,11 @@ class Sequence:
         """When each step starts."""
         return fmpq(0), *self.ends[:-1]
 
+    @property
+    def correction(self) -> float:
+        """By how much an entry of a rounded pose is off the rotation that it stands for, at most, over all steps."""
+        return max((step.correction for step in self.steps if isinstance(step, RationalMotion)), default=0.0)
+
     def before(self, k: int) -> Placement:
         """The pose that step k is applied to: where the steps before it end."""
         if not self._before:

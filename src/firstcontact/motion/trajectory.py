@@ -13,7 +13,7 @@ from firstcontact.errors import InputError
 from firstcontact.exact.numbers import dyadic, fraction, precision, rational, to_double
 from firstcontact.exact.vectors import Vector, add, cross, dot, scaled, sub
 from firstcontact.motion.placement import HERE, Placement
-from firstcontact.motion.poses import BITS, Pose, Quaternion, read_poses, sqrt_near
+from firstcontact.motion.poses import BITS, SNAP, Pose, Quaternion, read_poses, sqrt_near
 from firstcontact.motion.rational import RationalMotion, join, refuse_half_turn
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.translation import Translation
@@ -32,6 +32,10 @@ class Trajectory:
     refuse neighbouring poses half a turn apart.  Under "linear-quaternion" the frame's origin goes straight, which a
     link of a robot does not: docs/motions.md tells by how much.
 
+    snap: matrices that miss a rotation by more, as entries of R^T R - 1 tell, are an InputError; others stand for the
+    nearest rotation, and ``correction`` tells by how much an entry of them is off it, at most.  The default is what
+    float32 needs.
+
     Poses are exact where they are rational rotations, otherwise within 2^-60 (see `RationalMotion.between`).  A step
     starts exactly in its pose; under "linear-quaternion" it also ends exactly in the next one.  Under "screw" axis and
     point are exact, angle and advance are irrational in general: they are rational within 2^-60 (the angle in radians,
@@ -42,13 +46,15 @@ class Trajectory:
     ((0.0, 3.0), array([4., 2., 0.]))
     """
 
-    __slots__ = ("times", "poses", "interpolation", "steps")
+    __slots__ = ("times", "poses", "interpolation", "steps", "correction")
     extends = False
 
     times: tuple[fmpq, ...]
     poses: tuple[Pose, ...]
     steps: tuple[RationalMotion | Screw | Translation, ...]
     """The motion from each pose to the next over (0, 1); see `before`."""
+    correction: float
+    """By how much an entry of a matrix that was given is off the rotation that it stands for, at most."""
 
     def __init__(
         self,
@@ -58,6 +64,7 @@ class Trajectory:
         *,
         quat_xyzw: Any = None,
         quat_wxyz: Any = None,
+        snap: Any = SNAP,
     ) -> None:
         if interpolation not in INTERPOLATIONS:
             raise InputError(f"Trajectory interpolation is {interpolation!r}; use one of {INTERPOLATIONS}")
@@ -67,7 +74,8 @@ class Trajectory:
         if len(poses) != len(self.times):
             raise InputError(f"Trajectory has {len(self.times)} times but {len(poses)} poses; give one for each")
         names = [f"Trajectory poses[{k}]" for k in range(len(poses))]
-        self.poses = tuple(read_poses(poses, names, quat_xyzw, quat_wxyz))
+        self.poses = tuple(read_poses(poses, names, quat_xyzw, quat_wxyz, snap))
+        self.correction = max(pose.correction for pose in self.poses)
         step = join if interpolation == "linear-quaternion" else screw_between
         self.steps = tuple(
             step(p, q, f"Trajectory poses[{k}] and poses[{k + 1}]")
@@ -116,7 +124,7 @@ class Trajectory:
         """
         turned = (_turned(p.quaternion[0], p.quaternion[1:], by) for p in self.poses)
         vectors = [add(p.vector, sub(by, x)) for p, x in zip(self.poses, turned, strict=True)]
-        moved = _rebuild(self.times, vectors, [p.quaternion for p in self.poses], self.interpolation)
+        moved = _rebuild(self.times, vectors, [p.quaternion for p in self.poses], self.interpolation, self.correction)
         moved.steps = tuple(step.shifted(by) for step in self.steps)
         return moved
 
@@ -127,11 +135,15 @@ class Trajectory:
     def __reduce__(self) -> Any:
         vectors, quaternions = zip(*((p.vector, p.quaternion) for p in self.poses), strict=True)
         rows = [tuple(map(fraction, v)) for v in vectors], [tuple(map(fraction, q)) for q in quaternions]
-        return _rebuild, (tuple(map(fraction, self.times)), *rows, self.interpolation)
+        return _rebuild, (tuple(map(fraction, self.times)), *rows, self.interpolation, self.correction)
 
 
-def _rebuild(times: Any, vectors: Any, quaternions: Any, interpolation: str) -> Trajectory:
-    return Trajectory(times, vectors, interpolation, quat_wxyz=quaternions)
+def _rebuild(
+    times: Any, vectors: Any, quaternions: Any, interpolation: str, correction: float = 0.0
+) -> Trajectory:
+    made = Trajectory(times, vectors, interpolation, quat_wxyz=quaternions)
+    made.correction = correction
+    return made
 
 
 def _times(values: Any) -> tuple[fmpq, ...]:

@@ -29,6 +29,7 @@ from firstcontact.body.ruled.rational_curve import RationalCurve
 from firstcontact.body.ruled.strip import RuledStrip
 from firstcontact.body.ruled.surface import RuledSurface
 from firstcontact.errors import InputError
+from firstcontact.motion.poses import SNAP
 from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.screw import Screw
@@ -107,6 +108,7 @@ class RationalTable(Table):
 class _Quaternions(Table):
     quat_xyzw: list[Quaternion] | None = None
     quat_wxyz: list[Quaternion] | None = None
+    snap: Number = SNAP
 
     def _check(self, **poses: Any) -> dict[str, Any]:
         """The quaternions, after a look whether the poses are of the kind that goes with them."""
@@ -116,7 +118,7 @@ class _Quaternions(Table):
                 raise InputError(f"{key} is a matrix, but quaternions are given too; write a vector [x, y, z]")
             if not given and len(pose) == 3:
                 raise InputError(f"{key} is a vector; add quat_xyzw or quat_wxyz, or write a 4x4 matrix")
-        return {"quat_xyzw": self.quat_xyzw, "quat_wxyz": self.quat_wxyz}
+        return {"quat_xyzw": self.quat_xyzw, "quat_wxyz": self.quat_wxyz, "snap": self.snap}
 
 
 class BetweenTable(_Quaternions):
