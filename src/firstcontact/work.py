@@ -91,6 +91,10 @@ class Query:
         """Whether only exact arithmetic may answer."""
         return self.exact or self.method == "algebraic"
 
+    def is_spent(self, reason: str | None) -> bool:
+        """Whether what stopped a search is the caller's budget, not one of its own: then no other way goes on."""
+        return reason == "budget" and self.budget is not None
+
     def work(self) -> Work:
         """A new account of the work, with all of the budget."""
         return Work(self.budget, self.progress, below(self.first))

@@ -140,7 +140,7 @@ def _answer(verb: str, query: Query) -> Any:
 
 def _said(answer: Any, query: Query) -> Any:
     """The answer, which names no budget but the caller's: one of a search's own is a limit to what it can tell."""
-    own = answer.reason == "budget" and query.budget is None
+    own = answer.reason == "budget" and not query.is_spent(answer.reason)
     return replace(answer, reason="precision") if own else answer
 
 

@@ -52,7 +52,7 @@ def first(query: Query) -> FirstContact:
         seen, told, proved = settle(models, query)
         if seen is not None and told:
             return seen
-        if proved.reason == "budget" and query.budget is not None:
+        if query.is_spent(proved.reason):
             return _undecided(query, proved, "budget")
         return Passed(proved.reason or proved.status, proved)
 

@@ -78,7 +78,7 @@ def _first_contact(query: Query) -> FirstContact:
         if quick is None:
             return posed.first(query, query.work())
         proved = certified.first(quick, query)
-        is_told = query.method == "certified" or proved.reason != "precision"
+        is_told = query.method == "certified" or proved.status is not Status.UNDECIDED or query.is_spent(proved.reason)
         return proved if is_told else Passed("precision", proved)
 
     return answered([
@@ -111,7 +111,7 @@ def _is_with_convex(query: Query) -> bool:
 def _on_convex(query: Query, _: None) -> FirstContact | Passed:
     """In doubles, for exact arithmetic to go on unless method is "certified"."""
     proved = by_search.first(query)
-    if query.method == "certified" or _is_settled(proved):
+    if query.method == "certified" or _is_settled(proved) or query.is_spent(proved.reason):
         return proved
     return Passed(proved.reason or "it is not told what touches", proved)
 
@@ -122,8 +122,8 @@ def _on_mesh(query: Query, _: None) -> FirstContact | Passed:
     Elimination over all the span takes every triangle that the surface comes near.
     """
     proved = posed.first(query, query.work(), MESH_BOXES)
-    if proved.status is Status.UNDECIDED and proved.reason == "precision":
-        return Passed("precision")
+    if proved.status is Status.UNDECIDED and not query.is_spent(proved.reason):
+        return Passed(proved.reason or "")
     if proved.time_interval is None or proved.initial == "containment":
         return proved
     room = NEARBY * (query.end - query.first)
@@ -136,10 +136,10 @@ def _on_mesh(query: Query, _: None) -> FirstContact | Passed:
 
 
 def _is_settled(proved: FirstContact) -> bool:
-    """Whether exact arithmetic has nothing to add: the bodies are free, the budget is spent or one point touches."""
+    """Whether exact arithmetic has nothing to add: the bodies are free or one point touches."""
     if proved.status is Status.CONTACT:
         return proved.contact_set is not None
-    return proved.status is Status.FREE or proved.reason == "budget"
+    return proved.status is Status.FREE
 
 
 # -- in exact arithmetic --------------------------------------------------------------------------------------

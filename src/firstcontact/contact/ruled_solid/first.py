@@ -58,7 +58,7 @@ def _in_doubles(query: Query, _: None) -> FirstContact | Passed:
     """Cut short where exact arithmetic may be asked too."""
     quick = QUICK_BUDGET if query.budget is None and query.method == "auto" else query.budget
     proved = certified.first(replace(query, budget=quick))
-    if query.method == "certified" or _is_told(proved, query.budget):
+    if query.method == "certified" or _is_told(proved) or query.is_spent(proved.reason):
         return proved
     return Passed(proved.reason or "it is not told what touches", proved)
 
@@ -72,16 +72,16 @@ def _exactly(query: Query, proved: FirstContact | None) -> FirstContact:
 
 
 def _is_cut_short(query: Query, proved: FirstContact | None) -> bool:
-    return proved is not None and proved.reason == "budget" and query.budget is None
+    return proved is not None and proved.reason == "budget" and not query.is_spent(proved.reason)
 
 
-def _is_told(proved: FirstContact, budget: int | None) -> bool:
+def _is_told(proved: FirstContact) -> bool:
     """Whether exact arithmetic has nothing to add to what was proved about a surface and a solid."""
     if proved.status is Status.INITIAL_CONTACT:
         return proved.initial is not None
     if proved.status is Status.CONTACT:
         return proved.element_a is not None
-    return proved.status is Status.FREE or budget is not None and proved.reason == "budget"
+    return proved.status is Status.FREE
 
 
 def _solid_last(query: Query) -> tuple[Query, bool]:
@@ -124,8 +124,8 @@ def in_turn(query: Query, decide: Callable[[Work, int], ContactIntervals]) -> Co
 
     def in_doubles(query: Query, _: None) -> ContactIntervals | Passed:
         proved = certified.intervals(query, work)
-        spent = work.budget is not None and proved.reason == "budget"
-        return proved if spent or proved.status is not Status.UNDECIDED else Passed(str(proved.reason), proved)
+        told = proved.status is not Status.UNDECIDED or query.is_spent(proved.reason)
+        return proved if told else Passed(str(proved.reason), proved)
 
     return answered([
         Way("exactly, low degrees", lambda query, _: decide(work, SMALL_DEGREE), lambda query, _: not query.exact),

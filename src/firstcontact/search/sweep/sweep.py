@@ -551,12 +551,12 @@ def _cross(trees, line, order, cells, i, waiting):
 
 @inner
 def _crossing(line, cells, i, x):
-    """Where the arcs at places i and i + 1 cross after x; inf if they do not before one of them ends.
+    """Where the arcs at places i and i + 1 cross from x on; inf if they do not before one of them ends.
 
     Arcs that roundings have put in the wrong order, by more than an arc can be off, cross at once: so neighbours are
     in order but for 1 / 32 of MARGIN divided by the number of arcs, and all arcs but for that share of MARGIN.
-    Others cross beyond x, be it by its last digit: where two arcs touch, both their crossings may round to x, and
-    each of them would bring on the other one for ever.
+    Arcs that part at x cross beyond it, be it by its last digit: where two arcs touch, both their crossings may round
+    to x, and each of them would bring on the other one for ever.
     """
     if i < 0 or i + 1 >= line.used[0]:
         return np.inf
@@ -565,8 +565,10 @@ def _crossing(line, cells, i, x):
     gap = at(above, x) - at(below, x)
     if gap < -MARGIN / (128.0 * (line.place.shape[0] + 8.0)):
         return x
-    when = x + _fall(max(0.0, gap), _slope(above, x) - _slope(below, x), above[3] - below[3])
-    when = max(when, np.nextafter(x, np.inf))
+    parting = _slope(above, x) - _slope(below, x)
+    when = x + _fall(max(0.0, gap), parting, above[3] - below[3])
+    if parting > 0.0:
+        when = max(when, np.nextafter(x, np.inf))
     return when if when <= min(cells.x[s // 2, 1], cells.x[t // 2, 1]) else np.inf
 
 
