@@ -20,6 +20,7 @@ from firstcontact.contact.ruled.certified import BUDGET, described
 from firstcontact.contact.ruled.intervals import certified_intervals
 from firstcontact.contact.ruled.triangles import MOST_PAIRS, Interior, near_pairs, triangles_of
 from firstcontact.contact.signs.conditions import check_weight
+from firstcontact.contact.swapped import swapped
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import below
 from firstcontact.exact.rigid import compose, inverse_map
@@ -61,6 +62,18 @@ def first(query: Query, work: Work, most: int = BUDGET) -> FirstContact:
 
     most: boxes for two pieces in a window.
     """
+    ordered = _mover_first(query)
+    found = _first(ordered, work, most)
+    return found if ordered is query else swapped(found)
+
+
+def _mover_first(query: Query) -> Query:
+    """With a body at rest as b: poses seen from it are shorter polynomials than those of the rest seen from a turn."""
+    rests = [not isinstance(x, Moving) for x in query.bodies]
+    return replace(query, a=query.b, b=query.a) if rests[0] and not rests[1] else query
+
+
+def _first(query: Query, work: Work, most: int) -> FirstContact:
     pair = _Pair(query)
     for window in pair.windows():
         work.reached(max(below(window.start), query.span[0]))
@@ -90,6 +103,10 @@ def first(query: Query, work: Work, most: int = BUDGET) -> FirstContact:
 
 def intervals(query: Query, work: Work) -> ContactIntervals:
     """All contacts with enclosures of their ends; UNDECIDED from the first time on at which nothing is proved."""
+    return replace(_intervals(_mover_first(query), work), a=query.a, b=query.b)
+
+
+def _intervals(query: Query, work: Work) -> ContactIntervals:
     pair, intervals, last = _Pair(query), list[Certified](), query.span[1]
     if pair.interior is not None:
         raise UnsupportedPair(

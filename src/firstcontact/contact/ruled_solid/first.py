@@ -27,11 +27,12 @@ from firstcontact.contact.signs.exactly import PiecePair, span_of
 from firstcontact.contact.signs.sheets import MOST_DEGREE, QUICK_DEGREE
 from firstcontact.contact.signs.starts import with_start
 from firstcontact.contact.signs.whole_rulings import cut_to
+from firstcontact.contact.swapped import swapped
 from firstcontact.contact.ways import Passed, Way, answered
 from firstcontact.exact.numbers import below
 from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.polynomial import PolynomialPiece, relative_pieces
-from firstcontact.result import ContactIntervals, Element, ElementPair, FirstContact, Status
+from firstcontact.result import ContactIntervals, Element, FirstContact, Status
 from firstcontact.search.rulings.directrices import sides_from
 from firstcontact.work import Query, Work
 
@@ -68,7 +69,7 @@ def _exactly(query: Query, proved: FirstContact | None) -> FirstContact:
     work, (ordered, is_turned) = query.work(), _solid_last(query)
     stretches = _pieces(ordered, work, QUICK_DEGREE if known else MOST_DEGREE)
     found = exactly.first(ordered, stretches, None, work)
-    return replace(_turned(found) if is_turned else found, a=query.a, b=query.b)
+    return replace(swapped(found) if is_turned else found, a=query.a, b=query.b)
 
 
 def _is_cut_short(query: Query, proved: FirstContact | None) -> bool:
@@ -89,23 +90,6 @@ def _solid_last(query: Query) -> tuple[Query, bool]:
     is_turned = isinstance(shape_of(query.a), CompositeQuadric)
     ruled, solid = query.bodies[::-1] if is_turned else query.bodies
     return replace(query, a=cut_to(ruled, solid, query.span), b=solid), is_turned
-
-
-def _turned(found: FirstContact) -> FirstContact:
-    """The result for the bodies in the other order."""
-    first, second = partial(_called, found.b, "b", "a"), partial(_called, found.a, "a", "b")
-    return replace(
-        found, a=found.b, b=found.a, element_a=first(found.element_b), element_b=second(found.element_a),
-        normal=None if found.normal is None else 0.0 - found.normal,
-        others=tuple(ElementPair(first(x.element_b), second(x.element_a)) for x in found.others),
-    )  # fmt: skip
-
-
-def _called(body: Any, before: str, after: str, element: Element | None) -> Any:
-    """The element of a body that goes by this letter where it has no name."""
-    if element is None or getattr(body, "name", None):
-        return element
-    return replace(element, body=after, label=after if element.label == before else element.label)
 
 
 def intervals(query: Query) -> ContactIntervals:

@@ -14,7 +14,7 @@ from __future__ import annotations
 from flint import acb_poly, arb, arb_mat, arb_poly, fmpq, fmpq_poly, fmpz, nmod_poly
 
 from firstcontact.exact.fields.field_towers import division, gcd, trimmed
-from firstcontact.exact.fields.number_field import FieldElement, NumberField
+from firstcontact.exact.fields.number_field import FieldElement, NumberField, residue
 from firstcontact.exact.fields.roots import AlgebraicRoot, real_roots, reversed_polynomial
 from firstcontact.exact.numbers import dyadic, precision
 from firstcontact.exact.polynomials.bivariate import Rows, evaluate, level, over, polynomial, resultant, slope
@@ -24,9 +24,6 @@ FIRST = 64
 
 LAST = 1 << 15
 """Bits at which a search gives up: every question asked here has an answer, this one a very hidden one."""
-
-_PRIMES = (2147483647, 2147483629, 1000000007, 1000000009, 998244353, 1004535809, 754974721, 469762049, 167772161)
-
 
 class PrecisionExhausted(ArithmeticError):
     """Two different numbers agree to LAST bits; nothing is returned rather than something unproved."""
@@ -304,25 +301,13 @@ def truncated(rows: Rows, alpha: AlgebraicRoot) -> Rows:
 
 
 def degree_bound(alpha: AlgebraicRoot, f: Rows, g: Rows) -> int | None:
-    """An upper bound of the degree of gcd(f(alpha, v), g(alpha, v)); None where no prime of the list helps.
+    """An upper bound of the degree of gcd(f(alpha, v), g(alpha, v)); None where a prime divides a leading coefficient.
 
-    f's leading coefficient is not zero at alpha.  At a simple root r of the minimal polynomial modulo q, r -> alpha
-    extends to the integers at a prime above q, where the divisor can be made primitive; its image divides both images
-    and keeps its degree if the leading coefficient of f does not vanish.
+    f's leading coefficient is not zero at alpha.
     """
-    p = alpha.polynomial
-    for q in _PRIMES:
-        minimal = nmod_poly(p.coeffs(), q)
-        if minimal.degree() < p.degree():
-            continue
-        for root, multiplicity in minimal.roots():
-            if multiplicity > 1:
-                continue
-            image = nmod_poly([int(nmod_poly(c.coeffs(), q)(root)) for c in f], q)
-            if image.degree() == len(f) - 1:
-                other = nmod_poly([int(nmod_poly(c.coeffs(), q)(root)) for c in g], q)
-                return int(image.gcd(other).degree())
-    return None
+    p, zero = residue(alpha.polynomial)
+    images = [nmod_poly([int(nmod_poly(c.coeffs(), p)(zero)) for c in h], p) for h in (f, g)]
+    return int(images[0].gcd(images[1]).degree()) if images[0].degree() == len(f) - 1 else None
 
 
 def squarefree_parts(f: list[FieldElement]) -> list[tuple[list[FieldElement], int]]:

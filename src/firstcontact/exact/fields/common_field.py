@@ -1,7 +1,7 @@
 """Zeros of polynomials over Q(r), each in one field Q(w) that holds r too.
 
-Mostly the zero s itself generates that field; otherwise s + k r does for some small k.  Over Q(w) the minimal
-polynomial of r and the given polynomial at s = w - k r then share one zero, r itself: their greatest common divisor.
+Mostly the zero s itself generates that field; otherwise s + k r does for some small k.  Then r is the one zero that the
+minimal polynomial of r and the given polynomial at s = w - k x share in x, and a quotient of two polynomials in w.
 """
 
 from __future__ import annotations
@@ -10,12 +10,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from flint import fmpq, fmpq_poly, fmpz, fmpz_poly
+from flint import fmpq, fmpq_poly, fmpz, fmpz_mpoly, fmpz_poly, nmod_poly
 
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.expressions import context
-from firstcontact.exact.fields import field_towers
-from firstcontact.exact.fields.field_towers import division, trimmed
+from firstcontact.exact.fields.field_towers import pseudo_division, trimmed
 from firstcontact.exact.fields.number_field import FieldElement, NumberField, sign
 from firstcontact.exact.fields.roots import AlgebraicRoot, real_roots
 
@@ -36,12 +35,14 @@ class Adjoined:
 
 def adjoined(field: NumberField, f: Sequence[FieldElement], lo: fmpq, hi: fmpq) -> list[Adjoined]:
     """The real zeros of f != 0 in [lo, hi]; UnsupportedPair beyond MOST_DEGREE."""
-    f = squarefree(trimmed(list(f)))
+    f = [c.reduced() for c in squarefree(trimmed(list(f)))]
     if len(f) < 2:
         return []
     if len(f) == 2:
-        zero = (-f[0] / f[1]).reduced()
-        return [Adjoined(field, zero, lambda x: x)] if within(zero, lo, hi) else []
+        side = sign(f[1])
+        if sign(f[0] + f[1] * lo) * side > 0 or sign(f[0] + f[1] * hi) * side < 0:
+            return []  # signs are cheap, and inverses dear
+        return [Adjoined(field, (-f[0] / f[1]).reduced(), lambda x: x)]
     if field.root.rational is not None:
         p = fmpq_poly([x.value[0] for x in f]).numer()
         return [_simple(root) for root in real_roots(p, lo, hi)]
@@ -65,53 +66,74 @@ def _simple(root: AlgebraicRoot) -> Adjoined:
 def _with_multiple(field: NumberField, f: Polynomial, k: int, lo: fmpq, hi: fmpq) -> list[Adjoined] | None:
     """The zeros with w = s + k r; None where some w does not generate both."""
     r = field.root
-    n = _norm(r.polynomial, f, k)
+    g = _shifted(f, k)
+    norm = _in_w(_in_x(r.polynomial).resultant(g, "x"))[0]
     ends = (lo + k * r.lo, hi + k * r.hi)
-    found = []
-    for w in real_roots(n, *ends):
+    found: list[Adjoined] = []
+    roots = real_roots(norm, *ends)
+    if not roots:
+        return found
+    line = _shared_line([fmpz_poly([c]) for c in r.polynomial.coeffs()], _in_w(g))
+    if line is None:
+        return None
+    for w in roots:
         own = NumberField(w)
-        at = own.generator()
-        # f(w - k x, x) as a polynomial in x over Q(w)
-        g = _shifted(own, f, at, k)
-        common = gcd([own(c) for c in fmpq_poly(r.polynomial).coeffs()], g)
-        if len(common) > 2:
+        below, slope = (own(c) for c in line)
+        if slope.is_zero():
             return None
-        if len(common) < 2:
-            continue
-        image = (-common[0] / common[1]).reduced()
-        zero = at - image * k
+        image = (-below / slope).reduced()
+        zero = (own.generator() - image * k).reduced()
         if within(image, r.lo, r.hi) and within(zero, lo, hi):
             found.append(Adjoined(own, zero, _carrier(own, image)))
     return found
 
 
-def _norm(modulus: fmpz_poly, f: Polynomial, k: int) -> fmpz_poly:
-    """Res_x(modulus(x), sum f_i(x) (w - k x)^i), a polynomial in w."""
+def _shifted(f: Polynomial, k: int) -> fmpz_mpoly:
+    """A multiple of sum f_i(x) (w - k x)^i."""
     w, x = _RING.gens()
     common = fmpz(1)
     for c in f:
         common = common.lcm(c.value.denom())
     total = _RING.constant(0)
     for c in reversed(f):
-        own = c.value * fmpq(common)
-        total = total * (w - k * x) + _in_x(own.numer())
-    found = _in_x(modulus).resultant(total, "x")
-    table = {int(i): c for (i, _), c in found.to_dict().items()}
-    return fmpz_poly([table.get(i, fmpz(0)) for i in range(max(table) + 1)])
+        total = total * (w - k * x) + _in_x((c.value * fmpq(common)).numer())
+    return total
 
 
-def _in_x(p: fmpz_poly) -> Any:
+def _in_x(p: fmpz_poly) -> fmpz_mpoly:
     return _RING.from_dict({(0, i): c for i, c in enumerate(p.coeffs()) if c})
+
+
+def _in_w(f: fmpz_mpoly) -> list[fmpz_poly]:
+    """The coefficients of the powers of x, ascending."""
+    table: dict[int, dict[int, fmpz]] = {}
+    for (i, j), c in f.to_dict().items():
+        table.setdefault(int(j), {})[int(i)] = c
+    rows = (table.get(j, {0: fmpz(0)}) for j in range(max(table) + 1))
+    return [fmpz_poly([row.get(i, fmpz(0)) for i in range(max(row) + 1)]) for row in rows]
+
+
+def _shared_line(f: list[fmpz_poly], g: list[fmpz_poly]) -> tuple[fmpz_poly, fmpz_poly] | None:
+    """(b, a) with a x + b = 0 at every shared zero of two polynomials in x over Z[w]; None where none is found.
+
+    The one of the first degree among their subresultants (Brown 1978), which divide out what would grow.
+    """
+    if len(f) < len(g):
+        f, g = g, f
+    lead, height = fmpz_poly([1]), fmpz_poly([1])
+    while len(g) > 2:
+        drop = len(f) - len(g)
+        rest = trimmed(pseudo_division(f, g)[1])
+        by = lead * height**drop
+        f, g = g, [c // by for c in rest]
+        lead = f[-1]
+        height = lead**drop // height ** (drop - 1) if drop else height
+    return (g[0], g[1]) if len(g) == 2 else None
 
 
 def _carrier(own: NumberField, image: FieldElement) -> Callable[[FieldElement], FieldElement]:
     # points have long lives: all that is made of unreduced ones would grow with them
     return lambda x: horner([own(c) for c in x.value.coeffs()], image, own(0)).reduced()
-
-
-def _shifted(own: NumberField, f: Polynomial, at: FieldElement, k: int) -> Polynomial:
-    """sum f_i(x) (at - k x)^i."""
-    return trimmed(composed([[own(a) for a in c.value.coeffs()] for c in f], at, own(-k)))
 
 
 def composed(f: Sequence[Polynomial], start: FieldElement, slope: FieldElement) -> Polynomial:
@@ -144,15 +166,46 @@ def within(x: FieldElement, lo: fmpq, hi: fmpq) -> bool:
 
 
 def gcd(f: Sequence[FieldElement], g: Sequence[FieldElement]) -> Polynomial:
-    """The greatest common divisor, monic; [] of zeros."""
-    common = field_towers.gcd(trimmed(list(f)), list(g))
-    return [c / common[-1] for c in common[:-1]] + [common[-1] * 0 + 1] if common else []
+    """A greatest common divisor; [] of zeros."""
+    common, rest = trimmed(list(f)), trimmed(list(g))
+    if _is_coprime_modulo_prime(common, rest):
+        return [common[-1].field(1)]
+    while rest:
+        common, rest = rest, trimmed(_primitive(pseudo_division(common, rest)[1]))
+    return common
+
+
+def _primitive(f: Polynomial) -> Polynomial:
+    """A rational multiple with coefficients of small numbers."""
+    f = [c.reduced() for c in f]
+    below, content = fmpz(1), fmpz(0)
+    for c in f:
+        below = below.lcm(c.value.denom())
+    for c in f:
+        content = content.gcd((c.value * fmpq(below)).numer().content())
+    return [c * fmpq(below, content) for c in f] if content else f
+
+
+def _is_coprime_modulo_prime(f: Polynomial, g: Polynomial) -> bool:
+    """True proves that the polynomials share no zero (`number_field.residue`)."""
+    if not f or not g:
+        return False
+    p, _ = f[-1].field.residue
+    images = [[x for c in h if (x := c.modulo_prime()) is not None] for h in (f, g)]
+    if [len(f), len(g)] != [len(x) for x in images] or not any(image[-1] for image in images):
+        return False
+    return bool(nmod_poly(images[0], p).gcd(nmod_poly(images[1], p)).degree() == 0)
+
+
+def _quotient(f: Polynomial, g: Polynomial) -> Polynomial:
+    """A multiple of f / g, where g divides f."""
+    return _primitive(pseudo_division(f, g)[0])
 
 
 def squarefree(f: Polynomial) -> Polynomial:
     """The same zeros, each once."""
     common = gcd(f, [c * k for k, c in enumerate(f)][1:])
-    return division(f, common)[0] if len(common) > 1 else f
+    return _quotient(f, common) if len(common) > 1 else f
 
 
 def refined(polynomials: Sequence[Polynomial]) -> list[Polynomial]:
@@ -165,7 +218,7 @@ def refined(polynomials: Sequence[Polynomial]) -> list[Polynomial]:
             common = gcd(f, g)
             if len(common) > 1:
                 del basis[i]
-                parts = (common, division(f, common)[0], division(g, common)[0])
+                parts = (common, _quotient(f, common), _quotient(g, common))
                 todo += [part for part in parts if len(part) > 1]
                 break
         else:

@@ -173,6 +173,18 @@ def trimmed(f: list[Any]) -> list[Any]:
     return f[:n]
 
 
+def pseudo_division(f: Sequence[Any], g: Sequence[Any]) -> tuple[list[Any], list[Any]]:
+    """Quotient and remainder of lc(g)^(deg f - deg g + 1) f by g, over any ring."""
+    rest, lead, quotient = list(f), g[-1], list[Any]()
+    for _ in range(len(f) - len(g) + 1):
+        top = rest.pop()
+        rest = [lead * c for c in rest]
+        for k in range(1, len(g)):
+            rest[-k] = rest[-k] - top * g[-1 - k]
+        quotient = [*(lead * c for c in quotient), top]
+    return quotient[::-1], rest
+
+
 def division(f: list[Any], g: list[Any]) -> tuple[list[Any], list[Any]]:
     """Quotient and remainder; the leading coefficient of g is not zero."""
     rest, inverse, quotient = list(f), 1 / g[-1], []

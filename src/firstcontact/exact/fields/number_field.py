@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from flint import arb, fmpq, fmpq_poly, fmpz, fmpz_poly
+from flint import arb, fmpq, fmpq_poly, fmpz, fmpz_poly, nmod_poly
 
 from firstcontact.exact.fields.roots import AlgebraicRoot
 from firstcontact.exact.numbers import PRECISIONS, precision
@@ -28,11 +28,12 @@ class NumberField:
     `field(q)` is the value q(r) of a polynomial or a rational.
     """
 
-    __slots__ = ("modulus", "root")
+    __slots__ = ("_residue", "modulus", "root")
 
     def __init__(self, root: AlgebraicRoot) -> None:
         self.root = root
         self.modulus = fmpq_poly(root.polynomial)
+        self._residue: tuple[int, int] | None = None
 
     def __call__(self, q: fmpz_poly | fmpq_poly | fmpz | fmpq | int) -> FieldElement:
         if isinstance(q, FieldElement):
@@ -48,6 +49,13 @@ class NumberField:
         degree = self.modulus.degree()
         return q % self.modulus if degree <= q.degree() and degree <= EAGER_DEGREE else q
 
+    @property
+    def residue(self) -> tuple[int, int]:
+        """That of the minimal polynomial."""
+        if self._residue is None:
+            self._residue = residue(self.root.polynomial)
+        return self._residue
+
     def generator(self) -> FieldElement:
         """The root itself."""
         return self(fmpz_poly([0, 1]))
@@ -55,6 +63,22 @@ class NumberField:
     def matrix(self, m: Any) -> tuple[tuple[FieldElement, ...], ...]:
         """A polynomial matrix at the root."""
         return tuple(tuple(self(x) for x in row) for row in m)
+
+
+def residue(f: fmpz_poly) -> tuple[int, int]:
+    """A prime p and a zero of the irreducible f modulo p, which every such f has for some primes (Chebotarev).
+
+    Taking that zero for r maps numbers of Q(r) whose denominators p does not divide to p numbers, and keeps sums and
+    products.  A common divisor of polynomials over Q(r), made primitive at a prime above p, maps to one of their
+    images; it keeps its degree where one of their leading coefficients is not mapped to 0.  So degrees of greatest
+    common divisors are at most those of the images.
+    """
+    p = fmpz(2**31)
+    while True:
+        p += 1
+        if p.is_prime() and f.leading_coefficient() % p:
+            for zero, _ in nmod_poly(f.coeffs(), int(p)).roots():
+                return int(p), int(zero)
 
 
 class ExactNumber:
@@ -135,6 +159,14 @@ class FieldElement(ExactNumber):
     def reduced(self) -> FieldElement:
         """The same number as a polynomial of the lowest degree."""
         return FieldElement(self.field, self.value % self.field.modulus)
+
+    def modulo_prime(self) -> int | None:
+        """The image of the number under `residue`; None where that prime divides its denominator."""
+        p, r = self.field.residue
+        below = int(self.value.denom() % p)
+        if below == 0:
+            return None
+        return int(nmod_poly(self.value.numer().coeffs(), p)(r)) * pow(below, -1, p) % p
 
     def is_zero(self) -> bool:
         if self.value.degree() < self.field.modulus.degree():
