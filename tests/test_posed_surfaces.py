@@ -21,6 +21,7 @@ from firstcontact.timeline.sweep import Certified
 from firstcontact.work import Query, Work
 
 SADDLE = fc.RuledSurface("(u, 0, 0)", "(u, 1, u)", name="saddle").translated((-10, 0, 0))
+ROUND = [f"((1-u**2)/(1+u**2), 2*u/(1+u**2), {z})" for z in (0, 1)]
 WALL = fc.RuledSurface("(0, -3, 2*u-1)", "(0, 3, 2*u-1)", name="wall")
 
 
@@ -96,14 +97,29 @@ def test_a_turning_strip_and_a_corner():
 
 @pytest.mark.parametrize(
     ("surface", "message"),
-    [(fc.RuledSurface("(u, 0, 0)", "(u, 1, u)", s=None), "bounded in s"),
-     (fc.RuledSurface("(u, 0, 0)", "(u, 1, u)", trim=["s <= u"]), "not trimmed")],
+    [(fc.RuledSurface("(u, 0, 0)", "(u, 1, u)", s=None), "bound s"),
+     (fc.RuledSurface(*ROUND, u=None, trim=["s <= u"]), "bound u and s")],
 )  # fmt: skip
 def test_what_is_refused(surface, message):
     with pytest.raises(fc.UnsupportedPair, match="no rational pose"):
         fc.first_contact(surface.moving(fc.Screw((1, 0, 0), degrees=90, advance=20)), WALL)
     with pytest.raises(fc.UnsupportedPair, match=message):
         fc.first_contact(surface.moving(fc.Screw((1, 0, 0), degrees=90, advance=20)), WALL, method="certified")
+
+
+def test_trimming_cuts_the_front_away():
+    """The front ruling is u = 1; where only u <= 3/4 is left, x = -10 + 3/4 + 20 t comes to 0 at t = 37/80."""
+    screw = fc.Screw((1, 0, 0), degrees=90, advance=20)
+    bare = fc.RuledSurface("(u, 0, 0)", "(u, 1, u)").translated((-10, 0, 0))
+    for limit, least, most in (("u <= 2", 0.45, 0.45), ("4*u <= 3", 0.4625 - 1e-4, 0.4625)):
+        trimmed = fc.RuledSurface("(u, 0, 0)", "(u, 1, u)", trim=[limit]).translated((-10, 0, 0))
+        found = fc.first_contact(trimmed.moving(screw), WALL)
+        # On the border itself doubles prove no contact: they tell how long it is free.
+        assert found.status is (fc.Status.CONTACT if least == most else fc.Status.UNDECIDED)
+        assert least - 1e-12 <= found.free_until <= most
+    cut = fc.RuledSurface("(u, 0, 0)", "(u, 1, u)", trim=["u <= -1/8 + s*(1 - s)/2"]).translated((-10, 0, 0))
+    assert fc.first_contact(cut.moving(screw), WALL, (0, "0.4999")).status is fc.Status.FREE
+    assert fc.first_contact(bare.moving(screw), WALL, (0, "0.4999")).status is fc.Status.CONTACT
 
 
 CORNER = fc.Polyhedron(
@@ -127,7 +143,8 @@ def test_polyhedra_that_are_not_convex():
     hit = fc.first_contact(CORNER, notch(-4))
     lo, hi = hit.time_interval
     assert lo <= 1 / 16 <= hi and hi - lo < 1e-12
-    assert (hit.element_a.kind, hit.element_a.index, hit.element_b.kind) == ("face", 5, "vertex")
+    assert (hit.element_a.kind, hit.element_a.index) == ("face", 5)
+    assert hit.element_b.kind in ("vertex", "end_ruling")  # the whole ruling lands on the wall
     assert np.allclose(hit.normal, (-1, 0, 0)) and np.allclose(hit.point, (1, 5 / 4, 1 / 3))
     inside = fc.first_contact(leaf("1/4", "1/4")(4), CORNER)
     assert (inside.status, inside.initial) == (fc.Status.INITIAL_CONTACT, "containment")

@@ -71,14 +71,16 @@ def contact_intervals(
     span: Any = None,
     *,
     exact: bool = False,
+    method: str = "auto",
     tolerance: float = 1e-12,
     budget: int | None = None,
     progress: Progress | None = None,
 ) -> ContactIntervals:
     """All closed times of the span at which a and b share a point, as disjoint intervals; exact ends.
 
-    Arguments as in `first_contact`.  The cost grows with the number of element pairs that meet near the ends of
-    the intervals.  Status.FREE proves that there are none.
+    Arguments as in `first_contact`; method, of curved bodies: "certified" has enclosures of the ends from doubles,
+    "algebraic" exact equations alone, "auto" what is sooner done.  The cost grows with the number of element pairs that
+    meet near the ends of the intervals.  Status.FREE proves that there are none.
 
     >>> import firstcontact as fc
     >>> cube = fc.examples.box((1, 1, 1))
@@ -87,10 +89,10 @@ def contact_intervals(
       [0.25, 0.5]
     """
     begin = clock.perf_counter()
-    _check("auto", "auto", tolerance, budget)
+    _check(method, "auto", tolerance, budget)
     first, last = common_span(a, b, span)
     return table.contact_intervals(
-        Query(a, b, first, last, exact, tolerance=tolerance, budget=budget, progress=progress, begin=begin)
+        Query(a, b, first, last, exact, method, tolerance=tolerance, budget=budget, progress=progress, begin=begin)
     )
 
 

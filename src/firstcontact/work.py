@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -90,6 +90,20 @@ class Query:
     def is_algebraic(self) -> bool:
         """Whether only exact arithmetic may answer."""
         return self.exact or self.method == "algebraic"
+
+    @property
+    def is_certified(self) -> bool:
+        """Whether only doubles may answer."""
+        return not self.exact and self.method == "certified"
+
+    @property
+    def is_auto(self) -> bool:
+        """Whether any way may answer."""
+        return not self.exact and self.method == "auto"
+
+    def limited(self, budget: int) -> Query:
+        """With that budget where the caller gave none."""
+        return self if self.budget is not None else replace(self, budget=budget)
 
     def is_spent(self, reason: str | None) -> bool:
         """Whether what stopped a search is the caller's budget, not one of its own: then no other way goes on."""

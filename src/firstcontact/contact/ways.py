@@ -9,7 +9,7 @@ from functools import partial
 from typing import Any, Generic, TypeVar
 
 from firstcontact.errors import UnsupportedPair
-from firstcontact.result import Asked, ContactIntervals, FirstContact
+from firstcontact.result import Asked, ContactIntervals, FirstContact, Status
 from firstcontact.work import Query
 
 Answer = FirstContact | ContactIntervals
@@ -38,6 +38,13 @@ def tried(ask: Callable[[], T]) -> T | Passed:
         return ask()
     except UnsupportedPair as refusal:
         return Passed(str(refusal), refused=True)
+
+
+def decided(answer: R, query: Query) -> R | Passed:
+    """The answer; what it leaves open passes, unless the caller's budget is spent."""
+    if answer.status is not Status.UNDECIDED or query.is_spent(answer.reason):
+        return answer
+    return Passed(str(answer.reason), answer)
 
 
 def _always(query: Query, proved: Any) -> bool:
@@ -86,8 +93,8 @@ def answered(ways: Sequence[Way[R]], query: Query) -> R:
     stands = isinstance(proved, Answer)
     if stands:
         last: R = proved  # ways to one kind of answer prove no other kind
-        return _told(last, asked)
-    if len(refusals) == 1:
+        return _told(last, [*asked, Asked("as proved before", last.status.name, 0.0)])
+    if len({reason for _, reason in refusals}) == 1:
         raise UnsupportedPair(refusals[0][1])
     raise UnsupportedPair("; ".join(f"{name}: {reason}" for name, reason in refusals))
 

@@ -277,6 +277,12 @@ class RuledSurface(Placing):
     def _who(self) -> str:
         return self.name or "ruled surface"
 
+    def part(self, u: Interval, s: Interval) -> RuledSurface:
+        """The piece over smaller ranges, without its inequalities; borders inside the piece are `joined` ones."""
+        inner = {f"u{k}" for k in (0, 1) if self.u is None or u[k] != self.u[k]}
+        inner |= {f"s{k}" for k in (0, 1) if self.s is None or s[k] != self.s[k]}
+        return self._with(u=u, s=s, trim=(), joined=self.joined | inner)
+
     def _with(self, **changes: Any) -> RuledSurface:
         other = object.__new__(RuledSurface)
         other.__dict__.update(self.__dict__)

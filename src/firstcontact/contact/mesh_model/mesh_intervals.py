@@ -35,8 +35,10 @@ def intervals(query: Query) -> ContactIntervals:
 
     Raises UnsupportedPair.
     """
-    if query.exact:
-        raise UnsupportedPair("contact intervals of meshes with curved models are not exact; drop exact=True")
+    if query.is_algebraic:
+        raise UnsupportedPair(
+            "contact intervals of meshes with curved models are not exact; drop exact=True and method='algebraic'"
+        )
     return answered([Way("by triangles", _by_triangles)], query)
 
 

@@ -21,7 +21,7 @@ from firstcontact.contact.models.last_instant import landing
 from firstcontact.contact.models.moving_pair import Pair
 from firstcontact.contact.models.standing import prisms_on_common_plane
 from firstcontact.contact.reduce import as_model
-from firstcontact.contact.ways import Passed, Way, answered, is_proved
+from firstcontact.contact.ways import Passed, Way, answered, decided, is_proved
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.fields.roots import AlgebraicRoot
 from firstcontact.exact.numbers import above, below, fraction, simplest, to_double
@@ -34,6 +34,8 @@ from firstcontact.search.convex.advance import Advance, advance
 from firstcontact.timeline.answers import interval_of, proved_intervals
 from firstcontact.work import Query, Spent, Work
 
+QUICK_STEPS = 500
+"""Subproblems and candidates that algebra looks at before doubles are asked for intervals: about a second."""
 SURELY = 2.0**-30
 """Of a body's size: by how much it is made smaller and larger to see whether rounded poses tell how it starts."""
 
@@ -213,7 +215,7 @@ def _decided(query: Query, work: Work) -> FirstContact:
 
 @ignoring_idle_turns
 def intervals(query: Query) -> ContactIntervals:
-    """All closed times of contact: by algebra, or certified in doubles where algebra does not take the pair.
+    """All closed times of contact: by algebra where that is soon done, else certified in doubles, else by algebra.
 
     tolerance: as part of the span, of the certified path only; algebra is exact.
     """
@@ -224,17 +226,21 @@ def intervals(query: Query) -> ContactIntervals:
             return Passed("not free")
         return ContactIntervals((), Status.FREE, query.span[1], None, query.stats(), **query.shared)
 
-    def in_doubles(query: Query, _: None) -> ContactIntervals:
+    def soon_decided(query: Query, _: None) -> ContactIntervals | Passed:
+        return decided(_decided_intervals(query.limited(QUICK_STEPS)), query)
+
+    def in_doubles(query: Query, _: None) -> ContactIntervals | Passed:
         work, pair = query.work(), prisms_on_common_plane(*models) or models
         found = certified_intervals(
             pair, query.first, query.end, query.tolerance, work, lambda: _touching_at_start(query)
         )
-        return proved_intervals(found, work, query)
+        return decided(proved_intervals(found, work, query), query)
 
     return answered([
-        Way("in doubles, if free", if_free, lambda query, _: not query.exact and query.budget is None),
-        Way("exactly", lambda query, _: _decided_intervals(query)),
-        Way("in doubles", in_doubles, lambda query, _: not query.exact),
+        Way("in doubles, if free", if_free, lambda query, _: not query.is_algebraic and query.budget is None),
+        Way("soon exactly", soon_decided, lambda query, _: query.is_auto),
+        Way("in doubles", in_doubles, lambda query, _: not query.is_algebraic),
+        Way("exactly", lambda query, _: _decided_intervals(query), lambda query, _: not query.is_certified),
     ], query)  # fmt: skip
 
 

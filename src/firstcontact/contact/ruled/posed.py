@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cache
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -19,6 +21,7 @@ from firstcontact.body.ruled.surface import RuledSurface
 from firstcontact.contact.ruled.certified import BUDGET, described
 from firstcontact.contact.ruled.intervals import certified_intervals
 from firstcontact.contact.ruled.triangles import MOST_PAIRS, Interior, near_pairs, triangles_of
+from firstcontact.contact.ruled.trimmed_cells import MOST_DEPTH, Cell
 from firstcontact.contact.signs.conditions import check_weight
 from firstcontact.contact.swapped import swapped
 from firstcontact.errors import UnsupportedPair
@@ -43,27 +46,37 @@ MOST_TOLERANCE = 1e-3
 """Of a window's time."""
 
 
-@dataclass(frozen=True)
+MOST_SPLITS = 500
+"""Of the cells of trimmed pieces in a window."""
+
+
+@dataclass(frozen=True, eq=False)
 class _Found:
-    """What is proved of two pieces in a window, in true time; numbers: theirs."""
+    """What is proved of two cells in a window, in true time."""
 
     contact: RuledContact
-    numbers: tuple[int, int]
+    cells: tuple[Cell, Cell]
     free_until: float
     interval: tuple[float, float] | None
+
+    @property
+    def is_free(self) -> bool:
+        return self.contact.status == "free"
 
     @property
     def is_initial(self) -> bool:
         return self.contact.status == "initial"
 
+    @property
+    def is_sure(self) -> bool:
+        """Whether the bodies share what the cells are proved to share."""
+        return self.interval is not None and all(cell.is_sure for cell in self.cells)
 
-def first(query: Query, work: Work, most: int = BUDGET) -> FirstContact:
-    """The first contact with an enclosure of its time; UNDECIDED where doubles and balls do not tell.
 
-    most: boxes for two pieces in a window.
-    """
+def first(query: Query, work: Work) -> FirstContact:
+    """The first contact with an enclosure of its time; UNDECIDED where doubles and balls do not tell."""
     ordered = _mover_first(query)
-    found = _first(ordered, work, most)
+    found = _first(ordered, work)
     return found if ordered is query else swapped(found)
 
 
@@ -73,16 +86,16 @@ def _mover_first(query: Query) -> Query:
     return replace(query, a=query.b, b=query.a) if rests[0] and not rests[1] else query
 
 
-def _first(query: Query, work: Work, most: int) -> FirstContact:
+def _first(query: Query, work: Work) -> FirstContact:
     pair = _Pair(query)
     for window in pair.windows():
         work.reached(max(below(window.start), query.span[0]))
         try:
-            found = [pair.searched(window, i, j, work, most) for i, j in pair.near(window)]
+            found = _split([pair.searched(window, *cells, work) for cells in pair.near(window)], pair, window, work)
         except Spent:
             return _undecided(work.free_until, "budget", work, query)
-        met = [x for x in found if x.interval is not None]
-        left = [x for x in found if x.contact.status == "open"]
+        met = [x for x in found if x.is_sure]
+        left = [x for x in found if not x.is_free and not x.is_sure]
         at_start = window.start == query.first
         if at_start and not any(x.is_initial for x in met) and pair.is_contained(window.motion):
             time = query.span[0]
@@ -101,6 +114,21 @@ def _first(query: Query, work: Work, most: int) -> FirstContact:
     return FirstContact(Status.FREE, free_until=query.span[1], stats=query.stats(work.done), **query.shared)
 
 
+def _split(found: list[_Found], pair: _Pair, window: PoseWindow, work: Work) -> list[_Found]:
+    """What meets first, if trimming may cut it away, as its quarters: again and again, until that is told."""
+    for _ in range(MOST_SPLITS):
+        first = min((x for x in found if not x.is_free), key=lambda x: x.free_until, default=None)
+        if first is None or first.is_sure or first.interval is None:
+            break
+        split = min((cell for cell in first.cells if not cell.is_sure), key=lambda cell: cell.depth)
+        if split.depth == MOST_DEPTH:
+            break
+        pairs = [[x] if x is not split else split.quarters for x in first.cells]
+        found = [x for x in found if x is not first]
+        found += [pair.searched(window, x, y, work) for x, y in product(*pairs)]
+    return found
+
+
 def intervals(query: Query, work: Work) -> ContactIntervals:
     """All contacts with enclosures of their ends; UNDECIDED from the first time on at which nothing is proved."""
     return replace(_intervals(_mover_first(query), work), a=query.a, b=query.b)
@@ -108,13 +136,15 @@ def intervals(query: Query, work: Work) -> ContactIntervals:
 
 def _intervals(query: Query, work: Work) -> ContactIntervals:
     pair, intervals, last = _Pair(query), list[Certified](), query.span[1]
+    if not all(cell.is_sure for own in pair.cells for cell in own):
+        raise UnsupportedPair("{!r} and {!r}: trimmed pieces have exact contact intervals alone".format(*query.bodies))
     if pair.interior is not None:
         raise UnsupportedPair(
             f"{query.a!r} and {query.b!r}: such motions have no contact intervals with solid polyhedra"
         )
     for window in pair.windows():
         work.reached(max(below(window.start), query.span[0]))
-        found = [pair.followed(window, i, j, work) for i, j in pair.near(window)]
+        found = [pair.followed(window, *cells, work) for cells in pair.near(window)]
         intervals = _united([*intervals, *(x for own in found for x in own.intervals)])
         stopped = min((own for own in found if own.reason is not None), key=lambda own: own.until, default=None)
         if stopped is not None:
@@ -162,8 +192,9 @@ def _answer(pair: _Pair, window: PoseWindow, found: _Found, at_start: bool, work
     if found.contact.event is not None:
         pose = window.motion.carry(time)
         pose = np.eye(4) if pose is None else pose
-        joined = tuple(own[k].joined for own, k in zip(pair.surfaces, found.numbers, strict=True))
-        place = described(found.contact.event, pose, not initial, query.shared, found.numbers, joined)  # type: ignore[arg-type]
+        joined = tuple(cell.surface.joined for cell in found.cells)
+        numbers = tuple(cell.number for cell in found.cells)
+        place = described(found.contact.event, pose, not initial, query.shared, numbers, joined)  # type: ignore[arg-type]
         answer |= place
     return FirstContact(status, time, found.interval, **answer)
 
@@ -174,21 +205,21 @@ class _Pair:
     def __init__(self, query: Query) -> None:
         self.query, self.bodies, self.first, self.last = query, query.bodies, query.first, query.end
         self.interior = Interior.of(*query.bodies)
-        self.surfaces: list[tuple[RuledSurface, ...]] = []
-        self.pieces: list[list[RuledPiece]] = []
+        self.cells: list[list[Cell]] = []
         for body in query.bodies:
             shape = shape_of(body)
-            surfaces = triangles_of(shape) if isinstance(shape, Polyhedron) else shape.pieces
-            for surface in surfaces:
-                if surface.s is None or surface.trim:
-                    raise UnsupportedPair(
-                        f"{surface!r}: under motions that are no rational functions of the time, ruled surfaces are "
-                        "taken bounded in s and not trimmed"
-                    )
-                for side in surface.sides:
-                    check_weight(surface, side, (self.first, self.last))
-            self.surfaces.append(surfaces)
-            self.pieces.append([RuledPiece.of(signed(s.sides, s, (self.first + self.last) / 2), s.u) for s in surfaces])
+            pieces = triangles_of(shape) if isinstance(shape, Polyhedron) else shape.pieces
+            for piece in pieces:
+                if piece.s is None:
+                    raise UnsupportedPair(f"{piece!r}: whole rulings have exact equations alone; bound s")
+                for side in piece.sides:
+                    check_weight(piece, side, (self.first, self.last))
+            self.cells.append([Cell.of(piece, number) for number, piece in enumerate(pieces)])
+        self.piece_of = cache(self._piece_of)
+
+    def _piece_of(self, cell: Cell) -> RuledPiece:
+        surface = cell.surface
+        return RuledPiece.of(signed(surface.sides, surface, (self.first + self.last) / 2), surface.u)
 
     def windows(self) -> Iterator[PoseWindow]:
         for motion in curved_pieces(self.query.a, self.query.b, self.first, self.last):
@@ -206,30 +237,31 @@ class _Pair:
         still = PolynomialPiece(t, t, projective.fixed(pose), t, t, StraightClock(), True, "a body at the start")
         return self.interior.holds(still, t)
 
-    def near(self, window: PoseWindow) -> list[tuple[int, int]]:
-        """The pieces that may meet."""
-        if all(len(own) == 1 for own in self.pieces):
-            return [(0, 0)]
-        a, b = ([_moving(s, body) for s in own] for own, body in zip(self.surfaces, self.bodies, strict=True))
+    def near(self, window: PoseWindow) -> list[tuple[Cell, Cell]]:
+        """The cells that may meet."""
+        if all(len(own) == 1 for own in self.cells):
+            return [(self.cells[0][0], self.cells[1][0])]
+        both = zip(self.cells, self.bodies, strict=True)
+        a, b = ([_moving(cell.surface, body) for cell in own] for own, body in both)
         found = near_pairs(a, b, window.start, window.end)
         if len(found) > MOST_PAIRS:
             who = "{!r} and {!r}".format(*self.bodies)
             raise UnsupportedPair(f"{who}: {len(found)} pairs of pieces and triangles come near each other, too many")
-        return found
+        return [(self.cells[0][i], self.cells[1][j]) for i, j in found]
 
-    def searched(self, window: PoseWindow, i: int, j: int, work: Work, most: int) -> _Found:
-        budget = most if work.budget is None else work.budget - work.done
+    def searched(self, window: PoseWindow, a: Cell, b: Cell, work: Work) -> _Found:
+        budget = BUDGET if work.budget is None else work.budget - work.done
         if budget <= 0:
             raise Spent
-        p, q = PosedPiece.posed(self.pieces[0][i], window), in_local_time(self.pieces[1][j], window)
+        p, q = PosedPiece.posed(self.piece_of(a), window), in_local_time(self.piece_of(b), window)
         found = first_event_of(Search(p, q), fmpq(-1), fmpq(1), self.local(window), budget)
         work.done += found.boxes
         interval = None if found.time_interval is None else window.true_times(*found.time_interval)
-        return _Found(found, (i, j), window.true_times(found.free_until, 1.0)[0], interval)
+        return _Found(found, (a, b), window.true_times(found.free_until, 1.0)[0], interval)
 
-    def followed(self, window: PoseWindow, i: int, j: int, work: Work) -> Found:
+    def followed(self, window: PoseWindow, a: Cell, b: Cell, work: Work) -> Found:
         """All contacts of two pieces in a window."""
-        p, q = PosedPiece.posed(self.pieces[0][i], window), in_local_time(self.pieces[1][j], window)
+        p, q = PosedPiece.posed(self.piece_of(a), window), in_local_time(self.piece_of(b), window)
         own = Work(None if work.budget is None else max(work.budget - work.done, 1), None)
         found = certified_intervals(p, q, fmpq(-1), fmpq(1), self.local(window), own)
         work.done += own.done

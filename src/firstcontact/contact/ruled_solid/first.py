@@ -6,7 +6,7 @@ intervals the other way round, as elimination is the shorter way to them where d
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -15,6 +15,7 @@ from flint import fmpq
 
 from firstcontact.body.ruled.surface import RuledSurface
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
+from firstcontact.contact.in_turn import first_in_turn, intervals_in_turn
 from firstcontact.contact.models.answer import element as element_of_solid
 from firstcontact.contact.named import element
 from firstcontact.contact.ruled.triangles import near_pairs, parts_of
@@ -24,22 +25,15 @@ from firstcontact.contact.ruled_solid.solid_times import solid_times
 from firstcontact.contact.ruled_solid.solid_touches import lies, solid_touch
 from firstcontact.contact.signs import exactly
 from firstcontact.contact.signs.exactly import PiecePair, span_of
-from firstcontact.contact.signs.sheets import MOST_DEGREE, QUICK_DEGREE
 from firstcontact.contact.signs.starts import with_start
 from firstcontact.contact.signs.whole_rulings import cut_to
 from firstcontact.contact.swapped import swapped
-from firstcontact.contact.ways import Passed, Way, answered
 from firstcontact.exact.numbers import below
 from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.polynomial import PolynomialPiece, relative_pieces
 from firstcontact.result import ContactIntervals, Element, FirstContact, Status
 from firstcontact.search.rulings.directrices import sides_from
 from firstcontact.work import Query, Work
-
-SMALL_DEGREE = 150
-"""Of equations for times that elimination may lead to before doubles are asked for intervals."""
-QUICK_BUDGET = 50_000
-"""Boxes that the search in doubles looks at before exact arithmetic is asked for a first contact."""
 
 
 def first(query: Query) -> FirstContact:
@@ -48,32 +42,13 @@ def first(query: Query) -> FirstContact:
 
 
 def _first_contact(query: Query) -> FirstContact:
-    return answered([
-        Way("in doubles", _in_doubles, lambda query, _: not query.is_algebraic),
-        Way("exactly", _exactly, lambda query, _: query.exact or query.method != "certified"),
-        Way("in doubles, on and on", lambda query, _: certified.first(query), _is_cut_short),
-    ], query)  # fmt: skip
+    return first_in_turn(query, certified.first, _exactly, _is_told)
 
 
-def _in_doubles(query: Query, _: None) -> FirstContact | Passed:
-    """Cut short where exact arithmetic may be asked too."""
-    quick = QUICK_BUDGET if query.budget is None and query.method == "auto" else query.budget
-    proved = certified.first(replace(query, budget=quick))
-    if query.method == "certified" or _is_told(proved) or query.is_spent(proved.reason):
-        return proved
-    return Passed(proved.reason or "it is not told what touches", proved)
-
-
-def _exactly(query: Query, proved: FirstContact | None) -> FirstContact:
-    known = proved is not None and proved.status is Status.CONTACT
+def _exactly(query: Query, most_degree: int) -> FirstContact:
     work, (ordered, is_turned) = query.work(), _solid_last(query)
-    stretches = _pieces(ordered, work, QUICK_DEGREE if known else MOST_DEGREE)
-    found = exactly.first(ordered, stretches, None, work)
+    found = exactly.first(ordered, _pieces(ordered, work, most_degree), None, work)
     return replace(swapped(found) if is_turned else found, a=query.a, b=query.b)
-
-
-def _is_cut_short(query: Query, proved: FirstContact | None) -> bool:
-    return proved is not None and proved.reason == "budget" and not query.is_spent(proved.reason)
 
 
 def _is_told(proved: FirstContact) -> bool:
@@ -94,28 +69,12 @@ def _solid_last(query: Query) -> tuple[Query, bool]:
 
 def intervals(query: Query) -> ContactIntervals:
     """All closed times of contact."""
-    def decide(work: Work, most_degree: int) -> ContactIntervals:
+    def decide(query: Query, work: Work, most_degree: int) -> ContactIntervals:
         ordered, _ = _solid_last(query)
         windows = exactly.all_windows(_pieces(ordered, work, most_degree), None)
         return exactly.as_intervals(*windows, query, work)
 
-    return in_turn(query, decide)
-
-
-def in_turn(query: Query, decide: Callable[[Work, int], ContactIntervals]) -> ContactIntervals:
-    """What `decide(work, most_degree)` tells by elimination where degrees are small, else doubles, else elimination."""
-    work = query.work()
-
-    def in_doubles(query: Query, _: None) -> ContactIntervals | Passed:
-        proved = certified.intervals(query, work)
-        told = proved.status is not Status.UNDECIDED or query.is_spent(proved.reason)
-        return proved if told else Passed(str(proved.reason), proved)
-
-    return answered([
-        Way("exactly, low degrees", lambda query, _: decide(work, SMALL_DEGREE), lambda query, _: not query.exact),
-        Way("in doubles", in_doubles, lambda query, _: not query.exact),
-        Way("exactly", lambda query, _: decide(work, MOST_DEGREE)),
-    ], query)  # fmt: skip
+    return intervals_in_turn(query, certified.first, certified.intervals, decide)
 
 
 def _pieces(query: Query, work: Work, most_degree: int) -> Iterator[tuple[PolynomialPiece, list[PiecePair]]]:

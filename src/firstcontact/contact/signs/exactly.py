@@ -13,6 +13,7 @@ from flint import arb, ctx, fmpq
 from firstcontact.contact.signs.shared_points import Contact
 from firstcontact.contact.signs.sheets import between
 from firstcontact.contact.signs.touches import Touch, most_of
+from firstcontact.contact.ways import Passed, tried
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.fields.roots import AlgebraicRoot
 from firstcontact.exact.numbers import fraction, precision
@@ -263,8 +264,7 @@ def _contact(
     initial = start.time == query.first
     touches: dict[tuple[tuple[int, int], ...], tuple[ElementPair, Touch]] = {}
     for pair, lasts in pairs:
-        at_start = initial and start.root.rational == pair.times.span[0]
-        for contact in pair.times.contact_at_start() if at_start else pair.times.contacts_from(start.root, lasts):
+        for contact in _shared(pair, start, initial, lasts):
             found = pair.touch(contact)
             named = [pair.named(element, which) for element, which in zip(found.elements, "ab", strict=True)]
             key = tuple((_ORDER[e.kind], e.index) for e in named if e is not None)
@@ -290,6 +290,14 @@ def _contact(
         others=tuple(p for p, _ in rest[:MOST_OTHERS]), multiplicity=len(touches),
         contact_set=shown,
     )  # fmt: skip
+
+
+def _shared(pair: PiecePair, start: End, initial: bool, lasts: bool) -> list[Contact]:
+    """What the pieces share; [] where it is not told, while the time is proved."""
+    at_start = initial and start.root.rational == pair.times.span[0]
+    ask = pair.times.contact_at_start if at_start else lambda: pair.times.contacts_from(start.root, lasts)
+    found = tried(ask)
+    return [] if isinstance(found, Passed) else found
 
 
 def _overlap(start: End, interior: Holding) -> str | None:

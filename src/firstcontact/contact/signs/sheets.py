@@ -287,8 +287,8 @@ def _eliminated(g: fmpz_mpoly, h: fmpz_mpoly | None, index: int, most_degree: in
     bits = expected * (m * _longest(other) + n * _longest(g)) if most_degree < MOST_DEGREE else 0
     if min(m, n) > 0 and (expected > most_degree or bits > MOST_BITS):
         raise TooLarge(
-            f"too large for elimination: equations of degree {expected} for the times of contact; "
-            "without exact=True they are found as enclosures"
+            f"too large for elimination: equations of degree {expected} for the times of contact; enclosures, without "
+            "exact=True, may be had"
         )
     return discriminant(g, index) if h is None else resultant(g, h, index)
 

@@ -1,0 +1,88 @@
+"""Doubles and elimination in turn: who answers, that the order of the bodies changes nothing, and that no one hangs."""
+
+import time as clock
+
+import numpy as np
+import pytest
+
+import firstcontact as fc
+
+BLADE = fc.RuledSurface("(u, 0, 0)", "(u, 1, u)", name="blade")
+PLATE = fc.RuledSurface("(0, -3, 2*u-1)", "(0, 3, 2*u-1)", name="plate")
+UP = fc.RationalMotion.between((0, 0, 0), (0, 0, 9), quat_wxyz=((1, 0, 0, 0), (1, 0, 0, 1)))
+
+
+def names(found):
+    return [asked.way for asked in found.stats.ways]
+
+
+def test_a_free_turn_is_proved_by_doubles_alone():
+    turn = BLADE.translated((2, 0, 0)).moving(fc.Rotation((0, 0, 1), degrees=60))
+    found = fc.first_contact(turn, PLATE)
+    assert found.status is fc.Status.FREE and names(found) == ["in doubles"]
+    assert names(fc.first_contact(turn, PLATE, exact=True)) == ["exactly"]
+
+
+def test_elimination_looks_near_the_time_that_doubles_proved():
+    """The front x = -9 + 20 t of the blade comes to x = 0 at 9/20; three things meet there."""
+    moving = BLADE.translated((-10, 0, 0)).moving(fc.Translation((20, 0, 0)))
+    auto, sure, exact = (fc.first_contact(moving, PLATE, method=m) for m in ("auto", "certified", "algebraic"))
+    assert names(auto)[:2] == ["in doubles", "exactly"] and names(sure) == ["in doubles"]
+    assert names(exact) == ["exactly"]
+    for found in (auto, sure, exact):
+        assert found.time_interval[0] <= 0.45 <= found.time_interval[1]
+    assert (auto.multiplicity, auto.element_a) == (exact.multiplicity, exact.element_a)
+
+
+def test_box_and_blade_in_both_orders():
+    """The second order took seven gigabytes and did not end."""
+    box = fc.examples.box((1, 1, 1)).translated((0, 0, 5))
+    moving = BLADE.moving(UP)
+    begin = clock.perf_counter()
+    one, two = fc.contact_intervals(moving, box), fc.contact_intervals(box, moving)
+    assert clock.perf_counter() - begin < 60
+    assert one.status is two.status is fc.Status.CONTACT and len(one) == len(two) == 1
+    for x, y in zip(one, two, strict=True):
+        assert abs(x.start - y.start) < 1e-11 and abs(x.end - y.end) < 1e-11
+    # The blade's highest point has z = u s + 9 t: the box begins at z = 4.5 and ends at z = 5.5.
+    (x,) = one
+    assert (4.5 - 1) / 9 - 1e-12 <= x.start <= 4.5 / 9 + 1e-12 and 5.5 / 9 - 1 / 9 <= x.end <= 5.5 / 9 + 1e-12
+
+
+def test_a_screw_and_a_body_at_rest_in_both_orders():
+    turning = fc.RuledSurface(
+        "((6*u**2+4*u+9)/2,(-6*u**2-2*u-1)/2,(4*u**2-3)/2)", "(7/2,-3/2,-1/2)"
+    ).moving(fc.Screw((1, 2, 2), point=(1, -3, 2), degrees=180, advance=1))  # fmt: skip
+    resting = fc.RuledSurface("((3*u-2)/(u+3),1,1/(u+3))", "(-3,-2*u-3,u+3)")
+    one, two = fc.first_contact(turning, resting), fc.first_contact(resting, turning)
+    assert one.status is two.status is fc.Status.CONTACT
+    assert one.time_interval[0] <= two.time_interval[1] and two.time_interval[0] <= one.time_interval[1]
+    assert np.allclose(one.point, two.point, atol=1e-9)
+    assert one.element_a.kind == two.element_b.kind and one.element_b.kind == two.element_a.kind
+
+
+def test_the_trimmed_scene_in_both_orders_and_both_verbs():
+    """Intervals gave [1/3, 1/2] where first_contact refused."""
+    cut = fc.RuledSurface("(u,0,0)", "(1,u**2,u)", trim=["u**2+s**2<=1"])
+    moving = cut.translated((-3, 0, 0)).moving(fc.Translation((6, 0, 0)))
+    resting = fc.RuledSurface("(0,u,u**2)", "(u,1,1+u)")
+    (interval,) = fc.contact_intervals(moving, resting)
+    assert interval.start == pytest.approx(1 / 3, abs=1e-12) and interval.end == pytest.approx(1 / 2, abs=1e-12)
+    for pair in ((moving, resting), (resting, moving)):
+        found = fc.first_contact(*pair)
+        assert found.status is fc.Status.CONTACT and found.time_interval[0] <= 1 / 3 <= found.time_interval[1]
+
+
+@pytest.mark.parametrize("method", ["auto", "certified", "algebraic"])
+def test_intervals_take_a_method(method):
+    """A ball of radius 1 passes one of radius 2, centres on one line: from |8 t - 4| = 3 on, until it is 3 again."""
+    pair = fc.sphere(1).translated((-4, 0, 0)).moving(fc.Translation((8, 0, 0))), fc.sphere(2)
+    (found,) = fc.contact_intervals(*pair, method=method)
+    assert found.start == pytest.approx(1 / 8, abs=1e-11) and found.end == pytest.approx(7 / 8, abs=1e-11)
+    block = fc.box((2, 2, 2)).translated((-4, 0, 0)).moving(fc.Translation((8, 0, 0)))
+    assert fc.contact_intervals(block, PLATE, method=method).intervals[0].start == pytest.approx(3 / 8, abs=1e-11)
+
+
+def test_a_method_that_is_none_is_named():
+    with pytest.raises(fc.UnsupportedPair, match="method 'quick' is unknown"):
+        fc.contact_intervals(fc.sphere(1), fc.sphere(2), method="quick")
