@@ -19,7 +19,7 @@ from firstcontact.exact.numbers import PRECISIONS, ball, to_double
 from firstcontact.exact.rigid import Matrix, apply
 from firstcontact.exact.times.instants import Instant
 from firstcontact.exact.vectors import Vector, add, cross, dot, sub
-from firstcontact.motion.relative.cells import cells_of
+from firstcontact.motion.relative.cells import cells_of, most_stretch
 from firstcontact.motion.relative.curved import CurvedPiece, inverse, terms
 from firstcontact.search.trees import (
     curve,  # noqa: F401 - the walks under this motion
@@ -54,9 +54,7 @@ class CurvedProblem(Generic[At]):
         self.motion = cells_of(piece, *sizes)
         self.length = piece.end - piece.start
         errors = self.tree_a.error + self.tree_b.error
-        stretch = self.motion[: len(self.motion) - 64, 47, :6]
-        finite = stretch[np.isfinite(stretch).all(axis=1)]
-        self.pad = 4.0 * (1.0 + float(finite.max(initial=0.0))) * errors
+        self.pad = 4.0 * (1.0 + most_stretch(self.motion)) * errors if errors else 0.0
 
     def window(self) -> tuple[float, float]:
         """(last, sure last): outward and inward doubles around the end of the window."""

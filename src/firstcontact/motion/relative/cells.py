@@ -23,6 +23,7 @@ TERMS = 8
 LINEAR, SHIFT, COFACTOR, MOMENT, BACK, BACK_SHIFT = 0, 9, 12, 21, 30, 39
 SPREAD, BACK_SPREAD, ERRORS, ROWS = 42, 44, 46, 48
 _GROUPS = ((LINEAR, 9), (SHIFT, 3), (COFACTOR, 9), (MOMENT, 9), (BACK, 9), (BACK_SHIFT, 3))
+_LINEAR_GROUP, _BACK_GROUP = 0, 4
 # Places in row ERRORS: one bound per group (rounding of sums over it included), then the largest of each group in the
 # row behind; cell 0 has, behind its six errors, the number of levels below and the length of the piece.
 LEVELS, LENGTH = 6, 7
@@ -72,6 +73,16 @@ def cells_of(piece: CurvedPiece, size_a: float, size_b: float) -> np.ndarray:
     out[: len(found)] = found
     out[0, ERRORS, LEVELS], out[0, ERRORS, LENGTH] = levels, to_double(length)
     return out
+
+
+def most_stretch(cells: np.ndarray) -> float:
+    """A bound of the entries of the linear parts of the pose and its inverse, at all times.
+
+    Every level covers the whole piece: the tightest tells, as coarse ones may be wide about a divisor that nears zero.
+    """
+    entries = cells[: len(cells) - SCRATCH, ERRORS + 1][:, [_LINEAR_GROUP, _BACK_GROUP]].max(axis=1)
+    levels = int(cells[0, ERRORS, LEVELS])
+    return min(float(entries[(1 << level) - 1 : (2 << level) - 1].max()) for level in range(levels + 1))
 
 
 def _displacement(cell: np.ndarray, size: float) -> float:
