@@ -42,25 +42,26 @@ def _first_contact(query: Query, _: None = None) -> FirstContact:
         )
     stats, begin, exact, shared = NO_WORK, query.begin, query.exact, query.shared
     problems = problems_in_order(query.a, query.b, parts, query.engine, query.threads)
-    for k, (problem, with_start) in enumerate(problems):
+    for problem, with_start in problems:
+        begins = with_start and problem.piece.start == parts[0].start
         found = earliest(problem, _left(query, stats), query.progress, with_start=with_start)
         stats = _added(stats, found)
         until = None if found.open is None else problem.world_time(found.free_until)
         if until is not None and (not with_start or until <= to_double(problem.piece.start)):
             return _undecided(str(found.open), until, stats, query)
-        if found.start or (k == 0 and _starts_at_once(found)):
+        if found.start or (begins and _starts_at_once(found)):
             try:
-                kind = initial_kind(problem, found) if k == 0 else None
+                kind = initial_kind(problem, found) if begins else None
             except Undecidable:
                 kind = None
-            return initial_contact(problem, found, kind, exact, _timed(stats, begin), shared, jump=k > 0)
+            return initial_contact(problem, found, kind, exact, _timed(stats, begin), shared, jump=not begins)
         if with_start:
             try:
                 inside = problem.is_contained()
             except Undecidable:
                 return _undecided("precision", query.span[0], stats, query)
             if inside:
-                return contained_at_start(problem, exact, _timed(stats, begin), shared, jump=k > 0)
+                return contained_at_start(problem, exact, _timed(stats, begin), shared, jump=not begins)
         if until is not None:
             return _undecided(str(found.open), until, stats, query)
         if found.instant is not None:
@@ -125,7 +126,7 @@ def _pieces(query: Query) -> list[Piece | CurvedPiece]:
     parts = pieces(query.a, query.b, query.first, query.last)
     if query.exact:
         for piece in parts:
-            if isinstance(piece, CurvedPiece) and piece.polynomial is None:
+            if isinstance(piece, CurvedPiece) and not piece.is_rational:
                 raise UnsupportedPair(piece.why_inexact())
     return parts
 

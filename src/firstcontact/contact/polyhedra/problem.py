@@ -13,8 +13,9 @@ from firstcontact.contact.polyhedra.answers import Body
 from firstcontact.contact.polyhedra.earliest import Problem, Searched
 from firstcontact.contact.polyhedra.translation_problem import TranslationProblem
 from firstcontact.motion.moving import shape_of
+from firstcontact.motion.relative.balls_apart import Ball, are_apart
 from firstcontact.motion.relative.curved import CurvedPiece
-from firstcontact.motion.relative.pieces import Piece
+from firstcontact.motion.relative.pieces import Piece, curved_pieces
 
 if TYPE_CHECKING:
     from firstcontact.contact.polyhedra.rotation_problem import RotationProblem
@@ -27,7 +28,7 @@ def problem_of(a: Body, b: Body, piece: Piece | CurvedPiece, engine: str = "boxe
         from firstcontact.contact.polyhedra.rational_problem import RationalProblem
 
         body_a, body_b = (shape_of(body) for body in (a, b))
-        if piece.polynomial:
+        if piece.is_rational:
             return RationalProblem(body_a, body_b, piece)
         return EnclosedProblem(body_a, body_b, piece)
     body_a, body_b = _placed(a, b, piece)
@@ -48,8 +49,12 @@ def problems_in_order(
 
     That is so in the first one, in which both bodies stand as the span starts, and after a jump.
     """
-    before = None
-    for k, piece in enumerate(parts):
+    parts = list(parts)
+    before: Piece | CurvedPiece | None = None
+    for k, (piece, legs) in enumerate(zip(parts, _legs(a, b, parts), strict=True)):
+        if legs is not None and are_apart(legs, _ball_of(shape_of(a)), _ball_of(shape_of(b))):
+            before = piece
+            continue
         if isinstance(piece, CurvedPiece):
             if k == 0 or not piece.continues(before):
                 start = piece_at_start(piece)
@@ -62,6 +67,23 @@ def problems_in_order(
             problem = problem_of(a, b, piece, engine, threads)
             yield from _simple_problems(a, b, problem, k == 0 or isinstance(before, CurvedPiece))
         before = piece
+
+
+def _legs(a: Body, b: Body, parts: list[Piece | CurvedPiece]) -> list[CurvedPiece | None]:
+    """The pieces by the motions themselves; None for a single translation or rotation, whose search is as quick."""
+    if len(parts) == 1:
+        return [part if isinstance(part, CurvedPiece) else None for part in parts]
+    last = parts[-1].end
+    assert last is not None  # sequences have bounded spans
+    return [*curved_pieces(a, b, parts[0].start, last)]
+
+
+def _ball_of(body: Polyhedron) -> Ball:
+    """Kept on the body."""
+    ball: Ball | None = body._search.get("ball")
+    if ball is None:
+        ball = body._search["ball"] = Ball.of(*body.bounds())
+    return ball
 
 
 def _simple_problems(a: Body, b: Body, problem: Any, with_start: bool) -> Iterator[tuple[Searched, bool]]:

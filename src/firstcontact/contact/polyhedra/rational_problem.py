@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
+from functools import cached_property
 
 from flint import ctx, fmpz
 
@@ -28,17 +29,18 @@ class RationalProblem(CurvedProblem[RootInstant]):
 
     def __init__(self, a: Polyhedron, b: Polyhedron, piece: CurvedPiece) -> None:
         super().__init__(a, b, piece)
-        assert piece.polynomial is not None
-        self.path: PolynomialPiece = piece.polynomial
         self.lo, self.hi = piece.start, piece.end
-        self._back: projective.Matrix | None = None
 
-    @property
+    @cached_property
+    def path(self) -> PolynomialPiece:
+        """The relative motion; most searches end without it."""
+        assert self.piece.polynomial is not None
+        return self.piece.polynomial
+
+    @cached_property
     def back(self) -> projective.Matrix:
         """The pose of b seen from a."""
-        if self._back is None:
-            self._back = projective.inverse(self.path.pose, self.lo)
-        return self._back
+        return projective.inverse(self.path.pose, self.lo)
 
     def conditions(self, pair: Corners) -> list[Conditions]:
         """When the two elements share a point: when one of these holds."""

@@ -14,7 +14,9 @@ import numpy as np
 from flint import arb, fmpq
 
 from firstcontact.exact.numbers import ball, to_double
+from firstcontact.kernels.pose_series import ROUNDED, pose_series
 from firstcontact.motion.relative.curved import CurvedPiece, Series, cofactors, inverse, terms
+from firstcontact.motion.relative.local_poses import local_pose
 
 TERMS = 8
 # Rows of a cell, each with TERMS coefficients: linear part and shift of the pose of a seen from b; the cofactors of the
@@ -32,6 +34,8 @@ SCRATCH = 64
 # Error beside the bodies' size that ends the halving, and most levels.
 WANTED, MOST_LEVELS = 1e-13, 7
 _BITS = 128
+Cells = tuple[np.ndarray, np.ndarray]
+"""Powers (cells, rows, TERMS) in x from -1 to 1, level after level, and bounds (cells, rows) of what they leave out."""
 # Sums of up to 27 products with a coefficient from a row: 32 roundings of 2^-53, relative to the largest entry.
 _ROUNDING = 64.0 * 2.0**-53
 
@@ -57,22 +61,48 @@ _BERNSTEIN = _to_bernstein()
 
 def cells_of(piece: CurvedPiece, size_a: float, size_b: float) -> np.ndarray:
     """The array of the piece for bodies with coordinates up to size_a and size_b: (cells + SCRATCH, ROWS, TERMS)."""
+    found = _in_doubles(piece, size_a, size_b)
+    if found is None:
+        found = _in_balls(piece, size_a, size_b)
+    powers, rest = found
+    out = np.zeros((len(powers) + SCRATCH, ROWS, TERMS))
+    out[: len(powers)] = _bounded(powers, rest)
+    levels = (len(powers) + 1).bit_length() - 2
+    out[0, ERRORS, LEVELS], out[0, ERRORS, LENGTH] = levels, to_double(piece.end - piece.start)
+    return out
+
+
+def _in_doubles(piece: CurvedPiece, size_a: float, size_b: float) -> Cells | None:
+    """None where rounding alone leaves too much open."""
+    a = local_pose(piece.leg_a, piece)
+    b = a if piece.leg_b.rests else local_pose(piece.leg_b, piece)
+    if not all(np.isfinite(x).all() for pose in (a, b) for x in pose[1:]):
+        return None
+    count = (2 << MOST_LEVELS) - 1
+    powers, rest = np.empty((count, SPREAD, TERMS)), np.empty((count, SPREAD))
+    levels = pose_series(
+        a, b, piece.leg_b.rests, piece.leg_b.is_rigid, piece.is_rigid, size_a, size_b, WANTED, MOST_LEVELS, powers, rest
+    )
+    if levels == ROUNDED:
+        return None
+    count = (2 << levels) - 1
+    return powers[:count], rest[:count]
+
+
+def _in_balls(piece: CurvedPiece, size_a: float, size_b: float) -> Cells:
     length = piece.end - piece.start
-    found: list[np.ndarray] = []
-    levels = 0
-    while True:
+    found: list[tuple[np.ndarray, np.ndarray]] = []
+    for levels in range(MOST_LEVELS + 1):
         count = 1 << levels
         level = [_cell(piece, piece.start + length * i / count, length / count) for i in range(count)]
         found += level
-        worst = max(_displacement(cell, size_a) for cell in level)
-        size = size_b + max(_reach(cell, size_a) for cell in level)
-        if worst <= WANTED * size < np.inf or levels == MOST_LEVELS:
+        bounded = _bounded(*(np.array(x) for x in zip(*level, strict=True)))
+        worst = max(_displacement(cell, size_a) for cell in bounded)
+        size = size_b + max(_reach(cell, size_a) for cell in bounded)
+        if worst <= WANTED * size < np.inf:
             break
-        levels += 1
-    out = np.zeros((len(found) + SCRATCH, ROWS, TERMS))
-    out[: len(found)] = found
-    out[0, ERRORS, LEVELS], out[0, ERRORS, LENGTH] = levels, to_double(length)
-    return out
+    powers, rest = (np.array(x) for x in zip(*found, strict=True))
+    return powers, rest
 
 
 def most_stretch(cells: np.ndarray) -> float:
@@ -96,8 +126,8 @@ def _reach(cell: np.ndarray, size: float) -> float:
     return reach
 
 
-def _cell(piece: CurvedPiece, start: fmpq, width: fmpq) -> np.ndarray:
-    """(ROWS, TERMS) for the times from start to start + width."""
+def _cell(piece: CurvedPiece, start: fmpq, width: fmpq) -> tuple[np.ndarray, np.ndarray]:
+    """Powers (rows, TERMS) for the times from start to start + width, and what they leave out (rows,)."""
     half = width / 2
     middle = start + half
     with terms(TERMS + 1, _BITS):
@@ -105,15 +135,15 @@ def _cell(piece: CurvedPiece, start: fmpq, width: fmpq) -> np.ndarray:
         # not finite where the cell is so long that a divisor may vanish in it
         blurred = _functions(piece, arb(middle - half).union(arb(middle + half)))
         powers = [ball(half) ** k for k in range(TERMS + 1)]
-        out = np.zeros((ROWS, TERMS))
-        rest = np.zeros(ERRORS)
+        out = np.zeros((len(sharp), TERMS))
+        rest = np.zeros(len(sharp))
         for row, (f, g) in enumerate(zip(sharp, blurred, strict=True)):
             coefficients = f.coeffs()[:TERMS]
             for k, c in enumerate(coefficients):
                 out[row, k] = float(c * powers[k])
             tail = g[TERMS] * powers[TERMS]
             rest[row] = float(abs(tail).upper())
-    return _bounded(out, rest)
+    return out, rest
 
 
 def _functions(piece: CurvedPiece, t: arb) -> list[Any]:
@@ -131,21 +161,24 @@ def _functions(piece: CurvedPiece, t: arb) -> list[Any]:
     return [*rows, *(x for row in moment for x in row), *(x for row in back for x in row[:3]), *(r[3] for r in back)]
 
 
-def _bounded(cell: np.ndarray, rest: np.ndarray) -> np.ndarray:
-    """The cell with powers turned to Bernstein coefficients, and all its bounds."""
-    if not (np.isfinite(cell).all() and np.isfinite(rest).all()):  # nothing is known: its halves may do better
-        cell[:SPREAD], cell[SPREAD:] = 0.0, np.inf
-        cell[ERRORS, LEVELS:] = 0.0
-        return cell
-    powers = cell[:SPREAD].copy()
-    rounding = 32.0 * 2.0**-53 * np.abs(powers).sum(axis=1)  # one double each, and the sum of eight products
-    cell[:SPREAD] = powers @ _BERNSTEIN.T
-    error = rest[:SPREAD] + rounding
-    largest = np.abs(cell[:SPREAD]).max(axis=1) + error
+def _bounded(powers: np.ndarray, rest: np.ndarray) -> np.ndarray:
+    """(cells, ROWS, TERMS): powers (cells, rows, TERMS) turned to Bernstein coefficients, and all bounds."""
+    out = np.zeros((len(powers), ROWS, TERMS))
+    known = np.isfinite(powers).all(axis=(1, 2)) & np.isfinite(rest).all(axis=1)
+    out[~known, SPREAD:] = np.inf  # nothing is known: the halves may do better
+    out[~known, ERRORS, LEVELS:] = 0.0
+    powers, rest = powers[known], rest[known]
+    rounding = 32.0 * 2.0**-53 * np.abs(powers).sum(axis=2)  # one double each, and the sum of eight products
+    coefficients = powers @ _BERNSTEIN.T
+    error = rest + rounding
+    largest = np.abs(coefficients).max(axis=2) + error
+    cells = np.zeros((len(powers), ROWS, TERMS))
+    cells[:, :SPREAD] = coefficients
     for k, (row, count) in enumerate(_GROUPS):
-        most = float(largest[row : row + count].max())
-        cell[ERRORS, k] = float(error[row : row + count].max()) + _ROUNDING * most
-        cell[ERRORS + 1, k] = most
-    cell[SPREAD, :], cell[SPREAD + 1, 0] = largest[:8], largest[8]
-    cell[BACK_SPREAD, :], cell[BACK_SPREAD + 1, 0] = largest[BACK : BACK + 8], largest[BACK + 8]
-    return cell
+        most = largest[:, row : row + count].max(axis=1)
+        cells[:, ERRORS, k] = error[:, row : row + count].max(axis=1) + _ROUNDING * most
+        cells[:, ERRORS + 1, k] = most
+    cells[:, SPREAD, :], cells[:, SPREAD + 1, 0] = largest[:, :8], largest[:, 8]
+    cells[:, BACK_SPREAD, :], cells[:, BACK_SPREAD + 1, 0] = largest[:, BACK : BACK + 8], largest[:, BACK + 8]
+    out[known] = cells
+    return out

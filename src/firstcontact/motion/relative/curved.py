@@ -112,13 +112,17 @@ class CurvedPiece:
     def is_rigid(self) -> bool:
         return self.leg_a.is_rigid and self.leg_b.is_rigid
 
+    @property
+    def is_rational(self) -> bool:
+        """Whether the relative motion is a rational function of the time."""
+        return _is_rational(self.leg_a) and _is_rational(self.leg_b)
+
     @cached_property
     def polynomial(self) -> PolynomialPiece | None:
         """The relative motion as a rational function of the time, where it is one."""
-        parts = [_polynomial(leg, self.start, self.end) for leg in (self.leg_a, self.leg_b)]
-        if parts[0] is None or parts[1] is None:
+        if not self.is_rational:
             return None
-        return relative(parts[0], parts[1])
+        return relative(*(_polynomial(leg, self.start, self.end) for leg in (self.leg_a, self.leg_b)))
 
     def carry(self, t: float) -> np.ndarray | None:
         """Float pose (4, 4) of the working frame in the world at time t; None where it rests."""
@@ -150,10 +154,12 @@ class CurvedPiece:
         )
 
 
-def _polynomial(leg: Leg, start: fmpq, end: fmpq) -> PolynomialPiece | None:
+def _is_rational(leg: Leg) -> bool:
     turns = isinstance(leg.motion, Rotation | Screw) and (leg.motion.angle != 0 or isinstance(leg.motion, Screw))
-    if turns or not leg.before.is_exact:
-        return None
+    return leg.before.is_exact and not turns
+
+
+def _polynomial(leg: Leg, start: fmpq, end: fmpq) -> PolynomialPiece:
     step = PolynomialStep(leg.motion, None, None, leg.before.matrix(), True, leg.origin, leg.unit)
     return next(step_pieces(step, start, end, leg.of))
 

@@ -103,7 +103,7 @@ def relative(a: PolynomialPiece, b: PolynomialPiece) -> PolynomialPiece:
     pose_a, pose_b, clock = _common(a, b)
     u_lo, u_hi = clock.parameters(start, end)
     exact, of = a.exact and b.exact, f"{a.of} as seen from {b.of}"
-    if pose_a == pose_b == projective.IDENTITY:
+    if pose_b == projective.IDENTITY:
         return PolynomialPiece(start, end, pose_a, u_lo, u_hi, clock, exact, of, pose_b)
     pose = projective.reduced(projective.product(projective.inverse(pose_b, u_lo), pose_a), u_lo)
     return PolynomialPiece(start, end, pose, u_lo, u_hi, clock, exact, of, projective.reduced(pose_b, u_lo))

@@ -1,0 +1,105 @@
+"""The legs of a curved piece in doubles with bounds of their errors: what cells of time and boxes are made of."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from flint import arb, fmpq, fmpq_poly
+
+from firstcontact.exact.numbers import ball, precision, to_double
+from firstcontact.exact.vectors import dot
+from firstcontact.kernels.pose_series import LocalPose
+from firstcontact.motion.rational import RationalMotion
+from firstcontact.motion.relative.curved import CurvedPiece, Leg
+from firstcontact.motion.rotation import Rotation, angle_ball
+from firstcontact.motion.screw import Screw
+from firstcontact.motion.translation import Translation
+
+_U = 2.0**-53
+_BITS = 128
+_ONE, _EXACT = np.ones(1), np.zeros(1)
+
+
+def local_pose(leg: Leg, piece: CurvedPiece) -> LocalPose:
+    """The pose of one body during the piece, the time running from 0 to 1."""
+    begin, share = (piece.start - leg.origin) / leg.unit, (piece.end - piece.start) / leg.unit
+    found = (
+        _rational(leg.motion, begin, share) if isinstance(leg.motion, RationalMotion)
+        else _turning(leg.motion, begin, share)
+    )  # fmt: skip
+    return _after(found, leg.before.doubles()) if leg.before.factors else found
+
+
+@lru_cache(maxsize=1024)
+def _rational(motion: RationalMotion, begin: fmpq, share: fmpq) -> LocalPose:
+    local = fmpq_poly([begin, share])
+    rows = [[_fractions(x, local) for x in row] for row in motion.pose]
+    weight = rows[3][3]
+    scale = max(abs(c) for c in weight)
+    count = max(len(x) for row in rows for x in row)
+    out = np.zeros((count, 4, 4))
+    for i, row in enumerate(rows):
+        for j, coefficients in enumerate(row):
+            out[: len(coefficients), i, j] = [to_double(c / scale) for c in coefficients]
+    errors = np.abs(out) * _U
+    return LocalPose(False, 0.0, out[:, :3].copy(), errors[:, :3].copy(), out[:, 3, 3].copy(), errors[:, 3, 3].copy())
+
+
+def _fractions(x: Any, local: fmpq_poly) -> list[fmpq]:
+    return list(fmpq_poly(x)(local).coeffs()) if x else []
+
+
+def _turning(motion: Any, begin: fmpq, share: fmpq) -> LocalPose:
+    """R(angle) = P + (1 - P) cos(angle) + N sin(angle), P the projection on the axis n and N the product with it."""
+    terms = np.zeros((4, 3, 4))
+    if isinstance(motion, Translation):
+        v = motion.vector
+        terms[0, :, :3] = np.eye(3)
+        terms[0, :, 3] = [to_double(begin * x) for x in v]
+        terms[3, :, 3] = [to_double(share * x) for x in v]
+        errors = np.abs(terms) * _U
+        return LocalPose(True, 0.0, terms, errors, _ONE, _EXACT)
+    n, maps = _axis(motion)
+    with precision(_BITS):
+        before = angle_ball(motion.angle * begin, motion.unit)
+        sine, cosine = float(before.sin()), float(before.cos())
+        rate = float(angle_ball(motion.angle * share, motion.unit))
+    terms[0], swing, across = maps
+    errors = np.abs(terms) * _U
+    if isinstance(motion, Screw):
+        for k, part in ((0, begin), (3, share)):
+            ahead = to_double(motion.advance * part) * n
+            terms[k, :, 3] += ahead
+            errors[k, :, 3] += 4.0 * _U * (np.abs(ahead) + np.abs(terms[k, :, 3]))
+    terms[1], terms[2] = cosine * swing + sine * across, cosine * across - sine * swing
+    errors[1] = errors[2] = 4.0 * _U * (abs(cosine) + abs(sine)) * (np.abs(swing) + np.abs(across))
+    return LocalPose(True, rate, terms, errors, _ONE, _EXACT)
+
+
+@lru_cache(maxsize=1024)
+def _axis(motion: Rotation | Screw) -> tuple[np.ndarray, np.ndarray]:
+    """The unit vector n (3,), the maps P, 1 - P and N about the axis (3, 3, 4): every entry rounded once."""
+    with precision(2 * _BITS):
+        length = ball(dot(motion.axis, motion.axis)).sqrt()
+        n = [ball(x) / length for x in motion.axis]
+        nil = arb(0)
+        along = [[x * y for y in n] for x in n]
+        swing = [[int(i == j) - along[i][j] for j in range(3)] for i in range(3)]
+        across = [[nil, -n[2], n[1]], [n[2], nil, -n[0]], [-n[1], n[0], nil]]
+        p = [ball(x) for x in motion.point]
+        placed = [[sum((x * y for x, y in zip(row, p, strict=True)), nil) for row in m] for m in (swing, across)]
+        shifts = placed[0], [-x for x in placed[0]], [-x for x in placed[1]]
+        maps = [
+            [[*map(float, row), float(x)] for row, x in zip(m, shift, strict=True)]
+            for m, shift in zip((along, swing, across), shifts, strict=True)
+        ]
+        return np.array([float(x) for x in n]), np.array(maps)
+
+
+def _after(pose: LocalPose, first: np.ndarray) -> LocalPose:
+    """The pose applied after a fixed map (4, 4), rounded to doubles."""
+    terms, size = pose.terms @ first, np.abs(first)
+    errors = pose.errors @ size + 8.0 * _U * (np.abs(pose.terms) @ size)
+    return pose._replace(terms=terms, errors=errors)
