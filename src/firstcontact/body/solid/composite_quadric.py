@@ -62,12 +62,14 @@ class CompositeQuadric(Placing):
         parts: Sequence[Part] = (),
         *,
         box: Box | None = None,
+        reaches: Sequence[Box | None] | None = None,
         witness: Vector | None = None,
         name: str | None = None,
     ) -> None:
         """surfaces: different ones; tree: leaf i is where surface i's form is <= 0.
 
-        box: exact corners of a box that holds the solid, if known.  witness: a point likely in the interior.
+        box: exact corners of a box that holds the solid, if known; reaches: of boxes in which the surfaces may bound
+        it.  witness: a point likely in the interior.
         """
         self.name = name
         self.surfaces = tuple(surfaces)
@@ -75,6 +77,7 @@ class CompositeQuadric(Placing):
         self.tree = tree
         self.parts = tuple(parts)
         self._box = box
+        self._reaches = tuple(reaches) if reaches is not None else (box,) * len(self.surfaces)
         self.forms = np.array([doubles(s.matrix()) for s in self.surfaces])
         self._witness = witness
         self._search: dict[str, Any] = {}
@@ -114,7 +117,7 @@ class CompositeQuadric(Placing):
         known: Features | None = self._search.get("features")
         if known is None:
             names = Names(self.name, self.parts, self.surfaces)
-            known = self._search["features"] = derive(self.tree, self.surfaces, names, self._rough_box)
+            known = self._search["features"] = derive(self.tree, self.surfaces, names, self._rough_box, self._reaches)
         return known
 
     # -- combining ------------------------------------------------------------------------------------------
@@ -133,22 +136,32 @@ class CompositeQuadric(Placing):
             refused: CompositeQuadric = NotImplemented
             return refused
         surfaces, tree = joined(self.surfaces, other.surfaces, other.tree)
-        parts = [*self._inner_parts(), *other._inner_parts(surfaces, flipped=subtract)]
+        places = _places(surfaces, other.surfaces)
+        parts = [*self._inner_parts(), *other._inner_parts(places, flipped=subtract)]
+        clip_own = None if operation is Or or subtract else other._box
+        clip_other = None if operation is Or else self._box
+        reaches = [_overlap(reach, clip_own) for reach in self._reaches]
+        for (k, _), reach in zip(places, other._reaches, strict=True):
+            clipped = _overlap(reach, clip_other)
+            if k < len(reaches):
+                reaches[k] = _hull(reaches[k], clipped)
+            else:
+                reaches.append(clipped)
         if subtract:
             box, tree = self._box, And(self.tree, tree.inner if isinstance(tree, Not) else Not(tree))
         else:
             tree = operation(self.tree, tree)
             box = _hull(self._box, other._box) if operation is Or else _overlap(self._box, other._box)
-        return CompositeQuadric(surfaces, tree, parts, box=box, witness=self._witness or other._witness)
+        witness = self._witness or other._witness
+        return CompositeQuadric(surfaces, tree, parts, box=box, reaches=reaches, witness=witness)
 
-    def _inner_parts(self, surfaces: Sequence[Surface] | None = None, *, flipped: bool = False) -> list[Part]:
-        """The parts with this solid's name in front, for surfaces numbered as in `surfaces`."""
+    def _inner_parts(self, place: Sequence[tuple[int, int]] | None = None, *, flipped: bool = False) -> list[Part]:
+        """The parts with this solid's name in front, for surfaces numbered and turned as `place` tells."""
         parts = []
         for part in self.parts:
             path = ".".join(p for p in (self.name, part.path) if p)
             labels = part.labels
-            if surfaces is not None:
-                place = [_place(surfaces, s) for s in self.surfaces]
+            if place is not None:
                 labels = tuple(
                     (place[i][0], side * place[i][1] * (-1 if flipped else 1), label) for i, side, label in labels
                 )
@@ -167,17 +180,16 @@ class CompositeQuadric(Placing):
     def _mapped(self, matrix: Matrix) -> CompositeQuadric:
         back = inverse((*matrix, (ZERO, ZERO, ZERO, ONE)))
         surfaces = tuple(s.placed(back) for s in self.surfaces)
-        box = self._box
-        if box is not None:
-            corners = [apply(matrix, corner) for corner in product(*zip(*box, strict=True))]  # type: ignore[arg-type]
-            box = tuple(min(c) for c in zip(*corners, strict=True)), tuple(max(c) for c in zip(*corners, strict=True))
-            if any(abs(x) >= LARGEST for corner in box for x in corner):
-                raise InputError(f"{self._who}: coordinates leave the range 2^150 under this map")
+        box = None if self._box is None else _mapped_box(matrix, self._box)
+        if box is not None and any(abs(x) >= LARGEST for corner in box for x in corner):
+            raise InputError(f"{self._who}: coordinates leave the range 2^150 under this map")
+        reaches = {reach: None if reach is None else _mapped_box(matrix, reach) for reach in set(self._reaches)}
         witness = None if self._witness is None else apply(matrix, self._witness)  # type: ignore[arg-type]
         return self._with(
             surfaces=surfaces,
             forms=np.array([doubles(s.matrix()) for s in surfaces]),
             _box=box,
+            _reaches=tuple(reaches[reach] for reach in self._reaches),
             _witness=witness,
         )
 
@@ -382,10 +394,11 @@ def _key(surface: Surface) -> Vector:
     return upright(flat)
 
 
-def _place(surfaces: Sequence[Surface], surface: Surface) -> tuple[int, int]:
-    """(number, +-1): where the surface stands in the list, and whether with the same sign."""
-    i = next(i for i, other in enumerate(surfaces) if _key(other) == _key(surface))
-    return i, 1 if surfaces[i] == surface else -1
+def _places(surfaces: Sequence[Surface], own: Sequence[Surface]) -> list[tuple[int, int]]:
+    """(number, +-1) of each surface: where it stands in the list, and whether with the same sign."""
+    numbers = {_key(surface): i for i, surface in enumerate(surfaces)}
+    found = [(numbers[_key(surface)], surface) for surface in own]
+    return [(i, 1 if surfaces[i] == surface else -1) for i, surface in found]
 
 
 def joined(first: Sequence[Surface], second: Sequence[Surface], tree: Tree) -> tuple[list[Surface], Tree]:
@@ -409,6 +422,12 @@ def _hull(first: Box | None, second: Box | None) -> Box | None:
     if first is None or second is None:
         return None
     return tuple(map(min, first[0], second[0])), tuple(map(max, first[1], second[1]))
+
+
+def _mapped_box(matrix: Matrix, box: Box) -> Box:
+    """A box around the image of a box."""
+    corners = [apply(matrix, corner) for corner in product(*zip(*box, strict=True))]  # type: ignore[arg-type]
+    return tuple(min(c) for c in zip(*corners, strict=True)), tuple(max(c) for c in zip(*corners, strict=True))
 
 
 def _overlap(first: Box | None, second: Box | None) -> Box | None:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -19,6 +18,7 @@ from firstcontact.body.solid.carriers import (
     ONE,
     ZERO,
     AlgebraicPoint,
+    Box,
     Conic,
     EnclosedPoint,
     Line,
@@ -41,6 +41,7 @@ from firstcontact.body.solid.carriers import (
 from firstcontact.body.solid.csg import Tree, inside, outcomes, pattern
 from firstcontact.body.solid.intersections import common_curves, line
 from firstcontact.body.solid.neighbourhood import Profile, around_curve, nearly_tangent, patterns
+from firstcontact.body.solid.regions import Region, Regions, holds, hull, simplified
 from firstcontact.body.solid.trimming import BITS, INFINITY, Arc, Break, Loop, Trimmed, largest, trim
 from firstcontact.exact.numbers import dyadic, precision, to_double
 
@@ -146,9 +147,16 @@ class _Traced:
     profiles: tuple[Profile, ...]
 
 
-def derive(tree: Tree, surfaces: Sequence[Surface], names: Any, box: Callable[[], Any]) -> Features:
-    """All features; `names` tells how to call them, `box` finds a box that holds the solid (asked only if needed)."""
-    traced, quartics = _traced_curves(tree, surfaces)
+def derive(
+    tree: Tree, surfaces: Sequence[Surface], names: Any, box: Callable[[], Any], reaches: Sequence[Box | None]
+) -> Features:
+    """All features.
+
+    names tells how to call them, box finds a box that holds the solid (asked only if needed), reaches: for each surface
+    one in which it may bound the solid.
+    """
+    regions = Regions(surfaces, reaches)
+    traced, quartics = _traced_curves(tree, surfaces, regions)
     sides = {side for t in traced for profile in t.profiles for side in profile.faces}
     corners = _Corners(surfaces)
     for t in traced:
@@ -157,13 +165,13 @@ def derive(tree: Tree, surfaces: Sequence[Surface], names: Any, box: Callable[[]
     if quartics:
         from firstcontact.body.solid.quartic_edges import trace_quartics
 
-        quartic_edges, new_sides = trace_quartics(tree, surfaces, quartics, corners, box())
+        quartic_edges, new_sides = trace_quartics(tree, surfaces, quartics, corners, box(), regions)
         sides |= new_sides
-    met = {i for t in traced for i in t.trimmed.surfaces} - {i for pair in quartics for i in pair}
-    sides |= _sides_of_whole_surfaces(tree, surfaces, sides, met)
+    met = {i for t in traced for i in t.trimmed.surfaces} - {i for i, j, _ in quartics for i in (i, j)}
+    sides |= _sides_of_whole_surfaces(tree, surfaces, sides, met, regions)
     faces = _faces(sides, surfaces, names)
     numbers = {(f.surfaces[0], f.orientation): f.index for f in faces}
-    corners.add_apexes(tree)
+    corners.add_apexes(tree, regions)
     vertices = corners.numbered(names)
     found = [e for t in traced for e in _edges_of(t, corners, numbers)]
     found += [e for edge in quartic_edges for e in edge.finished(numbers)]
@@ -181,38 +189,52 @@ def derive(tree: Tree, surfaces: Sequence[Surface], names: Any, box: Callable[[]
 # -- curves -------------------------------------------------------------------------------------------------
 
 
-def _traced_curves(tree: Tree, surfaces: Sequence[Surface]) -> tuple[list[_Traced], list[tuple[int, int]]]:
+def _traced_curves(
+    tree: Tree, surfaces: Sequence[Surface], regions: Regions
+) -> tuple[list[_Traced], list[tuple[int, int, Region]]]:
     """The lines and conics of all pairs, each once; and the pairs whose curve is of degree 4."""
-    curves: dict[Line | Conic, None] = {}
+    curves: dict[Line | Conic, Region] = {}
     quartics = []
-    for i, j in combinations(range(len(surfaces)), 2):
+    for i, j, region in regions.pairs():
         for curve in common_curves(surfaces[i], surfaces[j]):
             if isinstance(curve, QuarticCurve):
-                quartics.append((i, j))
+                quartics.append((i, j, region))
             else:
-                curves.setdefault(curve)
+                curves[curve] = hull(curves[curve], region) if curve in curves else region
     traced = []
-    for curve in curves:
-        for trimmed in trim(curve, surfaces):
-            profiles = [_profile(tree, surfaces, trimmed.loop, arc) for arc in trimmed.arcs]
+    for curve, region in curves.items():
+        signs = regions.signs(region)
+        near = simplified(tree, signs)
+        if isinstance(near, bool):
+            continue
+        for trimmed in trim(curve, surfaces, signs):
+            profiles = [_profile(near, surfaces, trimmed.loop, arc, region) for arc in trimmed.arcs]
             traced.append(_Traced(curve, trimmed, tuple(profiles)))
     return traced, quartics
 
 
-def _profile(tree: Tree, surfaces: Sequence[Surface], loop: Loop, arc: Arc) -> Profile:
+def _profile(tree: Tree, surfaces: Sequence[Surface], loop: Loop, arc: Arc, region: Region) -> Profile:
     values = outcomes(tree, arc.signs)
     if len(values) == 1:
         return Profile("inside" if True in values else "outside", frozenset())
-    on = [i for i, sign in enumerate(arc.signs) if sign == 0]
     with precision(BITS):
-        tangent = nearly_tangent(surfaces, on, loop.point(arb(arc.m), arc.sheet))
+        x = loop.point(arb(arc.m), arc.sheet)
+        if not _is_in(region, x):  # an edge lies in it all along
+            return Profile("outside", frozenset())
+        on = [i for i, sign in enumerate(arc.signs) if sign == 0]
+        tangent = nearly_tangent(surfaces, on, x)
     with precision(4 * BITS if tangent else BITS):
         m = arb(arc.m)
         return around_curve(tree, surfaces, arc.signs, loop.point(m, arc.sheet), loop.tangent(m, arc.sheet))
 
 
+def _is_in(region: Region, x: Sequence[arb]) -> bool:
+    """Whether the homogeneous point, finite, lies in the region, which has room for its rounding."""
+    return holds(region, [float(c / x[3]) for c in x[:3]])
+
+
 def _sides_of_whole_surfaces(
-    tree: Tree, surfaces: Sequence[Surface], known: set[tuple[int, int]], met: set[int]
+    tree: Tree, surfaces: Sequence[Surface], known: set[tuple[int, int]], met: set[int], regions: Regions
 ) -> set[tuple[int, int]]:
     """Sides seen by lines through the middle of each surface: finds the faces that no curve bounds.
 
@@ -223,8 +245,12 @@ def _sides_of_whole_surfaces(
     for i, surface in enumerate(surfaces):
         if {(i, 1), (i, -1)} <= known | found or (i in met and _is_connected(surface)):
             continue
-        for probe in _probes(surface):
-            found |= sides_along(tree, surfaces, probe)
+        region = regions.of(i)
+        signs = regions.signs(region)
+        near = simplified(tree, signs)
+        if not isinstance(near, bool):
+            for probe in _probes(surface):
+                found |= sides_along(near, surfaces, probe, region, signs)
     return found
 
 
@@ -242,14 +268,22 @@ def _is_connected(surface: Surface) -> bool:
             return sum(block) == 1 and sum(whole) == 3  # parabolic cylinder
 
 
-def sides_along(tree: Tree, surfaces: Sequence[Surface], probe: Line) -> set[tuple[int, int]]:
-    """(surface, orientation) wherever the line passes through exactly one surface and that is a boundary there."""
+def sides_along(
+    tree: Tree, surfaces: Sequence[Surface], probe: Line, region: Region, signs: Sequence[int]
+) -> set[tuple[int, int]]:
+    """(surface, orientation) wherever the line passes through exactly one surface and that is a boundary there.
+
+    Within the region; signs: those of forms that have one all over it, else 0.
+    """
     found = set()
-    for trimmed in trim(probe, surfaces):
+    for trimmed in trim(probe, surfaces, signs):
         for arc in trimmed.arcs:
             crossing = arc.end
             if crossing is None or len(crossing.surfaces) != 1 or not crossing.finite:
                 continue
+            with precision(BITS):
+                if not _is_in(region, trimmed.loop.point(crossing.root.ball, crossing.sheet)):
+                    continue
             i = crossing.surfaces[0]
             values = [inside(tree, pattern(arc.signs, [i], [negative])) for negative in (True, False)]
             if values[0] != values[1] and not trimmed.surfaces:
@@ -365,17 +399,20 @@ class _Corners:
         known.append(_Corner(surfaces, carrier, position, error))
         return known[-1]
 
-    def add_apexes(self, tree: Tree) -> None:
+    def add_apexes(self, tree: Tree, regions: Regions) -> None:
         """Tips of cones on the boundary."""
-        for surface in self.surfaces:
+        for number, surface in enumerate(self.surfaces):
             tip = surface.apex if isinstance(surface, Quadric) else None
-            if tip is None:
+            region = regions.of(number)
+            if tip is None or not holds(region, [to_double(x / tip[3]) for x in tip[:3]]):
                 continue
-            signs = [_sign(s.value(tip)) for s in self.surfaces]
+            known = regions.signs(region)
+            near = simplified(tree, known)
+            signs = [sign or _sign(s.value(tip)) for s, sign in zip(self.surfaces, known, strict=True)]
             on = [k for k, sign in enumerate(signs) if sign == 0]
-            if len(outcomes(tree, signs)) == 1:
+            if isinstance(near, bool) or len(outcomes(near, signs)) == 1:
                 continue
-            if len({inside(tree, pattern(signs, on, p)) for p in patterns(tip, self.surfaces, on)}) == 2:
+            if len({inside(near, pattern(signs, on, p)) for p in patterns(tip, self.surfaces, on)}) == 2:
                 corner = self.merged(frozenset(on), Point(columns(tip)))
                 corner.apex = True
 

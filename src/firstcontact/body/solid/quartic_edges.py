@@ -21,13 +21,13 @@ from firstcontact.body.solid.carriers import EnclosedPoint, Quadric, QuarticCurv
 from firstcontact.body.solid.csg import Tree, outcomes
 from firstcontact.body.solid.features import EDGE_KINDS, Piece, enclosure
 from firstcontact.body.solid.neighbourhood import Profile, around_curve, nearly_tangent
+from firstcontact.body.solid.regions import Region, Regions, holds, hull, simplified
 from firstcontact.body.solid.trimming import BITS
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.curves.quadric_curve import Branch, Degenerate, End, Sweep, swept
 from firstcontact.exact.numbers import Undecidable, dyadic, exact_value, precision
 from firstcontact.exact.vectors import cross
 
-BoxF = tuple[np.ndarray, np.ndarray]
 """Corners, (3,) float64 each."""
 
 STEPS = 200
@@ -108,20 +108,29 @@ def _number(corner: Any) -> int | None:
 
 
 def trace_quartics(
-    tree: Tree, surfaces: Sequence[Surface], pairs: Sequence[tuple[int, int]], corners: Any, box: BoxF | None
-) -> tuple[list[QuarticEdge], set[tuple[int, int]]]:
-    """All degree-4 edges inside the box, and the sides of surfaces that they bound."""
-    curves: dict[tuple[int, ...], _Curve] = {}
-    for i, j in pairs:
+    tree: Tree, surfaces: Sequence[Surface], pairs: Sequence[tuple[int, int, Region]], corners: Any, box: Region | None,
+    regions: Regions,
+) -> tuple[list[QuarticEdge], set[tuple[int, int]]]:  # fmt: skip
+    """All degree-4 edges inside the box, and the sides of surfaces that they bound.
+
+    pairs: of surfaces, with the region in which both may bound the solid.
+    """
+    where: dict[tuple[int, ...], Region] = {}
+    for i, j, region in pairs:
         on = tuple(k for k in range(len(surfaces)) if _in_pencil(surfaces[i], surfaces[j], surfaces[k]))
-        if on in curves:
-            continue
+        where[on] = hull(where[on], region) if on in where else region
+    curves: dict[tuple[int, ...], _Curve] = {}
+    for on, region in where.items():
         if box is None:
             raise UnsupportedPair(
-                f"surfaces {i} and {j} meet in a curve of degree 4, and no bound of the solid is known; "
+                f"surfaces {on[0]} and {on[1]} meet in a curve of degree 4, and no bound of the solid is known; "
                 "intersect it with a box"
             )
-        curves[on] = _Curve(tree, surfaces, on, corners, box)
+        region = np.maximum(region[0], box[0]), np.minimum(region[1], box[1])
+        signs = regions.signs(region)
+        near = simplified(tree, signs)
+        if (region[0] < region[1]).all() and not isinstance(near, bool):
+            curves[on] = _Curve(near, surfaces, on, corners, region, signs)
     for curve in curves.values():
         curve.visit(corners)
     edges: list[QuarticEdge] = []
@@ -193,7 +202,9 @@ class _Curve:
     surfaces: Sequence[Surface]
     on: tuple[int, ...]
     corners: Any
-    box: BoxF
+    box: Region
+    known: Sequence[int]
+    """Signs of forms that have one all over the box."""
     sweep: Sweep = field(init=False)
     profiles: dict[Branch, Profile] = field(default_factory=dict)
     links: dict[Way, _Link] = field(default_factory=dict)
@@ -204,7 +215,7 @@ class _Curve:
         first, second = (self.surfaces[k] for k in self.on[:2])
         assert isinstance(first, Quadric) and isinstance(second, Quadric)
         self.carrier = QuarticCurve(first, second)
-        self.rest = [k for k in range(len(self.surfaces)) if k not in self.on]
+        self.rest = [k for k, sign in enumerate(self.known) if sign == 0 and k not in self.on]
         others = [self.surfaces[k].matrix() for k in self.rest]
         lo, hi = ([exact_value(c) for c in corner] for corner in self.box)
         try:
@@ -221,12 +232,17 @@ class _Curve:
             self._join(event)
 
     def _profile(self, branch: Branch) -> Profile:
-        signs = [0] * len(self.surfaces)
+        signs = list(self.known)
+        for k in self.on:
+            signs[k] = 0
         for k, sign in zip(self.rest, branch.signs, strict=True):
             signs[k] = sign
         values = outcomes(self.tree, signs)
         if len(values) == 1:
             return Profile("inside" if True in values else "outside", frozenset())
+        with precision(BITS):
+            if not holds(self.box, [float(c) for c in self.sweep.point(branch, 2 * BITS)]):  # an edge lies in it
+                return Profile("outside", frozenset())
         for bits in (BITS, 4 * BITS):
             with precision(bits):
                 x = [arb(c.mid()) for c in self.sweep.point(branch, 2 * bits)]

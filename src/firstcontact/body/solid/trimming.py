@@ -144,25 +144,28 @@ class Trimmed:
     arcs: tuple[Arc, ...]
 
 
-def trim(curve: Line | Conic, surfaces: Sequence[Surface]) -> list[Trimmed]:
-    """The curve cut at all surfaces and at infinity; one entry per loop."""
+def trim(curve: Line | Conic, surfaces: Sequence[Surface], known: Sequence[int] | None = None) -> list[Trimmed]:
+    """The curve cut at all surfaces and at infinity; one entry per loop.
+
+    known: signs of forms where they are asked for, taken as they are; at surfaces that have one the curve is not cut.
+    """
     for bits in (BITS, 4 * BITS, 16 * BITS):
         try:
-            return _trimmed(curve, surfaces, bits)
+            return _trimmed(curve, surfaces, known or (0,) * len(surfaces), bits)
         except Undecidable:
             continue
     raise Undecidable
 
 
-def _trimmed(curve: Line | Conic, surfaces: Sequence[Surface], bits: int) -> list[Trimmed]:
-    loop, crossings = _generic_loop(curve, surfaces)
+def _trimmed(curve: Line | Conic, surfaces: Sequence[Surface], known: Sequence[int], bits: int) -> list[Trimmed]:
+    loop, crossings = _generic_loop(curve, {i: surfaces[i] for i, sign in enumerate(known) if sign == 0})
     containing = tuple(i for i, crossing in crossings.items() if crossing is None)
     breaks = _breaks(loop, crossings, bits)
     groups = [loop.sheets] if loop.joined else [(sheet,) for sheet in loop.sheets]
     found = []
     for sheets in groups:
         own = [b for sheet in sheets for b in breaks[sheet]]
-        arcs = _arcs(loop, sheets, own, surfaces, crossings, bits)
+        arcs = _arcs(loop, sheets, own, _Signs(loop, surfaces, known, crossings), bits)
         found.append(Trimmed(loop, containing, tuple(arcs)))
     return found
 
@@ -171,7 +174,7 @@ Crossing = tuple[fmpq_poly, fmpq_poly, fmpq_poly]
 """(U, V, U^2 - N V^2)."""
 
 
-def _generic_loop(curve: Line | Conic, surfaces: Sequence[Surface]) -> tuple[Loop, dict[int, Crossing | None]]:
+def _generic_loop(curve: Line | Conic, surfaces: dict[int, Surface]) -> tuple[Loop, dict[int, Crossing | None]]:
     """A parametrisation in which m = infinity is no crossing and no line of the pencil meets two crossings.
 
     Among finitely many bad choices of (k, j) the search runs into a good one soon; where the second wish cannot be
@@ -179,7 +182,7 @@ def _generic_loop(curve: Line | Conic, surfaces: Sequence[Surface]) -> tuple[Loo
     """
     for k, j in sorted(product(range(40), range(4)), key=sum):
         loop = parametrised(curve, k, j)
-        crossings = {i: _crossing(loop, surface) for i, surface in enumerate(surfaces)}
+        crossings = {i: _crossing(loop, surface) for i, surface in surfaces.items()}
         crossings[INFINITY] = _crossing(loop, None)
         if all(c is None or _is_generic(loop, c, i, surfaces) for i, c in crossings.items()):
             return loop, crossings
@@ -192,7 +195,7 @@ def _crossing(loop: Loop, surface: Surface | None) -> Crossing | None:
     return None if norm.is_zero() else (u, v, norm)
 
 
-def _is_generic(loop: Loop, crossing: Crossing, i: int, surfaces: Sequence[Surface]) -> bool:
+def _is_generic(loop: Loop, crossing: Crossing, i: int, surfaces: dict[int, Surface]) -> bool:
     u, v, norm = crossing
     degree = (1 if i == INFINITY or isinstance(surfaces[i], Plane) else 2) * len(loop.sheets)
     if norm.degree() < degree:
@@ -322,14 +325,13 @@ def _arcs(
     loop: Loop,
     sheets: tuple[int, ...],
     cycle: list[Break],
-    surfaces: Sequence[Surface],
-    crossings: dict[int, Crossing | None],
+    signs: _Signs,
     bits: int,
 ) -> list[Arc]:
     """The arcs between the breaks of one cycle."""
 
     def arc(start: Break | None, end: Break | None, m: fmpq, sheet: int) -> Arc:
-        return Arc(start, end, m, sheet, _signs(loop, m, sheet, surfaces, crossings))
+        return Arc(start, end, m, sheet, signs.at(m, sheet))
 
     if not cycle:
         return [arc(None, None, ZERO, sheets[0])]
@@ -357,20 +359,31 @@ def beyond(x: arb) -> fmpq:
     return fmpq(dyadic(arb(x.upper())).ceil() + 1)
 
 
-def _signs(
-    loop: Loop, m: fmpq, sheet: int, surfaces: Sequence[Surface], crossings: dict[int, Crossing | None]
-) -> tuple[int, ...]:
-    """Exact signs of all forms at X(m), taken at positive w."""
-    n = _at(loop.n, m)
+@dataclass(frozen=True, eq=False)
+class _Signs:
+    """Of all forms along a loop."""
 
-    def value(crossing: Crossing | None) -> int:
-        if crossing is None:
-            return 0
-        u, v, _ = crossing
-        return Surd(_at(u, m), sheet * _at(v, m), n).sign()
+    loop: Loop
+    surfaces: Sequence[Surface]
+    known: Sequence[int]
+    crossings: dict[int, Crossing | None]
 
-    w = value(crossings[INFINITY])
-    return tuple(value(crossings[i]) * (w if isinstance(s, Plane) else 1) for i, s in enumerate(surfaces))
+    def at(self, m: fmpq, sheet: int) -> tuple[int, ...]:
+        """Exact, at X(m), taken at positive w."""
+        n = _at(self.loop.n, m)
+
+        def value(crossing: Crossing | None) -> int:
+            if crossing is None:
+                return 0
+            u, v, _ = crossing
+            return Surd(_at(u, m), sheet * _at(v, m), n).sign()
+
+        w = value(self.crossings[INFINITY])
+        signs = list(self.known)
+        for i, crossing in self.crossings.items():
+            if i != INFINITY:
+                signs[i] = value(crossing) * (w if isinstance(self.surfaces[i], Plane) else 1)
+        return tuple(signs)
 
 
 def largest(values: Sequence[arb]) -> arb:

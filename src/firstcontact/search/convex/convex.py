@@ -38,6 +38,8 @@ WIDTH = 14
 BITS = 192
 # Conjunctions tried before a combination counts as too involved for the fast path.
 MOST_PIECES = 64
+# Those of a cover: what the others would cut off is left in it.
+MOST_COVERING = 8
 # Arcs reach this far (radians) beyond their ends: the highest point of the whole conic is then too high by its square.
 ARC_SLACK = 1e-8
 # In which the extreme points of a union are looked at.
@@ -117,11 +119,35 @@ def _covering(body: CompositeQuadric) -> ConvexPieces:
 def _filled(body: CompositeQuadric) -> list[Clause]:
     """The clauses of the tree that hold points, without their half-spaces that are not convex."""
     filled = set()
-    for clause in _clauses(body.tree, True):
+    for clause in _covering_clauses(body, body.tree, True):
         solid = _solid(body, clause)
         if solid is not None:
             filled.add(frozenset(x for x in clause if _bounds_convexly(body, x, clause, solid)))
-    return sorted((c for c in filled if not any(d < c for d in filled)), key=sorted)
+    return _largest(filled)
+
+
+def _covering_clauses(body: CompositeQuadric, tree: Tree, wanted: bool) -> list[Clause]:
+    """As `_clauses`, without half-spaces that are not convex in any company, and few: what would make more is left out.
+
+    So a hole with one curved wall is filled at once, however many there are of them.
+    """
+    if isinstance(tree, Not):
+        return _covering_clauses(body, tree.inner, not wanted)
+    if isinstance(tree, Leaf):
+        leaf = tree.surface, wanted
+        return [frozenset([leaf] if _may_be_convex(_half_space(body, leaf)) else [])]
+    first, second = (_covering_clauses(body, x, wanted) for x in (tree.first, tree.second))
+    if isinstance(tree, Or) == wanted:
+        return _largest({*first, *second})
+    if len(first) * len(second) > MOST_COVERING:
+        return min(first, second, key=lambda clauses: (frozenset() in clauses, len(clauses)))
+    joined = {x | y for x, y in product(first, second)}
+    return _largest({c for c in joined if not any((s, not side) in c for s, side in c)})
+
+
+def _largest(clauses: set[Clause]) -> list[Clause]:
+    """Those that lie in no other one."""
+    return sorted((c for c in clauses if not any(d < c for d in clauses)), key=sorted)
 
 
 def _of_clauses(body: CompositeQuadric, clauses: list[Clause]) -> ConvexPieces:
@@ -187,8 +213,7 @@ def _clauses(tree: Tree, wanted: bool) -> list[Clause]:
     if len(first) * len(second) > 16 * MOST_PIECES:
         raise NotConvex("too many pieces")
     joined = {x | y for x, y in product(first, second)}
-    consistent = [c for c in joined if not any((s, not side) in c for s, side in c)]
-    return sorted((c for c in consistent if not any(d < c for d in consistent)), key=sorted)
+    return _largest({c for c in joined if not any((s, not side) in c for s, side in c)})
 
 
 def half_spaces(body: CompositeQuadric) -> list[Surface]:
@@ -248,6 +273,14 @@ def _labels(body: CompositeQuadric) -> dict[frozenset[int], tuple[str, int]]:
         for feature in features:  # type: ignore[attr-defined]
             found.setdefault(frozenset(feature.surfaces), (kind, feature.index))
     return found
+
+
+def _may_be_convex(form: Surface) -> bool:
+    """Whether the half-space is convex in some company."""
+    if isinstance(form, Plane):
+        return True
+    positive, negative = inertia(tuple(row[:3] for row in form.form[:3]))
+    return negative == 0 or ((positive, negative) == (2, 1) and inertia(form.form) in ((2, 1), (3, 1)))
 
 
 def _require_convex(form: Surface, forms: Sequence[Surface], solid: CompositeQuadric) -> None:
