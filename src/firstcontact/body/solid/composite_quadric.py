@@ -23,10 +23,23 @@ from firstcontact.body.solid.carriers import (
     inverse,
     upright,
 )
-from firstcontact.body.solid.csg import And, Leaf, Not, Or, Tree, inside, outcomes, pattern, possible, renumbered
+from firstcontact.body.solid.csg import (
+    And,
+    Leaf,
+    Not,
+    Or,
+    Tree,
+    inside,
+    outcomes,
+    pattern,
+    possible,
+    renumbered,
+    surfaces_of,
+)
 from firstcontact.body.solid.feature_names import Names, Part
 from firstcontact.body.solid.features import Edge, Face, Features, Vertex, derive
 from firstcontact.body.solid.neighbourhood import patterns
+from firstcontact.body.solid.regions import Reach, Regions, reaches_of, simplified
 from firstcontact.errors import InputError
 from firstcontact.exact.numbers import to_double
 from firstcontact.exact.rigid import Matrix, apply
@@ -62,14 +75,14 @@ class CompositeQuadric(Placing):
         parts: Sequence[Part] = (),
         *,
         box: Box | None = None,
-        reaches: Sequence[Box | None] | None = None,
+        reaches: Sequence[Reach] | None = None,
         witness: Vector | None = None,
         name: str | None = None,
     ) -> None:
         """surfaces: different ones; tree: leaf i is where surface i's form is <= 0.
 
-        box: exact corners of a box that holds the solid, if known; reaches: of boxes in which the surfaces may bound
-        it.  witness: a point likely in the interior.
+        box: exact corners of a box that holds the solid, if known.  reaches: where the surfaces may bound it.
+        witness: a point likely in the interior.
         """
         self.name = name
         self.surfaces = tuple(surfaces)
@@ -77,7 +90,7 @@ class CompositeQuadric(Placing):
         self.tree = tree
         self.parts = tuple(parts)
         self._box = box
-        self._reaches = tuple(reaches) if reaches is not None else (box,) * len(self.surfaces)
+        self._reaches = tuple(reaches) if reaches is not None else reaches_of(tree, len(self.surfaces), box)
         self.forms = np.array([doubles(s.matrix()) for s in self.surfaces])
         self._witness = witness
         self._search: dict[str, Any] = {}
@@ -120,6 +133,38 @@ class CompositeQuadric(Placing):
             known = self._search["features"] = derive(self.tree, self.surfaces, names, self._rough_box, self._reaches)
         return known
 
+    def near(self, box: Box) -> CompositeQuadric | None:
+        """What is the same set as this one in the box, of the surfaces alone that pass there; None where none do."""
+        region = tuple(np.array([to_double(x) for x in corner]) for corner in box)
+        tree = simplified(self.tree, Regions(self.surfaces, self._reaches).signs(region))  # type: ignore[arg-type]
+        if isinstance(tree, bool):
+            return None
+        kept = sorted(surfaces_of(tree))
+        leaves: list[Tree] = [Leaf(kept.index(k)) if k in kept else Leaf(-1) for k in range(len(self.surfaces))]
+        return self._with(
+            surfaces=tuple(self.surfaces[k] for k in kept), tree=renumbered(tree, leaves), forms=self.forms[kept],
+            parts=(), _box=None, _reaches=tuple(self._reaches[k] for k in kept),
+        )  # fmt: skip
+
+    def of_whole(self, feature: Face | Edge | Vertex) -> Face | Edge | Vertex:
+        """Of a cut model's feature that of the whole one: on the same surfaces, of one kind, the nearest."""
+        whole = self.whole
+        assert whole is not None
+        carriers = {self.surfaces[k] for k in feature.surfaces}
+
+        def unlike(other: Face | Edge | Vertex) -> float:
+            if isinstance(feature, Vertex) and isinstance(other, Vertex):
+                return max(abs(p - q) for p, q in zip(feature.position, other.position, strict=True))
+            if isinstance(feature, Face) and isinstance(other, Face):
+                return float(feature.carrier != other.carrier)
+            return float(getattr(feature, "convexity", None) != getattr(other, "convexity", None))
+
+        known: dict[type, Sequence[Face | Edge | Vertex]] = {
+            Face: whole.faces, Edge: whole.edges, Vertex: whole.vertices,
+        }  # fmt: skip
+        same = (f for f in known[type(feature)] if carriers <= {whole.surfaces[k] for k in f.surfaces})
+        return min(same, key=unlike)
+
     # -- combining ------------------------------------------------------------------------------------------
 
     def __or__(self, other: CompositeQuadric) -> CompositeQuadric:
@@ -140,11 +185,14 @@ class CompositeQuadric(Placing):
         parts = [*self._inner_parts(), *other._inner_parts(places, flipped=subtract)]
         clip_own = None if operation is Or or subtract else other._box
         clip_other = None if operation is Or else self._box
-        reaches = [_overlap(reach, clip_own) for reach in self._reaches]
-        for (k, _), reach in zip(places, other._reaches, strict=True):
-            clipped = _overlap(reach, clip_other)
+        reaches = [Reach(_overlap(reach.box, clip_own), reach.outside) for reach in self._reaches]
+        for (k, side), reach in zip(places, other._reaches, strict=True):
+            clipped = Reach(_overlap(reach.box, clip_other), side * reach.outside)
             if k < len(reaches):
-                reaches[k] = _hull(reaches[k], clipped)
+                known = reaches[k]
+                same = known.outside == clipped.outside
+                clipped = Reach(_hull(known.box, clipped.box), known.outside if same else 0)
+                reaches[k] = clipped
             else:
                 reaches.append(clipped)
         if subtract:
@@ -183,13 +231,13 @@ class CompositeQuadric(Placing):
         box = None if self._box is None else _mapped_box(matrix, self._box)
         if box is not None and any(abs(x) >= LARGEST for corner in box for x in corner):
             raise InputError(f"{self._who}: coordinates leave the range 2^150 under this map")
-        reaches = {reach: None if reach is None else _mapped_box(matrix, reach) for reach in set(self._reaches)}
+        boxes = {box: None if box is None else _mapped_box(matrix, box) for box in {r.box for r in self._reaches}}
         witness = None if self._witness is None else apply(matrix, self._witness)  # type: ignore[arg-type]
         return self._with(
             surfaces=surfaces,
             forms=np.array([doubles(s.matrix()) for s in surfaces]),
             _box=box,
-            _reaches=tuple(reaches[reach] for reach in self._reaches),
+            _reaches=tuple(Reach(boxes[reach.box], reach.outside) for reach in self._reaches),
             _witness=witness,
         )
 

@@ -18,7 +18,6 @@ from firstcontact.body.solid.carriers import (
     ONE,
     ZERO,
     AlgebraicPoint,
-    Box,
     Conic,
     EnclosedPoint,
     Line,
@@ -41,7 +40,7 @@ from firstcontact.body.solid.carriers import (
 from firstcontact.body.solid.csg import Tree, inside, outcomes, pattern
 from firstcontact.body.solid.intersections import common_curves, line
 from firstcontact.body.solid.neighbourhood import Profile, around_curve, nearly_tangent, patterns
-from firstcontact.body.solid.regions import Region, Regions, holds, hull, simplified
+from firstcontact.body.solid.regions import Reach, Region, Regions, holds, holds_ball, hull, simplified
 from firstcontact.body.solid.trimming import BITS, INFINITY, Arc, Break, Loop, Trimmed, largest, trim
 from firstcontact.exact.numbers import dyadic, precision, to_double
 
@@ -117,6 +116,8 @@ class Vertex:
     surfaces: tuple[int, ...]
     position: tuple[float, float, float]
     error: float
+    is_apex: bool = False
+    """Whether it is the tip of a cone."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,17 +149,17 @@ class _Traced:
 
 
 def derive(
-    tree: Tree, surfaces: Sequence[Surface], names: Any, box: Callable[[], Any], reaches: Sequence[Box | None]
+    tree: Tree, surfaces: Sequence[Surface], names: Any, box: Callable[[], Any], reaches: Sequence[Reach]
 ) -> Features:
     """All features.
 
-    names tells how to call them, box finds a box that holds the solid (asked only if needed), reaches: for each surface
-    one in which it may bound the solid.
+    names tells how to call them, box finds a box that holds the solid (asked only if needed), reaches tell where each
+    surface may bound it.
     """
     regions = Regions(surfaces, reaches)
     traced, quartics = _traced_curves(tree, surfaces, regions)
     sides = {side for t in traced for profile in t.profiles for side in profile.faces}
-    corners = _Corners(surfaces)
+    corners = _Corners(surfaces, regions)
     for t in traced:
         corners.collect(t)
     quartic_edges: list[Any] = []
@@ -171,7 +172,7 @@ def derive(
     sides |= _sides_of_whole_surfaces(tree, surfaces, sides, met, regions)
     faces = _faces(sides, surfaces, names)
     numbers = {(f.surfaces[0], f.orientation): f.index for f in faces}
-    corners.add_apexes(tree, regions)
+    corners.add_apexes(tree)
     vertices = corners.numbered(names)
     found = [e for t in traced for e in _edges_of(t, corners, numbers)]
     found += [e for edge in quartic_edges for e in edge.finished(numbers)]
@@ -219,18 +220,13 @@ def _profile(tree: Tree, surfaces: Sequence[Surface], loop: Loop, arc: Arc, regi
         return Profile("inside" if True in values else "outside", frozenset())
     with precision(BITS):
         x = loop.point(arb(arc.m), arc.sheet)
-        if not _is_in(region, x):  # an edge lies in it all along
+        if not holds_ball(region, x):  # an edge lies in it all along
             return Profile("outside", frozenset())
         on = [i for i, sign in enumerate(arc.signs) if sign == 0]
         tangent = nearly_tangent(surfaces, on, x)
     with precision(4 * BITS if tangent else BITS):
         m = arb(arc.m)
         return around_curve(tree, surfaces, arc.signs, loop.point(m, arc.sheet), loop.tangent(m, arc.sheet))
-
-
-def _is_in(region: Region, x: Sequence[arb]) -> bool:
-    """Whether the homogeneous point, finite, lies in the region, which has room for its rounding."""
-    return holds(region, [float(c / x[3]) for c in x[:3]])
 
 
 def _sides_of_whole_surfaces(
@@ -282,7 +278,7 @@ def sides_along(
             if crossing is None or len(crossing.surfaces) != 1 or not crossing.finite:
                 continue
             with precision(BITS):
-                if not _is_in(region, trimmed.loop.point(crossing.root.ball, crossing.sheet)):
+                if not holds_ball(region, trimmed.loop.point(crossing.root.ball, crossing.sheet)):
                     continue
             i = crossing.surfaces[0]
             values = [inside(tree, pattern(arc.signs, [i], [negative])) for negative in (True, False)]
@@ -360,8 +356,8 @@ class _Corner:
 class _Corners:
     """All candidate vertices, each once: same surfaces and overlapping enclosures are the same point."""
 
-    def __init__(self, surfaces: Sequence[Surface]) -> None:
-        self.surfaces = surfaces
+    def __init__(self, surfaces: Sequence[Surface], regions: Regions) -> None:
+        self.surfaces, self.regions = surfaces, regions
         self.by_surfaces: dict[frozenset[int], list[_Corner]] = {}
         self.at_break: dict[int, _Corner] = {}
 
@@ -392,6 +388,7 @@ class _Corners:
 
     def merged(self, surfaces: frozenset[int], carrier: Point | AlgebraicPoint | EnclosedPoint) -> _Corner:
         position, error = _rounded(carrier)
+        surfaces = self.regions.around(position, surfaces)  # all that pass there are met on some curves alone
         known = self.by_surfaces.setdefault(surfaces, [])
         for corner in known:
             if _same_point(corner, carrier, position):
@@ -399,14 +396,14 @@ class _Corners:
         known.append(_Corner(surfaces, carrier, position, error))
         return known[-1]
 
-    def add_apexes(self, tree: Tree, regions: Regions) -> None:
+    def add_apexes(self, tree: Tree) -> None:
         """Tips of cones on the boundary."""
         for number, surface in enumerate(self.surfaces):
             tip = surface.apex if isinstance(surface, Quadric) else None
-            region = regions.of(number)
+            region = self.regions.of(number)
             if tip is None or not holds(region, [to_double(x / tip[3]) for x in tip[:3]]):
                 continue
-            known = regions.signs(region)
+            known = self.regions.signs(region)
             near = simplified(tree, known)
             signs = [sign or _sign(s.value(tip)) for s, sign in zip(self.surfaces, known, strict=True)]
             on = [k for k, sign in enumerate(signs) if sign == 0]
@@ -424,7 +421,7 @@ class _Corners:
         vertices = []
         for index, (corner, on, name) in enumerate(zip(corners, surfaces, called, strict=True)):
             corner.index = index
-            vertices.append(Vertex(index, name, corner.carrier, on, corner.position, corner.error))
+            vertices.append(Vertex(index, name, corner.carrier, on, corner.position, corner.error, corner.apex))
         return tuple(vertices)
 
     def vertex_at(self, crossing: Break | None) -> int | None:

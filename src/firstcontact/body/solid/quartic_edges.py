@@ -21,7 +21,7 @@ from firstcontact.body.solid.carriers import EnclosedPoint, Quadric, QuarticCurv
 from firstcontact.body.solid.csg import Tree, outcomes
 from firstcontact.body.solid.features import EDGE_KINDS, Piece, enclosure
 from firstcontact.body.solid.neighbourhood import Profile, around_curve, nearly_tangent
-from firstcontact.body.solid.regions import Region, Regions, holds, hull, simplified
+from firstcontact.body.solid.regions import Region, Regions, holds_ball, hull, simplified
 from firstcontact.body.solid.trimming import BITS
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.curves.quadric_curve import Branch, Degenerate, End, Sweep, swept
@@ -241,7 +241,7 @@ class _Curve:
         if len(values) == 1:
             return Profile("inside" if True in values else "outside", frozenset())
         with precision(BITS):
-            if not holds(self.box, [float(c) for c in self.sweep.point(branch, 2 * BITS)]):  # an edge lies in it
+            if not holds_ball(self.box, self.sweep.point(branch, 2 * BITS)):  # an edge lies in it
                 return Profile("outside", frozenset())
         for bits in (BITS, 4 * BITS):
             with precision(bits):

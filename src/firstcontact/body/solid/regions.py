@@ -1,15 +1,19 @@
 """Where each surface may bound a solid, so that features are sought among surfaces that come near each other alone.
 
-A surface of an operand bounds `a & b` and `a - b` only within the boxes of both (of `a - b`: those of b).  In a region
-most other surfaces have one sign; the Boolean tree with these signs put in is small.
+A surface of an operand bounds `a & b` only within the boxes of both, one of b bounds `a - b` only within the box of a.
+So a solid is made of primitives, intersections of half-spaces, each of which matters in its reach alone: where it has
+no point it may be taken for empty.  In a region that leaves few surfaces, and most of them have one sign there; the
+Boolean tree with these signs put in is small.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from typing import NamedTuple
 
 import numpy as np
+from flint import arb
 
 from firstcontact.body.solid.carriers import Box, Surface, doubles
 from firstcontact.body.solid.csg import And, Leaf, Not, Or, Tree
@@ -23,14 +27,44 @@ _ROOM, _SLACK = 1e-6, 1e-9
 _ROUNDING = 2.0**-45
 
 
-class Regions:
-    """Of all surfaces of a solid; reaches: exact boxes in which they may bound it, None for all of space."""
+class Reach(NamedTuple):
+    """Of a surface of a solid.
 
-    def __init__(self, surfaces: Sequence[Surface], reaches: Sequence[Box | None]) -> None:
+    box: exact corners of a box in which it may bound the solid, None for all of space.
+    outside: the sign of its form that makes its primitives empty, to be put in beyond the box; 0: they differ.
+    """
+
+    box: Box | None
+    outside: int
+
+
+def reaches_of(tree: Tree, count: int, box: Box | None) -> tuple[Reach, ...]:
+    """Of the surfaces of a primitive, or of a solid that is taken as it is."""
+    leaves = leaves_of(tree)
+    return tuple(Reach(box, leaves.get(i, 0)) for i in range(count))
+
+
+def leaves_of(tree: Tree) -> dict[int, int]:
+    """The sign of each surface's form outside, for an intersection of half-spaces; {} for other trees."""
+    if isinstance(tree, Leaf):
+        return {tree.surface: 1}
+    if isinstance(tree, Not):
+        return {tree.inner.surface: -1} if isinstance(tree.inner, Leaf) else {}
+    if isinstance(tree, Or):
+        return {}
+    first, second = leaves_of(tree.first), leaves_of(tree.second)
+    return {**first, **second} if first and second and not first.keys() & second.keys() else {}
+
+
+class Regions:
+    """Of all surfaces of a solid."""
+
+    def __init__(self, surfaces: Sequence[Surface], reaches: Sequence[Reach]) -> None:
         self.forms = np.array([doubles(s.matrix()) for s in surfaces]).reshape(-1, 4, 4)
-        found = [_enlarged(box) for box in reaches]
+        found = [_enlarged(reach.box) for reach in reaches]
         self.lo = np.array([lo for lo, _ in found]).reshape(-1, 3)
         self.hi = np.array([hi for _, hi in found]).reshape(-1, 3)
+        self.outside = np.array([reach.outside for reach in reaches], int)
 
     def of(self, i: int) -> Region:
         return self.lo[i], self.hi[i]
@@ -42,8 +76,12 @@ class Regions:
             for k in np.flatnonzero((lo <= hi).all(axis=1)):
                 yield i, i + 1 + int(k), (lo[k], hi[k])
 
+    def around(self, point: Sequence[float], surfaces: Iterable[int]) -> frozenset[int]:
+        """Those of the surfaces in whose reach the point is."""
+        return frozenset(i for i in surfaces if holds(self.of(i), point))
+
     def signs(self, region: Region) -> tuple[int, ...]:
-        """Of each surface's form the sign that it has all over the region; 0: not known."""
+        """Of each surface's form the sign that it may be taken to have all over the region; 0: not known."""
         lo, hi = region
         if not (np.isfinite(lo).all() and np.isfinite(hi).all()):
             return (0,) * len(self.forms)
@@ -52,13 +90,20 @@ class Regions:
         sizes = np.abs(self.forms)
         reach = np.abs(x) + h
         value, spread = image @ x, 2.0 * np.abs(image) @ h + (sizes @ h) @ h + _ROUNDING * ((sizes @ reach) @ reach)
-        return tuple(((value > spread).astype(int) - (value < -spread)).tolist())
+        signs = (value > spread).astype(int) - (value < -spread)
+        beyond = ((self.lo > hi) | (self.hi < lo)).any(axis=1)
+        return tuple(np.where(beyond & (self.outside != 0), self.outside, signs).tolist())
 
 
 def holds(region: Region, point: Sequence[float]) -> bool:
     """Whether the point lies in it; a point that is no number in no bounded one."""
     lo, hi = region
     return bool(((lo <= point) & (point <= hi)).all()) or not np.isfinite(lo).all()
+
+
+def holds_ball(region: Region, x: Sequence[arb]) -> bool:
+    """The same of a homogeneous point in balls; the region has room for their width."""
+    return holds(region, [float(c / x[3]) for c in x[:3]])
 
 
 def hull(first: Region, second: Region) -> Region:

@@ -89,7 +89,12 @@ def rank(x: Element) -> tuple[int, int]:
 def element(
     body: CompositeQuadric, feature: Face | Edge | Vertex, which: str, where: np.ndarray | None = None
 ) -> Element:
-    """The feature as users see it; of coplanar faces of a polyhedron the one that holds `where`, in its own frame."""
+    """The feature as users see it; of coplanar faces of a polyhedron the one that holds `where`, in its own frame.
+
+    Of a cut model, that of the whole one.
+    """
+    if body.whole is not None:
+        return element(body.whole, body.of_whole(feature), which, where)
     if body.source is not None:
         index = feature.index
         if isinstance(feature, Face) and where is not None:
@@ -97,7 +102,7 @@ def element(
         name = body.name or which
         return Element(type(feature).__name__.lower(), name, index, name)
     kind = "face" if isinstance(feature, Face) else "edge" if isinstance(feature, Edge) else "vertex"
-    if kind == "vertex" and feature.name.endswith("apex"):
+    if isinstance(feature, Vertex) and feature.is_apex:
         kind = "apex"
     return Element(kind, body.name or which, feature.index, feature.name)
 

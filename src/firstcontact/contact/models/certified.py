@@ -12,9 +12,11 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from flint import fmpq
 
 from firstcontact.body.kept import Kept
 from firstcontact.body.solid import primitives
+from firstcontact.body.solid.composite_quadric import CompositeQuadric, NoSolid
 from firstcontact.contact.models.flat_contacts import Pair, Shared, shared_set
 from firstcontact.contact.models.kept_directions import turning_axes
 from firstcontact.contact.models.same_point import may_touch_more, pairs_at
@@ -27,7 +29,9 @@ from firstcontact.work import Query
 
 LARGEST = 2.0**60
 """Coordinates up to which an unbounded model is cut."""
-_CUT = Kept[dict[int, Any]]()
+MANY = 32
+"""Surfaces of which a model is searched whole."""
+_CUT = Kept[dict[Any, Any]]()
 
 
 def settle(models: tuple[Any, Any], query: Query) -> tuple[FirstContact | None, bool, Advance]:
@@ -54,24 +58,68 @@ def both_bounded(models: tuple[Any, Any], span: tuple[float, float]) -> tuple[An
     return bounded(a, b, span), bounded(b, a, span)
 
 
-def bounded(body: Any, other: Any, span: tuple[float, float]) -> Any:
-    """A resting unbounded model cut to a cube around the other body's whole path: nothing is touched beyond.
+def near_models(models: tuple[Any, Any], span: tuple[float, float]) -> tuple[Any, Any]:
+    """Both models, a bounded resting one of many surfaces cut to what the other may touch."""
+    a, b = models
+    near = [bounded(x, y, span) if shape_of(x).bounded else x for x, y in ((a, b), (b, a))]
+    return near[0], near[1]
 
-    The cube comes in powers of two, so that other motions find the cut model again.
+
+def bounded(body: Any, other: Any, span: tuple[float, float]) -> Any:
+    """A resting model, unbounded or of many surfaces, cut to what the other may touch.
+
+    That is a box around the other body's whole path.  Boxes come in powers of two, so that other motions find the cut
+    model again.
     """
-    if isinstance(body, Moving) or body.bounded:
+    if isinstance(body, Moving) or (body.bounded and len(body.surfaces) <= MANY):
         return body
     lo, hi = other.bounds(span)
     reach = float(max(np.abs(lo).max(), np.abs(hi).max()))
     if not reach < LARGEST:
         return body
-    size = math.frexp(reach)[1] + 1
     cut = _CUT.of(body, dict)
+    if body.bounded:
+        cells = _cells_around(lo, hi)
+        if cells not in cut:
+            cut[cells] = _part_in(body, cells)
+        return cut[cells]
+    size = math.frexp(reach)[1] + 1
     if size not in cut:
         cube = primitives.box((2 ** (size + 1),) * 3) if size > 0 else primitives.box((4, 4, 4))
         cut[size] = body & cube
         cut[size].whole = body
     return cut[size]
+
+
+Cells = tuple[tuple[int, int, int], ...]
+"""Of each axis (exponent, first, last): the stretch between whole numbers of cells 2^exponent wide."""
+
+
+def _cells_around(lo: np.ndarray, hi: np.ndarray) -> Cells:
+    """A box that holds the one given in its interior, at most three times as long in each axis."""
+    found = []
+    for low, high in zip(lo.tolist(), hi.tolist(), strict=True):
+        exponent = math.frexp(high - low)[1] - 1
+        width = 2.0**exponent
+        found.append((exponent, math.ceil(low / width) - 1, math.floor(high / width) + 1))
+    return tuple(found)
+
+
+def _part_in(body: CompositeQuadric, cells: Cells) -> CompositeQuadric:
+    """The part of a model in the box, of the surfaces alone that pass there; all of it where these are none or most."""
+    widths = [fmpq(2) ** n if n >= 0 else 1 / fmpq(2) ** -n for n, _, _ in cells]
+    lo, hi = (tuple(cell[k] * width for cell, width in zip(cells, widths, strict=True)) for k in (1, 2))
+    near = body.near((lo, hi))
+    if near is None or 2 * len(near.surfaces) > len(body.surfaces):
+        return body
+    middle = [(x + y) / 2 for x, y in zip(lo, hi, strict=True)]
+    block = primitives.box([y - x for x, y in zip(lo, hi, strict=True)]).translated(middle)
+    try:
+        part = near & block
+    except NoSolid:
+        return body
+    part.whole = body
+    return part
 
 
 def contact(models: tuple[Any, Any], found: Advance, query: Query) -> tuple[FirstContact | None, bool]:

@@ -10,11 +10,10 @@ import numpy as np
 from flint import fmpq
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
-from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.contact.models.algorithm import Meeting, Root, Search, between
 from firstcontact.contact.models.answer import contact_of, listed, world_time
 from firstcontact.contact.models.at_rest import is_containment, overlap_around
-from firstcontact.contact.models.certified import both_bounded, settle
+from firstcontact.contact.models.certified import both_bounded, near_models, settle
 from firstcontact.contact.models.idle_turns import ignoring_idle_turns
 from firstcontact.contact.models.intervals import certified_intervals
 from firstcontact.contact.models.last_instant import landing
@@ -282,14 +281,12 @@ def _decided_intervals(query: Query) -> ContactIntervals:
     return ContactIntervals(intervals, status, until, reason, query.stats(0, tests, evaluations), **query.shared)
 
 
-def _model(body: Any) -> CompositeQuadric:
-    shape: Any = shape_of(body)
-    return as_model(shape) if isinstance(shape, Polyhedron) else shape
-
-
 def _searches(query: Query, work: Work) -> Iterator[Search]:
     """One for every piece of the relative motion, in time order; all before the one given last is settled."""
-    model_a, model_b = _model(query.a), _model(query.b)
+    models = _models(query)
+    if query.method != "algebraic":  # that lists all subproblems
+        models = near_models(models, query.span)
+    model_a, model_b = map(shape_of, models)
     for piece in relative_pieces(query.a, query.b, query.first, query.end):
         if not piece.exact:
             raise UnsupportedPair(f"{piece.of}: the pose before this step is irrational; such steps are not supported")

@@ -242,11 +242,7 @@ def _feature(model: CompositeQuadric, kind: str, index: int) -> Face | Edge | Ve
         found = min(model.vertices, key=lambda v: float(np.abs(np.array(v.position) - where).max()))
     else:
         found = next(f for f in features if f.index == index)
-    if model.whole is None:
-        return found
-    carriers = {model.surfaces[k] for k in found.surfaces}
-    of_whole = _features(model.whole, kind)
-    return next(f for f in of_whole if carriers <= {model.whole.surfaces[k] for k in f.surfaces})
+    return found if model.whole is None else model.of_whole(found)
 
 
 def _features(model: CompositeQuadric, kind: str) -> Sequence[Face | Edge | Vertex]:

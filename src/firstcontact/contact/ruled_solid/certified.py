@@ -167,11 +167,6 @@ def _solid_element(pair: RuledAndSolid, feature: Face | Edge | Vertex, point: np
     pose = np.asarray(body.motion(time), float) if isinstance(body, Moving) else np.eye(4)
     where = np.linalg.solve(pose[:3, :3], point - pose[:3, 3])
     model = pair.model
-    if model.whole is not None:  # of the uncut model, the one on the same surfaces
-        carriers = {model.surfaces[k] for k in feature.surfaces}
-        whole: Any = {Face: model.whole.faces, Edge: model.whole.edges}.get(type(feature), model.whole.vertices)
-        feature = next(f for f in whole if carriers <= {model.whole.surfaces[k] for k in f.surfaces})
-        model = model.whole
     return element_of_solid(model, feature, "ab"[1 - pair.side], where)
 
 

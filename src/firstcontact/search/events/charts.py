@@ -25,11 +25,9 @@ from firstcontact.body.solid.carriers import (
     EnclosedPoint,
     Line,
     Plane,
-    Point,
     Quadric,
     QuarticCurve,
     Rows,
-    columns,
     diagonalised,
     doubles,
     inverse,
@@ -302,8 +300,7 @@ class _Builder:
             return
         reach = 4.0 * float(np.abs(table[[0, 1, 3]]).sum(axis=0).max()) * 2.0**-OCTAVES / abs(float(table[2, 3]))
         self.reach_of_tips[number] = max(self.reach_of_tips.get(number, 0.0), reach)
-        tip = Point(columns(cap))
-        is_vertex = any(number in v.surfaces and v.carrier == tip for v in self.body.vertices)
+        is_vertex = any(number in v.surfaces and v.is_apex for v in self.body.vertices)
         if not is_vertex:
             x = np.zeros((1, 25))
             x[0, :4] = table[2] / table[2, 3]
