@@ -39,12 +39,14 @@ from firstcontact.body.solid.csg import (
 from firstcontact.body.solid.feature_names import Names, Part
 from firstcontact.body.solid.features import Edge, Face, Features, Vertex, derive
 from firstcontact.body.solid.neighbourhood import patterns
-from firstcontact.body.solid.regions import Reach, Regions, reaches_of, simplified
+from firstcontact.body.solid.regions import Reach, Regions, grows_with_leaves, reaches_of, simplified
 from firstcontact.errors import InputError
-from firstcontact.exact.numbers import to_double
+from firstcontact.exact.numbers import exact_value, to_double
 from firstcontact.exact.rigid import Matrix, apply
 from firstcontact.motion.translation import LARGEST, vector3
 
+FEW = 16
+"""Surfaces of operands that are looked at in cells for a close box."""
 SINGULAR = 2.0**-40
 """Part of the size of its terms below which a gradient counts as 0."""
 
@@ -184,7 +186,7 @@ class CompositeQuadric(Placing):
         places = _places(surfaces, other.surfaces)
         parts = [*self._inner_parts(), *other._inner_parts(places, flipped=subtract)]
         clip_own = None if operation is Or or subtract else other._box
-        clip_other = None if operation is Or else self._box
+        clip_other = None if operation is Or else other._part_in(self._box)
         reaches = [Reach(_overlap(reach.box, clip_own), reach.outside) for reach in self._reaches]
         for (k, side), reach in zip(places, other._reaches, strict=True):
             clipped = Reach(_overlap(reach.box, clip_other), side * reach.outside)
@@ -202,6 +204,19 @@ class CompositeQuadric(Placing):
             box = _hull(self._box, other._box) if operation is Or else _overlap(self._box, other._box)
         witness = self._witness or other._witness
         return CompositeQuadric(surfaces, tree, parts, box=box, reaches=reaches, witness=witness)
+
+    def _part_in(self, box: Box | None) -> Box | None:
+        """A box that holds what is of the solid in a box; close to it where that is soon found.
+
+        Of solids made by subtraction it is not close: in it, what was cut off may be left out (`regions`).
+        """
+        from firstcontact.body.solid.extent import hull_of_cells
+
+        both = _overlap(self._box, box)
+        if both is None or both == self._box or len(self.surfaces) > FEW or not grows_with_leaves(self.tree):
+            return both
+        lo, hi = (tuple(exact_value(x) for x in corner.tolist()) for corner in hull_of_cells(self, both))
+        return _overlap(both, (lo, hi))
 
     def _inner_parts(self, place: Sequence[tuple[int, int]] | None = None, *, flipped: bool = False) -> list[Part]:
         """The parts with this solid's name in front, for surfaces numbered and turned as `place` tells."""

@@ -40,7 +40,7 @@ from firstcontact.body.solid.carriers import (
 from firstcontact.body.solid.csg import Tree, inside, outcomes, pattern
 from firstcontact.body.solid.intersections import common_curves, line
 from firstcontact.body.solid.neighbourhood import Profile, around_curve, nearly_tangent, patterns
-from firstcontact.body.solid.regions import Reach, Region, Regions, holds, holds_ball, hull, simplified
+from firstcontact.body.solid.regions import Reach, Region, Regions, holds, holds_ball, hull
 from firstcontact.body.solid.trimming import BITS, INFINITY, Arc, Break, Loop, Trimmed, largest, trim
 from firstcontact.exact.numbers import dyadic, precision, to_double
 
@@ -204,8 +204,7 @@ def _traced_curves(
                 curves[curve] = hull(curves[curve], region) if curve in curves else region
     traced = []
     for curve, region in curves.items():
-        signs = regions.signs(region)
-        near = simplified(tree, signs)
+        near, signs = regions.seen_in(tree, region)
         if isinstance(near, bool):
             continue
         for trimmed in trim(curve, surfaces, signs):
@@ -242,8 +241,7 @@ def _sides_of_whole_surfaces(
         if {(i, 1), (i, -1)} <= known | found or (i in met and _is_connected(surface)):
             continue
         region = regions.of(i)
-        signs = regions.signs(region)
-        near = simplified(tree, signs)
+        near, signs = regions.seen_in(tree, region)
         if not isinstance(near, bool):
             for probe in _probes(surface):
                 found |= sides_along(near, surfaces, probe, region, signs)
@@ -403,8 +401,7 @@ class _Corners:
             region = self.regions.of(number)
             if tip is None or not holds(region, [to_double(x / tip[3]) for x in tip[:3]]):
                 continue
-            known = self.regions.signs(region)
-            near = simplified(tree, known)
+            near, known = self.regions.seen_in(tree, region)
             signs = [sign or _sign(s.value(tip)) for s, sign in zip(self.surfaces, known, strict=True)]
             on = [k for k, sign in enumerate(signs) if sign == 0]
             if isinstance(near, bool) or len(outcomes(near, signs)) == 1:

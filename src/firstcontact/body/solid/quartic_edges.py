@@ -21,7 +21,7 @@ from firstcontact.body.solid.carriers import EnclosedPoint, Quadric, QuarticCurv
 from firstcontact.body.solid.csg import Tree, outcomes
 from firstcontact.body.solid.features import EDGE_KINDS, Piece, enclosure
 from firstcontact.body.solid.neighbourhood import Profile, around_curve, nearly_tangent
-from firstcontact.body.solid.regions import Region, Regions, holds_ball, hull, simplified
+from firstcontact.body.solid.regions import Region, Regions, holds_ball, hull
 from firstcontact.body.solid.trimming import BITS
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.curves.quadric_curve import Branch, Degenerate, End, Sweep, swept
@@ -127,8 +127,7 @@ def trace_quartics(
                 "intersect it with a box"
             )
         region = np.maximum(region[0], box[0]), np.minimum(region[1], box[1])
-        signs = regions.signs(region)
-        near = simplified(tree, signs)
+        near, signs = regions.seen_in(tree, region)
         if (region[0] < region[1]).all() and not isinstance(near, bool):
             curves[on] = _Curve(near, surfaces, on, corners, region, signs)
     for curve in curves.values():

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from flint import arb
 
-from firstcontact.body.solid.carriers import Box, Surface, doubles
+from firstcontact.body.solid.carriers import Box, Plane, Surface, doubles
 from firstcontact.body.solid.csg import And, Leaf, Not, Or, Tree
 from firstcontact.exact.numbers import to_double
 
@@ -56,15 +56,24 @@ def leaves_of(tree: Tree) -> dict[int, int]:
     return {**first, **second} if first and second and not first.keys() & second.keys() else {}
 
 
+def grows_with_leaves(tree: Tree) -> bool:
+    """Whether nothing but half-spaces is negated: a solid of fewer primitives is then a part of it."""
+    if isinstance(tree, Not):
+        return isinstance(tree.inner, Leaf)
+    return isinstance(tree, Leaf) or (grows_with_leaves(tree.first) and grows_with_leaves(tree.second))
+
+
 class Regions:
-    """Of all surfaces of a solid."""
+    """Of all surfaces of one solid."""
 
     def __init__(self, surfaces: Sequence[Surface], reaches: Sequence[Reach]) -> None:
         self.forms = np.array([doubles(s.matrix()) for s in surfaces]).reshape(-1, 4, 4)
-        found = [_enlarged(reach.box) for reach in reaches]
-        self.lo = np.array([lo for lo, _ in found]).reshape(-1, 3)
-        self.hi = np.array([hi for _, hi in found]).reshape(-1, 3)
+        boxes = [_enlarged(reach.box) for reach in reaches]
+        own = [_on_plane(s, box) if isinstance(s, Plane) else box for s, box in zip(surfaces, boxes, strict=True)]
+        self.primitives = _corners(boxes)
+        self.lo, self.hi = _corners(own)
         self.outside = np.array([reach.outside for reach in reaches], int)
+        self._seen: dict[bytes, tuple[Tree | bool, tuple[int, ...]]] = {}
 
     def of(self, i: int) -> Region:
         return self.lo[i], self.hi[i]
@@ -75,6 +84,14 @@ class Regions:
             lo, hi = np.maximum(self.lo[i], self.lo[i + 1 :]), np.minimum(self.hi[i], self.hi[i + 1 :])
             for k in np.flatnonzero((lo <= hi).all(axis=1)):
                 yield i, i + 1 + int(k), (lo[k], hi[k])
+
+    def seen_in(self, tree: Tree, region: Region) -> tuple[Tree | bool, tuple[int, ...]]:
+        """The tree as it is in the region, and `signs` there; kept, as several curves have one region."""
+        key = region[0].tobytes() + region[1].tobytes()
+        if key not in self._seen:
+            signs = self.signs(region)
+            self._seen[key] = simplified(tree, signs), signs
+        return self._seen[key]
 
     def around(self, point: Sequence[float], surfaces: Iterable[int]) -> frozenset[int]:
         """Those of the surfaces in whose reach the point is."""
@@ -91,7 +108,8 @@ class Regions:
         reach = np.abs(x) + h
         value, spread = image @ x, 2.0 * np.abs(image) @ h + (sizes @ h) @ h + _ROUNDING * ((sizes @ reach) @ reach)
         signs = (value > spread).astype(int) - (value < -spread)
-        beyond = ((self.lo > hi) | (self.hi < lo)).any(axis=1)
+        least, most = self.primitives
+        beyond = ((least > hi) | (most < lo)).any(axis=1)
         return tuple(np.where(beyond & (self.outside != 0), self.outside, signs).tolist())
 
 
@@ -132,3 +150,22 @@ def _enlarged(box: Box | None) -> Region:
     lo, hi = (np.array([to_double(x) for x in corner]) for corner in box)
     room = _ROOM * float((hi - lo).max()) + _SLACK * float(np.maximum(np.abs(lo), np.abs(hi)).max())
     return lo - room, hi + room
+
+
+def _on_plane(plane: Plane, region: Region) -> Region:
+    """What a plane across an axis has of a region."""
+    *normal, offset = (to_double(x) for x in plane.normal)
+    across = [k for k in range(3) if normal[k] != 0.0]
+    lo, hi = region
+    if len(across) != 1 or not np.isfinite(lo).all():
+        return region
+    (k,) = across
+    place = -offset / normal[k]
+    room = _ROOM * float((hi - lo).max()) + _SLACK * abs(place)
+    lo, hi = lo.copy(), hi.copy()
+    lo[k], hi[k] = max(lo[k], place - room), min(hi[k], place + room)
+    return lo, hi
+
+
+def _corners(regions: Sequence[Region]) -> Region:
+    return np.array([lo for lo, _ in regions]).reshape(-1, 3), np.array([hi for _, hi in regions]).reshape(-1, 3)

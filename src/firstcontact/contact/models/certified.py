@@ -22,6 +22,9 @@ from firstcontact.contact.models.kept_directions import turning_axes
 from firstcontact.contact.models.same_point import may_touch_more, pairs_at
 from firstcontact.contact.models.touched import Flat, Flats, Point, group, is_parallel, lowest, ranked, with_neighbours
 from firstcontact.motion.moving import Moving, shape_of
+from firstcontact.motion.rotation import Rotation
+from firstcontact.motion.screw import Screw
+from firstcontact.motion.translation import Translation
 from firstcontact.result import MOST_OTHERS, ContactSet, Element, ElementPair, FirstContact, Status
 from firstcontact.search.convex.advance import Advance, advance
 from firstcontact.search.events.events import MOST_BOXES, first_event
@@ -66,13 +69,20 @@ def near_models(models: tuple[Any, Any], span: tuple[float, float]) -> tuple[Any
 
 
 def bounded(body: Any, other: Any, span: tuple[float, float]) -> Any:
-    """A resting model, unbounded or of many surfaces, cut to what the other may touch.
+    """A model, unbounded and at rest or of many surfaces, cut to what the other may touch.
 
     That is a box around the other body's whole path.  Boxes come in powers of two, so that other motions find the cut
     model again.
     """
-    if isinstance(body, Moving) or (body.bounded and len(body.surfaces) <= MANY):
+    model = shape_of(body)
+    if model.bounded and len(model.surfaces) <= MANY:
         return body
+    if isinstance(body, Moving):
+        back = _turned_back(body.motion)
+        if back is None or isinstance(other, Moving) or not model.bounded:
+            return body
+        part = bounded(model, Moving(other, back), span)
+        return body if part is model else Moving(part, body.motion)
     lo, hi = other.bounds(span)
     reach = float(max(np.abs(lo).max(), np.abs(hi).max()))
     if not reach < LARGEST:
@@ -89,6 +99,17 @@ def bounded(body: Any, other: Any, span: tuple[float, float]) -> Any:
         cut[size] = body & cube
         cut[size].whole = body
     return cut[size]
+
+
+def _turned_back(motion: Any) -> Any:
+    """The motion of the world as the body sees it; None where no motion is that."""
+    if isinstance(motion, Translation):
+        return Translation([-x for x in motion.vector])
+    if isinstance(motion, Rotation):
+        return Rotation(motion.axis, motion.point, **{motion.unit: -motion.angle})
+    if isinstance(motion, Screw):
+        return Screw(motion.axis, motion.point, **{motion.unit: -motion.angle}, advance=-motion.advance)
+    return None
 
 
 Cells = tuple[tuple[int, int, int], ...]

@@ -1,0 +1,159 @@
+"""Features of solids of many surfaces: sought among near surfaces alone, they are those sought among all."""
+
+import random
+import time as clock
+
+import numpy as np
+import pytest
+
+import firstcontact as fc
+from amount import amount
+from firstcontact.body.solid.composite_quadric import CompositeQuadric
+from firstcontact.body.solid.csg import And, Leaf, Not, Or
+from firstcontact.body.solid.regions import Regions, grows_with_leaves, leaves_of, simplified
+from firstcontact.contact.models import certified
+from firstcontact.errors import InputError
+
+
+def tool(kind: str) -> CompositeQuadric:
+    """Holes of radius 2 from above into z > -2, wider ones at z = 2."""
+    if kind == "sunk":
+        return fc.cylinder(2, 8) | fc.frustum(0, 6, 6).translated((0, 0, -2))
+    if kind == "drill":
+        return fc.cylinder(2, 4).translated((0, 0, 2)) | fc.frustum(0, 2, "3/2").translated((0, 0, "-3/2"))
+    if kind == "bore":
+        return fc.cylinder(2, 8) | fc.cylinder(3, 4).translated((0, 0, 2))
+    ends = [fc.cylinder("3/2", 8).translated((x, 0, 0)) for x in (2, -2)]
+    return fc.box((4, 3, 8)) | ends[0] | ends[1]
+
+
+def plate(kind: str, rows: int, columns: int) -> CompositeQuadric:
+    body = fc.box((10 * columns, 10 * rows, 4))
+    for r in range(rows):
+        for c in range(columns):
+            body -= tool(kind).translated((10 * c - 5 * (columns - 1), 10 * r - 5 * (rows - 1), 0))
+    return body
+
+
+def described(body: CompositeQuadric) -> list[tuple[object, ...]]:
+    """All features, without their order among equals."""
+    found: list[tuple[object, ...]] = [("face", f.name, f.surfaces, f.orientation) for f in body.faces]
+    for kind, edges in (("edge", body.edges), ("seam", body.seams)):
+        for e in edges:
+            ends = sorted(tuple(np.round([p.lo, p.hi], 6)) for p in e.pieces)
+            found.append((kind, e.name, e.surfaces, e.convexity, len(e.pieces), tuple(ends)))
+    return found + [("vertex", v.name, v.surfaces, tuple(np.round(v.position, 9)), v.is_apex) for v in body.vertices]
+
+
+def looked_at_whole(body: CompositeQuadric) -> CompositeQuadric:
+    """The same solid, of whose surfaces nothing is known."""
+    return CompositeQuadric(body.surfaces, body.tree, body.parts, box=body._box, name=body.name)
+
+
+@pytest.mark.parametrize("kind", ["sunk", "drill", "bore", "slot"])
+def test_a_row_of_holes(kind):
+    body = plate(kind, 1, 3)
+    assert sorted(described(body)) == sorted(described(looked_at_whole(body)))
+
+
+def random_solid(rng: random.Random, depth: int) -> CompositeQuadric:
+    if depth == 0:
+        r, h = rng.choice([1, 2, "3/2"]), rng.choice([2, 3])
+        made = rng.choice([
+            lambda: fc.box((2, rng.choice([1, 2]), h)), lambda: fc.cylinder(r, h), lambda: fc.cone(r, h),
+            lambda: fc.frustum(1, rng.choice([0, 2]), h), lambda: fc.sphere(r),
+            lambda: fc.cone(2, 2) | fc.frustum(0, 2, 2).translated((0, 0, 2)),
+        ])()  # fmt: skip
+        return made.translated([rng.choice([-2, -1, 0, 1, "1/2", 2, 3]) for _ in range(3)])
+    first, second = random_solid(rng, depth - 1), random_solid(rng, rng.randrange(depth))
+    way = rng.randrange(4)
+    return first | second if way == 0 else first & second if way == 1 else first - second
+
+
+@pytest.mark.parametrize("seed", range(amount(40, 4)))
+def test_random_solids(seed):
+    """Reaches leave nothing out, whatever was cut from what."""
+    rng = random.Random(seed)
+    try:
+        body = random_solid(rng, rng.choice([1, 2, 3]))
+        whole = looked_at_whole(body)
+    except InputError:  # an empty combination
+        return
+    assert sorted(described(body)) == sorted(described(whole))
+    rows = np.random.default_rng(seed).uniform(-5, 5, (4000, 3))
+    lo, hi = (tuple(fc_rational(x) for x in corner) for corner in ((-1, 0, -2), (2, 3, 1)))
+    inside = rows[((rows > (-1, 0, -2)) & (rows < (2, 3, 1))).all(axis=1)]
+    near = body.near((lo, hi))
+    held = body.contains(inside)
+    if near is None:  # one value all over the box
+        assert held.all() or not held.any()
+    else:
+        assert np.array_equal(near.contains(inside), held)
+
+
+def fc_rational(x):
+    from flint import fmpq
+
+    return fmpq(x)
+
+
+def test_a_nappe_that_is_cut_off_stays_cut_off():
+    """Beyond what is left of it, a solid made by subtraction is not taken for what it was cut from."""
+    both = fc.cone(2, 2) | fc.frustum(0, 2, 2).translated((0, 0, 2))
+    lower = both - fc.box((6, 6, 3)).translated((0, 0, "7/2"))
+    block = fc.box((20, 20, 20)) - lower
+    at = [(0, 0, 3), (0.5, 0, 3.5), (0, 0, 1), (0.2, 0.1, 1.5)]
+    assert block.contains(at).tolist() == [True, True, False, False]
+    near = block.near(((fc_rational(-1),) * 3, (fc_rational(4),) * 3))
+    assert near is not None and near.contains(at).tolist() == [True, True, False, False]
+
+
+def test_trees():
+    tree = And(And(Leaf(0), Not(Leaf(1))), Not(Or(Leaf(2), And(Leaf(3), Leaf(4)))))
+    assert leaves_of(tree.first) == {0: 1, 1: -1} and leaves_of(tree) == {}
+    assert grows_with_leaves(tree.first) and not grows_with_leaves(tree)
+    assert simplified(tree, (0, 0, 1, 1, 0)) == tree.first
+    assert simplified(tree, (0, 0, -1, 0, 0)) is False and simplified(tree, (-1, 1, 1, 1, 0)) is True
+    assert simplified(tree, (0, 1, 0, -1, 1)) == And(Leaf(0), Not(Leaf(2)))
+
+
+def test_regions_of_a_box():
+    box = fc.box((2, 2, 2))
+    regions = Regions(box.surfaces, box._reaches)
+    assert len(list(regions.pairs())) == 12  # opposite sides do not meet
+    signs = regions.signs((np.array([0.5, -3, -3]), np.array([3.0, 3, 3])))
+    assert signs.count(0) == 5 and sorted(signs)[0] == -1
+
+
+@pytest.mark.parametrize("kind", ["sunk", "drill", "bore", "slot"])
+def test_a_hundred_holes(kind):
+    """Built and asked within seconds, again within milliseconds."""
+    begin = clock.perf_counter()
+    body = plate(kind, 10, 10)
+    ball = fc.sphere(1).translated((5, 5, 20)).moving(fc.Translation((0, 0, -20)))
+    pin = fc.cylinder(1, 2).translated((0, 0, 20)).moving(fc.Screw((0, 0, 1), degrees=90, advance=-34))
+    ends = fc.first_contact(ball, body)
+    landed = fc.first_contact(pin, body)
+    assert clock.perf_counter() - begin < 30  # a second or five on a machine that does nothing else
+    deepest = {"drill": False}.get(kind, True)
+    assert ends.status is (fc.Status.FREE if deepest or kind == "drill" else None)
+    assert landed.time_interval[0] <= 0.5 <= landed.time_interval[1] and landed.element_b.name == "z+"
+    begin = clock.perf_counter()
+    for _ in range(5):
+        fc.first_contact(ball, body)
+    assert clock.perf_counter() - begin < 5 * 0.3
+
+
+@pytest.mark.parametrize("moving", ["ball", "plate"])
+def test_a_part_of_a_model_answers_as_the_whole(monkeypatch, moving):
+    body = plate("bore", 3, 4).named("plate")
+    ball = fc.sphere("3/2").translated(("11/2", "1/4", 20)).named("ball")
+    way = fc.Translation((0, 0, -20)) if moving == "ball" else fc.Translation((0, 0, 20))
+    pair = (ball.moving(way), body) if moving == "ball" else (ball, body.moving(way))
+    part = fc.first_contact(*pair)
+    monkeypatch.setattr(certified, "MANY", 10_000)
+    whole = fc.first_contact(ball.moving(way) if moving == "ball" else ball,
+                             looked_at_whole(body).moving(way) if moving == "plate" else looked_at_whole(body))
+    assert part.status is whole.status is fc.Status.CONTACT
+    assert (part.element_a, part.element_b) == (whole.element_a, whole.element_b)
+    assert abs(part.time - whole.time) < 1e-11 and np.allclose(part.point, whole.point, atol=1e-9)
