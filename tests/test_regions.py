@@ -5,6 +5,7 @@ import time as clock
 
 import numpy as np
 import pytest
+from flint import fmpq
 
 import firstcontact as fc
 from amount import amount
@@ -36,13 +37,21 @@ def plate(kind: str, rows: int, columns: int) -> CompositeQuadric:
 
 
 def described(body: CompositeQuadric) -> list[tuple[object, ...]]:
-    """All features, without their order among equals."""
-    found: list[tuple[object, ...]] = [("face", f.name, f.surfaces, f.orientation) for f in body.faces]
+    """All features, by what they are: surfaces that only pass a vertex, and the steps along curves, may differ."""
+    found: list[tuple[object, ...]] = [("face", *f.surfaces, f.orientation, f.name) for f in body.faces]
     for kind, edges in (("edge", body.edges), ("seam", body.seams)):
         for e in edges:
-            ends = sorted(tuple(np.round([p.lo, p.hi], 6)) for p in e.pieces)
-            found.append((kind, e.name, e.surfaces, e.convexity, len(e.pieces), tuple(ends)))
-    return found + [("vertex", v.name, v.surfaces, tuple(np.round(v.position, 9)), v.is_apex) for v in body.vertices]
+            ends = [x for p in e.pieces for x in (p.start, p.end)]
+            at = sorted(tuple(np.round(body.vertices[v].position, 9)) for v in ends if v is not None)
+            found.append((kind, *e.surfaces, e.convexity, len(e.pieces), *at))
+    return found + [("vertex", *np.round(v.position, 9).tolist(), v.is_apex) for v in body.vertices]
+
+
+def same(body: CompositeQuadric, whole: CompositeQuadric) -> bool:
+    """But for tips of cones that other surfaces hide: where all are looked at, they are told too."""
+    found, known = (sorted(map(str, described(x))) for x in (body, whole))
+    extra = [x for x in known if x not in found]
+    return all(x in known for x in found) and all(x.startswith("('vertex'") and x.endswith("True)") for x in extra)
 
 
 def looked_at_whole(body: CompositeQuadric) -> CompositeQuadric:
@@ -53,7 +62,7 @@ def looked_at_whole(body: CompositeQuadric) -> CompositeQuadric:
 @pytest.mark.parametrize("kind", ["sunk", "drill", "bore", "slot"])
 def test_a_row_of_holes(kind):
     body = plate(kind, 1, 3)
-    assert sorted(described(body)) == sorted(described(looked_at_whole(body)))
+    assert same(body, looked_at_whole(body))
 
 
 def random_solid(rng: random.Random, depth: int) -> CompositeQuadric:
@@ -79,9 +88,9 @@ def test_random_solids(seed):
         whole = looked_at_whole(body)
     except InputError:  # an empty combination
         return
-    assert sorted(described(body)) == sorted(described(whole))
+    assert same(body, whole)
     rows = np.random.default_rng(seed).uniform(-5, 5, (4000, 3))
-    lo, hi = (tuple(fc_rational(x) for x in corner) for corner in ((-1, 0, -2), (2, 3, 1)))
+    lo, hi = (tuple(fmpq(x) for x in corner) for corner in ((-1, 0, -2), (2, 3, 1)))
     inside = rows[((rows > (-1, 0, -2)) & (rows < (2, 3, 1))).all(axis=1)]
     near = body.near((lo, hi))
     held = body.contains(inside)
@@ -91,12 +100,6 @@ def test_random_solids(seed):
         assert np.array_equal(near.contains(inside), held)
 
 
-def fc_rational(x):
-    from flint import fmpq
-
-    return fmpq(x)
-
-
 def test_a_nappe_that_is_cut_off_stays_cut_off():
     """Beyond what is left of it, a solid made by subtraction is not taken for what it was cut from."""
     both = fc.cone(2, 2) | fc.frustum(0, 2, 2).translated((0, 0, 2))
@@ -104,7 +107,7 @@ def test_a_nappe_that_is_cut_off_stays_cut_off():
     block = fc.box((20, 20, 20)) - lower
     at = [(0, 0, 3), (0.5, 0, 3.5), (0, 0, 1), (0.2, 0.1, 1.5)]
     assert block.contains(at).tolist() == [True, True, False, False]
-    near = block.near(((fc_rational(-1),) * 3, (fc_rational(4),) * 3))
+    near = block.near(((fmpq(-1),) * 3, (fmpq(4),) * 3))
     assert near is not None and near.contains(at).tolist() == [True, True, False, False]
 
 
@@ -135,9 +138,8 @@ def test_a_hundred_holes(kind):
     ends = fc.first_contact(ball, body)
     landed = fc.first_contact(pin, body)
     assert clock.perf_counter() - begin < 30  # a second or five on a machine that does nothing else
-    deepest = {"drill": False}.get(kind, True)
-    assert ends.status is (fc.Status.FREE if deepest or kind == "drill" else None)
-    assert landed.time_interval[0] <= 0.5 <= landed.time_interval[1] and landed.element_b.name == "z+"
+    assert ends.status is fc.Status.FREE  # in a hole, also where it ends in a tip: 1.2 away from the middle
+    assert landed.time_interval[0] <= 0.5 <= landed.time_interval[1] and landed.element_b.label == "z+"
     begin = clock.perf_counter()
     for _ in range(5):
         fc.first_contact(ball, body)
