@@ -133,6 +133,17 @@ def segments_meet(a: Vector, b: Vector, c: Vector, d: Vector) -> bool:
     return any(point_line.on_segment(p, q, r) for p, q, r in ends)
 
 
+def segments_cross(a: Vector, b: Vector, c: Vector, d: Vector) -> bool:
+    """Whether the insides of segments ab and cd share one point and no more; exact."""
+    e, f, w = sub(b, a), sub(d, c), sub(c, a)
+    n = cross(e, f)
+    nn = dot(n, n)
+    if sign(nn) == 0 or sign(dot(w, n)) != 0:
+        return False
+    lam, mu = dot(cross(w, f), n), dot(cross(w, e), n)
+    return sign(lam) > 0 and sign(nn - lam) > 0 and sign(mu) > 0 and sign(nn - mu) > 0
+
+
 def contact_place(a: Vector, b: Vector, c: Vector, d: Vector, v: Vector, t: Any) -> tuple[Any, Any, Any, Any]:
     """`contact_point` as numerators and denominator, of whole numbers without divisions."""
     e, f, w = sub(b, a), sub(d, c), sub(c, a)

@@ -103,3 +103,11 @@ def in_triangle(q: Vector, a: Vector, b: Vector, c: Vector, n: Vector) -> bool:
         and sign(dot(n, cross(sub(c, b), sub(q, b)))) >= 0
         and sign(dot(n, cross(sub(a, c), sub(q, c)))) >= 0
     )
+
+
+def on_triangle(q: Vector, a: Vector, b: Vector, c: Vector) -> bool:
+    """Whether q lies on the closed triangle, which may have no area; exact."""
+    n = cross(sub(b, a), sub(c, a))
+    if all(sign(x) == 0 for x in n):
+        return any(point_line.on_segment(q, *side) for side in ((a, b), (b, c), (c, a)))
+    return sign(dot(n, sub(q, a))) == 0 and in_triangle(q, a, b, c, n)

@@ -1,12 +1,13 @@
-"""Is a point inside a closed polyhedron?  Crossing parity of the ray towards +x, decided exactly.
+"""Is a point inside a closed polyhedron?  Crossing parity of the ray along an axis, decided exactly.
 
-The ray's origin counts as shifted by (eps, eps^2) in y and z, eps infinitesimal (half-open rule), so that the
-ray passes through no edge and no vertex; floats decide the triangles it certainly hits or misses.
+The ray's origin counts as shifted by eps and eps^2 along the next two axes, eps infinitesimal (half-open rule), so that
+the ray passes through no edge and no vertex; floats decide the triangles it certainly hits or misses.
 """
 
 from __future__ import annotations
 
 import weakref
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from firstcontact.exact.rigid import apply, inverse_map
 from firstcontact.exact.vectors import Vector, cross, dot, sub
 from firstcontact.kernels.jit import kernel
 from firstcontact.kernels.selection import select
+from firstcontact.kernels.signs import cross_sign, det_sign, order
 from firstcontact.kernels.verdict import DET_EPS, TINY, cross_size
 from firstcontact.kernels.verdict import cross as cross_f
 from firstcontact.search.trees.frame import tree_of
@@ -38,21 +40,22 @@ def _side(ay, az, by, bz, err):
 
 
 @kernel
-def ray_crossings(boxes, links, xyz, ids, p, err, hits):
-    """Fill hits with (triangle, 1 certain | 0 unsure) met by the ray from p (3,) to +x; returns their number.
+def ray_crossings(boxes, links, xyz, ids, p, axis, err, hits):
+    """Fill hits with (triangle, 1 certain | 0 unsure) met by the ray from p (3,) along +axis; returns their number.
 
     err bounds the error of every difference of coordinates.  Stops short when hits is full: returns -1.
     """
     stack = np.empty(256, np.int64)
     stack[0] = 0
     depth, n = 1, 0
+    i, j, k = axis, (axis + 1) % 3, (axis + 2) % 3
     while depth > 0:
         depth -= 1
         node = stack[depth]
         box = boxes[node]
         if (
-            box[3] < p[0] - err or box[1] > p[1] + err or box[4] < p[1] - err
-            or box[2] > p[2] + err or box[5] < p[2] - err
+            box[i + 3] < p[i] - err or box[j] > p[j] + err or box[j + 3] < p[j] - err
+            or box[k] > p[k] + err or box[k + 3] < p[k] - err
         ):  # fmt: skip
             continue
         if links[node, 1] >= 0:
@@ -63,9 +66,9 @@ def ray_crossings(boxes, links, xyz, ids, p, err, hits):
         if not ids[part, 1] & FACET:
             continue
         x = xyz[part]
-        a0, a1, a2 = x[0] - p[0], x[1] - p[1], x[2] - p[2]
-        b0, b1, b2 = x[3] - p[0], x[4] - p[1], x[5] - p[2]
-        c0, c1, c2 = x[6] - p[0], x[7] - p[1], x[8] - p[2]
+        a0, a1, a2 = x[i] - p[i], x[j] - p[j], x[k] - p[k]
+        b0, b1, b2 = x[i + 3] - p[i], x[j + 3] - p[j], x[k + 3] - p[k]
+        c0, c1, c2 = x[i + 6] - p[i], x[j + 6] - p[j], x[k + 6] - p[k]
         ab, bc, ca = _side(a1, a2, b1, b2, err), _side(b1, b2, c1, c2, err), _side(c1, c2, a1, a2, err)
         if max(ab, bc, ca) > 0 and min(ab, bc, ca) < 0:
             continue
@@ -82,8 +85,8 @@ def ray_crossings(boxes, links, xyz, ids, p, err, hits):
         if certain and (det > 0.0) != (ab > 0):
             continue  # the plane is met behind the origin
         known = False
-        for i in range(n):
-            known = known or hits[i, 0] == ids[part, 0]
+        for m in range(n):
+            known = known or hits[m, 0] == ids[part, 0]
         if not known:
             if n == hits.shape[0]:
                 return -1
@@ -92,9 +95,11 @@ def ray_crossings(boxes, links, xyz, ids, p, err, hits):
     return n
 
 
-def contains(solid: Any, tree: Tree, point: Vector) -> bool:
-    """Whether the exact point, not on the surface, lies inside the closed polyhedron.
+def contains(solid: Any, tree: Tree, point: Vector, axis: int = 0, skip: Sequence[int] = ()) -> bool:
+    """Whether the exact point lies inside the closed polyhedron.
 
+    skip: the triangles that hold the point, if any; then what is told is whether points next to it are inside, those
+    along the axis and infinitely less along the axes after it.
     Raises Undecidable where irrational poses leave it open.
     """
     p = np.array([to_double(x) if isinstance(x, fmpq) else float(x) for x in point])
@@ -103,14 +108,66 @@ def contains(solid: Any, tree: Tree, point: Vector) -> bool:
         isinstance(x, fmpq) and fmpq(*y.as_integer_ratio()) == x for x, y in zip(point, doubles, strict=True)
     )
     err = 2.0 * tree.error + (0.0 if exact else float(np.abs(p).max()) * 2.0**-51 + 1e-300)
-    hits = np.empty((64, 2), np.int64)
-    while (n := ray_crossings(tree.boxes, tree.links, tree.xyz, tree.ids, p, err, hits)) < 0:
-        hits = np.empty((4 * len(hits), 2), np.int64)
+    order = axis, (axis + 1) % 3, (axis + 2) % 3
     inside = False
-    for triangle, certain in hits[:n].tolist():
-        if certain or _crosses(point, *(solid.exact_vertex(i) for i in solid.triangles[triangle].tolist())):
+    for triangle, certain in _hits(tree, p, axis, err).tolist():
+        if triangle in skip:
+            continue
+        if not certain:
+            corners = [point, *(solid.exact_vertex(i) for i in solid.triangles[triangle].tolist())]
+            certain = _crosses(*(tuple(x[k] for k in order) for x in corners))  # type: ignore[arg-type]
+        inside = inside != bool(certain)
+    return inside
+
+
+def ray_parity(
+    tree: Tree, triangles: np.ndarray, first: int, signs: Any, x: int, axis: int, skip: np.ndarray
+) -> bool:
+    """`contains` of point x among those of `kernels.signs`, where these are exact; first: the solid's first one."""
+    high, _, err, _ = signs
+    hits = _hits(tree, high[x], axis, 2.0 * (tree.error + err))
+    return bool(_parity(*signs, first, triangles, hits, x, axis, skip))
+
+
+def _hits(tree: Tree, p: np.ndarray, axis: int, err: float) -> np.ndarray:
+    """(n, 2) triangle and whether the ray certainly crosses it."""
+    hits = np.empty((64, 2), np.int64)
+    while (n := ray_crossings(tree.boxes, tree.links, tree.xyz, tree.ids, p, axis, err, hits)) < 0:
+        hits = np.empty((4 * len(hits), 2), np.int64)
+    return hits[:n]
+
+
+@kernel
+def _parity(high, low, err, room, first, triangles, hits, x, axis, skip):
+    inside = False
+    for n in range(hits.shape[0]):
+        t = hits[n, 0]
+        at = False
+        for m in range(skip.shape[0]):
+            at = at or skip[m] == t
+        if at:
+            continue
+        if hits[n, 1] == 1:
+            inside = not inside
+            continue
+        a, b, c = first + triangles[t, 0], first + triangles[t, 1], first + triangles[t, 2]
+        turn = _turn_sign(high, low, err, room, axis, a, b, x)
+        if turn != 0 and (
+            _turn_sign(high, low, err, room, axis, b, c, x) == turn
+            and _turn_sign(high, low, err, room, axis, c, a, x) == turn
+            and det_sign(high, low, err, room, a, x, b, x, c, x) == turn
+        ):
             inside = not inside
     return inside
+
+
+@kernel
+def _turn_sign(high, low, err, room, axis, q, r, x):
+    """`_shifted_side` of two points seen from x along the axis, with exact signs."""
+    turn = cross_sign(high, low, err, room, axis, q, x, r, x)
+    if turn == 0:
+        turn = order(high, low, err, room, (axis + 2) % 3, q, r)
+    return turn if turn != 0 else order(high, low, err, room, (axis + 1) % 3, r, q)
 
 
 def _crosses(p: Vector, a: Vector, b: Vector, c: Vector) -> bool:
