@@ -480,11 +480,13 @@ class ContactIntervals(_NoTruth, Sequence[ContactInterval]):
 class ContactPairs(_NoTruth, Sequence[ElementPair]):
     """The element pairs that meet during the span: vertex/face, edge/edge, face/vertex, sorted.
 
-    ``piercing`` lists edge/face and face/edge pairs that meet at the start of the span already.
+    ``piercing`` lists edge/face and face/edge pairs that meet at the start of the span already, ``undecided`` pairs of
+    either kind of which no precision tells whether they meet.  All others do not.
     """
 
     pairs: tuple[ElementPair, ...]
     piercing: tuple[ElementPair, ...] = ()
+    undecided: tuple[ElementPair, ...] = ()
     stats: Stats = field(default_factory=Stats)
 
     def __len__(self) -> int:
@@ -503,7 +505,8 @@ class ContactPairs(_NoTruth, Sequence[ElementPair]):
         return len(self.pairs)
 
     def __str__(self) -> str:
-        return f"{len(self.pairs)} element pairs meet, {len(self.piercing)} pierced at the start"
+        text = f"{len(self.pairs)} element pairs meet, {len(self.piercing)} pierced at the start"
+        return f"{text}, {len(self.undecided)} undecided" if self.undecided else text
 
 
 def finite(value: Any) -> Any:

@@ -123,12 +123,14 @@ class Found:
     instant   exact time of the first contact, None when there is none
     pairs     the pairs that realise it, lowest first
     start     pairs (edge, facet) that share a point at the start: (pair, crossing) - then no events were sought
+    doubtful  pairs that no precision decides
     open      None, or "budget" / "precision": what stopped the search; free_until (local) is proved
     """
 
     instant: Instant | None = None
     pairs: list[Pair] = field(default_factory=list)
     start: list[tuple[Pair, bool]] = field(default_factory=list)
+    doubtful: list[Pair] = field(default_factory=list)
     open: str | None = None
     free_until: float = 0.0
     visits: int = 0
@@ -179,8 +181,7 @@ def all_pairs(problem: Searched, with_start: bool = True) -> Found:
         search.walk(with_start, all_sides=True)
         met = [pair for pair, instant in search.decided.items() if instant is not None]
         found.pairs = sorted({*met, *(search._pair(row) for _, _, row in search.waiting)})
-        if search.doubtful:
-            found.open = "precision"
+        found.doubtful = sorted(search.doubtful)
     finally:
         found.visits, found.tests = int(state.integers[VISITS]), int(state.integers[TESTS])
         found.engine = engine_of(problem, state)

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Hashable
 from functools import cached_property, cmp_to_key
-from itertools import product
+from itertools import pairwise, product
 from typing import Any
 
 import numpy as np
 from flint import arb, arb_series, ctx, fmpq
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
-from firstcontact.contact.polyhedra.curved_problem import Corners, CurvedProblem
+from firstcontact.contact.polyhedra.curved_problem import Corners, CurvedProblem, element_pairs, ids_of
+from firstcontact.contact.polyhedra.doubts import WIDEST, Doubt, merged
 from firstcontact.contact.polyhedra.earliest import SOON
 from firstcontact.contact.polyhedra.generic_turns import Rows, relative_pose
 from firstcontact.contact.polyhedra.planar import BeginsNothing, generic_poses, has_walls, normal_of_motion
@@ -55,12 +56,17 @@ from firstcontact.search.trees.windows import PART_ROOM
 
 # Bits of poses between two instants.
 _BITS = 512
+# Where times are cut and looked into: at no power of two, elements are aligned at those.
+_SHARE = fmpq(15, 31)
 # What looking at a stretch of time answers when it is not clear.
 OPEN = "open"
 # Terms of the series that stand for the motion over a short time, the last one enclosing the rest.
 _TERMS = 8
 # Times looked at before a pair counts as undecidable at a precision.
 _MOST_LOOKS = 200
+# The same for the times in which primitives meet throughout, and bits of the poses there: those are wide balls.
+_FEW_LOOKS, _COARSE = 80, 128
+_MOST_KEPT = 4096
 # The first time to look into around a bound of the floats, as a share of the piece.
 _NEAR = 2.0**-28
 
@@ -75,6 +81,7 @@ class EnclosedProblem(CurvedProblem[RationalInstant]):
         super().__init__(a, b, piece)
         self._instants: dict[Hashable, list[tuple[RationalInstant, arb]]] = {}
         self._possible: dict[tuple[Feature, Feature], float] = {}
+        self._kept_poses: dict[tuple[fmpq, fmpq, int], list[tuple[Rows, Rows]]] = {}
         self._poses_at: dict[fmpq, tuple[Rows, Rows, bool] | None] = {}
 
     @cached_property
@@ -157,28 +164,42 @@ class EnclosedProblem(CurvedProblem[RationalInstant]):
         return not any(cross(*directions)) and (_has_facet(self.a, edge_a) or _has_facet(self.b, edge_b))
 
     def _contacts_in(
-        self, pair: Corners, lo: fmpq, hi: fmpq, first_only: bool = False, lasting: list[list[bool]] | None = None
-    ) -> list[tuple[arb | fmpq, arb]]:
+        self, pair: Corners, lo: fmpq, hi: fmpq, first_only: bool = False, lasting: list[list[bool]] | None = None,
+        doubts: list[tuple[fmpq, fmpq]] | None = None,
+    ) -> list[tuple[arb | fmpq, arb]]:  # fmt: skip
         """The contacts of two elements from lo to hi, or the first of them, each with a time in which it is alone.
 
         They are balls, but rational at an end of the piece and where balls would leave them open.
 
-        lasting: as `_lasting` tells.
-        Undecidable carries a double before which there certainly is none.
+        lasting: as `_lasting` tells.  doubts: takes the times that are left open.
+        Undecidable, without a place for doubts, carries a double before which there certainly is none.
         """
         waiting, looks = [(lo, hi)], 0
+        most, least = _MOST_LOOKS, fmpq(1, 2 ** (ctx.prec // 2)) * self.length
+        if doubts is not None:
+            most, least = _FEW_LOOKS, WIDEST / 16 * self.length
         out: list[tuple[arb | fmpq, arb]] = []
         # `waiting` holds, last one first, the times at which contacts may be that are not in `out`.
         while waiting and not (first_only and out):
             left, right = waiting.pop()
             looks += 1
-            found = self._look(pair, left, right, lasting)
+            try:
+                found = self._look(pair, left, right, lasting)
+                if found not in (None, OPEN) and not self._in_window(found[0]):
+                    found = None
+            except Undecidable:
+                if doubts is None:
+                    raise
+                found = OPEN
             if found == OPEN:
-                if looks > _MOST_LOOKS or right - left < fmpq(1, 2 ** (ctx.prec // 2)) * self.length:
-                    raise Undecidable(to_double(left))
-                cut = left + (right - left) * fmpq(15, 31)  # no power of two: events like those
+                if looks > most or right - left < least:
+                    if doubts is None:
+                        raise Undecidable(to_double(left))
+                    doubts.append((max(left, fmpq(0)), min(right, self.length)))
+                    continue
+                cut = left + (right - left) * _SHARE
                 waiting += [(cut, right), (left, cut)]
-            elif found is not None and self._in_window(found[0]):
+            elif found is not None:
                 out.append(found)
         return out
 
@@ -259,9 +280,8 @@ class EnclosedProblem(CurvedProblem[RationalInstant]):
 
     def _conditions_over(self, pair: Corners, left: fmpq, right: fmpq) -> list[Conditions]:
         """The conditions as series about the middle of a time, their last terms enclosing the rest."""
-        middle = (left + right) / 2
         with terms(_TERMS, ctx.prec):
-            poses = self._poses(ball(middle)), self._poses(arb(left).union(arb(right)))
+            poses = self._poses_over(left, right)
             sharp, blurred = (self.conditions(pair, *pose) for pose in poses)
         return [
             Conditions(*(  # type: ignore[arg-type]
@@ -270,6 +290,16 @@ class EnclosedProblem(CurvedProblem[RationalInstant]):
             ))
             for c, d in zip(sharp, blurred, strict=True)
         ]  # fmt: skip
+
+    def _poses_over(self, left: fmpq, right: fmpq) -> list[tuple[Rows, Rows]]:
+        """The poses about the middle of a time, and over all of it; kept, for other elements meet there too."""
+        key = left, right, ctx.prec
+        if key not in self._kept_poses:
+            if len(self._kept_poses) == _MOST_KEPT:
+                self._kept_poses.clear()
+            times = ball((left + right) / 2), arb(left).union(arb(right))
+            self._kept_poses[key] = [self._poses(t) for t in times]
+        return self._kept_poses[key]
 
     def _poses(self, t: arb) -> tuple[Rows, Rows]:
         """The pose of a seen from b at the local time, and its inverse, with their last rows."""
@@ -357,6 +387,78 @@ class EnclosedProblem(CurvedProblem[RationalInstant]):
                         found[id(instant)] = instant
             return [(instant, True) for instant in sorted(found.values(), key=cmp_to_key(self.order))]
 
+    def windows_and_doubts(
+        self, primitive_a: int, primitive_b: int
+    ) -> tuple[list[tuple[RationalInstant, RationalInstant]], list[Doubt]]:
+        """(times in which two primitives certainly meet, times in which it is left open when they do)."""
+        a, b = Primitive(self.a, self.tree_a, primitive_a), Primitive(self.b, self.tree_b, primitive_b)
+        ids = ids_of(self.tree_a, primitive_a), ids_of(self.tree_b, primitive_b)
+        stretches: list[tuple[fmpq, fmpq]] = []
+        doubts = [Doubt(time, time, False) for time in (fmpq(0), self.length)]
+        with precision(_COARSE):
+            for lo, hi in self._open_times(a, b):
+                for _, pair in element_pairs(a, ids[0], b, ids[1]):
+                    for root, _ in self._contacts_in(pair, lo, hi, doubts=stretches):
+                        found = ball(root)
+                        doubts.append(Doubt(*self._within(dyadic(found.lower()), dyadic(found.upper())), True))
+            doubts += [Doubt(*self._within(lo, hi), False) for lo, hi in stretches if lo < self.length and hi > 0]
+            windows = self._times_between(a, b, merged(doubts), doubts)
+        with precision(_COARSE):
+            refined = [self._refined(a, b, d) for d in merged(doubts) if d.is_contact or d.lo < d.hi]
+        for more, _ in refined:
+            windows += more
+        doubts = [doubt for _, left in refined for doubt in left]
+        for time in (fmpq(0), self.length):
+            if self._certainly_meet(a, b, self._pose_at(time + self.piece.start)):
+                windows.append((RationalInstant(time), RationalInstant(time)))
+        return windows, doubts
+
+    def _within(self, lo: fmpq, hi: fmpq) -> tuple[fmpq, fmpq]:
+        return max(lo, fmpq(0)), min(hi, self.length)
+
+    def _times_between(
+        self, a: Primitive, b: Primitive, events: list[Doubt], doubts: list[Doubt]
+    ) -> list[tuple[RationalInstant, RationalInstant]]:
+        """The times between the events in which two primitives meet; those left open go to the doubts."""
+        windows = []
+        for left, right in pairwise(events):
+            start, end = RationalInstant(left.hi), RationalInstant(right.lo)
+            meet = self._certainly_meet(a, b, self.pose_between(start, end))
+            if meet:
+                windows.append((start, end))
+            elif meet is None:
+                doubts.append(Doubt(left.hi, right.lo, False))
+        return windows
+
+    def _refined(
+        self, a: Primitive, b: Primitive, doubt: Doubt
+    ) -> tuple[list[tuple[RationalInstant, RationalInstant]], list[Doubt]]:
+        """A doubt cut into times in which two primitives certainly meet throughout, and what is left of it."""
+        least, looks = WIDEST * self.length, 0
+        windows, doubts, waiting = [], [], [(doubt.lo, doubt.hi)]
+        while waiting:
+            lo, hi = waiting.pop()
+            if hi - lo <= least or looks == _FEW_LOOKS:
+                doubts.append(Doubt(lo, hi, doubt.is_contact))
+                continue
+            looks += 1
+            with terms(1, ctx.prec):
+                pose = self.piece.series(arb(lo).union(arb(hi)) + self.piece.start)
+            meet = self._certainly_meet(a, b, tuple(tuple(x[0] for x in row) for row in pose))  # type: ignore[arg-type]
+            if meet:
+                windows.append((RationalInstant(lo), RationalInstant(hi)))
+            elif meet is None:
+                cut = lo + (hi - lo) * _SHARE
+                waiting += [(cut, hi), (lo, cut)]
+        return windows, doubts
+
+    def _certainly_meet(self, a: Primitive, b: Primitive, pose: Matrix) -> bool | None:
+        """Whether two primitives share a point in the pose, or in all of a ball of poses; None in doubt."""
+        try:
+            return a.moved(pose).meets(b)
+        except Undecidable:
+            return None
+
     def _known(self, name: Hashable, root: arb | fmpq, alone: arb) -> RationalInstant:
         """The instant of that contact of two elements: one object, whichever primitives ask, equal to itself."""
         known = self._instants.setdefault(name, [])
@@ -392,10 +494,11 @@ class EnclosedProblem(CurvedProblem[RationalInstant]):
         return [(exact_value(lo), exact_value(hi)) for lo, hi in zones]
 
     def pose_between(self, x: RationalInstant, y: RationalInstant) -> Matrix:
-        """The pose of a half way between x and y, in balls."""
+        """The pose of a at a time between x and y, in balls."""
         with terms(1, _BITS):
-            middle = self.piece.series((ball(x.value) + ball(y.value)) / 2 + self.piece.start)
-            return tuple(tuple(entry[0] for entry in row) for row in middle)  # type: ignore[return-value]
+            time = (1 - _SHARE) * ball(x.value) + _SHARE * ball(y.value)
+            pose = self.piece.series(time + self.piece.start)
+            return tuple(tuple(entry[0] for entry in row) for row in pose)  # type: ignore[return-value]
 
     def float_window(self, lo: float, hi: float) -> tuple[RationalInstant, RationalInstant]:
         """A certain window given by doubles, clipped to the piece."""

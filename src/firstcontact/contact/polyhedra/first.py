@@ -19,7 +19,7 @@ from firstcontact.contact.polyhedra.intervals import Windows, contact_windows
 from firstcontact.contact.polyhedra.overlap import initial_kind
 from firstcontact.contact.polyhedra.problem import problem_of, problems_in_order
 from firstcontact.contact.ways import Way, answered
-from firstcontact.errors import FirstContactError, UnsupportedPair
+from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import Undecidable, to_double
 from firstcontact.motion.relative.curved import CurvedPiece
 from firstcontact.motion.relative.pieces import Piece, pieces
@@ -83,8 +83,9 @@ def _contact_intervals(query: Query, _: None) -> ContactIntervals:
         found = contact_windows(problem, _left(query, stats), query.progress)
         stats = _added(stats, found)
         if found.open is not None:
-            until = to_double(piece.start)
-            if found.open == "precision":  # where a first contact is easier to tell than all windows
+            until = max(to_double(piece.start), problem.world_time(found.until))
+            ends = join(ends, problem, found.windows)
+            if found.open == "precision" and not ends:  # where a first contact is easier to tell than all windows
                 rest = _first_contact(
                     Query(query.a, query.b, piece.start, query.last, progress=query.progress)
                 )
@@ -107,18 +108,16 @@ def pairs(query: Query) -> ContactPairs:
     stats = NO_WORK
     met: list[Pair] = []
     pierced: list[Pair] = []
+    doubtful: list[Pair] = []
     for problem, with_start in problems_in_order(query.a, query.b, _pieces(query), "auto"):
         found = all_pairs(problem, with_start=with_start)
-        if found.open is not None:
-            raise FirstContactError("a pair of elements cannot be decided in this irrational pose")
         stats = _added(stats, found)
         met += found.pairs
         pierced += [pair for pair, _ in found.start]
-    return ContactPairs(
-        tuple(p for p, _ in element_pairs(query.a, query.b, met)),
-        tuple(p for p, _ in element_pairs(query.a, query.b, pierced)),
-        _timed(stats, query.begin),
-    )
+        doubtful += found.doubtful
+    named = [[p for p, _ in element_pairs(query.a, query.b, some)] for some in (met, pierced, doubtful)]
+    undecided = tuple(p for p in named[2] if p not in named[0] and p not in named[1])
+    return ContactPairs(tuple(named[0]), tuple(named[1]), undecided, _timed(stats, query.begin))
 
 
 def _pieces(query: Query) -> list[Piece | CurvedPiece]:

@@ -5,24 +5,38 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from functools import cmp_to_key
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
+from flint import fmpq
 
+from firstcontact.contact.polyhedra.doubts import Doubt, settled
 from firstcontact.contact.polyhedra.earliest import Problem, Window
-from firstcontact.exact.numbers import Undecidable
+from firstcontact.exact.numbers import Undecidable, below
+from firstcontact.motion.relative.curved import CurvedPiece
 from firstcontact.search.trees.containment import contained_at, decide
 from firstcontact.search.trees.state import SLICE
 from firstcontact.search.trees.windows import COVERS, DONE, FOUND, FULL, STACK, TESTS, VISITS
 from firstcontact.work import Progress
 
+if TYPE_CHECKING:
+    from firstcontact.contact.polyhedra.enclosed_problem import EnclosedProblem
+
+
+# Primitives that are in doubt for long, such as those that slide along each other: after so many no answer is expected.
+MOST_WIDE = 16
+
 
 @dataclass(slots=True)
 class Windows:
-    """Windows of contact (start, end), exact instants, disjoint and ascending; or why there are none to trust."""
+    """Windows of contact (start, end), exact instants, disjoint and ascending.
+
+    open: what stopped the search, if anything; then they are those before `until` in the local clock.
+    """
 
     windows: list[Window] = field(default_factory=list)
     open: str | None = None
+    until: float = 0.0
     visits: int = 0
     tests: int = 0
     unsure: int = 0
@@ -42,15 +56,60 @@ def contact_windows(problem: Problem, budget: int | None, progress: Progress | N
         last = problem.window()[0]
         items = [problem.float_window(lo, hi) for lo, hi in cover if hi >= 0.0 and lo <= last]
         items = [(start, end) for start, end in items if problem.order(start, end) <= 0]
+        doubts: list[Doubt] = []
+        wide = 0
         for part_a, part_b in parts:
             answer.exact += 1
-            items += decide(lambda a=part_a, b=part_b: problem.windows_of(a, b))
-        answer.windows = _union(items, problem)
+            certain, open_times = _windows_of(problem, part_a, part_b)
+            items, doubts = items + certain, doubts + open_times
+            wide += any(doubt.is_wide(_in_balls(problem).length) for doubt in open_times)
+            if wide == MOST_WIDE:
+                raise Undecidable
+        answer.windows, open_from = _settled(problem, items, doubts)
+        if open_from is not None:
+            answer.open, answer.until = "precision", below(open_from)
+            return answer
         if problem.a.solid or problem.b.solid:
             answer.windows = _with_containment(problem, answer.windows)
     except Undecidable:
         answer.open = "precision"
     return answer
+
+
+def _windows_of(problem: Problem, part_a: int, part_b: int) -> tuple[list[Window], list[Doubt]]:
+    """The windows of contact of two primitives, and the times left open; where times are exact there are none."""
+    try:
+        enclosed = _in_balls(problem)
+    except Undecidable:
+        return list(decide(lambda: problem.windows_of(part_a, part_b))), []
+    try:
+        return list(enclosed.windows_of(part_a, part_b)), []
+    except Undecidable:
+        certain, open_times = enclosed.windows_and_doubts(part_a, part_b)
+        return list(certain), open_times
+
+
+def _settled(
+    problem: Problem, items: list[Window], doubts: list[Doubt]
+) -> tuple[list[Window], fmpq | None]:
+    """The union of the windows, and the time from which on it is open what else there is."""
+    if not doubts:
+        try:
+            return _union(items, problem), None
+        except Undecidable:
+            pass  # equal times, perhaps
+    windows, open_from = settled(items, doubts, _in_balls(problem).length)
+    return list(windows), open_from
+
+
+def _in_balls(problem: Problem) -> EnclosedProblem:
+    """The problem, if its times are balls: those of others are exact, and what they leave open stays so.
+
+    Raises Undecidable.
+    """
+    if not isinstance(problem.piece, CurvedPiece) or problem.piece.is_rational:
+        raise Undecidable
+    return cast("EnclosedProblem", problem)
 
 
 def _collect(

@@ -26,7 +26,7 @@ from firstcontact.kernels.jit import kernel
 from firstcontact.kernels.signs import UNSURE, cross_sign, det_sign, order
 from firstcontact.pairs.elements.point_line import on_segment
 from firstcontact.pairs.elements.point_plane import on_triangle
-from firstcontact.search.trees.containment import contains, ray_parity
+from firstcontact.search.trees.containment import contains, hits_of_ray, parity_of_hits
 from firstcontact.search.trees.elements import VERTEX, Feature, corners_of, vertices_of
 from firstcontact.search.trees.shared_points import NO_AREA, NOWHERE, OPEN, Resting, where_on
 from firstcontact.search.trees.tree import FACET
@@ -87,7 +87,7 @@ def _at_vertex(resting: Resting, pair: tuple[Feature, Feature]) -> bool | None:
     x = resting.firsts[side] + pair[side][1]
     star = _Star()
     for k, (body, first) in enumerate(zip(resting.bodies, resting.firsts, strict=True)):
-        for primitive, place in _facets_near(resting, k, x, resting.err, resting.signs[3]):
+        for primitive, place in _facets_near(resting, k, x, resting.signs[2], resting.signs[3]):
             if place == OPEN or (place < 0 and not body.solid):
                 return None
             if place < 0:
@@ -105,9 +105,8 @@ def _at_crossing(resting: Resting, pair: tuple[Feature, Feature]) -> bool | None
     if not resting.is_exact:
         return None
     place = _place(resting, pair)
-    x = len(resting.high) - 1
-    resting.high[x] = [to_double(c) for c in place]
-    err = resting.err + float(np.abs(resting.high[x]).max()) * 2.0**-52
+    x = resting.put(place)
+    err = resting.signs[2] + float(np.abs(resting.high[x]).max()) * 2.0**-52
     star = _Star()
     for k, (body, first, element) in enumerate(zip(resting.bodies, resting.firsts, pair, strict=True)):
         around = resting.facets_around(k, element[1])
@@ -131,10 +130,11 @@ def _facets_near(
 ) -> list[tuple[int, int]]:
     """(primitive, where the point is on it) of all that hold the point or may."""
     tree, out = resting.trees[side], np.empty((64, 2), np.int64)
+    pad = 2.0 * resting.error + float(np.abs(resting.places[x]).max()) * 2.0**-51
     while True:
         n = _holding(
             tree.boxes, tree.links, tree.ids, tree.corners, resting.firsts[side],
-            resting.high, resting.low, err, room, x, 2.0 * err, out,
+            *resting.signs[:2], err, room, x, resting.places[x], pad, out,
         )  # fmt: skip
         if n >= 0:
             return out[:n].tolist()
@@ -142,7 +142,7 @@ def _facets_near(
 
 
 @kernel
-def _holding(boxes, links, ids, corners, first, high, low, err, room, x, pad, out):
+def _holding(boxes, links, ids, corners, first, high, low, err, room, x, place, pad, out):
     """Fill out with (primitive, `where_on` or _BARE) of those near a point; -1 where there is no room."""
     stack = np.empty(256, np.int64)
     stack[0] = 0
@@ -153,7 +153,7 @@ def _holding(boxes, links, ids, corners, first, high, low, err, room, x, pad, ou
         box = boxes[node]
         apart = False
         for k in range(3):
-            apart = apart or box[k] > high[x, k] + pad or box[k + 3] < high[x, k] - pad
+            apart = apart or box[k] > place[k] + pad or box[k + 3] < place[k] - pad
         if apart:
             continue
         if links[node, 1] >= 0:
@@ -167,14 +167,14 @@ def _holding(boxes, links, ids, corners, first, high, low, err, room, x, pad, ou
             known = known or out[i, 0] == primitive
         if known:
             continue
-        place = _BARE
+        kind = _BARE
         if ids[part, 1] & FACET:
             a, b, c = first + corners[primitive, 0], first + corners[primitive, 1], first + corners[primitive, 2]
-            place = where_on(high, low, err, room, x, a, b, c)
-        if place != NOWHERE:
+            kind = where_on(high, low, err, room, x, a, b, c)
+        if kind != NOWHERE:
             if n == out.shape[0]:
                 return -1
-            out[n, 0], out[n, 1] = primitive, place
+            out[n, 0], out[n, 1] = primitive, kind
             n += 1
     return n
 
@@ -212,7 +212,8 @@ def _is_inside(resting: Resting, side: int, x: int | Vector, facets: list[int], 
     body, tree = resting.bodies[side], resting.trees[side]
     if isinstance(x, int):
         first, skip = resting.firsts[side], np.array(facets, np.int64)
-        return ray_parity(tree, body.triangles, first, resting.signs, x, axis, skip)
+        hits = hits_of_ray(tree, resting.places[x], axis, 2.0 * resting.error)
+        return bool(parity_of_hits(*resting.signs, first, body.triangles, hits, x, axis, skip))
     return contains(body, tree, x, axis, facets)
 
 

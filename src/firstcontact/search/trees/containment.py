@@ -110,7 +110,7 @@ def contains(solid: Any, tree: Tree, point: Vector, axis: int = 0, skip: Sequenc
     err = 2.0 * tree.error + (0.0 if exact else float(np.abs(p).max()) * 2.0**-51 + 1e-300)
     order = axis, (axis + 1) % 3, (axis + 2) % 3
     inside = False
-    for triangle, certain in _hits(tree, p, axis, err).tolist():
+    for triangle, certain in hits_of_ray(tree, p, axis, err).tolist():
         if triangle in skip:
             continue
         if not certain:
@@ -120,16 +120,7 @@ def contains(solid: Any, tree: Tree, point: Vector, axis: int = 0, skip: Sequenc
     return inside
 
 
-def ray_parity(
-    tree: Tree, triangles: np.ndarray, first: int, signs: Any, x: int, axis: int, skip: np.ndarray
-) -> bool:
-    """`contains` of point x among those of `kernels.signs`, where these are exact; first: the solid's first one."""
-    high, _, err, _ = signs
-    hits = _hits(tree, high[x], axis, 2.0 * (tree.error + err))
-    return bool(_parity(*signs, first, triangles, hits, x, axis, skip))
-
-
-def _hits(tree: Tree, p: np.ndarray, axis: int, err: float) -> np.ndarray:
+def hits_of_ray(tree: Tree, p: np.ndarray, axis: int, err: float) -> np.ndarray:
     """(n, 2) triangle and whether the ray certainly crosses it."""
     hits = np.empty((64, 2), np.int64)
     while (n := ray_crossings(tree.boxes, tree.links, tree.xyz, tree.ids, p, axis, err, hits)) < 0:
@@ -138,7 +129,8 @@ def _hits(tree: Tree, p: np.ndarray, axis: int, err: float) -> np.ndarray:
 
 
 @kernel
-def _parity(high, low, err, room, first, triangles, hits, x, axis, skip):
+def parity_of_hits(high, low, err, room, first, triangles, hits, x, axis, skip):
+    """`contains` of point x, with signs that are exact; first: the number of the solid's first vertex."""
     inside = False
     for n in range(hits.shape[0]):
         t = hits[n, 0]

@@ -11,8 +11,10 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
+from flint import fmpz
 
 from firstcontact.exact.numbers import exact_value, to_double
+from firstcontact.exact.vectors import Vector
 from firstcontact.kernels.jit import kernel
 from firstcontact.kernels.signs import UNSURE, are_in_range, cross_sign, det_sign, work_room
 from firstcontact.pairs.elements.line_line import segments_cross
@@ -43,21 +45,30 @@ _SLICE = 1_000_000
 
 
 class Resting:
-    """Two bodies at rest, their vertices one behind the other as `kernels.signs` takes points.
+    """Two bodies at rest, their vertices one behind the other, and one point more.
 
-    The last row is free for any point.
+    places   as the trees have them
+    signs    all times `scale`, as `kernels.signs` takes points
     """
 
     def __init__(self, a: Polyhedron, b: Polyhedron) -> None:
         self.bodies, self.trees = (a, b), (tree_of(a), tree_of(b))
         self.firsts = 0, len(a.vertices)
-        lows = _low(a), _low(b)
-        self.is_exact = all(low is not None for low in lows)
         spare = np.zeros((1, 3))
-        self.high = np.concatenate([a.vertices, b.vertices, spare])
-        self.low = np.concatenate([*lows, spare]) if self.is_exact else np.empty((0, 3))  # type: ignore[list-item]
-        self.err = max(a.error, b.error)
-        self.signs = self.high, self.low, self.err, work_room(self.is_exact)
+        self.places = np.concatenate([a.vertices, b.vertices, spare])
+        self.error = max(a.error, b.error)
+        parts = _in_parts(a, b)
+        self.is_exact = parts is not None
+        parts = parts or (fmpz(1), self.places, np.empty((0, 3)), self.error)
+        self.scale, self.high = parts[:2]
+        self.signs = self.high, parts[2], parts[3], work_room(self.is_exact)
+
+    def put(self, x: Vector) -> int:
+        """Take x for the last point, rounded; its number."""
+        last = len(self.places) - 1
+        self.places[last] = [to_double(c) for c in x]
+        self.high[last] = [to_double(self.scale * c) for c in x]
+        return last
 
     @cached_property
     def steepness(self) -> tuple[tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]:
@@ -85,25 +96,37 @@ class Resting:
         return (order[starts[segment] : starts[segment + 1]] // 3).tolist()
 
 
-def _low(body: Polyhedron) -> np.ndarray | None:
-    """(n, 3) what the vertices are more than their doubles; None where doubles do not hold that."""
-    if body.error == 0.0:
-        return np.zeros_like(body.vertices) if are_in_range(body.vertices) else None
-    if "low" not in body._search:
-        body._search["low"] = _rests(body)
-    low: np.ndarray | None = body._search["low"]
-    return low
-
-
-def _rests(body: Polyhedron) -> np.ndarray | None:
-    low = np.empty_like(body.vertices)
-    for i, row in enumerate(body.vertices.tolist()):
-        for k, (x, high) in enumerate(zip(body.exact_vertex(i), row, strict=True)):
-            rest = x - exact_value(high)
-            low[i, k] = to_double(rest)
+def _in_parts(a: Polyhedron, b: Polyhedron) -> tuple[fmpz, np.ndarray, np.ndarray, float] | None:
+    """(scale, high, low, largest low): all vertices times one whole number; None where two doubles do not hold them."""
+    vertices = np.concatenate([a.vertices, b.vertices, np.zeros((1, 3))])
+    if a.error == b.error == 0.0:
+        return (fmpz(1), vertices, np.zeros_like(vertices), 0.0) if are_in_range(vertices) else None
+    if a._pose is not None or b._pose is not None:
+        return None
+    scale = _odd_denominator(a).lcm(_odd_denominator(b))
+    high: np.ndarray = np.zeros(vertices.shape)
+    low: np.ndarray = np.zeros(vertices.shape)
+    rows = (body.exact_vertex(i) for body in (a, b) for i in range(len(body.vertices)))
+    for i, row in enumerate(rows):
+        for k, x in enumerate(row):
+            x *= scale
+            high[i, k] = to_double(x)
+            low[i, k] = to_double(rest := x - exact_value(high[i, k]))
             if exact_value(low[i, k]) != rest:
                 return None
-    return low if are_in_range(np.stack([body.vertices, low])) else None
+    return (scale, high, low, float(np.abs(low).max())) if are_in_range(np.stack([high, low])) else None
+
+
+def _odd_denominator(body: Polyhedron) -> fmpz:
+    """The least odd number by which all coordinates have to be multiplied to have a power of two below."""
+    odd: fmpz | None = body._search.get("odd denominator")
+    if odd is None:
+        odd = fmpz(1)
+        for i in range(len(body.vertices)) if body.error else ():
+            for q in (int(x.q) for x in body.exact_vertex(i)):
+                odd = odd.lcm(q // (q & -q))
+        body._search["odd denominator"] = odd
+    return odd
 
 
 # -- one pair of elements -------------------------------------------------------------------------------------

@@ -1,0 +1,144 @@
+"""Intervals of contact of bodies that are aligned at the start, at the end or in between, without exact times.
+
+The truth is the gap of two convex polyhedra along all normals of faces and all crossings of edges, at many times, in
+poses written down from the definitions of the motions.
+"""
+
+from __future__ import annotations
+
+from itertools import combinations, product
+
+import numpy as np
+import pytest
+
+import firstcontact as fc
+from poses_by_hand import shift, turn
+
+BOX = fc.examples.box((2, 2, 2))
+OCTAHEDRON = fc.Polyhedron(
+    [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)],
+    [(0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4), (2, 0, 5), (1, 2, 5), (3, 1, 5), (0, 3, 5)],
+)
+TETRAHEDRON = fc.Polyhedron(
+    [(1, 1, 1), (-1, -1, 1), (-1, 1, -1), (1, -1, -1)], [(0, 1, 2), (0, 2, 3), (0, 3, 1), (1, 3, 2)]
+)
+BODIES = BOX, OCTAHEDRON, TETRAHEDRON
+AXES = (0, 0, 1), (1, 0, 0), (1, 1, 0), (1, 2, 2)
+SAMPLES = 400
+GAP = 1e-7
+
+
+def motion_of(r):
+    """(motion, its pose) on a lattice: bodies are aligned at many times."""
+    axis, point = AXES[r.integers(4)], r.integers(-2, 3, 3).tolist()
+    v, quarter = r.integers(-2, 3, 3).tolist(), int(r.choice([1, 2, 4]))
+    slide = fc.Translation(v), lambda t: shift(t * np.array(v))
+    swing = fc.Rotation(axis, point, turns=f"{quarter}/4"), lambda t: turn(axis, point, t * quarter * np.pi / 2)
+    kind = r.integers(5)
+    if kind < 2:
+        return (slide, swing)[kind]
+    if kind == 2:
+        advance = int(r.integers(-3, 4))
+        along = advance * np.array(axis) / np.linalg.norm(axis)
+        screw = fc.Screw(axis, point, turns=f"{quarter}/4", advance=advance)
+        return screw, lambda t: shift(t * along) @ swing[1](t)
+    (one, pose_one), (two, pose_two) = (slide, swing) if kind == 3 else (swing, slide)
+    return fc.Sequence([one, two]), lambda t: pose_two(max(2 * t - 1, 0)) @ pose_one(min(2 * t, 1))
+
+
+def gap(x, y):
+    """How far apart two convex polyhedra (vertices, triangles) are along the best axis; negative: how deep."""
+    axes = [np.cross(v[b] - v[a], v[c] - v[a]) for v, faces in (x, y) for a, b, c in faces]
+    edges = [[v[j] - v[i] for f in faces for i, j in combinations(f, 2)] for v, faces in (x, y)]
+    axes = np.array([*axes, *(np.cross(e, f) for e, f in product(*edges))])
+    sizes = np.linalg.norm(axes, axis=1)
+    axes = axes[sizes > 1e-9] / sizes[sizes > 1e-9, None]
+    p, q = x[0] @ axes.T, y[0] @ axes.T
+    return float(np.maximum(q.min(axis=0) - p.max(axis=0), p.min(axis=0) - q.max(axis=0)).max())
+
+
+def scene(seed):
+    r = np.random.default_rng(seed)
+    bodies = [BODIES[r.integers(3)].translated(r.integers(-2, 3, 3).tolist()) for _ in range(2)]
+    motions = [motion_of(r), motion_of(r) if r.integers(2) else (fc.Translation((0, 0, 0)), lambda t: np.eye(4))]
+    moving = [body.moving(motion) for body, (motion, _) in zip(bodies, motions, strict=True)]
+
+    def gap_at(t):
+        placed = []
+        for body, (_, pose) in zip(bodies, motions, strict=True):
+            m = pose(t)
+            placed.append((body.vertices @ m[:3, :3].T + m[:3, 3], body.triangles))
+        return gap(*placed)
+
+    return *moving, gap_at
+
+
+def check(found, gap_at):
+    """Bodies meet inside the intervals and nowhere else, as far as that is decided."""
+    until = found.free_until if found.status is fc.Status.UNDECIDED else 1.0
+    ends = [(i.start_interval, i.end_interval) for i in found]
+    assert all(x[1][1] < y[0][0] for x, y in zip(ends, ends[1:], strict=False))
+    assert all(0 <= lo[0] <= lo[1] and hi[0] <= hi[1] <= 1 + 1e-15 for lo, hi in ends)
+    for t in np.linspace(0, until, SAMPLES):
+        deep = gap_at(t)
+        if abs(deep) < GAP:
+            continue
+        inside = any(lo[1] <= t <= hi[0] for lo, hi in ends)
+        outside = all(t < lo[0] or t > hi[1] for lo, hi in ends)
+        assert inside if deep < 0 else outside, (t, deep, ends)
+
+
+@pytest.mark.share(4)
+@pytest.mark.parametrize("seed", range(48))
+def test_lattices(seed):
+    a, b, gap_at = scene(seed)
+    found = fc.contact_intervals(a, b)
+    check(found, gap_at)
+    first = fc.first_contact(a, b)
+    if len(found) and first.status is not fc.Status.UNDECIDED:
+        lo, hi = first.time_interval
+        assert found[0].start_interval[0] <= hi and lo <= found[0].start_interval[1]
+
+
+# Contact at the start or where steps join, of which the balls of times leave open whether it lasts for an instant.
+SETTLED = {
+    "tetrahedra": (
+        TETRAHEDRON.translated((0, 0, -1)).moving(fc.Screw((0, 0, 1), (-2, 0, 2), turns="1/2", advance=-1)),
+        TETRAHEDRON.translated((-1, -1, -1)).moving(
+            fc.Sequence([fc.Translation((1, -2, 1)), fc.Rotation((0, 0, 1), (2, -2, 2), turns="1/4")])
+        ),
+        (0, 0.11654184459155002),
+    ),
+    "a box and an octahedron": (
+        BOX.translated((1, 2, 0)).moving(fc.Screw((1, 2, 2), (1, -1, -2), turns=1, advance=-3)),
+        OCTAHEDRON.translated((0, 2, -1)).moving(
+            fc.Sequence([fc.Rotation((1, 2, 2), (-1, -2, 2), turns="1/4"), fc.Translation((-1, 1, -2))])
+        ),
+        (0, 0.07495432740224513),
+    ),
+    "for an instant": (
+        OCTAHEDRON.translated((2, 0, 0)).moving(
+            fc.Sequence([fc.Rotation((0, 0, 1), (-1, 0, 0), turns="1/4"), fc.Translation((-2, -1, -2))])
+        ),
+        TETRAHEDRON.translated((2, 0, 2)).moving(fc.Translation((-1, 1, 0))),
+        (0, 0),
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", SETTLED)
+@pytest.mark.parametrize("swap", [False, True])
+def test_doubts_beside_certain_contact(name, swap):
+    a, b, (start, end) = SETTLED[name]
+    (found,) = fc.contact_intervals(*((b, a) if swap else (a, b)))
+    assert found.start == start and found.end == pytest.approx(end, abs=1e-12)
+    assert found.end_interval[0] <= end <= found.end_interval[1] and np.ptp(found.end_interval) < 1e-11
+
+
+def test_pairs_in_doubt_are_listed():
+    """Faces that slide in one plane under two screws: no precision tells whether edges that never part meet."""
+    a, b, _ = SETTLED["a box and an octahedron"]
+    pairs = fc.contact_pairs(a, b)
+    assert not set(pairs.undecided) & {*pairs, *pairs.piercing}
+    swapped = fc.contact_pairs(b, a)
+    assert (len(pairs), len(pairs.undecided)) == (len(swapped), len(swapped.undecided))
