@@ -136,9 +136,10 @@ def test_doubts_beside_certain_contact(name, swap):
 
 
 def test_pairs_in_doubt_are_listed():
-    """Faces that slide in one plane under two screws: no precision tells whether edges that never part meet."""
-    a, b, _ = SETTLED["a box and an octahedron"]
-    pairs = fc.contact_pairs(a, b)
-    assert not set(pairs.undecided) & {*pairs, *pairs.piercing}
-    swapped = fc.contact_pairs(b, a)
-    assert (len(pairs), len(pairs.undecided)) == (len(swapped), len(swapped.undecided))
+    """An edge slides along another one, turned by a screw: no precision tells whether the two that graze it meet."""
+    a = BOX.translated((-1, -1, 0)).moving(fc.Screw((0, 0, 1), (-1, 0, -2), turns=1, advance=3))
+    b = TETRAHEDRON.translated((2, 1, 1))
+    for pairs in (fc.contact_pairs(a, b), fc.contact_pairs(b, a)):
+        assert (len(pairs), len(pairs.undecided)) == (14, 5)
+        assert str(pairs) == "14 element pairs meet, 0 pierced at the start, 5 undecided"
+        assert not set(pairs.undecided) & {*pairs, *pairs.piercing}

@@ -232,7 +232,9 @@ class ElementPair:
 class ContactSet(str):
     """What two bodies share at a time of contact: "point", "segment", "conic arc" or "patch".
 
-    points: (n, 3) float64, world frame: the point, the two ends, points along the arc, or corners of the patch.
+    A patch is any area that both hold: flat, whatever bounds it, or curved, as that of a cone in its seat.
+    points: (n, 3) float64, world frame: the point, the two ends, points along the arc, or around the patch: its corners
+    and points along its arcs.
     """
 
     points: np.ndarray

@@ -179,7 +179,7 @@ def contact(models: tuple[Any, Any], found: Advance, query: Query) -> tuple[Firs
         "reason": None, "stats": query.stats(found.steps, found.gaps), "subproblems": (), **query.shared,
     }  # fmt: skip
     answer = FirstContact.deferring(known, lambda: _where(named, found.normal, shares))
-    return answer, shares is not None
+    return answer, shares is not None and not (len(named) == 1 and found.elsewhere)
 
 
 def _where(named: Named, normal: np.ndarray | None, shares: Shares | None) -> dict[str, Any]:

@@ -25,6 +25,7 @@ from firstcontact.body.solid.features import Edge, Face, Vertex
 from firstcontact.contact.models.contact_sets import SAMPLES, runs
 from firstcontact.contact.models.forms import Form, forms_of, value
 from firstcontact.contact.models.kept_directions import Axis, stay_parallel
+from firstcontact.contact.models.patches import beside, border
 from firstcontact.contact.models.touched import Flat, Flats, Point, coprime, is_parallel
 from firstcontact.exact.vectors import along, cross, sub
 from firstcontact.search.convex.convex import NotConvex, convex_pieces
@@ -567,7 +568,7 @@ def _at_surface(
 
 
 def _in_plane(bodies: tuple[_Body, _Body], x: Feature, y: Feature) -> Shared | None:
-    """What two faces share that lie in one plane: the patch by its corners, or the arcs that bound it."""
+    """What two faces share that lie in one plane: a patch by its border, or arcs alone."""
     assert isinstance(x, Face) and isinstance(y, Face) and isinstance(x.carrier, Plane)
     (a, b), on = bodies, (frozenset(x.surfaces), frozenset(y.surfaces))
     own, others = _outline(a, x), _outline(b, y)
@@ -590,7 +591,11 @@ def _in_plane(bodies: tuple[_Body, _Body], x: Feature, y: Feature) -> Shared | N
     arcs = [(x, f, run) for f in others.rims if not own.is_far(f, others) for run in _arcs(b, f, a, on[0])]
     arcs += [(e, y, run) for e in own.rims if not others.is_far(e, own) for run in _arcs(a, e, b, on[1])]
     if arcs:
+        corners = [p for _, _, p in pairs]
         pairs += [(e, f, tuple(run[len(run) // 2].tolist())) for e, f, run in arcs]
+        beside_arcs = [tuple(p) for _, _, run in arcs for p in beside(run).tolist()]
+        if any(_is_in(a, own, p, on[0]) and _is_in(b, others, p, on[1]) for p in beside_arcs):
+            return Shared("patch", border([run for _, _, run in arcs], corners), pairs)
         return Shared("conic arc", arcs[0][2], pairs)
     points = [p for _, _, p in pairs]
     return Shared("patch", points, pairs) if _spread(points) else None

@@ -20,6 +20,7 @@ from firstcontact.contact.models.algorithm import Meeting, Root
 from firstcontact.contact.models.contact_sets import Shared, Trim, scaled, shared_part
 from firstcontact.contact.models.membership import On, Vector, in_both, is_plane
 from firstcontact.contact.models.moving_pair import Form, Pair
+from firstcontact.contact.models.patches import along_surface, beside, border
 from firstcontact.exact.fields.number_field import NumberField, is_zero
 from firstcontact.exact.fields.roots import AlgebraicRoot
 from firstcontact.exact.numbers import exact_value
@@ -40,9 +41,13 @@ Set = tuple[str, np.ndarray]
 
 def largest_set(pair: Pair, root: Root, meetings: Sequence[Meeting]) -> Set:
     """(kind, (n, 3) points in the frame of b) as in `ContactSet`."""
-    for meeting in meetings:
-        if meeting.shared.kind == "conic arc":
-            return "conic arc", meeting.shared.points
+    arcs = [m.shared.points for m in meetings if m.shared.kind == "conic arc"]
+    if arcs:
+        touching = _Touching(pair, root, meetings) if isinstance(root, AlgebraicRoot) else None
+        patch = None if touching is None else touching.patch(arcs)
+        if touching is not None and patch is None and touching.has_curved_patch(arcs):
+            patch = np.concatenate(arcs)
+        return ("conic arc", arcs[0]) if patch is None else ("patch", patch)
     segments = [m.shared for m in meetings if m.shared.kind == "segment"]
     # the corners of a patch and the ends of a segment are all on edges, and so among the meetings
     if isinstance(root, AlgebraicRoot) and len(_distinct(meetings, pair.unit)) > 1:
@@ -81,30 +86,52 @@ class _Touching:
 
     # -- planes -----------------------------------------------------------------------------------------------
 
-    def patch(self) -> np.ndarray | None:
-        """The corners in a common plane, three of which have a point between them that both models hold."""
+    def patch(self, arcs: Sequence[np.ndarray] = ()) -> np.ndarray | None:
+        """The corners and arcs in a common plane, if both models hold a point there between or beside them."""
         for i, j in sorted(self.surfaces):
             form_a, form_b = self.pair.forms_a[i], self.pair.forms_b[j]
             if is_plane(form_a) and is_plane(form_b):
                 plane = vector_at(self.field, form_b)
                 if zero(minors((vector_at(self.field, form_a), plane), 2)):
                     corners = self._corners(plane)
-                    if self._is_patch(corners, plane, i, j):
-                        return np.array(corners)
+                    flat = [arc for arc in arcs if self._is_in(plane, arc)]
+                    if self._is_patch(corners, flat, plane, i, j):
+                        return border(flat, corners) if flat else np.array(corners)
         return None
 
     def _corners(self, plane: Vector) -> list[np.ndarray]:
-        distinct = _distinct(self.meetings, self.pair.unit)
+        distinct = _distinct([m for m in self.meetings if m.shared.kind != "conic arc"], self.pair.unit)
         return [m.shared.points[0] for m in distinct if is_zero(dot(plane, m.shared.at))]
 
-    def _is_patch(self, corners: list[np.ndarray], plane: Vector, i: int, j: int) -> bool:
+    def _is_in(self, plane: Vector, points: np.ndarray) -> bool:
+        """Whether points lie in a plane, by doubles."""
+        form = scaled(plane, 1.0)[0]
+        terms = np.column_stack([points * form[:3], np.full(len(points), form[3])])
+        return bool(np.all(np.abs(terms.sum(axis=1)) <= NEAR * np.abs(terms).sum(axis=1)))
+
+    def _is_patch(self, corners: list[np.ndarray], arcs: list[np.ndarray], plane: Vector, i: int, j: int) -> bool:
         trim = Trim(self.pair, self.root, On({i}), On({j}))
-        for x, y, z in combinations(corners[:MOST_CORNERS], 3):
-            area = np.linalg.norm(np.cross(y - x, z - x))
-            far = max(np.linalg.norm(y - x), np.linalg.norm(z - x))
-            middle = np.append((x + y + z) / 3 / self.pair.unit, 1.0)
-            if area > NEAR * far * far and trim.inside(middle[None])[0]:
+        for place in (*_between(corners), *(p for arc in arcs for p in beside(arc))):
+            middle = np.append(place / self.pair.unit, 1.0)
+            if trim.inside(middle[None])[0]:
                 if not in_both(self.pair, _in_plane(plane, middle, self.pair.unit), self.root, On({i}), On({j})):
+                    return True
+        return False
+
+    # -- curved surfaces --------------------------------------------------------------------------------------
+
+    def has_curved_patch(self, arcs: Sequence[np.ndarray]) -> bool:
+        """Whether two surfaces are one and both models hold a part of it beside one of the arcs, as doubles tell."""
+        for i, j in sorted(self.surfaces):
+            form_a, form_b = self.pair.forms_a[i], self.pair.forms_b[j]
+            if is_plane(form_a) or is_plane(form_b):
+                continue
+            rows = [[x for row in self.field.matrix(form) for x in row] for form in (form_a, form_b)]
+            if zero(minors(rows, 2)):
+                trim = Trim(self.pair, self.root, On({i}), On({j}))
+                form = trim.models[1][1][j]
+                places = np.array([p for arc in arcs for p in along_surface(form, arc / self.pair.unit)])
+                if trim.inside(places).any():
                     return True
         return False
 
@@ -156,6 +183,15 @@ class _Touching:
                     columns(self.field.matrix(self.pair.basis(carrier, moving))),
                     self.field.matrix(constant(carrier.form)),
                 )
+
+
+def _between(corners: list[np.ndarray]) -> Iterator[np.ndarray]:
+    """The middle of every three of the corners that are in no line."""
+    for x, y, z in combinations(corners[:MOST_CORNERS], 3):
+        area = np.linalg.norm(np.cross(y - x, z - x))
+        far = max(np.linalg.norm(y - x), np.linalg.norm(z - x))
+        if area > NEAR * far * far:
+            yield (x + y + z) / 3
 
 
 def _with_seams(body: CompositeQuadric, feature: Feature) -> set[int]:

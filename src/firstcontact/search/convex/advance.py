@@ -57,6 +57,8 @@ REASONS = {SPENT: "budget"}
 # Parts of the workspace, by Python's own numbers: those index faster.
 IN_RESULTS, FRAMES = int(RESULTS), slice(int(POSE_A), int(POSE_A) + 6)
 Feature = tuple[str, int]
+NEAR = 1e-9
+"""Of the size of its coordinates: points nearer to each other than that are one."""
 MOST_LOOKS = 12
 """Times at which one pair of pieces is followed in balls."""
 
@@ -75,6 +77,7 @@ class Advance:
     reason         of "open": "precision", "budget", or what of the model or motion is beyond this path.
     spread         whether what may touch at the contact is more than one point.
     also           features_a and _b of other pairs of pieces that touch at the same time; None: not known.
+    elsewhere      whether some of these seem to do so at another place.
     one_event      whether the features are those of one of the events at the contact.
     complete       whether no surface passes through the point but those of the features.
     graze          of "open": times between which alone the bodies may touch first, and only at one instant.
@@ -94,6 +97,7 @@ class Advance:
     reason: str | None = None
     spread: bool = False
     also: tuple[tuple[tuple[Feature, ...], tuple[Feature, ...]], ...] | None = None
+    elsewhere: bool = False
     one_event: bool = False
     complete: bool = False
     graze: tuple[fmpq, fmpq] | None = None
@@ -198,6 +202,7 @@ class PieceSearch:
                 stuck = self._open(REASONS.get(outcome, "precision"))
         if stuck is None and best is not None:
             best.also = _besides(best, contacts) if len(contacts) > 1 else ()
+            best.elsewhere = bool(best.also) and _is_elsewhere(best, contacts)
             return best
         if stuck is None or (best is not None and best.time_interval and best.time_interval[0] <= stuck.free_until):
             return best
@@ -356,6 +361,13 @@ def _besides(best: Advance, contacts: list[Advance]) -> tuple[Any, ...]:
     assert best.time_interval is not None
     hi = best.time_interval[1]
     return tuple((x.features_a, x.features_b) for x in contacts if x.point is not best.point and x.free_until <= hi)
+
+
+def _is_elsewhere(best: Advance, contacts: list[Advance]) -> bool:
+    assert best.time_interval is not None and best.point is not None
+    others = [x.point for x in contacts if x.point is not None and x.free_until <= best.time_interval[1]]
+    size = float(np.abs(best.point).max())
+    return any(float(np.abs(p - best.point).max()) > NEAR * size for p in others)
 
 
 def named(pieces: ConvexPieces, forms: list[int]) -> tuple[Feature, ...]:
