@@ -1,4 +1,4 @@
-"""Areas that solids share are patches, whatever bounds them; contacts at two places are both named, either way round."""
+"""Areas that solids share are patches, whatever bounds them; contacts at two places are both named."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ FLIP = [[1, 0, 0, 0], [0, -1, 0, 0], [0, 0, -1, 0], [0, 0, 0, 1]]
 DISC, PLATE, HIGH = fc.cylinder(1, 2), fc.box((5, 5, 2)), (0, 0, 4)
 RING = DISC - fc.cylinder("1/2", 5)
 CONE = fc.cone(1, 1).transformed(FLIP)
-BLOCK = fc.box((4, 4, 4))
+BALL, BLOCK = fc.sphere(1), fc.box((4, 4, 4))
 SCENES = {
     "disc on plate": (DISC.translated(HIGH), PLATE, "patch", 1),
     "disc over an edge": (DISC.translated(("5/2", 0, 4)), PLATE, "patch", 2),
@@ -24,10 +24,10 @@ SCENES = {
     "ring on plate": (RING.translated(HIGH), PLATE, "patch", 2),
     "rings": (RING.translated(HIGH), fc.cylinder(2, 2) - fc.cylinder("3/4", 5), "patch", 2),
     "disc in a smaller hole": (DISC.translated(HIGH), PLATE - fc.cylinder("3/4", 5), "patch", 2),
-    "ball on the rim of a hole": (fc.sphere(1).translated((0, 0, 5)), BLOCK - fc.cylinder("3/5", 9), "conic arc", 1),
+    "ball on the rim of a hole": (BALL.translated((0, 0, 5)), BLOCK - fc.cylinder("3/5", 9), "conic arc", 1),
     "cone in its seat": (CONE.translated((0, 0, 5)), BLOCK - CONE.translated((0, 0, 2)), "patch", 7),
-    "ball in its seat": (fc.sphere(1).translated((0, 0, 5)), BLOCK - fc.sphere(1).translated((0, 0, "5/2")), "patch", 1),
-    "lying cylinder": (DISC.transformed([[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 4], [0, 0, 0, 1]]), PLATE, "segment", 2),
+    "ball in its seat": (BALL.translated((0, 0, 5)), BLOCK - BALL.translated((0, 0, "5/2")), "patch", 1),
+    "lying cylinder": (DISC.rotated((1, 0, 0), degrees=90).translated(HIGH), PLATE, "segment", 2),
 }
 
 

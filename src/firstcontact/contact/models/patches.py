@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -33,7 +34,7 @@ def along_surface(form: np.ndarray, arc: np.ndarray) -> np.ndarray:
     return places
 
 
-def border(arcs: Sequence[np.ndarray], corners: Sequence[Sequence[float]]) -> np.ndarray:
+def border(arcs: Sequence[np.ndarray], corners: Sequence[Any]) -> np.ndarray:
     """(n, 3) the points of the arcs and the corners of a plane patch, in order about their middle."""
     points = np.concatenate([*arcs, np.reshape(corners, (-1, 3))])
     away = points - points.mean(axis=0)
