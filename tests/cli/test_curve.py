@@ -50,7 +50,7 @@ def test_options_win_over_the_scene(command):
 
 
 def test_compilation_is_announced_once_and_only_where_something_compiles(command, scene, monkeypatch):
-    monkeypatch.setattr(jit, "is_compiled", lambda module="": module != "curves/cells")
+    monkeypatch.setattr(jit, "is_compiled", lambda module="": module != "kernels.curves.cells")
     questions = '[[curve]]\npair = ["low", "flat"]\n'
     assert command("curve", scene(LOW + FLAT + questions)).err == ""
     method = 'method = "certified"\n'

@@ -1,10 +1,19 @@
-"""Kernels are compiled once, by however many processes that start together."""
+"""Kernels are compiled once, by however many processes start together, and again when what they are made of changes."""
 
+import dis
+import importlib
 import os
+import pkgutil
 import subprocess
 import sys
+import types
 
+import numpy as np
 import pytest
+from numba.core.dispatcher import Dispatcher
+
+import firstcontact
+from firstcontact.kernels import cache
 
 ASK = """
 from firstcontact.kernels.jit import kernel
@@ -28,3 +37,76 @@ def test_processes_that_start_together_compile_a_kernel_once(tmp_path):
     assert all(process.returncode == 0 for process in asking)
     misses, hits = map(sum, zip(*told, strict=True))
     assert (misses, hits) == (2, 6)  # of four processes, for an integer and a float: whoever came first
+
+
+CALLED = """
+from firstcontact.kernels.jit import kernel
+LIMIT = {limit}
+def called(x):
+    return x + LIMIT
+called = kernel(called)
+def calls(x):
+    "{said}"
+    return called(x)
+calls = kernel(calls)
+print(calls(1), sum(calls.stats.cache_hits.values()))
+"""
+
+
+def test_an_edit_of_what_a_kernel_reads_is_seen_and_a_new_place_is_not_an_edit(tmp_path):
+    environment = os.environ | {"FIRSTCONTACT_CACHE": str(tmp_path / "cache")}
+
+    def told(folder, limit, said):
+        (tmp_path / folder).mkdir(exist_ok=True)
+        (tmp_path / folder / "ask.py").write_text(CALLED.format(limit=limit, said=said))
+        at = [sys.executable, str(tmp_path / folder / "ask.py")]
+        return subprocess.run(at, capture_output=True, text=True, check=True, env=environment).stdout.split()
+
+    assert told("one", 1, "a") == ["2", "0"]
+    assert told("one", 1, "b") == ["2", "1"]  # other words
+    assert told("two", 1, "b") == ["2", "1"]  # another folder
+    assert told("two", 2, "b") == ["3", "0"]  # a constant of a kernel that it calls
+
+
+def test_all_that_kernels_read_is_in_their_digest():
+    """By value, or by the digest of a kernel; types and functions by their names are of Python, NumPy and Numba."""
+    kernels = 0
+    for info in pkgutil.walk_packages(firstcontact.__path__, "firstcontact."):
+        if info.name.endswith("__main__"):
+            continue
+        home = importlib.import_module(info.name)
+        for kernel in vars(home).values():
+            if not isinstance(kernel, Dispatcher) or kernel.py_func.__module__ != info.name:
+                continue
+            kernels += 1
+            assert isinstance(kernel._cache, cache.KernelCache)
+            for name, value in _read(kernel.py_func, kernel.py_func.__code__):
+                assert _is_told(value), (kernel, name, value)
+            _ask_of_motion(kernel)
+    assert kernels > 400
+
+
+def _read(function, code):
+    for step in dis.get_instructions(code):
+        if step.opname == "LOAD_GLOBAL" and step.argval in function.__globals__:
+            yield step.argval, function.__globals__[step.argval]
+    for constant in code.co_consts:
+        if isinstance(constant, types.CodeType):
+            yield from _read(function, constant)
+
+
+def _ask_of_motion(kernel):
+    """Where the type of `motion` chooses, the kernel has one, and another digest for each."""
+    names = kernel.py_func.__code__.co_varnames[: kernel.py_func.__code__.co_argcount]
+    told = {n: cache.fingerprint(kernel, n) for n in range(4)}
+    assert len(set(told.values())) == 1 or "motion" in names, (kernel, names)
+
+
+def _is_told(value):
+    if isinstance(value, tuple):
+        return type(value) is tuple and all(map(_is_told, value))
+    if isinstance(value, type):  # of a named tuple, whose fields are told
+        return not value.__module__.startswith("firstcontact") or hasattr(value, "_fields")
+    if isinstance(value, (types.ModuleType, types.FunctionType, Dispatcher, np.ndarray, *cache.PLAIN)):
+        return True
+    return not value.__module__.startswith("firstcontact")

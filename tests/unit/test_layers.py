@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 import ast
-import importlib
 import json
 import os
 import subprocess
 import sys
-import types
 from pathlib import Path
 
 import pytest
-from numba.core.dispatcher import Dispatcher
 
 import firstcontact
-from firstcontact.kernels import jit
 
 PACKAGE = Path(firstcontact.__file__).parent
 ABOVE_EXACT = (
@@ -166,28 +162,3 @@ def test_every_kernel_has_one_signature():
     trees = ("tree._split", "tree._parts", "frame.refit")
     called = ("body.polyhedron.topology.derive_edges", *(f"search.trees.{name}" for name in trees))
     assert [found[f"firstcontact.{name}"] for name in called] == [1, 1, 1, 1]
-
-
-def test_the_cache_notices_edits_of_all_that_kernels_are_made_of():
-    """Numba sees edits of a kernel's own file only; the folder's name is a digest of all files in `jit.sources`."""
-    known = set(jit.sources())
-    kernels = 0
-    for file in sorted(PACKAGE.rglob("*.py")):
-        home = importlib.import_module(module_of(file))
-        own = [f for f in vars(home).values() if isinstance(f, Dispatcher) and f.py_func.__module__ == home.__name__]
-        kernels += len(own)
-        assert not own or file in known, file
-        used = {name for kernel in own for name in _names(kernel.py_func.__code__)}
-        for node in ast.walk(ast.parse(file.read_text())):
-            if isinstance(node, ast.ImportFrom) and node.module.startswith("firstcontact"):
-                for name in (alias.name for alias in node.names if (alias.asname or alias.name) in used):
-                    at = PACKAGE.parent / Path(*node.module.split("."))
-                    assert {at.with_suffix(".py"), (at / name).with_suffix(".py")} & known, (file, node.module, name)
-    assert kernels > 200
-
-
-def _names(code):
-    yield from code.co_names
-    for inner in code.co_consts:
-        if isinstance(inner, types.CodeType):
-            yield from _names(inner)

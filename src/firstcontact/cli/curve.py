@@ -45,7 +45,7 @@ def _curves(scene_file: str, options: common.Options, asked: dict[str, Any]) -> 
             try:
                 p, q = (_resting(scene.bodies[key], key, question.at) for key in (question.a, question.b))
                 if not announced and takes_kernels(p, q, question.method, question.box):
-                    common.announce_compilation("curves/cells")
+                    common.announce_compilation("kernels.curves.cells")
                     announced = True
                 result = intersection_curve(p, q, **question.arguments())
                 if options.json is not None:

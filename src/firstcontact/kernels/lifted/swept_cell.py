@@ -13,9 +13,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba.extending import overload
 
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import implements, kernel
 from firstcontact.kernels.verdict import LOST
 
 # Rows: boxes of the corners of the hulls; the box of all; then the number of corners, whether paths are circles, axis,
@@ -30,7 +29,7 @@ def axis_of(motion):
     raise NotImplementedError("compiled only, by the type of the motion")
 
 
-@overload(axis_of)
+@implements(axis_of, 1, 2)
 def _axis_of(motion):
     if motion.ndim == 1:
         return lambda motion: (False, 0.0, 0.0)

@@ -6,10 +6,9 @@ Chosen by the type of the motion, as in `walk`.  A translation is one arc; a rot
 from __future__ import annotations
 
 import numpy as np
-from numba.extending import overload
 
 from firstcontact.kernels.angle import ANGLE_EPS
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import implements, kernel
 from firstcontact.kernels.lifted.query import write_segment, write_swept_edge, write_turned_edge, write_turned_point
 from firstcontact.search.trees.state import BEST, FIRST, KEY
 
@@ -81,17 +80,17 @@ def drift(motion, box, duration, way):
 # ---------------------------------------------------------------------------------------------- translation
 
 
-@overload(times_of)
+@implements(times_of, 1, 2)
 def _times_of(motion, arc, reach, floats):
     return _times_of_shift if motion.ndim == 1 else _times_of_arc
 
 
-@overload(place_at)
+@implements(place_at, 1, 2)
 def _place_at(motion, t, place):
     return _place_shifted if motion.ndim == 1 else _place_turned
 
 
-@overload(drift)
+@implements(drift, 1, 2)
 def _drift(motion, box, duration, way):
     return _drift_shifting if motion.ndim == 1 else _drift_turning
 
@@ -113,17 +112,17 @@ def _drift_shifting(motion, box, duration, way):
     return max(max(way[3], way[4], way[5]), -min(way[0], way[1], way[2]))
 
 
-@overload(lay_edge)
+@implements(lay_edge, 1, 2)
 def _lay_edge(motion, arc, x, y, sense, reach, floats, origin, scale, query, work):
     return _lay_shifted_edge if motion.ndim == 1 else _lay_turned_edge
 
 
-@overload(lay_corner)
+@implements(lay_corner, 1, 2)
 def _lay_corner(motion, arc, x, sense, reach, floats, origin, scale, query, work):
     return _lay_shifted_corner if motion.ndim == 1 else _lay_turned_corner
 
 
-@overload(lay_path)
+@implements(lay_path, 1, 2)
 def _lay_path(motion, arc, x, sense, reach, floats, work):
     return _lay_segment if motion.ndim == 1 else _lay_arc
 

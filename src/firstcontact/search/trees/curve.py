@@ -12,9 +12,8 @@ product of two lines, each with its Bernstein coefficients and one error bound.
 from __future__ import annotations
 
 import numpy as np
-from numba.extending import overload
 
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import implements, kernel
 from firstcontact.kernels.verdict import CERTAIN, NONE, UNSURE
 from firstcontact.motion.relative.cells import (
     BACK,
@@ -525,7 +524,7 @@ def _events(
             break
 
 
-@overload(earliest_meeting)
+@implements(earliest_meeting, 3)
 def _earliest_meeting(motion, boxes_a, a, boxes_b, b, pad, first, last):
     if motion.ndim == 3:
         return lambda motion, boxes_a, a, boxes_b, b, pad, first, last: next_meeting(
@@ -534,24 +533,24 @@ def _earliest_meeting(motion, boxes_a, a, boxes_b, b, pad, first, last):
     return None
 
 
-@overload(is_new)
+@implements(is_new, 3)
 def _is_new(motion, side, node):
     return (lambda motion, side, node: False) if motion.ndim == 3 else None
 
 
-@overload(get_ready)
+@implements(get_ready, 3)
 def _get_ready(motion, side, boxes, links, xyz, ids, node, pad):
     return (lambda motion, side, boxes, links, xyz, ids, node, pad: None) if motion.ndim == 3 else None
 
 
-@overload(first_is_larger)
+@implements(first_is_larger, 3)
 def _first_is_larger(motion, boxes_a, a, boxes_b, b):
     if motion.ndim == 3:
         return lambda motion, boxes_a, a, boxes_b, b: area(boxes_a, a) >= area(boxes_b, b)
     return None
 
 
-@overload(test_events)
+@implements(test_events, 3)
 def _test_events(
     motion, pa, mask_a, xa, pb, mask_b, xb, sides, err_a, err_b, floats, integers, times, candidates
 ):

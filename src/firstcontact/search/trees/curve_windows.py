@@ -8,9 +8,8 @@ their Bernstein coefficients prove over a stretch of time that some edge does, o
 from __future__ import annotations
 
 import numpy as np
-from numba.extending import overload
 
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import implements, kernel
 from firstcontact.motion.relative.cells import BACK, BACK_SHIFT, ERRORS, LENGTH, LEVELS, LINEAR, SCRATCH, SHIFT, TERMS
 from firstcontact.search.trees.curve import (
     E_BACK,
@@ -248,7 +247,7 @@ def _windows(motion, mask_a, xa, mask_b, xb, err_a, err_b, last, scratch, out):
     return found if found <= PART_ROOM else -1
 
 
-@overload(meeting_window)
+@implements(meeting_window, 3)
 def _meeting_window(motion, boxes_a, a, boxes_b, b, pad, last):
     if motion.ndim == 3:
         return lambda motion, boxes_a, a, boxes_b, b, pad, last: meeting_span(
@@ -257,7 +256,7 @@ def _meeting_window(motion, boxes_a, a, boxes_b, b, pad, last):
     return None
 
 
-@overload(part_windows)
+@implements(part_windows, 3)
 def _part_windows(motion, mask_a, xa, mask_b, xb, err_a, err_b, last, scratch, out):
     if motion.ndim == 3:
         return _windows

@@ -11,10 +11,9 @@ reference counts in the inner loop; rows as long as a cache line, with all that 
 from __future__ import annotations
 
 import numpy as np
-from numba.extending import overload
 
 from firstcontact.kernels.angle import ANGLE_EPS, TWO_PI
-from firstcontact.kernels.jit import kernel, uncounted
+from firstcontact.kernels.jit import implements, kernel, uncounted
 from firstcontact.kernels.verdict import CERTAIN, NONE, UNSURE
 from firstcontact.pairs.elements.line_line_rotation import rotation_filter as edge_edge
 from firstcontact.pairs.elements.point_plane_rotation import rotation_filter as vertex_facet
@@ -99,7 +98,7 @@ def _events(
                 record(floats, integers, times, candidates, FACE_VERTEX, pa, WHOLE, pb, s, v1, lo1, hi1)
 
 
-@overload(earliest_meeting)
+@implements(earliest_meeting, 2)
 def _earliest_meeting(motion, boxes_a, a, boxes_b, b, pad, first, last):
     if motion.ndim == 2:
         return lambda motion, boxes_a, a, boxes_b, b, pad, first, last: entry_angle(
@@ -108,7 +107,7 @@ def _earliest_meeting(motion, boxes_a, a, boxes_b, b, pad, first, last):
     return None
 
 
-@overload(is_new)
+@implements(is_new, 2)
 def _is_new(motion, side, node):
     if motion.ndim == 2:
         return lambda motion, side, node: (
@@ -117,7 +116,7 @@ def _is_new(motion, side, node):
     return None
 
 
-@overload(get_ready)
+@implements(get_ready, 2)
 def _get_ready(motion, side, boxes, links, xyz, ids, node, pad):
     if motion.ndim == 2:
         return lambda motion, side, boxes, links, xyz, ids, node, pad: learn(
@@ -126,7 +125,7 @@ def _get_ready(motion, side, boxes, links, xyz, ids, node, pad):
     return None
 
 
-@overload(first_is_larger)
+@implements(first_is_larger, 2)
 def _first_is_larger(motion, boxes_a, a, boxes_b, b):
     if motion.ndim == 2:
         return lambda motion, boxes_a, a, boxes_b, b: (
@@ -135,7 +134,7 @@ def _first_is_larger(motion, boxes_a, a, boxes_b, b):
     return None
 
 
-@overload(test_events)
+@implements(test_events, 2)
 def _test_events(
     motion, pa, mask_a, xa, pb, mask_b, xb, sides, err_a, err_b, floats, integers, times, candidates
 ):
@@ -285,14 +284,14 @@ def _windows(motion, mask_a, xa, mask_b, xb, err_a, err_b, last, scratch, out):
     return count
 
 
-@overload(meeting_window)
+@implements(meeting_window, 2)
 def _meeting_window(motion, boxes_a, a, boxes_b, b, pad, last):
     if motion.ndim == 2:
         return lambda motion, boxes_a, a, boxes_b, b, pad, last: angle_window(motion, a, b, pad, last)
     return None
 
 
-@overload(part_windows)
+@implements(part_windows, 2)
 def _part_windows(motion, mask_a, xa, mask_b, xb, err_a, err_b, last, scratch, out):
     if motion.ndim == 2:
         return _windows

@@ -4,9 +4,8 @@ boxes, and v in that of the parts."""
 from __future__ import annotations
 
 import numpy as np
-from numba.extending import overload
 
-from firstcontact.kernels.jit import kernel, uncounted
+from firstcontact.kernels.jit import implements, kernel, uncounted
 from firstcontact.kernels.verdict import NONE, UNSURE
 from firstcontact.pairs.elements.line_line import translation_filter as edge_edge
 from firstcontact.pairs.elements.point_plane import translation_filter as vertex_facet
@@ -90,7 +89,7 @@ def _events(
                 record(floats, integers, times, candidates, FACE_VERTEX, pa, WHOLE, pb, s, verdict, lo, hi)
 
 
-@overload(earliest_meeting)
+@implements(earliest_meeting, 1)
 def _earliest_meeting(motion, boxes_a, a, boxes_b, b, pad, first, last):
     if motion.ndim == 1:
         return lambda motion, boxes_a, a, boxes_b, b, pad, first, last: entry_time(
@@ -99,24 +98,24 @@ def _earliest_meeting(motion, boxes_a, a, boxes_b, b, pad, first, last):
     return None
 
 
-@overload(is_new)
+@implements(is_new, 1)
 def _is_new(motion, side, node):
     return (lambda motion, side, node: False) if motion.ndim == 1 else None
 
 
-@overload(get_ready)
+@implements(get_ready, 1)
 def _get_ready(motion, side, boxes, links, xyz, ids, node, pad):
     return (lambda motion, side, boxes, links, xyz, ids, node, pad: None) if motion.ndim == 1 else None
 
 
-@overload(first_is_larger)
+@implements(first_is_larger, 1)
 def _first_is_larger(motion, boxes_a, a, boxes_b, b):
     if motion.ndim == 1:
         return lambda motion, boxes_a, a, boxes_b, b: area(boxes_a, a) >= area(boxes_b, b)
     return None
 
 
-@overload(test_events)
+@implements(test_events, 1)
 def _test_events(
     motion, pa, mask_a, xa, pb, mask_b, xb, sides, err_a, err_b, floats, integers, times, candidates
 ):
@@ -194,7 +193,7 @@ def _windows(motion, mask_a, xa, mask_b, xb, err_a, err_b, last, scratch, out):
     return 1
 
 
-@overload(meeting_window)
+@implements(meeting_window, 1)
 def _meeting_window(motion, boxes_a, a, boxes_b, b, pad, last):
     if motion.ndim == 1:
         return lambda motion, boxes_a, a, boxes_b, b, pad, last: slab_window(
@@ -203,7 +202,7 @@ def _meeting_window(motion, boxes_a, a, boxes_b, b, pad, last):
     return None
 
 
-@overload(part_windows)
+@implements(part_windows, 1)
 def _part_windows(motion, mask_a, xa, mask_b, xb, err_a, err_b, last, scratch, out):
     if motion.ndim == 1:
         return _windows
