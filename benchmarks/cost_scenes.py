@@ -35,6 +35,7 @@ def row(
     name: str, before: str, bar: float | tuple[float, str] | None, of: Literal["all", "first", "later"] = "first"
 ) -> Callable[[Maker], Maker]:
     def add(make: Maker) -> Maker:
+        assert name not in ROWS, name
         ROWS[name] = Row(before, bar, of, make)
         return make
 
@@ -71,7 +72,7 @@ def _stretching() -> tuple[Any, Any]:
 
 
 row("stretching motion after an irrational pose", "ValueError, 200 s", 30)(lambda: first(*_stretching()))
-row("the same, intervals", "ValueError, 200 s", 30)(lambda: intervals(*_stretching()))
+row("stretching motion after an irrational pose, intervals", "ValueError, 200 s", 30)(lambda: intervals(*_stretching()))
 
 
 def _box(size: float = 1) -> Any:
@@ -303,8 +304,10 @@ def _pair_under_screw() -> tuple[Any, Any]:
 
 
 row("two ruled pieces under a screw", "CONTACT or UNDECIDED", 30)(lambda: first(*_pair_under_screw()))
-row("the same, in the other order", "CONTACT or UNDECIDED", 30)(lambda: first(*_pair_under_screw()[::-1]))
-row("the same, intervals", "13 to 18 s, UNDECIDED", 30)(lambda: intervals(*_pair_under_screw()))
+row("two ruled pieces under a screw, in the other order", "CONTACT or UNDECIDED", 30)(
+    lambda: first(*_pair_under_screw()[::-1])
+)
+row("two ruled pieces under a screw, intervals", "13 to 18 s, UNDECIDED", 30)(lambda: intervals(*_pair_under_screw()))
 
 
 @row("trimmed pieces under a translation", "refused", 30)
