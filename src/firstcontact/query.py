@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from firstcontact.contact import table
 from firstcontact.errors import InputError, UnsupportedPair
+from firstcontact.kernels.jit import signals
 from firstcontact.motion.span import common_span
 from firstcontact.result import ContactIntervals, ContactPairs, FirstContact
 from firstcontact.work import Progress, Query
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from firstcontact.result_curve import IntersectionCurve
 
 
+@signals()
 def first_contact(
     a: Any,
     b: Any,
@@ -65,6 +67,7 @@ def first_contact(
     )
 
 
+@signals()
 def contact_intervals(
     a: Any,
     b: Any,
@@ -96,6 +99,7 @@ def contact_intervals(
     )
 
 
+@signals()
 def contact_pairs(a: Any, b: Any, span: Any = None) -> ContactPairs:
     """All element pairs (vertex/face, edge/edge, face/vertex) that meet during the span.
 
@@ -112,6 +116,7 @@ def contact_pairs(a: Any, b: Any, span: Any = None) -> ContactPairs:
     return table.contact_pairs(Query(a, b, first, last, begin=begin))
 
 
+@signals()
 def intersection_curve(
     p: Any, q: Any, *, tolerance: float = 1e-6, method: str = "auto", box: Any = None
 ) -> IntersectionCurve:

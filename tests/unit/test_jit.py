@@ -13,6 +13,7 @@ import pytest
 from numba.core.dispatcher import Dispatcher
 
 import firstcontact
+from firstcontact import query
 from firstcontact.kernels import cache
 
 ASK = """
@@ -110,3 +111,49 @@ def _is_told(value):
     if isinstance(value, (types.ModuleType, types.FunctionType, Dispatcher, np.ndarray, *cache.PLAIN)):
         return True
     return not value.__module__.startswith("firstcontact")
+
+
+SIGNALLED = """
+import signal
+import numpy as np
+from firstcontact.kernels.jit import kernel, signals
+def both(x):
+    return x + 1.0, x > 0.0
+both = kernel(both)
+both(np.zeros(2))
+def handler(*_):
+    raise KeyboardInterrupt
+signal.signal(signal.SIGALRM, handler)
+told = []
+for k in range(300):
+    try:
+        with signals():
+            signal.setitimer(signal.ITIMER_REAL, 2e-4 + 1e-6 * k)
+            while True:
+                both(np.zeros(2))
+    except BaseException as error:
+        told.append(type(error).__name__)
+print(*sorted(set(told)), len(told))
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no timers there")
+def test_an_interrupt_is_raised_as_it_is_wherever_it_arrives(tmp_path):
+    """Numba makes a SystemError of one that arrives while it hands over a kernel's results."""
+    (tmp_path / "ask.py").write_text(SIGNALLED)
+    done = subprocess.run([sys.executable, str(tmp_path / "ask.py")], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["KeyboardInterrupt", "300"]
+
+
+@pytest.mark.parametrize("verb", ["first_contact", "contact_intervals", "contact_pairs"])
+def test_verbs_raise_what_a_handler_raised(verb, monkeypatch):
+    def interrupted(_):
+        try:
+            raise KeyboardInterrupt
+        except KeyboardInterrupt as error:
+            raise SystemError("returned a result with an exception set") from error
+
+    monkeypatch.setattr(query.table, verb, interrupted)
+    box = firstcontact.examples.box()
+    with pytest.raises(KeyboardInterrupt):
+        getattr(firstcontact, verb)(box.moving(firstcontact.Translation((0, 0, 2))), box)

@@ -79,6 +79,20 @@ def inner(function: Callable[..., Any]) -> Any:
     return kernel(function, allocates=False, entry=False)
 
 
+@contextmanager
+def signals() -> Iterator[None]:
+    """Raises what a signal's handler raised as it was: while Numba hands over results, it becomes a SystemError."""
+    try:
+        yield
+    except SystemError as error:
+        cause: BaseException | None = error
+        while isinstance(cause, SystemError):
+            cause = cause.__cause__ or cause.__context__
+        if cause is None:
+            raise
+        raise cause from None
+
+
 def implements(function: Callable[..., Any], *dimensions: int) -> Callable[..., Any]:
     """`numba.extending.overload` for what the type of an argument `motion` chooses: arrays of so many dimensions.
 
