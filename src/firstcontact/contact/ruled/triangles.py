@@ -32,6 +32,7 @@ from firstcontact.exact.vectors import Vector
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.relative import projective
 from firstcontact.motion.relative.polynomial import PolynomialPiece
+from firstcontact.motion.span import limits
 from firstcontact.search.trees.containment import contains
 from firstcontact.search.trees.frame import tree_of
 
@@ -125,9 +126,9 @@ def _boxes(parts: list[Any], begin: float, end: float) -> tuple[np.ndarray, np.n
 
 
 def _within(part: Any, begin: float, end: float) -> tuple[float, float]:
-    """The times for which the part has poses."""
-    span = getattr(getattr(part, "motion", None), "span", None)
-    return (begin, end) if span is None else (max(begin, float(span[0])), min(end, float(span[1])))
+    """The times for which the part has poses: beyond its span, too, where the motion goes on."""
+    has_poses = limits(part.motion) if isinstance(part, Moving) else None
+    return (begin, end) if has_poses is None else (max(begin, float(has_poses[0])), min(end, float(has_poses[1])))
 
 
 class Interior:

@@ -48,18 +48,19 @@ PERMANENT = "a multiple root for all u is divided out"
 def equation(a: Matrix, b: Matrix) -> Equation:
     """The u at which det(l A - B) has a multiple root that it does not have for all u.
 
-    Where B is degenerate for all u, as a cylinder's section by planes along its axis, the permanent root l = 0 tells
-    nothing: B touches A where its two lines become one, and where one line for all u touches A (re-derived).
+    Where B is degenerate for all u, as a cylinder's section by planes along its axis, or any quadric's by a plane that
+    stays tangent to it, the permanent root l = 0 tells nothing: B touches A where its two lines become one, where the
+    point in which they meet comes to lie on A, and where one line for all u touches A (re-derived).
     """
     coefficients = characteristic(a, b)
     found = pencil_equation(coefficients, a, b)
     if found.polynomial is None or coefficients[0] != 0:
         return found
-    double_line = common_factor(minors(b, 2))
-    if double_line != 0:
-        return replace(found, polynomial=found.polynomial * double_line)
-    tangent = next(c for c in coefficients if c != 0)
-    return replace(found, polynomial=found.polynomial * tangent, reason=PERMANENT, permanent=True)
+    doubled = next(c for c in coefficients if c != 0)  # 0 where l = 0 is a multiple root
+    one_line = common_factor(minors(b, 2))
+    if one_line != 0:
+        return replace(found, polynomial=found.polynomial * doubled * one_line)
+    return replace(found, polynomial=found.polynomial * doubled, reason=PERMANENT, permanent=True)
 
 
 def pencil_equation(coefficients: list[fmpz_poly], a: Matrix, b: Matrix) -> Equation:

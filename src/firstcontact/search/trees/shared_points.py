@@ -6,6 +6,7 @@ facet ends the search.  Signs that kernels leave open are told in exact numbers.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -111,6 +112,8 @@ def _in_parts(a: Polyhedron, b: Polyhedron) -> tuple[fmpz, np.ndarray, np.ndarra
         for k, x in enumerate(row):
             x *= scale
             high[i, k] = to_double(x)
+            if not math.isfinite(high[i, k]):
+                return None
             low[i, k] = to_double(rest := x - exact_value(high[i, k]))
             if exact_value(low[i, k]) != rest:
                 return None
