@@ -143,3 +143,20 @@ def test_pairs_in_doubt_are_listed():
         assert (len(pairs), len(pairs.undecided)) == (14, 5)
         assert str(pairs) == "14 element pairs meet, 0 pierced at the start, 5 undecided"
         assert not set(pairs.undecided) & {*pairs, *pairs.piercing}
+
+
+def test_containment_before_a_doubt_is_told():
+    """Found by the soak: two equal points in a box from the start on, and times that stay open later."""
+    low, high = np.array([-135670, -473346, -1129285]) / 2**19, np.array([912906, 1623806, -80709]) / 2**19
+    places = [(0, 1, 0), (1, 1, 0), (1, 1, 1), (0, 1, 1), (0, 0, 0), (1, 0, 0), (1, 0, 1), (0, 0, 1)]
+    faces = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
+    box = fc.Polyhedron(np.where(places, high, low), faces)
+    way = fc.Trajectory(
+        [0, 0.5, 1], [(3, 1, 1.5), (0.5, 0, 2), (1, -1, 0)], quat_wxyz=[(1, 1, 1, 1), (4, 0, 3, 0), (2, -1, 2, 4)]
+    )
+    points = fc.Polyhedron([(1, 1, 1), (1, 1, 1)], []).moving(fc.Rotation((0, 0, 1), (0, -1, 0), turns="3/8"))
+    for a, b in ((box.moving(way), points), (points, box.moving(way))):
+        # the third of a turn about (1, 1, 1) takes the point at (1, 1, 1) - (3, 1, 3/2) back to (0, -1/2, -2)
+        assert fc.first_contact(a, b).initial == "containment"
+        found = fc.contact_intervals(a, b)
+        assert found.free_until == 0.0 or found[0].start_interval == (0.0, 0.0)

@@ -13,6 +13,7 @@ from flint import fmpq
 from firstcontact.contact.polyhedra.doubts import Doubt, settled
 from firstcontact.contact.polyhedra.earliest import Problem, Window
 from firstcontact.exact.numbers import Undecidable, below
+from firstcontact.exact.times.instants import RationalInstant
 from firstcontact.motion.relative.curved import CurvedPiece
 from firstcontact.search.trees.containment import contained_at, decide
 from firstcontact.search.trees.state import SLICE
@@ -68,9 +69,8 @@ def contact_windows(problem: Problem, budget: int | None, progress: Progress | N
         answer.windows, open_from = _settled(problem, items, doubts)
         if open_from is not None:
             answer.open, answer.until = "precision", below(open_from)
-            return answer
         if problem.a.solid or problem.b.solid:
-            answer.windows = _with_containment(problem, answer.windows)
+            answer.windows = _with_containment(problem, answer.windows, open_from)
     except Undecidable:
         answer.open = "precision"
     return answer
@@ -182,17 +182,18 @@ def _union(items: list[Window], problem: Problem) -> list[Window]:
     return out
 
 
-def _with_containment(problem: Problem, windows: list[Window]) -> list[Window]:
-    """The windows and those gaps between them in which a body lies inside the other.
+def _with_containment(problem: Problem, windows: list[Window], open_from: fmpq | None) -> list[Window]:
+    """The windows and those gaps between them in which a body lies inside the other, before what is open.
 
     The surfaces share no point in a gap, so one time in it decides the whole gap.
     """
-    begin, end = problem.start_instant(), problem.end_instant()
+    begin = problem.start_instant()
+    end: Any = problem.end_instant() if open_from is None else RationalInstant(open_from)
     ends: list[tuple[Any, Any]] = [(None, begin), *windows, (end, None)]
     out: list[Window] = []
     for before, after in pairwise(ends):
         left, right = before[1], after[0]
-        if windows and problem.order(left, right) >= 0:
+        if (windows or open_from is not None) and problem.order(left, right) >= 0:
             continue
         if contained_at(problem, left, right):
             out.append((left, right))
