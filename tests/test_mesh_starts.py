@@ -188,3 +188,13 @@ def test_a_point_at_a_tip_is_not_told_more_than_is_proved():
     assert cone.vertices[0].position == (0, 0, 1)
     hit = fc.first_contact(point, cone)
     assert hit.status is INITIAL and hit.initial in (None, "touching")
+
+
+@pytest.mark.parametrize("exact", [False, True])
+def test_places_whose_common_denominator_leaves_the_doubles(exact):
+    """Found by the soak: an eighth of a turn has rounded poses; a flat piece and a solid that stands on its plane."""
+    piece = fc.Polyhedron([(0, F(5, 2), 0), (0, F(1, 2), 0), (2, F(1, 2), 0), (2, F(5, 2), 0)], [[0, 1, 2], [0, 2, 3]])
+    solid = fc.Polyhedron([(0, 2, 0), (1, 2, 0), (0, 4, 0), (0, 2, 3)], [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+    turning = solid.moving(fc.Rotation((0, 0, 1), (0, 1, -2), turns=F(-1, 4)))
+    for a, b in ((piece, turning), (turning, piece)):
+        assert fc.first_contact(a, b, (F(1, 2), 1), exact=exact).initial == "touching"

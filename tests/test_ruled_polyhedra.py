@@ -103,3 +103,19 @@ def test_time_may_run_backwards():
 def test_refusals(body, message):
     with pytest.raises(UnsupportedPair, match=message):
         fc.first_contact(body, SADDLE.moving(TURN))
+
+
+@pytest.mark.parametrize("middle, span", [(-1, (-1, 1)), ("-19/20", (-1, 0)), (3, (1, 3)), ("5/2", (-1, "51/20"))])
+@pytest.mark.parametrize("both", [False, True])
+def test_times_outside_a_motion_s_own_span(both, middle, span):
+    """Found by the soak: what moves on beyond its span was taken to rest there, and told FREE."""
+    middle, span = Fraction(middle), [Fraction(t) for t in span]
+    speed = 20 if both else 10
+    sheet = fc.RuledSurface("(u, 0, 0)", "(u, 1, 0)")
+    box = fc.examples.box((2, 2, 2)).translated((0, 0, speed * middle)).moving(fc.Translation((0, 0, -10)))
+    sheet = sheet.moving(fc.Translation((0, 0, 10))) if both else sheet
+    start, end = max(middle - Fraction(1, speed), span[0]), min(middle + Fraction(1, speed), span[1])
+    for x, y in ((box, sheet), (sheet, box)):
+        (found,) = fc.contact_intervals(x, y, span, exact=True)
+        assert (found.start_exact, found.end_exact) == (start, end)
+        assert fc.first_contact(x, y, span, method="algebraic").time == float(start)
