@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+
+import pytest
 from flint import fmpq, fmpz_poly
 
 from firstcontact.exact.fields.roots import AlgebraicRoot, isolate, real_roots
@@ -105,3 +109,29 @@ def test_isolation_of_squarefree_polynomials_with_rational_roots():
         else:
             assert lo == value == hi or lo < value < hi
     assert all(x[1] <= y[0] for x, y in zip(found, found[1:], strict=False))
+
+
+INTERRUPTED = """
+import signal
+from firstcontact.exact.polynomials.bivariate import U, V, factored, squarefree_factors
+f = (U**3 * V**5 - 7 * U * V + 3) * (U**5 - V**4 * U + 11) * (U * V**3 + U**2 - 5) * (V**6 - U**4 + 2)
+def handler(*_):
+    raise KeyboardInterrupt
+signal.signal(signal.SIGALRM, handler)
+lost = 0
+for k in range(60):
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 1e-4 + 1e-5 * k)
+        for _ in range(300):
+            (factored, squarefree_factors)[k % 2](f)
+        lost += signal.setitimer(signal.ITIMER_REAL, 0)[0] == 0.0
+    except KeyboardInterrupt:
+        pass
+print("lost", lost)
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no timers there")
+def test_an_interrupt_while_factors_are_sorted_is_not_lost():
+    done = subprocess.run([sys.executable, "-c", INTERRUPTED], capture_output=True, text=True, check=True)
+    assert (done.stdout.strip(), done.stderr) == ("lost 0", "")

@@ -316,7 +316,7 @@ def divides(f: fmpz_mpoly, g: fmpz_mpoly) -> bool:
 
 
 def squarefree(f: fmpz_mpoly) -> fmpz_mpoly:
-    return reduce(lambda x, y: x * y, (g for g, _ in f.factor_squarefree()[1]), CONTEXT.constant(1))
+    return reduce(lambda x, y: x * y, (g for g, _ in bivariate.squarefree_factors(f)), CONTEXT.constant(1))
 
 
 def all_real_roots(f: fmpz_poly) -> list[AlgebraicRoot]:

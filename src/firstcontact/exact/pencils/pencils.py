@@ -18,6 +18,7 @@ from flint.utils.flint_exceptions import DomainError
 
 from firstcontact.exact.fields.field_towers import product
 from firstcontact.exact.fields.number_field import filtered_sign, is_zero, sign, square_root
+from firstcontact.exact.polynomials.bivariate import squarefree_factors
 from firstcontact.exact.polynomials.inertia import Rows, inertia, null_space, times
 from firstcontact.exact.polynomials.polynomial_matrix import congruent, determinant
 
@@ -153,14 +154,14 @@ def _squarefree(c: Sequence[fmpz_poly]) -> Iterator[tuple[list[fmpz_poly], int]]
     """As `squarefree_parts`, each with its multiplicity."""
     terms: dict[tuple[int, ...], Any] = {(k, i): x for k, p in enumerate(c) for i, x in enumerate(p.coeffs()) if x}
     polynomial = _PLANE.from_dict(terms)
-    for factor, multiplicity in polynomial.factor_squarefree()[1]:
+    for factor, multiplicity in squarefree_factors(polynomial):
         degree = factor.degrees()[0]
         if degree:
             rows: list[dict[int, Any]] = [{} for _ in range(degree + 1)]
             for (k, i), x in factor.to_dict().items():
                 rows[k][i] = x
             part = [fmpz_poly([row.get(i, 0) for i in range(max(row, default=0) + 1)]) for row in rows]
-            yield part, int(multiplicity)
+            yield part, multiplicity
 
 
 def permanent_roots(c: Sequence[fmpz_poly]) -> list[tuple[fmpz_poly, fmpz_poly]]:

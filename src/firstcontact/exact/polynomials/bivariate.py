@@ -6,7 +6,9 @@ everything that happens over one u: rows of a chart with u -> 1/u or v -> 1/v ar
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+import signal
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from typing import Any, NamedTuple
 
 from flint import fmpq, fmpq_mpoly_ctx, fmpq_poly, fmpz, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly
@@ -153,11 +155,35 @@ def factored(f: fmpz_mpoly) -> list[tuple[fmpz_mpoly, int]]:
     """The irreducible factors with multiplicities, without the constant; in any number of variables."""
     ring = f.context()
     try:
-        return [(g, int(e)) for g, e in f.factor()[1]]
+        with _signals_wait():
+            found = f.factor()[1]
+        return [(g, int(e)) for g, e in found]
     except OverflowError:
         # python-flint sorts the factors by keys that large coefficients overflow; over Q it does not
-        over_q = fmpq_mpoly_ctx.get(ring.names(), "lex").from_dict(f.to_dict()).factor()[1]
+        wider = fmpq_mpoly_ctx.get(ring.names(), "lex").from_dict(f.to_dict())
+    with _signals_wait():
+        over_q = wider.factor()[1]
     return [(_integral(g, ring), int(e)) for g, e in over_q]
+
+
+def squarefree_factors(f: fmpz_mpoly) -> list[tuple[fmpz_mpoly, int]]:
+    """The squarefree factors with multiplicities, without the constant; in any number of variables."""
+    with _signals_wait():
+        found = f.factor_squarefree()[1]
+    return [(g, int(e)) for g, e in found]
+
+
+@contextmanager
+def _signals_wait() -> Iterator[None]:
+    """An interrupt waits for the end of the block: where python-flint sorts factors, it would be lost."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT, signal.SIGALRM, signal.SIGTERM))
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _integral(g: Any, ring: fmpz_mpoly_ctx) -> fmpz_mpoly:
