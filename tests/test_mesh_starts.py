@@ -7,6 +7,7 @@ with the origin on its surface, moved by -g along z.  So the origin is inside fo
 from __future__ import annotations
 
 from fractions import Fraction as F
+from itertools import product
 from random import Random
 
 import pytest
@@ -198,3 +199,31 @@ def test_places_whose_common_denominator_leaves_the_doubles(exact):
     turning = solid.moving(fc.Rotation((0, 0, 1), (0, 1, -2), turns=F(-1, 4)))
     for a, b in ((piece, turning), (turning, piece)):
         assert fc.first_contact(a, b, (F(1, 2), 1), exact=exact).initial == "touching"
+
+
+def _least_height(p, q):
+    """The least |x| + |y| + |z| on the segment: at an end, or where a coordinate is 0."""
+    times = [F(0), F(1), *(F(a, a - b) for a, b in zip(p, q, strict=True) if a * b < 0)]
+    return min(sum(abs(a + t * (b - a)) for a, b in zip(p, q, strict=True)) for t in times)
+
+
+def test_bare_edges_through_tips_edges_and_faces_of_an_octahedron():
+    """Found by the soak: a pin through two tips was told to touch."""
+    rng, seen = Random(5), set()
+    tips = [tuple(2 * s * (k == j) for j in range(3)) for k in range(3) for s in (1, -1)]
+    signs = list(product((1, -1), repeat=3))
+    faces = [[(1 - x) // 2, 2 + (1 - y) // 2, 4 + (1 - z) // 2][:: x * y * z] for x, y, z in signs]
+    octahedron = fc.Polyhedron(tips, faces)
+    for _ in range(300):
+        p, q = ([rng.randint(-3, 3) for _ in range(3)] for _ in "pq")
+        height = _least_height(p, q)
+        if p == q or height > 2:
+            continue
+        known = "overlapping" if height < 2 else "touching"
+        if all(sum(map(abs, end)) < 2 for end in (p, q)):
+            known = "containment"
+        seen.add(known)
+        pin = fc.Polyhedron([p, q], [], edges=[[0, 1]]).moving(fc.Translation((1, 2, 3)))
+        for a, b in ((pin, octahedron), (octahedron, pin)):
+            assert fc.first_contact(a, b).initial == known, (p, q)
+    assert seen == {"overlapping", "touching", "containment"}

@@ -19,6 +19,7 @@ from firstcontact.exact.vectors import Vector
 from firstcontact.kernels.jit import kernel
 from firstcontact.kernels.signs import UNSURE, are_in_range, cross_sign, det_sign, work_room
 from firstcontact.pairs.elements.line_line import segments_cross
+from firstcontact.pairs.elements.point_line import on_segment
 from firstcontact.pairs.elements.point_plane import on_triangle
 from firstcontact.pairs.elements.segment_facet import APART, CROSSING, relation
 from firstcontact.search.trees.elements import EDGE, FACE, VERTEX, Feature, corners_of
@@ -177,9 +178,9 @@ def _normal(high, low, err, room, a, b, c):
 
 @kernel
 def where_through(high, low, err, room, p, q, a, b, c):
-    """Where the inside of edge pq meets triangle abc: THROUGH its inside, or the insides of sides, as bits.
+    """Where the inside of edge pq meets triangle abc: THROUGH its inside, or its sides, as bits; two for a corner.
 
-    0 where neither, OPEN in doubt; with the bit IN_PLANE for an edge in the plane of the triangle.
+    0 where neither, OPEN in doubt; for an edge in the plane of the triangle insides of sides, and the bit IN_PLANE.
     """
     above = det_sign(high, low, err, room, b, a, c, a, p, a)
     below = det_sign(high, low, err, room, b, a, c, a, q, a)
@@ -202,7 +203,7 @@ def where_through(high, low, err, room, p, q, a, b, c):
     if above * below == 0:
         return 0
     bits = (1 if ab == 0 else 0) + (2 if bc == 0 else 0) + (4 if ca == 0 else 0)
-    return THROUGH if bits == 0 else bits if bits == 1 or bits == 2 or bits == 4 else 0
+    return THROUGH if bits == 0 else bits
 
 
 @kernel
@@ -222,7 +223,7 @@ def _cross(high, low, err, room, p, q, r, s):
 def shared_points(resting: Resting) -> list[tuple[Feature, Feature]] | None:
     """The pairs (vertex, facet), (facet, vertex) and (edge, edge) that share such a point, each point at least once.
 
-    None: an edge passes through a facet.
+    A vertex on an edge that bounds no facet is told as such a pair.  None: an edge passes through a facet.
     """
     found = set()
     for rows in _search(resting):
@@ -264,11 +265,15 @@ def _decided(
     how = relation(p, q, *facet)
     if how in (APART, CROSSING):
         return None if how == CROSSING else []
-    crossed = []
-    for s, segment in enumerate(other._side_edge[(y if kind == PIERCING else x)[1]].tolist()):
-        if segment >= 0 and segments_cross(p, q, facet[s], facet[(s + 1) % 3]):
-            crossed.append((x, (EDGE, segment)) if kind == PIERCING else ((EDGE, segment), y))
-    return crossed
+    edge, triangle = (x, y[1]) if kind == PIERCING else (y, x[1])
+    met = [
+        (EDGE, segment) for s, segment in enumerate(other._side_edge[triangle].tolist())
+        if segment >= 0 and segments_cross(p, q, facet[s], facet[(s + 1) % 3])
+    ]  # fmt: skip
+    if not resting.facets_around(0 if kind == PIERCING else 1, edge[1]):
+        corners = zip(other.triangles[triangle].tolist(), facet, strict=True)
+        met += [(VERTEX, v) for v, corner in corners if on_segment(corner, p, q)]
+    return [(edge, found) if kind == PIERCING else (found, edge) for found in met]
 
 
 def _search(resting: Resting) -> Iterator[np.ndarray]:
@@ -362,9 +367,10 @@ def _meet(
                 _note(VERTEX_FACET + (IN_DOUBT if place < 0 else 0), corners[s], facet, swapped, state, rows)
         if mask & (1 << (SIDE + s)) and sides[s] >= 0:
             place = where_through(high, low, err, room, p, first + corners[(s + 1) % 3], a, b, c)
-            if place == THROUGH or place == OPEN:
-                _note(PIERCING + (IN_DOUBT if place == OPEN else 0), sides[s], facet, swapped, state, rows)
-            elif place > 0:
+            by_corner = place == 3 or place == 5 or place == 6
+            if place == THROUGH or place == OPEN or (by_corner and not mask & FACET):
+                _note(PIERCING + (0 if place == THROUGH else IN_DOUBT), sides[s], facet, swapped, state, rows)
+            elif place > 0 and not by_corner:
                 for t in range(3):
                     side = facet_sides[t]
                     if place & (1 << t) and side >= 0 and not (place & IN_PLANE and flat[side]):
