@@ -160,3 +160,24 @@ def test_long_coefficients_are_eliminated_only_where_doubles_do_not_answer():
     with pytest.raises(TooLarge):
         quick.times.sort()
     assert all(p.degree() > 0 for p in all_the_way.times)
+
+
+def test_many_stretches_of_contact_throughout():
+    """Found by the soak: an AssertionError where more stretches were found than are taken one by one."""
+    first = fc.RationalCurve([[5.5, -2], [5.5, -5], [1.5, 1.5]], [2, -1])
+    second = fc.RationalCurve([[2, -2.5], [11.5, -8], [-5, 4]], [2, -1])
+    pose = [[1, 0, 0, 0], [0, 0, -1, -1], [0, 1, 0, 2], [0, 0, 0, 1]]
+    piece = fc.RuledSurface(first, second, u=(-1, 1), s=(1, 2)).transformed(pose)
+    box = fc.box((1, 2, 2)).transformed(pose).moving(fc.Translation(("8/5", "24/5", "32/5")))
+    hit = fc.first_contact(piece, box, (0.625, 1.4375))
+    assert (hit.status.name, hit.initial, hit.point.tolist()) == ("INITIAL_CONTACT", "touching", [0.5, 1, 7])
+    # by hand: the box is [1/2, 3/2] x [1, 3] x [5, 7] then; s from 1 to 2 goes on beyond the second directrix
+    u, s = np.meshgrid(np.linspace(-1, 1, 201), np.linspace(1, 2, 101))
+    ends = []
+    for rows in ([[5.5, -2], [5.5, -5], [1.5, 1.5]], [[2, -2.5], [11.5, -8], [-5, 4]]):
+        x, y, z = ((c[0] + c[1] * u) / (2 - u) for c in rows)
+        ends.append(np.array([x, -z - 1, y + 2]))
+    places = ends[0] * (1 - s) + ends[1] * s
+    low, high = np.array([0.5, 1, 5]), np.array([1.5, 3, 7])
+    inside = np.all((places > low[:, None, None] + 1e-9) & (places < high[:, None, None] - 1e-9), axis=0)
+    assert not inside.any()

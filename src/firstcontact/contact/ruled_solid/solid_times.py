@@ -125,7 +125,8 @@ class _Stretches:
         self._cover(middle, hi, active, stale, depth + 1)
 
     def _add(self, span: Span, active: Active | None) -> None:
-        assert self.found is not None
+        if self.found is None:
+            return
         self.found.append((span, active))
         if len(_merged(self.found)) > MOST:
             self.found = None
