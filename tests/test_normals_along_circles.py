@@ -65,3 +65,30 @@ def test_balls_in_holes_and_seats(seed, exact):
     back = fc.first_contact(body.transformed(pose), falling, exact=exact)
     assert back.normal == pytest.approx((np.array(back.point) - np.array([rest * x for x in axis], float))
                                         / float(radius), abs=1e-9)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("top", "bore", "depth", "pin", "aside"),
+    [
+        (F(7, 10), F(7, 20), F(7, 10), F(63, 200), (F(21, 1000), F(28, 1000))),
+        (2, 1, F(3, 2), F(1, 2), (F(3, 10), F(2, 5))),
+        (2, 1, 1, F(1, 2), (F(1, 2), 0)),
+    ],
+)
+@pytest.mark.parametrize("method", ["auto", "algebraic"])
+def test_rims_that_touch_along_each_other(top, bore, depth, pin, aside, method):
+    """Found from outside: the cross product of equal tangents is rounding, and was told as a normal.
+
+    A pin comes down beside the axis of a countersunk hole, its rim inside the one between sink and bore, which it
+    touches from within.  Normals of the plate there are those between the slope's and the bore's.
+    """
+    sink = fc.frustum(top, bore, depth).rotated((1, 0, 0), degrees=180).translated((0, 0, 1)) | fc.cylinder(bore, 6)
+    plate = fc.box((12, 12, 2)) - sink
+    moving = fc.cylinder(pin, 2).translated((*aside, 4)).moving(fc.Translation((0, 0, -4)))
+    one, other = fc.first_contact(moving, plate, method=method), fc.first_contact(plate, moving, method=method)
+    assert one.normal == pytest.approx(-other.normal, abs=1e-9) and np.linalg.norm(one.normal) == pytest.approx(1)
+    inward = -np.array([*map(float, aside)]) / np.hypot(*map(float, aside))
+    across, up = float(one.normal[:2] @ inward), float(one.normal[2])
+    assert one.normal[:2] == pytest.approx(across * inward, abs=1e-9)
+    slope = float((top - bore) / depth)  # of the normal: as far up as the wall goes out per depth
+    assert across > 0 and -1e-9 <= up <= slope * across + 1e-9

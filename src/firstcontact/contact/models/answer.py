@@ -35,6 +35,8 @@ from firstcontact.search.trees.touch import carried_normal
 
 _ORDER = {"vertex": 0, "apex": 0, "edge": 1, "face": 2}
 BITS = 128
+ALONG = 1e-6
+"""Sine of the angle below which edges touch along each other: where they do, places are known to half the digits."""
 
 
 def contact_of(search: Search, meetings: Sequence[Meeting], exact: bool, shared: dict[str, Any]) -> FirstContact:
@@ -178,7 +180,8 @@ def _is_flat(meeting: Meeting) -> bool:
 def _normal(meeting: Meeting, where: np.ndarray) -> np.ndarray | None:
     """Unit normal from b towards a in the frame of b, in doubles; None where no plane separates the features.
 
-    A face decides by its gradient; two edges by their tangents, on the side of the faces beside them.
+    A face decides by its gradient; two edges by their tangents, on the side of the faces beside them; edges that touch
+    along each other by the normals that both have.
     """
     task, root = meeting.candidate.subproblem, meeting.candidate.root
     outward_a = _outward(task.pair, task.a, True, root, where)
@@ -193,11 +196,25 @@ def _normal(meeting: Meeting, where: np.ndarray) -> np.ndarray | None:
     along_b = _tangent(task.pair.forms_b, task.b, outward_b, root, where)
     if along_a is None or along_b is None:
         return None
-    n = _unit(np.cross(along_a, along_b))
-    if n is None:
-        return None
+    n = np.cross(along_a, along_b)
+    if np.linalg.norm(n) <= ALONG * np.linalg.norm(along_a) * np.linalg.norm(along_b):
+        return _in_both_cones(outward_b, [-x for x in outward_a])
+    n = n / np.linalg.norm(n)
     way = float(n @ (sum(outward_b, np.zeros(3)) - sum(outward_a, np.zeros(3))))
     return None if abs(way) < 1e-9 else n * np.sign(way)
+
+
+def _in_both_cones(of_b: list[np.ndarray], of_a: list[np.ndarray]) -> np.ndarray | None:
+    """The middle of what two plane cones, each between two unit vectors, have in common; None where that is nothing."""
+    if len(of_b) != 2 or len(of_a) != 2:
+        return None
+    ends: list[np.ndarray] = []
+    for cone, other in ((of_b, of_a), (of_a, of_b)):
+        for n in cone:
+            shares, *_ = np.linalg.lstsq(np.column_stack(other), n, rcond=None)
+            if np.all(shares >= -ALONG) and all(np.abs(n - end).max() > ALONG for end in ends):
+                ends.append(n)
+    return _unit(sum(ends, np.zeros(3)))
 
 
 def _tangent(
