@@ -53,7 +53,11 @@ def overlap(pair: Pair, u: fmpq) -> bool | None:
 
     None: they come so close that neither tells.
     """
-    known = relation_at(pair, u)
+    return overlap_given(relation_at(pair, u), pair, u)
+
+
+def overlap_given(known: Relation | None, pair: Pair, u: fmpq) -> bool | None:
+    """As `overlap`, where what `relation_at` tells is known."""
     if known is not None:
         return None if known is Relation.NEAR else known is Relation.OVERLAPPING
     if _is_polytope(pair.a) and _is_polytope(pair.b):
@@ -73,7 +77,7 @@ def overlap_around(pair: Pair, u: fmpq, shared: Sequence[Vector]) -> bool:
     seen = [_meet_around(a, b, p) for p in map(_rational, shared[:MOST_PLACES]) if p is not None]
     if True in seen:
         return True
-    return False if False in seen and is_one_piece(a) and is_one_piece(b) else overlap(pair, u) is True
+    return False if False in seen and is_one_piece(a) and is_one_piece(b) else overlap_given(known, pair, u) is True
 
 
 def _rational(x: Vector) -> Vector | None:
