@@ -13,7 +13,8 @@ from functools import cached_property, cmp_to_key
 
 from flint import fmpq
 
-from firstcontact.contact.models.at_rest import coincide, overlap_given, relation_at
+from firstcontact.body.solid.carriers import Vector
+from firstcontact.contact.models.at_rest import coincide, is_inner, overlap_given, relation_at
 from firstcontact.contact.models.contact_sets import Shared, shared_part
 from firstcontact.contact.models.membership import extent
 from firstcontact.contact.models.moving_pair import Pair
@@ -60,6 +61,7 @@ class Search:
     near: surfaces of either model; only features on these are looked at.
     undecided: candidates (by id) whose verdict is open, and why.
     relations, overlaps: what `relation_at` and `overlap_given` told, by u.
+    inner: points that were inside both models at some u.
     Raises `work.Spent` when the work's budget is.
     """
 
@@ -71,6 +73,7 @@ class Search:
     undecided: dict[int, str] = field(default_factory=dict)
     relations: dict[fmpq, Relation | None] = field(default_factory=dict)
     overlaps: dict[fmpq, bool | None] = field(default_factory=dict)
+    inner: list[Vector] = field(default_factory=list)
     near: tuple[frozenset[int], frozenset[int]] | None = None
 
     def __post_init__(self) -> None:
@@ -175,6 +178,8 @@ class Search:
     def share_a_point(self, u: fmpq) -> bool | None:
         """Whether the models share a point at a rational u that is no candidate; None where it is not proved that they
         share none."""
+        if any(is_inner(x, self.pair, u) for x in reversed(self.inner)):
+            return True
         if self._relation(u) is Relation.APART:
             return False
         overlapping = self._overlap(u)  # far sooner told than what slides in one another, where they do
@@ -187,7 +192,7 @@ class Search:
 
     def _overlap(self, u: fmpq) -> bool | None:
         if u not in self.overlaps:
-            self.overlaps[u] = overlap_given(self._relation(u), self.pair, u)
+            self.overlaps[u] = overlap_given(self._relation(u), self.pair, u, self.inner)
         return self.overlaps[u]
 
     def may_share_a_point_at_end(self) -> bool:
