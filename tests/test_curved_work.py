@@ -5,7 +5,7 @@ import pytest
 import firstcontact as fc
 from firstcontact.body.solid import primitives
 from firstcontact.contact.models.algorithm import Search
-from firstcontact.contact.models.at_rest import _is_solid
+from firstcontact.contact.models.at_rest import _solid
 
 # Both steps pass over the hole of the plate without touching it, in turn; the second ends in contact.
 PLATE = primitives.box((60, 60, 10)) - primitives.cylinder(8, 20)
@@ -55,7 +55,7 @@ def test_a_search_that_missed_an_event_is_not_called_free(monkeypatch):
 def test_only_an_empty_combination_counts_as_none():
     """Any other bad input is an error, not "no overlap"."""
     cube = primitives.box((2, 2, 2))
-    assert _is_solid(lambda: cube & cube.translated((1, 0, 0)))
-    assert not _is_solid(lambda: cube & cube.translated((3, 0, 0)))
+    assert _solid(lambda: cube & cube.translated((1, 0, 0))) is not None
+    assert _solid(lambda: cube & cube.translated((3, 0, 0))) is None
     with pytest.raises(fc.InputError, match="give a number below"):
-        _is_solid(lambda: cube & cube.translated((2**151, 0, 0)))
+        _solid(lambda: cube & cube.translated((2**151, 0, 0)))

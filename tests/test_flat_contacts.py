@@ -325,8 +325,11 @@ def test_parallel_rulings_are_not_so_after_nearly_a_full_turn():
 
 def test_what_is_nearly_across_the_axis_of_a_turn_is_not_across():
     tilted = LYING.transformed([[1, 0, 0, 0], [0, 1, 0, 0], [0, "1/10000000", 1, 0], [0, 0, 0, 1]])
-    hit = fc.first_contact(tilted.moving(fc.Screw((0, 0, 1), ABOUT, degrees=25, advance=-6)), FLOOR)
+    drop = tilted.moving(fc.Screw((0, 0, 1), ABOUT, degrees=25, advance=-6))
+    hit = fc.first_contact(drop, fc.box((20, 20, 2)).translated((0, 0, -4)))
     assert hit.time == pytest.approx(2.25 / 6, abs=1e-7) and hit.contact_set is None and hit.multiplicity == 1
+    shifting = fc.first_contact(drop, FLOOR)  # which is the same from all around: algebra takes the shift that is left
+    assert shifting.time == pytest.approx(hit.time, abs=1e-12) and shifting.contact_set == "point"
 
 
 @pytest.mark.parametrize("where", [(2, 0, 0), (0, -2, 0), ("6/5", "8/5", 0)])
@@ -352,3 +355,25 @@ def test_what_is_clear_of_a_model_is_told_beside_its_box():
         assert not body.is_far((2 + 1e-15, 0, 0)) and body.is_far((2.001, 0, 0))
         low, high = plate.bounds()
         assert np.allclose([low, high], [[-2, -1.5, -0.5], [2, 1.5, 0.5]], rtol=0, atol=1e-12)
+
+
+SEAT = fc.box((6, 6, 2)) - fc.frustum(1, 2, 1)
+PLUGS = {
+    "fills its seat": (fc.frustum(1, 2, 1), 7),
+    "stands out of it": (fc.frustum(1, "5/2", "3/2"), 3),
+    "touches the cone alone": (fc.frustum("5/4", "7/4", "1/2").translated((0, 0, "1/4")), 2),
+}
+
+
+@pytest.mark.parametrize("name", PLUGS)
+def test_the_pairs_of_a_plug_and_its_seat_are_the_same_whichever_is_named_first(name):
+    """The rim at the seat's bottom lies in a plane through the origin: its height has no size to be measured by."""
+    plug, count = PLUGS[name]
+    plug, down, up = plug.translated((0, 0, 3)), fc.Translation((0, 0, -3)), fc.Translation((0, 0, 3))
+    told = []
+    for a, b in ((plug.moving(down), SEAT), (plug, SEAT.moving(up))):
+        for hit, back in ((fc.first_contact(a, b), False), (fc.first_contact(b, a), True)):
+            assert hit.time == 1 and hit.contact_set == "patch" and hit.multiplicity == count
+            pairs = [(hit.element_a, hit.element_b), *((x.element_a, x.element_b) for x in hit.others)]
+            told.append({tuple((x.kind, x.index) for x in (pair[::-1] if back else pair)) for pair in pairs})
+    assert all(pairs == told[0] and len(pairs) == count for pairs in told)

@@ -1,4 +1,4 @@
-"""Models that turn about their own axis: what is decided is that of the shift that is left."""
+"""Models round about an axis that they, or the other body, turn about: the shift that is left is decided."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import firstcontact as fc
-from firstcontact.contact.models.idle_turns import without_idle_turn
+from firstcontact.contact.models.idle_turns import without_common_turn, without_idle_turn
 
 Z = (0, 0, 1)
 PLATE = fc.box((6, 6, 2))
@@ -63,3 +63,85 @@ def test_what_is_round_only_shifts(body, turn):
 def test_what_is_not_round_keeps_its_turn(body, turn):
     moving = body.moving(turn)
     assert without_idle_turn(moving) is moving
+
+
+TURNS = {
+    "rest": None,
+    "shift": fc.Translation((0, 0, 5)),
+    "turn": fc.Rotation(Z, degrees=40),
+    "turns": fc.Rotation(Z, turns=-2),
+    "screw": fc.Screw(Z, degrees=90, advance=3),
+    "other way": fc.Screw(Z, (0, 0, 7), degrees=37, advance=-4),
+}
+DRILLED = fc.box((8, 8, 2)) - fc.cylinder(2, 4)
+
+
+def bolt(radius):
+    return fc.cylinder(radius, 40)
+
+
+def under(body, motion):
+    return body if TURNS[motion] is None else body.moving(TURNS[motion])
+
+
+@pytest.mark.parametrize("of_bolt, of_plate", [
+    ("rest", "screw"), ("shift", "turn"), ("shift", "screw"), ("turn", "turns"), ("turns", "other way"),
+    ("screw", "rest"), ("screw", "turn"), ("screw", "screw"), ("screw", "other way"), ("other way", "shift"),
+])  # fmt: skip
+def test_a_bolt_in_its_bore_touches_at_the_start_and_a_thinner_one_never(of_bolt, of_plate):
+    plate, fit, near = under(DRILLED, of_plate), under(bolt(2), of_bolt), under(bolt("1.999"), of_bolt)
+    for hit in (fc.first_contact(fit, plate), fc.first_contact(plate, fit)):
+        assert hit.status is fc.Status.INITIAL_CONTACT and hit.initial == "touching"
+    assert fc.first_contact(near, plate).status is fc.Status.FREE
+    assert fc.first_contact(plate, near).status is fc.Status.FREE
+
+
+def test_what_is_seen_from_the_turning_body_is_told_where_it_happens():
+    """A ball comes down the axis on another one that turns about it: 5/2 from it at the height 3/2."""
+    ball = fc.sphere(2).translated((0, 0, 6)).moving(fc.Screw(Z, degrees=500, advance=-12))
+    other = fc.sphere("1/2").translated((2, 0, 0)) | fc.box(("1/2", "1/2", "1/2")).translated((2, 0, 0))
+    turning = other.moving(fc.Rotation(Z, degrees=240))
+    hit = fc.first_contact(ball, turning)
+    assert hit.time == pytest.approx(3 / 8, abs=1e-12)
+    up = np.array([-0.8 * np.cos(np.pi / 2), -0.8 * np.sin(np.pi / 2), 0.6])
+    assert hit.normal == pytest.approx(up, abs=1e-9)
+    assert hit.point == pytest.approx([0, 2 * 0.8, 0.3], abs=1e-9)
+    back = fc.first_contact(turning, ball)
+    assert back.time == pytest.approx(3 / 8)
+    assert back.point == pytest.approx(hit.point) and back.normal == pytest.approx(-up)
+    listed = fc.first_contact(ball, turning, method="algebraic")
+    places = [x.point for s in listed.subproblems for x in s.candidates if x.verdict == "contact"]
+    assert any(np.allclose(place, hit.point, atol=1e-9) for place in places)
+    assert fc.first_contact(ball, turning, exact=True).time_exact == Fraction(3, 8)
+
+
+def test_a_patch_is_told_where_the_turning_body_is():
+    """A headed bolt screws down on a bar whose square top turns by a right angle until then."""
+    head = fc.cylinder(3, 2).translated((0, 0, 4)) | bolt("1/2")
+    bar = fc.box((4, 1, 2)) - fc.cylinder("3/4", 4)
+    hit = fc.first_contact(head.moving(fc.Screw(Z, degrees=-70, advance=-4)), bar.moving(fc.Rotation(Z, degrees=180)))
+    assert hit.time == 0.5 and hit.contact_set == "patch"
+    reach = np.abs(hit.contact_set.points).max(axis=0)
+    assert reach == pytest.approx([0.5, 2, 1])
+
+
+def test_a_polyhedral_plate_turns_about_the_bolt_in_it():
+    """The walls of a square hole, 4 wide, come no nearer to the axis than 2."""
+    frame = (fc.box((8, 8, 2)) - fc.box((4, 4, 4))).to_mesh(0.1)
+    turn = fc.Screw(Z, degrees=140, advance=3)
+    assert fc.first_contact(bolt(2).moving(fc.Screw(Z, degrees=90, advance=1)), frame.moving(turn)).status is (
+        fc.Status.INITIAL_CONTACT
+    )
+    assert fc.first_contact(bolt("1.999"), frame.moving(turn)).status is fc.Status.FREE
+    assert fc.contact_intervals(bolt("1.999"), frame.moving(turn)).status is fc.Status.FREE
+
+
+@pytest.mark.parametrize("round_one, turn", [
+    (bolt(1), fc.Rotation(Z, (1, 0, 0), degrees=50)),
+    (bolt(1).moving(fc.Translation((1, 0, 1))), fc.Screw(Z, degrees=50, advance=1)),
+    (fc.cylinder((1, 2), 3), fc.Screw(Z, degrees=50, advance=1)),
+    (bolt(1).moving(fc.Rotation((1, 0, 0), degrees=50)), fc.Screw(Z, degrees=50, advance=1)),
+])  # fmt: skip
+def test_turns_beside_what_is_not_round_about_their_axis_stay(round_one, turn):
+    turning = DRILLED.moving(turn)
+    assert without_common_turn(round_one, turning) == (round_one, turning, None)

@@ -12,5 +12,6 @@ ways      the ways to an answer, asked in order; rooms list theirs in `first`
 reduce    polyhedra as solids of planes, where these are quicker
 endless   spans without an end
 centred   small bodies far from the origin
+carried   answers for a question that was put elsewhere
 named     elements of ruled surfaces by name
 """

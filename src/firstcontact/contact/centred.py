@@ -13,11 +13,12 @@ from typing import Any
 import numpy as np
 
 from firstcontact.body.kept import Kept
+from firstcontact.contact.carried import carried
 from firstcontact.exact.numbers import to_double
 from firstcontact.exact.rigid import to_origin
 from firstcontact.exact.vectors import Vector
 from firstcontact.motion.moving import Moving, shape_of
-from firstcontact.result import ContactIntervals, ContactSet, FirstContact, Subproblem
+from firstcontact.result import ContactIntervals, FirstContact
 from firstcontact.work import Query
 
 FAR = 2.0**10
@@ -35,15 +36,9 @@ def first(answer: Callable[[Query], FirstContact], query: Query) -> FirstContact
     by = _shift(query)
     if by is None:
         return answer(query)
-    found, back = answer(_shifted(query, by)), np.array([-to_double(c) for c in by])
-    changes: dict[str, Any] = {"a": query.a, "b": query.b}
-    if found.point is not None:
-        changes["point"] = found.point + back
-    if isinstance(found.contact_set, ContactSet):
-        changes["contact_set"] = ContactSet(str(found.contact_set), found.contact_set.points + back)
-    if found.subproblems:
-        changes["subproblems"] = tuple(_shifted_back(x, back) for x in found.subproblems)
-    return replace(found, **changes)
+    back = np.eye(4)
+    back[:3, 3] = [-to_double(c) for c in by]
+    return carried(answer(_shifted(query, by)), lambda time: back, query.a, query.b)
 
 
 def intervals(answer: Callable[[Query], ContactIntervals], query: Query) -> ContactIntervals:
@@ -85,8 +80,3 @@ def _shifted_body(body: Any, by: Vector) -> Any:
     if key not in known:
         known[key] = shape.translated(by)
     return Moving(known[key], body.motion.shifted(by)) if isinstance(body, Moving) else known[key]
-
-
-def _shifted_back(listed: Subproblem, back: np.ndarray) -> Subproblem:
-    moved = (replace(x, point=None if x.point is None else x.point + back) for x in listed.candidates)
-    return replace(listed, candidates=tuple(moved))

@@ -383,6 +383,16 @@ class CompositeQuadric(Placing):
     # -- inside ---------------------------------------------------------------------------------------------
 
     @property
+    def inner_point(self) -> Vector | None:
+        """A rational point of the interior, if one was met; solids are proved to have some without it too."""
+        return self._witness
+
+    def is_strict(self, x: Vector, wanted: bool) -> bool:
+        """Whether no form vanishes at the rational point (x, y, z), and the Boolean value there is the one wanted."""
+        signs = self.signs((*x, ONE))
+        return 0 not in signs and inside(self.tree, [s < 0 for s in signs]) == wanted
+
+    @property
     def _who(self) -> str:
         return self.name or "solid"
 
@@ -403,14 +413,14 @@ class CompositeQuadric(Placing):
 
     def _strict_point(self, wanted: bool) -> Vector | None:
         """A rational point with no form zero, whose Boolean value is the one wanted; None when none was met."""
-        if wanted and self._witness is not None and self._is_strict(self._witness, True):
+        if wanted and self._witness is not None and self.is_strict(self._witness, True):
             return self._witness
         for p in self._samples():
             may_in, may_out = self._possible(p)
             good = may_in & ~may_out if wanted else may_out & ~may_in
             for k in np.flatnonzero(good)[:3]:
                 x = tuple(fmpq(*float(c).as_integer_ratio()) for c in p[k])
-                if self._is_strict(x, wanted):
+                if self.is_strict(x, wanted):
                     return x
         return None
 
@@ -426,10 +436,6 @@ class CompositeQuadric(Placing):
         yield rng.uniform(lo, hi, (1000, 3))
         lo, hi = hull_of_cells(self, self._box)
         yield rng.uniform(lo, hi, (2000, 3))
-
-    def _is_strict(self, x: Vector, wanted: bool) -> bool:
-        signs = self.signs((*x, ONE))
-        return 0 not in signs and inside(self.tree, [s < 0 for s in signs]) == wanted
 
     def _anywhere(self) -> bool | None:
         """The Boolean value at some point where no form vanishes; for solids without faces it is the same all over."""

@@ -21,11 +21,14 @@ from firstcontact.body.solid_mesh.mesh_charts import Chart, charts
 from firstcontact.body.solid_mesh.mesh_curves import Samples
 from firstcontact.body.solid_mesh.mesh_net import Crossing, Net
 from firstcontact.errors import InputError, UnsupportedPair
+from firstcontact.exact.rigid import Vector, to_origin
 
 if TYPE_CHECKING:
     from firstcontact.body.solid.composite_quadric import CompositeQuadric
 
 MOST_TRIANGLES = 2_000_000
+# Sizes of a body from the origin beyond which it is meshed there.
+FAR = 2.0**10
 # How far away the nearest part of a body without end is looked for, as a multiple of the coordinates.
 FARTHEST = 1e6
 # Of the tolerance, what sides and chords of edges may be off: with 4/3 of it triangles keep within.
@@ -48,8 +51,18 @@ def mesh(body: CompositeQuadric, tolerance: float) -> Polyhedron:
         raise InputError(f"to_mesh tolerance is {tolerance!r}; give a positive length")
     if not body.bounded:
         raise UnsupportedPair(f"{body.name or 'solid'}: no bound is known; intersect it with a box to mesh it")
+    by = _to_origin(body)
+    if by is not None:  # exactly: far away doubles tell no triangles apart
+        return mesh(body.translated(by), tolerance).translated([-c for c in by])
     vertices, triangles, _ = _meshed(body, tolerance)
     return Polyhedron(vertices, triangles.astype(np.int32), name=body.name)
+
+
+def _to_origin(body: CompositeQuadric) -> Vector | None:
+    """The shift to the origin of a body that is small for where it lies."""
+    lo, hi = body.bounds()
+    size, middle = float((hi - lo).max()), 0.5 * (lo + hi)
+    return to_origin(middle.tolist(), size) if float(np.abs(middle).max()) > FAR * size > 0.0 else None
 
 
 def face_triangles(

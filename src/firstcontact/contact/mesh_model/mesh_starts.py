@@ -96,7 +96,7 @@ class Standing:
             return Place(None)
         for side in sides:
             try:
-                inner = (side & model)._witness
+                inner = (side & model).inner_point
             except NoSolid:
                 return Place(Relation.APART)
             if inner is not None and model.holds_inside(x := _foot(points, inner)):

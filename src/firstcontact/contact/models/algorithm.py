@@ -13,7 +13,8 @@ from functools import cached_property, cmp_to_key
 
 from flint import fmpq
 
-from firstcontact.contact.models.at_rest import coincide, overlap
+from firstcontact.body.solid.carriers import Vector
+from firstcontact.contact.models.at_rest import coincide, is_inner, overlap_given, relation_at
 from firstcontact.contact.models.contact_sets import Shared, shared_part
 from firstcontact.contact.models.membership import extent
 from firstcontact.contact.models.moving_pair import Pair
@@ -23,6 +24,7 @@ from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.fields.roots import AlgebraicRoot
 from firstcontact.exact.numbers import Undecidable, dyadic, precision
 from firstcontact.exact.systems.square_systems import EnclosedRoot, OpenRoot
+from firstcontact.search.convex.relation import Relation
 from firstcontact.work import Work
 
 NARROW = fmpq(1, 10**12)
@@ -58,7 +60,8 @@ class Search:
 
     near: surfaces of either model; only features on these are looked at.
     undecided: candidates (by id) whose verdict is open, and why.
-    overlaps: what `overlap` told, by u.
+    relations, overlaps: what `relation_at` and `overlap_given` told, by u.
+    inner: points that were inside both models at some u.
     Raises `work.Spent` when the work's budget is.
     """
 
@@ -68,7 +71,9 @@ class Search:
     candidates: list[Candidate] = field(default_factory=list)
     verdicts: dict[int, tuple[list[Meeting], str]] = field(default_factory=dict)
     undecided: dict[int, str] = field(default_factory=dict)
+    relations: dict[fmpq, Relation | None] = field(default_factory=dict)
     overlaps: dict[fmpq, bool | None] = field(default_factory=dict)
+    inner: list[Vector] = field(default_factory=list)
     near: tuple[frozenset[int], frozenset[int]] | None = None
 
     def __post_init__(self) -> None:
@@ -173,14 +178,21 @@ class Search:
     def share_a_point(self, u: fmpq) -> bool | None:
         """Whether the models share a point at a rational u that is no candidate; None where it is not proved that they
         share none."""
-        if self.lasting(u):
+        if any(is_inner(x, self.pair, u) for x in reversed(self.inner)):
             return True
-        overlapping = self._overlap(u)
-        return True if overlapping or coincide(self.pair, u) else overlapping
+        if self._relation(u) is Relation.APART:
+            return False
+        overlapping = self._overlap(u)  # far sooner told than what slides in one another, where they do
+        return True if overlapping or self.lasting(u) or coincide(self.pair, u) else overlapping
+
+    def _relation(self, u: fmpq) -> Relation | None:
+        if u not in self.relations:
+            self.relations[u] = relation_at(self.pair, u)
+        return self.relations[u]
 
     def _overlap(self, u: fmpq) -> bool | None:
         if u not in self.overlaps:
-            self.overlaps[u] = overlap(self.pair, u)
+            self.overlaps[u] = overlap_given(self._relation(u), self.pair, u, self.inner)
         return self.overlaps[u]
 
     def may_share_a_point_at_end(self) -> bool:

@@ -17,7 +17,7 @@ from firstcontact.body.solid.neighbourhood import patterns
 from firstcontact.contact.models.moving_pair import Pair
 from firstcontact.exact.fields.number_field import ball
 from firstcontact.exact.numbers import dyadic, precision, sign, simplest, to_double
-from firstcontact.exact.rigid import Matrix
+from firstcontact.exact.rigid import Matrix, apply, inverse_map
 from firstcontact.exact.vectors import cross
 from firstcontact.search.convex.relation import Relation
 from firstcontact.search.convex.resting import is_one_piece, relation
@@ -53,12 +53,25 @@ def overlap(pair: Pair, u: fmpq) -> bool | None:
 
     None: they come so close that neither tells.
     """
-    known = relation_at(pair, u)
+    return overlap_given(relation_at(pair, u), pair, u, [])
+
+
+def overlap_given(known: Relation | None, pair: Pair, u: fmpq, inner: list[Vector]) -> bool | None:
+    """As `overlap`, where what `relation_at` tells is known.  A common inner point that is met goes into `inner`."""
     if known is not None:
         return None if known is Relation.NEAR else known is Relation.OVERLAPPING
     if _is_polytope(pair.a) and _is_polytope(pair.b):
         return False
-    return _is_solid(lambda: placed(pair, u) & pair.b)
+    common = _solid(lambda: placed(pair, u) & pair.b)
+    if common is not None and common.inner_point is not None:
+        inner.append(common.inner_point)
+    return common is not None
+
+
+def is_inner(x: Vector, pair: Pair, u: fmpq) -> bool:
+    """Whether the point (x, y, z), in the frame of b, is inside both models at u."""
+    p, q, r = x
+    return pair.b.is_strict(x, True) and pair.a.is_strict(apply(inverse_map(_pose_at(pair, u)), (p, q, r)), True)
 
 
 def overlap_around(pair: Pair, u: fmpq, shared: Sequence[Vector]) -> bool:
@@ -73,7 +86,7 @@ def overlap_around(pair: Pair, u: fmpq, shared: Sequence[Vector]) -> bool:
     seen = [_meet_around(a, b, p) for p in map(_rational, shared[:MOST_PLACES]) if p is not None]
     if True in seen:
         return True
-    return False if False in seen and is_one_piece(a) and is_one_piece(b) else overlap(pair, u) is True
+    return False if False in seen and is_one_piece(a) and is_one_piece(b) else overlap_given(known, pair, u, []) is True
 
 
 def _rational(x: Vector) -> Vector | None:
@@ -169,7 +182,7 @@ def is_containment(pair: Pair, u: fmpq) -> bool:
     if coincide(pair, u):
         return False
     a, b = placed(pair, u), pair.b
-    return not (_is_solid(lambda: a - b) and _is_solid(lambda: b - a))
+    return _solid(lambda: a - b) is None or _solid(lambda: b - a) is None
 
 
 def _whole_faces(model: CompositeQuadric) -> list[Face]:
@@ -184,10 +197,9 @@ def _whole_surfaces(model: CompositeQuadric) -> set[Vector]:
     return {upright(tuple(x for row in form for x in row)) for form in forms}
 
 
-def _is_solid(combination: Callable[[], CompositeQuadric]) -> bool:
-    """Whether the combination has interior points."""
+def _solid(combination: Callable[[], CompositeQuadric]) -> CompositeQuadric | None:
+    """The combination; None where it has no interior points."""
     try:
-        combination()
+        return combination()
     except NoSolid:
-        return False
-    return True
+        return None

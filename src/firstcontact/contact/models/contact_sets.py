@@ -29,6 +29,10 @@ SAMPLES = 720
 FINER = 61
 """Points looked at around one that is held alone, the odd one in the middle."""
 
+NOUGHT = 1e-3
+"""Of a point's size: coordinates that are smaller count as that large.  One that is 0 but for rounding, of a point on
+a plane through the origin, has no size of its own to measure that rounding by."""
+
 
 @dataclass(frozen=True)
 class Shared:
@@ -93,9 +97,11 @@ class Trim:
     def inside(self, points: np.ndarray) -> np.ndarray:
         """(n,) bools for (n, 4) points: in both closed models and on the faces asked for, as far as doubles tell."""
         answer = np.ones(len(points), bool)
+        sizes = np.abs(points)
+        sizes += NOUGHT * sizes.max(axis=1, initial=0.0, keepdims=True)
         for tree, matrices, holds, on in self.models:
             values = np.einsum("ni,sij,nj->sn", points, matrices, points)
-            slack = 1e-10 * np.einsum("ni,sij,nj->sn", abs(points), abs(matrices), abs(points))
+            slack = 1e-10 * np.einsum("ni,sij,nj->sn", sizes, abs(matrices), sizes)
             slack[holds] = np.inf
             below, above = values < slack, values > -slack
             answer &= possible(tree, below, above)[0]

@@ -18,6 +18,7 @@ from firstcontact.contact.models.idle_turns import ignoring_idle_turns
 from firstcontact.contact.models.intervals import certified_intervals
 from firstcontact.contact.models.last_instant import landing
 from firstcontact.contact.models.moving_pair import Pair
+from firstcontact.contact.models.square_subproblems import needs_systems
 from firstcontact.contact.models.standing import prisms_on_common_plane
 from firstcontact.contact.reduce import as_model
 from firstcontact.contact.ways import Passed, Way, answered, decided, is_proved
@@ -33,8 +34,9 @@ from firstcontact.search.convex.advance import Advance, advance
 from firstcontact.timeline.answers import interval_of, proved_intervals
 from firstcontact.work import Query, Spent, Work
 
-QUICK_STEPS = 500
-"""Subproblems and candidates that algebra looks at before doubles are asked for intervals: about a second."""
+QUICK_STEPS = 1000
+"""Subproblems and candidates that algebra looks at before doubles are asked for intervals: a few tenths of a second.
+Systems of four equations take longer than doubles do."""
 SURELY = 2.0**-30
 """Of a body's size: by how much it is made smaller and larger to see whether rounded poses tell how it starts."""
 
@@ -237,7 +239,7 @@ def intervals(query: Query) -> ContactIntervals:
 
     return answered([
         Way("in doubles, if free", if_free, lambda query, _: not query.is_algebraic and query.budget is None),
-        Way("soon exactly", soon_decided, lambda query, _: query.is_auto),
+        Way("soon exactly", soon_decided, lambda query, _: query.is_auto and not any(map(needs_systems, models))),
         Way("in doubles", in_doubles, lambda query, _: not query.is_algebraic),
         Way("exactly", lambda query, _: _decided_intervals(query), lambda query, _: not query.is_certified),
     ], query)  # fmt: skip

@@ -2,6 +2,9 @@
 
 A surface is the same after every turn about a line if its form does not change at first order: K^T Q + Q K = 0 for the
 generator K of the turns.
+
+Where one body is round about the axis that the other one turns about, and shifts along it at most, both are looked at
+from the turning one: there neither turns, as the round one is the same from all around.
 """
 
 from __future__ import annotations
@@ -16,8 +19,9 @@ from flint import fmpq, fmpq_mat
 from firstcontact.body.kept import Kept
 from firstcontact.body.solid.carriers import Plane, Surface
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
+from firstcontact.contact.carried import carried
 from firstcontact.exact.vectors import cross
-from firstcontact.motion.moving import Moving
+from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.translation import Translation
@@ -36,33 +40,71 @@ def ignoring_idle_turns(answer: Callable[[Query], R]) -> Callable[[Query], R]:
     @wraps(answer)
     def asked(query: Query) -> R:
         a, b = (without_idle_turn(body) for body in query.bodies)
+        a, b, turn = without_common_turn(a, b)
         if a is query.a and b is query.b:
             return answer(query)
-        return replace(answer(replace(query, a=a, b=b)), a=query.a, b=query.b)
+        found = answer(replace(query, a=a, b=b))
+        if turn is None or isinstance(found, ContactIntervals):
+            return replace(found, a=query.a, b=query.b)
+        return carried(found, turn, query.a, query.b)
 
     return asked
 
 
 def without_idle_turn(body: Any) -> Any:
     """The body, or one that holds the same points at all times and only shifts."""
-    if not isinstance(body, Moving) or isinstance(body.motion, Translation):
+    turn = _turn(body)
+    if turn is None or not _is_round(shape_of(body), turn):
         return body
-    motion, model = body.motion, body.body
-    if not isinstance(model, CompositeQuadric) or not isinstance(motion, Rotation | Screw):
-        return body
-    if not _is_round(model, motion):
-        return body
+    return Moving(body.body, _ahead(body.motion))
+
+
+def without_common_turn(a: Any, b: Any) -> tuple[Any, Any, Rotation | None]:
+    """Both as one sees them that turns with one of them, and that turn; or as they were, and None."""
+    if (turn := _turn(b)) is not None and _keeps_along(a, turn):
+        return a, Moving(b.body, _ahead(b.motion)), turn
+    if (turn := _turn(a)) is not None and _keeps_along(b, turn):
+        return Moving(a.body, _ahead(a.motion)), b, turn
+    return a, b, None
+
+
+def _turn(body: Any) -> Rotation | None:
+    """How the body turns, if it turns at constant speed about one line."""
+    if not isinstance(body, Moving) or not isinstance(body.motion, Rotation | Screw):
+        return None
+    motion = body.motion
+    return Rotation(motion.axis, motion.point, **{motion.unit: motion.angle})
+
+
+def _ahead(motion: Rotation | Screw) -> Translation | Screw:
+    """The motion without its turn: a Screw that does not turn where the axis is of irrational length."""
     if isinstance(motion, Rotation):
-        return Moving(model, Translation(ORIGIN))
+        return Translation(ORIGIN)
     ahead = Screw(motion.axis, motion.point, turns=0, advance=motion.advance).reduced()
-    return Moving(model, Translation(ORIGIN) if isinstance(ahead, Rotation) else ahead)
+    return Translation(ORIGIN) if isinstance(ahead, Rotation) else ahead
 
 
-def _is_round(model: CompositeQuadric, motion: Rotation | Screw) -> bool:
+def _keeps_along(body: Any, turn: Rotation) -> bool:
+    """Whether the body is round about the axis of the turn at all times: it rests, or shifts along it."""
+    if isinstance(body, Moving):
+        motion = body.motion
+        if isinstance(motion, Screw):
+            way = motion.axis if motion.angle == 0 else None
+        else:
+            way = motion.vector if isinstance(motion, Translation) else None
+        if way is None or any(cross(way, turn.axis)):
+            return False
+    return _is_round(shape_of(body), turn)
+
+
+def _is_round(model: Any, turn: Rotation) -> bool:
+    """Whether it is a model of revolution about the turn's axis."""
+    if not isinstance(model, CompositeQuadric):
+        return False
     known = _ROUND.of(model, dict)
-    line = tuple((int(x.p), int(x.q)) for x in (*motion.axis, *motion.point))
+    line = tuple((int(x.p), int(x.q)) for x in (*turn.axis, *turn.point))
     if line not in known:
-        known[line] = all(is_same(surface, motion.axis, motion.point) for surface in model.surfaces)
+        known[line] = all(is_same(surface, turn.axis, turn.point) for surface in model.surfaces)
     return known[line]
 
 

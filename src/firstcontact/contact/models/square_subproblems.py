@@ -33,6 +33,7 @@ from firstcontact.exact.systems.square_systems import (
     Zero,
     certified,
 )
+from firstcontact.motion.moving import shape_of
 from firstcontact.pairs.carriers.contact import Contacts, Equation, Vector, finite, gather, nothing
 
 Feature = Face | Edge | Vertex
@@ -222,6 +223,12 @@ def square_subproblems(pair: Pair) -> Iterator[SquareSubproblem]:
         for vertex in view.own.vertices:
             if isinstance(vertex.carrier, EnclosedPoint):
                 yield from _of_vertex(view, vertex, vertex.carrier)
+
+
+def needs_systems(body: Any) -> bool:
+    """Whether the model, at rest or moving, has features without a single contact equation."""
+    model = shape_of(body)
+    return bool(quartic_edges(model)) or any(isinstance(x.carrier, EnclosedPoint) for x in model.vertices)
 
 
 def quartic_edges(body: CompositeQuadric) -> list[Edge]:

@@ -160,7 +160,7 @@ def _of_clauses(body: CompositeQuadric, clauses: list[Clause]) -> ConvexPieces:
         solid = body if is_whole else _solid(body, clause)
         if solid is not None:
             parts.append(_piece(body, solid, sorted(clause)))
-            solids.append(([_half_space(body, x) for x in sorted(clause)], solid._witness))
+            solids.append(([_half_space(body, x) for x in sorted(clause)], solid.inner_point))
     pieces = ConvexPieces(_tables(parts), len(parts), labels, solids=tuple(solids))
     is_round = all(len(forms) == 1 for _, _, smooth, forms in parts if smooth)
     if len(parts) > 1 and is_round and all(edge.convexity == "convex" for edge in body.edges):
@@ -295,7 +295,7 @@ def _require_convex(form: Surface, forms: Sequence[Surface], solid: CompositeQua
     if (positive, negative) != (2, 1) or inertia(form.form) not in ((2, 1), (3, 1)):
         raise NotConvex("not convex")
     centre = _centre(form)
-    witness = solid._witness
+    witness = solid.inner_point
     if witness is None or not any(
         isinstance(plane, Plane) and _leaves_one_nappe(plane, block, centre, witness) for plane in forms
     ):
@@ -377,7 +377,7 @@ def _smooth(face: Face, solid: CompositeQuadric) -> list[list[float]]:
     form = face.carrier.form
     block = tuple(row[:3] for row in form[:3])
     parts = sorted(diagonalised(block), key=lambda part: -part[0])  # the negative or zero one last
-    witness = solid._witness
+    witness = solid.inner_point
     if witness is None:
         raise NotConvex("no inner point is known")
     squares: list[fmpq]

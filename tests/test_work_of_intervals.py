@@ -1,0 +1,79 @@
+"""All times of contact of small solids: told right, and by few questions."""
+
+from __future__ import annotations
+
+import pytest
+
+import firstcontact as fc
+
+Z = (0, 0, 1)
+DRILLED = fc.box((8, 8, 2)) - fc.cylinder(2, 4)
+SMALL = fc.box((4, 4, 1)) - fc.cylinder(1, 2)
+BALL = fc.sphere("3/2")
+ANGLE = (fc.box((4, 2, 1)) | fc.box((2, 4, 1)).translated((1, 1, 0))) - fc.cylinder("1/2", 2).translated((1, 0, 0))
+POST = fc.box((4, 1, 1)) | fc.cylinder("1/2", 4).translated((2, 0, 2))
+TWICE = fc.box((6, 5, 1)) - fc.cylinder(1, 2).translated((1, 0, 0)) - fc.cylinder("1/2", 2).translated((-2, 1, 0))
+SUNK = fc.box((6, 6, 2)) - fc.frustum(1, 2, 2).translated((0, 0, -1))
+PIERCED = fc.ellipsoid((1, 2, "3/2")) - fc.cylinder("1/2", 6)
+
+SCENES = {
+    "ball through a hole": (
+        BALL.translated((1, 0, 6)).moving(fc.Translation((0, 0, -12))), DRILLED,
+        [((5 - 5**0.5 / 2) / 12, (7 + 5**0.5 / 2) / 12)],
+    ),
+    "two drilled plates": (
+        SMALL.translated(("1/2", 0, 5)).moving(fc.Translation((0, 1, -10))), DRILLED, [(0.35, 0.65)],
+    ),
+    "a drilled plate that turns up and comes back to stay": (
+        SMALL.translated((7, 0, 0)).moving(fc.Rotation((0, 1, 0), point=(0, 0, 4), degrees=90)), DRILLED, None,
+    ),
+    "a post along an angle": (
+        POST.translated((-8, 0, 0)).moving(fc.Translation((12, 0, 0))), ANGLE, [(3.5 / 12, 1)],
+    ),
+    "a plate with two holes across a countersunk one": (
+        TWICE.translated(("25/4", -5, "-13/8")).moving(fc.Translation(("-105/8", "21/2", "5/2"))), SUNK,
+        [(0.05, 14 / 15)],
+    ),
+    "an angle that turns into a plate": (
+        ANGLE.translated((6, 0, 0)).moving(fc.Rotation(Z, degrees=120)), DRILLED.translated((0, 6, "1/2")), None,
+    ),
+    "a plate under a screw": (
+        SMALL.translated((1, 0, 5)).moving(fc.Screw(Z, degrees=120, advance=-6)), DRILLED, [(3.5 / 6, 1)],
+    ),
+    "an ellipsoid with edges of degree 4, inside": (
+        PIERCED.moving(fc.Rotation(Z, degrees=90)), PIERCED.translated(("1/8", "1/4", "1/2")), [(0, 1)],
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_all_times_of_contact_are_told(scene):
+    a, b, expected = SCENES[scene]
+    hit = fc.first_contact(a, b)
+    told = fc.contact_intervals(a, b)
+    if expected is not None:
+        assert [x for y in told for x in (y.start, y.end)] == pytest.approx([x for y in expected for x in y], abs=1e-9)
+    assert told[0].start == pytest.approx(hit.time, abs=1e-11)
+    assert told.status is hit.status
+
+
+def test_few_questions_are_asked_of_what_slides_in_one_another(monkeypatch):
+    """Plates that slide along each other at 90 instants of interest overlap in between: no line is put to a line."""
+    from firstcontact.contact.models.algorithm import Search
+
+    asked = []
+    lasting = Search.lasting
+    monkeypatch.setattr(Search, "lasting", lambda self, u, known=(): asked.append(u) or lasting(self, u, known))
+    a, b, expected = SCENES["a plate with two holes across a countersunk one"]
+    (told,) = fc.contact_intervals(a, b)
+    assert (told.start, told.end) == pytest.approx(expected[0])
+    assert len(asked) < 10  # 89 before
+
+
+@pytest.mark.parametrize("scene, way", [
+    ("a drilled plate that turns up and comes back to stay", "soon exactly"),  # doubles cannot tell that it lands
+    ("an ellipsoid with edges of degree 4, inside", "in doubles"),  # systems of equations take fifty times longer
+])  # fmt: skip
+def test_the_quicker_way_is_asked_first(scene, way):
+    told = fc.contact_intervals(*SCENES[scene][:2])
+    assert [x.way for x in told.stats.ways] == ["in doubles, if free", way]
