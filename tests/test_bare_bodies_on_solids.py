@@ -84,3 +84,29 @@ def test_the_named_scenes():
     for height in HEIGHTS:
         point = fc.Polyhedron([(5, 0, height)], faces=[]).moving(fc.Translation((-10, 0, 0)))
         assert fc.first_contact(point, fc.frustum(2, 1, 1)).time == pytest.approx(float(3 + height) / 10, abs=1e-12)
+
+
+QUARTER = fc.Screw((0, 0, 1), degrees=90, advance="1/4")
+POINT = fc.Polyhedron([(2, 0, 0)], faces=[])
+EDGE = fc.Polyhedron([(1, 0, 0), (3, 0, 0)], faces=[], edges=[(0, 1)])
+TRIANGLE = fc.Polyhedron([(2, 0, 0), (3, -1, "1/2"), (3, -1, "-1/2")], [(0, 1, 2)])
+CUBE = fc.box((2, 2, 2)).translated((-1, 2, 0))
+
+
+@pytest.mark.parametrize("body, solid, kind", [
+    (POINT, fc.cylinder(1, 2).translated((-1, 2, 0)), "point"),
+    (POINT, fc.sphere(1).translated((-1, 2, "1/4")), "point"),
+    (POINT, CUBE - fc.cylinder("1/4", 4).translated(("-3/2", 2, 0)), "point"),
+    (TRIANGLE, fc.cylinder(1, 2).translated((-1, 2, 0)), "point"),
+    (EDGE, CUBE, "segment"),
+])  # fmt: skip
+def test_a_landing_in_the_last_instant_of_a_screw(body, solid, kind):
+    """A quarter turn takes (2, 0, 0) to (0, 2, 1/4), which is on all of these."""
+    hit = fc.first_contact(body.moving(QUARTER), solid)
+    assert hit.status is fc.Status.CONTACT and hit.time == 1 and hit.contact_set == kind
+    assert hit.time_interval[0] > 1 - 1e-12 and hit.point[[0, 2]] == pytest.approx([0, 0.25], abs=1e-9)
+    assert fc.first_contact(solid, body.moving(QUARTER)).time == 1
+    beside = solid.translated(("-1/1000", 0, 0))
+    assert fc.first_contact(body.moving(QUARTER), beside).status is fc.Status.FREE
+    with pytest.raises(fc.UnsupportedPair):
+        fc.first_contact(body.moving(QUARTER), solid, exact=True)

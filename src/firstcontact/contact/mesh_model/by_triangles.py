@@ -39,9 +39,11 @@ from firstcontact.contact.models.moving_pair import Pair
 from firstcontact.contact.models.touched import ACROSS
 from firstcontact.contact.ways import Passed, Way, answered, tried
 from firstcontact.errors import UnsupportedPair
-from firstcontact.exact.numbers import exact_value, fraction
+from firstcontact.exact.numbers import above, exact_value, fraction
 from firstcontact.kernels.convex.mesh_walk import VISITS
 from firstcontact.motion.moving import Moving, shape_of
+from firstcontact.motion.rational import RationalMotion
+from firstcontact.motion.relative.pieces import placement_at
 from firstcontact.motion.relative.polynomial import relative_pieces
 from firstcontact.motion.relative.stretches import Untold, Window, windows
 from firstcontact.motion.screw import Screw
@@ -129,12 +131,15 @@ class _Answer:
             return None
         try:
             found = tried(lambda: self._decided(window, swept, at_start))
+            landed = tried(lambda: self._landed(window, swept)) if isinstance(found, Passed) else None
         except Spent:
             return self._undecided(swept.free_until, "budget")
         if not isinstance(found, Passed):
             return found
         if self.exact:
             raise UnsupportedPair(found.reason)
+        if isinstance(landed, FirstContact):
+            return landed
         return self._undecided(swept.free_until, "precision")
 
     def _result(self, status: Status, **fields: Any) -> FirstContact:
@@ -330,6 +335,26 @@ class _Answer:
             return self._undecided(swept.free_until, "precision")
         return self._contact(replace(swept, free_until=touch.lo))
 
+    def _landed(self, window: Window, swept: Swept) -> FirstContact | None:
+        """CONTACT where all is free up to the last instant, and a triangle touches in the rational poses of then."""
+        a, b = (_standing(x, self.last) for x in (self.a, self.b))
+        if window is not self.windows[-1] or self.span[1] - swept.free_until > self.width or a is None or b is None:
+            return None
+        for group in self._groups(swept.open):
+            thin: Any = self._patch(group, window)
+            for piece in relative_pieces(a, b, fmpq(0), fmpq(0)):
+                pair = Pair(thin, self.model, piece) if self.mesh_is_a else Pair(self.model, thin, piece)
+                search = Search(pair, self.work)
+                if meetings := search.at_start():
+                    seen = contact_of(search, meetings, False, {**self.shared, "a": a, "b": b})
+                    until = swept.free_until
+                    seen = replace(
+                        seen, time=self.span[1], time_interval=(until, above(self.last)), free_until=until,
+                        stats=self._stats(), **self.shared,
+                    )  # fmt: skip
+                    return self._oriented(seen, window)
+        return None
+
     def _is_later(self, group: list[Open], found: list[FirstContact]) -> bool:
         """Whether all of the group is free beyond the first contact found."""
         first = min((x.time_interval[1] for x in found if x.time_interval is not None), default=math.inf)
@@ -452,6 +477,15 @@ class _Answer:
         points = [self.mesh.exact_vertex(i) for i in self.mesh.triangles[x.primitive].tolist()]
         pairs = ((solid, self.model) if self.mesh_is_a else (self.model, solid) for solid in prisms(points))
         return any(not overlap(Pair(*pair, piece), piece.u_lo) for pair in pairs)
+
+
+def _standing(body: Any, t: fmpq) -> Any:
+    """The body under a motion that keeps it in its pose at time t; None where that is not rational."""
+    there = placement_at(body, t)
+    if not there.is_exact:
+        return None
+    pose = [[fraction(x) for x in row] for row in there.matrix()]
+    return shape_of(body).moving(RationalMotion([[*pose, [0, 0, 0, 1]]]))
 
 
 def _is_screw(body: Any) -> bool:
