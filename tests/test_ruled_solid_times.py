@@ -8,7 +8,7 @@ from flint import fmpq
 
 import firstcontact as fc
 from amount import amount
-from firstcontact.contact.signs.sheets import MOST_DEGREE, Sheet, TooLarge
+from firstcontact.contact.signs.sheets import FARTHEST, QUICK, Sheet, TooLarge
 from firstcontact.exact.polynomials.trivariate import RING
 
 SADDLE = fc.RuledSurface("(u, 0, 0)", "(u, 1, u)", name="saddle")
@@ -156,7 +156,7 @@ def test_long_coefficients_are_eliminated_only_where_doubles_do_not_answer():
     """As under poses of doubles, when resultants of small degrees take minutes."""
     f, g = (RING.from_dict({(2, 1, 3): 10**800 + k, (1, 0, 1): 3, (0, 1, k): 1}) for k in (1, 2))
     unit = fmpq(0), fmpq(1)
-    quick, all_the_way = (Sheet(None, (f, g), None, False, unit, unit, MOST_DEGREE - k) for k in (1, 0))
+    quick, all_the_way = (Sheet(None, (f, g), None, False, unit, unit, reach) for reach in (QUICK, FARTHEST))
     with pytest.raises(TooLarge):
         quick.times.sort()
     assert all(p.degree() > 0 for p in all_the_way.times)

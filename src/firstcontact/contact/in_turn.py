@@ -1,69 +1,101 @@
 """Doubles and elimination in turn, for ruled surfaces: who is asked first, how far each goes, who has the last word.
 
-Doubles prove most free spans in a small part of the time that elimination takes, so they begin, within a limit.
-Elimination follows where degrees are low: it tells what touches, exactly.  Then both go on, as far as it takes.
+Which of them is quicker is not known beforehand.  So each is asked within a limit that grows from round to round, and
+no answer takes many times what the quicker one takes.  Doubles begin, for they prove most free spans at once; what they
+prove to be in contact is looked at exactly near that time alone, which tells what touches.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
+from typing import NamedTuple
 
 from flint import fmpq
 
-from firstcontact.contact.signs.sheets import MOST_DEGREE, QUICK_DEGREE
-from firstcontact.contact.ways import Passed, Way, answered, decided
+from firstcontact.contact.signs.sheets import FARTHER, FARTHEST, QUICK, Reach
+from firstcontact.contact.ways import Passed, R, Way, answered, decided
 from firstcontact.exact.numbers import exact_value
 from firstcontact.result import ContactIntervals, FirstContact, Status
 from firstcontact.work import Query, Work
 
-QUICK_BOXES = 50_000
-"""Boxes that the search in doubles looks at before elimination is asked: a third of a second."""
-QUICK_STEPS = 100
-"""Cells and instants that elimination decides before doubles go on: a second, more in high fields."""
+
+class Round(NamedTuple):
+    """How far either goes: boxes that doubles look at; cells and instants that elimination decides, and its reach.
+
+    None: as far as it takes.
+    """
+
+    boxes: int | None
+    steps: int | None
+    reach: Reach
+
+
+ROUNDS = Round(4_000, 100, QUICK), Round(50_000, 1_000, FARTHER), Round(None, None, FARTHEST)
+"""About 0.03, 0.4 s and more of either."""
 NEARBY = fmpq(1, 2**30)
 """Part of the span around a time proved in doubles in which it is decided exactly."""
 
 InDoubles = Callable[[Query], FirstContact]
-Exactly = Callable[[Query, int], FirstContact]
-"""Of a question and the most degree of equations; raises TooLarge beyond it."""
+Exactly = Callable[[Query, Reach], FirstContact]
+"""Of a question and how far to go; raises TooLarge beyond that."""
 
 
 def first_in_turn(
     query: Query, in_doubles: InDoubles, exactly: Exactly, is_told: Callable[[FirstContact], bool]
 ) -> FirstContact:
     """The first contact.  is_told: of what doubles prove, whether elimination has nothing to add."""
-    def quickly(query: Query, _: None) -> FirstContact | Passed:
-        return judged(in_doubles(query.limited(QUICK_BOXES) if query.is_auto else query), query)
+    ways: list[Way[FirstContact]] = []
+    for own in ROUNDS if query.is_auto else ROUNDS[-1:]:
+        ways += _first_ways(own, in_doubles, exactly, is_told)
+    return answered(ways, query)
 
-    def judged(proved: FirstContact, query: Query) -> FirstContact | Passed:
-        told = query.is_certified or query.is_spent(proved.reason) or is_told(proved)
-        return proved if told else Passed(proved.reason or "it is not told what touches", proved)
 
-    def low_degrees(query: Query, proved: FirstContact | None) -> FirstContact | Passed:
+def _first_ways(
+    own: Round, in_doubles: InDoubles, exactly: Exactly, is_told: Callable[[FirstContact], bool]
+) -> list[Way[FirstContact]]:
+    """Those of one round."""
+    found: list[FirstContact] = []
+
+    def by_doubles(query: Query, _: FirstContact | None) -> FirstContact | Passed:
+        proved = in_doubles(_limited(query, own.boxes))
+        if query.is_certified or query.is_spent(proved.reason) or is_told(proved):
+            return proved
+        found.append(proved)
+        return Passed(proved.reason or "it is not told what touches", proved)
+
+    def by_elimination(query: Query, proved: FirstContact | None) -> FirstContact | Passed:
         if query.is_algebraic:
-            return exactly(query, MOST_DEGREE)
-        quick = query.limited(QUICK_STEPS)
+            return exactly(query, own.reach)
+        limited = _limited(query, own.steps)
         if proved is None or proved.time_interval is None:
-            told = decided(exactly(quick, QUICK_DEGREE), query)
-            return Passed(told.reason) if isinstance(told, Passed) else told
-        found = exactly(_nearby(quick, proved.time_interval), QUICK_DEGREE)
-        if found.status is not proved.status:
-            return Passed("it denies what doubles proved" if found.reason is None else found.reason)
-        return replace(found, span=query.span)
+            return _beside(proved, decided(exactly(limited, own.reach), query))
+        near = exactly(_nearby(limited, proved.time_interval), QUICK)
+        if near.status is not proved.status:
+            return Passed("it denies what doubles proved" if near.reason is None else near.reason)
+        return replace(near, span=query.span)
 
     def is_open(query: Query, proved: FirstContact | None) -> bool:
-        return query.is_auto and (proved is None or proved.status is Status.UNDECIDED)
+        if query.is_certified:
+            return False
+        return proved is None or proved.status is Status.UNDECIDED or proved in found
 
-    def is_cut_short(query: Query, proved: FirstContact | None) -> bool:
-        return is_open(query, proved) and proved is not None and proved.reason == "budget"
+    return [Way("in doubles", by_doubles, _is_cut_short), Way("exactly", by_elimination, is_open)]
 
-    return answered([
-        Way("in doubles", quickly, lambda query, _: not query.is_algebraic),
-        Way("exactly", low_degrees, lambda query, _: not query.is_certified),
-        Way("in doubles, on and on", lambda query, _: judged(in_doubles(query), query), is_cut_short),
-        Way("exactly, all degrees", lambda query, _: exactly(query, MOST_DEGREE), is_open),
-    ], query)  # fmt: skip
+
+def _is_cut_short(query: Query, proved: R | None) -> bool:
+    """Whether doubles may tell more in a longer search."""
+    return not query.is_algebraic and (proved is None or proved.reason == "budget")
+
+
+def _beside(proved: R | None, told: R | Passed) -> R | Passed:
+    """What elimination tells; of what it leaves open, that of doubles stands, which knows whether these would go on."""
+    return Passed(told.reason) if proved is not None and isinstance(told, Passed) else told
+
+
+def _limited(query: Query, budget: int | None) -> Query:
+    return query if budget is None else query.limited(budget)
 
 
 def _nearby(query: Query, times: tuple[float, float]) -> Query:
@@ -75,27 +107,32 @@ def _nearby(query: Query, times: tuple[float, float]) -> Query:
 
 def intervals_in_turn(
     query: Query, first: InDoubles, in_doubles: Callable[[Query, Work], ContactIntervals],
-    exactly: Callable[[Query, Work, int], ContactIntervals],
+    exactly: Callable[[Query, Work, Reach], ContactIntervals],
 ) -> ContactIntervals:  # fmt: skip
     """All contacts.  first: the first one in doubles, which tells of free spans without more."""
-    work = query.work()
-    quick = work if query.budget is not None else query.limited(QUICK_STEPS).work()
+    shared = query.work()
+
+    def work(budget: int | None) -> Work:
+        return shared if query.budget is not None else _limited(query, budget).work()
 
     def if_free(query: Query, _: None) -> ContactIntervals | Passed:
-        proved = first(replace(query, budget=QUICK_BOXES))
+        proved = first(replace(query, budget=ROUNDS[0].boxes))
         if proved.status is not Status.FREE:
-            return Passed("contact")
+            return Passed(proved.reason or "contact")
         return ContactIntervals((), Status.FREE, query.span[1], None, proved.stats, **query.shared)
 
-    def soon(query: Query, _: None) -> ContactIntervals | Passed:
-        return decided(exactly(query, quick, QUICK_DEGREE), query)
+    def by_doubles(own: Round, query: Query, _: ContactIntervals | None) -> ContactIntervals | Passed:
+        return decided(in_doubles(query, work(own.boxes)), query)
 
-    def all_in_doubles(query: Query, _: None) -> ContactIntervals | Passed:
-        return decided(in_doubles(query, work), query)
+    def by_elimination(own: Round, query: Query, proved: ContactIntervals | None) -> ContactIntervals | Passed:
+        return _beside(proved, decided(exactly(query, work(own.steps), own.reach), query))
 
-    return answered([
-        Way("in doubles, if free", if_free, lambda query, _: not query.is_algebraic and query.budget is None),
-        Way("soon exactly", soon, lambda query, _: query.is_auto),
-        Way("in doubles", all_in_doubles, lambda query, _: not query.is_algebraic),
-        Way("exactly", lambda query, _: exactly(query, work, MOST_DEGREE), lambda query, _: not query.is_certified),
-    ], query)  # fmt: skip
+    ways: list[Way[ContactIntervals]] = []
+    if not query.is_algebraic and query.budget is None:
+        ways.append(Way("in doubles, if free", if_free))
+    for own in ROUNDS if query.is_auto else ROUNDS[-1:]:
+        if not query.is_algebraic and own is not ROUNDS[0]:
+            ways.append(Way("in doubles", partial(by_doubles, own), _is_cut_short))
+        if not query.is_certified:
+            ways.append(Way("exactly", partial(by_elimination, own)))
+    return answered(ways, query)

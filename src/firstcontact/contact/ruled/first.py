@@ -19,7 +19,7 @@ from firstcontact.contact.ruled_solid import certified as by_search
 from firstcontact.contact.signs import exactly
 from firstcontact.contact.signs.conditions import conditions
 from firstcontact.contact.signs.exactly import PiecePair, span_of
-from firstcontact.contact.signs.sheets import TooLarge
+from firstcontact.contact.signs.sheets import Reach, TooLarge
 from firstcontact.contact.signs.starts import with_start
 from firstcontact.contact.signs.times import Times
 from firstcontact.contact.signs.touches import touch
@@ -62,10 +62,6 @@ def _all_in_doubles(query: Query, work: Work) -> ContactIntervals:
     return posed.intervals(query, work) if pieces is None else certified.intervals(pieces, query, work)
 
 
-def _is_with_mesh(query: Query) -> bool:
-    return any(isinstance(shape_of(x), Polyhedron) for x in query.bodies)
-
-
 def _is_with_convex(query: Query) -> bool:
     """Whether one of the bodies is a polyhedron that is a solid of planes, too."""
     shapes: list[Any] = [shape_of(x) for x in query.bodies]
@@ -82,28 +78,28 @@ def _is_told(proved: FirstContact) -> bool:
 # -- in exact arithmetic --------------------------------------------------------------------------------------
 
 
-def _exactly(query: Query, most_degree: int) -> FirstContact:
+def _exactly(query: Query, reach: Reach) -> FirstContact:
     """Raises TooLarge beyond the degree."""
     work = query.work()
-    return exactly.first(query, _pieces(query, work, most_degree), Interior.of(*query.bodies), work)
+    return exactly.first(query, _pieces(query, work, reach), Interior.of(*query.bodies), work)
 
 
-def _all_exactly(query: Query, work: Work, most_degree: int) -> ContactIntervals:
+def _all_exactly(query: Query, work: Work, reach: Reach) -> ContactIntervals:
     """Raises TooLarge beyond the degree."""
-    stretches = _pieces(query, work, most_degree)
+    stretches = _pieces(query, work, reach)
     return exactly.as_intervals(*exactly.all_windows(stretches, Interior.of(*query.bodies)), query, work)
 
 
-def _pieces(query: Query, work: Work, most_degree: int) -> Iterator[tuple[PolynomialPiece, list[PiecePair]]]:
+def _pieces(query: Query, work: Work, reach: Reach) -> Iterator[tuple[PolynomialPiece, list[PiecePair]]]:
     """The pieces of the relative motion in time order, with the pairs of pieces of the surfaces that may meet."""
     a, b, first, last = query.a, query.b, query.first, query.end
     parts_a, parts_b = parts_of(a), parts_of(b)
-    numbers = [(i, j) for i in range(len(parts_a)) for j in range(len(parts_b))]
-    if _is_with_mesh(query):
+    numbers = [(0, 0)]
+    if len(parts_a) * len(parts_b) > 1:
         numbers = near_pairs(parts_a, parts_b, first, last)
         if len(numbers) > MOST_PAIRS:
             raise TooLarge(
-                f"{a!r} and {b!r}: {len(numbers)} pairs of a piece and a triangle come near each other, too many for "
+                f"{a!r} and {b!r}: {len(numbers)} pairs of pieces and triangles come near each other, too many for "
                 "exact arithmetic"
             )
     if not numbers:
@@ -112,17 +108,17 @@ def _pieces(query: Query, work: Work, most_degree: int) -> Iterator[tuple[Polyno
     combined = [(i, j, parts_a[i], parts_b[j]) for i, j in numbers]
     for steps in zip(*(directrix_pieces(x, y, first, last) for _, _, x, y in combined), strict=True):
         work.free_until = below(steps[0].motion.start)
-        found = [_pair(query, pair, step, work, most_degree) for pair, step in zip(combined, steps, strict=True)]
+        found = [_pair(query, pair, step, work, reach) for pair, step in zip(combined, steps, strict=True)]
         yield steps[0].motion, found
 
 
 def _pair(
-    query: Query, pair: tuple[int, int, Any, Any], step: DirectrixPiece, work: Work, most_degree: int
+    query: Query, pair: tuple[int, int, Any, Any], step: DirectrixPiece, work: Work, reach: Reach
 ) -> PiecePair:
     i, j, x, y = pair
     span = span_of(step.motion)
     joined = shape_of(x).joined, shape_of(y).joined
-    times = Times(conditions(x, y, step, span), span, work, most_degree)
+    times = Times(conditions(x, y, step, span), span, work, reach)
     of = {"a": (query.a, i), "b": (query.b, j)}
     return PiecePair(
         step.motion, times, lambda contact: touch(contact, joined),

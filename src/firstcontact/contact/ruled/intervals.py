@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice
 from typing import Any, NamedTuple
 
@@ -249,6 +249,12 @@ class _RuledSweep(Sweep[Way]):
         self.pair = _Pair(p, q, span, 0.1 * width, BUDGET if work.budget is None else work.budget)
         free: Any = _Free(self.pair)  # more is not asked of it here
         super().__init__(free, _Lasting(self.pair), [way], width, work, lambda: None)
+
+    def run(self) -> Found:
+        found = super().run()
+        if found.reason is not None and self.pair.visits >= self.pair.most:  # the last proofs had not all they ask for
+            return replace(found, reason="budget")
+        return found
 
     def _step(self) -> None:
         """Count the boxes since the last time."""

@@ -243,7 +243,7 @@ class _Pair:
             return [(self.cells[0][0], self.cells[1][0])]
         both = zip(self.cells, self.bodies, strict=True)
         a, b = ([_moving(cell.surface, body) for cell in own] for own, body in both)
-        found = near_pairs(a, b, window.start, window.end)
+        found = near_pairs(a, b, window.start, window.end, slabs=1)  # windows are short
         if len(found) > MOST_PAIRS:
             who = "{!r} and {!r}".format(*self.bodies)
             raise UnsupportedPair(f"{who}: {len(found)} pairs of pieces and triangles come near each other, too many")

@@ -109,9 +109,11 @@ def parts_of(body: Any) -> list[Any]:
     return [Moving(piece, body.motion) if isinstance(body, Moving) else piece for piece in pieces]
 
 
-def near_pairs(a_parts: list[Any], b_parts: list[Any], first: fmpq, last: fmpq) -> list[tuple[int, int]]:
+def near_pairs(
+    a_parts: list[Any], b_parts: list[Any], first: fmpq, last: fmpq, slabs: int = SLABS
+) -> list[tuple[int, int]]:
     """Numbers of the parts whose boxes meet at some time of the span; the others share no point."""
-    times = [float(first + (last - first) * fmpq(k, SLABS)) for k in range(SLABS + 1)]
+    times = [float(first + (last - first) * fmpq(k, slabs)) for k in range(slabs + 1)]
     times[0], times[-1] = np.nextafter(times[0], -np.inf), np.nextafter(times[-1], np.inf)
     met = np.zeros((len(a_parts), len(b_parts)), bool)
     for begin, end in zip(times, times[1:], strict=False):

@@ -25,6 +25,7 @@ from firstcontact.contact.ruled_solid.solid_times import solid_times
 from firstcontact.contact.ruled_solid.solid_touches import lies, solid_touch
 from firstcontact.contact.signs import exactly
 from firstcontact.contact.signs.exactly import PiecePair, span_of
+from firstcontact.contact.signs.sheets import Reach
 from firstcontact.contact.signs.starts import with_start
 from firstcontact.contact.signs.whole_rulings import cut_to
 from firstcontact.contact.swapped import swapped
@@ -45,9 +46,9 @@ def _first_contact(query: Query) -> FirstContact:
     return first_in_turn(query, certified.first, _exactly, _is_told)
 
 
-def _exactly(query: Query, most_degree: int) -> FirstContact:
+def _exactly(query: Query, reach: Reach) -> FirstContact:
     work, (ordered, is_turned) = query.work(), _solid_last(query)
-    found = exactly.first(ordered, _pieces(ordered, work, most_degree), None, work)
+    found = exactly.first(ordered, _pieces(ordered, work, reach), None, work)
     return replace(swapped(found) if is_turned else found, a=query.a, b=query.b)
 
 
@@ -69,15 +70,15 @@ def _solid_last(query: Query) -> tuple[Query, bool]:
 
 def intervals(query: Query) -> ContactIntervals:
     """All closed times of contact."""
-    def decide(query: Query, work: Work, most_degree: int) -> ContactIntervals:
+    def decide(query: Query, work: Work, reach: Reach) -> ContactIntervals:
         ordered, _ = _solid_last(query)
-        windows = exactly.all_windows(_pieces(ordered, work, most_degree), None)
+        windows = exactly.all_windows(_pieces(ordered, work, reach), None)
         return exactly.as_intervals(*windows, query, work)
 
     return intervals_in_turn(query, certified.first, certified.intervals, decide)
 
 
-def _pieces(query: Query, work: Work, most_degree: int) -> Iterator[tuple[PolynomialPiece, list[PiecePair]]]:
+def _pieces(query: Query, work: Work, reach: Reach) -> Iterator[tuple[PolynomialPiece, list[PiecePair]]]:
     """The pieces of the relative motion in time order, with the ruled pieces that the solid, b, may meet."""
     a, b, first, last = query.a, query.b, query.first, query.end
     pieces: tuple[RuledSurface, ...] = shape_of(a).pieces
@@ -90,7 +91,7 @@ def _pieces(query: Query, work: Work, most_degree: int) -> Iterator[tuple[Polyno
             span, sides = span_of(motion), sides_from(pieces[i], motion)
             held = SolidConditions.of(pieces[i], sides, shape_of(b), span)
             touches, named = partial(solid_touch, joined=pieces[i].joined), partial(_named, query, i)
-            for times in solid_times(held, span, work, most_degree):
+            for times in solid_times(held, span, work, reach):
                 found.append(PiecePair(motion, times, touches, named, partial(_lies, times.conditions)))
         yield motion, found
 

@@ -16,7 +16,7 @@ from flint import fmpq
 from firstcontact.contact.ruled_solid.solid_conditions import SolidConditions
 from firstcontact.contact.signs.exclusion import Box, Span, powers, signs_over, survivors
 from firstcontact.contact.signs.shared_points import Contact, clusters
-from firstcontact.contact.signs.sheets import MOST_DEGREE, dyadic_between
+from firstcontact.contact.signs.sheets import FARTHEST, Reach, dyadic_between
 from firstcontact.contact.signs.times import Times, enclosed
 from firstcontact.exact.fields.roots import AlgebraicRoot, roots_in
 from firstcontact.exact.numbers import sign, to_double
@@ -74,14 +74,14 @@ class HeldTimes:
 
 
 def solid_times(
-    c: SolidConditions, span: Span, work: Work, most_degree: int = MOST_DEGREE
+    c: SolidConditions, span: Span, work: Work, reach: Reach = FARTHEST
 ) -> list[Times | HeldTimes]:
     """What together tells all times of contact; in order, over stretches that share their ends at most."""
     parts = _Stretches(c, span).found
     if parts is None:
-        return [Times(c, span, work, most_degree)]
+        return [Times(c, span, work, reach)]
     return [
-        HeldTimes(c, part) if active is None else Times(replace(c, active=active, known={}), part, work, most_degree)
+        HeldTimes(c, part) if active is None else Times(replace(c, active=active, known={}), part, work, reach)
         for part, active in parts
     ]
 

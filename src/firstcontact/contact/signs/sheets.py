@@ -14,6 +14,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, cmp_to_key
 from itertools import combinations
+from typing import NamedTuple
 
 from flint import fmpq, fmpz_mpoly, fmpz_poly
 
@@ -35,12 +36,20 @@ from firstcontact.exact.polynomials.trivariate import (
 )
 
 Pairs = tuple[tuple[fmpz_mpoly, fmpz_mpoly], ...]
-MOST_DEGREE = 400
-"""Of equations for times, as far as it can be foreseen: those of degree 230 take a second."""
-QUICK_DEGREE = 80
-"""The same where a search in doubles takes the bodies too."""
-MOST_BITS = 100_000
-"""Of all coefficients of an equation together, about, where less than that degree is asked for: a tenth of a second."""
+
+
+class Reach(NamedTuple):
+    """How far elimination may lead: the degree of equations for times, and the bits of all their coefficients together.
+
+    Both as far as they can be foreseen; bits None: any.
+    """
+
+    degree: int
+    bits: int | None = None
+
+
+QUICK, FARTHER, FARTHEST = Reach(400, 30_000), Reach(400, 300_000), Reach(400)
+"""Equations of degree 230 take a second, those of 100,000 bits a tenth of one."""
 
 
 class TooLarge(UnsupportedPair):
@@ -56,7 +65,7 @@ class Sheet:
     pairs       those of the conditions that decide off the borders; None for all conditions
     exchanged   u and v have changed places in all polynomials here
     first, second   ranges of the parameter that stays (here always u) and of the one that goes (v)
-    most_degree     of equations that elimination may lead to
+    reach           how far elimination may lead
     may_be_thin     whether trimming inequalities may hold on curves alone
     """
 
@@ -66,7 +75,7 @@ class Sheet:
     exchanged: bool
     first: Range
     second: Range
-    most_degree: int = MOST_DEGREE
+    reach: Reach = FARTHEST
     may_be_thin: bool = False
 
     @cached_property
@@ -103,7 +112,7 @@ class Sheet:
                 found.add(h)
         pairs = [(self.f, c) for c in self.clips] if self.f is not None else combinations(self.clips, 2)
         for g, h in pairs:
-            r = _eliminated(g, h, 1, self.most_degree)
+            r = _eliminated(g, h, 1, self.reach)
             if not r.is_zero():
                 found.add(r)
         return found
@@ -112,7 +121,7 @@ class Sheet:
         if degree(g, 1) == 0:
             yield g
             return
-        yield _eliminated(g, None, 1, self.most_degree)
+        yield _eliminated(g, None, 1, self.reach)
         if self.second is None:
             yield coefficients(g, 1)[-1]
             return
@@ -135,15 +144,15 @@ class Sheet:
         """The same with the parameters in the other order."""
         f = None if self.f is None else exchanged(self.f)
         clips = tuple(exchanged(x) for x in self.clips)
-        return Sheet(f, clips, None, not self.exchanged, self.second, self.first, self.most_degree, self.may_be_thin)
+        return Sheet(f, clips, None, not self.exchanged, self.second, self.first, self.reach, self.may_be_thin)
 
     @cached_property
     def _own_times(self) -> list[fmpz_poly]:
-        return critical_times(self.borders, self.first, self.most_degree)
+        return critical_times(self.borders, self.first, self.reach)
 
 
 def critical_times(
-    borders: Sequence[fmpz_mpoly], ends: Range, most_degree: int = MOST_DEGREE
+    borders: Sequence[fmpz_mpoly], ends: Range, reach: Reach = FARTHEST
 ) -> list[fmpz_poly]:
     """Irreducible polynomials in T; outside their roots the borders' zeros in the range of u keep their order."""
     found = FactorSet()
@@ -152,7 +161,7 @@ def critical_times(
         if degree(b, 0) == 0:
             found.add(b)
             continue
-        found.add(_eliminated(b, None, 0, most_degree))
+        found.add(_eliminated(b, None, 0, reach))
         if ends is None:
             found.add(coefficients(b, 0)[-1])
             continue
@@ -161,11 +170,11 @@ def critical_times(
             if not value.is_zero():
                 found.add(value)
     for b, c in combinations(curves, 2):
-        found.add(_eliminated(b, c, 0, most_degree))
+        found.add(_eliminated(b, c, 0, reach))
     return [univariate(g, 2) for g in found if degree(g, 2)]
 
 
-def sheets(c: SignConditions, most_degree: int = MOST_DEGREE) -> list[Sheet]:
+def sheets(c: SignConditions, reach: Reach = FARTHEST) -> list[Sheet]:
     """All sheets of the conditions; their times, and those of `instants`, are all at which contact may change."""
     if c.delta.is_zero():
         everything = FactorSet()
@@ -173,18 +182,18 @@ def sheets(c: SignConditions, most_degree: int = MOST_DEGREE) -> list[Sheet]:
             if not x.is_zero():
                 everything.add(x)
         own = _real(everything, c)
-        return [_lighter(Sheet(None, tuple(own), None, False, c.u, c.v, most_degree, c.may_be_thin))]
+        return [_lighter(Sheet(None, tuple(own), None, False, c.u, c.v, reach, c.may_be_thin))]
     assert isinstance(c, Conditions)
     all_sheets = []
     for f in _real(irreducible(c.delta), c):
         if degree(f, 0) == degree(f, 1) == 0:
             continue  # an instant
-        clips, pairs = _clips(c, f)
+        clips, pairs = _clips(c, f, reach)
         if degree(f, 1):
-            all_sheets.append(Sheet(f, tuple(clips), pairs, False, c.u, c.v, most_degree, c.may_be_thin))
+            all_sheets.append(Sheet(f, tuple(clips), pairs, False, c.u, c.v, reach, c.may_be_thin))
         else:
             turned = tuple(exchanged(x) for x in clips)
-            all_sheets.append(Sheet(exchanged(f), turned, None, True, c.v, c.u, most_degree, c.may_be_thin))
+            all_sheets.append(Sheet(exchanged(f), turned, None, True, c.v, c.u, reach, c.may_be_thin))
     return all_sheets
 
 
@@ -216,7 +225,7 @@ def candidates(polynomials: Iterable[fmpz_poly], lo: fmpq, hi: fmpq) -> list[Alg
     return sorted((x for some in roots.values() for x in some), key=cmp_to_key(AlgebraicRoot.compare))
 
 
-def _clips(c: Conditions, f: fmpz_mpoly) -> tuple[list[fmpz_mpoly], Pairs | None]:
+def _clips(c: Conditions, f: fmpz_mpoly, reach: Reach) -> tuple[list[fmpz_mpoly], Pairs | None]:
     """The polynomials that decide on f = 0, and the pairs they are of.
 
     Brackets of one auxiliary point off the common plane of the rulings do.  Where all brackets of all points vanish
@@ -231,7 +240,8 @@ def _clips(c: Conditions, f: fmpz_mpoly) -> tuple[list[fmpz_mpoly], Pairs | None
         if decisive:
             cost = sum(sum(int(d) for d in g.degrees()) for some in pair_factors for g in some)
             choices.append((cost, k, pair_factors, decisive))
-    if not choices or _share_borders(f, [some for choice in choices for some in choice[3]], c):
+    brackets = [some for choice in sorted(choices, key=lambda choice: choice[:2]) for some in choice[3]]
+    if not choices or _share_borders(f, brackets, c, reach):
         for x in [x for pair in c.pairs for x in pair] + [x for axis in c.axes for x in axis]:
             if not x.is_zero():
                 found.add(x)
@@ -246,12 +256,12 @@ def _clips(c: Conditions, f: fmpz_mpoly) -> tuple[list[fmpz_mpoly], Pairs | None
     return [g for g in _real(found, c) if g != f], (*c.ends(k), *c.cuts(k))
 
 
-def _share_borders(f: fmpz_mpoly, brackets: list[list[fmpz_mpoly]], c: Conditions) -> bool:
+def _share_borders(f: fmpz_mpoly, brackets: list[list[fmpz_mpoly]], c: Conditions, reach: Reach) -> bool:
     """Whether all brackets, given by their factors, may vanish together along a curve on f = 0."""
     index = 1 if degree(f, 1) else 0
     common: fmpz_mpoly | None = None
     for some in brackets:
-        r = product(resultant(f, g, index) for g in some)
+        r = product(_eliminated(f, g, index, reach) for g in some)
         common = r if common is None else common.gcd(r)
         if common.is_constant():
             return False
@@ -277,15 +287,15 @@ def _longest(f: fmpz_mpoly) -> int:
     return max((int(c).bit_length() for c in f.coeffs()), default=0)
 
 
-def _eliminated(g: fmpz_mpoly, h: fmpz_mpoly | None, index: int, most_degree: int) -> fmpz_mpoly:
+def _eliminated(g: fmpz_mpoly, h: fmpz_mpoly | None, index: int, reach: Reach) -> fmpz_mpoly:
     """The resultant of g and h, without h the discriminant of g; TooLarge where that leads too far."""
     m, n = degree(g, index), degree(h, index) if h is not None else degree(g, index) - 1
     other = g if h is None else h
     u, t = (m * degree(other, k) + n * degree(g, k) for k in (0, 2))
     # Eliminating u too doubles the product of the degrees.
     expected = t if index == 0 else 2 * u * t
-    bits = expected * (m * _longest(other) + n * _longest(g)) if most_degree < MOST_DEGREE else 0
-    if min(m, n) > 0 and (expected > most_degree or bits > MOST_BITS):
+    bits = 0 if reach.bits is None else expected * (m * _longest(other) + n * _longest(g))
+    if min(m, n) > 0 and (expected > reach.degree or bits > (reach.bits or 0)):
         raise TooLarge(
             f"too large for elimination: equations of degree {expected} for the times of contact; enclosures, without "
             "exact=True, may be had"

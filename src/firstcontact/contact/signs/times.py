@@ -15,7 +15,16 @@ from flint import fmpq, fmpz_mpoly, fmpz_poly
 from firstcontact.contact.signs.conditions import Range, SignConditions
 from firstcontact.contact.signs.exclusion import Box, Span, survivors
 from firstcontact.contact.signs.shared_points import WIDE, Contact, NearContact, clusters, shared_points
-from firstcontact.contact.signs.sheets import MOST_DEGREE, Sheet, between, candidates, instants, samples, sheets
+from firstcontact.contact.signs.sheets import (
+    FARTHEST,
+    Reach,
+    Sheet,
+    between,
+    candidates,
+    instants,
+    samples,
+    sheets,
+)
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.fields.number_field import NumberField
 from firstcontact.exact.fields.roots import AlgebraicRoot, roots_in
@@ -31,14 +40,14 @@ COVER_VISITS, COVER_DEPTH = 200, 30
 class Times:
     """The search over the closed span of the motion's parameter; work counts decided cells and instants.
 
-    Raises TooLarge where elimination would lead to equations beyond `most_degree`.
+    Raises TooLarge where elimination would lead to equations beyond `reach`.
     """
 
     def __init__(
-        self, conditions: SignConditions, span: Span, work: Work | None = None, most_degree: int = MOST_DEGREE
+        self, conditions: SignConditions, span: Span, work: Work | None = None, reach: Reach = FARTHEST
     ) -> None:
         self.conditions, self.span, self.work = conditions, span, work or Work()
-        self.sheets = sheets(conditions, most_degree)
+        self.sheets = sheets(conditions, reach)
         flat = instants(conditions)
         self._special = {str(p) for p in flat}
         """Polynomials of instants at which Delta vanishes for all u and v."""
