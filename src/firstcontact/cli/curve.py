@@ -78,8 +78,6 @@ def _read(asked: dict[str, Any]) -> dict[str, Any]:
     found = {key: value for key, value in asked.items() if value is not None}
     for option in found.keys() & {"tolerance", "at"}:
         found[option] = number(option, found[option])
-    if "tolerance" in found:
-        found["tolerance"] = float(found["tolerance"])
     if "box" in found:
         corners = [number("box", x) for x in found["box"]]
         found["box"] = corners[:3], corners[3:]
