@@ -12,9 +12,7 @@ class FirstContactError(Exception):
     """Base of every error this library raises on purpose; its text is one line that a reader can take in."""
 
     def __init__(self, text: str = "") -> None:
-        line = " ".join(str(text).splitlines())
-        line = re.sub(rf"\S{{{LONGEST_WORD + 1},}}", lambda word: _shortened(word[0], LONGEST_WORD), line)
-        super().__init__(_shortened(line, LONGEST_LINE))
+        super().__init__(one_line(text))
 
 
 class InputError(FirstContactError, ValueError):
@@ -23,6 +21,13 @@ class InputError(FirstContactError, ValueError):
 
 class UnsupportedPair(FirstContactError):
     """The question is well formed, but no exact method for this pair of bodies and motions exists here."""
+
+
+def one_line(text: str) -> str:
+    """The text without line breaks, and without the middle of words and of itself where these are very long."""
+    line = " ".join(str(text).splitlines())
+    line = re.sub(rf"\S{{{LONGEST_WORD + 1},}}", lambda word: _shortened(word[0], LONGEST_WORD), line)
+    return _shortened(line, LONGEST_LINE)
 
 
 def shown(value: Any) -> str:

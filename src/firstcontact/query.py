@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from firstcontact.contact import table
 from firstcontact.errors import InputError, UnsupportedPair, shown
 from firstcontact.exact.numbers import positive_double
+from firstcontact.motion.screw import Screw
 from firstcontact.motion.span import common_span, refuse_many_turns
 from firstcontact.result import ContactIntervals, ContactPairs, FirstContact
 from firstcontact.work import MOST_BUDGET, Progress, Query
@@ -60,6 +61,7 @@ def first_contact(
     if not isinstance(threads, int) or not 1 <= threads <= MOST_THREADS:
         raise InputError(f"threads is {shown(threads)}; give a whole number from 1 to {MOST_THREADS}")
     first, last = common_span(a, b, span)
+    refuse_many_turns(a, b, first, last, (Screw,))  # the first contact under rotations is in their first turn
     return table.first_contact(
         Query(a, b, first, last, exact, method, engine, tolerance, budget, progress, threads, begin)
     )

@@ -21,7 +21,7 @@ from firstcontact.cli.curve import curve
 from firstcontact.cli.info import info
 from firstcontact.cli.intervals import intervals
 from firstcontact.cli.warmup import warmup
-from firstcontact.errors import FirstContactError
+from firstcontact.errors import FirstContactError, one_line
 
 BAD_INPUT = 3
 INTERRUPTED = 130
@@ -116,4 +116,4 @@ def _fail(message: str) -> int:
 
 
 def _say(message: str) -> None:
-    click.echo(f"firstcontact: {' '.join(message.splitlines())}", err=True)
+    click.echo(f"firstcontact: {one_line(message)}", err=True)

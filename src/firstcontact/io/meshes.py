@@ -102,9 +102,9 @@ def _load(path: Path) -> tuple[np.ndarray, np.ndarray | Faces]:
         return READERS.get(path.suffix.lower(), _through_trimesh)(path)
     except InputError:
         raise
-    except OSError as error:
-        raise InputError(f"{path}: {_reason(error)}; check that the file can be read") from error
     except Exception as error:  # readers of damaged files raise anything, from KeyError to struct.error
+        if isinstance(error, OSError) and error.errno is not None:
+            raise InputError(f"{path}: {_reason(error)}; check that the file can be read") from error
         cure = f"not readable as {path.suffix[1:].upper()}; export the file again or convert it to STL"
         ours = isinstance(error, ValueError) and path.suffix.lower() in READERS
         reason = str(error) if ours else f"reader: {type(error).__name__}: {error}"

@@ -51,6 +51,8 @@ class Moving:
             first, last = map(float, self.motion.span if span is None else span)
         except (TypeError, ValueError, OverflowError) as error:
             raise InputError(f"span is {shown(span)}; give two times (first, last)") from error
+        if not first <= last:
+            raise InputError(f"span is {shown(span)}; its end does not lie after its start")
         points, error = _hull(self.body, (first, last))
         if not np.all(np.isfinite(points)):
             return np.full(3, -np.inf), np.full(3, np.inf)

@@ -98,6 +98,7 @@ def _rebuild(axis: Any, point: Any, unit: str, angle: Any) -> Rotation:
 
 def rotation_matrix(axis: np.ndarray, point: np.ndarray, radians: float) -> np.ndarray:
     """Float pose (4, 4) of a turn by `radians` about the line through `point` along `axis`."""
+    axis = axis / np.abs(axis).max()  # the squares of the least doubles are 0
     x, y, z = axis / np.linalg.norm(axis)
     cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
     pose = np.eye(4)

@@ -20,7 +20,7 @@ from firstcontact.motion.translation import LARGEST
 UNIT = fmpq(0), fmpq(1)
 # Latest time of a query, as of all numbers of motions: squares of ways that far are no longer doubles.
 LATEST = LARGEST
-# Full turns of which all contacts are listed one by one: seconds; ten thousand times as many fill the memory.
+# Full turns that are searched one by one, and whose contacts are listed: seconds; many more fill the memory.
 MOST_TURNS = 10_000
 
 
@@ -81,17 +81,19 @@ def _time(x: Any, what: str) -> fmpq:
     return time
 
 
-def refuse_many_turns(a: Any, b: Any, first: fmpq, last: fmpq | None) -> None:
-    """Where all contacts are asked for: InputError for a body that turns more than MOST_TURNS times in the span."""
+def refuse_many_turns(
+    a: Any, b: Any, first: fmpq, last: fmpq | None, kinds: tuple[type, ...] = (Rotation, Screw)
+) -> None:
+    """InputError for a body that turns more than MOST_TURNS times in the span by a motion of these kinds."""
     for body in (a, b):
         motion = body.motion if isinstance(body, Moving) else None
         share = 1 if last is None or not getattr(motion, "extends", False) else last - first
         for step in getattr(motion, "steps", [motion]):
-            if isinstance(step, Rotation | Screw):
+            if isinstance(step, kinds):
                 turns = abs(step.angle * share) / (1 if step.unit == "turns" else 6)
                 if turns > MOST_TURNS:
                     who = body.name or "a body"
                     raise InputError(
-                        f"{who}: {step!r} makes {to_double(turns):.3g} full turns during the span, and the contacts of "
-                        f"each are listed; ask about {MOST_TURNS} at a time by a shorter span="
+                        f"{who}: {step!r} makes {to_double(turns):.3g} full turns during the span, each of which is "
+                        f"searched; ask about {MOST_TURNS} at a time by a shorter span="
                     )
