@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import time as clock
-from numbers import Real
 from typing import TYPE_CHECKING, Any
 
 from firstcontact.contact import table
-from firstcontact.errors import InputError, UnsupportedPair
+from firstcontact.errors import InputError, UnsupportedPair, shown
+from firstcontact.exact.numbers import positive_double
 from firstcontact.kernels.jit import signals
-from firstcontact.motion.span import common_span
+from firstcontact.motion.screw import Screw
+from firstcontact.motion.span import common_span, refuse_many_turns
 from firstcontact.result import ContactIntervals, ContactPairs, FirstContact
-from firstcontact.work import Progress, Query
+from firstcontact.work import MOST_BUDGET, Progress, Query
 
 if TYPE_CHECKING:
     from firstcontact.result_curve import IntersectionCurve
@@ -58,10 +59,11 @@ def first_contact(
     (0.5, [1.0, 1.0, 4.0])
     """
     begin = clock.perf_counter()
-    _check(method, engine, tolerance, budget)
-    if not isinstance(threads, int) or threads < 1:
-        raise InputError(f"threads is {threads!r}; give a whole number from 1 on")
+    tolerance = _checked(method, engine, tolerance, budget)
+    if not isinstance(threads, int) or not 1 <= threads <= MOST_THREADS:
+        raise InputError(f"threads is {shown(threads)}; give a whole number from 1 to {MOST_THREADS}")
     first, last = common_span(a, b, span)
+    refuse_many_turns(a, b, first, last, (Screw,))  # the first contact under rotations is in their first turn
     return table.first_contact(
         Query(a, b, first, last, exact, method, engine, tolerance, budget, progress, threads, begin)
     )
@@ -92,8 +94,9 @@ def contact_intervals(
       [0.25, 0.5]
     """
     begin = clock.perf_counter()
-    _check(method, "auto", tolerance, budget)
+    tolerance = _checked(method, "auto", tolerance, budget)
     first, last = common_span(a, b, span)
+    refuse_many_turns(a, b, first, last)
     return table.contact_intervals(
         Query(a, b, first, last, exact, method, tolerance=tolerance, budget=budget, progress=progress, begin=begin)
     )
@@ -113,6 +116,7 @@ def contact_pairs(a: Any, b: Any, span: Any = None) -> ContactPairs:
     """
     begin = clock.perf_counter()
     first, last = common_span(a, b, span)
+    refuse_many_turns(a, b, first, last)
     return table.contact_pairs(Query(a, b, first, last, begin=begin))
 
 
@@ -149,8 +153,7 @@ def intersection_curve(
     from firstcontact.exact.curves.fibres import PrecisionExhausted
 
     table.proves("intersection_curve", p, q)
-    if not (isinstance(tolerance, Real) and tolerance > 0):
-        raise InputError(f"tolerance is {tolerance!r}; give a positive length")
+    tolerance = positive_double(tolerance, "tolerance", "length")
     search = verbs if set(table.kinds_of(p, q)) == {table.Kind.RULED} else solid_verbs
     try:
         return search.intersection_curve(p, q, tolerance, method, box)
@@ -162,15 +165,16 @@ def intersection_curve(
 
 METHODS = ("auto", "certified", "algebraic")
 ENGINES = ("auto", "boxes", "lifted", "composed", "sweep")
+# More than any machine has; each one asked for is started.
+MOST_THREADS = 1024
 
 
-def _check(method: str, engine: str, tolerance: float, budget: int | None) -> None:
-    """Raises for arguments that no search takes."""
+def _checked(method: str, engine: str, tolerance: float, budget: int | None) -> float:
+    """The tolerance as a double; raises for arguments that no search takes."""
     if method not in METHODS:
         raise UnsupportedPair(f"method {method!r} is unknown; choose one of {', '.join(METHODS)}")
     if engine not in ENGINES:
         raise UnsupportedPair(f"engine {engine!r} is unknown; choose one of {', '.join(ENGINES)}")
-    if not (isinstance(tolerance, Real) and tolerance > 0):
-        raise InputError(f"tolerance is {tolerance!r}; give a positive number")
-    if budget is not None and (not isinstance(budget, int) or budget < 0):
-        raise InputError(f"budget is {budget!r}; give a whole number of node visits and pair tests")
+    if budget is not None and (not isinstance(budget, int) or not 0 <= budget <= MOST_BUDGET):
+        raise InputError(f"budget is {shown(budget)}; give a whole number of node visits and pair tests, at most 2^60")
+    return positive_double(tolerance, "tolerance")

@@ -17,6 +17,10 @@ Progress = Callable[[float, int], None]
 """Called with the time before which all is proved, and how much was done."""
 
 
+# Largest budget: more than any run reaches; sums of it stay within the 64 bits in which the kernels count.
+MOST_BUDGET = 2**60
+
+
 class Spent(Exception):
     """The budget is used up."""
 

@@ -80,7 +80,7 @@ def test_the_scene_of_the_docs(command, scene):
 FAULTS = {
     "a moving surface": (RISE, [], "flat moves; say at which time by --at T, or by the key at in [[curve]]"),
     "a deforming surface": (FLAT.replace("flat", "open").replace("1/2", "T"), [], "open deforms; say at which time"),
-    "a tolerance of nothing": ("", ["--tolerance", "0"], "tolerance is 0.0; give a positive length"),
+    "a tolerance of nothing": ("", ["--tolerance", "0"], "tolerance is 0; give a positive length"),
     "a word as tolerance": ("", ["--tolerance", "fine"], "--tolerance: 'fine' is not a number"),
     "half a box": ("", ["--box", "0", "0", "0"], "--box"),
     "a box inside out": ("", "--box 0 0 0 1 -1 1".split(), "the first below the second"),

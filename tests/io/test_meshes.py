@@ -80,7 +80,7 @@ BAD = {
     "damaged.off": ("damaged", "not readable as OFF"),
     "strips.ply": (POINTS.replace("element", "element tristrips 0\nproperty list int int a\nelement", 1), "no faces"),
     "points.ply": (POINTS, "no faces"),
-    "empty.stl": ("", "no faces"),
+    "empty.stl": ("", "84 bytes of header expected, 0 found"),
     "damaged.stl": (b"\xff\xfe\x00solid\x93" * 30, "not readable as STL; export the file again"),
     "damaged.ply": ("damaged", "not readable as PLY"),
     "damaged.glb": ("damaged", "not readable as GLB"),

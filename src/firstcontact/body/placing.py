@@ -42,9 +42,12 @@ class Placing:
 
     def transformed(self, matrix4: Any) -> Self:
         """The body under a (4, 4) affine map, exactly; maps may mirror and scale, but not be singular."""
-        rows = [list(row) for row in matrix4]
+        try:
+            rows = [list(row) for row in matrix4]
+        except TypeError:
+            rows = []
         if len(rows) != 4 or any(len(row) != 4 for row in rows):
-            raise InputError("transformed() needs a 4x4 matrix")
+            raise InputError("transformed() needs a 4x4 matrix; give four rows of four numbers")
         m = [[rational(x, f"matrix[{i}][{j}]") for j, x in enumerate(row)] for i, row in enumerate(rows)]
         if m[3] != [0, 0, 0, 1]:
             raise InputError("the last row of the matrix is not (0, 0, 0, 1); give an affine map")

@@ -5,6 +5,8 @@ Nothing heavy is imported until a subcommand runs, so that --help stays quick.
 
 from __future__ import annotations
 
+import codecs
+import io
 import logging
 import os
 import sys
@@ -19,7 +21,7 @@ from firstcontact.cli.curve import curve
 from firstcontact.cli.info import info
 from firstcontact.cli.intervals import intervals
 from firstcontact.cli.warmup import warmup
-from firstcontact.errors import FirstContactError
+from firstcontact.errors import FirstContactError, one_line
 
 BAD_INPUT = 3
 INTERRUPTED = 130
@@ -50,11 +52,17 @@ def main() -> None:
 
 def run(arguments: list[str]) -> int:
     """The exit code; every error on purpose becomes one line on stderr."""
+    escaped = _escape_letters()
     try:
+        if sys.stdout is None:
+            return _fail("standard output is closed; give it a place, /dev/null for none")
         # Not cli.main(): that turns a broken pipe into exit code 1, which means contact here.
         with cli.make_context("firstcontact", arguments) as context:
             code = cli.invoke(context)
         sys.stdout.flush()
+        if escaped:
+            _say(f"standard output ({sys.stdout.encoding}) lacks letters, such as {escaped[0]!a}; they are written "
+                 "as escapes: set PYTHONIOENCODING=utf-8")  # fmt: skip
         return int(code)
     except click.exceptions.Exit as end:  # --help, --version
         return end.exit_code
@@ -70,9 +78,31 @@ def run(arguments: list[str]) -> int:
         click.echo("firstcontact: interrupted", err=True)
         return INTERRUPTED
     except BrokenPipeError:
-        # Keep Python from complaining about the unwritten rest at exit.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _forget_the_rest()
         return READER_LEFT
+    except OSError as error:  # files that were asked for have been written, or refused by name
+        _forget_the_rest()
+        return _fail(f"standard output: {(error.strerror or str(error)).lower()}; give it another place")
+
+
+def _escape_letters() -> list[str]:
+    """Let standard output write letters that its encoding lacks as escapes; returns where they will be noted."""
+    noted: list[str] = []
+
+    def escape(error: UnicodeError) -> tuple[str | bytes, int]:
+        if isinstance(error, UnicodeEncodeError):
+            noted.append(error.object[error.start])
+        return codecs.backslashreplace_errors(error)
+
+    codecs.register_error("firstcontact.escape", escape)
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="firstcontact.escape")
+    return noted
+
+
+def _forget_the_rest() -> None:
+    """Keep Python from complaining about what is left unwritten when it exits."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _warn(message: Warning | str, *_: Any, **__: Any) -> None:
@@ -86,4 +116,4 @@ def _fail(message: str) -> int:
 
 
 def _say(message: str) -> None:
-    click.echo(f"firstcontact: {' '.join(message.splitlines())}", err=True)
+    click.echo(f"firstcontact: {one_line(message)}", err=True)

@@ -145,8 +145,15 @@ def write_png(path: str, results: list[Any]) -> None:
 def check_target(*paths: str | None) -> None:
     """Refuse output paths in folders that are not there, before the work begins."""
     for path in paths:
-        if path is not None and path != "-" and (not Path(path).parent.is_dir() or Path(path).is_dir()):
+        if path is not None and path != "-" and not _may_be_written(Path(path)):
             raise InputError(f"{path}: cannot be written; give a file in a folder that exists")
+
+
+def _may_be_written(path: Path) -> bool:
+    try:
+        return path.parent.is_dir() and not path.is_dir()
+    except OSError:  # a name that is too long
+        return False
 
 
 def refuse_single(path: Path, pairs: Sequence[Any]) -> None:

@@ -67,6 +67,7 @@ def _resting(body: Any, key: str, time: Any) -> Any:
 
 def _read(asked: dict[str, Any]) -> dict[str, Any]:
     """The options that were given, as fields of the scene's questions."""
+    from firstcontact.exact.numbers import positive_double
     from firstcontact.scene.load import parse_number
 
     def number(option: str, text: str) -> Any:
@@ -79,7 +80,7 @@ def _read(asked: dict[str, Any]) -> dict[str, Any]:
     for option in found.keys() & {"tolerance", "at"}:
         found[option] = number(option, found[option])
     if "tolerance" in found:
-        found["tolerance"] = float(found["tolerance"])
+        found["tolerance"] = positive_double(found["tolerance"], "--tolerance", "length")
     if "box" in found:
         corners = [number("box", x) for x in found["box"]]
         found["box"] = corners[:3], corners[3:]

@@ -12,14 +12,17 @@ import sys
 import threading
 from decimal import Decimal
 from fractions import Fraction
+from numbers import Real
 from typing import Any
 
 from flint import arb, ctx, fmpq, fmpz
 
-from firstcontact.errors import InputError
+from firstcontact.errors import InputError, shown
 
 # Exponents that would ask for gigabytes of digits.
 _ENDLESS = re.compile(r"[eE][+-]?0*[1-9]\d{4}")
+# Digits of a number as users give it: more than any measurement has, and as many as Python reads and prints (4300).
+MOST_DIGITS = 4000
 # Precisions (bits) tried in turn where balls have to decide a sign; behind the last one: Undecidable.
 PRECISIONS = (128, 256, 512, 1024, 2048)
 
@@ -55,6 +58,8 @@ def rational(x: Any, what: str) -> fmpq:
     if isinstance(x, fmpq):
         return x
     if isinstance(x, int | fmpz):
+        if int(x).bit_length() > MOST_DIGITS * math.log2(10):
+            raise InputError(f"{what} is a whole number of more than {MOST_DIGITS} digits; give fewer")
         return fmpq(int(x))
     if isinstance(x, Fraction):
         return fmpq(x.numerator, x.denominator)
@@ -67,6 +72,8 @@ def rational(x: Any, what: str) -> fmpq:
     if isinstance(x, str):
         if _ENDLESS.search(x):
             raise InputError(f"{what} is {x!r}; give an exponent below 10000")
+        if len(x) > MOST_DIGITS:
+            raise InputError(f"{what} is a text of {len(x)} letters; give a number of at most {MOST_DIGITS} digits")
         try:
             f = Fraction(x)
         except (ValueError, ZeroDivisionError) as error:
@@ -74,8 +81,19 @@ def rational(x: Any, what: str) -> fmpq:
         return fmpq(f.numerator, f.denominator)
     try:
         return rational(x.item(), what)  # NumPy scalars
-    except (AttributeError, ValueError) as error:
-        raise InputError(f"{what} is {x!r}; give a number") from error
+    except (AttributeError, TypeError, ValueError) as error:
+        raise InputError(f"{what} is {shown(x)}; give a number") from error
+
+
+def positive_double(x: Any, what: str, kind: str = "number") -> float:
+    """A positive number whose double is positive and finite too, as that double."""
+    try:
+        value = float(x) if isinstance(x, Real) else math.nan
+    except OverflowError:
+        value = math.inf
+    if not 0 < value < math.inf:
+        raise InputError(f"{what} is {shown(x)}; give a positive {kind}, neither 0 nor infinite in doubles")
+    return value
 
 
 def exact_value(x: float) -> fmpq:

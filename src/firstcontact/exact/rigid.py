@@ -136,6 +136,9 @@ def ball_rotation(axis: Vector, point: Vector, radians: arb) -> Matrix:
 def near_rotation(axis: Vector, point: Vector, turns: fmpq) -> Matrix:
     """A rational rotation about exactly this axis, by `turns` to within 2^-60 radians."""
     turns = turns - turns.floor() if hasattr(turns, "floor") else turns
+    size = max(map(abs, axis))
+    if not fmpq(1, 2**20) < size < 2**20:  # the scale below is for lengths about 1
+        axis = axis[0] / size, axis[1] / size, axis[2] / size
     exact = exact_rotation(axis, point, turns, "turns")
     if exact is not None:
         return exact

@@ -1,8 +1,8 @@
-"""Mesh files, coordinates untouched: OBJ, PLY and OFF with their polygons, the other formats through trimesh."""
+"""Mesh files, coordinates untouched: STL, OBJ, PLY and OFF with their polygons, glTF through trimesh."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,9 +11,12 @@ import numpy as np
 from firstcontact.body.polyhedron.triangulate import shapes, triangulate
 from firstcontact.errors import InputError
 from firstcontact.io.polygon_files import Faces, read_obj, read_off, read_ply
+from firstcontact.io.stl_files import read_stl
 
 FORMATS = (".stl", ".obj", ".ply", ".off", ".gltf", ".glb")
-POLYGON_FORMATS = {".obj": read_obj, ".ply": read_ply, ".off": read_off}
+READERS: dict[str, Callable[[Path], tuple[np.ndarray, np.ndarray | Faces]]] = {
+    ".stl": read_stl, ".obj": read_obj, ".ply": read_ply, ".off": read_off,
+}  # fmt: skip
 
 
 def read_mesh(path: str | Path) -> tuple[np.ndarray, np.ndarray | Faces]:
@@ -24,6 +27,8 @@ def read_mesh(path: str | Path) -> tuple[np.ndarray, np.ndarray | Faces]:
     The coordinates are those of the file; only vertices with equal coordinates become one (the first).
     Several geometries in one file become one mesh, each in its place.
     """
+    if not isinstance(path, str | Path):
+        raise InputError(f"{path!r} is no path; give the path of a mesh file as text")
     path = Path(path)
     vertices, faces = _load(path)
     if not len(faces):
@@ -90,19 +95,19 @@ def weld(vertices: np.ndarray, faces: np.ndarray | Faces) -> tuple[np.ndarray, n
 
 def _load(path: Path) -> tuple[np.ndarray, np.ndarray | Faces]:
     _check_format(path)
-    if not path.is_file():
-        what = "is a folder" if path.is_dir() else "no such file"
-        raise InputError(f"{path}: {what}; give the path of a mesh file ({_list(FORMATS)})")
     try:
-        if (suffix := path.suffix.lower()) in POLYGON_FORMATS:
-            return POLYGON_FORMATS[suffix](path)
-        return _through_trimesh(path)
-    except OSError as error:
-        raise InputError(f"{path}: {_reason(error)}; check that the file can be read") from error
+        if not path.is_file():
+            what = "is a folder" if path.is_dir() else "no such file"
+            raise InputError(f"{path}: {what}; give the path of a mesh file ({_list(FORMATS)})")
+        return READERS.get(path.suffix.lower(), _through_trimesh)(path)
+    except InputError:
+        raise
     except Exception as error:  # readers of damaged files raise anything, from KeyError to struct.error
+        if isinstance(error, OSError) and error.errno is not None:
+            raise InputError(f"{path}: {_reason(error)}; check that the file can be read") from error
         cure = f"not readable as {path.suffix[1:].upper()}; export the file again or convert it to STL"
-        # a reader that looks for a package to guess at the encoding has not read the file as what its name says
-        reason = "damaged" if isinstance(error, ImportError) else f"reader: {type(error).__name__}: {error}"
+        ours = isinstance(error, ValueError) and path.suffix.lower() in READERS
+        reason = str(error) if ours else f"reader: {type(error).__name__}: {error}"
         raise InputError(f"{path}: {cure} ({reason})") from error
 
 

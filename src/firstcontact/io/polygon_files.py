@@ -108,6 +108,12 @@ def _ply_header(data: bytes) -> tuple[str, list[Element], int]:
             elements[-1][2].append((words[4], PLY_TYPES[words[2]], PLY_TYPES[words[3]]))
         elif words[:1] == ["property"]:
             elements[-1][2].append((words[2], None, PLY_TYPES[words[1]]))
+    for name, count, properties in elements:
+        if count < 0:
+            raise ValueError(f"{count} elements {name!r} announced")
+        if any(size is not None and (size in "fd" or label.startswith("vertex_ind") and kind in "fd")
+               for label, size, kind in properties):  # fmt: skip
+            raise ValueError(f"element {name!r} has numbers of corners, or corners, that are no whole numbers")
     if encoding not in ("ascii", "binary_little_endian", "binary_big_endian"):
         raise ValueError(f"unknown encoding {encoding!r}")
     return encoding, elements, data.index(b"\n", len(head)) + 1

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from firstcontact.errors import InputError
+from firstcontact.errors import InputError, shown
 
 
 class Moving:
@@ -16,6 +16,8 @@ class Moving:
     __slots__ = ("body", "motion")
 
     def __init__(self, body: Any, motion: Any) -> None:
+        if isinstance(body, Moving):
+            raise InputError(f"{body!r} moves already; give one motion, a Sequence for several in turn")
         if isinstance(motion, type) or not callable(motion) or not hasattr(motion, "span"):
             kinds = "Translation, Rotation, Screw, RationalMotion, Sequence or Trajectory"
             raise InputError(f"{motion!r} is no motion; give a {kinds}")
@@ -30,6 +32,10 @@ class Moving:
     def named(self, name: str) -> Moving:
         return Moving(self.body.named(name), self.motion)
 
+    def moving(self, motion: Any) -> Moving:
+        """Refused: it moves already."""
+        return Moving(self, motion)
+
     def at(self, t: float) -> Any:
         """The body at rest in its shape and pose at time t; the pose's entries are the doubles of motion(t)."""
         return self.body.at(t).transformed(self.motion(t))
@@ -41,11 +47,16 @@ class Moving:
         """
         from firstcontact.motion.relative.sweep import swept_box
 
-        first, last = self.motion.span if span is None else span
+        try:
+            first, last = map(float, self.motion.span if span is None else span)
+        except (TypeError, ValueError, OverflowError) as error:
+            raise InputError(f"span is {shown(span)}; give two times (first, last)") from error
+        if not first <= last:
+            raise InputError(f"span is {shown(span)}; its end does not lie after its start")
         points, error = _hull(self.body, (first, last))
         if not np.all(np.isfinite(points)):
             return np.full(3, -np.inf), np.full(3, np.inf)
-        return swept_box(self.motion, float(first), float(last), points, error)
+        return swept_box(self.motion, first, last, points, error)
 
     def __repr__(self) -> str:
         return f"{self.body!r} moving by {self.motion!r}"

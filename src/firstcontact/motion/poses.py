@@ -25,6 +25,8 @@ Quaternion = tuple[fmpq, fmpq, fmpq, fmpq]
 Rows = list[list[fmpq]]
 
 SNAP = 1e-6
+# Largest snap: beyond it the nearest rotation is not found by steps towards it, and a matrix may have none.
+MOST_SNAP = fmpq(1, 2)
 """Largest |R^T R - 1| of a matrix that counts as a rounded rotation; float32 and seven printed digits stay below it."""
 # Bits of a quaternion that stands for a rounded rotation: its angle is then within 2^-60.
 BITS = 64
@@ -62,8 +64,8 @@ def read_poses(
 ) -> list[Pose]:
     """The poses, named in errors by `names`; with quaternions given, `poses` are their vectors (n, 3)."""
     poses, names, most = list(poses), list(names), rational(snap, "snap")
-    if most < 0:
-        raise InputError(f"snap is {snap!r}; give a number that is not negative")
+    if not 0 <= most <= MOST_SNAP:
+        raise InputError(f"snap is {snap!r}; give a number that is not negative, at most {MOST_SNAP}")
     if quat_xyzw is None and quat_wxyz is None:
         return [read_pose(pose, name, most) for pose, name in zip(poses, names, strict=True)]
     if quat_xyzw is not None and quat_wxyz is not None:

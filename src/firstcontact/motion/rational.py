@@ -14,7 +14,7 @@ from firstcontact.exact.polynomials import bernstein
 from firstcontact.exact.vectors import Vector, dot
 from firstcontact.motion.poses import BITS, SNAP, Pose, read_poses, read_rows, sqrt_near
 from firstcontact.motion.relative import projective
-from firstcontact.motion.translation import LARGEST, SPAN
+from firstcontact.motion.translation import LARGEST, SPAN, double_of
 
 _0, _1 = fmpq(0), fmpq(1)
 # How near (in time) an error text names a zero of the weight or of the determinant.
@@ -93,7 +93,7 @@ class RationalMotion:
 
     def __call__(self, t: float) -> np.ndarray:
         """The (4, 4) float64 pose at time t of the span: every entry the double nearest the truth."""
-        if not 0 <= t <= 1:
+        if not 0 <= double_of(t) <= 1:
             raise InputError(f"time {t} is outside the span {self.span} of the RationalMotion")
         return np.array([[to_double(x) for x in row] for row in self.exact(rational(t, "time"))])
 

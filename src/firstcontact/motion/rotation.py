@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from flint import arb, fmpq
 
-from firstcontact.errors import InputError
+from firstcontact.errors import InputError, shown
 from firstcontact.exact.numbers import fraction, rational, to_double
 from firstcontact.exact.vectors import Vector, add
-from firstcontact.motion.translation import SPAN, vector3
+from firstcontact.motion.translation import LARGEST, SPAN, double_of, vector3
 
 
 class Rotation:
@@ -51,7 +51,7 @@ class Rotation:
         return rotation_matrix(
             np.array([to_double(x) for x in self.axis]),
             np.array([to_double(x) for x in self.point]),
-            float(t) * self.radians,
+            double_of(t) * self.radians,
         )
 
     @property
@@ -84,11 +84,12 @@ def read_angle(what: str, radians: Any, degrees: Any, turns: Any) -> tuple[fmpq,
     """(angle, "radians" | "turns") of the one keyword given."""
     if (radians is not None) + (degrees is not None) + (turns is not None) != 1:
         raise InputError(f"{what} needs exactly one of radians=, degrees=, turns=")
-    if radians is not None:
-        return rational(radians, f"{what} radians"), "radians"
-    if degrees is not None:
-        return rational(degrees, f"{what} degrees") / 360, "turns"
-    return rational(turns, f"{what} turns"), "turns"
+    given = {"radians": radians, "degrees": degrees, "turns": turns}
+    key = next(key for key, value in given.items() if value is not None)
+    angle = rational(given[key], f"{what} {key}")
+    if abs(angle) >= LARGEST:
+        raise InputError(f"{what} {key} is {shown(given[key])}; give a number below 2^150")
+    return (angle / 360, "turns") if key == "degrees" else (angle, key)
 
 
 def _rebuild(axis: Any, point: Any, unit: str, angle: Any) -> Rotation:
@@ -97,6 +98,7 @@ def _rebuild(axis: Any, point: Any, unit: str, angle: Any) -> Rotation:
 
 def rotation_matrix(axis: np.ndarray, point: np.ndarray, radians: float) -> np.ndarray:
     """Float pose (4, 4) of a turn by `radians` about the line through `point` along `axis`."""
+    axis = axis / np.abs(axis).max()  # the squares of the least doubles are 0
     x, y, z = axis / np.linalg.norm(axis)
     cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
     pose = np.eye(4)

@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 from flint import arb, fmpq
 
+from firstcontact.errors import InputError, shown
 from firstcontact.exact.numbers import fraction, precision, rational, to_double
 from firstcontact.exact.rigid import ball_rotation, rational_sqrt
 from firstcontact.exact.vectors import Vector, add, dot, scaled
 from firstcontact.motion.rotation import Rotation, angle_ball, direction, read_angle
-from firstcontact.motion.translation import SPAN, Translation, vector3
+from firstcontact.motion.translation import LARGEST, SPAN, Translation, double_of, vector3
 
 # Bits at which a pose is enclosed before it is rounded: even an axis 2^60 away leaves more than a double holds.
 POSE_BITS = 256
@@ -51,10 +52,12 @@ class Screw:
         self.point = vector3(point, "Screw point")
         self.angle, self.unit = read_angle("Screw", radians, degrees, turns)
         self.advance = rational(advance, "Screw advance")
+        if abs(self.advance) >= LARGEST:
+            raise InputError(f"Screw advance is {shown(advance)}; give a number below 2^150")
 
     def __call__(self, t: float) -> np.ndarray:
         """The (4, 4) float64 pose at time t, from an enclosure at 256 bits."""
-        return self.pose(rational(float(t), "time"))
+        return self.pose(rational(double_of(t), "time"))
 
     def pose(self, t: fmpq) -> np.ndarray:
         """The (4, 4) float64 pose at the exact time t."""

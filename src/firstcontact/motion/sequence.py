@@ -16,7 +16,7 @@ from firstcontact.motion.placement import HERE, Placement, advanced
 from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.screw import Screw, simple
-from firstcontact.motion.translation import Translation
+from firstcontact.motion.translation import LARGEST, Translation, double_of
 
 Step = Translation | Rotation | Screw | RationalMotion
 
@@ -37,7 +37,11 @@ class Sequence:
     extends = False
 
     def __init__(self, steps: Iterable[Step], durations: Iterable[Any] | None = None) -> None:
-        self.steps = tuple(steps)
+        try:
+            self.steps = tuple(steps)
+            given = None if durations is None else tuple(durations)
+        except TypeError as error:
+            raise InputError(f"Sequence steps or durations are no lists ({error}); give [step, ...]") from error
         if not self.steps:
             raise InputError("Sequence has no steps; give at least one motion")
         for k, step in enumerate(self.steps):
@@ -45,10 +49,10 @@ class Sequence:
                 raise InputError(
                     f"Sequence step {k} is {step!r}; give a Translation, Rotation, Screw or RationalMotion"
                 )
-        if durations is None:
+        if given is None:
             parts = [fmpq(1, len(self.steps))] * len(self.steps)
         else:
-            parts = [rational(d, f"Sequence durations[{k}]") for k, d in enumerate(durations)]
+            parts = [rational(d, f"Sequence durations[{k}]") for k, d in enumerate(given)]
         if len(parts) != len(self.steps):
             raise InputError(f"Sequence has {len(self.steps)} steps but {len(parts)} durations")
         total = fmpq(0)
@@ -56,6 +60,8 @@ class Sequence:
         for k, part in enumerate(parts):
             if part <= 0:
                 raise InputError(f"Sequence durations[{k}] is {part}; give a positive number")
+            if not fmpq(1) / LARGEST < part < LARGEST:
+                raise InputError(f"Sequence durations[{k}] is {part}; give a number between 2^-150 and 2^150")
             total += part
             self.ends += (total,)
         self._before: tuple[Placement, ...] = ()
@@ -85,6 +91,7 @@ class Sequence:
 
     def __call__(self, t: float) -> np.ndarray:
         """The (4, 4) float64 pose at time t of the span."""
+        t = double_of(t)
         if not 0 <= t <= self.span[1]:
             raise InputError(f"time {t} is outside the span {self.span} of the Sequence")
         k = min(bisect_left([to_double(end) for end in self.ends], t), len(self.steps) - 1)

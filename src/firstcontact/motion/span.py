@@ -7,14 +7,21 @@ from typing import Any
 
 from flint import fmpq
 
-from firstcontact.errors import InputError
+from firstcontact.errors import InputError, shown
 from firstcontact.exact.numbers import rational, to_double
 from firstcontact.motion.moving import Moving
 from firstcontact.motion.rational import RationalMotion
+from firstcontact.motion.rotation import Rotation
+from firstcontact.motion.screw import Screw
 from firstcontact.motion.sequence import Sequence
 from firstcontact.motion.trajectory import Trajectory
+from firstcontact.motion.translation import LARGEST
 
 UNIT = fmpq(0), fmpq(1)
+# Latest time of a query, as of all numbers of motions: squares of ways that far are no longer doubles.
+LATEST = LARGEST
+# Full turns that are searched one by one, and whose contacts are listed: seconds; many more fill the memory.
+MOST_TURNS = 10_000
 
 
 def limits(motion: Any) -> tuple[fmpq, fmpq] | None:
@@ -54,14 +61,39 @@ def common_span(a: Any, b: Any, span: Any) -> tuple[fmpq, fmpq | None]:
             raise TypeError
         lo, hi = span
     except (TypeError, ValueError) as error:
-        raise InputError(f"span is {span!r}; give two times (first, last)") from error
-    first = rational(lo, "span start")
+        raise InputError(f"span is {shown(span)}; give two times (first, last)") from error
+    first = _time(lo, "span start")
     endless = isinstance(hi, float) and hi == float("inf")
-    last = None if endless else rational(hi, "span end")
+    last = None if endless else _time(hi, "span end")
     if last is not None and last < first:
         raise InputError(f"span is ({lo}, {hi}); its end lies before its start")
     for motion, limit in zip(motions, own, strict=True):
         if limit is not None and (first < limit[0] or last is None or last > limit[1]):
             ends = to_double(limit[0]), to_double(limit[1])
-            raise InputError(f"span {span!r} leaves the span {ends} of the {type(motion).__name__}")
+            raise InputError(f"span {shown(span)} leaves the span {ends} of the {type(motion).__name__}")
     return first, last
+
+
+def _time(x: Any, what: str) -> fmpq:
+    time = rational(x, what)
+    if abs(time) >= LATEST:
+        raise InputError(f"{what} is {shown(x)}; give a time below 2^150, or inf as the end of a translation")
+    return time
+
+
+def refuse_many_turns(
+    a: Any, b: Any, first: fmpq, last: fmpq | None, kinds: tuple[type, ...] = (Rotation, Screw)
+) -> None:
+    """InputError for a body that turns more than MOST_TURNS times in the span by a motion of these kinds."""
+    for body in (a, b):
+        motion = body.motion if isinstance(body, Moving) else None
+        share = 1 if last is None or not getattr(motion, "extends", False) else last - first
+        for step in getattr(motion, "steps", [motion]):
+            if isinstance(step, kinds):
+                turns = abs(step.angle * share) / (1 if step.unit == "turns" else 6)
+                if turns > MOST_TURNS:
+                    who = body.name or "a body"
+                    raise InputError(
+                        f"{who}: {step!r} makes {to_double(turns):.3g} full turns during the span, each of which is "
+                        f"searched; ask about {MOST_TURNS} at a time by a shorter span="
+                    )

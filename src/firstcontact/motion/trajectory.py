@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 from flint import arb, fmpq
 
-from firstcontact.errors import InputError
+from firstcontact.errors import InputError, shown
 from firstcontact.exact.numbers import dyadic, fraction, precision, rational, to_double
 from firstcontact.exact.vectors import Vector, add, cross, dot, scaled, sub
 from firstcontact.motion.placement import HERE, Placement
 from firstcontact.motion.poses import BITS, SNAP, Pose, Quaternion, read_poses, sqrt_near
 from firstcontact.motion.rational import RationalMotion, join, refuse_half_turn
 from firstcontact.motion.screw import Screw
-from firstcontact.motion.translation import Translation
+from firstcontact.motion.translation import LARGEST, Translation, double_of
 
 INTERPOLATIONS = ("linear-quaternion", "screw")
 
@@ -102,9 +102,10 @@ class Trajectory:
 
     def __call__(self, t: float) -> np.ndarray:
         """The (4, 4) float64 pose at time t of the span."""
+        t = double_of(t)
         if not self.span[0] <= t <= self.span[1]:
             raise InputError(f"time {t} is outside the span {self.span} of the Trajectory")
-        time = min(max(rational(float(t), "time"), self.times[0]), self.times[-1])
+        time = min(max(rational(t, "time"), self.times[0]), self.times[-1])
         k = min(bisect_right(self.times, time), len(self.steps)) - 1
         share = (time - self.times[k]) / (self.times[k + 1] - self.times[k])
         step = self.steps[k]
@@ -147,12 +148,18 @@ def _rebuild(
 
 
 def _times(values: Any) -> tuple[fmpq, ...]:
-    times = tuple(rational(t, f"Trajectory times[{k}]") for k, t in enumerate(_listed(values, "times")))
+    values = _listed(values, "times")
+    times = tuple(rational(t, f"Trajectory times[{k}]") for k, t in enumerate(values))
     if len(times) < 2:
         raise InputError(f"Trajectory has {len(times)} times; give at least two")
+    for k, time in enumerate(times):
+        if abs(time) >= LARGEST:
+            raise InputError(f"Trajectory times[{k}] is {shown(values[k])}; give a time below 2^150")
     for k, (early, late) in enumerate(zip(times, times[1:], strict=False)):
         if not early < late:
             raise InputError(f"Trajectory times[{k + 1}] does not lie after times[{k}]; give ascending times")
+        if late - early <= 1 / LARGEST:
+            raise InputError(f"Trajectory times[{k + 1}] lies within 2^-150 of times[{k}]; give times further apart")
     return times
 
 

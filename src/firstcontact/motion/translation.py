@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 from flint import fmpq
 
-from firstcontact.errors import InputError
+from firstcontact.errors import InputError, shown
 from firstcontact.exact.numbers import rational, to_double
 from firstcontact.exact.vectors import Vector
 
@@ -23,7 +24,7 @@ def vector3(values: Iterable[Any], what: str) -> tuple[fmpq, fmpq, fmpq]:
     try:
         x, y, z = values
     except (TypeError, ValueError) as error:
-        raise InputError(f"{what} is {values!r}; give three numbers") from error
+        raise InputError(f"{what} is {shown(values)}; give three numbers") from error
     return _component(x, what, 0), _component(y, what, 1), _component(z, what, 2)
 
 
@@ -34,8 +35,16 @@ def _component(x: Any, what: str, k: int) -> fmpq:
             return fmpq(*x.as_integer_ratio())
     value = rational(x, f"{what}[{k}]")
     if abs(value) >= LARGEST:
-        raise InputError(f"{what}[{k}] is {x}; give a number below 2^150")
+        raise InputError(f"{what}[{k}] is {shown(x)}; give a number below 2^150")
     return value
+
+
+def double_of(t: Any) -> float:
+    """A time as a finite double, or InputError."""
+    time = to_double(rational(t, "time"))
+    if not math.isfinite(time):
+        raise InputError(f"time is {shown(t)}; give one that is a finite double")
+    return time
 
 
 class Translation:
@@ -58,7 +67,7 @@ class Translation:
     def __call__(self, t: float) -> np.ndarray:
         """The (4, 4) float64 pose at time t."""
         pose = np.eye(4)
-        pose[:3, 3] = [float(t) * to_double(x) for x in self.vector]
+        pose[:3, 3] = [double_of(t) * to_double(x) for x in self.vector]
         return pose
 
     def shifted(self, by: Vector) -> Translation:

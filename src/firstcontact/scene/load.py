@@ -7,8 +7,9 @@ Keys are the constructors' argument names.  A bare TOML float is the double it d
 from __future__ import annotations
 
 import itertools
+import re
 import tomllib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -28,7 +29,8 @@ from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.body.ruled.rational_curve import RationalCurve
 from firstcontact.body.ruled.strip import RuledStrip
 from firstcontact.body.ruled.surface import RuledSurface
-from firstcontact.errors import InputError
+from firstcontact.errors import InputError, shown
+from firstcontact.exact.numbers import MOST_DIGITS, positive_double
 from firstcontact.motion.poses import SNAP
 from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.rotation import Rotation
@@ -59,6 +61,10 @@ from firstcontact.scene.values import (
     parse_time,
     placed,
 )
+from firstcontact.work import MOST_BUDGET
+
+# Tables and lists within each other: far more than a scene needs, far fewer than exhaust the stack that walks them.
+MOST_NESTED = 100
 
 __all__ = ["Check", "Curve", "Scene", "load_scene", "parse_number", "parse_time"]
 
@@ -289,7 +295,7 @@ class CheckTable(Table):
     span: Span | None = None
     exact: StrictBool = False
     tolerance: Annotated[Number, Field(gt=0)] = 1e-12
-    budget: Annotated[StrictInt, Field(gt=0)] | None = None
+    budget: Annotated[StrictInt, Field(gt=0, le=MOST_BUDGET)] | None = None
 
 
 class CurveTable(Table):
@@ -357,6 +363,8 @@ class Scene:
 
 def load_scene(path: str | Path) -> Scene:
     """The scene of a TOML file; mesh files are looked for relative to it."""
+    if not isinstance(path, str | Path):
+        raise InputError(f"{path!r} is no path; give the path of a scene file (TOML) as text")
     path = Path(path)
     tables = _read(path)
     try:
@@ -369,8 +377,10 @@ def load_scene(path: str | Path) -> Scene:
 
 
 def _read(path: Path) -> dict[str, Any]:
+    text = ""
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        text = path.read_text(encoding="utf-8")
+        tables = tomllib.loads(text)
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         raise InputError(f"{path}: {reason}; give the path of a scene file (TOML)") from error
@@ -378,6 +388,39 @@ def _read(path: Path) -> dict[str, Any]:
         raise InputError(f"{path}: not text; give a scene file (TOML, UTF-8)") from error
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{path}: not valid TOML: {error}; mend it there") from error
+    except RecursionError as error:
+        raise _too_deep(path, text) from error
+    except ValueError as error:  # a path with a null character, or digits that Python does not read
+        raise InputError(f"{path}: {_unread(text) or error}") from error
+    if any(len(key) > MOST_NESTED for key in _places(tables)):
+        raise _too_deep(path, text)
+    return tables
+
+
+def _places(tables: Any) -> Iterator[tuple[Any, ...]]:
+    """The keys and numbers that lead to each table and list, down to just beyond MOST_NESTED."""
+    waiting: list[tuple[tuple[Any, ...], Any]] = [((), tables)]
+    while waiting:
+        place, value = waiting.pop()
+        yield place
+        if len(place) <= MOST_NESTED and isinstance(value, dict | list):
+            inner = value.items() if isinstance(value, dict) else enumerate(value)
+            waiting += [((*place, key), x) for key, x in inner if isinstance(x, dict | list)]
+
+
+def _too_deep(path: Path, text: str) -> InputError:
+    """Names the line with the most brackets or dots."""
+    number, _ = max(enumerate(text.splitlines(), 1), key=lambda line: max(map(line[1].count, "[{.")))
+    where = f"perhaps in line {number}"
+    return InputError(f"{path}: tables or lists nested more than {MOST_NESTED} deep, {where}; give flatter ones")
+
+
+def _unread(text: str) -> str | None:
+    """What is wrong with the first line that has a number of too many digits."""
+    for number, line in enumerate(text.splitlines(), 1):
+        if any(len(digits.replace("_", "")) > MOST_DIGITS for digits in re.findall(r"[\d_]+", line)):
+            return f"line {number}: a number of more than {MOST_DIGITS} digits; give fewer"
+    return None
 
 
 def _build(path: Path, key: str, table: Any) -> Any:
@@ -399,7 +442,7 @@ def _checks(path: Path, scene: SceneTable) -> list[Check]:
     checks = []
     for k, table in enumerate(scene.check):
         a, b = _pair(path, scene, f"check[{k}]", table.pair)
-        checks.append(Check(a, b, table.span, table.exact, float(table.tolerance), table.budget))
+        checks.append(Check(a, b, table.span, table.exact, _tolerance(path, k, table), table.budget))
     return checks
 
 
@@ -410,8 +453,13 @@ def _curves(path: Path, scene: SceneTable, checks: Iterable[Check]) -> list[Curv
     curves = []
     for k, table in enumerate(scene.curve):
         a, b = _pair(path, scene, f"curve[{k}]", table.pair)
-        curves.append(Curve(a, b, table.at, float(table.tolerance), table.box, table.method))
+        curves.append(Curve(a, b, table.at, _tolerance(path, k, table), table.box, table.method))
     return curves
+
+
+def _tolerance(path: Path, k: int, table: CheckTable | CurveTable) -> float:
+    key = "check" if isinstance(table, CheckTable) else "curve"
+    return positive_double(table.tolerance, f"{path}: {key}[{k}].tolerance")
 
 
 def _pair(path: Path, scene: SceneTable, key: str, pair: tuple[str, str]) -> tuple[str, str]:
@@ -448,7 +496,7 @@ def _message(fault: Any) -> str:
             return f"{key} {context['tag']!r} is not supported; use one of {context['expected_tags']}"
         case _:
             message = fault["msg"].replace("Input should", "should").replace("dictionary", "table")
-            return f"{fault['input']!r} is wrong: it {message}"
+            return f"{shown(fault['input'])} is wrong: it {message}"
 
 
 def _key(location: tuple[int | str, ...], tables: Any) -> str:

@@ -12,7 +12,8 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StrictInt, StrictStr, model_validator
 
-from firstcontact.errors import FirstContactError, InputError
+from firstcontact.errors import FirstContactError, InputError, shown
+from firstcontact.exact.numbers import MOST_DIGITS
 
 # Digits "1/3", "-0.1", "2.5e-3".  The short exponent keeps a typing error from asking for gigabytes.
 _EXACT = re.compile(r"[+-]?(\d+(\s*/\s*\d+)?|(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,3})?)")
@@ -22,13 +23,13 @@ def parse_number(value: Any) -> float | int | Fraction:
     """A finite number: floats and integers as they are, strings exactly; ValueError says what is wrong."""
     number = _exact(value) if isinstance(value, str) else value
     if isinstance(number, bool) or not isinstance(number, int | float | Fraction):
-        raise ValueError(f"{value!r} is not a number; write 0.5, or \"1/3\" for an exact one")
+        raise ValueError(f"{shown(value)} is not a number; write 0.5, or \"1/3\" for an exact one")
     try:
         finite = math.isfinite(float(number))
     except OverflowError:
         finite = False
     if not finite:
-        raise ValueError(f"{value!r} is not a finite double; give a finite number")
+        raise ValueError(f"{shown(value)} is not a finite double; give a finite number")
     return number
 
 
@@ -43,6 +44,8 @@ def parse_time(value: Any) -> float | int | Fraction:
 
 def _exact(text: str) -> Fraction:
     text = text.strip()
+    if len(text) > MOST_DIGITS:
+        raise ValueError(f"{text!r} has {len(text)} letters; give a number of at most {MOST_DIGITS} digits")
     if not _EXACT.fullmatch(text):
         raise ValueError(f"{text!r} is not a number; write 0.5, \"1/3\" or \"0.1\"")
     try:
@@ -56,7 +59,7 @@ def list_of(count: int, what: str) -> BeforeValidator:
 
     def check(value: Any) -> Any:
         if not isinstance(value, list) or len(value) != count:
-            raise ValueError(f"{value!r} is not {what}")
+            raise ValueError(f"{shown(value)} is not {what}")
         return tuple(value)
 
     return BeforeValidator(check)

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from firstcontact.errors import InputError
 from firstcontact.result import Element, FirstContact, Status
 from firstcontact.result_curve import IntersectionCurve
 from firstcontact.view.curve import layers
@@ -33,8 +34,12 @@ def write_page(path: str | Path | None, results: Iterable[Result]) -> Path:
     """
     text = page_text(results)
     if path is not None:
-        target = Path(path)
-        target.write_text(text, encoding="utf-8")
+        try:
+            target = Path(path)
+            target.write_text(text, encoding="utf-8")
+        except (OSError, TypeError, ValueError) as error:
+            reason = getattr(error, "strerror", None) or str(error)
+            raise InputError(f"{path}: {reason.lower()}; give a file in a folder that exists") from error
         return target
     with tempfile.NamedTemporaryFile(
         "w", prefix="firstcontact-", suffix=".html", delete=False, encoding="utf-8"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from fractions import Fraction
 from operator import index
 from pathlib import Path
@@ -12,7 +13,7 @@ from flint import fmpq
 
 from firstcontact.body.placing import Placing
 from firstcontact.body.polyhedron.triangulate import shapes, triangulate
-from firstcontact.errors import InputError
+from firstcontact.errors import InputError, shown
 from firstcontact.exact.numbers import fraction, rational, to_double
 from firstcontact.exact.rigid import IDENTITY, Matrix, apply, compose
 
@@ -31,7 +32,8 @@ class Polyhedron(Placing):
         rings, the outer one first).  ``[]`` with ``edges`` is a bare edge set, without edges a point set.
     edges: (k, 2) indices that come first in the numbering, missing face edges are appended; by default the
         sorted unique pairs i < j of face sides.
-    solid: whether the body owns its interior; by default when every edge borders an even number of faces.
+    solid: whether the body owns its interior; by default when every edge borders an even number of faces,
+        and not every face is listed an even number of times (a warning: by parity they would hold no interior).
 
     Raises InputError naming the vertex, face or edge.
 
@@ -76,6 +78,8 @@ class Polyhedron(Placing):
 
     @classmethod
     def from_trimesh(cls, mesh: Any, solid: bool | None = None, name: str | None = None) -> Polyhedron:
+        if not (hasattr(mesh, "vertices") and hasattr(mesh, "faces")):
+            raise InputError(f"{name or 'from_trimesh'}: {mesh!r} is no mesh; give a trimesh.Trimesh")
         return cls(np.asarray(mesh.vertices), np.asarray(mesh.faces), solid=solid, name=name)
 
     def to_trimesh(self) -> Any:
@@ -304,7 +308,10 @@ def _rings(face: Any, n: int, who: str) -> list[list[int]]:
 def _read_edges(edges: Any, n: int, who: str) -> np.ndarray | None:
     if edges is None:
         return None
-    array = np.asarray(edges)
+    try:
+        array = np.asarray(edges)
+    except (ValueError, OverflowError) as error:  # rows of different lengths
+        raise InputError(f"{who}: edges are {shown(edges)}; give pairs of vertex indices") from error
     if array.size == 0:
         return np.empty((0, 2), np.int32)
     if array.ndim != 2 or array.shape[1] != 2 or array.dtype.kind not in "iu":
@@ -348,8 +355,23 @@ def _derive(body: Polyhedron, given: np.ndarray | None, solid: bool | None, who:
         if odd.size:
             where = f" (first open edge: vertices {derive_edges(body.triangles, n)[0][odd[0]].tolist()})"
         raise InputError(f"{who}: solid=True, but the mesh is open{where}; close it or pass solid=False")
-    body.solid = body._closed if solid is None else bool(solid)
+    cancelled = body._closed and _cancels(body.triangles)
+    if cancelled:
+        text = f"{who}: every face is listed an even number of times, so by parity nothing lies inside"
+        if solid:
+            raise InputError(f"{text}, but solid=True; list each face once")
+        warnings.warn(f"{text}: it is taken as a surface; list each face once", stacklevel=4)
+    body.solid = body._closed and not cancelled if solid is None else bool(solid)
     body._search = {}
+
+
+def _cancels(triangles: np.ndarray) -> bool:
+    """Whether every triangle, whichever way round, is there an even number of times."""
+    if len(triangles) % 2:
+        return False
+    corners = np.sort(triangles, axis=1)
+    ordered = corners[np.lexsort(corners.T)]
+    return bool(np.all(ordered[::2] == ordered[1::2]))
 
 
 def _renumber(

@@ -11,12 +11,14 @@ import numpy as np
 from flint import fmpq, fmpq_poly, fmpz
 
 from firstcontact.body.ruled.rational_curve import RationalCurve
-from firstcontact.errors import InputError
+from firstcontact.errors import InputError, shown
 from firstcontact.exact.numbers import rational
 from firstcontact.motion.translation import LARGEST
 
 # Doubles lose the points of lesser weights beside those of greater ones.
 MOST_UNEVEN = 2**100
+# Largest degree along the curves: its pieces are cut out in seconds, ten times as many would take hours.
+MOST_DEGREE = 100
 Point = tuple[fmpq, fmpq, fmpq, fmpq]
 """(w x, w y, w z, w)."""
 
@@ -105,6 +107,8 @@ def _read(points: Any, knots: Any, weights: Any, degree: Any, who: str) -> tuple
     shape = len(rows), len(rows[0])
     vectors = _knot_vectors(knots, shape, degree, who)
     degrees = [len(v) - n - 1 for v, n in zip(vectors, shape, strict=True)]
+    if max(degrees) > MOST_DEGREE:
+        raise InputError(f"{who}: knots and points make degree {max(degrees)}; give knots for {MOST_DEGREE} at most")
     if degree is not None and not isinstance(degree, int) and tuple(degree) != tuple(degrees):
         raise InputError(f"{who}: degree is {tuple(degree)}, but knots and points make it {tuple(degrees)}; check both")
     if 1 not in degrees:
@@ -201,5 +205,5 @@ def _check_knots(knots: list[fmpq], n: int, count: int, who: str) -> None:
 def _number(x: Any, what: str) -> fmpq:
     value = rational(x, what)
     if abs(value) >= LARGEST:
-        raise InputError(f"{what} is {x}; give a number below 2^150")
+        raise InputError(f"{what} is {shown(x)}; give a number below 2^150")
     return value

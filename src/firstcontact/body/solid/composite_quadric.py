@@ -40,7 +40,7 @@ from firstcontact.body.solid.feature_names import Names, Part
 from firstcontact.body.solid.features import Edge, Face, Features, Vertex, derive
 from firstcontact.body.solid.neighbourhood import patterns
 from firstcontact.body.solid.regions import Reach, Regions, grows_with_leaves, reaches_of, simplified
-from firstcontact.errors import InputError
+from firstcontact.errors import InputError, shown
 from firstcontact.exact.numbers import exact_value, to_double
 from firstcontact.exact.rigid import Matrix, apply
 from firstcontact.motion.translation import LARGEST, vector3
@@ -53,6 +53,9 @@ SINGULAR = 2.0**-40
 
 class NoSolid(InputError):
     """A combination without interior points, or one of all of space."""
+
+# Least length of a solid: squares of coefficients of its surfaces, one over squares of lengths, are still doubles.
+LEAST = 1 / LARGEST
 
 
 class CompositeQuadric(Placing):
@@ -180,8 +183,7 @@ class CompositeQuadric(Placing):
 
     def _combined(self, other: Any, operation: Any, *, subtract: bool = False) -> CompositeQuadric:
         if not isinstance(other, CompositeQuadric):
-            refused: CompositeQuadric = NotImplemented
-            return refused
+            raise InputError(f"{self._who} is combined with {other!r}; |, & and - take solids of planes and quadrics")
         surfaces, tree = joined(self.surfaces, other.surfaces, other.tree)
         places = _places(surfaces, other.surfaces)
         parts = [*self._inner_parts(), *other._inner_parts(places, flipped=subtract)]
@@ -241,6 +243,8 @@ class CompositeQuadric(Placing):
         return other
 
     def _mapped(self, matrix: Matrix) -> CompositeQuadric:
+        if any(max(abs(row[k]) for row in matrix) < LEAST for k in range(3)):
+            raise InputError(f"{self._who}: this map makes it smaller by more than 2^-150; give a larger scale")
         back = inverse((*matrix, (ZERO, ZERO, ZERO, ONE)))
         surfaces = tuple(s.placed(back) for s in self.surfaces)
         box = None if self._box is None else _mapped_box(matrix, self._box)
@@ -263,7 +267,10 @@ class CompositeQuadric(Placing):
 
         Exact for the coordinates given: floats decide only where their error bound lets them.
         """
-        p = np.asarray(points, float)
+        try:
+            p = np.asarray(points, float)
+        except (TypeError, ValueError, OverflowError) as error:
+            raise InputError(f"points are {shown(points)}; give an (n, 3) array of numbers") from error
         single = p.ndim == 1
         rows = [points] if single else points
         p = np.atleast_2d(p)

@@ -20,11 +20,11 @@ from firstcontact.body.solid.carriers import (
     inertia,
     primitive,
 )
-from firstcontact.body.solid.composite_quadric import CompositeQuadric, form_of, solid
+from firstcontact.body.solid.composite_quadric import LEAST, CompositeQuadric, form_of, solid
 from firstcontact.body.solid.csg import And, Leaf, Not, Or
 from firstcontact.body.solid.feature_names import Part
 from firstcontact.body.solid.intersections import linear_factors
-from firstcontact.errors import InputError
+from firstcontact.errors import InputError, shown
 from firstcontact.exact.numbers import rational
 from firstcontact.motion.translation import LARGEST, vector3
 
@@ -161,7 +161,7 @@ def quadric(matrix: Any, *, name: str | None = None) -> CompositeQuadric:
 
     A product of two rational planes is taken apart into them ("plane 1", "plane 2"), so they meet in an edge.
     """
-    rows = [list(row) for row in matrix] if np.iterable(matrix) else []
+    rows = [list(row) if np.iterable(row) else [] for row in matrix] if np.iterable(matrix) else []
     if len(rows) != 4 or any(len(row) != 4 for row in rows):
         raise InputError("quadric needs a symmetric 4x4 matrix")
     form: Rows = tuple(
@@ -171,6 +171,9 @@ def quadric(matrix: Any, *, name: str | None = None) -> CompositeQuadric:
         for j in range(i):
             if form[i][j] != form[j][i]:
                 raise InputError(f"quadric matrix is not symmetric: entries [{i}][{j}] and [{j}][{i}] differ")
+    sizes = [abs(x) for row in form for x in row if x]
+    if sizes and max(sizes) * LEAST**2 > min(sizes):
+        raise InputError("quadric matrix has entries whose sizes differ by more than 2^300; give more even ones")
     positive, negative = inertia(form)
     if positive == 0 or negative == 0:
         if positive:
@@ -235,15 +238,17 @@ def _positive(x: Any, what: str) -> fmpq:
     value = _not_negative(x, what)
     if value == 0:
         raise InputError(f"{what} is 0; give a positive number")
+    if value < LEAST:
+        raise InputError(f"{what} is {shown(x)}; give a number of 2^-150 at least")
     return value
 
 
 def _not_negative(x: Any, what: str) -> fmpq:
     value = rational(x, what)
     if value < 0:
-        raise InputError(f"{what} is {x}; give a positive number")
+        raise InputError(f"{what} is {shown(x)}; give a positive number")
     if value >= LARGEST:
-        raise InputError(f"{what} is {x}; give a number below 2^150")
+        raise InputError(f"{what} is {shown(x)}; give a number below 2^150")
     return value
 
 

@@ -45,12 +45,19 @@ LENGTH_SHARE = 1e-3
 ROUNDS = 40
 
 
+# Finest tolerance, of the body's size: the number of triangles grows with the inverse of it.
+FINEST = 1e-6
+
+
 def mesh(body: CompositeQuadric, tolerance: float) -> Polyhedron:
     """The faces as triangles, oriented outwards; see `CompositeQuadric.to_mesh`."""
     if not (isinstance(tolerance, int | float) and 0 < tolerance < math.inf):
         raise InputError(f"to_mesh tolerance is {tolerance!r}; give a positive length")
     if not body.bounded:
         raise UnsupportedPair(f"{body.name or 'solid'}: no bound is known; intersect it with a box to mesh it")
+    lo, hi = body.bounds()
+    if not tolerance > (finest := FINEST * float(np.max(hi - lo))):
+        raise InputError(f"to_mesh tolerance is {tolerance!r}; give more than {finest:.2g}, a millionth of the size")
     by = _to_origin(body)
     if by is not None:  # exactly: far away doubles tell no triangles apart
         return mesh(body.translated(by), tolerance).translated([-c for c in by])

@@ -13,6 +13,7 @@ from firstcontact.contact.signs.pieces import Piece
 from firstcontact.errors import InputError
 from firstcontact.exact.numbers import precision, rational
 from firstcontact.exact.polynomials.inertia import dot
+from firstcontact.motion.translation import LARGEST
 from firstcontact.pairs.ruled_ruled import planes_through, points_on
 
 Box = tuple[tuple[Any, Any, Any], tuple[Any, Any, Any]]
@@ -31,6 +32,8 @@ def box_of(box: Any) -> Box | None:
     if len(low) != 3 or len(high) != 3 or not all(x < y for x, y in zip(low, high, strict=True)):
         shown = ", ".join(f"({', '.join(map(str, corner))})" for corner in (low, high))
         raise InputError(f"box is ({shown}); give two corners ((x0, y0, z0), (x1, y1, z1)), the first below the second")
+    if any(abs(x) >= LARGEST for x in (*low, *high)):
+        raise InputError("box reaches beyond 2^150; give corners below that, or none")
     return low, high
 
 
