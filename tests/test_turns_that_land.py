@@ -83,3 +83,14 @@ def test_spans_about_the_pose_in_which_bodies_touch():
             later = fc.first_contact(moved, b, (end, end + F(1, 7)), engine=engine)
             assert later.status is fc.Status.INITIAL_CONTACT and later.time == float(end), seed
     assert landed > 8
+
+
+def test_an_octahedron_under_a_screw_lands_at_the_end_in_both_orders():
+    """Its tip comes from z = 4 down to the top of the box, z = 1, at the last instant."""
+    corners = [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)]
+    faces = [(0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4), (2, 0, 5), (1, 2, 5), (3, 1, 5), (0, 3, 5)]
+    moving = fc.Polyhedron(corners, faces).translated((0, 0, 5)).moving(fc.Screw((0, 0, 1), degrees=90, advance=-3))
+    for pair in ((moving, fc.examples.box((2, 2, 2))), (fc.examples.box((2, 2, 2)), moving)):
+        found = fc.first_contact(*pair)
+        assert found.status is fc.Status.CONTACT and found.time == 1
+        assert found.time_interval[0] <= 1 <= found.time_interval[1]

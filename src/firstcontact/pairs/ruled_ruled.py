@@ -21,6 +21,8 @@ from typing import Any
 from flint import fmpq, fmpz, fmpz_mat, fmpz_mpoly, fmpz_poly
 
 from firstcontact.errors import InputError
+from firstcontact.exact.fields.field_towers import gcd, trimmed
+from firstcontact.exact.fields.number_field import NumberField
 from firstcontact.exact.fields.roots import AlgebraicRoot, real_roots, reversed_polynomial
 from firstcontact.exact.polynomials import bivariate
 from firstcontact.exact.polynomials.bivariate import CONTEXT, in_u, in_v
@@ -156,9 +158,10 @@ def common_rulings(p: Rulings, q: Rulings, u_range: Range = None, v_range: Range
     common = reduce(lambda x, y: x.gcd(y), minors)
     minors = [x // common for x in minors]
     found: list[tuple[Parameter, Parameter]] = []
-    u_values, v_values = (_within(_candidates(minors, x), ends) for x, ends in (("u", u_range), ("v", v_range)))
+    u_values, v_values = _within(_candidates(minors, "u"), u_range), _candidates(minors, "v")
     for u in u_values:
-        found += [(u, v) for v in v_values if _one_line(p, u, q, v)]
+        partners = _partners(minors, u, v_values) or [v for v in v_values if _one_line(p, u, q, v)]
+        found += [(u, v) for v in _within(partners, v_range)]
     if v_range is None:
         found += [(u, None) for u in _within(_equal_to(p, q.reversed()), u_range)]
     if u_range is None:
@@ -196,6 +199,26 @@ def _candidates(minors: Sequence[fmpz_mpoly], variable: str) -> list[AlgebraicRo
         if bound != 0:
             return all_real_roots(bound)
     raise ArithmeticError("many combinations of the minors share a factor that the minors do not")
+
+
+def _partners(minors: Sequence[fmpz_mpoly], u: AlgebraicRoot, v_values: Sequence[AlgebraicRoot]) -> list[AlgebraicRoot]:
+    """The v, among all candidates, at which the minors vanish with u, if it is one in the field of u; else [].
+
+    Quicker than to decide for each candidate whether it is that: the product of the degrees of u and v may be hundreds.
+    """
+    if u.rational is not None or not v_values:
+        return []
+    field = NumberField(u)
+    over = [[field(c) for c in bivariate.rows(minor)] for minor in minors if not minor.is_zero()]
+    common = trimmed(reduce(gcd, sorted(over, key=len)))
+    if len(common) != 2:
+        return []
+    v, left, bits = -common[0] / common[1], list(v_values), 64
+    while len(left) > 1:  # v is real, and one of them
+        ball = v.ball(bits)
+        left = [x for x in left if x.enclosure(bits).overlaps(ball)]
+        bits *= 2
+    return left
 
 
 def _one_line(p: Rulings, u: AlgebraicRoot, q: Rulings, v: AlgebraicRoot) -> bool:
