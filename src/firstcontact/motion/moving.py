@@ -49,8 +49,8 @@ class Moving:
 
         try:
             first, last = map(float, self.motion.span if span is None else span)
-        except (TypeError, ValueError, OverflowError) as error:
-            raise InputError(f"span is {shown(span)}; give two times (first, last)") from error
+        except (TypeError, ValueError, OverflowError) as reason:
+            raise InputError(f"span is {shown(span)}; give two times (first, last)") from reason
         if not first <= last:
             raise InputError(f"span is {shown(span)}; its end does not lie after its start")
         points, error = _hull(self.body, (first, last))

@@ -89,7 +89,7 @@ def refuse_many_turns(
         motion = body.motion if isinstance(body, Moving) else None
         share = 1 if last is None or not getattr(motion, "extends", False) else last - first
         for step in getattr(motion, "steps", [motion]):
-            if isinstance(step, kinds):
+            if isinstance(step, Rotation | Screw) and isinstance(step, kinds):
                 turns = abs(step.angle * share) / (1 if step.unit == "turns" else 6)
                 if turns > MOST_TURNS:
                     who = body.name or "a body"

@@ -183,7 +183,8 @@ class CompositeQuadric(Placing):
 
     def _combined(self, other: Any, operation: Any, *, subtract: bool = False) -> CompositeQuadric:
         if not isinstance(other, CompositeQuadric):
-            raise InputError(f"{self._who} is combined with {other!r}; |, & and - take solids of planes and quadrics")
+            refused: CompositeQuadric = NotImplemented
+            return refused
         surfaces, tree = joined(self.surfaces, other.surfaces, other.tree)
         places = _places(surfaces, other.surfaces)
         parts = [*self._inner_parts(), *other._inner_parts(places, flipped=subtract)]
