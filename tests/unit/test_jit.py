@@ -76,8 +76,8 @@ cache.SHIPPED, cache._ALL_SHIPPED = Path(sys.argv[1]), Path(sys.argv[1]).parent
 from firstcontact.kernels.jit import kernel
 def twice(x):
     return x + x
-twice.__module__ = "firstcontact.search.made_up"
 twice = kernel(twice)
+twice._cache._name = "firstcontact.search.made_up"
 print(twice(2), cache.HANDLED["loaded"], cache.HANDLED["compiled"])
 """
 
