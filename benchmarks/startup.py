@@ -2,7 +2,7 @@
 
     python benchmarks/startup.py [--out DIR]
 
-Wall seconds, and of the first questions those of the processor beside them: a busy machine makes only the former longer.
+Wall seconds, and those of the processor beside them: a busy machine makes the former alone much longer.
 """
 
 from __future__ import annotations
@@ -42,8 +42,9 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         rows = list(_rows(Path(folder)))
     table = ["| what | measured | bar |", "|---|---|---|", *(f"| {' | '.join(row)} |" for row in rows)]
-    system = f"{os.cpu_count()} processors, {platform.system()} {platform.machine()}, Python {platform.python_version()}"
-    head = f"# Start-up\n\nBy `python benchmarks/startup.py`, on {system}; no kernel was compiled before.\n\n"
+    machine = f"{os.cpu_count()} processors, {platform.system()} {platform.machine()}"
+    where = f"on {machine}, Python {platform.python_version()}; no kernel was compiled before"
+    head = f"# Start-up\n\nBy `python benchmarks/startup.py`, {where}.\n\n"
     (out / "STARTUP.md").write_text(head + "\n".join(table) + "\n", encoding="utf-8")
 
 

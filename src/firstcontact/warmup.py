@@ -105,7 +105,7 @@ def _crowding(mesh: Polyhedron) -> None:
 
 
 def _of_solids() -> Iterator[tuple[str, Question]]:
-    ball = primitives.sphere(1).translated((0.125, 0.0625, 4))
+    ball = primitives.sphere(1).translated((0.125, 0.0625, 3))
     holed = primitives.box((4, 4, 2)) - primitives.cylinder("1/2", 4)
     turned = RationalMotion.between(Rotation((0, 0, 1), degrees=0)(0.0), SWING(0.2))
     bodies: dict[str, Any] = {"a solid": holed, "a mesh": _notched()}
@@ -115,7 +115,7 @@ def _of_solids() -> Iterator[tuple[str, Question]]:
                 yield f"{verb.__name__} of a ball and {kind} under {name}", partial(
                     verb, ball.moving(motion), other, budget=FEW
                 )
-    yield "solids that overlap", partial(query.first_contact, ball.translated((0, 0, -3)), holed)
+    yield "solids that overlap", partial(query.first_contact, ball.translated((0, 0, -2)), holed)
     yield "a capsule", partial(query.first_contact, _capsule().moving(SHIFT), holed, budget=FEW)
 
 
