@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import os
+from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from functools import partial
+from multiprocessing import get_context
+from typing import Any
 
 from firstcontact import query
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.body.ruled.surface import RuledSurface
+from firstcontact.body.solid import primitives
+from firstcontact.body.solid.composite_quadric import CompositeQuadric
+from firstcontact.kernels.cache import HANDLED
+from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.sequence import Sequence
@@ -14,37 +23,125 @@ from firstcontact.motion.translation import Translation
 from firstcontact.search.trees.crowding import crowding
 from firstcontact.search.trees.frame import tree_of
 
+Question = Callable[[], object]
 
-def warm(progress: Callable[[str], object] | None = None) -> None:
-    """Run each verb on each motion once; `progress` is told what comes next."""
+# An oblique axis: kernels for axes along z alone would leave the general ones uncompiled.
+SHIFT, SWING = Translation((0, 0, -2)), Rotation((1, 2, 0), (3, 0, 0), degrees=200)
+SCREW = Screw((0.1, 1, 2), (0.3, -0.2, 0.1), degrees=40, advance=-3)
+MOTIONS = {"translation": SHIFT, "rotation": SWING, "screw": SCREW, "sequence": Sequence([SHIFT, SWING])}
+FEW = 2000
+"""Units of work that a question may take: it is for the kernels' sake, not for the answer's."""
+
+
+def questions() -> dict[str, Question]:
+    """Questions by what they are about, those first that compile longest."""
+    return dict(_all())
+
+
+def warm(progress: Callable[[str], object] | None = None) -> int:
+    """Ask them all; `progress` is told what comes next.  Returns how many kernels were compiled."""
+    before = HANDLED["compiled"]
+    for name, ask in questions().items():
+        if progress is not None:
+            progress(name)
+        ask()
+    return HANDLED["compiled"] - before
+
+
+def warm_together(processes: int, progress: Callable[[str], object] | None = None) -> int:
+    """The same by several processes, which share what they compile; `progress` is told what is done."""
+    # spawned: a fork would inherit threads and locks of whoever calls
+    with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
+        asked = {pool.submit(_ask, name): name for name in questions()}
+        compiled = 0
+        for done in as_completed(asked):
+            compiled += done.result()
+            if progress is not None:
+                progress(asked[done])
+    return compiled
+
+
+def cores() -> int:
+    """Processors that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _ask(name: str) -> int:
+    before = HANDLED["compiled"]
+    questions()[name]()
+    return HANDLED["compiled"] - before
+
+
+def _all() -> Iterator[tuple[str, Question]]:
+    yield from _of_meshes()
+    yield from _of_solids()
+    yield from _of_ruled_surfaces()
+
+
+def _of_meshes() -> Iterator[tuple[str, Question]]:
     base = _tetrahedron()
     raised = base.translated((0.125, 0.0625, 2))  # off the symmetric place, where screws leave pairs undecided
-    shift = Translation((0, 0, -2))
-    # An oblique axis: kernels for axes along z alone would leave the general ones uncompiled.
-    swing = Rotation((1, 2, 0), (3, 0, 0), degrees=200)
-    screw = Screw((0.1, 1, 2), (0.3, -0.2, 0.1), degrees=40, advance=-3)
-    motions = {"translation": shift, "rotation": swing, "screw": screw, "sequence": Sequence([shift, swing])}
-    for name, motion in motions.items():
-        moving = raised.moving(motion)
-        for verb in (query.first_contact, query.contact_intervals, query.contact_pairs):
-            if name == "sequence" and verb is query.contact_pairs:
-                continue
-            if progress is not None:
-                progress(f"{verb.__name__} under {name}")
-            verb(moving, base)
-    query.first_contact(base.translated((0.1, 0.1, 0)), base)
+    verbs = query.first_contact, query.contact_intervals, query.contact_pairs
+    for name, motion in MOTIONS.items():
+        for verb in verbs[: 2 if name == "sequence" else 3]:
+            yield f"{verb.__name__} under {name}", partial(verb, raised.moving(motion), base)
+    for engine in ("lifted", "composed", "sweep"):
+        for name in ("translation", "rotation"):
+            moving = raised.moving(MOTIONS[name])
+            yield f"engine {engine} under {name}", partial(query.first_contact, moving, base, engine=engine)
     inside = base.transformed([[0.1, 0, 0, 0.1], [0, 0.1, 0, 0.1], [0, 0, 0.1, 0.1], [0, 0, 0, 1]])
-    query.first_contact(inside, base)
     open_mesh = Polyhedron(base.vertices, base.triangles[:2])
-    query.first_contact(raised.moving(shift), open_mesh)
-    tree = tree_of(base)
-    crowding(tree.boxes, tree.links, tree.boxes, tree.links)  # asked only of larger bodies
-    if progress is not None:
-        progress("intersection_curve of ruled surfaces")
+    yield "meshes that overlap", partial(query.first_contact, base.translated((0.1, 0.1, 0)), base)
+    yield "a mesh inside another", partial(query.first_contact, inside, base)
+    yield "an open mesh", partial(query.first_contact, raised.moving(SHIFT), open_mesh)
+    yield "bare points", partial(query.first_contact, raised.moving(SHIFT), Polyhedron(base.vertices, []))
+    yield "crowded trees", partial(_crowding, base)
+
+
+def _crowding(mesh: Polyhedron) -> None:
+    """Asked only of larger bodies."""
+    tree = tree_of(mesh)
+    crowding(tree.boxes, tree.links, tree.boxes, tree.links)
+
+
+def _of_solids() -> Iterator[tuple[str, Question]]:
+    ball = primitives.sphere(1).translated((0.125, 0.0625, 3))
+    holed = primitives.box((4, 4, 2)) - primitives.cylinder("1/2", 4)
+    turned = RationalMotion.between(Rotation((0, 0, 1), degrees=0)(0.0), SWING(0.2))
+    bodies: dict[str, Any] = {"a solid": holed, "a mesh": _notched()}
+    for name, motion in {**MOTIONS, "rational motion": turned}.items():
+        for kind, other in bodies.items():
+            for verb in (query.first_contact, query.contact_intervals):
+                yield f"{verb.__name__} of a ball and {kind} under {name}", partial(
+                    verb, ball.moving(motion), other, budget=FEW
+                )
+    yield "solids that overlap", partial(query.first_contact, ball.translated((0, 0, -2)), holed)
+    yield "a capsule", partial(query.first_contact, _capsule().moving(SHIFT), holed, budget=FEW)
+
+
+def _capsule() -> CompositeQuadric:
+    stem = primitives.cylinder("1/4", 2).translated((0, 0, 4))
+    return stem | primitives.sphere("1/4").translated((0, 0, 3))
+
+
+def _of_ruled_surfaces() -> Iterator[tuple[str, Question]]:
     saddle, level = RuledSurface("(u, 0, 0)", "(u, 1, u)"), RuledSurface("(u, 0, 1/2)", "(u, 1, 1/2)")
-    query.intersection_curve(saddle, level, method="certified")
+    above = level.translated((0, 0, 2)).moving(SHIFT)
+    yield "intersection_curve", partial(query.intersection_curve, saddle, level, method="certified")
+    others = {"surfaces": saddle, "a surface and a solid": primitives.sphere("1/2"), "a surface and a mesh": _notched()}
+    for kind, other in others.items():
+        for verb in (query.first_contact, query.contact_intervals):
+            yield f"{verb.__name__} of ruled {kind}", partial(verb, above, other, budget=FEW)
 
 
 def _tetrahedron() -> Polyhedron:
     vertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
     return Polyhedron(vertices, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+
+
+def _notched() -> Polyhedron:
+    """A prism over an L: not convex."""
+    corners = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]
+    sides = [[k, (k + 1) % 6, 6 + (k + 1) % 6, 6 + k] for k in range(6)]
+    rings = [[5, 4, 3, 2, 1, 0], [6, 7, 8, 9, 10, 11]]
+    return Polyhedron([(x, y, z) for z in (0, 1) for x, y in corners], rings + sides)

@@ -10,7 +10,6 @@ import pytest
 
 from firstcontact import query
 from firstcontact.cli import progress
-from firstcontact.kernels import jit
 from firstcontact.scene.load import load_scene
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
@@ -47,15 +46,6 @@ def test_options_win_over_the_scene(command):
     assert out == "roller and pipe: no common point; proved\n"
     out = command("curve", EXAMPLES / "cone.toml", *"--box -2 -3 -3 5 3 3 --tolerance 1/100".split()).out
     assert out.splitlines()[0] == "cone and wave: 1 branch in the box from (-2, -3, -3) to (5, 3, 3)"
-
-
-def test_compilation_is_announced_once_and_only_where_something_compiles(command, scene, monkeypatch):
-    monkeypatch.setattr(jit, "is_compiled", lambda module="": module != "kernels.curves.cells")
-    questions = '[[curve]]\npair = ["low", "flat"]\n'
-    assert command("curve", scene(LOW + FLAT + questions)).err == ""
-    method = 'method = "certified"\n'
-    announced = command("curve", scene(LOW + FLAT + 2 * (questions + method))).err
-    assert announced.count("compiling the kernels") == 1
 
 
 def test_the_scene_asks(command, scene):

@@ -29,6 +29,22 @@ def test_main_leaves_with_the_exit_code(python, tmp_path, main):
     assert done.stderr == f"firstcontact: {tmp_path / 'none.toml'}: {fault}\n"
 
 
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_shells_complete_commands_and_options(python, shell):
+    assert "firstcontact" in python(completing(f"{shell}_source")).stdout
+    if shell == "bash":
+        asked = {"firstcontact war": "plain,warmup\n", "firstcontact check --js": "plain,--json\n"}
+        for words, told in asked.items():
+            done = python(completing("bash_complete", COMP_WORDS=words, COMP_CWORD=str(words.count(" "))))
+            assert (done.returncode, done.stdout) == (0, told)
+
+
+def completing(instruction, **environment):
+    """What the shell runs."""
+    environment["_FIRSTCONTACT_COMPLETE"] = instruction
+    return f"import os, sys; os.environ.update({environment!r}); sys.argv[:] = ['firstcontact']; {MAIN}"
+
+
 BAD_USAGE = {
     "unknown command": (["chek"], "No such command 'chek'"),
     "unknown option": (["check", "SCENE", "--jsn"], "--jsn"),

@@ -1,5 +1,7 @@
 """`firstcontact warmup`: afterwards nothing is left to compile."""
 
+from pathlib import Path
+
 QUERIES = """
 import gc
 from numba.core.dispatcher import Dispatcher
@@ -34,13 +36,51 @@ print(len(before) > 10, sorted(compiled() - before))
 """
 
 
-def test_warmup_tells_its_steps_and_ends(command):
-    code, out, err = command("warmup")
-    assert code == 0 and out.startswith("ready after ")
-    assert "first_contact under rotation" in err
+EXAMPLES = """
+import os, sys
+from pathlib import Path
+from firstcontact.cli import run
+from firstcontact.kernels.cache import HANDLED
+from firstcontact.warmup import warm
+
+warm()
+before = HANDLED["compiled"]
+sys.stdout = open(os.devnull, "w")
+root = Path(sys.argv[1])
+for verb, name in {COMMANDS}:
+    assert run([verb, str(root / "examples" / name)]) in (0, 1), name
+os.chdir(root)
+text = (root / "README.md").read_text(encoding="utf-8")
+exec(text.split("```python\\n")[1].split("```")[0], {})
+solids = [line[4:] for line in text.split("```pycon\\n")[1].split("```")[0].splitlines() if line.startswith(">>> ")]
+exec("\\n".join(["import firstcontact as fc", *solids]), {})
+print(HANDLED["compiled"] - before, HANDLED["loaded"] > 200, file=sys.__stdout__)
+"""
+COMMANDS = [
+    *(("check", name) for name in ("lid.toml", "gears.toml", "cubes.toml", "lift.toml", "plunger.toml", "roof.toml")),
+    *(("intervals", name) for name in ("lid.toml", "plunger.toml", "roof.toml", "roller.toml")),
+    *(("curve", name) for name in ("cone.toml", "roller.toml", "roof.toml")),
+]
+
+
+def test_warmup_tells_its_steps_and_that_nothing_is_left_to_do(command):
+    code, out, err = command("warmup", "--progress")
+    assert code == 0 and (out.startswith("ready after ") or out == NOTHING)
+    assert "first_contact under rotation" in err or "━" in err
+    assert command("warmup") == (0, NOTHING, "")
+
+
+NOTHING = "nothing to do: all kernels are compiled\n"
 
 
 def test_queries_after_warming_up_compile_nothing_more(python):
     done = python(QUERIES)
     assert done.returncode == 0, done.stderr
     assert done.stdout == "True []\n"
+
+
+def test_examples_after_warming_up_compile_nothing_more(python):
+    done = python(EXAMPLES.replace("{COMMANDS}", repr(COMMANDS)), Path(__file__).parents[2])
+    assert done.returncode == 0, done.stderr
+    compiled, many = done.stdout.split()
+    assert (compiled, many) == ("0", "True")

@@ -14,7 +14,7 @@ from numba.core.dispatcher import Dispatcher
 
 import firstcontact
 from firstcontact import query
-from firstcontact.kernels import cache
+from firstcontact.kernels import cache, notices
 
 ASK = """
 from firstcontact.kernels.jit import kernel
@@ -67,6 +67,57 @@ def test_an_edit_of_what_a_kernel_reads_is_seen_and_a_new_place_is_not_an_edit(t
     assert told("one", 1, "b") == ["2", "1"]  # other words
     assert told("two", 1, "b") == ["2", "1"]  # another folder
     assert told("two", 2, "b") == ["3", "0"]  # a constant of a kernel that it calls
+
+
+SHIPPED = """
+import sys
+from pathlib import Path
+from firstcontact.kernels import cache, notices
+cache.SHIPPED, cache._ALL_SHIPPED = Path(sys.argv[1]), Path(sys.argv[1]).parent
+from firstcontact.kernels.jit import kernel
+def twice(x):
+    return x + x
+twice = kernel(twice)
+twice._cache._name = "firstcontact.search.made_up"
+print(twice(2), cache.HANDLED["loaded"], cache.HANDLED["compiled"])
+"""
+
+
+def test_shipped_kernels_are_found_by_any_processor_and_others_than_ours_are_told_once(tmp_path):
+    (tmp_path / "ask.py").write_text(SHIPPED)
+    portable = {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
+
+    def told(cache_folder, shipped, more):
+        environment = os.environ | {"FIRSTCONTACT_CACHE": str(tmp_path / cache_folder)} | more
+        at = [sys.executable, str(tmp_path / "ask.py"), str(shipped)]
+        done = subprocess.run(at, capture_output=True, text=True, check=True, env=environment)
+        return done.stdout.split(), done.stderr
+
+    nowhere = tmp_path / "none" / "here"
+    assert told("built", nowhere, portable) == (["4", "0", "1"], "")
+    (built,) = (tmp_path / "built").iterdir()
+    assert told("user", built, {}) == (["4", "1", "0"], "")  # a processor with a name of its own
+    assert not (tmp_path / "user").exists() or not list((tmp_path / "user").rglob("*.nbc"))
+    out, err = told("user", built.with_name("numba-of-tomorrow"), {})
+    assert out == ["4", "0", "1"] and err.count("\n") == 1
+    why = f"the kernels shipped are for {built.name}, this is {cache.VERSIONS}"
+    assert err.startswith(f"{why}: compiling the kernels for meshes, about ")
+
+
+def test_a_first_run_says_what_it_compiles_before_it_does(caplog, monkeypatch):
+    monkeypatch.setattr(notices, "_announced", set())
+    with caplog.at_level("INFO", logger="firstcontact"):
+        for module in ("search.trees.tree", "kernels.convex.simplex", "search.sweep.sheets", "kernels.brackets"):
+            notices.announce(f"firstcontact.{module}.f", cache.VERSIONS, "")
+    meshes, convex = (record.getMessage() for record in caplog.records)
+    assert meshes.startswith("compiling the kernels for meshes, about ")
+    assert convex.startswith("compiling the kernels for convex curved bodies, about ")
+
+
+def test_the_families_are_of_modules_that_are_there():
+    names = [info.name for info in pkgutil.walk_packages(firstcontact.__path__, "firstcontact.")]
+    for start in notices.FAMILIES:
+        assert any(name.startswith(f"firstcontact.{start}") for name in names), start
 
 
 def test_all_that_kernels_read_is_in_their_digest():

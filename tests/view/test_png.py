@@ -39,7 +39,8 @@ def test_missing_pyvista_is_one_line(monkeypatch, tmp_path):
     monkeypatch.setattr(png, "find_spec", lambda name: None)
     with pytest.raises(InputError) as error:
         png.write_png(tmp_path / "hit.png", scenes.undecided())
-    assert str(error.value) == "drawing a PNG needs pyvista: pip install 'firstcontact[view]'"
+    how = "pip install 'firstcontact[view]', or '.[view]' in a checkout"
+    assert str(error.value) == f"drawing a PNG needs pyvista: {how}"
 
 
 def test_missing_libraries_are_one_line(monkeypatch, tmp_path):

@@ -46,8 +46,19 @@ for command in (check, intervals, curve, info, warmup):
 def main() -> None:
     """Run the command line and leave with its exit code."""
     logging.getLogger("trimesh").addHandler(logging.NullHandler())  # its warnings would double our one line
+    logging.getLogger("firstcontact").addHandler(_Said())
+    logging.getLogger("firstcontact").setLevel(logging.INFO)
     warnings.showwarning = _warn
+    if "_FIRSTCONTACT_COMPLETE" in os.environ:  # a shell asks for its script, or for words to complete
+        cli.main(prog_name="firstcontact")
     sys.exit(run(sys.argv[1:]))
+
+
+class _Said(logging.Handler):
+    """What the package logs, as errors are told."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        _say(record.getMessage())
 
 
 def run(arguments: list[str]) -> int:

@@ -83,7 +83,6 @@ def answer_checks(scene_file: str, options: Options, verb_name: str) -> list[Any
             "give one a [body.NAME.motion]", stacklevel=1,
         )  # fmt: skip
     verb = getattr(query, verb_name)
-    announce_compilation()
     results = []
     with Progress(options.progress, len(scene.checks)) as progress:
         for check in scene.checks:
@@ -100,14 +99,6 @@ def answer_checks(scene_file: str, options: Options, verb_name: str) -> list[Any
                 raise type(error)(f"{scene.path}: check {check.a} / {check.b}: {error}") from error
             results.append(result)
     return results
-
-
-def announce_compilation(module: str = "") -> None:
-    """Say on stderr, once per machine and version, why the first run takes longer; module: one that it needs."""
-    from firstcontact.kernels.jit import is_compiled
-
-    if not is_compiled(module):
-        click.echo("firstcontact: first run here, compiling the kernels (some seconds, once)", err=True)
 
 
 def deliver(results: list[Any], options: Options) -> None:

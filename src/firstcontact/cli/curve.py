@@ -30,23 +30,18 @@ def curve(scene: str, options: common.Options, **asked: Any) -> int:
 
 def _curves(scene_file: str, options: common.Options, asked: dict[str, Any]) -> list[Any]:
     from firstcontact.cli.progress import Progress
-    from firstcontact.curves.ruled import takes_kernels
     from firstcontact.query import intersection_curve
     from firstcontact.scene.load import load_scene
 
     scene = load_scene(scene_file)
     common.refuse_single(scene.path, scene.curves)
     results: list[Any] = []
-    announced = False
     with Progress(options.progress, len(scene.curves)) as progress:
         for given in scene.curves:
             question = replace(given, **asked)
             progress.wait_for(f"{question.a} / {question.b}")
             try:
                 p, q = (_resting(scene.bodies[key], key, question.at) for key in (question.a, question.b))
-                if not announced and takes_kernels(p, q, question.method, question.box):
-                    common.announce_compilation("kernels.curves.cells")
-                    announced = True
                 result = intersection_curve(p, q, **question.arguments())
                 if options.json is not None:
                     result.to_dict()  # exact ends may take long; the result keeps them

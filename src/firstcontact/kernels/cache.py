@@ -4,6 +4,9 @@ Numba's own cache names a kernel by path and time of its file and does not see e
 a compiled kernel holds a digest of its bytecode, of the constants that it reads and, in turn, of all kernels that it
 calls, beside the signature and the processor: it is found from any checkout, an edit compiles what it touches alone,
 and a folder of compiled kernels can be moved to another place or machine.
+
+A wheel brings such a folder, compiled for every processor of its kind (`hatch_build.py`); what is not in it is looked
+for in the user's own, compiled for the processor at hand.
 """
 
 from __future__ import annotations
@@ -14,7 +17,8 @@ import pickle
 import sys
 import types
 import uuid
-from collections.abc import Callable, Iterator
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +29,8 @@ from numba.core.caching import _Cache
 from numba.core.compiler import CompileResult
 from numba.core.dispatcher import Dispatcher
 from numba.core.serialize import dumps
+
+from firstcontact.kernels.notices import announce
 
 _OWN = __name__.partition(".")[0] + "."
 
@@ -41,10 +47,25 @@ def user_folder() -> Path:
     return Path(base) / "firstcontact"
 
 
-_READERS = (numba, llvmlite, np)
+_READERS = (numba, llvmlite)
 VERSIONS = "-".join((str(sys.implementation.cache_tag), *(f"{m.__name__}{m.__version__}" for m in _READERS)))
-"""What reads compiled kernels must be what wrote them."""
+"""What reads compiled kernels must be what wrote them.  NumPy does not: they see arrays as Numba's own struct."""
 FOLDER = user_folder() / VERSIONS
+_ALL_SHIPPED = Path(__file__).with_name("compiled")
+SHIPPED = _ALL_SHIPPED / VERSIONS
+PORTABLE = "generic", ""
+"""Name and features of a processor that every one of its kind is."""
+
+
+def foreign() -> str:
+    """What the shipped kernels are for, where there are some and they are not for this interpreter, else nothing."""
+    if SHIPPED.is_dir() or not _ALL_SHIPPED.is_dir():
+        return ""
+    return " or ".join(sorted(folder.name for folder in _ALL_SHIPPED.iterdir()))
+
+
+HANDLED = Counter[str]()
+"""How many kernels this process has "loaded" and "compiled"."""
 
 
 class KernelCache(_Cache):  # type: ignore[misc]
@@ -63,18 +84,25 @@ class KernelCache(_Cache):  # type: ignore[misc]
         target_context.refresh()
         if not self._enabled:
             return None
-        try:
-            kept = self._file(sig, target_context.codegen().magic_tuple()).read_bytes()
-        except OSError:
-            return None
-        return CompileResult._rebuild(target_context, *pickle.loads(kept))
+        triple, *native = target_context.codegen().magic_tuple()
+        for folder, processor in ((SHIPPED, PORTABLE), (FOLDER, native)):
+            try:
+                kept = self._file(folder, sig, triple, processor).read_bytes()
+            except OSError:
+                continue
+            HANDLED["loaded"] += 1
+            return CompileResult._rebuild(target_context, *pickle.loads(kept))
+        announce(self._name, VERSIONS, foreign())
+        return None
 
     def save_overload(self, sig: Any, data: Any) -> None:
+        HANDLED["compiled"] += 1
         if not self._enabled:
             return
         if data.lifted or data.library.has_dynamic_globals:
             raise TypeError(f"kernel {self._name} cannot be kept: it holds lifted loops or addresses")
-        file = self._file(sig, data.codegen.magic_tuple())
+        triple, *native = data.codegen.magic_tuple()
+        file = self._file(FOLDER, sig, triple, native)
         part = file.with_name(f"{file.name}.{uuid.uuid4().hex[:16]}")
         try:
             FOLDER.mkdir(parents=True, exist_ok=True)
@@ -83,10 +111,11 @@ class KernelCache(_Cache):  # type: ignore[misc]
         except OSError:  # a folder that cannot be written to: compiled again in the next process
             part.unlink(missing_ok=True)
 
-    def _file(self, sig: Any, processor: Any) -> Path:
+    def _file(self, folder: Path, sig: Any, triple: str, processor: Sequence[str]) -> Path:
         arguments = dict(zip(self._kernel.py_func.__code__.co_varnames, sig, strict=False))
-        made_of = (fingerprint(self._kernel, getattr(arguments.get("motion"), "ndim", 0)), str(sig), processor)
-        return FOLDER / f"{self._name}-{hashlib.sha256(repr(made_of).encode()).hexdigest()[:24]}.nbc"
+        system = triple.rstrip("0123456789.")  # without the release that macOS adds
+        made_of = fingerprint(self._kernel, getattr(arguments.get("motion"), "ndim", 0)), str(sig), system, *processor
+        return folder / f"{self._name}-{hashlib.sha256(repr(made_of).encode()).hexdigest()[:24]}.nbc"
 
     def enable(self) -> None:
         self._enabled = True

@@ -105,8 +105,3 @@ def implements(function: Callable[..., Any], *dimensions: int) -> Callable[..., 
         return cast("Callable[..., Any]", overload(function)(choice))
 
     return register
-
-
-def is_compiled(module: str = "") -> bool:
-    """Whether the folder of compiled kernels holds anything yet; module: of this one, as "kernels.curves.cells"."""
-    return FOLDER.is_dir() and any(FOLDER.glob(f"firstcontact.{module}*.nbc"))

@@ -60,7 +60,7 @@ def write_png(
 def _require_drawing() -> None:
     """Fail with one line instead of a missing module, or of VTK ending the process without a libGL."""
     if find_spec("pyvista") is None:
-        raise InputError("drawing a PNG needs pyvista: pip install 'firstcontact[view]'")
+        raise InputError("drawing a PNG needs pyvista: pip install 'firstcontact[view]', or '.[view]' in a checkout")
     if sys.platform.startswith("linux"):
         missing = [name for name in ("EGL", "GL") if ctypes.util.find_library(name) is None]
         if missing:
