@@ -25,7 +25,7 @@ from firstcontact.contact.mesh_model.patches import Patch, patch
 from firstcontact.contact.models.same_point import near_surfaces
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import to_double
-from firstcontact.kernels.events.event_search import FREE, SPENT, VISITS
+from firstcontact.kernels.events.event_search import FREE, GOING, SPENT, VISITS
 from firstcontact.motion.relative.stretches import Window
 from firstcontact.search.convex.convex import ConvexPieces, NotConvex, convex_pieces, covering_pieces
 from firstcontact.search.convex.mesh_advance import MeshSearch, Open, Swept, Touch
@@ -229,7 +229,7 @@ class HoledSearch(MeshSearch):
         self.tests += int(search.counters[VISITS])
         if outcome == FREE:
             return None
-        lo, _, count, start = search.result.tolist()
+        lo, _, count, start = search.result[:GOING].tolist()
         boxes = search.pool[int(start) : int(start + count)] if outcome != SPENT else search.pool[:0]
         return _Stop(max(lo, begin), boxes, search, outcome == SPENT and self.tests >= self.budget)
 

@@ -217,7 +217,7 @@ class _Lasting:
             for part, near, reach, allowed in _tries(length, held, budget):
                 later = min(t + part, end)
                 if part >= least_part and later > t:
-                    found = search.held(t, later, pair.width, allowed, near, reach)
+                    found = search.held(t, later, pair.width, pair.allowed(allowed), near, reach)
                 if found is not None:
                     longest = max(longest, later - t)
                     t, length = later, 2.0 * part

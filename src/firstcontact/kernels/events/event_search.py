@@ -52,7 +52,10 @@ from firstcontact.kernels.jit import inner, uncounted
 from firstcontact.kernels.workspace import rows
 
 U = 2.0**-53
-FREE, STOPPED, SPENT = rows(0, 1, 2)
+FREE, STOPPED, SPENT, SLICE_SPENT = rows(*range(4))
+# Rows of the result from the fifth on: where the search goes on after SLICE_SPENT, which GOING tells.
+GOING, DEPTH, START, KEPT, TODO, SOONEST, LATEST = rows(*range(4, 11))
+RESULTS = 11
 # Columns of a box: chart, pair (or one of the two below), middle and half-width of u and v, first and last time.
 CHART, PAIR, AT_U, HALF_U, AT_V, HALF_V, BEGIN, END = rows(*range(8))
 ALL_PAIRS, STILL = -1, -2
@@ -346,36 +349,49 @@ def _copied(source, known, i, target, told, j):
 @uncounted
 def search(
     charts, info, pairs, layout, program, raw, kinds, units, ma, mb, w, models, table, z, stack,
-    frames, pool, known, work, told, count, first, last, least, budget, result, c,
+    frames, pool, known, work, told, count, first, last, least, stop, result, c,
 ):  # fmt: skip
     """FREE: nothing begins to touch in [first, last]; STOPPED: result holds a slab of at most `least` whose boxes
     (the number of them is result[2], rows of the pool from result[3] on) survive, all before it is free; SPENT: all
-    before result[0] is.
+    before result[0] is; SLICE_SPENT: more than `stop` visits are counted: called again with all as it was left and a
+    later `stop`, the search goes on as if it had never ended.
 
     pool, known: `count` boxes to start with, and bits for each; work, told: as large.
     first = last: boxes are only asked whether they hold a common point.
     """
-    frames[0, 0], frames[0, 1], frames[0, 2], frames[0, 3] = first, last, 0.0, float(count)
-    depth = 1
-    while depth > 0:
-        depth -= 1
-        t0, t1 = frames[depth, 0], frames[depth, 1]
-        start, end = int(frames[depth, 2]), int(frames[depth, 3])
-        result[0], result[1] = t0, t1
-        c[SLABS] += 1
-        todo = end - start
-        if todo == 0:
-            continue
-        kept, lo, hi = start, math.inf, -math.inf
-        if place_slab(t0, t1, ma, mb, raw, kinds, units, layout, w, models, table, z):
-            for k in range(todo):
-                _copied(pool, known, start + k, work, told, k)
-        elif t1 - t0 > least:
-            kept, lo, hi, todo = end, t0, t1, 0
+    going, depth = result[GOING] > 0.0, int(result[DEPTH])
+    result[GOING] = 0.0
+    if not going:
+        frames[0, 0], frames[0, 1], frames[0, 2], frames[0, 3] = first, last, 0.0, float(count)
+        depth = 1
+    while going or depth > 0:
+        if going:
+            t0, t1, lo, hi = result[0], result[1], result[SOONEST], result[LATEST]
+            start, kept, todo = int(result[START]), int(result[KEPT]), int(result[TODO])
+            going = False
         else:
-            return SPENT
+            depth -= 1
+            t0, t1 = frames[depth, 0], frames[depth, 1]
+            start, end = int(frames[depth, 2]), int(frames[depth, 3])
+            result[0], result[1] = t0, t1
+            c[SLABS] += 1
+            todo = end - start
+            if todo == 0:
+                continue
+            kept, lo, hi = start, math.inf, -math.inf
+            if place_slab(t0, t1, ma, mb, raw, kinds, units, layout, w, models, table, z):
+                for k in range(todo):
+                    _copied(pool, known, start + k, work, told, k)
+            elif t1 - t0 > least:
+                kept, lo, hi, todo = end, t0, t1, 0
+            else:
+                return SPENT
         while todo > 0:
-            if c[VISITS] > budget or todo + ROOM > work.shape[0] or kept + ROOM > pool.shape[0]:
+            if c[VISITS] > stop:
+                result[GOING], result[DEPTH], result[START], result[KEPT] = 1.0, float(depth), float(start), float(kept)
+                result[TODO], result[SOONEST], result[LATEST] = float(todo), lo, hi
+                return SLICE_SPENT
+            if todo + ROOM > work.shape[0] or kept + ROOM > pool.shape[0]:
                 return SPENT
             todo -= 1
             box = work[todo]

@@ -24,8 +24,8 @@ from firstcontact.kernels.rulings.models import (
 
 # Modes: until the first certain contact; all events; whether there is a contact at a fixed time.
 FIRST_EVENT, ALL_EVENTS, AT_REST = range(3)
-# Outcomes: finished; room or budget spent.
-DONE, SPENT = range(2)
+# Outcomes: finished; room spent; as many visits made as were allowed, to be gone on with.
+DONE, SPENT, SLICE_SPENT = range(3)
 # Columns of the integers of a box: parts, free parameters of the stratum; of one found: whether it is a sure contact.
 PART_P, PART_Q, STRATUM, SURE = range(4)
 # Columns of a part's domain: lowest and highest parameter, whether these are ends of the piece.
@@ -154,9 +154,12 @@ def _ready(w):
 
 
 @kernel
-def search(p, dom_p, q, dom_q, mode, boxes, kinds, keys, heap, slots, n, span, tolerance, budget, found, found_kinds,
+def search(p, dom_p, q, dom_q, mode, boxes, kinds, keys, heap, slots, n, span, tolerance, stop, found, found_kinds,
            times, limit, counters, w, table):  # fmt: skip
-    """Work off the n boxes in the heap; DONE or SPENT.
+    """Work off the n boxes in the heap; DONE, SPENT, or SLICE_SPENT once `stop` visits are counted.
+
+    After SLICE_SPENT, call it again with counters[WAITING] as n, all else as it was left, and a later `stop`: the
+    search goes on as if it had never ended.
 
     boxes (m, 5, 2), kinds (m, 3): boxes and their parts and strata, the first n to begin with; slots (m,): scratch.
     found (MOST_FOUND, 5, 2), found_kinds (.., 4), times (.., 2): the narrow boxes left, with an enclosure of the time
@@ -166,7 +169,7 @@ def search(p, dom_p, q, dom_q, mode, boxes, kinds, keys, heap, slots, n, span, t
     """
     # rows of boxes that are free again are in slots[n : counters[USED]], those from there on were never used
     room = len(slots)
-    counters[USED] = n
+    counters[USED] = max(counters[USED], n)
     box, e, near = np.empty((5, 2)), np.empty((5, 2)), np.empty((5, 2))
     normal, image, moment = np.zeros(3), np.zeros(2), np.zeros(2)
     fixed, pivots, kind = np.zeros(5, np.int64), np.zeros(7, np.int64), np.zeros(3, np.int64)
@@ -175,7 +178,10 @@ def search(p, dom_p, q, dom_q, mode, boxes, kinds, keys, heap, slots, n, span, t
         if mode == FIRST_EVENT and (keys[0] >= limit[1] - tolerance or keys[0] > limit[0] + tolerance):
             limit[0] = min(limit[0], keys[0])
             return DONE
-        if counters[VISITS] >= budget or n + 80 > room:
+        if counters[VISITS] >= stop:
+            counters[WAITING] = n
+            return SLICE_SPENT
+        if n + 80 > room:
             counters[WAITING] = n
             limit[0] = min(limit[0], keys[0])
             return SPENT

@@ -21,8 +21,11 @@ from firstcontact.kernels.events.event_search import (
     AT_V,
     CHART,
     FREE,
+    GOING,
     KNOWN,
+    RESULTS,
     SLABS,
+    SLICE_SPENT,
     SPENT,
     TESTS,
     TRAVEL,
@@ -50,10 +53,14 @@ MOST_STILL = 30_000
 """Boxes looked at to prove the models apart at the start."""
 MOST_BOXES = 1_000_000
 """Boxes looked at before the answer is "budget"."""
+STRIDES = 10_000
+"""Of the convex pieces that cover the models, at most."""
 CAPACITY = 1 << 15
 SIGNS_U, SIGNS_V = np.array([-1.0, -1.0, 1.0, 1.0]), np.array([-1.0, 1.0, -1.0, 1.0])
 """Corners of a box."""
 FRAMES = 400
+SLICE = 2000
+"""Boxes after which a compiled search comes back for a moment, so that it can be interrupted."""
 
 
 def first_event(a: Any, b: Any, first: fmpq, last: fmpq, tolerance: float, budget: int) -> Advance:
@@ -65,7 +72,8 @@ def first_event(a: Any, b: Any, first: fmpq, last: fmpq, tolerance: float, budge
     except (NotCharted, Untold) as reason:
         return Advance("open", below(first), reason=str(reason))
     search = EventSearch(a, b, tables, stretches, tolerance, budget)
-    covers = advance(a, b, first, last, tolerance, covering=True)
+    covers = advance(a, b, first, last, tolerance, min(STRIDES, budget), covering=True)
+    search.counters[VISITS] = covers.steps  # one budget for both
     if covers.status == "free":
         return covers
     if covers.status == "contact" and (touched := search.touched(covers, last)) is not None:
@@ -83,7 +91,7 @@ class EventSearch:
         self.counters = np.zeros(4, np.int64)
         self.pool, self.work = np.empty((CAPACITY, 8)), np.empty((CAPACITY, 8))
         self.known, self.told = np.empty((CAPACITY, KNOWN), np.int64), np.empty((CAPACITY, KNOWN), np.int64)
-        self.result = np.zeros(4)
+        self.result = np.zeros(RESULTS)
         self.scratch, self.frames = scratch_for(tables), np.zeros((FRAMES, 4))
 
     def touched(self, covers: Advance, last: fmpq) -> Advance | None:
@@ -113,15 +121,20 @@ class EventSearch:
                 continue
             t = max(begin, window.first)
             if t == window.first and not self._apart(window, t):  # a motion starts there, and may jump
-                return self._answer("open", t, reason="precision")
+                return self._answer("open", t, reason="budget" if self.is_spent else "precision")
             stopped = self._first_event(window, t, last)
             if stopped is not None:
                 return stopped
         return self._answer("free", self.windows[-1].last)
 
     def _apart(self, window: Window, t: float) -> bool:
-        budget = int(self.counters[VISITS]) + MOST_STILL
-        return self.searched(True, window, t, t, budget) == FREE
+        most = min(int(self.counters[VISITS]) + MOST_STILL, self.budget)
+        return self.searched(True, window, t, t, most) == FREE
+
+    @property
+    def is_spent(self) -> bool:
+        """Whether all boxes of the budget are looked at."""
+        return bool(self.counters[VISITS] > self.budget)
 
     def _first_event(self, window: Window, t: float, last: fmpq) -> Advance | None:
         """From t on; None where there is no event."""
@@ -159,11 +172,17 @@ class EventSearch:
             return int(SPENT)
         self.pool[:count], self.known[:count] = boxes, known
         self.pool[:count, 6], self.pool[:count, 7] = first, last
-        return int(search(
-            t.charts, t.info, t.pairs, t.layout, t.program, t.raw, t.kinds, t.units, window.a, window.b,
-            *self.scratch, self.frames, self.pool, self.known, self.work, self.told, count, first, last,
-            LEAST * self.width, budget, self.result, self.counters,
-        ))  # fmt: skip
+        self.result[GOING] = 0.0
+        while True:
+            outcome = search(
+                t.charts, t.info, t.pairs, t.layout, t.program, t.raw, t.kinds, t.units, window.a, window.b,
+                *self.scratch, self.frames, self.pool, self.known, self.work, self.told, count, first, last,
+                LEAST * self.width, min(int(self.counters[VISITS]) + SLICE, budget), self.result, self.counters,
+            )  # fmt: skip
+            if outcome != SLICE_SPENT:
+                return int(outcome)
+            if self.counters[VISITS] > budget:
+                return int(SPENT)
 
     def _contact(self, window: Window, last: fmpq) -> Advance:
         """The contact in the slab that the search stopped at, if a common point soon after is proved."""

@@ -40,15 +40,20 @@ from firstcontact.kernels.rulings.search import (
     MOST_FOUND,
     PART_P,
     PART_Q,
+    SLICE_SPENT,
+    SPENT,
     STRATUM,
     SURE,
     VISITS,
+    WAITING,
     search,
 )
 from firstcontact.search.rulings.ruled_pieces import RuledPiece
 
 ROOM = 1 << 15
 """Boxes that may wait at a time."""
+SLICE = 2000
+"""Boxes after which a compiled search comes back for a moment, so that it can be interrupted."""
 BITS = 96
 """Of the enclosures of events."""
 REGULAR = 1e-9
@@ -156,14 +161,21 @@ class Search:
         return self._run(n, lo, hi, mode, width, budget)
 
     def _run(self, n: int, lo: float, hi: float, mode: int, width: float, budget: int) -> int:
-        """Search the first n boxes."""
+        """Search the first n boxes, in slices."""
         self.limit[:] = np.inf
         self.counters[:] = 0
-        outcome = search(
-            self.table_p, self.domain_p, self.table_q, self.domain_q, mode, self.boxes, self.kinds, self.keys,
-            self.heap, self.slots, n, max(hi - lo, width), width, budget, self.found, self.found_kinds,
-            self.times, self.limit, self.counters, self.workspace, self.powers,
-        )  # fmt: skip
+        while True:
+            outcome = search(
+                self.table_p, self.domain_p, self.table_q, self.domain_q, mode, self.boxes, self.kinds, self.keys,
+                self.heap, self.slots, n, max(hi - lo, width), width, min(int(self.counters[VISITS]) + SLICE, budget),
+                self.found, self.found_kinds, self.times, self.limit, self.counters, self.workspace, self.powers,
+            )  # fmt: skip
+            if outcome != SLICE_SPENT:
+                break
+            if self.counters[VISITS] >= budget:
+                self.limit[0], outcome = min(self.limit[0], self.keys[0]), SPENT
+                break
+            n = int(self.counters[WAITING])
         self.visits += int(self.counters[VISITS])
         return int(outcome)
 
@@ -505,7 +517,7 @@ def first_event_of(s: Search, first: fmpq, last: fmpq, tolerance: float, budget:
     if start:
         return RuledContact("initial", lo, lo, (lo, above(first)), s.start(s.count - 1), boxes=s.visits)
     if start is None:
-        return RuledContact("open", lo, reason="precision", boxes=s.visits)
+        return RuledContact("open", lo, reason="budget" if s.visits >= budget else "precision", boxes=s.visits)
     begin, end, stage, whole = lo, hi, 0, tolerance * (hi - lo)
     while stage < STAGES:
         outcome = s.run(begin, end, FIRST_EVENT, width, min(max(budget // 8, 1), budget - s.visits))
