@@ -14,7 +14,7 @@ from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.body.ruled.surface import RuledSurface
 from firstcontact.body.solid import primitives
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
-from firstcontact.kernels.cache import HANDLED
+from firstcontact.kernels.cache import COMPILED
 from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.screw import Screw
@@ -40,12 +40,12 @@ def questions() -> dict[str, Question]:
 
 def warm(progress: Callable[[str], object] | None = None) -> int:
     """Ask them all; `progress` is told what comes next.  Returns how many kernels were compiled."""
-    before = HANDLED["compiled"]
+    before = len(COMPILED)
     for name, ask in questions().items():
         if progress is not None:
             progress(name)
         ask()
-    return HANDLED["compiled"] - before
+    return len(COMPILED) - before
 
 
 def warm_together(processes: int, progress: Callable[[str], object] | None = None) -> int:
@@ -67,9 +67,9 @@ def cores() -> int:
 
 
 def _ask(name: str) -> int:
-    before = HANDLED["compiled"]
+    before = len(COMPILED)
     questions()[name]()
-    return HANDLED["compiled"] - before
+    return len(COMPILED) - before
 
 
 def _all() -> Iterator[tuple[str, Question]]:

@@ -17,7 +17,6 @@ import pickle
 import sys
 import types
 import uuid
-from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -64,8 +63,9 @@ def foreign() -> str:
     return " or ".join(sorted(folder.name for folder in _ALL_SHIPPED.iterdir()))
 
 
-HANDLED = Counter[str]()
-"""How many kernels this process has "loaded" and "compiled"."""
+LOADED: list[str] = []
+COMPILED: list[str] = []
+"""Names of the files that this process has read, and of those for which it had to compile."""
 
 
 class KernelCache(_Cache):  # type: ignore[misc]
@@ -86,23 +86,24 @@ class KernelCache(_Cache):  # type: ignore[misc]
             return None
         triple, *native = target_context.codegen().magic_tuple()
         for folder, processor in ((SHIPPED, PORTABLE), (FOLDER, native)):
+            file = self._file(folder, sig, triple, processor)
             try:
-                kept = self._file(folder, sig, triple, processor).read_bytes()
+                kept = file.read_bytes()
             except OSError:
                 continue
-            HANDLED["loaded"] += 1
+            LOADED.append(file.name)
             return CompileResult._rebuild(target_context, *pickle.loads(kept))
         announce(self._name, VERSIONS, foreign())
         return None
 
     def save_overload(self, sig: Any, data: Any) -> None:
-        HANDLED["compiled"] += 1
         if not self._enabled:
             return
         if data.lifted or data.library.has_dynamic_globals:
             raise TypeError(f"kernel {self._name} cannot be kept: it holds lifted loops or addresses")
         triple, *native = data.codegen.magic_tuple()
         file = self._file(FOLDER, sig, triple, native)
+        COMPILED.append(file.name)
         part = file.with_name(f"{file.name}.{uuid.uuid4().hex[:16]}")
         try:
             FOLDER.mkdir(parents=True, exist_ok=True)
