@@ -227,3 +227,15 @@ def test_bare_edges_through_tips_edges_and_faces_of_an_octahedron():
         for a, b in ((pin, octahedron), (octahedron, pin)):
             assert fc.first_contact(a, b).initial == known, (p, q)
     assert seen == {"overlapping", "touching", "containment"}
+
+
+def test_bare_points_too_small_for_doubles():
+    """Found by the soak: an IndexError; a point in a box of 2^-300, whose signs kernels leave open."""
+    u = F(1, 2**300)
+    corners = [(x * u, y * u, z * u) for z in (0, 2) for x, y in ((0, 0), (1, 0), (1, 4), (0, 4))]
+    sides = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
+    box = fc.Polyhedron(corners, [half for p, q, r, s in sides for half in ([p, q, r], [p, r, s])])
+    for place, known in (((1, 2, 1), "touching"), ((1, 4, 2), "touching"), ((F(1, 2), 2, 1), "containment")):
+        points = fc.Polyhedron([tuple(c * u for c in place)] * 2, [])
+        for a, b in ((box, points), (points, box)):
+            assert fc.first_contact(a.moving(fc.Translation((0, 0, 10 * u))), b).initial == known

@@ -92,6 +92,10 @@ class Resting:
             found.append((order, np.searchsorted(sides[order], np.arange(len(body._segments) + 1))))
         return found[0], found[1]
 
+    def is_bare(self, side: int, segment: int) -> bool:
+        """Whether a segment bounds no facet; one that stands for a point is none."""
+        return segment < len(self.bodies[side]._segments) and not self.facets_around(side, segment)
+
     def facets_around(self, side: int, segment: int) -> list[int]:
         """The triangles of a body (0: a) that have the segment for a side."""
         order, starts = self.around[side]
@@ -270,7 +274,7 @@ def _decided(
         (EDGE, segment) for s, segment in enumerate(other._side_edge[triangle].tolist())
         if segment >= 0 and segments_cross(p, q, facet[s], facet[(s + 1) % 3])
     ]  # fmt: skip
-    if not resting.facets_around(0 if kind == PIERCING else 1, edge[1]):
+    if resting.is_bare(0 if kind == PIERCING else 1, edge[1]):
         corners = zip(other.triangles[triangle].tolist(), facet, strict=True)
         met += [(VERTEX, v) for v, corner in corners if on_segment(corner, p, q)]
     return [(edge, found) if kind == PIERCING else (found, edge) for found in met]
