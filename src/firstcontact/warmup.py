@@ -11,6 +11,7 @@ from typing import Any
 
 from firstcontact import query
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
+from firstcontact.body.polyhedron.topology import component_of_vertices
 from firstcontact.body.ruled.surface import RuledSurface
 from firstcontact.body.solid import primitives
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
@@ -96,6 +97,7 @@ def _of_meshes() -> Iterator[tuple[str, Question]]:
     yield "an open mesh", partial(query.first_contact, raised.moving(SHIFT), open_mesh)
     yield "bare points", partial(query.first_contact, raised.moving(SHIFT), Polyhedron(base.vertices, []))
     yield "crowded trees", partial(_crowding, base)
+    yield "parts of a mesh", partial(component_of_vertices, base.edges, len(base.vertices))  # of `info`
 
 
 def _crowding(mesh: Polyhedron) -> None:

@@ -89,7 +89,8 @@ def test_damaged_meshes_give_one_line_in_spite_of_reader_warnings(python, tmp_pa
     assert done.returncode == 3 and done.stderr.count("\n") == 1 and str(mesh) in done.stderr
 
 
-def test_a_reader_that_leaves_early_gets_neither_an_answer_nor_a_complaint(python, cubes):
+def test_a_reader_that_leaves_early_gets_neither_an_answer_nor_a_complaint(python, command, cubes):
+    command("info", cubes("1.1"))  # compiled, so that nothing is said about that
     # The pipe's reading end is closed before anything is printed, as `head` does after its last line.
     closed = f"import os; read, write = os.pipe(); os.close(read); os.dup2(write, 1); {MAIN}"
     done = python(closed, "info", cubes("1.1"))

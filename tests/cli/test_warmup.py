@@ -59,6 +59,7 @@ print(len(COMPILED) - before, len(COMPILED) + len(LOADED) > 50, file=sys.__stdou
 COMMANDS = [
     *(("check", name) for name in ("lid.toml", "gears.toml", "cubes.toml", "lift.toml", "plunger.toml", "roof.toml")),
     *(("intervals", name) for name in ("lid.toml", "plunger.toml", "roof.toml", "roller.toml")),
+    ("info", "lid.toml"),
     *(("curve", name) for name in ("cone.toml", "roller.toml", "roof.toml")),
 ]
 

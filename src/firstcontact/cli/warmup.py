@@ -34,6 +34,6 @@ def _warm(shows: bool) -> int:
     from firstcontact.warmup import cores, questions, warm_together
 
     columns = BarColumn(20), MofNCompleteColumn(), TimeElapsedColumn(), TextColumn("{task.description}")
-    with Progress(*columns, console=Console(stderr=True), transient=True, disable=not shows) as bar:
+    with Progress(*columns, console=Console(stderr=True), transient=sys.stderr.isatty(), disable=not shows) as bar:
         task = bar.add_task("starts", total=len(questions()))
         return warm_together(cores(), lambda done: bar.update(task, advance=1, description=done))

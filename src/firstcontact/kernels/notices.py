@@ -7,9 +7,9 @@ import logging
 LOG = logging.getLogger("firstcontact")
 
 FAMILIES = {
-    "kernels.curves.": ("intersection curves", 10),
-    "kernels.events.": ("curved and ruled bodies", 15),
-    "kernels.convex.": ("convex curved bodies", 15),
+    "kernels.curves.": ("intersection curves", 20),
+    "kernels.events.": ("curved and ruled bodies", 20),
+    "kernels.convex.": ("convex curved bodies", 20),
     "body.polyhedron.": ("meshes", 20),
     "search.": ("meshes", 20),
     "kernels.lifted.": ("meshes", 20),
