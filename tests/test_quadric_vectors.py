@@ -267,7 +267,8 @@ def test_what_is_refused():
         fc.first_contact(falling, "floor")
     screw = fc.Screw((0, 0, 1), degrees=90, advance=-4)
     with pytest.raises(fc.UnsupportedPair, match="rational pose"):
-        fc.first_contact(fc.box((1, 1, 1)).translated((0, 0, 3)).moving(screw), floor, exact=True)
+        slope = fc.half_space((1, 0, 4), 0)
+        fc.first_contact(fc.box((1, 1, 1)).translated((0, 0, 3)).moving(screw), slope, exact=True)
 
 
 def test_a_screw_on_the_certified_path():

@@ -15,6 +15,7 @@ from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact import centred
 from firstcontact.errors import UnsupportedPair
 from firstcontact.motion.moving import shape_of
+from firstcontact.motion.span import refuse_late
 from firstcontact.result import ContactIntervals, ContactPairs, FirstContact
 from firstcontact.work import Query
 
@@ -130,6 +131,7 @@ def _answer(verb: str, query: Query) -> Any:
         return getattr(_room(PAIRS[kinds].room), verb)(query)
     if query.engine != "auto":
         raise UnsupportedPair(f"engine {query.engine!r} searches trees of polyhedra; curved models take 'auto'")
+    refuse_late((query.first, query.last))
     near = partial(getattr(centred, verb), getattr(_curved(kinds, query), verb))
     if query.last is not None:
         return _said(near(query), query)

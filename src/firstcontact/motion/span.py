@@ -15,11 +15,13 @@ from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.sequence import Sequence
 from firstcontact.motion.trajectory import Trajectory
-from firstcontact.motion.translation import LARGEST
+from firstcontact.motion.translation import LARGEST, Translation
 
 UNIT = fmpq(0), fmpq(1)
-# Latest time of a query, as of all numbers of motions: squares of ways that far are no longer doubles.
-LATEST = LARGEST
+# Latest time of a query, as of all numbers of motions, but for slow shifts of polyhedra, which go so far at most:
+# squares of longer ways are no longer doubles.
+LATEST, FARTHEST = LARGEST, 2 * LARGEST
+NEARER = "give a time below 2^150, or inf as the end of a translation"
 # Full turns that are searched one by one, and whose contacts are listed: seconds; many more fill the memory.
 MOST_TURNS = 10_000
 
@@ -62,11 +64,14 @@ def common_span(a: Any, b: Any, span: Any) -> tuple[fmpq, fmpq | None]:
         lo, hi = span
     except (TypeError, ValueError) as error:
         raise InputError(f"span is {shown(span)}; give two times (first, last)") from error
-    first = _time(lo, "span start")
+    first = rational(lo, "span start")
     endless = isinstance(hi, float) and hi == float("inf")
-    last = None if endless else _time(hi, "span end")
+    last = None if endless else rational(hi, "span end")
     if last is not None and last < first:
         raise InputError(f"span is ({lo}, {hi}); its end lies before its start")
+    for what, given, time in (("start", lo, first), ("end", hi, last)):
+        if time is not None and any(_is_far(motion, time) for motion in motions):
+            raise InputError(f"span {what} is {shown(given)}; {NEARER}")
     for motion, limit in zip(motions, own, strict=True):
         if limit is not None and (first < limit[0] or last is None or last > limit[1]):
             ends = to_double(limit[0]), to_double(limit[1])
@@ -74,11 +79,18 @@ def common_span(a: Any, b: Any, span: Any) -> tuple[fmpq, fmpq | None]:
     return first, last
 
 
-def _time(x: Any, what: str) -> fmpq:
-    time = rational(x, what)
-    if abs(time) >= LATEST:
-        raise InputError(f"{what} is {shown(x)}; give a time below 2^150, or inf as the end of a translation")
-    return time
+def refuse_late(times: tuple[fmpq, fmpq | None]) -> None:
+    """InputError for a span that only slow shifts of polyhedra take."""
+    for what, time in zip(("start", "end"), times, strict=True):
+        if time is not None and abs(time) >= LATEST:
+            raise InputError(f"span {what} is {to_double(time)}; {NEARER}")
+
+
+def _is_far(motion: Any, time: fmpq) -> bool:
+    """Whether the motion is not followed to that time."""
+    if isinstance(motion, Translation):
+        return bool(max(abs(v) for v in motion.vector) * abs(time) > FARTHEST)
+    return bool(abs(time) >= LATEST)
 
 
 def refuse_many_turns(

@@ -476,7 +476,7 @@ class _Answer:
     def _apart_on_a_side(self, x: Open, piece: Any) -> bool:
         points = [self.mesh.exact_vertex(i) for i in self.mesh.triangles[x.primitive].tolist()]
         pairs = ((solid, self.model) if self.mesh_is_a else (self.model, solid) for solid in prisms(points))
-        return any(overlap(Pair(*pair, piece), piece.u_lo) is False for pair in pairs)
+        return any(not overlap(Pair(*pair, piece), piece.u_lo) for pair in pairs)
 
 
 def _standing(body: Any, t: fmpq) -> Any:
