@@ -26,14 +26,17 @@ HEAD = """# Cost
 
 What was found slow, before and now, in seconds of a processor on one machine; `python benchmarks/cost.py` writes this
 table. Kernels are compiled, bodies are made anew. "before" is what was measured when it was found. Bars are of what
-stands in bold. Ctrl-C: how long after the signal a question ended that is asked over and over (the worst of {tries}).
-Memory is that of the whole process, of which the library with its kernels takes about 0.25 GB.
+stands in bold. Ctrl-C: how long after the signal a question ended that is asked over and over (the worst of {tries};
+where it takes long, of one). Memory is that of the whole process, of which the library with its kernels takes about
+0.25 GB.
 
 | question | before | bodies | first answer | later ones | bar | answer | Ctrl-C | memory |
 |---|---|---|---|---|---|---|---|---|
 """
 TRIES = 3
 LATER = 3
+LONG = 5.0
+"""Seconds from which on a question is not asked so often."""
 
 
 class Measured(NamedTuple):
@@ -64,7 +67,8 @@ def line(name: str, limit: float, seconds: dict[str, float]) -> str:
     found: Measured | None = in_process(ask, name, limit)
     if found is None:
         return f"| {name} | {row.before} | - | over {limit:.0f} s | - | - | - | - | - |"
-    late = max(in_process(ask_until_interrupted, name, limit, interrupt=True) or limit for _ in range(TRIES))
+    tries = TRIES if found.first < LONG else 1
+    late = max(in_process(ask_until_interrupted, name, limit, interrupt=True) or limit for _ in range(tries))
     told = {"bodies": duration(found.bodies), "first": duration(found.first), "later": duration(found.later)}
     bar = row.bar if not isinstance(row.bar, tuple) else row.bar[0] * seconds[row.bar[1]]
     seconds[name] = {"all": found.bodies + found.first, "first": found.first, "later": found.later}[row.of]
@@ -115,7 +119,7 @@ def ask(name: str, sender: Connection) -> None:
     bodies = time.process_time() - begin
     answer = question()
     first = time.process_time() - begin - bodies
-    later = min(timed(question) for _ in range(LATER))
+    later = min(timed(question) for _ in range(LATER if first < LONG else 1))
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
     told = str(getattr(answer, "status", answer)).split(".")[-1].split("\n")[0]
     sender.send(Measured(bodies, first, later, told, peak))
