@@ -50,6 +50,7 @@ if TYPE_CHECKING:
     from firstcontact.result import FirstContact as FirstContact
     from firstcontact.result import Status as Status
     from firstcontact.result_curve import IntersectionCurve as IntersectionCurve
+    from firstcontact.scene.written import from_dict as from_dict
 
 __version__ = "0.1.0"
 
@@ -83,6 +84,7 @@ _HOME = {
     "contact_intervals": "query",
     "contact_pairs": "query",
     "first_contact": "query",
+    "from_dict": "scene.written",
     "intersection_curve": "query",
     "AlgebraicNumber": "result",
     "ContactInterval": "result",

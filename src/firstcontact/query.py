@@ -34,21 +34,29 @@ def first_contact(
 ) -> FirstContact:
     """FirstContact at the earliest time in the closed span at which a and b share a point.
 
-    a, b: Polyhedron (at rest) or ``body.moving(motion)``.  span: (first, last) in the motions' clock, default
-    the motions' own; ``inf`` as last for translations.  Contact is between closed sets: grazing counts, solids own
-    their interior.  Status.FREE proves that they share no point at any time of the span.
+    Contact is between closed sets: grazing counts, solids own their interior.  Status.FREE proves that they share no
+    point at any time of the span.
 
+    a, b: bodies, at rest or ``body.moving(motion)``.  Bodies are Polyhedron, meshes of trimesh, CompositeQuadric (box,
+    sphere, ellipsoid, cylinder, cone, frustum, paraboloid, hyperboloid, half_space, quadric, combined by ``|``, ``&``,
+    ``-``) and RuledSurface.  Motions are Translation, Rotation, Screw, RationalMotion, Sequence and Trajectory.
+    span: (first, last) in the motions' clock, default None: what the motions' own have in common; ``inf`` as last for
+    translations.
+    exact: True decides in exact arithmetic and adds `time_exact`; default False.
+    method: "certified" answers in doubles with proofs, "algebraic" by exact equations alone; default "auto" takes what
+    is sooner done.
     engine: of polyhedra, which trees are asked; the answer is the same.  "boxes"; "lifted", for scenes in which nearly
-    everything passes nearly everything; "auto" begins with boxes and changes over to "lifted" when boxes have had
-    enough pair tests; "composed" is the paper's structure among edges and "sweep" its plane sweep among vertices and
-    facets, for reading and measuring.  All but boxes are for translations and rotations only.  `stats.engine` tells
+    everything passes nearly everything; default "auto" begins with boxes and changes over to "lifted" when boxes have
+    had enough pair tests; "composed" is the paper's structure among edges and "sweep" its plane sweep among vertices
+    and facets, for reading and measuring.  All but boxes are for translations and rotations only.  `stats.engine` tells
     which one answered.
-    exact: add `time_exact`.  tolerance: largest width of `time_interval`, relative to the span (enclosures
-    come out a few units in the last place wide, whatever is asked).
+    tolerance: largest width of `time_interval`, relative to the span, default 1e-12 (enclosures come out a few units in
+    the last place wide, whatever is asked).
     budget: node visits plus pair tests (curved models: strides, subproblems and candidates) after which to answer
-    UNDECIDED.  progress: called with (free until, work) now and then.
-    threads: how many share the queries of "composed" and the groups of "sweep"; other engines take one.  The answer is
-    the same, bit for bit.
+    UNDECIDED; default None: no limit.
+    progress: called with (free until, work) now and then; default None.
+    threads: how many share the queries of "composed" and the groups of "sweep", default 1; other engines take one.  The
+    answer is the same, bit for bit.
 
     Raises UnsupportedPair with exact=True where times have no exact form, as under screws (docs/motions.md).
 
@@ -62,6 +70,7 @@ def first_contact(
     tolerance = _checked(method, engine, tolerance, budget)
     if not isinstance(threads, int) or not 1 <= threads <= MOST_THREADS:
         raise InputError(f"threads is {shown(threads)}; give a whole number from 1 to {MOST_THREADS}")
+    a, b = table.as_body(a), table.as_body(b)
     first, last = common_span(a, b, span)
     refuse_many_turns(a, b, first, last, (Screw,))  # the first contact under rotations is in their first turn
     return table.first_contact(
@@ -95,6 +104,7 @@ def contact_intervals(
     """
     begin = clock.perf_counter()
     tolerance = _checked(method, "auto", tolerance, budget)
+    a, b = table.as_body(a), table.as_body(b)
     first, last = common_span(a, b, span)
     refuse_many_turns(a, b, first, last)
     return table.contact_intervals(
@@ -115,6 +125,7 @@ def contact_pairs(a: Any, b: Any, span: Any = None) -> ContactPairs:
     1 element pairs meet, 0 pierced at the start
     """
     begin = clock.perf_counter()
+    a, b = table.as_body(a), table.as_body(b)
     first, last = common_span(a, b, span)
     refuse_many_turns(a, b, first, last)
     return table.contact_pairs(Query(a, b, first, last, begin=begin))
@@ -152,6 +163,7 @@ def intersection_curve(
     from firstcontact.curves.with_solids import solid_verbs
     from firstcontact.exact.curves.fibres import PrecisionExhausted
 
+    p, q = table.as_body(p), table.as_body(q)
     table.proves("intersection_curve", p, q)
     tolerance = positive_double(tolerance, "tolerance", "length")
     search = verbs if set(table.kinds_of(p, q)) == {table.Kind.RULED} else solid_verbs

@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import asdict, dataclass, field, fields, replace
 from enum import Enum
 from fractions import Fraction
 from functools import cache
@@ -20,6 +20,10 @@ TOLD_CORRECTION = 1e-9
 """Of rounded poses: from that on the text of an answer tells it."""
 MOST_OTHERS = 100
 """Further pairs of elements that a result lists."""
+LONGEST = 80
+"""Letters of an exact number that a text for readers shows; longer ones are described."""
+SCHEMA = 1
+"""Of what `to_dict` gives; `from_dict` refuses others."""
 
 
 class Status(Enum):
@@ -41,6 +45,115 @@ class _NoTruth:
         raise TypeError(f"a {type(self).__name__} has no truth value; look at .status")
 
 
+class Written:
+    """What `to_dict` writes and `from_dict` reads: one schema, in which exact numbers are texts."""
+
+    __slots__ = ()
+
+    def to_dict(self) -> dict[str, Any]:
+        """Lists, texts and numbers alone; doubles are doubles, other exact numbers are texts such as "1/3"."""
+        raise NotImplementedError
+
+    def to_json(self) -> str:
+        return json.dumps(finite(self.to_dict()))
+
+    @classmethod
+    def from_dict(cls, data: Any) -> Self:
+        """What `to_dict` wrote.  Raises InputError that names what it does not know."""
+        from firstcontact import InputError, from_dict
+
+        made = from_dict(data)
+        if not isinstance(made, cls):
+            raise InputError(f"this is a {type(made).__name__}, no {cls.__name__}; read it by firstcontact.from_dict")
+        return made
+
+    @classmethod
+    def from_json(cls, text: str) -> Self:
+        """What `to_json` wrote."""
+        from firstcontact import InputError
+
+        try:
+            data = json.loads(text)
+        except (TypeError, ValueError, RecursionError) as error:
+            raise InputError(f"this is no JSON: {error}") from error
+        return cls.from_dict(data)
+
+
+@dataclass(frozen=True, slots=True)
+class Absent:
+    """Stands in a result that was pickled, or read, for a body that did not come along."""
+
+    name: str | None
+    correction: float = 0.0
+    """Of its motion: see `RationalMotion.correction`."""
+
+
+class Answer(Written):
+    """A result: what it says is its value; bodies count by their names, `stats` not at all.
+
+    Pickles leave the bodies out, unless they are those of `with_bodies()`.
+    """
+
+    __slots__ = ()
+
+    def with_bodies(self) -> Self:
+        """The same result, which takes its bodies along into pickles."""
+        return replace(self, keeps_bodies=True)  # type: ignore[type-var]
+
+    def __reduce__(self) -> Any:
+        record: Any = self
+        values = {f.name: getattr(record, f.name) for f in fields(record)}
+        if not values.get("keeps_bodies", True):
+            values |= {key: _absent(values[key]) for key in ("a", "b")}
+        return _restored, (type(self), values)
+
+    def __copy__(self) -> Self:
+        return self  # it does not change
+
+    def __deepcopy__(self, memo: Any) -> Self:
+        return self
+
+    def _said(self) -> dict[str, Any]:
+        said: dict[str, Any] = finite(self.to_dict())
+        return {key: value for key, value in said.items() if key != "stats"}
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, type(self)):
+            return NotImplemented
+        return self is other or self._said() == other._said()
+
+    def __hash__(self) -> int:
+        said = self._said()
+        return hash((type(self), *(str(said.get(key)) for key in ("a", "b", "status", "time"))))
+
+    def _repr_html_(self) -> str:
+        """A small picture and the text, for notebooks."""
+        from firstcontact.view.html import cell
+
+        return cell(self)
+
+
+class Shown(Answer):
+    """A result about two bodies, of which there is a page."""
+
+    __slots__ = ()
+
+    def show(self, path: str | None = None) -> Any:
+        """Write the page that shows this result; without a path show it in the notebook, or in the browser."""
+        from firstcontact.view.html import show_page
+
+        shown: Any = self
+        return show_page(path, [shown])
+
+
+def _restored(cls: type, values: dict[str, Any]) -> Any:
+    return cls(**values)
+
+
+def _absent(body: Any) -> Any:
+    return body if body is None or isinstance(body, Absent) else Absent(_name(body, "") or None, _correction(body))
+
+
 class _Deferring(_NoTruth):
     """A frozen record of which some fields may be worked out when one of them is first read."""
 
@@ -52,6 +165,7 @@ class _Deferring(_NoTruth):
         """The record with the fields `known`; `rest` gives all others."""
         record, put = object.__new__(cls), _setters(cls)  # type: ignore[arg-type]
         put["_rest"](record, rest)
+        put["keeps_bodies"](record, False)
         for name, value in known.items():
             put[name](record, value)
         return record
@@ -112,6 +226,9 @@ class Stats(Mapping[str, "float | str | tuple[Asked, ...]"]):
 
     def __len__(self) -> int:
         return len(fields(self))
+
+    def to_dict(self) -> dict[str, Any]:
+        return {**asdict(self), "ways": [asdict(way) for way in self.ways]}
 
     def __add__(self, other: Stats) -> Stats:
         return Stats(
@@ -192,9 +309,21 @@ class AlgebraicNumber:
         above = f"{p} {'+' if way > 0 else '-'} {root}" if p else root if way > 0 else f"-{root}"
         return above if q == 1 else f"({above})/{q}" if p else f"{above}/{q}"
 
+    def written(self) -> str:
+        """All of it, as JSON has it; `str` shortens what is long.
+
+        >>> AlgebraicNumber((-1, 0, 2), Fraction(1, 2), Fraction(1)).written()
+        'root of 2 x^2 - 1 in [1/2, 1]'
+        """
+        return f"root of {polynomial_text(self.polynomial)} in [{self.lo}, {self.hi}]"
+
     def __str__(self) -> str:
-        terms = " + ".join(f"{c}*x^{k}" for k, c in enumerate(self.polynomial) if c)
-        return f"root of {terms} in [{self.lo}, {self.hi}]"
+        text = polynomial_text(self.polynomial)
+        if len(text) > LONGEST:
+            digits = max(len(str(abs(c))) for c in self.polynomial)
+            text = f"a polynomial of degree {len(self.polynomial) - 1}, coefficients of up to {digits} digits,"
+        window = f"in [{self.lo}, {self.hi}]"
+        return f"root of {text} {window if len(window) <= LONGEST else f'near {float(self)!r}'}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -211,11 +340,45 @@ class ExactAngle:
     def __float__(self) -> float:
         return self.time
 
+    def written(self) -> str:
+        """All of it, as JSON has it."""
+        return f"angle with cosine {written(self.cosine)}, sine {written(self.sine)}"
+
     def __str__(self) -> str:
-        return f"angle with cosine {self.cosine}, sine {self.sine}"
+        return f"angle with cosine {_told(self.cosine)}, sine {_told(self.sine)}"
 
 
 ExactTime = Fraction | AlgebraicNumber | ExactAngle
+
+
+def polynomial_text(coefficients: Sequence[int]) -> str:
+    """Integers, ascending, as people write a polynomial in x.
+
+    >>> polynomial_text((-1, 0, 2)), polynomial_text((0, 1, -1)), polynomial_text((5,))
+    ('2 x^2 - 1', '-x^2 + x', '5')
+    """
+    text = ""
+    for power, c in reversed(list(enumerate(coefficients))):
+        if c:
+            sign = ("-" if c < 0 else "") if not text else (" - " if c < 0 else " + ")
+            x = "" if power == 0 else "x" if power == 1 else f"x^{power}"
+            text += sign + " ".join(part for part in ("" if abs(c) == 1 and x else str(abs(c)), x) if part)
+    return text or "0"
+
+
+def written(x: Any) -> str:
+    """An exact number in full, as JSON has it."""
+    return x.written() if isinstance(x, AlgebraicNumber | ExactAngle) else str(x)
+
+
+def _told(x: ExactTime) -> str:
+    """An exact number for readers: by square roots where that is possible, shortened where it is long."""
+    short = getattr(x, "closed_form", None) or str(x)
+    if len(short) <= LONGEST or isinstance(x, ExactAngle):
+        return short
+    if isinstance(x, Fraction):
+        return f"a fraction of {len(str(x.denominator))} digits near {float(x)!r}"
+    return str(x)
 
 
 @dataclass(frozen=True, slots=True)
@@ -227,6 +390,9 @@ class ElementPair:
 
     def __str__(self) -> str:
         return f"{self.element_a} and {self.element_b}"
+
+    def to_list(self) -> list[dict[str, Any]]:
+        return [self.element_a.to_dict(), self.element_b.to_dict()]
 
 
 class ContactSet(str):
@@ -268,6 +434,10 @@ class CandidateTime:
         why = f" ({self.reason})" if self.reason else ""
         return f"{self.time!r} x{self.multiplicity}: {self.verdict}{where}{why}"
 
+    def to_dict(self) -> dict[str, Any]:
+        point = None if self.point is None else [float(x) for x in self.point]
+        return {**{f.name: getattr(self, f.name) for f in fields(self)}, "point": point}
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Subproblem:
@@ -287,9 +457,18 @@ class Subproblem:
         lines = [self.reason] if self.reason else [str(c) for c in self.candidates] or ["no candidate"]
         return "\n".join([head, *(f"  {line}" for line in lines)])
 
+    def to_dict(self) -> dict[str, Any]:
+        return {
+            "element_a": self.element_a.to_dict(),
+            "element_b": self.element_b.to_dict(),
+            "case": self.case,
+            "candidates": [x.to_dict() for x in self.candidates],
+            "reason": self.reason,
+        }
 
-@dataclass(frozen=True, slots=True, eq=False)  # arrays have no single truth: results compare by identity
-class FirstContact(_Deferring):
+
+@dataclass(frozen=True, slots=True, eq=False)  # arrays have no single truth: see `Answer`
+class FirstContact(_Deferring, Shown):
     """The earliest time at which two moving bodies share a point, or the proof that they share none.
 
     Of polyhedra, point, normal and elements are worked out when one of them is first read, of curved solids point,
@@ -330,6 +509,11 @@ class FirstContact(_Deferring):
     b: Any = field(default=None, repr=False)
     span: tuple[float, float] = (0.0, 1.0)
     subproblems: tuple[Subproblem, ...] = field(default=(), repr=False)
+    keeps_bodies: bool = False
+
+    def __repr__(self) -> str:
+        when = "" if self.time is None else f" at time {self.time!r}"
+        return f"<FirstContact of {_name(self.a, 'a')} and {_name(self.b, 'b')}: {self.status.name}{when}>"
 
     def __str__(self) -> str:
         return self._told() + _corrected(self.a, self.b)
@@ -349,42 +533,39 @@ class FirstContact(_Deferring):
             return f"{names}: INITIAL_CONTACT ({self.initial}) at time {self.time!r}\n {where}{elements}"
         assert self.time_interval is not None
         more = f" (and {self.multiplicity - 1} more pairs)" if self.multiplicity > 1 else ""
+        exactly = "" if self.time_exact is None else f"\n  exactly {_told(self.time_exact)}"
         return (
             f"{names}: CONTACT at time {self.time!r}{where}\n"
             f"  {self.element_a} meets {self.element_b}{more}; "
-            f"time in [{self.time_interval[0]!r}, {self.time_interval[1]!r}]"
+            f"time in [{self.time_interval[0]!r}, {self.time_interval[1]!r}]{exactly}"
         )
 
     def to_dict(self) -> dict[str, Any]:
         """One entry of "checks" in the JSON output; exact numbers are strings."""
+        points = getattr(self.contact_set, "points", None)
         return {
+            "schema": SCHEMA,
             "a": _name(self.a, "a"),
             "b": _name(self.b, "b"),
             "status": self.status.name,
+            "span": list(self.span),
             "time": self.time,
             "time_interval": None if self.time_interval is None else list(self.time_interval),
-            "time_exact": None if self.time_exact is None else str(self.time_exact),
+            "time_exact": None if self.time_exact is None else written(self.time_exact),
             "point": None if self.point is None else [float(x) for x in self.point],
             "normal": None if self.normal is None else [float(x) for x in self.normal],
             "element_a": None if self.element_a is None else self.element_a.to_dict(),
             "element_b": None if self.element_b is None else self.element_b.to_dict(),
-            "others": [[p.element_a.to_dict(), p.element_b.to_dict()] for p in self.others],
+            "others": [p.to_list() for p in self.others],
             "multiplicity": self.multiplicity,
             "initial": self.initial,
-            "contact_set": self.contact_set,
+            "contact_set": None if self.contact_set is None else str(self.contact_set),
+            "contact_points": None if points is None else points.tolist(),
             "free_until": self.free_until,
             "reason": self.reason,
-            "stats": asdict(self.stats),
+            "subproblems": [x.to_dict() for x in self.subproblems],
+            "stats": self.stats.to_dict(),
         }
-
-    def to_json(self) -> str:
-        return json.dumps(finite(self.to_dict()))
-
-    def show(self, path: str | None = None) -> Any:
-        """Write the page that shows this result (open it in the browser when no path is given)."""
-        from firstcontact.view.html import write_page
-
-        return write_page(path, [self])
 
 
 @dataclass(frozen=True, slots=True)
@@ -407,8 +588,8 @@ class ContactInterval(_NoTruth):
         if self.start_exact is None or self.end_exact is None:
             return f"[{self.start!r}, {self.end!r}]"
         ends = (self.start_exact, self.end_exact)
-        short = [getattr(x, "closed_form", None) or (str(x) if isinstance(x, Fraction) else None) for x in ends]
-        shown = ", ".join(x or repr(float(y)) for x, y in zip(short, ends, strict=True))
+        short = [_told(x) if isinstance(x, Fraction) or getattr(x, "closed_form", None) else "" for x in ends]
+        shown = ", ".join(x if 0 < len(x) <= LONGEST else repr(float(y)) for x, y in zip(short, ends, strict=True))
         roots = [f"\n    {name}: {x}" for name, x in zip(("start", "end"), ends, strict=True)
                  if not isinstance(x, Fraction)]  # fmt: skip
         return f"[{shown}]{''.join(roots)}"
@@ -418,15 +599,15 @@ class ContactInterval(_NoTruth):
         for f in fields(self):
             value = getattr(self, f.name)
             if f.name.endswith("_exact"):
-                value = None if value is None else str(value)
+                value = None if value is None else written(value)
             elif isinstance(value, tuple):
                 value = list(value)
             out[f.name] = value
         return out
 
 
-@dataclass(frozen=True, slots=True)
-class ContactIntervals(_NoTruth, Sequence[ContactInterval]):
+@dataclass(frozen=True, slots=True, eq=False)
+class ContactIntervals(_NoTruth, Shown, Sequence[ContactInterval]):
     """All closed times of the span at which the bodies share a point: disjoint, ascending.
 
     With Status.UNDECIDED the list is what is proved of [start of span, ``free_until``].
@@ -440,6 +621,7 @@ class ContactIntervals(_NoTruth, Sequence[ContactInterval]):
     a: Any = field(default=None, repr=False)
     b: Any = field(default=None, repr=False)
     span: tuple[float, float] = (0.0, 1.0)
+    keeps_bodies: bool = False
 
     def __len__(self) -> int:
         return len(self.intervals)
@@ -451,6 +633,10 @@ class ContactIntervals(_NoTruth, Sequence[ContactInterval]):
     def __getitem__(self, index: int | slice) -> ContactInterval | tuple[ContactInterval, ...]:
         return self.intervals[index]
 
+    def __repr__(self) -> str:
+        names, count = f"{_name(self.a, 'a')} and {_name(self.b, 'b')}", len(self.intervals)
+        return f"<ContactIntervals of {names}: {self.status.name}, {count} interval{'' if count == 1 else 's'}>"
+
     def __str__(self) -> str:
         head = f"{_name(self.a, 'a')} and {_name(self.b, 'b')}: {self.status.name}"
         if self.status is Status.UNDECIDED:
@@ -458,28 +644,22 @@ class ContactIntervals(_NoTruth, Sequence[ContactInterval]):
         return "\n".join([head, *(f"  {interval}" for interval in self.intervals)]) + _corrected(self.a, self.b)
 
     def to_dict(self) -> dict[str, Any]:
+        """One entry of "checks" in the JSON output; exact numbers are strings."""
         return {
+            "schema": SCHEMA,
             "a": _name(self.a, "a"),
             "b": _name(self.b, "b"),
             "status": self.status.name,
+            "span": list(self.span),
             "intervals": [interval.to_dict() for interval in self.intervals],
             "free_until": self.free_until,
             "reason": self.reason,
-            "stats": asdict(self.stats),
+            "stats": self.stats.to_dict(),
         }
 
-    def to_json(self) -> str:
-        return json.dumps(finite(self.to_dict()))
 
-    def show(self, path: str | None = None) -> Any:
-        """Write the page that shows these intervals (open it in the browser when no path is given)."""
-        from firstcontact.view.html import write_page
-
-        return write_page(path, [self])
-
-
-@dataclass(frozen=True, slots=True)
-class ContactPairs(_NoTruth, Sequence[ElementPair]):
+@dataclass(frozen=True, slots=True, eq=False)
+class ContactPairs(_NoTruth, Answer, Sequence[ElementPair]):
     """The element pairs that meet during the span: vertex/face, edge/edge, face/vertex, sorted.
 
     ``piercing`` lists edge/face and face/edge pairs that meet at the start of the span already, ``undecided`` pairs of
@@ -506,6 +686,14 @@ class ContactPairs(_NoTruth, Sequence[ElementPair]):
         """How many pairs meet, those pierced at the start not counted."""
         return len(self.pairs)
 
+    def to_dict(self) -> dict[str, Any]:
+        """Pairs of elements: that of a, that of b."""
+        listed = {key: [pair.to_list() for pair in getattr(self, key)] for key in ("pairs", "piercing", "undecided")}
+        return {"schema": SCHEMA, **listed, "stats": self.stats.to_dict()}
+
+    def __repr__(self) -> str:
+        return f"<ContactPairs: {self}>"
+
     def __str__(self) -> str:
         text = f"{len(self.pairs)} element pairs meet, {len(self.piercing)} pierced at the start"
         return f"{text}, {len(self.undecided)} undecided" if self.undecided else text
@@ -526,12 +714,15 @@ def _name(body: Any, default: str) -> str:
     return getattr(body, "name", None) or default
 
 
+def _correction(body: Any) -> float:
+    """By how much an entry of a matrix given for the body's motion is off the rotation that it stands for, at most."""
+    off: float = getattr(getattr(body, "motion", body), "correction", 0.0)
+    return off
+
+
 def _corrected(a: Any, b: Any) -> str:
     """The end of an answer's text: how far given poses are off the rotations that were looked at."""
-    bodies = [
-        (_name(body, x), getattr(getattr(body, "motion", None), "correction", 0.0))
-        for body, x in ((a, "a"), (b, "b"))
-    ]
+    bodies = [(_name(body, x), _correction(body)) for body, x in ((a, "a"), (b, "b"))]
     return "".join(
         f"\n  matrices of {name} are no exact rotations: the nearest ones were taken, entries off by up to {off:.1g}"
         for name, off in bodies if off > TOLD_CORRECTION

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
 import numpy as np
 
-from firstcontact.result import AlgebraicNumber, Stats, finite
+from firstcontact.result import SCHEMA, AlgebraicNumber, Answer, Stats, written
 
 ExactParameter = Fraction | AlgebraicNumber | float
 """A parameter of a ruling: the number itself, or math.inf for the ruling at infinity."""
@@ -80,8 +79,8 @@ class BranchEnd:
             "on": list(self.on),
             "point": self.point.tolist(),
             "parameters": self.parameters.tolist(),
-            "u": None if self.u is None else str(self.u),
-            "v": None if self.v is None else str(self.v),
+            "u": None if self.u is None else written(self.u),
+            "v": None if self.v is None else written(self.v),
         }
 
 
@@ -158,8 +157,8 @@ class GraphNode:
 
     def to_dict(self) -> dict[str, Any]:
         return {
-            "u": None if self.u is None else str(self.u),
-            "v": None if self.v is None else str(self.v),
+            "u": None if self.u is None else written(self.u),
+            "v": None if self.v is None else written(self.v),
             "kind": self.kind,
             "point": None if self.point is None else self.point.tolist(),
         }
@@ -225,7 +224,7 @@ class CurveGraph:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class IntersectionCurve:
+class IntersectionCurve(Answer):
     """All points that two ruled surfaces share.
 
     branches          arcs and loops, cut where more than two of them meet
@@ -259,6 +258,7 @@ class IntersectionCurve:
     stats: Stats = field(default_factory=Stats)
     a: Any = field(default=None, repr=False)
     b: Any = field(default=None, repr=False)
+    keeps_bodies: bool = False
 
     @property
     def empty(self) -> bool:
@@ -270,6 +270,9 @@ class IntersectionCurve:
     def names(self) -> tuple[str, str]:
         first, second = (getattr(x, "name", None) or default for x, default in ((self.a, "a"), (self.b, "b")))
         return first, second
+
+    def __repr__(self) -> str:
+        return f"<IntersectionCurve of {str(self).splitlines()[0]}>"
 
     def __str__(self) -> str:
         names = " and ".join(self.names)
@@ -300,6 +303,7 @@ class IntersectionCurve:
     def to_dict(self) -> dict[str, Any]:
         """Exact numbers are strings, polynomials lists of [i, j, coefficient]; parameters may be nan (None in JSON)."""
         return {
+            "schema": SCHEMA,
             "a": self.names[0],
             "b": self.names[1],
             "branches": [branch.to_dict() for branch in self.branches],
@@ -309,22 +313,19 @@ class IntersectionCurve:
             "two_dimensional": self.two_dimensional,
             "graph": self.graph.to_dict(),
             "delta": [[i, j, str(c)] for (i, j), c in self.delta.items()],
-            "common_rulings": [[str(u), str(v)] for u, v in self.common_rulings],
+            "common_rulings": [[written(u), written(v)] for u, v in self.common_rulings],
             "correspondence": [[i, j, str(c)] for (i, j), c in self.correspondence.items()],
             "method": self.method,
             "open_places": [x.to_dict() for x in self.open_places],
             "box": None if self.box is None else self.box.tolist(),
-            "stats": asdict(self.stats),
+            "stats": self.stats.to_dict(),
         }
 
-    def to_json(self) -> str:
-        return json.dumps(finite(self.to_dict()))
-
     def show(self, path: str | None = None) -> Any:
-        """Write the page that shows the surfaces and their curve (open it in the browser when no path is given)."""
-        from firstcontact.view.html import write_page
+        """Write the page of the surfaces and their curve; without a path show it in the notebook, or in the browser."""
+        from firstcontact.view.html import show_page
 
-        return write_page(path, [self])
+        return show_page(path, [self])
 
 
 def _triple(x: np.ndarray) -> str:

@@ -201,7 +201,7 @@ def test_algebraic_numbers_at_the_ends_of_their_interval():
 
 
 def test_algebraic_numbers_print_their_polynomial():
-    assert str(root_of((-2, 0, 1), 1, 2)) == "root of -2*x^0 + 1*x^2 in [1, 2]"
+    assert str(root_of((-2, 0, 1), 1, 2)) == "root of x^2 - 2 in [1, 2]"
 
 
 def test_stats_read_both_ways():

@@ -5,15 +5,25 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any, Self
 
+from firstcontact.body.kept import Kept
 from firstcontact.errors import InputError
 from firstcontact.exact.numbers import rational
 from firstcontact.exact.rigid import Matrix, determinant, near_rotation, shift
 from firstcontact.motion.moving import Moving
 from firstcontact.motion.translation import vector3
+from firstcontact.result import SCHEMA, Written
+
+_HASH = Kept[int]()
 
 
-class Placing:
-    """A body at rest that makes placed copies of itself by `_mapped` (exact affine maps) and `_with` (attributes)."""
+class Placing(Written):
+    """A body at rest that makes placed copies of itself by `_mapped` (exact affine maps) and `_with` (attributes).
+
+    Bodies are values: equal where names, elements and exact coordinates are.  Searches never compare them, but keep
+    what they work out on the body itself.
+    """
+
+    name: str | None
 
     def _mapped(self, matrix: Matrix) -> Self:
         raise NotImplementedError
@@ -21,7 +31,31 @@ class Placing:
     def _with(self, **changes: Any) -> Self:
         raise NotImplementedError
 
-    def named(self, name: str) -> Self:
+    def _facts(self) -> tuple[Any, ...]:
+        """What makes the body what it is, but for its name; hashable."""
+        raise NotImplementedError
+
+    def _table(self) -> dict[str, Any]:
+        """The body as a table of a scene file, but for its name."""
+        raise NotImplementedError
+
+    def to_dict(self) -> dict[str, Any]:
+        """The body's table in a scene file; exact numbers that no double holds are texts such as "1/3"."""
+        name = {} if self.name is None else {"name": self.name}
+        return {"schema": SCHEMA, **self._table(), **name}
+
+    def __eq__(self, other: object) -> bool:
+        if self is other:
+            return True
+        if type(self) is not type(other):
+            return NotImplemented
+        same: Any = other
+        return self.name == same.name and hash(self) == hash(other) and self._facts() == same._facts()
+
+    def __hash__(self) -> int:
+        return _HASH.of(self, lambda: hash(self._facts()))
+
+    def named(self, name: str | None) -> Self:
         return self._with(name=name)
 
     def translated(self, v: Iterable[Any]) -> Self:

@@ -14,7 +14,7 @@ from typing import Any, Literal, Protocol, overload
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact import centred
 from firstcontact.errors import UnsupportedPair
-from firstcontact.motion.moving import shape_of
+from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.span import refuse_late
 from firstcontact.result import ContactIntervals, ContactPairs, FirstContact
 from firstcontact.work import Query
@@ -60,6 +60,12 @@ INSTEAD = {
 MESHES = Kind.MESH, Kind.MESH
 _KINDS = {**{kind.value: kind for kind in Kind}, "RuledStrip": Kind.RULED}
 _ORDER = list(Kind)
+
+
+def as_body(body: Any) -> Any:
+    """A mesh of trimesh as a Polyhedron; what is a body, or no such mesh, as it is."""
+    is_mesh = not hasattr(body, "moving") and not isinstance(body, Moving) and hasattr(body, "faces")
+    return Polyhedron.from_trimesh(body) if is_mesh else body
 
 
 def kind_of(body: Any) -> Kind:

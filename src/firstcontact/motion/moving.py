@@ -8,14 +8,19 @@ from typing import Any
 import numpy as np
 
 from firstcontact.errors import InputError, shown
+from firstcontact.result import Written
 
 
-class Moving:
+class Moving(Written):
     """A body and its motion; `.at(t)` is the body at rest in its pose at time t."""
 
     __slots__ = ("body", "motion")
 
     def __init__(self, body: Any, motion: Any) -> None:
+        if not hasattr(body, "moving") and hasattr(body, "faces"):  # a mesh of trimesh
+            from firstcontact import Polyhedron
+
+            body = Polyhedron.from_trimesh(body)
         if isinstance(body, Moving):
             raise InputError(f"{body!r} moves already; give one motion, a Sequence for several in turn")
         if isinstance(motion, type) or not callable(motion) or not hasattr(motion, "span"):
@@ -29,7 +34,7 @@ class Moving:
         name: str | None = self.body.name
         return name
 
-    def named(self, name: str) -> Moving:
+    def named(self, name: str | None) -> Moving:
         return Moving(self.body.named(name), self.motion)
 
     def moving(self, motion: Any) -> Moving:
@@ -57,6 +62,18 @@ class Moving:
         if not np.all(np.isfinite(points)):
             return np.full(3, -np.inf), np.full(3, np.inf)
         return swept_box(self.motion, first, last, points, error)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The body's table in a scene file, with that of its motion."""
+        return {**self.body.to_dict(), "motion": self.motion._table()}
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Moving):
+            return NotImplemented
+        return self.motion == other.motion and bool(self.body == other.body)
+
+    def __hash__(self) -> int:
+        return hash((self.body, self.motion))
 
     def __repr__(self) -> str:
         return f"{self.body!r} moving by {self.motion!r}"

@@ -15,6 +15,7 @@ from firstcontact.exact.vectors import Vector, dot
 from firstcontact.motion.poses import BITS, SNAP, Pose, read_poses, read_rows, sqrt_near
 from firstcontact.motion.relative import projective
 from firstcontact.motion.translation import LARGEST, SPAN, double_of
+from firstcontact.motion.value import Motion, numbers
 
 _0, _1 = fmpq(0), fmpq(1)
 # How near (in time) an error text names a zero of the weight or of the determinant.
@@ -23,7 +24,7 @@ NEAR = fmpq(1, 10**6)
 HALF_TURN = fmpq(1, 10**24)
 
 
-class RationalMotion:
+class RationalMotion(Motion):
     """Motion by M(t) / w(t), M a polynomial with 4x4 matrices as coefficients and w its entry [3, 3].
 
     coefficients: (d+1, 4, 4) numbers, power basis, ascending; every number is taken exactly.  The last row of each is
@@ -129,15 +130,23 @@ class RationalMotion:
             moved.append([[*row[:3], row[3] - dot(row[:3], by)] for row in (*rows, weights)])
         return RationalMotion(moved)
 
+    def _facts(self) -> tuple[Any, ...]:
+        return self.coefficients
+
+    def _table(self) -> dict[str, Any]:
+        off = {"correction": self.correction} if self.correction else {}
+        return {"type": "rational", "coefficients": numbers(self.coefficients), **off}
+
     def __repr__(self) -> str:
         return f"<RationalMotion: degree {self.degree}, {'rigid' if self.rigid else 'affine'}>"
 
     def __reduce__(self) -> Any:
         rows = tuple(tuple(tuple(map(fraction, row)) for row in matrix) for matrix in self.coefficients)
-        return _rebuild, (rows, self.correction)
+        return rebuilt, (rows, self.correction)
 
 
-def _rebuild(coefficients: Any, correction: float) -> RationalMotion:
+def rebuilt(coefficients: Any, correction: float) -> RationalMotion:
+    """The motion, with what is known of the matrices it was made of."""
     made = RationalMotion(coefficients)
     made.correction = correction
     return made

@@ -13,9 +13,10 @@ from firstcontact.errors import InputError, shown
 from firstcontact.exact.numbers import fraction, rational, to_double
 from firstcontact.exact.vectors import Vector, add
 from firstcontact.motion.translation import LARGEST, SPAN, double_of, vector3
+from firstcontact.motion.value import Motion, number, numbers
 
 
-class Rotation:
+class Rotation(Motion):
     """Turn about the line through ``point`` along ``axis``, right-hand rule, at constant speed.
 
     axis: three numbers, not all zero, any length.  point: any point of the axis.
@@ -63,6 +64,12 @@ class Rotation:
         """The same motion in a world shifted by a vector."""
         return _rebuild(self.axis, add(self.point, by), self.unit, self.angle)
 
+    def _facts(self) -> tuple[Any, ...]:
+        return self.axis, self.point, self.unit, self.angle
+
+    def _table(self) -> dict[str, Any]:
+        return {"type": "rotation", **turn_table(self)}
+
     def __repr__(self) -> str:
         axis, point = (tuple(map(to_double, v)) for v in (self.axis, self.point))
         return f"Rotation({axis}, point={point}, {self.unit}={to_double(self.angle)})"
@@ -78,6 +85,11 @@ def direction(values: Iterable[Any], what: str) -> tuple[fmpq, fmpq, fmpq]:
     if not any(vector):
         raise InputError(f"{what} is zero; give a direction such as (0, 0, 1)")
     return vector
+
+
+def turn_table(motion: Any) -> dict[str, Any]:
+    """Axis, point and angle as a scene file has them, of a Rotation or a Screw."""
+    return {"axis": numbers(motion.axis), "point": numbers(motion.point), motion.unit: number(motion.angle)}
 
 
 def read_angle(what: str, radians: Any, degrees: Any, turns: Any) -> tuple[fmpq, str]:

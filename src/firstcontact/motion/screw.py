@@ -13,14 +13,15 @@ from firstcontact.errors import InputError, shown
 from firstcontact.exact.numbers import fraction, precision, rational, to_double
 from firstcontact.exact.rigid import ball_rotation, rational_sqrt
 from firstcontact.exact.vectors import Vector, add, dot, scaled
-from firstcontact.motion.rotation import Rotation, angle_ball, direction, read_angle
+from firstcontact.motion.rotation import Rotation, angle_ball, direction, read_angle, turn_table
 from firstcontact.motion.translation import LARGEST, SPAN, Translation, double_of, vector3
+from firstcontact.motion.value import Motion, number
 
 # Bits at which a pose is enclosed before it is rounded: even an axis 2^60 away leaves more than a double holds.
 POSE_BITS = 256
 
 
-class Screw:
+class Screw(Motion):
     """Turn about the line through ``point`` along ``axis``, and advance along ``axis`` meanwhile.
 
     axis: three numbers, not all zero, any length.  point: any point of the axis.
@@ -90,6 +91,12 @@ class Screw:
     def shifted(self, by: Vector) -> Screw:
         """The same motion in a world shifted by a vector."""
         return _rebuild(self.axis, add(self.point, by), self.unit, self.angle, self.advance)
+
+    def _facts(self) -> tuple[Any, ...]:
+        return self.axis, self.point, self.unit, self.angle, self.advance
+
+    def _table(self) -> dict[str, Any]:
+        return {"type": "screw", **turn_table(self), "advance": number(self.advance)}
 
     def __repr__(self) -> str:
         axis, point = (tuple(map(to_double, v)) for v in (self.axis, self.point))

@@ -17,11 +17,14 @@ from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.screw import Screw, simple
 from firstcontact.motion.translation import LARGEST, Translation, double_of
+from firstcontact.motion.value import Motion, numbers
 
 Step = Translation | Rotation | Screw | RationalMotion
+FEW = 4
+"""Steps that `repr` lists."""
 
 
-class Sequence:
+class Sequence(Motion):
     """Steps one after the other, each with axes and vectors fixed in the world.
 
     steps: Translation, Rotation, Screw or RationalMotion objects.  A step runs from its t = 0 to its t = 1 and is
@@ -100,13 +103,26 @@ class Sequence:
         pose: np.ndarray = self.steps[k](min(max(local, 0.0), 1.0)) @ self.before(k).doubles()
         return pose
 
+    @property
+    def durations(self) -> tuple[fmpq, ...]:
+        """How long each step takes."""
+        return tuple(end - start for start, end in zip(self.starts, self.ends, strict=True))
+
     def shifted(self, by: Vector) -> Sequence:
         """The same motion in a world shifted by a vector."""
-        durations = [end - start for start, end in zip(self.starts, self.ends, strict=True)]
-        return Sequence([step.shifted(by) for step in self.steps], durations)
+        return Sequence([step.shifted(by) for step in self.steps], self.durations)
+
+    def _facts(self) -> tuple[Any, ...]:
+        return self.steps, self.ends
+
+    def _table(self) -> dict[str, Any]:
+        steps = [step._table() for step in self.steps]
+        return {"type": "sequence", "durations": numbers(self.durations), "steps": steps}
 
     def __repr__(self) -> str:
+        if len(self.steps) > FEW:
+            return f"<Sequence: {len(self.steps)} steps from 0 to {self.span[1]:g}>"
         return f"Sequence({list(self.steps)!r})"
 
     def __reduce__(self) -> Any:
-        return Sequence, (self.steps, tuple(fraction(e - s) for s, e in zip(self.starts, self.ends, strict=True)))
+        return Sequence, (self.steps, tuple(map(fraction, self.durations)))

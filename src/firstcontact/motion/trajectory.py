@@ -17,11 +17,12 @@ from firstcontact.motion.poses import BITS, SNAP, Pose, Quaternion, read_poses, 
 from firstcontact.motion.rational import RationalMotion, join, refuse_half_turn
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.translation import LARGEST, Translation, double_of
+from firstcontact.motion.value import Motion, numbers
 
 INTERPOLATIONS = ("linear-quaternion", "screw")
 
 
-class Trajectory:
+class Trajectory(Motion):
     """The body stands in ``poses[k]`` at ``times[k]`` and moves from each pose to the next one meanwhile.
 
     times: two or more numbers, ascending; the span is (times[0], times[-1]).
@@ -125,9 +126,22 @@ class Trajectory:
         """
         turned = (_turned(p.quaternion[0], p.quaternion[1:], by) for p in self.poses)
         vectors = [add(p.vector, sub(by, x)) for p, x in zip(self.poses, turned, strict=True)]
-        moved = _rebuild(self.times, vectors, [p.quaternion for p in self.poses], self.interpolation, self.correction)
+        moved = rebuilt(self.times, vectors, [p.quaternion for p in self.poses], self.interpolation, self.correction)
         moved.steps = tuple(step.shifted(by) for step in self.steps)
         return moved
+
+    def _facts(self) -> tuple[Any, ...]:
+        return self.interpolation, self.times, tuple((p.quaternion, p.vector) for p in self.poses), self.steps
+
+    def _table(self) -> dict[str, Any]:
+        return {
+            "type": "trajectory",
+            "times": numbers(self.times),
+            "poses": [numbers(p.vector) for p in self.poses],
+            "quat_wxyz": [numbers(p.quaternion) for p in self.poses],
+            "interpolation": self.interpolation,
+            **({"correction": self.correction} if self.correction else {}),
+        }
 
     def __repr__(self) -> str:
         first, last = self.span
@@ -136,12 +150,11 @@ class Trajectory:
     def __reduce__(self) -> Any:
         vectors, quaternions = zip(*((p.vector, p.quaternion) for p in self.poses), strict=True)
         rows = [tuple(map(fraction, v)) for v in vectors], [tuple(map(fraction, q)) for q in quaternions]
-        return _rebuild, (tuple(map(fraction, self.times)), *rows, self.interpolation, self.correction)
+        return rebuilt, (tuple(map(fraction, self.times)), *rows, self.interpolation, self.correction)
 
 
-def _rebuild(
-    times: Any, vectors: Any, quaternions: Any, interpolation: str, correction: float = 0.0
-) -> Trajectory:
+def rebuilt(times: Any, vectors: Any, quaternions: Any, interpolation: str, correction: float = 0.0) -> Trajectory:
+    """The motion, with what is known of the matrices it was made of."""
     made = Trajectory(times, vectors, interpolation, quat_wxyz=quaternions)
     made.correction = correction
     return made

@@ -12,6 +12,7 @@ from flint import fmpq
 from firstcontact.errors import InputError, shown
 from firstcontact.exact.numbers import rational, to_double
 from firstcontact.exact.vectors import Vector
+from firstcontact.motion.value import Motion, numbers
 
 SPAN = (0.0, 1.0)
 
@@ -47,7 +48,7 @@ def double_of(t: Any) -> float:
     return time
 
 
-class Translation:
+class Translation(Motion):
     """Motion by ``t * vector``: over the default span (0, 1) the body moves by ``vector``.
 
     vector: three finite numbers (doubles are the exact binary rationals they are; "1/3", Fraction exact).
@@ -73,6 +74,12 @@ class Translation:
     def shifted(self, by: Vector) -> Translation:
         """The same motion in a world shifted by a vector."""
         return self
+
+    def _facts(self) -> tuple[Any, ...]:
+        return self.vector
+
+    def _table(self) -> dict[str, Any]:
+        return {"type": "translation", "vector": numbers(self.vector)}
 
     def __repr__(self) -> str:
         return "Translation(({}, {}, {}))".format(*map(to_double, self.vector))

@@ -17,20 +17,20 @@ from typing import Annotated, Any, Literal
 from pydantic import (
     Field,
     StrictBool,
+    StrictFloat,
     StrictInt,
     StrictStr,
     ValidationError,
     ValidationInfo,
     field_validator,
-    model_validator,
 )
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
-from firstcontact.body.ruled.rational_curve import RationalCurve
 from firstcontact.body.ruled.strip import RuledStrip
 from firstcontact.body.ruled.surface import RuledSurface
 from firstcontact.errors import InputError, shown
 from firstcontact.exact.numbers import MOST_DIGITS, positive_double
+from firstcontact.motion import rational
 from firstcontact.motion.poses import SNAP
 from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.rotation import Rotation
@@ -38,21 +38,18 @@ from firstcontact.motion.screw import Screw
 from firstcontact.motion.sequence import Sequence
 from firstcontact.motion.trajectory import Trajectory
 from firstcontact.motion.translation import Translation
-from firstcontact.scene import solids
+from firstcontact.scene import solids, surfaces
 from firstcontact.scene.values import (
     Corners,
-    Directrix,
     Edge,
     Face,
     KeyFault,
     Matrix,
     Number,
-    Numbers,
     Pair,
     Placed,
     Pose,
     Quaternion,
-    Range,
     Span,
     Table,
     Vector,
@@ -103,12 +100,17 @@ class ScrewTable(_Turn):
         return Screw(self.axis, self.point, **self._angle(), advance=self.advance)
 
 
+Off = Annotated[StrictFloat, Field(ge=0)]
+"""By how much matrices that were given are off the rotations that they stand for, at most: see `correction`."""
+
+
 class RationalTable(Table):
     type: Literal["rational"]
     coefficients: list[Matrix]
+    correction: Off = 0.0
 
     def build(self) -> RationalMotion:
-        return RationalMotion(self.coefficients)
+        return rational.rebuilt(self.coefficients, self.correction)
 
 
 class _Quaternions(Table):
@@ -142,10 +144,14 @@ class TrajectoryTable(_Quaternions):
     times: list[Number]
     poses: list[Pose]
     interpolation: Literal["linear-quaternion", "screw"] = "linear-quaternion"
+    correction: Off | None = None
 
     def build(self) -> Trajectory:
         quaternions = self._check(**{f"poses[{k}]": pose for k, pose in enumerate(self.poses)})
-        return Trajectory(self.times, self.poses, self.interpolation, **quaternions)
+        made = Trajectory(self.times, self.poses, self.interpolation, **quaternions)
+        if self.correction is not None:
+            made.correction = self.correction
+        return made
 
 
 Step = Annotated[
@@ -178,7 +184,7 @@ class MeshBody(_Body):
     file: StrictStr
     solid: StrictBool | None = None
 
-    def build(self, key: str, folder: Path) -> Polyhedron:
+    def build(self, key: str | None, folder: Path) -> Polyhedron:
         return Polyhedron.load(folder / self.file, solid=self.solid, name=self.name or key)
 
 
@@ -189,13 +195,13 @@ class PolyhedronBody(_Body):
     edges: list[Edge] | None = None
     solid: StrictBool | None = None
 
-    def build(self, key: str, folder: Path) -> Polyhedron:
+    def build(self, key: str | None, folder: Path) -> Polyhedron:
         name = self.name or key
         return Polyhedron(self.vertices, self.faces, edges=self.edges, solid=self.solid, name=name)
 
 
 class _SolidBody(_Body, solids.Solid):
-    def build(self, key: str, folder: Path) -> Any:
+    def build(self, key: str | None, folder: Path) -> Any:
         return self.solid().named(self.name or key)
 
 
@@ -232,43 +238,9 @@ class QuadricBody(solids.Quadric, _SolidBody): ...
 class CsgBody(solids.Csg, _SolidBody): ...
 
 
-class RuledBody(_Body):
-    """Two directrices, as strings or as tables of coefficients ("all": every u, or whole rulings), or a NURBS grid."""
-
-    shape: Literal["ruled"]
-    first: Directrix = None
-    second: Directrix = None
-    u: Range = (0, 1)
-    s: Range = (0, 1)
-    trim: list[StrictStr] = []
-    points: list[list[Vector]] | None = None
-    knots: Numbers = None
-    weights: Numbers = None
-    degree: Any = None
-
-    @model_validator(mode="after")
-    def _one_kind(self) -> RuledBody:
-        curves, grid = {"first", "second", "u", "s", "trim"}, {"points", "knots", "weights", "degree"}
-        given = self.model_fields_set
-        if "points" not in given and not {"first", "second"} <= given:
-            raise ValueError("give first and second, or points; for a NURBS surface points, knots and weights")
-        wrong = sorted(given & (curves if "points" in given else grid))
-        if wrong:
-            other = "points" if "points" in given else "first and second"
-            raise ValueError(f"{wrong[0]} does not go with {other}; leave it out")
-        return self
-
-    def build(self, key: str, folder: Path) -> RuledSurface | RuledStrip:
-        if self.points is not None:
-            return RuledSurface.from_nurbs(
-                self.points, self.knots, self.weights, degree=self.degree, name=self.name or key
-            )
-        curves = []
-        for name in ("first", "second"):
-            given = getattr(self, name)
-            with at_key(name):
-                curves.append(given if isinstance(given, str) else RationalCurve(**given))
-        return RuledSurface(*curves, u=self.u, s=self.s, trim=self.trim, name=self.name or key)
+class RuledBody(surfaces.Ruled, _Body):
+    def build(self, key: str | None, folder: Path) -> RuledSurface | RuledStrip:
+        return self.build_surface(self.name or key)
 
 
 Body = Annotated[
@@ -370,7 +342,7 @@ def load_scene(path: str | Path) -> Scene:
     try:
         scene = SceneTable.model_validate(tables)
     except ValidationError as error:
-        raise InputError(f"{path}: {_first_fault(error, tables)}") from error
+        raise InputError(f"{path}: {first_fault(error, tables)}") from error
     bodies = {key: _build(path, key, body) for key, body in scene.body.items()}
     checks = tuple(_checks(path, scene))
     return Scene(path, bodies, checks, tuple(_curves(path, scene, checks)))
@@ -424,16 +396,21 @@ def _unread(text: str) -> str | None:
 
 
 def _build(path: Path, key: str, table: Any) -> Any:
-    """The body in its place, given its motion."""
+    """The body of a scene."""
     try:
         with at_key(f"body.{key}"):
-            body = placed(table.build(key, path.parent), table)
-            if table.motion is None:
-                return body
-            with at_key("motion"):
-                return body.moving(table.motion.build())
+            return build_body(table, key, path.parent)
     except KeyFault as error:
         raise InputError(f"{path}: {error}") from error
+
+
+def build_body(table: Any, key: str | None, folder: Path) -> Any:
+    """The body in its place, given its motion."""
+    body = placed(table.build(key, folder), table)
+    if table.motion is None:
+        return body
+    with at_key("motion"):
+        return body.moving(table.motion.build())
 
 
 def _checks(path: Path, scene: SceneTable) -> list[Check]:
@@ -473,7 +450,7 @@ def _pair(path: Path, scene: SceneTable, key: str, pair: tuple[str, str]) -> tup
     return pair
 
 
-def _first_fault(error: ValidationError, tables: dict[str, Any]) -> str:
+def first_fault(error: ValidationError, tables: dict[str, Any]) -> str:
     """The first of pydantic's faults as "key: what is wrong; what to do"."""
     faults = error.errors(include_url=False)
     fault = faults[0]

@@ -32,6 +32,8 @@ class Solid(Placed):
     """A shape that the builder of the same name makes; the other keys are its arguments."""
 
     shape: str
+    name: StrictStr | None = None
+    """By default its key; of a part "" for none."""
 
     def solid(self) -> CompositeQuadric:
         """The solid before `rotate` and `at`."""
@@ -114,7 +116,8 @@ class Csg(Solid):
             with at_key(f"part.{name}"):
                 if not name.isidentifier() or keyword.iskeyword(name):
                     raise InputError(f"{name!r} cannot stand in an expression; use letters, digits and _")
-                parts[name] = placed(table.solid(), table).named(name)
+                own = name if table.name is None else table.name
+                parts[name] = placed(table.solid(), table).named(own or None)
         with at_key("expression"):
             return combined(self.expression, parts)
 

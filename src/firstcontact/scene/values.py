@@ -156,14 +156,18 @@ class RotateTable(Table):
 
 
 class Placed(Table):
-    """What has a place: turned by `rotate` first, then shifted by `at`."""
+    """What has a place: mapped by `transform` first, then turned by `rotate`, then shifted by `at`."""
 
     at: Vector | None = None
     rotate: RotateTable | None = None
+    transform: Matrix = None
 
 
 def placed(body: Any, table: Placed) -> Any:
     """The body in its place."""
+    if table.transform is not None:
+        with at_key("transform"):
+            body = body.transformed(table.transform)
     if table.rotate is not None:
         with at_key("rotate"):
             turn = table.rotate

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import html
 import json
+import sys
 import tempfile
 import webbrowser
 from collections.abc import Iterable
@@ -16,11 +17,12 @@ from typing import Any
 import numpy as np
 
 from firstcontact.errors import InputError
-from firstcontact.result import Element, FirstContact, Status
+from firstcontact.result import Absent, Element, FirstContact, Status
 from firstcontact.result_curve import IntersectionCurve
 from firstcontact.view.curve import layers
 from firstcontact.view.drawing import Drawing, contact_curve, drawings
 from firstcontact.view.pair import Pair, Result, is_moving, pairs_of, pose
+from firstcontact.view.picture import HEIGHT, WIDTH, picture
 from firstcontact.view.poses import sample_poses
 
 # Most contact intervals written out as text; the timeline shows them all.
@@ -48,6 +50,42 @@ def write_page(path: str | Path | None, results: Iterable[Result]) -> Path:
     target = Path(file.name)
     webbrowser.open(target.as_uri())
     return target
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A page within a notebook's cell; it refers to nothing outside itself."""
+
+    page: str
+
+    def _repr_html_(self) -> str:
+        style = "width: 100%; height: 600px; border: 0"
+        return f'<iframe srcdoc="{html.escape(self.page)}" style="{style}"></iframe>'
+
+
+def show_page(path: str | Path | None, results: Iterable[Result]) -> Path | Frame:
+    """As `write_page`; in a notebook, without a path, the page as its cell shows it."""
+    return Frame(page_text(results)) if path is None and _in_notebook() else write_page(path, results)
+
+
+def _in_notebook() -> bool:
+    """Whether IPython runs, and runs for a notebook: its shell then has a kernel."""
+    interactive = sys.modules.get("IPython")
+    shell = None if interactive is None else interactive.get_ipython()
+    return getattr(shell, "kernel", None) is not None
+
+
+def cell(result: Any) -> str:
+    """A result in a notebook: a small picture of it, where its bodies can be drawn, and its text."""
+    text = f"<pre>{html.escape(str(result))}</pre>"
+    if any(getattr(result, side, None) is None or isinstance(getattr(result, side), Absent) for side in "ab"):
+        return text
+    try:
+        drawn = base64.b64encode(picture(pairs_of([result])[0])).decode("ascii")
+    except InputError as error:  # bodies without end
+        return f"{text}<p>no picture: {html.escape(str(error))}</p>"
+    names = html.escape(f"{result.a.name or 'a'} and {result.b.name or 'b'}")
+    return f'<img alt="{names}" width="{WIDTH}" height="{HEIGHT}" src="data:image/png;base64,{drawn}"/>{text}'
 
 
 def page_text(results: Iterable[Result]) -> str:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from firstcontact.errors import InputError
-from firstcontact.result import ContactIntervals, Element, FirstContact, Status
+from firstcontact.result import Absent, ContactIntervals, Element, FirstContact, Status
 from firstcontact.result_curve import IntersectionCurve
 
 # What a stretch of the timeline says about the two bodies.
@@ -126,6 +126,8 @@ def pairs_of(results: Iterable[Result]) -> list[Pair]:
             raise InputError(f"cannot draw {result!r}; give results of {verbs}")
         if result.a is None or result.b is None:
             raise InputError("cannot draw a result without its two bodies (fields a and b)")
+        if isinstance(result.a, Absent) or isinstance(result.b, Absent):
+            raise InputError("cannot draw a result that came without its bodies; pickle result.with_bodies() instead")
         if isinstance(result, IntersectionCurve):
             pairs.append(Pair(result.a, result.b, (0.0, 0.0), curve=result))
             continue

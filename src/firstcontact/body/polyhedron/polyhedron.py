@@ -16,6 +16,7 @@ from firstcontact.body.polyhedron.triangulate import shapes, triangulate
 from firstcontact.errors import InputError, shown
 from firstcontact.exact.numbers import fraction, rational, to_double
 from firstcontact.exact.rigid import IDENTITY, Matrix, apply, compose
+from firstcontact.motion.value import numbers
 
 # Largest coordinate: error bounds multiply three of them and a time, far from overflow.
 LARGEST = 2.0**150
@@ -120,6 +121,33 @@ class Polyhedron(Placing):
             f"{len(self.edges)} edges, {self.n_faces} faces>"
         )
 
+    def _facts(self) -> tuple[Any, ...]:
+        if self._rings is None:
+            faces: tuple[bytes, ...] = (self.triangles.tobytes(),)
+        else:  # whatever triangles they were cut into
+            faces = *(x.tobytes() for x in self._rings), np.asarray(self._sides).tobytes()
+        return self.solid, self._places(), faces, self.edges.tobytes()
+
+    def _places(self) -> Any:
+        """The exact coordinates of the vertices, hashable: doubles where they are exact."""
+        if self.error == 0.0:
+            return (self.vertices + 0.0).tobytes()  # without -0.0
+        if self._pose is not None:
+            return self._pose, self._matrix, self._base.tobytes(), repr(self._fractions)
+        return tuple(self.exact_vertex(i) for i in range(len(self.vertices)))
+
+    def _table(self) -> dict[str, Any]:
+        if self._pose is not None:
+            raise InputError(f"{self!r} stands in an irrational pose, which no numbers tell; write it before it moves")
+        edges = self._segments[: self._given_edges].tolist()
+        return {
+            "shape": "polyhedron",
+            "vertices": self.vertices.tolist() if self.error == 0.0 else numbers(self._places()),
+            "faces": self.triangles.tolist() if self._rings is None else _polygons(self._rings, self._sides),
+            **({"edges": edges} if edges else {}),
+            "solid": self.solid,
+        }
+
     # -- inside ---------------------------------------------------------------------------------------------
 
     def _with(self, **changes: Any) -> Polyhedron:
@@ -175,6 +203,8 @@ class Polyhedron(Placing):
     solid: bool
     _closed: bool
     _sides: np.ndarray | None
+    _rings: tuple[np.ndarray, np.ndarray] | None
+    """Of polygons: how many rings each has, and how many sides each ring; `_sides` lists these in order."""
     _side_edge: np.ndarray
     _segments: np.ndarray
     _given_edges: int
@@ -247,7 +277,7 @@ def _read_faces(body: Polyhedron, faces: Any, who: str) -> None:
         body.triangles = np.ascontiguousarray(array, np.int32)
         body.triangle_face = np.arange(len(array), dtype=np.int32)
         body.n_faces = len(array)
-        body._sides = None
+        body._sides = body._rings = None
     else:
         triangles: list[tuple[int, int, int]] = []
         owner: list[int] = []
@@ -266,7 +296,18 @@ def _read_faces(body: Polyhedron, faces: Any, who: str) -> None:
         body.triangle_face = np.array(owner, np.int32)
         body.n_faces = len(faces)
         body._sides = np.array(sides, np.int32).reshape(-1, 2)
+        sizes = [len(ring) for rings in polygons for ring in rings]
+        body._rings = np.array([len(rings) for rings in polygons], np.int32), np.array(sizes, np.int32)
     body.triangles.flags.writeable = False
+
+
+def _polygons(rings: tuple[np.ndarray, np.ndarray], sides: Any) -> list[Any]:
+    """The faces as they were given: a ring of vertices, or a list of rings where there are holes."""
+    counts, sizes = rings
+    parts = [ring.tolist() for ring in np.split(sides[:, 0], np.cumsum(sizes)[:-1])] if len(sizes) else []
+    ends = np.cumsum(counts).tolist()
+    faces = [parts[end - count : end] for count, end in zip(counts.tolist(), ends, strict=True)]
+    return [face[0] if len(face) == 1 else face for face in faces]
 
 
 def _fans(vertices: np.ndarray, polygons: list[list[list[int]]]) -> set[int]:

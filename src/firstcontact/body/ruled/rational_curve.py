@@ -15,6 +15,7 @@ from firstcontact.exact.expressions import context, read_tuple
 from firstcontact.exact.numbers import rational, to_double
 from firstcontact.exact.rigid import Matrix
 from firstcontact.motion.translation import LARGEST
+from firstcontact.motion.value import numbers
 
 VARIABLES = ("u", "T")
 RING = context(VARIABLES)
@@ -182,7 +183,23 @@ class RationalCurve:
         p, q = (lifted(curve.components) for curve in (self, other))
         return all(p[i] * q[3] == q[i] * p[3] for i in range(3))
 
-    __hash__ = None  # type: ignore[assignment]
+    def __hash__(self) -> int:
+        return hash(self.key())
+
+    def key(self) -> tuple[Any, ...]:
+        """The same, and hashable, for equal curves: their coefficients, the first one positive."""
+        tables = [sorted((power, int(c)) for power, c in terms(x).items()) for x in self.components]
+        sign = 1 if next(c for table in tables for _, c in table) > 0 else -1
+        return tuple(tuple((power, sign * c) for power, c in table) for table in tables)
+
+    def table(self) -> dict[str, Any]:
+        """Coefficients as the class and scene files take them: by powers of u, of T within these."""
+        size = fmpz(max(abs(c) for x in self.components for c in terms(x).values()))
+        scale = size if size >= LARGEST else fmpz(1)
+        rows = [numbers([[fmpq(c, scale) for c in own] for own in x]) for x in self.coefficients]
+        if not self.deforming:
+            rows = [[own[0] for own in row] for row in rows]
+        return {"numerators": rows[:3], "denominator": rows[3]}
 
     def __str__(self) -> str:
         w = self.components[3]

@@ -9,6 +9,7 @@ import numpy as np
 
 from firstcontact.body.placing import Placing
 from firstcontact.body.ruled.bounds import hull
+from firstcontact.body.ruled.joints import proved_joints
 from firstcontact.body.ruled.surface import RuledSurface
 from firstcontact.errors import InputError
 from firstcontact.exact.rigid import Matrix
@@ -68,6 +69,14 @@ class RuledStrip(Placing):
         from firstcontact.body.ruled.mesh import mesh
 
         return mesh(self.pieces, tolerance, self.name)
+
+    def _facts(self) -> tuple[Any, ...]:
+        return tuple(piece._facts() for piece in self.pieces)
+
+    def _table(self) -> dict[str, Any]:
+        joints = proved_joints(self.pieces)
+        pieces = [piece._piece(piece.joined & own) for piece, own in zip(self.pieces, joints, strict=True)]
+        return {"shape": "ruled", "pieces": pieces}
 
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "_search": {}}

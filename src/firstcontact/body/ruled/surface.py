@@ -15,6 +15,7 @@ from flint import fmpq, fmpz_mpoly, fmpz_poly
 
 from firstcontact.body.placing import Placing
 from firstcontact.body.ruled.bounds import Box, curve_box, hull
+from firstcontact.body.ruled.joints import proved_joints
 from firstcontact.body.ruled.rational_curve import RationalCurve, derivative, in_u, lifted, terms, text_of
 from firstcontact.errors import InputError
 from firstcontact.exact.expressions import context, read_inequalities
@@ -23,6 +24,7 @@ from firstcontact.exact.numbers import fraction, rational, to_double
 from firstcontact.exact.polynomials import bernstein
 from firstcontact.exact.rigid import Matrix
 from firstcontact.motion.translation import LARGEST
+from firstcontact.motion.value import numbers
 
 if TYPE_CHECKING:
     from firstcontact.body.ruled.strip import RuledStrip
@@ -270,6 +272,25 @@ class RuledSurface(Placing):
         s = "whole rulings" if self.s is None else f"s in {_text(self.s)}"
         rest = (["trimmed"] if self.trim else []) + (["deforming"] if self.deforming else [])
         return f"<RuledSurface{name}: {', '.join([degrees, u, s, *rest])}>"
+
+    def _facts(self) -> tuple[Any, ...]:
+        trims = frozenset(frozenset((key, int(c)) for key, c in x.polynomial.to_dict().items()) for x in self.trim)
+        return self.first.key(), self.second.key(), self.u, self.s, trims, self.joined
+
+    def _table(self) -> dict[str, Any]:
+        return {"shape": "ruled", **self._piece(self.joined & proved_joints([self])[0])}
+
+    def _piece(self, joined: frozenset[str]) -> dict[str, Any]:
+        """Directrices and ranges as scene files have them, with the borders that are none of the whole body."""
+        trims = [str(x) for x in self.trim]
+        return {
+            "first": self.first.table(),
+            "second": self.second.table(),
+            "u": "all" if self.u is None else numbers([rational(x, "u") for x in self.u]),
+            "s": "all" if self.s is None else numbers([rational(x, "s") for x in self.s]),
+            **({"trim": trims} if trims else {}),
+            **({"joined": sorted(joined)} if joined else {}),
+        }
 
     # -- inside ---------------------------------------------------------------------------------------------
 

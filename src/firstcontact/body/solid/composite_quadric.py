@@ -39,6 +39,7 @@ from firstcontact.body.solid.csg import (
 from firstcontact.body.solid.feature_names import Names, Part
 from firstcontact.body.solid.features import Edge, Face, Features, Vertex, derive
 from firstcontact.body.solid.neighbourhood import patterns
+from firstcontact.body.solid.recipe import Recipe, combined
 from firstcontact.body.solid.regions import Reach, Regions, grows_with_leaves, reaches_of, simplified
 from firstcontact.errors import InputError, shown
 from firstcontact.exact.numbers import exact_value, to_double
@@ -104,6 +105,8 @@ class CompositeQuadric(Placing):
         """The unbounded model of which this one is the part that matters, if it is."""
         self.source: Any = None
         """The polyhedron this model stands for, if it does."""
+        self.recipe: Recipe | None = None
+        """How it was made, where that is known: not of the models that searches make."""
         self._validate()
 
     # -- features -------------------------------------------------------------------------------------------
@@ -148,7 +151,7 @@ class CompositeQuadric(Placing):
         leaves: list[Tree] = [Leaf(kept.index(k)) if k in kept else Leaf(-1) for k in range(len(self.surfaces))]
         return self._with(
             surfaces=tuple(self.surfaces[k] for k in kept), tree=renumbered(tree, leaves), forms=self.forms[kept],
-            parts=(), _box=None, _reaches=tuple(self._reaches[k] for k in kept),
+            parts=(), _box=None, _reaches=tuple(self._reaches[k] for k in kept), recipe=None,
         )  # fmt: skip
 
     def of_whole(self, feature: Face | Edge | Vertex) -> Face | Edge | Vertex:
@@ -173,15 +176,15 @@ class CompositeQuadric(Placing):
     # -- combining ------------------------------------------------------------------------------------------
 
     def __or__(self, other: CompositeQuadric) -> CompositeQuadric:
-        return self._combined(other, Or)
+        return self._combined(other, "|", Or)
 
     def __and__(self, other: CompositeQuadric) -> CompositeQuadric:
-        return self._combined(other, And)
+        return self._combined(other, "&", And)
 
     def __sub__(self, other: CompositeQuadric) -> CompositeQuadric:
-        return self._combined(other, lambda a, b: And(a, Not(b)), subtract=True)
+        return self._combined(other, "-", lambda a, b: And(a, Not(b)), subtract=True)
 
-    def _combined(self, other: Any, operation: Any, *, subtract: bool = False) -> CompositeQuadric:
+    def _combined(self, other: Any, sign: str, operation: Any, *, subtract: bool = False) -> CompositeQuadric:
         if not isinstance(other, CompositeQuadric):
             refused: CompositeQuadric = NotImplemented
             return refused
@@ -206,7 +209,9 @@ class CompositeQuadric(Placing):
             tree = operation(self.tree, tree)
             box = _hull(self._box, other._box) if operation is Or else _overlap(self._box, other._box)
         witness = self._witness or other._witness
-        return CompositeQuadric(surfaces, tree, parts, box=box, reaches=reaches, witness=witness)
+        made = CompositeQuadric(surfaces, tree, parts, box=box, reaches=reaches, witness=witness)
+        made.recipe = combined(sign, self, other)
+        return made
 
     def _part_in(self, box: Box | None) -> Box | None:
         """A box that holds what is of the solid in a box; close to it where that is soon found.
@@ -259,6 +264,7 @@ class CompositeQuadric(Placing):
             _box=box,
             _reaches=tuple(Reach(boxes[reach.box], reach.outside) for reach in self._reaches),
             _witness=witness,
+            recipe=None if self.recipe is None else self.recipe.moved(matrix),
         )
 
     # -- looking --------------------------------------------------------------------------------------------
@@ -387,6 +393,14 @@ class CompositeQuadric(Placing):
         name = f" {self.name!r}" if self.name else ""
         counts = (len(self.faces), "face"), (len(self.edges), "edge"), (len(self.vertices), "vertex")
         return f"<CompositeQuadric{name}: {', '.join(_count(n, what) for n, what in counts)}>"
+
+    def _facts(self) -> tuple[Any, ...]:
+        return self.surfaces, self.tree, self.parts
+
+    def _table(self) -> dict[str, Any]:
+        if self.recipe is None:
+            raise InputError(f"{self._who} was made by a search, not by builders; write the body it came from")
+        return self.recipe.written()
 
     # -- inside ---------------------------------------------------------------------------------------------
 

@@ -24,6 +24,7 @@ from firstcontact.body.solid.composite_quadric import LEAST, CompositeQuadric, f
 from firstcontact.body.solid.csg import And, Leaf, Not, Or
 from firstcontact.body.solid.feature_names import Part
 from firstcontact.body.solid.intersections import linear_factors
+from firstcontact.body.solid.recipe import recorded
 from firstcontact.errors import InputError, shown
 from firstcontact.exact.numbers import rational
 from firstcontact.motion.translation import LARGEST, vector3
@@ -31,6 +32,7 @@ from firstcontact.motion.translation import LARGEST, vector3
 ORIGIN = (ZERO, ZERO, ZERO)
 
 
+@recorded
 def box(size: Iterable[Any], *, name: str | None = None) -> CompositeQuadric:
     """The box centred on the origin with edges `size` = (x, y, z) long; faces "x-", "x+", "y-", ...
 
@@ -46,11 +48,13 @@ def box(size: Iterable[Any], *, name: str | None = None) -> CompositeQuadric:
     return solid(leaves, box=(tuple(-x for x in half), half), witness=ORIGIN, name=name)
 
 
+@recorded
 def sphere(radius: Any, *, name: str | None = None) -> CompositeQuadric:
     """The ball about the origin; its face is "surface"."""
     return _ellipsoid((_positive(radius, "sphere radius"),) * 3, name)
 
 
+@recorded
 def ellipsoid(radii: Iterable[Any], *, name: str | None = None) -> CompositeQuadric:
     """x^2/a^2 + y^2/b^2 + z^2/c^2 <= 1 for radii = (a, b, c); its face is "surface"."""
     return _ellipsoid(_positive3(radii, "ellipsoid radii"), name)
@@ -62,6 +66,7 @@ def _ellipsoid(radii: Vector, name: str | None) -> CompositeQuadric:
     return solid([("surface", surface)], box=(tuple(-r for r in radii), radii), witness=ORIGIN, name=name)
 
 
+@recorded
 def cylinder(
     radius: Any = None, height: Any = None, *, radii: Any = None, name: str | None = None
 ) -> CompositeQuadric:
@@ -83,6 +88,7 @@ def cylinder(
     return solid(leaves, RIMS, box=((-a, -b, -h), (a, b, h)), witness=ORIGIN, name=name)
 
 
+@recorded
 def cone(radius: Any, height: Any, *, name: str | None = None) -> CompositeQuadric:
     """The cone about z with its base at z = 0 and its tip at z = height.
 
@@ -91,6 +97,7 @@ def cone(radius: Any, height: Any, *, name: str | None = None) -> CompositeQuadr
     return _frustum(_positive(radius, "cone radius"), ZERO, _positive(height, "cone height"), name)
 
 
+@recorded
 def frustum(bottom: Any, top: Any, height: Any, *, name: str | None = None) -> CompositeQuadric:
     """The truncated cone about z: radius `bottom` at z = 0 and `top` at z = height; one of them may be 0."""
     r0, r1 = _not_negative(bottom, "frustum bottom"), _not_negative(top, "frustum top")
@@ -109,6 +116,7 @@ def _frustum(r0: fmpq, r1: fmpq, h: fmpq, name: str | None) -> CompositeQuadric:
     return solid(leaves, RIMS, box=((-r, -r, ZERO), (r, r, h)), witness=(ZERO, ZERO, h / 2), name=name)
 
 
+@recorded
 def paraboloid(radii: Any, height: Any, *, name: str | None = None) -> CompositeQuadric:
     """x^2/a^2 + y^2/b^2 <= z <= height; radii: one number or (a, b).  Faces "side", "top", edge "rim.top"."""
     a, b = _radii(radii, "paraboloid radii")
@@ -128,6 +136,7 @@ def paraboloid(radii: Any, height: Any, *, name: str | None = None) -> Composite
     )
 
 
+@recorded
 def hyperboloid(radii: Iterable[Any], height: Any, sheets: int = 1, *, name: str | None = None) -> CompositeQuadric:
     """x^2/a^2 + y^2/b^2 - z^2/c^2 <= 1 and |z| <= height/2 for radii = (a, b, c).
 
@@ -148,6 +157,7 @@ def hyperboloid(radii: Iterable[Any], height: Any, sheets: int = 1, *, name: str
     return solid([("side", side), ("top", up(hi)), ("bottom", down(lo))], RIMS, box=box_, witness=witness, name=name)
 
 
+@recorded
 def half_space(normal: Iterable[Any], offset: Any, *, name: str | None = None) -> CompositeQuadric:
     """normal . x <= offset; its face is "plane"."""
     n = vector3(normal, "half_space normal")
@@ -156,6 +166,7 @@ def half_space(normal: Iterable[Any], offset: Any, *, name: str | None = None) -
     return solid([("plane", plane(n, rational(offset, "half_space offset")))], name=name)
 
 
+@recorded
 def quadric(matrix: Any, *, name: str | None = None) -> CompositeQuadric:
     """X^T Q X <= 0 for X = (x, y, z, 1) and a symmetric 4x4 matrix Q; its face is "surface".
 

@@ -15,6 +15,7 @@ import numpy as np
 from flint import fmpq
 
 from firstcontact.body.kept import Kept
+from firstcontact.body.ruled.joints import share_ruling
 from firstcontact.body.ruled.surface import RuledSurface
 from firstcontact.exact.numbers import rational, to_double
 from firstcontact.kernels.curves import nets
@@ -149,18 +150,7 @@ def _runs(pieces: Sequence[RuledSurface]) -> Iterator[list[RuledSurface]]:
 def _follows(a: RuledSurface, b: RuledSurface) -> bool:
     if a.u is None or b.u is None or "u1" not in a.joined or "u0" not in b.joined or a.u[1] != b.u[0]:
         return False
-    return _shared(a, 1, b, 0)
-
-
-def _shared(a: RuledSurface, end_a: int, b: RuledSurface, end_b: int) -> bool:
-    """Whether two rulings have the same ends."""
-    assert a.u is not None and b.u is not None
-    u, v = rational(a.u[end_a], "u"), rational(b.u[end_b], "u")
-    for x, y in zip(a.sides, b.sides, strict=True):
-        p, q = [c(u) for c in x.components], [c(v) for c in y.components]
-        if any(p[k] * q[3] != q[k] * p[3] for k in range(3)):
-            return False
-    return True
+    return share_ruling(a, 1, b, 0)
 
 
 def _chain(run: list[RuledSurface]) -> Chain:
@@ -174,7 +164,7 @@ def _chain(run: list[RuledSurface]) -> Chain:
         piece_of += [k] * (len(parts) - len(piece_of))
     first, last = run[0], run[-1]
     closed = first.u is None or (
-        "u0" in first.joined and "u1" in last.joined and len(run) > 1 and _shared(last, 1, first, 0)
+        "u0" in first.joined and "u1" in last.joined and len(run) > 1 and share_ruling(last, 1, first, 0)
     )
     points = np.array([row for row, _, _ in parts]).reshape(len(parts), 8, degree + 1)
     ranges = np.array([[[to_double(x) for x in end] for end in (lo, hi)] for _, lo, hi in parts])

@@ -1,0 +1,63 @@
+"""Motions as values: equal where they hold the same numbers, and written as scene files have them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from flint import fmpq
+
+from firstcontact.exact.numbers import to_double
+from firstcontact.result import SCHEMA, Written
+
+# Whole numbers up to there are JSON numbers for every reader; larger ones are texts.
+LARGEST_WHOLE = 2**53
+
+
+class Motion(Written):
+    """Equal to motions of its class with the same exact numbers.  The hash is kept: searches look motions up by it."""
+
+    __slots__ = ("_hash",)
+    _hash: int
+
+    def _facts(self) -> tuple[Any, ...]:
+        """The numbers that make the motion what it is, hashable."""
+        raise NotImplementedError
+
+    def _table(self) -> dict[str, Any]:
+        """The motion as a table of a scene file."""
+        raise NotImplementedError
+
+    def to_dict(self) -> dict[str, Any]:
+        """The motion's table in a scene file; exact numbers that no double holds are texts such as "1/3"."""
+        return {"schema": SCHEMA, **self._table()}
+
+    def __eq__(self, other: object) -> bool:
+        if self is other:
+            return True
+        if not isinstance(other, Motion) or type(self) is not type(other):
+            return NotImplemented
+        return self._facts() == other._facts()
+
+    def __hash__(self) -> int:
+        try:
+            return self._hash
+        except AttributeError:
+            self._hash = hash(self._facts())
+            return self._hash
+
+
+def number(x: fmpq) -> int | float | str:
+    """An exact number as scene files and JSON have it: a double where one holds it, else a text.
+
+    >>> number(fmpq(3)), number(fmpq(1, 2)), number(fmpq(1, 10)), number(fmpq(2) ** 60)
+    (3, 0.5, '1/10', '1152921504606846976')
+    """
+    if x.q == 1:
+        return int(x.p) if abs(x.p) <= LARGEST_WHOLE else str(x)
+    near = to_double(x)
+    return near if fmpq(*near.as_integer_ratio()) == x else str(x)
+
+
+def numbers(values: Any) -> Any:
+    """`number` of exact numbers in tuples or lists of any depth."""
+    return number(values) if isinstance(values, fmpq) else [numbers(x) for x in values]
