@@ -105,7 +105,7 @@ def test_an_interrupt_returns_130(command, cubes, monkeypatch):
 
     monkeypatch.setattr(query, "first_contact", interrupted)
     code, out, err = command("check", cubes("1.1"))
-    assert code == 130 and out == "" and err == "firstcontact: interrupted\n"
+    assert code == 130 and out == "" and err == "firstcontact: interrupted; 0 of 1 decided; left / right\n"
 
 
 def test_progress_appears_on_stderr_after_a_while(command, cubes, monkeypatch):

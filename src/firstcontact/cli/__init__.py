@@ -85,8 +85,8 @@ def run(arguments: list[str]) -> int:
         return _fail(f"{error.format_message()} See '{command} --help'.")
     except FirstContactError as error:
         return _fail(str(error))
-    except KeyboardInterrupt:
-        click.echo("firstcontact: interrupted", err=True)
+    except KeyboardInterrupt as stop:
+        _say(f"interrupted; {stop}" if str(stop) else "interrupted")
         return INTERRUPTED
     except BrokenPipeError:
         _forget_the_rest()

@@ -8,11 +8,14 @@ import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from firstcontact.errors import FirstContactError, InputError
+
+if TYPE_CHECKING:
+    from firstcontact.cli.progress import Progress
 
 FREE, CONTACT, UNDECIDED = 0, 1, 2
 
@@ -67,8 +70,7 @@ def _changes(body: Any) -> bool:
 
 
 def answer_checks(scene_file: str, options: Options, verb_name: str) -> list[Any]:
-    """The verb's results for all checks of the scene, in order."""
-    from firstcontact.cli.progress import Progress
+    """The verb's results for all checks of the scene, in order; their text is printed as they come."""
     from firstcontact.scene.load import load_scene
 
     check_target(options.json, options.html)
@@ -83,36 +85,59 @@ def answer_checks(scene_file: str, options: Options, verb_name: str) -> list[Any
             "give one a [body.NAME.motion]", stacklevel=1,
         )  # fmt: skip
     verb = getattr(query, verb_name)
-    results = []
-    with Progress(options.progress, len(scene.checks)) as progress:
-        for check in scene.checks:
-            arguments = check.arguments()
-            if span is not None:
-                arguments["span"] = span
-            arguments["exact"] = check.exact or options.exact
-            progress.start(f"{check.a} / {check.b}")
+
+    def answer(check: Any, progress: Progress) -> Any:
+        a, b = scene.bodies[check.a], scene.bodies[check.b]
+        arguments = {**check.arguments(), "exact": check.exact or options.exact}
+        if span is not None:
+            arguments["span"] = span
+        progress.start(f"{check.a} / {check.b}", _span_shown(arguments["span"], a, b))
+        return verb(a, b, progress=progress.report, **arguments)
+
+    return answer_all(scene.path, "check", scene.checks, answer, options)
+
+
+def _span_shown(span: Any, a: Any, b: Any) -> tuple[float, float]:
+    """The times that are asked about, in doubles, where they are known before a verb has looked."""
+    if span is not None:
+        return float(span[0]), float(span[1])
+    spans = [x.motion.span for x in (a, b) if hasattr(x, "motion")]
+    return max((x[0] for x in spans), default=0.0), min((x[1] for x in spans), default=1.0)
+
+
+def answer_all(
+    path: Path, what: str, questions: Sequence[Any], answer: Callable[[Any, Progress], Any], options: Options
+) -> list[Any]:
+    """The answers, each printed as soon as it is there, unless JSON alone is.
+
+    Interrupted, it delivers what is decided before it lets go.
+    """
+    from firstcontact.cli.progress import Progress
+
+    results: list[Any] = []
+    with Progress(options.progress, len(questions)) as progress:
+        for question in questions:
             try:
-                result = verb(
-                    scene.bodies[check.a], scene.bodies[check.b], progress=progress.report, **arguments
-                )
+                results.append(answer(question, progress))
+                if options.json != "-":
+                    progress.say(str(results[-1]))
             except FirstContactError as error:
-                raise type(error)(f"{scene.path}: check {check.a} / {check.b}: {error}") from error
-            results.append(result)
+                raise type(error)(f"{path}: {what} {question.a} / {question.b}: {error}") from error
+            except KeyboardInterrupt:
+                deliver(results, options, interrupted=True)
+                raise KeyboardInterrupt(f"{len(results)} of {len(questions)} decided; {progress.state}") from None
     return results
 
 
-def deliver(results: list[Any], options: Options) -> None:
-    """Text or JSON to stdout, and the files that were asked for."""
+def deliver(results: list[Any], options: Options, *, interrupted: bool = False) -> None:
+    """JSON to stdout, and the files that were asked for; interrupted: what is decided, and that there was more."""
     if options.json is not None:
-        text = json.dumps(_document(results), indent=1)
+        text = json.dumps(_document(results, interrupted), indent=1)
         if options.json == "-":
             click.echo(text)
         else:
             _write(options.json, lambda path: path.write_text(text + "\n", encoding="utf-8"))
-    if options.json != "-":
-        for result in results:
-            click.echo(str(result))
-    if options.html is not None:
+    if options.html is not None and (results or not interrupted):
         from firstcontact.view.html import write_page
 
         _write(options.html, lambda path: write_page(path, results))
@@ -171,8 +196,10 @@ def _write(path: str, write: Callable[[Path], Any]) -> None:
         raise InputError(f"{path}: {(error.strerror or str(error)).lower()}; choose another file") from error
 
 
-def _document(results: list[Any]) -> dict[str, Any]:
+def _document(results: list[Any], interrupted: bool) -> dict[str, Any]:
     from firstcontact import __version__
-    from firstcontact.result import finite
+    from firstcontact.result import SCHEMA, finite
 
-    return {"schema": 1, "version": __version__, "checks": [finite(r.to_dict()) for r in results]}
+    checks = [{key: x for key, x in finite(r.to_dict()).items() if key != "schema"} for r in results]
+    more = {"interrupted": True} if interrupted else {}
+    return {"schema": SCHEMA, "version": __version__, **more, "checks": checks}

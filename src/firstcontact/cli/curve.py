@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from firstcontact.cli import common
-from firstcontact.errors import FirstContactError, InputError
+from firstcontact.errors import InputError
+
+if TYPE_CHECKING:
+    from firstcontact.cli.progress import Progress
 
 
 @common.resting_scene_command
@@ -29,26 +32,22 @@ def curve(scene: str, options: common.Options, **asked: Any) -> int:
 
 
 def _curves(scene_file: str, options: common.Options, asked: dict[str, Any]) -> list[Any]:
-    from firstcontact.cli.progress import Progress
     from firstcontact.query import intersection_curve
     from firstcontact.scene.load import load_scene
 
     scene = load_scene(scene_file)
     common.refuse_single(scene.path, scene.curves)
-    results: list[Any] = []
-    with Progress(options.progress, len(scene.curves)) as progress:
-        for given in scene.curves:
-            question = replace(given, **asked)
-            progress.wait_for(f"{question.a} / {question.b}")
-            try:
-                p, q = (_resting(scene.bodies[key], key, question.at) for key in (question.a, question.b))
-                result = intersection_curve(p, q, **question.arguments())
-                if options.json is not None:
-                    result.to_dict()  # exact ends may take long; the result keeps them
-            except FirstContactError as error:
-                raise type(error)(f"{scene.path}: curve {question.a} / {question.b}: {error}") from error
-            results.append(result)
-    return results
+
+    def answer(question: Any, progress: Progress) -> Any:
+        progress.start(f"{question.a} / {question.b}")
+        p, q = (_resting(scene.bodies[key], key, question.at) for key in (question.a, question.b))
+        result = intersection_curve(p, q, **question.arguments())
+        if options.json is not None:
+            result.to_dict()  # exact ends may take long; the result keeps them
+        return result
+
+    questions = [replace(given, **asked) for given in scene.curves]
+    return common.answer_all(scene.path, "curve", questions, answer, options)
 
 
 def _resting(body: Any, key: str, time: Any) -> Any:

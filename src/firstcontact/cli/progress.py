@@ -1,72 +1,106 @@
-"""A progress line on stderr that appears only when the work takes long."""
+"""A line on stderr that tells, when the work takes long, how far it is; results that are printed as they come."""
 
 from __future__ import annotations
 
 import math
+import shutil
 import sys
 import threading
 import time
 from types import TracebackType
-from typing import Any
 
-# Seconds of work before the line appears: shorter runs stay silent, and never pay the import of rich.
+import click
+
+# Seconds of work before the line appears: shorter runs stay silent.
 PATIENCE = 0.5
+# Seconds between two looks of the line on a terminal, and between two lines in a log.
+TICK, LOG_TICK = 0.2, 10.0
+# Share of the work from which on it tells how long the rest may take.
+TELLING = 0.02
+ERASE = "\r\x1b[2K"
 
 
 class Progress:
     """Context for `total` checks; `report` is the verbs' progress callback.
 
-    wanted: True shows it, False never does, None does when stderr is a terminal.
+    wanted: True shows the line, False never does, None does when stderr is a terminal.  A thread shows it, so that it
+    goes on where a search reports nothing.
     """
 
     def __init__(self, wanted: bool | None, total: int) -> None:
-        self._wanted = sys.stderr.isatty() if wanted is None else wanted
+        self._on_terminal = sys.stderr is not None and sys.stderr.isatty()
+        self._wanted = self._on_terminal if wanted is None else wanted
         self._total = total
         self._begun = 0
         self._since = time.monotonic()
-        self._label = ""
-        self._display: Any = None
-        self._task: Any = None
-        self._patience: threading.Timer | None = None
+        self._label, self._span = "", (0.0, math.inf)
+        self._proved: float | None = None
+        self._work = 0
+        self._ended = threading.Event()
+        self._writing = threading.Lock()
+        self._shown = False
+        self._ticker = threading.Thread(target=self._tick, daemon=True)
 
-    def start(self, label: str) -> None:
-        """The next check begins."""
+    def start(self, label: str, span: tuple[float, float] = (0.0, math.inf)) -> None:
+        """The next check begins, over that span of time."""
         self._begun += 1
+        self._proved, self._work, self._span = None, 0, span
         self._label = label if self._total == 1 else f"{label} ({self._begun} of {self._total})"
 
     def report(self, free_until: float | None, work: int) -> None:
         """Called by a verb now and then: proved free so far, units of work done."""
-        if not self._wanted or time.monotonic() - self._since < PATIENCE:
-            return
-        if self._display is None:
-            self._open()
-        known = free_until is not None and math.isfinite(free_until)
-        proved = f"free until {free_until:.6g}" if known else "searching"
-        description = f"{self._label}: {proved}, {work:,} steps"
-        self._display.update(self._task, description=description, completed=self._begun - 1)
+        self._proved = free_until if free_until is not None and math.isfinite(free_until) else None
+        self._work = work
 
-    def wait_for(self, label: str) -> None:
-        """The next check begins, of which nothing is reported: only its name and the time are shown."""
-        self.start(label)
-        if self._display is not None:
-            self._display.update(self._task, description=self._label, completed=self._begun - 1)
-        elif self._wanted and self._patience is None:
-            self._patience = threading.Timer(PATIENCE, self._open)
-            self._patience.daemon = True
-            self._patience.start()
+    def say(self, text: str) -> None:
+        """Print a result, out of the line's way."""
+        with self._writing:
+            self._erase()
+            click.echo(text)
+            sys.stdout.flush()
 
-    def _open(self) -> None:
-        from rich.console import Console
-        from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
-        from rich.progress import Progress as Display
+    @property
+    def state(self) -> str:
+        """What is known of the check at work."""
+        proved = "searching" if self._proved is None else f"free until {self._proved:.6g}"
+        return f"{self._label}: {proved}, {self._work:,} steps" if self._work else self._label
 
-        columns = (BarColumn(20), TextColumn("{task.description}"), TimeElapsedColumn())
-        # Off a terminal rich prints the line once, at the end: someone asked for it in a log.
-        self._display = Display(*columns, console=Console(stderr=True), transient=sys.stderr.isatty())
-        self._task = self._display.add_task(self._label, total=self._total if self._total > 1 else None)
-        self._display.start()
+    def _line(self) -> str:
+        spent = time.monotonic() - self._since
+        share = (self._begun - 1 + self._share()) / self._total
+        left = f", about {_duration(spent * (1 - share) / share)} left" if TELLING < share < 1 else ""
+        return f"{self.state}; {_duration(spent)}{left}"
+
+    def _share(self) -> float:
+        """How much of the present check's span is proved."""
+        first, last = self._span
+        if self._proved is None or not math.isfinite(last - first) or last <= first:
+            return 0.0
+        return min(max((self._proved - first) / (last - first), 0.0), 1.0)
+
+    def _tick(self) -> None:
+        wait = PATIENCE
+        while not self._ended.wait(wait):
+            self._show()
+            wait = TICK if self._on_terminal else LOG_TICK
+
+    def _show(self) -> None:
+        with self._writing:
+            self._erase()
+            line = self._line()
+            if self._on_terminal:
+                line = line[: shutil.get_terminal_size().columns - 1]
+            click.echo(line, err=True, nl=not self._on_terminal)
+            self._shown = self._on_terminal
+
+    def _erase(self) -> None:
+        if self._shown:
+            click.echo(ERASE, err=True, nl=False)
+            self._shown = False
 
     def __enter__(self) -> Progress:
+        if self._wanted:
+            self._ticker.start()
         return self
 
     def __exit__(
@@ -75,8 +109,21 @@ class Progress:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        if self._patience is not None:
-            self._patience.cancel()
-            self._patience.join()  # it may be opening the display
-        if self._display is not None:
-            self._display.stop()
+        self._ended.set()
+        if self._wanted:
+            self._ticker.join()
+            if not self._on_terminal and time.monotonic() - self._since >= PATIENCE:
+                self._show()  # a log ends with how far it came
+        self._erase()
+
+
+def _duration(seconds: float) -> str:
+    """In words as short as they are useful.
+
+    >>> _duration(4.2), _duration(75), _duration(7300)
+    ('4 s', '1 min 15 s', '2 h 1 min')
+    """
+    whole = round(seconds)
+    if whole < 60:
+        return f"{whole} s"
+    return f"{whole // 60} min {whole % 60} s" if whole < 3600 else f"{whole // 3600} h {whole % 3600 // 60} min"
