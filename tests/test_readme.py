@@ -36,6 +36,11 @@ def test_the_session_on_curved_solids_prints_what_it_says():
     assert doctest.DocTestRunner().run(session).failed == 0 and len(session.examples) == 5
 
 
+def test_the_session_on_objects_prints_what_it_says():
+    session = doctest.DocTestParser().get_doctest(block("python console"), {"fc": fc}, "README", "README.md", 0)
+    assert doctest.DocTestRunner().run(session).failed == 0 and len(session.examples) == 2
+
+
 def test_the_main_command_gives_the_same_answer(capsys):
     assert run(["check", str(ROOT / "examples" / "lid.toml")]) == 1
     assert block("text").startswith(capsys.readouterr().out)

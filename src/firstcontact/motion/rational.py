@@ -133,6 +133,9 @@ class RationalMotion(Motion):
     def _facts(self) -> tuple[Any, ...]:
         return self.coefficients
 
+    def _quick(self) -> Iterable[fmpq]:
+        return (x for matrix in self.coefficients for row in matrix for x in row)
+
     def _table(self) -> dict[str, Any]:
         off = {"correction": self.correction} if self.correction else {}
         return {"type": "rational", "coefficients": numbers(self.coefficients), **off}

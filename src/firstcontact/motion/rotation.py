@@ -67,6 +67,9 @@ class Rotation(Motion):
     def _facts(self) -> tuple[Any, ...]:
         return self.axis, self.point, self.unit, self.angle
 
+    def _quick(self) -> Iterable[fmpq]:
+        return *self.axis, *self.point, self.angle
+
     def _table(self) -> dict[str, Any]:
         return {"type": "rotation", **turn_table(self)}
 

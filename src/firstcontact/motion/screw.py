@@ -95,6 +95,9 @@ class Screw(Motion):
     def _facts(self) -> tuple[Any, ...]:
         return self.axis, self.point, self.unit, self.angle, self.advance
 
+    def _quick(self) -> Iterable[fmpq]:
+        return *self.axis, *self.point, self.angle, self.advance
+
     def _table(self) -> dict[str, Any]:
         return {"type": "screw", **turn_table(self), "advance": number(self.advance)}
 

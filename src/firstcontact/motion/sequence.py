@@ -115,6 +115,9 @@ class Sequence(Motion):
     def _facts(self) -> tuple[Any, ...]:
         return self.steps, self.ends
 
+    def _quick(self) -> Iterable[fmpq]:
+        return (x for step in self.steps for x in step._quick())
+
     def _table(self) -> dict[str, Any]:
         steps = [step._table() for step in self.steps]
         return {"type": "sequence", "durations": numbers(self.durations), "steps": steps}

@@ -133,6 +133,9 @@ class Trajectory(Motion):
     def _facts(self) -> tuple[Any, ...]:
         return self.interpolation, self.times, tuple((p.quaternion, p.vector) for p in self.poses), self.steps
 
+    def _quick(self) -> Iterable[fmpq]:
+        return (x for pose in self.poses for x in (*pose.vector, *pose.quaternion))
+
     def _table(self) -> dict[str, Any]:
         return {
             "type": "trajectory",

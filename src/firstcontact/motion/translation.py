@@ -78,6 +78,9 @@ class Translation(Motion):
     def _facts(self) -> tuple[Any, ...]:
         return self.vector
 
+    def _quick(self) -> Iterable[fmpq]:
+        return self.vector
+
     def _table(self) -> dict[str, Any]:
         return {"type": "translation", "vector": numbers(self.vector)}
 
