@@ -79,7 +79,7 @@ def _first_ways(
     def is_open(query: Query, proved: FirstContact | None) -> bool:
         if query.is_certified:
             return False
-        return proved is None or proved.status is Status.UNDECIDED or proved in found
+        return proved is None or proved.status is Status.UNDECIDED or any(proved is x for x in found)
 
     return [Way("in doubles", by_doubles, _is_cut_short), Way("exactly", by_elimination, is_open)]
 

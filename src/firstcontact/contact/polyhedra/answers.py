@@ -65,7 +65,7 @@ def _leads(a: Body, b: Body) -> bool:
 def _signature(body: Any) -> tuple[Any, ...]:
     moving = isinstance(body, Moving)
     shape = body.body if moving else body
-    return body.name or "", len(shape.vertices), shape.vertices.tobytes(), repr(body.motion) if moving else ""
+    return body.name or "", len(shape.vertices), shape.vertices.tobytes(), repr(body.motion.to_dict()) if moving else ""
 
 
 def _named(name: str, element: Feature) -> Element:
