@@ -87,3 +87,15 @@ def test_what_a_budget_proves_free_is_free(rotating):
             assert hit.free_until <= nearest, (seed, budget)
             left += hit.status is fc.Status.UNDECIDED
     assert left > 20
+
+
+def test_equal_boxes_on_different_trajectories_are_named_alike_in_either_order():
+    """Their shapes and the texts of their motions are the same: all numbers of the motions tell which one leads."""
+    box, upright = fc.examples.box((1, 1, 1)), [(1, 0, 0, 0)] * 2
+
+    def way(start, end):
+        return fc.Trajectory([0, 1], [(start, 0, 0), (end, "1/4", "1/8")], quat_wxyz=upright)
+
+    a, b = box.moving(way(0, 2)), box.moving(way(5, 1))
+    one, other = fc.first_contact(a, b), fc.first_contact(b, a)
+    assert one.multiplicity > 1 and told(one) == told(other, swapped=True)

@@ -802,6 +802,12 @@ def test_a_careless_call_ends_in_one_line_or_an_answer(call, says):
     assert after.ru_utime - before.ru_utime < MOST_SECONDS and after.ru_maxrss - before.ru_maxrss < MOST_KILOBYTES
 
 
+def test_a_slow_shift_of_solids_does_not_go_on_for_2_to_the_901():
+    falling = ball().translated((0, 0, 3)).moving(slide((0, 0, Fraction(-1, 2**900))))
+    with pytest.raises(fc.InputError, match="span end is 1.69.*e.271; give a time below 2.150"):
+        fc.first_contact(falling, ball(), (0, 2**901))
+
+
 def test_a_mesh_listed_twice_holds_no_interior_and_says_so():
     with pytest.warns(UserWarning, match="twice: every face is listed an even number of times"):
         twice = P(TET, TF * 2, name="twice")

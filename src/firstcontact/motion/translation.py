@@ -67,8 +67,8 @@ class Translation(Motion):
 
     def __call__(self, t: float) -> np.ndarray:
         """The (4, 4) float64 pose at time t."""
-        pose = np.eye(4)
-        pose[:3, 3] = [double_of(t) * to_double(x) for x in self.vector]
+        pose, time = np.eye(4), double_of(t)
+        pose[:3, 3] = [time * to_double(x) for x in self.vector]
         return pose
 
     def shifted(self, by: Vector) -> Translation:
