@@ -132,6 +132,7 @@ def timed(question: Any) -> float:
 
 
 def ask_until_interrupted(name: str, sender: Connection) -> None:
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored in what shells start in the background
     question = ROWS[name].make()
     question()
     sender.send("ready")
