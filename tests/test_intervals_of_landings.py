@@ -170,7 +170,8 @@ BLOCK = [[0, 3, 2], [0, 2, 1], [4, 5, 6], [4, 6, 7], [0, 1, 5], [0, 5, 4], [1, 2
 def test_ends_that_are_simple_numbers_are_told_as_such_where_balls_do_not_prove_them():
     """A block screwed flat onto a slab from 1/4 on; and one that stands on a sheet and leaves it at once."""
     corners = [(12, 461 / 5, -248 / 5), (-12, 489 / 5, -227 / 5), (-12, 339 / 5, -27 / 5), (12, 311 / 5, -48 / 5),
-               (26, 653 / 5, -104 / 5), (2, 681 / 5, -83 / 5), (2, 531 / 5, 117 / 5), (26, 503 / 5, 96 / 5)]  # fmt: skip
+               (26, 653 / 5, -104 / 5), (2, 681 / 5, -83 / 5), (2, 531 / 5, 117 / 5),
+               (26, 503 / 5, 96 / 5)]  # fmt: skip
     exact = [[F(round(5 * x), 125) for x in p] for p in corners]
     screw = fc.Screw((-20, -12, -9), (-4, F(13, 10), F(-22, 5)), turns=F(1, 2), advance=20)
     slab = [(F(108, 5), F(-71, 25), F(-1672, 25)), (-36, F(293, 5), F(-104, 5)), (-36, 1, 56),
