@@ -74,14 +74,8 @@ def outcomes(tree: Tree, signs: Sequence[int]) -> set[bool]:
     gradients there.  {False}: it is outside, {True}: inside, whatever the gradients.
     """
     on = [i for i, sign in enumerate(signs) if sign == 0]
-    return values_of(tree, signs, on, product((True, False), repeat=len(on)))
-
-
-def values_of(tree: Tree, signs: Sequence[int], on: Sequence[int], choices: Iterable[Iterable[bool]]) -> set[bool]:
-    """The Boolean values of `signs` with those of the surfaces `on` replaced by every choice (whether negative)."""
-    values = pattern(signs, (), ())
-    found = set[bool]()
-    for choice in choices:
+    values, found = pattern(signs, (), ()), set[bool]()
+    for choice in product((True, False), repeat=len(on)):
         for i, value in zip(on, choice, strict=True):
             values[i] = value
         found.add(inside(tree, values))
