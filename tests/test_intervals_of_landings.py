@@ -6,6 +6,7 @@ poses written down from the definitions of the motions.
 
 from __future__ import annotations
 
+from fractions import Fraction as F
 from itertools import combinations, product
 
 import numpy as np
@@ -160,3 +161,34 @@ def test_containment_before_a_doubt_is_told():
         assert fc.first_contact(a, b).initial == "containment"
         found = fc.contact_intervals(a, b)
         assert found.free_until == 0.0 or found[0].start_interval == (0.0, 0.0)
+
+
+BLOCK = [[0, 3, 2], [0, 2, 1], [4, 5, 6], [4, 6, 7], [0, 1, 5], [0, 5, 4], [1, 2, 6], [1, 6, 5], [2, 3, 7], [2, 7, 6],
+         [3, 0, 4], [3, 4, 7]]  # fmt: skip
+
+
+def test_ends_that_are_simple_numbers_are_told_as_such_where_balls_do_not_prove_them():
+    """A block screwed flat onto a slab from 1/4 on; and one that stands on a sheet and leaves it at once."""
+    corners = [(12, 461 / 5, -248 / 5), (-12, 489 / 5, -227 / 5), (-12, 339 / 5, -27 / 5), (12, 311 / 5, -48 / 5),
+               (26, 653 / 5, -104 / 5), (2, 681 / 5, -83 / 5), (2, 531 / 5, 117 / 5),
+               (26, 503 / 5, 96 / 5)]  # fmt: skip
+    exact = [[F(round(5 * x), 125) for x in p] for p in corners]
+    screw = fc.Screw((-20, -12, -9), (-4, F(13, 10), F(-22, 5)), turns=F(1, 2), advance=20)
+    slab = [(F(108, 5), F(-71, 25), F(-1672, 25)), (-36, F(293, 5), F(-104, 5)), (-36, 1, 56),
+            (F(108, 5), F(-1511, 25), F(248, 25)), (F(124, 5), F(-23, 25), F(-1636, 25)),
+            (F(-164, 5), F(1513, 25), F(-484, 25)), (F(-164, 5), F(73, 25), F(1436, 25)),
+            (F(124, 5), F(-1463, 25), F(284, 25))]  # fmt: skip
+    sides = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
+    (through,) = fc.contact_intervals(fc.Polyhedron(exact, BLOCK).moving(screw), fc.Polyhedron(slab, sides))
+    assert through.start == 0.25 and through.start_interval[0] <= 0.25 <= through.start_interval[1]
+
+    corners = [(-10, 10, 10), (-6, 10, 7), (-6, 20, 7), (-10, 20, 10), (-4, 10, 18), (0, 10, 15), (0, 20, 15),
+               (-4, 20, 18)]  # fmt: skip
+    exact = [[F(x, 5) for x in p] for p in corners]
+    screw = fc.Screw((3, 0, 4), (F(-3, 5), 0, F(11, 5)), turns=F(-1, 4), advance=F(3, 2))
+    sheet = [(F(-202, 5), -46, F(154, 5)), (F(182, 5), -46, F(-134, 5)), (F(182, 5), 50, F(-134, 5)),
+             (F(-202, 5), 50, F(154, 5))]  # fmt: skip
+    (stood,) = fc.contact_intervals(
+        fc.Polyhedron(sheet, [[0, 1, 2], [0, 2, 3]]), fc.Polyhedron(exact, BLOCK).moving(screw)
+    )
+    assert (stood.start, stood.end) == (0.0, 0.0) and stood.end_interval[0] <= 0.0 <= stood.end_interval[1]

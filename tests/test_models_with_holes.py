@@ -286,3 +286,25 @@ def test_a_slab_that_takes_the_middle_out_of_a_bowl_leaves_a_small_tip():
     for t, outside in ((F(lo), True), (F(hi), False)):  # into the lower side of the slab that was taken out
         x, y, z = F(23, 6) - 11 * t, F(19, 24) - 2 * t, F(1561, 576) - 8 * t
         assert (x * x + y * y > z or z > F(313, 576) - F(1, 4)) == outside
+
+
+@pytest.mark.parametrize(("deep", "upside_down"), [(0, False), (1, True), (-1, False), ("1/2", True)])
+def test_a_conical_hole_whose_absent_tip_is_level_with_a_face(deep, upside_down):
+    """A frustum from radius 1 to 1/2 in a plate of height 2: its cone's tip lies 1 beyond the narrow end.
+
+    The pin goes down and aside; its lower rim meets the wall of the hole, or its end lands on the plate.
+    """
+    hole = fc.frustum(1, "1/2", 1)
+    hole = (hole.rotated((1, 0, 0), degrees=180) if upside_down else hole).translated((0, 0, deep))
+    plate = fc.box((8, 8, 2)) - hole
+    down = fc.Screw((0, 0, 1), point=(1, 0, 0), degrees=40, advance=-5)
+    hit = fc.first_contact(fc.cylinder("1/4", 2).translated((0, 0, 4)).moving(down), plate)
+    if deep == 1 and upside_down:
+        lo, hi = 0.4, 0.6
+        for _ in range(60):
+            t = (lo + hi) / 2
+            room = (1 + (3 - 5 * t)) / 2 - 0.25  # of the pin's axis at the height of its end
+            lo, hi = (t, hi) if 2 * math.sin(math.radians(20 * t)) < room else (lo, t)
+        assert hit.time == pytest.approx(lo, abs=1e-11) and hit.element_b.label == "side"
+    else:
+        assert hit.status is fc.Status.CONTACT and hit.time == pytest.approx(0.4, abs=1e-11)

@@ -9,6 +9,7 @@ from flint import fmpq
 
 import firstcontact as fc
 from amount import amount
+from firstcontact.body.solid import features, regions
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.body.solid.csg import And, Leaf, Not, Or
 from firstcontact.body.solid.regions import Regions, grows_with_leaves, leaves_of, simplified
@@ -159,3 +160,40 @@ def test_a_part_of_a_model_answers_as_the_whole(monkeypatch, moving):
     assert part.status is whole.status is fc.Status.CONTACT
     assert (part.element_a, part.element_b) == (whole.element_a, whole.element_b)
     assert abs(part.time - whole.time) < 1e-11 and np.allclose(part.point, whole.point, atol=1e-9)
+
+
+@pytest.mark.parametrize("kind", ["sunk", "bore"])
+def test_work_grows_as_the_number_of_holes(kind, monkeypatch):
+    """Of the Boolean tree: four times as many holes take less than seven times the steps, not sixteen times."""
+    steps = [0]
+
+    def counted(tree, signs):
+        steps[0] += 1
+        return simplified(tree, signs)
+
+    monkeypatch.setattr(regions, "simplified", counted)
+    monkeypatch.setattr(features, "simplified", counted)
+    found = []
+    for n in (3, 6):
+        steps[0] = 0
+        assert len(plate(kind, n, n).faces) > n * n
+        found.append(steps[0])
+    assert found[1] < 7 * found[0]
+
+
+def test_a_surface_of_both_operands_is_one_surface():
+    """Whatever the factor of its form, and on which side of it either is."""
+    upper, lower = fc.box((2, 2, 2)).translated((0, 0, 1)), fc.box((2, 2, 2)).translated((0, 0, -1))
+    both = upper | lower
+    assert len(both.surfaces) == 7 and len(both.faces) == 6
+    assert (upper - lower).contains([(0, 0, 0.5), (0, 0, -0.5)]).tolist() == [True, False]
+    bored = both - fc.cylinder("1/2", 8) - fc.cylinder("1/2", 8) - fc.cylinder("1/2", 2).translated((0, 0, 5))
+    assert len(bored.surfaces) == 7 + 1 + 3 and len(bored.faces) == 7  # one side, three levels of ends
+
+
+def test_signs_of_many_surfaces_are_exact():
+    body = plate("bore", 2, 3)
+    third = fmpq(1, 3)
+    for point in ((third, third, fmpq(2)), (third, third, 2 - fmpq(1, 10**40)), (third, fmpq(-10), fmpq(0))):
+        known = [s.value((*point, fmpq(1))) for s in body.surfaces]
+        assert body.signs((*point, fmpq(1))) == [(v > 0) - (v < 0) for v in known]

@@ -572,7 +572,8 @@ class FirstContact(_Deferring, Shown):
 class ContactInterval(_NoTruth):
     """A maximal closed interval of times at which the bodies share a point.
 
-    start, end                     doubles nearest the true ends
+    start, end                     doubles nearest the true ends; of ends that are known by their enclosures alone, the
+                                   simple number in the enclosure where there is one, else its middle
     start_interval, end_interval   (lo, hi) enclosures
     start_exact, end_exact         the ends themselves when ``exact=True``
     """

@@ -23,6 +23,8 @@ from firstcontact.errors import InputError, shown
 _ENDLESS = re.compile(r"[eE][+-]?0*[1-9]\d{4}")
 # Digits of a number as users give it: more than any measurement has, and as many as Python reads and prints (4300).
 MOST_DIGITS = 4000
+# How likely by chance a fraction as short may lie in an interval that is told by it.
+CHANCE = fmpq(1, 1000)
 # Precisions (bits) tried in turn where balls have to decide a sign; behind the last one: Undecidable.
 PRECISIONS = (128, 256, 512, 1024, 2048)
 
@@ -144,6 +146,18 @@ def simplest(lo: fmpq, hi: fmpq) -> fmpq:
         return fmpq(0) if lo <= 0 <= hi else whole
     below = whole - 1
     return below + 1 / simplest(1 / (hi - below), 1 / (lo - below))
+
+
+def likely(lo: fmpq, hi: fmpq) -> fmpq:
+    """What stands for a number that is known to be in [lo, hi]: a fraction so short that no chance puts it there.
+
+    The middle where there is none.  Of times of degenerate scenes the fraction is the truth.
+
+    >>> likely(fmpq(1, 4) - fmpq(1, 10**13), fmpq(1, 4) + fmpq(2, 10**13)), likely(fmpq(33, 100), fmpq(34, 100))
+    (1/4, 67/200)
+    """
+    short = simplest(lo, hi)
+    return short if (hi - lo) * short.q**2 < CHANCE else (lo + hi) / 2
 
 
 def ball(x: Any) -> arb:

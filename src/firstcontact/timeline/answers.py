@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from firstcontact.exact.numbers import exact_value, likely, to_double
 from firstcontact.result import ContactInterval, ContactIntervals, Status
 from firstcontact.timeline.sweep import Found
 from firstcontact.work import Query, Work
@@ -15,7 +16,7 @@ def proved_intervals(found: Found, work: Work, query: Query) -> ContactIntervals
     intervals = []
     for x in found.intervals:
         start, end = ((max(lo, first) + 0.0, min(hi, last) + 0.0) for lo, hi in (x.start, x.end))  # never -0.0
-        intervals.append(ContactInterval(_middle(start), end[0] if x.open else _middle(end), start, end))
+        intervals.append(ContactInterval(_likely(start), end[0] if x.open else _likely(end), start, end))
     status, until = Status.FREE, last
     if intervals:
         until = intervals[0].start_interval[0]
@@ -25,9 +26,9 @@ def proved_intervals(found: Found, work: Work, query: Query) -> ContactIntervals
     return ContactIntervals(tuple(intervals), status, until, found.reason, query.stats(work.done), **query.shared)
 
 
-def _middle(interval: tuple[float, float]) -> float:
+def _likely(interval: tuple[float, float]) -> float:
     lo, hi = interval
-    return min(max(lo + 0.5 * (hi - lo), lo), hi)
+    return min(max(to_double(likely(exact_value(lo), exact_value(hi))), lo), hi)
 
 
 def interval_of(start: Any, end: Any, exact: bool) -> ContactInterval:

@@ -8,7 +8,7 @@ all these places inside the other body, or proves nothing.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from itertools import product
 from typing import Any, Generic, TypeVar
 
@@ -35,6 +35,8 @@ GROWTH, SHRINKAGE = 2.0, 0.25
 
 
 P = TypeVar("P")
+Pose = tuple[np.ndarray, np.ndarray]
+"""Linear part (3, 3) and shift (3,)."""
 
 
 class Solid:
@@ -218,24 +220,37 @@ class LastingOfModels(Lasting[np.ndarray]):
 
     def anywhere(self, window: Window, t: float) -> np.ndarray | None:
         """From samples of their boxes."""
-        forms, points = self._placed(window, t), []
-        for solid, m in zip(self.solids, (window.a, window.b), strict=True):
-            pose = self.pose(m, t)
-            points.append(solid.samples() @ linear(pose).T + pose[9:12])
-        x = np.concatenate(points)
-        best = np.argsort(self._height(forms, np.zeros(3), x))[:4]
-        return self.deepest(window, t, list(x[best]))
+        return self.deepest(window, t, self._samples(self._poses(window, t)))
 
     def held(self, window: Window, t: float, seeds: Sequence[np.ndarray]) -> np.ndarray | None:
-        forms = self._placed(window, t)
+        found = self._deep(self._placed(self._poses(window, t)), seeds)
+        return next((point for point in found if self.is_shared(window, t, point)), None)
+
+    def rough(self, poses: Sequence[Pose], seeds: Sequence[np.ndarray]) -> np.ndarray | None:
+        """A point that doubles take for one inside both models in these poses: below the best of seeds and samples."""
+        forms = self._placed(poses)
+        points = np.array([*seeds, *self._samples(poses)])
+        if not len(points):
+            return None
+        best = int(np.argmin(self._height(forms, np.zeros(3), points)))
+        return next(self._deep(forms, [points[best]]), None)
+
+    def _samples(self, poses: Sequence[Pose]) -> list[np.ndarray]:
+        """Points of the models' boxes in these poses, where both are deepest."""
+        x = np.concatenate([
+            solid.samples() @ turned.T + shift for solid, (turned, shift) in zip(self.solids, poses, strict=True)
+        ])  # fmt: skip
+        return list(x[np.argsort(self._height(self._placed(poses), np.zeros(3), x))[:4]])
+
+    def _deep(self, forms: list[np.ndarray], seeds: Sequence[np.ndarray]) -> Iterator[np.ndarray]:
+        """Points that seem to be inside both models, deep below the seeds."""
         for seed in seeds:
             point, depth = descended(
                 lambda x, steps: self._height(forms, x, steps), lambda x: self._directions(forms, x),
                 np.asarray(seed, float),
             )  # fmt: skip
-            if depth < 0.0 and self.is_shared(window, t, point):
-                return point
-        return None
+            if depth < 0.0:
+                yield point
 
     def _directions(self, forms: list[np.ndarray], point: np.ndarray) -> np.ndarray:
         """(n, 3) unit: fixed ones, and across and away from the nearest surfaces."""
@@ -249,10 +264,13 @@ class LastingOfModels(Lasting[np.ndarray]):
         lengths = np.linalg.norm(mixed, axis=1, keepdims=True)
         return np.concatenate([self.directions, mixed / np.maximum(lengths, 1e-300)])
 
-    def _placed(self, window: Window, t: float) -> list[np.ndarray]:
-        """The scaled forms of both models in the world at t."""
+    def _poses(self, window: Window, t: float) -> list[Pose]:
         poses = [self.pose(m, t) for m in (window.a, window.b)]
-        return [s.placed(linear(pose), pose[9:12]) for s, pose in zip(self.solids, poses, strict=True)]
+        return [(linear(pose), pose[9:12]) for pose in poses]
+
+    def _placed(self, poses: Sequence[Pose]) -> list[np.ndarray]:
+        """The scaled forms of both models in these poses."""
+        return [s.placed(*pose) for s, pose in zip(self.solids, poses, strict=True)]
 
     def _height(self, forms: list[np.ndarray], centre: np.ndarray, steps: np.ndarray) -> np.ndarray:
         """(n,) about how far the points centre + steps are from inside both models, negative inside."""

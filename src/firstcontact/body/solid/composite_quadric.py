@@ -84,8 +84,9 @@ class CompositeQuadric(Placing):
         reaches: Sequence[Reach] | None = None,
         witness: Vector | None = None,
         name: str | None = None,
+        forms: np.ndarray | None = None,
     ) -> None:
-        """surfaces: different ones; tree: leaf i is where surface i's form is <= 0.
+        """surfaces: different ones; tree: leaf i is where surface i's form is <= 0; forms: theirs, if known.
 
         box: exact corners of a box that holds the solid, if known.  reaches: where the surfaces may bound it.
         witness: a point likely in the interior.
@@ -97,7 +98,7 @@ class CompositeQuadric(Placing):
         self.parts = tuple(parts)
         self._box = box
         self._reaches = tuple(reaches) if reaches is not None else reaches_of(tree, len(self.surfaces), box)
-        self.forms = np.array([doubles(s.matrix()) for s in self.surfaces])
+        self.forms = np.array([doubles(s.matrix()) for s in self.surfaces]) if forms is None else forms
         self._witness = witness
         self._search: dict[str, Any] = {}
         """What was worked out of this body: it follows from its geometry and its name, so no copy inherits it."""
@@ -188,12 +189,15 @@ class CompositeQuadric(Placing):
         if not isinstance(other, CompositeQuadric):
             refused: CompositeQuadric = NotImplemented
             return refused
-        surfaces, tree = joined(self.surfaces, other.surfaces, other.tree)
-        places = _places(surfaces, other.surfaces)
+        numbers, places, added = _places(self._numbers(), self.surfaces, other)
+        surfaces = (*self.surfaces, *(other.surfaces[k] for k in added))
+        tree = renumbered(other.tree, [Leaf(i) if side > 0 else Not(Leaf(i)) for i, side in places])
         parts = [*self._inner_parts(), *other._inner_parts(places, flipped=subtract)]
         clip_own = None if operation is Or or subtract else other._box
         clip_other = None if operation is Or else other._part_in(self._box)
-        reaches = [Reach(_overlap(reach.box, clip_own), reach.outside) for reach in self._reaches]
+        reaches = list(self._reaches)
+        if clip_own is not None:
+            reaches = [Reach(_overlap(reach.box, clip_own), reach.outside) for reach in reaches]
         for (k, side), reach in zip(places, other._reaches, strict=True):
             clipped = Reach(_overlap(reach.box, clip_other), side * reach.outside)
             if k < len(reaches):
@@ -209,7 +213,9 @@ class CompositeQuadric(Placing):
             tree = operation(self.tree, tree)
             box = _hull(self._box, other._box) if operation is Or else _overlap(self._box, other._box)
         witness = self._witness or other._witness
-        made = CompositeQuadric(surfaces, tree, parts, box=box, reaches=reaches, witness=witness)
+        forms = np.concatenate([self.forms, other.forms[added]])
+        made = CompositeQuadric(surfaces, tree, parts, box=box, reaches=reaches, witness=witness, forms=forms)
+        made._search["numbers"] = numbers
         made.recipe = combined(sign, self, other)
         return made
 
@@ -223,11 +229,20 @@ class CompositeQuadric(Placing):
         both = _overlap(self._box, box)
         if both is None or both == self._box or len(self.surfaces) > FEW or not grows_with_leaves(self.tree):
             return both
-        lo, hi = (tuple(exact_value(x) for x in corner.tolist()) for corner in hull_of_cells(self, both))
+        lo, hi = (tuple(exact_value(x) for x in corner.tolist()) for corner in hull_of_cells(self, both, 8))
         return _overlap(both, (lo, hi))
+
+    def _numbers(self) -> dict[Vector, int]:
+        """The number of each surface, in order, by what its form has in common with its multiples."""
+        if "numbers" not in self._search:
+            self._search["numbers"] = {_key(surface): i for i, surface in enumerate(self.surfaces)}
+        known: dict[Vector, int] = self._search["numbers"]
+        return known
 
     def _inner_parts(self, place: Sequence[tuple[int, int]] | None = None, *, flipped: bool = False) -> list[Part]:
         """The parts with this solid's name in front, for surfaces numbered and turned as `place` tells."""
+        if self.name is None and place is None:
+            return list(self.parts)
         parts = []
         for part in self.parts:
             path = ".".join(p for p in (self.name, part.path) if p)
@@ -317,8 +332,14 @@ class CompositeQuadric(Placing):
 
     def signs(self, x: Vector) -> list[int]:
         """Exact sign of every surface's form at the homogeneous point x, w > 0."""
-        values = (s.value(x) for s in self.surfaces)
-        return [(v > 0) - (v < 0) for v in values]
+        signs = [0] * len(self.surfaces)
+        if len(signs) > FEW:  # doubles settle nearly all
+            values, error = self._values(np.array([[to_double(c / x[3]) for c in x[:3]]]))
+            signs = [int(k) for k in (values > error).astype(int)[:, 0] - (values < -error)[:, 0]]
+        exactly = {k: self.surfaces[k].value(x) for k, sign in enumerate(signs) if sign == 0}
+        for k, value in exactly.items():
+            signs[k] = (value > 0) - (value < 0)
+        return signs
 
     def _possible(self, p: np.ndarray, slack: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
         """(may be inside, may be outside), (n,) bools each, at (n, 3) float64 points.
@@ -326,16 +347,20 @@ class CompositeQuadric(Placing):
         Forms smaller than their rounding error may have either sign, and those that vanish within `slack` times the
         largest coordinate of any of the points: of any, since next to the origin all terms are small together.
         """
+        values, error = self._values(p)
+        if slack:
+            x = np.abs(np.column_stack([p, np.ones(len(p))]))
+            reach = x + [*[slack * np.abs(p).max(initial=0.0)] * 3, 0.0]
+            error = error + (self._sizes(reach) * (1 + 2.0**-45) - self._sizes(x))
+        return possible(self.tree, values < error, values > -error)
+
+    def _values(self, p: np.ndarray) -> tuple[Any, Any]:
+        """(surfaces, n) values of the forms at (n, 3) float64 points, and bounds on their errors."""
         x = np.column_stack([p, np.ones(len(p))])
         values = np.einsum("ni,sij,nj->sn", x, self.forms, x, optimize=True)
         # coefficients, products and sums of sixteen terms: fewer than 32 roundings of relative size 2^-53;
         # input numbers that are no doubles add one more per coordinate
-        sizes = self._sizes(np.abs(x))
-        error = sizes * (40 * 2.0**-53) + 1e-290
-        if slack:
-            reach = np.abs(x) + [*[slack * np.abs(p).max(initial=0.0)] * 3, 0.0]
-            error = error + (self._sizes(reach) * (1 + 2.0**-45) - sizes)
-        return possible(self.tree, values < error, values > -error)
+        return values, self._sizes(np.abs(x)) * (40 * 2.0**-53) + 1e-290
 
     def _sizes(self, x: np.ndarray) -> np.ndarray:
         """(surfaces, n): the sizes of the forms' terms at (n, 4) points that are not negative."""
@@ -420,9 +445,8 @@ class CompositeQuadric(Placing):
 
     def _validate(self) -> None:
         """An interior and an exterior point: looked for at random first, then decided by the faces."""
-        for x in (x for form in self.forms for x in form.ravel()):
-            if not abs(x) < np.inf:
-                raise InputError(f"{self._who}: a coefficient is beyond the range of doubles")
+        if not np.isfinite(self.forms).all():
+            raise InputError(f"{self._who}: a coefficient is beyond the range of doubles")
         self._witness = self._strict_point(True)
         if self._witness is not None and (self._box is not None or self._strict_point(False) is not None):
             return
@@ -485,11 +509,21 @@ def _key(surface: Surface) -> Vector:
     return upright(flat)
 
 
-def _places(surfaces: Sequence[Surface], own: Sequence[Surface]) -> list[tuple[int, int]]:
-    """(number, +-1) of each surface: where it stands in the list, and whether with the same sign."""
-    numbers = {_key(surface): i for i, surface in enumerate(surfaces)}
-    found = [(numbers[_key(surface)], surface) for surface in own]
-    return [(i, 1 if surfaces[i] == surface else -1) for i, surface in found]
+def _places(
+    numbers: dict[Vector, int], surfaces: Sequence[Surface], other: CompositeQuadric
+) -> tuple[dict[Vector, int], list[tuple[int, int]], list[int]]:
+    """(numbers of all surfaces by their keys, places, added) where another solid's surfaces join those of one.
+
+    places: (number, +-1) of each of the other's surfaces, -1 where the form known has the other sign; added: those
+    that were not there.
+    """
+    numbers, places, added = dict(numbers), [], list[int]()
+    for k, (surface, key) in enumerate(zip(other.surfaces, other._numbers(), strict=True)):
+        i = numbers.setdefault(key, len(numbers))
+        if i == len(surfaces) + len(added):
+            added.append(k)
+        places.append((i, 1 if i >= len(surfaces) or surfaces[i] == surface else -1))
+    return numbers, places, added
 
 
 def joined(first: Sequence[Surface], second: Sequence[Surface], tree: Tree) -> tuple[list[Surface], Tree]:

@@ -74,7 +74,12 @@ def outcomes(tree: Tree, signs: Sequence[int]) -> set[bool]:
     gradients there.  {False}: it is outside, {True}: inside, whatever the gradients.
     """
     on = [i for i, sign in enumerate(signs) if sign == 0]
-    return {inside(tree, pattern(signs, on, choice)) for choice in product((True, False), repeat=len(on))}
+    values, found = pattern(signs, (), ()), set[bool]()
+    for choice in product((True, False), repeat=len(on)):
+        for i, value in zip(on, choice, strict=True):
+            values[i] = value
+        found.add(inside(tree, values))
+    return found
 
 
 def borders(tree: Tree, signs: Sequence[int], surface: int, orientation: int) -> bool:

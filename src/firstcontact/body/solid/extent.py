@@ -181,12 +181,12 @@ def _outward(box: Box) -> tuple[np.ndarray, np.ndarray]:
     return lo, np.array([math.nextafter(to_double(x), math.inf) for x in box[1]])
 
 
-def hull_of_cells(body: CompositeQuadric, box: Box) -> tuple[np.ndarray, np.ndarray]:
-    """The hull of the cells of ever finer grids that may hold points of the solid, (3,) float64 corners."""
+def hull_of_cells(body: CompositeQuadric, box: Box, n: int = 16) -> tuple[np.ndarray, np.ndarray]:
+    """The hull of the cells of ever finer grids, n along a side, that may hold points of the solid: (3,) corners."""
     lo, hi = _outward(box)
     forms = [_form_f(s) for s in body.surfaces]
     for _ in range(3):
-        centre, half = cells_of(lo, hi, 16)
+        centre, half = cells_of(lo, hi, n)
         x = np.column_stack([centre, np.ones(len(centre))])
         h = np.column_stack([np.tile(half * 1.0000001, (len(x), 1)), np.zeros(len(x))])
         kept: Any = centre[_may_be_inside(body.tree, forms, x, h)]

@@ -40,7 +40,7 @@ from firstcontact.body.solid.carriers import (
 from firstcontact.body.solid.csg import Tree, inside, outcomes, pattern
 from firstcontact.body.solid.intersections import common_curves, line
 from firstcontact.body.solid.neighbourhood import Profile, around_curve, nearly_tangent, patterns
-from firstcontact.body.solid.regions import Reach, Region, Regions, holds, holds_ball, hull
+from firstcontact.body.solid.regions import Reach, Region, Regions, holds, holds_ball, hull, simplified
 from firstcontact.body.solid.trimming import BITS, INFINITY, Arc, Break, Loop, Trimmed, largest, trim
 from firstcontact.exact.numbers import dyadic, precision, to_double
 
@@ -208,24 +208,29 @@ def _traced_curves(
         if isinstance(near, bool):
             continue
         for trimmed in trim(curve, surfaces, signs):
-            profiles = [_profile(near, surfaces, trimmed.loop, arc, region) for arc in trimmed.arcs]
+            profiles = [_profile(tree, surfaces, trimmed.loop, arc, region, regions) for arc in trimmed.arcs]
             traced.append(_Traced(curve, trimmed, tuple(profiles)))
     return traced, quartics
 
 
-def _profile(tree: Tree, surfaces: Sequence[Surface], loop: Loop, arc: Arc, region: Region) -> Profile:
-    values = outcomes(tree, arc.signs)
-    if len(values) == 1:
-        return Profile("inside" if True in values else "outside", frozenset())
+def _profile(
+    tree: Tree, surfaces: Sequence[Surface], loop: Loop, arc: Arc, region: Region, regions: Regions
+) -> Profile:
     with precision(BITS):
         x = loop.point(arb(arc.m), arc.sheet)
-        if not holds_ball(region, x):  # an edge lies in it all along
-            return Profile("outside", frozenset())
+        at = [float(c / x[3]) for c in x[:3]]
+    if not holds(region, at):  # an edge lies in it all along
+        return Profile("outside", frozenset())
+    own = simplified(regions.next_to(tree, at), arc.signs)  # of the surfaces alone that hold the curve
+    values = {own} if isinstance(own, bool) else outcomes(own, arc.signs)
+    if isinstance(own, bool) or len(values) == 1:
+        return Profile("inside" if True in values else "outside", frozenset())
+    with precision(BITS):
         on = [i for i, sign in enumerate(arc.signs) if sign == 0]
         tangent = nearly_tangent(surfaces, on, x)
     with precision(4 * BITS if tangent else BITS):
         m = arb(arc.m)
-        return around_curve(tree, surfaces, arc.signs, loop.point(m, arc.sheet), loop.tangent(m, arc.sheet))
+        return around_curve(own, surfaces, arc.signs, loop.point(m, arc.sheet), loop.tangent(m, arc.sheet))
 
 
 def _sides_of_whole_surfaces(

@@ -185,10 +185,13 @@ def _settled(
 ) -> arb:
     """Where the surface's half-branch crosses the circle, by Newton's method from its first-order direction."""
     angle = arb(angle.mid())
+    least = arb(2) ** (-3 * ctx.prec // 4)  # a step beyond one so short is far below the precision
     for _ in range(8):
         point, ahead = _probe(p, across, radius, angle)
-        slope = dot(surfaces[i].gradient(point), ahead)
-        angle = arb((angle - surfaces[i].value(point) / slope).mid())
+        step = arb((surfaces[i].value(point) / dot(surfaces[i].gradient(point), ahead)).mid())
+        angle = arb((angle - step).mid())
+        if abs(step) < least:
+            break
     return angle
 
 
@@ -204,7 +207,11 @@ def _profile(
         middle = (start + end) / 2
         at = float(middle) if float(end - start) > 1e-6 else arb(middle.mid())
         patterns.append({i: probe(i, at) for i in on})
-    flags = [inside(tree, pattern(signs, on, [s[i] < 0 for i in on])) for s in patterns]
+    flags, values = [], pattern(signs, (), ())
+    for s in patterns:
+        for i in on:
+            values[i] = s[i] < 0
+        flags.append(inside(tree, values))
     if len(set(flags)) == 1:
         return Profile("inside" if flags[0] else "outside", frozenset())
     n = len(halves)

@@ -25,6 +25,8 @@ Region = tuple[np.ndarray, np.ndarray]
 _ROOM, _SLACK = 1e-6, 1e-9
 # Of the size of a form's terms: far more than the roundings of its value.
 _ROUNDING = 2.0**-45
+# How often cells are halved at most.
+_LEVELS = 10
 
 
 class Reach(NamedTuple):
@@ -74,6 +76,10 @@ class Regions:
         self.lo, self.hi = _corners(own)
         self.outside = np.array([reach.outside for reach in reaches], int)
         self._seen: dict[bytes, tuple[Tree | bool, tuple[int, ...]]] = {}
+        self._cells: dict[tuple[int, ...], Tree | bool] = {}
+        finite = np.isfinite(self.lo).all(axis=1) & np.isfinite(self.hi).all(axis=1)
+        self.origin = self.lo[finite].min(axis=0, initial=math.inf)
+        self.size = float((self.hi[finite].max(axis=0, initial=-math.inf) - self.origin).max()) if finite.any() else 0.0
 
     def of(self, i: int) -> Region:
         return self.lo[i], self.hi[i]
@@ -90,8 +96,40 @@ class Regions:
         key = region[0].tobytes() + region[1].tobytes()
         if key not in self._seen:
             signs = self.signs(region)
-            self._seen[key] = simplified(tree, signs), signs
+            self._seen[key] = simplified(self._around(tree, region), signs), signs
         return self._seen[key]
+
+    def next_to(self, tree: Tree, point: Sequence[float]) -> Tree | bool:
+        """The tree as it is in a cell that holds few of the surfaces and the point."""
+        if not (np.isfinite(point).all() and self.size > 0.0):
+            return tree
+        level = min(_LEVELS, (len(self.forms) // 4).bit_length() // 2)
+        step = self.size / 2.0**level
+        at = np.floor((np.asarray(point) - self.origin) / step - 0.5).astype(int)
+        return self._in_cell(tree, level, at)
+
+    def _around(self, tree: Tree, region: Region) -> Tree | bool:
+        """The tree as it is in the least cell that holds the region: small, and found by way of larger cells.
+
+        Cells of a level are as wide as two of their steps, and steps are halved from level to level.
+        """
+        width = float((region[1] - region[0]).max())
+        if not 0.0 < width <= self.size / 2:
+            return tree
+        level = min(_LEVELS, int(math.log2(self.size / width)))
+        at = np.floor((region[0] - self.origin) * (2.0**level / self.size)).astype(int)
+        return self._in_cell(tree, level, at)
+
+    def _in_cell(self, tree: Tree, level: int, at: np.ndarray) -> Tree | bool:
+        if level <= 0:
+            return tree
+        key = (level, *at.tolist())
+        if key not in self._cells:
+            step = self.size / 2.0**level
+            lo = self.origin + at * step - _ROOM * step
+            near = self._in_cell(tree, level - 1, at // 2)
+            self._cells[key] = simplified(near, self.signs((lo, lo + (2 + 2 * _ROOM) * step)))
+        return self._cells[key]
 
     def around(self, point: Sequence[float], surfaces: Iterable[int]) -> frozenset[int]:
         """Those of the surfaces in whose reach the point is."""
@@ -128,8 +166,10 @@ def hull(first: Region, second: Region) -> Region:
     return np.minimum(first[0], second[0]), np.maximum(first[1], second[1])
 
 
-def simplified(tree: Tree, signs: Sequence[int]) -> Tree | bool:
+def simplified(tree: Tree | bool, signs: Sequence[int]) -> Tree | bool:
     """What is left of the tree where surfaces have these signs; 0: either."""
+    if isinstance(tree, bool):
+        return tree
     if isinstance(tree, Leaf):
         return tree if signs[tree.surface] == 0 else signs[tree.surface] < 0
     if isinstance(tree, Not):

@@ -11,10 +11,18 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property, cmp_to_key
 
+import numpy as np
 from flint import fmpq
 
 from firstcontact.body.solid.carriers import Vector
-from firstcontact.contact.models.at_rest import coincide, is_inner, overlap_given, relation_at
+from firstcontact.contact.models.at_rest import (
+    coincide,
+    is_inner,
+    overlap_given,
+    pose_in_doubles,
+    relation_at,
+    soon_told,
+)
 from firstcontact.contact.models.contact_sets import Shared, shared_part
 from firstcontact.contact.models.membership import extent
 from firstcontact.contact.models.moving_pair import Pair
@@ -22,11 +30,14 @@ from firstcontact.contact.models.square_subproblems import SquareSubproblem
 from firstcontact.contact.models.subproblems import Subproblem, subproblems
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.fields.roots import AlgebraicRoot
-from firstcontact.exact.numbers import Undecidable, dyadic, precision
+from firstcontact.exact.numbers import Undecidable, dyadic, exact_value, precision, to_double
 from firstcontact.exact.systems.square_systems import EnclosedRoot, OpenRoot
 from firstcontact.search.convex.relation import Relation
+from firstcontact.timeline.lasting import LastingOfModels
 from firstcontact.work import Work
 
+LATEST = 4
+"""Of the inner points those that are tried at other times."""
 NARROW = fmpq(1, 10**12)
 """Of the span of a piece: what an enclosure of a time of contact may be wide."""
 
@@ -115,6 +126,10 @@ class Search:
         """All contacts at one time."""
         return [meeting for candidate in group for meeting in self.verdict(candidate)[0]]
 
+    def are_no_contacts(self, group: list[Candidate]) -> bool:
+        """Whether it is proved of all candidates of one time."""
+        return not self.meetings(group) and not any(id(candidate) in self.undecided for candidate in group)
+
     def first(self) -> list[Meeting]:
         """The contacts at the earliest time that has any; none where an undecided candidate comes before (`stop`)."""
         return self._outcome[0]
@@ -175,15 +190,40 @@ class Search:
                 raise UnsupportedPair(f"{task.a.name} slides in {task.b.name}; not decided: {error}") from error
         return found
 
-    def share_a_point(self, u: fmpq) -> bool | None:
+    def share_a_point(self, u: fmpq, passed: list[Candidate] | None = None) -> bool | None:
         """Whether the models share a point at a rational u that is no candidate; None where it is not proved that they
-        share none."""
-        if any(is_inner(x, self.pair, u) for x in reversed(self.inner)):
+        share none.
+
+        passed: the candidates next before u, if the models shared a point before these: they do still unless one is a
+        contact.
+        """
+        if any(is_inner(x, self.pair, u) for x in self.inner[: -1 - LATEST : -1]):
+            return True
+        seen = soon_told(self.pair, u)
+        if seen is not None:
+            return seen is Relation.OVERLAPPING
+        if self._meet_in_doubles(u) or (passed is not None and self.are_no_contacts(passed)):
             return True
         if self._relation(u) is Relation.APART:
             return False
         overlapping = self._overlap(u)  # far sooner told than what slides in one another, where they do
         return True if overlapping or self.lasting(u) or coincide(self.pair, u) else overlapping
+
+    def _meet_in_doubles(self, u: fmpq) -> bool:
+        """Whether a point that doubles find is inside both models at u; it is one of the inner ones then."""
+        seeds = [np.array([to_double(c) for c in x]) for x in self.inner[-1:]]
+        point = self._depths.rough([pose_in_doubles(self.pair, u), (np.eye(3), np.zeros(3))], seeds)
+        if point is None:
+            return False
+        x = tuple(exact_value(c) for c in point.tolist())
+        if not is_inner(x, self.pair, u):
+            return False
+        self.inner.append(x)
+        return True
+
+    @cached_property
+    def _depths(self) -> LastingOfModels:
+        return LastingOfModels(self.pair.a, self.pair.b)
 
     def _relation(self, u: fmpq) -> Relation | None:
         if u not in self.relations:

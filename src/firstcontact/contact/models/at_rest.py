@@ -20,7 +20,7 @@ from firstcontact.exact.numbers import dyadic, precision, sign, simplest, to_dou
 from firstcontact.exact.rigid import Matrix, apply, inverse_map
 from firstcontact.exact.vectors import cross
 from firstcontact.search.convex.relation import Relation
-from firstcontact.search.convex.resting import is_one_piece, relation
+from firstcontact.search.convex.resting import is_one_piece, relation, relation_in_doubles
 
 BITS, TINY, LARGEST = 384, fmpq(1, 2**300), 2**128
 """Of balls in which a coordinate is looked at, how far they may be off, and denominators that are no chance."""
@@ -38,6 +38,12 @@ def _pose_at(pair: Pair, u: fmpq) -> Matrix:
     return tuple(tuple(x / rows[3][3] for x in row) for row in rows[:3])  # type: ignore[return-value]
 
 
+def pose_in_doubles(pair: Pair, u: fmpq) -> tuple[np.ndarray, np.ndarray]:
+    """Linear part and shift of model a at u, in the frame of b, rounded."""
+    pose = np.array([[to_double(x) for x in row] for row in _pose_at(pair, u)])
+    return pose[:, :3], pose[:, 3]
+
+
 def relation_at(pair: Pair, u: fmpq) -> Relation | None:
     """How the two models lie to each other at u, proved; None where algebra is to tell."""
     (lo, hi), (low, high) = _box_of_a(pair, u), pair.b.bounds()
@@ -46,6 +52,14 @@ def relation_at(pair: Pair, u: fmpq) -> Relation | None:
     if _is_polytope(pair.a) and _is_polytope(pair.b):
         return None if _separated(pair, u) else Relation.OVERLAPPING
     return relation(pair.a, pair.b, _pose_at(pair, u))
+
+
+def soon_told(pair: Pair, u: fmpq) -> Relation | None:
+    """As `relation_at`, where doubles tell it at little cost."""
+    (lo, hi), (low, high) = _box_of_a(pair, u), pair.b.bounds()
+    if np.any(lo > high) or np.any(low > hi):
+        return Relation.APART
+    return relation_in_doubles(pair.a, pair.b, _pose_at(pair, u))
 
 
 def overlap(pair: Pair, u: fmpq) -> bool | None:
@@ -169,11 +183,11 @@ def _box_of_a(pair: Pair, u: fmpq) -> tuple[np.ndarray, np.ndarray]:
     lo, hi = pair.a.bounds()
     if not np.all(np.isfinite([lo, hi])):
         return np.full(3, -np.inf), np.full(3, np.inf)
-    pose = np.array([[to_double(x) for x in row] for row in _pose_at(pair, u)])
+    turned, shift = pose_in_doubles(pair, u)
     corners = np.array(list(product(*zip(lo, hi, strict=True))))
-    moved = corners @ pose[:, :3].T + pose[:, 3]
+    moved = corners @ turned.T + shift
     # entries, products and sums: a handful of roundings relative to the sizes of the terms
-    pad = 1e-14 * (np.abs(corners) @ np.abs(pose[:, :3]).T + np.abs(pose[:, 3])).max(axis=0)
+    pad = 1e-14 * (np.abs(corners) @ np.abs(turned).T + np.abs(shift)).max(axis=0)
     return moved.min(axis=0) - pad, moved.max(axis=0) + pad
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from flint import fmpq
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
-from firstcontact.contact.models.algorithm import Meeting, Root, Search, between
+from firstcontact.contact.models.algorithm import Candidate, Meeting, Root, Search, between
 from firstcontact.contact.models.answer import contact_of, listed, world_time
 from firstcontact.contact.models.at_rest import is_containment, overlap_around
 from firstcontact.contact.models.certified import both_bounded, near_models, settle
@@ -221,14 +221,18 @@ def intervals(query: Query) -> ContactIntervals:
     tolerance: as part of the span, of the certified path only; algebra is exact.
     """
     models = _models(query)
+    free_until = query.span[0]
 
     def if_free(query: Query, _: None) -> ContactIntervals | Passed:
-        if not _is_free(query, models):
+        nonlocal free_until
+        seen = _at_little_cost(query, models)
+        free_until = seen.free_until
+        if seen.status != "free":
             return Passed("not free")
         return ContactIntervals((), Status.FREE, query.span[1], None, query.stats(), **query.shared)
 
     def soon_decided(query: Query, _: None) -> ContactIntervals | Passed:
-        return decided(_decided_intervals(query.limited(QUICK_STEPS)), query)
+        return decided(_decided_intervals(query.limited(QUICK_STEPS), free_until), query)
 
     def in_doubles(query: Query, _: None) -> ContactIntervals | Passed:
         work, pair = query.work(), prisms_on_common_plane(*models) or models
@@ -241,13 +245,16 @@ def intervals(query: Query) -> ContactIntervals:
         Way("in doubles, if free", if_free, lambda query, _: not query.is_algebraic and query.budget is None),
         Way("soon exactly", soon_decided, lambda query, _: query.is_auto and not any(map(needs_systems, models))),
         Way("in doubles", in_doubles, lambda query, _: not query.is_algebraic),
-        Way("exactly", lambda query, _: _decided_intervals(query), lambda query, _: not query.is_certified),
+        Way("exactly", lambda query, _: _decided_intervals(query, free_until), lambda query, _: not query.is_certified),
     ], query)  # fmt: skip
 
 
-def _is_free(query: Query, models: tuple[Any, Any]) -> bool:
-    """Whether the advancement of convex pieces proves, at little cost, that there is no contact at all."""
-    return advance(*both_bounded(models, query.span), query.first, query.end).status == "free"
+def _at_little_cost(query: Query, models: tuple[Any, Any]) -> Advance:
+    """How far the advancement of convex pieces, of those that cover the models where they are no unions of such, proves
+    that there is no contact."""
+    near = both_bounded(models, query.span)
+    seen = advance(*near, query.first, query.end)
+    return advance(*near, query.first, query.end, covering=True) if seen.beyond else seen
 
 
 def _touching_at_start(query: Query) -> np.ndarray | None:
@@ -258,15 +265,18 @@ def _touching_at_start(query: Query) -> np.ndarray | None:
     return _at_start(query).point
 
 
-def _decided_intervals(query: Query) -> ContactIntervals:
-    """The answer of exact arithmetic: between two candidates the models overlap all the time or not at all."""
+def _decided_intervals(query: Query, free_until: float) -> ContactIntervals:
+    """The answer of exact arithmetic: between two candidates the models overlap all the time or not at all.
+
+    free_until: a time before which they are proved apart.
+    """
     work = query.work()
     found: list[tuple[_End, _End]] = []
     tests = evaluations = 0
     reason = None
     try:
         for search in _searches(query, work):
-            for start, end in list(_windows(search)):
+            for start, end in list(_windows(search, free_until)):
                 if found and found[-1][1].is_same_time(start):
                     found[-1] = found[-1][0], end
                 else:
@@ -369,38 +379,49 @@ class _End:
         return t, around, self.search.pair.piece.exact_time(self.root) if known else None
 
 
-def _windows(search: Search) -> Iterator[tuple[_End, _End]]:
-    """The closed windows of contact in one piece: between two candidates nothing changes."""
+def _windows(search: Search, free_until: float) -> Iterator[tuple[_End, _End]]:
+    """The closed windows of contact in one piece: between two candidates nothing changes.
+
+    Models that are apart stay so until candidates that are contacts.  free_until: a time before which they are proved
+    apart.
+    """
     piece = search.pair.piece
     start: _End | None = None
+    apart = False
+    passed: list[Candidate] | None = None
     if any(isinstance(candidate.root, OpenRoot) for candidate in search.candidates):
         raise UnsupportedPair("an edge of degree 4 leaves a stretch of time undecided; its intervals are not supported")
     lo = piece.u_lo
     before = _End(search, None, piece.start)
     for group in search.groups():
         root = group[0].root
+        if world_time(search.pair, root)[1][1] < free_until:
+            apart, before, lo = True, _End(search, root), search.beyond(root)
+            continue
         if piece.clock.compare(root, piece.start) > 0:
-            if _share(search, between(lo, root)):
+            if not apart and _share(search, between(lo, root), passed if start else None):
                 start = start or before
-            elif start is not None:
-                yield start, before
-                start = None
+            else:
+                if start is not None:
+                    yield start, before
+                start, apart = None, True
         here = _End(search, root)
         if start is None and search.meetings(group):
             start = here
-        before, lo = here, search.beyond(root)
+        apart = apart and start is None and search.are_no_contacts(group)
+        before, lo, passed = here, search.beyond(root), group
     assert piece.u_hi is not None and piece.end is not None
     if before.root is None or piece.clock.compare(before.root, piece.end) < 0:
-        if _share(search, (lo + piece.u_hi) / 2):
+        if not apart and _share(search, (lo + piece.u_hi) / 2, passed if start else None):
             yield start or before, _End(search, None, piece.end)
             return
     if start is not None:
         yield start, before
 
 
-def _share(search: Search, u: fmpq) -> bool:
-    """Whether the models share a point at u, which is no candidate."""
-    shared = search.share_a_point(u)
+def _share(search: Search, u: fmpq, passed: list[Candidate] | None) -> bool:
+    """Whether the models share a point at u, which is no candidate; passed: as for `share_a_point`."""
+    shared = search.share_a_point(u, passed)
     if shared is None:
         raise UnsupportedPair("the models come so close that it is not proved whether they touch")
     return shared

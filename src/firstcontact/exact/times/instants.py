@@ -20,6 +20,8 @@ from firstcontact.exact.numbers import (
     Undecidable,
     ball,
     ball_bounds,
+    dyadic,
+    likely,
     precision,
     sign,
     to_double,
@@ -32,7 +34,7 @@ def enclose(number: Callable[[], Any]) -> tuple[float, tuple[float, float]]:
     """(nearest double, (lo, hi) doubles around it) of a number given at the present precision.
 
     The precision rises until the double is certain; a number that lies exactly between two doubles, or is known
-    as a ball only, ends with the best there is.
+    as a ball only, ends with the likely one of the ball.
     """
     for bits in PRECISIONS:
         with precision(bits):
@@ -41,9 +43,10 @@ def enclose(number: Callable[[], Any]) -> tuple[float, tuple[float, float]]:
                 return _around(value)
             x = ball(value)
             lo, hi = float(x.lower()), float(x.upper())  # each rounds to nearest, which is monotone
-        if lo == hi:
-            break
-    return lo if lo == hi else float(x.mid()), (math.nextafter(lo, -math.inf), math.nextafter(hi, math.inf))
+            if lo == hi:
+                break
+            nearest = to_double(likely(dyadic(x.lower()), dyadic(x.upper())))
+    return lo if lo == hi else nearest, (math.nextafter(lo, -math.inf), math.nextafter(hi, math.inf))
 
 
 def _around(value: fmpq) -> tuple[float, tuple[float, float]]:

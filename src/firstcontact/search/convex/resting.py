@@ -34,7 +34,7 @@ START = fmpq(0)
 
 def relation(a: CompositeQuadric, b: CompositeQuadric, pose: Matrix) -> Relation | None:
     """How the bounded solids, a in the pose, lie to each other; None where it is not told, as for most not convex."""
-    there = a.moving(RationalMotion([[*([fraction(x) for x in row] for row in pose), [0, 0, 0, 1]]]))
+    there = _there(a, pose)
     try:
         return _of_pieces(there, b, pose)
     except NotConvex:
@@ -44,6 +44,26 @@ def relation(a: CompositeQuadric, b: CompositeQuadric, pose: Matrix) -> Relation
     except NotConvex:
         return None
     return None if covers.not_apart(0.0)[0] else Relation.APART
+
+
+def relation_in_doubles(a: CompositeQuadric, b: CompositeQuadric, pose: Matrix) -> Relation | None:
+    """What doubles with proofs tell of it, at little cost; None where that is nothing."""
+    there = _there(a, pose)
+    try:
+        own, other, exactly = convex_pieces(a), convex_pieces(b), True
+    except NotConvex:
+        try:
+            own, other, exactly = covering_pieces(a), covering_pieces(b), False
+        except NotConvex:
+            return None
+    pairs, overlap = PieceSearch(own, other, windows(there, b, START, START), 1.0, 1).not_apart(0.0)
+    if overlap and exactly:
+        return Relation.OVERLAPPING
+    return None if pairs or overlap else Relation.APART
+
+
+def _there(a: CompositeQuadric, pose: Matrix) -> Moving:
+    return a.moving(RationalMotion([[*([fraction(x) for x in row] for row in pose), [0, 0, 0, 1]]]))
 
 
 def is_one_piece(body: CompositeQuadric) -> bool:

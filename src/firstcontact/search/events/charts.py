@@ -301,12 +301,14 @@ class _Builder:
         reach = 4.0 * float(np.abs(table[[0, 1, 3]]).sum(axis=0).max()) * 2.0**-OCTAVES / abs(float(table[2, 3]))
         self.reach_of_tips[number] = max(self.reach_of_tips.get(number, 0.0), reach)
         is_vertex = any(number in v.surfaces and v.is_apex for v in self.body.vertices)
-        if not is_vertex:
-            x = np.zeros((1, 25))
-            x[0, :4] = table[2] / table[2, 3]
-            x[0, 24] = reach
-            if self._fates(x, (number,), -1, np.zeros((1, 4)))[0]:
-                raise NotCharted(f"{face.name}: the tip of its cone is no vertex of the body")
+        if not is_vertex and self._matters_near(number, cap, reach):
+            raise NotCharted(f"{face.name}: the tip of its cone is no vertex of the body")
+
+    def _matters_near(self, number: int, tip: Sequence[fmpq], reach: float) -> bool:
+        """Whether it may matter to the body within reach of the tip on which side of the cone a point is."""
+        room = exact_value(self.units[3]) * exact_value(reach)
+        near = self.body.near((tuple(x - room for x in tip[:3]), tuple(x + room for x in tip[:3])))
+        return near is not None and self.body.surfaces[number] in near.surfaces
 
     # -- boxes -----------------------------------------------------------------------------------------------
 

@@ -1,0 +1,68 @@
+"""Intervals of small solids cost little more than their first contacts: what holds between candidates is soon told."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import firstcontact as fc
+from firstcontact.contact.models import at_rest
+
+
+def capped():
+    """A slab with a pin goes three quarters round, past a cut cone in which it ends."""
+    slab = fc.cylinder("1/2", 1) | fc.box((3, 3, 1)).translated(("1/2", "-3/4", 0))
+    turned = fc.box((2, 3, 1)).rotated((1, 1, 0), degrees=45).translated((-1, "3/4", "-1/4"))
+    way = fc.Rotation((1, -1, 0), point=(-0.25, -0.75, -0.5), turns=0.75)
+    return slab.translated((-1, -1, 0)).moving(way), fc.frustum(1, 0, 1) & turned
+
+
+def through():
+    """A lens with a cone passes a cone with a pin."""
+    lens = fc.box((2, 3, 2)) & fc.sphere("3/2").rotated((1, 1, 0), degrees=90).translated(("-1/2", -1, 0))
+    cone = fc.frustum(2, 0, 1).rotated((1, 0, 0), degrees=45).translated(("-1/4", "-1/2", "1/2"))
+    other = fc.frustum(2, 0, 2).rotated((1, 1, 0), degrees=45).translated(("1/2", "3/4", 0))
+    a = (lens | cone).translated((0, -1, -3)).moving(fc.Translation((1, 3, 6)))
+    return a, fc.cylinder("1/2", 2) | other
+
+
+def hollow():
+    """A block with two hollows goes round, past a ball with one."""
+    block = fc.box((1, 1, 3)) - fc.sphere(1).rotated((1, 0, 0), degrees=45).translated(("1/2", 1, 1))
+    block -= fc.sphere("1/2").translated(("-3/4", "1/2", "1/4"))
+    way = fc.Rotation((0, 0, 1), point=(-1.25, 1, -0.25), turns=1)
+    return block.translated((-3, 3, 0)).moving(way), fc.sphere(1) - fc.sphere("3/2").translated(("-1/4", 1, 1))
+
+
+@pytest.mark.parametrize(("scene", "end"), [(capped, 1.0), (through, None), (hollow, None)])
+def test_between_candidates_no_intersection_is_built(scene, end, monkeypatch):
+    """The start is that of the first contact, the end that of doubles alone; solids are intersected once or twice."""
+    built = []
+    solid = at_rest._solid
+
+    def counted(combination):
+        built.append(1)
+        return solid(combination)
+
+    monkeypatch.setattr(at_rest, "_solid", counted)
+    (only,) = fc.contact_intervals(*scene())
+    assert len(built) <= 2
+    hit = fc.first_contact(*scene())
+    assert abs(only.start - hit.time) < 1e-11
+    if end is None:
+        (alone,) = fc.contact_intervals(*scene(), method="certified")
+        assert abs(only.start - alone.start) < 1e-11 and abs(only.end - alone.end) < 1e-11
+    else:
+        assert only.end == end
+
+
+def test_gaps_between_contacts():
+    """A disc passes along a bar that three holes, wider than bar and disc, cut into four."""
+    bar = fc.box((12, 2, 2))
+    for x in (-4, 0, 4):
+        bar -= fc.cylinder("3/2", 4).translated((x, 0, 0))
+    disc = fc.cylinder(1, 1).translated((-10, 0, 0)).moving(fc.Translation((20, 0, 0)))
+    found = fc.contact_intervals(disc, bar)
+    parts = [(-6, -5.5), (-2.5, -1.5), (1.5, 2.5), (5.5, 6)]
+    due = [((lo - 1 + 10) / 20, (hi + 1 + 10) / 20) for lo, hi in parts]
+    assert np.allclose([(x.start, x.end) for x in found], due, rtol=0, atol=1e-12)
