@@ -1,0 +1,254 @@
+"""Parts of the questions handed to threads, processes or a cluster, and put together again.
+
+Compiled walks release the interpreter, so threads do for them; what is left, exact arithmetic and curved bodies, goes
+to processes as soon as it would take seconds.  Bodies go to a process once; parts are as large as so many questions as
+are answered in about PART seconds.  A part whose worker was lost is done again, RETRIES times.
+"""
+
+from __future__ import annotations
+
+import os
+import pickle
+import sys
+import time
+import types
+import uuid
+from collections import deque
+from collections.abc import Callable
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    BrokenExecutor,
+    CancelledError,
+    Future,
+    ProcessPoolExecutor,
+    ThreadPoolExecutor,
+    as_completed,
+    wait,
+)
+from dataclasses import dataclass
+from multiprocessing.context import SpawnContext, SpawnProcess
+from typing import Any
+
+import numpy as np
+
+from firstcontact.batch.part import Asking, answer, answers, walk_together
+from firstcontact.batch.questions import Questions
+from firstcontact.result_table import Rows
+
+MOST = 1024
+"""Workers: more than any machine has cores."""
+PART, FIRST_PART, LARGEST_PART = 0.5, 16, 1 << 16
+"""Seconds of a part, questions of the first ones, of which nothing is known yet, and of any."""
+WORTH = 4.0
+"""Seconds of work from which on it is worth starting processes, which load the library first."""
+TRIED = 0.5
+"""Seconds after which what the work will take is judged."""
+THREAD_PART = 1 << 14
+"""Questions of a part that is walked by a thread."""
+RETRIES = 3
+
+Reached = Callable[[int, int], None] | None
+
+
+def cores() -> int:
+    """Cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+class Count:
+    """How many questions are answered, told to who asked for it."""
+
+    def __init__(self, total: int, progress: Reached) -> None:
+        self.done, self.total, self.progress = 0, total, progress
+
+    def add(self, n: int) -> None:
+        self.done += n
+        if self.progress is not None and n:
+            self.progress(self.done, self.total)
+
+
+def answered(questions: Questions, asking: Asking, workers: int | None, executor: Any, progress: Reached) -> Rows:
+    """All answers, by whoever takes part."""
+    count, rows = Count(len(questions), progress), Rows(len(questions))
+    if executor is not None:
+        _Spread(questions, asking, rows, count).over(_elsewhere(executor, questions), np.arange(len(questions)))
+        return rows
+    n = cores() if workers is None else workers
+    left = _by_threads(n, questions, asking, rows, count)
+    begin, done = time.perf_counter(), 0
+    while done < len(left):
+        passed = time.perf_counter() - begin
+        if n > 1 and passed > TRIED and passed / done * (len(left) - done) > WORTH:
+            with _Processes(n, questions) as processes:
+                _Spread(questions, asking, rows, count).over(processes, left[done:])
+            break
+        answer(questions, asking, int(left[done]), rows)
+        count.add(1)
+        done += 1
+    return rows
+
+
+def _by_threads(n: int, questions: Questions, asking: Asking, rows: Rows, count: Count) -> np.ndarray:
+    """What compiled walks answer; gives the rows that they leave."""
+    cuts = range(0, len(questions), THREAD_PART)
+    parts = [slice(first, min(first + THREAD_PART, len(questions))) for first in cuts]
+    left = np.ones(len(questions), bool)
+
+    def walk(where: slice) -> tuple[slice, np.ndarray]:
+        return where, walk_together(questions.part(where), asking, rows.part(where))
+
+    for where, done in map(walk, parts[:1]):  # which makes what the others share
+        left[where][done] = False
+        count.add(len(done))
+    with ThreadPoolExecutor(n) as pool:
+        for future in as_completed([pool.submit(walk, where) for where in parts[1:]]):
+            where, done = future.result()
+            left[where][done] = False
+            count.add(len(done))
+    return np.flatnonzero(left)
+
+
+# -- parts for others ---------------------------------------------------------------------------------------------
+
+
+@dataclass
+class Elsewhere:
+    """Who answers parts.
+
+    submit(questions, asking): the future of `timed_answers`; the questions are without bodies, which are there already.
+    renew: called where workers were lost, or None where nothing can be done about it.
+    """
+
+    submit: Callable[[Questions, Asking], Future[tuple[Rows, float]]]
+    workers: int
+    renew: Callable[[], None] | None = None
+
+
+class _Spread:
+    """Hands parts to others, as many questions at once as take PART seconds, and puts the answers together."""
+
+    def __init__(self, questions: Questions, asking: Asking, rows: Rows, count: Count) -> None:
+        self.questions, self.asking, self.rows, self.count = questions, asking, rows, count
+        self.size = FIRST_PART
+
+    def over(self, others: Elsewhere, where: np.ndarray) -> None:
+        """Answers the rows `where`."""
+        again: deque[tuple[np.ndarray, int]] = deque()
+        begun: dict[Future[Any], tuple[np.ndarray, int]] = {}
+        at, bare = 0, self.questions.about(())
+        try:
+            while begun or again or at < len(where):
+                while len(begun) < 2 * others.workers and (again or at < len(where)):
+                    if again:
+                        some, tries = again.popleft()
+                    else:
+                        some, tries = where[at : at + self.size], 0
+                        at += len(some)
+                    begun[others.submit(bare.part(some), self.asking)] = some, tries
+                for future in wait(begun, return_when=FIRST_COMPLETED).done:
+                    some, tries = begun.pop(future)
+                    try:
+                        self._take(some, *future.result())
+                    except Exception as error:
+                        if tries >= RETRIES or not isinstance(error, (BrokenExecutor, CancelledError, *_lost())):
+                            raise
+                        again.append((some, tries + 1))
+                        if others.renew is not None:
+                            others.renew()
+        finally:
+            for future in begun:
+                future.cancel()
+
+    def _take(self, where: np.ndarray, rows: Rows, seconds: float) -> None:
+        self.rows.put(where, rows)
+        self.count.add(len(where))
+        able = int(PART * len(where) / max(seconds, 1e-6))
+        self.size = max(1, min(able, 4 * self.size, LARGEST_PART))
+
+
+def timed_answers(bodies: tuple[Any, ...], questions: Questions, asking: Asking) -> tuple[Rows, float]:
+    """Where it is answered: all that can be told of the questions, nothing put off, and the seconds it took."""
+    begin = time.perf_counter()
+    rows = answers(questions.about(bodies), asking).settle()
+    return rows, time.perf_counter() - begin
+
+
+_kept: dict[str, tuple[Any, ...]] = {}
+"""The bodies of the batch at which this process works, by its name."""
+
+
+def keep(batch: str, bodies: bytes) -> None:
+    """Have the bodies of a batch ready, and no others."""
+    if batch not in _kept:
+        _kept.clear()
+        _kept[batch] = pickle.loads(bodies)  # noqa: S301 - written by `pickle.dumps` in the process that asks
+
+
+def kept_answers(batch: str, bodies: bytes, questions: Questions, asking: Asking) -> tuple[Rows, float]:
+    """`timed_answers` of bodies that are kept; bodies: pickled, "" where they are there."""
+    if bodies:
+        keep(batch, bodies)
+    return timed_answers(_kept[batch], questions, asking)
+
+
+class _Processes(Elsewhere):
+    """Processes of this machine, each of which is given the bodies as it starts."""
+
+    def __init__(self, n: int, questions: Questions) -> None:
+        super().__init__(self._ask, n, self._start)
+        self.batch, self.bodies = uuid.uuid4().hex, pickle.dumps(questions.bodies)
+        self._start()
+
+    def _start(self) -> None:
+        self.pool = ProcessPoolExecutor(
+            self.workers, mp_context=_Spawning(), initializer=keep, initargs=(self.batch, self.bodies)
+        )
+
+    def _ask(self, questions: Questions, asking: Asking) -> Future[tuple[Rows, float]]:
+        return self.pool.submit(kept_answers, self.batch, b"", questions, asking)
+
+    def __enter__(self) -> _Processes:
+        return self
+
+    def __exit__(self, *_: Any) -> None:
+        self.pool.shutdown(cancel_futures=True)
+
+
+class _SpawnedAlone(SpawnProcess):
+    """A process that does not run the caller's script again: it needs nothing of it."""
+
+    def start(self) -> None:
+        main = sys.modules["__main__"]
+        sys.modules["__main__"] = types.ModuleType("__main__")
+        try:
+            super().start()
+        finally:
+            sys.modules["__main__"] = main
+
+
+class _Spawning(SpawnContext):
+    Process = _SpawnedAlone
+
+
+def _elsewhere(executor: Any, questions: Questions) -> Elsewhere:
+    """The executor, or the client of dask.distributed."""
+    if hasattr(executor, "scatter") and hasattr(executor, "get_executor"):
+        from firstcontact.batch.cluster import Cluster
+
+        return Cluster(executor, questions.bodies)
+    batch, bodies = uuid.uuid4().hex, pickle.dumps(questions.bodies)
+
+    def ask(part: Questions, asking: Asking) -> Future[tuple[Rows, float]]:
+        future: Future[tuple[Rows, float]] = executor.submit(kept_answers, batch, bodies, part, asking)
+        return future
+
+    return Elsewhere(ask, getattr(executor, "_max_workers", cores()))
+
+
+def _lost() -> tuple[type[Exception], ...]:
+    """What tells that a worker of a cluster was lost, where there may be one."""
+    if "distributed" not in sys.modules:
+        return ()
+    from firstcontact.batch.cluster import LOST
+
+    return LOST
