@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from firstcontact import examples as examples
     from firstcontact.batch.questions import columns as columns
     from firstcontact.batch.verb import first_contacts as first_contacts
+    from firstcontact.batch.verb import many_contact_intervals as many_contact_intervals
     from firstcontact.body.polyhedron.polyhedron import Polyhedron as Polyhedron
     from firstcontact.body.ruled.rational_curve import RationalCurve as RationalCurve
     from firstcontact.body.ruled.surface import RuledSurface as RuledSurface
@@ -55,6 +56,7 @@ if TYPE_CHECKING:
     from firstcontact.result import FirstContact as FirstContact
     from firstcontact.result import Status as Status
     from firstcontact.result_curve import IntersectionCurve as IntersectionCurve
+    from firstcontact.result_table import ContactIntervalTable as ContactIntervalTable
     from firstcontact.result_table import ContactTable as ContactTable
     from firstcontact.scene.written import from_dict as from_dict
 
@@ -95,6 +97,7 @@ _HOME = {
     "contact_pairs": "query",
     "first_contact": "query",
     "first_contacts": "batch.verb",
+    "many_contact_intervals": "batch.verb",
     "from_dict": "scene.written",
     "intersection_curve": "query",
     "AlgebraicNumber": "result",
@@ -105,6 +108,7 @@ _HOME = {
     "ExactAngle": "result",
     "FirstContact": "result",
     "Status": "result",
+    "ContactIntervalTable": "result_table",
     "ContactTable": "result_table",
 }
 _MODULES = ("brackets", "examples")

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
 from firstcontact.errors import InputError
-from firstcontact.result import FirstContact, Status
+from firstcontact.result import ContactIntervals, FirstContact, Status
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -28,97 +28,127 @@ PLACED = "kind_a", "kind_b", "index_a", "index_b", "multiplicity", "point", "nor
 """Columns of contacts that are worked out when one of them is first asked for."""
 
 
-def empty_rows(n: int) -> np.ndarray:
-    """Rows of which nothing is known."""
-    rows = np.zeros(n, ROW)
-    for name in ("time", "lo", "hi", "free_until", "point", "normal"):
-        rows[name] = np.nan
-    rows["index_a"] = rows["index_b"] = -1
-    return rows
-
-
-def fill_row(row: Any, hit: FirstContact) -> None:
-    """Write one answer into a row."""
-    row["status"] = STATUSES.index(hit.status.name)
-    row["initial"], row["reason"] = INITIALS.index(hit.initial or ""), REASONS.index(hit.reason or "")
-    row["work"] = hit.stats.node_visits + hit.stats.pair_tests
-    row["multiplicity"] = hit.multiplicity
-    if hit.time is not None:
-        row["time"] = hit.time
-    if hit.time_interval is not None:
-        row["lo"], row["hi"] = hit.time_interval
-    if hit.free_until is not None:
-        row["free_until"] = hit.free_until
-    for name, element in (("a", hit.element_a), ("b", hit.element_b)):
-        if element is not None:
-            row[f"kind_{name}"], row[f"index_{name}"] = KINDS.index(element.kind), element.index
-    for name, vector in (("point", hit.point), ("normal", hit.normal)):
-        if vector is not None:
-            row[name] = vector
+INTERVAL_ROW = np.dtype([
+    ("status", "u1"), ("reason", "u1"), ("error", "?"), ("count", "i4"), ("work", "i8"), ("free_until", "f8"),
+])  # fmt: skip
+"""Of contact intervals: how many there are; they stand beside the rows."""
+INTERVAL = np.dtype([
+    ("question", "i8"), ("start", "f8"), ("end", "f8"),
+    ("start_lo", "f8"), ("start_hi", "f8"), ("end_lo", "f8"), ("end_hi", "f8"),
+])  # fmt: skip
 
 
 class Rows:
     """Rows with what goes beside them: texts of errors, and work that is put off until it is asked for."""
 
+    dtype = ROW
+
     def __init__(self, n: int) -> None:
-        self.array = empty_rows(n)
+        self.array = self._empty(n)
         self.errors: dict[int, str] = {}
         self.later: list[Callable[[], None]] = []
         """Each fills the columns PLACED of some contacts."""
 
+    def _empty(self, n: int) -> np.ndarray:
+        """Rows of which nothing is known."""
+        rows = np.zeros(n, self.dtype)
+        for name in rows.dtype.names or ():
+            if rows.dtype[name].base.kind == "f":
+                rows[name] = np.nan
+            elif name.startswith("index"):
+                rows[name] = -1
+        return rows
+
     def __len__(self) -> int:
         return len(self.array)
 
-    def part(self, where: slice) -> Rows:
+    def part(self, where: slice) -> Self:
         """Some rows in the same memory, without errors of their own."""
-        rows = object.__new__(Rows)
+        rows = object.__new__(type(self))
         rows.array, rows.errors, rows.later = self.array[where], {}, self.later
         return rows
 
+    def free(self, where: np.ndarray, ends: np.ndarray) -> None:
+        """The rows `where` are proved free until the ends of their spans."""
+        self.array["status"][where] = STATUSES.index("FREE")
+        self.array["free_until"][where] = ends
+
+    def fill(self, row: int, found: Any) -> None:
+        """Write one answer into its row."""
+        record = self.array[row]
+        self._fill_shared(record, found)
+        record["initial"], record["multiplicity"] = INITIALS.index(found.initial or ""), found.multiplicity
+        if found.time is not None:
+            record["time"] = found.time
+        if found.time_interval is not None:
+            record["lo"], record["hi"] = found.time_interval
+        for side, element in (("a", found.element_a), ("b", found.element_b)):
+            if element is not None:
+                record[f"kind_{side}"], record[f"index_{side}"] = KINDS.index(element.kind), element.index
+        for name, vector in (("point", found.point), ("normal", found.normal)):
+            if vector is not None:
+                record[name] = vector
+
+    @staticmethod
+    def _fill_shared(record: Any, found: FirstContact | ContactIntervals) -> None:
+        record["status"], record["reason"] = STATUSES.index(found.status.name), REASONS.index(found.reason or "")
+        record["work"] = found.stats.node_visits + found.stats.pair_tests
+        if found.free_until is not None:
+            record["free_until"] = found.free_until
+
     def refuse(self, row: int, error: str) -> None:
         """The question of that row has no answer but this error."""
-        self.array[row : row + 1] = empty_rows(1)
+        self.array[row : row + 1] = self._empty(1)
         self.array["error"][row] = True
         self.errors[row] = error
 
-    def settle(self) -> Rows:
+    def settle(self) -> Self:
         """Fill in what was put off."""
         while self.later:
             self.later[-1]()
             self.later.pop()
         return self
 
-    def put(self, where: np.ndarray, rows: Rows) -> None:
+    def put(self, where: np.ndarray, rows: Any) -> None:
         """Take over settled answers to the questions `where`."""
         assert not rows.later
         self.array[where] = rows.array
         self.errors |= {int(where[row]): text for row, text in rows.errors.items()}
 
 
-class ContactTable:
-    """The first contact of each question, in columns; `table[i]` is the full result of question i.
+class IntervalRows(Rows):
+    """Rows of contact intervals; `found` has those of each question that has any, (k, 6) in the columns of INTERVAL."""
 
-    status         FREE, CONTACT, INITIAL_CONTACT, UNDECIDED; "" where `error` says why there is no answer
-    time, lo, hi   the double nearest the time of contact, and its enclosure; nan where there is none
-    free_until     no shared point before this time; proved
-    point, normal  (n, 3), world; nan where there are none
-    kind_a, index_a, kind_b, index_b   the elements that meet: "vertex", "edge", "face" and its number, -1: none
-    multiplicity   pairs of elements that meet at that time
-    initial, reason   of INITIAL_CONTACT and UNDECIDED
-    work           node visits and pair tests
-    error          (n,) texts, None where there is an answer
-    """
+    dtype = INTERVAL_ROW
+
+    def __init__(self, n: int) -> None:
+        super().__init__(n)
+        self.found: dict[int, np.ndarray] = {}
+
+    def fill(self, row: int, found: Any) -> None:
+        self._fill_shared(self.array[row], found)
+        self.array["count"][row] = len(found)
+        if len(found):
+            self.found[row] = np.array([(x.start, x.end, *x.start_interval, *x.end_interval) for x in found])
+
+    def put(self, where: np.ndarray, rows: Any) -> None:
+        super().put(where, rows)
+        self.found |= {int(where[row]): found for row, found in rows.found.items()}
+
+
+class _Table:
+    """What tables have in common."""
 
     __slots__ = ("_ask", "_rows")
 
-    def __init__(self, rows: Rows, ask: Callable[[int], FirstContact]) -> None:
+    def __init__(self, rows: Any, ask: Callable[[int], Any]) -> None:
         """ask: answers one of the questions again."""
         self._rows, self._ask = rows, ask
 
     def __len__(self) -> int:
         return len(self._rows)
 
-    def __getitem__(self, row: int) -> FirstContact:
+    def __getitem__(self, row: int) -> Any:
         """The full result of one question: asked again, so that a table holds numbers only.
 
         Raises what the question raised.
@@ -127,18 +157,19 @@ class ContactTable:
             raise IndexError(f"question {row} of {len(self)}")
         return self._ask(int(row) % len(self))
 
-    def __iter__(self) -> Iterator[FirstContact]:
+    def __iter__(self) -> Iterator[Any]:
         return (self._ask(row) for row in range(len(self)))
 
     def column(self, name: str) -> np.ndarray:
         """One of the columns, as NumPy has them; do not write into it."""
+        names = self._rows.dtype.names
         if name == "error":
             texts = np.full(len(self), None, object)
             for row, text in self._rows.errors.items():
                 texts[row] = text
             return texts
-        if name not in (ROW.names or ()):
-            raise InputError(f"no column {name!r}; there are {', '.join(ROW.names or ())}")
+        if name not in names:
+            raise InputError(f"no column {name!r}; there are {', '.join(names)}")
         if name in PLACED:
             self._rows.settle()
         column: np.ndarray = self._rows.array[name]
@@ -147,8 +178,8 @@ class ContactTable:
     if not TYPE_CHECKING:
 
         def __getattr__(self, name: str) -> np.ndarray:
-            if name not in ROW.names:
-                raise AttributeError(f"'ContactTable' object has no attribute {name!r}")
+            if name.startswith("_") or name not in self._rows.dtype.names:
+                raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
             return self.column(name)
 
     @property
@@ -159,8 +190,7 @@ class ContactTable:
 
     def to_numpy(self) -> np.ndarray:
         """A structured array, with words for statuses, kinds and reasons; errors are left out."""
-        names = [name for name in ROW.names or () if name != "error"]
-        columns = {name: self.column(name) for name in names}
+        columns = {name: self.column(name) for name in self._rows.dtype.names if name != "error"}
         dtype = np.dtype([(name, x.dtype, x.shape[1:]) for name, x in columns.items()])
         table = np.empty(len(self), dtype)
         for name, x in columns.items():
@@ -185,13 +215,60 @@ class ContactTable:
 
     def __repr__(self) -> str:
         told = ", ".join(f"{n} {name}" for name, n in self.counts.items())
-        return f"<ContactTable of {len(self)}: {told}>"
+        return f"<{type(self).__name__} of {len(self)}: {told}>"
 
     def __str__(self) -> str:
         lines = [f"{len(self)} questions: " + ", ".join(f"{n} {name}" for name, n in self.counts.items())]
-        times = self._rows.array["time"]
-        if np.isfinite(times).any():
-            row = int(np.nanargmin(times))
-            lines.append(f"  first: question {row} at time {float(times[row])!r}")
+        lines += self._first()
         lines += [f"  question {row}: {text}" for row, text in list(self._rows.errors.items())[:3]]
         return "\n".join(lines)
+
+    def _first(self) -> list[str]:
+        return []
+
+
+class ContactTable(_Table):
+    """The first contact of each question, in columns; `table[i]` is the full result of question i.
+
+    status         FREE, CONTACT, INITIAL_CONTACT, UNDECIDED; "" where `error` says why there is no answer
+    time, lo, hi   the double nearest the time of contact, and its enclosure; nan where there is none
+    free_until     no shared point before this time; proved
+    point, normal  (n, 3), world; nan where there are none
+    kind_a, index_a, kind_b, index_b   the elements that meet: "vertex", "edge", "face" and its number, -1: none
+    multiplicity   pairs of elements that meet at that time
+    initial, reason   of INITIAL_CONTACT and UNDECIDED
+    work           node visits and pair tests; 0 where boxes alone told that bodies are apart
+    error          (n,) texts, None where there is an answer
+    """
+
+    __slots__ = ()
+
+    def _first(self) -> list[str]:
+        times = self._rows.array["time"]
+        if not np.isfinite(times).any():
+            return []
+        row = int(np.nanargmin(times))
+        return [f"  first: question {row} at time {float(times[row])!r}"]
+
+
+class ContactIntervalTable(_Table):
+    """The contact intervals of each question, in columns; `table[i]` is the full result of question i.
+
+    status, free_until, reason, work, error   as in ContactTable, of the intervals of the question
+    count       how many there are
+    intervals   all of them, a structured array in the order of the questions: question, start, end, start_lo, start_hi,
+                end_lo, end_hi
+    """
+
+    __slots__ = ()
+
+    @property
+    def intervals(self) -> np.ndarray:
+        rows = self._rows
+        table = np.empty(int(rows.array["count"].sum()), INTERVAL)
+        table["question"] = np.repeat(np.arange(len(self)), rows.array["count"])
+        found = [rows.found[row] for row in sorted(rows.found)]
+        values = np.concatenate(found) if found else np.empty((0, 6))
+        for k, name in enumerate((INTERVAL.names or ())[1:]):
+            table[name] = values[:, k]
+        return table

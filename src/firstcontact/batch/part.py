@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
@@ -12,21 +13,35 @@ from firstcontact import query
 from firstcontact.batch.questions import Questions
 from firstcontact.body.kept import Kept
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
-from firstcontact.contact.polyhedra.each_translation import EachTranslation, Met, is_moderate
+from firstcontact.contact.polyhedra.each import Place, is_taken
+from firstcontact.contact.polyhedra.each_rotation import EachRotation
+from firstcontact.contact.polyhedra.each_translation import EachTranslation, is_moderate
 from firstcontact.errors import FirstContactError
-from firstcontact.result_table import KINDS, STATUSES, Rows, fill_row
+from firstcontact.motion.arrays import Rotations, Translations
+from firstcontact.result_table import KINDS, STATUSES, IntervalRows, Rows
+from firstcontact.search.trees.containment import contained
 from firstcontact.search.trees.walk_each import FREE, OPEN
 
 FEWEST = 8
 """Motions of one pair from which on they are walked together."""
-_KNOWN = Kept[tuple[Any, EachTranslation | None]]()
+_CONTAINED = Kept[tuple[Any, bool]]()
 
 
 @dataclass(frozen=True)
 class Asking:
-    """How `first_contact` is asked: its arguments beside the bodies and the span."""
+    """The verb, "first_contact" or "contact_intervals", and its arguments beside the bodies and the span."""
 
+    verb: str
     arguments: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def walks(self) -> bool:
+        """Whether compiled walks may answer."""
+        return self.verb == "first_contact" and self.arguments.get("engine", "auto") in ("auto", "boxes")
+
+    def rows(self, n: int) -> Rows:
+        """Empty ones for n answers."""
+        return (Rows if self.verb == "first_contact" else IntervalRows)(n)
 
     @property
     def budget(self) -> int | None:
@@ -36,14 +51,15 @@ class Asking:
     def one(self, questions: Questions, row: int) -> Any:
         """The answer to one question."""
         a, b, span = questions[row]
-        return query.first_contact(a, b, span, **self.arguments)
+        return getattr(query, self.verb)(a, b, span, **self.arguments)
 
 
 def answers(questions: Questions, asking: Asking) -> Rows:
     """All answers."""
-    rows = Rows(len(questions))
+    rows = asking.rows(len(questions))
     left = np.ones(len(questions), bool)
-    left[walk_together(questions, asking, rows)] = False
+    if asking.walks:
+        left[walk_together(questions, asking, rows)] = False
     for row in np.flatnonzero(left).tolist():
         answer(questions, asking, row, rows)
     return rows
@@ -52,7 +68,7 @@ def answers(questions: Questions, asking: Asking) -> Rows:
 def answer(questions: Questions, asking: Asking, row: int, rows: Rows) -> None:
     """The answer to one question, or the error that it raises, into its row."""
     try:
-        fill_row(rows.array[row], asking.one(questions, row))
+        rows.fill(row, asking.one(questions, row))
     except FirstContactError as error:
         rows.refuse(row, str(error))
     except Exception as error:  # a fault of one question is no end of the others
@@ -60,62 +76,76 @@ def answer(questions: Questions, asking: Asking, row: int, rows: Rows) -> None:
 
 
 def walk_together(questions: Questions, asking: Asking, rows: Rows) -> np.ndarray:
-    """Answers what is about pairs of polyhedra under translations, in compiled walks; gives the rows that it did."""
-    if asking.arguments.get("engine", "auto") not in ("auto", "boxes"):
-        return np.empty(0, np.int64)
-    able, vectors, ends = questions.translations()
-    moderate = is_moderate(vectors)
-    able, vectors, ends = able[moderate], vectors[moderate], ends[moderate]
-    pairs = questions.a[able].astype(np.int64) * len(questions.bodies) + questions.b[able]
-    order = np.argsort(pairs, kind="stable")
-    cuts = np.flatnonzero(np.diff(pairs[order])) + 1
+    """Answers what is about pairs of polyhedra under translations or rotations, in compiled walks; gives the rows that
+
+    it did.
+    """
     done = [np.empty(0, np.int64)]
-    for some in np.split(order, cuts):
-        if len(some) < FEWEST:
-            continue
-        row = able[some[0]]
-        each = _each(questions.bodies[questions.a[row]], questions.bodies[questions.b[row]])
-        if each is not None:
-            done.append(_walked(each, able[some], vectors[some], ends[some], asking.budget, rows))
+    for where, motions, ends in questions.walkable():
+        for some in _groups(questions, where, motions):
+            row = where[some[0]]
+            a, b = questions.bodies[questions.a[row]], questions.bodies[questions.b[row]]
+            if len(some) >= FEWEST and is_taken(a, b) and not _is_contained(a, b):
+                each = _each(a, b, motions[some], ends[some])
+                done.append(_walked(each, where[some], ends[some], asking.budget, rows))
     return np.concatenate(done)
 
 
-def _each(a: Any, b: Any) -> EachTranslation | None:
-    """The search for the pair; None where it is not for it.  The last one is kept on a."""
-    if not (isinstance(a, Polyhedron) and isinstance(b, Polyhedron)) or a._pose is not None or b._pose is not None:
-        return None
-    known = _KNOWN.get(a)
+def _groups(questions: Questions, where: np.ndarray, motions: Translations | Rotations) -> list[np.ndarray]:
+    """Numbers of motions that are walked together, each list of them about one pair of bodies."""
+    pairs = questions.a[where].astype(np.int64) * len(questions.bodies) + questions.b[where]
+    if isinstance(motions, Translations):
+        keys, able = pairs[:, None], is_moderate(motions.vectors)
+    else:
+        sense = np.sign(motions.angles)
+        keys = np.column_stack([pairs, motions.axes, motions.points, sense])
+        able = sense != 0
+    _, group = np.unique(keys[able], axis=0, return_inverse=True)
+    order = np.argsort(group, kind="stable")
+    cuts = np.flatnonzero(np.diff(group[order])) + 1
+    return [some for some in np.split(np.flatnonzero(able)[order], cuts) if len(some)]
+
+
+def _each(
+    a: Polyhedron, b: Polyhedron, motions: Translations | Rotations, ends: np.ndarray
+) -> EachTranslation | EachRotation:
+    if isinstance(motions, Translations):
+        return EachTranslation(a, b, motions.vectors, ends)
+    return EachRotation(a, b, motions, ends)
+
+
+def _is_contained(a: Polyhedron, b: Polyhedron) -> bool:
+    """Whether a body lies inside the other one as they stand; kept on a while b is the same."""
+    known = _CONTAINED.get(a)
     if known is None or known[0] is not b:
-        each = EachTranslation(a, b)
-        known = _KNOWN.put(a, (b, each if each.is_apart() else None))
+        known = _CONTAINED.put(a, (b, contained(a, b) is not None))
     return known[1]
 
 
 def _walked(
-    each: EachTranslation, where: np.ndarray, vectors: np.ndarray, ends: np.ndarray, budget: int | None, rows: Rows
+    each: EachTranslation | EachRotation, where: np.ndarray, ends: np.ndarray, budget: int | None, rows: Rows
 ) -> np.ndarray:
     """Fills the rows `where` with what walks tell; gives those that they do."""
-    told, work, met = each.walked(vectors, ends)
+    told, work, contacts = each.told()
     done = told != OPEN if budget is None else (told != OPEN) & (work < budget)
     array, free = rows.array, done & (told == FREE)
-    array["status"][where[free]] = STATUSES.index("FREE")
-    array["free_until"][where[free]] = ends[free]
+    rows.free(where[free], ends[free])
     array["work"][where[done]] = work[done]
-    found = [x for x in met if done[x.motion]]
-    if found:
-        at = where[[x.motion for x in found]]
-        times = [each.time(x) for x in found]
-        array["status"][at] = STATUSES.index("CONTACT")
-        array["time"][at] = [t for t, _ in times]
-        for name, side in (("lo", 0), ("hi", 1), ("free_until", 0)):
-            array[name][at] = [interval[side] for _, interval in times]
-        rows.later.append(partial(_place, each, at.tolist(), vectors, found, array))
+    found = np.flatnonzero(done[contacts.motions])
+    at = where[contacts.motions[found]]
+    array["status"][at] = STATUSES.index("CONTACT")
+    array["time"][at] = contacts.times[found]
+    for name, side in (("lo", 0), ("hi", 1), ("free_until", 0)):
+        array[name][at] = contacts.intervals[found, side]
+    if len(found):
+        rows.later.append(partial(_place, partial(each.place, contacts), at.tolist(), found.tolist(), array))
     return where[done]
 
 
-def _place(each: EachTranslation, at: list[int], vectors: np.ndarray, found: list[Met], array: np.ndarray) -> None:
-    for row, met in zip(at, found, strict=True):
-        pair, count, point, normal = each.place(vectors[met.motion].tolist(), met)
+def _place(place: Callable[[int], Place], at: list[int], found: list[int], array: np.ndarray) -> None:
+    """Fills in elements, points and normals of contacts."""
+    for row, k in zip(at, found, strict=True):
+        pair, count, point, normal = place(k)
         record = array[row]
         for side, element in (("a", pair.element_a), ("b", pair.element_b)):
             record[f"kind_{side}"], record[f"index_{side}"] = KINDS.index(element.kind), element.index

@@ -13,7 +13,7 @@ from flint import fmpq
 from firstcontact.contact.table import as_body
 from firstcontact.errors import InputError, shown
 from firstcontact.exact.numbers import to_double
-from firstcontact.motion.arrays import Motions, MovingEach, Translations
+from firstcontact.motion.arrays import Motions, MovingEach, Rotations, Translations
 from firstcontact.motion.moving import Moving
 from firstcontact.motion.translation import Translation
 
@@ -55,23 +55,24 @@ class Questions:
         """The same questions about other bodies, or without any."""
         return replace(self, bodies=bodies)
 
-    def translations(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """(rows, vectors (k, 3), ends (k,)): where b rests and a moves by such a vector, in doubles, from 0 to the end."""
-        if self.moves_a is None:
-            return np.empty(0, np.int64), np.empty((0, 3)), np.empty(0)
-        rows = np.arange(len(self))
+    def walkable(self) -> list[tuple[np.ndarray, Translations | Rotations, np.ndarray]]:
+        """(rows, motions, ends): where b rests, and a moves by a motion in doubles from 0 to an end, a double."""
+        moves, rows = self.moves_a, np.arange(len(self))
+        if moves is None:
+            return []
         if self.moves_b is not None:
             rows = np.array([k for k in rows.tolist() if self.moves_b[k] is None], np.int64)
-        if isinstance(self.moves_a, Translations):
-            vectors = self.moves_a.vectors[rows]
-        else:
-            known = {k: v for k in rows.tolist() if (v := _doubles(self.moves_a[k])) is not None}
-            rows, vectors = np.array(list(known), np.int64), np.array(list(known.values())).reshape(-1, 3)
-        if self.spans is None:
-            return rows, vectors, np.ones(len(rows))
-        ends = np.array([_end(self.spans[k]) for k in rows.tolist()])
-        known_end = np.isfinite(ends)
-        return rows[known_end], vectors[known_end], ends[known_end]
+        ends = np.ones(len(rows))
+        if self.spans is not None:
+            ends = np.array([_end(self.spans[k]) for k in rows.tolist()])
+            rows, ends = rows[np.isfinite(ends)], ends[np.isfinite(ends)]
+        if isinstance(moves, Translations | Rotations):
+            return [(rows, moves[rows], ends)]
+        if isinstance(moves, Motions):
+            return []
+        vectors = {k: v for k, row in enumerate(rows.tolist()) if (v := _vector(moves[row])) is not None}
+        known = np.array(list(vectors), np.int64)
+        return [(rows[known], Translations(list(vectors.values())), ends[known])] if vectors else []
 
 
 def asked(queries: Any) -> Questions:
@@ -168,7 +169,7 @@ def _taken(values: Any, rows: Any) -> Any:
     return [values[k] for k in rows.tolist()]
 
 
-def _doubles(motion: Any) -> list[float] | None:
+def _vector(motion: Any) -> list[float] | None:
     """The vector of a translation that doubles hold."""
     if not isinstance(motion, Translation):
         return None

@@ -1,4 +1,4 @@
-"""`first_contacts`."""
+"""`first_contacts` and `many_contact_intervals`."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from typing import Any
 
 from firstcontact.batch import workers as work
 from firstcontact.batch.part import Asking
-from firstcontact.batch.questions import asked
+from firstcontact.batch.questions import Questions, asked
 from firstcontact.errors import InputError, shown
 from firstcontact.query import check_arguments
-from firstcontact.result_table import ContactTable
+from firstcontact.result_table import ContactIntervalTable, ContactTable, Rows
 
 
 def first_contacts(
@@ -48,15 +48,48 @@ def first_contacts(
     >>> table.status.tolist(), table.time.tolist()
     (['CONTACT', 'FREE', 'CONTACT'], [0.5, nan, 0.25])
     >>> print(table[2].element_a)
-    box vertex 1
+    box vertex 4
     """
-    tolerance = check_arguments(method, engine, tolerance, budget)
+    check_arguments(method, engine, tolerance, budget)
+    arguments = {"exact": exact, "method": method, "engine": engine, "tolerance": tolerance, "budget": budget}
+    asking, questions = Asking("first_contact", arguments), asked(queries)
+    rows = _rows(questions, asking, workers, executor, progress)
+    return ContactTable(rows, lambda row: asking.one(questions, row))
+
+
+def many_contact_intervals(
+    queries: Any,
+    *,
+    workers: int | None = None,
+    executor: Any = None,
+    exact: bool = False,
+    method: str = "auto",
+    tolerance: float = 1e-12,
+    budget: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> ContactIntervalTable:
+    """ContactIntervalTable: all times of contact of each of many questions, as `contact_intervals` answers them.
+
+    Arguments as in `first_contacts`.
+
+    >>> import firstcontact as fc
+    >>> cube = fc.examples.box((1, 1, 1))
+    >>> moving = cube.moving(fc.Translations([(8, 0, 0), (0, 4, 0)]))
+    >>> table = fc.many_contact_intervals((moving, cube.translated((3, 0, 0))))
+    >>> table.count.tolist(), table.intervals[["question", "start", "end"]].tolist()
+    ([1, 0], [(0, 0.25, 0.5)])
+    """
+    check_arguments(method, "auto", tolerance, budget)
+    arguments = {"exact": exact, "method": method, "tolerance": tolerance, "budget": budget}
+    asking, questions = Asking("contact_intervals", arguments), asked(queries)
+    rows = _rows(questions, asking, workers, executor, progress)
+    return ContactIntervalTable(rows, lambda row: asking.one(questions, row))
+
+
+def _rows(questions: Questions, asking: Asking, workers: Any, executor: Any, progress: Any) -> Rows:
+    """The answers, after a look at who is to give them."""
     if workers is not None and (not isinstance(workers, int) or not 1 <= workers <= work.MOST):
         raise InputError(f"workers is {shown(workers)}; give a whole number up to {work.MOST}, or None")
     if executor is not None and not hasattr(executor, "submit"):
         raise InputError(f"executor is {shown(executor)}; give a concurrent.futures.Executor or a client of dask")
-    questions = asked(queries)
-    arguments = {"exact": exact, "method": method, "engine": engine, "tolerance": tolerance, "budget": budget}
-    asking = Asking(arguments)
-    rows = work.answered(questions, asking, workers, executor, progress)
-    return ContactTable(rows, lambda row: asking.one(questions, row))
+    return work.answered(questions, asking, workers, executor, progress)

@@ -31,6 +31,7 @@ from typing import Any
 
 import numpy as np
 
+from firstcontact.batch.culling import free_by_boxes
 from firstcontact.batch.part import Asking, answer, answers, walk_together
 from firstcontact.batch.questions import Questions
 from firstcontact.result_table import Rows
@@ -69,12 +70,24 @@ class Count:
 
 def answered(questions: Questions, asking: Asking, workers: int | None, executor: Any, progress: Reached) -> Rows:
     """All answers, by whoever takes part."""
-    count, rows = Count(len(questions), progress), Rows(len(questions))
+    count, rows = Count(len(questions), progress), asking.rows(len(questions))
+    left = np.ones(len(questions), bool)
+    free = free_by_boxes(questions)
+    rows.free(free, np.ones(len(free)))
+    left[free] = False
+    count.add(len(free))
     if executor is not None:
-        _Spread(questions, asking, rows, count).over(_elsewhere(executor, questions), np.arange(len(questions)))
+        _Spread(questions, asking, rows, count).over(_elsewhere(executor, questions), np.flatnonzero(left))
         return rows
     n = cores() if workers is None else workers
-    left = _by_threads(n, questions, asking, rows, count)
+    if asking.walks:
+        left[_by_threads(n, questions, asking, rows, count)] = False
+    _one_by_one(n, questions, asking, np.flatnonzero(left), rows, count)
+    return rows
+
+
+def _one_by_one(n: int, questions: Questions, asking: Asking, left: np.ndarray, rows: Rows, count: Count) -> None:
+    """Answers the rows that are left, by processes as soon as that is worth while."""
     begin, done = time.perf_counter(), 0
     while done < len(left):
         passed = time.perf_counter() - begin
@@ -85,27 +98,25 @@ def answered(questions: Questions, asking: Asking, workers: int | None, executor
         answer(questions, asking, int(left[done]), rows)
         count.add(1)
         done += 1
-    return rows
 
 
 def _by_threads(n: int, questions: Questions, asking: Asking, rows: Rows, count: Count) -> np.ndarray:
-    """What compiled walks answer; gives the rows that they leave."""
+    """Answers by compiled walks; gives the rows that they did."""
     cuts = range(0, len(questions), THREAD_PART)
     parts = [slice(first, min(first + THREAD_PART, len(questions))) for first in cuts]
-    left = np.ones(len(questions), bool)
+    done = [np.empty(0, np.int64)]
 
-    def walk(where: slice) -> tuple[slice, np.ndarray]:
-        return where, walk_together(questions.part(where), asking, rows.part(where))
+    def walk(where: slice) -> np.ndarray:
+        return where.start + walk_together(questions.part(where), asking, rows.part(where))
 
-    for where, done in map(walk, parts[:1]):  # which makes what the others share
-        left[where][done] = False
-        count.add(len(done))
+    for where in parts[:1]:  # which makes what the others share
+        done.append(walk(where))
+        count.add(len(done[-1]))
     with ThreadPoolExecutor(n) as pool:
         for future in as_completed([pool.submit(walk, where) for where in parts[1:]]):
-            where, done = future.result()
-            left[where][done] = False
-            count.add(len(done))
-    return np.flatnonzero(left)
+            done.append(future.result())
+            count.add(len(done[-1]))
+    return np.concatenate(done)
 
 
 # -- parts for others ---------------------------------------------------------------------------------------------

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import Any, Self
 
 import numpy as np
+from flint import fmpq
 
 from firstcontact.errors import InputError
 from firstcontact.motion.rational import RationalMotion
@@ -112,6 +113,14 @@ class Rotations(Motions):
     def taken(self, rows: Any) -> Rotations:
         angles: dict[str, Any] = {self.unit: self.angles[rows]}
         return Rotations(self.axes[rows], self.points[rows], **angles)
+
+
+    def angle(self, row: int) -> tuple[fmpq, fmpq]:
+        """(radians, turns) of motion `row`, exact; one of them is 0."""
+        x = fmpq(*float(self.angles[row]).as_integer_ratio())
+        if self.unit == "radians":
+            return x, fmpq(0)
+        return fmpq(0), x / 360 if self.unit == "degrees" else x
 
 
 class Poses(Motions):

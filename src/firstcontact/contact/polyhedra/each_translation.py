@@ -1,23 +1,17 @@
-"""First contacts of one pair of polyhedra under each of many translations: one compiled walk, exact winners.
-
-What it tells is what `first` tells of each, bit for bit: the trees, boxes and bounds are those of `TranslationProblem`,
-and so are the exact times.  Motions that it leaves open are for `first`.
-"""
+"""First contacts of one pair of polyhedra under each of many translations."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from flint import fmpq, fmpz
 
+from firstcontact.body.kept import Kept
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact.polyhedra.answers import element_pairs
-from firstcontact.contact.polyhedra.earliest import Pair
-from firstcontact.contact.polyhedra.engines import tests_of_boxes
+from firstcontact.contact.polyhedra.each import Contacts, Place, Walked, Walks
 from firstcontact.contact.polyhedra.translation_problem import (
     LEAST_FRAMED,
     TranslationProblem,
@@ -29,65 +23,30 @@ from firstcontact.exact.vectors import Vector, whole, whole_doubles
 from firstcontact.motion.relative.pieces import Piece, pieces
 from firstcontact.motion.translation import Translation
 from firstcontact.pairs.elements import coplanar
-from firstcontact.result import ElementPair
-from firstcontact.search.trees.elements import KINDS, feature, vertices_of, whole_corners
-from firstcontact.search.trees.state import CERTAIN_KIND, SLICE, borrow_state, return_state
+from firstcontact.search.trees.elements import FACE, VERTEX, whole_corners
 from firstcontact.search.trees.touch import translation_touch
-from firstcontact.search.trees.walk_each import OPEN, walk_each
+from firstcontact.search.trees.walk_each import OPEN
 
 ONE = fmpz(1)
-ROOM = 4096
-"""Contacts that the walk tells at once."""
-
-
-@dataclass(frozen=True, slots=True)
-class Met:
-    """A first contact: which motion, when, and all pairs of elements that meet then."""
-
-    motion: int
-    instant: RationalInstant
-    pairs: list[Pair]
+_WHOLE = Kept["_WholeVertices"]()
 
 
 class EachTranslation:
     """Body a moves by t v over [0, last], for each of many v; body b rests."""
 
-    def __init__(self, a: Polyhedron, b: Polyhedron) -> None:
-        """a, b: in rational poses, so that contacts have exact times."""
+    def __init__(self, a: Polyhedron, b: Polyhedron, vectors: np.ndarray, lasts: np.ndarray) -> None:
+        """vectors (n, 3): velocities, moderate ones (`is_moderate`).  lasts (n,): ends of the windows."""
+        self.vectors, self.lasts = vectors, lasts
         self.bodies = a.moving(Translation((1, 0, 0))), b
         piece = pieces(*self.bodies, fmpq(0), fmpq(1))[0]
         assert isinstance(piece, Piece)
-        self.problem = TranslationProblem(a, b, piece)
-        self.most_tests = tests_of_boxes(self.problem.tree_a, self.problem.tree_b)
-        """Pair tests after which `first` asks another engine."""
+        problem = self.problem = TranslationProblem(a, b, piece)
+        trees = problem.tree_a, problem.tree_b
+        self.walks = Walks(problem.boxes_a, trees[0], problem.boxes_b, trees[1], trees[0].error, trees[1].error)
 
-    def is_apart(self) -> bool:
-        """Whether no body lies inside the other one at the start; whether their surfaces meet, each walk looks at."""
-        return not self.problem.is_contained()
-
-    def walked(self, vectors: np.ndarray, lasts: np.ndarray) -> tuple[np.ndarray, np.ndarray, list[Met]]:
-        """(FREE, MET or OPEN, node visits and pair tests) of each motion, and the contacts, in order.
-
-        vectors (n, 3): velocities, moderate ones (`is_moderate`).  lasts (n,): ends of the windows.
-        """
-        told, work = np.full(len(vectors), OPEN, np.int64), np.zeros(len(vectors), np.int64)
-        met: list[Met] = []
-        for rows, times in self._contacts(vectors, lasts, told, work):
-            for first, end in _runs(rows[:, 0]):
-                motion = int(rows[first, 0])
-                found = self._winner(vectors[motion].tolist(), times[first:end].tolist(), rows[first:end, 1:].tolist())
-                if found is None:
-                    told[motion] = OPEN
-                else:
-                    met.append(Met(motion, *found))
-        return told, work, met
-
-    def _contacts(
-        self, vectors: np.ndarray, lasts: np.ndarray, told: np.ndarray, work: np.ndarray
-    ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-        """Walks, and gives the contacts that may be first by and by: (motion and candidate, enclosure) of each."""
-        problem = self.problem
-        a, b, frame = problem.tree_a, problem.tree_b, problem.frame
+    def told(self) -> tuple[np.ndarray, np.ndarray, Contacts]:
+        """FREE, MET or OPEN, node visits and pair tests, of each motion; the contacts."""
+        frame, vectors, lasts = self.problem.frame, self.vectors, self.lasts
         coordinates = list(vectors.T)
         framed = vectors
         if frame is not None:
@@ -95,96 +54,130 @@ class EachTranslation:
             framed = np.where(np.abs(framed) >= LEAST_FRAMED, framed, 0.0)
         with np.errstate(divide="ignore"):
             motions = np.concatenate([framed, 1.0 / np.where(framed == 0.0, 0.0, framed), vectors], axis=1)
-        pads = np.broadcast_to(framed_pad(problem.error, frame, coordinates, lasts), lasts.shape)
+        pads = np.broadcast_to(framed_pad(self.problem.error, frame, coordinates, lasts), lasts.shape)
         ends = np.stack([lasts, lasts], axis=1)
-        times, rows = np.empty((ROOM, 2)), np.empty((ROOM, 6), np.int64)
-        state, begin = borrow_state(), 0
-        try:
-            while begin < len(vectors):
-                begin, count = walk_each(
-                    problem.boxes_a, a.links, a.xyz, a.ids, problem.boxes_b, b.links, b.xyz, b.ids,
-                    motions, ends, np.ascontiguousarray(pads), a.error, b.error, self.most_tests, begin, SLICE,
-                    state.floats, state.integers, state.keys, state.pairs, state.stack, state.times, state.candidates,
-                    told, work, times, rows,
-                )  # fmt: skip
-                yield rows[:count], times[:count]
-        finally:
-            return_state(state)
+        return self._contacts(self.walks.walked(motions, ends, np.ascontiguousarray(pads)))
 
-    def _winner(
-        self, v: list[float], times: list[list[float]], rows: list[list[int]]
-    ) -> tuple[RationalInstant, list[Pair]] | None:
-        """The first of contacts that certainly are, exact, and all pairs that share it, as `earliest` finds them.
-
-        None where one equation does not tell the time, or the bodies touch at the start.
-        """
-        per, (velocity,) = whole_doubles([v], ONE, int)
-        best: RationalInstant | None = None
-        until = math.inf
-        tied: list[Pair] = []
-        for (lo, _), row in sorted(zip(times, rows, strict=True)):
-            if lo > until:
-                break
-            pair = self._pair(row)
-            if pair in tied:
+    def _contacts(self, walked: Walked) -> tuple[np.ndarray, np.ndarray, Contacts]:
+        """What is told, work, and the contacts: the first of all candidates by the exact equation of each."""
+        gaps, speeds = self._equations(walked)
+        solvable = speeds != 0
+        times = np.full(len(gaps), math.inf)
+        times[solvable] = gaps[solvable] / speeds[solvable]  # Python's division of whole numbers rounds correctly
+        firsts, tied = [], []
+        for some in walked.groups():
+            earliest = times[some].min()
+            best = some.start + np.flatnonzero(times[some] == earliest)
+            if not solvable[some].all() or earliest <= 0.0:  # a time that is 0, or rounds to it
+                walked.told[walked.motions[some.start]] = OPEN
                 continue
-            corners_a, corners_b = self._whole.corners(pair)
-            value = coplanar.translation_instant(corners_a, corners_b, velocity)
-            if value is None:
-                return None
-            instant = RationalInstant(value * per / self._whole.scale)
-            order = -1 if best is None else instant.compare(best)
-            if order < 0:
-                best, tied, until = instant, [pair], min(until, instant.bounds()[1])
-            elif order == 0:
-                tied.append(pair)
-        return None if best is None or best.is_zero() else (best, sorted(tied))
+            if len(best) > 1:
+                best = _earliest(best, gaps, speeds)
+            firsts.append(int(best[0]))
+            tied.append(best)
+        first = np.array(firsts, np.int64)
+        return walked.told, walked.work, Contacts(
+            walked.motions[first], times[first], _around(times[first], gaps[first], speeds[first]),
+            lambda k: RationalInstant(fmpq(gaps[firsts[k]], speeds[firsts[k]])),
+            lambda k: sorted(walked.pairs_of(np.unique(tied[k]))),
+        )  # fmt: skip
 
-    def _pair(self, row: list[int]) -> Pair:
-        kind, part_a, local_a, part_b, local_b = row
-        kind_a, kind_b = KINDS[kind - CERTAIN_KIND]
-        tree_a, tree_b = self.problem.tree_a, self.problem.tree_b
-        return kind - CERTAIN_KIND, feature(tree_a, kind_a, part_a, local_a), feature(tree_b, kind_b, part_b, local_b)
+    def _equations(self, walked: Walked) -> tuple[np.ndarray, np.ndarray]:
+        """Whole numbers gap and speed > 0 of each candidate, whose time is gap / speed; a speed of 0 tells none."""
+        whole, kinds = self._whole, walked.pairs[:, 0]
+        velocity, up, down = _whole_velocities(self.vectors[walked.motions])
+        gaps, speeds = np.empty(len(kinds), object), np.empty(len(kinds), object)
+        for kind in np.unique(kinds).tolist():
+            of = np.flatnonzero(kinds == kind)
+            corners = whole.corners(walked.pairs[of])
+            gaps[of], speeds[of] = coplanar.translation_equation(*corners, tuple(velocity[of].T))
+        signs = np.where(speeds < 0, -1, 1)
+        return signs * gaps * up, signs * speeds * whole.scale * down
 
     @cached_property
     def _whole(self) -> _WholeVertices:
-        return _WholeVertices(self.problem.a, self.problem.b)
+        """Kept on a while b is the same."""
+        a, b = self.problem.a, self.problem.b
+        known = _WHOLE.get(a)
+        return known if known is not None and known.bodies[1] is b else _WHOLE.put(a, _WholeVertices(a, b))
 
-    def time(self, met: Met) -> tuple[float, tuple[float, float]]:
-        """(nearest double, enclosure) of a contact."""
-        return self.problem.world_instant(met.instant)
-
-    def place(self, v: list[float], met: Met) -> tuple[ElementPair, int, np.ndarray, np.ndarray | None]:
-        """(the lowest pair, how many there are, point, unit normal or None) of a contact of the motion by t v."""
-        named = element_pairs(*self.bodies, met.pairs)
+    def place(self, contacts: Contacts, k: int) -> Place:
+        """Elements, point and normal of a contact."""
+        named = element_pairs(*self.bodies, contacts.pairs(k))
         lowest, pair = named[0]
-        per, (velocity,) = whole_doubles([v], ONE)
-        scale, corners_a, corners_b, velocity = whole_corners(
-            self.problem.a, pair[1], self.problem.b, pair[2], per, velocity
-        )
-        touch = translation_touch(pair[1], corners_a, pair[2], corners_b, velocity, scale, met.instant)
+        per, (velocity,) = whole_doubles([self.vectors[contacts.motions[k]].tolist()], ONE)
+        # in the numbers of `TranslationProblem`: normals are rounded from them
+        scale, *corners, velocity = whole_corners(self.problem.a, pair[1], self.problem.b, pair[2], per, velocity)
+        touch = translation_touch(pair[1], corners[0], pair[2], corners[1], velocity, scale, contacts.instant(k))
         return lowest, len(named), *touch
 
 
 class _WholeVertices:
-    """The vertices of two bodies times one scale: whole numbers."""
+    """The vertices of two bodies times one scale: arrays (n, 3) of whole numbers."""
 
     def __init__(self, a: Polyhedron, b: Polyhedron) -> None:
         self.bodies = a, b
         if a.error == 0.0 and b.error == 0.0:
-            points = np.concatenate([a.vertices, b.vertices]).tolist()
-            self.scale, whole_points = whole_doubles(points, ONE, int)
+            self.scale, points = whole_doubles(np.concatenate([a.vertices, b.vertices]).tolist(), ONE, int)
         else:
             exact = [x.exact_vertex(k) for x in (a, b) for k in range(len(x.vertices))]
-            self.scale, points = whole(*exact)
-            whole_points = [(int(x), int(y), int(z)) for x, y, z in points]
-        self.points = whole_points[: len(a.vertices)], whole_points[len(a.vertices) :]
+            scale, numbers = whole(*exact)
+            self.scale, points = int(scale), [(int(x), int(y), int(z)) for x, y, z in numbers]
+        array: np.ndarray = np.array(points, object)
+        self.points = array[: len(a.vertices)], array[len(a.vertices) :]
 
-    def corners(self, pair: Pair) -> tuple[list[Vector], list[Vector]]:
-        """Those of both elements."""
-        a, b = ([points[k] for k in vertices_of(body, element)]
-                for points, body, element in zip(self.points, self.bodies, pair[1:], strict=True))  # fmt: skip
+    def corners(self, pairs: np.ndarray) -> tuple[list[Vector], list[Vector]]:
+        """Those of both elements of pairs of one kind, each a vector of arrays."""
+        a, b = (
+            [tuple(points[corner].T) for corner in _vertices(body, *pairs[:, 1 + 2 * side : 3 + 2 * side].T)]
+            for side, (points, body) in enumerate(zip(self.points, self.bodies, strict=True))
+        )
         return a, b
+
+
+def _vertices(body: Polyhedron, kind: np.ndarray, index: np.ndarray) -> np.ndarray:
+    """Corners (1, 2 or 3; n) of elements of one kind, as `vertices_of` has them."""
+    if kind[0] == VERTEX:
+        return index[None]
+    if kind[0] == FACE:
+        corners: np.ndarray = body.triangles[index].T
+        return corners
+    points = index - len(body._segments)
+    ends: np.ndarray = np.where(points >= 0, points, body._segments[np.minimum(index, len(body._segments) - 1)].T)
+    return ends
+
+
+def _whole_velocities(vectors: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Whole numbers (n, 3), and (n,) powers of two: vectors are these over the first, times the second."""
+    fractions, exponents = np.frexp(vectors)
+    exponents = np.where(fractions == 0.0, 2000, exponents)
+    least = exponents.min(axis=1)
+    numbers = (fractions * 2.0**53).astype(np.int64).astype(object)
+    shifts = np.where(fractions == 0.0, 0, exponents - least[:, None]).astype(object)
+    least = least - 53
+    one = np.full(len(vectors), 1, object)
+    return numbers << shifts, one << np.maximum(-least, 0).astype(object), one << np.maximum(least, 0).astype(object)
+
+
+def _earliest(some: np.ndarray, gaps: np.ndarray, speeds: np.ndarray) -> np.ndarray:
+    """Which of candidates whose times round to one double are first, exactly."""
+    found: list[int] = []
+    for k in some.tolist():
+        later = 0 if not found else gaps[k] * speeds[found[0]] - gaps[found[0]] * speeds[k]
+        if later < 0:
+            found = []
+        if later <= 0:
+            found.append(k)
+    return np.array(found)
+
+
+def _around(times: np.ndarray, gaps: np.ndarray, speeds: np.ndarray) -> np.ndarray:
+    """(n, 2): enclosures of gap / speed by neighbouring doubles, one of which is its rounding."""
+    ratios = [t.as_integer_ratio() for t in times.tolist()]
+    sides = [(g * q > s * p) - (g * q < s * p) for g, s, (p, q) in zip(gaps, speeds, ratios, strict=True)]
+    side = np.array(sides, float)
+    towards = np.where(side == 0.0, times, np.where(side > 0.0, np.inf, -np.inf))
+    return np.sort(np.stack([times, np.nextafter(times, towards)], axis=1), axis=1)
 
 
 def is_moderate(vectors: np.ndarray) -> np.ndarray:
@@ -193,9 +186,3 @@ def is_moderate(vectors: np.ndarray) -> np.ndarray:
     largest = sizes.max(axis=1, initial=0.0)
     told: np.ndarray = (largest > 1e-30) & (largest < 1e30) & ((sizes == 0.0) | (sizes >= LEAST_FRAMED)).all(axis=1)
     return told
-
-
-def _runs(motions: np.ndarray) -> Iterator[tuple[int, int]]:
-    """Where each motion's rows begin and end."""
-    cuts = [0, *(np.flatnonzero(np.diff(motions)) + 1).tolist(), len(motions)]
-    return ((first, end) for first, end in zip(cuts, cuts[1:], strict=False) if first < end)
