@@ -35,7 +35,7 @@ def free_by_boxes(questions: Questions) -> np.ndarray:
         keys = [(shape, id(motion)) for shape, motion in zip(shapes.tolist(), motions, strict=True)]
         bodies |= {key: (questions.bodies[key[0]], motion) for key, motion in zip(keys, motions, strict=True)}
         sides.append([numbers.setdefault(key, len(numbers)) for key in keys])
-    if len(numbers) * ASKED > len(questions):
+    if len(numbers) * ASKED > len(questions) or not numbers:
         return none
     boxes = np.stack([_boxes(*bodies[key]) for key in numbers], axis=1)
     return np.flatnonzero(_apart(boxes, *map(np.array, sides)))

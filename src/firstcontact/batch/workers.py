@@ -32,7 +32,7 @@ from typing import Any
 import numpy as np
 
 from firstcontact.batch.culling import free_by_boxes
-from firstcontact.batch.part import Asking, answer, answers, walk_together
+from firstcontact.batch.part import Asking, answer, answers
 from firstcontact.batch.questions import Questions
 from firstcontact.result_table import Rows
 
@@ -92,7 +92,7 @@ def _one_by_one(n: int, questions: Questions, asking: Asking, left: np.ndarray, 
     while done < len(left):
         passed = time.perf_counter() - begin
         if n > 1 and passed > TRIED and passed / done * (len(left) - done) > WORTH:
-            with _Processes(n, questions) as processes:
+            with Processes(n, questions.bodies) as processes:
                 _Spread(questions, asking, rows, count).over(processes, left[done:])
             break
         answer(questions, asking, int(left[done]), rows)
@@ -102,6 +102,8 @@ def _one_by_one(n: int, questions: Questions, asking: Asking, left: np.ndarray, 
 
 def _by_threads(n: int, questions: Questions, asking: Asking, rows: Rows, count: Count) -> np.ndarray:
     """Answers by compiled walks; gives the rows that they did."""
+    from firstcontact.batch.together import walk_together  # loads what polyhedra need
+
     cuts = range(0, len(questions), THREAD_PART)
     parts = [slice(first, min(first + THREAD_PART, len(questions))) for first in cuts]
     done = [np.empty(0, np.int64)]
@@ -195,19 +197,24 @@ def keep(batch: str, bodies: bytes) -> None:
         _kept[batch] = pickle.loads(bodies)  # noqa: S301 - written by `pickle.dumps` in the process that asks
 
 
+def kept_bodies(batch: str) -> tuple[Any, ...]:
+    """The bodies of the batch."""
+    return _kept[batch]
+
+
 def kept_answers(batch: str, bodies: bytes, questions: Questions, asking: Asking) -> tuple[Rows, float]:
     """`timed_answers` of bodies that are kept; bodies: pickled, "" where they are there."""
     if bodies:
         keep(batch, bodies)
-    return timed_answers(_kept[batch], questions, asking)
+    return timed_answers(kept_bodies(batch), questions, asking)
 
 
-class _Processes(Elsewhere):
+class Processes(Elsewhere):
     """Processes of this machine, each of which is given the bodies as it starts."""
 
-    def __init__(self, n: int, questions: Questions) -> None:
+    def __init__(self, n: int, bodies: tuple[Any, ...]) -> None:
         super().__init__(self._ask, n, self._start)
-        self.batch, self.bodies = uuid.uuid4().hex, pickle.dumps(questions.bodies)
+        self.batch, self.bodies = uuid.uuid4().hex, pickle.dumps(bodies)
         self._start()
 
     def _start(self) -> None:
@@ -218,7 +225,7 @@ class _Processes(Elsewhere):
     def _ask(self, questions: Questions, asking: Asking) -> Future[tuple[Rows, float]]:
         return self.pool.submit(kept_answers, self.batch, b"", questions, asking)
 
-    def __enter__(self) -> _Processes:
+    def __enter__(self) -> Processes:
         return self
 
     def __exit__(self, *_: Any) -> None:
