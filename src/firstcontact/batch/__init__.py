@@ -5,6 +5,7 @@ culling     what boxes alone tell to be apart
 part        answers to a part of the questions, in this process
 together    those about one pair of polyhedra under many motions
 workers     parts handed to threads, processes or a cluster, and put together again
+processes   those of this machine
 verb        `first_contacts`, `many_contact_intervals`
 results     full results one after the other, for the command
 arrow       tables as pyarrow has them, Parquet

@@ -11,7 +11,7 @@ from typing import Any
 from firstcontact import query
 from firstcontact.batch import culling
 from firstcontact.batch.questions import asked
-from firstcontact.batch.workers import PART, TRIED, WORTH, Processes, kept_bodies
+from firstcontact.batch.workers import PART, TRIED, WORTH
 from firstcontact.errors import FirstContactError
 from firstcontact.result import ContactIntervals, FirstContact, Status
 
@@ -66,6 +66,8 @@ def _elsewhere(
     size: int,
 ) -> Iterator[Any]:
     """By processes; here, what a process that was lost leaves."""
+    from firstcontact.batch.processes import Processes
+
     bodies = list({id(x): x for k in left for x in (questions[k].a, questions[k].b)}.values())
     numbers = {id(x): number for number, x in enumerate(bodies)}
     work = [(q.verb, numbers[id(q.a)], numbers[id(q.b)], q.arguments) for q in (questions[k] for k in left)]
@@ -89,6 +91,8 @@ def _elsewhere(
 
 def _answers(batch: str, part: list[tuple[str, int, int, dict[str, Any]]]) -> list[Any]:
     """The results, or what is raised instead; then it ends."""
+    from firstcontact.batch.processes import kept_bodies
+
     bodies, out = kept_bodies(batch), list[Any]()
     for verb, a, b, arguments in part:
         try:

@@ -11,7 +11,6 @@ import os
 import pickle
 import sys
 import time
-import types
 import uuid
 from collections import deque
 from collections.abc import Callable
@@ -20,13 +19,11 @@ from concurrent.futures import (
     BrokenExecutor,
     CancelledError,
     Future,
-    ProcessPoolExecutor,
     ThreadPoolExecutor,
     as_completed,
     wait,
 )
 from dataclasses import dataclass
-from multiprocessing.context import SpawnContext, SpawnProcess
 from typing import Any
 
 import numpy as np
@@ -40,7 +37,7 @@ MOST = 1024
 """Workers: more than any machine has cores."""
 PART, FIRST_PART, LARGEST_PART = 0.5, 16, 1 << 16
 """Seconds of a part, questions of the first ones, of which nothing is known yet, and of any."""
-WORTH = 4.0
+WORTH = 10.0
 """Seconds of work from which on it is worth starting processes, which load the library first."""
 TRIED = 0.5
 """Seconds after which what the work will take is judged."""
@@ -92,6 +89,8 @@ def _one_by_one(n: int, questions: Questions, asking: Asking, left: np.ndarray, 
     while done < len(left):
         passed = time.perf_counter() - begin
         if n > 1 and passed > TRIED and passed / done * (len(left) - done) > WORTH:
+            from firstcontact.batch.processes import Processes
+
             with Processes(n, questions.bodies) as processes:
                 _Spread(questions, asking, rows, count).over(processes, left[done:])
             break
@@ -186,74 +185,14 @@ def timed_answers(bodies: tuple[Any, ...], questions: Questions, asking: Asking)
     return rows, time.perf_counter() - begin
 
 
-_kept: dict[str, tuple[Any, ...]] = {}
-"""The bodies of the batch at which this process works, by its name."""
-
-
-def keep(batch: str, bodies: bytes) -> None:
-    """Have the bodies of a batch ready, and no others."""
-    if batch not in _kept:
-        _kept.clear()
-        _kept[batch] = pickle.loads(bodies)  # noqa: S301 - written by `pickle.dumps` in the process that asks
-
-
-def kept_bodies(batch: str) -> tuple[Any, ...]:
-    """The bodies of the batch."""
-    return _kept[batch]
-
-
-def kept_answers(batch: str, bodies: bytes, questions: Questions, asking: Asking) -> tuple[Rows, float]:
-    """`timed_answers` of bodies that are kept; bodies: pickled, "" where they are there."""
-    if bodies:
-        keep(batch, bodies)
-    return timed_answers(kept_bodies(batch), questions, asking)
-
-
-class Processes(Elsewhere):
-    """Processes of this machine, each of which is given the bodies as it starts."""
-
-    def __init__(self, n: int, bodies: tuple[Any, ...]) -> None:
-        super().__init__(self._ask, n, self._start)
-        self.batch, self.bodies = uuid.uuid4().hex, pickle.dumps(bodies)
-        self._start()
-
-    def _start(self) -> None:
-        self.pool = ProcessPoolExecutor(
-            self.workers, mp_context=_Spawning(), initializer=keep, initargs=(self.batch, self.bodies)
-        )
-
-    def _ask(self, questions: Questions, asking: Asking) -> Future[tuple[Rows, float]]:
-        return self.pool.submit(kept_answers, self.batch, b"", questions, asking)
-
-    def __enter__(self) -> Processes:
-        return self
-
-    def __exit__(self, *_: Any) -> None:
-        self.pool.shutdown(cancel_futures=True)
-
-
-class _SpawnedAlone(SpawnProcess):
-    """A process that does not run the caller's script again: it needs nothing of it."""
-
-    def start(self) -> None:
-        main = sys.modules["__main__"]
-        sys.modules["__main__"] = types.ModuleType("__main__")
-        try:
-            super().start()
-        finally:
-            sys.modules["__main__"] = main
-
-
-class _Spawning(SpawnContext):
-    Process = _SpawnedAlone
-
-
 def _elsewhere(executor: Any, questions: Questions) -> Elsewhere:
     """The executor, or the client of dask.distributed."""
     if hasattr(executor, "scatter") and hasattr(executor, "get_executor"):
         from firstcontact.batch.cluster import Cluster
 
         return Cluster(executor, questions.bodies)
+    from firstcontact.batch.processes import kept_answers
+
     batch, bodies = uuid.uuid4().hex, pickle.dumps(questions.bodies)
 
     def ask(part: Questions, asking: Asking) -> Future[tuple[Rows, float]]:
