@@ -56,7 +56,7 @@ class Questions:
         return replace(self, bodies=bodies)
 
     def translations(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """(rows, vectors (k, 3), ends (k,)): where b rests and a moves by such a vector, in doubles, from 0 to the end."""
+        """(rows, vectors (k, 3), ends (k,)): where b rests and a moves by such doubles from 0 to the end."""
         if self.moves_a is None:
             return np.empty(0, np.int64), np.empty((0, 3)), np.empty(0)
         rows = np.arange(len(self))

@@ -58,5 +58,6 @@ def first_contacts(
     questions = asked(queries)
     arguments = {"exact": exact, "method": method, "engine": engine, "tolerance": tolerance, "budget": budget}
     asking = Asking(arguments)
-    rows = work.answered(questions, asking, workers, executor, progress)
+    with work.Spare() as spare:
+        rows = work.answered(questions, asking, workers, executor, progress, spare)
     return ContactTable(rows, lambda row: asking.one(questions, row))

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 import pickle
+import signal
 import sys
 import time
 import types
@@ -67,7 +68,30 @@ class Count:
             self.progress(self.done, self.total)
 
 
-def answered(questions: Questions, asking: Asking, workers: int | None, executor: Any, progress: Reached) -> Rows:
+class Spare:
+    """Processes that were started for one batch, kept for the next ones about the same bodies."""
+
+    def __init__(self) -> None:
+        self.processes: _Processes | None = None
+
+    def started(self, n: int, bodies: tuple[Any, ...]) -> _Processes:
+        if self.processes is None or self.processes.about != bodies:
+            self.__exit__()
+            self.processes = _Processes(n, bodies)
+        return self.processes
+
+    def __enter__(self) -> Spare:
+        return self
+
+    def __exit__(self, kind: Any = None, *_: Any) -> None:
+        if self.processes is not None:
+            self.processes.stop(at_once=kind is not None)
+            self.processes = None
+
+
+def answered(
+    questions: Questions, asking: Asking, workers: int | None, executor: Any, progress: Reached, spare: Spare
+) -> Rows:
     """All answers, by whoever takes part."""
     count, rows = Count(len(questions), progress), Rows(len(questions))
     if executor is not None:
@@ -78,9 +102,9 @@ def answered(questions: Questions, asking: Asking, workers: int | None, executor
     begin, done = time.perf_counter(), 0
     while done < len(left):
         passed = time.perf_counter() - begin
-        if n > 1 and passed > TRIED and passed / done * (len(left) - done) > WORTH:
-            with _Processes(n, questions) as processes:
-                _Spread(questions, asking, rows, count).over(processes, left[done:])
+        tried, worth = (TRIED, WORTH) if spare.processes is None else (TRIED / 10, TRIED)
+        if n > 1 and done and passed > tried and passed / done * (len(left) - done) > worth:
+            _Spread(questions, asking, rows, count).over(spare.started(n, questions.bodies), left[done:])
             break
         answer(questions, asking, int(left[done]), rows)
         count.add(1)
@@ -117,53 +141,70 @@ class Elsewhere:
 
     submit(questions, asking): the future of `timed_answers`; the questions are without bodies, which are there already.
     renew: called where workers were lost, or None where nothing can be done about it.
+    seconds: what a part should take.
     """
 
     submit: Callable[[Questions, Asking], Future[tuple[Rows, float]]]
     workers: int
     renew: Callable[[], None] | None = None
+    seconds: float = PART
 
 
 class _Spread:
-    """Hands parts to others, as many questions at once as take PART seconds, and puts the answers together."""
+    """Hands parts to others, as many questions at once as take so long as they say, and puts the answers together."""
 
     def __init__(self, questions: Questions, asking: Asking, rows: Rows, count: Count) -> None:
-        self.questions, self.asking, self.rows, self.count = questions, asking, rows, count
+        self.questions, self.asking, self.rows, self.count = questions.about(()), asking, rows, count
         self.size = FIRST_PART
+        self.waiting: deque[_Part] = deque()
 
     def over(self, others: Elsewhere, where: np.ndarray) -> None:
         """Answers the rows `where`."""
-        again: deque[tuple[np.ndarray, int]] = deque()
-        begun: dict[Future[Any], tuple[np.ndarray, int]] = {}
-        at, bare = 0, self.questions.about(())
+        begun: dict[Future[Any], _Part] = {}
+        at = 0
         try:
-            while begun or again or at < len(where):
-                while len(begun) < 2 * others.workers and (again or at < len(where)):
-                    if again:
-                        some, tries = again.popleft()
-                    else:
-                        some, tries = where[at : at + self.size], 0
-                        at += len(some)
-                    begun[others.submit(bare.part(some), self.asking)] = some, tries
-                for future in wait(begun, return_when=FIRST_COMPLETED).done:
-                    some, tries = begun.pop(future)
+            while begun or self.waiting or at < len(where):
+                while len(begun) < 2 * others.workers and (self.waiting or at < len(where)):
+                    if not self.waiting:
+                        self.waiting.append(_Part(where[at : at + self.size]))
+                        at += self.size
+                    part = self.waiting.popleft()
                     try:
-                        self._take(some, *future.result())
+                        begun[others.submit(self.questions.part(part.where), self.asking)] = part
+                    except BrokenExecutor as error:
+                        self._again(part, others, error)
+                for future in wait(begun, return_when=FIRST_COMPLETED).done:
+                    part = begun.pop(future)
+                    try:
+                        self._take(part.where, future.result(), others.seconds)
                     except Exception as error:
-                        if tries >= RETRIES or not isinstance(error, (BrokenExecutor, CancelledError, *_lost())):
-                            raise
-                        again.append((some, tries + 1))
-                        if others.renew is not None:
-                            others.renew()
+                        self._again(part, others, error)
         finally:
             for future in begun:
                 future.cancel()
 
-    def _take(self, where: np.ndarray, rows: Rows, seconds: float) -> None:
+    def _take(self, where: np.ndarray, answers: tuple[Rows, float], wanted: float) -> None:
+        rows, seconds = answers
         self.rows.put(where, rows)
         self.count.add(len(where))
-        able = int(PART * len(where) / max(seconds, 1e-6))
+        able = int(wanted * len(where) / max(seconds, 1e-6))
         self.size = max(1, min(able, 4 * self.size, LARGEST_PART))
+
+    def _again(self, part: _Part, others: Elsewhere, error: Exception) -> None:
+        """Have the part of a worker that was lost done again; raises all other errors."""
+        if part.tries >= RETRIES or not isinstance(error, (BrokenExecutor, CancelledError, *_lost())):
+            raise error
+        self.waiting.append(_Part(part.where, part.tries + 1))
+        if others.renew is not None:
+            others.renew()
+
+
+@dataclass(frozen=True)
+class _Part:
+    """Rows that are asked about together, and how often they were in vain."""
+
+    where: np.ndarray
+    tries: int = 0
 
 
 def timed_answers(bodies: tuple[Any, ...], questions: Questions, asking: Asking) -> tuple[Rows, float]:
@@ -194,24 +235,40 @@ def kept_answers(batch: str, bodies: bytes, questions: Questions, asking: Asking
 class _Processes(Elsewhere):
     """Processes of this machine, each of which is given the bodies as it starts."""
 
-    def __init__(self, n: int, questions: Questions) -> None:
-        super().__init__(self._ask, n, self._start)
-        self.batch, self.bodies = uuid.uuid4().hex, pickle.dumps(questions.bodies)
+    def __init__(self, n: int, bodies: tuple[Any, ...]) -> None:
+        super().__init__(self._ask, n, self._renew)
+        self.about = bodies
+        self.batch, self.bodies = uuid.uuid4().hex, pickle.dumps(bodies)
         self._start()
 
     def _start(self) -> None:
+        self.spawning = _Spawning()
         self.pool = ProcessPoolExecutor(
-            self.workers, mp_context=_Spawning(), initializer=keep, initargs=(self.batch, self.bodies)
+            self.workers, mp_context=self.spawning, initializer=_begin, initargs=(self.batch, self.bodies)
         )
 
     def _ask(self, questions: Questions, asking: Asking) -> Future[tuple[Rows, float]]:
         return self.pool.submit(kept_answers, self.batch, b"", questions, asking)
 
-    def __enter__(self) -> _Processes:
-        return self
+    def _renew(self) -> None:
+        """A new pool, unless that was done already: all parts of a broken one fail."""
+        try:
+            self.pool.submit(cores)
+        except BrokenExecutor:
+            self._start()
 
-    def __exit__(self, *_: Any) -> None:
+    def stop(self, at_once: bool) -> None:
+        """at_once: without waiting for what is at work, which nobody asks for any longer."""
+        if at_once:
+            for process in self.spawning.started:
+                process.terminate()
         self.pool.shutdown(cancel_futures=True)
+
+
+def _begin(batch: str, bodies: bytes) -> None:
+    """A process starts; whether it is interrupted is told by the one that started it."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    keep(batch, bodies)
 
 
 class _SpawnedAlone(SpawnProcess):
@@ -227,11 +284,21 @@ class _SpawnedAlone(SpawnProcess):
 
 
 class _Spawning(SpawnContext):
-    Process = _SpawnedAlone
+    """started: its processes."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.started: list[SpawnProcess] = []
+
+    def Process(self, *arguments: Any, **named: Any) -> SpawnProcess:  # type: ignore[override]
+        self.started.append(_SpawnedAlone(*arguments, **named))
+        return self.started[-1]
 
 
 def _elsewhere(executor: Any, questions: Questions) -> Elsewhere:
     """The executor, or the client of dask.distributed."""
+    if isinstance(executor, Elsewhere):
+        return executor
     if hasattr(executor, "scatter") and hasattr(executor, "get_executor"):
         from firstcontact.batch.cluster import Cluster
 
