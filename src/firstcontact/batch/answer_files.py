@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -63,18 +62,36 @@ def _plain(table: Any) -> Any:
 
 def _json_lines(path: Path, tables: Iterator[Any]) -> None:
     """A line for each row; numbers that JSON has not are texts, as `to_dict` of a result has them."""
+    pc = pyarrow("compute")
     with path.open("w", encoding="utf-8") as file:
         for table in tables:
-            names = table.column_names
-            for values in zip(*map(_values, table.columns), strict=True):
-                file.write(json.dumps(dict(zip(names, values, strict=True)), default=str) + "\n")
+            pieces: list[Any] = []
+            for name, column in zip(table.column_names, table.columns, strict=True):
+                pieces += [f"{', ' if pieces else '{'}{json.dumps(name)}: ", _written(column.combine_chunks())]
+            lines = pc.binary_join_element_wise(*pieces, "}\n", "")
+            file.writelines(lines.to_pylist())
 
 
-def _values(column: Any) -> list[Any]:
-    values: list[Any] = column.to_pylist()
-    if not pyarrow().types.is_floating(column.type):
-        return values
-    return [x if x is None or math.isfinite(x) else (None if math.isnan(x) else str(x)) for x in values]
+def _written(column: Any) -> Any:
+    """The values as JSON has them."""
+    pa, pc = pyarrow(), pyarrow("compute")
+    kind = column.type
+    if pa.types.is_floating(kind):
+        plain = pc.replace_substring_regex(column.cast(pa.string()), r"^(-?\d+)$", r"\1.0")
+        infinite = pc.if_else(pc.less(column, 0.0), '"-inf"', '"inf"')
+        texts = pc.if_else(pc.is_inf(column), infinite, pc.if_else(pc.is_nan(column), "null", plain))
+    elif pa.types.is_integer(kind):
+        texts = column.cast(pa.string())
+    elif _is_nested(kind):
+        texts = pa.array([_dumped(x) for x in column.to_pylist()], pa.string())
+    else:  # each word once
+        words = column if pa.types.is_dictionary(kind) else column.dictionary_encode()
+        texts = pa.array([_dumped(x) for x in words.dictionary.to_pylist()], pa.string()).take(words.indices)
+    return pc.fill_null(texts, "null")
+
+
+def _dumped(value: Any) -> str:
+    return json.dumps(value, default=str)
 
 
 WRITERS: dict[str, Callable[[Path, Iterator[Any]], None]] = {
