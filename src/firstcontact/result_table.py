@@ -22,7 +22,7 @@ ROW = np.dtype([
 STATUSES = ("", *(status.name for status in Status))
 INITIALS = ("", "touching", "overlapping", "containment")
 REASONS = ("", "budget", "precision")
-KINDS = ("", "vertex", "edge", "face")
+KINDS = ("", "vertex", "edge", "face", "apex", "directrix", "end_ruling")
 WORDS = {"status": STATUSES, "initial": INITIALS, "reason": REASONS, "kind_a": KINDS, "kind_b": KINDS}
 PLACED = "kind_a", "kind_b", "index_a", "index_b", "multiplicity", "point", "normal"
 """Columns of contacts that are worked out when one of them is first asked for."""
@@ -198,14 +198,16 @@ class _Table:
         return table
 
     def to_arrow(self) -> Any:
-        """A pyarrow.Table (extra batch); nan and "" are nulls, words are dictionaries."""
+        """A pyarrow.Table (extra batch): nan, "" and -1 are nulls, words are dictionaries, vectors three columns."""
         from firstcontact.batch.arrow import table_of
 
         return table_of(self._rows.settle())
 
     def to_pandas(self) -> Any:
-        """A pandas.DataFrame (extra batch)."""
-        return self.to_arrow().to_pandas()
+        """A pandas.DataFrame of the same columns (extra batch)."""
+        from firstcontact.batch.arrow import frame_of
+
+        return frame_of(self._rows.settle())
 
     def to_parquet(self, path: str | Path) -> None:
         """Write a Parquet file (extra batch)."""

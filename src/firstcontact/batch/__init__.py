@@ -7,6 +7,11 @@ together    those about one pair of polyhedra under many motions
 workers     parts handed to threads, processes or a cluster, and put together again
 processes   those of this machine
 verb        `first_contacts`, `many_contact_intervals`
+cluster     workers of dask.distributed
 results     full results one after the other, for the command
 arrow       tables as pyarrow has them, Parquet
+files       queries from a file, answers to a file, kept part by part
+
+    query_files, query_rows     what is read, and what it asks
+    kept_parts, answer_files    what is finished, and where it goes
 """

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import pickle
+import signal
 import sys
 import types
 import uuid
-from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor
 from multiprocessing.context import SpawnContext, SpawnProcess
 from typing import Any
 
 from firstcontact.batch.part import Asking
 from firstcontact.batch.questions import Questions
-from firstcontact.batch.workers import Elsewhere, timed_answers
+from firstcontact.batch.workers import Elsewhere, cores, timed_answers
 from firstcontact.result_table import Rows
 
 _kept: dict[str, tuple[Any, ...]] = {}
@@ -42,23 +43,39 @@ class Processes(Elsewhere):
     """Processes of this machine, each of which is given the bodies as it starts."""
 
     def __init__(self, n: int, bodies: tuple[Any, ...]) -> None:
-        super().__init__(self._ask, n, self._start)
+        super().__init__(self._ask, n, self._renew)
+        self.about = bodies
         self.batch, self.bodies = uuid.uuid4().hex, pickle.dumps(bodies)
         self._start()
 
     def _start(self) -> None:
+        self.spawning = _Spawning()
         self.pool = ProcessPoolExecutor(
-            self.workers, mp_context=_Spawning(), initializer=keep, initargs=(self.batch, self.bodies)
+            self.workers, mp_context=self.spawning, initializer=_begin, initargs=(self.batch, self.bodies)
         )
 
     def _ask(self, questions: Questions, asking: Asking) -> Future[tuple[Rows, float]]:
         return self.pool.submit(kept_answers, self.batch, b"", questions, asking)
 
-    def __enter__(self) -> Processes:
-        return self
+    def _renew(self) -> None:
+        """A new pool, unless that was done already: all parts of a broken one fail."""
+        try:
+            self.pool.submit(cores)
+        except BrokenExecutor:
+            self._start()
 
-    def __exit__(self, *_: Any) -> None:
+    def stop(self, at_once: bool) -> None:
+        """at_once: without waiting for what is at work, which nobody asks for any longer."""
+        if at_once:
+            for process in self.spawning.started:
+                process.terminate()
         self.pool.shutdown(cancel_futures=True)
+
+
+def _begin(batch: str, bodies: bytes) -> None:
+    """A process starts; whether it is interrupted is told by the one that started it."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    keep(batch, bodies)
 
 
 class _SpawnedAlone(SpawnProcess):
@@ -74,4 +91,12 @@ class _SpawnedAlone(SpawnProcess):
 
 
 class _Spawning(SpawnContext):
-    Process = _SpawnedAlone
+    """started: its processes."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.started: list[SpawnProcess] = []
+
+    def Process(self, *arguments: Any, **named: Any) -> SpawnProcess:  # type: ignore[override]
+        self.started.append(_SpawnedAlone(*arguments, **named))
+        return self.started[-1]

@@ -11,7 +11,7 @@ from typing import Any
 from firstcontact import query
 from firstcontact.batch import culling
 from firstcontact.batch.questions import asked
-from firstcontact.batch.workers import PART, TRIED, WORTH
+from firstcontact.batch.workers import PART, TRIED, WORTH, Spare
 from firstcontact.errors import FirstContactError
 from firstcontact.result import ContactIntervals, FirstContact, Status
 
@@ -66,13 +66,12 @@ def _elsewhere(
     size: int,
 ) -> Iterator[Any]:
     """By processes; here, what a process that was lost leaves."""
-    from firstcontact.batch.processes import Processes
-
     bodies = list({id(x): x for k in left for x in (questions[k].a, questions[k].b)}.values())
     numbers = {id(x): number for number, x in enumerate(bodies)}
     work = [(q.verb, numbers[id(q.a)], numbers[id(q.b)], q.arguments) for q in (questions[k] for k in left)]
     done = 0
-    with Processes(workers, tuple(bodies)) as processes:
+    with Spare() as spare:
+        processes = spare.started(workers, tuple(bodies))
         try:
             parts = [work[first : first + size] for first in range(0, len(work), size)]
             for results in processes.pool.map(_answers, [processes.batch] * len(parts), parts):

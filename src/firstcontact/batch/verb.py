@@ -92,4 +92,5 @@ def _rows(questions: Questions, asking: Asking, workers: Any, executor: Any, pro
         raise InputError(f"workers is {shown(workers)}; give a whole number up to {work.MOST}, or None")
     if executor is not None and not hasattr(executor, "submit"):
         raise InputError(f"executor is {shown(executor)}; give a concurrent.futures.Executor or a client of dask")
-    return work.answered(questions, asking, workers, executor, progress)
+    with work.Spare() as spare:
+        return work.answered(questions, asking, workers, executor, progress, spare)

@@ -24,7 +24,7 @@ from concurrent.futures import (
     wait,
 )
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -32,6 +32,9 @@ from firstcontact.batch.culling import free_by_boxes
 from firstcontact.batch.part import Asking, answer, answers
 from firstcontact.batch.questions import Questions
 from firstcontact.result_table import Rows
+
+if TYPE_CHECKING:
+    from firstcontact.batch.processes import Processes
 
 MOST = 1024
 """Workers: more than any machine has cores."""
@@ -65,7 +68,36 @@ class Count:
             self.progress(self.done, self.total)
 
 
-def answered(questions: Questions, asking: Asking, workers: int | None, executor: Any, progress: Reached) -> Rows:
+class Spare:
+    """Processes that were started for one batch, kept for the next ones about the same bodies."""
+
+    def __init__(self) -> None:
+        self.processes: Processes | None = None
+
+    def started(self, n: int, bodies: tuple[Any, ...]) -> Processes:
+        from firstcontact.batch.processes import Processes
+
+        if self.processes is None or not _same(self.processes.about, bodies):
+            self.__exit__()
+            self.processes = Processes(n, bodies)
+        return self.processes
+
+    def __enter__(self) -> Spare:
+        return self
+
+    def __exit__(self, kind: Any = None, *_: Any) -> None:
+        if self.processes is not None:
+            self.processes.stop(at_once=kind is not None)
+            self.processes = None
+
+
+def _same(bodies: tuple[Any, ...], others: tuple[Any, ...]) -> bool:
+    return len(bodies) == len(others) and all(x is y for x, y in zip(bodies, others, strict=True))
+
+
+def answered(
+    questions: Questions, asking: Asking, workers: int | None, executor: Any, progress: Reached, spare: Spare
+) -> Rows:
     """All answers, by whoever takes part."""
     count, rows = Count(len(questions), progress), asking.rows(len(questions))
     left = np.ones(len(questions), bool)
@@ -79,20 +111,20 @@ def answered(questions: Questions, asking: Asking, workers: int | None, executor
     n = cores() if workers is None else workers
     if asking.walks:
         left[_by_threads(n, questions, asking, rows, count)] = False
-    _one_by_one(n, questions, asking, np.flatnonzero(left), rows, count)
+    _one_by_one(n, questions, asking, np.flatnonzero(left), rows, count, spare)
     return rows
 
 
-def _one_by_one(n: int, questions: Questions, asking: Asking, left: np.ndarray, rows: Rows, count: Count) -> None:
+def _one_by_one(
+    n: int, questions: Questions, asking: Asking, left: np.ndarray, rows: Rows, count: Count, spare: Spare
+) -> None:
     """Answers the rows that are left, by processes as soon as that is worth while."""
     begin, done = time.perf_counter(), 0
     while done < len(left):
         passed = time.perf_counter() - begin
-        if n > 1 and passed > TRIED and passed / done * (len(left) - done) > WORTH:
-            from firstcontact.batch.processes import Processes
-
-            with Processes(n, questions.bodies) as processes:
-                _Spread(questions, asking, rows, count).over(processes, left[done:])
+        tried, worth = (TRIED, WORTH) if spare.processes is None else (TRIED / 10, TRIED)
+        if n > 1 and done and passed > tried and passed / done * (len(left) - done) > worth:
+            _Spread(questions, asking, rows, count).over(spare.started(n, questions.bodies), left[done:])
             break
         answer(questions, asking, int(left[done]), rows)
         count.add(1)
@@ -129,53 +161,70 @@ class Elsewhere:
 
     submit(questions, asking): the future of `timed_answers`; the questions are without bodies, which are there already.
     renew: called where workers were lost, or None where nothing can be done about it.
+    seconds: what a part should take.
     """
 
     submit: Callable[[Questions, Asking], Future[tuple[Rows, float]]]
     workers: int
     renew: Callable[[], None] | None = None
+    seconds: float = PART
 
 
 class _Spread:
-    """Hands parts to others, as many questions at once as take PART seconds, and puts the answers together."""
+    """Hands parts to others, as many questions at once as take so long as they say, and puts the answers together."""
 
     def __init__(self, questions: Questions, asking: Asking, rows: Rows, count: Count) -> None:
-        self.questions, self.asking, self.rows, self.count = questions, asking, rows, count
+        self.questions, self.asking, self.rows, self.count = questions.about(()), asking, rows, count
         self.size = FIRST_PART
+        self.waiting: deque[_Part] = deque()
 
     def over(self, others: Elsewhere, where: np.ndarray) -> None:
         """Answers the rows `where`."""
-        again: deque[tuple[np.ndarray, int]] = deque()
-        begun: dict[Future[Any], tuple[np.ndarray, int]] = {}
-        at, bare = 0, self.questions.about(())
+        begun: dict[Future[Any], _Part] = {}
+        at = 0
         try:
-            while begun or again or at < len(where):
-                while len(begun) < 2 * others.workers and (again or at < len(where)):
-                    if again:
-                        some, tries = again.popleft()
-                    else:
-                        some, tries = where[at : at + self.size], 0
-                        at += len(some)
-                    begun[others.submit(bare.part(some), self.asking)] = some, tries
-                for future in wait(begun, return_when=FIRST_COMPLETED).done:
-                    some, tries = begun.pop(future)
+            while begun or self.waiting or at < len(where):
+                while len(begun) < 2 * others.workers and (self.waiting or at < len(where)):
+                    if not self.waiting:
+                        self.waiting.append(_Part(where[at : at + self.size]))
+                        at += self.size
+                    part = self.waiting.popleft()
                     try:
-                        self._take(some, *future.result())
+                        begun[others.submit(self.questions.part(part.where), self.asking)] = part
+                    except BrokenExecutor as error:
+                        self._again(part, others, error)
+                for future in wait(begun, return_when=FIRST_COMPLETED).done:
+                    part = begun.pop(future)
+                    try:
+                        self._take(part.where, future.result(), others.seconds)
                     except Exception as error:
-                        if tries >= RETRIES or not isinstance(error, (BrokenExecutor, CancelledError, *_lost())):
-                            raise
-                        again.append((some, tries + 1))
-                        if others.renew is not None:
-                            others.renew()
+                        self._again(part, others, error)
         finally:
             for future in begun:
                 future.cancel()
 
-    def _take(self, where: np.ndarray, rows: Rows, seconds: float) -> None:
+    def _take(self, where: np.ndarray, answers: tuple[Rows, float], wanted: float) -> None:
+        rows, seconds = answers
         self.rows.put(where, rows)
         self.count.add(len(where))
-        able = int(PART * len(where) / max(seconds, 1e-6))
+        able = int(wanted * len(where) / max(seconds, 1e-6))
         self.size = max(1, min(able, 4 * self.size, LARGEST_PART))
+
+    def _again(self, part: _Part, others: Elsewhere, error: Exception) -> None:
+        """Have the part of a worker that was lost done again; raises all other errors."""
+        if part.tries >= RETRIES or not isinstance(error, (BrokenExecutor, CancelledError, *_lost())):
+            raise error
+        self.waiting.append(_Part(part.where, part.tries + 1))
+        if others.renew is not None:
+            others.renew()
+
+
+@dataclass(frozen=True)
+class _Part:
+    """Rows that are asked about together, and how often they were in vain."""
+
+    where: np.ndarray
+    tries: int = 0
 
 
 def timed_answers(bodies: tuple[Any, ...], questions: Questions, asking: Asking) -> tuple[Rows, float]:
@@ -187,6 +236,8 @@ def timed_answers(bodies: tuple[Any, ...], questions: Questions, asking: Asking)
 
 def _elsewhere(executor: Any, questions: Questions) -> Elsewhere:
     """The executor, or the client of dask.distributed."""
+    if isinstance(executor, Elsewhere):
+        return executor
     if hasattr(executor, "scatter") and hasattr(executor, "get_executor"):
         from firstcontact.batch.cluster import Cluster
 
