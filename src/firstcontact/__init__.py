@@ -13,6 +13,9 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from firstcontact import brackets as brackets
     from firstcontact import examples as examples
+    from firstcontact.batch.questions import columns as columns
+    from firstcontact.batch.verb import first_contacts as first_contacts
+    from firstcontact.batch.verb import many_contact_intervals as many_contact_intervals
     from firstcontact.body.polyhedron.polyhedron import Polyhedron as Polyhedron
     from firstcontact.body.ruled.rational_curve import RationalCurve as RationalCurve
     from firstcontact.body.ruled.surface import RuledSurface as RuledSurface
@@ -30,6 +33,9 @@ if TYPE_CHECKING:
     from firstcontact.errors import FirstContactError as FirstContactError
     from firstcontact.errors import InputError as InputError
     from firstcontact.errors import UnsupportedPair as UnsupportedPair
+    from firstcontact.motion.arrays import Poses as Poses
+    from firstcontact.motion.arrays import Rotations as Rotations
+    from firstcontact.motion.arrays import Translations as Translations
     from firstcontact.motion.moving import Moving as Moving
     from firstcontact.motion.rational import RationalMotion as RationalMotion
     from firstcontact.motion.rotation import Rotation as Rotation
@@ -50,6 +56,8 @@ if TYPE_CHECKING:
     from firstcontact.result import FirstContact as FirstContact
     from firstcontact.result import Status as Status
     from firstcontact.result_curve import IntersectionCurve as IntersectionCurve
+    from firstcontact.result_table import ContactIntervalTable as ContactIntervalTable
+    from firstcontact.result_table import ContactTable as ContactTable
     from firstcontact.scene.written import from_dict as from_dict
 
 __version__ = "0.1.0"
@@ -74,16 +82,22 @@ _HOME = {
     "FirstContactError": "errors",
     "InputError": "errors",
     "UnsupportedPair": "errors",
+    "Poses": "motion.arrays",
+    "Rotations": "motion.arrays",
+    "Translations": "motion.arrays",
     "RationalMotion": "motion.rational",
     "Rotation": "motion.rotation",
     "Screw": "motion.screw",
     "Sequence": "motion.sequence",
     "Trajectory": "motion.trajectory",
     "Translation": "motion.translation",
+    "columns": "batch.questions",
     "contact_condition": "contact.ruled.contact_condition",
     "contact_intervals": "query",
     "contact_pairs": "query",
     "first_contact": "query",
+    "first_contacts": "batch.verb",
+    "many_contact_intervals": "batch.verb",
     "from_dict": "scene.written",
     "intersection_curve": "query",
     "AlgebraicNumber": "result",
@@ -94,6 +108,8 @@ _HOME = {
     "ExactAngle": "result",
     "FirstContact": "result",
     "Status": "result",
+    "ContactIntervalTable": "result_table",
+    "ContactTable": "result_table",
 }
 _MODULES = ("brackets", "examples")
 __all__ = [*_HOME, *_MODULES, "__version__"]  # noqa: PLE0604

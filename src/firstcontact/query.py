@@ -67,7 +67,7 @@ def first_contact(
     (0.5, [1.0, 1.0, 4.0])
     """
     begin = clock.perf_counter()
-    tolerance = _checked(method, engine, tolerance, budget)
+    tolerance = check_arguments(method, engine, tolerance, budget)
     if not isinstance(threads, int) or not 1 <= threads <= MOST_THREADS:
         raise InputError(f"threads is {shown(threads)}; give a whole number from 1 to {MOST_THREADS}")
     a, b = table.as_body(a), table.as_body(b)
@@ -103,7 +103,7 @@ def contact_intervals(
       [0.25, 0.5]
     """
     begin = clock.perf_counter()
-    tolerance = _checked(method, "auto", tolerance, budget)
+    tolerance = check_arguments(method, "auto", tolerance, budget)
     a, b = table.as_body(a), table.as_body(b)
     first, last = common_span(a, b, span)
     refuse_many_turns(a, b, first, last)
@@ -182,7 +182,7 @@ ENGINES = ("auto", "boxes", "lifted", "composed", "sweep")
 MOST_THREADS = 1024
 
 
-def _checked(method: str, engine: str, tolerance: float, budget: int | None) -> float:
+def check_arguments(method: str, engine: str, tolerance: float, budget: int | None) -> float:
     """The tolerance as a double; raises for arguments that no search takes."""
     if method not in METHODS:
         raise UnsupportedPair(f"method {method!r} is unknown; choose one of {', '.join(METHODS)}")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self, overload
 
 from firstcontact.body.kept import Kept
 from firstcontact.errors import InputError
@@ -12,6 +12,9 @@ from firstcontact.exact.rigid import Matrix, determinant, near_rotation, shift
 from firstcontact.motion.moving import Moving
 from firstcontact.motion.translation import vector3
 from firstcontact.result import SCHEMA, Written
+
+if TYPE_CHECKING:
+    from firstcontact.motion.arrays import Motions, MovingEach
 
 _HASH = Kept[int]()
 
@@ -90,9 +93,13 @@ class Placing(Written):
             raise InputError("the matrix is singular; give an invertible affine map")
         return self._mapped(matrix)
 
-    def moving(self, motion: Any) -> Moving:
-        """This body under a motion."""
-        return Moving(self, motion)
+    @overload
+    def moving(self, motion: Motions) -> MovingEach: ...
+    @overload
+    def moving(self, motion: Any) -> Moving: ...
+    def moving(self, motion: Any) -> Moving | MovingEach:
+        """This body under a motion; under each one of an array of motions, for `first_contacts`."""
+        return motion.of(self) if hasattr(motion, "of") else Moving(self, motion)
 
     def at(self, t: float) -> Self:
         """Itself: a body at rest is in the same pose at all times."""

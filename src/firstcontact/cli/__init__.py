@@ -16,6 +16,7 @@ from typing import Any
 import click
 
 from firstcontact import __version__
+from firstcontact.cli.batch import batch
 from firstcontact.cli.check import check
 from firstcontact.cli.curve import curve
 from firstcontact.cli.info import info
@@ -39,7 +40,7 @@ def cli() -> None:
     """
 
 
-for command in (check, intervals, curve, info, warmup):
+for command in (check, intervals, curve, batch, info, warmup):
     cli.add_command(command)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import json
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -29,6 +29,7 @@ class Options:
     progress: bool | None
     exact: bool = False
     span: tuple[str, str] | None = None
+    workers: int | None = None
 
 
 _OUTPUTS = (
@@ -40,6 +41,8 @@ _OUTPUTS = (
 _TIMES = (
     click.option("--exact", is_flag=True, help="Decide in exact arithmetic and give exact times."),
     click.option("--span", nargs=2, metavar="A B", help='From time A to time B: 0.5, 1/3, "inf".'),
+    click.option("--workers", type=click.IntRange(1, 1024), metavar="N",
+                 help="Cores that take part (default: all, where the work takes seconds)."),
 )
 
 
@@ -78,23 +81,36 @@ def answer_checks(scene_file: str, options: Options, verb_name: str) -> list[Any
     scene = load_scene(scene_file)
     refuse_single(scene.path, scene.checks)
     from firstcontact import query
+    from firstcontact.batch.results import Question, free_by_boxes, in_order
+    from firstcontact.batch.workers import cores
 
     if not any(_changes(scene.bodies[key]) for check in scene.checks for key in (check.a, check.b)):
         warnings.warn(
             f"{scene.path}: nothing that is checked moves, so bodies are looked at as they stand; "
             "give one a [body.NAME.motion]", stacklevel=1,
         )  # fmt: skip
-    verb = getattr(query, verb_name)
-
-    def answer(check: Any, progress: Progress) -> Any:
-        a, b = scene.bodies[check.a], scene.bodies[check.b]
+    questions = []
+    for check in scene.checks:
         arguments = {**check.arguments(), "exact": check.exact or options.exact}
         if span is not None:
             arguments["span"] = span
-        progress.start(f"{check.a} / {check.b}", _span_shown(arguments["span"], a, b))
-        return verb(a, b, progress=progress.report, **arguments)
+        questions.append(Question(verb_name, scene.bodies[check.a], scene.bodies[check.b], arguments))
+    known = free_by_boxes(questions)
 
-    return answer_all(scene.path, "check", scene.checks, answer, options)
+    def answers(progress: Progress) -> Iterator[Any]:
+        def begin(k: int) -> None:
+            shown = _span_shown(questions[k].arguments["span"], questions[k].a, questions[k].b)
+            progress.start(f"{scene.checks[k].a} / {scene.checks[k].b}", shown)
+
+        def here(k: int) -> Any:
+            begin(k)
+            verb = getattr(query, verb_name)
+            asked = questions[k]
+            return known[k] if k in known else verb(asked.a, asked.b, progress=progress.report, **asked.arguments)
+
+        return in_order(questions, here, begin, options.workers or cores())
+
+    return answer_all(scene.path, "check", scene.checks, answers, options)
 
 
 def _span_shown(span: Any, a: Any, b: Any) -> tuple[float, float]:
@@ -106,9 +122,9 @@ def _span_shown(span: Any, a: Any, b: Any) -> tuple[float, float]:
 
 
 def answer_all(
-    path: Path, what: str, questions: Sequence[Any], answer: Callable[[Any, Progress], Any], options: Options
+    path: Path, what: str, questions: Sequence[Any], answers: Callable[[Progress], Iterator[Any]], options: Options
 ) -> list[Any]:
-    """The answers, each printed as soon as it is there, unless JSON alone is.
+    """The answers, in order, each printed as soon as it is there, unless JSON alone is.
 
     Interrupted, it delivers what is decided before it lets go.
     """
@@ -116,16 +132,17 @@ def answer_all(
 
     results: list[Any] = []
     with Progress(options.progress, len(questions)) as progress:
-        for question in questions:
-            try:
-                results.append(answer(question, progress))
+        try:
+            for result in answers(progress):
+                results.append(result)
                 if options.json != "-":
-                    progress.say(str(results[-1]))
-            except FirstContactError as error:
-                raise type(error)(f"{path}: {what} {question.a} / {question.b}: {error}") from error
-            except KeyboardInterrupt:
-                deliver(results, options, interrupted=True)
-                raise KeyboardInterrupt(f"{len(results)} of {len(questions)} decided; {progress.state}") from None
+                    progress.say(str(result))
+        except FirstContactError as error:
+            question = questions[len(results)]
+            raise type(error)(f"{path}: {what} {question.a} / {question.b}: {error}") from error
+        except KeyboardInterrupt:
+            deliver(results, options, interrupted=True)
+            raise KeyboardInterrupt(f"{len(results)} of {len(questions)} decided; {progress.state}") from None
     return results
 
 

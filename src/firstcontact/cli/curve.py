@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -38,16 +39,18 @@ def _curves(scene_file: str, options: common.Options, asked: dict[str, Any]) -> 
     scene = load_scene(scene_file)
     common.refuse_single(scene.path, scene.curves)
 
-    def answer(question: Any, progress: Progress) -> Any:
-        progress.start(f"{question.a} / {question.b}")
-        p, q = (_resting(scene.bodies[key], key, question.at) for key in (question.a, question.b))
-        result = intersection_curve(p, q, **question.arguments())
-        if options.json is not None:
-            result.to_dict()  # exact ends may take long; the result keeps them
-        return result
-
     questions = [replace(given, **asked) for given in scene.curves]
-    return common.answer_all(scene.path, "curve", questions, answer, options)
+
+    def answers(progress: Progress) -> Iterator[Any]:
+        for question in questions:
+            progress.start(f"{question.a} / {question.b}")
+            p, q = (_resting(scene.bodies[key], key, question.at) for key in (question.a, question.b))
+            result = intersection_curve(p, q, **question.arguments())
+            if options.json is not None:
+                result.to_dict()  # exact ends may take long; the result keeps them
+            yield result
+
+    return common.answer_all(scene.path, "curve", questions, answers, options)
 
 
 def _resting(body: Any, key: str, time: Any) -> Any:

@@ -117,6 +117,39 @@ class Progress:
         self._erase()
 
 
+class RowsProgress(Progress):
+    """The same for the rows of a file; `rows` is the callback of a job."""
+
+    def __init__(self, wanted: bool | None, label: str) -> None:
+        super().__init__(wanted, 1)
+        self.start(label)
+        self._at: tuple[int, int] | None = None
+        self._first = 0
+
+    def rows(self, done: int, total: int) -> None:
+        """So many of all rows are answered."""
+        if self._at is None:  # what was kept, if anything, has cost nothing now
+            self._since, self._first = time.monotonic(), done
+        self._at = done, total
+
+    @property
+    def state(self) -> str:
+        """How far it is."""
+        if self._at is None:
+            return f"{self._label}: looking through it"
+        done, total = self._at
+        return f"{self._label}: {done:,} of {total:,}"
+
+    def _line(self) -> str:
+        spent = time.monotonic() - self._since
+        if self._at is None or self._at[0] == self._first or not spent:
+            return f"{self.state}; {_duration(spent)}"
+        done, total = self._at
+        rate = (done - self._first) / spent
+        left = f", about {_duration((total - done) / rate)} left" if done < total else ""
+        return f"{self.state}, {rate:,.3g} a second; {_duration(spent)}{left}"
+
+
 def _duration(seconds: float) -> str:
     """In words as short as they are useful.
 

@@ -87,10 +87,10 @@ def contact_of(problem: Problem, found: Found, exact: bool, stats: Stats, shared
         "subproblems": (),
         **shared,
     }
-    return FirstContact.deferring(known, lambda: _where(problem, found, time, shared))
+    return FirstContact.deferring(known, lambda: where_met(problem, found, time, shared))
 
 
-def _where(problem: Problem, found: Found, time: float, shared: dict[str, Any]) -> dict[str, Any]:
+def where_met(problem: Problem, found: Found, time: float, shared: dict[str, Any]) -> dict[str, Any]:
     """What a CONTACT result says of the elements and the place."""
     named = element_pairs(shared["a"], shared["b"], found.pairs)
     (lowest, pair), *rest = named

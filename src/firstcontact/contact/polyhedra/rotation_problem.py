@@ -136,6 +136,10 @@ class RotationProblem(ByEngine):
         part.turn, part.first, part.last, part.opening = self.turn + turn, first, last, _ZERO
         return part
 
+    def until(self, radians: fmpq, turns: fmpq) -> RotationProblem:
+        """The same problem, which ends at that angle."""
+        return self._part(0, self.first, (radians, turns))
+
     def after_opening(self) -> RotationProblem:
         """The rest of the first turn from the opening on, whenever the piece ends."""
         return self._part(0, self.opening, _FULL)

@@ -23,7 +23,7 @@ from firstcontact.pairs.elements import coplanar, line_line, point_plane, segmen
 from firstcontact.search.trees import translate  # noqa: F401 - the walk under this motion
 from firstcontact.search.trees.containment import contained
 from firstcontact.search.trees.elements import EDGE, VERTEX, Feature, Primitive, corners_of, whole_corners
-from firstcontact.search.trees.frame import shared_frame, tree_of, view_in
+from firstcontact.search.trees.frame import Frame, shared_frame, tree_of, view_in
 from firstcontact.search.trees.state import WalkState
 from firstcontact.search.trees.touch import Touch, translation_touch
 from firstcontact.search.trees.walk import walk
@@ -34,6 +34,8 @@ ZERO = fmpq(0)
 
 # Coordinates of velocities above it are as good as any; those below, but not zero, may leave the range of doubles.
 LEAST_SPEED = 2.0**-1000
+# Coordinates of velocities in a frame below it are roundings of zero.
+LEAST_FRAMED = 1e-300
 
 
 class TranslationProblem(ByEngine):
@@ -65,20 +67,15 @@ class TranslationProblem(ByEngine):
 
     def _prepare(self) -> None:
         """Boxes and their velocity in the frame that suits the bodies; parts and their velocity as they are."""
-        v = framed = self._doubles
-        frame = None if self.last is None else shared_frame(self.a, self.b)
-        if frame is None:
-            self.boxes_a, self.boxes_b = self.tree_a.boxes, self.tree_b.boxes
-            self.pad = 2.0 * (self.tree_a.error + self.tree_b.error)
-        else:
-            view_a, view_b = view_in(self.a, frame), view_in(self.b, frame)
-            self.boxes_a, self.boxes_b = view_a.boxes, view_b.boxes
-            framed = [x if abs(x) >= 1e-300 else 0.0 for x in (dot(row, v) for row in frame)]
-            # the framed velocity is off by 4 roundings of sums over |v|: so much per unit of time
-            drift = 2.0**-50 * sum(map(abs, v)) * self.window()[0]
-            self.pad = 2.0 * (view_a.error + view_b.error + drift)
+        v = self._doubles
+        self.frame = frame = None if self.last is None else shared_frame(self.a, self.b)
+        self.boxes_a, self.boxes_b, self.error = framed_boxes(self.a, self.b, frame)
+        self.pad = framed_pad(self.error, frame, v, self.window()[0])
         if any(x != 0 and abs(y) < LEAST_SPEED for x, y in zip(self.v, v, strict=True)):
             self.pad += 2.0**-800  # so slowly nothing comes that far before the bodies have passed each other
+        framed = v
+        if frame is not None:
+            framed = [x if abs(x) >= LEAST_FRAMED else 0.0 for x in framed_velocity(frame, v)]
         self.velocity = np.array([*framed, *(1.0 / x if x else math.inf for x in framed), *v])
 
     def window(self) -> tuple[float, float]:
@@ -250,6 +247,25 @@ class TranslationProblem(ByEngine):
         """(point, unit normal or None) of the two elements at the instant, working frame."""
         scale, corners_a, corners_b, v = self._corners(element_a, element_b)
         return translation_touch(element_a, corners_a, element_b, corners_b, v, scale, at)
+
+
+def framed_boxes(a: Polyhedron, b: Polyhedron, frame: Frame | None) -> tuple[np.ndarray, np.ndarray, float]:
+    """The boxes of both trees in the frame, and the sum of their errors."""
+    tree_a, tree_b = (tree_of(x) if frame is None else view_in(x, frame) for x in (a, b))
+    return tree_a.boxes, tree_b.boxes, tree_a.error + tree_b.error
+
+
+def framed_velocity(frame: Frame, v: Any) -> list[Any]:
+    """The three coordinates of a velocity, numbers or arrays, in the frame."""
+    return [dot(row, v) for row in frame]
+
+
+def framed_pad(error: float, frame: Frame | None, v: Any, last: Any) -> Any:
+    """How much boxes may be apart and still overlap until the time `last`, numbers or arrays.
+
+    The framed velocity is off by 4 roundings of sums over |v|: so much per unit of time.
+    """
+    return 2.0 * (error + (0.0 if frame is None else 2.0**-50 * sum(map(abs, v)) * last))
 
 
 def _pace(v: Vector, doubles: list[float]) -> fmpq | None:

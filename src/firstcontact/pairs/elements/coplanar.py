@@ -28,10 +28,15 @@ def translation_instant(a: list[Vector], b: list[Vector], v: Vector) -> fmpq | N
 
     a, b: their corners in whole numbers: one and three, three and one, or two and two.
     """
+    gap, speed = translation_equation(a, b, v)
+    return fmpq(gap, speed) if speed else None
+
+
+def translation_equation(a: list[Vector], b: list[Vector], v: Vector) -> tuple[Any, Any]:
+    """(gap, speed) of an equation gap = t speed for that time; coordinates may be arrays of whole numbers too."""
     x, y = [sub(p, a[0]) for p in a[1:]] + [sub(p, b[0]) for p in b[1:]]
     n = cross(x, y)
-    speed = dot(n, v)
-    return fmpq(dot(n, sub(b[0], a[0])), speed) if speed else None
+    return dot(n, sub(b[0], a[0])), dot(n, v)
 
 
 def rotation_instant(axis: Axis, a: list[Vector], b: list[Vector], lo: float, hi: float) -> AngleInstant | None:

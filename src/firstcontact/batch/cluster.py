@@ -1,0 +1,50 @@
+"""A cluster of dask.distributed (extra batch)."""
+
+from __future__ import annotations
+
+from concurrent.futures import Future
+from typing import Any
+
+from distributed import CancelledError, Client, KilledWorker
+from distributed.comm import CommClosedError
+
+from firstcontact.batch.part import Asking
+from firstcontact.batch.questions import Questions
+from firstcontact.batch.workers import PART, RETRIES, Elsewhere, timed_answers
+from firstcontact.errors import InputError
+from firstcontact.result_table import Rows
+
+LOST: tuple[type[Exception], ...] = (KilledWorker, CancelledError, CommClosedError)
+"""What a part ends with whose worker was lost, with the part or with the bodies."""
+PATIENCE = 60
+"""Seconds for which a cluster may have no worker."""
+RATE = 100
+"""Parts a second, of all workers together, that a scheduler handles with ease: on large clusters parts are longer."""
+
+
+class Cluster(Elsewhere):
+    """The workers of a client, each of which is given the bodies once."""
+
+    def __init__(self, client: Client, bodies: tuple[Any, ...]) -> None:
+        self.client, self.bodies = client, bodies
+        self.executor = client.get_executor(pure=False, retries=RETRIES)
+        self._place()
+        workers = sum(client.nthreads().values())
+        super().__init__(self._ask, workers, self._renew, max(PART, workers / RATE))
+
+    def _place(self) -> None:
+        """Have the bodies on every worker; those that come later fetch them from one another."""
+        try:
+            self.client.wait_for_workers(1, timeout=PATIENCE)
+        except TimeoutError as error:
+            raise InputError(f"{self.client.scheduler.address}: a cluster without workers for {PATIENCE} s") from error
+        (self.there,) = self.client.scatter([self.bodies], broadcast=True, hash=False)
+
+    def _ask(self, questions: Questions, asking: Asking) -> Future[tuple[Rows, float]]:
+        future: Future[tuple[Rows, float]] = self.executor.submit(timed_answers, self.there, questions, asking)
+        return future
+
+    def _renew(self) -> None:
+        """Have the bodies there again where they went with the last worker that held them."""
+        if self.there.status != "finished" or not any(self.client.who_has([self.there]).values()):
+            self._place()

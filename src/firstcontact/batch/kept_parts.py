@@ -1,0 +1,123 @@
+"""The folder in which a job keeps what is finished, until all of it is.
+
+Beside OUT stands the folder OUT.parts.  It holds `job.json`, what the job is about, and a Parquet file for each part
+that is finished, named by its rows.  A file is written under another name first and takes its own at once when it is
+whole, so that a process that is killed at any moment leaves whole parts and, of the one at work, nothing that counts.
+A part that is torn all the same, as by a full disk or a machine that stops, is told by its size and its checksums, and
+done again.  The last step is one change of names too: OUT is there whole, or not at all.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+from firstcontact.batch.arrow import pyarrow
+from firstcontact.errors import InputError
+
+NAME = re.compile(r"rows-(\d+)-(\d+)\.parquet")
+
+
+class KeptParts:
+    """The finished parts of a job."""
+
+    def __init__(self, out: Path, about: dict[str, Any]) -> None:
+        """about: what the job is about, by words that an error may name.  InputError where the folder is of another."""
+        self.out, self.folder = out, out.with_name(f"{out.name}.parts")
+        shutil.rmtree(self._done, ignore_errors=True)
+        known = self._known()
+        if known is None:
+            self.folder.mkdir(exist_ok=True)
+            self._write("job.json", lambda path: path.write_text(json.dumps(about, indent=1), encoding="utf-8"))
+        elif known != about:
+            other = " and ".join(key for key in about if known.get(key) != about[key]) or "its questions"
+            raise InputError(
+                f"{self.folder}: holds parts of another job ({other} differ); finish that one, or remove the folder"
+            )
+        self.parts = {(begin, end): path for begin, end, path in self._whole()}
+
+    @property
+    def _done(self) -> Path:
+        return self.folder.with_name(f"{self.folder.name}.done")
+
+    def _known(self) -> dict[str, Any] | None:
+        try:
+            known = json.loads((self.folder / "job.json").read_text(encoding="utf-8"))
+        except FileNotFoundError:
+            return None
+        except (OSError, ValueError):
+            return {}
+        return known if isinstance(known, dict) else {}
+
+    def _whole(self) -> Iterator[tuple[int, int, Path]]:
+        """Parts that are what their names say."""
+        pa, pq = pyarrow(), pyarrow("parquet")
+        for path in sorted(self.folder.iterdir()):
+            named = NAME.fullmatch(path.name)
+            if named is None:
+                continue
+            begin, end = map(int, named.groups())
+            try:
+                if pq.read_metadata(path).num_rows == end - begin:
+                    yield begin, end, path
+            except (pa.ArrowException, OSError):
+                path.unlink()
+
+    def gaps(self, total: int) -> Iterator[tuple[int, int]]:
+        """Rows that are not answered yet, from one to before another."""
+        at = 0
+        for begin, end in sorted(self.parts):
+            if begin > at:
+                yield at, begin
+            at = max(at, end)
+        if at < total:
+            yield at, total
+
+    def rows(self) -> int:
+        return sum(end - begin for begin, end in self.parts)
+
+    def add(self, begin: int, table: Any) -> None:
+        """Keep a part."""
+        end = begin + len(table)
+        name = f"rows-{begin:012}-{end:012}.parquet"
+        write = pyarrow("parquet").write_table
+        self.parts[begin, end] = self._write(name, lambda path: write(table, path, write_page_checksum=True))
+
+    def _write(self, name: str, write: Callable[[Path], Any]) -> Path:
+        """A file that is there whole or not at all."""
+        path, torn = self.folder / name, self.folder / f"{name}.torn"
+        write(torn)
+        _sync(torn)
+        os.replace(torn, path)
+        return path
+
+    def tables(self) -> Iterator[Any]:
+        """The parts in order; a damaged one is removed and named."""
+        pa, pq = pyarrow(), pyarrow("parquet")
+        for key in sorted(self.parts):
+            path = self.parts[key]
+            try:
+                yield pq.read_table(path, page_checksum_verification=True)
+            except (pa.ArrowException, OSError) as error:
+                path.unlink(missing_ok=True)
+                raise InputError(f"{path}: damaged, and removed; the same command does it again") from error
+
+    def finish(self, write: Callable[[Path], None]) -> None:
+        """`write` writes all of it to a path, which becomes OUT; the parts go."""
+        torn = self.folder / f"whole{self.out.suffix}"
+        write(torn)
+        _sync(torn)
+        os.replace(torn, self.out)
+        os.replace(self.folder, self._done)
+        shutil.rmtree(self._done)
+
+
+def _sync(path: Path) -> None:
+    """Have the system write it down."""
+    with path.open("rb+") as file:
+        os.fsync(file.fileno())

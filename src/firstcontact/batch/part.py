@@ -1,0 +1,63 @@
+"""Answers to a part of the questions, in this process."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from firstcontact import query
+from firstcontact.batch.questions import Questions
+from firstcontact.errors import FirstContactError
+from firstcontact.result_table import IntervalRows, Rows
+
+
+@dataclass(frozen=True)
+class Asking:
+    """The verb, "first_contact" or "contact_intervals", and its arguments beside the bodies and the span."""
+
+    verb: str
+    arguments: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def walks(self) -> bool:
+        """Whether compiled walks may answer."""
+        return self.verb == "first_contact" and self.arguments.get("engine", "auto") in ("auto", "boxes")
+
+    def rows(self, n: int) -> Rows:
+        """Empty ones for n answers."""
+        return (Rows if self.verb == "first_contact" else IntervalRows)(n)
+
+    @property
+    def budget(self) -> int | None:
+        found: int | None = self.arguments.get("budget")
+        return found
+
+    def one(self, questions: Questions, row: int) -> Any:
+        """The answer to one question."""
+        a, b, span = questions[row]
+        return getattr(query, self.verb)(a, b, span, **self.arguments)
+
+
+def answers(questions: Questions, asking: Asking) -> Rows:
+    """All answers."""
+    rows = asking.rows(len(questions))
+    left = np.ones(len(questions), bool)
+    if asking.walks and len(questions):
+        from firstcontact.batch.together import walk_together  # loads what polyhedra need
+
+        left[walk_together(questions, asking, rows)] = False
+    for row in np.flatnonzero(left).tolist():
+        answer(questions, asking, row, rows)
+    return rows
+
+
+def answer(questions: Questions, asking: Asking, row: int, rows: Rows) -> None:
+    """The answer to one question, or the error that it raises, into its row."""
+    try:
+        rows.fill(row, asking.one(questions, row))
+    except FirstContactError as error:
+        rows.refuse(row, str(error))
+    except Exception as error:  # a fault of one question is no end of the others
+        rows.refuse(row, f"{type(error).__name__}: {error}")

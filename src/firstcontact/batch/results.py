@@ -1,0 +1,101 @@
+"""Full results of many questions, one after the other, by processes where that is worth while."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import BrokenExecutor
+from dataclasses import dataclass, replace
+from typing import Any
+
+from firstcontact import query
+from firstcontact.batch import culling
+from firstcontact.batch.questions import asked
+from firstcontact.batch.workers import PART, TRIED, WORTH, Spare
+from firstcontact.errors import FirstContactError
+from firstcontact.result import ContactIntervals, FirstContact, Status
+
+
+@dataclass(frozen=True)
+class Question:
+    """A verb, two bodies, and its arguments beside them."""
+
+    verb: str
+    a: Any
+    b: Any
+    arguments: dict[str, Any]
+
+
+def free_by_boxes(questions: Sequence[Question]) -> dict[int, Any]:
+    """Results of questions over the motions' own spans whose bodies are told to be apart by swept boxes."""
+    able = [k for k, question in enumerate(questions) if question.arguments.get("span") is None]
+    pairs = asked([(questions[k].a, questions[k].b) for k in able])
+    found = dict[int, Any]()
+    for k in (able[row] for row in culling.free_by_boxes(pairs).tolist()):
+        _, last = culling.SPAN
+        shared: dict[str, Any] = {"a": questions[k].a, "b": questions[k].b, "span": culling.SPAN}
+        if questions[k].verb == "first_contact":
+            found[k] = FirstContact(Status.FREE, free_until=last, **shared)
+        else:
+            found[k] = ContactIntervals((), Status.FREE, last, **shared)
+    return found
+
+
+def in_order(
+    questions: Sequence[Question], here: Callable[[int], Any], reached: Callable[[int], None], workers: int
+) -> Iterator[Any]:
+    """The results in order; `here` answers question k in this process, as long as what is left is soon done.
+
+    reached: told of each question that others have answered.  Raises what a question raised.
+    """
+    begin, n = time.perf_counter(), len(questions)
+    for k in range(n):
+        passed = time.perf_counter() - begin
+        if workers > 1 and passed > TRIED and passed / k * (n - k) > WORTH:
+            yield from _elsewhere(questions, range(k, n), here, reached, workers, max(1, int(PART * k / passed)))
+            return
+        yield here(k)
+
+
+def _elsewhere(
+    questions: Sequence[Question],
+    left: range,
+    here: Callable[[int], Any],
+    reached: Callable[[int], None],
+    workers: int,
+    size: int,
+) -> Iterator[Any]:
+    """By processes; here, what a process that was lost leaves."""
+    bodies = list({id(x): x for k in left for x in (questions[k].a, questions[k].b)}.values())
+    numbers = {id(x): number for number, x in enumerate(bodies)}
+    work = [(q.verb, numbers[id(q.a)], numbers[id(q.b)], q.arguments) for q in (questions[k] for k in left)]
+    done = 0
+    with Spare() as spare:
+        processes = spare.started(workers, tuple(bodies))
+        try:
+            parts = [work[first : first + size] for first in range(0, len(work), size)]
+            for results in processes.pool.map(_answers, [processes.batch] * len(parts), parts):
+                for result in results:
+                    if isinstance(result, FirstContactError):
+                        raise result
+                    question = questions[left[done]]
+                    reached(left[done])
+                    done += 1
+                    yield replace(result, a=question.a, b=question.b)
+            return
+        except BrokenExecutor:
+            pass
+    yield from map(here, left[done:])
+
+
+def _answers(batch: str, part: list[tuple[str, int, int, dict[str, Any]]]) -> list[Any]:
+    """The results, or what is raised instead; then it ends."""
+    from firstcontact.batch.processes import kept_bodies
+
+    bodies, out = kept_bodies(batch), list[Any]()
+    for verb, a, b, arguments in part:
+        try:
+            out.append(getattr(query, verb)(bodies[a], bodies[b], **arguments))
+        except FirstContactError as error:
+            return [*out, error]
+    return out

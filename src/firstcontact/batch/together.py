@@ -1,0 +1,104 @@
+"""Questions about one pair of polyhedra under many motions, answered in compiled walks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from firstcontact.batch.part import Asking
+from firstcontact.batch.questions import Questions
+from firstcontact.body.kept import Kept
+from firstcontact.body.polyhedron.polyhedron import Polyhedron
+from firstcontact.contact.polyhedra.each import Place, is_taken
+from firstcontact.contact.polyhedra.each_rotation import EachRotation
+from firstcontact.contact.polyhedra.each_translation import EachTranslation, is_moderate
+from firstcontact.motion.arrays import Rotations, Translations
+from firstcontact.result_table import KINDS, STATUSES, Rows
+from firstcontact.search.trees.containment import contained
+from firstcontact.search.trees.walk_each import FREE, OPEN
+
+FEWEST = 8
+"""Motions of one pair from which on they are walked together."""
+_CONTAINED = Kept[tuple[Any, bool]]()
+
+
+def walk_together(questions: Questions, asking: Asking, rows: Rows) -> np.ndarray:
+    """Answers what is about pairs of polyhedra under translations or rotations, in compiled walks; gives the rows that
+
+    it did.
+    """
+    done = [np.empty(0, np.int64)]
+    for where, motions, ends in questions.walkable():
+        for some in _groups(questions, where, motions):
+            row = where[some[0]]
+            a, b = questions.bodies[questions.a[row]], questions.bodies[questions.b[row]]
+            if len(some) >= FEWEST and is_taken(a, b) and not _is_contained(a, b):
+                each = _each(a, b, motions[some], ends[some])
+                done.append(_walked(each, where[some], ends[some], asking.budget, rows))
+    return np.concatenate(done)
+
+
+def _groups(questions: Questions, where: np.ndarray, motions: Translations | Rotations) -> list[np.ndarray]:
+    """Numbers of motions that are walked together, each list of them about one pair of bodies."""
+    pairs = questions.a[where].astype(np.int64) * len(questions.bodies) + questions.b[where]
+    if isinstance(motions, Translations):
+        keys, able = pairs[:, None], is_moderate(motions.vectors)
+    else:
+        sense = np.sign(motions.angles)
+        keys = np.column_stack([pairs, motions.axes, motions.points, sense])
+        able = sense != 0
+    _, group = np.unique(keys[able], axis=0, return_inverse=True)
+    order = np.argsort(group, kind="stable")
+    cuts = np.flatnonzero(np.diff(group[order])) + 1
+    return [some for some in np.split(np.flatnonzero(able)[order], cuts) if len(some)]
+
+
+def _each(
+    a: Polyhedron, b: Polyhedron, motions: Translations | Rotations, ends: np.ndarray
+) -> EachTranslation | EachRotation:
+    if isinstance(motions, Translations):
+        return EachTranslation(a, b, motions.vectors, ends)
+    return EachRotation(a, b, motions, ends)
+
+
+def _is_contained(a: Polyhedron, b: Polyhedron) -> bool:
+    """Whether a body lies inside the other one as they stand; kept on a while b is the same."""
+    known = _CONTAINED.get(a)
+    if known is None or known[0] is not b:
+        known = _CONTAINED.put(a, (b, contained(a, b) is not None))
+    return known[1]
+
+
+def _walked(
+    each: EachTranslation | EachRotation, where: np.ndarray, ends: np.ndarray, budget: int | None, rows: Rows
+) -> np.ndarray:
+    """Fills the rows `where` with what walks tell; gives those that they do."""
+    told, work, contacts = each.told()
+    done = told != OPEN if budget is None else (told != OPEN) & (work < budget)
+    array, free = rows.array, done & (told == FREE)
+    rows.free(where[free], ends[free])
+    array["work"][where[done]] = work[done]
+    found = np.flatnonzero(done[contacts.motions])
+    at = where[contacts.motions[found]]
+    array["status"][at] = STATUSES.index("CONTACT")
+    array["time"][at] = contacts.times[found]
+    for name, side in (("lo", 0), ("hi", 1), ("free_until", 0)):
+        array[name][at] = contacts.intervals[found, side]
+    if len(found):
+        rows.later.append(partial(_place, partial(each.place, contacts), at.tolist(), found.tolist(), array))
+    return where[done]
+
+
+def _place(place: Callable[[int], Place], at: list[int], found: list[int], array: np.ndarray) -> None:
+    """Fills in elements, points and normals of contacts."""
+    for row, k in zip(at, found, strict=True):
+        pair, count, point, normal = place(k)
+        record = array[row]
+        for side, element in (("a", pair.element_a), ("b", pair.element_b)):
+            record[f"kind_{side}"], record[f"index_{side}"] = KINDS.index(element.kind), element.index
+        record["multiplicity"], record["point"] = count, point
+        if normal is not None:
+            record["normal"] = normal

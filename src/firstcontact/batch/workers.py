@@ -1,0 +1,262 @@
+"""Parts of the questions handed to threads, processes or a cluster, and put together again.
+
+Compiled walks release the interpreter, so threads do for them; what is left, exact arithmetic and curved bodies, goes
+to processes as soon as it would take seconds.  Bodies go to a process once; parts are as large as so many questions as
+are answered in about PART seconds.  A part whose worker was lost is done again, RETRIES times.
+"""
+
+from __future__ import annotations
+
+import os
+import pickle
+import sys
+import time
+import uuid
+from collections import deque
+from collections.abc import Callable
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    BrokenExecutor,
+    CancelledError,
+    Future,
+    ThreadPoolExecutor,
+    as_completed,
+    wait,
+)
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from firstcontact.batch.culling import free_by_boxes
+from firstcontact.batch.part import Asking, answer, answers
+from firstcontact.batch.questions import Questions
+from firstcontact.result_table import Rows
+
+if TYPE_CHECKING:
+    from firstcontact.batch.processes import Processes
+
+MOST = 1024
+"""Workers: more than any machine has cores."""
+PART, FIRST_PART, LARGEST_PART = 0.5, 16, 1 << 16
+"""Seconds of a part, questions of the first ones, of which nothing is known yet, and of any."""
+WORTH = 10.0
+"""Seconds of work from which on it is worth starting processes, which load the library first."""
+TRIED = 0.5
+"""Seconds after which what the work will take is judged."""
+THREAD_PART = 1 << 14
+"""Questions of a part that is walked by a thread."""
+RETRIES = 3
+
+Reached = Callable[[int, int], None] | None
+
+
+def cores() -> int:
+    """Cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+class Count:
+    """How many questions are answered, told to who asked for it."""
+
+    def __init__(self, total: int, progress: Reached) -> None:
+        self.done, self.total, self.progress = 0, total, progress
+
+    def add(self, n: int) -> None:
+        self.done += n
+        if self.progress is not None and n:
+            self.progress(self.done, self.total)
+
+
+class Spare:
+    """Processes that were started for one batch, kept for the next ones about the same bodies."""
+
+    def __init__(self) -> None:
+        self.processes: Processes | None = None
+
+    def started(self, n: int, bodies: tuple[Any, ...]) -> Processes:
+        from firstcontact.batch.processes import Processes
+
+        if self.processes is None or not _same(self.processes.about, bodies):
+            self.__exit__()
+            self.processes = Processes(n, bodies)
+        return self.processes
+
+    def __enter__(self) -> Spare:
+        return self
+
+    def __exit__(self, kind: Any = None, *_: Any) -> None:
+        if self.processes is not None:
+            self.processes.stop(at_once=kind is not None)
+            self.processes = None
+
+
+def _same(bodies: tuple[Any, ...], others: tuple[Any, ...]) -> bool:
+    return len(bodies) == len(others) and all(x is y for x, y in zip(bodies, others, strict=True))
+
+
+def answered(
+    questions: Questions, asking: Asking, workers: int | None, executor: Any, progress: Reached, spare: Spare
+) -> Rows:
+    """All answers, by whoever takes part."""
+    count, rows = Count(len(questions), progress), asking.rows(len(questions))
+    left = np.ones(len(questions), bool)
+    free = free_by_boxes(questions)
+    rows.free(free, np.ones(len(free)))
+    left[free] = False
+    count.add(len(free))
+    if executor is not None:
+        _Spread(questions, asking, rows, count).over(_elsewhere(executor, questions), np.flatnonzero(left))
+        return rows
+    n = cores() if workers is None else workers
+    if asking.walks:
+        left[_by_threads(n, questions, asking, rows, count)] = False
+    _one_by_one(n, questions, asking, np.flatnonzero(left), rows, count, spare)
+    return rows
+
+
+def _one_by_one(
+    n: int, questions: Questions, asking: Asking, left: np.ndarray, rows: Rows, count: Count, spare: Spare
+) -> None:
+    """Answers the rows that are left, by processes as soon as that is worth while."""
+    begin, done = time.perf_counter(), 0
+    while done < len(left):
+        passed = time.perf_counter() - begin
+        tried, worth = (TRIED, WORTH) if spare.processes is None else (TRIED / 10, TRIED)
+        if n > 1 and done and passed > tried and passed / done * (len(left) - done) > worth:
+            _Spread(questions, asking, rows, count).over(spare.started(n, questions.bodies), left[done:])
+            break
+        answer(questions, asking, int(left[done]), rows)
+        count.add(1)
+        done += 1
+
+
+def _by_threads(n: int, questions: Questions, asking: Asking, rows: Rows, count: Count) -> np.ndarray:
+    """Answers by compiled walks; gives the rows that they did."""
+    from firstcontact.batch.together import walk_together  # loads what polyhedra need
+
+    cuts = range(0, len(questions), THREAD_PART)
+    parts = [slice(first, min(first + THREAD_PART, len(questions))) for first in cuts]
+    done = [np.empty(0, np.int64)]
+
+    def walk(where: slice) -> np.ndarray:
+        return where.start + walk_together(questions.part(where), asking, rows.part(where))
+
+    for where in parts[:1]:  # which makes what the others share
+        done.append(walk(where))
+        count.add(len(done[-1]))
+    with ThreadPoolExecutor(n) as pool:
+        for future in as_completed([pool.submit(walk, where) for where in parts[1:]]):
+            done.append(future.result())
+            count.add(len(done[-1]))
+    return np.concatenate(done)
+
+
+# -- parts for others ---------------------------------------------------------------------------------------------
+
+
+@dataclass
+class Elsewhere:
+    """Who answers parts.
+
+    submit(questions, asking): the future of `timed_answers`; the questions are without bodies, which are there already.
+    renew: called where workers were lost, or None where nothing can be done about it.
+    seconds: what a part should take.
+    """
+
+    submit: Callable[[Questions, Asking], Future[tuple[Rows, float]]]
+    workers: int
+    renew: Callable[[], None] | None = None
+    seconds: float = PART
+
+
+class _Spread:
+    """Hands parts to others, as many questions at once as take so long as they say, and puts the answers together."""
+
+    def __init__(self, questions: Questions, asking: Asking, rows: Rows, count: Count) -> None:
+        self.questions, self.asking, self.rows, self.count = questions.about(()), asking, rows, count
+        self.size = FIRST_PART
+        self.waiting: deque[_Part] = deque()
+
+    def over(self, others: Elsewhere, where: np.ndarray) -> None:
+        """Answers the rows `where`."""
+        begun: dict[Future[Any], _Part] = {}
+        at = 0
+        try:
+            while begun or self.waiting or at < len(where):
+                while len(begun) < 2 * others.workers and (self.waiting or at < len(where)):
+                    if not self.waiting:
+                        self.waiting.append(_Part(where[at : at + self.size]))
+                        at += self.size
+                    part = self.waiting.popleft()
+                    try:
+                        begun[others.submit(self.questions.part(part.where), self.asking)] = part
+                    except BrokenExecutor as error:
+                        self._again(part, others, error)
+                for future in wait(begun, return_when=FIRST_COMPLETED).done:
+                    part = begun.pop(future)
+                    try:
+                        self._take(part.where, future.result(), others.seconds)
+                    except Exception as error:
+                        self._again(part, others, error)
+        finally:
+            for future in begun:
+                future.cancel()
+
+    def _take(self, where: np.ndarray, answers: tuple[Rows, float], wanted: float) -> None:
+        rows, seconds = answers
+        self.rows.put(where, rows)
+        self.count.add(len(where))
+        able = int(wanted * len(where) / max(seconds, 1e-6))
+        self.size = max(1, min(able, 4 * self.size, LARGEST_PART))
+
+    def _again(self, part: _Part, others: Elsewhere, error: Exception) -> None:
+        """Have the part of a worker that was lost done again; raises all other errors."""
+        if part.tries >= RETRIES or not isinstance(error, (BrokenExecutor, CancelledError, *_lost())):
+            raise error
+        self.waiting.append(_Part(part.where, part.tries + 1))
+        if others.renew is not None:
+            others.renew()
+
+
+@dataclass(frozen=True)
+class _Part:
+    """Rows that are asked about together, and how often they were in vain."""
+
+    where: np.ndarray
+    tries: int = 0
+
+
+def timed_answers(bodies: tuple[Any, ...], questions: Questions, asking: Asking) -> tuple[Rows, float]:
+    """Where it is answered: all that can be told of the questions, nothing put off, and the seconds it took."""
+    begin = time.perf_counter()
+    rows = answers(questions.about(bodies), asking).settle()
+    return rows, time.perf_counter() - begin
+
+
+def _elsewhere(executor: Any, questions: Questions) -> Elsewhere:
+    """The executor, or the client of dask.distributed."""
+    if isinstance(executor, Elsewhere):
+        return executor
+    if hasattr(executor, "scatter") and hasattr(executor, "get_executor"):
+        from firstcontact.batch.cluster import Cluster
+
+        return Cluster(executor, questions.bodies)
+    from firstcontact.batch.processes import kept_answers
+
+    batch, bodies = uuid.uuid4().hex, pickle.dumps(questions.bodies)
+
+    def ask(part: Questions, asking: Asking) -> Future[tuple[Rows, float]]:
+        future: Future[tuple[Rows, float]] = executor.submit(kept_answers, batch, bodies, part, asking)
+        return future
+
+    return Elsewhere(ask, getattr(executor, "_max_workers", cores()))
+
+
+def _lost() -> tuple[type[Exception], ...]:
+    """What tells that a worker of a cluster was lost, where there may be one."""
+    if "distributed" not in sys.modules:
+        return ()
+    from firstcontact.batch.cluster import LOST
+
+    return LOST

@@ -1,0 +1,151 @@
+"""First contacts of one pair of polyhedra under each of many motions: what translations and rotations have in common.
+
+What is told here is what `first` tells of each motion, bit for bit: trees, boxes and bounds are those of the problem,
+and exact arithmetic finds the winners.  Motions that are left open are for `first`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from firstcontact.body.polyhedron.polyhedron import Polyhedron
+from firstcontact.contact.polyhedra.earliest import Pair
+from firstcontact.contact.polyhedra.engines import tests_of_boxes
+from firstcontact.exact.numbers import Undecidable
+from firstcontact.result import ElementPair
+from firstcontact.search.trees.elements import FACE, KINDS, VERTEX
+from firstcontact.search.trees.state import CERTAIN_KIND, SLICE, borrow_state, return_state
+from firstcontact.search.trees.tree import Tree
+from firstcontact.search.trees.walk_each import OPEN, walk_each
+
+ROOM = 4096
+"""Contacts that the walk tells at once."""
+
+
+@dataclass(frozen=True)
+class Walked:
+    """What walks tell: FREE, MET or OPEN, and node visits and pair tests, of each motion.
+
+    Of those that are MET, all contacts that may be first, by motion: number of the motion, enclosures of the times (k,
+    2), kind and elements (k, 5) as in a `Pair`.
+    """
+
+    told: np.ndarray
+    work: np.ndarray
+    motions: np.ndarray
+    times: np.ndarray
+    pairs: np.ndarray
+
+    def pairs_of(self, some: Any) -> list[Pair]:
+        return [(kind, (i, j), (k, m)) for kind, i, j, k, m in self.pairs[some].tolist()]
+
+    def groups(self) -> list[slice]:
+        """The contacts of each motion."""
+        cuts = [0, *(np.flatnonzero(np.diff(self.motions)) + 1).tolist(), len(self.motions)]
+        return [slice(first, end) for first, end in zip(cuts, cuts[1:], strict=False) if first < end]
+
+
+@dataclass(frozen=True)
+class Contacts:
+    """First contacts: numbers of the motions, doubles nearest the times, (m, 2) enclosures; `instant` and `pairs` of
+
+    each: when it is, exact, and the pairs of elements that meet then.
+    """
+
+    motions: np.ndarray
+    times: np.ndarray
+    intervals: np.ndarray
+    instant: Callable[[int], Any]
+    pairs: Callable[[int], list[Pair]]
+
+
+Place = tuple[ElementPair, int, np.ndarray, np.ndarray | None]
+"""The lowest pair of elements, how many there are, the point, the unit normal or None."""
+
+
+@dataclass(frozen=True)
+class Walks:
+    """What all walks share.  boxes and trees of both bodies, and how far coordinates of parts may be off."""
+
+    boxes_a: np.ndarray
+    tree_a: Tree
+    boxes_b: np.ndarray
+    tree_b: Tree
+    error_a: float
+    error_b: float
+
+    def walked(self, motions: np.ndarray, ends: np.ndarray, pads: np.ndarray) -> Walked:
+        """motions, ends, pads: as `walk_each` has them."""
+        a, b = self.tree_a, self.tree_b
+        most_tests = tests_of_boxes(a, b)  # after which `first` asks another engine
+        told, work = np.full(len(ends), OPEN, np.int64), np.zeros(len(ends), np.int64)
+        all_times, all_rows = [np.empty((0, 2))], [np.empty((0, 6), np.int64)]
+        state, begin = borrow_state(), 0
+        try:
+            while begin < len(ends):
+                times, rows = np.empty((ROOM, 2)), np.empty((ROOM, 6), np.int64)
+                begin, count = walk_each(
+                    self.boxes_a, a.links, a.xyz, a.ids, self.boxes_b, b.links, b.xyz, b.ids,
+                    motions, ends, pads, self.error_a, self.error_b, most_tests, begin, SLICE,
+                    state.floats, state.integers, state.keys, state.pairs, state.stack, state.times, state.candidates,
+                    told, work, times, rows,
+                )  # fmt: skip
+                all_times.append(times[:count])
+                all_rows.append(rows[:count])
+        finally:
+            return_state(state)
+        rows = np.concatenate(all_rows)
+        return Walked(told, work, rows[:, 0], np.concatenate(all_times), self._pairs(rows[:, 1:]))
+
+    def _pairs(self, rows: np.ndarray) -> np.ndarray:
+        """Kinds and elements of candidates, as `feature` tells them."""
+        kinds, pairs = rows[:, 0] - CERTAIN_KIND, np.empty((len(rows), 5), np.int64)
+        pairs[:, 0] = kinds
+        for side, tree in ((0, self.tree_a), (1, self.tree_b)):
+            local, primitive = rows[:, 2 + 2 * side], tree.ids[rows[:, 1 + 2 * side], 0]
+            kind = np.array([KINDS[k][side] for k in range(len(KINDS))])[kinds]
+            found = np.where(kind == VERTEX, tree.corners[primitive, local], tree.sides[primitive, local])
+            pairs[:, 1 + 2 * side] = kind
+            pairs[:, 2 + 2 * side] = np.where(kind == FACE, primitive, found)
+        return pairs
+
+
+Exactly = Callable[[Pair, float, float], Any]
+"""The exact time of two elements that certainly meet within the two doubles; None where that is for others to tell."""
+
+
+def first_of(candidates: Sequence[tuple[float, float, Pair]], exactly: Exactly) -> tuple[Any, list[Pair]] | None:
+    """The first of contacts that certainly are, and all pairs that share it, as `earliest` finds them.
+
+    None where it is not told, or lies at the start.
+    """
+    best: Any = None
+    until = math.inf
+    tied: list[Pair] = []
+    try:
+        for lo, hi, pair in sorted(candidates):
+            if lo > until:
+                break
+            if pair in tied:
+                continue
+            instant = exactly(pair, lo, hi)
+            if instant is None:
+                return None
+            order = -1 if best is None else instant.compare(best)
+            if order < 0:
+                best, tied, until = instant, [pair], min(until, instant.bounds()[1])
+            elif order == 0:
+                tied.append(pair)
+        return None if best is None or best.is_zero() else (best, sorted(tied))
+    except Undecidable:
+        return None
+
+
+def is_taken(a: Any, b: Any) -> bool:
+    """Whether both are polyhedra at rest in rational poses, so that contacts have exact times."""
+    return all(isinstance(x, Polyhedron) and x._pose is None for x in (a, b))

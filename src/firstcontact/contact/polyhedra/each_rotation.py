@@ -1,0 +1,76 @@
+"""First contacts of one pair of polyhedra under each of many rotations about one axis."""
+
+from __future__ import annotations
+
+import numpy as np
+from flint import fmpq
+
+from firstcontact.body.polyhedron.polyhedron import Polyhedron
+from firstcontact.contact.polyhedra.answers import where_met
+from firstcontact.contact.polyhedra.each import Contacts, Exactly, Place, Walked, Walks, first_of
+from firstcontact.contact.polyhedra.earliest import Found
+from firstcontact.contact.polyhedra.rotation_problem import RotationProblem
+from firstcontact.motion.arrays import Rotations
+from firstcontact.motion.relative.pieces import Piece, pieces
+from firstcontact.result import ElementPair
+from firstcontact.search.trees.walk_each import OPEN
+
+
+class EachRotation:
+    """Body a turns by each of `motions`, about one axis and in one sense, over [0, last]; body b rests."""
+
+    def __init__(self, a: Polyhedron, b: Polyhedron, motions: Rotations, lasts: np.ndarray) -> None:
+        """lasts (n,): ends of the windows."""
+        self.a, self.b, self.motions, self.lasts = a, b, motions, lasts
+
+    def told(self) -> tuple[np.ndarray, np.ndarray, Contacts]:
+        """FREE, MET or OPEN, node visits and pair tests, of each motion; the contacts."""
+        problem = self._problem(0)
+        trees = problem.tree_a, problem.tree_b
+        walks = Walks(trees[0].boxes, trees[0], trees[1].boxes, trees[1], problem.error_a, problem.error_b)
+        angles = [self.motions.angle(k) for k in range(len(self.lasts))]
+        lasts = [fmpq(*last.as_integer_ratio()) for last in self.lasts.tolist()]
+        ends = [problem.until(abs(x * t), abs(y * t)).window() for (x, y), t in zip(angles, lasts, strict=True)]
+        ranges = problem.motion.copy()  # walks fill it, and others may go on in other threads
+        return self._contacts(walks.walked(ranges[None], np.array(ends), np.full(len(ends), problem.pad)))
+
+    def _contacts(self, walked: Walked) -> tuple[np.ndarray, np.ndarray, Contacts]:
+        found = []
+        for some in walked.groups():
+            motion = int(walked.motions[some.start])
+            problem = self._problem(motion)
+            candidates = zip(*walked.times[some].T.tolist(), walked.pairs_of(some), strict=True)
+            first = first_of(list(candidates), _exactly(problem))
+            if first is None:
+                walked.told[motion] = OPEN
+            else:
+                found.append((motion, problem.world_instant(first[0]), *first))
+        return (
+            walked.told,
+            walked.work,
+            Contacts(
+                np.array([motion for motion, *_ in found], np.int64),
+                np.array([time for _, (time, _), *_ in found]),
+                np.array([interval for _, (_, interval), *_ in found]).reshape(-1, 2),
+                lambda k: found[k][2],
+                lambda k: found[k][3],
+            ),
+        )
+
+    def _problem(self, motion: int) -> RotationProblem:
+        moving, last = self.a.moving(self.motions[motion]), float(self.lasts[motion])
+        piece = pieces(moving, self.b, fmpq(0), fmpq(*last.as_integer_ratio()))[0]
+        assert isinstance(piece, Piece)
+        return RotationProblem(self.a, self.b, piece)
+
+    def place(self, contacts: Contacts, k: int) -> Place:
+        """Elements, point and normal of a contact."""
+        motion, time = int(contacts.motions[k]), float(contacts.times[k])
+        bodies = {"a": self.a.moving(self.motions[motion]), "b": self.b}
+        found = where_met(self._problem(motion), Found(contacts.instant(k), contacts.pairs(k)), time, bodies)
+        lowest = ElementPair(found["element_a"], found["element_b"])
+        return lowest, found["multiplicity"], found["point"], found["normal"]
+
+
+def _exactly(problem: RotationProblem) -> Exactly:
+    return lambda pair, lo, hi: problem.contact_within(*pair[1:], lo, hi)

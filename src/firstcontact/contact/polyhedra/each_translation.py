@@ -1,0 +1,188 @@
+"""First contacts of one pair of polyhedra under each of many translations."""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+
+import numpy as np
+from flint import fmpq, fmpz
+
+from firstcontact.body.kept import Kept
+from firstcontact.body.polyhedron.polyhedron import Polyhedron
+from firstcontact.contact.polyhedra.answers import element_pairs
+from firstcontact.contact.polyhedra.each import Contacts, Place, Walked, Walks
+from firstcontact.contact.polyhedra.translation_problem import (
+    LEAST_FRAMED,
+    TranslationProblem,
+    framed_pad,
+    framed_velocity,
+)
+from firstcontact.exact.times.instants import RationalInstant
+from firstcontact.exact.vectors import Vector, whole, whole_doubles
+from firstcontact.motion.relative.pieces import Piece, pieces
+from firstcontact.motion.translation import Translation
+from firstcontact.pairs.elements import coplanar
+from firstcontact.search.trees.elements import FACE, VERTEX, whole_corners
+from firstcontact.search.trees.touch import translation_touch
+from firstcontact.search.trees.walk_each import OPEN
+
+ONE = fmpz(1)
+_WHOLE = Kept["_WholeVertices"]()
+
+
+class EachTranslation:
+    """Body a moves by t v over [0, last], for each of many v; body b rests."""
+
+    def __init__(self, a: Polyhedron, b: Polyhedron, vectors: np.ndarray, lasts: np.ndarray) -> None:
+        """vectors (n, 3): velocities, moderate ones (`is_moderate`).  lasts (n,): ends of the windows."""
+        self.vectors, self.lasts = vectors, lasts
+        self.bodies = a.moving(Translation((1, 0, 0))), b
+        piece = pieces(*self.bodies, fmpq(0), fmpq(1))[0]
+        assert isinstance(piece, Piece)
+        problem = self.problem = TranslationProblem(a, b, piece)
+        trees = problem.tree_a, problem.tree_b
+        self.walks = Walks(problem.boxes_a, trees[0], problem.boxes_b, trees[1], trees[0].error, trees[1].error)
+
+    def told(self) -> tuple[np.ndarray, np.ndarray, Contacts]:
+        """FREE, MET or OPEN, node visits and pair tests, of each motion; the contacts."""
+        frame, vectors, lasts = self.problem.frame, self.vectors, self.lasts
+        coordinates = list(vectors.T)
+        framed = vectors
+        if frame is not None:
+            framed = np.stack(framed_velocity(frame, coordinates), axis=1)
+            framed = np.where(np.abs(framed) >= LEAST_FRAMED, framed, 0.0)
+        with np.errstate(divide="ignore"):
+            motions = np.concatenate([framed, 1.0 / np.where(framed == 0.0, 0.0, framed), vectors], axis=1)
+        pads = np.broadcast_to(framed_pad(self.problem.error, frame, coordinates, lasts), lasts.shape)
+        ends = np.stack([lasts, lasts], axis=1)
+        return self._contacts(self.walks.walked(motions, ends, np.ascontiguousarray(pads)))
+
+    def _contacts(self, walked: Walked) -> tuple[np.ndarray, np.ndarray, Contacts]:
+        """What is told, work, and the contacts: the first of all candidates by the exact equation of each."""
+        gaps, speeds = self._equations(walked)
+        solvable = speeds != 0
+        times = np.full(len(gaps), math.inf)
+        times[solvable] = gaps[solvable] / speeds[solvable]  # Python's division of whole numbers rounds correctly
+        firsts, tied = [], []
+        for some in walked.groups():
+            earliest = times[some].min()
+            best = some.start + np.flatnonzero(times[some] == earliest)
+            if not solvable[some].all() or earliest <= 0.0:  # a time that is 0, or rounds to it
+                walked.told[walked.motions[some.start]] = OPEN
+                continue
+            if len(best) > 1:
+                best = _earliest(best, gaps, speeds)
+            firsts.append(int(best[0]))
+            tied.append(best)
+        first = np.array(firsts, np.int64)
+        return walked.told, walked.work, Contacts(
+            walked.motions[first], times[first], _around(times[first], gaps[first], speeds[first]),
+            lambda k: RationalInstant(fmpq(gaps[firsts[k]], speeds[firsts[k]])),
+            lambda k: sorted(walked.pairs_of(np.unique(tied[k]))),
+        )  # fmt: skip
+
+    def _equations(self, walked: Walked) -> tuple[np.ndarray, np.ndarray]:
+        """Whole numbers gap and speed > 0 of each candidate, whose time is gap / speed; a speed of 0 tells none."""
+        whole, kinds = self._whole, walked.pairs[:, 0]
+        velocity, up, down = _whole_velocities(self.vectors[walked.motions])
+        gaps, speeds = np.empty(len(kinds), object), np.empty(len(kinds), object)
+        for kind in np.unique(kinds).tolist():
+            of = np.flatnonzero(kinds == kind)
+            corners = whole.corners(walked.pairs[of])
+            gaps[of], speeds[of] = coplanar.translation_equation(*corners, tuple(velocity[of].T))
+        signs = np.where(speeds < 0, -1, 1)
+        return signs * gaps * up, signs * speeds * whole.scale * down
+
+    @cached_property
+    def _whole(self) -> _WholeVertices:
+        """Kept on a while b is the same."""
+        a, b = self.problem.a, self.problem.b
+        known = _WHOLE.get(a)
+        return known if known is not None and known.bodies[1] is b else _WHOLE.put(a, _WholeVertices(a, b))
+
+    def place(self, contacts: Contacts, k: int) -> Place:
+        """Elements, point and normal of a contact."""
+        named = element_pairs(*self.bodies, contacts.pairs(k))
+        lowest, pair = named[0]
+        per, (velocity,) = whole_doubles([self.vectors[contacts.motions[k]].tolist()], ONE)
+        # in the numbers of `TranslationProblem`: normals are rounded from them
+        scale, *corners, velocity = whole_corners(self.problem.a, pair[1], self.problem.b, pair[2], per, velocity)
+        touch = translation_touch(pair[1], corners[0], pair[2], corners[1], velocity, scale, contacts.instant(k))
+        return lowest, len(named), *touch
+
+
+class _WholeVertices:
+    """The vertices of two bodies times one scale: arrays (n, 3) of whole numbers."""
+
+    def __init__(self, a: Polyhedron, b: Polyhedron) -> None:
+        self.bodies = a, b
+        if a.error == 0.0 and b.error == 0.0:
+            self.scale, points = whole_doubles(np.concatenate([a.vertices, b.vertices]).tolist(), ONE, int)
+        else:
+            exact = [x.exact_vertex(k) for x in (a, b) for k in range(len(x.vertices))]
+            scale, numbers = whole(*exact)
+            self.scale, points = int(scale), [(int(x), int(y), int(z)) for x, y, z in numbers]
+        array: np.ndarray = np.array(points, object)
+        self.points = array[: len(a.vertices)], array[len(a.vertices) :]
+
+    def corners(self, pairs: np.ndarray) -> tuple[list[Vector], list[Vector]]:
+        """Those of both elements of pairs of one kind, each a vector of arrays."""
+        a, b = (
+            [tuple(points[corner].T) for corner in _vertices(body, *pairs[:, 1 + 2 * side : 3 + 2 * side].T)]
+            for side, (points, body) in enumerate(zip(self.points, self.bodies, strict=True))
+        )
+        return a, b
+
+
+def _vertices(body: Polyhedron, kind: np.ndarray, index: np.ndarray) -> np.ndarray:
+    """Corners (1, 2 or 3; n) of elements of one kind, as `vertices_of` has them."""
+    if kind[0] == VERTEX:
+        return index[None]
+    if kind[0] == FACE:
+        corners: np.ndarray = body.triangles[index].T
+        return corners
+    points = index - len(body._segments)
+    ends: np.ndarray = np.where(points >= 0, points, body._segments[np.minimum(index, len(body._segments) - 1)].T)
+    return ends
+
+
+def _whole_velocities(vectors: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Whole numbers (n, 3), and (n,) powers of two: vectors are these over the first, times the second."""
+    fractions, exponents = np.frexp(vectors)
+    exponents = np.where(fractions == 0.0, 2000, exponents)
+    least = exponents.min(axis=1)
+    numbers = (fractions * 2.0**53).astype(np.int64).astype(object)
+    shifts = np.where(fractions == 0.0, 0, exponents - least[:, None]).astype(object)
+    least = least - 53
+    one = np.full(len(vectors), 1, object)
+    return numbers << shifts, one << np.maximum(-least, 0).astype(object), one << np.maximum(least, 0).astype(object)
+
+
+def _earliest(some: np.ndarray, gaps: np.ndarray, speeds: np.ndarray) -> np.ndarray:
+    """Which of candidates whose times round to one double are first, exactly."""
+    found: list[int] = []
+    for k in some.tolist():
+        later = 0 if not found else gaps[k] * speeds[found[0]] - gaps[found[0]] * speeds[k]
+        if later < 0:
+            found = []
+        if later <= 0:
+            found.append(k)
+    return np.array(found)
+
+
+def _around(times: np.ndarray, gaps: np.ndarray, speeds: np.ndarray) -> np.ndarray:
+    """(n, 2): enclosures of gap / speed by neighbouring doubles, one of which is its rounding."""
+    ratios = [t.as_integer_ratio() for t in times.tolist()]
+    sides = [(g * q > s * p) - (g * q < s * p) for g, s, (p, q) in zip(gaps, speeds, ratios, strict=True)]
+    side = np.array(sides, float)
+    towards = np.where(side == 0.0, times, np.where(side > 0.0, np.inf, -np.inf))
+    return np.sort(np.stack([times, np.nextafter(times, towards)], axis=1), axis=1)
+
+
+def is_moderate(vectors: np.ndarray) -> np.ndarray:
+    """Which velocities are looked at as they are, none of their coordinates (but zeros) huge or tiny."""
+    sizes = np.abs(vectors)
+    largest = sizes.max(axis=1, initial=0.0)
+    told: np.ndarray = (largest > 1e-30) & (largest < 1e30) & ((sizes == 0.0) | (sizes >= LEAST_FRAMED)).all(axis=1)
+    return told

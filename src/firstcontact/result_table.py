@@ -1,0 +1,276 @@
+"""What `first_contacts` answers: one row for each question, in columns."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, Any, Self
+
+import numpy as np
+
+from firstcontact.errors import InputError
+from firstcontact.result import ContactIntervals, FirstContact, Status
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+ROW = np.dtype([
+    ("status", "u1"), ("initial", "u1"), ("reason", "u1"), ("kind_a", "u1"), ("kind_b", "u1"), ("error", "?"),
+    ("index_a", "i4"), ("index_b", "i4"), ("multiplicity", "i4"), ("work", "i8"),
+    ("time", "f8"), ("lo", "f8"), ("hi", "f8"), ("free_until", "f8"), ("point", "f8", 3), ("normal", "f8", 3),
+])  # fmt: skip
+"""A row: numbers of words in the lists below, nan for what is not known, -1 for no element."""
+STATUSES = ("", *(status.name for status in Status))
+INITIALS = ("", "touching", "overlapping", "containment")
+REASONS = ("", "budget", "precision")
+KINDS = ("", "vertex", "edge", "face", "apex", "directrix", "end_ruling")
+WORDS = {"status": STATUSES, "initial": INITIALS, "reason": REASONS, "kind_a": KINDS, "kind_b": KINDS}
+PLACED = "kind_a", "kind_b", "index_a", "index_b", "multiplicity", "point", "normal"
+"""Columns of contacts that are worked out when one of them is first asked for."""
+
+
+INTERVAL_ROW = np.dtype([
+    ("status", "u1"), ("reason", "u1"), ("error", "?"), ("count", "i4"), ("work", "i8"), ("free_until", "f8"),
+])  # fmt: skip
+"""Of contact intervals: how many there are; they stand beside the rows."""
+INTERVAL = np.dtype([
+    ("question", "i8"), ("start", "f8"), ("end", "f8"),
+    ("start_lo", "f8"), ("start_hi", "f8"), ("end_lo", "f8"), ("end_hi", "f8"),
+])  # fmt: skip
+
+
+class Rows:
+    """Rows with what goes beside them: texts of errors, and work that is put off until it is asked for."""
+
+    dtype = ROW
+
+    def __init__(self, n: int) -> None:
+        self.array = self._empty(n)
+        self.errors: dict[int, str] = {}
+        self.later: list[Callable[[], None]] = []
+        """Each fills the columns PLACED of some contacts."""
+
+    def _empty(self, n: int) -> np.ndarray:
+        """Rows of which nothing is known."""
+        rows = np.zeros(n, self.dtype)
+        for name in rows.dtype.names or ():
+            if rows.dtype[name].base.kind == "f":
+                rows[name] = np.nan
+            elif name.startswith("index"):
+                rows[name] = -1
+        return rows
+
+    def __len__(self) -> int:
+        return len(self.array)
+
+    def part(self, where: slice) -> Self:
+        """Some rows in the same memory, without errors of their own."""
+        rows = object.__new__(type(self))
+        rows.array, rows.errors, rows.later = self.array[where], {}, self.later
+        return rows
+
+    def free(self, where: np.ndarray, ends: np.ndarray) -> None:
+        """The rows `where` are proved free until the ends of their spans."""
+        self.array["status"][where] = STATUSES.index("FREE")
+        self.array["free_until"][where] = ends
+
+    def fill(self, row: int, found: Any) -> None:
+        """Write one answer into its row."""
+        record = self.array[row]
+        self._fill_shared(record, found)
+        record["initial"], record["multiplicity"] = INITIALS.index(found.initial or ""), found.multiplicity
+        if found.time is not None:
+            record["time"] = found.time
+        if found.time_interval is not None:
+            record["lo"], record["hi"] = found.time_interval
+        for side, element in (("a", found.element_a), ("b", found.element_b)):
+            if element is not None:
+                record[f"kind_{side}"], record[f"index_{side}"] = KINDS.index(element.kind), element.index
+        for name, vector in (("point", found.point), ("normal", found.normal)):
+            if vector is not None:
+                record[name] = vector
+
+    @staticmethod
+    def _fill_shared(record: Any, found: FirstContact | ContactIntervals) -> None:
+        record["status"], record["reason"] = STATUSES.index(found.status.name), REASONS.index(found.reason or "")
+        record["work"] = found.stats.node_visits + found.stats.pair_tests
+        if found.free_until is not None:
+            record["free_until"] = found.free_until
+
+    def refuse(self, row: int, error: str) -> None:
+        """The question of that row has no answer but this error."""
+        self.array[row : row + 1] = self._empty(1)
+        self.array["error"][row] = True
+        self.errors[row] = error
+
+    def settle(self) -> Self:
+        """Fill in what was put off."""
+        while self.later:
+            self.later[-1]()
+            self.later.pop()
+        return self
+
+    def put(self, where: np.ndarray, rows: Any) -> None:
+        """Take over settled answers to the questions `where`."""
+        assert not rows.later
+        self.array[where] = rows.array
+        self.errors |= {int(where[row]): text for row, text in rows.errors.items()}
+
+
+class IntervalRows(Rows):
+    """Rows of contact intervals; `found` has those of each question that has any, (k, 6) in the columns of INTERVAL."""
+
+    dtype = INTERVAL_ROW
+
+    def __init__(self, n: int) -> None:
+        super().__init__(n)
+        self.found: dict[int, np.ndarray] = {}
+
+    def fill(self, row: int, found: Any) -> None:
+        self._fill_shared(self.array[row], found)
+        self.array["count"][row] = len(found)
+        if len(found):
+            self.found[row] = np.array([(x.start, x.end, *x.start_interval, *x.end_interval) for x in found])
+
+    def put(self, where: np.ndarray, rows: Any) -> None:
+        super().put(where, rows)
+        self.found |= {int(where[row]): found for row, found in rows.found.items()}
+
+
+class _Table:
+    """What tables have in common."""
+
+    __slots__ = ("_ask", "_rows")
+
+    def __init__(self, rows: Any, ask: Callable[[int], Any]) -> None:
+        """ask: answers one of the questions again."""
+        self._rows, self._ask = rows, ask
+
+    def __len__(self) -> int:
+        return len(self._rows)
+
+    def __getitem__(self, row: int) -> Any:
+        """The full result of one question: asked again, so that a table holds numbers only.
+
+        Raises what the question raised.
+        """
+        if not -len(self) <= row < len(self):
+            raise IndexError(f"question {row} of {len(self)}")
+        return self._ask(int(row) % len(self))
+
+    def __iter__(self) -> Iterator[Any]:
+        return (self._ask(row) for row in range(len(self)))
+
+    def column(self, name: str) -> np.ndarray:
+        """One of the columns, as NumPy has them; do not write into it."""
+        names = self._rows.dtype.names
+        if name == "error":
+            texts = np.full(len(self), None, object)
+            for row, text in self._rows.errors.items():
+                texts[row] = text
+            return texts
+        if name not in names:
+            raise InputError(f"no column {name!r}; there are {', '.join(names)}")
+        if name in PLACED:
+            self._rows.settle()
+        column: np.ndarray = self._rows.array[name]
+        return np.array(WORDS[name])[column] if name in WORDS else column
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> np.ndarray:
+            if name.startswith("_") or name not in self._rows.dtype.names:
+                raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+            return self.column(name)
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """How many questions ended how; those without an answer are counted as "error"."""
+        found = np.bincount(self._rows.array["status"], minlength=len(STATUSES)).tolist()
+        return {name or "error": n for name, n in zip(STATUSES, found, strict=True) if n}
+
+    def to_numpy(self) -> np.ndarray:
+        """A structured array, with words for statuses, kinds and reasons; errors are left out."""
+        columns = {name: self.column(name) for name in self._rows.dtype.names if name != "error"}
+        dtype = np.dtype([(name, x.dtype, x.shape[1:]) for name, x in columns.items()])
+        table = np.empty(len(self), dtype)
+        for name, x in columns.items():
+            table[name] = x
+        return table
+
+    def to_arrow(self) -> Any:
+        """A pyarrow.Table (extra batch): nan, "" and -1 are nulls, words are dictionaries, vectors three columns."""
+        from firstcontact.batch.arrow import table_of
+
+        return table_of(self._rows.settle())
+
+    def to_pandas(self) -> Any:
+        """A pandas.DataFrame of the same columns (extra batch)."""
+        from firstcontact.batch.arrow import frame_of
+
+        return frame_of(self._rows.settle())
+
+    def to_parquet(self, path: str | Path) -> None:
+        """Write a Parquet file (extra batch)."""
+        from firstcontact.batch.arrow import write_parquet
+
+        write_parquet(self._rows.settle(), path)
+
+    def __repr__(self) -> str:
+        told = ", ".join(f"{n} {name}" for name, n in self.counts.items())
+        return f"<{type(self).__name__} of {len(self)}: {told}>"
+
+    def __str__(self) -> str:
+        lines = [f"{len(self)} questions: " + ", ".join(f"{n} {name}" for name, n in self.counts.items())]
+        lines += self._first()
+        lines += [f"  question {row}: {text}" for row, text in list(self._rows.errors.items())[:3]]
+        return "\n".join(lines)
+
+    def _first(self) -> list[str]:
+        return []
+
+
+class ContactTable(_Table):
+    """The first contact of each question, in columns; `table[i]` is the full result of question i.
+
+    status         FREE, CONTACT, INITIAL_CONTACT, UNDECIDED; "" where `error` says why there is no answer
+    time, lo, hi   the double nearest the time of contact, and its enclosure; nan where there is none
+    free_until     no shared point before this time; proved
+    point, normal  (n, 3), world; nan where there are none
+    kind_a, index_a, kind_b, index_b   the elements that meet: "vertex", "edge", "face" and its number, -1: none
+    multiplicity   pairs of elements that meet at that time
+    initial, reason   of INITIAL_CONTACT and UNDECIDED
+    work           node visits and pair tests; 0 where boxes alone told that bodies are apart
+    error          (n,) texts, None where there is an answer
+    """
+
+    __slots__ = ()
+
+    def _first(self) -> list[str]:
+        times = self._rows.array["time"]
+        if not np.isfinite(times).any():
+            return []
+        row = int(np.nanargmin(times))
+        return [f"  first: question {row} at time {float(times[row])!r}"]
+
+
+class ContactIntervalTable(_Table):
+    """The contact intervals of each question, in columns; `table[i]` is the full result of question i.
+
+    status, free_until, reason, work, error   as in ContactTable, of the intervals of the question
+    count       how many there are
+    intervals   all of them, a structured array in the order of the questions: question, start, end, start_lo, start_hi,
+                end_lo, end_hi
+    """
+
+    __slots__ = ()
+
+    @property
+    def intervals(self) -> np.ndarray:
+        rows = self._rows
+        table = np.empty(int(rows.array["count"].sum()), INTERVAL)
+        table["question"] = np.repeat(np.arange(len(self)), rows.array["count"])
+        found = [rows.found[row] for row in sorted(rows.found)]
+        values = np.concatenate(found) if found else np.empty((0, 6))
+        for k, name in enumerate((INTERVAL.names or ())[1:]):
+            table[name] = values[:, k]
+        return table

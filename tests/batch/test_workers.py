@@ -1,0 +1,160 @@
+"""Threads and processes give the answers of `first_contact`, bit for bit, whatever becomes of them."""
+
+import math
+import os
+import signal
+import subprocess
+import sys
+from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from multiprocessing import active_children
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import firstcontact as fc
+from firstcontact.batch import workers
+from firstcontact.batch.questions import asked
+from one_by_one import one_by_one, rows_of
+
+CUBE = fc.examples.box((1, 1, 1))
+TETRA = fc.Polyhedron([(3, 0, 0), (4, 0, 0), (3, 1, 0), (3, 0, 1)], [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+BALL, EGG = fc.sphere(1), fc.ellipsoid((1, 2, 1)).translated((4, 0, 0))
+
+
+def vectors(n, seed=0):
+    return np.random.default_rng(seed).uniform([0, -2, -2], [6, 2, 2], (n, 3))
+
+
+def many(n=40):
+    """Pairs of all kinds: walked together, one by one, and errors."""
+    v = vectors(n)
+    queries = [(CUBE.moving(fc.Translation(x.tolist())), TETRA, (0, 1 + k % 3)) for k, x in enumerate(v)]
+    queries += [(BALL.moving(fc.Translation(x.tolist())), EGG) for x in v[:8]]
+    queries += [(CUBE.moving(fc.Rotation((0, 0, 1), (x[0], 2, 0), degrees=200)), TETRA) for x in v[:8]]
+    queries += [
+        (CUBE, CUBE), (fc.half_space((0, 0, 1), 0), fc.half_space((0, 0, 1), -1)),
+        (CUBE.moving(fc.Translation((1, 0, 0))), TETRA, (1, 0)), (CUBE, TETRA, (0, math.nan)), (CUBE, TETRA, 3),
+    ]  # fmt: skip
+    order = np.random.default_rng(1).permutation(len(queries))
+    return [queries[k] for k in order]
+
+
+@pytest.fixture
+def at_once(monkeypatch):
+    """What is left goes to processes without looking whether it is worth it."""
+    monkeypatch.setattr(workers, "WORTH", 0.0)
+    monkeypatch.setattr(workers, "TRIED", 0.0)
+
+
+def test_any_number_of_threads_gives_the_answers_one_by_one(monkeypatch):
+    queries = many()
+    expected = one_by_one(queries)
+    assert sum(isinstance(row, str) for row in expected) >= 4
+    monkeypatch.setattr(workers, "WORTH", math.inf)
+    monkeypatch.setattr(workers, "THREAD_PART", 9)
+    for n in (1, 2, 5):
+        assert rows_of(fc.first_contacts(queries, workers=n)) == expected
+
+
+@pytest.mark.parametrize("arguments", [{"exact": True}, {"budget": 5}, {"tolerance": 1e-3}, {"engine": "sweep"}])
+def test_arguments_are_those_of_first_contact(arguments):
+    queries = many(12)
+    assert rows_of(fc.first_contacts(queries, workers=1, **arguments)) == one_by_one(queries, **arguments)
+
+
+def test_a_worker_that_is_killed_is_no_loss(at_once, monkeypatch):
+    """Every row is there, none twice, and the processes are gone in the end."""
+    monkeypatch.setattr(workers, "FIRST_PART", 2)
+    queries = [(BALL.moving(fc.Translation(x)), EGG) for x in vectors(150).tolist()]
+    told, killed = [], []
+
+    def progress(done, total):
+        told.append((done, total))
+        if done > 10 and not killed:
+            killed.append(active_children()[0].pid)
+            os.kill(killed[0], signal.SIGKILL)
+
+    table = fc.first_contacts(queries, workers=2, progress=progress)
+    assert killed and rows_of(table) == one_by_one(queries)
+    done = [n for n, _ in told]
+    assert done == sorted(set(done)) and told[-1] == (150, 150)
+    assert not [x for x in active_children() if x.pid in killed]
+
+
+class Frail(workers.Elsewhere):
+    """One that is broken when it is asked, or by what it is asked, at the numbers that are given."""
+
+    def __init__(self, bodies, when_asked, by_it):
+        self.bodies, self.when_asked, self.by_it, self.asked, self.renewed = bodies, when_asked, by_it, 0, 0
+        super().__init__(self.ask, 2, self.heal)
+
+    def ask(self, questions, asking):
+        self.asked += 1
+        future = Future()
+        if self.asked in self.when_asked:
+            raise BrokenExecutor
+        if self.asked in self.by_it:
+            future.set_exception(BrokenExecutor())
+        else:
+            future.set_result(workers.timed_answers(self.bodies, questions, asking))
+        return future
+
+    def heal(self):
+        self.renewed += 1
+
+
+def test_parts_are_done_again_until_there_is_no_hope(monkeypatch):
+    """Those that nobody takes, too: that ended the batch."""
+    monkeypatch.setattr(workers, "FIRST_PART", 3)
+    monkeypatch.setattr(workers, "LARGEST_PART", 3)
+    queries = many()
+    shapes = asked(queries).bodies
+    frail = Frail(shapes, when_asked={2, 9, 10}, by_it={1, 4, 5, 12})
+    assert rows_of(fc.first_contacts(queries, executor=frail)) == one_by_one(queries)
+    assert frail.renewed == 7
+    for hopeless in (Frail(shapes, range(5, 99), ()), Frail(shapes, (), range(5, 99))):
+        with pytest.raises(BrokenExecutor):
+            fc.first_contacts(queries, executor=hopeless)
+
+
+@pytest.mark.parametrize("pool", [ThreadPoolExecutor, ProcessPoolExecutor])
+def test_executors_of_others(pool):
+    queries = many(12)
+    with pool(2) as executor:
+        table = fc.first_contacts(queries, executor=executor)
+    assert rows_of(table) == one_by_one(queries)
+
+
+SCRIPT = """
+import firstcontact as fc
+from firstcontact.batch import workers
+from firstcontact.batch.questions import asked
+print("runs")
+workers.WORTH = workers.TRIED = 0.0
+ball = fc.sphere(1)
+other = ball.translated((4, 0, 0))
+hits = fc.first_contacts([(ball.moving(fc.Translation((k, 0, 0))), other) for k in range(8)], workers=2)
+print(*hits.status)
+"""
+
+
+def test_a_script_needs_no_main(tmp_path):
+    path = tmp_path / "script.py"
+    path.write_text(SCRIPT)
+    environment = {**os.environ, "PYTHONPATH": str(Path(fc.__file__).parents[1])}
+    done = subprocess.run([sys.executable, path], capture_output=True, text=True, timeout=60, env=environment)
+    assert done.stdout.splitlines() == ["runs", " ".join(["FREE"] * 2 + ["CONTACT"] * 6)], done.stderr
+
+
+def test_an_interrupt_ends_the_processes(at_once):
+    queries = [(BALL.moving(fc.Translation(x)), EGG) for x in vectors(60).tolist()]
+
+    def interrupt(done, total):
+        if done > 5:
+            raise KeyboardInterrupt
+
+    before = set(active_children())
+    with pytest.raises(KeyboardInterrupt):
+        fc.first_contacts(queries, workers=2, progress=interrupt)
+    assert not set(active_children()) - before
