@@ -32,8 +32,8 @@ class Round(NamedTuple):
     reach: Reach
 
 
-ROUNDS = Round(4_000, 100, QUICK), Round(50_000, 1_000, FARTHER), Round(None, None, FARTHEST)
-"""About 0.03, 0.4 s and more of either."""
+ROUNDS = Round(4_000, 100, QUICK), Round(100_000, 300, FARTHER), Round(None, None, FARTHEST)
+"""About 0.2, 2 s and more of either."""
 NEARBY = fmpq(1, 2**30)
 """Part of the span around a time proved in doubles in which it is decided exactly."""
 

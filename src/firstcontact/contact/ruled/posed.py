@@ -7,6 +7,7 @@ itself.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cache
@@ -254,7 +255,8 @@ class _Pair:
         if budget <= 0:
             raise Spent
         p, q = PosedPiece.posed(self.piece_of(a), window), in_local_time(self.piece_of(b), window)
-        found = first_event_of(Search(p, q), fmpq(-1), fmpq(1), self.local(window), budget)
+        search = Search(p, q, math.inf if work.budget is None else budget)
+        found = first_event_of(search, fmpq(-1), fmpq(1), self.local(window), budget)
         work.done += found.boxes
         interval = None if found.time_interval is None else window.true_times(*found.time_interval)
         return _Found(found, (a, b), window.true_times(found.free_until, 1.0)[0], interval)
