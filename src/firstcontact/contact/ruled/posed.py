@@ -137,12 +137,8 @@ def intervals(query: Query, work: Work) -> ContactIntervals:
 
 def _intervals(query: Query, work: Work) -> ContactIntervals:
     pair, intervals, last = _Pair(query), list[Certified](), query.span[1]
-    if not all(cell.is_sure for own in pair.cells for cell in own):
-        raise UnsupportedPair("{!r} and {!r}: trimmed pieces have exact contact intervals alone".format(*query.bodies))
-    if pair.interior is not None:
-        raise UnsupportedPair(
-            f"{query.a!r} and {query.b!r}: such motions have no contact intervals with solid polyhedra"
-        )
+    if pair.interior is not None or not all(cell.is_sure for own in pair.cells for cell in own):
+        return _by_first_contact(query, work)
     for window in pair.windows():
         work.reached(max(below(window.start), query.span[0]))
         found = [pair.followed(window, *cells, work) for cells in pair.near(window)]
@@ -152,6 +148,18 @@ def _intervals(query: Query, work: Work) -> ContactIntervals:
             known = tuple(_known(x, stopped.until, last) for x in intervals if x.start[1] <= stopped.until)
             return proved_intervals(Found(known, stopped.until, stopped.reason), work, query)
     return proved_intervals(Found(tuple(intervals), last, None), work, query)
+
+
+def _by_first_contact(query: Query, work: Work) -> ContactIntervals:
+    """Up to the first contact, the end of which is left open, for contact may be with what is cut off or inside."""
+    found, last = _first(query, work), query.span[1]
+    if found.status is Status.FREE:
+        return proved_intervals(Found((), last, None), work, query)
+    if found.time_interval is None:
+        assert found.free_until is not None
+        return proved_intervals(Found((), found.free_until, found.reason), work, query)
+    hi = found.time_interval[1]
+    return proved_intervals(Found((Certified(found.time_interval, (hi, last), True),), hi, "precision"), work, query)
 
 
 def _united(intervals: list[Certified]) -> list[Certified]:
@@ -212,7 +220,7 @@ class _Pair:
             pieces = triangles_of(shape) if isinstance(shape, Polyhedron) else shape.pieces
             for piece in pieces:
                 if piece.s is None:
-                    raise UnsupportedPair(f"{piece!r}: whole rulings have exact equations alone; bound s")
+                    raise UnsupportedPair(f"{piece!r} has whole rulings, which doubles do not take; bound s")
                 for side in piece.sides:
                     check_weight(piece, side, (self.first, self.last))
             self.cells.append([Cell.of(piece, number) for number, piece in enumerate(pieces)])

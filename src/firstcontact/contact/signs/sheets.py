@@ -304,10 +304,7 @@ def _eliminated(g: fmpz_mpoly, h: fmpz_mpoly | None, index: int, reach: Reach) -
     expected = t if index == 0 else 2 * u * t
     bits = 0 if reach.bits is None else expected * (m * _longest(other) + n * _longest(g))
     if min(m, n) > 0 and (expected > reach.degree or bits > (reach.bits or 0)):
-        raise TooLarge(
-            f"too large for elimination: equations of degree {expected} for the times of contact; enclosures, without "
-            "exact=True, may be had"
-        )
+        raise TooLarge(f"too large for elimination: equations of degree {expected} for the times of contact")
     return discriminant(g, index) if h is None else resultant(g, h, index)
 
 
