@@ -10,6 +10,12 @@ import firstcontact as fc
 BLADE = fc.RuledSurface("(u, 0, 0)", "(u, 1, u)", name="blade")
 PLATE = fc.RuledSurface("(0, -3, 2*u-1)", "(0, 3, 2*u-1)", name="plate")
 UP = fc.RationalMotion.between((0, 0, 0), (0, 0, 9), quat_wxyz=((1, 0, 0, 0), (1, 0, 0, 1)))
+SCREW = fc.Screw((1, 2, 2), point=(1, -3, 2), degrees=180, advance=1)
+SCREWED = (
+    fc.RuledSurface("((6*u**2+4*u+9)/2,(-6*u**2-2*u-1)/2,(4*u**2-3)/2)", "(7/2,-3/2,-1/2)").moving(SCREW),
+    fc.RuledSurface("((3*u-2)/(u+3),1,1/(u+3))", "(-3,-2*u-3,u+3)"),
+)
+"""A cone, and a piece that its border next to the apex passes."""
 
 
 def names(found):
@@ -50,15 +56,41 @@ def test_box_and_blade_in_both_orders():
 
 
 def test_a_screw_and_a_body_at_rest_in_both_orders():
-    turning = fc.RuledSurface(
-        "((6*u**2+4*u+9)/2,(-6*u**2-2*u-1)/2,(4*u**2-3)/2)", "(7/2,-3/2,-1/2)"
-    ).moving(fc.Screw((1, 2, 2), point=(1, -3, 2), degrees=180, advance=1))  # fmt: skip
-    resting = fc.RuledSurface("((3*u-2)/(u+3),1,1/(u+3))", "(-3,-2*u-3,u+3)")
+    turning, resting = SCREWED
     one, two = fc.first_contact(turning, resting), fc.first_contact(resting, turning)
     assert one.status is two.status is fc.Status.CONTACT
     assert one.time_interval[0] <= two.time_interval[1] and two.time_interval[0] <= one.time_interval[1]
     assert np.allclose(one.point, two.point, atol=1e-9)
     assert one.element_a.kind == two.element_b.kind and one.element_b.kind == two.element_a.kind
+
+
+def test_all_times_of_a_cone_under_a_screw():
+    """Boxes next to the apex were wide for good; contact was followed no farther than 0.459."""
+    (found,) = fc.contact_intervals(*SCREWED)
+    assert found.start_interval[1] - found.start_interval[0] <= 1e-12 >= found.end_interval[1] - found.end_interval[0]
+    inside = np.linspace(found.start + 1e-4, found.end - 1e-4, 9)
+    assert all(_ruling_crosses(SCREWED[0].motion(t)) for t in inside)
+    outside = [0, 0.2, 0.4, found.start - 1e-4, found.end + 1e-4, 0.5, 0.6, 0.8, 1]
+    assert not any(_ruling_crosses(SCREWED[0].motion(t)) for t in outside)
+
+
+def _ruling_crosses(pose):
+    """Whether one of many rulings of the cone meets the other piece; by Delta's zeros, at the pose."""
+    apex = np.array([3.5, -1.5, -0.5])
+    pose = np.asarray(pose, float)
+    apex = pose[:3, :3] @ apex + pose[:3, 3]
+    v = np.linspace(0, 1, 2001)
+    one, other = np.array([(3 * v - 2) / (v + 3), v**0, 1 / (v + 3)]).T, np.array([-3 * v**0, -2 * v - 3, v + 3]).T
+    for u in np.linspace(0, 1, 201):
+        base = np.array([(6 * u * u + 4 * u + 9) / 2, (-6 * u * u - 2 * u - 1) / 2, (4 * u * u - 3) / 2])
+        base = pose[:3, :3] @ base + pose[:3, 3]
+        normal = np.cross(apex - base, other - one)
+        delta = ((one - base) * normal).sum(1)
+        for k in np.flatnonzero(delta[1:] * delta[:-1] <= 0):
+            s, w = np.linalg.lstsq(np.array([apex - base, one[k] - other[k]]).T, one[k] - base, rcond=None)[0]
+            if 0 <= s <= 1 and 0 <= w <= 1:
+                return True
+    return False
 
 
 def test_the_trimmed_scene_in_both_orders_and_both_verbs():

@@ -108,15 +108,15 @@ def test_a_search_goes_on_where_its_slice_ended(monkeypatch):
         search = ruled_events.Search(pieces.p, pieces.q)
         outcome = search.run(0.0, 1.0, ruled_events.ALL_EVENTS, 1e-9, 3000)
         found.append((outcome, search.visits, search.limit.tolist(), search.found[: search.count].tolist()))
-    assert found[0] == found[1] == found[2] and found[0][1] > 200
+    assert found[0] == found[1] == found[2] and found[0][1] > 150
 
 
 @pytest.mark.parametrize(("verb", "name"), ASKED)
 @pytest.mark.parametrize("budget", [0, 20, 200])
 def test_budgets_hold_within_a_fifth(name, budget, verb):
-    """But for the box that tells that no more may be looked at."""
+    """But for the box that tells that no more may be looked at.  Pairs that boxes are tested for count, too."""
     cut = verb(*SCENES[name], method="certified", budget=budget)
-    assert cut.stats.node_visits <= 1.2 * budget + 1
+    assert cut.stats.node_visits + cut.stats.pair_tests <= 1.2 * budget + 1
     whole = fc.first_contact(*SCENES[name], method="certified")
     if cut.status is fc.Status.UNDECIDED:
         assert cut.reason == "budget"

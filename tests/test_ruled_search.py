@@ -14,6 +14,7 @@ import firstcontact as fc
 from firstcontact.contact.ruled import certified
 from firstcontact.contact.ruled.intervals import certified_intervals
 from firstcontact.exact.numbers import precision
+from firstcontact.exact.systems.isolation import WORTH
 from firstcontact.exact.systems.ruled_systems import ContactSystem
 from firstcontact.kernels.rulings.linear_models import REST
 from firstcontact.kernels.rulings.models import (
@@ -25,7 +26,7 @@ from firstcontact.kernels.rulings.models import (
     difference_models,
     minor_models,
 )
-from firstcontact.search.rulings.ruled_events import RuledContact, first_event
+from firstcontact.search.rulings.ruled_events import RuledContact, Search, first_event, first_event_of
 from firstcontact.search.rulings.ruled_pieces import RuledPiece
 from firstcontact.work import Query, Work
 from ruled_vectors import Vector, value, vectors
@@ -398,3 +399,28 @@ def test_zeros_are_refined() -> None:
         time = event.zero.balls(bits)[-1]
         with precision(4 * bits):
             assert time.contains(-arb(0.5).sqrt()) and time.rad() < arb(2) ** -bits
+
+
+def test_balls_count_in_a_budget() -> None:
+    """What doubles leave open of a graze took a second in balls, however small the budget."""
+    p, q, first, last = pieces(MOVING["m03"])
+    whole = Search(p, q)
+    first_event_of(whole, first, last, 1e-12, 200_000)
+    assert whole.looked > 0 and whole.spent == whole.visits
+    budget = whole.visits + WORTH * (whole.looked // 2)
+    cut = Search(p, q, budget)
+    found = first_event_of(cut, first, last, 1e-12, budget)
+    assert cut.looked <= max(whole.looked // 2, 1) and cut.spent == cut.visits + WORTH * cut.looked <= 1.2 * budget
+    assert found.status == "open" and found.reason == "budget"
+
+
+def test_models_near_the_end_of_a_ruling_lack_little() -> None:
+    """Next to the apex of a cone u moves nothing, so that what a model in u leaves out is small there, too."""
+    cone = [[[0], [1]], [[0], [0], [4]], [[1]], [[1]]], [[[3]], [[0]], [[5]], [[1]]]
+    wall = [[[0], [1]], [[0]], [[0]], [[1]]], [[[0], [1]], [[0]], [[9]], [[1]]]
+    p, q = (RuledPiece(*sides, (fmpq(0), fmpq(1))) for sides in (cone, wall))
+    search = Search(p, q)
+    for away in (0.5, 1e-3, 1e-6):
+        box = np.array([(-1.0, 0.0), (1.0 - away, 1.0), (0.1, 0.2), (0.1, 0.2), (0.0, 0.0)])
+        assert difference_models(search.table_p, 0, search.table_q, 0, box, search.workspace, search.powers)
+        assert np.all(search.workspace[GAP : GAP + 3, REST] <= 4 * away + 1e-12)

@@ -145,3 +145,66 @@ def test_arcs_meet_surfaces(trim, known):
     found = fc.contact_intervals(square.moving(fc.Translation((8, 0, 0))), target)
     assert found[0].start == known
     assert found[0].end == (known if known == 0.625 else 0.625)
+
+
+# -- what doubles take, and what refusals say ---------------------------------------------------------------
+
+
+def roof(trim):
+    """Its highest point, at (1, 1, 3/2), is a corner that the inequality keeps."""
+    return fc.RuledSurface("(u, 0, u)", "(u, 1, u+1/2)", trim=[trim], name="roof")
+
+
+CEILING = fc.RuledSurface("(u, -9, 3)", "(u, 9, 3)", u=(-9, 9), name="ceiling")
+BLOCK = fc.examples.box((9, 9, 2)).translated((0, 0, 4))
+
+
+@pytest.mark.parametrize("method", ["auto", "certified"])
+def test_steep_inequalities_meet_convex_polyhedra_by_their_triangles(method):
+    """The search against solids takes squares of s; it was the only one that was asked."""
+    rising = roof("s**3<=u+1/4").moving(fc.Screw((0, 0, 1), degrees=90, advance=4))
+    for pair in ((rising, BLOCK), (BLOCK, rising)):
+        found = fc.first_contact(*pair, method=method)
+        assert found.status is fc.Status.CONTACT and found.time_interval[0] <= 3 / 8 <= found.time_interval[1]
+
+
+@pytest.mark.parametrize("target", [CEILING, BLOCK])
+def test_intervals_without_exact_equations_tell_the_first_start(target):
+    """They were refused; what the first contact proves is told, with the end left open."""
+    for trim in ("s**3<=u+1/4", "u**2+s**2<=3"):
+        rising = roof(trim).moving(fc.Screw((0, 0, 1), degrees=90, advance=4))
+        found = fc.contact_intervals(rising, target)
+        assert len(found) == 1 and found[0].start_interval[0] <= 3 / 8 <= found[0].start_interval[1]
+        assert found.reason == (None if found.status is fc.Status.CONTACT else "precision")
+        assert found[0].start_interval[1] - found[0].start_interval[0] < 1e-9
+    away = roof("s**3<=u+1/4").moving(fc.Screw((0, 0, 1), degrees=90, advance=-4))
+    assert fc.contact_intervals(away, target).status is fc.Status.FREE
+
+
+HARD = (
+    roof("s**3<=u+1/4").moving(fc.RationalMotion.between((0, 0, 0), (1, 5, 6), quat_wxyz=((1, 0, 0, 0), (1, 0, 0, 1)))),
+    fc.RuledSurface("(u**3, 1, u)", "(1, u**4, u**2)").moving(
+        fc.RationalMotion.between((9, 9, 9), (9, 1, 9), quat_wxyz=((1, 0, 0, 0), (2, 1, 1, 0)))
+    ),
+)
+
+
+@pytest.mark.parametrize("verb", [fc.first_contact, fc.contact_intervals])
+def test_a_refusal_names_the_option_that_was_given(verb):
+    for option, named in (({"exact": True}, "exact=True"), ({"method": "algebraic"}, "method='algebraic'")):
+        with pytest.raises(fc.UnsupportedPair, match=f"too large .*; without {named} there may be enclosures$"):
+            verb(*HARD, **option)
+    assert verb(*HARD).status in fc.Status
+
+
+@pytest.mark.parametrize("verb", [fc.first_contact, fc.contact_intervals])
+def test_a_refusal_says_each_reason_once_and_promises_nothing(verb):
+    """Whole rulings are beyond doubles, a screw is beyond exact equations: s is what has to change."""
+    whole = fc.RuledSurface("(u, 0, u)", "(u, 1, u+1/2)", s=None, trim=["s**3<=u"], name="whole")
+    pair = whole.moving(fc.Screw((0, 0, 1), degrees=90, advance=4)), CEILING
+    with pytest.raises(fc.UnsupportedPair) as told:
+        verb(*pair)
+    assert str(told.value).count("bound s") == 1 and "exact=True" not in str(told.value)
+    with pytest.raises(fc.UnsupportedPair) as told:
+        verb(*pair, exact=True)
+    assert "no rational pose" in str(told.value) and "without" not in str(told.value)

@@ -40,11 +40,15 @@ class Work:
         if self.progress is not None:
             self.progress(self.free_until, self.done)
 
-    def step(self) -> None:
-        """Count one subproblem or candidate before it is taken up.  Raises Spent."""
+    def left(self, most: int) -> int:
+        """How much of that the budget allows."""
+        return most if self.budget is None else min(most, max(self.budget - self.done, 0))
+
+    def step(self, count: int = 1) -> None:
+        """Count a subproblem or candidate, or one as large as more, before it is taken up.  Raises Spent."""
         if self.budget is not None and self.done >= self.budget:
             raise Spent
-        self.done += 1
+        self.done += count
         if self.progress is not None:
             self.progress(self.free_until, self.done)
 

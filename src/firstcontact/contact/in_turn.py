@@ -10,12 +10,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 from flint import fmpq
 
 from firstcontact.contact.signs.sheets import FARTHER, FARTHEST, QUICK, Reach
-from firstcontact.contact.ways import Passed, R, Way, answered, decided
+from firstcontact.contact.ways import Passed, R, Way, answered, decided, tried
+from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import exact_value
 from firstcontact.result import ContactIntervals, FirstContact, Status
 from firstcontact.work import Query, Work
@@ -32,11 +33,12 @@ class Round(NamedTuple):
     reach: Reach
 
 
-ROUNDS = Round(4_000, 100, QUICK), Round(50_000, 1_000, FARTHER), Round(None, None, FARTHEST)
-"""About 0.03, 0.4 s and more of either."""
+ROUNDS = Round(4_000, 100, QUICK), Round(100_000, 300, FARTHER), Round(None, None, FARTHEST)
+"""About 0.2, 2 s and more of either."""
 NEARBY = fmpq(1, 2**30)
 """Part of the span around a time proved in doubles in which it is decided exactly."""
 
+T = TypeVar("T")
 InDoubles = Callable[[Query], FirstContact]
 Exactly = Callable[[Query, Reach], FirstContact]
 """Of a question and how far to go; raises TooLarge beyond that."""
@@ -67,7 +69,7 @@ def _first_ways(
 
     def by_elimination(query: Query, proved: FirstContact | None) -> FirstContact | Passed:
         if query.is_algebraic:
-            return exactly(query, own.reach)
+            return _with_advice(query, partial(exactly, query, own.reach), in_doubles)
         limited = _limited(query, own.steps)
         if proved is None or proved.time_interval is None:
             return _beside(proved, decided(exactly(limited, own.reach), query))
@@ -82,6 +84,18 @@ def _first_ways(
         return proved is None or proved.status is Status.UNDECIDED or any(proved is x for x in found)
 
     return [Way("in doubles", by_doubles, _is_cut_short), Way("exactly", by_elimination, is_open)]
+
+
+def _with_advice(query: Query, ask: Callable[[], T], in_doubles: InDoubles) -> T:
+    """What it tells; its refusal where only exact arithmetic may answer says whether doubles take the question."""
+    try:
+        return ask()
+    except UnsupportedPair as refusal:
+        others = replace(query, exact=False, method="certified", budget=0)
+        if not query.is_algebraic or isinstance(tried(partial(in_doubles, others)), Passed):
+            raise
+        option = "exact=True" if query.exact else f"method={query.method!r}"
+        raise type(refusal)(f"{refusal}; without {option} there may be enclosures") from refusal
 
 
 def _is_cut_short(query: Query, proved: R | None) -> bool:
@@ -125,7 +139,8 @@ def intervals_in_turn(
         return decided(in_doubles(query, work(own.boxes)), query)
 
     def by_elimination(own: Round, query: Query, proved: ContactIntervals | None) -> ContactIntervals | Passed:
-        return _beside(proved, decided(exactly(query, work(own.steps), own.reach), query))
+        ask = partial(exactly, query, work(own.steps), own.reach)
+        return _beside(proved, decided(_with_advice(query, ask, first), query))
 
     ways: list[Way[ContactIntervals]] = []
     if not query.is_algebraic and query.budget is None:

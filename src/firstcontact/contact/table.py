@@ -31,7 +31,7 @@ class Kind(Enum):
 EXACT, CERTIFIED, NOT = "exact; else certified", "certified", "no"
 """What a verb proves of a pair: exact times where the relative pose is a rational function of one parameter, certified
 ones under all other motions; certified ones under all; nothing."""
-CONVEX = "exact; else certified, of solids that are convex"
+CONVEX = "exact; else certified, of solids not convex up to the first contact"
 VERBS = "first_contact", "contact_intervals", "contact_pairs", "intersection_curve"
 
 

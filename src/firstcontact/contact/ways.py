@@ -76,7 +76,7 @@ def answered(ways: Sequence[Way[R]], query: Query) -> R:
     Raises UnsupportedPair with the reasons of all that refused.
     """
     asked: list[Asked] = []
-    refusals: dict[str, str] = {}
+    refusals: dict[str, str] = {}  # reasons, and who gave each last
     proved: Any = None
     for way in ways:
         if not way.takes(query, proved):
@@ -88,15 +88,15 @@ def answered(ways: Sequence[Way[R]], query: Query) -> R:
         if not isinstance(found, Passed):
             return _told(found, asked)
         if found.refused:
-            refusals[way.name] = found.reason
+            refusals[found.reason] = way.name
         proved = found.proved if found.proved is not None else proved
     stands = isinstance(proved, Answer)
     if stands:
         last: R = proved  # ways to one kind of answer prove no other kind
         return _told(last, [*asked, Asked("as proved before", last.status.name, 0.0)])
-    if len(set(refusals.values())) == 1:
-        raise UnsupportedPair(next(iter(refusals.values())))
-    raise UnsupportedPair("; ".join(f"{name}: {reason}" for name, reason in refusals.items()))
+    if len(refusals) == 1:
+        raise UnsupportedPair(next(iter(refusals)))
+    raise UnsupportedPair("; ".join(f"{name}: {reason}" for reason, name in refusals.items()))
 
 
 def _told(found: R, asked: Sequence[Asked]) -> R:

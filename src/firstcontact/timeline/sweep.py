@@ -176,7 +176,8 @@ class Sweep(Generic[W]):
                 self.reached = window.first
                 point = self._window(window, point, k == 0)
         except Open as stopped:
-            self.reached, reason = max(self.reached, stopped.time), "precision"
+            self.reached = max(self.reached, stopped.time)
+            reason = "precision" if self.work.left(1) else "budget"
         except Spent:
             reason = "budget"
         last = self.windows[-1].last

@@ -25,7 +25,7 @@ from firstcontact.contact.mesh_model.patches import Patch, patch
 from firstcontact.contact.models.same_point import near_surfaces
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import to_double
-from firstcontact.kernels.events.event_search import FREE, GOING, SPENT, VISITS
+from firstcontact.kernels.events.event_search import FREE, GOING, SPENT
 from firstcontact.motion.relative.stretches import Window
 from firstcontact.search.convex.convex import ConvexPieces, NotConvex, convex_pieces, covering_pieces
 from firstcontact.search.convex.mesh_advance import MeshSearch, Open, Swept, Touch
@@ -207,7 +207,7 @@ class HoledSearch(MeshSearch):
 
     def _search(self, group: _Group, window: Window, width: float) -> events.EventSearch:
         bodies: tuple[Any, Any] = (group.patch, self.model) if self.mesh_is_a else (self.model, group.patch)
-        budget = int(min(MOST_BOXES, max(self.budget - self.tests, 0)))
+        budget = int(min(MOST_BOXES, max(self.budget - self.tests - int(self.state[0]), 0)))
         if group.tables is None:
             group.tables = tables_of(*bodies)
         search = events.EventSearch(*bodies, group.tables, [window], 1.0, budget)
@@ -219,19 +219,19 @@ class HoledSearch(MeshSearch):
         search = self._search(group, window, 0.0)
         budget = min(search.budget, events.MOST_STILL)
         apart = search.searched(True, window, window.first, window.first, budget) == FREE
-        self.tests += int(search.counters[VISITS])
+        self.tests += search.done
         return apart
 
     def _stop(self, group: _Group, window: Window, begin: float, last: float, width: float) -> _Stop | None:
         """The first slab that may hold an event of the group, which is apart at `begin`; None: none up to `last`."""
         search = self._search(group, window, width)
         outcome = search.first(window._replace(last=last), begin)
-        self.tests += int(search.counters[VISITS])
+        self.tests += search.done
         if outcome == FREE:
             return None
         lo, _, count, start = search.result[:GOING].tolist()
         boxes = search.pool[int(start) : int(start + count)] if outcome != SPENT else search.pool[:0]
-        return _Stop(max(lo, begin), boxes, search, outcome == SPENT and self.tests >= self.budget)
+        return _Stop(max(lo, begin), boxes, search, search.is_spent and search.budget < MOST_BOXES)
 
     # -- contact ---------------------------------------------------------------------------------------------
 

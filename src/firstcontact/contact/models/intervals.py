@@ -52,7 +52,7 @@ def certified_intervals(
         parts = windows(*models, first, last)
         width = tolerance * (parts[-1].last - parts[0].first)
         lasting = LastingOfModels(*(shape_of(x) for x in models))
-        free = _Free(models, width, parts, curved_pieces(*models, first, last))
+        free = _Free(models, width, parts, curved_pieces(*models, first, last), work)
         return Sweep(free, lasting, parts, width, work, touches_at_start).run()
     except (NotCharted, Untold) as reason:
         raise UnsupportedPair(f"contact intervals are not decided: {reason}") from reason
@@ -62,9 +62,9 @@ class _Free:
     """Two models: by convex pieces where the models consist of them, else by events."""
 
     def __init__(
-        self, models: tuple[Any, Any], width: float, parts: list[Window], motions: list[CurvedPiece]
+        self, models: tuple[Any, Any], width: float, parts: list[Window], motions: list[CurvedPiece], work: Work
     ) -> None:
-        self.models, self.width, self.parts, self.motions = models, width, parts, motions
+        self.models, self.width, self.parts, self.motions, self.work = models, width, parts, motions, work
         bodies: list[Any] = [shape_of(x) for x in models]
         try:
             self.pieces = [convex_pieces(body) for body in bodies]
@@ -75,8 +75,7 @@ class _Free:
     def at(self, window: Window, t: float) -> bool:
         if self.tables is None:
             return self._advanced(window, t, t).status == "free"
-        search = events.EventSearch(*self.models, self.tables, [window], 1.0, BOXES)
-        return search.searched(True, window, t, t, events.MOST_STILL) == FREE
+        return self._events(window, True, t, t)[1]
 
     def until(self, window: Window, t: float, end: float) -> tuple[float, list[np.ndarray]]:
         if self.tables is None:
@@ -85,11 +84,20 @@ class _Free:
                 return end, []
             until = min(found.free_until, math.nextafter(end, t))
             return until, [] if found.point is None else [found.point]
-        search = events.EventSearch(*self.models, self.tables, [window], 1.0, BOXES)
-        search.width = self.width
-        if search.searched(False, window, t, end, BOXES) == FREE:
+        search, is_free = self._events(window, False, t, end)
+        if is_free:
             return end, []
         return max(t, float(search.result[0])), self._places(search, window)
+
+    def _events(self, window: Window, still: bool, t: float, end: float) -> tuple[events.EventSearch, bool]:
+        """(a search for events, or at t = end for common points, which counts as work; whether there is none)."""
+        assert self.tables is not None
+        most = self.work.left(events.MOST_STILL if still else BOXES)
+        search = events.EventSearch(*self.models, self.tables, [window], 1.0, most)
+        search.width = self.width
+        outcome = search.searched(still, window, t, end, most)
+        self.work.done += search.taken
+        return search, outcome == FREE
 
     def near_start(self, window: Window) -> list[np.ndarray]:
         return self.until(window, window.first, window.first)[1] if self.tables is None else []

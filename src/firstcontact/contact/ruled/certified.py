@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
+from math import inf
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,7 +15,7 @@ from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.clocks import StraightClock
 from firstcontact.result import ContactIntervals, FirstContact, Status
 from firstcontact.search.rulings.directrices import DirectrixPiece, directrix_pieces
-from firstcontact.search.rulings.ruled_events import RuledEvent, first_event, outermost
+from firstcontact.search.rulings.ruled_events import RuledEvent, Search, first_event_of, outermost
 from firstcontact.search.rulings.ruled_pieces import RuledPiece
 from firstcontact.search.trees.touch import carried_normal
 from firstcontact.timeline.answers import proved_intervals
@@ -34,8 +35,9 @@ class Pieces(NamedTuple):
 def first(pieces: Pieces, query: Query) -> FirstContact:
     """The first contact with an enclosure of its time; UNDECIDED where doubles do not tell."""
     (step, p, q), shared = pieces, query.shared
+    search = Search(p, q, inf if query.budget is None else query.budget)
     budget = BUDGET if query.budget is None else query.budget
-    found = first_event(p, q, query.first, query.end, query.tolerance, budget)
+    found = first_event_of(search, query.first, query.end, query.tolerance, budget)
     stats = query.stats(found.boxes)
     if found.status == "free":
         return FirstContact(Status.FREE, free_until=query.span[1], stats=stats, **shared)

@@ -285,8 +285,7 @@ def contact_condition(p: Any, q: Any, *, count: tuple[int, float] | None = None)
     try:
         return ContactCondition(c, span, count)
     except TooLarge as error:
-        reason = str(error).split(";")[0]
-        raise TooLarge(f"contact_condition of {p!r} and {q!r}: {reason}; lower their degrees") from error
+        raise TooLarge(f"contact_condition of {p!r} and {q!r}: {error}; lower their degrees") from error
 
 
 def _check_count(count: Any) -> None:

@@ -23,6 +23,7 @@ from firstcontact.contact.signs.sheets import Reach, TooLarge
 from firstcontact.contact.signs.starts import with_start
 from firstcontact.contact.signs.times import Times
 from firstcontact.contact.signs.touches import touch
+from firstcontact.contact.ways import Passed, tried
 from firstcontact.exact.numbers import below
 from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.polynomial import PolynomialPiece, relative_pieces
@@ -37,7 +38,7 @@ def intervals(query: Query) -> ContactIntervals:
     tolerance: as part of the span, of the certified path only.
     """
     if _is_with_convex(query):
-        return intervals_in_turn(query, by_search.first, by_search.intervals, _all_exactly)
+        return intervals_in_turn(query, _of_convex, _all_of_convex, _all_exactly)
     return intervals_in_turn(query, _in_doubles, _all_in_doubles, _all_exactly)
 
 
@@ -48,7 +49,7 @@ def first(query: Query) -> FirstContact:
 
 def _first_contact(query: Query) -> FirstContact:
     if _is_with_convex(query):
-        return first_in_turn(query, by_search.first, _exactly, _is_told)
+        return first_in_turn(query, _of_convex, _exactly, _is_told)
     return first_in_turn(query, _in_doubles, _exactly, _is_told)
 
 
@@ -62,6 +63,17 @@ def _all_in_doubles(query: Query, work: Work) -> ContactIntervals:
     return posed.intervals(query, work) if pieces is None else certified.intervals(pieces, query, work)
 
 
+def _of_convex(query: Query) -> FirstContact:
+    """By features of the solid, or of what that does not take by its triangles."""
+    found = tried(lambda: by_search.first(query))
+    return _in_doubles(query) if isinstance(found, Passed) else found
+
+
+def _all_of_convex(query: Query, work: Work) -> ContactIntervals:
+    found = tried(lambda: by_search.intervals(query, work))
+    return _all_in_doubles(query, work) if isinstance(found, Passed) else found
+
+
 def _is_with_convex(query: Query) -> bool:
     """Whether one of the bodies is a polyhedron that is a solid of planes, too."""
     shapes: list[Any] = [shape_of(x) for x in query.bodies]
@@ -69,10 +81,13 @@ def _is_with_convex(query: Query) -> bool:
 
 
 def _is_told(proved: FirstContact) -> bool:
-    """Whether exact arithmetic has nothing to add: the bodies are free, one holds the other or one point touches."""
-    if proved.status is Status.CONTACT:
-        return proved.contact_set is not None
-    return proved.status is Status.FREE or proved.initial == "containment"
+    """Whether exact arithmetic has nothing to add: the bodies are free, one holds the other or one point touches.
+
+    Of those in contact at the start a common point is enough, with how they lie.
+    """
+    if proved.status is Status.INITIAL_CONTACT:
+        return proved.initial == "containment" or (proved.initial is not None and proved.point is not None)
+    return proved.status is Status.FREE or proved.contact_set is not None
 
 
 # -- in exact arithmetic --------------------------------------------------------------------------------------

@@ -85,16 +85,20 @@ class Known(NamedTuple):
 class _Pair:
     """Both pieces, forwards and backwards, as the sweep asks for free time and lasting contact."""
 
-    def __init__(self, p: RuledPiece, q: RuledPiece, span: float, width: float, most: int) -> None:
-        self.pieces, self.span, self.width, self.most = (p, q), span, width, most
+    def __init__(self, p: RuledPiece, q: RuledPiece, span: float, width: float, budget: int | None) -> None:
+        self.pieces, self.span, self.width = (p, q), span, width
+        self.most = BUDGET if budget is None else budget
+        self.limit = math.inf if budget is None else budget
         self.searches: dict[bool, Search] = {}
         self.known: dict[bool, Known] = {}
         """Backwards and forwards, the state asked for last."""
 
     def search(self, way: Way) -> Search:
         if way.backwards not in self.searches:
-            pieces = (x.reversed() for x in self.pieces) if way.backwards else self.pieces
-            self.searches[way.backwards] = Search(*pieces)
+            p, q = self.pieces
+            if way.backwards:
+                p, q = p.reversed(), q.reversed()
+            self.searches[way.backwards] = Search(p, q, self.limit)
         return self.searches[way.backwards]
 
     def allowed(self, boxes: int) -> int:
@@ -103,7 +107,7 @@ class _Pair:
 
     @property
     def visits(self) -> int:
-        return sum(s.visits for s in self.searches.values())
+        return sum(s.spent for s in self.searches.values())
 
     def state(self, way: Way, t: float) -> bool | None:
         """Whether there is contact at t."""
@@ -120,10 +124,8 @@ class _Pair:
         """The first contact from t to `end`, its time enclosed within `width` where that is possible."""
         search = self.search(way)
         for _ in range(ROUNDS):
-            budget, before = self.allowed(FREE_BUDGET), search.visits
-            search.visits = 0  # the budget is for this time
+            budget = self.allowed(FREE_BUDGET)
             found = first_event_of(search, exact_value(t), exact_value(end), width / (end - t), budget)
-            search.visits += before
             if found.reason != "budget" or not t < found.free_until < end:
                 break
             t = found.free_until
@@ -246,7 +248,7 @@ class _RuledSweep(Sweep[Way]):
         way = Way(below(first), above(last), below(last), False)
         span = way.last - way.first
         width = max(tolerance * span, 10 * ROUNDINGS * max(abs(way.first), abs(way.last)))
-        self.pair = _Pair(p, q, span, 0.1 * width, BUDGET if work.budget is None else work.budget)
+        self.pair = _Pair(p, q, span, 0.1 * width, work.budget)
         free: Any = _Free(self.pair)  # more is not asked of it here
         super().__init__(free, _Lasting(self.pair), [way], width, work, lambda: None)
 

@@ -7,6 +7,7 @@ itself.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cache
@@ -136,12 +137,8 @@ def intervals(query: Query, work: Work) -> ContactIntervals:
 
 def _intervals(query: Query, work: Work) -> ContactIntervals:
     pair, intervals, last = _Pair(query), list[Certified](), query.span[1]
-    if not all(cell.is_sure for own in pair.cells for cell in own):
-        raise UnsupportedPair("{!r} and {!r}: trimmed pieces have exact contact intervals alone".format(*query.bodies))
-    if pair.interior is not None:
-        raise UnsupportedPair(
-            f"{query.a!r} and {query.b!r}: such motions have no contact intervals with solid polyhedra"
-        )
+    if pair.interior is not None or not all(cell.is_sure for own in pair.cells for cell in own):
+        return _by_first_contact(query, work)
     for window in pair.windows():
         work.reached(max(below(window.start), query.span[0]))
         found = [pair.followed(window, *cells, work) for cells in pair.near(window)]
@@ -151,6 +148,18 @@ def _intervals(query: Query, work: Work) -> ContactIntervals:
             known = tuple(_known(x, stopped.until, last) for x in intervals if x.start[1] <= stopped.until)
             return proved_intervals(Found(known, stopped.until, stopped.reason), work, query)
     return proved_intervals(Found(tuple(intervals), last, None), work, query)
+
+
+def _by_first_contact(query: Query, work: Work) -> ContactIntervals:
+    """Up to the first contact, the end of which is left open, for contact may be with what is cut off or inside."""
+    found, last = _first(query, work), query.span[1]
+    if found.status is Status.FREE:
+        return proved_intervals(Found((), last, None), work, query)
+    if found.time_interval is None:
+        assert found.free_until is not None
+        return proved_intervals(Found((), found.free_until, found.reason), work, query)
+    hi = found.time_interval[1]
+    return proved_intervals(Found((Certified(found.time_interval, (hi, last), True),), hi, "precision"), work, query)
 
 
 def _united(intervals: list[Certified]) -> list[Certified]:
@@ -211,7 +220,7 @@ class _Pair:
             pieces = triangles_of(shape) if isinstance(shape, Polyhedron) else shape.pieces
             for piece in pieces:
                 if piece.s is None:
-                    raise UnsupportedPair(f"{piece!r}: whole rulings have exact equations alone; bound s")
+                    raise UnsupportedPair(f"{piece!r} has whole rulings, which doubles do not take; bound s")
                 for side in piece.sides:
                     check_weight(piece, side, (self.first, self.last))
             self.cells.append([Cell.of(piece, number) for number, piece in enumerate(pieces)])
@@ -254,7 +263,8 @@ class _Pair:
         if budget <= 0:
             raise Spent
         p, q = PosedPiece.posed(self.piece_of(a), window), in_local_time(self.piece_of(b), window)
-        found = first_event_of(Search(p, q), fmpq(-1), fmpq(1), self.local(window), budget)
+        search = Search(p, q, math.inf if work.budget is None else budget)
+        found = first_event_of(search, fmpq(-1), fmpq(1), self.local(window), budget)
         work.done += found.boxes
         interval = None if found.time_interval is None else window.true_times(*found.time_interval)
         return _Found(found, (a, b), window.true_times(found.free_until, 1.0)[0], interval)

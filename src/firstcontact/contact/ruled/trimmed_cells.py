@@ -37,7 +37,7 @@ class Cell:
         if not piece.trim:
             return cls(piece, number)
         if piece.u is None or piece.s is None:
-            raise UnsupportedPair(f"{piece!r}: but for exact equations, trimmed pieces need bounds; bound u and s")
+            raise UnsupportedPair(f"{piece!r} is trimmed and without end, which doubles do not take; bound u and s")
         u, s = ((rational(lo, "range"), rational(hi, "range")) for lo, hi in (piece.u, piece.s))
         return cls(piece, number, u, s)
 

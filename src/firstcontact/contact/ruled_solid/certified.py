@@ -59,8 +59,8 @@ class RuledAndSolid:
         except (NotCharted, Untold) as reason:
             raise UnsupportedPair(f"{a!r} and {b!r}: {reason}, which doubles do not take against solids") from reason
 
-    def free(self, width: float) -> RuledFree:
-        return RuledFree(self.bodies, self.side, self.tables, self.sheets, self.windows, width)
+    def free(self, width: float, work: Work) -> RuledFree:
+        return RuledFree(self.bodies, self.side, self.tables, self.sheets, self.windows, width, work)
 
     def lasting(self) -> RuledLasting:
         return RuledLasting(self.sheets, self.model, self.side, self.windows)
@@ -127,7 +127,7 @@ def _soon(pair: RuledAndSolid, contact: RuledContact, width: float) -> tuple[flo
     lo = contact.found.free_until
     window = next((w for w in pair.windows if w.first <= lo <= w.last), None)
     lasting = pair.lasting()
-    seeds = pair.free(width).places(contact.boxes[:4])
+    seeds = pair.free(width, Work()).places(contact.boxes[:4])
     for share in (0.25, 0.9):
         if window is None or lo + share * width > window.inner:
             return None
@@ -174,5 +174,5 @@ def intervals(query: Query, work: Work) -> ContactIntervals:
     """All closed times of contact, with enclosures of their ends, as far as doubles prove them."""
     pair = RuledAndSolid(query)
     width = query.tolerance * (pair.windows[-1].last - pair.windows[0].first)
-    found = Sweep(pair.free(width), pair.lasting(), pair.windows, width, work, lambda: None).run()
+    found = Sweep(pair.free(width, work), pair.lasting(), pair.windows, width, work, lambda: None).run()
     return proved_intervals(found, work, query)

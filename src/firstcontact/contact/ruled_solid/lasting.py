@@ -21,6 +21,7 @@ from firstcontact.search.events.event_tables import Tables
 from firstcontact.search.events.ruled_charts import Cut, RuledFeature, Sheet, backwards
 from firstcontact.search.events.ruled_solids import STAGES, Event, RuledSearch
 from firstcontact.timeline.lasting import BITS, SIGNS, Lasting, Solid, descended, linear
+from firstcontact.work import Work
 
 SEEDS = 4
 BOXES = events.MOST_BOXES
@@ -34,21 +35,33 @@ class RuledFree:
     """As `contact.models.intervals` asks for free time."""
 
     def __init__(
-        self, bodies: tuple[Any, Any], side: int, tables: Tables, sheets: list[Sheet], parts: list[Window], width: float
+        self, bodies: tuple[Any, Any], side: int, tables: Tables, sheets: list[Sheet], parts: list[Window],
+        width: float, work: Work,
     ) -> None:
-        self.bodies, self.side, self.tables, self.width = bodies, side, tables, width
+        self.bodies, self.side, self.tables, self.width, self.work = bodies, side, tables, width, work
         self.windows, self.mirrored = parts, backwards(tables)
         self.numbers = {id(feature.sheet): sheets.index(feature.sheet) for feature in _features(tables)}
 
     def at(self, window: Window, t: float) -> bool:
-        search = events.EventSearch(*self.bodies, self._tables(window), [window], 1.0, BOXES)
-        return search.searched(True, window, t, t, events.MOST_STILL) == FREE
+        most = self.work.left(events.MOST_STILL)
+        search = events.EventSearch(*self.bodies, self._tables(window), [window], 1.0, most)
+        outcome = search.searched(True, window, t, t, most)
+        self.work.done += search.taken
+        return outcome == FREE
 
     def until(self, window: Window, t: float, end: float) -> tuple[float, list[np.ndarray]]:
-        search = RuledSearch(*self.bodies, self._tables(window), [window], 1.0, BOXES, self.side)
+        search = RuledSearch(*self.bodies, self._tables(window), [window], 1.0, self.work.left(BOXES), self.side)
         search.width, search.way = self.width, way_of(window, self.windows)
+        try:
+            return self._until(search, window, t, end)
+        finally:
+            self.work.done += search.taken
+
+    def _until(
+        self, search: RuledSearch, window: Window, t: float, end: float
+    ) -> tuple[float, list[np.ndarray]]:
         for stage in range(STAGES):
-            if search.searched(False, window, t, end, BOXES) == FREE:
+            if search.searched(False, window, t, end, search.budget) == FREE:
                 return end, []
             count, start = int(search.result[2]), int(search.result[3])
             t, left = max(t, float(search.result[0])), search.pool[start : start + min(count, SEEDS)].copy()

@@ -71,7 +71,7 @@ class SolidConditions:
     ) -> SolidConditions:
         """sides: those of the surface in the solid's frame over the span of the motion's parameter."""
         if surface.s is None:
-            raise UnsupportedPair(f"{surface!r} has whole rulings, for which exact arithmetic is not built; bound s")
+            raise UnsupportedPair(f"{surface!r}: whole rulings that are trimmed or deform meet no solids; bound s")
         for side in sides:
             check_weight(surface, side, span)
         ends = None if surface.u is None else (rational(surface.u[0], "u"), rational(surface.u[1], "u"))

@@ -41,14 +41,22 @@ Pairs = tuple[tuple[fmpz_mpoly, fmpz_mpoly], ...]
 class Reach(NamedTuple):
     """How far elimination may lead: the degree of equations for times, and the bits of all their coefficients together.
 
-    Both as far as they can be foreseen; bits None: any.
+    Both as far as they can be foreseen; bits None: any.  per_step: degrees of borders for which deciding a time counts
+    as a step, for that takes as long; None: it is one step always.
     """
 
     degree: int
     bits: int | None = None
+    per_step: int | None = None
+
+    def steps(self, own: Sequence[Sheet]) -> int:
+        """What the decision of one time counts as."""
+        if self.per_step is None:
+            return 1
+        return max(1, sum(degree(b, 0) for sheet in own for b in sheet.borders) // self.per_step)
 
 
-QUICK, FARTHER, FARTHEST = Reach(400, 30_000), Reach(400, 300_000), Reach(400)
+QUICK, FARTHER, FARTHEST = Reach(400, 30_000, 8), Reach(400, 300_000, 8), Reach(400)
 """Equations of degree 230 take a second, those of 100,000 bits a tenth of one."""
 
 
@@ -296,10 +304,7 @@ def _eliminated(g: fmpz_mpoly, h: fmpz_mpoly | None, index: int, reach: Reach) -
     expected = t if index == 0 else 2 * u * t
     bits = 0 if reach.bits is None else expected * (m * _longest(other) + n * _longest(g))
     if min(m, n) > 0 and (expected > reach.degree or bits > (reach.bits or 0)):
-        raise TooLarge(
-            f"too large for elimination: equations of degree {expected} for the times of contact; enclosures, without "
-            "exact=True, may be had"
-        )
+        raise TooLarge(f"too large for elimination: equations of degree {expected} for the times of contact")
     return discriminant(g, index) if h is None else resultant(g, h, index)
 
 

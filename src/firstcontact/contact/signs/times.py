@@ -9,6 +9,7 @@ where a neighbouring cell does, for contact is closed, and is decided by its own
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import cached_property
 
 from flint import fmpq, fmpz_mpoly, fmpz_poly
 
@@ -47,7 +48,7 @@ class Times:
         self, conditions: SignConditions, span: Span, work: Work | None = None, reach: Reach = FARTHEST
     ) -> None:
         self.conditions, self.span, self.work = conditions, span, work or Work()
-        self.sheets = sheets(conditions, reach)
+        self.sheets, self.reach = sheets(conditions, reach), reach
         flat = instants(conditions)
         self._special = {str(p) for p in flat}
         """Polynomials of instants at which Delta vanishes for all u and v."""
@@ -57,6 +58,11 @@ class Times:
         """Outside these times there is no contact."""
         self._near: dict[int, fmpq] = {}
         self._boxes: tuple[AlgebraicRoot, list[Box]] | None = None
+
+    @cached_property
+    def steps(self) -> int:
+        """What the decision of a time counts as."""
+        return self.reach.steps(self.sheets)
 
     def windows(self) -> Iterator[tuple[AlgebraicRoot, AlgebraicRoot]]:
         """The closed windows of contact, in order, disjoint."""
@@ -167,7 +173,7 @@ class Times:
         """Whether there is contact at the times strictly between x and y, at all or at none of which there is."""
         if not self._may_hold(x, y) or not self._may_hold_throughout(x, y):
             return False
-        self.work.step()
+        self.work.step(self.steps)
         t = between(x, y)
         return decide(self.conditions, self.sheets, t, self._near)
 

@@ -23,11 +23,16 @@ LEAST = 2.0**-120
 """Part of its first width below which a side is not halved."""
 
 
+WORTH = 64
+"""Boxes of a search in doubles that take as long as one in balls, for which budgets count it."""
+
+
 class Isolation(NamedTuple):
-    """zeros: simple ones, each once; left: boxes that may hold others."""
+    """zeros: simple ones, each once; left: boxes that may hold others; looked: how many were looked at."""
 
     zeros: list[Zero]
     left: list[Box]
+    looked: int = 0
 
 
 def isolated(
@@ -37,11 +42,11 @@ def isolated(
 
     drops: tells boxes whose zeros are not asked for, of which none need be found.
     """
-    found = Isolation([], [])
+    found, rest = Isolation([], []), most
     with precision(BITS):
         for box in boxes:
-            most = _search(system, list(box), found, most, drops)
-    return found
+            rest = _search(system, list(box), found, rest, drops)
+    return found._replace(looked=most - rest)
 
 
 def _search(

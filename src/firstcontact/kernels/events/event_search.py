@@ -339,6 +339,15 @@ def visit(box, known, charts, info, pairs, layout, program, table, z, stack, c):
 
 
 @inner
+def _cost(box, info):
+    """A visit, and as many tests as it may take."""
+    if box[PAIR] >= 0:
+        return 2
+    chart = info[int(box[CHART])]
+    return 1 if box[PAIR] == STILL else 1 + chart[END_PAIR] - chart[FIRST_PAIR]
+
+
+@inner
 def _copied(source, known, i, target, told, j):
     for k in range(8):
         target[j, k] = source[i, k]
@@ -353,8 +362,8 @@ def search(
 ):  # fmt: skip
     """FREE: nothing begins to touch in [first, last]; STOPPED: result holds a slab of at most `least` whose boxes
     (the number of them is result[2], rows of the pool from result[3] on) survive, all before it is free; SPENT: all
-    before result[0] is; SLICE_SPENT: more than `stop` visits are counted: called again with all as it was left and a
-    later `stop`, the search goes on as if it had never ended.
+    before result[0] is; SLICE_SPENT: with the next box visits and tests might exceed `stop`: called again with all as
+    it was left and a later `stop`, the search goes on as if it had never ended.
 
     pool, known: `count` boxes to start with, and bits for each; work, told: as large.
     first = last: boxes are only asked whether they hold a common point.
@@ -387,7 +396,7 @@ def search(
             else:
                 return SPENT
         while todo > 0:
-            if c[VISITS] > stop:
+            if c[VISITS] + c[TESTS] + _cost(work[todo - 1], info) > stop:
                 result[GOING], result[DEPTH], result[START], result[KEPT] = 1.0, float(depth), float(start), float(kept)
                 result[TODO], result[SOONEST], result[LATEST] = float(todo), lo, hi
                 return SLICE_SPENT

@@ -19,6 +19,7 @@ from firstcontact.kernels.rulings.linear_models import (
     inner,
     product,
     quotient,
+    slope_size,
     total,
 )
 from firstcontact.kernels.workspace import rows
@@ -149,13 +150,26 @@ def _ruled(c, i_part, column, box, w, table, points, by_u, by_s):
     if not _directrix(c, i_part, SECOND, column, box, w, table, CROSSED, CROSSED + 3):
         return False
     for k in range(3):
-        difference(w, by_s + k, CROSSED + k, points + k)
-        product(w, SCRATCH, AXIS, by_s + k)
-        total(w, points + k, points + k, SCRATCH)
-        difference(w, SCRATCH, CROSSED + 3 + k, by_u + k)
-        product(w, SCRATCH, AXIS, SCRATCH)
-        total(w, by_u + k, by_u + k, SCRATCH)
+        _mixed(w, points + k, CROSSED + k, by_s + k)
+        _mixed(w, by_u + k, CROSSED + 3 + k, SCRATCH + 1)
     return True
+
+
+@kernel
+def _mixed(w, first, second, way):
+    """The model of (1 - s) x1 + s x2 in place of that of x1, s in row AXIS; way: becomes that of x2 - x1.
+
+    The linear parts go by x1 + s (x2 - x1), for what both share cancels; remainders by their weights, so that near the
+    end of a ruling what its other end lacks counts little.
+    """
+    near, far = w[first, REST], w[second, REST]
+    w[first, REST], w[second, REST] = 0.0, 0.0
+    difference(w, way, second, first)
+    product(w, SCRATCH, AXIS, way)
+    total(w, first, first, SCRATCH)
+    s, h = w[AXIS, 0], slope_size(w, AXIS)
+    w[first, REST] += ((abs(1.0 - s) + h) * near + (abs(s) + h) * far) * MORE
+    w[way, REST] += (near + far) * MORE
 
 
 @kernel

@@ -20,6 +20,8 @@ from firstcontact.kernels.events.event_search import (
     AT_U,
     AT_V,
     CHART,
+    END_PAIR,
+    FIRST_PAIR,
     FREE,
     GOING,
     KNOWN,
@@ -49,10 +51,10 @@ STRIDE = 0.1
 """Of the half-sizes of the bodies: how far one of them moves in the first slab of time."""
 LEAST_STRIDE = 2.0**-6
 """Of the time that is left."""
-MOST_STILL = 30_000
-"""Boxes looked at to prove the models apart at the start."""
-MOST_BOXES = 1_000_000
-"""Boxes looked at before the answer is "budget"."""
+MOST_STILL = 100_000
+"""Boxes and pairs looked at to prove the models apart at the start."""
+MOST_BOXES = 4_000_000
+"""Boxes and pairs looked at before the answer is "budget"."""
 STRIDES = 10_000
 """Of the convex pieces that cover the models, at most."""
 CAPACITY = 1 << 15
@@ -60,11 +62,14 @@ SIGNS_U, SIGNS_V = np.array([-1.0, -1.0, 1.0, 1.0]), np.array([-1.0, 1.0, -1.0, 
 """Corners of a box."""
 FRAMES = 400
 SLICE = 2000
-"""Boxes after which a compiled search comes back for a moment, so that it can be interrupted."""
+"""Boxes and pairs after which a compiled search comes back for a moment, so that it can be interrupted."""
 
 
 def first_event(a: Any, b: Any, first: fmpq, last: fmpq, tolerance: float, budget: int) -> Advance:
-    """The first common point of two bodies over [first, last]; as `search.convex.advance`.  budget: boxes at most."""
+    """The first common point of two bodies over [first, last]; as `search.convex.advance`.
+
+    budget: strides, boxes and pairs of features at most.
+    """
     try:
         models: list[Any] = [shape_of(x) for x in (a, b)]
         tables = tables_of(*models)
@@ -88,6 +93,9 @@ class EventSearch:
         self.windows = stretches
         self.width = tolerance * (stretches[-1].last - stretches[0].first)
         self.budget = budget
+        self.is_spent = False
+        """Whether a search has ended for want of budget."""
+        self.slice = max(SLICE, 1 + int((tables.info[:, END_PAIR] - tables.info[:, FIRST_PAIR]).max(initial=0)))
         self.counters = np.zeros(4, np.int64)
         self.pool, self.work = np.empty((CAPACITY, 8)), np.empty((CAPACITY, 8))
         self.known, self.told = np.empty((CAPACITY, KNOWN), np.int64), np.empty((CAPACITY, KNOWN), np.int64)
@@ -128,13 +136,17 @@ class EventSearch:
         return self._answer("free", self.windows[-1].last)
 
     def _apart(self, window: Window, t: float) -> bool:
-        most = min(int(self.counters[VISITS]) + MOST_STILL, self.budget)
-        return self.searched(True, window, t, t, most) == FREE
+        return self.searched(True, window, t, t, min(self.done + MOST_STILL, self.budget)) == FREE
 
     @property
-    def is_spent(self) -> bool:
-        """Whether all boxes of the budget are looked at."""
-        return bool(self.counters[VISITS] > self.budget)
+    def done(self) -> int:
+        """Boxes and pairs looked at."""
+        return int(self.counters[VISITS] + self.counters[TESTS])
+
+    @property
+    def taken(self) -> int:
+        """Of the budget: all where the search has ended for want of it."""
+        return self.budget if self.is_spent else self.done
 
     def _first_event(self, window: Window, t: float, last: fmpq) -> Advance | None:
         """From t on; None where there is no event."""
@@ -174,14 +186,16 @@ class EventSearch:
         self.pool[:count, 6], self.pool[:count, 7] = first, last
         self.result[GOING] = 0.0
         while True:
+            stop = min(self.done + self.slice, budget)
             outcome = search(
                 t.charts, t.info, t.pairs, t.layout, t.program, t.raw, t.kinds, t.units, window.a, window.b,
                 *self.scratch, self.frames, self.pool, self.known, self.work, self.told, count, first, last,
-                LEAST * self.width, min(int(self.counters[VISITS]) + SLICE, budget), self.result, self.counters,
+                LEAST * self.width, stop, self.result, self.counters,
             )  # fmt: skip
             if outcome != SLICE_SPENT:
                 return int(outcome)
-            if self.counters[VISITS] > budget:
+            if stop >= budget:
+                self.is_spent = self.is_spent or budget >= self.budget
                 return int(SPENT)
 
     def _contact(self, window: Window, last: fmpq) -> Advance:

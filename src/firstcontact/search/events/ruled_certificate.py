@@ -223,10 +223,11 @@ class Certificate:
     events   those that are proved zeros of their systems and perhaps on both bodies, with enclosures of their times,
              the earliest first
     open     the earliest time of what is left undecided; None where nothing is
+    most     boxes that may still be looked at
     """
 
-    def __init__(self, model: Any, poses: tuple[PoseJet, PoseJet], begin: fmpq, end: fmpq) -> None:
-        self.model, self.poses, self.begin, self.end = model, poses, begin, end
+    def __init__(self, model: Any, poses: tuple[PoseJet, PoseJet], begin: fmpq, end: fmpq, most: int) -> None:
+        self.model, self.poses, self.begin, self.end, self.most = model, poses, begin, end, most
         self.events: list[tuple[Event, arb]] = []
         self.open: fmpq | None = None
 
@@ -234,7 +235,8 @@ class Certificate:
         """The events of one pair of features in boxes of its chart."""
         system = EventSystem(event, self.poses)
         starts = [_ball_box(event, box) for box in boxes]
-        found = isolated(system, starts, MOST, lambda box: self._is_outside(event, system, box))
+        found = isolated(system, starts, min(MOST, self.most), lambda box: self._is_outside(event, system, box))
+        self.most -= found.looked
         with precision(256):
             for zero in found.zeros:
                 self._add_zero(event, system, zero)

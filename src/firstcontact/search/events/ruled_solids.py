@@ -24,6 +24,7 @@ from firstcontact.body.solid.csg import inside
 from firstcontact.body.solid.features import Edge, Face, Vertex, enclosure
 from firstcontact.exact.numbers import below, dyadic, exact_value, precision, to_double
 from firstcontact.exact.rigid import Matrix, compose, inverse_map
+from firstcontact.exact.systems.isolation import WORTH
 from firstcontact.kernels.events.event_search import (
     CHART,
     COUNT,
@@ -38,6 +39,7 @@ from firstcontact.kernels.events.event_search import (
     PAIR,
     SECOND_CUT,
     SPENT,
+    VISITS,
 )
 from firstcontact.kernels.events.feature_boxes import (
     HERE,
@@ -209,7 +211,8 @@ class RuledSearch(EventSearch):
                 return found
             t, known = ahead
             if known is not None:
-                return self._certified(known, t, last)
+                told = self._certified(known, t, last)
+                return replace(told, reason="budget") if told.status == "open" and self.is_spent else told
             if t >= window.last:
                 return None
         return self._answer("open", t, reason="precision")
@@ -251,9 +254,12 @@ class RuledSearch(EventSearch):
             for k in range(*self.tables.info[chart, 3:5]) if pair < 0 else (pair,):
                 pairs.setdefault((chart, k), []).append(box)
         model: CompositeQuadric = shape_of(self.bodies[1 - self.side])
-        known = Certificate(model, poses, exact_value(lo), exact_value(end))
+        most = max(self.budget - self.done, 0) // WORTH
+        known = Certificate(model, poses, exact_value(lo), exact_value(end), most)
         for (chart, pair), boxes in sorted(pairs.items(), key=lambda item: self._rank((item[0], None))):
             known.add(Event(self.bodies, self.side, self.tables, chart, pair, boxes[0]), boxes)
+        self.counters[VISITS] += WORTH * (most - known.most)
+        self.is_spent = self.is_spent or known.most == 0
         return known
 
     def _certified(self, known: Certificate, lo: float, last: fmpq) -> Advance:

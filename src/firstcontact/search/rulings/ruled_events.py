@@ -26,7 +26,7 @@ from firstcontact.exact.numbers import (
     precision,
     to_double,
 )
-from firstcontact.exact.systems.isolation import isolated
+from firstcontact.exact.systems.isolation import WORTH, isolated
 from firstcontact.exact.systems.ruled_systems import ContactSystem, Curve
 from firstcontact.exact.systems.square_systems import Zero, certified
 from firstcontact.kernels.rulings.models import ALL_STRATA, MOST_DEGREE, OFF, ROWS, WIDTH
@@ -134,10 +134,13 @@ class Held(NamedTuple):
 
 
 class Search:
-    """Two pieces, and room for the search between them."""
+    """Two pieces, and room for the search between them.
 
-    def __init__(self, p: RuledPiece, q: RuledPiece) -> None:
-        self.p, self.q = p, q
+    most: boxes, one in balls counting as WORTH others, after which balls are not asked any more.
+    """
+
+    def __init__(self, p: RuledPiece, q: RuledPiece, most: float = math.inf) -> None:
+        self.p, self.q, self.most = p, q, most
         (self.table_p, self.domain_p), (self.table_q, self.domain_q) = p.arrays, q.arrays
         self.boxes, self.kinds = np.empty((ROOM, 5, 2)), np.empty((ROOM, 3), np.int64)
         self.keys, self.heap, self.slots = np.empty(ROOM), np.empty((ROOM, 2), np.int64), np.empty(ROOM, np.int64)
@@ -147,7 +150,22 @@ class Search:
         self.workspace = np.zeros((ROWS, WIDTH))
         self.workspace[OFF, :2] = np.add(p.off, q.off)
         self.powers = np.zeros((MOST_DEGREE + 1, MOST_DEGREE + 1))
-        self.visits = 0
+        self.visits = self.looked = 0
+        """Boxes in doubles and in balls."""
+
+    @property
+    def done(self) -> int:
+        return self.visits + WORTH * self.looked
+
+    @property
+    def spent(self) -> int:
+        """What budgets count: balls where they are limited."""
+        return self.visits if self.most == math.inf else self.done
+
+    @property
+    def balls(self) -> float:
+        """How many boxes in balls may still be looked at."""
+        return max(self.most - self.done, 0) // WORTH
 
     def run(self, lo: float, hi: float, mode: int, width: float, budget: int) -> int:
         """Search [lo, hi] (AT_REST: for contact at all of these times); times are not split below `width`."""
@@ -300,8 +318,8 @@ class Search:
     ) -> list[Listed] | None:
         """All events from lo to lo + reach, and more that may be none, in balls.
 
-        None where that takes more than `budget` boxes in doubles or leaves more than `most` of them to balls.  What
-        starts later than anything else by `enough` is left out.
+        None where that takes more than `budget` boxes in doubles, leaves more than `most` of them to balls or takes
+        more balls than there are.  What starts later than anything else by `enough` is left out.
         """
         outcome = self.run(lo, lo + reach, ALL_EVENTS, max(width, reach / 64), budget)
         if outcome != DONE or self.count > most:
@@ -312,6 +330,8 @@ class Search:
             for box, trials in _in_turn(boxes):
                 if box[4, 0] > earliest + enough:
                     break
+                if self.balls < 1:
+                    return None
                 own = self._listed(box, kind, trials)
                 if own is None:
                     continue
@@ -327,7 +347,8 @@ class Search:
         if system is None:
             start, end = (arb(exact_value(t)) for t in box[4].tolist())
             return None if trials < MANY else [Listed(start.union(end), kind)]
-        isolation = isolated(system, [_ball_box(box[[*system.free, 4]])], trials)
+        isolation = isolated(system, [_ball_box(box[[*system.free, 4]])], int(min(trials, self.balls)))
+        self.looked += isolation.looked
         if isolation.left and trials < MANY:
             return None
         found = [Listed(left[-1], kind) for left in isolation.left]
@@ -506,21 +527,24 @@ def outermost(u: int, s: int, joined: Collection[str] = ()) -> tuple[str, int]:
 def first_event(
     p: RuledPiece, q: RuledPiece, first: fmpq, last: fmpq, tolerance: float = 1e-12, budget: int = 200_000
 ) -> RuledContact:
-    """The first contact of two pieces over the closed [first, last]; budget: boxes at most."""
+    """The first contact of two pieces over the closed [first, last]; budget: boxes in doubles at most."""
     return first_event_of(Search(p, q), first, last, tolerance, budget)
 
 
 def first_event_of(s: Search, first: fmpq, last: fmpq, tolerance: float, budget: int) -> RuledContact:
+    """As `first_event`; what the search has looked at before does not count."""
+    budget += s.spent
     lo, hi = below(first), above(last)
     width = max(0.1 * tolerance * (hi - lo), ROUNDINGS * max(abs(lo), abs(hi)))
-    start = s.at_rest(lo, above(first), width, budget)
+    start = s.at_rest(lo, above(first), width, budget - s.spent)
     if start:
-        return RuledContact("initial", lo, lo, (lo, above(first)), s.start(s.count - 1), boxes=s.visits)
+        return RuledContact("initial", lo, lo, (lo, above(first)), s.start(s.count - 1), boxes=s.done)
     if start is None:
-        return RuledContact("open", lo, reason="budget" if s.visits >= budget else "precision", boxes=s.visits)
+        return RuledContact("open", lo, reason="budget" if s.spent >= budget else "precision", boxes=s.done)
+    part = max((budget - s.spent) // 8, 1)
     begin, end, stage, whole = lo, hi, 0, tolerance * (hi - lo)
     while stage < STAGES:
-        outcome = s.run(begin, end, FIRST_EVENT, width, min(max(budget // 8, 1), budget - s.visits))
+        outcome = s.run(begin, end, FIRST_EVENT, width, min(part, budget - s.spent))
         answer = _answer(s, outcome, first, last, whole)
         if answer.status == "contact" or (answer.status == "free" and end >= hi):
             return answer
@@ -529,16 +553,16 @@ def first_event_of(s: Search, first: fmpq, last: fmpq, tolerance: float, budget:
             continue
         begin = max(answer.free_until, begin)
         if answer.reason == "budget":  # boxes that are long in time may crowd out early ones: a shorter part
-            if s.visits >= budget or end - begin < LEAST_PART * (hi - lo):
+            if s.spent >= budget or end - begin < LEAST_PART * (hi - lo):
                 return answer
             end = begin + 0.125 * (end - begin)
             continue
         if begin >= hi:
             return answer
         reach = min(REACH * 4.0**stage * whole, hi - begin)
-        settled = s.earliest(begin, width, reach, whole, max(budget - s.visits, 1))
+        settled = s.earliest(begin, width, reach, whole, max(budget - s.spent, 1))
         if settled is None:
-            return answer
+            return replace(answer, reason="budget") if s.balls < 1 else answer
         free, event = settled
         if event is not None:
             return _settled(answer, free, event, last, whole, s)
@@ -546,8 +570,8 @@ def first_event_of(s: Search, first: fmpq, last: fmpq, tolerance: float, budget:
             return replace(answer, free_until=free)
         begin, end, stage = free, max(end, min(free + reach, hi)), stage + 1
         if begin >= hi:
-            return RuledContact("free", above(last), boxes=s.visits)
-    return RuledContact("open", begin, reason="precision", boxes=s.visits)
+            return RuledContact("free", above(last), boxes=s.done)
+    return RuledContact("open", begin, reason="precision", boxes=s.done)
 
 
 def _settled(
@@ -556,26 +580,26 @@ def _settled(
     """The answer with what balls have told."""
     hi = event.time_interval[1]
     if hi - free > width or not exact_value(hi) <= last:
-        return replace(answer, free_until=max(free, answer.free_until), boxes=s.visits)
+        return replace(answer, free_until=max(free, answer.free_until), boxes=s.done)
     time = min(max(event.time, free), hi)
-    return RuledContact("contact", free, time, (free, hi), replace(event, time=time), boxes=s.visits)
+    return RuledContact("contact", free, time, (free, hi), replace(event, time=time), boxes=s.done)
 
 
 def _answer(s: Search, outcome: int, first: fmpq, last: fmpq, width: float) -> RuledContact:
     free_until, latest = (float(x) for x in s.limit)
     if outcome == DONE and free_until == math.inf:
-        return RuledContact("free", above(last), boxes=s.visits)
+        return RuledContact("free", above(last), boxes=s.done)
     reason = "precision" if outcome == DONE else "budget"
     if latest == math.inf:
-        return RuledContact("open", free_until, reason=reason, boxes=s.visits)
+        return RuledContact("open", free_until, reason=reason, boxes=s.done)
     sure = [k for k in range(s.count) if s.found_kinds[k, SURE] and s.times[k, 0] <= latest]
     # of several at this time the one of the lowest stratum, the least degenerate
     row = min(sure, key=lambda k: (_rank(s.found_kinds[k]), float(s.times[k, 1]), k))
     event = s.event(row)
     hi = min(latest, event.time_interval[1])
     if not exact_value(hi) <= last:
-        return RuledContact("open", free_until, reason=reason, boxes=s.visits)
+        return RuledContact("open", free_until, reason=reason, boxes=s.done)
     if hi - free_until > width:
-        return RuledContact("open", free_until, reason=reason, latest=hi, boxes=s.visits)
+        return RuledContact("open", free_until, reason=reason, latest=hi, boxes=s.done)
     time = min(max(event.time, free_until), hi)
-    return RuledContact("contact", free_until, time, (free_until, hi), replace(event, time=time), boxes=s.visits)
+    return RuledContact("contact", free_until, time, (free_until, hi), replace(event, time=time), boxes=s.done)
