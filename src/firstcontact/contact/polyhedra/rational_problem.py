@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
+from dataclasses import replace
 from functools import cached_property
+from typing import Any
 
 from flint import ctx, fmpz, fmpz_poly
 
@@ -47,10 +49,20 @@ class RationalProblem(CurvedProblem[RootInstant]):
         scale, corners = whole(*pair[0], *pair[1])
         x, y = corners[: len(pair[0])], corners[len(pair[0]) :]
         if len(x) == 1:
-            return moving.vertex_facet(moving.times(self.path.pose, x[0], scale), *y)
-        if len(y) == 1:
-            return moving.vertex_facet(moving.times(self.back, y[0], scale), *x)
-        return self._edges(x, y, scale)
+            found = moving.vertex_facet(moving.times(self.path.pose, x[0], scale), *y)
+        elif len(y) == 1:
+            found = moving.vertex_facet(moving.times(self.back, y[0], scale), *x)
+        else:
+            found = self._edges(x, y, scale)
+        return [replace(c, zero=tuple(map(self._over_weight, c.zero))) for c in found]
+
+    def _over_weight(self, p: fmpz_poly) -> fmpz_poly:
+        """The polynomial over what it has in common with the weight, which has no zero in the piece.
+
+        What is left is mostly irreducible, which is soon seen; products of large factors are slow to take apart.
+        """
+        weight = self.path.pose[3][3]
+        return p // p.gcd(weight) if weight.degree() > 0 and p else p
 
     def _edges(self, x: list[Vector], y: list[Vector], scale: fmpz) -> list[Conditions]:
         """Edges that cross, and where that is not all, ends of one on the other."""
@@ -67,7 +79,8 @@ class RationalProblem(CurvedProblem[RootInstant]):
         return found
 
     def _parallel_at_events(self, crossing: Conditions) -> bool:
-        return any(root.sign_of(crossing.more[0]) == 0 for root in crossing.events(self.lo, self.hi))
+        common = crossing.zero[0].gcd(crossing.more[0])
+        return common.degree() > 0 and bool(real_roots(common, self.lo, self.hi))
 
     def contact(self, element_a: Feature, element_b: Feature) -> RootInstant | None:
         """The earliest time of the window at which the two elements share a point; exact."""
@@ -83,12 +96,12 @@ class RationalProblem(CurvedProblem[RootInstant]):
         """
         equation = self._coplanar(corners_of(self.a, element_a), corners_of(self.b, element_b))
         if lo > 0.0 and equation:
-            roots = real_roots(equation, self.lo + exact_value(lo), self.lo + exact_value(hi))
+            roots = real_roots(self._over_weight(equation), self.lo + exact_value(lo), self.lo + exact_value(hi))
             if len(roots) == 1 and roots[0].compare(self.hi) <= 0:
                 return RootInstant(roots[0], self.lo)
         return self.contact(element_a, element_b)
 
-    def _coplanar(self, corners_a: list[Vector], corners_b: list[Vector]) -> fmpz_poly:
+    def _coplanar(self, corners_a: list[Vector], corners_b: list[Vector]) -> Any:
         """What vanishes where the two elements lie in a plane."""
         scale, corners = whole(*corners_a, *corners_b)
         x, y = corners[: len(corners_a)], corners[len(corners_a) :]

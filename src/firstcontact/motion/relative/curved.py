@@ -67,6 +67,12 @@ class Leg:
         rigid = not isinstance(self.motion, RationalMotion) or self.motion.rigid
         return rigid and all(_is_rotation(f) for f in self.before.factors if isinstance(f, tuple))
 
+    def part(self, start: fmpq, end: fmpq) -> tuple[int, int, int, int]:
+        """(p, q, m, n): of its motion's own time, the body makes m / n from p / q on; whole numbers are quick to hash.
+        """
+        begin, share = (start - self.origin) / self.unit, (end - start) / self.unit
+        return int(begin.p), int(begin.q), int(share.p), int(share.q)
+
     def fixed_direction(self, v: Vector) -> Vector | None:
         """Where the motion takes the direction v, if to one and the same at all times that is known exactly."""
         if not self.before.is_exact or isinstance(self.motion, RationalMotion):
@@ -121,9 +127,7 @@ class CurvedPiece:
     @cached_property
     def polynomial(self) -> PolynomialPiece | None:
         """The relative motion as a rational function of the time, where it is one."""
-        if not self.is_rational:
-            return None
-        return relative(*(_polynomial(leg, self.start, self.end) for leg in (self.leg_a, self.leg_b)))
+        return _relative(self.leg_a, self.leg_b, self.start, self.end) if self.is_rational else None
 
     def carry(self, t: float) -> np.ndarray | None:
         """Float pose (4, 4) of the working frame in the world at time t; None where it rests."""
@@ -158,6 +162,11 @@ class CurvedPiece:
 def _is_rational(leg: Leg) -> bool:
     turns = isinstance(leg.motion, Rotation | Screw) and (leg.motion.angle != 0 or isinstance(leg.motion, Screw))
     return leg.before.is_exact and not turns
+
+
+@lru_cache(maxsize=64)
+def _relative(leg_a: Leg, leg_b: Leg, start: fmpq, end: fmpq) -> PolynomialPiece:
+    return relative(*(_polynomial(leg, start, end) for leg in (leg_a, leg_b)))
 
 
 def _polynomial(leg: Leg, start: fmpq, end: fmpq) -> PolynomialPiece:

@@ -24,15 +24,17 @@ _ONE, _EXACT = np.ones(1), np.zeros(1)
 
 def local_pose(leg: Leg, piece: CurvedPiece) -> LocalPose:
     """The pose of one body during the piece, the time running from 0 to 1."""
-    begin, share = (piece.start - leg.origin) / leg.unit, (piece.end - piece.start) / leg.unit
-    found = (
-        _rational(leg.motion, begin, share) if isinstance(leg.motion, RationalMotion)
-        else _turning(leg.motion, begin, share)
-    )  # fmt: skip
+    found = _own(leg.motion, *leg.part(piece.start, piece.end))
     return _after(found, leg.before.doubles()) if leg.before.factors else found
 
 
 @lru_cache(maxsize=1024)
+def _own(motion: Any, p: int, q: int, m: int, n: int) -> LocalPose:
+    """The pose of the motion itself from its own time p / q on, for the time m / n."""
+    begin, share = fmpq(p, q), fmpq(m, n)
+    return (_rational if isinstance(motion, RationalMotion) else _turning)(motion, begin, share)
+
+
 def _rational(motion: RationalMotion, begin: fmpq, share: fmpq) -> LocalPose:
     local = fmpq_poly([begin, share])
     rows = [[_fractions(x, local) for x in row] for row in motion.pose]
