@@ -34,6 +34,11 @@ class Work:
     free_until: float = 0.0
     done: int = 0
 
+    @property
+    def left(self) -> int | None:
+        """What is left of the budget."""
+        return None if self.budget is None else max(0, self.budget - self.done)
+
     def reached(self, time: float) -> None:
         """Tell that all before the time is free, or known."""
         self.free_until = time

@@ -11,7 +11,7 @@ from firstcontact.errors import InputError, shown
 from firstcontact.exact.numbers import rational, to_double
 from firstcontact.motion.moving import Moving
 from firstcontact.motion.rational import RationalMotion
-from firstcontact.motion.rotation import Rotation
+from firstcontact.motion.rotation import Rotation, turns_of
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.sequence import Sequence
 from firstcontact.motion.trajectory import Trajectory
@@ -102,7 +102,7 @@ def refuse_many_turns(
         share = 1 if last is None or not getattr(motion, "extends", False) else last - first
         for step in getattr(motion, "steps", [motion]):
             if isinstance(step, Rotation | Screw) and isinstance(step, kinds):
-                turns = abs(step.angle * share) / (1 if step.unit == "turns" else 6)
+                turns = turns_of(step) * share
                 if turns > MOST_TURNS:
                     who = body.name or "a body"
                     raise InputError(

@@ -17,6 +17,7 @@ from firstcontact.motion.relative.pieces import Piece
 from firstcontact.result import MOST_OTHERS, ContactInterval, Element, ElementPair, FirstContact, Stats, Status
 from firstcontact.search.trees.elements import EDGE, FACE, VERTEX, Feature
 from firstcontact.search.trees.touch import carried_normal, doubles
+from firstcontact.work import Work
 
 Body = Polyhedron | Moving
 _NAMES = {VERTEX: "vertex", EDGE: "edge", FACE: "face"}
@@ -192,15 +193,20 @@ class JoinedInterval:
         return problem.piece is piece and turn == 0 and instant.is_zero()
 
 
-def join(intervals: list[JoinedInterval], problem: Problem, windows: list[Window]) -> list[JoinedInterval]:
-    """The intervals with the next piece's windows; contact at the joint of two pieces goes on."""
-    out = list(intervals)
+def join(out: list[JoinedInterval], problem: Problem, windows: list[Window], work: Work) -> None:
+    """Append the next piece's windows to the intervals; contact at the joint of two pieces goes on.
+
+    Raises Spent: what a rotation meets again in further turns counts as work.
+    """
     for start, turn, end, last in problem.repeated(windows):
+        if turn:
+            if work.left == 0:
+                work.free_until = problem.world_instant(start, turn)[1][0]
+            work.step()
         if out and turn == 0 and start.is_zero() and out[-1].end[0] is not problem and _ends_piece(out[-1]):
             out[-1] = JoinedInterval(out[-1].start, (problem, end, last))
         else:
             out.append(JoinedInterval((problem, start, turn), (problem, end, last)))
-    return out
 
 
 def _ends_piece(interval: JoinedInterval) -> bool:

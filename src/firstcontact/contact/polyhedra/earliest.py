@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -33,6 +33,7 @@ from firstcontact.search.trees.state import (
     WalkState,
     borrow_state,
     return_state,
+    share_of,
 )
 from firstcontact.work import Progress
 
@@ -88,7 +89,7 @@ class Problem(Protocol):
     ) -> int: ...  # fmt: skip
     def windows_of(self, primitive_a: int, primitive_b: int) -> Sequence[Window]: ...
     def float_window(self, lo: float, hi: float) -> Window: ...
-    def repeated(self, windows: list[Any]) -> Sequence[Repeated]: ...
+    def repeated(self, windows: list[Any]) -> Iterable[Repeated]: ...
 
     # instants
     def start_instant(self) -> Instant: ...
@@ -243,7 +244,8 @@ class _Search:
         while True:
             limit = int(integers[VISITS]) + SLICE
             if self.budget is not None:
-                limit = min(limit, self.budget - self.found.work - int(integers[TESTS]))
+                left = self.budget - self.found.work - int(integers[VISITS] + integers[TESTS])
+                limit = min(limit, int(integers[VISITS]) + share_of(left))
             reason = self.problem.advance(state, limit, with_start, all_sides)
             self._collect()
             if reason in (DONE, CROSSING_FOUND) or (self.found.start and self.stop_at_start):

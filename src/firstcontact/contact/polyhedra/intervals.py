@@ -16,7 +16,7 @@ from firstcontact.exact.numbers import Undecidable, below
 from firstcontact.exact.times.instants import RationalInstant
 from firstcontact.motion.relative.curved import CurvedPiece
 from firstcontact.search.trees.containment import contained_at, decide
-from firstcontact.search.trees.state import SLICE
+from firstcontact.search.trees.state import SLICE, share_of
 from firstcontact.search.trees.windows import COVERS, DONE, FOUND, FULL, STACK, TESTS, VISITS
 from firstcontact.work import Progress
 
@@ -44,6 +44,11 @@ class Windows:
     exact: int = 0
     engine: str = "boxes"
 
+    @property
+    def work(self) -> int:
+        """Of which the exact part is as much of it as any other: pairs of primitives that are looked at exactly."""
+        return self.visits + self.tests + self.exact
+
 
 def contact_windows(problem: Problem, budget: int | None, progress: Progress | None) -> Windows:
     """All windows of contact of the piece, its solids' interiors included."""
@@ -60,6 +65,11 @@ def contact_windows(problem: Problem, budget: int | None, progress: Progress | N
         doubts: list[Doubt] = []
         wide = 0
         for part_a, part_b in parts:
+            if budget is not None and answer.work >= budget:
+                answer.open = "budget"
+                return answer
+            if progress is not None:
+                progress(0.0, answer.work)
             answer.exact += 1
             certain, open_times = _windows_of(problem, part_a, part_b)
             items, doubts = items + certain, doubts + open_times
@@ -124,7 +134,7 @@ def _collect(
     while True:
         limit = int(integers[VISITS]) + SLICE
         if budget is not None:
-            limit = min(limit, budget - int(integers[TESTS]))
+            limit = min(limit, int(integers[VISITS]) + share_of(budget - answer.visits - answer.tests))
         reason = problem.collect(limit, integers, stack, cover, times, parts)
         answer.visits, answer.tests = int(integers[VISITS]), int(integers[TESTS])
         if reason == DONE:

@@ -146,7 +146,7 @@ class CurvedPiece:
         """Whether both bodies certainly start where they stand at the end of the piece before."""
         if not isinstance(before, CurvedPiece):
             return False
-        return all(
+        return (self.leg_a, self.leg_b) == (before.leg_a, before.leg_b) or all(
             mine.place(self.start).factors == theirs.place(before.end).factors and mine.place(self.start).is_exact
             for mine, theirs in ((self.leg_a, before.leg_a), (self.leg_b, before.leg_b))
         )

@@ -30,6 +30,8 @@ FIRST, SURE_FIRST, SURE_LAST, BEST, KEY, ALL = range(6)
 
 # A slice of work between two looks at the keyboard and the progress bar: about 0.1 s.
 SLICE = 1_000_000
+# The same of walks under curved motions, whose visits look at cells of time.
+CURVED_SLICE = 20_000
 # Undecided pairs that send the walk back for exact answers: few, because each may end the search.
 UNSURE_BATCH = 16
 # Room a leaf pair may need among the candidates: 9 edge/edge, 6 vertex/face, 6 edge/face.
@@ -74,6 +76,11 @@ class WalkState:
         if n[CANDIDATES] + LEAF_ROOM > len(self.times):
             self.times = np.concatenate([self.times, np.empty_like(self.times)])
             self.candidates = np.concatenate([self.candidates, np.empty_like(self.candidates)])
+
+
+def share_of(budget: int) -> int:
+    """Visits after which to look at what is left of a budget again: to each may belong a dozen tests and more."""
+    return max(1, budget // 16)
 
 
 _local = threading.local()
