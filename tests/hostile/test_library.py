@@ -810,7 +810,8 @@ def test_a_slow_shift_of_solids_goes_on_as_far_as_doubles_do(power):
         assert hit.status is fc.Status.CONTACT and hit.time == pytest.approx(2.0 ** (power + 1))
         (one,) = fc.contact_intervals(falling, ball(), (0, 7 * 2**power), exact=exact)
         assert (one.start, one.end) == (pytest.approx(2.0 ** (power + 1)), pytest.approx(6 * 2.0**power))
-    with pytest.raises(fc.InputError, match="span end lies beyond 2.1023; give a time below"):
+    text = "span end lies beyond 2.1023" if power > 150 else "span end is .*; give a time below 2.150"
+    with pytest.raises(fc.InputError, match=text):
         fc.first_contact(falling, ball(), (0, 2**1023))
 
 
