@@ -69,6 +69,7 @@ class Problem(Protocol):
     b: Polyhedron
     tree_a: Tree
     tree_b: Tree
+    is_exact: bool
 
     @property
     def piece(self) -> Piece | CurvedPiece: ...
