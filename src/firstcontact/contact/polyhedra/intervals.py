@@ -18,7 +18,7 @@ from firstcontact.motion.relative.curved import CurvedPiece
 from firstcontact.search.trees.containment import contained_at, decide
 from firstcontact.search.trees.state import SLICE, share_of
 from firstcontact.search.trees.windows import COVERS, DONE, FOUND, FULL, STACK, TESTS, VISITS
-from firstcontact.work import Progress
+from firstcontact.work import Progress, may_grow
 
 if TYPE_CHECKING:
     from firstcontact.contact.polyhedra.enclosed_problem import EnclosedProblem
@@ -55,7 +55,6 @@ def contact_windows(problem: Problem, budget: int | None, progress: Progress | N
     answer = Windows()
     collected = _collect(problem, answer, budget, progress)
     if collected is None:
-        answer.open = "budget"
         return answer
     cover, parts = collected
     try:
@@ -125,7 +124,7 @@ def _in_balls(problem: Problem) -> EnclosedProblem:
 def _collect(
     problem: Problem, answer: Windows, budget: int | None, progress: Progress | None
 ) -> tuple[list[tuple[float, float]], list[tuple[int, int]]] | None:
-    """(certain cover, primitive pairs that matter at its ends); None when the budget is spent."""
+    """(certain cover, primitive pairs that matter at its ends); None when the budget is spent, or memory."""
     integers = np.zeros(5, np.int64)
     integers[STACK] = 1
     stack = np.zeros((1024, 2), np.int32)
@@ -140,6 +139,9 @@ def _collect(
         if reason == DONE:
             break
         if reason == FULL:
+            if not may_grow(times, parts, stack):
+                answer.open = "memory"
+                return None
             times, parts = _drop_covered(integers, cover, times, parts)
             if integers[STACK] * 2 > len(stack):
                 stack = np.concatenate([stack, np.zeros_like(stack)])
@@ -147,6 +149,7 @@ def _collect(
         if progress is not None:
             progress(0.0, answer.visits + answer.tests)
         if budget is not None and answer.visits + answer.tests >= budget:
+            answer.open = "budget"
             return None
     times, parts = _drop_covered(integers, cover, times, parts)
     n = int(integers[FOUND])

@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from firstcontact.work import may_grow
+
 # Kinds of candidate pairs: element of a, element of b.  In this order the lowest kind is reported.  NumPy integers,
 # because Numba compiles a function anew for every Python integer written into a call.
 VERTEX_FACE, EDGE_EDGE, FACE_VERTEX, EDGE_FACE, FACE_EDGE = (np.int64(k) for k in range(5))
@@ -65,8 +67,10 @@ class WalkState:
         n[STACK] = 1
         self.stack[0] = 0
 
-    def grow(self) -> None:
-        """Double every array that is close to full."""
+    def grow(self) -> bool:
+        """Double every array that is close to full; False where there is no memory for that."""
+        if not may_grow(self.keys, self.pairs, self.stack, self.times, self.candidates):
+            return False
         n = self.integers
         if n[HEAP] + 4 > len(self.keys):
             self.keys = np.concatenate([self.keys, np.empty_like(self.keys)])
@@ -76,6 +80,7 @@ class WalkState:
         if n[CANDIDATES] + LEAF_ROOM > len(self.times):
             self.times = np.concatenate([self.times, np.empty_like(self.times)])
             self.candidates = np.concatenate([self.candidates, np.empty_like(self.candidates)])
+        return True
 
 
 def share_of(budget: int) -> int:
