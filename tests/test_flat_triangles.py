@@ -44,3 +44,10 @@ def test_rows_of_holes(block):
         holes = [ring(10 * k + 5, 5, float(rng.choice([1, 2, 3])), n, phases[k]) for k in range(count)]
         outer = [(0, 0), (10 * count, 0), (10 * count, 10), (0, 10)]
         assert flattest([outer if rng.random() < 0.5 else ring(5 * count, 5, 20 * count, n), *holes]) > 1e-9
+
+
+def test_rings_that_cross_are_refused_as_before():
+    corners = [(0, 0, 0), (2, 0, 0), (1, 0, 0), (2, 2, 0), (0, 2, 0)]
+    for ring_ in ([0, 1, 2, 3, 1, 4], [0, 1, 0, 3, 4], [0, 3, 1, 4, 2]):
+        with pytest.raises(fc.InputError):
+            fc.Polyhedron(corners, [ring_])

@@ -69,6 +69,13 @@ def test_the_first_contact_of_a_screw_counts_its_turns():
         fc.first_contact(TURNED.moving(screw("1e30")), far)
 
 
+@pytest.mark.parametrize("budget", [10, 300])
+def test_intervals_in_a_holed_solid_end_with_their_budget(budget):
+    solid, ball = fc.box((8, 8, 2)) - fc.cylinder(2, 4), fc.examples.noisy_sphere(1280).translated((0, 0, 5))
+    told = fc.contact_intervals(ball.moving(fc.Translation((1, 0.5, -10))), solid, budget=budget)
+    assert (told.status, told.reason, told.free_until) == (Status.UNDECIDED, "budget", 0.0)
+
+
 def test_exact_pairs_count_as_work():
     told = fc.contact_intervals(TURNED.moving(screw(3)), OTHER)
     assert told.stats.exact_evaluations > 3

@@ -178,7 +178,7 @@ def _flipped(
     """
     a, b, c = _with_the_longest_side_last(plane, t)
     other = behind.get((a, c))
-    if other is None:
+    if other is None or len({*other, *t}) < 4:  # of rings that cross
         return None
     x = next(v for v in other if v not in (a, c))
     made = (a, b, x), (b, c, x)
