@@ -72,7 +72,8 @@ def first_contact(
         raise InputError(f"threads is {shown(threads)}; give a whole number from 1 to {MOST_THREADS}")
     a, b = table.as_body(a), table.as_body(b)
     first, last = common_span(a, b, span)
-    refuse_many_turns(a, b, first, last, (Screw,))  # the first contact under rotations is in their first turn
+    if budget is None or table.kinds_of(a, b) != table.MESHES:  # turns of polyhedra count as work
+        refuse_many_turns(a, b, first, last, (Screw,))  # the first contact under rotations is in their first turn
     return table.first_contact(
         Query(a, b, first, last, exact, method, engine, tolerance, budget, progress, threads, begin)
     )
@@ -106,7 +107,8 @@ def contact_intervals(
     tolerance = check_arguments(method, "auto", tolerance, budget)
     a, b = table.as_body(a), table.as_body(b)
     first, last = common_span(a, b, span)
-    refuse_many_turns(a, b, first, last)
+    if budget is None or table.kinds_of(a, b) != table.MESHES:
+        refuse_many_turns(a, b, first, last)
     return table.contact_intervals(
         Query(a, b, first, last, exact, method, tolerance=tolerance, budget=budget, progress=progress, begin=begin)
     )

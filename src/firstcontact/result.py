@@ -487,7 +487,7 @@ class FirstContact(_Deferring, Shown):
     subproblems     curved models with ``method="algebraic"``: every pair of features that is not exempt.
     initial         for INITIAL_CONTACT: "touching", "overlapping" or "containment"; None where none was proved.
     free_until      no shared point before this time; proved.
-    reason          for UNDECIDED: "budget" or "precision".
+    reason          for UNDECIDED: "budget", "precision" or "memory".
     """
 
     status: Status

@@ -21,6 +21,16 @@ Progress = Callable[[float, int], None]
 MOST_BUDGET = 2**60
 
 
+# What tables that grow while a question is answered may take, in bytes: a process stays below 2 GB.
+MOST_BYTES = 3 * 2**29
+
+
+def may_grow(*tables: Any, by: int = 2) -> bool:
+    """Whether arrays may become so many times as long: the old ones stand beside the new ones meanwhile."""
+    size: int = sum(table.nbytes for table in tables)
+    return (1 + by) * size <= MOST_BYTES
+
+
 class Spent(Exception):
     """The budget is used up."""
 
@@ -33,6 +43,11 @@ class Work:
     progress: Progress | None = None
     free_until: float = 0.0
     done: int = 0
+
+    @property
+    def left(self) -> int | None:
+        """What is left of the budget."""
+        return None if self.budget is None else max(0, self.budget - self.done)
 
     def reached(self, time: float) -> None:
         """Tell that all before the time is free, or known."""

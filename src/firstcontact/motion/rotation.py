@@ -122,6 +122,12 @@ def rotation_matrix(axis: np.ndarray, point: np.ndarray, radians: float) -> np.n
     return pose
 
 
+def turns_of(motion: Any) -> fmpq:
+    """About how many full turns a motion makes in its unit of time, none too few."""
+    angle: fmpq = abs(getattr(motion, "angle", fmpq(0)))
+    return angle if getattr(motion, "unit", "turns") == "turns" else angle / 6
+
+
 def angle_ball(angle: fmpq, unit: str) -> arb:
     """Enclosure of an angle in radians at the present precision."""
     return arb(angle) if unit == "radians" else 2 * arb(angle) * arb.pi()

@@ -11,16 +11,18 @@ from firstcontact.errors import InputError, shown
 from firstcontact.exact.numbers import rational, to_double
 from firstcontact.motion.moving import Moving
 from firstcontact.motion.rational import RationalMotion
-from firstcontact.motion.rotation import Rotation
+from firstcontact.motion.rotation import Rotation, turns_of
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.sequence import Sequence
 from firstcontact.motion.trajectory import Trajectory
 from firstcontact.motion.translation import LARGEST, Translation
 
 UNIT = fmpq(0), fmpq(1)
-# Latest time of a query, as of all numbers of motions, but for slow shifts of polyhedra, which go so far at most:
-# squares of longer ways are no longer doubles.
+# Latest time of a query, as of all numbers of motions, but for slow shifts, which go so far at most: squares of longer
+# ways are no longer doubles.
 LATEST, FARTHEST = LARGEST, 2 * LARGEST
+# Of slow shifts of curved bodies: where doubles end.
+LAST_DOUBLE = fmpq(2) ** 1023
 NEARER = "give a time below 2^150, or inf as the end of a translation"
 # Full turns that are searched one by one, and whose contacts are listed: seconds; many more fill the memory.
 MOST_TURNS = 10_000
@@ -80,10 +82,10 @@ def common_span(a: Any, b: Any, span: Any) -> tuple[fmpq, fmpq | None]:
 
 
 def refuse_late(times: tuple[fmpq, fmpq | None]) -> None:
-    """InputError for a span that only slow shifts of polyhedra take."""
+    """InputError for a span beyond the doubles, which only slow shifts of polyhedra take."""
     for what, time in zip(("start", "end"), times, strict=True):
-        if time is not None and abs(time) >= LATEST:
-            raise InputError(f"span {what} is {to_double(time)}; {NEARER}")
+        if time is not None and abs(time) >= LAST_DOUBLE:
+            raise InputError(f"span {what} lies beyond 2^1023; give a time below, or inf as the end of a translation")
 
 
 def _is_far(motion: Any, time: fmpq) -> bool:
@@ -102,7 +104,7 @@ def refuse_many_turns(
         share = 1 if last is None or not getattr(motion, "extends", False) else last - first
         for step in getattr(motion, "steps", [motion]):
             if isinstance(step, Rotation | Screw) and isinstance(step, kinds):
-                turns = abs(step.angle * share) / (1 if step.unit == "turns" else 6)
+                turns = turns_of(step) * share
                 if turns > MOST_TURNS:
                     who = body.name or "a body"
                     raise InputError(

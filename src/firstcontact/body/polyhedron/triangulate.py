@@ -16,6 +16,7 @@ from firstcontact.errors import InputError
 PLANARITY = 1e-9
 
 Point = tuple[float, float]
+_Triangle = tuple[int, int, int]
 
 
 def triangulate(
@@ -39,7 +40,7 @@ def triangulate(
     loop = list(outer)
     for hole in sorted(holes, key=lambda h: -max(plane[i] for i in h)[0]):
         loop = _bridge(plane, turn, loop, hole, who)
-    triangles = _clip_ears(plane, turn, loop, who)
+    triangles = _without_flat(plane, turn, _clip_ears(plane, turn, loop, who))
     area = sum((abs(_twice_area(plane, *t)) for t in triangles), fmpq(0))
     if area != abs(sum((_twice_area(plane, loop[0], *side) for side in zip(loop, loop[1:], strict=False)), fmpq(0))):
         raise InputError(f"{who}: the rings of the polygon cross; split it into simple polygons")
@@ -152,6 +153,57 @@ def _clip_ears(plane: dict[int, Point], turn: _Turn, loop: list[int], who: str) 
             raise InputError(f"{who}: the rings of the polygon cross; split it into simple polygons")
     triangles += [(loop[0], loop[k], loop[k + 1]) for k in range(1, len(loop) - 1)]
     return triangles
+
+
+def _without_flat(plane: dict[int, Point], turn: _Turn, triangles: list[_Triangle]) -> list[_Triangle]:
+    """Triangles of the same area, none of which is flat to within roundings where that can be.
+
+    The middle corner of a flat one is joined to the far corner of the triangle at its longest side instead.
+    """
+    flat = [t for t in triangles if _is_flat(plane, t)]
+    if not flat:
+        return triangles
+    behind = {side: t for t in triangles for side in _sides(t)}
+    while gone := next((pair for t in flat if (pair := _flipped(plane, turn, behind, t))), None):
+        flat = [t for t in flat if t not in gone]
+    return list(dict.fromkeys(behind.values()))
+
+
+def _flipped(
+    plane: dict[int, Point], turn: _Turn, behind: dict[tuple[int, int], _Triangle], t: _Triangle
+) -> tuple[_Triangle, _Triangle] | None:
+    """The two triangles whose diagonal was changed in `behind`, where that leaves no flat one.
+
+    behind: the triangles by their sides in order.
+    """
+    a, b, c = _with_the_longest_side_last(plane, t)
+    other = behind.get((a, c))
+    if other is None or len({*other, *t}) < 4:  # of rings that cross
+        return None
+    x = next(v for v in other if v not in (a, c))
+    made = (a, b, x), (b, c, x)
+    if any(turn(*u) <= 0 or _is_flat(plane, u) for u in made):
+        return None
+    del behind[a, c], behind[c, a]
+    for u in made:
+        behind.update(dict.fromkeys(_sides(u), u))
+    return t, other
+
+
+def _is_flat(plane: dict[int, Point], t: _Triangle) -> bool:
+    (ax, ay), (bx, by), (cx, cy) = (plane[v] for v in t)
+    size = max((bx - ax) ** 2 + (by - ay) ** 2, (cx - bx) ** 2 + (cy - by) ** 2, (ax - cx) ** 2 + (ay - cy) ** 2)
+    return abs((bx - ax) * (cy - ay) - (by - ay) * (cx - ax)) <= PLANARITY * size
+
+
+def _sides(t: _Triangle) -> tuple[tuple[int, int], ...]:
+    a, b, c = t
+    return (a, b), (b, c), (c, a)
+
+
+def _with_the_longest_side_last(plane: dict[int, Point], t: _Triangle) -> _Triangle:
+    a, b, c = t
+    return max(((a, b, c), (b, c, a), (c, a, b)), key=lambda u: _distance2(plane[u[2]], plane[u[0]]))
 
 
 def _bridge(

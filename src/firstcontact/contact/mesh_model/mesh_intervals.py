@@ -23,10 +23,10 @@ from firstcontact.errors import UnsupportedPair
 from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.stretches import Window
 from firstcontact.result import ContactIntervals
-from firstcontact.search.convex.mesh_advance import BACK
+from firstcontact.search.convex.mesh_advance import BACK, Swept
 from firstcontact.timeline.answers import proved_intervals
 from firstcontact.timeline.sweep import Found, Sweep
-from firstcontact.work import Query, Work
+from firstcontact.work import Query, Spent, Work
 
 
 @ignoring_idle_turns
@@ -55,7 +55,7 @@ def _all_contacts(query: Query, work: Work) -> Found:
     mesh, model = shape_of(moving_mesh), shape_of(moving_model)
     parts = windows_of(a, b, query.first, query.end)
     width = query.tolerance * (parts[-1].last - parts[0].first)
-    free, lasting = _Free(mesh, model, mesh_is_a, width), LastingOfMesh(mesh, model, mesh_is_a)
+    free, lasting = _Free(mesh, model, mesh_is_a, width, work), LastingOfMesh(mesh, model, mesh_is_a)
 
     def touches_at_start() -> np.ndarray | None:
         return first(replace(query, last=query.first, budget=None, progress=None)).point
@@ -64,24 +64,32 @@ def _all_contacts(query: Query, work: Work) -> Found:
 
 
 class _Free:
-    def __init__(self, mesh: Polyhedron, model: CompositeQuadric, mesh_is_a: bool, width: float) -> None:
-        self.mesh, self.width = mesh, width
-        self.search = search_of(mesh, model, mesh_is_a, None)
+    """Times in which surfaces are apart.  Raises Spent: what one search may do is the budget of all."""
+
+    def __init__(self, mesh: Polyhedron, model: CompositeQuadric, mesh_is_a: bool, width: float, work: Work) -> None:
+        self.mesh, self.width, self.work = mesh, width, work
+        self.search = search_of(mesh, model, mesh_is_a, work.budget)
 
     def at(self, window: Window, t: float) -> bool:
         here = window._replace(first=t, last=t, inner=t)
-        return self.search.at_start(here).status == "free" and holds_model(self.search, self.mesh, here) is False
+        start = self._paid(self.search.at_start(here))
+        return start.status == "free" and holds_model(self.search, self.mesh, here) is False
+
+    def _paid(self, found: Swept) -> Swept:
+        if found.reason == "budget" and self.work.budget is not None:
+            raise Spent
+        return found
 
     def until(self, window: Window, t: float, end: float) -> tuple[float, list[np.ndarray]]:
         part = window._replace(first=t, last=end, inner=min(end, window.inner))
-        found = self.search.run(part, self.width, BACK * (window.last - window.first))
+        found = self._paid(self.search.run(part, self.width, BACK * (window.last - window.first)))
         if found.status == "free":
             return end, []
         until = min(max(t, found.free_until), math.nextafter(end, t))
         return until, [] if found.touch is None else [found.touch.point]
 
     def near_start(self, window: Window) -> list[np.ndarray]:
-        found = self.search.at_start(window)
+        found = self._paid(self.search.at_start(window))
         return [] if found.touch is None else [found.touch.point]
 
     def passage(self, window: Window, t: float) -> None:

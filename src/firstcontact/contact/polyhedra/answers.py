@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact.polyhedra.earliest import Found, Pair, Problem, Searched, Window, pairs_at_start
+from firstcontact.contact.polyhedra.facing import NEAR, best_apart
 from firstcontact.exact.numbers import PRECISIONS, Undecidable, precision
 from firstcontact.exact.times.instants import Instant
 from firstcontact.motion.moving import Moving
@@ -17,8 +19,11 @@ from firstcontact.motion.relative.pieces import Piece
 from firstcontact.result import MOST_OTHERS, ContactInterval, Element, ElementPair, FirstContact, Stats, Status
 from firstcontact.search.trees.elements import EDGE, FACE, VERTEX, Feature
 from firstcontact.search.trees.touch import carried_normal, doubles
+from firstcontact.work import Work
 
 Body = Polyhedron | Moving
+# Pairs at a contact whose normals are looked at.
+MOST_NORMALS = 64
 _NAMES = {VERTEX: "vertex", EDGE: "edge", FACE: "face"}
 
 
@@ -95,6 +100,10 @@ def where_met(problem: Problem, found: Found, time: float, shared: dict[str, Any
     named = element_pairs(shared["a"], shared["b"], found.pairs)
     (lowest, pair), *rest = named
     point, normal = _place(problem, pair, found.instant, time)
+    if rest and normal is not None and problem.is_exact:
+        met = [p for _, p in named[:MOST_NORMALS]]
+        normals = _normals_at(problem, point, normal, met[1:], found.instant, time)
+        normal = best_apart(shared["a"], shared["b"], time, met, point, normals)
     return {
         "point": point,
         "normal": normal,
@@ -104,6 +113,17 @@ def where_met(problem: Problem, found: Found, time: float, shared: dict[str, Any
         "multiplicity": len(named),
         "contact_set": "point" if len(named) == 1 and normal is not None else None,
     }
+
+
+def _normals_at(
+    problem: Problem, point: np.ndarray, normal: np.ndarray, others: list[Pair], instant: Instant | None, time: float
+) -> Iterator[np.ndarray]:
+    """The normal at a place, then those of other pairs that meet there."""
+    yield normal
+    for pair in others:
+        place, n = _place(problem, pair, instant, time)
+        if n is not None and np.allclose(place, point, NEAR, NEAR * float(np.abs(point).max())):
+            yield n
 
 
 def contained_at_start(
@@ -192,15 +212,20 @@ class JoinedInterval:
         return problem.piece is piece and turn == 0 and instant.is_zero()
 
 
-def join(intervals: list[JoinedInterval], problem: Problem, windows: list[Window]) -> list[JoinedInterval]:
-    """The intervals with the next piece's windows; contact at the joint of two pieces goes on."""
-    out = list(intervals)
+def join(out: list[JoinedInterval], problem: Problem, windows: list[Window], work: Work) -> None:
+    """Append the next piece's windows to the intervals; contact at the joint of two pieces goes on.
+
+    Raises Spent: what a rotation meets again in further turns counts as work.
+    """
     for start, turn, end, last in problem.repeated(windows):
+        if turn:
+            if work.left == 0:
+                work.free_until = problem.world_instant(start, turn)[1][0]
+            work.step()
         if out and turn == 0 and start.is_zero() and out[-1].end[0] is not problem and _ends_piece(out[-1]):
             out[-1] = JoinedInterval(out[-1].start, (problem, end, last))
         else:
             out.append(JoinedInterval((problem, start, turn), (problem, end, last)))
-    return out
 
 
 def _ends_piece(interval: JoinedInterval) -> bool:

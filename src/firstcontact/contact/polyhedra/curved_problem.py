@@ -28,10 +28,11 @@ from firstcontact.search.trees import (
 from firstcontact.search.trees.containment import decide
 from firstcontact.search.trees.elements import EDGE, FACE, VERTEX, Feature, Primitive, corners_of
 from firstcontact.search.trees.frame import tree_of
-from firstcontact.search.trees.state import WalkState
+from firstcontact.search.trees.state import CURVED_SLICE, VISITS, WalkState
 from firstcontact.search.trees.touch import Touch, doubles, spanning, unit_against
 from firstcontact.search.trees.tree import Tree
 from firstcontact.search.trees.walk import walk
+from firstcontact.search.trees.windows import VISITS as COLLECTED
 from firstcontact.search.trees.windows import collect
 
 At = TypeVar("At", bound=Instant)
@@ -66,6 +67,7 @@ class CurvedProblem(Generic[At]):
     def advance(self, state: WalkState, limit: int, with_start: bool, all_sides: bool) -> int:
         """Go on with the walk; the reason it came back.  The start is another problem's (`problem`)."""
         a, b = self.tree_a, self.tree_b
+        limit = min(limit, int(state.integers[VISITS]) + CURVED_SLICE)
         reason: int = walk(
             a.boxes, a.links, a.xyz, a.ids, b.boxes, b.links, b.xyz, b.ids,
             self.motion, a.error, b.error, self.pad, False, all_sides, limit,
@@ -93,6 +95,7 @@ class CurvedProblem(Generic[At]):
     ) -> int:  # fmt: skip
         """Go on collecting windows (`windows.collect`)."""
         a, b = self.tree_a, self.tree_b
+        limit = min(limit, int(integers[COLLECTED]) + CURVED_SLICE)
         reason: int = collect(
             a.boxes, a.links, a.xyz, a.ids, b.boxes, b.links, b.xyz, b.ids, self.motion,
             a.error, b.error, self.pad, self.window()[0], limit, integers, stack, cover, times, parts,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -10,6 +10,7 @@ from flint import arb
 
 from firstcontact.contact.polyhedra.engines import ByEngine
 from firstcontact.contact.polyhedra.planar import BeginsNothing
+from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import PRECISIONS, Undecidable, exact_value, precision
 from firstcontact.exact.times.instants import Instant, RationalInstant
 from firstcontact.search.trees.elements import KINDS, Feature, feature
@@ -33,6 +34,7 @@ from firstcontact.search.trees.state import (
     WalkState,
     borrow_state,
     return_state,
+    share_of,
 )
 from firstcontact.work import Progress
 
@@ -68,6 +70,7 @@ class Problem(Protocol):
     b: Polyhedron
     tree_a: Tree
     tree_b: Tree
+    is_exact: bool
 
     @property
     def piece(self) -> Piece | CurvedPiece: ...
@@ -88,7 +91,7 @@ class Problem(Protocol):
     ) -> int: ...  # fmt: skip
     def windows_of(self, primitive_a: int, primitive_b: int) -> Sequence[Window]: ...
     def float_window(self, lo: float, hi: float) -> Window: ...
-    def repeated(self, windows: list[Any]) -> Sequence[Repeated]: ...
+    def repeated(self, windows: list[Any]) -> Iterable[Repeated]: ...
 
     # instants
     def start_instant(self) -> Instant: ...
@@ -124,7 +127,7 @@ class Found:
     pairs     the pairs that realise it, lowest first
     start     pairs (edge, facet) that share a point at the start: (pair, crossing) - then no events were sought
     doubtful  pairs that no precision decides
-    open      None, or "budget" / "precision": what stopped the search; free_until (local) is proved
+    open      None, or "budget" / "precision" / "memory": what stopped the search; free_until (local) is proved
     """
 
     instant: Instant | None = None
@@ -178,7 +181,8 @@ def all_pairs(problem: Searched, with_start: bool = True) -> Found:
         last, sure_last = problem.window()
         state.start(*problem.begin, last, sure_last, want_all=True)
         search.stop_at_start = False
-        search.walk(with_start, all_sides=True)
+        if not search.walk(with_start, all_sides=True):
+            raise UnsupportedPair("a list of all pairs that meet needs more than 2 GB; ask about a shorter span")
         met = [pair for pair, instant in search.decided.items() if instant is not None]
         found.pairs = sorted({*met, *(search._pair(row) for _, _, row in search.waiting)})
         found.doubtful = sorted(search.doubtful)
@@ -196,8 +200,7 @@ def pairs_at_start(problem: Searched) -> list[tuple[Pair, bool]]:
         search = _Search(problem, state, Found(), None, None)
         state.start(0.0, float("inf"), 0.0, float("-inf"), want_all=True)
         search.stop_at_start = False
-        search.walk(with_start=True, all_sides=False)
-        if search.doubtful:
+        if not search.walk(with_start=True, all_sides=False) or search.doubtful:
             raise Undecidable
         return search.found.start
     finally:
@@ -238,18 +241,22 @@ class _Search:
     # -- the walk -------------------------------------------------------------------------------------------
 
     def walk(self, with_start: bool, all_sides: bool) -> bool:
-        """Walk to the end, answering what the floats ask; False when the budget ended it."""
+        """Walk to the end, answering what the floats ask; False when the budget, or memory, ended it."""
         state, integers = self.state, self.state.integers
         while True:
             limit = int(integers[VISITS]) + SLICE
             if self.budget is not None:
-                limit = min(limit, self.budget - self.found.work - int(integers[TESTS]))
+                left = self.budget - self.found.work - int(integers[VISITS] + integers[TESTS])
+                limit = min(limit, int(integers[VISITS]) + share_of(left))
             reason = self.problem.advance(state, limit, with_start, all_sides)
             self._collect()
             if reason in (DONE, CROSSING_FOUND) or (self.found.start and self.stop_at_start):
                 return True
             if reason == FULL:
-                state.grow()
+                if not state.grow():
+                    self.found.open = "memory"
+                    self.found.free_until = self._proved_free()
+                    return False
             elif reason != DECIDE:
                 assert reason == SLICE_SPENT
                 work = self.found.work + int(integers[VISITS] + integers[TESTS])

@@ -51,6 +51,7 @@ from firstcontact.search.trees.elements import (
     vertices_of,
 )
 from firstcontact.search.trees.frame import tree_of
+from firstcontact.search.trees.touch import spanning
 from firstcontact.search.trees.tree import FACET
 from firstcontact.search.trees.windows import PART_ROOM
 
@@ -67,6 +68,10 @@ _MOST_LOOKS = 200
 # The same for the times in which primitives meet throughout, and bits of the poses there: those are wide balls.
 _FEW_LOOKS, _COARSE = 80, 128
 _MOST_KEPT = 4096
+# The last row of a pose.
+_LAST = [[0, 0, 0, arb_series([1])]]
+# Bits of a slope that need no better one.
+_STEEP = 24
 # The first time to look into around a bound of the floats, as a share of the piece.
 _NEAR = 2.0**-28
 
@@ -148,6 +153,19 @@ class EnclosedProblem(CurvedProblem[RationalInstant]):
             if until >= last:
                 return None
             first, near = until, 4.0 * near
+
+    def contact_within(self, element_a: Feature, element_b: Feature, lo: float, hi: float) -> RationalInstant | None:
+        """The same, of two elements of which floats have proved that they meet in [lo, hi], and not before lo.
+
+        Elements that meet lie in a plane: where they do so once in that time, it is then.
+        """
+        if 0.0 < lo and exact_value(hi) < self.length:
+            pair = corners_of(self.a, element_a), corners_of(self.b, element_b)
+            left, right = exact_value(lo), exact_value(hi)
+            found = None if _is_flat(pair) else self._root(pair, 0, left, right)
+            if found is not None and found is not OPEN:
+                return RationalInstant(self._rounded(pair, 0, found[0], left, right))
+        return self.contact(element_a, element_b)
 
     def _stay_parallel(self, edge_a: Feature, edge_b: Feature) -> bool:
         """Whether the edges are parallel at all times, and a facet at one of them.
@@ -304,8 +322,7 @@ class EnclosedProblem(CurvedProblem[RationalInstant]):
     def _poses(self, t: arb) -> tuple[Rows, Rows]:
         """The pose of a seen from b at the local time, and its inverse, with their last rows."""
         pose = self.piece.series(t + self.piece.start)
-        last = [[0, 0, 0, arb_series([1])]]
-        return pose + last, inverse(pose, self.piece.is_rigid) + last
+        return pose + _LAST, inverse(pose, self.piece.is_rigid) + _LAST
 
     def _root(self, pair: Corners, index: int, left: fmpq, right: fmpq) -> Any:
         """The one zero from left to right by Newton's method: (ball, time alone), None, or OPEN.
@@ -314,18 +331,21 @@ class EnclosedProblem(CurvedProblem[RationalInstant]):
         """
         margin = (right - left) / 8
         x = alone = arb(left - margin).union(arb(right + margin))
-        inside = False
+        inside, slope = False, None
         for _ in range(2 * PRECISIONS[-1].bit_length()):
             m = arb(x.mid())
-            value, slope = self._value(pair, index, m)[0], self._value(pair, index, x)[1]
+            if slope is None or slope.rel_accuracy_bits() < _STEEP:
+                slope = self._value(pair, index, x, 2)[1]
             if slope.contains(0):
                 return OPEN
+            value = self._value(pair, index, m, 1)[0]
             step = m - value / slope
             if not step.overlaps(x):
                 return None
             inside = inside or bool(x.contains_interior(step))
             narrower = x.intersection(step)
-            done = not narrower.rad() < 0.5 * x.rad()
+            # neither where it stands still nor where roundings of the value are most of what is left
+            done = not narrower.rad() < 0.5 * x.rad() or 2 * (arb(value.rad()) / slope).abs_upper() > step.rad()
             x = narrower
             if done:
                 break
@@ -335,9 +355,21 @@ class EnclosedProblem(CurvedProblem[RationalInstant]):
             return None
         return x, alone
 
-    def _value(self, pair: Corners, index: int, t: arb) -> Any:
-        with terms(2, ctx.prec):
-            return self.conditions(pair, *self._poses(t))[index].zero[0]
+    def _value(self, pair: Corners, index: int, t: arb, count: int) -> Any:
+        """The equation of the condition, that many terms of its series."""
+        with terms(count, ctx.prec):
+            if _is_flat(pair):
+                return self.conditions(pair, *self._poses(t))[index].zero[0]
+            return self._coplanar(pair, self.piece.series(t + self.piece.start) + _LAST)
+
+    def _coplanar(self, pair: Corners, pose: Rows) -> Any:
+        """What vanishes where the two elements lie in a plane."""
+        x, y = pair
+        if len(x) == 1:
+            return moving.above_facet(moving.times(pose, x[0], 1), *y)
+        if len(y) == 1:
+            return moving.above_facet(moving.times(inverse(pose[:3], self.piece.is_rigid) + _LAST, y[0], 1), *x)
+        return moving.above_line(moving.times(pose, x[0], 1), moving.turned(pose, sub(x[1], x[0])), *y)
 
     def _in_window(self, t: arb | fmpq) -> bool:
         """Whether the time lies in the piece; Undecidable for balls at its ends."""
@@ -538,6 +570,11 @@ def _certainly_holds(solid: Polyhedron, body: Polyhedron, element: Feature, pose
         return contains(solid, tree_of(solid), apply(pose, body.exact_vertex(element[1])))
     except Undecidable:
         return False
+
+
+def _is_flat(pair: Corners) -> bool:
+    """Whether one of the elements is a facet without area."""
+    return any(len(x) == 3 and not any(cross(*spanning(x))) for x in pair)
 
 
 def _has_facet(body: Polyhedron, edge: Feature) -> bool:

@@ -17,14 +17,14 @@ from firstcontact.contact.polyhedra.answers import (
 from firstcontact.contact.polyhedra.earliest import Found, Pair, all_pairs, earliest
 from firstcontact.contact.polyhedra.intervals import Windows, contact_windows
 from firstcontact.contact.polyhedra.overlap import initial_kind
-from firstcontact.contact.polyhedra.problem import problem_of, problems_in_order
+from firstcontact.contact.polyhedra.problem import far_apart, problem_of, problems_in_order, stretches
 from firstcontact.contact.ways import Way, answered
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import Undecidable, to_double
 from firstcontact.motion.relative.curved import CurvedPiece
 from firstcontact.motion.relative.pieces import Piece, pieces
 from firstcontact.result import ContactIntervals, ContactPairs, FirstContact, Stats, Status
-from firstcontact.work import Query
+from firstcontact.work import Query, Spent
 
 NO_WORK = Stats()
 
@@ -40,32 +40,35 @@ def _first_contact(query: Query, _: None = None) -> FirstContact:
         raise UnsupportedPair(
             f"engine {query.engine!r} searches translations and rotations; other motions take 'auto'"
         )
-    stats, begin, exact, shared = NO_WORK, query.begin, query.exact, query.shared
-    problems = problems_in_order(query.a, query.b, parts, query.engine, query.threads)
-    for problem, with_start in problems:
-        begins = with_start and problem.piece.start == parts[0].start
-        found = earliest(problem, _left(query, stats), query.progress, with_start=with_start)
-        stats = _added(stats, found)
-        until = None if found.open is None else problem.world_time(found.free_until)
-        if until is not None and (not with_start or until <= to_double(problem.piece.start)):
-            return _undecided(str(found.open), until, stats, query)
-        if found.start or (begins and _starts_at_once(found)):
-            try:
-                kind = initial_kind(problem, found) if begins else None
-            except Undecidable:
-                kind = None
-            return initial_contact(problem, found, kind, exact, _timed(stats, begin), shared, jump=not begins)
-        if with_start:
-            try:
-                inside = problem.is_contained()
-            except Undecidable:
-                return _undecided("precision", query.span[0], stats, query)
-            if inside:
-                return contained_at_start(problem, exact, _timed(stats, begin), shared, jump=not begins)
-        if until is not None:
-            return _undecided(str(found.open), until, stats, query)
-        if found.instant is not None:
-            return contact_of(problem, found, exact, _timed(stats, begin), shared)
+    stats, begin, exact, shared, work = NO_WORK, query.begin, query.exact, query.shared, query.work()
+    try:
+        for problem, with_start in problems_in_order(query.a, query.b, parts, query.engine, query.threads, work):
+            begins = with_start and problem.piece.start == parts[0].start
+            found = earliest(problem, work.left, query.progress, with_start=with_start)
+            stats = _added(stats, found)
+            work.done += found.work
+            until = None if found.open is None else problem.world_time(found.free_until)
+            if until is not None and (not with_start or until <= to_double(problem.piece.start)):
+                return _undecided(str(found.open), until, stats, query)
+            if found.start or (begins and _starts_at_once(found)):
+                try:
+                    kind = initial_kind(problem, found) if begins else None
+                except Undecidable:
+                    kind = None
+                return initial_contact(problem, found, kind, exact, _timed(stats, begin), shared, jump=not begins)
+            if with_start:
+                try:
+                    inside = problem.is_contained()
+                except Undecidable:
+                    return _undecided("precision", query.span[0], stats, query)
+                if inside:
+                    return contained_at_start(problem, exact, _timed(stats, begin), shared, jump=not begins)
+            if until is not None:
+                return _undecided(str(found.open), until, stats, query)
+            if found.instant is not None:
+                return contact_of(problem, found, exact, _timed(stats, begin), shared)
+    except Spent:
+        return _undecided("budget", work.free_until, stats, query)
     return FirstContact(Status.FREE, free_until=query.span[1], stats=_timed(stats, begin), **shared)
 
 
@@ -76,31 +79,41 @@ def intervals(query: Query) -> ContactIntervals:
 
 def _contact_intervals(query: Query, _: None) -> ContactIntervals:
     parts = _pieces(query)
-    stats, begin, exact, shared = NO_WORK, query.begin, query.exact, query.shared
+    stats, work = NO_WORK, query.work()
     ends: list[JoinedInterval] = []
-    for piece in parts:
-        problem = problem_of(query.a, query.b, piece)
-        found = contact_windows(problem, _left(query, stats), query.progress)
-        stats = _added(stats, found)
-        if found.open is not None:
-            until = max(to_double(piece.start), problem.world_time(found.until))
-            ends = join(ends, problem, found.windows)
-            if found.open == "precision" and not ends:  # where a first contact is easier to tell than all windows
-                rest = _first_contact(
-                    Query(query.a, query.b, piece.start, query.last, progress=query.progress)
-                )
-                if rest.status is Status.FREE:
-                    break
-                until = max(until, rest.free_until or until)
-            intervals = tuple(interval_of(e, exact) for e in ends)
-            return ContactIntervals(
-                intervals, Status.UNDECIDED, until, found.open, _timed(stats, begin), **shared
-            )
-        ends = join(ends, problem, found.windows)
-    intervals = tuple(interval_of(e, exact) for e in ends)
-    status = Status.FREE if not ends else Status.INITIAL_CONTACT if ends[0].at_start(parts[0]) else Status.CONTACT
-    until = query.span[1] if not ends else intervals[0].start
-    return ContactIntervals(intervals, status, until, None, _timed(stats, begin), **shared)
+    try:
+        for piece in stretches(query.a, query.b, parts, work):
+            if isinstance(piece, CurvedPiece) and far_apart(query.a, query.b, piece):
+                continue
+            problem = problem_of(query.a, query.b, piece)
+            found = contact_windows(problem, work.left, query.progress)
+            stats = _added(stats, found)
+            work.done += found.work
+            join(ends, problem, found.windows, work)
+            if found.open is not None:
+                until = max(to_double(piece.start), problem.world_time(found.until))
+                if found.open == "precision" and not ends:  # a first contact may be easier to tell than all windows
+                    rest = _first_contact(replace(query, first=piece.start, budget=work.left, exact=False))
+                    if rest.status is Status.FREE:
+                        break
+                    until = max(until, rest.free_until or until)
+                return _intervals_of(ends, parts[0], query, stats, (found.open, until))
+    except Spent:
+        return _intervals_of(ends, parts[0], query, stats, ("budget", work.free_until))
+    return _intervals_of(ends, parts[0], query, stats, None)
+
+
+def _intervals_of(
+    ends: list[JoinedInterval], first: Piece | CurvedPiece, query: Query, stats: Stats, left: tuple[str, float] | None
+) -> ContactIntervals:
+    """The answer; left: what stopped the search, and when."""
+    intervals = tuple(interval_of(e, query.exact) for e in ends)
+    if left is not None:
+        status, until, reason = Status.UNDECIDED, left[1], left[0]
+    else:
+        status = Status.FREE if not ends else Status.INITIAL_CONTACT if ends[0].at_start(first) else Status.CONTACT
+        until, reason = query.span[1] if not ends else intervals[0].start, None
+    return ContactIntervals(intervals, status, until, reason, _timed(stats, query.begin), **query.shared)
 
 
 def pairs(query: Query) -> ContactPairs:
@@ -128,11 +141,6 @@ def _pieces(query: Query) -> list[Piece | CurvedPiece]:
             if isinstance(piece, CurvedPiece) and not piece.is_rational:
                 raise UnsupportedPair(piece.why_inexact())
     return parts
-
-
-def _left(query: Query, stats: Stats) -> int | None:
-    """What is left of the budget."""
-    return None if query.budget is None else max(0, query.budget - int(stats.node_visits + stats.pair_tests))
 
 
 def _starts_at_once(found: Found) -> bool:

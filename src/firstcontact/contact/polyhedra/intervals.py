@@ -16,9 +16,9 @@ from firstcontact.exact.numbers import Undecidable, below
 from firstcontact.exact.times.instants import RationalInstant
 from firstcontact.motion.relative.curved import CurvedPiece
 from firstcontact.search.trees.containment import contained_at, decide
-from firstcontact.search.trees.state import SLICE
+from firstcontact.search.trees.state import SLICE, share_of
 from firstcontact.search.trees.windows import COVERS, DONE, FOUND, FULL, STACK, TESTS, VISITS
-from firstcontact.work import Progress
+from firstcontact.work import Progress, may_grow
 
 if TYPE_CHECKING:
     from firstcontact.contact.polyhedra.enclosed_problem import EnclosedProblem
@@ -44,13 +44,17 @@ class Windows:
     exact: int = 0
     engine: str = "boxes"
 
+    @property
+    def work(self) -> int:
+        """Of which the exact part is as much of it as any other: pairs of primitives that are looked at exactly."""
+        return self.visits + self.tests + self.exact
+
 
 def contact_windows(problem: Problem, budget: int | None, progress: Progress | None) -> Windows:
     """All windows of contact of the piece, its solids' interiors included."""
     answer = Windows()
     collected = _collect(problem, answer, budget, progress)
     if collected is None:
-        answer.open = "budget"
         return answer
     cover, parts = collected
     try:
@@ -60,6 +64,11 @@ def contact_windows(problem: Problem, budget: int | None, progress: Progress | N
         doubts: list[Doubt] = []
         wide = 0
         for part_a, part_b in parts:
+            if budget is not None and answer.work >= budget:
+                answer.open = "budget"
+                return answer
+            if progress is not None:
+                progress(0.0, answer.work)
             answer.exact += 1
             certain, open_times = _windows_of(problem, part_a, part_b)
             items, doubts = items + certain, doubts + open_times
@@ -115,7 +124,7 @@ def _in_balls(problem: Problem) -> EnclosedProblem:
 def _collect(
     problem: Problem, answer: Windows, budget: int | None, progress: Progress | None
 ) -> tuple[list[tuple[float, float]], list[tuple[int, int]]] | None:
-    """(certain cover, primitive pairs that matter at its ends); None when the budget is spent."""
+    """(certain cover, primitive pairs that matter at its ends); None when the budget is spent, or memory."""
     integers = np.zeros(5, np.int64)
     integers[STACK] = 1
     stack = np.zeros((1024, 2), np.int32)
@@ -124,12 +133,15 @@ def _collect(
     while True:
         limit = int(integers[VISITS]) + SLICE
         if budget is not None:
-            limit = min(limit, budget - int(integers[TESTS]))
+            limit = min(limit, int(integers[VISITS]) + share_of(budget - answer.visits - answer.tests))
         reason = problem.collect(limit, integers, stack, cover, times, parts)
         answer.visits, answer.tests = int(integers[VISITS]), int(integers[TESTS])
         if reason == DONE:
             break
         if reason == FULL:
+            if not may_grow(times, parts, stack):
+                answer.open = "memory"
+                return None
             times, parts = _drop_covered(integers, cover, times, parts)
             if integers[STACK] * 2 > len(stack):
                 stack = np.concatenate([stack, np.zeros_like(stack)])
@@ -137,6 +149,7 @@ def _collect(
         if progress is not None:
             progress(0.0, answer.visits + answer.tests)
         if budget is not None and answer.visits + answer.tests >= budget:
+            answer.open = "budget"
             return None
     times, parts = _drop_covered(integers, cover, times, parts)
     n = int(integers[FOUND])

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Sequence
+from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,10 +13,12 @@ from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact.polyhedra.answers import Body
 from firstcontact.contact.polyhedra.earliest import Problem, Searched
 from firstcontact.contact.polyhedra.translation_problem import TranslationProblem
+from firstcontact.exact.numbers import below
 from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.balls_apart import Ball, are_apart
 from firstcontact.motion.relative.curved import CurvedPiece
-from firstcontact.motion.relative.pieces import Piece, curved_pieces
+from firstcontact.motion.relative.pieces import Piece, curved_pieces, in_few_turns
+from firstcontact.work import Work
 
 if TYPE_CHECKING:
     from firstcontact.contact.polyhedra.rotation_problem import RotationProblem
@@ -43,39 +46,70 @@ def problem_of(a: Body, b: Body, piece: Piece | CurvedPiece, engine: str = "boxe
 
 
 def problems_in_order(
-    a: Body, b: Body, parts: Iterable[Piece | CurvedPiece], engine: str = "boxes", threads: int = 1
+    a: Body, b: Body, parts: Sequence[Piece | CurvedPiece], engine: str = "boxes", threads: int = 1,
+    work: Work | None = None,
 ) -> Iterator[tuple[Searched, bool]]:
     """The problems to search one after the other, and whether the bodies may share points from its beginning on.
 
-    That is so in the first one, in which both bodies stand as the span starts, and after a jump.
+    That is so in the first one, in which both bodies stand as the span starts, and after a jump.  Raises Spent.
     """
-    parts = list(parts)
     before: Piece | CurvedPiece | None = None
-    for k, (piece, legs) in enumerate(zip(parts, _legs(a, b, parts), strict=True)):
-        if legs is not None and are_apart(legs, _ball_of(shape_of(a)), _ball_of(shape_of(b))):
+    by_motions = _legs(a, b, parts)
+    for piece in stretches(a, b, parts, work or Work()):
+        legs = piece if isinstance(piece, CurvedPiece) else by_motions.get(piece.start)
+        if legs is not None and far_apart(a, b, legs):
             before = piece
             continue
         if isinstance(piece, CurvedPiece):
-            if k == 0 or not piece.continues(before):
+            if not piece.continues(before):
                 start = piece_at_start(piece)
                 bodies = _placed(a, b, start)
-                if k == 0 or not _boxes_apart(*bodies):
+                if not _boxes_apart(*bodies):
                     yield TranslationProblem(*bodies, start), True
             curved: Any = problem_of(a, b, piece, engine)
             yield curved, False
         else:
             problem = problem_of(a, b, piece, engine, threads)
-            yield from _simple_problems(a, b, problem, k == 0 or isinstance(before, CurvedPiece))
+            yield from _simple_problems(a, b, problem, before is None or isinstance(before, CurvedPiece))
         before = piece
 
 
-def _legs(a: Body, b: Body, parts: list[Piece | CurvedPiece]) -> list[CurvedPiece | None]:
-    """The pieces by the motions themselves; None for a single translation or rotation, whose search is as quick."""
-    if len(parts) == 1:
-        return [part if isinstance(part, CurvedPiece) else None for part in parts]
+def stretches(a: Body, b: Body, parts: Sequence[Piece | CurvedPiece], work: Work) -> Iterator[Piece | CurvedPiece]:
+    """The pieces, curved ones of many turns cut; what is cut off counts as work, however little there is to search.
+
+    Raises Spent.
+    """
+    for part in parts:
+        if not isinstance(part, CurvedPiece):
+            yield part
+            continue
+        cut = in_few_turns(part)
+        first = next(cut)
+        if first is not part and far_apart(a, b, part):
+            yield part
+            continue
+        for piece in chain([first], cut):
+            if piece.start != part.start:
+                work.free_until = below(piece.start)
+                work.step()
+            yield piece
+
+
+def far_apart(a: Body, b: Body, piece: CurvedPiece) -> bool:
+    """True proves that the bodies share no point during the piece; False tells nothing."""
+    return are_apart(piece, _ball_of(shape_of(a)), _ball_of(shape_of(b)))
+
+
+def _legs(a: Body, b: Body, parts: Sequence[Piece | CurvedPiece]) -> dict[fmpq, CurvedPiece]:
+    """Pieces that are one translation or rotation by the motions themselves, by their starts.
+
+    Not that of a single one, whose search is as quick.
+    """
+    if len(parts) == 1 or all(isinstance(part, CurvedPiece) for part in parts):
+        return {}
     last = parts[-1].end
     assert last is not None  # sequences have bounded spans
-    return [*curved_pieces(a, b, parts[0].start, last)]
+    return {piece.start: piece for piece in curved_pieces(a, b, parts[0].start, last)}
 
 
 def _ball_of(body: Polyhedron) -> Ball:

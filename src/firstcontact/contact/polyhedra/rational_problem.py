@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
+from dataclasses import replace
 from functools import cached_property
+from typing import Any
 
-from flint import ctx, fmpz
+from flint import ctx, fmpz, fmpz_poly
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact.polyhedra.curved_problem import Corners, CurvedProblem
 from firstcontact.exact.fields.conditions import Conditions, between, distinct
-from firstcontact.exact.fields.roots import AlgebraicRoot
+from firstcontact.exact.fields.roots import AlgebraicRoot, real_roots
 from firstcontact.exact.numbers import exact_value
 from firstcontact.exact.rigid import Matrix
 from firstcontact.exact.times.instants import enclose
@@ -47,10 +49,20 @@ class RationalProblem(CurvedProblem[RootInstant]):
         scale, corners = whole(*pair[0], *pair[1])
         x, y = corners[: len(pair[0])], corners[len(pair[0]) :]
         if len(x) == 1:
-            return moving.vertex_facet(moving.times(self.path.pose, x[0], scale), *y)
-        if len(y) == 1:
-            return moving.vertex_facet(moving.times(self.back, y[0], scale), *x)
-        return self._edges(x, y, scale)
+            found = moving.vertex_facet(moving.times(self.path.pose, x[0], scale), *y)
+        elif len(y) == 1:
+            found = moving.vertex_facet(moving.times(self.back, y[0], scale), *x)
+        else:
+            found = self._edges(x, y, scale)
+        return [replace(c, zero=tuple(map(self._over_weight, c.zero))) for c in found]
+
+    def _over_weight(self, p: fmpz_poly) -> fmpz_poly:
+        """The polynomial over what it has in common with the weight, which has no zero in the piece.
+
+        What is left is mostly irreducible, which is soon seen; products of large factors are slow to take apart.
+        """
+        weight = self.path.pose[3][3]
+        return p // p.gcd(weight) if weight.degree() > 0 and p else p
 
     def _edges(self, x: list[Vector], y: list[Vector], scale: fmpz) -> list[Conditions]:
         """Edges that cross, and where that is not all, ends of one on the other."""
@@ -67,7 +79,8 @@ class RationalProblem(CurvedProblem[RootInstant]):
         return found
 
     def _parallel_at_events(self, crossing: Conditions) -> bool:
-        return any(root.sign_of(crossing.more[0]) == 0 for root in crossing.events(self.lo, self.hi))
+        common = crossing.zero[0].gcd(crossing.more[0])
+        return common.degree() > 0 and bool(real_roots(common, self.lo, self.hi))
 
     def contact(self, element_a: Feature, element_b: Feature) -> RootInstant | None:
         """The earliest time of the window at which the two elements share a point; exact."""
@@ -75,6 +88,29 @@ class RationalProblem(CurvedProblem[RootInstant]):
         found = [c.earliest(self.lo, self.hi) for c in self.conditions(pair)]
         roots = distinct(r for r in found if r is not None)
         return RootInstant(roots[0], self.lo) if roots else None
+
+    def contact_within(self, element_a: Feature, element_b: Feature, lo: float, hi: float) -> RootInstant | None:
+        """The same, of two elements of which floats have proved that they meet in [lo, hi], and not before lo.
+
+        Elements that meet lie in a plane: where they do so once in that time, it is then.
+        """
+        equation = self._coplanar(corners_of(self.a, element_a), corners_of(self.b, element_b))
+        if lo > 0.0 and equation:
+            roots = real_roots(self._over_weight(equation), self.lo + exact_value(lo), self.lo + exact_value(hi))
+            if len(roots) == 1 and roots[0].compare(self.hi) <= 0:
+                return RootInstant(roots[0], self.lo)
+        return self.contact(element_a, element_b)
+
+    def _coplanar(self, corners_a: list[Vector], corners_b: list[Vector]) -> Any:
+        """What vanishes where the two elements lie in a plane."""
+        scale, corners = whole(*corners_a, *corners_b)
+        x, y = corners[: len(corners_a)], corners[len(corners_a) :]
+        if len(x) == 1:
+            return moving.above_facet(moving.times(self.path.pose, x[0], scale), *y)
+        if len(y) == 1:
+            return moving.above_facet(moving.times(self.back, y[0], scale), *x)
+        edge = moving.turned(self.path.pose, sub(x[1], x[0]))
+        return moving.above_line(moving.times(self.path.pose, x[0], scale), edge, *y)
 
     def events(
         self, a: Primitive, b: Primitive, pairs: list[tuple[Hashable, Corners]]

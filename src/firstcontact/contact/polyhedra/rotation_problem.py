@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import copy
 import math
+from collections.abc import Iterator
 from fractions import Fraction
 from functools import cached_property, cmp_to_key
 from typing import Any
@@ -458,29 +459,37 @@ class RotationProblem(ByEngine):
             return False
         return compare_angles(at, LimitInstant(self.last[0], self.last[1] - turn)) == 0
 
-    def repeated(self, windows: list[Window]) -> list[tuple[TurnInstant, int, TurnInstant, int]]:
+    def repeated(self, windows: list[Window]) -> Iterator[tuple[TurnInstant, int, TurnInstant, int]]:
         """The windows of the first turn, (start, turn, end, turn), through all turns of the piece."""
         if self.last is None:
             raise InputError("contact_intervals needs a bounded span for a rotation; give span=(first, last)")
         opened = self._from_opening(windows)
         if not self._beyond_full_turn():
-            return [(start, 0, end, 0) for start, end in opened]
-        out: list[tuple[TurnInstant, int, TurnInstant, int]] = []
-        full, turn = LimitInstant(fmpq(0), fmpq(1)), 0
+            yield from ((start, 0, end, 0) for start, end in opened)
+            return
+        full = LimitInstant(fmpq(0), fmpq(1))
+        if [(start.is_zero(), compare_angles(end, full)) for start, end in windows] == [(True, 0)]:  # for ever
+            turns = _whole_turns(*self.last)
+            yield opened[0][0], 0, LimitInstant(self.last[0], self.last[1] - turns), turns
+            return
+        held: tuple[TurnInstant, int, TurnInstant, int] | None = None  # the next turn may go on with it
+        turn = 0
         while compare_angles(left := LimitInstant(self.last[0], self.last[1] - turn), self.start_instant()) >= 0:
             for start, end in windows if turn else opened:
                 if compare_angles(start, left) > 0:
                     break
-                end, last = (end, turn) if compare_angles(end, left) <= 0 else (left, turn)
-                joined = out and start.is_zero() and out[-1][3] == turn - 1 and compare_angles(out[-1][2], full) == 0
-                if joined:
-                    out[-1] = (*out[-1][:2], end, last)
+                end = end if compare_angles(end, left) <= 0 else left
+                if held and start.is_zero() and held[3] == turn - 1 and compare_angles(held[2], full) == 0:
+                    held = (*held[:2], end, turn)
                 else:
-                    out.append((start, turn, end, last))
-            if compare_angles(left, full) < 0:
+                    if held:
+                        yield held
+                    held = start, turn, end, turn
+            if not windows or compare_angles(left, full) < 0:
                 break
             turn += 1
-        return out
+        if held:
+            yield held
 
     def _from_opening(self, windows: list[Window]) -> list[Window]:
         """The windows of the first turn, from the opening on."""

@@ -16,13 +16,14 @@ from firstcontact.kernels.curves import lanes as curve_lanes
 from firstcontact.kernels.curves import points as columns
 from firstcontact.kernels.curves.trace import PLAN_COLUMNS, STACK, trace
 from firstcontact.kernels.curves.trim import trim
+from firstcontact.work import may_grow
 
 # Cells looked at for one pair of chains before the rest is left open; where that is decided exactly then, fewer.
 BUDGET, SMALL_BUDGET = 100_000, 20_000
-# Rows that arrays of nodes, places and arcs have at first, per part, and those of points, per arc, at first at most;
-# the most of all.  They grow where that does not do.  Not many more than small curves need: where memory comes in pages
-# of megabytes, clearing those takes longer than such a curve.
-ROOM, POINTS, FIRST_POINTS, MOST_ROOM = 64, 2**11, 2**19, 2**23
+# Rows that arrays of nodes, places and arcs have at first, per part, and those of points, per arc, at first at most.
+# They grow where that does not do.  Not many more than small curves need: where memory comes in pages of megabytes,
+# clearing those takes longer than such a curve.
+ROOM, POINTS, FIRST_POINTS = 64, 2**11, 2**19
 # Of directrices; nets of a cell have twice as many rows.
 HIGHEST_DEGREE = (cells.LAYER_ROWS - 2) // 2
 
@@ -92,9 +93,9 @@ def searched(p: Chain, q: Chain, settled: Settled, budget: int = BUDGET) -> Sear
         used, count = int(counts[cells.PLACES]), int(counts[cells.ARCS])
         if not counts[cells.SHORT] and used + 2 * count <= len(places):
             break
+        if not may_grow(side_p, side_q, places, arcs, by=4):
+            raise InputError(f"the curve falls into more than {room} arcs; give smaller pieces")
         room *= 4
-        if room > MOST_ROOM:
-            raise InputError(f"the curve falls into more than {MOST_ROOM} arcs; give smaller pieces")
     scratch, ends = np.empty((columns.SCRATCH_ROWS, width)), np.empty((5, columns.COLUMNS))
     used = trim(form_p, form_q, places, used, arcs, count, ends, scratch)
     arcs, places, opened = arcs[:count], places[:used], opened[: counts[cells.OPENED]]
@@ -126,9 +127,9 @@ def traced(found: Searched, tolerance: float) -> Solved:
             scratch, middles, lanes, points, parameters, rows,
         ):  # fmt: skip
             break
+        if not may_grow(points, parameters, by=4):
+            raise InputError(f"this tolerance needs more than {room} points; give a larger one")
         room *= 4
-        if room > MOST_ROOM:
-            raise InputError(f"this tolerance needs more than {MOST_ROOM // 4} points; give a larger one")
     for table in (points, parameters):  # branches are views of these
         table.resize((int(rows.max(initial=0)), table.shape[1]), refcheck=False)
     return Solved(p, q, places, arcs, lines, points, parameters, rows, turned, found.opened)

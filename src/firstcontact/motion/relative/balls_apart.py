@@ -57,7 +57,8 @@ def _turned(pose: LocalPose, centre: np.ndarray) -> tuple[np.ndarray, np.ndarray
     """Box of the path, a bound of what lengths are multiplied by, the largest number met."""
     fixed, cosine, sine, ahead = pose.terms[:, :, :3] @ centre + pose.terms[:, :, 3]
     swing = np.hypot(cosine, sine)
-    size = float(np.abs(pose.terms).sum(axis=0).max()) * (1.0 + float(np.abs(centre).max()) + abs(pose.rate))
+    largest = 1.0 + _SHORT + float(np.abs(centre).max())
+    size = float(np.abs(pose.terms).sum(axis=0).max()) * largest
     stretch = float(np.linalg.norm(pose.terms[0, :, :3] + pose.terms[1, :, :3]))  # the same at all times
     if abs(pose.rate) > _SHORT:
         return fixed + np.minimum(ahead, 0.0) - swing, fixed + np.maximum(ahead, 0.0) + swing, stretch, size

@@ -8,6 +8,8 @@ array argument costs reference counts in inner loops.
 
 from __future__ import annotations
 
+import math
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -15,7 +17,8 @@ from flint import arb, fmpq
 
 from firstcontact.exact.numbers import ball, to_double
 from firstcontact.kernels.pose_series import ROUNDED, pose_series
-from firstcontact.motion.relative.curved import CurvedPiece, Series, cofactors, inverse, terms
+from firstcontact.motion.placement import HERE
+from firstcontact.motion.relative.curved import CurvedPiece, Leg, Series, cofactors, inverse, terms
 from firstcontact.motion.relative.local_poses import local_pose
 
 TERMS = 8
@@ -61,15 +64,39 @@ _BERNSTEIN = _to_bernstein()
 
 def cells_of(piece: CurvedPiece, size_a: float, size_b: float) -> np.ndarray:
     """The array of the piece for bodies with coordinates up to size_a and size_b: (cells + SCRATCH, ROWS, TERMS)."""
-    found = _in_doubles(piece, size_a, size_b)
-    if found is None:
-        found = _in_balls(piece, size_a, size_b)
-    powers, rest = found
-    out = np.zeros((len(powers) + SCRATCH, ROWS, TERMS))
-    out[: len(powers)] = _bounded(powers, rest)
-    levels = (len(powers) + 1).bit_length() - 2
+    legs = piece.leg_a, piece.leg_b
+    parts = [leg.part(piece.start, piece.end) for leg in legs]
+    sizes = _rounded_up(size_a), _rounded_up(size_b)
+    if any(leg.before.factors for leg in legs) or not all(part[2] for part in parts):
+        cells = _cells(piece, *sizes)
+    else:
+        cells = _shared(piece.leg_a.motion, parts[0], piece.leg_b.motion, parts[1], *sizes)
+    out = np.zeros((len(cells) + SCRATCH, ROWS, TERMS))
+    out[: len(cells)] = cells
+    levels = (len(cells) + 1).bit_length() - 2
     out[0, ERRORS, LEVELS], out[0, ERRORS, LENGTH] = levels, to_double(piece.end - piece.start)
     return out
+
+
+def _rounded_up(size: float) -> float:
+    """To a power of two: then bodies of much the same size share what is known of a motion."""
+    return math.ldexp(1.0, math.frexp(size)[1])
+
+
+@lru_cache(maxsize=64)
+def _shared(
+    motion_a: Any, part_a: tuple[int, int, int, int], motion_b: Any, part_b: tuple[int, int, int, int], *sizes: float
+) -> np.ndarray:
+    """The cells of two motions, each for a part of its own time (`Leg.part`): the clock does not matter."""
+    legs = []
+    for motion, (p, q, m, n) in ((motion_a, part_a), (motion_b, part_b)):
+        legs.append(Leg(motion, -fmpq(p, q) * n / m, fmpq(n, m), HERE, ""))
+    return _cells(CurvedPiece(fmpq(0), fmpq(1), *legs), *sizes)
+
+
+def _cells(piece: CurvedPiece, size_a: float, size_b: float) -> np.ndarray:
+    found = _in_doubles(piece, size_a, size_b)
+    return _bounded(*(_in_balls(piece, size_a, size_b) if found is None else found))
 
 
 def _in_doubles(piece: CurvedPiece, size_a: float, size_b: float) -> Cells | None:

@@ -5,7 +5,7 @@ pose itself as a rational function of the time where it is one.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -24,6 +24,7 @@ from firstcontact.motion.translation import Translation
 
 # A pose as power series in (time - t): three rows of four.
 Series = list[list[Any]]
+Balls = list[list[arb]]
 
 
 class terms(precision):  # noqa: N801 - reads as `with terms(8, 128):`
@@ -65,6 +66,12 @@ class Leg:
         """Whether the pose is a rotation and a shift at all times."""
         rigid = not isinstance(self.motion, RationalMotion) or self.motion.rigid
         return rigid and all(_is_rotation(f) for f in self.before.factors if isinstance(f, tuple))
+
+    def part(self, start: fmpq, end: fmpq) -> tuple[int, int, int, int]:
+        """(p, q, m, n): of its motion's own time, the body makes m / n from p / q on; whole numbers are quick to hash.
+        """
+        begin, share = (start - self.origin) / self.unit, (end - start) / self.unit
+        return int(begin.p), int(begin.q), int(share.p), int(share.q)
 
     def fixed_direction(self, v: Vector) -> Vector | None:
         """Where the motion takes the direction v, if to one and the same at all times that is known exactly."""
@@ -120,9 +127,7 @@ class CurvedPiece:
     @cached_property
     def polynomial(self) -> PolynomialPiece | None:
         """The relative motion as a rational function of the time, where it is one."""
-        if not self.is_rational:
-            return None
-        return relative(*(_polynomial(leg, self.start, self.end) for leg in (self.leg_a, self.leg_b)))
+        return _relative(self.leg_a, self.leg_b, self.start, self.end) if self.is_rational else None
 
     def carry(self, t: float) -> np.ndarray | None:
         """Float pose (4, 4) of the working frame in the world at time t; None where it rests."""
@@ -141,7 +146,7 @@ class CurvedPiece:
         """Whether both bodies certainly start where they stand at the end of the piece before."""
         if not isinstance(before, CurvedPiece):
             return False
-        return all(
+        return (self.leg_a, self.leg_b) == (before.leg_a, before.leg_b) or all(
             mine.place(self.start).factors == theirs.place(before.end).factors and mine.place(self.start).is_exact
             for mine, theirs in ((self.leg_a, before.leg_a), (self.leg_b, before.leg_b))
         )
@@ -157,6 +162,11 @@ class CurvedPiece:
 def _is_rational(leg: Leg) -> bool:
     turns = isinstance(leg.motion, Rotation | Screw) and (leg.motion.angle != 0 or isinstance(leg.motion, Screw))
     return leg.before.is_exact and not turns
+
+
+@lru_cache(maxsize=64)
+def _relative(leg_a: Leg, leg_b: Leg, start: fmpq, end: fmpq) -> PolynomialPiece:
+    return relative(*(_polynomial(leg, start, end) for leg in (leg_a, leg_b)))
 
 
 def _polynomial(leg: Leg, start: fmpq, end: fmpq) -> PolynomialPiece:
@@ -187,22 +197,39 @@ def _own_series(motion: Any, t: arb, speed: fmpq) -> Series:
         ]
     angle = time * angle_ball(motion.angle, motion.unit)
     cosine, sine = angle.cos(), angle.sin()
-    h: list[Any] = [ball(x) for x in motion.axis]
-    square = ball(dot(motion.axis, motion.axis))
-    length = square.sqrt()
-    across: Any = [[0, -h[2], h[1]], [h[2], 0, -h[0]], [-h[1], h[0], 0]]
-    rows: Series = []
-    for i in range(3):
-        row = []
-        for j in range(3):
-            along = h[i] * h[j] / square
-            entry = cosine * (int(i == j) - along) + along
-            row.append(entry if i == j else entry + sine * (across[i][j] / length))
-        shift = ball(motion.point[i]) - sum((x * ball(motion.point[j]) for j, x in enumerate(row)), arb_series([0]))
-        if isinstance(motion, Screw):
-            shift = shift + time * (ball(motion.advance) * h[i] / length)
-        rows.append([*row, shift])
+    rest, swing, across, ahead = turning(motion, ctx.prec)
+    rows = [
+        [cosine * s + sine * c + r for r, s, c in zip(*row, strict=True)]
+        for row in zip(rest, swing, across, strict=True)
+    ]
+    if any(ahead):
+        rows = [[*row[:3], row[3] + time * x] for row, x in zip(rows, ahead, strict=True)]
     return rows
+
+
+@lru_cache(maxsize=256)
+def turning(motion: Rotation | Screw, bits: int) -> tuple[Balls, Balls, Balls, list[arb]]:
+    """Maps P, 1 - P and N about the axis, three rows of four, and the way along it, in balls of that many bits.
+
+    The pose turned by an angle is P + (1 - P) cos(angle) + N sin(angle), P the projection on the axis n through the
+    motion's point and N the product with n.
+    """
+    with precision(bits):
+        length = ball(dot(motion.axis, motion.axis)).sqrt()
+        n = [ball(x) / length for x in motion.axis]
+        nil = arb(0)
+        along = [[x * y for y in n] for x in n]
+        swing = [[int(i == j) - along[i][j] for j in range(3)] for i in range(3)]
+        across = [[nil, -n[2], n[1]], [n[2], nil, -n[0]], [-n[1], n[0], nil]]
+        p = [ball(x) for x in motion.point]
+        placed = [[sum((x * y for x, y in zip(row, p, strict=True)), nil) for row in m] for m in (swing, across)]
+        shifts = placed[0], [-x for x in placed[0]], [-x for x in placed[1]]
+        rest, swing, across = (
+            [[*row, x] for row, x in zip(m, shift, strict=True)]
+            for m, shift in zip((along, swing, across), shifts, strict=True)
+        )
+        ahead = [ball(motion.advance) * x if isinstance(motion, Screw) else nil for x in n]
+        return rest, swing, across, ahead
 
 
 def _series(p: Any, argument: arb_poly) -> arb_series:

@@ -6,13 +6,13 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from flint import arb, fmpq, fmpq_poly
+from flint import fmpq, fmpq_poly
 
 from firstcontact.exact.numbers import ball, precision, to_double
 from firstcontact.exact.vectors import dot
 from firstcontact.kernels.pose_series import LocalPose
 from firstcontact.motion.rational import RationalMotion
-from firstcontact.motion.relative.curved import CurvedPiece, Leg
+from firstcontact.motion.relative.curved import CurvedPiece, Leg, turning
 from firstcontact.motion.rotation import Rotation, angle_ball
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.translation import Translation
@@ -24,15 +24,17 @@ _ONE, _EXACT = np.ones(1), np.zeros(1)
 
 def local_pose(leg: Leg, piece: CurvedPiece) -> LocalPose:
     """The pose of one body during the piece, the time running from 0 to 1."""
-    begin, share = (piece.start - leg.origin) / leg.unit, (piece.end - piece.start) / leg.unit
-    found = (
-        _rational(leg.motion, begin, share) if isinstance(leg.motion, RationalMotion)
-        else _turning(leg.motion, begin, share)
-    )  # fmt: skip
+    found = _own(leg.motion, *leg.part(piece.start, piece.end))
     return _after(found, leg.before.doubles()) if leg.before.factors else found
 
 
 @lru_cache(maxsize=1024)
+def _own(motion: Any, p: int, q: int, m: int, n: int) -> LocalPose:
+    """The pose of the motion itself from its own time p / q on, for the time m / n."""
+    begin, share = fmpq(p, q), fmpq(m, n)
+    return (_rational if isinstance(motion, RationalMotion) else _turning)(motion, begin, share)
+
+
 def _rational(motion: RationalMotion, begin: fmpq, share: fmpq) -> LocalPose:
     local = fmpq_poly([begin, share])
     rows = [[_fractions(x, local) for x in row] for row in motion.pose]
@@ -81,21 +83,11 @@ def _turning(motion: Any, begin: fmpq, share: fmpq) -> LocalPose:
 @lru_cache(maxsize=1024)
 def _axis(motion: Rotation | Screw) -> tuple[np.ndarray, np.ndarray]:
     """The unit vector n (3,), the maps P, 1 - P and N about the axis (3, 3, 4): every entry rounded once."""
+    *maps, _ = turning(motion, 2 * _BITS)
     with precision(2 * _BITS):
         length = ball(dot(motion.axis, motion.axis)).sqrt()
-        n = [ball(x) / length for x in motion.axis]
-        nil = arb(0)
-        along = [[x * y for y in n] for x in n]
-        swing = [[int(i == j) - along[i][j] for j in range(3)] for i in range(3)]
-        across = [[nil, -n[2], n[1]], [n[2], nil, -n[0]], [-n[1], n[0], nil]]
-        p = [ball(x) for x in motion.point]
-        placed = [[sum((x * y for x, y in zip(row, p, strict=True)), nil) for row in m] for m in (swing, across)]
-        shifts = placed[0], [-x for x in placed[0]], [-x for x in placed[1]]
-        maps = [
-            [[*map(float, row), float(x)] for row, x in zip(m, shift, strict=True)]
-            for m, shift in zip((along, swing, across), shifts, strict=True)
-        ]
-        return np.array([float(x) for x in n]), np.array(maps)
+        n = [float(ball(x) / length) for x in motion.axis]
+    return np.array(n), np.array([[[float(x) for x in row] for row in m] for m in maps])
 
 
 def _after(pose: LocalPose, first: np.ndarray) -> LocalPose:

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,7 +25,7 @@ from firstcontact.motion.moving import Moving
 from firstcontact.motion.placement import Placement, Turn, angle_of
 from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.relative.curved import CurvedPiece, Leg
-from firstcontact.motion.rotation import Rotation, rotation_matrix
+from firstcontact.motion.rotation import Rotation, rotation_matrix, turns_of
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.sequence import Sequence
 from firstcontact.motion.steps import RESTING, Step, steps_of
@@ -34,6 +35,9 @@ _0 = fmpq(0)
 # Motions of which two may be one, and all that polyhedra can be followed under.
 SIMPLE = Translation, Rotation
 SUPPORTED = *SIMPLE, Screw, RationalMotion
+# Full turns that polynomials over cells of time follow well.  Bodies tend to be aligned after simple shares of a turn:
+# at no such place is a motion cut.
+FEW_TURNS = fmpq(316, 101)
 
 
 class Piece(NamedTuple):
@@ -99,6 +103,16 @@ def curved_pieces(a: Any, b: Any, first: fmpq, last: fmpq) -> list[CurvedPiece]:
         _curved(a, b, _step_at(steps_a, t0), _step_at(steps_b, t0), t0, t1)
         for t0, t1 in _cut(steps_a, steps_b, first, last)
     ]
+
+
+def in_few_turns(piece: CurvedPiece) -> Iterator[CurvedPiece]:
+    """Stretches of the piece, one after the other, each of a few turns at most."""
+    speed = max(turns_of(leg.motion) / leg.unit for leg in (piece.leg_a, piece.leg_b))
+    start = piece.start
+    while speed and (end := start + FEW_TURNS / speed) < piece.end:
+        yield replace(piece, start=start, end=end)
+        start = end
+    yield piece if start == piece.start else replace(piece, start=start)
 
 
 def placement_at(body: Any, time: fmpq) -> Placement:

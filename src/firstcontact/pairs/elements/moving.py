@@ -59,6 +59,16 @@ def edge_edge_crossing(x: Point, e: Vector, c: Vector, d: Vector) -> Conditions:
     return Conditions((dot(r, n),), (lam, square - lam, mu, square * x[1] - mu), (square,))
 
 
+def above_facet(x: Point, a: Vector, b: Vector, c: Vector) -> Any:
+    """The equation of `vertex_facet`: zero when the moving point is in the plane of abc."""
+    return dot(cross(sub(b, a), sub(c, a)), _seen(x, a))
+
+
+def above_line(x: Point, e: Vector, c: Vector, d: Vector) -> Any:
+    """The equation of `edge_edge_crossing`, but for its sign."""
+    return dot(_seen(x, c), cross(e, sub(d, c)))
+
+
 
 def times(rows: Any, p: Vector, scale: Any) -> Point:
     """A pose (4x4 polynomials) applied to the point p / scale, times scale."""

@@ -56,7 +56,7 @@ from firstcontact.motion.relative.stretches import Window
 from firstcontact.search.convex.advance import Feature, named
 from firstcontact.search.convex.convex import ConvexPieces
 from firstcontact.search.trees.frame import tree_of
-from firstcontact.work import Progress
+from firstcontact.work import Progress, may_grow
 
 STRIDES = 10_000
 """For one triangle at most."""
@@ -105,7 +105,8 @@ class Swept:
     """What was proved.
 
     status: "free"; "contact" (`touch`); "initial": a point of the triangle `touch` lies inside a piece at the start;
-    "open": `reason` "precision" (`open` may touch first) or "budget".  free_until: no common point before it.
+    "open": `reason` "precision" (`open` may touch first) or "budget" (or memory).  free_until: no
+    common point before it.
     """
 
     status: str
@@ -210,6 +211,8 @@ class MeshSearch:
                 hint, self.keys, self.pairs, self.state, self.workspace, self.counters,
             )  # fmt: skip
             if reason == FULL:
+                if not may_grow(self.keys, self.pairs):
+                    return self._stopped(best, left)
                 self._grow()
             elif reason == SLICE:
                 work = int(self.state[VISITS] + self.counters[STEPS])

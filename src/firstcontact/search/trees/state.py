@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from firstcontact.work import may_grow
+
 # Kinds of candidate pairs: element of a, element of b.  In this order the lowest kind is reported.  NumPy integers,
 # because Numba compiles a function anew for every Python integer written into a call.
 VERTEX_FACE, EDGE_EDGE, FACE_VERTEX, EDGE_FACE, FACE_EDGE = (np.int64(k) for k in range(5))
@@ -30,6 +32,8 @@ FIRST, SURE_FIRST, SURE_LAST, BEST, KEY, ALL = range(6)
 
 # A slice of work between two looks at the keyboard and the progress bar: about 0.1 s.
 SLICE = 1_000_000
+# The same of walks under curved motions, whose visits look at cells of time.
+CURVED_SLICE = 20_000
 # Undecided pairs that send the walk back for exact answers: few, because each may end the search.
 UNSURE_BATCH = 16
 # Room a leaf pair may need among the candidates: 9 edge/edge, 6 vertex/face, 6 edge/face.
@@ -63,8 +67,10 @@ class WalkState:
         n[STACK] = 1
         self.stack[0] = 0
 
-    def grow(self) -> None:
-        """Double every array that is close to full."""
+    def grow(self) -> bool:
+        """Double every array that is close to full; False where there is no memory for that."""
+        if not may_grow(self.keys, self.pairs, self.stack, self.times, self.candidates):
+            return False
         n = self.integers
         if n[HEAP] + 4 > len(self.keys):
             self.keys = np.concatenate([self.keys, np.empty_like(self.keys)])
@@ -74,6 +80,12 @@ class WalkState:
         if n[CANDIDATES] + LEAF_ROOM > len(self.times):
             self.times = np.concatenate([self.times, np.empty_like(self.times)])
             self.candidates = np.concatenate([self.candidates, np.empty_like(self.candidates)])
+        return True
+
+
+def share_of(budget: int) -> int:
+    """Visits after which to look at what is left of a budget again: to each may belong a dozen tests and more."""
+    return max(1, budget // 16)
 
 
 _local = threading.local()

@@ -1,0 +1,75 @@
+"""Of pairs of elements that meet at one place, the normal that keeps the bodies best apart.
+
+A vertex that lands on a corner touches all faces there, and the plane of a face that looks away from it parts nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from firstcontact.contact.polyhedra.earliest import Pair
+from firstcontact.motion.moving import Moving, shape_of
+from firstcontact.search.trees.elements import FACE, Feature, vertices_of
+
+# Of the size of what is near a place: as close as doubles tell what lies at it, and of unit vectors.
+NEAR = 1e-9
+# A few dozen roundings.
+ROUNDING = 2.0**-48
+
+
+def best_apart(
+    a: Any, b: Any, time: float, pairs: list[Pair], point: np.ndarray, normals: Iterable[np.ndarray]
+) -> np.ndarray:
+    """The first of the normals, from b towards a, into which the bodies reach least about the point; world frame.
+
+    pairs: those that meet, of which the bodies' elements at the point are taken.
+    """
+    spokes_a = _spokes(a, time, {pair[1] for pair in pairs}, point)
+    spokes_b = _spokes(b, time, {pair[2] for pair in pairs}, point)
+    spokes = np.vstack([spokes_a, -spokes_b])
+    lengths = np.linalg.norm(spokes, axis=1)
+    # far from the origin, doubles tell where corners are to no more than this
+    near = max(NEAR, ROUNDING * float(np.abs(point).max()) / float(lengths.min(initial=np.inf)))
+    best, least = None, np.inf
+    for n in normals:
+        reach = float((-(spokes @ n) / lengths).max(initial=0.0))
+        if reach < least - near:
+            best, least = n, reach
+        if least <= near:
+            break
+    assert best is not None  # there is one at least
+    return best
+
+
+def _spokes(body: Any, time: float, elements: set[Feature], point: np.ndarray) -> np.ndarray:
+    """Vectors (n, 3) from the point to the other corners of the elements there, and of the triangles beside these."""
+    shape = shape_of(body)
+    corners = np.array(shape.vertices, float)
+    if isinstance(body, Moving):
+        pose = body.motion(time)
+        corners = corners @ pose[:3, :3].T + pose[:3, 3]
+    triangles = [t for kind, t in elements if kind == FACE]
+    sides = [vertices_of(shape, e) for e in elements]
+    beside = np.flatnonzero(np.isin(shape.triangles, [v for side in sides for v in side]).any(axis=1))
+    cells = [*(shape.triangles[k].tolist() for k in {*triangles, *beside.tolist()}), *sides]
+    ways = [np.zeros((0, 3))]
+    for cell in cells:
+        spokes = corners[cell] - point
+        near = max(NEAR * float(np.abs(spokes).max()), ROUNDING * float(np.abs(point).max()))
+        if _is_at(spokes, near):
+            ways.append(spokes[np.linalg.norm(spokes, axis=1) > near])
+    return np.vstack(ways)
+
+
+def _is_at(spokes: np.ndarray, near: float) -> bool:
+    """Whether the origin lies in the hull of one, two or three points, to within a length."""
+    p = spokes[0]
+    sides = (spokes[1:] - p).T
+    if not sides.size:
+        return bool(np.linalg.norm(p) <= near)
+    shares = np.linalg.lstsq(sides, -p, rcond=None)[0]
+    inside = shares.min() >= -NEAR and shares.sum() <= 1.0 + NEAR
+    return bool(inside and np.linalg.norm(p + sides @ shares) <= near)

@@ -1,0 +1,85 @@
+"""Motions of many turns: cut into a few turns each, which count as work; answers as of the motion cut by hand."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+import firstcontact as fc
+
+BOX = fc.examples.box((1, 1, 1))
+TURNED = BOX.rotated((1, 2, 3), degrees=25).translated((0, 0, -2))
+OTHER = BOX.translated((0.9, 0.4, 1.5))
+Status = fc.Status
+
+
+def screw(turns, advance=3):
+    return fc.Screw((0, 0, 1), point=(0.3, 0.2, 0), turns=turns, advance=advance)
+
+
+@pytest.mark.parametrize("turns", [7, 100, 300])
+def test_the_first_contact_is_that_of_the_turns_in_which_it_is(turns):
+    hit = fc.first_contact(TURNED.moving(screw(turns)), OTHER)
+    assert hit.status is Status.CONTACT
+    near = 1 / turns
+    assert fc.first_contact(TURNED.moving(screw(turns)), OTHER, (hit.time - near, hit.time + near)).time == hit.time
+    assert fc.first_contact(TURNED.moving(screw(turns)), OTHER, (0, hit.time - 1e-9)).status is Status.FREE
+
+
+def test_a_contact_goes_on_through_the_cuts():
+    rod = fc.examples.box((0.2, 0.2, 2)).rotated((1, 2, 3), degrees=25)
+    plate = fc.examples.box((3, 3, 1))
+    told = fc.contact_intervals(rod.translated((0, 0, -4)).moving(fc.Screw((0, 0, 1), turns=7, advance=8)), plate)
+    (one,) = told.intervals
+    low, high = rod.vertices[:, 2].min(), rod.vertices[:, 2].max()
+    assert (one.start, one.end) == (pytest.approx((3.5 - high) / 8), pytest.approx((4.5 - low) / 8))
+
+
+@pytest.mark.parametrize("budget", [50, 1000])
+@pytest.mark.parametrize("turns", [10**5, "1e30"])
+@pytest.mark.parametrize("kind", [fc.Rotation, fc.Screw])
+def test_turns_count_as_work(kind, turns, budget):
+    way = kind((0, 0, 1), turns=turns)
+    told = fc.contact_intervals(BOX.moving(way), BOX.translated((1.05, 0, 0)), budget=budget)
+    assert (told.status, told.reason) == (Status.UNDECIDED, "budget")
+    assert len(told) <= budget and told.stats.node_visits + told.stats.pair_tests <= 1.2 * budget
+    assert all(one.end <= told.free_until for one in told)
+    if kind is fc.Rotation and budget > 500:
+        assert len(told) > 500
+        short = fc.contact_intervals(BOX.moving(fc.Rotation((0, 0, 1), turns=100)), BOX.translated((1.05, 0, 0)))
+        share = float(turns) / 100
+        assert told[150].start * share == pytest.approx(short[150].start, rel=1e-12)
+
+
+def test_bodies_that_never_meet_or_never_part_need_no_turns():
+    way = fc.Rotation((0, 0, 1), turns="1e30")
+    assert fc.contact_intervals(BOX.moving(way), BOX.translated((5, 0, 0)), budget=1000).status is Status.FREE
+    told = fc.contact_intervals(BOX.moving(way), BOX.translated((0.05, 0, 0)), budget=1000)
+    assert [(one.start, one.end) for one in told] == [(0, 1)]
+    way = screw("1e30", 1)
+    assert fc.first_contact(BOX.moving(way), BOX.translated((3, 0, 0)), budget=10).status is Status.FREE
+
+
+def test_the_first_contact_of_a_screw_counts_its_turns():
+    far = BOX.translated((0.9, 0.4, 2.6))
+    told = fc.first_contact(TURNED.moving(screw("1e30")), far, budget=1000)
+    assert (told.status, told.reason) == (Status.UNDECIDED, "budget") and 0 < told.free_until < 1e-25
+    with pytest.raises(fc.InputError, match="full turns"):
+        fc.first_contact(TURNED.moving(screw("1e30")), far)
+
+
+@pytest.mark.parametrize("budget", [10, 300])
+def test_intervals_in_a_holed_solid_end_with_their_budget(budget):
+    solid, ball = fc.box((8, 8, 2)) - fc.cylinder(2, 4), fc.examples.noisy_sphere(1280).translated((0, 0, 5))
+    told = fc.contact_intervals(ball.moving(fc.Translation((1, 0.5, -10))), solid, budget=budget)
+    assert (told.status, told.reason, told.free_until) == (Status.UNDECIDED, "budget", 0.0)
+
+
+def test_exact_pairs_count_as_work():
+    told = fc.contact_intervals(TURNED.moving(screw(3)), OTHER)
+    assert told.stats.exact_evaluations > 3
+    spent = told.stats.node_visits + told.stats.pair_tests + 2
+    few = fc.contact_intervals(TURNED.moving(screw(3)), OTHER, budget=spent)
+    assert (few.status, few.reason, few.stats.exact_evaluations) == (Status.UNDECIDED, "budget", 2)
+    assert math.isfinite(few.free_until)

@@ -1,0 +1,60 @@
+"""Tips that land on corners: of all planes there the normal is of one that parts the bodies."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+
+import firstcontact as fc
+from amount import amount
+
+TIPS = np.vstack([np.eye(3), -np.eye(3)])
+MOTIONS = {
+    "translation": lambda axis, place: fc.Translation(axis),
+    "rational": lambda axis, place: fc.RationalMotion.between((0, 0, 0), axis, quat_wxyz=((1, 0, 0, 0),) * 2),
+    "rotation": lambda axis, place: fc.Rotation(axis, place, turns=1),
+    "screw": lambda axis, place: fc.Screw(axis, place, turns=1, advance=4),
+}
+
+
+def octahedron(rng) -> fc.Polyhedron:
+    """Convex, with corners in the lattice."""
+    while True:
+        m = rng.integers(-2, 3, (3, 3))
+        if np.linalg.det(m) > 0.5:
+            break
+    faces = []
+    for signs in itertools.product((0, 3), repeat=3):
+        face = [k + s for k, s in enumerate(signs)]
+        faces.append(face if sum(signs) % 2 == 0 else face[::-1])
+    return fc.Polyhedron(TIPS @ m.T, faces)
+
+
+def assert_parted(a, motion, b, hit):
+    pose = motion(hit.time)
+    moved = a.vertices @ pose[:3, :3].T + pose[:3, 3]
+    assert ((moved - hit.point) @ hit.normal).min() > -1e-6
+    assert ((b.vertices - hit.point) @ hit.normal).max() < 1e-6
+
+
+@pytest.mark.parametrize("kind", MOTIONS)
+@pytest.mark.parametrize("block", range(amount(6)))
+def test_the_normal_parts_convex_bodies(kind, block):
+    rng, met = np.random.default_rng([block, 17]), 0
+    for _ in range(30):
+        a, b, v = octahedron(rng), octahedron(rng), 2 * rng.integers(-6, 7, 3)
+        axis, place = [int(x) for x in v], [int(x) for x in rng.integers(-3, 4, 3)]
+        if not v.any():
+            continue
+        motion = MOTIONS[kind](axis, place)
+        meeting = b.vertices[rng.integers(6)] - a.vertices[rng.integers(6)] - v / 2
+        a = a.translated(meeting.tolist() if kind in ("translation", "rational") else [2.0 * x for x in place])
+        hit = fc.first_contact(a.moving(motion), b)
+        swapped = fc.first_contact(b, a.moving(motion))
+        if hit.status is fc.Status.CONTACT and hit.normal is not None:
+            met += hit.multiplicity > 1
+            assert_parted(a, motion, b, hit)
+            assert swapped.normal == pytest.approx(-hit.normal, abs=1e-9)
+    assert met or kind in ("rotation", "screw")
