@@ -21,7 +21,7 @@ ROW = np.dtype([
 """A row: numbers of words in the lists below, nan for what is not known, -1 for no element."""
 STATUSES = ("", *(status.name for status in Status))
 INITIALS = ("", "touching", "overlapping", "containment")
-REASONS = ("", "budget", "precision")
+REASONS = ("", "budget", "precision", "memory")
 KINDS = ("", "vertex", "edge", "face", "apex", "directrix", "end_ruling")
 WORDS = {"status": STATUSES, "initial": INITIALS, "reason": REASONS, "kind_a": KINDS, "kind_b": KINDS}
 PLACED = "kind_a", "kind_b", "index_a", "index_b", "multiplicity", "point", "normal"

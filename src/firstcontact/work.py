@@ -55,7 +55,7 @@ class Work:
         if self.progress is not None:
             self.progress(self.free_until, self.done)
 
-    def left(self, most: int) -> int:
+    def allowed(self, most: int) -> int:
         """How much of that the budget allows."""
         return most if self.budget is None else min(most, max(self.budget - self.done, 0))
 

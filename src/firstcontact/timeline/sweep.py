@@ -177,7 +177,7 @@ class Sweep(Generic[W]):
                 point = self._window(window, point, k == 0)
         except Open as stopped:
             self.reached = max(self.reached, stopped.time)
-            reason = "precision" if self.work.left(1) else "budget"
+            reason = "precision" if self.work.allowed(1) else "budget"
         except Spent:
             reason = "budget"
         last = self.windows[-1].last

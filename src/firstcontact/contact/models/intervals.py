@@ -92,7 +92,7 @@ class _Free:
     def _events(self, window: Window, still: bool, t: float, end: float) -> tuple[events.EventSearch, bool]:
         """(a search for events, or at t = end for common points, which counts as work; whether there is none)."""
         assert self.tables is not None
-        most = self.work.left(events.MOST_STILL if still else BOXES)
+        most = self.work.allowed(events.MOST_STILL if still else BOXES)
         search = events.EventSearch(*self.models, self.tables, [window], 1.0, most)
         search.width = self.width
         outcome = search.searched(still, window, t, end, most)

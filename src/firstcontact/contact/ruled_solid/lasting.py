@@ -43,14 +43,14 @@ class RuledFree:
         self.numbers = {id(feature.sheet): sheets.index(feature.sheet) for feature in _features(tables)}
 
     def at(self, window: Window, t: float) -> bool:
-        most = self.work.left(events.MOST_STILL)
+        most = self.work.allowed(events.MOST_STILL)
         search = events.EventSearch(*self.bodies, self._tables(window), [window], 1.0, most)
         outcome = search.searched(True, window, t, t, most)
         self.work.done += search.taken
         return outcome == FREE
 
     def until(self, window: Window, t: float, end: float) -> tuple[float, list[np.ndarray]]:
-        search = RuledSearch(*self.bodies, self._tables(window), [window], 1.0, self.work.left(BOXES), self.side)
+        search = RuledSearch(*self.bodies, self._tables(window), [window], 1.0, self.work.allowed(BOXES), self.side)
         search.width, search.way = self.width, way_of(window, self.windows)
         try:
             return self._until(search, window, t, end)
