@@ -124,10 +124,14 @@ def _where(hit: Any, truth: Truth) -> str | None:
         speed = _unit(truth.velocity(_meeting_place(bodies, pieces) or [F(float(x)) for x in hit.point]))
         if dot(normal, speed) > 1e-9:
             return f"normal {normal.tolist()} points from a towards b"
-    for body, element, e in zip(bodies, pieces, elements, strict=True):
-        if e.kind == "vertex":
-            continue
-        for piece in element:
+    leans = [_lean(bodies, (pair.element_a, pair.element_b), normal) for pair in (hit, *hit.others)]
+    return leans[0] if None not in leans else None
+
+
+def _lean(bodies: Sequence[Mesh], elements: Sequence[Any], normal: Any) -> str | None:
+    """An element that the normal is not across: it is across both of one of the pairs that are told."""
+    for body, e in zip(bodies, elements, strict=True):
+        for piece in body.element(e.kind, e.index) if e.kind != "vertex" else ():
             for i in piece[1:]:
                 d = _unit([x - y for x, y in zip(body.vertices[i], body.vertices[piece[0]], strict=True)])
                 if any(d) and abs(dot(d, normal)) > 1e-8:

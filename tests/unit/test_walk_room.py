@@ -21,7 +21,7 @@ def test_the_heap_fills_while_pairs_wait_on_the_stack(monkeypatch):
 
         def grow(self):
             used.append(int(self.integers[state.HEAP]) / len(self.keys))
-            super().grow()
+            return super().grow()
 
     monkeypatch.setattr(earliest, "borrow_state", Narrow)
     monkeypatch.setattr(earliest, "return_state", lambda state: None)

@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
-from firstcontact.contact.polyhedra.earliest import Pair
+from firstcontact.contact.polyhedra.answers import where_met
+from firstcontact.contact.polyhedra.earliest import Found, Pair, Problem
 from firstcontact.contact.polyhedra.engines import tests_of_boxes
 from firstcontact.exact.numbers import Undecidable
 from firstcontact.result import ElementPair
@@ -68,6 +69,13 @@ Place = tuple[ElementPair, int, np.ndarray, np.ndarray | None]
 """The lowest pair of elements, how many there are, the point, the unit normal or None."""
 
 
+def placed(problem: Problem, contacts: Contacts, k: int, moving: Any, b: Polyhedron) -> Place:
+    """What a CONTACT result says of the place of a contact; the problem is that of its motion."""
+    found = Found(contacts.instant(k), contacts.pairs(k))
+    told = where_met(problem, found, float(contacts.times[k]), {"a": moving, "b": b})
+    return ElementPair(told["element_a"], told["element_b"]), told["multiplicity"], told["point"], told["normal"]
+
+
 @dataclass(frozen=True)
 class Walks:
     """What all walks share.  boxes and trees of both bodies, and how far coordinates of parts may be off."""
@@ -79,8 +87,8 @@ class Walks:
     error_a: float
     error_b: float
 
-    def walked(self, motions: np.ndarray, ends: np.ndarray, pads: np.ndarray) -> Walked:
-        """motions, ends, pads: as `walk_each` has them."""
+    def walked(self, motion: np.ndarray, motions: np.ndarray, ends: np.ndarray, pads: np.ndarray) -> Walked:
+        """motion, motions, ends, pads: as `walk_each` has them."""
         a, b = self.tree_a, self.tree_b
         most_tests = tests_of_boxes(a, b)  # after which `first` asks another engine
         told, work = np.full(len(ends), OPEN, np.int64), np.zeros(len(ends), np.int64)
@@ -91,7 +99,7 @@ class Walks:
                 times, rows = np.empty((ROOM, 2)), np.empty((ROOM, 6), np.int64)
                 begin, count = walk_each(
                     self.boxes_a, a.links, a.xyz, a.ids, self.boxes_b, b.links, b.xyz, b.ids,
-                    motions, ends, pads, self.error_a, self.error_b, most_tests, begin, SLICE,
+                    motion, motions, ends, pads, self.error_a, self.error_b, most_tests, begin, SLICE,
                     state.floats, state.integers, state.keys, state.pairs, state.stack, state.times, state.candidates,
                     told, work, times, rows,
                 )  # fmt: skip

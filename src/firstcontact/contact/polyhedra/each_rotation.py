@@ -6,13 +6,10 @@ import numpy as np
 from flint import fmpq
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
-from firstcontact.contact.polyhedra.answers import where_met
-from firstcontact.contact.polyhedra.each import Contacts, Exactly, Place, Walked, Walks, first_of
-from firstcontact.contact.polyhedra.earliest import Found
+from firstcontact.contact.polyhedra.each import Contacts, Exactly, Place, Walked, Walks, first_of, placed
 from firstcontact.contact.polyhedra.rotation_problem import RotationProblem
 from firstcontact.motion.arrays import Rotations
 from firstcontact.motion.relative.pieces import Piece, pieces
-from firstcontact.result import ElementPair
 from firstcontact.search.trees.walk_each import OPEN
 
 
@@ -32,7 +29,7 @@ class EachRotation:
         lasts = [fmpq(*last.as_integer_ratio()) for last in self.lasts.tolist()]
         ends = [problem.until(abs(x * t), abs(y * t)).window() for (x, y), t in zip(angles, lasts, strict=True)]
         ranges = problem.motion.copy()  # walks fill it, and others may go on in other threads
-        return self._contacts(walks.walked(ranges[None], np.array(ends), np.full(len(ends), problem.pad)))
+        return self._contacts(walks.walked(ranges, np.empty((0, 9)), np.array(ends), np.full(len(ends), problem.pad)))
 
     def _contacts(self, walked: Walked) -> tuple[np.ndarray, np.ndarray, Contacts]:
         found = []
@@ -65,11 +62,8 @@ class EachRotation:
 
     def place(self, contacts: Contacts, k: int) -> Place:
         """Elements, point and normal of a contact."""
-        motion, time = int(contacts.motions[k]), float(contacts.times[k])
-        bodies = {"a": self.a.moving(self.motions[motion]), "b": self.b}
-        found = where_met(self._problem(motion), Found(contacts.instant(k), contacts.pairs(k)), time, bodies)
-        lowest = ElementPair(found["element_a"], found["element_b"])
-        return lowest, found["multiplicity"], found["point"], found["normal"]
+        motion = int(contacts.motions[k])
+        return placed(self._problem(motion), contacts, k, self.a.moving(self.motions[motion]), self.b)
 
 
 def _exactly(problem: RotationProblem) -> Exactly:

@@ -10,8 +10,7 @@ from flint import fmpq, fmpz
 
 from firstcontact.body.kept import Kept
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
-from firstcontact.contact.polyhedra.answers import element_pairs
-from firstcontact.contact.polyhedra.each import Contacts, Place, Walked, Walks
+from firstcontact.contact.polyhedra.each import Contacts, Place, Walked, Walks, placed
 from firstcontact.contact.polyhedra.translation_problem import (
     LEAST_FRAMED,
     TranslationProblem,
@@ -23,8 +22,7 @@ from firstcontact.exact.vectors import Vector, whole, whole_doubles
 from firstcontact.motion.relative.pieces import Piece, pieces
 from firstcontact.motion.translation import Translation
 from firstcontact.pairs.elements import coplanar
-from firstcontact.search.trees.elements import FACE, VERTEX, whole_corners
-from firstcontact.search.trees.touch import translation_touch
+from firstcontact.search.trees.elements import FACE, VERTEX
 from firstcontact.search.trees.walk_each import OPEN
 
 ONE = fmpz(1)
@@ -37,8 +35,7 @@ class EachTranslation:
     def __init__(self, a: Polyhedron, b: Polyhedron, vectors: np.ndarray, lasts: np.ndarray) -> None:
         """vectors (n, 3): velocities, moderate ones (`is_moderate`).  lasts (n,): ends of the windows."""
         self.vectors, self.lasts = vectors, lasts
-        self.bodies = a.moving(Translation((1, 0, 0))), b
-        piece = pieces(*self.bodies, fmpq(0), fmpq(1))[0]
+        piece = pieces(a.moving(Translation((1, 0, 0))), b, fmpq(0), fmpq(1))[0]
         assert isinstance(piece, Piece)
         problem = self.problem = TranslationProblem(a, b, piece)
         trees = problem.tree_a, problem.tree_b
@@ -56,7 +53,7 @@ class EachTranslation:
             motions = np.concatenate([framed, 1.0 / np.where(framed == 0.0, 0.0, framed), vectors], axis=1)
         pads = np.broadcast_to(framed_pad(self.problem.error, frame, coordinates, lasts), lasts.shape)
         ends = np.stack([lasts, lasts], axis=1)
-        return self._contacts(self.walks.walked(motions, ends, np.ascontiguousarray(pads)))
+        return self._contacts(self.walks.walked(np.empty(9), motions, ends, np.ascontiguousarray(pads)))
 
     def _contacts(self, walked: Walked) -> tuple[np.ndarray, np.ndarray, Contacts]:
         """What is told, work, and the contacts: the first of all candidates by the exact equation of each."""
@@ -103,13 +100,12 @@ class EachTranslation:
 
     def place(self, contacts: Contacts, k: int) -> Place:
         """Elements, point and normal of a contact."""
-        named = element_pairs(*self.bodies, contacts.pairs(k))
-        lowest, pair = named[0]
-        per, (velocity,) = whole_doubles([self.vectors[contacts.motions[k]].tolist()], ONE)
-        # in the numbers of `TranslationProblem`: normals are rounded from them
-        scale, *corners, velocity = whole_corners(self.problem.a, pair[1], self.problem.b, pair[2], per, velocity)
-        touch = translation_touch(pair[1], corners[0], pair[2], corners[1], velocity, scale, contacts.instant(k))
-        return lowest, len(named), *touch
+        motion = int(contacts.motions[k])
+        moving = self.problem.a.moving(Translation(self.vectors[motion].tolist()))
+        piece = pieces(moving, self.problem.b, fmpq(0), fmpq(*float(self.lasts[motion]).as_integer_ratio()))[0]
+        assert isinstance(piece, Piece)
+        problem = TranslationProblem(self.problem.a, self.problem.b, piece)
+        return placed(problem, contacts, k, moving, self.problem.b)
 
 
 class _WholeVertices:

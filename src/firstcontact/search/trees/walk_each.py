@@ -28,12 +28,13 @@ FREE, MET, OPEN = range(3)
 @uncounted
 def walk_each(
     boxes_a, links_a, xyz_a, ids_a, boxes_b, links_b, xyz_b, ids_b,
-    motions, lasts, pads, err_a, err_b, most, begin, visits,
+    motion, motions, lasts, pads, err_a, err_b, most, begin, visits,
     floats, integers, keys, pairs, stack, times, candidates,
     told, work, found_times, found_rows,
 ):  # fmt: skip
     """Walks over [0, last] for the motions from number `begin` on; (the first one not done, candidates found).
 
+    motion: as `walk` has it, filled in turn with each of motions (n, 9); (0, 9): it is that of all.
     lasts (n, 2): the end of the window, and what is certainly not after it.  pads (n,): as `walk` has it.
     most: pair tests after which a motion is left open, visits: node visits.
     told (n,): FREE, MET or OPEN; work (n,): visits and tests.  Of those that are MET, found_times (k, 2) and
@@ -41,6 +42,9 @@ def walk_each(
     """
     count = 0
     for m in range(begin, len(lasts)):
+        if len(motions) > 0:
+            for k in range(len(motion)):
+                motion[k] = motions[m, k]
         floats[FIRST], floats[SURE_FIRST], floats[SURE_LAST] = 0.0, 0.0, lasts[m, 1]
         floats[BEST], floats[KEY], floats[ALL] = lasts[m, 0], 0.0, 0.0
         for k in range(len(integers)):
@@ -49,7 +53,7 @@ def walk_each(
         stack[0, 0], stack[0, 1] = 0, 0
         reason = walk(
             boxes_a, links_a, xyz_a, ids_a, boxes_b, links_b, xyz_b, ids_b,
-            motions[m if len(motions) > 1 else 0], err_a, err_b, pads[m], True, False, visits,
+            motion, err_a, err_b, pads[m], True, False, visits,
             floats, integers, keys, pairs, stack, times, candidates,
         )  # fmt: skip
         work[m] = integers[VISITS] + integers[TESTS]
