@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
@@ -24,6 +25,8 @@ INITIALS = ("", "touching", "overlapping", "containment")
 REASONS = ("", "budget", "precision", "memory")
 KINDS = ("", "vertex", "edge", "face", "apex", "directrix", "end_ruling")
 WORDS = {"status": STATUSES, "initial": INITIALS, "reason": REASONS, "kind_a": KINDS, "kind_b": KINDS}
+MOST_HELD = 10_000
+"""Results that a table holds until it is asked for their places: a few kilobytes each."""
 PLACED = "kind_a", "kind_b", "index_a", "index_b", "multiplicity", "point", "normal"
 """Columns of contacts that are worked out when one of them is first asked for."""
 
@@ -74,14 +77,23 @@ class Rows:
         self.array["free_until"][where] = ends
 
     def fill(self, row: int, found: Any) -> None:
-        """Write one answer into its row."""
+        """Write one answer into its row; where it is waits, of some, until it is asked for."""
         record = self.array[row]
         self._fill_shared(record, found)
-        record["initial"], record["multiplicity"] = INITIALS.index(found.initial or ""), found.multiplicity
+        record["initial"] = INITIALS.index(found.initial or "")
         if found.time is not None:
             record["time"] = found.time
         if found.time_interval is not None:
             record["lo"], record["hi"] = found.time_interval
+        place = partial(self._fill_place, record, found)
+        if len(self.later) < MOST_HELD:
+            self.later.append(place)
+        else:
+            place()
+
+    @staticmethod
+    def _fill_place(record: Any, found: FirstContact) -> None:
+        record["multiplicity"] = found.multiplicity
         for side, element in (("a", found.element_a), ("b", found.element_b)):
             if element is not None:
                 record[f"kind_{side}"], record[f"index_{side}"] = KINDS.index(element.kind), element.index
