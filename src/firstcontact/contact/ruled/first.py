@@ -83,11 +83,11 @@ def _is_with_convex(query: Query) -> bool:
 def _is_told(proved: FirstContact) -> bool:
     """Whether exact arithmetic has nothing to add: the bodies are free, one holds the other or one point touches.
 
-    Of those in contact at the start a common point is enough, with how they lie.
+    Of those in contact at the start doubles know a place, not a point that both have.
     """
-    if proved.status is Status.INITIAL_CONTACT:
-        return proved.initial == "containment" or (proved.initial is not None and proved.point is not None)
-    return proved.status is Status.FREE or proved.contact_set is not None
+    if proved.status is Status.CONTACT:
+        return proved.contact_set is not None
+    return proved.status is Status.FREE or proved.initial == "containment"
 
 
 # -- in exact arithmetic --------------------------------------------------------------------------------------
