@@ -97,7 +97,8 @@ def answer_file(
         if missing:
             others = executor(known.shapes) if executor is not None else None
             with Spare() as spare:
-                ask = partial(answered, asking=Asking("first_contact", arguments), workers=workers, executor=others, spare=spare)
+                asking = Asking("first_contact", arguments)
+                ask = partial(answered, asking=asking, workers=workers, executor=others, spare=spare)
                 if progress is not None:
                     progress(kept.rows(), total)
                 job = _Job(file, known, schema, kept, ask, total, progress, FIRST_ROWS)
