@@ -407,6 +407,26 @@ def test_another_job_is_not_mixed_in(batch, queries, bodies, monkeypatch, small_
     assert batch(path)[0].code == 1
 
 
+def test_a_full_disk_is_told_and_what_is_finished_is_kept(batch, queries, monkeypatch, small_parts):
+    """It was told of standard output."""
+    path = queries(shifts(20))
+    _, whole = batch(path, out="whole.jsonl")
+    original, written = pq.write_table, []
+
+    def write_table(table, target, **options):
+        written.append(target)
+        if len(written) == 3:
+            raise OSError(28, "No space left on device")
+        original(table, target, **options)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(pq, "write_table", write_table)
+        outcome, _ = batch(path)
+    assert outcome.code == 3 and outcome.err.count("\n") == 1
+    assert "rows-000000000006-000000000010.parquet: no space left on device; what is finished is kept" in outcome.err
+    assert batch(path)[1] == whole
+
+
 def test_an_interrupt_keeps_what_is_finished_and_says_how_to_go_on(batch, queries, monkeypatch, small_parts):
     path = queries(shifts(20))
     _, whole = batch(path, out="whole.jsonl")

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import logging
 import time
-from collections.abc import Callable
-from contextlib import ExitStack
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -60,6 +61,8 @@ def batch(
         executor = None if scheduler is None else _cluster(scheduler, stack)
         shown = RowsProgress(progress, queries)
         stack.enter_context(shown)
+        if scheduler is not None:
+            stack.enter_context(_while_it_is_there(scheduler))
         summary = answer_file(
             queries, scene.bodies, out, arguments={"exact": exact, "budget": budget},
             workers=workers, executor=executor, progress=shown.rows,
@@ -77,11 +80,25 @@ def _cluster(address: str, stack: ExitStack) -> Callable[[tuple[Any, ...]], Any]
 
     from firstcontact.batch.cluster import Cluster
 
+    for name in ("distributed", "distributed.client"):  # what there is to tell is told in one line
+        logging.getLogger(name).setLevel(logging.CRITICAL)
     try:
         client = stack.enter_context(Client(address, timeout=REACHED_WITHIN, set_as_default=False))
     except (OSError, ValueError) as error:
         raise InputError(f"--scheduler {address}: no answer within {REACHED_WITHIN} s; is it running?") from error
     return lambda bodies: Cluster(client, bodies)
+
+
+@contextmanager
+def _while_it_is_there(address: str) -> Iterator[None]:
+    """A scheduler that is lost ends the job; what is finished is kept."""
+    from firstcontact.batch.cluster import LOST
+
+    lost: tuple[type[Exception], ...] = (OSError, *LOST)
+    try:
+        yield
+    except lost as error:
+        raise InputError(f"--scheduler {address}: lost; start it again, and the same command goes on") from error
 
 
 def _told(summary: Summary, seconds: float) -> str:
