@@ -38,7 +38,7 @@ By `python benchmarks/batch.py`: {rows} translations of one body before another,
 normal, of twice the bodies' size in each coordinate; the bodies are three sizes apart. Microseconds of one core for a
 question; of a loop of single calls, of the table, of coal advancing conservatively to 1e-9.
 
-| triangles | contacts | loop | at once | times | bar | coal | times | bar | all cores, times | bar | bytes a row | bar |
+| triangles | contacts | loop | at once | times | bar | coal | times | bar | cores, times | bar | bytes a row | bar |
 |---|---|---|---|---|---|---|---|---|---|---|---|---|
 """
 
