@@ -494,6 +494,19 @@ def test_progress_tells_rows_rate_and_the_time_left(batch, queries, monkeypatch)
     assert f"{path}: 20 of 20, " in told[-1] and "left" not in told[-1]
 
 
+def test_answers_do_not_tell_where_parts_end(batch, queries, monkeypatch):
+    """Not even by their work: in parts that are small boxes did not seem worth it."""
+    pairs = [("cube", "train"), ("tetra", "wall"), ("train", "wall"), ("cube", "tetra")]
+    rows = [{"a": a, "b": b, "span": [0, 1] if k == 5 else None} for k, (a, b) in enumerate(pairs * 5)]
+    path = queries(rows)
+    _, whole = batch(path, out="whole.jsonl")
+    assert {row["work"] == 0 for row in whole} == {True, False}
+    for size in (1, 3, 20):
+        monkeypatch.setattr(files, "FIRST_ROWS", size)
+        monkeypatch.setattr(files, "MOST_ROWS", size)
+        assert batch(path)[1] == whole
+
+
 def test_parquet_row_groups_are_not_those_of_the_parts(batch, queries, tmp_path, small_parts):
     batch(queries(shifts(20)), out="answers.parquet")
     assert pq.ParquetFile(tmp_path / "answers.parquet").num_row_groups == 1

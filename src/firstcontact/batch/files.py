@@ -18,6 +18,7 @@ import numpy as np
 from firstcontact.batch import arrow
 from firstcontact.batch.answer_files import writer
 from firstcontact.batch.arrow import pyarrow
+from firstcontact.batch.culling import is_worth_boxes
 from firstcontact.batch.kept_parts import KeptParts
 from firstcontact.batch.part import Asking
 from firstcontact.batch.query_files import QueryFile
@@ -98,7 +99,8 @@ def answer_file(
             others = executor(known.shapes) if executor is not None else None
             with Spare() as spare:
                 asking = Asking("first_contact", arguments)
-                ask = partial(answered, asking=asking, workers=workers, executor=others, spare=spare)
+                boxes = is_worth_boxes(len(bodies), total)  # of all parts alike: answers do not tell where these end
+                ask = partial(answered, asking=asking, workers=workers, executor=others, spare=spare, boxes=boxes)
                 if progress is not None:
                     progress(kept.rows(), total)
                 job = _Job(file, known, schema, kept, ask, total, progress, FIRST_ROWS)
