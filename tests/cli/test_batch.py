@@ -288,6 +288,7 @@ def test_a_truncated_parquet_file_and_files_that_are_not_there(batch, queries, t
     path = queries(shifts(50), ".parquet")
     path.write_bytes(path.read_bytes()[:-30])
     assert batch(path)[0].err.startswith(f"firstcontact: {path}: no parquet file")
+    (tmp_path / "answers.jsonl").touch()
     for name in ("none.parquet", "none.csv", "none.jsonl"):
         outcome, _ = batch(tmp_path / name)
         assert outcome.code == 3 and f"{name}: no such file" in outcome.err
@@ -301,6 +302,8 @@ def test_bad_outputs(batch, queries):
     assert "cannot be written" in batch(path, out="none/answers.csv")[0].err
     outcome, _ = batch(path, out="queries.jsonl")
     assert outcome.code == 3 and "holds the queries" in outcome.err
+    outcome, _ = batch(path, "--budget", 2**60 + 1)
+    assert outcome.code == 3 and "budget is " in outcome.err
 
 
 # -- going on ---------------------------------------------------------------------------------------------------------

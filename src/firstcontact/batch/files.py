@@ -25,6 +25,7 @@ from firstcontact.batch.query_files import QueryFile
 from firstcontact.batch.query_rows import Bodies, QueryRows, carried, check_columns
 from firstcontact.batch.workers import Reached, Spare, answered
 from firstcontact.errors import InputError
+from firstcontact.query import check_arguments
 from firstcontact.result import finite
 from firstcontact.result_table import Rows
 
@@ -86,8 +87,9 @@ def answer_file(
     arguments: of `first_contact`.  executor: made for the bodies, then as `first_contacts` has it.
     progress: called with (answered, all).
     """
+    check_arguments("auto", "auto", 1e-12, arguments.get("budget"))
     file, out = QueryFile(queries), Path(out)
-    if out.exists() and out.samefile(file.path):
+    if out.exists() and file.path.exists() and out.samefile(file.path):
         raise InputError(f"{out}: holds the queries; choose another file for the answers")
     known = Bodies(bodies)
     total, schema = _looked_through(file, known)

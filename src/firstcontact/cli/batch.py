@@ -25,7 +25,7 @@ REACHED_WITHIN = 15
 @click.option("--bodies", metavar="SCENE", required=True,
               help="A scene file, whose bodies are asked about by their keys.")  # fmt: skip
 @click.option("--out", metavar="F", required=True, help="Answers, one row for each query: .parquet, .csv or .jsonl.")
-@click.option("--workers", type=click.IntRange(1), metavar="N", help="Cores that take part (default: all).")
+@click.option("--workers", type=click.IntRange(1, 1024), metavar="N", help="Cores that take part (default: all).")
 @click.option("--scheduler", metavar="ADDRESS", help="A cluster of dask.distributed: tcp://host:8786.")
 @click.option("--exact", is_flag=True, help="Decide in exact arithmetic.")
 @click.option("--budget", type=click.IntRange(1), metavar="N", help="Node visits and pair tests of one query.")
