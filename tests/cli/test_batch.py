@@ -163,6 +163,23 @@ def test_rows_of_all_kinds_in_one_file(batch, queries, bodies):
     ]
 
 
+@pytest.mark.parametrize("columns", [
+    {"vx": pa.array([4, 2], pa.int32()), "vy": pa.array([0, 0.5], pa.float32()), "vz": pa.array([0, 0], pa.int8())},
+    {"vx": pa.array(["4", "2"]).cast(pa.decimal128(5, 2)), "vy": pa.array(["0", " 0.5"]), "vz": pa.array([0.0, 0.0])},
+    {"vector": pa.array([[4, 0, 0], [2, 0.5, 0]], pa.list_(pa.float32(), 3))},
+    {"vector": pa.array([[4, 0, 0], [2, 0.5, 0]], pa.large_list(pa.float64()))},
+    {"vector": pa.chunked_array([[[4, 0, 0]], [[2, 0.5, 0]]], pa.list_(pa.float64()))},
+], ids=["small", "texts", "fixed", "large", "chunks"])  # fmt: skip
+def test_parquet_of_all_types(batch, bodies, tmp_path, columns):
+    keys = {"a": pa.array(["tetra", "tetra"]).dictionary_encode(), "b": pa.array(["wall", "wall"], pa.large_string())}
+    pq.write_table(pa.table(keys | columns), tmp_path / "queries.parquet")
+    _, answers = batch(tmp_path / "queries.parquet", out="answers.parquet")
+    shapes = load_scene(bodies).bodies
+    tetra, vectors = shapes["tetra"], ((4, 0, 0), (2, 0.5, 0))
+    hits = [fc.first_contact(tetra.moving(fc.Translation(v)), shapes["wall"]) for v in vectors]
+    assert answers == [{"a": "tetra", "b": "wall"} | answer(hit) for hit in hits]
+
+
 def test_columns_are_carried_along(batch, queries):
     rows = [row | {"tag": [k, None], "weight": None if k % 2 else k / 4} for k, row in enumerate(shifts(5))]
     _, answers = batch(queries(rows, ".parquet"), out="answers.parquet")
@@ -170,6 +187,24 @@ def test_columns_are_carried_along(batch, queries):
     assert "vx" not in answers[0]
     outcome, _ = batch(queries(rows, ".parquet"), out="answers.csv")
     assert outcome.code == 3 and "column tag holds lists" in outcome.err
+
+
+def test_json_lines_whose_kinds_change_from_chunk_to_chunk(batch, queries, monkeypatch):
+    vectors = [[4, 0, 0], [4, 0, 0], [4, 0.5, 0], None, None, [4, 0, 0]]
+    extra = [{}, {"n": 1}, {"n": None}, {"n": 0.5}, {"tag": "x"}, {}]
+    rows = [{"a": "tetra", "b": "wall", "vector": v} | more for v, more in zip(vectors, extra, strict=True)]
+    _, whole = batch(queries(rows), out="whole.jsonl")
+    assert [row["n"] for row in whole] == [None, 1, None, 0.5, None, None]
+    assert [row["status"] for row in whole] == ["CONTACT"] * 3 + ["FREE"] * 2 + ["CONTACT"]
+    for chunk in (1, 2, 4):
+        monkeypatch.setattr(query_files, "CHUNK", chunk)
+        for size in (1, 2, 5):
+            monkeypatch.setattr(files, "FIRST_ROWS", size)
+            monkeypatch.setattr(files, "MOST_ROWS", size)
+            outcome, answers = batch(queries(rows))
+            assert answers == whole, outcome
+    outcome, _ = batch(queries([*rows, rows[0] | {"n": "text"}]))
+    assert outcome.code == 3 and outcome.err.count("\n") == 1
 
 
 def test_an_error_of_one_query_is_its_row(batch, queries, bodies):
