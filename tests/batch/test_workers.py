@@ -172,7 +172,8 @@ def test_processes_end_with_the_one_that_started_them(tmp_path):
     path.write_text(KILLED + SCRIPT.replace("workers=2", "workers=2, progress=die"))
     environment = {**os.environ, "PYTHONPATH": str(Path(fc.__file__).parents[1])}
     with open(tmp_path / "said", "w+") as said:  # no pipe, which those that are left would hold open
-        done = subprocess.run([sys.executable, path], stdout=said, stderr=subprocess.DEVNULL, timeout=60, env=environment)
+        where = {"stdout": said, "stderr": subprocess.DEVNULL}
+        done = subprocess.run([sys.executable, path], timeout=60, env=environment, **where)
         said.seek(0)
         _, pids = said.read().splitlines()
     assert done.returncode == -signal.SIGKILL and pids.split()
