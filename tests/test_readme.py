@@ -41,6 +41,12 @@ def test_the_session_on_objects_prints_what_it_says():
     assert doctest.DocTestRunner().run(session).failed == 0 and len(session.examples) == 2
 
 
+def test_the_session_on_many_questions_prints_what_it_says(monkeypatch):
+    monkeypatch.chdir(ROOT)
+    session = doctest.DocTestParser().get_doctest(block("python batch"), {"fc": fc}, "README", "README.md", 0)
+    assert doctest.DocTestRunner().run(session).failed == 0 and len(session.examples) == 7
+
+
 def test_the_main_command_gives_the_same_answer(capsys):
     assert run(["check", str(ROOT / "examples" / "lid.toml")]) == 1
     assert block("text").startswith(capsys.readouterr().out)

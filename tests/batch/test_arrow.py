@@ -54,6 +54,20 @@ def test_parquet_holds_the_same_table(table, tmp_path):
     assert pq.read_table(tmp_path / "table.parquet").equals(table.to_arrow())
 
 
+def test_intervals_are_a_list_of_each_row(tmp_path):
+    queries = [(CUBE.moving(fc.Translation(v)), WALL) for v in ((8, 0, 0), (0, 4, 0), (4, 0, 0))]
+    table = fc.many_contact_intervals([*queries, (CUBE, WALL, (1, 0))])
+    arrow = table.to_arrow()
+    assert arrow["status"].to_pylist() == ["CONTACT", "FREE", "CONTACT", None] and arrow["error"].null_count == 3
+    listed = [[(x["start"], x["end"]) for x in row] for row in arrow["intervals"].to_pylist()]
+    assert listed == [[(0.25, 0.5)], [], [(0.5, 1.0)], []]
+    first = arrow["intervals"][0].as_py()[0]
+    assert (first["start_lo"], first["start_hi"]) == table[0][0].start_interval
+    table.to_parquet(tmp_path / "table.parquet")
+    assert pq.read_table(tmp_path / "table.parquet").equals(arrow)
+    assert fc.many_contact_intervals([]).to_arrow().schema.equals(arrow.schema)
+
+
 def test_pandas_has_whole_numbers_and_categories(table):
     frame = table.to_pandas()
     assert len(frame) == 5 and frame["status"].dtype == "category"

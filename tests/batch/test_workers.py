@@ -5,6 +5,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from multiprocessing import active_children
 from pathlib import Path
@@ -145,6 +146,44 @@ def test_a_script_needs_no_main(tmp_path):
     environment = {**os.environ, "PYTHONPATH": str(Path(fc.__file__).parents[1])}
     done = subprocess.run([sys.executable, path], capture_output=True, text=True, timeout=60, env=environment)
     assert done.stdout.splitlines() == ["runs", " ".join(["FREE"] * 2 + ["CONTACT"] * 6)], done.stderr
+
+
+KILLED = """
+import os, signal
+from multiprocessing import active_children
+def die(done, total):
+    if done > 2:
+        print(*(child.pid for child in active_children()), flush=True)
+        os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def is_alive(pid):
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] not in "ZX"
+    except FileNotFoundError:
+        return False
+
+
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="looks at processes as Linux shows them")
+def test_processes_end_with_the_one_that_started_them(tmp_path):
+    """They waited for ever for one that was killed."""
+    path = tmp_path / "script.py"
+    path.write_text(KILLED + SCRIPT.replace("workers=2", "workers=2, progress=die"))
+    environment = {**os.environ, "PYTHONPATH": str(Path(fc.__file__).parents[1])}
+    with open(tmp_path / "said", "w+") as said:  # no pipe, which those that are left would hold open
+        where = {"stdout": said, "stderr": subprocess.DEVNULL}
+        done = subprocess.run([sys.executable, path], timeout=60, env=environment, **where)
+        said.seek(0)
+        _, pids = said.read().splitlines()
+    assert done.returncode == -signal.SIGKILL and pids.split()
+    end = time.monotonic() + 20
+    while any(map(is_alive, pids.split())) and time.monotonic() < end:
+        time.sleep(0.05)
+    left = [int(pid) for pid in pids.split() if is_alive(pid)]
+    for pid in left:
+        os.kill(pid, signal.SIGKILL)
+    assert not left
 
 
 def test_an_interrupt_ends_the_processes(at_once):

@@ -163,6 +163,23 @@ def test_rows_of_all_kinds_in_one_file(batch, queries, bodies):
     ]
 
 
+@pytest.mark.parametrize("columns", [
+    {"vx": pa.array([4, 2], pa.int32()), "vy": pa.array([0, 0.5], pa.float32()), "vz": pa.array([0, 0], pa.int8())},
+    {"vx": pa.array(["4", "2"]).cast(pa.decimal128(5, 2)), "vy": pa.array(["0", " 0.5"]), "vz": pa.array([0.0, 0.0])},
+    {"vector": pa.array([[4, 0, 0], [2, 0.5, 0]], pa.list_(pa.float32(), 3))},
+    {"vector": pa.array([[4, 0, 0], [2, 0.5, 0]], pa.large_list(pa.float64()))},
+    {"vector": pa.chunked_array([[[4, 0, 0]], [[2, 0.5, 0]]], pa.list_(pa.float64()))},
+], ids=["small", "texts", "fixed", "large", "chunks"])  # fmt: skip
+def test_parquet_of_all_types(batch, bodies, tmp_path, columns):
+    keys = {"a": pa.array(["tetra", "tetra"]).dictionary_encode(), "b": pa.array(["wall", "wall"], pa.large_string())}
+    pq.write_table(pa.table(keys | columns), tmp_path / "queries.parquet")
+    _, answers = batch(tmp_path / "queries.parquet", out="answers.parquet")
+    shapes = load_scene(bodies).bodies
+    tetra, vectors = shapes["tetra"], ((4, 0, 0), (2, 0.5, 0))
+    hits = [fc.first_contact(tetra.moving(fc.Translation(v)), shapes["wall"]) for v in vectors]
+    assert answers == [{"a": "tetra", "b": "wall"} | answer(hit) for hit in hits]
+
+
 def test_columns_are_carried_along(batch, queries):
     rows = [row | {"tag": [k, None], "weight": None if k % 2 else k / 4} for k, row in enumerate(shifts(5))]
     _, answers = batch(queries(rows, ".parquet"), out="answers.parquet")
@@ -170,6 +187,24 @@ def test_columns_are_carried_along(batch, queries):
     assert "vx" not in answers[0]
     outcome, _ = batch(queries(rows, ".parquet"), out="answers.csv")
     assert outcome.code == 3 and "column tag holds lists" in outcome.err
+
+
+def test_json_lines_whose_kinds_change_from_chunk_to_chunk(batch, queries, monkeypatch):
+    vectors = [[4, 0, 0], [4, 0, 0], [4, 0.5, 0], None, None, [4, 0, 0]]
+    extra = [{}, {"n": 1}, {"n": None}, {"n": 0.5}, {"tag": "x"}, {}]
+    rows = [{"a": "tetra", "b": "wall", "vector": v} | more for v, more in zip(vectors, extra, strict=True)]
+    _, whole = batch(queries(rows), out="whole.jsonl")
+    assert [row["n"] for row in whole] == [None, 1, None, 0.5, None, None]
+    assert [row["status"] for row in whole] == ["CONTACT"] * 3 + ["FREE"] * 2 + ["CONTACT"]
+    for chunk in (1, 2, 4):
+        monkeypatch.setattr(query_files, "CHUNK", chunk)
+        for size in (1, 2, 5):
+            monkeypatch.setattr(files, "FIRST_ROWS", size)
+            monkeypatch.setattr(files, "MOST_ROWS", size)
+            outcome, answers = batch(queries(rows))
+            assert answers == whole, outcome
+    outcome, _ = batch(queries([*rows, rows[0] | {"n": "text"}]))
+    assert outcome.code == 3 and outcome.err.count("\n") == 1
 
 
 def test_an_error_of_one_query_is_its_row(batch, queries, bodies):
@@ -288,6 +323,7 @@ def test_a_truncated_parquet_file_and_files_that_are_not_there(batch, queries, t
     path = queries(shifts(50), ".parquet")
     path.write_bytes(path.read_bytes()[:-30])
     assert batch(path)[0].err.startswith(f"firstcontact: {path}: no parquet file")
+    (tmp_path / "answers.jsonl").touch()
     for name in ("none.parquet", "none.csv", "none.jsonl"):
         outcome, _ = batch(tmp_path / name)
         assert outcome.code == 3 and f"{name}: no such file" in outcome.err
@@ -301,6 +337,8 @@ def test_bad_outputs(batch, queries):
     assert "cannot be written" in batch(path, out="none/answers.csv")[0].err
     outcome, _ = batch(path, out="queries.jsonl")
     assert outcome.code == 3 and "holds the queries" in outcome.err
+    outcome, _ = batch(path, "--budget", 2**60 + 1)
+    assert outcome.code == 3 and "budget is " in outcome.err
 
 
 # -- going on ---------------------------------------------------------------------------------------------------------
@@ -407,6 +445,26 @@ def test_another_job_is_not_mixed_in(batch, queries, bodies, monkeypatch, small_
     assert batch(path)[0].code == 1
 
 
+def test_a_full_disk_is_told_and_what_is_finished_is_kept(batch, queries, monkeypatch, small_parts):
+    """It was told of standard output."""
+    path = queries(shifts(20))
+    _, whole = batch(path, out="whole.jsonl")
+    original, written = pq.write_table, []
+
+    def write_table(table, target, **options):
+        written.append(target)
+        if len(written) == 3:
+            raise OSError(28, "No space left on device")
+        original(table, target, **options)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(pq, "write_table", write_table)
+        outcome, _ = batch(path)
+    assert outcome.code == 3 and outcome.err.count("\n") == 1
+    assert "rows-000000000006-000000000010.parquet: no space left on device; what is finished is kept" in outcome.err
+    assert batch(path)[1] == whole
+
+
 def test_an_interrupt_keeps_what_is_finished_and_says_how_to_go_on(batch, queries, monkeypatch, small_parts):
     path = queries(shifts(20))
     _, whole = batch(path, out="whole.jsonl")
@@ -472,6 +530,19 @@ def test_progress_tells_rows_rate_and_the_time_left(batch, queries, monkeypatch)
     assert told[0].startswith(f"{path}: 0 of 20; ")
     assert f"{path}: 10 of 20, " in told[1] and " a second; 0 s, about " in told[1] and told[1].endswith(" left")
     assert f"{path}: 20 of 20, " in told[-1] and "left" not in told[-1]
+
+
+def test_answers_do_not_tell_where_parts_end(batch, queries, monkeypatch):
+    """Not even by their work: in parts that are small boxes did not seem worth it."""
+    pairs = [("cube", "train"), ("tetra", "wall"), ("train", "wall"), ("cube", "tetra")]
+    rows = [{"a": a, "b": b, "span": [0, 1] if k == 5 else None} for k, (a, b) in enumerate(pairs * 5)]
+    path = queries(rows)
+    _, whole = batch(path, out="whole.jsonl")
+    assert {row["work"] == 0 for row in whole} == {True, False}
+    for size in (1, 3, 20):
+        monkeypatch.setattr(files, "FIRST_ROWS", size)
+        monkeypatch.setattr(files, "MOST_ROWS", size)
+        assert batch(path)[1] == whole
 
 
 def test_parquet_row_groups_are_not_those_of_the_parts(batch, queries, tmp_path, small_parts):

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from firstcontact.errors import InputError
-from firstcontact.result_table import ROW, WORDS, Rows
+from firstcontact.result_table import INTERVAL, ROW, WORDS, IntervalRows, Rows
 
 XYZ = "x", "y", "z"
 ERROR = "error"
@@ -44,14 +44,20 @@ def answer_columns() -> list[str]:
 
 
 def table_of(rows: Rows) -> Any:
-    """A pyarrow.Table of settled rows: the columns of ROW, nulls for what is not there, words as dictionaries."""
+    """A pyarrow.Table of settled rows: their columns, nulls for what is not there, words as dictionaries.
+
+    Contact intervals stand in one more column, a list of structures for each row.
+    """
     pa = pyarrow()
     table: dict[str, Any] = {}
-    for name in ROW.names or ():
+    for name in rows.dtype.names or ():
         if name != ERROR:
             values = rows.array[name]
             parts = values.T if values.ndim > 1 else [values]
-            table |= {key: _array(pa, name, x) for key, x in zip(columns_of(name), parts, strict=True)}
+            names = columns_of(name) if values.ndim > 1 else [name]
+            table |= {key: _array(pa, name, x) for key, x in zip(names, parts, strict=True)}
+    if isinstance(rows, IntervalRows):
+        table["intervals"] = _intervals(pa, rows)
     texts: list[str | None] = [None] * len(rows)
     for row, text in rows.errors.items():
         texts[row] = text
@@ -64,6 +70,14 @@ def _array(pa: Any, name: str, values: np.ndarray) -> Any:
         return pa.DictionaryArray.from_arrays(pa.array(words, mask=values == 0), pa.array(WORDS[name][1:]))
     missing = np.isnan(values) if values.dtype.kind == "f" else values < 0
     return pa.array(np.ascontiguousarray(values), mask=missing)
+
+
+def _intervals(pa: Any, rows: IntervalRows) -> Any:
+    found = np.concatenate([np.empty((0, 6)), *(rows.found[row] for row in sorted(rows.found))])
+    names = [name for name in INTERVAL.names or () if name != "question"]
+    values = pa.StructArray.from_arrays([pa.array(np.ascontiguousarray(x)) for x in found.T], names)
+    ends = np.concatenate([[0], np.cumsum(rows.array["count"])]).astype(np.int32)
+    return pa.ListArray.from_arrays(pa.array(ends), values)
 
 
 def frame_of(rows: Rows) -> Any:

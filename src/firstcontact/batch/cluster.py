@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from concurrent.futures import Future
+from functools import partial
 from typing import Any
 
 from distributed import CancelledError, Client, KilledWorker
@@ -27,7 +28,6 @@ class Cluster(Elsewhere):
 
     def __init__(self, client: Client, bodies: tuple[Any, ...]) -> None:
         self.client, self.bodies = client, bodies
-        self.executor = client.get_executor(pure=False, retries=RETRIES)
         self._place()
         workers = sum(client.nthreads().values())
         super().__init__(self._ask, workers, self._renew, max(PART, workers / RATE))
@@ -41,10 +41,26 @@ class Cluster(Elsewhere):
         (self.there,) = self.client.scatter([self.bodies], broadcast=True, hash=False)
 
     def _ask(self, questions: Questions, asking: Asking) -> Future[tuple[Rows, float]]:
-        future: Future[tuple[Rows, float]] = self.executor.submit(timed_answers, self.there, questions, asking)
-        return future
+        """Not by `client.get_executor`, whose futures never end where a part is lost with the bodies."""
+        part = self.client.submit(timed_answers, self.there, questions, asking, pure=False, retries=RETRIES)
+        told: Future[tuple[Rows, float]] = Future()
+        told.add_done_callback(lambda _: part.cancel() if told.cancelled() else part.release())
+        part.add_done_callback(partial(_tell, told))
+        return told
 
     def _renew(self) -> None:
         """Have the bodies there again where they went with the last worker that held them."""
         if self.there.status != "finished" or not any(self.client.who_has([self.there]).values()):
             self._place()
+
+
+def _tell(told: Future[tuple[Rows, float]], part: Any) -> None:
+    """How a part ended, unless nobody asks any longer."""
+    if not told.set_running_or_notify_cancel():
+        return
+    try:
+        answers = part.result()
+    except Exception as error:
+        told.set_exception(error)
+    else:
+        told.set_result(answers)

@@ -22,8 +22,16 @@ ROUNDING = 1e-15
 """Relative: bounds of bodies at rest round once."""
 
 
-def free_by_boxes(questions: Questions) -> np.ndarray:
-    """Rows of questions about the span (0, 1) whose bodies are apart all the time, by their boxes; proved."""
+def is_worth_boxes(bodies: int, questions: int) -> bool:
+    """Whether so many bodies are asked about often enough."""
+    return bodies * ASKED <= questions
+
+
+def free_by_boxes(questions: Questions, worth: bool | None = None) -> np.ndarray:
+    """Rows of questions about the span (0, 1) whose bodies are apart all the time, by their boxes; proved.
+
+    worth: whether to look at all, default None: where the bodies are asked about often enough.
+    """
     none = np.empty(0, np.int64)
     if questions.spans is not None or isinstance(questions.moves_a, Motions) or isinstance(questions.moves_b, Motions):
         return none
@@ -35,7 +43,7 @@ def free_by_boxes(questions: Questions) -> np.ndarray:
         keys = [(shape, id(motion)) for shape, motion in zip(shapes.tolist(), motions, strict=True)]
         bodies |= {key: (questions.bodies[key[0]], motion) for key, motion in zip(keys, motions, strict=True)}
         sides.append([numbers.setdefault(key, len(numbers)) for key in keys])
-    if len(numbers) * ASKED > len(questions) or not numbers:
+    if not numbers or not (is_worth_boxes(len(numbers), len(questions)) if worth is None else worth):
         return none
     boxes = np.stack([_boxes(*bodies[key]) for key in numbers], axis=1)
     return np.flatnonzero(_apart(boxes, *map(np.array, sides)))

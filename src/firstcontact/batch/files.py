@@ -18,12 +18,14 @@ import numpy as np
 from firstcontact.batch import arrow
 from firstcontact.batch.answer_files import writer
 from firstcontact.batch.arrow import pyarrow
+from firstcontact.batch.culling import is_worth_boxes
 from firstcontact.batch.kept_parts import KeptParts
 from firstcontact.batch.part import Asking
 from firstcontact.batch.query_files import QueryFile
 from firstcontact.batch.query_rows import Bodies, QueryRows, carried, check_columns
 from firstcontact.batch.workers import Reached, Spare, answered
 from firstcontact.errors import InputError
+from firstcontact.query import check_arguments
 from firstcontact.result import finite
 from firstcontact.result_table import Rows
 
@@ -85,8 +87,9 @@ def answer_file(
     arguments: of `first_contact`.  executor: made for the bodies, then as `first_contacts` has it.
     progress: called with (answered, all).
     """
+    check_arguments("auto", "auto", 1e-12, arguments.get("budget"))
     file, out = QueryFile(queries), Path(out)
-    if out.exists() and out.samefile(file.path):
+    if out.exists() and file.path.exists() and out.samefile(file.path):
         raise InputError(f"{out}: holds the queries; choose another file for the answers")
     known = Bodies(bodies)
     total, schema = _looked_through(file, known)
@@ -97,9 +100,9 @@ def answer_file(
         if missing:
             others = executor(known.shapes) if executor is not None else None
             with Spare() as spare:
-                ask = partial(
-                    answered, asking=Asking("first_contact", arguments), workers=workers, executor=others, spare=spare
-                )
+                asking = Asking("first_contact", arguments)
+                boxes = is_worth_boxes(len(bodies), total)  # of all parts alike: answers do not tell where these end
+                ask = partial(answered, asking=asking, workers=workers, executor=others, spare=spare, boxes=boxes)
                 if progress is not None:
                     progress(kept.rows(), total)
                 job = _Job(file, known, schema, kept, ask, total, progress, FIRST_ROWS)

@@ -14,6 +14,7 @@ import os
 import re
 import shutil
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -32,7 +33,8 @@ class KeptParts:
         shutil.rmtree(self._done, ignore_errors=True)
         known = self._known()
         if known is None:
-            self.folder.mkdir(exist_ok=True)
+            with _faults(self.folder):
+                self.folder.mkdir(exist_ok=True)
             self._write("job.json", lambda path: path.write_text(json.dumps(about, indent=1), encoding="utf-8"))
         elif known != about:
             other = " and ".join(key for key in about if known.get(key) != about[key]) or "its questions"
@@ -91,9 +93,10 @@ class KeptParts:
     def _write(self, name: str, write: Callable[[Path], Any]) -> Path:
         """A file that is there whole or not at all."""
         path, torn = self.folder / name, self.folder / f"{name}.torn"
-        write(torn)
-        _sync(torn)
-        os.replace(torn, path)
+        with _faults(path):
+            write(torn)
+            _sync(torn)
+            os.replace(torn, path)
         return path
 
     def tables(self) -> Iterator[Any]:
@@ -110,11 +113,22 @@ class KeptParts:
     def finish(self, write: Callable[[Path], None]) -> None:
         """`write` writes all of it to a path, which becomes OUT; the parts go."""
         torn = self.folder / f"whole{self.out.suffix}"
-        write(torn)
-        _sync(torn)
-        os.replace(torn, self.out)
-        os.replace(self.folder, self._done)
-        shutil.rmtree(self._done)
+        with _faults(self.out):
+            write(torn)
+            _sync(torn)
+            os.replace(torn, self.out)
+            os.replace(self.folder, self._done)
+            shutil.rmtree(self._done)
+
+
+@contextmanager
+def _faults(path: Path) -> Iterator[None]:
+    """What the system refuses, in one line."""
+    try:
+        yield
+    except OSError as error:
+        reason = (error.strerror or str(error).partition("\n")[0]).lower()
+        raise InputError(f"{path}: {reason}; what is finished is kept, and the same command goes on") from error
 
 
 def _sync(path: Path) -> None:

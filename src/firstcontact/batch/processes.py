@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import os
 import pickle
 import signal
 import sys
+import threading
 import types
 import uuid
 from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor
+from multiprocessing import parent_process
 from multiprocessing.context import SpawnContext, SpawnProcess
 from typing import Any
 
@@ -75,7 +78,16 @@ class Processes(Elsewhere):
 def _begin(batch: str, bodies: bytes) -> None:
     """A process starts; whether it is interrupted is told by the one that started it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_it, daemon=True).start()
     keep(batch, bodies)
+
+
+def _end_with_it() -> None:
+    """The one that started this process may be killed; its queue would be waited at for ever."""
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
 
 
 class _SpawnedAlone(SpawnProcess):

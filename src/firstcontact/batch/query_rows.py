@@ -80,16 +80,21 @@ class QueryRows:
         self.file, self.begin, self.table, self.bodies = file, begin, table, bodies
 
     def questions(self) -> list[tuple[np.ndarray, Questions]]:
-        """(rows of the table, questions about them), those with motions of one kind together."""
+        """(rows of the table, questions about them), those with motions of one kind and with spans together."""
         a, b = self._bodies("a"), self._bodies("b")
         spans, timed = self._list("span", finite=False)
         asked = []
-        for rows, motions in self._motions(a):
-            questions = columns(self.bodies.all, np.stack([a[rows], b[rows]], axis=1), motions)
-            if timed.any():
-                own = zip(spans[rows].tolist(), timed[rows].tolist(), strict=True)
-                questions = replace(questions, spans=[tuple(span) if known else None for span, known in own])
-            asked.append((rows, questions))
+        for alike, motions in self._motions(a):
+            for with_span in (False, True):
+                chosen = np.flatnonzero(timed[alike] == with_span)
+                if not len(chosen):
+                    continue
+                rows = alike[chosen]
+                pairs = np.stack([a[rows], b[rows]], axis=1)
+                questions = columns(self.bodies.all, pairs, None if motions is None else motions[chosen])
+                if with_span:
+                    questions = replace(questions, spans=list(map(tuple, spans[rows].tolist())))
+                asked.append((rows, questions))
         return asked
 
     def _bodies(self, name: str) -> np.ndarray:

@@ -96,12 +96,18 @@ def _same(bodies: tuple[Any, ...], others: tuple[Any, ...]) -> bool:
 
 
 def answered(
-    questions: Questions, asking: Asking, workers: int | None, executor: Any, progress: Reached, spare: Spare
+    questions: Questions,
+    asking: Asking,
+    workers: int | None,
+    executor: Any,
+    progress: Reached,
+    spare: Spare,
+    boxes: bool | None = None,
 ) -> Rows:
-    """All answers, by whoever takes part."""
+    """All answers, by whoever takes part.  boxes: whether these are looked at first, as `free_by_boxes` has it."""
     count, rows = Count(len(questions), progress), asking.rows(len(questions))
     left = np.ones(len(questions), bool)
-    free = free_by_boxes(questions)
+    free = free_by_boxes(questions, boxes)
     rows.free(free, np.ones(len(free)))
     left[free] = False
     count.add(len(free))

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import logging
 import time
-from collections.abc import Callable
-from contextlib import ExitStack
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -24,7 +25,7 @@ REACHED_WITHIN = 15
 @click.option("--bodies", metavar="SCENE", required=True,
               help="A scene file, whose bodies are asked about by their keys.")  # fmt: skip
 @click.option("--out", metavar="F", required=True, help="Answers, one row for each query: .parquet, .csv or .jsonl.")
-@click.option("--workers", type=click.IntRange(1), metavar="N", help="Cores that take part (default: all).")
+@click.option("--workers", type=click.IntRange(1, 1024), metavar="N", help="Cores that take part (default: all).")
 @click.option("--scheduler", metavar="ADDRESS", help="A cluster of dask.distributed: tcp://host:8786.")
 @click.option("--exact", is_flag=True, help="Decide in exact arithmetic.")
 @click.option("--budget", type=click.IntRange(1), metavar="N", help="Node visits and pair tests of one query.")
@@ -60,6 +61,8 @@ def batch(
         executor = None if scheduler is None else _cluster(scheduler, stack)
         shown = RowsProgress(progress, queries)
         stack.enter_context(shown)
+        if scheduler is not None:
+            stack.enter_context(_while_it_is_there(scheduler))
         summary = answer_file(
             queries, scene.bodies, out, arguments={"exact": exact, "budget": budget},
             workers=workers, executor=executor, progress=shown.rows,
@@ -77,11 +80,25 @@ def _cluster(address: str, stack: ExitStack) -> Callable[[tuple[Any, ...]], Any]
 
     from firstcontact.batch.cluster import Cluster
 
+    for name in ("distributed", "distributed.client"):  # what there is to tell is told in one line
+        logging.getLogger(name).setLevel(logging.CRITICAL)
     try:
         client = stack.enter_context(Client(address, timeout=REACHED_WITHIN, set_as_default=False))
     except (OSError, ValueError) as error:
         raise InputError(f"--scheduler {address}: no answer within {REACHED_WITHIN} s; is it running?") from error
     return lambda bodies: Cluster(client, bodies)
+
+
+@contextmanager
+def _while_it_is_there(address: str) -> Iterator[None]:
+    """A scheduler that is lost ends the job; what is finished is kept."""
+    from firstcontact.batch.cluster import LOST
+
+    lost: tuple[type[Exception], ...] = (OSError, *LOST)
+    try:
+        yield
+    except lost as error:
+        raise InputError(f"--scheduler {address}: lost; start it again, and the same command goes on") from error
 
 
 def _told(summary: Summary, seconds: float) -> str:
