@@ -44,7 +44,9 @@ class Part(JITCodeLibrary):  # type: ignore[misc]
     """Code for callers to link; nothing has an address."""
 
     def _optimize_final_module(self) -> None:
-        """Nothing: the whole that it is linked into is optimized once, with all that is inlined there."""
+        """Of leaves alone: the whole that they are linked into is optimized once more, with all that is inlined there."""
+        if not any(isinstance(library, Part) for library in self._linking_libraries):
+            super()._optimize_final_module()
 
     def _finalize_final_module(self) -> None:
         self._finalize_dynamic_globals()
