@@ -44,7 +44,7 @@ class Part(JITCodeLibrary):  # type: ignore[misc]
     """Code for callers to link; nothing has an address."""
 
     def _optimize_final_module(self) -> None:
-        """Of leaves alone: the whole that they are linked into is optimized once more, with all that is inlined there."""
+        """Of leaves alone: what they are linked into is optimized once more, with all that is inlined there."""
         if not any(isinstance(library, Part) for library in self._linking_libraries):
             super()._optimize_final_module()
 
@@ -87,17 +87,18 @@ def _nothing_to_call(library: Part, fndesc: Any, env: Any) -> object:
     return object()
 
 
-def rebuilt(context: Any, kept: tuple[Any, ...]) -> CompileResult:
+def rebuilt(context: Any, kept: tuple[Any, ...]) -> Any:
     """What was compiled, from its pieces as `CompileResult._reduce` gives them."""
+    result: Any = CompileResult  # Numba makes its fields where nobody can see them
     (name, kind, code), fndesc, environment, signature, objectmode, lifted, typeann, reload_init, environments = kept
     if kind != "bitcode":
-        return CompileResult._rebuild(context, *kept)
+        return result._rebuild(context, *kept)
     for again in reload_init:
         again()
     library = Part(context.codegen(), name)
     library._shared_module = binding.parse_bitcode(code)
     library._finalized = True
-    return CompileResult(
+    return result(
         typing_context=context.typing_context, target_context=context, entry_point=object(), typing_error=None,
         type_annotation=typeann, signature=signature, objectmode=objectmode, lifted=lifted, fndesc=fndesc,
         library=library, call_helper=None, environment=environment, metadata=None, reload_init=reload_init,
@@ -105,7 +106,7 @@ def rebuilt(context: Any, kept: tuple[Any, ...]) -> CompileResult:
     )  # fmt: skip
 
 
-def set_environments(whole: CompileResult) -> None:
+def set_environments(whole: Any) -> None:
     """Where the code of parts looks for what it raises: told to each whole that they are linked into."""
     for environment in whole._find_referenced_environments():
         whole.library.codegen.set_env(environment.env_name, environment)
