@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from functools import partial
+from itertools import chain
 from multiprocessing import get_context
 from typing import Any
 
@@ -15,6 +16,7 @@ from firstcontact.body.polyhedron.topology import component_of_vertices
 from firstcontact.body.ruled.surface import RuledSurface
 from firstcontact.body.solid import primitives
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
+from firstcontact.kernels import thrift
 from firstcontact.kernels.cache import COMPILED
 from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.rotation import Rotation
@@ -29,14 +31,15 @@ Question = Callable[[], object]
 # An oblique axis: kernels for axes along z alone would leave the general ones uncompiled.
 SHIFT, SWING = Translation((0, 0, -2)), Rotation((1, 2, 0), (3, 0, 0), degrees=200)
 SCREW = Screw((0.1, 1, 2), (0.3, -0.2, 0.1), degrees=40, advance=-3)
-MOTIONS = {"translation": SHIFT, "rotation": SWING, "screw": SCREW, "sequence": Sequence([SHIFT, SWING])}
+MOTIONS = {"screw": SCREW, "rotation": SWING, "translation": SHIFT, "sequence": Sequence([SHIFT, SWING])}
+SADDLE, LEVEL = RuledSurface("(u, 0, 0)", "(u, 1, u)"), RuledSurface("(u, 0, 1/2)", "(u, 1, 1/2)")
 FEW = 2000
 """Units of work that a question may take: it is for the kernels' sake, not for the answer's."""
 
 
 def questions() -> dict[str, Question]:
-    """Questions by what they are about, those first that compile longest."""
-    return dict(_all())
+    """Questions by what they are about."""
+    return dict(chain(*_families()))
 
 
 def warm(progress: Callable[[str], object] | None = None) -> int:
@@ -50,15 +53,29 @@ def warm(progress: Callable[[str], object] | None = None) -> int:
 
 
 def warm_together(processes: int, progress: Callable[[str], object] | None = None) -> int:
-    """The same by several processes, which share what they compile; `progress` is told what is done."""
+    """The same by several processes, which share what they compile; `progress` is told what is done.
+
+    Of a family one question is asked at a time: two would wait for each other at every kernel that both need.
+    """
     # spawned: a fork would inherit threads and locks of whoever calls
-    with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
-        asked = {pool.submit(_ask, name): name for name in questions()}
+    with ProcessPoolExecutor(processes, mp_context=get_context("spawn"), initializer=thrift.apply) as pool:
+        asked: dict[Future[int], tuple[str, Iterator[str]]] = {}
+
+        def ask_next(left: Iterator[str]) -> None:
+            for name in left:
+                asked[pool.submit(_ask, name)] = name, left
+                return
+
+        for family in _families():
+            ask_next(iter(dict(family)))
         compiled = 0
-        for done in as_completed(asked):
-            compiled += done.result()
-            if progress is not None:
-                progress(asked[done])
+        while asked:
+            for done in wait(asked, return_when=FIRST_COMPLETED).done:
+                name, left = asked.pop(done)
+                compiled += done.result()
+                if progress is not None:
+                    progress(name)
+                ask_next(left)
     return compiled
 
 
@@ -73,23 +90,30 @@ def _ask(name: str) -> int:
     return len(COMPILED) - before
 
 
-def _all() -> Iterator[tuple[str, Question]]:
-    yield from _of_meshes()
-    yield from _of_solids()
-    yield from _of_ruled_surfaces()
+def _families() -> Iterator[Iterator[tuple[str, Question]]]:
+    """Questions that share most of their kernels, those first that compile longest."""
+    yield _of_engine("lifted")
+    yield _of_meshes()
+    yield _of_solids()
+    yield _of_curves()
+    yield _of_ruled_surfaces()
+    yield _of_engine("sweep")
+    yield _of_engine("composed")
+
+
+def _of_engine(engine: str) -> Iterator[tuple[str, Question]]:
+    base, raised = _stacked()
+    for name in ("translation", "rotation"):
+        moving = raised.moving(MOTIONS[name])
+        yield f"engine {engine} under {name}", partial(query.first_contact, moving, base, engine=engine)
 
 
 def _of_meshes() -> Iterator[tuple[str, Question]]:
-    base = _tetrahedron()
-    raised = base.translated((0.125, 0.0625, 2))  # off the symmetric place, where screws leave pairs undecided
+    base, raised = _stacked()
     verbs = query.first_contact, query.contact_intervals, query.contact_pairs
     for name, motion in MOTIONS.items():
         for verb in verbs[: 2 if name == "sequence" else 3]:
             yield f"{verb.__name__} under {name}", partial(verb, raised.moving(motion), base)
-    for engine in ("lifted", "composed", "sweep"):
-        for name in ("translation", "rotation"):
-            moving = raised.moving(MOTIONS[name])
-            yield f"engine {engine} under {name}", partial(query.first_contact, moving, base, engine=engine)
     inside = base.transformed([[0.1, 0, 0, 0.1], [0, 0.1, 0, 0.1], [0, 0, 0.1, 0.1], [0, 0, 0, 1]])
     open_mesh = Polyhedron(base.vertices, base.triangles[:2])
     yield "meshes that overlap", partial(query.first_contact, base.translated((0.1, 0.1, 0)), base)
@@ -126,14 +150,21 @@ def _capsule() -> CompositeQuadric:
     return stem | primitives.sphere("1/4").translated((0, 0, 3))
 
 
+def _of_curves() -> Iterator[tuple[str, Question]]:
+    yield "intersection_curve", partial(query.intersection_curve, SADDLE, LEVEL, method="certified")
+
+
 def _of_ruled_surfaces() -> Iterator[tuple[str, Question]]:
-    saddle, level = RuledSurface("(u, 0, 0)", "(u, 1, u)"), RuledSurface("(u, 0, 1/2)", "(u, 1, 1/2)")
-    above = level.translated((0, 0, 2)).moving(SHIFT)
-    yield "intersection_curve", partial(query.intersection_curve, saddle, level, method="certified")
-    others = {"surfaces": saddle, "a surface and a solid": primitives.sphere("1/2"), "a surface and a mesh": _notched()}
+    above = LEVEL.translated((0, 0, 2)).moving(SHIFT)
+    others = {"surfaces": SADDLE, "a surface and a solid": primitives.sphere("1/2"), "a surface and a mesh": _notched()}
     for kind, other in others.items():
         for verb in (query.first_contact, query.contact_intervals):
             yield f"{verb.__name__} of ruled {kind}", partial(verb, above, other, budget=FEW)
+
+
+def _stacked() -> tuple[Polyhedron, Polyhedron]:
+    base = _tetrahedron()
+    return base, base.translated((0.125, 0.0625, 2))  # off the symmetric place, where screws leave pairs undecided
 
 
 def _tetrahedron() -> Polyhedron:

@@ -214,3 +214,42 @@ def test_verbs_raise_what_a_handler_raised(verb, monkeypatch):
     box = firstcontact.examples.box()
     with pytest.raises(KeyboardInterrupt):
         getattr(firstcontact, verb)(box.moving(firstcontact.Translation((0, 0, 2))), box)
+
+
+PARTS = """
+from firstcontact.kernels.cache import COMPILED
+from firstcontact.kernels.jit import kernel
+def inmost(x):
+    if x < 0:
+        raise ValueError("negative")
+    return x + 1
+inmost = kernel(inmost)
+def middle(x):
+    return 2 * inmost(x)
+middle = kernel(middle)
+def outer(x):
+    return middle(x) + inmost(x)
+outer = kernel(outer)
+assert outer(3) == 12
+try:
+    outer(-1)
+except ValueError as error:
+    assert str(error) == "negative"
+print(*(name.split("-")[0].split(".")[-1] + "." + name.split(".")[-1] for name in COMPILED))
+print(middle(3), inmost(3), len(middle.signatures))
+"""
+
+
+def test_what_kernels_call_gets_no_code_of_its_own_until_python_calls_it(tmp_path):
+    (tmp_path / "ask.py").write_text(PARTS)
+    environment = os.environ | {"FIRSTCONTACT_CACHE": str(tmp_path / "cache")}
+
+    def told():
+        at = [sys.executable, str(tmp_path / "ask.py")]
+        return subprocess.run(at, capture_output=True, text=True, check=True, env=environment).stdout.splitlines()
+
+    assert told() == ["inmost.part middle.part outer.nbc", "8 4 1"]
+    assert told() == ["", "8 4 1"]
+    for file in (tmp_path / "cache").rglob("*outer*.nbc"):
+        file.unlink()
+    assert told() == ["outer.nbc", "8 4 1"]  # of parts from the disk, which raise what they raised

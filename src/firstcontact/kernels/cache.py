@@ -25,11 +25,11 @@ import llvmlite
 import numba
 import numpy as np
 from numba.core.caching import _Cache
-from numba.core.compiler import CompileResult
 from numba.core.dispatcher import Dispatcher
 from numba.core.serialize import dumps
 
 from firstcontact.kernels.notices import announce
+from firstcontact.kernels.parts import Part, rebuilt, set_environments, within_another
 
 _OWN = __name__.partition(".")[0] + "."
 
@@ -52,6 +52,8 @@ VERSIONS = "-".join((str(sys.implementation.cache_tag), *(f"{m.__name__}{m.__ver
 FOLDER = user_folder() / VERSIONS
 _ALL_SHIPPED = Path(__file__).with_name("compiled")
 SHIPPED = _ALL_SHIPPED / VERSIONS
+WHOLE, PART = ".nbc", ".part"
+"""Files of kernels that Python calls, and of those that are there for other kernels to be compiled with."""
 PORTABLE = "generic", ""
 """Name and features of a processor that every one of its kind is."""
 
@@ -85,38 +87,43 @@ class KernelCache(_Cache):  # type: ignore[misc]
         if not self._enabled:
             return None
         triple, *native = target_context.codegen().magic_tuple()
+        suffixes = (WHOLE, PART) if within_another() else (WHOLE,)
         for folder, processor in ((SHIPPED, PORTABLE), (FOLDER, native)):
             file = self._file(folder, sig, triple, processor)
-            try:
-                kept = file.read_bytes()
-            except OSError:
-                continue
-            LOADED.append(file.name)
-            return CompileResult._rebuild(target_context, *pickle.loads(kept))
+            for named in map(file.with_suffix, suffixes):
+                try:
+                    kept = named.read_bytes()
+                except OSError:
+                    continue
+                LOADED.append(named.name)
+                return rebuilt(target_context, pickle.loads(kept))
         announce(self._name, VERSIONS, foreign())
         return None
 
     def save_overload(self, sig: Any, data: Any) -> None:
+        whole = not isinstance(data.library, Part)
+        if whole:
+            set_environments(data)
         if not self._enabled:
             return
         if data.lifted or data.library.has_dynamic_globals:
             raise TypeError(f"kernel {self._name} cannot be kept: it holds lifted loops or addresses")
         triple, *native = data.codegen.magic_tuple()
-        file = self._file(FOLDER, sig, triple, native)
+        file = self._file(FOLDER, sig, triple, native).with_suffix(WHOLE if whole else PART)
         COMPILED.append(file.name)
-        part = file.with_name(f"{file.name}.{uuid.uuid4().hex[:16]}")
+        begun = file.with_name(f"{file.name}.{uuid.uuid4().hex[:16]}")
         try:
             FOLDER.mkdir(parents=True, exist_ok=True)
-            part.write_bytes(dumps(data._reduce()))
-            os.replace(part, file)  # whole or not at all
+            begun.write_bytes(dumps(data._replace(type_annotation="")._reduce()))
+            os.replace(begun, file)  # whole or not at all
         except OSError:  # a folder that cannot be written to: compiled again in the next process
-            part.unlink(missing_ok=True)
+            begun.unlink(missing_ok=True)
 
     def _file(self, folder: Path, sig: Any, triple: str, processor: Sequence[str]) -> Path:
         arguments = dict(zip(self._kernel.py_func.__code__.co_varnames, sig, strict=False))
         system = triple.rstrip("0123456789.")  # without the release that macOS adds
         made_of = fingerprint(self._kernel, getattr(arguments.get("motion"), "ndim", 0)), str(sig), system, *processor
-        return folder / f"{self._name}-{hashlib.sha256(repr(made_of).encode()).hexdigest()[:24]}.nbc"
+        return folder / f"{self._name}-{hashlib.sha256(repr(made_of).encode()).hexdigest()[:24]}{WHOLE}"
 
     def enable(self) -> None:
         self._enabled = True
@@ -125,7 +132,7 @@ class KernelCache(_Cache):  # type: ignore[misc]
         self._enabled = False
 
     def flush(self) -> None:
-        for file in FOLDER.glob(f"{self._name}-*.nbc"):
+        for file in FOLDER.glob(f"{self._name}-*"):
             file.unlink(missing_ok=True)
 
 

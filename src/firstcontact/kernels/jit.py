@@ -9,9 +9,11 @@ from typing import Any, cast
 
 from numba import njit
 from numba.core.compiler_lock import global_compiler_lock
+from numba.core.sigutils import normalize_signature
 from numba.extending import overload
 
 from firstcontact.kernels.cache import FOLDER, IMPLEMENTATIONS, KernelCache
+from firstcontact.kernels.parts import Part, PartOrWhole, compiling, within_another
 
 try:
     import fcntl
@@ -22,25 +24,35 @@ _held: set[str] = set()
 """Kernels that this process compiles at this moment."""
 
 
-def kernel(function: Callable[..., Any], allocates: bool = True, entry: bool = True) -> Any:
+def kernel(function: Callable[..., Any], allocates: bool = True) -> Any:
     """Compile `function` on its first call, cached on disk.  No fastmath: it would undo the error bounds.
 
-    entry: for Python to call it; None is made for C, which would add to the time that compiling takes.
+    No entry is made for C, which would add to the time that compiling takes.
     """
     compiled: Any = njit  # its stubs know no _nrt
     dispatcher = compiled(  # _nrt is always said: kernels called would take it over from their callers
-        nogil=True, error_model="numpy", _nrt=allocates, no_cfunc_wrapper=True, no_cpython_wrapper=not entry,
+        nogil=True, error_model="numpy", _nrt=allocates, no_cfunc_wrapper=True, pipeline_class=PartOrWhole,
     )(function)  # fmt: skip
     dispatcher._cache = KernelCache(dispatcher)
-    compile_or_load, name = dispatcher.compile, f"{function.__module__}.{function.__qualname__}"
+    name = f"{function.__module__}.{function.__qualname__}"
+    compile_or_load, add, known = dispatcher.compile, dispatcher.add_overload, dispatcher.overloads
 
     def alone(signature: Any) -> Any:
         # the lock of threads first: none of them waits for a file that another one of its process holds, and
         # processes wait for each other along calls only, which make no ring
-        with global_compiler_lock, _no_other_process(name):
+        with global_compiler_lock, _no_other_process(name), compiling(dispatcher):
+            arguments = normalize_signature(signature)[0]
+            if not within_another() and arguments in known and isinstance(known[arguments].library, Part):
+                del known[arguments]
             return compile_or_load(signature)
 
-    dispatcher.compile = alone
+    def add_overload(result: Any) -> None:
+        if isinstance(result.library, Part):
+            known[tuple(result.signature.args)] = result  # for kernels: Python looks elsewhere
+        else:
+            add(result)
+
+    dispatcher.compile, dispatcher.add_overload = alone, add_overload
     return dispatcher
 
 
@@ -72,11 +84,8 @@ def uncounted(function: Callable[..., Any]) -> Any:
 
 
 def inner(function: Callable[..., Any]) -> Any:
-    """`uncounted`, for kernels alone to call: without the entry for Python, a sixth of what compiling takes.
-
-    Called from Python it crashes the interpreter.
-    """
-    return kernel(function, allocates=False, entry=False)
+    """`uncounted`, for kernels alone to call."""
+    return uncounted(function)
 
 
 @contextmanager

@@ -1,0 +1,112 @@
+"""Kernels that kernels call: compiled to be linked into their callers, without machine code of their own.
+
+Numba makes an entry for Python and machine code of whatever it compiles, and all that a kernel calls is compiled into
+it: without this, code n calls deep is made n times over.  What Python calls is compiled as ever, what a kernel comes to
+while it is compiled is a part, which Python's first call of it makes whole.
+"""
+
+from __future__ import annotations
+
+import gc
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from llvmlite import binding
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Compiler, CompileResult
+from numba.core.dispatcher import Dispatcher
+
+_begun: list[Dispatcher] = []
+"""Kernels being compiled, each called by the one before it; under Numba's lock."""
+
+
+@contextmanager
+def compiling(kernel: Dispatcher) -> Iterator[None]:
+    """Garbage is collected afterwards: to look for it among all that a compiler makes takes a tenth of its time."""
+    collecting = gc.isenabled()
+    gc.disable()
+    _begun.append(kernel)
+    try:
+        yield
+    finally:
+        _begun.pop()
+        if collecting:
+            gc.enable()
+
+
+def within_another() -> bool:
+    """Is what is compiled now called by a kernel, rather than by Python?"""
+    return len(_begun) > 1
+
+
+class Part(JITCodeLibrary):  # type: ignore[misc]
+    """Code for callers to link; nothing has an address."""
+
+    def _optimize_final_module(self) -> None:
+        """Of leaves alone: what they are linked into is optimized once more, with all that is inlined there."""
+        if not any(isinstance(library, Part) for library in self._linking_libraries):
+            super()._optimize_final_module()
+
+    def _finalize_final_module(self) -> None:
+        self._finalize_dynamic_globals()
+        self._verify_declare_only_symbols()
+        self._finalized = True
+
+    def get_pointer_to_function(self, name: str) -> int:
+        self._ensure_finalized()
+        return 0
+
+    def serialize_using_object_code(self) -> tuple[str, str, bytes]:
+        return self.name, "bitcode", self._get_module_for_linking().as_bitcode()
+
+
+class PartOrWhole(Compiler):  # type: ignore[misc]
+    """Compiles what a kernel calls to a part."""
+
+    def __init__(
+        self, typingctx: Any, targetctx: Any, library: Any, args: Any, return_type: Any, flags: Any, locals: Any
+    ) -> None:
+        part = within_another()
+        if part:
+            library = Part(targetctx.codegen(), "part")
+            library.enable_object_caching()
+        super().__init__(typingctx, targetctx, library, args, return_type, flags, locals)
+        if part:  # of the context, which is this compilation's own copy: what Numba knows of +, * etc. is by flags
+            self.state.targetctx.create_cpython_wrapper = _no_wrapper
+            self.state.targetctx.get_executable = _nothing_to_call
+
+
+def _no_wrapper(*_: Any, **__: Any) -> None:
+    pass
+
+
+def _nothing_to_call(library: Part, fndesc: Any, env: Any) -> object:
+    """What stands for the part where Numba looks up kernels by what Python calls."""
+    library._ensure_finalized()
+    return object()
+
+
+def rebuilt(context: Any, kept: tuple[Any, ...]) -> Any:
+    """What was compiled, from its pieces as `CompileResult._reduce` gives them."""
+    result: Any = CompileResult  # Numba makes its fields where nobody can see them
+    (name, kind, code), fndesc, environment, signature, objectmode, lifted, typeann, reload_init, environments = kept
+    if kind != "bitcode":
+        return result._rebuild(context, *kept)
+    for again in reload_init:
+        again()
+    library = Part(context.codegen(), name)
+    library._shared_module = binding.parse_bitcode(code)
+    library._finalized = True
+    return result(
+        typing_context=context.typing_context, target_context=context, entry_point=object(), typing_error=None,
+        type_annotation=typeann, signature=signature, objectmode=objectmode, lifted=lifted, fndesc=fndesc,
+        library=library, call_helper=None, environment=environment, metadata=None, reload_init=reload_init,
+        referenced_envs=environments,
+    )  # fmt: skip
+
+
+def set_environments(whole: Any) -> None:
+    """Where the code of parts looks for what it raises: told to each whole that they are linked into."""
+    for environment in whole._find_referenced_environments():
+        whole.library.codegen.set_env(environment.env_name, environment)
