@@ -197,3 +197,13 @@ def test_an_interrupt_ends_the_processes(at_once):
     with pytest.raises(KeyboardInterrupt):
         fc.first_contacts(queries, workers=2, progress=interrupt)
     assert not set(active_children()) - before
+
+
+def test_what_is_refused_one_by_one_is_refused_though_boxes_are_apart():
+    """Exact times of screws have no form: an error in each row, as `first_contact` raises it."""
+    box = fc.examples.box((1, 1, 1))
+    far = box.translated((50, 0, 0))
+    moving = box.moving(fc.Screw((0, 0, 1), degrees=30, advance=1))
+    table = fc.first_contacts([(moving, far)] * 40, exact=True)
+    assert table.counts == {"error": 40} and "Screw" in table.error[0]
+    assert fc.first_contacts([(moving, far)] * 40).counts == {"FREE": 40}

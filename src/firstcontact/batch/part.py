@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -25,6 +26,14 @@ class Asking:
         """Whether compiled walks may answer."""
         return self.verb == "first_contact" and self.arguments.get("engine", "auto") in ("auto", "boxes")
 
+    @property
+    def is_plain(self) -> bool:
+        """Whether bodies that are apart all the time are FREE, whatever else is asked.
+
+        Other questions may be refused, or spend their budget, first.
+        """
+        return is_plain(self.arguments)
+
     def rows(self, n: int) -> Rows:
         """Empty ones for n answers."""
         return (Rows if self.verb == "first_contact" else IntervalRows)(n)
@@ -38,6 +47,12 @@ class Asking:
         """The answer to one question."""
         a, b, span = questions[row]
         return getattr(query, self.verb)(a, b, span, **self.arguments)
+
+
+def is_plain(arguments: Mapping[str, Any]) -> bool:
+    """See `Asking.is_plain`."""
+    chosen = {arguments.get(key, "auto") for key in ("method", "engine")}
+    return chosen == {"auto"} and not arguments.get("exact") and arguments.get("budget") is None
 
 
 def answers(questions: Questions, asking: Asking) -> Rows:

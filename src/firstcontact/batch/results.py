@@ -10,6 +10,7 @@ from typing import Any
 
 from firstcontact import query
 from firstcontact.batch import culling
+from firstcontact.batch.part import is_plain
 from firstcontact.batch.questions import asked
 from firstcontact.batch.workers import PART, TRIED, WORTH, Spare
 from firstcontact.errors import FirstContactError
@@ -28,7 +29,7 @@ class Question:
 
 def free_by_boxes(questions: Sequence[Question]) -> dict[int, Any]:
     """Results of questions over the motions' own spans whose bodies are told to be apart by swept boxes."""
-    able = [k for k, question in enumerate(questions) if question.arguments.get("span") is None]
+    able = [k for k, x in enumerate(questions) if x.arguments.get("span") is None and is_plain(x.arguments)]
     pairs = asked([(questions[k].a, questions[k].b) for k in able])
     found = dict[int, Any]()
     for k in (able[row] for row in culling.free_by_boxes(pairs).tolist()):

@@ -107,7 +107,7 @@ def answered(
     """All answers, by whoever takes part.  boxes: whether these are looked at first, as `free_by_boxes` has it."""
     count, rows = Count(len(questions), progress), asking.rows(len(questions))
     left = np.ones(len(questions), bool)
-    free = free_by_boxes(questions, boxes)
+    free = free_by_boxes(questions, boxes if asking.is_plain else False)
     rows.free(free, np.ones(len(free)))
     left[free] = False
     count.add(len(free))
