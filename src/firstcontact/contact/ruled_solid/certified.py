@@ -88,9 +88,8 @@ def first(query: Query) -> FirstContact:
         return FirstContact(Status.FREE, free_until=pair.span[1], **shared)
     if found.status == "initial":
         return FirstContact(
-            Status.INITIAL_CONTACT, start, (start, start), point=found.point, initial=_initial(pair, search),
-            free_until=start, **shared,
-        )  # fmt: skip
+            Status.INITIAL_CONTACT, start, (start, start), initial=_initial(pair, search), free_until=start, **shared
+        )  # what doubles know of the place is near both bodies, not on them
     if found.status == "contact":
         return _contact(pair, contact, shared)
     soon = _soon(pair, contact, search.width)

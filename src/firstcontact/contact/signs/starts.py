@@ -31,13 +31,13 @@ def with_start(query: Query, answer: Callable[[Query], FirstContact]) -> FirstCo
     told = tried(lambda: answer(_at_rest(query)))
     if isinstance(told, Passed) or told.status is not Status.INITIAL_CONTACT:
         return found
-    return replace(told, a=query.a, b=query.b, span=query.span, stats=found.stats + told.stats)
+    return replace(told, initial=told.initial or found.initial, a=query.a, b=query.b, span=query.span, stats=found.stats + told.stats)
 
 
 def _is_open(found: FirstContact) -> bool:
     """Whether something is left to tell of the start."""
     if found.status is Status.INITIAL_CONTACT:
-        return found.initial is None
+        return found.initial is None or (found.initial != "containment" and found.point is None)
     if found.status is not Status.UNDECIDED or found.free_until is None:
         return False
     return found.reason == "precision" and found.free_until <= found.span[0]
