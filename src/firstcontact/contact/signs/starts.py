@@ -31,7 +31,8 @@ def with_start(query: Query, answer: Callable[[Query], FirstContact]) -> FirstCo
     told = tried(lambda: answer(_at_rest(query)))
     if isinstance(told, Passed) or told.status is not Status.INITIAL_CONTACT:
         return found
-    return replace(told, initial=told.initial or found.initial, a=query.a, b=query.b, span=query.span, stats=found.stats + told.stats)
+    initial, stats = told.initial or found.initial, found.stats + told.stats
+    return replace(told, initial=initial, a=query.a, b=query.b, span=query.span, stats=stats)
 
 
 def _is_open(found: FirstContact) -> bool:
