@@ -10,6 +10,7 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
+import numpy as np
 from flint import arb, arb_mat
 
 from firstcontact.exact.numbers import precision
@@ -21,6 +22,8 @@ ENOUGH = 0.5
 """Part of its widest side to which an image must narrow a box lest it be halved."""
 LEAST = 2.0**-120
 """Part of its first width below which a side is not halved."""
+RANK = 1e-7
+"""Singular values of a matrix with rows of about 1 that count as none."""
 
 
 class Isolation(NamedTuple):
@@ -101,7 +104,7 @@ def _narrowed(system: Equations, box: Box) -> Box | Zero | None:
     if not all((v + d).contains(0) for v, d in zip(values, (slopes * column).entries(), strict=True)):
         return None
     box = _narrowed_by_each(values, slopes.tolist(), centre, offset, box)
-    moved = krawczyk_image(values, slopes, offset)
+    moved = krawczyk_image(values, slopes, offset, _pseudo_inverse(slopes, offset))
     if moved is None:
         return box
     if all(d.contains_interior(i) for d, i in zip(offset, moved, strict=True)):
@@ -110,6 +113,21 @@ def _narrowed(system: Equations, box: Box) -> Box | Zero | None:
     if not all(x.overlaps(c) for x, c in zip(image, box, strict=True)):
         return None
     return [x.intersection(c) if x.is_finite() else c for x, c in zip(image, box, strict=True)]
+
+
+def _pseudo_inverse(slopes: arb_mat, offset: Box) -> arb_mat | None:
+    """Of a matrix that is singular as far as doubles tell, in units of the box; None of another one.
+
+    Zeros in curves (two parallel cylinders touch along a line) are so narrowed in all directions but one.
+    """
+    rows = slopes.tolist()
+    scaled = np.array([[float((x * d.rad()).mid()) for x, d in zip(row, offset, strict=True)] for row in rows])
+    sizes = np.abs(scaled).max(axis=1, keepdims=True)
+    sizes[sizes < RANK * sizes.max()] = np.inf
+    if not np.all(np.isfinite(scaled)) or np.all(np.linalg.svd(scaled / sizes, compute_uv=False) > RANK):
+        return None
+    back = np.linalg.pinv(scaled / sizes, rcond=RANK) / sizes.T
+    return arb_mat([[arb(float(x)) * d.rad() for x in row] for row, d in zip(back, offset, strict=True)])
 
 
 def _narrowed_by_each(values: list[arb], slopes: list[list[arb]], centre: Box, offset: Box, box: Box) -> Box:
