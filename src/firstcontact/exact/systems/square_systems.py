@@ -197,10 +197,10 @@ class Zero:
     def _refined(self, bits: int) -> bool:
         with precision(2 * bits + 64):
             balls, least = self._balls, arb(2) ** (-bits - 8)
-            while any(c.rad() > least * (1 + abs(c)) for c in balls):
+            while wide := [k for k, c in enumerate(balls) if c.rad() > least * (1 + abs(c))]:
                 sharper = self.system.narrowed(balls)
-                if sharper is None or not any(2 * x.rad() < c.rad() for x, c in zip(sharper, balls, strict=True)):
-                    return False
+                if sharper is None or not any(2 * sharper[k].rad() < balls[k].rad() for k in wide):
+                    return False  # not for what is narrow enough: an unknown that is zero has no narrowest ball
                 balls = sharper
             self._balls, self._bits = balls, bits
             return True

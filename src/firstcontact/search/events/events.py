@@ -165,8 +165,8 @@ class EventSearch:
             return end if outcome == FREE else None
         count, start = int(self.result[2]), int(self.result[3])
         boxes = self.pool[start : start + count].copy()
-        last, fine = exact_value(end), exact_value(LEAST * self.width)
-        event = earliest_event(self.bodies, self.tables, window, boxes, last, fine)
+        first, last, fine = (exact_value(x) for x in (lo, end, LEAST * self.width))
+        event = earliest_event(self.bodies, self.tables, window, boxes, first, last, fine)
         if event is None:
             return None
         ahead = below(event) - BEFORE * self.width if event < last else end

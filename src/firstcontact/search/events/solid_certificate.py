@@ -40,10 +40,11 @@ from firstcontact.motion.relative.stretches import Window
 from firstcontact.search.events.event_tables import Tables, crossing_surfaces
 from firstcontact.search.events.pose_jets import PoseJet, relative_jet
 
-BITS = 192
+BITS, TOLD = 192, 128
+"""Of the balls, and of the zeros found with them."""
 MOST = 100
 """Boxes looked at in balls for one box of the search."""
-MOST_BOXES = 500
+MOST_BOXES = 64
 """Boxes of the search that are looked at, with a pair of features each."""
 MOST_OPEN = 10
 """Signs that balls leave open at a place, all patterns of which are looked at."""
@@ -52,11 +53,11 @@ Feature = Face | Edge | Vertex
 
 
 def earliest_event(
-    bodies: tuple[Any, Any], tables: Tables, window: Window, boxes: np.ndarray, last: fmpq, fine: fmpq
+    bodies: tuple[Any, Any], tables: Tables, window: Window, boxes: np.ndarray, first: fmpq, last: fmpq, fine: fmpq
 ) -> fmpq | None:
-    """A time before which the boxes, each with its own time, hold no event; `last` where they hold none up to then.
+    """A time after `first` before which the boxes hold no event; `last` where they hold none up to then.
 
-    None where there are too many.  fine: how well the time is to be known.
+    None where balls tell none.  fine: how well the time is to be known.
     """
     pairs = [(box, pair) for box in boxes for pair in _pairs_of(tables, box)]
     if len(pairs) > MOST_BOXES:
@@ -67,6 +68,8 @@ def earliest_event(
         for box, pair in pairs:
             place = EventPlace(bodies, tables, jets, int(box[CHART]), pair)
             found = min([found, *place.times(box, fine)])
+            if found <= first + fine:
+                return None
     return found
 
 
@@ -110,7 +113,7 @@ class EventPlace:
             return True
 
         isolation = isolated(self._system(start), [start], MOST, is_told)
-        places = [*(zero.balls(BITS) for zero in isolation.zeros), *isolation.left]
+        places = [*(zero.balls(TOLD) for zero in isolation.zeros), *isolation.left]
         return found + [_lower(z) for z in places if not self._is_elsewhere(z)]
 
     def _start(self, box: np.ndarray) -> list[arb]:
