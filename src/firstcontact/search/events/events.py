@@ -69,8 +69,13 @@ SLICE = 2000
 """Boxes after which a compiled search comes back for a moment, so that it can be interrupted."""
 
 
-def first_event(a: Any, b: Any, first: fmpq, last: fmpq, tolerance: float, budget: int) -> Advance:
-    """The first common point of two bodies over [first, last]; as `search.convex.advance`.  budget: boxes at most."""
+def first_event(
+    a: Any, b: Any, first: fmpq, last: fmpq, tolerance: float, budget: int, apart: bool = False
+) -> Advance:
+    """The first common point of two bodies over [first, last]; as `search.convex.advance`.  budget: boxes at most.
+
+    apart: they are known to share no point at `first`.
+    """
     try:
         models: list[Any] = [shape_of(x) for x in (a, b)]
         tables = tables_of(*models)
@@ -84,7 +89,7 @@ def first_event(a: Any, b: Any, first: fmpq, last: fmpq, tolerance: float, budge
         return covers
     if covers.status == "contact" and (touched := search.touched(covers, last)) is not None:
         return touched
-    return search.run(below(first) if covers.beyond else covers.free_until, last)
+    return search.run(below(first) if covers.beyond else covers.free_until, last, apart)
 
 
 class EventSearch:
@@ -120,13 +125,15 @@ class EventSearch:
         at = proved_at(self.bodies, instant, covers, times, last)
         return None if at is None else replace(covers, time=min(time, at), time_interval=(lo, at))
 
-    def run(self, begin: float, last: fmpq) -> Advance:
-        """The first event from a time on before which the models are apart; at the start that is proved here."""
-        for window in self.windows:
+    def run(self, begin: float, last: fmpq, apart: bool = False) -> Advance:
+        """The first event from a time on before which the models are apart; at the start that is proved here, unless it
+        is known."""
+        for k, window in enumerate(self.windows):
             if begin >= window.last > window.first:
                 continue
             t = max(begin, window.first)
-            if t == window.first and not self._apart(window, t):  # a motion starts there, and may jump
+            known = apart and k == 0
+            if t == window.first and not known and not self._apart(window, t):  # a motion starts there, and may jump
                 return self._answer("open", t, reason="budget" if self.is_spent else "precision")
             stopped = self._first_event(window, t, last)
             if stopped is not None:
