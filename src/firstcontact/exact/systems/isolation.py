@@ -10,7 +10,6 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
-import numpy as np
 from flint import arb, arb_mat
 
 from firstcontact.exact.numbers import precision
@@ -23,7 +22,7 @@ ENOUGH = 0.5
 LEAST = 2.0**-120
 """Part of its first width below which a side is not halved."""
 RANK = 1e-7
-"""Singular values of a matrix with rows of about 1 that count as none."""
+"""Pivots of a matrix with rows of about 1 that count as none."""
 
 
 class Isolation(NamedTuple):
@@ -104,7 +103,7 @@ def _narrowed(system: Equations, box: Box) -> Box | Zero | None:
     if not all((v + d).contains(0) for v, d in zip(values, (slopes * column).entries(), strict=True)):
         return None
     box = _narrowed_by_each(values, slopes.tolist(), centre, offset, box)
-    moved = krawczyk_image(values, slopes, offset, _pseudo_inverse(slopes, offset))
+    moved = krawczyk_image(values, slopes, offset, _partial_inverse(slopes, offset))
     if moved is None:
         return box
     if all(d.contains_interior(i) for d, i in zip(offset, moved, strict=True)):
@@ -115,19 +114,46 @@ def _narrowed(system: Equations, box: Box) -> Box | Zero | None:
     return [x.intersection(c) if x.is_finite() else c for x, c in zip(image, box, strict=True)]
 
 
-def _pseudo_inverse(slopes: arb_mat, offset: Box) -> arb_mat | None:
-    """Of a matrix that is singular as far as doubles tell, in units of the box; None of another one.
+def _partial_inverse(slopes: arb_mat, offset: Box) -> arb_mat | None:
+    """The inverse of the largest regular part of a matrix that is singular as far as doubles tell, in units of the box;
+    None of another one.
 
     Zeros in curves (two parallel cylinders touch along a line) are so narrowed in all directions but one.
     """
     rows = slopes.tolist()
-    scaled = np.array([[float((x * d.rad()).mid()) for x, d in zip(row, offset, strict=True)] for row in rows])
-    sizes = np.abs(scaled).max(axis=1, keepdims=True)
-    sizes[sizes < RANK * sizes.max()] = np.inf
-    if not np.all(np.isfinite(scaled)) or np.all(np.linalg.svd(scaled / sizes, compute_uv=False) > RANK):
+    pivots = _pivots([[float((x * d.rad()).mid()) for x, d in zip(row, offset, strict=True)] for row in rows])
+    if not 0 < len(pivots) < len(offset):
         return None
-    back = np.linalg.pinv(scaled / sizes, rcond=RANK) / sizes.T
-    return arb_mat([[arb(float(x)) * d.rad() for x in row] for row, d in zip(back, offset, strict=True)])
+    part = arb_mat([[slopes[i, j].mid() for _, j in pivots] for i, _ in pivots])
+    try:
+        inverse = part.inv().mid()
+    except ZeroDivisionError:
+        return None
+    whole = arb_mat(len(offset), len(offset))
+    for p, (_, j) in enumerate(pivots):
+        for q, (i, _) in enumerate(pivots):
+            whole[j, i] = inverse[p, q]
+    return whole
+
+
+def _pivots(rows: list[list[float]]) -> list[tuple[int, int]]:
+    """Rows and columns that elimination with full pivoting takes before what is left counts as none."""
+    largest = [max(map(abs, row)) for row in rows]
+    rows = [[x / size if size > RANK * max(largest) else 0.0 for x in row]
+            for row, size in zip(rows, largest, strict=True)]  # fmt: skip
+    found: list[tuple[int, int]] = []
+    free, columns = set(range(len(rows))), set(range(len(rows)))
+    while free:
+        i, j = max(((i, j) for i in free for j in columns), key=lambda at: abs(rows[at[0]][at[1]]))
+        if not abs(rows[i][j]) > RANK:
+            break
+        found.append((i, j))
+        free.remove(i)
+        columns.remove(j)
+        for k in free:
+            factor = rows[k][j] / rows[i][j]
+            rows[k] = [x - factor * y for x, y in zip(rows[k], rows[i], strict=True)]
+    return found
 
 
 def _narrowed_by_each(values: list[arb], slopes: list[list[arb]], centre: Box, offset: Box, box: Box) -> Box:
