@@ -12,7 +12,8 @@ from firstcontact.contact.ruled_solid.certified import RuledAndSolid
 from firstcontact.exact.numbers import precision
 from firstcontact.exact.systems.isolation import isolated
 from firstcontact.exact.systems.square_systems import Equations
-from firstcontact.search.events.ruled_certificate import EventSystem, PoseJet
+from firstcontact.search.events.pose_jets import PoseJet
+from firstcontact.search.events.ruled_certificate import EventSystem
 from firstcontact.search.events.ruled_solids import Event
 from firstcontact.work import Query
 

@@ -21,7 +21,7 @@ from firstcontact.motion.relative.pieces import curved_pieces, pieces, placement
 from firstcontact.motion.relative.polynomial import relative_pieces
 from firstcontact.motion.relative.stretches import windows
 from firstcontact.motion.relative.sweep import swept_box
-from firstcontact.search.events.ruled_certificate import PoseJet
+from firstcontact.search.events.pose_jets import PoseJet
 from firstcontact.search.events.shared_points import ball_pose
 from firstcontact.search.rulings.posed_pieces import pose_windows
 from firstcontact.view.poses import _twist as twist

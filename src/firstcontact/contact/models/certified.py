@@ -37,16 +37,17 @@ MANY = 32
 _CUT = Kept[dict[Any, Any]]()
 
 
-def settle(models: tuple[Any, Any], query: Query) -> tuple[FirstContact | None, bool, Advance]:
+def settle(models: tuple[Any, Any], query: Query, apart: bool = False) -> tuple[FirstContact | None, bool, Advance]:
     """(the answer, None where there is none; whether it tells all that is shared; what was proved).
 
-    models: both bodies of the query as models.  Among features that touch at the same time the answer names one pair.
+    models: both bodies of the query as models; apart: they are known to be that at the start.  Among features that
+    touch at the same time the answer names one pair.
     """
     models, budget = both_bounded(models, query.span), query.budget
     found = advance(*models, query.first, query.end, query.tolerance, 10_000 if budget is None else budget)
     if found.beyond:
         most = MOST_BOXES if budget is None else budget
-        found = first_event(*models, query.first, query.end, query.tolerance, most)
+        found = first_event(*models, query.first, query.end, query.tolerance, most, apart)
     if found.status == "free":
         stats = query.stats(found.steps, found.gaps)
         return FirstContact(Status.FREE, free_until=query.span[1], stats=stats, **query.shared), True, found

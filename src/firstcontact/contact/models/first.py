@@ -64,7 +64,7 @@ def first(query: Query) -> FirstContact:
         return Passed("no landing") if landed is None else landed
 
     def as_proved(query: Query, proved: Advance) -> FirstContact:
-        return _proved_only(query, proved) if seen is None else seen
+        return _proved_only(query, models, proved) if seen is None else seen
 
     return answered([
         Way("in doubles", in_doubles, lambda query, _: not query.is_algebraic),
@@ -92,7 +92,7 @@ def _undecided(query: Query, proved: Advance, reason: str) -> FirstContact:
     )
 
 
-def _proved_only(query: Query, proved: Advance) -> FirstContact:
+def _proved_only(query: Query, models: tuple[Any, Any], proved: Advance) -> FirstContact:
     """What the certified path proved, but for contacts, where exact arithmetic does not take the pair or denies it."""
     start = query.span[0]
     if proved.status == "initial" or proved.free_until <= start:
@@ -103,9 +103,19 @@ def _proved_only(query: Query, proved: Advance) -> FirstContact:
             return _with(
                 there, status=Status.INITIAL_CONTACT, time=start, time_interval=(start, start), free_until=start
             )
+        if there.status is Status.FREE and proved.reason == "precision" and _starts_rational(query):
+            return _from_apart(query, models)
     if proved.reason not in ("precision", "budget", None):
         raise UnsupportedPair(f"it is not decided: {proved.reason}")
     return _undecided(query, proved, proved.reason or "precision")
+
+
+def _from_apart(query: Query, models: tuple[Any, Any]) -> FirstContact:
+    """What doubles tell of bodies that exact arithmetic knows to be apart at the start, as close fits are hidden."""
+    seen, _, proved = settle(models, query, apart=True)
+    if seen is None:
+        seen = _landed(query, *models, proved)
+    return _undecided(query, proved, proved.reason or "precision") if seen is None else seen
 
 
 def _landed(query: Query, a: Any, b: Any, proved: Advance) -> FirstContact | None:
@@ -144,7 +154,7 @@ def _at_start(query: Query) -> FirstContact:
     """
     start = query.span[0]
     there = [(placement_at(body, query.first), body) for body in query.bodies]
-    rational = all(pose.is_exact for pose, _ in there)
+    rational = _starts_rational(query)
     x, y = (pose.place(shape_of(body)) if rational else _rounded(body, start) for pose, body in there)
 
     def decided(x: Any) -> FirstContact:
@@ -153,6 +163,10 @@ def _at_start(query: Query) -> FirstContact:
     found = decided(x)
     told = rational or found.initial is None or all(decided(z).initial == found.initial for z in _smaller_and_larger(x))
     return _with(found, initial=found.initial if told else None, **query.shared)
+
+
+def _starts_rational(query: Query) -> bool:
+    return all(placement_at(body, query.first).is_exact for body in query.bodies)
 
 
 def _rounded(body: Any, t: float) -> Any:

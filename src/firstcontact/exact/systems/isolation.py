@@ -21,6 +21,8 @@ ENOUGH = 0.5
 """Part of its widest side to which an image must narrow a box lest it be halved."""
 LEAST = 2.0**-120
 """Part of its first width below which a side is not halved."""
+RANK = 1e-7
+"""Pivots of a matrix with rows of about 1 that count as none."""
 
 
 WORTH = 64
@@ -106,7 +108,7 @@ def _narrowed(system: Equations, box: Box) -> Box | Zero | None:
     if not all((v + d).contains(0) for v, d in zip(values, (slopes * column).entries(), strict=True)):
         return None
     box = _narrowed_by_each(values, slopes.tolist(), centre, offset, box)
-    moved = krawczyk_image(values, slopes, offset)
+    moved = krawczyk_image(values, slopes, offset, _partial_inverse(slopes, offset))
     if moved is None:
         return box
     if all(d.contains_interior(i) for d, i in zip(offset, moved, strict=True)):
@@ -115,6 +117,48 @@ def _narrowed(system: Equations, box: Box) -> Box | Zero | None:
     if not all(x.overlaps(c) for x, c in zip(image, box, strict=True)):
         return None
     return [x.intersection(c) if x.is_finite() else c for x, c in zip(image, box, strict=True)]
+
+
+def _partial_inverse(slopes: arb_mat, offset: Box) -> arb_mat | None:
+    """The inverse of the largest regular part of a matrix that is singular as far as doubles tell, in units of the box;
+    None of another one.
+
+    Zeros in curves (two parallel cylinders touch along a line) are so narrowed in all directions but one.
+    """
+    rows = slopes.tolist()
+    pivots = _pivots([[float((x * d.rad()).mid()) for x, d in zip(row, offset, strict=True)] for row in rows])
+    if not 0 < len(pivots) < len(offset):
+        return None
+    part = arb_mat([[slopes[i, j].mid() for _, j in pivots] for i, _ in pivots])
+    try:
+        inverse = part.inv().mid()
+    except ZeroDivisionError:
+        return None
+    whole = arb_mat(len(offset), len(offset))
+    for p, (_, j) in enumerate(pivots):
+        for q, (i, _) in enumerate(pivots):
+            whole[j, i] = inverse[p, q]
+    return whole
+
+
+def _pivots(rows: list[list[float]]) -> list[tuple[int, int]]:
+    """Rows and columns that elimination with full pivoting takes before what is left counts as none."""
+    largest = [max(map(abs, row)) for row in rows]
+    rows = [[x / size if size > RANK * max(largest) else 0.0 for x in row]
+            for row, size in zip(rows, largest, strict=True)]  # fmt: skip
+    found: list[tuple[int, int]] = []
+    free, columns = set(range(len(rows))), set(range(len(rows)))
+    while free:
+        i, j = max(((i, j) for i in free for j in columns), key=lambda at: abs(rows[at[0]][at[1]]))
+        if not abs(rows[i][j]) > RANK:
+            break
+        found.append((i, j))
+        free.remove(i)
+        columns.remove(j)
+        for k in free:
+            factor = rows[k][j] / rows[i][j]
+            rows[k] = [x - factor * y for x, y in zip(rows[k], rows[i], strict=True)]
+    return found
 
 
 def _narrowed_by_each(values: list[arb], slopes: list[list[arb]], centre: Box, offset: Box, box: Box) -> Box:

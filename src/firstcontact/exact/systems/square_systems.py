@@ -70,22 +70,64 @@ class Equations:
         return [c + i.intersection(d) for c, i, d in zip(centre, moved, offset, strict=True)]
 
 
-def krawczyk_image(values: Sequence[arb], slopes: arb_mat, offset: Sequence[arb]) -> list[arb] | None:
+def krawczyk_image(
+    values: Sequence[arb], slopes: arb_mat, offset: Sequence[arb], y: arb_mat | None = None
+) -> list[arb] | None:
     """Krawczyk's image -Y f(c) + (1 - Y J) offset of a box, less its centre c; None where Y does not exist.
 
-    values: f(c); slopes: J over the box; Y is the inverse of its middle.  All zeros of the box are in its image.
+    values: f(c); slopes: J over the box; Y is any matrix, where none is given the inverse of the middle of J.  All
+    zeros of the box are in its image.
     """
-    try:
-        y = slopes.mid().inv().mid()
-    except ZeroDivisionError:
-        return None
+    if y is None:
+        try:
+            y = slopes.mid().inv().mid()
+        except ZeroDivisionError:
+            return None
     n = len(offset)
     one = arb_mat(n, n, [int(i == j) for i in range(n) for j in range(n)])
     moved = (one - y * slopes) * arb_mat(n, 1, offset) - y * arb_mat(n, 1, values)
     return moved.entries()  # type: ignore[no-any-return]
 
 
-class SquareSystem(Equations):
+class FormEquations(Equations):
+    """Quadratic forms of X = (x, y, z, 1) that depend on u, and determinants of their gradients, which are zero where
+    these lie in one plane: of three forms that of all; of two, those with either vector `across`."""
+
+    across: Sequence[Sequence[arb]] = ()
+
+    def at(self, u: arb) -> tuple[list[Rows], list[Rows]]:
+        """The forms and their derivatives at u."""
+        raise NotImplementedError
+
+    def values(self, x: Sequence[arb]) -> list[arb]:
+        """The four left sides at the balls x, y, z, u."""
+        point = [*x[:3], arb(1)]
+        images = [_image(form, point) for form in self.at(x[3])[0]]
+        flat = self._in_plane([image[:3] for image in images], self.across)
+        return [_dot(point, image) for image in images] + [det(*rows) for rows in flat]
+
+    def jacobian(self, x: Sequence[arb]) -> list[list[arb]]:
+        """Their derivatives by x, y, z, u, row by row."""
+        point = [*x[:3], arb(1)]
+        forms, slopes = self.at(x[3])
+        images, moved = ([_image(form, point) for form in both] for both in (forms, slopes))
+        rows = [[*(2 * c for c in g[:3]), _dot(point, m)] for g, m in zip(images, moved, strict=True)]
+        still = [[arb(0)] * 3 for _ in self.across]
+        columns = [[[form[j][k] for j in range(3)] for form in forms] for k in range(3)] + [[m[:3] for m in moved]]
+        changes = [self._in_plane(by, still) for by in columns]
+        for n, gradients in enumerate(self._in_plane([image[:3] for image in images], self.across)):
+            rows.append([
+                sum((det(*(by[n][j] if i == j else g for i, g in enumerate(gradients))) for j in range(3)), arb(0))
+                for by in changes
+            ])  # fmt: skip
+        return rows
+
+    def _in_plane(self, gradients: list[Any], across: Sequence[Any]) -> list[list[Any]]:
+        """Threes of vectors that are in one plane."""
+        return [gradients] if len(gradients) == 3 else [[way, *gradients] for way in across]
+
+
+class SquareSystem(FormEquations):
     """forms: four symmetric 4x4 matrices over fmpz_poly, or three, which stand with the tangency determinant."""
 
     def __init__(self, forms: Sequence[Matrix]) -> None:
@@ -93,33 +135,16 @@ class SquareSystem(Equations):
         self.slopes = tuple(tuple(tuple(p.derivative() for p in row) for row in form) for form in forms)
         self.degree = max(1, *(p.degree() for form in forms for row in form for p in row))
 
-    def values(self, x: Sequence[arb]) -> list[arb]:
-        """The four left sides at the balls x, y, z, u."""
-        point = [*x[:3], arb(1)]
-        images = [_image(form, point, x[3]) for form in self.forms]
-        found = [_dot(point, image) for image in images]
-        return found if len(found) == 4 else [*found, det(*(image[:3] for image in images))]
-
-    def jacobian(self, x: Sequence[arb]) -> list[list[arb]]:
-        """Their derivatives by x, y, z, u, row by row."""
-        point = [*x[:3], arb(1)]
-        images = [_image(form, point, x[3]) for form in self.forms]
-        moved = [_image(slope, point, x[3]) for slope in self.slopes]
-        rows = [[*(2 * c for c in g[:3]), _dot(point, m)] for g, m in zip(images, moved, strict=True)]
-        if len(rows) == 4:
-            return rows
-        gradients = [image[:3] for image in images]
-        last = []
-        for k in range(4):
-            by = [m[:3] if k == 3 else [form[j][k](x[3]) for j in range(3)]
-                  for m, form in zip(moved, self.forms, strict=True)]  # fmt: skip
-            terms = [det(*(by[j] if i == j else g for i, g in enumerate(gradients))) for j in range(3)]
-            last.append(terms[0] + terms[1] + terms[2])
-        return [*rows, last]
+    def at(self, u: arb) -> tuple[list[Rows], list[Rows]]:
+        forms, slopes = ([[[p(u) for p in row] for row in form] for form in both] for both in (self.forms, self.slopes))
+        return forms, slopes
 
 
-def _image(form: Matrix, x: Sequence[arb], u: arb) -> list[arb]:
-    return [_dot([p(u) for p in row], x) for row in form]
+Rows = list[list[arb]]
+
+
+def _image(form: Rows, x: Sequence[arb]) -> list[arb]:
+    return [_dot(row, x) for row in form]
 
 
 def _dot(x: Sequence[arb], y: Sequence[arb]) -> arb:
@@ -172,10 +197,10 @@ class Zero:
     def _refined(self, bits: int) -> bool:
         with precision(2 * bits + 64):
             balls, least = self._balls, arb(2) ** (-bits - 8)
-            while any(c.rad() > least * (1 + abs(c)) for c in balls):
+            while wide := [k for k, c in enumerate(balls) if c.rad() > least * (1 + abs(c))]:
                 sharper = self.system.narrowed(balls)
-                if sharper is None or not any(2 * x.rad() < c.rad() for x, c in zip(sharper, balls, strict=True)):
-                    return False
+                if sharper is None or not any(2 * sharper[k].rad() < balls[k].rad() for k in wide):
+                    return False  # not for what is narrow enough: an unknown that is zero has no narrowest ball
                 balls = sharper
             self._balls, self._bits = balls, bits
             return True

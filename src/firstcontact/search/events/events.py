@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from flint import fmpq
 
-from firstcontact.exact.numbers import below
+from firstcontact.exact.numbers import below, exact_value
 from firstcontact.kernels.events.event_search import (
     AT_U,
     AT_V,
@@ -29,6 +29,7 @@ from firstcontact.kernels.events.event_search import (
     SLABS,
     SLICE_SPENT,
     SPENT,
+    STOPPED,
     TESTS,
     TRAVEL,
     VISITS,
@@ -42,9 +43,14 @@ from firstcontact.search.events.charts import NotCharted
 from firstcontact.search.events.event_tables import Tables, tables_of
 from firstcontact.search.events.instants import Instant, scratch_for
 from firstcontact.search.events.shared_points import proved_at, shared_point, without_corners
+from firstcontact.search.events.solid_certificate import earliest_event
 
 LEAST = 1.0 / 64.0
 """Of the width of the answer: slabs that short are not cut any more."""
+REACH, STAGES = 256.0, 10
+"""Widths of the answer over which balls look for events at first, and how often they do."""
+BEFORE = 0.25
+"""Of the width of the answer: how long before an event that balls know doubles go on."""
 SPREAD = 1e-4
 """Part of the body's size beyond which places that may touch count as more than one point."""
 STRIDE = 0.1
@@ -65,10 +71,12 @@ SLICE = 2000
 """Boxes and pairs after which a compiled search comes back for a moment, so that it can be interrupted."""
 
 
-def first_event(a: Any, b: Any, first: fmpq, last: fmpq, tolerance: float, budget: int) -> Advance:
+def first_event(
+    a: Any, b: Any, first: fmpq, last: fmpq, tolerance: float, budget: int, apart: bool = False
+) -> Advance:
     """The first common point of two bodies over [first, last]; as `search.convex.advance`.
 
-    budget: strides, boxes and pairs of features at most.
+    budget: strides, boxes and pairs of features at most.  apart: they are known to share no point at `first`.
     """
     try:
         models: list[Any] = [shape_of(x) for x in (a, b)]
@@ -83,7 +91,7 @@ def first_event(a: Any, b: Any, first: fmpq, last: fmpq, tolerance: float, budge
         return covers
     if covers.status == "contact" and (touched := search.touched(covers, last)) is not None:
         return touched
-    return search.run(below(first) if covers.beyond else covers.free_until, last)
+    return search.run(below(first) if covers.beyond else covers.free_until, last, apart)
 
 
 class EventSearch:
@@ -122,13 +130,15 @@ class EventSearch:
         at = proved_at(self.bodies, instant, covers, times, last)
         return None if at is None else replace(covers, time=min(time, at), time_interval=(lo, at))
 
-    def run(self, begin: float, last: fmpq) -> Advance:
-        """The first event from a time on before which the models are apart; at the start that is proved here."""
-        for window in self.windows:
+    def run(self, begin: float, last: fmpq, apart: bool = False) -> Advance:
+        """The first event from a time on before which the models are apart; at the start that is proved here, unless it
+        is known."""
+        for k, window in enumerate(self.windows):
             if begin >= window.last > window.first:
                 continue
             t = max(begin, window.first)
-            if t == window.first and not self._apart(window, t):  # a motion starts there, and may jump
+            known = apart and k == 0
+            if t == window.first and not known and not self._apart(window, t):  # a motion starts there, and may jump
                 return self._answer("open", t, reason="budget" if self.is_spent else "precision")
             stopped = self._first_event(window, t, last)
             if stopped is not None:
@@ -149,6 +159,43 @@ class EventSearch:
         return self.budget if self.is_spent else self.done
 
     def _first_event(self, window: Window, t: float, last: fmpq) -> Advance | None:
+        """From t on; None where there is none.  Where rounding errors hide it, balls take over for a while."""
+        for stage in range(STAGES):
+            found = self._in_doubles(window, t, last)
+            if found is None or found.status != "open" or found.reason != "precision":
+                return found
+            ahead = self._free_in_balls(window, found.free_until, stage)
+            if ahead is None:
+                return found
+            t = ahead
+            if t >= window.last:
+                return None
+        return self._answer("open", t, reason="precision")
+
+    def _free_in_balls(self, window: Window, lo: float, stage: int) -> float | None:
+        """A time after lo before which all is free, shortly before an event or that of the look ahead; None where that
+        is not told.  stage: how often balls have told before; they look ahead four times as far each time."""
+        end = min(lo + REACH * 4.0**stage * self.width, window.last)
+        outcome = self.covered(window, lo, end)
+        if outcome != STOPPED:
+            return end if outcome == FREE else None
+        count, start = int(self.result[2]), int(self.result[3])
+        boxes = self.pool[start : start + count].copy()
+        first, last, fine = (exact_value(x) for x in (lo, end, LEAST * self.width))
+        event = earliest_event(self.bodies, self.tables, window, boxes, first, last, fine)
+        if event is None:
+            return None
+        ahead = below(event) - BEFORE * self.width if event < last else end
+        return ahead if ahead > lo else None
+
+    def covered(self, window: Window, lo: float, end: float) -> int:
+        """As `searched` for events in [lo, end], which is not cut."""
+        width, self.width = self.width, (end - lo) / LEAST
+        outcome = self.searched(False, window, lo, end, self.budget)
+        self.width = width
+        return outcome
+
+    def _in_doubles(self, window: Window, t: float, last: fmpq) -> Advance | None:
         """From t on; None where there is no event."""
         outcome = self.first(window, t)
         if outcome == SPENT:

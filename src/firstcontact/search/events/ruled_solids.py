@@ -59,9 +59,10 @@ from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.stretches import Window
 from firstcontact.search.convex.advance import Advance
 from firstcontact.search.events.event_tables import Tables, crossing_surfaces
-from firstcontact.search.events.events import LEAST, SPREAD, EventSearch
+from firstcontact.search.events.events import REACH, SPREAD, STAGES, EventSearch
 from firstcontact.search.events.instants import Instant
-from firstcontact.search.events.ruled_certificate import Certificate, PoseJet
+from firstcontact.search.events.pose_jets import PoseJet
+from firstcontact.search.events.ruled_certificate import Certificate
 from firstcontact.search.events.ruled_charts import Mixed, RuledFeature, Sheet, crossing_at
 from firstcontact.search.events.shared_points import BITS, RANKS, ball_pose, mapped, middles
 
@@ -72,8 +73,6 @@ REGULAR = 1e12
 SMOOTH = 1e-6
 """Slope of a surface, over that at the model's size from a tip, below which a place counts as one."""
 ROUNDS = 4
-REACH, STAGES = 256.0, 10
-"""Widths of the answer over which balls look for events at first, and how often they do."""
 TRIED = 24
 """Pairs of features that survive the search at a contact, for which it is made precise."""
 SEEDS = 4
@@ -203,7 +202,7 @@ class RuledSearch(EventSearch):
     def _first_event(self, window: Window, t: float, last: fmpq) -> Advance | None:
         """From t on; None where there is none.  Where rounding errors hide it, balls take over for a while."""
         for stage in range(STAGES):
-            found = super()._first_event(window, t, last)
+            found = self._in_doubles(window, t, last)
             if found is None or found.status != "open" or found.reason != "precision":
                 return found
             ahead = self.in_balls(window, found.free_until, stage)
@@ -237,13 +236,6 @@ class RuledSearch(EventSearch):
             if known.events:
                 starts.append(dyadic(arb(known.events[0][1].lower())))
             return max(lo, below(min(starts))), known
-
-    def covered(self, window: Window, lo: float, end: float) -> int:
-        """As `searched` for events in [lo, end], which is not cut."""
-        width, self.width = self.width, (end - lo) / LEAST
-        outcome = self.searched(False, window, lo, end, self.budget)
-        self.width = width
-        return outcome
 
     def _certificate(self, poses: tuple[PoseJet, PoseJet], lo: float, end: float) -> Certificate:
         """Of the boxes that are left in the pool."""
