@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from flint import fmpq
 
-from firstcontact.exact.numbers import below, exact_value
+from firstcontact.exact.numbers import below, exact_value, likely, to_double
 from firstcontact.kernels.events.event_search import (
     AT_U,
     AT_V,
@@ -160,25 +160,34 @@ class EventSearch:
 
     def _first_event(self, window: Window, t: float, last: fmpq) -> Advance | None:
         """From t on; None where there is none.  Where rounding errors hide it, balls take over for a while."""
+        event: fmpq | None = None
         for stage in range(STAGES):
             found = self._in_doubles(window, t, last)
             if found is None or found.status != "open" or found.reason != "precision":
-                return found
+                return found if found is None or event is None else self._timed(found, event)
             ahead = self._free_in_balls(window, found.free_until, stage)
             if ahead is None:
                 return found
-            t = ahead
+            t, event = ahead
             if t >= window.last:
                 return None
         return self._answer("open", t, reason="precision")
 
-    def _free_in_balls(self, window: Window, lo: float, stage: int) -> float | None:
-        """A time after lo before which all is free, shortly before an event or that of the look ahead; None where that
-        is not told.  stage: how often balls have told before; they look ahead four times as far each time."""
+    def _timed(self, found: Advance, event: fmpq) -> Advance:
+        """A contact at the time at which balls know an event, if it may be that."""
+        if found.status != "contact" or found.time_interval is None:
+            return found
+        near = likely(event, event + 2 * exact_value(LEAST * self.width))
+        lo, hi = map(exact_value, found.time_interval)
+        return replace(found, time=to_double(near)) if lo <= near <= hi else found
+
+    def _free_in_balls(self, window: Window, lo: float, stage: int) -> tuple[float, fmpq | None] | None:
+        """A time after lo before which all is free, shortly before an event, or that of the look ahead, and the event;
+        None where that is not told.  stage: how often balls have told before; they look four times as far each time."""
         end = min(lo + REACH * 4.0**stage * self.width, window.last)
         outcome = self.covered(window, lo, end)
         if outcome != STOPPED:
-            return end if outcome == FREE else None
+            return (end, None) if outcome == FREE else None
         count, start = int(self.result[2]), int(self.result[3])
         boxes = self.pool[start : start + count].copy()
         first, last, fine = (exact_value(x) for x in (lo, end, LEAST * self.width))
@@ -186,7 +195,7 @@ class EventSearch:
         if event is None:
             return None
         ahead = below(event) - BEFORE * self.width if event < last else end
-        return ahead if ahead > lo else None
+        return (ahead, event if event < last else None) if ahead > lo else None
 
     def covered(self, window: Window, lo: float, end: float) -> int:
         """As `searched` for events in [lo, end], which is not cut."""
