@@ -23,7 +23,7 @@ SCENES = {
     "on a corner": (fc.box((1, 2, 2)).transformed(ON_ITS_CORNER).translated((1, 0, "7/2")),
                     fc.Screw(Z, degrees=77, advance=-1), PLATE, "point"),
     "ring on ring": (RING.translated((0, 0, 4)), fc.Screw(Z, degrees=77, advance=-2),
-                     PLATE - fc.cylinder("3/2", 4), "conic arc"),
+                     PLATE - fc.cylinder("3/2", 4), "patch"),
     "slanting": (BRICK.translated((0, 0, 1)), fc.Screw((0, 3, -4), degrees=77, advance=1),
                  fc.half_space((0, -3, 4), -8), "segment"),
     "a quarter turn": (LEVER, fc.Screw((0, 1, 0), degrees=90, advance="1/8"),
