@@ -50,6 +50,8 @@ def _groups(questions: Questions, where: np.ndarray, motions: Translations | Rot
         sense = np.sign(motions.angles)
         keys = np.column_stack([pairs, motions.axes, motions.points, sense])
         able = sense != 0
+    if len(keys) and (keys == keys[0]).all():  # as mostly, and at once
+        return [np.flatnonzero(able)] if able.any() else []
     _, group = np.unique(keys[able], axis=0, return_inverse=True)
     order = np.argsort(group, kind="stable")
     cuts = np.flatnonzero(np.diff(group[order])) + 1

@@ -44,8 +44,8 @@ WORTH = 10.0
 """Seconds of work from which on it is worth starting processes, which load the library first."""
 TRIED = 0.5
 """Seconds after which what the work will take is judged."""
-THREAD_PART = 1 << 14
-"""Questions of a part that is walked by a thread."""
+THREAD_PART, FIRST_WALKED = 1 << 13, 64
+"""Questions of a part that is walked by a thread, and of the first one, which makes what the others share."""
 RETRIES = 3
 
 Reached = Callable[[int, int], None] | None
@@ -141,14 +141,15 @@ def _by_threads(n: int, questions: Questions, asking: Asking, rows: Rows, count:
     """Answers by compiled walks; gives the rows that they did."""
     from firstcontact.batch.together import walk_together  # loads what polyhedra need
 
-    cuts = range(0, len(questions), THREAD_PART)
-    parts = [slice(first, min(first + THREAD_PART, len(questions))) for first in cuts]
+    n_all = len(questions)
+    cuts = [0, *range(min(FIRST_WALKED, n_all), n_all, THREAD_PART), n_all]
+    parts = [slice(first, end) for first, end in zip(cuts, cuts[1:], strict=False) if first < end]
     done = [np.empty(0, np.int64)]
 
     def walk(where: slice) -> np.ndarray:
         return where.start + walk_together(questions.part(where), asking, rows.part(where))
 
-    for where in parts[:1]:  # which makes what the others share
+    for where in parts[:1]:
         done.append(walk(where))
         count.add(len(done[-1]))
     with ThreadPoolExecutor(n) as pool:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from functools import cached_property
 
 import numpy as np
@@ -58,25 +57,13 @@ class EachTranslation:
     def _contacts(self, walked: Walked) -> tuple[np.ndarray, np.ndarray, Contacts]:
         """What is told, work, and the contacts: the first of all candidates by the exact equation of each."""
         gaps, speeds = self._equations(walked)
-        solvable = speeds != 0
-        times = np.full(len(gaps), math.inf)
-        times[solvable] = gaps[solvable] / speeds[solvable]  # Python's division of whole numbers rounds correctly
-        firsts, tied = [], []
-        for some in walked.groups():
-            earliest = times[some].min()
-            best = some.start + np.flatnonzero(times[some] == earliest)
-            if not solvable[some].all() or earliest <= 0.0:  # a time that is 0, or rounds to it
-                walked.told[walked.motions[some.start]] = OPEN
-                continue
-            if len(best) > 1:
-                best = _earliest(best, gaps, speeds)
-            firsts.append(int(best[0]))
-            tied.append(best)
-        first = np.array(firsts, np.int64)
+        first, end = _earliest(walked, gaps, speeds)
+        chosen = first[end[:-1]]
+        times = (gaps[chosen] / speeds[chosen]).astype(float)  # Python's division of whole numbers rounds correctly
         return walked.told, walked.work, Contacts(
-            walked.motions[first], times[first], _around(times[first], gaps[first], speeds[first]),
-            lambda k: RationalInstant(fmpq(gaps[firsts[k]], speeds[firsts[k]])),
-            lambda k: sorted(walked.pairs_of(np.unique(tied[k]))),
+            walked.motions[chosen], times, _around(times, gaps[chosen], speeds[chosen]),
+            lambda k: RationalInstant(fmpq(gaps[chosen[k]], speeds[chosen[k]])),
+            lambda k: sorted(walked.pairs_of(np.sort(first[end[k] : end[k + 1]]))),
         )  # fmt: skip
 
     def _equations(self, walked: Walked) -> tuple[np.ndarray, np.ndarray]:
@@ -155,8 +142,33 @@ def _whole_velocities(vectors: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.n
     return numbers << shifts, one << np.maximum(-least, 0).astype(object), one << np.maximum(least, 0).astype(object)
 
 
-def _earliest(some: np.ndarray, gaps: np.ndarray, speeds: np.ndarray) -> np.ndarray:
-    """Which of candidates whose times round to one double are first, exactly."""
+def _earliest(walked: Walked, gaps: np.ndarray, speeds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(the first candidates of each motion, all that share the time; where those of each begin, and an end).
+
+    Motions without one are OPEN: those whose times equations do not tell, or round to the start.
+    """
+    times = np.full(len(gaps), np.inf)
+    solvable = speeds != 0
+    times[solvable] = gaps[solvable] / speeds[solvable]
+    begin = np.flatnonzero(np.diff(walked.motions, prepend=-1))
+    if not len(begin):
+        return np.empty(0, np.int64), np.zeros(1, np.int64)
+    least = np.minimum.reduceat(times, begin)
+    good = np.logical_and.reduceat(solvable, begin) & (least > 0.0)
+    walked.told[walked.motions[begin[~good]]] = OPEN
+    group = np.repeat(np.arange(len(begin)), np.diff(begin, append=len(gaps)))
+    first = np.flatnonzero((times == least[group]) & good[group])
+    cuts = np.append(np.flatnonzero(np.diff(group[first], prepend=-1)), len(first))
+    kept = np.ones(len(first), bool)
+    for k in np.flatnonzero(np.diff(cuts) > 1).tolist():  # times that round to one double may differ
+        some = first[cuts[k] : cuts[k + 1]]
+        kept[cuts[k] : cuts[k + 1]] = np.isin(some, _exactly_first(some, gaps, speeds))
+    first = first[kept]
+    return first, np.append(np.flatnonzero(np.diff(group[first], prepend=-1)), len(first))
+
+
+def _exactly_first(some: np.ndarray, gaps: np.ndarray, speeds: np.ndarray) -> list[int]:
+    """Which of some candidates are first."""
     found: list[int] = []
     for k in some.tolist():
         later = 0 if not found else gaps[k] * speeds[found[0]] - gaps[found[0]] * speeds[k]
@@ -164,7 +176,7 @@ def _earliest(some: np.ndarray, gaps: np.ndarray, speeds: np.ndarray) -> np.ndar
             found = []
         if later <= 0:
             found.append(k)
-    return np.array(found)
+    return found
 
 
 def _around(times: np.ndarray, gaps: np.ndarray, speeds: np.ndarray) -> np.ndarray:
