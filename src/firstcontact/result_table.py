@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from firstcontact.errors import InputError
-from firstcontact.result import ContactIntervals, FirstContact, Status
+from firstcontact.result import ContactIntervals, Element, FirstContact, Status
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -85,21 +85,11 @@ class Rows:
             record["time"] = found.time
         if found.time_interval is not None:
             record["lo"], record["hi"] = found.time_interval
-        place = partial(self._fill_place, record, found)
+        place = partial(_fill_found, record, found)
         if len(self.later) < MOST_HELD:
             self.later.append(place)
         else:
             place()
-
-    @staticmethod
-    def _fill_place(record: Any, found: FirstContact) -> None:
-        record["multiplicity"] = found.multiplicity
-        for side, element in (("a", found.element_a), ("b", found.element_b)):
-            if element is not None:
-                record[f"kind_{side}"], record[f"index_{side}"] = KINDS.index(element.kind), element.index
-        for name, vector in (("point", found.point), ("normal", found.normal)):
-            if vector is not None:
-                record[name] = vector
 
     @staticmethod
     def _fill_shared(record: Any, found: FirstContact | ContactIntervals) -> None:
@@ -126,6 +116,27 @@ class Rows:
         assert not rows.later
         self.array[where] = rows.array
         self.errors |= {int(where[row]): text for row, text in rows.errors.items()}
+
+
+def fill_place(
+    record: Any,
+    elements: tuple[Element | None, Element | None],
+    multiplicity: int,
+    point: np.ndarray | None,
+    normal: np.ndarray | None,
+) -> None:
+    """Write the columns PLACED of a row."""
+    record["multiplicity"] = multiplicity
+    for side, element in zip("ab", elements, strict=True):
+        if element is not None:
+            record[f"kind_{side}"], record[f"index_{side}"] = KINDS.index(element.kind), element.index
+    for name, vector in (("point", point), ("normal", normal)):
+        if vector is not None:
+            record[name] = vector
+
+
+def _fill_found(record: Any, found: FirstContact) -> None:
+    fill_place(record, (found.element_a, found.element_b), found.multiplicity, found.point, found.normal)
 
 
 class IntervalRows(Rows):

@@ -23,7 +23,7 @@ from firstcontact.batch.kept_parts import KeptParts
 from firstcontact.batch.part import Asking
 from firstcontact.batch.query_files import QueryFile
 from firstcontact.batch.query_rows import Bodies, QueryRows, carried, check_columns
-from firstcontact.batch.workers import Reached, Spare, answered
+from firstcontact.batch.workers import Reached, Spare, answered, next_size
 from firstcontact.errors import InputError
 from firstcontact.query import check_arguments
 from firstcontact.result import finite
@@ -173,8 +173,7 @@ class _Job:
         for at, table in self.file.pieces(begin, end, lambda: self.size):
             since = time.monotonic()
             self.kept.add(at, self._answers(at, table))
-            able = int(SECONDS * len(table) / max(time.monotonic() - since, 1e-6))
-            self.size = max(1, min(able, 4 * self.size, MOST_ROWS))
+            self.size = next_size(self.size, len(table), time.monotonic() - since, SECONDS, MOST_ROWS)
 
     def _answers(self, begin: int, table: Any) -> Any:
         """What is carried along, and the answers beside it."""

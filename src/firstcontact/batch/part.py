@@ -26,14 +26,6 @@ class Asking:
         """Whether compiled walks may answer."""
         return self.verb == "first_contact" and self.arguments.get("engine", "auto") in ("auto", "boxes")
 
-    @property
-    def is_plain(self) -> bool:
-        """Whether bodies that are apart all the time are FREE, whatever else is asked.
-
-        Other questions may be refused, or spend their budget, first.
-        """
-        return is_plain(self.arguments)
-
     def rows(self, n: int) -> Rows:
         """Empty ones for n answers."""
         return (Rows if self.verb == "first_contact" else IntervalRows)(n)
@@ -50,7 +42,10 @@ class Asking:
 
 
 def is_plain(arguments: Mapping[str, Any]) -> bool:
-    """See `Asking.is_plain`."""
+    """Whether bodies that are apart all the time are FREE, whatever else is asked.
+
+    Other questions may be refused, or spend their budget, first.
+    """
     chosen = {arguments.get(key, "auto") for key in ("method", "engine")}
     return chosen == {"auto"} and not arguments.get("exact") and arguments.get("budget") is None
 

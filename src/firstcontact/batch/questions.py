@@ -8,11 +8,10 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from flint import fmpq
 
 from firstcontact.contact.table import as_body
 from firstcontact.errors import InputError, shown
-from firstcontact.exact.numbers import to_double
+from firstcontact.exact.numbers import exact_value, to_double
 from firstcontact.motion.arrays import Motions, MovingEach, Rotations, Translations
 from firstcontact.motion.moving import Moving
 from firstcontact.motion.translation import Translation
@@ -174,7 +173,7 @@ def _vector(motion: Any) -> list[float] | None:
     if not isinstance(motion, Translation):
         return None
     v = [to_double(x) for x in motion.vector]
-    return v if all(fmpq(*x.as_integer_ratio()) == y for x, y in zip(v, motion.vector, strict=True)) else None
+    return v if all(exact_value(x) == y for x, y in zip(v, motion.vector, strict=True)) else None
 
 
 def _end(span: Any) -> float:

@@ -12,7 +12,7 @@ from firstcontact import query
 from firstcontact.batch import culling
 from firstcontact.batch.part import is_plain
 from firstcontact.batch.questions import asked
-from firstcontact.batch.workers import PART, TRIED, WORTH, Spare
+from firstcontact.batch.workers import PART, Spare, is_worth_processes
 from firstcontact.errors import FirstContactError
 from firstcontact.result import ContactIntervals, FirstContact, Status
 
@@ -27,7 +27,7 @@ class Question:
     arguments: dict[str, Any]
 
 
-def free_by_boxes(questions: Sequence[Question]) -> dict[int, Any]:
+def told_by_boxes(questions: Sequence[Question]) -> dict[int, Any]:
     """Results of questions over the motions' own spans whose bodies are told to be apart by swept boxes."""
     able = [k for k, x in enumerate(questions) if x.arguments.get("span") is None and is_plain(x.arguments)]
     pairs = asked([(questions[k].a, questions[k].b) for k in able])
@@ -52,7 +52,7 @@ def in_order(
     begin, n = time.perf_counter(), len(questions)
     for k in range(n):
         passed = time.perf_counter() - begin
-        if workers > 1 and passed > TRIED and passed / k * (n - k) > WORTH:
+        if workers > 1 and is_worth_processes(passed, k, n - k):
             yield from _elsewhere(questions, range(k, n), here, reached, workers, max(1, int(PART * k / passed)))
             return
         yield here(k)

@@ -16,7 +16,7 @@ from firstcontact.contact.polyhedra.each import Place, is_taken
 from firstcontact.contact.polyhedra.each_rotation import EachRotation
 from firstcontact.contact.polyhedra.each_translation import EachTranslation, is_moderate
 from firstcontact.motion.arrays import Rotations, Translations
-from firstcontact.result_table import KINDS, STATUSES, Rows
+from firstcontact.result_table import STATUSES, Rows, fill_place
 from firstcontact.search.trees.containment import contained
 from firstcontact.search.trees.walk_each import FREE, OPEN
 
@@ -97,10 +97,4 @@ def _walked(
 def _place(place: Callable[[int], Place], at: list[int], found: list[int], array: np.ndarray) -> None:
     """Fills in elements, points and normals of contacts."""
     for row, k in zip(at, found, strict=True):
-        pair, count, point, normal = place(k)
-        record = array[row]
-        for side, element in (("a", pair.element_a), ("b", pair.element_b)):
-            record[f"kind_{side}"], record[f"index_{side}"] = KINDS.index(element.kind), element.index
-        record["multiplicity"], record["point"] = count, point
-        if normal is not None:
-            record["normal"] = normal
+        fill_place(array[row], *place(k))

@@ -29,7 +29,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from firstcontact.batch.culling import free_by_boxes
-from firstcontact.batch.part import Asking, answer, answers
+from firstcontact.batch.part import Asking, answer, answers, is_plain
 from firstcontact.batch.questions import Questions
 from firstcontact.result_table import Rows
 
@@ -54,6 +54,23 @@ Reached = Callable[[int, int], None] | None
 def cores() -> int:
     """Cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def is_worth_processes(passed: float, done: int, left: int, started: bool = False) -> bool:
+    """Whether processes are worth while for what is left, after `done` questions in so many seconds.
+
+    started: whether they are there already.
+    """
+    tried, worth = (TRIED / 10, TRIED) if started else (TRIED, WORTH)
+    return done > 0 and passed > tried and passed / done * left > worth
+
+
+def next_size(size: int, done: int, passed: float, seconds: float, most: int) -> int:
+    """How many questions to take next, so that they take so long: up to four times as many as the last time.
+
+    size: what was to be taken; done, passed: what was, and the seconds it took.
+    """
+    return max(1, min(int(seconds * done / max(passed, 1e-6)), 4 * size, most))
 
 
 class Count:
@@ -107,7 +124,7 @@ def answered(
     """All answers, by whoever takes part.  boxes: whether these are looked at first, as `free_by_boxes` has it."""
     count, rows = Count(len(questions), progress), asking.rows(len(questions))
     left = np.ones(len(questions), bool)
-    free = free_by_boxes(questions, boxes if asking.is_plain else False)
+    free = free_by_boxes(questions, boxes if is_plain(asking.arguments) else False)
     rows.free(free, np.ones(len(free)))
     left[free] = False
     count.add(len(free))
@@ -128,8 +145,7 @@ def _one_by_one(
     begin, done = time.perf_counter(), 0
     while done < len(left):
         passed = time.perf_counter() - begin
-        tried, worth = (TRIED, WORTH) if spare.processes is None else (TRIED / 10, TRIED)
-        if n > 1 and done and passed > tried and passed / done * (len(left) - done) > worth:
+        if n > 1 and is_worth_processes(passed, done, len(left) - done, spare.processes is not None):
             _Spread(questions, asking, rows, count).over(spare.started(n, questions.bodies), left[done:])
             break
         answer(questions, asking, int(left[done]), rows)
@@ -214,8 +230,7 @@ class _Spread:
         rows, seconds = answers
         self.rows.put(where, rows)
         self.count.add(len(where))
-        able = int(wanted * len(where) / max(seconds, 1e-6))
-        self.size = max(1, min(able, 4 * self.size, LARGEST_PART))
+        self.size = next_size(self.size, len(where), seconds, wanted, LARGEST_PART)
 
     def _again(self, part: _Part, others: Elsewhere, error: Exception) -> None:
         """Have the part of a worker that was lost done again; raises all other errors."""

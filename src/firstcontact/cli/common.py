@@ -81,7 +81,7 @@ def answer_checks(scene_file: str, options: Options, verb_name: str) -> list[Any
     scene = load_scene(scene_file)
     refuse_single(scene.path, scene.checks)
     from firstcontact import query
-    from firstcontact.batch.results import Question, free_by_boxes, in_order
+    from firstcontact.batch.results import Question, in_order, told_by_boxes
     from firstcontact.batch.workers import cores
 
     if not any(_changes(scene.bodies[key]) for check in scene.checks for key in (check.a, check.b)):
@@ -95,7 +95,7 @@ def answer_checks(scene_file: str, options: Options, verb_name: str) -> list[Any
         if span is not None:
             arguments["span"] = span
         questions.append(Question(verb_name, scene.bodies[check.a], scene.bodies[check.b], arguments))
-    known = free_by_boxes(questions)
+    known = told_by_boxes(questions)
 
     def answers(progress: Progress) -> Iterator[Any]:
         def begin(k: int) -> None:

@@ -83,11 +83,6 @@ def uncounted(function: Callable[..., Any]) -> Any:
     return kernel(function, allocates=False)
 
 
-def inner(function: Callable[..., Any]) -> Any:
-    """`uncounted`, for kernels alone to call."""
-    return uncounted(function)
-
-
 @contextmanager
 def signals() -> Iterator[None]:
     """Raises what a signal's handler raised as it was: while Numba hands over results, it becomes a SystemError."""

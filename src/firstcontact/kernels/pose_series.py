@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from firstcontact.kernels.jit import inner, kernel
+from firstcontact.kernels.jit import kernel, uncounted
 
 KEPT = 8
 _U = 2.0**-53
@@ -49,7 +49,7 @@ class Series(NamedTuple):
     most: np.ndarray
 
 
-@inner
+@uncounted
 def _norm(series, row):
     total = 0.0
     for n in range(KEPT):
@@ -57,7 +57,7 @@ def _norm(series, row):
     return total
 
 
-@inner
+@uncounted
 def _clear(series, row):
     series.error[row] = 0.0
     series.most[row, KEPT] = 0.0
@@ -65,7 +65,7 @@ def _clear(series, row):
         series.of[row, n], series.most[row, n] = 0.0, 0.0
 
 
-@inner
+@uncounted
 def _copy(series, row, out):
     series.error[out] = series.error[row]
     series.most[out, KEPT] = series.most[row, KEPT]
@@ -73,7 +73,7 @@ def _copy(series, row, out):
         series.of[out, n], series.most[out, n] = series.of[row, n], series.most[row, n]
 
 
-@inner
+@uncounted
 def _add_product(series, i, j, sign, out):
     """out += sign i j; of up to four products and one more row."""
     a, b = _norm(series, i), _norm(series, j)
@@ -92,7 +92,7 @@ def _add_product(series, i, j, sign, out):
     series.error[out] += error * _UP
 
 
-@inner
+@uncounted
 def _add_row(series, row, sign, out):
     series.error[out] += series.error[row] + 4.0 * _U * _norm(series, row)
     series.most[out, KEPT] += series.most[row, KEPT]
@@ -101,7 +101,7 @@ def _add_row(series, row, sign, out):
         series.most[out, n] += series.most[row, n]
 
 
-@inner
+@uncounted
 def _invert(series, row, least, out):
     """out = 1 / row; least: a positive bound of what it is at least over the cell.
 
@@ -127,7 +127,7 @@ def _invert(series, row, least, out):
         most[out, n] = total / least * _UP
 
 
-@inner
+@uncounted
 def _least(series, row):
     """What a series of positive values is at least over the cell; not positive where that is not known."""
     total = series.of[row, 0] - series.error[row] - series.most[row, KEPT]
@@ -139,7 +139,7 @@ def _least(series, row):
 # ---------------------------------------------------------------------------------------------------- one leg
 
 
-@inner
+@uncounted
 def _turning(series, first, pose, middle, half):
     """The entries of a leg that turns, into rows from `first` on."""
     angle, reach = pose.rate * middle, abs(pose.rate) * half
@@ -176,7 +176,7 @@ def _turning(series, first, pose, middle, half):
             series.most[row, 1] += ahead * half * _UP
 
 
-@inner
+@uncounted
 def _polynomial(series, row, values, errors, choices, work, middle, half):
     """A polynomial as a series; returns what it is at least over the cell, if that is positive.
 
@@ -209,7 +209,7 @@ def _polynomial(series, row, values, errors, choices, work, middle, half):
     return least - error - 1e-12 * size
 
 
-@inner
+@uncounted
 def _rational(series, first, pose, choices, work, middle, half):
     """The entries of a leg that is rational, into rows from `first` on; False where the weight may vanish."""
     least = _polynomial(series, first + 12, pose.weight, pose.weight_errors, choices, work, middle, half)
@@ -225,7 +225,7 @@ def _rational(series, first, pose, choices, work, middle, half):
     return True
 
 
-@inner
+@uncounted
 def _leg(series, first, pose, choices, work, middle, half):
     if pose.turns:
         _turning(series, first, pose, middle, half)
@@ -236,7 +236,7 @@ def _leg(series, first, pose, choices, work, middle, half):
 # ---------------------------------------------------------------------------------------------------- both
 
 
-@inner
+@uncounted
 def _cofactors(series, pose, out):
     for i in range(3):
         p, q = pose + 4 * ((i + 1) % 3), pose + 4 * ((i + 2) % 3)
@@ -247,7 +247,7 @@ def _cofactors(series, pose, out):
             _add_product(series, p + (j + 2) % 3, q + (j + 1) % 3, -1.0, row)
 
 
-@inner
+@uncounted
 def _inverse(series, pose, rigid, cofactors, out):
     """The inverse of a pose, rows four apart; False where it may not exist.  cofactors: used but of rigid ones."""
     if rigid:
@@ -281,7 +281,7 @@ def _inverse(series, pose, rigid, cofactors, out):
     return True
 
 
-@inner
+@uncounted
 def _composed(series, m, n, out):
     """First n, then m."""
     for i in range(3):
@@ -294,7 +294,7 @@ def _composed(series, m, n, out):
                 _add_row(series, m + 4 * i + 3, 1.0, row)
 
 
-@inner
+@uncounted
 def _moments(series, pose, out):
     """Cross products of the shift with the columns of the linear part."""
     for i in range(3):
@@ -306,7 +306,7 @@ def _moments(series, pose, out):
             _add_product(series, q + 3, p + j, -1.0, row)
 
 
-@inner
+@uncounted
 def _cell(series, a, b, b_rests, rigid_b, rigid, choices, work, middle, half):
     """All rows over one cell; False where nothing is known."""
     if not _leg(series, _A, a, choices, work, middle, half):
@@ -334,7 +334,7 @@ def _cell(series, a, b, b_rests, rigid_b, rigid, choices, work, middle, half):
     return _inverse(series, _POSE, rigid, _COFACTOR, _BACK)
 
 
-@inner
+@uncounted
 def _write(series, powers, rest, cell):
     """The 42 rows of the cell: linear part, shift, cofactors, moments, inverse, its shift."""
     row = 0
@@ -349,7 +349,7 @@ def _write(series, powers, rest, cell):
                 row += 1
 
 
-@inner
+@uncounted
 def _bounds(series, first, wide):
     """(most that is left out, most error, largest value) of the linear part or the shift."""
     left, error, most = 0.0, 0.0, 0.0

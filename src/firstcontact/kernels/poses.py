@@ -7,7 +7,7 @@ polynomials in s over the weight; kind TURNING: they are linear in 1, sin(omega 
 
 from __future__ import annotations
 
-from firstcontact.kernels.jit import inner, uncounted
+from firstcontact.kernels.jit import uncounted
 from firstcontact.kernels.workspace import MIDDLE, RADIUS, SPEED, SPREAD
 
 U = 2.0**-53
@@ -96,7 +96,7 @@ def pose_at(m, t, w, row):
     w[row, 13] = (m[0, ERROR_T] + largest_t * m[0, ERROR_W]) / below * 1.0001 + 6.0 * U * largest_t
 
 
-@inner
+@uncounted
 def velocity_at(m, t, w, row):
     """Derivatives by time of the twelve entries of R and T, into a row; not proved."""
     s = (t - m[0, CENTRE]) * m[0, PER_HALF]
@@ -121,7 +121,7 @@ def velocity_at(m, t, w, row):
         w[row, e] = (dp - p / weight * slope) / weight * m[0, PER_HALF]
 
 
-@inner
+@uncounted
 def _taylor(m, row, x, reach):
     """Value, first and second derivative of a row's polynomial at x; bounds of the first three for |s| <= reach."""
     p, d1, d2, b0, b1, b2, b3 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0

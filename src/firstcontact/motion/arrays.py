@@ -9,6 +9,7 @@ import numpy as np
 from flint import fmpq
 
 from firstcontact.errors import InputError
+from firstcontact.exact.numbers import exact_value
 from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.translation import Translation
@@ -117,7 +118,7 @@ class Rotations(Motions):
 
     def angle(self, row: int) -> tuple[fmpq, fmpq]:
         """(radians, turns) of motion `row`, exact; one of them is 0."""
-        x = fmpq(*float(self.angles[row]).as_integer_ratio())
+        x = exact_value(self.angles[row])
         if self.unit == "radians":
             return x, fmpq(0)
         return fmpq(0), x / 360 if self.unit == "degrees" else x

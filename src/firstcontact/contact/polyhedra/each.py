@@ -12,13 +12,15 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from flint import fmpq
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact.polyhedra.answers import where_met
 from firstcontact.contact.polyhedra.earliest import Found, Pair, Problem
-from firstcontact.contact.polyhedra.engines import tests_of_boxes
-from firstcontact.exact.numbers import Undecidable
-from firstcontact.result import ElementPair
+from firstcontact.exact.numbers import Undecidable, exact_value
+from firstcontact.motion.moving import Moving
+from firstcontact.motion.relative.pieces import Piece, pieces
+from firstcontact.result import Element
 from firstcontact.search.trees.elements import FACE, KINDS, VERTEX
 from firstcontact.search.trees.state import CERTAIN_KIND, SLICE, borrow_state, return_state
 from firstcontact.search.trees.tree import Tree
@@ -65,20 +67,31 @@ class Contacts:
     pairs: Callable[[int], list[Pair]]
 
 
-Place = tuple[ElementPair, int, np.ndarray, np.ndarray | None]
+Place = tuple[tuple[Element, Element], int, np.ndarray, np.ndarray | None]
 """The lowest pair of elements, how many there are, the point, the unit normal or None."""
 
 
-def placed(problem: Problem, contacts: Contacts, k: int, moving: Any, b: Polyhedron) -> Place:
+def piece_of(moving: Moving, b: Polyhedron, last: float) -> Piece:
+    """The one piece of a translation or rotation before a body at rest, from 0 to `last`."""
+    (piece,) = pieces(moving, b, fmpq(0), exact_value(last))
+    assert isinstance(piece, Piece)
+    return piece
+
+
+def placed(problem: Problem, contacts: Contacts, k: int, moving: Moving, b: Polyhedron) -> Place:
     """What a CONTACT result says of the place of a contact; the problem is that of its motion."""
     found = Found(contacts.instant(k), contacts.pairs(k))
     told = where_met(problem, found, float(contacts.times[k]), {"a": moving, "b": b})
-    return ElementPair(told["element_a"], told["element_b"]), told["multiplicity"], told["point"], told["normal"]
+    return (told["element_a"], told["element_b"]), told["multiplicity"], told["point"], told["normal"]
 
 
 @dataclass(frozen=True)
 class Walks:
-    """What all walks share.  boxes and trees of both bodies, and how far coordinates of parts may be off."""
+    """What all walks share.
+
+    boxes and trees of both bodies, how far coordinates of parts may be off, and the pair tests after which `first` asks
+    another engine.
+    """
 
     boxes_a: np.ndarray
     tree_a: Tree
@@ -86,11 +99,11 @@ class Walks:
     tree_b: Tree
     error_a: float
     error_b: float
+    most_tests: int
 
     def walked(self, motion: np.ndarray, motions: np.ndarray, ends: np.ndarray, pads: np.ndarray) -> Walked:
         """motion, motions, ends, pads: as `walk_each` has them."""
         a, b = self.tree_a, self.tree_b
-        most_tests = tests_of_boxes(a, b)  # after which `first` asks another engine
         told, work = np.full(len(ends), OPEN, np.int64), np.zeros(len(ends), np.int64)
         all_times, all_rows = [np.empty((0, 2))], [np.empty((0, 6), np.int64)]
         state, begin = borrow_state(), 0
@@ -99,7 +112,7 @@ class Walks:
                 times, rows = np.empty((ROOM, 2)), np.empty((ROOM, 6), np.int64)
                 begin, count = walk_each(
                     self.boxes_a, a.links, a.xyz, a.ids, self.boxes_b, b.links, b.xyz, b.ids,
-                    motion, motions, ends, pads, self.error_a, self.error_b, most_tests, begin, SLICE,
+                    motion, motions, ends, pads, self.error_a, self.error_b, self.most_tests, begin, SLICE,
                     state.floats, state.integers, state.keys, state.pairs, state.stack, state.times, state.candidates,
                     told, work, times, rows,
                 )  # fmt: skip

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from flint import fmpq
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
-from firstcontact.contact.polyhedra.each import Contacts, Exactly, Place, Walked, Walks, first_of, placed
+from firstcontact.contact.polyhedra.each import Contacts, Exactly, Place, Walked, Walks, first_of, piece_of, placed
 from firstcontact.contact.polyhedra.rotation_problem import RotationProblem
+from firstcontact.exact.numbers import exact_value
 from firstcontact.motion.arrays import Rotations
-from firstcontact.motion.relative.pieces import Piece, pieces
 from firstcontact.search.trees.walk_each import OPEN
 
 
@@ -24,9 +23,10 @@ class EachRotation:
         """FREE, MET or OPEN, node visits and pair tests, of each motion; the contacts."""
         problem = self._problem(0)
         trees = problem.tree_a, problem.tree_b
-        walks = Walks(trees[0].boxes, trees[0], trees[1].boxes, trees[1], problem.error_a, problem.error_b)
+        errors = problem.error_a, problem.error_b
+        walks = Walks(trees[0].boxes, trees[0], trees[1].boxes, trees[1], *errors, problem.most_tests())
         angles = [self.motions.angle(k) for k in range(len(self.lasts))]
-        lasts = [fmpq(*last.as_integer_ratio()) for last in self.lasts.tolist()]
+        lasts = map(exact_value, self.lasts.tolist())
         ends = [problem.until(abs(x * t), abs(y * t)).window() for (x, y), t in zip(angles, lasts, strict=True)]
         ranges = problem.motion.copy()  # walks fill it, and others may go on in other threads
         return self._contacts(walks.walked(ranges, np.empty((0, 9)), np.array(ends), np.full(len(ends), problem.pad)))
@@ -42,23 +42,17 @@ class EachRotation:
                 walked.told[motion] = OPEN
             else:
                 found.append((motion, problem.world_instant(first[0]), *first))
-        return (
-            walked.told,
-            walked.work,
-            Contacts(
-                np.array([motion for motion, *_ in found], np.int64),
-                np.array([time for _, (time, _), *_ in found]),
-                np.array([interval for _, (_, interval), *_ in found]).reshape(-1, 2),
-                lambda k: found[k][2],
-                lambda k: found[k][3],
-            ),
-        )
+        return walked.told, walked.work, Contacts(
+            np.array([motion for motion, *_ in found], np.int64),
+            np.array([time for _, (time, _), *_ in found]),
+            np.array([interval for _, (_, interval), *_ in found]).reshape(-1, 2),
+            lambda k: found[k][2],
+            lambda k: found[k][3],
+        )  # fmt: skip
 
     def _problem(self, motion: int) -> RotationProblem:
-        moving, last = self.a.moving(self.motions[motion]), float(self.lasts[motion])
-        piece = pieces(moving, self.b, fmpq(0), fmpq(*last.as_integer_ratio()))[0]
-        assert isinstance(piece, Piece)
-        return RotationProblem(self.a, self.b, piece)
+        moving = self.a.moving(self.motions[motion])
+        return RotationProblem(self.a, self.b, piece_of(moving, self.b, float(self.lasts[motion])))
 
     def place(self, contacts: Contacts, k: int) -> Place:
         """Elements, point and normal of a contact."""

@@ -9,7 +9,7 @@ from flint import fmpq, fmpz
 
 from firstcontact.body.kept import Kept
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
-from firstcontact.contact.polyhedra.each import Contacts, Place, Walked, Walks, placed
+from firstcontact.contact.polyhedra.each import Contacts, Place, Walked, Walks, piece_of, placed
 from firstcontact.contact.polyhedra.translation_problem import (
     LEAST_FRAMED,
     TranslationProblem,
@@ -18,7 +18,6 @@ from firstcontact.contact.polyhedra.translation_problem import (
 )
 from firstcontact.exact.times.instants import RationalInstant
 from firstcontact.exact.vectors import Vector, whole, whole_doubles
-from firstcontact.motion.relative.pieces import Piece, pieces
 from firstcontact.motion.translation import Translation
 from firstcontact.pairs.elements import coplanar
 from firstcontact.search.trees.elements import FACE, VERTEX
@@ -34,11 +33,9 @@ class EachTranslation:
     def __init__(self, a: Polyhedron, b: Polyhedron, vectors: np.ndarray, lasts: np.ndarray) -> None:
         """vectors (n, 3): velocities, moderate ones (`is_moderate`).  lasts (n,): ends of the windows."""
         self.vectors, self.lasts = vectors, lasts
-        piece = pieces(a.moving(Translation((1, 0, 0))), b, fmpq(0), fmpq(1))[0]
-        assert isinstance(piece, Piece)
-        problem = self.problem = TranslationProblem(a, b, piece)
-        trees = problem.tree_a, problem.tree_b
-        self.walks = Walks(problem.boxes_a, trees[0], problem.boxes_b, trees[1], trees[0].error, trees[1].error)
+        problem = self.problem = TranslationProblem(a, b, piece_of(a.moving(Translation((1, 0, 0))), b, 1.0))
+        x, y = problem.tree_a, problem.tree_b
+        self.walks = Walks(problem.boxes_a, x, problem.boxes_b, y, x.error, y.error, problem.most_tests())
 
     def told(self) -> tuple[np.ndarray, np.ndarray, Contacts]:
         """FREE, MET or OPEN, node visits and pair tests, of each motion; the contacts."""
@@ -88,11 +85,10 @@ class EachTranslation:
     def place(self, contacts: Contacts, k: int) -> Place:
         """Elements, point and normal of a contact."""
         motion = int(contacts.motions[k])
-        moving = self.problem.a.moving(Translation(self.vectors[motion].tolist()))
-        piece = pieces(moving, self.problem.b, fmpq(0), fmpq(*float(self.lasts[motion]).as_integer_ratio()))[0]
-        assert isinstance(piece, Piece)
-        problem = TranslationProblem(self.problem.a, self.problem.b, piece)
-        return placed(problem, contacts, k, moving, self.problem.b)
+        a, b = self.problem.a, self.problem.b
+        moving = a.moving(Translation(self.vectors[motion].tolist()))
+        problem = TranslationProblem(a, b, piece_of(moving, b, float(self.lasts[motion])))
+        return placed(problem, contacts, k, moving, b)
 
 
 class _WholeVertices:

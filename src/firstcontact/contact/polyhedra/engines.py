@@ -101,7 +101,7 @@ class ByEngine:
         if all_sides:
             return self._list_pairs(state, limit, with_start)
         if self.engine == "auto" and not integers[LIFTED]:
-            most = self._tests_of_boxes()
+            most = self.most_tests()
             while most or integers[VISITS] < FEW_VISITS:
                 left = most - int(integers[TESTS])
                 # a visit may be 15 tests: short steps where tests are few
@@ -126,7 +126,7 @@ class ByEngine:
         """Whether the bodies are, and what lies between them."""
         return all(float(np.abs(tree.boxes[0]).max()) < LEAST_SIZE for tree in (self.tree_a, self.tree_b))
 
-    def _tests_of_boxes(self) -> int:
+    def most_tests(self) -> int:
         """`tests_of_boxes`, kept on body a while the trees stay the same."""
         trees = self.tree_a, self.tree_b
         known = _TESTS_OF_BOXES.get(self.a)

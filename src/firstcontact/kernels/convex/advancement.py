@@ -28,7 +28,7 @@ from firstcontact.kernels.convex.separation import bending, gap, separating_dire
 from firstcontact.kernels.convex.shared_point import deepen, proves_shared
 from firstcontact.kernels.convex.support import BOX
 from firstcontact.kernels.convex.touch_system import moving_form, place_frames
-from firstcontact.kernels.jit import inner, uncounted
+from firstcontact.kernels.jit import uncounted
 from firstcontact.kernels.poses import pose_at
 from firstcontact.kernels.workspace import (
     BEGAN,
@@ -65,7 +65,7 @@ INWARD_STEPS = 100
 BESIDE = 1e-11
 
 
-@inner
+@uncounted
 def _gap_at(a, i, ma, b, j, mb, t, n0, n1, n2, w, c):
     pose_at(ma, t, w, HERE_A)
     pose_at(mb, t, w, HERE_B)
@@ -73,7 +73,7 @@ def _gap_at(a, i, ma, b, j, mb, t, n0, n1, n2, w, c):
     return gap(a, i, b, j, n0, n1, n2, w)
 
 
-@inner
+@uncounted
 def _provable(a, i, ma, b, j, mb, t0, t1, g0, g1, n0, n1, n2, e0, e1, e2, w):
     """The length that the gaps g0 along n at t0, g1 along e at t1 prove free: all of [t0, t1] where it is longer."""
     bend = bending(a, i, ma, b, j, mb, t0, t1, n0, n1, n2, e0, e1, e2, w)
@@ -81,7 +81,7 @@ def _provable(a, i, ma, b, j, mb, t0, t1, g0, g1, n0, n1, n2, e0, e1, e2, w):
     return roots / math.sqrt(0.5 * bend) if bend > 0.0 else math.inf
 
 
-@inner
+@uncounted
 def _crossing(a, i, ma, b, j, mb, t, g, end, g_end, n0, n1, n2, w, c):
     """(s, gap at s > 0): near the time in [t, end] where the gap along n falls to 0, on the near side."""
     # Invariant: the gap is positive at lo and not at hi.
@@ -102,7 +102,7 @@ def _crossing(a, i, ma, b, j, mb, t, g, end, g_end, n0, n1, n2, w, c):
     return lo, found
 
 
-@inner
+@uncounted
 def stride(a, i, ma, b, j, mb, t, g, end, n0, n1, n2, w, c):
     """(t1, gap there) with [t, t1] proved free by the direction n, t1 = end where possible, t where nothing is proved.
 
@@ -126,7 +126,7 @@ def stride(a, i, ma, b, j, mb, t, g, end, n0, n1, n2, w, c):
     return t, g
 
 
-@inner
+@uncounted
 def _aim(a, i, ma, b, j, mb, t, first, last, count, n0, n1, n2, near, width, size, w, c):
     """(time, normal, gap): the latest time before a guessed contact at which its normal proves the bodies apart.
 
@@ -163,7 +163,7 @@ def _aim(a, i, ma, b, j, mb, t, first, last, count, n0, n1, n2, near, width, siz
     return t, 0.0, 0.0, 0.0, 0.0
 
 
-@inner
+@uncounted
 def _at_start(a, i, ma, b, j, mb, first, count, size, w, c):
     """INITIAL when a common point is found, from the middle of the last simplex on by steps behind violated forms."""
     if not place_frames(ma, mb, first, w):
@@ -195,7 +195,7 @@ def _at_start(a, i, ma, b, j, mb, first, count, size, w, c):
     return AT_START
 
 
-@inner
+@uncounted
 def _upper_end(a, ma, b, mb, lo, near, width, inner, size, w, c):
     """CONTACT with a proved common point at a time after lo, as soon as can be within `width`; else -1.
 
@@ -233,7 +233,7 @@ def _upper_end(a, ma, b, mb, lo, near, width, inner, size, w, c):
     return -1
 
 
-@inner
+@uncounted
 def directed(a, i, ma, b, j, mb, t, n0, n1, n2, w, c):
     """(distance, n, rows of the simplex, gap): a separating direction at t, searched from n on."""
     pose_at(ma, t, w, HERE_A)
@@ -243,7 +243,7 @@ def directed(a, i, ma, b, j, mb, t, n0, n1, n2, w, c):
     return distance, n0, n1, n2, count, gap(a, i, b, j, n0, n1, n2, w)
 
 
-@inner
+@uncounted
 def toward(a, i, ma, b, j, mb, t, g, aim, n0, n1, n2, e0, e1, e2, w, c):
     """(t1, gap, direction) with [t, t1] proved free; t1 = aim where e at aim allows it, t where nothing is proved."""
     s = aim

@@ -7,7 +7,7 @@ import math
 from firstcontact.kernels.convex.separation import placed
 from firstcontact.kernels.convex.support import FORMS, VERTICES, form_value
 from firstcontact.kernels.convex.touch_system import local_point, moving_form, newton_step, place_frames, solve
-from firstcontact.kernels.jit import inner
+from firstcontact.kernels.jit import uncounted
 from firstcontact.kernels.workspace import (
     ACTIVE,
     AT_TIME,
@@ -44,7 +44,7 @@ FIRST_STEPS, NEARBY = 7, 1e-2
 MOST_CHANGES = 6
 
 
-@inner
+@uncounted
 def witness(w, count, at):
     """The point of a (at = OF_A) or of b (OF_B) that the simplex found nearest."""
     x, y, z = 0.0, 0.0, 0.0
@@ -55,7 +55,7 @@ def witness(w, count, at):
     return x, y, z
 
 
-@inner
+@uncounted
 def _choose(p, i, x, y, z, slack, c, side, most):
     """Append to the active forms those of largest value at a local point, within `slack` of the largest."""
     count, first = 0, ACTIVE + side * c[COUNT]
@@ -77,7 +77,7 @@ def _choose(p, i, x, y, z, slack, c, side, most):
     c[COUNT + side] = count
 
 
-@inner
+@uncounted
 def _first_multipliers(a, b, w, c, n0, n1, n2):
     """Multipliers with sum l grad a = n and sum m grad b = -n as nearly as may be, of sum 1."""
     total, first = 0.0, 0
@@ -107,7 +107,7 @@ def _first_multipliers(a, b, w, c, n0, n1, n2):
             w[UNKNOWN, 4 + k] /= total
 
 
-@inner
+@uncounted
 def worst_form(p, i, w, side, x, y, z):
     """(value, form): the largest form of a piece at a world point."""
     y0, y1, y2 = local_point(w, side, x, y, z)
@@ -119,7 +119,7 @@ def worst_form(p, i, w, side, x, y, z):
     return worst, which
 
 
-@inner
+@uncounted
 def _part_near(p, i, w, side, x, y, z):
     """Piece i itself, or, of a union of pieces, the one that a world point is nearest to or deepest in."""
     if p[i, FORMS] < p[i, FORMS + 1]:
@@ -132,7 +132,7 @@ def _part_near(p, i, w, side, x, y, z):
     return which
 
 
-@inner
+@uncounted
 def choose_parts(a, i, b, j, count, w, c):
     """Into the integers: which pieces of unions the witnesses of the distance lie on (frames: those of its time)."""
     x, y, z = witness(w, count, OF_A)
@@ -141,7 +141,7 @@ def choose_parts(a, i, b, j, count, w, c):
     c[PART + 1] = _part_near(b, j, w, SIDE_B, x, y, z)
 
 
-@inner
+@uncounted
 def _revise(a, i, b, j, w, c, size):
     """Make the active forms fit the solution: 0 they do, 1 changed, -1 cannot."""
     total = c[COUNT] + c[COUNT + 1]
@@ -176,7 +176,7 @@ def _revise(a, i, b, j, w, c, size):
     return 1
 
 
-@inner
+@uncounted
 def guess_by_forms(a, i, ma, b, j, mb, t, first, last, count, slack, n0, n1, n2, size, w, c):
     """Newton steps taken, negative without a guess; else w[UNKNOWN] is X, t, multipliers and the frames are those at t.
 
@@ -231,7 +231,7 @@ def guess_by_forms(a, i, ma, b, j, mb, t, first, last, count, slack, n0, n1, n2,
     return -taken
 
 
-@inner
+@uncounted
 def contact_normal(a, w, c):
     """Unit normal of a at the solution, from a to b."""
     n0, n1, n2 = 0.0, 0.0, 0.0
@@ -246,7 +246,7 @@ def contact_normal(a, w, c):
     return n0 / length, n1 / length, n2 / length
 
 
-@inner
+@uncounted
 def normal_at(a, ma, b, mb, t, size, w, c):
     """Unit normal from a to b at a time t near that of the guess by forms, where the bodies are a little apart.
 
@@ -269,7 +269,7 @@ def normal_at(a, ma, b, mb, t, size, w, c):
     return n0, n1, n2
 
 
-@inner
+@uncounted
 def vertex_normal_at(a, ma, b, mb, t, w, c):
     """As `normal_at`, for the guess by a vertex."""
     side = c[MODE] - 1
@@ -282,7 +282,7 @@ def vertex_normal_at(a, ma, b, mb, t, w, c):
     return sign * w[FORM, 1], sign * w[FORM, 2], sign * w[FORM, 3]
 
 
-@inner
+@uncounted
 def guess_by_vertex(a, i, ma, b, j, mb, t, first, last, count, side, w, c):
     """Newton steps taken, negative without a guess: a vertex of a `side` near its witness meets a form of the other.
 

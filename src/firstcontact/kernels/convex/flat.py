@@ -13,7 +13,7 @@ import numpy as np
 from firstcontact.kernels.convex.separation import local_direction, placed
 from firstcontact.kernels.convex.support import ARCS, BOX, FLAT, FORMS, VERTICES, form_gradient, form_value, support
 from firstcontact.kernels.convex.touch_system import local_point
-from firstcontact.kernels.jit import inner
+from firstcontact.kernels.jit import uncounted
 from firstcontact.kernels.workspace import HERE_A, POSE_A, SIDE_A
 
 U = 2.0**-53
@@ -23,7 +23,7 @@ CORNERS, MADE, PLANE, SIDES, BELOW = np.int64(1), np.int64(4), np.int64(5), np.i
 ROWS, ONLY = np.int64(10), np.int64(0)
 
 
-@inner
+@uncounted
 def _write_box(p, error):
     """Fill in the head's box from the rows of vertices."""
     for k in range(3):
@@ -35,7 +35,7 @@ def _write_box(p, error):
         p[0, BOX + 3 + k] = (max(hi - middle, middle - lo) + error) * (1.0 + 1e-15) + 1e-300
 
 
-@inner
+@uncounted
 def write_box(p, box, error):
     """Piece 0 of p (ROWS, 14) is the box (6,); error: of its coordinates."""
     p[0, VERTICES], p[0, VERTICES + 1] = 1, 9
@@ -48,7 +48,7 @@ def write_box(p, box, error):
     _write_box(p, error)
 
 
-@inner
+@uncounted
 def write_triangle(p, xyz, error):
     """Piece 0 of p (ROWS, 14) is the triangle with corners xyz (9,), without area or length too."""
     p[0, VERTICES], p[0, VERTICES + 1] = CORNERS, MADE
@@ -81,7 +81,7 @@ def write_triangle(p, xyz, error):
         p[r, 9] = -(p[r, 6] * p[i, 0] + p[r, 7] * p[i, 1] + p[r, 8] * p[i, 2])
 
 
-@inner
+@uncounted
 def _normal(p):
     """Unit normal of the triangle; some direction across its longest side where it has no area."""
     best, m0, m1, m2, n0, n1, n2 = -1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0
@@ -109,13 +109,13 @@ def _normal(p):
     return n0 / length, n1 / length, n2 / length
 
 
-@inner
+@uncounted
 def is_flat(p, i):
     k = int(p[i, FORMS])
     return k < int(p[i, FORMS + 1]) and p[k, FLAT] != 0.0
 
 
-@inner
+@uncounted
 def face_along(a, i, n0, n1, n2, w):
     """Let the forms of a flat piece of a tell its plane from the side towards which n points (pose: row HERE_A)."""
     if not is_flat(a, i):
@@ -125,7 +125,7 @@ def face_along(a, i, n0, n1, n2, w):
     a[i, FORMS], a[i, FORMS + 1] = (SIDES, ROWS) if below else (PLANE, BELOW)
 
 
-@inner
+@uncounted
 def make_point(p, w, x, y, z):
     """Write the point of triangle 0 of p near the world point, in the frames of a, into row MADE; returns that row.
 
@@ -166,13 +166,13 @@ def make_point(p, w, x, y, z):
     return MADE
 
 
-@inner
+@uncounted
 def made_point(p, w):
     """The world point of row MADE."""
     return placed(w, POSE_A, p[MADE, 0], p[MADE, 1], p[MADE, 2])
 
 
-@inner
+@uncounted
 def middle_of(q, j):
     """A point inside piece j, away from its boundary: a mean of extreme points.
 

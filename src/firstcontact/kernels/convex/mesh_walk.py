@@ -13,7 +13,7 @@ from firstcontact.kernels.convex.shared_point import proves_shared
 from firstcontact.kernels.convex.support import BOX
 from firstcontact.kernels.convex.touch_system import local_point, place_frames
 from firstcontact.kernels.heap import heap_pop, heap_push
-from firstcontact.kernels.jit import inner, uncounted
+from firstcontact.kernels.jit import uncounted
 from firstcontact.kernels.poses import pose_at
 from firstcontact.kernels.workspace import HERE_A, HERE_B, POSE_B, SIDE_A
 
@@ -25,7 +25,7 @@ COUNT, VISITS, PART, PIECE, OUTCOME = range(5)
 STRIDES, WORTH = 6, 0.2
 
 
-@inner
+@uncounted
 def free_until(p, mp, q, j, mq, t, limit, back, w, c):
     """A time in [t, limit] until which piece 0 of p, a box, is proved apart from piece j of q; t proves nothing.
 
@@ -53,7 +53,7 @@ def free_until(p, mp, q, j, mq, t, limit, back, w, c):
     return max(t, s - back)
 
 
-@inner
+@uncounted
 def _free_by(p, mp, q, j, mq, t, limit, hint, w, c):
     """Whether a triangle is proved apart until the limit, at which the direction of the best contact parts it too."""
     e0, e1, e2 = hint[0], hint[1], hint[2]

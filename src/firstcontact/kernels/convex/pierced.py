@@ -7,11 +7,11 @@ import math
 from firstcontact.kernels.convex.flat import CORNERS, PLANE, SIDES, middle_of
 from firstcontact.kernels.convex.shared_point import FORM_EPS, across, is_inside
 from firstcontact.kernels.convex.support import form_value
-from firstcontact.kernels.jit import inner
+from firstcontact.kernels.jit import uncounted
 from firstcontact.kernels.workspace import SIDE_B
 
 
-@inner
+@uncounted
 def pierces(a, b, j, vertex, w):
     """True proves that triangle 0 of a meets the way from a vertex of piece j of b to its middle, in the frames.
 

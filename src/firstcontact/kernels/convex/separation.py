@@ -6,7 +6,7 @@ import math
 
 from firstcontact.kernels.convex.simplex import nearest
 from firstcontact.kernels.convex.support import BOX, support
-from firstcontact.kernels.jit import inner, uncounted
+from firstcontact.kernels.jit import uncounted
 from firstcontact.kernels.poses import accelerations
 from firstcontact.kernels.workspace import HERE_A, HERE_B, MIDDLE, RADIUS, SIMPLEX, SPEED, SPREAD
 
@@ -17,7 +17,7 @@ CLOSE = 0.98
 MOST_ROUNDS = 40
 
 
-@inner
+@uncounted
 def local_direction(w, row, n0, n1, n2):
     """R^T n."""
     return (
@@ -27,7 +27,7 @@ def local_direction(w, row, n0, n1, n2):
     )
 
 
-@inner
+@uncounted
 def placed(w, row, x, y, z):
     """R x + T."""
     return (
@@ -37,7 +37,7 @@ def placed(w, row, x, y, z):
     )
 
 
-@inner
+@uncounted
 def _reach(p, i):
     """Bound of |x| + |y| + |z| over the piece."""
     return (
@@ -45,7 +45,7 @@ def _reach(p, i):
     )
 
 
-@inner
+@uncounted
 def gap(a, i, b, j, n0, n1, n2, w):
     """A proved lower bound of min n.(y - x) over x in piece i of a, y in piece j of b.
 
@@ -67,7 +67,7 @@ def gap(a, i, b, j, n0, n1, n2, w):
     return shift - high_a - high_b - error * 1.001
 
 
-@inner
+@uncounted
 def separating_direction(a, i, b, j, n0, n1, n2, w):
     """(distance, n, number of rows): a unit direction from a to b, near that of the shortest distance.
 
@@ -114,7 +114,7 @@ def separating_direction(a, i, b, j, n0, n1, n2, w):
     return length, n0, n1, n2, n
 
 
-@inner
+@uncounted
 def _highest(p, i, middle, radius, n0, n1, n2, w):
     """Upper bound of n.(R x + T) over a piece for R, T in the enclosure of rows `middle` and `radius`."""
     total, size = 0.0, 0.0

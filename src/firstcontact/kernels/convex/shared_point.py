@@ -7,7 +7,7 @@ import math
 from firstcontact.kernels.convex.separation import placed
 from firstcontact.kernels.convex.support import FLAT, FORMS, form_gradient, form_value
 from firstcontact.kernels.convex.touch_system import local_point, moving_form, solve
-from firstcontact.kernels.jit import inner
+from firstcontact.kernels.jit import uncounted
 from firstcontact.kernels.workspace import (
     ACTIVE,
     COUNT,
@@ -28,7 +28,7 @@ U = 2.0**-53
 FORM_EPS = 20.0 * U
 
 
-@inner
+@uncounted
 def is_inside(p, i, y0, y1, y2, off):
     """Whether all points within `off` (per coordinate) of a local point are certainly inner ones of piece i.
 
@@ -50,7 +50,7 @@ def is_inside(p, i, y0, y1, y2, off):
     return True
 
 
-@inner
+@uncounted
 def _inverse_bound(w, side):
     """Bound of the largest row sum of |R^-1|, -1 where the computed inverse proves none."""
     norm, defect = 0.0, 0.0
@@ -68,7 +68,7 @@ def _inverse_bound(w, side):
     return norm / (1.0 - defect) if defect < 0.5 else -1.0
 
 
-@inner
+@uncounted
 def across(w, side, y0, y1, y2, off):
     """(z, radius): where the points within `off` of a local point of a side are in the other one's coordinates.
 
@@ -91,7 +91,7 @@ def across(w, side, y0, y1, y2, off):
     return z0, z1, z2, bound * away if bound > 0.0 else -1.0
 
 
-@inner
+@uncounted
 def proves_shared(a, i, b, j, w, side, vertex, x, y, z):
     """True proves that the pieces share a point, near (x, y, z), in the poses of the frames.
 
@@ -112,7 +112,7 @@ def proves_shared(a, i, b, j, w, side, vertex, x, y, z):
     return radius >= 0.0 and is_inside(q, j, z0, z1, z2, radius)
 
 
-@inner
+@uncounted
 def deepen(a, b, w, c):
     """The world point near the solution that lies equally deep behind all active forms, to first order.
 

@@ -6,11 +6,11 @@ Nothing here is proved: the directions found are judged by `support`.
 
 from __future__ import annotations
 
-from firstcontact.kernels.jit import inner
+from firstcontact.kernels.jit import uncounted
 from firstcontact.kernels.workspace import SIMPLEX, WEIGHTS
 
 
-@inner
+@uncounted
 def _on_segment(w, i, j):
     """Weights of rows i and j at the point nearest the origin."""
     length, along = 0.0, 0.0
@@ -22,7 +22,7 @@ def _on_segment(w, i, j):
     return 1.0 - s, s
 
 
-@inner
+@uncounted
 def _on_triangle(w, i, j, k):
     """Weights of rows i, j, k at the point nearest the origin."""
     abx, aby, abz = w[j, 0] - w[i, 0], w[j, 1] - w[i, 1], w[j, 2] - w[i, 2]
@@ -58,7 +58,7 @@ def _on_triangle(w, i, j, k):
     return va / total, vb / total, vc / total
 
 
-@inner
+@uncounted
 def _faces_origin(w, i, j, k, other):
     """Whether the plane of rows i, j, k parts the origin from row `other` (or that one lies in the plane)."""
     abx, aby, abz = w[j, 0] - w[i, 0], w[j, 1] - w[i, 1], w[j, 2] - w[i, 2]
@@ -69,7 +69,7 @@ def _faces_origin(w, i, j, k, other):
     return origin * (nx * dx + ny * dy + nz * dz) <= 0.0
 
 
-@inner
+@uncounted
 def nearest(w, n):
     """Reduce the simplex of n rows to the part that holds the point nearest the origin; (rows left, x, y, z of it).
 

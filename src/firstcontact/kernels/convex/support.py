@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from firstcontact.kernels.jit import inner, uncounted
+from firstcontact.kernels.jit import uncounted
 
 U = 2.0**-53
 # Kinds of curved faces: where a point of the unit ball, of w >= sqrt(1 + u^2), of w >= u^2 goes.
@@ -45,7 +45,7 @@ def form_value(p, k, x, y, z):
     return value, size
 
 
-@inner
+@uncounted
 def form_gradient(p, k, x, y, z):
     return (
         2.0 * p[k, 0] * x + p[k, 3] * y + p[k, 4] * z + p[k, 6],
@@ -89,7 +89,7 @@ def support(p, i, n0, n1, n2):
     return best, bx, by, bz
 
 
-@inner
+@uncounted
 def _tangent_point(p, k, n0, n1, n2, largest):
     """(exists, bound of n.x, x, y, z): the highest point of a curved face's surface."""
     m0 = n0 * p[k, 3] + n1 * p[k, 6] + n2 * p[k, 9]
@@ -123,7 +123,7 @@ def _tangent_point(p, k, n0, n1, n2, largest):
     return True, h, x, y, z
 
 
-@inner
+@uncounted
 def _included(p, i, x, y, z):
     """False only when a point of a curved face certainly violates a form of the piece."""
     tolerance = INCLUDED * (p[i, BOX + 3] + p[i, BOX + 4] + p[i, BOX + 5])

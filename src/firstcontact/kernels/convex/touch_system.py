@@ -12,7 +12,7 @@ import math
 
 from firstcontact.kernels.convex.separation import local_direction
 from firstcontact.kernels.convex.support import form_gradient, form_value
-from firstcontact.kernels.jit import inner
+from firstcontact.kernels.jit import uncounted
 from firstcontact.kernels.poses import pose_at, velocity_at
 from firstcontact.kernels.workspace import (
     ACTIVE,
@@ -33,7 +33,7 @@ from firstcontact.kernels.workspace import (
 )
 
 
-@inner
+@uncounted
 def solve(w, c, n):
     """Solve w[MATRIX] x = w[RIGHT] by elimination with full pivoting, n unknowns, those that nothing fixes get 0.
 
@@ -75,7 +75,7 @@ def solve(w, c, n):
         w[RIGHT, k] = w[MATRIX, k]
 
 
-@inner
+@uncounted
 def invert(w, side):
     """R^-1 of a side's pose by the adjugate; False where R is singular."""
     row, out = POSE_A + side, INVERSE_A + side
@@ -92,7 +92,7 @@ def invert(w, side):
     return True
 
 
-@inner
+@uncounted
 def local_point(w, side, x, y, z):
     """R^-1 ((x, y, z) - T) of a side."""
     row, inverse = POSE_A + side, INVERSE_A + side
@@ -104,7 +104,7 @@ def local_point(w, side, x, y, z):
     )
 
 
-@inner
+@uncounted
 def moving_form(p, k, w, side, x, y, z):
     """Of form k at the world point x, y, z: value, gradient (3), rate by time, rate of the gradient (3).
 
@@ -133,7 +133,7 @@ def moving_form(p, k, w, side, x, y, z):
     w[FORM, 5], w[FORM, 6], w[FORM, 7] = H0, H1, H2
 
 
-@inner
+@uncounted
 def add_hessian(p, k, w, side, factor, row):
     """Add factor R^-T (second derivatives of form k) R^-1 to the 3x3 block of the matrix at (row, 0)."""
     inverse = INVERSE_A + side
@@ -148,7 +148,7 @@ def add_hessian(p, k, w, side, factor, row):
         w[MATRIX + row + 2, c] += factor * H2
 
 
-@inner
+@uncounted
 def newton_step(a, b, w, c, span, size, in_time):
     """One step of Newton's method on X, t and the multipliers; how far it was off and moved, -1 where not finite.
 
@@ -198,7 +198,7 @@ def newton_step(a, b, w, c, span, size, in_time):
     return off + abs(w[RIGHT, 0]) + abs(w[RIGHT, 1]) + abs(w[RIGHT, 2]) + abs(w[RIGHT, 3])
 
 
-@inner
+@uncounted
 def place_frames(ma, mb, t, w):
     """Poses, rates and inverses of both bodies at t; False where one is singular."""
     for side in range(2):

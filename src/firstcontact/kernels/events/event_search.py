@@ -48,7 +48,7 @@ from firstcontact.kernels.events.feature_boxes import (
 from firstcontact.kernels.events.feature_boxes import FIRST as FIRST_ORDER
 from firstcontact.kernels.events.feature_boxes import SECOND as SECOND_ORDER
 from firstcontact.kernels.events.moving_forms import FIRST, MAP, SECOND, pose_models, pull_back, relative_map
-from firstcontact.kernels.jit import inner, uncounted
+from firstcontact.kernels.jit import uncounted
 from firstcontact.kernels.workspace import rows
 
 U = 2.0**-53
@@ -118,7 +118,7 @@ def place_slab(t0, t1, ma, mb, raw, kinds, units, layout, w, models, table, z):
     return True
 
 
-@inner
+@uncounted
 def _own_model(table, own, form, s, hs, z, deep, row):
     """As `model`, of a form of the own body; of a cut what was made with the box."""
     if table[own + form, ABOUT, GIVEN] == 0.0:
@@ -129,7 +129,7 @@ def _own_model(table, own, form, s, hs, z, deep, row):
             z[row + k, c] = z[HERE + 3 * form + k, c]
 
 
-@inner
+@uncounted
 def _equations(pair, own, base, table, s, hs, z):
     """Rows ZEROTH.. of z: the equations of a pair; False where one cannot hold.
 
@@ -157,7 +157,7 @@ def _equations(pair, own, base, table, s, hs, z):
     return True
 
 
-@inner
+@uncounted
 def _members(chart, pair, known, side, s, hs, layout, program, table, z, stack):
     """False where the box has no point in the other closed model, or none in its own.
 
@@ -182,7 +182,7 @@ def _members(chart, pair, known, side, s, hs, layout, program, table, z, stack):
     return found & INSIDE > 0
 
 
-@inner
+@uncounted
 def _may_hold(pairs, p, own, base, table, s, hs, z, stack):
     """Whether all equations of a pair may hold, from the models of open forms that membership in the other left."""
     form = pairs[p, FORM]
@@ -198,7 +198,7 @@ def _may_hold(pairs, p, own, base, table, s, hs, z, stack):
     return other < 0 or sign(table, base, other, s, hs, z, THERE, stack) == INSIDE | OUTSIDE
 
 
-@inner
+@uncounted
 def _size(z, row, second):
     size = 0.0
     for i in range(4):
@@ -206,7 +206,7 @@ def _size(z, row, second):
     return size
 
 
-@inner
+@uncounted
 def _cut(box, params, side, hs, z):
     """How to go on with a box that stays."""
     weight = z[MID, 3]
@@ -233,7 +233,7 @@ def _cut(box, params, side, hs, z):
     return CUT_U if u >= v else CUT_V
 
 
-@inner
+@uncounted
 def _place_box_at(box, chart, own, charts, table, z):
     """(whether the box has finite points only, middle and half-width of its time in the slab); models of its cuts."""
     s = (0.5 * (box[BEGIN] + box[END]) - z[SLAB, MIDDLE]) / z[SLAB, HALF]
@@ -245,7 +245,7 @@ def _place_box_at(box, chart, own, charts, table, z):
     return place_box(charts, int(box[CHART]), box[AT_U], box[HALF_U], box[AT_V], box[HALF_V], t, ht, z), s, hs
 
 
-@inner
+@uncounted
 def _narrow_box(box, params, s, hs, z, n):
     """The share of its widest narrowing that is left of the box; negative if nothing is."""
     if not narrow(z, n, params):
@@ -265,7 +265,7 @@ def _narrow_box(box, params, s, hs, z, n):
     return min(left, (box[END] - box[BEGIN]) / before) if before > 0.0 else left
 
 
-@inner
+@uncounted
 def _bits(pair):
     """Of the other body's forms that vanish where the pair touches."""
     bits = np.int64(1) << pair[FORM]
@@ -274,7 +274,7 @@ def _bits(pair):
     return bits
 
 
-@inner
+@uncounted
 def visit(box, known, charts, info, pairs, layout, program, table, z, stack, c):
     """What becomes of a box in the slab; it may be narrowed.  The pairs of EACH_PAIR are left in the stack, after
     their number."""
@@ -338,7 +338,7 @@ def visit(box, known, charts, info, pairs, layout, program, table, z, stack, c):
     return _cut(box, chart[PARAMS], side, hs, z)
 
 
-@inner
+@uncounted
 def _cost(box, info):
     """A visit, and as many tests as it may take."""
     if box[PAIR] >= 0:
@@ -347,7 +347,7 @@ def _cost(box, info):
     return 1 if box[PAIR] == STILL else 1 + chart[END_PAIR] - chart[FIRST_PAIR]
 
 
-@inner
+@uncounted
 def _copied(source, known, i, target, told, j):
     for k in range(8):
         target[j, k] = source[i, k]

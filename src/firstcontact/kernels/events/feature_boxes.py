@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from firstcontact.kernels.jit import inner, uncounted
+from firstcontact.kernels.jit import uncounted
 from firstcontact.kernels.workspace import rows
 
 U = 2.0**-53
@@ -107,7 +107,7 @@ def place_box(charts, k, u, hu, v, hv, t, ht, z):
     return z[MID, 3] > z[FIRST, 3] + z[SECOND, 3] + NOISE * s0
 
 
-@inner
+@uncounted
 def _place_quadratic(charts, k, u, hu, v, hv, z):
     """Rows of X and its derivatives; sizes as in the row SIZES."""
     s0, s1, s2 = 0.0, 0.0, 0.0
@@ -127,13 +127,13 @@ def _place_quadratic(charts, k, u, hu, v, hv, z):
     return s0, s1, s2
 
 
-@inner
+@uncounted
 def _drifted(z, row, i):
     """Bound of how far a box's points, or their derivatives, come in its time."""
     return abs(z[row, i]) + z[row + STRAYS - DRIFTS, i]
 
 
-@inner
+@uncounted
 def _at_time(charts, k, column, times, wide, t):
     """A coefficient at a time in the chart's own measure."""
     value = charts[k, column + times * wide]
@@ -142,7 +142,7 @@ def _at_time(charts, k, column, times, wide, t):
     return value
 
 
-@inner
+@uncounted
 def _rate_at(charts, k, column, times, wide, t):
     """Its derivative."""
     value = 0.0
@@ -151,7 +151,7 @@ def _rate_at(charts, k, column, times, wide, t):
     return value
 
 
-@inner
+@uncounted
 def _place_drift(charts, k, u, hu, v, hv, t, ht, z):
     """Rows of the drift over t +- ht; at the middle of the box, and how much farther all of it may come."""
     n, times, wide = int(charts[k, DEGREE]), int(charts[k, TIMES]), int(charts[k, WIDE])
@@ -181,7 +181,7 @@ def _place_drift(charts, k, u, hu, v, hv, t, ht, z):
         z[STRAYS, i], z[STRAYS_U, i], z[STRAYS_V, i] = MORE * stray, MORE * hu * stray_u, MORE * hv * stray_v
 
 
-@inner
+@uncounted
 def _place_ruled(charts, k, u, hu, v, hv, t, z):
     """Rows of X, its derivatives and what is beyond, of a chart linear in v; sizes as in the row SIZES.
 
@@ -222,12 +222,12 @@ def _place_ruled(charts, k, u, hu, v, hv, t, z):
     return more * s0, more * s1, more * s2
 
 
-@inner
+@uncounted
 def _dot(z, i, j):
     return z[i, 0] * z[j, 0] + z[i, 1] * z[j, 1] + z[i, 2] * z[j, 2] + z[i, 3] * z[j, 3]
 
 
-@inner
+@uncounted
 def _plane_model(table, f, s, hs, z, deep, row):
     g, gu, gv, uu, uv, vv, gt, mixed, rest, mixed_u, rest_u, mixed_v, rest_v = (
         0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -271,7 +271,7 @@ def _plane_model(table, f, s, hs, z, deep, row):
         z[row + 2, SHARE_T], z[row + 2, SHARE_U], z[row + 2, SHARE_V] = abs(rest_v) + mixed_v, abs(uv), 2.0 * abs(vv)
 
 
-@inner
+@uncounted
 def _quadric_model(table, f, s, hs, z, deep, row):
     total = 0.0
     for i in range(4):
@@ -338,7 +338,7 @@ def _quadric_model(table, f, s, hs, z, deep, row):
         z[row + 2, SHARE_T], z[row + 2, SHARE_U], z[row + 2, SHARE_V] = abs(vt) + late, abs(uv), abs(vv) + high_v
 
 
-@inner
+@uncounted
 def _beyond_plane(table, f, s, z):
     """Bounds of what X beyond second order adds to N.X and to its derivatives, at the middle time."""
     value, by_u, by_v = 0.0, 0.0, 0.0
@@ -350,7 +350,7 @@ def _beyond_plane(table, f, s, z):
     return value, by_u, by_v
 
 
-@inner
+@uncounted
 def _beyond_quadric(table, f, s, z):
     """Bounds of what X beyond second order adds to X^T Q X, and to half its derivatives, at the middle time.
 
@@ -370,7 +370,7 @@ def _beyond_quadric(table, f, s, z):
     return value, by_u, by_v
 
 
-@inner
+@uncounted
 def _add_beyond(table, f, s, z, deep, row):
     """What is beyond second order at the middle time joins the rests of a model; at other times SECOND has it."""
     if table[f, ABOUT, CURVED] == 0.0:
@@ -387,7 +387,7 @@ def _add_beyond(table, f, s, z, deep, row):
         z[row + 2, SHARE_U] += by_v
 
 
-@inner
+@uncounted
 def _add_slope(z, row, slope, rest):
     """What drift adds to a model: a slope in time, and a rest that has its share with time."""
     z[row, SLOPE_T] += slope
@@ -395,7 +395,7 @@ def _add_slope(z, row, slope, rest):
     z[row, SHARE_T] += abs(slope) + rest
 
 
-@inner
+@uncounted
 def _add_drift_plane(table, f, s, hs, z, deep, row):
     """N.(s V + R), and the same of derivatives."""
     for k in range(deep + 1):
@@ -408,7 +408,7 @@ def _add_drift_plane(table, f, s, hs, z, deep, row):
         _add_slope(z, row + k, slope, rest + NOISE * size)
 
 
-@inner
+@uncounted
 def _add_drift_quadric(table, f, s, hs, z, deep, row):
     """With W = s V + R: 2 W^T Q X + W^T Q W, and for half derivatives W_a^T Q X + X_a^T Q W + W_a^T Q W.
 
@@ -445,7 +445,7 @@ def _add_drift_quadric(table, f, s, hs, z, deep, row):
         _add_slope(z, row + k, slope, rest + NOISE * size)
 
 
-@inner
+@uncounted
 def _add_drift(table, f, s, hs, z, deep, row):
     if table[f, ABOUT, CURVED] == 0.0:
         _add_drift_plane(table, f, s, hs, z, deep, row)
@@ -466,13 +466,13 @@ def model(table, f, s, hs, z, deep, row):
             _add_drift(table, f, s, hs, z, deep, row)
 
 
-@inner
+@uncounted
 def reach(z, row):
     """Bound of what is beyond the value of a model."""
     return (abs(z[row, SLOPE_U]) + abs(z[row, SLOPE_V]) + abs(z[row, SLOPE_T])) * (1.0 + 1e-14) + z[row, REST]
 
 
-@inner
+@uncounted
 def parallel(z):
     """From models and derivatives of two forms, ZEROTH.. and SPARE..: the second form in FIRST_ROW, then the
     determinant of the derivatives."""
@@ -494,7 +494,7 @@ def parallel(z):
         z[p, k] = z[SPARE, k]
 
 
-@inner
+@uncounted
 def add_shares(z, row):
     """Add what time, a and b have in the uncertainty of a model, in parts; rounding errors have no part."""
     total = z[row, SHARE_T] + z[row, SHARE_U] + z[row, SHARE_V]
@@ -503,7 +503,7 @@ def add_shares(z, row):
             z[SHARES, k] += z[row, SHARE_T + k] / total
 
 
-@inner
+@uncounted
 def _rough_sign(table, f, s, hs, z):
     """Whether a quadric form is certainly INSIDE (negative) or OUTSIDE on the box, from first orders alone.
 
@@ -566,7 +566,7 @@ def sign(table, base, form, s, hs, z, first, stack):
     return found
 
 
-@inner
+@uncounted
 def _outcome(program, begin, end, on, inside, base, table, s, hs, z, first, stack):
     """Bits INSIDE and OUTSIDE of a tree, the forms `on` inside or not as told; signs of others are kept."""
     top, at = 0, begin
@@ -619,7 +619,7 @@ def membership(program, begin, end, on, negative, positive, base, table, s, hs, 
         inside = (inside - 1) & on  # the next subset
 
 
-@inner
+@uncounted
 def narrow(z, n, params):
     """Ranges (lo, hi) in [-1, 1] of a, b, s that hold all common zeros of the first n models; False if none.
 
@@ -676,7 +676,7 @@ def narrow(z, n, params):
     return True
 
 
-@inner
+@uncounted
 def _apply(z, n, k, y0, y1, y2, k0, k1, k2):
     """Cut the ranges by the row (y0, y1, y2) of an approximate inverse, for the unknown of column k."""
     middle = -(y0 * z[0, VALUE] + y1 * z[1, VALUE])

@@ -8,7 +8,7 @@ of planes the four coefficients.
 from __future__ import annotations
 
 from firstcontact.kernels.events.feature_boxes import ABOUT, SUM_OF_SIZES
-from firstcontact.kernels.jit import inner
+from firstcontact.kernels.jit import uncounted
 from firstcontact.kernels.poses import accelerations, pose_at
 from firstcontact.kernels.workspace import HERE_A, MIDDLE, RADIUS, SPEED, SPREAD, rows
 
@@ -23,7 +23,7 @@ FIRST, SECOND, ADJUGATE, OFFSET, MAP, WEIGHT, IMAGE, SUM = rows(0, 12, 24, 33, 3
 MODELS = 66
 
 
-@inner
+@uncounted
 def add_product(x, i, y, j, factor, out, k):
     """Add factor x[i] y[j] to the model out[k]."""
     v1, s1, r1 = x[0, i], x[1, i], x[2, i]
@@ -36,7 +36,7 @@ def add_product(x, i, y, j, factor, out, k):
     out[2, k] += size * (0.5 * abs(bend) + m1 * r2 + r1 * (m2 + r2) + ROUNDING * (m1 + r1) * (m2 + r2))
 
 
-@inner
+@uncounted
 def add_multiple(x, i, factor, out, k):
     """Add factor x[i] to the model out[k]; the factor itself may be off by its rounding."""
     size = abs(factor)
@@ -45,13 +45,13 @@ def add_multiple(x, i, factor, out, k):
     out[2, k] += size * (x[2, i] + ROUNDING * (abs(x[0, i]) + abs(x[1, i]) + x[2, i]))
 
 
-@inner
+@uncounted
 def _clear(out, first, end):
     for k in range(first, end):
         out[0, k] = out[1, k] = out[2, k] = 0.0
 
 
-@inner
+@uncounted
 def pose_models(m, middle, half, w, out, first):
     """Models of the twelve entries of a pose over middle +- half, from `first` on."""
     pose_at(m, middle, w, HERE_A)
@@ -69,7 +69,7 @@ def pose_models(m, middle, half, w, out, first):
         out[2, first + e] *= 1.0 + 1e-12
 
 
-@inner
+@uncounted
 def relative_map(out, first, second, units, x, y):
     """The map from body x (row of `units`, pose at `first`) to body y, times a positive number; False if singular.
 
@@ -106,7 +106,7 @@ def relative_map(out, first, second, units, x, y):
     return True
 
 
-@inner
+@uncounted
 def _add_sizes(table, row, columns):
     """The sum of all sizes into the fourth part."""
     total = 0.0
@@ -116,7 +116,7 @@ def _add_sizes(table, row, columns):
     table[row, ABOUT, SUM_OF_SIZES] = total
 
 
-@inner
+@uncounted
 def pull_back(raw, kinds, first, count, out, table, target):
     """Forms first.. of the other body under the relative map, as rows target.. of the table (n, 4, 16)."""
     for k in range(count):

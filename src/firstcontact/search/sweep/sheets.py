@@ -23,7 +23,7 @@ from __future__ import annotations
 import numpy as np
 
 from firstcontact.kernels.angle import TWO_PI, angle_of
-from firstcontact.kernels.jit import inner, kernel
+from firstcontact.kernels.jit import kernel, uncounted
 from firstcontact.search.sweep.sweep import MARGIN, STEEP_SIDE, at
 
 # A sheet is off by REACH * MARGIN / w at most within its cells; others are loose.
@@ -82,7 +82,7 @@ def sheets_of(corners, noise):
     return owners[:count], x[:count], arcs, heights[:count], tolerances[:count], slacks[:count]
 
 
-@inner
+@uncounted
 def _write_plane(p, noise, plane):
     """Write d0, d1 and the direction of the foot, cosine and sine; False where the plane is too level or uncertain."""
     shortest, longest, k = np.inf, 0.0, 0
@@ -108,7 +108,7 @@ def _write_plane(p, noise, plane):
     return True
 
 
-@inner
+@uncounted
 def _clip(polygon, count, a, b, c, out):
     """Write what of the convex polygon (x, q) has a x + b q + c >= 0; returns the number of its corners."""
     n = 0
@@ -126,14 +126,14 @@ def _clip(polygon, count, a, b, c, out):
     return n
 
 
-@inner
+@uncounted
 def _place(plane, x, q):
     """The point across the axis."""
     d = plane[0] + plane[1] * x
     return d * plane[2] - q * plane[3], d * plane[3] + q * plane[2]
 
 
-@inner
+@uncounted
 def _holds_angle_zero(polygon, count, plane):
     """Whether the half-plane of the angle 0 passes through a polygon on one side of its fold line."""
     low, high, x_low, x_high = 0.0, 0.0, 0.0, 0.0
@@ -146,7 +146,7 @@ def _holds_angle_zero(polygon, count, plane):
     return low < 0.0 and high > 0.0 and x_low * high - x_high * low > 0.0
 
 
-@inner
+@uncounted
 def _write_strip(polygon, count, plane, strip, x, arcs):
     """The cell of what lies within `strip` of the fold line."""
     x[0], x[1] = polygon[0, 0], polygon[0, 0]
@@ -158,7 +158,7 @@ def _write_strip(polygon, count, plane, strip, x, arcs):
     x[0], x[1] = x[0] - MARGIN, x[1] + MARGIN
 
 
-@inner
+@uncounted
 def _write_arc(arc, middle, half, plane, q, rise, way):
     """The image of q + rise (x - middle) and MARGIN away in the way -1 or 1; returns the slope's size.
 
@@ -183,7 +183,7 @@ def _write_arc(arc, middle, half, plane, q, rise, way):
     return np.inf
 
 
-@inner
+@uncounted
 def _write_box(p, x, arcs):
     """The cell of a facet of which nothing is known but its corners."""
     x[0], x[1] = min(p[0, 2], p[1, 2], p[2, 2]) - MARGIN, max(p[0, 2], p[1, 2], p[2, 2]) + MARGIN
@@ -206,7 +206,7 @@ def _write_box(p, x, arcs):
         arcs[way, 2], arcs[way, 3] = 0.0, 0.0
 
 
-@inner
+@uncounted
 def _add_cells(polygon, count, plane, side, levels, at_cell, x, arcs, heights, tolerances, slacks):
     """The cells of a polygon on one side of the fold line, from `at_cell` on; returns where they end."""
     if count < 3:
@@ -254,7 +254,7 @@ def _add_cells(polygon, count, plane, side, levels, at_cell, x, arcs, heights, t
     return cell
 
 
-@inner
+@uncounted
 def _write_thin(polygon, count, plane, x, arcs):
     """The cell of a polygon that is level but for a share of MARGIN."""
     x[0], x[1] = polygon[0, 0], polygon[0, 0]

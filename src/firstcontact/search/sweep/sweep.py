@@ -25,7 +25,7 @@ import numpy as np
 
 from firstcontact.kernels.angle import TWO_PI
 from firstcontact.kernels.heap import heap_pop, heap_push
-from firstcontact.kernels.jit import inner, kernel
+from firstcontact.kernels.jit import kernel, uncounted
 from firstcontact.search.trees.state import BEST, CANDIDATES, DONE, FIRST, FULL, LEAF_ROOM, VISITS
 from firstcontact.search.trees.tree import SIDE
 from firstcontact.search.trees.walk import test_events
@@ -113,7 +113,7 @@ def cells_of(corners, noise):
     return facets, x, arcs, planes, tolerances
 
 
-@inner
+@uncounted
 def _height_of_side(p, q, x):
     """y at x of the side from p to q, at its middle where it is upright."""
     if q[0] - p[0] <= 0.0:
@@ -121,7 +121,7 @@ def _height_of_side(p, q, x):
     return p[1] + (x - p[0]) / (q[0] - p[0]) * (q[1] - p[1])
 
 
-@inner
+@uncounted
 def _write_arc(arc, p, q, x, way):
     """A straight line on or beyond the side pq, seen in the way -1 or 1, and MARGIN away; returns its slope's size.
 
@@ -137,7 +137,7 @@ def _write_arc(arc, p, q, x, way):
     return abs(rise) / MARGIN
 
 
-@inner
+@uncounted
 def _write_plane(plane, p, steepest, noise):
     """Write the plane of the triangle p; returns the tolerance of heights over what its cells cover beyond it."""
     e0, e1, e2 = p[1, 0] - p[0, 0], p[1, 1] - p[0, 1], p[1, 2] - p[0, 2]
@@ -195,7 +195,7 @@ def at(arc, x):
     return arc[1] + (x - arc[0]) * (arc[2] + (x - arc[0]) * arc[3])
 
 
-@inner
+@uncounted
 def _range_of(arc, first, last):
     """Least and largest value of the arc between first and last."""
     y, z = at(arc, first), at(arc, last)
@@ -207,7 +207,7 @@ def _range_of(arc, first, last):
     return least, most
 
 
-@inner
+@uncounted
 def height_at(height, x, y):
     """p0 + p1 x + p2 y of a row (p0, p1, p2, 0).  Of (d0, d1, base, way) an angle, see `sheets`: base + way atan(w / d)
 
@@ -219,7 +219,7 @@ def height_at(height, x, y):
     return height[2] + height[3] * np.arctan2(np.sqrt(max(y - d * d, 0.0)), d)
 
 
-@inner
+@uncounted
 def _difference(arcs, a, b, first, last, p, q):
     """Least and largest value of height q less height p over what the cells a and b share between first and last.
 
@@ -254,12 +254,12 @@ def _difference(arcs, a, b, first, last, p, q):
     return least, most
 
 
-@inner
+@uncounted
 def _slope(arc, x):
     return arc[2] + 2.0 * arc[3] * (x - arc[0])
 
 
-@inner
+@uncounted
 def _root(c, b, a, which):
     """A root of a x^2 + b x + c, the one (0) or the other (1); inf where there is none."""
     if a == 0.0:
@@ -276,14 +276,14 @@ def _root(c, b, a, which):
 # --------------------------------------------------------------------------------------------------- trees
 
 
-@inner
+@uncounted
 def _may_precede(order, facets, x, y):
     """Whether cell x may come before cell y, for neighbours in a tree."""
     i, j = facets[x], facets[y]
     return i == j or order.loose[i] or order.precedes[i, j]
 
 
-@inner
+@uncounted
 def _before(order, facets, x, y):
     """Whether cell x is placed before cell y."""
     i, j = facets[x], facets[y]
@@ -292,13 +292,13 @@ def _before(order, facets, x, y):
     return order.precedes[i, j]
 
 
-@inner
+@uncounted
 def _weight(cell):
     """Random weights keep the trees balanced: a parent weighs more than its children (Seidel & Aragon 1996)."""
     return (np.uint64(cell) * np.uint64(0x9E3779B97F4A7C15)) >> np.uint64(20)
 
 
-@inner
+@uncounted
 def _copy(trees, node):
     new = trees.used[0]
     trees.cell[new], trees.left[new], trees.right[new] = trees.cell[node], trees.left[node], trees.right[node]
@@ -306,7 +306,7 @@ def _copy(trees, node):
     return np.int32(new)
 
 
-@inner
+@uncounted
 def _hang(trees, parent, on_right, node, root):
     """Put the node below the parent, which is new; returns the root, the node itself where there is no parent."""
     if parent == NONE:
@@ -457,7 +457,7 @@ class Line(NamedTuple):
     used: np.ndarray
 
 
-@inner
+@uncounted
 def _place_of(line, cells, x, y):
     """How many arcs are below y at x, as far as their order is to be trusted."""
     lo, hi = 0, line.used[0]
@@ -528,7 +528,7 @@ def _end_cell(trees, line, order, cells, cell, waiting):
     return trees, i, j
 
 
-@inner
+@uncounted
 def _number(line, first):
     for t in range(first, line.used[0]):
         line.place[line.arcs[t]] = t
@@ -549,7 +549,7 @@ def _cross(trees, line, order, cells, i, waiting):
     return trees
 
 
-@inner
+@uncounted
 def _crossing(line, cells, i, x):
     """Where the arcs at places i and i + 1 cross from x on; inf if they do not before one of them ends.
 
@@ -572,7 +572,7 @@ def _crossing(line, cells, i, x):
     return when if when <= min(cells.x[s // 2, 1], cells.x[t // 2, 1]) else np.inf
 
 
-@inner
+@uncounted
 def _fall(c, b, a):
     """The first x >= 0 from which on a x^2 + b x + c with c >= 0 falls below zero; inf where there is none."""
     if b > 0.0:
