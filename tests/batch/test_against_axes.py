@@ -101,7 +101,7 @@ def test_times_that_round_to_one_double_are_told_apart():
     for order in (1, -1):  # whichever stands first
         spikes = fc.Polyhedron(corners[::order], [[(7 - x if order < 0 else x) for x in face] for face in faces])
         wall = fc.Polyhedron([(2, -9, -9), (2, 9, -9), (2, 9, 9), (2, -9, 9)], [[0, 1, 2, 3]])
-        moving = spikes.moving(fc.Translations([(3.0 + k, 0, 0) for k in range(12)]))
+        moving = spikes.moving(fc.Translations([np.array([3.7, 0.125, 0.25]) * (1 + k / 8) for k in range(12)]))
         table = fc.first_contacts((moving, wall))
         assert table.index_a.tolist() == [3 if order > 0 else 4] * 12 and table.multiplicity.tolist() == [1] * 12
 
@@ -120,6 +120,14 @@ def test_pairs_that_boxes_tell_are_apart():
         is_right(table, row, times(corners[i], corners[j], minus(moves[i], moves[j]), 1))
     told = int((table.work == 0).sum())
     assert told > 100 and table.counts["CONTACT"] >= 5 and table.counts["FREE"] > told
+
+
+def test_points_that_lie_on_a_face_at_the_start():
+    point = fc.Polyhedron([(0, 0, 0)], [])
+    face = fc.Polyhedron([(0, -1, -1), (0, 1, -1), (0, 0, 2)], [[0, 1, 2]])
+    vectors = np.random.default_rng(0).uniform(-3, 3, (20, 3))
+    table = fc.first_contacts((point.moving(fc.Translations(vectors)), face))
+    assert table.counts == {"INITIAL_CONTACT": 20} and not table.time.any()
 
 
 def turned(points, axis, point, angle):
@@ -155,4 +163,5 @@ def test_rotations_about_one_axis(seed):
         for t in np.linspace(0, end, 60)[: -1 if contact else None]:
             assert gap(turned(p, axis, point, angle * t), q) > -1e-9, (row, t)
         if contact:
+            assert end <= last
             assert abs(gap(turned(p, axis, point, angle * end), q)) < 1e-9, row
