@@ -7,6 +7,7 @@ import pytest
 
 import firstcontact as fc
 from firstcontact.contact.models import at_rest
+from firstcontact.contact.models.algorithm import Search
 
 
 def capped():
@@ -66,3 +67,12 @@ def test_gaps_between_contacts():
     parts = [(-6, -5.5), (-2.5, -1.5), (1.5, 2.5), (5.5, 6)]
     due = [((lo - 1 + 10) / 20, (hi + 1 + 10) / 20) for lo, hi in parts]
     assert np.allclose([(x.start, x.end) for x in found], due, rtol=0, atol=1e-12)
+
+
+def test_what_candidates_leave_open_is_asked_between_them(monkeypatch):
+    """As if nothing were told of any candidate: models that were apart are not taken to stay so."""
+    monkeypatch.setattr(Search, "meetings", lambda search, group: [])
+    monkeypatch.setattr(Search, "are_no_contacts", lambda search, group: False)
+    ball = fc.sphere(1).translated((-5, 0, 0)).moving(fc.Translation((10, 0, 0)))
+    (only,) = fc.contact_intervals(ball, fc.box((2, 2, 2)), exact=True)
+    assert (only.start, only.end) == (0.3, 0.7)

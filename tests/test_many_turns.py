@@ -83,3 +83,13 @@ def test_exact_pairs_count_as_work():
     few = fc.contact_intervals(TURNED.moving(screw(3)), OTHER, budget=spent)
     assert (few.status, few.reason, few.stats.exact_evaluations) == (Status.UNDECIDED, "budget", 2)
     assert math.isfinite(few.free_until)
+
+
+def test_a_contact_in_the_last_turns():
+    """After whole stretches of a few turns each: the corner of the box lands on the plate at a time in closed form."""
+    low = min(p[2] for p in TURNED.vertices)
+    plate = fc.examples.box((9, 9, 1)).translated((0, 0, low - 3.5))
+    hit = fc.first_contact(TURNED.moving(screw(10, advance=-3.0625)), plate)
+    assert hit.status is Status.CONTACT and hit.time == pytest.approx(3 / 3.0625, rel=1e-12)
+    (only,) = fc.contact_intervals(TURNED.moving(screw(10, advance=-3.0625)), plate)
+    assert only.start == pytest.approx(3 / 3.0625, rel=1e-12) and only.end == 1.0
