@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import firstcontact as fc
-from firstcontact.batch import workers
+from firstcontact.batch import together, workers
 from firstcontact.batch.questions import asked
 from one_by_one import one_by_one, rows_of
 
@@ -53,8 +53,8 @@ def test_any_number_of_threads_gives_the_answers_one_by_one(monkeypatch):
     expected = one_by_one(queries)
     assert sum(isinstance(row, str) for row in expected) >= 4
     monkeypatch.setattr(workers, "WORTH", math.inf)
-    monkeypatch.setattr(workers, "THREAD_PART", 9)
-    monkeypatch.setattr(workers, "FIRST_WALKED", 5)  # so that there are parts for all of them
+    monkeypatch.setattr(workers, "THREAD_PART", 1e-9)
+    monkeypatch.setattr(workers, "FIRST_WALKED", (5, 3))  # so that there are parts for all of them
     for n in (1, 2, 5):
         assert rows_of(fc.first_contacts(queries, workers=n)) == expected
 
@@ -130,7 +130,7 @@ def test_executors_of_others(pool):
 
 SCRIPT = """
 import firstcontact as fc
-from firstcontact.batch import workers
+from firstcontact.batch import together, workers
 from firstcontact.batch.questions import asked
 print("runs")
 workers.WORTH = workers.TRIED = 0.0
@@ -198,6 +198,28 @@ def test_an_interrupt_ends_the_processes(at_once):
     with pytest.raises(KeyboardInterrupt):
         fc.first_contacts(queries, workers=2, progress=interrupt)
     assert not set(active_children()) - before
+
+
+def test_an_interrupt_ends_the_threads(monkeypatch):
+    """Parts that have not begun are not walked any more."""
+    begun = []
+    walk = together.walk_together
+
+    def slowly(*args):
+        begun.append(args)
+        time.sleep(0.01)
+        return walk(*args)
+
+    monkeypatch.setattr(together, "walk_together", slowly)
+    monkeypatch.setattr(workers, "THREAD_PART", 1e-9)
+
+    def interrupt(done, total):
+        if done > 576:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        fc.first_contacts((CUBE.moving(fc.Translations(vectors(1000))), TETRA), workers=2, progress=interrupt)
+    assert 2 < len(begun) < 100
 
 
 def test_what_is_refused_one_by_one_is_refused_though_boxes_are_apart():

@@ -44,8 +44,11 @@ WORTH = 10.0
 """Seconds of work from which on it is worth starting processes, which load the library first."""
 TRIED = 0.5
 """Seconds after which what the work will take is judged."""
-THREAD_PART, FIRST_WALKED = 1 << 13, 64
-"""Questions of a part that is walked by a thread, and of the first one, which makes what the others share."""
+THREAD_PART, FIRST_WALKED = 0.05, (64, 512)
+"""Seconds of a part that is walked by a thread.
+
+And questions of the first ones, the first of which makes what the others share, and the last tells what one takes.
+"""
 RETRIES = 3
 
 Reached = Callable[[int, int], None] | None
@@ -157,21 +160,27 @@ def _by_threads(n: int, questions: Questions, asking: Asking, rows: Rows, count:
     """Answers by compiled walks; gives the rows that they did."""
     from firstcontact.batch.together import walk_together  # loads what polyhedra need
 
-    n_all = len(questions)
-    cuts = [0, *range(min(FIRST_WALKED, n_all), n_all, THREAD_PART), n_all]
-    parts = [slice(first, end) for first, end in zip(cuts, cuts[1:], strict=False) if first < end]
-    done = [np.empty(0, np.int64)]
-
     def walk(where: slice) -> np.ndarray:
         return where.start + walk_together(questions.part(where), asking, rows.part(where))
 
-    for where in parts[:1]:
-        done.append(walk(where))
-        count.add(len(done[-1]))
-    with ThreadPoolExecutor(n) as pool:
-        for future in as_completed([pool.submit(walk, where) for where in parts[1:]]):
+    at, n_all, done = 0, len(questions), [np.empty(0, np.int64)]
+    for size in FIRST_WALKED:
+        begin, part = time.perf_counter(), slice(at, min(at + size, n_all))
+        if part.start < part.stop:
+            done.append(walk(part))
+            count.add(len(done[-1]))
+            seconds, at = (time.perf_counter() - begin) / (part.stop - at), part.stop
+    if at == n_all:
+        return np.concatenate(done)
+    size = max(1, min(int(THREAD_PART / seconds), -(-(n_all - at) // (2 * n))))
+    pool = ThreadPoolExecutor(n)
+    try:
+        parts = [slice(first, min(first + size, n_all)) for first in range(at, n_all, size)]
+        for future in as_completed([pool.submit(walk, part) for part in parts]):
             done.append(future.result())
             count.add(len(done[-1]))
+    finally:
+        pool.shutdown(cancel_futures=True)
     return np.concatenate(done)
 
 

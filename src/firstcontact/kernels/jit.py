@@ -109,7 +109,7 @@ def implements(function: Callable[..., Any], *dimensions: int, inlined: bool = F
     A kernel that comes to such a function has a `motion` of its own, which is the one handed down.  inlined: as the
     decorator of this name.
     """
-    options = {"forceinline": True} if inlined else {}
+    options: Any = {"forceinline": True} if inlined else {}
 
     def register(choice: Callable[..., Any]) -> Callable[..., Any]:
         for n in dimensions:
