@@ -211,15 +211,16 @@ def test_an_interrupt_ends_the_threads(monkeypatch):
         return walk(*args)
 
     monkeypatch.setattr(together, "walk_together", slowly)
-    monkeypatch.setattr(workers, "THREAD_PART", 3e-4)  # a dozen questions
+    monkeypatch.setattr(together, "FEWEST", 1)
+    monkeypatch.setattr(workers, "THREAD_PART", 1e-9)  # parts of one question
 
     def interrupt(done, total):
         if done > 576:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        fc.first_contacts((CUBE.moving(fc.Translations(vectors(3000))), TETRA), workers=2, progress=interrupt)
-    assert 2 < len(begun) < 20
+        fc.first_contacts((CUBE.moving(fc.Translations(vectors(900))), TETRA), workers=2, progress=interrupt)
+    assert 2 < len(begun) < 150
 
 
 def test_what_is_refused_one_by_one_is_refused_though_boxes_are_apart():
