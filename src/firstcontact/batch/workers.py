@@ -2,7 +2,7 @@
 
 Compiled walks release the interpreter, so threads do for them; what is left, exact arithmetic and curved bodies, goes
 to processes as soon as it would take seconds.  Bodies go to a process once; parts are as large as so many questions as
-are answered in about PART seconds.  A part whose worker was lost is done again, RETRIES times.
+are answered in about PART seconds.  A part whose worker was lost is done again.
 """
 
 from __future__ import annotations
@@ -49,7 +49,9 @@ THREAD_PART, FIRST_WALKED = 0.05, (64, 512)
 
 And questions of the first ones, the first of which makes what the others share, and the last tells what one takes.
 """
-RETRIES = 3
+RETRIES, HOPELESS = 3, 40
+"""How often a part is done again beside others, and losses in a row from which on it is not the questions' fault."""
+LOST = "the worker that looked at it was lost every time, as if it ran out of memory; ask it alone, with a budget"
 
 Reached = Callable[[int, int], None] | None
 
@@ -203,23 +205,34 @@ class Elsewhere:
 
 
 class _Spread:
-    """Hands parts to others, as many questions at once as take so long as they say, and puts the answers together."""
+    """Hands parts to others, as many questions at once as take so long as they say, and puts the answers together.
+
+    A worker that dies takes along all that is at work in its pool: parts that were lost too often are asked again each
+    alone, in halves, down to the question that ends whoever looks at it; that row is an error.
+    """
 
     def __init__(self, questions: Questions, asking: Asking, rows: Rows, count: Count) -> None:
         self.questions, self.asking, self.rows, self.count = questions.about(()), asking, rows, count
         self.size = FIRST_PART
         self.waiting: deque[_Part] = deque()
+        self.suspects: list[np.ndarray] = []
+        self.lost = 0
+        """Parts that were alone when their worker was lost, since the last answer."""
 
     def over(self, others: Elsewhere, where: np.ndarray) -> None:
         """Answers the rows `where`."""
         begun: dict[Future[Any], _Part] = {}
         at = 0
         try:
-            while begun or self.waiting or at < len(where):
-                while len(begun) < 2 * others.workers and (self.waiting or at < len(where)):
-                    if not self.waiting:
+            while begun or self.waiting or self.suspects or at < len(where):
+                while len(begun) < 2 * others.workers:
+                    if not self.waiting and at < len(where):
                         self.waiting.append(_Part(where[at : at + self.size]))
                         at += self.size
+                    if not self.waiting and not begun and self.suspects:
+                        self.waiting.append(_Part(self.suspects.pop(), RETRIES, alone=True))
+                    if not self.waiting:
+                        break
                     part = self.waiting.popleft()
                     try:
                         begun[others.submit(self.questions.part(part.where), self.asking)] = part
@@ -237,25 +250,39 @@ class _Spread:
 
     def _take(self, where: np.ndarray, answers: tuple[Rows, float], wanted: float) -> None:
         rows, seconds = answers
+        self.lost = 0
         self.rows.put(where, rows)
         self.count.add(len(where))
         self.size = next_size(self.size, len(where), seconds, wanted, LARGEST_PART)
 
     def _again(self, part: _Part, others: Elsewhere, error: Exception) -> None:
-        """Have the part of a worker that was lost done again; raises all other errors."""
-        if part.tries >= RETRIES or not isinstance(error, (BrokenExecutor, CancelledError, *_lost())):
+        """Have the part of a worker that was lost done again; raises all other errors, and where nothing is left."""
+        if not isinstance(error, (BrokenExecutor, CancelledError, *_lost())):
             raise error
-        self.waiting.append(_Part(part.where, part.tries + 1))
+        if part.tries < RETRIES:
+            self.waiting.append(_Part(part.where, part.tries + 1))
+        elif self.lost == HOPELESS or isinstance(error, BrokenExecutor) and others.renew is None:
+            raise error
+        elif not part.alone:
+            self.suspects.append(part.where)
+        elif len(part.where) > 1:
+            self.lost += 1
+            self.suspects += np.array_split(part.where, 2)[::-1]
+        else:
+            self.lost += 1
+            self.rows.refuse(int(part.where[0]), LOST)
+            self.count.add(1)
         if others.renew is not None:
             others.renew()
 
 
 @dataclass(frozen=True)
 class _Part:
-    """Rows that are asked about together, and how often they were in vain."""
+    """Rows that are asked about together, how often they were in vain, and whether nothing is at work beside them."""
 
     where: np.ndarray
     tries: int = 0
+    alone: bool = False
 
 
 def timed_answers(bodies: tuple[Any, ...], questions: Questions, asking: Asking) -> tuple[Rows, float]:
