@@ -54,13 +54,13 @@ class Rows:
 
     def _empty(self, n: int) -> np.ndarray:
         """Rows of which nothing is known."""
-        rows = np.zeros(n, self.dtype)
-        for name in rows.dtype.names or ():
-            if rows.dtype[name].base.kind == "f":
-                rows[name] = np.nan
+        row = np.zeros(1, self.dtype)
+        for name in row.dtype.names or ():
+            if row.dtype[name].base.kind == "f":
+                row[name] = np.nan
             elif name.startswith("index"):
-                rows[name] = -1
-        return rows
+                row[name] = -1
+        return np.repeat(row, n)
 
     def __len__(self) -> int:
         return len(self.array)

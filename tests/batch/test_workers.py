@@ -5,6 +5,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from multiprocessing import active_children
@@ -14,7 +15,7 @@ import numpy as np
 import pytest
 
 import firstcontact as fc
-from firstcontact.batch import workers
+from firstcontact.batch import together, workers
 from firstcontact.batch.questions import asked
 from one_by_one import one_by_one, rows_of
 
@@ -53,8 +54,8 @@ def test_any_number_of_threads_gives_the_answers_one_by_one(monkeypatch):
     expected = one_by_one(queries)
     assert sum(isinstance(row, str) for row in expected) >= 4
     monkeypatch.setattr(workers, "WORTH", math.inf)
-    monkeypatch.setattr(workers, "THREAD_PART", 9)
-    monkeypatch.setattr(workers, "FIRST_WALKED", 5)  # so that there are parts for all of them
+    monkeypatch.setattr(workers, "THREAD_PART", 1e-9)
+    monkeypatch.setattr(workers, "FIRST_WALKED", (5, 3))  # so that there are parts for all of them
     for n in (1, 2, 5):
         assert rows_of(fc.first_contacts(queries, workers=n)) == expected
 
@@ -115,9 +116,45 @@ def test_parts_are_done_again_until_there_is_no_hope(monkeypatch):
     frail = Frail(shapes, when_asked={2, 9, 10}, by_it={1, 4, 5, 12})
     assert rows_of(fc.first_contacts(queries, executor=frail)) == one_by_one(queries)
     assert frail.renewed == 7
-    for hopeless in (Frail(shapes, range(5, 99), ()), Frail(shapes, (), range(5, 99))):
+    for hopeless in (Frail(shapes, range(5, 9999), ()), Frail(shapes, (), range(5, 9999))):
         with pytest.raises(BrokenExecutor):
             fc.first_contacts(queries, executor=hopeless)
+
+
+class Deadly(Frail):
+    """One that is lost with each part that holds one of some questions, and with all that is at work beside it."""
+
+    def __init__(self, bodies, deadly):
+        self.deadly, self.begun = deadly, []
+        super().__init__(bodies, (), ())
+
+    def ask(self, questions, asking):
+        future = Future()
+        self.begun = [x for x in self.begun if not x.done()] + [future]
+        if any(questions.spans[k] in self.deadly for k in range(len(questions))):
+            for each in self.begun:
+                each.set_exception(BrokenExecutor())
+        elif len(self.begun) > 3 or len(questions) < 3:
+            future.set_result(workers.timed_answers(self.bodies, questions, asking))
+        else:
+            threading.Timer(0.05, self.later, (future, questions, asking)).start()
+        return future
+
+    def later(self, future, questions, asking):
+        if not future.done():
+            future.set_result(workers.timed_answers(self.bodies, questions, asking))
+
+
+def test_a_question_that_ends_its_worker_every_time_is_an_error_in_its_row(monkeypatch):
+    """It ended the batch."""
+    monkeypatch.setattr(workers, "FIRST_PART", 4)
+    monkeypatch.setattr(workers, "LARGEST_PART", 7)
+    queries = [(CUBE.moving(fc.Translation(x)), TETRA, (0, 1 + k)) for k, x in enumerate(vectors(40).tolist())]
+    deadly = Deadly(asked(queries).bodies, [(0, 6), (0, 7), (0, 31)])
+    expected = one_by_one(queries)
+    for k in (5, 6, 30):
+        expected[k] = workers.LOST
+    assert rows_of(fc.first_contacts(queries, executor=deadly)) == expected
 
 
 @pytest.mark.parametrize("pool", [ThreadPoolExecutor, ProcessPoolExecutor])
@@ -130,7 +167,7 @@ def test_executors_of_others(pool):
 
 SCRIPT = """
 import firstcontact as fc
-from firstcontact.batch import workers
+from firstcontact.batch import together, workers
 from firstcontact.batch.questions import asked
 print("runs")
 workers.WORTH = workers.TRIED = 0.0
@@ -198,6 +235,29 @@ def test_an_interrupt_ends_the_processes(at_once):
     with pytest.raises(KeyboardInterrupt):
         fc.first_contacts(queries, workers=2, progress=interrupt)
     assert not set(active_children()) - before
+
+
+def test_an_interrupt_ends_the_threads(monkeypatch):
+    """Parts that have not begun are not walked any more."""
+    begun = []
+    walk = together.walk_together
+
+    def slowly(*args):
+        begun.append(args)
+        time.sleep(0.01)
+        return walk(*args)
+
+    monkeypatch.setattr(together, "walk_together", slowly)
+    monkeypatch.setattr(together, "FEWEST", 1)
+    monkeypatch.setattr(workers, "THREAD_PART", 1e-9)  # parts of one question
+
+    def interrupt(done, total):
+        if done > 576:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        fc.first_contacts((CUBE.moving(fc.Translations(vectors(900))), TETRA), workers=2, progress=interrupt)
+    assert 2 < len(begun) < 150
 
 
 def test_what_is_refused_one_by_one_is_refused_though_boxes_are_apart():

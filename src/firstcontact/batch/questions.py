@@ -66,7 +66,7 @@ class Questions:
             ends = np.array([_end(self.spans[k]) for k in rows.tolist()])
             rows, ends = rows[np.isfinite(ends)], ends[np.isfinite(ends)]
         if isinstance(moves, Translations | Rotations):
-            return [(rows, moves[rows], ends)]
+            return [(rows, moves if len(rows) == len(moves) else moves[rows], ends)]
         if isinstance(moves, Motions):
             return []
         vectors = {k: v for k, row in enumerate(rows.tolist()) if (v := _vector(moves[row])) is not None}

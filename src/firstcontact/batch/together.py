@@ -36,7 +36,7 @@ def walk_together(questions: Questions, asking: Asking, rows: Rows) -> np.ndarra
             row = where[some[0]]
             a, b = questions.bodies[questions.a[row]], questions.bodies[questions.b[row]]
             if len(some) >= FEWEST and is_taken(a, b) and not _is_contained(a, b):
-                each = _each(a, b, motions[some], ends[some])
+                each = _each(a, b, motions if len(some) == len(motions) else motions[some], ends[some])
                 done.append(_walked(each, where[some], ends[some], asking.budget, rows))
     return np.concatenate(done)
 

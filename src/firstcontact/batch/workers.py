@@ -2,7 +2,7 @@
 
 Compiled walks release the interpreter, so threads do for them; what is left, exact arithmetic and curved bodies, goes
 to processes as soon as it would take seconds.  Bodies go to a process once; parts are as large as so many questions as
-are answered in about PART seconds.  A part whose worker was lost is done again, RETRIES times.
+are answered in about PART seconds.  A part whose worker was lost is done again.
 """
 
 from __future__ import annotations
@@ -44,9 +44,14 @@ WORTH = 10.0
 """Seconds of work from which on it is worth starting processes, which load the library first."""
 TRIED = 0.5
 """Seconds after which what the work will take is judged."""
-THREAD_PART, FIRST_WALKED = 1 << 13, 64
-"""Questions of a part that is walked by a thread, and of the first one, which makes what the others share."""
-RETRIES = 3
+THREAD_PART, FIRST_WALKED = 0.05, (64, 512)
+"""Seconds of a part that is walked by a thread.
+
+And questions of the first ones, the first of which makes what the others share, and the last tells what one takes.
+"""
+RETRIES, HOPELESS = 3, 40
+"""How often a part is done again beside others, and losses in a row from which on it is not the questions' fault."""
+LOST = "the worker that looked at it was lost every time, as if it ran out of memory; ask it alone, with a budget"
 
 Reached = Callable[[int, int], None] | None
 
@@ -157,21 +162,27 @@ def _by_threads(n: int, questions: Questions, asking: Asking, rows: Rows, count:
     """Answers by compiled walks; gives the rows that they did."""
     from firstcontact.batch.together import walk_together  # loads what polyhedra need
 
-    n_all = len(questions)
-    cuts = [0, *range(min(FIRST_WALKED, n_all), n_all, THREAD_PART), n_all]
-    parts = [slice(first, end) for first, end in zip(cuts, cuts[1:], strict=False) if first < end]
-    done = [np.empty(0, np.int64)]
-
     def walk(where: slice) -> np.ndarray:
         return where.start + walk_together(questions.part(where), asking, rows.part(where))
 
-    for where in parts[:1]:
-        done.append(walk(where))
-        count.add(len(done[-1]))
-    with ThreadPoolExecutor(n) as pool:
-        for future in as_completed([pool.submit(walk, where) for where in parts[1:]]):
+    at, n_all, done = 0, len(questions), [np.empty(0, np.int64)]
+    for size in FIRST_WALKED:
+        begin, part = time.perf_counter(), slice(at, min(at + size, n_all))
+        if part.start < part.stop:
+            done.append(walk(part))
+            count.add(len(done[-1]))
+            seconds, at = (time.perf_counter() - begin) / (part.stop - at), part.stop
+    if at == n_all:
+        return np.concatenate(done)
+    size = max(1, min(int(THREAD_PART / seconds), -(-(n_all - at) // (2 * n))))
+    pool = ThreadPoolExecutor(n)
+    try:
+        parts = [slice(first, min(first + size, n_all)) for first in range(at, n_all, size)]
+        for future in as_completed([pool.submit(walk, part) for part in parts]):
             done.append(future.result())
             count.add(len(done[-1]))
+    finally:
+        pool.shutdown(cancel_futures=True)
     return np.concatenate(done)
 
 
@@ -194,23 +205,34 @@ class Elsewhere:
 
 
 class _Spread:
-    """Hands parts to others, as many questions at once as take so long as they say, and puts the answers together."""
+    """Hands parts to others, as many questions at once as take so long as they say, and puts the answers together.
+
+    A worker that dies takes along all that is at work in its pool: parts that were lost too often are asked again each
+    alone, in halves, down to the question that ends whoever looks at it; that row is an error.
+    """
 
     def __init__(self, questions: Questions, asking: Asking, rows: Rows, count: Count) -> None:
         self.questions, self.asking, self.rows, self.count = questions.about(()), asking, rows, count
         self.size = FIRST_PART
         self.waiting: deque[_Part] = deque()
+        self.suspects: list[np.ndarray] = []
+        self.lost = 0
+        """Parts that were alone when their worker was lost, since the last answer."""
 
     def over(self, others: Elsewhere, where: np.ndarray) -> None:
         """Answers the rows `where`."""
         begun: dict[Future[Any], _Part] = {}
         at = 0
         try:
-            while begun or self.waiting or at < len(where):
-                while len(begun) < 2 * others.workers and (self.waiting or at < len(where)):
-                    if not self.waiting:
+            while begun or self.waiting or self.suspects or at < len(where):
+                while len(begun) < 2 * others.workers:
+                    if not self.waiting and at < len(where):
                         self.waiting.append(_Part(where[at : at + self.size]))
                         at += self.size
+                    if not self.waiting and not begun and self.suspects:
+                        self.waiting.append(_Part(self.suspects.pop(), RETRIES, alone=True))
+                    if not self.waiting:
+                        break
                     part = self.waiting.popleft()
                     try:
                         begun[others.submit(self.questions.part(part.where), self.asking)] = part
@@ -228,25 +250,39 @@ class _Spread:
 
     def _take(self, where: np.ndarray, answers: tuple[Rows, float], wanted: float) -> None:
         rows, seconds = answers
+        self.lost = 0
         self.rows.put(where, rows)
         self.count.add(len(where))
         self.size = next_size(self.size, len(where), seconds, wanted, LARGEST_PART)
 
     def _again(self, part: _Part, others: Elsewhere, error: Exception) -> None:
-        """Have the part of a worker that was lost done again; raises all other errors."""
-        if part.tries >= RETRIES or not isinstance(error, (BrokenExecutor, CancelledError, *_lost())):
+        """Have the part of a worker that was lost done again; raises all other errors, and where nothing is left."""
+        if not isinstance(error, (BrokenExecutor, CancelledError, *_lost())):
             raise error
-        self.waiting.append(_Part(part.where, part.tries + 1))
+        if part.tries < RETRIES:
+            self.waiting.append(_Part(part.where, part.tries + 1))
+        elif self.lost == HOPELESS or isinstance(error, BrokenExecutor) and others.renew is None:
+            raise error
+        elif not part.alone:
+            self.suspects.append(part.where)
+        elif len(part.where) > 1:
+            self.lost += 1
+            self.suspects += np.array_split(part.where, 2)[::-1]
+        else:
+            self.lost += 1
+            self.rows.refuse(int(part.where[0]), LOST)
+            self.count.add(1)
         if others.renew is not None:
             others.renew()
 
 
 @dataclass(frozen=True)
 class _Part:
-    """Rows that are asked about together, and how often they were in vain."""
+    """Rows that are asked about together, how often they were in vain, and whether nothing is at work beside them."""
 
     where: np.ndarray
     tries: int = 0
+    alone: bool = False
 
 
 def timed_answers(bodies: tuple[Any, ...], questions: Questions, asking: Asking) -> tuple[Rows, float]:

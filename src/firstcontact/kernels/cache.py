@@ -138,8 +138,11 @@ class KernelCache(_Cache):  # type: ignore[misc]
 
 _fingerprints: dict[tuple[Dispatcher, int], str] = {}
 _begun: list[Dispatcher] = []
-IMPLEMENTATIONS: dict[tuple[Any, int], Callable[..., Any]] = {}
-"""What `jit.implements` names: of a function that the type of its `motion` chooses, that for arrays of n dimensions."""
+IMPLEMENTATIONS: dict[tuple[Any, int], tuple[Callable[..., Any], dict[str, Any]]] = {}
+"""What `jit.implements` names: of a function that the type of its `motion` chooses, that for arrays of n dimensions.
+
+With its options.
+"""
 
 
 def fingerprint(kernel: Dispatcher, dimensions: int) -> str:
@@ -191,8 +194,8 @@ def _told(value: Any, names: tuple[str, ...], dimensions: int) -> str:
     if isinstance(value, Dispatcher):
         return fingerprint(value, dimensions)
     if isinstance(value, types.FunctionType) and value.__module__.startswith(_OWN):  # compiled into its callers
-        chosen = IMPLEMENTATIONS.get((value, dimensions), value)
-        return f"{value.__qualname__}({','.join(_parts(chosen, dimensions))})"
+        chosen, options = IMPLEMENTATIONS.get((value, dimensions), (value, {}))
+        return f"{value.__qualname__}({options}{','.join(_parts(chosen, dimensions))})"
     if isinstance(value, np.ndarray):
         return f"{value.dtype.descr} {value.shape} {value.tobytes().hex()}"
     if type(value) is tuple:

@@ -24,7 +24,7 @@ _held: set[str] = set()
 """Kernels that this process compiles at this moment."""
 
 
-def kernel(function: Callable[..., Any], allocates: bool = True) -> Any:
+def kernel(function: Callable[..., Any], allocates: bool = True, inlined: bool = False) -> Any:
     """Compile `function` on its first call, cached on disk.  No fastmath: it would undo the error bounds.
 
     No entry is made for C, which would add to the time that compiling takes.
@@ -32,6 +32,7 @@ def kernel(function: Callable[..., Any], allocates: bool = True) -> Any:
     compiled: Any = njit  # its stubs know no _nrt
     dispatcher = compiled(  # _nrt is always said: kernels called would take it over from their callers
         nogil=True, error_model="numpy", _nrt=allocates, no_cfunc_wrapper=True, pipeline_class=PartOrWhole,
+        forceinline=inlined,
     )(function)  # fmt: skip
     dispatcher._cache = KernelCache(dispatcher)
     name = f"{function.__module__}.{function.__qualname__}"
@@ -83,6 +84,11 @@ def uncounted(function: Callable[..., Any]) -> Any:
     return kernel(function, allocates=False)
 
 
+def inlined(function: Callable[..., Any]) -> Any:
+    """`uncounted` for a few lines that the inner loop of a walk calls with arrays: pushing these takes longer."""
+    return kernel(function, allocates=False, inlined=True)
+
+
 @contextmanager
 def signals() -> Iterator[None]:
     """Raises what a signal's handler raised as it was: while Numba hands over results, it becomes a SystemError."""
@@ -97,15 +103,17 @@ def signals() -> Iterator[None]:
         raise cause from None
 
 
-def implements(function: Callable[..., Any], *dimensions: int) -> Callable[..., Any]:
+def implements(function: Callable[..., Any], *dimensions: int, inlined: bool = False) -> Callable[..., Any]:
     """`numba.extending.overload` for what the type of an argument `motion` chooses: arrays of so many dimensions.
 
-    A kernel that comes to such a function has a `motion` of its own, which is the one handed down.
+    A kernel that comes to such a function has a `motion` of its own, which is the one handed down.  inlined: as the
+    decorator of this name.
     """
+    options: Any = {"forceinline": True} if inlined else {}
 
     def register(choice: Callable[..., Any]) -> Callable[..., Any]:
         for n in dimensions:
-            IMPLEMENTATIONS[function, n] = choice
-        return cast("Callable[..., Any]", overload(function)(choice))
+            IMPLEMENTATIONS[function, n] = choice, options
+        return cast("Callable[..., Any]", overload(function, jit_options=options)(choice))
 
     return register

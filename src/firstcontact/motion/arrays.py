@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from copy import copy
 from typing import Any, Self
 
 import numpy as np
@@ -69,7 +70,9 @@ class Translations(Motions):
         return Translation(self.vectors[row].tolist())
 
     def taken(self, rows: Any) -> Translations:
-        return Translations(self.vectors[rows])
+        some = copy(self)
+        some.vectors = self.vectors[rows]
+        return some
 
 
 class Rotations(Motions):

@@ -32,10 +32,10 @@ ROOM = 4096
 
 @dataclass(frozen=True)
 class Walked:
-    """What walks tell: FREE, MET or OPEN, and node visits and pair tests, of each motion.
+    """What walks tell: FREE, MET, TIMED or OPEN, and node visits and pair tests, of each motion.
 
     Of those that are MET, all contacts that may be first, by motion: number of the motion, enclosures of the times (k,
-    2), kind and elements (k, 5) as in a `Pair`.
+    2), kind and elements (k, 5) as in a `Pair`.  Of those that are TIMED the first contact, its time in two doubles.
     """
 
     told: np.ndarray
@@ -89,8 +89,8 @@ def placed(problem: Problem, contacts: Contacts, k: int, moving: Moving, b: Poly
 class Walks:
     """What all walks share.
 
-    boxes and trees of both bodies, how far coordinates of parts may be off, and the pair tests after which `first` asks
-    another engine.
+    boxes and trees of both bodies, how far coordinates of parts may be off, the pair tests after which `first` asks
+    another engine, and by what each coordinate of the parts is off, where that is known.
     """
 
     boxes_a: np.ndarray
@@ -100,6 +100,7 @@ class Walks:
     error_a: float
     error_b: float
     most_tests: int
+    rests: tuple[np.ndarray, np.ndarray] = (np.empty((0, 9)), np.empty((0, 9)))
 
     def walked(self, motion: np.ndarray, motions: np.ndarray, ends: np.ndarray, pads: np.ndarray) -> Walked:
         """motion, motions, ends, pads: as `walk_each` has them."""
@@ -114,7 +115,7 @@ class Walks:
                     self.boxes_a, a.links, a.xyz, a.ids, self.boxes_b, b.links, b.xyz, b.ids,
                     motion, motions, ends, pads, self.error_a, self.error_b, self.most_tests, begin, SLICE,
                     state.floats, state.integers, state.keys, state.pairs, state.stack, state.times, state.candidates,
-                    told, work, times, rows,
+                    *self.rests, told, work, times, rows,
                 )  # fmt: skip
                 all_times.append(times[:count])
                 all_rows.append(rows[:count])

@@ -10,6 +10,7 @@ from flint import fmpq, fmpz
 from firstcontact.body.kept import Kept
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact.polyhedra.each import Contacts, Place, Walked, Walks, piece_of, placed
+from firstcontact.contact.polyhedra.earliest import Pair
 from firstcontact.contact.polyhedra.translation_problem import (
     LEAST_FRAMED,
     TranslationProblem,
@@ -21,7 +22,8 @@ from firstcontact.exact.vectors import Vector, whole, whole_doubles
 from firstcontact.motion.translation import Translation
 from firstcontact.pairs.elements import coplanar
 from firstcontact.search.trees.elements import FACE, VERTEX
-from firstcontact.search.trees.walk_each import OPEN
+from firstcontact.search.trees.tree import Tree
+from firstcontact.search.trees.walk_each import OPEN, TIMED
 
 ONE = fmpz(1)
 _WHOLE = Kept["_WholeVertices"]()
@@ -35,10 +37,12 @@ class EachTranslation:
         self.vectors, self.lasts = vectors, lasts
         problem = self.problem = TranslationProblem(a, b, piece_of(a.moving(Translation((1, 0, 0))), b, 1.0))
         x, y = problem.tree_a, problem.tree_b
-        self.walks = Walks(problem.boxes_a, x, problem.boxes_b, y, x.error, y.error, problem.most_tests())
+        self.walks = Walks(
+            problem.boxes_a, x, problem.boxes_b, y, x.error, y.error, problem.most_tests(), self._whole.rests(x, y)
+        )
 
     def told(self) -> tuple[np.ndarray, np.ndarray, Contacts]:
-        """FREE, MET or OPEN, node visits and pair tests, of each motion; the contacts."""
+        """FREE, MET, TIMED or OPEN, node visits and pair tests, of each motion; the contacts."""
         frame, vectors, lasts = self.problem.frame, self.vectors, self.lasts
         coordinates = list(vectors.T)
         framed = vectors
@@ -52,25 +56,45 @@ class EachTranslation:
         return self._contacts(self.walks.walked(np.empty(9), motions, ends, np.ascontiguousarray(pads)))
 
     def _contacts(self, walked: Walked) -> tuple[np.ndarray, np.ndarray, Contacts]:
-        """What is told, work, and the contacts: the first of all candidates by the exact equation of each."""
-        gaps, speeds = self._equations(walked)
-        first, end = _earliest(walked, gaps, speeds)
+        """What is told, work, and the contacts.
+
+        The first of all candidates by the exact equation of each, where pairs of doubles have not told it.
+        """
+        timed = walked.told[walked.motions] == TIMED
+        alone, others = np.flatnonzero(timed), np.flatnonzero(~timed)
+        gaps, speeds = self._equations(walked, others)
+        first, end = _earliest(walked, others, gaps, speeds)
         chosen = first[end[:-1]]
         times = (gaps[chosen] / speeds[chosen]).astype(float)  # Python's division of whole numbers rounds correctly
+        near, rests = walked.times[alone].T
+
+        def instant(k: int) -> RationalInstant:
+            if k >= len(alone):
+                return RationalInstant(fmpq(gaps[chosen[k - len(alone)]], speeds[chosen[k - len(alone)]]))
+            (gap,), (speed,) = self._equations(walked, alone[k : k + 1])
+            return RationalInstant(fmpq(gap, speed))
+
+        def pairs(k: int) -> list[Pair]:
+            if k < len(alone):
+                return walked.pairs_of(alone[k : k + 1])
+            k -= len(alone)
+            return sorted(walked.pairs_of(others[np.sort(first[end[k] : end[k + 1]])]))
+
         return walked.told, walked.work, Contacts(
-            walked.motions[chosen], times, _around(times, gaps[chosen], speeds[chosen]),
-            lambda k: RationalInstant(fmpq(gaps[chosen[k]], speeds[chosen[k]])),
-            lambda k: sorted(walked.pairs_of(np.sort(first[end[k] : end[k + 1]]))),
+            np.append(walked.motions[alone], walked.motions[others[chosen]]),
+            np.append(near, times),
+            np.concatenate([_towards(near, rests), _around(times, gaps[chosen], speeds[chosen])]),
+            instant, pairs,
         )  # fmt: skip
 
-    def _equations(self, walked: Walked) -> tuple[np.ndarray, np.ndarray]:
-        """Whole numbers gap and speed > 0 of each candidate, whose time is gap / speed; a speed of 0 tells none."""
-        whole, kinds = self._whole, walked.pairs[:, 0]
-        velocity, up, down = _whole_velocities(self.vectors[walked.motions])
+    def _equations(self, walked: Walked, some: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Whole numbers gap and speed > 0 of some candidates, the time being gap / speed; a speed of 0 tells none."""
+        whole, kinds = self._whole, walked.pairs[some, 0]
+        velocity, up, down = _whole_velocities(self.vectors[walked.motions[some]])
         gaps, speeds = np.empty(len(kinds), object), np.empty(len(kinds), object)
         for kind in np.unique(kinds).tolist():
             of = np.flatnonzero(kinds == kind)
-            corners = whole.corners(walked.pairs[of])
+            corners = whole.corners(walked.pairs[some[of]])
             gaps[of], speeds[of] = coplanar.translation_equation(*corners, tuple(velocity[of].T))
         signs = np.where(speeds < 0, -1, 1)
         return signs * gaps * up, signs * speeds * whole.scale * down
@@ -94,6 +118,8 @@ class EachTranslation:
 class _WholeVertices:
     """The vertices of two bodies times one scale: arrays (n, 3) of whole numbers."""
 
+    _rests: tuple[np.ndarray, np.ndarray] | None = None
+
     def __init__(self, a: Polyhedron, b: Polyhedron) -> None:
         self.bodies = a, b
         if a.error == 0.0 and b.error == 0.0:
@@ -104,6 +130,24 @@ class _WholeVertices:
             self.scale, points = int(scale), [(int(x), int(y), int(z)) for x, y, z in numbers]
         array: np.ndarray = np.array(points, object)
         self.points = array[: len(a.vertices)], array[len(a.vertices) :]
+
+    def rests(self, *trees: Tree) -> tuple[np.ndarray, np.ndarray]:
+        """What coordinates of the parts of their trees are off by, (m, 9) each."""
+        if self._rests is None:
+            a, b = (
+                self._rest(body, points)[tree.corners[tree.ids[:, 0]]].reshape(-1, 9)
+                for body, points, tree in zip(self.bodies, self.points, trees, strict=True)
+            )
+            self._rests = a, b
+        return self._rests
+
+    def _rest(self, body: Polyhedron, points: np.ndarray) -> np.ndarray:
+        """(n, 3): of vertices."""
+        if body.error == 0.0:
+            return np.zeros(points.shape)
+        ratios = [x.as_integer_ratio() for x in body.vertices.ravel().tolist()]
+        off = [(x * q - p * self.scale) / (q * self.scale) for x, (p, q) in zip(points.flat, ratios, strict=True)]
+        return np.array(off).reshape(points.shape)
 
     def corners(self, pairs: np.ndarray) -> tuple[list[Vector], list[Vector]]:
         """Those of both elements of pairs of one kind, each a vector of arrays."""
@@ -138,20 +182,23 @@ def _whole_velocities(vectors: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.n
     return numbers << shifts, one << np.maximum(-least, 0).astype(object), one << np.maximum(least, 0).astype(object)
 
 
-def _earliest(walked: Walked, gaps: np.ndarray, speeds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(the first candidates of each motion, all that share the time; where those of each begin, and an end).
+def _earliest(
+    walked: Walked, some: np.ndarray, gaps: np.ndarray, speeds: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """(of some candidates the first of each motion, all that share the time; where those of each begin, and an end).
 
     Motions without one are OPEN: those whose times equations do not tell, or round to the start.
     """
     times = np.full(len(gaps), np.inf)
     solvable = speeds != 0
     times[solvable] = gaps[solvable] / speeds[solvable]
-    begin = np.flatnonzero(np.diff(walked.motions, prepend=-1))
+    motions = walked.motions[some]
+    begin = np.flatnonzero(np.diff(motions, prepend=-1))
     if not len(begin):
         return np.empty(0, np.int64), np.zeros(1, np.int64)
     least = np.minimum.reduceat(times, begin)
     good = np.logical_and.reduceat(solvable, begin) & (least > 0.0)
-    walked.told[walked.motions[begin[~good]]] = OPEN
+    walked.told[motions[begin[~good]]] = OPEN
     group = np.repeat(np.arange(len(begin)), np.diff(begin, append=len(gaps)))
     first = np.flatnonzero((times == least[group]) & good[group])
     cuts = np.append(np.flatnonzero(np.diff(group[first], prepend=-1)), len(first))
@@ -179,14 +226,22 @@ def _around(times: np.ndarray, gaps: np.ndarray, speeds: np.ndarray) -> np.ndarr
     """(n, 2): enclosures of gap / speed by neighbouring doubles, one of which is its rounding."""
     ratios = [t.as_integer_ratio() for t in times.tolist()]
     sides = [(g * q > s * p) - (g * q < s * p) for g, s, (p, q) in zip(gaps, speeds, ratios, strict=True)]
-    side = np.array(sides, float)
+    return _towards(times, np.array(sides, float))
+
+
+def _towards(times: np.ndarray, side: np.ndarray) -> np.ndarray:
+    """(n, 2): from each of the times to the next double on the side that is told by a sign."""
     towards = np.where(side == 0.0, times, np.where(side > 0.0, np.inf, -np.inf))
     return np.sort(np.stack([times, np.nextafter(times, towards)], axis=1), axis=1)
 
 
 def is_moderate(vectors: np.ndarray) -> np.ndarray:
     """Which velocities are looked at as they are, none of their coordinates (but zeros) huge or tiny."""
-    sizes = np.abs(vectors)
-    largest = sizes.max(axis=1, initial=0.0)
-    told: np.ndarray = (largest > 1e-30) & (largest < 1e30) & ((sizes == 0.0) | (sizes >= LEAST_FRAMED)).all(axis=1)
+    x, y, z = sizes = np.abs(vectors).T
+    if sizes.size and 1e-30 < sizes.min() and sizes.max() < 1e30:  # as mostly, and at once
+        return np.ones(len(vectors), bool)
+    largest = np.maximum(np.maximum(x, y), z)
+    told: np.ndarray = (largest > 1e-30) & (largest < 1e30)
+    for size in (x, y, z):
+        told &= (size == 0.0) | (size >= LEAST_FRAMED)
     return told

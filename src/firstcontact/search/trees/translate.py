@@ -5,8 +5,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from firstcontact.kernels.jit import implements, kernel, uncounted
+from firstcontact.kernels.jit import implements, inlined, kernel
 from firstcontact.kernels.verdict import NONE, UNSURE
+from firstcontact.pairs.elements.facet_facet import translation_window as both_straddle
 from firstcontact.pairs.elements.line_line import translation_filter as edge_edge
 from firstcontact.pairs.elements.point_plane import translation_filter as vertex_facet
 from firstcontact.search.trees.state import BEST, EDGE_EDGE, FACE_VERTEX, FIRST, TESTS, VERTEX_FACE, WHOLE
@@ -23,7 +24,7 @@ from firstcontact.search.trees.walk import (
 from firstcontact.search.trees.windows import meeting_window, part_windows
 
 
-@uncounted
+@inlined
 def entry_time(motion, boxes_a, a, boxes_b, b, pad, first, last):
     """A time not later than any contact of box a and box b in [first, last]; inf when there is none.
 
@@ -50,6 +51,11 @@ def _events(
 ):
     v0, v1, v2 = motion[6], motion[7], motion[8]
     first = floats[FIRST]
+    if mask_a & mask_b & FACET:
+        integers[TESTS] += 1
+        lo, hi = both_straddle(xa, xb, v0, v1, v2, err_a, err_b, first, floats[BEST])
+        if lo > hi:
+            return
     points_only = (mask_a & POINT and mask_b & FACET) or (mask_b & POINT and mask_a & FACET)
     for s in range(3):
         if not mask_a & (sides << s) or points_only:
@@ -89,7 +95,7 @@ def _events(
                 record(floats, integers, times, candidates, FACE_VERTEX, pa, WHOLE, pb, s, verdict, lo, hi)
 
 
-@implements(earliest_meeting, 1)
+@implements(earliest_meeting, 1, inlined=True)
 def _earliest_meeting(motion, boxes_a, a, boxes_b, b, pad, first, last):
     if motion.ndim == 1:
         return lambda motion, boxes_a, a, boxes_b, b, pad, first, last: entry_time(
@@ -115,7 +121,7 @@ def _first_is_larger(motion, boxes_a, a, boxes_b, b):
     return None
 
 
-@implements(test_events, 1)
+@implements(test_events, 1, inlined=True)
 def _test_events(
     motion, pa, mask_a, xa, pb, mask_b, xb, sides, err_a, err_b, floats, integers, times, candidates
 ):
@@ -145,6 +151,10 @@ def slab_window(box_a, box_b, motion, pad, last):
 def _windows(motion, mask_a, xa, mask_b, xb, err_a, err_b, last, scratch, out):
     # parts of convex elements: the times form one interval, from the first event to the last
     v0, v1, v2 = motion[6], motion[7], motion[8]
+    if mask_a & mask_b & FACET:
+        lo, hi = both_straddle(xa, xb, v0, v1, v2, err_a, err_b, 0.0, last)
+        if lo > hi:
+            return 0
     sides_a = 3 if mask_a & FACET else 1
     sides_b = 3 if mask_b & FACET else 1
     first_lo = first_hi = np.inf

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from firstcontact.kernels.jit import uncounted
 from firstcontact.search.trees.state import (
     ALL,
@@ -19,10 +21,12 @@ from firstcontact.search.trees.state import (
     UNSURE_TOTAL,
     VISITS,
 )
+from firstcontact.search.trees.timed import is_before, time_of
 from firstcontact.search.trees.walk import walk
 
-# What a walk left of a motion: proved free; a first contact that is among the candidates; anything else.
-FREE, MET, OPEN = range(3)
+# What a walk left of a motion: proved free; a first contact that is among the candidates; one candidate that is the
+# first contact, with its time; anything else.
+FREE, MET, TIMED, OPEN = range(4)
 
 
 @uncounted
@@ -30,17 +34,20 @@ def walk_each(
     boxes_a, links_a, xyz_a, ids_a, boxes_b, links_b, xyz_b, ids_b,
     motion, motions, lasts, pads, err_a, err_b, most, begin, visits,
     floats, integers, keys, pairs, stack, times, candidates,
-    told, work, found_times, found_rows,
+    rests_a, rests_b, told, work, found_times, found_rows,
 ):  # fmt: skip
     """Walks over [0, last] for the motions from number `begin` on; (the first one not done, candidates found).
 
     motion: as `walk` has it, filled in turn with each of motions (n, 9); (0, 9): it is that of all.
     lasts (n, 2): the end of the window, and what is certainly not after it.  pads (n,): as `walk` has it.
+    rests_a, rests_b: what coordinates of parts are off by, (m, 9) each as xyz_a and xyz_b; (0, 9): it is not known.
     most: pair tests after which a motion is left open, visits: node visits.
-    told (n,): FREE, MET or OPEN; work (n,): visits and tests.  Of those that are MET, found_times (k, 2) and
-    found_rows (k, 6), motion and candidate, tell all contacts that may be first; it ends when these are full.
+    told (n,): FREE, MET, TIMED or OPEN; work (n,): visits and tests.  Of those that are MET or TIMED, found_times
+    (k, 2) and found_rows (k, 6), motion and candidate, tell all contacts that may be first; it ends when these are
+    full.  The times are enclosures; of the one contact of a TIMED motion, as `time_of` tells them.
     """
     count = 0
+    timed = len(motions) > 0 and len(rests_a) > 0
     for m in range(begin, len(lasts)):
         if len(motions) > 0:
             for k in range(len(motion)):
@@ -78,7 +85,45 @@ def walk_each(
                 for j in range(5):
                     found_rows[kept, j + 1] = candidates[k, j]
                 kept += 1
-        if certain:
-            told[m] = MET
-            count = kept
+        if not certain:
+            continue
+        told[m] = MET
+        if timed and _first_alone(
+            xyz_a, rests_a, xyz_b, rests_b, motions, m, found_times, found_rows, count, kept, times
+        ):
+            told[m] = TIMED
+            kept = count + 1
+        count = kept
     return len(lasts), count
+
+
+@uncounted
+def _first_alone(xyz_a, rests_a, xyz_b, rests_b, motions, m, found_times, found_rows, first, end, times):
+    """Whether one contact of rows first to end is certainly before all others; then it becomes the first row.
+
+    times: room for as many.
+    """
+    v0, v1, v2 = motions[m, 6], motions[m, 7], motions[m, 8]
+    best, until = first, np.inf
+    for k in range(first, end):
+        times[k - first, 0] = np.inf
+        if found_times[k, 0] > until:
+            continue
+        until = min(until, found_times[k, 1])
+        pa, sa, pb, sb = found_rows[k, 2], found_rows[k, 3], found_rows[k, 4], found_rows[k, 5]
+        t, r = time_of(
+            found_rows[k, 1] - CERTAIN_KIND, xyz_a[pa], rests_a[pa], sa, xyz_b[pb], rests_b[pb], sb, v0, v1, v2
+        )
+        if np.isnan(t):
+            return False
+        times[k - first, 0], times[k - first, 1] = t, r
+        if t < times[best - first, 0]:
+            best = k
+    t, r = times[best - first, 0], times[best - first, 1]
+    for k in range(end - first):
+        if k != best - first and times[k, 0] < np.inf and not is_before(t, r, times[k, 0], times[k, 1]):
+            return False
+    found_times[first, 0], found_times[first, 1] = t, r
+    for j in range(6):
+        found_rows[first, j] = found_rows[best, j]
+    return True
