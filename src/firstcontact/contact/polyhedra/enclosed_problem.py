@@ -32,7 +32,7 @@ from firstcontact.exact.numbers import (
 )
 from firstcontact.exact.rigid import Matrix, apply, compose, inverse_map
 from firstcontact.exact.times.instants import RationalInstant, enclose
-from firstcontact.exact.vectors import cross, sub
+from firstcontact.exact.vectors import Vector, cross, sub
 from firstcontact.kernels.verdict import CERTAIN, NONE
 from firstcontact.motion.relative.curved import CurvedPiece, inverse, terms
 from firstcontact.pairs.elements import moving
@@ -54,6 +54,7 @@ from firstcontact.search.trees.frame import tree_of
 from firstcontact.search.trees.touch import spanning
 from firstcontact.search.trees.tree import FACET
 from firstcontact.search.trees.windows import PART_ROOM
+from firstcontact.work import Spent
 
 # Bits of poses between two instants.
 _BITS = 512
@@ -160,12 +161,17 @@ class EnclosedProblem(CurvedProblem[RationalInstant]):
         Elements that meet lie in a plane: where they do so once in that time, it is then.
         """
         if 0.0 < lo and exact_value(hi) < self.length:
-            pair = corners_of(self.a, element_a), corners_of(self.b, element_b)
-            left, right = exact_value(lo), exact_value(hi)
-            found = None if _is_flat(pair) else self._root(pair, 0, left, right)
-            if found is not None and found is not OPEN:
-                return RationalInstant(self._rounded(pair, 0, found[0], left, right))
+            self._count_look()
+            found = self._root_within(corners_of(self.a, element_a), corners_of(self.b, element_b), lo, hi)
+            if found is not None:
+                return RationalInstant(found)
         return self.contact(element_a, element_b)
+
+    def _root_within(self, x: list[Vector], y: list[Vector], lo: float, hi: float) -> arb | None:
+        """The time at which the elements lie in a plane, if they do once in [lo, hi]."""
+        pair, left, right = (x, y), exact_value(lo), exact_value(hi)
+        found = None if _is_flat(pair) else self._root(pair, 0, left, right)
+        return None if found is None or found is OPEN else self._rounded(pair, 0, found[0], left, right)
 
     def _stay_parallel(self, edge_a: Feature, edge_b: Feature) -> bool:
         """Whether the edges are parallel at all times, and a facet at one of them.
@@ -201,6 +207,7 @@ class EnclosedProblem(CurvedProblem[RationalInstant]):
         while waiting and not (first_only and out):
             left, right = waiting.pop()
             looks += 1
+            self._count_look()
             try:
                 found = self._look(pair, left, right, lasting)
                 if found not in (None, OPEN) and not self._in_window(found[0]):
@@ -220,6 +227,11 @@ class EnclosedProblem(CurvedProblem[RationalInstant]):
             elif found is not None:
                 out.append(found)
         return out
+
+    def _count_look(self) -> None:
+        if self.looks == self.most_looks:
+            raise Spent
+        self.looks += 1
 
     def _look(self, pair: Corners, left: fmpq, right: fmpq, lasting: list[list[bool]] | None) -> Any:
         """None: certainly no contact from left to right; OPEN: not clear; else the contact and a time it has alone."""
@@ -474,6 +486,7 @@ class EnclosedProblem(CurvedProblem[RationalInstant]):
                 doubts.append(Doubt(lo, hi, doubt.is_contact))
                 continue
             looks += 1
+            self._count_look()
             with terms(1, ctx.prec):
                 pose = self.piece.series(arb(lo).union(arb(hi)) + self.piece.start)
             meet = self._certainly_meet(a, b, tuple(tuple(x[0] for x in row) for row in pose))  # type: ignore[arg-type]
