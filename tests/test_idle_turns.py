@@ -163,10 +163,11 @@ def test_a_plate_need_be_round_about_the_axis_no_farther_than_the_other_body_com
     assert isinstance(down.motion, fc.Translation) and turn is not None
     assert fc.first_contact(pin("5/4").moving(screw), plate).status is fc.Status.FREE
     assert fc.first_contact(plate, pin("5/4").moving(screw)).status is fc.Status.FREE
-    for hit in (fc.first_contact(pin("7/4").moving(screw), DRILLED), fc.first_contact(DRILLED, pin("7/4").moving(screw))):
+    lands = pin("7/4").moving(screw)
+    for hit in (fc.first_contact(lands, DRILLED), fc.first_contact(DRILLED, lands)):
         assert hit.time == 1 / 3 and hit.point[2] == 1 and 2 <= np.hypot(*hit.point[:2]) <= 2.25 + 1e-9
         assert np.hypot(*(hit.point[:2] - screw(1 / 3)[:2, :2] @ [1.75, 0])) <= 0.5 + 1e-9
-    assert fc.first_contact(pin("7/4").moving(screw), DRILLED, exact=True).time_exact == Fraction(1, 3)
+    assert fc.first_contact(lands, DRILLED, exact=True).time_exact == Fraction(1, 3)
 
 
 @pytest.mark.parametrize("about, time", [((3, 0), None), ((0, 3), 1 / 4), ((-3, 0), 1 / 2)])
