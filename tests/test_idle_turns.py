@@ -144,4 +144,40 @@ def test_a_polyhedral_plate_turns_about_the_bolt_in_it():
 ])  # fmt: skip
 def test_turns_beside_what_is_not_round_about_their_axis_stay(round_one, turn):
     turning = DRILLED.moving(turn)
-    assert without_common_turn(round_one, turning) == (round_one, turning, None)
+    assert without_common_turn(round_one, turning, (0.0, 1.0)) == (round_one, turning, None)
+
+
+def pin(x):
+    return fc.cylinder("1/2", 4).translated((x, 0, 4))
+
+
+def post(x, y):
+    return fc.cylinder("1/4", 20).translated((x, y, 0))
+
+
+@pytest.mark.parametrize("plate", [DRILLED, DRILLED.translated((0, 0, 1)).moving(fc.Translation((0, 0, -1)))])
+def test_a_plate_need_be_round_about_the_axis_no_farther_than_the_other_body_comes(plate):
+    """A pin within the hole never touches it; one that reaches over it lands on the plate after a third of the way."""
+    screw = fc.Screw(Z, degrees=77, advance=-3)
+    down, _, turn = without_common_turn(pin("5/4").moving(screw), plate, (0.0, 1.0))
+    assert isinstance(down.motion, fc.Translation) and turn is not None
+    assert fc.first_contact(pin("5/4").moving(screw), plate).status is fc.Status.FREE
+    assert fc.first_contact(plate, pin("5/4").moving(screw)).status is fc.Status.FREE
+    lands = pin("7/4").moving(screw)
+    for hit in (fc.first_contact(lands, DRILLED), fc.first_contact(DRILLED, lands)):
+        assert hit.time == 1 / 3 and hit.point[2] == 1 and 2 <= np.hypot(*hit.point[:2]) <= 2.25 + 1e-9
+        assert np.hypot(*(hit.point[:2] - screw(1 / 3)[:2, :2] @ [1.75, 0])) <= 0.5 + 1e-9
+    assert fc.first_contact(lands, DRILLED, exact=True).time_exact == Fraction(1, 3)
+
+
+@pytest.mark.parametrize("about, time", [((3, 0), None), ((0, 3), 1 / 4), ((-3, 0), 1 / 2)])
+def test_what_the_other_body_meets_by_its_turn_alone_keeps_the_turn(about, time):
+    """A pin turns about the axis, 3 from it, towards a post: their axes are 3/4 apart when they touch."""
+    turning, body = pin(3).moving(fc.Rotation(Z, degrees=360)), DRILLED | post(*about)
+    left, _, turn = without_common_turn(turning, body, (0.0, 1.0))
+    assert turn is None and left is turning
+    hit = fc.first_contact(turning, body)
+    if time is None:
+        assert hit.status is fc.Status.INITIAL_CONTACT
+    else:
+        assert hit.time == pytest.approx(time - 2 * np.arcsin(0.75 / 6) / (2 * np.pi), abs=1e-12)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import math
-
 import pytest
 
 import firstcontact as fc
+from firstcontact.contact.polyhedra.enclosed_problem import EnclosedProblem
+from firstcontact.work import WORTH
 
 BOX = fc.examples.box((1, 1, 1))
 TURNED = BOX.rotated((1, 2, 3), degrees=25).translated((0, 0, -2))
@@ -76,13 +76,22 @@ def test_intervals_in_a_holed_solid_end_with_their_budget(budget):
     assert (told.status, told.reason, told.free_until) == (Status.UNDECIDED, "budget", 0.0)
 
 
-def test_exact_pairs_count_as_work():
-    told = fc.contact_intervals(TURNED.moving(screw(3)), OTHER)
-    assert told.stats.exact_evaluations > 3
-    spent = told.stats.node_visits + told.stats.pair_tests + 2
-    few = fc.contact_intervals(TURNED.moving(screw(3)), OTHER, budget=spent)
-    assert (few.status, few.reason, few.stats.exact_evaluations) == (Status.UNDECIDED, "budget", 2)
-    assert math.isfinite(few.free_until)
+@pytest.mark.parametrize("verb", [fc.first_contact, fc.contact_intervals])
+def test_looks_at_pairs_in_balls_count_as_the_work_that_they_are(verb, monkeypatch):
+    """One look takes as long as many visits: a budget ends them within a pair, which may take a tenth of a second."""
+    looked = []
+    for name in ("_look", "_root_within"):
+        look = getattr(EnclosedProblem, name)
+        monkeypatch.setattr(EnclosedProblem, name, lambda *args, look=look: looked.append(1) or look(*args))
+    pair = TURNED.moving(screw(3)), OTHER
+    told = verb(*pair)
+    visits, whole = told.stats.node_visits + told.stats.pair_tests, len(looked)
+    assert told.status is Status.CONTACT and whole > 0
+    for share in (0, whole // 2):
+        looked.clear()
+        few = verb(*pair, budget=visits + WORTH * share)
+        assert (few.status, few.reason) == (Status.UNDECIDED, "budget")
+        assert WORTH * len(looked) <= visits + WORTH * share and 0.0 <= few.free_until <= told.free_until
 
 
 def test_a_contact_in_the_last_turns():

@@ -27,6 +27,13 @@ CLOSE = {3: True, 82: False, 88: True, 124: False, 127: False, 220: False, 355: 
 """Seeds of pins that start in the hole, too close to it for doubles to tell; whether they touch it."""
 
 
+ALONG_BORDERS = [380, 383]
+"""Seeds of pins that touch the hole along a line: where it ends, boxes were cut for ever."""
+
+ABOUT_THE_HOLE = [298, 387, 2107]
+"""Seeds of pins that turn about the axis of the hole, a millionth of its radius thinner than it, and never touch it."""
+
+
 @dataclass(frozen=True)
 class Scene:
     """width, thick: of the plate, its middle in the origin; tip, rise: radius of the flat end of a frustum, its height;
@@ -132,6 +139,24 @@ def test_events_that_rounding_errors_hide(seed):
     agrees(known, back)
     before, after = known.gap(np.array([hit.time - 1e-9, hit.time + 1e-9]))
     assert before > 0 > after
+
+
+@pytest.mark.parametrize("seed", ALONG_BORDERS)
+def test_lines_of_contact_that_end_at_borders(seed):
+    known = scene(seed)
+    pin, plate = known.bodies()
+    for hit in (fc.first_contact(pin, plate), fc.first_contact(plate, pin)):
+        assert hit.status is fc.Status.CONTACT
+        agrees(known, hit)
+
+
+@pytest.mark.parametrize("seed", ABOUT_THE_HOLE)
+def test_pins_that_turn_about_the_hole(seed):
+    known = scene(seed)
+    pin, plate = known.bodies()
+    assert known.gap(np.linspace(0, 1, 20_001)).min() > 1e-6
+    assert fc.first_contact(pin, plate).status is fc.first_contact(plate, pin).status is fc.Status.FREE
+    assert fc.contact_intervals(pin, plate).status is fc.Status.FREE
 
 
 @pytest.mark.share(2)

@@ -14,7 +14,6 @@ import firstcontact as fc
 from firstcontact.contact.ruled import certified
 from firstcontact.contact.ruled.intervals import certified_intervals
 from firstcontact.exact.numbers import precision
-from firstcontact.exact.systems.isolation import WORTH
 from firstcontact.exact.systems.ruled_systems import ContactSystem
 from firstcontact.kernels.rulings.linear_models import REST
 from firstcontact.kernels.rulings.models import (
@@ -28,7 +27,7 @@ from firstcontact.kernels.rulings.models import (
 )
 from firstcontact.search.rulings.ruled_events import RuledContact, Search, first_event, first_event_of
 from firstcontact.search.rulings.ruled_pieces import RuledPiece
-from firstcontact.work import Query, Work
+from firstcontact.work import WORTH, Query, Work
 from ruled_vectors import Vector, value, vectors
 
 UNIT = (-1, 1)

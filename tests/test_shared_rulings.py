@@ -6,13 +6,14 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from flint import fmpq, fmpz_poly
+from flint import fmpq, fmpq_mat, fmpz_poly
 
 import firstcontact as fc
 from amount import amount
 from firstcontact.exact.curves.line_sets import not_negative
 from firstcontact.exact.fields.number_field import NumberField
 from firstcontact.exact.fields.roots import real_roots
+from firstcontact.pairs import apex_rulings, ruled_ruled
 
 SADDLE = "(u, 0, 0)", "(u, 1, u)"
 CIRCLE = "((1-u**2)/(1+u**2), 2*u/(1+u**2), {})"
@@ -139,6 +140,51 @@ def test_trimmed_cones_with_one_apex(trim, points):
     narrow = fc.RuledSurface("(0, 0, 0)", CIRCLE.format(1), u=None, trim=[trim])
     wide = fc.RuledSurface("(0, 0, 0)", "(2*(1-u**2)/(1+u**2), 6*u/(1+u**2), 1)", u=None)
     assert fc.intersection_curve(narrow, wide).isolated_points.tolist() == points
+
+
+def through(points, scales):
+    """(degree + 1, 3) coefficients of the directions that are scale times point at u = 0, 1, 2, ..."""
+    n = len(points)
+    powers = fmpq_mat(n, n, [fmpq(k) ** j for k in range(n) for j in range(n)])
+    rows = fmpq_mat([[fmpq(x * scale) for x in p] for p, scale in zip(points, scales, strict=True)])
+    return powers.solve(rows).tolist()
+
+
+def cone(table):
+    columns = [" + ".join(f"({row[k]})*u**{j}" for j, row in enumerate(table)) for k in range(3)]
+    return fc.RuledSurface("(0, 0, 0)", f"({', '.join(columns)})", u=None, s=None)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_dense_cones_with_one_apex_share_the_rulings_that_they_are_given(seed, monkeypatch):
+    """Of degree 5: six are common by construction, at u = 0, ..., 5 and v = 5 - u; others are of degree 19 and were
+    told by algebra over their fields, in half a minute."""
+    monkeypatch.setattr(ruled_ruled, "_partners", lambda *_: pytest.fail("algebra over the field of a root"))
+    rng = random.Random(seed)
+    points = [[rng.randint(-9, 9) or 1 for _ in range(3)] for _ in range(6)]
+    tables = [through(some, [rng.randint(1, 9) for _ in some]) for some in (points, points[::-1])]
+    found = [
+        (float(u), float(v)) for u, v in fc.intersection_curve(*map(cone, tables)).common_rulings
+        if math.inf not in (u, v)
+    ]  # fmt: skip
+    assert {(k, 5 - k) for k in range(6)} <= set(found)
+    for pair in found:
+        x, y = (np.array(t, float).T @ np.array([c**j for j in range(6)]) for t, c in zip(tables, pair, strict=True))
+        assert np.abs(np.cross(x, y)).max() <= 1e-9 * np.linalg.norm(x) * np.linalg.norm(y)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_rulings_through_one_apex_as_algebra_pairs_them(seed, monkeypatch):
+    rng = random.Random(seed)
+    p, q = (cone([[rng.randint(-3, 3) for _ in range(3)] for _ in range(n)]) for n in (3, rng.choice([3, 4])))
+
+    def told():
+        rulings = fc.intersection_curve(p, q).common_rulings
+        return [(getattr(x, "polynomial", None), float(x)) for pair in rulings for x in pair]
+
+    found = told()
+    monkeypatch.setattr(apex_rulings, "partners", lambda *_: None)
+    assert told() == found
 
 
 def test_an_inequality_without_content_cuts_nothing():

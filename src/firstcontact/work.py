@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
+import numpy as np
 from flint import fmpq
 
 from firstcontact.exact.numbers import below, to_double
@@ -21,6 +22,9 @@ Progress = Callable[[float, int], None]
 MOST_BUDGET = 2**60
 
 
+# Node visits, or boxes of a search in doubles, that take as long as one look in balls, for which budgets count it.
+WORTH = 64
+
 # What tables that grow while a question is answered may take, in bytes: a process stays below 2 GB.
 MOST_BYTES = 3 * 2**29
 
@@ -33,6 +37,17 @@ def may_grow(*tables: Any, by: int = 2) -> bool:
 
 class Spent(Exception):
     """The budget is used up."""
+
+
+class NoMemory(Exception):
+    """A table may not grow any more."""
+
+
+def doubled(*tables: np.ndarray) -> tuple[np.ndarray, ...]:
+    """The tables with as much room again.  Raises NoMemory."""
+    if not may_grow(*tables):
+        raise NoMemory
+    return tuple(np.concatenate([table, np.empty_like(table)]) for table in tables)
 
 
 @dataclass

@@ -26,6 +26,7 @@ from firstcontact.exact.fields.number_field import NumberField
 from firstcontact.exact.fields.roots import AlgebraicRoot, real_roots, reversed_polynomial
 from firstcontact.exact.polynomials import bivariate
 from firstcontact.exact.polynomials.bivariate import CONTEXT, in_u, in_v
+from firstcontact.pairs import apex_rulings
 
 Vector = tuple[Any, Any, Any, Any]
 Matrix = tuple[Vector, ...]
@@ -158,9 +159,12 @@ def common_rulings(p: Rulings, q: Rulings, u_range: Range = None, v_range: Range
     common = reduce(lambda x, y: x.gcd(y), minors)
     minors = [x // common for x in minors]
     found: list[tuple[Parameter, Parameter]] = []
-    u_values, v_values = _within(_candidates(minors, "u"), u_range), _candidates(minors, "v")
-    for u in u_values:
-        partners = _partners(minors, u, v_values) or [v for v in v_values if _one_line(p, u, q, v)]
+    u_values, v_values = _candidates(minors, "u"), _candidates(minors, "v")
+    is_apex_shared = p.apex is not None and p.apex == q.apex
+    for u in _within(u_values, u_range):
+        partners = apex_rulings.partners(p, q, u, u_values, v_values) if is_apex_shared else None
+        if partners is None:
+            partners = _partners(minors, u, v_values) or [v for v in v_values if _one_line(p, u, q, v)]
         found += [(u, v) for v in _within(partners, v_range)]
     if v_range is None:
         found += [(u, None) for u in _within(_equal_to(p, q.reversed()), u_range)]

@@ -78,7 +78,7 @@ def _exactly(query: Query, proved: Advance | None) -> FirstContact | Passed:
     """What exact arithmetic says, unless it denies a proof."""
     work = query.work()
     if proved is not None:
-        work.done = proved.steps
+        work.done = proved.spent
     decided = _decided(query, work)
     if proved is not None and _denies(decided, proved):
         return Passed("it denies what doubles proved")
@@ -104,15 +104,19 @@ def _proved_only(query: Query, models: tuple[Any, Any], proved: Advance) -> Firs
                 there, status=Status.INITIAL_CONTACT, time=start, time_interval=(start, start), free_until=start
             )
         if there.status is Status.FREE and proved.reason == "precision" and _starts_rational(query):
-            return _from_apart(query, models)
+            return _from_apart(query, models, proved)
     if proved.reason not in ("precision", "budget", None):
         raise UnsupportedPair(f"it is not decided: {proved.reason}")
     return _undecided(query, proved, proved.reason or "precision")
 
 
-def _from_apart(query: Query, models: tuple[Any, Any]) -> FirstContact:
-    """What doubles tell of bodies that exact arithmetic knows to be apart at the start, as close fits are hidden."""
-    seen, _, proved = settle(models, query, apart=True)
+def _from_apart(query: Query, models: tuple[Any, Any], before: Advance) -> FirstContact:
+    """What doubles tell of bodies that exact arithmetic knows to be apart at the start, as close fits are hidden.
+
+    before: what they told when they did not know that.
+    """
+    left = None if query.budget is None else max(query.budget - before.spent, 0)
+    seen, _, proved = settle(models, replace(query, budget=left), apart=True)
     if seen is None:
         seen = _landed(query, *models, proved)
     return _undecided(query, proved, proved.reason or "precision") if seen is None else seen
@@ -236,6 +240,11 @@ def intervals(query: Query) -> ContactIntervals:
     """
     models = _models(query)
     free_until = query.span[0]
+    shared = query.work()
+
+    def work(own: Query) -> Work:
+        """The one account of the caller's budget; else one of that way's own."""
+        return own.work() if query.budget is None else shared
 
     def if_free(query: Query, _: None) -> ContactIntervals | Passed:
         nonlocal free_until
@@ -246,20 +255,23 @@ def intervals(query: Query) -> ContactIntervals:
         return ContactIntervals((), Status.FREE, query.span[1], None, query.stats(), **query.shared)
 
     def soon_decided(query: Query, _: None) -> ContactIntervals | Passed:
-        return decided(_decided_intervals(query.limited(QUICK_STEPS), free_until), query)
+        return decided(_decided_intervals(query, work(query.limited(QUICK_STEPS)), free_until), query)
 
     def in_doubles(query: Query, _: None) -> ContactIntervals | Passed:
-        work, pair = query.work(), prisms_on_common_plane(*models) or models
+        done, pair = work(query), prisms_on_common_plane(*models) or models
         found = certified_intervals(
-            pair, query.first, query.end, query.tolerance, work, lambda: _touching_at_start(query)
+            pair, query.first, query.end, query.tolerance, done, lambda: _touching_at_start(query)
         )
-        return decided(proved_intervals(found, work, query), query)
+        return decided(proved_intervals(found, done, query), query)
+
+    def exactly(query: Query, _: Any) -> ContactIntervals:
+        return _decided_intervals(query, work(query), free_until)
 
     return answered([
         Way("in doubles, if free", if_free, lambda query, _: not query.is_algebraic and query.budget is None),
         Way("soon exactly", soon_decided, lambda query, _: query.is_auto and not any(map(needs_systems, models))),
         Way("in doubles", in_doubles, lambda query, _: not query.is_algebraic),
-        Way("exactly", lambda query, _: _decided_intervals(query, free_until), lambda query, _: not query.is_certified),
+        Way("exactly", exactly, lambda query, _: not query.is_certified),
     ], query)  # fmt: skip
 
 
@@ -279,12 +291,11 @@ def _touching_at_start(query: Query) -> np.ndarray | None:
     return _at_start(query).point
 
 
-def _decided_intervals(query: Query, free_until: float) -> ContactIntervals:
+def _decided_intervals(query: Query, work: Work, free_until: float) -> ContactIntervals:
     """The answer of exact arithmetic: between two candidates the models overlap all the time or not at all.
 
     free_until: a time before which they are proved apart.
     """
-    work = query.work()
     found: list[tuple[_End, _End]] = []
     tests = evaluations = 0
     reason = None

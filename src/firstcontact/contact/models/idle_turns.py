@@ -4,7 +4,8 @@ A surface is the same after every turn about a line if its form does not change 
 generator K of the turns.
 
 Where one body is round about the axis that the other one turns about, and shifts along it at most, both are looked at
-from the turning one: there neither turns, as the round one is the same from all around.
+from the turning one: there neither turns, as the round one is the same from all around.  It need be round no farther
+than the other one comes, with its turn or without: a pin that turns about the axis of its hole in a square plate.
 """
 
 from __future__ import annotations
@@ -14,12 +15,14 @@ from dataclasses import replace
 from functools import wraps
 from typing import Any, TypeVar
 
+import numpy as np
 from flint import fmpq, fmpq_mat
 
 from firstcontact.body.kept import Kept
 from firstcontact.body.solid.carriers import Plane, Surface
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.contact.carried import carried
+from firstcontact.exact.numbers import exact_value
 from firstcontact.exact.vectors import cross
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.rotation import Rotation
@@ -30,8 +33,9 @@ from firstcontact.work import Query
 
 ORIGIN = (fmpq(0),) * 3
 R = TypeVar("R", FirstContact, ContactIntervals)
-_ROUND = Kept[dict[tuple[tuple[int, int], ...], bool]]()
-"""By axis and point, whether the model is one of revolution about that line."""
+_ROUND = Kept[dict[tuple[tuple[int, int], ...], frozenset[Surface]]]()
+"""By axis and point, the model's surfaces of revolution about that line."""
+Span = tuple[float, float]
 
 
 def ignoring_idle_turns(answer: Callable[[Query], R]) -> Callable[[Query], R]:
@@ -40,7 +44,7 @@ def ignoring_idle_turns(answer: Callable[[Query], R]) -> Callable[[Query], R]:
     @wraps(answer)
     def asked(query: Query) -> R:
         a, b = (without_idle_turn(body) for body in query.bodies)
-        a, b, turn = without_common_turn(a, b)
+        a, b, turn = without_common_turn(a, b, query.span)
         if a is query.a and b is query.b:
             return answer(query)
         found = answer(replace(query, a=a, b=b))
@@ -59,11 +63,11 @@ def without_idle_turn(body: Any) -> Any:
     return Moving(body.body, _ahead(body.motion))
 
 
-def without_common_turn(a: Any, b: Any) -> tuple[Any, Any, Rotation | None]:
+def without_common_turn(a: Any, b: Any, span: Span) -> tuple[Any, Any, Rotation | None]:
     """Both as one sees them that turns with one of them, and that turn; or as they were, and None."""
-    if (turn := _turn(b)) is not None and _keeps_along(a, turn):
+    if (turn := _turn(b)) is not None and _keeps_along(a, turn, b, span):
         return a, Moving(b.body, _ahead(b.motion)), turn
-    if (turn := _turn(a)) is not None and _keeps_along(b, turn):
+    if (turn := _turn(a)) is not None and _keeps_along(b, turn, a, span):
         return Moving(a.body, _ahead(a.motion)), b, turn
     return a, b, None
 
@@ -84,8 +88,9 @@ def _ahead(motion: Rotation | Screw) -> Translation | Screw:
     return Translation(ORIGIN) if isinstance(ahead, Rotation) else ahead
 
 
-def _keeps_along(body: Any, turn: Rotation) -> bool:
-    """Whether the body is round about the axis of the turn at all times: it rests, or shifts along it."""
+def _keeps_along(body: Any, turn: Rotation, other: Any, span: Span) -> bool:
+    """Whether the body is round about the axis of the turn at all times as far as the other one comes that makes it:
+    it rests, or shifts along it."""
     if isinstance(body, Moving):
         motion = body.motion
         if isinstance(motion, Screw):
@@ -94,18 +99,44 @@ def _keeps_along(body: Any, turn: Rotation) -> bool:
             way = motion.vector if isinstance(motion, Translation) else None
         if way is None or any(cross(way, turn.axis)):
             return False
-    return _is_round(shape_of(body), turn)
+    return _is_round(shape_of(body), turn) or _is_round_near(body, turn, other, span)
 
 
 def _is_round(model: Any, turn: Rotation) -> bool:
     """Whether it is a model of revolution about the turn's axis."""
-    if not isinstance(model, CompositeQuadric):
+    return isinstance(model, CompositeQuadric) and _round_surfaces(model, turn).issuperset(model.surfaces)
+
+
+def _is_round_near(body: Any, turn: Rotation, other: Any, span: Span) -> bool:
+    """Whether it is the same set as a model of revolution about the turn's axis where the other body comes."""
+    model = shape_of(body)
+    if not isinstance(model, CompositeQuadric) or not _round_surfaces(model, turn):
         return False
+    region = _region(body, other, span)
+    if not np.isfinite(region).all():
+        return False
+    lo, hi = ((exact_value(x), exact_value(y), exact_value(z)) for x, y, z in region.tolist())
+    near = model.near((lo, hi))
+    return near is None or _round_surfaces(model, turn).issuperset(near.surfaces)
+
+
+def _round_surfaces(model: CompositeQuadric, turn: Rotation) -> frozenset[Surface]:
+    """Those that are surfaces of revolution about the turn's axis."""
     known = _ROUND.of(model, dict)
     line = tuple((int(x.p), int(x.q)) for x in (*turn.axis, *turn.point))
     if line not in known:
-        known[line] = all(is_same(surface, turn.axis, turn.point) for surface in model.surfaces)
+        known[line] = frozenset(s for s in model.surfaces if is_same(s, turn.axis, turn.point))
     return known[line]
+
+
+def _region(body: Any, other: Any, span: Span) -> np.ndarray:
+    """Corners (2, 3) of a box, in the frame of a body that shifts at most, of all places of the other one with and
+    without its turn."""
+    boxes = np.array([way.bounds(span) for way in (other, Moving(other.body, _ahead(other.motion)))])
+    shifts = np.array([body.motion(t)[:3, 3] if isinstance(body, Moving) else np.zeros(3) for t in span])
+    lo, hi = boxes[:, 0].min(axis=0) - shifts.max(axis=0), boxes[:, 1].max(axis=0) - shifts.min(axis=0)
+    slack = 1e-12 * (np.abs(boxes).max() + np.abs(shifts).max())
+    return np.array([lo - slack, hi + slack])
 
 
 def is_same(surface: Surface, axis: tuple[fmpq, ...], point: tuple[fmpq, ...]) -> bool:

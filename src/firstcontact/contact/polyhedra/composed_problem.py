@@ -60,6 +60,7 @@ from firstcontact.search.trees.state import BEST, CANDIDATES, DECIDE, DONE, FULL
 from firstcontact.search.trees.state import QUERY as ROUND
 from firstcontact.search.trees.state import STACK as PART
 from firstcontact.search.trees.tree import FLAT_SIDE, SIDE
+from firstcontact.work import doubled
 
 Point = tuple[Bounded, Bounded, Bounded]
 
@@ -334,7 +335,7 @@ class Composed:
                 worker.place, worker.stack, worker.asked, finds.floats, finds.integers, finds.times, finds.candidates,
             )  # fmt: skip
             if reason == STACK_FULL:
-                worker.stack = np.concatenate([worker.stack, np.empty_like(worker.stack)])
+                (worker.stack,) = doubled(worker.stack)
             elif reason == TREE_MISSING:
                 with _building:
                     resting.add_below(int(worker.place[NODE]), int(worker.place[WANTED]))

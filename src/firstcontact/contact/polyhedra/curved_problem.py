@@ -46,6 +46,8 @@ class CurvedProblem(Generic[At]):
     """Body a moves by the piece's pose, body b rests; both in the frames they are given in."""
 
     begin = 0.0, 0.0
+    looks = 0
+    most_looks: int | None = None
 
     def __init__(self, a: Polyhedron, b: Polyhedron, piece: CurvedPiece) -> None:
         self.a, self.b, self.piece = a, b, piece

@@ -36,7 +36,7 @@ from firstcontact.search.trees.state import (
     return_state,
     share_of,
 )
-from firstcontact.work import Progress
+from firstcontact.work import WORTH, NoMemory, Progress, Spent
 
 if TYPE_CHECKING:
     import numpy as np
@@ -71,6 +71,10 @@ class Problem(Protocol):
     tree_a: Tree
     tree_b: Tree
     is_exact: bool
+    looks: int
+    """Stretches of time looked at in balls, each worth `work.WORTH` visits."""
+    most_looks: int | None
+    """After how many of them Spent is raised."""
 
     @property
     def piece(self) -> Piece | CurvedPiece: ...
@@ -140,11 +144,12 @@ class Found:
     tests: int = 0
     unsure: int = 0
     exact: int = 0
+    looks: int = 0
     engine: str = "boxes"
 
     @property
     def work(self) -> int:
-        return self.visits + self.tests
+        return self.visits + self.tests + WORTH * self.looks
 
 
 def earliest(
@@ -163,6 +168,7 @@ def earliest(
     finally:
         found.visits += int(state.integers[VISITS])
         found.tests += int(state.integers[TESTS])
+        found.looks, problem.most_looks = problem.looks, None
         found.unsure += int(state.integers[UNSURE_TOTAL])
         found.engine = engine_of(problem, state)
         return_state(state)
@@ -233,7 +239,11 @@ class _Search:
         self.state.start(*self.problem.begin, last, sure_last)
         if not self.walk(with_start, all_sides=False):
             return
-        self._settle_waiting()
+        try:
+            self._settle_waiting()
+        except Spent:
+            self._stopped("budget")
+            return
         if self.found.start:
             return
         self._conclude()
@@ -246,26 +256,31 @@ class _Search:
         while True:
             limit = int(integers[VISITS]) + SLICE
             if self.budget is not None:
-                left = self.budget - self.found.work - int(integers[VISITS] + integers[TESTS])
-                limit = min(limit, int(integers[VISITS]) + share_of(left))
-            reason = self.problem.advance(state, limit, with_start, all_sides)
-            self._collect()
-            if reason in (DONE, CROSSING_FOUND) or (self.found.start and self.stop_at_start):
-                return True
-            if reason == FULL:
-                if not state.grow():
-                    self.found.open = "memory"
-                    self.found.free_until = self._proved_free()
-                    return False
-            elif reason != DECIDE:
+                limit = min(limit, int(integers[VISITS]) + share_of(self.budget - self._work()))
+            try:
+                reason = self.problem.advance(state, limit, with_start, all_sides)
+                self._collect()
+                if reason in (DONE, CROSSING_FOUND) or (self.found.start and self.stop_at_start):
+                    return True
+                if reason == FULL:
+                    state.grow()
+            except NoMemory:
+                return self._stopped("memory")
+            except Spent:
+                return self._stopped("budget")
+            if reason not in (DECIDE, FULL):
                 assert reason == SLICE_SPENT
-                work = self.found.work + int(integers[VISITS] + integers[TESTS])
                 if self.progress is not None:
-                    self.progress(float(state.floats[KEY]), work)
-                if self.budget is not None and work >= self.budget:
-                    self.found.open = "budget"
-                    self.found.free_until = self._proved_free()
-                    return False
+                    self.progress(float(state.floats[KEY]), self._work())
+                if self.budget is not None and self._work() >= self.budget:
+                    return self._stopped("budget")
+
+    def _work(self) -> int:
+        return int(self.state.integers[VISITS] + self.state.integers[TESTS]) + WORTH * self.problem.looks
+
+    def _stopped(self, reason: str) -> bool:
+        self.found.open, self.found.free_until = reason, self._proved_free()
+        return False
 
     def _proved_free(self) -> float:
         """No contact before this: neither among the nodes that wait nor among the pairs that may or do meet."""
@@ -297,9 +312,13 @@ class _Search:
             elif (pair := self._pair(row)) not in self.decided:
                 unsure.append((lo, pair))
         unsure.sort()
-        for lo, pair in unsure:
+        for k, (lo, pair) in enumerate(unsure):
             if lo <= self.state.floats[BEST]:
-                self._decide(pair, lo)
+                try:
+                    self._decide(pair, lo)
+                except Spent:
+                    self.doubtful.update((left, bound) for bound, left in unsure[k:])
+                    raise
 
     def _pair(self, row: list[int]) -> Pair:
         kind, part_a, local_a, part_b, local_b = row
@@ -351,6 +370,9 @@ class _Search:
         """
         _, x, y = pair
         problem = self.problem
+        if self.budget is not None:
+            visits = int(self.state.integers[VISITS] + self.state.integers[TESTS])
+            problem.most_looks = max(self.budget - visits, 0) // WORTH
         for bits in PRECISIONS:
             with precision(bits):
                 try:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Hashable, Iterable
 from functools import cached_property, cmp_to_key
 from itertools import pairwise, product
 from typing import Any
@@ -32,7 +32,7 @@ from firstcontact.exact.numbers import (
 )
 from firstcontact.exact.rigid import Matrix, apply, compose, inverse_map
 from firstcontact.exact.times.instants import RationalInstant, enclose
-from firstcontact.exact.vectors import cross, sub
+from firstcontact.exact.vectors import Vector, cross, sub
 from firstcontact.kernels.verdict import CERTAIN, NONE
 from firstcontact.motion.relative.curved import CurvedPiece, inverse, terms
 from firstcontact.pairs.elements import moving
@@ -54,6 +54,7 @@ from firstcontact.search.trees.frame import tree_of
 from firstcontact.search.trees.touch import spanning
 from firstcontact.search.trees.tree import FACET
 from firstcontact.search.trees.windows import PART_ROOM
+from firstcontact.work import Spent
 
 # Bits of poses between two instants.
 _BITS = 512
@@ -76,6 +77,10 @@ _STEEP = 24
 _NEAR = 2.0**-28
 
 
+# A pair of elements, named.
+Named = tuple[Hashable, Corners]
+
+
 class EnclosedProblem(CurvedProblem[RationalInstant]):
     """A piece whose pose has no rational form, such as a screw: contact times are balls of any precision.
 
@@ -88,6 +93,7 @@ class EnclosedProblem(CurvedProblem[RationalInstant]):
         self._possible: dict[tuple[Feature, Feature], float] = {}
         self._kept_poses: dict[tuple[fmpq, fmpq, int], list[tuple[Rows, Rows]]] = {}
         self._poses_at: dict[fmpq, tuple[Rows, Rows, bool] | None] = {}
+        self._directions: dict[tuple[Any, ...], Vector | None] = {}
 
     @cached_property
     def _generic(self) -> tuple[Rows, Rows] | None:
@@ -160,12 +166,17 @@ class EnclosedProblem(CurvedProblem[RationalInstant]):
         Elements that meet lie in a plane: where they do so once in that time, it is then.
         """
         if 0.0 < lo and exact_value(hi) < self.length:
-            pair = corners_of(self.a, element_a), corners_of(self.b, element_b)
-            left, right = exact_value(lo), exact_value(hi)
-            found = None if _is_flat(pair) else self._root(pair, 0, left, right)
-            if found is not None and found is not OPEN:
-                return RationalInstant(self._rounded(pair, 0, found[0], left, right))
+            self._count_look()
+            found = self._root_within(corners_of(self.a, element_a), corners_of(self.b, element_b), lo, hi)
+            if found is not None:
+                return RationalInstant(found)
         return self.contact(element_a, element_b)
+
+    def _root_within(self, x: list[Vector], y: list[Vector], lo: float, hi: float) -> arb | None:
+        """The time at which the elements lie in a plane, if they do once in [lo, hi]."""
+        pair, left, right = (x, y), exact_value(lo), exact_value(hi)
+        found = None if _is_flat(pair) else self._root(pair, 0, left, right)
+        return None if found is None or found is OPEN else self._rounded(pair, 0, found[0], left, right)
 
     def _stay_parallel(self, edge_a: Feature, edge_b: Feature) -> bool:
         """Whether the edges are parallel at all times, and a facet at one of them.
@@ -173,13 +184,28 @@ class EnclosedProblem(CurvedProblem[RationalInstant]):
         Then they share a point only where an end of one lies in the other: a corner of that facet on the other body, or
         a corner of the other on the facet.
         """
+        has_facet = _has_facet(self.a, edge_a) or _has_facet(self.b, edge_b)
+        return has_facet and self._are_parallel((corners_of(self.a, edge_a), corners_of(self.b, edge_b)))
+
+    def _are_parallel(self, pair: Corners) -> bool:
+        """Whether two edges are parallel at all times."""
         directions = []
-        for leg, body, edge in ((self.piece.leg_a, self.a, edge_a), (self.piece.leg_b, self.b, edge_b)):
-            direction = leg.fixed_direction(sub(*corners_of(body, edge)))
-            if direction is None:
-                return False
-            directions.append(direction)
-        return not any(cross(*directions)) and (_has_facet(self.a, edge_a) or _has_facet(self.b, edge_b))
+        for leg, edge in zip((self.piece.leg_a, self.piece.leg_b), pair, strict=True):
+            key = leg is self.piece.leg_b, *edge
+            if key not in self._directions:
+                self._directions[key] = leg.fixed_direction(sub(*edge))
+            directions.append(self._directions[key])
+        x, y = directions
+        return x is not None and y is not None and not any(cross(x, y))
+
+    def _without_parallel(self, a: Primitive, b: Primitive, pairs: Iterable[Named]) -> list[Named]:
+        """The pairs of elements of two primitives but for edges as in `_stay_parallel`."""
+        if not (a.is_facet or b.is_facet):
+            return list(pairs)
+        return [
+            (name, pair) for name, pair in pairs
+            if not (len(pair[0]) == len(pair[1]) == 2 and self._are_parallel(pair))
+        ]  # fmt: skip
 
     def _contacts_in(
         self, pair: Corners, lo: fmpq, hi: fmpq, first_only: bool = False, lasting: list[list[bool]] | None = None,
@@ -201,6 +227,7 @@ class EnclosedProblem(CurvedProblem[RationalInstant]):
         while waiting and not (first_only and out):
             left, right = waiting.pop()
             looks += 1
+            self._count_look()
             try:
                 found = self._look(pair, left, right, lasting)
                 if found not in (None, OPEN) and not self._in_window(found[0]):
@@ -209,6 +236,8 @@ class EnclosedProblem(CurvedProblem[RationalInstant]):
                 if doubts is None:
                     raise
                 found = OPEN
+            if found == OPEN and self._keep_apart(pair, left, right):
+                continue
             if found == OPEN:
                 if looks > most or right - left < least:
                     if doubts is None:
@@ -220,6 +249,31 @@ class EnclosedProblem(CurvedProblem[RationalInstant]):
             elif found is not None:
                 out.append(found)
         return out
+
+    def _keep_apart(self, pair: Corners, left: fmpq, right: fmpq) -> bool:
+        """Whether a plane along the second of two edges parts them from left to right: edges that become parallel lie
+        in a plane then, however far apart they are, and no condition tells."""
+        x, y = pair
+        if not len(x) == len(y) == 2:
+            return False
+        with terms(1, ctx.prec):
+            pose = self.piece.series(arb(left).union(arb(right)) + self.piece.start)
+            ends = [[sum((r[k][0] * p[k] for k in range(3)), r[3][0]) for r in pose] for p in x]
+        along = np.array([to_double(c) for c in sub(y[1], y[0])])
+        offset = np.array([float((p + q).mid()) / 2 - to_double(c) for p, q, c in zip(*ends, y[0], strict=True)])
+        away = offset - (offset @ along) / (along @ along) * along
+        if not np.isfinite(away).all():
+            return False
+        normal = [arb(c) for c in away.tolist()]
+        return all(
+            sum((n * (p - q) for n, p, q in zip(normal, end, corner, strict=True)), arb(0)) > 0
+            for end, corner in product(ends, y)
+        )
+
+    def _count_look(self) -> None:
+        if self.looks == self.most_looks:
+            raise Spent
+        self.looks += 1
 
     def _look(self, pair: Corners, left: fmpq, right: fmpq, lasting: list[list[bool]] | None) -> Any:
         """None: certainly no contact from left to right; OPEN: not clear; else the contact and a time it has alone."""
@@ -407,10 +461,11 @@ class EnclosedProblem(CurvedProblem[RationalInstant]):
         return self._possible.get((element_a, element_b), 0.0)
 
     def events(
-        self, a: Primitive, b: Primitive, pairs: list[tuple[Hashable, Corners]]
+        self, a: Primitive, b: Primitive, pairs: list[Named]
     ) -> list[tuple[RationalInstant, bool]]:
         """The instants of contact of elements where floats leave open whether contact begins or ends there."""
         found: dict[int, RationalInstant] = {}
+        pairs = self._without_parallel(a, b, pairs)
         with precision(max(ctx.prec, _BITS)):
             for lo, hi in self._open_times(a, b):
                 for name, pair in pairs:
@@ -427,9 +482,10 @@ class EnclosedProblem(CurvedProblem[RationalInstant]):
         ids = ids_of(self.tree_a, primitive_a), ids_of(self.tree_b, primitive_b)
         stretches: list[tuple[fmpq, fmpq]] = []
         doubts = [Doubt(time, time, False) for time in (fmpq(0), self.length)]
+        pairs = self._without_parallel(a, b, element_pairs(a, ids[0], b, ids[1]))
         with precision(_COARSE):
             for lo, hi in self._open_times(a, b):
-                for _, pair in element_pairs(a, ids[0], b, ids[1]):
+                for _, pair in pairs:
                     for root, _ in self._contacts_in(pair, lo, hi, doubts=stretches):
                         found = ball(root)
                         doubts.append(Doubt(*self._within(dyadic(found.lower()), dyadic(found.upper())), True))
@@ -474,6 +530,7 @@ class EnclosedProblem(CurvedProblem[RationalInstant]):
                 doubts.append(Doubt(lo, hi, doubt.is_contact))
                 continue
             looks += 1
+            self._count_look()
             with terms(1, ctx.prec):
                 pose = self.piece.series(arb(lo).union(arb(hi)) + self.piece.start)
             meet = self._certainly_meet(a, b, tuple(tuple(x[0] for x in row) for row in pose))  # type: ignore[arg-type]

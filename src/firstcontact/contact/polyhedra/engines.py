@@ -78,6 +78,8 @@ class ByEngine:
     engine = "boxes"
     threads = 1
     listed = 0
+    looks = 0
+    most_looks: int | None = None
     a: Polyhedron
     b: Polyhedron
     tree_a: Tree

@@ -24,7 +24,7 @@ from firstcontact.exact.numbers import Undecidable, to_double
 from firstcontact.motion.relative.curved import CurvedPiece
 from firstcontact.motion.relative.pieces import Piece, pieces
 from firstcontact.result import ContactIntervals, ContactPairs, FirstContact, Stats, Status
-from firstcontact.work import Query, Spent
+from firstcontact.work import NoMemory, Query, Spent
 
 NO_WORK = Stats()
 
@@ -53,7 +53,7 @@ def _first_contact(query: Query, _: None = None) -> FirstContact:
             if found.start or (begins and _starts_at_once(found)):
                 try:
                     kind = initial_kind(problem, found) if begins else None
-                except Undecidable:
+                except (Undecidable, NoMemory):
                     kind = None
                 return initial_contact(problem, found, kind, exact, _timed(stats, begin), shared, jump=not begins)
             if with_start:

@@ -18,7 +18,7 @@ from firstcontact.motion.relative.curved import CurvedPiece
 from firstcontact.search.trees.containment import contained_at, decide
 from firstcontact.search.trees.state import SLICE, share_of
 from firstcontact.search.trees.windows import COVERS, DONE, FOUND, FULL, STACK, TESTS, VISITS
-from firstcontact.work import Progress, may_grow
+from firstcontact.work import WORTH, Progress, Spent, may_grow
 
 if TYPE_CHECKING:
     from firstcontact.contact.polyhedra.enclosed_problem import EnclosedProblem
@@ -42,12 +42,13 @@ class Windows:
     tests: int = 0
     unsure: int = 0
     exact: int = 0
+    looks: int = 0
     engine: str = "boxes"
 
     @property
     def work(self) -> int:
         """Of which the exact part is as much of it as any other: pairs of primitives that are looked at exactly."""
-        return self.visits + self.tests + self.exact
+        return self.visits + self.tests + self.exact + WORTH * self.looks
 
 
 def contact_windows(problem: Problem, budget: int | None, progress: Progress | None) -> Windows:
@@ -70,7 +71,7 @@ def contact_windows(problem: Problem, budget: int | None, progress: Progress | N
             if progress is not None:
                 progress(0.0, answer.work)
             answer.exact += 1
-            certain, open_times = _windows_of(problem, part_a, part_b)
+            certain, open_times = _counted(problem, part_a, part_b, answer, budget)
             items, doubts = items + certain, doubts + open_times
             wide += any(doubt.is_wide(_in_balls(problem).length) for doubt in open_times)
             if wide == MOST_WIDE:
@@ -82,7 +83,21 @@ def contact_windows(problem: Problem, budget: int | None, progress: Progress | N
             answer.windows = _with_containment(problem, answer.windows, open_from)
     except Undecidable:
         answer.open = "precision"
+    except Spent:
+        answer.open = "budget"
     return answer
+
+
+def _counted(
+    problem: Problem, part_a: int, part_b: int, answer: Windows, budget: int | None
+) -> tuple[list[Window], list[Doubt]]:
+    """As `_windows_of`, within the budget.  Raises Spent."""
+    if budget is not None:
+        problem.most_looks = max(budget - answer.visits - answer.tests - answer.exact, 0) // WORTH
+    try:
+        return _windows_of(problem, part_a, part_b)
+    finally:
+        answer.looks, problem.most_looks = problem.looks, None
 
 
 def _windows_of(problem: Problem, part_a: int, part_b: int) -> tuple[list[Window], list[Doubt]]:

@@ -25,10 +25,6 @@ RANK = 1e-7
 """Pivots of a matrix with rows of about 1 that count as none."""
 
 
-WORTH = 64
-"""Boxes of a search in doubles that take as long as one in balls, for which budgets count it."""
-
-
 class Isolation(NamedTuple):
     """zeros: simple ones, each once; left: boxes that may hold others; looked: how many were looked at."""
 

@@ -82,6 +82,8 @@ DEAD, LATER, CUT_U, CUT_V, EACH_PAIR = rows(*range(5))
 FEW = 3
 # Part of the body's size from which on a box is replaced in any case.
 SMALL = 0.01
+# Part of it below which a box whose equations leave nothing open is not cut to tell whether it belongs to the bodies.
+FINE = 2.0**-24
 # Rows of the arrays of boxes that one visit may need.
 ROOM = 256
 # Part of the slab below which a box's time is short.
@@ -327,8 +329,12 @@ def visit(box, known, charts, info, pairs, layout, program, table, z, stack, c):
     if box[PAIR] >= 0:
         for row in range(pairs[first, EQUATIONS]):
             add_shares(z, ZEROTH + row)
+        is_sharp = z[SHARES, 0] + z[SHARES, 1] + z[SHARES, 2] == 0.0
         if not _members(chart, on, known, side, s, hs, layout, program, table, z, stack):
             return DEAD
+        # zeros in curves that cross the border of a feature askew: all along it boxes would be cut for ever
+        if is_sharp and max(_size(z, BY_U, UU), _size(z, BY_V, VV)) < FINE * z[MID, 3]:
+            return LATER
     else:
         if number == 0:
             return DEAD

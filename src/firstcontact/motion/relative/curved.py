@@ -4,6 +4,7 @@ pose itself as a rational function of the time where it is one.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Any
@@ -14,7 +15,7 @@ from flint import arb, arb_poly, arb_series, ctx, fmpq, fmpq_poly
 from firstcontact.exact.numbers import ball, precision, rational
 from firstcontact.exact.rigid import IDENTITY, Matrix
 from firstcontact.exact.vectors import Vector, cross, dot
-from firstcontact.motion.placement import Placement, advanced
+from firstcontact.motion.placement import Placement, Turn, Twist, advanced
 from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.relative.polynomial import PolynomialPiece, relative, step_pieces
 from firstcontact.motion.relative.polynomial import Step as PolynomialStep
@@ -74,13 +75,19 @@ class Leg:
         return int(begin.p), int(begin.q), int(share.p), int(share.q)
 
     def fixed_direction(self, v: Vector) -> Vector | None:
-        """Where the motion takes the direction v, if to one and the same at all times that is known exactly."""
-        if not self.before.is_exact or isinstance(self.motion, RationalMotion):
-            return None
-        matrix = self.before.matrix()
-        turned = dot(matrix[0][:3], v), dot(matrix[1][:3], v), dot(matrix[2][:3], v)
-        turns = isinstance(self.motion, Rotation | Screw) and self.motion.angle != 0
-        return None if turns and any(cross(turned, self.motion.axis)) else turned
+        """Where the motion takes the line of direction v, if to one and the same at all times that is known exactly."""
+        for factor in self.before.factors:
+            if isinstance(factor, Turn | Twist):
+                axis = (factor.turn if isinstance(factor, Twist) else factor).axis
+                if any(cross(v, axis)):
+                    return None
+            else:
+                v = _turned(factor, v)
+        motion = self.motion
+        if isinstance(motion, RationalMotion):
+            return _fixed_image(motion, v)
+        turns = isinstance(motion, Rotation | Screw) and motion.angle != 0
+        return None if turns and any(cross(v, motion.axis)) else v
 
     def series(self, t: arb) -> Series:
         """The pose around the time t."""
@@ -157,6 +164,17 @@ class CurvedPiece:
             f"{self.leg_a.of} with {self.leg_b.of}: their relative motion is no rational function of the time, so "
             "times of contact have no exact form; ask without exact=True for certified enclosures"
         )
+
+
+def _turned(m: Sequence[Sequence[Any]], v: Vector) -> Vector:
+    return dot(m[0][:3], v), dot(m[1][:3], v), dot(m[2][:3], v)
+
+
+def _fixed_image(motion: RationalMotion, v: Vector) -> Vector | None:
+    """A direction to which all others are parallel that the motion takes v to; None where there is none."""
+    images = [_turned(m, v) for m in motion.coefficients]
+    first = next((x for x in images if any(x)), None)
+    return None if first is None or any(any(cross(first, x)) for x in images) else first
 
 
 def _is_rational(leg: Leg) -> bool:

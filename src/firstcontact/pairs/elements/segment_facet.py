@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from firstcontact.exact.numbers import sign
+from firstcontact.exact.numbers import Undecidable, sign
 from firstcontact.exact.vectors import Vector, along, cross, dot, sub
 from firstcontact.kernels.jit import kernel
 from firstcontact.kernels.verdict import CERTAIN, DET_EPS, NONE, TINY, UNSURE, cross_size, slack3
@@ -64,19 +64,39 @@ def relation(p: Vector, q: Vector, a: Vector, b: Vector, c: Vector) -> int:
     """APART, TOUCHING or CROSSING (interior of the segment through the interior of the facet); exact."""
     n = cross(sub(b, a), sub(c, a))
     sides = ((a, b), (b, c), (c, a))
-    if all(sign(x) == 0 for x in n):
+    if _is_zero(n):
         return TOUCHING if any(segments_meet(p, q, *side) for side in sides) else APART
-    op, oq = sign(dot(n, sub(p, a))), sign(dot(n, sub(q, a)))
-    if op * oq > 0:
+    op, oq = _told(dot(n, sub(p, a))), _told(dot(n, sub(q, a)))
+    if op and op == oq:
         return APART
     if op == oq == 0:
         inside = in_triangle(p, a, b, c, n) or in_triangle(q, a, b, c, n)
         return TOUCHING if inside or any(segments_meet(p, q, *side) for side in sides) else APART
     direction = sub(q, p)
-    signs = [sign(dot(direction, cross(sub(r, p), sub(s, p)))) for r, s in sides]
-    if max(signs) > 0 > min(signs):
+    signs = [_told(dot(direction, cross(sub(r, p), sub(s, p)))) for r, s in sides]
+    if 1 in signs and -1 in signs:
         return APART
+    if op is None or oq is None or None in signs:
+        raise Undecidable
     return CROSSING if op * oq < 0 and 0 not in signs else TOUCHING
+
+
+def _told(x: Any) -> int | None:
+    """The sign; None where balls leave it open, for others may tell."""
+    try:
+        return sign(x)
+    except Undecidable:
+        return None
+
+
+def _is_zero(n: Vector) -> bool:
+    """Whether a vector is; one entry that is not tells.  Raises Undecidable."""
+    signs = [_told(x) for x in n]
+    if any(signs):
+        return False
+    if None in signs:
+        raise Undecidable
+    return True
 
 
 def start_point(x: Any, y: Any) -> Vector:
@@ -93,7 +113,7 @@ def start_point(x: Any, y: Any) -> Vector:
     if sign(op - oq) != 0:
         return along(p, op / (op - oq), sub(q, p))
     for end in (p, q):
-        if any(sign(c) != 0 for c in n) and in_triangle(end, y[0], y[1], y[2], n):
+        if not _is_zero(n) and in_triangle(end, y[0], y[1], y[2], n):
             return end
     sides = ((y[0], y[1]), (y[1], y[2]), (y[2], y[0]))
     side = next(side for side in sides if segments_meet(p, q, *side))

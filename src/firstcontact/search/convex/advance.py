@@ -82,6 +82,7 @@ class Advance:
     complete       whether no surface passes through the point but those of the features.
     graze          of "open": times between which alone the bodies may touch first, and only at one instant.
     beyond         whether a model is no union of convex pieces, so that nothing was tried.
+    spent          what it took of the budget.
     """
 
     status: str
@@ -105,6 +106,7 @@ class Advance:
     steps: int = 0
     newton: int = 0
     gaps: int = 0
+    spent: int = 0
 
 
 def advance(
@@ -301,7 +303,7 @@ class PieceSearch:
         return Advance(
             "contact", r[LO], r[TIME], (r[LO], r[HI]),
             self.results[POINT : POINT + 3].copy(), -self.results[NORMAL : NORMAL + 3], *self._features(c),
-            self.workspace[FRAMES].tolist(), r[GAP], steps=c[STEPS], newton=c[NEWTON], gaps=c[GAPS],
+            self.workspace[FRAMES].tolist(), **self._work(),
         )  # fmt: skip
 
     def _close_up(self, window: Window, i: int, j: int) -> CloseUp | None:
@@ -353,8 +355,11 @@ class PieceSearch:
         return Advance(status, free_until, **self._work(), **fields)
 
     def _work(self) -> dict[str, Any]:
-        c = self.counters
-        return {"gap": float(self.results[GAP]), "steps": int(c[STEPS]), "newton": int(c[NEWTON]), "gaps": int(c[GAPS])}
+        c = self.counters.tolist()
+        steps: int = c[STEPS]
+        return {
+            "gap": float(self.results[GAP]), "steps": steps, "newton": c[NEWTON], "gaps": c[GAPS], "spent": steps,
+        }  # fmt: skip
 
 
 def _besides(best: Advance, contacts: list[Advance]) -> tuple[Any, ...]:

@@ -44,6 +44,7 @@ from firstcontact.search.events.event_tables import Tables, tables_of
 from firstcontact.search.events.instants import Instant, scratch_for
 from firstcontact.search.events.shared_points import proved_at, shared_point, without_corners
 from firstcontact.search.events.solid_certificate import earliest_event
+from firstcontact.work import WORTH
 
 LEAST = 1.0 / 64.0
 """Of the width of the answer: slabs that short are not cut any more."""
@@ -191,7 +192,9 @@ class EventSearch:
         count, start = int(self.result[2]), int(self.result[3])
         boxes = self.pool[start : start + count].copy()
         first, last, fine = (exact_value(x) for x in (lo, end, LEAST * self.width))
-        event = earliest_event(self.bodies, self.tables, window, boxes, first, last, fine)
+        most = max(self.budget - self.done, 0) // WORTH
+        event, looked = earliest_event(self.bodies, self.tables, window, boxes, first, last, fine, most)
+        self.counters[VISITS] += WORTH * looked
         if event is None:
             return None
         ahead = below(event) - BEFORE * self.width if event < last else end
@@ -282,6 +285,7 @@ class EventSearch:
     def _answer(self, status: str, free_until: float, **fields: Any) -> Advance:
         c = self.counters
         return Advance(
-            status, free_until, steps=int(c[VISITS]), newton=int(c[SLABS]), gaps=int(c[TESTS]), **fields
+            status, free_until, steps=int(c[VISITS]), newton=int(c[SLABS]), gaps=int(c[TESTS]), spent=self.taken,
+            **fields,
         )
 

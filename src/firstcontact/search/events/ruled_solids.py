@@ -24,7 +24,6 @@ from firstcontact.body.solid.csg import inside
 from firstcontact.body.solid.features import Edge, Face, Vertex, enclosure
 from firstcontact.exact.numbers import below, dyadic, exact_value, precision, to_double
 from firstcontact.exact.rigid import Matrix, compose, inverse_map
-from firstcontact.exact.systems.isolation import WORTH
 from firstcontact.kernels.events.event_search import (
     CHART,
     COUNT,
@@ -65,6 +64,7 @@ from firstcontact.search.events.pose_jets import PoseJet
 from firstcontact.search.events.ruled_certificate import Certificate
 from firstcontact.search.events.ruled_charts import Mixed, RuledFeature, Sheet, crossing_at
 from firstcontact.search.events.shared_points import BITS, RANKS, ball_pose, mapped, middles
+from firstcontact.work import WORTH
 
 STEP = fmpq(1, 2**80)
 """Of differences in place of derivatives."""

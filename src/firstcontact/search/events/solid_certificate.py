@@ -53,24 +53,27 @@ Feature = Face | Edge | Vertex
 
 
 def earliest_event(
-    bodies: tuple[Any, Any], tables: Tables, window: Window, boxes: np.ndarray, first: fmpq, last: fmpq, fine: fmpq
-) -> fmpq | None:
-    """A time after `first` before which the boxes hold no event; `last` where they hold none up to then.
+    bodies: tuple[Any, Any], tables: Tables, window: Window, boxes: np.ndarray, first: fmpq, last: fmpq, fine: fmpq,
+    most: int,
+) -> tuple[fmpq | None, int]:  # fmt: skip
+    """(a time after `first` before which the boxes hold no event, `last` where they hold none up to then; how many
+    boxes were looked at in balls, at most so many).
 
-    None where balls tell none.  fine: how well the time is to be known.
+    None where balls tell no time.  fine: how well it is to be known.
     """
     pairs = [(box, pair) for box in boxes for pair in _pairs_of(tables, box)]
     if len(pairs) > MOST_BOXES:
-        return None
-    found = last
+        return None, 0
+    found, left = last, most
     with precision(BITS):
         jets = PoseJet(bodies[0], window), PoseJet(bodies[1], window)
         for box, pair in pairs:
             place = EventPlace(bodies, tables, jets, int(box[CHART]), pair)
-            found = min([found, *place.times(box, fine)])
+            times, looked = place.times(box, fine, min(left, MOST))
+            found, left = min([found, *times]), left - looked
             if found <= first + fine:
-                return None
-    return found
+                return None, most - left
+    return found, most - left
 
 
 def _pairs_of(tables: Tables, box: np.ndarray) -> Sequence[int]:
@@ -94,14 +97,15 @@ class EventPlace:
         self.row = tables.pairs[pair]
         self.theirs = [int(self.row[k]) for k in (FORM, OTHER_FORM) if self.row[k] >= 0]
 
-    def times(self, box: np.ndarray, fine: fmpq) -> list[fmpq]:
-        """Times before each of the events that the box may hold, within that of them where balls tell as well."""
+    def times(self, box: np.ndarray, fine: fmpq, most: int) -> tuple[list[fmpq], int]:
+        """(times before each of the events that the box may hold, within that of them where balls tell as well; how
+        many boxes were looked at for it, at most so many)."""
         # the chart of an edge of degree 4 is of all that two surfaces share, whichever edge gives it its name
         if self.row[OWN_FORM] >= 0 and len(self.feature.surfaces) != 2:
-            return [exact_value(float(box[BEGIN]))]
+            return [exact_value(float(box[BEGIN]))], 0
         start = self._start(box)
         if not all(c.is_finite() for c in start):
-            return [exact_value(float(box[BEGIN]))]
+            return [exact_value(float(box[BEGIN]))], 0
         found: list[fmpq] = []
 
         def is_told(z: Sequence[arb]) -> bool:
@@ -112,9 +116,9 @@ class EventPlace:
             found.append(_lower(z))
             return True
 
-        isolation = isolated(self._system(start), [start], MOST, is_told)
+        isolation = isolated(self._system(start), [start], most, is_told)
         places = [*(zero.balls(TOLD) for zero in isolation.zeros), *isolation.left]
-        return found + [_lower(z) for z in places if not self._is_elsewhere(z)]
+        return found + [_lower(z) for z in places if not self._is_elsewhere(z)], isolation.looked
 
     def _start(self, box: np.ndarray) -> list[arb]:
         """The unknowns over all of the box: place, unless that is a vertex, and time."""

@@ -26,7 +26,7 @@ from firstcontact.exact.numbers import (
     precision,
     to_double,
 )
-from firstcontact.exact.systems.isolation import WORTH, isolated
+from firstcontact.exact.systems.isolation import isolated
 from firstcontact.exact.systems.ruled_systems import ContactSystem, Curve
 from firstcontact.exact.systems.square_systems import Zero, certified
 from firstcontact.kernels.rulings.models import ALL_STRATA, MOST_DEGREE, OFF, ROWS, WIDTH
@@ -49,6 +49,7 @@ from firstcontact.kernels.rulings.search import (
     search,
 )
 from firstcontact.search.rulings.ruled_pieces import RuledPiece
+from firstcontact.work import WORTH
 
 ROOM = 1 << 15
 """Boxes that may wait at a time."""

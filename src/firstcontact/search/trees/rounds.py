@@ -18,6 +18,7 @@ from firstcontact.search.trees.state import (
     VISITS,
     WalkState,
 )
+from firstcontact.work import doubled
 
 T = TypeVar("T")
 
@@ -33,16 +34,14 @@ class Finds:
 
     def grow(self) -> None:
         """Room for twice as many candidates."""
-        self.times = np.concatenate([self.times, np.empty_like(self.times)])
-        self.candidates = np.concatenate([self.candidates, np.empty_like(self.candidates)])
+        self.times, self.candidates = doubled(self.times, self.candidates)
 
     def hand_to(self, state: Any) -> None:
         """Add all to the state and lower its best time."""
         state.floats[BEST] = min(state.floats[BEST], self.floats[BEST])
         found, at = int(self.integers[CANDIDATES]), int(state.integers[CANDIDATES])
         while at + found + LEAF_ROOM > len(state.times):
-            state.times = np.concatenate([state.times, np.empty_like(state.times)])
-            state.candidates = np.concatenate([state.candidates, np.empty_like(state.candidates)])
+            state.times, state.candidates = doubled(state.times, state.candidates)
         state.times[at : at + found] = self.times[:found]
         state.candidates[at : at + found] = self.candidates[:found]
         for slot in (CANDIDATES, VISITS, TESTS, UNSURE_COUNT, UNSURE_TOTAL):

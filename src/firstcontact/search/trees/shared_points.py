@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from flint import fmpz
 
+from firstcontact import work
 from firstcontact.exact.numbers import exact_value, to_double
 from firstcontact.exact.vectors import Vector
 from firstcontact.kernels.jit import kernel
@@ -44,6 +45,8 @@ _DONE, _FULL, _SLICE_SPENT = range(3)
 _STACK, _FOUND, _VISITS = range(3)
 _LEAF_ROOM = 64
 _SLICE = 1_000_000
+# What a pair takes among those found.
+PAIR_BYTES = 300
 
 
 class Resting:
@@ -228,8 +231,9 @@ def shared_points(resting: Resting) -> list[tuple[Feature, Feature]] | None:
     """The pairs (vertex, facet), (facet, vertex) and (edge, edge) that share such a point, each point at least once.
 
     A vertex on an edge that bounds no facet is told as such a pair.  None: an edge passes through a facet.
+    Raises NoMemory.
     """
-    found = set()
+    found: set[tuple[Feature, Feature]] = set()
     for rows in _search(resting):
         for kind, x, y in rows.tolist():
             if kind in (PIERCING, PIERCED):
@@ -243,6 +247,8 @@ def shared_points(resting: Resting) -> list[tuple[Feature, Feature]] | None:
             if decided is None:
                 return None
             found.update(decided)
+        if PAIR_BYTES * len(found) > work.MOST_BYTES:
+            raise work.NoMemory
     return _one_each(found)
 
 
@@ -298,7 +304,7 @@ def _search(resting: Resting) -> Iterator[np.ndarray]:
         if reason == _DONE:
             return
         if state[_STACK] + 4 > len(stack):
-            stack = np.concatenate([stack, stack])
+            (stack,) = work.doubled(stack)
 
 
 def _flat(body: Polyhedron, tree: Tree) -> np.ndarray:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from firstcontact.work import may_grow
+from firstcontact.work import NoMemory, doubled, may_grow
 
 # Kinds of candidate pairs: element of a, element of b.  In this order the lowest kind is reported.  NumPy integers,
 # because Numba compiles a function anew for every Python integer written into a call.
@@ -67,20 +67,17 @@ class WalkState:
         n[STACK] = 1
         self.stack[0] = 0
 
-    def grow(self) -> bool:
-        """Double every array that is close to full; False where there is no memory for that."""
+    def grow(self) -> None:
+        """Double every array that is close to full.  Raises NoMemory."""
         if not may_grow(self.keys, self.pairs, self.stack, self.times, self.candidates):
-            return False
+            raise NoMemory
         n = self.integers
         if n[HEAP] + 4 > len(self.keys):
-            self.keys = np.concatenate([self.keys, np.empty_like(self.keys)])
-            self.pairs = np.concatenate([self.pairs, np.empty_like(self.pairs)])
+            self.keys, self.pairs = doubled(self.keys, self.pairs)
         if n[STACK] + 4 > len(self.stack):
-            self.stack = np.concatenate([self.stack, np.empty_like(self.stack)])
+            (self.stack,) = doubled(self.stack)
         if n[CANDIDATES] + LEAF_ROOM > len(self.times):
-            self.times = np.concatenate([self.times, np.empty_like(self.times)])
-            self.candidates = np.concatenate([self.candidates, np.empty_like(self.candidates)])
-        return True
+            self.times, self.candidates = doubled(self.times, self.candidates)
 
 
 def share_of(budget: int) -> int:
