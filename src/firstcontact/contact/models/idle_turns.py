@@ -1,8 +1,5 @@
 """Turns that leave a model as it is: a pin about its own axis.  What is left of the motion has rational poses.
 
-A surface is the same after every turn about a line if its form does not change at first order: K^T Q + Q K = 0 for the
-generator K of the turns.
-
 Where one body is round about the axis that the other one turns about, and shifts along it at most, both are looked at
 from the turning one: there neither turns, as the round one is the same from all around.
 """
@@ -14,11 +11,8 @@ from dataclasses import replace
 from functools import wraps
 from typing import Any, TypeVar
 
-from flint import fmpq, fmpq_mat
+from flint import fmpq
 
-from firstcontact.body.kept import Kept
-from firstcontact.body.solid.carriers import Plane, Surface
-from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.contact.carried import carried
 from firstcontact.exact.vectors import cross
 from firstcontact.motion.moving import Moving, shape_of
@@ -30,8 +24,6 @@ from firstcontact.work import Query
 
 ORIGIN = (fmpq(0),) * 3
 R = TypeVar("R", FirstContact, ContactIntervals)
-_ROUND = Kept[dict[tuple[tuple[int, int], ...], bool]]()
-"""By axis and point, whether the model is one of revolution about that line."""
 
 
 def ignoring_idle_turns(answer: Callable[[Query], R]) -> Callable[[Query], R]:
@@ -97,25 +89,7 @@ def _keeps_along(body: Any, turn: Rotation) -> bool:
     return _is_round(shape_of(body), turn)
 
 
-def _is_round(model: Any, turn: Rotation) -> bool:
-    """Whether it is a model of revolution about the turn's axis."""
-    if not isinstance(model, CompositeQuadric):
-        return False
-    known = _ROUND.of(model, dict)
-    line = tuple((int(x.p), int(x.q)) for x in (*turn.axis, *turn.point))
-    if line not in known:
-        known[line] = all(is_same(surface, turn.axis, turn.point) for surface in model.surfaces)
-    return known[line]
-
-
-def is_same(surface: Surface, axis: tuple[fmpq, ...], point: tuple[fmpq, ...]) -> bool:
-    """Whether the surface is one of revolution about the line."""
-    if isinstance(surface, Plane):
-        return not any(cross(surface.normal[:3], axis))
-    x, y, z = axis
-    nil = fmpq(0)
-    p, q, r = cross(point, axis)
-    generator = fmpq_mat([[nil, -z, y, p], [z, nil, -x, q], [-y, x, nil, r], [nil] * 4])
-    form = fmpq_mat([list(row) for row in surface.form])
-    change = generator.transpose() * form + form * generator
-    return not any(change.entries())
+def _is_round(shape: Any, turn: Rotation) -> bool:
+    """Whether it is a body of revolution about the turn's axis."""
+    round_about: bool = shape.is_round(turn.axis, turn.point)
+    return round_about
