@@ -118,6 +118,10 @@ class Lasting(Generic[P]):
         """A point proved inside both bodies at t, where none is known."""
         raise NotImplementedError
 
+    def in_world(self, window: Window, t: float, point: np.ndarray) -> np.ndarray:
+        """Where a point that `deepest` or `anywhere` tells is, rounded."""
+        return point
+
     def deepest(self, window: Window, t: float, seeds: Sequence[np.ndarray]) -> np.ndarray | None:
         """The place of the point that `held` finds."""
         found = self.held(window, t, seeds)

@@ -53,9 +53,9 @@ def without_idle_turn(body: Any) -> Any:
 
 def without_common_turn(a: Any, b: Any) -> tuple[Any, Any, Rotation | None]:
     """Both as one sees them that turns with one of them, and that turn; or as they were, and None."""
-    if (turn := _turn(b)) is not None and _keeps_along(a, turn):
+    if (turn := _turn(b)) is not None and keeps_along(a, turn):
         return a, Moving(b.body, _ahead(b.motion)), turn
-    if (turn := _turn(a)) is not None and _keeps_along(b, turn):
+    if (turn := _turn(a)) is not None and keeps_along(b, turn):
         return Moving(a.body, _ahead(a.motion)), b, turn
     return a, b, None
 
@@ -76,7 +76,7 @@ def _ahead(motion: Rotation | Screw) -> Translation | Screw:
     return Translation(ORIGIN) if isinstance(ahead, Rotation) else ahead
 
 
-def _keeps_along(body: Any, turn: Rotation) -> bool:
+def keeps_along(body: Any, turn: Rotation) -> bool:
     """Whether the body is round about the axis of the turn at all times: it rests, or shifts along it."""
     if isinstance(body, Moving):
         motion = body.motion
