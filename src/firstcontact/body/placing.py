@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any, Self, overload
+from typing import TYPE_CHECKING, Any, ClassVar, Self, overload
 
 from firstcontact.body.kept import Kept
 from firstcontact.errors import InputError
@@ -27,6 +27,12 @@ class Placing(Written):
     """
 
     name: str | None
+    kind: ClassVar[str]
+    """The family of the body: what the table of pairs knows it by."""
+
+    def is_round(self, axis: tuple[Any, ...], point: tuple[Any, ...]) -> bool:
+        """Whether every turn about the line through the point along the axis is proved to leave the body as it is."""
+        return False
 
     def _mapped(self, matrix: Matrix) -> Self:
         raise NotImplementedError
@@ -40,6 +46,10 @@ class Placing(Written):
 
     def _table(self) -> dict[str, Any]:
         """The body as a table of a scene file, but for its name."""
+        raise NotImplementedError
+
+    def told(self) -> list[str]:
+        """What it is made of, line by line, for readers."""
         raise NotImplementedError
 
     def to_dict(self) -> dict[str, Any]:

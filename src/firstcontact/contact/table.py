@@ -58,7 +58,7 @@ INSTEAD = {
 }
 """What to ask of pairs that a verb does not take."""
 MESHES = Kind.MESH, Kind.MESH
-_KINDS = {**{kind.value: kind for kind in Kind}, "RuledStrip": Kind.RULED}
+_KINDS = {kind.value: kind for kind in Kind}
 _ORDER = list(Kind)
 
 
@@ -70,8 +70,7 @@ def as_body(body: Any) -> Any:
 
 def kind_of(body: Any) -> Kind:
     """UnsupportedPair for what is no body."""
-    shape: Any = shape_of(body)
-    kind = Kind.MESH if isinstance(shape, Polyhedron) else _KINDS.get(type(shape).__name__)
+    kind = _KINDS.get(str(getattr(shape_of(body), "kind", None)))
     if kind is None:
         kinds = ", ".join(kind.value for kind in Kind)
         raise UnsupportedPair(f"{body!r} is no body; give one of {kinds}, at rest or moving")
@@ -157,8 +156,8 @@ def _curved(kinds: tuple[Kind, Kind], query: Query) -> _Room:
     if kinds == (Kind.MESH, Kind.MODEL):
         from firstcontact.contact.reduce import is_small_and_convex
 
-        meshes = (shape_of(x) for x in query.bodies)
-        if all(is_small_and_convex(x) for x in meshes if isinstance(x, Polyhedron)):
+        mesh = next(shape_of(x) for x in query.bodies if kind_of(x) is Kind.MESH)
+        if is_small_and_convex(mesh):
             return _room("models")
     return _room(PAIRS[kinds].room)
 

@@ -12,7 +12,7 @@ import tomllib
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Union
 
 from pydantic import (
     Field,
@@ -22,6 +22,7 @@ from pydantic import (
     StrictStr,
     ValidationError,
     ValidationInfo,
+    create_model,
     field_validator,
 )
 
@@ -205,61 +206,20 @@ class _SolidBody(_Body, solids.Solid):
         return self.solid().named(self.name or key)
 
 
-class BoxBody(solids.Box, _SolidBody): ...
-
-
-class SphereBody(solids.Sphere, _SolidBody): ...
-
-
-class EllipsoidBody(solids.Ellipsoid, _SolidBody): ...
-
-
-class CylinderBody(solids.Cylinder, _SolidBody): ...
-
-
-class ConeBody(solids.Cone, _SolidBody): ...
-
-
-class FrustumBody(solids.Frustum, _SolidBody): ...
-
-
-class ParaboloidBody(solids.Paraboloid, _SolidBody): ...
-
-
-class HyperboloidBody(solids.Hyperboloid, _SolidBody): ...
-
-
-class HalfSpaceBody(solids.HalfSpace, _SolidBody): ...
-
-
-class QuadricBody(solids.Quadric, _SolidBody): ...
-
-
-class CsgBody(solids.Csg, _SolidBody): ...
-
-
 class RuledBody(surfaces.Ruled, _Body):
     def build(self, key: str | None, folder: Path) -> RuledSurface | RuledStrip:
         return self.build_surface(self.name or key)
 
 
-Body = Annotated[
-    MeshBody
-    | PolyhedronBody
-    | BoxBody
-    | SphereBody
-    | EllipsoidBody
-    | CylinderBody
-    | ConeBody
-    | FrustumBody
-    | ParaboloidBody
-    | HyperboloidBody
-    | HalfSpaceBody
-    | QuadricBody
-    | CsgBody
-    | RuledBody,
-    Field(discriminator="shape"),
-]
+def _solid_body(table: type[solids.Solid]) -> type[_Body]:
+    return create_model(f"{table.__name__}Body", __base__=(table, _SolidBody))  # type: ignore[arg-type]
+
+
+if TYPE_CHECKING:
+    Body = Any
+else:
+    BODIES = MeshBody, PolyhedronBody, *map(_solid_body, solids.SOLIDS), RuledBody
+    Body = Annotated[Union[BODIES], Field(discriminator="shape")]  # noqa: UP007
 
 
 class CheckTable(Table):

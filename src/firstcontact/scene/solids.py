@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import keyword
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Union
 
 from pydantic import BeforeValidator, Field, StrictInt, StrictStr
 
@@ -37,11 +37,11 @@ class Solid(Placed):
 
     def solid(self) -> CompositeQuadric:
         """The solid before `rotate` and `at`."""
-        from firstcontact.body.solid import primitives
+        import firstcontact
 
         table = next(table for table in type(self).__mro__ if Solid in table.__bases__)
         keys = [key for key in table.__annotations__ if key != "shape" and getattr(self, key) is not None]
-        return getattr(primitives, self.shape)(**{key: getattr(self, key) for key in keys})
+        return getattr(firstcontact, self.shape)(**{key: getattr(self, key) for key in keys})
 
 
 class Box(Solid):
@@ -122,10 +122,13 @@ class Csg(Solid):
             return combined(self.expression, parts)
 
 
-Part = Annotated[
-    Box | Sphere | Ellipsoid | Cylinder | Cone | Frustum | Paraboloid | Hyperboloid | HalfSpace | Quadric | Csg,
-    Field(discriminator="shape"),
-]
+COMBINED = Box, Sphere, Ellipsoid, Cylinder, Cone, Frustum, Paraboloid, Hyperboloid, HalfSpace, Quadric, Csg
+SOLIDS: tuple[type[Solid], ...] = COMBINED
+"""Also those that are no parts of models."""
+if TYPE_CHECKING:
+    Part = Any
+else:
+    Part = Annotated[Union[COMBINED], Field(discriminator="shape")]  # noqa: UP007
 Csg.model_rebuild()
 
 

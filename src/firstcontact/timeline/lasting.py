@@ -76,6 +76,16 @@ class Solid:
         bent = np.einsum("ni,sij,nj->sn", steps, forms[:, :3, :3], steps, optimize=True)
         return tree_height(self.model.tree, value[:, None] + 2.0 * image[:, :3] @ steps.T + bent)
 
+    def slopes(self, forms: np.ndarray, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(n,) about how far the point is from each surface, and (n, 3) directions in which that grows."""
+        image = forms @ np.append(point, 1.0)
+        return image[:, :3] @ point + image[:, 3], image[:, :3]
+
+    def values(self, forms: np.ndarray, points: np.ndarray) -> np.ndarray:
+        """(n, m) of each surface at m homogeneous points, about how far they are from it."""
+        found: np.ndarray = np.einsum("ni,fij,nj->fn", points, forms, points, optimize=True)
+        return found
+
     def samples(self) -> np.ndarray:
         """(n, 3) points of its box, none where that is unbounded."""
         lo, hi = self.model.bounds()
@@ -107,6 +117,10 @@ class Lasting(Generic[P]):
     def anywhere(self, window: Window, t: float) -> np.ndarray | None:
         """A point proved inside both bodies at t, where none is known."""
         raise NotImplementedError
+
+    def in_world(self, window: Window, t: float, point: np.ndarray) -> np.ndarray:
+        """Where a point that `deepest` or `anywhere` tells is, rounded."""
+        return point
 
     def deepest(self, window: Window, t: float, seeds: Sequence[np.ndarray]) -> np.ndarray | None:
         """The place of the point that `held` finds."""
@@ -180,9 +194,9 @@ class Lasting(Generic[P]):
 class LastingOfModels(Lasting[np.ndarray]):
     """Two models: a world point, fixed in either of them."""
 
-    def __init__(self, a: CompositeQuadric, b: CompositeQuadric) -> None:
+    def __init__(self, a: Solid, b: Solid) -> None:
         super().__init__()
-        self.solids = Solid(a), Solid(b)
+        self.solids = a, b
         directions = np.random.default_rng(0).normal(size=(30, 3))
         self.directions = directions / np.linalg.norm(directions, axis=1, keepdims=True)
 
@@ -254,12 +268,12 @@ class LastingOfModels(Lasting[np.ndarray]):
 
     def _directions(self, forms: list[np.ndarray], point: np.ndarray) -> np.ndarray:
         """(n, 3) unit: fixed ones, and across and away from the nearest surfaces."""
-        every = np.concatenate(forms)
-        image = every @ np.append(point, 1.0)
-        near = np.argsort(np.abs(image[:, :3] @ point + image[:, 3]))[:3]
-        lengths = np.linalg.norm(image[near, :3], axis=1, keepdims=True)
-        mixed = SIGNS[:, : len(near)] @ (image[near, :3] / np.maximum(lengths, 1e-300))
-        even = SIGNS[:, : len(near)] @ np.linalg.pinv(image[near, :3], rcond=1e-9).T  # all alike: thin corners
+        told = [solid.slopes(form, point) for solid, form in zip(self.solids, forms, strict=True)]
+        values, rows = (np.concatenate(parts) for parts in zip(*told, strict=True))
+        near = np.argsort(np.abs(values))[:3]
+        lengths = np.linalg.norm(rows[near], axis=1, keepdims=True)
+        mixed = SIGNS[:, : len(near)] @ (rows[near] / np.maximum(lengths, 1e-300))
+        even = SIGNS[:, : len(near)] @ np.linalg.pinv(rows[near], rcond=1e-9).T  # all alike: thin corners
         mixed = np.concatenate([mixed, even])
         lengths = np.linalg.norm(mixed, axis=1, keepdims=True)
         return np.concatenate([self.directions, mixed / np.maximum(lengths, 1e-300)])

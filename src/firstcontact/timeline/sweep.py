@@ -260,7 +260,7 @@ class Sweep(Generic[W]):
     def _enter(self, window: W, t: float) -> tuple[float, np.ndarray | None]:
         """(the time up to which all is settled, a common point then or None), from t, which is free."""
         self._step()
-        found = self._touch(window, t, window.last)
+        found = self.touch(window, t, window.last)
         if found is None:
             return window.last, None
         self.reached = found.lo
@@ -273,7 +273,7 @@ class Sweep(Generic[W]):
             self._close(self.start)
         return found.at, found.point
 
-    def _touch(self, window: W, t: float, end: float) -> Touch | None:
+    def touch(self, window: W, t: float, end: float) -> Touch | None:
         """The first contact from t, which is free, to the time `end`; None where there is none."""
         lo, seeds = self.free.until(window, t, end)
         if lo >= end and not seeds:
@@ -333,7 +333,7 @@ class Sweep(Generic[W]):
         mirror = self._mirrored(window)
         for _ in range(TRIES):
             self._step()
-            last = self._touch(mirror, -later, -t)
+            last = self.touch(mirror, -later, -t)
             hi = t if last is None else -last.lo
             if hi - t <= self.width:
                 self._close((t, max(hi, t)))

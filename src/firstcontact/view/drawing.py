@@ -12,9 +12,7 @@ from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.body.ruled.strip import RuledStrip
 from firstcontact.body.ruled.surface import RuledSurface
 from firstcontact.body.solid.carriers import QuarticCurve
-from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.body.solid.features import Edge
-from firstcontact.body.solid_mesh.quadric_mesh import face_triangles
 from firstcontact.errors import InputError
 from firstcontact.result import Element
 from firstcontact.view import ruled
@@ -108,8 +106,8 @@ def _drawing(pair: Pair, body: Any, other: Any, known: dict[int, Drawing]) -> Dr
         if not rest.bounded:  # another pair shows another part of it
             return _ruled(rest, *_box_near(pair, body, other))
         drawing = _ruled(rest, *rest.bounds())
-    elif not isinstance(rest, CompositeQuadric):
-        raise InputError(f"cannot draw {rest!r}; give polyhedra, composite quadrics or ruled surfaces")
+    elif not hasattr(rest, "skin"):
+        raise InputError(f"cannot draw {rest!r}; give a body of firstcontact")
     elif rest.bounded:
         drawing = _solid(rest, *rest.bounds())
     else:  # another pair shows another part of it
@@ -151,12 +149,11 @@ def _deforming(pair: Pair, body: RuledSurface | RuledStrip) -> Drawing:
     return Drawing(resting, vertices, triangles, lines, None, owner, frames=(times, frames))
 
 
-def _solid(body: CompositeQuadric, lo: np.ndarray, hi: np.ndarray) -> Drawing:
+def _solid(body: Any, lo: np.ndarray, hi: np.ndarray) -> Drawing:
     size = float(np.linalg.norm(hi - lo))
-    corners, owner = face_triangles(body, _tolerance(body, size), lo, hi)
+    corners, owner, normals = body.skin(_tolerance(body, size), lo, hi)
     proper = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).min(axis=1) > 1e-9 * size
-    corners, owner = corners[proper], owner[proper]
-    normals = _normals(body, corners, owner)
+    corners, owner, normals = corners[proper], owner[proper], normals[proper]
     vertices, normals, triangles = _welded(corners, normals, owner, size)
     curves = tuple(_segments(edge, (lo + hi) / 2, size) for edge in body.edges)
     ends = np.concatenate([np.empty((0, 3)), *curves])
@@ -171,27 +168,10 @@ def _solid(body: CompositeQuadric, lo: np.ndarray, hi: np.ndarray) -> Drawing:
     )
 
 
-def _tolerance(body: CompositeQuadric, size: float) -> float:
+def _tolerance(body: Any, size: float) -> float:
     conics = [edge.frame for edge in body.edges if edge.frame.shape == (4, 3)]
     radius = min((float(np.linalg.norm(frame[:3, 1:], axis=0).min()) for frame in conics), default=math.inf)
     return TOLERANCE * size * min(1.0, max(ROUNDNESS * radius / (TOLERANCE * size), 0.1))
-
-
-def _normals(body: CompositeQuadric, corners: np.ndarray, owner: np.ndarray) -> np.ndarray:
-    """(n, 3, 3) outward unit normals at the corners: gradients of the faces' forms; of triangles at tips of cones."""
-    flat = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    length = np.linalg.norm(flat, axis=1, keepdims=True)
-    flat = np.divide(flat, length, out=np.zeros_like(flat), where=length > 0)
-    normals = np.repeat(flat[:, None], 3, axis=1)
-    x = np.concatenate([corners, np.ones((*corners.shape[:2], 1))], axis=2)
-    for face in body.faces:
-        form = face.orientation * body.forms[face.surfaces[0]]
-        own = owner == face.index
-        gradient = (x[own] @ form)[..., :3]
-        steep = np.linalg.norm(gradient, axis=2, keepdims=True)
-        clear = steep > 1e-7 * steep.max(initial=0.0)
-        normals[own] = np.where(clear, gradient / np.where(clear, steep, 1.0), normals[own])
-    return normals
 
 
 def _welded(

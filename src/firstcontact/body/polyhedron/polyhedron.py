@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from flint import fmpq
 
+from firstcontact.body import told
 from firstcontact.body.placing import Placing
 from firstcontact.body.polyhedron.triangulate import shapes, triangulate
 from firstcontact.errors import InputError, shown
@@ -43,6 +44,8 @@ class Polyhedron(Placing):
     >>> tetrahedron.solid, len(tetrahedron.edges)
     (True, 6)
     """
+
+    kind = "Polyhedron"
 
     def __init__(
         self,
@@ -112,6 +115,9 @@ class Polyhedron(Placing):
     def closed(self) -> bool:
         """Whether every edge borders an even number of faces."""
         return self._closed
+
+    def told(self) -> list[str]:
+        return told.polyhedron(self)
 
     def __repr__(self) -> str:
         kind = "solid" if self.solid else "surface" if len(self.triangles) else "edge set"

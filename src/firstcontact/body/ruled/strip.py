@@ -22,6 +22,7 @@ class RuledStrip(Placing):
     on from piece to piece: of piece k are face k, directrix 2 k + j, end_ruling 2 k + i and vertex 4 k + 2 i + j.
     """
 
+    kind = "RuledSurface"
     name: str | None
     pieces: tuple[RuledSurface, ...]
     _search: dict[Any, Any]
@@ -77,6 +78,9 @@ class RuledStrip(Placing):
         joints = proved_joints(self.pieces)
         pieces = [piece._piece(piece.joined & own) for piece, own in zip(self.pieces, joints, strict=True)]
         return {"shape": "ruled", "pieces": pieces}
+
+    def told(self) -> list[str]:
+        return [line for piece in self.pieces for line in piece.told()]
 
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "_search": {}}

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from flint import fmpq, fmpz_mpoly, fmpz_poly
 
+from firstcontact.body import told
 from firstcontact.body.placing import Placing
 from firstcontact.body.ruled.bounds import Box, curve_box, hull
 from firstcontact.body.ruled.joints import proved_joints
@@ -84,6 +85,7 @@ class RuledSurface(Placing):
     (array([0. , 0. , 0.5]), array([1. , 1. , 1.5]))
     """
 
+    kind = "RuledSurface"
     first: RationalCurve
     second: RationalCurve
     u: Interval | None
@@ -264,6 +266,9 @@ class RuledSurface(Placing):
             ends = rational(self.u[0], "u"), rational(self.u[1], "u")
             return [curve_box(side, ends, times)]
         return [curve_box(chart, (-_ONE, _ONE), times) for chart in (side, side.reversed())]
+
+    def told(self) -> list[str]:
+        return told.ruled(self)
 
     def __repr__(self) -> str:
         name = f" {self.name!r}" if self.name else ""

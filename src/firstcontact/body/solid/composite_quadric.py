@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from flint import fmpq
 
+from firstcontact.body import told
 from firstcontact.body.placing import Placing
 from firstcontact.body.solid.carriers import (
     ONE,
@@ -74,6 +75,8 @@ class CompositeQuadric(Placing):
     ('plate.hole.side', [False, True])
     """
 
+    kind = "CompositeQuadric"
+
     def __init__(
         self,
         surfaces: Sequence[Surface],
@@ -100,7 +103,7 @@ class CompositeQuadric(Placing):
         self._reaches = tuple(reaches) if reaches is not None else reaches_of(tree, len(self.surfaces), box)
         self.forms = np.array([doubles(s.matrix()) for s in self.surfaces]) if forms is None else forms
         self._witness = witness
-        self._search: dict[str, Any] = {}
+        self._search: dict[Any, Any] = {}
         """What was worked out of this body: it follows from its geometry and its name, so no copy inherits it."""
         self.whole: CompositeQuadric | None = None
         """The unbounded model of which this one is the part that matters, if it is."""
@@ -375,6 +378,15 @@ class CompositeQuadric(Placing):
         unit: np.ndarray = g / length if length > SINGULAR * np.abs(terms).max() else np.zeros(3)
         return unit
 
+    def is_round(self, axis: tuple[Any, ...], point: tuple[Any, ...]) -> bool:
+        from firstcontact.body.solid.revolution import is_same
+
+        line = ("round", *((int(x.p), int(x.q)) for x in (*axis, *point)))
+        if line not in self._search:
+            self._search[line] = all(is_same(surface, axis, point) for surface in self.surfaces)
+        known: bool = self._search[line]
+        return known
+
     @property
     def bounded(self) -> bool:
         """True proves that the solid is bounded; False where no bound was found."""
@@ -413,6 +425,18 @@ class CompositeQuadric(Placing):
         from firstcontact.body.solid_mesh.quadric_mesh import mesh
 
         return mesh(self, tolerance)
+
+    def skin(self, tolerance: float, lo: np.ndarray, hi: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Its faces as triangles (n, 3, 3) that look outwards, each one's face (n,), and normals (n, 3, 3) of corners.
+
+        Of a body without end the part near the box with corners lo, hi.
+        """
+        from firstcontact.body.solid_mesh.skin import skin
+
+        return skin(self, tolerance, lo, hi)
+
+    def told(self) -> list[str]:
+        return told.solid(self)
 
     def __repr__(self) -> str:
         name = f" {self.name!r}" if self.name else ""

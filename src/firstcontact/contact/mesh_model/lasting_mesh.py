@@ -10,7 +10,6 @@ import numpy as np
 from flint import arb
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
-from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.exact.numbers import Undecidable, exact_value, precision
 from firstcontact.motion.relative.stretches import Window
 from firstcontact.search.trees.containment import contains
@@ -36,9 +35,9 @@ class MeshPoint(NamedTuple):
 
 
 class LastingOfMesh(Lasting[MeshPoint]):
-    def __init__(self, mesh: Polyhedron, model: CompositeQuadric, mesh_is_a: bool) -> None:
+    def __init__(self, mesh: Polyhedron, solid: Solid, mesh_is_a: bool) -> None:
         super().__init__()
-        self.mesh, self.solid, self.mesh_is_a = mesh, Solid(model), mesh_is_a
+        self.mesh, self.solid, self.mesh_is_a = mesh, solid, mesh_is_a
         self.tree = tree_of(mesh)
         self.corners = mesh.vertices[self.tree.corners]
         self.off = mesh.error + 32.0 * U * float(np.abs(mesh.vertices).max())

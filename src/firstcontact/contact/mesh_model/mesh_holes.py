@@ -34,7 +34,7 @@ from firstcontact.search.events.charts import NotCharted, charts_of
 from firstcontact.search.events.event_tables import crossing_surfaces, tables_of
 from firstcontact.search.events.instants import Instant
 from firstcontact.search.events.shared_points import Event, events_in
-from firstcontact.timeline.lasting import linear
+from firstcontact.timeline.lasting import Solid, linear
 from firstcontact.work import Progress
 
 MOST_TRIANGLES = 10
@@ -102,7 +102,7 @@ class HoledSearch(MeshSearch):
         pieces = _cover(model)
         super().__init__(mesh, pieces, mesh_is_a, budget, progress)
         self.mesh, self.model = mesh, model
-        self.lasting = LastingOfMesh(mesh, model, mesh_is_a)
+        self.lasting = LastingOfMesh(mesh, Solid(model), mesh_is_a)
         self.groups: dict[tuple[int, ...], _Group] = {}
 
     # -- the searches ----------------------------------------------------------------------------------------

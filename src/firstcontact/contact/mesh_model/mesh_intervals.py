@@ -25,6 +25,7 @@ from firstcontact.motion.relative.stretches import Window
 from firstcontact.result import ContactIntervals
 from firstcontact.search.convex.mesh_advance import BACK, Swept
 from firstcontact.timeline.answers import proved_intervals
+from firstcontact.timeline.lasting import Solid
 from firstcontact.timeline.sweep import Found, Sweep
 from firstcontact.work import Query, Spent, Work
 
@@ -55,7 +56,7 @@ def _all_contacts(query: Query, work: Work) -> Found:
     mesh, model = shape_of(moving_mesh), shape_of(moving_model)
     parts = windows_of(a, b, query.first, query.end)
     width = query.tolerance * (parts[-1].last - parts[0].first)
-    free, lasting = _Free(mesh, model, mesh_is_a, width, work), LastingOfMesh(mesh, model, mesh_is_a)
+    free, lasting = _Free(mesh, model, mesh_is_a, width, work), LastingOfMesh(mesh, Solid(model), mesh_is_a)
 
     def touches_at_start() -> np.ndarray | None:
         return first(replace(query, last=query.first, budget=None, progress=None)).point

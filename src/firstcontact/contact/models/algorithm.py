@@ -33,7 +33,7 @@ from firstcontact.exact.fields.roots import AlgebraicRoot
 from firstcontact.exact.numbers import Undecidable, dyadic, exact_value, precision, to_double
 from firstcontact.exact.systems.square_systems import EnclosedRoot, OpenRoot
 from firstcontact.search.convex.relation import Relation
-from firstcontact.timeline.lasting import LastingOfModels
+from firstcontact.timeline.lasting import LastingOfModels, Solid
 from firstcontact.work import Work
 
 LATEST = 4
@@ -223,7 +223,7 @@ class Search:
 
     @cached_property
     def _depths(self) -> LastingOfModels:
-        return LastingOfModels(self.pair.a, self.pair.b)
+        return LastingOfModels(Solid(self.pair.a), Solid(self.pair.b))
 
     def _relation(self, u: fmpq) -> Relation | None:
         if u not in self.relations:

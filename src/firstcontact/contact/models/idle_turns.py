@@ -1,8 +1,5 @@
 """Turns that leave a model as it is: a pin about its own axis.  What is left of the motion has rational poses.
 
-A surface is the same after every turn about a line if its form does not change at first order: K^T Q + Q K = 0 for the
-generator K of the turns.
-
 Where one body is round about the axis that the other one turns about, and shifts along it at most, both are looked at
 from the turning one: there neither turns, as the round one is the same from all around.  It need be round no farther
 than the other one comes, with its turn or without: a pin that turns about the axis of its hole in a square plate.
@@ -16,11 +13,10 @@ from functools import wraps
 from typing import Any, TypeVar
 
 import numpy as np
-from flint import fmpq, fmpq_mat
+from flint import fmpq
 
-from firstcontact.body.kept import Kept
-from firstcontact.body.solid.carriers import Plane, Surface
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
+from firstcontact.body.solid.revolution import is_same
 from firstcontact.contact.carried import carried
 from firstcontact.exact.numbers import exact_value
 from firstcontact.exact.vectors import cross
@@ -33,8 +29,6 @@ from firstcontact.work import Query
 
 ORIGIN = (fmpq(0),) * 3
 R = TypeVar("R", FirstContact, ContactIntervals)
-_ROUND = Kept[dict[tuple[tuple[int, int], ...], frozenset[Surface]]]()
-"""By axis and point, the model's surfaces of revolution about that line."""
 Span = tuple[float, float]
 
 
@@ -102,31 +96,25 @@ def _keeps_along(body: Any, turn: Rotation, other: Any, span: Span) -> bool:
     return _is_round(shape_of(body), turn) or _is_round_near(body, turn, other, span)
 
 
-def _is_round(model: Any, turn: Rotation) -> bool:
-    """Whether it is a model of revolution about the turn's axis."""
-    return isinstance(model, CompositeQuadric) and _round_surfaces(model, turn).issuperset(model.surfaces)
+def _is_round(shape: Any, turn: Rotation) -> bool:
+    """Whether it is a body of revolution about the turn's axis."""
+    round_about: bool = shape.is_round(turn.axis, turn.point)
+    return round_about
 
 
 def _is_round_near(body: Any, turn: Rotation, other: Any, span: Span) -> bool:
     """Whether it is the same set as a model of revolution about the turn's axis where the other body comes."""
     model = shape_of(body)
-    if not isinstance(model, CompositeQuadric) or not _round_surfaces(model, turn):
+    if not isinstance(model, CompositeQuadric):
+        return False
+    if not any(is_same(surface, turn.axis, turn.point) for surface in model.surfaces):
         return False
     region = _region(body, other, span)
     if not np.isfinite(region).all():
         return False
     lo, hi = ((exact_value(x), exact_value(y), exact_value(z)) for x, y, z in region.tolist())
     near = model.near((lo, hi))
-    return near is None or _round_surfaces(model, turn).issuperset(near.surfaces)
-
-
-def _round_surfaces(model: CompositeQuadric, turn: Rotation) -> frozenset[Surface]:
-    """Those that are surfaces of revolution about the turn's axis."""
-    known = _ROUND.of(model, dict)
-    line = tuple((int(x.p), int(x.q)) for x in (*turn.axis, *turn.point))
-    if line not in known:
-        known[line] = frozenset(s for s in model.surfaces if is_same(s, turn.axis, turn.point))
-    return known[line]
+    return near is None or near.is_round(turn.axis, turn.point)
 
 
 def _region(body: Any, other: Any, span: Span) -> np.ndarray:
@@ -137,16 +125,3 @@ def _region(body: Any, other: Any, span: Span) -> np.ndarray:
     lo, hi = boxes[:, 0].min(axis=0) - shifts.max(axis=0), boxes[:, 1].max(axis=0) - shifts.min(axis=0)
     slack = 1e-12 * (np.abs(boxes).max() + np.abs(shifts).max())
     return np.array([lo - slack, hi + slack])
-
-
-def is_same(surface: Surface, axis: tuple[fmpq, ...], point: tuple[fmpq, ...]) -> bool:
-    """Whether the surface is one of revolution about the line."""
-    if isinstance(surface, Plane):
-        return not any(cross(surface.normal[:3], axis))
-    x, y, z = axis
-    nil = fmpq(0)
-    p, q, r = cross(point, axis)
-    generator = fmpq_mat([[nil, -z, y, p], [z, nil, -x, q], [-y, x, nil, r], [nil] * 4])
-    form = fmpq_mat([list(row) for row in surface.form])
-    change = generator.transpose() * form + form * generator
-    return not any(change.entries())

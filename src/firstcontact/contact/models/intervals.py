@@ -25,7 +25,7 @@ from firstcontact.search.convex.convex import NotConvex, convex_pieces
 from firstcontact.search.events import events
 from firstcontact.search.events.charts import NotCharted
 from firstcontact.search.events.event_tables import tables_of
-from firstcontact.timeline.lasting import LastingOfModels
+from firstcontact.timeline.lasting import LastingOfModels, Solid
 from firstcontact.timeline.sweep import Found, Pass, Sweep
 from firstcontact.work import Work
 
@@ -51,7 +51,7 @@ def certified_intervals(
     try:
         parts = windows(*models, first, last)
         width = tolerance * (parts[-1].last - parts[0].first)
-        lasting = LastingOfModels(*(shape_of(x) for x in models))
+        lasting = LastingOfModels(*(Solid(shape_of(x)) for x in models))
         free = _Free(models, width, parts, curved_pieces(*models, first, last), work)
         return Sweep(free, lasting, parts, width, work, touches_at_start).run()
     except (NotCharted, Untold) as reason:

@@ -13,8 +13,8 @@ from typing import Any
 from flint import arb, fmpq
 
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
+from firstcontact.body.solid.revolution import is_same
 from firstcontact.contact.models.algorithm import Meeting, Search
-from firstcontact.contact.models.idle_turns import is_same
 from firstcontact.contact.models.membership import form_at, is_plane
 from firstcontact.contact.models.moving_pair import Form, Pair
 from firstcontact.exact.fields.number_field import ball

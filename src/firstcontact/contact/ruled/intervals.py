@@ -271,7 +271,7 @@ class _RuledSweep(Sweep[Way]):
     def _mirrored(self, way: Way) -> Way:
         return Way(-way.last, -way.first, -math.nextafter(way.first, math.inf), not way.backwards)
 
-    def _touch(self, way: Way, t: float, end: float) -> Touch | None:
+    def touch(self, way: Way, t: float, end: float) -> Touch | None:
         found = self.pair.first_event(way, t, end, self.width)
         if found.status == "free":
             return None

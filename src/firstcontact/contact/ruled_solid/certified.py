@@ -31,6 +31,7 @@ from firstcontact.search.events.events import MOST_BOXES
 from firstcontact.search.events.ruled_charts import RuledFeature, Sheet, ruled_tables, sheets_of
 from firstcontact.search.events.ruled_solids import RuledContact, RuledSearch
 from firstcontact.timeline.answers import proved_intervals
+from firstcontact.timeline.lasting import Solid
 from firstcontact.timeline.sweep import Sweep
 from firstcontact.work import Query, Work
 
@@ -63,7 +64,7 @@ class RuledAndSolid:
         return RuledFree(self.bodies, self.side, self.tables, self.sheets, self.windows, width, work)
 
     def lasting(self) -> RuledLasting:
-        return RuledLasting(self.sheets, self.model, self.side, self.windows)
+        return RuledLasting(self.sheets, Solid(self.model), self.side, self.windows)
 
 
 def _as_model(body: Any) -> Any:

@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 from flint import arb, fmpq
 
-from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.exact.numbers import exact_value, precision, to_double
 from firstcontact.kernels.events.event_search import CHART, FREE
 from firstcontact.motion.relative.stretches import Window
@@ -109,9 +108,9 @@ def _features(tables: Tables) -> Sequence[RuledFeature]:
 class RuledLasting(Lasting[np.ndarray]):
     """A ruled surface, body `side`, and a model; places are points too.  parts: the windows in which time runs on."""
 
-    def __init__(self, sheets: list[Sheet], model: CompositeQuadric, side: int, parts: list[Window]) -> None:
+    def __init__(self, sheets: list[Sheet], solid: Solid, side: int, parts: list[Window]) -> None:
         super().__init__()
-        self.sheets, self.solid, self.side, self.windows = sheets, Solid(model), side, parts
+        self.sheets, self.solid, self.side, self.windows = sheets, solid, side, parts
         self.tables = [_doubles(sheet) for sheet in sheets]
         self.cuts = [[_cut_in_doubles(cut) for cut in sheet.cuts] for sheet in sheets]
         corners = np.array(list(product((-1.0, 1.0), (0.0, 1.0))))
@@ -217,8 +216,7 @@ class RuledLasting(Lasting[np.ndarray]):
         step = 1e-5
         around = place + step * np.array([[1, 0], [-1, 0], [0, 1], [0, -1], [0, 0]])
         ends = self._points(table, around)
-        values = np.einsum("ni,fij,nj->fn", ends, forms, ends, optimize=True)
-        values = np.vstack([values, self._cut_off(k, around)])
+        values = np.vstack([self.solid.values(forms, ends), self._cut_off(k, around)])
         slopes = np.column_stack([values[:, 0] - values[:, 1], values[:, 2] - values[:, 3]]) / (2 * step)
         near = np.argsort(np.abs(values[:, 4]))[:3]
         rows = slopes[near] / np.maximum(np.linalg.norm(slopes[near], axis=1, keepdims=True), 1e-300)
