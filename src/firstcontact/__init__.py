@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from firstcontact import brackets as brackets
     from firstcontact import examples as examples
+    from firstcontact.assembly.new_contact import first_new_contact as first_new_contact
     from firstcontact.batch.questions import columns as columns
     from firstcontact.batch.verb import first_contacts as first_contacts
     from firstcontact.batch.verb import many_contact_intervals as many_contact_intervals
@@ -97,6 +98,7 @@ _HOME = {
     "contact_pairs": "query",
     "first_contact": "query",
     "first_contacts": "batch.verb",
+    "first_new_contact": "assembly.new_contact",
     "many_contact_intervals": "batch.verb",
     "from_dict": "scene.written",
     "intersection_curve": "query",
