@@ -59,6 +59,7 @@ if TYPE_CHECKING:
     from firstcontact.result_curve import IntersectionCurve as IntersectionCurve
     from firstcontact.result_table import ContactIntervalTable as ContactIntervalTable
     from firstcontact.result_table import ContactTable as ContactTable
+    from firstcontact.scene.load import Scene as Scene
     from firstcontact.scene.written import from_dict as from_dict
 
 __version__ = "0.1.0"
@@ -100,6 +101,7 @@ _HOME = {
     "first_contacts": "batch.verb",
     "first_new_contact": "assembly.new_contact",
     "many_contact_intervals": "batch.verb",
+    "Scene": "scene.load",
     "from_dict": "scene.written",
     "intersection_curve": "query",
     "AlgebraicNumber": "result",
