@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import json
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -99,7 +99,7 @@ def answer_checks(files: tuple[str, ...], options: Options, verb_name: str) -> l
         raise click.UsageError("--json, --csv and --jsonl: one of them may be -, for standard output.")
     span = _parse_span(options.span)
     scene = given_scene(files, options.move, options.turn, options.about, options.degrees)
-    refuse_single(scene.path, scene.checks, scene.bodies)
+    refuse_single(scene.path, scene.checks)
     from firstcontact.assembly.resting import moves
     from firstcontact.assembly.together import Asked, answers
     from firstcontact.batch.workers import cores
@@ -243,10 +243,8 @@ def _may_be_written(path: Path) -> bool:
         return False
 
 
-def refuse_single(path: Path, pairs: Sequence[Any], bodies: Mapping[str, Any]) -> None:
+def refuse_single(path: Path, pairs: Sequence[Any]) -> None:
     """Refuse a scene without a pair of bodies."""
-    if not pairs and len(bodies) > 1:
-        raise InputError(f"{path}: no body moves to another one; rest = true asks for such pairs too")
     if not pairs:
         raise InputError(f"{path}: a single body has nothing to touch; add a second [body.NAME]")
 

@@ -37,7 +37,7 @@ def _curves(scene_file: str, options: common.Options, asked: dict[str, Any]) -> 
     from firstcontact.scene.load import load_scene
 
     scene = load_scene(scene_file)
-    common.refuse_single(scene.path, scene.curves, scene.bodies)
+    common.refuse_single(scene.path, scene.curves)
 
     questions = [replace(given, **asked) for given in scene.curves]
 

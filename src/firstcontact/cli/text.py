@@ -18,7 +18,7 @@ SAID = {"CONTACT": "in contact", "UNDECIDED": "undecided", "ALLOWED": "allowed",
 
 def in_full(result: Any, scene: Scene) -> str:
     """The answer; of a first contact also how far the bodies have moved, and what its time means."""
-    if hasattr(result, "intervals"):
+    if hasattr(result, "intervals") or result.status.name == "FREE":
         return str(result)
     from firstcontact.assembly.words import progress, reading
 
@@ -75,17 +75,23 @@ def _when(result: Any) -> float:
 
 
 def _contact(result: Any, unit: str) -> str:
-    """One line."""
+    """One line; how far the bodies have moved is told where one of them rests."""
+    from firstcontact.assembly.resting import moves
     from firstcontact.assembly.words import progress
 
-    done = progress(result, unit)
+    done = "" if moves(result.a) and moves(result.b) else progress(result, unit)
     if hasattr(result, "intervals"):
         spans = ", ".join(f"[{x.start:.9g}, {x.end:.9g}]" for x in result[:MOST_NAMED])
-        return f"  {_pair(result)}: {spans}{', ...' * (len(result) > MOST_NAMED)}{done and '; ' + done}"
+        return "; ".join(x for x in (f"  {_pair(result)}: {spans}{', ...' * (len(result) > MOST_NAMED)}", done) if x)
     where = "" if result.point is None else " at ({:.6g}, {:.6g}, {:.6g})".format(*result.point)
-    met = "" if result.element_a is None else f"; {result.element_a} meets {result.element_b}{where}"
-    start = f" {result.initial or 'in contact'} at the start" if result.initial else ""
-    return f"  {result.time:<12.9g} {_pair(result)}{start}{done and not start and '; ' + done or ''}{met}"
+    met = "" if result.element_a is None else f"{_short(result.element_a)} meets {_short(result.element_b)}{where}"
+    how = f"{result.initial} at the start" if result.initial else done
+    return "; ".join(x for x in (f"  {result.time:<12.9g} {_pair(result)}", how, met) if x)
+
+
+def _short(element: Any) -> str:
+    """Without the body's name, which stands before."""
+    return f"{element.kind} {element.index}" if element.label == element.body else element.label
 
 
 def _pair(result: Any) -> str:
