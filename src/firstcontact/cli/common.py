@@ -201,9 +201,11 @@ def deliver(
         else:
             _write(options.json, lambda path: path.write_text(text + "\n", encoding="utf-8"))
     if options.html is not None and (results or not interrupted):
+        from firstcontact.view.assembly import Assembly
         from firstcontact.view.html import write_page
 
-        _write(options.html, lambda path: write_page(path, results))
+        whole = Assembly(scene.bodies, scene.unit) if scene is not None and len(scene.bodies) > 2 else None
+        _write(options.html, lambda path: write_page(path, results, whole))
 
 
 def exit_code(statuses: Iterable[str]) -> int:
