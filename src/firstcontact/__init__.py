@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from firstcontact import brackets as brackets
     from firstcontact import examples as examples
+    from firstcontact.assembly.new_contact import first_new_contact as first_new_contact
     from firstcontact.batch.questions import columns as columns
     from firstcontact.batch.verb import first_contacts as first_contacts
     from firstcontact.batch.verb import many_contact_intervals as many_contact_intervals
@@ -58,6 +59,7 @@ if TYPE_CHECKING:
     from firstcontact.result_curve import IntersectionCurve as IntersectionCurve
     from firstcontact.result_table import ContactIntervalTable as ContactIntervalTable
     from firstcontact.result_table import ContactTable as ContactTable
+    from firstcontact.scene.load import Scene as Scene
     from firstcontact.scene.written import from_dict as from_dict
 
 __version__ = "0.1.0"
@@ -97,7 +99,9 @@ _HOME = {
     "contact_pairs": "query",
     "first_contact": "query",
     "first_contacts": "batch.verb",
+    "first_new_contact": "assembly.new_contact",
     "many_contact_intervals": "batch.verb",
+    "Scene": "scene.load",
     "from_dict": "scene.written",
     "intersection_curve": "query",
     "AlgebraicNumber": "result",

@@ -166,6 +166,7 @@ class _Deferring(_NoTruth):
         record, put = object.__new__(cls), _setters(cls)  # type: ignore[arg-type]
         put["_rest"](record, rest)
         put["keeps_bodies"](record, False)
+        put["allowed"](record, None)
         for name, value in known.items():
             put[name](record, value)
         return record
@@ -486,8 +487,10 @@ class FirstContact(_Deferring, Shown):
                     pairs meet, was not computed.
     subproblems     curved models with ``method="algebraic"``: every pair of features that is not exempt.
     initial         for INITIAL_CONTACT: "touching", "overlapping" or "containment"; None where none was proved.
-    free_until      no shared point before this time; proved.
-    reason          for UNDECIDED: "budget", "precision" or "memory".
+    free_until      no shared point before this time, or no new one; proved.
+    reason          for UNDECIDED: "budget", "precision" or "memory"; of `first_new_contact` also "contact".
+    allowed         of `first_new_contact`, and of scenes with [[allow]]: what of a start in contact was let pass, and
+                    why; None where nothing was.
     """
 
     status: Status
@@ -509,6 +512,7 @@ class FirstContact(_Deferring, Shown):
     b: Any = field(default=None, repr=False)
     span: tuple[float, float] = (0.0, 1.0)
     subproblems: tuple[Subproblem, ...] = field(default=(), repr=False)
+    allowed: str | None = None
     keeps_bodies: bool = False
 
     def __repr__(self) -> str:
@@ -516,13 +520,15 @@ class FirstContact(_Deferring, Shown):
         return f"<FirstContact of {_name(self.a, 'a')} and {_name(self.b, 'b')}: {self.status.name}{when}>"
 
     def __str__(self) -> str:
-        return self._told() + _corrected(self.a, self.b)
+        allowed = "" if self.allowed is None else f"\n  allowed: {self.allowed}"
+        return self._told() + allowed + _corrected(self.a, self.b)
 
     def _told(self) -> str:
         names = f"{_name(self.a, 'a')} and {_name(self.b, 'b')}"
         lo, hi = self.span
         if self.status is Status.FREE:
-            return f"{names}: FREE over [{lo:g}, {hi:g}]\n  no shared point at any time of the span; proved"
+            none = "shared point" if self.allowed is None else "new contact"
+            return f"{names}: FREE over [{lo:g}, {hi:g}]\n  no {none} at any time of the span; proved"
         if self.status is Status.UNDECIDED:
             return f"{names}: UNDECIDED ({self.reason})\n  proved free until {self.free_until!r}"
         where = "" if self.point is None else " at ({:.9g}, {:.9g}, {:.9g})".format(*self.point)
@@ -563,6 +569,7 @@ class FirstContact(_Deferring, Shown):
             "contact_points": None if points is None else points.tolist(),
             "free_until": self.free_until,
             "reason": self.reason,
+            "allowed": self.allowed,
             "subproblems": [x.to_dict() for x in self.subproblems],
             "stats": self.stats.to_dict(),
         }

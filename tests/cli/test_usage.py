@@ -33,7 +33,7 @@ def test_main_leaves_with_the_exit_code(python, tmp_path, main):
 def test_shells_complete_commands_and_options(python, shell):
     assert "firstcontact" in python(completing(f"{shell}_source")).stdout
     if shell == "bash":
-        asked = {"firstcontact war": "plain,warmup\n", "firstcontact check --js": "plain,--json\n"}
+        asked = {"firstcontact war": "plain,warmup\n", "firstcontact check --htm": "plain,--html\n"}
         for words, told in asked.items():
             done = python(completing("bash_complete", COMP_WORDS=words, COMP_CWORD=str(words.count(" "))))
             assert (done.returncode, done.stdout) == (0, told)

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import firstcontact as fc
+from firstcontact.view.assembly import Assembly
 from firstcontact.view.html import write_page
 from view import scenes
 
@@ -116,7 +117,7 @@ def hash_of(browser):
 
 def picture(browser):
     """(height, width, 3) int: what the window shows, without the card, the bar and the buttons."""
-    hide = "for (const id of ['card', 'bar', 'views']) document.getElementById(id).style.opacity = 0"
+    hide = "for (const id of ['card', 'bar', 'views', 'triad']) document.getElementById(id).style.opacity = 0"
     browser.execute_script(hide)
     browser.execute_async_script("requestAnimationFrame(() => requestAnimationFrame(arguments[0]))")
     encoded = browser.execute_async_script(
@@ -454,3 +455,71 @@ def test_a_surface_deforms_with_the_time(opened, surfaces):
         centres.append((columns.mean(), rows.mean()))
     (right, low), (left, high) = centres
     assert low > high + 60 and abs(right - left) > 30  # y = -T and z = -T^2
+
+
+@pytest.fixture(scope="module")
+def assembly(tmp_path_factory):
+    """Address of a page of 60 cubes in a row and a sled that strikes 20 of them, one after the other."""
+    sled = scenes.cube("sled").translated((-2, 0, 0)).moving(fc.Translation((40, 0, 0)))
+    posts = [scenes.cube(f"post{k}").translated((2 * k, 0, 0.25)) for k in range(60)]
+    results = [fc.first_contact(sled, post) for post in posts]
+    bodies = {body.name: body for body in (sled, *posts)}
+    path = tmp_path_factory.mktemp("assembly") / "all.html"
+    return write_page(path, reversed(results), Assembly(bodies, "mm")).as_uri()
+
+
+def test_an_assembly_steps_through_its_contacts(opened, assembly):
+    """The k-th post is struck when the sled has gone 1 + 2 k of 40."""
+    show(opened, assembly)
+    assert state(opened, "partCount") == 61 and state(opened, "pairCount") == 20
+    assert opened.find_element("id", "count").text == "1 of 20" and state(opened, "contactTime") == 1 / 40
+    assert not opened.find_element("id", "before").is_enabled()
+    for k in range(1, 20):
+        press(opened, "after")
+        assert state(opened, "contactTime") == (1 + 2 * k) / 40 and state(opened, "time") == (1 + 2 * k) / 40
+    assert not opened.find_element("id", "after").is_enabled() and hash_of(opened) is not None
+    ticks = opened.find_elements("css selector", "#ticks button")
+    assert len(ticks) == 20 and [tick.get_attribute("class") for tick in ticks].index("chosen") == 19
+    assert ticks[2].get_attribute("title") == "sled and post2: 0.125"
+    opened.execute_script("arguments[0].click()", ticks[2])
+    assert state(opened, "contactTime") == 0.125
+
+
+def test_parts_are_hidden_and_shown(opened, assembly):
+    show(opened, assembly)
+    press(opened, "all")
+    before = picture(opened)
+    opened.execute_script("document.getElementById('parts').open = true")
+    boxes = opened.find_elements("css selector", "#partsList input")
+    assert [box.get_attribute("name") for box in boxes[:3]] == ["sled", "post0", "post1"]
+    for box in boxes[2:]:
+        opened.execute_script("arguments[0].click()", box)
+    assert opened.find_element("id", "partsCount").get_attribute("textContent") == "61 parts, 59 hidden"
+    visible = {entry["name"] for entry in state(opened, "objects") if entry["visible"]}
+    assert "part post1" not in visible and "body sled" in visible
+    assert np.abs(picture(opened) - before).sum(axis=2).max() > 20
+    opened.execute_script("arguments[0].click()", boxes[0])
+    assert "body sled" not in {entry["name"] for entry in state(opened, "objects") if entry["visible"]}
+
+
+def test_the_scale_has_the_unit_of_the_scene(opened, assembly, page):
+    show(opened, assembly)
+    near = state(opened, "scale")
+    press(opened, "all")
+    wait_until(lambda: state(opened, "scale") != near)
+    lengths = [text.split() for text in (near, state(opened, "scale"))]
+    assert [unit for _, unit in lengths] == ["mm", "mm"] and float(lengths[0][0]) < float(lengths[1][0])
+    show(opened, page)
+    assert float(state(opened, "scale")) > 0
+
+
+def test_faces_are_coloured_near_the_contact_alone(opened, tmp_path):
+    """A small cube on a plate of a hundred times its size: its red does not reach the plate's border."""
+    plate = fc.examples.box((100.0, 100.0, 1.0)).translated((0, 0, -1)).named("plate")
+    hit = fc.first_contact(scenes.cube("cube").translated((0, 0, 2)).moving(fc.Translation((0, 0, -4))), plate)
+    show(opened, write_page(tmp_path / "near.html", [hit]).as_uri())
+    press(opened, "whole")
+    pixels = picture(opened)
+    red = (pixels[..., 0] > pixels[..., 1] + 60) & (pixels[..., 0] > pixels[..., 2] + 50)
+    sand = is_sand(pixels)
+    assert red.any() and sand.sum() > 20 * red.sum()

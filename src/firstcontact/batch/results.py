@@ -6,9 +6,9 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor
 from dataclasses import dataclass, replace
+from importlib import import_module
 from typing import Any
 
-from firstcontact import query
 from firstcontact.batch import culling
 from firstcontact.batch.part import is_plain
 from firstcontact.batch.questions import asked
@@ -25,6 +25,11 @@ class Question:
     a: Any
     b: Any
     arguments: dict[str, Any]
+    module: str = "firstcontact.query"
+    """Where the verb is."""
+
+    def asked(self, a: Any, b: Any, **more: Any) -> Any:
+        return getattr(import_module(self.module), self.verb)(a, b, **self.arguments, **more)
 
 
 def told_by_boxes(questions: Sequence[Question]) -> dict[int, Any]:
@@ -35,7 +40,7 @@ def told_by_boxes(questions: Sequence[Question]) -> dict[int, Any]:
     for k in (able[row] for row in culling.free_by_boxes(pairs).tolist()):
         _, last = culling.SPAN
         shared: dict[str, Any] = {"a": questions[k].a, "b": questions[k].b, "span": culling.SPAN}
-        if questions[k].verb == "first_contact":
+        if questions[k].verb != "contact_intervals":
             found[k] = FirstContact(Status.FREE, free_until=last, **shared)
         else:
             found[k] = ContactIntervals((), Status.FREE, last, **shared)
@@ -69,7 +74,7 @@ def _elsewhere(
     """By processes; here, what a process that was lost leaves."""
     bodies = list({id(x): x for k in left for x in (questions[k].a, questions[k].b)}.values())
     numbers = {id(x): number for number, x in enumerate(bodies)}
-    work = [(q.verb, numbers[id(q.a)], numbers[id(q.b)], q.arguments) for q in (questions[k] for k in left)]
+    work = [(replace(q, a=None, b=None), numbers[id(q.a)], numbers[id(q.b)]) for q in (questions[k] for k in left)]
     done = 0
     with Spare() as spare:
         processes = spare.started(workers, tuple(bodies))
@@ -89,14 +94,14 @@ def _elsewhere(
     yield from map(here, left[done:])
 
 
-def _answers(batch: str, part: list[tuple[str, int, int, dict[str, Any]]]) -> list[Any]:
+def _answers(batch: str, part: list[tuple[Question, int, int]]) -> list[Any]:
     """The results, or what is raised instead; then it ends."""
     from firstcontact.batch.processes import kept_bodies
 
     bodies, out = kept_bodies(batch), list[Any]()
-    for verb, a, b, arguments in part:
+    for question, a, b in part:
         try:
-            out.append(getattr(query, verb)(bodies[a], bodies[b], **arguments))
+            out.append(question.asked(bodies[a], bodies[b]))
         except FirstContactError as error:
             return [*out, error]
     return out

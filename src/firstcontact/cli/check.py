@@ -9,14 +9,16 @@ from firstcontact.cli import common
 
 @common.scene_command
 @click.option("--png", metavar="F", help="Write a picture of the first contact (needs the extra view).")
-def check(scene: str, options: common.Options, png: str | None) -> int:
+def check(files: tuple[str, ...], options: common.Options, png: str | None) -> int:
     """Find the first contact of each pair.
 
-    SCENE is a TOML file; without a [[check]] table every pair of its bodies is checked.
+    SCENE is a TOML file; without a [[check]] table every pair of its bodies is checked, but for those at rest with each
+    other.  Of two or more MESH files the first one moves, by --move or --turn, and is checked against the others.
+
+    Where it is [[allow]]ed that bodies touch at the start, it is the first new contact.
     """
     common.check_target(png)
-    results = common.answer_checks(scene, options, "first_contact")
-    common.deliver(results, options)
+    results = common.answer_checks(files, options, "first_contact")
     if png is not None:
         common.write_png(png, results)
-    return common.exit_code([result.status.name for result in results])
+    return common.exit_code_of(results)

@@ -5,7 +5,8 @@ from __future__ import annotations
 import functools
 import json
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,6 +17,7 @@ from firstcontact.errors import FirstContactError, InputError
 
 if TYPE_CHECKING:
     from firstcontact.cli.progress import Progress
+    from firstcontact.scene.load import Scene
 
 FREE, CONTACT, UNDECIDED = 0, 1, 2
 
@@ -30,15 +32,35 @@ class Options:
     exact: bool = False
     span: tuple[str, str] | None = None
     workers: int | None = None
+    csv: str | None = None
+    jsonl: str | None = None
+    all: bool = False
+    move: str | None = None
+    turn: str | None = None
+    about: str | None = None
+    degrees: str | None = None
+
+    @property
+    def silent(self) -> bool:
+        """Whether standard output is for something else than text."""
+        return "-" in (self.json, self.csv, self.jsonl)
 
 
 _OUTPUTS = (
-    click.argument("scene"),
     click.option("--json", metavar="F|-", help="Write the results as JSON; - prints only them."),
     click.option("--html", metavar="F", help="Write a page that shows the results, offline."),
     click.option("--progress/--no-progress", default=None, help="Progress on stderr (default: on a tty)"),
 )
+_SCENE = (click.argument("scene"),)
 _TIMES = (
+    click.argument("files", nargs=-1, required=True, metavar="SCENE | MESH MESH..."),
+    click.option("--move", metavar='"X Y Z"', help="The first mesh moves by this vector."),
+    click.option("--turn", metavar='"X Y Z"', help="The first mesh turns about an axis of this direction,"),
+    click.option("--about", metavar='"X Y Z"', help="through this point (0 0 0),"),
+    click.option("--degrees", metavar="D", help="so far."),
+    click.option("--all", is_flag=True, help="Print every answer in full, however many there are."),
+    click.option("--csv", metavar="F|-", help="Write the results as CSV, row by row."),
+    click.option("--jsonl", metavar="F|-", help="Write the results as JSON lines, each as soon as it is there."),
     click.option("--exact", is_flag=True, help="Decide in exact arithmetic and give exact times."),
     click.option("--span", nargs=2, metavar="A B", help='From time A to time B: 0.5, 1/3, "inf".'),
     click.option("--workers", type=click.IntRange(1, 1024), metavar="N",
@@ -47,70 +69,75 @@ _TIMES = (
 
 
 def scene_command(function: Callable[..., int]) -> click.Command:
-    """Turn `function(scene, options, **others)` into a command over a scene file that asks for times."""
-    return _command(function, _OUTPUTS + _TIMES)
+    """Turn `function(files, options, **others)` into a command over a scene file, or meshes, that asks for times."""
+    return _command(function, _TIMES + _OUTPUTS)
 
 
 def resting_scene_command(function: Callable[..., int]) -> click.Command:
-    """The same for bodies at rest."""
-    return _command(function, _OUTPUTS)
+    """The same, `function(scene, options, **others)`, for bodies at rest."""
+    return _command(function, _SCENE + _OUTPUTS)
 
 
 def _command(function: Callable[..., int], decorators: tuple[Any, ...]) -> click.Command:
     @functools.wraps(function)
-    def command(scene: str, **given: Any) -> int:
+    def command(**given: Any) -> int:
+        what = given.pop("files", None) or given.pop("scene")
         common = {field.name: given.pop(field.name) for field in fields(Options) if field.name in given}
-        return function(scene, Options(**common), **given)
+        return function(what, Options(**common), **given)
 
     for decorator in reversed(decorators):
         command = decorator(command)
     return click.command(name=function.__name__)(command)
 
 
-def _changes(body: Any) -> bool:
-    """Whether it moves, or its shape does: ruled surfaces may deform with the time."""
-    return hasattr(body, "motion") or getattr(body, "deforming", False)
+def answer_checks(files: tuple[str, ...], options: Options, verb_name: str) -> list[Any]:
+    """The verb's results for all checks of the scene, in order, printed and written as the options ask."""
+    from firstcontact.cli.given import given_scene
 
-
-def answer_checks(scene_file: str, options: Options, verb_name: str) -> list[Any]:
-    """The verb's results for all checks of the scene, in order; their text is printed as they come."""
-    from firstcontact.scene.load import load_scene
-
-    check_target(options.json, options.html)
+    check_target(options.json, options.html, options.csv, options.jsonl)
+    if (options.json, options.csv, options.jsonl).count("-") > 1:
+        raise click.UsageError("--json, --csv and --jsonl: one of them may be -, for standard output.")
     span = _parse_span(options.span)
-    scene = load_scene(scene_file)
+    scene = given_scene(files, options.move, options.turn, options.about, options.degrees)
     refuse_single(scene.path, scene.checks)
-    from firstcontact import query
-    from firstcontact.batch.results import Question, in_order, told_by_boxes
+    from firstcontact.assembly.resting import moves
+    from firstcontact.assembly.together import Asked, answers
     from firstcontact.batch.workers import cores
 
-    if not any(_changes(scene.bodies[key]) for check in scene.checks for key in (check.a, check.b)):
+    if not any(moves(scene.bodies[key]) for check in scene.checks for key in (check.a, check.b)):
+        how = "give one a [body.NAME.motion]" if len(files) == 1 else "give --move or --turn"
         warnings.warn(
-            f"{scene.path}: nothing that is checked moves, so bodies are looked at as they stand; "
-            "give one a [body.NAME.motion]", stacklevel=1,
-        )  # fmt: skip
-    questions = []
+            f"{scene.path}: nothing that is checked moves, so bodies are looked at as they stand; {how}", stacklevel=1
+        )
+    asked = []
     for check in scene.checks:
         arguments = {**check.arguments(), "exact": check.exact or options.exact}
         if span is not None:
             arguments["span"] = span
-        questions.append(Question(verb_name, scene.bodies[check.a], scene.bodies[check.b], arguments))
-    known = told_by_boxes(questions)
+        asked.append(Asked.of(verb_name, scene.bodies, check.a, check.b, arguments, scene.allow))
 
-    def answers(progress: Progress) -> Iterator[Any]:
+    def given(progress: Progress) -> Iterator[Any]:
         def begin(k: int) -> None:
-            shown = _span_shown(questions[k].arguments["span"], questions[k].a, questions[k].b)
+            question = asked[k].question
+            shown = _span_shown(question.arguments["span"], question.a, question.b)
             progress.start(f"{scene.checks[k].a} / {scene.checks[k].b}", shown)
 
-        def here(k: int) -> Any:
-            begin(k)
-            verb = getattr(query, verb_name)
-            asked = questions[k]
-            return known[k] if k in known else verb(asked.a, asked.b, progress=progress.report, **asked.arguments)
+        return answers(asked, begin, progress.report, options.workers or cores())
 
-        return in_order(questions, here, begin, options.workers or cores())
+    with ExitStack() as stack:
+        rows = [stack.enter_context(x) for x in _row_files(options, scene.unit)]
+        results = answer_all(scene.path, "check", scene.checks, given, options, scene, rows)
+    deliver(results, options, scene)
+    return results
 
-    return answer_all(scene.path, "check", scene.checks, answers, options)
+
+def _row_files(options: Options, unit: str) -> Iterator[Any]:
+    from firstcontact.cli import rows
+
+    if options.csv is not None:
+        yield rows.written(options.csv, rows.comma_separated(unit))
+    if options.jsonl is not None:
+        yield rows.written(options.jsonl, rows.json_lines)
 
 
 def _span_shown(span: Any, a: Any, b: Any) -> tuple[float, float]:
@@ -122,56 +149,85 @@ def _span_shown(span: Any, a: Any, b: Any) -> tuple[float, float]:
 
 
 def answer_all(
-    path: Path, what: str, questions: Sequence[Any], answers: Callable[[Progress], Iterator[Any]], options: Options
+    path: Path,
+    what: str,
+    questions: Sequence[Any],
+    answers: Callable[[Progress], Iterator[Any]],
+    options: Options,
+    scene: Scene | None = None,
+    rows: Sequence[Callable[[Any], None]] = (),
 ) -> list[Any]:
-    """The answers, in order, each printed as soon as it is there, unless JSON alone is.
+    """The answers, in order; each is printed as soon as it is there, or the most of them that matters in the end.
 
-    Interrupted, it delivers what is decided before it lets go.
+    scene: whose answers are printed with how far its bodies have moved, and of many the contacts alone.  rows: take
+    each answer.  Interrupted, it delivers what is decided before it lets go.
     """
+    from firstcontact.cli import text
     from firstcontact.cli.progress import Progress
 
     results: list[Any] = []
+    brief = scene is not None and len(questions) > text.FEW and not options.all
     with Progress(options.progress, len(questions)) as progress:
         try:
             for result in answers(progress):
                 results.append(result)
-                if options.json != "-":
-                    progress.say(str(result))
+                for put in rows:
+                    put(result)
+                if not options.silent and not brief:
+                    progress.say(str(result) if scene is None else text.in_full(result, scene))
         except FirstContactError as error:
             question = questions[len(results)]
             raise type(error)(f"{path}: {what} {question.a} / {question.b}: {error}") from error
         except KeyboardInterrupt:
-            deliver(results, options, interrupted=True)
+            if scene is not None and brief and results and not options.silent:
+                progress.say(text.summary(results, scene))
+            deliver(results, options, scene, interrupted=True)
             raise KeyboardInterrupt(f"{len(results)} of {len(questions)} decided; {progress.state}") from None
+        if scene is not None and not options.silent:
+            told = text.summary(results, scene) if brief else text.left_out(scene)
+            if told:
+                progress.say(told)
     return results
 
 
-def deliver(results: list[Any], options: Options, *, interrupted: bool = False) -> None:
+def deliver(
+    results: list[Any], options: Options, scene: Scene | None = None, *, interrupted: bool = False
+) -> None:
     """JSON to stdout, and the files that were asked for; interrupted: what is decided, and that there was more."""
     if options.json is not None:
-        text = json.dumps(_document(results, interrupted), indent=1)
+        text = json.dumps(_document(results, scene, interrupted), indent=1)
         if options.json == "-":
             click.echo(text)
         else:
             _write(options.json, lambda path: path.write_text(text + "\n", encoding="utf-8"))
     if options.html is not None and (results or not interrupted):
+        from firstcontact.view.assembly import Assembly
         from firstcontact.view.html import write_page
 
-        _write(options.html, lambda path: write_page(path, results))
+        whole = Assembly(scene.bodies, scene.unit) if scene is not None and len(scene.bodies) > 2 else None
+        _write(options.html, lambda path: write_page(path, results, whole))
 
 
-def exit_code(statuses: list[str]) -> int:
+def exit_code(statuses: Iterable[str]) -> int:
     """1 when any pair is in contact, else 2 when any is undecided, else 0."""
+    statuses = list(statuses)
     if any(status in ("CONTACT", "INITIAL_CONTACT") for status in statuses):
         return CONTACT
     return UNDECIDED if "UNDECIDED" in statuses else FREE
+
+
+def exit_code_of(results: Iterable[Any]) -> int:
+    """The same of answers; those that are allowed do not count."""
+    from firstcontact.assembly.together import verdict
+
+    return exit_code(map(verdict, results))
 
 
 def write_png(path: str, results: list[Any]) -> None:
     """A picture of the first result in contact, else of the first result."""
     from firstcontact.view.png import write_png
 
-    touching = [result for result in results if exit_code([result.status.name]) == CONTACT]
+    touching = [result for result in results if exit_code_of([result]) == CONTACT]
     _write(path, lambda target: write_png(target, (touching or results)[0]))
 
 
@@ -213,10 +269,14 @@ def _write(path: str, write: Callable[[Path], Any]) -> None:
         raise InputError(f"{path}: {(error.strerror or str(error)).lower()}; choose another file") from error
 
 
-def _document(results: list[Any], interrupted: bool) -> dict[str, Any]:
+def _document(results: list[Any], scene: Scene | None, interrupted: bool) -> dict[str, Any]:
     from firstcontact import __version__
     from firstcontact.result import SCHEMA, finite
 
     checks = [{key: x for key, x in finite(r.to_dict()).items() if key != "schema"} for r in results]
-    more = {"interrupted": True} if interrupted else {}
+    more: dict[str, Any] = {"interrupted": True} if interrupted else {}
+    if scene is not None and scene.unit:
+        more["unit"] = scene.unit
+    if scene is not None and scene.resting:
+        more["at_rest"] = scene.resting
     return {"schema": SCHEMA, "version": __version__, **more, "checks": checks}

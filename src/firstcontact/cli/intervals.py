@@ -6,12 +6,11 @@ from firstcontact.cli import common
 
 
 @common.scene_command
-def intervals(scene: str, options: common.Options) -> int:
+def intervals(files: tuple[str, ...], options: common.Options) -> int:
     """List all times of contact of each pair.
 
-    SCENE is a TOML file; without a [[check]] table every pair of its bodies is checked.
+    SCENE is a TOML file; without a [[check]] table every pair of its bodies is checked, but for those at rest with each
+    other.  Of two or more MESH files the first one moves, by --move or --turn, and is checked against the others.
     """
-    results = common.answer_checks(scene, options, "contact_intervals")
-    common.deliver(results, options)
     # An undecided rest of the span does not take back the intervals that are proved.
-    return common.exit_code(["CONTACT" if len(result) else result.status.name for result in results])
+    return common.exit_code_of(common.answer_checks(files, options, "contact_intervals"))

@@ -215,6 +215,7 @@ class FirstTable(_TimesTable):
     initial: StrictStr | None = None
     contact_set: StrictStr | None = None
     contact_points: Triples | None = None
+    allowed: StrictStr | None = None
     subproblems: list[SubproblemTable] = []
 
     def build(self) -> FirstContact:
@@ -233,6 +234,7 @@ class FirstTable(_TimesTable):
             initial=self.initial,
             contact_set=kind if kind is None or points is None else ContactSet(kind, points),
             subproblems=tuple(x.build() for x in self.subproblems),
+            allowed=self.allowed,
         )
 
 

@@ -6,10 +6,11 @@ Keys are the constructors' argument names.  A bare TOML float is the double it d
 
 from __future__ import annotations
 
+import fnmatch
 import itertools
 import re
 import tomllib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Union
@@ -26,6 +27,8 @@ from pydantic import (
     field_validator,
 )
 
+from firstcontact.assembly.allowed import Rule
+from firstcontact.assembly.resting import pairs_that_move
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.body.ruled.strip import RuledStrip
 from firstcontact.body.ruled.surface import RuledSurface
@@ -39,6 +42,7 @@ from firstcontact.motion.screw import Screw
 from firstcontact.motion.sequence import Sequence
 from firstcontact.motion.trajectory import Trajectory
 from firstcontact.motion.translation import Translation
+from firstcontact.result import FirstContact
 from firstcontact.scene import solids, surfaces
 from firstcontact.scene.values import (
     Corners,
@@ -63,6 +67,8 @@ from firstcontact.work import MOST_BUDGET
 
 # Tables and lists within each other: far more than a scene needs, far fewer than exhaust the stack that walks them.
 MOST_NESTED = 100
+# Bodies that an error names.
+MOST_NAMES = 20
 
 __all__ = ["Check", "Curve", "Scene", "load_scene", "parse_number", "parse_time"]
 
@@ -238,12 +244,22 @@ class CurveTable(Table):
     method: StrictStr = "auto"
 
 
+class AllowTable(Table):
+    pair: Pair | None = None
+    body: StrictStr | None = None
+    touching: StrictBool = False
+    why: StrictStr = ""
+
+
 class SceneTable(Table):
     body: dict[str, Body]
     check: list[CheckTable] = []
     curve: list[CurveTable] = []
+    allow: list[AllowTable] = []
+    rest: StrictBool = False
+    unit: StrictStr = ""
 
-    @field_validator("check", "curve", mode="before")
+    @field_validator("check", "curve", "allow", mode="before")
     @classmethod
     def _is_list(cls, value: Any, info: ValidationInfo) -> Any:
         if isinstance(value, dict):
@@ -285,12 +301,43 @@ class Curve:
 
 @dataclass(frozen=True)
 class Scene:
-    """Bodies by key, at rest or Moving, the checks to run on them, and the intersection curves to find."""
+    """Bodies by key, at rest or Moving, the checks to run on them, and the intersection curves to find.
+
+    allow: what may touch.  unit: of lengths, "" where none is told.  resting: how many pairs are left out, for they are
+    at rest with each other.
+    """
 
     path: Path
     bodies: dict[str, Any]
     checks: tuple[Check, ...]
-    curves: tuple[Curve, ...]
+    curves: tuple[Curve, ...] = ()
+    allow: tuple[Rule, ...] = ()
+    unit: str = ""
+    resting: int = 0
+
+    @classmethod
+    def load(cls, path: str | Path) -> Scene:
+        """The scene of a TOML file; mesh files are looked for relative to it."""
+        return load_scene(path)
+
+    def first_contacts(self, *, exact: bool = False, workers: int | None = None) -> list[FirstContact]:
+        """What `firstcontact check` tells of the scene: the first contact of each pair of `checks`, in their order.
+
+        exact: decide all in exact arithmetic.  workers: how many cores take part, default None: all of them.
+
+        >>> import firstcontact as fc
+        >>> hits = fc.Scene.load("examples/drawer.toml").first_contacts()
+        >>> [(hit.a.name, hit.b.name, hit.status.name, hit.time) for hit in hits if hit.time is not None]
+        [('drawer', 'stop', 'CONTACT', 0.75)]
+        """
+        from firstcontact.assembly.together import Asked, answers  # loads all that answers
+        from firstcontact.batch.workers import cores
+
+        asked = [
+            Asked.of("first_contact", self.bodies, x.a, x.b, {**x.arguments(), "exact": x.exact or exact}, self.allow)
+            for x in self.checks
+        ]
+        return list(answers(asked, lambda k: None, None, workers or cores()))
 
 
 def load_scene(path: str | Path) -> Scene:
@@ -304,8 +351,9 @@ def load_scene(path: str | Path) -> Scene:
     except ValidationError as error:
         raise InputError(f"{path}: {first_fault(error, tables)}") from error
     bodies = {key: _build(path, key, body) for key, body in scene.body.items()}
-    checks = tuple(_checks(path, scene))
-    return Scene(path, bodies, checks, tuple(_curves(path, scene, checks)))
+    checks, resting = _checks(path, scene, bodies)
+    curves = _curves(path, scene)
+    return Scene(path, bodies, tuple(checks), tuple(curves), tuple(_rules(path, scene)), scene.unit, resting)
 
 
 def _read(path: Path) -> dict[str, Any]:
@@ -373,20 +421,44 @@ def build_body(table: Any, key: str | None, folder: Path) -> Any:
         return body.moving(table.motion.build())
 
 
-def _checks(path: Path, scene: SceneTable) -> list[Check]:
+def _checks(path: Path, scene: SceneTable, bodies: dict[str, Any]) -> tuple[list[Check], int]:
+    """The checks, and how many pairs are left out, for they are at rest with each other."""
     if not scene.check:
-        return [Check(a, b) for a, b in itertools.combinations(scene.body, 2)]
+        every = list(itertools.combinations(bodies, 2))
+        pairs = every if scene.rest else pairs_that_move(bodies)
+        return [Check(a, b) for a, b in pairs], len(every) - len(pairs)
     checks = []
     for k, table in enumerate(scene.check):
         a, b = _pair(path, scene, f"check[{k}]", table.pair)
         checks.append(Check(a, b, table.span, table.exact, _tolerance(path, k, table), table.budget))
-    return checks
+    return checks, 0
 
 
-def _curves(path: Path, scene: SceneTable, checks: Iterable[Check]) -> list[Curve]:
-    """Of the pairs of [[curve]] tables; without any, of the pairs that are checked."""
+def _rules(path: Path, scene: SceneTable) -> Iterator[Rule]:
+    """What the scene lets touch, after a look whether each pattern is one of a body."""
+    for k, table in enumerate(scene.allow):
+        given = [table.pair is not None, table.body is not None, table.touching]
+        if sum(given) != 1:
+            one = 'pair = ["bolt*", "plate"], body = "bolt*" or touching = true'
+            raise InputError(f"{path}: allow[{k}]: give one of {one}")
+        patterns = table.pair or (table.body or "*", "*")
+        for pattern in patterns:
+            if not fnmatch.filter(scene.body, pattern):
+                raise InputError(f"{path}: allow[{k}]: no body {pattern!r}; the bodies are {_names(scene)}")
+        yield Rule(*patterns, table.touching, table.why)
+
+
+def _names(scene: SceneTable) -> str:
+    names = list(scene.body)
+    more = f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
+    return ", ".join(map(repr, names[:MOST_NAMES])) + more
+
+
+def _curves(path: Path, scene: SceneTable) -> list[Curve]:
+    """Of the pairs of [[curve]] tables; without any, of those that are checked, or of all pairs of bodies."""
     if not scene.curve:
-        return [Curve(check.a, check.b) for check in checks]
+        checked = [_pair(path, scene, f"check[{k}]", table.pair) for k, table in enumerate(scene.check)]
+        return [Curve(a, b) for a, b in checked or itertools.combinations(scene.body, 2)]
     curves = []
     for k, table in enumerate(scene.curve):
         a, b = _pair(path, scene, f"curve[{k}]", table.pair)
@@ -403,8 +475,7 @@ def _pair(path: Path, scene: SceneTable, key: str, pair: tuple[str, str]) -> tup
     """The pair, after a look whether both bodies are there."""
     for name in pair:
         if name not in scene.body:
-            known = ", ".join(map(repr, scene.body))
-            raise InputError(f"{path}: {key}.pair: no body {name!r}; the bodies are {known}")
+            raise InputError(f"{path}: {key}.pair: no body {name!r}; the bodies are {_names(scene)}")
     if pair[0] == pair[1]:
         raise InputError(f"{path}: {key}.pair: {pair[0]!r} against itself; name two bodies")
     return pair

@@ -156,8 +156,9 @@ class RotateTable(Table):
 
 
 class Placed(Table):
-    """What has a place: mapped by `transform` first, then turned by `rotate`, then shifted by `at`."""
+    """What has a place: `scale` times as large, mapped by `transform`, then turned by `rotate` and shifted by `at`."""
 
+    scale: Annotated[Number, Field(gt=0)] = 1
     at: Vector | None = None
     rotate: RotateTable | None = None
     transform: Matrix = None
@@ -165,6 +166,10 @@ class Placed(Table):
 
 def placed(body: Any, table: Placed) -> Any:
     """The body in its place."""
+    if table.scale != 1:
+        k = table.scale
+        with at_key("scale"):
+            body = body.transformed([[k, 0, 0, 0], [0, k, 0, 0], [0, 0, k, 0], [0, 0, 0, 1]])
     if table.transform is not None:
         with at_key("transform"):
             body = body.transformed(table.transform)

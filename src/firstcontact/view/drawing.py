@@ -96,22 +96,32 @@ def drawings(pair: Pair, known: dict[int, Drawing] | None = None) -> tuple[Drawi
 
 def _drawing(pair: Pair, body: Any, other: Any, known: dict[int, Drawing]) -> Drawing:
     rest = at_rest(body)
+    drawing = drawing_alone(rest, known)
+    if drawing is not None:
+        return drawing
+    if isinstance(rest, RuledSurface | RuledStrip):
+        if rest.deforming:  # another pair shows other times
+            return _deforming(pair, rest)
+        return _ruled(rest, *_box_near(pair, body, other))  # another pair shows another part of it
+    if not hasattr(rest, "skin"):
+        raise InputError(f"cannot draw {rest!r}; give a body of firstcontact")
+    return _solid(rest, *_box_near(pair, body, other))
+
+
+def drawing_alone(rest: Any, known: dict[int, Drawing]) -> Drawing | None:
+    """A body at rest, as it is drawn whatever it is beside; None of bodies without end, and of those that deform."""
     if id(rest) in known:
         return known[id(rest)]
     if isinstance(rest, Polyhedron):
         drawing = Drawing(rest, rest.vertices, rest.triangles, sharp_edges(rest))
     elif isinstance(rest, RuledSurface | RuledStrip):
-        if rest.deforming:  # another pair shows other times
-            return _deforming(pair, rest)
-        if not rest.bounded:  # another pair shows another part of it
-            return _ruled(rest, *_box_near(pair, body, other))
+        if rest.deforming or not rest.bounded:
+            return None
         drawing = _ruled(rest, *rest.bounds())
-    elif not hasattr(rest, "skin"):
-        raise InputError(f"cannot draw {rest!r}; give a body of firstcontact")
-    elif rest.bounded:
+    elif hasattr(rest, "skin") and rest.bounded:
         drawing = _solid(rest, *rest.bounds())
-    else:  # another pair shows another part of it
-        return _solid(rest, *_box_near(pair, body, other))
+    else:
+        return None
     known[id(rest)] = drawing
     return drawing
 

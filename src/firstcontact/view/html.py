@@ -10,6 +10,7 @@ import tempfile
 import webbrowser
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import partial
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -19,9 +20,10 @@ import numpy as np
 from firstcontact.errors import InputError
 from firstcontact.result import Absent, Element, FirstContact, Status
 from firstcontact.result_curve import IntersectionCurve
+from firstcontact.view.assembly import Assembly, drawn, shown
 from firstcontact.view.curve import layers
 from firstcontact.view.drawing import Drawing, contact_curve, drawings
-from firstcontact.view.pair import Pair, Result, is_moving, pairs_of, pose
+from firstcontact.view.pair import Pair, Result, at_rest, is_moving, pairs_of, pose
 from firstcontact.view.picture import HEIGHT, WIDTH, picture
 from firstcontact.view.poses import sample_poses
 
@@ -29,12 +31,13 @@ from firstcontact.view.poses import sample_poses
 MOST_LISTED = 6
 
 
-def write_page(path: str | Path | None, results: Iterable[Result]) -> Path:
+def write_page(path: str | Path | None, results: Iterable[Result], assembly: Assembly | None = None) -> Path:
     """Write the page and return its path; without a path: a temporary file, opened in the browser.
 
     Several results about the same two bodies share one view; the page lets the reader choose among pairs.
+    assembly: all of whose bodies are shown with each pair.
     """
-    text = page_text(results)
+    text = page_text(results, assembly)
     if path is not None:
         try:
             target = Path(path)
@@ -63,9 +66,13 @@ class Frame:
         return f'<iframe srcdoc="{html.escape(self.page)}" style="{style}"></iframe>'
 
 
-def show_page(path: str | Path | None, results: Iterable[Result]) -> Path | Frame:
+def show_page(
+    path: str | Path | None, results: Iterable[Result], assembly: Assembly | None = None
+) -> Path | Frame:
     """As `write_page`; in a notebook, without a path, the page as its cell shows it."""
-    return Frame(page_text(results)) if path is None and _in_notebook() else write_page(path, results)
+    if path is None and _in_notebook():
+        return Frame(page_text(results, assembly))
+    return write_page(path, results, assembly)
 
 
 def _in_notebook() -> bool:
@@ -88,14 +95,17 @@ def cell(result: Any) -> str:
     return f'<img alt="{names}" width="{WIDTH}" height="{HEIGHT}" src="data:image/png;base64,{drawn}"/>{text}'
 
 
-def page_text(results: Iterable[Result]) -> str:
+def page_text(results: Iterable[Result], assembly: Assembly | None = None) -> str:
     """The page as one string; it refers to nothing outside itself."""
-    pairs = pairs_of(results)
+    pairs = pairs_of(results if assembly is None else shown(results))
     meshes = _Meshes()
-    drawn = [_pair(pair, meshes) for pair in pairs]
-    data = json.dumps({"meshes": meshes.written, "pairs": drawn}, allow_nan=False)
+    written = [_pair(pair, meshes) for pair in pairs]
+    content: dict[str, Any] = {"meshes": meshes.written, "pairs": written}
+    if assembly is not None:
+        content |= {"unit": assembly.unit, "assembly": _whole(assembly, pairs, meshes)}
+    data = json.dumps(content, allow_nan=False)
     parts = {
-        "title": html.escape(drawn[0]["title"] + ("" if len(drawn) == 1 else f" and {len(drawn) - 1} more")),
+        "title": html.escape(written[0]["title"] + ("" if len(written) == 1 else f" and {len(written) - 1} more")),
         "style": _asset("page.css"),
         "licence": html.escape(_asset("three.LICENSE.txt")),
         "three": _asset("three.js"),
@@ -119,13 +129,16 @@ class _Meshes:
         self.written: list[dict[str, Any]] = []
         self.known: dict[int, Drawing] = {}  # of bodies by their ids, which it keeps alive
         self._index: dict[int, int] = {}
+        self._alike: dict[str, int] = {}
         self._drawings: list[Drawing] = []  # keeps the ids above alive
 
     def index(self, drawing: Drawing) -> int:
         if id(drawing) not in self._index:
-            self._index[id(drawing)] = len(self.written)
+            mesh = _mesh(drawing)
             self._drawings.append(drawing)
-            self.written.append(_mesh(drawing))
+            self._index[id(drawing)] = self._alike.setdefault(str(mesh), len(self.written))
+            if self._index[id(drawing)] == len(self.written):
+                self.written.append(mesh)
         return self._index[id(drawing)]
 
 
@@ -202,7 +215,41 @@ def _pair(pair: Pair, meshes: _Meshes) -> dict[str, Any]:
         "shared": ((contact_curve(pair) - view.origin) / view.unit).ravel().tolist(),
         "timeline": pair.timeline,
         "bodies": bodies,
+        "origin": view.origin.tolist(),
+        "unit": view.unit,
     }
+
+
+def _whole(assembly: Assembly, pairs: list[Pair], meshes: _Meshes) -> dict[str, Any]:
+    """Every body that can be drawn alone, in a frame of all; which of them each pair is about, by their numbers."""
+    in_pairs = {id(at_rest(x)) for pair in pairs for x in (pair.a, pair.b)}
+    found = drawn(assembly, in_pairs, meshes.known)
+    centres = np.array([drawing.frame[0] for drawing in found.values()] or [np.zeros(3)])
+    spread = float(np.abs(centres - centres.mean(axis=0)).max())
+    size = max([spread, *(drawing.frame[1] for drawing in found.values())], default=1.0)
+    view = _View(centres.mean(axis=0), size)
+    window = min(pair.window[0] for pair in pairs), max(pair.window[1] for pair in pairs)
+    bodies = []
+    for name, drawing in found.items():
+        body, (centre, own) = assembly.bodies[name], drawing.frame
+        lo, hi = _within(body, window)
+        times = sorted({lo, hi}) if is_moving(body) else [lo]
+        samples, poses = sample_poses(partial(view.pose, body, centre), times, own / view.unit)
+        bodies.append({
+            "name": name, "mesh": meshes.index(drawing), "size": own / view.unit,
+            "times": _base64(samples, np.float64), "poses": _base64(poses[:, :3, :], np.float64),
+        })  # fmt: skip
+    numbers = {id(assembly.bodies[name]): k for k, name in enumerate(found)}
+    members = [[numbers.get(id(x), -1) for x in (pair.a, pair.b)] for pair in pairs]
+    return {"bodies": bodies, "members": members, "origin": view.origin.tolist(), "unit": view.unit}
+
+
+def _within(body: Any, window: tuple[float, float]) -> tuple[float, float]:
+    """The part of the window in which the body has poses."""
+    if not is_moving(body) or body.motion.extends:
+        return window
+    lo, hi = body.motion.span
+    return max(lo, window[0]), min(hi, window[1])
 
 
 def _status(pair: Pair) -> str:

@@ -575,7 +575,7 @@ def _in_plane(bodies: tuple[_Body, _Body], x: Feature, y: Feature) -> Shared | N
     if own.lines and others.lines:
         pairs = _of_polygons(x, y, own, others)
         points = [p for _, _, p in pairs]
-        return Shared("patch", points, pairs) if _spread(points) else None
+        return Shared("patch", border([], points), pairs) if _spread(points) else None
     i, j = own.axes
     pairs = [(v, y, p) for v, p in own.corners if _is_in(b, others, p, on[1])]
     pairs += [(x, v, p) for v, p in others.corners if _is_in(a, own, p, on[0])]
@@ -598,7 +598,7 @@ def _in_plane(bodies: tuple[_Body, _Body], x: Feature, y: Feature) -> Shared | N
             return Shared("patch", border([run for _, _, run in arcs], corners), pairs)
         return Shared("conic arc", arcs[0][2], pairs)
     points = [p for _, _, p in pairs]
-    return Shared("patch", points, pairs) if _spread(points) else None
+    return Shared("patch", border([], points), pairs) if _spread(points) else None
 
 
 def _of_polygons(x: Face, y: Face, own: _Outline, others: _Outline) -> list[Pair]:

@@ -96,7 +96,7 @@ class _Touching:
                     corners = self._corners(plane)
                     flat = [arc for arc in arcs if self._is_in(plane, arc)]
                     if self._is_patch(corners, flat, plane, i, j):
-                        return border(flat, corners) if flat else np.array(corners)
+                        return border(flat, corners)
         return None
 
     def _corners(self, plane: Vector) -> list[np.ndarray]:

@@ -185,7 +185,8 @@
 
   // Touched elements: solid where they are in sight, a faint shine where the bodies hide them. The reported
   // one of each body is strong; of further faces only the outline is drawn, for several may cover a body.
-  function elementObject(element, strong) {
+  // Faces are coloured near the contact alone: `near` says where that is in the body's frame, and how far.
+  function elementObject(element, strong, near) {
     const group = named(new THREE.Group(), `element ${element.name}`);
     const strength = strong ? 1 : 0.55;
     const both = (make) => {
@@ -193,16 +194,53 @@
       group.add(named(make({ transparent: true, opacity: 0.3 * strength, depthTest: false, depthWrite: false }), "", 5));
     };
     if (element.kind === "vertex" || element.kind === "apex") group.add(dot(element.vertices, 4.5, ACCENT, 6));
-    if (["edge", "directrix", "end_ruling"].includes(element.kind)) both((o) => fatLines(element.vertices, ACCENT, strong ? 4 : 2.5, o));
+    if (["edge", "directrix", "end_ruling"].includes(element.kind)) {
+      const ends = near ? within(element.vertices, near) : element.vertices;
+      if (ends.length) both((o) => fatLines(ends, ACCENT, strong ? 4 : 2.5, o));
+    }
     if (element.kind === "face") {
       const surface = new THREE.BufferGeometry();
       surface.setAttribute("position", new THREE.BufferAttribute(new Float32Array(element.vertices), 3));
       const fill = { color: ACCENT, side: THREE.DoubleSide, polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -1 };
-      if (strong && element.vertices.length) both((o) => new THREE.Mesh(surface, new THREE.MeshBasicMaterial({ ...fill, ...o, opacity: 0.6 * o.opacity })));
-      if (element.outline.length) both((o) => fatLines(element.outline, ACCENT, strong ? 2.5 : 1.5, o));
+      if (strong && element.vertices.length) both((o) => new THREE.Mesh(surface, fading({ ...fill, ...o, opacity: 0.6 * o.opacity }, near)));
+      const outline = near ? within(element.outline, near) : element.outline;
+      if (outline.length) both((o) => fatLines(outline, ACCENT, strong ? 2.5 : 1.5, o));
     }
     return group;
   }
+
+  // A material that is clear beyond a distance from a point of the body's frame.
+  function fading(options, near) {
+    const material = new THREE.MeshBasicMaterial(options);
+    if (!near) return material;
+    material.onBeforeCompile = (shader) => {
+      shader.uniforms.nearPoint = { value: new THREE.Vector3(...near.point) };
+      shader.uniforms.nearRadius = { value: near.radius };
+      shader.vertexShader = "varying vec3 vPlace;\n" + shader.vertexShader.replace("#include <begin_vertex>",
+        "#include <begin_vertex>\n  vPlace = position;");
+      shader.fragmentShader = "varying vec3 vPlace;\nuniform vec3 nearPoint;\nuniform float nearRadius;\n" +
+        shader.fragmentShader.replace("#include <color_fragment>", "#include <color_fragment>\n" +
+          "  diffuseColor.a *= 1.0 - smoothstep(0.6 * nearRadius, nearRadius, distance(vPlace, nearPoint));");
+    };
+    return material;
+  }
+
+  // The parts of segments (flat list of ends) inside a ball.
+  function within(ends, { point, radius }) {
+    const kept = [];
+    for (let k = 0; k < ends.length; k += 6) {
+      const p = ends.slice(k, k + 3);
+      const d = [0, 1, 2].map((i) => ends[k + 3 + i] - p[i]);
+      const r = p.map((x, i) => x - point[i]);
+      const [a, b, c] = [dot3(d, d), dot3(r, d), dot3(r, r) - radius * radius];
+      const root = Math.sqrt(b * b - a * c); // NaN where the line misses the ball
+      const [lo, hi] = a > 0 ? [Math.max((-b - root) / a, 0), Math.min((-b + root) / a, 1)] : [0, -1];
+      if (lo < hi) for (const s of [lo, hi]) kept.push(...p.map((x, i) => x + s * d[i]));
+    }
+    return kept;
+  }
+
+  const dot3 = (p, q) => p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
 
   const pixelSized = []; // objects whose scale is kept so that one unit is `userData.pixels` on the screen
 
@@ -397,7 +435,7 @@
       const name = pair.names[which];
       body.motion ??= new Motion(decode(body.times, Float64Array), decode(body.poses, Float64Array));
       body.object = bodyObject(body, which, name);
-      body.elements.forEach((element, k) => body.object.add(elementObject(element, k === 0)));
+      body.elements.forEach((element, k) => body.object.add(elementObject(element, k === 0, nearOf(body))));
       content.add(body.object);
       body.ghost = null;
       body.deforms = Boolean(geometryOf(body.mesh).frames);
@@ -412,12 +450,117 @@
     shared = pair.shared.length > 3 ? sharedObject(pair.shared) : null;
     if (shared) content.add(shared);
     for (const layer of pair.layers) content.add(layer.object = layerObject(layer));
+    if (whole) putAssembly();
     $("bar").hidden = isCurve();
     state.playing = false;
     showFacts();
     resize();
     setTime(pair.contact ?? lo);
     resetView();
+  }
+
+  // How far from the contact faces are coloured, in the body's frame; null where nothing is known of it.
+  const NEAR = 0.35;
+  function nearOf(body) {
+    if (!pair.point || body.deforms) return null;
+    const radius = NEAR * Math.min(...pair.bodies.map((b) => b.size));
+    return { point: body.carried.map((x) => x / body.size), radius: Math.max(radius / body.size, 1e-3) };
+  }
+
+  // -- the assembly -----------------------------------------------------------------------------------------
+
+  const whole = DATA.assembly ?? null;
+  const OTHER = "#8d949b";
+  const behind = named(new THREE.Group(), "other parts"); // in the frame of the assembly
+  const hiddenParts = new Set();
+
+  function setUpAssembly() {
+    if (!whole) return;
+    behind.matrixAutoUpdate = false;
+    whole.bodies.forEach((body) => {
+      const { surface, outline } = geometryOf(body.mesh);
+      body.motion = new Motion(decode(body.times, Float64Array), decode(body.poses, Float64Array));
+      body.object = placed(named(new THREE.Group(), `part ${body.name}`));
+      if (surface.index.count) body.object.add(new THREE.Mesh(surface, OTHERS.surface));
+      if (outline.index.count) body.object.add(new THREE.LineSegments(outline, OTHERS.lines));
+      behind.add(body.object);
+    });
+    $("parts").hidden = $("all").hidden = false;
+    $("whole").textContent = "this pair";
+    $("others").addEventListener("change", showOthers);
+    $("filter").addEventListener("input", listParts);
+    listParts();
+  }
+
+  const OTHERS = {
+    surface: new THREE.MeshLambertMaterial({ color: OTHER, flatShading: true, side: THREE.DoubleSide, transparent: true,
+      polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 4 }),
+    lines: new THREE.LineBasicMaterial({ color: OTHER, transparent: true }),
+  };
+
+  // Faint parts hide nothing, so that the contact is in sight whatever stands before it.
+  function showOthers() {
+    const how = $("others").value;
+    behind.visible = how !== "hidden";
+    Object.assign(OTHERS.surface, { opacity: how === "solid" ? 1 : 0.1, depthWrite: how === "solid", transparent: how !== "solid" });
+    Object.assign(OTHERS.lines, { opacity: how === "solid" ? 0.7 : 0.22, depthWrite: how === "solid" });
+    OTHERS.surface.needsUpdate = true;
+    requestFrame();
+  }
+
+  // One line for each part, with a box that shows or hides it; those of the chosen pair come first.
+  const MOST_LISTED = 400;
+  function listParts() {
+    const words = $("filter").value.trim().toLowerCase();
+    const chosen = whole.members[state.pair] ?? [];
+    const order = whole.bodies.map((body, k) => ({ body, k })).filter(({ body }) => body.name.toLowerCase().includes(words));
+    order.sort((x, y) => chosen.includes(y.k) - chosen.includes(x.k));
+    $("partsCount").textContent = `${whole.bodies.length} parts` + (hiddenParts.size ? `, ${hiddenParts.size} hidden` : "");
+    $("partsList").replaceChildren(...order.slice(0, MOST_LISTED).map(({ body, k }) => {
+      const box = element("input", "");
+      Object.assign(box, { type: "checkbox", checked: !hiddenParts.has(k), name: body.name });
+      box.addEventListener("change", () => showPart(k, box.checked));
+      const sign = element("i", "");
+      sign.style.setProperty("--colour", chosen.includes(k) ? COLOURS[chosen.indexOf(k)] : OTHER);
+      const label = element("label", "");
+      label.append(box, sign, element("span", body.name));
+      const item = element("li", "");
+      item.append(label);
+      return item;
+    }));
+  }
+
+  function showPart(k, visible) {
+    if (visible) hiddenParts.delete(k);
+    else hiddenParts.add(k);
+    showMembers();
+    $("partsCount").textContent = `${whole.bodies.length} parts` + (hiddenParts.size ? `, ${hiddenParts.size} hidden` : "");
+    requestFrame();
+  }
+
+  // The two bodies of the pair are drawn by themselves, and all others behind them.
+  function showMembers() {
+    const members = whole.members[state.pair];
+    whole.bodies.forEach((body, k) => { body.object.visible = !hiddenParts.has(k) && !members.includes(k); });
+    members.forEach((k, which) => {
+      const body = pair.bodies[which];
+      body.object.visible = !hiddenParts.has(k);
+      if (body.ghost) body.ghost.userData.hidden = hiddenParts.has(k);
+    });
+  }
+
+  const wholeRadius = () => (2 * whole.unit) / pair.unit;
+
+  // Carries the frame of the assembly into that of the pair.
+  function putAssembly() {
+    const s = whole.unit / pair.unit;
+    const [x, y, z] = [0, 1, 2].map((i) => (whole.origin[i] - pair.origin[i]) / pair.unit);
+    behind.matrix.set(s, 0, 0, x, 0, s, 0, y, 0, 0, s, z, 0, 0, 0, 1);
+    behind.matrixWorldNeedsUpdate = true;
+    content.add(behind);
+    showMembers();
+    showOthers();
+    listParts();
   }
 
   // -- camera -----------------------------------------------------------------------------------------------
@@ -514,6 +657,21 @@
     writeHash();
   }
 
+  // All parts that are shown, from where the camera looks.
+  function lookAtAll() {
+    if (!controls || !whole) return;
+    scene.updateMatrixWorld(true);
+    const box = new THREE.Box3();
+    const shown = [...whole.bodies, ...pair.bodies].filter((body) => body.object.visible);
+    for (const body of shown) box.union(new THREE.Box3().setFromObject(body.object));
+    if (box.isEmpty()) return;
+    const radius = box.getSize(new THREE.Vector3()).length() / 2;
+    const direction = camera.position.clone().sub(controls.target).normalize();
+    look(box.getCenter(new THREE.Vector3()), radius + distanceFor(0.75 * radius), direction);
+    state.moved = true;
+    writeHash();
+  }
+
   // Near enough that the smaller body fills the picture.
   function lookAtContact() {
     if (!controls || !marker) return;
@@ -537,11 +695,12 @@
         for (const part of body.object.children) if (part.name.startsWith("element ")) part.visible = atContact();
       }
       if (body.ghost) {
-        body.ghost.visible = state.t > pair.window[0];
+        body.ghost.visible = state.t > pair.window[0] && !body.ghost.userData.hidden;
         body.travelled.geometry.instanceCount = body.pathTimes.filter((s) => s <= state.t).length - 1;
         body.travelled.visible = body.travelled.geometry.instanceCount > 0;
       }
     }
+    if (whole) for (const body of whole.bodies) place(body.object, body.motion.at(state.t), body.size);
     if (marker) fade(marker, atContact() ? 1 : 0.4);
     if (shared) fade(shared, atContact() ? 1 : 0.4);
     showTime();
@@ -603,7 +762,7 @@
 
   function draw() {
     const distance = camera.position.distanceTo(controls.target);
-    const radius = framedRadius();
+    const radius = whole ? Math.max(framedRadius(), wholeRadius()) : framedRadius();
     camera.near = Math.max(distance / 500, (distance - 20 * radius) / 2);
     camera.far = distance + 40 * radius;
     camera.updateProjectionMatrix();
@@ -616,6 +775,25 @@
       object.scale.setScalar((object.userData.pixels * perPixel * Math.max(depth, camera.near)) / parent);
     }
     renderer.render(scene, camera);
+    drawTriad(perPixel * distance);
+  }
+
+  // Axes as the camera sees them, and a length in the unit of the scene; perPixel: of the page's frame, at the target.
+  const AXES = [["x", "#d2493c", [1, 0, 0]], ["y", "#3f9650", [0, 1, 0]], ["z", "#3c6fd2", [0, 0, 1]]];
+  function drawTriad(perPixel) {
+    const back = camera.quaternion.clone().invert();
+    const arms = AXES.map(([name, colour, axis]) => ({ name, colour, v: new THREE.Vector3(...axis).applyQuaternion(back) }));
+    arms.sort((p, q) => p.v.z - q.v.z); // the nearest one last, over the others
+    const [svg, caption] = [$("triad").firstElementChild, $("triad").lastElementChild];
+    svg.innerHTML = arms.map(({ name, colour, v }) => {
+      const [x, y] = [v.x * 22, -v.y * 22];
+      return `<line x2="${x}" y2="${y}" stroke="${colour}"/><text x="${x * 1.36}" y="${y * 1.36}" fill="${colour}">${name}</text>`;
+    }).join("");
+    const raw = 90 * perPixel * pair.unit;
+    const power = 10 ** Math.floor(Math.log10(raw));
+    const length = [5, 2, 1].map((k) => k * power).find((x) => x <= raw);
+    caption.firstElementChild.style.width = `${length / (perPixel * pair.unit)}px`;
+    caption.lastElementChild.textContent = `${Number(length.toPrecision(1))}${DATA.unit ? ` ${DATA.unit}` : ""}`;
   }
 
   // -- words and controls -----------------------------------------------------------------------------------
@@ -633,6 +811,7 @@
     $("title").hidden = many;
     $("pairs").hidden = !many;
     $("pairs").value = String(state.pair);
+    showSteps();
     $("status").textContent = STATUS[pair.status];
     $("status").className = pair.status;
     $("rows").replaceChildren(...pair.rows.flatMap(([label, text]) => [element("dt", label), element("dd", text)]));
@@ -650,6 +829,41 @@
     $("contact").disabled = pair.contact === null;
     $("closer").hidden = !pair.point;
     showTimeline();
+  }
+
+  // Contacts in the order of their times: which of them is shown, and all of them on the bar.
+  const contacts = DATA.pairs.map((p, k) => ({ k, time: p.contact })).filter(({ time }) => time !== null);
+  contacts.sort((x, y) => x.time - y.time || x.k - y.k);
+
+  function showSteps() {
+    const many = Boolean(whole) && contacts.length > 0;
+    $("stepper").hidden = $("ticks").hidden = !many;
+    if (!many) return;
+    const at = contacts.findIndex(({ k }) => k === state.pair);
+    $("count").textContent = at < 0 ? `${contacts.length} contacts` : `${at + 1} of ${contacts.length}`;
+    $("before").disabled = at === 0;
+    $("after").disabled = at === contacts.length - 1;
+    const [lo, hi] = pair.window;
+    $("ticks").replaceChildren(...contacts.filter(({ time }) => lo <= time && time <= hi).map(({ k, time }) => {
+      const tick = element("button", "", k === state.pair ? "chosen" : "");
+      tick.type = "button";
+      tick.title = `${DATA.pairs[k].title}: ${time}`;
+      tick.tabIndex = -1; // the buttons beside the count step through them
+      tick.style.left = `${hi > lo ? (100 * (time - lo)) / (hi - lo) : 0}%`;
+      tick.addEventListener("click", () => stepTo(k));
+      return tick;
+    }));
+  }
+
+  function stepTo(k) {
+    choosePair(k);
+    writeHash();
+  }
+
+  function step(by) {
+    const at = contacts.findIndex(({ k }) => k === state.pair);
+    const next = contacts[at < 0 ? 0 : at + by];
+    if (whole && next) stepTo(next.k);
   }
 
   // One line for each part of the picture of a curve, with a box that shows or hides it.
@@ -728,9 +942,15 @@
     $("contact").addEventListener("click", toContact);
     $("whole").addEventListener("click", resetView);
     $("closer").addEventListener("click", lookAtContact);
+    $("all").addEventListener("click", lookAtAll);
+    $("before").addEventListener("click", () => step(-1));
+    $("after").addEventListener("click", () => step(1));
     addEventListener("keydown", (event) => {
       if (event.target.closest("select, button") && event.key === " ") return;
-      const act = { " ": () => play(!state.playing), c: toContact, r: resetView, z: lookAtContact }[event.key];
+      if (event.target.closest("input[type=search]")) return;
+      const act = {
+        " ": () => play(!state.playing), c: toContact, r: resetView, z: lookAtContact, a: lookAtAll, n: () => step(1), p: () => step(-1),
+      }[event.key];
       if (!act || event.ctrlKey || event.metaKey || event.altKey) return;
       event.preventDefault();
       act();
@@ -823,6 +1043,9 @@
     get status() { return pair.status; },
     get pair() { return state.pair; },
     get pairCount() { return DATA.pairs.length; },
+    get partCount() { return whole ? whole.bodies.length : 0; },
+    get scale() { return $("triad").lastElementChild.textContent; },
+    step, showPart, lookAtAll,
     get objects() { return objects(); },
     get camera() { return [...camera.position.toArray(), ...(controls?.target.toArray() ?? [])]; },
     pose: (which) => [...pair.bodies[which].motion.at(state.t)],
@@ -831,6 +1054,7 @@
   };
 
   setUpStage();
+  setUpAssembly();
   setUpControls();
   choosePair(0);
   readHash();

@@ -1,0 +1,45 @@
+"""What a scene lets touch: rules, and what they make of an answer."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from fnmatch import fnmatchcase
+
+from firstcontact.result import FirstContact, Status
+
+
+@dataclass(frozen=True)
+class Rule:
+    """Pairs of bodies by patterns of their names, such as "bolt*"; touching: only what touches at the start."""
+
+    a: str = "*"
+    b: str = "*"
+    touching: bool = False
+    why: str = ""
+
+    def takes(self, x: str, y: str) -> bool:
+        return any(fnmatchcase(p, self.a) and fnmatchcase(q, self.b) for p, q in ((x, y), (y, x)))
+
+    def __str__(self) -> str:
+        rule = "touching = true" if self.touching else f"{self.a} / {self.b}"
+        return f"{rule}: {self.why}" if self.why else rule
+
+
+def rule_for(rules: Iterable[Rule], x: str, y: str) -> Rule | None:
+    """The first rule that takes the pair, those that name it before others."""
+    return next((rule for rule in sorted(rules, key=lambda r: r.touching) if rule.takes(x, y)), None)
+
+
+def let_pass(found: FirstContact, rule: Rule | None) -> FirstContact:
+    """The answer with what was let pass and why; a start in contact that is no touch only where a rule names the pair.
+
+    Of such a pair nothing else is proved.
+    """
+    if rule is None:
+        return found
+    if found.allowed is not None:
+        return replace(found, allowed=f"{found.allowed} ({rule})")
+    if found.status is not Status.INITIAL_CONTACT or rule.touching:
+        return found
+    return replace(found, allowed=f"{found.initial or 'in contact'} at the start, so not looked at further ({rule})")

@@ -1,0 +1,322 @@
+"""The first new contact of polyhedra that touch at the start, by their triangles.
+
+Let F, G be facets of the two in one plane that the motion keeps, with the bodies on different sides.  A triangle of a
+that lies on a's side and meets the plane within F, and one of b that does so with G, share points of F and G alone, at
+all times: an old contact.  All other pairs of triangles that share no point at the start are searched for their first
+contact; those that part at once, for their next one; those that meet on the axis of a rotation, which stays as it is,
+for one beside it.  Before the earliest of these times all contacts are old.  Nor do the bodies overlap before it: where
+they begin to, triangles cross along a curve, and where that is in F and G, the bodies are on different sides.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from firstcontact import query
+from firstcontact.assembly.kept import generators, is_kept
+from firstcontact.assembly.new_contact import Asking, Lasts, after_start, earliest, renamed
+from firstcontact.body.polyhedron.polyhedron import Polyhedron
+from firstcontact.body.solid.carriers import Plane, Rows, upright
+from firstcontact.exact.numbers import fraction, sign
+from firstcontact.exact.vectors import Vector, along, cross, dot, sub
+from firstcontact.motion.moving import Moving, shape_of
+from firstcontact.motion.rotation import Rotation
+from firstcontact.result import Element, FirstContact
+from firstcontact.search.trees.containment import contains
+from firstcontact.search.trees.frame import tree_of
+
+MOST_PAIRS = 400
+"""Pairs of triangles that are looked at one by one; more take too long."""
+
+
+def by_faces(a: Any, b: Any, asking: Asking) -> FirstContact | None:
+    """None for other bodies, and where too many triangles touch.  Raises Lasts."""
+    if not all(isinstance(shape_of(x), Polyhedron) and len(shape_of(x).triangles) for x in (a, b)):
+        return None
+    sides = Mesh(a), Mesh(b)
+    met = _met_at_start(sides, asking)
+    stars = _stars(sides, met, generators(a, b) if asking.first == 0 else None)
+    alone = {pair for pair in met if not any(pair[0] in x and pair[1] in y for x, y in stars)}
+    if len(alone) > MOST_PAIRS:
+        return None
+    found = list(_apart_at_start(sides, stars, alone, asking))
+    for x, y in sorted(alone):
+        found += _after_start(sides[0].part([x]), sides[1].part([y]), asking)
+    return earliest(found, asking)
+
+
+class Mesh:
+    """A polyhedron as the answer looks at it: triangles by numbers, exactly."""
+
+    def __init__(self, body: Any, face: int | None = None) -> None:
+        """face: of which the triangles are pieces, if they are."""
+        self.body, self.shape, self.face = body, shape_of(body), face
+        self.triangles: np.ndarray = self.shape.triangles
+        self._exact: dict[int, Vector] = {}
+
+    def point(self, vertex: int) -> Vector:
+        if vertex not in self._exact:
+            self._exact[vertex] = self.shape.exact_vertex(vertex)
+        return self._exact[vertex]
+
+    def corners(self, triangle: int) -> list[int]:
+        corners: list[int] = self.triangles[triangle].tolist()
+        return corners
+
+    def plane(self, triangle: int) -> Plane | None:
+        """By coprime integers, alike for all triangles in it; None of a triangle without area."""
+        p, q, r = map(self.point, self.corners(triangle))
+        n = cross(sub(q, p), sub(r, p))
+        return Plane(upright((*n, -dot(n, p)))) if any(n) else None
+
+    @cached_property
+    def _around(self) -> dict[tuple[int, int], list[int]]:
+        """The triangles along each edge, by its vertices."""
+        around = defaultdict(list)
+        for k, corners in enumerate(self.triangles.tolist()):
+            for edge in _edges(corners):
+                around[edge].append(k)
+        return around
+
+    def facet(self, triangle: int, plane: Plane) -> frozenset[int]:
+        """The triangles in the plane that hang together with that one by edges of two triangles."""
+        facet, waiting = {triangle}, [triangle]
+        while waiting:
+            for edge in _edges(self.corners(waiting.pop())):
+                beside = self._around[edge]
+                new = [k for k in beside if k not in facet and len(beside) == 2 and self.plane(k) == plane]
+                facet.update(new)
+                waiting += new
+        return frozenset(facet)
+
+    def inner_side(self, triangle: int, plane: Plane) -> int:
+        """The sign of the plane's form on the body's side of the triangle; 0 where it has no inside."""
+        if not self.shape.solid:
+            return 0
+        centre = [(x + 2 * y + 4 * z) / 7 for x, y, z in zip(*map(self.point, self.corners(triangle)), strict=True)]
+        axis = next(k for k in range(3) if plane.normal[k])
+        ahead = contains(self.shape, tree_of(self.shape), tuple(centre), axis, (triangle,))  # type: ignore[arg-type]
+        return sign(plane.normal[axis]) * (1 if ahead else -1)
+
+    def star(self, facet: frozenset[int], plane: Plane, side: int) -> frozenset[int]:
+        """The triangles on that side of the plane that meet it within the facet, and somewhere."""
+        vertices = {v for k in facet for v in self.corners(k)}
+        edges = {edge for k in facet for edge in _edges(self.corners(k))}
+        near = np.flatnonzero(np.isin(self.triangles, list(vertices)).any(axis=1))
+        return facet | {k for k in near.tolist() if self._is_within(k, vertices, edges, plane, side)}
+
+    def _is_within(self, triangle: int, vertices: set[int], edges: set[Any], plane: Plane, side: int) -> bool:
+        corners = self.corners(triangle)
+        heights = [side * sign(plane.value((*self.point(v), 1))) for v in corners]
+        on = [v for v, height in zip(corners, heights, strict=True) if height == 0]
+        if min(heights) < 0 or len(on) == 3:
+            return False
+        return set(on) <= vertices if len(on) == 1 else _edge(*on) in edges
+
+    def part(self, triangles: Iterable[int]) -> Part:
+        """These triangles as a surface that moves as the body does."""
+        chosen = np.array(sorted(triangles))
+        vertices, faces = np.unique(self.triangles[chosen], return_inverse=True)
+        return self._part(vertices, faces.reshape(-1, 3), [], chosen)
+
+    def points(self, vertices: Sequence[int]) -> Part:
+        return self._part(np.array(vertices), [], None, np.empty(0, int))
+
+    def rods(self, edges: Sequence[tuple[int, int]]) -> Part:
+        vertices, ends = np.unique(np.array(edges), return_inverse=True)
+        return self._part(vertices, [], ends.reshape(-1, 2), np.empty(0, int))
+
+    def _part(self, vertices: np.ndarray, faces: Any, edges: Any, triangles: np.ndarray) -> Part:
+        shape = self.shape
+        if shape.error == 0.0:
+            places: Any = shape.vertices[vertices]
+        else:
+            places = [[fraction(x) for x in self.point(v)] for v in vertices.tolist()]
+        body: Any = Polyhedron(places, faces, edges=edges if len(faces) == 0 else None, solid=False, name=shape.name)
+        moving = Moving(body, self.body.motion) if isinstance(self.body, Moving) else body
+        return Part(self, moving, vertices, triangles)
+
+
+@dataclass(frozen=True)
+class Part:
+    """Some elements of a mesh as a body; vertices, triangles: their numbers in the mesh."""
+
+    mesh: Mesh
+    body: Any
+    vertices: np.ndarray
+    triangles: np.ndarray
+
+    def element(self, element: Element) -> Element:
+        """What users call an element of the part."""
+        shape, own = self.mesh.shape, shape_of(self.body)
+        if self.mesh.face is not None:
+            return replace(element, kind="face", index=self.mesh.face)
+        if element.kind == "vertex":
+            return replace(element, index=int(self.vertices[element.index]))
+        if element.kind == "face":
+            return replace(element, index=int(shape.triangle_face[self.triangles[element.index]]))
+        ends = _edge(*self.vertices[own.edges[element.index]].tolist())
+        index = np.flatnonzero((np.sort(shape.edges, axis=1) == ends).all(axis=1))
+        if len(index):
+            return replace(element, index=int(index[0]))
+        return replace(element, kind="face", index=int(shape.triangle_face[self.mesh._around[ends][0]]))  # a diagonal
+
+
+def _edge(p: int, q: int) -> tuple[int, int]:
+    return (p, q) if p < q else (q, p)
+
+
+def _edges(corners: Sequence[int]) -> Iterator[tuple[int, int]]:
+    p, q, r = corners
+    return iter((_edge(p, q), _edge(q, r), _edge(r, p)))
+
+
+def _met_at_start(sides: tuple[Mesh, Mesh], asking: Asking) -> set[tuple[int, int]]:
+    """Pairs of triangles, among them all that share a point at the start.  Raises Lasts."""
+    first, _ = asking.span
+    found = query.contact_pairs(sides[0].body, sides[1].body, (first, first))
+    if len(found.piercing) and not (sides[0].shape.solid or sides[1].shape.solid):
+        raise Lasts  # sheets that pass through each other
+    met: set[tuple[int, int]] = set()
+    for pair in (*found.pairs, *found.piercing, *found.undecided):
+        met.update(product(_holding(sides[0], pair.element_a), _holding(sides[1], pair.element_b)))
+    return met
+
+
+def _holding(mesh: Mesh, element: Element) -> list[int]:
+    """The triangles of the element, or around it."""
+    if element.kind == "face":
+        return np.flatnonzero(mesh.shape.triangle_face == element.index).tolist()
+    if element.kind == "edge":
+        return mesh._around[_edge(*mesh.shape.edges[element.index].tolist())]
+    return np.flatnonzero((mesh.triangles == element.index).any(axis=1)).tolist()
+
+
+Star = tuple[frozenset[int], frozenset[int]]
+"""Triangles of a and of b whose pairs share old contacts alone."""
+
+
+def _stars(sides: tuple[Mesh, Mesh], met: set[tuple[int, int]], by: list[Rows] | None) -> list[Star]:
+    if by is None:
+        return []
+    planes: tuple[dict[int, Plane | None], ...] = ({}, {})
+    done: set[Star] = set()
+    stars = []
+    for pair in sorted(met):
+        for k, x in enumerate(pair):
+            planes[k].setdefault(x, sides[k].plane(x))
+        plane = planes[0][pair[0]]
+        if plane is None or plane != planes[1][pair[1]] or not is_kept(plane, by):
+            continue
+        if any(pair[0] in facet_a and pair[1] in facet_b for facet_a, facet_b in done):
+            continue
+        facets = sides[0].facet(pair[0], plane), sides[1].facet(pair[1], plane)
+        done.add(facets)
+        inner = sides[0].inner_side(pair[0], plane), sides[1].inner_side(pair[1], plane)
+        if inner[0] != inner[1] or inner == (0, 0):  # not on the same side
+            side = inner[0] or -inner[1] or 1
+            stars.append((sides[0].star(facets[0], plane, side), sides[1].star(facets[1], plane, -side)))
+    return stars
+
+
+def _apart_at_start(
+    sides: tuple[Mesh, Mesh], stars: list[Star], alone: set[tuple[int, int]], asking: Asking
+) -> Iterator[FirstContact]:
+    """First contacts of all pairs of triangles that are neither in one star nor alone."""
+    partners = defaultdict(set)
+    for x, y in alone:
+        partners[x].add(y)
+    groups: dict[frozenset[int], list[int]] = defaultdict(list)
+    for x in range(len(sides[0].triangles)):
+        left_out = partners[x].union(*(star[1] for star in stars if x in star[0]))
+        groups[frozenset(left_out)].append(x)
+    everything = set(range(len(sides[1].triangles)))
+    for known, group in groups.items():
+        if others := everything - known:
+            part, other = sides[0].part(group), sides[1].part(others)
+            yield renamed(asking.first_contact(part.body, other.body), part.element, other.element)
+
+
+def _after_start(x: Part, y: Part, asking: Asking) -> list[FirstContact]:
+    """New contacts of two triangles that may touch at the start.  Raises Lasts."""
+    try:
+        return [renamed(after_start(x.body, y.body, asking), x.element, y.element)]
+    except Lasts:
+        axis = _axis(x.mesh.body, y.mesh.body)
+        if axis is None:
+            raise
+    pieces = product(_cut_along(x, axis), _cut_along(y, axis))
+    pairs = [pair for piece in pieces for pair in _beside_axis(*piece, axis)]
+    return [renamed(after_start(p.body, q.body, asking), p.element, q.element) for p, q in pairs]
+
+
+def _axis(a: Any, b: Any) -> Rotation | None:
+    """The motion of one of them, if it is a rotation and the other one rests."""
+    motions = [x.motion for x in (a, b) if isinstance(x, Moving)]
+    return motions[0] if len(motions) == 1 and isinstance(motions[0], Rotation) else None
+
+
+def _cut_along(part: Part, axis: Rotation) -> list[Part]:
+    """The triangle, in pieces that meet the axis at corners alone.  Raises Lasts where it is elsewhere, or nowhere."""
+    mesh, (triangle,) = part.mesh, part.triangles.tolist()
+    plane, corners = mesh.plane(triangle), [mesh.point(v) for v in mesh.corners(triangle)]
+    if plane is None:
+        raise Lasts
+    beside = [dot(plane.normal, cross(sub(p, axis.point), axis.axis)) for p in corners]
+    if min(beside) >= 0 or max(beside) <= 0 or not _holds(plane, axis):
+        if not any(_is_on(p, axis) for p in corners):
+            raise Lasts
+        return [part]
+    pieces = [_clipped(corners, beside, side) for side in (1, -1)]
+    places = [[fraction(x) for x in p] for piece in pieces for p in piece]
+    faces = [[k, k + n, k + n + 1] for k, piece in ((0, pieces[0]), (len(pieces[0]), pieces[1]))
+             for n in range(1, len(piece) - 1)]  # fmt: skip
+    shape: Any = Polyhedron(places, faces, solid=False, name=mesh.shape.name)
+    moving = Moving(shape, mesh.body.motion) if isinstance(mesh.body, Moving) else shape
+    cut = Mesh(moving, int(mesh.shape.triangle_face[triangle]))
+    return [cut.part([k]) for k in range(len(faces))]
+
+
+def _holds(plane: Plane, axis: Rotation) -> bool:
+    return dot(plane.normal, axis.axis) == 0 and plane.value((*axis.point, 1)) == 0
+
+
+def _is_on(point: Vector, axis: Rotation) -> bool:
+    return not any(cross(sub(point, axis.point), axis.axis))
+
+
+def _clipped(corners: Sequence[Vector], beside: Sequence[Any], side: int) -> list[Vector]:
+    """The corners of what lies on one side of the axis."""
+    kept: list[Vector] = []
+    for k, (p, height) in enumerate(zip(corners, beside, strict=True)):
+        q, other = corners[k - 1], beside[k - 1]
+        if height * other < 0:
+            kept.append(along(q, other / (other - height), sub(p, q)))
+        if side * height >= 0:
+            kept.append(p)
+    return kept
+
+
+def _beside_axis(x: Part, y: Part, axis: Rotation) -> Iterator[tuple[Part, Part]]:
+    """Parts of two triangles that meet where these begin to meet beside the axis.
+
+    Two edges from one point of the axis meet beside it no sooner than the end of one of them meets the other one.
+    """
+    on = [{v for v in part.mesh.corners(int(part.triangles[0])) if _is_on(part.mesh.point(v), axis)}
+          for part in (x, y)]  # fmt: skip
+    edges = []
+    for part, own in zip((x, y), on, strict=True):
+        corners = part.mesh.corners(int(part.triangles[0]))
+        loose = part.mesh.points([v for v in corners if v not in own])
+        yield (loose, y) if part is x else (x, loose)
+        edges.append([edge for edge in _edges(corners) if not set(edge) <= own])
+    for p, q in product(*edges):
+        if not ({x.mesh.point(v) for v in on[0] & set(p)} & {y.mesh.point(v) for v in on[1] & set(q)}):
+            yield x.mesh.rods([p]), y.mesh.rods([q])

@@ -1,0 +1,187 @@
+"""`first_new_contact`: bodies that touch at the start, and what they touch after that.
+
+A point at which the bodies touch later is an old contact where it lies in a plane or surface in which they touched at
+the start and along which they slide, or on the axis about which they turn; any other shared point, inside a solid
+too, is a new one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+from firstcontact import query
+from firstcontact.errors import UnsupportedPair
+from firstcontact.exact.numbers import exact_value, fraction, to_double
+from firstcontact.motion.span import common_span
+from firstcontact.result import ContactIntervals, Element, ElementPair, FirstContact, Status
+from firstcontact.work import Progress
+
+TOUCHING = "touching at the start"
+LASTING = "contact"
+"""Why an answer is open: contact lasts from the start on, and nothing tells which of it is new."""
+
+
+@dataclass(frozen=True)
+class Asking:
+    """The verbs' arguments for every question about two bodies, or parts of them, from `first` to `last` (or None)."""
+
+    first: Any
+    last: Any
+    arguments: dict[str, Any]
+
+    @property
+    def start(self) -> float:
+        return to_double(self.first)
+
+    @property
+    def span(self) -> tuple[Any, Any]:
+        return fraction(self.first), float("inf") if self.last is None else fraction(self.last)
+
+    def first_contact(self, a: Any, b: Any, since: Any = None) -> FirstContact:
+        """Over the span, or from a later time on."""
+        first, last = self.span
+        return query.first_contact(a, b, (first if since is None else since, last), **self.arguments)
+
+    def intervals(self, a: Any, b: Any) -> ContactIntervals:
+        arguments = {key: value for key, value in self.arguments.items() if key != "engine"}
+        return query.contact_intervals(a, b, self.span, **arguments)
+
+    def at_start(self, a: Any, b: Any) -> FirstContact:
+        first, _ = self.span
+        return query.first_contact(a, b, (first, first))
+
+    def undecided(self, reason: str | None, until: float | None = None) -> FirstContact:
+        return FirstContact(Status.UNDECIDED, free_until=self.start if until is None else until, reason=reason)
+
+
+class Lasts(Exception):
+    """Contact lasts from the start on."""
+
+
+Way = Callable[[Any, Any, Asking], FirstContact | None]
+"""The first new contact of bodies that touch at the start; None where this way does not tell."""
+
+
+def first_new_contact(
+    a: Any,
+    b: Any,
+    span: Any = None,
+    *,
+    exact: bool = False,
+    tolerance: float = 1e-12,
+    budget: int | None = None,
+    progress: Progress | None = None,
+) -> FirstContact:
+    """FirstContact as `first_contact` finds it, but of bodies that touch at the start the first new contact.
+
+    Old contacts are those in a plane or surface in which the bodies touched at the start and along which they slide,
+    and on the axis about which they turn; every other shared point is new, inside solids too.  Then `allowed` says
+    "touching at the start", Status.FREE proves that there is no new contact at any time of the span, and what is not
+    decided is UNDECIDED: reason "contact" where contact lasts and no proof tells old from new.
+
+    Arguments as in `first_contact`; the budget is that of each question asked on the way.
+
+    >>> import firstcontact as fc
+    >>> drawer = fc.box((1, 1, 1)).translated((0, 0, "1/2"))
+    >>> rail = (fc.box((6, 1, 1)) | fc.box((1, 1, 3)).translated((3, 0, 0))).translated((0, 0, "-1/2"))
+    >>> hit = fc.first_new_contact(drawer.moving(fc.Translation((4, 0, 0))), rail)
+    >>> hit.status.name, hit.time, hit.allowed
+    ('CONTACT', 0.5, 'touching at the start')
+    """
+    arguments = {"exact": exact, "tolerance": tolerance, "budget": budget, "progress": progress}
+    first = query.first_contact(a, b, span, **arguments)  # type: ignore[arg-type]
+    if first.status is not Status.INITIAL_CONTACT or first.initial != "touching":
+        return first
+    asking = Asking(*common_span(first.a, first.b, span), arguments)
+    found = _new_contact(first.a, first.b, asking)
+    work = first.stats + found.stats
+    return replace(found, a=first.a, b=first.b, span=first.span, stats=work, allowed=TOUCHING)
+
+
+def _new_contact(a: Any, b: Any, asking: Asking) -> FirstContact:
+    from firstcontact.assembly.faces import by_faces
+    from firstcontact.assembly.parts import by_parts
+
+    ways: tuple[Way, ...] = by_faces, by_parts, by_intervals
+    for way in ways:
+        try:
+            found = way(a, b, asking)
+        except Lasts:
+            return _lasting(a, b, asking)
+        except UnsupportedPair:  # of a question asked on the way: the pair itself is one
+            found = None
+        if found is not None:
+            return found
+    return asking.undecided(LASTING)
+
+
+def by_intervals(a: Any, b: Any, asking: Asking) -> FirstContact | None:
+    """The next contact of bodies that part at once.  Raises Lasts where they do not."""
+    return after_start(a, b, asking)
+
+
+def after_start(a: Any, b: Any, asking: Asking) -> FirstContact:
+    """The first contact of bodies whose contact at the start, if any, ends at once.  Raises Lasts where it does not."""
+    found, k, begin = asking.intervals(a, b), 0, asking.start
+    if len(found) and found[0].start_interval[0] <= begin:
+        if found[0].end_interval != (begin, begin):
+            raise Lasts
+        k = 1
+    if len(found) <= k:
+        return FirstContact(
+            found.status if found.status is Status.UNDECIDED else Status.FREE,
+            free_until=found.free_until if found.status is Status.UNDECIDED else found.span[1], reason=found.reason,
+        )  # fmt: skip
+    if k == 0:
+        return asking.first_contact(a, b)
+    free = (exact_value(begin) + exact_value(found[k].start_interval[0])) / 2
+    if not asking.first < free:
+        return asking.undecided("precision")
+    return asking.first_contact(a, b, fraction(free))
+
+
+def _lasting(a: Any, b: Any, asking: Asking) -> FirstContact:
+    """A new contact at once, where the bodies overlap soon after the start; else it is open."""
+    length = exact_value(1.0) if asking.last is None else asking.last - asking.first
+    soon = to_double(asking.first + length * exact_value(min(asking.arguments["tolerance"], 1e-12)))
+    if not asking.start < soon:  # the span is one instant, or nearly
+        return asking.undecided(LASTING)
+    then = query.first_contact(a, b, (soon, soon))
+    if then.initial not in ("overlapping", "containment"):
+        return asking.undecided(LASTING)
+    told = then if then.element_a is not None else asking.at_start(a, b)
+    return FirstContact(
+        Status.CONTACT, time=asking.start, time_interval=(asking.start, soon), free_until=asking.start,
+        point=told.point, element_a=told.element_a, element_b=told.element_b, multiplicity=told.multiplicity,
+    )  # fmt: skip
+
+
+Name = Callable[[Element], Element]
+
+
+def renamed(found: FirstContact, name_a: Name, name_b: Name) -> FirstContact:
+    """An answer about parts with elements as users call them; what else the bodies share then was not looked for."""
+    if found.element_a is None or found.element_b is None:
+        return found
+    first = ElementPair(name_a(found.element_a), name_b(found.element_b))
+    more = (ElementPair(name_a(pair.element_a), name_b(pair.element_b)) for pair in found.others)
+    _, *others = dict.fromkeys((first, *more))
+    return replace(
+        found, element_a=first.element_a, element_b=first.element_b, others=tuple(others),
+        multiplicity=1 + len(others), contact_set=None,
+    )  # fmt: skip
+
+
+def earliest(found: list[FirstContact], asking: Asking) -> FirstContact:
+    """Of answers about parts that together are the bodies, the one for all of them."""
+    contacts = [x for x in found if x.time_interval is not None]
+    open_ones = [x for x in found if x.status is Status.UNDECIDED]
+    best = min(contacts, key=lambda x: (x.time_interval, x.time), default=None)
+    until = min((x.free_until for x in open_ones if x.free_until is not None), default=float("inf"))
+    if open_ones and (best is None or best.time_interval is None or until < best.time_interval[1]):
+        return replace(min(open_ones, key=lambda x: x.free_until or 0.0), free_until=max(until, asking.start))
+    if best is not None:
+        return best
+    return FirstContact(Status.FREE, free_until=asking.span[1] if asking.last is None else to_double(asking.last))

@@ -1,0 +1,161 @@
+"""The first new contact of solids of planes and quadrics, or one and a mesh, that touch at the start, by their parts.
+
+A solid is the union of intersections of half-spaces and their likes.  Two such parts that a surface separates, which
+the motion keeps, never overlap, and share points of that surface alone: old contacts, if they touch at the start.  All
+others are asked for their first contact, or, where they part at once, for their next one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+from firstcontact.assembly.kept import generators, is_kept
+from firstcontact.assembly.new_contact import Asking, after_start, earliest, renamed
+from firstcontact.body.polyhedron.polyhedron import Polyhedron
+from firstcontact.body.solid.carriers import Plane, Rows, Surface
+from firstcontact.body.solid.composite_quadric import CompositeQuadric, NoSolid
+from firstcontact.body.solid.csg import And, Leaf, Not, Or, Tree, conjunction, renumbered, surfaces_of
+from firstcontact.contact.models.answer import element as named
+from firstcontact.motion.moving import Moving, shape_of
+from firstcontact.result import Element, FirstContact, Status
+
+MOST_PARTS = 200
+"""Of a solid; pairs of them are asked about one by one."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """An intersection, or a mesh, which moves as its body does; sides: its surfaces, negative inside."""
+
+    body: Any
+    sides: frozenset[Surface]
+    whole: CompositeQuadric | None = None
+    """The solid; None of a mesh."""
+
+    def element(self, element: Element) -> Element:
+        """What users call an element of the part: the solid's own on the same surfaces, or a face on one of them."""
+        if self.whole is None:
+            return element
+        part: CompositeQuadric = shape_of(self.body)._with(whole=self.whole)
+        own: dict[str, Any] = {"face": part.faces, "edge": part.edges, "vertex": part.vertices, "apex": part.vertices}
+        feature = own[element.kind][element.index]
+        carriers = {part.surfaces[k] for k in feature.surfaces}
+        faces = [x for x in self.whole.faces if carriers & {self.whole.surfaces[k] for k in x.surfaces}]
+        try:
+            feature = part.of_whole(feature)
+        except ValueError:  # where parts meet it is none of the solid's
+            feature = faces[0] if faces else feature
+        return named(self.whole, feature, element.body)
+
+
+def by_parts(a: Any, b: Any, asking: Asking) -> FirstContact | None:
+    """None for other bodies and motions, and where there are too many parts.  Raises Lasts."""
+    by = generators(a, b)
+    if by is None or asking.first != 0:
+        return None
+    parts = [_parts(x) for x in (a, b)]
+    if parts[0] is None or parts[1] is None or not any(x.sides for side in parts for x in side or ()):
+        return None
+    found = []
+    for x, y in product(parts[0], parts[1]):
+        if asking.at_start(x.body, y.body).status is not Status.INITIAL_CONTACT:
+            found.append(renamed(asking.first_contact(x.body, y.body), x.element, y.element))
+        elif not _is_separated(x, y, by):
+            found.append(renamed(after_start(x.body, y.body, asking), x.element, y.element))
+    return earliest(found, asking)
+
+
+def _is_separated(x: Part, y: Part, by: Sequence[Rows]) -> bool:
+    """Whether a surface that the motion keeps has one part on its one side and the other one on its other side."""
+    if any(side.negated() in y.sides and is_kept(side, by) for side in x.sides):
+        return True
+    return any(
+        is_kept(side, by) and _is_beyond(other.body, side) for one, other in ((x, y), (y, x)) for side in one.sides
+    )
+
+
+def _is_beyond(body: Any, side: Surface) -> bool:
+    """Whether all of it lies where the surface's form is not negative."""
+    shape = shape_of(body)
+    if isinstance(shape, Polyhedron):
+        points = (shape.exact_vertex(k) for k in range(len(shape.vertices)))
+        return isinstance(side, Plane) and all(side.value((*p, 1)) >= 0 for p in points)
+    try:
+        shape & CompositeQuadric([side], Leaf(0))
+    except NoSolid:
+        return True
+    return False
+
+
+def _parts(body: Any) -> list[Part] | None:
+    """None of other bodies, and where there are too many."""
+    model: Any = shape_of(body)
+    if isinstance(model, Polyhedron):
+        return [Part(body, frozenset())]
+    if not isinstance(model, CompositeQuadric):
+        return None
+    known: list[tuple[list[Tree], Any]] = [([], None)]
+    for factor in _factors(model.tree, False):
+        grown: list[tuple[list[Tree], Any]] = []
+        for literals, _ in known:
+            for more in _terms(factor):
+                try:
+                    grown.append(([*literals, *more], _intersection(model, [*literals, *more])))
+                except NoSolid:
+                    continue
+        if len(grown) > MOST_PARTS:
+            return None
+        known = grown
+    return [
+        Part(Moving(part, body.motion) if isinstance(body, Moving) else part, frozenset(_sides(model, literals)), model)
+        for literals, part in known
+    ]
+
+
+def _factors(tree: Tree, turned: bool) -> list[tuple[Tree, bool]]:
+    """Trees, turned inside out or not, whose intersection it is: the smaller ones first."""
+    if isinstance(tree, Not):
+        return _factors(tree.inner, not turned)
+    if isinstance(tree, Or if turned else And):
+        both = [*_factors(tree.first, turned), *_factors(tree.second, turned)]
+        return sorted(both, key=lambda x: not isinstance(x[0], Leaf))
+    return [(tree, turned)]
+
+
+def _terms(factor: tuple[Tree, bool]) -> Iterator[list[Tree]]:
+    """Lists of leaves, turned or not, of which the factor is the union of intersections."""
+    tree, turned = factor
+    if isinstance(tree, Leaf):
+        yield [Not(tree) if turned else tree]
+        return
+    if isinstance(tree, Not):
+        yield from _terms((tree.inner, not turned))
+    elif isinstance(tree, And if turned else Or):
+        yield from _terms((tree.first, turned))
+        yield from _terms((tree.second, turned))
+    else:
+        for first in _terms((tree.first, turned)):
+            for second in _terms((tree.second, turned)):
+                yield [*first, *second]
+
+
+def _intersection(model: CompositeQuadric, literals: Sequence[Tree]) -> CompositeQuadric:
+    """Raises NoSolid where it has no inside in the model's box."""
+    trees = list(dict.fromkeys(literals))
+    used = sorted({k for x in trees for k in surfaces_of(x)})
+    leaves: list[Tree] = [Leaf(used.index(k) if k in used else -1) for k in range(len(model.surfaces))]
+    tree = renumbered(conjunction(trees), leaves)
+    surfaces = [model.surfaces[k] for k in used]
+    return CompositeQuadric(surfaces, tree, box=model._box, name=model.name, forms=model.forms[used])
+
+
+def _sides(model: CompositeQuadric, literals: Sequence[Tree]) -> Iterator[Surface]:
+    for x in literals:
+        if isinstance(x, Not):
+            assert isinstance(x.inner, Leaf)
+            yield model.surfaces[x.inner.surface].negated()
+        elif isinstance(x, Leaf):
+            yield model.surfaces[x.surface]
