@@ -33,6 +33,8 @@ if TYPE_CHECKING:
     from firstcontact.errors import FirstContactError as FirstContactError
     from firstcontact.errors import InputError as InputError
     from firstcontact.errors import UnsupportedPair as UnsupportedPair
+    from firstcontact.mechanism.joints import Joint as Joint
+    from firstcontact.mechanism.mechanism import Mechanism as Mechanism
     from firstcontact.motion.arrays import Poses as Poses
     from firstcontact.motion.arrays import Rotations as Rotations
     from firstcontact.motion.arrays import Translations as Translations
@@ -54,6 +56,7 @@ if TYPE_CHECKING:
     from firstcontact.result import Element as Element
     from firstcontact.result import ExactAngle as ExactAngle
     from firstcontact.result import FirstContact as FirstContact
+    from firstcontact.result import JointValue as JointValue
     from firstcontact.result import Status as Status
     from firstcontact.result_curve import IntersectionCurve as IntersectionCurve
     from firstcontact.result_table import ContactIntervalTable as ContactIntervalTable
@@ -82,6 +85,8 @@ _HOME = {
     "FirstContactError": "errors",
     "InputError": "errors",
     "UnsupportedPair": "errors",
+    "Joint": "mechanism.joints",
+    "Mechanism": "mechanism.mechanism",
     "Poses": "motion.arrays",
     "Rotations": "motion.arrays",
     "Translations": "motion.arrays",
@@ -107,6 +112,7 @@ _HOME = {
     "Element": "result",
     "ExactAngle": "result",
     "FirstContact": "result",
+    "JointValue": "result",
     "Status": "result",
     "ContactIntervalTable": "result_table",
     "ContactTable": "result_table",

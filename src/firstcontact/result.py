@@ -166,6 +166,7 @@ class _Deferring(_NoTruth):
         record, put = object.__new__(cls), _setters(cls)  # type: ignore[arg-type]
         put["_rest"](record, rest)
         put["keeps_bodies"](record, False)
+        put["joints"](record, ())
         for name, value in known.items():
             put[name](record, value)
         return record
@@ -351,6 +352,26 @@ class ExactAngle:
 ExactTime = Fraction | AlgebraicNumber | ExactAngle
 
 
+@dataclass(frozen=True, slots=True)
+class JointValue:
+    """Where a joint of a mechanism stands at a time of contact: its value, and an interval that encloses the true one.
+
+    >>> print(JointValue("hinge", 30.0, (29.999, 30.001), "deg"))
+    hinge = 30 deg
+    """
+
+    name: str
+    value: float
+    interval: tuple[float, float]
+    unit: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.name} = {self.value:.12g}{' ' if self.unit else ''}{self.unit}"
+
+    def to_dict(self) -> dict[str, Any]:
+        return {"name": self.name, "value": self.value, "interval": list(self.interval), "unit": self.unit}
+
+
 def polynomial_text(coefficients: Sequence[int]) -> str:
     """Integers, ascending, as people write a polynomial in x.
 
@@ -485,6 +506,7 @@ class FirstContact(_Deferring, Shown):
     contact_set     "point", "segment", "conic arc" or "patch"; None where the shared set, and with it which further
                     pairs meet, was not computed.
     subproblems     curved models with ``method="algebraic"``: every pair of features that is not exempt.
+    joints          of mechanisms: where their joints stand at that time, enclosed.
     initial         for INITIAL_CONTACT: "touching", "overlapping" or "containment"; None where none was proved.
     free_until      no shared point before this time; proved.
     reason          for UNDECIDED: "budget", "precision" or "memory".
@@ -509,6 +531,7 @@ class FirstContact(_Deferring, Shown):
     b: Any = field(default=None, repr=False)
     span: tuple[float, float] = (0.0, 1.0)
     subproblems: tuple[Subproblem, ...] = field(default=(), repr=False)
+    joints: tuple[JointValue, ...] = ()
     keeps_bodies: bool = False
 
     def __repr__(self) -> str:
@@ -516,7 +539,8 @@ class FirstContact(_Deferring, Shown):
         return f"<FirstContact of {_name(self.a, 'a')} and {_name(self.b, 'b')}: {self.status.name}{when}>"
 
     def __str__(self) -> str:
-        return self._told() + _corrected(self.a, self.b)
+        joints = f"\n  {', '.join(map(str, self.joints))}" if self.joints else ""
+        return self._told() + joints + _corrected(self.a, self.b)
 
     def _told(self) -> str:
         names = f"{_name(self.a, 'a')} and {_name(self.b, 'b')}"
@@ -564,6 +588,7 @@ class FirstContact(_Deferring, Shown):
             "free_until": self.free_until,
             "reason": self.reason,
             "subproblems": [x.to_dict() for x in self.subproblems],
+            **({"joints": [x.to_dict() for x in self.joints]} if self.joints else {}),
             "stats": self.stats.to_dict(),
         }
 

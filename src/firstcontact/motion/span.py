@@ -9,7 +9,9 @@ from flint import fmpq
 
 from firstcontact.errors import InputError, shown
 from firstcontact.exact.numbers import rational, to_double
+from firstcontact.motion.linkage import Linkage
 from firstcontact.motion.moving import Moving
+from firstcontact.motion.product import Product
 from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.rotation import Rotation, turns_of
 from firstcontact.motion.screw import Screw
@@ -32,7 +34,7 @@ def limits(motion: Any) -> tuple[fmpq, fmpq] | None:
     """The exact first and last time at which the motion has a pose; None when it goes on beyond its span."""
     if isinstance(motion, Sequence):
         return fmpq(0), motion.ends[-1]
-    if isinstance(motion, Trajectory):
+    if isinstance(motion, Trajectory | Linkage):
         return motion.times[0], motion.times[-1]
     return UNIT if isinstance(motion, RationalMotion) else None
 
@@ -103,7 +105,7 @@ def refuse_many_turns(
         motion = body.motion if isinstance(body, Moving) else None
         share = 1 if last is None or not getattr(motion, "extends", False) else last - first
         for step in getattr(motion, "steps", [motion]):
-            if isinstance(step, Rotation | Screw) and isinstance(step, kinds):
+            if isinstance(step, Rotation | Screw | Product) and isinstance(step, (*kinds, Product)):
                 turns = turns_of(step) * share
                 if turns > MOST_TURNS:
                     who = body.name or "a body"

@@ -10,10 +10,13 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
+from flint import fmpq
 
 from firstcontact.kernels.pose_series import LocalPose
+from firstcontact.motion.product import Product
 from firstcontact.motion.relative.curved import CurvedPiece, Leg
 from firstcontact.motion.relative.local_poses import local_pose
+from firstcontact.motion.relative.reach import doubles_of, places
 
 # Of the sizes met: far more than some dozen roundings.
 _SLACK = 1e-12
@@ -41,6 +44,12 @@ def are_apart(piece: CurvedPiece, a: Ball, b: Ball) -> bool:
 
 def _swept(leg: Leg, piece: CurvedPiece, ball: Ball) -> tuple[np.ndarray, np.ndarray]:
     """Corners (3,) of a box of all places of the ball; nan where none is known."""
+    if isinstance(leg.motion, Product):
+        p, q, m, n = leg.part(piece.start, piece.end)
+        values = [doubles_of([f.within(fmpq(p, q), fmpq(m, n))]) for f in leg.motion.factors]
+        middles, far = places([f.motion for f in leg.motion.factors], values, ball.centre[None])
+        pad = far[0, 0] + ball.radius * (1.0 + _SLACK)
+        return middles[0, 0] - pad, middles[0, 0] + pad
     if leg.rests:
         return ball.centre - ball.radius, ball.centre + ball.radius
     pose = local_pose(leg, piece)
@@ -56,15 +65,16 @@ def _swept(leg: Leg, piece: CurvedPiece, ball: Ball) -> tuple[np.ndarray, np.nda
 def _turned(pose: LocalPose, centre: np.ndarray) -> tuple[np.ndarray, np.ndarray, float, float]:
     """Box of the path, a bound of what lengths are multiplied by, the largest number met."""
     fixed, cosine, sine, ahead = pose.terms[:, :, :3] @ centre + pose.terms[:, :, 3]
+    rate = pose.angle[0, 0]
     swing = np.hypot(cosine, sine)
     largest = 1.0 + _SHORT + float(np.abs(centre).max())
     size = float(np.abs(pose.terms).sum(axis=0).max()) * largest
     stretch = float(np.linalg.norm(pose.terms[0, :, :3] + pose.terms[1, :, :3]))  # the same at all times
-    if abs(pose.rate) > _SHORT:
+    if abs(rate) > _SHORT:
         return fixed + np.minimum(ahead, 0.0) - swing, fixed + np.maximum(ahead, 0.0) + swing, stretch, size
     first = fixed + cosine
-    last = fixed + ahead + math.cos(pose.rate) * cosine + math.sin(pose.rate) * sine
-    bend = swing * (pose.rate * pose.rate / 8.0)
+    last = fixed + ahead + math.cos(rate) * cosine + math.sin(rate) * sine
+    bend = swing * (rate * rate / 8.0)
     return np.minimum(first, last) - bend, np.maximum(first, last) + bend, stretch, size
 
 
