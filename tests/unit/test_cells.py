@@ -30,7 +30,8 @@ def linkage(values):
     kinds = [fc.Rotation((0, 0, 1), degrees=1), fc.Rotation((1, 2, 2), (1, 0, 0), degrees=1),
              fc.Screw((0, 1, 0), (2, 0, 1), degrees=1, advance="1/90")]  # fmt: skip
     rows = [tuple(map(fmpq, value)) for value in values]
-    return Linkage([fmpq(0), fmpq(1)], [Drive("", "deg", m, [v]) for m, v in zip(kinds[: len(rows)], rows, strict=True)])
+    drives = [Drive("", "deg", m, [v]) for m, v in zip(kinds[: len(rows)], rows, strict=True)]
+    return Linkage([fmpq(0), fmpq(1)], drives)
 
 
 MOTIONS = {

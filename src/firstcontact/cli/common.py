@@ -153,11 +153,11 @@ def deliver(results: list[Any], options: Options, *, interrupted: bool = False) 
         if options.json == "-":
             click.echo(text)
         else:
-            _write(options.json, lambda path: path.write_text(text + "\n", encoding="utf-8"))
+            write(options.json, lambda path: path.write_text(text + "\n", encoding="utf-8"))
     if options.html is not None and (results or not interrupted):
         from firstcontact.view.html import write_page
 
-        _write(options.html, lambda path: write_page(path, results))
+        write(options.html, lambda path: write_page(path, results))
 
 
 def exit_code(statuses: list[str]) -> int:
@@ -172,7 +172,7 @@ def write_png(path: str, results: list[Any]) -> None:
     from firstcontact.view.png import write_png
 
     touching = [result for result in results if exit_code([result.status.name]) == CONTACT]
-    _write(path, lambda target: write_png(target, (touching or results)[0]))
+    write(path, lambda target: write_png(target, (touching or results)[0]))
 
 
 def check_target(*paths: str | None) -> None:
@@ -206,7 +206,7 @@ def _parse_span(span: tuple[str, str] | None) -> tuple[Any, Any] | None:
         raise InputError(f"--span: {error}") from error
 
 
-def _write(path: str, write: Callable[[Path], Any]) -> None:
+def write(path: str, write: Callable[[Path], Any]) -> None:
     try:
         write(Path(path))
     except OSError as error:

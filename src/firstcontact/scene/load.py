@@ -30,7 +30,10 @@ from firstcontact.body.ruled.strip import RuledStrip
 from firstcontact.body.ruled.surface import RuledSurface
 from firstcontact.errors import InputError, shown
 from firstcontact.exact.numbers import MOST_DIGITS, positive_double
+from firstcontact.exact.numbers import rational as rational_of
+from firstcontact.mechanism.values import read_times
 from firstcontact.motion import rational
+from firstcontact.motion.linkage import Drive, Linkage
 from firstcontact.motion.poses import SNAP
 from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.rotation import Rotation
@@ -39,6 +42,7 @@ from firstcontact.motion.sequence import Sequence
 from firstcontact.motion.trajectory import Trajectory
 from firstcontact.motion.translation import Translation
 from firstcontact.scene import solids, surfaces
+from firstcontact.scene.mechanisms import CourseTable, JointTable, Linked, LinkTable
 from firstcontact.scene.values import (
     Corners,
     Edge,
@@ -168,8 +172,41 @@ class SequenceTable(Table):
         return Sequence([step.build() for step in self.steps], durations=self.durations)
 
 
+class DriveTable(Table):
+    name: StrictStr
+    unit: StrictStr
+    motion: Annotated[TranslationTable | RotationTable | ScrewTable, Field(discriminator="type")]
+    values: list[list[Number]]
+
+    def build(self) -> Drive:
+        values = [tuple(rational_of(x, "values") for x in value) for value in self.values]
+        return Drive(self.name, self.unit, self.motion.build(), values)
+
+
+class LinkageTable(Table):
+    """As a link of a mechanism writes its motion; scenes have [joint.NAME] tables."""
+
+    type: Literal["linkage"]
+    times: list[Number]
+    drives: list[DriveTable]
+
+    def build(self) -> Linkage:
+        times = read_times(self.times)
+        for k, drive in enumerate(self.drives):
+            if len(drive.values) != len(times) - 1:
+                raise InputError(f"drives[{k}].values: {len(drive.values)} for {len(times) - 1} stretches of time")
+        return Linkage(times, [drive.build() for drive in self.drives])
+
+
 Motion = Annotated[
-    TranslationTable | RotationTable | ScrewTable | RationalTable | BetweenTable | SequenceTable | TrajectoryTable,
+    TranslationTable
+    | RotationTable
+    | ScrewTable
+    | RationalTable
+    | BetweenTable
+    | SequenceTable
+    | TrajectoryTable
+    | LinkageTable,
     Field(discriminator="type"),
 ]
 
@@ -282,6 +319,9 @@ class SceneTable(Table):
     body: dict[str, Body]
     check: list[CheckTable] = []
     curve: list[CurveTable] = []
+    joint: dict[str, JointTable] = {}
+    link: dict[str, LinkTable] = {}
+    course: CourseTable | None = None
 
     @field_validator("check", "curve", mode="before")
     @classmethod
@@ -331,6 +371,8 @@ class Scene:
     bodies: dict[str, Any]
     checks: tuple[Check, ...]
     curves: tuple[Curve, ...]
+    linked: Linked | None = None
+    """The mechanism that the joints make of the bodies."""
 
 
 def load_scene(path: str | Path) -> Scene:
@@ -344,8 +386,26 @@ def load_scene(path: str | Path) -> Scene:
     except ValidationError as error:
         raise InputError(f"{path}: {first_fault(error, tables)}") from error
     bodies = {key: _build(path, key, body) for key, body in scene.body.items()}
-    checks = tuple(_checks(path, scene))
-    return Scene(path, bodies, checks, tuple(_curves(path, scene, checks)))
+    linked = _linked(path, scene, bodies)
+    checks = tuple(_checks(path, scene, linked))
+    return Scene(path, bodies, checks, tuple(_curves(path, scene, checks)), linked)
+
+
+def _linked(path: Path, scene: SceneTable, bodies: dict[str, Any]) -> Linked | None:
+    """The mechanism, where there are joints; its bodies are set in motion."""
+    try:
+        if not scene.joint:
+            for key, given in (("link", scene.link), ("course", scene.course)):
+                if given:
+                    raise KeyFault(key, "goes with joints; add a [joint.NAME]")
+            return None
+        linked = Linked(scene.joint, scene.link, bodies)
+        if scene.course is not None:
+            with at_key("course"):
+                bodies |= linked.moving(scene.course.build(linked.mechanism, path.parent))
+    except KeyFault as error:
+        raise InputError(f"{path}: {error}") from error
+    return linked
 
 
 def _read(path: Path) -> dict[str, Any]:
@@ -413,9 +473,10 @@ def build_body(table: Any, key: str | None, folder: Path) -> Any:
         return body.moving(table.motion.build())
 
 
-def _checks(path: Path, scene: SceneTable) -> list[Check]:
+def _checks(path: Path, scene: SceneTable, linked: Linked | None) -> list[Check]:
     if not scene.check:
-        return [Check(a, b) for a, b in itertools.combinations(scene.body, 2)]
+        pairs = itertools.combinations(scene.body, 2)
+        return [Check(a, b) for a, b in pairs if linked is None or not linked.are_one(a, b)]
     checks = []
     for k, table in enumerate(scene.check):
         a, b = _pair(path, scene, f"check[{k}]", table.pair)
