@@ -61,6 +61,7 @@ if TYPE_CHECKING:
     from firstcontact.result_curve import IntersectionCurve as IntersectionCurve
     from firstcontact.result_table import ContactIntervalTable as ContactIntervalTable
     from firstcontact.result_table import ContactTable as ContactTable
+    from firstcontact.robot.robot import Robot as Robot
     from firstcontact.scene.written import from_dict as from_dict
 
 __version__ = "0.1.0"
@@ -88,6 +89,7 @@ _HOME = {
     "Joint": "mechanism.joints",
     "Mechanism": "mechanism.mechanism",
     "Poses": "motion.arrays",
+    "Robot": "robot.robot",
     "Rotations": "motion.arrays",
     "Translations": "motion.arrays",
     "RationalMotion": "motion.rational",

@@ -4,6 +4,8 @@ import doctest
 import re
 from pathlib import Path
 
+import pytest
+
 from firstcontact.cli import run
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -15,8 +17,13 @@ def test_its_session_prints_what_it_says():
     assert doctest.DocTestRunner().run(session).failed == 0 and len(session.examples) == 9
 
 
-def test_its_sweep_prints_what_it_says(capsys, monkeypatch):
+COMMANDS = re.findall(r"    \$ firstcontact (.*)\n((?:    .*\n?)+)", TEXT)
+
+
+@pytest.mark.parametrize(("command", "shown"), COMMANDS, ids=[command.split()[0] for command, _ in COMMANDS])
+def test_its_commands_print_what_they_say(command, shown, capsys, monkeypatch):
+    if command.startswith("robot"):
+        pytest.importorskip("yourdfpy")
     monkeypatch.chdir(ROOT)
-    (command, shown), = re.findall(r"    \$ firstcontact (.*)\n((?:    .*\n?)+)", TEXT)
     assert run(command.split()) == 1
     assert capsys.readouterr().out == re.sub("^    ", "", shown, flags=re.MULTILINE)

@@ -18,7 +18,7 @@ from firstcontact.body.kept import Kept
 from firstcontact.contact.carried import carried
 from firstcontact.motion.linkage import Linkage, apart
 from firstcontact.motion.moving import Moving, shape_of
-from firstcontact.motion.relative.reach import doubles_of, places
+from firstcontact.motion.relative.reach import places
 from firstcontact.result import ContactInterval, ContactIntervals, ContactPairs, FirstContact, JointValue, Stats, Status
 from firstcontact.work import Query
 
@@ -34,7 +34,7 @@ class Cover(NamedTuple):
     radius: float
 
 
-_COVERS = Kept[tuple[Cover, Cover]]()
+_COVERS = Kept[tuple[Cover, Cover] | None]()
 
 
 def first(answer: Callable[[Query], FirstContact], query: Query) -> FirstContact:
@@ -47,7 +47,7 @@ def first(answer: Callable[[Query], FirstContact], query: Query) -> FirstContact
         found = answer(_during(own, run, stats))
         stats = stats + found.stats
         if found.status is not Status.FREE:
-            return _told(replace(found, stats=stats), query, shared)
+            return _told(found, query, shared, _timed(stats, query))
     return FirstContact(Status.FREE, free_until=query.span[1], stats=_timed(stats, query), **query.shared)
 
 
@@ -107,15 +107,23 @@ def _timed(stats: Stats, query: Query) -> Stats:
     return replace(stats, seconds=query.stats().seconds)
 
 
-def _told(found: FirstContact, query: Query, shared: Linkage | None) -> FirstContact:
-    """The answer as to the query itself, with the joints' values."""
-    if shared is not None:
-        found = carried(found, shared, query.a, query.b)
+_TOLD = "status", "time", "time_interval", "time_exact", "initial", "free_until", "reason", "keeps_bodies"
+_PLACES = "point", "normal", "element_a", "element_b", "others", "multiplicity", "contact_set", "subproblems"
+"""Fields that may wait until they are asked for."""
+
+
+def _told(found: FirstContact, query: Query, shared: Linkage | None, stats: Stats) -> FirstContact:
+    """The answer as to the query itself, with the joints' values; of places it is as slow to tell as the answer."""
+    def places() -> dict[str, Any]:
+        there = found if shared is None else carried(found, shared, query.a, query.b)
+        return {key: getattr(there, key) for key in _PLACES}
+
     interval = found.time_interval or (None if found.time is None else (found.time, found.time))
     joints: dict[str, JointValue] = {}
     for motion in _linkages(query):
         joints |= {} if interval is None else {value.name: value for value in motion.joint_values(interval)}
-    return replace(found, joints=tuple(joints.values()), stats=_timed(found.stats, query), **query.shared)
+    known = {key: getattr(found, key) for key in _TOLD} | {"joints": tuple(joints.values()), "stats": stats}
+    return FirstContact.deferring({**known, **query.shared}, places)
 
 
 # ------------------------------------------------------------------------------------------------ where they are near
@@ -130,7 +138,7 @@ def _runs(query: Query) -> Iterator[Run]:
         return
     times = linkages[0].times
     covers = [_covers(shape_of(body)) for body in query.bodies]
-    if len(times) == 2 or any(x.times != times for x in linkages) or any(cover is None for cover in covers):
+    if any(x.times != times for x in linkages) or any(cover is None for cover in covers):
         yield from whole
         return
     lo, hi = linkages[0].stretch(query.first), linkages[0].stretch(last) + 1
@@ -153,7 +161,7 @@ def _balls(body: Any, cover: Cover, asked: np.ndarray) -> tuple[np.ndarray, np.n
 @lru_cache(maxsize=64)
 def _paths(motion: Linkage, centres: tuple[tuple[float, ...], ...]) -> tuple[np.ndarray, np.ndarray]:
     """`places` over all stretches of the clock: the same for all bodies that a link is asked about with."""
-    return places([d.motion for d in motion.drives], [doubles_of(d.values) for d in motion.drives], np.array(centres))
+    return places(motion, np.array(centres))
 
 
 def _may_meet(a: tuple[np.ndarray, np.ndarray], b: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
@@ -175,12 +183,11 @@ def _joined(stretches: list[int], times: tuple[fmpq, ...], first: fmpq, last: fm
 
 def _covers(body: Any) -> tuple[Cover, Cover] | None:
     """One ball around the body, and several around parts of its box; None of a body that has no box of its own."""
-    if getattr(body, "deforming", False):
-        return None
-    lo, hi = body.bounds()
-    if not np.isfinite([lo, hi]).all():
-        return None
-    return _COVERS.of(body, lambda: (_cover(lo, hi, 0), _cover(lo, hi, _HALVINGS)))
+    def made() -> tuple[Cover, Cover] | None:
+        lo, hi = body.bounds()
+        return (_cover(lo, hi, 0), _cover(lo, hi, _HALVINGS)) if np.isfinite([lo, hi]).all() else None
+
+    return None if getattr(body, "deforming", False) else _COVERS.of(body, made)
 
 
 def _cover(lo: np.ndarray, hi: np.ndarray, halvings: int) -> Cover:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping
+from bisect import bisect_right
+from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from flint import fmpq
 
 from firstcontact import query
+from firstcontact.exact.numbers import exact_value
 from firstcontact.mechanism.values import followed, known, polynomials, read_times
 from firstcontact.motion.linkage import Drive, Linkage
 from firstcontact.motion.product import Value
@@ -65,8 +67,11 @@ class Course:
         motion = self._motions[link]
         return body if motion is None else body.moving(motion)
 
-    def pairs(self, *, moving: bool = False) -> Iterator[tuple[Any, Any]]:
-        """All pairs of bodies, as they move, of links with a joint between that is not fixed; moving: that moves."""
+    def pairs(self, against: Iterable[Any] = (), *, moving: bool = False) -> Iterator[tuple[Any, Any]]:
+        """All pairs of bodies, as they move, of links with a joint between that is not fixed; moving: that moves.
+
+        against: other bodies, each of which is paired with all that moves beside it.
+        """
         bodies = self.bodies
         for x, y in itertools.combinations(self.mechanism.links, 2):
             between = set(self._chain(x)) ^ set(self._chain(y))
@@ -74,14 +79,21 @@ class Course:
                 between = {name for name in between if any(len(value) > 1 for value in self._drives[name].values)}
             if between and frozenset((x, y)) not in self.mechanism.skip:
                 yield from itertools.product(bodies[x], bodies[y])
+        for link, other in itertools.product(bodies, against):
+            if self._motions[link] is not None or hasattr(other, "motion"):
+                yield from ((body, other) for body in bodies[link])
 
-    def first_contacts(self, **arguments: Any) -> list[FirstContact]:
+    def first_contacts(self, against: Iterable[Any] = (), **arguments: Any) -> list[FirstContact]:
         """The first contact of each pair, with the values of the joints; arguments as of `first_contact`."""
-        return [query.first_contact(a, b, **arguments) for a, b in self.pairs()]
+        return [query.first_contact(a, b, **arguments) for a, b in self.pairs(list(against))]
 
-    def contact_intervals(self, **arguments: Any) -> list[ContactIntervals]:
+    def contact_intervals(self, against: Iterable[Any] = (), **arguments: Any) -> list[ContactIntervals]:
         """All times of contact of each pair; arguments as of `contact_intervals`."""
-        return [query.contact_intervals(a, b, **arguments) for a, b in self.pairs()]
+        return [query.contact_intervals(a, b, **arguments) for a, b in self.pairs(list(against))]
+
+    def stretch(self, time: float) -> int:
+        """Between which given times a time lies: that many of them, less one, are not after it."""
+        return max(0, min(bisect_right(self.times, exact_value(time)), len(self.times) - 1) - 1)
 
     def __repr__(self) -> str:
         return f"<Course of {len(self._drives)} joints at {len(self.times)} times>"

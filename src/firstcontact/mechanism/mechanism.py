@@ -9,10 +9,10 @@ from typing import Any
 
 from firstcontact.contact.table import as_body, kind_of
 from firstcontact.errors import InputError, shown
+from firstcontact.mechanism import tables
 from firstcontact.mechanism.course import Course
 from firstcontact.mechanism.joints import Joint
 from firstcontact.mechanism.sweep import Sweep, swept
-from firstcontact.mechanism.values import read_csv
 from firstcontact.motion.moving import Moving
 
 
@@ -71,9 +71,10 @@ class Mechanism:
         return Course(self, times, values, interpolation, velocities)
 
     def read_course(self, path: str | Path, *, interpolation: str = "linear") -> Course:
-        """The course of a table (CSV): a row of names, joints and "time" (without that one rows are a unit apart)."""
-        times, values = read_csv(path)
-        return self.course(times, values, interpolation=interpolation)
+        """The course of a file: a table (CSV), arrays (NPZ) or a JointTrajectory of ROS (JSON), as the docs tell."""
+        read = tables.read(path)
+        velocities = read.velocities if interpolation == "cubic" else None
+        return self.course(read.times, read.values, interpolation=interpolation, velocities=velocities)
 
     def sweep(self, joint: str | None = None, *, at: Mapping[str, Any] | None = None) -> list[Sweep]:
         """The values of each joint, or of one, within its limits at which links share a point; others at `at`, or 0."""

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import csv
 import itertools
 from collections.abc import Iterable, Mapping
-from pathlib import Path
 from typing import Any
 
 from flint import fmpq
@@ -15,8 +13,6 @@ from firstcontact.exact.numbers import exact_value, rational, to_double
 from firstcontact.motion.product import Value
 
 INTERPOLATIONS = "linear", "cubic"
-TIMES = "time", "t", "time_from_start"
-"""Names of the column of times."""
 
 
 def read_times(values: Any) -> tuple[fmpq, ...]:
@@ -98,39 +94,6 @@ def _listed(values: Any, what: str) -> list[Any]:
         return list(values)
     except TypeError as error:
         raise InputError(f"{what} are {shown(values)}; give a list") from error
-
-
-def read_csv(path: str | Path) -> tuple[list[str], dict[str, list[str]]]:
-    """Times, and the columns of the joints by their names; numbers as they are written, so that they are exact."""
-    try:
-        with open(path, newline="", encoding="utf-8-sig") as file:
-            rows = [(number, row) for number, row in enumerate(csv.reader(file), 1) if any(x.strip() for x in row)]
-    except OSError as error:
-        raise InputError(f"{path}: {(error.strerror or str(error)).lower()}; give a table of joint values") from error
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"{path}: no table of text ({error}); give one with a row of names first") from error
-    if len(rows) < 3:
-        raise InputError(f"{path}: {max(len(rows) - 1, 0)} rows of values; give a row of names and at least two rows")
-    names = [x.strip() for x in rows[0][1]]
-    for number, row in rows[1:]:
-        if len(row) != len(names):
-            raise InputError(f"{path}: line {number} has {len(row)} values, but there are {len(names)} names")
-        for name, text in zip(names, row, strict=True):
-            _check_number(path, number, name, text)
-    columns = {name: [row[k].strip() for _, row in rows[1:]] for k, name in enumerate(names)}
-    if len(columns) != len(names):
-        raise InputError(f"{path}: two columns have one name; give each its own")
-    key = next((name for name in TIMES if name in columns), None)
-    if key is None:
-        return [str(k) for k in range(len(rows) - 1)], columns
-    return columns.pop(key), columns
-
-
-def _check_number(path: str | Path, number: int, name: str, text: str) -> None:
-    try:
-        rational(text.strip(), name)
-    except InputError as error:
-        raise InputError(f"{path}: line {number}: {error}") from error
 
 
 def followed(leader: tuple[Value, ...], ratio: fmpq, offset: fmpq) -> tuple[Value, ...]:

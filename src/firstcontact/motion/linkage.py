@@ -14,7 +14,7 @@ from firstcontact.exact.numbers import ball_bounds, exact_value, precision, rati
 from firstcontact.exact.vectors import Vector, scaled
 from firstcontact.motion.placement import HERE, Placement, advanced
 from firstcontact.motion.product import Factor, Product, Simple, Value, at
-from firstcontact.motion.rotation import Rotation
+from firstcontact.motion.rotation import Rotation, turns_of
 from firstcontact.motion.screw import Screw, simple
 from firstcontact.motion.translation import Translation, double_of
 from firstcontact.motion.value import Motion, numbers
@@ -33,15 +33,27 @@ class Drive(Motion):
     values: for each stretch of time a polynomial, of degree 3 at most, of the share of the stretch that has passed.
     """
 
-    __slots__ = ("name", "unit", "motion", "values")
+    __slots__ = ("name", "unit", "motion", "values", "_doubles")
 
     def __init__(self, name: str, unit: str, motion: Simple, values: Iterable[Value]) -> None:
         self.name, self.unit, self.motion = name, unit, simple(motion)
         self.values = tuple(values)
+        self._doubles: np.ndarray | None = None
+
+    @property
+    def doubles(self) -> np.ndarray:
+        """(stretches, 4): the coefficients of the values, rounded; worked out once."""
+        if self._doubles is None:
+            self._doubles = np.zeros((len(self.values), 4))
+            for row, value in zip(self._doubles, self.values, strict=True):
+                row[: len(value)] = [to_double(c) for c in value]
+        return self._doubles
 
     def during(self, lo: int, hi: int) -> Drive:
         """In the stretches from lo on, before hi."""
-        return Drive(self.name, self.unit, self.motion, self.values[lo:hi])
+        made = Drive(self.name, self.unit, self.motion, self.values[lo:hi])
+        made._doubles = None if self._doubles is None else self._doubles[lo:hi]
+        return made
 
     def shifted(self, by: Vector) -> Drive:
         """The same joint in a world shifted by a vector."""
@@ -106,6 +118,12 @@ class Linkage(Motion):
             return start, end, Product(factors), HERE, None
         (motion, (begin, share, *_)), length = moving[0], end - start
         return start, end, _times(motion, share), HERE, (start - begin / share * length, length)
+
+    @property
+    def turns(self) -> float:
+        """How many full turns the link makes in the longest of its stretches, at most."""
+        ways = [np.abs(d.doubles) @ np.arange(4.0) * to_double(turns_of(d.motion)) for d in self.drives]
+        return float(np.sum(ways, axis=0).max()) if ways else 0.0
 
     def stretch(self, time: fmpq) -> int:
         """The stretch in charge at a time of the span."""

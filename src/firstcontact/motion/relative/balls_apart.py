@@ -10,18 +10,17 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from flint import fmpq
 
 from firstcontact.kernels.pose_series import LocalPose
 from firstcontact.motion.product import Product
 from firstcontact.motion.relative.curved import CurvedPiece, Leg
 from firstcontact.motion.relative.local_poses import local_pose
-from firstcontact.motion.relative.reach import doubles_of, places
 
 # Of the sizes met: far more than some dozen roundings.
 _SLACK = 1e-12
 # Radians up to which a path is told by its ends and its bend.
 _SHORT = 2.0
+_UNKNOWN = np.full(3, np.nan), np.full(3, np.nan)
 
 
 class Ball(NamedTuple):
@@ -45,11 +44,7 @@ def are_apart(piece: CurvedPiece, a: Ball, b: Ball) -> bool:
 def _swept(leg: Leg, piece: CurvedPiece, ball: Ball) -> tuple[np.ndarray, np.ndarray]:
     """Corners (3,) of a box of all places of the ball; nan where none is known."""
     if isinstance(leg.motion, Product):
-        p, q, m, n = leg.part(piece.start, piece.end)
-        values = [doubles_of([f.within(fmpq(p, q), fmpq(m, n))]) for f in leg.motion.factors]
-        middles, far = places([f.motion for f in leg.motion.factors], values, ball.centre[None])
-        pad = far[0, 0] + ball.radius * (1.0 + _SLACK)
-        return middles[0, 0] - pad, middles[0, 0] + pad
+        return _UNKNOWN  # `contact.linked` looks at all stretches of a link at once, by the speeds of its joints
     if leg.rests:
         return ball.centre - ball.radius, ball.centre + ball.radius
     pose = local_pose(leg, piece)
@@ -84,8 +79,7 @@ def _bent(pose: LocalPose, centre: np.ndarray) -> tuple[np.ndarray, np.ndarray, 
     controls, weights = np.tensordot(bernstein, pose.terms, 1), bernstein @ pose.weight
     sizes = np.abs(pose.terms).sum(axis=0)
     if not weights.min() > _SLACK * float(np.abs(pose.weight).sum()):
-        nothing = np.full(3, np.nan)
-        return nothing, nothing, 1.0, 1.0
+        return *_UNKNOWN, 1.0, 1.0
     controls /= weights[:, None, None]
     points = controls[:, :, :3] @ centre + controls[:, :, 3]
     size = float(sizes.max()) / float(weights.min()) * (1.0 + float(np.abs(centre).max()))

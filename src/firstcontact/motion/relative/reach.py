@@ -9,7 +9,6 @@ So one walk along the joints bounds all of a stretch, and NumPy takes all stretc
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -17,38 +16,27 @@ import numpy as np
 
 from firstcontact.exact.numbers import to_double
 from firstcontact.exact.vectors import dot
-from firstcontact.motion.product import Value
+from firstcontact.motion.linkage import Linkage
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.translation import Translation
 
 # Beside the sizes met: far more than the roundings of a walk along all joints.
 _SLACK = 1e-13
 _POWERS = np.arange(4)
-# Values over stretches: (stretches, 4) coefficients of the share of the stretch that has passed.
-Values = np.ndarray
 
 
-def doubles_of(values: Sequence[Value]) -> Values:
-    """The polynomials of a joint as doubles."""
-    out = np.zeros((len(values), 4))
-    for row, value in zip(out, values, strict=True):
-        row[: len(value)] = [to_double(c) for c in value]
-    return out
-
-
-def places(motions: Sequence[Any], values: Sequence[Values], points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Where points (k, 3) are in the middle of each stretch, (stretches, k, 3); how far from there they pass at most.
-
-    motions: of the joints, from the root outward, by one unit of their values.
-    """
-    count = len(values[0])
+def places(motion: Linkage, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Where points (k, 3) are in the middle of each stretch, (stretches, k, 3), and how far from there they pass at
+    most, (stretches, k)."""
+    count = len(motion.times) - 1
     x = np.broadcast_to(points, (count, *points.shape))
     far = np.zeros((count, len(points)))
     size = np.full((count, 1), float(np.abs(points).max(initial=0.0)))
-    for motion, value in zip(reversed(motions), reversed(values), strict=True):
+    for drive in reversed(motion.drives):
+        value = drive.doubles
         middle, swing = value @ 0.5**_POWERS, 0.5 * np.abs(value) @ _POWERS
         blur = _SLACK * np.abs(value).sum(axis=1)
-        axis, point, angle, ahead = _line(motion)
+        axis, point, angle, ahead = _line(drive.motion)
         size = size + np.abs(point).max() + np.linalg.norm(ahead) * np.abs(middle)[:, None]
         if angle:
             arm = x - point

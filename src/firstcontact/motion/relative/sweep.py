@@ -14,7 +14,7 @@ from firstcontact.errors import InputError
 from firstcontact.exact.numbers import to_double
 from firstcontact.motion.linkage import Linkage
 from firstcontact.motion.rational import RationalMotion
-from firstcontact.motion.relative.reach import doubles_of, places
+from firstcontact.motion.relative.reach import places
 from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.steps import steps_of
@@ -54,7 +54,7 @@ def _box_of_link(motion: Linkage, first: float, last: float, points: np.ndarray,
     """The same by how far the corners of a box around the points pass in each stretch of time."""
     own = motion.during(fmpq(*first.as_integer_ratio()), fmpq(*last.as_integer_ratio()))
     corners = np.array(list(itertools.product(*zip(points.min(axis=0), points.max(axis=0), strict=True))))
-    middles, far = places([d.motion for d in own.drives], [doubles_of(d.values) for d in own.drives], corners)
+    middles, far = places(own, corners)
     pad = far[..., None]
     lo, hi = (middles - pad).min(axis=(0, 1)), (middles + pad).max(axis=(0, 1))
     return _grown(lo, hi, error * _stretch(np.eye(3)), points)
