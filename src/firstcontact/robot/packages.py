@@ -13,7 +13,7 @@ PACKAGE = "package://"
 def found(name: str, description: Path, packages: Mapping[str, str | Path]) -> Path:
     """The file that the description names.
 
-    A package is where `packages` says; else the nearest folder of its name above the description or beside one of these.
+    A package is where `packages` says; else the nearest folder of its name above the description, or beside such a one.
     """
     if not name.startswith(PACKAGE):
         path = Path(name.removeprefix("file://"))
