@@ -45,7 +45,7 @@ def test_links_stand_where_yourdfpy_has_them():
 def test_the_shade_comes_down_on_the_books(capsys):
     assert run(CHECK) == 1
     told = capsys.readouterr().out
-    assert told.startswith("shade and books: CONTACT at time 1.725193507280")
+    assert told.startswith("shade and books: CONTACT at time 1.72519350728")
     assert "turn = 0.86259675364 rad" in told and "between waypoints 1 and 2; normal (0.165129," in told
     assert told.endswith("12 pairs, 11 of them FREE from waypoint 0 to 3\n")
     # the sphere's centre is 0.06 from the corner of the books

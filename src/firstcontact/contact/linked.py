@@ -121,10 +121,10 @@ def _told(found: FirstContact, query: Query, shared: Linkage | None, stats: Stat
         there = found if shared is None else carried(found, shared, query.a, query.b)
         return {key: getattr(there, key) for key in _PLACES}
 
-    interval = found.time_interval or (None if found.time is None else (found.time, found.time))
     joints: dict[str, JointValue] = {}
-    for motion in _linkages(query):
-        joints |= {} if interval is None else {value.name: value for value in motion.joint_values(interval)}
+    if (time := found.time) is not None:
+        interval = found.time_interval or (time, time)
+        joints = {x.name: x for motion in _linkages(query) for x in motion.joint_values(time, interval)}
     known = {key: getattr(found, key) for key in _TOLD} | {"joints": tuple(joints.values()), "stats": stats}
     return FirstContact.deferring({**known, **query.shared}, places)
 

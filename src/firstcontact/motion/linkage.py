@@ -152,22 +152,28 @@ class Linkage(Motion):
         share = (time - self.times[k]) / (self.times[k + 1] - self.times[k])
         return placed([Factor(d.motion, (at(d.values[k], share),)) for d in self.drives])
 
-    def joint_values(self, interval: tuple[float, float]) -> list[JointValue]:
-        """The values of the joints at a time that is known to be in the interval, enclosed."""
-        lo, hi = (min(max(exact_value(t), self.times[0]), self.times[-1]) for t in interval)
+    def joint_values(self, time: float, interval: tuple[float, float]) -> list[JointValue]:
+        """The values of the joints at a time, and enclosed at all times of the interval around it."""
+        near, lo, hi = (min(max(exact_value(t), self.times[0]), self.times[-1]) for t in (time, *interval))
         stretches = range(self.stretch(lo), self.stretch(hi) + 1)
         with precision(_BITS):
-            return [self._value(drive, stretches, lo, hi) for drive in self.drives]
+            return [
+                JointValue(drive.name, self._value(drive, near), self._enclosed(drive, stretches, lo, hi), drive.unit)
+                for drive in self.drives
+            ]
 
-    def _value(self, drive: Drive, stretches: range, lo: fmpq, hi: fmpq) -> JointValue:
+    def _value(self, drive: Drive, time: fmpq) -> float:
+        k = self.stretch(time)
+        return to_double(at(drive.values[k], (time - self.times[k]) / (self.times[k + 1] - self.times[k])))
+
+    def _enclosed(self, drive: Drive, stretches: range, lo: fmpq, hi: fmpq) -> tuple[float, float]:
         found: Any = None
         for k in stretches:
             start, length = self.times[k], self.times[k + 1] - self.times[k]
             times = arb((max(lo, start) - start) / length).union(arb((min(hi, start + length) - start) / length))
             value = arb(at(drive.values[k], times))
             found = value if found is None else found.union(value)
-        bounds = ball_bounds(found)
-        return JointValue(drive.name, 0.5 * (bounds[0] + bounds[1]), bounds, drive.unit)
+        return ball_bounds(found)
 
     def shifted(self, by: Vector) -> Linkage:
         """The same motion in a world shifted by a vector."""
