@@ -80,7 +80,7 @@ class ByDistances:
     def __init__(self, pairs: list[tuple[Any, Any]]) -> None:
         self.shapes = {body.name: _shape(_body(body)) for pair in pairs for body in pair}
         self.speeds = {body.name: _speeds(body) for pair in pairs for body in pair}
-        self.asked = 0
+        self.asked, self.inside = 0, 0.0
 
     def first(self, a: Any, b: Any) -> float | None:
         """The time of the first contact within the tolerance."""
@@ -94,7 +94,9 @@ class ByDistances:
             while t <= last:
                 places = [coal.Transform3s(p[:3, :3], p[:3, 3]) for p in (_pose(a, k, t), _pose(b, k, t))]
                 result.clear()
+                begin = time.process_time()
                 gap = coal.distance(self.shapes[a.name], places[0], self.shapes[b.name], places[1], request, result)
+                self.inside += time.process_time() - begin
                 self.asked += 1
                 if gap <= TOLERANCE:
                     return t
@@ -155,15 +157,49 @@ def compare(pairs: list[tuple[Any, Any]], found: list[Any], wall: float, every: 
     """The same pairs by distances, in the same run; answers have to agree."""
     chosen = [k for k, pair in enumerate(pairs) if all(isinstance(_body(x), fc.Polyhedron) for x in pair)][::every]
     by_distances = ByDistances([pairs[k] for k in chosen])
-    begin = time.perf_counter()
+    begin = time.process_time()
     times = {k: by_distances.first(*pairs[k]) for k in chosen}
-    other = time.perf_counter() - begin
-    mine, _, _ = ask([pairs[k] for k in chosen])
+    other = time.process_time() - begin
+    _, mine, _ = ask([pairs[k] for k in chosen])
     for k, t in times.items():
         assert (t is None) == (found[k].time is None), (found[k], t)
         assert t is None or abs(t - found[k].time) < 1e-5, (found[k], t)
-    print(f"{len(chosen)} pairs of meshes: coal {other:.2f} s for {by_distances.asked} distances, here {mine:.3f} s: "
-          f"{other / mine:.0f} times")  # fmt: skip
+    inside = by_distances.inside
+    print(f"{len(chosen)} pairs of meshes: by {by_distances.asked} distances {other:.2f} s, {inside:.2f} s of them in "
+          f"coal; here {mine:.3f} s: {other / mine:.0f} and {inside / mine:.0f} times")  # fmt: skip
+
+
+def per_stretch(count: int = 50) -> None:
+    """Stretches of a course near a body, by one joint, two and seven, beside plain rotations of the same meshes."""
+    link = fc.examples.noisy_sphere(2000).translated((2, 0, 0)).named("link")
+    other = fc.examples.torus(2000).translated((2, 0, 0.9)).named("other")
+    far = fc.examples.box((0.1, 0.1, 0.1)).translated((0, 0, -9))
+    axes = [(0, 0, 1), (1, 0, 0), (0, 1, 0), (1, 1, 0), (0, 0, 1), (1, 0, 0), (0, 1, 0)]
+    plain = [(link.moving(fc.Rotation((0, 0, 1), degrees=0.25 * (1 + k % 3))), other) for k in range(count)]
+    costs = {"a plain rotation": _cost(plain)}
+    for joints in (1, 2, 7):
+        names = [f"q{k}" for k in range(joints)]
+        links = {"ground": other, **{f"l{k}": far for k in range(joints - 1)}, f"l{joints - 1}": link}
+        chain = ["ground", *(f"l{k}" for k in range(joints))]
+        made = [
+            fc.Joint(name, "revolute", chain[k], chain[k + 1], axis=axes[k], point=(0.25 * k, 0, 0))
+            for k, name in enumerate(names)
+        ]
+        mechanism = fc.Mechanism(links, made)
+        rng = np.random.default_rng(SEED)
+        swing = 0.02 * rng.normal(size=(joints, count + 1)).cumsum(axis=1)
+        course = mechanism.course(range(count + 1), dict(zip(names, swing - swing[:, :1], strict=True)))
+        costs[f"{joints} joints"] = _cost([(course.bodies[f"l{joints - 1}"][0], other)]) / count
+    first = costs["a plain rotation"] / count
+    costs["a plain rotation"] = first
+    print("one stretch:", ", ".join(f"{name} {1e6 * x:.0f} us ({x / first:.1f})" for name, x in costs.items()))
+
+
+def _cost(pairs: list[tuple[Any, Any]]) -> float:
+    """Seconds of the processor, the least of five."""
+    found = ask(pairs)[2]
+    assert {x.status for x in found} == {fc.Status.FREE}, found
+    return min(ask(pairs)[1] for _ in range(5))
 
 
 def _body(x: Any) -> Any:
@@ -177,6 +213,7 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--coal", type=int, default=0, metavar="N", help="ask coal about every Nth pair of meshes")
     options = parser.parse_args()
+    per_stretch()
     course, things = scene(options.waypoints, options.obstacles)
     pairs = list(course.pairs(things))
     ask(pairs)  # kernels and trees

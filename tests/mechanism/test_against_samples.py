@@ -256,3 +256,28 @@ def test_solids_and_meshes_of_one_shape_answer_alike():
     for x, y in pairs:
         assert x.status is y.status and (x.time is None or x.time == pytest.approx(y.time, abs=1e-10))
     assert any(x.status is fc.Status.CONTACT for x, _ in pairs)
+
+
+@pytest.mark.parametrize("place", [(1.5, 1.5, -0.6), (0.6, 2.2, 0.0)])
+def test_ruled_links(place):
+    """A twisted sheet on two joints, beside many of its points."""
+    sheet = fc.RuledSurface("(u, 0, 0)", "(u, 1, u)").translated((1, 0, 0)).named("sheet")
+    links = {"world": fc.box((0.5, 0.5, 0.5)).translated(place), "beam": fc.box((1, 0.1, 0.1)).translated((0.5, 0, -5))}
+    joints = [
+        fc.Joint("a", "revolute", "world", "beam", axis=(0, 0, 1)),
+        fc.Joint("b", "revolute", "beam", "sheet", axis=(0, 1, 0), point=(1, 0, 0)),
+    ]
+    course = fc.Mechanism({**links, "sheet": sheet}, joints).course([0, 1, 2], {"a": [0, 30, 60], "b": [0, 20, 50]})
+    hit = fc.first_contact(course.bodies["sheet"][0], course.bodies["world"][0])
+    u, s = np.meshgrid(np.linspace(0, 1, 60), np.linspace(0, 1, 60))
+    points = np.stack([1 + u, s, u * s], axis=-1).reshape(-1, 3)
+
+    def gap(t):
+        a, b = (np.interp(t, [0, 1, 2], values) for values in ((0, 30, 60), (0, 20, 50)))
+        pose = oracle.turn((0, 0, 1), (0, 0, 0), a) @ oracle.turn((0, 1, 0), (1, 0, 0), b)
+        beyond = np.abs(points @ pose[:3, :3].T + pose[:3, 3] - place) - 0.25
+        return np.linalg.norm(np.maximum(beyond, 0), axis=1).min()
+
+    assert hit.status is fc.Status.CONTACT
+    assert gap(hit.time) < 0.01 and min(gap(t) for t in np.linspace(0, hit.time - 0.02, 100)) > 0
+    assert gap(hit.time + 0.02) == 0
