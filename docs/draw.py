@@ -14,7 +14,9 @@ PACKAGE = HERE.parent / "src" / "firstcontact"
 INK, PALE, EDGE = "#1b2a38", "#eef3f7", "#7d93a6"
 SHADES = {"asked": "#dfeaf5", "answers": "#fbe9d7", "finds": "#e4f2e1", "knows": "#f3e6f1", "ground": "#ececec"}
 FLOORS = {
-    "asked": ("__main__", "cli", "view", "warmup", "scene", "assembly", "batch", "query", "examples", "io"),
+    "asked": (
+        "__main__", "cli", "view", "warmup", "scene", "assembly", "batch", "robot", "mechanism", "query", "examples", "io",
+    ),
     "answers": ("curves", "contact", "timeline"),
     "finds": ("search",),
     "knows": ("pairs", "body", "motion", "brackets", "kernels", "exact"),
@@ -23,7 +25,9 @@ FLOORS = {
 SAYS = {
     "__main__": "python -m firstcontact", "cli": "the commands", "view": "pages and pictures",
     "warmup": "compiles ahead",
-    "scene": "TOML scenes", "assembly": "what may touch; new contacts", "batch": "many questions: cores, clusters, files",
+    "scene": "TOML scenes", "assembly": "what may touch; new contacts",
+    "batch": "many questions: cores, clusters, files",
+    "robot": "URDF, SRDF", "mechanism": "links and joints: courses, sweeps",
     "query": "the verbs: checks, one Query", "curves": "intersection curves",
     "contact": "a room for each pair of kinds of bodies; table, ways", "timeline": "all contacts in time",
     "search": "candidates and proofs", "examples": "bodies to try", "io": "mesh files", "pairs": "formulas of features",

@@ -34,6 +34,8 @@ if TYPE_CHECKING:
     from firstcontact.errors import FirstContactError as FirstContactError
     from firstcontact.errors import InputError as InputError
     from firstcontact.errors import UnsupportedPair as UnsupportedPair
+    from firstcontact.mechanism.joints import Joint as Joint
+    from firstcontact.mechanism.mechanism import Mechanism as Mechanism
     from firstcontact.motion.arrays import Poses as Poses
     from firstcontact.motion.arrays import Rotations as Rotations
     from firstcontact.motion.arrays import Translations as Translations
@@ -55,10 +57,12 @@ if TYPE_CHECKING:
     from firstcontact.result import Element as Element
     from firstcontact.result import ExactAngle as ExactAngle
     from firstcontact.result import FirstContact as FirstContact
+    from firstcontact.result import JointValue as JointValue
     from firstcontact.result import Status as Status
     from firstcontact.result_curve import IntersectionCurve as IntersectionCurve
     from firstcontact.result_table import ContactIntervalTable as ContactIntervalTable
     from firstcontact.result_table import ContactTable as ContactTable
+    from firstcontact.robot.robot import Robot as Robot
     from firstcontact.scene.load import Scene as Scene
     from firstcontact.scene.written import from_dict as from_dict
 
@@ -84,7 +88,10 @@ _HOME = {
     "FirstContactError": "errors",
     "InputError": "errors",
     "UnsupportedPair": "errors",
+    "Joint": "mechanism.joints",
+    "Mechanism": "mechanism.mechanism",
     "Poses": "motion.arrays",
+    "Robot": "robot.robot",
     "Rotations": "motion.arrays",
     "Translations": "motion.arrays",
     "RationalMotion": "motion.rational",
@@ -111,6 +118,7 @@ _HOME = {
     "Element": "result",
     "ExactAngle": "result",
     "FirstContact": "result",
+    "JointValue": "result",
     "Status": "result",
     "ContactIntervalTable": "result_table",
     "ContactTable": "result_table",

@@ -167,6 +167,7 @@ class _Deferring(_NoTruth):
         put["_rest"](record, rest)
         put["keeps_bodies"](record, False)
         put["allowed"](record, None)
+        put["joints"](record, ())
         for name, value in known.items():
             put[name](record, value)
         return record
@@ -352,6 +353,26 @@ class ExactAngle:
 ExactTime = Fraction | AlgebraicNumber | ExactAngle
 
 
+@dataclass(frozen=True, slots=True)
+class JointValue:
+    """Where a joint of a mechanism stands at a time of contact: its value, and an interval that encloses the true one.
+
+    >>> print(JointValue("hinge", 30.0, (29.999, 30.001), "deg"))
+    hinge = 30 deg
+    """
+
+    name: str
+    value: float
+    interval: tuple[float, float]
+    unit: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.name} = {self.value:.12g}{' ' if self.unit else ''}{self.unit}"
+
+    def to_dict(self) -> dict[str, Any]:
+        return {"name": self.name, "value": self.value, "interval": list(self.interval), "unit": self.unit}
+
+
 def polynomial_text(coefficients: Sequence[int]) -> str:
     """Integers, ascending, as people write a polynomial in x.
 
@@ -486,6 +507,7 @@ class FirstContact(_Deferring, Shown):
     contact_set     "point", "segment", "conic arc" or "patch"; None where the shared set, and with it which further
                     pairs meet, was not computed.
     subproblems     curved models with ``method="algebraic"``: every pair of features that is not exempt.
+    joints          of mechanisms: where their joints stand at that time, enclosed.
     initial         for INITIAL_CONTACT: "touching", "overlapping" or "containment"; None where none was proved.
     free_until      no shared point before this time, or no new one; proved.
     reason          for UNDECIDED: "budget", "precision" or "memory"; of `first_new_contact` also "contact".
@@ -513,6 +535,7 @@ class FirstContact(_Deferring, Shown):
     span: tuple[float, float] = (0.0, 1.0)
     subproblems: tuple[Subproblem, ...] = field(default=(), repr=False)
     allowed: str | None = None
+    joints: tuple[JointValue, ...] = ()
     keeps_bodies: bool = False
 
     def __repr__(self) -> str:
@@ -521,7 +544,8 @@ class FirstContact(_Deferring, Shown):
 
     def __str__(self) -> str:
         allowed = "" if self.allowed is None else f"\n  allowed: {self.allowed}"
-        return self._told() + allowed + _corrected(self.a, self.b)
+        joints = f"\n  {', '.join(map(str, self.joints))}" if self.joints else ""
+        return self._told() + joints + allowed + _corrected(self.a, self.b)
 
     def _told(self) -> str:
         names = f"{_name(self.a, 'a')} and {_name(self.b, 'b')}"
@@ -571,6 +595,7 @@ class FirstContact(_Deferring, Shown):
             "reason": self.reason,
             "allowed": self.allowed,
             "subproblems": [x.to_dict() for x in self.subproblems],
+            **({"joints": [x.to_dict() for x in self.joints]} if self.joints else {}),
             "stats": self.stats.to_dict(),
         }
 

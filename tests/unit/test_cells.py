@@ -14,6 +14,7 @@ from curved import pose, random_body, rational_turn
 from firstcontact.contact.polyhedra.enclosed_problem import corners_as_doubles
 from firstcontact.contact.polyhedra.problem import problem_of
 from firstcontact.kernels.verdict import CERTAIN, NONE
+from firstcontact.motion.linkage import Drive, Linkage
 from firstcontact.motion.relative import cells
 from firstcontact.motion.relative.balls_apart import Ball, are_apart
 from firstcontact.motion.relative.curved import terms
@@ -22,6 +23,17 @@ from firstcontact.motion.span import common_span
 from firstcontact.search.trees import curve
 
 BODY = fc.examples.box((1, 1, 1))
+
+
+def linkage(values):
+    """Joints of three kinds, one after the other, by polynomials of the time."""
+    kinds = [fc.Rotation((0, 0, 1), degrees=1), fc.Rotation((1, 2, 2), (1, 0, 0), degrees=1),
+             fc.Screw((0, 1, 0), (2, 0, 1), degrees=1, advance="1/90")]  # fmt: skip
+    rows = [tuple(map(fmpq, value)) for value in values]
+    drives = [Drive("", "deg", m, [v]) for m, v in zip(kinds[: len(rows)], rows, strict=True)]
+    return Linkage([fmpq(0), fmpq(1)], drives)
+
+
 MOTIONS = {
     "screw": (fc.Screw((1, 2, -1), (3, 0, 1), degrees=700, advance=4), None),
     "rational": (fc.RationalMotion.between(pose(), pose((0, 1, 2), (1, 2, 3))), None),
@@ -38,6 +50,8 @@ MOTIONS = {
                fc.Screw((0, 0, 1), degrees=50)),
     "distant": (fc.Screw((1, 2, -1), (3e9, 0, 1), degrees=7, advance=4), None),
     "many turns": (fc.Screw((1, 2, -1), (1, 0, 1), turns=300, advance=4), None),
+    "links": (linkage([(0, 70), (20, -140), (5, 30, -200, 90)]), None),
+    "two links": (linkage([(10, 30), (0, -50), (0, 0, 3)]), linkage([(0, -45), (7, 7, 0, -20)])),
 }
 
 
@@ -101,7 +115,7 @@ def test_balls_that_are_apart(name):
             x, y = ((c + r * rim) @ q[:, :3].T + q[:, 3] for (c, r), q in zip(pair, (m, n), strict=True))
             lo_x, hi_x, lo_y, hi_y = x.min(axis=0), x.max(axis=0), y.min(axis=0), y.max(axis=0)
             assert (lo_x > hi_y).any() or (lo_y > hi_x).any(), k
-    assert told or name in ("distant", "many turns", "half")
+    assert told or name in ("distant", "many turns", "half", "links", "two links")
 
 
 @pytest.mark.share(2)

@@ -21,6 +21,8 @@ from firstcontact.cli.check import check
 from firstcontact.cli.curve import curve
 from firstcontact.cli.info import info
 from firstcontact.cli.intervals import intervals
+from firstcontact.cli.robot import robot
+from firstcontact.cli.sweep import sweep
 from firstcontact.cli.warmup import warmup
 from firstcontact.errors import FirstContactError, one_line
 
@@ -40,7 +42,7 @@ def cli() -> None:
     """
 
 
-for command in (check, intervals, curve, batch, info, warmup):
+for command in (check, intervals, curve, sweep, robot, batch, info, warmup):
     cli.add_command(command)
 
 

@@ -199,13 +199,13 @@ def deliver(
         if options.json == "-":
             click.echo(text)
         else:
-            _write(options.json, lambda path: path.write_text(text + "\n", encoding="utf-8"))
+            write(options.json, lambda path: path.write_text(text + "\n", encoding="utf-8"))
     if options.html is not None and (results or not interrupted):
         from firstcontact.view.assembly import Assembly
         from firstcontact.view.html import write_page
 
         whole = Assembly(scene.bodies, scene.unit) if scene is not None and len(scene.bodies) > 2 else None
-        _write(options.html, lambda path: write_page(path, results, whole))
+        write(options.html, lambda path: write_page(path, results, whole))
 
 
 def exit_code(statuses: Iterable[str]) -> int:
@@ -228,7 +228,7 @@ def write_png(path: str, results: list[Any]) -> None:
     from firstcontact.view.png import write_png
 
     touching = [result for result in results if exit_code_of([result]) == CONTACT]
-    _write(path, lambda target: write_png(target, (touching or results)[0]))
+    write(path, lambda target: write_png(target, (touching or results)[0]))
 
 
 def check_target(*paths: str | None) -> None:
@@ -262,7 +262,7 @@ def _parse_span(span: tuple[str, str] | None) -> tuple[Any, Any] | None:
         raise InputError(f"--span: {error}") from error
 
 
-def _write(path: str, write: Callable[[Path], Any]) -> None:
+def write(path: str, write: Callable[[Path], Any]) -> None:
     try:
         write(Path(path))
     except OSError as error:

@@ -12,7 +12,7 @@ from importlib import import_module
 from typing import Any, Literal, Protocol, overload
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
-from firstcontact.contact import centred
+from firstcontact.contact import centred, linked
 from firstcontact.errors import UnsupportedPair
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.span import refuse_late
@@ -103,18 +103,18 @@ def matrix() -> str:
 
 def first_contact(query: Query) -> FirstContact:
     """The answer of the room for the bodies."""
-    return _answer("first", query)
+    return linked.first(lambda own: _answer("first", own), query)
 
 
 def contact_intervals(query: Query) -> ContactIntervals:
     """The answer of the room for the bodies."""
-    return _answer("intervals", query)
+    return linked.intervals(lambda own: _answer("intervals", own), query)
 
 
 def contact_pairs(query: Query) -> ContactPairs:
     """The answer of the room for the bodies."""
     proves("contact_pairs", *query.bodies)
-    return _room(PAIRS[kinds_of(*query.bodies)].room).pairs(query)
+    return linked.pairs(_room(PAIRS[kinds_of(*query.bodies)].room).pairs, query)
 
 
 class _Room(Protocol):

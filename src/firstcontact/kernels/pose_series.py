@@ -19,7 +19,8 @@ _U = 2.0**-53
 # What bounds lose to their own rounding.
 _UP = 1.0 + 1e-12
 # Rows: the poses of both legs, twelve entries and the weight each; then as they are made.
-_A, _B, _BACK_OF_B, _POSE, _COFACTOR, _MOMENT, _BACK, _SCRATCH, _ROWS = 0, 13, 26, 38, 50, 59, 68, 80, 84
+_A, _B, _BACK_OF_B, _POSE, _COFACTOR, _MOMENT, _BACK, _SCRATCH = 0, 13, 26, 38, 50, 59, 68, 80
+_FACTOR, _PRODUCT, _ROWS = 84, 96, 108
 ROUNDED = -1
 """Said instead of a number of levels where rounding is what errors come from."""
 _ROUNDED = 8.0
@@ -28,13 +29,16 @@ _ROUNDED = 8.0
 class LocalPose(NamedTuple):
     """The pose of one body, the time running from 0 to 1.
 
-    turns: the entries are terms[0] + terms[1] cos(rate s) + terms[2] sin(rate s) + terms[3] s; else polynomials,
-        terms[k] (3, 4) the coefficients of s^k, over the polynomial `weight`.
+    turns: it is a product of factors, (3, 4) terms four by four: the entries of each are terms[0] +
+        terms[1] cos(x(s)) + terms[2] sin(x(s)) + terms[3] y(s), with the polynomials x, y without constant term whose
+        coefficients of s, s^2, s^3 are the factor's rows of `angle` and `ahead`; else polynomials, terms[k] (3, 4) the
+        coefficients of s^k, over the polynomial `weight`.
     errors, weight_errors: bounds of the errors of terms and weight.
     """
 
     turns: bool
-    rate: float
+    angle: np.ndarray
+    ahead: np.ndarray
     terms: np.ndarray
     errors: np.ndarray
     weight: np.ndarray
@@ -140,40 +144,87 @@ def _least(series, row):
 
 
 @uncounted
-def _turning(series, first, pose, middle, half):
-    """The entries of a leg that turns, into rows from `first` on."""
-    angle, reach = pose.rate * middle, abs(pose.rate) * half
-    c, s = np.cos(angle), np.sin(angle)
-    # The angle is two roundings off and its cosine one more; powers and factorials of the rest up to three a step.
-    blur = (8.0 * abs(pose.rate) + 48.0) * _U
-    power, total = 1.0, 0.0
-    for n in range(KEPT + 1):
-        series.most[_SCRATCH, n] = power * _UP
+def _along(row, middle, half):
+    """A polynomial x of `LocalPose` over the cell: coefficients of its powers of the local time, bounds of |x^(n)|
+    half^n / n! at all its times for n from 1 on, and the sum of its own coefficients."""
+    a, b, c, end = row[0], row[1], row[2], middle + half
+    most_a, most_b, most_c = abs(a), abs(b), abs(c)
+    return (
+        ((c * middle + b) * middle + a) * middle,
+        ((3.0 * c * middle + 2.0 * b) * middle + a) * half,
+        (3.0 * c * middle + b) * half * half,
+        c * half * half * half,
+        (most_a + (2.0 * most_b + 3.0 * most_c * end) * end) * half * _UP,
+        (most_b + 3.0 * most_c * end) * half * half * _UP,
+        most_c * half * half * half * _UP,
+        most_a + most_b + most_c,
+    )
+
+
+@uncounted
+def _waves(series, row, middle, half):
+    """Cosine and sine of the angle x as rows _SCRATCH and _SCRATCH + 1, their majorants in the first.
+
+    Returns the sum of these, and how far the coefficients are off, as a share of it.
+
+    w = exp(i x) has w' = i x' w: with w_n = w^(n) half^n / n!, and x_n as much, n w_n is at every time the sum of
+    k i x_k w_{n - k}.  So the coefficients follow from those of x; bounds of |w_n| from those of |x_k|, and |w_0| = 1.
+    """
+    x0, x1, x2, x3, m1, m2, m3, size = _along(row, middle, half)
+    of, most = series.of, series.most
+    of[_SCRATCH, 0], of[_SCRATCH + 1, 0] = np.cos(x0), np.sin(x0)
+    most[_SCRATCH, 0] = 1.0
+    total = 1.0
+    for n in range(1, KEPT + 1):
+        bound = m1 * most[_SCRATCH, n - 1]
+        if n > 1:
+            bound += 2.0 * m2 * most[_SCRATCH, n - 2]
+        if n > 2:
+            bound += 3.0 * m3 * most[_SCRATCH, n - 3]
+        most[_SCRATCH, n] = bound / n * _UP
         if n < KEPT:
-            cosine = c if n % 4 == 0 else -s if n % 4 == 1 else -c if n % 4 == 2 else s
-            sine = s if n % 4 == 0 else c if n % 4 == 1 else -s if n % 4 == 2 else -c
-            sign = 1.0 if pose.rate >= 0.0 or n % 2 == 0 else -1.0
-            series.of[_SCRATCH, n], series.of[_SCRATCH + 1, n] = sign * cosine * power, sign * sine * power
-            total += power
-        power = power * reach / (n + 1)
+            cosine, sine = -x1 * of[_SCRATCH + 1, n - 1], x1 * of[_SCRATCH, n - 1]
+            if n > 1:
+                cosine -= 2.0 * x2 * of[_SCRATCH + 1, n - 2]
+                sine += 2.0 * x2 * of[_SCRATCH, n - 2]
+            if n > 2:
+                cosine -= 3.0 * x3 * of[_SCRATCH + 1, n - 3]
+                sine += 3.0 * x3 * of[_SCRATCH, n - 3]
+            of[_SCRATCH, n], of[_SCRATCH + 1, n] = cosine / n, sine / n
+            total += most[_SCRATCH, n]
+    # The coefficients of x are off by one rounding, x0 by six more of their sum, and its cosine by one; x_k by seven
+    # roundings of its bound and each step by six more, which up to seven steps hand on.
+    return total, (8.0 * size + 112.0) * _U
+
+
+@uncounted
+def _turning(series, first, pose, factor, middle, half):
+    """The entries of a factor of a leg that turns, into rows from `first` on."""
+    total, blur = _waves(series, pose.angle[factor], middle, half)
+    y0, y1, y2, y3, n1, n2, n3, size = _along(pose.ahead[factor], middle, half)
     terms, errors = pose.terms, pose.errors
+    k = 4 * factor
     for i in range(3):
         for j in range(4):
             row = first + 4 * i + j
-            a, b, d, v = terms[0, i, j], terms[1, i, j], terms[2, i, j], terms[3, i, j]
+            a, b, d, v = terms[k, i, j], terms[k + 1, i, j], terms[k + 2, i, j], terms[k + 3, i, j]
             for n in range(KEPT):
                 series.of[row, n] = b * series.of[_SCRATCH, n] + d * series.of[_SCRATCH + 1, n]
-            series.of[row, 0] += a + v * middle
-            series.of[row, 1] += v * half
-            swing, unsure = abs(b) + abs(d), errors[1, i, j] + errors[2, i, j]
-            error = errors[0, i, j] + errors[3, i, j] + unsure * total + swing * total * blur
-            error += 8.0 * _U * (abs(a) + abs(v) + swing * total)
+            series.of[row, 0] += a + v * y0
+            series.of[row, 1] += v * y1
+            series.of[row, 2] += v * y2
+            series.of[row, 3] += v * y3
+            swing, unsure = abs(b) + abs(d), errors[k + 1, i, j] + errors[k + 2, i, j]
+            error = errors[k, i, j] + errors[k + 3, i, j] * size + unsure * total + swing * total * blur
+            error += 16.0 * _U * (abs(a) + abs(v) * size + swing * total)
             series.error[row] = error * _UP
             for n in range(KEPT + 1):
                 series.most[row, n] = (swing + unsure) * series.most[_SCRATCH, n] * _UP
-            ahead = abs(v) + errors[3, i, j]
-            series.most[row, 0] += (abs(a) + errors[0, i, j] + ahead) * _UP
-            series.most[row, 1] += ahead * half * _UP
+            ahead = abs(v) + errors[k + 3, i, j]
+            series.most[row, 0] += (abs(a) + errors[k, i, j] + ahead * size) * _UP
+            series.most[row, 1] += ahead * n1 * _UP
+            series.most[row, 2] += ahead * n2 * _UP
+            series.most[row, 3] += ahead * n3 * _UP
 
 
 @uncounted
@@ -228,7 +279,12 @@ def _rational(series, first, pose, choices, work, middle, half):
 @uncounted
 def _leg(series, first, pose, choices, work, middle, half):
     if pose.turns:
-        _turning(series, first, pose, middle, half)
+        _turning(series, first, pose, 0, middle, half)
+        for factor in range(1, len(pose.angle)):
+            _turning(series, _FACTOR, pose, factor, middle, half)
+            _composed(series, first, _FACTOR, _PRODUCT)
+            for row in range(12):
+                _copy(series, _PRODUCT + row, first + row)
         return True
     return _rational(series, first, pose, choices, work, middle, half)
 

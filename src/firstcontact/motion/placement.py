@@ -25,6 +25,7 @@ from firstcontact.exact.rigid import (
 )
 from firstcontact.exact.vectors import dot, scaled
 from firstcontact.motion.poses import sqrt_near
+from firstcontact.motion.product import Product
 from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.rotation import Rotation, angle_ball
 from firstcontact.motion.screw import Screw
@@ -161,6 +162,10 @@ def advanced(before: Placement, motion: Any, share: fmpq) -> Placement:
         rows = motion.exact(share)
         matrix: Matrix = (tuple(rows[0]), tuple(rows[1]), tuple(rows[2]))  # type: ignore[assignment]
         return before.then(matrix)
+    if isinstance(motion, Product):
+        for factor in reversed(motion.factors):
+            before = advanced(before, factor.motion, factor.at(share))
+        return before
     if share == 0:
         return before
     if isinstance(motion, Translation):

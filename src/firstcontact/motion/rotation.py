@@ -124,6 +124,9 @@ def rotation_matrix(axis: np.ndarray, point: np.ndarray, radians: float) -> np.n
 
 def turns_of(motion: Any) -> fmpq:
     """About how many full turns a motion makes in its unit of time, none too few."""
+    if hasattr(motion, "turns"):  # of several joints
+        turns: fmpq = motion.turns
+        return turns
     angle: fmpq = abs(getattr(motion, "angle", fmpq(0)))
     return angle if getattr(motion, "unit", "turns") == "turns" else angle / 6
 

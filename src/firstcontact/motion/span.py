@@ -8,7 +8,8 @@ from typing import Any
 from flint import fmpq
 
 from firstcontact.errors import InputError, shown
-from firstcontact.exact.numbers import rational, to_double
+from firstcontact.exact.numbers import exact_value, rational, to_double
+from firstcontact.motion.linkage import Linkage
 from firstcontact.motion.moving import Moving
 from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.rotation import Rotation, turns_of
@@ -32,7 +33,7 @@ def limits(motion: Any) -> tuple[fmpq, fmpq] | None:
     """The exact first and last time at which the motion has a pose; None when it goes on beyond its span."""
     if isinstance(motion, Sequence):
         return fmpq(0), motion.ends[-1]
-    if isinstance(motion, Trajectory):
+    if isinstance(motion, Trajectory | Linkage):
         return motion.times[0], motion.times[-1]
     return UNIT if isinstance(motion, RationalMotion) else None
 
@@ -102,9 +103,9 @@ def refuse_many_turns(
     for body in (a, b):
         motion = body.motion if isinstance(body, Moving) else None
         share = 1 if last is None or not getattr(motion, "extends", False) else last - first
-        for step in getattr(motion, "steps", [motion]):
-            if isinstance(step, Rotation | Screw) and isinstance(step, kinds):
-                turns = turns_of(step) * share
+        for step in [motion] if isinstance(motion, Linkage) else getattr(motion, "steps", [motion]):
+            if isinstance(step, Rotation | Screw | Linkage) and isinstance(step, (*kinds, Linkage)):
+                turns = exact_value(step.turns) if isinstance(step, Linkage) else turns_of(step) * share
                 if turns > MOST_TURNS:
                     who = body.name or "a body"
                     raise InputError(

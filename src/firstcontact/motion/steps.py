@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 from flint import fmpq
 
+from firstcontact.motion.linkage import Linkage
 from firstcontact.motion.placement import HERE, Placement, advanced
 from firstcontact.motion.screw import simple
 from firstcontact.motion.sequence import Sequence
@@ -17,16 +18,27 @@ REST = Translation((0, 0, 0))
 
 
 class Step(NamedTuple):
-    """Over [start, end] it makes all of `motion`, after the pose `before`; end None: it goes on, beyond 0 and 1."""
+    """Over [start, end] it makes all of `motion`, after the pose `before`; end None: it goes on, beyond 0 and 1.
+
+    clock: (origin, unit) of the motion's own time where it is not that from start to end.
+    """
 
     start: fmpq
     end: fmpq | None
     motion: Any
     before: Placement
+    clock: tuple[fmpq, fmpq] | None = None
 
     @property
-    def duration(self) -> fmpq:
+    def origin(self) -> fmpq:
+        """When the motion's own time is zero: the body stands in `before` then."""
+        return self.start if self.clock is None else self.clock[0]
+
+    @property
+    def unit(self) -> fmpq:
         """The unit of the motion's own time."""
+        if self.clock is not None:
+            return self.clock[1]
         return fmpq(1) if self.end is None else self.end - self.start
 
     def covers(self, first: fmpq, last: fmpq) -> bool:
@@ -35,7 +47,7 @@ class Step(NamedTuple):
 
     def share(self, time: fmpq) -> fmpq:
         """The motion's own time then."""
-        return (time - self.start) / self.duration
+        return (time - self.origin) / self.unit
 
     def pose(self, time: fmpq) -> Placement:
         """Where the body stands at that time of the step."""
@@ -47,6 +59,9 @@ RESTING = Step(fmpq(0), None, REST, HERE)
 
 def steps_of(motion: Any) -> Iterator[Step]:
     """The steps in order of time."""
+    if isinstance(motion, Linkage):
+        yield from (Step(*part) for part in motion.parts())
+        return
     if not isinstance(motion, Sequence | Trajectory):
         yield Step(fmpq(0), None, simple(motion), HERE)
         return

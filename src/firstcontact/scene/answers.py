@@ -23,6 +23,7 @@ from firstcontact.result import (
     ElementPair,
     ExactAngle,
     FirstContact,
+    JointValue,
     Stats,
     Status,
     Subproblem,
@@ -202,6 +203,16 @@ class _TimesTable(_AnswerTable):
         }
 
 
+class JointTable(Table):
+    name: StrictStr
+    value: Double
+    interval: Doubles
+    unit: StrictStr = ""
+
+    def build(self) -> JointValue:
+        return JointValue(self.name, self.value, self.interval, self.unit)
+
+
 class FirstTable(_TimesTable):
     time: Double | None = None
     time_interval: Doubles | None = None
@@ -217,6 +228,7 @@ class FirstTable(_TimesTable):
     contact_points: Triples | None = None
     allowed: StrictStr | None = None
     subproblems: list[SubproblemTable] = []
+    joints: list[JointTable] = []
 
     def build(self) -> FirstContact:
         kind, points = self.contact_set, self.contact_points
@@ -235,6 +247,7 @@ class FirstTable(_TimesTable):
             contact_set=kind if kind is None or points is None else ContactSet(kind, points),
             subproblems=tuple(x.build() for x in self.subproblems),
             allowed=self.allowed,
+            joints=tuple(x.build() for x in self.joints),
         )
 
 

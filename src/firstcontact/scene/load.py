@@ -34,7 +34,10 @@ from firstcontact.body.ruled.strip import RuledStrip
 from firstcontact.body.ruled.surface import RuledSurface
 from firstcontact.errors import InputError, shown
 from firstcontact.exact.numbers import MOST_DIGITS, positive_double
+from firstcontact.exact.numbers import rational as rational_of
+from firstcontact.mechanism.values import read_times
 from firstcontact.motion import rational
+from firstcontact.motion.linkage import Drive, Linkage
 from firstcontact.motion.poses import SNAP
 from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.rotation import Rotation
@@ -44,6 +47,7 @@ from firstcontact.motion.trajectory import Trajectory
 from firstcontact.motion.translation import Translation
 from firstcontact.result import FirstContact
 from firstcontact.scene import solids, surfaces
+from firstcontact.scene.mechanisms import CourseTable, JointTable, Linked, LinkTable
 from firstcontact.scene.values import (
     Corners,
     Edge,
@@ -175,8 +179,41 @@ class SequenceTable(Table):
         return Sequence([step.build() for step in self.steps], durations=self.durations)
 
 
+class DriveTable(Table):
+    name: StrictStr
+    unit: StrictStr
+    motion: Annotated[TranslationTable | RotationTable | ScrewTable, Field(discriminator="type")]
+    values: list[list[Number]]
+
+    def build(self) -> Drive:
+        values = [tuple(rational_of(x, "values") for x in value) for value in self.values]
+        return Drive(self.name, self.unit, self.motion.build(), values)
+
+
+class LinkageTable(Table):
+    """As a link of a mechanism writes its motion; scenes have [joint.NAME] tables."""
+
+    type: Literal["linkage"]
+    times: list[Number]
+    drives: list[DriveTable]
+
+    def build(self) -> Linkage:
+        times = read_times(self.times)
+        for k, drive in enumerate(self.drives):
+            if len(drive.values) != len(times) - 1:
+                raise InputError(f"drives[{k}].values: {len(drive.values)} for {len(times) - 1} stretches of time")
+        return Linkage(times, [drive.build() for drive in self.drives])
+
+
 Motion = Annotated[
-    TranslationTable | RotationTable | ScrewTable | RationalTable | BetweenTable | SequenceTable | TrajectoryTable,
+    TranslationTable
+    | RotationTable
+    | ScrewTable
+    | RationalTable
+    | BetweenTable
+    | SequenceTable
+    | TrajectoryTable
+    | LinkageTable,
     Field(discriminator="type"),
 ]
 
@@ -258,6 +295,9 @@ class SceneTable(Table):
     allow: list[AllowTable] = []
     rest: StrictBool = False
     unit: StrictStr = ""
+    joint: dict[str, JointTable] = {}
+    link: dict[str, LinkTable] = {}
+    course: CourseTable | None = None
 
     @field_validator("check", "curve", "allow", mode="before")
     @classmethod
@@ -314,6 +354,8 @@ class Scene:
     allow: tuple[Rule, ...] = ()
     unit: str = ""
     resting: int = 0
+    linked: Linked | None = None
+    """The mechanism that the joints make of the bodies."""
 
     @classmethod
     def load(cls, path: str | Path) -> Scene:
@@ -351,9 +393,27 @@ def load_scene(path: str | Path) -> Scene:
     except ValidationError as error:
         raise InputError(f"{path}: {first_fault(error, tables)}") from error
     bodies = {key: _build(path, key, body) for key, body in scene.body.items()}
-    checks, resting = _checks(path, scene, bodies)
-    curves = _curves(path, scene)
-    return Scene(path, bodies, tuple(checks), tuple(curves), tuple(_rules(path, scene)), scene.unit, resting)
+    linked = _linked(path, scene, bodies)
+    checks, resting = _checks(path, scene, bodies, linked)
+    curves, rules = tuple(_curves(path, scene)), tuple(_rules(path, scene))
+    return Scene(path, bodies, tuple(checks), curves, rules, scene.unit, resting, linked)
+
+
+def _linked(path: Path, scene: SceneTable, bodies: dict[str, Any]) -> Linked | None:
+    """The mechanism, where there are joints; its bodies are set in motion."""
+    try:
+        if not scene.joint:
+            for key, given in (("link", scene.link), ("course", scene.course)):
+                if given:
+                    raise KeyFault(key, "goes with joints; add a [joint.NAME]")
+            return None
+        linked = Linked(scene.joint, scene.link, bodies)
+        if scene.course is not None:
+            with at_key("course"):
+                bodies |= linked.moving(scene.course.build(linked.mechanism, path.parent))
+    except KeyFault as error:
+        raise InputError(f"{path}: {error}") from error
+    return linked
 
 
 def _read(path: Path) -> dict[str, Any]:
@@ -421,12 +481,15 @@ def build_body(table: Any, key: str | None, folder: Path) -> Any:
         return body.moving(table.motion.build())
 
 
-def _checks(path: Path, scene: SceneTable, bodies: dict[str, Any]) -> tuple[list[Check], int]:
+def _checks(
+    path: Path, scene: SceneTable, bodies: dict[str, Any], linked: Linked | None
+) -> tuple[list[Check], int]:
     """The checks, and how many pairs are left out, for they are at rest with each other."""
     if not scene.check:
-        every = list(itertools.combinations(bodies, 2))
-        pairs = every if scene.rest else pairs_that_move(bodies)
-        return [Check(a, b) for a, b in pairs], len(every) - len(pairs)
+        every = [x for x in itertools.combinations(bodies, 2) if linked is None or not linked.are_one(*x)]
+        moving = set(every if scene.rest else pairs_that_move(bodies))
+        checks = [Check(*pair) for pair in every if pair in moving]
+        return checks, len(every) - len(checks)
     checks = []
     for k, table in enumerate(scene.check):
         a, b = _pair(path, scene, f"check[{k}]", table.pair)

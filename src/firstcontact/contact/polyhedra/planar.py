@@ -6,6 +6,8 @@ and shift are powers of one variable u that no term of the polynomial confuses.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from flint import fmpq, fmpq_poly
 
@@ -13,6 +15,7 @@ from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact.polyhedra.generic_turns import Rows, generic_turn
 from firstcontact.exact.numbers import to_double
 from firstcontact.exact.vectors import Vector, cross, dot
+from firstcontact.motion.product import Product
 from firstcontact.motion.relative.curved import CurvedPiece, Leg
 from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.screw import Screw
@@ -31,14 +34,18 @@ class BeginsNothing(Exception):
 def normal_of_motion(piece: CurvedPiece) -> Vector | None:
     """The normal of the plane in which both bodies turn and shift; None where there is none."""
     legs = piece.leg_a, piece.leg_b
-    normal = next((leg.motion.axis for leg in legs if isinstance(leg.motion, Rotation | Screw)), None)
+    motions = [motion for leg in legs for motion in _simple_motions(leg)]
+    normal = next((motion.axis for motion in motions if isinstance(motion, Rotation | Screw)), None)
     if normal is None or any(leg.before.factors for leg in legs):
         return None
-    return normal if all(_is_across(leg, normal) for leg in legs) else None
+    return normal if all(_is_across(motion, normal) for motion in motions) else None
 
 
-def _is_across(leg: Leg, normal: Vector) -> bool:
-    motion = leg.motion
+def _simple_motions(leg: Leg) -> list[Any]:
+    return [f.motion for f in leg.motion.factors] if isinstance(leg.motion, Product) else [leg.motion]
+
+
+def _is_across(motion: Any, normal: Vector) -> bool:
     if isinstance(motion, Translation):
         across: bool = dot(motion.vector, normal) == 0
         return across

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from firstcontact.kernels.pose_series import LocalPose
+from firstcontact.motion.product import Product
 from firstcontact.motion.relative.curved import CurvedPiece, Leg
 from firstcontact.motion.relative.local_poses import local_pose
 
@@ -19,6 +20,7 @@ from firstcontact.motion.relative.local_poses import local_pose
 _SLACK = 1e-12
 # Radians up to which a path is told by its ends and its bend.
 _SHORT = 2.0
+_UNKNOWN = np.full(3, np.nan), np.full(3, np.nan)
 
 
 class Ball(NamedTuple):
@@ -41,6 +43,8 @@ def are_apart(piece: CurvedPiece, a: Ball, b: Ball) -> bool:
 
 def _swept(leg: Leg, piece: CurvedPiece, ball: Ball) -> tuple[np.ndarray, np.ndarray]:
     """Corners (3,) of a box of all places of the ball; nan where none is known."""
+    if isinstance(leg.motion, Product):
+        return _UNKNOWN  # `contact.linked` looks at all stretches of a link at once, by the speeds of its joints
     if leg.rests:
         return ball.centre - ball.radius, ball.centre + ball.radius
     pose = local_pose(leg, piece)
@@ -56,15 +60,16 @@ def _swept(leg: Leg, piece: CurvedPiece, ball: Ball) -> tuple[np.ndarray, np.nda
 def _turned(pose: LocalPose, centre: np.ndarray) -> tuple[np.ndarray, np.ndarray, float, float]:
     """Box of the path, a bound of what lengths are multiplied by, the largest number met."""
     fixed, cosine, sine, ahead = pose.terms[:, :, :3] @ centre + pose.terms[:, :, 3]
+    rate = pose.angle[0, 0]
     swing = np.hypot(cosine, sine)
     largest = 1.0 + _SHORT + float(np.abs(centre).max())
     size = float(np.abs(pose.terms).sum(axis=0).max()) * largest
     stretch = float(np.linalg.norm(pose.terms[0, :, :3] + pose.terms[1, :, :3]))  # the same at all times
-    if abs(pose.rate) > _SHORT:
+    if abs(rate) > _SHORT:
         return fixed + np.minimum(ahead, 0.0) - swing, fixed + np.maximum(ahead, 0.0) + swing, stretch, size
     first = fixed + cosine
-    last = fixed + ahead + math.cos(pose.rate) * cosine + math.sin(pose.rate) * sine
-    bend = swing * (pose.rate * pose.rate / 8.0)
+    last = fixed + ahead + math.cos(rate) * cosine + math.sin(rate) * sine
+    bend = swing * (rate * rate / 8.0)
     return np.minimum(first, last) - bend, np.maximum(first, last) + bend, stretch, size
 
 
@@ -74,8 +79,7 @@ def _bent(pose: LocalPose, centre: np.ndarray) -> tuple[np.ndarray, np.ndarray, 
     controls, weights = np.tensordot(bernstein, pose.terms, 1), bernstein @ pose.weight
     sizes = np.abs(pose.terms).sum(axis=0)
     if not weights.min() > _SLACK * float(np.abs(pose.weight).sum()):
-        nothing = np.full(3, np.nan)
-        return nothing, nothing, 1.0, 1.0
+        return *_UNKNOWN, 1.0, 1.0
     controls /= weights[:, None, None]
     points = controls[:, :, :3] @ centre + controls[:, :, 3]
     size = float(sizes.max()) / float(weights.min()) * (1.0 + float(np.abs(centre).max()))

@@ -16,6 +16,7 @@ from firstcontact.exact.numbers import ball, precision, rational
 from firstcontact.exact.rigid import IDENTITY, Matrix
 from firstcontact.exact.vectors import Vector, cross, dot
 from firstcontact.motion.placement import Placement, Turn, Twist, advanced
+from firstcontact.motion.product import Product, at
 from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.relative.polynomial import PolynomialPiece, relative, step_pieces
 from firstcontact.motion.relative.polynomial import Step as PolynomialStep
@@ -83,15 +84,13 @@ class Leg:
                     return None
             else:
                 v = _turned(factor, v)
-        motion = self.motion
-        if isinstance(motion, RationalMotion):
-            return _fixed_image(motion, v)
-        turns = isinstance(motion, Rotation | Screw) and motion.angle != 0
-        return None if turns and any(cross(v, motion.axis)) else v
+        if isinstance(self.motion, RationalMotion):
+            return _fixed_image(self.motion, v)
+        return None if any(any(cross(v, axis)) for axis in turning_axes(self.motion)) else v
 
     def series(self, t: arb) -> Series:
         """The pose around the time t."""
-        pose = _own_series(self.motion, (t - self.origin) / self.unit, 1 / self.unit)
+        pose = own_series(self.motion, (t - self.origin) / self.unit, 1 / self.unit)
         if not self.before.factors:
             return pose
         return after(pose, self.before.matrix())
@@ -154,7 +153,7 @@ class CurvedPiece:
         if not isinstance(before, CurvedPiece):
             return False
         return (self.leg_a, self.leg_b) == (before.leg_a, before.leg_b) or all(
-            mine.place(self.start).factors == theirs.place(before.end).factors and mine.place(self.start).is_exact
+            _continues(mine.place(self.start), theirs.place(before.end), mine.motion)
             for mine, theirs in ((self.leg_a, before.leg_a), (self.leg_b, before.leg_b))
         )
 
@@ -177,9 +176,24 @@ def _fixed_image(motion: RationalMotion, v: Vector) -> Vector | None:
     return None if first is None or any(any(cross(first, x)) for x in images) else first
 
 
+def _continues(here: Placement, there: Placement, motion: Any) -> bool:
+    """Whether the pose in which a motion starts is the one in which that before it ended.
+
+    A mechanism's clock goes on from one stretch to the next, whatever the pose.
+    """
+    return here.factors == there.factors and (here.is_exact or isinstance(motion, Product))
+
+
+def turning_axes(motion: Any) -> list[Vector]:
+    """The axes about which it turns, of a motion that is not a rational function of the time."""
+    parts = [f.motion for f in motion.factors] if isinstance(motion, Product) else [motion]
+    return [part.axis for part in parts if isinstance(part, Rotation | Screw) and part.angle != 0]
+
+
 def _is_rational(leg: Leg) -> bool:
-    turns = isinstance(leg.motion, Rotation | Screw) and (leg.motion.angle != 0 or isinstance(leg.motion, Screw))
-    return leg.before.is_exact and not turns
+    motion = leg.motion
+    turns = isinstance(motion, Rotation | Screw) and (motion.angle != 0 or isinstance(motion, Screw))
+    return leg.before.is_exact and not turns and not isinstance(motion, Product)
 
 
 @lru_cache(maxsize=64)
@@ -202,13 +216,25 @@ def _is_rotation(m: Matrix) -> bool:
 # ------------------------------------------------------------------------------------------------------ series
 
 
-def _own_series(motion: Any, t: arb, speed: fmpq) -> Series:
+def own_series(motion: Any, t: arb, speed: fmpq) -> Series:
     """The pose of one motion at its own time t + speed x, in powers of x."""
     if isinstance(motion, RationalMotion):
         argument = arb_poly([t, arb(speed)])
         weight = _series(motion.pose[3][3], argument)
         return [[_divided(_series(x, argument), weight) for x in row] for row in motion.pose[:3]]
     time = arb_series([t, arb(speed)])
+    if not isinstance(motion, Product):
+        return _simple_series(motion, time)
+    pose: Series | None = None
+    for factor in motion.factors:
+        own = _simple_series(factor.motion, at(factor.value, time))
+        pose = own if pose is None else composed(pose, own)
+    assert pose is not None
+    return pose
+
+
+def _simple_series(motion: Any, time: arb_series) -> Series:
+    """The pose of a motion at its own time, a series."""
     if isinstance(motion, Translation):
         return [
             [*(arb_series([int(i == j)]) for j in range(3)), time * ball(motion.vector[i])] for i in range(3)

@@ -11,6 +11,7 @@ from flint import fmpq, fmpq_poly
 from firstcontact.exact.numbers import ball, precision, to_double
 from firstcontact.exact.vectors import dot
 from firstcontact.kernels.pose_series import LocalPose
+from firstcontact.motion.product import Product, Value
 from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.relative.curved import CurvedPiece, Leg, turning
 from firstcontact.motion.rotation import Rotation, angle_ball
@@ -20,6 +21,7 @@ from firstcontact.motion.translation import Translation
 _U = 2.0**-53
 _BITS = 128
 _ONE, _EXACT = np.ones(1), np.zeros(1)
+_STILL = np.zeros((1, 3))
 
 
 def local_pose(leg: Leg, piece: CurvedPiece) -> LocalPose:
@@ -32,7 +34,14 @@ def local_pose(leg: Leg, piece: CurvedPiece) -> LocalPose:
 def _own(motion: Any, p: int, q: int, m: int, n: int) -> LocalPose:
     """The pose of the motion itself from its own time p / q on, for the time m / n."""
     begin, share = fmpq(p, q), fmpq(m, n)
-    return (_rational if isinstance(motion, RationalMotion) else _turning)(motion, begin, share)
+    if isinstance(motion, RationalMotion):
+        return _rational(motion, begin, share)
+    if not isinstance(motion, Product):
+        return _turning(motion, (begin, share))
+    parts = [_turning(f.motion, f.within(begin, share)) for f in motion.factors]
+    angle, ahead = (np.concatenate([getattr(part, key) for part in parts]) for key in ("angle", "ahead"))
+    terms, errors = (np.concatenate([getattr(part, key) for part in parts]) for key in ("terms", "errors"))
+    return LocalPose(True, angle, ahead, terms, errors, _ONE, _EXACT)
 
 
 def _rational(motion: RationalMotion, begin: fmpq, share: fmpq) -> LocalPose:
@@ -46,38 +55,47 @@ def _rational(motion: RationalMotion, begin: fmpq, share: fmpq) -> LocalPose:
         for j, coefficients in enumerate(row):
             out[: len(coefficients), i, j] = [to_double(c / scale) for c in coefficients]
     errors = np.abs(out) * _U
-    return LocalPose(False, 0.0, out[:, :3].copy(), errors[:, :3].copy(), out[:, 3, 3].copy(), errors[:, 3, 3].copy())
+    entries, weights = (out[:, :3].copy(), errors[:, :3].copy()), (out[:, 3, 3].copy(), errors[:, 3, 3].copy())
+    return LocalPose(False, _STILL, _STILL, *entries, *weights)
 
 
 def _fractions(x: Any, local: fmpq_poly) -> list[fmpq]:
     return list(fmpq_poly(x)(local).coeffs()) if x else []
 
 
-def _turning(motion: Any, begin: fmpq, share: fmpq) -> LocalPose:
-    """R(angle) = P + (1 - P) cos(angle) + N sin(angle), P the projection on the axis n and N the product with it."""
+def _turning(motion: Any, value: Value) -> LocalPose:
+    """The pose of a simple motion at its own time `value`, a polynomial of the time that runs from 0 to 1.
+
+    R(angle) = P + (1 - P) cos(angle) + N sin(angle), P the projection on the axis n and N the product with it.
+    """
     terms = np.zeros((4, 3, 4))
+    begin, ways = value[0] if value else fmpq(0), value[1:]
+    unit = ways[0] if len(ways) == 1 else fmpq(1)
+    ahead = np.zeros((1, 3))
+    ahead[0, : len(ways)] = [to_double(x / unit) for x in ways] if unit else 0.0
     if isinstance(motion, Translation):
         v = motion.vector
         terms[0, :, :3] = np.eye(3)
         terms[0, :, 3] = [to_double(begin * x) for x in v]
-        terms[3, :, 3] = [to_double(share * x) for x in v]
+        terms[3, :, 3] = [to_double(unit * x) for x in v]
         errors = np.abs(terms) * _U
-        return LocalPose(True, 0.0, terms, errors, _ONE, _EXACT)
+        return LocalPose(True, _STILL, ahead, terms, errors, _ONE, _EXACT)
     n, maps = _axis(motion)
     with precision(_BITS):
         before = angle_ball(motion.angle * begin, motion.unit)
         sine, cosine = float(before.sin()), float(before.cos())
-        rate = float(angle_ball(motion.angle * share, motion.unit))
+        angle = np.zeros((1, 3))
+        angle[0, : len(ways)] = [float(angle_ball(motion.angle * x, motion.unit)) for x in ways]
     terms[0], swing, across = maps
     errors = np.abs(terms) * _U
     if isinstance(motion, Screw):
-        for k, part in ((0, begin), (3, share)):
-            ahead = to_double(motion.advance * part) * n
-            terms[k, :, 3] += ahead
-            errors[k, :, 3] += 4.0 * _U * (np.abs(ahead) + np.abs(terms[k, :, 3]))
+        for k, part in ((0, begin), (3, unit)):
+            way = to_double(motion.advance * part) * n
+            terms[k, :, 3] += way
+            errors[k, :, 3] += 4.0 * _U * (np.abs(way) + np.abs(terms[k, :, 3]))
     terms[1], terms[2] = cosine * swing + sine * across, cosine * across - sine * swing
     errors[1] = errors[2] = 4.0 * _U * (abs(cosine) + abs(sine)) * (np.abs(swing) + np.abs(across))
-    return LocalPose(True, rate, terms, errors, _ONE, _EXACT)
+    return LocalPose(True, angle, ahead, terms, errors, _ONE, _EXACT)
 
 
 @lru_cache(maxsize=1024)

@@ -23,6 +23,7 @@ from firstcontact.exact.numbers import to_double
 from firstcontact.exact.vectors import cross, dot, scaled, sub
 from firstcontact.motion.moving import Moving
 from firstcontact.motion.placement import Placement, Turn, angle_of
+from firstcontact.motion.product import Product
 from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.relative.curved import CurvedPiece, Leg
 from firstcontact.motion.rotation import Rotation, rotation_matrix, turns_of
@@ -34,7 +35,7 @@ from firstcontact.motion.translation import Translation
 _0 = fmpq(0)
 # Motions of which two may be one, and all that polyhedra can be followed under.
 SIMPLE = Translation, Rotation
-SUPPORTED = *SIMPLE, Screw, RationalMotion
+SUPPORTED = *SIMPLE, Screw, RationalMotion, Product
 # Full turns that polynomials over cells of time follow well.  Bodies tend to be aligned after simple shares of a turn:
 # at no such place is a motion cut.
 FEW_TURNS = fmpq(316, 101)
@@ -190,7 +191,7 @@ def _reduce(a: Any, b: Any, step_a: Step, step_b: Step, start: fmpq, end: fmpq |
         return Piece(start, end, start, *placed, zero, lead.axis, lead.point, rate, carry_rate=carry_rate)
     reference = start
     if not (placed[0].is_exact and placed[1].is_exact):
-        begins = {step.start for step, rests in ((step_a, rest_a), (step_b, rest_b)) if not rests}
+        begins = {step.origin for step, rests in ((step_a, rest_a), (step_b, rest_b)) if not rests}
         if len(begins) == 1 and step_a.before.is_exact and step_b.before.is_exact:
             reference, placed = begins.pop(), (step_a.before, step_b.before)
     return Piece(start, end, reference, *placed, None, lead.axis, lead.point, rate, carry_rate=carry_rate)
@@ -210,13 +211,13 @@ def _curved(a: Any, b: Any, step_a: Step, step_b: Step, start: fmpq, end: fmpq |
             f"the span has no end, but {' with '.join(bent or [name for _, name in named])} needs one; "
             "give span=(first, last)"
         )
-    return CurvedPiece(start, end, *[Leg(s.motion, s.start, s.duration, s.before, name) for s, name in named])
+    return CurvedPiece(start, end, *[Leg(s.motion, s.origin, s.unit, s.before, name) for s, name in named])
 
 
 def _velocity(step: Step, rests: bool) -> tuple[fmpq, fmpq, fmpq]:
     if rests or not isinstance(step.motion, Translation):
         return (_0, _0, _0)
-    return step.motion.vector if step.end is None else scaled(1 / step.duration, step.motion.vector)
+    return step.motion.vector if step.end is None else scaled(1 / step.unit, step.motion.vector)
 
 
 def _rate(step: Step, rests: bool, lead: Rotation) -> tuple[fmpq, fmpq] | None:
@@ -230,7 +231,7 @@ def _rate(step: Step, rests: bool, lead: Rotation) -> tuple[fmpq, fmpq] | None:
         if any(cross(motion.axis, lead.axis)) or any(cross(sub(motion.point, lead.point), lead.axis)):
             return None
         sense = 1 if dot(motion.axis, lead.axis) > 0 else -1
-    radians, turns = angle_of(motion, sense / step.duration)
+    radians, turns = angle_of(motion, sense / step.unit)
     return radians, turns
 
 

@@ -210,7 +210,7 @@ def _rational_steps(motion: Any) -> Iterator[Step]:
     for step in steps_of(motion):
         start = None if step.end is None else step.start
         yield Step(
-            step.motion, start, step.end, step.before.near(), step.before.is_exact, step.start, step.duration
+            step.motion, start, step.end, step.before.near(), step.before.is_exact, step.origin, step.unit
         )
 
 

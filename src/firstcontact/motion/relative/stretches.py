@@ -27,7 +27,9 @@ from firstcontact.kernels.poses import (
 )
 from firstcontact.motion.moving import Moving
 from firstcontact.motion.placement import Placement
+from firstcontact.motion.product import Product
 from firstcontact.motion.relative import projective
+from firstcontact.motion.relative.curved import own_series, terms
 from firstcontact.motion.relative.polynomial import own_pose
 from firstcontact.motion.rotation import Rotation, angle_ball
 from firstcontact.motion.screw import Screw
@@ -38,6 +40,9 @@ U = 2.0**-53
 BITS = 192
 # Largest half angle (radians) of one stretch: `sine_cosine` reduces arguments below 2^10.
 MOST_RADIANS = 1000.0
+# A product of motions turns a sixth of a turn in one window, and is a polynomial of that degree there: what is left out
+# is below 2^-80 of the sizes, far below the roundings of the coefficients.
+TURNS, TERMS = fmpq(1, 6), 20
 
 
 class Untold(Exception):
@@ -70,13 +75,21 @@ def _windows_of(motion_a: Any, motion_b: Any, p: int, q: int, r: int, s: int) ->
     for own in steps:
         for step in own:
             if step.end is not None:
-                cuts |= {t for t in (step.start, step.end) if first < t < last}
+                cuts |= {t for t in (step.start, *_inner_cuts(step), step.end) if first < t < last}
     times = sorted(cuts)
     found = []
     for begin, end in zip(times, times[1:] or times, strict=False):
         pair = [_stretch(m, step_index(own, begin, end), begin, end) for m, own in zip(motions, steps, strict=True)]
         found.append(Window(*_rounded(begin, end), *pair))
     return found
+
+
+def _inner_cuts(step: Step) -> list[fmpq]:
+    """Where a product of motions is cut."""
+    if not isinstance(step.motion, Product):
+        return []
+    count = max(1, int((step.motion.turns / TURNS).ceil()))
+    return [step.start + step.unit * k / count for k in range(1, count)]
 
 
 @lru_cache(maxsize=128)
@@ -117,7 +130,8 @@ def _stretch(motion: Any, index: int, begin: fmpq, end: fmpq) -> np.ndarray:
     # the exact scale that the kernel uses is that of the double 1 / half
     centre, scale = fmpq(*middle.as_integer_ratio()), 1 / fmpq(*float(head[PER_HALF]).as_integer_ratio())
     turns = isinstance(step.motion, Rotation | Screw)
-    coefficients = (_turning if turns else _rational)(step, centre, scale, head)
+    form = _turning if turns else _product if isinstance(step.motion, Product) else _rational
+    coefficients = form(step, centre, scale, head)
     table = np.zeros((14, max(len(head), coefficients.shape[1])))
     table[0, : len(head)], table[1:, : coefficients.shape[1]] = head, coefficients
     if not np.all(np.isfinite(table)):
@@ -131,7 +145,7 @@ def _rational(step: Step, centre: fmpq, scale: fmpq, head: np.ndarray) -> np.nda
     if isinstance(step.motion, Translation) and not step.before.factors:
         return _straight(step, centre, scale, head)
     before, (off_r, off_t) = _rounded_pose(step.before)
-    local = fmpq_poly([step.share(centre), scale / step.duration])
+    local = fmpq_poly([step.share(centre), scale / step.unit])
     own = projective.substituted(own_pose(step.motion, "a body"), local)
     held = projective.fixed(before)
     pose = projective.product(own, held)
@@ -161,6 +175,28 @@ def _rational(step: Step, centre: fmpq, scale: fmpq, head: np.ndarray) -> np.nda
     return table
 
 
+def _product(step: Step, centre: fmpq, scale: fmpq, head: np.ndarray) -> np.ndarray:
+    """Polynomials in s = (t - centre) / scale by Taylor; what they leave out is the next term at some |s| <= 1, or a
+    hair more (Lagrange)."""
+    head[KIND], head[STRAIGHT], head[DEGREE] = RATIONAL, 1.0, TERMS - 1
+    speed = scale / step.unit
+    ends = [arb(step.share(centre + way * scale)) for way in (-1, 1)]
+    with terms(TERMS + 1, BITS):
+        sharp = own_series(step.motion, arb(step.share(centre)), speed)
+        blurred = own_series(step.motion, ends[0].union(ends[1]), speed)
+    rows = [(sharp[i][j], blurred[i][j]) for i in range(3) for j in range(3)]
+    rows += [(sharp[i][3], blurred[i][3]) for i in range(3)]
+    table, off = np.zeros((13, TERMS)), np.zeros(12)
+    table[12, 0] = 1.0
+    for e, (p, q) in enumerate(rows):
+        balls = [p[k] for k in range(TERMS)]
+        table[e] = [_middle(c) for c in balls]
+        off[e] = sum(float(c.rad()) for c in balls) + 1.0001 * float(q[TERMS].abs_upper())
+    off += np.abs(table[:12]) @ (8.0 * np.arange(TERMS) + 3.0) * U  # as `_rational`
+    head[ERROR_R], head[ERROR_T] = off[:9].max(), off[9:].max()
+    return table
+
+
 def _rounded_pose(before: Placement) -> tuple[Matrix, tuple[float, float]]:
     """A rational matrix, and how far its linear entries and its shift are from the pose's at most."""
     if before.is_exact:
@@ -176,7 +212,7 @@ def _straight(step: Step, centre: fmpq, scale: fmpq, head: np.ndarray) -> np.nda
     """As `_rational`, for a translation from the identity, and faster."""
     table = np.zeros((13, 2))
     table[[0, 4, 8, 12], 0] = 1.0
-    here, rate = step.share(centre), scale / step.duration
+    here, rate = step.share(centre), scale / step.unit
     for k, x in enumerate(step.motion.vector):
         if x:
             table[9 + k] = to_double(x * here), to_double(x * rate)
@@ -195,7 +231,7 @@ def _turning(step: Step, centre: fmpq, scale: fmpq, head: np.ndarray) -> np.ndar
         length = arb(dot(motion.axis, motion.axis)).sqrt()
         k = [arb(x) / length for x in motion.axis]
         p = [arb(x) for x in motion.point]
-        omega = angle_ball(motion.angle * scale / step.duration, motion.unit)
+        omega = angle_ball(motion.angle * scale / step.unit, motion.unit)
         turned = ball_rotation(motion.axis, motion.point, angle_ball(motion.angle * local, motion.unit))
         base = compose(turned, tuple(tuple(arb(x) for x in row) for row in step.before.matrix()))  # type: ignore[arg-type]
         columns = [[base[i][j] for i in range(3)] for j in range(3)]
@@ -204,7 +240,7 @@ def _turning(step: Step, centre: fmpq, scale: fmpq, head: np.ndarray) -> np.ndar
         once = [cross(k, c) for c in (*columns, arm)]
         twice = [cross(k, c) for c in once]
         far = [s + arb(advance * local) * x for s, x in zip(shift, k, strict=True)]
-        slope = [arb(advance * scale / step.duration) * x for x in k]
+        slope = [arb(advance * scale / step.unit) * x for x in k]
         order = [(i, j) for i in range(3) for j in range(3)] + [(i, 3) for i in range(3)]
         zeroth = [*columns, far]
         table = np.array([

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator
 from typing import Any
@@ -11,7 +12,9 @@ from flint import fmpq
 
 from firstcontact.errors import InputError
 from firstcontact.exact.numbers import to_double
+from firstcontact.motion.linkage import Linkage
 from firstcontact.motion.rational import RationalMotion
+from firstcontact.motion.relative.reach import places
 from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.steps import steps_of
@@ -34,6 +37,8 @@ def swept_box(motion: Any, first: float, last: float, points: np.ndarray, error:
 
     last may be infinite; so is the box then where a translation or a screw goes on for ever.
     """
+    if isinstance(motion, Linkage):
+        return _box_of_link(motion, first, last, points, error)
     lo, hi = np.full(3, np.inf), np.full(3, -np.inf)
     for step, t0, t1, before in _steps(motion, first, last):
         linear, shift = before[:, :3], before[:, 3]
@@ -45,13 +50,23 @@ def swept_box(motion: Any, first: float, last: float, points: np.ndarray, error:
     return lo, hi
 
 
+def _box_of_link(motion: Linkage, first: float, last: float, points: np.ndarray, error: float) -> Box:
+    """The same by how far the corners of a box around the points pass in each stretch of time."""
+    own = motion.during(fmpq(*first.as_integer_ratio()), fmpq(*last.as_integer_ratio()))
+    corners = np.array(list(itertools.product(*zip(points.min(axis=0), points.max(axis=0), strict=True))))
+    middles, far = places(own, corners)
+    pad = far[..., None]
+    lo, hi = (middles - pad).min(axis=(0, 1)), (middles + pad).max(axis=(0, 1))
+    return _grown(lo, hi, error * _stretch(np.eye(3)), points)
+
+
 def _steps(motion: Any, first: float, last: float) -> Iterator[tuple[Any, float, float, np.ndarray]]:
     """(step, t0, t1, pose (3, 4) before it), t0 and t1 in the step's own clock, rounded outward."""
     for step in steps_of(motion):
         if step.end is None:
             yield step.motion, first, last, np.eye(4)[:3]
             return
-        start, length = to_double(step.start), to_double(step.duration)
+        start, length = to_double(step.origin), to_double(step.unit)
         slack = 4e-16 * (abs(start) + length) / length
         t0, t1 = (first - start) / length - slack, (last - start) / length + slack
         if t0 <= 1 and t1 >= 0:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
-from flint import arb, arb_mat, fmpq_poly
+from flint import arb, arb_mat, ctx, fmpq, fmpq_poly
 
 from firstcontact.exact.numbers import exact_value
 from firstcontact.exact.rigid import ball_rotation, inverse_map
 from firstcontact.exact.vectors import dot
 from firstcontact.motion.moving import Moving
+from firstcontact.motion.product import Product
+from firstcontact.motion.relative.curved import own_series, terms
 from firstcontact.motion.relative.polynomial import own_pose
 from firstcontact.motion.relative.stretches import Window, known_steps, step_index
 from firstcontact.motion.rotation import Rotation, angle_ball
@@ -32,14 +34,17 @@ class PoseJet:
         self.before = _square(self.step.before.matrix())
         own = self.step.motion
         self.turns = isinstance(own, Rotation | Screw)
-        if not self.turns:
+        if not self.turns and not isinstance(own, Product):
             rows = [[fmpq_poly(c) for c in row] for row in own_pose(own, "a body")]
             self.rows = [[(c, c.derivative()) for c in row] for row in rows]
 
     def at(self, t: arb) -> tuple[arb_mat, arb_mat]:
-        local = (self.way * t - arb(self.step.start)) / arb(self.step.duration)
-        value, slope = self._turning(local) if self.turns else self._rational(local)
-        return value * self.before, slope * self.before * (self.way / arb(self.step.duration))
+        local = (self.way * t - arb(self.step.origin)) / arb(self.step.unit)
+        if isinstance(self.step.motion, Product):
+            value, slope = self._product(local)
+        else:
+            value, slope = self._turning(local) if self.turns else self._rational(local)
+        return value * self.before, slope * self.before * (self.way / arb(self.step.unit))
 
     def _rational(self, x: arb) -> tuple[arb_mat, arb_mat]:
         weight, change = (_at(p, x) for p in self.rows[3][3])
@@ -51,6 +56,12 @@ class PoseJet:
                 value[i, j] = p / weight
                 slope[i, j] = (q - p / weight * change) / weight
         return value, slope
+
+    def _product(self, x: arb) -> tuple[arb_mat, arb_mat]:
+        with terms(2, ctx.prec):
+            rows = own_series(self.step.motion, x, fmpq(1))
+        slope = arb_mat([[c[1] for c in row] for row in rows] + [[0, 0, 0, 0]])
+        return _square([[c[0] for c in row] for row in rows]), slope
 
     def _turning(self, x: arb) -> tuple[arb_mat, arb_mat]:
         """A point p of the axis stays: the derivative of R (y - p) + p + x h is rate [k] R (y - p) + h."""

@@ -1,0 +1,50 @@
+"""`firstcontact sweep`: each joint of a scene's mechanism driven over its limits."""
+
+from __future__ import annotations
+
+import json
+
+import click
+
+from firstcontact.cli import common
+from firstcontact.errors import InputError
+
+
+@click.command()
+@click.argument("scene")
+@click.option("--joint", metavar="NAME", help="The joint to drive (default: each one that has limits).")
+@click.option("--at", "rest", metavar="NAME=VALUE", multiple=True, help="Where another joint rests (default: 0).")
+@click.option("--json", "target", metavar="F|-", help="Write the results as JSON; - prints only them.")
+def sweep(scene: str, joint: str | None, rest: tuple[str, ...], target: str | None) -> int:
+    """Find all values of each joint at which two links share a point.
+
+    SCENE is a TOML file with [joint.NAME] tables; the other joints rest.
+    """
+    from firstcontact.mechanism.sweep import sweep_of, swept_joints
+    from firstcontact.scene.load import load_scene
+
+    common.check_target(target)
+    loaded = load_scene(scene)
+    if loaded.linked is None:
+        raise InputError(f"{loaded.path}: no joints; add a [joint.NAME]")
+    mechanism = loaded.linked.mechanism
+    at = dict(_value(text) for text in rest)
+    results = []
+    for name in swept_joints(mechanism, joint):
+        results.append(sweep_of(mechanism, name, at))
+        if target != "-":
+            click.echo(str(results[-1]))
+    if target is not None:
+        text = json.dumps({"sweeps": [result.to_dict() for result in results]}, indent=1)
+        if target == "-":
+            click.echo(text)
+        else:
+            common.write(target, lambda path: path.write_text(text + "\n", encoding="utf-8"))
+    return common.exit_code([pair.status.name for result in results for pair in result.found])
+
+
+def _value(text: str) -> tuple[str, str]:
+    name, sign, value = text.partition("=")
+    if not sign:
+        raise InputError(f"--at {text}: write NAME=VALUE")
+    return name, value

@@ -1,0 +1,127 @@
+"""Joint values from files: tables (CSV), arrays (NPZ), and ROS `JointTrajectory` as JSON."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from flint import fmpq
+
+from firstcontact.errors import InputError
+from firstcontact.exact.numbers import rational
+
+TIMES = "time", "t", "time_from_start"
+"""Names of the column of times."""
+
+
+class Columns(NamedTuple):
+    """Times, values of joints by their names, and their velocities where these are known."""
+
+    times: list[Any]
+    values: dict[str, list[Any]]
+    velocities: dict[str, list[Any]] | None = None
+
+
+def read(path: str | Path) -> Columns:
+    """The columns of a file, by its suffix."""
+    path = Path(path)
+    reader = READERS.get(path.suffix.lower())
+    if reader is None:
+        raise InputError(f"{path}: suffix {path.suffix!r} is unknown; give one of {', '.join(READERS)}")
+    try:
+        return reader(path)
+    except OSError as error:
+        raise InputError(f"{path}: {(error.strerror or str(error)).lower()}; give a table of joint values") from error
+
+
+def _csv(path: Path) -> Columns:
+    """A row of names, then rows of numbers, which are exact as they are written."""
+    try:
+        with open(path, newline="", encoding="utf-8-sig") as file:
+            rows = [(number, row) for number, row in enumerate(csv.reader(file), 1) if any(x.strip() for x in row)]
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise InputError(f"{path}: no table of text ({error}); give one with a row of names first") from error
+    if len(rows) < 3:
+        raise InputError(f"{path}: {max(len(rows) - 1, 0)} rows of values; give a row of names and at least two rows")
+    names = [x.strip() for x in rows[0][1]]
+    for number, row in rows[1:]:
+        if len(row) != len(names):
+            raise InputError(f"{path}: line {number} has {len(row)} values, but there are {len(names)} names")
+        for name, text in zip(names, row, strict=True):
+            _check_number(path, number, name, text)
+    if len(set(names)) != len(names):
+        raise InputError(f"{path}: two columns have one name; give each its own")
+    return _split({name: [row[k].strip() for _, row in rows[1:]] for k, name in enumerate(names)})
+
+
+def _check_number(path: Path, number: int, name: str, text: str) -> None:
+    try:
+        rational(text.strip(), name)
+    except InputError as error:
+        raise InputError(f"{path}: line {number}: {error}") from error
+
+
+def _split(columns: dict[str, list[Any]]) -> Columns:
+    """Times apart; rows are a unit apart where there are none."""
+    key = next((name for name in TIMES if name in columns), None)
+    times = list(range(max(map(len, columns.values()), default=0))) if key is None else columns.pop(key)
+    return Columns(times, columns)
+
+
+def _npz(path: Path) -> Columns:
+    """One array for each joint, or `positions` (n, joints) with `joint_names`; `time` beside them."""
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            arrays = {name: file[name] for name in file.files}
+    except ValueError as error:
+        raise InputError(f"{path}: no arrays ({error}); write them by numpy.savez") from error
+    if "positions" not in arrays:
+        return _split({name: array.tolist() for name, array in arrays.items()})
+    names = [str(name) for name in arrays.get("joint_names", ())]
+    columns = {key: _by_name(path, key, names, arrays[key]) for key in ("positions", "velocities") if key in arrays}
+    times = next((arrays[key].tolist() for key in TIMES if key in arrays), list(range(len(arrays["positions"]))))
+    return Columns(times, columns["positions"], columns.get("velocities"))
+
+
+def _by_name(path: Path, key: str, names: list[str], rows: Any) -> dict[str, list[Any]]:
+    array = np.asarray(rows, float)
+    if array.ndim != 2 or array.shape[1] != len(names):
+        raise InputError(f"{path}: {key} of the shape {array.shape} for {len(names)} joint_names; give each a column")
+    return {name: array[:, k].tolist() for k, name in enumerate(names)}
+
+
+def _json(path: Path) -> Columns:
+    """A `JointTrajectory` of ROS, or a message that holds one."""
+    try:
+        message = json.loads(path.read_text(encoding="utf-8"))
+    except ValueError as error:
+        raise InputError(f"{path}: no JSON ({error}); give a JointTrajectory") from error
+    for key in ("joint_trajectory", "trajectory"):
+        message = message.get(key, message) if isinstance(message, dict) else message
+    try:
+        names, points = [str(x) for x in message["joint_names"]], list(message["points"])
+        times = [_time(point["time_from_start"]) for point in points]
+        positions = [point["positions"] for point in points]
+    except (KeyError, TypeError) as error:
+        raise InputError(f"{path}: no JointTrajectory ({error}); it has joint_names, points, positions") from error
+    velocities = [point.get("velocities") for point in points]
+    try:
+        known = _by_name(path, "velocities", names, velocities) if all(velocities) else None
+        return Columns(times, _by_name(path, "positions", names, positions), known)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{path}: points of different lengths ({error}); give one number for each joint") from error
+
+
+def _time(value: Any) -> Any:
+    """Seconds, exactly: a number, or whole seconds and nanoseconds."""
+    if not isinstance(value, dict):
+        return value
+    seconds = value.get("sec", value.get("secs", 0))
+    return rational(seconds, "sec") + rational(value.get("nanosec", value.get("nsecs", 0)), "nanosec") / fmpq(10) ** 9
+
+
+READERS: dict[str, Callable[[Path], Columns]] = {".csv": _csv, ".npz": _npz, ".json": _json}

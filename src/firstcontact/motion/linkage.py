@@ -1,0 +1,237 @@
+"""The motion of a link of a mechanism: the joints between it and the world, each a function of one clock."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+import numpy as np
+from flint import arb, fmpq
+
+from firstcontact.errors import InputError
+from firstcontact.exact.numbers import ball_bounds, exact_value, precision, rational, to_double
+from firstcontact.exact.vectors import Vector, scaled
+from firstcontact.motion.placement import HERE, Placement, advanced
+from firstcontact.motion.product import Factor, Product, Simple, Value, at
+from firstcontact.motion.rotation import Rotation, turns_of
+from firstcontact.motion.screw import Screw, simple
+from firstcontact.motion.translation import Translation, double_of
+from firstcontact.motion.value import Motion, numbers
+from firstcontact.result import JointValue
+
+# Bits of joint values in answers.
+_BITS = 192
+Part = tuple[fmpq, fmpq, Any, Placement, tuple[fmpq, fmpq] | None]
+"""Start, end, motion, the pose before it, and (origin, unit) of the motion's own time where it is not that from start
+to end."""
+
+
+class Drive(Motion):
+    """A joint at work: its motion by one unit of its value, and the value over the time.
+
+    values: for each stretch of time a polynomial, of degree 3 at most, of the share of the stretch that has passed.
+    """
+
+    __slots__ = ("name", "unit", "motion", "values", "_doubles")
+
+    def __init__(self, name: str, unit: str, motion: Simple, values: Iterable[Value]) -> None:
+        self.name, self.unit, self.motion = name, unit, simple(motion)
+        self.values = tuple(values)
+        self._doubles: np.ndarray | None = None
+
+    @property
+    def doubles(self) -> np.ndarray:
+        """(stretches, 4): the coefficients of the values, rounded; worked out once."""
+        if self._doubles is None:
+            self._doubles = np.zeros((len(self.values), 4))
+            for row, value in zip(self._doubles, self.values, strict=True):
+                row[: len(value)] = [to_double(c) for c in value]
+        return self._doubles
+
+    def during(self, lo: int, hi: int) -> Drive:
+        """In the stretches from lo on, before hi."""
+        made = Drive(self.name, self.unit, self.motion, self.values[lo:hi])
+        made._doubles = None if self._doubles is None else self._doubles[lo:hi]
+        return made
+
+    def shifted(self, by: Vector) -> Drive:
+        """The same joint in a world shifted by a vector."""
+        return Drive(self.name, self.unit, self.motion.shifted(by), self.values)
+
+    def _facts(self) -> tuple[Any, ...]:
+        return self.name, self.unit, self.motion, self.values
+
+    def _quick(self) -> Iterable[fmpq]:
+        return (*self.motion._quick(), *(x for value in (self.values[0], self.values[-1]) for x in value))
+
+    def _table(self) -> dict[str, Any]:
+        return {"name": self.name, "unit": self.unit, "motion": self.motion._table(), "values": numbers(self.values)}
+
+    def __repr__(self) -> str:
+        return f"<Drive of {self.name!r}: {len(self.values)} stretches>"
+
+
+class Linkage(Motion):
+    """The motion of a link: the product of the motions of its joints, from the root outward, on one clock.
+
+    times: ascending; between two of them every joint's value is one polynomial of the time.
+    drives: the joints between the root and the link; axes and points are those of the world in which all values are 0.
+
+    It is made by a mechanism (`Mechanism.motion`); a link whose joints all rest but one makes plain steps, turns,
+    shifts or screws, while that one goes evenly.
+    """
+
+    __slots__ = ("times", "drives", "_parts")
+    extends = False
+
+    def __init__(self, times: Iterable[fmpq], drives: Iterable[Drive]) -> None:
+        self.times, self.drives = tuple(times), tuple(drives)
+        self._parts: dict[int, Part] = {}
+
+    @property
+    def span(self) -> tuple[float, float]:
+        return to_double(self.times[0]), to_double(self.times[-1])
+
+    @property
+    def steps(self) -> tuple[Any, ...]:
+        """The motion of each stretch."""
+        return tuple(part[2] for part in self.parts())
+
+    def parts(self) -> Iterator[Part]:
+        """The stretches in order."""
+        return (self.part(k) for k in range(len(self.times) - 1))
+
+    def part(self, k: int) -> Part:
+        """Stretch k; worked out once."""
+        if k not in self._parts:
+            self._parts[k] = self._part(k)
+        return self._parts[k]
+
+    def _part(self, k: int) -> Part:
+        start, end = self.times[k], self.times[k + 1]
+        factors = [Factor(d.motion, d.values[k]) for d in self.drives if any(d.values[k])]
+        moving = [f for f in factors if any(f.value[1:])]
+        if not moving:
+            return start, end, Translation((0, 0, 0)), placed(factors), None
+        if len(factors) > 1 or any(moving[0].value[2:]):
+            return start, end, Product(factors), HERE, None
+        (motion, (begin, share, *_)), length = moving[0], end - start
+        return start, end, _times(motion, share), HERE, (start - begin / share * length, length)
+
+    @property
+    def turns(self) -> float:
+        """How many full turns the link makes in the longest of its stretches, at most."""
+        ways = [np.abs(d.doubles) @ np.arange(4.0) * to_double(turns_of(d.motion)) for d in self.drives]
+        return float(np.sum(ways, axis=0).max()) if ways else 0.0
+
+    def stretch(self, time: fmpq) -> int:
+        """The stretch in charge at a time of the span."""
+        return max(0, min(bisect_right(self.times, time), len(self.times) - 1) - 1)
+
+    def during(self, first: fmpq, last: fmpq) -> Linkage:
+        """The motion from the stretch of one time to that of another."""
+        lo, hi = self.stretch(first), self.stretch(last) + 1
+        if (lo, hi) == (0, len(self.times) - 1):
+            return self
+        made = Linkage(self.times[lo : hi + 1], [d.during(lo, hi) for d in self.drives])
+        made._parts = {k - lo: part for k, part in self._parts.items() if lo <= k < hi}
+        return made
+
+    def __call__(self, t: float) -> np.ndarray:
+        """The (4, 4) float64 pose at time t of the span, rounded once."""
+        t = double_of(t)
+        if not self.span[0] <= t <= self.span[1]:
+            raise InputError(f"time {t} is outside the span {self.span} of the mechanism")
+        return self.pose(rational(t, "time")).doubles()
+
+    def pose(self, time: fmpq) -> Placement:
+        """Where the link stands then."""
+        time = min(max(time, self.times[0]), self.times[-1])
+        k = self.stretch(time)
+        share = (time - self.times[k]) / (self.times[k + 1] - self.times[k])
+        return placed([Factor(d.motion, (at(d.values[k], share),)) for d in self.drives])
+
+    def joint_values(self, time: float, interval: tuple[float, float]) -> list[JointValue]:
+        """The values of the joints at a time, and enclosed at all times of the interval around it."""
+        near, lo, hi = (min(max(exact_value(t), self.times[0]), self.times[-1]) for t in (time, *interval))
+        stretches = range(self.stretch(lo), self.stretch(hi) + 1)
+        with precision(_BITS):
+            return [
+                JointValue(drive.name, self._value(drive, near), self._enclosed(drive, stretches, lo, hi), drive.unit)
+                for drive in self.drives
+            ]
+
+    def _value(self, drive: Drive, time: fmpq) -> float:
+        k = self.stretch(time)
+        return to_double(at(drive.values[k], (time - self.times[k]) / (self.times[k + 1] - self.times[k])))
+
+    def _enclosed(self, drive: Drive, stretches: range, lo: fmpq, hi: fmpq) -> tuple[float, float]:
+        found: Any = None
+        for k in stretches:
+            start, length = self.times[k], self.times[k + 1] - self.times[k]
+            times = arb((max(lo, start) - start) / length).union(arb((min(hi, start + length) - start) / length))
+            value = arb(at(drive.values[k], times))
+            found = value if found is None else found.union(value)
+        return ball_bounds(found)
+
+    def shifted(self, by: Vector) -> Linkage:
+        """The same motion in a world shifted by a vector."""
+        return Linkage(self.times, [d.shifted(by) for d in self.drives])
+
+    def _facts(self) -> tuple[Any, ...]:
+        return self.times, self.drives
+
+    def _quick(self) -> Iterable[fmpq]:
+        return (*self.times[:2], self.times[-1], *(x for d in self.drives for x in d._quick()))
+
+    def _table(self) -> dict[str, Any]:
+        return {"type": "linkage", "times": numbers(self.times), "drives": [d._table() for d in self.drives]}
+
+    def __repr__(self) -> str:
+        names = ", ".join(d.name for d in self.drives)
+        return f"<Linkage by {names}, from {self.span[0]:g} to {self.span[1]:g}>"
+
+    def __reduce__(self) -> Any:
+        from firstcontact.exact.numbers import fraction
+
+        rows = [(d.name, d.unit, d.motion, [tuple(map(fraction, v)) for v in d.values]) for d in self.drives]
+        return _rebuilt, (tuple(map(fraction, self.times)), rows)
+
+
+def apart(a: Linkage, b: Linkage) -> tuple[Linkage, Linkage, Linkage] | None:
+    """Both motions without the joints that they begin with both, and the motion by these; None where there are none."""
+    if a.times != b.times:
+        return None
+    count = 0
+    for x, y in zip(a.drives, b.drives, strict=False):
+        if x != y:
+            break
+        count += 1
+    if count == 0:
+        return None
+    return Linkage(a.times, a.drives[count:]), Linkage(b.times, b.drives[count:]), Linkage(a.times, a.drives[:count])
+
+
+def placed(factors: Iterable[Factor]) -> Placement:
+    """The pose by factors whose values do not change."""
+    pose = HERE
+    for motion, value in reversed(tuple(factors)):
+        pose = advanced(pose, motion, value[0] if value else fmpq(0))
+    return pose
+
+
+def _times(motion: Simple, share: fmpq) -> Simple:
+    """The motion that goes as far as that share of this one."""
+    if isinstance(motion, Translation):
+        return Translation(scaled(share, motion.vector))
+    angle: dict[str, Any] = {motion.unit: motion.angle * share}
+    if isinstance(motion, Rotation):
+        return Rotation(motion.axis, motion.point, **angle)
+    return Screw(motion.axis, motion.point, **angle, advance=motion.advance * share)
+
+
+def _rebuilt(times: Any, rows: Any) -> Linkage:
+    read = [Drive(name, unit, motion, [tuple(rational(x, "value") for x in v) for v in values])
+            for name, unit, motion, values in rows]  # fmt: skip
+    return Linkage([rational(t, "time") for t in times], read)

@@ -1,0 +1,7 @@
+"""Robots: mechanisms read from URDF and SRDF (extra `robot`).
+
+packages    where the files are that a description names
+urdf        links with their shapes, joints
+srdf        pairs of links that are not asked about
+robot       the mechanism of a description
+"""

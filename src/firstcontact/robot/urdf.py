@@ -1,0 +1,149 @@
+"""A robot's description: links with their shapes, joints, all placed in the world in which all joint values are 0."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from firstcontact.body.polyhedron.polyhedron import Polyhedron
+from firstcontact.body.solid import primitives
+from firstcontact.errors import InputError
+from firstcontact.io.meshes import FORMATS
+from firstcontact.mechanism.joints import Joint
+from firstcontact.motion.poses import Pose, read_poses
+from firstcontact.robot import srdf as semantic
+from firstcontact.robot.packages import found
+
+KINDS = {"revolute": "revolute", "continuous": "revolute", "prismatic": "prismatic", "fixed": "fixed"}
+
+
+@dataclass(frozen=True)
+class Description:
+    """What a robot is made of: the bodies of each link, the joints."""
+
+    name: str
+    links: dict[str, list[Any]]
+    joints: list[Joint]
+
+
+def read(path: Path, packages: Mapping[str, str | Path], base: np.ndarray) -> Description:
+    """The robot of a URDF file, its root placed by `base` (4, 4).
+
+    Poses are products of doubles, and each stands for the nearest rotation: within a few 1e-16 of what the file says.
+    Vertices of meshes are placed in doubles too.
+    """
+    robot = _parsed(path)
+    homes = _homes(path, robot, base)
+    links = {
+        link.name: [
+            _body(path, packages, link.name, k, shape, homes[link.name] @ _matrix(shape.origin))
+            for k, shape in enumerate(link.collisions or [])
+        ]
+        for link in robot.links
+    }
+    return Description(robot.name, links, [_joint(path, joint, homes[joint.child]) for joint in robot.joints])
+
+
+def _parsed(path: Path) -> Any:
+    try:
+        import yourdfpy
+    except ImportError as error:
+        raise InputError("robots need yourdfpy; install it: python -m pip install 'firstcontact[robot]'") from error
+    semantic.tree(path)  # the parser leaves out what it does not understand
+    logging.getLogger("yourdfpy").setLevel(logging.ERROR)  # it warns of meshes that are not asked for
+    try:
+        return yourdfpy.URDF.load(str(path), load_meshes=False, build_scene_graph=False).robot
+    except Exception as error:  # its parser raises what it meets
+        raise InputError(f"{path}: no description of a robot ({type(error).__name__}: {error}); give URDF") from error
+
+
+def _matrix(origin: np.ndarray | None) -> np.ndarray:
+    return np.eye(4) if origin is None else np.asarray(origin, float)
+
+
+def _homes(path: Path, robot: Any, base: np.ndarray) -> dict[str, np.ndarray]:
+    """The (4, 4) pose of each link."""
+    above = {joint.child: joint for joint in robot.joints}
+    homes: dict[str, np.ndarray] = {}
+
+    def home(link: str, below: tuple[str, ...] = ()) -> np.ndarray:
+        if link in below:
+            raise InputError(f"{path}: link {link!r} hangs on itself; give a tree")
+        if link not in homes:
+            joint = above.get(link)
+            homes[link] = base if joint is None else home(joint.parent, (*below, link)) @ _matrix(joint.origin)
+        return homes[link]
+
+    for link in robot.links:
+        home(link.name)
+    for joint in robot.joints:
+        for name in (joint.parent, joint.child):
+            if name not in homes:
+                raise InputError(f"{path}: joint {joint.name!r} names the link {name!r}, which is not there")
+    return homes
+
+
+def _joint(path: Path, joint: Any, home: np.ndarray) -> Joint:
+    if joint.type not in KINDS:
+        raise InputError(f"{path}: joint {joint.name!r} is {joint.type!r}; {', '.join(KINDS)} are followed")
+    kind = KINDS[joint.type]
+    if kind == "fixed":
+        return Joint(joint.name, kind, joint.parent, joint.child)
+    axis = home[:3, :3] @ (np.array([1.0, 0.0, 0.0]) if joint.axis is None else np.asarray(joint.axis, float))
+    limits = None
+    if joint.limit is not None and joint.type != "continuous":
+        lower, upper = joint.limit.lower or 0.0, joint.limit.upper or 0.0
+        limits = (lower, upper) if lower < upper else None
+    mimic = None
+    if joint.mimic is not None:
+        ratio, offset = joint.mimic.multiplier, joint.mimic.offset
+        mimic = joint.mimic.joint, 1.0 if ratio is None else ratio, 0.0 if offset is None else offset
+    unit = "rad" if kind == "revolute" else None
+    return Joint(
+        joint.name, kind, joint.parent, joint.child, axis=axis.tolist(), point=home[:3, 3].tolist(), unit=unit,
+        limits=limits, mimic=mimic,
+    )  # fmt: skip
+
+
+def _body(
+    path: Path, packages: Mapping[str, str | Path], link: str, k: int, shape: Any, place: np.ndarray
+) -> Any:
+    """A shape of a link, by the link's name and, beyond the first, a number."""
+    name = link if k == 0 else f"{link}.{k}"
+    geometry = shape.geometry
+    if geometry.mesh is not None:
+        file = found(geometry.mesh.filename, path, packages)
+        mesh = _mesh(file)
+        scale = np.ones(3) if geometry.mesh.scale is None else np.asarray(geometry.mesh.scale, float)
+        vertices = (mesh.vertices * scale) @ place[:3, :3].T + place[:3, 3]
+        triangles = mesh.triangles if np.prod(scale) > 0 else mesh.triangles[:, ::-1]
+        return Polyhedron(vertices, triangles, solid=mesh.solid, name=name)
+    if geometry.box is not None:
+        solid = primitives.box(np.broadcast_to(geometry.box.size, 3).tolist())
+    elif geometry.cylinder is not None:
+        solid = primitives.cylinder(geometry.cylinder.radius, geometry.cylinder.length)
+    elif geometry.sphere is not None:
+        solid = primitives.sphere(geometry.sphere.radius)
+    else:
+        raise InputError(f"{path}: link {link!r}: collision {k} has no shape; give a box, cylinder, sphere or mesh")
+    pose: Pose = read_poses([place], [f"{path}: the place of link {link!r}"])[0]
+    return solid.transformed([*pose.matrix(), (0, 0, 0, 1)]).named(name)
+
+
+@cache
+def _mesh(file: Path) -> Polyhedron:
+    if file.suffix.lower() in FORMATS:
+        return Polyhedron.load(file)
+    import trimesh
+
+    try:
+        mesh = trimesh.load(file, force="mesh")
+    except Exception as error:  # readers of trimesh raise what they meet, and need packages of their own
+        raise InputError(f"{file}: cannot be read ({error}); give one of {', '.join(FORMATS)}") from error
+    return Polyhedron.from_trimesh(mesh, name=file.stem)
