@@ -15,7 +15,8 @@ INK, PALE, EDGE = "#1b2a38", "#eef3f7", "#7d93a6"
 SHADES = {"asked": "#dfeaf5", "answers": "#fbe9d7", "finds": "#e4f2e1", "knows": "#f3e6f1", "ground": "#ececec"}
 FLOORS = {
     "asked": (
-        "__main__", "cli", "view", "warmup", "scene", "assembly", "batch", "robot", "mechanism", "query", "examples", "io",
+        "__main__", "cli", "view", "warmup", "scene", "assembly", "batch", "robot", "mechanism", "query", "examples",
+        "io",
     ),
     "answers": ("curves", "contact", "timeline"),
     "finds": ("search",),
