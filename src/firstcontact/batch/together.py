@@ -81,8 +81,12 @@ def _walked(
     told, work, contacts = each.told()
     done = told != OPEN if budget is None else (told != OPEN) & (work < budget)
     array, free = rows.array, done & (told == FREE)
-    rows.free(where[free], ends[free])
-    array["work"][where[done]] = work[done]
+    if len(where) == len(rows):  # as mostly: no row is looked up
+        rows.free_all(free, ends)
+        np.copyto(array["work"], work, where=done)
+    else:
+        rows.free(where[free], ends[free])
+        array["work"][where[done]] = work[done]
     found = np.flatnonzero(done[contacts.motions])
     at = where[contacts.motions[found]]
     array["status"][at] = STATUSES.index("CONTACT")

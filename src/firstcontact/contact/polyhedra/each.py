@@ -102,8 +102,11 @@ class Walks:
     most_tests: int
     rests: tuple[np.ndarray, np.ndarray] = (np.empty((0, 9)), np.empty((0, 9)))
 
-    def walked(self, motion: np.ndarray, motions: np.ndarray, ends: np.ndarray, pads: np.ndarray) -> Walked:
-        """motion, motions, ends, pads: as `walk_each` has them."""
+    def walked(
+        self, motion: np.ndarray, vectors: np.ndarray, frame: np.ndarray, ends: np.ndarray, pads: np.ndarray
+    ) -> Walked:
+        """motion, vectors, frame, ends, pads: as `walk_each` has them, but for pads, one for all or for each."""
+        pads = np.ascontiguousarray(np.broadcast_to(pads, len(ends)))
         a, b = self.tree_a, self.tree_b
         told, work = np.full(len(ends), OPEN, np.int64), np.zeros(len(ends), np.int64)
         all_times, all_rows = [np.empty((0, 2))], [np.empty((0, 6), np.int64)]
@@ -113,7 +116,7 @@ class Walks:
                 times, rows = np.empty((ROOM, 2)), np.empty((ROOM, 6), np.int64)
                 begin, count = walk_each(
                     self.boxes_a, a.links, a.xyz, a.ids, self.boxes_b, b.links, b.xyz, b.ids,
-                    motion, motions, ends, pads, self.error_a, self.error_b, self.most_tests, begin, SLICE,
+                    motion, vectors, frame, ends, pads, self.error_a, self.error_b, self.most_tests, begin, SLICE,
                     state.floats, state.integers, state.keys, state.pairs, state.stack, state.times, state.candidates,
                     *self.rests, told, work, times, rows,
                 )  # fmt: skip

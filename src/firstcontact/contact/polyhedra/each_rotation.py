@@ -29,7 +29,8 @@ class EachRotation:
         lasts = map(exact_value, self.lasts.tolist())
         ends = [problem.until(abs(x * t), abs(y * t)).window() for (x, y), t in zip(angles, lasts, strict=True)]
         ranges = problem.motion.copy()  # walks fill it, and others may go on in other threads
-        return self._contacts(walks.walked(ranges, np.empty((0, 9)), np.array(ends), np.full(len(ends), problem.pad)))
+        none = np.empty((0, 3))
+        return self._contacts(walks.walked(ranges, none, none, np.array(ends), np.array(problem.pad)))
 
     def _contacts(self, walked: Walked) -> tuple[np.ndarray, np.ndarray, Contacts]:
         found = []

@@ -12,16 +12,16 @@ from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact.polyhedra.each import Contacts, Place, Walked, Walks, piece_of, placed
 from firstcontact.contact.polyhedra.earliest import Pair
 from firstcontact.contact.polyhedra.translation_problem import (
-    LEAST_FRAMED,
     TranslationProblem,
     framed_pad,
-    framed_velocity,
+    rows_of,
 )
 from firstcontact.exact.times.instants import RationalInstant
 from firstcontact.exact.vectors import Vector, whole, whole_doubles
 from firstcontact.motion.translation import Translation
 from firstcontact.pairs.elements import coplanar
 from firstcontact.search.trees.elements import FACE, VERTEX
+from firstcontact.search.trees.translate import LEAST_FRAMED
 from firstcontact.search.trees.tree import Tree
 from firstcontact.search.trees.walk_each import OPEN, TIMED
 
@@ -44,16 +44,9 @@ class EachTranslation:
     def told(self) -> tuple[np.ndarray, np.ndarray, Contacts]:
         """FREE, MET, TIMED or OPEN, node visits and pair tests, of each motion; the contacts."""
         frame, vectors, lasts = self.problem.frame, self.vectors, self.lasts
-        coordinates = list(vectors.T)
-        framed = vectors
-        if frame is not None:
-            framed = np.stack(framed_velocity(frame, coordinates), axis=1)
-            framed = np.where(np.abs(framed) >= LEAST_FRAMED, framed, 0.0)
-        with np.errstate(divide="ignore"):
-            motions = np.concatenate([framed, 1.0 / np.where(framed == 0.0, 0.0, framed), vectors], axis=1)
-        pads = np.broadcast_to(framed_pad(self.problem.error, frame, coordinates, lasts), lasts.shape)
+        pads = framed_pad(self.problem.error, frame, list(vectors.T), lasts)
         ends = np.stack([lasts, lasts], axis=1)
-        return self._contacts(self.walks.walked(np.empty(9), motions, ends, np.ascontiguousarray(pads)))
+        return self._contacts(self.walks.walked(np.empty(9), vectors, rows_of(frame), ends, np.array(pads)))
 
     def _contacts(self, walked: Walked) -> tuple[np.ndarray, np.ndarray, Contacts]:
         """What is told, work, and the contacts.

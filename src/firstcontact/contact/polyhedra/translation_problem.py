@@ -17,10 +17,10 @@ from firstcontact.exact.numbers import below, dyadic, exact_value, fraction, sig
 from firstcontact.exact.rigid import Matrix, shift
 from firstcontact.exact.times.instants import RationalInstant, enclose
 from firstcontact.exact.times.windows import ALWAYS, Window, clip, hull
-from firstcontact.exact.vectors import Vector, dot, scaled, whole
+from firstcontact.exact.vectors import Vector, scaled, whole
 from firstcontact.motion.relative.pieces import Piece
 from firstcontact.pairs.elements import coplanar, line_line, point_plane, segment_facet
-from firstcontact.search.trees import translate  # noqa: F401 - the walk under this motion
+from firstcontact.search.trees import translate
 from firstcontact.search.trees.containment import contained
 from firstcontact.search.trees.elements import EDGE, VERTEX, Feature, Primitive, corners_of, whole_corners
 from firstcontact.search.trees.frame import Frame, shared_frame, tree_of, view_in
@@ -34,8 +34,6 @@ ZERO = fmpq(0)
 
 # Coordinates of velocities above it are as good as any; those below, but not zero, may leave the range of doubles.
 LEAST_SPEED = 2.0**-1000
-# Coordinates of velocities in a frame below it are roundings of zero.
-LEAST_FRAMED = 1e-300
 
 
 class TranslationProblem(ByEngine):
@@ -73,10 +71,8 @@ class TranslationProblem(ByEngine):
         self.pad = framed_pad(self.error, frame, v, self.window()[0])
         if any(x != 0 and abs(y) < LEAST_SPEED for x, y in zip(self.v, v, strict=True)):
             self.pad += 2.0**-800  # so slowly nothing comes that far before the bodies have passed each other
-        framed = v
-        if frame is not None:
-            framed = [x if abs(x) >= LEAST_FRAMED else 0.0 for x in framed_velocity(frame, v)]
-        self.velocity = np.array([*framed, *(1.0 / x if x else math.inf for x in framed), *v])
+        self.velocity = np.empty(9)
+        translate.lay_motion(np.array(v), rows_of(frame), self.velocity)
 
     def window(self) -> tuple[float, float]:
         """(last, sure last): outward and inward doubles around the end of the window."""
@@ -255,9 +251,9 @@ def framed_boxes(a: Polyhedron, b: Polyhedron, frame: Frame | None) -> tuple[np.
     return tree_a.boxes, tree_b.boxes, tree_a.error + tree_b.error
 
 
-def framed_velocity(frame: Frame, v: Any) -> list[Any]:
-    """The three coordinates of a velocity, numbers or arrays, in the frame."""
-    return [dot(row, v) for row in frame]
+def rows_of(frame: Frame | None) -> np.ndarray:
+    """(3, 3), or (0, 3) without a frame: as `lay_motion` has it."""
+    return np.empty((0, 3)) if frame is None else np.array(frame)
 
 
 def framed_pad(error: float, frame: Frame | None, v: Any, last: Any) -> Any:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from firstcontact.kernels.jit import implements, inlined, kernel
+from firstcontact.kernels.jit import implements, inlined, kernel, uncounted
 from firstcontact.kernels.verdict import NONE, UNSURE
 from firstcontact.pairs.elements.facet_facet import translation_window as both_straddle
 from firstcontact.pairs.elements.line_line import translation_filter as edge_edge
@@ -22,6 +22,23 @@ from firstcontact.search.trees.walk import (
     test_events,
 )
 from firstcontact.search.trees.windows import meeting_window, part_windows
+
+LEAST_FRAMED = 1e-300
+"""Coordinates of velocities in a frame below it are roundings of zero."""
+
+
+@uncounted
+def lay_motion(v, frame, motion):
+    """Fill a motion by the velocity v (3,) of the parts; frame: of the boxes, its rows (3, 3), or (0, 3): it is theirs."""
+    for k in range(3):
+        x = v[k]
+        if len(frame) > 0:
+            x = frame[k, 0] * v[0] + frame[k, 1] * v[1] + frame[k, 2] * v[2]
+            if abs(x) < LEAST_FRAMED:
+                x = 0.0
+        motion[k] = x
+        motion[k + 3] = 1.0 / x if x != 0.0 else np.inf
+        motion[k + 6] = v[k]
 
 
 @inlined

@@ -22,6 +22,7 @@ from firstcontact.search.trees.state import (
     VISITS,
 )
 from firstcontact.search.trees.timed import is_before, time_of
+from firstcontact.search.trees.translate import lay_motion
 from firstcontact.search.trees.walk import walk
 
 # What a walk left of a motion: proved free; a first contact that is among the candidates; one candidate that is the
@@ -32,13 +33,14 @@ FREE, MET, TIMED, OPEN = range(4)
 @uncounted
 def walk_each(
     boxes_a, links_a, xyz_a, ids_a, boxes_b, links_b, xyz_b, ids_b,
-    motion, motions, lasts, pads, err_a, err_b, most, begin, visits,
+    motion, vectors, frame, lasts, pads, err_a, err_b, most, begin, visits,
     floats, integers, keys, pairs, stack, times, candidates,
     rests_a, rests_b, told, work, found_times, found_rows,
 ):  # fmt: skip
     """Walks over [0, last] for the motions from number `begin` on; (the first one not done, candidates found).
 
-    motion: as `walk` has it, filled in turn with each of motions (n, 9); (0, 9): it is that of all.
+    motion: as `walk` has it, laid in turn by each of vectors (n, 3) in the frame (3, 3) of the boxes, (0, 3) where that
+    is the parts' own; vectors (0, 3): it is that of all.
     lasts (n, 2): the end of the window, and what is certainly not after it.  pads (n,): as `walk` has it.
     rests_a, rests_b: what coordinates of parts are off by, (m, 9) each as xyz_a and xyz_b; (0, 9): it is not known.
     most: pair tests after which a motion is left open, visits: node visits.
@@ -47,11 +49,10 @@ def walk_each(
     full.  The times are enclosures; of the one contact of a TIMED motion, as `time_of` tells them.
     """
     count = 0
-    timed = len(motions) > 0 and len(rests_a) > 0
+    timed = len(vectors) > 0 and len(rests_a) > 0
     for m in range(begin, len(lasts)):
-        if len(motions) > 0:
-            for k in range(len(motion)):
-                motion[k] = motions[m, k]
+        if len(vectors) > 0:
+            lay_motion(vectors[m], frame, motion)
         floats[FIRST], floats[SURE_FIRST], floats[SURE_LAST] = 0.0, 0.0, lasts[m, 1]
         floats[BEST], floats[KEY], floats[ALL] = lasts[m, 0], 0.0, 0.0
         for k in range(len(integers)):
@@ -89,7 +90,7 @@ def walk_each(
             continue
         told[m] = MET
         if timed and _first_alone(
-            xyz_a, rests_a, xyz_b, rests_b, motions, m, found_times, found_rows, count, kept, times
+            xyz_a, rests_a, xyz_b, rests_b, vectors, m, found_times, found_rows, count, kept, times
         ):
             told[m] = TIMED
             kept = count + 1
@@ -98,12 +99,12 @@ def walk_each(
 
 
 @uncounted
-def _first_alone(xyz_a, rests_a, xyz_b, rests_b, motions, m, found_times, found_rows, first, end, times):
+def _first_alone(xyz_a, rests_a, xyz_b, rests_b, vectors, m, found_times, found_rows, first, end, times):
     """Whether one contact of rows first to end is certainly before all others; then it becomes the first row.
 
     times: room for as many.
     """
-    v0, v1, v2 = motions[m, 6], motions[m, 7], motions[m, 8]
+    v0, v1, v2 = vectors[m, 0], vectors[m, 1], vectors[m, 2]
     best, until = first, np.inf
     for k in range(first, end):
         times[k - first, 0] = np.inf
