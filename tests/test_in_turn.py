@@ -118,3 +118,22 @@ def test_intervals_take_a_method(method):
 def test_a_method_that_is_none_is_named():
     with pytest.raises(fc.UnsupportedPair, match="method 'quick' is unknown"):
         fc.contact_intervals(fc.sphere(1), fc.sphere(2), method="quick")
+
+
+def test_elimination_takes_the_bodies_in_the_order_in_which_equations_are_smaller():
+    """A deforming piece beside one on a trajectory: equations of degree 88 one way, of 560 the other."""
+    poses = np.array([
+        [[-1, 0, 0, 3], [0, 0, 1, 1], [0, 1, 0, -2], [0, 0, 0, 1]],
+        [[0, -1, 0, -1], [1, 0, 0, -4], [0, 0, 1, -1], [0, 0, 0, 1]],
+        [[1, 0, 0, 4], [0, 1, 0, 1], [0, 0, 1, 2], [0, 0, 0, 1]],
+    ], float)  # fmt: skip
+    cut = fc.RuledSurface("(u,0,0)", "(1,u**2,u)", trim=["u**2+s**2<=1"]).translated((4, 1, -2))
+    moving = cut.moving(fc.Trajectory((0, 0.5, 1), poses))
+    deforming = fc.RuledSurface("(u,0,0)", "(u,2,T)").rotated((1, 0, 0), degrees=270).translated((0, 1, 2))
+    bodies = moving, deforming.moving(fc.Translation((4, 2, -3)))
+    hit, back = (fc.first_contact(*some, method="algebraic") for some in (bodies, bodies[::-1]))
+    assert hit.status is back.status is fc.Status.CONTACT and hit.time == back.time
+    assert (hit.element_a.kind, hit.element_b.kind) == (back.element_b.kind, back.element_a.kind)
+    assert hit.point == pytest.approx(back.point) and (back.a, back.b) == bodies[::-1]
+    intervals, other = (fc.contact_intervals(*some, method="algebraic") for some in (bodies, bodies[::-1]))
+    assert [(x.start, x.end) for x in intervals] == [(x.start, x.end) for x in other] and other.a is bodies[1]

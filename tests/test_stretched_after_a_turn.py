@@ -87,6 +87,32 @@ def test_boxes_that_screw_past_each_other_against_their_outlines(seed):
             assert any(w.start <= t <= w.end for w in told) == (known < 0), t
 
 
+def test_a_shift_after_an_irrational_turn():
+    """An octahedron through a roof: where poses are rounded balls tell; at rest they meet when they are told to."""
+    ends = [(3, 0, 0), (-3, 0, 0), (0, 2, 0), (0, -2, 0), (0, 0, 4), (0, 0, -4)]
+    eight = [(0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4), (2, 0, 5), (1, 2, 5), (3, 1, 5), (0, 3, 5)]
+    turn = fc.Rotation((0, 0, 1), point=(0, -1, 1), degrees=-120)
+    moving = fc.Polyhedron(ends, eight).translated((3, -3, 3)).moving(fc.Sequence([turn, fc.Translation((5, 6, -5))]))
+    corners = [(-2, -4, 0), (2, -4, 0), (2, 4, 0), (-2, 4, 0), (0, -4, 4), (0, 4, 4)]
+    roof = fc.Polyhedron(corners, [(3, 2, 1, 0), (0, 1, 4), (2, 3, 5), (1, 2, 5, 4), (3, 0, 4, 5)])
+    roof = roof.rotated((1, 0, 0), degrees=90).translated((-2, -2, 0))
+    told = fc.contact_intervals(moving, roof)
+    assert told.status is fc.Status.CONTACT and told[0].start == fc.first_contact(moving, roof).time
+    for t in np.linspace(0.003, 1, 60):
+        meet = fc.first_contact(moving.at(t), roof, span=(0, 0)).status is fc.Status.INITIAL_CONTACT
+        assert any(w.start <= t <= w.end for w in told) == meet, t
+
+
+@pytest.mark.parametrize(("x", "y"), [(0.1, 0.2), (0, 0.25), (-0.3, -0.1)])
+def test_a_bare_point_that_a_box_screws_up_to(x, y, recwarn):
+    """It is in the top of the box after three quarters, and inside then; it stands for an edge of no length."""
+    point, way = fc.Polyhedron([(0, 0, 0)], []), fc.Screw((0, 0, 1), degrees=100, advance=2)
+    for bodies in ((BOX.moving(way), point.translated((x, y, 2))), (point.translated((x, y, 2)), BOX.moving(way))):
+        (only,) = fc.contact_intervals(*bodies)
+        assert (only.start, only.end) == (0.75, 1.0)
+    assert not recwarn
+
+
 @pytest.mark.parametrize(("motion", "stays"), [
     (fc.Screw((0, 0, 2), degrees=50, advance=1), True), (fc.Screw((0, 1, 2), degrees=50, advance=1), False),
     (stretch(1, 2, 3, (0, 0, 1)), True), (fc.Translation((1, 2, 3)), True),

@@ -188,7 +188,9 @@ class EnclosedProblem(CurvedProblem[RationalInstant]):
         return has_facet and self._are_parallel((corners_of(self.a, edge_a), corners_of(self.b, edge_b)))
 
     def _are_parallel(self, pair: Corners) -> bool:
-        """Whether two edges are parallel at all times."""
+        """Whether two edges are parallel at all times, as those that stand for points are to all."""
+        if any(edge[0] == edge[1] for edge in pair):
+            return True
         directions = []
         for leg, edge in zip((self.piece.leg_a, self.piece.leg_b), pair, strict=True):
             key = leg is self.piece.leg_b, *edge
@@ -260,10 +262,11 @@ class EnclosedProblem(CurvedProblem[RationalInstant]):
             pose = self.piece.series(arb(left).union(arb(right)) + self.piece.start)
             ends = [[sum((r[k][0] * p[k] for k in range(3)), r[3][0]) for r in pose] for p in x]
         along = np.array([to_double(c) for c in sub(y[1], y[0])])
+        along /= max(float(np.abs(along).max()), 1e-300)  # 0 for a point
         offset = np.array([float((p + q).mid()) / 2 - to_double(c) for p, q, c in zip(*ends, y[0], strict=True)])
-        away = offset - (offset @ along) / (along @ along) * along
-        if not np.isfinite(away).all():
+        if not np.isfinite(offset).all():
             return False
+        away = offset - (offset @ along) / max(float(along @ along), 1.0) * along
         normal = [arb(c) for c in away.tolist()]
         return all(
             sum((n * (p - q) for n, p, q in zip(normal, end, corner, strict=True)), arb(0)) > 0

@@ -22,7 +22,7 @@ from firstcontact.contact.ways import Way, answered
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import Undecidable, to_double
 from firstcontact.motion.relative.curved import CurvedPiece
-from firstcontact.motion.relative.pieces import Piece, pieces
+from firstcontact.motion.relative.pieces import Piece, curved_pieces, pieces
 from firstcontact.result import ContactIntervals, ContactPairs, FirstContact, Stats, Status
 from firstcontact.work import NoMemory, Query, Spent
 
@@ -89,6 +89,12 @@ def _contact_intervals(query: Query, _: None) -> ContactIntervals:
             found = contact_windows(problem, work.left, query.progress)
             stats = _added(stats, found)
             work.done += found.work
+            if found.open == "precision" and not isinstance(piece, CurvedPiece) and piece.end is not None:
+                (curved,) = curved_pieces(query.a, query.b, piece.start, piece.end)  # in irrational poses balls tell
+                problem = problem_of(query.a, query.b, curved)
+                found = contact_windows(problem, work.left, query.progress)
+                stats = _added(stats, found)
+                work.done += found.work
             join(ends, problem, found.windows, work)
             if found.open is not None:
                 until = max(to_double(piece.start), problem.world_time(found.until))

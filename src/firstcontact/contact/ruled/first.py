@@ -6,7 +6,8 @@ triangles, and as a solid of planes where it is convex and small.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import Any
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
@@ -23,7 +24,8 @@ from firstcontact.contact.signs.sheets import Reach, TooLarge
 from firstcontact.contact.signs.starts import with_start
 from firstcontact.contact.signs.times import Times
 from firstcontact.contact.signs.touches import touch
-from firstcontact.contact.ways import Passed, tried
+from firstcontact.contact.swapped import swapped
+from firstcontact.contact.ways import Passed, R, tried
 from firstcontact.exact.numbers import below
 from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.polynomial import PolynomialPiece, relative_pieces
@@ -96,13 +98,36 @@ def _is_told(proved: FirstContact) -> bool:
 def _exactly(query: Query, reach: Reach) -> FirstContact:
     """Raises TooLarge beyond the degree."""
     work = query.work()
-    return exactly.first(query, _pieces(query, work, reach), Interior.of(*query.bodies), work)
+
+    def asked(query: Query) -> FirstContact:
+        return exactly.first(query, _pieces(query, work, reach), Interior.of(*query.bodies), work)
+
+    return _in_either_order(query, asked, swapped)
 
 
 def _all_exactly(query: Query, work: Work, reach: Reach) -> ContactIntervals:
     """Raises TooLarge beyond the degree."""
-    stretches = _pieces(query, work, reach)
-    return exactly.as_intervals(*exactly.all_windows(stretches, Interior.of(*query.bodies)), query, work)
+
+    def asked(query: Query) -> ContactIntervals:
+        windows = exactly.all_windows(_pieces(query, work, reach), Interior.of(*query.bodies))
+        return exactly.as_intervals(*windows, query, work)
+
+    def back(found: ContactIntervals) -> ContactIntervals:
+        return replace(found, a=query.a, b=query.b)
+
+    told: ContactIntervals = _in_either_order(query, asked, back)
+    return told
+
+
+def _in_either_order(query: Query, asked: Callable[[Query], R], back: Callable[[R], R]) -> R:
+    """The answer; in the other order of the bodies, taken back, where equations are too large: b's motion may be so."""
+    try:
+        return asked(query)
+    except TooLarge as refusal:
+        try:
+            return back(asked(replace(query, a=query.b, b=query.a)))
+        except TooLarge:
+            raise refusal from None
 
 
 def _pieces(query: Query, work: Work, reach: Reach) -> Iterator[tuple[PolynomialPiece, list[PiecePair]]]:
