@@ -120,3 +120,43 @@ def test_a_screw_drives_its_nut_to_the_end():
     mechanism = fc.Mechanism(links, joints)
     found = only(mechanism.course([0, 1], {"thread": [0, 7200]}).first_contacts(), "nut", "plate")
     assert found.joints[0].value == pytest.approx(16 * 360, rel=1e-12)  # up by 4 to the plate at 9/2
+
+
+def test_a_crank_that_goes_round_many_times_in_one_stretch():
+    """Two turns between two times, more than one walk takes: once a turn the slider of equal arms passes the stop."""
+    links = {
+        "ground": BOX((1, 2, 1)).translated((-2, 0, 0)).rotated((1, 2, 3), degrees=10).named("stop"),
+        "crank": BOX((1, "1/8", "1/8")).translated((0.5, 0, 3)).named("crank"),
+        "slider": BOX(("1/2", "1/2", "1/2")).translated((2, 0, 0)).named("slider"),
+    }
+    joints = [
+        fc.Joint("pin", "revolute", "ground", "crank", axis=(0, 0, 1)),
+        fc.Joint("rod", "revolute", "crank", "slider", axis=(0, 0, 1), point=(1, 0, 0), mimic=("pin", -2)),
+    ]
+    course = fc.Mechanism(links, joints).course([0, 2], {"pin": [0, 720]})
+    found = fc.contact_intervals(course.bodies["slider"][0], course.bodies["ground"][0])
+    assert found.status is fc.Status.CONTACT and len(found) == 2
+    assert all(x.start == pytest.approx(found[0].start + k, rel=1e-12) for k, x in enumerate(found))
+    hit = only(course.first_contacts(), "slider", "stop")
+    assert hit.time == pytest.approx(found[0].start, rel=1e-12)
+
+
+@pytest.mark.parametrize("kind", ["solid", "mesh"])
+def test_far_from_the_origin_it_is_the_same(kind):
+    make = fc.box if kind == "solid" else BOX
+    found = []
+    for place in ((0, 0, 0), (1e6, -2e6, 3e6)):
+        x, y, z = place
+        links = {
+            "ground": make((4, 4, 1)).translated((x, y, z - 2)).named("floor"),
+            "upper": make((1, "1/8", "1/8")).translated((x + 0.5, y + 9, z)).named("upper"),
+            "fore": make((1, "1/4", "1/4")).translated((x + 1.5, y, z)).named("fore"),
+        }
+        joints = [
+            fc.Joint("a", "revolute", "ground", "upper", axis=(0, 1, 0), point=place),
+            fc.Joint("b", "revolute", "upper", "fore", axis=(1, 4, 0), point=(x + 1, y, z)),
+        ]
+        course = fc.Mechanism(links, joints).course([0, 1, 2], {"a": [0, 40, 50], "b": [0, 20, 60]})
+        hit = only(course.first_contacts(), "fore", "floor")
+        found.append((hit.time, *(hit.point - place)))
+    assert found[0] == pytest.approx(found[1], abs=1e-8) and found[0][0] > 0.1

@@ -161,7 +161,7 @@ def _balls(body: Any, cover: Cover, asked: np.ndarray) -> tuple[np.ndarray, np.n
     return middles[asked], far[asked] + cover.radius
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=16)
 def _paths(motion: Linkage, centres: tuple[tuple[float, ...], ...]) -> tuple[np.ndarray, np.ndarray]:
     """`places` over all stretches of the clock: the same for all bodies that a link is asked about with."""
     return places(motion, np.array(centres))

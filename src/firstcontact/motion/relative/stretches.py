@@ -40,9 +40,13 @@ U = 2.0**-53
 BITS = 192
 # Largest half angle (radians) of one stretch: `sine_cosine` reduces arguments below 2^10.
 MOST_RADIANS = 1000.0
-# A product of motions turns a sixth of a turn in one window, and is a polynomial of that degree there: what is left out
-# is below 2^-80 of the sizes, far below the roundings of the coefficients.
-TURNS, TERMS = fmpq(1, 6), 20
+# A product of motions turns a sixth of a turn in one window, an eighth of that where the values of joints bend, and is
+# a polynomial of TERMS coefficients there.  What is left out is enclosed.  It is below 2^-79 of the sizes, and so are
+# its first derivatives but for powers of TERMS: far below the roundings of coefficients, which the kernels allow for.
+# For with x_k the coefficients of the angle in s, those of exp(i angle) at s^20 are the sum of all
+# x_1^a x_2^b x_3^c / (a! b! c!) with a + 2 b + 3 c = 20: 0.53^20 / 20! where the angle is linear; else |x_1|,
+# |x_2|^(1/2) and |x_3|^(1/3) are below 0.07.
+TURNS, BENDING, TERMS = fmpq(1, 6), 8, 20
 
 
 class Untold(Exception):
@@ -88,7 +92,8 @@ def _inner_cuts(step: Step) -> list[fmpq]:
     """Where a product of motions is cut."""
     if not isinstance(step.motion, Product):
         return []
-    count = max(1, int((step.motion.turns / TURNS).ceil()))
+    bends = any(len(f.value) > 2 for f in step.motion.factors)
+    count = max(1, int((step.motion.turns / TURNS).ceil())) * (BENDING if bends else 1)
     return [step.start + step.unit * k / count for k in range(1, count)]
 
 
