@@ -43,7 +43,6 @@ RAILS = [  # a drawer between two rails and a floor, which ends at a wall
 OUT_AND_IN = fc.Sequence([Translation((4, 0, 0)), Rotation((0, 0, 1), turns=1), Translation((-4, 0, 0))])
 CASES = {
     "shut lid, all the way round": (LID.moving(turning(-360)), FRAME, 0.5),
-    "shut lid, until before it comes down behind": (LID.moving(turning(-170)), FRAME, None),
     "upright lid that shuts": (OPEN.moving(turning(120)), FRAME, 0.75),
     "upright lid that shuts as the motion ends": (OPEN.moving(turning(90)), FRAME, 1.0),
     "upright lid that stays open": (OPEN.moving(turning(89)), FRAME, None),
@@ -174,7 +173,7 @@ def _strikes(pieces_a, pieces_b, vector, time):
     return False
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(5))
 def test_boxes_never_overlap_before_a_new_contact(seed):
     """Boxes of whole numbers, so that many touch; as solids, and one by one as meshes."""
     rng = np.random.default_rng(seed)

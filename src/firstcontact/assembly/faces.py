@@ -264,24 +264,48 @@ def _axis(a: Any, b: Any) -> Rotation | None:
 
 
 def _cut_along(part: Part, axis: Rotation) -> list[Part]:
-    """The triangle, in pieces that meet the axis at corners alone.  Raises Lasts where it is elsewhere, or nowhere."""
+    """The triangle, in pieces that meet the axis at corners alone.  Raises Lasts where it does not meet it."""
     mesh, (triangle,) = part.mesh, part.triangles.tolist()
     plane, corners = mesh.plane(triangle), [mesh.point(v) for v in mesh.corners(triangle)]
     if plane is None:
         raise Lasts
-    beside = [dot(plane.normal, cross(sub(p, axis.point), axis.axis)) for p in corners]
-    if min(beside) >= 0 or max(beside) <= 0 or not _holds(plane, axis):
-        if not any(_is_on(p, axis) for p in corners):
-            raise Lasts
+    pieces = _halves(corners, plane, axis) if _holds(plane, axis) else _fan(corners, plane, axis)
+    if len(pieces) == 1:
         return [part]
-    pieces = [_clipped(corners, beside, side) for side in (1, -1)]
     places = [[fraction(x) for x in p] for piece in pieces for p in piece]
-    faces = [[k, k + n, k + n + 1] for k, piece in ((0, pieces[0]), (len(pieces[0]), pieces[1]))
-             for n in range(1, len(piece) - 1)]  # fmt: skip
+    faces = [[k, k + 1, k + 2] for k in range(0, len(places), 3)]
     shape: Any = Polyhedron(places, faces, solid=False, name=mesh.shape.name)
     moving = Moving(shape, mesh.body.motion) if isinstance(mesh.body, Moving) else shape
     cut = Mesh(moving, int(mesh.shape.triangle_face[triangle]))
     return [cut.part([k]) for k in range(len(faces))]
+
+
+def _halves(corners: list[Vector], plane: Plane, axis: Rotation) -> list[list[Vector]]:
+    """Triangles on either side of the axis, which lies in the plane."""
+    beside = [dot(plane.normal, cross(sub(p, axis.point), axis.axis)) for p in corners]
+    if min(beside) < 0 < max(beside):
+        sides = [_clipped(corners, beside, side) for side in (1, -1)]
+        return [[side[0], side[k], side[k + 1]] for side in sides for k in range(1, len(side) - 1)]
+    if 0 not in beside:
+        raise Lasts
+    return [corners]
+
+
+def _fan(corners: list[Vector], plane: Plane, axis: Rotation) -> list[list[Vector]]:
+    """Triangles around the point where the axis passes through the plane."""
+    steep = dot(plane.normal, axis.axis)
+    if steep == 0:
+        raise Lasts
+    through = along(axis.point, -plane.value((*axis.point, 1)) / steep, axis.axis)
+    turns = [dot(plane.normal, cross(sub(q, p), sub(through, p))) for p, q in _sides(corners)]
+    if min(turns) < 0 < max(turns):
+        raise Lasts
+    return [[through, p, q] for (p, q), turn in zip(_sides(corners), turns, strict=True) if turn != 0]
+
+
+def _sides(corners: Sequence[Vector]) -> list[tuple[Vector, Vector]]:
+    p, q, r = corners
+    return [(p, q), (q, r), (r, p)]
 
 
 def _holds(plane: Plane, axis: Rotation) -> bool:
