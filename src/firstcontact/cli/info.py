@@ -38,10 +38,10 @@ def _scene_lines(file: str, everything: bool) -> list[str]:
     from firstcontact.scene.load import load_scene
 
     scene = load_scene(file)
-    unit = f", lengths in {scene.unit}" if scene.unit else ""
-    lines = [f"{file}: {_count(len(scene.bodies), 'body', 'bodies')}, {_count(len(scene.checks), 'check')}{unit}"]
-    if scene.resting:
-        lines.append(f"{_count(scene.resting, 'pair')} at rest with each other left out (rest = true asks for them)")
+    head = [_count(len(scene.bodies), "body", "bodies"), _count(len(scene.checks), "check")]
+    head += [f"lengths in {scene.unit}"] if scene.unit else []
+    head += [f"{_count(scene.resting, 'pair')} at rest with each other left out"] if scene.resting else []
+    lines = [f"{file}: {', '.join(head)}"]
     lines += [f"allow {rule}" for rule in scene.allow]
     if len(scene.bodies) > FEW and not everything:
         return lines + _brief(scene)
