@@ -50,7 +50,7 @@ def as_boxes(cells):
 def test_heaps_of_cubes():
     """They never overlap before a new contact; under a motion along an axis the new one is across it."""
     rng, told = np.random.default_rng(3), []
-    while len(told) < 25:
+    while len(told) < 12:
         first, second = heap(rng, rng.integers(1, 6)), heap(rng, rng.integers(1, 9))
         shift, vector = rng.integers(-2, 3, 3), rng.integers(-6, 7, 3) * rng.integers(0, 2, 3)
         first = [tuple((np.array(cell) + shift).tolist()) for cell in first]
@@ -76,11 +76,11 @@ def depth(p, q, turned):
     return min(min(x.max(), y.max()) - max(x.min(), y.min()) for x, y in heights)
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_turning_boxes(seed):
     """A box turns about an axis through corners of either, so that hinges, seats and pivots are common."""
     rng = np.random.default_rng(seed)
-    for _ in range(12):
+    for _ in range(9):
         p, r = rng.integers(-2, 2, 3), rng.integers(-3, 3, 3)
         q, s = p + rng.integers(1, 4, 3), r + rng.integers(1, 5, 3)
         k = rng.integers(3)
