@@ -3,7 +3,6 @@
 import itertools
 
 import numpy as np
-import pytest
 
 import firstcontact as fc
 from firstcontact import Status
@@ -76,11 +75,10 @@ def depth(p, q, turned):
     return min(min(x.max(), y.max()) - max(x.min(), y.min()) for x, y in heights)
 
 
-@pytest.mark.parametrize("seed", range(2))
-def test_turning_boxes(seed):
+def test_turning_boxes():
     """A box turns about an axis through corners of either, so that hinges, seats and pivots are common."""
-    rng = np.random.default_rng(seed)
-    for _ in range(9):
+    rng = np.random.default_rng(0)
+    for _ in range(10):
         p, r = rng.integers(-2, 2, 3), rng.integers(-3, 3, 3)
         q, s = p + rng.integers(1, 4, 3), r + rng.integers(1, 5, 3)
         k = rng.integers(3)

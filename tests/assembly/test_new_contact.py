@@ -82,8 +82,6 @@ def test_meshes(case):
 def test_a_drawer_meets_the_wall_at_the_end_of_its_rails():
     """The drawer touches floor and rails all along; its front is 6 from the wall, which is a piece of the rails."""
     drawer = block((0, 0, 0), (1, 1, 1), "drawer")
-    for rail in RAILS:
-        assert fc.first_contact(drawer, rail).initial in ("touching", None)
     times = [fc.first_new_contact(drawer.moving(Translation((8, 0, 0))), rail).time for rail in RAILS]
     assert times == [None, None, None, 0.75]
     solid = [block(*np.array(rail.bounds()).tolist(), solid=True) for rail in RAILS]
