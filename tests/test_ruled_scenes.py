@@ -126,7 +126,7 @@ def test_info_tells_directrices_and_ranges(scene):
     ]
     assert lines[5].startswith("  from (-1") and "  trimmed by -2*u*s + 1 >= 0" in lines
     assert "  deforms with the time T" in lines and any(x.endswith("in the time from 0 to 1") for x in lines)
-    assert lines[-5:-3] == ["  every ruling belongs to 2 values of u", "  unbounded"]
+    assert lines[-4:-2] == ["  every ruling belongs to 2 values of u", "  unbounded"]
 
 
 # -- drawing ------------------------------------------------------------------------------------------------

@@ -110,6 +110,27 @@ def test_of_many_pairs_the_contacts_alone_are_printed_earliest_first(command, sc
     assert everything.count("FREE") == 6 and everything.count("CONTACT at time") == 34
 
 
+def test_info_of_many_bodies_is_short(command, scene):
+    lines = command("info", scene('unit = "mm"\n' + many(40))).out.splitlines()
+    assert lines[0].endswith("41 bodies, 40 checks, lengths in mm, 780 pairs at rest with each other left out")
+    assert lines[1:4] == [
+        "  41 of meshes, closed, a solid: sled, post0, post1, post2, ...",
+        "  1 Translation((100.0, 0.0, 0.0)): sled",
+        "  40 at rest: post0, post1, post2, post3, ...",
+    ]
+    assert lines[4] == "  from (0, 0, 0) to (120, 1, 1.5)"
+    assert command("info", scene(many(40)), "--all").out.count("8 vertices") == 41
+
+
+def test_the_page_of_a_scene(command, scene, tmp_path):
+    path = scene(many(40))
+    assert command("check", path, "--html", tmp_path / "a.html").code == 1
+    loaded = fc.Scene.load(path)
+    page = loaded.show(loaded.first_contacts(), tmp_path / "b.html")
+    texts = [p.read_text(encoding="utf-8") for p in (page, tmp_path / "a.html")]
+    assert texts[0] == texts[1] and '"name": "post39", "mesh"' in texts[0]
+
+
 def test_rows_are_written_as_they_come(command, scene, tmp_path):
     path, table, lines = scene(STAND + ALLOW + "touching = true\n"), tmp_path / "t.csv", tmp_path / "t.jsonl"
     assert command("check", path, "--csv", table, "--jsonl", lines).code == 1

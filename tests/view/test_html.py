@@ -14,6 +14,7 @@ from firstcontact.errors import InputError
 from firstcontact.motion.translation import Translation
 from firstcontact.result import FirstContact, Status
 from firstcontact.view import html
+from firstcontact.view.assembly import Assembly
 from view import scenes
 
 VOID = {"meta", "link", "input"}
@@ -206,3 +207,20 @@ def test_an_unbounded_body_is_drawn_anew_for_every_pair():
     elsewhere = FirstContact(Status.FREE, free_until=1.0, a=scenes.plug().translated((99, 0, 5)), b=result.b)
     data = page_data(html.page_text([result, elsewhere]))
     assert len(data["meshes"]) == 4
+
+
+def test_an_assembly_of_300_bodies_stays_below_10_mb():
+    """Parts of a thousand triangles, one of 400,000; of 302 pairs the page has the two in contact, in order."""
+    gears = [fc.examples.spur_gear(1000, teeth=8 + k) for k in range(20)]
+    places = [(gear, k, i) for k, gear in enumerate(gears) for i in range(15)]
+    copies = [gear.translated((4 * k, 4 * i, 0)).named(f"gear{k}.{i}") for gear, k, i in places]
+    large = fc.examples.spur_gear(400_000).translated((0, 0, -9)).named("large")
+    a, b = scenes.falling_spike()
+    late = fc.first_contact(a.body.translated((0, 0, 1)).moving(a.motion), b)
+    free = [fc.FirstContact(fc.Status.FREE, a=large, b=x, span=(0.0, 1.0), free_until=1.0) for x in copies]
+    whole = Assembly({x.name: x for x in (large, b, *copies)}, "mm")
+    text = html.page_text([*free, late, fc.first_contact(a, b)], whole)
+    data = page_data(text)
+    assert len(text) < 10_000_000 and data["unit"] == "mm" and len(data["assembly"]["bodies"]) == 302
+    assert [pair["contact"] for pair in data["pairs"]] == [0.5, 1.0] and data["assembly"]["members"] == [[-1, 1]] * 2
+    assert len(data["meshes"]) < 60  # copies are written once

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from firstcontact import query
-from firstcontact.assembly.kept import generators, is_kept
+from firstcontact.assembly.kept import generators, is_kept, standing
 from firstcontact.assembly.new_contact import Asking, Lasts, after_start, earliest, renamed
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.body.solid.carriers import Plane, Rows, upright
@@ -40,9 +40,13 @@ def by_faces(a: Any, b: Any, asking: Asking) -> FirstContact | None:
     """None for other bodies, and where too many triangles touch.  Raises Lasts."""
     if not all(isinstance(shape_of(x), Polyhedron) and len(shape_of(x).triangles) for x in (a, b)):
         return None
-    sides = Mesh(a), Mesh(b)
+    stands = [standing(x, asking.first) for x in (a, b)]
+    by = None if stands[0] is None or stands[1] is None else generators((a, b), asking.first, asking.last)
+    sides = Mesh(a, stands[0]), Mesh(b, stands[1])
     met = _met_at_start(sides, asking)
-    stars = _stars(sides, met, generators(a, b) if asking.first == 0 else None)
+    if met is None:
+        return None
+    stars = _stars(sides, met, by)
     alone = {pair for pair in met if not any(pair[0] in x and pair[1] in y for x, y in stars)}
     if len(alone) > MOST_PAIRS:
         return None
@@ -53,17 +57,19 @@ def by_faces(a: Any, b: Any, asking: Asking) -> FirstContact | None:
 
 
 class Mesh:
-    """A polyhedron as the answer looks at it: triangles by numbers, exactly."""
+    """A polyhedron as the answer looks at it: triangles by numbers, exactly, where it stands at the start."""
 
-    def __init__(self, body: Any, face: int | None = None) -> None:
-        """face: of which the triangles are pieces, if they are."""
+    def __init__(self, body: Any, stands: Any, face: int | None = None) -> None:
+        """stands: the shape there, None where that is not known; face: of which the triangles are pieces, if any."""
         self.body, self.shape, self.face = body, shape_of(body), face
+        self.stands = self.shape if stands is None else stands
+        self.is_in_place = self.stands is self.shape
         self.triangles: np.ndarray = self.shape.triangles
         self._exact: dict[int, Vector] = {}
 
     def point(self, vertex: int) -> Vector:
         if vertex not in self._exact:
-            self._exact[vertex] = self.shape.exact_vertex(vertex)
+            self._exact[vertex] = self.stands.exact_vertex(vertex)
         return self._exact[vertex]
 
     def corners(self, triangle: int) -> list[int]:
@@ -98,11 +104,11 @@ class Mesh:
 
     def inner_side(self, triangle: int, plane: Plane) -> int:
         """The sign of the plane's form on the body's side of the triangle; 0 where it has no inside."""
-        if not self.shape.solid:
+        if not self.stands.solid:
             return 0
         centre = [(x + 2 * y + 4 * z) / 7 for x, y, z in zip(*map(self.point, self.corners(triangle)), strict=True)]
         axis = next(k for k in range(3) if plane.normal[k])
-        ahead = contains(self.shape, tree_of(self.shape), tuple(centre), axis, (triangle,))  # type: ignore[arg-type]
+        ahead = contains(self.stands, tree_of(self.stands), tuple(centre), axis, (triangle,))  # type: ignore[arg-type]
         return sign(plane.normal[axis]) * (1 if ahead else -1)
 
     def star(self, facet: frozenset[int], plane: Plane, side: int) -> frozenset[int]:
@@ -138,7 +144,7 @@ class Mesh:
         if shape.error == 0.0:
             places: Any = shape.vertices[vertices]
         else:
-            places = [[fraction(x) for x in self.point(v)] for v in vertices.tolist()]
+            places = [[fraction(x) for x in shape.exact_vertex(v)] for v in vertices.tolist()]
         body: Any = Polyhedron(places, faces, edges=edges if len(faces) == 0 else None, solid=False, name=shape.name)
         moving = Moving(body, self.body.motion) if isinstance(self.body, Moving) else body
         return Part(self, moving, vertices, triangles)
@@ -178,12 +184,12 @@ def _edges(corners: Sequence[int]) -> Iterator[tuple[int, int]]:
     return iter((_edge(p, q), _edge(q, r), _edge(r, p)))
 
 
-def _met_at_start(sides: tuple[Mesh, Mesh], asking: Asking) -> set[tuple[int, int]]:
-    """Pairs of triangles, among them all that share a point at the start.  Raises Lasts."""
+def _met_at_start(sides: tuple[Mesh, Mesh], asking: Asking) -> set[tuple[int, int]] | None:
+    """Pairs of triangles, among them all that share a point at the start; None of sheets that pierce each other."""
     first, _ = asking.span
     found = query.contact_pairs(sides[0].body, sides[1].body, (first, first))
     if len(found.piercing) and not (sides[0].shape.solid or sides[1].shape.solid):
-        raise Lasts  # sheets that pass through each other
+        return None
     met: set[tuple[int, int]] = set()
     for pair in (*found.pairs, *found.piercing, *found.undecided):
         met.update(product(_holding(sides[0], pair.element_a), _holding(sides[1], pair.element_b)))
@@ -250,7 +256,7 @@ def _after_start(x: Part, y: Part, asking: Asking) -> list[FirstContact]:
         return [renamed(after_start(x.body, y.body, asking), x.element, y.element)]
     except Lasts:
         axis = _axis(x.mesh.body, y.mesh.body)
-        if axis is None:
+        if axis is None or not (x.mesh.is_in_place and y.mesh.is_in_place):
             raise
     pieces = product(_cut_along(x, axis), _cut_along(y, axis))
     pairs = [pair for piece in pieces for pair in _beside_axis(*piece, axis)]
@@ -264,24 +270,48 @@ def _axis(a: Any, b: Any) -> Rotation | None:
 
 
 def _cut_along(part: Part, axis: Rotation) -> list[Part]:
-    """The triangle, in pieces that meet the axis at corners alone.  Raises Lasts where it is elsewhere, or nowhere."""
+    """The triangle, in pieces that meet the axis at corners alone.  Raises Lasts where it does not meet it."""
     mesh, (triangle,) = part.mesh, part.triangles.tolist()
     plane, corners = mesh.plane(triangle), [mesh.point(v) for v in mesh.corners(triangle)]
     if plane is None:
         raise Lasts
-    beside = [dot(plane.normal, cross(sub(p, axis.point), axis.axis)) for p in corners]
-    if min(beside) >= 0 or max(beside) <= 0 or not _holds(plane, axis):
-        if not any(_is_on(p, axis) for p in corners):
-            raise Lasts
+    pieces = _halves(corners, plane, axis) if _holds(plane, axis) else _fan(corners, plane, axis)
+    if len(pieces) == 1:
         return [part]
-    pieces = [_clipped(corners, beside, side) for side in (1, -1)]
     places = [[fraction(x) for x in p] for piece in pieces for p in piece]
-    faces = [[k, k + n, k + n + 1] for k, piece in ((0, pieces[0]), (len(pieces[0]), pieces[1]))
-             for n in range(1, len(piece) - 1)]  # fmt: skip
+    faces = [[k, k + 1, k + 2] for k in range(0, len(places), 3)]
     shape: Any = Polyhedron(places, faces, solid=False, name=mesh.shape.name)
     moving = Moving(shape, mesh.body.motion) if isinstance(mesh.body, Moving) else shape
-    cut = Mesh(moving, int(mesh.shape.triangle_face[triangle]))
+    cut = Mesh(moving, shape, int(mesh.shape.triangle_face[triangle]))
     return [cut.part([k]) for k in range(len(faces))]
+
+
+def _halves(corners: list[Vector], plane: Plane, axis: Rotation) -> list[list[Vector]]:
+    """Triangles on either side of the axis, which lies in the plane."""
+    beside = [dot(plane.normal, cross(sub(p, axis.point), axis.axis)) for p in corners]
+    if min(beside) < 0 < max(beside):
+        sides = [_clipped(corners, beside, side) for side in (1, -1)]
+        return [[side[0], side[k], side[k + 1]] for side in sides for k in range(1, len(side) - 1)]
+    if 0 not in beside:
+        raise Lasts
+    return [corners]
+
+
+def _fan(corners: list[Vector], plane: Plane, axis: Rotation) -> list[list[Vector]]:
+    """Triangles around the point where the axis passes through the plane."""
+    steep = dot(plane.normal, axis.axis)
+    if steep == 0:
+        raise Lasts
+    through = along(axis.point, -plane.value((*axis.point, 1)) / steep, axis.axis)
+    turns = [dot(plane.normal, cross(sub(q, p), sub(through, p))) for p, q in _sides(corners)]
+    if min(turns) < 0 < max(turns):
+        raise Lasts
+    return [[through, p, q] for (p, q), turn in zip(_sides(corners), turns, strict=True) if turn != 0]
+
+
+def _sides(corners: Sequence[Vector]) -> list[tuple[Vector, Vector]]:
+    p, q, r = corners
+    return [(p, q), (q, r), (r, p)]
 
 
 def _holds(plane: Plane, axis: Rotation) -> bool:

@@ -16,22 +16,43 @@ from firstcontact.exact.vectors import cross
 from firstcontact.motion.moving import Moving
 from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.screw import Screw
-from firstcontact.motion.sequence import Sequence
+from firstcontact.motion.steps import steps_of
 from firstcontact.motion.translation import Translation
 
 _0 = fmpq(0)
 NO_ROW: Vector = (_0, _0, _0, _0)
 
 
-def generators(*bodies: Any) -> list[Rows] | None:
-    """The G (4, 4) of all motions of the bodies; None where a motion is of no such kind."""
+def generators(bodies: Listing[Any], first: fmpq, last: fmpq | None) -> list[Rows] | None:
+    """The G (4, 4) of all motions of the bodies from first to last; None where a motion is of no such kind."""
     found: list[Rows] = []
     for body in bodies:
-        own = _of_motion(body.motion) if isinstance(body, Moving) else []
-        if own is None:
-            return None
-        found += own
+        for step in steps_of(body.motion) if isinstance(body, Moving) else ():
+            if step.end is not None and step.end <= first or last is not None and step.start >= last:
+                continue
+            own = _of_motion(step.motion)
+            if own is None:
+                return None
+            found += own
     return found
+
+
+def step_ends(bodies: Listing[Any], first: fmpq, last: fmpq | None) -> list[fmpq]:
+    """The times between first and last at which a step of a motion ends, ascending."""
+    ends = {step.end for body in bodies if isinstance(body, Moving) for step in steps_of(body.motion)}
+    return sorted(t for t in ends if t is not None and first < t and (last is None or t < last))
+
+
+def standing(body: Any, time: fmpq) -> Any:
+    """The shape of the body where it stands at that time; None where no rational numbers tell."""
+    if not isinstance(body, Moving):
+        return body
+    steps = list(steps_of(body.motion))
+    step = next((x for x in steps if x.end is None or time < x.end), steps[-1])
+    pose = step.pose(time)
+    if not pose.is_exact:
+        return None
+    return body.body._mapped(pose.matrix()) if pose.factors else body.body
 
 
 def _of_motion(motion: Any) -> list[Rows] | None:
@@ -41,11 +62,7 @@ def _of_motion(motion: Any) -> list[Rows] | None:
         return [_turn(motion.axis, motion.point)]
     if isinstance(motion, Screw):
         return [_turn(motion.axis, motion.point), *([_shift(motion.axis)] if motion.advance else [])]
-    if not isinstance(motion, Sequence):
-        return None
-    parts = [_of_motion(step) for step in motion.steps]
-    known = [part for part in parts if part is not None]
-    return [g for part in known for g in part] if len(known) == len(parts) else None
+    return None
 
 
 def _shift(v: Listing[fmpq]) -> Rows:

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from firstcontact import query
+from firstcontact.assembly.kept import step_ends
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import exact_value, fraction, to_double
 from firstcontact.motion.span import common_span
@@ -19,6 +20,8 @@ from firstcontact.result import ContactIntervals, Element, ElementPair, FirstCon
 from firstcontact.work import Progress
 
 TOUCHING = "touching at the start"
+MOST_STEPS = 100
+"""Of motions that are looked at step by step."""
 LASTING = "contact"
 """Why an answer is open: contact lasts from the start on, and nothing tells which of it is new."""
 
@@ -101,10 +104,29 @@ def first_new_contact(
 
 
 def _new_contact(a: Any, b: Any, asking: Asking) -> FirstContact:
+    """All at once, or step by step: what touches as a step begins is old, where there was no new contact before."""
+    found = _at_once(a, b, asking)
+    ends = step_ends((a, b), asking.first, asking.last)
+    if found.reason != LASTING or not 0 < len(ends) <= MOST_STEPS:
+        return found
+    for end in [*ends, asking.last]:
+        found = _at_once(a, b, replace(asking, last=end))
+        if found.status is not Status.FREE or end is asking.last:
+            return found
+        asking = replace(asking, first=end)
+        then = asking.at_start(a, b)
+        if then.status is Status.FREE:
+            return asking.first_contact(a, b)
+        if then.initial != "touching":
+            return asking.undecided("precision")
+    return found
+
+
+def _at_once(a: Any, b: Any, asking: Asking) -> FirstContact:
     from firstcontact.assembly.faces import by_faces
     from firstcontact.assembly.parts import by_parts
 
-    ways: tuple[Way, ...] = by_faces, by_parts, by_intervals
+    ways: tuple[Way, ...] = by_faces, by_parts, after_start
     for way in ways:
         try:
             found = way(a, b, asking)
@@ -115,11 +137,6 @@ def _new_contact(a: Any, b: Any, asking: Asking) -> FirstContact:
         if found is not None:
             return found
     return asking.undecided(LASTING)
-
-
-def by_intervals(a: Any, b: Any, asking: Asking) -> FirstContact | None:
-    """The next contact of bodies that part at once.  Raises Lasts where they do not."""
-    return after_start(a, b, asking)
 
 
 def after_start(a: Any, b: Any, asking: Asking) -> FirstContact:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from itertools import product
 from typing import Any
 
-from firstcontact.assembly.kept import generators, is_kept
+from firstcontact.assembly.kept import generators, is_kept, standing
 from firstcontact.assembly.new_contact import Asking, after_start, earliest, renamed
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.body.solid.carriers import Plane, Rows, Surface
@@ -28,9 +28,13 @@ MOST_PARTS = 200
 
 @dataclass(frozen=True)
 class Part:
-    """An intersection, or a mesh, which moves as its body does; sides: its surfaces, negative inside."""
+    """An intersection, or a mesh, which moves as its body does; sides: its surfaces at the start, negative inside.
+
+    stands: its shape there.
+    """
 
     body: Any
+    stands: Any
     sides: frozenset[Surface]
     whole: CompositeQuadric | None = None
     """The solid; None of a mesh."""
@@ -53,10 +57,11 @@ class Part:
 
 def by_parts(a: Any, b: Any, asking: Asking) -> FirstContact | None:
     """None for other bodies and motions, and where there are too many parts.  Raises Lasts."""
-    by = generators(a, b)
-    if by is None or asking.first != 0:
+    by = generators((a, b), asking.first, asking.last)
+    stands = [standing(x, asking.first) for x in (a, b)]
+    if by is None or stands[0] is None or stands[1] is None:
         return None
-    parts = [_parts(x) for x in (a, b)]
+    parts = [_parts(x, shape) for x, shape in zip((a, b), stands, strict=True)]
     if parts[0] is None or parts[1] is None or not any(x.sides for side in parts for x in side or ()):
         return None
     found = []
@@ -73,13 +78,12 @@ def _is_separated(x: Part, y: Part, by: Sequence[Rows]) -> bool:
     if any(side.negated() in y.sides and is_kept(side, by) for side in x.sides):
         return True
     return any(
-        is_kept(side, by) and _is_beyond(other.body, side) for one, other in ((x, y), (y, x)) for side in one.sides
+        is_kept(side, by) and _is_beyond(other.stands, side) for one, other in ((x, y), (y, x)) for side in one.sides
     )
 
 
-def _is_beyond(body: Any, side: Surface) -> bool:
+def _is_beyond(shape: Any, side: Surface) -> bool:
     """Whether all of it lies where the surface's form is not negative."""
-    shape = shape_of(body)
     if isinstance(shape, Polyhedron):
         points = (shape.exact_vertex(k) for k in range(len(shape.vertices)))
         return isinstance(side, Plane) and all(side.value((*p, 1)) >= 0 for p in points)
@@ -90,11 +94,11 @@ def _is_beyond(body: Any, side: Surface) -> bool:
     return False
 
 
-def _parts(body: Any) -> list[Part] | None:
-    """None of other bodies, and where there are too many."""
+def _parts(body: Any, stands: Any) -> list[Part] | None:
+    """None of other bodies, and where there are too many; stands: its shape at the start."""
     model: Any = shape_of(body)
     if isinstance(model, Polyhedron):
-        return [Part(body, frozenset())]
+        return [Part(body, stands, frozenset())]
     if not isinstance(model, CompositeQuadric):
         return None
     known: list[tuple[list[Tree], Any]] = [([], None)]
@@ -110,9 +114,13 @@ def _parts(body: Any) -> list[Part] | None:
             return None
         known = grown
     return [
-        Part(Moving(part, body.motion) if isinstance(body, Moving) else part, frozenset(_sides(model, literals)), model)
+        Part(
+            Moving(part, body.motion) if isinstance(body, Moving) else part,
+            part if stands is model else _intersection(stands, literals),
+            frozenset(_sides(stands, literals)), model,
+        )
         for literals, part in known
-    ]
+    ]  # fmt: skip
 
 
 def _factors(tree: Tree, turned: bool) -> list[tuple[Tree, bool]]:

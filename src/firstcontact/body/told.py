@@ -11,7 +11,7 @@ def polyhedron(body: Any) -> list[str]:
     return [
         f"{count(len(body.vertices), 'vertex', 'vertices')}, {count(len(body.edges), 'edge')}, "
         f"{count(body.n_faces, 'face')}, {count(_components(body), 'component')}",
-        _kind(body),
+        mesh_kind(body),
         f"from ({point(lo)}) to ({point(hi)})",
     ]
 

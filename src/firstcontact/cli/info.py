@@ -7,18 +7,24 @@ from typing import Any
 
 import click
 
-from firstcontact.body.told import count
+from firstcontact.body.told import count, mesh_kind, point
+
+FEW = 8
+"""Bodies of a scene of which everything is told."""
+MOST_LINES, MOST_NAMED = 12, 4
 
 
 @click.command()
 @click.argument("file")
-def info(file: str) -> int:
+@click.option("--all", "everything", is_flag=True, help="Tell all of every body, however many there are.")
+def info(file: str, everything: bool) -> int:
     """Tell what is in a mesh or scene file.
 
     FILE: a scene (.toml) or a mesh.  Printed: sizes, components, closed or open, bounds; of solids of planes and
-    quadrics every face, edge and vertex by name; of ruled surfaces their directrices.
+    quadrics every face, edge and vertex by name; of ruled surfaces their directrices.  Of scenes of more than 8 bodies
+    one line for each kind and motion.
     """
-    lines = _scene_lines(file) if Path(file).suffix.lower() == ".toml" else _mesh_lines(file)
+    lines = _scene_lines(file, everything) if Path(file).suffix.lower() == ".toml" else _mesh_lines(file)
     for line in lines:
         click.echo(line)
     return 0
@@ -30,11 +36,17 @@ def _mesh_lines(file: str) -> list[str]:
     return [file, *_indented(Polyhedron.load(file))]
 
 
-def _scene_lines(file: str) -> list[str]:
+def _scene_lines(file: str, everything: bool) -> list[str]:
     from firstcontact.scene.load import load_scene
 
     scene = load_scene(file)
-    lines = [f"{file}: {count(len(scene.bodies), 'body', 'bodies')}, {count(len(scene.checks), 'check')}"]
+    head = [count(len(scene.bodies), "body", "bodies"), count(len(scene.checks), "check")]
+    head += [f"lengths in {scene.unit}"] if scene.unit else []
+    head += [f"{count(scene.resting, 'pair')} at rest with each other left out"] if scene.resting else []
+    lines = [f"{file}: {', '.join(head)}"]
+    lines += [f"allow {rule}" for rule in scene.allow]
+    if len(scene.bodies) > FEW and not everything:
+        return lines + _brief(scene)
     for key, body in scene.bodies.items():
         motion = getattr(body, "motion", None)
         lines.append(f"body {key}: {'at rest' if motion is None else repr(motion)}")
@@ -43,6 +55,38 @@ def _scene_lines(file: str) -> list[str]:
         span = "" if check.span is None else f", span {check.span[0]} to {check.span[1]}"
         lines.append(f"check {check.a} / {check.b}{span}{', exact' if check.exact else ''}")
     return lines
+
+
+def _brief(scene: Any) -> list[str]:
+    """One line for each kind of bodies, and for what moves how; then the box of all."""
+    import numpy as np
+
+    from firstcontact.motion.moving import shape_of
+
+    kinds: dict[str, list[str]] = {}
+    motions: dict[str, list[str]] = {}
+    for key, body in scene.bodies.items():
+        kinds.setdefault(_sort(shape_of(body)), []).append(key)
+        motion = getattr(body, "motion", None)
+        motions.setdefault("at rest" if motion is None else repr(motion), []).append(key)
+    lines = []
+    for groups in (kinds, motions):
+        lines += [f"  {len(keys):,} {what}: {_some(keys)}" for what, keys in list(groups.items())[:MOST_LINES]]
+        if len(groups) > MOST_LINES:
+            lines.append(f"  and {len(groups) - MOST_LINES:,} more: --all")
+    boxes = [shape_of(body).bounds() for body in scene.bodies.values()]
+    lo, hi = np.min([box[0] for box in boxes], axis=0), np.max([box[1] for box in boxes], axis=0)
+    return [*lines, f"  from ({point(lo)}) to ({point(hi)})"]
+
+
+def _sort(body: Any) -> str:
+    if body.kind == "Polyhedron":
+        return f"of meshes, {mesh_kind(body)}"
+    return {"CompositeQuadric": "of planes and quadrics", "RuledSurface": "of ruled surfaces"}.get(body.kind, body.kind)
+
+
+def _some(keys: list[str]) -> str:
+    return ", ".join(keys[:MOST_NAMED]) + ", ..." * (len(keys) > MOST_NAMED)
 
 
 def _indented(body: Any) -> list[str]:

@@ -10,7 +10,7 @@ import fnmatch
 import itertools
 import re
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Union
@@ -380,6 +380,13 @@ class Scene:
             for x in self.checks
         ]
         return list(answers(asked, lambda k: None, None, workers or cores()))
+
+    def show(self, hits: Iterable[FirstContact], path: str | Path | None = None) -> Any:
+        """Write the page that shows all bodies, and the contacts one after the other; without a path open it."""
+        from firstcontact.view.assembly import Assembly
+        from firstcontact.view.html import show_page
+
+        return show_page(path, hits, Assembly(self.bodies, self.unit))
 
 
 def load_scene(path: str | Path) -> Scene:

@@ -67,7 +67,7 @@ class Frame:
 
 
 def show_page(
-    path: str | Path | None, results: Iterable[Result], assembly: Assembly | None = None
+    path: str | Path | None, results: Iterable[Any], assembly: Assembly | None = None
 ) -> Path | Frame:
     """As `write_page`; in a notebook, without a path, the page as its cell shows it."""
     if path is None and _in_notebook():

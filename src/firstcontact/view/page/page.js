@@ -340,7 +340,8 @@
       const geometry = new THREE.LineGeometry();
       geometry.setPositions(points);
       return new THREE.Line2(geometry, new THREE.LineMaterial({
-        color: DARK[which], linewidth: width, transparent: true, opacity, depthWrite: false,
+        color: matchMedia("(prefers-color-scheme: dark)").matches ? COLOURS[which] : DARK[which], linewidth: width,
+        transparent: true, opacity, depthWrite: false,
       }));
     };
     const group = named(new THREE.Group(), `path of ${name}`);
