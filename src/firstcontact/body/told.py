@@ -63,7 +63,7 @@ def _carrier(feature: Any) -> str:
     return {"QuarticCurve": "curve of degree 4"}.get(kind, kind.lower())
 
 
-def _kind(body: Any) -> str:
+def mesh_kind(body: Any) -> str:
     if not body.n_faces:
         return "bare edges" if len(body.edges) else "bare points"
     if body.closed:

@@ -29,7 +29,7 @@ LEAST_FRAMED = 1e-300
 
 @uncounted
 def lay_motion(v, frame, motion):
-    """Fill a motion by the velocity v (3,) of the parts; frame: of the boxes, its rows (3, 3), or (0, 3): it is theirs."""
+    """Fill a motion by the velocity v (3,) of the parts; frame: of the boxes, rows (3, 3), or (0, 3): it is theirs."""
     for k in range(3):
         x = v[k]
         if len(frame) > 0:
