@@ -19,7 +19,7 @@ from firstcontact.errors import UnsupportedPair
 from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.stretches import Untold, Window, windows
 from firstcontact.result import ContactIntervals, FirstContact, Status
-from firstcontact.timeline.answers import proved_intervals
+from firstcontact.timeline.answers import likely_time, proved_intervals
 from firstcontact.timeline.lasting import Lasting, LastingOfModels, Solid
 from firstcontact.timeline.sweep import Sweep
 from firstcontact.work import Query, Spent, Work
@@ -77,17 +77,18 @@ class _Search:
             point = self.lasting.anywhere(window, t)
             if point is None:
                 return self._result(Status.UNDECIDED, free_until=self.reached, reason="precision")
-            shared = {"time": t, "time_interval": (t, t), "point": self.lasting.in_world(window, t, point)}
-            if not at_start:
-                return self._result(Status.CONTACT, free_until=t, **shared)
-            return self._result(Status.INITIAL_CONTACT, initial=self.free.lies(window, t), free_until=t, **shared)
+            shared = {"time": t, "point": self.lasting.in_world(window, t, point), "free_until": t}
+            if not at_start:  # the pose jumps; `reached` is the same time, rounded up
+                return self._result(Status.CONTACT, time_interval=(t, self.reached), **shared)
+            kind = self.free.lies(window, t)
+            return self._result(Status.INITIAL_CONTACT, initial=kind, time_interval=(t, t), **shared)
         touch = self.sweep.touch(window, t, window.last)
         if touch is None:
             return None
         if not touch.sure:
             return self._result(Status.UNDECIDED, free_until=max(touch.lo, self.reached), reason="precision")
         assert touch.point is not None
-        time = 0.5 * (touch.lo + touch.hi)
+        time = likely_time((touch.lo, touch.hi))
         return self._result(
             Status.CONTACT, time=time, time_interval=(touch.lo, touch.hi), free_until=touch.lo, multiplicity=1,
             **self._touching(window, time, touch.point),
