@@ -21,7 +21,7 @@ from firstcontact.contact.torus.between import Between, Places
 from firstcontact.contact.torus.cells import Cells
 from firstcontact.contact.torus.heights import Heights
 
-MOST_CELLS = 4000
+MOST_CELLS = 1500
 """Of those that are halved in one stretch of time, where a body has not more of them from the start."""
 MOST_TERMS, MOST_FACTORS = 64, 8
 """Of a model's tree next to a cell, as a union of intersections."""
