@@ -39,7 +39,7 @@ class Torus(Placing):
 
     >>> ring = torus(2, "1/2", name="ring")
     >>> ring, ring.contains([(2, 0, 0), (0, 0, 0)]).tolist()
-    (<Torus 'ring': major 2, minor 1/2>, [True, False])
+    (<Torus 'ring': major 2, minor 0.5>, [True, False])
     """
 
     kind = "Torus"
