@@ -24,7 +24,7 @@ import firstcontact as fc
 ROOT = Path(fc.__file__).parent
 LONG = 60
 VERBS = "first_contact", "contact_intervals", "contact_pairs", "intersection_curve"
-BODIES = {"Polyhedron", "CompositeQuadric", "RuledSurface", "RuledStrip"}
+BODIES = {"Polyhedron", "CompositeQuadric", "RuledSurface", "RuledStrip", "Torus"}
 MOTIONS = {"Translation", "Rotation", "Screw", "RationalMotion", "Sequence", "Trajectory"}
 HEADER = """# The house, measured
 

@@ -195,7 +195,7 @@ def test_a_piece_of_a_strip_is_a_body_of_its_own():
     ("data", "told"),
     [
         ({"shape": "box", "size": [1, 1, 1], "sise": 2}, "unknown key 'sise', perhaps 'size'"),
-        ({"shape": "torus"}, "'torus'.*use one of.*'cylinder'"),
+        ({"shape": "prism"}, "'prism'.*use one of.*'cylinder'"),
         ({"type": "hover"}, "'hover'.*use one of.*'screw'"),
         ({"shape": "box", "size": [1, 1, 1], "schema": 2}, "schema 2 is unknown"),
         ({"size": [1, 1, 1]}, "no kind among the keys size"),

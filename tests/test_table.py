@@ -23,6 +23,7 @@ BODIES = {
     Kind.MESH: CORNER.transformed(TILTED),
     Kind.MODEL: fc.cylinder(1, 2),
     Kind.RULED: fc.RuledSurface("(u, 0, 0)", "(u, 1, u)"),
+    Kind.TORUS: fc.torus(1, F(1, 3)),
 }
 ABOVE = (F(1, 5), F(1, 3), 5)
 RATIONAL = fc.Translation((F(1, 7), F(1, 9), -8))
@@ -74,7 +75,9 @@ def test_what_is_proved_of_a_pair(kinds, verb):
     assert hit.stats.ways[-1].told == "CONTACT" and sum(x.seconds for x in hit.stats.ways) <= hit.stats.seconds + 1
 
 
-@pytest.mark.parametrize("kinds", PAIRS, ids=lambda kinds: "-".join(k.name for k in kinds))
+@pytest.mark.parametrize(
+    "kinds", [k for k in PAIRS if PAIRS[k].proves[0] != CERTIFIED], ids=lambda kinds: "-".join(k.name for k in kinds)
+)
 def test_exact_times_whatever_the_method(kinds):
     """exact=True is the stronger wish: "certified" beside it once left a surface and a solid without any way."""
     a, b = (BODIES[k] for k in kinds)

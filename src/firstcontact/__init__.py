@@ -31,6 +31,8 @@ if TYPE_CHECKING:
     from firstcontact.body.solid.primitives import paraboloid as paraboloid
     from firstcontact.body.solid.primitives import quadric as quadric
     from firstcontact.body.solid.primitives import sphere as sphere
+    from firstcontact.body.torus.torus import Torus as Torus
+    from firstcontact.body.torus.torus import torus as torus
     from firstcontact.errors import FirstContactError as FirstContactError
     from firstcontact.errors import InputError as InputError
     from firstcontact.errors import UnsupportedPair as UnsupportedPair
@@ -84,6 +86,8 @@ _HOME = {
     "paraboloid": "body.solid.primitives",
     "quadric": "body.solid.primitives",
     "sphere": "body.solid.primitives",
+    "Torus": "body.torus.torus",
+    "torus": "body.torus.torus",
     "IntersectionCurve": "result_curve",
     "FirstContactError": "errors",
     "InputError": "errors",

@@ -26,6 +26,7 @@ class Kind(Enum):
     MESH = "Polyhedron"
     MODEL = "CompositeQuadric"
     RULED = "RuledSurface"
+    TORUS = "Torus"
 
 
 EXACT, CERTIFIED, NOT = "exact; else certified", "certified", "no"
@@ -50,6 +51,10 @@ PAIRS = {
     (Kind.MODEL, Kind.MODEL): Pair("models", (EXACT, EXACT, NOT, NOT)),
     (Kind.MODEL, Kind.RULED): Pair("ruled_solid", (EXACT, EXACT, NOT, "exact")),
     (Kind.RULED, Kind.RULED): Pair("ruled", (EXACT, EXACT, NOT, "exact")),
+    (Kind.MESH, Kind.TORUS): Pair("torus", (CERTIFIED, CERTIFIED, NOT, NOT)),
+    (Kind.MODEL, Kind.TORUS): Pair("torus", (CERTIFIED, CERTIFIED, NOT, NOT)),
+    (Kind.RULED, Kind.TORUS): Pair("torus", (CERTIFIED, CERTIFIED, NOT, NOT)),
+    (Kind.TORUS, Kind.TORUS): Pair("torus", (CERTIFIED, CERTIFIED, NOT, NOT)),
 }
 """Rooms are loaded when they are asked: meshes need not load curved models."""
 INSTEAD = {

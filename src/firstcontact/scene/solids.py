@@ -103,6 +103,12 @@ class Quadric(Solid):
     matrix: Matrix
 
 
+class Torus(Solid):
+    shape: Literal["torus"]
+    major: Number
+    minor: Number
+
+
 class Csg(Solid):
     """Parts combined by an expression such as "slab - (hole | slot)"; a part may be a "csg" itself."""
 
@@ -123,7 +129,7 @@ class Csg(Solid):
 
 
 COMBINED = Box, Sphere, Ellipsoid, Cylinder, Cone, Frustum, Paraboloid, Hyperboloid, HalfSpace, Quadric, Csg
-SOLIDS: tuple[type[Solid], ...] = COMBINED
+SOLIDS: tuple[type[Solid], ...] = (*COMBINED, Torus)
 """Also those that are no parts of models."""
 if TYPE_CHECKING:
     Part = Any

@@ -16,7 +16,7 @@ def proved_intervals(found: Found, work: Work, query: Query) -> ContactIntervals
     intervals = []
     for x in found.intervals:
         start, end = ((max(lo, first) + 0.0, min(hi, last) + 0.0) for lo, hi in (x.start, x.end))  # never -0.0
-        intervals.append(ContactInterval(_likely(start), end[0] if x.open else _likely(end), start, end))
+        intervals.append(ContactInterval(likely_time(start), end[0] if x.open else likely_time(end), start, end))
     status, until = Status.FREE, last
     if intervals:
         until = intervals[0].start_interval[0]
@@ -26,7 +26,8 @@ def proved_intervals(found: Found, work: Work, query: Query) -> ContactIntervals
     return ContactIntervals(tuple(intervals), status, until, found.reason, query.stats(work.done), **query.shared)
 
 
-def _likely(interval: tuple[float, float]) -> float:
+def likely_time(interval: tuple[float, float]) -> float:
+    """The double that is nearest to the simplest number of an enclosure."""
     lo, hi = interval
     return min(max(to_double(likely(exact_value(lo), exact_value(hi))), lo), hi)
 

@@ -1,0 +1,1 @@
+"""The torus: a body with one face, of degree four."""

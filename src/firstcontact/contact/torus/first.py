@@ -1,0 +1,122 @@
+"""`first_contact` and `contact_intervals` of a torus and another body, certified."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from firstcontact.body.torus.torus import Torus
+from firstcontact.contact.mesh_model.lasting_mesh import LastingOfMesh
+from firstcontact.contact.models.idle_turns import ignoring_idle_turns
+from firstcontact.contact.ruled_solid.lasting import RuledLasting
+from firstcontact.contact.torus import touching
+from firstcontact.contact.torus.free import MESH, RULED, TorusFree, pose_of
+from firstcontact.contact.torus.lasting import SolidTorus
+from firstcontact.contact.torus.nets import sheets_at_rest
+from firstcontact.contact.ways import Way, answered
+from firstcontact.errors import UnsupportedPair
+from firstcontact.motion.moving import shape_of
+from firstcontact.motion.relative.stretches import Untold, Window, windows
+from firstcontact.result import ContactIntervals, FirstContact, Status
+from firstcontact.timeline.answers import likely_time, proved_intervals
+from firstcontact.timeline.lasting import Lasting, LastingOfModels, Solid
+from firstcontact.timeline.sweep import Sweep
+from firstcontact.work import Query, Spent, Work
+
+
+@ignoring_idle_turns
+def first(query: Query) -> FirstContact:
+    """The first shared point.  Raises UnsupportedPair."""
+    _refuse_exact(query)
+    return answered([Way("by cells", lambda query, _: _Search(query, query.work()).first())], query)
+
+
+@ignoring_idle_turns
+def intervals(query: Query) -> ContactIntervals:
+    """All closed times of contact.  Raises UnsupportedPair."""
+    _refuse_exact(query)
+    return answered([Way("by cells", lambda query, _: _Search(query, query.work()).intervals())], query)
+
+
+def _refuse_exact(query: Query) -> None:
+    if query.is_algebraic:
+        raise UnsupportedPair("times of contact with tori are not exact; drop exact=True and method='algebraic'")
+
+
+class _Search:
+    def __init__(self, query: Query, work: Work) -> None:
+        self.query, self.work, self.shapes = query, work, [shape_of(x) for x in query.bodies]
+        try:
+            self.windows = windows(query.a, query.b, query.first, query.end)
+        except Untold as reason:
+            raise UnsupportedPair(f"this motion is not followed: {reason}") from reason
+        width = query.tolerance * (self.windows[-1].last - self.windows[0].first)
+        self.free, self.lasting = TorusFree(query.bodies, width, work), _lasting(query.bodies, self.windows)
+        self.sweep = Sweep(self.free, self.lasting, self.windows, width, work, lambda: None)
+
+    def intervals(self) -> ContactIntervals:
+        return proved_intervals(self.sweep.run(), self.work, self.query)
+
+    def first(self) -> FirstContact:
+        self.reached = self.query.span[0]
+        try:
+            for k, window in enumerate(self.windows):
+                found = self._in_window(window, k == 0)
+                if found is not None:
+                    return found
+                self.reached = window.last
+        except Spent:
+            return self._result(Status.UNDECIDED, free_until=self.reached, reason="budget")
+        return self._result(Status.FREE, free_until=self.query.span[1])
+
+    def _in_window(self, window: Window, at_start: bool) -> FirstContact | None:
+        """The answer if there is one in this window; None proves it free."""
+        t = window.first
+        if not self.free.at(window, t):
+            point = self.lasting.anywhere(window, t)
+            if point is None:
+                return self._result(Status.UNDECIDED, free_until=self.reached, reason="precision")
+            shared = {"time": t, "point": self.lasting.in_world(window, t, point), "free_until": t}
+            if not at_start:  # the pose jumps; `reached` is the same time, rounded up
+                return self._result(Status.CONTACT, time_interval=(t, self.reached), **shared)
+            kind = self.free.lies(window, t)
+            return self._result(Status.INITIAL_CONTACT, initial=kind, time_interval=(t, t), **shared)
+        touch = self.sweep.touch(window, t, window.last)
+        if touch is None:
+            return None
+        if not touch.sure:
+            return self._result(Status.UNDECIDED, free_until=max(touch.lo, self.reached), reason="precision")
+        assert touch.point is not None
+        time = likely_time((touch.lo, touch.hi))
+        return self._result(
+            Status.CONTACT, time=time, time_interval=(touch.lo, touch.hi), free_until=touch.lo, multiplicity=1,
+            **self._touching(window, time, touch.point),
+        )  # fmt: skip
+
+    def _touching(self, window: Window, time: float, place: np.ndarray) -> dict[str, Any]:
+        """Point, normal and elements at a contact, near a place that the bodies share."""
+        poses = [pose_of(table, time) for table in (window.a, window.b)]
+        theirs = None
+        if isinstance(self.lasting, RuledLasting):
+            side = self.lasting.side
+            theirs = touching.of_ruled(self.shapes[side], self.lasting.sheets, place, "ab"[side])
+        found = touching.contact_near(self.shapes, poses, self.lasting.in_world(window, time, place), theirs)
+        return {
+            "point": found.point, "normal": found.normal, "element_a": found.elements[0],
+            "element_b": found.elements[1],
+        }  # fmt: skip
+
+    def _result(self, status: Status, **fields: Any) -> FirstContact:
+        return FirstContact(status, stats=self.query.stats(self.work.done), **fields, **self.query.shared)
+
+
+def _lasting(bodies: tuple[Any, Any], parts: list[Window]) -> Lasting[Any]:
+    shapes = [shape_of(x) for x in bodies]
+    for k, shape in enumerate(shapes):
+        if shape.kind == MESH:
+            return LastingOfMesh(shape, SolidTorus(shapes[1 - k]), k == 0)
+        if shape.kind == RULED:
+            return RuledLasting(sheets_at_rest(shape), SolidTorus(shapes[1 - k]), k, parts)
+    first, second = (SolidTorus(shape) if isinstance(shape, Torus) else Solid(shape) for shape in shapes)
+    return LastingOfModels(first, second)

@@ -1,0 +1,124 @@
+"""How far points are from what is to be avoided: a torus, or the surfaces of a model, in its own frame.
+
+A height h is negative inside its half-space; its gradient at a point c and a bound of how it bends tell it around c:
+h(x) >= h(c) + grad . (x - c) - bend |x - c|^2 / 2.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from firstcontact.body.solid.composite_quadric import CompositeQuadric
+from firstcontact.body.solid.csg import Leaf, Not, Tree
+from firstcontact.body.torus.torus import Torus
+from firstcontact.contact.torus.cells import square, support
+from firstcontact.exact.numbers import to_double
+from firstcontact.exact.rigid import to_origin
+
+U = 2.0**-53
+ROUNDINGS = 64.0
+
+
+class Around(NamedTuple):
+    """At points (n, 3): values (n, f) of f heights, their errors, gradients (n, f, 3); bends (2, n, f) of h and of -h.
+
+    least: (2, n, f) what h and -h are at least within the distances asked for, by other means; -inf: not known.
+    """
+
+    values: np.ndarray
+    errors: np.ndarray
+    gradients: np.ndarray
+    bends: np.ndarray
+    least: np.ndarray
+
+
+class Heights:
+    tree: Tree
+    """What is to be avoided: where this is true of the signs of the heights."""
+
+    pose: np.ndarray
+    """(4, 4): from the frame in which they are told to the body's."""
+
+    def around(self, c: np.ndarray, reach: np.ndarray) -> Around:
+        """At points c (n, 3), up to the distances reach (n,)."""
+        raise NotImplementedError
+
+    def beyond_flat(self, normals: np.ndarray) -> np.ndarray | None:
+        """(n,) how far all of it reaches in unit directions (n, 3), where that is known."""
+        return None
+
+    def planes(self) -> np.ndarray | None:
+        """(f, 4) the heights that are linear: normals and offsets; rows of zeros for others; None: there are none."""
+        return None
+
+
+class Ring(Heights):
+    """The distance from a torus, negative inside."""
+
+    tree = Leaf(0)
+
+    def __init__(self, torus: Torus) -> None:
+        (self.major, self.minor), self.pose = torus.radii, square(torus.pose)
+
+    def around(self, c: np.ndarray, reach: np.ndarray) -> Around:
+        rho = np.hypot(c[:, 0], c[:, 1])
+        across = rho - self.major
+        away = np.hypot(across, c[:, 2])
+        value = away - self.minor
+        turn = across / (away * rho)
+        gradient = np.column_stack([turn * c[:, 0], turn * c[:, 1], c[:, 2] / away])
+        nearest, axis = away - reach, rho - reach
+        clear = (nearest > 0.0) & (axis > 0.0)
+        bend = np.where(clear, np.maximum(0.0, reach - across) / (nearest * axis), np.inf)
+        counter = np.where(clear, np.maximum(1.0, np.maximum(0.0, across + reach) / axis) / nearest, np.inf)
+        gradient = np.where(np.isfinite(gradient).all(axis=1)[:, None], gradient, 0.0)
+        error = 16.0 * U * (rho + np.abs(c[:, 2]) + self.major + reach)
+        least = np.stack([value - reach - error, -value - reach - error])
+        bends = np.stack([bend, counter])
+        return Around(value[:, None], error[:, None], gradient[:, None], bends[:, :, None], least[:, :, None])
+
+    def beyond_flat(self, normals: np.ndarray) -> np.ndarray:
+        return support(self.major, self.minor, normals) * (1 + 1e-14)
+
+
+class Forms(Heights):
+    """Those of the surfaces of a model; negative where its tree takes a surface for passed."""
+
+    def __init__(self, model: CompositeQuadric) -> None:
+        self.pose = np.eye(4)
+        if model.bounded:  # about its middle, where little cancels
+            lo, hi = model.bounds()
+            by = to_origin((0.5 * (lo + hi)).tolist(), float((hi - lo).max()))
+            model, self.pose[:3, 3] = model.translated(by), [-to_double(c) for c in by]
+        self.tree, self.forms = model.tree, model.forms
+        self.sizes = np.abs(self.forms)
+        turns = np.linalg.eigvalsh(2.0 * self.forms[:, :3, :3])
+        slack = 1e-14 * np.abs(turns).max(axis=1)
+        self.bends = np.stack([np.maximum(0.0, slack - turns[:, 0]), np.maximum(0.0, slack + turns[:, 2])])
+        self.bends[:, np.abs(self.forms[:, :3, :3]).max(axis=(1, 2)) == 0.0] = 0.0
+
+    def around(self, c: np.ndarray, reach: np.ndarray) -> Around:
+        x = np.column_stack([c, np.ones(len(c))])
+        image = np.einsum("sij,nj->nsi", self.forms, x)
+        values = np.einsum("nsi,ni->ns", image, x)
+        most = np.abs(x) + reach[:, None]
+        errors = ROUNDINGS * U * np.einsum("ni,sij,nj->ns", most, self.sizes, most, optimize=True)
+        least = np.full((2, *values.shape), -np.inf)
+        bends = np.repeat(self.bends[:, None], len(c), axis=1)
+        return Around(values, errors, 2.0 * image[:, :, :3], bends, least)
+
+    def planes(self) -> np.ndarray:
+        flat: np.ndarray = np.abs(self.forms[:, :3, :3]).max(axis=(1, 2)) == 0.0
+        return np.where(flat[:, None], np.column_stack([2.0 * self.forms[:, :3, 3], self.forms[:, 3, 3]]), 0.0)
+
+
+class Outside(Heights):
+    """All but what heights tell of."""
+
+    def __init__(self, heights: Heights) -> None:
+        self.tree, self.heights, self.pose = Not(heights.tree), heights, heights.pose
+
+    def around(self, c: np.ndarray, reach: np.ndarray) -> Around:
+        return self.heights.around(c, reach)
