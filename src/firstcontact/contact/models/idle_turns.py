@@ -59,9 +59,9 @@ def without_idle_turn(body: Any) -> Any:
 
 def without_common_turn(a: Any, b: Any, span: Span) -> tuple[Any, Any, Rotation | None]:
     """Both as one sees them that turns with one of them, and that turn; or as they were, and None."""
-    if (turn := _turn(b)) is not None and _keeps_along(a, turn, b, span):
+    if (turn := _turn(b)) is not None and _keeps_near(a, turn, b, span):
         return a, Moving(b.body, _ahead(b.motion)), turn
-    if (turn := _turn(a)) is not None and _keeps_along(b, turn, a, span):
+    if (turn := _turn(a)) is not None and _keeps_near(b, turn, a, span):
         return Moving(a.body, _ahead(a.motion)), b, turn
     return a, b, None
 
@@ -82,18 +82,28 @@ def _ahead(motion: Rotation | Screw) -> Translation | Screw:
     return Translation(ORIGIN) if isinstance(ahead, Rotation) else ahead
 
 
-def _keeps_along(body: Any, turn: Rotation, other: Any, span: Span) -> bool:
-    """Whether the body is round about the axis of the turn at all times as far as the other one comes that makes it:
-    it rests, or shifts along it."""
-    if isinstance(body, Moving):
-        motion = body.motion
-        if isinstance(motion, Screw):
-            way = motion.axis if motion.angle == 0 else None
-        else:
-            way = motion.vector if isinstance(motion, Translation) else None
-        if way is None or any(cross(way, turn.axis)):
-            return False
+def keeps_along(body: Any, turn: Rotation) -> bool:
+    """Whether the body is round about the axis of the turn at all times: it rests, or shifts along it."""
+    return _goes_along(body, turn) and _is_round(shape_of(body), turn)
+
+
+def _keeps_near(body: Any, turn: Rotation, other: Any, span: Span) -> bool:
+    """The same, or only as far as the other body comes that makes the turn."""
+    if not _goes_along(body, turn):
+        return False
     return _is_round(shape_of(body), turn) or _is_round_near(body, turn, other, span)
+
+
+def _goes_along(body: Any, turn: Rotation) -> bool:
+    """Whether the body rests, or shifts along the axis of the turn."""
+    if not isinstance(body, Moving):
+        return True
+    motion = body.motion
+    if isinstance(motion, Screw):
+        way = _ahead(motion).vector if motion.angle == 0 else None
+    else:
+        way = motion.vector if isinstance(motion, Translation) else None
+    return way is not None and not any(cross(way, turn.axis))
 
 
 def _is_round(shape: Any, turn: Rotation) -> bool:
