@@ -100,7 +100,7 @@ def _goes_along(body: Any, turn: Rotation) -> bool:
         return True
     motion = body.motion
     if isinstance(motion, Screw):
-        way = _ahead(motion).vector if motion.angle == 0 else None
+        way = motion.axis if motion.angle == 0 else None
     else:
         way = motion.vector if isinstance(motion, Translation) else None
     return way is not None and not any(cross(way, turn.axis))
