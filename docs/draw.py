@@ -14,7 +14,7 @@ PACKAGE = HERE.parent / "src" / "firstcontact"
 INK, PALE, EDGE = "#1b2a38", "#eef3f7", "#7d93a6"
 SHADES = {"asked": "#dfeaf5", "answers": "#fbe9d7", "finds": "#e4f2e1", "knows": "#f3e6f1", "ground": "#ececec"}
 FLOORS = {
-    "asked": ("__main__", "cli", "view", "warmup", "scene", "batch", "query", "examples", "io"),
+    "asked": ("__main__", "cli", "view", "warmup", "scene", "batch", "query", "examples", "io", "step"),
     "answers": ("curves", "contact", "timeline"),
     "finds": ("search",),
     "knows": ("pairs", "body", "motion", "brackets", "kernels", "exact"),
@@ -26,7 +26,7 @@ SAYS = {
     "scene": "TOML scenes", "batch": "many questions: cores, clusters, files",
     "query": "the verbs: checks, one Query", "curves": "intersection curves",
     "contact": "a room for each pair of kinds of bodies; table, ways", "timeline": "all contacts in time",
-    "search": "candidates and proofs", "examples": "bodies to try", "io": "mesh files", "pairs": "formulas of features",
+    "search": "candidates and proofs", "examples": "bodies to try", "io": "mesh files", "step": "STEP files", "pairs": "formulas of features",
     "body": "meshes, solids, ruled surfaces", "motion": "motions, relative motion", "brackets": "segments in brackets",
     "work": "Query, budget", "kernels": "compiled code", "exact": "numbers, polynomials, roots",
     "result_curve": "answers: curves", "result_table": "answers: tables", "result": "answers: contacts",

@@ -166,6 +166,8 @@ class _Deferring(_NoTruth):
         record, put = object.__new__(cls), _setters(cls)  # type: ignore[arg-type]
         put["_rest"](record, rest)
         put["keeps_bodies"](record, False)
+        for name in ("model_deviation", "unit"):
+            put[name](record, None)
         for name, value in known.items():
             put[name](record, value)
         return record
@@ -488,6 +490,9 @@ class FirstContact(_Deferring, Shown):
     initial         for INITIAL_CONTACT: "touching", "overlapping" or "containment"; None where none was proved.
     free_until      no shared point before this time; proved.
     reason          for UNDECIDED: "budget", "precision" or "memory".
+    model_deviation of parts of CAD files: how far the two bodies as built, about which all of this is proved, are from
+                    the file's at most, both together; None of bodies that stand for themselves.
+    unit            of lengths, where a file tells it.
     """
 
     status: Status
@@ -510,13 +515,15 @@ class FirstContact(_Deferring, Shown):
     span: tuple[float, float] = (0.0, 1.0)
     subproblems: tuple[Subproblem, ...] = field(default=(), repr=False)
     keeps_bodies: bool = False
+    model_deviation: float | None = None
+    unit: str | None = None
 
     def __repr__(self) -> str:
         when = "" if self.time is None else f" at time {self.time!r}"
         return f"<FirstContact of {_name(self.a, 'a')} and {_name(self.b, 'b')}: {self.status.name}{when}>"
 
     def __str__(self) -> str:
-        return self._told() + _corrected(self.a, self.b)
+        return self._told() + _about_models(self.model_deviation, self.unit) + _corrected(self.a, self.b)
 
     def _told(self) -> str:
         names = f"{_name(self.a, 'a')} and {_name(self.b, 'b')}"
@@ -563,6 +570,7 @@ class FirstContact(_Deferring, Shown):
             "contact_points": None if points is None else points.tolist(),
             "free_until": self.free_until,
             "reason": self.reason,
+            **_models_table(self),
             "subproblems": [x.to_dict() for x in self.subproblems],
             "stats": self.stats.to_dict(),
         }
@@ -623,6 +631,8 @@ class ContactIntervals(_NoTruth, Shown, Sequence[ContactInterval]):
     b: Any = field(default=None, repr=False)
     span: tuple[float, float] = (0.0, 1.0)
     keeps_bodies: bool = False
+    model_deviation: float | None = None
+    unit: str | None = None
 
     def __len__(self) -> int:
         return len(self.intervals)
@@ -642,7 +652,8 @@ class ContactIntervals(_NoTruth, Shown, Sequence[ContactInterval]):
         head = f"{_name(self.a, 'a')} and {_name(self.b, 'b')}: {self.status.name}"
         if self.status is Status.UNDECIDED:
             head += f" ({self.reason}); decided until {self.free_until!r}"
-        return "\n".join([head, *(f"  {interval}" for interval in self.intervals)]) + _corrected(self.a, self.b)
+        text = "\n".join([head, *(f"  {interval}" for interval in self.intervals)])
+        return text + _about_models(self.model_deviation, self.unit) + _corrected(self.a, self.b)
 
     def to_dict(self) -> dict[str, Any]:
         """One entry of "checks" in the JSON output; exact numbers are strings."""
@@ -655,6 +666,7 @@ class ContactIntervals(_NoTruth, Shown, Sequence[ContactInterval]):
             "intervals": [interval.to_dict() for interval in self.intervals],
             "free_until": self.free_until,
             "reason": self.reason,
+            **_models_table(self),
             "stats": self.stats.to_dict(),
         }
 
@@ -719,6 +731,29 @@ def _correction(body: Any) -> float:
     """By how much an entry of a matrix given for the body's motion is off the rotation that it stands for, at most."""
     off: float = getattr(getattr(body, "motion", body), "correction", 0.0)
     return off
+
+
+def _models_table(answer: Any) -> dict[str, Any]:
+    """What an answer says of the models of its bodies, where they are of files."""
+    if answer.model_deviation is None:
+        return {}
+    return {"model_deviation": answer.model_deviation, "unit": answer.unit}
+
+
+def _about_models(deviation: float | None, unit: str | None) -> str:
+    """The end of an answer's text: of which bodies it is proved."""
+    if deviation is None:
+        return ""
+    length = "" if unit is None else f" {unit}"
+    if deviation == 0.0:
+        return f"\n  of the bodies with the file's own surfaces{', lengths in' + length if length else ''}"
+    return f"\n  of the bodies as built, within {_rounded_up(deviation)}{length} of the file's, both together"
+
+
+def _rounded_up(x: float) -> str:
+    """Two digits, no less than x."""
+    unit = 10.0 ** (math.floor(math.log10(x)) - 1)
+    return f"{math.ceil(x / unit * (1 - 1e-12)) * unit:.2g}"
 
 
 def _corrected(a: Any, b: Any) -> str:

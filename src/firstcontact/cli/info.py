@@ -1,25 +1,35 @@
-"""`firstcontact info`: what is in a mesh or scene file."""
+"""`firstcontact info`: what is in a mesh, STEP or scene file."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 import click
 
+STEP = (".stp", ".step", ".p21")
 
 @click.command()
 @click.argument("file")
 def info(file: str) -> int:
-    """Tell what is in a mesh or scene file.
+    """Tell what is in a mesh, STEP or scene file.
 
-    FILE: a scene (.toml) or a mesh.  Printed: sizes, components, closed or open, bounds; of solids of planes and
-    quadrics every face, edge and vertex by name; of ruled surfaces their directrices.
+    FILE: a scene (.toml), a STEP file (.stp, .step) or a mesh.  Printed: sizes, components, closed or open, bounds; of
+    STEP files the tree of parts, with their faces by kind and how exact each is; of solids of planes and quadrics every
+    face, edge and vertex by name; of ruled surfaces their directrices.
     """
-    lines = _scene_lines(file) if Path(file).suffix.lower() == ".toml" else _mesh_lines(file)
-    for line in lines:
+    suffix = Path(file).suffix.lower()
+    of_kind = {".toml": _scene_lines, **dict.fromkeys(STEP, _step_lines)}
+    for line in of_kind.get(suffix, _mesh_lines)(file):
         click.echo(line)
     return 0
+
+
+def _step_lines(file: str) -> Iterable[str]:
+    from firstcontact.step.told import lines
+
+    return lines(file)
 
 
 def _mesh_lines(file: str) -> list[str]:
@@ -44,8 +54,11 @@ def _scene_lines(file: str) -> list[str]:
 
 
 def _body_lines(body: Any) -> list[str]:
+    from firstcontact.body.compound.compound import Compound
     from firstcontact.body.solid.composite_quadric import CompositeQuadric
 
+    if isinstance(body, Compound):
+        return _compound_lines(body)
     if isinstance(body, CompositeQuadric):
         return _solid_lines(body)
     if hasattr(body, "pieces"):
@@ -56,6 +69,17 @@ def _body_lines(body: Any) -> list[str]:
         f"{_count(body.n_faces, 'face')}, {_count(_components(body), 'component')}",
         f"  {_kind(body)}",
         f"  from ({_point(lo)}) to ({_point(hi)})",
+    ]
+
+
+def _compound_lines(body: Any) -> list[str]:
+    """Pieces, deviation and bounds of parts and assemblies."""
+    lo, hi = body.bounds()
+    unit = "" if body.unit is None else f" {body.unit}"
+    of = "with the file's own surfaces" if body.deviation == 0.0 else f"within {body.deviation:.2g}{unit} of the file's"
+    return [
+        f"  {_count(len(body.pieces), 'piece')} of a STEP file, {of}",
+        f"  from ({_point(lo)}) to ({_point(hi)}){unit}",
     ]
 
 

@@ -26,12 +26,14 @@ class Kind(Enum):
     MESH = "Polyhedron"
     MODEL = "CompositeQuadric"
     RULED = "RuledSurface"
+    PART = "Compound"
 
 
 EXACT, CERTIFIED, NOT = "exact; else certified", "certified", "no"
 """What a verb proves of a pair: exact times where the relative pose is a rational function of one parameter, certified
 ones under all other motions; certified ones under all; nothing."""
 CONVEX = "exact; else certified, of solids not convex up to the first contact"
+PIECES = "as of its pieces"
 VERBS = "first_contact", "contact_intervals", "contact_pairs", "intersection_curve"
 
 
@@ -50,6 +52,10 @@ PAIRS = {
     (Kind.MODEL, Kind.MODEL): Pair("models", (EXACT, EXACT, NOT, NOT)),
     (Kind.MODEL, Kind.RULED): Pair("ruled_solid", (EXACT, EXACT, NOT, "exact")),
     (Kind.RULED, Kind.RULED): Pair("ruled", (EXACT, EXACT, NOT, "exact")),
+    (Kind.MESH, Kind.PART): Pair("compound", (PIECES, CERTIFIED, NOT, NOT)),
+    (Kind.MODEL, Kind.PART): Pair("compound", (PIECES, PIECES, NOT, NOT)),
+    (Kind.RULED, Kind.PART): Pair("compound", (PIECES, PIECES, NOT, NOT)),
+    (Kind.PART, Kind.PART): Pair("compound", (PIECES, PIECES, NOT, NOT)),
 }
 """Rooms are loaded when they are asked: meshes need not load curved models."""
 INSTEAD = {
@@ -63,7 +69,13 @@ _ORDER = list(Kind)
 
 
 def as_body(body: Any) -> Any:
-    """A mesh of trimesh as a Polyhedron; what is a body, or no such mesh, as it is."""
+    """A mesh of trimesh as a Polyhedron, a shape of build123d or CadQuery as a Compound; what is a body as it is."""
+    if hasattr(body, "wrapped") and not hasattr(body, "moving"):
+        from firstcontact import from_shape
+
+        return from_shape(body)
+    if hasattr(body, "as_body"):  # a part or an assembly of a STEP file
+        return body.as_body()
     is_mesh = not hasattr(body, "moving") and not isinstance(body, Moving) and hasattr(body, "faces")
     return Polyhedron.from_trimesh(body) if is_mesh else body
 
@@ -133,7 +145,7 @@ def _answer(verb: Literal["intervals"], query: Query) -> ContactIntervals: ...
 def _answer(verb: str, query: Query) -> Any:
     """What the room for the bodies says, which for curved bodies is asked about bounded spans near the origin."""
     kinds = kinds_of(*query.bodies)
-    if kinds == MESHES:
+    if kinds == MESHES or Kind.PART in kinds:
         return getattr(_room(PAIRS[kinds].room), verb)(query)
     if query.engine != "auto":
         raise UnsupportedPair(f"engine {query.engine!r} searches trees of polyhedra; curved models take 'auto'")

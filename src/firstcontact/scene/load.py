@@ -188,6 +188,20 @@ class MeshBody(_Body):
         return Polyhedron.load(folder / self.file, solid=self.solid, name=self.name or key)
 
 
+class StepBody(_Body):
+    shape: Literal["step"]
+    file: StrictStr
+    part: StrictStr | None = None
+    unit: StrictStr | None = None
+    deviation: Annotated[Number, Field(gt=0)] = None
+
+    def build(self, key: str | None, folder: Path) -> Any:
+        from firstcontact.step.assembly import load_step
+
+        root = load_step(folder / self.file, unit=self.unit, deviation=self.deviation)
+        return (root if self.part is None else root[self.part]).named(self.name or key)
+
+
 class PolyhedronBody(_Body):
     shape: Literal["polyhedron"]
     vertices: list[Vector]
@@ -245,6 +259,7 @@ class RuledBody(surfaces.Ruled, _Body):
 
 Body = Annotated[
     MeshBody
+    | StepBody
     | PolyhedronBody
     | BoxBody
     | SphereBody

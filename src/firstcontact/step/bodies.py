@@ -1,0 +1,124 @@
+"""What becomes of a solid: the file's own planes and quadrics where it has no others, else triangles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from firstcontact.body.compound.compound import Piece
+from firstcontact.body.polyhedron.polyhedron import Polyhedron
+from firstcontact.errors import InputError
+from firstcontact.step import planar
+from firstcontact.step.reader import Shape
+from firstcontact.step.solids import Solid, explored
+from firstcontact.step.triangles import Net, triangulated
+
+DEVIATION = 1e-4
+"""Of the size of a part: how far triangles are from its faces at most, unless it is said."""
+
+
+@dataclass(frozen=True)
+class Built:
+    """pieces: bodies in the part's own frame; deviation: of their faces from the file's, a bound; exact: whether they
+    lie on the very surfaces; solid: what they were made of."""
+
+    pieces: tuple[Piece, ...]
+    deviation: float
+    exact: bool
+    solid: Solid
+
+
+def solids_of(part: Shape) -> list[Solid]:
+    """The solids of a part.  InputError for surfaces that bound none: to leave them out would be to lose them."""
+    if "solids" not in part.made:
+        from OCP.TopAbs import TopAbs_ShapeEnum as Kind
+
+        found = [Solid(shape, part) for shape in explored(part.shape, Kind.TopAbs_SOLID)]
+        loose = len(list(explored(part.shape, Kind.TopAbs_FACE))) - sum(len(solid.faces) for solid in found)
+        if loose:
+            Solid(part.shape, part).check_borders()  # tells where it is open
+            raise InputError(
+                f"{part.name}: {loose} of its faces bound no solid, and surfaces have no inside; export it as a solid"
+            )
+        part.made["solids"] = found
+    known: list[Solid] = part.made["solids"]
+    return known
+
+
+def built(part: Shape, deviation: float | None) -> tuple[Built, ...]:
+    """The bodies of a part, each solid by itself, kept on it.  deviation: in the unit of the file."""
+    if deviation not in part.made:
+        part.made[deviation] = tuple(_built(solid, deviation) for solid in solids_of(part))
+    known: tuple[Built, ...] = part.made[deviation]
+    return known
+
+
+def _built(solid: Solid, deviation: float | None) -> Built:
+    solid.check()
+    flat = planar.polyhedron_of(solid)
+    if flat is not None:
+        _check_volume(solid, flat.polyhedron, flat.moved)
+        return Built((Piece(flat.polyhedron, _names_of_polygons(solid, flat.polyhedron)),), flat.moved, True, solid)
+    net = triangulated(solid, DEVIATION * solid.size if deviation is None else deviation)
+    mesh = Polyhedron(net.points, net.triangles.astype(np.int32), solid=True)
+    _check_volume(solid, mesh, net.deviation)
+    return Built((Piece(mesh, _names_of_triangles(solid, mesh, net)),), net.deviation, False, solid)
+
+
+def _check_volume(solid: Solid, mesh: Polyhedron, deviation: float) -> None:
+    """That nothing is lost: a body within the deviation of the solid's boundary differs by a layer of that depth."""
+    p, q, r = (mesh.vertices[mesh.triangles[:, k]] - solid.box[0] for k in range(3))
+    volume = float(np.einsum("ij,ij->i", p, np.cross(q, r)).sum()) / 6
+    wanted, area = solid.volume_and_area
+    if wanted <= 0.0:
+        raise InputError(f"{solid.who}: its faces look inward (volume {wanted:.3g}); export it again")
+    if abs(volume - wanted) > 2.0 * area * deviation + 1e-5 * wanted:
+        raise InputError(
+            f"{solid.who}: its faces do not enclose what they bound (volume {volume:.6g}, by OpenCASCADE "
+            f"{wanted:.6g}); they cross each other: mend the model and export it again"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class MeshNames:
+    """Of polygons or triangles that stand for faces: what each vertex, edge and face of the mesh is of the solid's, as
+    (kind, number); labels: what the file calls these, by kind."""
+
+    own: dict[str, list[tuple[str, int]]]
+    labels: dict[str, list[str]]
+
+    def of(self, kind: str, index: int) -> tuple[str, int, str] | None:
+        """As `Names`: an element within a face is the face, one within an edge the edge."""
+        kind, number = self.own[kind][index]
+        return kind, number, self.labels[kind][number]
+
+
+def _names_of_polygons(solid: Solid, mesh: Polyhedron) -> MeshNames:
+    from OCP.TopExp import TopExp
+
+    ends = {}
+    for number, edge in enumerate(solid.edges):
+        i, j = (solid.vertex_number(x) for x in (TopExp.FirstVertex_s(edge), TopExp.LastVertex_s(edge)))
+        ends[min(i, j), max(i, j)] = number
+    own = {
+        "vertex": [("vertex", k) for k in range(len(mesh.vertices))],
+        "edge": [("edge", ends[min(i, j), max(i, j)]) for i, j in mesh.edges.tolist()],
+        "face": [("face", k) for k in range(mesh.n_faces)],
+    }
+    return MeshNames(own, solid.labels)
+
+
+def _names_of_triangles(solid: Solid, mesh: Polyhedron, net: Net) -> MeshNames:
+    at: dict[int, int] = {}
+    beside: dict[tuple[int, int], int] = {}
+    for triangle, face in zip(mesh.triangles.tolist(), net.face_of.tolist(), strict=True):
+        for i, j in zip(triangle, triangle[1:] + triangle[:1], strict=True):
+            at[i] = beside[min(i, j), max(i, j)] = face
+    sides = [(min(i, j), max(i, j)) for i, j in mesh.edges.tolist()]
+    own = {
+        "vertex": [(kind, at[k] if kind == "face" else number) for k, (kind, number, _) in enumerate(net.nodes)],
+        "edge": [("edge", net.sides[side]) if side in net.sides else ("face", beside[side]) for side in sides],
+        "face": [("face", face) for face in net.face_of.tolist()],
+    }
+    return MeshNames(own, solid.labels)
