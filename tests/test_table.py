@@ -25,7 +25,7 @@ TILTED = [["2/3", "-1/3", "2/3", 0], ["2/3", "2/3", "-1/3", 0], ["-1/3", "2/3", 
 class Plain:
     """Elements of a piece by their own names."""
 
-    def of(self, kind, index):
+    def of(self, kind, index, body):
         return kind, index, ""
 
 

@@ -12,7 +12,7 @@ from firstcontact.body.compound.compound import Compound, Piece
 class Walls:
     """Names for boxes: faces but for those that look along x."""
 
-    def of(self, kind, index):
+    def of(self, kind, index, body):
         return None if kind == "face" and index in (0, 1) else (kind, index, f"#{index}")
 
 

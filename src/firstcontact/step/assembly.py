@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from flint import fmpq
 
-from firstcontact.body.compound.compound import Compound, Piece
+from firstcontact.body.compound.compound import Compound
 from firstcontact.body.solid.feature_names import unique
 from firstcontact.errors import InputError
 from firstcontact.exact.numbers import positive_double, rational, to_double
@@ -271,13 +271,15 @@ def _body_of(node: Assembly) -> Compound:
         for part in parts
     ]
     pieces = itertools.chain.from_iterable(body.pieces for body in bodies_)
+    shown = itertools.chain.from_iterable(body.shown for body in bodies_)
     deviation = max(body.deviation for body in bodies_)
-    return Compound(pieces, deviation=deviation, unit=node.unit, source=node._source, name=node.name)
+    return Compound(pieces, deviation=deviation, unit=node.unit, source=node._source, shown=shown, name=node.name)
 
 
 def _compound(made: tuple[bodies.Built, ...], placement: Matrix, path: str, unit: str | None) -> Compound:
-    pieces = [Piece(piece.body, piece.names, path, piece.corners) for x in made for piece in x.pieces]
-    whole = Compound(pieces, deviation=max(x.deviation for x in made), unit=unit)
+    pieces = [replace(piece, path=path) for x in made for piece in x.pieces]
+    shown = [replace(piece, path=path) for x in made for piece in x.shown]
+    whole = Compound(pieces, shown=shown, deviation=max(x.deviation for x in made), unit=unit)
     return whole if placement == IDENTITY else whole._mapped(placement)
 
 

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import product
+from typing import Any
 
 import numpy as np
 
 from firstcontact.body.compound.compound import Piece
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.errors import InputError
-from firstcontact.step import planar
+from firstcontact.step import cells, planar
 from firstcontact.step.reader import Shape
 from firstcontact.step.solids import Solid, explored
 from firstcontact.step.triangles import Net, triangulated
@@ -21,12 +23,13 @@ DEVIATION = 1e-4
 @dataclass(frozen=True)
 class Built:
     """pieces: bodies in the part's own frame; deviation: of their faces from the file's, a bound; exact: whether they
-    lie on the very surfaces; solid: what they were made of."""
+    lie on the very surfaces; solid: what they were made of; shown: polyhedra for pictures."""
 
     pieces: tuple[Piece, ...]
     deviation: float
     exact: bool
     solid: Solid
+    shown: tuple[Piece, ...]
 
 
 def solids_of(part: Shape) -> list[Solid]:
@@ -59,11 +62,28 @@ def _built(solid: Solid, deviation: float | None) -> Built:
     flat = planar.polyhedron_of(solid)
     if flat is not None:
         _check_volume(solid, flat.polyhedron, flat.moved)
-        return Built((Piece(flat.polyhedron, _names_of_polygons(solid, flat.polyhedron)),), flat.moved, True, solid)
+        piece = Piece(flat.polyhedron, _names_of_polygons(solid, flat.polyhedron))
+        return Built((piece,), flat.moved, True, solid, (piece,))
+    try:
+        found, off, rough = cells.cells_of(solid)
+    except cells.NotExact:
+        pass
+    else:
+        lo, hi = rough.points.min(axis=0) - rough.deviation - off, rough.points.max(axis=0) + rough.deviation + off
+        exact = [
+            Piece(x.body, CellNames.of_cell(solid, x), "", corners_of(np.maximum(x.box[0], lo), np.minimum(x.box[1], hi)))
+            for x in found
+        ]
+        return Built(tuple(exact), off, True, solid, (_mesh_piece(solid, rough),))
     net = triangulated(solid, DEVIATION * solid.size if deviation is None else deviation)
+    piece = _mesh_piece(solid, net)
+    return Built((piece,), net.deviation, False, solid, (piece,))
+
+
+def _mesh_piece(solid: Solid, net: Net) -> Piece:
     mesh = Polyhedron(net.points, net.triangles.astype(np.int32), solid=True)
     _check_volume(solid, mesh, net.deviation)
-    return Built((Piece(mesh, _names_of_triangles(solid, mesh, net)),), net.deviation, False, solid)
+    return Piece(mesh, _names_of_triangles(solid, mesh, net))
 
 
 def _check_volume(solid: Solid, mesh: Polyhedron, deviation: float) -> None:
@@ -88,7 +108,7 @@ class MeshNames:
     own: dict[str, list[tuple[str, int]]]
     labels: dict[str, list[str]]
 
-    def of(self, kind: str, index: int) -> tuple[str, int, str] | None:
+    def of(self, kind: str, index: int, body: Any) -> tuple[str, int, str] | None:
         """As `Names`: an element within a face is the face, one within an edge the edge."""
         kind, number = self.own[kind][index]
         return kind, number, self.labels[kind][number]
@@ -122,3 +142,44 @@ def _names_of_triangles(solid: Solid, mesh: Polyhedron, net: Net) -> MeshNames:
         "face": [("face", face) for face in net.face_of.tolist()],
     }
     return MeshNames(own, solid.labels)
+
+
+@dataclass(frozen=True, eq=False)
+class CellNames:
+    """Of a piece with the file's own surfaces: own: of each of its surfaces the faces on it, none of walls and cuts;
+    beside: of each edge of the solid its faces; around: of each vertex."""
+
+    own: tuple[tuple[int, ...], ...]
+    beside: tuple[frozenset[int], ...]
+    around: tuple[frozenset[int], ...]
+    labels: dict[str, list[str]]
+
+    @classmethod
+    def of_cell(cls, solid: Solid, cell: cells.Cell) -> CellNames:
+        return cls(tuple(cell.own), *solid.incidence, solid.labels)
+
+    def of(self, kind: str, index: int, body: Any) -> tuple[str, int, str] | None:
+        """As `Names`: faces whose surfaces meet there tell which edge or vertex it is; one face alone is that face."""
+        features = {"face": body.faces, "edge": body.edges}.get(kind, body.vertices)
+        groups = [self.own[k] for k in features[index].surfaces if self.own[k]]
+        if not groups:
+            return None
+        if len(groups) > 2 and (found := _meeting(self.around, groups)):
+            return self._told("vertex", found)
+        if len(groups) > 1 and (found := _meeting(self.beside, groups)):
+            return self._told("edge", found)
+        return self._told("face", list(groups[0]))
+
+    def _told(self, kind: str, numbers: list[int]) -> tuple[str, int, str]:
+        """Of several, which have their surfaces in common, all are told."""
+        labels = [self.labels[kind][k] or str(k) for k in numbers]
+        return kind, numbers[0], " or ".join(labels[:4])
+
+
+def _meeting(sets: tuple[frozenset[int], ...], groups: list[tuple[int, ...]]) -> list[int]:
+    """Those of the sets that have a face of every group."""
+    return [k for k, own in enumerate(sets) if all(own & set(group) for group in groups)]
+
+
+def corners_of(lo: np.ndarray, hi: np.ndarray) -> np.ndarray:
+    return np.array(list(product(*zip(lo.tolist(), hi.tolist(), strict=True))))

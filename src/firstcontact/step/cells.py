@@ -21,7 +21,7 @@ from firstcontact.errors import InputError
 from firstcontact.exact.numbers import exact_value
 from firstcontact.step.carriers import carrier_of
 from firstcontact.step.solids import Solid
-from firstcontact.step.triangles import triangulated
+from firstcontact.step.triangles import Net, triangulated
 
 FEW, MOST, DEEPEST = 10, 26, 9
 """Surfaces in a cell: what is asked for, and what is taken where halving does not help; how often cells are halved."""
@@ -32,6 +32,12 @@ OFF = 2e-4
 RANDOM = 60
 """Points of a cell at first that are asked of OpenCASCADE."""
 ROUGH = 2e-3
+TANGENT = 1e-3
+"""Sine of the angle below which two surfaces count as tangent."""
+ROUNDS, NEAR, MOST_SAMPLES, EDGE_POINTS = 6, 24, 4000, 9
+"""How often pieces are corrected; points in each cell, and next to faces, that are asked each time; and on edges."""
+MOST_OFF = 1e-4
+"""Of the solid's size: how far the file's edges may be from where surfaces meet."""
 
 
 class NotExact(Exception):
@@ -55,11 +61,13 @@ class _Problem:
     """
 
     solid: Solid
+    net: Net
     surfaces: list[Surface]
     forms: np.ndarray
     carriers: int
     faces_on: list[tuple[int, ...]]
     samples: np.ndarray
+    normals: np.ndarray
     carrier: np.ndarray
     labelled: np.ndarray
     inside: np.ndarray
@@ -80,13 +88,97 @@ def _distances(forms: np.ndarray, points: np.ndarray) -> np.ndarray:
     return found
 
 
-def cells_of(solid: Solid) -> list[Cell]:
-    """The pieces.  Raises NotExact."""
+def cells_of(solid: Solid) -> tuple[list[Cell], float, Net]:
+    """The pieces, how far their edges are from the file's, and triangles for pictures.  Raises NotExact.
+
+    Points of all kinds are put to the pieces and to OpenCASCADE; those of which they think differently are learned from,
+    until none is left.
+    """
     problem = _problem(solid)
+    off = _off_at_edges(problem)
+    if off > MOST_OFF * solid.size:
+        raise NotExact(f"its edges are up to {off:.2g} off the surfaces that meet there")
     lo, hi = solid.box
     room = 0.03 * solid.size
-    start = _even(lo - room), _even(hi + room)
-    return list(_cells(problem, *start, 0))
+    boxes = list(_boxes(problem, _even(lo - room), _even(hi + room), 0))
+    solved: list[Cell | None] = [None] * len(boxes)
+    todo = list(range(len(boxes)))
+    for _ in range(ROUNDS):
+        for k in todo:
+            solved[k] = _solved(problem, *boxes[k])
+        points, inside = _asked(problem, boxes)
+        wrong = contains([cell for cell in solved if cell is not None], points) != inside
+        if not wrong.any():
+            return [cell for cell in solved if cell is not None], off, problem.net
+        problem.labelled = np.concatenate([problem.labelled, points[wrong]])
+        problem.inside = np.concatenate([problem.inside, inside[wrong]])
+        todo = [k for k, (a, b) in enumerate(boxes)
+                if ((points[wrong] >= a) & (points[wrong] <= b)).all(axis=1).any()]  # fmt: skip
+    raise NotExact(f"{int(wrong.sum())} of {len(points)} points are on the other side than OpenCASCADE says")
+
+
+def _asked(problem: _Problem, boxes: list[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:
+    """New points, and which of them are inside: anywhere, next to carriers anywhere in a cell and to walls between
+    cells, on both sides, asked of OpenCASCADE; and on both sides of faces."""
+    rng, size = problem.rng, problem.solid.size
+    found = []
+    for lo, hi in boxes:
+        random = rng.uniform(lo, hi, (NEAR, 3))
+        here = ((problem.samples >= lo) & (problem.samples <= hi)).all(axis=1)
+        on = [_pulled(problem.forms[k], random) for k in sorted(set(problem.carrier[here].tolist()))]
+        axis = rng.integers(0, 3, NEAR)
+        wall = random.copy()
+        wall[np.arange(NEAR), axis] = np.where(rng.random(NEAR) < 0.5, lo[axis], hi[axis])
+        flat = np.concatenate([*on, wall]) if on else wall
+        flat = flat[((flat >= lo) & (flat <= hi)).all(axis=1)]
+        found += [random, flat + rng.normal(0.0, OFF * size, flat.shape)]
+    asked = np.concatenate(found)
+    known = rng.permutation(len(problem.samples))[:MOST_SAMPLES]
+    step = problem.normals[known] * size * 10.0 ** rng.uniform(-5.5, np.log10(OFF), (len(known), 1))
+    told = problem.classify(asked)
+    sure = np.abs(problem.distances(asked)[: problem.carriers]).min(axis=0) > 1e-7 * size
+    points = np.concatenate([asked[sure], problem.samples[known] - step, problem.samples[known] + step])
+    inside = np.concatenate([told[sure], np.ones(len(known), bool), np.zeros(len(known), bool)])
+    return points, inside
+
+
+def _pulled(form: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """The points on a surface near them, as far as a few steps go."""
+    for _ in range(4):
+        x = np.column_stack([points, np.ones(len(points))])
+        image = x @ form
+        slope = 2.0 * image[:, :3]
+        square = np.maximum((slope**2).sum(axis=1), 1e-300)
+        points = points - (np.einsum("ni,ni->n", image, x) / square)[:, None] * slope
+    return points
+
+
+def _off_at_edges(problem: _Problem) -> float:
+    """How far the file's edges are from where the surfaces on their sides meet, to first order: points of all edges."""
+    from OCP.BRepAdaptor import BRepAdaptor_Curve
+
+    solid, worst = problem.solid, 0.0
+    on = {face: k for k, faces in enumerate(problem.faces_on) for face in faces}
+    beside: dict[int, set[int]] = {}
+    for number, uses in enumerate(solid.uses):
+        for use in uses:
+            beside.setdefault(use.number, set()).add(on[number])
+    for number, edge in enumerate(solid.edges):
+        if solid.is_degenerate(number):
+            continue
+        curve = BRepAdaptor_Curve(edge)
+        times = np.linspace(curve.FirstParameter(), curve.LastParameter(), EDGE_POINTS)
+        points = np.array([_numbers(curve.Value(float(t))) for t in times])
+        own = sorted(beside[number])
+        off = np.abs(_distances(problem.forms[own], points)).sum(axis=0)
+        if len(own) == 2:
+            x = np.column_stack([points, np.ones(len(points))])
+            n = np.einsum("sij,nj->sni", problem.forms[own], x)[..., :3]
+            n /= np.maximum(np.linalg.norm(n, axis=2, keepdims=True), 1e-300)
+            sine = np.linalg.norm(np.cross(n[0], n[1]), axis=1)
+            off = np.where(sine > TANGENT, off / np.maximum(sine, TANGENT), off)
+        worst = max(worst, float(off.max()))
+    return worst * (1.0 + 1e-6)
 
 
 def _even(x: np.ndarray) -> np.ndarray:
@@ -117,12 +209,13 @@ def _problem(solid: Solid) -> _Problem:
         if numbers.setdefault(_key(plane), len(surfaces)) == len(surfaces):
             surfaces.append(plane)
     forms = np.array([doubles(s.matrix()) for s in surfaces])
-    samples, faces = _samples(solid, forms, of_face)
+    net = triangulated(solid, ROUGH * solid.size)
+    samples, faces = _samples(solid, net, forms, of_face)
     normals = _outward(solid, forms, samples, faces, of_face)
     off = OFF * solid.size
     labelled = np.concatenate([samples - off * normals, samples + off * normals])
     inside = np.repeat([True, False], len(samples))
-    return _Problem(solid, surfaces, forms, count, faces_on, samples, np.array(of_face)[faces], labelled, inside,
+    return _Problem(solid, net, surfaces, forms, count, faces_on, samples, normals, np.array(of_face)[faces], labelled, inside,
                     _classifier(solid))  # fmt: skip
 
 
@@ -143,9 +236,8 @@ def _classifier(solid: Solid) -> Any:
     return inside
 
 
-def _samples(solid: Solid, forms: np.ndarray, of_face: list[int]) -> tuple[np.ndarray, np.ndarray]:
+def _samples(solid: Solid, net: Net, forms: np.ndarray, of_face: list[int]) -> tuple[np.ndarray, np.ndarray]:
     """Points inside faces, on their carriers, and the faces' numbers."""
-    net = triangulated(solid, ROUGH * solid.size)
     corners = net.points[net.triangles]
     owner = net.face_of
     step = 0.04 * solid.size
@@ -188,7 +280,7 @@ def _outward(
             continue
         surface = BRep_Tool.Surface_s(face)
         found = GeomAPI_ProjectPointOnSurf(gp_Pnt(*points[own[0]].tolist()), surface)
-        u, v = found.LowerDistanceParameters(0.0, 0.0)
+        u, v = found.LowerDistanceParameters()
         at = GeomLProp_SLProps(surface, u, v, 1, 1e-9).Normal()
         n = np.array([at.X(), at.Y(), at.Z()])
         if face.Orientation() == TopAbs_Orientation.TopAbs_REVERSED:
@@ -219,7 +311,7 @@ def _cuts(solid: Solid, surfaces: list[Surface], of_face: list[int]) -> Iterator
             middle = _numbers(curve.Value(0.5 * (curve.FirstParameter() + curve.LastParameter())))
             x = np.append(middle, 1.0)
             a, b = (n / np.linalg.norm(n) for n in ((forms[k] @ x)[:3] for k in beside[number]))
-            if np.linalg.norm(np.cross(a, b)) < 1e-3:
+            if np.linalg.norm(np.cross(a, b)) < TANGENT:
                 along = _numbers(curve.Line().Direction())
                 yield _plane(np.cross(along, a), middle)
 
@@ -237,21 +329,22 @@ def _plane(normal: np.ndarray, place: np.ndarray) -> Plane:
 # -- cells --------------------------------------------------------------------------------------------------------
 
 
-def _cells(problem: _Problem, lo: np.ndarray, hi: np.ndarray, depth: int) -> Iterator[Cell]:
+def _boxes(
+    problem: _Problem, lo: np.ndarray, hi: np.ndarray, depth: int
+) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Those of the cells."""
     here = ((problem.samples >= lo) & (problem.samples <= hi)).all(axis=1)
     near = set(problem.carrier[here].tolist())
     if len(near) > FEW and depth < DEEPEST:
         axis, at = _halving(problem, lo, hi)
         upper, lower = lo.copy(), hi.copy()
         upper[axis] = lower[axis] = at
-        yield from _cells(problem, lo, lower, depth + 1)
-        yield from _cells(problem, upper, hi, depth + 1)
+        yield from _boxes(problem, lo, lower, depth + 1)
+        yield from _boxes(problem, upper, hi, depth + 1)
         return
     if len(near) > MOST:
         raise NotExact(f"{len(near)} surfaces come together in one place")
-    cell = _solved(problem, lo, hi, np.flatnonzero(here))
-    if cell is not None:
-        yield cell
+    yield lo, hi
 
 
 def _halving(problem: _Problem, lo: np.ndarray, hi: np.ndarray) -> tuple[int, float]:
@@ -271,8 +364,9 @@ def _halving(problem: _Problem, lo: np.ndarray, hi: np.ndarray) -> tuple[int, fl
     return axis, float(places[best])
 
 
-def _solved(problem: _Problem, lo: np.ndarray, hi: np.ndarray, here: np.ndarray) -> Cell | None:
+def _solved(problem: _Problem, lo: np.ndarray, hi: np.ndarray) -> Cell | None:
     """The solid in a cell, None where there is none of it."""
+    here = np.flatnonzero(((problem.samples >= lo) & (problem.samples <= hi)).all(axis=1))
     random = problem.rng.uniform(lo, hi, (RANDOM, 3))
     own = ((problem.labelled > lo) & (problem.labelled < hi)).all(axis=1)
     points = np.concatenate([problem.labelled[own], random])
@@ -362,11 +456,16 @@ class _Task:
             a, b = labels[side], labels[~side]
             if not len(a) or not len(b):
                 continue
-            mixed = min(a.sum(), (~a).sum()) + min(b.sum(), (~b).sum())
-            scores.append((int(mixed), k))
-        if not scores or min(scores)[0] >= min(labels.sum(), (~labels).sum()):
+            scores.append((_doubt(a) + _doubt(b), k))
+        if not scores or min(scores)[0] >= (1.0 - 1e-6) * _doubt(labels):
             raise NotExact("no plane through its edges parts what is inside from what is outside")
         return [min(scores)[1]]
+
+
+def _doubt(labels: np.ndarray) -> float:
+    """How many answers it takes to know which of them are inside: their number times the entropy."""
+    n, k = len(labels), int(labels.sum())
+    return -sum(x * float(np.log2(x / n)) for x in (k, n - k) if x)
 
 
 def _joined(k: int, below: Tree | bool | None, above: Tree | bool | None) -> Tree | bool | None:

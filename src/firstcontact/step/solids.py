@@ -96,6 +96,20 @@ class Solid:
         ]
 
     @cached_property
+    def incidence(self) -> tuple[tuple[frozenset[int], ...], tuple[frozenset[int], ...]]:
+        """Of each edge, and of each vertex, the faces that it belongs to."""
+        from OCP.TopExp import TopExp
+
+        edges: list[set[int]] = [set() for _ in self.edges]
+        vertices: list[set[int]] = [set() for _ in self.vertices]
+        for face, uses in enumerate(self.uses):
+            for use in uses:
+                edges[use.number].add(face)
+                for end in (TopExp.FirstVertex_s(use.edge), TopExp.LastVertex_s(use.edge)):
+                    vertices[self.vertex_number(end)].add(face)
+        return tuple(map(frozenset, edges)), tuple(map(frozenset, vertices))
+
+    @cached_property
     def points(self) -> np.ndarray:
         """(n, 3) places of the vertices."""
         from OCP.BRep import BRep_Tool

@@ -20,8 +20,8 @@ from firstcontact.result import Element
 class Names(Protocol):
     """What elements of a piece are called."""
 
-    def of(self, kind: str, index: int) -> tuple[str, int, str] | None:
-        """(kind, index, label) of the file's own element; None of what is none of the file's, as a wall between
+    def of(self, kind: str, index: int, body: Any) -> tuple[str, int, str] | None:
+        """(kind, index, label) of the file's own element, for one of the body; None of what is none of the file's, as a wall between
         pieces."""
 
 
@@ -37,7 +37,7 @@ class Piece:
 
     def element(self, element: Element, name: str) -> Element | None:
         """The element of the compound called `name`."""
-        own = self.names.of(element.kind, element.index)
+        own = self.names.of(element.kind, element.index, self.body)
         if own is None:
             return None
         kind, index, label = own

@@ -109,6 +109,11 @@ def _named(sides: Sides, x: Told) -> list[ElementPair]:
     return named
 
 
+def is_named(sides: Sides, x: Told) -> bool:
+    """Whether elements of the bodies themselves touch."""
+    return bool(_named(sides, x))
+
+
 def _element(side: Side, piece: Piece | None, element: Element, which: str) -> Element | None:
     return element if piece is None else piece.element(element, side.name or which)
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from firstcontact.contact.compound.answer import Told, combined, joined
+from firstcontact.contact.compound.answer import Told, combined, is_named, joined
 from firstcontact.contact.compound.windows import Window, side_of, windows
 from firstcontact.errors import InputError
 from firstcontact.exact.numbers import above, below, exact_value
@@ -39,7 +39,10 @@ def first(query: Query) -> FirstContact:
         told.append(Told(window, found))
         if found.status is Status.CONTACT or found.status is Status.INITIAL_CONTACT:
             assert found.time_interval is not None
-            ends = exact_value(found.time_interval[1])
+            # others that touch just as soon cost as much again: they are asked only where the time itself is wanted, how
+            # all lie at the start, or where what touches here is a wall between pieces
+            told_all = not query.exact and found.status is Status.CONTACT and is_named(sides, told[-1])
+            ends = exact_value(found.time_interval[0 if told_all else 1])
             end = ends if end is None else min(end, ends)
         if query.progress is not None and k + 1 < len(asked):
             query.progress(min(below(asked[k + 1].first), query.span[1] if end is None else above(end)), k + 1)
