@@ -71,8 +71,7 @@ def _built(solid: Solid, deviation: float | None) -> Built:
     else:
         lo, hi = rough.points.min(axis=0) - rough.deviation - off, rough.points.max(axis=0) + rough.deviation + off
         exact = [
-            Piece(x.body, CellNames.of_cell(solid, x), "", corners_of(np.maximum(x.box[0], lo), np.minimum(x.box[1], hi)))
-            for x in found
+            Piece(x.body, CellNames.of_cell(solid, x), corners=_corners(x.box, (lo, hi))) for x in found
         ]
         return Built(tuple(exact), off, True, solid, (_mesh_piece(solid, rough),))
     net = triangulated(solid, DEVIATION * solid.size if deviation is None else deviation)
@@ -181,5 +180,7 @@ def _meeting(sets: tuple[frozenset[int], ...], groups: list[tuple[int, ...]]) ->
     return [k for k, own in enumerate(sets) if all(own & set(group) for group in groups)]
 
 
-def corners_of(lo: np.ndarray, hi: np.ndarray) -> np.ndarray:
+def _corners(first: tuple[np.ndarray, np.ndarray], second: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+    """(8, 3) of what two boxes have in common."""
+    lo, hi = np.maximum(first[0], second[0]), np.minimum(first[1], second[1])
     return np.array(list(product(*zip(lo.tolist(), hi.tolist(), strict=True))))

@@ -1,9 +1,9 @@
 """Solids of planes, cylinders, cones and spheres as pieces with these very surfaces.
 
-The box around a solid is halved until few surfaces have faces in a cell.  In a cell the solid is a tree of decisions: on
-which side of a surface a point is, until no face is left between what may be inside and what may not.  Faces that meet
-smoothly are parted by the plane across them through their seam.  Which side is the solid is asked of OpenCASCADE; that
-nothing is lost, and nothing added, is checked afterwards (`checked`).
+The box around a solid is halved until few surfaces have faces in a cell.  In a cell the solid is a tree of decisions:
+on which side of a surface a point is, until no face is left between what may be inside and what may not.  Faces that
+meet smoothly are parted by the plane across them through their seam.  Which side is the solid is asked of OpenCASCADE;
+that nothing is lost, and nothing added, is asked again of many points afterwards.
 """
 
 from __future__ import annotations
@@ -14,11 +14,11 @@ from typing import Any
 
 import numpy as np
 
-from firstcontact.body.solid.carriers import Plane, Quadric, Surface, Vector, doubles, primitive
+from firstcontact.body.solid.carriers import Plane, Quadric, Surface, Vector, dot, doubles, primitive
 from firstcontact.body.solid.composite_quadric import CompositeQuadric, _key
 from firstcontact.body.solid.csg import And, Leaf, Not, Or, Tree, conjunction, renumbered, surfaces_of
-from firstcontact.errors import InputError
-from firstcontact.exact.numbers import exact_value
+from firstcontact.errors import InputError, UnsupportedPair
+from firstcontact.exact.numbers import Undecidable, exact_value
 from firstcontact.step.carriers import carrier_of
 from firstcontact.step.solids import Solid
 from firstcontact.step.triangles import Net, triangulated
@@ -73,6 +73,8 @@ class _Problem:
     inside: np.ndarray
     classify: Any
     rng: Any = field(default_factory=lambda: np.random.default_rng(0))
+    tangent: set[frozenset[int]] = field(default_factory=set)
+    """Pairs of carriers that meet smoothly."""
 
     def distances(self, points: np.ndarray) -> np.ndarray:
         """(surfaces, n) signed distances, to first order."""
@@ -91,8 +93,8 @@ def _distances(forms: np.ndarray, points: np.ndarray) -> np.ndarray:
 def cells_of(solid: Solid) -> tuple[list[Cell], float, Net]:
     """The pieces, how far their edges are from the file's, and triangles for pictures.  Raises NotExact.
 
-    Points of all kinds are put to the pieces and to OpenCASCADE; those of which they think differently are learned from,
-    until none is left.
+    Points of all kinds are put to the pieces and to OpenCASCADE; what is learned of those of which they think
+    differently goes into the pieces, until none is left.
     """
     problem = _problem(solid)
     off = _off_at_edges(problem)
@@ -109,12 +111,27 @@ def cells_of(solid: Solid) -> tuple[list[Cell], float, Net]:
         points, inside = _asked(problem, boxes)
         wrong = contains([cell for cell in solved if cell is not None], points) != inside
         if not wrong.any():
-            return [cell for cell in solved if cell is not None], off, problem.net
+            found = [cell for cell in solved if cell is not None]
+            for cell in found:
+                _check_seams(problem, cell)
+            return found, off, problem.net
         problem.labelled = np.concatenate([problem.labelled, points[wrong]])
         problem.inside = np.concatenate([problem.inside, inside[wrong]])
         todo = [k for k, (a, b) in enumerate(boxes)
                 if ((points[wrong] >= a) & (points[wrong] <= b)).all(axis=1).any()]  # fmt: skip
     raise NotExact(f"{int(wrong.sum())} of {len(points)} points are on the other side than OpenCASCADE says")
+
+
+def _check_seams(problem: _Problem, cell: Cell) -> None:
+    """NotExact where two quadrics of the cell are all but tangent, and exact arithmetic does not tell them apart."""
+    quadrics = {k for k, s in enumerate(problem.surfaces[: problem.carriers]) if isinstance(s, Quadric)}
+    here = {k for k in quadrics if any(problem.faces_on[k] == own for own in cell.own)}
+    if not any(pair <= here for pair in problem.tangent):
+        return
+    try:
+        cell.body.vertices  # noqa: B018
+    except (Undecidable, UnsupportedPair) as reason:
+        raise NotExact("surfaces that are tangent but for rounding errors") from reason
 
 
 def _asked(problem: _Problem, boxes: list[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:
@@ -154,7 +171,7 @@ def _pulled(form: np.ndarray, points: np.ndarray) -> np.ndarray:
 
 
 def _off_at_edges(problem: _Problem) -> float:
-    """How far the file's edges are from where the surfaces on their sides meet, to first order: points of all edges."""
+    """How far the file's edges are from where the surfaces on their sides meet, to first order; notes tangent ones."""
     from OCP.BRepAdaptor import BRepAdaptor_Curve
 
     solid, worst = problem.solid, 0.0
@@ -176,6 +193,8 @@ def _off_at_edges(problem: _Problem) -> float:
             n = np.einsum("sij,nj->sni", problem.forms[own], x)[..., :3]
             n /= np.maximum(np.linalg.norm(n, axis=2, keepdims=True), 1e-300)
             sine = np.linalg.norm(np.cross(n[0], n[1]), axis=1)
+            if (sine < TANGENT).any():
+                problem.tangent.add(frozenset(own))
             off = np.where(sine > TANGENT, off / np.maximum(sine, TANGENT), off)
         worst = max(worst, float(off.max()))
     return worst * (1.0 + 1e-6)
@@ -215,8 +234,10 @@ def _problem(solid: Solid) -> _Problem:
     off = OFF * solid.size
     labelled = np.concatenate([samples - off * normals, samples + off * normals])
     inside = np.repeat([True, False], len(samples))
-    return _Problem(solid, net, surfaces, forms, count, faces_on, samples, normals, np.array(of_face)[faces], labelled, inside,
-                    _classifier(solid))  # fmt: skip
+    return _Problem(
+        solid, net, surfaces, forms, count, faces_on, samples, normals, np.array(of_face)[faces], labelled, inside,
+        _classifier(solid),
+    )  # fmt: skip
 
 
 def _classifier(solid: Solid) -> Any:
@@ -322,8 +343,7 @@ def _numbers(p: Any) -> np.ndarray:
 
 def _plane(normal: np.ndarray, place: np.ndarray) -> Plane:
     n = [exact_value(x) for x in normal.tolist()]
-    d = sum(a * exact_value(x) for a, x in zip(n, place.tolist(), strict=True))
-    return Plane(primitive((*n, -d)))
+    return Plane(primitive((*n, -dot(n, [exact_value(x) for x in place.tolist()]))))
 
 
 # -- cells --------------------------------------------------------------------------------------------------------

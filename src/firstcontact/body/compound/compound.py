@@ -21,8 +21,8 @@ class Names(Protocol):
     """What elements of a piece are called."""
 
     def of(self, kind: str, index: int, body: Any) -> tuple[str, int, str] | None:
-        """(kind, index, label) of the file's own element, for one of the body; None of what is none of the file's, as a wall between
-        pieces."""
+        """(kind, index, label) of the file's own element, for one of the body; None of what is none of the file's, as a
+        wall between pieces."""
 
 
 @dataclass(frozen=True, eq=False)

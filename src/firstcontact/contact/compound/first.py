@@ -6,13 +6,14 @@ same points.  So the first contact is the earliest of the pieces, and the times 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
 from firstcontact.contact.compound.answer import Told, combined, is_named, joined
 from firstcontact.contact.compound.windows import Window, side_of, windows
-from firstcontact.errors import InputError
-from firstcontact.exact.numbers import above, below, exact_value
+from firstcontact.errors import InputError, UnsupportedPair
+from firstcontact.exact.numbers import Undecidable, above, below, exact_value
 from firstcontact.motion.moving import shape_of
 from firstcontact.result import ContactIntervals, FirstContact, Status
 from firstcontact.work import Query
@@ -33,14 +34,14 @@ def first(query: Query) -> FirstContact:
         if left is not None and left <= 0:
             told.append(Told(window, _spent(query, window)))
             break
-        found = table.first_contact(_about(query, sides, window, end, left))
+        found = _asked(table.first_contact, _about(query, sides, window, end, left))
         if left is not None:
             left -= found.stats.node_visits + found.stats.pair_tests + found.stats.exact_evaluations
         told.append(Told(window, found))
         if found.status is Status.CONTACT or found.status is Status.INITIAL_CONTACT:
             assert found.time_interval is not None
-            # others that touch just as soon cost as much again: they are asked only where the time itself is wanted, how
-            # all lie at the start, or where what touches here is a wall between pieces
+            # others that touch just as soon cost as much again: they are asked only where the time itself is wanted, or
+            # how all lie at the start, or where what touches here is a wall between pieces
             told_all = not query.exact and found.status is Status.CONTACT and is_named(sides, told[-1])
             ends = exact_value(found.time_interval[0 if told_all else 1])
             end = ends if end is None else min(end, ends)
@@ -60,6 +61,15 @@ def _about(query: Query, sides: Any, window: Window, end: Any, left: int | None)
     )  # fmt: skip
 
 
+def _asked(ask: Callable[[Query], FirstContact], query: Query) -> FirstContact:
+    """The answer about two pieces; none where no precision tells how surfaces of one lie that are all but tangent."""
+    try:
+        return ask(query)
+    except Undecidable:
+        start = query.span[0]
+        return FirstContact(Status.UNDECIDED, free_until=start, reason="precision", **query.shared)
+
+
 def _spent(query: Query, window: Window) -> FirstContact:
     free_until = max(query.span[0], below(window.first))
     return FirstContact(Status.UNDECIDED, free_until=free_until, reason="budget", span=query.span)
@@ -71,11 +81,11 @@ def intervals(query: Query) -> ContactIntervals:
 
     _refuse(query)
     sides = side_of(query.a), side_of(query.b)
-    told = [
-        (window, table.contact_intervals(_about(query, sides, window, None, query.budget)))
-        for window in windows(*sides, query)
-    ]
-    return joined(query, [found for _, found in told])
+    asked = [_about(query, sides, window, None, query.budget) for window in windows(*sides, query)]
+    try:
+        return joined(query, [table.contact_intervals(x) for x in asked])
+    except Undecidable as reason:
+        raise UnsupportedPair("surfaces of a part are all but tangent; its intervals are not decided") from reason
 
 
 def _refuse(query: Query) -> None:
