@@ -312,7 +312,7 @@ def _outward(
 
 
 def _cuts(solid: Solid, surfaces: list[Surface], of_face: list[int]) -> Iterator[Plane]:
-    """Planes through edges: of circles their own, of seams the one across both faces."""
+    """Planes through edges: of circles their own, of seams the one across both faces, else the two between them."""
     from OCP.BRepAdaptor import BRepAdaptor_Curve
     from OCP.GeomAbs import GeomAbs_CurveType as Kind
 
@@ -332,9 +332,12 @@ def _cuts(solid: Solid, surfaces: list[Surface], of_face: list[int]) -> Iterator
             middle = _numbers(curve.Value(0.5 * (curve.FirstParameter() + curve.LastParameter())))
             x = np.append(middle, 1.0)
             a, b = (n / np.linalg.norm(n) for n in ((forms[k] @ x)[:3] for k in beside[number]))
+            along = _numbers(curve.Line().Direction())
             if np.linalg.norm(np.cross(a, b)) < TANGENT:
-                along = _numbers(curve.Line().Direction())
                 yield _plane(np.cross(along, a), middle)
+            elif any(isinstance(surfaces[k], Quadric) for k in beside[number]):
+                yield _plane(np.cross(along, a + b), middle)
+                yield _plane(np.cross(along, a - b), middle)
 
 
 def _numbers(p: Any) -> np.ndarray:
