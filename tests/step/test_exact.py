@@ -46,6 +46,11 @@ SHAPES = {
 BODIES = {}
 
 
+@pytest.fixture(autouse=True)
+def pieces(monkeypatch):
+    monkeypatch.setattr("firstcontact.step.bodies.CURVED_PIECES", True)
+
+
 def made(name):
     if name not in BODIES:
         BODIES[name] = (shape := SHAPES[name]()), fc.from_shape(shape, name=name)

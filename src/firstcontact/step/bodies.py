@@ -16,6 +16,9 @@ from firstcontact.step.reader import Shape
 from firstcontact.step.solids import Solid, explored
 from firstcontact.step.triangles import Net, triangulated
 
+CURVED_PIECES = False
+"""Whether curved solids become pieces with the file's surfaces.  Not yet: the points that check them missed the second
+nappe of a cone next to its tip, so that a pin was longer than the file has it."""
 DEVIATION = 1e-4
 """Of the size of a part: how far triangles are from its faces at most, unless it is said."""
 
@@ -65,6 +68,8 @@ def _built(solid: Solid, deviation: float | None) -> Built:
         piece = Piece(flat.polyhedron, _names_of_polygons(solid, flat.polyhedron))
         return Built((piece,), flat.moved, True, solid, (piece,))
     try:
+        if not CURVED_PIECES:
+            raise cells.NotExact("pieces are not asked for")
         found, off, rough = cells.cells_of(solid)
     except cells.NotExact:
         pass
