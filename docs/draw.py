@@ -16,7 +16,7 @@ SHADES = {"asked": "#dfeaf5", "answers": "#fbe9d7", "finds": "#e4f2e1", "knows":
 FLOORS = {
     "asked": (
         "__main__", "cli", "view", "warmup", "scene", "assembly", "batch", "robot", "mechanism", "query", "examples",
-        "io",
+        "io", "step",
     ),
     "answers": ("curves", "contact", "timeline"),
     "finds": ("search",),
@@ -31,7 +31,8 @@ SAYS = {
     "robot": "URDF, SRDF", "mechanism": "links and joints: courses, sweeps",
     "query": "the verbs: checks, one Query", "curves": "intersection curves",
     "contact": "a room for each pair of kinds of bodies; table, ways", "timeline": "all contacts in time",
-    "search": "candidates and proofs", "examples": "bodies to try", "io": "mesh files", "pairs": "formulas of features",
+    "search": "candidates and proofs", "examples": "bodies to try", "io": "mesh files",
+    "step": "STEP files", "pairs": "formulas of features",
     "body": "meshes, solids, ruled surfaces", "motion": "motions, relative motion", "brackets": "segments in brackets",
     "work": "Query, budget", "kernels": "compiled code", "exact": "numbers, polynomials, roots",
     "result_curve": "answers: curves", "result_table": "answers: tables", "result": "answers: contacts",

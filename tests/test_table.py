@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import firstcontact as fc
+from firstcontact.body.compound.compound import Compound, Piece
 from firstcontact.contact import table
 from firstcontact.contact.table import CERTIFIED, CONVEX, EXACT, NOT, PAIRS, VERBS, Kind
 
@@ -19,11 +20,21 @@ CORNER = fc.Polyhedron(
      *(f for k in range(6) for j in [(k + 1) % 6] for f in ([k, j, j + 6], [k, j + 6, k + 6]))],
 )  # fmt: skip
 TILTED = [["2/3", "-1/3", "2/3", 0], ["2/3", "2/3", "-1/3", 0], ["-1/3", "2/3", "2/3", 0], [0, 0, 0, 1]]
+
+
+class Plain:
+    """Elements of a piece by their own names."""
+
+    def of(self, kind, index, body):
+        return kind, index, ""
+
+
 BODIES = {
     Kind.MESH: CORNER.transformed(TILTED),
     Kind.MODEL: fc.cylinder(1, 2),
     Kind.RULED: fc.RuledSurface("(u, 0, 0)", "(u, 1, u)"),
     Kind.TORUS: fc.torus(1, F(1, 3)),
+    Kind.PART: Compound([Piece(fc.cylinder(1, 2), Plain()), Piece(fc.box((1, 1, 1)), Plain())]),
 }
 ABOVE = (F(1, 5), F(1, 3), 5)
 RATIONAL = fc.Translation((F(1, 7), F(1, 9), -8))

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from firstcontact.batch.questions import columns as columns
     from firstcontact.batch.verb import first_contacts as first_contacts
     from firstcontact.batch.verb import many_contact_intervals as many_contact_intervals
+    from firstcontact.body.compound.compound import Compound as Compound
     from firstcontact.body.polyhedron.polyhedron import Polyhedron as Polyhedron
     from firstcontact.body.ruled.rational_curve import RationalCurve as RationalCurve
     from firstcontact.body.ruled.surface import RuledSurface as RuledSurface
@@ -67,6 +68,9 @@ if TYPE_CHECKING:
     from firstcontact.robot.robot import Robot as Robot
     from firstcontact.scene.load import Scene as Scene
     from firstcontact.scene.written import from_dict as from_dict
+    from firstcontact.step.assembly import Assembly as Assembly
+    from firstcontact.step.assembly import from_shape as from_shape
+    from firstcontact.step.assembly import load_step as load_step
 
 __version__ = "0.1.0"
 
@@ -124,6 +128,10 @@ _HOME = {
     "FirstContact": "result",
     "JointValue": "result",
     "Status": "result",
+    "Assembly": "step.assembly",
+    "from_shape": "step.assembly",
+    "load_step": "step.assembly",
+    "Compound": "body.compound.compound",
     "ContactIntervalTable": "result_table",
     "ContactTable": "result_table",
 }

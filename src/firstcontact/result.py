@@ -166,7 +166,8 @@ class _Deferring(_NoTruth):
         record, put = object.__new__(cls), _setters(cls)  # type: ignore[arg-type]
         put["_rest"](record, rest)
         put["keeps_bodies"](record, False)
-        put["allowed"](record, None)
+        for name in ("allowed", "model_deviation", "unit"):
+            put[name](record, None)
         put["joints"](record, ())
         for name, value in known.items():
             put[name](record, value)
@@ -513,6 +514,9 @@ class FirstContact(_Deferring, Shown):
     reason          for UNDECIDED: "budget", "precision" or "memory"; of `first_new_contact` also "contact".
     allowed         of `first_new_contact`, and of scenes with [[allow]]: what of a start in contact was let pass, and
                     why; None where nothing was.
+    model_deviation of parts of CAD files: how far the two bodies as built, about which all of this is proved, are from
+                    the file's at most, both together; None of bodies that stand for themselves.
+    unit            of lengths, where a file tells it.
     """
 
     status: Status
@@ -537,6 +541,8 @@ class FirstContact(_Deferring, Shown):
     allowed: str | None = None
     joints: tuple[JointValue, ...] = ()
     keeps_bodies: bool = False
+    model_deviation: float | None = None
+    unit: str | None = None
 
     def __repr__(self) -> str:
         when = "" if self.time is None else f" at time {self.time!r}"
@@ -545,7 +551,8 @@ class FirstContact(_Deferring, Shown):
     def __str__(self) -> str:
         allowed = "" if self.allowed is None else f"\n  allowed: {self.allowed}"
         joints = f"\n  {', '.join(map(str, self.joints))}" if self.joints else ""
-        return self._told() + joints + allowed + _corrected(self.a, self.b)
+        models = _about_models(self.model_deviation, self.unit)
+        return self._told() + joints + allowed + models + _corrected(self.a, self.b)
 
     def _told(self) -> str:
         names = f"{_name(self.a, 'a')} and {_name(self.b, 'b')}"
@@ -594,6 +601,7 @@ class FirstContact(_Deferring, Shown):
             "free_until": self.free_until,
             "reason": self.reason,
             "allowed": self.allowed,
+            **_models_table(self),
             "subproblems": [x.to_dict() for x in self.subproblems],
             **({"joints": [x.to_dict() for x in self.joints]} if self.joints else {}),
             "stats": self.stats.to_dict(),
@@ -655,6 +663,8 @@ class ContactIntervals(_NoTruth, Shown, Sequence[ContactInterval]):
     b: Any = field(default=None, repr=False)
     span: tuple[float, float] = (0.0, 1.0)
     keeps_bodies: bool = False
+    model_deviation: float | None = None
+    unit: str | None = None
 
     def __len__(self) -> int:
         return len(self.intervals)
@@ -674,7 +684,8 @@ class ContactIntervals(_NoTruth, Shown, Sequence[ContactInterval]):
         head = f"{_name(self.a, 'a')} and {_name(self.b, 'b')}: {self.status.name}"
         if self.status is Status.UNDECIDED:
             head += f" ({self.reason}); decided until {self.free_until!r}"
-        return "\n".join([head, *(f"  {interval}" for interval in self.intervals)]) + _corrected(self.a, self.b)
+        text = "\n".join([head, *(f"  {interval}" for interval in self.intervals)])
+        return text + _about_models(self.model_deviation, self.unit) + _corrected(self.a, self.b)
 
     def to_dict(self) -> dict[str, Any]:
         """One entry of "checks" in the JSON output; exact numbers are strings."""
@@ -687,6 +698,7 @@ class ContactIntervals(_NoTruth, Shown, Sequence[ContactInterval]):
             "intervals": [interval.to_dict() for interval in self.intervals],
             "free_until": self.free_until,
             "reason": self.reason,
+            **_models_table(self),
             "stats": self.stats.to_dict(),
         }
 
@@ -751,6 +763,29 @@ def _correction(body: Any) -> float:
     """By how much an entry of a matrix given for the body's motion is off the rotation that it stands for, at most."""
     off: float = getattr(getattr(body, "motion", body), "correction", 0.0)
     return off
+
+
+def _models_table(answer: Any) -> dict[str, Any]:
+    """What an answer says of the models of its bodies, where they are of files."""
+    if answer.model_deviation is None:
+        return {}
+    return {"model_deviation": answer.model_deviation, "unit": answer.unit}
+
+
+def _about_models(deviation: float | None, unit: str | None) -> str:
+    """The end of an answer's text: of which bodies it is proved."""
+    if deviation is None:
+        return ""
+    length = "" if unit is None else f" {unit}"
+    if deviation == 0.0:
+        return f"\n  of the bodies with the file's own surfaces{', lengths in' + length if length else ''}"
+    return f"\n  of the bodies as built, within {_rounded_up(deviation)}{length} of the file's, both together"
+
+
+def _rounded_up(x: float) -> str:
+    """Two digits, no less than x."""
+    unit = 10.0 ** (math.floor(math.log10(x)) - 1)
+    return f"{math.ceil(x / unit * (1 - 1e-12)) * unit:.2g}"
 
 
 def _corrected(a: Any, b: Any) -> str:

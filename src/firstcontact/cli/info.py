@@ -1,7 +1,8 @@
-"""`firstcontact info`: what is in a mesh or scene file."""
+"""`firstcontact info`: what is in a mesh, STEP or scene file."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +10,7 @@ import click
 
 from firstcontact.body.told import count, mesh_kind, point
 
+STEP = (".stp", ".step", ".p21")
 FEW = 8
 """Bodies of a scene of which everything is told."""
 MOST_LINES, MOST_NAMED = 12, 4
@@ -18,16 +20,27 @@ MOST_LINES, MOST_NAMED = 12, 4
 @click.argument("file")
 @click.option("--all", "everything", is_flag=True, help="Tell all of every body, however many there are.")
 def info(file: str, everything: bool) -> int:
-    """Tell what is in a mesh or scene file.
+    """Tell what is in a mesh, STEP or scene file.
 
-    FILE: a scene (.toml) or a mesh.  Printed: sizes, components, closed or open, bounds; of solids of planes and
-    quadrics every face, edge and vertex by name; of ruled surfaces their directrices.  Of scenes of more than 8 bodies
-    one line for each kind and motion.
+    FILE: a scene (.toml), a STEP file (.stp, .step) or a mesh.  Printed: sizes, components, closed or open, bounds; of
+    STEP files the tree of parts, with their faces by kind and how exact each is; of solids of planes and quadrics every
+    face, edge and vertex by name; of ruled surfaces their directrices.  Of scenes of more than 8 bodies one line for
+    each kind and motion.
     """
-    lines = _scene_lines(file, everything) if Path(file).suffix.lower() == ".toml" else _mesh_lines(file)
+    suffix = Path(file).suffix.lower()
+    if suffix == ".toml":
+        lines: Iterable[str] = _scene_lines(file, everything)
+    else:
+        lines = _step_lines(file) if suffix in STEP else _mesh_lines(file)
     for line in lines:
         click.echo(line)
     return 0
+
+
+def _step_lines(file: str) -> Iterable[str]:
+    from firstcontact.step.told import lines
+
+    return lines(file)
 
 
 def _mesh_lines(file: str) -> list[str]:

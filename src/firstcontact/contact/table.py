@@ -27,12 +27,14 @@ class Kind(Enum):
     MODEL = "CompositeQuadric"
     RULED = "RuledSurface"
     TORUS = "Torus"
+    PART = "Compound"
 
 
 EXACT, CERTIFIED, NOT = "exact; else certified", "certified", "no"
 """What a verb proves of a pair: exact times where the relative pose is a rational function of one parameter, certified
 ones under all other motions; certified ones under all; nothing."""
 CONVEX = "exact; else certified, of solids not convex up to the first contact"
+PIECES = "as of its pieces"
 VERBS = "first_contact", "contact_intervals", "contact_pairs", "intersection_curve"
 
 
@@ -55,6 +57,11 @@ PAIRS = {
     (Kind.MODEL, Kind.TORUS): Pair("torus", (CERTIFIED, CERTIFIED, NOT, NOT)),
     (Kind.RULED, Kind.TORUS): Pair("torus", (CERTIFIED, CERTIFIED, NOT, NOT)),
     (Kind.TORUS, Kind.TORUS): Pair("torus", (CERTIFIED, CERTIFIED, NOT, NOT)),
+    (Kind.MESH, Kind.PART): Pair("compound", (PIECES, CERTIFIED, NOT, NOT)),
+    (Kind.MODEL, Kind.PART): Pair("compound", (PIECES, PIECES, NOT, NOT)),
+    (Kind.RULED, Kind.PART): Pair("compound", (PIECES, PIECES, NOT, NOT)),
+    (Kind.TORUS, Kind.PART): Pair("compound", (CERTIFIED, CERTIFIED, NOT, NOT)),
+    (Kind.PART, Kind.PART): Pair("compound", (PIECES, PIECES, NOT, NOT)),
 }
 """Rooms are loaded when they are asked: meshes need not load curved models."""
 INSTEAD = {
@@ -68,7 +75,13 @@ _ORDER = list(Kind)
 
 
 def as_body(body: Any) -> Any:
-    """A mesh of trimesh as a Polyhedron; what is a body, or no such mesh, as it is."""
+    """A mesh of trimesh as a Polyhedron, a shape of build123d or CadQuery as a Compound; what is a body as it is."""
+    if hasattr(body, "wrapped") and not hasattr(body, "moving"):
+        from firstcontact import from_shape
+
+        return from_shape(body)
+    if hasattr(body, "as_body"):  # a part or an assembly of a STEP file
+        return body.as_body()
     is_mesh = not hasattr(body, "moving") and not isinstance(body, Moving) and hasattr(body, "faces")
     return Polyhedron.from_trimesh(body) if is_mesh else body
 
@@ -137,7 +150,7 @@ def _answer(verb: Literal["intervals"], query: Query) -> ContactIntervals: ...
 def _answer(verb: str, query: Query) -> Any:
     """What the room for the bodies says, which for curved bodies is asked about bounded spans near the origin."""
     kinds = kinds_of(*query.bodies)
-    if kinds == MESHES:
+    if kinds == MESHES or Kind.PART in kinds:
         return getattr(_room(PAIRS[kinds].room), verb)(query)
     if query.engine != "auto":
         raise UnsupportedPair(f"engine {query.engine!r} searches trees of polyhedra; curved models take 'auto'")

@@ -17,6 +17,12 @@ class Moving(Written):
     __slots__ = ("body", "motion")
 
     def __init__(self, body: Any, motion: Any) -> None:
+        if hasattr(body, "as_body"):  # a part or an assembly of a STEP file
+            body = body.as_body()
+        if not hasattr(body, "moving") and hasattr(body, "wrapped"):  # a shape of build123d or CadQuery
+            from firstcontact import from_shape
+
+            body = from_shape(body)
         if not hasattr(body, "moving") and hasattr(body, "faces"):  # a mesh of trimesh
             from firstcontact import Polyhedron
 

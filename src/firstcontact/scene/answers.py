@@ -190,6 +190,8 @@ class _TimesTable(_AnswerTable):
     span: Doubles
     free_until: Double | None = None
     reason: StrictStr | None = None
+    model_deviation: Double | None = None
+    unit: StrictStr | None = None
 
     def _shared(self) -> dict[str, Any]:
         return {
@@ -199,6 +201,8 @@ class _TimesTable(_AnswerTable):
             "span": self.span,
             "free_until": self.free_until,
             "reason": self.reason,
+            "model_deviation": self.model_deviation,
+            "unit": self.unit,
             "stats": self.stats.build(),
         }
 

@@ -232,6 +232,20 @@ class MeshBody(_Body):
         return Polyhedron.load(folder / self.file, solid=self.solid, name=self.name or key)
 
 
+class StepBody(_Body):
+    shape: Literal["step"]
+    file: StrictStr
+    part: StrictStr | None = None
+    unit: StrictStr | None = None
+    deviation: Annotated[Number, Field(gt=0)] = None
+
+    def build(self, key: str | None, folder: Path) -> Any:
+        from firstcontact.step.assembly import load_step
+
+        root = load_step(folder / self.file, unit=self.unit, deviation=self.deviation)
+        return (root if self.part is None else root[self.part]).named(self.name or key)
+
+
 class PolyhedronBody(_Body):
     shape: Literal["polyhedron"]
     vertices: list[Vector]
@@ -261,7 +275,7 @@ def _solid_body(table: type[solids.Solid]) -> type[_Body]:
 if TYPE_CHECKING:
     Body = Any
 else:
-    BODIES = MeshBody, PolyhedronBody, *map(_solid_body, solids.SOLIDS), RuledBody
+    BODIES = MeshBody, StepBody, PolyhedronBody, *map(_solid_body, solids.SOLIDS), RuledBody
     Body = Annotated[Union[BODIES], Field(discriminator="shape")]  # noqa: UP007
 
 

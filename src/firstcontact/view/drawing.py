@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from firstcontact.body.compound.compound import Compound
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.body.ruled.strip import RuledStrip
 from firstcontact.body.ruled.surface import RuledSurface
@@ -15,7 +16,7 @@ from firstcontact.body.solid.carriers import QuarticCurve
 from firstcontact.body.solid.features import Edge
 from firstcontact.errors import InputError
 from firstcontact.result import Element
-from firstcontact.view import ruled
+from firstcontact.view import compound, ruled
 from firstcontact.view.curve import sight
 from firstcontact.view.geometry import element_vertices, face_outline, sharp_edges
 from firstcontact.view.pair import Pair, at_rest, pose
@@ -63,6 +64,8 @@ class Drawing:
         """
         if isinstance(self.body, Polyhedron):
             return element_vertices(self.body, element)
+        if isinstance(self.body, Compound):
+            return compound.element_corners(self.body, element)
         if isinstance(self.body, RuledSurface | RuledStrip):
             parts = self.vertices, self.triangles, self.triangle_face, self.lines
             return ruled.element_corners(self.body, parts, element)
@@ -80,7 +83,7 @@ class Drawing:
         """(2 k, 3) ends of segments along the border of a face."""
         if isinstance(self.body, Polyhedron):
             return face_outline(self.body, index)
-        if isinstance(self.body, RuledSurface | RuledStrip):
+        if isinstance(self.body, RuledSurface | RuledStrip | Compound):
             return self.vertices[self.lines.ravel()]
         seams = [_segments(edge, *self.frame) for edge in self.body.seams if index in edge.faces]
         own = [self.curves[edge.index] for edge in self.body.edges if index in edge.faces]
@@ -114,6 +117,8 @@ def drawing_alone(rest: Any, known: dict[int, Drawing]) -> Drawing | None:
         return known[id(rest)]
     if isinstance(rest, Polyhedron):
         drawing = Drawing(rest, rest.vertices, rest.triangles, sharp_edges(rest))
+    elif isinstance(rest, Compound):
+        drawing = Drawing(rest, *compound.parts(rest))
     elif isinstance(rest, RuledSurface | RuledStrip):
         if rest.deforming or not rest.bounded:
             return None

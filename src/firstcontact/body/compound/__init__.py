@@ -1,0 +1,1 @@
+"""Bodies of several pieces, as parts and assemblies are."""

@@ -1,0 +1,176 @@
+"""Several bodies as one, whose elements have names of their own: parts and assemblies of CAD files."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from itertools import product
+from typing import Any, Protocol
+
+import numpy as np
+
+from firstcontact.body.placing import Placing
+from firstcontact.body.told import count, point
+from firstcontact.errors import InputError
+from firstcontact.exact.numbers import above, rational, to_double
+from firstcontact.exact.rigid import IDENTITY, Matrix, compose
+from firstcontact.motion.value import numbers
+from firstcontact.result import Element
+
+
+class Names(Protocol):
+    """What elements of a piece are called."""
+
+    def of(self, kind: str, index: int, body: Any) -> tuple[str, int, str] | None:
+        """(kind, index, label) of the file's own element, for one of the body; None of what is none of the file's, as a
+        wall between pieces."""
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """A body, and how its elements are called; path: of the part that it belongs to, "" for the compound itself."""
+
+    body: Any
+    names: Names
+    path: str = ""
+    corners: np.ndarray | None = None
+    """(n, 3) points whose hull holds the body, where that is sooner had than from the body."""
+
+    def element(self, element: Element, name: str) -> Element | None:
+        """The element of the compound called `name`."""
+        own = self.names.of(element.kind, element.index, self.body)
+        if own is None:
+            return None
+        kind, index, label = own
+        return Element(kind, name, index, " ".join(x for x in (self.path or name, label) if x))
+
+    def mapped(self, matrix: Matrix) -> Piece:
+        """The piece under an exact affine map."""
+        return replace(self, body=self.body._mapped(matrix), corners=_moved(self.corners, matrix))
+
+
+class Compound(Placing):
+    """Several bodies as one: it meets what one of its pieces meets, and owns what one of them owns; immutable.
+
+    `firstcontact.load_step` makes them.  deviation: bound of how far any point of the body's boundary is from that of
+    the model that it was made of, and the other way round; 0 where they are the same.  unit: of its lengths, if known.
+    """
+
+    kind = "Compound"
+
+    def __init__(
+        self,
+        pieces: Iterable[Piece],
+        *,
+        deviation: float = 0.0,
+        unit: str | None = None,
+        source: dict[str, Any] | None = None,
+        shown: Iterable[Piece] | None = None,
+        name: str | None = None,
+    ) -> None:
+        """source: the table of a scene that makes the same body, where a file does.  shown: polyhedra that pictures
+        have instead of pieces."""
+        self.pieces = tuple(pieces)
+        self.shown = self.pieces if shown is None else tuple(shown)
+        self.deviation, self.unit, self.name = deviation, unit, name
+        self._source, self._matrix = source, IDENTITY
+        self._search: dict[Any, Any] = {}
+        if not self.pieces:
+            raise InputError(f"{name or 'compound'}: no pieces; give at least one body")
+
+    @property
+    def bounded(self) -> bool:
+        return all(getattr(piece.body, "bounded", True) for piece in self.pieces)
+
+    @property
+    def exact(self) -> bool:
+        """Whether its surfaces are those of the file, not triangles in their place."""
+        return self.deviation == 0.0
+
+    def bounds(self, span: tuple[float, float] | None = None) -> tuple[np.ndarray, np.ndarray]:
+        """Lower and upper corner, (3,) float64 each, of a box that holds all pieces."""
+        boxes = [
+            piece.body.bounds() if piece.corners is None else (piece.corners.min(axis=0), piece.corners.max(axis=0))
+            for piece in self.pieces
+        ]
+        return np.min([lo for lo, _ in boxes], axis=0), np.max([hi for _, hi in boxes], axis=0)
+
+    def contains(self, points: Any) -> np.ndarray:
+        """(n,) bools: whether the (n, 3) points are in the closed body, for pieces that can tell."""
+        found = [piece.body.contains(points) for piece in self.pieces]
+        told: np.ndarray = np.any(found, axis=0)
+        return told
+
+    def _with(self, **changes: Any) -> Compound:
+        other = object.__new__(Compound)
+        other.__dict__.update(self.__dict__)
+        other.__dict__.update(changes)
+        return other
+
+    def _mapped(self, matrix: Matrix) -> Compound:
+        pieces, shown = (tuple(piece.mapped(matrix) for piece in own) for own in (self.pieces, self.shown))
+        deviation = self.deviation * _stretch(matrix) if self.deviation else 0.0
+        total = compose(matrix, self._matrix)
+        return self._with(pieces=pieces, shown=shown, deviation=deviation, _matrix=total, _search={})
+
+    def told(self) -> list[str]:
+        """Pieces, deviation and bounds."""
+        lo, hi = self.bounds()
+        unit = "" if self.unit is None else f" {self.unit}"
+        of = "with the file's own surfaces" if self.exact else f"within {self.deviation:.2g}{unit} of the file's"
+        return [
+            f"{count(len(self.pieces), 'piece')} of a STEP file, {of}",
+            f"from ({point(lo)}) to ({point(hi)}){unit}",
+        ]
+
+    def _facts(self) -> tuple[Any, ...]:
+        return (*((piece.path, piece.body._facts()) for piece in self.pieces), self.deviation, self.unit)
+
+    def _table(self) -> dict[str, Any]:
+        if self._source is None:
+            raise InputError(f"{self.name or 'compound'} came from no file; load it from a STEP file to write it")
+        made = dict(self._source)
+        if self._matrix != IDENTITY:
+            made["transform"] = [*numbers(self._matrix), [0, 0, 0, 1]]
+        return made
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_search": {}, "_matrix": numbers(self._matrix)}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        rows = tuple(tuple(rational(x, "matrix") for x in row) for row in state["_matrix"])
+        self.__dict__.update(state, _matrix=rows)
+
+    def __repr__(self) -> str:
+        name = f" {self.name!r}" if self.name else ""
+        count = len(self.pieces)
+        return f"<Compound{name}: {count} piece{'' if count == 1 else 's'}>"
+
+
+def _moved(corners: np.ndarray | None, matrix: Matrix) -> np.ndarray | None:
+    """The corners of a box around the image of theirs, which has room for all rounding errors."""
+    if corners is None:
+        return None
+    m = np.array([[to_double(x) for x in row] for row in matrix])
+    moved = corners @ m[:, :3].T + m[:, 3]
+    room = 1e-12 * (np.abs(corners).max() * np.abs(m[:, :3]).sum(axis=1).max() + np.abs(m[:, 3]).max())
+    lo, hi = moved.min(axis=0) - room, moved.max(axis=0) + room
+    return np.array(list(product(*zip(lo.tolist(), hi.tolist(), strict=True))))
+
+
+def _stretch(matrix: Matrix) -> float:
+    """A bound of how much longer a map makes a length: its Frobenius norm, or 1 of a rotation."""
+    columns = [[row[k] for row in matrix] for k in range(3)]
+    dots = [sum(x * y for x, y in zip(columns[i], columns[j], strict=True)) for i in range(3) for j in range(i, 3)]
+    if dots[1] == dots[2] == dots[4] == 0 and dots[0] == dots[3] == dots[5]:
+        square = dots[0]
+    else:
+        square = dots[0] + dots[3] + dots[5]
+    return 1.0 if square == 1 else float(np.nextafter(np.sqrt(above(square)), np.inf))
+
+
+def deviation_of(body: Any) -> float | None:
+    """Of a body at rest or moving; None of one that stands for itself."""
+    shape = getattr(body, "body", body)
+    return shape.deviation if isinstance(shape, Compound) else None
+

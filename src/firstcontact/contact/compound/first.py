@@ -1,0 +1,98 @@
+"""`first_contact` and `contact_intervals` of bodies of several pieces.
+
+What two such bodies share is what a piece of one shares with a piece of the other: closed sets, whose union holds the
+same points.  So the first contact is the earliest of the pieces, and the times of contact are those of all pairs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+from firstcontact.contact.compound.answer import Told, combined, is_named, joined
+from firstcontact.contact.compound.windows import Window, side_of, windows
+from firstcontact.errors import InputError, UnsupportedPair
+from firstcontact.exact.numbers import Undecidable, above, below, exact_value
+from firstcontact.motion.moving import shape_of
+from firstcontact.result import ContactIntervals, FirstContact, Status
+from firstcontact.work import Query
+
+
+def first(query: Query) -> FirstContact:
+    """The earliest contact of two pieces; each pair is asked of the times at which its boxes meet, early ones first."""
+    from firstcontact.contact import table
+
+    _refuse(query)
+    sides = side_of(query.a), side_of(query.b)
+    asked = windows(*sides, query)
+    told: list[Told] = []
+    end, left = query.last, query.budget
+    for k, window in enumerate(asked):
+        if end is not None and window.first > end:
+            break
+        if left is not None and left <= 0:
+            told.append(Told(window, _spent(query, window)))
+            break
+        found = _asked(table.first_contact, _about(query, sides, window, end, left))
+        if left is not None:
+            left -= found.stats.node_visits + found.stats.pair_tests + found.stats.exact_evaluations
+        told.append(Told(window, found))
+        if found.status is Status.CONTACT or found.status is Status.INITIAL_CONTACT:
+            assert found.time_interval is not None
+            # others that touch just as soon cost as much again: they are asked only where the time itself is wanted, or
+            # how all lie at the start, or where what touches here is a wall between pieces
+            told_all = not query.exact and found.status is Status.CONTACT and is_named(sides, told[-1])
+            ends = exact_value(found.time_interval[0 if told_all else 1])
+            end = ends if end is None else min(end, ends)
+        if query.progress is not None and k + 1 < len(asked):
+            query.progress(min(below(asked[k + 1].first), query.span[1] if end is None else above(end)), k + 1)
+    return combined(query, sides, told)
+
+
+def _about(query: Query, sides: Any, window: Window, end: Any, left: int | None) -> Query:
+    """The question about two pieces, up to the end of their window or the first contact known."""
+    a, b = sides
+    last = window.last if end is None or window.last is None else min(window.last, end)
+    last = end if last is None else last
+    return replace(
+        query, a=a.bodies[window.a], b=b.bodies[window.b], first=window.first,
+        last=None if last is None else max(last, window.first), budget=left, progress=None,
+    )  # fmt: skip
+
+
+def _asked(ask: Callable[[Query], FirstContact], query: Query) -> FirstContact:
+    """The answer about two pieces; none where no precision tells how surfaces of one lie that are all but tangent."""
+    try:
+        return ask(query)
+    except Undecidable:
+        start = query.span[0]
+        return FirstContact(Status.UNDECIDED, free_until=start, reason="precision", **query.shared)
+
+
+def _spent(query: Query, window: Window) -> FirstContact:
+    free_until = max(query.span[0], below(window.first))
+    return FirstContact(Status.UNDECIDED, free_until=free_until, reason="budget", span=query.span)
+
+
+def intervals(query: Query) -> ContactIntervals:
+    """All times at which some pair of pieces is in contact."""
+    from firstcontact.contact import table
+
+    _refuse(query)
+    sides = side_of(query.a), side_of(query.b)
+    asked = [_about(query, sides, window, None, query.budget) for window in windows(*sides, query)]
+    try:
+        return joined(query, [table.contact_intervals(x) for x in asked])
+    except Undecidable as reason:
+        raise UnsupportedPair("surfaces of a part are all but tangent; its intervals are not decided") from reason
+
+
+def _refuse(query: Query) -> None:
+    """Bodies whose lengths are of different units."""
+    units = [getattr(shape_of(body), "unit", None) for body in query.bodies]
+    if None not in units and units[0] != units[1]:
+        names = [body.name or which for body, which in zip(query.bodies, "ab", strict=True)]
+        raise InputError(
+            f"{names[0]} is in {units[0]} and {names[1]} in {units[1]}; load both with the same unit="
+        )

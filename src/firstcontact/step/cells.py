@@ -1,0 +1,516 @@
+"""Solids of planes, cylinders, cones and spheres as pieces with these very surfaces.
+
+The box around a solid is halved until few surfaces have faces in a cell.  In a cell the solid is a tree of decisions:
+on which side of a surface a point is, until no face is left between what may be inside and what may not.  Faces that
+meet smoothly are parted by the plane across them through their seam.  Which side is the solid is asked of OpenCASCADE;
+that nothing is lost, and nothing added, is asked again of many points afterwards.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from firstcontact.body.solid.carriers import Plane, Quadric, Surface, Vector, dot, doubles, primitive
+from firstcontact.body.solid.composite_quadric import CompositeQuadric, _key
+from firstcontact.body.solid.csg import And, Leaf, Not, Or, Tree, conjunction, renumbered, surfaces_of
+from firstcontact.errors import InputError, UnsupportedPair
+from firstcontact.exact.numbers import Undecidable, exact_value
+from firstcontact.step.carriers import carrier_of
+from firstcontact.step.solids import Solid
+from firstcontact.step.triangles import Net, triangulated
+
+FEW, MOST, DEEPEST = 10, 26, 9
+"""Surfaces in a cell: what is asked for, and what is taken where halving does not help; how often cells are halved."""
+SURELY = 1e-6
+"""Of the solid's size: how far a point is from a surface whose side counts."""
+OFF = 2e-4
+"""Of the solid's size: how far from a face the points are of which one is inside and one outside."""
+RANDOM = 60
+"""Points of a cell at first that are asked of OpenCASCADE."""
+ROUGH = 2e-3
+TANGENT = 1e-3
+"""Sine of the angle below which two surfaces count as tangent."""
+ROUNDS, NEAR, MOST_SAMPLES, EDGE_POINTS = 6, 24, 4000, 9
+"""How often pieces are corrected; points in each cell, and next to faces, that are asked each time; and on edges."""
+MOST_OFF = 1e-4
+"""Of the solid's size: how far the file's edges may be from where surfaces meet."""
+
+
+class NotExact(Exception):
+    """The solid is not made of its surfaces here; the text says why."""
+
+
+@dataclass
+class Cell:
+    """body: of the solid in the box; own: of each of its surfaces the faces of the file that lie on it."""
+
+    body: CompositeQuadric
+    own: list[tuple[int, ...]]
+    box: tuple[np.ndarray, np.ndarray]
+
+
+@dataclass
+class _Problem:
+    """surfaces: carriers, then planes to cut by, with unit forms; of_face: the carrier of each face.
+
+    samples (n, 3) on faces `face` (n,), with outward normals; labelled points (m, 3), whether each is inside.
+    """
+
+    solid: Solid
+    net: Net
+    surfaces: list[Surface]
+    forms: np.ndarray
+    carriers: int
+    faces_on: list[tuple[int, ...]]
+    samples: np.ndarray
+    normals: np.ndarray
+    carrier: np.ndarray
+    labelled: np.ndarray
+    inside: np.ndarray
+    classify: Any
+    rng: Any = field(default_factory=lambda: np.random.default_rng(0))
+    tangent: set[frozenset[int]] = field(default_factory=set)
+    """Pairs of carriers that meet smoothly."""
+
+    def distances(self, points: np.ndarray) -> np.ndarray:
+        """(surfaces, n) signed distances, to first order."""
+        return _distances(self.forms, points)
+
+
+def _distances(forms: np.ndarray, points: np.ndarray) -> np.ndarray:
+    x = np.column_stack([points, np.ones(len(points))])
+    image = np.einsum("sij,nj->sni", forms, x)
+    value = np.einsum("sni,ni->sn", image, x)
+    slope = np.linalg.norm(2.0 * image[:, :, :3], axis=2)
+    found: np.ndarray = value / np.maximum(slope, 1e-300)
+    return found
+
+
+def cells_of(solid: Solid) -> tuple[list[Cell], float, Net]:
+    """The pieces, how far their edges are from the file's, and triangles for pictures.  Raises NotExact.
+
+    Points of all kinds are put to the pieces and to OpenCASCADE; what is learned of those of which they think
+    differently goes into the pieces, until none is left.
+    """
+    problem = _problem(solid)
+    off = _off_at_edges(problem)
+    if off > MOST_OFF * solid.size:
+        raise NotExact(f"its edges are up to {off:.2g} off the surfaces that meet there")
+    lo, hi = solid.box
+    room = 0.03 * solid.size
+    boxes = list(_boxes(problem, _even(lo - room), _even(hi + room), 0))
+    solved: list[Cell | None] = [None] * len(boxes)
+    todo = list(range(len(boxes)))
+    for _ in range(ROUNDS):
+        for k in todo:
+            solved[k] = _solved(problem, *boxes[k])
+        points, inside = _asked(problem, boxes)
+        wrong = contains([cell for cell in solved if cell is not None], points) != inside
+        if not wrong.any():
+            found = [cell for cell in solved if cell is not None]
+            for cell in found:
+                _check_seams(problem, cell)
+            return found, off, problem.net
+        problem.labelled = np.concatenate([problem.labelled, points[wrong]])
+        problem.inside = np.concatenate([problem.inside, inside[wrong]])
+        todo = [k for k, (a, b) in enumerate(boxes)
+                if ((points[wrong] >= a) & (points[wrong] <= b)).all(axis=1).any()]  # fmt: skip
+    raise NotExact(f"{int(wrong.sum())} of {len(points)} points are on the other side than OpenCASCADE says")
+
+
+def _check_seams(problem: _Problem, cell: Cell) -> None:
+    """NotExact where two quadrics of the cell are all but tangent, and exact arithmetic does not tell them apart."""
+    quadrics = {k for k, s in enumerate(problem.surfaces[: problem.carriers]) if isinstance(s, Quadric)}
+    here = {k for k in quadrics if any(problem.faces_on[k] == own for own in cell.own)}
+    if not any(pair <= here for pair in problem.tangent):
+        return
+    try:
+        cell.body.vertices  # noqa: B018
+    except (Undecidable, UnsupportedPair) as reason:
+        raise NotExact("surfaces that are tangent but for rounding errors") from reason
+
+
+def _asked(problem: _Problem, boxes: list[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:
+    """New points, and which of them are inside: anywhere, next to carriers anywhere in a cell and to walls between
+    cells, on both sides, asked of OpenCASCADE; and on both sides of faces."""
+    rng, size = problem.rng, problem.solid.size
+    found = []
+    for lo, hi in boxes:
+        random = rng.uniform(lo, hi, (NEAR, 3))
+        here = ((problem.samples >= lo) & (problem.samples <= hi)).all(axis=1)
+        on = [_pulled(problem.forms[k], random) for k in sorted(set(problem.carrier[here].tolist()))]
+        axis = rng.integers(0, 3, NEAR)
+        wall = random.copy()
+        wall[np.arange(NEAR), axis] = np.where(rng.random(NEAR) < 0.5, lo[axis], hi[axis])
+        flat = np.concatenate([*on, wall]) if on else wall
+        flat = flat[((flat >= lo) & (flat <= hi)).all(axis=1)]
+        found += [random, flat + rng.normal(0.0, OFF * size, flat.shape)]
+    asked = np.concatenate(found)
+    known = rng.permutation(len(problem.samples))[:MOST_SAMPLES]
+    step = problem.normals[known] * size * 10.0 ** rng.uniform(-5.5, np.log10(OFF), (len(known), 1))
+    told = problem.classify(asked)
+    sure = np.abs(problem.distances(asked)[: problem.carriers]).min(axis=0) > 1e-7 * size
+    points = np.concatenate([asked[sure], problem.samples[known] - step, problem.samples[known] + step])
+    inside = np.concatenate([told[sure], np.ones(len(known), bool), np.zeros(len(known), bool)])
+    return points, inside
+
+
+def _pulled(form: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """The points on a surface near them, as far as a few steps go."""
+    for _ in range(4):
+        x = np.column_stack([points, np.ones(len(points))])
+        image = x @ form
+        slope = 2.0 * image[:, :3]
+        square = np.maximum((slope**2).sum(axis=1), 1e-300)
+        points = points - (np.einsum("ni,ni->n", image, x) / square)[:, None] * slope
+    return points
+
+
+def _off_at_edges(problem: _Problem) -> float:
+    """How far the file's edges are from where the surfaces on their sides meet, to first order; notes tangent ones."""
+    from OCP.BRepAdaptor import BRepAdaptor_Curve
+
+    solid, worst = problem.solid, 0.0
+    on = {face: k for k, faces in enumerate(problem.faces_on) for face in faces}
+    beside: dict[int, set[int]] = {}
+    for number, uses in enumerate(solid.uses):
+        for use in uses:
+            beside.setdefault(use.number, set()).add(on[number])
+    for number, edge in enumerate(solid.edges):
+        if solid.is_degenerate(number):
+            continue
+        curve = BRepAdaptor_Curve(edge)
+        times = np.linspace(curve.FirstParameter(), curve.LastParameter(), EDGE_POINTS)
+        points = np.array([_numbers(curve.Value(float(t))) for t in times])
+        own = sorted(beside[number])
+        off = np.abs(_distances(problem.forms[own], points)).sum(axis=0)
+        if len(own) == 2:
+            x = np.column_stack([points, np.ones(len(points))])
+            n = np.einsum("sij,nj->sni", problem.forms[own], x)[..., :3]
+            n /= np.maximum(np.linalg.norm(n, axis=2, keepdims=True), 1e-300)
+            sine = np.linalg.norm(np.cross(n[0], n[1]), axis=1)
+            if (sine < TANGENT).any():
+                problem.tangent.add(frozenset(own))
+            off = np.where(sine > TANGENT, off / np.maximum(sine, TANGENT), off)
+        worst = max(worst, float(off.max()))
+    return worst * (1.0 + 1e-6)
+
+
+def _even(x: np.ndarray) -> np.ndarray:
+    """Near numbers of few binary digits."""
+    scale = 2.0 ** (14 - np.ceil(np.log2(np.abs(x).max())))
+    found: np.ndarray = np.round(x * scale) / scale
+    return found
+
+
+# -- what is asked ------------------------------------------------------------------------------------------------
+
+
+def _problem(solid: Solid) -> _Problem:
+    surfaces: list[Surface] = []
+    numbers: dict[Vector, int] = {}
+    of_face = []
+    for face in solid.faces:
+        carrier = carrier_of(face)
+        if carrier is None:
+            raise NotExact("faces on other surfaces than planes, cylinders, cones and spheres")
+        k = numbers.setdefault(_key(carrier), len(surfaces))
+        if k == len(surfaces):
+            surfaces.append(carrier)
+        of_face.append(k)
+    count = len(surfaces)
+    faces_on = [tuple(f for f, k in enumerate(of_face) if k == c) for c in range(count)]
+    for plane in _cuts(solid, surfaces, of_face):
+        if numbers.setdefault(_key(plane), len(surfaces)) == len(surfaces):
+            surfaces.append(plane)
+    forms = np.array([doubles(s.matrix()) for s in surfaces])
+    net = triangulated(solid, ROUGH * solid.size)
+    samples, faces = _samples(solid, net, forms, of_face)
+    normals = _outward(solid, forms, samples, faces, of_face)
+    off = OFF * solid.size
+    labelled = np.concatenate([samples - off * normals, samples + off * normals])
+    inside = np.repeat([True, False], len(samples))
+    return _Problem(
+        solid, net, surfaces, forms, count, faces_on, samples, normals, np.array(of_face)[faces], labelled, inside,
+        _classifier(solid),
+    )  # fmt: skip
+
+
+def _classifier(solid: Solid) -> Any:
+    from OCP.BRepClass3d import BRepClass3d_SolidClassifier
+    from OCP.gp import gp_Pnt
+    from OCP.TopAbs import TopAbs_State
+
+    asked = BRepClass3d_SolidClassifier(solid.shape)
+
+    def inside(points: np.ndarray) -> np.ndarray:
+        found = []
+        for p in points.tolist():
+            asked.Perform(gp_Pnt(*p), 1e-9)
+            found.append(asked.State() == TopAbs_State.TopAbs_IN)
+        return np.array(found, bool)
+
+    return inside
+
+
+def _samples(solid: Solid, net: Net, forms: np.ndarray, of_face: list[int]) -> tuple[np.ndarray, np.ndarray]:
+    """Points inside faces, on their carriers, and the faces' numbers."""
+    corners = net.points[net.triangles]
+    owner = net.face_of
+    step = 0.04 * solid.size
+    for _ in range(12):
+        sides = np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2)
+        wide = sides.max(axis=1) > step
+        if not wide.any() or len(corners) > 40_000:
+            break
+        rows = np.flatnonzero(wide)
+        at = sides[rows].argmax(axis=1)
+        a, b, c = (corners[rows, (at + k) % 3] for k in range(3))
+        middle = 0.5 * (a + b)
+        corners = np.concatenate([corners[~wide], np.stack([a, middle, c], 1), np.stack([middle, b, c], 1)])
+        owner = np.concatenate([owner[~wide], owner[rows], owner[rows]])
+    points = corners.mean(axis=1)
+    for _ in range(4):
+        x = np.column_stack([points, np.ones(len(points))])
+        image = np.einsum("nij,nj->ni", forms[np.array(of_face)[owner]], x)
+        value, slope = np.einsum("ni,ni->n", image, x), 2.0 * image[:, :3]
+        points = points - (value / np.maximum((slope**2).sum(axis=1), 1e-300))[:, None] * slope
+    return points, owner
+
+
+def _outward(
+    solid: Solid, forms: np.ndarray, points: np.ndarray, faces: np.ndarray, of_face: list[int]
+) -> np.ndarray:
+    """Unit normals at points of faces, away from the solid: by the normal that the file's face has there."""
+    from OCP.BRep import BRep_Tool
+    from OCP.GeomAPI import GeomAPI_ProjectPointOnSurf
+    from OCP.GeomLProp import GeomLProp_SLProps
+    from OCP.gp import gp_Pnt
+    from OCP.TopAbs import TopAbs_Orientation
+
+    x = np.column_stack([points, np.ones(len(points))])
+    slope = np.einsum("nij,nj->ni", forms[np.array(of_face)[faces]], x)[:, :3]
+    normals = slope / np.maximum(np.linalg.norm(slope, axis=1), 1e-300)[:, None]
+    for number, face in enumerate(solid.faces):
+        own = np.flatnonzero(faces == number)
+        if not len(own):
+            continue
+        surface = BRep_Tool.Surface_s(face)
+        found = GeomAPI_ProjectPointOnSurf(gp_Pnt(*points[own[0]].tolist()), surface)
+        u, v = found.LowerDistanceParameters()
+        at = GeomLProp_SLProps(surface, u, v, 1, 1e-9).Normal()
+        n = np.array([at.X(), at.Y(), at.Z()])
+        if face.Orientation() == TopAbs_Orientation.TopAbs_REVERSED:
+            n = -n
+        if n @ normals[own[0]] < 0.0:
+            normals[own] *= -1.0
+    return normals
+
+
+def _cuts(solid: Solid, surfaces: list[Surface], of_face: list[int]) -> Iterator[Plane]:
+    """Planes through edges: of circles their own, of seams the one across both faces, else the two between them."""
+    from OCP.BRepAdaptor import BRepAdaptor_Curve
+    from OCP.GeomAbs import GeomAbs_CurveType as Kind
+
+    forms = np.array([doubles(s.matrix()) for s in surfaces])
+    beside: dict[int, set[int]] = {}
+    for number, uses in enumerate(solid.uses):
+        for use in uses:
+            beside.setdefault(use.number, set()).add(of_face[number])
+    for number, edge in enumerate(solid.edges):
+        if solid.is_degenerate(number):
+            continue
+        curve = BRepAdaptor_Curve(edge)
+        if curve.GetType() == Kind.GeomAbs_Circle:
+            axis = curve.Circle().Axis()
+            yield _plane(_numbers(axis.Direction()), _numbers(axis.Location()))
+        elif curve.GetType() == Kind.GeomAbs_Line and len(beside[number]) == 2:
+            middle = _numbers(curve.Value(0.5 * (curve.FirstParameter() + curve.LastParameter())))
+            x = np.append(middle, 1.0)
+            a, b = (n / np.linalg.norm(n) for n in ((forms[k] @ x)[:3] for k in beside[number]))
+            along = _numbers(curve.Line().Direction())
+            if np.linalg.norm(np.cross(a, b)) < TANGENT:
+                yield _plane(np.cross(along, a), middle)
+            elif any(isinstance(surfaces[k], Quadric) for k in beside[number]):
+                yield _plane(np.cross(along, a + b), middle)
+                yield _plane(np.cross(along, a - b), middle)
+
+
+def _numbers(p: Any) -> np.ndarray:
+    return np.array([p.X(), p.Y(), p.Z()])
+
+
+def _plane(normal: np.ndarray, place: np.ndarray) -> Plane:
+    n = [exact_value(x) for x in normal.tolist()]
+    return Plane(primitive((*n, -dot(n, [exact_value(x) for x in place.tolist()]))))
+
+
+# -- cells --------------------------------------------------------------------------------------------------------
+
+
+def _boxes(
+    problem: _Problem, lo: np.ndarray, hi: np.ndarray, depth: int
+) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Those of the cells."""
+    here = ((problem.samples >= lo) & (problem.samples <= hi)).all(axis=1)
+    near = set(problem.carrier[here].tolist())
+    if len(near) > FEW and depth < DEEPEST:
+        axis, at = _halving(problem, lo, hi)
+        upper, lower = lo.copy(), hi.copy()
+        upper[axis] = lower[axis] = at
+        yield from _boxes(problem, lo, lower, depth + 1)
+        yield from _boxes(problem, upper, hi, depth + 1)
+        return
+    if len(near) > MOST:
+        raise NotExact(f"{len(near)} surfaces come together in one place")
+    yield lo, hi
+
+
+def _halving(problem: _Problem, lo: np.ndarray, hi: np.ndarray) -> tuple[int, float]:
+    """The axis and the place of a wall, which runs along no face."""
+    axis = int((hi - lo).argmax())
+    width = float(hi[axis] - lo[axis])
+    flat = []
+    for surface in problem.surfaces[: problem.carriers]:
+        if isinstance(surface, Plane):
+            n = np.array(doubles((surface.normal,))[0])
+            if np.abs(n[:3]).argmax() == axis and np.delete(np.abs(n[:3]), axis).max() < 1e-6 * abs(n[axis]):
+                flat.append(-n[3] / n[axis])
+    shares = np.array([0.5, 0.4375, 0.5625, 0.375, 0.625])
+    places = _even(lo[axis] + shares * width)
+    gaps = [min((abs(x - f) for f in flat), default=width) for x in places]
+    best = next((k for k, gap in enumerate(gaps) if gap > 0.02 * width), int(np.argmax(gaps)))
+    return axis, float(places[best])
+
+
+def _solved(problem: _Problem, lo: np.ndarray, hi: np.ndarray) -> Cell | None:
+    """The solid in a cell, None where there is none of it."""
+    here = np.flatnonzero(((problem.samples >= lo) & (problem.samples <= hi)).all(axis=1))
+    random = problem.rng.uniform(lo, hi, (RANDOM, 3))
+    own = ((problem.labelled > lo) & (problem.labelled < hi)).all(axis=1)
+    points = np.concatenate([problem.labelled[own], random])
+    inside = np.concatenate([problem.inside[own], problem.classify(random)])
+    task = _Task(problem, lo, hi, problem.distances(problem.samples[here]), problem.carrier[here],
+                 problem.distances(points), inside)  # fmt: skip
+    tree = task.tree(np.ones(len(here), bool), np.ones(len(points), bool), frozenset(), 0)
+    if tree is False:
+        return None
+    walls = [
+        Plane(primitive([exact_value(sign * (i == axis)) for i in range(3)] + [exact_value(-sign * float(side[axis]))]))
+        for axis in range(3) for sign, side in ((-1.0, lo), (1.0, hi))
+    ]  # fmt: skip
+    used = [] if tree is True or tree is None else sorted(surfaces_of(tree))
+    surfaces = [problem.surfaces[k] for k in used] + walls
+    leaves: list[Tree] = [Leaf(len(used) + k) for k in range(6)]
+    box = conjunction(leaves)
+    whole: Tree = box
+    if not isinstance(tree, bool) and tree is not None:
+        numbers: list[Tree] = [Leaf(used.index(k)) if k in used else Leaf(0) for k in range(len(problem.surfaces))]
+        whole = And(renumbered(tree, numbers), box)
+    corners = tuple(tuple(exact_value(x) for x in side.tolist()) for side in (lo, hi))
+    try:
+        body = CompositeQuadric(surfaces, whole, box=corners)  # type: ignore[arg-type]
+    except InputError:
+        return None
+    faces = [problem.faces_on[k] if k < problem.carriers else () for k in used] + [()] * 6
+    return Cell(body, faces, (lo, hi))
+
+
+@dataclass
+class _Task:
+    """A cell: signed distances of samples (surfaces, n) and of labelled points (surfaces, m) from all surfaces."""
+
+    problem: _Problem
+    lo: np.ndarray
+    hi: np.ndarray
+    samples: np.ndarray
+    carrier: np.ndarray
+    points: np.ndarray
+    inside: np.ndarray
+
+    def tree(
+        self, faces: np.ndarray, points: np.ndarray, used: frozenset[int], depth: int
+    ) -> Tree | bool | None:
+        """What is inside of a region, of which `faces` and `points` are told; None where nothing is known of it."""
+        sure = SURELY * self.problem.solid.size
+        if depth > 24:
+            raise NotExact("its faces are too entangled")
+        crossing = sorted(set(self.carrier[faces].tolist()) - used)
+        if not crossing:
+            labels = self.inside[points]
+            if len(labels) == 0:
+                return None
+            if labels.all() or not labels.any():
+                return bool(labels[0])
+            crossing = self._parting(points, used)
+        best = min(crossing, key=lambda k: self._cost(k, faces, points, used))
+        below, above = (
+            self.tree(
+                faces & (sign * self.samples[best] > sure) & (self.carrier != best),
+                points & (sign * self.points[best] > 0.0), used | {best}, depth + 1,
+            )
+            for sign in (-1.0, 1.0)
+        )  # fmt: skip
+        return _joined(best, below, above)
+
+    def _cost(self, k: int, faces: np.ndarray, points: np.ndarray, used: frozenset[int]) -> tuple[Any, ...]:
+        """How many faces a surface cuts in two, whether it is curved, and how badly it parts what is inside."""
+        sure = SURELY * self.problem.solid.size
+        own = self.samples[k][faces]
+        carriers = self.carrier[faces]
+        cut = sum(
+            1 for c in set(carriers.tolist()) - {k}
+            if (own[carriers == c] > sure).any() and (own[carriers == c] < -sure).any()
+        )  # fmt: skip
+        return cut, isinstance(self.problem.surfaces[k], Quadric), k
+
+    def _parting(self, points: np.ndarray, used: frozenset[int]) -> list[int]:
+        """The cut that parts inside from outside best."""
+        labels = self.inside[points]
+        scores = []
+        for k in range(len(self.problem.surfaces)):
+            if k in used:
+                continue
+            side = self.points[k][points] < 0.0
+            a, b = labels[side], labels[~side]
+            if not len(a) or not len(b):
+                continue
+            scores.append((_doubt(a) + _doubt(b), k))
+        if not scores or min(scores)[0] >= (1.0 - 1e-6) * _doubt(labels):
+            raise NotExact("no plane through its edges parts what is inside from what is outside")
+        return [min(scores)[1]]
+
+
+def _doubt(labels: np.ndarray) -> float:
+    """How many answers it takes to know which of them are inside: their number times the entropy."""
+    n, k = len(labels), int(labels.sum())
+    return -sum(x * float(np.log2(x / n)) for x in (k, n - k) if x)
+
+
+def _joined(k: int, below: Tree | bool | None, above: Tree | bool | None) -> Tree | bool | None:
+    """Of the decision on which side of surface k a point is; what is not known of one side is as the other is."""
+    if below is None or above is None or below == above:
+        return above if below is None else below
+    leaf: Tree = Leaf(k)
+    if isinstance(below, bool) and isinstance(above, bool):
+        return leaf if below else Not(leaf)
+    if isinstance(below, bool):
+        return Or(leaf, above) if below else And(Not(leaf), above)  # type: ignore[arg-type]
+    if isinstance(above, bool):
+        return Or(Not(leaf), below) if above else And(leaf, below)
+    return Or(And(leaf, below), And(Not(leaf), above))
+
+
+def contains(cells: Sequence[Cell], points: np.ndarray) -> np.ndarray:
+    """(n,) whether the points are in one of the cells."""
+    found = np.zeros(len(points), bool)
+    for cell in cells:
+        lo, hi = cell.box
+        near = np.flatnonzero(((points >= lo) & (points <= hi)).all(axis=1) & ~found)
+        if len(near):
+            found[near] = cell.body.contains(points[near])
+    return found

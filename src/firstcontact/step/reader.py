@@ -1,0 +1,235 @@
+"""The tree of a STEP file, read by OpenCASCADE: names, colours, placements, units, and the shapes of its parts.
+
+OpenCASCADE (extra "step") is loaded when a file is read, not before.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from firstcontact.errors import InputError
+from firstcontact.exact.numbers import rational, to_double
+from firstcontact.exact.rigid import IDENTITY, Matrix
+from firstcontact.motion.poses import SNAP, read_pose
+from firstcontact.step import text
+from firstcontact.step.units import MILLIMETRES, unit_of
+
+MISSING = "STEP files and CAD shapes need OpenCASCADE; python -m pip install 'firstcontact[step]'"
+
+
+def need_open_cascade() -> None:
+    """InputError that says what to install where OpenCASCADE is not there."""
+    try:
+        import OCP.TopoDS  # noqa: F401
+    except ImportError as error:
+        raise InputError(MISSING) from error
+
+
+@dataclass(eq=False)
+class Shape:
+    """What a part is made of, in its own frame: a shape of OpenCASCADE, once for all places where it stands.
+
+    entity: the number of the file's entity of a face, edge, vertex, shell or solid, None where that is not known.
+    """
+
+    shape: Any
+    name: str
+    entity: Callable[[Any], int | None] = lambda shape: None
+    made: dict[Any, Any] = field(default_factory=dict)
+    """What was built of it, by how it was asked for."""
+
+
+@dataclass(frozen=True, eq=False)
+class Node:
+    """A part (`shape`) or an assembly (`children`) in its place within the one that holds it."""
+
+    name: str
+    product: str
+    colour: tuple[float, float, float] | None
+    placement: Matrix
+    shape: Shape | None
+    children: tuple[Node, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Read:
+    """A file: its roots, and the unit in which its numbers are."""
+
+    roots: tuple[Node, ...]
+    unit: str
+
+
+def read(path: Path) -> Read:
+    """The tree of the file, all numbers those of the file in its own unit.  InputError says what is broken."""
+    need_open_cascade()
+    kinds = text.checked(path)
+    from OCP.Message import Message
+    from OCP.STEPCAFControl import STEPCAFControl_Reader
+    from OCP.TCollection import TCollection_ExtendedString
+    from OCP.TDocStd import TDocStd_Document
+    from OCP.XCAFDoc import XCAFDoc_DocumentTool
+
+    printers = Message.DefaultMessenger_s()
+    printers.ChangePrinters().Clear()
+    document = TDocStd_Document(TCollection_ExtendedString("firstcontact"))
+    reader = STEPCAFControl_Reader()
+    for set_mode in (reader.SetNameMode, reader.SetColorMode):
+        set_mode(True)
+    if not _is_done(reader.ReadFile(str(path))):
+        raise InputError(f"{path}: not readable as STEP (OpenCASCADE refuses its entities); export it again")
+    inner = reader.ChangeReader()
+    unit = _unit(inner, path)
+    XCAFDoc_DocumentTool.SetLengthUnit_s(document, to_double(MILLIMETRES[unit]) / 1000.0)
+    if not reader.Transfer(document):
+        raise InputError(f"{path}: holds no shapes that can be read; export the model as solids (AP214 or AP242)")
+    roots = _Tree(document, inner, kinds).roots()
+    if not roots:
+        raise InputError(f"{path}: holds no shapes; export the model as solids (AP214 or AP242)")
+    return Read(roots, unit)
+
+
+def _is_done(status: Any) -> bool:
+    from OCP.IFSelect import IFSelect_ReturnStatus
+
+    return bool(status == IFSelect_ReturnStatus.IFSelect_RetDone)
+
+
+def _unit(reader: Any, path: Path) -> str:
+    """The unit of the first of the file's representations; those in others are converted."""
+    from OCP.collections import Sequence_TCollection_AsciiString
+
+    lengths, angles, solid_angles = (Sequence_TCollection_AsciiString() for _ in range(3))
+    reader.FileUnits(lengths, angles, solid_angles)
+    names = [lengths.Value(k).ToCString() for k in range(1, lengths.Length() + 1)]
+    for name in names:
+        unit = unit_of(name)
+        if unit is None:
+            raise InputError(f"{path}: its unit of length is {name!r}; export it in one of {', '.join(MILLIMETRES)}")
+        return unit
+    return "mm"
+
+
+class _Tree:
+    def __init__(self, document: Any, reader: Any, kinds: dict[int, str]) -> None:
+        from OCP.XCAFDoc import XCAFDoc_DocumentTool
+
+        self.tool = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
+        self.colours = XCAFDoc_DocumentTool.ColorTool_s(document.Main())
+        self.entities = _Entities(reader, kinds)
+        self.shapes: dict[str, Shape] = {}
+
+    def roots(self) -> tuple[Node, ...]:
+        from OCP.collections import Sequence_TDF_Label
+
+        labels = Sequence_TDF_Label()
+        self.tool.GetFreeShapes(labels)
+        return tuple(self._node(labels.Value(k), None) for k in range(1, labels.Length() + 1))
+
+    def _node(self, label: Any, instance: Any) -> Node:
+        """label: of a product; instance: of its place in an assembly, None of a root."""
+        name = self._name(label)
+        own = name if instance is None else self._name(instance) or name
+        colour = self._colour(instance) or self._colour(label)
+        location = self.tool.GetLocation_s(label if instance is None else instance)
+        placement = IDENTITY if location.IsIdentity() else _matrix(location.Transformation())
+        if self.tool.IsAssembly_s(label):
+            return Node(own or "assembly", name, colour, placement, None, self._children(label))
+        return Node(own or "part", name, colour, placement, self._shape(label, name or own or "part"), ())
+
+    def _children(self, label: Any) -> tuple[Node, ...]:
+        from OCP.collections import Sequence_TDF_Label
+        from OCP.TDF import TDF_Label
+
+        components = Sequence_TDF_Label()
+        self.tool.GetComponents_s(label, components, False)
+        found = []
+        for k in range(1, components.Length() + 1):
+            instance, product = components.Value(k), TDF_Label()
+            if self.tool.GetReferredShape_s(instance, product):
+                found.append(self._node(product, instance))
+        return tuple(found)
+
+    def _shape(self, label: Any, name: str) -> Shape:
+        from OCP.TCollection import TCollection_AsciiString
+        from OCP.TDF import TDF_Tool
+
+        entry = TCollection_AsciiString()
+        TDF_Tool.Entry_s(label, entry)
+        key = entry.ToCString()
+        if key not in self.shapes:
+            shape = self.tool.GetShape_s(label)
+            self.shapes[key] = Shape(shape, name, self.entities)
+        return self.shapes[key]
+
+    def _name(self, label: Any) -> str:
+        from OCP.TDataStd import TDataStd_Name
+
+        name = TDataStd_Name()
+        if not label.FindAttribute(TDataStd_Name.GetID_s(), name):
+            return ""
+        given = str(name.Get().ToExtString()).strip()
+        return "" if given.startswith("=>[") or given in ("SOLID", "COMPOUND", "SHELL") else given  # of OpenCASCADE
+
+    def _colour(self, label: Any) -> tuple[float, float, float] | None:
+        from OCP.Quantity import Quantity_Color
+        from OCP.XCAFDoc import XCAFDoc_ColorType
+
+        if label is None:
+            return None
+        colour = Quantity_Color()
+        for kind in (XCAFDoc_ColorType.XCAFDoc_ColorSurf, XCAFDoc_ColorType.XCAFDoc_ColorGen):
+            if self.colours.GetColor_s(label, kind, colour):
+                return colour.Red(), colour.Green(), colour.Blue()
+        return None
+
+
+class _Entities:
+    """The number of the entity that a shape was made of.  The model has the entities in the order of the file."""
+
+    def __init__(self, reader: Any, kinds: dict[int, str]) -> None:
+        self.reader, self.kinds = reader, kinds
+        self.numbers: dict[Any, int] | None = None
+
+    def __call__(self, shape: Any) -> int | None:
+        if self.numbers is None:
+            self.numbers = self._all()
+        return self.numbers.get(shape.TShape())
+
+    def _all(self) -> dict[Any, int]:
+        from OCP.STEPConstruct import STEPConstruct
+
+        model = self.reader.StepModel()
+        if model.NbEntities() != len(self.kinds):
+            return {}
+        process = self.reader.WS().TransferReader().TransientProcess()
+        found = {}
+        for k, (number, kind) in enumerate(self.kinds.items(), 1):
+            if kind in TOPOLOGY:
+                entity = model.Value(k)
+                if entity.DynamicType().Name() != TOPOLOGY[kind]:
+                    return {}
+                shape = STEPConstruct.FindShape_s(process, entity)
+                if shape is not None and not shape.IsNull():
+                    found[shape.TShape()] = number
+        return found
+
+
+TOPOLOGY = {
+    "ADVANCED_FACE": "StepShape_AdvancedFace", "FACE_SURFACE": "StepShape_FaceSurface",
+    "EDGE_CURVE": "StepShape_EdgeCurve", "VERTEX_POINT": "StepShape_VertexPoint",
+    "CLOSED_SHELL": "StepShape_ClosedShell", "OPEN_SHELL": "StepShape_OpenShell",
+    "MANIFOLD_SOLID_BREP": "StepShape_ManifoldSolidBrep", "BREP_WITH_VOIDS": "StepShape_BrepWithVoids",
+}  # fmt: skip
+"""Entities of topology, as files and OpenCASCADE call them."""
+
+
+def _matrix(trsf: Any) -> Matrix:
+    """A placement as the nearest rational rotation, exact where it is one, and its shift; mirrors stay as they are."""
+    rows = [[trsf.Value(i, j) for j in range(1, 5)] for i in range(1, 4)]
+    try:
+        return read_pose([*rows, [0, 0, 0, 1]], "placement", rational(SNAP, "snap")).matrix()
+    except InputError:  # scaled or mirrored
+        return tuple(tuple(rational(x, "placement") for x in row) for row in rows)  # type: ignore[return-value]

@@ -1,0 +1,443 @@
+"""Solids as triangles, with a proof of how far these are from the file's surfaces.
+
+OpenCASCADE chooses the triangles in the parameters of each face; how far they are from it is proved here (`bounds`).
+A face's points lie over its triangles, or between a side of these and the curve that bounds the face, where they are
+as far from the side as the curve is in parameters.  Each point of the triangles lies likewise over the face.  Faces
+meet in common corners, so that the triangles are closed where the solid is.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from firstcontact.errors import InputError
+from firstcontact.step.bounds import SAFE, Chart, Curve, NotBounded, chart_of
+from firstcontact.step.solids import Solid, forward
+
+COARSE, ANGLE = (0.4, 0.1, 0.02), 0.6
+"""What OpenCASCADE is asked for: a part of the deviation, the next one where triangles could not be made finer; and the
+angle between sides that follow each other."""
+OVER, BESIDE = 0.5, 0.45
+"""Parts of the deviation for what lies over triangles, and for what lies beside them at a face's border."""
+PARTS = 4
+"""Equal parts of a triangle's sides, and of a curve's, in which bounds that are too rough are looked at again."""
+ROUNDS = 30
+MOST_TRIANGLES = 1_000_000
+
+Node = tuple[str, int, int]
+"""What a corner is: ("vertex", number, 0), ("edge", number, k) or ("face", number, k)."""
+
+
+@dataclass
+class Net:
+    """points: (n, 3); nodes: what each is; triangles: (m, 3) outward; face_of: (m,) numbers of their faces; sides: of
+    pairs of corners i < j the edge that they are on; deviation: proved."""
+
+    points: np.ndarray
+    nodes: list[Node]
+    triangles: np.ndarray
+    face_of: np.ndarray
+    sides: dict[tuple[int, int], int]
+    deviation: float
+
+
+def triangulated(solid: Solid, deviation: float) -> Net:
+    """Triangles within the deviation of the solid's faces.  InputError names a face that cannot be had so."""
+    from OCP.BRepMesh import BRepMesh_IncrementalMesh
+    from OCP.BRepTools import BRepTools
+
+    net: Net | None = None
+    for share in COARSE:
+        BRepTools.Clean_s(solid.shape)
+        BRepMesh_IncrementalMesh(solid.shape, share * deviation, False, ANGLE, False)
+        try:
+            net = _Builder(solid, deviation).net()
+            break
+        except Folded as reason:
+            if share == COARSE[-1]:
+                raise InputError(f"{solid.who}: {reason}; mend the face and export it again") from reason
+        except NotBounded as reason:
+            raise InputError(f"{solid.who}: {reason}; export the model with another kind of surface there") from reason
+        finally:
+            BRepTools.Clean_s(solid.shape)
+    assert net is not None
+    if net.deviation > deviation:
+        raise InputError(
+            f"{solid.who}: the file's own edges and corners are off by more than deviation= {deviation:.3g} (reached "
+            f"{net.deviation:.3g}); give a larger deviation="
+        )
+    return net
+
+
+class Folded(Exception):
+    """The triangles of a face lie over each other; the text says which."""
+
+
+Segment = tuple[int, int]
+"""Two corners of a face, by their numbers in the face, the smaller one first."""
+
+
+@dataclass
+class _Border:
+    """A side of a face's triangles on an edge: the edge, its curve in the face's parameters, and the stretch."""
+
+    edge: int
+    curve: Any
+    bends: Curve
+    t0: float
+    t1: float
+    first: int
+    """The corner at t0."""
+    beside: float | None = None
+    """Bound of how far what is between the curve and its chord is from the chord, where it is known."""
+
+
+@dataclass
+class _Face:
+    """uv, ids: of each corner its parameters and its number in the whole; triangles: by corners, in the order of the
+    parameters; over: of each triangle the bound of how far the surface is from it, None where that is not known yet;
+    """
+
+    number: int
+    surface: Any
+    chart: Chart
+    flipped: bool
+    uv: list[tuple[float, float]]
+    ids: list[int]
+    triangles: list[tuple[int, int, int]]
+    over: list[float | None]
+    borders: dict[Segment, _Border] = field(default_factory=dict)
+    poles: set[Segment] = field(default_factory=set)
+    """Sides that are one point, as at the tip of a cone."""
+    off: float = 0.0
+    """What the file's edges are off, and corners are off the surface."""
+    flat: bool = False
+    apart: float = 0.0
+    """What corners are off the curves, in parameters, as a length."""
+
+
+class _Builder:
+    def __init__(self, solid: Solid, wanted: float) -> None:
+        self.solid, self.wanted = solid, wanted
+        self.numbers: dict[Node, int] = {}
+        self.nodes: list[Node] = []
+        self.points: list[np.ndarray] = []
+        self.counts: dict[int, int] = {}
+        self.middles: dict[tuple[int, int, int], int] = {}
+        """Of (edge, corner, corner) the corner between them."""
+
+    def net(self) -> Net:
+        faces = [self._face(number) for number in range(len(self.solid.faces))]
+        for _ in range(ROUNDS):
+            marked = [self._too_far(face) for face in faces]
+            if not any(marked):
+                break
+            self._share(faces, marked)
+            for face, sides in zip(faces, marked, strict=True):
+                self._split(face, sides)
+            if sum(len(face.triangles) for face in faces) > MOST_TRIANGLES:
+                raise InputError(f"{self.solid.who}: more than {MOST_TRIANGLES:,} triangles for deviation= "
+                                 f"{self.wanted:.3g}; give a larger one")  # fmt: skip
+        return self._joined(faces)
+
+    def _joined(self, faces: list[_Face]) -> Net:
+        triangles, owners, worst, sides = [], [], 0.0, {}
+        for number, face in enumerate(faces):
+            _check_tiling(self.solid, number, face)
+            worst = max(worst, self._deviation(face))
+            ids = np.array(face.ids)
+            corners = ids[np.array(face.triangles)]
+            corners = corners[:, ::-1] if face.flipped else corners
+            real = (corners != np.roll(corners, 1, axis=1)).all(axis=1)
+            triangles.append(corners[real])
+            owners.append(np.full(int(real.sum()), number))
+            for (i, j), border in face.borders.items():
+                sides[min(ids[i], ids[j]), max(ids[i], ids[j])] = border.edge
+        joined = np.concatenate(triangles)
+        _check_closed(joined, self.solid)
+        return Net(np.array(self.points), self.nodes, joined, np.concatenate(owners), sides, worst)
+
+    # -- what OpenCASCADE cut -----------------------------------------------------------------------------------
+
+    def _face(self, number: int) -> _Face:
+        """The triangulation of a face, with numbers of its corners in the whole."""
+        from OCP.BRep import BRep_Tool
+        from OCP.TopAbs import TopAbs_Orientation
+        from OCP.TopLoc import TopLoc_Location
+
+        shape, location = self.solid.faces[number], TopLoc_Location()
+        net = BRep_Tool.Triangulation_s(shape, location)
+        if net is None or net.NbTriangles() == 0 or not net.HasUVNodes():
+            raise InputError(
+                f"{self.solid.who}: {self.solid.named('face', number)} has no area that can be cut into triangles; its "
+                "edges cross or do not close: mend the face and export it again"
+            )
+        uv = [(p.X(), p.Y()) for p in map(net.UVNode, range(1, net.NbNodes() + 1))]
+        found = [tuple(x - 1 for x in net.Triangle(k).Get()) for k in range(1, net.NbTriangles() + 1)]
+        surface = BRep_Tool.Surface_s(shape)
+        flipped = shape.Orientation() == TopAbs_Orientation.TopAbs_REVERSED
+        low, high = np.min(uv, axis=0), np.max(uv, axis=0)
+        room = 1e-3 * (high - low)
+        try:
+            chart = chart_of(surface, (low[0] - room[0], high[0] + room[0], low[1] - room[1], high[1] + room[1]))
+        except NotBounded as reason:
+            raise NotBounded(
+                f"{self.solid.named('face', number)} is of kind {reason}, whose triangles have no proved bound"
+            ) from reason
+        face = _Face(number, surface, chart, flipped, uv, [-1] * len(uv), found, [None] * len(found))  # type: ignore[arg-type]
+        face.flat = surface.DynamicType().Name() == "Geom_Plane"
+        for use in self.solid.uses[number]:
+            self._weld(number, face, use, net, location)
+        for k, id_ in enumerate(face.ids):
+            if id_ < 0:
+                face.ids[k] = self._number(("face", number, k), _at(surface, *uv[k]))
+        places = np.array([_at(surface, *x) for x in uv])
+        off = np.linalg.norm(np.array([self.points[k] for k in face.ids]) - places, axis=1)
+        face.off += float(off.max())
+        return face
+
+    def _number(self, node: Node, place: np.ndarray) -> int:
+        if node not in self.numbers:
+            self.numbers[node] = len(self.nodes)
+            self.nodes.append(node)
+            self.points.append(self.solid.points[node[1]] if node[0] == "vertex" else place)
+        return self.numbers[node]
+
+    def _weld(self, number: int, face: _Face, use: Any, net: Any, location: Any) -> None:
+        """The corners of the face along one of its edges."""
+        from OCP.BRep import BRep_Tool
+        from OCP.TopExp import TopExp
+
+        who = f"{self.solid.who}: {self.solid.named('edge', use.number)}"
+        polygon = BRep_Tool.PolygonOnTriangulation_s(use.edge, net, location)
+        if polygon is None or not polygon.HasParameters():
+            raise InputError(f"{who} is not on {self.solid.named('face', number)}; mend the face and export it again")
+        local = np.array([polygon.Node(k) for k in range(1, polygon.NbNodes() + 1)]) - 1
+        times = np.array([polygon.Parameter(k) for k in range(1, polygon.NbNodes() + 1)])
+        order = np.argsort(times, kind="stable")
+        local, times = local[order], times[order]
+        first = self.solid.vertex_number(TopExp.FirstVertex_s(use.edge, False))
+        last = self.solid.vertex_number(TopExp.LastVertex_s(use.edge, False))
+        degenerate = self.solid.is_degenerate(use.number)
+        if self.counts.setdefault(use.number, len(local)) != len(local) and not degenerate:
+            raise InputError(f"{who} is cut otherwise by its two faces; mend the model and export it again")
+        nodes: list[Node] = [("vertex", first, 0) if degenerate else ("edge", use.number, k) for k in range(len(local))]
+        nodes[0], nodes[-1] = ("vertex", first, 0), ("vertex", last, 0)
+        for node, k in zip(nodes, local.tolist(), strict=True):
+            face.ids[k] = self._number(node, _at(face.surface, *face.uv[k]))
+        if degenerate:
+            face.poles |= {(min(i, j), max(i, j)) for i, j in zip(local.tolist(), local.tolist()[1:], strict=False)}
+        else:
+            self._note_borders(number, face, use, local.tolist(), times.tolist())
+
+    def _note_borders(self, number: int, face: _Face, use: Any, local: list[int], times: list[float]) -> None:
+        from OCP.BRep import BRep_Tool
+        from OCP.TopoDS import TopoDS
+
+        who = self.solid.named("edge", use.number)
+        corners = np.array([face.uv[k] for k in local])
+
+        def off_by(curve: Any) -> np.ndarray:
+            at = np.array([(p.X(), p.Y()) for p in map(curve.Value, times)])
+            away: np.ndarray = np.abs(at - corners).max(axis=0)
+            return away
+
+        plain = forward(self.solid.faces[number])
+        curves = [BRep_Tool.CurveOnSurface_s(TopoDS.Edge(x), plain, 0.0, 0.0) for x in (use.edge, use.edge.Reversed())]
+        known = [curve for curve in curves if curve is not None]
+        curve = min(known, key=lambda x: float(off_by(x).sum()), default=None)  # a seam has one on either side
+        if curve is None:
+            raise InputError(f"{self.solid.who}: {who} has no curve on {self.solid.named('face', number)}; mend the "
+                             "face and export it again")  # fmt: skip
+        try:
+            bends = Curve(curve, times[0], times[-1])
+        except NotBounded as reason:
+            raise NotBounded(f"{who} is a curve of kind {reason}, whose chords have no proved bound") from reason
+        for i, j, t0, t1 in zip(local, local[1:], times, times[1:], strict=False):
+            face.borders[min(i, j), max(i, j)] = _Border(use.number, curve, bends, t0, t1, i)
+        face.apart = max(face.apart, self._length(face, off_by(curve)))
+        face.off = max(face.off, BRep_Tool.Tolerance_s(use.edge))
+
+    def _beside(self, face: _Face, border: _Border) -> float:
+        """How far the surface between a border's curve and its chord is from the chord at most."""
+        if border.beside is None:
+            away, whole = _chord(border)
+            border.beside = whole if face.flat else self._length(face, away)
+        return border.beside
+
+    def _length(self, face: _Face, off: np.ndarray) -> float:
+        """How long a step in parameters is at most."""
+        u, v = np.array(face.uv).T
+        most = face.chart.over(np.array([[u.min() - off[0], u.max() + off[0], v.min() - off[1], v.max() + off[1]]]))[0]
+        return float(most[0] * off[0] + most[1] * off[1])
+
+    # -- finer --------------------------------------------------------------------------------------------------
+
+    def _too_far(self, face: _Face) -> set[Segment]:
+        """The sides to be halved: of triangles that are too far from the surface, and along curved borders."""
+        marked: set[Segment] = set()
+        unknown = [k for k, over in enumerate(face.over) if over is None]
+        if unknown:
+            for k, (over, side) in zip(unknown, self._bounds(face, unknown), strict=True):
+                face.over[k] = over
+                if over > OVER * self.wanted:
+                    marked.add(side)
+        for side, border in face.borders.items():
+            if self._beside(face, border) > BESIDE * self.wanted:
+                marked.add(side)
+        return marked
+
+    def _bounds(self, face: _Face, which: list[int]) -> list[tuple[float, Segment]]:
+        """Of triangles the bound of how far the surface is from them, and the side that adds most to it."""
+        uv = np.array(face.uv)
+        corners = np.array([face.triangles[k] for k in which])
+        p = uv[corners]
+        low, high = p.min(axis=1), p.max(axis=1)
+        most = face.chart.over(np.column_stack([low[:, 0], high[:, 0], low[:, 1], high[:, 1]]))
+        over = _bend(most, np.ptp(p, axis=1)) / 8
+        ends = [(0, 1), (1, 2), (2, 0)]
+        sides = np.column_stack([_bend(most, np.abs(p[:, i] - p[:, j])) for i, j in ends])
+        found = []
+        for row, bound in enumerate(over.tolist()):
+            if bound > OVER * self.wanted:
+                bound = min(bound, bound / PARTS**2 + _seen(face, which[row]))
+            i, j = (int(corners[row, e]) for e in ends[int(sides[row].argmax())])
+            found.append((bound, (min(i, j), max(i, j))))
+        return found
+
+    def _share(self, faces: list[_Face], marked: list[set[Segment]]) -> None:
+        """What is halved on an edge is so by both of its faces."""
+        halved = {
+            (face.borders[side].edge, *sorted((face.ids[side[0]], face.ids[side[1]])))
+            for face, sides in zip(faces, marked, strict=True) for side in sides if side in face.borders
+        }  # fmt: skip
+        for face, sides in zip(faces, marked, strict=True):
+            for (i, j), border in face.borders.items():
+                if (border.edge, *sorted((face.ids[i], face.ids[j]))) in halved:
+                    sides.add((i, j))
+
+    def _split(self, face: _Face, sides: set[Segment]) -> None:
+        """Halve these sides, and cut the triangles that have them."""
+        middle = {side: self._middle(face, side) for side in sorted(sides)}
+        triangles: list[tuple[int, int, int]] = []
+        over: list[float | None] = []
+        for triangle, known in zip(face.triangles, face.over, strict=True):
+            cut = _cut(triangle, middle)
+            triangles += cut
+            over += [known] if len(cut) == 1 else [None] * len(cut)
+        face.triangles, face.over = triangles, over
+
+    def _middle(self, face: _Face, side: Segment) -> int:
+        """A new corner in the middle of a side: on the edge, of a border."""
+        i, j = side
+        number = len(face.uv)
+        border = face.borders.pop(side, None)
+        if border is None:
+            u, v = (0.5 * (a + b) for a, b in zip(face.uv[i], face.uv[j], strict=True))
+            face.uv.append((u, v))
+            if side in face.poles:
+                face.ids.append(face.ids[i])
+                face.poles |= {(i, number), (j, number)}
+                return number
+            face.ids.append(self._number(("face", face.number, number), _at(face.surface, u, v)))
+            return number
+        t = 0.5 * (border.t0 + border.t1)
+        p = border.curve.Value(t)
+        face.uv.append((p.X(), p.Y()))
+        key = border.edge, min(face.ids[i], face.ids[j]), max(face.ids[i], face.ids[j])
+        if key not in self.middles:
+            self.middles[key] = self._number(("edge", border.edge, len(self.nodes) + MOST_TRIANGLES),
+                                             _at(face.surface, p.X(), p.Y()))  # fmt: skip
+        face.ids.append(self.middles[key])
+        place = _at(face.surface, p.X(), p.Y())
+        face.off = max(face.off, float(np.linalg.norm(self.points[face.ids[-1]] - place)))
+        last = j if border.first == i else i
+        for a, b, t0, t1 in ((border.first, number, border.t0, t), (number, last, t, border.t1)):
+            face.borders[min(a, b), max(a, b)] = _Border(border.edge, border.curve, border.bends, t0, t1, a)
+        return number
+
+    def _deviation(self, face: _Face) -> float:
+        """Proved bound for one face."""
+        over = max(x for x in face.over if x is not None)
+        beside = max((self._beside(face, border) for border in face.borders.values()), default=0.0)
+        return (over + beside + face.apart + face.off) * SAFE
+
+
+def _at(surface: Any, u: float, v: float) -> np.ndarray:
+    p = surface.Value(u, v)
+    return np.array([p.X(), p.Y(), p.Z()])
+
+
+def _bend(most: np.ndarray, steps: np.ndarray) -> np.ndarray:
+    """Bounds of second differences over steps (n, 2) in parameters."""
+    du, dv = steps[:, 0], steps[:, 1]
+    found: np.ndarray = most[:, 2] * du**2 + 2 * most[:, 3] * du * dv + most[:, 4] * dv**2
+    return found
+
+
+def _cut(triangle: tuple[int, int, int], middle: dict[Segment, int]) -> list[tuple[int, int, int]]:
+    """The triangle, cut at the middles of its sides that have one."""
+    a, b, c = triangle
+    at = [middle.get((min(i, j), max(i, j))) for i, j in ((a, b), (b, c), (c, a))]
+    count = sum(x is not None for x in at)
+    if count == 0:
+        return [triangle]
+    while at[0] is None or (count == 2 and at[2] is not None):  # one: at a b; two: at a b and b c
+        a, b, c, at = b, c, a, [at[1], at[2], at[0]]
+    d, e, f = at
+    assert d is not None
+    if count == 1:
+        return [(a, d, c), (d, b, c)]
+    assert e is not None
+    if count == 2:
+        return [(a, d, c), (d, b, e), (d, e, c)]
+    assert f is not None
+    return [(a, d, f), (d, b, e), (f, e, c), (d, e, f)]
+
+
+def _chord(border: _Border) -> tuple[np.ndarray, float]:
+    """How far the curve comes from its chord at most, in each parameter and in all: at the ends of equal parts, and
+    between."""
+    t0, t1 = border.t0, border.t1
+    away: np.ndarray = border.bends.bends(t0, t1) * (t1 - t0) ** 2 / 8
+    whole = float(border.bends.over(np.array([[t0, t1]]))[1][0]) * (t1 - t0) ** 2 / 8
+    if border.bends.nets is None:
+        return away, whole
+    shares = np.linspace(0.0, 1.0, PARTS + 1)
+    at = np.array([(p.X(), p.Y()) for p in (border.curve.Value(float(t0 + (t1 - t0) * s)) for s in shares)])
+    off = at - (at[0] + shares[:, None] * (at[-1] - at[0]))
+    length = float(np.linalg.norm(off, axis=1).max())
+    return np.minimum(away, away / PARTS**2 + np.abs(off).max(axis=0)), min(whole, whole / PARTS**2 + length)
+
+
+_SHARES = np.array([(i, j, PARTS - i - j) for i in range(PARTS + 1) for j in range(PARTS + 1 - i)]) / PARTS
+
+
+def _seen(face: _Face, k: int) -> float:
+    """How far a triangle is from the surface at the corners of its equal parts."""
+    uv = np.array([face.uv[i] for i in face.triangles[k]])
+    at = np.array([_at(face.surface, u, v) for u, v in (_SHARES @ uv).tolist()])
+    corners = np.array([_at(face.surface, u, v) for u, v in uv.tolist()])
+    return float(np.linalg.norm(at - _SHARES @ corners, axis=1).max())
+
+
+def _check_tiling(solid: Solid, number: int, face: _Face) -> None:
+    """That the triangles cover what their outer sides enclose, once: all turn one way, and the sides that belong to one
+    triangle alone are those of edges."""
+    corners = np.array(face.triangles)
+    p, q, r = (np.array(face.uv)[corners[:, k]] for k in range(3))
+    area = (q[:, 0] - p[:, 0]) * (r[:, 1] - p[:, 1]) - (q[:, 1] - p[:, 1]) * (r[:, 0] - p[:, 0])
+    if (area < -1e-9 * np.abs(area).max()).any():
+        raise Folded(f"{solid.named('face', number)} folds over itself where it is cut into triangles; its edges cross")
+
+
+def _check_closed(triangles: np.ndarray, solid: Solid) -> None:
+    """That each side of a triangle is one of another's, backwards."""
+    sides = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    n = int(triangles.max()) + 1
+    ahead, back = np.sort(sides[:, 0] * n + sides[:, 1]), np.sort(sides[:, 1] * n + sides[:, 0])
+    if len(ahead) != len(back) or not np.array_equal(ahead, back):
+        raise InputError(f"{solid.who}: the triangles of its faces do not close; mend the model and export it again")

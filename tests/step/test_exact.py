@@ -1,0 +1,161 @@
+"""Solids of planes, cylinders, cones and spheres as bodies with these very surfaces, against OpenCASCADE."""
+
+import numpy as np
+import pytest
+
+pytest.importorskip("OCP")
+
+from OCP.BRepClass3d import BRepClass3d_SolidClassifier  # noqa: E402
+from OCP.gp import gp_Pnt  # noqa: E402
+from OCP.TopAbs import TopAbs_State  # noqa: E402
+
+import firstcontact as fc  # noqa: E402
+from step import shapes  # noqa: E402
+
+
+def plate(nx=2, ny=2):
+    """With countersunk holes."""
+    made = shapes.box((10 * nx, 10 * ny, 5))
+    for i in range(nx):
+        for j in range(ny):
+            at = (5 + 10 * i, 5 + 10 * j)
+            made = shapes.cut(made, shapes.cylinder(1, 9, (*at, -2)))
+            made = shapes.cut(made, shapes.cone(0.5, 4.5, 4, (*at, 1.5)))
+    return made
+
+
+def slotted():
+    """A wall of a thousandth between a slot and the side."""
+    made = shapes.cut(shapes.box((4, 3, 2)), shapes.box((3, 1, 3), (0.5, 1.999, -0.5)))
+    return shapes.cut(made, shapes.cylinder(0.4, 9, (2, 0.7, -1)))
+
+
+SHAPES = {
+    "cylinder": lambda: shapes.cylinder(2, 5),
+    "cone": lambda: shapes.cone(2, 0, 3),
+    "tilted cone": lambda: shapes.moved(shapes.cone(2, 1, 3), (1, 2, 3), ((1, 2, 3), 0.7)),
+    "bored ball": lambda: shapes.cut(shapes.sphere(2), shapes.cylinder(0.7, 6, (0.3, 0, -3))),
+    "crossing pipes": lambda: shapes.fuse(
+        shapes.cylinder(1, 6, (0, 0, -3)), shapes.cylinder(0.8, 6, (-3, 0, 0.2), (1, 0, 0))
+    ),
+    "filleted box": lambda: shapes.filleted(shapes.box((4, 3, 2)), 0.4),
+    "plate": plate,
+    "slotted": slotted,
+    "hollow": lambda: shapes.cut(shapes.box((3, 3, 3)), shapes.sphere(1, (1.4, 1.5, 1.6))),
+}
+BODIES = {}
+
+
+@pytest.fixture(autouse=True)
+def pieces(monkeypatch):
+    monkeypatch.setattr("firstcontact.step.bodies.CURVED_PIECES", True)
+
+
+def made(name):
+    if name not in BODIES:
+        BODIES[name] = (shape := SHAPES[name]()), fc.from_shape(shape, name=name)
+    return BODIES[name]
+
+
+def inside(shape, points):
+    asked = BRepClass3d_SolidClassifier(shape)
+    found = []
+    for p in points.tolist():
+        asked.Perform(gp_Pnt(*p), 1e-9)
+        found.append(asked.State() == TopAbs_State.TopAbs_IN)
+    return np.array(found)
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_points_are_inside_as_open_cascade_has_it(name):
+    shape, body = made(name)
+    assert any(isinstance(piece.body, fc.CompositeQuadric) for piece in body.pieces)
+    assert body.deviation < 1e-6
+    rng = np.random.default_rng(11)
+    lo, hi = body.bounds()
+    random = rng.uniform(lo - 0.02, hi + 0.02, (700, 3))
+    # and next to faces, where it matters
+    mesh = body.shown[0].body
+    corners = mesh.vertices[mesh.triangles[rng.integers(0, len(mesh.triangles), 500)]]
+    near = np.einsum("nk,nkj->nj", rng.dirichlet((1, 1, 1), 500), corners) + rng.normal(0, 3e-3, (500, 3))
+    points = np.concatenate([random, near])
+    wrong = np.flatnonzero(body.contains(points) != inside(shape, points))
+    assert all(shapes.distance(shape, points[k]) <= body.deviation + 1e-7 for k in wrong)
+
+
+@pytest.mark.parametrize("name", ["bored ball", "filleted box", "plate", "slotted"])
+def test_edges_and_vertices_are_the_files(name):
+    """Those that are derived of the pieces, but for what lies in walls between them, lie on the file's edges."""
+    from OCP.BRep import BRep_Builder
+    from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeVertex
+    from OCP.BRepExtrema import BRepExtrema_DistShapeShape
+    from OCP.TopAbs import TopAbs_ShapeEnum
+    from OCP.TopoDS import TopoDS_Compound
+
+    from firstcontact.step.solids import explored
+
+    shape, body = made(name)
+    edges, builder = TopoDS_Compound(), BRep_Builder()
+    builder.MakeCompound(edges)
+    for edge in explored(shape, TopAbs_ShapeEnum.TopAbs_EDGE):
+        builder.Add(edges, edge)
+    seen = 0
+    for piece in body.pieces:
+        points = [
+            v.position for k, v in enumerate(piece.body.vertices)
+            if not set(v.surfaces) & walls(piece.body) and piece.names.of("vertex", k, piece.body)
+        ]  # fmt: skip
+        for edge in piece.body.edges:
+            if not set(edge.surfaces) & walls(piece.body):
+                for part in edge.pieces:
+                    points += edge.points(np.linspace(part.lo, part.hi, 3)).tolist()
+        for p in points:
+            vertex = BRepBuilderAPI_MakeVertex(gp_Pnt(*p)).Vertex()
+            assert BRepExtrema_DistShapeShape(vertex, edges).Value() < max(10 * body.deviation, 1e-6)
+            seen += 1
+    assert seen > 2
+
+
+def walls(body):
+    return set(range(len(body.surfaces) - 6, len(body.surfaces)))
+
+
+def test_a_ball_drops_into_a_countersink():
+    _, body = made("plate")
+    ball = fc.sphere(2).translated((5, 15, 20)).moving(fc.Translation((0, 0, -20)))
+    hit = fc.first_contact(ball, body)
+    # the cone's tip is at (5, 15, 1), its sides rise by 1: the ball's middle stops sqrt(2) * 2 above the tip
+    assert hit.time == pytest.approx((20 - 1 - 2 * 2**0.5) / 20, abs=1e-9)
+    assert hit.element_b.kind == "face" and hit.model_deviation == body.deviation
+    shape, _ = made("plate")
+    through = fc.cylinder("99/100", 30).translated((5, 15, 40)).moving(fc.Translation((0, 0, -60)))
+    assert fc.first_contact(through, body).status is fc.Status.FREE
+    tight = fc.cylinder("101/100", 30).translated((5, 15, 40)).moving(fc.Translation((0, 0, -60)))
+    assert fc.first_contact(tight, body).status is fc.Status.CONTACT
+
+
+def test_tangents_that_rounding_hides_are_not_called_exact():
+    """Of a tilted box with fillets spheres and cylinders are tangent but for 1e-16: no exact arithmetic takes them."""
+    shape = shapes.moved(shapes.filleted(shapes.box((4, 3, 2)), 0.4), (0, 0, 0), ((1, 2, 3), 0.7))
+    body = fc.from_shape(shape, deviation=0.01)
+    assert all(isinstance(piece.body, fc.Polyhedron) for piece in body.pieces) and body.deviation > 1e-4
+    assert fc.first_contact(fc.sphere(1).translated((0, 0, 9)).moving(fc.Translation((0, 0, -9))), body).time > 0
+
+
+def test_solids_with_other_faces_are_triangles():
+    for shape in (shapes.torus(3, 1), shapes.wave()):
+        body = fc.from_shape(shape, deviation=0.02)
+        assert all(isinstance(piece.body, fc.Polyhedron) for piece in body.pieces) and body.deviation > 1e-6
+
+
+def test_answers_of_parts_are_named_by_their_faces():
+    _, body = made("filleted box")
+    hit = fc.first_contact(fc.sphere(1).translated((2, 1.5, 9)).moving(fc.Translation((0, 0, -9))), body)
+    assert hit.time == pytest.approx(6 / 9, abs=1e-11) and hit.element_b.kind == "face"
+    beside = fc.first_contact(fc.sphere(1).translated((9, 1.6, 1.1)).moving(fc.Translation((-9, 0, 0))), body)
+    assert beside.time == pytest.approx(4 / 9, abs=1e-11) and beside.element_b.index != hit.element_b.index
+    # down onto the middle of a fillet: the ball's middle is 1.4 from its axis, which is at (., 2.6, 1.6)
+    lone = fc.sphere(1).translated((2, 3.2, 9)).moving(fc.Translation((0, 0, -9)))
+    hit = fc.first_contact(lone, body)
+    assert hit.time == pytest.approx((9 - 1.6 - (1.4**2 - 0.6**2) ** 0.5) / 9, abs=1e-9)
+    assert hit.element_b.label.startswith("filleted box ")

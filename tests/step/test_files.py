@@ -1,0 +1,241 @@
+"""STEP files: trees, places, units and names as the file has them, and one clear line for what is broken."""
+
+import re
+import sys
+
+import numpy as np
+import pytest
+
+pytest.importorskip("OCP")
+
+from OCP.gp import gp_Ax1, gp_Dir, gp_Pnt, gp_Trsf, gp_Vec  # noqa: E402
+from OCP.Quantity import Quantity_Color, Quantity_TypeOfColor  # noqa: E402
+from OCP.STEPCAFControl import STEPCAFControl_Writer  # noqa: E402
+from OCP.TCollection import TCollection_ExtendedString  # noqa: E402
+from OCP.TDataStd import TDataStd_Name  # noqa: E402
+from OCP.TDocStd import TDocStd_Document  # noqa: E402
+from OCP.TopLoc import TopLoc_Location  # noqa: E402
+from OCP.XCAFDoc import XCAFDoc_ColorType, XCAFDoc_DocumentTool  # noqa: E402
+
+import firstcontact as fc  # noqa: E402
+from firstcontact.cli import run  # noqa: E402
+from step import shapes  # noqa: E402
+
+
+def assembly(path):
+    """A plate with two pins, the second one turned by a quarter about z and shifted."""
+    document = TDocStd_Document(TCollection_ExtendedString("made"))
+    tool = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
+    colours = XCAFDoc_DocumentTool.ColorTool_s(document.Main())
+    root = tool.NewShape()
+
+    def named(label, name):
+        TDataStd_Name.Set_s(label, TCollection_ExtendedString(name))
+
+    named(root, "jig")
+    plate = tool.AddShape(shapes.box((10, 8, 1)), False)
+    pin = tool.AddShape(shapes.box((1, 2, 3)), False)
+    named(plate, "plate")
+    named(pin, "pin")
+    colours.SetColor(pin, Quantity_Color(1.0, 0.0, 0.0, Quantity_TypeOfColor.Quantity_TOC_RGB),
+                     XCAFDoc_ColorType.XCAFDoc_ColorSurf)  # fmt: skip
+    turn = gp_Trsf()
+    turn.SetRotation(gp_Ax1(gp_Pnt(0, 0, 0), gp_Dir(0, 0, 1)), np.pi / 2)
+    shift = gp_Trsf()
+    shift.SetTranslation(gp_Vec(5, 2, 4))
+    first = gp_Trsf()
+    first.SetTranslation(gp_Vec(1, 1, 4))
+    named(tool.AddComponent(root, plate, TopLoc_Location()), "plate")
+    named(tool.AddComponent(root, pin, TopLoc_Location(first)), "pin")
+    named(tool.AddComponent(root, pin, TopLoc_Location(shift.Multiplied(turn))), "pin")
+    tool.UpdateAssemblies()
+    writer = STEPCAFControl_Writer()
+    writer.SetNameMode(True)
+    writer.SetColorMode(True)
+    writer.Transfer(document)
+    writer.Write(str(path))
+    return path
+
+
+@pytest.fixture(scope="module")
+def jig(tmp_path_factory):
+    return assembly(tmp_path_factory.mktemp("step") / "jig.stp")
+
+
+@pytest.fixture(scope="module")
+def block(tmp_path_factory):
+    return shapes.write(tmp_path_factory.mktemp("step") / "block.stp", shapes.box((2, 3, 4)))
+
+
+def entities(path, kind):
+    return [int(x) for x in re.findall(rf"#(\d+) = {kind}\(", path.read_text())]
+
+
+def test_the_tree_is_that_of_the_file(jig):
+    root = fc.load_step(jig)
+    assert [node.path for node in root.walk()] == ["jig", "jig/plate", "jig/pin", "jig/pin.2"]
+    assert root["pin.2"] is root["jig/pin.2"] and root["plate"].unit == "mm"
+    assert root["pin.2"].colour == pytest.approx((1, 0, 0)) and root["plate"].colour is None
+    assert str(root) == "jig\n  plate\n  pin\n  pin.2 (pin)"
+    assert root.exact and root.deviation == 0.0
+    lo, hi = root["pin.2"].bounds()
+    assert np.allclose([lo, hi], [[3, 2, 4], [5, 3, 7]], rtol=0, atol=1e-14)
+    assert np.array_equal(root["jig/pin"].bounds(), [[1, 1, 4], [2, 3, 7]])
+
+
+def test_a_part_that_is_not_there_or_not_the_only_one_is_told(jig):
+    root = fc.load_step(jig)
+    with pytest.raises(fc.InputError, match=r"jig: no part 'bolt'; there are 'jig/plate', 'jig/pin'"):
+        root["bolt"]
+    assert root["pin"].path == "jig/pin"
+
+
+def test_answers_name_the_faces_of_the_file(jig):
+    root = fc.load_step(jig)
+    hit = fc.first_contact(root["jig/pin"].moving(fc.Translation((0, 0, -6))), root["plate"])
+    assert hit.time == 0.5 and hit.model_deviation == 0.0 and hit.unit == "mm"
+    assert {hit.element_a.body, hit.element_b.body} == {"pin", "plate"}
+    faces, edges, vertices = (entities(jig, kind) for kind in ("ADVANCED_FACE", "EDGE_CURVE", "VERTEX_POINT"))
+    known = {"face": faces, "edge": edges, "vertex": vertices}
+    for element in (hit.element_a, hit.element_b):
+        name, label = element.label.split(" ")
+        assert name == element.body and int(label[1:]) in known[element.kind]
+    assert "of the bodies with the file's own surfaces, lengths in mm" in str(hit)
+    again = fc.from_dict(hit.to_dict())
+    assert again == hit and again.model_deviation == 0.0
+
+
+def test_lengths_are_converted_exactly(block):
+    inches = fc.load_step(block, unit="inch")
+    lo, hi = inches.bounds()
+    assert hi.tolist() == pytest.approx([2 / 25.4, 3 / 25.4, 4 / 25.4], rel=1e-15) and inches.body.unit == "inch"
+    piece = inches.body.pieces[0].body
+    assert max(float(piece.exact_vertex(k)[0] * 127) for k in range(8)) == 10.0  # 2 mm are 10/127 inches
+    with pytest.raises(fc.InputError, match="one is in mm and other in inch; load both with the same unit="):
+        fc.first_contact(fc.load_step(block).named("one"), inches.named("other"))
+    with pytest.raises(fc.InputError, match="unit is 'ell'; give one of mm, cm"):
+        fc.load_step(block, unit="ell")
+
+
+def test_tilted_planes_meet_in_exact_corners(tmp_path):
+    turned = shapes.moved(shapes.cut(shapes.box((4, 4, 4)), shapes.box((2, 2, 2), (1, 1, 3))), turn=((1, 2, 3), 0.7))
+    part = fc.load_step(shapes.write(tmp_path / "tilted.stp", turned))
+    assert part.exact and 0 < part.deviation < 1e-11
+    (piece,) = part.body.pieces
+    assert piece.body.n_faces == 11 and len(piece.body.edges) == 24
+
+
+def test_a_deviation_that_is_asked_for_is_kept(tmp_path):
+    path = shapes.write(tmp_path / "torus.stp", shapes.torus(3, 1))
+    rough, fine = fc.load_step(path, deviation=0.1), fc.load_step(path, deviation="0.01")
+    assert not rough.exact and 0 < fine.deviation <= 0.01 < rough.deviation <= 0.1
+    hit = fc.first_contact(fine.moving(fc.Translation((0, 0, -10))), fc.box((9, 9, 1)).translated((0, 0, -5)))
+    assert abs(hit.time - 0.35) <= fine.deviation / 10 and hit.model_deviation == fine.deviation
+    assert hit.element_a.kind == "face" and "within 0.0" in str(hit)
+
+
+def broken(path, text, **changes):
+    path.write_text(text)
+    with pytest.raises(fc.InputError) as caught:
+        fc.load_step(path).body  # noqa: B018
+    return str(caught.value).replace(str(path), "it")
+
+
+def test_broken_files_end_in_a_line_that_names_the_entity(tmp_path, block):
+    text, path = block.read_text(), tmp_path / "it.stp"
+    assert broken(path, "solid x").startswith("it: no STEP file (it does not begin with ISO-10303-21;)")
+    assert re.match(r"it: the file ends in or after entity #\d+, without END-ISO", broken(path, text[: len(text) // 2]))
+    face = entities(block, "ADVANCED_FACE")[2]
+    lost = re.sub(rf"#{face} = ADVANCED_FACE\(.*?\);", "", text, flags=re.S)
+    shell = entities(block, "CLOSED_SHELL")[0]
+    assert broken(path, lost) == (
+        f"it: entity #{shell} (CLOSED_SHELL) refers to #{face}, which is not in the file; export it again"
+    )
+    opened = re.sub(rf"(#{shell} = CLOSED_SHELL\(.*?),#{face}\b", r"\1", text, flags=re.S)
+    told = broken(path, opened)
+    assert re.search(r"its shell is open at edge #\d+, which borders face #\d+ alone", told)
+    curves = text[: text.index("#10 = ")] + "ENDSEC;\nEND-ISO-10303-21;\n"
+    assert "which is not in the file" in broken(path, curves) or "holds no" in broken(path, curves)
+
+
+def test_surfaces_without_a_solid_are_not_left_out(tmp_path):
+    from OCP.TopAbs import TopAbs_ShapeEnum
+    from OCP.TopExp import TopExp_Explorer
+
+    face = TopExp_Explorer(shapes.box((1, 1, 1)), TopAbs_ShapeEnum.TopAbs_FACE).Current()
+    path = shapes.write(tmp_path / "sheet.stp", face)
+    with pytest.raises(fc.InputError, match="shell is open at edge 0|shell is open at edge #"):
+        fc.load_step(path).body  # noqa: B018
+    with pytest.raises(fc.InputError, match="no such file"):
+        fc.load_step(tmp_path / "nowhere.stp")
+
+
+def test_without_open_cascade_one_line_tells_what_to_install(block, monkeypatch):
+    monkeypatch.setitem(sys.modules, "OCP.TopoDS", None)
+    for ask in (lambda: fc.load_step(block), lambda: fc.from_shape(object())):
+        with pytest.raises(fc.InputError, match=r"python -m pip install 'firstcontact\[step\]'"):
+            ask()
+
+
+class Wrapped:
+    """As shapes of build123d and CadQuery are."""
+
+    label = "knob"
+
+    def __init__(self, shape):
+        self.wrapped = shape
+
+
+def test_shapes_of_other_libraries_are_bodies():
+    knob = Wrapped(shapes.box((1, 1, 1), (0, 0, 2)))
+    hit = fc.first_contact(fc.Moving(knob, fc.Translation((0, 0, -4))), Wrapped(shapes.box((1, 1, 1))))
+    assert hit.time == 0.25 and hit.element_a.body == "knob"
+    assert fc.from_shape(knob, unit="mm").unit == "mm"
+    with pytest.raises(fc.InputError, match="is no shape of OpenCASCADE"):
+        fc.from_shape("knob")
+
+
+SCENE = """
+[body.pin]
+shape = "step"
+file = "jig.stp"
+part = "jig/pin"
+[body.pin.motion]
+type = "translation"
+vector = [0, 0, -6]
+[body.rest]
+shape = "step"
+file = "jig.stp"
+part = "plate"
+[[check]]
+pair = ["pin", "rest"]
+"""
+
+
+def test_scenes_take_parts_of_files(jig, capfd):
+    scene = jig.with_name("jig.toml")
+    scene.write_text(SCENE)
+    assert run(["check", str(scene)]) == 1
+    assert "pin and rest: CONTACT at time 0.5" in capfd.readouterr().out
+    assert run(["info", str(scene)]) == 0
+    assert "1 piece of a STEP file, with the file's own surfaces" in capfd.readouterr().out
+    scene.write_text(SCENE.replace("jig/pin", "bolt"))
+    assert run(["check", str(scene)]) == 3
+    assert "body.pin: jig: no part 'bolt'" in capfd.readouterr().err
+
+
+def test_the_whole_file_is_a_body_that_is_written_and_read(jig):
+    whole = fc.load_step(jig).body
+    assert len(whole.pieces) == 3
+    moved = whole.translated((0, 0, "1/3"))
+    assert fc.from_dict(moved.to_dict()) == moved
+    ball = fc.sphere(1).translated((1.5, 2, 20))
+    hit = fc.first_contact(ball.moving(fc.Translation((0, 0, -20))), whole)
+    assert hit.time == pytest.approx(0.6, abs=1e-12) and hit.element_b.label.startswith("pin #")
+
+
+def test_info_tells_parts_faces_unit_and_exactness(jig, capfd):
+    assert run(["info", str(jig)]) == 0
+    told = capfd.readouterr().out
+    assert "3 parts of 2 kinds, lengths in mm" in told
+    assert "    pin.2 (pin): 6 faces (6 planes), size 1 x 2 x 3; exact" in told

@@ -1,0 +1,127 @@
+"""Solids as triangles: closed, with the volume they should have, and no farther from the file's faces than is said."""
+
+import numpy as np
+import pytest
+
+pytest.importorskip("OCP")
+
+from OCP.BRep import BRep_Tool  # noqa: E402
+from OCP.gp import gp_Pnt2d  # noqa: E402
+from OCP.IntTools import IntTools_FClass2d  # noqa: E402
+from OCP.TopAbs import TopAbs_State  # noqa: E402
+
+import firstcontact as fc  # noqa: E402
+from firstcontact.step.bounds import _derivative_bounds, _less, _times  # noqa: E402
+from firstcontact.step.reader import Shape  # noqa: E402
+from firstcontact.step.solids import Solid  # noqa: E402
+from firstcontact.step.triangles import triangulated  # noqa: E402
+from step import shapes  # noqa: E402
+
+SHAPES = {
+    "cylinder": lambda: shapes.cylinder(2, 5),
+    "cone": lambda: shapes.cone(2, 0, 3),
+    "sphere": lambda: shapes.sphere(3, (1, 2, 3)),
+    "torus": lambda: shapes.torus(3, 1),
+    "crossing pipes": lambda: shapes.fuse(
+        shapes.cylinder(1, 6, (0, 0, -3)), shapes.cylinder(0.8, 6, (-3, 0, 0.2), (1, 0, 0))
+    ),
+    "filleted box": lambda: shapes.filleted(shapes.box((4, 3, 2)), 0.4),
+    "wave": shapes.wave,
+    "vase": shapes.vase,
+    "bored ball": lambda: shapes.cut(shapes.sphere(2), shapes.cylinder(0.7, 6, (0.3, 0, -3))),
+}
+
+
+def distances(points, corners):
+    """(n,) from points (n, 3) to the nearest of triangles (m, 3, 3), by projection and clamping."""
+    a, ab, ac = corners[:, 0], corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    found = np.full(len(points), np.inf)
+    for k, p in enumerate(points):
+        ap = p - a
+        d1, d2 = (ab * ap).sum(1), (ac * ap).sum(1)
+        aa, bb, cc = (ab * ab).sum(1), (ab * ac).sum(1), (ac * ac).sum(1)
+        det = np.maximum(aa * cc - bb * bb, 1e-30)
+        v, w = (cc * d1 - bb * d2) / det, (aa * d2 - bb * d1) / det
+        inside = (v >= 0) & (w >= 0) & (v + w <= 1)
+        best = np.where(inside, np.linalg.norm(ap - v[:, None] * ab - w[:, None] * ac, axis=1), np.inf)
+        for p0, p1 in ((0, 1), (1, 2), (2, 0)):
+            q, d = corners[:, p0], corners[:, p1] - corners[:, p0]
+            t = np.clip(((p - q) * d).sum(1) / np.maximum((d * d).sum(1), 1e-30), 0, 1)
+            best = np.minimum(best, np.linalg.norm(p - q - t[:, None] * d, axis=1))
+        found[k] = best.min()
+    return found
+
+
+def on_faces(solid, count, rng):
+    """Points of the solid's faces."""
+    points = []
+    for face in solid.faces:
+        surface, classify = BRep_Tool.Surface_s(face), IntTools_FClass2d(face, 1e-9)
+        from OCP.BRepTools import BRepTools
+
+        u0, u1, v0, v1 = BRepTools.UVBounds_s(face)
+        for u, v in rng.uniform((u0, v0), (u1, v1), (count, 2)).tolist():
+            if classify.Perform(gp_Pnt2d(u, v)) == TopAbs_State.TopAbs_IN:
+                p = surface.Value(u, v)
+                points.append((p.X(), p.Y(), p.Z()))
+    return np.array(points)
+
+
+@pytest.mark.parametrize("name", SHAPES)
+@pytest.mark.parametrize("share", [0.02, 0.002])
+def test_triangles_and_faces_are_as_near_each_other_as_is_said(name, share):
+    rng = np.random.default_rng(5)
+    solid = Solid(SHAPES[name](), Shape(SHAPES[name](), name))
+    solid.check()
+    wanted = share * solid.size
+    net = triangulated(solid, wanted)
+    assert 0 < net.deviation <= wanted
+    corners = net.points[net.triangles]
+    there = on_faces(solid, 25, rng)
+    assert len(there) > 20
+    assert distances(there, corners).max() <= net.deviation
+    weights = rng.dirichlet((1, 1, 1), 40)
+    back = np.einsum("nk,nkj->nj", weights, corners[rng.integers(0, len(corners), 40)])
+    assert max(shapes.distance(solid.shape, p) for p in back) <= net.deviation
+
+
+def test_bounds_of_derivatives_hold_of_sampled_ones():
+    rng = np.random.default_rng(3)
+
+    def at(net, u, v):
+        from math import comb
+
+        rows = [np.array([comb(n - 1, i) * t**i * (1 - t) ** (n - 1 - i) for i in range(n)])
+                for n, t in zip(net.shape[:2], (u, v), strict=True)]  # fmt: skip
+        x = np.einsum("i,j,ijk->k", *rows, net)
+        return x[:-1] / x[-1]
+
+    h, du, dv = 1e-4, 2.0, 0.5
+    for _ in range(12):
+        net = rng.normal(0, 1, (*rng.integers(2, 5, 2), 4))
+        net[..., 3] = rng.uniform(0.8, 1.3, net.shape[:2])
+        net[..., :3] *= net[..., 3:]
+        bounds, _ = _derivative_bounds(net, du, dv)
+        for u, v in rng.uniform(0.01, 0.99, (10, 2)):
+            p = {(i, j): at(net, u + i * h, v + j * h) for i in (-1, 0, 1) for j in (-1, 0, 1)}
+            seen = [
+                (p[1, 0] - p[-1, 0]) / (2 * h * du), (p[0, 1] - p[0, -1]) / (2 * h * dv),
+                (p[1, 0] - 2 * p[0, 0] + p[-1, 0]) / (h * du) ** 2,
+                (p[1, 1] - p[1, -1] - p[-1, 1] + p[-1, -1]) / (4 * h * h * du * dv),
+                (p[0, 1] - 2 * p[0, 0] + p[0, -1]) / (h * dv) ** 2,
+            ]  # fmt: skip
+            assert (np.linalg.norm(seen, axis=1) <= bounds * (1 + 1e-4) + 1e-4).all()
+
+
+def test_products_of_nets_are_those_of_polynomials():
+    rng = np.random.default_rng(1)
+    a, b = rng.normal(size=(3, 2, 3)), rng.normal(size=(2, 4, 1))
+    product = _times(a, b)
+    assert product.shape == (4, 5, 3)
+    assert np.allclose(product[0, 0], a[0, 0] * b[0, 0]) and np.allclose(product[-1, -1], a[-1, -1] * b[-1, -1])
+    assert np.allclose(_less(product, product), 0)
+
+
+def test_a_face_without_bounds_is_refused_by_name():
+    with pytest.raises(fc.InputError, match=r"lump: face 4 is of kind OffsetSurface, whose triangles have no proved"):
+        fc.from_shape(shapes.offset_prism(), name="lump")
