@@ -79,5 +79,6 @@ def test_the_command_line_answers_and_draws_the_page(tmp_path, capfd):
     lines = capfd.readouterr().out.splitlines()
     assert lines[0].startswith("pin and plate: CONTACT at time 0.67871408997")
     assert lines[1].startswith("  pin.chamfer.side face 2 meets plate.counterbore.rim.top edge 13")
-    assert lines[2].startswith("plunger and plate: CONTACT at time 0.78761542757")
+    assert lines[2].startswith("  pin has turned 122.169 of 180 degrees, -20.3614 of -30 ahead")
+    assert lines[3].startswith("plunger and plate: CONTACT at time 0.78761542757")
     assert page.stat().st_size > 100_000
