@@ -63,7 +63,7 @@ def fuse(a, b):
     return BRepAlgoAPI_Fuse(a, b).Shape()
 
 
-def filleted(shape, radius, which=lambda ends: True):
+def filleted(shape, radius, which=lambda edge: True):
     made = BRepFilletAPI_MakeFillet(shape)
     walk = TopExp_Explorer(shape, TopAbs_ShapeEnum.TopAbs_EDGE)
     while walk.More():
@@ -72,6 +72,12 @@ def filleted(shape, radius, which=lambda ends: True):
             made.Add(radius, edge)
         walk.Next()
     return made.Shape()
+
+
+def ends_at(point):
+    """Of edges: whether they go through a point."""
+    vertex = BRepBuilderAPI_MakeVertex(gp_Pnt(*point)).Vertex()
+    return lambda edge: BRepExtrema_DistShapeShape(vertex, edge).Value() < 1e-9
 
 
 def spline(points):

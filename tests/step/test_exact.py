@@ -24,6 +24,22 @@ def plate(nx=2, ny=2):
     return made
 
 
+def pin():
+    """With a tip at the origin, of a radius that no double is half of its height."""
+    return shapes.fuse(shapes.cone(0, 0.6, 1.2), shapes.cylinder(0.6, 6, (0, 0, 1.2)))
+
+
+def rounded():
+    """A box with fillets along three edges and a ball where they meet."""
+    return shapes.filleted(shapes.box((4, 3, 2)), 0.4, shapes.ends_at((4, 3, 2)))
+
+
+def drilled():
+    """A hole whose end is a cone that all but goes through."""
+    made = shapes.cut(shapes.box((6, 5, 4)), shapes.cylinder(1, 9, (3, 2.5, 1)))
+    return shapes.moved(shapes.cut(made, shapes.cone(0, 1, 0.95, (3, 2.5, 0.05))), (1, 1, 1), ((1, 2, 3), 0.7))
+
+
 def slotted():
     """A wall of a thousandth between a slot and the side."""
     made = shapes.cut(shapes.box((4, 3, 2)), shapes.box((3, 1, 3), (0.5, 1.999, -0.5)))
@@ -32,23 +48,19 @@ def slotted():
 
 SHAPES = {
     "cylinder": lambda: shapes.cylinder(2, 5),
-    "cone": lambda: shapes.cone(2, 0, 3),
     "tilted cone": lambda: shapes.moved(shapes.cone(2, 1, 3), (1, 2, 3), ((1, 2, 3), 0.7)),
     "bored ball": lambda: shapes.cut(shapes.sphere(2), shapes.cylinder(0.7, 6, (0.3, 0, -3))),
     "crossing pipes": lambda: shapes.fuse(
         shapes.cylinder(1, 6, (0, 0, -3)), shapes.cylinder(0.8, 6, (-3, 0, 0.2), (1, 0, 0))
     ),
-    "filleted box": lambda: shapes.filleted(shapes.box((4, 3, 2)), 0.4),
+    "filleted box": rounded,
+    "pin": pin,
+    "drilled": drilled,
     "plate": plate,
     "slotted": slotted,
     "hollow": lambda: shapes.cut(shapes.box((3, 3, 3)), shapes.sphere(1, (1.4, 1.5, 1.6))),
 }
 BODIES = {}
-
-
-@pytest.fixture(autouse=True)
-def pieces(monkeypatch):
-    monkeypatch.setattr("firstcontact.step.bodies.CURVED_PIECES", True)
 
 
 def made(name):
@@ -73,7 +85,7 @@ def test_points_are_inside_as_open_cascade_has_it(name):
     assert body.deviation < 1e-6
     rng = np.random.default_rng(11)
     lo, hi = body.bounds()
-    random = rng.uniform(lo - 0.02, hi + 0.02, (700, 3))
+    random = rng.uniform(2 * lo - hi, 2 * hi - lo, (700, 3))
     # and next to faces, where it matters
     mesh = body.shown[0].body
     corners = mesh.vertices[mesh.triangles[rng.integers(0, len(mesh.triangles), 500)]]
@@ -83,7 +95,7 @@ def test_points_are_inside_as_open_cascade_has_it(name):
     assert all(shapes.distance(shape, points[k]) <= body.deviation + 1e-7 for k in wrong)
 
 
-@pytest.mark.parametrize("name", ["bored ball", "filleted box", "plate", "slotted"])
+@pytest.mark.parametrize("name", ["bored ball", "filleted box", "pin", "drilled", "plate", "slotted"])
 def test_edges_and_vertices_are_the_files(name):
     """Those that are derived of the pieces, but for what lies in walls between them, lie on the file's edges."""
     from OCP.BRep import BRep_Builder
@@ -134,9 +146,42 @@ def test_a_ball_drops_into_a_countersink():
     assert fc.first_contact(tight, body).status is fc.Status.CONTACT
 
 
+@pytest.mark.parametrize("turn", [None, ((1, 2, 3), 0.7)])
+def test_a_cone_ends_at_its_tip(turn):
+    """Its other nappe was part of the pin, up to the wall of the cell."""
+    tip = fc.from_shape(shapes.moved(pin(), (0, 0, 0), turn), name="pin")
+    assert isinstance(tip.pieces[0].body, fc.CompositeQuadric)
+    floor = fc.box((40, 40, 2)).translated((0, 0, -11))  # its top is at z = -10
+    back = tip if turn is None else tip.rotated(turn[0], degrees=-np.degrees(turn[1]))
+    hit = fc.first_contact(back.moving(fc.Translation((0, 0, -20))), floor)
+    assert hit.time == pytest.approx(0.5, abs=1e-8) and hit.element_a.kind == "vertex"
+
+
+@pytest.mark.parametrize("name", ["pin", "drilled", "plate", "filleted box"])
+def test_pieces_are_in_the_boxes_that_windows_are_made_of(name):
+    """What was outside of its box was met within a window for the first time, which was told as a contact at time 0."""
+    for piece in made(name)[1].pieces:
+        lo, hi = piece.body.bounds()
+        assert (lo >= piece.corners.min(axis=0) - 1e-9).all() and (hi <= piece.corners.max(axis=0) + 1e-9).all()
+
+
+def test_what_points_do_not_see_is_found_by_its_edges(monkeypatch):
+    monkeypatch.setattr("firstcontact.step.carriers.Carrier.beyond", lambda *_: False)
+    body = fc.from_shape(pin(), name="pin")
+    assert all(isinstance(piece.body, fc.Polyhedron) for piece in body.pieces)
+
+
+def test_solids_far_from_the_origin_are_whole():
+    shape = shapes.moved(pin(), (5000, 300, -70))
+    body = fc.from_shape(shape)
+    points = np.random.default_rng(5).uniform((4999, 299, -71), (5001, 301, -62), (700, 3))
+    assert isinstance(body.pieces[0].body, fc.CompositeQuadric)
+    assert (body.contains(points) == inside(shape, points)).all()
+
+
 def test_tangents_that_rounding_hides_are_not_called_exact():
     """Of a tilted box with fillets spheres and cylinders are tangent but for 1e-16: no exact arithmetic takes them."""
-    shape = shapes.moved(shapes.filleted(shapes.box((4, 3, 2)), 0.4), (0, 0, 0), ((1, 2, 3), 0.7))
+    shape = shapes.moved(rounded(), (0, 0, 0), ((1, 2, 3), 0.7))
     body = fc.from_shape(shape, deviation=0.01)
     assert all(isinstance(piece.body, fc.Polyhedron) for piece in body.pieces) and body.deviation > 1e-4
     assert fc.first_contact(fc.sphere(1).translated((0, 0, 9)).moving(fc.Translation((0, 0, -9))), body).time > 0

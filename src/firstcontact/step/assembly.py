@@ -142,8 +142,8 @@ class Assembly:
 def load_step(path: str | Path, *, unit: str | None = None, deviation: Any = None) -> Assembly:
     """The tree of a STEP file: parts by name, in their places, with colours, in the file's unit.
 
-    Solids of planes become polyhedra with the file's planes (`part.exact`); all others triangles, whose deviation from
-    the file's faces is bounded by proof (`part.deviation`).
+    Solids of planes, cylinders, cones and spheres become bodies with these very surfaces, where checks bear that out
+    (`part.exact`); all others triangles, whose deviation from the file's faces is bounded by proof (`part.deviation`).
 
     unit: "mm", "cm", "m", "inch", ...: lengths are converted, exactly; default: the file's own.
     deviation: of triangles, at most, in that unit; default 1e-4 of the size of each solid.

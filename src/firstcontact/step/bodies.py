@@ -16,9 +16,6 @@ from firstcontact.step.reader import Shape
 from firstcontact.step.solids import Solid, explored
 from firstcontact.step.triangles import Net, triangulated
 
-CURVED_PIECES = False
-"""Whether curved solids become pieces with the file's surfaces.  Not yet: the points that check them missed the second
-nappe of a cone next to its tip, so that a pin was longer than the file has it."""
 DEVIATION = 1e-4
 """Of the size of a part: how far triangles are from its faces at most, unless it is said."""
 
@@ -68,15 +65,13 @@ def _built(solid: Solid, deviation: float | None) -> Built:
         piece = Piece(flat.polyhedron, _names_of_polygons(solid, flat.polyhedron))
         return Built((piece,), flat.moved, True, solid, (piece,))
     try:
-        if not CURVED_PIECES:
-            raise cells.NotExact("pieces are not asked for")
         found, off, rough = cells.cells_of(solid)
     except cells.NotExact:
         pass
     else:
-        lo, hi = rough.points.min(axis=0) - rough.deviation - off, rough.points.max(axis=0) + rough.deviation + off
         exact = [
-            Piece(x.body, CellNames.of_cell(solid, x), corners=_corners(x.box, (lo, hi))) for x in found
+            Piece(x.body, CellNames.of_cell(solid, x), corners=np.array(list(product(*zip(*x.box, strict=True)))))
+            for x in found
         ]
         return Built(tuple(exact), off, True, solid, (_mesh_piece(solid, rough),))
     net = triangulated(solid, DEVIATION * solid.size if deviation is None else deviation)
@@ -168,6 +163,10 @@ class CellNames:
         groups = [self.own[k] for k in features[index].surfaces if self.own[k]]
         if not groups:
             return None
+        if kind not in ("face", "edge") and features[index].is_apex and (found := [
+            k for k, faces in enumerate(self.around) if faces <= set(groups[0])
+        ]):  # fmt: skip
+            return self._told("vertex", found)
         if len(groups) > 2 and (found := _meeting(self.around, groups)):
             return self._told("vertex", found)
         if len(groups) > 1 and (found := _meeting(self.beside, groups)):
@@ -184,8 +183,3 @@ def _meeting(sets: tuple[frozenset[int], ...], groups: list[tuple[int, ...]]) ->
     """Those of the sets that have a face of every group."""
     return [k for k, own in enumerate(sets) if all(own & set(group) for group in groups)]
 
-
-def _corners(first: tuple[np.ndarray, np.ndarray], second: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
-    """(8, 3) of what two boxes have in common."""
-    lo, hi = np.maximum(first[0], second[0]), np.minimum(first[1], second[1])
-    return np.array(list(product(*zip(lo.tolist(), hi.tolist(), strict=True))))

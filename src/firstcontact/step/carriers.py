@@ -3,16 +3,49 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 from flint import fmpq
 
-from firstcontact.body.solid.carriers import ONE, ZERO, Plane, Quadric, Surface, Vector, dot, primitive, primitive_rows
+from firstcontact.body.solid.carriers import (
+    ONE,
+    ZERO,
+    Plane,
+    Quadric,
+    Surface,
+    Vector,
+    dot,
+    doubles,
+    primitive,
+    primitive_rows,
+)
 from firstcontact.exact.numbers import exact_value
 
 
-def carrier_of(face: Any) -> Surface | None:
-    """None of faces on other surfaces than planes, cylinders, cones and spheres."""
+@dataclass(frozen=True)
+class Carrier:
+    """What a face lies on; nappe: of a cone, the plane through its tip with the face's nappe on its negative side.
+
+    A point is inside of a cone in its nappe alone: the other one bounds nothing of the file.
+    """
+
+    surface: Surface
+    nappe: Plane | None = None
+
+    def beyond(self, lo: np.ndarray, hi: np.ndarray) -> bool:
+        """Whether some of a box is on the side of the other nappe, or too near to it to tell."""
+        if self.nappe is None:
+            return False
+        n = np.array(doubles((self.nappe.normal,))[0])
+        reach = np.abs(n[:3]) @ (0.5 * (hi - lo))
+        room = 1e-9 * (np.abs(n[:3]) @ np.maximum(np.abs(lo), np.abs(hi)) + abs(n[3]))
+        return bool(n[:3] @ (0.5 * (lo + hi)) + n[3] + reach > -room)
+
+
+def carrier_of(face: Any) -> Carrier | None:
+    """None of faces on other surfaces than planes, cylinders, cones and spheres, and on both nappes of a cone."""
     from OCP.BRep import BRep_Tool
 
     surface = BRep_Tool.Surface_s(face)
@@ -25,12 +58,27 @@ def carrier_of(face: Any) -> Surface | None:
     place = surface.Position()
     p, d = _exact(place.Location()), _exact(place.Direction())
     if kind == "Geom_Plane":
-        return Plane(primitive((*d, -dot(d, p))))
+        return Carrier(Plane(primitive((*d, -dot(d, p)))))
     if kind == "Geom_SphericalSurface":
-        return _round(p, d, ZERO, exact_value(surface.Radius()), ZERO)
+        return Carrier(_round(p, d, ZERO, exact_value(surface.Radius()), ZERO))
     if kind == "Geom_CylindricalSurface":
-        return _round(p, d, ONE, exact_value(surface.Radius()), ZERO)
-    return _round(p, d, ONE, exact_value(surface.RefRadius()), exact_value(math.tan(surface.SemiAngle())))
+        return Carrier(_round(p, d, ONE, exact_value(surface.Radius()), ZERO))
+    return _cone(p, d, surface, face)
+
+
+def _cone(p: Vector, d: Vector, surface: Any, face: Any) -> Carrier | None:
+    from OCP.BRepTools import BRepTools
+
+    radius, slope = exact_value(surface.RefRadius()), exact_value(math.tan(surface.SemiAngle()))
+    lo, hi = (surface.RefRadius() + v * math.sin(surface.SemiAngle()) for v in BRepTools.UVBounds_s(face)[2:])
+    if min(lo, hi) < -1e-6 * max(lo, hi) and max(lo, hi) > -1e-6 * min(lo, hi):
+        return None
+    # the radius at x is radius + slope d.(x - p), negative on the other nappe
+    side = -1 if lo + hi > 0 else 1
+    normal = [side * slope * x for x in d]
+    return Carrier(
+        _round(p, d, ONE, radius, slope), Plane(primitive((*normal, side * radius - dot(normal, p))))
+    )
 
 
 def _exact(v: Any) -> Vector:

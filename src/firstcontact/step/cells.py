@@ -3,7 +3,7 @@
 The box around a solid is halved until few surfaces have faces in a cell.  In a cell the solid is a tree of decisions:
 on which side of a surface a point is, until no face is left between what may be inside and what may not.  Faces that
 meet smoothly are parted by the plane across them through their seam.  Which side is the solid is asked of OpenCASCADE;
-that nothing is lost, and nothing added, is asked again of many points afterwards.
+that nothing is lost, and nothing added, is asked again of many points afterwards, and of all edges of the pieces.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from firstcontact.body.solid.composite_quadric import CompositeQuadric, _key
 from firstcontact.body.solid.csg import And, Leaf, Not, Or, Tree, conjunction, renumbered, surfaces_of
 from firstcontact.errors import InputError, UnsupportedPair
 from firstcontact.exact.numbers import Undecidable, exact_value
-from firstcontact.step.carriers import carrier_of
-from firstcontact.step.solids import Solid
+from firstcontact.step.carriers import Carrier, carrier_of
+from firstcontact.step.solids import Solid, explored
 from firstcontact.step.triangles import Net, triangulated
 
 FEW, MOST, DEEPEST = 10, 26, 9
@@ -31,6 +31,8 @@ OFF = 2e-4
 """Of the solid's size: how far from a face the points are of which one is inside and one outside."""
 RANDOM = 60
 """Points of a cell at first that are asked of OpenCASCADE."""
+ROOM = 1e-3
+"""Of the solid's size: how far the walls of the outermost cells are from it."""
 ROUGH = 2e-3
 TANGENT = 1e-3
 """Sine of the angle below which two surfaces count as tangent."""
@@ -55,7 +57,7 @@ class Cell:
 
 @dataclass
 class _Problem:
-    """surfaces: carriers, then planes to cut by, with unit forms; of_face: the carrier of each face.
+    """surfaces: carriers, then planes to cut by, with forms; nappes: of those that are cones, which of theirs count.
 
     samples (n, 3) on faces `face` (n,), with outward normals; labelled points (m, 3), whether each is inside.
     """
@@ -63,6 +65,7 @@ class _Problem:
     solid: Solid
     net: Net
     surfaces: list[Surface]
+    nappes: dict[int, Carrier]
     forms: np.ndarray
     carriers: int
     faces_on: list[tuple[int, ...]]
@@ -72,13 +75,17 @@ class _Problem:
     labelled: np.ndarray
     inside: np.ndarray
     classify: Any
+    is_on_faces: Any
     rng: Any = field(default_factory=lambda: np.random.default_rng(0))
-    tangent: set[frozenset[int]] = field(default_factory=set)
-    """Pairs of carriers that meet smoothly."""
 
     def distances(self, points: np.ndarray) -> np.ndarray:
-        """(surfaces, n) signed distances, to first order."""
-        return _distances(self.forms, points)
+        """(surfaces, n) signed distances, to first order; of cones positive on the side of the other nappe."""
+        found = _distances(self.forms, points)
+        for k, carrier in self.nappes.items():
+            assert carrier.nappe is not None
+            n = np.array(doubles((carrier.nappe.normal,))[0])
+            found[k] = np.maximum(found[k], (points @ n[:3] + n[3]) / np.linalg.norm(n[:3]))
+        return found
 
 
 def _distances(forms: np.ndarray, points: np.ndarray) -> np.ndarray:
@@ -86,7 +93,11 @@ def _distances(forms: np.ndarray, points: np.ndarray) -> np.ndarray:
     image = np.einsum("sij,nj->sni", forms, x)
     value = np.einsum("sni,ni->sn", image, x)
     slope = np.linalg.norm(2.0 * image[:, :, :3], axis=2)
-    found: np.ndarray = value / np.maximum(slope, 1e-300)
+    # |radius^2 - r^2| = c is |radius - r| <= sqrt(c), which is less near the tip of a cone, where the slope vanishes;
+    # the middle one of the eigenvalues is that across the axis
+    round_ = np.abs(np.linalg.eigvalsh(forms[:, :3, :3])[:, 1:2])
+    nearer = np.sqrt(np.abs(value) / np.maximum(round_, 1e-300))
+    found: np.ndarray = np.sign(value) * np.minimum(np.abs(value) / np.maximum(slope, 1e-300), nearer)
     return found
 
 
@@ -94,44 +105,59 @@ def cells_of(solid: Solid) -> tuple[list[Cell], float, Net]:
     """The pieces, how far their edges are from the file's, and triangles for pictures.  Raises NotExact.
 
     Points of all kinds are put to the pieces and to OpenCASCADE; what is learned of those of which they think
-    differently goes into the pieces, until none is left.
+    differently, and of those around edges that the file has not, goes into the pieces, until none is left.
     """
     problem = _problem(solid)
     off = _off_at_edges(problem)
     if off > MOST_OFF * solid.size:
         raise NotExact(f"its edges are up to {off:.2g} off the surfaces that meet there")
     lo, hi = solid.box
-    room = 0.03 * solid.size
-    boxes = list(_boxes(problem, _even(lo - room), _even(hi + room), 0))
+    room = ROOM * solid.size
+    boxes = list(_boxes(problem, _even(lo - room, solid.size), _even(hi + room, solid.size), 0))
     solved: list[Cell | None] = [None] * len(boxes)
     todo = list(range(len(boxes)))
     for _ in range(ROUNDS):
         for k in todo:
             solved[k] = _solved(problem, *boxes[k])
+        cells = [cell for cell in solved if cell is not None]
         points, inside = _asked(problem, boxes)
-        wrong = contains([cell for cell in solved if cell is not None], points) != inside
+        wrong = contains(cells, points) != inside
+        points, inside = points[wrong], inside[wrong]
         if not wrong.any():
-            found = [cell for cell in solved if cell is not None]
-            for cell in found:
-                _check_seams(problem, cell)
-            return found, off, problem.net
-        problem.labelled = np.concatenate([problem.labelled, points[wrong]])
-        problem.inside = np.concatenate([problem.inside, inside[wrong]])
-        todo = [k for k, (a, b) in enumerate(boxes)
-                if ((points[wrong] >= a) & (points[wrong] <= b)).all(axis=1).any()]  # fmt: skip
-    raise NotExact(f"{int(wrong.sum())} of {len(points)} points are on the other side than OpenCASCADE says")
+            points = np.concatenate([_strays(problem, cell, off) for cell in cells])
+            if not len(points):
+                return cells, off, problem.net
+            points, inside = _around(problem, points)
+        problem.labelled = np.concatenate([problem.labelled, points])
+        problem.inside = np.concatenate([problem.inside, inside])
+        todo = [k for k, (a, b) in enumerate(boxes) if ((points >= a) & (points <= b)).all(axis=1).any()]
+    raise NotExact(f"near {points[0].round(4).tolist()} its pieces are not as OpenCASCADE has them")
 
 
-def _check_seams(problem: _Problem, cell: Cell) -> None:
-    """NotExact where two quadrics of the cell are all but tangent, and exact arithmetic does not tell them apart."""
-    quadrics = {k for k, s in enumerate(problem.surfaces[: problem.carriers]) if isinstance(s, Quadric)}
-    here = {k for k in quadrics if any(problem.faces_on[k] == own for own in cell.own)}
-    if not any(pair <= here for pair in problem.tangent):
-        return
+def _strays(problem: _Problem, cell: Cell, off: float) -> np.ndarray:
+    """(n, 3) points of edges and vertices of the cell, not in walls alone, that are not on the file's faces.
+
+    What is added to the solid, or lost, has such edges, however narrow it is, unless all of them are the file's.
+    """
+    walls, body = set(range(len(cell.own) - 6, len(cell.own))), cell.body
     try:
-        cell.body.vertices  # noqa: B018
+        points = [vertex.position for vertex in body.vertices if not walls.issuperset(vertex.surfaces)]
+        for edge in body.edges:
+            if not walls.issuperset(edge.surfaces):
+                for part in edge.pieces:
+                    points += edge.points(np.linspace(part.lo, part.hi, EDGE_POINTS)).tolist()
     except (Undecidable, UnsupportedPair) as reason:
         raise NotExact("surfaces that are tangent but for rounding errors") from reason
+    near = 2.0 * off + SURELY * problem.solid.size
+    return np.array([p for p in points if not problem.is_on_faces(p, near)]).reshape(-1, 3)
+
+
+def _around(problem: _Problem, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Points near to these, and which of them are inside."""
+    spread = problem.solid.size * np.array([0.1 * OFF, OFF, 10.0 * OFF, 100.0 * OFF])
+    around = points[:, None, None] + spread[:, None, None] * problem.rng.normal(size=(len(points), len(spread), 6, 3))
+    around = around.reshape(-1, 3)
+    return around, problem.classify(around)
 
 
 def _asked(problem: _Problem, boxes: list[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:
@@ -171,7 +197,7 @@ def _pulled(form: np.ndarray, points: np.ndarray) -> np.ndarray:
 
 
 def _off_at_edges(problem: _Problem) -> float:
-    """How far the file's edges are from where the surfaces on their sides meet, to first order; notes tangent ones."""
+    """How far the file's edges are from where the surfaces on their sides meet, to first order."""
     from OCP.BRepAdaptor import BRepAdaptor_Curve
 
     solid, worst = problem.solid, 0.0
@@ -193,16 +219,14 @@ def _off_at_edges(problem: _Problem) -> float:
             n = np.einsum("sij,nj->sni", problem.forms[own], x)[..., :3]
             n /= np.maximum(np.linalg.norm(n, axis=2, keepdims=True), 1e-300)
             sine = np.linalg.norm(np.cross(n[0], n[1]), axis=1)
-            if (sine < TANGENT).any():
-                problem.tangent.add(frozenset(own))
             off = np.where(sine > TANGENT, off / np.maximum(sine, TANGENT), off)
         worst = max(worst, float(off.max()))
     return worst * (1.0 + 1e-6)
 
 
-def _even(x: np.ndarray) -> np.ndarray:
-    """Near numbers of few binary digits."""
-    scale = 2.0 ** (14 - np.ceil(np.log2(np.abs(x).max())))
+def _even(x: np.ndarray, size: float) -> np.ndarray:
+    """Numbers of few binary digits near to them, as a solid of that size goes."""
+    scale = 2.0 ** (14 - np.ceil(np.log2(size)))
     found: np.ndarray = np.round(x * scale) / scale
     return found
 
@@ -212,20 +236,23 @@ def _even(x: np.ndarray) -> np.ndarray:
 
 def _problem(solid: Solid) -> _Problem:
     surfaces: list[Surface] = []
-    numbers: dict[Vector, int] = {}
+    nappes: dict[int, Carrier] = {}
+    numbers: dict[tuple[Any, ...], int] = {}
     of_face = []
     for face in solid.faces:
         carrier = carrier_of(face)
         if carrier is None:
-            raise NotExact("faces on other surfaces than planes, cylinders, cones and spheres")
-        k = numbers.setdefault(_key(carrier), len(surfaces))
+            raise NotExact("faces on other surfaces than planes, cylinders, spheres and single nappes of cones")
+        k = numbers.setdefault((_key(carrier.surface), carrier.nappe), len(surfaces))
         if k == len(surfaces):
-            surfaces.append(carrier)
+            surfaces.append(carrier.surface)
+            if carrier.nappe is not None:
+                nappes[k] = carrier
         of_face.append(k)
     count = len(surfaces)
     faces_on = [tuple(f for f, k in enumerate(of_face) if k == c) for c in range(count)]
     for plane in _cuts(solid, surfaces, of_face):
-        if numbers.setdefault(_key(plane), len(surfaces)) == len(surfaces):
+        if numbers.setdefault((_key(plane), None), len(surfaces)) == len(surfaces):
             surfaces.append(plane)
     forms = np.array([doubles(s.matrix()) for s in surfaces])
     net = triangulated(solid, ROUGH * solid.size)
@@ -235,26 +262,37 @@ def _problem(solid: Solid) -> _Problem:
     labelled = np.concatenate([samples - off * normals, samples + off * normals])
     inside = np.repeat([True, False], len(samples))
     return _Problem(
-        solid, net, surfaces, forms, count, faces_on, samples, normals, np.array(of_face)[faces], labelled, inside,
-        _classifier(solid),
+        solid, net, surfaces, nappes, forms, count, faces_on, samples, normals, np.array(of_face)[faces], labelled,
+        inside, *_asking(solid),
     )  # fmt: skip
 
 
-def _classifier(solid: Solid) -> Any:
+def _asking(solid: Solid) -> tuple[Any, Any]:
+    """Questions to OpenCASCADE: which of points are inside, and whether one is within a distance of the faces."""
+    from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeVertex
     from OCP.BRepClass3d import BRepClass3d_SolidClassifier
+    from OCP.BRepExtrema import BRepExtrema_DistShapeShape
     from OCP.gp import gp_Pnt
-    from OCP.TopAbs import TopAbs_State
+    from OCP.TopAbs import TopAbs_ShapeEnum, TopAbs_State
 
     asked = BRepClass3d_SolidClassifier(solid.shape)
+    shells = list(explored(solid.shape, TopAbs_ShapeEnum.TopAbs_SHELL))
+
+    def state(point: Sequence[float], near: float) -> Any:
+        asked.Perform(gp_Pnt(*point), near)
+        return asked.State()
 
     def inside(points: np.ndarray) -> np.ndarray:
-        found = []
-        for p in points.tolist():
-            asked.Perform(gp_Pnt(*p), 1e-9)
-            found.append(asked.State() == TopAbs_State.TopAbs_IN)
-        return np.array(found, bool)
+        return np.array([state(p, 1e-9) == TopAbs_State.TopAbs_IN for p in points.tolist()], bool)
 
-    return inside
+    def is_on_faces(point: Sequence[float], near: float) -> bool:
+        if state(point, near) == TopAbs_State.TopAbs_ON:
+            return True
+        # on seams it does not tell
+        vertex = BRepBuilderAPI_MakeVertex(gp_Pnt(*point)).Vertex()
+        return any(BRepExtrema_DistShapeShape(vertex, shell).Value() <= near for shell in shells)
+
+    return inside, is_on_faces
 
 
 def _samples(solid: Solid, net: Net, forms: np.ndarray, of_face: list[int]) -> tuple[np.ndarray, np.ndarray]:
@@ -381,7 +419,7 @@ def _halving(problem: _Problem, lo: np.ndarray, hi: np.ndarray) -> tuple[int, fl
             if np.abs(n[:3]).argmax() == axis and np.delete(np.abs(n[:3]), axis).max() < 1e-6 * abs(n[axis]):
                 flat.append(-n[3] / n[axis])
     shares = np.array([0.5, 0.4375, 0.5625, 0.375, 0.625])
-    places = _even(lo[axis] + shares * width)
+    places = _even(lo[axis] + shares * width, width)
     gaps = [min((abs(x - f) for f in flat), default=width) for x in places]
     best = next((k for k, gap in enumerate(gaps) if gap > 0.02 * width), int(np.argmax(gaps)))
     return axis, float(places[best])
@@ -399,25 +437,49 @@ def _solved(problem: _Problem, lo: np.ndarray, hi: np.ndarray) -> Cell | None:
     tree = task.tree(np.ones(len(here), bool), np.ones(len(points), bool), frozenset(), 0)
     if tree is False:
         return None
-    walls = [
-        Plane(primitive([exact_value(sign * (i == axis)) for i in range(3)] + [exact_value(-sign * float(side[axis]))]))
-        for axis in range(3) for sign, side in ((-1.0, lo), (1.0, hi))
-    ]  # fmt: skip
-    used = [] if tree is True or tree is None else sorted(surfaces_of(tree))
-    surfaces = [problem.surfaces[k] for k in used] + walls
-    leaves: list[Tree] = [Leaf(len(used) + k) for k in range(6)]
-    box = conjunction(leaves)
-    whole: Tree = box
-    if not isinstance(tree, bool) and tree is not None:
-        numbers: list[Tree] = [Leaf(used.index(k)) if k in used else Leaf(0) for k in range(len(problem.surfaces))]
-        whole = And(renumbered(tree, numbers), box)
+    used = [] if isinstance(tree, bool) or tree is None else sorted(surfaces_of(tree))
+    surfaces, leaves = _Surfaces(), {}
+    for k in used:
+        carrier = problem.nappes.get(k)
+        leaves[k] = surfaces.leaf(problem.surfaces[k], problem.faces_on[k] if k < problem.carriers else ())
+        if carrier is not None and carrier.beyond(lo, hi):
+            assert carrier.nappe is not None
+            leaves[k] = And(leaves[k], surfaces.leaf(carrier.nappe))
+    whole: Tree = conjunction([surfaces.leaf(wall) for wall in _walls(lo, hi)])
+    if used:
+        assert tree is not None and not isinstance(tree, bool)
+        whole = And(renumbered(tree, [leaves.get(k, Leaf(0)) for k in range(len(problem.surfaces))]), whole)
     corners = tuple(tuple(exact_value(x) for x in side.tolist()) for side in (lo, hi))
     try:
-        body = CompositeQuadric(surfaces, whole, box=corners)  # type: ignore[arg-type]
+        body = CompositeQuadric(surfaces.known, whole, box=corners)  # type: ignore[arg-type]
     except InputError:
         return None
-    faces = [problem.faces_on[k] if k < problem.carriers else () for k in used] + [()] * 6
-    return Cell(body, faces, (lo, hi))
+    return Cell(body, surfaces.faces, (lo, hi))
+
+
+def _walls(lo: np.ndarray, hi: np.ndarray) -> Iterator[Plane]:
+    for axis in range(3):
+        for sign, side in ((-1, lo), (1, hi)):
+            n = [exact_value(sign * (i == axis)) for i in range(3)]
+            yield Plane(primitive((*n, -sign * exact_value(float(side[axis])))))
+
+
+class _Surfaces:
+    """The surfaces of a piece, each once; faces: of each the file's on it."""
+
+    def __init__(self) -> None:
+        self.known: list[Surface] = []
+        self.faces: list[tuple[int, ...]] = []
+        self.numbers: dict[Vector, int] = {}
+
+    def leaf(self, surface: Surface, faces: tuple[int, ...] = ()) -> Tree:
+        """Where its form is <= 0."""
+        k = self.numbers.setdefault(_key(surface), len(self.known))
+        if k == len(self.known):
+            self.known.append(surface)
+            self.faces.append(())
+        self.faces[k] += faces
+        return Leaf(k) if self.known[k] == surface else Not(Leaf(k))
 
 
 @dataclass
