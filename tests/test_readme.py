@@ -74,10 +74,22 @@ COMMANDS = {**{name: ("check", code) for name, code in SCENES.items()},
             "cone.toml": ("curve", 0), "roller.toml": ("intervals", 1), "door.toml": ("sweep", 1)}  # fmt: skip
 
 CELL = "desk.toml"  # of a robot, run in tests/mechanism/test_docs.py
+STEP = "hinge.toml"  # needs the extra "step"
 
 
 def test_no_example_is_left_out():
-    assert {path.name for path in (ROOT / "examples").glob("*.toml")} == {*COMMANDS, CELL}
+    assert {path.name for path in (ROOT / "examples").glob("*.toml")} == {*COMMANDS, CELL, STEP}
+
+
+def test_two_parts_on_a_hinge_jam_where_the_readme_says(tmp_path, monkeypatch, capsys):
+    pytest.importorskip("OCP", reason='needs the extra "step"')
+    monkeypatch.chdir(ROOT)
+    page = tmp_path / "hinge.html"
+    assert run(["check", f"examples/{STEP}", "--html", str(page)]) == 1
+    told = capsys.readouterr().out.splitlines()
+    said = TEXT.split("examples/hinge.toml --html hinge.html\n", 1)[1].splitlines()[: len(told)]
+    assert said == [f"    {line}" for line in told] and len(told) == 4
+    assert page.stat().st_size > 100_000
 
 
 @pytest.mark.parametrize("name", COMMANDS)

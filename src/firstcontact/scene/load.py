@@ -275,7 +275,7 @@ def _solid_body(table: type[solids.Solid]) -> type[_Body]:
 if TYPE_CHECKING:
     Body = Any
 else:
-    BODIES = MeshBody, StepBody, PolyhedronBody, *map(_solid_body, solids.SOLIDS), RuledBody
+    BODIES = MeshBody, PolyhedronBody, *map(_solid_body, solids.SOLIDS), RuledBody, StepBody
     Body = Annotated[Union[BODIES], Field(discriminator="shape")]  # noqa: UP007
 
 

@@ -5,6 +5,10 @@ OpenCASCADE (extra "step") is loaded when a file is read, not before.
 
 from __future__ import annotations
 
+import faulthandler
+import os
+import signal
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -66,6 +70,43 @@ def read(path: Path) -> Read:
     """The tree of the file, all numbers those of the file in its own unit.  InputError says what is broken."""
     need_open_cascade()
     kinds = text.checked(path)
+    import OCP.STEPCAFControl  # noqa: F401 - here, so that the child has it too
+
+    try_apart(lambda: _transferred(path), path)
+    document, reader, unit = _transferred(path)
+    roots = _Tree(document, reader, kinds).roots()
+    if not roots:
+        raise InputError(f"{path}: holds no shapes; export the model as solids (AP214 or AP242)")
+    return Read(roots, unit)
+
+
+def try_apart(work: Callable[[], object], path: Path) -> None:
+    """Does it in a child process first: what is damaged may end OpenCASCADE, and the process with it."""
+    if not hasattr(os, "fork"):
+        return
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)  # of other threads, which the child has no use for
+        child = os.fork()
+    if child == 0:
+        try:
+            nowhere = os.open(os.devnull, os.O_WRONLY)
+            os.dup2(nowhere, 1)
+            os.dup2(nowhere, 2)
+            faulthandler.disable()
+            work()
+        finally:
+            os._exit(0)  # errors are raised where the work is done again
+    try:
+        _, status = os.waitpid(child, 0)
+    except BaseException:
+        os.kill(child, signal.SIGKILL)
+        raise
+    if os.WIFSIGNALED(status):
+        raise InputError(f"{path}: OpenCASCADE breaks down over its entities; the file is damaged: export it again")
+
+
+def _transferred(path: Path) -> tuple[Any, Any, str]:
+    """(the document, the reader of entities, the unit)."""
     from OCP.Message import Message
     from OCP.STEPCAFControl import STEPCAFControl_Reader
     from OCP.TCollection import TCollection_ExtendedString
@@ -85,10 +126,7 @@ def read(path: Path) -> Read:
     XCAFDoc_DocumentTool.SetLengthUnit_s(document, to_double(MILLIMETRES[unit]) / 1000.0)
     if not reader.Transfer(document):
         raise InputError(f"{path}: holds no shapes that can be read; export the model as solids (AP214 or AP242)")
-    roots = _Tree(document, inner, kinds).roots()
-    if not roots:
-        raise InputError(f"{path}: holds no shapes; export the model as solids (AP214 or AP242)")
-    return Read(roots, unit)
+    return document, inner, unit
 
 
 def _is_done(status: Any) -> bool:
