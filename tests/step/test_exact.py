@@ -65,7 +65,7 @@ BODIES = {}
 
 def made(name):
     if name not in BODIES:
-        BODIES[name] = (shape := SHAPES[name]()), fc.from_shape(shape, name=name)
+        BODIES[name] = (shape := SHAPES[name]()), fc.from_shape(shape, name=name, surfaces=True)
     return BODIES[name]
 
 
@@ -149,7 +149,7 @@ def test_a_ball_drops_into_a_countersink():
 @pytest.mark.parametrize("turn", [None, ((1, 2, 3), 0.7)])
 def test_a_cone_ends_at_its_tip(turn):
     """Its other nappe was part of the pin, up to the wall of the cell."""
-    tip = fc.from_shape(shapes.moved(pin(), (0, 0, 0), turn), name="pin")
+    tip = fc.from_shape(shapes.moved(pin(), (0, 0, 0), turn), name="pin", surfaces=True)
     assert isinstance(tip.pieces[0].body, fc.CompositeQuadric)
     floor = fc.box((40, 40, 2)).translated((0, 0, -11))  # its top is at z = -10
     back = tip if turn is None else tip.rotated(turn[0], degrees=-np.degrees(turn[1]))
@@ -167,13 +167,13 @@ def test_pieces_are_in_the_boxes_that_windows_are_made_of(name):
 
 def test_what_points_do_not_see_is_found_by_its_edges(monkeypatch):
     monkeypatch.setattr("firstcontact.step.carriers.Carrier.beyond", lambda *_: False)
-    body = fc.from_shape(pin(), name="pin")
+    body = fc.from_shape(pin(), name="pin", surfaces=True)
     assert all(isinstance(piece.body, fc.Polyhedron) for piece in body.pieces)
 
 
 def test_solids_far_from_the_origin_are_whole():
     shape = shapes.moved(pin(), (5000, 300, -70))
-    body = fc.from_shape(shape)
+    body = fc.from_shape(shape, surfaces=True)
     points = np.random.default_rng(5).uniform((4999, 299, -71), (5001, 301, -62), (700, 3))
     assert isinstance(body.pieces[0].body, fc.CompositeQuadric)
     assert (body.contains(points) == inside(shape, points)).all()
@@ -182,14 +182,14 @@ def test_solids_far_from_the_origin_are_whole():
 def test_tangents_that_rounding_hides_are_not_called_exact():
     """Of a tilted box with fillets spheres and cylinders are tangent but for 1e-16: no exact arithmetic takes them."""
     shape = shapes.moved(rounded(), (0, 0, 0), ((1, 2, 3), 0.7))
-    body = fc.from_shape(shape, deviation=0.01)
+    body = fc.from_shape(shape, deviation=0.01, surfaces=True)
     assert all(isinstance(piece.body, fc.Polyhedron) for piece in body.pieces) and body.deviation > 1e-4
     assert fc.first_contact(fc.sphere(1).translated((0, 0, 9)).moving(fc.Translation((0, 0, -9))), body).time > 0
 
 
 def test_solids_with_other_faces_are_triangles():
     for shape in (shapes.torus(3, 1), shapes.wave()):
-        body = fc.from_shape(shape, deviation=0.02)
+        body = fc.from_shape(shape, deviation=0.02, surfaces=True)
         assert all(isinstance(piece.body, fc.Polyhedron) for piece in body.pieces) and body.deviation > 1e-6
 
 

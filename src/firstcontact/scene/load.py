@@ -238,11 +238,12 @@ class StepBody(_Body):
     part: StrictStr | None = None
     unit: StrictStr | None = None
     deviation: Annotated[Number, Field(gt=0)] = None
+    surfaces: StrictBool = False
 
     def build(self, key: str | None, folder: Path) -> Any:
         from firstcontact.step.assembly import load_step
 
-        root = load_step(folder / self.file, unit=self.unit, deviation=self.deviation)
+        root = load_step(folder / self.file, unit=self.unit, deviation=self.deviation, surfaces=self.surfaces)
         return (root if self.part is None else root[self.part]).named(self.name or key)
 
 

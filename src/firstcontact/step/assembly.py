@@ -37,8 +37,8 @@ class Assembly:
     It stands wherever a body does: `.body` is all of it as one body, made when it is first asked for.
 
     >>> import firstcontact as fc
-    >>> fc.load_step("examples/hinge.stp")["door"].exact                                           # doctest: +SKIP
-    True
+    >>> fc.load_step("examples/door.stp").unit                                                     # doctest: +SKIP
+    'mm'
     """
 
     name: str
@@ -47,7 +47,7 @@ class Assembly:
     colour: tuple[float, float, float] | None
     unit: str
     children: tuple[Assembly, ...]
-    deviation_wanted: float | None
+    wanted: bodies.Wanted
     _placement: Matrix
     _shape: Shape | None
     _source: dict[str, Any] | None
@@ -106,8 +106,10 @@ class Assembly:
     def built(self) -> tuple[bodies.Built, ...]:
         """What a part is made of, solid by solid, in its own frame and the file's unit."""
         assert self._shape is not None
-        wanted = self.deviation_wanted
-        return bodies.built(self._shape, None if wanted is None else wanted / to_double(self._scale))
+        wanted = self.wanted
+        if wanted.deviation is not None:
+            wanted = replace(wanted, deviation=wanted.deviation / to_double(self._scale))
+        return bodies.built(self._shape, wanted)
 
     def named(self, name: str | None) -> Compound:
         return self.body.named(name)
@@ -139,14 +141,18 @@ class Assembly:
         return f"<Assembly {self.path!r}: {kind}, in {self.unit}>"
 
 
-def load_step(path: str | Path, *, unit: str | None = None, deviation: Any = None) -> Assembly:
+def load_step(
+    path: str | Path, *, unit: str | None = None, deviation: Any = None, surfaces: bool = False
+) -> Assembly:
     """The tree of a STEP file: parts by name, in their places, with colours, in the file's unit.
 
-    Solids of planes, cylinders, cones and spheres become bodies with these very surfaces, where checks bear that out
-    (`part.exact`); all others triangles, whose deviation from the file's faces is bounded by proof (`part.deviation`).
+    Solids of planes become polyhedra with these very planes (`part.exact`), all others triangles, whose deviation from
+    the file's faces is bounded by proof (`part.deviation`).
 
     unit: "mm", "cm", "m", "inch", ...: lengths are converted, exactly; default: the file's own.
     deviation: of triangles, at most, in that unit; default 1e-4 of the size of each solid.
+    surfaces: solids of planes, cylinders, cones and spheres become bodies with these very surfaces, where checks of
+    points, edges and vertices bear them out, which takes a while; they are checks, no proof.
 
     Raises InputError that names the entity of the file ("#123") which is broken, or says what to install: OpenCASCADE
     reads the file (python -m pip install 'firstcontact[step]').
@@ -155,7 +161,7 @@ def load_step(path: str | Path, *, unit: str | None = None, deviation: Any = Non
         raise InputError(f"{path!r} is no path; give the path of a STEP file as text")
     path = Path(path)
     reader.need_open_cascade()
-    wanted = _length(deviation)
+    wanted = bodies.Wanted(_length(deviation), surfaces)
     try:
         stat = path.stat()
     except (OSError, ValueError) as error:
@@ -164,7 +170,9 @@ def load_step(path: str | Path, *, unit: str | None = None, deviation: Any = Non
     read = _read(path.resolve(), stat.st_mtime_ns, stat.st_size)
     unit = read.unit if unit is None else units.checked(unit)
     scale = units.MILLIMETRES[read.unit] / units.MILLIMETRES[unit]
-    source = {"shape": "step", "file": str(path), "unit": unit, **({} if wanted is None else {"deviation": wanted})}
+    source: dict[str, Any] = {"shape": "step", "file": str(path), "unit": unit}
+    source |= {} if wanted.deviation is None else {"deviation": wanted.deviation}
+    source |= {"surfaces": True} if surfaces else {}
     roots = [node for root in read.roots if (node := _solid_nodes(root)) is not None]
     if not roots:
         raise InputError(f"{path}: holds no solids, only curves or surfaces; export the model as solids")
@@ -176,11 +184,11 @@ def load_step(path: str | Path, *, unit: str | None = None, deviation: Any = Non
 
 
 def from_shape(
-    shape: Any, *, name: str | None = None, unit: str | None = None, deviation: Any = None
+    shape: Any, *, name: str | None = None, unit: str | None = None, deviation: Any = None, surfaces: bool = False
 ) -> Compound:
     """The body of a shape of build123d or CadQuery (anything with `.wrapped`), or of OpenCASCADE itself.
 
-    deviation: as for `load_step`; unit: what its numbers are, default none.
+    deviation, surfaces: as for `load_step`; unit: what its numbers are, default none.
     """
     reader.need_open_cascade()
     from OCP.TopoDS import TopoDS_Shape
@@ -192,7 +200,7 @@ def from_shape(
     if not isinstance(bare, TopoDS_Shape) or bare.IsNull():
         raise InputError(f"{shape!r} is no shape of OpenCASCADE; give a solid of build123d, CadQuery or OCP")
     called = name or getattr(shape, "label", "") or None
-    wanted = _length(deviation)
+    wanted = bodies.Wanted(_length(deviation), surfaces)
     part = Shape(bare, called or "shape")
     if not bodies.solids_of(part):
         raise InputError(f"{part.name}: holds no solid, only curves or surfaces; give a solid")
@@ -215,7 +223,7 @@ def _read(path: Path, changed: int, size: int) -> reader.Read:
 @dataclass(frozen=True)
 class _Made:
     unit: str
-    deviation: float | None
+    wanted: bodies.Wanted
     source: dict[str, Any]
     scale: fmpq
 
@@ -258,7 +266,7 @@ def _made(node: Node, name: str, above: str, before: Matrix, made: _Made) -> Ass
     )
     source = made.source if not above else {**made.source, "part": path}
     return Assembly(
-        name, path, node.product, node.colour, made.unit, children, made.deviation, placement, node.shape, source,
+        name, path, node.product, node.colour, made.unit, children, made.wanted, placement, node.shape, source,
         made.scale,
     )  # fmt: skip
 

@@ -1,4 +1,4 @@
-"""What becomes of a solid: the file's own planes and quadrics where it has no others, else triangles."""
+"""What becomes of a solid: the file's own planes, or where it is wanted its quadrics, else triangles."""
 
 from __future__ import annotations
 
@@ -18,6 +18,18 @@ from firstcontact.step.triangles import Net, triangulated
 
 DEVIATION = 1e-4
 """Of the size of a part: how far triangles are from its faces at most, unless it is said."""
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """How parts are built.
+
+    deviation: of triangles, at most, in the unit of the file, or None.  surfaces: whether curved solids become pieces
+    with the file's own surfaces, where checks bear them out.
+    """
+
+    deviation: float | None = None
+    surfaces: bool = False
 
 
 @dataclass(frozen=True)
@@ -49,34 +61,39 @@ def solids_of(part: Shape) -> list[Solid]:
     return known
 
 
-def built(part: Shape, deviation: float | None) -> tuple[Built, ...]:
-    """The bodies of a part, each solid by itself, kept on it.  deviation: in the unit of the file."""
-    if deviation not in part.made:
-        part.made[deviation] = tuple(_built(solid, deviation) for solid in solids_of(part))
-    known: tuple[Built, ...] = part.made[deviation]
+def built(part: Shape, wanted: Wanted) -> tuple[Built, ...]:
+    """The bodies of a part, each solid by itself, kept on it."""
+    if wanted not in part.made:
+        part.made[wanted] = tuple(_built(solid, wanted) for solid in solids_of(part))
+    known: tuple[Built, ...] = part.made[wanted]
     return known
 
 
-def _built(solid: Solid, deviation: float | None) -> Built:
+def _built(solid: Solid, wanted: Wanted) -> Built:
     solid.check()
     flat = planar.polyhedron_of(solid)
     if flat is not None:
         _check_volume(solid, flat.polyhedron, flat.moved)
         piece = Piece(flat.polyhedron, _names_of_polygons(solid, flat.polyhedron))
         return Built((piece,), flat.moved, True, solid, (piece,))
+    if wanted.surfaces and (own := _by_surfaces(solid)) is not None:
+        return own
+    net = triangulated(solid, DEVIATION * solid.size if wanted.deviation is None else wanted.deviation)
+    piece = _mesh_piece(solid, net)
+    return Built((piece,), net.deviation, False, solid, (piece,))
+
+
+def _by_surfaces(solid: Solid) -> Built | None:
+    """None where the file's surfaces are of other kinds, or checks do not bear the pieces out."""
     try:
         found, off, rough = cells.cells_of(solid)
     except cells.NotExact:
-        pass
-    else:
-        exact = [
-            Piece(x.body, CellNames.of_cell(solid, x), corners=np.array(list(product(*zip(*x.box, strict=True)))))
-            for x in found
-        ]
-        return Built(tuple(exact), off, True, solid, (_mesh_piece(solid, rough),))
-    net = triangulated(solid, DEVIATION * solid.size if deviation is None else deviation)
-    piece = _mesh_piece(solid, net)
-    return Built((piece,), net.deviation, False, solid, (piece,))
+        return None
+    exact = [
+        Piece(x.body, CellNames.of_cell(solid, x), corners=np.array(list(product(*zip(*x.box, strict=True)))))
+        for x in found
+    ]
+    return Built(tuple(exact), off, True, solid, (_mesh_piece(solid, rough),))
 
 
 def _mesh_piece(solid: Solid, net: Net) -> Piece:
@@ -182,4 +199,3 @@ class CellNames:
 def _meeting(sets: tuple[frozenset[int], ...], groups: list[tuple[int, ...]]) -> list[int]:
     """Those of the sets that have a face of every group."""
     return [k for k, own in enumerate(sets) if all(own & set(group) for group in groups)]
-
