@@ -96,7 +96,10 @@ class Compound(Placing):
         return np.min([lo for lo, _ in boxes], axis=0), np.max([hi for _, hi in boxes], axis=0)
 
     def contains(self, points: Any) -> np.ndarray:
-        """(n,) bools: whether the (n, 3) points are in the closed body, for pieces that can tell."""
+        """(n,) bools: whether the (n, 3) points are in the closed body.  InputError where a piece is a polyhedron."""
+        if not all(hasattr(piece.body, "contains") for piece in self.pieces):
+            who = self.name or "compound"
+            raise InputError(f"{who}: only curved pieces tell what is in them; ask load_step(surfaces=True)")
         found = [piece.body.contains(points) for piece in self.pieces]
         told: np.ndarray = np.any(found, axis=0)
         return told
