@@ -43,9 +43,13 @@ def walk_together(questions: Questions, asking: Asking, rows: Rows) -> np.ndarra
 
 def _groups(questions: Questions, where: np.ndarray, motions: Translations | Rotations) -> list[np.ndarray]:
     """Numbers of motions that are walked together, each list of them about one pair of bodies."""
+    if isinstance(motions, Translations):
+        able = is_moderate(motions.vectors)
+        if all((side == side[0]).all() for side in (questions.a, questions.b) if len(side)):  # as mostly, and at once
+            return [np.flatnonzero(able)] if able.any() else []
     pairs = questions.a[where].astype(np.int64) * len(questions.bodies) + questions.b[where]
     if isinstance(motions, Translations):
-        keys, able = pairs[:, None], is_moderate(motions.vectors)
+        keys = pairs[:, None]
     else:
         sense = np.sign(motions.angles)
         keys = np.column_stack([pairs, motions.axes, motions.points, sense])

@@ -174,7 +174,7 @@ def _by_threads(n: int, questions: Questions, asking: Asking, rows: Rows, count:
             seconds, at = (time.perf_counter() - begin) / (part.stop - at), part.stop
     if at == n_all:
         return np.concatenate(done)
-    size = max(1, min(int(THREAD_PART / seconds), -(-(n_all - at) // (2 * n))))
+    size = max(1, min(int(THREAD_PART / seconds), -(-(n_all - at) // n)))
     pool = ThreadPoolExecutor(n)
     try:
         parts = [slice(first, min(first + size, n_all)) for first in range(at, n_all, size)]
