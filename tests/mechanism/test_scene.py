@@ -34,16 +34,6 @@ limits = [-30, 150]
 """
 
 
-@pytest.fixture
-def scene(tmp_path):
-    def write(text):
-        path = tmp_path / "scene.toml"
-        path.write_text(text)
-        return path
-
-    return write
-
-
 def test_the_door_opens_until_its_handle_meets_the_drawer(capsys):
     assert run(["sweep", DOOR]) == 1
     told = capsys.readouterr().out

@@ -50,14 +50,10 @@ def _done(motion: Any, time: float, unit: str) -> str:
     if isinstance(motion, Translation):
         length = math.hypot(*map(to_double, motion.vector))
         return f"has moved {_number(time * length)} of {_number(length)}{unit and ' ' + unit}"
-    if isinstance(motion, Screw):
-        degrees = math.degrees(to_double(motion.angle)) if motion.unit == "radians" else 360 * to_double(motion.angle)
-        ahead = to_double(motion.advance)
+    if isinstance(motion, Rotation | Screw):
+        degrees, ahead = math.degrees(motion.radians), to_double(motion.advance) if isinstance(motion, Screw) else 0.0
         shift = f", {_number(time * ahead)} of {_number(ahead)}{unit and ' ' + unit} ahead" if ahead else ""
         return f"has turned {_number(time * degrees)} of {_number(degrees)} degrees{shift}"
-    if isinstance(motion, Rotation):
-        degrees = math.degrees(motion.radians)
-        return f"has turned {_number(time * degrees)} of {_number(degrees)} degrees"
     if isinstance(motion, Sequence):
         k = min(bisect_left([to_double(end) for end in motion.ends], time), len(motion.steps) - 1)
         start, end = to_double(motion.starts[k]), to_double(motion.ends[k])

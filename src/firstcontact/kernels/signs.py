@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from firstcontact.kernels.double_double import two_product, two_sum
 from firstcontact.kernels.jit import kernel
 from firstcontact.kernels.verdict import DET_EPS, TINY, cross, cross_size, slack3
 
@@ -18,7 +19,6 @@ UNSURE = 2
 # of four components each.
 ROOM = 2048
 
-_SPLIT = 2.0**27 + 1.0
 _LEAST, _LARGEST = 2.0**-250, 2.0**200
 
 
@@ -33,11 +33,7 @@ def _add(room, n, x):
     """The expansion of n components and x, exactly: the number of its components, none of which is zero."""
     m = 0
     for i in range(n):
-        y = room[i]
-        total = x + y
-        part = total - x
-        rest = (x - (total - part)) + (y - part)
-        x = total
+        x, rest = two_sum(x, room[i])
         if rest != 0.0:
             room[m] = rest
             m += 1
@@ -48,21 +44,8 @@ def _add(room, n, x):
 
 
 @kernel
-def _product(x, y):
-    """(rounded product, its error)."""
-    p = x * y
-    c = _SPLIT * x
-    x1 = c - (c - x)
-    x2 = x - x1
-    c = _SPLIT * y
-    y1 = c - (c - y)
-    y2 = y - y1
-    return p, ((x1 * y1 - p) + x1 * y2 + x2 * y1) + x2 * y2
-
-
-@kernel
 def _add_product(room, n, x, y):
-    p, e = _product(x, y)
+    p, e = two_product(x, y)
     if e != 0.0:
         n = _add(room, n, e)
     return _add(room, n, p)
@@ -120,7 +103,7 @@ def _exact_det_sign(high, low, room, p0, p1, q0, q1, r0, r1):
             y, z = 3 + (k + 1 + turn) % 3, 6 + (k + 2 - turn) % 3
             for i in range(int(counts[k])):
                 for j in range(int(counts[y])):
-                    p, e = _product(parts[k, i], parts[y, j])
+                    p, e = two_product(parts[k, i], parts[y, j])
                     if turn == 1:
                         p, e = -p, -e
                     for m in range(int(counts[z])):

@@ -202,10 +202,7 @@ def _off_at_edges(problem: _Problem) -> float:
 
     solid, worst = problem.solid, 0.0
     on = {face: k for k, faces in enumerate(problem.faces_on) for face in faces}
-    beside: dict[int, set[int]] = {}
-    for number, uses in enumerate(solid.uses):
-        for use in uses:
-            beside.setdefault(use.number, set()).add(on[number])
+    beside = [{on[face] for face in faces} for faces in solid.incidence[0]]
     for number, edge in enumerate(solid.edges):
         if solid.is_degenerate(number):
             continue
@@ -355,10 +352,7 @@ def _cuts(solid: Solid, surfaces: list[Surface], of_face: list[int]) -> Iterator
     from OCP.GeomAbs import GeomAbs_CurveType as Kind
 
     forms = np.array([doubles(s.matrix()) for s in surfaces])
-    beside: dict[int, set[int]] = {}
-    for number, uses in enumerate(solid.uses):
-        for use in uses:
-            beside.setdefault(use.number, set()).add(of_face[number])
+    beside = [{of_face[face] for face in faces} for faces in solid.incidence[0]]
     for number, edge in enumerate(solid.edges):
         if solid.is_degenerate(number):
             continue

@@ -92,7 +92,7 @@ def _search(live: np.ndarray, excludes: Excludes, visits: int, depth: int) -> tu
         # the variable along which the nets vary most
         seen = live[:, :shown]
         k = free[int(np.argmax([np.abs(np.diff(seen, axis=2 + k)).sum() / (seen.shape[2 + k] - 1) for k in free]))]
-        live = _halves(live, 2 + k)
+        live = halves(live, 2 + k)
         low, high = index.copy(), index.copy()
         low[:, 1 + k], high[:, 1 + k] = 2 * index[:, 1 + k], 2 * index[:, 1 + k] + 1
         index = np.concatenate([low, high])
@@ -100,7 +100,7 @@ def _search(live: np.ndarray, excludes: Excludes, visits: int, depth: int) -> tu
     return index, halved
 
 
-def _halves(nets: np.ndarray, axis: int) -> np.ndarray:
+def halves(nets: np.ndarray, axis: int) -> np.ndarray:
     """The nets of the lower halves, then those of the upper ones, along one axis (de Casteljau)."""
     work = np.moveaxis(nets, axis, 0)
     n = len(work)

@@ -8,6 +8,7 @@ import numpy as np
 from flint import fmpq, fmpq_poly
 
 from firstcontact.contact.signs.conditions import local_trims, reversed_trims
+from firstcontact.contact.signs.exclusion import halves
 from firstcontact.contact.torus.cells import Cells
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import to_double
@@ -101,19 +102,10 @@ class Nets(Cells):
         return cells[:, 5:].reshape(len(cells), 2, self.order, 4)
 
     def _halves_in_x(self, cells: np.ndarray) -> np.ndarray:
-        """By de Casteljau's rule."""
-        x = self._homogeneous(cells)
-        low, high = [x[:, :, 0]], [x[:, :, -1]]
-        for _ in range(self.order - 1):
-            x = 0.5 * (x[:, :, :-1] + x[:, :, 1:])
-            low.append(x[:, :, 0])
-            high.append(x[:, :, -1])
-        return _parts(cells, 1, np.stack(low, axis=2), np.stack(high[::-1], axis=2))
+        return _parts(cells, 1, *np.split(halves(self._homogeneous(cells), 2), 2))
 
     def _halves_in_s(self, cells: np.ndarray) -> np.ndarray:
-        x = self._homogeneous(cells)
-        middle = 0.5 * (x[:, 0] + x[:, 1])
-        return _parts(cells, 3, np.stack([x[:, 0], middle], axis=1), np.stack([middle, x[:, 1]], axis=1))
+        return _parts(cells, 3, *np.split(halves(self._homogeneous(cells), 1), 2))
 
     def _may_be_kept(self, cells: np.ndarray) -> np.ndarray:
         """(n,) False where an inequality of the surface fails all over the cell."""
