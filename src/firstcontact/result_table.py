@@ -76,11 +76,6 @@ class Rows:
         self.array["status"][where] = STATUSES.index("FREE")
         self.array["free_until"][where] = ends
 
-    def free_all(self, which: np.ndarray, ends: np.ndarray) -> None:
-        """The same of all rows for which `which` (n,) is true."""
-        np.copyto(self.array["status"], STATUSES.index("FREE"), where=which, casting="unsafe")
-        np.copyto(self.array["free_until"], ends, where=which)
-
     def fill(self, row: int, found: Any) -> None:
         """Write one answer into its row; where it is waits, of some, until it is asked for."""
         record = self.array[row]

@@ -43,20 +43,16 @@ def walk_together(questions: Questions, asking: Asking, rows: Rows) -> np.ndarra
 
 def _groups(questions: Questions, where: np.ndarray, motions: Translations | Rotations) -> list[np.ndarray]:
     """Numbers of motions that are walked together, each list of them about one pair of bodies."""
+    keys = [questions.a[where], questions.b[where]]
     if isinstance(motions, Translations):
         able = is_moderate(motions.vectors)
-        if all((side == side[0]).all() for side in (questions.a, questions.b) if len(side)):  # as mostly, and at once
-            return [np.flatnonzero(able)] if able.any() else []
-    pairs = questions.a[where].astype(np.int64) * len(questions.bodies) + questions.b[where]
-    if isinstance(motions, Translations):
-        keys = pairs[:, None]
     else:
         sense = np.sign(motions.angles)
-        keys = np.column_stack([pairs, motions.axes, motions.points, sense])
+        keys += [*motions.axes.T, *motions.points.T, sense]
         able = sense != 0
-    if len(keys) and (keys == keys[0]).all():  # as mostly, and at once
+    if all((key == key[:1]).all() for key in keys):  # as mostly, and at once
         return [np.flatnonzero(able)] if able.any() else []
-    _, group = np.unique(keys[able], axis=0, return_inverse=True)
+    _, group = np.unique(np.column_stack(keys)[able], axis=0, return_inverse=True)
     order = np.argsort(group, kind="stable")
     cuts = np.flatnonzero(np.diff(group[order])) + 1
     return [some for some in np.split(np.flatnonzero(able)[order], cuts) if len(some)]
@@ -85,12 +81,8 @@ def _walked(
     told, work, contacts = each.told()
     done = told != OPEN if budget is None else (told != OPEN) & (work < budget)
     array, free = rows.array, done & (told == FREE)
-    if len(where) == len(rows):  # as mostly: no row is looked up
-        rows.free_all(free, ends)
-        np.copyto(array["work"], work, where=done)
-    else:
-        rows.free(where[free], ends[free])
-        array["work"][where[done]] = work[done]
+    rows.free(where[free], ends[free])
+    array["work"][where[done]] = work[done]
     found = np.flatnonzero(done[contacts.motions])
     at = where[contacts.motions[found]]
     array["status"][at] = STATUSES.index("CONTACT")
