@@ -1,9 +1,9 @@
 """How far points of links pass from where they are in the middle of a stretch of time, by the speeds of the joints.
 
 A point p is at F(s) G(s) p, G the pose by the joints beyond one joint, F that by it.  If G(s) p stays within m of its
-place in the middle, then F(s) G(s) p stays within m + w d + v of its own: w and v bound how far the joint turns and
-advances from the middle on, and d is the distance of G(s) p from the axis, at most m more than it is in the middle.
-So one walk along the joints bounds all of a stretch, and NumPy takes all stretches at once.
+place y in the middle, then F(s) G(s) p stays within m of F(s) y, as F(s) keeps distances, and so within m + w d + v of
+its own place in the middle: w and v bound how far the joint turns and advances from the middle on, d is the distance of
+y from the axis.  So one walk along the joints bounds all of a stretch, and NumPy takes all stretches at once.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ def places(motion: Linkage, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]
             across, turned = arm - along, np.cross(axis, arm)
             turn = (angle * middle)[:, None, None]
             x = point + along + np.cos(turn) * across + np.sin(turn) * turned
-            far = far + abs(angle) * (swing + blur)[:, None] * (np.linalg.norm(turned, axis=-1) + far)
+            far = far + abs(angle) * (swing + blur)[:, None] * np.linalg.norm(turned, axis=-1)
         if ahead.any():
             x = x + middle[:, None, None] * ahead
             far = far + np.linalg.norm(ahead) * (swing + blur)[:, None]
