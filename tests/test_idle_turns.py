@@ -181,3 +181,16 @@ def test_what_the_other_body_meets_by_its_turn_alone_keeps_the_turn(about, time)
         assert hit.status is fc.Status.INITIAL_CONTACT
     else:
         assert hit.time == pytest.approx(time - 2 * np.arcsin(0.75 / 6) / (2 * np.pi), abs=1e-12)
+
+
+@pytest.mark.parametrize("swapped", [False, True])
+def test_what_is_not_round_and_comes_along_is_seen(swapped):
+    """A square collar far below a round shaft rises to a block, which turns from beside it to above its corner."""
+    shaft = fc.cylinder(1, 30) | fc.box((4, 4, 1)).translated((0, 0, -10))
+    block = fc.box(("1/4", "1/4", "1/2")).translated(("47/20", 0, 0)).moving(fc.Rotation(Z, degrees=45))
+    rising = shaft.moving(fc.Translation((0, 0, 10)))
+    hit = fc.first_contact(*((block, rising) if swapped else (rising, block)))
+    lo, hi = hit.time_interval
+    assert lo <= 0.925 <= hi and hi - lo < 1e-11  # the collar's top from -9.5 to the block's bottom at -0.25
+    still = block.body.moving(fc.Rotation(Z, degrees=1))
+    assert fc.first_contact(rising, still).status is fc.Status.FREE

@@ -12,6 +12,7 @@ import pytest
 import firstcontact as fc
 from firstcontact.body.torus.torus import torus as made
 from firstcontact.cli import run
+from firstcontact.contact.torus.nets import Nets
 from firstcontact.errors import InputError
 from firstcontact.view.drawing import drawings
 from firstcontact.view.pair import pairs_of
@@ -352,3 +353,32 @@ def test_a_scene(tmp_path, capsys):
     assert "CONTACT at time 0.45" in capsys.readouterr().out
     scene.write_text(scene.read_text().replace("minor", "miner"))
     assert run(["check", str(scene)]) == 3 and "minor" in capsys.readouterr().err
+
+
+def test_halved_nets_stay_as_near_their_surface_as_is_said():
+    """Against de Casteljau's rule in fractions, of the same doubles; ends of cells are points of the surface."""
+    bent = fc.RuledSurface("((u - 3)/(u + 2), 1/3 + u/7, u)", "(u/3, 2*u/(u + 3), 5/7)", u=(0, 1))
+    nets = Nets(bent)
+    (cell,) = nets.all()
+    x = [[[F(c) for c in point] for point in side] for side in nets._homogeneous(cell[None])[0].tolist()]
+    cells, exact, rng, worst = cell[None], x, np.random.default_rng(3), 0.0
+    for _ in range(12):
+        in_x, upper = rng.random() < 0.6, int(rng.random() < 0.5)
+        cells = (nets._halves_in_x if in_x else nets._halves_in_s)(cells)[upper : upper + 1]
+        if in_x:
+            exact = [halved(side, upper) for side in exact]
+        else:
+            exact = list(zip(*(halved(list(pair), upper) for pair in zip(*exact, strict=True)), strict=True))
+        points = nets.points(cells)[0]
+        wanted = [[float(c / point[3]) for c in point[:3]] for side in exact for point in side]
+        worst = max(worst, float(np.abs(points - wanted).max()))
+    assert 0.0 < worst <= nets.off < 1e-12
+
+
+def halved(points, upper):
+    """The control points of the lower or upper half."""
+    kept = []
+    while points:
+        kept.append(points[-1] if upper else points[0])
+        points = [[(a + b) / 2 for a, b in zip(p, q, strict=True)] for p, q in zip(points, points[1:], strict=False)]
+    return kept[::-1] if upper else kept

@@ -59,6 +59,9 @@ CASES = {
     "cube that turns on the spot": (CUBE.moving(Rotation((0, 0, 1), degrees=720)), FLOOR, None),
     "cube that is pressed down": (CUBE.moving(Translation((0, 0, -1))), FLOOR, 0.0),
     "cube that tilts into the floor": (CUBE.moving(Rotation((0, 1, 0), ("1/2", 0, 0), degrees=10)), FLOOR, 0.0),
+    "cube that is pushed into its neighbour on the floor": (
+        CUBE.moving(Translation((2, 0, 0))), block((1, 0, 0), (2, 1, 1), "neighbour"), 0.0,
+    ),
     "out and in again": (CUBE.moving(OUT_AND_IN), FLOOR, None),
     "along the floor, then down": (CUBE.moving(steps((1, 0, 0), (0, 0, -1))), FLOOR, 0.5),
     "along, up, back and down again": (CUBE.moving(steps((1, 0, 0), (0, 0, 1), (-1, 0, 0), (0, 0, -1))), FLOOR, 1.0),

@@ -15,6 +15,7 @@ from numba.core.dispatcher import Dispatcher
 import firstcontact
 from firstcontact import query
 from firstcontact.kernels import cache, notices
+from firstcontact.search.trees import translate, walk
 
 EXTRAS = "distributed", "pyarrow", "pandas", "pyvista"
 ASK = """
@@ -74,6 +75,7 @@ SHIPPED = """
 import sys
 from pathlib import Path
 from firstcontact.kernels import cache, notices
+from firstcontact.search.trees import translate, walk
 cache.SHIPPED, cache._ALL_SHIPPED = Path(sys.argv[1]), Path(sys.argv[1]).parent
 from firstcontact.kernels.jit import kernel
 def twice(x):
@@ -141,6 +143,18 @@ def test_all_that_kernels_read_is_in_their_digest():
                 assert _is_told(value), (kernel, name, value)
             _ask_of_motion(kernel)
     assert kernels > 400
+
+
+def test_options_of_what_the_motion_chooses_are_in_the_digest(monkeypatch):
+    """Kernels that were inlined by an option, or not, were taken for one another."""
+    chosen, options = cache.IMPLEMENTATIONS[translate.earliest_meeting, 1]
+    assert options == {"forceinline": True}
+    before = cache.fingerprint(walk.walk, 1)
+    monkeypatch.setattr(cache, "_fingerprints", {})
+    assert cache.fingerprint(walk.walk, 1) == before
+    monkeypatch.setattr(cache, "_fingerprints", {})
+    monkeypatch.setitem(cache.IMPLEMENTATIONS, (walk.earliest_meeting, 1), (chosen, {}))
+    assert cache.fingerprint(walk.walk, 1) != before
 
 
 def _read(function, code):
