@@ -44,7 +44,7 @@ WORTH = 10.0
 """Seconds of work from which on it is worth starting processes, which load the library first."""
 TRIED = 0.5
 """Seconds after which what the work will take is judged."""
-THREAD_PART, FIRST_WALKED = 0.05, (64, 512)
+THREAD_PART, FIRST_WALKED = 0.1, (64, 512)
 """Seconds of a part that is walked by a thread.
 
 And questions of the first ones, the first of which makes what the others share, and the last tells what one takes.
@@ -174,7 +174,8 @@ def _by_threads(n: int, questions: Questions, asking: Asking, rows: Rows, count:
             seconds, at = (time.perf_counter() - begin) / (part.stop - at), part.stop
     if at == n_all:
         return np.concatenate(done)
-    size = max(1, min(int(THREAD_PART / seconds), -(-(n_all - at) // n)))
+    n_parts = n * max(1, round(seconds * (n_all - at) / (n * THREAD_PART)))  # of one size, as many for each thread
+    size = -(-(n_all - at) // n_parts)
     pool = ThreadPoolExecutor(n)
     try:
         parts = [slice(first, min(first + size, n_all)) for first in range(at, n_all, size)]
