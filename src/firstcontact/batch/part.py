@@ -57,7 +57,7 @@ def answers(questions: Questions, asking: Asking) -> Rows:
     if asking.walks and len(questions):
         from firstcontact.batch.together import walk_together  # loads what polyhedra need
 
-        left[walk_together(questions, asking, rows)] = False
+        left &= ~walk_together(questions, asking, rows)
     for row in np.flatnonzero(left).tolist():
         answer(questions, asking, row, rows)
     return rows

@@ -24,25 +24,25 @@ Some = np.ndarray | slice
 FEWEST = 8
 """Motions of one pair from which on they are walked together."""
 _STATUS = np.zeros(4, np.uint8)
-"""By what walks tell."""
+"""By what walks tell; 0 of what they leave open."""
 _STATUS[[FREE, MET, TIMED]] = [STATUSES.index(status) for status in ("FREE", "CONTACT", "CONTACT")]
 _CONTAINED = Kept[tuple[Any, bool]]()
 
 
 def walk_together(questions: Questions, asking: Asking, rows: Rows) -> np.ndarray:
-    """Answers what is about pairs of polyhedra under translations or rotations, in compiled walks; gives the rows that
+    """Answers what is about pairs of polyhedra under translations or rotations, in compiled walks.
 
-    it did.
+    Tells of each row whether it did.
     """
-    done = [np.empty(0, np.int64)]
+    done = np.zeros(len(questions), bool)
     for where, motions, ends in questions.walkable():
         for some in _groups(questions, where, motions):
             some_rows = where[some]
             a, b = (questions.bodies[side[some_rows[0]]] for side in (questions.a, questions.b))
             if len(some_rows) >= FEWEST and is_taken(a, b) and not _is_contained(a, b):
                 each = _each(a, b, motions[some], ends[some])
-                done.append(_walked(each, some_rows, ends[some], asking.budget, rows))
-    return np.concatenate(done)
+                _walk(each, some_rows, ends[some], asking.budget, rows, done)
+    return done
 
 
 def _groups(questions: Questions, where: np.ndarray, motions: Translations | Rotations) -> list[Some]:
@@ -85,24 +85,30 @@ def _is_contained(a: Polyhedron, b: Polyhedron) -> bool:
     return known[1]
 
 
-def _walked(
-    each: EachTranslation | EachRotation, where: np.ndarray, ends: np.ndarray, budget: int | None, rows: Rows
-) -> np.ndarray:
-    """Fills the rows `where`, of which nothing is known, with what walks tell; gives those that they do."""
+def _walk(
+    each: EachTranslation | EachRotation,
+    where: np.ndarray,
+    ends: np.ndarray,
+    budget: int | None,
+    rows: Rows,
+    done: np.ndarray,
+) -> None:
+    """Fills the rows `where`, of which nothing is known, with what walks tell, and notes which they do."""
     told, work, contacts = each.told()
-    done = told != OPEN if budget is None else (told != OPEN) & (work < budget)
-    array, run = rows.array, _run(where)
-    array["status"][run] = np.where(done, _STATUS[told], 0)
-    array["free_until"][run] = np.where(done & (told == FREE), ends, np.nan)
-    array["work"][run] = np.where(done, work, 0)
-    found = np.flatnonzero(done[contacts.motions])
+    if budget is not None:
+        told[work >= budget] = OPEN
+    array, run, known = rows.array, _run(where), told != OPEN
+    done[run] = known
+    array["status"][run] = _STATUS[told]
+    array["free_until"][run] = np.where(told == FREE, ends, np.nan)
+    array["work"][run] = work * known
+    found = np.flatnonzero(known[contacts.motions])
     at = where[contacts.motions[found]]
     array["time"][at] = contacts.times[found]
     for name, side in (("lo", 0), ("hi", 1), ("free_until", 0)):
         array[name][at] = contacts.intervals[found, side]
     if len(found):
         rows.later.append(partial(_place, partial(each.place, contacts), at.tolist(), found.tolist(), array))
-    return where[done]
 
 
 def _place(place: Callable[[int], Place], at: list[int], found: list[int], array: np.ndarray) -> None:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import os
 import pickle
 import sys
+import threading
 import time
 import uuid
 from collections import deque
@@ -138,7 +139,7 @@ def answered(
         return rows
     n = cores() if workers is None else workers
     if asking.walks:
-        left[_by_threads(n, questions, asking, rows, count)] = False
+        left &= ~_by_threads(n, questions, asking, rows, count)
     _one_by_one(n, questions, asking, np.flatnonzero(left), rows, count, spare)
     return rows
 
@@ -159,32 +160,38 @@ def _one_by_one(
 
 
 def _by_threads(n: int, questions: Questions, asking: Asking, rows: Rows, count: Count) -> np.ndarray:
-    """Answers by compiled walks; gives the rows that they did."""
+    """Answers by compiled walks; tells of each row whether they did."""
     from firstcontact.batch.together import walk_together  # loads what polyhedra need
 
-    def walk(where: slice) -> np.ndarray:
-        return where.start + walk_together(questions.part(where), asking, rows.part(where))
+    begun, done = threading.Event(), np.zeros(len(questions), bool)
 
-    at, n_all, done = 0, len(questions), [np.empty(0, np.int64)]
+    def walk(where: slice) -> int:
+        begun.wait()
+        done[where] = some = walk_together(questions.part(where), asking, rows.part(where))
+        return int(np.count_nonzero(some))
+
+    begun.set()
+    at, n_all = 0, len(questions)
     for size in FIRST_WALKED:
         begin, part = time.perf_counter(), slice(at, min(at + size, n_all))
         if part.start < part.stop:
-            done.append(walk(part))
-            count.add(len(done[-1]))
+            count.add(walk(part))
             seconds, at = (time.perf_counter() - begin) / (part.stop - at), part.stop
     if at == n_all:
-        return np.concatenate(done)
+        return done
     n_parts = n * max(1, round(seconds * (n_all - at) / (n * THREAD_PART)))  # of one size, as many for each thread
     size = -(-(n_all - at) // n_parts)
     pool = ThreadPoolExecutor(n)
+    begun.clear()  # threads are slow to start beside one that is at work
     try:
-        parts = [slice(first, min(first + size, n_all)) for first in range(at, n_all, size)]
-        for future in as_completed([pool.submit(walk, part) for part in parts]):
-            done.append(future.result())
-            count.add(len(done[-1]))
+        parts = [pool.submit(walk, slice(k, min(k + size, n_all))) for k in range(at, n_all, size)]
+        begun.set()
+        for future in as_completed(parts):
+            count.add(future.result())
     finally:
+        begun.set()
         pool.shutdown(cancel_futures=True)
-    return np.concatenate(done)
+    return done
 
 
 # -- parts for others ---------------------------------------------------------------------------------------------

@@ -35,17 +35,32 @@ class Walked:
     """What walks tell: FREE, MET, TIMED or OPEN, and node visits and pair tests, of each motion.
 
     Of those that are MET, all contacts that may be first, by motion: number of the motion, enclosures of the times (k,
-    2), kind and elements (k, 5) as in a `Pair`.  Of those that are TIMED the first contact, its time in two doubles.
+    2), candidates (k, 5) as parts of the trees have them.  Of those that are TIMED the first contact, its time in two
+    doubles.
     """
 
     told: np.ndarray
     work: np.ndarray
     motions: np.ndarray
     times: np.ndarray
-    pairs: np.ndarray
+    candidates: np.ndarray
+    trees: tuple[Tree, Tree]
 
-    def pairs_of(self, some: Any) -> list[Pair]:
-        return [(kind, (i, j), (k, m)) for kind, i, j, k, m in self.pairs[some].tolist()]
+    def pairs(self, some: Any) -> np.ndarray:
+        """Kinds and elements (n, 5) of some candidates, as `feature` tells them."""
+        rows = self.candidates[some]
+        kinds, pairs = rows[:, 0] - CERTAIN_KIND, np.empty((len(rows), 5), np.int64)
+        pairs[:, 0] = kinds
+        for side, tree in enumerate(self.trees):
+            local, primitive = rows[:, 2 + 2 * side], tree.ids[rows[:, 1 + 2 * side], 0]
+            kind = np.array([KINDS[k][side] for k in range(len(KINDS))])[kinds]
+            found = np.where(kind == VERTEX, tree.corners[primitive, local], tree.sides[primitive, local])
+            pairs[:, 1 + 2 * side] = kind
+            pairs[:, 2 + 2 * side] = np.where(kind == FACE, primitive, found)
+        return pairs
+
+    def named(self, some: Any) -> list[Pair]:
+        return [(kind, (i, j), (k, m)) for kind, i, j, k, m in self.pairs(some).tolist()]
 
     def groups(self) -> list[slice]:
         """The contacts of each motion."""
@@ -89,24 +104,24 @@ def placed(problem: Problem, contacts: Contacts, k: int, moving: Moving, b: Poly
 class Walks:
     """What all walks share.
 
-    boxes and trees of both bodies, how far coordinates of parts may be off, the pair tests after which `first` asks
-    another engine, and by what each coordinate of the parts is off, where that is known.
+    boxes and trees of both bodies, how far coordinates of both boxes together and those of parts may be off, the pair
+    tests after which `first` asks another engine, and by what each coordinate of the parts is off, where that is known.
     """
 
     boxes_a: np.ndarray
     tree_a: Tree
     boxes_b: np.ndarray
     tree_b: Tree
+    error: float
     error_a: float
     error_b: float
     most_tests: int
     rests: tuple[np.ndarray, np.ndarray] = (np.empty((0, 9)), np.empty((0, 9)))
 
     def walked(
-        self, motion: np.ndarray, vectors: np.ndarray, frame: np.ndarray, ends: np.ndarray, pads: np.ndarray
+        self, motion: np.ndarray, vectors: np.ndarray, frame: np.ndarray, ends: np.ndarray, sure_ends: np.ndarray
     ) -> Walked:
-        """motion, vectors, frame, ends, pads: as `walk_each` has them, but for pads, one for all or for each."""
-        pads = np.ascontiguousarray(np.broadcast_to(pads, len(ends)))
+        """motion, vectors, frame, ends, sure_ends: as `walk_each` has them."""
         a, b = self.tree_a, self.tree_b
         told, work = np.full(len(ends), OPEN, np.int64), np.zeros(len(ends), np.int64)
         all_times, all_rows = [np.empty((0, 2))], [np.empty((0, 6), np.int64)]
@@ -116,7 +131,8 @@ class Walks:
                 times, rows = np.empty((ROOM, 2)), np.empty((ROOM, 6), np.int64)
                 begin, count = walk_each(
                     self.boxes_a, a.links, a.xyz, a.ids, self.boxes_b, b.links, b.xyz, b.ids,
-                    motion, vectors, frame, ends, pads, self.error_a, self.error_b, self.most_tests, begin, SLICE,
+                    motion, vectors, frame, ends, sure_ends, self.error, self.error_a, self.error_b, self.most_tests,
+                    begin, SLICE,
                     state.floats, state.integers, state.keys, state.pairs, state.stack, state.times, state.candidates,
                     *self.rests, told, work, times, rows,
                 )  # fmt: skip
@@ -125,19 +141,7 @@ class Walks:
         finally:
             return_state(state)
         rows = np.concatenate(all_rows)
-        return Walked(told, work, rows[:, 0], np.concatenate(all_times), self._pairs(rows[:, 1:]))
-
-    def _pairs(self, rows: np.ndarray) -> np.ndarray:
-        """Kinds and elements of candidates, as `feature` tells them."""
-        kinds, pairs = rows[:, 0] - CERTAIN_KIND, np.empty((len(rows), 5), np.int64)
-        pairs[:, 0] = kinds
-        for side, tree in ((0, self.tree_a), (1, self.tree_b)):
-            local, primitive = rows[:, 2 + 2 * side], tree.ids[rows[:, 1 + 2 * side], 0]
-            kind = np.array([KINDS[k][side] for k in range(len(KINDS))])[kinds]
-            found = np.where(kind == VERTEX, tree.corners[primitive, local], tree.sides[primitive, local])
-            pairs[:, 1 + 2 * side] = kind
-            pairs[:, 2 + 2 * side] = np.where(kind == FACE, primitive, found)
-        return pairs
+        return Walked(told, work, rows[:, 0], np.concatenate(all_times), rows[:, 1:], (a, b))
 
 
 Exactly = Callable[[Pair, float, float], Any]

@@ -22,22 +22,23 @@ class EachRotation:
     def told(self) -> tuple[np.ndarray, np.ndarray, Contacts]:
         """FREE, MET or OPEN, node visits and pair tests, of each motion; the contacts."""
         problem = self._problem(0)
-        trees = problem.tree_a, problem.tree_b
+        a, b = problem.tree_a, problem.tree_b
         errors = problem.error_a, problem.error_b
-        walks = Walks(trees[0].boxes, trees[0], trees[1].boxes, trees[1], *errors, problem.most_tests())
+        walks = Walks(a.boxes, a, b.boxes, b, sum(errors), *errors, problem.most_tests())
         angles = [self.motions.angle(k) for k in range(len(self.lasts))]
         lasts = map(exact_value, self.lasts.tolist())
-        ends = [problem.until(abs(x * t), abs(y * t)).window() for (x, y), t in zip(angles, lasts, strict=True)]
+        windows = [problem.until(abs(x * t), abs(y * t)).window() for (x, y), t in zip(angles, lasts, strict=True)]
         ranges = problem.motion.copy()  # walks fill it, and others may go on in other threads
         none = np.empty((0, 3))
-        return self._contacts(walks.walked(ranges, none, none, np.array(ends), np.array(problem.pad)))
+        ends, sure_ends = np.array(windows).reshape(-1, 2).T.copy()
+        return self._contacts(walks.walked(ranges, none, none, ends, sure_ends))
 
     def _contacts(self, walked: Walked) -> tuple[np.ndarray, np.ndarray, Contacts]:
         found = []
         for some in walked.groups():
             motion = int(walked.motions[some.start])
             problem = self._problem(motion)
-            candidates = zip(*walked.times[some].T.tolist(), walked.pairs_of(some), strict=True)
+            candidates = zip(*walked.times[some].T.tolist(), walked.named(some), strict=True)
             first = first_of(list(candidates), _exactly(problem))
             if first is None:
                 walked.told[motion] = OPEN

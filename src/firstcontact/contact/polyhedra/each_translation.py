@@ -11,11 +11,7 @@ from firstcontact.body.kept import Kept
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact.polyhedra.each import Contacts, Place, Walked, Walks, piece_of, placed
 from firstcontact.contact.polyhedra.earliest import Pair
-from firstcontact.contact.polyhedra.translation_problem import (
-    TranslationProblem,
-    framed_pad,
-    rows_of,
-)
+from firstcontact.contact.polyhedra.translation_problem import TranslationProblem, rows_of
 from firstcontact.exact.times.instants import RationalInstant
 from firstcontact.exact.vectors import Vector, whole, whole_doubles
 from firstcontact.motion.translation import Translation
@@ -38,15 +34,14 @@ class EachTranslation:
         problem = self.problem = TranslationProblem(a, b, piece_of(a.moving(Translation((1, 0, 0))), b, 1.0))
         x, y = problem.tree_a, problem.tree_b
         self.walks = Walks(
-            problem.boxes_a, x, problem.boxes_b, y, x.error, y.error, problem.most_tests(), self._whole.rests(x, y)
-        )
+            problem.boxes_a, x, problem.boxes_b, y, problem.error, x.error, y.error, problem.most_tests(),
+            self._whole.rests(x, y),
+        )  # fmt: skip
 
     def told(self) -> tuple[np.ndarray, np.ndarray, Contacts]:
         """FREE, MET, TIMED or OPEN, node visits and pair tests, of each motion; the contacts."""
-        frame, vectors, lasts = self.problem.frame, self.vectors, self.lasts
-        pads = framed_pad(self.problem.error, frame, list(vectors.T), lasts)
-        ends = np.stack([lasts, lasts], axis=1)
-        return self._contacts(self.walks.walked(np.empty(9), vectors, rows_of(frame), ends, np.array(pads)))
+        frame = rows_of(self.problem.frame)
+        return self._contacts(self.walks.walked(np.empty(9), self.vectors, frame, self.lasts, self.lasts))
 
     def _contacts(self, walked: Walked) -> tuple[np.ndarray, np.ndarray, Contacts]:
         """What is told, work, and the contacts.
@@ -69,9 +64,9 @@ class EachTranslation:
 
         def pairs(k: int) -> list[Pair]:
             if k < len(alone):
-                return walked.pairs_of(alone[k : k + 1])
+                return walked.named(alone[k : k + 1])
             k -= len(alone)
-            return sorted(walked.pairs_of(others[np.sort(first[end[k] : end[k + 1]])]))
+            return sorted(walked.named(others[np.sort(first[end[k] : end[k + 1]])]))
 
         return walked.told, walked.work, Contacts(
             np.append(walked.motions[alone], walked.motions[others[chosen]]),
@@ -82,12 +77,13 @@ class EachTranslation:
 
     def _equations(self, walked: Walked, some: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Whole numbers gap and speed > 0 of some candidates, the time being gap / speed; a speed of 0 tells none."""
-        whole, kinds = self._whole, walked.pairs[some, 0]
+        whole, pairs = self._whole, walked.pairs(some)
+        kinds = pairs[:, 0]
         velocity, up, down = _whole_velocities(self.vectors[walked.motions[some]])
         gaps, speeds = np.empty(len(kinds), object), np.empty(len(kinds), object)
         for kind in np.unique(kinds).tolist():
             of = np.flatnonzero(kinds == kind)
-            corners = whole.corners(walked.pairs[some[of]])
+            corners = whole.corners(pairs[of])
             gaps[of], speeds[of] = coplanar.translation_equation(*corners, tuple(velocity[of].T))
         signs = np.where(speeds < 0, -1, 1)
         return signs * gaps * up, signs * speeds * whole.scale * down

@@ -68,11 +68,11 @@ class TranslationProblem(ByEngine):
         v = self._doubles
         self.frame = frame = None if self.last is None else shared_frame(self.a, self.b)
         self.boxes_a, self.boxes_b, self.error = framed_boxes(self.a, self.b, frame)
-        self.pad = framed_pad(self.error, frame, v, self.window()[0])
+        self.velocity = np.empty(9)
+        off = translate.lay_motion(np.array(v), rows_of(frame), self.velocity)
+        self.pad = 2.0 * self.error if frame is None else 2.0 * (self.error + off * self.window()[0])
         if any(x != 0 and abs(y) < LEAST_SPEED for x, y in zip(self.v, v, strict=True)):
             self.pad += 2.0**-800  # so slowly nothing comes that far before the bodies have passed each other
-        self.velocity = np.empty(9)
-        translate.lay_motion(np.array(v), rows_of(frame), self.velocity)
 
     def window(self) -> tuple[float, float]:
         """(last, sure last): outward and inward doubles around the end of the window."""
@@ -254,14 +254,6 @@ def framed_boxes(a: Polyhedron, b: Polyhedron, frame: Frame | None) -> tuple[np.
 def rows_of(frame: Frame | None) -> np.ndarray:
     """(3, 3), or (0, 3) without a frame: as `lay_motion` has it."""
     return np.empty((0, 3)) if frame is None else np.array(frame)
-
-
-def framed_pad(error: float, frame: Frame | None, v: Any, last: Any) -> Any:
-    """How much boxes may be apart and still overlap until the time `last`, numbers or arrays.
-
-    The framed velocity is off by 4 roundings of sums over |v|: so much per unit of time.
-    """
-    return 2.0 * (error + (0.0 if frame is None else 2.0**-50 * sum(map(abs, v)) * last))
 
 
 def _pace(v: Vector, doubles: list[float]) -> fmpq | None:

@@ -33,7 +33,7 @@ FREE, MET, TIMED, OPEN = range(4)
 @uncounted
 def walk_each(
     boxes_a, links_a, xyz_a, ids_a, boxes_b, links_b, xyz_b, ids_b,
-    motion, vectors, frame, lasts, pads, err_a, err_b, most, begin, visits,
+    motion, vectors, frame, lasts, sure_lasts, error, err_a, err_b, most, begin, visits,
     floats, integers, keys, pairs, stack, times, candidates,
     rests_a, rests_b, told, work, found_times, found_rows,
 ):  # fmt: skip
@@ -41,7 +41,8 @@ def walk_each(
 
     motion: as `walk` has it, laid in turn by each of vectors (n, 3) in the frame (3, 3) of the boxes, (0, 3) where that
     is the parts' own; vectors (0, 3): it is that of all.
-    lasts (n, 2): the end of the window, and what is certainly not after it.  pads (n,): as `walk` has it.
+    lasts, sure_lasts (n,): ends of the windows, and what is certainly not after them.
+    error: what coordinates of boxes are off by, together with those of the other body.
     rests_a, rests_b: what coordinates of parts are off by, (m, 9) each as xyz_a and xyz_b; (0, 9): it is not known.
     most: pair tests after which a motion is left open, visits: node visits.
     told (n,): FREE, MET, TIMED or OPEN; work (n,): visits and tests.  Of those that are MET or TIMED, found_times
@@ -51,17 +52,18 @@ def walk_each(
     count = 0
     timed = len(vectors) > 0 and len(rests_a) > 0
     for m in range(begin, len(lasts)):
+        pad = 2.0 * error
         if len(vectors) > 0:
-            lay_motion(vectors[m], frame, motion)
-        floats[FIRST], floats[SURE_FIRST], floats[SURE_LAST] = 0.0, 0.0, lasts[m, 1]
-        floats[BEST], floats[KEY], floats[ALL] = lasts[m, 0], 0.0, 0.0
+            pad += 2.0 * (lay_motion(vectors[m], frame, motion) * lasts[m])
+        floats[FIRST], floats[SURE_FIRST], floats[SURE_LAST] = 0.0, 0.0, sure_lasts[m]
+        floats[BEST], floats[KEY], floats[ALL] = lasts[m], 0.0, 0.0
         for k in range(len(integers)):
             integers[k] = 0
         integers[STACK] = 1
         stack[0, 0], stack[0, 1] = 0, 0
         reason = walk(
             boxes_a, links_a, xyz_a, ids_a, boxes_b, links_b, xyz_b, ids_b,
-            motion, err_a, err_b, pads[m], True, False, visits,
+            motion, err_a, err_b, pad, True, False, visits,
             floats, integers, keys, pairs, stack, times, candidates,
         )  # fmt: skip
         work[m] = integers[VISITS] + integers[TESTS]
