@@ -9,11 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 from firstcontact import query
 from firstcontact.assembly.kept import step_ends
-from firstcontact.errors import UnsupportedPair
+from firstcontact.contact.ways import tried
 from firstcontact.exact.numbers import exact_value, fraction, to_double
 from firstcontact.motion.span import common_span
 from firstcontact.result import ContactIntervals, Element, ElementPair, FirstContact, Status
@@ -129,12 +130,10 @@ def _at_once(a: Any, b: Any, asking: Asking) -> FirstContact:
     ways: tuple[Way, ...] = by_faces, by_parts, after_start
     for way in ways:
         try:
-            found = way(a, b, asking)
+            found = tried(partial(way, a, b, asking))
         except Lasts:
             return _lasting(a, b, asking)
-        except UnsupportedPair:  # of a question asked on the way: the pair itself is one
-            found = None
-        if found is not None:
+        if isinstance(found, FirstContact):  # a refusal is of a question asked on the way: the pair itself is one
             return found
     return asking.undecided(LASTING)
 

@@ -88,14 +88,14 @@ def _first_ways(
 
 def _with_advice(query: Query, ask: Callable[[], T], in_doubles: InDoubles) -> T:
     """What it tells; its refusal where only exact arithmetic may answer says whether doubles take the question."""
-    try:
-        return ask()
-    except UnsupportedPair as refusal:
-        others = replace(query, exact=False, method="certified", budget=0)
-        if not query.is_algebraic or isinstance(tried(partial(in_doubles, others)), Passed):
-            raise
-        option = "exact=True" if query.exact else f"method={query.method!r}"
-        raise type(refusal)(f"{refusal}; without {option} there may be enclosures") from refusal
+    told = tried(ask)
+    if not isinstance(told, Passed):
+        return told
+    others = replace(query, exact=False, method="certified", budget=0)
+    if not query.is_algebraic or isinstance(tried(partial(in_doubles, others)), Passed):
+        raise UnsupportedPair(told.reason)
+    option = "exact=True" if query.exact else f"method={query.method!r}"
+    raise UnsupportedPair(f"{told.reason}; without {option} there may be enclosures")
 
 
 def _is_cut_short(query: Query, proved: R | None) -> bool:
