@@ -109,3 +109,13 @@ def test_nothing_is_warned_of_far_away(shape):
         assert hit.point is not None
     assert hit.time == pytest.approx(fc.first_contact(ball.moving(fc.Translation((0, -10, 0))), body).time, abs=1e-11)
     assert far.solid and np.allclose(far.translated((-FAR, FAR, -FAR)).vertices, near.vertices, atol=1e-12)
+
+
+@pytest.mark.filterwarnings("error")
+def test_edges_of_cylinders_that_are_turned_by_next_to_nothing_have_parameters():
+    tube = fc.cylinder(1, 2)
+    both = tube | tube.rotated((1, 2, 3), degrees=1e-14)
+    parameters = [x for edge in both.edges for piece in edge.pieces for x in (piece.lo, piece.hi)]
+    assert len(parameters) > 0 and not np.isnan(parameters).any()
+    box = fc.examples.box((1, 1, 1)).translated((5, 0, 0)).moving(fc.Translation((-8, 0, 0)))
+    assert fc.first_contact(box, both).time == pytest.approx(3.5 / 8, abs=1e-12)

@@ -640,4 +640,5 @@ def parameter(x: np.ndarray, frame: np.ndarray) -> float:
     y = np.linalg.lstsq(frame, x, rcond=None)[0]
     if frame.shape[1] == 2:
         return float(y[0] / y[1]) if y[1] else math.inf
-    return math.atan2(y[2] / y[0], y[1] / y[0])
+    scale = y[0] or 1.0  # 0: it is far out on a curve that doubles hardly tell from a line
+    return math.atan2(y[2] / scale, y[1] / scale)
