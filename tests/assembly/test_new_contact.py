@@ -8,6 +8,7 @@ import pytest
 
 import firstcontact as fc
 from firstcontact import Rotation, Screw, Status, Translation
+from firstcontact.assembly.allowed import Rule, let_pass
 
 HINGE = (0, 1, 0), (0, 0, 0)
 
@@ -220,3 +221,28 @@ def test_boxes_never_overlap_before_a_new_contact(seed):
         assert overlap >= until
         if hit.status is Status.CONTACT:
             assert _strikes(of_x, of_y, vector, hit.time)
+
+
+def _of_cells(*boxes):
+    """The boundary of unit cells, a square for each side: corners of whole numbers (lo, hi) of boxes of them."""
+    cells = {cell for lo, hi in boxes for cell in itertools.product(*map(range, lo, hi))}
+    corners, faces = {}, []
+    for cell, axis, side in itertools.product(sorted(cells), range(3), (0, 1)):
+        x, y, z = np.eye(3, dtype=int)[[axis, (axis + 1) % 3, (axis + 2) % 3]]
+        if tuple(np.add(cell, x if side else -x).tolist()) not in cells:
+            square = [tuple((cell + side * x + p).tolist()) for p in (0 * y, y, y + z, z)]
+            faces.append([corners.setdefault(p, len(corners)) for p in (square if side else square[::-1])])
+    return fc.Polyhedron(list(corners), faces)
+
+
+def test_what_may_overlap_at_the_start_is_open_where_only_a_touch_is_allowed():
+    """A block on a mesh that reaches beyond the plane in which they touch, far away: nothing tells how they lie."""
+    ground = _of_cells(([0, 0, 0], [3, 1, 2]), ([3, 4, -2], [5, 7, 1]))
+    along = Translation((0, 4, 0))
+    hit = fc.first_new_contact(fc.box((3, 3, 3)).translated(("7/2", "11/2", "5/2")).moving(along), ground)
+    assert (hit.status, hit.initial, hit.allowed) == (Status.INITIAL_CONTACT, None, None)
+    by_touch, by_name = let_pass(hit, Rule(touching=True)), let_pass(hit, Rule("a", "b"))
+    assert (by_touch.status, by_touch.reason, by_touch.free_until) == (Status.UNDECIDED, "contact", 0.0)
+    assert by_name.status is Status.INITIAL_CONTACT and by_name.allowed.startswith("in contact at the start")
+    mesh = fc.first_new_contact(_of_cells(([2, 4, 1], [5, 7, 4])).moving(along), ground)
+    assert mesh.status is Status.FREE and mesh.allowed == "touching at the start"

@@ -88,3 +88,5 @@ def test_compounds_are_values_that_are_placed_and_pickled():
         row.to_dict()
     with pytest.raises(fc.InputError, match="no pieces"):
         Compound([])
+    with pytest.raises(fc.InputError, match="row: piece 0 is .*; compounds are what load_step"):
+        Compound([fc.box((1, 1, 1))], name="row")

@@ -34,12 +34,18 @@ def rule_for(rules: Iterable[Rule], x: str, y: str) -> Rule | None:
 def let_pass(found: FirstContact, rule: Rule | None) -> FirstContact:
     """The answer with what was let pass and why; a start in contact that is no touch only where a rule names the pair.
 
-    Of such a pair nothing else is proved.
+    Of such a pair nothing else is proved.  Where it is not known whether the bodies touch or overlap, a rule for what
+    touches leaves the pair open.
     """
     if rule is None:
         return found
     if found.allowed is not None:
         return replace(found, allowed=f"{found.allowed} ({rule})")
-    if found.status is not Status.INITIAL_CONTACT or rule.touching:
+    if found.status is not Status.INITIAL_CONTACT or rule.touching and found.initial is not None:
         return found
+    if rule.touching:
+        return FirstContact(
+            Status.UNDECIDED, free_until=found.free_until, reason="contact", stats=found.stats, a=found.a, b=found.b,
+            span=found.span, model_deviation=found.model_deviation, unit=found.unit,
+        )  # fmt: skip
     return replace(found, allowed=f"{found.initial or 'in contact'} at the start, so not looked at further ({rule})")

@@ -29,11 +29,15 @@ LASTING = "contact"
 
 @dataclass(frozen=True)
 class Asking:
-    """The verbs' arguments for every question about two bodies, or parts of them, from `first` to `last` (or None)."""
+    """The verbs' arguments for every question about two bodies, or parts of them, from `first` to `last` (or None).
+
+    is_apart: whether it is known that their interiors do not meet at the start.
+    """
 
     first: Any
     last: Any
     arguments: dict[str, Any]
+    is_apart: bool = True
 
     @property
     def start(self) -> float:
@@ -83,7 +87,8 @@ def first_new_contact(
     Old contacts are those in a plane or surface in which the bodies touched at the start and along which they slide,
     and on the axis about which they turn; every other shared point is new, inside solids too.  Then `allowed` says
     "touching at the start", Status.FREE proves that there is no new contact at any time of the span, and what is not
-    decided is UNDECIDED: reason "contact" where contact lasts and no proof tells old from new.
+    decided is UNDECIDED: reason "contact" where contact lasts and no proof tells old from new.  Bodies that overlap at
+    the start, or of which neither is proved (`initial` None), are in INITIAL_CONTACT as ever.
 
     Arguments as in `first_contact`; the budget is that of each question asked on the way.
 
@@ -96,11 +101,13 @@ def first_new_contact(
     """
     arguments = {"exact": exact, "tolerance": tolerance, "budget": budget, "progress": progress}
     first = query.first_contact(a, b, span, **arguments)  # type: ignore[arg-type]
-    if first.status is not Status.INITIAL_CONTACT or first.initial != "touching":
+    if first.status is not Status.INITIAL_CONTACT or first.initial not in ("touching", None):
         return first
-    asking = Asking(*common_span(first.a, first.b, span), arguments)
+    asking = Asking(*common_span(first.a, first.b, span), arguments, first.initial is not None)
     found = _new_contact(first.a, first.b, asking)
     work = first.stats + found.stats
+    if first.initial is None and found.status is Status.UNDECIDED:  # they may as well overlap
+        return replace(first, stats=work)
     return replace(found, a=first.a, b=first.b, span=first.span, stats=work, allowed=TOUCHING)
 
 
@@ -118,8 +125,9 @@ def _new_contact(a: Any, b: Any, asking: Asking) -> FirstContact:
         then = asking.at_start(a, b)
         if then.status is Status.FREE:
             return asking.first_contact(a, b)
-        if then.initial != "touching":
+        if then.initial not in ("touching", None):
             return asking.undecided("precision")
+        asking = replace(asking, is_apart=then.initial is not None)
     return found
 
 
@@ -128,7 +136,7 @@ def _at_once(a: Any, b: Any, asking: Asking) -> FirstContact:
     from firstcontact.assembly.parts import by_parts
 
     ways: tuple[Way, ...] = by_faces, by_parts, after_start
-    for way in ways:
+    for way in ways if asking.is_apart else ways[1:]:  # by_faces looks at surfaces alone, the others at all points
         try:
             found = tried(partial(way, a, b, asking))
         except Lasts:
@@ -162,7 +170,7 @@ def _lasting(a: Any, b: Any, asking: Asking) -> FirstContact:
     """A new contact at once, where the bodies overlap soon after the start; else it is open."""
     length = exact_value(1.0) if asking.last is None else asking.last - asking.first
     soon = to_double(asking.first + length * exact_value(min(asking.arguments["tolerance"], 1e-12)))
-    if not asking.start < soon:  # the span is one instant, or nearly
+    if not asking.start < soon or not asking.is_apart:  # the span is one instant, or nearly
         return asking.undecided(LASTING)
     then = query.first_contact(a, b, (soon, soon))
     if then.initial not in ("overlapping", "containment"):

@@ -77,6 +77,13 @@ class Compound(Placing):
         self._search: dict[Any, Any] = {}
         if not self.pieces:
             raise InputError(f"{name or 'compound'}: no pieces; give at least one body")
+        for k, piece in enumerate(self.pieces):
+            if not isinstance(piece, Piece):
+                raise InputError(
+                    f"{name or 'compound'}: piece {k} is {piece!r}, which has no names of a file; compounds are what "
+                    "load_step makes: join solids by |, put the components of a mesh in one Polyhedron, or ask about "
+                    "each body of a scene"
+                )
 
     @property
     def bounded(self) -> bool:
