@@ -1,6 +1,8 @@
 """The first new contact of bodies that touch at the start, against closed forms and an arithmetic of boxes."""
 
+import functools
 import itertools
+import operator
 from fractions import Fraction
 
 import numpy as np
@@ -221,6 +223,34 @@ def test_boxes_never_overlap_before_a_new_contact(seed):
         assert overlap >= until
         if hit.status is Status.CONTACT:
             assert _strikes(of_x, of_y, vector, hit.time)
+
+
+def _joined(*boxes, solid, name=None):
+    """One body of boxes (lo, hi) that are apart."""
+    parts = [block(lo, hi, solid=solid) for lo, hi in boxes]
+    if solid:
+        return functools.reduce(operator.or_, parts).named(name or "body")
+    faces = [(part.triangles + 8 * k).tolist() for k, part in enumerate(parts)]
+    return fc.Polyhedron(np.concatenate([part.vertices for part in parts]), sum(faces, []), name=name)
+
+
+@pytest.mark.parametrize("solid", [False, True])
+def test_sliding_on_to_the_next_board_in_one_plane_is_no_new_contact(solid):
+    """In the plane x = 0 all that either body holds is on its own side at all times."""
+    make = functools.partial(_joined, solid=solid)
+    boards = make(([-1, 0, 0], [0, 1, 1]), ([-1, 3, 0], [0, 4, 1]))
+    cube = make(([0, 0, 0], [1, 1, 1]))
+    assert fc.first_new_contact(cube.moving(Translation((0, 8, 0))), boards).status is Status.FREE
+    assert fc.first_new_contact(boards.moving(Translation((0, -8, 0))), cube).status is Status.FREE
+    plank = make(([0, 0, 0], [1, 4, 1]))  # never off the boards, over a slot
+    assert fc.first_new_contact(plank.moving(Translation((0, -2, 0))), boards).status is Status.FREE
+    higher = make(([-1, 0, 0], [0, 1, 1]), ([-1, 3, 0], ["1/2", 4, 1]))
+    assert fc.first_new_contact(cube.moving(Translation((0, 8, 0))), higher).time == 0.25
+    shelf = make(([-1, 0, 0], [0, 1, 1]), ([0, 3, 0], [1, 4, 1]))  # in that plane too, but beyond it
+    assert fc.first_new_contact(cube.moving(Translation((0, 8, 0))), shelf).time == 0.25
+    hook = make(([0, 0, 0], [1, 1, 1]), ([-1, -3, 5], [0, -2, 6]))  # its second block on the other side of the plane
+    hung = make(([-1, 0, 0], [0, 1, 1]), ([0, 0, 5], [1, 1, 6]))  # where the second one of this is, too
+    assert fc.first_new_contact(hook.moving(Translation((0, 5, 0))), hung).time == 0.4
 
 
 def _of_cells(*boxes):

@@ -1,11 +1,12 @@
 """The first new contact of polyhedra that touch at the start, by their triangles.
 
-Let F, G be facets of the two in one plane that the motion keeps, with the bodies on different sides.  A triangle of a
-that lies on a's side and meets the plane within F, and one of b that does so with G, share points of F and G alone, at
-all times: an old contact.  All other pairs of triangles that share no point at the start are searched for their first
-contact; those that part at once, for their next one; those that meet on the axis of a rotation, which stays as it is,
-for one beside it.  Before the earliest of these times all contacts are old.  Nor do the bodies overlap before it: where
-they begin to, triangles cross along a curve, and where that is in F and G, the bodies are on different sides.
+Let F, G be what the two have of one plane that the motion keeps and in which they touch, with the bodies on different
+sides. A triangle of a that lies on a's side and meets the plane within F, and one of b that does so with G, share
+points of F and G alone, at all times: an old contact. All other pairs of triangles that share no point at the start
+are searched for their first contact; those that part at once, for their next one; those that meet on the axis of a
+rotation, which stays as it is, for one beside it. Before the earliest of these times all contacts are old. Nor do the
+bodies overlap before it: where they begin to, triangles cross along a curve, and where that is in F and G, the bodies
+are on different sides.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from firstcontact import query
 from firstcontact.assembly.kept import generators, is_kept, standing
 from firstcontact.assembly.new_contact import Asking, Lasts, after_start, earliest, renamed
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
-from firstcontact.body.solid.carriers import Plane, Rows, upright
+from firstcontact.body.solid.carriers import Plane, Rows, doubles, upright
 from firstcontact.exact.numbers import fraction, sign
 from firstcontact.exact.vectors import Vector, along, cross, dot, sub
 from firstcontact.motion.moving import Moving, shape_of
@@ -34,6 +35,8 @@ from firstcontact.search.trees.frame import tree_of
 
 MOST_PAIRS = 400
 """Pairs of triangles that are looked at one by one; more take too long."""
+ROUNDING = 1e-12
+"""Of the coordinates: how far doubles may have points of a plane from it."""
 
 
 def by_faces(a: Any, b: Any, asking: Asking) -> FirstContact | None:
@@ -66,6 +69,7 @@ class Mesh:
         self.is_in_place = self.stands is self.shape
         self.triangles: np.ndarray = self.shape.triangles
         self._exact: dict[int, Vector] = {}
+        self._facets: dict[Plane, list[tuple[frozenset[int], int]]] = {}
 
     def point(self, vertex: int) -> Vector:
         if vertex not in self._exact:
@@ -91,19 +95,45 @@ class Mesh:
                 around[edge].append(k)
         return around
 
-    def facet(self, triangle: int, plane: Plane) -> frozenset[int]:
-        """The triangles in the plane that hang together with that one by edges of two triangles."""
+    def facets(self, plane: Plane) -> list[tuple[frozenset[int], int]]:
+        """The triangles in the plane, those together that hang together by edges of two triangles.
+
+        And the sign of the plane's form on the body's side of each facet; 0 where it has no inside.
+        """
+        if plane not in self._facets:
+            left = {k for k in self._near(plane) if self.plane(k) == plane}
+            found = []
+            while left:
+                facet = self._hanging_together(min(left), left)
+                left -= facet
+                found.append((facet, self._inner_side(min(facet), plane)))
+            self._facets[plane] = found
+        return self._facets[plane]
+
+    def within(self, plane: Plane, side: int) -> frozenset[int]:
+        """The triangles of all facets in the plane that look away from that side of it, or have no inside."""
+        return frozenset().union(*(facet for facet, inner in self.facets(plane) if inner in (side, 0)))
+
+    def _near(self, plane: Plane) -> list[int]:
+        """Triangles that may lie in the plane."""
+        normal = np.array(doubles((plane.normal,))[0])
+        length = float(np.linalg.norm(normal[:3]))
+        heights = np.abs(self.stands.vertices @ normal[:3] + normal[3]) / length
+        size = float(np.abs(self.stands.vertices).max()) + abs(float(normal[3])) / length
+        on = heights <= ROUNDING * size + 2.0 * self.stands.error
+        return np.flatnonzero(on[self.triangles].all(axis=1)).tolist()
+
+    def _hanging_together(self, triangle: int, among: set[int]) -> frozenset[int]:
         facet, waiting = {triangle}, [triangle]
         while waiting:
             for edge in _edges(self.corners(waiting.pop())):
                 beside = self._around[edge]
-                new = [k for k in beside if k not in facet and len(beside) == 2 and self.plane(k) == plane]
+                new = [k for k in beside if k in among and k not in facet and len(beside) == 2]
                 facet.update(new)
                 waiting += new
         return frozenset(facet)
 
-    def inner_side(self, triangle: int, plane: Plane) -> int:
-        """The sign of the plane's form on the body's side of the triangle; 0 where it has no inside."""
+    def _inner_side(self, triangle: int, plane: Plane) -> int:
         if not self.stands.solid:
             return 0
         centre = [(x + 2 * y + 4 * z) / 7 for x, y, z in zip(*map(self.point, self.corners(triangle)), strict=True)]
@@ -212,24 +242,23 @@ Star = tuple[frozenset[int], frozenset[int]]
 def _stars(sides: tuple[Mesh, Mesh], met: set[tuple[int, int]], by: list[Rows] | None) -> list[Star]:
     if by is None:
         return []
-    planes: tuple[dict[int, Plane | None], ...] = ({}, {})
-    done: set[Star] = set()
-    stars = []
+    stars: dict[tuple[Plane, int], Star] = {}
+    planes = [{x: mesh.plane(x) for x in {pair[k] for pair in met}} for k, mesh in enumerate(sides)]
     for pair in sorted(met):
-        for k, x in enumerate(pair):
-            planes[k].setdefault(x, sides[k].plane(x))
         plane = planes[0][pair[0]]
         if plane is None or plane != planes[1][pair[1]] or not is_kept(plane, by):
             continue
-        if any(pair[0] in facet_a and pair[1] in facet_b for facet_a, facet_b in done):
+        inner = [
+            next(inner for facet, inner in mesh.facets(plane) if x in facet)
+            for mesh, x in zip(sides, pair, strict=True)
+        ]
+        if inner[0] == inner[1]:  # on the same side, or without an inside
             continue
-        facets = sides[0].facet(pair[0], plane), sides[1].facet(pair[1], plane)
-        done.add(facets)
-        inner = sides[0].inner_side(pair[0], plane), sides[1].inner_side(pair[1], plane)
-        if inner[0] != inner[1] or inner == (0, 0):  # not on the same side
-            side = inner[0] or -inner[1] or 1
-            stars.append((sides[0].star(facets[0], plane, side), sides[1].star(facets[1], plane, -side)))
-    return stars
+        side = inner[0] or -inner[1]
+        if (plane, side) not in stars:
+            own, other = sides[0].within(plane, side), sides[1].within(plane, -side)
+            stars[plane, side] = sides[0].star(own, plane, side), sides[1].star(other, plane, -side)
+    return list(stars.values())
 
 
 def _apart_at_start(

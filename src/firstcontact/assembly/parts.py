@@ -1,8 +1,8 @@
 """The first new contact of solids of planes and quadrics, or one and a mesh, that touch at the start, by their parts.
 
 A solid is the union of intersections of half-spaces and their likes.  Two such parts that a surface separates, which
-the motion keeps, never overlap, and share points of that surface alone: old contacts, if they touch at the start.  All
-others are asked for their first contact, or, where they part at once, for their next one.
+the motion keeps, never overlap, and share points of that surface alone: old contacts, if some parts on these sides of
+it touch at the start.  All others are asked for their first contact, or, where they part at once, for their next one.
 """
 
 from __future__ import annotations
@@ -61,24 +61,32 @@ def by_parts(a: Any, b: Any, asking: Asking) -> FirstContact | None:
     stands = [standing(x, asking.first) for x in (a, b)]
     if by is None or stands[0] is None or stands[1] is None:
         return None
-    parts = [_parts(x, shape) for x, shape in zip((a, b), stands, strict=True)]
-    if parts[0] is None or parts[1] is None or not any(x.sides for side in parts for x in side or ()):
+    own, other = (_parts(x, shape) for x, shape in zip((a, b), stands, strict=True))
+    if own is None or other is None or not any(x.sides for x in (*own, *other)):
         return None
+    pairs = [(x, y, asking.at_start(x.body, y.body).status is Status.INITIAL_CONTACT) for x, y in product(own, other)]
+    seams = {side for x, y, touch in pairs if touch for side in _seams(x, y, by)}
     found = []
-    for x, y in product(parts[0], parts[1]):
-        if asking.at_start(x.body, y.body).status is not Status.INITIAL_CONTACT:
-            found.append(renamed(asking.first_contact(x.body, y.body), x.element, y.element))
-        elif not _is_separated(x, y, by):
-            found.append(renamed(after_start(x.body, y.body, asking), x.element, y.element))
+    for x, y, touch in pairs:
+        if touch and any(_separates(side, x, y) for side in seams):
+            continue
+        told = after_start(x.body, y.body, asking) if touch else asking.first_contact(x.body, y.body)
+        if told.status is Status.FREE or not any(_separates(side, x, y) for side in seams):
+            found.append(renamed(told, x.element, y.element))
     return earliest(found, asking)
 
 
-def _is_separated(x: Part, y: Part, by: Sequence[Rows]) -> bool:
-    """Whether a surface that the motion keeps has one part on its one side and the other one on its other side."""
-    if any(side.negated() in y.sides and is_kept(side, by) for side in x.sides):
-        return True
-    return any(
-        is_kept(side, by) and _is_beyond(other.stands, side) for one, other in ((x, y), (y, x)) for side in one.sides
+def _seams(x: Part, y: Part, by: Sequence[Rows]) -> Iterator[Surface]:
+    """Surfaces of theirs that the motion keeps, with x on the negative side and y on the other one."""
+    for side in dict.fromkeys([*x.sides, *(side.negated() for side in y.sides)]):
+        if is_kept(side, by) and _separates(side, x, y):
+            yield side
+
+
+def _separates(side: Surface, x: Part, y: Part) -> bool:
+    """Whether x lies where the surface's form is not positive, and y where it is not negative."""
+    return (side in x.sides or _is_beyond(x.stands, side.negated())) and (
+        side.negated() in y.sides or _is_beyond(y.stands, side)
     )
 
 
