@@ -266,13 +266,14 @@ def _of_cells(*boxes):
 
 
 def test_what_may_overlap_at_the_start_is_open_where_only_a_touch_is_allowed():
-    """A block on a mesh that reaches beyond the plane in which they touch, far away: nothing tells how they lie."""
-    ground = _of_cells(([0, 0, 0], [3, 1, 2]), ([3, 4, -2], [5, 7, 1]))
+    """A can on a mesh that reaches beyond the plane in which they touch, far away: nothing tells how they lie."""
+    ground = _of_cells(([0, 0, 0], [3, 1, 2]), ([2, 4, 0], [6, 8, 1]))
     along = Translation((0, 4, 0))
-    hit = fc.first_new_contact(fc.box((3, 3, 3)).translated(("7/2", "11/2", "5/2")).moving(along), ground)
+    hit = fc.first_new_contact(fc.cylinder(2, 3).translated((4, 6, "5/2")).moving(along), ground)
     assert (hit.status, hit.initial, hit.allowed) == (Status.INITIAL_CONTACT, None, None)
     by_touch, by_name = let_pass(hit, Rule(touching=True)), let_pass(hit, Rule("a", "b"))
     assert (by_touch.status, by_touch.reason, by_touch.free_until) == (Status.UNDECIDED, "contact", 0.0)
     assert by_name.status is Status.INITIAL_CONTACT and by_name.allowed.startswith("in contact at the start")
-    mesh = fc.first_new_contact(_of_cells(([2, 4, 1], [5, 7, 4])).moving(along), ground)
-    assert mesh.status is Status.FREE and mesh.allowed == "touching at the start"
+    for box in (_of_cells(([2, 4, 1], [6, 8, 2])), fc.box((4, 4, 1)).translated((4, 6, "3/2"))):
+        flat = fc.first_new_contact(box.moving(along), ground)
+        assert flat.status is Status.FREE and flat.allowed == "touching at the start"

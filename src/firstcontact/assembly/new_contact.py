@@ -103,8 +103,14 @@ def first_new_contact(
     first = query.first_contact(a, b, span, **arguments)  # type: ignore[arg-type]
     if first.status is not Status.INITIAL_CONTACT or first.initial not in ("touching", None):
         return first
+    from firstcontact.contact.mesh_model import as_polyhedra  # loads what solids need
+
     asking = Asking(*common_span(first.a, first.b, span), arguments, first.initial is not None)
-    found = _new_contact(first.a, first.b, asking)
+    if as_polyhedra.are_taken(first.a, first.b):
+        a, b = (as_polyhedra.as_polyhedron(x) for x in (first.a, first.b))
+        found = as_polyhedra.in_own_elements(_new_contact(a, b, asking), first.a, first.b)
+    else:
+        found = _new_contact(first.a, first.b, asking)
     work = first.stats + found.stats
     if first.initial is None and found.status is Status.UNDECIDED:  # they may as well overlap
         return replace(first, stats=work)
