@@ -20,7 +20,7 @@ import numpy as np
 
 import firstcontact as fc
 from firstcontact.exact.numbers import to_double
-from firstcontact.motion.relative.reach import _line, places
+from firstcontact.motion.relative.reach import line_of, places
 
 TOLERANCE = 1e-9
 FINGERS = "panda_finger_joint1"
@@ -121,7 +121,7 @@ def _pose(body: Any, k: int, t: float) -> np.ndarray:
 
 
 def _turn(drive: Any, radians: float) -> np.ndarray:
-    axis, point, rate, _ = _line(drive.motion)
+    axis, point, rate, _ = line_of(drive.motion)
     x, y, z = axis
     cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
     pose = np.eye(4)

@@ -44,7 +44,7 @@ class Course:
             return None
         mimic = joint.mimic
         values = given[name] if mimic is None else followed(given[mimic.joint], mimic.ratio, mimic.offset)
-        return Drive(name, joint.unit, joint.motion, values)
+        return Drive(name, joint.unit, joint.motion, values, limits=joint.limits, mimic=mimic)
 
     def _chain(self, link: str) -> list[str]:
         """The joints from the root to the link that are not fixed."""

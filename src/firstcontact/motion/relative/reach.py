@@ -36,7 +36,7 @@ def places(motion: Linkage, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]
         value = drive.doubles
         middle, swing = value @ 0.5**_POWERS, 0.5 * np.abs(value) @ _POWERS
         blur = _SLACK * np.abs(value).sum(axis=1)
-        axis, point, angle, ahead = _line(drive.motion)
+        axis, point, angle, ahead = line_of(drive.motion)
         size = size + np.abs(point).max() + np.linalg.norm(ahead) * np.abs(middle)[:, None]
         if angle:
             arm = x - point
@@ -52,7 +52,7 @@ def places(motion: Linkage, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]
 
 
 @lru_cache(maxsize=1024)
-def _line(motion: Any) -> tuple[np.ndarray, np.ndarray, float, np.ndarray]:
+def line_of(motion: Any) -> tuple[np.ndarray, np.ndarray, float, np.ndarray]:
     """Unit axis (3,), point (3,), radians and way (3,) of one unit of a joint's value."""
     if isinstance(motion, Translation):
         return np.zeros(3), np.zeros(3), 0.0, np.array([to_double(x) for x in motion.vector])
