@@ -58,7 +58,8 @@ def _cross(axis: np.ndarray) -> np.ndarray:
 def _turned(axis: np.ndarray, angles: np.ndarray) -> np.ndarray:
     """(n, 3, 3) of turns about a unit axis (Rodrigues)."""
     cosine, sine = np.cos(angles)[:, None, None], np.sin(angles)[:, None, None]
-    return cosine * np.eye(3) + sine * _cross(axis) + (1.0 - cosine) * np.outer(axis, axis)
+    turns: np.ndarray = cosine * np.eye(3) + sine * _cross(axis) + (1.0 - cosine) * np.outer(axis, axis)
+    return turns
 
 
 @lru_cache(maxsize=1024)
