@@ -8,21 +8,20 @@ less a tolerance of 1e-9, may be used up by the speed bound of the two links.
 from __future__ import annotations
 
 import argparse
-import itertools
-import math
+import os
 import statistics
 import sys
 import time
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from benchmarks.mechanism_forms import FORMS, error
+from benchmarks.mechanism_judges import ByDistances, Samples, resting
 
 import firstcontact as fc
-from firstcontact.exact.numbers import to_double
-from firstcontact.motion.relative.reach import _line, places
 
-TOLERANCE = 1e-9
+TARGET = Path(__file__).with_name("MECHANISMS.md")
 FINGERS = "panda_finger_joint1"
 SEED = 7
 # Metres between the middles of obstacles and where hand and elbow pass.
@@ -38,8 +37,8 @@ def arm_files() -> tuple[Path, Path]:
     raise SystemExit("example-robot-data is not installed: python -m pip install example-robot-data")
 
 
-def scene(waypoints: int, obstacles: int) -> tuple[Any, list[Any]]:
-    """The course, and obstacles about it."""
+def scene(waypoints: int, obstacles: int) -> tuple[Any, list[Any], dict[str, Any]]:
+    """The course, obstacles about it, and the joints' values at its waypoints, which are 0.1 apart."""
     urdf, srdf = arm_files()
     robot = fc.Robot.load(urdf, srdf=srdf)
     rng = np.random.default_rng(SEED)
@@ -47,8 +46,9 @@ def scene(waypoints: int, obstacles: int) -> tuple[Any, list[Any]]:
     via += (0.0, 0.1, 0.0, -1.8, 0.0, 1.8, 0.8)
     shares = np.linspace(0, len(via) - 1, waypoints)
     values = {f"panda_joint{k + 1}": np.interp(shares, np.arange(len(via)), via[:, k]) for k in range(7)}
+    values[FINGERS] = np.full(waypoints, 0.02)
     course = robot.course(np.arange(waypoints) * 0.1, {**values, FINGERS: 0.02})
-    return course, near(course, rng, obstacles)
+    return course, near(course, rng, obstacles), values
 
 
 def near(course: Any, rng: np.random.Generator, count: int) -> list[Any]:
@@ -74,103 +74,72 @@ def ask(pairs: list[tuple[Any, Any]]) -> tuple[float, float, list[Any]]:
     return time.perf_counter() - begin, time.process_time() - busy, found
 
 
-class ByDistances:
-    """coal's distance in conservative steps, and the speed bounds that these need, which the library works out."""
+class Arm(NamedTuple):
+    """The arm along so many waypoints: medians of seconds, by the clock and of the processor, and the answers."""
 
-    def __init__(self, pairs: list[tuple[Any, Any]]) -> None:
-        self.shapes = {body.name: _shape(_body(body)) for pair in pairs for body in pair}
-        self.speeds = {body.name: _speeds(body) for pair in pairs for body in pair}
-        self.asked, self.inside = 0, 0.0
+    waypoints: int
+    wall: float
+    busy: float
+    found: list[Any]
 
-    def first(self, a: Any, b: Any) -> float | None:
-        """The time of the first contact within the tolerance."""
-        import coal
-
-        motion = a.motion if hasattr(a, "motion") else b.motion
-        times = [to_double(t) for t in motion.times]
-        request, result = coal.DistanceRequest(), coal.DistanceResult()
-        for k, (t, last) in enumerate(itertools.pairwise(times)):
-            speed = self.speeds[a.name][k] + self.speeds[b.name][k]
-            while t <= last:
-                places = [coal.Transform3s(p[:3, :3], p[:3, 3]) for p in (_pose(a, k, t), _pose(b, k, t))]
-                result.clear()
-                begin = time.process_time()
-                gap = coal.distance(self.shapes[a.name], places[0], self.shapes[b.name], places[1], request, result)
-                self.inside += time.process_time() - begin
-                self.asked += 1
-                if gap <= TOLERANCE:
-                    return t
-                t += gap / speed if speed else np.inf
-        return None
+    @property
+    def told(self) -> str:
+        counts = {status: sum(x.status is status for x in self.found) for status in fc.Status}
+        return ", ".join(f"{n} {status.name}" for status, n in counts.items() if n)
 
 
-def _pose(body: Any, k: int, t: float) -> np.ndarray:
-    """In doubles, for coal's loop: the library's own rounds an enclosure."""
-    pose = np.eye(4)
-    if not hasattr(body, "motion"):
-        return pose
-    start, end = (to_double(x) for x in body.motion.times[k : k + 2])
-    for drive in body.motion.drives:
-        (c0, c1, _, _), step = drive.doubles[k], drive.motion
-        if isinstance(step, fc.Rotation):
-            turn = _turn(drive, c0 + c1 * (t - start) / (end - start))
-        else:
-            turn = step(c0 + c1 * (t - start) / (end - start))
-        pose = pose @ turn
-    return pose
+def arm(waypoints: int, obstacles: int, rounds: int) -> Arm:
+    """Every pair, asked in rounds that keep nothing of the motions and bodies of each other."""
+    asked = []
+    for _ in range(rounds):
+        course, things, _ = scene(waypoints, obstacles)
+        asked.append(ask(list(course.pairs(things))))
+    wall, busy = (statistics.median(x[k] for x in asked) for k in range(2))
+    return Arm(waypoints, wall, busy, asked[-1][2])
 
 
-def _turn(drive: Any, radians: float) -> np.ndarray:
-    axis, point, rate, _ = _line(drive.motion)
-    x, y, z = axis
-    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    pose = np.eye(4)
-    pose[:3, :3] += math.sin(rate * radians) * cross + (1 - math.cos(rate * radians)) * (cross @ cross)
-    pose[:3, 3] = point - pose[:3, :3] @ point
-    return pose
+def judged(waypoints: int, obstacles: int, found: list[Any], samples: int) -> str:
+    """Stops at the first answer that coal's collisions refute."""
+    course, _, values = scene(waypoints, obstacles)
+    times = np.arange(waypoints) * 0.1
+    truth = Samples(arm_files()[0], times, values, course.mechanism.links)
+    wrong = [x for hit in found if (x := truth.judge(hit, samples)) is not None]
+    assert not wrong, wrong[0]
+    free = sum(x.status is fc.Status.FREE for x in found)
+    return f"{free} FREE by {samples} samples each, {len(found) - free} contacts just before and just after"
 
 
-def _speeds(body: Any) -> np.ndarray:
-    """A bound of the speed of all points of the body in each stretch of the clock."""
-    if not hasattr(body, "motion"):
-        return np.zeros(100_000)
-    lo, hi = body.body.bounds()
-    corners = np.array(list(itertools.product(*zip(lo, hi, strict=True))))
-    _, far = places(body.motion, corners)
-    length = np.diff([to_double(t) for t in body.motion.times])
-    return 2.0 * far.max(axis=1) / length
+class Steps(NamedTuple):
+    """The pairs of meshes by coal's distances: how many, seconds of the processor in all, within coal, and here."""
+
+    pairs: int
+    distances: int
+    other: float
+    inside: float
+    mine: float
 
 
-def _shape(body: Any) -> Any:
-    import coal
-
-    model = coal.BVHModelOBBRSS()
-    model.beginModel(len(body.triangles), len(body.vertices))
-    model.addVertices(np.asarray(body.vertices, float))
-    for triangle in body.triangles.tolist():
-        model.addTriangle(*(body.vertices[i] for i in triangle))
-    model.endModel()
-    return model
-
-
-def compare(pairs: list[tuple[Any, Any]], found: list[Any], wall: float, every: int) -> None:
-    """The same pairs by distances, in the same run; answers have to agree."""
-    chosen = [k for k, pair in enumerate(pairs) if all(isinstance(_body(x), fc.Polyhedron) for x in pair)][::every]
-    by_distances = ByDistances([pairs[k] for k in chosen])
+def by_distances(waypoints: int, obstacles: int, every: int) -> Steps:
+    """The same question by conservative steps, in the same run; answers have to agree."""
+    course, things, _ = scene(waypoints, obstacles)
+    meshes = [x for x in course.pairs(things) if all(isinstance(resting(y), fc.Polyhedron) for y in x)]
+    pairs = meshes[::every]
+    _, mine, found = ask(pairs)
+    tool = ByDistances(pairs)
     begin = time.process_time()
-    times = {k: by_distances.first(*pairs[k]) for k in chosen}
+    times = [tool.first(*pair) for pair in pairs]
     other = time.process_time() - begin
-    _, mine, _ = ask([pairs[k] for k in chosen])
-    for k, t in times.items():
-        assert (t is None) == (found[k].time is None), (found[k], t)
-        assert t is None or abs(t - found[k].time) < 1e-5, (found[k], t)
-    inside = by_distances.inside
-    print(f"{len(chosen)} pairs of meshes: by {by_distances.asked} distances {other:.2f} s, {inside:.2f} s of them in "
-          f"coal; here {mine:.3f} s: {other / mine:.0f} and {inside / mine:.0f} times")  # fmt: skip
+    for t, hit in zip(times, found, strict=True):
+        assert (t is None) == (hit.time is None), (hit, t)
+        assert t is None or abs(t - hit.time) < 1e-5, (hit, t)
+    return Steps(len(pairs), tool.asked, other, tool.inside, mine)
 
 
-def per_stretch(count: int = 50) -> None:
-    """Stretches of a course near a body, by one joint, two and seven, beside plain rotations of the same meshes."""
+def per_stretch(count: int = 50) -> list[tuple[str, float, float]]:
+    """Stretches of a course near a body, by one joint, two and seven, beside plain rotations of the same meshes.
+
+    (What, how many times a plain rotation, microseconds.)
+    """
     link = fc.examples.noisy_sphere(2000).translated((2, 0, 0)).named("link")
     other = fc.examples.torus(2000).translated((2, 0, 0.9)).named("other")
     far = fc.examples.box((0.1, 0.1, 0.1)).translated((0, 0, -9))
@@ -189,10 +158,9 @@ def per_stretch(count: int = 50) -> None:
         rng = np.random.default_rng(SEED)
         swing = 0.02 * rng.normal(size=(joints, count + 1)).cumsum(axis=1)
         course = mechanism.course(range(count + 1), dict(zip(names, swing - swing[:, :1], strict=True)))
-        costs[f"{joints} joints"] = _cost([(course.bodies[f"l{joints - 1}"][0], other)]) / count
-    first = costs["a plain rotation"] / count
-    costs["a plain rotation"] = first
-    print("one stretch:", ", ".join(f"{name} {1e6 * x:.0f} us ({x / first:.1f})" for name, x in costs.items()))
+        costs[f"{joints} joint{'s' * (joints > 1)}"] = _cost([(course.bodies[f"l{joints - 1}"][0], other)]) / count
+    first = costs.pop("a plain rotation") / count
+    return [("a plain rotation", 1.0, 1e6 * first), *((name, x / first, 1e6 * x) for name, x in costs.items())]
 
 
 def _cost(pairs: list[tuple[Any, Any]]) -> float:
@@ -202,8 +170,16 @@ def _cost(pairs: list[tuple[Any, Any]]) -> float:
     return min(ask(pairs)[1] for _ in range(5))
 
 
-def _body(x: Any) -> Any:
-    return x.body if hasattr(x, "motion") else x
+HEAD = """# Mechanisms
+
+By `python -m benchmarks.mechanisms`, {cores} processors with a load of {load:.1f} before the run; seconds are those of
+the processor, those of the clock in brackets. The arm is the Panda of example-robot-data with its meshes (200 to 300
+triangles a link, fingers that are boxes), against {obstacles} obstacles a hand's breadth from where hand and elbow
+pass, and against itself: {pairs} pairs, the first contact of each, nothing of motions and bodies kept between rounds.
+
+| what | measured | bar |
+|---|---|---|
+"""
 
 
 def main() -> None:
@@ -211,22 +187,37 @@ def main() -> None:
     parser.add_argument("--waypoints", type=int, default=500)
     parser.add_argument("--obstacles", type=int, default=20)
     parser.add_argument("--rounds", type=int, default=3)
-    parser.add_argument("--coal", type=int, default=0, metavar="N", help="ask coal about every Nth pair of meshes")
+    parser.add_argument("--samples", type=int, default=1000, metavar="N", help="times at which FREE is looked at")
+    parser.add_argument("--every", type=int, default=1, metavar="N", help="ask coal about every Nth pair of meshes")
     options = parser.parse_args()
-    per_stretch()
-    course, things = scene(options.waypoints, options.obstacles)
-    pairs = list(course.pairs(things))
-    ask(pairs)  # kernels and trees
-    rounds = []
-    for _ in range(options.rounds):
-        again, things = scene(options.waypoints, options.obstacles)  # nothing of the motions is kept
-        rounds.append(ask(list(again.pairs(things))))
-    found = rounds[-1][2]
-    told = {status.name: sum(x.status is status for x in found) for status in fc.Status}
-    wall, busy = (statistics.median(r[k] for r in rounds) for k in range(2))
-    if options.coal:
-        compare(pairs, found, wall, options.coal)
-    print(f"{len(pairs)} pairs, {options.waypoints} waypoints: {wall:.2f} s ({busy:.2f} s of the processor); {told}")
+    n, obstacles = options.waypoints, options.obstacles
+    load = os.getloadavg()[0]
+    off = "off its closed form, enclosure included"
+    rows = [_row(form.name, error(form), "{:.1e}", 1e-12, off) for form in (make() for make in FORMS)]
+    arm(n, obstacles, 1)  # kernels
+    short = arm(n, obstacles, options.rounds)
+    rows.append(_row(f"{n} waypoints: {short.told}", short.busy, "{:.2f}", 2.0, f"s ({short.wall:.2f} s)"))
+    steps = by_distances(n, obstacles, options.every)
+    name = f"{steps.pairs} pairs of meshes by {steps.distances} distances of coal to 1e-9, "
+    ratio = steps.other / steps.mine
+    missed = "" if ratio >= 10 else ", missed"
+    rows.append(f"| {name}{steps.other:.2f} s, here {steps.mine:.2f} s | {ratio:.0f} times | 10{missed} |")
+    rows.append(f"| the same, within coal alone {steps.inside:.2f} s | {steps.inside / steps.mine:.0f} times | |")
+    long = arm(10 * n, obstacles, options.rounds)
+    rows.append(_row(f"{10 * n} waypoints: {long.told}", long.busy / short.busy, "{:.1f}", 12.0,
+                     f"times {n} waypoints: {long.busy:.2f} s ({long.wall:.2f} s)"))  # fmt: skip
+    for name, times, microseconds in per_stretch():
+        rows.append(_row(f"a stretch near a mesh, both of 2000 triangles: {name}", times, "{:.1f}", 5.0,
+                         f"times a plain rotation: {microseconds:.0f} us"))  # fmt: skip
+    text = HEAD.format(cores=os.cpu_count(), load=load, obstacles=obstacles, pairs=len(short.found)) + "\n".join(rows)
+    told = [judged(x.waypoints, obstacles, x.found, options.samples) for x in (short, long)]
+    text += f"\n\nNo answer is refuted by coal, poses by yourdfpy: of {n} waypoints {told[0]}; of {10 * n} {told[1]}.\n"
+    print(text)
+    TARGET.write_text(text)
+
+
+def _row(what: str, value: float, form: str, most: float, unit: str) -> str:
+    return f"| {what} | {form.format(value)} {unit} | {most:g}{'' if value <= most else ', missed'} |"
 
 
 if __name__ == "__main__":

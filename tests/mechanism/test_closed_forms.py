@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-import math
+import sys
 from fractions import Fraction
+from pathlib import Path
 
 import pytest
 
 import firstcontact as fc
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
 
-def BOX(size):  # noqa: N802 - as a class of bodies
-    """A box of polygons about the origin."""
-    return fc.examples.box([float(Fraction(x)) for x in size])
+from mechanism_forms import FORMS, error, four_bar, met, slider_crank  # noqa: E402
+from mechanism_forms import block as BOX  # noqa: E402, N812 - as a class of bodies
 
 
 def only(answers, *names):
@@ -21,77 +22,29 @@ def only(answers, *names):
     return found
 
 
-def check(answers, names, joint, degrees):
-    found = only(answers, *names)
-    assert found.status is fc.Status.CONTACT
-    (value,) = [x for x in found.joints if x.name == joint]
-    assert value.interval[0] <= value.value <= value.interval[1]
-    assert abs(value.value - degrees) <= 1e-12 * abs(degrees)
-    assert value.interval[1] - value.interval[0] <= 1e-12 * abs(degrees)
-    return found
+@pytest.mark.parametrize("make", FORMS)
+def test_classical_mechanisms_meet_where_the_closed_forms_say(make):
+    assert error(make()) <= 1e-12
 
 
-def test_a_parallelogram_lifts_its_coupler_to_the_ceiling():
-    """Four bars: the coupler keeps level and rises with the sine of the crank's angle."""
-    links = {
-        "ground": BOX((6, 1, 1)).translated((0, 0, 3)).named("ceiling"),
-        "crank": BOX((2, "1/8", "1/8")).translated((1, 2, 0)).named("crank"),
-        "rocker": BOX((2, "1/8", "1/8")).translated((4, 2, 0)).named("rocker"),
-        "coupler": BOX((3, "1/4", "1/4")).translated((3.5, 0, 0)).named("coupler"),
-    }
-    joints = [
-        fc.Joint("A", "revolute", "ground", "crank", axis=(0, -1, 0), limits=(0, 90)),
-        fc.Joint("D", "revolute", "ground", "rocker", axis=(0, -1, 0), point=(3, 0, 0), mimic="A"),
-        fc.Joint("B", "revolute", "crank", "coupler", axis=(0, -1, 0), point=(2, 0, 0), mimic=("A", -1)),
-    ]
-    course = fc.Mechanism(links, joints).course([0, 1], {"A": [0, 90]})
-    # the coupler's top rises to 1/8 + 2 sin(A), never to the ceiling at 5/2
+def test_the_coupler_of_a_parallelogram_stays_below_a_ceiling_it_does_not_reach():
+    """Its top rises to 1/8 + 2 sin, never to 5/2; both joints of the coupler are told where it meets a lower one."""
+    form = four_bar()
+    assert {x.name for x in met(form).joints} == {"A", "B"}
+    mechanism = form.course.mechanism
+    ceiling = mechanism.links["ground"][0].translated((0, 0, 1))
+    higher = fc.Mechanism({**mechanism.links, "ground": ceiling}, mechanism.joints.values())
+    course = higher.course([0, 1], {"A": [0, 90]})
     assert only(course.first_contacts(), "coupler", "ceiling").status is fc.Status.FREE
-    lower = fc.Mechanism({**links, "ground": links["ground"].translated((0, 0, -1))}, joints)
-    found = check(lower.course([0, 1], {"A": [0, 90]}).first_contacts(), ("coupler", "ceiling"), "A",
-                  math.degrees(math.asin(11 / 16)))  # fmt: skip
-    assert {x.name for x in found.joints} == {"A", "B"}
 
 
-def test_a_slider_crank_of_equal_arms_pushes_its_slider_to_the_stop():
-    """The rod turns back twice as fast as the crank: its end runs along a line, at 2 cos of the crank's angle."""
-    links = {
-        "ground": BOX((1, 2, 1)).translated((-2, 0, 0)).named("stop"),
-        "crank": BOX((1, "1/8", "1/8")).translated((0.5, 0, 3)).named("crank"),
-        "rod": BOX((1, "1/8", "1/8")).translated((1.5, 0, 2)).named("rod"),
-        "slider": BOX(("1/2", "1/2", "1/2")).translated((2, 0, 0)).named("slider"),
-    }
-    joints = [
-        fc.Joint("crank pin", "revolute", "ground", "crank", axis=(0, 0, 1)),
-        fc.Joint("rod pin", "revolute", "crank", "rod", axis=(0, 0, 1), point=(1, 0, 0), mimic=("crank pin", -2)),
-        fc.Joint("slider pin", "revolute", "rod", "slider", axis=(0, 0, 1), point=(2, 0, 0), mimic=("crank pin", 1)),
-    ]
-    course = fc.Mechanism(links, joints).course([0, 2], {"crank pin": [0, 180]})
-    # the slider's left face is at 2 cos - 1/4, the stop's right one at -3/2
-    angle = math.degrees(math.acos(-5 / 8))
-    found = check(course.first_contacts(), ("slider", "stop"), "crank pin", angle)
+def test_a_slider_crank_tells_all_its_joints_and_the_face_of_the_stop():
+    form = slider_crank()
+    found = met(form)
     assert found.point[0] == pytest.approx(-1.5, abs=1e-12) and abs(found.normal[0]) == pytest.approx(1, abs=1e-9)
     assert {x.name: pytest.approx(x.value, rel=1e-12) for x in found.joints} == {
-        "crank pin": angle, "rod pin": -2 * angle, "slider pin": angle
+        "crank pin": form.degrees, "rod pin": -2 * form.degrees, "slider pin": form.degrees
     }  # fmt: skip
-
-
-def test_arms_on_two_gears_meet_between_them():
-    """Equal gears turn against each other: what they carry meets in the plane of symmetry."""
-    arm = BOX((2, "1/4", "1/4")).translated((1, 0, 0))
-    links = {
-        "ground": BOX((1, 1, 1)).translated((0, 0, -9)).named("ground"),
-        "left": arm.translated((0, 0, 0)).named("left"),
-        "right": arm.rotated((0, 0, 1), degrees=180).translated((3, 0, 0)).named("right"),
-    }
-    joints = [
-        fc.Joint("pinion", "revolute", "ground", "left", axis=(0, 0, 1)),
-        fc.Joint("wheel", "revolute", "ground", "right", axis=(0, 0, 1), point=(3, 0, 0), mimic=("pinion", -1)),
-    ]
-    course = fc.Mechanism(links, joints).course([0, 1], {"pinion": [-120, 0]})
-    # the corner (2, 1/8) of the left arm reaches x = 3/2
-    angle = -math.degrees(math.acos(1.5 / math.hypot(2, 0.125)) + math.atan2(0.125, 2))
-    check(course.first_contacts(), ("left", "right"), "pinion", angle)
 
 
 def test_a_rack_runs_into_its_stop():

@@ -116,3 +116,17 @@ def test_arrays_and_texts_are_values():
     assert one.motion("drawer")(0.5)[:3, 3] == pytest.approx((0, -1 / 3, 0))
     with pytest.raises(fc.InputError, match="values\\[1\\] of joint 'hinge' is nan"):
         mechanism.course([0, 1], {"hinge": [0, math.nan]})
+
+
+def test_how_far_a_link_has_come_is_told_by_waypoints(capsys):
+    """It was told as a share of the time 1, whatever the course's times are."""
+    assert run(["check", DOOR]) == 1
+    told = capsys.readouterr().out
+    assert "panel is between waypoints 1 and 2, counted from 0" in told and "time is that of the joints' course" in told
+    assert "% of its motion" not in told
+
+
+def test_a_sweep_has_a_page(tmp_path, capsys):
+    page = tmp_path / "door.html"
+    assert run(["sweep", DOOR, "--joint", "hinge", "--html", str(page)]) == 1
+    assert '"name": "hinge", "unit": "deg"' in page.read_text()

@@ -144,3 +144,20 @@ def roller():
     a = fc.RuledSurface(along.format(-1), along.format(0), u=None, name="roller")
     b = fc.RuledSurface(upright.format("1/2"), upright.format("3/2"), u=None, name="pipe")
     return fc.contact_intervals(a, b, (-2, 2))
+
+
+def jointed():
+    """An arm of two turning joints along cubic values, a claw that follows the elbow, and a wall."""
+    links = {
+        "wall": fc.box((1, 8, 4)).translated((-3, 0, 0)),
+        "upper": fc.box((2, "1/4", "1/4")).translated((1, 0, 0)),
+        "fore": fc.box((2, "1/4", "1/4")).translated((3, 0, "1/2")),
+        "claw": fc.box(("1/4", "1/4", "1/4")).translated((4, 0, "1/2")),
+    }
+    joints = [
+        fc.Joint("shoulder", "revolute", "wall", "upper", axis=(0, 0, 2), limits=(0, 180)),
+        fc.Joint("elbow", "revolute", "upper", "fore", axis=(0, 1, 2), point=(2, 0, 0), limits=(-150, 150)),
+        fc.Joint("grip", "prismatic", "fore", "claw", axis=(1, 0, 0), mimic=("elbow", "1/100", "1/8")),
+    ]
+    values = {"shoulder": [0, 90, 120], "elbow": [0, 30, 60]}
+    return fc.Mechanism(links, joints).course([0, 1, 2], values, interpolation="cubic")

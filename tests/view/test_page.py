@@ -15,6 +15,7 @@ import pytest
 import firstcontact as fc
 from firstcontact.view.assembly import Assembly
 from firstcontact.view.html import write_page
+from mechanism import oracle
 from view import scenes
 
 WINDOW = "960,780"  # the page gets some 140 pixels less in height
@@ -523,3 +524,121 @@ def test_faces_are_coloured_near_the_contact_alone(opened, tmp_path):
     red = (pixels[..., 0] > pixels[..., 1] + 60) & (pixels[..., 0] > pixels[..., 2] + 50)
     sand = is_sand(pixels)
     assert red.any() and sand.sum() > 20 * red.sum()
+
+
+# -- joints ---------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def jointed(tmp_path_factory):
+    """Address of a page of the arm's first contacts, with the arm as a whole."""
+    course = scenes.jointed()
+    bodies = {body.name: body for own in course.bodies.values() for body in own}
+    path = tmp_path_factory.mktemp("jointed") / "arm.html"
+    return write_page(path, course.first_contacts(), Assembly(bodies, "mm")).as_uri()
+
+
+def claw_by_hand(shoulder, elbow, grip):
+    """The claw's rotation and its centre in the world, by products of SciPy's rotations."""
+    pose = oracle.turn((0, 0, 1), (0, 0, 0), shoulder) @ oracle.turn((0, 1, 2), (2, 0, 0), elbow)
+    pose = pose @ oracle.shift((1, 0, 0), grip)
+    return pose[:3, :3], (pose @ (4, 0, 0.5, 1))[:3]
+
+
+def claw_on_page(browser):
+    """The same of the chosen pair's claw, as the page draws it."""
+    data = browser.execute_script("return JSON.parse(document.getElementById('data').textContent)")
+    pair = data["pairs"][state(browser, "pair")]
+    T = np.reshape(state(browser, f"pose({pair['names'].index('claw')})"), (3, 4))
+    return T[:, :3], pair["origin"] + pair["unit"] * T[:, 3]
+
+
+def check_claw(browser, values):
+    for found, expected in zip(claw_on_page(browser), claw_by_hand(*values), strict=True):
+        assert found == pytest.approx(expected, abs=1e-13)
+
+
+def joint_values(browser):
+    return {joint["name"]: joint["value"] for joint in state(browser, "joints")}
+
+
+def sliders(browser):
+    found = browser.find_elements("css selector", "#jointList input")
+    return {x.get_attribute("name"): float(x.get_attribute("value")) for x in found}
+
+
+def test_sliders_of_joints_follow_the_time(opened, jointed):
+    """Values are those of SciPy's natural spline, the claw is where products of SciPy's rotations have it."""
+    from scipy.interpolate import CubicSpline
+
+    show(opened, jointed)
+    assert set(sliders(opened)) == {"shoulder", "elbow", "grip"}
+    assert opened.find_element("id", "jointsCount").text == "3 joints"
+    splines = [CubicSpline([0, 1, 2], x, bc_type="natural") for x in ([0, 90, 120], [0, 30, 60])]
+    pair = state(opened, "pair")  # fore and claw, which touch at the start
+    for t in (0.0, 0.4, 1.0, 1.7, 2.0):
+        show(opened, f"{jointed}#pair={pair}&t={t}")
+        wait_until(lambda t=t: state(opened, "time") == t)
+        shoulder, elbow = (float(x(t)) for x in splines)
+        expected = {"shoulder": shoulder, "elbow": elbow, "grip": elbow / 100 + 0.125}
+        assert joint_values(opened) == pytest.approx(expected, abs=1e-12)
+        assert sliders(opened) == pytest.approx(expected, abs=1e-12)
+        check_claw(opened, expected.values())
+    texts = [x.text.split("\n") for x in opened.find_elements("css selector", "#jointList li")]
+    assert texts == [["shoulder", "120.00 deg", "0", "180"], ["elbow", "60.00 deg", "-150", "150"],
+                     ["grip", "0.7250 mm", "-1.375", "1.625"]]  # fmt: skip
+
+
+def test_a_joint_moved_by_hand_leaves_the_path(opened, jointed):
+    from selenium.webdriver.common.keys import Keys
+
+    show(opened, jointed)
+    pair = state(opened, "pair")
+    assert state(opened, "atContact") and not opened.find_element("id", "offPath").is_displayed()
+    before = joint_values(opened)
+    slider = opened.find_element("css selector", "#jointList input[name=elbow]")
+    slider.send_keys(Keys.ARROW_LEFT, Keys.ARROW_LEFT)
+    after = joint_values(opened)
+    assert after["elbow"] < before["elbow"] - 1 and after["shoulder"] == before["shoulder"]
+    assert after["grip"] == pytest.approx(after["elbow"] / 100 + 0.125, abs=1e-12)
+    note = opened.find_element("id", "offPath")
+    assert note.is_displayed() and "off the path" in note.text
+    assert not state(opened, "atContact") and not state(opened, "contactVisible")
+    check_claw(opened, after.values())
+    # the follower moves its leader, and the address keeps both
+    opened.find_element("css selector", "#jointList input[name=grip]").send_keys(Keys.HOME)
+    moved = joint_values(opened)
+    assert moved["grip"] == pytest.approx(moved["elbow"] / 100 + 0.125, abs=1e-12) and moved["elbow"] < after["elbow"]
+    kept = wait_until(lambda: (x := hash_of(opened).get("joints")) and x.split(",")[1] == repr(moved["elbow"]) and x)
+    show(opened, f"{jointed}#pair={pair}&joints={kept}")
+    wait_until(lambda: state(opened, "byHand"))
+    assert joint_values(opened) == moved
+    press(opened, "back")
+    assert not state(opened, "byHand") and joint_values(opened) == before and state(opened, "contactVisible")
+    assert not opened.find_element("id", "offPath").is_displayed()
+
+
+def test_playing_goes_back_to_the_path(opened, jointed):
+    show(opened, f"{jointed}#t=0.2")
+    wait_until(lambda: state(opened, "time") == 0.2)
+    opened.execute_script("const s = document.querySelector('#jointList input[name=shoulder]');"
+                          "s.value = 150; s.dispatchEvent(new Event('input'));")  # fmt: skip
+    assert state(opened, "byHand") and joint_values(opened)["shoulder"] == 150
+    press(opened, "play")
+    wait_until(lambda: state(opened, "time") > 0.25)
+    press(opened, "play")
+    assert not state(opened, "byHand") and joint_values(opened)["shoulder"] < 100
+
+
+def test_all_parts_move_with_their_joints(opened, jointed):
+    """What is behind the pair is posed by the same joints."""
+    show(opened, jointed)
+    press(opened, "all")
+    before = picture(opened)
+    opened.execute_script("const s = document.querySelector('#jointList input[name=shoulder]');"
+                          "s.value = 10; s.dispatchEvent(new Event('input'));")  # fmt: skip
+    assert np.abs(picture(opened) - before).sum(axis=2).max() > 60
+
+
+def test_pages_without_joints_have_no_sliders(opened):
+    assert not opened.find_element("id", "joints").is_displayed() and state(opened, "joints") == []

@@ -7,7 +7,8 @@ from bisect import bisect_left
 from collections.abc import Iterable
 from typing import Any
 
-from firstcontact.exact.numbers import to_double
+from firstcontact.exact.numbers import exact_value, to_double
+from firstcontact.motion.linkage import Linkage
 from firstcontact.motion.moving import Moving
 from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.screw import Screw
@@ -23,6 +24,8 @@ def reading(bodies: Iterable[Any]) -> str:
     spans = {motion.span for motion in motions}
     if any(isinstance(motion, Trajectory) for motion in motions):
         return "time is that of the trajectory"
+    if any(isinstance(motion, Linkage) for motion in motions):
+        return "time is that of the joints' course"
     if spans <= {SPAN}:
         return "time is the share of the motion that is done, from 0 to 1"
     lo, hi = min(x[0] for x in spans), max(x[1] for x in spans)
@@ -59,6 +62,9 @@ def _done(motion: Any, time: float, unit: str) -> str:
         start, end = to_double(motion.starts[k]), to_double(motion.ends[k])
         step = _done(motion.steps[k], (time - start) / (end - start), unit)
         return f"in step {k + 1} of {len(motion.steps)} {step}"
+    if isinstance(motion, Linkage):
+        k = motion.stretch(exact_value(time))
+        return f"is between waypoints {k} and {k + 1}, counted from 0"
     if isinstance(motion, Trajectory):
         times = [to_double(t) for t in motion.times]
         k = max(1, min(bisect_left(times, time), len(times) - 1))

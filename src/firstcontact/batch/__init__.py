@@ -11,6 +11,7 @@ cluster     workers of dask.distributed
 results     full results one after the other, for the command
 arrow       tables as pyarrow has them, Parquet
 files       queries from a file, answers to a file, kept part by part
+courses     the first contacts along a long course, part by part
 
     query_files, query_rows     what is read, and what it asks
     kept_parts, answer_files    what is finished, and where it goes

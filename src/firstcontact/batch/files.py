@@ -138,15 +138,20 @@ def _about(file: QueryFile, bodies: Mapping[str, Any], arguments: dict[str, Any]
     """What two runs of one job have in common."""
     from firstcontact import __version__
 
-    tables = {key: finite(body.to_dict()) for key, body in bodies.items()}
     with file.path.open("rb") as data:
         queries = hashlib.file_digest(data, "sha256").hexdigest()
     return {
         "queries": queries,
-        "bodies": hashlib.sha256(json.dumps(tables).encode()).hexdigest(),
+        "bodies": digest(bodies),
         "options": arguments,
         "version": __version__,
     }
+
+
+def digest(bodies: Mapping[str, Any]) -> str:
+    """The same for the same bodies alone."""
+    tables = {key: finite(body.to_dict()) for key, body in bodies.items()}
+    return hashlib.sha256(json.dumps(tables).encode()).hexdigest()
 
 
 def _counted(tables: Iterator[Any], summary: Summary) -> Iterator[Any]:

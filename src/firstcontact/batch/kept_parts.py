@@ -1,14 +1,16 @@
 """The folder in which a job keeps what is finished, until all of it is.
 
-Beside OUT stands the folder OUT.parts.  It holds `job.json`, what the job is about, and a Parquet file for each part
-that is finished, named by its rows.  A file is written under another name first and takes its own at once when it is
-whole, so that a process that is killed at any moment leaves whole parts and, of the one at work, nothing that counts.
+Beside OUT stands the folder OUT.parts.  It holds `job.json`, what the job is about, and a file for each part that is
+finished, named by its rows: Parquet of a batch, JSON of what a course has met from one waypoint to another.  A file is
+written under another name first and takes its own at once when it is whole, so that a process that is killed at any
+moment leaves whole parts and, of the one at work, nothing that counts.
 A part that is torn all the same, as by a full disk or a machine that stops, is told by its size and its checksums, and
-done again.  The last step is one change of names too: OUT is there whole, or not at all.
+done again.  The last step is one change of names too: OUT of a batch is there whole, or not at all.
 """
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 import re
@@ -21,15 +23,18 @@ from typing import Any
 from firstcontact.batch.arrow import pyarrow
 from firstcontact.errors import InputError
 
-NAME = re.compile(r"rows-(\d+)-(\d+)\.parquet")
+NAME = re.compile(r"rows-(\d+)-(\d+)(\.\w+)")
 
 
-class KeptParts:
-    """The finished parts of a job."""
+class Kept:
+    """The finished parts of a job: whole files, each of the rows that its name tells."""
+
+    suffix: str
+    """Of a part's file."""
 
     def __init__(self, out: Path, about: dict[str, Any]) -> None:
         """about: what the job is about, by words that an error may name.  InputError where the folder is of another."""
-        self.out, self.folder = out, out.with_name(f"{out.name}.parts")
+        self.out, self.folder = out, self.folder_of(out)
         shutil.rmtree(self._done, ignore_errors=True)
         known = self._known()
         if known is None:
@@ -42,6 +47,11 @@ class KeptParts:
                 f"{self.folder}: holds parts of another job ({other} differ); finish that one, or remove the folder"
             )
         self.parts = {(begin, end): path for begin, end, path in self._whole()}
+
+    @staticmethod
+    def folder_of(out: Path) -> Path:
+        """Where the parts are of what becomes OUT."""
+        return out.with_name(f"{out.name}.parts")
 
     @property
     def _done(self) -> Path:
@@ -57,18 +67,19 @@ class KeptParts:
         return known if isinstance(known, dict) else {}
 
     def _whole(self) -> Iterator[tuple[int, int, Path]]:
-        """Parts that are what their names say."""
-        pa, pq = pyarrow(), pyarrow("parquet")
+        """Parts that are what their names say; others are removed."""
         for path in sorted(self.folder.iterdir()):
             named = NAME.fullmatch(path.name)
-            if named is None:
+            if named is None or named[3] != self.suffix:
                 continue
-            begin, end = map(int, named.groups())
-            try:
-                if pq.read_metadata(path).num_rows == end - begin:
-                    yield begin, end, path
-            except (pa.ArrowException, OSError):
+            begin, end = int(named[1]), int(named[2])
+            if self._is_whole(path, end - begin):
+                yield begin, end, path
+            else:
                 path.unlink()
+
+    def _is_whole(self, path: Path, rows: int) -> bool:
+        raise NotImplementedError
 
     def gaps(self, total: int) -> Iterator[tuple[int, int]]:
         """Rows that are not answered yet, from one to before another."""
@@ -83,12 +94,8 @@ class KeptParts:
     def rows(self) -> int:
         return sum(end - begin for begin, end in self.parts)
 
-    def add(self, begin: int, table: Any) -> None:
-        """Keep a part."""
-        end = begin + len(table)
-        name = f"rows-{begin:012}-{end:012}.parquet"
-        write = pyarrow("parquet").write_table
-        self.parts[begin, end] = self._write(name, lambda path: write(table, path, write_page_checksum=True))
+    def _keep(self, begin: int, end: int, write: Callable[[Path], Any]) -> None:
+        self.parts[begin, end] = self._write(f"rows-{begin:012}-{end:012}{self.suffix}", write)
 
     def _write(self, name: str, write: Callable[[Path], Any]) -> Path:
         """A file that is there whole or not at all."""
@@ -98,6 +105,39 @@ class KeptParts:
             _sync(torn)
             os.replace(torn, path)
         return path
+
+    def finish(self, write: Callable[[Path], None]) -> None:
+        """`write` writes all of it to a path, which becomes OUT; the parts go."""
+        torn = self.folder / f"whole{self.out.suffix}"
+        with _faults(self.out):
+            write(torn)
+            _sync(torn)
+            os.replace(torn, self.out)
+        self.remove()
+
+    def remove(self) -> None:
+        """The parts go, all at once."""
+        with _faults(self.folder):
+            os.replace(self.folder, self._done)
+            shutil.rmtree(self._done)
+
+
+class KeptParts(Kept):
+    """Parts of a batch, as tables of answers."""
+
+    suffix = ".parquet"
+
+    def _is_whole(self, path: Path, rows: int) -> bool:
+        try:
+            whole: bool = pyarrow("parquet").read_metadata(path).num_rows == rows
+        except (pyarrow().ArrowException, OSError):
+            return False
+        return whole
+
+    def add(self, begin: int, table: Any) -> None:
+        """Keep a part."""
+        write = pyarrow("parquet").write_table
+        self._keep(begin, begin + len(table), lambda path: write(table, path, write_page_checksum=True))
 
     def tables(self) -> Iterator[Any]:
         """The parts in order; a damaged one is removed and named."""
@@ -110,15 +150,38 @@ class KeptParts:
                 path.unlink(missing_ok=True)
                 raise InputError(f"{path}: damaged, and removed; the same command does it again") from error
 
-    def finish(self, write: Callable[[Path], None]) -> None:
-        """`write` writes all of it to a path, which becomes OUT; the parts go."""
-        torn = self.folder / f"whole{self.out.suffix}"
-        with _faults(self.out):
-            write(torn)
-            _sync(torn)
-            os.replace(torn, self.out)
-            os.replace(self.folder, self._done)
-            shutil.rmtree(self._done)
+
+class KeptLines(Kept):
+    """Parts of a course: what was met from one waypoint to another, as JSON with its checksum."""
+
+    suffix = ".json"
+
+    def _is_whole(self, path: Path, rows: int) -> bool:
+        try:
+            kept = json.loads(path.read_bytes())
+            return bool(kept["checksum"] == _checksum(kept["rows"]))
+        except (OSError, ValueError, TypeError, KeyError):
+            return False
+
+    def add(self, begin: int, end: int, rows: list[dict[str, Any]]) -> None:
+        """Keep a part."""
+        text = json.dumps({"checksum": _checksum(rows), "rows": rows})
+        self._keep(begin, end, lambda path: path.write_text(text, encoding="utf-8"))
+
+    def taken_over(self) -> tuple[int, list[dict[str, Any]]]:
+        """To where all of it is finished, from the start on, and the rows of these parts; what lies beyond goes."""
+        done, rows = 0, list[dict[str, Any]]()
+        for (begin, end), path in sorted(self.parts.items()):
+            if begin == done:
+                done, rows = end, rows + json.loads(path.read_bytes())["rows"]
+            else:
+                path.unlink()
+                del self.parts[begin, end]
+        return done, rows
+
+
+def _checksum(rows: Any) -> str:
+    return hashlib.sha256(json.dumps(rows).encode()).hexdigest()
 
 
 @contextmanager

@@ -9,10 +9,12 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, fields
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from firstcontact.cli.rows import More, comma_separated, json_lines, row, written
 from firstcontact.errors import FirstContactError, InputError
 
 if TYPE_CHECKING:
@@ -51,6 +53,7 @@ _OUTPUTS = (
     click.option("--html", metavar="F", help="Write a page that shows the results, offline."),
     click.option("--progress/--no-progress", default=None, help="Progress on stderr (default: on a tty)"),
 )
+_NO_MORE: More = MappingProxyType({})
 _SCENE = (click.argument("scene"),)
 _TIMES = (
     click.argument("files", nargs=-1, required=True, metavar="SCENE | MESH MESH..."),
@@ -66,6 +69,13 @@ _TIMES = (
     click.option("--workers", type=click.IntRange(1, 1024), metavar="N",
                  help="Cores that take part (default: all, where the work takes seconds)."),
 )
+
+
+def outputs(command: Any) -> Any:
+    """The options of what is written besides text, and of progress."""
+    for decorator in reversed(_OUTPUTS):
+        command = decorator(command)
+    return command
 
 
 def scene_command(function: Callable[..., int]) -> click.Command:
@@ -94,9 +104,7 @@ def answer_checks(files: tuple[str, ...], options: Options, verb_name: str) -> l
     """The verb's results for all checks of the scene, in order, printed and written as the options ask."""
     from firstcontact.cli.given import given_scene
 
-    check_target(options.json, options.html, options.csv, options.jsonl)
-    if (options.json, options.csv, options.jsonl).count("-") > 1:
-        raise click.UsageError("--json, --csv and --jsonl: one of them may be -, for standard output.")
+    check_outputs(options)
     span = _parse_span(options.span)
     scene = given_scene(files, options.move, options.turn, options.about, options.degrees)
     refuse_single(scene.path, scene.checks)
@@ -125,19 +133,20 @@ def answer_checks(files: tuple[str, ...], options: Options, verb_name: str) -> l
         return answers(asked, begin, progress.report, options.workers or cores())
 
     with ExitStack() as stack:
-        rows = [stack.enter_context(x) for x in _row_files(options, scene.unit)]
+        rows = [stack.enter_context(x) for x in row_files(options, scene.unit)]
         results = answer_all(scene.path, "check", scene.checks, given, options, scene, rows)
     deliver(results, options, scene)
     return results
 
 
-def _row_files(options: Options, unit: str) -> Iterator[Any]:
-    from firstcontact.cli import rows
-
+def row_files(
+    options: Options, unit: str, columns: More = _NO_MORE, keys: More = _NO_MORE
+) -> Iterator[Any]:
+    """Contexts of what takes results row by row; columns: further ones of CSV; keys: further ones of JSON lines."""
     if options.csv is not None:
-        yield rows.written(options.csv, rows.comma_separated(unit))
+        yield written(options.csv, comma_separated(unit, columns))
     if options.jsonl is not None:
-        yield rows.written(options.jsonl, rows.json_lines)
+        yield written(options.jsonl, json_lines(keys))
 
 
 def _span_shown(span: Any, a: Any, b: Any) -> tuple[float, float]:
@@ -194,18 +203,24 @@ def deliver(
     results: list[Any], options: Options, scene: Scene | None = None, *, interrupted: bool = False
 ) -> None:
     """JSON to stdout, and the files that were asked for; interrupted: what is decided, and that there was more."""
-    if options.json is not None:
-        text = json.dumps(_document(results, scene, interrupted), indent=1)
-        if options.json == "-":
-            click.echo(text)
-        else:
-            write(options.json, lambda path: path.write_text(text + "\n", encoding="utf-8"))
+    write_json(options.json, lambda: _document(results, scene, interrupted))
     if options.html is not None and (results or not interrupted):
         from firstcontact.view.assembly import Assembly
         from firstcontact.view.html import write_page
 
         whole = Assembly(scene.bodies, scene.unit) if scene is not None and len(scene.bodies) > 2 else None
         write(options.html, lambda path: write_page(path, results, whole))
+
+
+def write_json(target: str | None, document: Callable[[], Any]) -> None:
+    """Write what `document` gives, where it is wanted; "-": to standard output."""
+    if target is None:
+        return
+    text = json.dumps(document(), indent=1)
+    if target == "-":
+        click.echo(text)
+    else:
+        write(target, lambda path: path.write_text(text + "\n", encoding="utf-8"))
 
 
 def exit_code(statuses: Iterable[str]) -> int:
@@ -229,6 +244,13 @@ def write_png(path: str, results: list[Any]) -> None:
 
     touching = [result for result in results if exit_code_of([result]) == CONTACT]
     write(path, lambda target: write_png(target, (touching or results)[0]))
+
+
+def check_outputs(options: Options) -> None:
+    """Refuse outputs that cannot be written, before the work begins."""
+    check_target(options.json, options.html, options.csv, options.jsonl)
+    if (options.json, options.csv, options.jsonl).count("-") > 1:
+        raise click.UsageError("--json, --csv and --jsonl: one of them may be -, for standard output.")
 
 
 def check_target(*paths: str | None) -> None:
@@ -271,9 +293,9 @@ def write(path: str, write: Callable[[Path], Any]) -> None:
 
 def _document(results: list[Any], scene: Scene | None, interrupted: bool) -> dict[str, Any]:
     from firstcontact import __version__
-    from firstcontact.result import SCHEMA, finite
+    from firstcontact.result import SCHEMA
 
-    checks = [{key: x for key, x in finite(r.to_dict()).items() if key != "schema"} for r in results]
+    checks = [row(result, {}) for result in results]
     more: dict[str, Any] = {"interrupted": True} if interrupted else {}
     if scene is not None and scene.unit:
         more["unit"] = scene.unit

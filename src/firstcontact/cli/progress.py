@@ -8,6 +8,7 @@ import sys
 import threading
 import time
 from types import TracebackType
+from typing import Self
 
 import click
 
@@ -98,7 +99,7 @@ class Progress:
             click.echo(ERASE, err=True, nl=False)
             self._shown = False
 
-    def __enter__(self) -> Progress:
+    def __enter__(self) -> Self:
         if self._wanted:
             self._ticker.start()
         return self

@@ -2,13 +2,25 @@
 
 from __future__ import annotations
 
-import json
-from typing import Any
+import shutil
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from firstcontact.cli import common
+from firstcontact.cli.rows import row
 from firstcontact.errors import InputError
+
+if TYPE_CHECKING:
+    from firstcontact.batch.courses import Following, Found
+    from firstcontact.batch.kept_parts import KeptLines
+    from firstcontact.cli.progress import RowsProgress
+    from firstcontact.mechanism.course import Course
+    from firstcontact.result import FirstContact
 
 
 @click.command()
@@ -18,33 +30,36 @@ from firstcontact.errors import InputError
 @click.option("--srdf", metavar="F", help="Pairs of links that are switched off.")
 @click.option("--package", "packages", metavar="NAME=DIR", multiple=True, help="Where package://NAME/ is.")
 @click.option("--cubic", is_flag=True, help="Cubic values between waypoints (default: linear).")
-@click.option("--json", "target", metavar="F|-", help="Write the results as JSON; - prints only them.")
+@click.option("--csv", metavar="F|-", help="Write the results as CSV, row by row.")
+@click.option("--jsonl", metavar="F|-", help="Write the results as JSON lines, each as soon as it is there.")
+@click.option("--resume", is_flag=True, help="Go on where the run was stopped that wrote the same --csv or --jsonl.")
+@common.outputs
 def robot(
     description: str, trajectory: str, scene: str | None, srdf: str | None, packages: tuple[str, ...], cubic: bool,
-    target: str | None,
+    resume: bool, **outputs: Any,
 ) -> int:  # fmt: skip
     """Find what a robot meets first along its trajectory.
 
-    DESCRIPTION is a URDF file.  Links that a joint connects are not asked about with each other.
+    DESCRIPTION is a URDF file.  Links that a joint connects are not asked about with each other.  Contacts are told as
+    the waypoints are gone through, and in the end what is free.
     """
     from firstcontact.robot.robot import Robot
     from firstcontact.scene.load import load_scene
 
-    common.check_target(target)
+    options = common.Options(**outputs)
+    common.check_outputs(options)
+    out = next((Path(x) for x in (options.jsonl, options.csv) if x not in (None, "-")), None)
+    if resume and out is None:
+        raise click.UsageError("--resume: give the --csv or --jsonl file of the run that was stopped.")
     places = dict(_pair(text) for text in packages)
     arm = Robot.load(description, srdf=srdf, packages=places)
-    cell = [] if scene is None else list(load_scene(scene).bodies.values())
+    loaded = None if scene is None else load_scene(scene)
+    cell = {} if loaded is None else dict(loaded.bodies)
     course = arm.read_course(trajectory, interpolation="cubic" if cubic else "linear")
-    results = sorted(course.first_contacts(cell), key=lambda hit: (hit.time is None, hit.time))
-    if target != "-":
-        click.echo(_told(course, results))
-    if target is not None:
-        rows = [{**hit.to_dict(), **_segment(course, hit)} for hit in results]
-        text = json.dumps({"robot": arm.name, "checks": rows}, indent=1)
-        if target == "-":
-            click.echo(text)
-        else:
-            common.write(target, lambda path: path.write_text(text + "\n", encoding="utf-8"))
+    kept = None if out is None else _kept(out, resume, trajectory, course, cell, cubic)
+    run = Run(description, course, cell, options, kept, "" if loaded is None else loaded.unit)
+    results = run.all()
+    run.deliver(results, arm.name)
     return common.exit_code([hit.status.name for hit in results])
 
 
@@ -55,24 +70,143 @@ def _pair(text: str) -> tuple[str, str]:
     return name, value
 
 
-def _segment(course: Any, hit: Any) -> dict[str, Any]:
-    """Between which waypoints, counted from 0, the contact is."""
-    if hit.time is None:
-        return {}
-    k = course.stretch(hit.time)
-    return {"waypoints": [k, k + 1]}
+def _kept(
+    out: Path, resume: bool, trajectory: str, course: Course, cell: Mapping[str, Any], cubic: bool
+) -> KeptLines:
+    """What a run that was stopped has finished, to go on from; without `resume` nothing."""
+    import hashlib
+
+    from firstcontact import __version__
+    from firstcontact.batch.files import digest
+    from firstcontact.batch.kept_parts import KeptLines
+
+    folder = KeptLines.folder_of(out)
+    if not resume:
+        shutil.rmtree(folder, ignore_errors=True)
+    elif not folder.is_dir():
+        raise InputError(f"{folder}: is not there, so nothing is left to go on with; leave --resume out")
+    links = course.mechanism.links
+    bodies = {f"{link}.{k}": body for link, own in links.items() for k, body in enumerate(own)}
+    joints = [
+        (x.name, x.parent, x.child, None if x.motion is None else x.motion.to_dict(), str(x.mimic))
+        for x in course.mechanism.joints.values()
+    ]
+    skip = sorted(map(sorted, course.mechanism.skip))
+    about = {
+        "trajectory": hashlib.sha256(Path(trajectory).read_bytes()).hexdigest(),
+        "robot": hashlib.sha256(f"{digest(bodies)} {joints} {skip}".encode()).hexdigest(),
+        "scene": digest(cell),
+        "interpolation": "cubic" if cubic else "linear",
+        "version": __version__,
+    }
+    return KeptLines(out, about)
 
 
-def _told(course: Any, results: list[Any]) -> str:
-    """What meets, first things first, and how many pairs do not."""
-    lines = []
-    for hit in results:
-        if hit.status.name == "FREE":
-            continue
-        lines.append(str(hit))
-        if hit.time is not None:
-            k = course.stretch(hit.time)
-            normal = "" if hit.normal is None else "; normal ({:.6g}, {:.6g}, {:.6g})".format(*hit.normal)
-            lines.append(f"  between waypoints {k} and {k + 1}{normal}")
-    free = sum(hit.status.name == "FREE" for hit in results)
-    return "\n".join([*lines, f"{len(results)} pairs, {free} of them FREE from waypoint 0 to {len(course.times) - 1}"])
+class Run:
+    """A course gone through and told, part by part."""
+
+    def __init__(
+        self, label: str, course: Course, cell: Mapping[str, Any], options: common.Options, kept: KeptLines | None,
+        unit: str,
+    ) -> None:  # fmt: skip
+        self.label, self.course, self.cell, self.options = label, course, cell, options
+        self.kept, self.unit, self.total = kept, unit, len(course.times) - 1
+
+    def all(self) -> list[FirstContact]:
+        """All answers, which are written as they come: contacts by their times, then what is free.
+
+        Interrupted, it says how far it came, and what is kept.
+        """
+        from firstcontact.cli.progress import RowsProgress
+
+        joints = {name: _value_of(name) for name in self.course.mechanism.free}
+        results: list[FirstContact] = []
+        with ExitStack() as stack:
+            rows = [
+                stack.enter_context(x)
+                for x in common.row_files(self.options, self.unit, {"waypoint": self._waypoint, **joints}, self._keys)
+            ]
+            progress = stack.enter_context(RowsProgress(self.options.progress, f"{self.label}: waypoints"))
+            following, before = self._begun()
+            try:
+                for found in self._found(following, before, progress):
+                    results.append(found.hit)
+                    for put in rows:
+                        put(found.hit)
+                    if not self.options.silent and found.hit.status.name != "FREE":
+                        progress.say(self._told(found.hit))
+            except KeyboardInterrupt:
+                common.write_json(self.options.json, lambda: self._document(results, interrupted=True))
+                raise KeyboardInterrupt(self._stopped(following.begin)) from None
+        return results
+
+    def _begun(self) -> tuple[Following, list[Found]]:
+        """What is left to ask, and what an earlier run has found."""
+        from firstcontact.batch.courses import Following, Found
+        from firstcontact.result import FirstContact
+
+        done, rows = (0, []) if self.kept is None else self.kept.taken_over()
+        following = Following(self.course, self.cell.values(), begin=done, settled=[x["pair"] for x in rows])
+        pairs = list(following.pairs())
+        before = []
+        for x in rows:
+            a, b = pairs[x["pair"]]
+            before.append(Found(x["pair"], replace(FirstContact.from_dict(x["hit"]), a=a, b=b)))
+        return following, before
+
+    def _found(self, following: Following, before: list[Found], progress: RowsProgress) -> Iterator[Found]:
+        from firstcontact.result import finite
+
+        yield from before
+        progress.rows(following.begin, self.total)
+        for part in following.parts(lambda done: progress.rows(done, self.total)):
+            yield from part.found
+            if self.kept is not None:
+                rows = [{"pair": pair, "hit": finite(hit.to_dict())} for pair, hit in part.found]
+                self.kept.add(part.begin, part.end, rows)
+        yield from following.free()
+
+    def deliver(self, results: list[FirstContact], name: str) -> None:
+        """What is written when all is known."""
+        if not self.options.silent:
+            free = sum(hit.status.name == "FREE" for hit in results)
+            click.echo(f"{len(results)} pairs, {free} of them FREE from waypoint 0 to {self.total}")
+        common.write_json(self.options.json, lambda: self._document(results, robot=name))
+        if self.options.html is not None:
+            from firstcontact.view.assembly import Assembly
+            from firstcontact.view.html import write_page
+
+            links = [body for own in self.course.bodies.values() for body in own]
+            bodies = {body.name: body for body in (*links, *self.cell.values())}
+            common.write(self.options.html, lambda path: write_page(path, results, Assembly(bodies, self.unit)))
+        if self.kept is not None:
+            self.kept.remove()
+
+    def _document(self, results: list[FirstContact], **more: Any) -> dict[str, Any]:
+        return {**more, "checks": [row(hit, self._keys) for hit in results]}
+
+    @property
+    def _keys(self) -> dict[str, Any]:
+        return {"waypoints": lambda hit: None if (k := self._waypoint(hit)) is None else [k, k + 1]}
+
+    def _waypoint(self, hit: FirstContact) -> int | None:
+        """The last waypoint, counted from 0, that is not after the contact."""
+        return None if hit.time is None else self.course.stretch(hit.time)
+
+    def _told(self, hit: FirstContact) -> str:
+        k = self._waypoint(hit)
+        if k is None:
+            return str(hit)
+        normal = "" if hit.normal is None else "; normal ({:.6g}, {:.6g}, {:.6g})".format(*hit.normal)
+        return f"{hit}\n  between waypoints {k} and {k + 1}{normal}"
+
+    def _stopped(self, at: int) -> str:
+        told = f"decided from waypoint 0 to {at} of {self.total}"
+        if self.kept is None:
+            return told
+        return f"{told}, kept in {self.kept.folder}; the same command with --resume goes on from there"
+
+
+def _value_of(joint: str) -> Any:
+    """Where the joint stands at a contact."""
+    return lambda hit: next((x.value for x in hit.joints if x.name == joint), None)

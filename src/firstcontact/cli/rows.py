@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import IO, Any
 
@@ -18,6 +18,8 @@ COLUMNS = (
 INTERVAL_COLUMNS = ("a", "b", "status", "start", "end", "free_until", "reason")
 
 Put = Callable[[Any], None]
+More = Mapping[str, Callable[[Any], Any]]
+"""Further columns by their names, and what a result says there."""
 
 
 @contextmanager
@@ -34,19 +36,32 @@ def written(target: str, make: Callable[[IO[str]], Put]) -> Iterator[Put]:
         yield make(file)
 
 
-def json_lines(file: IO[str]) -> Put:
-    """One object a line, as "checks" in the JSON output has them."""
+def row(result: Any, more: More) -> dict[str, Any]:
+    """A result as "checks" in the JSON output has it."""
     from firstcontact.result import finite
 
-    def put(result: Any) -> None:
-        file.write(json.dumps({k: x for k, x in finite(result.to_dict()).items() if k != "schema"}) + "\n")
-        file.flush()
-
-    return put
+    told = {key: x for key, x in finite(result.to_dict()).items() if key != "schema"}
+    return told | {key: of(result) for key, of in more.items()}
 
 
-def comma_separated(unit: str) -> Callable[[IO[str]], Put]:
-    """A head of columns, then one row for each first contact, or for each interval; lengths in that unit."""
+def json_lines(more: More) -> Callable[[IO[str]], Put]:
+    """One object a line."""
+
+    def make(file: IO[str]) -> Put:
+        def put(result: Any) -> None:
+            file.write(json.dumps(row(result, more)) + "\n")
+            file.flush()
+
+        return put
+
+    return make
+
+
+def comma_separated(unit: str, more: More) -> Callable[[IO[str]], Put]:
+    """A head of columns, then one row for each first contact, or for each interval; lengths in that unit.
+
+    more: of first contacts.
+    """
 
     def make(file: IO[str]) -> Put:
         writer = csv.writer(file, lineterminator="\n")
@@ -56,9 +71,10 @@ def comma_separated(unit: str) -> Callable[[IO[str]], Put]:
             nonlocal begun
             of_intervals = hasattr(result, "intervals")
             if not begun:
-                writer.writerow(INTERVAL_COLUMNS if of_intervals else COLUMNS)
+                writer.writerow(INTERVAL_COLUMNS if of_intervals else (*COLUMNS, *more))
                 begun = True
-            writer.writerows(_interval_rows(result) if of_intervals else [_row(result, unit)])
+            told = [*_row(result, unit), *(of(result) for of in more.values())] if not of_intervals else []
+            writer.writerows(_interval_rows(result) if of_intervals else [told])
             file.flush()
 
         return put

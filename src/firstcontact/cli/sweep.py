@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-
 import click
 
 from firstcontact.cli import common
@@ -15,7 +13,8 @@ from firstcontact.errors import InputError
 @click.option("--joint", metavar="NAME", help="The joint to drive (default: each one that has limits).")
 @click.option("--at", "rest", metavar="NAME=VALUE", multiple=True, help="Where another joint rests (default: 0).")
 @click.option("--json", "target", metavar="F|-", help="Write the results as JSON; - prints only them.")
-def sweep(scene: str, joint: str | None, rest: tuple[str, ...], target: str | None) -> int:
+@click.option("--html", "page", metavar="F", help="Write a page that shows the results, offline.")
+def sweep(scene: str, joint: str | None, rest: tuple[str, ...], target: str | None, page: str | None) -> int:
     """Find all values of each joint at which two links share a point.
 
     SCENE is a TOML file with [joint.NAME] tables; the other joints rest.
@@ -23,7 +22,7 @@ def sweep(scene: str, joint: str | None, rest: tuple[str, ...], target: str | No
     from firstcontact.mechanism.sweep import sweep_of, swept_joints
     from firstcontact.scene.load import load_scene
 
-    common.check_target(target)
+    common.check_target(target, page)
     loaded = load_scene(scene)
     if loaded.linked is None:
         raise InputError(f"{loaded.path}: no joints; add a [joint.NAME]")
@@ -34,13 +33,13 @@ def sweep(scene: str, joint: str | None, rest: tuple[str, ...], target: str | No
         results.append(sweep_of(mechanism, name, at))
         if target != "-":
             click.echo(str(results[-1]))
-    if target is not None:
-        text = json.dumps({"sweeps": [result.to_dict() for result in results]}, indent=1)
-        if target == "-":
-            click.echo(text)
-        else:
-            common.write(target, lambda path: path.write_text(text + "\n", encoding="utf-8"))
-    return common.exit_code([pair.status.name for result in results for pair in result.found])
+    common.write_json(target, lambda: {"sweeps": [result.to_dict() for result in results]})
+    found = [pair for result in results for pair in result.found]
+    if page is not None:
+        from firstcontact.view.html import write_page
+
+        common.write(page, lambda path: write_page(path, found))
+    return common.exit_code([pair.status.name for pair in found])
 
 
 def _value(text: str) -> tuple[str, str]:

@@ -38,13 +38,21 @@ class Course:
         self._drives = {name: drive for name in mechanism.joints if (drive := self._drive(name, given)) is not None}
         self._motions = {link: self._motion(link) for link in mechanism.links}
 
+    def during(self, begin: int, end: int) -> Course:
+        """The same course from one waypoint to another, which are counted from 0."""
+        part: Course = object.__new__(type(self))
+        part.mechanism, part.times = self.mechanism, self.times[begin : end + 1]
+        part._drives = {name: drive.during(begin, end) for name, drive in self._drives.items()}
+        part._motions = {link: part._motion(link) for link in self.mechanism.links}
+        return part
+
     def _drive(self, name: str, given: dict[str, tuple[Value, ...]]) -> Drive | None:
         joint = self.mechanism.joints[name]
         if joint.motion is None:
             return None
         mimic = joint.mimic
         values = given[name] if mimic is None else followed(given[mimic.joint], mimic.ratio, mimic.offset)
-        return Drive(name, joint.unit, joint.motion, values)
+        return Drive(name, joint.unit, joint.motion, values, limits=joint.limits, mimic=mimic)
 
     def _chain(self, link: str) -> list[str]:
         """The joints from the root to the link that are not fixed."""

@@ -31,13 +31,18 @@ class Drive(Motion):
     """A joint at work: its motion by one unit of its value, and the value over the time.
 
     values: for each stretch of time a polynomial, of degree 3 at most, of the share of the stretch that has passed.
+    limits, mimic: of the joint, (least, greatest) and (leader, ratio, offset), for pictures; no answer asks for them.
     """
 
-    __slots__ = ("name", "unit", "motion", "values", "_doubles")
+    __slots__ = ("name", "unit", "motion", "values", "limits", "mimic", "_doubles")
 
-    def __init__(self, name: str, unit: str, motion: Simple, values: Iterable[Value]) -> None:
+    def __init__(
+        self, name: str, unit: str, motion: Simple, values: Iterable[Value], *,
+        limits: tuple[fmpq, fmpq] | None = None, mimic: tuple[str, fmpq, fmpq] | None = None,
+    ) -> None:  # fmt: skip
         self.name, self.unit, self.motion = name, unit, simple(motion)
         self.values = tuple(values)
+        self.limits, self.mimic = limits, mimic
         self._doubles: np.ndarray | None = None
 
     @property
@@ -51,13 +56,16 @@ class Drive(Motion):
 
     def during(self, lo: int, hi: int) -> Drive:
         """In the stretches from lo on, before hi."""
-        made = Drive(self.name, self.unit, self.motion, self.values[lo:hi])
+        made = self._with(self.motion, self.values[lo:hi])
         made._doubles = None if self._doubles is None else self._doubles[lo:hi]
         return made
 
     def shifted(self, by: Vector) -> Drive:
         """The same joint in a world shifted by a vector."""
-        return Drive(self.name, self.unit, self.motion.shifted(by), self.values)
+        return self._with(self.motion.shifted(by), self.values)
+
+    def _with(self, motion: Simple, values: Iterable[Value]) -> Drive:
+        return Drive(self.name, self.unit, motion, values, limits=self.limits, mimic=self.mimic)
 
     def _facts(self) -> tuple[Any, ...]:
         return self.name, self.unit, self.motion, self.values
@@ -66,7 +74,12 @@ class Drive(Motion):
         return (*self.motion._quick(), *(x for value in (self.values[0], self.values[-1]) for x in value))
 
     def _table(self) -> dict[str, Any]:
-        return {"name": self.name, "unit": self.unit, "motion": self.motion._table(), "values": numbers(self.values)}
+        told = {"limits": self.limits and numbers(self.limits)}
+        told["mimic"] = self.mimic and [self.mimic[0], *numbers(self.mimic[1:])]
+        return {
+            "name": self.name, "unit": self.unit, "motion": self.motion._table(), "values": numbers(self.values),
+            **{key: x for key, x in told.items() if x is not None},
+        }  # fmt: skip
 
     def __repr__(self) -> str:
         return f"<Drive of {self.name!r}: {len(self.values)} stretches>"
@@ -195,7 +208,12 @@ class Linkage(Motion):
     def __reduce__(self) -> Any:
         from firstcontact.exact.numbers import fraction
 
-        rows = [(d.name, d.unit, d.motion, [tuple(map(fraction, v)) for v in d.values]) for d in self.drives]
+        rows = [
+            (d.name, d.unit, d.motion, [tuple(map(fraction, v)) for v in d.values],
+             None if d.limits is None else tuple(map(fraction, d.limits)),
+             None if d.mimic is None else (d.mimic[0], *map(fraction, d.mimic[1:])))
+            for d in self.drives
+        ]  # fmt: skip
         return _rebuilt, (tuple(map(fraction, self.times)), rows)
 
 
@@ -232,6 +250,13 @@ def _times(motion: Simple, share: fmpq) -> Simple:
 
 
 def _rebuilt(times: Any, rows: Any) -> Linkage:
-    read = [Drive(name, unit, motion, [tuple(rational(x, "value") for x in v) for v in values])
-            for name, unit, motion, values in rows]  # fmt: skip
-    return Linkage([rational(t, "time") for t in times], read)
+    return Linkage([rational(t, "time") for t in times], [drive(*row) for row in rows])
+
+
+def drive(name: str, unit: str, motion: Simple, values: Any, limits: Any, mimic: Any) -> Drive:
+    """A drive of numbers of any kind."""
+    return Drive(
+        name, unit, motion, [tuple(rational(x, "values") for x in v) for v in values],
+        limits=None if limits is None else (rational(limits[0], "limits"), rational(limits[1], "limits")),
+        mimic=None if mimic is None else (mimic[0], rational(mimic[1], "mimic"), rational(mimic[2], "mimic")),
+    )  # fmt: skip

@@ -34,10 +34,9 @@ from firstcontact.body.ruled.strip import RuledStrip
 from firstcontact.body.ruled.surface import RuledSurface
 from firstcontact.errors import InputError, shown
 from firstcontact.exact.numbers import MOST_DIGITS, positive_double
-from firstcontact.exact.numbers import rational as rational_of
 from firstcontact.mechanism.values import read_times
 from firstcontact.motion import rational
-from firstcontact.motion.linkage import Drive, Linkage
+from firstcontact.motion.linkage import Drive, Linkage, drive
 from firstcontact.motion.poses import SNAP
 from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.rotation import Rotation
@@ -184,10 +183,11 @@ class DriveTable(Table):
     unit: StrictStr
     motion: Annotated[TranslationTable | RotationTable | ScrewTable, Field(discriminator="type")]
     values: list[list[Number]]
+    limits: tuple[Number, Number] | None = None
+    mimic: tuple[StrictStr, Number, Number] | None = None
 
     def build(self) -> Drive:
-        values = [tuple(rational_of(x, "values") for x in value) for value in self.values]
-        return Drive(self.name, self.unit, self.motion.build(), values)
+        return drive(self.name, self.unit, self.motion.build(), self.values, self.limits, self.mimic)
 
 
 class LinkageTable(Table):
@@ -199,10 +199,10 @@ class LinkageTable(Table):
 
     def build(self) -> Linkage:
         times = read_times(self.times)
-        for k, drive in enumerate(self.drives):
-            if len(drive.values) != len(times) - 1:
-                raise InputError(f"drives[{k}].values: {len(drive.values)} for {len(times) - 1} stretches of time")
-        return Linkage(times, [drive.build() for drive in self.drives])
+        for k, row in enumerate(self.drives):
+            if len(row.values) != len(times) - 1:
+                raise InputError(f"drives[{k}].values: {len(row.values)} for {len(times) - 1} stretches of time")
+        return Linkage(times, [row.build() for row in self.drives])
 
 
 Motion = Annotated[

@@ -23,6 +23,7 @@ from firstcontact.result_curve import IntersectionCurve
 from firstcontact.view.assembly import Assembly, drawn, shown
 from firstcontact.view.curve import layers
 from firstcontact.view.drawing import Drawing, contact_curve, drawings
+from firstcontact.view.joints import Joints, linkage_of
 from firstcontact.view.pair import Pair, Result, at_rest, is_moving, pairs_of, pose
 from firstcontact.view.picture import HEIGHT, WIDTH, picture
 from firstcontact.view.poses import sample_poses
@@ -98,11 +99,12 @@ def cell(result: Any) -> str:
 def page_text(results: Iterable[Result], assembly: Assembly | None = None) -> str:
     """The page as one string; it refers to nothing outside itself."""
     pairs = pairs_of(results if assembly is None else shown(results))
-    meshes = _Meshes()
-    written = [_pair(pair, meshes) for pair in pairs]
+    meshes, joints = _Meshes(), Joints(partial(_base64, dtype=np.float64))
+    written = [_pair(pair, meshes, joints) for pair in pairs]
     content: dict[str, Any] = {"meshes": meshes.written, "pairs": written}
     if assembly is not None:
-        content |= {"unit": assembly.unit, "assembly": _whole(assembly, pairs, meshes)}
+        content |= {"unit": assembly.unit, "assembly": _whole(assembly, pairs, meshes, joints)}
+    content |= joints.written()
     data = json.dumps(content, allow_nan=False)
     parts = {
         "title": html.escape(written[0]["title"] + ("" if len(written) == 1 else f" and {len(written) - 1} more")),
@@ -183,6 +185,15 @@ class _View:
             origin = start[:3, :3] @ centre + start[:3, 3]
         return cls(origin, max(size_a, size_b))
 
+    def motion(self, body: Any, drawing: Drawing, times: Iterable[float], joints: Joints) -> dict[str, Any]:
+        """How a body moves: by its joints, and where it is when all are 0; or by poses, at these times and more."""
+        centre, size = drawing.frame
+        linkage = linkage_of(body)
+        if linkage is not None:
+            return {"joints": joints.chain(linkage), "home": ((centre - self.origin) / self.unit).tolist()}
+        samples, poses = sample_poses(partial(self.pose, body, centre), sorted(set(times)), size / self.unit)
+        return {"times": _base64(samples, np.float64), "poses": _base64(poses[:, :3, :], np.float64)}
+
     def pose(self, body: Any, centre: np.ndarray, t: float) -> np.ndarray:
         """(4, 4) from the frame at the body's centre to the page's frame, lengths in `unit` on both sides."""
         m = pose(body, t)
@@ -190,14 +201,14 @@ class _View:
         return m
 
 
-def _pair(pair: Pair, meshes: _Meshes) -> dict[str, Any]:
+def _pair(pair: Pair, meshes: _Meshes, joints: Joints) -> dict[str, Any]:
     """Everything the page needs about one pair."""
     first = pair.first
     drawn = drawings(pair, meshes.known)
     view = _View.of(pair, drawn)
     point = None if first is None or first.point is None else np.zeros(3)  # it is the origin
     bodies = [
-        _body(pair, body, drawing, elements, view, meshes)
+        _body(pair, body, drawing, elements, view, meshes, joints)
         for body, drawing, elements in zip((pair.a, pair.b), drawn, pair.elements, strict=True)
     ]
     return {
@@ -220,7 +231,7 @@ def _pair(pair: Pair, meshes: _Meshes) -> dict[str, Any]:
     }
 
 
-def _whole(assembly: Assembly, pairs: list[Pair], meshes: _Meshes) -> dict[str, Any]:
+def _whole(assembly: Assembly, pairs: list[Pair], meshes: _Meshes, joints: Joints) -> dict[str, Any]:
     """Every body that can be drawn alone, in a frame of all; which of them each pair is about, by their numbers."""
     in_pairs = {id(at_rest(x)) for pair in pairs for x in (pair.a, pair.b)}
     found = drawn(assembly, in_pairs, meshes.known)
@@ -231,13 +242,11 @@ def _whole(assembly: Assembly, pairs: list[Pair], meshes: _Meshes) -> dict[str, 
     window = min(pair.window[0] for pair in pairs), max(pair.window[1] for pair in pairs)
     bodies = []
     for name, drawing in found.items():
-        body, (centre, own) = assembly.bodies[name], drawing.frame
+        body = assembly.bodies[name]
         lo, hi = _within(body, window)
-        times = sorted({lo, hi}) if is_moving(body) else [lo]
-        samples, poses = sample_poses(partial(view.pose, body, centre), times, own / view.unit)
         bodies.append({
-            "name": name, "mesh": meshes.index(drawing), "size": own / view.unit,
-            "times": _base64(samples, np.float64), "poses": _base64(poses[:, :3, :], np.float64),
+            "name": name, "mesh": meshes.index(drawing), "size": drawing.frame[1] / view.unit,
+            **view.motion(body, drawing, (lo, hi) if is_moving(body) else (lo,), joints),
         })  # fmt: skip
     numbers = {id(assembly.bodies[name]): k for k, name in enumerate(found)}
     members = [[numbers.get(id(x), -1) for x in (pair.a, pair.b)] for pair in pairs]
@@ -267,18 +276,16 @@ def _layers(curve: IntersectionCurve, drawn: tuple[Drawing, Drawing], view: _Vie
 
 
 def _body(
-    pair: Pair, body: Any, drawing: Drawing, elements: list[Element], view: _View, meshes: _Meshes
+    pair: Pair, body: Any, drawing: Drawing, elements: list[Element], view: _View, meshes: _Meshes, joints: Joints
 ) -> dict[str, Any]:
     centre, size = drawing.frame
     lo, hi = pair.window
-    times = sorted({lo, hi, *(t for t in pair.moments if lo <= t <= hi)}) if is_moving(body) else [lo]
-    samples, poses = sample_poses(lambda t: view.pose(body, centre, t), times, size / view.unit)
+    times = (lo, hi, *(t for t in pair.moments if lo <= t <= hi)) if is_moving(body) else (lo,)
     return {
         "mesh": meshes.index(drawing),
         "moving": is_moving(body),
         "size": size / view.unit,
-        "times": _base64(samples, np.float64),
-        "poses": _base64(poses[:, :3, :], np.float64),
+        **view.motion(body, drawing, times, joints),
         "carried": _carried_point(pair, body, centre, view).tolist(),
         "elements": [_element(drawing, element, pair.names) for element in elements],
     }

@@ -4,5 +4,6 @@ problem                what every kind of motion gives to a search; `engines` ch
 translation_problem, rotation_problem, rational_problem, curved_problem, enclosed_problem   one for each kind of motion
 earliest, intervals, overlap   the first contact, all of them, and how bodies lie at an instant
 standstill, planar, generic_turns   motions that stand still, stay in a plane, or turn by irrational angles
+prisms                 flat parts that move in one plane
 answers                results out of what was found
 """

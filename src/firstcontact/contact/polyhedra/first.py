@@ -17,8 +17,9 @@ from firstcontact.contact.polyhedra.answers import (
 from firstcontact.contact.polyhedra.earliest import Found, Pair, all_pairs, earliest
 from firstcontact.contact.polyhedra.intervals import Windows, contact_windows
 from firstcontact.contact.polyhedra.overlap import initial_kind
+from firstcontact.contact.polyhedra.prisms import Apart, in_one_plane
 from firstcontact.contact.polyhedra.problem import far_apart, problem_of, problems_in_order, stretches
-from firstcontact.contact.ways import Way, answered
+from firstcontact.contact.ways import Passed, Way, answered
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import Undecidable, to_double
 from firstcontact.motion.relative.curved import CurvedPiece
@@ -74,7 +75,19 @@ def _first_contact(query: Query, _: None = None) -> FirstContact:
 
 def intervals(query: Query) -> ContactIntervals:
     """All closed times of contact, with exact ends where these have an exact form."""
-    return answered([Way("by trees", _contact_intervals)], query)
+    return answered([Way("in the plane", _in_the_plane), Way("by trees", _contact_intervals)], query)
+
+
+def _in_the_plane(query: Query, _: None) -> ContactIntervals | Passed:
+    """Of prisms along the normal of a plane in which they move."""
+    other = in_one_plane(query)
+    if other is None:
+        return Passed("they are no convex prisms that move in one plane")
+    if not any(isinstance(piece, CurvedPiece) for piece in _pieces(query)):
+        return Passed("shifts and turns are exact")
+    if isinstance(other, Apart):
+        return ContactIntervals((), Status.FREE, query.span[1], None, _timed(NO_WORK, query.begin), **query.shared)
+    return replace(_contact_intervals(other, None), **query.shared)
 
 
 def _contact_intervals(query: Query, _: None) -> ContactIntervals:

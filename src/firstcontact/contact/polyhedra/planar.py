@@ -38,14 +38,15 @@ def normal_of_motion(piece: CurvedPiece) -> Vector | None:
     normal = next((motion.axis for motion in motions if isinstance(motion, Rotation | Screw)), None)
     if normal is None or any(leg.before.factors for leg in legs):
         return None
-    return normal if all(_is_across(motion, normal) for motion in motions) else None
+    return normal if all(is_across(motion, normal) for motion in motions) else None
 
 
 def _simple_motions(leg: Leg) -> list[Any]:
     return [f.motion for f in leg.motion.factors] if isinstance(leg.motion, Product) else [leg.motion]
 
 
-def _is_across(motion: Any, normal: Vector) -> bool:
+def is_across(motion: Any, normal: Vector) -> bool:
+    """Whether a motion is a shift across the normal, or a turn about it."""
     if isinstance(motion, Translation):
         across: bool = dot(motion.vector, normal) == 0
         return across

@@ -36,23 +36,34 @@ def places(motion: Linkage, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]
         value = drive.doubles
         middle, swing = value @ 0.5**_POWERS, 0.5 * np.abs(value) @ _POWERS
         blur = _SLACK * np.abs(value).sum(axis=1)
-        axis, point, angle, ahead = _line(drive.motion)
+        axis, point, angle, ahead = line_of(drive.motion)
         size = size + np.abs(point).max() + np.linalg.norm(ahead) * np.abs(middle)[:, None]
         if angle:
             arm = x - point
-            along = (arm @ axis)[..., None] * axis
-            across, turned = arm - along, np.cross(axis, arm)
-            turn = (angle * middle)[:, None, None]
-            x = point + along + np.cos(turn) * across + np.sin(turn) * turned
-            far = far + abs(angle) * (swing + blur)[:, None] * np.linalg.norm(turned, axis=-1)
+            x = point + arm @ _turned(axis, angle * middle).transpose(0, 2, 1)
+            turned = arm @ _cross(axis).T
+            far = far + abs(angle) * (swing + blur)[:, None] * np.sqrt(np.einsum("nki,nki->nk", turned, turned))
         if ahead.any():
             x = x + middle[:, None, None] * ahead
             far = far + np.linalg.norm(ahead) * (swing + blur)[:, None]
     return x, far * (1.0 + _SLACK) + _SLACK * size
 
 
+def _cross(axis: np.ndarray) -> np.ndarray:
+    """(3, 3) that takes a vector to axis x vector."""
+    x, y, z = axis
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+
+
+def _turned(axis: np.ndarray, angles: np.ndarray) -> np.ndarray:
+    """(n, 3, 3) of turns about a unit axis (Rodrigues)."""
+    cosine, sine = np.cos(angles)[:, None, None], np.sin(angles)[:, None, None]
+    turns: np.ndarray = cosine * np.eye(3) + sine * _cross(axis) + (1.0 - cosine) * np.outer(axis, axis)
+    return turns
+
+
 @lru_cache(maxsize=1024)
-def _line(motion: Any) -> tuple[np.ndarray, np.ndarray, float, np.ndarray]:
+def line_of(motion: Any) -> tuple[np.ndarray, np.ndarray, float, np.ndarray]:
     """Unit axis (3,), point (3,), radians and way (3,) of one unit of a joint's value."""
     if isinstance(motion, Translation):
         return np.zeros(3), np.zeros(3), 0.0, np.array([to_double(x) for x in motion.vector])

@@ -89,6 +89,64 @@
     }
   }
 
+  // -- joints -----------------------------------------------------------------------------------------------
+
+  const CLOCKS = DATA.clocks.map((text) => decode(text, Float64Array));
+  const JOINTS = DATA.joints.map((joint) => ({ ...joint, values: decode(joint.values, Float64Array) }));
+
+  // The value of a joint at time t: a cubic of the share of the stretch that has passed.
+  function valueAt(joint, t) {
+    const times = CLOCKS[joint.clock];
+    let lo = 0;
+    let hi = times.length - 1; // times[lo] <= t < times[hi], but for the ends
+    while (hi - lo > 1) {
+      const mid = (lo + hi) >> 1;
+      if (times[mid] <= t) lo = mid;
+      else hi = mid;
+    }
+    const s = Math.min(Math.max((t - times[lo]) / (times[hi] - times[lo]), 0), 1);
+    const [c0, c1, c2, c3] = joint.values.subarray(4 * lo, 4 * lo + 4);
+    return c0 + s * (c1 + s * (c2 + s * c3));
+  }
+
+  // The pose of a link: the product of its joints, from the root outward.  frame: of the page, for joints are in the world.
+  class Linked {
+    constructor({ joints, home }, { origin, unit }) {
+      this.home = home;
+      this.chain = joints.map((k) => {
+        const { axis, point, angle, way } = JOINTS[k];
+        return { k, axis, point: point.map((x, i) => (x - origin[i]) / unit), angle, way: way.map((x) => x / unit) };
+      });
+      this.times = CLOCKS[JOINTS[joints[0]].clock];
+    }
+    at(t) {
+      return this.with((k) => valueAt(JOINTS[k], t));
+    }
+    // valueOf: of a joint by its number
+    with(valueOf) {
+      const [x, y, z] = this.home;
+      let T = [1, 0, 0, x, 0, 1, 0, y, 0, 0, 1, z];
+      for (const { k, axis, point, angle, way } of [...this.chain].reverse()) T = advanced(T, axis, point, angle, way, valueOf(k));
+      return T;
+    }
+  }
+
+  // Pose T after a joint's turn and shift by a value.
+  function advanced(T, axis, point, angle, way, value) {
+    const [sine, versine] = [Math.sin(angle * value), 1 - Math.cos(angle * value)];
+    const turned = (p) => {
+      const once = cross(axis, p);
+      const twice = cross(axis, once);
+      return p.map((x, i) => x + sine * once[i] + versine * twice[i]);
+    };
+    const columns = [0, 1, 2].map((k) => turned([T[k], T[4 + k], T[8 + k]]));
+    const place = turned([T[3], T[7], T[11]].map((x, i) => x - point[i]));
+    return [0, 1, 2].flatMap((i) => [columns[0][i], columns[1][i], columns[2][i], place[i] + point[i] + value * way[i]]);
+  }
+
+  const motionOf = (body, frame) => (body.joints ? new Linked(body, frame)
+    : new Motion(decode(body.times, Float64Array), decode(body.poses, Float64Array)));
+
   // -- scene objects ----------------------------------------------------------------------------------------
 
   const named = (object, name, order = 0) => {
@@ -366,7 +424,8 @@
 
   // -- the stage --------------------------------------------------------------------------------------------
 
-  const state = { pair: 0, t: 0, playing: false, dwell: 0, passedContact: false, moved: false };
+  // byHand: values of joints by their numbers, while these are not those of the time t
+  const state = { pair: 0, t: 0, byHand: null, playing: false, dwell: 0, passedContact: false, moved: false };
   const scene = new THREE.Scene();
   const camera = new THREE.PerspectiveCamera(24, 1, 0.01, 100);
   camera.up.set(0, 0, 1);
@@ -434,7 +493,7 @@
     const [lo, hi] = pair.window;
     pair.bodies.forEach((body, which) => {
       const name = pair.names[which];
-      body.motion ??= new Motion(decode(body.times, Float64Array), decode(body.poses, Float64Array));
+      body.motion ??= motionOf(body, pair);
       body.object = bodyObject(body, which, name);
       body.elements.forEach((element, k) => body.object.add(elementObject(element, k === 0, nearOf(body))));
       content.add(body.object);
@@ -454,6 +513,7 @@
     if (whole) putAssembly();
     $("bar").hidden = isCurve();
     state.playing = false;
+    listJoints();
     showFacts();
     resize();
     setTime(pair.contact ?? lo);
@@ -480,7 +540,7 @@
     behind.matrixAutoUpdate = false;
     whole.bodies.forEach((body) => {
       const { surface, outline } = geometryOf(body.mesh);
-      body.motion = new Motion(decode(body.times, Float64Array), decode(body.poses, Float64Array));
+      body.motion = motionOf(body, whole);
       body.object = placed(named(new THREE.Group(), `part ${body.name}`));
       if (surface.index.count) body.object.add(new THREE.Mesh(surface, OTHERS.surface));
       if (outline.index.count) body.object.add(new THREE.LineSegments(outline, OTHERS.lines));
@@ -689,11 +749,19 @@
 
   function setTime(t) {
     state.t = clamp(t);
+    state.byHand = null;
+    pose();
+  }
+
+  // Where a body is: at the time, or where its joints have been put by hand.
+  const poseOf = ({ motion }) => (state.byHand && motion.with ? motion.with((k) => state.byHand[k]) : motion.at(state.t));
+
+  function pose() {
     for (const body of pair.bodies) {
-      place(body.object, body.motion.at(state.t), body.size);
-      if (body.deforms) {
-        deform(geometryOf(body.mesh), state.t);
-        for (const part of body.object.children) if (part.name.startsWith("element ")) part.visible = atContact();
+      place(body.object, poseOf(body), body.size);
+      if (body.deforms) deform(geometryOf(body.mesh), state.t);
+      for (const part of body.object.children) {
+        if (part.name.startsWith("element ")) part.visible = body.deforms ? atContact() : !state.byHand;
       }
       if (body.ghost) {
         body.ghost.visible = state.t > pair.window[0] && !body.ghost.userData.hidden;
@@ -701,15 +769,19 @@
         body.travelled.visible = body.travelled.geometry.instanceCount > 0;
       }
     }
-    if (whole) for (const body of whole.bodies) place(body.object, body.motion.at(state.t), body.size);
-    if (marker) fade(marker, atContact() ? 1 : 0.4);
-    if (shared) fade(shared, atContact() ? 1 : 0.4);
+    if (whole) for (const body of whole.bodies) place(body.object, poseOf(body), body.size);
+    for (const mark of [marker, shared]) {
+      if (!mark) continue;
+      mark.visible = !state.byHand;
+      fade(mark, atContact() ? 1 : 0.4);
+    }
     showTime();
+    showJoints();
     requestFrame();
   }
 
   const isCurve = () => ["CURVE", "APART"].includes(pair.status); // of bodies at rest: there is no time
-  const atContact = () => pair.contact !== null && state.t === clamp(pair.contact);
+  const atContact = () => pair.contact !== null && state.t === clamp(pair.contact) && !state.byHand;
 
   function fade(object, opacity) {
     object.traverse((part) => { if (part.material) part.material.opacity = opacity; });
@@ -804,6 +876,63 @@
     node.textContent = text;
     if (className) node.className = className;
     return node;
+  }
+
+  // The joints of all bodies in the picture, by their numbers, and what shows each of them.
+  let shownJoints = [];
+
+  function listJoints() {
+    const bodies = whole ? [...pair.bodies, ...whole.bodies] : pair.bodies;
+    const numbers = [...new Set(bodies.flatMap((body) => body.joints ?? []))].sort((x, y) => x - y);
+    shownJoints = numbers.map((k) => {
+      const { name, unit, least, most, limited, follows } = JOINTS[k];
+      const digits = Math.min(Math.max(4 - Math.floor(Math.log10(most - least)), 0), 12);
+      const words = unit || DATA.unit || "";
+      const [item, slider, value] = [element("li", ""), element("input", ""), element("output", "")];
+      Object.assign(slider, { type: "range", id: `joint${k}`, name, min: least, max: most, step: "any" });
+      slider.addEventListener("input", () => setJoint(k, slider.valueAsNumber));
+      value.htmlFor = slider.id;
+      const title = element("label", name);
+      title.htmlFor = slider.id;
+      const leader = follows && numbers.includes(follows[0]) ? JOINTS[follows[0]].name : null;
+      const ends = [least, most].map((x) => element("span", String(Number(x.toPrecision(6)))));
+      item.title = (limited ? "limits " : "no limits; shown ") + `${least} to ${most} ${words}`.trim() + (leader ? `; follows ${leader}` : "");
+      item.append(title, value, ends[0], slider, ends[1]);
+      return { k, slider, item, show: (x) => { value.textContent = `${(x + 0).toFixed(digits)} ${words}`.trim(); } };
+    });
+    $("joints").hidden = !shownJoints.length;
+    $("jointsCount").textContent = shownJoints.length === 1 ? "1 joint" : `${shownJoints.length} joints`;
+    $("jointList").replaceChildren(...shownJoints.map(({ item }) => item));
+  }
+
+  const jointValue = (k) => (state.byHand ? state.byHand[k] : valueAt(JOINTS[k], state.t));
+
+  function showJoints() {
+    for (const { k, slider, show } of shownJoints) {
+      const value = jointValue(k);
+      if (slider.valueAsNumber !== value) slider.value = String(value);
+      show(value);
+    }
+    $("offPath").hidden = !state.byHand;
+    $("bar").classList.toggle("off", Boolean(state.byHand));
+  }
+
+  // A joint put by hand: one that follows another moves that one, and all that follow it.
+  function setJoint(k, value) {
+    setJoints(Object.fromEntries(shownJoints.map((joint) => [joint.k, joint.k === k ? value : jointValue(joint.k)])), k);
+  }
+
+  function setJoints(values, moved) {
+    state.playing = false;
+    const follows = moved === undefined ? null : JOINTS[moved].follows;
+    if (follows && follows[0] in values && follows[1] !== 0) values[follows[0]] = (values[moved] - follows[2]) / follows[1];
+    for (const { k } of shownJoints) {
+      const [leader, ratio, offset] = JOINTS[k].follows ?? [];
+      if (leader in values) values[k] = ratio * values[leader] + offset;
+    }
+    state.byHand = values;
+    pose();
+    writeHash();
   }
 
   function showFacts() {
@@ -943,6 +1072,7 @@
     $("contact").addEventListener("click", toContact);
     $("whole").addEventListener("click", resetView);
     $("closer").addEventListener("click", lookAtContact);
+    $("back").addEventListener("click", () => stopAt(state.t));
     $("all").addEventListener("click", lookAtAll);
     $("before").addEventListener("click", () => step(-1));
     $("after").addEventListener("click", () => step(1));
@@ -969,7 +1099,7 @@
     if (pair.contact !== null) stopAt(pair.contact);
   }
 
-  // -- the URL hash: #t=0.4&pair=1&camera=eye x,y,z,target x,y,z ----------------------------------------------
+  // -- the URL hash: #t=0.4&pair=1&joints=30,45&camera=eye x,y,z,target x,y,z ------------------------------------------
 
   let hashTimer = null;
 
@@ -982,6 +1112,7 @@
       hashTimer = null;
       const parts = [`t=${state.t}`];
       if (DATA.pairs.length > 1) parts.push(`pair=${state.pair}`);
+      if (state.byHand) parts.push(`joints=${shownJoints.map(({ k }) => state.byHand[k]).join(",")}`);
       if (state.moved && controls) {
         const numbers = [...camera.position.toArray(), ...controls.target.toArray()];
         parts.push(`camera=${numbers.map((x) => Number(x.toPrecision(6))).join(",")}`);
@@ -998,6 +1129,10 @@
     if (index !== state.pair && DATA.pairs[index]) choosePair(index);
     const t = Number.parseFloat(given.get("t"));
     if (Number.isFinite(t)) stopAt(t);
+    const values = (given.get("joints") ?? "").split(",").map(Number);
+    if (given.get("joints") && values.length === shownJoints.length && values.every(Number.isFinite)) {
+      setJoints(Object.fromEntries(shownJoints.map(({ k }, i) => [k, values[i]])));
+    }
     const numbers = (given.get("camera") ?? "").split(",").map(Number);
     if (controls && numbers.length === 6 && numbers.every(Number.isFinite)) {
       camera.position.set(...numbers.slice(0, 3));
@@ -1049,8 +1184,10 @@
     step, showPart, lookAtAll,
     get objects() { return objects(); },
     get camera() { return [...camera.position.toArray(), ...(controls?.target.toArray() ?? [])]; },
-    pose: (which) => [...pair.bodies[which].motion.at(state.t)],
-    centrePixel: (which) => project(apply(pair.bodies[which].motion.at(state.t), [0, 0, 0])),
+    get joints() { return shownJoints.map(({ k }) => ({ name: JOINTS[k].name, unit: JOINTS[k].unit, value: jointValue(k) })); },
+    get byHand() { return state.byHand !== null; },
+    pose: (which) => [...poseOf(pair.bodies[which])],
+    centrePixel: (which) => project(apply(poseOf(pair.bodies[which]), [0, 0, 0])),
     setTime: stopAt, play: () => play(true), pause: () => play(false), toContact, resetView, lookAtContact,
   };
 
