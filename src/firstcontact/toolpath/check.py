@@ -38,7 +38,8 @@ class Finding:
     part, kind: the segment of the tool, "cutter" or "holder".  move: "rapid", "feed" or "back".
     status: CONTACT, INITIAL_CONTACT (from the start of this way on), UNDECIDED.
     fraction: of the block's way at which they first touch; nan where it is not known.  lo, hi: an enclosure.
-    point: (3,), nan where there is none.  deviation: how far the way may be off the one that was programmed.
+    point: the place, None where it is not told (from the start on).  tip: where the tip is then, or at the start.
+    deviation: how far the way may be off the one that was programmed.
     """
 
     part: str
@@ -49,7 +50,8 @@ class Finding:
     fraction: float
     lo: float
     hi: float
-    point: tuple[float, float, float]
+    point: tuple[float, ...] | None
+    tip: tuple[float, ...]
     deviation: float = 0.0
     reason: str = ""
 
@@ -93,7 +95,12 @@ class Setup:
         """Of the blocks in their order, as they come: a chunk of them is held at a time."""
         waiting = iter(blocks)
         while some := list(islice(waiting, chunk)):
-            yield from self._of_chunk(some)
+            yield from self.of_chunk(some)
+
+    def check(self, block: Block) -> None:
+        """InputError where a block cannot be asked about."""
+        if block.stretches:
+            self.tool_of(block)
 
     def tool_of(self, block: Block) -> Tool:
         """The tool that a block moves: the only one, or the one that was called."""
@@ -106,7 +113,8 @@ class Setup:
             raise InputError(f"line {block.line}: {called}; the tools are {told}")
         return tool
 
-    def _of_chunk(self, blocks: list[Block]) -> list[Verdict]:
+    def of_chunk(self, blocks: list[Block]) -> list[Verdict]:
+        """Of some blocks."""
         asked: list[_Asked] = []
         groups: dict[int, tuple[Tool, list[int]]] = {}
         for k, block in enumerate(blocks):
@@ -228,11 +236,12 @@ def _finding(x: _Asked, block: Block, answers: Any, row: int) -> Finding | None:
     k = next(k for k, stretch in enumerate(block.stretches) if stretch is x.stretch)
     before, own, whole = sum(lengths[:k]), lengths[k], sum(lengths)
     time, lo, hi = ((before + own * float(t)) / whole for t in (answers.time[row], answers.lo[row], answers.hi[row]))
-    point = tuple(answers.point[row].tolist())
+    point = answers.point[row]
+    tip = x.stretch.tip(0.0 if np.isnan(answers.time[row]) else float(answers.time[row]))
     reason = error if error is not None else str(answers.reason[row])
     return Finding(
         x.segment.name, x.segment.kind, x.target.name, x.stretch.kind, "UNDECIDED" if error is not None else status,
-        time, lo, hi, point, x.stretch.deviation, reason,
+        time, lo, hi, None if np.isnan(point).any() else tuple(point.tolist()), tuple(tip), x.stretch.deviation, reason,
     )  # fmt: skip
 
 

@@ -20,9 +20,9 @@ from firstcontact.motion.poses import BITS, sqrt_near
 from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.screw import Screw
-from firstcontact.motion.translation import Translation
 
-UP: Vector = (fmpq(0), fmpq(0), fmpq(1))
+ZERO, ONE = fmpq(0), fmpq(1)
+UP: Vector = (ZERO, ZERO, ONE)
 ROUNDED = 1e-14
 """Part of sizes by which sines, cosines and what is made of them are off, at most."""
 MOST_PARTS = 4096
@@ -58,8 +58,13 @@ class Line:
 
     def moving(self, solid: Any) -> Moving:
         """The solid, whose tip is at the origin, along the way over the time (0, 1)."""
-        placed: Moving = solid.translated(self.start).moving(Translation(sub(self.end, self.start)))
+        # not the solid placed at the start: what searches keep on it serves every block
+        placed: Moving = solid.moving(RationalMotion(_shifts([self.start, sub(self.end, self.start)], [ONE, ZERO])))
         return placed
+
+    def tip(self, t: float) -> list[float]:
+        """Where the tip is at a time, rounded."""
+        return _between(self.start, self.end, t)
 
     def places(self, fine: float, reach: float) -> Places:
         """fine: how far hulls may be off; reach: of the tool's points from its tip."""
@@ -102,6 +107,12 @@ class Arc:
             motion = Screw(UP, self.centre, **given, advance=self.advance)
         placed: Moving = solid.translated(self.start).moving(motion)
         return placed
+
+    def tip(self, t: float) -> list[float]:
+        x, y, _ = _doubles(sub(self.start, self.centre))
+        angle, (cx, cy, _), z = self.angle * t, _doubles(self.centre), to_double(self.start[2])
+        c, s = math.cos(angle), math.sin(angle)
+        return [cx + c * x - s * y, cy + s * x + c * y, z + t * to_double(self.advance)]
 
     def places(self, fine: float, reach: float) -> Places:
         bend = self.radius * self.angle**2 / 8.0  # a chord of a curve strays by |f''| / 8 times the square of the part
@@ -154,21 +165,23 @@ class Bow:
         return add(self.start, add(shift, scaled(self.advance, self.normal)))
 
     def moving(self, solid: Any) -> Moving:
-        k, zero = self.tangent, fmpq(0)
-        out, side = self._out, cross(self.normal, self._out)
-        shifts = [  # of 1, t, t^2, t^3, times the weight 1 + k^2 t^2
-            (zero, zero, zero),
+        k, out, side = self.tangent, self._out, cross(self.normal, self._out)
+        places = [  # of 1, t, t^2, t^3, times the weight 1 + k^2 t^2
+            self.start,
             add(scaled(2 * k, side), scaled(self.advance, self.normal)),
-            scaled(-2 * k * k, out),
+            add(scaled(k * k, self.start), scaled(-2 * k * k, out)),
             scaled(self.advance * k * k, self.normal),
         ]
-        weights = [fmpq(1), zero, k * k, zero]
-        matrices = [
-            [*([w if i == j else zero for j in range(3)] + [v[i]] for i in range(3)), [zero, zero, zero, w]]
-            for v, w in zip(shifts, weights, strict=True)
-        ]
-        placed: Moving = solid.translated(self.start).moving(RationalMotion(matrices if self.advance else matrices[:3]))
+        n = 4 if self.advance else 3
+        placed: Moving = solid.moving(RationalMotion(_shifts(places[:n], [ONE, ZERO, k * k, ZERO][:n])))
         return placed
+
+    def tip(self, t: float) -> list[float]:
+        k = to_double(self.tangent)
+        out, side = _doubles(self._out), _doubles(cross(self.normal, self._out))
+        shift = [(2 * k * t * y - 2 * k * k * t * t * x) / (1 + k * k * t * t) for x, y in zip(out, side, strict=True)]
+        along = [t * to_double(self.advance * x) for x in self.normal]
+        return [x + y + z for x, y, z in zip(_doubles(self.start), shift, along, strict=True)]
 
     def places(self, fine: float, reach: float) -> Places:
         k, radius = to_double(self.tangent), _norm(self._out)
@@ -210,6 +223,9 @@ class Swing:
         placed: Moving = solid.moving(motion)
         return placed
 
+    def tip(self, t: float) -> list[float]:
+        return _between(self.start, self.end, t)
+
     def places(self, fine: float, reach: float) -> Places:
         u, v = (np.array(_doubles(x)) for x in (self.axis0, self.axis1))
         u, v = u / np.linalg.norm(u), v / np.linalg.norm(v)
@@ -245,7 +261,7 @@ def _turn_between(u: Vector, v: Vector) -> tuple[fmpq, fmpq, fmpq, fmpq]:
     """A quaternion (w, x, y, z) that turns the direction u the short way into v, within 2^-60."""
     x, y, z = cross(u, v)
     if dot(u, v) < 0 and not (x or y or z):  # only +z into -z: any way round does
-        return fmpq(0), fmpq(1), fmpq(0), fmpq(0)
+        return ZERO, ONE, ZERO, ZERO
     length = sqrt_near(dot(u, u) * dot(v, v), BITS)
     return length + dot(u, v), x, y, z
 
@@ -261,6 +277,18 @@ def is_half_turn(u: Vector, v: Vector) -> bool:
     """Whether two axes are opposite, or all but so: then neither way round is the short one."""
     cosine = dot(u, v)
     return cosine < 0 and cosine * cosine >= dot(u, u) * dot(v, v) * (1 - fmpq(1, 10**12))
+
+
+def _shifts(places: list[Vector], weights: list[fmpq]) -> list[list[list[fmpq]]]:
+    """Coefficients of a motion without turns: the way of the origin and the weight, by powers of the time."""
+    return [
+        [*([w if i == j else ZERO for j in range(3)] + [v[i]] for i in range(3)), [ZERO, ZERO, ZERO, w]]
+        for v, w in zip(places, weights, strict=True)
+    ]
+
+
+def _between(start: Vector, end: Vector, t: float) -> list[float]:
+    return [x + t * (y - x) for x, y in zip(_doubles(start), _doubles(end), strict=True)]
 
 
 def _doubles(x: Vector) -> list[float]:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 from firstcontact.errors import InputError
 from firstcontact.motion.translation import vector3
+from firstcontact.toolpath import job
 from firstcontact.toolpath.blocks import Block
 from firstcontact.toolpath.check import Setup, Verdict
 from firstcontact.toolpath.cl import read_cl
@@ -44,7 +45,24 @@ class ToolPath:
 
     def verdicts(
         self, tools: Tool | Iterable[Tool], bodies: Mapping[str, Any], *, allow: Iterable[Allowed] = CUTTING,
-        workers: int | None = None,
+        workers: int | None = None, resume: str | Path | None = None,
+        progress: Callable[[int, int], None] | None = None,
     ) -> Iterator[Verdict]:  # fmt: skip
-        """What each block brings together, in order, as it is found; arguments as of `Setup`."""
-        return Setup(tools, bodies, tuple(allow), workers).verdicts(self)
+        """What each block brings together, in order, as it is found.
+
+        tools: one, or several that the program calls by their numbers.  bodies: at rest, by name.  allow: what may
+        touch; by default the cutter may be in bodies called "stock..." in feed.  workers: how many cores take part,
+        default None: all of them.  resume: a file that keeps what is finished, and tells it again when the same job is
+        asked for.  progress: called with (done, all) blocks.
+
+        FREE proves that no part of the tool shares a point with a body at any time of the block.
+
+        >>> import firstcontact as fc
+        >>> mill = fc.Tool([("flutes", "cutter", 6, 20), ("collet", "holder", 30, 40)])
+        >>> path = fc.ToolPath("examples/pocket.nc", start=(0, 0, 60))
+        >>> wall = fc.box((2, 90, 60)).translated((50, 0, 0))
+        >>> {verdict.status for verdict in path.verdicts(mill, {"wall": wall})}
+        {'FREE'}
+        """
+        setup = Setup(tools, bodies, tuple(allow), workers)
+        return job.verdicts(self, setup, resume=resume, progress=progress)
