@@ -21,7 +21,7 @@ from firstcontact.toolpath.blocks import Block
 from firstcontact.toolpath.moves import Stretch
 from firstcontact.toolpath.rules import CUTTING, MOVES, Allowed
 from firstcontact.toolpath.tool import Segment, Tool
-from firstcontact.toolpath.walk import APART, OPEN, told_of_rows
+from firstcontact.toolpath.walk import APART, OPEN, begun_inside, told_of_rows
 
 CHUNK = 1024
 """Blocks that are looked at together."""
@@ -126,13 +126,13 @@ class Setup:
             for target in self.targets:
                 for segment in tool.segments:
                     asked += self._open(rows, segment, target)
-        queries = [(x.stretch.moving(x.segment.solid), x.target.body) for x in asked]
-        answers = first_contacts(queries, workers=self.workers) if queries else None
+        queries = [(x.stretch.moving(x.segment.solid), x.target.body) for x in asked if x.begun is None]
+        answers = _answers(queries, self.workers)
         found: dict[int, dict[tuple[str, str], Finding]] = {}
-        for row, x in enumerate(asked):
-            finding = _finding(x, blocks[x.block], answers, row)
-            if finding is not None:
-                _keep(found.setdefault(x.block, {}), finding)
+        for x in asked:
+            answer = _Answer("INITIAL_CONTACT", 0.0, 0.0, 0.0, x.begun) if x.begun is not None else next(answers)
+            if answer.status != "FREE":
+                _keep(found.setdefault(x.block, {}), _finding(x, blocks[x.block], answer))
         return [Verdict(block, tuple(found.get(k, {}).values())) for k, block in enumerate(blocks)]
 
     def _open(self, rows: _Rows, segment: Segment, target: _Target) -> list[_Asked]:
@@ -141,7 +141,8 @@ class Setup:
         chosen = np.flatnonzero(np.array(counted)[rows.moves])
         told = rows.told(chosen, segment, target, self.workers)
         left = np.unique(rows.stretch[chosen[told != APART]])
-        return [_Asked(rows.asked[k][0], rows.asked[k][1], segment, target) for k in left.tolist()]
+        begun = rows.begun(left, segment, target)
+        return [_Asked(*rows.asked[k], segment, target, x) for k, x in zip(left.tolist(), begun, strict=True)]
 
 
 @dataclass(frozen=True)
@@ -155,12 +156,39 @@ class _Target:
 
 @dataclass(frozen=True)
 class _Asked:
-    """A way of a segment before a body."""
+    """A way of a segment before a body; begun: a point that they share at its start, where one is known."""
 
     block: int
     stretch: Stretch
     segment: Segment
     target: _Target
+    begun: tuple[float, ...] | None = None
+
+
+@dataclass(frozen=True)
+class _Answer:
+    """To a way: times are of the way; nan and None where there is none."""
+
+    status: str
+    time: float
+    lo: float
+    hi: float
+    point: tuple[float, ...] | None
+    reason: str = ""
+
+
+def _answers(queries: list[Any], workers: int) -> Iterator[_Answer]:
+    """The first contacts of exact solids, in order."""
+    if not queries:
+        return
+    table = first_contacts(queries, workers=workers)
+    columns = map(table.column, ("status", "time", "lo", "hi", "point", "reason", "error"))
+    for status, time, lo, hi, point, reason, error in zip(*columns, strict=True):
+        if error is not None:
+            yield _Answer("UNDECIDED", np.nan, np.nan, np.nan, None, error)
+        else:
+            place = None if np.isnan(point).any() else tuple(point.tolist())
+            yield _Answer(str(status), float(time), float(lo), float(hi), place, str(reason))
 
 
 def _target(name: str, body: Any) -> _Target:
@@ -199,6 +227,19 @@ class _Rows:
         self.swings = np.repeat([x.swing for x in places], counts)
         self.moves = np.repeat([MOVES.index(stretch.kind) for _, stretch in asked], counts)
 
+    def begun(self, ways: np.ndarray, segment: Segment, target: _Target) -> list[tuple[float, ...] | None]:
+        """Points of a mesh that lie inside the segment at the start of some ways, where `walk` finds one."""
+        if target.mesh is not target.body or not len(ways):
+            return [None] * len(ways)
+        tree, first = tree_of(target.mesh), np.searchsorted(self.stretch, ways)
+        found = np.empty((len(ways), 3))
+        shape = np.array(segment.doubles)
+        begun_inside(
+            tree.boxes, tree.links, tree.xyz, tree.error, self.tips[first, 0].copy(), self.axes[first, 0].copy(),
+            shape, found,
+        )  # fmt: skip
+        return [None if x[0] != x[0] else tuple(x) for x in found.tolist()]
+
     def told(self, chosen: np.ndarray, segment: Segment, target: _Target, workers: int) -> np.ndarray:
         """What `walk` tells of some rows."""
         out = np.full(len(chosen), OPEN, np.int64)
@@ -225,23 +266,17 @@ class _Rows:
         return out
 
 
-def _finding(x: _Asked, block: Block, answers: Any, row: int) -> Finding | None:
-    """None of what is proved free."""
-    status = str(answers.status[row])
-    if status == "FREE":
-        return None
-    error = answers.error[row]
+def _finding(x: _Asked, block: Block, answer: _Answer) -> Finding:
+    """By the fraction of the whole block."""
     lengths = [stretch.length for stretch in block.stretches]
     lengths = lengths if sum(lengths) else [1.0] * len(lengths)
     k = next(k for k, stretch in enumerate(block.stretches) if stretch is x.stretch)
     before, own, whole = sum(lengths[:k]), lengths[k], sum(lengths)
-    time, lo, hi = ((before + own * float(t)) / whole for t in (answers.time[row], answers.lo[row], answers.hi[row]))
-    point = answers.point[row]
-    tip = x.stretch.tip(0.0 if np.isnan(answers.time[row]) else float(answers.time[row]))
-    reason = error if error is not None else str(answers.reason[row])
+    time, lo, hi = ((before + own * t) / whole for t in (answer.time, answer.lo, answer.hi))
+    tip = x.stretch.tip(0.0 if np.isnan(answer.time) else answer.time)
     return Finding(
-        x.segment.name, x.segment.kind, x.target.name, x.stretch.kind, "UNDECIDED" if error is not None else status,
-        time, lo, hi, None if np.isnan(point).any() else tuple(point.tolist()), tuple(tip), x.stretch.deviation, reason,
+        x.segment.name, x.segment.kind, x.target.name, x.stretch.kind, answer.status, time, lo, hi, answer.point,
+        tuple(tip), x.stretch.deviation, answer.reason,
     )  # fmt: skip
 
 

@@ -22,6 +22,8 @@ APART, OPEN, INSIDE = 0, 1, 2
 """Of a row: no point shared; not proved; proved inside the solid all the time."""
 U = 2.0**-53
 DISCS = np.int64(4)
+MOST_VISITS = 2000
+"""Of nodes, in search of a corner."""
 SLACK = 1e-14
 """Of all sizes: places and axes are exact numbers rounded, and a disc's frame is made of a few such."""
 
@@ -134,6 +136,47 @@ def told_of_rows(boxes, links, xyz, ids, error, solid, tips, axes, pads, segment
             for k in range(3):  # any point of the segment will do, and its middle is far from its surface
                 point[k] = tips[n, 0, k] + 0.5 * (segment[0] + segment[2]) * axes[n, 0, k]
             out[n] = _side_of(boxes, links, xyz, ids, error, point, hits)
+
+
+@kernel
+def begun_inside(boxes, links, xyz, error, tips, axes, segment, found):
+    """Fill `found` (n, 3) with a corner of the mesh that is proved to lie inside the segment, nan where none is.
+
+    boxes, links, xyz, error: as of `told_of_rows`; tips, axes (n, 3): of the tool; segment (4,).
+    """
+    stack = np.empty(256, np.int64)
+    low, bottom, high, top = segment[0], segment[1], segment[2], segment[3]
+    slope, widest = (top - bottom) / (high - low), max(bottom, top)
+    for n in range(len(found)):
+        tip, u = tips[n], axes[n]
+        size = abs(tip[0]) + abs(tip[1]) + abs(tip[2]) + abs(high) + widest
+        margin = (1e-13 * size + 4.0 * error) * (1.0 + abs(slope))  # of distances, whose roundings are a few 1e-16
+        found[n, 0] = found[n, 1] = found[n, 2] = math.nan
+        stack[0], depth, left = 0, 1, MOST_VISITS
+        while depth > 0 and left > 0:
+            depth -= 1
+            left -= 1
+            node = stack[depth]
+            away = False
+            for k in range(3):
+                a, b = tip[k] + low * u[k], tip[k] + high * u[k]
+                away = away or boxes[node, k] > max(a, b) + widest or boxes[node, k + 3] < min(a, b) - widest
+            if away:
+                continue
+            if links[node, 1] >= 0:
+                stack[depth], stack[depth + 1] = links[node, 0], links[node, 1]
+                depth += 2
+                continue
+            x = xyz[links[node, 0]]
+            for c in range(3):
+                d0, d1, d2 = x[3 * c] - tip[0], x[3 * c + 1] - tip[1], x[3 * c + 2] - tip[2]
+                h = d0 * u[0] + d1 * u[1] + d2 * u[2]
+                c0, c1, c2 = d1 * u[2] - d2 * u[1], d2 * u[0] - d0 * u[2], d0 * u[1] - d1 * u[0]
+                off = math.sqrt(c0 * c0 + c1 * c1 + c2 * c2)
+                if low + margin < h < high - margin and off < bottom + slope * (h - low) - margin:
+                    found[n, 0], found[n, 1], found[n, 2] = x[3 * c], x[3 * c + 1], x[3 * c + 2]
+                    depth = 0
+                    break
 
 
 @kernel
