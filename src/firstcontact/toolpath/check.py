@@ -142,7 +142,8 @@ class Setup:
         told = rows.told(chosen, segment, target, self.workers)
         left = np.unique(rows.stretch[chosen[told != APART]])
         begun = rows.begun(left, segment, target)
-        return [_Asked(*rows.asked[k], segment, target, x) for k, x in zip(left.tolist(), begun, strict=True)]
+        made = zip((rows.asked[k] for k in left.tolist()), begun, strict=True)
+        return [_Asked(block, stretch, segment, target, point) for (block, stretch), point in made]
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ APART, OPEN, INSIDE = 0, 1, 2
 U = 2.0**-53
 DISCS = np.int64(4)
 MOST_VISITS = 2000
-"""Of nodes, in search of a corner."""
+"""Of nodes, in search of a point inside."""
 SLACK = 1e-14
 """Of all sizes: places and axes are exact numbers rounded, and a disc's frame is made of a few such."""
 
@@ -140,7 +140,9 @@ def told_of_rows(boxes, links, xyz, ids, error, solid, tips, axes, pads, segment
 
 @kernel
 def begun_inside(boxes, links, xyz, error, tips, axes, segment, found):
-    """Fill `found` (n, 3) with a corner of the mesh that is proved to lie inside the segment, nan where none is.
+    """Fill `found` (n, 3) with a point of a side of the mesh, rounded, that is proved to lie inside the segment.
+
+    nan where there is none.
 
     boxes, links, xyz, error: as of `told_of_rows`; tips, axes (n, 3): of the tool; segment (4,).
     """
@@ -169,14 +171,40 @@ def begun_inside(boxes, links, xyz, error, tips, axes, segment, found):
                 continue
             x = xyz[links[node, 0]]
             for c in range(3):
-                d0, d1, d2 = x[3 * c] - tip[0], x[3 * c + 1] - tip[1], x[3 * c + 2] - tip[2]
-                h = d0 * u[0] + d1 * u[1] + d2 * u[2]
-                c0, c1, c2 = d1 * u[2] - d2 * u[1], d2 * u[0] - d0 * u[2], d0 * u[1] - d1 * u[0]
-                off = math.sqrt(c0 * c0 + c1 * c1 + c2 * c2)
-                if low + margin < h < high - margin and off < bottom + slope * (h - low) - margin:
-                    found[n, 0], found[n, 1], found[n, 2] = x[3 * c], x[3 * c + 1], x[3 * c + 2]
+                s = _nearest(x, c, tip, u, low + 2.0 * margin, high - 2.0 * margin)
+                d = (c + 1) % 3
+                p0 = x[3 * c] + s * (x[3 * d] - x[3 * c])
+                p1 = x[3 * c + 1] + s * (x[3 * d + 1] - x[3 * c + 1])
+                p2 = x[3 * c + 2] + s * (x[3 * d + 2] - x[3 * c + 2])
+                h, off = _along_and_off(p0 - tip[0], p1 - tip[1], p2 - tip[2], u)
+                far = abs(x[3 * d] - p0) + abs(x[3 * d + 1] - p1) + abs(x[3 * d + 2] - p2)
+                m = margin + 1e-13 * far * (1.0 + abs(slope))  # the point is on the side but for its roundings
+                if low + m < h < high - m and off < bottom + slope * (h - low) - m:
+                    found[n, 0], found[n, 1], found[n, 2] = p0, p1, p2
                     depth = 0
                     break
+
+
+@uncounted
+def _along_and_off(d0, d1, d2, u):
+    """Of a vector how far it goes along the unit vector u, and how far off its line."""
+    c0, c1, c2 = d1 * u[2] - d2 * u[1], d2 * u[0] - d0 * u[2], d0 * u[1] - d1 * u[0]
+    return d0 * u[0] + d1 * u[1] + d2 * u[2], math.sqrt(c0 * c0 + c1 * c1 + c2 * c2)
+
+
+@uncounted
+def _nearest(x, c, tip, u, low, high):
+    """Where side c of a triangle is nearest the axis, between two heights above the tip: a number in [0, 1]."""
+    d = (c + 1) % 3
+    a0, a1, a2 = x[3 * c] - tip[0], x[3 * c + 1] - tip[1], x[3 * c + 2] - tip[2]
+    e0, e1, e2 = x[3 * d] - x[3 * c], x[3 * d + 1] - x[3 * c + 1], x[3 * d + 2] - x[3 * c + 2]
+    h, rise = a0 * u[0] + a1 * u[1] + a2 * u[2], e0 * u[0] + e1 * u[1] + e2 * u[2]
+    square = e0 * e0 + e1 * e1 + e2 * e2 - rise * rise
+    s = -((a0 * e0 + a1 * e1 + a2 * e2) - h * rise) / square if square > 0.0 else 0.0
+    if rise != 0.0:
+        first, last = (low - h) / rise, (high - h) / rise
+        s = min(max(s, min(first, last)), max(first, last))
+    return min(max(s, 0.0), 1.0)
 
 
 @kernel
