@@ -220,9 +220,10 @@ class _Rows:
         places = [stretch.places(fine, reach) for _, stretch in asked]
         counts = [len(x.fractions) - 1 for x in places]
         self.stretch = np.repeat(np.arange(len(asked)), counts)
+        first = np.arange(len(self.stretch)) + self.stretch  # each way has one place more than it has rows
         self.tips, self.axes = (
-            np.concatenate([np.stack([x[:-1], x[1:]], axis=1) for x in column])
-            for column in ([x.tips for x in places], [x.axes for x in places])
+            np.stack([x[first], x[first + 1]], axis=1)
+            for x in (np.concatenate([x.tips for x in places]), np.concatenate([x.axes for x in places]))
         )
         self.pads = np.repeat([x.pad for x in places], counts)
         self.swings = np.repeat([x.swing for x in places], counts)

@@ -23,6 +23,7 @@ from firstcontact.motion.screw import Screw
 
 ZERO, ONE = fmpq(0), fmpq(1)
 UP: Vector = (ZERO, ZERO, ONE)
+BOTH_UP, BOTH_ENDS = np.tile((0.0, 0.0, 1.0), (2, 1)), np.array([0.0, 1.0])
 ROUNDED = 1e-14
 """Part of sizes by which sines, cosines and what is made of them are off, at most."""
 MOST_PARTS = 4096
@@ -68,8 +69,7 @@ class Line:
 
     def places(self, fine: float, reach: float) -> Places:
         """fine: how far hulls may be off; reach: of the tool's points from its tip."""
-        tips = np.array([_doubles(self.start), _doubles(self.end)])
-        return Places(tips, np.tile((0.0, 0.0, 1.0), (2, 1)), np.array([0.0, 1.0]))
+        return Places(np.array([_doubles(self.start), _doubles(self.end)]), BOTH_UP, BOTH_ENDS)
 
 
 @dataclass(frozen=True)
@@ -227,9 +227,10 @@ class Swing:
         return _between(self.start, self.end, t)
 
     def places(self, fine: float, reach: float) -> Places:
-        u, v = (np.array(_doubles(x)) for x in (self.axis0, self.axis1))
-        u, v = u / np.linalg.norm(u), v / np.linalg.norm(v)
-        half = 0.5 * math.atan2(float(np.linalg.norm(np.cross(u, v))), float(u @ v))
+        u, v = _unit(self.axis0), _unit(self.axis1)
+        cosine = dot(u, v)
+        across = [y - cosine * x for x, y in zip(u, v, strict=True)]
+        half, size = 0.5 * math.atan2(math.hypot(*cross(u, v)), cosine), math.hypot(*across)
         sine, cosine = math.sin(half), math.cos(half)
         # the angle at time t is 2 atan2(t sin, 1 - t + t cos) of half the whole one: its first two derivatives
         rate = 2.0 * sine / math.cos(0.5 * half) ** 2
@@ -238,14 +239,12 @@ class Swing:
         n = _parts(bend * reach, fine)
         t = np.linspace(0.0, 1.0, n + 1)
         angle = 2.0 * np.arctan2(t * sine, (1.0 - t) + t * cosine)
-        across = v - (u @ v) * u
-        length = float(np.linalg.norm(across))
-        across = across / length if length else across
-        axes = np.outer(np.cos(angle), u) + np.outer(np.sin(angle), across)
+        sines = np.sin(angle) / size if size else 0.0 * angle
+        axes = np.cos(angle)[:, None] * u + sines[:, None] * across
         axes[-1] = v
-        start, end = np.array(_doubles(self.start)), np.array(_doubles(self.end))
-        tips = np.outer(1.0 - t, start) + np.outer(t, end)
-        pad = ROUNDED * float(np.abs(tips).max())
+        start, end = _doubles(self.start), _doubles(self.end)
+        tips = (1.0 - t)[:, None] * start + t[:, None] * end
+        pad = ROUNDED * max(map(abs, start + end))
         return Places(tips, axes, t, pad, 1.0001 * bend / n**2 + ROUNDED)
 
 
@@ -289,6 +288,12 @@ def _shifts(places: list[Vector], weights: list[fmpq]) -> list[list[list[fmpq]]]
 
 def _between(start: Vector, end: Vector, t: float) -> list[float]:
     return [x + t * (y - x) for x, y in zip(_doubles(start), _doubles(end), strict=True)]
+
+
+def _unit(x: Vector) -> list[float]:
+    doubles = _doubles(x)
+    length = math.hypot(*doubles)
+    return [c / length for c in doubles]
 
 
 def _doubles(x: Vector) -> list[float]:
