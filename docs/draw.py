@@ -15,8 +15,8 @@ INK, PALE, EDGE = "#1b2a38", "#eef3f7", "#7d93a6"
 SHADES = {"asked": "#dfeaf5", "answers": "#fbe9d7", "finds": "#e4f2e1", "knows": "#f3e6f1", "ground": "#ececec"}
 FLOORS = {
     "asked": (
-        "__main__", "cli", "view", "warmup", "scene", "assembly", "batch", "robot", "mechanism", "query", "examples",
-        "io", "step",
+        "__main__", "cli", "view", "warmup", "scene", "assembly", "toolpath", "batch", "robot", "mechanism", "query",
+        "examples", "io", "step",
     ),
     "answers": ("curves", "contact", "timeline"),
     "finds": ("search",),
@@ -28,6 +28,7 @@ SAYS = {
     "warmup": "compiles ahead",
     "scene": "TOML scenes", "assembly": "what may touch; new contacts",
     "batch": "many questions: cores, clusters, files",
+    "toolpath": "G-code, APT: tools along programs",
     "robot": "URDF, SRDF", "mechanism": "links and joints: courses, sweeps",
     "query": "the verbs: checks, one Query", "curves": "intersection curves",
     "contact": "a room for each pair of kinds of bodies; table, ways", "timeline": "all contacts in time",

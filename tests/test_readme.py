@@ -74,11 +74,12 @@ COMMANDS = {**{name: ("check", code) for name, code in SCENES.items()},
             "cone.toml": ("curve", 0), "roller.toml": ("intervals", 1), "door.toml": ("sweep", 1)}  # fmt: skip
 
 CELL = "desk.toml"  # of a robot, run in tests/mechanism/test_docs.py
+SETUP = "setup.toml"  # of a tool path, run in tests/toolpath/test_docs.py
 STEP = "hinge.toml"  # needs the extra "step"
 
 
 def test_no_example_is_left_out():
-    assert {path.name for path in (ROOT / "examples").glob("*.toml")} == {*COMMANDS, CELL, STEP}
+    assert {path.name for path in (ROOT / "examples").glob("*.toml")} == {*COMMANDS, CELL, SETUP, STEP}
 
 
 def test_two_parts_on_a_hinge_jam_where_the_readme_says(tmp_path, monkeypatch, capsys):

@@ -71,6 +71,8 @@ if TYPE_CHECKING:
     from firstcontact.step.assembly import Assembly as Assembly
     from firstcontact.step.assembly import from_shape as from_shape
     from firstcontact.step.assembly import load_step as load_step
+    from firstcontact.toolpath.program import ToolPath as ToolPath
+    from firstcontact.toolpath.tool import Tool as Tool
 
 __version__ = "0.1.0"
 
@@ -131,6 +133,8 @@ _HOME = {
     "Assembly": "step.assembly",
     "from_shape": "step.assembly",
     "load_step": "step.assembly",
+    "Tool": "toolpath.tool",
+    "ToolPath": "toolpath.program",
     "Compound": "body.compound.compound",
     "ContactIntervalTable": "result_table",
     "ContactTable": "result_table",

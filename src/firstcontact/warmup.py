@@ -22,9 +22,13 @@ from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.sequence import Sequence
-from firstcontact.motion.translation import Translation
+from firstcontact.motion.translation import Translation, vector3
 from firstcontact.search.trees.crowding import crowding
 from firstcontact.search.trees.frame import tree_of
+from firstcontact.toolpath.blocks import Block
+from firstcontact.toolpath.check import Setup
+from firstcontact.toolpath.moves import Line
+from firstcontact.toolpath.tool import Tool
 
 Question = Callable[[], object]
 
@@ -97,6 +101,7 @@ def _families() -> Iterator[Iterator[tuple[str, Question]]]:
     yield _of_solids()
     yield _of_curves()
     yield _of_ruled_surfaces()
+    yield _of_tool_paths()
     yield _of_engine("sweep")
     yield _of_engine("composed")
 
@@ -148,6 +153,16 @@ def _of_solids() -> Iterator[tuple[str, Question]]:
 def _capsule() -> CompositeQuadric:
     stem = primitives.cylinder("1/4", 2).translated((0, 0, 4))
     return stem | primitives.sphere("1/4").translated((0, 0, 3))
+
+
+def _of_tool_paths() -> Iterator[tuple[str, Question]]:
+    tool = Tool([("mill", "cutter", "1/2", 1)])
+    ways = Line("rapid", vector3((5, 5, 5), "start"), vector3((5, 5, 4), "end")), Line(
+        "feed", vector3((0.5, 0.5, 0.75), "start"), vector3((0.5, 0.5, 0.25), "end")
+    )
+    blocks = [Block(k, "", (way,)) for k, way in enumerate(ways)]
+    setup = Setup(tool, {"a mesh": _notched()}, (), 1)
+    yield "a tool path before a mesh", lambda: list(setup.verdicts(blocks))
 
 
 def _of_curves() -> Iterator[tuple[str, Question]]:

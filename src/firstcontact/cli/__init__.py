@@ -23,6 +23,7 @@ from firstcontact.cli.info import info
 from firstcontact.cli.intervals import intervals
 from firstcontact.cli.robot import robot
 from firstcontact.cli.sweep import sweep
+from firstcontact.cli.toolpath import toolpath
 from firstcontact.cli.warmup import warmup
 from firstcontact.errors import FirstContactError, one_line
 
@@ -42,7 +43,7 @@ def cli() -> None:
     """
 
 
-for command in (check, intervals, curve, sweep, robot, batch, info, warmup):
+for command in (check, intervals, curve, sweep, robot, toolpath, batch, info, warmup):
     cli.add_command(command)
 
 

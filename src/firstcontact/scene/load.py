@@ -11,7 +11,7 @@ import itertools
 import re
 import tomllib
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Union
 
@@ -47,6 +47,7 @@ from firstcontact.motion.translation import Translation
 from firstcontact.result import FirstContact
 from firstcontact.scene import solids, surfaces
 from firstcontact.scene.mechanisms import CourseTable, JointTable, Linked, LinkTable
+from firstcontact.scene.tools import ToolTable
 from firstcontact.scene.values import (
     Corners,
     Edge,
@@ -66,6 +67,7 @@ from firstcontact.scene.values import (
     parse_time,
     placed,
 )
+from firstcontact.toolpath.tool import Tool
 from firstcontact.work import MOST_BUDGET
 
 # Tables and lists within each other: far more than a scene needs, far fewer than exhaust the stack that walks them.
@@ -313,6 +315,7 @@ class SceneTable(Table):
     joint: dict[str, JointTable] = {}
     link: dict[str, LinkTable] = {}
     course: CourseTable | None = None
+    tool: dict[str, ToolTable] = {}
 
     @field_validator("check", "curve", "allow", mode="before")
     @classmethod
@@ -371,6 +374,8 @@ class Scene:
     resting: int = 0
     linked: Linked | None = None
     """The mechanism that the joints make of the bodies."""
+    tools: dict[str, Tool] = field(default_factory=dict)
+    """What `firstcontact toolpath` moves."""
 
     @classmethod
     def load(cls, path: str | Path) -> Scene:
@@ -418,7 +423,16 @@ def load_scene(path: str | Path) -> Scene:
     linked = _linked(path, scene, bodies)
     checks, resting = _checks(path, scene, bodies, linked)
     curves, rules = tuple(_curves(path, scene)), tuple(_rules(path, scene))
-    return Scene(path, bodies, tuple(checks), curves, rules, scene.unit, resting, linked)
+    tools = {key: _tool(path, key, table) for key, table in scene.tool.items()}
+    return Scene(path, bodies, tuple(checks), curves, rules, scene.unit, resting, linked, tools)
+
+
+def _tool(path: Path, key: str, table: ToolTable) -> Tool:
+    try:
+        with at_key(f"tool.{key}"):
+            return table.build(key)
+    except KeyFault as error:
+        raise InputError(f"{path}: {error}") from error
 
 
 def _linked(path: Path, scene: SceneTable, bodies: dict[str, Any]) -> Linked | None:

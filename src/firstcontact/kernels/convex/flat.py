@@ -49,17 +49,23 @@ def write_box(p, box, error):
 
 
 @uncounted
-def write_triangle(p, xyz, error):
-    """Piece 0 of p (ROWS, 14) is the triangle with corners xyz (9,), without area or length too."""
+def write_corners(p, xyz, error):
+    """Piece 0 of p (ROWS, 14) is the triangle with corners xyz (9,), without forms: for separating directions alone."""
     p[0, VERTICES], p[0, VERTICES + 1] = CORNERS, MADE
-    for k in range(ARCS, FORMS):
+    for k in range(ARCS, BOX):
         p[0, k] = MADE
-    p[0, FORMS], p[0, FORMS + 1] = PLANE, BELOW
     for r in range(3):
         x, y, z = xyz[3 * r], xyz[3 * r + 1], xyz[3 * r + 2]
         p[CORNERS + r, 0], p[CORNERS + r, 1], p[CORNERS + r, 2] = x, y, z
         p[CORNERS + r, 3] = 3.0 * error + 8.0 * U * (abs(x) + abs(y) + abs(z))
     _write_box(p, error)
+
+
+@uncounted
+def write_triangle(p, xyz, error):
+    """Piece 0 of p (ROWS, 14) is the triangle with corners xyz (9,), without area or length too."""
+    write_corners(p, xyz, error)
+    p[0, FORMS], p[0, FORMS + 1] = PLANE, BELOW
     for r in range(PLANE, ROWS):
         for k in range(11):
             p[r, k] = 0.0
