@@ -152,6 +152,15 @@ TABLE = primitives.cylinder(3, 1).translated((0, 0, "-1/2"))
 TURNING = fc.Rotation((0, 0, 1), ("1/4", 0, 0), degrees=100)
 
 
+def test_contact_is_followed_through_any_number_of_steps():
+    """What lasted longer than 20 steps was left open, and exact arithmetic looked at every step for a minute."""
+    steps = fc.Sequence([fc.Translation(("1/10", 0, 0)) for _ in range(60)])
+    found = fc.contact_intervals(BALL.translated(("-61/20", 0, 0)).moving(steps), BALL, method="certified")
+    assert found.status is fc.Status.CONTACT
+    (one,) = found.intervals
+    assert overlap(one.start_interval, (21 / 120, 21 / 120)) and overlap(one.end_interval, (101 / 120, 101 / 120))
+
+
 def test_a_block_slides_off_a_round_table_that_turns():
     """They share no inner point: their faces do, as long as the middle of the table is less than 3 from the block's."""
     way = fc.Translation((4, "1/10", 0))

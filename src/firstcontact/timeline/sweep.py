@@ -25,7 +25,7 @@ from firstcontact.work import Spent, Work
 LEAST_AHEAD, LEAST_BACK = 1e-3, 1e-6
 """Parts of the longest step below which proofs of lasting contact give up: towards its end, and from there back."""
 MOST_TURNS = 20
-"""Stretches of one contact followed one after the other before the rest is left open."""
+"""Stretches of one contact followed one after the other in one window before the rest is left open."""
 TRIES = 8
 """Times without contact looked for between two times in contact."""
 
@@ -203,7 +203,7 @@ class Sweep(Generic[W]):
 
     def _window(self, window: W, point: np.ndarray | None, is_first: bool) -> np.ndarray | None:
         """Follow the state through one window; a common point at its end, None where there is none."""
-        t = window.first
+        t, self.turns = window.first, 0
         self._step()
         if self.free.at(window, t):
             if self.start is not None:  # the pose jumps
