@@ -147,6 +147,15 @@ def test_the_number_of_contacts_is_not_limited(monkeypatch):
     assert found.status is fc.Status.CONTACT and len(found) == 5
 
 
+def test_boxes_that_are_flush_in_the_last_instant_of_a_screw():
+    """Finer arithmetic proved less than a double's step of time again and again, for ever."""
+    box = primitives.box((2, 2, 2))
+    found = fc.contact_intervals(box.translated((0, 0, 5)).moving(fc.Screw((0, 0, 1), degrees=90, advance=-3)), box)
+    assert found.status is fc.Status.CONTACT
+    (one,) = found.intervals
+    assert 1 - 1e-12 < one.start_interval[0] and one.start_interval[1] == one.start == one.end == 1
+
+
 BLOCK = primitives.box((1, 1, 1)).translated((0, 0, "1/2"))
 TABLE = primitives.cylinder(3, 1).translated((0, 0, "-1/2"))
 TURNING = fc.Rotation((0, 0, 1), ("1/4", 0, 0), degrees=100)

@@ -241,7 +241,9 @@ class Sweep(Generic[W]):
         found = self.free.passage(window, t)
         if found is None or found.passage.stretches[0].contact != (self.start is not None):
             raise Open(t)
-        passage = found.passage
+        passage, until = found.passage, min(below(found.passage.until), window.last)
+        if until <= t:  # less than doubles tell apart
+            raise Open(t)
         for before, after in zip(passage.stretches, passage.stretches[1:], strict=False):
             event = below(before.hi), above(after.lo)
             if before.contact and after.contact or passage.graze is not None:
@@ -255,7 +257,7 @@ class Sweep(Generic[W]):
                 self.start, self.turns = event, 0
             else:
                 self._close(event)
-        return min(below(passage.until), window.last), found.point
+        return until, found.point
 
     def _enter(self, window: W, t: float) -> tuple[float, np.ndarray | None]:
         """(the time up to which all is settled, a common point then or None), from t, which is free."""
