@@ -275,7 +275,7 @@ def _fitted() -> Question:
     return first(fc.cylinder("1999/1000", 6).moving(fc.Screw((0, 0, 1), degrees=50, advance=3)), plate)
 
 
-@row("tool of five curved pieces along 499 steps of five axes, intervals", "11 steps in 400 s", 60)
+@row("tool of five curved pieces along 499 steps of five axes, intervals", "11 steps in 400 s", 30)
 def _five_axes() -> Question:
     pieces = [fc.cylinder(1, 4), fc.sphere(1).translated((0, 0, -2)), fc.frustum(1, 2, 2).translated((0, 0, 2))]
     pieces += [fc.cylinder(2, 4).translated((0, 0, 6)), fc.frustum(2, 1, 1).translated((0, 0, 8))]

@@ -147,9 +147,27 @@ def test_the_number_of_contacts_is_not_limited(monkeypatch):
     assert found.status is fc.Status.CONTACT and len(found) == 5
 
 
+def test_boxes_that_are_flush_in_the_last_instant_of_a_screw():
+    """Finer arithmetic proved less than a double's step of time again and again, for ever."""
+    box = primitives.box((2, 2, 2))
+    found = fc.contact_intervals(box.translated((0, 0, 5)).moving(fc.Screw((0, 0, 1), degrees=90, advance=-3)), box)
+    assert found.status is fc.Status.CONTACT
+    (one,) = found.intervals
+    assert 1 - 1e-12 < one.start_interval[0] and one.start_interval[1] == one.start == one.end == 1
+
+
 BLOCK = primitives.box((1, 1, 1)).translated((0, 0, "1/2"))
 TABLE = primitives.cylinder(3, 1).translated((0, 0, "-1/2"))
 TURNING = fc.Rotation((0, 0, 1), ("1/4", 0, 0), degrees=100)
+
+
+def test_contact_is_followed_through_any_number_of_steps():
+    """What lasted longer than 20 steps was left open, and exact arithmetic looked at every step for a minute."""
+    steps = fc.Sequence([fc.Translation(("1/10", 0, 0)) for _ in range(60)])
+    found = fc.contact_intervals(BALL.translated(("-61/20", 0, 0)).moving(steps), BALL, method="certified")
+    assert found.status is fc.Status.CONTACT
+    (one,) = found.intervals
+    assert overlap(one.start_interval, (21 / 120, 21 / 120)) and overlap(one.end_interval, (101 / 120, 101 / 120))
 
 
 def test_a_block_slides_off_a_round_table_that_turns():

@@ -72,3 +72,32 @@ def test_no_window_is_told_of_parts_on_one_table_that_miss_each_other():
     passing = cube.translated((-2, 0, 0)).moving(fc.Translation((3, 0, 0)))
     found = fc.contact_intervals(passing, cube.translated((2, 0, 0)).moving(fc.Rotation(UP, (1.5, 1, 0), degrees=50)))
     assert found.status is fc.Status.FREE and found.free_until == 1 and len(found) == 0
+
+
+def squares_apart(one, other):
+    """The largest gap of two squares (4, 2) in a plane, across a side of either: positive where they are apart."""
+    gaps = []
+    for x in (one, other):
+        for side in (x[1] - x[0], x[2] - x[1]):
+            across = np.array([-side[1], side[0]]) / np.linalg.norm(side)
+            p, q = one @ across, other @ across
+            gaps.append(max(p.min() - q.max(), q.min() - p.max()))
+    return max(gaps)
+
+
+def test_a_box_slides_off_a_table_and_both_turn_about_vertical_axes():
+    """Trees left all of it open: all that touches lies in one plane."""
+    box = fc.examples.box((1, 1, 1)).translated((2, 0, 0.5))
+    table = fc.examples.box((6, 6, 1)).translated((0, 0, -0.5))
+    ways = fc.Rotation((0, 0, 1), point=(5, 0, 0), degrees=170), fc.Rotation((0, 0, 1), degrees=100)
+    found = fc.contact_intervals(box.moving(ways[0]), table.moving(ways[1]), span=(0.3, 0.31))
+    assert found.status is fc.Status.INITIAL_CONTACT
+    (one,) = found.intervals
+    corners = [np.unique(x.vertices[:, :2], axis=0)[[0, 1, 3, 2]] for x in (box, table)]
+
+    def gap(t):
+        poses = [way(t) for way in ways]
+        return squares_apart(*(x @ m[:2, :2].T + m[:2, 3] for x, m in zip(corners, poses, strict=True)))
+
+    assert one.start == 0.3 and gap(one.end - 1e-9) < 0 < gap(one.end + 1e-9)
+    assert one.end_interval[1] - one.end_interval[0] < 1e-12

@@ -105,14 +105,14 @@ def test_balls_that_are_apart(name):
             poses.append([np.array([[float(x[0]) for x in row] for row in leg.series(arb(t))]) for t in times])
     for k in range(60):
         centres, radii = rng.normal(size=(2, 3)) * 10.0 ** rng.integers(-1, 3), rng.uniform(0, 1, 2)
-        pair = [Ball(c, r) for c, r in zip(centres, radii, strict=True)]
+        pair = [Ball(tuple(c), r) for c, r in zip(centres, radii, strict=True)]
         if not are_apart(piece, *pair):
             continue
         told += 1
         rim = rng.normal(size=(8, 3))
         rim /= np.linalg.norm(rim, axis=1)[:, None]
         for m, n in zip(*poses, strict=True):
-            x, y = ((c + r * rim) @ q[:, :3].T + q[:, 3] for (c, r), q in zip(pair, (m, n), strict=True))
+            x, y = ((np.array(c) + r * rim) @ q[:, :3].T + q[:, 3] for (c, r), q in zip(pair, (m, n), strict=True))
             lo_x, hi_x, lo_y, hi_y = x.min(axis=0), x.max(axis=0), y.min(axis=0), y.max(axis=0)
             assert (lo_x > hi_y).any() or (lo_y > hi_x).any(), k
     assert told or name in ("distant", "many turns", "half", "links", "two links")

@@ -25,7 +25,7 @@ from firstcontact.work import Spent, Work
 LEAST_AHEAD, LEAST_BACK = 1e-3, 1e-6
 """Parts of the longest step below which proofs of lasting contact give up: towards its end, and from there back."""
 MOST_TURNS = 20
-"""Stretches of one contact followed one after the other before the rest is left open."""
+"""Stretches of one contact followed one after the other in one window before the rest is left open."""
 TRIES = 8
 """Times without contact looked for between two times in contact."""
 
@@ -203,7 +203,7 @@ class Sweep(Generic[W]):
 
     def _window(self, window: W, point: np.ndarray | None, is_first: bool) -> np.ndarray | None:
         """Follow the state through one window; a common point at its end, None where there is none."""
-        t = window.first
+        t, self.turns = window.first, 0
         self._step()
         if self.free.at(window, t):
             if self.start is not None:  # the pose jumps
@@ -241,7 +241,9 @@ class Sweep(Generic[W]):
         found = self.free.passage(window, t)
         if found is None or found.passage.stretches[0].contact != (self.start is not None):
             raise Open(t)
-        passage = found.passage
+        passage, until = found.passage, min(below(found.passage.until), window.last)
+        if until <= t:  # less than doubles tell apart
+            raise Open(t)
         for before, after in zip(passage.stretches, passage.stretches[1:], strict=False):
             event = below(before.hi), above(after.lo)
             if before.contact and after.contact or passage.graze is not None:
@@ -255,7 +257,7 @@ class Sweep(Generic[W]):
                 self.start, self.turns = event, 0
             else:
                 self._close(event)
-        return min(below(passage.until), window.last), found.point
+        return until, found.point
 
     def _enter(self, window: W, t: float) -> tuple[float, np.ndarray | None]:
         """(the time up to which all is settled, a common point then or None), from t, which is free."""

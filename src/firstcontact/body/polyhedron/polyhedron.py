@@ -12,12 +12,15 @@ import numpy as np
 from flint import fmpq
 
 from firstcontact.body import told
+from firstcontact.body.kept import Kept
 from firstcontact.body.placing import Placing
 from firstcontact.body.polyhedron.triangulate import shapes, triangulate
 from firstcontact.errors import InputError, shown
 from firstcontact.exact.numbers import fraction, rational, to_double
 from firstcontact.exact.rigid import IDENTITY, Matrix, apply, compose
 from firstcontact.motion.value import numbers
+
+_BOX = Kept[tuple[np.ndarray, np.ndarray]]()
 
 # Largest coordinate: error bounds multiply three of them and a time, far from overflow.
 LARGEST = 2.0**150
@@ -95,7 +98,10 @@ class Polyhedron(Placing):
 
     def bounds(self, span: tuple[float, float] | None = None) -> tuple[np.ndarray, np.ndarray]:
         """Lower and upper corner, (3,) float64 each, of a box that holds the body."""
-        return self.vertices.min(axis=0) - self.error, self.vertices.max(axis=0) + self.error
+        lo, hi = _BOX.of(
+            self, lambda: (self.vertices.min(axis=0) - self.error, self.vertices.max(axis=0) + self.error)
+        )
+        return lo.copy(), hi.copy()
 
     def exact_vertex(self, i: int) -> tuple[Any, Any, Any]:
         """The true coordinates of vertex i: fmpq, or balls in an irrational pose."""

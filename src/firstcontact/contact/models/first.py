@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
@@ -300,7 +301,7 @@ def _decided_intervals(query: Query, work: Work, free_until: float) -> ContactIn
     tests = evaluations = 0
     reason = None
     try:
-        for search in _searches(query, work):
+        for search in _searches(query, work, free_until):
             for start, end in list(_windows(search, free_until)):
                 if found and found[-1][1].is_same_time(start):
                     found[-1] = found[-1][0], end
@@ -318,13 +319,19 @@ def _decided_intervals(query: Query, work: Work, free_until: float) -> ContactIn
     return ContactIntervals(intervals, status, until, reason, query.stats(0, tests, evaluations), **query.shared)
 
 
-def _searches(query: Query, work: Work) -> Iterator[Search]:
-    """One for every piece of the relative motion, in time order; all before the one given last is settled."""
+def _searches(query: Query, work: Work, free_until: float = -math.inf) -> Iterator[Search]:
+    """One for every piece of the relative motion, in time order; all before the one given last is settled.
+
+    free_until: a time before which the models are proved apart; pieces that end before it are left out.
+    """
     models = _models(query)
     if query.method != "algebraic":  # that lists all subproblems
         models = near_models(models, query.span)
     model_a, model_b = map(shape_of, models)
     for piece in relative_pieces(query.a, query.b, query.first, query.end):
+        assert piece.end is not None
+        if above(piece.end) < free_until:
+            continue
         if not piece.exact:
             raise UnsupportedPair(f"{piece.of}: the pose before this step is irrational; such steps are not supported")
         work.free_until = below(piece.start)

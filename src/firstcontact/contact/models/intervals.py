@@ -26,7 +26,7 @@ from firstcontact.search.events import events
 from firstcontact.search.events.charts import NotCharted
 from firstcontact.search.events.event_tables import tables_of
 from firstcontact.timeline.lasting import LastingOfModels, Solid
-from firstcontact.timeline.sweep import Found, Pass, Sweep
+from firstcontact.timeline.sweep import Certified, Found, Pass, Sweep
 from firstcontact.work import Work
 
 STRIDES, BOXES = 10_000, events.MOST_BOXES
@@ -53,9 +53,19 @@ def certified_intervals(
         width = tolerance * (parts[-1].last - parts[0].first)
         lasting = LastingOfModels(*(Solid(shape_of(x)) for x in models))
         free = _Free(models, width, parts, curved_pieces(*models, first, last), work)
-        return Sweep(free, lasting, parts, width, work, touches_at_start).run()
+        found = Sweep(free, lasting, parts, width, work, touches_at_start).run()
     except (NotCharted, Untold) as reason:
         raise UnsupportedPair(f"contact intervals are not decided: {reason}") from reason
+    return _with_landing(found, models, last, width)
+
+
+def _with_landing(found: Found, models: tuple[Any, Any], last: fmpq, width: float) -> Found:
+    """With the contact of the last instant, where all before it is decided and they are proved to touch then."""
+    follows = found.intervals and found.intervals[-1].open
+    if found.reason != "precision" or follows or above(last) - found.until > width or landing(*models, last) is None:
+        return found
+    touch = Certified((found.until, above(last)), (below(last), above(last)))
+    return Found((*found.intervals, touch), above(last), None)
 
 
 class _Free:

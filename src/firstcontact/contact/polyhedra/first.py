@@ -19,9 +19,10 @@ from firstcontact.contact.polyhedra.intervals import Windows, contact_windows
 from firstcontact.contact.polyhedra.overlap import initial_kind
 from firstcontact.contact.polyhedra.prisms import Apart, in_one_plane
 from firstcontact.contact.polyhedra.problem import far_apart, problem_of, problems_in_order, stretches
-from firstcontact.contact.ways import Passed, Way, answered
+from firstcontact.contact.ways import Passed, Way, answered, decided
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import Undecidable, to_double
+from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.curved import CurvedPiece
 from firstcontact.motion.relative.pieces import Piece, curved_pieces, pieces
 from firstcontact.result import ContactIntervals, ContactPairs, FirstContact, Stats, Status
@@ -75,7 +76,11 @@ def _first_contact(query: Query, _: None = None) -> FirstContact:
 
 def intervals(query: Query) -> ContactIntervals:
     """All closed times of contact, with exact ends where these have an exact form."""
-    return answered([Way("in the plane", _in_the_plane), Way("by trees", _contact_intervals)], query)
+    return answered([
+        Way("in the plane", _in_the_plane),
+        Way("by trees", lambda query, _: decided(_contact_intervals(query), query)),
+        Way("as convex solids", _as_solids, lambda query, _: _are_small_and_convex(query)),
+    ], query)  # fmt: skip
 
 
 def _in_the_plane(query: Query, _: None) -> ContactIntervals | Passed:
@@ -87,10 +92,26 @@ def _in_the_plane(query: Query, _: None) -> ContactIntervals | Passed:
         return Passed("shifts and turns are exact")
     if isinstance(other, Apart):
         return ContactIntervals((), Status.FREE, query.span[1], None, _timed(NO_WORK, query.begin), **query.shared)
-    return replace(_contact_intervals(other, None), **query.shared)
+    return decided(replace(_contact_intervals(other), **query.shared), query)
 
 
-def _contact_intervals(query: Query, _: None) -> ContactIntervals:
+def _are_small_and_convex(query: Query) -> bool:
+    """Whether the doubles of curved solids may be asked, which follow parts that slide on each other."""
+    from firstcontact.contact.reduce import is_small_and_convex
+
+    free = not query.is_algebraic and query.budget is None
+    return free and all(is_small_and_convex(shape_of(x)) for x in query.bodies)
+
+
+def _as_solids(query: Query, _: ContactIntervals) -> ContactIntervals | Passed:
+    """What these tell; what trees proved stands where they tell no more."""
+    from firstcontact.contact.models.first import intervals as of_solids
+
+    found = of_solids(replace(query, method="certified"))
+    return found if found.status is not Status.UNDECIDED else Passed(str(found.reason))
+
+
+def _contact_intervals(query: Query) -> ContactIntervals:
     parts = _pieces(query)
     stats, work = NO_WORK, query.work()
     ends: list[JoinedInterval] = []

@@ -17,7 +17,7 @@ from firstcontact.exact.numbers import below
 from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.balls_apart import Ball, are_apart
 from firstcontact.motion.relative.curved import CurvedPiece
-from firstcontact.motion.relative.pieces import Piece, curved_pieces, in_few_turns
+from firstcontact.motion.relative.pieces import Piece, by_motions, in_few_turns
 from firstcontact.work import Work
 
 if TYPE_CHECKING:
@@ -54,10 +54,9 @@ def problems_in_order(
     That is so in the first one, in which both bodies stand as the span starts, and after a jump.  Raises Spent.
     """
     before: Piece | CurvedPiece | None = None
-    by_motions = _legs(a, b, parts)
+    straight = len(parts) == 1 and isinstance(parts[0], Piece) and parts[0].velocity is not None
     for piece in stretches(a, b, parts, work or Work()):
-        legs = piece if isinstance(piece, CurvedPiece) else by_motions.get(piece.start)
-        if legs is not None and far_apart(a, b, legs):
+        if not straight and _may_be_skipped(a, b, piece):  # one translation is searched as quickly
             before = piece
             continue
         if isinstance(piece, CurvedPiece):
@@ -95,21 +94,15 @@ def stretches(a: Body, b: Body, parts: Sequence[Piece | CurvedPiece], work: Work
             yield piece
 
 
+def _may_be_skipped(a: Body, b: Body, piece: Piece | CurvedPiece) -> bool:
+    """True proves that the bodies share no point during the piece, told by the motions themselves."""
+    curved = piece if isinstance(piece, CurvedPiece) else by_motions(a, b, piece)
+    return curved is not None and far_apart(a, b, curved)
+
+
 def far_apart(a: Body, b: Body, piece: CurvedPiece) -> bool:
     """True proves that the bodies share no point during the piece; False tells nothing."""
     return are_apart(piece, _ball_of(shape_of(a)), _ball_of(shape_of(b)))
-
-
-def _legs(a: Body, b: Body, parts: Sequence[Piece | CurvedPiece]) -> dict[fmpq, CurvedPiece]:
-    """Pieces that are one translation or rotation by the motions themselves, by their starts.
-
-    Not that of a single one, whose search is as quick.
-    """
-    if len(parts) == 1 or all(isinstance(part, CurvedPiece) for part in parts):
-        return {}
-    last = parts[-1].end
-    assert last is not None  # sequences have bounded spans
-    return {piece.start: piece for piece in curved_pieces(a, b, parts[0].start, last)}
 
 
 def _ball_of(body: Polyhedron) -> Ball:

@@ -7,54 +7,67 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from firstcontact.kernels.pose_series import LocalPose
 from firstcontact.motion.product import Product
+from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.relative.curved import CurvedPiece, Leg
-from firstcontact.motion.relative.local_poses import local_pose
+from firstcontact.motion.relative.local_poses import local_pose, own_pose
 
 # Of the sizes met: far more than some dozen roundings.
 _SLACK = 1e-12
 # Radians up to which a path is told by its ends and its bend.
 _SHORT = 2.0
-_UNKNOWN = np.full(3, np.nan), np.full(3, np.nan)
+
+Corner = tuple[float, float, float]
+_UNKNOWN: tuple[Corner, Corner] = (math.nan,) * 3, (math.nan,) * 3
 
 
 class Ball(NamedTuple):
     """That holds a body, in its own frame."""
 
-    centre: np.ndarray
+    centre: Corner
     radius: float
 
     @classmethod
     def of(cls, lo: np.ndarray, hi: np.ndarray) -> Ball:
         """That holds the box between two corners (3,)."""
-        return cls(0.5 * (lo + hi), 0.5 * float(np.linalg.norm(hi - lo)) * (1.0 + 1e-14))
+        return cls(tuple((0.5 * (lo + hi)).tolist()), 0.5 * float(np.linalg.norm(hi - lo)) * (1.0 + 1e-14))
 
 
 def are_apart(piece: CurvedPiece, a: Ball, b: Ball) -> bool:
     """True proves that the bodies in the balls share no point during the piece; False tells nothing."""
     (lo_a, hi_a), (lo_b, hi_b) = _swept(piece.leg_a, piece, a), _swept(piece.leg_b, piece, b)
-    return bool((lo_a > hi_b).any() or (lo_b > hi_a).any())
+    return (
+        lo_a[0] > hi_b[0] or lo_a[1] > hi_b[1] or lo_a[2] > hi_b[2]
+        or lo_b[0] > hi_a[0] or lo_b[1] > hi_a[1] or lo_b[2] > hi_a[2]
+    )  # fmt: skip
 
 
-def _swept(leg: Leg, piece: CurvedPiece, ball: Ball) -> tuple[np.ndarray, np.ndarray]:
-    """Corners (3,) of a box of all places of the ball; nan where none is known."""
+def _swept(leg: Leg, piece: CurvedPiece, ball: Ball) -> tuple[Corner, Corner]:
+    """Corners of a box of all places of the ball; nan where none is known."""
     if isinstance(leg.motion, Product):
         return _UNKNOWN  # `contact.linked` looks at all stretches of a link at once, by the speeds of its joints
-    if leg.rests:
-        return ball.centre - ball.radius, ball.centre + ball.radius
-    pose = local_pose(leg, piece)
+    if leg.before.factors:
+        return _box(local_pose(leg, piece), ball, leg.is_rigid)
+    return _own_box(leg.motion, leg.part(piece.start, piece.end), ball)
+
+
+@lru_cache(maxsize=4096)
+def _own_box(motion: Any, part: tuple[int, int, int, int], ball: Ball) -> tuple[Corner, Corner]:
+    """The same of a part of the motion itself: a body that moves is asked about with many others."""
+    return _box(own_pose(motion, *part), ball, not isinstance(motion, RationalMotion) or motion.rigid)
+
+
+def _box(pose: LocalPose, ball: Ball, rigid: bool) -> tuple[Corner, Corner]:
     path = _turned if pose.turns else _bent
-    lo, hi, stretch, size = path(pose, ball.centre)
-    if not leg.before.factors and leg.is_rigid:
-        stretch = 1.0
-    reach = stretch * ball.radius
+    lo, hi, stretch, size = path(pose, np.array(ball.centre))
+    reach = (1.0 if rigid else stretch) * ball.radius
     pad = reach + _SLACK * (size + reach)
-    return lo - pad, hi + pad
+    return tuple((lo - pad).tolist()), tuple((hi + pad).tolist())
 
 
 def _turned(pose: LocalPose, centre: np.ndarray) -> tuple[np.ndarray, np.ndarray, float, float]:
@@ -76,10 +89,12 @@ def _turned(pose: LocalPose, centre: np.ndarray) -> tuple[np.ndarray, np.ndarray
 def _bent(pose: LocalPose, centre: np.ndarray) -> tuple[np.ndarray, np.ndarray, float, float]:
     """The same, from the hull of control points."""
     bernstein = _bernstein(len(pose.weight))
-    controls, weights = np.tensordot(bernstein, pose.terms, 1), bernstein @ pose.weight
+    controls = (bernstein @ pose.terms.reshape(len(bernstein), -1)).reshape(pose.terms.shape)
+    weights = bernstein @ pose.weight
     sizes = np.abs(pose.terms).sum(axis=0)
     if not weights.min() > _SLACK * float(np.abs(pose.weight).sum()):
-        return *_UNKNOWN, 1.0, 1.0
+        unknown = np.full(3, np.nan)
+        return unknown, unknown, 1.0, 1.0
     controls /= weights[:, None, None]
     points = controls[:, :, :3] @ centre + controls[:, :, 3]
     size = float(sizes.max()) / float(weights.min()) * (1.0 + float(np.abs(centre).max()))

@@ -26,12 +26,12 @@ _STILL = np.zeros((1, 3))
 
 def local_pose(leg: Leg, piece: CurvedPiece) -> LocalPose:
     """The pose of one body during the piece, the time running from 0 to 1."""
-    found = _own(leg.motion, *leg.part(piece.start, piece.end))
+    found = own_pose(leg.motion, *leg.part(piece.start, piece.end))
     return _after(found, leg.before.doubles()) if leg.before.factors else found
 
 
 @lru_cache(maxsize=1024)
-def _own(motion: Any, p: int, q: int, m: int, n: int) -> LocalPose:
+def own_pose(motion: Any, p: int, q: int, m: int, n: int) -> LocalPose:
     """The pose of the motion itself from its own time p / q on, for the time m / n."""
     begin, share = fmpq(p, q), fmpq(m, n)
     if isinstance(motion, RationalMotion):

@@ -13,6 +13,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -45,6 +46,7 @@ class Piece(NamedTuple):
     """Relative motion of a seen from b during [start, end] (end None: for ever); local time is t - reference.
 
     velocity (translation) per unit of time, or axis, point and rate (radians, turns) per unit of time.
+    steps: what both bodies make of their motions, of a piece of these.
     """
 
     start: fmpq
@@ -58,6 +60,7 @@ class Piece(NamedTuple):
     rate: tuple[fmpq, fmpq]
     carry_velocity: tuple[fmpq, fmpq, fmpq] | None = None
     carry_rate: tuple[fmpq, fmpq] | None = None
+    steps: tuple[Step, Step] | None = None
 
     def carry(self, t: float) -> np.ndarray | None:
         """Float pose (4, 4) of the working frame in the world at time t; None where it rests."""
@@ -106,6 +109,13 @@ def curved_pieces(a: Any, b: Any, first: fmpq, last: fmpq) -> list[CurvedPiece]:
     ]
 
 
+def by_motions(a: Any, b: Any, piece: Piece) -> CurvedPiece | None:
+    """A piece of the motions of both, one that has an end, by these motions themselves."""
+    if piece.steps is None or piece.end is None:
+        return None
+    return _curved(a, b, *piece.steps, piece.start, piece.end)
+
+
 def in_few_turns(piece: CurvedPiece) -> Iterator[CurvedPiece]:
     """Stretches of the piece, one after the other, each of a few turns at most."""
     speed = max(turns_of(leg.motion) / leg.unit for leg in (piece.leg_a, piece.leg_b))
@@ -123,10 +133,10 @@ def placement_at(body: Any, time: fmpq) -> Placement:
 
 def _cut(steps_a: list[Step], steps_b: list[Step], first: fmpq, last: fmpq) -> list[tuple[fmpq, fmpq]]:
     """The stretches of [first, last] in which both bodies make one step."""
-    cuts = {first, last}
-    cuts.update(t for s in (*steps_a, *steps_b) for t in (s.start, s.end) if t is not None and first < t < last)
-    times = sorted(cuts)
-    return list(zip(times, times[1:] or times, strict=False))
+    inside = [t for s in (*steps_a, *steps_b) for t in (s.start, s.end) if t is not None and first < t < last]
+    if not inside:
+        return [(first, last)]  # a rational number takes microseconds to hash
+    return list(pairwise(sorted({first, last, *inside})))
 
 
 def _step_at(steps: list[Step], time: fmpq) -> Step:
@@ -174,7 +184,7 @@ def _reduce(a: Any, b: Any, step_a: Step, step_b: Step, start: fmpq, end: fmpq |
         return Piece(
             start, end, start, step_a.pose(start), step_b.pose(start),
             sub(v_a, v_b), None, None, (_0, _0),
-            carry_velocity=v_b if any(v_b) else None,
+            carry_velocity=v_b if any(v_b) else None, steps=(step_a, step_b),
         )  # fmt: skip
     if (straight_a and not rest_a) or (straight_b and not rest_b):
         return _curved(a, b, step_a, step_b, start, end)
@@ -188,13 +198,14 @@ def _reduce(a: Any, b: Any, step_a: Step, step_b: Step, start: fmpq, end: fmpq |
     carry_rate = rate_b if any(rate_b) else None
     if not any(rate):
         zero = (_0, _0, _0)
-        return Piece(start, end, start, *placed, zero, lead.axis, lead.point, rate, carry_rate=carry_rate)
+        return Piece(start, end, start, *placed, zero, lead.axis, lead.point, rate, None, carry_rate, (step_a, step_b))
     reference = start
     if not (placed[0].is_exact and placed[1].is_exact):
         begins = {step.origin for step, rests in ((step_a, rest_a), (step_b, rest_b)) if not rests}
         if len(begins) == 1 and step_a.before.is_exact and step_b.before.is_exact:
             reference, placed = begins.pop(), (step_a.before, step_b.before)
-    return Piece(start, end, reference, *placed, None, lead.axis, lead.point, rate, carry_rate=carry_rate)
+    steps = step_a, step_b
+    return Piece(start, end, reference, *placed, None, lead.axis, lead.point, rate, None, carry_rate, steps)
 
 
 def _is_straight_or_turn(step: Step) -> bool:
