@@ -46,6 +46,9 @@ class Touch:
 class Ruling:
     """One segment or line, exactly: the points (1 - r) first + r second, a line also base + r way."""
 
+    first: Vector
+    second: Vector
+
     def __init__(self, curves: tuple[RationalCurve, RationalCurve], name: str, contact: Contact, bounded: bool) -> None:
         ends = [[contact.value(x) for x in lifted(c.components, RING, name)] for c in curves]
         self.bounded = bounded

@@ -114,7 +114,7 @@ def _ranges_near(piece: RuledSurface, c: Sequence[fmpq], reach: fmpq) -> list[Ra
     m = [scale * a - b for a, b in zip((l12, -l02, l01), shift, strict=True)]
     beyond = dot(m, m) - dot(d, d) * (scale * reach).p ** 2
     ends = range_of(piece.u)
-    if beyond == 0:
+    if beyond == 0:  # type: ignore[comparison-overlap]  # a polynomial
         return None
     walls = [x for x in roots_in(beyond, ends) if ends is None or (x.compare(ends[0]) > 0 and x.compare(ends[1]) < 0)]
     inside = samples(walls, ends)
