@@ -15,13 +15,14 @@ from firstcontact.result import ContactIntervals, ContactPairs, FirstContact
 from firstcontact.work import MOST_BUDGET, Progress, Query
 
 if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
     from firstcontact.result_curve import IntersectionCurve
 
 
 @signals()
 def first_contact(
     a: Any,
-    b: Any,
+    b: Body,
     span: Any = None,
     *,
     exact: bool = False,
@@ -82,7 +83,7 @@ def first_contact(
 @signals()
 def contact_intervals(
     a: Any,
-    b: Any,
+    b: Body,
     span: Any = None,
     *,
     exact: bool = False,
@@ -115,7 +116,7 @@ def contact_intervals(
 
 
 @signals()
-def contact_pairs(a: Any, b: Any, span: Any = None) -> ContactPairs:
+def contact_pairs(a: Body, b: Body, span: Any = None) -> ContactPairs:
     """All element pairs (vertex/face, edge/edge, face/vertex) that meet during the span.
 
     Arguments as in `first_contact`; diagonals inside polygons count as their faces.  Where many pairs pass each other

@@ -10,6 +10,7 @@ import math
 import re
 import sys
 import threading
+from collections.abc import Iterable
 from decimal import Decimal
 from fractions import Fraction
 from numbers import Real
@@ -36,6 +37,8 @@ PRECISIONS = (128, 256, 512, 1024, 2048)
 
 # A number as users give it, and what stands in files instead of one.
 Given: TypeAlias = "float | Fraction | Decimal | fmpz | fmpq | str | np.floating | np.integer | None"
+# Numbers in rows, in arrays, or deeper.
+Nested: TypeAlias = "Iterable[Given | Nested]"
 
 
 class Undecidable(Exception):

@@ -11,12 +11,15 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from operator import mul
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from flint import fmpq, fmpq_mat, fmpz
+from flint import arb, fmpq, fmpq_mat, fmpz
 
 from firstcontact.exact.numbers import to_double
 from firstcontact.exact.vectors import cross
+
+if TYPE_CHECKING:
+    pass
 
 Vector = tuple[fmpq, ...]
 Rows = tuple[Vector, ...]
@@ -48,7 +51,7 @@ class Plane:
     def value(self, x: Sequence[Any]) -> Any:
         return dot(self.normal, x)
 
-    def gradient(self, x: Sequence[Any]) -> Vector:
+    def gradient(self, x: Sequence[fmpq | arb]) -> Vector:
         return self.normal[:3]
 
     def polar(self, x: Vector, y: Vector) -> fmpq:
@@ -198,7 +201,7 @@ def transposed(rows: Rows) -> Rows:
     return tuple(zip(*rows, strict=True))
 
 
-def columns(*vectors: Sequence[Any]) -> Rows:
+def columns(*vectors: Sequence[fmpq]) -> Rows:
     """The matrix with these columns."""
     return tuple(zip(*vectors, strict=True))
 
