@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time as clock
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from firstcontact.contact import table
@@ -16,6 +17,7 @@ from firstcontact.work import MOST_BUDGET, Progress, Query
 
 if TYPE_CHECKING:
     from firstcontact.body.kinds import Body
+    from firstcontact.exact.numbers import Given
     from firstcontact.result_curve import IntersectionCurve
 
 
@@ -23,7 +25,7 @@ if TYPE_CHECKING:
 def first_contact(
     a: Any,
     b: Body,
-    span: Any = None,
+    span: Sequence[Given] | None = None,
     *,
     exact: bool = False,
     method: str = "auto",
@@ -84,7 +86,7 @@ def first_contact(
 def contact_intervals(
     a: Any,
     b: Body,
-    span: Any = None,
+    span: Sequence[Given] | None = None,
     *,
     exact: bool = False,
     method: str = "auto",
@@ -116,7 +118,7 @@ def contact_intervals(
 
 
 @signals()
-def contact_pairs(a: Body, b: Body, span: Any = None) -> ContactPairs:
+def contact_pairs(a: Body, b: Body, span: Sequence[Given] | None = None) -> ContactPairs:
     """All element pairs (vertex/face, edge/edge, face/vertex) that meet during the span.
 
     Arguments as in `first_contact`; diagonals inside polygons count as their faces.  Where many pairs pass each other
@@ -136,7 +138,7 @@ def contact_pairs(a: Body, b: Body, span: Any = None) -> ContactPairs:
 
 @signals()
 def intersection_curve(
-    p: Any, q: Any, *, tolerance: float = 1e-6, method: str = "auto", box: Any = None
+    p: Body, q: Body, *, tolerance: float = 1e-6, method: str = "auto", box: Sequence[Sequence[Given]] | None = None
 ) -> IntersectionCurve:
     """IntersectionCurve: all points that two ruled surfaces at rest share, or one of them and a solid's boundary.
 

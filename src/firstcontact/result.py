@@ -17,6 +17,8 @@ from typing import TYPE_CHECKING, Any, Self, TypeAlias, overload
 import numpy as np
 
 if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
     from firstcontact.body.kinds import Body
 
 TOLD_CORRECTION = 1e-9
@@ -436,7 +438,7 @@ class ContactSet(str):
 
     points: np.ndarray
 
-    def __new__(cls, kind: str, points: Any) -> ContactSet:
+    def __new__(cls, kind: str, points: ArrayLike) -> ContactSet:
         self = super().__new__(cls, kind)
         self.points = np.asarray(points, float)
         return self
@@ -773,7 +775,7 @@ def _correction(body: Body) -> float:
     return off
 
 
-def _models_table(answer: Any) -> Table:
+def _models_table(answer: FirstContact | ContactIntervals) -> Table:
     """What an answer says of the models of its bodies, where they are of files."""
     if answer.model_deviation is None:
         return {}

@@ -92,7 +92,7 @@ class Rows:
             place()
 
     @staticmethod
-    def _fill_shared(record: Any, found: FirstContact | ContactIntervals) -> None:
+    def _fill_shared(record: np.void, found: FirstContact | ContactIntervals) -> None:
         record["status"], record["reason"] = STATUSES.index(found.status.name), REASONS.index(found.reason or "")
         record["work"] = found.stats.node_visits + found.stats.pair_tests
         if found.free_until is not None:
@@ -119,7 +119,7 @@ class Rows:
 
 
 def fill_place(
-    record: Any,
+    record: np.void,
     elements: tuple[Element | None, Element | None],
     multiplicity: int,
     point: np.ndarray | None,
@@ -135,7 +135,7 @@ def fill_place(
             record[name] = vector
 
 
-def _fill_found(record: Any, found: FirstContact) -> None:
+def _fill_found(record: np.void, found: FirstContact) -> None:
     fill_place(record, (found.element_a, found.element_b), found.multiplicity, found.point, found.normal)
 
 

@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
-
-if TYPE_CHECKING:
-    pass
+from typing import Any, Generic, Protocol, TypeVar
 
 T = TypeVar("T")
 

@@ -14,6 +14,9 @@ if TYPE_CHECKING:
     from firstcontact.motion.moving import Moving
 
 Ruled: TypeAlias = "RuledSurface | RuledStrip"
+RuledBody: TypeAlias = "RuledSurface | RuledStrip | Moving"
+Model: TypeAlias = "CompositeQuadric | Moving"
+"""A solid of planes and quadrics, at rest or moving."""
 Shape: TypeAlias = "Polyhedron | CompositeQuadric | RuledSurface | RuledStrip | Torus | Compound"
 """A body at rest."""
 Body: TypeAlias = "Shape | Moving"

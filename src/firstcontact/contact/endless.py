@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from flint import arb, fmpq
@@ -90,7 +90,7 @@ def _settling(query: Query) -> tuple[Piece, fmpq]:
     return piece, first + 2 * wait + 1
 
 
-def _box(body: Any, first: fmpq) -> Box | None:
+def _box(body: Body, first: fmpq) -> Box | None:
     """Exact corners of a box that holds the body at the start; None without bounds."""
     corners = body.bounds((below(first), above(first))) if isinstance(body, Moving) else body.bounds()
     if not np.all(np.isfinite(corners)):

@@ -5,15 +5,10 @@ All turns are decided exactly: floats behind an error bound first, rationals beh
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from flint import fmpq
 
 from firstcontact.errors import InputError
-
-if TYPE_CHECKING:
-    pass
 
 # A polygon counts as planar when no corner is farther from its plane than this fraction of its size.
 PLANARITY = 1e-9

@@ -11,15 +11,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from operator import mul
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from flint import arb, fmpq, fmpq_mat, fmpz
 
 from firstcontact.exact.numbers import to_double
 from firstcontact.exact.vectors import cross
-
-if TYPE_CHECKING:
-    pass
 
 Vector = tuple[fmpq, ...]
 Rows = tuple[Vector, ...]

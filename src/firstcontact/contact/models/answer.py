@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import arb, ctx
@@ -33,13 +33,17 @@ from firstcontact.result import (
 )
 from firstcontact.search.trees.touch import carried_normal
 
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Model
+    from firstcontact.work import Shared
+
 _ORDER = {"vertex": 0, "apex": 0, "edge": 1, "face": 2}
 BITS = 128
 ALONG = 1e-6
 """Sine of the angle below which edges touch along each other: where they do, places are known to half the digits."""
 
 
-def contact_of(search: Search, meetings: Sequence[Meeting], exact: bool, shared: dict[str, Any]) -> FirstContact:
+def contact_of(search: Search, meetings: Sequence[Meeting], exact: bool, shared: Shared) -> FirstContact:
     """The CONTACT result, the lowest (kind, index) of the simultaneous pairs first."""
     pair, root = search.pair, meetings[0].candidate.root
     named = ranked(pair, meetings)
@@ -116,7 +120,7 @@ def world_time(pair: Pair, root: Root) -> tuple[float, tuple[float, float]]:
     """(nearest double, enclosure) of a root's time."""
     value = root.rational
 
-    def number() -> Any:
+    def number() -> arb:
         u = root.enclosure(ctx.prec) if value is None else arb(value)
         return pair.piece.time_of(u)
 
@@ -268,7 +272,7 @@ def _unit(v: np.ndarray) -> np.ndarray | None:
 # -- the list of subproblems ----------------------------------------------------------------------------------
 
 
-def listed(searches: Sequence[Search], b: Any) -> tuple[Subproblem, ...]:
+def listed(searches: Sequence[Search], b: Model) -> tuple[Subproblem, ...]:
     """Every pair of features with its candidate times over all pieces, judged."""
     rows: dict[tuple[Element, Element, str], list[CandidateTime]] = {}
     reasons: dict[tuple[Element, Element, str], str] = {}
@@ -283,7 +287,7 @@ def listed(searches: Sequence[Search], b: Any) -> tuple[Subproblem, ...]:
     return tuple(Subproblem(*key, tuple(found), reasons[key]) for key, found in rows.items())
 
 
-def _judged(search: Search, candidate: Candidate, b: Any) -> CandidateTime:
+def _judged(search: Search, candidate: Candidate, b: Model) -> CandidateTime:
     meetings, reason = search.verdict(candidate)
     time, _ = world_time(search.pair, candidate.root)
     point = None

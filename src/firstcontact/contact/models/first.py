@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import fmpq
@@ -33,6 +33,10 @@ from firstcontact.result import ContactIntervals, FirstContact, Status
 from firstcontact.search.convex.advance import Advance, advance
 from firstcontact.timeline.answers import interval_of, proved_intervals
 from firstcontact.work import Query, Spent, Work
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body, Model
+    from firstcontact.body.solid.composite_quadric import CompositeQuadric
 
 QUICK_STEPS = 1000
 """Subproblems and candidates that algebra looks at before doubles are asked for intervals: a few tenths of a second.
@@ -92,7 +96,7 @@ def _undecided(query: Query, proved: Advance, reason: str) -> FirstContact:
     )
 
 
-def _proved_only(query: Query, models: tuple[Any, Any], proved: Advance) -> FirstContact:
+def _proved_only(query: Query, models: tuple[Model, Model], proved: Advance) -> FirstContact:
     """What the certified path proved, but for contacts, where exact arithmetic does not take the pair or denies it."""
     start = query.span[0]
     if proved.status == "initial" or proved.free_until <= start:
@@ -110,7 +114,7 @@ def _proved_only(query: Query, models: tuple[Any, Any], proved: Advance) -> Firs
     return _undecided(query, proved, proved.reason or "precision")
 
 
-def _from_apart(query: Query, models: tuple[Any, Any], before: Advance) -> FirstContact:
+def _from_apart(query: Query, models: tuple[Model, Model], before: Advance) -> FirstContact:
     """What doubles tell of bodies that exact arithmetic knows to be apart at the start, as close fits are hidden.
 
     before: what they told when they did not know that.
@@ -122,7 +126,7 @@ def _from_apart(query: Query, models: tuple[Any, Any], before: Advance) -> First
     return _undecided(query, proved, proved.reason or "precision") if seen is None else seen
 
 
-def _landed(query: Query, a: Any, b: Any, proved: Advance) -> FirstContact | None:
+def _landed(query: Query, a: Model, b: Model, proved: Advance) -> FirstContact | None:
     """CONTACT where the bodies are proved free up to the last instant, or up to one of a graze, and touch then."""
     start, end = query.span
     free_until, instant = proved.free_until, query.end
@@ -177,7 +181,7 @@ def _rounded(body: Any, t: float) -> Any:
     return body.at(t) if isinstance(body, Moving) else body
 
 
-def _smaller_and_larger(body: Any) -> list[Any]:
+def _smaller_and_larger(body: CompositeQuadric) -> list[Any]:
     """By more than rounding of poses moves it."""
     lo, hi = body.bounds()
     middle = np.where(np.isfinite(lo + hi), 0.5 * (lo + hi), 0.0)
@@ -199,7 +203,7 @@ def _models(query: Query) -> tuple[Any, Any]:
     return models
 
 
-def _as_model(body: Any) -> Any:
+def _as_model(body: Body) -> Any:
     shape: Any = shape_of(body)
     if not isinstance(shape, Polyhedron):
         return body
@@ -275,7 +279,7 @@ def intervals(query: Query) -> ContactIntervals:
     ], query)  # fmt: skip
 
 
-def _at_little_cost(query: Query, models: tuple[Any, Any]) -> Advance:
+def _at_little_cost(query: Query, models: tuple[Model, Model]) -> Advance:
     """How far the advancement of convex pieces, of those that cover the models where they are no unions of such, proves
     that there is no contact."""
     near = both_bounded(models, query.span)

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import wraps
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from flint import fmpq
@@ -26,6 +26,9 @@ from firstcontact.motion.screw import Screw
 from firstcontact.motion.translation import Translation
 from firstcontact.result import ContactIntervals, FirstContact
 from firstcontact.work import Query
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Shape
 
 ORIGIN = (fmpq(0),) * 3
 R = TypeVar("R", FirstContact, ContactIntervals)
@@ -106,7 +109,7 @@ def _goes_along(body: Any, turn: Rotation) -> bool:
     return way is not None and not any(cross(way, turn.axis))
 
 
-def _is_round(shape: Any, turn: Rotation) -> bool:
+def _is_round(shape: Shape, turn: Rotation) -> bool:
     """Whether it is a body of revolution about the turn's axis."""
     round_about: bool = shape.is_round(turn.axis, turn.point)
     return round_about

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import reduce
 from itertools import combinations
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from flint import fmpq, fmpz_mpoly, fmpz_poly
 
@@ -32,6 +32,9 @@ from firstcontact.exact.polynomials.trivariate import (
     terms,
     univariate,
 )
+
+if TYPE_CHECKING:
+    from firstcontact.exact.fields.roots import AlgebraicRoot
 
 DEPTH = 24
 """Halvings after which borders count as touching each other."""
@@ -70,7 +73,7 @@ def _inner_places(surface: RuledSurface) -> list[Place]:
     return found
 
 
-def _critical(borders: Sequence[fmpz_mpoly], ends: tuple[fmpq, fmpq]) -> list[Any]:
+def _critical(borders: Sequence[fmpz_mpoly], ends: tuple[fmpq, fmpq]) -> list[AlgebraicRoot]:
     """The u between which nothing changes."""
     walls = FactorSet()
     for g in borders:
@@ -82,7 +85,7 @@ def _critical(borders: Sequence[fmpz_mpoly], ends: tuple[fmpq, fmpq]) -> list[An
     return _roots([univariate(w, 0) for w in walls], ends)
 
 
-def _roots(polynomials: Sequence[fmpz_poly], ends: tuple[fmpq, fmpq]) -> list[Any]:
+def _roots(polynomials: Sequence[fmpz_poly], ends: tuple[fmpq, fmpq]) -> list[AlgebraicRoot]:
     together = reduce(lambda x, y: x * y, (p for p in polynomials if p.degree() > 0), fmpz_poly([1]))
     return roots_in(together, ends)
 

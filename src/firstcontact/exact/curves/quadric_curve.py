@@ -19,7 +19,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cache, cmp_to_key
 from itertools import combinations, product
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from flint import arb, arb_poly, fmpq, fmpq_mat, fmpq_poly, fmpz, fmpz_mat, fmpz_poly
 
@@ -30,9 +30,6 @@ from firstcontact.exact.pencils.pencils import characteristic, discriminant
 from firstcontact.exact.polynomials.inertia import dot
 from firstcontact.exact.polynomials.polynomial_matrix import congruent, constant
 from firstcontact.exact.vectors import cross
-
-if TYPE_CHECKING:
-    pass
 
 Rows = Sequence[Sequence[Any]]
 Ball3 = tuple[arb, arb, arb]

@@ -6,15 +6,12 @@ The last row is (0, 0, 0, w); a point (x, y, z) goes to the first three entries 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from flint import fmpq, fmpq_poly, fmpz, fmpz_poly
 
 from firstcontact.exact import rigid
 from firstcontact.exact.rigid import Matrix as Fixed
-
-if TYPE_CHECKING:
-    pass
 
 Matrix = tuple[tuple[fmpz_poly, ...], ...]
 _NIL, _ONE = fmpz_poly([0]), fmpz_poly([1])

@@ -12,7 +12,7 @@ weights as polynomials of the time, that is one power series with a remainder ov
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -130,7 +130,7 @@ def _centre_of(rows: list[list[fmpq]]) -> list[fmpq]:
     return [x[0] for x in block.solve(fmpq_mat([[-row[3]] for row in rows[:3]])).tolist()]
 
 
-def _reader(x: Any) -> Any:
+def _reader(x: float | arb_series) -> Callable[[fmpq], Any]:
     if isinstance(x, float):
         return to_double
     return arb
@@ -474,7 +474,7 @@ class Separation:
             return all(f.at(y)[0] <= 0 for f in self.own) and all(f.at(place)[0] <= 0 for f in self.other)
 
 
-def _series(near: Any, far: Any) -> list[arb]:
+def _series(near: arb_series, far: arb_series) -> list[arb]:
     """The coefficients at the middle, and the last one over the whole stretch."""
     return [near[0], near[1], near[2], far[3]]
 
