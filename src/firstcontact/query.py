@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from firstcontact.contact import table
 from firstcontact.errors import InputError, UnsupportedPair, shown
@@ -16,15 +16,15 @@ from firstcontact.result import ContactIntervals, ContactPairs, FirstContact
 from firstcontact.work import MOST_BUDGET, Progress, Query
 
 if TYPE_CHECKING:
-    from firstcontact.body.kinds import Body
+    from firstcontact.body.kinds import AnyBody
     from firstcontact.exact.numbers import Given
     from firstcontact.result_curve import IntersectionCurve
 
 
 @signals()
 def first_contact(
-    a: Any,
-    b: Body,
+    a: AnyBody,
+    b: AnyBody,
     span: Sequence[Given] | None = None,
     *,
     exact: bool = False,
@@ -84,8 +84,8 @@ def first_contact(
 
 @signals()
 def contact_intervals(
-    a: Any,
-    b: Body,
+    a: AnyBody,
+    b: AnyBody,
     span: Sequence[Given] | None = None,
     *,
     exact: bool = False,
@@ -118,7 +118,7 @@ def contact_intervals(
 
 
 @signals()
-def contact_pairs(a: Body, b: Body, span: Sequence[Given] | None = None) -> ContactPairs:
+def contact_pairs(a: AnyBody, b: AnyBody, span: Sequence[Given] | None = None) -> ContactPairs:
     """All element pairs (vertex/face, edge/edge, face/vertex) that meet during the span.
 
     Arguments as in `first_contact`; diagonals inside polygons count as their faces.  Where many pairs pass each other
@@ -138,7 +138,12 @@ def contact_pairs(a: Body, b: Body, span: Sequence[Given] | None = None) -> Cont
 
 @signals()
 def intersection_curve(
-    p: Body, q: Body, *, tolerance: float = 1e-6, method: str = "auto", box: Sequence[Sequence[Given]] | None = None
+    p: AnyBody,
+    q: AnyBody,
+    *,
+    tolerance: float = 1e-6,
+    method: str = "auto",
+    box: Sequence[Sequence[Given]] | None = None,
 ) -> IntersectionCurve:
     """IntersectionCurve: all points that two ruled surfaces at rest share, or one of them and a solid's boundary.
 

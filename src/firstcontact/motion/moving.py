@@ -11,7 +11,7 @@ from firstcontact.errors import InputError, shown
 from firstcontact.result import Written
 
 if TYPE_CHECKING:
-    from firstcontact.body.kinds import Body
+    from firstcontact.body.kinds import AnyBody
     from firstcontact.motion.kinds import AnyMotion
     from firstcontact.result import Table
 
@@ -93,7 +93,7 @@ class Moving(Written):
         return Moving, (self.body, self.motion)
 
 
-def shape_of(body: Body) -> Any:
+def shape_of(body: AnyBody) -> Any:
     """The body itself, of one that moves or rests."""
     return body.body if isinstance(body, Moving) else body
 

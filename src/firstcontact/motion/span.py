@@ -20,7 +20,7 @@ from firstcontact.motion.trajectory import Trajectory
 from firstcontact.motion.translation import LARGEST, Translation
 
 if TYPE_CHECKING:
-    from firstcontact.body.kinds import Body
+    from firstcontact.body.kinds import AnyBody
     from firstcontact.exact.numbers import Given
     from firstcontact.motion.kinds import AnyMotion
 
@@ -44,7 +44,7 @@ def limits(motion: AnyMotion) -> tuple[fmpq, fmpq] | None:
     return UNIT if isinstance(motion, RationalMotion) else None
 
 
-def common_span(a: Body, b: Body, span: Iterable[Given] | None) -> tuple[fmpq, fmpq | None]:
+def common_span(a: AnyBody, b: AnyBody, span: Iterable[Given] | None) -> tuple[fmpq, fmpq | None]:
     """The exact span (None: without end) of a query; by default the intersection of the motions' spans, which warns
     where these are not the same.
 
@@ -103,7 +103,7 @@ def _is_far(motion: AnyMotion, time: fmpq) -> bool:
 
 
 def refuse_many_turns(
-    a: Body, b: Body, first: fmpq, last: fmpq | None, kinds: tuple[type, ...] = (Rotation, Screw)
+    a: AnyBody, b: AnyBody, first: fmpq, last: fmpq | None, kinds: tuple[type, ...] = (Rotation, Screw)
 ) -> None:
     """InputError for a body that turns more than MOST_TURNS times in the span by a motion of these kinds."""
     for body in (a, b):
@@ -113,7 +113,7 @@ def refuse_many_turns(
             if isinstance(step, Rotation | Screw | Linkage) and isinstance(step, (*kinds, Linkage)):
                 turns = exact_value(step.turns) if isinstance(step, Linkage) else turns_of(step) * share
                 if turns > MOST_TURNS:
-                    who = body.name or "a body"
+                    who = body.name or "a body"  # type: ignore[union-attr]
                     raise InputError(
                         f"{who}: {step!r} makes {to_double(turns):.3g} full turns during the span, each of which is "
                         f"searched; ask about {MOST_TURNS} at a time by a shorter span="

@@ -7,7 +7,7 @@ segment from one to the other passes the triangle inside that piece; a piece apa
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from flint import fmpq, fmpq_poly, fmpz_poly
@@ -152,7 +152,7 @@ def _between_roots(roots: list[AlgebraicRoot]) -> list[fmpq]:
         bits *= 2
 
 
-def _following(solid: CompositeQuadric, body: Body) -> Any:
+def _following(solid: CompositeQuadric, body: Body) -> Body:
     return Moving(solid, body.motion) if isinstance(body, Moving) else solid
 
 

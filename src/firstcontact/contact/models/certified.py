@@ -60,13 +60,13 @@ def settle(models: tuple[Model, Model], query: Query, apart: bool = False) -> tu
     return *contact(models, found, query), found
 
 
-def both_bounded(models: tuple[Model, Model], span: tuple[float, float]) -> tuple[Any, Any]:
+def both_bounded(models: tuple[Model, Model], span: tuple[float, float]) -> tuple[Model, Model]:
     """Both models, a resting unbounded one cut to what the other may touch."""
     a, b = models
     return bounded(a, b, span), bounded(b, a, span)
 
 
-def near_models(models: tuple[Model, Model], span: tuple[float, float]) -> tuple[Any, Any]:
+def near_models(models: tuple[Model, Model], span: tuple[float, float]) -> tuple[Model, Model]:
     """Both models, a bounded resting one of many surfaces cut to what the other may touch."""
     a, b = models
     near = [bounded(x, y, span) if shape_of(x).bounded else x for x, y in ((a, b), (b, a))]
@@ -106,7 +106,7 @@ def bounded(body: Any, other: Any, span: tuple[float, float]) -> Any:
     return cut[size]
 
 
-def _turned_back(motion: AnyMotion) -> Any:
+def _turned_back(motion: AnyMotion) -> AnyMotion | None:
     """The motion of the world as the body sees it; None where no motion is that."""
     if isinstance(motion, Translation):
         return Translation([-x for x in motion.vector])

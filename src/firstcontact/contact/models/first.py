@@ -37,6 +37,7 @@ from firstcontact.work import Query, Spent, Work
 if TYPE_CHECKING:
     from firstcontact.body.kinds import Body, Model
     from firstcontact.body.solid.composite_quadric import CompositeQuadric
+    from firstcontact.result import ExactTime
 
 QUICK_STEPS = 1000
 """Subproblems and candidates that algebra looks at before doubles are asked for intervals: a few tenths of a second.
@@ -165,7 +166,7 @@ def _at_start(query: Query) -> FirstContact:
     rational = _starts_rational(query)
     x, y = (pose.place(shape_of(body)) if rational else _rounded(body, start) for pose, body in there)
 
-    def decided(x: Any) -> FirstContact:
+    def decided(x: CompositeQuadric) -> FirstContact:
         return _decided(replace(query, a=x, b=y, last=query.first, exact=False, method="auto"), Work())
 
     found = decided(x)
@@ -181,7 +182,7 @@ def _rounded(body: Any, t: float) -> Any:
     return body.at(t) if isinstance(body, Moving) else body
 
 
-def _smaller_and_larger(body: CompositeQuadric) -> list[Any]:
+def _smaller_and_larger(body: CompositeQuadric) -> list[CompositeQuadric]:
     """By more than rounding of poses moves it."""
     lo, hi = body.bounds()
     middle = np.where(np.isfinite(lo + hi), 0.5 * (lo + hi), 0.0)
@@ -193,7 +194,7 @@ def _smaller_and_larger(body: CompositeQuadric) -> list[Any]:
     return [body.transformed(pose) for pose in poses]
 
 
-def _models(query: Query) -> tuple[Any, Any]:
+def _models(query: Query) -> tuple[Model, Model]:
     """Both as models, at rest or moving as they were.  UnsupportedPair for two that are unbounded."""
     models = _as_model(query.a), _as_model(query.b)
     a: Any = shape_of(models[0])
@@ -268,7 +269,7 @@ def intervals(query: Query) -> ContactIntervals:
         )
         return decided(proved_intervals(found, done, query), query)
 
-    def exactly(query: Query, _: Any) -> ContactIntervals:
+    def exactly(query: Query, _: None) -> ContactIntervals:
         return _decided_intervals(query, work(query), free_until)
 
     return answered([
@@ -398,7 +399,7 @@ class _End:
         """For an end of one piece and a start of the next: they can only meet where the pieces do."""
         return self.is_at(other.search.pair.piece.start) and other.is_at(other.search.pair.piece.start)
 
-    def value(self, exact: bool) -> tuple[float, tuple[float, float], Any]:
+    def value(self, exact: bool) -> tuple[float, tuple[float, float], ExactTime | None]:
         if self.root is None:
             assert self.time is not None
             t = to_double(self.time)

@@ -31,6 +31,7 @@ from firstcontact.work import Work
 
 if TYPE_CHECKING:
     from firstcontact.body.kinds import Model
+    from firstcontact.search.events.events import EventSearch
 
 STRIDES, BOXES = 10_000, events.MOST_BOXES
 SEEDS = 4
@@ -131,7 +132,7 @@ class _Free:
             search.motions = lambda: self.motions
         return search
 
-    def _places(self, search: Any, window: Window) -> list[np.ndarray]:
+    def _places(self, search: EventSearch, window: Window) -> list[np.ndarray]:
         """The middles of boxes that survive, in the world."""
         count, start = int(search.result[2]), int(search.result[3])
         tables: Any = self.tables

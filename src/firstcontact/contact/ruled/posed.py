@@ -44,7 +44,7 @@ from firstcontact.timeline.sweep import Certified, Found
 from firstcontact.work import Query, Spent, Work
 
 if TYPE_CHECKING:
-    from firstcontact.body.kinds import Body
+    from firstcontact.body.kinds import Body, RuledBody
 
 MOST_TOLERANCE = 1e-3
 """Of a window's time."""
@@ -291,5 +291,5 @@ class _Pair:
         return min(self.query.tolerance * float(self.last - self.first) / width, MOST_TOLERANCE)
 
 
-def _moving(surface: RuledSurface, body: Body) -> Any:
+def _moving(surface: RuledSurface, body: Body) -> RuledBody:
     return Moving(surface, body.motion) if isinstance(body, Moving) else surface
