@@ -16,8 +16,15 @@ import click
 from firstcontact.errors import FirstContactError, InputError
 
 if TYPE_CHECKING:
+    from contextlib import AbstractContextManager
+    from fractions import Fraction
+
+    from firstcontact.body.kinds import Body
     from firstcontact.cli.progress import Progress
-    from firstcontact.scene.load import Scene
+    from firstcontact.cli.rows import Put
+    from firstcontact.result import Json
+    from firstcontact.scene.load import Check, Curve, Scene
+    from firstcontact.view.pair import Result
 
 FREE, CONTACT, UNDECIDED = 0, 1, 2
 
@@ -68,6 +75,7 @@ _TIMES = (
 )
 
 
+
 def scene_command(function: Callable[..., int]) -> click.Command:
     """Turn `function(files, options, **others)` into a command over a scene file, or meshes, that asks for times."""
     return _command(function, _TIMES + _OUTPUTS)
@@ -78,7 +86,9 @@ def resting_scene_command(function: Callable[..., int]) -> click.Command:
     return _command(function, _SCENE + _OUTPUTS)
 
 
-def _command(function: Callable[..., int], decorators: tuple[Any, ...]) -> click.Command:
+def _command(
+    function: Callable[..., int], decorators: Sequence[Callable[[Callable[..., int]], Callable[..., int]]]
+) -> click.Command:
     @functools.wraps(function)
     def command(**given: Any) -> int:
         what = given.pop("files", None) or given.pop("scene")
@@ -90,7 +100,7 @@ def _command(function: Callable[..., int], decorators: tuple[Any, ...]) -> click
     return click.command(name=function.__name__)(command)
 
 
-def answer_checks(files: tuple[str, ...], options: Options, verb_name: str) -> list[Any]:
+def answer_checks(files: tuple[str, ...], options: Options, verb_name: str) -> list[Result]:
     """The verb's results for all checks of the scene, in order, printed and written as the options ask."""
     from firstcontact.cli.given import given_scene
 
@@ -116,7 +126,7 @@ def answer_checks(files: tuple[str, ...], options: Options, verb_name: str) -> l
             arguments["span"] = span
         asked.append(Asked.of(verb_name, scene.bodies, check.a, check.b, arguments, scene.allow))
 
-    def given(progress: Progress) -> Iterator[Any]:
+    def given(progress: Progress) -> Iterator[Result]:
         def begin(k: int) -> None:
             question = asked[k].question
             shown = _span_shown(question.arguments["span"], question.a, question.b)
@@ -131,7 +141,7 @@ def answer_checks(files: tuple[str, ...], options: Options, verb_name: str) -> l
     return results
 
 
-def _row_files(options: Options, unit: str) -> Iterator[Any]:
+def _row_files(options: Options, unit: str) -> Iterator[AbstractContextManager[Put]]:
     from firstcontact.cli import rows
 
     if options.csv is not None:
@@ -140,7 +150,7 @@ def _row_files(options: Options, unit: str) -> Iterator[Any]:
         yield rows.written(options.jsonl, rows.json_lines)
 
 
-def _span_shown(span: Any, a: Any, b: Any) -> tuple[float, float]:
+def _span_shown(span: Sequence[float] | None, a: Body, b: Body) -> tuple[float, float]:
     """The times that are asked about, in doubles, where they are known before a verb has looked."""
     if span is not None:
         return float(span[0]), float(span[1])
@@ -151,12 +161,12 @@ def _span_shown(span: Any, a: Any, b: Any) -> tuple[float, float]:
 def answer_all(
     path: Path,
     what: str,
-    questions: Sequence[Any],
-    answers: Callable[[Progress], Iterator[Any]],
+    questions: Sequence[Check | Curve],
+    answers: Callable[[Progress], Iterator[Result]],
     options: Options,
     scene: Scene | None = None,
-    rows: Sequence[Callable[[Any], None]] = (),
-) -> list[Any]:
+    rows: Sequence[Callable[[Result], None]] = (),
+) -> list[Result]:
     """The answers, in order; each is printed as soon as it is there, or the most of them that matters in the end.
 
     scene: whose answers are printed with how far its bodies have moved, and of many the contacts alone.  rows: take
@@ -191,7 +201,7 @@ def answer_all(
 
 
 def deliver(
-    results: list[Any], options: Options, scene: Scene | None = None, *, interrupted: bool = False
+    results: list[Result], options: Options, scene: Scene | None = None, *, interrupted: bool = False
 ) -> None:
     """JSON to stdout, and the files that were asked for; interrupted: what is decided, and that there was more."""
     if options.json is not None:
@@ -216,7 +226,7 @@ def exit_code(statuses: Iterable[str]) -> int:
     return UNDECIDED if "UNDECIDED" in statuses else FREE
 
 
-def exit_code_of(results: Iterable[Any]) -> int:
+def exit_code_of(results: Iterable[Result]) -> int:
     """The same of answers; those that are allowed do not count."""
     from firstcontact.assembly.together import verdict
 
@@ -245,13 +255,13 @@ def _may_be_written(path: Path) -> bool:
         return False
 
 
-def refuse_single(path: Path, pairs: Sequence[Any]) -> None:
+def refuse_single(path: Path, pairs: Sequence[Check | Curve]) -> None:
     """Refuse a scene without a pair of bodies."""
     if not pairs:
         raise InputError(f"{path}: a single body has nothing to touch; add a second [body.NAME]")
 
 
-def _parse_span(span: tuple[str, str] | None) -> tuple[Any, Any] | None:
+def _parse_span(span: tuple[str, str] | None) -> tuple[float | int | Fraction, float | int | Fraction] | None:
     from firstcontact.scene.load import parse_time
 
     if span is None:
@@ -262,14 +272,14 @@ def _parse_span(span: tuple[str, str] | None) -> tuple[Any, Any] | None:
         raise InputError(f"--span: {error}") from error
 
 
-def write(path: str, write: Callable[[Path], Any]) -> None:
+def write(path: str, write: Callable[[Path], object]) -> None:
     try:
         write(Path(path))
     except OSError as error:
         raise InputError(f"{path}: {(error.strerror or str(error)).lower()}; choose another file") from error
 
 
-def _document(results: list[Any], scene: Scene | None, interrupted: bool) -> dict[str, Any]:
+def _document(results: Sequence[Result], scene: Scene | None, interrupted: bool) -> dict[str, Json]:
     from firstcontact import __version__
     from firstcontact.result import SCHEMA, finite
 

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import json
-from typing import Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import click
 
 from firstcontact.cli import common
 from firstcontact.errors import InputError
+
+if TYPE_CHECKING:
+    from firstcontact.mechanism.course import Course
+    from firstcontact.result import FirstContact, Json
 
 
 @click.command()
@@ -55,7 +60,7 @@ def _pair(text: str) -> tuple[str, str]:
     return name, value
 
 
-def _segment(course: Any, hit: Any) -> dict[str, Any]:
+def _segment(course: Course, hit: FirstContact) -> dict[str, Json]:
     """Between which waypoints, counted from 0, the contact is."""
     if hit.time is None:
         return {}
@@ -63,7 +68,7 @@ def _segment(course: Any, hit: Any) -> dict[str, Any]:
     return {"waypoints": [k, k + 1]}
 
 
-def _told(course: Any, results: list[Any]) -> str:
+def _told(course: Course, results: Sequence[FirstContact]) -> str:
     """What meets, first things first, and how many pairs do not."""
     lines = []
     for hit in results:
