@@ -103,7 +103,7 @@ def _during(query: Query, run: Run, stats: Stats) -> Query:
     return replace(query, a=a, b=b, first=run[0], last=run[1], budget=left, tolerance=tolerance)
 
 
-def _cut(body: Body, run: Run) -> Any:
+def _cut(body: Body, run: Run) -> Body:
     if not isinstance(body, Moving) or not isinstance(body.motion, Linkage):
         return body
     return Moving(body.body, body.motion.during(*run))

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, TypedDict
+from typing import TYPE_CHECKING, Protocol, TypedDict
 
 if TYPE_CHECKING:
     import numpy as np
 
+    from firstcontact.exact.fields.roots import AlgebraicRoot
     from firstcontact.result import Stats
     from firstcontact.result_curve import Branch, CurveGraph, ExactParameter, OpenPlace, SingularPoint
 
@@ -28,3 +29,12 @@ class CurveFields(TypedDict, total=False):
     open_places: tuple[OpenPlace, ...]
     box: np.ndarray | None
     stats: Stats
+
+
+class Where(Protocol):
+    """Parameters of a point: those of a node of a graph, or of a ruling."""
+
+    @property
+    def u(self) -> AlgebraicRoot | None: ...
+    @property
+    def v(self) -> AlgebraicRoot | None: ...

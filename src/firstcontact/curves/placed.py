@@ -126,7 +126,8 @@ def restored(fields: CurveFields, placing: Placing, box: Box | None) -> CurveFie
         return replace(x, point=None if x.point is None else back(x.point), **changes)
 
     graph = fields["graph"]
-    found = fields | {
+    given: Any = fields
+    found: Any = given | {
         "branches": tuple(
             replace(x, points=back(x.points), ends=tuple(moved(end, on=tuple(names.get(n, n) for n in end.on))
                                                        for end in x.ends))
@@ -135,9 +136,9 @@ def restored(fields: CurveFields, placing: Placing, box: Box | None) -> CurveFie
         "graph": replace(graph, nodes=tuple(moved(x) for x in graph.nodes)),
     }  # fmt: skip
     for name in ("overlap_lines", "isolated_points"):
-        found[name] = back(fields[name])  # type: ignore[literal-required]
+        found[name] = back(given[name])
     for name in ("singular_points", "open_places"):
-        found[name] = tuple(moved(x) for x in fields.get(name, ()))  # type: ignore[literal-required, attr-defined]
-    if fields.get("box") is not None:
-        found["box"] = back(fields["box"])  # type: ignore[arg-type]
+        found[name] = tuple(moved(x) for x in given.get(name, ()))
+    if given.get("box") is not None:
+        found["box"] = back(given["box"])
     return found

@@ -80,9 +80,9 @@ def rational(x: Given, what: str) -> fmpq:
     if isinstance(x, Decimal):
         x = str(x)
     if hasattr(x, "as_integer_ratio"):  # NumPy's other floats
-        if not math.isfinite(x):  # type: ignore[arg-type]
+        if not math.isfinite(x):  # type: ignore[arg-type]  # no text has a ratio
             raise InputError(f"{what} is {x}; give a finite number")
-        return fmpq(*map(int, x.as_integer_ratio()))  # type: ignore[union-attr]
+        return fmpq(*map(int, x.as_integer_ratio()))  # type: ignore[union-attr]  # nor has None
     if isinstance(x, str):
         if _ENDLESS.search(x):
             raise InputError(f"{what} is {x!r}; give an exponent below 10000")

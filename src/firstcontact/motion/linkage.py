@@ -21,6 +21,7 @@ from firstcontact.motion.value import Motion, numbers
 from firstcontact.result import JointValue
 
 if TYPE_CHECKING:
+    from firstcontact.exact.numbers import Given
     from firstcontact.result import Table
 
 # Bits of joint values in answers.
@@ -234,7 +235,9 @@ def _times(motion: Simple, share: fmpq) -> Simple:
     return Screw(motion.axis, motion.point, **angle, advance=motion.advance * share)
 
 
-def _rebuilt(times: Any, rows: Any) -> Linkage:
+def _rebuilt(
+    times: Iterable[Given], rows: Iterable[tuple[str, str, Simple, Iterable[Iterable[Given]]]]
+) -> Linkage:
     read = [Drive(name, unit, motion, [tuple(rational(x, "value") for x in v) for v in values])
             for name, unit, motion, values in rows]  # fmt: skip
     return Linkage([rational(t, "time") for t in times], read)

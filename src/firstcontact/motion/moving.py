@@ -12,6 +12,7 @@ from firstcontact.result import Written
 
 if TYPE_CHECKING:
     from firstcontact.body.kinds import AnyBody
+    from firstcontact.body.placing import Placing
     from firstcontact.motion.kinds import AnyMotion
     from firstcontact.result import Table
 
@@ -20,8 +21,9 @@ class Moving(Written):
     """A body and its motion; `.at(t)` is the body at rest in its pose at time t."""
 
     __slots__ = ("body", "motion")
+    body: Any
 
-    def __init__(self, body: Any, motion: AnyMotion) -> None:
+    def __init__(self, body: AnyBody | Placing, motion: AnyMotion) -> None:
         if hasattr(body, "as_body"):  # a part or an assembly of a STEP file
             body = body.as_body()
         if not hasattr(body, "moving") and hasattr(body, "wrapped"):  # a shape of build123d or CadQuery

@@ -79,7 +79,7 @@ def read_poses(
         raise InputError("quat_xyzw= and quat_wxyz= are both given; give one of them")
     key, values = ("quat_xyzw", quat_xyzw) if quat_xyzw is not None else ("quat_wxyz", quat_wxyz)
     try:
-        quaternions = list(values)  # type: ignore[arg-type]
+        quaternions = list(values)  # type: ignore[arg-type]  # one of them is given
     except TypeError as error:
         raise InputError(f"{key} is {values!r}; give one quaternion for each of the {len(poses)} poses") from error
     if len(quaternions) != len(poses):

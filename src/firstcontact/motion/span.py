@@ -113,7 +113,7 @@ def refuse_many_turns(
             if isinstance(step, Rotation | Screw | Linkage) and isinstance(step, (*kinds, Linkage)):
                 turns = exact_value(step.turns) if isinstance(step, Linkage) else turns_of(step) * share
                 if turns > MOST_TURNS:
-                    who = body.name or "a body"  # type: ignore[union-attr]
+                    who = body.name or "a body"  # type: ignore[union-attr]  # it moves
                     raise InputError(
                         f"{who}: {step!r} makes {to_double(turns):.3g} full turns during the span, each of which is "
                         f"searched; ask about {MOST_TURNS} at a time by a shorter span="

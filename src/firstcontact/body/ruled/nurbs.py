@@ -207,7 +207,7 @@ def _check_knots(knots: list[fmpq], n: int, count: int, who: str) -> None:
         raise InputError(f"{who}: all knots of the curves are {knots[n]}; give at least two different ones")
 
 
-def _number(x: Any, what: str) -> fmpq:
+def _number(x: Given, what: str) -> fmpq:
     value = rational(x, what)
     if abs(value) >= LARGEST:
         raise InputError(f"{what} is {shown(x)}; give a number below 2^150")

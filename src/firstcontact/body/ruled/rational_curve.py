@@ -318,7 +318,7 @@ def _checked(components: Components, what: str) -> Components:
     return components
 
 
-def _ratio(row: Any, what: str) -> dict[tuple[int, int], fmpq]:
+def _ratio(row: Iterable[Given], what: str) -> dict[tuple[int, int], fmpq]:
     """Coefficients by (i, j) of a list of numbers, or of lists of such."""
     row = list(row) if np.iterable(row) and not isinstance(row, str) else row
     if not isinstance(row, list) or not row:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypedDict
 
 import numpy as np
 from flint import arb, fmpq, fmpq_mat, fmpq_poly
@@ -47,6 +47,7 @@ from firstcontact.exact.numbers import dyadic, precision, to_double
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
+    from firstcontact.body.solid.carriers import Curve
     from firstcontact.body.solid.feature_names import Names
 
 EDGE_KINDS = ("convex", "reentrant", "smooth")
@@ -109,6 +110,18 @@ class Edge:
         x: np.ndarray = self.frame @ np.stack([np.ones_like(t), np.cos(t), np.sin(t)])
         found: np.ndarray = x[:3] / x[3]
         return found.T
+
+
+class EdgeFields(TypedDict, total=False):
+    """Those of Edge but its index; the name comes last."""
+
+    name: str
+    carrier: Curve
+    surfaces: tuple[int, ...]
+    convexity: str
+    pieces: tuple[Piece, ...]
+    faces: tuple[int, ...]
+    frame: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -506,11 +519,11 @@ def _same_point(
 # -- edges --------------------------------------------------------------------------------------------------
 
 
-def _edges_of(traced: _Traced, corners: _Corners, numbers: dict[tuple[int, int], int]) -> list[dict[str, Any]]:
+def _edges_of(traced: _Traced, corners: _Corners, numbers: dict[tuple[int, int], int]) -> list[EdgeFields]:
     """The edges on one loop, one for each convexity that occurs: keyword arguments of Edge but index and name."""
     trimmed = traced.trimmed
     runs = _runs(traced, corners)
-    found = []
+    found: list[EdgeFields] = []
     for kind in EDGE_KINDS:
         own = [run for run in runs if run.kind == kind]
         if not own:

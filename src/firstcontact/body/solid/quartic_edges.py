@@ -29,7 +29,7 @@ from firstcontact.exact.numbers import Undecidable, dyadic, exact_value, precisi
 from firstcontact.exact.vectors import cross
 
 if TYPE_CHECKING:
-    from firstcontact.body.solid.features import _Corner, _Corners
+    from firstcontact.body.solid.features import EdgeFields, _Corner, _Corners
 
 """Corners, (3,) float64 each."""
 
@@ -60,9 +60,9 @@ class QuarticEdge:
     surfaces: tuple[int, ...]
     stretches: tuple[_Stretch, ...]
 
-    def finished(self, numbers: dict[tuple[int, int], int]) -> list[dict[str, Any]]:
+    def finished(self, numbers: dict[tuple[int, int], int]) -> list[EdgeFields]:
         """Keyword arguments of Edge but index and name, one for each convexity that occurs."""
-        found = []
+        found: list[EdgeFields] = []
         for kind in EDGE_KINDS:
             own = _joined([s for s in self.stretches if s.profile.kind == kind])
             if not own:

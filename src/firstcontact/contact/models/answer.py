@@ -34,7 +34,7 @@ from firstcontact.result import (
 from firstcontact.search.trees.touch import carried_normal
 
 if TYPE_CHECKING:
-    from firstcontact.body.kinds import Model
+    from firstcontact.body.kinds import Body, Model
     from firstcontact.work import Shared
 
 _ORDER = {"vertex": 0, "apex": 0, "edge": 1, "face": 2}
@@ -65,7 +65,7 @@ def contact_of(search: Search, meetings: Sequence[Meeting], exact: bool, shared:
     )  # fmt: skip
 
 
-def _contact_set(pair: Pair, root: Root, meetings: Sequence[Meeting], b: Any, time: float) -> ContactSet:
+def _contact_set(pair: Pair, root: Root, meetings: Sequence[Meeting], b: Body, time: float) -> ContactSet:
     kind, points = largest_set(pair, root, meetings)
     return ContactSet(kind, to_world(pair, root, points, b, time))
 
@@ -129,14 +129,14 @@ def world_time(pair: Pair, root: Root) -> tuple[float, tuple[float, float]]:
     return enclose(number)
 
 
-def to_world(pair: Pair, root: Root, points: np.ndarray, b: Any, time: float) -> np.ndarray:
+def to_world(pair: Pair, root: Root, points: np.ndarray, b: Body, time: float) -> np.ndarray:
     """(n, 3) points of the frame of b in the world at the root."""
     pose = _pose_of_b(pair, root, b, time)
     moved: np.ndarray = points @ pose[:3, :3].T + pose[:3, 3]
     return moved
 
 
-def _turned(pair: Pair, root: Root, n: np.ndarray | None, b: Any, time: float) -> np.ndarray | None:
+def _turned(pair: Pair, root: Root, n: np.ndarray | None, b: Body, time: float) -> np.ndarray | None:
     """A normal of the frame of b in the world."""
     return None if n is None else carried_normal(_pose_of_b(pair, root, b, time), n)
 

@@ -26,11 +26,11 @@ from firstcontact.motion.translation import Translation
 from firstcontact.search.convex.convex import NotConvex, convex_pieces, half_spaces
 
 if TYPE_CHECKING:
-    from firstcontact.body.kinds import Body
+    from firstcontact.body.kinds import Body, Model
     from firstcontact.motion.kinds import AnyMotion
 
 
-def prisms_on_common_plane(a: Body, b: Body) -> tuple[Any, Any] | None:
+def prisms_on_common_plane(a: Body, b: Body) -> tuple[Model, Model] | None:
     """Bodies that share points just when these do, as they move; None where they do not stand on one another."""
     axes = turning_axes(a, b)
     if axes is None or len(axes) != 1:
@@ -56,7 +56,7 @@ def prisms_on_common_plane(a: Body, b: Body) -> tuple[Any, Any] | None:
     return None
 
 
-def _moving(prism: CompositeQuadric, body: Body) -> Any:
+def _moving(prism: CompositeQuadric, body: Body) -> Model:
     return Moving(prism, body.motion) if isinstance(body, Moving) else prism
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator
+from collections.abc import Hashable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -98,7 +98,7 @@ def contact_of(problem: Problem, found: Found, exact: bool, stats: Stats, shared
     return FirstContact.deferring(known, lambda: where_met(problem, found, time, shared))
 
 
-def where_met(problem: Problem, found: Found, time: float, shared: Shared) -> dict[str, Any]:
+def where_met(problem: Problem, found: Found, time: float, shared: Mapping[str, Any]) -> dict[str, Any]:
     """What a CONTACT result says of the elements and the place."""
     named = element_pairs(shared["a"], shared["b"], found.pairs)
     (lowest, pair), *rest = named

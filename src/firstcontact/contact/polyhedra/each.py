@@ -99,7 +99,7 @@ def piece_of(moving: Moving, b: Polyhedron, last: float) -> Piece:
 def placed(problem: Problem, contacts: Contacts, k: int, moving: Moving, b: Polyhedron) -> Place:
     """What a CONTACT result says of the place of a contact; the problem is that of its motion."""
     found = Found(contacts.instant(k), contacts.pairs(k))
-    told = where_met(problem, found, float(contacts.times[k]), {"a": moving, "b": b})  # type: ignore[typeddict-item]  # the span is not told
+    told = where_met(problem, found, float(contacts.times[k]), {"a": moving, "b": b})
     return (told["element_a"], told["element_b"]), told["multiplicity"], told["point"], told["normal"]
 
 

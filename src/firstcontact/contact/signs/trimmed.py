@@ -11,7 +11,7 @@ from functools import reduce
 from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
-from flint import fmpq, fmpz_mpoly, fmpz_poly
+from flint import fmpq, fmpz, fmpz_mpoly, fmpz_poly
 
 from firstcontact.body.kept import Kept
 from firstcontact.body.ruled.surface import RuledSurface
@@ -143,11 +143,13 @@ def _halves(ends: tuple[fmpq, fmpq]) -> tuple[tuple[fmpq, fmpq], tuple[fmpq, fmp
     return (ends[0], middle), (middle, ends[1])
 
 
-def _table(f: fmpz_mpoly) -> tuple[dict[tuple[int, int], Any], tuple[int, int]]:
+def _table(f: fmpz_mpoly) -> tuple[dict[tuple[int, int], fmpz], tuple[int, int]]:
     return {(key[0], key[1]): c for key, c in terms(f)}, (degree(f, 0), degree(f, 1))
 
 
-def _way(table: Any, x: tuple[fmpq, fmpq], y: tuple[fmpq, fmpq]) -> int | None:
+def _way(
+    table: tuple[dict[tuple[int, int], fmpz], tuple[int, int]], x: tuple[fmpq, fmpq], y: tuple[fmpq, fmpq]
+) -> int | None:
     """1, -1: nowhere negative, nowhere positive, and not zero; 0: zero; None where none of that is proved."""
     net = [c for row in bernstein.grid(table[0], x, y, table[1]) for c in row] if table[0] else [0]
     if min(net) == max(net) == 0:
@@ -155,7 +157,9 @@ def _way(table: Any, x: tuple[fmpq, fmpq], y: tuple[fmpq, fmpq]) -> int | None:
     return 1 if min(net) >= 0 else -1 if max(net) <= 0 else None
 
 
-def _sign(table: Any, x: tuple[fmpq, fmpq], y: tuple[fmpq, fmpq]) -> int | None:
+def _sign(
+    table: tuple[dict[tuple[int, int], fmpz], tuple[int, int]], x: tuple[fmpq, fmpq], y: tuple[fmpq, fmpq]
+) -> int | None:
     """Of a polynomial all over the box; None where that is not proved."""
     if not table[0]:
         return 0

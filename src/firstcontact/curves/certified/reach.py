@@ -66,9 +66,9 @@ class Reached(NamedTuple):
             return fields
         branches = tuple(replace(x, ends=tuple(cut.get(id(end), end) for end in x.ends)) for x in fields["branches"])
         points = {end.point.tobytes() for end in cut.values()}
-        graph = fields["graph"]
+        graph: Any = fields["graph"]
         nodes = tuple(replace(node, point=None, kind="infinity")
-                      if node.kind == "boundary" and node.point.tobytes() in points else node  # type: ignore[union-attr]
+                      if node.kind == "boundary" and node.point.tobytes() in points else node
                       for node in graph.nodes)  # fmt: skip
         return fields | {"branches": branches, "graph": replace(graph, nodes=nodes)}
 

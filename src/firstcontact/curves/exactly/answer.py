@@ -16,7 +16,7 @@ from firstcontact.pairs.ruled_ruled import CommonRulings, Parameter
 from firstcontact.result_curve import Branch, CurveGraph, ExactParameter, ExactParameters, GraphNode, SingularPoint
 
 if TYPE_CHECKING:
-    from firstcontact.curves.fields import CurveFields
+    from firstcontact.curves.fields import CurveFields, Where
 
 # Points closer than this, relative to their size, are one: each is known to nearly full double precision.
 SAME = 1e-11
@@ -65,15 +65,15 @@ class Parts(Collected):
             "graph": CurveGraph((*self.nodes, *nodes), tuple(self.edges)),
         }
 
-    def exact(self, where: Any) -> ExactParameters:
+    def exact(self, where: Where) -> ExactParameters:
         """Results' numbers for the user's parameters of `where`, a node or another object with u and v."""
         raise NotImplementedError
 
-    def add_node(self, where: Any, point: np.ndarray | None, kind: str) -> int:
+    def add_node(self, where: Where, point: np.ndarray | None, kind: str) -> int:
         self.nodes.append(GraphNode(point, kind, self.exact(where)))
         return len(self.nodes) - 1
 
-    def add_isolated(self, point: np.ndarray, where: Any) -> None:
+    def add_isolated(self, point: np.ndarray, where: Where) -> None:
         if not any(same(point, other) for other, _ in self._alone):
             self._alone.append((point, where))
 
@@ -115,7 +115,7 @@ class Found(Parts):
             return True
         return is_on_lines(point, self.segments, not self.finite) and not any(same(point, x) for x in apexes(p, q))
 
-    def exact(self, where: Any) -> ExactParameters:
+    def exact(self, where: Where) -> ExactParameters:
         p, q = self.p, self.q
         return ExactParameters(lambda: (number(p.user_parameter(where.u)), number(q.user_parameter(where.v))))
 

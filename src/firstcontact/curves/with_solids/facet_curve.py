@@ -27,7 +27,7 @@ from firstcontact.exact.vectors import cross
 
 if TYPE_CHECKING:
     from firstcontact.curves.exactly.spots import Box
-    from firstcontact.exact.curves.plane_curves import Node
+    from firstcontact.exact.curves.plane_curves import Edge, Node
 
 
 @dataclass(frozen=True)
@@ -167,7 +167,7 @@ class FacetCurve(SheetCurve):
     def lies_in_surface(self) -> None:
         raise UnsupportedPair(f"{self.facet.who}: the ruled piece lies in the plane of face {self.facet.face}")
 
-    def is_part(self, where: Any, joints: Joints) -> bool:
+    def is_part(self, where: Node | Edge, joints: Joints) -> bool:
         signs: dict[int, int] = {}
 
         def holds(number: int, own: int) -> bool:

@@ -196,7 +196,7 @@ class _Clip:
                 self.conditions.append((f"{axis}={low}", own * low.q - x[3] * low.p, sheet.degree))
                 self.conditions.append((f"{axis}={high}", x[3] * high.p - own * high.q, sheet.degree))
 
-    def keeps(self, where: Any) -> bool:
+    def keeps(self, where: Node | Edge) -> bool:
         """Of an edge or a node."""
         return all(sign_at(f, where) >= 0 for _, f, _ in self.conditions)
 
@@ -247,7 +247,7 @@ class SheetCurve:
         self.drawn, self.cutting = self.forms[:drawn], self.forms[drawn:]
         self.found = _Found(self.piece, self.clip, tolerance, first)
 
-    def is_part(self, where: Any, joints: Joints) -> bool:
+    def is_part(self, where: Node | Edge, joints: Joints) -> bool:
         """Of an open edge or a node."""
         raise NotImplementedError
 
@@ -330,7 +330,7 @@ class ModelCurve(SheetCurve):
             raise UnsupportedPair(f"{who}: the piece lies in the surface, and is trimmed; give an untrimmed piece")
         self.found.two_dimensional = True
 
-    def is_part(self, where: Any, joints: Joints) -> bool:
+    def is_part(self, where: Node | Edge, joints: Joints) -> bool:
         signs = [sign_at(f, where) for f in self.forms]
         if len(outcomes(self.model.tree, signs)) < 2:
             return False
@@ -360,7 +360,7 @@ def _factors(f: fmpz_mpoly) -> list[tuple[fmpz_mpoly, int]]:
     return [*parts.curves, *((in_u(g), k) for g, k in parts.in_u), *((in_v(g), k) for g, k in parts.in_v)]
 
 
-def sign_at(f: fmpz_mpoly, where: Any) -> int:
+def sign_at(f: fmpz_mpoly, where: Node | Edge) -> int:
     """Of a polynomial on an edge or at a node."""
     if not f.is_constant():
         return int(where.sign(f))

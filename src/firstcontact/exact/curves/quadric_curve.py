@@ -89,7 +89,7 @@ class Sweep:
             v, w = self.curve.points(u, bits)[order]
             with precision(bits):
                 x = [arb(u), v, w, arb(1)]
-                values: list[arb] = [dot(x, [dot(row, x) for row in form]) for form in self.others]  # type: ignore[misc]
+                values: list[arb] = [dot(x, [dot(row, x) for row in form]) for form in self.others]  # type: ignore[misc]  # of balls
             if all(value > 0 or value < 0 for value in values):
                 return tuple(1 if value > 0 else -1 for value in values)
             bits *= 2

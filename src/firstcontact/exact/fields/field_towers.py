@@ -33,7 +33,7 @@ class TowerElement(ExactNumber):
         self.coefficients = _reduced(coefficients, over.polynomial)
         self._sign: int | None = None
 
-    def _of(self, other: TowerElement | FieldElement | fmpz_poly | fmpq | int) -> Sequence[Any] | None:
+    def _of(self, other: TowerElement | FieldElement | fmpq | int) -> Sequence[FieldElement] | None:
         if type(other) is TowerElement:
             return other.coefficients if other.over is self.over else None
         if isinstance(other, ExactNumber) and not isinstance(other, FieldElement):

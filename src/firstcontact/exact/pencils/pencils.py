@@ -85,7 +85,7 @@ def discriminant(c: Sequence[N]) -> N:
     i = 12 * (a * e) - 3 * (b * d) + x * x
     j = 72 * (a * x * e) + 9 * (b * x * d) - 27 * (a * d * d) - 27 * (e * b * b) - 2 * (x * x * x)
     total: Any = 4 * (i * i * i) - j * j
-    return total // 27 if isinstance(total, fmpz_poly | int) else total / 27  # type: ignore[return-value]
+    return total // 27 if isinstance(total, fmpz_poly | int) else total / 27  # type: ignore[return-value]  # as c
 
 
 def resultant(f: Sequence[N], g: Sequence[N]) -> N:

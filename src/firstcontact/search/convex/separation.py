@@ -371,7 +371,9 @@ class Separation:
             rest.append((rate * (to_double(self.span) / self.size)).mid())
         return rest
 
-    def _at(self, t: arb, x: list[Any], functions: list[tuple[int, int]]) -> tuple[list[Any], list[list[Any]]]:
+    def _at(
+        self, t: arb, x: list[arb_series], functions: list[tuple[int, int]]
+    ) -> tuple[list[arb_series], list[list[arb_series]]]:
         """Values and gradients of functions around the time, power series; x as those."""
         try:
             back = inverse(self.motion.series(t), self.motion.is_rigid)
@@ -450,7 +452,7 @@ class Separation:
         moved = [[arb(c) + b * ball + a * ball * ball, arb(b) + 2 * a * ball, arb(a)] for c, b, a in paths]
         return ball, [[arb(c) for c in p] for p in paths], moved
 
-    def _weighted(self, t: arb, paths: list[list[arb]]) -> tuple[Any, list[Any]]:
+    def _weighted(self, t: arb, paths: list[list[arb]]) -> tuple[arb_series, list[arb_series]]:
         """The weighted sums of values and of gradients, power series."""
         x, weights = [arb_series(p) for p in paths[:3]], [arb_series(p) for p in paths[3:]]
         values, gradients = self._at(t, x, self.active)

@@ -29,7 +29,7 @@ from firstcontact.kernels import running
 from firstcontact.pairs.elements import line_line, line_line_rotation
 
 if TYPE_CHECKING:
-    from firstcontact.body.kinds import Body
+    from firstcontact.exact.ring import N, Number
 
 
 Floats = float | np.ndarray
@@ -96,7 +96,7 @@ Conjunction = tuple[Conjunct, ...]
 Features = dict[str, tuple[Any, ...]]
 
 
-def _scaled(k: Any, x: tuple[Any, ...]) -> tuple[Any, ...]:
+def _scaled(k: int, x: Sequence[N]) -> tuple[N, ...]:
     return tuple(k * c for c in x)
 
 
@@ -109,7 +109,7 @@ def translation_features(c: Vector, d: Vector) -> Features:
     return {"line": (*f, *cross(c, f)), "start": (*c, 1), "end": (*d, 1)}
 
 
-def translation_conjunctions(a: Vector, b: Vector, v: Vector, last: Any) -> tuple[Conjunction, ...]:
+def translation_conjunctions(a: Vector, b: Vector, v: Vector, last: Number) -> tuple[Conjunction, ...]:
     """The edges cd that ab, moving by t v, meets at a time in [0, last], unless v.((b - a) x (d - c)) = 0.
 
     u0 + t u1 is the product of the lines of cd and of ab at the time t; D = u1.
@@ -159,7 +159,7 @@ def _squared_radius(e: Vector, m: Vector) -> tuple[Any, Any, Any]:
     return (e[0] * e[0] + e[1] * e[1], 2 * (e[1] * m[0] - e[0] * m[1]), m[0] * m[0] + m[1] * m[1])
 
 
-def rotation_conjunctions(a: Vector, b: Vector, tangent: Any) -> tuple[Conjunction, ...]:
+def rotation_conjunctions(a: Vector, b: Vector, tangent: Number) -> tuple[Conjunction, ...]:
     """The rising edges cd that the rising edge ab, turning about +z, meets within the angle 2 atan(tangent) < pi.
 
     Only pairs that share more than one height.
@@ -226,7 +226,7 @@ class Translated:
 
     features = staticmethod(translation_features)
 
-    def conjunctions(self, a: Vector, b: Vector, v: Any, last: Any) -> tuple[Conjunction, ...]:
+    def conjunctions(self, a: Vector, b: Vector, v: Vector, last: Number) -> tuple[Conjunction, ...]:
         return translation_conjunctions(a, b, v, last)
 
     def parameters(self) -> tuple[Any, ...]:
@@ -255,7 +255,7 @@ class Turned:
 
     features = staticmethod(rotation_features)
 
-    def conjunctions(self, a: Vector, b: Vector, tangent: Any) -> tuple[Conjunction, ...]:
+    def conjunctions(self, a: Vector, b: Vector, tangent: Number) -> tuple[Conjunction, ...]:
         return rotation_conjunctions(a, b, tangent)
 
     def parameters(self) -> tuple[Any, ...]:
@@ -298,7 +298,7 @@ class EdgeSet:
         c, d = (tuple(Bounded(oriented[:, k, j]) for j in range(3)) for k in range(2))
         self.features: Features = motion.features(c, d)  # type: ignore[arg-type]
 
-    def counts(self, a: Body, b: Body) -> np.ndarray:
+    def counts(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
         """Number of contacts of the moving edge from a to b (doubles) with every edge of the set."""
         motion, total = self.motion, np.zeros(len(self.ends), np.int64)
         unsure = np.zeros(len(self.ends), bool)
@@ -321,11 +321,11 @@ class EdgeSet:
             total[k] = count_exactly(motion, *map(_exact, (a, b, *self.ends[k])))
         return total
 
-    def hit(self, a: Body, b: Body) -> np.ndarray:
+    def hit(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
         """The edges that the moving edge meets."""
         return np.flatnonzero(self.counts(a, b))
 
-    def is_free(self, a: Body, b: Body) -> bool:
+    def is_free(self, a: np.ndarray, b: np.ndarray) -> bool:
         return not self.counts(a, b).any()
 
 
