@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import fmpq, fmpz
@@ -27,6 +27,14 @@ from firstcontact.exact.brackets import LinesRelation, SegmentsRelation
 from firstcontact.exact.fields.number_field import ExactNumber, sign
 from firstcontact.exact.numbers import fraction, rational, to_double
 from firstcontact.exact.vectors import Vector, whole
+
+if TYPE_CHECKING:
+    from fractions import Fraction
+
+    from numpy.typing import ArrayLike
+
+    from firstcontact.exact.numbers import Given
+    from firstcontact.exact.ring import Rational
 
 __all__ = [
     "LinesRelation",
@@ -49,7 +57,7 @@ LARGEST = 2.0**150
 KINDS = ("separate", "point", "overlap", "overlap_point")
 
 
-def bracket4(a: Iterable[Any], b: Iterable[Any], c: Iterable[Any], d: Iterable[Any]) -> Any:
+def bracket4(a: Iterable[Given], b: Iterable[Given], c: Iterable[Given], d: Iterable[Given]) -> Fraction:
     """[abcd] = det (a b c d; 1 1 1 1) = -det(b - a, c - a, d - a), exactly: six times a signed volume.
 
     Zero where the points lie in one plane.  Its sign is opposite to that of the usual orient3d.
@@ -60,7 +68,7 @@ def bracket4(a: Iterable[Any], b: Iterable[Any], c: Iterable[Any], d: Iterable[A
     return _shown(exact.bracket4(*_points(a=a, b=b, c=c, d=d)))
 
 
-def bracket3(a: Iterable[Any], b: Iterable[Any], c: Iterable[Any], dropped: int) -> Any:
+def bracket3(a: Iterable[Given], b: Iterable[Given], c: Iterable[Given], dropped: int) -> Fraction:
     """Twice the signed area of abc seen along coordinate `dropped`: det(b - a, c - a, n) for that axis n.
 
     For points of one plane with unit normal n it is [abc] = det(b - a, c - a, n) up to one factor, so that signs,
@@ -77,7 +85,7 @@ def bracket3(a: Iterable[Any], b: Iterable[Any], c: Iterable[Any], dropped: int)
     return _shown(exact.bracket3(p, q, r, dropped))
 
 
-def bracket2(a: Iterable[Any], b: Iterable[Any], direction: Iterable[Any]) -> Any:
+def bracket2(a: Iterable[Given], b: Iterable[Given], direction: Iterable[Given]) -> Fraction:
     """(a - b) . direction: [ab] up to one positive factor for all points of a line with this direction.
 
     >>> bracket2((3, 0, 0), (1, 0, 0), (1, 0, 0))
@@ -86,12 +94,12 @@ def bracket2(a: Iterable[Any], b: Iterable[Any], direction: Iterable[Any]) -> An
     return _shown(exact.bracket2(*_points(a=a, b=b, direction=direction)))
 
 
-def projection(p1: Iterable[Any], p2: Iterable[Any], q1: Iterable[Any], q2: Iterable[Any]) -> int | None:
+def projection(p1: Iterable[Given], p2: Iterable[Given], q1: Iterable[Given], q2: Iterable[Given]) -> int | None:
     """A coordinate that four points of one plane may lose without falling onto a line; None where they are on one."""
     return exact.projection(*_points(p1=p1, p2=p2, q1=q1, q2=q2))
 
 
-def lines_relation(p1: Iterable[Any], p2: Iterable[Any], q1: Iterable[Any], q2: Iterable[Any]) -> LinesRelation:
+def lines_relation(p1: Iterable[Given], p2: Iterable[Given], q1: Iterable[Given], q2: Iterable[Given]) -> LinesRelation:
     """How the line through p1 and p2 and the line through q1 and q2 meet: `kind` is "point", "overlap" or "separate".
 
     With b1 = [p1 p2 q1], b2 = [p1 p2 q2], b3 = [p1 q1 q2], b4 = [p2 q1 q2]: they meet in one point when
@@ -114,7 +122,9 @@ def lines_relation(p1: Iterable[Any], p2: Iterable[Any], q1: Iterable[Any], q2: 
     return replace(found, point=_shown(found.point), s=_shown(found.s), t=_shown(found.t))
 
 
-def segments_relation(p1: Iterable[Any], p2: Iterable[Any], q1: Iterable[Any], q2: Iterable[Any]) -> SegmentsRelation:
+def segments_relation(
+    p1: Iterable[Given], p2: Iterable[Given], q1: Iterable[Given], q2: Iterable[Given]
+) -> SegmentsRelation:
     """How the closed segments p1 p2 and q1 q2 meet; each may be a single point.
 
     `kind` is "point" (one common point, with `s` and `t` as in `lines_relation`), "overlap" (a common `segment`, in
@@ -155,7 +165,7 @@ class Relations:
         return len(self.kinds)
 
 
-def lines_relations(p1: Any, p2: Any, q1: Any, q2: Any) -> Relations:
+def lines_relations(p1: ArrayLike, p2: ArrayLike, q1: ArrayLike, q2: ArrayLike) -> Relations:
     """`lines_relation` for (n, 3) arrays, row by row; (3,) stands for n equal rows.
 
     >>> found = lines_relations([0, 0, 0], [1, 0, 0], [[2, 1, 0], [0, 1, 1]], [[2, 3, 0], [0, 5, 2]])
@@ -170,7 +180,7 @@ def lines_relations(p1: Any, p2: Any, q1: Any, q2: Any) -> Relations:
     return _relations(rows, bounded=False)
 
 
-def segments_relations(p1: Any, p2: Any, q1: Any, q2: Any) -> Relations:
+def segments_relations(p1: ArrayLike, p2: ArrayLike, q1: ArrayLike, q2: ArrayLike) -> Relations:
     """`segments_relation` for (n, 3) arrays, row by row; (3,) stands for n equal rows.
 
     >>> found = segments_relations([[0, 0, 0]], [[0.3, 0, 0]], [[0.1, -1, 0]], [[0.1, 1, 0]])
@@ -180,7 +190,7 @@ def segments_relations(p1: Any, p2: Any, q1: Any, q2: Any) -> Relations:
     return _relations(_rows(p1=p1, p2=p2, q1=q1, q2=q2), bounded=True)
 
 
-def bracket4_signs(a: Any, b: Any, c: Any, d: Any) -> tuple[np.ndarray, int]:
+def bracket4_signs(a: ArrayLike, b: ArrayLike, c: ArrayLike, d: ArrayLike) -> tuple[np.ndarray, int]:
     """((n,) int64 exact signs of [abcd] for (n, 3) arrays, how many of them took exact arithmetic).
 
     >>> bracket4_signs([[0, 0, 0]], [[1, 0, 0]], [[0, 1, 0]], [[0, 0, 1], [1, 1, 0]])
@@ -225,7 +235,7 @@ def _decided(rows: list[np.ndarray], i: int, bounded: bool, out: np.ndarray) -> 
     return KINDS.index(found.kind)
 
 
-def _near(x: Any) -> float:
+def _near(x: Rational) -> float:
     return to_double(fmpq(x))
 
 
@@ -235,7 +245,7 @@ def _whole_points(rows: list[np.ndarray], i: int) -> tuple[fmpz, list[Vector]]:
     return whole(*points)  # type: ignore[arg-type]
 
 
-def _rows(**arrays: Any) -> list[np.ndarray]:
+def _rows(**arrays: ArrayLike) -> list[np.ndarray]:
     """The arguments as C-contiguous (n, 3) float64 arrays of equal length."""
     rows = []
     for name, values in arrays.items():
@@ -262,12 +272,12 @@ def _rows(**arrays: Any) -> list[np.ndarray]:
         raise InputError(f"the arrays have {[len(x) for x in rows]} rows; give equally many") from error
 
 
-def _points(**points: Any) -> list[Vector]:
+def _points(**points: Iterable[Given]) -> list[Vector]:
     """The arguments as triples of exact numbers; numbers with a `sign()` are taken as they are."""
     return [_point(values, name) for name, values in points.items()]
 
 
-def _point(values: Any, name: str) -> Vector:
+def _point(values: Iterable[Given], name: str) -> Vector:
     try:
         if isinstance(values, str | bytes | dict | set | frozenset):  # of no order, or of letters
             raise TypeError

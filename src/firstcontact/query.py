@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time as clock
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from firstcontact.contact import table
 from firstcontact.errors import InputError, UnsupportedPair, shown
@@ -15,14 +16,16 @@ from firstcontact.result import ContactIntervals, ContactPairs, FirstContact
 from firstcontact.work import MOST_BUDGET, Progress, Query
 
 if TYPE_CHECKING:
+    from firstcontact.body.kinds import AnyBody
+    from firstcontact.exact.numbers import Given
     from firstcontact.result_curve import IntersectionCurve
 
 
 @signals()
 def first_contact(
-    a: Any,
-    b: Any,
-    span: Any = None,
+    a: AnyBody,
+    b: AnyBody,
+    span: Sequence[Given] | None = None,
     *,
     exact: bool = False,
     method: str = "auto",
@@ -81,9 +84,9 @@ def first_contact(
 
 @signals()
 def contact_intervals(
-    a: Any,
-    b: Any,
-    span: Any = None,
+    a: AnyBody,
+    b: AnyBody,
+    span: Sequence[Given] | None = None,
     *,
     exact: bool = False,
     method: str = "auto",
@@ -115,7 +118,7 @@ def contact_intervals(
 
 
 @signals()
-def contact_pairs(a: Any, b: Any, span: Any = None) -> ContactPairs:
+def contact_pairs(a: AnyBody, b: AnyBody, span: Sequence[Given] | None = None) -> ContactPairs:
     """All element pairs (vertex/face, edge/edge, face/vertex) that meet during the span.
 
     Arguments as in `first_contact`; diagonals inside polygons count as their faces.  Where many pairs pass each other
@@ -135,7 +138,12 @@ def contact_pairs(a: Any, b: Any, span: Any = None) -> ContactPairs:
 
 @signals()
 def intersection_curve(
-    p: Any, q: Any, *, tolerance: float = 1e-6, method: str = "auto", box: Any = None
+    p: AnyBody,
+    q: AnyBody,
+    *,
+    tolerance: float = 1e-6,
+    method: str = "auto",
+    box: Sequence[Sequence[Given]] | None = None,
 ) -> IntersectionCurve:
     """IntersectionCurve: all points that two ruled surfaces at rest share, or one of them and a solid's boundary.
 

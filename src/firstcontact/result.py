@@ -12,9 +12,14 @@ from dataclasses import asdict, dataclass, field, fields, replace
 from enum import Enum
 from fractions import Fraction
 from functools import cache
-from typing import TYPE_CHECKING, Any, Self, overload
+from typing import TYPE_CHECKING, Any, Self, TypeAlias, overload
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from firstcontact.body.kinds import Body
 
 TOLD_CORRECTION = 1e-9
 """Of rounded poses: from that on the text of an answer tells it."""
@@ -45,12 +50,17 @@ class _NoTruth:
         raise TypeError(f"a {type(self).__name__} has no truth value; look at .status")
 
 
+# What files hold, and a table of them.
+Json: TypeAlias = "str | int | float | bool | Sequence[Json] | Mapping[str, Json] | None"
+Table: TypeAlias = "dict[str, Json]"
+
+
 class Written:
     """What `to_dict` writes and `from_dict` reads: one schema, in which exact numbers are texts."""
 
     __slots__ = ()
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Table:
         """Lists, texts and numbers alone; doubles are doubles, other exact numbers are texts such as "1/3"."""
         raise NotImplementedError
 
@@ -58,7 +68,7 @@ class Written:
         return json.dumps(finite(self.to_dict()))
 
     @classmethod
-    def from_dict(cls, data: Any) -> Self:
+    def from_dict(cls, data: Mapping[str, Json]) -> Self:
         """What `to_dict` wrote.  Raises InputError that names what it does not know."""
         from firstcontact import InputError, from_dict
 
@@ -100,7 +110,7 @@ class Answer(Written):
         """The same result, which takes its bodies along into pickles."""
         return replace(self, keeps_bodies=True)  # type: ignore[type-var]
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> tuple[object, ...]:
         record: Any = self
         values = {f.name: getattr(record, f.name) for f in fields(record)}
         if not values.get("keeps_bodies", True):
@@ -110,10 +120,10 @@ class Answer(Written):
     def __copy__(self) -> Self:
         return self  # it does not change
 
-    def __deepcopy__(self, memo: Any) -> Self:
+    def __deepcopy__(self, memo: dict[int, object]) -> Self:
         return self
 
-    def _said(self) -> dict[str, Any]:
+    def _said(self) -> Table:
         said: dict[str, Any] = finite(self.to_dict())
         return {key: value for key, value in said.items() if key != "stats"}
 
@@ -150,7 +160,7 @@ def _restored(cls: type, values: dict[str, Any]) -> Any:
     return cls(**values)
 
 
-def _absent(body: Any) -> Any:
+def _absent(body: Body) -> Any:
     return body if body is None or isinstance(body, Absent) else Absent(_name(body, "") or None, _correction(body))
 
 
@@ -230,7 +240,7 @@ class Stats(Mapping[str, "float | str | tuple[Asked, ...]"]):
     def __len__(self) -> int:
         return len(fields(self))
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Table:
         return {**asdict(self), "ways": [asdict(way) for way in self.ways]}
 
     def __add__(self, other: Stats) -> Stats:
@@ -257,7 +267,7 @@ class Element:
     def __str__(self) -> str:
         return f"{self.label} {self.kind} {self.index}"
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Table:
         return {"kind": self.kind, "body": self.body, "index": self.index, "label": self.label}
 
 
@@ -370,7 +380,7 @@ class JointValue:
     def __str__(self) -> str:
         return f"{self.name} = {self.value:.12g}{' ' if self.unit else ''}{self.unit}"
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Table:
         return {"name": self.name, "value": self.value, "interval": list(self.interval), "unit": self.unit}
 
 
@@ -414,7 +424,7 @@ class ElementPair:
     def __str__(self) -> str:
         return f"{self.element_a} and {self.element_b}"
 
-    def to_list(self) -> list[dict[str, Any]]:
+    def to_list(self) -> list[Table]:
         return [self.element_a.to_dict(), self.element_b.to_dict()]
 
 
@@ -428,12 +438,12 @@ class ContactSet(str):
 
     points: np.ndarray
 
-    def __new__(cls, kind: str, points: Any) -> ContactSet:
+    def __new__(cls, kind: str, points: ArrayLike) -> ContactSet:
         self = super().__new__(cls, kind)
         self.points = np.asarray(points, float)
         return self
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> tuple[object, ...]:
         return ContactSet, (str(self), self.points)
 
 
@@ -457,7 +467,7 @@ class CandidateTime:
         why = f" ({self.reason})" if self.reason else ""
         return f"{self.time!r} x{self.multiplicity}: {self.verdict}{where}{why}"
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Table:
         point = None if self.point is None else [float(x) for x in self.point]
         return {**{f.name: getattr(self, f.name) for f in fields(self)}, "point": point}
 
@@ -480,7 +490,7 @@ class Subproblem:
         lines = [self.reason] if self.reason else [str(c) for c in self.candidates] or ["no candidate"]
         return "\n".join([head, *(f"  {line}" for line in lines)])
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Table:
         return {
             "element_a": self.element_a.to_dict(),
             "element_b": self.element_b.to_dict(),
@@ -577,7 +587,7 @@ class FirstContact(_Deferring, Shown):
             f"time in [{self.time_interval[0]!r}, {self.time_interval[1]!r}]{exactly}"
         )
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Table:
         """One entry of "checks" in the JSON output; exact numbers are strings."""
         points = getattr(self.contact_set, "points", None)
         return {
@@ -635,7 +645,7 @@ class ContactInterval(_NoTruth):
                  if not isinstance(x, Fraction)]  # fmt: skip
         return f"[{shown}]{''.join(roots)}"
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Table:
         out: dict[str, Any] = {}
         for f in fields(self):
             value = getattr(self, f.name)
@@ -687,7 +697,7 @@ class ContactIntervals(_NoTruth, Shown, Sequence[ContactInterval]):
         text = "\n".join([head, *(f"  {interval}" for interval in self.intervals)])
         return text + _about_models(self.model_deviation, self.unit) + _corrected(self.a, self.b)
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Table:
         """One entry of "checks" in the JSON output; exact numbers are strings."""
         return {
             "schema": SCHEMA,
@@ -731,7 +741,7 @@ class ContactPairs(_NoTruth, Answer, Sequence[ElementPair]):
         """How many pairs meet, those pierced at the start not counted."""
         return len(self.pairs)
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Table:
         """Pairs of elements: that of a, that of b."""
         listed = {key: [pair.to_list() for pair in getattr(self, key)] for key in ("pairs", "piercing", "undecided")}
         return {"schema": SCHEMA, **listed, "stats": self.stats.to_dict()}
@@ -755,17 +765,17 @@ def finite(value: Any) -> Any:
     return value
 
 
-def _name(body: Any, default: str) -> str:
+def _name(body: Body, default: str) -> str:
     return getattr(body, "name", None) or default
 
 
-def _correction(body: Any) -> float:
+def _correction(body: Body) -> float:
     """By how much an entry of a matrix given for the body's motion is off the rotation that it stands for, at most."""
     off: float = getattr(getattr(body, "motion", body), "correction", 0.0)
     return off
 
 
-def _models_table(answer: Any) -> dict[str, Any]:
+def _models_table(answer: FirstContact | ContactIntervals) -> Table:
     """What an answer says of the models of its bodies, where they are of files."""
     if answer.model_deviation is None:
         return {}
@@ -788,7 +798,7 @@ def _rounded_up(x: float) -> str:
     return f"{math.ceil(x / unit * (1 - 1e-12)) * unit:.2g}"
 
 
-def _corrected(a: Any, b: Any) -> str:
+def _corrected(a: Body, b: Body) -> str:
     """The end of an answer's text: how far given poses are off the rotations that were looked at."""
     bodies = [(_name(body, x), _correction(body)) for body, x in ((a, "a"), (b, "b"))]
     return "".join(

@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from firstcontact.result import SCHEMA, AlgebraicNumber, Answer, Stats, written
+
+if TYPE_CHECKING:
+    from firstcontact.result import Table
 
 ExactParameter = Fraction | AlgebraicNumber | float
 """A parameter of a ruling: the number itself, or math.inf for the ruling at infinity."""
@@ -34,7 +37,7 @@ class ExactParameters:
             self._pair, self._make = self._make(), None
         return self._pair
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> tuple[object, ...]:
         return _known, (self.pair,)
 
 
@@ -73,7 +76,7 @@ class BranchEnd:
         on = f" ({', '.join(self.on)})" if self.on else ""
         return f"{self.kind}{on} at {_triple(self.point)}, {_quadruple(self.parameters)}"
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Table:
         return {
             "kind": self.kind,
             "on": list(self.on),
@@ -114,7 +117,7 @@ class Branch:
             return f"{head}\n    through {_triple(self.points[0])}, {_quadruple(self.parameters[0])}"
         return f"{head}\n    from {self.ends[0]}\n    to {self.ends[1]}"
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Table:
         return {
             "points": self.points.tolist(),
             "parameters": self.parameters.tolist(),
@@ -132,7 +135,7 @@ class SingularPoint:
     point: np.ndarray
     kind: str
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Table:
         return {"point": self.point.tolist(), "kind": self.kind}
 
 
@@ -155,7 +158,7 @@ class GraphNode:
     def v(self) -> ExactParameter | None:
         return self.exact.pair[1]
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Table:
         return {
             "u": None if self.u is None else written(self.u),
             "v": None if self.v is None else written(self.v),
@@ -181,7 +184,7 @@ class OpenPlace:
     def __str__(self) -> str:
         return f"undecided near {_triple(self.point)}, where {self.ends} ends of branches meet"
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Table:
         return {"point": self.point.tolist(), "u": list(self.u), "v": list(self.v), "ends": self.ends}
 
 
@@ -215,7 +218,7 @@ class CurveGraph:
                 apart += 1
         return apart + len({root(i) for i, node in enumerate(self.nodes) if node.kind != "infinity"})
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Table:
         return {
             "nodes": [node.to_dict() for node in self.nodes],
             "edges": [list(edge) for edge in self.edges],
@@ -300,7 +303,7 @@ class IntersectionCurve(Answer):
     def _where(self) -> str:
         return "" if self.box is None else f" in the box from {_triple(self.box[0])} to {_triple(self.box[1])}"
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Table:
         """Exact numbers are strings, polynomials lists of [i, j, coefficient]; parameters may be nan (None in JSON)."""
         return {
             "schema": SCHEMA,

@@ -14,6 +14,9 @@ from firstcontact.result import ContactIntervals, Element, FirstContact, Status
 if TYPE_CHECKING:
     from pathlib import Path
 
+    import pandas
+    import pyarrow
+
 ROW = np.dtype([
     ("status", "u1"), ("initial", "u1"), ("reason", "u1"), ("kind_a", "u1"), ("kind_b", "u1"), ("error", "?"),
     ("index_a", "i4"), ("index_b", "i4"), ("multiplicity", "i4"), ("work", "i8"),
@@ -92,7 +95,7 @@ class Rows:
             place()
 
     @staticmethod
-    def _fill_shared(record: Any, found: FirstContact | ContactIntervals) -> None:
+    def _fill_shared(record: np.void, found: FirstContact | ContactIntervals) -> None:
         record["status"], record["reason"] = STATUSES.index(found.status.name), REASONS.index(found.reason or "")
         record["work"] = found.stats.node_visits + found.stats.pair_tests
         if found.free_until is not None:
@@ -111,7 +114,7 @@ class Rows:
             self.later.pop()
         return self
 
-    def put(self, where: np.ndarray, rows: Any) -> None:
+    def put(self, where: np.ndarray, rows: Self) -> None:
         """Take over settled answers to the questions `where`."""
         assert not rows.later
         self.array[where] = rows.array
@@ -119,7 +122,7 @@ class Rows:
 
 
 def fill_place(
-    record: Any,
+    record: np.void,
     elements: tuple[Element | None, Element | None],
     multiplicity: int,
     point: np.ndarray | None,
@@ -135,7 +138,7 @@ def fill_place(
             record[name] = vector
 
 
-def _fill_found(record: Any, found: FirstContact) -> None:
+def _fill_found(record: np.void, found: FirstContact) -> None:
     fill_place(record, (found.element_a, found.element_b), found.multiplicity, found.point, found.normal)
 
 
@@ -154,7 +157,7 @@ class IntervalRows(Rows):
         if len(found):
             self.found[row] = np.array([(x.start, x.end, *x.start_interval, *x.end_interval) for x in found])
 
-    def put(self, where: np.ndarray, rows: Any) -> None:
+    def put(self, where: np.ndarray, rows: Self) -> None:
         super().put(where, rows)
         self.found |= {int(where[row]): found for row, found in rows.found.items()}
 
@@ -220,13 +223,13 @@ class _Table:
             table[name] = x
         return table
 
-    def to_arrow(self) -> Any:
+    def to_arrow(self) -> pyarrow.Table:
         """A pyarrow.Table (extra batch): nan, "" and -1 are nulls, words are dictionaries, vectors three columns."""
         from firstcontact.batch.arrow import table_of
 
         return table_of(self._rows.settle())
 
-    def to_pandas(self) -> Any:
+    def to_pandas(self) -> pandas.DataFrame:
         """A pandas.DataFrame of the same columns (extra batch)."""
         from firstcontact.batch.arrow import frame_of
 

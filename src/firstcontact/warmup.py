@@ -8,7 +8,7 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from functools import partial
 from itertools import chain
 from multiprocessing import get_context
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from firstcontact import query
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
@@ -30,12 +30,21 @@ from firstcontact.toolpath.check import Setup
 from firstcontact.toolpath.moves import Line
 from firstcontact.toolpath.tool import Tool
 
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Shape
+    from firstcontact.motion.kinds import AnyMotion
+
 Question = Callable[[], object]
 
 # An oblique axis: kernels for axes along z alone would leave the general ones uncompiled.
 SHIFT, SWING = Translation((0, 0, -2)), Rotation((1, 2, 0), (3, 0, 0), degrees=200)
 SCREW = Screw((0.1, 1, 2), (0.3, -0.2, 0.1), degrees=40, advance=-3)
-MOTIONS = {"screw": SCREW, "rotation": SWING, "translation": SHIFT, "sequence": Sequence([SHIFT, SWING])}
+MOTIONS: dict[str, AnyMotion] = {
+    "screw": SCREW,
+    "rotation": SWING,
+    "translation": SHIFT,
+    "sequence": Sequence([SHIFT, SWING]),
+}
 SADDLE, LEVEL = RuledSurface("(u, 0, 0)", "(u, 1, u)"), RuledSurface("(u, 0, 1/2)", "(u, 1, 1/2)")
 FEW = 2000
 """Units of work that a question may take: it is for the kernels' sake, not for the answer's."""
@@ -171,7 +180,11 @@ def _of_curves() -> Iterator[tuple[str, Question]]:
 
 def _of_ruled_surfaces() -> Iterator[tuple[str, Question]]:
     above = LEVEL.translated((0, 0, 2)).moving(SHIFT)
-    others = {"surfaces": SADDLE, "a surface and a solid": primitives.sphere("1/2"), "a surface and a mesh": _notched()}
+    others: dict[str, Shape] = {
+        "surfaces": SADDLE,
+        "a surface and a solid": primitives.sphere("1/2"),
+        "a surface and a mesh": _notched(),
+    }
     for kind, other in others.items():
         for verb in (query.first_contact, query.contact_intervals):
             yield f"{verb.__name__} of ruled {kind}", partial(verb, above, other, budget=FEW)

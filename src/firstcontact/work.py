@@ -6,13 +6,16 @@ import time as clock
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypedDict
 
 import numpy as np
 from flint import fmpq
 
 from firstcontact.exact.numbers import below, to_double
 from firstcontact.result import Stats
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
 
 Progress = Callable[[float, int], None]
 """Called with the time before which all is proved, and how much was done."""
@@ -29,7 +32,7 @@ WORTH = 64
 MOST_BYTES = 3 * 2**29
 
 
-def may_grow(*tables: Any, by: int = 2) -> bool:
+def may_grow(*tables: np.ndarray, by: int = 2) -> bool:
     """Whether arrays may become so many times as long: the old ones stand beside the new ones meanwhile."""
     size: int = sum(table.nbytes for table in tables)
     return (1 + by) * size <= MOST_BYTES
@@ -83,6 +86,14 @@ class Work:
             self.progress(self.free_until, self.done)
 
 
+class Shared(TypedDict):
+    """What every result says of its question."""
+
+    a: Body
+    b: Body
+    span: tuple[float, float]
+
+
 @dataclass(frozen=True)
 class Query:
     """Two bodies, at rest or moving, over the closed span [first, last]; a sub-question is `replace(query, ...)`.
@@ -116,11 +127,11 @@ class Query:
         return self.last
 
     @property
-    def bodies(self) -> tuple[Any, Any]:
+    def bodies(self) -> tuple[Body, Body]:
         return self.a, self.b
 
     @property
-    def shared(self) -> dict[str, Any]:
+    def shared(self) -> Shared:
         """What every result says of its question."""
         return {"a": self.a, "b": self.b, "span": self.span}
 

@@ -3,9 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, Protocol, TypeVar
 
 T = TypeVar("T")
+
+
+class Keeping(Protocol):
+    """What has room for what is kept: every body."""
+
+    _search: dict[Any, Any]
 
 
 class Kept(Generic[T]):
@@ -14,7 +20,7 @@ class Kept(Generic[T]):
     Bodies that are placed or changed begin anew; copies by other names share what is kept; pickles leave it out.
     """
 
-    def of(self, body: Any, make: Callable[[], T]) -> T:
+    def of(self, body: Keeping, make: Callable[[], T]) -> T:
         """What is kept; `make` is asked for it where nothing is.  None is not kept."""
         kept: dict[Any, Any] = body._search
         found: T | None = kept.get(self)
@@ -22,7 +28,7 @@ class Kept(Generic[T]):
             found = kept[self] = make()
         return found
 
-    def of_or_refusal(self, body: Any, make: Callable[[], T], refusal: type[Exception]) -> T:
+    def of_or_refusal(self, body: Keeping, make: Callable[[], T], refusal: type[Exception]) -> T:
         """As `of`; where `make` raises an exception of that class, that is kept and raised whenever it is asked."""
         def made() -> Any:
             try:
@@ -35,10 +41,10 @@ class Kept(Generic[T]):
             raise found
         return found
 
-    def get(self, body: Any) -> T | None:
+    def get(self, body: Keeping) -> T | None:
         found: T | None = body._search.get(self)
         return found
 
-    def put(self, body: Any, value: T) -> T:
+    def put(self, body: Keeping, value: T) -> T:
         body._search[self] = value
         return value

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Hashable, Iterable
 from typing import TYPE_CHECKING, Any, ClassVar, Self, overload
 
 from firstcontact.body.kept import Kept
@@ -14,7 +14,13 @@ from firstcontact.motion.translation import vector3
 from firstcontact.result import SCHEMA, Written
 
 if TYPE_CHECKING:
+    from flint import fmpq
+
+    from firstcontact.exact.numbers import Given
+    from firstcontact.exact.ring import VectorOf
     from firstcontact.motion.arrays import Motions, MovingEach
+    from firstcontact.motion.kinds import AnyMotion
+    from firstcontact.result import Table
 
 _HASH = Kept[int]()
 
@@ -27,10 +33,11 @@ class Placing(Written):
     """
 
     name: str | None
+    _search: dict[Any, Any]
     kind: ClassVar[str]
     """The family of the body: what the table of pairs knows it by."""
 
-    def is_round(self, axis: tuple[Any, ...], point: tuple[Any, ...]) -> bool:
+    def is_round(self, axis: VectorOf[fmpq], point: VectorOf[fmpq]) -> bool:
         """Whether every turn about the line through the point along the axis is proved to leave the body as it is."""
         return False
 
@@ -40,11 +47,11 @@ class Placing(Written):
     def _with(self, **changes: Any) -> Self:
         raise NotImplementedError
 
-    def _facts(self) -> tuple[Any, ...]:
+    def _facts(self) -> tuple[Hashable, ...]:
         """What makes the body what it is, but for its name; hashable."""
         raise NotImplementedError
 
-    def _table(self) -> dict[str, Any]:
+    def _table(self) -> Table:
         """The body as a table of a scene file, but for its name."""
         raise NotImplementedError
 
@@ -52,7 +59,7 @@ class Placing(Written):
         """What it is made of, line by line, for readers."""
         raise NotImplementedError
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Table:
         """The body's table in a scene file; exact numbers that no double holds are texts such as "1/3"."""
         name = {} if self.name is None else {"name": self.name}
         return {"schema": SCHEMA, **self._table(), **name}
@@ -71,11 +78,11 @@ class Placing(Written):
     def named(self, name: str | None) -> Self:
         return self._with(name=name)
 
-    def translated(self, v: Iterable[Any]) -> Self:
+    def translated(self, v: Iterable[Given]) -> Self:
         """The body shifted by v, exactly."""
         return self._mapped(shift(vector3(v, "translation")))
 
-    def rotated(self, axis: Iterable[Any], *, degrees: Any, point: Iterable[Any] = (0, 0, 0)) -> Self:
+    def rotated(self, axis: Iterable[Given], *, degrees: Given, point: Iterable[Given] = (0, 0, 0)) -> Self:
         """The body turned about an axis, right-hand rule.
 
         The rotation used is rational and within 2^-60 of the angle (exact for half turns, and for quarter
@@ -87,7 +94,7 @@ class Placing(Written):
         turns = rational(degrees, "rotation degrees") / 360
         return self._mapped(near_rotation(h, vector3(point, "rotation point"), turns))
 
-    def transformed(self, matrix4: Any) -> Self:
+    def transformed(self, matrix4: Iterable[Iterable[Given]]) -> Self:
         """The body under a (4, 4) affine map, exactly; maps may mirror and scale, but not be singular."""
         try:
             rows = [list(row) for row in matrix4]
@@ -106,8 +113,8 @@ class Placing(Written):
     @overload
     def moving(self, motion: Motions) -> MovingEach: ...
     @overload
-    def moving(self, motion: Any) -> Moving: ...
-    def moving(self, motion: Any) -> Moving | MovingEach:
+    def moving(self, motion: AnyMotion) -> Moving: ...
+    def moving(self, motion: AnyMotion | Motions) -> Moving | MovingEach:
         """This body under a motion; under each one of an array of motions, for `first_contacts`."""
         return motion.of(self) if hasattr(motion, "of") else Moving(self, motion)
 

@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from firstcontact.body.polyhedron.polyhedron import Polyhedron
+    from firstcontact.body.ruled.surface import RuledSurface
+    from firstcontact.body.solid.composite_quadric import CompositeQuadric
 
 
-def polyhedron(body: Any) -> list[str]:
+def polyhedron(body: Polyhedron) -> list[str]:
     """Counts, what kind it is, and bounds."""
     lo, hi = body.bounds()
     return [
@@ -16,7 +22,7 @@ def polyhedron(body: Any) -> list[str]:
     ]
 
 
-def solid(body: Any) -> list[str]:
+def solid(body: CompositeQuadric) -> list[str]:
     """Counts and bounds of a solid of planes and quadrics, then every face, edge and vertex by name."""
     lo, hi = body.bounds()
     counts = (
@@ -35,7 +41,7 @@ def solid(body: Any) -> list[str]:
     return lines
 
 
-def ruled(piece: Any) -> list[str]:
+def ruled(piece: RuledSurface) -> list[str]:
     """Directrices, ranges and bounds of a piece of a ruled surface."""
     u = "all u" if piece.u is None else f"u from {piece.u[0]} to {piece.u[1]}"
     s = "whole rulings" if piece.s is None else f"s from {piece.s[0]} to {piece.s[1]}"
@@ -63,7 +69,7 @@ def _carrier(feature: Any) -> str:
     return {"QuarticCurve": "curve of degree 4"}.get(kind, kind.lower())
 
 
-def mesh_kind(body: Any) -> str:
+def mesh_kind(body: Polyhedron) -> str:
     if not body.n_faces:
         return "bare edges" if len(body.edges) else "bare points"
     if body.closed:
@@ -71,7 +77,7 @@ def mesh_kind(body: Any) -> str:
     return "open, a surface (no interior)"
 
 
-def _components(body: Any) -> int:
+def _components(body: Polyhedron) -> int:
     """Connected pieces of vertices and edges; vertices that nothing uses are not counted beside edges."""
     import numpy as np
 
@@ -82,7 +88,7 @@ def _components(body: Any) -> int:
     return len(np.unique(piece[used]))
 
 
-def point(corner: Any) -> str:
+def point(corner: Iterable[float]) -> str:
     return ", ".join(f"{x:.9g}" for x in corner)
 
 

@@ -11,7 +11,6 @@ import logging
 import os
 import sys
 import warnings
-from typing import Any
 
 import click
 
@@ -120,7 +119,7 @@ def _forget_the_rest() -> None:
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
-def _warn(message: Warning | str, *_: Any, **__: Any) -> None:
+def _warn(message: Warning | str, *_: object, **__: object) -> None:
     """One line on stderr, as of errors."""
     _say(str(message))
 

@@ -18,8 +18,13 @@ from firstcontact.cli.rows import More, comma_separated, json_lines, row, writte
 from firstcontact.errors import FirstContactError, InputError
 
 if TYPE_CHECKING:
+    from fractions import Fraction
+
+    from firstcontact.body.kinds import Body
     from firstcontact.cli.progress import Progress
-    from firstcontact.scene.load import Scene
+    from firstcontact.result import Json
+    from firstcontact.scene.load import Check, Curve, Scene
+    from firstcontact.view.pair import Result
 
 FREE, CONTACT, UNDECIDED = 0, 1, 2
 
@@ -88,7 +93,9 @@ def resting_scene_command(function: Callable[..., int]) -> click.Command:
     return _command(function, _SCENE + _OUTPUTS)
 
 
-def _command(function: Callable[..., int], decorators: tuple[Any, ...]) -> click.Command:
+def _command(
+    function: Callable[..., int], decorators: Sequence[Callable[[Callable[..., int]], Callable[..., int]]]
+) -> click.Command:
     @functools.wraps(function)
     def command(**given: Any) -> int:
         what = given.pop("files", None) or given.pop("scene")
@@ -100,7 +107,7 @@ def _command(function: Callable[..., int], decorators: tuple[Any, ...]) -> click
     return click.command(name=function.__name__)(command)
 
 
-def answer_checks(files: tuple[str, ...], options: Options, verb_name: str) -> list[Any]:
+def answer_checks(files: tuple[str, ...], options: Options, verb_name: str) -> list[Result]:
     """The verb's results for all checks of the scene, in order, printed and written as the options ask."""
     from firstcontact.cli.given import given_scene
 
@@ -124,7 +131,7 @@ def answer_checks(files: tuple[str, ...], options: Options, verb_name: str) -> l
             arguments["span"] = span
         asked.append(Asked.of(verb_name, scene.bodies, check.a, check.b, arguments, scene.allow))
 
-    def given(progress: Progress) -> Iterator[Any]:
+    def given(progress: Progress) -> Iterator[Result]:
         def begin(k: int) -> None:
             question = asked[k].question
             shown = _span_shown(question.arguments["span"], question.a, question.b)
@@ -149,7 +156,7 @@ def row_files(
         yield written(options.jsonl, json_lines(keys))
 
 
-def _span_shown(span: Any, a: Any, b: Any) -> tuple[float, float]:
+def _span_shown(span: Sequence[float] | None, a: Body, b: Body) -> tuple[float, float]:
     """The times that are asked about, in doubles, where they are known before a verb has looked."""
     if span is not None:
         return float(span[0]), float(span[1])
@@ -160,12 +167,12 @@ def _span_shown(span: Any, a: Any, b: Any) -> tuple[float, float]:
 def answer_all(
     path: Path,
     what: str,
-    questions: Sequence[Any],
-    answers: Callable[[Progress], Iterator[Any]],
+    questions: Sequence[Check | Curve],
+    answers: Callable[[Progress], Iterator[Result]],
     options: Options,
     scene: Scene | None = None,
-    rows: Sequence[Callable[[Any], None]] = (),
-) -> list[Any]:
+    rows: Sequence[Callable[[Result], None]] = (),
+) -> list[Result]:
     """The answers, in order; each is printed as soon as it is there, or the most of them that matters in the end.
 
     scene: whose answers are printed with how far its bodies have moved, and of many the contacts alone.  rows: take
@@ -200,7 +207,7 @@ def answer_all(
 
 
 def deliver(
-    results: list[Any], options: Options, scene: Scene | None = None, *, interrupted: bool = False
+    results: list[Result], options: Options, scene: Scene | None = None, *, interrupted: bool = False
 ) -> None:
     """JSON to stdout, and the files that were asked for; interrupted: what is decided, and that there was more."""
     write_json(options.json, lambda: _document(results, scene, interrupted))
@@ -231,7 +238,7 @@ def exit_code(statuses: Iterable[str]) -> int:
     return UNDECIDED if "UNDECIDED" in statuses else FREE
 
 
-def exit_code_of(results: Iterable[Any]) -> int:
+def exit_code_of(results: Iterable[Result]) -> int:
     """The same of answers; those that are allowed do not count."""
     from firstcontact.assembly.together import verdict
 
@@ -267,13 +274,13 @@ def _may_be_written(path: Path) -> bool:
         return False
 
 
-def refuse_single(path: Path, pairs: Sequence[Any]) -> None:
+def refuse_single(path: Path, pairs: Sequence[Check | Curve]) -> None:
     """Refuse a scene without a pair of bodies."""
     if not pairs:
         raise InputError(f"{path}: a single body has nothing to touch; add a second [body.NAME]")
 
 
-def _parse_span(span: tuple[str, str] | None) -> tuple[Any, Any] | None:
+def _parse_span(span: tuple[str, str] | None) -> tuple[float | int | Fraction, float | int | Fraction] | None:
     from firstcontact.scene.load import parse_time
 
     if span is None:
@@ -284,14 +291,14 @@ def _parse_span(span: tuple[str, str] | None) -> tuple[Any, Any] | None:
         raise InputError(f"--span: {error}") from error
 
 
-def write(path: str, write: Callable[[Path], Any]) -> None:
+def write(path: str, write: Callable[[Path], object]) -> None:
     try:
         write(Path(path))
     except OSError as error:
         raise InputError(f"{path}: {(error.strerror or str(error)).lower()}; choose another file") from error
 
 
-def _document(results: list[Any], scene: Scene | None, interrupted: bool) -> dict[str, Any]:
+def _document(results: Sequence[Result], scene: Scene | None, interrupted: bool) -> dict[str, Json]:
     from firstcontact import __version__
     from firstcontact.result import SCHEMA
 

@@ -12,7 +12,12 @@ from firstcontact.cli import common
 from firstcontact.errors import InputError
 
 if TYPE_CHECKING:
+    from fractions import Fraction
+
+    from firstcontact.body.kinds import Body
     from firstcontact.cli.progress import Progress
+    from firstcontact.result_curve import IntersectionCurve
+    from firstcontact.view.pair import Result
 
 
 @common.resting_scene_command
@@ -20,7 +25,7 @@ if TYPE_CHECKING:
 @click.option("--box", nargs=6, metavar="X0 Y0 Z0 X1 Y1 Z1", help="Only what lies in this box.")
 @click.option("--at", metavar="T", help="Time at which moving or deforming surfaces are taken.")
 @click.option("--method", metavar="M", help="How to search; by default what suits the pair.")
-def curve(scene: str, options: common.Options, **asked: Any) -> int:
+def curve(scene: str, options: common.Options, **asked: str | tuple[str, ...] | None) -> int:
     """Find the intersection curve of each pair of surfaces at rest.
 
     SCENE is a TOML file; [[curve]] tables name the pairs, else every pair that is checked is taken.  Printed:
@@ -32,7 +37,7 @@ def curve(scene: str, options: common.Options, **asked: Any) -> int:
     return 0
 
 
-def _curves(scene_file: str, options: common.Options, asked: dict[str, Any]) -> list[Any]:
+def _curves(scene_file: str, options: common.Options, asked: dict[str, Any]) -> list[Result]:
     from firstcontact.query import intersection_curve
     from firstcontact.scene.load import load_scene
 
@@ -41,7 +46,7 @@ def _curves(scene_file: str, options: common.Options, asked: dict[str, Any]) -> 
 
     questions = [replace(given, **asked) for given in scene.curves]
 
-    def answers(progress: Progress) -> Iterator[Any]:
+    def answers(progress: Progress) -> Iterator[IntersectionCurve]:
         for question in questions:
             progress.start(f"{question.a} / {question.b}")
             p, q = (_resting(scene.bodies[key], key, question.at) for key in (question.a, question.b))
@@ -53,7 +58,7 @@ def _curves(scene_file: str, options: common.Options, asked: dict[str, Any]) -> 
     return common.answer_all(scene.path, "curve", questions, answers, options)
 
 
-def _resting(body: Any, key: str, time: Any) -> Any:
+def _resting(body: Body, key: str, time: float | None) -> Any:
     if time is not None:
         return body.at(time) if hasattr(body, "at") else body
     if hasattr(body, "motion") or getattr(body, "deforming", False):
@@ -67,7 +72,7 @@ def _read(asked: dict[str, Any]) -> dict[str, Any]:
     from firstcontact.exact.numbers import positive_double
     from firstcontact.scene.load import parse_number
 
-    def number(option: str, text: str) -> Any:
+    def number(option: str, text: str) -> float | int | Fraction:
         try:
             return parse_number(text)
         except ValueError as error:

@@ -10,6 +10,10 @@ import click
 from firstcontact.errors import InputError
 
 if TYPE_CHECKING:
+    from fractions import Fraction
+
+    from firstcontact.motion.rotation import Rotation
+    from firstcontact.motion.translation import Translation
     from firstcontact.scene.load import Scene
 
 
@@ -29,7 +33,9 @@ def given_scene(
     return _of_files(files, _motion(move, turn, about, degrees))
 
 
-def _motion(move: str | None, turn: str | None, about: str | None, degrees: str | None) -> Any:
+def _motion(
+    move: str | None, turn: str | None, about: str | None, degrees: str | None
+) -> Translation | Rotation | None:
     """None where none is given."""
     from firstcontact.motion.rotation import Rotation
     from firstcontact.motion.translation import Translation
@@ -48,7 +54,7 @@ def _motion(move: str | None, turn: str | None, about: str | None, degrees: str 
     return Rotation(_numbers("--turn", turn, 3), point, degrees=_numbers("--degrees", degrees, 1)[0])
 
 
-def _numbers(option: str, text: str, count: int) -> list[Any]:
+def _numbers(option: str, text: str, count: int) -> list[float | int | Fraction]:
     from firstcontact.scene.values import parse_number
 
     parts = text.replace(",", " ").split()
@@ -62,7 +68,7 @@ def _numbers(option: str, text: str, count: int) -> list[Any]:
     return numbers
 
 
-def _of_files(files: tuple[str, ...], motion: Any) -> Scene:
+def _of_files(files: tuple[str, ...], motion: Translation | Rotation | None) -> Scene:
     from firstcontact.body.polyhedron.polyhedron import Polyhedron
     from firstcontact.scene.load import Check, Scene
 

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from firstcontact.body.told import count, mesh_kind, point
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Shape
+    from firstcontact.scene.load import Scene
 
 STEP = (".stp", ".step", ".p21")
 FEW = 8
@@ -70,7 +74,7 @@ def _scene_lines(file: str, everything: bool) -> list[str]:
     return lines
 
 
-def _brief(scene: Any) -> list[str]:
+def _brief(scene: Scene) -> list[str]:
     """One line for each kind of bodies, and for what moves how; then the box of all."""
     import numpy as np
 
@@ -102,5 +106,5 @@ def _some(keys: list[str]) -> str:
     return ", ".join(keys[:MOST_NAMED]) + ", ..." * (len(keys) > MOST_NAMED)
 
 
-def _indented(body: Any) -> list[str]:
+def _indented(body: Shape) -> list[str]:
     return [f"  {line}" for line in body.told()]

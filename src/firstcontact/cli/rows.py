@@ -7,9 +7,12 @@ import json
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import IO, Any
+from typing import IO, TYPE_CHECKING, Any
 
 from firstcontact.errors import InputError
+
+if TYPE_CHECKING:
+    from firstcontact.result import FirstContact
 
 COLUMNS = (
     "a", "b", "status", "time", "time_lo", "time_hi", "x", "y", "z", "nx", "ny", "nz", "element_a", "element_b",
@@ -82,7 +85,7 @@ def comma_separated(unit: str, more: More) -> Callable[[IO[str]], Put]:
     return make
 
 
-def _row(x: Any, unit: str) -> list[Any]:
+def _row(x: FirstContact, unit: str) -> list[str | float | None]:
     from firstcontact.assembly.words import progress
 
     none = [None] * 3

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from firstcontact.result import ContactIntervals, Element, FirstContact
     from firstcontact.scene.load import Scene
 
 FEW = 8
@@ -89,12 +90,12 @@ def _contact(result: Any, unit: str) -> str:
     return "; ".join(x for x in (f"  {result.time:<12.9g} {_pair(result)}", how, met) if x)
 
 
-def _short(element: Any) -> str:
+def _short(element: Element) -> str:
     """Without the body's name, which stands before."""
     return f"{element.kind} {element.index}" if element.label == element.body else element.label
 
 
-def _pair(result: Any) -> str:
+def _pair(result: FirstContact | ContactIntervals) -> str:
     return f"{result.a.name or 'a'} / {result.b.name or 'b'}"
 
 

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from firstcontact.result import CandidateTime, ContactSet, FirstContact, Subproblem
 
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
+
 Carry = Callable[[float], np.ndarray]
 """The rigid (4, 4) pose at a time of the world that was asked about, in the one of the question."""
 
 
-def carried(found: FirstContact, carry: Carry, a: Any, b: Any) -> FirstContact:
+def carried(found: FirstContact, carry: Carry, a: Body, b: Body) -> FirstContact:
     """The first contact of a and b, all that it tells of places carried."""
     changes: dict[str, Any] = {"a": a, "b": b}
     if found.time is not None:

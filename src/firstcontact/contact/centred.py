@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,6 +20,9 @@ from firstcontact.exact.vectors import Vector
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.result import ContactIntervals, FirstContact
 from firstcontact.work import Query
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Shape
 
 FAR = 2.0**10
 """Sizes of the smaller body from the origin beyond which the world is shifted: ten of the 53 bits are lost there."""
@@ -57,7 +60,7 @@ def _shift(query: Query) -> Vector | None:
     return to_origin(middle, size)
 
 
-def _place(shape: Any, query: Query) -> _Place:
+def _place(shape: Shape, query: Query) -> _Place:
     def found() -> _Place:
         lo, hi = shape.bounds(query.span)
         size = float((hi - lo).max())

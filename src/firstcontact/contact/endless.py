@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from flint import arb, fmpq
@@ -22,6 +22,9 @@ from firstcontact.motion.relative.pieces import Piece, pieces
 from firstcontact.motion.rotation import angle_ball
 from firstcontact.result import ContactIntervals, FirstContact, Status
 from firstcontact.work import Query
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
 
 ENDLESS = float("inf")
 Vector = tuple[fmpq, fmpq, fmpq]
@@ -87,7 +90,7 @@ def _settling(query: Query) -> tuple[Piece, fmpq]:
     return piece, first + 2 * wait + 1
 
 
-def _box(body: Any, first: fmpq) -> Box | None:
+def _box(body: Body, first: fmpq) -> Box | None:
     """Exact corners of a box that holds the body at the start; None without bounds."""
     corners = body.bounds((below(first), above(first))) if isinstance(body, Moving) else body.bounds()
     if not np.all(np.isfinite(corners)):
@@ -105,7 +108,7 @@ def _passing(a: Box, b: Box, velocity: Vector) -> fmpq:
     return min(waits)
 
 
-def _settled(body: Any, box: Box, velocity: Vector, first: fmpq) -> fmpq:
+def _settled(body: Body, box: Box, velocity: Vector, first: fmpq) -> fmpq:
     """The time after which every surface of a model keeps its side of all points of a box that moves away.
 
     At x = c + w + v t, c the centre of the box, a form is alpha t^2 + (beta + w.2Av) t + ..., and from the time on at
@@ -114,7 +117,7 @@ def _settled(body: Any, box: Box, velocity: Vector, first: fmpq) -> fmpq:
     model = shape_of(body)
     if not hasattr(model, "surfaces"):
         raise UnsupportedPair(f"{body!r} is unbounded, which needs a bounded span; give span=(first, last)")
-    before = scaled(first, body.motion.vector) if isinstance(body, Moving) else (fmpq(0),) * 3
+    before = scaled(first, body.motion.vector) if isinstance(body, Moving) else (fmpq(0),) * 3  # type: ignore[union-attr]  # a Translation
     lo, hi = box
     centre = (*((x + y) / 2 - z for x, y, z in zip(lo, hi, before, strict=True)), fmpq(1))
     half = [(y - x) / 2 for x, y in zip(lo, hi, strict=True)]

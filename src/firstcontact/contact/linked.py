@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from flint import fmpq
@@ -22,6 +22,9 @@ from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.relative.reach import places
 from firstcontact.result import ContactInterval, ContactIntervals, ContactPairs, FirstContact, JointValue, Stats, Status
 from firstcontact.work import Query
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body, Shape
 
 # Balls that cover a body's box: doublings, halving its longest sides.
 _HALVINGS = 4
@@ -100,7 +103,7 @@ def _during(query: Query, run: Run, stats: Stats) -> Query:
     return replace(query, a=a, b=b, first=run[0], last=run[1], budget=left, tolerance=tolerance)
 
 
-def _cut(body: Any, run: Run) -> Any:
+def _cut(body: Body, run: Run) -> Body:
     if not isinstance(body, Moving) or not isinstance(body.motion, Linkage):
         return body
     return Moving(body.body, body.motion.during(*run))
@@ -153,7 +156,7 @@ def _runs(query: Query) -> Iterator[Run]:
     yield from _joined(asked.tolist(), times, query.first, last)
 
 
-def _balls(body: Any, cover: Cover, asked: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _balls(body: Body, cover: Cover, asked: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Centres (n, k, 3) and radii (n, k) of balls that hold the body in all of each stretch."""
     if not isinstance(body, Moving):
         return np.array(cover.centres)[None], np.full((1, len(cover.centres)), cover.radius)
@@ -184,7 +187,7 @@ def _joined(stretches: list[int], times: tuple[fmpq, ...], first: fmpq, last: fm
             begin = k
 
 
-def _covers(body: Any) -> tuple[Cover, Cover] | None:
+def _covers(body: Shape) -> tuple[Cover, Cover] | None:
     """One ball around the body, and several around parts of its box; None of a body that has no box of its own."""
     def made() -> tuple[Cover, Cover] | None:
         lo, hi = body.bounds()

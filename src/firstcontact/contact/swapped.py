@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from firstcontact.result import Element, ElementPair, FirstContact
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
 
 
 def swapped(found: FirstContact) -> FirstContact:
@@ -19,7 +22,7 @@ def swapped(found: FirstContact) -> FirstContact:
     )  # fmt: skip
 
 
-def _called(body: Any, before: str, after: str, element: Element | None) -> Any:
+def _called(body: Body, before: str, after: str, element: Element | None) -> Any:
     """The element of a body that goes by this letter where it has no name."""
     if element is None or getattr(body, "name", None):
         return element

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from enum import Enum
 from functools import cache, partial
 from importlib import import_module
-from typing import Any, Literal, Protocol, overload
+from typing import TYPE_CHECKING, Any, Literal, Protocol, overload
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact import centred, linked
@@ -18,6 +18,9 @@ from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.span import refuse_late
 from firstcontact.result import ContactIntervals, ContactPairs, FirstContact
 from firstcontact.work import Query
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import AnyBody
 
 
 class Kind(Enum):
@@ -74,7 +77,7 @@ _KINDS = {kind.value: kind for kind in Kind}
 _ORDER = list(Kind)
 
 
-def as_body(body: Any) -> Any:
+def as_body(body: AnyBody) -> Any:
     """A mesh of trimesh as a Polyhedron, a shape of build123d or CadQuery as a Compound; what is a body as it is."""
     if hasattr(body, "wrapped") and not hasattr(body, "moving"):
         from firstcontact import from_shape
@@ -86,7 +89,7 @@ def as_body(body: Any) -> Any:
     return Polyhedron.from_trimesh(body) if is_mesh else body
 
 
-def kind_of(body: Any) -> Kind:
+def kind_of(body: AnyBody) -> Kind:
     """UnsupportedPair for what is no body."""
     kind = _KINDS.get(str(getattr(shape_of(body), "kind", None)))
     if kind is None:
@@ -95,13 +98,13 @@ def kind_of(body: Any) -> Kind:
     return kind
 
 
-def kinds_of(a: Any, b: Any) -> tuple[Kind, Kind]:
+def kinds_of(a: AnyBody, b: AnyBody) -> tuple[Kind, Kind]:
     """Of both bodies, the simpler one first."""
     one, other = kind_of(a), kind_of(b)
     return (one, other) if _ORDER.index(one) <= _ORDER.index(other) else (other, one)
 
 
-def proves(verb: str, a: Any, b: Any) -> str:
+def proves(verb: str, a: AnyBody, b: AnyBody) -> str:
     """What a verb proves of two bodies.  UnsupportedPair, which tells what would do instead, where it takes no such."""
     told = PAIRS[kinds_of(a, b)].proves[VERBS.index(verb)]
     if told == NOT:

@@ -6,11 +6,14 @@ import time as clock
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from firstcontact.errors import UnsupportedPair
 from firstcontact.result import Asked, ContactIntervals, FirstContact, Status
 from firstcontact.work import Query
+
+if TYPE_CHECKING:
+    from firstcontact.search.convex.advance import Advance
 
 Answer = FirstContact | ContactIntervals
 R = TypeVar("R", FirstContact, ContactIntervals)
@@ -47,11 +50,11 @@ def decided(answer: R, query: Query) -> R | Passed:
     return Passed(str(answer.reason), answer)
 
 
-def _always(query: Query, proved: Any) -> bool:
+def _always(query: Query, proved: Advance | ContactIntervals | None) -> bool:
     return True
 
 
-def is_proved(query: Query, proved: Any) -> bool:
+def is_proved(query: Query, proved: Advance | ContactIntervals | None) -> bool:
     """For ways that begin with a proof."""
     return proved is not None
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from flint import fmpq
@@ -21,12 +21,17 @@ from firstcontact.exact.numbers import rational, to_double
 from firstcontact.exact.rigid import to_origin
 from firstcontact.exact.vectors import Vector
 
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Shape
+    from firstcontact.curves.fields import CurveFields
+
 SMALL, LARGE = 2.0**-4, 2.0**24
 """Scenes between these sizes are left as they are."""
 FAR = 2.0**6
 """Sizes of the smaller body from the origin beyond which a scene is shifted."""
 Corners = tuple[np.ndarray, np.ndarray]
-Search = Callable[[Any, Any, float, Box | None], dict[str, Any]]
+Search: TypeAlias = "Callable[[Any, Any, float, Box | None], CurveFields]"
+
 
 
 @dataclass(frozen=True)
@@ -36,7 +41,7 @@ class Placing:
     factor: fmpq
     by: Vector
 
-    def body(self, body: Any) -> Any:
+    def body(self, body: Shape) -> Any:
         k, nil = self.factor, fmpq(0)
         rows = [[k if i == j else nil for j in range(3)] + [k * self.by[i]] for i in range(3)]
         return body.transformed([*rows, [nil, nil, nil, fmpq(1)]])
@@ -51,7 +56,7 @@ class Placing:
         return points / to_double(self.factor) - [to_double(d) for d in self.by]
 
 
-def searched(search: Search, p: Any, q: Any, tolerance: float, box: Box | None) -> dict[str, Any]:
+def searched(search: Search, p: Shape, q: Shape, tolerance: float, box: Box | None) -> CurveFields:
     """The fields of IntersectionCurve that `search(p, q, tolerance, box)` finds of the scene in a better place."""
     placing = _placing((p, q))
     if placing is None:
@@ -61,7 +66,7 @@ def searched(search: Search, p: Any, q: Any, tolerance: float, box: Box | None) 
     return restored(fields, placing, box)
 
 
-def _placing(bodies: Sequence[Any]) -> Placing | None:
+def _placing(bodies: Sequence[Shape]) -> Placing | None:
     """None where the scene stays as it is."""
     corners = [_corners(body) for body in bodies]
     by = _shift(corners)
@@ -81,7 +86,7 @@ def _shift(corners: Sequence[Corners]) -> Vector:
     return to_origin(middle.tolist(), size)
 
 
-def _corners(body: Any) -> Corners:
+def _corners(body: Shape) -> Corners:
     """Of a box around some points of the directrices, none at infinity, or around a solid; infinite where unknown."""
     if not hasattr(body, "pieces"):
         low, high = body.bounds()
@@ -108,7 +113,7 @@ def _points(piece: Any) -> np.ndarray:
     return finite
 
 
-def restored(fields: dict[str, Any], placing: Placing, box: Box | None) -> dict[str, Any]:
+def restored(fields: CurveFields, placing: Placing, box: Box | None) -> CurveFields:
     """The fields of IntersectionCurve for the scene as it was, from those of the placed one; box: as it was."""
     back = placing.back
     names = {} if box is None else {
@@ -121,7 +126,8 @@ def restored(fields: dict[str, Any], placing: Placing, box: Box | None) -> dict[
         return replace(x, point=None if x.point is None else back(x.point), **changes)
 
     graph = fields["graph"]
-    found = fields | {
+    given: Any = fields
+    found: Any = given | {
         "branches": tuple(
             replace(x, points=back(x.points), ends=tuple(moved(end, on=tuple(names.get(n, n) for n in end.on))
                                                        for end in x.ends))
@@ -130,9 +136,9 @@ def restored(fields: dict[str, Any], placing: Placing, box: Box | None) -> dict[
         "graph": replace(graph, nodes=tuple(moved(x) for x in graph.nodes)),
     }  # fmt: skip
     for name in ("overlap_lines", "isolated_points"):
-        found[name] = back(fields[name])
+        found[name] = back(given[name])
     for name in ("singular_points", "open_places"):
-        found[name] = tuple(moved(x) for x in fields.get(name, ()))
-    if fields.get("box") is not None:
-        found["box"] = back(fields["box"])
+        found[name] = tuple(moved(x) for x in given.get(name, ()))
+    if given.get("box") is not None:
+        found["box"] = back(given["box"])
     return found

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import time as clock
+from collections.abc import Iterable
 from dataclasses import replace
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from firstcontact.body.ruled.strip import RuledStrip
 from firstcontact.body.ruled.surface import RuledSurface
@@ -19,12 +20,19 @@ from firstcontact.errors import InputError, UnsupportedPair
 from firstcontact.result import Stats
 from firstcontact.result_curve import IntersectionCurve
 
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Ruled, Shape
+    from firstcontact.curves.fields import CurveFields
+    from firstcontact.exact.numbers import Given
+
 METHODS = ("auto", "algebraic", "certified")
 # Largest product of the degrees of Delta that "auto" decides exactly at once (some 40 ms).
 SMALL = 20
 
 
-def intersection_curve(p: Any, q: Any, tolerance: float, method: str, box: Any) -> IntersectionCurve:
+def intersection_curve(
+    p: Ruled, q: Ruled, tolerance: float, method: str, box: Iterable[Iterable[Given]] | None
+) -> IntersectionCurve:
     """All points that the two surfaces share."""
     begin = clock.perf_counter()
     for surface in (p, q):
@@ -38,7 +46,7 @@ def intersection_curve(p: Any, q: Any, tolerance: float, method: str, box: Any) 
     return IntersectionCurve(**fields, stats=replace(stats, seconds=clock.perf_counter() - begin), a=p, b=q)
 
 
-def takes_kernels(p: Any, q: Any, method: str, box: Any) -> bool:
+def takes_kernels(p: Any, q: Any, method: str, box: Iterable[Iterable[Given]] | Box | None) -> bool:
     """Whether these bodies' curve is looked for in doubles, by compiled code."""
     if not all(isinstance(x, RuledSurface | RuledStrip) for x in (p, q)) or method == "algebraic" or box is not None:
         return False
@@ -49,7 +57,7 @@ def takes_kernels(p: Any, q: Any, method: str, box: Any) -> bool:
     return sizes[0] * sizes[1] > SMALL and all(x.bounded and is_supported(x) for x in (first, second))
 
 
-def _fields(p: Any, q: Any, tolerance: float, box: Box | None, method: str) -> dict[str, Any]:
+def _fields(p: Ruled, q: Ruled, tolerance: float, box: Box | None, method: str) -> CurveFields:
     """Those of IntersectionCurve, by the path that the method names."""
     strips = [x for x in (p, q) if isinstance(x, RuledStrip) and len(x.pieces) > 1]
     if method == "algebraic" and strips:
@@ -66,7 +74,7 @@ def _fields(p: Any, q: Any, tolerance: float, box: Box | None, method: str) -> d
     return intersection(Piece.of(p.pieces[0]), Piece.of(q.pieces[0]), tolerance, box)
 
 
-def _check(surface: Any) -> None:
+def _check(surface: Shape) -> None:
     if not isinstance(surface, RuledSurface | RuledStrip):
         at = "; give body.at(t)" if hasattr(surface, "motion") else ""
         raise UnsupportedPair(f"intersection_curve is for two ruled surfaces at rest, not {surface!r}{at}")

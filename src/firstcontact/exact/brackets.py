@@ -8,12 +8,15 @@ are points.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from flint import fmpq, fmpz
+from flint import arb, fmpq, fmpz
 
 from firstcontact.exact.fields.number_field import is_zero, sign
 from firstcontact.exact.vectors import Vector, add, cross, dot, scaled, sub
+
+if TYPE_CHECKING:
+    from firstcontact.exact.ring import N, Number, Scalar, VectorOf
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,18 +52,18 @@ class SegmentsRelation:
     t: Any = None
 
 
-def bracket4(a: Vector, b: Vector, c: Vector, d: Vector) -> Any:
+def bracket4(a: VectorOf[N], b: VectorOf[N], c: VectorOf[N], d: VectorOf[N]) -> N:
     """[abcd] = det (a b c d; 1 1 1 1) = -det(b - a, c - a, d - a): six times a signed volume."""
     return -dot(sub(b, a), cross(sub(c, a), sub(d, a)))
 
 
-def bracket3(a: Vector, b: Vector, c: Vector, dropped: int) -> Any:
+def bracket3(a: VectorOf[N], b: VectorOf[N], c: VectorOf[N], dropped: int) -> N:
     """Twice the signed area of abc without coordinate `dropped`: [abc] times one factor for all of a plane."""
     j, k = (dropped + 1) % 3, (dropped + 2) % 3
     return (b[j] - a[j]) * (c[k] - a[k]) - (b[k] - a[k]) * (c[j] - a[j])
 
 
-def bracket2(a: Vector, b: Vector, direction: Vector) -> Any:
+def bracket2(a: VectorOf[N], b: VectorOf[N], direction: VectorOf[N]) -> N:
     """(a - b) . direction: [ab] times one positive factor for all of a line with this direction."""
     return dot(sub(a, b), direction)
 
@@ -149,7 +152,7 @@ def _with_point(p1: Vector, p2: Vector, q1: Vector, q2: Vector) -> SegmentsRelat
     return SegmentsRelation("separate") if t is None else SegmentsRelation("point", p1, s=fmpq(0), t=t)
 
 
-def _parameter_of_point(x: Vector, a: Vector, b: Vector) -> Any:
+def _parameter_of_point(x: Vector, a: Vector, b: Vector) -> fmpq | arb | None:
     """The parameter of x on the closed segment ab, None where x is not on it; 0 where a = b = x."""
     e = sub(b, a)
     if _equal(a, b):
@@ -161,12 +164,12 @@ def _parameter_of_point(x: Vector, a: Vector, b: Vector) -> Any:
     return _along(a, e, x)
 
 
-def _along(a: Vector, e: Vector, x: Vector) -> Any:
+def _along(a: Vector, e: Vector, x: Vector) -> fmpq | arb:
     """The parameter of a point x of the line a + s e."""
     return _ratio(bracket2(x, a, e), dot(e, e))
 
 
-def _between(a: Vector, b: Vector, t: Any) -> Vector:
+def _between(a: Vector, b: Vector, t: Number) -> Vector:
     return add(a, scaled(t, sub(b, a)))
 
 
@@ -174,6 +177,6 @@ def _equal(a: Vector, b: Vector) -> bool:
     return all(is_zero(x - y) for x, y in zip(a, b, strict=True))
 
 
-def _ratio(x: Any, y: Any) -> Any:
+def _ratio(x: Scalar, y: Scalar) -> fmpq | arb:
     """x / y, whole numbers included."""
-    return fmpq(x, y) if isinstance(x, int | fmpz) and isinstance(y, int | fmpz) else x / y
+    return fmpq(x, y) if isinstance(x, int | fmpz) and isinstance(y, int | fmpz) else x / y  # type: ignore[return-value]  # both are whole, or none

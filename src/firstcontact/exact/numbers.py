@@ -10,14 +10,20 @@ import math
 import re
 import sys
 import threading
+from collections.abc import Iterable
 from decimal import Decimal
 from fractions import Fraction
 from numbers import Real
-from typing import Any
+from typing import TYPE_CHECKING, TypeAlias
 
 from flint import arb, ctx, fmpq, fmpz
 
 from firstcontact.errors import InputError, shown
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from firstcontact.exact.ring import Ordered, Rational
 
 # Exponents that would ask for gigabytes of digits.
 _ENDLESS = re.compile(r"[eE][+-]?0*[1-9]\d{4}")
@@ -29,11 +35,17 @@ CHANCE = fmpq(1, 1000)
 PRECISIONS = (128, 256, 512, 1024, 2048)
 
 
+# A number as users give it, and what stands in files instead of one.
+Given: TypeAlias = "float | Fraction | Decimal | fmpz | fmpq | str | np.floating | np.integer | None"
+# Numbers in rows, in arrays, or deeper.
+Nested: TypeAlias = "Iterable[Given | Nested]"
+
+
 class Undecidable(Exception):
     """A ball still contains zero at this precision; the caller raises it or answers UNDECIDED."""
 
 
-def sign(x: Any) -> int:
+def sign(x: Ordered) -> int:
     """Sign of an fmpq (always) or of an arb ball (Undecidable when it straddles zero)."""
     if type(x) is arb:
         if x > 0:
@@ -48,7 +60,7 @@ def sign(x: Any) -> int:
     return (x > 0) - (x < 0)
 
 
-def rational(x: Any, what: str) -> fmpq:
+def rational(x: Given, what: str) -> fmpq:
     """The exact value of a double, int, Fraction, Decimal, fmpq or of a string such as "1/3" or "0.1".
 
     `what` names the argument in the InputError for anything else, NaN and infinities included.
@@ -68,9 +80,9 @@ def rational(x: Any, what: str) -> fmpq:
     if isinstance(x, Decimal):
         x = str(x)
     if hasattr(x, "as_integer_ratio"):  # NumPy's other floats
-        if not math.isfinite(x):
+        if not math.isfinite(x):  # type: ignore[arg-type]  # no text has a ratio
             raise InputError(f"{what} is {x}; give a finite number")
-        return fmpq(*map(int, x.as_integer_ratio()))
+        return fmpq(*map(int, x.as_integer_ratio()))  # type: ignore[union-attr]  # nor has None
     if isinstance(x, str):
         if _ENDLESS.search(x):
             raise InputError(f"{what} is {x!r}; give an exponent below 10000")
@@ -82,12 +94,12 @@ def rational(x: Any, what: str) -> fmpq:
             raise InputError(f"{what} is {x!r}; give a number such as 0.5, '1/3' or '0.1'") from error
         return fmpq(f.numerator, f.denominator)
     try:
-        return rational(x.item(), what)  # NumPy scalars
+        return rational(x.item(), what)  # type: ignore[union-attr]  # NumPy scalars
     except (AttributeError, TypeError, ValueError) as error:
         raise InputError(f"{what} is {shown(x)}; give a number") from error
 
 
-def positive_double(x: Any, what: str, kind: str = "number") -> float:
+def positive_double(x: object, what: str, kind: str = "number") -> float:
     """A positive number whose double is positive and finite too, as that double."""
     try:
         value = float(x) if isinstance(x, Real) else math.nan
@@ -160,7 +172,7 @@ def likely(lo: fmpq, hi: fmpq) -> fmpq:
     return short if (hi - lo) * short.q**2 < CHANCE else (lo + hi) / 2
 
 
-def ball(x: Any) -> arb:
+def ball(x: Rational | arb) -> arb:
     """An enclosure of x at the present precision."""
     return x if isinstance(x, arb) else arb(x)
 

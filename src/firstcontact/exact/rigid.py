@@ -51,7 +51,7 @@ def compose(m: Matrix, n: Matrix) -> Matrix:
     )  # type: ignore[return-value]
 
 
-def determinant(m: Matrix) -> Any:
+def determinant(m: Matrix) -> fmpq | arb:
     (a, b, c, _), (d, e, f, _), (g, h, i, _) = m
     return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
 
@@ -68,7 +68,7 @@ def inverse_map(m: Matrix) -> Matrix:
     return tuple((*(k / w for k in r), -(r[0] * x + r[1] * y + r[2] * z) / w) for r in rows)  # type: ignore[return-value]
 
 
-def quaternion_rotation(w: Any, axis: Vector, point: Vector) -> Matrix:
+def quaternion_rotation(w: fmpq | arb, axis: Vector, point: Vector) -> Matrix:
     """Rotation of the (unnormalised) quaternion w + axis, about the line through `point`.
 
     Rational for rational input: R = I + 2 (w [q] + [q]^2) / (w^2 + q.q).

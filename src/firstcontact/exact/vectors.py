@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from flint import fmpq, fmpz
+from flint import arb, fmpq, fmpz
+
+if TYPE_CHECKING:
+    from firstcontact.exact.ring import N, Number, Scalar
 
 Vector = tuple[Any, Any, Any]
 
@@ -18,15 +21,15 @@ def add(x: Vector, y: Vector) -> Vector:
     return x[0] + y[0], x[1] + y[1], x[2] + y[2]
 
 
-def scaled(k: Any, x: Vector) -> Vector:
+def scaled(k: Number, x: Vector) -> Vector:
     return k * x[0], k * x[1], k * x[2]
 
 
-def dot(x: Sequence[Any], y: Sequence[Any]) -> Any:
+def dot(x: Sequence[N], y: Sequence[N]) -> N:
     return x[0] * y[0] + x[1] * y[1] + x[2] * y[2]
 
 
-def cross(x: Sequence[Any], y: Sequence[Any]) -> Vector:
+def cross(x: Sequence[N], y: Sequence[N]) -> Vector:
     return (
         x[1] * y[2] - x[2] * y[1],
         x[2] * y[0] - x[0] * y[2],
@@ -34,17 +37,17 @@ def cross(x: Sequence[Any], y: Sequence[Any]) -> Vector:
     )
 
 
-def det(x: Sequence[Any], y: Sequence[Any], z: Sequence[Any]) -> Any:
+def det(x: Sequence[N], y: Sequence[N], z: Sequence[N]) -> N:
     """Of the matrix with these rows."""
     return dot(x, cross(y, z))
 
 
-def along(p: Vector, t: Any, v: Vector) -> Vector:
+def along(p: Vector, t: Number, v: Vector) -> Vector:
     """p + t v."""
     return p[0] + t * v[0], p[1] + t * v[1], p[2] + t * v[2]
 
 
-def whole(*points: Vector, per: Any = 1) -> tuple[fmpz, list[Vector]]:
+def whole(*points: Vector, per: fmpz | int = 1) -> tuple[fmpz, list[Vector]]:
     """(scale > 0, the rational points times it as fmpz): sums of whole numbers have no denominators to find.
 
     per: a number of which the scale is to be a multiple.
@@ -72,9 +75,9 @@ def whole_doubles(points: list[list[float]], per: fmpz, number: type = fmpz) -> 
     return scale, list(zip(numbers, numbers, numbers))  # noqa: B905 - three of one iterator
 
 
-def ratio(x: Any, y: Any) -> Any:
+def ratio(x: Scalar, y: Scalar) -> fmpq | arb:
     """x / y, whole numbers included."""
-    return fmpq(x, y) if type(x) is fmpz else x / y
+    return fmpq(x, y) if type(x) is fmpz else x / y  # type: ignore[arg-type, return-value]  # both are whole, or none
 
 
 def divisible(*vectors: Vector) -> tuple[Vector, ...]:

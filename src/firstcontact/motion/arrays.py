@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from copy import copy
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from flint import fmpq
@@ -14,6 +14,10 @@ from firstcontact.exact.numbers import exact_value
 from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.translation import Translation
+
+if TYPE_CHECKING:
+    from firstcontact.exact.numbers import Given, Nested
+    from firstcontact.motion.kinds import Single
 
 
 class Motions:
@@ -25,11 +29,11 @@ class Motions:
     def __len__(self) -> int:
         raise NotImplementedError
 
-    def one(self, row: int) -> Any:
+    def one(self, row: int) -> Single:
         """Motion `row`."""
         raise NotImplementedError
 
-    def taken(self, rows: Any) -> Self:
+    def taken(self, rows: slice | np.ndarray) -> Self:
         """Those of a slice or of an array of rows."""
         raise NotImplementedError
 
@@ -44,7 +48,7 @@ class Motions:
             raise IndexError(f"motion {rows} of {len(self)}")
         return self.one(int(rows) % len(self))
 
-    def __iter__(self) -> Iterator[Any]:
+    def __iter__(self) -> Iterator[Single]:
         return (self.one(k) for k in range(len(self)))
 
     def __repr__(self) -> str:
@@ -60,7 +64,7 @@ class Translations(Motions):
     Translation((0.0, 2.0, 0.0))
     """
 
-    def __init__(self, vectors: Any) -> None:
+    def __init__(self, vectors: Nested) -> None:
         self.vectors = _doubles(vectors, (3,), "Translations: vectors")
 
     def __len__(self) -> int:
@@ -69,7 +73,7 @@ class Translations(Motions):
     def one(self, row: int) -> Translation:
         return Translation(self.vectors[row].tolist())
 
-    def taken(self, rows: Any) -> Translations:
+    def taken(self, rows: slice | np.ndarray) -> Translations:
         some = copy(self)
         some.vectors = self.vectors[rows]
         return some
@@ -86,7 +90,13 @@ class Rotations(Motions):
     """
 
     def __init__(
-        self, axes: Any, points: Any = (0, 0, 0), *, radians: Any = None, degrees: Any = None, turns: Any = None
+        self,
+        axes: Nested,
+        points: Nested = (0, 0, 0),
+        *,
+        radians: Nested | Given = None,
+        degrees: Nested | Given = None,
+        turns: Nested | Given = None,
     ) -> None:
         given = {"radians": radians, "degrees": degrees, "turns": turns}
         named = [unit for unit, angles in given.items() if angles is not None]
@@ -114,7 +124,7 @@ class Rotations(Motions):
         angle: dict[str, Any] = {self.unit: float(self.angles[row])}
         return Rotation(self.axes[row].tolist(), self.points[row].tolist(), **angle)
 
-    def taken(self, rows: Any) -> Rotations:
+    def taken(self, rows: slice | np.ndarray) -> Rotations:
         angles: dict[str, Any] = {self.unit: self.angles[rows]}
         return Rotations(self.axes[rows], self.points[rows], **angles)
 
@@ -136,7 +146,7 @@ class Poses(Motions):
     array([1., 0., 0., 0.])
     """
 
-    def __init__(self, poses: Any, snap: Any = None) -> None:
+    def __init__(self, poses: Nested, snap: Given = None) -> None:
         self.poses = _doubles(poses, (2, 4, 4), "Poses: poses")
         self.snap = snap
 
@@ -144,10 +154,10 @@ class Poses(Motions):
         return len(self.poses)
 
     def one(self, row: int) -> RationalMotion:
-        options = {} if self.snap is None else {"snap": self.snap}
+        options: dict[str, Any] = {} if self.snap is None else {"snap": self.snap}
         return RationalMotion.between(*self.poses[row], **options)
 
-    def taken(self, rows: Any) -> Poses:
+    def taken(self, rows: slice | np.ndarray) -> Poses:
         return Poses(self.poses[rows], self.snap)
 
 
@@ -174,7 +184,7 @@ class MovingEach:
         return f"{self.body!r} moving by {self.motions!r}"
 
 
-def _doubles(values: Any, shape: tuple[int, ...], what: str) -> np.ndarray:
+def _doubles(values: Nested, shape: tuple[int, ...], what: str) -> np.ndarray:
     """The values as an array of doubles (n, *shape) of its own; InputError names the first one that is none."""
     wanted = f"({', '.join(map(str, ('n', *shape)))}{',' if not shape else ''})"
     try:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterable, Iterator
-from typing import Any
+from collections.abc import Hashable, Iterable, Iterator
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import arb, fmpq
@@ -19,6 +19,9 @@ from firstcontact.motion.screw import Screw, simple
 from firstcontact.motion.translation import Translation, double_of
 from firstcontact.motion.value import Motion, numbers
 from firstcontact.result import JointValue
+
+if TYPE_CHECKING:
+    from firstcontact.result import Table
 
 # Bits of joint values in answers.
 _BITS = 192
@@ -67,13 +70,13 @@ class Drive(Motion):
     def _with(self, motion: Simple, values: Iterable[Value]) -> Drive:
         return Drive(self.name, self.unit, motion, values, limits=self.limits, mimic=self.mimic)
 
-    def _facts(self) -> tuple[Any, ...]:
+    def _facts(self) -> tuple[Hashable, ...]:
         return self.name, self.unit, self.motion, self.values
 
     def _quick(self) -> Iterable[fmpq]:
         return (*self.motion._quick(), *(x for value in (self.values[0], self.values[-1]) for x in value))
 
-    def _table(self) -> dict[str, Any]:
+    def _table(self) -> Table:
         told = {"limits": self.limits and numbers(self.limits)}
         told["mimic"] = self.mimic and [self.mimic[0], *numbers(self.mimic[1:])]
         return {
@@ -107,7 +110,7 @@ class Linkage(Motion):
         return to_double(self.times[0]), to_double(self.times[-1])
 
     @property
-    def steps(self) -> tuple[Any, ...]:
+    def steps(self) -> tuple[Factor, ...]:
         """The motion of each stretch."""
         return tuple(part[2] for part in self.parts())
 
@@ -192,20 +195,20 @@ class Linkage(Motion):
         """The same motion in a world shifted by a vector."""
         return Linkage(self.times, [d.shifted(by) for d in self.drives])
 
-    def _facts(self) -> tuple[Any, ...]:
+    def _facts(self) -> tuple[Hashable, ...]:
         return self.times, self.drives
 
     def _quick(self) -> Iterable[fmpq]:
         return (*self.times[:2], self.times[-1], *(x for d in self.drives for x in d._quick()))
 
-    def _table(self) -> dict[str, Any]:
+    def _table(self) -> Table:
         return {"type": "linkage", "times": numbers(self.times), "drives": [d._table() for d in self.drives]}
 
     def __repr__(self) -> str:
         names = ", ".join(d.name for d in self.drives)
         return f"<Linkage by {names}, from {self.span[0]:g} to {self.span[1]:g}>"
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> tuple[object, ...]:
         from firstcontact.exact.numbers import fraction
 
         rows = [

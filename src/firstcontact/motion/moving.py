@@ -3,20 +3,27 @@
 from __future__ import annotations
 
 import itertools
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from firstcontact.errors import InputError, shown
 from firstcontact.result import Written
 
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import AnyBody
+    from firstcontact.body.placing import Placing
+    from firstcontact.motion.kinds import AnyMotion
+    from firstcontact.result import Table
+
 
 class Moving(Written):
     """A body and its motion; `.at(t)` is the body at rest in its pose at time t."""
 
     __slots__ = ("body", "motion")
+    body: Any
 
-    def __init__(self, body: Any, motion: Any) -> None:
+    def __init__(self, body: AnyBody | Placing, motion: AnyMotion) -> None:
         if hasattr(body, "as_body"):  # a part or an assembly of a STEP file
             body = body.as_body()
         if not hasattr(body, "moving") and hasattr(body, "wrapped"):  # a shape of build123d or CadQuery
@@ -43,7 +50,7 @@ class Moving(Written):
     def named(self, name: str | None) -> Moving:
         return Moving(self.body.named(name), self.motion)
 
-    def moving(self, motion: Any) -> Moving:
+    def moving(self, motion: AnyMotion) -> Moving:
         """Refused: it moves already."""
         return Moving(self, motion)
 
@@ -69,7 +76,7 @@ class Moving(Written):
             return np.full(3, -np.inf), np.full(3, np.inf)
         return swept_box(self.motion, first, last, points, error)
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Table:
         """The body's table in a scene file, with that of its motion."""
         return {**self.body.to_dict(), "motion": self.motion._table()}
 
@@ -84,11 +91,11 @@ class Moving(Written):
     def __repr__(self) -> str:
         return f"{self.body!r} moving by {self.motion!r}"
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> tuple[object, ...]:
         return Moving, (self.body, self.motion)
 
 
-def shape_of(body: Any) -> Any:
+def shape_of(body: AnyBody) -> Any:
     """The body itself, of one that moves or rests."""
     return body.body if isinstance(body, Moving) else body
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from flint import arb, ctx, fmpq
@@ -30,6 +30,10 @@ from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.rotation import Rotation, angle_ball
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.translation import Translation
+
+if TYPE_CHECKING:
+    from firstcontact.body.placing import Placing
+    from firstcontact.motion.kinds import Single
 
 _0 = fmpq(0)
 # Bits of the rational length that stands for an irrational one, and of the enclosures that become doubles.
@@ -86,6 +90,9 @@ class Twist:
         return compose(shift(scaled(ahead, self.turn.axis)), self.turn.near())
 
 
+S = TypeVar("S", bound="Placing")
+
+
 @dataclass(frozen=True, slots=True)
 class Placement:
     """``factors``, last one applied last: rational matrices, and Turns and Twists that no rational matrix describes.
@@ -127,7 +134,7 @@ class Placement:
         with precision(DOUBLE_BITS):
             return np.array([*([float(ball(x)) for x in row] for row in self.matrix()), [0.0, 0.0, 0.0, 1.0]])
 
-    def _product(self, form: Any, of: Callable[[Turn | Twist], Matrix]) -> Matrix:
+    def _product(self, form: int | str, of: Callable[[Turn | Twist], Matrix]) -> Matrix:
         """The factors multiplied, each irrational one as `of` gives it; known for each form once asked for."""
         waiting: list[Placement] = []
         here: Placement | None = self
@@ -142,7 +149,7 @@ class Placement:
             placement._known[form] = total
         return total
 
-    def place(self, body: Any) -> Any:
+    def place(self, body: S) -> S:
         """The body in this pose; its `exact_vertex` gives balls where the pose is irrational."""
         if not self.factors:
             return body
@@ -150,13 +157,13 @@ class Placement:
             return body._mapped(self.matrix())
         with precision(128):
             doubles = [[float(ball(x)) for x in row] for row in self.matrix()]
-        return body._placed(self, doubles)
+        return body._placed(self, doubles)  # type: ignore[attr-defined, no-any-return]  # of polyhedra
 
 
 HERE = Placement()
 
 
-def advanced(before: Placement, motion: Any, share: fmpq) -> Placement:
+def advanced(before: Placement, motion: Single, share: fmpq) -> Placement:
     """The pose `before` and then `share` of the motion; the end of a step is where all of it leads."""
     if isinstance(motion, RationalMotion):
         rows = motion.exact(share)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from flint import fmpq, fmpz
 
@@ -20,6 +20,9 @@ from firstcontact.exact.numbers import fraction, rational, to_double
 from firstcontact.exact.rigid import Matrix, quaternion_rotation
 from firstcontact.exact.vectors import Vector, det
 from firstcontact.motion.translation import vector3
+
+if TYPE_CHECKING:
+    from firstcontact.exact.numbers import Given, Nested
 
 Quaternion = tuple[fmpq, fmpq, fmpq, fmpq]
 Rows = list[list[fmpq]]
@@ -49,18 +52,22 @@ class Pose:
         rows = quaternion_rotation(w, (x, y, z), (fmpq(0), fmpq(0), fmpq(0)))
         return tuple((*row[:3], shift) for row, shift in zip(rows, self.vector, strict=True))  # type: ignore[return-value]
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> tuple[object, ...]:
         rows = tuple(map(fraction, self.quaternion)), tuple(map(fraction, self.vector))
         return _rebuild, (*rows, self.correction)
 
 
-def _rebuild(quaternion: Any, vector: Any, correction: float = 0.0) -> Pose:
+def _rebuild(quaternion: Iterable[fmpq], vector: Iterable[fmpq], correction: float = 0.0) -> Pose:
     exact = tuple(rational(x, "quaternion") for x in quaternion)
     return Pose(exact, vector3(vector, "vector"), correction)  # type: ignore[arg-type]
 
 
 def read_poses(
-    poses: Iterable[Any], names: Iterable[str], quat_xyzw: Any = None, quat_wxyz: Any = None, snap: Any = SNAP
+    poses: Iterable[Any],
+    names: Iterable[str],
+    quat_xyzw: Nested | None = None,
+    quat_wxyz: Nested | None = None,
+    snap: Given = SNAP,
 ) -> list[Pose]:
     """The poses, named in errors by `names`; with quaternions given, `poses` are their vectors (n, 3)."""
     poses, names, most = list(poses), list(names), rational(snap, "snap")
@@ -72,7 +79,7 @@ def read_poses(
         raise InputError("quat_xyzw= and quat_wxyz= are both given; give one of them")
     key, values = ("quat_xyzw", quat_xyzw) if quat_xyzw is not None else ("quat_wxyz", quat_wxyz)
     try:
-        quaternions = list(values)
+        quaternions = list(values)  # type: ignore[arg-type]  # one of them is given
     except TypeError as error:
         raise InputError(f"{key} is {values!r}; give one quaternion for each of the {len(poses)} poses") from error
     if len(quaternions) != len(poses):

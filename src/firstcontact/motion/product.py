@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import Any, NamedTuple
+from collections.abc import Hashable, Iterable
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from flint import fmpq, fmpq_poly
@@ -14,6 +14,9 @@ from firstcontact.motion.rotation import Rotation, turns_of
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.translation import SPAN, Translation, double_of
 from firstcontact.motion.value import Motion, numbers
+
+if TYPE_CHECKING:
+    from firstcontact.result import Table
 
 Simple = Translation | Rotation | Screw
 Value = tuple[fmpq, ...]
@@ -64,13 +67,13 @@ class Product(Motion):
         """The same motion in a world shifted by a vector."""
         return Product(Factor(f.motion.shifted(by), f.value) for f in self.factors)
 
-    def _facts(self) -> tuple[Any, ...]:
+    def _facts(self) -> tuple[Hashable, ...]:
         return self.factors
 
     def _quick(self) -> Iterable[fmpq]:
         return (x for f in self.factors for x in f.value)
 
-    def _table(self) -> dict[str, Any]:
+    def _table(self) -> Table:
         factors = [{"motion": f.motion._table(), "value": numbers(f.value)} for f in self.factors]
         return {"type": "product", "factors": factors}
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Hashable, Iterable
+from typing import TYPE_CHECKING
 
 import numpy as np
 from flint import fmpq, fmpq_poly, fmpz_poly
@@ -16,6 +16,10 @@ from firstcontact.motion.poses import BITS, SNAP, Pose, read_poses, read_rows, s
 from firstcontact.motion.relative import projective
 from firstcontact.motion.translation import LARGEST, SPAN, double_of
 from firstcontact.motion.value import Motion, numbers
+
+if TYPE_CHECKING:
+    from firstcontact.exact.numbers import Given, Nested
+    from firstcontact.result import Table
 
 _0, _1 = fmpq(0), fmpq(1)
 # How near (in time) an error text names a zero of the weight or of the determinant.
@@ -56,7 +60,7 @@ class RationalMotion(Motion):
     correction: float
     """By how much an entry of a matrix given to `between` is off the rotation that it stands for, at most."""
 
-    def __init__(self, coefficients: Iterable[Any]) -> None:
+    def __init__(self, coefficients: Iterable[Nested]) -> None:
         self.coefficients = _read(coefficients)
         entries = [
             [fmpq_poly([matrix[i][j] for matrix in self.coefficients]) for j in range(4)] for i in range(4)
@@ -67,7 +71,13 @@ class RationalMotion(Motion):
 
     @classmethod
     def between(
-        cls, pose0: Any, pose1: Any, *, quat_xyzw: Any = None, quat_wxyz: Any = None, snap: Any = SNAP
+        cls,
+        pose0: Nested,
+        pose1: Nested,
+        *,
+        quat_xyzw: Nested | None = None,
+        quat_wxyz: Nested | None = None,
+        snap: Given = SNAP,
     ) -> RationalMotion:
         """The motion from pose0 (t = 0) to pose1 (t = 1): straight line of unit quaternions, linear translation.
 
@@ -130,25 +140,25 @@ class RationalMotion(Motion):
             moved.append([[*row[:3], row[3] - dot(row[:3], by)] for row in (*rows, weights)])
         return RationalMotion(moved)
 
-    def _facts(self) -> tuple[Any, ...]:
+    def _facts(self) -> tuple[Hashable, ...]:
         return self.coefficients
 
     def _quick(self) -> Iterable[fmpq]:
         return (x for matrix in self.coefficients for row in matrix for x in row)
 
-    def _table(self) -> dict[str, Any]:
+    def _table(self) -> Table:
         off = {"correction": self.correction} if self.correction else {}
         return {"type": "rational", "coefficients": numbers(self.coefficients), **off}
 
     def __repr__(self) -> str:
         return f"<RationalMotion: degree {self.degree}, {'rigid' if self.rigid else 'affine'}>"
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> tuple[object, ...]:
         rows = tuple(tuple(tuple(map(fraction, row)) for row in matrix) for matrix in self.coefficients)
         return rebuilt, (rows, self.correction)
 
 
-def rebuilt(coefficients: Any, correction: float) -> RationalMotion:
+def rebuilt(coefficients: Iterable[Nested], correction: float) -> RationalMotion:
     """The motion, with what is known of the matrices it was made of."""
     made = RationalMotion(coefficients)
     made.correction = correction
@@ -181,7 +191,7 @@ def refuse_half_turn(cosine: fmpq, square_p: fmpq, square_q: fmpq, names: str) -
         )
 
 
-def _read(coefficients: Iterable[Any]) -> tuple[tuple[tuple[fmpq, ...], ...], ...]:
+def _read(coefficients: Iterable[Nested]) -> tuple[tuple[tuple[fmpq, ...], ...], ...]:
     try:
         matrices = list(coefficients)
     except TypeError as error:

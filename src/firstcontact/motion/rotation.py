@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Hashable, Iterable
+from typing import TYPE_CHECKING
 
 import numpy as np
 from flint import arb, fmpq
@@ -14,6 +14,12 @@ from firstcontact.exact.numbers import fraction, rational, to_double
 from firstcontact.exact.vectors import Vector, add
 from firstcontact.motion.translation import LARGEST, SPAN, double_of, vector3
 from firstcontact.motion.value import Motion, number, numbers
+
+if TYPE_CHECKING:
+    from firstcontact.exact.numbers import Given
+    from firstcontact.motion.kinds import AnyMotion
+    from firstcontact.motion.screw import Screw
+    from firstcontact.result import Table
 
 
 class Rotation(Motion):
@@ -35,12 +41,12 @@ class Rotation(Motion):
 
     def __init__(
         self,
-        axis: Iterable[Any],
-        point: Iterable[Any] = (0, 0, 0),
+        axis: Iterable[Given],
+        point: Iterable[Given] = (0, 0, 0),
         *,
-        radians: Any = None,
-        degrees: Any = None,
-        turns: Any = None,
+        radians: Given = None,
+        degrees: Given = None,
+        turns: Given = None,
     ) -> None:
         self.axis = direction(axis, "Rotation axis")
         self.point = vector3(point, "Rotation point")
@@ -64,25 +70,25 @@ class Rotation(Motion):
         """The same motion in a world shifted by a vector."""
         return _rebuild(self.axis, add(self.point, by), self.unit, self.angle)
 
-    def _facts(self) -> tuple[Any, ...]:
+    def _facts(self) -> tuple[Hashable, ...]:
         return self.axis, self.point, self.unit, self.angle
 
     def _quick(self) -> Iterable[fmpq]:
         return *self.axis, *self.point, self.angle
 
-    def _table(self) -> dict[str, Any]:
+    def _table(self) -> Table:
         return {"type": "rotation", **turn_table(self)}
 
     def __repr__(self) -> str:
         axis, point = (tuple(map(to_double, v)) for v in (self.axis, self.point))
         return f"Rotation({axis}, point={point}, {self.unit}={to_double(self.angle)})"
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> tuple[object, ...]:
         axis, point = (tuple(map(fraction, v)) for v in (self.axis, self.point))
         return _rebuild, (axis, point, self.unit, fraction(self.angle))
 
 
-def direction(values: Iterable[Any], what: str) -> tuple[fmpq, fmpq, fmpq]:
+def direction(values: Iterable[Given], what: str) -> tuple[fmpq, fmpq, fmpq]:
     """Three exact numbers, not all zero; InputError names `what`."""
     vector = vector3(values, what)
     if not any(vector):
@@ -90,12 +96,12 @@ def direction(values: Iterable[Any], what: str) -> tuple[fmpq, fmpq, fmpq]:
     return vector
 
 
-def turn_table(motion: Any) -> dict[str, Any]:
+def turn_table(motion: Rotation | Screw) -> Table:
     """Axis, point and angle as a scene file has them, of a Rotation or a Screw."""
     return {"axis": numbers(motion.axis), "point": numbers(motion.point), motion.unit: number(motion.angle)}
 
 
-def read_angle(what: str, radians: Any, degrees: Any, turns: Any) -> tuple[fmpq, str]:
+def read_angle(what: str, radians: Given, degrees: Given, turns: Given) -> tuple[fmpq, str]:
     """(angle, "radians" | "turns") of the one keyword given."""
     if (radians is not None) + (degrees is not None) + (turns is not None) != 1:
         raise InputError(f"{what} needs exactly one of radians=, degrees=, turns=")
@@ -107,7 +113,7 @@ def read_angle(what: str, radians: Any, degrees: Any, turns: Any) -> tuple[fmpq,
     return (angle / 360, "turns") if key == "degrees" else (angle, key)
 
 
-def _rebuild(axis: Any, point: Any, unit: str, angle: Any) -> Rotation:
+def _rebuild(axis: Iterable[Given], point: Iterable[Given], unit: str, angle: Given) -> Rotation:
     return Rotation(axis, point, **{unit: angle})
 
 
@@ -122,10 +128,10 @@ def rotation_matrix(axis: np.ndarray, point: np.ndarray, radians: float) -> np.n
     return pose
 
 
-def turns_of(motion: Any) -> fmpq:
+def turns_of(motion: AnyMotion) -> fmpq:
     """About how many full turns a motion makes in its unit of time, none too few."""
     if hasattr(motion, "turns"):  # of several joints
-        turns: fmpq = motion.turns
+        turns: fmpq = motion.turns  # type: ignore[assignment]  # within a product
         return turns
     angle: fmpq = abs(getattr(motion, "angle", fmpq(0)))
     return angle if getattr(motion, "unit", "turns") == "turns" else angle / 6

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Hashable, Iterable
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import arb, fmpq
@@ -16,6 +16,11 @@ from firstcontact.exact.vectors import Vector, add, dot, scaled
 from firstcontact.motion.rotation import Rotation, angle_ball, direction, read_angle, turn_table
 from firstcontact.motion.translation import LARGEST, SPAN, Translation, double_of, vector3
 from firstcontact.motion.value import Motion, number
+
+if TYPE_CHECKING:
+    from firstcontact.exact.numbers import Given
+    from firstcontact.motion.kinds import AnyMotion
+    from firstcontact.result import Table
 
 # Bits at which a pose is enclosed before it is rounded: even an axis 2^60 away leaves more than a double holds.
 POSE_BITS = 256
@@ -41,13 +46,13 @@ class Screw(Motion):
 
     def __init__(
         self,
-        axis: Iterable[Any],
-        point: Iterable[Any] = (0, 0, 0),
+        axis: Iterable[Given],
+        point: Iterable[Given] = (0, 0, 0),
         *,
-        radians: Any = None,
-        degrees: Any = None,
-        turns: Any = None,
-        advance: Any = 0,
+        radians: Given = None,
+        degrees: Given = None,
+        turns: Given = None,
+        advance: Given = 0,
     ) -> None:
         self.axis = direction(axis, "Screw axis")
         self.point = vector3(point, "Screw point")
@@ -92,13 +97,13 @@ class Screw(Motion):
         """The same motion in a world shifted by a vector."""
         return _rebuild(self.axis, add(self.point, by), self.unit, self.angle, self.advance)
 
-    def _facts(self) -> tuple[Any, ...]:
+    def _facts(self) -> tuple[Hashable, ...]:
         return self.axis, self.point, self.unit, self.angle, self.advance
 
     def _quick(self) -> Iterable[fmpq]:
         return *self.axis, *self.point, self.angle, self.advance
 
-    def _table(self) -> dict[str, Any]:
+    def _table(self) -> Table:
         return {"type": "screw", **turn_table(self), "advance": number(self.advance)}
 
     def __repr__(self) -> str:
@@ -106,15 +111,15 @@ class Screw(Motion):
         angle, advance = to_double(self.angle), to_double(self.advance)
         return f"Screw({axis}, point={point}, {self.unit}={angle}, advance={advance})"
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> tuple[object, ...]:
         axis, point = (tuple(map(fraction, v)) for v in (self.axis, self.point))
         return _rebuild, (axis, point, self.unit, fraction(self.angle), fraction(self.advance))
 
 
-def simple(motion: Any) -> Any:
+def simple(motion: AnyMotion) -> Any:
     """A screw that only turns, or only advances, as a Rotation or Translation; any other motion itself."""
     return motion.reduced() if isinstance(motion, Screw) else motion
 
 
-def _rebuild(axis: Any, point: Any, unit: str, angle: Any, advance: Any) -> Screw:
+def _rebuild(axis: Iterable[Given], point: Iterable[Given], unit: str, angle: Given, advance: Given) -> Screw:
     return Screw(axis, point, **{unit: angle}, advance=advance)

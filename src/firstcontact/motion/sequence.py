@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Hashable, Iterable
+from typing import TYPE_CHECKING
 
 import numpy as np
 from flint import fmpq
@@ -18,6 +18,10 @@ from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.screw import Screw, simple
 from firstcontact.motion.translation import LARGEST, Translation, double_of
 from firstcontact.motion.value import Motion, numbers
+
+if TYPE_CHECKING:
+    from firstcontact.exact.numbers import Given
+    from firstcontact.result import Table
 
 Step = Translation | Rotation | Screw | RationalMotion
 FEW = 4
@@ -39,7 +43,7 @@ class Sequence(Motion):
     __slots__ = ("steps", "ends", "_before")
     extends = False
 
-    def __init__(self, steps: Iterable[Step], durations: Iterable[Any] | None = None) -> None:
+    def __init__(self, steps: Iterable[Step], durations: Iterable[Given] | None = None) -> None:
         try:
             self.steps = tuple(steps)
             given = None if durations is None else tuple(durations)
@@ -112,13 +116,13 @@ class Sequence(Motion):
         """The same motion in a world shifted by a vector."""
         return Sequence([step.shifted(by) for step in self.steps], self.durations)
 
-    def _facts(self) -> tuple[Any, ...]:
+    def _facts(self) -> tuple[Hashable, ...]:
         return self.steps, self.ends
 
     def _quick(self) -> Iterable[fmpq]:
         return (x for step in self.steps for x in step._quick())
 
-    def _table(self) -> dict[str, Any]:
+    def _table(self) -> Table:
         steps = [step._table() for step in self.steps]
         return {"type": "sequence", "durations": numbers(self.durations), "steps": steps}
 
@@ -127,5 +131,5 @@ class Sequence(Motion):
             return f"<Sequence: {len(self.steps)} steps from 0 to {self.span[1]:g}>"
         return f"Sequence({list(self.steps)!r})"
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> tuple[object, ...]:
         return Sequence, (self.steps, tuple(map(fraction, self.durations)))

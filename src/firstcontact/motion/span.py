@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import warnings
-from typing import Any
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
 
 from flint import fmpq
 
@@ -18,6 +19,11 @@ from firstcontact.motion.sequence import Sequence
 from firstcontact.motion.trajectory import Trajectory
 from firstcontact.motion.translation import LARGEST, Translation
 
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import AnyBody
+    from firstcontact.exact.numbers import Given
+    from firstcontact.motion.kinds import AnyMotion
+
 UNIT = fmpq(0), fmpq(1)
 # Latest time of a query, as of all numbers of motions, but for slow shifts, which go so far at most: squares of longer
 # ways are no longer doubles.
@@ -29,7 +35,7 @@ NEARER = "give a time below 2^150, or inf as the end of a translation"
 MOST_TURNS = 10_000
 
 
-def limits(motion: Any) -> tuple[fmpq, fmpq] | None:
+def limits(motion: AnyMotion) -> tuple[fmpq, fmpq] | None:
     """The exact first and last time at which the motion has a pose; None when it goes on beyond its span."""
     if isinstance(motion, Sequence):
         return fmpq(0), motion.ends[-1]
@@ -38,7 +44,7 @@ def limits(motion: Any) -> tuple[fmpq, fmpq] | None:
     return UNIT if isinstance(motion, RationalMotion) else None
 
 
-def common_span(a: Any, b: Any, span: Any) -> tuple[fmpq, fmpq | None]:
+def common_span(a: AnyBody, b: AnyBody, span: Iterable[Given] | None) -> tuple[fmpq, fmpq | None]:
     """The exact span (None: without end) of a query; by default the intersection of the motions' spans, which warns
     where these are not the same.
 
@@ -72,7 +78,7 @@ def common_span(a: Any, b: Any, span: Any) -> tuple[fmpq, fmpq | None]:
     last = None if endless else rational(hi, "span end")
     if last is not None and last < first:
         raise InputError(f"span is ({lo}, {hi}); its end lies before its start")
-    for what, given, time in (("start", lo, first), ("end", hi, last)):
+    for what, given, time in (("start", lo, first), ("end", hi, last)):  # type: ignore[assignment]  # as it was given
         if time is not None and any(_is_far(motion, time) for motion in motions):
             raise InputError(f"span {what} is {shown(given)}; {NEARER}")
     for motion, limit in zip(motions, own, strict=True):
@@ -89,7 +95,7 @@ def refuse_late(times: tuple[fmpq, fmpq | None]) -> None:
             raise InputError(f"span {what} lies beyond 2^1023; give a time below, or inf as the end of a translation")
 
 
-def _is_far(motion: Any, time: fmpq) -> bool:
+def _is_far(motion: AnyMotion, time: fmpq) -> bool:
     """Whether the motion is not followed to that time."""
     if isinstance(motion, Translation):
         return bool(max(abs(v) for v in motion.vector) * abs(time) > FARTHEST)
@@ -97,7 +103,7 @@ def _is_far(motion: Any, time: fmpq) -> bool:
 
 
 def refuse_many_turns(
-    a: Any, b: Any, first: fmpq, last: fmpq | None, kinds: tuple[type, ...] = (Rotation, Screw)
+    a: AnyBody, b: AnyBody, first: fmpq, last: fmpq | None, kinds: tuple[type, ...] = (Rotation, Screw)
 ) -> None:
     """InputError for a body that turns more than MOST_TURNS times in the span by a motion of these kinds."""
     for body in (a, b):
@@ -107,7 +113,7 @@ def refuse_many_turns(
             if isinstance(step, Rotation | Screw | Linkage) and isinstance(step, (*kinds, Linkage)):
                 turns = exact_value(step.turns) if isinstance(step, Linkage) else turns_of(step) * share
                 if turns > MOST_TURNS:
-                    who = body.name or "a body"
+                    who = body.name or "a body"  # type: ignore[union-attr]  # it moves
                     raise InputError(
                         f"{who}: {step!r} makes {to_double(turns):.3g} full turns during the span, each of which is "
                         f"searched; ask about {MOST_TURNS} at a time by a shorter span="

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from flint import fmpq
 
@@ -13,6 +13,9 @@ from firstcontact.motion.screw import simple
 from firstcontact.motion.sequence import Sequence
 from firstcontact.motion.trajectory import Trajectory
 from firstcontact.motion.translation import Translation
+
+if TYPE_CHECKING:
+    from firstcontact.motion.kinds import AnyMotion
 
 REST = Translation((0, 0, 0))
 
@@ -57,7 +60,7 @@ class Step(NamedTuple):
 RESTING = Step(fmpq(0), None, REST, HERE)
 
 
-def steps_of(motion: Any) -> Iterator[Step]:
+def steps_of(motion: AnyMotion) -> Iterator[Step]:
     """The steps in order of time."""
     if isinstance(motion, Linkage):
         yield from (Step(*part) for part in motion.parts())

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Hashable, Iterable
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import arb, fmpq
@@ -18,6 +18,10 @@ from firstcontact.motion.rational import RationalMotion, join, refuse_half_turn
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.translation import LARGEST, Translation, double_of
 from firstcontact.motion.value import Motion, numbers
+
+if TYPE_CHECKING:
+    from firstcontact.exact.numbers import Given, Nested
+    from firstcontact.result import Table
 
 INTERPOLATIONS = ("linear-quaternion", "screw")
 
@@ -59,13 +63,13 @@ class Trajectory(Motion):
 
     def __init__(
         self,
-        times: Iterable[Any],
-        poses: Iterable[Any],
+        times: Iterable[Given],
+        poses: Iterable[Nested],
         interpolation: str = "linear-quaternion",
         *,
-        quat_xyzw: Any = None,
-        quat_wxyz: Any = None,
-        snap: Any = SNAP,
+        quat_xyzw: Nested | None = None,
+        quat_wxyz: Nested | None = None,
+        snap: Given = SNAP,
     ) -> None:
         if interpolation not in INTERPOLATIONS:
             raise InputError(f"Trajectory interpolation is {interpolation!r}; use one of {INTERPOLATIONS}")
@@ -130,13 +134,13 @@ class Trajectory(Motion):
         moved.steps = tuple(step.shifted(by) for step in self.steps)
         return moved
 
-    def _facts(self) -> tuple[Any, ...]:
+    def _facts(self) -> tuple[Hashable, ...]:
         return self.interpolation, self.times, tuple((p.quaternion, p.vector) for p in self.poses), self.steps
 
     def _quick(self) -> Iterable[fmpq]:
         return (x for pose in self.poses for x in (*pose.vector, *pose.quaternion))
 
-    def _table(self) -> dict[str, Any]:
+    def _table(self) -> Table:
         return {
             "type": "trajectory",
             "times": numbers(self.times),
@@ -150,20 +154,26 @@ class Trajectory(Motion):
         first, last = self.span
         return f"<Trajectory: {len(self.times)} poses from {first:g} to {last:g}, {self.interpolation}>"
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> tuple[object, ...]:
         vectors, quaternions = zip(*((p.vector, p.quaternion) for p in self.poses), strict=True)
         rows = [tuple(map(fraction, v)) for v in vectors], [tuple(map(fraction, q)) for q in quaternions]
         return rebuilt, (tuple(map(fraction, self.times)), *rows, self.interpolation, self.correction)
 
 
-def rebuilt(times: Any, vectors: Any, quaternions: Any, interpolation: str, correction: float = 0.0) -> Trajectory:
+def rebuilt(
+    times: Iterable[Given],
+    vectors: Iterable[Nested],
+    quaternions: Nested,
+    interpolation: str,
+    correction: float = 0.0,
+) -> Trajectory:
     """The motion, with what is known of the matrices it was made of."""
     made = Trajectory(times, vectors, interpolation, quat_wxyz=quaternions)
     made.correction = correction
     return made
 
 
-def _times(values: Any) -> tuple[fmpq, ...]:
+def _times(values: Iterable[Given]) -> tuple[fmpq, ...]:
     values = _listed(values, "times")
     times = tuple(rational(t, f"Trajectory times[{k}]") for k, t in enumerate(values))
     if len(times) < 2:
@@ -179,7 +189,7 @@ def _times(values: Any) -> tuple[fmpq, ...]:
     return times
 
 
-def _listed(values: Any, key: str) -> list[Any]:
+def _listed(values: Iterable[Any], key: str) -> list[Any]:
     try:
         return list(values)
     except TypeError as error:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Hashable, Iterable
+from typing import TYPE_CHECKING
 
 import numpy as np
 from flint import fmpq
@@ -14,13 +14,17 @@ from firstcontact.exact.numbers import rational, to_double
 from firstcontact.exact.vectors import Vector
 from firstcontact.motion.value import Motion, numbers
 
+if TYPE_CHECKING:
+    from firstcontact.exact.numbers import Given
+    from firstcontact.result import Table
+
 SPAN = (0.0, 1.0)
 
 # Largest number of a motion: with coordinates below the same bound nothing overflows.
 LARGEST = fmpq(2) ** 150
 
 
-def vector3(values: Iterable[Any], what: str) -> tuple[fmpq, fmpq, fmpq]:
+def vector3(values: Iterable[Given], what: str) -> tuple[fmpq, fmpq, fmpq]:
     """Three exact numbers; InputError names `what`."""
     try:
         x, y, z = values
@@ -29,7 +33,7 @@ def vector3(values: Iterable[Any], what: str) -> tuple[fmpq, fmpq, fmpq]:
     return _component(x, what, 0), _component(y, what, 1), _component(z, what, 2)
 
 
-def _component(x: Any, what: str, k: int) -> fmpq:
+def _component(x: Given, what: str, k: int) -> fmpq:
     if isinstance(x, float):
         x = float(x)  # NumPy's own are slow
         if -(2.0**150) < x < 2.0**150:
@@ -40,7 +44,7 @@ def _component(x: Any, what: str, k: int) -> fmpq:
     return value
 
 
-def double_of(t: Any) -> float:
+def double_of(t: float) -> float:
     """A time as a finite double, or InputError."""
     time = to_double(rational(t, "time"))
     if not math.isfinite(time):
@@ -62,7 +66,7 @@ class Translation(Motion):
     span = SPAN
     extends = True
 
-    def __init__(self, vector: Iterable[Any]) -> None:
+    def __init__(self, vector: Iterable[Given]) -> None:
         self.vector = vector3(vector, "Translation vector")
 
     def __call__(self, t: float) -> np.ndarray:
@@ -75,19 +79,19 @@ class Translation(Motion):
         """The same motion in a world shifted by a vector."""
         return self
 
-    def _facts(self) -> tuple[Any, ...]:
+    def _facts(self) -> tuple[Hashable, ...]:
         return self.vector
 
     def _quick(self) -> Iterable[fmpq]:
         return self.vector
 
-    def _table(self) -> dict[str, Any]:
+    def _table(self) -> Table:
         return {"type": "translation", "vector": numbers(self.vector)}
 
     def __repr__(self) -> str:
         return "Translation(({}, {}, {}))".format(*map(to_double, self.vector))
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> tuple[object, ...]:
         from firstcontact.exact.numbers import fraction
 
         return Translation, (tuple(map(fraction, self.vector)),)

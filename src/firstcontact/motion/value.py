@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Hashable, Iterable
+from typing import TYPE_CHECKING, Any
 
 from flint import fmpq
 
 from firstcontact.exact.numbers import to_double
 from firstcontact.result import SCHEMA, Written
+
+if TYPE_CHECKING:
+    from firstcontact.result import Table
 
 # Whole numbers up to there are JSON numbers for every reader; larger ones are texts.
 LARGEST_WHOLE = 2**53
@@ -20,7 +23,7 @@ class Motion(Written):
     __slots__ = ("_hash",)
     _hash: int
 
-    def _facts(self) -> tuple[Any, ...]:
+    def _facts(self) -> tuple[Hashable, ...]:
         """The numbers that make the motion what it is, hashable."""
         raise NotImplementedError
 
@@ -28,11 +31,11 @@ class Motion(Written):
         """Some of these numbers, enough to tell most motions apart."""
         raise NotImplementedError
 
-    def _table(self) -> dict[str, Any]:
+    def _table(self) -> Table:
         """The motion as a table of a scene file."""
         raise NotImplementedError
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Table:
         """The motion's table in a scene file; exact numbers that no double holds are texts such as "1/3"."""
         return {"schema": SCHEMA, **self._table()}
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import combinations
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from flint import arb, fmpq, fmpz, fmpz_mat, fmpz_poly
 
@@ -99,7 +99,7 @@ class Proportional(Equations):
         return [list(row) for row in zip(_minors(by_u, q), _minors(p, by_v), strict=True)]
 
 
-def _at(line: Sequence[fmpz_poly], x: arb) -> list[Any]:
+def _at(line: Sequence[fmpz_poly], x: arb) -> list[arb]:
     return [c(x) for c in line]
 
 

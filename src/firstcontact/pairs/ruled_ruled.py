@@ -16,7 +16,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property, reduce
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from flint import fmpq, fmpz, fmpz_mat, fmpz_mpoly, fmpz_poly
 
@@ -27,6 +27,9 @@ from firstcontact.exact.fields.roots import AlgebraicRoot, real_roots, reversed_
 from firstcontact.exact.polynomials import bivariate
 from firstcontact.exact.polynomials.bivariate import CONTEXT, in_u, in_v
 from firstcontact.pairs import apex_rulings
+
+if TYPE_CHECKING:
+    from firstcontact.exact.ring import N
 
 Vector = tuple[Any, Any, Any, Any]
 Matrix = tuple[Vector, ...]
@@ -129,14 +132,14 @@ def brackets(p: Rulings, q: Rulings) -> tuple[Vector, Vector, Vector, Vector]:
     return tuple(map(tuple, found))  # type: ignore[return-value]
 
 
-def points_on(line: Sequence[Any]) -> Matrix:
+def points_on(line: Sequence[N]) -> Matrix:
     """The skew matrix of a Pluecker vector: its columns are points of the line."""
     a, b, c, d, e, f = line
     o = a - a
     return (o, a, b, c), (-a, o, d, e), (-b, -d, o, f), (-c, -e, -f, o)
 
 
-def planes_through(line: Sequence[Any]) -> Matrix:
+def planes_through(line: Sequence[N]) -> Matrix:
     """The skew matrix whose columns are planes through the line."""
     return points_on([line[k] if sign > 0 else -line[k] for k, sign in DUAL])
 
@@ -366,7 +369,7 @@ def sign_at(f: fmpz_mpoly, u: Parameter, v: Parameter, degrees: tuple[int, ...])
     return bivariate.sign_at(CONTEXT.from_dict(terms), u, v)
 
 
-def _vector(x: Sequence[Any]) -> Vector:
+def _vector(x: Sequence[N]) -> Vector:
     return x[0], x[1], x[2], x[3]
 
 

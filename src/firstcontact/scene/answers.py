@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 from fractions import Fraction
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from pydantic import BeforeValidator, StrictBool, StrictInt, StrictStr
@@ -40,10 +41,14 @@ from firstcontact.result_curve import (
 )
 from firstcontact.scene.values import Table, list_of
 
+if TYPE_CHECKING:
+    from firstcontact.result import Json
+    from firstcontact.result_curve import ExactParameter
+
 _TERM = re.compile(r"([+-]?)(\d*)(x?)(?:\^(\d+))?")
 
 
-def _double(value: Any) -> float:
+def _double(value: Json) -> float:
     """A double; JSON has infinity as a text and nan as null."""
     if value is None:
         return math.nan
@@ -54,7 +59,7 @@ def _double(value: Any) -> float:
     return float(value)
 
 
-def _exact(text: Any) -> Any:
+def _exact(text: Json) -> Fraction | AlgebraicNumber | tuple[Any, Any]:
     """A fraction, a root or an angle, as results write them: (cosine, sine) of an angle, whose time stands beside."""
     if not isinstance(text, str):
         raise ValueError(f"{text!r} is no exact number; write one as \"1/3\" or \"root of x^2 - 2 in [1, 2]\"")
@@ -82,7 +87,7 @@ def _polynomial(text: str) -> tuple[int, ...]:
     return tuple(powers.get(k, 0) for k in range(max(powers, default=-1) + 1))
 
 
-def _parameter(text: Any) -> Any:
+def _parameter(text: Json) -> ExactParameter | tuple[Any, Any] | None:
     """An exact parameter, a double as a text, or None."""
     if text is None:
         return None
@@ -100,7 +105,7 @@ def _time(exact: Any, time: float | None) -> Any:
 
 def _array(width: int) -> BeforeValidator:
     """Rows of that many doubles."""
-    def read(value: Any) -> Any:
+    def read(value: Json) -> np.ndarray:
         if not isinstance(value, list) or any(not isinstance(row, list) or len(row) != width for row in value):
             raise ValueError(f"{value!r} is no list of rows of {width} numbers")
         return np.array([[_double(x) for x in row] for row in value]).reshape(-1, width)
@@ -377,9 +382,9 @@ class CurveTable(_AnswerTable):
         )
 
 
-def _known(u: Any, v: Any) -> ExactParameters:
+def _known(u: ExactParameter | None, v: ExactParameter | None) -> ExactParameters:
     return ExactParameters(lambda: (u, v))
 
 
-def _point(values: Any) -> Any:
+def _point(values: Sequence[float] | None) -> np.ndarray | None:
     return None if values is None else np.array(values, float)

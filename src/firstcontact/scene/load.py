@@ -10,7 +10,7 @@ import fnmatch
 import itertools
 import re
 import tomllib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sized
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Union
@@ -93,7 +93,7 @@ class _Turn(Table):
     degrees: Number = None
     turns: Number = None
 
-    def _angle(self) -> dict[str, Any]:
+    def _angle(self) -> dict[str, Given]:
         return {"radians": self.radians, "degrees": self.degrees, "turns": self.turns}
 
 
@@ -130,7 +130,7 @@ class _Quaternions(Table):
     quat_wxyz: list[Quaternion] | None = None
     snap: Number = SNAP
 
-    def _check(self, **poses: Any) -> dict[str, Any]:
+    def _check(self, **poses: Sized) -> dict[str, Any]:
         """The quaternions, after a look whether the poses are of the kind that goes with them."""
         given = self.quat_xyzw is not None or self.quat_wxyz is not None
         for key, pose in poses.items():
@@ -242,7 +242,7 @@ class StepBody(_Body):
     deviation: Annotated[Number, Field(gt=0)] = None
     surfaces: StrictBool = False
 
-    def build(self, key: str | None, folder: Path) -> Any:
+    def build(self, key: str | None, folder: Path) -> Shape:
         from firstcontact.step.assembly import load_step
 
         root = load_step(folder / self.file, unit=self.unit, deviation=self.deviation, surfaces=self.surfaces)
@@ -262,7 +262,7 @@ class PolyhedronBody(_Body):
 
 
 class _SolidBody(_Body, solids.Solid):
-    def build(self, key: str | None, folder: Path) -> Any:
+    def build(self, key: str | None, folder: Path) -> Shape:
         return self.solid().named(self.name or key)
 
 
@@ -276,6 +276,11 @@ def _solid_body(table: type[solids.Solid]) -> type[_Body]:
 
 
 if TYPE_CHECKING:
+    from pydantic_core import ErrorDetails
+
+    from firstcontact.body.kinds import Shape
+    from firstcontact.exact.numbers import Given
+    from firstcontact.result import Json
     Body = Any
 else:
     BODIES = MeshBody, PolyhedronBody, *map(_solid_body, solids.SOLIDS), RuledBody, StepBody
@@ -319,7 +324,7 @@ class SceneTable(Table):
 
     @field_validator("check", "curve", "allow", mode="before")
     @classmethod
-    def _is_list(cls, value: Any, info: ValidationInfo) -> Any:
+    def _is_list(cls, value: Json, info: ValidationInfo) -> Json:
         if isinstance(value, dict):
             name = info.field_name
             raise ValueError(f"[{name}] is one table of a list; write [[{name}]]")
@@ -435,7 +440,7 @@ def _tool(path: Path, key: str, table: ToolTable) -> Tool:
         raise InputError(f"{path}: {error}") from error
 
 
-def _linked(path: Path, scene: SceneTable, bodies: dict[str, Any]) -> Linked | None:
+def _linked(path: Path, scene: SceneTable, bodies: dict[str, Body]) -> Linked | None:
     """The mechanism, where there are joints; its bodies are set in motion."""
     try:
         if not scene.joint:
@@ -452,7 +457,7 @@ def _linked(path: Path, scene: SceneTable, bodies: dict[str, Any]) -> Linked | N
     return linked
 
 
-def _read(path: Path) -> dict[str, Any]:
+def _read(path: Path) -> dict[str, Json]:
     text = ""
     try:
         text = path.read_text(encoding="utf-8")
@@ -473,7 +478,7 @@ def _read(path: Path) -> dict[str, Any]:
     return tables
 
 
-def _places(tables: Any) -> Iterator[tuple[Any, ...]]:
+def _places(tables: Json) -> Iterator[tuple[str | int, ...]]:
     """The keys and numbers that lead to each table and list, down to just beyond MOST_NESTED."""
     waiting: list[tuple[tuple[Any, ...], Any]] = [((), tables)]
     while waiting:
@@ -499,7 +504,7 @@ def _unread(text: str) -> str | None:
     return None
 
 
-def _build(path: Path, key: str, table: Any) -> Any:
+def _build(path: Path, key: str, table: _Body) -> Body:
     """The body of a scene."""
     try:
         with at_key(f"body.{key}"):
@@ -508,7 +513,7 @@ def _build(path: Path, key: str, table: Any) -> Any:
         raise InputError(f"{path}: {error}") from error
 
 
-def build_body(table: Any, key: str | None, folder: Path) -> Any:
+def build_body(table: Any, key: str | None, folder: Path) -> Body:
     """The body in its place, given its motion."""
     body = placed(table.build(key, folder), table)
     if table.motion is None:
@@ -518,7 +523,7 @@ def build_body(table: Any, key: str | None, folder: Path) -> Any:
 
 
 def _checks(
-    path: Path, scene: SceneTable, bodies: dict[str, Any], linked: Linked | None
+    path: Path, scene: SceneTable, bodies: dict[str, Body], linked: Linked | None
 ) -> tuple[list[Check], int]:
     """The checks, and how many pairs are left out, for they are at rest with each other."""
     if not scene.check:
@@ -580,7 +585,7 @@ def _pair(path: Path, scene: SceneTable, key: str, pair: tuple[str, str]) -> tup
     return pair
 
 
-def first_fault(error: ValidationError, tables: dict[str, Any]) -> str:
+def first_fault(error: ValidationError, tables: dict[str, Json]) -> str:
     """The first of pydantic's faults as "key: what is wrong; what to do"."""
     faults = error.errors(include_url=False)
     fault = faults[0]
@@ -589,7 +594,7 @@ def first_fault(error: ValidationError, tables: dict[str, Any]) -> str:
     return f"{key + ': ' if key else ''}{_message(fault)}{more}"
 
 
-def _message(fault: Any) -> str:
+def _message(fault: ErrorDetails) -> str:
     context = fault.get("ctx", {})
     match fault["type"]:
         case "value_error":
@@ -606,7 +611,7 @@ def _message(fault: Any) -> str:
             return f"{shown(fault['input'])} is wrong: it {message}"
 
 
-def _key(location: tuple[int | str, ...], tables: Any) -> str:
+def _key(location: tuple[int | str, ...], tables: Json) -> str:
     """`body.lid.motion.axis` of pydantic's location, which also names the variant of each tagged table."""
     key = ""
     for part in location:

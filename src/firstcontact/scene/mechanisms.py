@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import StrictStr
 
@@ -13,6 +13,9 @@ from firstcontact.mechanism.course import Course
 from firstcontact.mechanism.joints import Joint
 from firstcontact.mechanism.mechanism import Mechanism
 from firstcontact.scene.values import Number, Numbers, Table, Vector, at_key, list_of
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
 
 Limits = Annotated[tuple[Number, Number], list_of(2, "two values; write [least, greatest]")]
 
@@ -69,7 +72,7 @@ class Linked:
     """The mechanism of a scene.  Links are those of tables, and each body that a joint names itself."""
 
     def __init__(
-        self, joints: Mapping[str, JointTable], links: Mapping[str, LinkTable], bodies: Mapping[str, Any]
+        self, joints: Mapping[str, JointTable], links: Mapping[str, LinkTable], bodies: Mapping[str, Body]
     ) -> None:
         self.keys: dict[str, tuple[str, ...]] = {}
         for name, table in links.items():
@@ -88,7 +91,7 @@ class Linked:
         with at_key("joint"):
             self.mechanism = Mechanism({name: [bodies[key] for key in keys] for name, keys in self.keys.items()}, built)
 
-    def _add(self, link: str, keys: list[str], bodies: Mapping[str, Any]) -> None:
+    def _add(self, link: str, keys: list[str], bodies: Mapping[str, Body]) -> None:
         for key in keys:
             if key not in bodies:
                 raise InputError(f"no body {key!r}; the bodies are {', '.join(map(repr, bodies))}")
@@ -97,7 +100,7 @@ class Linked:
                 raise InputError(f"body {key!r} is part of link {other!r} already; name that link")
         self.keys[link] = tuple(keys)
 
-    def moving(self, course: Course) -> dict[str, Any]:
+    def moving(self, course: Course) -> dict[str, Body]:
         """The bodies of all links as they move, by their keys."""
         moving = course.bodies
         pairs = ((key, body) for link, keys in self.keys.items() for key, body in zip(keys, moving[link], strict=True))

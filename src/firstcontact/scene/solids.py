@@ -12,10 +12,13 @@ from firstcontact.errors import InputError
 from firstcontact.scene.values import Matrix, Number, Placed, Vector, at_key, list_of, parse_number, placed
 
 if TYPE_CHECKING:
+    from fractions import Fraction
+
     from firstcontact.body.solid.composite_quadric import CompositeQuadric
+    from firstcontact.result import Json
 
 
-def _radii(value: Any) -> Any:
+def _radii(value: Json) -> float | Fraction | tuple[float | Fraction, ...]:
     """One number, or two."""
     if not isinstance(value, list):
         return parse_number(value)

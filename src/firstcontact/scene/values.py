@@ -8,18 +8,22 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from difflib import get_close_matches
 from fractions import Fraction
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StrictInt, StrictStr, model_validator
 
 from firstcontact.errors import FirstContactError, InputError, shown
 from firstcontact.exact.numbers import MOST_DIGITS
 
+if TYPE_CHECKING:
+    from firstcontact.body.placing import Placing
+    from firstcontact.result import Json
+
 # Digits "1/3", "-0.1", "2.5e-3".  The short exponent keeps a typing error from asking for gigabytes.
 _EXACT = re.compile(r"[+-]?(\d+(\s*/\s*\d+)?|(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,3})?)")
 
 
-def parse_number(value: Any) -> float | int | Fraction:
+def parse_number(value: Json) -> float | int | Fraction:
     """A finite number: floats and integers as they are, strings exactly; ValueError says what is wrong."""
     number = _exact(value) if isinstance(value, str) else value
     if isinstance(number, bool) or not isinstance(number, int | float | Fraction):
@@ -33,7 +37,7 @@ def parse_number(value: Any) -> float | int | Fraction:
     return number
 
 
-def parse_time(value: Any) -> float | int | Fraction:
+def parse_time(value: Json) -> float | int | Fraction:
     """An end of a span: a number, or an infinity ("inf" and "-inf" too)."""
     if isinstance(value, float) and math.isinf(value):
         return value
@@ -57,7 +61,7 @@ def _exact(text: str) -> Fraction:
 def list_of(count: int, what: str) -> BeforeValidator:
     """Check a list's length first: pydantic would report every missing item by itself."""
 
-    def check(value: Any) -> Any:
+    def check(value: Json) -> tuple[Json, ...]:
         if not isinstance(value, list) or len(value) != count:
             raise ValueError(f"{shown(value)} is not {what}")
         return tuple(value)
@@ -65,14 +69,14 @@ def list_of(count: int, what: str) -> BeforeValidator:
     return BeforeValidator(check)
 
 
-def _matrix(value: Any) -> Any:
+def _matrix(value: Json) -> list[list[float | int | Fraction]]:
     """Four rows of four numbers."""
     if not isinstance(value, list) or len(value) != 4 or any(not isinstance(r, list) or len(r) != 4 for r in value):
         raise ValueError(f"{value!r} is not a 4x4 matrix; write four rows [a, b, c, d]")
     return [[parse_number(x) for x in row] for row in value]
 
 
-def _pose(value: Any) -> Any:
+def _pose(value: Json) -> list[float | int | Fraction] | list[list[float | int | Fraction]]:
     """A 4x4 matrix, or a vector whose rotation stands in quat_xyzw or quat_wxyz."""
     if isinstance(value, list) and len(value) == 3 and not any(isinstance(x, list) for x in value):
         return [parse_number(x) for x in value]
@@ -82,7 +86,7 @@ def _pose(value: Any) -> Any:
         raise ValueError(f"{error}, or a vector [x, y, z] with quat_xyzw or quat_wxyz") from error
 
 
-def _face(value: Any) -> Any:
+def _face(value: Json) -> Json:
     """A ring of vertex numbers, or a list of such rings (the outer one, then its holes)."""
     rings = value if isinstance(value, list) and value and isinstance(value[0], list) else [value]
     for ring in rings:
@@ -91,7 +95,7 @@ def _face(value: Any) -> Any:
     return value
 
 
-def _range(value: Any) -> Any:
+def _range(value: Json) -> tuple[float | int | Fraction, ...] | None:
     """Two numbers, or None for "all"."""
     if value == "all":
         return None
@@ -100,7 +104,7 @@ def _range(value: Any) -> Any:
     return tuple(parse_number(x) for x in value)
 
 
-def _directrix(value: Any) -> Any:
+def _directrix(value: Json) -> Json:
     """A string in u and T, or a table of coefficients: numerators and denominator."""
     if isinstance(value, str):
         return value
@@ -139,7 +143,7 @@ class Table(BaseModel):
 
     @model_validator(mode="before")
     @classmethod
-    def _known_keys(cls, table: Any) -> Any:
+    def _known_keys(cls, table: Json) -> Json:
         if not isinstance(table, dict):
             raise ValueError(f"{table!r} is not a table; use one with keys {', '.join(cls.model_fields)}")
         for key in table:
@@ -164,7 +168,10 @@ class Placed(Table):
     transform: Matrix = None
 
 
-def placed(body: Any, table: Placed) -> Any:
+S = TypeVar("S", bound="Placing")
+
+
+def placed(body: S, table: Placed) -> S:
     """The body in its place."""
     if table.scale != 1:
         k = table.scale

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pydantic import TypeAdapter, ValidationError
 
 from firstcontact.errors import InputError, shown
 from firstcontact.result import SCHEMA
 from firstcontact.scene import answers, load
+
+if TYPE_CHECKING:
+    from firstcontact.result import Json
 
 KINDS: dict[str, Any] = {
     "shape": load.Body,
@@ -23,7 +27,7 @@ KINDS: dict[str, Any] = {
 """What is read, by a key that no kind before it has."""
 
 
-def from_dict(data: Any) -> Any:
+def from_dict(data: Mapping[str, Json]) -> Any:
     """The body, motion or result of a dictionary that `to_dict` wrote; bodies and motions also of a scene's table.
 
     Raises InputError that names what it does not know: a key, a kind of body or motion, another schema.

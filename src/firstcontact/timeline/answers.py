@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Protocol
 
 from firstcontact.exact.numbers import exact_value, likely, to_double
 from firstcontact.result import ContactInterval, ContactIntervals, Status
 from firstcontact.timeline.sweep import Found
 from firstcontact.work import Query, Work
+
+if TYPE_CHECKING:
+    from firstcontact.result import ExactTime
 
 
 def proved_intervals(found: Found, work: Work, query: Query) -> ContactIntervals:
@@ -32,7 +35,13 @@ def likely_time(interval: tuple[float, float]) -> float:
     return min(max(to_double(likely(exact_value(lo), exact_value(hi))), lo), hi)
 
 
-def interval_of(start: Any, end: Any, exact: bool) -> ContactInterval:
+class Told(Protocol):
+    """A time that tells its nearest double, an enclosure, and itself where it is known exactly."""
+
+    def value(self, exact: bool) -> tuple[float, tuple[float, float], ExactTime | None]: ...
+
+
+def interval_of(start: Told, end: Told, exact: bool) -> ContactInterval:
     """From ends whose `value(exact)` is the nearest double, an enclosure and the exact time."""
     (t0, lo, exact0), (t1, hi, exact1) = start.value(exact), end.value(exact)
     return ContactInterval(t0, t1, lo, hi, exact0, exact1)

@@ -327,7 +327,9 @@ def linear(pose: np.ndarray) -> np.ndarray:
     return pose[:9].reshape(3, 3)
 
 
-def _image(rows: np.ndarray, error: Any, shift_error: Any, i: int, x: Sequence[arb]) -> arb:
+def _image(
+    rows: np.ndarray, error: Any, shift_error: float | np.ndarray | None, i: int, x: Sequence[arb]
+) -> arb:
     """Row i of R x + T; error: of all entries of R (shift_error: of T), or of each of the twelve."""
     if shift_error is None:
         r, e = [float(error[3 * i + j]) for j in range(3)], float(error[9 + i])

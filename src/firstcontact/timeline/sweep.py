@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 from flint import fmpq
@@ -98,36 +98,37 @@ class Timed(Protocol):
 
 
 W = TypeVar("W", bound=Timed)
+V = TypeVar("V", contravariant=True)
 
 
-class Free(Protocol):
+class Free(Protocol[V]):
     """How free time is passed; window: any that the sweep was given, or its mirror."""
 
-    def at(self, window: Any, t: float) -> bool:
+    def at(self, window: V, t: float) -> bool:
         """Whether the bodies are proved apart at t."""
 
-    def until(self, window: Any, t: float, end: float) -> tuple[float, list[np.ndarray]]:
+    def until(self, window: V, t: float, end: float) -> tuple[float, list[np.ndarray]]:
         """(a time until which the bodies, apart at t, stay apart; where they may touch then).
 
         Without such places they are apart at that time too.
         """
 
-    def near_start(self, window: Any) -> list[np.ndarray]:
+    def near_start(self, window: V) -> list[np.ndarray]:
         """Where the bodies may touch at the start of the window."""
 
-    def passage(self, window: Any, t: float) -> Pass | None:
+    def passage(self, window: V, t: float) -> Pass | None:
         """What finer arithmetic proves from t on; None where that is nothing."""
 
 
-class Following(Protocol):
+class Following(Protocol[V]):
     """How contact is followed, see `lasting.Lasting`."""
 
-    def deepest(self, window: Any, t: float, seeds: Sequence[np.ndarray]) -> np.ndarray | None: ...
+    def deepest(self, window: V, t: float, seeds: Sequence[np.ndarray]) -> np.ndarray | None: ...
 
-    def anywhere(self, window: Any, t: float) -> np.ndarray | None: ...
+    def anywhere(self, window: V, t: float) -> np.ndarray | None: ...
 
     def until(
-        self, window: Any, t: float, end: float, point: np.ndarray, least: float, step: Callable[[], None]
+        self, window: V, t: float, end: float, point: np.ndarray, least: float, step: Callable[[], None]
     ) -> tuple[float, np.ndarray]: ...
 
 
@@ -154,8 +155,8 @@ class Sweep(Generic[W]):
 
     def __init__(
         self,
-        free: Free,
-        lasting: Following,
+        free: Free[W],
+        lasting: Following[W],
         parts: list[W],
         width: float,
         work: Work,

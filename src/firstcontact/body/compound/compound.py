@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -17,11 +17,17 @@ from firstcontact.exact.rigid import IDENTITY, Matrix, compose
 from firstcontact.motion.value import numbers
 from firstcontact.result import Element
 
+if TYPE_CHECKING:
+
+    from firstcontact.body.kinds import Body
+    from firstcontact.exact.numbers import Given
+    from firstcontact.result import Json, Table
+
 
 class Names(Protocol):
     """What elements of a piece are called."""
 
-    def of(self, kind: str, index: int, body: Any) -> tuple[str, int, str] | None:
+    def of(self, kind: str, index: int, body: Body) -> tuple[str, int, str] | None:
         """(kind, index, label) of the file's own element, for one of the body; None of what is none of the file's, as a
         wall between pieces."""
 
@@ -64,7 +70,7 @@ class Compound(Placing):
         *,
         deviation: float = 0.0,
         unit: str | None = None,
-        source: dict[str, Any] | None = None,
+        source: dict[str, Json] | None = None,
         shown: Iterable[Piece] | None = None,
         name: str | None = None,
     ) -> None:
@@ -102,7 +108,7 @@ class Compound(Placing):
         ]
         return np.min([lo for lo, _ in boxes], axis=0), np.max([hi for _, hi in boxes], axis=0)
 
-    def contains(self, points: Any) -> np.ndarray:
+    def contains(self, points: np.ndarray | Sequence[Sequence[Given]]) -> np.ndarray:
         """(n,) bools: whether the (n, 3) points are in the closed body.  InputError where a piece is a polyhedron."""
         if not all(hasattr(piece.body, "contains") for piece in self.pieces):
             who = self.name or "compound"
@@ -133,10 +139,10 @@ class Compound(Placing):
             f"from ({point(lo)}) to ({point(hi)}){unit}",
         ]
 
-    def _facts(self) -> tuple[Any, ...]:
+    def _facts(self) -> tuple[Hashable, ...]:
         return (*((piece.path, piece.body._facts()) for piece in self.pieces), self.deviation, self.unit)
 
-    def _table(self) -> dict[str, Any]:
+    def _table(self) -> Table:
         if self._source is None:
             raise InputError(f"{self.name or 'compound'} came from no file; load it from a STEP file to write it")
         made = dict(self._source)
@@ -144,7 +150,7 @@ class Compound(Placing):
             made["transform"] = [*numbers(self._matrix), [0, 0, 0, 1]]
         return made
 
-    def __getstate__(self) -> dict[str, Any]:
+    def __getstate__(self) -> dict[str, object]:
         return {**self.__dict__, "_search": {}, "_matrix": numbers(self._matrix)}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -179,8 +185,7 @@ def _stretch(matrix: Matrix) -> float:
     return 1.0 if square == 1 else float(np.nextafter(np.sqrt(above(square)), np.inf))
 
 
-def deviation_of(body: Any) -> float | None:
+def deviation_of(body: Body) -> float | None:
     """Of a body at rest or moving; None of one that stands for itself."""
     shape = getattr(body, "body", body)
     return shape.deviation if isinstance(shape, Compound) else None
-

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Hashable, Iterable, Sequence
 from fractions import Fraction
 from operator import index
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import fmpq
@@ -19,6 +20,12 @@ from firstcontact.errors import InputError, shown
 from firstcontact.exact.numbers import fraction, rational, to_double
 from firstcontact.exact.rigid import IDENTITY, Matrix, apply, compose
 from firstcontact.motion.value import numbers
+
+if TYPE_CHECKING:
+    from firstcontact.exact.numbers import Given
+    from firstcontact.exact.ring import VectorOf
+    from firstcontact.motion.placement import Placement
+    from firstcontact.result import Table
 
 _BOX = Kept[tuple[np.ndarray, np.ndarray]]()
 
@@ -52,10 +59,10 @@ class Polyhedron(Placing):
 
     def __init__(
         self,
-        vertices: Any,
-        faces: Any,
+        vertices: Iterable[Iterable[Given]],
+        faces: np.ndarray | Sequence[Sequence[int] | Sequence[Sequence[int]]],
         *,
-        edges: Any = None,
+        edges: Iterable[Iterable[int]] | None = None,
         solid: bool | None = None,
         name: str | None = None,
     ) -> None:
@@ -103,7 +110,7 @@ class Polyhedron(Placing):
         )
         return lo.copy(), hi.copy()
 
-    def exact_vertex(self, i: int) -> tuple[Any, Any, Any]:
+    def exact_vertex(self, i: int) -> VectorOf[fmpq]:
         """The true coordinates of vertex i: fmpq, or balls in an irrational pose."""
         if self._fractions is not None:
             x, y, z = (rational(c, "vertex") for c in self._fractions[i])
@@ -133,7 +140,7 @@ class Polyhedron(Placing):
             f"{len(self.edges)} edges, {self.n_faces} faces>"
         )
 
-    def _facts(self) -> tuple[Any, ...]:
+    def _facts(self) -> tuple[Hashable, ...]:
         if self._rings is None:
             faces: tuple[bytes, ...] = (self.triangles.tobytes(),)
         else:  # whatever triangles they were cut into
@@ -148,7 +155,7 @@ class Polyhedron(Placing):
             return self._pose, self._matrix, self._base.tobytes(), repr(self._fractions)
         return tuple(self.exact_vertex(i) for i in range(len(self.vertices)))
 
-    def _table(self) -> dict[str, Any]:
+    def _table(self) -> Table:
         if self._pose is not None:
             raise InputError(f"{self!r} stands in an irrational pose, which no numbers tell; write it before it moves")
         edges = self._segments[: self._given_edges].tolist()
@@ -187,7 +194,7 @@ class Polyhedron(Placing):
             mapped._base, mapped._matrix = vertices, IDENTITY
         return mapped
 
-    def _placed(self, pose: Any, doubles: list[list[float]]) -> Polyhedron:
+    def _placed(self, pose: Placement, doubles: list[list[float]]) -> Polyhedron:
         """The body in an irrational pose: vertices rounded, `error` carries the rounding."""
         m = np.array(doubles)
         vertices = self.vertices @ m[:, :3].T + m[:, 3]
@@ -197,7 +204,7 @@ class Polyhedron(Placing):
         vertices.flags.writeable = False
         return self._with(vertices=vertices, error=error, _pose=pose, _search={})
 
-    def __getstate__(self) -> dict[str, Any]:
+    def __getstate__(self) -> dict[str, object]:
         state = dict(self.__dict__)
         state["_search"] = {}
         state["_matrix"] = tuple(tuple(fraction(x) for x in row) for row in self._matrix)
@@ -223,7 +230,9 @@ class Polyhedron(Placing):
     _search: dict[Any, Any]
 
 
-def _read_vertices(vertices: Any, who: str) -> tuple[np.ndarray, list[tuple[Fraction, ...]] | None]:
+def _read_vertices(
+    vertices: Iterable[Iterable[Given]], who: str
+) -> tuple[np.ndarray, list[tuple[Fraction, ...]] | None]:
     """The coordinates as doubles, and exactly where a double does not hold them."""
     if isinstance(vertices, np.ndarray) and vertices.dtype.kind == "f" and vertices.dtype.itemsize <= 8:
         _check_shape(vertices.shape, who)
@@ -251,7 +260,7 @@ def _check_shape(shape: tuple[int, ...], who: str) -> None:
         raise InputError(f"{who}: vertices have shape {shape}; give an (n, 3) array")
 
 
-def _read_exact(rows: list[Any], who: str) -> tuple[np.ndarray, list[tuple[Fraction, ...]] | None]:
+def _read_exact(rows: Sequence[Iterable[Given]], who: str) -> tuple[np.ndarray, list[tuple[Fraction, ...]] | None]:
     """Doubles of numbers of any kind, each taken for what it is, and the numbers where doubles do not hold them."""
     exact = [
         tuple(fraction(rational(x, f"{who}: vertex {i}, coordinate {k}")) for k, x in enumerate(row))
@@ -274,7 +283,9 @@ def _rounding_error(exact: list[tuple[Fraction, ...]] | None, floats: np.ndarray
     return 0.0 if exact is None else float(np.abs(floats).max()) * 2.0**-53 + LEAST
 
 
-def _read_faces(body: Polyhedron, faces: Any, who: str) -> None:
+def _read_faces(
+    body: Polyhedron, faces: np.ndarray | Sequence[Sequence[int] | Sequence[Sequence[int]]], who: str
+) -> None:
     """Set triangles (m, 3), triangle_face (m,), n_faces and the polygon sides `_sides` (None: triangles)."""
     n = len(body.vertices)
     if not hasattr(faces, "__len__"):
@@ -335,7 +346,7 @@ def _fans(vertices: np.ndarray, polygons: list[list[list[int]]]) -> set[int]:
     }
 
 
-def _is_triangle(face: Any) -> bool:
+def _is_triangle(face: Sequence[int] | Sequence[Sequence[int]]) -> bool:
     try:
         return len(face) == 3 and all(np.ndim(i) == 0 for i in face)
     except TypeError:
@@ -358,7 +369,7 @@ def _rings(face: Any, n: int, who: str) -> list[list[int]]:
     return rings
 
 
-def _read_edges(edges: Any, n: int, who: str) -> np.ndarray | None:
+def _read_edges(edges: Iterable[Iterable[int]] | None, n: int, who: str) -> np.ndarray | None:
     if edges is None:
         return None
     try:
@@ -473,5 +484,3 @@ def _is_exact_map(m: np.ndarray, total: Matrix, before: np.ndarray, after: np.nd
         return False
     b = after - moved  # two_sum: the rounding of moved + shift, zero where the sum is exact
     return bool(np.all((moved - (after - b)) + (m[:, 3] - b) == 0))
-
-

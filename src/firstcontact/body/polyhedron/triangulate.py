@@ -5,8 +5,6 @@ All turns are decided exactly: floats behind an error bound first, rationals beh
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from flint import fmpq
 
@@ -65,7 +63,7 @@ def shapes(vertices: np.ndarray, polygons: np.ndarray) -> tuple[np.ndarray, np.n
     columns = np.arange(polygons.shape[1])[None, :]
     x, y = (corners[rows, columns, ((axis + k) % 3)[:, None]] for k in (1, 2))
 
-    def turns(a: Any, b: Any, c: Any) -> np.ndarray:
+    def turns(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
         left, right = (x[:, b] - x[:, a]) * (y[:, c] - y[:, a]), (y[:, b] - y[:, a]) * (x[:, c] - x[:, a])
         certain = np.abs(left - right) > 1e-15 * (np.abs(left) + np.abs(right)) + 1e-300  # as in _Turn
         return np.where(certain, np.sign(left - right), 0.0)

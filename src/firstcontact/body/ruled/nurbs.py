@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import comb
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import fmpq, fmpq_poly, fmpz
@@ -14,6 +14,9 @@ from firstcontact.body.ruled.rational_curve import RationalCurve
 from firstcontact.errors import InputError, shown
 from firstcontact.exact.numbers import rational
 from firstcontact.motion.translation import LARGEST
+
+if TYPE_CHECKING:
+    from firstcontact.exact.numbers import Given, Nested
 
 # Doubles lose the points of lesser weights beside those of greater ones.
 MOST_UNEVEN = 2**100
@@ -33,7 +36,9 @@ class Patch:
     joined: frozenset[str]
 
 
-def patches(points: Any, knots: Any, weights: Any, degree: Any, who: str) -> list[Patch]:
+def patches(
+    points: Nested, knots: Nested | None, weights: Nested | None, degree: Given | Sequence[Given], who: str
+) -> list[Patch]:
     """The patches of a ruled surface of degree (n, 1) or (1, n): along the curves first, then across them."""
     grid, curve_knots = _read(points, knots, weights, degree, who)
     count = len(grid[0])
@@ -202,7 +207,7 @@ def _check_knots(knots: list[fmpq], n: int, count: int, who: str) -> None:
         raise InputError(f"{who}: all knots of the curves are {knots[n]}; give at least two different ones")
 
 
-def _number(x: Any, what: str) -> fmpq:
+def _number(x: Given, what: str) -> fmpq:
     value = rational(x, what)
     if abs(value) >= LARGEST:
         raise InputError(f"{what} is {shown(x)}; give a number below 2^150")

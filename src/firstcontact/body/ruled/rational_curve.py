@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Hashable, Iterable, Sequence
 from functools import reduce
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from flint import fmpq, fmpz, fmpz_mpoly, fmpz_poly
+from flint import fmpq, fmpz, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly
 
 from firstcontact.errors import InputError
 from firstcontact.exact.expressions import context, read_tuple
@@ -16,6 +16,12 @@ from firstcontact.exact.numbers import rational, to_double
 from firstcontact.exact.rigid import Matrix
 from firstcontact.motion.translation import LARGEST
 from firstcontact.motion.value import numbers
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from firstcontact.exact.numbers import Given
+    from firstcontact.result import Table
 
 VARIABLES = ("u", "T")
 RING = context(VARIABLES)
@@ -47,7 +53,7 @@ class RationalCurve:
     components: Components
     """(X, Y, Z, W): integer polynomials without common factor, in u, or of a deforming curve in u and T (RING)."""
 
-    def __init__(self, numerators: Iterable[Any], denominator: Any = (1,)) -> None:
+    def __init__(self, numerators: Iterable[Iterable[Given]], denominator: Iterable[Given] = (1,)) -> None:
         rows = list(numerators) if np.iterable(numerators) and not isinstance(numerators, str) else []
         if len(rows) != 3:
             raise InputError(f"RationalCurve numerators are {numerators!r}; give three lists of coefficients")
@@ -90,7 +96,7 @@ class RationalCurve:
         """Whether the curve is one point, which may move."""
         return is_point(self.components)
 
-    def at(self, t: Any) -> RationalCurve:
+    def at(self, t: Given) -> RationalCurve:
         """The curve at rest at time t, a number of any kind, taken exactly; itself where it does not deform."""
         curve = self.projective_at(rational(t, "time"))
         if curve.components[3] == 0:
@@ -147,14 +153,14 @@ class RationalCurve:
         x, y, z, w = self.components
         return RationalCurve.of([*(a * x + b * y + c * z + d * w for a, b, c, d in rows), scale * w])
 
-    def points(self, u: Any) -> np.ndarray:
+    def points(self, u: ArrayLike) -> np.ndarray:
         """(..., 3) float64 points at rest, for u of any shape; it may be infinite, poles give NaN or infinity."""
         values = self.homogeneous(u)
         with np.errstate(all="ignore"):
             found: np.ndarray = values[..., :3] / values[..., 3:]
             return found
 
-    def homogeneous(self, u: Any) -> np.ndarray:
+    def homogeneous(self, u: ArrayLike) -> np.ndarray:
         """(..., 4) float64 values of X, Y, Z, W at rest, up to a factor, finite at all u."""
         u = np.asarray(u, float)
         if np.any(np.isnan(u)):
@@ -186,13 +192,13 @@ class RationalCurve:
     def __hash__(self) -> int:
         return hash(self.key())
 
-    def key(self) -> tuple[Any, ...]:
+    def key(self) -> tuple[Hashable, ...]:
         """The same, and hashable, for equal curves: their coefficients, the first one positive."""
         tables = [sorted((power, int(c)) for power, c in terms(x).items()) for x in self.components]
         sign = 1 if next(c for table in tables for _, c in table) > 0 else -1
         return tuple(tuple((power, sign * c) for power, c in table) for table in tables)
 
-    def table(self) -> dict[str, Any]:
+    def table(self) -> Table:
         """Coefficients as the class and scene files take them: by powers of u, of T within these."""
         size = fmpz(max(abs(c) for x in self.components for c in terms(x).values()))
         scale = size if size >= LARGEST else fmpz(1)
@@ -208,7 +214,7 @@ class RationalCurve:
     def __repr__(self) -> str:
         return f"RationalCurve({str(self)!r})"
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> tuple[object, ...]:
         return _restored, (tuple(tuple((key, int(c)) for key, c in terms(x).items()) for x in self.components),)
 
 
@@ -234,7 +240,7 @@ def derivative(p: Component) -> Component:
 
 
 def lifted(
-    components: Sequence[Component], ring: Any = RING, parameter: str = "u", clock: str = "T"
+    components: Sequence[Component], ring: fmpz_mpoly_ctx = RING, parameter: str = "u", clock: str = "T"
 ) -> tuple[fmpz_mpoly, ...]:
     """The polynomials in a ring of more variables, u and T under these names; resting ones need no `clock` there.
 
@@ -312,7 +318,7 @@ def _checked(components: Components, what: str) -> Components:
     return components
 
 
-def _ratio(row: Any, what: str) -> dict[tuple[int, int], fmpq]:
+def _ratio(row: Iterable[Given], what: str) -> dict[tuple[int, int], fmpq]:
     """Coefficients by (i, j) of a list of numbers, or of lists of such."""
     row = list(row) if np.iterable(row) and not isinstance(row, str) else row
     if not isinstance(row, list) or not row:
@@ -359,5 +365,3 @@ def text_of(p: Component, variables: tuple[str, ...] = VARIABLES) -> str:
         sign = ("-" if c < 0 else "") if not text else (" - " if c < 0 else " + ")
         text += sign + "*".join(factors)
     return text or "0"
-
-

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Hashable, Iterable
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,6 +13,11 @@ from firstcontact.body.ruled.joints import proved_joints
 from firstcontact.body.ruled.surface import RuledSurface
 from firstcontact.errors import InputError
 from firstcontact.exact.rigid import Matrix
+
+if TYPE_CHECKING:
+    from firstcontact.body.polyhedron.polyhedron import Polyhedron
+    from firstcontact.exact.numbers import Given
+    from firstcontact.result import Table
 
 
 class RuledStrip(Placing):
@@ -42,7 +47,7 @@ class RuledStrip(Placing):
     def bounded(self) -> bool:
         return all(piece.bounded for piece in self.pieces)
 
-    def at(self, t: Any) -> RuledStrip:
+    def at(self, t: Given) -> RuledStrip:
         """The strip at rest at time t, as `RuledSurface.at`."""
         return self._of(piece.at(t) for piece in self.pieces) if self.deforming else self
 
@@ -65,16 +70,16 @@ class RuledStrip(Placing):
     def _of(self, pieces: Iterable[RuledSurface]) -> RuledStrip:
         return self._with(pieces=tuple(pieces))
 
-    def to_mesh(self, tolerance: float) -> Any:
+    def to_mesh(self, tolerance: float) -> Polyhedron:
         """A Polyhedron of triangles, as `RuledSurface.to_mesh`."""
         from firstcontact.body.ruled.mesh import mesh
 
         return mesh(self.pieces, tolerance, self.name)
 
-    def _facts(self) -> tuple[Any, ...]:
+    def _facts(self) -> tuple[Hashable, ...]:
         return tuple(piece._facts() for piece in self.pieces)
 
-    def _table(self) -> dict[str, Any]:
+    def _table(self) -> Table:
         joints = proved_joints(self.pieces)
         pieces = [piece._piece(piece.joined & own) for piece, own in zip(self.pieces, joints, strict=True)]
         return {"shape": "ruled", "pieces": pieces}
@@ -82,7 +87,7 @@ class RuledStrip(Placing):
     def told(self) -> list[str]:
         return [line for piece in self.pieces for line in piece.told()]
 
-    def __getstate__(self) -> dict[str, Any]:
+    def __getstate__(self) -> dict[str, object]:
         return {**self.__dict__, "_search": {}}
 
     def __repr__(self) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import reduce
@@ -28,7 +28,12 @@ from firstcontact.motion.translation import LARGEST
 from firstcontact.motion.value import numbers
 
 if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from firstcontact.body.polyhedron.polyhedron import Polyhedron
     from firstcontact.body.ruled.strip import RuledStrip
+    from firstcontact.exact.numbers import Given, Nested
+    from firstcontact.result import Table
 
 Interval = tuple[Fraction, Fraction]
 PARAMETERS = context(("u", "s"))
@@ -54,7 +59,7 @@ class Trim:
     def __str__(self) -> str:
         return f"{text_of(self.polynomial, ('u', 's'))} >= 0"
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> tuple[object, ...]:
         return _trim_of, ({key: int(c) for key, c in self.polynomial.to_dict().items()},)
 
 
@@ -101,8 +106,8 @@ class RuledSurface(Placing):
         first: RationalCurve | str,
         second: RationalCurve | str,
         *,
-        u: Any = (0, 1),
-        s: Any = (0, 1),
+        u: Sequence[Given] | None = (0, 1),
+        s: Sequence[Given] | None = (0, 1),
         trim: Iterable[str] | str = (),
         name: str | None = None,
     ) -> None:
@@ -118,7 +123,13 @@ class RuledSurface(Placing):
 
     @classmethod
     def from_nurbs(
-        cls, points: Any, knots: Any = None, weights: Any = None, *, degree: Any = None, name: str | None = None
+        cls,
+        points: Nested,
+        knots: Nested | None = None,
+        weights: Nested | None = None,
+        *,
+        degree: Given | Sequence[Given] = None,
+        name: str | None = None,
     ) -> RuledSurface | RuledStrip:
         """The ruled surface of degree (n, 1) or (1, n) of a grid of control points: one piece between every two knots.
 
@@ -202,7 +213,7 @@ class RuledSurface(Placing):
         """Whether all but finitely many rulings belong to one u each."""
         return self.tracing_index == 1
 
-    def at(self, t: Any) -> RuledSurface:
+    def at(self, t: Given) -> RuledSurface:
         """The surface at rest at time t, a number of any kind, taken exactly; itself where it does not deform."""
         if not self.deforming:
             return self
@@ -216,7 +227,7 @@ class RuledSurface(Placing):
             raise InputError(f"{error} (at T = {t})") from error
         return resting
 
-    def points(self, u: Any, s: Any) -> np.ndarray:
+    def points(self, u: ArrayLike, s: ArrayLike) -> np.ndarray:
         """(..., 3) float64 points at rest for parameters that broadcast; u may be infinite.  Not trimmed."""
         u, s = np.broadcast_arrays(np.asarray(u, float), np.asarray(s, float))
         if np.any(np.isnan(s)):
@@ -225,7 +236,7 @@ class RuledSurface(Placing):
         found: np.ndarray = (1 - r) * self.first.points(u) + r * self.second.points(u)
         return found
 
-    def keeps(self, u: Any, s: Any) -> np.ndarray:
+    def keeps(self, u: ArrayLike, s: ArrayLike) -> np.ndarray:
         """Bools of the shape that u and s broadcast to: whether the trimming inequalities hold there, in floats."""
         u, s = np.broadcast_arrays(np.asarray(u, float), np.asarray(s, float))
         kept = np.ones(u.shape, bool)
@@ -252,7 +263,7 @@ class RuledSurface(Placing):
         lo, hi = self._search[key]
         return lo.copy(), hi.copy()
 
-    def to_mesh(self, tolerance: float) -> Any:
+    def to_mesh(self, tolerance: float) -> Polyhedron:
         """A Polyhedron of triangles with vertices on the piece, which is at most `tolerance` away from them, at rest.
 
         Trimmed borders are cut where the inequalities hold no more, up to the grid of the mesh.  Needs bounded rulings.
@@ -278,14 +289,14 @@ class RuledSurface(Placing):
         rest = (["trimmed"] if self.trim else []) + (["deforming"] if self.deforming else [])
         return f"<RuledSurface{name}: {', '.join([degrees, u, s, *rest])}>"
 
-    def _facts(self) -> tuple[Any, ...]:
+    def _facts(self) -> tuple[Hashable, ...]:
         trims = frozenset(frozenset((key, int(c)) for key, c in x.polynomial.to_dict().items()) for x in self.trim)
         return self.first.key(), self.second.key(), self.u, self.s, trims, self.joined
 
-    def _table(self) -> dict[str, Any]:
+    def _table(self) -> Table:
         return {"shape": "ruled", **self._piece(self.joined & proved_joints([self])[0])}
 
-    def _piece(self, joined: frozenset[str]) -> dict[str, Any]:
+    def _piece(self, joined: frozenset[str]) -> Table:
         """Directrices and ranges as scene files have them, with the borders that are none of the whole body."""
         trims = [str(x) for x in self.trim]
         return {
@@ -319,7 +330,7 @@ class RuledSurface(Placing):
     def _mapped(self, matrix: Matrix) -> RuledSurface:
         return self._with(first=self.first.mapped(matrix), second=self.second.mapped(matrix))
 
-    def __getstate__(self) -> dict[str, Any]:
+    def __getstate__(self) -> dict[str, object]:
         return {**self.__dict__, "_search": {}}
 
     def _validate(self) -> None:
@@ -374,7 +385,7 @@ class RuledSurface(Placing):
 # -- arguments ----------------------------------------------------------------------------------------------
 
 
-def _curve(curve: Any, what: str) -> RationalCurve:
+def _curve(curve: RationalCurve | str, what: str) -> RationalCurve:
     if isinstance(curve, RationalCurve):
         return curve
     if isinstance(curve, str):
@@ -382,7 +393,7 @@ def _curve(curve: Any, what: str) -> RationalCurve:
     raise InputError(f"{what} is {curve!r}; give a RationalCurve or a string such as \"(u, u**2, 0)\"")
 
 
-def _range(ends: Any, what: str) -> Interval | None:
+def _range(ends: Sequence[Given] | None, what: str) -> Interval | None:
     if ends is None:
         return None
     try:
@@ -411,7 +422,7 @@ def _trims(trim: Iterable[str] | str, who: str) -> tuple[Trim, ...]:
     return tuple(found)
 
 
-def _trim_of(table: Any) -> Trim:
+def _trim_of(table: Mapping[tuple[int, ...], int]) -> Trim:
     return Trim(PARAMETERS.from_dict(table))
 
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from operator import mul
 from typing import Any
 
-from flint import fmpq, fmpq_mat, fmpz
+from flint import arb, fmpq, fmpq_mat, fmpz
 
 from firstcontact.exact.numbers import to_double
 from firstcontact.exact.vectors import cross
@@ -48,7 +48,7 @@ class Plane:
     def value(self, x: Sequence[Any]) -> Any:
         return dot(self.normal, x)
 
-    def gradient(self, x: Sequence[Any]) -> Vector:
+    def gradient(self, x: Sequence[fmpq | arb]) -> Vector:
         return self.normal[:3]
 
     def polar(self, x: Vector, y: Vector) -> fmpq:
@@ -198,7 +198,7 @@ def transposed(rows: Rows) -> Rows:
     return tuple(zip(*rows, strict=True))
 
 
-def columns(*vectors: Sequence[Any]) -> Rows:
+def columns(*vectors: Sequence[fmpq]) -> Rows:
     """The matrix with these columns."""
     return tuple(zip(*vectors, strict=True))
 

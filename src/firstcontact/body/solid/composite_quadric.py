@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterator, Sequence
 from itertools import product
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import fmpq
@@ -46,6 +46,12 @@ from firstcontact.errors import InputError, shown
 from firstcontact.exact.numbers import exact_value, to_double
 from firstcontact.exact.rigid import Matrix, apply
 from firstcontact.motion.translation import LARGEST, vector3
+
+if TYPE_CHECKING:
+
+    from firstcontact.body.polyhedron.polyhedron import Polyhedron
+    from firstcontact.exact.ring import VectorOf
+    from firstcontact.result import Table
 
 FEW = 16
 """Surfaces of operands that are looked at in cells for a close box."""
@@ -188,7 +194,9 @@ class CompositeQuadric(Placing):
     def __sub__(self, other: CompositeQuadric) -> CompositeQuadric:
         return self._combined(other, "-", lambda a, b: And(a, Not(b)), subtract=True)
 
-    def _combined(self, other: Any, sign: str, operation: Any, *, subtract: bool = False) -> CompositeQuadric:
+    def _combined(
+        self, other: CompositeQuadric, sign: str, operation: Callable[[Tree, Tree], Tree], *, subtract: bool = False
+    ) -> CompositeQuadric:
         if not isinstance(other, CompositeQuadric):
             refused: CompositeQuadric = NotImplemented
             return refused
@@ -378,7 +386,7 @@ class CompositeQuadric(Placing):
         unit: np.ndarray = g / length if length > SINGULAR * np.abs(terms).max() else np.zeros(3)
         return unit
 
-    def is_round(self, axis: tuple[Any, ...], point: tuple[Any, ...]) -> bool:
+    def is_round(self, axis: VectorOf[fmpq], point: VectorOf[fmpq]) -> bool:
         from firstcontact.body.solid.revolution import is_same
 
         line = ("round", *((int(x.p), int(x.q)) for x in (*axis, *point)))
@@ -420,7 +428,7 @@ class CompositeQuadric(Placing):
                 self._search["unbounded"] = True
         return self._box
 
-    def to_mesh(self, tolerance: float) -> Any:
+    def to_mesh(self, tolerance: float) -> Polyhedron:
         """A Polyhedron of triangles with all vertices on the surfaces, at most `tolerance` from the solid's faces."""
         from firstcontact.body.solid_mesh.quadric_mesh import mesh
 
@@ -443,10 +451,10 @@ class CompositeQuadric(Placing):
         counts = (len(self.faces), "face"), (len(self.edges), "edge"), (len(self.vertices), "vertex")
         return f"<CompositeQuadric{name}: {', '.join(_count(n, what) for n, what in counts)}>"
 
-    def _facts(self) -> tuple[Any, ...]:
+    def _facts(self) -> tuple[Hashable, ...]:
         return self.surfaces, self.tree, self.parts
 
-    def _table(self) -> dict[str, Any]:
+    def _table(self) -> Table:
         if self.recipe is None:
             raise InputError(f"{self._who} was made by a search, not by builders; write the body it came from")
         return self.recipe.written()
@@ -515,7 +523,7 @@ class CompositeQuadric(Placing):
                 return bool(inside(self.tree, [s < 0 for s in signs]))
         return None
 
-    def __getstate__(self) -> dict[str, Any]:
+    def __getstate__(self) -> dict[str, object]:
         return {**self.__dict__, "_search": {}}
 
 

@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from firstcontact.body.solid.carriers import Plane, Quadric, Surface, doubles
+
+if TYPE_CHECKING:
+    from firstcontact.body.solid.features import EdgeFields, Face
 
 CURVED = ("side", "surface")
 """Labels of curved faces."""
@@ -68,7 +71,7 @@ class Names:
         """Names for vertices given by their surfaces and whether they are tips of cones."""
         return unique(self._vertex_name(surfaces, apex) for surfaces, apex in corners)
 
-    def edges(self, edges: Sequence[dict[str, Any]], faces: Sequence[Any]) -> list[str]:
+    def edges(self, edges: Sequence[EdgeFields], faces: Sequence[Face]) -> list[str]:
         """Names for edges and seams, given as keyword arguments of `Edge`."""
         found = [self._edge(edge, faces) for edge in edges]
         for rims in _grouped(found):
@@ -92,7 +95,7 @@ class Names:
                     return self.parts[owner.part].full("apex")
         return _shared_prefix(list(dict.fromkeys(self._side_name((i, 1)) for i in surfaces)))
 
-    def _edge(self, edge: dict[str, Any], faces: Sequence[Any]) -> _Named:
+    def _edge(self, edge: EdgeFields, faces: Sequence[Face]) -> _Named:
         sides = [(faces[k].surfaces[0], faces[k].orientation) for k in edge["faces"]]
         owners = [owner for side in sides if (owner := self._owner(*side)) is not None]
         if not owners:
@@ -139,7 +142,7 @@ class Names:
 class _Named:
     """An edge on its way to a name; part: the primitive it is named after, others: labels of the other faces."""
 
-    edge: dict[str, Any]
+    edge: EdgeFields
     name: str
     part: int = -1
     others: Sequence[str] = ()
@@ -154,13 +157,14 @@ def _grouped(edges: Iterable[_Named]) -> list[list[_Named]]:
     return [group for group in groups.values() if len(group) > 1]
 
 
-def _height(edge: dict[str, Any], axis: np.ndarray) -> float | None:
+def _height(edge: EdgeFields, axis: np.ndarray) -> float | None:
     from firstcontact.body.solid.features import Edge
 
     points = []
     for piece in edge["pieces"]:
         if np.isfinite([piece.lo, piece.hi]).all():
-            points.append(Edge(index=0, name="", **edge).points(np.linspace(piece.lo, piece.hi, 17)))
+            t = np.linspace(piece.lo, piece.hi, 17)
+            points.append(Edge(index=0, name="", **edge).points(t))  # type: ignore[misc]  # it has no name yet
     return float((np.concatenate(points) @ axis).mean()) if points else None
 
 

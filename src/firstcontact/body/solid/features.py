@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypedDict
 
 import numpy as np
 from flint import arb, fmpq, fmpq_mat, fmpq_poly
@@ -43,6 +43,12 @@ from firstcontact.body.solid.neighbourhood import Profile, around_curve, nearly_
 from firstcontact.body.solid.regions import Reach, Region, Regions, holds, holds_ball, hull, simplified
 from firstcontact.body.solid.trimming import BITS, INFINITY, Arc, Break, Loop, Trimmed, largest, trim
 from firstcontact.exact.numbers import dyadic, precision, to_double
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from firstcontact.body.solid.carriers import Curve
+    from firstcontact.body.solid.feature_names import Names
 
 EDGE_KINDS = ("convex", "reentrant", "smooth")
 
@@ -89,7 +95,7 @@ class Edge:
     """(4, 2) float64: X(s) = frame (s, 1), s a length; (4, 3): X(t) = frame (1, cos t, sin t).
     Quartics: (n, 3) points, the parameter counts along them."""
 
-    def points(self, parameters: Any) -> np.ndarray:
+    def points(self, parameters: ArrayLike) -> np.ndarray:
         """(n, 3) float64 points of the curve at the (n,) parameters."""
         t = np.asarray(parameters, float)
         if isinstance(self.carrier, QuarticCurve):
@@ -104,6 +110,18 @@ class Edge:
         x: np.ndarray = self.frame @ np.stack([np.ones_like(t), np.cos(t), np.sin(t)])
         found: np.ndarray = x[:3] / x[3]
         return found.T
+
+
+class EdgeFields(TypedDict, total=False):
+    """Those of Edge but its index; the name comes last."""
+
+    name: str
+    carrier: Curve
+    surfaces: tuple[int, ...]
+    convexity: str
+    pieces: tuple[Piece, ...]
+    faces: tuple[int, ...]
+    frame: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,7 +167,7 @@ class _Traced:
 
 
 def derive(
-    tree: Tree, surfaces: Sequence[Surface], names: Any, box: Callable[[], Any], reaches: Sequence[Reach]
+    tree: Tree, surfaces: Sequence[Surface], names: Names, box: Callable[[], Region | None], reaches: Sequence[Reach]
 ) -> Features:
     """All features.
 
@@ -326,7 +344,7 @@ def middle(quadric: Quadric) -> Vector:
     return tuple(row[0] for row in fmpq_mat(system).solve(right).tolist()[:3])
 
 
-def _faces(sides: set[tuple[int, int]], surfaces: Sequence[Surface], names: Any) -> tuple[Face, ...]:
+def _faces(sides: set[tuple[int, int]], surfaces: Sequence[Surface], names: Names) -> tuple[Face, ...]:
     faces = []
     ordered = sorted(sides, key=lambda s: (s[0], -s[1]))
     for index, ((i, side), name) in enumerate(zip(ordered, names.faces(ordered), strict=True)):
@@ -415,7 +433,7 @@ class _Corners:
                 corner = self.merged(frozenset(on), Point(columns(tip)))
                 corner.apex = True
 
-    def numbered(self, names: Any) -> tuple[Vertex, ...]:
+    def numbered(self, names: Names) -> tuple[Vertex, ...]:
         # by their surfaces, not as the loops pass them: in a turned copy only those on the same ones may change places
         corners = sorted((c for c in self.all() if c.is_vertex), key=lambda c: sorted(c.surfaces))
         surfaces = [tuple(sorted(corner.surfaces)) for corner in corners]
@@ -486,7 +504,9 @@ def _rounded(carrier: Point | AlgebraicPoint | EnclosedPoint) -> tuple[tuple[flo
     return (x, y, z), math.nextafter(max(off), math.inf) if max(off) else 0.0
 
 
-def _same_point(corner: _Corner, carrier: Any, position: tuple[float, float, float]) -> bool:
+def _same_point(
+    corner: _Corner, carrier: Point | AlgebraicPoint | EnclosedPoint, position: tuple[float, float, float]
+) -> bool:
     if isinstance(carrier, Point) and isinstance(corner.carrier, Point):
         return carrier == corner.carrier
     size = 1e-9 * (1 + max(map(abs, position)))
@@ -499,11 +519,11 @@ def _same_point(corner: _Corner, carrier: Any, position: tuple[float, float, flo
 # -- edges --------------------------------------------------------------------------------------------------
 
 
-def _edges_of(traced: _Traced, corners: _Corners, numbers: dict[tuple[int, int], int]) -> list[dict[str, Any]]:
+def _edges_of(traced: _Traced, corners: _Corners, numbers: dict[tuple[int, int], int]) -> list[EdgeFields]:
     """The edges on one loop, one for each convexity that occurs: keyword arguments of Edge but index and name."""
     trimmed = traced.trimmed
     runs = _runs(traced, corners)
-    found = []
+    found: list[EdgeFields] = []
     for kind in EDGE_KINDS:
         own = [run for run in runs if run.kind == kind]
         if not own:
@@ -628,7 +648,7 @@ def _line_piece(ends: list[float], finite: list[bool], at: float, numbers: list[
     return Piece(ends[k], math.inf, numbers[k], None)
 
 
-def _homogeneous(loop: Loop, m: Any, sheet: int) -> np.ndarray:
+def _homogeneous(loop: Loop, m: fmpq | arb, sheet: int) -> np.ndarray:
     with precision(BITS):
         x = loop.point(arb(m), sheet)
         size = largest(x)

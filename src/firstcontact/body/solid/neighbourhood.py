@@ -8,7 +8,7 @@ order terms; this part is re-derived.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
@@ -90,12 +90,12 @@ class _Exact:
         return bool(arb(self.value.mid()) < arb(other.value.mid()))
 
 
-def _unit(v: Sequence[Any]) -> list[arb]:
+def _unit(v: Sequence[arb]) -> list[arb]:
     length = dot(v, v).sqrt()
     return [c / length for c in v]
 
 
-def _frame(tangent: list[arb], gradients: dict[int, Any]) -> tuple[list[arb], list[arb]]:
+def _frame(tangent: list[arb], gradients: dict[int, list[arb]]) -> tuple[list[arb], list[arb]]:
     """Two unit vectors across the tangent, such that no half-branch is near the cut at angle pi."""
     k = min(range(3), key=lambda i: abs(float(tangent[i])))
     first = _unit(cross(tangent, [arb(i == k) for i in range(3)]))
@@ -114,7 +114,7 @@ def _frame(tangent: list[arb], gradients: dict[int, Any]) -> tuple[list[arb], li
     )
 
 
-def _half_branches(across: tuple[list[arb], list[arb]], gradients: dict[int, Any]) -> list[Half]:
+def _half_branches(across: tuple[list[arb], list[arb]], gradients: dict[int, list[arb]]) -> list[Half]:
     """First-order directions: across each gradient."""
     first, second = across
     halves = []
@@ -124,7 +124,7 @@ def _half_branches(across: tuple[list[arb], list[arb]], gradients: dict[int, Any
     return halves
 
 
-def _first_order(across: tuple[list[arb], list[arb]], gradients: dict[int, Any]) -> Any:
+def _first_order(across: tuple[list[arb], list[arb]], gradients: dict[int, list[arb]]) -> Callable[..., int]:
     first, second = across
 
     def sign(i: int, angle: float) -> int:
@@ -154,7 +154,7 @@ def _least_angle(angles: list[Half]) -> arb:
     return arb(min(size for size in sizes if size > least_angle()))
 
 
-def _radius(surfaces: Sequence[Surface], gradients: dict[int, Any]) -> arb:
+def _radius(surfaces: Sequence[Surface], gradients: dict[int, list[arb]]) -> arb:
     """CIRCLE times the smallest radius of curvature."""
     radii = [1.0]
     for i, g in gradients.items():
@@ -172,7 +172,9 @@ def _probe(p: list[arb], across: tuple[list[arb], list[arb]], radius: arb, angle
     return [*point, arb(1)], [radius * (c * b - s * a) for a, b in zip(*across, strict=True)]
 
 
-def _on_circle(p: list[arb], across: tuple[list[arb], list[arb]], radius: arb, surfaces: Sequence[Surface]) -> Any:
+def _on_circle(
+    p: list[arb], across: tuple[list[arb], list[arb]], radius: arb, surfaces: Sequence[Surface]
+) -> Callable[..., int]:
     def sign(i: int, angle: float | arb) -> int:
         point, _ = _probe(p, across, radius, arb(angle))
         return 1 if surfaces[i].value(point).mid() > 0 else -1
@@ -196,7 +198,7 @@ def _settled(
 
 
 def _profile(
-    tree: Tree, signs: Sequence[int], on: list[int], halves: list[tuple[arb, int, arb]], probe: Any
+    tree: Tree, signs: Sequence[int], on: list[int], halves: list[tuple[arb, int, arb]], probe: Callable[..., int]
 ) -> Profile:
     """Sector by sector around the curve; halves: (angle, surface, first-order angle), ascending."""
     turn = 2 * arb.pi()
@@ -394,4 +396,3 @@ def _unit_f(v: Sequence[float]) -> list[float]:
 
 def _times(x: float, y: float) -> float:
     return x * y
-

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from flint import fmpq
@@ -29,11 +29,14 @@ from firstcontact.errors import InputError, shown
 from firstcontact.exact.numbers import rational
 from firstcontact.motion.translation import LARGEST, vector3
 
+if TYPE_CHECKING:
+    from firstcontact.exact.numbers import Given
+
 ORIGIN = (ZERO, ZERO, ZERO)
 
 
 @recorded
-def box(size: Iterable[Any], *, name: str | None = None) -> CompositeQuadric:
+def box(size: Iterable[Given], *, name: str | None = None) -> CompositeQuadric:
     """The box centred on the origin with edges `size` = (x, y, z) long; faces "x-", "x+", "y-", ...
 
     >>> box((1, 2, 3))
@@ -49,13 +52,13 @@ def box(size: Iterable[Any], *, name: str | None = None) -> CompositeQuadric:
 
 
 @recorded
-def sphere(radius: Any, *, name: str | None = None) -> CompositeQuadric:
+def sphere(radius: Given, *, name: str | None = None) -> CompositeQuadric:
     """The ball about the origin; its face is "surface"."""
     return _ellipsoid((_positive(radius, "sphere radius"),) * 3, name)
 
 
 @recorded
-def ellipsoid(radii: Iterable[Any], *, name: str | None = None) -> CompositeQuadric:
+def ellipsoid(radii: Iterable[Given], *, name: str | None = None) -> CompositeQuadric:
     """x^2/a^2 + y^2/b^2 + z^2/c^2 <= 1 for radii = (a, b, c); its face is "surface"."""
     return _ellipsoid(_positive3(radii, "ellipsoid radii"), name)
 
@@ -68,7 +71,11 @@ def _ellipsoid(radii: Vector, name: str | None) -> CompositeQuadric:
 
 @recorded
 def cylinder(
-    radius: Any = None, height: Any = None, *, radii: Any = None, name: str | None = None
+    radius: Given | Iterable[Given] = None,
+    height: Given = None,
+    *,
+    radii: Given | Iterable[Given] = None,
+    name: str | None = None,
 ) -> CompositeQuadric:
     """The cylinder about z with |z| <= height/2; radius or radii: one number, or (a, b) for an elliptic one.
 
@@ -89,7 +96,7 @@ def cylinder(
 
 
 @recorded
-def cone(radius: Any, height: Any, *, name: str | None = None) -> CompositeQuadric:
+def cone(radius: Given, height: Given, *, name: str | None = None) -> CompositeQuadric:
     """The cone about z with its base at z = 0 and its tip at z = height.
 
     Faces "side", "bottom", edge "rim.bottom", vertex "apex".
@@ -98,7 +105,7 @@ def cone(radius: Any, height: Any, *, name: str | None = None) -> CompositeQuadr
 
 
 @recorded
-def frustum(bottom: Any, top: Any, height: Any, *, name: str | None = None) -> CompositeQuadric:
+def frustum(bottom: Given, top: Given, height: Given, *, name: str | None = None) -> CompositeQuadric:
     """The truncated cone about z: radius `bottom` at z = 0 and `top` at z = height; one of them may be 0."""
     r0, r1 = _not_negative(bottom, "frustum bottom"), _not_negative(top, "frustum top")
     if r0 == r1 == 0:
@@ -117,7 +124,7 @@ def _frustum(r0: fmpq, r1: fmpq, h: fmpq, name: str | None) -> CompositeQuadric:
 
 
 @recorded
-def paraboloid(radii: Any, height: Any, *, name: str | None = None) -> CompositeQuadric:
+def paraboloid(radii: Given | Iterable[Given], height: Given, *, name: str | None = None) -> CompositeQuadric:
     """x^2/a^2 + y^2/b^2 <= z <= height; radii: one number or (a, b).  Faces "side", "top", edge "rim.top"."""
     a, b = _radii(radii, "paraboloid radii")
     h = _positive(height, "paraboloid height")
@@ -137,7 +144,7 @@ def paraboloid(radii: Any, height: Any, *, name: str | None = None) -> Composite
 
 
 @recorded
-def hyperboloid(radii: Iterable[Any], height: Any, sheets: int = 1, *, name: str | None = None) -> CompositeQuadric:
+def hyperboloid(radii: Iterable[Given], height: Given, sheets: int = 1, *, name: str | None = None) -> CompositeQuadric:
     """x^2/a^2 + y^2/b^2 - z^2/c^2 <= 1 and |z| <= height/2 for radii = (a, b, c).
 
     sheets=2: the cap z^2/c^2 - x^2/a^2 - y^2/b^2 >= 1, 0 <= z <= height; height must exceed c.
@@ -158,7 +165,7 @@ def hyperboloid(radii: Iterable[Any], height: Any, sheets: int = 1, *, name: str
 
 
 @recorded
-def half_space(normal: Iterable[Any], offset: Any, *, name: str | None = None) -> CompositeQuadric:
+def half_space(normal: Iterable[Given], offset: Given, *, name: str | None = None) -> CompositeQuadric:
     """normal . x <= offset; its face is "plane"."""
     n = vector3(normal, "half_space normal")
     if not any(n):
@@ -167,7 +174,7 @@ def half_space(normal: Iterable[Any], offset: Any, *, name: str | None = None) -
 
 
 @recorded
-def quadric(matrix: Any, *, name: str | None = None) -> CompositeQuadric:
+def quadric(matrix: Iterable[Iterable[Given]], *, name: str | None = None) -> CompositeQuadric:
     """X^T Q X <= 0 for X = (x, y, z, 1) and a symmetric 4x4 matrix Q; its face is "surface".
 
     A product of two rational planes is taken apart into them ("plane 1", "plane 2"), so they meet in an edge.
@@ -245,7 +252,7 @@ def diagonal(*values: fmpq) -> Quadric:
 # -- arguments ----------------------------------------------------------------------------------------------
 
 
-def _positive(x: Any, what: str) -> fmpq:
+def _positive(x: Given, what: str) -> fmpq:
     value = _not_negative(x, what)
     if value == 0:
         raise InputError(f"{what} is 0; give a positive number")
@@ -254,7 +261,7 @@ def _positive(x: Any, what: str) -> fmpq:
     return value
 
 
-def _not_negative(x: Any, what: str) -> fmpq:
+def _not_negative(x: Given, what: str) -> fmpq:
     value = rational(x, what)
     if value < 0:
         raise InputError(f"{what} is {shown(x)}; give a positive number")
@@ -263,7 +270,7 @@ def _not_negative(x: Any, what: str) -> fmpq:
     return value
 
 
-def _positive3(values: Iterable[Any], what: str) -> Vector:
+def _positive3(values: Iterable[Given], what: str) -> Vector:
     if isinstance(values, str) or not np.iterable(values):
         raise InputError(f"{what} is {values!r}; give three numbers")
     numbers = tuple(values)
@@ -272,7 +279,7 @@ def _positive3(values: Iterable[Any], what: str) -> Vector:
     return tuple(_positive(x, f"{what}[{k}]") for k, x in enumerate(numbers))
 
 
-def _radii(values: Any, what: str) -> tuple[fmpq, fmpq]:
+def _radii(values: Given | Iterable[Given], what: str) -> tuple[fmpq, fmpq]:
     """(a, b) from two numbers or one."""
     if isinstance(values, str) or not np.iterable(values):
         r = _positive(values, what)

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import arb, arb_mat, fmpq, fmpq_mat
@@ -27,6 +27,9 @@ from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.curves.quadric_curve import Branch, Degenerate, End, Sweep, swept
 from firstcontact.exact.numbers import Undecidable, dyadic, exact_value, precision
 from firstcontact.exact.vectors import cross
+
+if TYPE_CHECKING:
+    from firstcontact.body.solid.features import EdgeFields, _Corner, _Corners
 
 """Corners, (3,) float64 each."""
 
@@ -57,9 +60,9 @@ class QuarticEdge:
     surfaces: tuple[int, ...]
     stretches: tuple[_Stretch, ...]
 
-    def finished(self, numbers: dict[tuple[int, int], int]) -> list[dict[str, Any]]:
+    def finished(self, numbers: dict[tuple[int, int], int]) -> list[EdgeFields]:
         """Keyword arguments of Edge but index and name, one for each convexity that occurs."""
-        found = []
+        found: list[EdgeFields] = []
         for kind in EDGE_KINDS:
             own = _joined([s for s in self.stretches if s.profile.kind == kind])
             if not own:
@@ -103,14 +106,18 @@ def _follows(first: _Stretch, second: _Stretch) -> bool:
     return same and not corner.is_vertex
 
 
-def _number(corner: Any) -> int | None:
+def _number(corner: _Corner) -> int | None:
     return None if corner is None or corner.index < 0 else corner.index
 
 
 def trace_quartics(
-    tree: Tree, surfaces: Sequence[Surface], pairs: Sequence[tuple[int, int, Region]], corners: Any, box: Region | None,
+    tree: Tree,
+    surfaces: Sequence[Surface],
+    pairs: Sequence[tuple[int, int, Region]],
+    corners: _Corners,
+    box: Region | None,
     regions: Regions,
-) -> tuple[list[QuarticEdge], set[tuple[int, int]]]:  # fmt: skip
+) -> tuple[list[QuarticEdge], set[tuple[int, int]]]:
     """All degree-4 edges inside the box, and the sides of surfaces that they bound.
 
     pairs: of surfaces, with the region in which both may bound the solid.
@@ -287,7 +294,7 @@ class _Curve:
             values = {k: self.surfaces[k].value([*x, arb(1)]) for k in self.rest}
             return frozenset(self.on) | {k for k, value in values.items() if not (value > 0 or value < 0)}
 
-    def visit(self, corners: Any) -> None:
+    def visit(self, corners: _Corners) -> None:
         """Put corners known from other curves where this one passes them without crossing a surface."""
         size = max(1.0, *(float(np.abs(c).max()) for c in self.box))
         mine = {id(link): link for link in self.links.values()}.values()

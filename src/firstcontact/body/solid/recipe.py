@@ -17,6 +17,7 @@ from firstcontact.motion.value import numbers
 
 if TYPE_CHECKING:
     from firstcontact.body.solid.composite_quadric import CompositeQuadric
+    from firstcontact.result import Table
 
 Arguments = ParamSpec("Arguments")
 # What binds first, as in Python: a chain of operations is written without parentheses while none binds more than the
@@ -38,7 +39,7 @@ class Recipe:
     def moved(self, matrix: Matrix) -> Recipe:
         return Recipe(self.table, self.chain, compose(matrix, self.matrix))
 
-    def written(self) -> dict[str, Any]:
+    def written(self) -> Table:
         """The table of a scene file, but for the name."""
         made = dict(self.table) if self.table is not None else _chain_table(self.chain)
         if self.matrix != IDENTITY:
@@ -80,7 +81,7 @@ def _plain(value: Any) -> Any:
     return numbers(rational(value, "argument"))
 
 
-def _chain_table(chain: tuple[tuple[str, str | None, Recipe], ...]) -> dict[str, Any]:
+def _chain_table(chain: tuple[tuple[str, str | None, Recipe], ...]) -> Table:
     """An expression over parts that are called as the operands are, where that is possible."""
     parts: dict[str, Any] = {}
     words = []

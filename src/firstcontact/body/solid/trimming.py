@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cmp_to_key
 from itertools import product
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from flint import arb, fmpq, fmpq_poly, fmpz_poly
 
@@ -37,6 +37,9 @@ from firstcontact.body.solid.carriers import (
 )
 from firstcontact.exact.fields.surd import Surd
 from firstcontact.exact.numbers import Undecidable, dyadic, precision
+
+if TYPE_CHECKING:
+    from firstcontact.exact.ring import E
 
 # Working precision (bits) of enclosures; distinct roots closer than that are refused, not guessed.
 BITS = 400
@@ -90,7 +93,7 @@ def _square(form: Rows, a: Vector, b: Vector) -> fmpq_poly:
     return fmpq_poly([bilinear(form, a, a), 2 * bilinear(form, a, b), bilinear(form, b, b)])
 
 
-def _at(p: fmpq_poly, x: Any) -> Any:
+def _at(p: fmpq_poly, x: E) -> E:
     value = x * 0
     for coefficient in reversed(p.coeffs()):
         value = value * x + coefficient

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import fmpq
@@ -17,6 +18,13 @@ from firstcontact.exact.rigid import IDENTITY, Matrix, apply, compose, inverse_m
 from firstcontact.exact.vectors import cross, dot, sub
 from firstcontact.motion.translation import LARGEST
 from firstcontact.motion.value import number, numbers
+
+if TYPE_CHECKING:
+
+    from firstcontact.body.polyhedron.polyhedron import Polyhedron
+    from firstcontact.exact.numbers import Given
+    from firstcontact.exact.ring import N, VectorOf
+    from firstcontact.result import Table
 
 ROUNDED = 1e-14
 """What bounds of a torus lose by rounding, of the numbers in them."""
@@ -82,7 +90,7 @@ class Torus(Placing):
 
     # -- looking --------------------------------------------------------------------------------------------
 
-    def contains(self, points: Any) -> np.ndarray:
+    def contains(self, points: np.ndarray | Sequence[Sequence[Given]]) -> np.ndarray:
         """(n,) bools: whether each of the (n, 3) points is in the closed solid; one bool for one (3,) point.  Exact."""
         try:
             p = np.asarray(points, float)
@@ -104,7 +112,7 @@ class Torus(Placing):
         reach = reach + ROUNDED * (reach + np.abs(pose[:, 3]))
         return pose[:, 3] - reach, pose[:, 3] + reach
 
-    def is_round(self, axis: tuple[Any, ...], point: tuple[Any, ...]) -> bool:
+    def is_round(self, axis: VectorOf[fmpq], point: VectorOf[fmpq]) -> bool:
         x, y, z, centre = zip(*self.matrix, strict=True)
         if any(cross(z, axis)) or any(cross(sub(centre, point), axis)):
             return False
@@ -115,7 +123,7 @@ class Torus(Placing):
         points, normals, triangles = self._grid(tolerance)
         return points[triangles], np.zeros(len(triangles), int), normals[triangles]
 
-    def to_mesh(self, tolerance: float) -> Any:
+    def to_mesh(self, tolerance: float) -> Polyhedron:
         """A Polyhedron of triangles with all vertices on the surface, at most `tolerance` from it."""
         from firstcontact.body.polyhedron.polyhedron import Polyhedron
         from firstcontact.exact.numbers import positive_double
@@ -152,7 +160,7 @@ class Torus(Placing):
         name = f" {self.name!r}" if self.name else ""
         return f"<Torus{name}: {self._radii_told()}>"
 
-    def __getstate__(self) -> dict[str, Any]:
+    def __getstate__(self) -> dict[str, object]:
         return {"table": self._table(), "name": self.name}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -162,15 +170,15 @@ class Torus(Placing):
         major, minor = (rational(table[key], key) for key in ("major", "minor"))
         self.__init__(major, minor, matrix, state["name"])  # type: ignore[misc]
 
-    def _facts(self) -> tuple[Any, ...]:
+    def _facts(self) -> tuple[Hashable, ...]:
         return self.major, self.minor, self.matrix
 
-    def _table(self) -> dict[str, Any]:
+    def _table(self) -> Table:
         placed = {} if self.matrix == IDENTITY else {"transform": [*numbers(self.matrix), [0, 0, 0, 1]]}
         return {"shape": "torus", "major": number(self.major), "minor": number(self.minor), **placed}
 
 
-def torus(major: Any, minor: Any, *, name: str | None = None) -> Torus:
+def torus(major: Given, minor: Given, *, name: str | None = None) -> Torus:
     """The solid torus about z, centred: all points at most `minor` from the circle of radius `major`; minor < major.
 
     Its face is "surface".
@@ -183,7 +191,7 @@ def torus(major: Any, minor: Any, *, name: str | None = None) -> Torus:
     return Torus(radii[0], radii[1], name=name)
 
 
-def quartic(major: Any, minor: Any, x: Any, y: Any, z: Any) -> Any:
+def quartic(major: N, minor: N, x: N, y: N, z: N) -> N:
     """The form of the torus at a point of its own frame, in numbers of any kind: negative inside."""
     around = x * x + y * y
     value = around + z * z + (major * major - minor * minor)

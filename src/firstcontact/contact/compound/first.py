@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING
 
 from firstcontact.contact.compound.answer import Told, combined, is_named, joined
 from firstcontact.contact.compound.windows import Window, side_of, windows
@@ -17,6 +17,11 @@ from firstcontact.exact.numbers import Undecidable, above, below, exact_value
 from firstcontact.motion.moving import shape_of
 from firstcontact.result import ContactIntervals, FirstContact, Status
 from firstcontact.work import Query
+
+if TYPE_CHECKING:
+    from flint import fmpq
+
+    from firstcontact.contact.compound.windows import Side
 
 
 def first(query: Query) -> FirstContact:
@@ -50,7 +55,7 @@ def first(query: Query) -> FirstContact:
     return combined(query, sides, told)
 
 
-def _about(query: Query, sides: Any, window: Window, end: Any, left: int | None) -> Query:
+def _about(query: Query, sides: tuple[Side, Side], window: Window, end: fmpq | None, left: int | None) -> Query:
     """The question about two pieces, up to the end of their window or the first contact known."""
     a, b = sides
     last = window.last if end is None or window.last is None else min(window.last, end)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import fmpq
@@ -14,6 +14,9 @@ from firstcontact.exact.numbers import above, below
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.relative.sweep import swept_box
 from firstcontact.work import Query
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
 
 SLABS = 16
 """Equal parts of the span that are looked at one by one, where more than a few pairs may meet."""
@@ -50,7 +53,7 @@ class Side:
         return swept_box(body.motion, first, last, piece.corners, 0.0)
 
 
-def side_of(body: Any) -> Side:
+def side_of(body: Body) -> Side:
     shape = shape_of(body)
     if not isinstance(shape, Compound):
         return Side(body, (None,), (body,))

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import fmpq
@@ -54,6 +54,9 @@ from firstcontact.search.trees.containment import component_labels, contains
 from firstcontact.search.trees.frame import tree_of
 from firstcontact.work import Query, Spent
 
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
+
 MOST_PRISMS = 16
 """Triangles looked at one by one to tell touching from overlapping."""
 
@@ -68,7 +71,7 @@ def first(query: Query) -> FirstContact:
     return answered([Way("by triangles", lambda query, _: _Answer(query).answer())], query)
 
 
-def windows_of(a: Any, b: Any, first: fmpq, last: fmpq) -> list[Window]:
+def windows_of(a: Body, b: Body, first: fmpq, last: fmpq) -> list[Window]:
     try:
         return windows(a, b, first, last)
     except Untold as reason:
@@ -479,7 +482,7 @@ class _Answer:
         return any(not overlap(Pair(*pair, piece), piece.u_lo) for pair in pairs)
 
 
-def _standing(body: Any, t: fmpq) -> Any:
+def _standing(body: Body, t: fmpq) -> Any:
     """The body under a motion that keeps it in its pose at time t; None where that is not rational."""
     there = placement_at(body, t)
     if not there.is_exact:
@@ -488,7 +491,7 @@ def _standing(body: Any, t: fmpq) -> Any:
     return shape_of(body).moving(RationalMotion([[*pose, [0, 0, 0, 1]]]))
 
 
-def _is_screw(body: Any) -> bool:
+def _is_screw(body: Body) -> bool:
     return isinstance(body, Moving) and isinstance(body.motion, Screw)
 
 

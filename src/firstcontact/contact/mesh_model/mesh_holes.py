@@ -294,13 +294,15 @@ class HoledSearch(MeshSearch):
         kind = type(theirs).__name__.lower(), theirs.index
         return Touch(stop.lo, at, time, where, n, primitive, corner, sides, (kind,), frame, alone)
 
-    def _corners(self, feature: Any, triangle: int) -> Any:
+    def _corners(self, feature: Face | Edge | Vertex, triangle: int) -> Any:
         """The vertices of a vertex, an edge, or a face that is this triangle."""
         if isinstance(feature, Vertex):
             return [feature.index]
         return self.mesh._segments[feature.index] if isinstance(feature, Edge) else self.mesh.triangles[triangle]
 
-    def _is_clear(self, corners: np.ndarray, theirs: Any, where: np.ndarray, poses: Sequence[np.ndarray]) -> bool:
+    def _is_clear(
+        self, corners: np.ndarray, theirs: Face | Edge | Vertex, where: np.ndarray, poses: Sequence[np.ndarray]
+    ) -> bool:
         """Whether the place is clear of what borders the two features, so that no other event may be there.
 
         corners: of the polyhedron's feature; poses: of the polyhedron and of the model.
@@ -321,7 +323,7 @@ class HoledSearch(MeshSearch):
         return None if abs(way) <= GRAZING * float(np.linalg.norm(v)) else n * np.sign(way)
 
     def _normal(
-        self, mine: Any, theirs: Any, where: np.ndarray, poses: Sequence[np.ndarray]
+        self, mine: Face | Edge | Vertex, theirs: Face | Edge | Vertex, where: np.ndarray, poses: Sequence[np.ndarray]
     ) -> np.ndarray | None:
         """Unit, in the world, either way; poses: of the polyhedron and of the model."""
         turn, back = poses[0][:, :3], np.linalg.inv(poses[1][:, :3])
@@ -350,7 +352,7 @@ class _Group:
     def opened(self, free_until: float) -> list[Open]:
         return [Open(k, self.piece, free_until) for k in self.triangles]
 
-    def primitive(self, mesh: Polyhedron, feature: Any) -> tuple[int, int, tuple[int, ...]]:
+    def primitive(self, mesh: Polyhedron, feature: Face | Edge | Vertex) -> tuple[int, int, tuple[int, ...]]:
         """(a triangle at the feature, the corner or -1, the sides) of it."""
         rows = list(self.triangles)
         if isinstance(feature, Face):

@@ -7,7 +7,7 @@ segment from one to the other passes the triangle inside that piece; a piece apa
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from flint import fmpq, fmpq_poly, fmpz_poly
@@ -25,13 +25,17 @@ from firstcontact.search.convex.convex import NotConvex, convex_pieces
 from firstcontact.search.convex.relation import Relation
 from firstcontact.search.convex.resting import Place, places
 
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
+    from firstcontact.body.polyhedron.polyhedron import Polyhedron
+
 START = fmpq(0)
 
 
 class Standing:
     """A Polyhedron and a CompositeQuadric, at rest or moving, where they are at a time t of their motions."""
 
-    def __init__(self, mesh: Any, model: Any, t: fmpq) -> None:
+    def __init__(self, mesh: Polyhedron, model: CompositeQuadric, t: fmpq) -> None:
         self.mesh, self.model, self.t = mesh, model, t
         poses = [placement_at(x, t) for x in (mesh, model)]
         self.relative = None
@@ -148,7 +152,7 @@ def _between_roots(roots: list[AlgebraicRoot]) -> list[fmpq]:
         bits *= 2
 
 
-def _following(solid: CompositeQuadric, body: Any) -> Any:
+def _following(solid: CompositeQuadric, body: Body) -> Body:
     return Moving(solid, body.motion) if isinstance(body, Moving) else solid
 
 

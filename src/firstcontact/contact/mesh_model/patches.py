@@ -193,7 +193,7 @@ def triangle_forms(points: Sequence[Vector], toward: Vector) -> list[Plane] | No
     return planes
 
 
-def _plane(n: Sequence[Any], point: Vector) -> Plane:
+def _plane(n: Sequence[fmpq], point: Vector) -> Plane:
     return Plane(primitive((*n, -dot(n, point))))
 
 

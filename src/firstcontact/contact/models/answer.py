@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import arb, ctx
@@ -33,13 +33,17 @@ from firstcontact.result import (
 )
 from firstcontact.search.trees.touch import carried_normal
 
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body, Model
+    from firstcontact.work import Shared
+
 _ORDER = {"vertex": 0, "apex": 0, "edge": 1, "face": 2}
 BITS = 128
 ALONG = 1e-6
 """Sine of the angle below which edges touch along each other: where they do, places are known to half the digits."""
 
 
-def contact_of(search: Search, meetings: Sequence[Meeting], exact: bool, shared: dict[str, Any]) -> FirstContact:
+def contact_of(search: Search, meetings: Sequence[Meeting], exact: bool, shared: Shared) -> FirstContact:
     """The CONTACT result, the lowest (kind, index) of the simultaneous pairs first."""
     pair, root = search.pair, meetings[0].candidate.root
     named = ranked(pair, meetings)
@@ -61,7 +65,7 @@ def contact_of(search: Search, meetings: Sequence[Meeting], exact: bool, shared:
     )  # fmt: skip
 
 
-def _contact_set(pair: Pair, root: Root, meetings: Sequence[Meeting], b: Any, time: float) -> ContactSet:
+def _contact_set(pair: Pair, root: Root, meetings: Sequence[Meeting], b: Body, time: float) -> ContactSet:
     kind, points = largest_set(pair, root, meetings)
     return ContactSet(kind, to_world(pair, root, points, b, time))
 
@@ -116,7 +120,7 @@ def world_time(pair: Pair, root: Root) -> tuple[float, tuple[float, float]]:
     """(nearest double, enclosure) of a root's time."""
     value = root.rational
 
-    def number() -> Any:
+    def number() -> arb:
         u = root.enclosure(ctx.prec) if value is None else arb(value)
         return pair.piece.time_of(u)
 
@@ -125,14 +129,14 @@ def world_time(pair: Pair, root: Root) -> tuple[float, tuple[float, float]]:
     return enclose(number)
 
 
-def to_world(pair: Pair, root: Root, points: np.ndarray, b: Any, time: float) -> np.ndarray:
+def to_world(pair: Pair, root: Root, points: np.ndarray, b: Body, time: float) -> np.ndarray:
     """(n, 3) points of the frame of b in the world at the root."""
     pose = _pose_of_b(pair, root, b, time)
     moved: np.ndarray = points @ pose[:3, :3].T + pose[:3, 3]
     return moved
 
 
-def _turned(pair: Pair, root: Root, n: np.ndarray | None, b: Any, time: float) -> np.ndarray | None:
+def _turned(pair: Pair, root: Root, n: np.ndarray | None, b: Body, time: float) -> np.ndarray | None:
     """A normal of the frame of b in the world."""
     return None if n is None else carried_normal(_pose_of_b(pair, root, b, time), n)
 
@@ -268,7 +272,7 @@ def _unit(v: np.ndarray) -> np.ndarray | None:
 # -- the list of subproblems ----------------------------------------------------------------------------------
 
 
-def listed(searches: Sequence[Search], b: Any) -> tuple[Subproblem, ...]:
+def listed(searches: Sequence[Search], b: Model) -> tuple[Subproblem, ...]:
     """Every pair of features with its candidate times over all pieces, judged."""
     rows: dict[tuple[Element, Element, str], list[CandidateTime]] = {}
     reasons: dict[tuple[Element, Element, str], str] = {}
@@ -283,7 +287,7 @@ def listed(searches: Sequence[Search], b: Any) -> tuple[Subproblem, ...]:
     return tuple(Subproblem(*key, tuple(found), reasons[key]) for key, found in rows.items())
 
 
-def _judged(search: Search, candidate: Candidate, b: Any) -> CandidateTime:
+def _judged(search: Search, candidate: Candidate, b: Model) -> CandidateTime:
     meetings, reason = search.verdict(candidate)
     time, _ = world_time(search.pair, candidate.root)
     point = None

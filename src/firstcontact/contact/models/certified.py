@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence as Listing
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import fmpq
@@ -30,6 +30,10 @@ from firstcontact.search.convex.advance import Advance, advance
 from firstcontact.search.events.events import MOST_BOXES, first_event
 from firstcontact.work import Query
 
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Model
+    from firstcontact.motion.kinds import AnyMotion
+
 LARGEST = 2.0**60
 """Coordinates up to which an unbounded model is cut."""
 MANY = 32
@@ -37,7 +41,7 @@ MANY = 32
 _CUT = Kept[dict[Any, Any]]()
 
 
-def settle(models: tuple[Any, Any], query: Query, apart: bool = False) -> tuple[FirstContact | None, bool, Advance]:
+def settle(models: tuple[Model, Model], query: Query, apart: bool = False) -> tuple[FirstContact | None, bool, Advance]:
     """(the answer, None where there is none; whether it tells all that is shared; what was proved).
 
     models: both bodies of the query as models; apart: they are known to be that at the start.  Among features that
@@ -56,13 +60,13 @@ def settle(models: tuple[Any, Any], query: Query, apart: bool = False) -> tuple[
     return *contact(models, found, query), found
 
 
-def both_bounded(models: tuple[Any, Any], span: tuple[float, float]) -> tuple[Any, Any]:
+def both_bounded(models: tuple[Model, Model], span: tuple[float, float]) -> tuple[Model, Model]:
     """Both models, a resting unbounded one cut to what the other may touch."""
     a, b = models
     return bounded(a, b, span), bounded(b, a, span)
 
 
-def near_models(models: tuple[Any, Any], span: tuple[float, float]) -> tuple[Any, Any]:
+def near_models(models: tuple[Model, Model], span: tuple[float, float]) -> tuple[Model, Model]:
     """Both models, a bounded resting one of many surfaces cut to what the other may touch."""
     a, b = models
     near = [bounded(x, y, span) if shape_of(x).bounded else x for x, y in ((a, b), (b, a))]
@@ -102,7 +106,7 @@ def bounded(body: Any, other: Any, span: tuple[float, float]) -> Any:
     return cut[size]
 
 
-def _turned_back(motion: Any) -> Any:
+def _turned_back(motion: AnyMotion) -> AnyMotion | None:
     """The motion of the world as the body sees it; None where no motion is that."""
     if isinstance(motion, Translation):
         return Translation([-x for x in motion.vector])
@@ -144,7 +148,7 @@ def _part_in(body: CompositeQuadric, cells: Cells) -> CompositeQuadric:
     return part
 
 
-def contact(models: tuple[Any, Any], found: Advance, query: Query) -> tuple[FirstContact | None, bool]:
+def contact(models: tuple[Model, Model], found: Advance, query: Query) -> tuple[FirstContact | None, bool]:
     """(the CONTACT result, None where no features are known; whether it tells all that the features share).
 
     Its time and elements are known at once; what else meets there is put into the terms of users when asked for.
@@ -195,7 +199,7 @@ def _where(named: Named, normal: np.ndarray | None, shares: Shares | None) -> di
 
 
 def _flat_set(
-    models: tuple[Any, Any], on: tuple[_On, _On], flats: tuple[Flats, Flats], found: Advance, point: Point
+    models: tuple[Model, Model], on: tuple[_On, _On], flats: tuple[Flats, Flats], found: Advance, point: Point
 ) -> Shared | None:
     """What flat things around the contact share, where that is told without algebra."""
     axes = turning_axes(*models)
@@ -230,7 +234,7 @@ Shares = tuple[str, Listing[Point] | np.ndarray]
 
 
 def on_model(
-    body: Any,
+    body: Model,
     features: tuple[tuple[str, int], ...],
     place: tuple[np.ndarray, np.ndarray],
     frame: tuple[list[float], list[float]],
@@ -254,7 +258,7 @@ class _On:
     __slots__ = ("body", "element", "inverse", "known", "normal", "pose", "where")
 
     def __init__(
-        self, body: Any, features: tuple[tuple[str, int], ...], point: Point, normal: Point,
+        self, body: Model, features: tuple[tuple[str, int], ...], point: Point, normal: Point,
         frame: tuple[list[float], list[float]], which: str,
     ) -> None:
         self.pose, self.inverse = frame

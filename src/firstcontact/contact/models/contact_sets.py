@@ -11,7 +11,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import arb, fmpq
@@ -23,6 +23,10 @@ from firstcontact.exact.fields.number_field import QuadraticElement, ball, sign
 from firstcontact.exact.fields.roots import AlgebraicRoot
 from firstcontact.exact.numbers import exact_value, precision
 from firstcontact.pairs.carriers.contact import Contact
+
+if TYPE_CHECKING:
+    from firstcontact.exact.systems.square_systems import EnclosedRoot
+    pass
 
 SAMPLES = 720
 """Points of a conic looked at in doubles."""
@@ -49,7 +53,7 @@ class Shared:
 
 
 def shared_part(
-    pair: Pair, contact: Contact, root: Any, on_a: On, on_b: On
+    pair: Pair, contact: Contact, root: AlgebraicRoot | EnclosedRoot, on_a: On, on_b: On
 ) -> tuple[list[Shared], str]:
     """The parts of the contact set that both models hold, or the reason why there is none."""
     if contact.kind == "point":
@@ -72,7 +76,7 @@ def cartesian(x: Vector) -> np.ndarray:
 class Trim:
     """The forms of both models in doubles at the root, and where points lie in both."""
 
-    def __init__(self, pair: Pair, root: AlgebraicRoot, on_a: On, on_b: On) -> None:
+    def __init__(self, pair: Pair, root: AlgebraicRoot | EnclosedRoot | EnclosedRoot, on_a: On, on_b: On) -> None:
         u = root.enclosure(128)
         self.unit = pair.unit
         self.models = []

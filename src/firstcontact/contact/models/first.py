@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import fmpq
@@ -34,6 +34,11 @@ from firstcontact.result import ContactIntervals, FirstContact, Status
 from firstcontact.search.convex.advance import Advance, advance
 from firstcontact.timeline.answers import interval_of, proved_intervals
 from firstcontact.work import Query, Spent, Work
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body, Model
+    from firstcontact.body.solid.composite_quadric import CompositeQuadric
+    from firstcontact.result import ExactTime
 
 QUICK_STEPS = 1000
 """Subproblems and candidates that algebra looks at before doubles are asked for intervals: a few tenths of a second.
@@ -93,7 +98,7 @@ def _undecided(query: Query, proved: Advance, reason: str) -> FirstContact:
     )
 
 
-def _proved_only(query: Query, models: tuple[Any, Any], proved: Advance) -> FirstContact:
+def _proved_only(query: Query, models: tuple[Model, Model], proved: Advance) -> FirstContact:
     """What the certified path proved, but for contacts, where exact arithmetic does not take the pair or denies it."""
     start = query.span[0]
     if proved.status == "initial" or proved.free_until <= start:
@@ -111,7 +116,7 @@ def _proved_only(query: Query, models: tuple[Any, Any], proved: Advance) -> Firs
     return _undecided(query, proved, proved.reason or "precision")
 
 
-def _from_apart(query: Query, models: tuple[Any, Any], before: Advance) -> FirstContact:
+def _from_apart(query: Query, models: tuple[Model, Model], before: Advance) -> FirstContact:
     """What doubles tell of bodies that exact arithmetic knows to be apart at the start, as close fits are hidden.
 
     before: what they told when they did not know that.
@@ -123,7 +128,7 @@ def _from_apart(query: Query, models: tuple[Any, Any], before: Advance) -> First
     return _undecided(query, proved, proved.reason or "precision") if seen is None else seen
 
 
-def _landed(query: Query, a: Any, b: Any, proved: Advance) -> FirstContact | None:
+def _landed(query: Query, a: Model, b: Model, proved: Advance) -> FirstContact | None:
     """CONTACT where the bodies are proved free up to the last instant, or up to one of a graze, and touch then."""
     start, end = query.span
     free_until, instant = proved.free_until, query.end
@@ -162,7 +167,7 @@ def _at_start(query: Query) -> FirstContact:
     rational = _starts_rational(query)
     x, y = (pose.place(shape_of(body)) if rational else _rounded(body, start) for pose, body in there)
 
-    def decided(x: Any) -> FirstContact:
+    def decided(x: CompositeQuadric) -> FirstContact:
         return _decided(replace(query, a=x, b=y, last=query.first, exact=False, method="auto"), Work())
 
     found = decided(x)
@@ -178,7 +183,7 @@ def _rounded(body: Any, t: float) -> Any:
     return body.at(t) if isinstance(body, Moving) else body
 
 
-def _smaller_and_larger(body: Any) -> list[Any]:
+def _smaller_and_larger(body: CompositeQuadric) -> list[CompositeQuadric]:
     """By more than rounding of poses moves it."""
     lo, hi = body.bounds()
     middle = np.where(np.isfinite(lo + hi), 0.5 * (lo + hi), 0.0)
@@ -190,7 +195,7 @@ def _smaller_and_larger(body: Any) -> list[Any]:
     return [body.transformed(pose) for pose in poses]
 
 
-def _models(query: Query) -> tuple[Any, Any]:
+def _models(query: Query) -> tuple[Model, Model]:
     """Both as models, at rest or moving as they were.  UnsupportedPair for two that are unbounded."""
     models = _as_model(query.a), _as_model(query.b)
     a: Any = shape_of(models[0])
@@ -200,7 +205,7 @@ def _models(query: Query) -> tuple[Any, Any]:
     return models
 
 
-def _as_model(body: Any) -> Any:
+def _as_model(body: Body) -> Any:
     shape: Any = shape_of(body)
     if not isinstance(shape, Polyhedron):
         return body
@@ -265,7 +270,7 @@ def intervals(query: Query) -> ContactIntervals:
         )
         return decided(proved_intervals(found, done, query), query)
 
-    def exactly(query: Query, _: Any) -> ContactIntervals:
+    def exactly(query: Query, _: None) -> ContactIntervals:
         return _decided_intervals(query, work(query), free_until)
 
     return answered([
@@ -276,7 +281,7 @@ def intervals(query: Query) -> ContactIntervals:
     ], query)  # fmt: skip
 
 
-def _at_little_cost(query: Query, models: tuple[Any, Any]) -> Advance:
+def _at_little_cost(query: Query, models: tuple[Model, Model]) -> Advance:
     """How far the advancement of convex pieces, of those that cover the models where they are no unions of such, proves
     that there is no contact."""
     near = both_bounded(models, query.span)
@@ -401,7 +406,7 @@ class _End:
         """For an end of one piece and a start of the next: they can only meet where the pieces do."""
         return self.is_at(other.search.pair.piece.start) and other.is_at(other.search.pair.piece.start)
 
-    def value(self, exact: bool) -> tuple[float, tuple[float, float], Any]:
+    def value(self, exact: bool) -> tuple[float, tuple[float, float], ExactTime | None]:
         if self.root is None:
             assert self.time is not None
             t = to_double(self.time)

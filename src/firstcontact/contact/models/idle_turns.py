@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import wraps
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from flint import fmpq
@@ -26,6 +26,9 @@ from firstcontact.motion.screw import Screw
 from firstcontact.motion.translation import Translation
 from firstcontact.result import ContactIntervals, FirstContact
 from firstcontact.work import Query
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body, Shape
 
 ORIGIN = (fmpq(0),) * 3
 R = TypeVar("R", FirstContact, ContactIntervals)
@@ -66,7 +69,7 @@ def without_common_turn(a: Any, b: Any, span: Span) -> tuple[Any, Any, Rotation 
     return a, b, None
 
 
-def _turn(body: Any) -> Rotation | None:
+def _turn(body: Body) -> Rotation | None:
     """How the body turns, if it turns at constant speed about one line."""
     if not isinstance(body, Moving) or not isinstance(body.motion, Rotation | Screw):
         return None
@@ -82,19 +85,19 @@ def _ahead(motion: Rotation | Screw) -> Translation | Screw:
     return Translation(ORIGIN) if isinstance(ahead, Rotation) else ahead
 
 
-def keeps_along(body: Any, turn: Rotation) -> bool:
+def keeps_along(body: Body, turn: Rotation) -> bool:
     """Whether the body is round about the axis of the turn at all times: it rests, or shifts along it."""
     return _goes_along(body, turn) and _is_round(shape_of(body), turn)
 
 
-def _keeps_near(body: Any, turn: Rotation, other: Any, span: Span) -> bool:
+def _keeps_near(body: Body, turn: Rotation, other: Body, span: Span) -> bool:
     """The same, or only as far as the other body comes that makes the turn."""
     if not _goes_along(body, turn):
         return False
     return _is_round(shape_of(body), turn) or _is_round_near(body, turn, other, span)
 
 
-def _goes_along(body: Any, turn: Rotation) -> bool:
+def _goes_along(body: Body, turn: Rotation) -> bool:
     """Whether the body rests, or shifts along the axis of the turn."""
     if not isinstance(body, Moving):
         return True
@@ -106,13 +109,13 @@ def _goes_along(body: Any, turn: Rotation) -> bool:
     return way is not None and not any(cross(way, turn.axis))
 
 
-def _is_round(shape: Any, turn: Rotation) -> bool:
+def _is_round(shape: Shape, turn: Rotation) -> bool:
     """Whether it is a body of revolution about the turn's axis."""
     round_about: bool = shape.is_round(turn.axis, turn.point)
     return round_about
 
 
-def _is_round_near(body: Any, turn: Rotation, other: Any, span: Span) -> bool:
+def _is_round_near(body: Body, turn: Rotation, other: Body, span: Span) -> bool:
     """Whether it is the same set as a model of revolution about the turn's axis where the other body comes."""
     model = shape_of(body)
     if not isinstance(model, CompositeQuadric):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import fmpq
@@ -29,12 +29,16 @@ from firstcontact.timeline.lasting import LastingOfModels, Solid
 from firstcontact.timeline.sweep import Certified, Found, Pass, Sweep
 from firstcontact.work import Work
 
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Model
+    from firstcontact.search.events.events import EventSearch
+
 STRIDES, BOXES = 10_000, events.MOST_BOXES
 SEEDS = 4
 
 
 def certified_intervals(
-    models: tuple[Any, Any],
+    models: tuple[Model, Model],
     first: fmpq,
     last: fmpq,
     tolerance: float,
@@ -72,7 +76,7 @@ class _Free:
     """Two models: by convex pieces where the models consist of them, else by events."""
 
     def __init__(
-        self, models: tuple[Any, Any], width: float, parts: list[Window], motions: list[CurvedPiece], work: Work
+        self, models: tuple[Model, Model], width: float, parts: list[Window], motions: list[CurvedPiece], work: Work
     ) -> None:
         self.models, self.width, self.parts, self.motions, self.work = models, width, parts, motions, work
         bodies: list[Any] = [shape_of(x) for x in models]
@@ -138,7 +142,7 @@ class _Free:
             search.motions = lambda: self.motions
         return search
 
-    def _places(self, search: Any, window: Window) -> list[np.ndarray]:
+    def _places(self, search: EventSearch, window: Window) -> list[np.ndarray]:
         """The middles of boxes that survive, in the world."""
         count, start = int(search.result[2]), int(search.result[3])
         tables: Any = self.tables

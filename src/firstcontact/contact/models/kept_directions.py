@@ -5,7 +5,7 @@ What is parallel to such a direction, or across it, stays so, in poses that no r
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from firstcontact.body.solid.carriers import dot
 from firstcontact.contact.models.touched import Flat, coprime
@@ -15,12 +15,16 @@ from firstcontact.motion.screw import Screw
 from firstcontact.motion.sequence import Sequence
 from firstcontact.motion.translation import Translation
 
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
+    from firstcontact.motion.kinds import AnyMotion
+
 Axis = tuple[int, ...]
 """A direction by coprime integers, as `Flat.exact` has them."""
 SHIFTS: frozenset[Axis] = frozenset()
 
 
-def turning_axes(a: Any, b: Any) -> frozenset[Axis] | None:
+def turning_axes(a: Body, b: Body) -> frozenset[Axis] | None:
     """The directions of all axes about which the bodies turn, none where they only shift; None where that is not known.
 
     With more than one of them no direction is kept.
@@ -30,7 +34,7 @@ def turning_axes(a: Any, b: Any) -> frozenset[Axis] | None:
     return None if first is None or second is None else first | second
 
 
-def _axes(motion: Any) -> frozenset[Axis] | None:
+def _axes(motion: AnyMotion) -> frozenset[Axis] | None:
     if isinstance(motion, Translation):
         return SHIFTS
     if isinstance(motion, Rotation | Screw):

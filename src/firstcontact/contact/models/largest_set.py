@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import combinations, product
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -28,6 +28,11 @@ from firstcontact.exact.pencils.pencils import binary_zeros, combination
 from firstcontact.exact.polynomials.inertia import dot, null_space, rank
 from firstcontact.exact.polynomials.polynomial_matrix import congruent, constant, minors, transpose
 from firstcontact.pairs.carriers.contact import Contact, columns, vector_at, zero
+
+if TYPE_CHECKING:
+    from firstcontact.body.solid.carriers import Quadric
+    from firstcontact.exact.fields.number_field import FieldElement
+    from firstcontact.exact.ring import MatrixOf
 
 NEAR = 1e-9
 """Of the size of the coordinates: points nearer to each other than that are one."""
@@ -208,11 +213,11 @@ def _edges(pair: Pair, a: Feature, b: Feature) -> Iterator[tuple[bool, Edge]]:
             yield from ((moving, e) for e in body.edges if set(e.surfaces) <= set(feature.surfaces))
 
 
-def _is_conical(carrier: Any) -> bool:
+def _is_conical(carrier: Plane | Quadric) -> bool:
     return not isinstance(carrier, Plane) and rank(carrier.form) == 3
 
 
-def _lines_of(basis: Sequence[Vector], form: Any) -> Iterator[Span]:
+def _lines_of(basis: Sequence[Vector], form: MatrixOf[FieldElement]) -> Iterator[Span]:
     """The two lines of a conic of rank 2: edges that are straight, but not rational."""
     null = null_space(form)
     if len(null) != 1:

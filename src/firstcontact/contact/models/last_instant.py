@@ -8,7 +8,7 @@ point that is in nothing but such surfaces of the other body rides with its own 
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from flint import arb, fmpq
 
@@ -27,12 +27,15 @@ from firstcontact.motion.relative.polynomial import relative_pieces
 from firstcontact.motion.rotation import Rotation, angle_ball
 from firstcontact.motion.screw import Screw
 
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Model
+
 CLEAR = 2.0**-40
 """Part of the size of its terms beyond which a form keeps its sign while the body turns by 2^-58 radians."""
 BITS = 128
 
 
-def landing(a: Any, b: Any, t: fmpq) -> tuple[Search, list[Meeting]] | None:
+def landing(a: Model, b: Model, t: fmpq) -> tuple[Search, list[Meeting]] | None:
     """Features that share a point at time t, proved, with the search in which they were found; None where none are."""
     placed = [_placed(x, t) for x in (a, b)]
     if placed[0] is None or placed[1] is None:
@@ -48,7 +51,7 @@ def landing(a: Any, b: Any, t: fmpq) -> tuple[Search, list[Meeting]] | None:
     return None
 
 
-def _placed(body: Any, t: fmpq) -> tuple[CompositeQuadric, Rotation | Screw | None] | None:
+def _placed(body: Model, t: fmpq) -> tuple[CompositeQuadric, Rotation | Screw | None] | None:
     """(the body at rest where it stands at t, None), or where it nearly does, with the motion that takes it there.
 
     None where neither pose is rational.

@@ -107,6 +107,6 @@ def form_at(form: Form, u: arb) -> Any:
     return [c(u) for c in form] if is_plane(form) else [[c(u) for c in row] for row in form]
 
 
-def form_value(form: Any, x: Sequence[Any]) -> Any:
+def form_value(form: Any, x: Sequence[arb]) -> Any:
     """N.X or X^T Q X in any numbers."""
     return value(form, x) if isinstance(form[0], list | tuple) else dot(form, x)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from itertools import combinations
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -26,6 +26,10 @@ from firstcontact.motion.relative.polynomial import relative_pieces
 from firstcontact.result import FirstContact
 from firstcontact.search.convex.advance import Advance
 from firstcontact.work import Work
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
+    from firstcontact.work import Shared
 
 NEAR = 1e-7
 """Of the size of its terms: where a form is smaller than that, its surface may pass through the point."""
@@ -93,8 +97,8 @@ def may_touch_more(known: Group, place: Place, one_event: bool) -> bool:
 
 
 def pairs_at(
-    bodies: tuple[Any, Any], models: tuple[CompositeQuadric, CompositeQuadric], found: Advance,
-    places: tuple[Place, Place], shared: dict[str, Any],
+    bodies: tuple[Body, Body], models: tuple[CompositeQuadric, CompositeQuadric], found: Advance,
+    places: tuple[Place, Place], shared: Shared,
 ) -> FirstContact | None:  # fmt: skip
     """The proved contact with all pairs that meet in its point; None where algebra does not take the motions."""
     assert found.time is not None and found.time_interval is not None

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import fmpq, fmpq_mat, fmpz_poly
@@ -35,6 +35,9 @@ from firstcontact.exact.systems.square_systems import (
 )
 from firstcontact.motion.moving import shape_of
 from firstcontact.pairs.carriers.contact import Contacts, Equation, Vector, finite, gather, nothing
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
 
 Feature = Face | Edge | Vertex
 BoxQ = tuple[tuple[fmpq, ...], tuple[fmpq, ...]]
@@ -225,7 +228,7 @@ def square_subproblems(pair: Pair) -> Iterator[SquareSubproblem]:
                 yield from _of_vertex(view, vertex, vertex.carrier)
 
 
-def needs_systems(body: Any) -> bool:
+def needs_systems(body: Body) -> bool:
     """Whether the model, at rest or moving, has features without a single contact equation."""
     model = shape_of(body)
     return bool(quartic_edges(model)) or any(isinstance(x.carrier, EnclosedPoint) for x in model.vertices)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence as Listing
 from itertools import product
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import fmpq
@@ -25,8 +25,12 @@ from firstcontact.motion.sequence import Sequence
 from firstcontact.motion.translation import Translation
 from firstcontact.search.convex.convex import NotConvex, convex_pieces, half_spaces
 
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body, Model
+    from firstcontact.motion.kinds import AnyMotion
 
-def prisms_on_common_plane(a: Any, b: Any) -> tuple[Any, Any] | None:
+
+def prisms_on_common_plane(a: Body, b: Body) -> tuple[Model, Model] | None:
     """Bodies that share points just when these do, as they move; None where they do not stand on one another."""
     axes = turning_axes(a, b)
     if axes is None or len(axes) != 1:
@@ -52,11 +56,11 @@ def prisms_on_common_plane(a: Any, b: Any) -> tuple[Any, Any] | None:
     return None
 
 
-def _moving(prism: CompositeQuadric, body: Any) -> Any:
+def _moving(prism: CompositeQuadric, body: Body) -> Model:
     return Moving(prism, body.motion) if isinstance(body, Moving) else prism
 
 
-def _stays_level(motion: Any, axis: Axis) -> bool:
+def _stays_level(motion: AnyMotion, axis: Axis) -> bool:
     """Whether what turns about the axis keeps its height along it."""
     if isinstance(motion, Sequence):
         return all(_stays_level(step, axis) for step in motion.steps)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Hashable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,6 +20,9 @@ from firstcontact.result import MOST_OTHERS, ContactInterval, Element, ElementPa
 from firstcontact.search.trees.elements import EDGE, FACE, VERTEX, Feature
 from firstcontact.search.trees.touch import carried_normal, doubles
 from firstcontact.work import Work
+
+if TYPE_CHECKING:
+    from firstcontact.work import Shared
 
 Body = Polyhedron | Moving
 # Pairs at a contact whose normals are looked at.
@@ -42,7 +45,7 @@ def _users(body: Any, found: Feature) -> Feature:
     return found
 
 
-def element_pairs(a: Body, b: Body, pairs: list[Pair]) -> list[tuple[ElementPair, Pair]]:
+def element_pairs(a: Any, b: Any, pairs: list[Pair]) -> list[tuple[ElementPair, Pair]]:
     """The pairs in users' terms with the search's own behind each, each once, lowest first.
 
     Of two triangles of one polygon the pair that comes first stands for it.  By the elements of the body that leads,
@@ -67,7 +70,7 @@ def _leads(a: Body, b: Body) -> bool:
     return moves[0] if moves[0] != moves[1] else _signature(a) <= _signature(b)
 
 
-def _signature(body: Any) -> tuple[Any, ...]:
+def _signature(body: Any) -> tuple[Hashable, ...]:
     moving = isinstance(body, Moving)
     shape = body.body if moving else body
     return body.name or "", len(shape.vertices), shape.vertices.tobytes(), repr(body.motion.to_dict()) if moving else ""
@@ -77,7 +80,7 @@ def _named(name: str, element: Feature) -> Element:
     return Element(_NAMES[element[0]], name, element[1], name)
 
 
-def contact_of(problem: Problem, found: Found, exact: bool, stats: Stats, shared: dict[str, Any]) -> FirstContact:
+def contact_of(problem: Problem, found: Found, exact: bool, stats: Stats, shared: Shared) -> FirstContact:
     """The CONTACT result of a search that found one; where and of what it is waits until it is asked for."""
     time, interval = problem.world_instant(found.instant)
     known = {
@@ -95,7 +98,7 @@ def contact_of(problem: Problem, found: Found, exact: bool, stats: Stats, shared
     return FirstContact.deferring(known, lambda: where_met(problem, found, time, shared))
 
 
-def where_met(problem: Problem, found: Found, time: float, shared: dict[str, Any]) -> dict[str, Any]:
+def where_met(problem: Problem, found: Found, time: float, shared: Mapping[str, Any]) -> dict[str, Any]:
     """What a CONTACT result says of the elements and the place."""
     named = element_pairs(shared["a"], shared["b"], found.pairs)
     (lowest, pair), *rest = named
@@ -127,7 +130,7 @@ def _normals_at(
 
 
 def contained_at_start(
-    problem: Problem, exact: bool, stats: Stats, shared: dict[str, Any], jump: bool = False
+    problem: Problem, exact: bool, stats: Stats, shared: Shared, jump: bool = False
 ) -> FirstContact:
     """The result for bodies one of which lies inside the other at the start; `jump`: that of a later step."""
     start, interval = problem.world_instant(problem.start_instant())
@@ -149,7 +152,7 @@ def initial_contact(
     kind: str | None,
     exact: bool,
     stats: Stats,
-    shared: dict[str, Any],
+    shared: Shared,
     jump: bool = False,
 ) -> FirstContact:
     """The INITIAL_CONTACT result: the surfaces share a point at the start of the span.
@@ -175,7 +178,7 @@ def initial_contact(
     return FirstContact.deferring(known, lambda: _where_at_start(problem, found, shared))
 
 
-def _where_at_start(problem: Searched, found: Found, shared: dict[str, Any]) -> dict[str, Any]:
+def _where_at_start(problem: Searched, found: Found, shared: Shared) -> dict[str, Any]:
     """What a result says of the elements that meet at the start: all of them, which the search has not looked for."""
     pairs = _pairs_at_start(problem) or [pair for pair, _ in found.start] or found.pairs
     named = element_pairs(shared["a"], shared["b"], pairs)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import fmpq
@@ -25,6 +25,9 @@ from firstcontact.search.trees.elements import FACE, KINDS, VERTEX
 from firstcontact.search.trees.state import CERTAIN_KIND, SLICE, borrow_state, return_state
 from firstcontact.search.trees.tree import Tree
 from firstcontact.search.trees.walk_each import OPEN, walk_each
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
 
 ROOM = 4096
 """Contacts that the walk tells at once."""
@@ -46,7 +49,7 @@ class Walked:
     candidates: np.ndarray
     trees: tuple[Tree, Tree]
 
-    def pairs(self, some: Any) -> np.ndarray:
+    def pairs(self, some: np.ndarray | slice) -> np.ndarray:
         """Kinds and elements (n, 5) of some candidates, as `feature` tells them."""
         rows = self.candidates[some]
         kinds, pairs = rows[:, 0] - CERTAIN_KIND, np.empty((len(rows), 5), np.int64)
@@ -59,7 +62,7 @@ class Walked:
             pairs[:, 2 + 2 * side] = np.where(kind == FACE, primitive, found)
         return pairs
 
-    def named(self, some: Any) -> list[Pair]:
+    def named(self, some: np.ndarray | slice) -> list[Pair]:
         return [(kind, (i, j), (k, m)) for kind, i, j, k, m in self.pairs(some).tolist()]
 
     def groups(self) -> list[slice]:
@@ -175,6 +178,6 @@ def first_of(candidates: Sequence[tuple[float, float, Pair]], exactly: Exactly) 
         return None
 
 
-def is_taken(a: Any, b: Any) -> bool:
+def is_taken(a: Body, b: Body) -> bool:
     """Whether both are polyhedra at rest in rational poses, so that contacts have exact times."""
     return all(isinstance(x, Polyhedron) and x._pose is None for x in (a, b))

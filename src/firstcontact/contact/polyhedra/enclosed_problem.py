@@ -655,7 +655,7 @@ def corners_as_doubles(body: Polyhedron, element: Feature) -> np.ndarray:
     return np.ascontiguousarray(body.vertices[rows], np.float64).reshape(9)
 
 
-def _joined(sharp: Any, blurred: Any) -> list[arb]:
+def _joined(sharp: arb_series, blurred: arb_series) -> list[arb]:
     """Coefficients about the middle, the last one those of all the time (Lagrange's remainder)."""
     return [*(sharp[k] for k in range(_TERMS - 1)), blurred[_TERMS - 1]]
 

@@ -6,13 +6,16 @@ A vertex that lands on a corner touches all faces there, and the plane of a face
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from firstcontact.contact.polyhedra.earliest import Pair
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.search.trees.elements import FACE, Feature, vertices_of
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
 
 # Of the size of what is near a place: as close as doubles tell what lies at it, and of unit vectors.
 NEAR = 1e-9
@@ -21,7 +24,7 @@ ROUNDING = 2.0**-48
 
 
 def best_apart(
-    a: Any, b: Any, time: float, pairs: list[Pair], point: np.ndarray, normals: Iterable[np.ndarray]
+    a: Body, b: Body, time: float, pairs: list[Pair], point: np.ndarray, normals: Iterable[np.ndarray]
 ) -> np.ndarray:
     """The first of the normals, from b towards a, into which the bodies reach least about the point; world frame.
 
@@ -44,7 +47,7 @@ def best_apart(
     return best
 
 
-def _spokes(body: Any, time: float, elements: set[Feature], point: np.ndarray) -> np.ndarray:
+def _spokes(body: Body, time: float, elements: set[Feature], point: np.ndarray) -> np.ndarray:
     """Vectors (n, 3) from the point to the other corners of the elements there, and of the triangles beside these."""
     shape = shape_of(body)
     corners = np.array(shape.vertices, float)

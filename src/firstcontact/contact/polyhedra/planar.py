@@ -6,8 +6,6 @@ and shift are powers of one variable u that no term of the polynomial confuses.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from flint import fmpq, fmpq_poly
 
@@ -41,11 +39,11 @@ def normal_of_motion(piece: CurvedPiece) -> Vector | None:
     return normal if all(is_across(motion, normal) for motion in motions) else None
 
 
-def _simple_motions(leg: Leg) -> list[Any]:
+def _simple_motions(leg: Leg) -> list[Translation | Rotation | Screw]:
     return [f.motion for f in leg.motion.factors] if isinstance(leg.motion, Product) else [leg.motion]
 
 
-def is_across(motion: Any, normal: Vector) -> bool:
+def is_across(motion: Translation | Rotation | Screw, normal: Vector) -> bool:
     """Whether a motion is a shift across the normal, or a turn about it."""
     if isinstance(motion, Translation):
         across: bool = dot(motion.vector, normal) == 0

@@ -212,7 +212,7 @@ class RotationProblem(ByEngine):
 
     def _find_corners(
         self, element_a: Feature, element_b: Feature, number: type
-    ) -> tuple[Any, list[Vector], list[Vector]]:
+    ) -> tuple[fmpz, list[Vector], list[Vector]]:
         scale, a, b, o = whole_corners(self.a, element_a, self.b, element_b, *self._whole_origin, number)
         return (scale, [sub(p, o) for p in a], [sub(p, o) for p in b]) if any(o) else (scale, a, b)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from math import inf
 from typing import Any, NamedTuple
 
@@ -86,7 +86,11 @@ def _pose_of_b(step: DirectrixPiece, b: Any, time: float) -> np.ndarray:
 
 
 def described(
-    event: RuledEvent, pose: np.ndarray, with_normal: bool, shared: dict[str, Any], numbers: tuple[int, int] = (0, 0),
+    event: RuledEvent,
+    pose: np.ndarray,
+    with_normal: bool,
+    shared: Mapping[str, Any],
+    numbers: tuple[int, int] = (0, 0),
     joined: tuple[Collection[str], Collection[str]] = ((), ()),
 ) -> dict[str, Any]:
     """What meets, in the world; pose: of b; numbers: of the pieces, joined: their borders that belong to the face."""

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from itertools import combinations, pairwise, product
-from typing import Any
+from typing import TYPE_CHECKING
 
 from flint import fmpq, fmpz_mpoly, fmpz_poly
 
@@ -44,6 +44,9 @@ from firstcontact.motion.relative.clocks import StraightClock
 from firstcontact.motion.span import common_span
 from firstcontact.result import AlgebraicNumber
 from firstcontact.search.rulings.directrices import directrix_pieces
+
+if TYPE_CHECKING:
+    from firstcontact.exact.numbers import Given
 
 ROUNDS, MOST_SLICES, MOST_PAIRS = 3, 400, 1000
 """How often polynomials are added to tell cells apart, and between how many times cells are looked at for it."""
@@ -88,7 +91,7 @@ class ContactCondition:
     def borders(self) -> tuple[str, ...]:
         return tuple(str(b) for b in self._borders)
 
-    def holds(self, u: Any, T: Any) -> bool:  # noqa: N803
+    def holds(self, u: Given, T: Given) -> bool:  # noqa: N803
         """Whether it holds at numbers u and T, exactly: borders, and times outside the motion, included."""
         place, now = (AlgebraicRoot.of(rational(x, name)) for x, name in ((u, "u"), (T, "T")))
         return self._admits(count(self._conditions, place, now))
@@ -249,7 +252,7 @@ class ContactCondition:
         return f"<ContactCondition: {len(self._borders)} borders, {len(self.cells)} cells>"
 
 
-def contact_condition(p: Any, q: Any, *, count: tuple[int, float] | None = None) -> ContactCondition:
+def contact_condition(p: RuledSurface, q: RuledSurface, *, count: tuple[int, float] | None = None) -> ContactCondition:
     """The condition on u and T, without v, under which the ruling u of p meets q at the time T.
 
     p, q: RuledSurface, one of them deforming or moving; their motions must be rational functions of the time in one
@@ -288,7 +291,7 @@ def contact_condition(p: Any, q: Any, *, count: tuple[int, float] | None = None)
         raise TooLarge(f"contact_condition of {p!r} and {q!r}: {error}; lower their degrees") from error
 
 
-def _check_count(count: Any) -> None:
+def _check_count(count: tuple[int, float] | None) -> None:
     if count is None:
         return
     try:

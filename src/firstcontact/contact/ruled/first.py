@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact.in_turn import first_in_turn, intervals_in_turn
@@ -32,6 +32,9 @@ from firstcontact.motion.relative.polynomial import PolynomialPiece, relative_pi
 from firstcontact.result import ContactIntervals, FirstContact, Status
 from firstcontact.search.rulings.directrices import DirectrixPiece, directrix_pieces
 from firstcontact.work import Query, Work
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import RuledBody
 
 
 def intervals(query: Query) -> ContactIntervals:
@@ -153,7 +156,7 @@ def _pieces(query: Query, work: Work, reach: Reach) -> Iterator[tuple[Polynomial
 
 
 def _pair(
-    query: Query, pair: tuple[int, int, Any, Any], step: DirectrixPiece, work: Work, reach: Reach
+    query: Query, pair: tuple[int, int, RuledBody, RuledBody], step: DirectrixPiece, work: Work, reach: Reach
 ) -> PiecePair:
     i, j, x, y = pair
     span = span_of(step.motion)

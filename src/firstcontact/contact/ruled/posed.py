@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import product
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import fmpq
@@ -42,6 +42,9 @@ from firstcontact.search.rulings.ruled_pieces import RuledPiece
 from firstcontact.timeline.answers import proved_intervals
 from firstcontact.timeline.sweep import Certified, Found
 from firstcontact.work import Query, Spent, Work
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body, RuledBody
 
 MOST_TOLERANCE = 1e-3
 """Of a window's time."""
@@ -288,5 +291,5 @@ class _Pair:
         return min(self.query.tolerance * float(self.last - self.first) / width, MOST_TOLERANCE)
 
 
-def _moving(surface: RuledSurface, body: Any) -> Any:
+def _moving(surface: RuledSurface, body: Body) -> RuledBody:
     return Moving(surface, body.motion) if isinstance(body, Moving) else surface

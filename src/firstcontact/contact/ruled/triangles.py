@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import product
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import fmpq, fmpz_poly
@@ -35,6 +35,9 @@ from firstcontact.motion.relative.polynomial import PolynomialPiece
 from firstcontact.motion.span import limits
 from firstcontact.search.trees.containment import contains
 from firstcontact.search.trees.frame import tree_of
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body, RuledBody
 
 SLABS = 8
 """Parts of the span over each of which the boxes of pieces must meet."""
@@ -96,7 +99,7 @@ def element_of(body: Polyhedron, triangle: int, kind: str, index: int) -> tuple[
     return "edge", int(body._side_edge[triangle][1 if kind == "directrix" else 2 * index])
 
 
-def parts_of(body: Any) -> list[Any]:
+def parts_of(body: Body) -> list[RuledBody]:
     """The pieces of a ruled surface, or the triangles of a polyhedron, moving as it does."""
     shape: Any = shape_of(body)
     pieces: tuple[RuledSurface, ...]
@@ -110,7 +113,7 @@ def parts_of(body: Any) -> list[Any]:
 
 
 def near_pairs(
-    a_parts: list[Any], b_parts: list[Any], first: fmpq, last: fmpq, slabs: int = SLABS
+    a_parts: list[RuledBody], b_parts: list[RuledBody], first: fmpq, last: fmpq, slabs: int = SLABS
 ) -> list[tuple[int, int]]:
     """Numbers of the parts whose boxes meet at some time of the span; the others share no point."""
     times = [float(first + (last - first) * fmpq(k, slabs)) for k in range(slabs + 1)]
@@ -122,12 +125,12 @@ def near_pairs(
     return [(int(i), int(j)) for i, j in zip(*np.nonzero(met), strict=True)]
 
 
-def _boxes(parts: list[Any], begin: float, end: float) -> tuple[np.ndarray, np.ndarray]:
+def _boxes(parts: list[RuledBody], begin: float, end: float) -> tuple[np.ndarray, np.ndarray]:
     boxes = [part.bounds(_within(part, begin, end)) for part in parts]
     return np.array([lo for lo, _ in boxes]), np.array([hi for _, hi in boxes])
 
 
-def _within(part: Any, begin: float, end: float) -> tuple[float, float]:
+def _within(part: RuledBody, begin: float, end: float) -> tuple[float, float]:
     """The times for which the part has poses: beyond its span, too, where the motion goes on."""
     has_poses = limits(part.motion) if isinstance(part, Moving) else None
     return (begin, end) if has_poses is None else (max(begin, float(has_poses[0])), min(end, float(has_poses[1])))
@@ -136,14 +139,14 @@ def _within(part: Any, begin: float, end: float) -> tuple[float, float]:
 class Interior:
     """Whether the solid of the two bodies, a polyhedron, holds pieces of the ruled one, between times of contact."""
 
-    def __init__(self, a: Any, b: Any) -> None:
+    def __init__(self, a: Body, b: Body) -> None:
         shapes = [shape_of(x) for x in (a, b)]
         self.mesh_first = isinstance(shapes[0], Polyhedron)
         self.mesh: Any
         self.mesh, self.ruled = shapes if self.mesh_first else shapes[::-1]
 
     @classmethod
-    def of(cls, a: Any, b: Any) -> Interior | None:
+    def of(cls, a: Body, b: Body) -> Interior | None:
         """None where neither body is a solid."""
         shapes = [shape_of(x) for x in (a, b)]
         solid = any(isinstance(x, Polyhedron) and x.solid for x in shapes)

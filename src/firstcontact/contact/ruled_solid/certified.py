@@ -5,7 +5,7 @@ Contact of a surface that lies inside the solid counts: the solid owns its inter
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -35,6 +35,9 @@ from firstcontact.timeline.lasting import Solid
 from firstcontact.timeline.sweep import Sweep
 from firstcontact.work import Query, Work
 
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
+
 
 class RuledAndSolid:
     """Both bodies over [first, last], with what the searches read of them.  Raises UnsupportedPair."""
@@ -47,7 +50,7 @@ class RuledAndSolid:
         solid: Any = _as_model((a, b)[1 - self.side])
         ruled = cut_to((a, b)[self.side], solid, self.span)
         solid = bounded(solid, ruled, self.span)
-        self.bodies: tuple[Any, Any] = (ruled, solid) if self.side == 0 else (solid, ruled)
+        self.bodies: tuple[Body, Body] = (ruled, solid) if self.side == 0 else (solid, ruled)
         shapes[self.side] = shape_of(ruled)
         self.model: CompositeQuadric = shape_of(solid)
         try:
@@ -83,7 +86,7 @@ def first(query: Query) -> FirstContact:
     found = contact.found
     if found.status == "open" and found.free_until <= pair.windows[0].first and found.reason == "precision":
         found = _common_at_start(pair) or found
-    shared = {**query.shared, "stats": query.stats(found.steps, found.gaps)}
+    shared: dict[str, Any] = {**query.shared, "stats": query.stats(found.steps, found.gaps)}
     start = pair.span[0]
     if found.status == "free":
         return FirstContact(Status.FREE, free_until=pair.span[1], **shared)
@@ -154,7 +157,7 @@ def _contact(pair: RuledAndSolid, contact: RuledContact, shared: dict[str, Any])
     )  # fmt: skip
 
 
-def ruled_element(body: Any, feature: RuledFeature, cut: int | None, which: str) -> Element:
+def ruled_element(body: Body, feature: RuledFeature, cut: int | None, which: str) -> Element:
     """The element of a ruled surface; borders between pieces of a strip belong to its face.  cut: its inequality."""
     kind, index = ("face", 0) if feature.inner and feature.kind != "vertex" else (feature.kind, feature.index)
     if cut is not None and feature.kind == "face":

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from flint import fmpq
 
@@ -35,6 +35,9 @@ from firstcontact.motion.relative.polynomial import PolynomialPiece, relative_pi
 from firstcontact.result import ContactIntervals, Element, FirstContact, Status
 from firstcontact.search.rulings.directrices import sides_from
 from firstcontact.work import Query, Work
+
+if TYPE_CHECKING:
+    from firstcontact.contact.signs.conditions import SignConditions
 
 
 def first(query: Query) -> FirstContact:
@@ -104,5 +107,5 @@ def _named(query: Query, number: int, known: tuple[str, Any], which: str) -> Ele
     return None if index is None else element_of_solid(shape_of(query.b), index, which)
 
 
-def _lies(conditions: Any, t: fmpq) -> str:
+def _lies(conditions: SignConditions, t: fmpq) -> str:
     return lies(conditions, t) if isinstance(conditions, SolidConditions) else "touching"

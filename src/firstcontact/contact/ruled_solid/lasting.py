@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import product
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import arb, fmpq
@@ -22,6 +22,9 @@ from firstcontact.search.events.ruled_solids import STAGES, Event, RuledSearch
 from firstcontact.timeline.lasting import BITS, SIGNS, Lasting, Solid, descended, linear
 from firstcontact.work import Work
 
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
+
 SEEDS = 4
 BOXES = events.MOST_BOXES
 GRID = 41, 11
@@ -34,7 +37,7 @@ class RuledFree:
     """As `contact.models.intervals` asks for free time."""
 
     def __init__(
-        self, bodies: tuple[Any, Any], side: int, tables: Tables, sheets: list[Sheet], parts: list[Window],
+        self, bodies: tuple[Body, Body], side: int, tables: Tables, sheets: list[Sheet], parts: list[Window],
         width: float, work: Work,
     ) -> None:
         self.bodies, self.side, self.tables, self.width, self.work = bodies, side, tables, width, work

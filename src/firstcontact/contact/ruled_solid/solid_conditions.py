@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property, reduce
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from flint import fmpq, fmpz, fmpz_mpoly
@@ -35,6 +35,9 @@ from firstcontact.contact.signs.conditions import (
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import rational
 from firstcontact.exact.polynomials.trivariate import RING, at, irreducible
+
+if TYPE_CHECKING:
+    from firstcontact.body.solid.carriers import Quadric
 
 UNIT = fmpq(0), fmpq(1)
 _HELD = {"solid": ({True}, {True, False}), "boundary": ({True, False},)}
@@ -135,7 +138,7 @@ class SolidConditions:
         return found
 
 
-def _form(surface: Any, x: list[fmpz_mpoly]) -> fmpz_mpoly:
+def _form(surface: Plane | Quadric, x: list[fmpz_mpoly]) -> fmpz_mpoly:
     """A positive multiple of the surface's form at X."""
     if isinstance(surface, Plane):
         terms = list(zip(surface.normal, x, strict=True))

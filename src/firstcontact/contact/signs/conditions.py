@@ -9,14 +9,14 @@ ruling, a ratio of brackets, put in.  All inequalities are weak: contact is clos
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, reduce
 from math import comb
-from typing import Any, Protocol, Self
+from typing import TYPE_CHECKING, Any, Protocol, Self
 
 import numpy as np
-from flint import fmpq, fmpz, fmpz_mpoly
+from flint import fmpq, fmpz, fmpz_mpoly, fmpz_poly
 
 from firstcontact.body.ruled.rational_curve import RationalCurve, lifted
 from firstcontact.body.ruled.surface import RuledSurface
@@ -28,6 +28,9 @@ from firstcontact.exact.polynomials.trivariate import RING, FactorSet, at, degre
 from firstcontact.motion.moving import shape_of
 from firstcontact.pairs.ruled_ruled import DUAL, PAIRS
 from firstcontact.search.rulings.directrices import DirectrixPiece
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
 
 Range = tuple[fmpq, fmpq] | None
 """Closed range of a parameter; None for the projective line."""
@@ -204,7 +207,7 @@ class Conditions:
         return found
 
 
-def conditions(a: Any, b: Any, piece: DirectrixPiece, span: Range) -> Conditions:
+def conditions(a: Body, b: Body, piece: DirectrixPiece, span: Range) -> Conditions:
     """The conditions of two ruled pieces over one piece of their relative motion, whose parameter is in `span`.
 
     None: it may be any number.
@@ -265,7 +268,7 @@ def _even(n: int) -> int:
     return n + n % 2
 
 
-def _shape(body: Any) -> RuledSurface:
+def _shape(body: Body) -> RuledSurface:
     shape = shape_of(body)
     assert isinstance(shape, RuledSurface)
     return shape
@@ -299,13 +302,13 @@ def check_weight(surface: RuledSurface, side: RationalCurve, span: Range) -> Non
             boxes += [(table, a, b, depth + 1) for a in ((u[0], x), (x, u[1])) for b in ((t[0], y), (y, t[1]))]
 
 
-def _late(table: dict[tuple[int, int], Any]) -> dict[tuple[int, int], Any]:
+def _late(table: dict[tuple[int, int], fmpz]) -> dict[tuple[int, int], fmpz]:
     """In 1/T, times an even power of T."""
     top = _even(max(j for _, j in table))
     return {(i, top - j): c for (i, j), c in table.items()}
 
 
-def _terms2(p: Any) -> dict[tuple[int, int], Any]:
+def _terms2(p: fmpz_mpoly | fmpz_poly) -> dict[tuple[int, int], fmpz]:
     from firstcontact.body.ruled.rational_curve import terms as of_curve
 
     return of_curve(p)
@@ -366,7 +369,7 @@ def is_definite(f: fmpz_mpoly) -> bool:
     return bool(p.degree() % 2 == 0 and not roots_in(p, None))
 
 
-def _line(p: Any, q: Any, bounded: bool) -> list[fmpz_mpoly]:
+def _line(p: Sequence[fmpz_mpoly], q: Sequence[fmpz_mpoly], bounded: bool) -> list[fmpz_mpoly]:
     """The Pluecker vector; of whole lines without its common factor, which is no part of the surface."""
     line = [p[i] * q[j] - p[j] * q[i] for i, j in PAIRS]
     if bounded:
@@ -382,5 +385,5 @@ def _planes(line: list[fmpz_mpoly]) -> tuple[tuple[fmpz_mpoly, ...], ...]:
     return (o, a, b, c), (-a, o, d, e), (-b, -d, o, f), (-c, -e, -f, o)
 
 
-def _sum(items: Any) -> Any:
+def _sum(items: Iterable[fmpz_mpoly]) -> fmpz_mpoly:
     return reduce(lambda x, y: x + y, items)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cmp_to_key
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from flint import arb, ctx, fmpq
@@ -32,6 +32,9 @@ from firstcontact.result import (
 from firstcontact.search.trees.touch import carried_normal
 from firstcontact.timeline.answers import interval_of
 from firstcontact.work import Query, Spent, Work
+
+if TYPE_CHECKING:
+    from firstcontact.result import ExactTime
 
 BITS = 128
 _ORDER = {"vertex": 0, "apex": 0, "edge": 1, "directrix": 1, "end_ruling": 2, "face": 3}
@@ -98,7 +101,7 @@ class End:
             return int(self.time > other.time) - int(self.time < other.time)
         return self.root.compare(other.root)
 
-    def value(self, exact: bool) -> tuple[float, tuple[float, float], Any]:
+    def value(self, exact: bool) -> tuple[float, tuple[float, float], ExactTime | None]:
         """(nearest double, enclosure, exact time)."""
         if self.time is not None:
             time = self.time

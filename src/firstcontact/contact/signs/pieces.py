@@ -4,18 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
-from flint import fmpq, fmpz, fmpz_poly
+from flint import fmpq, fmpz, fmpz_mpoly, fmpz_poly
 
 from firstcontact.body.ruled.rational_curve import terms
 from firstcontact.exact.fields.roots import AlgebraicRoot, reversed_polynomial
 from firstcontact.exact.numbers import dyadic, fraction, precision, rational
 from firstcontact.pairs.ruled_ruled import Parameter, Rulings
 
+if TYPE_CHECKING:
+    from fractions import Fraction
+
+    from firstcontact.body.ruled.surface import RuledSurface
+    from firstcontact.exact.ring import Rational
+
 Inequality = Mapping[tuple[int, int], int]
 """sum c[i, j] u^i s^j >= 0."""
+
+P = TypeVar("P", fmpz_poly, fmpz_mpoly)
 
 
 @dataclass(frozen=True)
@@ -37,7 +45,7 @@ class Piece:
     shift: int | None = None
 
     @classmethod
-    def of(cls, surface: Any) -> Piece:
+    def of(cls, surface: RuledSurface) -> Piece:
         """That of a RuledSurface at rest."""
         first, second = (side.components for side in surface.sides)
         s = (fmpq(0), fmpq(1)) if surface.s is None else _ends(surface.s)
@@ -69,7 +77,7 @@ class Piece:
         shifted = reversed_polynomial(own.polynomial, own.polynomial.degree())(fmpz_poly([-self.shift, 1]))
         return AlgebraicRoot(shifted, self.shift + 1 / hi, self.shift + 1 / lo)
 
-    def user_s(self, s: Any) -> Any:
+    def user_s(self, s: np.ndarray) -> np.ndarray:
         """The user's s of values here (floats), of points of the piece.
 
         Beside the size of their coordinates short rulings may be no more than rounding: that leads out of no bounds.
@@ -79,18 +87,20 @@ class Piece:
         return np.clip(own, low, high) if self.bounded else own
 
 
-def at_place(g: Mapping[tuple[int, int], Any], u: Any, n: Any, d: Any, power: int | None = None) -> Any:
+def at_place(
+    g: Mapping[tuple[int, int], Rational], u: P, n: P, d: P, power: int | None = None
+) -> P:
     """d^power g(u, n / d), by default with the least power that leaves no denominator; an even one keeps signs."""
     top = max((j for _, j in g), default=0) if power is None else power
     return sum((u**i * n**j * d ** (top - j) * int(c) for (i, j), c in g.items()), 0 * d)
 
 
-def range_of(u: Any) -> tuple[fmpq, fmpq] | None:
+def range_of(u: tuple[Fraction, Fraction] | None) -> tuple[fmpq, fmpq] | None:
     """A surface's range of u."""
     return None if u is None else _ends(u)
 
 
-def _ends(interval: Any) -> tuple[fmpq, fmpq]:
+def _ends(interval: tuple[Fraction, Fraction]) -> tuple[fmpq, fmpq]:
     return rational(interval[0], "range"), rational(interval[1], "range")
 
 
@@ -112,7 +122,7 @@ def _trim_moved(g: Inequality, shift: int) -> Inequality:
     return found
 
 
-def _substituted(g: Mapping[tuple[int, int], Any], bounds: tuple[fmpq, fmpq]) -> Inequality:
+def _substituted(g: Mapping[tuple[int, int], fmpz], bounds: tuple[fmpq, fmpq]) -> Inequality:
     """g(u, s) with s = bounds[0] + (bounds[1] - bounds[0]) s', times a positive number that makes it whole."""
     low, width = bounds[0], bounds[1] - bounds[0]
     total: dict[tuple[int, int], fmpq] = {}

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from flint import fmpq
 
@@ -18,6 +18,9 @@ from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.pieces import placement_at
 from firstcontact.result import FirstContact, Status
 from firstcontact.work import Query
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
 
 
 def with_start(query: Query, answer: Callable[[Query], FirstContact]) -> FirstContact:
@@ -50,7 +53,7 @@ def _at_rest(query: Query) -> Query:
     return replace(query, a=a, b=b, last=query.first, exact=False, method="algebraic")
 
 
-def _placed(body: Any, time: fmpq) -> Any:
+def _placed(body: Body, time: fmpq) -> Any:
     pose = placement_at(body, time)
     if not pose.is_exact:
         raise UnsupportedPair("an irrational pose at the start")

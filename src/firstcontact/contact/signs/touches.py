@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import reduce
-from typing import Any
 
 import numpy as np
-from flint import arb
+from flint import arb, fmpz
 
 from firstcontact.body.ruled.rational_curve import RationalCurve, lifted, terms
 from firstcontact.contact.signs.conditions import Conditions, Trims
@@ -45,6 +44,9 @@ class Touch:
 
 class Ruling:
     """One segment or line, exactly: the points (1 - r) first + r second, a line also base + r way."""
+
+    first: Vector
+    second: Vector
 
     def __init__(self, curves: tuple[RationalCurve, RationalCurve], name: str, contact: Contact, bounded: bool) -> None:
         ends = [[contact.value(x) for x in lifted(c.components, RING, name)] for c in curves]
@@ -117,7 +119,7 @@ def _cut(contact: Contact, trims: Trims, x: FieldElement, place: FieldElement | 
     return None
 
 
-def cut_slopes(g: dict[tuple[int, int], Any], u: float, r: float) -> tuple[float, float]:
+def cut_slopes(g: dict[tuple[int, int], fmpz], u: float, r: float) -> tuple[float, float]:
     """The derivatives of a trimming polynomial by u and by the place r on the ruling."""
     by_u = sum(float(c) * i * u ** max(i - 1, 0) * r**j for (i, j), c in g.items())
     return by_u, sum(float(c) * j * u**i * r ** max(j - 1, 0) for (i, j), c in g.items())
@@ -163,7 +165,10 @@ def element_kind(across: Side, along: Side) -> tuple[str, int]:
 
 
 def _normal(
-    contact: Contact, kinds: tuple[tuple[str, int], tuple[str, int]], rulings: tuple[Ruling, Ruling], places: Any,
+    contact: Contact,
+    kinds: tuple[tuple[str, int], tuple[str, int]],
+    rulings: tuple[Ruling, Ruling],
+    places: Sequence[FieldElement | None],
     cuts: Sequence[Cut | None],
 ) -> np.ndarray | None:
     """Of the plane that all tangents of both elements span, in doubles, and where p comes from."""

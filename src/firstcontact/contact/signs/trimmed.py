@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import reduce
 from itertools import combinations
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from flint import fmpq, fmpz_mpoly, fmpz_poly
+from flint import fmpq, fmpz, fmpz_mpoly, fmpz_poly
 
 from firstcontact.body.kept import Kept
 from firstcontact.body.ruled.surface import RuledSurface
@@ -32,6 +32,9 @@ from firstcontact.exact.polynomials.trivariate import (
     terms,
     univariate,
 )
+
+if TYPE_CHECKING:
+    from firstcontact.exact.fields.roots import AlgebraicRoot
 
 DEPTH = 24
 """Halvings after which borders count as touching each other."""
@@ -70,7 +73,7 @@ def _inner_places(surface: RuledSurface) -> list[Place]:
     return found
 
 
-def _critical(borders: Sequence[fmpz_mpoly], ends: tuple[fmpq, fmpq]) -> list[Any]:
+def _critical(borders: Sequence[fmpz_mpoly], ends: tuple[fmpq, fmpq]) -> list[AlgebraicRoot]:
     """The u between which nothing changes."""
     walls = FactorSet()
     for g in borders:
@@ -82,7 +85,7 @@ def _critical(borders: Sequence[fmpz_mpoly], ends: tuple[fmpq, fmpq]) -> list[An
     return _roots([univariate(w, 0) for w in walls], ends)
 
 
-def _roots(polynomials: Sequence[fmpz_poly], ends: tuple[fmpq, fmpq]) -> list[Any]:
+def _roots(polynomials: Sequence[fmpz_poly], ends: tuple[fmpq, fmpq]) -> list[AlgebraicRoot]:
     together = reduce(lambda x, y: x * y, (p for p in polynomials if p.degree() > 0), fmpz_poly([1]))
     return roots_in(together, ends)
 
@@ -140,11 +143,13 @@ def _halves(ends: tuple[fmpq, fmpq]) -> tuple[tuple[fmpq, fmpq], tuple[fmpq, fmp
     return (ends[0], middle), (middle, ends[1])
 
 
-def _table(f: fmpz_mpoly) -> tuple[dict[tuple[int, int], Any], tuple[int, int]]:
+def _table(f: fmpz_mpoly) -> tuple[dict[tuple[int, int], fmpz], tuple[int, int]]:
     return {(key[0], key[1]): c for key, c in terms(f)}, (degree(f, 0), degree(f, 1))
 
 
-def _way(table: Any, x: tuple[fmpq, fmpq], y: tuple[fmpq, fmpq]) -> int | None:
+def _way(
+    table: tuple[dict[tuple[int, int], fmpz], tuple[int, int]], x: tuple[fmpq, fmpq], y: tuple[fmpq, fmpq]
+) -> int | None:
     """1, -1: nowhere negative, nowhere positive, and not zero; 0: zero; None where none of that is proved."""
     net = [c for row in bernstein.grid(table[0], x, y, table[1]) for c in row] if table[0] else [0]
     if min(net) == max(net) == 0:
@@ -152,7 +157,9 @@ def _way(table: Any, x: tuple[fmpq, fmpq], y: tuple[fmpq, fmpq]) -> int | None:
     return 1 if min(net) >= 0 else -1 if max(net) <= 0 else None
 
 
-def _sign(table: Any, x: tuple[fmpq, fmpq], y: tuple[fmpq, fmpq]) -> int | None:
+def _sign(
+    table: tuple[dict[tuple[int, int], fmpz], tuple[int, int]], x: tuple[fmpq, fmpq], y: tuple[fmpq, fmpq]
+) -> int | None:
     """Of a polynomial all over the box; None where that is not proved."""
     if not table[0]:
         return 0

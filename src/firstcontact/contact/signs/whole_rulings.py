@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import fmpq, fmpz_poly
@@ -27,13 +27,17 @@ from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.rational import RationalMotion
 from firstcontact.pairs.ruled_ruled import Rulings
 
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
+    from firstcontact.body.ruled.rational_curve import RationalCurve
+
 UNIT = fmpq(-1), fmpq(1)
 # The largest S that is tried; powers of 2.
 MOST = 2**40
 Range = tuple[fmpq, fmpq] | None
 
 
-def cut_to(ruled: Any, solid: Any, span: tuple[float, float]) -> Any:
+def cut_to(ruled: Body, solid: Body, span: tuple[float, float]) -> Any:
     """The ruled body with segments in place of whole rulings, which hold all that the solid may meet in the span.
 
     Itself where no rulings are whole.  Raises UnsupportedPair.
@@ -94,7 +98,7 @@ def _centre(piece: RuledSurface) -> list[float]:
     return [float(c) if math.isfinite(c) else 0.0 for c in point]
 
 
-def _farthest(mark: Polyhedron, ruled: Any, solid: Any, span: tuple[float, float]) -> float:
+def _farthest(mark: Polyhedron, ruled: Body, solid: Body, span: tuple[float, float]) -> float:
     """How far points of the solid may be from a point of the ruled body's frame: motions keep lengths."""
     moved = Moving(mark, ruled.motion) if isinstance(ruled, Moving) else mark
     (lo, hi), (low, high) = (x.bounds(span) if isinstance(x, Moving) else x.bounds() for x in (moved, solid))
@@ -114,7 +118,7 @@ def _ranges_near(piece: RuledSurface, c: Sequence[fmpq], reach: fmpq) -> list[Ra
     m = [scale * a - b for a, b in zip((l12, -l02, l01), shift, strict=True)]
     beyond = dot(m, m) - dot(d, d) * (scale * reach).p ** 2
     ends = range_of(piece.u)
-    if beyond == 0:
+    if beyond == 0:  # type: ignore[comparison-overlap]  # a polynomial
         return None
     walls = [x for x in roots_in(beyond, ends) if ends is None or (x.compare(ends[0]) > 0 and x.compare(ends[1]) < 0)]
     inside = samples(walls, ends)
@@ -161,7 +165,9 @@ class _Segment:
     finite   whether the directrices have no poles there
     """
 
-    def __init__(self, first: Any, second: Any, ends: tuple[fmpq, fmpq], c: Sequence[fmpq], reach: fmpq) -> None:
+    def __init__(
+        self, first: RationalCurve, second: RationalCurve, ends: tuple[fmpq, fmpq], c: Sequence[fmpq], reach: fmpq
+    ) -> None:
         *p, w = first.components
         *q, v = second.components
         scale = _denominator([*c, reach])

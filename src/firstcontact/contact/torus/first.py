@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -23,6 +23,10 @@ from firstcontact.timeline.answers import likely_time, proved_intervals
 from firstcontact.timeline.lasting import Lasting, LastingOfModels, Solid
 from firstcontact.timeline.sweep import Sweep
 from firstcontact.work import Query, Spent, Work
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
+    from firstcontact.result import Element
 
 
 @ignoring_idle_turns
@@ -94,7 +98,7 @@ class _Search:
             **self._touching(window, time, touch.point),
         )  # fmt: skip
 
-    def _touching(self, window: Window, time: float, place: np.ndarray) -> dict[str, Any]:
+    def _touching(self, window: Window, time: float, place: np.ndarray) -> dict[str, np.ndarray | Element | None]:
         """Point, normal and elements at a contact, near a place that the bodies share."""
         poses = [pose_of(table, time) for table in (window.a, window.b)]
         theirs = None
@@ -111,7 +115,7 @@ class _Search:
         return FirstContact(status, stats=self.query.stats(self.work.done), **fields, **self.query.shared)
 
 
-def _lasting(bodies: tuple[Any, Any], parts: list[Window]) -> Lasting[Any]:
+def _lasting(bodies: tuple[Body, Body], parts: list[Window]) -> Lasting[Any]:
     shapes = [shape_of(x) for x in bodies]
     for k, shape in enumerate(shapes):
         if shape.kind == MESH:

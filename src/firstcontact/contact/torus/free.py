@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -24,6 +24,9 @@ from firstcontact.motion.rotation import Rotation
 from firstcontact.search.trees.containment import contains
 from firstcontact.search.trees.frame import tree_of
 from firstcontact.work import Work
+
+if TYPE_CHECKING:
+    from firstcontact.body import kinds
 
 FINE = 0.1
 """Of the width of enclosures: stretches of time that are not halved."""
@@ -48,7 +51,7 @@ class Roles:
     """The solid polyhedron that may hold the torus."""
 
 
-def roles_of(bodies: tuple[Any, Any]) -> Roles:
+def roles_of(bodies: tuple[kinds.Body, kinds.Body]) -> Roles:
     shapes = [shape_of(x) for x in bodies]
     mesh = next((k for k, shape in enumerate(shapes) if shape.kind == MESH), None)
     if mesh is not None:
@@ -65,7 +68,7 @@ def roles_of(bodies: tuple[Any, Any]) -> Roles:
     return Roles(side, Wedges(torus, 1.0, half), Wedges(torus, 0.0, half), heights)
 
 
-def is_round_pair(bodies: tuple[Any, Any], torus: Torus) -> bool:
+def is_round_pair(bodies: tuple[kinds.Body, kinds.Body], torus: Torus) -> bool:
     """Whether both are round about the torus's axis at all times, so that one half-plane about it tells of all."""
     _, _, axis, centre = zip(*torus.matrix, strict=True)
     turn = Rotation(axis, centre, turns=1)
@@ -75,7 +78,7 @@ def is_round_pair(bodies: tuple[Any, Any], torus: Torus) -> bool:
 class TorusFree:
     """Time in which the surfaces are apart.  Raises Spent."""
 
-    def __init__(self, bodies: tuple[Any, Any], width: float, work: Work) -> None:
+    def __init__(self, bodies: tuple[kinds.Body, kinds.Body], width: float, work: Work) -> None:
         self.roles, self.width, self.work = roles_of(bodies), width, work
         self.shapes = [shape_of(x) for x in bodies]
         self.most = max(MOST_CELLS, len(self.roles.surface.all()))

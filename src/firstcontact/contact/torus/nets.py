@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-from flint import fmpq, fmpq_poly
+from flint import fmpq, fmpq_poly, fmpz_poly
 
 from firstcontact.contact.signs.conditions import local_trims, reversed_trims
 from firstcontact.contact.signs.exclusion import halves
@@ -16,11 +16,14 @@ from firstcontact.exact.polynomials.bernstein import coefficients
 from firstcontact.search.events.charts import NotCharted
 from firstcontact.search.events.ruled_charts import Sheet, sheets_of
 
+if TYPE_CHECKING:
+    from firstcontact.body.ruled.surface import RuledSurface
+
 MOST_HALVINGS = 12
 """Of parts whose weights are not all positive."""
 
 
-def sheets_at_rest(ruled: Any) -> list[Sheet]:
+def sheets_at_rest(ruled: RuledSurface) -> list[Sheet]:
     """The sheets of a ruled surface.  Raises UnsupportedPair for what is no net of points."""
     who = ruled.name or "the ruled surface"
     if ruled.deforming:
@@ -36,7 +39,7 @@ def sheets_at_rest(ruled: Any) -> list[Sheet]:
 class Nets(Cells):
     """Rows: number of a sheet; x from, to; s from, to; homogeneous points of the first side, then of the other."""
 
-    def __init__(self, ruled: Any) -> None:
+    def __init__(self, ruled: RuledSurface) -> None:
         self.sheets = sheets_at_rest(ruled)
         self.order = max(sheet.degree for sheet in self.sheets) + 1
         rows = self.all()
@@ -92,7 +95,7 @@ class Nets(Cells):
         largest = max(int(abs(c)) for side in sides for p in side for c in p.coeffs())
         return [float(number), -1.0, 1.0, 0.0, 1.0, *(c for side in sides for c in self._net(side, largest))]
 
-    def _net(self, side: list[Any], largest: int) -> list[float]:
+    def _net(self, side: list[fmpz_poly], largest: int) -> list[float]:
         """Bernstein's coefficients over [-1, 1], one point after the other."""
         rows = [coefficients(fmpq_poly(p, largest), fmpq(-1), fmpq(1), self.order - 1) for p in side]
         return [to_double(row[k]) for k in range(self.order) for row in rows]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -18,6 +18,9 @@ from firstcontact.contact.torus.cells import square
 from firstcontact.result import Element
 from firstcontact.search.events.ruled_charts import Sheet
 from firstcontact.search.trees.frame import tree_of
+
+if TYPE_CHECKING:
+    from firstcontact.body.ruled.surface import RuledSurface
 
 NEAR = 1e-5
 """Of sizes: features as near as that to a point near the contact are taken for those that touch."""
@@ -65,7 +68,7 @@ def contact_near(
     return Contact(poses[1 - k][:3, :3] @ x + poses[1 - k][:3, 3], normal, elements)
 
 
-def _near(shape: Any, x: np.ndarray, size: float, which: str) -> Touching:
+def _near(shape: Torus | Polyhedron | CompositeQuadric, x: np.ndarray, size: float, which: str) -> Touching:
     if isinstance(shape, Torus):
         return of_torus(shape, which)
     return of_mesh(shape, x, which) if isinstance(shape, Polyhedron) else of_model(shape, x, size, which)
@@ -145,7 +148,7 @@ def _is_at(mesh: Polyhedron, vertex: int, x: np.ndarray) -> bool:
     return bool(np.abs(mesh.vertices[vertex] - x).max() <= NEAR * np.ptp(mesh.vertices, axis=0).max())
 
 
-def of_ruled(ruled: Any, sheets: list[Sheet], place: np.ndarray, which: str) -> Touching:
+def of_ruled(ruled: RuledSurface, sheets: list[Sheet], place: np.ndarray, which: str) -> Touching:
     """place: number of the sheet, x, s."""
     sheet, x, s = sheets[int(place[0])], float(place[1]), float(place[2])
     low, high = (end and abs(x - at) < NEAR for end, at in zip(sheet.part.ends, (-1.0, 1.0), strict=True))

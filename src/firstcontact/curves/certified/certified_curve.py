@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import cache
 from itertools import product
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -39,13 +39,17 @@ from firstcontact.errors import UnsupportedPair
 from firstcontact.kernels.curves import points as columns
 from firstcontact.result_curve import BranchEnd, OpenPlace
 
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Ruled
+    from firstcontact.curves.fields import CurveFields
+
 # Branches that are shorter, in parts of their coordinates, may be points.
 IN_SPACE = 1e-12
 # Polylines of so many points are no points: chords are not cut below it.
 LONG = 100
 
 
-def is_supported(surface: Any) -> bool:
+def is_supported(surface: Ruled) -> bool:
     """Whether the certified path takes this ruled surface at rest: no trimming, one row, no huge degree."""
     return all(
         not piece.trim
@@ -55,7 +59,7 @@ def is_supported(surface: Any) -> bool:
     )
 
 
-def certified_curve(p: Any, q: Any, tolerance: float, settles: bool) -> dict[str, Any]:
+def certified_curve(p: Ruled, q: Ruled, tolerance: float, settles: bool) -> CurveFields:
     """The fields of IntersectionCurve; settles: whether places that doubles leave open are decided exactly."""
     for surface in (p, q):
         if not is_supported(surface):
@@ -78,7 +82,7 @@ def certified_curve(p: Any, q: Any, tolerance: float, settles: bool) -> dict[str
 
 
 def _found(
-    near: Reached, p: Any, q: Any, tolerance: float, settles: bool, before: Found | None = None, traces: bool = True
+    near: Reached, p: Ruled, q: Ruled, tolerance: float, settles: bool, before: Found | None = None, traces: bool = True
 ) -> Found:
     """What two surfaces with bounded rulings share: those of `near`, or pieces of them.
 

@@ -9,7 +9,7 @@ from functools import lru_cache
 from itertools import pairwise
 from math import comb, lcm
 from operator import mul
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from flint import fmpq
@@ -19,6 +19,9 @@ from firstcontact.body.ruled.joints import share_ruling
 from firstcontact.body.ruled.surface import RuledSurface
 from firstcontact.exact.numbers import rational, to_double
 from firstcontact.kernels.curves import nets
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Ruled
 
 Projective = tuple[fmpq, fmpq]
 """A parameter U / V; V = 0 is infinity."""
@@ -131,7 +134,7 @@ class Chain:
 _CHAINS = Kept[list[Chain]]()
 
 
-def chains(surface: Any) -> list[Chain]:
+def chains(surface: Ruled) -> list[Chain]:
     """Those of a RuledSurface or RuledStrip at rest, with bounded rulings and without trimming."""
     return _CHAINS.of(surface, lambda: [_chain(run) for run in _runs(surface.pieces)])
 

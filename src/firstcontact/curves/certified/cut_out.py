@@ -9,9 +9,13 @@ import math
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING
 
 from firstcontact.body.ruled.strip import RuledStrip
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Ruled
+    from firstcontact.body.ruled.surface import RuledSurface
 
 # Left on both sides of a place, in parts of the range of u, or of the half turn atan(u) of the projective line.
 ROOM = 2.0**-5
@@ -23,7 +27,7 @@ MOST_PLACES = 16
 Range = tuple[float, float]
 
 
-def cut_about(surface: Any, places: Sequence[Range]) -> Any:
+def cut_about(surface: RuledSurface, places: Sequence[Range]) -> Ruled:
     """The strip of pieces of a RuledSurface some of which hold the places, ranges of u; itself where they fill it.
 
     They fill a range of u whose ends are one double.
@@ -60,14 +64,14 @@ def _rooms(places: Sequence[Range]) -> Iterator[Range]:
     yield room[0], room[1]
 
 
-def _share(surface: Any, u: float) -> float:
+def _share(surface: RuledSurface, u: float) -> float:
     if surface.u is None:
         return math.atan(u) / math.pi
     low, high = (float(x) for x in surface.u)
     return (u - low) / (high - low)
 
 
-def _parameter(surface: Any, share: float) -> Fraction:
+def _parameter(surface: RuledSurface, share: float) -> Fraction:
     """A rational u next to a share of the range."""
     if surface.u is None:
         return Fraction(round(math.tan(math.pi * share) * GRID), GRID)

@@ -6,7 +6,7 @@ There the normal P_u x P_s passes zero, as nowhere else: along a ruling of a dev
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.polynomial.polynomial import polyder, polyval
@@ -15,6 +15,9 @@ from firstcontact.body.kept import Kept
 from firstcontact.contact.signs.pieces import Piece
 from firstcontact.curves.certified.chains import Chain
 from firstcontact.curves.exactly.cusps import torsal_rulings
+
+if TYPE_CHECKING:
+    from firstcontact.body.ruled.surface import RuledSurface
 
 _HAS_EDGE = Kept[bool]()
 """Whether a piece has an edge of regression."""
@@ -34,7 +37,7 @@ class Directrices(NamedTuple):
     second: Any
 
 
-def with_edges(chain: Chain) -> list[Any]:
+def with_edges(chain: Chain) -> list[RuledSurface]:
     """The developable pieces with an edge of regression."""
     if any(_HAS_EDGE.get(piece) is None for piece in chain.pieces):
         flat = _may_be_flat(chain)
@@ -44,7 +47,7 @@ def with_edges(chain: Chain) -> list[Any]:
 
 
 def passed(
-    edged: Sequence[Any], others: Sequence[Any], parameters: np.ndarray
+    edged: Sequence[RuledSurface], others: Sequence[RuledSurface], parameters: np.ndarray
 ) -> list[tuple[int, int, np.ndarray, np.ndarray]]:
     """Where a polyline, given by u, v, s, t, passes the edge of regression of a piece, but for its ends.
 
@@ -66,12 +69,14 @@ def passed(
     return sorted(found, key=lambda x: x[0])
 
 
-def _inside(surface: Any, u: np.ndarray) -> np.ndarray:
+def _inside(surface: RuledSurface, u: np.ndarray) -> np.ndarray:
     low, high = (-FAR, FAR) if surface.u is None else (float(x) for x in surface.u)
     return (u >= low) & (u <= high)
 
 
-def _passing(own: Any, other: Any, before: np.ndarray, after: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+def _passing(
+    own: RuledSurface, other: RuledSurface, before: np.ndarray, after: np.ndarray
+) -> tuple[np.ndarray, np.ndarray] | None:
     """As _on_edge, v in the chart of 1/v where the other surface is closed and that is smaller."""
     if other.u is not None or min(abs(before[1]), abs(after[1])) <= 1.0:
         return _on_edge(own, other, before, after)
@@ -82,7 +87,9 @@ def _passing(own: Any, other: Any, before: np.ndarray, after: np.ndarray) -> tup
     return found
 
 
-def _on_edge(own: Any, other: Any, before: np.ndarray, after: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+def _on_edge(
+    own: RuledSurface, other: RuledSurface | Directrices, before: np.ndarray, after: np.ndarray
+) -> tuple[np.ndarray, np.ndarray] | None:
     """The point between two rows u, v, s, t at which the edge meets the other surface, and u, v, s, t there; Newton."""
     u, v, _, t = 0.5 * (before + after)
     step = SLOPE * max(abs(after[0] - before[0]), SHORTEST)
@@ -102,7 +109,7 @@ def _on_edge(own: Any, other: Any, before: np.ndarray, after: np.ndarray) -> tup
     return None
 
 
-def _edge(surface: Any, u: float) -> np.ndarray:
+def _edge(surface: RuledSurface, u: float) -> np.ndarray:
     """(4,) the point of the edge of regression on a ruling, and s there: where (P1' + s d') x d = 0, d = P2 - P1."""
     (first, second), (slope, other) = _ends(surface, np.array([u]))
     along = second[0] - first[0]
@@ -121,19 +128,19 @@ def _may_be_flat(chain: Chain) -> list[int]:
     return np.flatnonzero(volumes < NOT_FLAT).tolist()
 
 
-def _has_edge(surface: Any) -> bool:
+def _has_edge(surface: RuledSurface) -> bool:
     """Whether all tangent planes touch along rulings, which do not pass through one point; exactly."""
     rulings = Piece.of(surface).rulings
     return bool(torsal_rulings(rulings) == 0 and rulings.apex is None)
 
 
-def _normals(surface: Any, u: np.ndarray, s: np.ndarray) -> np.ndarray:
+def _normals(surface: RuledSurface, u: np.ndarray, s: np.ndarray) -> np.ndarray:
     """(n, 3) P_u x P_s."""
     (first, second), (slope, other) = _ends(surface, u)
     return np.cross((1 - s)[:, None] * slope + s[:, None] * other, second - first)
 
 
-def _ends(surface: Any, u: np.ndarray) -> tuple[list[np.ndarray], list[np.ndarray]]:
+def _ends(surface: RuledSurface | Directrices, u: np.ndarray) -> tuple[list[np.ndarray], list[np.ndarray]]:
     """(n, 3) points of both directrices, and derivatives."""
     points, slopes = [], []
     for curve in (surface.first, surface.second):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,6 +13,9 @@ from firstcontact.curves.certified.chains import Chain
 from firstcontact.curves.exactly.answer import Collected, same
 from firstcontact.result import Stats
 from firstcontact.result_curve import Branch, BranchEnd, ExactParameters, GraphNode, OpenPlace, SingularPoint
+
+if TYPE_CHECKING:
+    from firstcontact.curves.fields import CurveFields
 
 # Places this near each other, in pieces, are one: exact ones agree to rounding, certified ones to that of a simple
 # crossing.  So are points, in parts of their size.
@@ -61,10 +64,10 @@ class Found(Collected):
         super().__init__()
         self.open_places: list[OpenPlace] = []
         self.seen = self.settled = 0
-        self.apexes: list[dict[str, Any]] = []
+        self.apexes: list[CurveFields] = []
         self.cusps: list[np.ndarray] = []
 
-    def fields(self) -> dict[str, Any]:
+    def fields(self) -> CurveFields:
         return self.collected() | {
             "method": "certified",
             "open_places": tuple(self.open_places),
@@ -74,7 +77,7 @@ class Found(Collected):
         }
 
     def add(self, strands: list[Strand], places: list[OpenPlace], chains: tuple[Chain, ...] | None,
-            exact: Sequence[dict[str, Any]]) -> None:  # fmt: skip
+            exact: Sequence[CurveFields]) -> None:  # fmt: skip
         """What two chains share: strands, places left open, and the fields of their pairs of pieces decided exactly.
 
         chains: None where no pair is.
@@ -123,7 +126,7 @@ class Found(Collected):
             self._add_edges(strand, own)
         self.open_places += [replace(place, ends=n) for place, n in zip(places, ends_at, strict=True)]
 
-    def _add_points(self, fields: dict[str, Any]) -> None:
+    def _add_points(self, fields: CurveFields) -> None:
         """What is no branch."""
         self.two_dimensional |= fields["two_dimensional"]
         for x in fields["singular_points"]:
@@ -141,11 +144,11 @@ class Found(Collected):
                 self.singular.append(SingularPoint(point, "cusp"))
 
     def add_isolated(
-        self, exact: Sequence[dict[str, Any]], is_on_more: Callable[[np.ndarray], bool] | None = None
+        self, exact: Sequence[CurveFields], is_on_more: Callable[[np.ndarray], bool] | None = None
     ) -> None:
         """Points that are on nothing else, once all else is there; is_on_more: by default whether a branch has it."""
         for fields in exact:
-            nodes = {node.point.tobytes(): node for node in fields["graph"].nodes if node.kind == "isolated"}
+            nodes = {node.point.tobytes(): node for node in fields["graph"].nodes if node.kind == "isolated"}  # type: ignore[union-attr]
             for point in fields["isolated_points"]:
                 if not (any(same(point, x) for x in self.isolated) or (is_on_more or self._is_told)(point)):
                     self.isolated.append(point)
@@ -168,7 +171,9 @@ class Found(Collected):
             ends = [numbers[0], numbers.pop(0)]
         self.edges += pairwise([ends[0], *numbers, ends[1]])
 
-    def _node(self, point: np.ndarray, where: Any, kind: str, exact: ExactParameters | None = None) -> int:
+    def _node(
+        self, point: np.ndarray, where: np.ndarray | Sequence[float], kind: str, exact: ExactParameters | None = None
+    ) -> int:
         u, v = float(where[0]), float(where[1])
         self.nodes.append(GraphNode(point, kind, exact or ExactParameters(lambda: (u, v))))
         return len(self.nodes) - 1

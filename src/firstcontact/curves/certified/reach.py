@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -13,6 +13,10 @@ from firstcontact.contact.signs.pieces import Piece
 from firstcontact.contact.signs.whole_rulings import segments
 from firstcontact.curves.exactly.tracing import Powers, Surfaces
 from firstcontact.errors import UnsupportedPair
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Ruled
+    from firstcontact.curves.fields import CurveFields
 
 # In sizes of the directrices.  The number of points that prove a tolerance grows with its square, as the ends of
 # segments move away from the curve.
@@ -53,7 +57,7 @@ class Reached(NamedTuple):
         points[near] = own[near]
         parameters[near, 2:] = np.stack([p.user_s(positions[near, 0]), q.user_s(positions[near, 1])], axis=1)
 
-    def beyond(self, fields: dict[str, Any]) -> dict[str, Any]:
+    def beyond(self, fields: CurveFields) -> CurveFields:
         """Those of IntersectionCurve, for the given surfaces: branches that end at the bounds go on."""
         fields = fields | {"box": self.box}
         cut = {id(end): replace(end, kind="infinity", on=()) for branch in fields["branches"] for end in branch.ends
@@ -62,14 +66,14 @@ class Reached(NamedTuple):
             return fields
         branches = tuple(replace(x, ends=tuple(cut.get(id(end), end) for end in x.ends)) for x in fields["branches"])
         points = {end.point.tobytes() for end in cut.values()}
-        graph = fields["graph"]
+        graph: Any = fields["graph"]
         nodes = tuple(replace(node, point=None, kind="infinity")
                       if node.kind == "boundary" and node.point.tobytes() in points else node
                       for node in graph.nodes)  # fmt: skip
         return fields | {"branches": branches, "graph": replace(graph, nodes=nodes)}
 
 
-def reached(p: Any, q: Any) -> Reached:
+def reached(p: Ruled, q: Ruled) -> Reached:
     """Both surfaces with segments for whole rulings: as far as the other one, or REACH times their size if both are."""
     whole = [any(piece.s is None for piece in x.pieces) for x in (p, q)]
     if not any(whole):
@@ -84,7 +88,7 @@ def reached(p: Any, q: Any) -> Reached:
     return Reached(cut_p, cut_q, (p, q), of_p | of_q, box)
 
 
-def _shortened(surface: Any, other: Any) -> Any:
+def _shortened(surface: Ruled, other: Ruled) -> Ruled:
     """A single piece without the ends of long rulings: no point of the other surface is as far out."""
     if len(surface.pieces) > 1:
         return surface
@@ -112,7 +116,7 @@ def _powers(x: np.ndarray) -> Powers:
     return Powers(np.divide(1.0, x, out=x.copy(), where=far), far)
 
 
-def _cut(surface: Any, centre: list[float], reach: float, names: str) -> tuple[Any, frozenset[str]]:
+def _cut(surface: Ruled, centre: list[float], reach: float, names: str) -> tuple[Ruled, frozenset[str]]:
     """The surface with segments, and the names of its new bounds."""
     pieces: list[RuledSurface] = []
     bounds: set[str] = set()

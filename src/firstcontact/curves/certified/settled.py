@@ -6,11 +6,11 @@ finds goes on in the neighbouring pairs (`joined`).
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 from fractions import Fraction
 from itertools import product
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,6 +19,11 @@ from firstcontact.curves.certified.chains import Chain
 from firstcontact.curves.certified.joined import ONE_PLACE, Stop, Strand, knot
 from firstcontact.curves.exactly.intersection import intersection
 from firstcontact.result_curve import Branch, BranchEnd
+
+if TYPE_CHECKING:
+
+    from firstcontact.body.ruled.surface import RuledSurface
+    from firstcontact.curves.fields import CurveFields
 
 # Largest product of the degrees of Delta that is asked of one pair of pieces, and of all pairs together.
 BEARABLE, MOST = 64, 4096
@@ -32,7 +37,7 @@ class Settled:
 
     def __init__(self, p: Chain, q: Chain, tolerance: float) -> None:
         self.chains, self.tolerance = (p, q), tolerance
-        self.known: dict[PiecePair, dict[str, Any] | None] = {}
+        self.known: dict[PiecePair, CurveFields | None] = {}
         """None where the boxes of the pieces share no point."""
         self._pieces: dict[tuple[int, int], Piece] = {}
         self._spent = 0
@@ -58,11 +63,11 @@ class Settled:
             mask[pair] = True
         return mask
 
-    def found(self) -> list[dict[str, Any]]:
+    def found(self) -> list[CurveFields]:
         """The fields of the pairs that were asked for; common rulings that border an area of another pair left out."""
         areas = [(pair, fields["correspondence"]) for pair, fields in self.known.items()
                  if fields is not None and fields["two_dimensional"] and fields["correspondence"]]  # fmt: skip
-        found = []
+        found: list[CurveFields] = []
         for pair, fields in self.known.items():
             if fields is None:
                 continue
@@ -74,7 +79,7 @@ class Settled:
             found.append({**fields, "overlap_lines": lines})
         return found
 
-    def _is_on(self, correspondence: Any, pair: PiecePair, u: Fraction, v: Fraction) -> bool:
+    def _is_on(self, correspondence: Mapping[tuple[int, int], int], pair: PiecePair, u: Fraction, v: Fraction) -> bool:
         """Whether rulings at a knot of both chains are on the correspondence of a pair of pieces."""
         bounds = (chain.pieces[k].u for chain, k in zip(self.chains, pair, strict=True))
         if not all(ends is None or ends[0] <= x <= ends[1] for x, ends in zip((u, v), bounds, strict=True)):
@@ -112,12 +117,12 @@ class Settled:
         return Stop(replace(end, on=on) if len(on) < len(end.on) else end, place)
 
 
-def _passes_infinity(piece: Any) -> bool:
+def _passes_infinity(piece: RuledSurface) -> bool:
     """Whether it is the part of a closed surface that was left when others were cut out of it."""
     return piece.u is not None and piece.u[0] > piece.u[1]
 
 
-def _is_along(line: np.ndarray, piece: Any, u: Fraction) -> bool:
+def _is_along(line: np.ndarray, piece: RuledSurface, u: Fraction) -> bool:
     """Whether a segment lies on the ruling at u of a piece."""
     ends = piece.points(float(u), [0.0, 1.0])
     along = ends[1] - ends[0]

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from itertools import combinations
 from math import comb
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from flint import fmpq
@@ -25,6 +25,10 @@ from firstcontact.curves.exactly.tracing import Powers, Surfaces, rows
 from firstcontact.exact.fields.roots import AlgebraicRoot, roots_in
 from firstcontact.exact.numbers import precision
 from firstcontact.pairs.ruled_ruled import DUAL, PAIRS
+
+if TYPE_CHECKING:
+    from firstcontact.body.ruled.surface import RuledSurface
+    from firstcontact.pairs.ruled_ruled import Rulings
 
 _TORSAL = Kept[list["Special"]]()
 _LIKELY = Kept[list["Likely"]]()
@@ -83,7 +87,7 @@ def turned_back(
 # -- rulings ------------------------------------------------------------------------------------------------
 
 
-def _torsal(piece: Any) -> list[Special]:
+def _torsal(piece: RuledSurface) -> list[Special]:
     """Those of a closed surface in the charts of u and of 1/u; both may have 1 and -1."""
     return _TORSAL.of(piece, lambda: list(_torsal_rulings(Piece.of(piece))))
 
@@ -99,7 +103,7 @@ def _torsal_rulings(piece: Piece) -> Iterator[Special]:
             yield Special(reverse, float(root), at)
 
 
-def _singular_point(lines: Any, root: AlgebraicRoot) -> np.ndarray:
+def _singular_point(lines: Rulings, root: AlgebraicRoot) -> np.ndarray:
     """The point in which a torsal ruling meets its neighbours; not finite where that is at infinity."""
     at = root.enclosure(128)
     with precision(128):
@@ -233,7 +237,12 @@ def _chord(points: np.ndarray, i: int, j: int) -> float:
 
 
 def _at_ruling(
-    piece: Any, others: Sequence[Any], special: Special, points: np.ndarray, parameters: np.ndarray, tolerance: float
+    piece: RuledSurface,
+    others: Sequence[RuledSurface],
+    special: Special,
+    points: np.ndarray,
+    parameters: np.ndarray,
+    tolerance: float,
 ) -> Iterator[Passed]:
     with np.errstate(divide="ignore"):
         x = 1.0 / parameters[:, 0] if special.reverse else parameters[:, 0]
@@ -259,7 +268,7 @@ def _at_ruling(
 class _Over:
     """The curve over u, in the chart of u or 1/u, near a value of v."""
 
-    def __init__(self, own: Any, other: Any, reverse: bool, start: float) -> None:
+    def __init__(self, own: RuledSurface, other: RuledSurface, reverse: bool, start: float) -> None:
         self.p, self.q, self.reverse, self.far = Piece.of(own), Piece.of(other), reverse, bool(abs(start) > 1.0)
         self.start = 1.0 / start if self.far else start
         self.line = rows(self.p.reversed_rulings(reverse).line).T
@@ -268,7 +277,7 @@ class _Over:
         self.surfaces = Surfaces(self.p, self.q)
 
     @classmethod
-    def of(cls, own: Any, others: Sequence[Any], reverse: bool, v: float) -> _Over | None:
+    def of(cls, own: RuledSurface, others: Sequence[RuledSurface], reverse: bool, v: float) -> _Over | None:
         other = next((p for p in others if p.u is None or float(p.u[0]) <= v <= float(p.u[1])), None)
         return None if other is None else cls(own, other, reverse, float(v))
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from flint import fmpq, fmpz_mpoly
@@ -14,6 +14,9 @@ from firstcontact.curves.exactly.spots import Box
 from firstcontact.curves.lone_points import is_on_branches, is_on_lines
 from firstcontact.pairs.ruled_ruled import CommonRulings, Parameter
 from firstcontact.result_curve import Branch, CurveGraph, ExactParameter, ExactParameters, GraphNode, SingularPoint
+
+if TYPE_CHECKING:
+    from firstcontact.curves.fields import CurveFields, Where
 
 # Points closer than this, relative to their size, are one: each is known to nearly full double precision.
 SAME = 1e-11
@@ -31,7 +34,7 @@ class Collected:
         self.nodes: list[GraphNode] = []
         self.edges: list[tuple[int, int]] = []
 
-    def collected(self) -> dict[str, Any]:
+    def collected(self) -> CurveFields:
         """Their fields of IntersectionCurve; no Delta and no common rulings."""
         return {
             "branches": tuple(self.branches),
@@ -54,7 +57,7 @@ class Parts(Collected):
         self._alone: list[tuple[np.ndarray, Any]] = []
         """Points with their parameters, which are isolated if they are on nothing else in the end."""
 
-    def collected(self) -> dict[str, Any]:
+    def collected(self) -> CurveFields:
         alone = [(point, where) for point, where in self._alone if not self.is_on_more(point)]
         nodes = [GraphNode(point, "isolated", self.exact(where)) for point, where in alone]
         return super().collected() | {
@@ -62,15 +65,15 @@ class Parts(Collected):
             "graph": CurveGraph((*self.nodes, *nodes), tuple(self.edges)),
         }
 
-    def exact(self, where: Any) -> ExactParameters:
+    def exact(self, where: Where) -> ExactParameters:
         """Results' numbers for the user's parameters of `where`, a node or another object with u and v."""
         raise NotImplementedError
 
-    def add_node(self, where: Any, point: np.ndarray | None, kind: str) -> int:
+    def add_node(self, where: Where, point: np.ndarray | None, kind: str) -> int:
         self.nodes.append(GraphNode(point, kind, self.exact(where)))
         return len(self.nodes) - 1
 
-    def add_isolated(self, point: np.ndarray, where: Any) -> None:
+    def add_isolated(self, point: np.ndarray, where: Where) -> None:
         if not any(same(point, other) for other, _ in self._alone):
             self._alone.append((point, where))
 
@@ -102,7 +105,7 @@ class Found(Parts):
         return self.p.bounded or self.q.bounded or self.box is not None
 
     @property
-    def v(self) -> tuple[Any, Any] | None:
+    def v(self) -> tuple[fmpq, fmpq] | None:
         """The range of the second parameter."""
         return self.q.u
 
@@ -112,7 +115,7 @@ class Found(Parts):
             return True
         return is_on_lines(point, self.segments, not self.finite) and not any(same(point, x) for x in apexes(p, q))
 
-    def exact(self, where: Any) -> ExactParameters:
+    def exact(self, where: Where) -> ExactParameters:
         p, q = self.p, self.q
         return ExactParameters(lambda: (number(p.user_parameter(where.u)), number(q.user_parameter(where.v))))
 
@@ -125,7 +128,7 @@ class Found(Parts):
                 columns.append(own if piece.shift is None else piece.shift + 1.0 / own)
         return np.column_stack([*columns, self.p.user_s(positions[:, 0]), self.q.user_s(positions[:, 1])])
 
-    def fields(self, d: fmpz_mpoly, common: CommonRulings) -> dict[str, Any]:
+    def fields(self, d: fmpz_mpoly, common: CommonRulings) -> CurveFields:
         """Those of IntersectionCurve; d = Delta and the common rulings in the user's parameters."""
         return self.collected() | {
             "delta": _table(d),

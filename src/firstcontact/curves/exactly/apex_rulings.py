@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,6 +15,9 @@ from firstcontact.exact.fields.roots import AlgebraicRoot
 from firstcontact.exact.polynomials.bivariate import in_u, in_v
 from firstcontact.kernels.curves import points as columns
 from firstcontact.pairs.ruled_ruled import all_real_roots, rulings_through
+
+if TYPE_CHECKING:
+    from firstcontact.curves.fields import CurveFields
 
 # In parameters of parts: how near an arc is to such a ruling where it is the ruling, and how near rounding may put it
 # beyond the cell.
@@ -48,7 +51,7 @@ class ApexRulings:
                     break
         return found
 
-    def points(self, tolerance: float) -> Iterator[dict[str, Any]]:
+    def points(self, tolerance: float) -> Iterator[CurveFields]:
         """The fields of the apexes that the arcs found are, where both pieces hold them."""
         for side, i, j in sorted(self.met):
             pieces = [Piece.of(chain.pieces[k]) for chain, k in zip(self.chains, (i, j), strict=True)]

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import arb, fmpq, fmpz_mpoly
@@ -24,6 +24,10 @@ from firstcontact.exact.curves.plane_curves import topology
 from firstcontact.exact.fields.roots import AlgebraicRoot
 from firstcontact.exact.numbers import dyadic, precision, to_double
 from firstcontact.result_curve import Branch, BranchEnd
+
+if TYPE_CHECKING:
+    from firstcontact.curves.with_solids.solid_curve import _Found
+    from firstcontact.exact.curves.plane_curves import Edge, Graph, Node
 
 # Where branches to infinity are cut, in units of the size of the directrices.
 REACH = 100.0
@@ -64,7 +68,7 @@ def add_curves(found: Found, curves: Curves) -> None:
 
 
 def add_branches(
-    found: Any, joints: Joints, kept: Sequence[Any], curves: Curves, still: Sequence[fmpz_mpoly] = ()
+    found: Found | _Found, joints: Joints, kept: Sequence[Edge], curves: Curves, still: Sequence[fmpz_mpoly] = ()
 ) -> None:
     """The branches of these edges of a graph of these curves; found: Found, or alike for another second body.
 
@@ -110,12 +114,12 @@ class Meetings:
 class Joints:
     """The nodes of a graph in space; `place` tells where (u, v) is."""
 
-    def __init__(self, found: Any, graph: Any, place: Any) -> None:
+    def __init__(self, found: Found | _Found, graph: Graph, place: Any) -> None:
         self.found, self.graph, self.in_space = found, graph, place
         self._spots: dict[int, Spot] = {}
         self._limits: dict[int, list[np.ndarray]] = defaultdict(list)
 
-    def spot(self, node: Any) -> Spot:
+    def spot(self, node: Node) -> Spot:
         """The meeting point at a node, known to full double precision; `point` None where the rulings are one line."""
         if node.index not in self._spots:
             for bits in (128, LIMIT_BITS):
@@ -125,14 +129,14 @@ class Joints:
             self._spots[node.index] = where
         return self._spots[node.index]
 
-    def at_node(self, node: Any, bits: int) -> Spot:
+    def at_node(self, node: Node, bits: int) -> Spot:
         return self.in_space.spot(node.chart, node.x_ball(bits), node.y_ball(bits), bits)
 
-    def is_infinite(self, node: Any) -> bool:
+    def is_infinite(self, node: Node) -> bool:
         """Whether the weight of the point is zero to LIMIT_BITS: the point is at infinity, or beyond all doubles."""
         return self.spot(node).may_be_infinite()
 
-    def corner(self, edge: Any, at_end: int) -> Corner:
+    def corner(self, edge: Edge, at_end: int) -> Corner:
         node = self.graph.nodes[edge.end if at_end else edge.start]
         where = self.spot(node)
         if where.point is None:
@@ -141,7 +145,7 @@ class Joints:
             return Corner((node.index, 0), None, (np.nan, np.nan))
         return Corner((node.index, 0), doubles(where.coordinates()), (ratio(where.s), ratio(where.t)))
 
-    def _limit_corner(self, node: Any, edge: Any, at_end: int) -> Corner:
+    def _limit_corner(self, node: Node, edge: Edge, at_end: int) -> Corner:
         where = self.beside(edge, at_end)
         size = max(float(abs(x).mid()) for x in where.point)  # type: ignore[union-attr]
         if abs(float(where.point[3].mid())) <= 1e-15 * size:  # type: ignore[index]
@@ -180,7 +184,7 @@ class Joints:
     def isolate(self, node: Any) -> None:
         """Adds a node on no branch, where it belongs to both pieces."""
         where = self.spot(node)
-        if where.point is None or self.is_infinite(node) or not self.found.clip.keeps_node(node, where):
+        if where.point is None or self.is_infinite(node) or not self.found.clip.keeps_node(node, where):  # type: ignore[union-attr]
             return
         self.found.add_isolated(doubles(where.coordinates()), node)
 
@@ -205,7 +209,13 @@ class _Assembly:
     """Polylines of the kept edges, joined to branches."""
 
     def __init__(
-        self, found: Any, joints: Joints, graph: Any, kept: Sequence[Any], curves: Curves, still: Sequence[fmpz_mpoly]
+        self,
+        found: Found | _Found,
+        joints: Joints,
+        graph: Graph,
+        kept: Sequence[Edge],
+        curves: Curves,
+        still: Sequence[fmpz_mpoly],
     ) -> None:
         self.still = still
         self.found, self.joints, self.graph, self.kept = found, joints, graph, kept

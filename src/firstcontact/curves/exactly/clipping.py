@@ -7,12 +7,13 @@ of polynomials in u, v with a sign too.  Their common zeros with Delta become no
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cmp_to_key, lru_cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from flint import arb, fmpz_mpoly
+from flint import arb, fmpq, fmpz_mpoly, fmpz_poly
 
 from firstcontact.contact.signs.pieces import Inequality, Piece, at_place
 from firstcontact.curves.exactly import cusps
@@ -30,6 +31,9 @@ from firstcontact.pairs.ruled_ruled import (
     meeting,
     sign_at,
 )  # fmt: skip
+
+if TYPE_CHECKING:
+    from firstcontact.exact.curves.plane_curves import Edge, Node
 
 Degrees = tuple[int, int]
 # Precision at which a bound that cannot be told from equality is named at an end: agreement to 1e-90.
@@ -83,7 +87,7 @@ class Clip:
                     found.append(Condition(((plane, degrees, f"{'xyz'[i]}={end}"), (weight, degrees, "")), sign))
         return found
 
-    def special_at_infinity(self, bounds: Any, side: int) -> bool:
+    def special_at_infinity(self, bounds: tuple[fmpq, fmpq] | None, side: int) -> bool:
         """Whether Delta or a polynomial whose zeros must be nodes vanishes for the parameter infinity of one side."""
         if bounds is not None:
             return False
@@ -104,7 +108,7 @@ class Clip:
         found = [x for k in columns for c in self.conditions(k) for x, _, _ in c.polynomials]
         return [x for i, x in enumerate(found) if not x.is_constant() and x not in found[:i]]
 
-    def keeps_edge(self, edge: Any, factor: fmpz_mpoly) -> bool:
+    def keeps_edge(self, edge: Edge, factor: fmpz_mpoly) -> bool:
         """Whether the open edge belongs to both pieces."""
         if not self.bounded:
             return True
@@ -116,7 +120,7 @@ class Clip:
         k = self.columns(factor)[0]
         return all(c.sign * _signs(c, u, v) >= 0 for c in self.conditions(k))
 
-    def keeps_node(self, node: Any, where: Spot) -> bool:
+    def keeps_node(self, node: Node, where: Spot) -> bool:
         """Whether a meeting point of two different rulings belongs to both pieces; `where` in balls."""
         seen = sides(where, self.p, self.q, self.box) if self.bounded else 1
         if seen:
@@ -156,7 +160,7 @@ def _trim(piece: Piece, g: Inequality, pair: Any, along: Any, own: int) -> Condi
     return Condition(((total, (whole[0], whole[1]), "trim"),), 1)
 
 
-def _degree(curve: Any) -> int:
+def _degree(curve: Sequence[fmpz_poly]) -> int:
     return max(x.degree() for x in curve)
 
 

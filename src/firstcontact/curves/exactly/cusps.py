@@ -9,11 +9,10 @@ same points, have three times the degree).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import reduce
-from typing import Any
 
-from flint import fmpz_mpoly, fmpz_poly
+from flint import fmpz, fmpz_mpoly, fmpz_poly
 
 from firstcontact.exact.polynomials import bivariate
 from firstcontact.exact.polynomials.bivariate import in_u, in_v
@@ -35,7 +34,12 @@ def candidates(p: Rulings, q: Rulings, factors: Sequence[fmpz_mpoly]) -> list[fm
 
 
 def _of_side(
-    own: Rulings, other: Rulings, factors: Sequence[fmpz_mpoly], name: str, here: Any, there: Any
+    own: Rulings,
+    other: Rulings,
+    factors: Sequence[fmpz_mpoly],
+    name: str,
+    here: Callable[[fmpz_poly], fmpz_mpoly],
+    there: Callable[[fmpz_poly], fmpz_mpoly],
 ) -> list[fmpz_mpoly]:
     if own.apex is not None:
         return _proper([there(rulings_through(other, own.apex))])
@@ -51,7 +55,9 @@ def _of_side(
     return _proper([here(torsal.gcd(_through(equations, eliminated)))])
 
 
-def _equations(own: Rulings, other: Rulings, here: Any, there: Any) -> list[fmpz_mpoly]:
+def _equations(
+    own: Rulings, other: Rulings, here: Callable[[fmpz_poly], fmpz_mpoly], there: Callable[[fmpz_poly], fmpz_mpoly]
+) -> list[fmpz_mpoly]:
     """Three that hold where a ruling of the other surface holds the singular point of one of this."""
     point = [here(x) for x in singular_points(own)]
     planes = planes_through([there(x) for x in other.line])
@@ -95,7 +101,7 @@ def special_at_infinity(lines: Rulings, other: Rulings) -> bool:
     return bool(_through(_equations(lines, other, in_u, in_v), "v") != 0)  # else the whole edge is on the other surface
 
 
-def _is_on(lines: Rulings, point: Sequence[Any]) -> bool:
+def _is_on(lines: Rulings, point: Sequence[fmpz]) -> bool:
     """Whether a ruling holds the point; one of complex parameter counts too."""
     return any(rulings_through(x, point).degree() != 0 for x in (lines, lines.reversed()))
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import count
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from flint import fmpq, fmpz_mpoly
@@ -19,10 +19,13 @@ from firstcontact.curves.exactly.spots import Box
 from firstcontact.exact.polynomials.bivariate import in_u, in_v
 from firstcontact.pairs.ruled_ruled import FactorKind, common_rulings, delta, factors
 
+if TYPE_CHECKING:
+    from firstcontact.curves.fields import CurveFields
+
 
 def intersection(
     p: Piece, q: Piece, tolerance: float, box: Box | None, inside: bool = False
-) -> dict[str, Any]:
+) -> CurveFields:
     """The fields of IntersectionCurve; inside: common rulings outside the pieces are not looked for."""
     ranges = (p.u, q.u) if inside else (None, None)
     whole, in_given = delta(p.rulings, q.rulings), common_rulings(p.rulings, q.rulings, *ranges)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from itertools import accumulate
 from operator import mul
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from flint import arb, fmpq, fmpz, fmpz_poly
@@ -29,11 +29,14 @@ from firstcontact.exact.fields.roots import AlgebraicRoot
 from firstcontact.exact.numbers import precision, rational
 from firstcontact.pairs.ruled_ruled import Parameter, Rulings, at_infinity
 
+if TYPE_CHECKING:
+    from firstcontact.curves.fields import Where
+
 BITS = 128
 """Of the points."""
 
 
-def add_shared(found: Found, where: Any) -> None:
+def add_shared(found: Found, where: Where) -> None:
     """Put in what the pieces share of the ruling at the parameters `where.u` and `where.v`."""
     for part in shared(found.p, found.q, where.u, where.v, found.box):
         if (part[0] != part[1]).any():

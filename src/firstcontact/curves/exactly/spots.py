@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import arb
@@ -16,12 +16,16 @@ from firstcontact.exact.polynomials.inertia import dot
 from firstcontact.motion.translation import LARGEST
 from firstcontact.pairs.ruled_ruled import planes_through, points_on
 
+if TYPE_CHECKING:
+    from firstcontact.exact.numbers import Given
+    from firstcontact.exact.ring import Rational
+
 Box = tuple[tuple[Any, Any, Any], tuple[Any, Any, Any]]
 Chart = tuple[bool, bool]
 """Whether u and v are given as 1/u and 1/v."""
 
 
-def box_of(box: Any) -> Box | None:
+def box_of(box: Iterable[Iterable[Given]] | None) -> Box | None:
     """What the user gives for `box`, checked; exact."""
     if box is None:
         return None
@@ -130,7 +134,7 @@ def margins(where: Spot, p: Piece, q: Piece, box: Box | None) -> list[tuple[str,
     return found
 
 
-def _value(g: Any, u: arb, s: arb) -> arb:
+def _value(g: Mapping[tuple[int, int], Rational], u: arb, s: arb) -> arb:
     total = arb(0)
     for (i, j), c in g.items():
         total += c * u**i * s**j

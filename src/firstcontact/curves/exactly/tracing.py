@@ -161,7 +161,7 @@ def _foot(line: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return _cross(along, moment) / (along * along).sum(0), along
 
 
-def position(ends: Any, x: Powers, point: np.ndarray) -> np.ndarray:
+def position(ends: Sequence[np.ndarray], x: Powers, point: np.ndarray) -> np.ndarray:
     first, second = (c @ x.table(c.shape[1] - 1) for c in ends)
     first, second = first[:3] / first[3], second[:3] / second[3]
     along = second - first
@@ -213,7 +213,7 @@ class Points:
     space: np.ndarray
     positions: np.ndarray
 
-    def __getitem__(self, index: Any) -> Points:
+    def __getitem__(self, index: slice | np.ndarray) -> Points:
         return Points(*(getattr(self, f.name)[index] for f in fields(self)))
 
     def __add__(self, other: Points) -> Points:

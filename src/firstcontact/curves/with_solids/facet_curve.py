@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import fmpq
@@ -24,6 +24,10 @@ from firstcontact.curves.with_solids.solid_curve import SheetCurve, sign_at
 from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import to_double
 from firstcontact.exact.vectors import cross
+
+if TYPE_CHECKING:
+    from firstcontact.curves.exactly.spots import Box
+    from firstcontact.exact.curves.plane_curves import Edge, Node
 
 
 @dataclass(frozen=True)
@@ -153,7 +157,9 @@ def _way(a: Vector, b: Vector) -> Vector:
 class FacetCurve(SheetCurve):
     """joining: as `knots` and `joins` of SheetCurve."""
 
-    def __init__(self, piece: Piece, facet: Facet, tolerance: float, box: Any, first: bool, **joining: Any) -> None:
+    def __init__(
+        self, piece: Piece, facet: Facet, tolerance: float, box: Box | None, first: bool, **joining: Any
+    ) -> None:
         super().__init__(piece, facet.surfaces, 1, tolerance, box, first, **joining)
         self.facet = facet
         self.clip.marks += [(f"edge {e}", self.forms[k], self.sheet.degree) for k, e in facet.borders.items()]
@@ -161,7 +167,7 @@ class FacetCurve(SheetCurve):
     def lies_in_surface(self) -> None:
         raise UnsupportedPair(f"{self.facet.who}: the ruled piece lies in the plane of face {self.facet.face}")
 
-    def is_part(self, where: Any, joints: Joints) -> bool:
+    def is_part(self, where: Node | Edge, joints: Joints) -> bool:
         signs: dict[int, int] = {}
 
         def holds(number: int, own: int) -> bool:
@@ -171,5 +177,5 @@ class FacetCurve(SheetCurve):
 
         return any(all(holds(*side) for side in triangle) for triangle in self.facet.triangles)
 
-    def is_stop(self, node: Any) -> bool:
+    def is_stop(self, node: Node) -> bool:
         return super().is_stop(node) or any(sign_at(self.forms[k], node) == 0 for k in self.facet.edges)

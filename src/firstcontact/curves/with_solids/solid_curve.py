@@ -14,7 +14,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache, reduce
 from itertools import count
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import arb, fmpq, fmpz, fmpz_mpoly
@@ -35,6 +35,14 @@ from firstcontact.exact.numbers import precision
 from firstcontact.exact.polynomials import bivariate
 from firstcontact.exact.polynomials.bivariate import V, from_rows, in_u, in_v
 from firstcontact.result_curve import ExactParameters, SingularPoint
+
+if TYPE_CHECKING:
+    from fractions import Fraction
+
+    from firstcontact.body.solid.carriers import Quadric
+    from firstcontact.curves.exactly.spots import Box
+    from firstcontact.curves.fields import CurveFields
+    from firstcontact.exact.curves.plane_curves import Edge, Graph, Node
 
 UNIT = fmpq(0), fmpq(1)
 FLAT = 1e-9
@@ -81,7 +89,7 @@ class _Sheet:
     def point(self) -> list[fmpz_mpoly]:
         return [from_rows([a, b - a]) for a, b in zip(self.first, self.second, strict=True)]
 
-    def form(self, surface: Any) -> fmpz_mpoly:
+    def form(self, surface: Plane | Quadric) -> fmpz_mpoly:
         """The form of a surface of the solid over the piece, negative where that is."""
         x = self.point
         if isinstance(surface, Plane):
@@ -89,7 +97,7 @@ class _Sheet:
         products = [(surface.form[i][j], x[i] * x[j]) for i in range(4) for j in range(4)]
         return _combined([c for c, _ in products], [y for _, y in products])
 
-    def full_degree(self, surface: Any) -> int:
+    def full_degree(self, surface: Plane | Quadric) -> int:
         return self.degree if isinstance(surface, Plane) else 2 * self.degree
 
     def spot(self, chart: tuple[bool, bool], x: arb, y: arb, bits: int) -> Spot:
@@ -117,12 +125,12 @@ class _Sheet:
 class _Joints(Joints):
     """All nodes on a side that is a point are one; at nodes that `is_stop` names, every edge ends for itself."""
 
-    def __init__(self, found: _Found, graph: Any, sheet: _Sheet, is_stop: Callable[[Any], bool]) -> None:
+    def __init__(self, found: _Found, graph: Graph, sheet: _Sheet, is_stop: Callable[[Node], bool]) -> None:
         super().__init__(found, graph, sheet)
         self.sheet, self.is_stop = sheet, cache(lambda index: is_stop(graph.nodes[index]))
         self.first: dict[int, int] = {}
 
-    def corner(self, edge: Any, at_end: int) -> Corner:
+    def corner(self, edge: Edge, at_end: int) -> Corner:
         known = super().corner(edge, at_end)
         index = known.key[0]
         tip = self.sheet.tip(self.graph.nodes[index])
@@ -174,7 +182,7 @@ class _Clip:
     marks: polynomials whose zeros name an end besides.
     """
 
-    def __init__(self, piece: Piece, sheet: _Sheet, box: Any, names: str) -> None:
+    def __init__(self, piece: Piece, sheet: _Sheet, box: Box | None, names: str) -> None:
         self.piece, self.sheet, self.box, self.names = piece, sheet, box, names
         self.marks: list[tuple[str, fmpz_mpoly, int]] = []
         self.conditions: list[tuple[str, fmpz_mpoly, int]] = []
@@ -188,7 +196,7 @@ class _Clip:
                 self.conditions.append((f"{axis}={low}", own * low.q - x[3] * low.p, sheet.degree))
                 self.conditions.append((f"{axis}={high}", x[3] * high.p - own * high.q, sheet.degree))
 
-    def keeps(self, where: Any) -> bool:
+    def keeps(self, where: Node | Edge) -> bool:
         """Of an edge or a node."""
         return all(sign_at(f, where) >= 0 for _, f, _ in self.conditions)
 
@@ -219,8 +227,14 @@ class SheetCurve:
     """
 
     def __init__(
-        self, piece: Piece, surfaces: Sequence[Any], drawn: int, tolerance: float, box: Any, first: bool,
-        knots: Sequence[Any] = (), joins: bool = False,
+        self,
+        piece: Piece,
+        surfaces: Sequence[Plane | Quadric],
+        drawn: int,
+        tolerance: float,
+        box: Box | None,
+        first: bool,
+        knots: Sequence[fmpq | Fraction] = (), joins: bool = False,
     ) -> None:  # fmt: skip
         self.knots, self.joins = [fmpq(x.numerator, x.denominator) for x in knots], joins
         for shift in count():
@@ -233,17 +247,17 @@ class SheetCurve:
         self.drawn, self.cutting = self.forms[:drawn], self.forms[drawn:]
         self.found = _Found(self.piece, self.clip, tolerance, first)
 
-    def is_part(self, where: Any, joints: Joints) -> bool:
+    def is_part(self, where: Node | Edge, joints: Joints) -> bool:
         """Of an open edge or a node."""
         raise NotImplementedError
 
-    def is_stop(self, node: Any) -> bool:
+    def is_stop(self, node: Node) -> bool:
         if not self.joins:
             return False
         u = node.u
         return self.sheet.tip(node) is not None or any(u is not None and u.compare(x) == 0 for x in self.knots)
 
-    def run(self) -> dict[str, Any]:
+    def run(self) -> CurveFields:
         """The fields of IntersectionCurve."""
         if any(f.is_zero() for f in self.drawn):
             self.lies_in_surface()
@@ -255,7 +269,7 @@ class SheetCurve:
         """What to do where the piece lies in a surface that is drawn."""
         raise NotImplementedError
 
-    def _special_at_infinity(self, surfaces: Sequence[Any]) -> bool:
+    def _special_at_infinity(self, surfaces: Sequence[Plane | Quadric]) -> bool:
         """Whether anything vanishes on the ruling u = infinity, where the graph does not look."""
         tested = [(f, self.sheet.full_degree(s)) for f, s in zip(self.forms, surfaces, strict=True)]
         tested += [(f, degree) for _, f, degree in self.clip.conditions]
@@ -288,7 +302,7 @@ class SheetCurve:
             if self.clip.keeps(node) and self.is_part(node, joints):
                 self.found.add_isolated(doubles(joints.spot(node).coordinates()), node)
 
-    def _add_cusps(self, joints: _Joints, kept: Sequence[Any]) -> None:
+    def _add_cusps(self, joints: _Joints, kept: Sequence[Edge]) -> None:
         """Those at which both branches end for themselves."""
         at: dict[int, list[tuple[Any, int]]] = defaultdict(list)
         for edge in kept:
@@ -303,7 +317,7 @@ class SheetCurve:
 class ModelCurve(SheetCurve):
     """With the boundary of a solid of planes and quadrics; joining: as `knots` and `joins` of SheetCurve."""
 
-    def __init__(self, piece: Piece, model: CompositeQuadric, tolerance: float, box: Any, first: bool,
+    def __init__(self, piece: Piece, model: CompositeQuadric, tolerance: float, box: Box | None, first: bool,
                  **joining: Any) -> None:  # fmt: skip
         super().__init__(piece, model.surfaces, len(model.surfaces), tolerance, box, first, **joining)
         self.model = model
@@ -316,7 +330,7 @@ class ModelCurve(SheetCurve):
             raise UnsupportedPair(f"{who}: the piece lies in the surface, and is trimmed; give an untrimmed piece")
         self.found.two_dimensional = True
 
-    def is_part(self, where: Any, joints: Joints) -> bool:
+    def is_part(self, where: Node | Edge, joints: Joints) -> bool:
         signs = [sign_at(f, where) for f in self.forms]
         if len(outcomes(self.model.tree, signs)) < 2:
             return False
@@ -346,7 +360,7 @@ def _factors(f: fmpz_mpoly) -> list[tuple[fmpz_mpoly, int]]:
     return [*parts.curves, *((in_u(g), k) for g, k in parts.in_u), *((in_v(g), k) for g, k in parts.in_v)]
 
 
-def sign_at(f: fmpz_mpoly, where: Any) -> int:
+def sign_at(f: fmpz_mpoly, where: Node | Edge) -> int:
     """Of a polynomial on an edge or at a node."""
     if not f.is_constant():
         return int(where.sign(f))

@@ -7,10 +7,10 @@ edges of the polyhedron and where a side is a point; at all these places their b
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -30,11 +30,18 @@ from firstcontact.errors import InputError, UnsupportedPair
 from firstcontact.result import Stats
 from firstcontact.result_curve import Branch, IntersectionCurve
 
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Ruled, Shape
+    from firstcontact.curves.fields import CurveFields
+    from firstcontact.exact.numbers import Given
+
 MOST_FACETS = 2000
 """Pairs of a piece and a facet near it; some 10 ms each."""
 
 
-def intersection_curve(p: Any, q: Any, tolerance: float, method: str, box: Any) -> IntersectionCurve:
+def intersection_curve(
+    p: Shape, q: Shape, tolerance: float, method: str, box: Iterable[Iterable[Given]] | None
+) -> IntersectionCurve:
     """All points that a ruled surface shares with the boundary of a solid or a polyhedron; either may come first."""
     begin = clock.perf_counter()
     ruled, solid = (p, q) if hasattr(p, "pieces") else (q, p)
@@ -49,7 +56,7 @@ def intersection_curve(p: Any, q: Any, tolerance: float, method: str, box: Any) 
     return IntersectionCurve(**fields, a=p, b=q)
 
 
-def _fields(p: Any, q: Any, tolerance: float, limits: Box | None) -> dict[str, Any]:
+def _fields(p: Any, q: Any, tolerance: float, limits: Box | None) -> CurveFields:
     """Those of IntersectionCurve."""
     ruled, solid = (p, q) if hasattr(p, "pieces") else (q, p)
     sheets = _Sheets(cut_to(ruled, solid, (0.0, 1.0)), _boundary(solid), tolerance, limits, ruled is p)
@@ -78,7 +85,9 @@ def _boundary(solid: Polyhedron | CompositeQuadric) -> CompositeQuadric | Facets
 class _Sheets:
     """What makes the curves of pieces."""
 
-    def __init__(self, ruled: Any, solid: Any, tolerance: float, box: Any, first: bool) -> None:
+    def __init__(
+        self, ruled: Ruled, solid: Any, tolerance: float, box: Box | None, first: bool
+    ) -> None:
         self.ruled, self.solid, self.tolerance, self.box, self.first = ruled, solid, tolerance, box, first
 
     def of_model(self, piece: Piece, **joining: Any) -> SheetCurve:
@@ -99,7 +108,7 @@ class _Sheets:
                 yield k, FacetCurve(piece, facet, self.tolerance, self.box, self.first, **joining)
 
 
-def _joined(sheets: _Sheets) -> dict[str, Any]:
+def _joined(sheets: _Sheets) -> CurveFields:
     """The fields of IntersectionCurve."""
     found, everything = Found(), []
     for chain in chains(sheets.ruled):

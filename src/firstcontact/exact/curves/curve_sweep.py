@@ -360,7 +360,9 @@ def _compared(x: tuple[AlgebraicRoot, Events], y: tuple[AlgebraicRoot, Events]) 
 class Sweep:
     """The input: curves without factors in u alone, lines, clip polynomials, charts; and the critical values of u."""
 
-    def __init__(self, curves: Sequence[fmpz_mpoly], u: Range, v: Range, extras: Sequence[Any]) -> None:
+    def __init__(
+        self, curves: Sequence[fmpz_mpoly], u: Range, v: Range, extras: Sequence[fmpz_mpoly | fmpz_poly]
+    ) -> None:
         self.u, self.v = u, v
         whole = (fmpq(-1), fmpq(1))
         self.cells = [Cell(False, *v)] if v else [Cell(False, *whole), Cell(True, *whole)]

@@ -16,7 +16,7 @@ common zero a harmless regular node may be added.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from flint import arb, fmpq, fmpz_mpoly, fmpz_poly
 
@@ -36,6 +36,9 @@ from firstcontact.exact.polynomials.bivariate import (
     resultant,
     rows,
 )
+
+if TYPE_CHECKING:
+    from firstcontact.exact.curves.curve_sweep import Fibre
 
 Chart = tuple[bool, bool]
 
@@ -209,7 +212,12 @@ class Edge:
 class Branch(Edge):
     """An edge that is a graph over an open interval of x: pieces over slabs, each the k-th root there."""
 
-    def __init__(self, *place: Any, pieces: list[tuple[int, int]], passed: list[int]) -> None:
+    def __init__(
+        self,
+        *place: *tuple[int, int, Column, int, Point, Point],
+        pieces: list[tuple[int, int]],
+        passed: list[int],
+    ) -> None:
         super().__init__(*place)
         self._pieces, self._passed = pieces, passed
         self._sample: tuple[fmpq, AlgebraicRoot] | None = None
@@ -285,7 +293,7 @@ class Branch(Edge):
 class Level(Edge):
     """A piece of the border line v = const of the cells that belongs to the curve."""
 
-    def __init__(self, *place: Any, slab: int, y: fmpq) -> None:
+    def __init__(self, *place: *tuple[int, int, Column, int, Point, Point], slab: int, y: fmpq) -> None:
         super().__init__(*place)
         self._slab, self._y = slab, y
 
@@ -406,7 +414,7 @@ def _add_levels(edges: list[Edge], sweep: Sweep, column: Column, side: int) -> N
             start, first = end, t
 
 
-def _add_verticals(edges: list[Edge], sweep: Sweep, fibre: Any) -> None:
+def _add_verticals(edges: list[Edge], sweep: Sweep, fibre: Fibre) -> None:
     for line in fibre.lines[:1]:
         index = len(sweep.curves) + line
         for cell in range(len(fibre.column.cells)):

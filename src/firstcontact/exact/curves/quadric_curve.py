@@ -89,7 +89,7 @@ class Sweep:
             v, w = self.curve.points(u, bits)[order]
             with precision(bits):
                 x = [arb(u), v, w, arb(1)]
-                values = [dot(x, [dot(row, x) for row in form]) for form in self.others]
+                values: list[arb] = [dot(x, [dot(row, x) for row in form]) for form in self.others]  # type: ignore[misc]  # of balls
             if all(value > 0 or value < 0 for value in values):
                 return tuple(1 if value > 0 else -1 for value in values)
             bits *= 2
@@ -345,7 +345,7 @@ def _meeting_three(forms: tuple[Form, Form], other: Form) -> fmpz_poly:
     return found if found.is_zero() else found // found.content()
 
 
-def _resultant(conics: Sequence[list[list[Any]]]) -> fmpz:
+def _resultant(conics: Sequence[list[list[fmpz]]]) -> fmpz:
     """Sylvester's determinant for three ternary quadratic forms: theirs and the derivatives of their Jacobian."""
     rows = [[m[i][j] * (1 if i == j else 2) for i, j in _PAIRS] for m in conics]
     for k in range(3):
@@ -407,4 +407,3 @@ def _together(far: list[list[arb]], near: list[list[arb]]) -> list[list[int]] | 
 
 def _distance(p: list[arb], q: list[arb]) -> arb:
     return sum(((a - b) ** 2 for a, b in zip(p, q, strict=True)), arb(0)).sqrt()
-

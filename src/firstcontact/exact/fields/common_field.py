@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 from flint import fmpq, fmpq_poly, fmpz, fmpz_mpoly, fmpz_poly, nmod_poly
 
@@ -17,6 +17,9 @@ from firstcontact.exact.expressions import context
 from firstcontact.exact.fields.field_towers import pseudo_division, trimmed
 from firstcontact.exact.fields.number_field import FieldElement, NumberField, sign
 from firstcontact.exact.fields.roots import AlgebraicRoot, real_roots
+
+if TYPE_CHECKING:
+    from firstcontact.exact.ring import N
 
 MOST_DEGREE = 64
 _RING = context(("w", "x"))
@@ -154,7 +157,7 @@ def _plus(f: Polynomial, g: Polynomial) -> Polynomial:
     return [c + shorter[i] if i < len(shorter) else c for i, c in enumerate(longer)]
 
 
-def horner(f: Sequence[Any], x: Any, zero: Any) -> Any:
+def horner(f: Sequence[N], x: N, zero: N) -> N:
     total = zero
     for c in reversed(f):
         total = total * x + c

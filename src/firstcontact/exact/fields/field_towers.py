@@ -8,13 +8,16 @@ polynomial vanishes; s is one of them exactly when that divisor changes its sign
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from flint import acb, arb, fmpq_poly, fmpz_poly
+from flint import acb, arb, fmpq, fmpq_poly, fmpz_poly
 
 from firstcontact.exact.fields.number_field import ExactNumber, FieldElement, NumberField, is_zero, sign
 from firstcontact.exact.fields.roots import AlgebraicRoot
 from firstcontact.exact.numbers import precision
+
+if TYPE_CHECKING:
+    from firstcontact.exact.ring import N
 
 BITS = (96, 384)
 """Precisions at which balls may show a sign before zero is tested exactly."""
@@ -30,17 +33,17 @@ class TowerElement(ExactNumber):
         self.coefficients = _reduced(coefficients, over.polynomial)
         self._sign: int | None = None
 
-    def _of(self, other: Any) -> Sequence[Any] | None:
+    def _of(self, other: TowerElement | FieldElement | fmpq | int) -> Sequence[FieldElement] | None:
         if type(other) is TowerElement:
             return other.coefficients if other.over is self.over else None
         if isinstance(other, ExactNumber) and not isinstance(other, FieldElement):
             return None
         return [self.field(other)]
 
-    def _new(self, coefficients: Sequence[Any]) -> TowerElement:
+    def _new(self, coefficients: Sequence[FieldElement]) -> TowerElement:
         return TowerElement(self.field, self.over, coefficients)
 
-    def __add__(self, other: Any) -> TowerElement:
+    def __add__(self, other: TowerElement | FieldElement | fmpq | int) -> TowerElement:
         y = self._of(other)
         if y is None:
             return NotImplemented
@@ -53,14 +56,14 @@ class TowerElement(ExactNumber):
     def __neg__(self) -> TowerElement:
         return self._new([-c for c in self.coefficients])
 
-    def __sub__(self, other: Any) -> TowerElement:
+    def __sub__(self, other: TowerElement | FieldElement | fmpq | int) -> TowerElement:
         y = self._of(other)
         return NotImplemented if y is None else self + self._new([-c for c in y])
 
-    def __rsub__(self, other: Any) -> TowerElement:
+    def __rsub__(self, other: TowerElement | FieldElement | fmpq | int) -> TowerElement:
         return -self + other
 
-    def __mul__(self, other: Any) -> TowerElement:
+    def __mul__(self, other: TowerElement | FieldElement | fmpq | int) -> TowerElement:
         y = self._of(other)
         return NotImplemented if y is None else self._new(product(self.coefficients, y))
 
@@ -126,7 +129,7 @@ class TowerElement(ExactNumber):
         return f"TowerElement({self.ball(64).str(12)})"
 
 
-def _reduced(coefficients: Sequence[Any], modulus: fmpz_poly) -> list[Any]:
+def _reduced(coefficients: Sequence[FieldElement], modulus: fmpz_poly) -> list[FieldElement]:
     """The remainder of the polynomial in s by its minimal polynomial."""
     m = fmpq_poly(modulus)
     m = m / m[m.degree()]
@@ -140,7 +143,7 @@ def _reduced(coefficients: Sequence[Any], modulus: fmpz_poly) -> list[Any]:
     return rest
 
 
-def product(x: Sequence[Any], y: Sequence[Any]) -> list[Any]:
+def product(x: Sequence[N], y: Sequence[N]) -> list[N]:
     """Of polynomials over any ring, coefficients ascending, none of them empty."""
     found: list[Any] = [None] * (len(x) + len(y) - 1)
     for i, a in enumerate(x):
@@ -149,7 +152,7 @@ def product(x: Sequence[Any], y: Sequence[Any]) -> list[Any]:
     return found
 
 
-def _horner(coefficients: Sequence[Any], r: arb | None, s: Any) -> Any:
+def _horner(coefficients: Sequence[FieldElement], r: arb | None, s: N) -> N:
     """The polynomial at s; coefficients at the ball r, or as they are."""
     total: Any = None
     for c in reversed(coefficients):
@@ -158,14 +161,14 @@ def _horner(coefficients: Sequence[Any], r: arb | None, s: Any) -> Any:
     return total
 
 
-def gcd(f: list[Any], g: list[Any]) -> list[Any]:
+def gcd(f: list[FieldElement], g: list[FieldElement]) -> list[FieldElement]:
     """Greatest common divisor of polynomials over a field, ascending."""
     while g := trimmed(g):
         f, g = g, division(f, g)[1]
     return f
 
 
-def trimmed(f: list[Any]) -> list[Any]:
+def trimmed(f: list[N]) -> list[N]:
     """Without the leading coefficients that are zero."""
     n = len(f)
     while n and is_zero(f[n - 1]):
@@ -173,7 +176,7 @@ def trimmed(f: list[Any]) -> list[Any]:
     return f[:n]
 
 
-def pseudo_division(f: Sequence[Any], g: Sequence[Any]) -> tuple[list[Any], list[Any]]:
+def pseudo_division(f: Sequence[N], g: Sequence[N]) -> tuple[list[N], list[N]]:
     """Quotient and remainder of lc(g)^(deg f - deg g + 1) f by g, over any ring."""
     rest, lead, quotient = list(f), g[-1], list[Any]()
     for _ in range(len(f) - len(g) + 1):
@@ -185,7 +188,7 @@ def pseudo_division(f: Sequence[Any], g: Sequence[Any]) -> tuple[list[Any], list
     return quotient[::-1], rest
 
 
-def division(f: list[Any], g: list[Any]) -> tuple[list[Any], list[Any]]:
+def division(f: list[FieldElement], g: list[FieldElement]) -> tuple[list[FieldElement], list[FieldElement]]:
     """Quotient and remainder; the leading coefficient of g is not zero."""
     rest, inverse, quotient = list(f), 1 / g[-1], []
     while len(rest) >= len(g):

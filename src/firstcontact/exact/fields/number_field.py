@@ -7,12 +7,15 @@ and `ball` below take all three.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from flint import arb, fmpq, fmpq_poly, fmpz, fmpz_poly, nmod_poly
 
 from firstcontact.exact.fields.roots import AlgebraicRoot
 from firstcontact.exact.numbers import PRECISIONS, precision
+
+if TYPE_CHECKING:
+    from firstcontact.exact.ring import Divisible, Number, Ordered
 
 Rows = Sequence[Sequence[Any]]
 
@@ -35,7 +38,7 @@ class NumberField:
         self.modulus = fmpq_poly(root.polynomial)
         self._residue: tuple[int, int] | None = None
 
-    def __call__(self, q: fmpz_poly | fmpq_poly | fmpz | fmpq | int) -> FieldElement:
+    def __call__(self, q: FieldElement | fmpz_poly | fmpq_poly | fmpz | fmpq | int) -> FieldElement:
         if isinstance(q, FieldElement):
             return q
         if isinstance(q, fmpz_poly | fmpq_poly):
@@ -60,7 +63,7 @@ class NumberField:
         """The root itself."""
         return self(fmpz_poly([0, 1]))
 
-    def matrix(self, m: Any) -> tuple[tuple[FieldElement, ...], ...]:
+    def matrix(self, m: Sequence[Sequence[fmpz_poly | fmpq_poly | fmpq | int]]) -> tuple[tuple[FieldElement, ...], ...]:
         """A polynomial matrix at the root."""
         return tuple(tuple(self(x) for x in row) for row in m)
 
@@ -105,12 +108,12 @@ class FieldElement(ExactNumber):
         self.field, self.value = field, value
         self._sign: int | None = None
 
-    def _of(self, other: Any) -> fmpq_poly | None:
+    def _of(self, other: object) -> fmpq_poly | None:
         if type(other) is FieldElement:
             return other.value
         return fmpq_poly([other]) if isinstance(other, fmpq | int) else None
 
-    def __add__(self, other: Any) -> FieldElement:
+    def __add__(self, other: FieldElement | fmpq | int) -> FieldElement:
         y = self._of(other)
         return NotImplemented if y is None else FieldElement(self.field, self.value + y)
 
@@ -119,14 +122,14 @@ class FieldElement(ExactNumber):
     def __neg__(self) -> FieldElement:
         return FieldElement(self.field, -self.value)
 
-    def __sub__(self, other: Any) -> FieldElement:
+    def __sub__(self, other: FieldElement | fmpq | int) -> FieldElement:
         y = self._of(other)
         return NotImplemented if y is None else FieldElement(self.field, self.value - y)
 
-    def __rsub__(self, other: Any) -> FieldElement:
+    def __rsub__(self, other: FieldElement | fmpq | int) -> FieldElement:
         return -self + other
 
-    def __mul__(self, other: Any) -> FieldElement:
+    def __mul__(self, other: FieldElement | fmpq | int) -> FieldElement:
         y = self._of(other)
         if y is None:
             return NotImplemented
@@ -142,12 +145,12 @@ class FieldElement(ExactNumber):
         _, s, _ = (self.value % self.field.modulus).xgcd(self.field.modulus)
         return FieldElement(self.field, s)
 
-    def __truediv__(self, other: Any) -> FieldElement:
+    def __truediv__(self, other: FieldElement | fmpq | int) -> FieldElement:
         if isinstance(other, fmpq | int):
             return FieldElement(self.field, self.value / fmpq(other))
         return self * other.inverse() if type(other) is FieldElement else NotImplemented
 
-    def __rtruediv__(self, other: Any) -> FieldElement:
+    def __rtruediv__(self, other: fmpq | int) -> FieldElement:
         return self.inverse() * other
 
     def __eq__(self, other: object) -> bool:
@@ -204,15 +207,15 @@ class QuadraticElement(ExactNumber):
 
     __slots__ = ("d", "x", "y")
 
-    def __init__(self, x: Any, y: Any, d: Any) -> None:
+    def __init__(self, x: Divisible, y: Divisible, d: Divisible) -> None:
         self.x, self.y, self.d = x, y, d
 
-    def _of(self, other: Any) -> tuple[Any, Any]:
+    def _of(self, other: Divisible | int) -> tuple[Divisible | int, Divisible | int]:
         if type(other) is QuadraticElement and other.d is self.d:
             return other.x, other.y
         return other, 0
 
-    def __add__(self, other: Any) -> QuadraticElement:
+    def __add__(self, other: Divisible | int) -> QuadraticElement:
         x, y = self._of(other)
         return QuadraticElement(self.x + x, self.y + y, self.d)
 
@@ -221,14 +224,14 @@ class QuadraticElement(ExactNumber):
     def __neg__(self) -> QuadraticElement:
         return QuadraticElement(-self.x, -self.y, self.d)
 
-    def __sub__(self, other: Any) -> QuadraticElement:
+    def __sub__(self, other: Divisible | int) -> QuadraticElement:
         x, y = self._of(other)
         return QuadraticElement(self.x - x, self.y - y, self.d)
 
-    def __rsub__(self, other: Any) -> QuadraticElement:
+    def __rsub__(self, other: Divisible | int) -> QuadraticElement:
         return -self + other
 
-    def __mul__(self, other: Any) -> QuadraticElement:
+    def __mul__(self, other: Divisible | int) -> QuadraticElement:
         x, y = self._of(other)
         return QuadraticElement(self.x * x + self.y * y * self.d, self.x * y + self.y * x, self.d)
 
@@ -243,12 +246,12 @@ class QuadraticElement(ExactNumber):
             raise ZeroDivisionError("1 / 0 in a quadratic extension")
         return QuadraticElement(1 / (2 * self.x), self.y * 0, self.d)
 
-    def __truediv__(self, other: Any) -> QuadraticElement:
+    def __truediv__(self, other: Divisible | int) -> QuadraticElement:
         if type(other) is QuadraticElement and other.d is self.d:
             return self * other.inverse()
         return QuadraticElement(self.x / other, self.y / other, self.d)
 
-    def __rtruediv__(self, other: Any) -> QuadraticElement:
+    def __rtruediv__(self, other: Divisible | int) -> QuadraticElement:
         return self.inverse() * other
 
     def is_zero(self) -> bool:
@@ -281,23 +284,23 @@ class QuadraticElement(ExactNumber):
         return f"QuadraticElement({self.ball(64).str(12)})"
 
 
-def sign(x: Any) -> int:
+def sign(x: Number) -> int:
     """Exact sign of an fmpq, a field element or an int."""
-    return x.sign() if isinstance(x, ExactNumber) else (x > 0) - (x < 0)
+    return x.sign() if isinstance(x, ExactNumber) else (x > 0) - (x < 0)  # type: ignore[operator]  # all others compare
 
 
-def is_zero(x: Any) -> bool:
+def is_zero(x: Number) -> bool:
     return x.is_zero() if isinstance(x, ExactNumber) else x == 0
 
 
-def ball(x: Any, bits: int) -> arb:
+def ball(x: Number, bits: int) -> arb:
     if isinstance(x, ExactNumber):
         return x.ball(bits)
     with precision(bits):
-        return arb(x)
+        return arb(x)  # type: ignore[arg-type]  # rationals and balls
 
 
-def filtered_sign(formula: Callable[[Rows], Any], rows: Rows) -> int:
+def filtered_sign(formula: Callable[[Rows], Ordered], rows: Rows) -> int:
     """Sign of formula(rows), a polynomial in the entries: by balls where they decide, exactly otherwise."""
     if not all(type(x) is fmpq for row in rows for x in row):
         for bits in PRECISIONS[:3]:
@@ -309,7 +312,7 @@ def filtered_sign(formula: Callable[[Rows], Any], rows: Rows) -> int:
     return sign(formula(rows))
 
 
-def square_root(d: Any) -> Any:
+def square_root(d: Divisible) -> Any:
     """sqrt(d), d >= 0: in the quadratic extension by itself, rational where that shows at once."""
     if type(d) is fmpq:
         p, q = d.p.isqrt(), d.q.isqrt()

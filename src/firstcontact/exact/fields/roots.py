@@ -15,12 +15,15 @@ from __future__ import annotations
 
 from fractions import Fraction
 from functools import cmp_to_key
-from typing import Any
+from typing import TYPE_CHECKING
 
 from flint import arb, fmpq, fmpq_poly, fmpz, fmpz_poly, nmod_poly
 
 from firstcontact.exact.numbers import fraction, nearest_double, precision, sign, to_double
 from firstcontact.result import AlgebraicNumber
+
+if TYPE_CHECKING:
+    from firstcontact.exact.systems.square_systems import EnclosedRoot, OpenRoot
 
 # Bits of the first enclosure: enough for most signs and for the nearest double.
 FIRST_BITS = 96
@@ -159,7 +162,7 @@ class AlgebraicRoot:
                 return False
         return bool((fmpq_poly(q) % fmpq_poly(f)).is_zero())
 
-    def compare(self, other: Any) -> int:
+    def compare(self, other: AlgebraicRoot | EnclosedRoot | OpenRoot | fmpq) -> int:
         """-1, 0, 1: this root is below, equal to, above the other (a root or fmpq), exactly.
 
         Roots of other kinds know how they compare with this one.

@@ -2,27 +2,34 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any, final
 
 from flint import arb, fmpq, fmpz
 
 from firstcontact.exact.numbers import ball, sign
 
+if TYPE_CHECKING:
+    from firstcontact.exact.ring import Scalar
+
 ZERO = fmpq(0)
 
 
+@final
 class Surd:
     """x + y sqrt(d), d >= 0.  Sums and products need one common d (or y = 0)."""
 
     __slots__ = ("d", "x", "y")
+    x: Any
+    y: Any
+    d: Any
 
-    def __init__(self, x: Any, y: Any = ZERO, d: Any = ZERO) -> None:
+    def __init__(self, x: int | Scalar, y: int | Scalar = ZERO, d: int | Scalar = ZERO) -> None:
         self.x, self.y, self.d = x, y, d
 
-    def _d(self, other: Surd) -> Any:
+    def _d(self, other: Surd) -> Scalar:
         return other.d if type(self.y) is not arb and not self.y else self.d
 
-    def __add__(self, other: Any) -> Surd:
+    def __add__(self, other: int | Scalar | Surd) -> Surd:
         if type(other) is not Surd:
             return Surd(self.x + other, self.y, self.d)
         return Surd(self.x + other.x, self.y + other.y, self._d(other))
@@ -32,13 +39,13 @@ class Surd:
     def __neg__(self) -> Surd:
         return Surd(-self.x, -self.y, self.d)
 
-    def __sub__(self, other: Any) -> Surd:
+    def __sub__(self, other: int | Scalar | Surd) -> Surd:
         return self + (-other)
 
-    def __rsub__(self, other: Any) -> Surd:
+    def __rsub__(self, other: int | Scalar | Surd) -> Surd:
         return -self + other
 
-    def __mul__(self, other: Any) -> Surd:
+    def __mul__(self, other: int | Scalar | Surd) -> Surd:
         if type(other) is not Surd:
             return Surd(self.x * other, self.y * other, self.d)
         d = self._d(other)
@@ -46,7 +53,7 @@ class Surd:
 
     __rmul__ = __mul__
 
-    def __truediv__(self, other: Any) -> Surd:
+    def __truediv__(self, other: int | Scalar) -> Surd:
         return Surd(self.x / other, self.y / other, self.d)
 
     def sign(self) -> int:
@@ -70,16 +77,16 @@ class Surd:
         return ball(self.x) + ball(self.y) * ball(self.d).sqrt()
 
 
-def surd(x: Any) -> Surd:
+def surd(x: int | Scalar | Surd) -> Surd:
     return x if isinstance(x, Surd) else Surd(fmpq(x) if isinstance(x, int) else x)
 
 
-def sign_of(x: Any) -> int:
+def sign_of(x: Scalar | Surd) -> int:
     """Sign of a Surd, fmpq or ball."""
     return x.sign() if isinstance(x, Surd) else sign(x)
 
 
-def sign_two_radicals(p: Surd, q: Surd, d: Any) -> int:
+def sign_two_radicals(p: Surd, q: Surd, d: Scalar) -> int:
     """Sign of p + q sqrt(d) with p, q over one common radical of their own; all rational."""
     sp, sq = p.sign(), q.sign()
     if d == 0 or sq == 0:
@@ -89,7 +96,7 @@ def sign_two_radicals(p: Surd, q: Surd, d: Any) -> int:
     return sp * (p * p - q * q * d).sign()
 
 
-def quadratic_roots(a: Any, b: Any, c: Any) -> list[Surd] | None:
+def quadratic_roots(a: Scalar, b: Scalar, c: Scalar) -> list[Surd] | None:
     """Real roots of a s^2 + 2 b s + c, ascending multiplicity ignored; None when identically zero."""
     if sign(a) == 0:
         if sign(b) == 0:

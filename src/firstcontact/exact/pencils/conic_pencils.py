@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from firstcontact.exact.fields.number_field import is_zero, sign
 from firstcontact.exact.pencils.pencils import (
@@ -25,6 +25,9 @@ from firstcontact.exact.pencils.pencils import (
 )
 from firstcontact.exact.polynomials.inertia import Rows, inertia, null_space, times
 from firstcontact.exact.polynomials.polynomial_matrix import congruent
+
+if TYPE_CHECKING:
+    from firstcontact.exact.ring import D, Divisible, MatrixOf, N, Number
 
 # ------------------------------------------------------------------------------------ two pairs on a line
 
@@ -60,7 +63,7 @@ _SHARED = frozenset({
 })  # fmt: skip
 
 
-def line_resultant(a: Rows, b: Rows) -> Any:
+def line_resultant(a: MatrixOf[N], b: MatrixOf[N]) -> N:
     """The discriminant of det(l A - B), 2x2: it vanishes where the two pairs share a point, real or not.
 
     Entries of any ring; for integer polynomials in u this is the contact equation of two conics in space.
@@ -95,7 +98,7 @@ def proportional(a: Rows, b: Rows) -> bool:
     return is_zero(p * y - q * x) and is_zero(p * z - r * x) and is_zero(q * z - r * y)
 
 
-def shared_points(a: Rows, b: Rows) -> list[tuple[Any, Any]]:
+def shared_points(a: MatrixOf[D], b: MatrixOf[D]) -> list[tuple[D, D]]:
     """The real points (s, t) that both pairs contain, for nonzero forms (p, q; q, r): p s^2 + 2 q s t + r t^2."""
     if proportional(a, b):
         return binary_zeros(a)
@@ -153,7 +156,7 @@ class ConicContacts:
         return tuple(t for t in self.tangencies if t.meeting.is_contact)
 
 
-def conic_contacts(a: Rows, b: Rows, coefficients: Sequence[Any] | None = None) -> ConicContacts:
+def conic_contacts(a: Rows, b: Rows, coefficients: Sequence[Divisible] | None = None) -> ConicContacts:
     """Where the conics A and B (symmetric 3x3, over one field, in one plane) touch: proved complete.
 
     The cubic det(l A - B) has one multiple root at most, rational over the field, and only its member can touch.
@@ -164,7 +167,7 @@ def conic_contacts(a: Rows, b: Rows, coefficients: Sequence[Any] | None = None) 
     return ConicContacts(tuple(_tangency(a, b, *root) for root in multiple_roots(c)))
 
 
-def _tangency(a: Rows, b: Rows, alpha: Any, beta: Any, multiplicity: int) -> ConicTangency:
+def _tangency(a: Rows, b: Rows, alpha: Number, beta: Number, multiplicity: int) -> ConicTangency:
     g = member(a, b, alpha, beta)
     other = b if is_zero(beta) else a
     vertex = singular_point(g)

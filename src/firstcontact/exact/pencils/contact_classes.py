@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from flint import fmpq
 
@@ -24,6 +24,10 @@ from firstcontact.exact.pencils.pencils import (
 )
 from firstcontact.exact.polynomials.inertia import Rows, inertia, null_space, rank
 from firstcontact.exact.polynomials.polynomial_matrix import adjugate, determinant, product
+
+if TYPE_CHECKING:
+    from firstcontact.exact.fields.number_field import FieldElement
+    from firstcontact.exact.ring import Number
 
 # Indices (int) between the real roots, and (positive, negative, multiplicity) at each of them.
 Signatures = tuple[Any, ...]
@@ -61,7 +65,7 @@ def parse(text: str) -> Signatures:
 
 
 def notation(sequence: Signatures) -> str:
-    def one(x: Any) -> str:
+    def one(x: int | tuple[int, int, int]) -> str:
         return str(x) if isinstance(x, int) else "(" * x[2] + f"{x[0]},{x[1]}" + ")" * x[2]
 
     return "(" + ",".join(map(one, sequence)) + ")"
@@ -128,7 +132,7 @@ def _divisors(p: Pencil, g: Rows, m: int) -> tuple[int, ...]:
     return (2, 2) if rank(product(nilpotent, nilpotent)) == 0 else (3, 1)
 
 
-def _annihilates(q: Sequence[Any], p: Pencil) -> bool:
+def _annihilates(q: Sequence[Number], p: Pencil) -> bool:
     """Whether q(A^-1 B) = 0 for the quadratic q."""
     det = determinant(p.a)
     m = [[x / det for x in row] for row in product(adjugate(p.a), p.b)]
@@ -157,7 +161,7 @@ def signature_sequence(p: Pencil) -> Signatures:
     return tuple(out)
 
 
-def separated_roots(c: Sequence[Any]) -> list[tuple[fmpq, fmpq]]:
+def separated_roots(c: Sequence[FieldElement | fmpq]) -> list[tuple[fmpq, fmpq]]:
     """Rational intervals side by side, ascending, each with one distinct real root inside: Sturm's theorem.
 
     c: coefficients over a field, ascending, leading one not zero.
@@ -189,14 +193,14 @@ def separated_roots(c: Sequence[Any]) -> list[tuple[fmpq, fmpq]]:
     return found
 
 
-def _at(c: Sequence[Any], x: fmpq) -> Any:
+def _at(c: Sequence[FieldElement | fmpq], x: fmpq) -> FieldElement | fmpq:
     total = c[-1]
     for y in c[-2::-1]:
         total = total * x + y
     return total
 
 
-def _changes(chain: Sequence[Sequence[Any]], x: fmpq) -> int:
+def _changes(chain: Sequence[Sequence[FieldElement | fmpq]], x: fmpq) -> int:
     signs = [s for f in chain if (s := sign(_at(f, x)))]
     return sum(s != t for s, t in zip(signs, signs[1:], strict=False))
 

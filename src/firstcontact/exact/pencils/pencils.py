@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from flint import Ordering, fmpz_mpoly_ctx, fmpz_poly
 from flint.utils.flint_exceptions import DomainError
@@ -22,6 +22,9 @@ from firstcontact.exact.polynomials.bivariate import squarefree_factors
 from firstcontact.exact.polynomials.inertia import Rows, inertia, null_space, times
 from firstcontact.exact.polynomials.polynomial_matrix import congruent, determinant
 
+if TYPE_CHECKING:
+    from firstcontact.exact.ring import D, MatrixOf, N, Number
+
 Vector = tuple[Any, ...]
 IDENTICALLY_DEGENERATE = "identically degenerate pencil"
 
@@ -29,7 +32,7 @@ IDENTICALLY_DEGENERATE = "identically degenerate pencil"
 # ------------------------------------------------------------------------------- characteristic polynomial
 
 
-def characteristic(a: Rows, b: Rows) -> list[Any]:
+def characteristic(a: MatrixOf[N], b: MatrixOf[N]) -> list[N]:
     """Coefficients c_0 .. c_n of det(l A - B), ascending in l, for n x n matrices, n = 2, 3, 4."""
     n = len(a)
     if n == 2:
@@ -50,7 +53,7 @@ def characteristic(a: Rows, b: Rows) -> list[Any]:
 _LAPLACE = ((0, 1, 2, 3, 1), (0, 2, 1, 3, -1), (0, 3, 1, 2, 1), (1, 2, 0, 3, 1), (1, 3, 0, 2, -1), (2, 3, 0, 1, 1))
 
 
-def _pair(a: Rows, b: Rows, r: int, s: int, i: int, j: int) -> list[Any]:
+def _pair(a: MatrixOf[N], b: MatrixOf[N], r: int, s: int, i: int, j: int) -> list[N]:
     """The 2x2 minor of l A - B in rows r, s and columns i, j, ascending in l."""
     ari, arj, asi, asj = a[r][i], a[r][j], a[s][i], a[s][j]
     bri, brj, bsi, bsj = b[r][i], b[r][j], b[s][i], b[s][j]
@@ -61,13 +64,13 @@ def _pair(a: Rows, b: Rows, r: int, s: int, i: int, j: int) -> list[Any]:
     ]
 
 
-def _combined(f: list[Any], g: list[Any], s: int) -> list[Any]:
+def _combined(f: list[N], g: list[N], s: int) -> list[N]:
     if not f:
         return g
     return [x + y if s > 0 else x - y for x, y in zip(f, g, strict=True)]
 
 
-def discriminant(c: Sequence[Any]) -> Any:
+def discriminant(c: Sequence[N]) -> N:
     """Discriminant of the binary form with coefficients c (ascending), degree 2, 3 or 4, in closed form.
 
     It vanishes where two of the projective roots coincide, those at infinity included.
@@ -81,16 +84,16 @@ def discriminant(c: Sequence[Any]) -> Any:
     e, d, x, b, a = c
     i = 12 * (a * e) - 3 * (b * d) + x * x
     j = 72 * (a * x * e) + 9 * (b * x * d) - 27 * (a * d * d) - 27 * (e * b * b) - 2 * (x * x * x)
-    total = 4 * (i * i * i) - j * j
-    return total // 27 if isinstance(total, fmpz_poly | int) else total / 27
+    total: Any = 4 * (i * i * i) - j * j
+    return total // 27 if isinstance(total, fmpz_poly | int) else total / 27  # type: ignore[return-value]  # as c
 
 
-def resultant(f: Sequence[Any], g: Sequence[Any]) -> Any:
+def resultant(f: Sequence[N], g: Sequence[N]) -> N:
     """Resultant of two binary forms (ascending), one of them linear or both quadratic; up to its sign."""
     if len(g) == 2:
         f, g = g, f
     if len(f) == 2:  # g at the root -f0 / f1
-        total = None
+        total: Any = None
         for k, c in enumerate(g):
             term = c
             for _ in range(k):
@@ -187,7 +190,7 @@ _PLANE = fmpz_mpoly_ctx.get(("l", "u"), Ordering.lex)
 # ------------------------------------------------------------------------------- multiple roots over a field
 
 
-def multiple_roots(c: Sequence[Any]) -> list[tuple[Any, Any, int]]:
+def multiple_roots(c: Sequence[D]) -> list[tuple[D, D, int]]:
     """(alpha, beta, multiplicity) of the real projective roots l = alpha / beta of multiplicity 2 or more.
 
     c: coefficients of a binary form of degree 2 to 4, ascending, over a field with exact signs, not all zero.
@@ -228,7 +231,7 @@ def multiple_roots(c: Sequence[Any]) -> list[tuple[Any, Any, int]]:
     return found
 
 
-def double_root(c: Sequence[Any]) -> tuple[Any, Any]:
+def double_root(c: Sequence[N]) -> tuple[N, N]:
     """(s0, s1) of the subresultant s1 l + s0 of f and f', for degree 2, 3, 4 (up to a factor).
 
     Where the discriminant is zero and s1 is not, -s0 / s1 is the only multiple root, and double.
@@ -248,11 +251,11 @@ def double_root(c: Sequence[Any]) -> tuple[Any, Any]:
     return d * pp - k * r, 2 * (x * pp) - 4 * (a * (p * r)) - k * q
 
 
-def derivative(c: Sequence[Any]) -> list[Any]:
+def derivative(c: Sequence[N]) -> list[N]:
     return [k * x for k, x in enumerate(c)][1:]
 
 
-def polynomial_gcd(f: Sequence[Any], g: Sequence[Any]) -> list[Any]:
+def polynomial_gcd(f: Sequence[D], g: Sequence[D]) -> list[D]:
     """A greatest common divisor over a field, ascending; [1]-like for coprime f and g."""
     f, g = list(f), list(g)
     while g:
@@ -260,7 +263,7 @@ def polynomial_gcd(f: Sequence[Any], g: Sequence[Any]) -> list[Any]:
     return f
 
 
-def remainder(f: Sequence[Any], g: Sequence[Any]) -> list[Any]:
+def remainder(f: Sequence[D], g: Sequence[D]) -> list[D]:
     """f modulo g, without leading zeros."""
     r = list(f)
     while len(r) >= len(g):
@@ -343,7 +346,7 @@ class PencilContacts:
         return tuple(t for t in self.tangencies if t.meeting.is_contact)
 
 
-def pencil_contacts(a: Rows, b: Rows, coefficients: Sequence[Any] | None = None) -> PencilContacts:
+def pencil_contacts(a: MatrixOf[D], b: MatrixOf[D], coefficients: Sequence[D] | None = None) -> PencilContacts:
     """Where the quadrics A and B (symmetric 4x4, over one field) touch: proved complete, singular points aside.
 
     coefficients: those of `characteristic(a, b)` where they are known already.
@@ -354,12 +357,12 @@ def pencil_contacts(a: Rows, b: Rows, coefficients: Sequence[Any] | None = None)
     return PencilContacts(tuple(tangency(a, b, *root) for root in multiple_roots(c)))
 
 
-def member(a: Rows, b: Rows, alpha: Any, beta: Any) -> Rows:
+def member(a: Rows, b: Rows, alpha: Number, beta: Number) -> Rows:
     """alpha A - beta B."""
     return [[alpha * x - beta * y for x, y in zip(r, s, strict=True)] for r, s in zip(a, b, strict=True)]
 
 
-def tangency(a: Rows, b: Rows, alpha: Any, beta: Any, multiplicity: int) -> Tangency:
+def tangency(a: Rows, b: Rows, alpha: Number, beta: Number, multiplicity: int) -> Tangency:
     """What the multiple root alpha : beta of the pencil means (the local criterion; re-derived)."""
     g = member(a, b, alpha, beta)
     other = b if is_zero(beta) else a  # a form of the pencil independent of g
@@ -417,7 +420,7 @@ def _at_point(make: _Maker, g: Rows, other: Rows, x: Vector) -> Tangency:
     return make(meeting, points=(x,))
 
 
-def _second_coefficient(g: Rows, h: Sequence[Any], k: int) -> Any:
+def _second_coefficient(g: MatrixOf[N], h: Sequence[N], k: int) -> N:
     """Sum of the principal 2x2 minors of g on the plane h: in the basis h_k e_i - h_i e_k, h_k not zero."""
     rest, scale = [i for i in range(4) if i != k], h[k]
     f = {
@@ -465,7 +468,7 @@ def _on_plane(make: _Maker, other: Rows, null: list[Vector]) -> Tangency:
     return make(Meeting.LINE_PAIR, lines=tuple((kernel[0], combination(basis, y)) for y in binary_zeros(small)))
 
 
-def combination(basis: Sequence[Vector], y: Sequence[Any]) -> Vector:
+def combination(basis: Sequence[Vector], y: Sequence[Number]) -> Vector:
     """sum y_k basis_k."""
     total = [y[0] * x for x in basis[0]]
     for k in range(1, len(basis)):
@@ -473,7 +476,7 @@ def combination(basis: Sequence[Vector], y: Sequence[Any]) -> Vector:
     return tuple(total)
 
 
-def binary_zeros(form: Rows) -> list[tuple[Any, Any]]:
+def binary_zeros(form: MatrixOf[D]) -> list[tuple[D, D]]:
     """The real zeros (s, t) of a nonzero form p s^2 + 2 q s t + r t^2, given as the matrix (p, q; q, r)."""
     (p, q), (_, r) = form
     d = q * q - p * r

@@ -9,14 +9,17 @@ from __future__ import annotations
 import signal
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-from flint import fmpq, fmpq_mpoly_ctx, fmpq_poly, fmpz, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly
+from flint import fmpq, fmpq_mpoly, fmpq_mpoly_ctx, fmpq_poly, fmpz, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly
 
 from firstcontact.exact.fields.field_towers import TowerElement
 from firstcontact.exact.fields.number_field import NumberField
 from firstcontact.exact.fields.roots import FIRST_BITS, AlgebraicRoot, reversed_polynomial
 from firstcontact.exact.numbers import precision
+
+if TYPE_CHECKING:
+    from firstcontact.exact.ring import E, N
 
 CONTEXT = fmpz_mpoly_ctx.get(("u", "v"), "lex")
 U, V = CONTEXT.gens()
@@ -24,9 +27,9 @@ U, V = CONTEXT.gens()
 Rows = list[fmpz_poly]
 
 
-def polynomial(coefficients: Mapping[Any, Any]) -> fmpz_mpoly:
+def polynomial(coefficients: Mapping[tuple[int, int], fmpz | int]) -> fmpz_mpoly:
     """The polynomial with the coefficient c of u^i v^j for (i, j): c."""
-    return CONTEXT.from_dict(dict(coefficients))
+    return CONTEXT.from_dict(dict(coefficients))  # type: ignore[arg-type]  # pairs are tuples of any length
 
 
 def in_u(p: fmpz_poly) -> fmpz_mpoly:
@@ -91,7 +94,7 @@ def chart(a: Rows, reversed_u: bool, reversed_v: bool, degree: int) -> Rows:
     return a[::-1] if reversed_v else list(a)
 
 
-def slope(a: Sequence[Any]) -> list[Any]:
+def slope(a: Sequence[N]) -> list[N]:
     """Rows of df/dv."""
     return [j * a[j] for j in range(1, len(a))]
 
@@ -186,7 +189,7 @@ def _signals_wait() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def _integral(g: Any, ring: fmpz_mpoly_ctx) -> fmpz_mpoly:
+def _integral(g: fmpz_mpoly | fmpq_mpoly, ring: fmpz_mpoly_ctx) -> fmpz_mpoly:
     terms = {tuple(map(int, k)): fmpq(c) for k, c in g.to_dict().items()}
     common = fmpz(1)
     for c in terms.values():
@@ -227,9 +230,9 @@ def enclosed_sign(a: Rows, x: AlgebraicRoot, y: AlgebraicRoot, bits: int) -> int
     return 1 if value > 0 else -1 if value < 0 else 0
 
 
-def evaluate(a: Rows, x: Any, y: Any) -> Any:
+def evaluate(a: Rows, x: E, y: E) -> E:
     """f(x, y) on fmpq or on balls at the present precision."""
-    total: Any = x * 0
+    total = x * 0
     for c in reversed(a):
         total = total * y + c(x)
     return total

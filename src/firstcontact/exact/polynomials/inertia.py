@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from firstcontact.exact.fields.number_field import is_zero, sign
+
+if TYPE_CHECKING:
+    from firstcontact.exact.ring import D, N, Number
 
 Rows = Sequence[Sequence[Any]]
 
@@ -33,7 +36,7 @@ def inertia(m: Rows) -> tuple[int, int, int]:
     return positive, negative, len(m) - positive - negative
 
 
-def _without(rows: list[list[Any]], k: int, pivot: Any) -> list[list[Any]]:
+def _without(rows: list[list[D]], k: int, pivot: D) -> list[list[D]]:
     """The Schur complement of the diagonal entry k."""
     rest = [i for i in range(len(rows)) if i != k]
     head = rows[k]
@@ -41,14 +44,14 @@ def _without(rows: list[list[Any]], k: int, pivot: Any) -> list[list[Any]]:
     return [[rows[i][j] - factor[i] * head[j] if i in factor else rows[i][j] for j in rest] for i in rest]
 
 
-def _without_pair(rows: list[list[Any]], i: int, j: int) -> list[list[Any]]:
+def _without_pair(rows: list[list[D]], i: int, j: int) -> list[list[D]]:
     """The Schur complement of the block (0, c; c, 0) at i, j."""
     c = rows[i][j]
     rest = [k for k in range(len(rows)) if k not in (i, j)]
     return [[rows[k][n] - (rows[k][i] * rows[j][n] + rows[k][j] * rows[i][n]) / c for n in rest] for k in rest]
 
 
-def null_space(m: Rows) -> list[tuple[Any, ...]]:
+def null_space(m: Rows) -> list[tuple[Number, ...]]:
     """A basis of the vectors x with m x = 0, by Gauss-Jordan elimination."""
     rows, width = [list(row) for row in m], len(m[0])
     pivots: list[int] = []
@@ -80,18 +83,18 @@ def rank(m: Rows) -> int:
     return len(m[0]) - len(null_space(m))
 
 
-def times(m: Rows, x: Sequence[Any]) -> tuple[Any, ...]:
+def times(m: Rows, x: Sequence[N]) -> tuple[N, ...]:
     """m x."""
     return tuple(dot(row, x) for row in m)
 
 
-def dot(x: Sequence[Any], y: Sequence[Any]) -> Any:
+def dot(x: Sequence[N], y: Sequence[N]) -> N:
     total = x[0] * y[0]
     for a, b in zip(x[1:], y[1:], strict=True):
         total = total + a * b
     return total
 
 
-def value(m: Rows, x: Sequence[Any]) -> Any:
+def value(m: Rows, x: Sequence[N]) -> N:
     """x^T m x."""
     return dot(x, times(m, x))

@@ -9,12 +9,15 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from itertools import combinations
 from math import gcd, lcm
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from flint import fmpq, fmpz_poly
+from flint import arb, fmpq, fmpz_poly
 
 from firstcontact.exact.fields.roots import real_roots
 from firstcontact.exact.polynomials.inertia import dot
+
+if TYPE_CHECKING:
+    from firstcontact.exact.ring import N
 
 Matrix = tuple[tuple[fmpz_poly, ...], ...]
 
@@ -30,31 +33,31 @@ def constant(rows: Iterable[Iterable[fmpq]]) -> Matrix:
     return tuple(tuple(fmpz_poly([(x * factor).p]) for x in row) for row in entries)
 
 
-def evaluate(m: Matrix, u: Any) -> tuple[tuple[Any, ...], ...]:
+def evaluate(m: Matrix, u: fmpq | arb) -> tuple[tuple[fmpq | arb, ...], ...]:
     """The matrix at u: an fmpq or a ball."""
     return tuple(tuple(x(u) for x in row) for row in m)
 
 
-def transpose(m: Sequence[Sequence[Any]]) -> tuple[tuple[Any, ...], ...]:
+def transpose(m: Sequence[Sequence[N]]) -> tuple[tuple[N, ...], ...]:
     return tuple(zip(*m, strict=True))
 
 
-def product(m: Sequence[Sequence[Any]], n: Sequence[Sequence[Any]]) -> tuple[tuple[Any, ...], ...]:
+def product(m: Sequence[Sequence[N]], n: Sequence[Sequence[N]]) -> tuple[tuple[N, ...], ...]:
     """m n, for entries of any ring."""
     columns = tuple(zip(*n, strict=True))
     return tuple(tuple(dot(row, column) for column in columns) for row in m)
 
 
-def congruent(p: Sequence[Sequence[Any]], q: Sequence[Sequence[Any]]) -> tuple[tuple[Any, ...], ...]:
+def congruent(p: Sequence[Sequence[N]], q: Sequence[Sequence[N]]) -> tuple[tuple[N, ...], ...]:
     """P^T Q P for a symmetric Q (n, n) and P (n, k): the form Q on the points P y, (k, k)."""
     columns = tuple(zip(*p, strict=True))
     images = [tuple(dot(row, column) for row in q) for column in columns]  # Q P, column by column
     k = len(columns)
-    upper = [[dot(columns[i], images[j]) if i <= j else None for j in range(k)] for i in range(k)]
+    upper: list[list[Any]] = [[dot(columns[i], images[j]) if i <= j else None for j in range(k)] for i in range(k)]
     return tuple(tuple(upper[min(i, j)][max(i, j)] for j in range(k)) for i in range(k))
 
 
-def determinant(m: Sequence[Sequence[Any]]) -> Any:
+def determinant(m: Sequence[Sequence[N]]) -> N:
     """Determinant of a square matrix up to 4x4, without divisions: entries of any commutative ring."""
     n = len(m)
     if n == 1:
@@ -66,9 +69,9 @@ def determinant(m: Sequence[Sequence[Any]]) -> Any:
         return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
     # Laplace along the first two rows
     p, q, r, s = m
-    total = None
-    for (i, j), (g, h), sign in _LAPLACE:
-        term = (p[i] * q[j] - p[j] * q[i]) * (r[g] * s[h] - r[h] * s[g])
+    total: Any = None
+    for (first, second), (third, fourth), sign in _LAPLACE:
+        term = (p[first] * q[second] - p[second] * q[first]) * (r[third] * s[fourth] - r[fourth] * s[third])
         total = term if total is None else total + term if sign > 0 else total - term
     return total
 
@@ -84,7 +87,7 @@ _LAPLACE = (
 )
 
 
-def adjugate(m: Sequence[Sequence[Any]]) -> tuple[tuple[Any, ...], ...]:
+def adjugate(m: Sequence[Sequence[N]]) -> tuple[tuple[N, ...], ...]:
     """adj(m) with m adj(m) = det(m) I, for 2x2 to 4x4."""
     n = len(m)
     rows = []
@@ -98,7 +101,7 @@ def adjugate(m: Sequence[Sequence[Any]]) -> tuple[tuple[Any, ...], ...]:
     return tuple(rows)
 
 
-def minors(m: Sequence[Sequence[Any]], k: int) -> list[Any]:
+def minors(m: Sequence[Sequence[N]], k: int) -> list[N]:
     """All k x k minors; they vanish together exactly where the rank is below k."""
     columns = list(combinations(range(len(m[0])), k))
     return [

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Iterable, Iterator
 
 from flint import fmpq, fmpz, fmpz_mpoly, fmpz_poly
 
@@ -91,7 +90,7 @@ class FactorSet:
         """How often an irreducible polynomial was a factor, with multiplicities."""
         return self._counts.get(str(f), 0)
 
-    def __iter__(self) -> Any:
+    def __iter__(self) -> Iterator[fmpz_mpoly]:
         return iter(list(self._found.values()))
 
     def __len__(self) -> int:

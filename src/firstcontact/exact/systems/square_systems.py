@@ -7,8 +7,7 @@ degree 4 of two quadrics: re-derived).  Krawczyk's test in ball arithmetic prove
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
 
 from flint import arb, arb_mat, fmpq, fmpz_poly
 
@@ -122,7 +121,9 @@ class FormEquations(Equations):
             ])  # fmt: skip
         return rows
 
-    def _in_plane(self, gradients: list[Any], across: Sequence[Any]) -> list[list[Any]]:
+    def _in_plane(
+        self, gradients: Sequence[Sequence[arb]], across: Sequence[Sequence[arb]]
+    ) -> list[Sequence[Sequence[arb]]]:
         """Threes of vectors that are in one plane."""
         return [gradients] if len(gradients) == 3 else [[way, *gradients] for way in across]
 
@@ -235,7 +236,7 @@ class EnclosedRoot:
     def enclosure(self, bits: int) -> arb:
         return self.zero.balls(bits)[3]
 
-    def sign_of(self, q: Any) -> int:
+    def sign_of(self, q: Callable[[arb], arb]) -> int:
         """Sign of the polynomial at the root; 0 also where MOST_BITS bits do not tell."""
         bits = 96
         while bits <= MOST_BITS:
@@ -303,11 +304,11 @@ class OpenRoot:
         value = q(self.lo)
         return (value > 0) - (value < 0)
 
-    def compare(self, other: Any) -> int:
+    def compare(self, other: AlgebraicRoot | EnclosedRoot | OpenRoot | fmpq) -> int:
         if isinstance(other, OpenRoot):
             return (self.lo > other.lo) - (self.lo < other.lo)
         # before what it may be simultaneous with
-        return -1 if other.compare(self.lo) >= 0 else 1
+        return -1 if other.compare(self.lo) >= 0 else 1  # type: ignore[union-attr]  # times are asked of other roots
 
     def __float__(self) -> float:
         with precision(96):
@@ -325,7 +326,7 @@ class EnclosedNumber(ExactNumber):
 
     __slots__ = ("function", "zero")
 
-    def __init__(self, zero: Zero, function: Any) -> None:
+    def __init__(self, zero: Zero, function: Callable[..., arb]) -> None:
         self.zero, self.function = zero, function
 
     def ball(self, bits: int) -> arb:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Protocol, Self, TypeAlias
 
 from flint import arb, ctx, fmpq
 
@@ -27,10 +27,16 @@ from firstcontact.exact.numbers import (
     to_double,
 )
 
+if TYPE_CHECKING:
+    from firstcontact.exact.ring import Scalar
+
 QUARTER = 0.5 * math.pi
 
 
-def enclose(number: Callable[[], Any]) -> tuple[float, tuple[float, float]]:
+Radical: TypeAlias = "int | Scalar | Surd"
+
+
+def enclose(number: Callable[[], fmpq | arb]) -> tuple[float, tuple[float, float]]:
     """(nearest double, (lo, hi) doubles around it) of a number given at the present precision.
 
     The precision rises until the double is certain; a number that lies exactly between two doubles, or is known
@@ -63,7 +69,7 @@ def _around(value: fmpq) -> tuple[float, tuple[float, float]]:
 class Instant(Protocol):
     """A time in the local clock of one piece; it compares with those of the same clock."""
 
-    def compare(self, other: Any) -> int: ...
+    def compare(self, other: Self) -> int: ...
     def local(self) -> arb: ...
     def bounds(self) -> tuple[float, float]: ...
     def is_zero(self) -> bool: ...
@@ -82,7 +88,7 @@ class RationalInstant:
 
     __slots__ = ("value",)
 
-    def __init__(self, value: Any) -> None:
+    def __init__(self, value: fmpq | arb) -> None:
         self.value = value
 
     def compare(self, other: RationalInstant) -> int:
@@ -112,7 +118,9 @@ class AngleInstant:
 
     __slots__ = ("K", "R", "X", "Y", "_ball", "_bounds", "_rational", "_settled")
 
-    def __init__(self, X: Any, Y: Any, R: Any, K: Any, bounds: tuple[float, float] | None = None) -> None:  # noqa: N803
+    def __init__(  # noqa: N803
+        self, X: Radical, Y: Radical, R: Radical, K: Scalar, bounds: tuple[float, float] | None = None
+    ) -> None:
         """bounds: doubles around the angle, where they are known."""
         self.X, self.Y, self.R, self.K = surd(X), surd(Y), surd(R), K
         x, y = self.X, self.Y
@@ -138,7 +146,7 @@ class AngleInstant:
             return False
         return self.Y.sign() == 0 and self.X.sign() >= 0
 
-    def compare(self, other: Any) -> int:
+    def compare(self, other: AngleInstant) -> int:
         """-1, 0, 1: before, at, after the other, exactly: half turns first, then the sign of X1 Y2 - Y1 X2."""
         (lo, hi), (other_lo, other_hi) = self.bounds(), other.bounds()
         if hi < other_lo:
@@ -239,7 +247,7 @@ class LimitInstant:
     def is_rational(self) -> bool:
         return False
 
-    def compare(self, other: Any) -> int:
+    def compare(self, other: TurnInstant) -> int:
         return compare_angles(self, other)
 
 

@@ -7,10 +7,13 @@ Arguments may be Surds.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from firstcontact.exact.numbers import ball
 from firstcontact.exact.vectors import Vector, cross, dot
+
+if TYPE_CHECKING:
+    from firstcontact.exact.ring import N, VectorOf
 
 
 class Axis:
@@ -30,11 +33,11 @@ class Axis:
         """The axis in balls of the present precision."""
         return Axis((ball(self.h[0]), ball(self.h[1]), ball(self.h[2])))
 
-    def height(self, x: Vector) -> Any:
+    def height(self, x: VectorOf[N]) -> N:
         return dot(x, self.h)
 
-    def perp(self, x: Vector, y: Vector) -> Any:
+    def perp(self, x: VectorOf[N], y: VectorOf[N]) -> N:
         return dot(x, y) * self.K - self.height(x) * self.height(y)
 
-    def turn(self, x: Vector, y: Vector) -> Any:
+    def turn(self, x: VectorOf[N], y: VectorOf[N]) -> N:
         return dot(cross(x, y), self.h)

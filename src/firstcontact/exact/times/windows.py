@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from firstcontact.exact.numbers import sign
+
+if TYPE_CHECKING:
+    from firstcontact.exact.ring import C
 
 Window = tuple[Any, Any]
 ALWAYS: Window = (None, None)
@@ -33,13 +36,13 @@ def hull(windows: list[Window | None]) -> Window | None:
     return lo, hi
 
 
-def _later(x: Any, y: Any) -> Any:
+def _later(x: C | None, y: C | None) -> C | None:
     if x is None or y is None:
         return y if x is None else x
     return x if sign(x - y) >= 0 else y
 
 
-def _earlier(x: Any, y: Any) -> Any:
+def _earlier(x: C | None, y: C | None) -> C | None:
     if x is None or y is None:
         return y if x is None else x
     return x if sign(x - y) <= 0 else y

@@ -10,16 +10,19 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-from flint import arb, fmpq
+from flint import arb, arb_series, fmpq
 
 from firstcontact.exact.numbers import ball, to_double
 from firstcontact.kernels.pose_series import ROUNDED, pose_series
 from firstcontact.motion.placement import HERE
 from firstcontact.motion.relative.curved import CurvedPiece, Leg, Series, cofactors, inverse, terms
 from firstcontact.motion.relative.local_poses import local_pose
+
+if TYPE_CHECKING:
+    from firstcontact.motion.kinds import AnyMotion
 
 TERMS = 8
 # Rows of a cell, each with TERMS coefficients: linear part and shift of the pose of a seen from b; the cofactors of the
@@ -85,7 +88,11 @@ def _rounded_up(size: float) -> float:
 
 @lru_cache(maxsize=64)
 def _shared(
-    motion_a: Any, part_a: tuple[int, int, int, int], motion_b: Any, part_b: tuple[int, int, int, int], *sizes: float
+    motion_a: AnyMotion,
+    part_a: tuple[int, int, int, int],
+    motion_b: AnyMotion,
+    part_b: tuple[int, int, int, int],
+    *sizes: float,
 ) -> np.ndarray:
     """The cells of two motions, each for a part of its own time (`Leg.part`): the clock does not matter."""
     legs = []
@@ -173,7 +180,7 @@ def _cell(piece: CurvedPiece, start: fmpq, width: fmpq) -> tuple[np.ndarray, np.
     return out, rest
 
 
-def _functions(piece: CurvedPiece, t: arb) -> list[Any]:
+def _functions(piece: CurvedPiece, t: arb) -> list[arb_series]:
     """The series of the rows of a cell, in their order."""
     pose: Series = piece.series(t)
     linear, shift = [row[:3] for row in pose], [row[3] for row in pose]

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
 
 from flint import arb, ctx, fmpq, fmpq_poly, fmpz, fmpz_poly
 
@@ -35,7 +34,7 @@ class StraightClock:
         """Rational bounds of u from `start` to `end`; None: without end."""
         return start, end
 
-    def time(self, u: Any) -> arb:
+    def time(self, u: fmpq | arb) -> arb:
         """An enclosure of the time at u, at the present precision."""
         return ball(u)
 
@@ -106,7 +105,7 @@ class AngleClock:
             u = self._half_angle(time).tan() / arb(self.square).sqrt()
             return dyadic(u.lower() if side < 0 else u.upper())
 
-    def time(self, u: Any) -> arb:
+    def time(self, u: fmpq | arb) -> arb:
         """An enclosure of the time at u, at the present precision."""
         half = (ball(u) * arb(self.square).sqrt()).atan()
         if self.unit == "radians":

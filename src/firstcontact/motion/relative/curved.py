@@ -7,10 +7,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from flint import arb, arb_poly, arb_series, ctx, fmpq, fmpq_poly
+from flint import arb, arb_poly, arb_series, ctx, fmpq, fmpq_poly, fmpz_poly
 
 from firstcontact.exact.numbers import ball, precision, rational
 from firstcontact.exact.rigid import IDENTITY, Matrix
@@ -23,6 +23,11 @@ from firstcontact.motion.relative.polynomial import Step as PolynomialStep
 from firstcontact.motion.rotation import Rotation, angle_ball
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.translation import Translation
+
+if TYPE_CHECKING:
+    from firstcontact.exact.ring import N
+    from firstcontact.motion.kinds import AnyMotion, Single
+    from firstcontact.motion.relative.pieces import Piece
 
 # A pose as power series in (time - t): three rows of four.
 Series = list[list[Any]]
@@ -148,7 +153,7 @@ class CurvedPiece:
         """Both bodies' poses in the world at the start."""
         return self.leg_a.place(self.start), self.leg_b.place(self.start)
 
-    def continues(self, before: Any) -> bool:
+    def continues(self, before: Piece | CurvedPiece | None) -> bool:
         """Whether both bodies certainly start where they stand at the end of the piece before."""
         if not isinstance(before, CurvedPiece):
             return False
@@ -165,7 +170,7 @@ class CurvedPiece:
         )
 
 
-def _turned(m: Sequence[Sequence[Any]], v: Vector) -> Vector:
+def _turned(m: Sequence[Sequence[N]], v: Vector) -> Vector:
     return dot(m[0][:3], v), dot(m[1][:3], v), dot(m[2][:3], v)
 
 
@@ -176,7 +181,7 @@ def _fixed_image(motion: RationalMotion, v: Vector) -> Vector | None:
     return None if first is None or any(any(cross(first, x)) for x in images) else first
 
 
-def _continues(here: Placement, there: Placement, motion: Any) -> bool:
+def _continues(here: Placement, there: Placement, motion: AnyMotion) -> bool:
     """Whether the pose in which a motion starts is the one in which that before it ended.
 
     A mechanism's clock goes on from one stretch to the next, whatever the pose.
@@ -184,7 +189,7 @@ def _continues(here: Placement, there: Placement, motion: Any) -> bool:
     return here.factors == there.factors and (here.is_exact or isinstance(motion, Product))
 
 
-def turning_axes(motion: Any) -> list[Vector]:
+def turning_axes(motion: AnyMotion) -> list[Vector]:
     """The axes about which it turns, of a motion that is not a rational function of the time."""
     parts = [f.motion for f in motion.factors] if isinstance(motion, Product) else [motion]
     return [part.axis for part in parts if isinstance(part, Rotation | Screw) and part.angle != 0]
@@ -216,7 +221,7 @@ def _is_rotation(m: Matrix) -> bool:
 # ------------------------------------------------------------------------------------------------------ series
 
 
-def own_series(motion: Any, t: arb, speed: fmpq) -> Series:
+def own_series(motion: Single, t: arb, speed: fmpq) -> Series:
     """The pose of one motion at its own time t + speed x, in powers of x."""
     if isinstance(motion, RationalMotion):
         argument = arb_poly([t, arb(speed)])
@@ -233,7 +238,7 @@ def own_series(motion: Any, t: arb, speed: fmpq) -> Series:
     return pose
 
 
-def _simple_series(motion: Any, time: arb_series) -> Series:
+def _simple_series(motion: Translation | Rotation | Screw, time: arb_series) -> Series:
     """The pose of a motion at its own time, a series."""
     if isinstance(motion, Translation):
         return [
@@ -276,7 +281,7 @@ def turning(motion: Rotation | Screw, bits: int) -> tuple[Balls, Balls, Balls, l
         return rest, swing, across, ahead
 
 
-def _series(p: Any, argument: arb_poly) -> arb_series:
+def _series(p: fmpz_poly | Sequence[fmpq], argument: arb_poly) -> arb_series:
     return arb_series((arb_poly(fmpq_poly(p)) if p else arb_poly([0]))(argument))
 
 
@@ -328,5 +333,3 @@ def inverse(m: Series, rigid: bool) -> Series:
     return [
         [*row, -(row[0] * m[0][3] + row[1] * m[1][3] + row[2] * m[2][3])] for row in linear
     ]
-
-

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-from flint import fmpq, fmpq_poly
+from flint import fmpq, fmpq_poly, fmpz_poly
 
 from firstcontact.exact.numbers import ball, precision, to_double
 from firstcontact.exact.vectors import dot
@@ -17,6 +17,9 @@ from firstcontact.motion.relative.curved import CurvedPiece, Leg, turning
 from firstcontact.motion.rotation import Rotation, angle_ball
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.translation import Translation
+
+if TYPE_CHECKING:
+    from firstcontact.motion.kinds import Single
 
 _U = 2.0**-53
 _BITS = 128
@@ -31,7 +34,7 @@ def local_pose(leg: Leg, piece: CurvedPiece) -> LocalPose:
 
 
 @lru_cache(maxsize=1024)
-def own_pose(motion: Any, p: int, q: int, m: int, n: int) -> LocalPose:
+def own_pose(motion: Single, p: int, q: int, m: int, n: int) -> LocalPose:
     """The pose of the motion itself from its own time p / q on, for the time m / n."""
     begin, share = fmpq(p, q), fmpq(m, n)
     if isinstance(motion, RationalMotion):
@@ -59,11 +62,11 @@ def _rational(motion: RationalMotion, begin: fmpq, share: fmpq) -> LocalPose:
     return LocalPose(False, _STILL, _STILL, *entries, *weights)
 
 
-def _fractions(x: Any, local: fmpq_poly) -> list[fmpq]:
+def _fractions(x: fmpz_poly, local: fmpq_poly) -> list[fmpq]:
     return list(fmpq_poly(x)(local).coeffs()) if x else []
 
 
-def _turning(motion: Any, value: Value) -> LocalPose:
+def _turning(motion: Translation | Rotation | Screw, value: Value) -> LocalPose:
     """The pose of a simple motion at its own time `value`, a polynomial of the time that runs from 0 to 1.
 
     R(angle) = P + (1 - P) cos(angle) + N sin(angle), P the projection on the axis n and N the product with it.

@@ -14,7 +14,7 @@ from bisect import bisect_right
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from flint import fmpq
@@ -32,6 +32,10 @@ from firstcontact.motion.screw import Screw
 from firstcontact.motion.sequence import Sequence
 from firstcontact.motion.steps import RESTING, Step, steps_of
 from firstcontact.motion.translation import Translation
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
+    from firstcontact.motion.kinds import AnyMotion
 
 _0 = fmpq(0)
 # Motions of which two may be one, and all that polyhedra can be followed under.
@@ -85,7 +89,7 @@ class Piece(NamedTuple):
         return Piece(self.start, self.start, self.start, *placed, (_0, _0, _0), None, None, (_0, _0))
 
 
-def pieces(a: Any, b: Any, first: fmpq, last: fmpq | None) -> list[Piece | CurvedPiece]:
+def pieces(a: Body, b: Body, first: fmpq, last: fmpq | None) -> list[Piece | CurvedPiece]:
     """The pieces of the relative motion over [first, last], in time order.
 
     Raises UnsupportedPair for motions of other classes.
@@ -100,7 +104,7 @@ def pieces(a: Any, b: Any, first: fmpq, last: fmpq | None) -> list[Piece | Curve
     return out
 
 
-def curved_pieces(a: Any, b: Any, first: fmpq, last: fmpq) -> list[CurvedPiece]:
+def curved_pieces(a: Body, b: Body, first: fmpq, last: fmpq) -> list[CurvedPiece]:
     """The pieces over [first, last] by the motions themselves, whatever they are: poses as power series at any time."""
     steps_a, steps_b = list(_steps(a)), list(_steps(b))
     return [
@@ -109,7 +113,7 @@ def curved_pieces(a: Any, b: Any, first: fmpq, last: fmpq) -> list[CurvedPiece]:
     ]
 
 
-def by_motions(a: Any, b: Any, piece: Piece) -> CurvedPiece | None:
+def by_motions(a: Body, b: Body, piece: Piece) -> CurvedPiece | None:
     """A piece of the motions of both, one that has an end, by these motions themselves."""
     if piece.steps is None or piece.end is None:
         return None
@@ -126,7 +130,7 @@ def in_few_turns(piece: CurvedPiece) -> Iterator[CurvedPiece]:
     yield piece if start == piece.start else replace(piece, start=start)
 
 
-def placement_at(body: Any, time: fmpq) -> Placement:
+def placement_at(body: Body, time: fmpq) -> Placement:
     """Where the body stands at the time, one of its motion's span."""
     return _step_at(list(_steps(body)), time).pose(time)
 
@@ -144,7 +148,7 @@ def _step_at(steps: list[Step], time: fmpq) -> Step:
     return steps[max(0, bisect_right(steps, time, key=lambda s: s.start) - 1)]
 
 
-def _steps(body: Any) -> Iterator[Step]:
+def _steps(body: Body) -> Iterator[Step]:
     if not isinstance(body, Moving):
         yield RESTING
         return
@@ -162,13 +166,13 @@ def _times(factor: fmpq, rate: tuple[fmpq, fmpq]) -> tuple[fmpq, fmpq]:
     return factor * rate[0], factor * rate[1]
 
 
-def _rests(motion: Any) -> bool:
+def _rests(motion: AnyMotion) -> bool:
     if isinstance(motion, Translation):
         return not any(motion.vector)
     return isinstance(motion, Rotation) and motion.angle == 0
 
 
-def _reduce(a: Any, b: Any, step_a: Step, step_b: Step, start: fmpq, end: fmpq | None) -> Piece | CurvedPiece:
+def _reduce(a: Body, b: Body, step_a: Step, step_b: Step, start: fmpq, end: fmpq | None) -> Piece | CurvedPiece:
     """One piece; the table of section 6 of the derivation: which pairs of motions are one motion.
 
     All others are curved.
@@ -212,7 +216,7 @@ def _is_straight_or_turn(step: Step) -> bool:
     return isinstance(step.motion, SIMPLE)
 
 
-def _curved(a: Any, b: Any, step_a: Step, step_b: Step, start: fmpq, end: fmpq | None) -> CurvedPiece:
+def _curved(a: Body, b: Body, step_a: Step, step_b: Step, start: fmpq, end: fmpq | None) -> CurvedPiece:
     """The piece by the motions themselves."""
     steps = (step_a, _who(a, "a")), (step_b, _who(b, "b"))
     named = [(step, f"{type(step.motion).__name__} of {who}") for step, who in steps]
@@ -246,5 +250,5 @@ def _rate(step: Step, rests: bool, lead: Rotation) -> tuple[fmpq, fmpq] | None:
     return radians, turns
 
 
-def _who(body: Any, default: str = "a body") -> str:
+def _who(body: Body, default: str = "a body") -> str:
     return repr(body.name) if getattr(body, "name", None) else f"body {default}" if len(default) == 1 else default

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from flint import arb, fmpq, fmpq_poly, fmpz
 
@@ -29,6 +29,10 @@ from firstcontact.motion.span import limits
 from firstcontact.motion.steps import REST, steps_of
 from firstcontact.motion.translation import Translation
 from firstcontact.result import ExactTime
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
+    from firstcontact.motion.kinds import AnyMotion
 
 _0, _1 = fmpq(0), fmpq(1)
 MOST_POWERS = 8
@@ -66,7 +70,7 @@ class PolynomialPiece:
         """Whether the pose is the same at all times."""
         return projective.degree(self.pose) <= 0
 
-    def time_of(self, u: Any) -> arb:
+    def time_of(self, u: fmpq | arb) -> arb:
         """An enclosure of the time at u (a ball or fmpq), at the present precision."""
         return self.clock.time(u)
 
@@ -109,7 +113,7 @@ def relative(a: PolynomialPiece, b: PolynomialPiece) -> PolynomialPiece:
     return PolynomialPiece(start, end, pose, u_lo, u_hi, clock, exact, of, projective.reduced(pose_b, u_lo))
 
 
-def relative_pieces(a: Any, b: Any, first: fmpq, last: fmpq | None) -> Iterator[PolynomialPiece]:
+def relative_pieces(a: Body, b: Body, first: fmpq, last: fmpq | None) -> Iterator[PolynomialPiece]:
     """The pieces of the motion of body a as seen from body b over [first, last], in time order.
 
     As `relative`; besides, two rotations about one line are one rotation by the difference of their angles.  The frame
@@ -189,7 +193,7 @@ class Step:
     power: int = 1
 
 
-def steps_within(body: Any, first: fmpq, last: fmpq | None) -> Iterator[tuple[Step, fmpq, fmpq | None, str]]:
+def steps_within(body: Body, first: fmpq, last: fmpq | None) -> Iterator[tuple[Step, fmpq, fmpq | None, str]]:
     """(step, begin, end, name) of the steps of a body or motion in [first, last]; for an instant, one of them."""
     motion = body.motion if isinstance(body, Moving) else body if callable(body) else REST
     who = repr(name) if (name := getattr(body, "name", None)) else "a body"
@@ -206,7 +210,7 @@ def steps_within(body: Any, first: fmpq, last: fmpq | None) -> Iterator[tuple[St
         yield step, begin, end, f"{type(step.motion).__name__} of {who}"
 
 
-def _rational_steps(motion: Any) -> Iterator[Step]:
+def _rational_steps(motion: AnyMotion) -> Iterator[Step]:
     for step in steps_of(motion):
         start = None if step.end is None else step.start
         yield Step(
@@ -262,7 +266,7 @@ def step_pieces(step: Step, first: fmpq, last: fmpq | None, of: str) -> Iterator
     yield PolynomialPiece(first, last, projective.reduced(pose, first), first, last, StraightClock(), step.exact, of)
 
 
-def own_pose(motion: Any, of: str) -> Matrix:
+def own_pose(motion: AnyMotion, of: str) -> Matrix:
     """The pose of a straight or rational motion in its own time."""
     if isinstance(motion, RationalMotion):
         return motion.pose

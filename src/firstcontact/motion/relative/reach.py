@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,6 +19,9 @@ from firstcontact.exact.vectors import dot
 from firstcontact.motion.linkage import Linkage
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.translation import Translation
+
+if TYPE_CHECKING:
+    from firstcontact.motion.rotation import Rotation
 
 # Beside the sizes met: far more than the roundings of a walk along all joints.
 _SLACK = 1e-13
@@ -63,7 +66,7 @@ def _turned(axis: np.ndarray, angles: np.ndarray) -> np.ndarray:
 
 
 @lru_cache(maxsize=1024)
-def line_of(motion: Any) -> tuple[np.ndarray, np.ndarray, float, np.ndarray]:
+def line_of(motion: Rotation | Screw) -> tuple[np.ndarray, np.ndarray, float, np.ndarray]:
     """Unit axis (3,), point (3,), radians and way (3,) of one unit of a joint's value."""
     if isinstance(motion, Translation):
         return np.zeros(3), np.zeros(3), 0.0, np.array([to_double(x) for x in motion.vector])

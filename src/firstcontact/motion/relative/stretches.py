@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from flint import arb, fmpq, fmpq_poly
@@ -36,6 +36,10 @@ from firstcontact.motion.screw import Screw
 from firstcontact.motion.steps import REST, Step, steps_of
 from firstcontact.motion.translation import Translation
 
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
+    from firstcontact.motion.kinds import AnyMotion
+
 U = 2.0**-53
 BITS = 192
 # Largest half angle (radians) of one stretch: `sine_cosine` reduces arguments below 2^10.
@@ -63,7 +67,7 @@ class Window(NamedTuple):
     b: np.ndarray
 
 
-def windows(a: Any, b: Any, first: fmpq, last: fmpq) -> list[Window]:
+def windows(a: Body, b: Body, first: fmpq, last: fmpq) -> list[Window]:
     """The windows of time in which both bodies follow one step each, in order."""
     motion_a = a.motion if isinstance(a, Moving) else REST
     motion_b = b.motion if isinstance(b, Moving) else REST
@@ -71,7 +75,7 @@ def windows(a: Any, b: Any, first: fmpq, last: fmpq) -> list[Window]:
 
 
 @lru_cache(maxsize=128)
-def _windows_of(motion_a: Any, motion_b: Any, p: int, q: int, r: int, s: int) -> list[Window]:
+def _windows_of(motion_a: AnyMotion, motion_b: AnyMotion, p: int, q: int, r: int, s: int) -> list[Window]:
     """Over [p / q, r / s]: whole numbers, since rationals take a microsecond to hash."""
     motions, first, last = (motion_a, motion_b), fmpq(p, q), fmpq(r, s)
     steps = [known_steps(m) for m in motions]
@@ -103,7 +107,7 @@ def _rounded(begin: fmpq, end: fmpq) -> tuple[float, float, float]:
 
 
 @lru_cache(maxsize=128)
-def known_steps(motion: Any) -> tuple[Step, ...]:
+def known_steps(motion: AnyMotion) -> tuple[Step, ...]:
     return tuple(steps_of(motion))
 
 
@@ -124,7 +128,7 @@ def step_near(steps: tuple[Step, ...], time: fmpq) -> Step:
 
 
 @lru_cache(maxsize=256)
-def _stretch(motion: Any, index: int, begin: fmpq, end: fmpq) -> np.ndarray:
+def _stretch(motion: AnyMotion, index: int, begin: fmpq, end: fmpq) -> np.ndarray:
     step = known_steps(motion)[index]
     middle = to_double((begin + end) / 2)
     half = max(to_double(end - begin) / 2 * (1 + 1e-9), 1e-300)

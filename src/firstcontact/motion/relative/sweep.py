@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator
-from typing import Any
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 from flint import fmpq
@@ -20,6 +20,9 @@ from firstcontact.motion.screw import Screw
 from firstcontact.motion.steps import steps_of
 from firstcontact.motion.translation import Translation
 
+if TYPE_CHECKING:
+    from firstcontact.motion.kinds import AnyMotion, Single
+
 Box = tuple[np.ndarray, np.ndarray]
 
 # Poses per full turn that stand for an arc.  Between two of them, an angle x apart, a point is at most r x^2 / 8 off
@@ -32,7 +35,7 @@ ROUNDING = 1e-13
 PARTS = 8
 
 
-def swept_box(motion: Any, first: float, last: float, points: np.ndarray, error: float) -> Box:
+def swept_box(motion: AnyMotion, first: float, last: float, points: np.ndarray, error: float) -> Box:
     """(lower, upper) corner (3,) of a box with all that lies within `error` of the points (n, 3), while they move.
 
     last may be infinite; so is the box then where a translation or a screw goes on for ever.
@@ -60,7 +63,7 @@ def _box_of_link(motion: Linkage, first: float, last: float, points: np.ndarray,
     return _grown(lo, hi, error * _stretch(np.eye(3)), points)
 
 
-def _steps(motion: Any, first: float, last: float) -> Iterator[tuple[Any, float, float, np.ndarray]]:
+def _steps(motion: AnyMotion, first: float, last: float) -> Iterator[tuple[Single, float, float, np.ndarray]]:
     """(step, t0, t1, pose (3, 4) before it), t0 and t1 in the step's own clock, rounded outward."""
     for step in steps_of(motion):
         if step.end is None:
@@ -73,7 +76,7 @@ def _steps(motion: Any, first: float, last: float) -> Iterator[tuple[Any, float,
             yield step.motion, max(t0, 0.0), min(t1, 1.0), step.before.doubles()[:3]
 
 
-def _step_box(step: Any, t0: float, t1: float, points: np.ndarray, blur: float) -> Box:
+def _step_box(step: Single, t0: float, t1: float, points: np.ndarray, blur: float) -> Box:
     """The box of points, each within `blur`, under one step."""
     if isinstance(step, Translation):
         lo, hi = _ahead(np.array([to_double(x) for x in step.vector]), t0, t1)
@@ -97,12 +100,12 @@ def _step_box(step: Any, t0: float, t1: float, points: np.ndarray, blur: float) 
     return _grown(lo + ahead[0], hi + ahead[1], blur + bulge, size)
 
 
-def _precise(step: Any) -> Any:
+def _precise(step: Single) -> Single:
     """A Rotation as a Screw, whose poses are rounded once, however far the axis or large the angle."""
     return Screw(step.axis, step.point, **{step.unit: step.angle}) if isinstance(step, Rotation) else step
 
 
-def _hull(poses: Any, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, float, float]:
+def _hull(poses: np.ndarray | Sequence[np.ndarray], points: np.ndarray) -> tuple[np.ndarray, np.ndarray, float, float]:
     """Box of the points in all poses, longest way of a point between neighbouring poses, largest number met."""
     lo, hi, chord, size, last = np.full(3, np.inf), np.full(3, -np.inf), 0.0, 0.0, None
     for pose in poses:
@@ -134,7 +137,7 @@ def _stretch(linear: np.ndarray) -> float:
     return float(np.linalg.norm(linear)) * (1 + 1e-12)
 
 
-def _grown(lo: np.ndarray, hi: np.ndarray, blur: float, *sizes: Any) -> Box:
+def _grown(lo: np.ndarray, hi: np.ndarray, blur: float, *sizes: float | np.ndarray) -> Box:
     size = max(float(np.abs(x).max()) for x in (*sizes, *(np.where(np.isfinite(x), x, 0.0) for x in (lo, hi))))
     pad = blur + ROUNDING * size
     return lo - pad, hi + pad

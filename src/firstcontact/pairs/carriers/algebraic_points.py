@@ -84,7 +84,7 @@ def _is_zero(form: TowerElement) -> bool:
     return form.only_conjugates_differ() or form.is_zero()
 
 
-def _norm(minimal: fmpz_poly, form: list[Any]) -> fmpz_poly:
+def _norm(minimal: fmpz_poly, form: list[fmpz_poly]) -> fmpz_poly:
     """Resultant in s of the minimal polynomial of s and sum form[k] s^k, form[k] polynomials in u."""
     s: dict[tuple[int, ...], Any] = {(k, 0): c for k, c in enumerate(minimal.coeffs()) if c}
     f: dict[tuple[int, ...], Any] = {(k, j): c for k, p in enumerate(form) for j, c in enumerate(p.coeffs()) if c}

@@ -8,8 +8,9 @@ root carries none.  Everything is homogeneous and free of divisions, so the func
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from flint import arb, fmpz_poly
 
@@ -17,6 +18,9 @@ from firstcontact.exact.fields.number_field import NumberField, ball, is_zero
 from firstcontact.exact.numbers import precision
 from firstcontact.exact.polynomials.inertia import dot
 from firstcontact.exact.vectors import cross
+
+if TYPE_CHECKING:
+    from firstcontact.exact.ring import MatrixOf, N, Number
 
 Vector = tuple[Any, ...]
 Form = tuple[tuple[Any, ...], ...]
@@ -99,7 +103,7 @@ def nothing(reason: str) -> Contacts:
 # --- polynomials -------------------------------------------------------------------------------------------------
 
 
-def common_factor(entries: Any) -> fmpz_poly:
+def common_factor(entries: Iterable[fmpz_poly]) -> fmpz_poly:
     """Greatest common divisor of the polynomials; 0 when all vanish."""
     g = ZERO
     for p in entries:
@@ -109,16 +113,16 @@ def common_factor(entries: Any) -> fmpz_poly:
     return g
 
 
-def columns(matrix: Any) -> tuple[Vector, ...]:
+def columns(matrix: MatrixOf[N]) -> tuple[tuple[N, ...], ...]:
     return tuple(zip(*matrix, strict=True))
 
 
-def pull_plane(basis: Any, plane: Vector) -> Vector:
+def pull_plane(basis: Form, plane: Vector) -> Vector:
     """P^T N: the plane N as a linear form of the parameters of the carrier P."""
     return tuple(dot(column, plane) for column in columns(basis))
 
 
-def determinant3(a: Vector, b: Vector, c: Vector) -> Any:
+def determinant3(a: Sequence[N], b: Sequence[N], c: Sequence[N]) -> N:
     return dot(cross(a, b), c)
 
 
@@ -132,7 +136,7 @@ def plane_through(a: Vector, b: Vector, c: Vector) -> Vector:
     return tuple(minors)
 
 
-def left_inverse(basis: Any) -> tuple[Any, Any]:
+def left_inverse(basis: Form) -> tuple[Form, Any]:
     """(S, s) with S P = s I (3x4 times 4x3), s = N.N the square of the plane of P, hence positive."""
     a, b, c = columns(basis)
     plane = plane_through(a, b, c)
@@ -147,7 +151,7 @@ def vector_at(field: NumberField, vector: Vector) -> Vector:
     return tuple(field(p) for p in vector)
 
 
-def zero(vector: Any) -> bool:
+def zero(vector: Sequence[Number]) -> bool:
     return all(is_zero(x) for x in vector)
 
 

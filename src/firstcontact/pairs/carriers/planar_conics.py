@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING
 
 from flint import acb_poly, fmpq, fmpz_poly
 
@@ -40,6 +40,9 @@ from firstcontact.pairs.carriers.contact import (
     gather,
     nothing,
 )
+
+if TYPE_CHECKING:
+    from firstcontact.exact.fields.number_field import FieldElement
 
 NO_TANGENCY = "no common tangency"
 PERMANENT = "a multiple root for all u is divided out"
@@ -112,7 +115,7 @@ def cross(a: Form, b: Form) -> bool:
     return not any(0 in inertia(member(a, b, sample, 1))[:2] for sample in _between_roots(f))
 
 
-def _between_roots(f: list[Any]) -> list[fmpq]:
+def _between_roots(f: list[FieldElement]) -> list[fmpq]:
     """Rationals that separate the simple real roots of a cubic, and one beyond each end.
 
     Where a form is a pair of straight edges one root may be infinite, and one zero.

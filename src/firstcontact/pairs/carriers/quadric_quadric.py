@@ -11,7 +11,7 @@ case VIII and contact along rulings; apexes (case VI) and rims (case III) see th
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING
 
 from firstcontact.exact.fields.number_field import NumberField, is_zero
 from firstcontact.exact.fields.roots import AlgebraicRoot
@@ -31,6 +31,9 @@ from firstcontact.pairs.carriers.contact import (
     nothing,
     zero,
 )
+
+if TYPE_CHECKING:
+    from firstcontact.exact.ring import MatrixOf, N
 
 DEGENERATE = "identically degenerate pencil: an apex (case VI) or a rim (case III) sees the event"
 APEX = "apex: case VI"
@@ -102,6 +105,6 @@ def degenerate_contacts(a: Form, b: Form) -> Contacts:
     return gather(sets, f"parallel axes: {touching.reason}")
 
 
-def without_coordinate(form: Any, k: int) -> Any:
+def without_coordinate(form: MatrixOf[N], k: int) -> tuple[tuple[N, ...], ...]:
     """The form on the coordinate plane X_k = 0."""
     return tuple(tuple(x for j, x in enumerate(row) if j != k) for i, row in enumerate(form) if i != k)

@@ -8,7 +8,7 @@ c0 + c1 cos(phi) + sqrt(K) c2 sin(phi) = 0 (Schoemer & Thiel 1995, equation (6))
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from flint import fmpq, fmpz
 
@@ -16,6 +16,9 @@ from firstcontact.exact.fields.surd import Surd
 from firstcontact.exact.times.instants import AngleInstant
 from firstcontact.exact.times.turning import Axis
 from firstcontact.exact.vectors import Vector, cross, dot, sub
+
+if TYPE_CHECKING:
+    from firstcontact.exact.ring import N, VectorOf
 
 # Rounding of the slope: of two products of doubles below 1 and of the middle of the interval, below 2 pi.
 SLOPE_EPS = 1e-14
@@ -62,7 +65,7 @@ def rotation_instant(axis: Axis, a: list[Vector], b: list[Vector], lo: float, hi
     return AngleInstant(Surd(Kc * c1, -way * K * c2, d), Surd(Kc * c2, way * c1, d), Surd(K * norm), K, bounds)
 
 
-def _equation(h: Vector, K: Any, a: list[Vector], b: list[Vector]) -> tuple[Any, Any, Any]:  # noqa: N803
+def _equation(h: VectorOf[N], K: N, a: list[Vector], b: list[Vector]) -> VectorOf[N]:  # noqa: N803
     """K times c0, c1 and c2."""
     if len(a) == len(b):  # (R e x f).(c - R a) = (f x c).R e - f.R(a x e)
         e, f = sub(a[1], a[0]), sub(b[1], b[0])
@@ -74,7 +77,7 @@ def _equation(h: Vector, K: Any, a: list[Vector], b: list[Vector]) -> tuple[Any,
     return c0 - K * dot(n, facet[0]), c1, c2
 
 
-def _product(h: Vector, K: Any, x: Vector, y: Vector) -> tuple[Any, Any, Any]:  # noqa: N803
+def _product(h: VectorOf[N], K: N, x: Vector, y: Vector) -> VectorOf[N]:  # noqa: N803
     """K times the dot product of x, turned by phi, and y, as coefficients of 1, cos(phi) and sqrt(K) sin(phi)."""
     (h0, h1, h2), (x0, x1, x2), (y0, y1, y2) = h, x, y
     still = (h0 * x0 + h1 * x1 + h2 * x2) * (h0 * y0 + h1 * y1 + h2 * y2)

@@ -8,7 +8,7 @@ the equivalent time form, equation (6)).
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from firstcontact.exact.fields.surd import Surd
 from firstcontact.exact.numbers import sign
@@ -23,6 +23,9 @@ from firstcontact.kernels.verdict import CERTAIN, NONE, UNSURE
 from firstcontact.pairs.elements import point_line_rotation
 from firstcontact.pairs.elements.line_line import contact_point, segments_meet
 from firstcontact.pairs.elements.point_line_rotation import Contact, angle_between
+
+if TYPE_CHECKING:
+    from firstcontact.exact.ring import Scalar
 
 
 @kernel
@@ -295,13 +298,21 @@ def rotation_contacts(axis: Axis, a: Vector, b: Vector, c: Vector, d: Vector) ->
     return found
 
 
-def _within(x: Any, y: Any, d: Any, whole: Any) -> bool:
+def _within(x: Scalar, y: Scalar, d: Scalar, whole: Scalar) -> bool:
     """Whether 0 <= x + y sqrt(d) <= whole."""
     return Surd(x, y, d).sign() >= 0 and Surd(whole - x, -y, d).sign() >= 0
 
 
 def _angle_between(
-    axis: Axis, p: Vector, u: Vector, q: Vector, v: Vector, vz: Any, squares: tuple[Any, Any, Any], s: Surd, z: Any
+    axis: Axis,
+    p: Vector,
+    u: Vector,
+    q: Vector,
+    v: Vector,
+    vz: Scalar,
+    squares: tuple[Scalar, Scalar, Scalar],
+    s: Surd,
+    z: Scalar,
 ) -> AngleInstant:
     """`angle_between` of z p + s u and z q + s v, of equal heights and radii.
 
@@ -314,7 +325,7 @@ def _angle_between(
     one, first, second = z * z, z * s.x, s.x * s.x + s.y * s.y * s.d
     y1, y2 = z * s.y, 2 * (s.x * s.y)
 
-    def number(c0: Any, c1: Any, c2: Any) -> Surd:
+    def number(c0: Scalar, c1: Scalar, c2: Scalar) -> Surd:
         return Surd(one * c0 + first * c1 + second * c2, y1 * c1 + y2 * c2, s.d)
 
     r = number(K * qq - zz, 2 * (K * qv) - zv, K * vv - vv_z)
@@ -325,7 +336,7 @@ def _angle_between(
     return AngleInstant(x, number(dot(hp, q), dot(hp, v) + dot(hu, q), dot(hu, v)), r, K)
 
 
-def _roots(a: Any, b: Any, c: Any) -> list[tuple[Surd, Any]]:
+def _roots(a: Scalar, b: Scalar, c: Scalar) -> list[tuple[Surd, Any]]:
     """Real roots of a s^2 + 2 b s + c, not constant, as (numerator, positive denominator)."""
     if sign(a) == 0:
         return [(Surd(-c * sign(b)), 2 * b * sign(b))]

@@ -8,12 +8,15 @@ parallel edges), contacts begin and end with events of lower dimension.  The for
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from flint import fmpz_poly
+from flint import arb_series, fmpz, fmpz_poly
 
 from firstcontact.exact.fields.conditions import Conditions
 from firstcontact.exact.vectors import Vector, cross, dot, scaled, sub
+
+if TYPE_CHECKING:
+    from firstcontact.exact.ring import MatrixOf, Number
 
 # A moving point: three polynomials and the weight.
 Point = tuple[Vector, fmpz_poly]
@@ -59,24 +62,24 @@ def edge_edge_crossing(x: Point, e: Vector, c: Vector, d: Vector) -> Conditions:
     return Conditions((dot(r, n),), (lam, square - lam, mu, square * x[1] - mu), (square,))
 
 
-def above_facet(x: Point, a: Vector, b: Vector, c: Vector) -> Any:
+def above_facet(x: Point, a: Vector, b: Vector, c: Vector) -> arb_series:
     """The equation of `vertex_facet`: zero when the moving point is in the plane of abc."""
     return dot(cross(sub(b, a), sub(c, a)), _seen(x, a))
 
 
-def above_line(x: Point, e: Vector, c: Vector, d: Vector) -> Any:
+def above_line(x: Point, e: Vector, c: Vector, d: Vector) -> arb_series:
     """The equation of `edge_edge_crossing`, but for its sign."""
     return dot(_seen(x, c), cross(e, sub(d, c)))
 
 
 
-def times(rows: Any, p: Vector, scale: Any) -> Point:
+def times(rows: MatrixOf[Any], p: Vector, scale: fmpz | int) -> Point:
     """A pose (4x4 polynomials) applied to the point p / scale, times scale."""
     x, y, z = (row[0] * p[0] + row[1] * p[1] + row[2] * p[2] + row[3] * scale for row in rows[:3])
     return (x, y, z), rows[3][3]
 
 
-def turned(rows: Any, e: Vector) -> Vector:
+def turned(rows: MatrixOf[Number], e: Vector) -> Vector:
     """The linear part of a pose applied to the vector e."""
     x, y, z = (row[0] * e[0] + row[1] * e[1] + row[2] * e[2] for row in rows[:3])
     return x, y, z

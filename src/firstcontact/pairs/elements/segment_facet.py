@@ -6,7 +6,8 @@ triangle iff its side products with the three sides have no two opposite signs.
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from firstcontact.exact.numbers import Undecidable, sign
 from firstcontact.exact.vectors import Vector, along, cross, dot, sub
@@ -15,6 +16,9 @@ from firstcontact.kernels.verdict import CERTAIN, DET_EPS, NONE, TINY, UNSURE, c
 from firstcontact.kernels.verdict import cross as cross_f
 from firstcontact.pairs.elements.line_line import contact_point, segments_meet
 from firstcontact.pairs.elements.point_plane import in_triangle
+
+if TYPE_CHECKING:
+    from firstcontact.exact.ring import Scalar
 
 APART, TOUCHING, CROSSING = 0, 1, 2
 
@@ -81,7 +85,7 @@ def relation(p: Vector, q: Vector, a: Vector, b: Vector, c: Vector) -> int:
     return CROSSING if op * oq < 0 and 0 not in signs else TOUCHING
 
 
-def _told(x: Any) -> int | None:
+def _told(x: Scalar) -> int | None:
     """The sign; None where balls leave it open, for others may tell."""
     try:
         return sign(x)
@@ -99,7 +103,7 @@ def _is_zero(n: Vector) -> bool:
     return True
 
 
-def start_point(x: Any, y: Any) -> Vector:
+def start_point(x: Sequence[Vector], y: Sequence[Vector]) -> Vector:
     """A shared point of two elements given by their corners (one, two or three each), one known to exist."""
     if len(x) > len(y):
         x, y = y, x

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from itertools import product
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import fmpq
@@ -52,6 +52,9 @@ from firstcontact.motion.relative.stretches import Untold, Window, windows
 from firstcontact.search.convex.close_up import CloseUp, Passage
 from firstcontact.search.convex.convex import ConvexPieces, NotConvex, convex_pieces, covering_pieces
 from firstcontact.search.convex.separation import NoFunction
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
 
 REASONS = {SPENT: "budget"}
 # Parts of the workspace, by Python's own numbers: those index faster.
@@ -110,7 +113,7 @@ class Advance:
 
 
 def advance(
-    a: Any, b: Any, first: Any, last: Any, tolerance: float = 1e-12, budget: int = 10_000, covering: bool = False
+    a: Body, b: Body, first: fmpq, last: fmpq, tolerance: float = 1e-12, budget: int = 10_000, covering: bool = False
 ) -> Advance:
     """The first common point of two bodies (CompositeQuadric, or Moving ones) over the closed [first, last].
 
@@ -129,7 +132,7 @@ def advance(
     return search.run()
 
 
-def _exact(t: Any) -> fmpq:
+def _exact(t: float | fmpq) -> fmpq:
     return t if isinstance(t, fmpq) else fmpq(*float(t).as_integer_ratio())
 
 
@@ -362,7 +365,9 @@ class PieceSearch:
         }  # fmt: skip
 
 
-def _besides(best: Advance, contacts: list[Advance]) -> tuple[Any, ...]:
+def _besides(
+    best: Advance, contacts: list[Advance]
+) -> tuple[tuple[tuple[tuple[str, int], ...], tuple[tuple[str, int], ...]], ...]:
     assert best.time_interval is not None
     hi = best.time_interval[1]
     return tuple((x.features_a, x.features_b) for x in contacts if x.point is not best.point and x.free_until <= hi)
@@ -395,4 +400,3 @@ def named(pieces: ConvexPieces, forms: list[int]) -> tuple[Feature, ...]:
 
 def _at_vertex(pieces: ConvexPieces, row: int) -> tuple[Feature, ...]:
     return (("corner", row),)
-

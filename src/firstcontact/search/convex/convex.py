@@ -249,7 +249,7 @@ def _solid(body: CompositeQuadric, clause: Clause) -> CompositeQuadric | None:
 
 def _piece(
     body: CompositeQuadric, solid: CompositeQuadric, signed: Sequence[tuple[int, bool]]
-) -> list[list[Any]]:
+) -> list[list[list[float]]]:
     """Rows of vertices, arcs, curved faces and forms of one piece."""
     forms = [_half_space(body, x) for x in signed]
     for form in forms:
@@ -406,7 +406,9 @@ def _product(block: Rows, vector: Sequence[fmpq]) -> list[fmpq]:
     return [dot(row, vector) for row in block]
 
 
-def _bowl(form: Rows, parts: Sequence[Any], size: float) -> tuple[float, list[fmpq], list[fmpq], list[Any]]:
+def _bowl(
+    form: Rows, parts: Sequence[tuple[fmpq, Sequence[fmpq]]], size: float
+) -> tuple[float, list[fmpq], list[fmpq], list[Sequence[fmpq]]]:
     """Vertex and axes of a paraboloid {vertex + sum L_i u_i: u_2 >= u_0^2 + u_1^2}.
 
     In the axes v0, v1 (conjugate) and z (the kernel) the form is d0 c0^2 + d1 c1^2 + 2 beta c2.  L_2 is about `size`

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -57,6 +57,9 @@ from firstcontact.search.convex.advance import Feature, named
 from firstcontact.search.convex.convex import ConvexPieces
 from firstcontact.search.trees.frame import tree_of
 from firstcontact.work import Progress, may_grow
+
+if TYPE_CHECKING:
+    from firstcontact.body.polyhedron.polyhedron import Polyhedron
 
 STRIDES = 10_000
 """For one triangle at most."""
@@ -129,7 +132,12 @@ class MeshSearch:
     """Whether the pieces make up the model, or only cover it."""
 
     def __init__(
-        self, mesh: Any, pieces: ConvexPieces, mesh_is_a: bool, budget: int | None, progress: Progress | None = None
+        self,
+        mesh: Polyhedron,
+        pieces: ConvexPieces,
+        mesh_is_a: bool,
+        budget: int | None,
+        progress: Progress | None = None,
     ) -> None:
         self.tree = tree_of(mesh)
         self.pieces = pieces

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 from flint import fmpq
 
@@ -26,6 +26,9 @@ from firstcontact.search.convex.convex import ConvexPieces, NotConvex, convex_pi
 from firstcontact.search.convex.relation import Relation
 from firstcontact.search.convex.separation import NoFunction, Separation
 from firstcontact.search.convex.tips import Solid, at_tips, is_inside, tip_inside
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
 
 NOTHING = fmpq(1, 2**180)
 """Of the size: a depth or a distance that balls do not tell from none."""
@@ -86,7 +89,7 @@ class Place:
     outside: bool = False
 
 
-def places(a: Any, b: Any, t: fmpq) -> list[Place]:
+def places(a: Body, b: Body, t: fmpq) -> list[Place]:
     """How solid a, one convex piece, lies at time t to every convex piece that b is made of, or covered by.
 
     a, b: at rest or moving; points are in the frame of b's shape.  Raises NotConvex.

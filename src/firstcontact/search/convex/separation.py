@@ -12,7 +12,7 @@ weights as polynomials of the time, that is one power series with a remainder ov
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -130,7 +130,7 @@ def _centre_of(rows: list[list[fmpq]]) -> list[fmpq]:
     return [x[0] for x in block.solve(fmpq_mat([[-row[3]] for row in rows[:3]])).tolist()]
 
 
-def _reader(x: Any) -> Any:
+def _reader(x: float | arb_series) -> Callable[[fmpq], Any]:
     if isinstance(x, float):
         return to_double
     return arb
@@ -371,7 +371,9 @@ class Separation:
             rest.append((rate * (to_double(self.span) / self.size)).mid())
         return rest
 
-    def _at(self, t: arb, x: list[Any], functions: list[tuple[int, int]]) -> tuple[list[Any], list[list[Any]]]:
+    def _at(
+        self, t: arb, x: list[arb_series], functions: list[tuple[int, int]]
+    ) -> tuple[list[arb_series], list[list[arb_series]]]:
         """Values and gradients of functions around the time, power series; x as those."""
         try:
             back = inverse(self.motion.series(t), self.motion.is_rigid)
@@ -450,7 +452,7 @@ class Separation:
         moved = [[arb(c) + b * ball + a * ball * ball, arb(b) + 2 * a * ball, arb(a)] for c, b, a in paths]
         return ball, [[arb(c) for c in p] for p in paths], moved
 
-    def _weighted(self, t: arb, paths: list[list[arb]]) -> tuple[Any, list[Any]]:
+    def _weighted(self, t: arb, paths: list[list[arb]]) -> tuple[arb_series, list[arb_series]]:
         """The weighted sums of values and of gradients, power series."""
         x, weights = [arb_series(p) for p in paths[:3]], [arb_series(p) for p in paths[3:]]
         values, gradients = self._at(t, x, self.active)
@@ -474,7 +476,7 @@ class Separation:
             return all(f.at(y)[0] <= 0 for f in self.own) and all(f.at(place)[0] <= 0 for f in self.other)
 
 
-def _series(near: Any, far: Any) -> list[arb]:
+def _series(near: arb_series, far: arb_series) -> list[arb]:
     """The coefficients at the middle, and the last one over the whole stretch."""
     return [near[0], near[1], near[2], far[3]]
 

@@ -441,7 +441,7 @@ def _rulings(more: list[list[arb]], fewer: list[list[arb]]) -> Iterator[np.ndarr
         yield _table([first, u, v, None, uv])
 
 
-def _table(vectors: list[Any]) -> np.ndarray:
+def _table(vectors: list[Sequence[arb | fmpq] | None]) -> np.ndarray:
     """(6, 4) doubles nearest the coefficients of 1, u, v, u^2, u v, v^2, all times the same positive number."""
     balls = _unit([x for vector in vectors if vector is not None for x in vector])
     found = np.zeros((6, 4))
@@ -452,7 +452,7 @@ def _table(vectors: list[Any]) -> np.ndarray:
     return found
 
 
-def _unit(vector: Sequence[Any]) -> list[arb]:
+def _unit(vector: Sequence[arb | fmpq]) -> list[arb]:
     """The multiple with largest entry 1: numbers of exact rotations exceed all doubles."""
     largest = arb(0)
     for x in vector:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import weakref
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,6 +18,9 @@ from firstcontact.exact.vectors import cross
 from firstcontact.kernels.events.event_search import ALL_PAIRS, IN_OWN, KNOWN, STILL
 from firstcontact.kernels.events.feature_boxes import ABOUT, CURVED, UNLESS_IN, UNLESS_OUT
 from firstcontact.search.events.charts import Chart, charts_of, resting
+
+if TYPE_CHECKING:
+    from firstcontact.search.events.charts import Charts
 
 JUMPS = (UNLESS_IN, UNLESS_OUT)
 
@@ -102,7 +105,7 @@ def _tables(a: CompositeQuadric, b: CompositeQuadric) -> Tables:
     )  # fmt: skip
 
 
-def programs_of(sides: Any, n: list[int], steps: list[int]) -> tuple[np.ndarray, np.ndarray]:
+def programs_of(sides: tuple[Charts, Charts], n: list[int], steps: list[int]) -> tuple[np.ndarray, np.ndarray]:
     """Both trees one after the other, and the layout of either body."""
     shifted = sides[1].program.copy()
     shifted[np.isin(shifted[:, 0], JUMPS), 1] += steps[0]

@@ -10,7 +10,7 @@ first: nothing touches before they do, and where they touch at a point of the mo
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import fmpq
@@ -46,6 +46,9 @@ from firstcontact.search.events.shared_points import proved_at, shared_point, wi
 from firstcontact.search.events.solid_certificate import earliest_event
 from firstcontact.work import WORTH
 
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
+
 LEAST = 1.0 / 64.0
 """Of the width of the answer: slabs that short are not cut any more."""
 REACH, STAGES = 256.0, 10
@@ -73,7 +76,7 @@ SLICE = 2000
 
 
 def first_event(
-    a: Any, b: Any, first: fmpq, last: fmpq, tolerance: float, budget: int, apart: bool = False
+    a: Body, b: Body, first: fmpq, last: fmpq, tolerance: float, budget: int, apart: bool = False
 ) -> Advance:
     """The first common point of two bodies over [first, last]; as `search.convex.advance`.
 
@@ -96,7 +99,9 @@ def first_event(
 
 
 class EventSearch:
-    def __init__(self, a: Any, b: Any, tables: Tables, stretches: list[Window], tolerance: float, budget: int) -> None:
+    def __init__(
+        self, a: Any, b: Any, tables: Tables, stretches: list[Window], tolerance: float, budget: int
+    ) -> None:
         self.bodies = a, b
         self.tables = tables
         self.windows = stretches
@@ -288,4 +293,3 @@ class EventSearch:
             status, free_until, steps=int(c[VISITS]), newton=int(c[SLABS]), gaps=int(c[TESTS]), spent=self.taken,
             **fields,
         )
-

@@ -135,7 +135,7 @@ class Instant:
                 break
         return z
 
-    def _equations(self, side: Any, pair: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _equations(self, side: int, pair: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         t, s = self.tables, self.scratch
         base, end = t.layout[side, OTHER], ZEROTH + pair[EQUATIONS]
         for form, deep, row in ((pair[FORM], pair[DEEP], ZEROTH), (pair[OTHER_FORM], PLAIN, end - 1)):

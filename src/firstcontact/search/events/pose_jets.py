@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from flint import arb, arb_mat, ctx, fmpq, fmpq_poly
 
@@ -18,6 +19,9 @@ from firstcontact.motion.rotation import Rotation, angle_ball
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.steps import REST, Step
 
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
+
 
 class PoseJet:
     """The pose of a body over one step of its motion and its derivative by the time, as (4, 4) matrices of balls.
@@ -25,7 +29,7 @@ class PoseJet:
     way: -1 where times are those of the motion backwards, at -t.
     """
 
-    def __init__(self, body: Any, window: Window, way: int = 1) -> None:
+    def __init__(self, body: Body, window: Window, way: int = 1) -> None:
         self.way = way
         motion = body.motion if isinstance(body, Moving) else REST
         middle = way * (exact_value(window.first) + exact_value(window.last)) / 2
@@ -99,5 +103,5 @@ def _at(p: fmpq_poly, x: arb) -> arb:
     return total
 
 
-def _square(rows: Any) -> arb_mat:
+def _square(rows: Sequence[Sequence[arb | fmpq]]) -> arb_mat:
     return arb_mat([[arb(c) for c in row] for row in rows] + [[0, 0, 0, 1]])

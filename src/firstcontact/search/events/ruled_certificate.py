@@ -8,7 +8,7 @@ Points are homogeneous: with S = M^T Q M, for the relative pose M, a surface of 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from flint import arb, arb_mat, fmpq
@@ -22,6 +22,7 @@ from firstcontact.search.events.event_tables import crossing_surfaces
 from firstcontact.search.events.pose_jets import PoseJet, relative_jet
 
 if TYPE_CHECKING:
+    from firstcontact.body.solid.composite_quadric import CompositeQuadric
     from firstcontact.search.events.ruled_solids import Event
 
 MOST = 400
@@ -132,7 +133,7 @@ def _parallel(f: Jet, g: Jet, deep: bool) -> list[arb]:
     return row
 
 
-def _column(entries: Sequence[Any]) -> arb_mat:
+def _column(entries: Sequence[arb]) -> arb_mat:
     return arb_mat([[c] for c in entries])
 
 
@@ -149,7 +150,9 @@ class Certificate:
     most     boxes that may still be looked at
     """
 
-    def __init__(self, model: Any, poses: tuple[PoseJet, PoseJet], begin: fmpq, end: fmpq, most: int) -> None:
+    def __init__(
+        self, model: CompositeQuadric, poses: tuple[PoseJet, PoseJet], begin: fmpq, end: fmpq, most: int
+    ) -> None:
         self.model, self.poses, self.begin, self.end, self.most = model, poses, begin, end, most
         self.events: list[tuple[Event, arb]] = []
         self.open: fmpq | None = None

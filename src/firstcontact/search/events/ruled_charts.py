@@ -21,7 +21,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, reduce
 from itertools import product
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import arb, fmpq, fmpq_poly, fmpz, fmpz_poly
@@ -56,6 +56,10 @@ from firstcontact.search.events.charts import BITS, Charts, NotCharted, forms_of
 from firstcontact.search.events.event_tables import Tables, crossing_surfaces, programs_of
 from firstcontact.search.rulings.ruled_pieces import Part, RuledPiece
 
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Ruled
+    from firstcontact.exact.ring import E
+
 MOST_FORMS = 62
 """Of a model; the search keeps them as bits."""
 FLAT = 1e-6
@@ -85,14 +89,14 @@ class Sheet:
         """Whether all inequalities that cut the part hold there."""
         return all(cut.value(x, s) >= 0 for cut in self.cuts)
 
-    def at(self, t: Any) -> Sheet | Mixed:
+    def at(self, t: fmpq | arb) -> Sheet | Mixed:
         return Mixed((self, *self.later), [t**k for k in range(len(self.later) + 1)]) if self.later else self
 
-    def rate(self, t: Any) -> Mixed | None:
+    def rate(self, t: fmpq | arb) -> Mixed | None:
         """The derivative by the time; None where there is none."""
         return Mixed(self.later, [k * t ** (k - 1) for k in range(1, len(self.later) + 1)]) if self.later else None
 
-    def point(self, x: Any, s: Any) -> list[Any]:
+    def point(self, x: E, s: E) -> list[E]:
         """Homogeneous, in the numbers of x and s."""
         return _blended((self.first, self.second), x, s)
 
@@ -106,20 +110,20 @@ class Sheet:
         first, second = ([c.derivative() for c in side] for side in self.slopes)
         return first, second
 
-    def by_x(self, x: Any, s: Any) -> list[Any]:
+    def by_x(self, x: arb, s: arb) -> list[arb]:
         return _blended(self.slopes, x, s)
 
-    def by_s(self, x: Any) -> list[Any]:
+    def by_s(self, x: arb) -> list[arb]:
         return [q(x) - p(x) for p, q in zip(self.first, self.second, strict=True)]
 
-    def by_xx(self, x: Any, s: Any) -> list[Any]:
+    def by_xx(self, x: arb, s: arb) -> list[arb]:
         return _blended(self.bends, x, s)
 
-    def by_xs(self, x: Any) -> list[Any]:
+    def by_xs(self, x: arb) -> list[arb]:
         return [q(x) - p(x) for p, q in zip(*self.slopes, strict=True)]
 
 
-def _blended(sides: tuple[list[fmpz_poly], list[fmpz_poly]], x: Any, s: Any) -> list[Any]:
+def _blended(sides: tuple[list[fmpz_poly], list[fmpz_poly]], x: E, s: E) -> list[E]:
     return [p(x) * (1 - s) + q(x) * s for p, q in zip(*sides, strict=True)]
 
 
@@ -130,22 +134,22 @@ class Mixed:
     sheets: tuple[Sheet, ...]
     weights: list[Any]
 
-    def point(self, x: Any, s: Any) -> list[Any]:
+    def point(self, x: E, s: E) -> list[E]:
         return self._sum(sheet.point(x, s) for sheet in self.sheets)
 
-    def by_x(self, x: Any, s: Any) -> list[Any]:
+    def by_x(self, x: arb, s: arb) -> list[arb]:
         return self._sum(sheet.by_x(x, s) for sheet in self.sheets)
 
-    def by_s(self, x: Any) -> list[Any]:
+    def by_s(self, x: arb) -> list[arb]:
         return self._sum(sheet.by_s(x) for sheet in self.sheets)
 
-    def by_xx(self, x: Any, s: Any) -> list[Any]:
+    def by_xx(self, x: arb, s: arb) -> list[arb]:
         return self._sum(sheet.by_xx(x, s) for sheet in self.sheets)
 
-    def by_xs(self, x: Any) -> list[Any]:
+    def by_xs(self, x: arb) -> list[arb]:
         return self._sum(sheet.by_xs(x) for sheet in self.sheets)
 
-    def _sum(self, rows: Iterator[list[Any]]) -> list[Any]:
+    def _sum(self, rows: Iterator[list[E]]) -> list[E]:
         scaled = [[w * c for c in row] for w, row in zip(self.weights, rows, strict=True)]
         return [sum(column[1:], column[0]) for column in zip(*scaled, strict=True)]
 
@@ -159,12 +163,12 @@ class Cut:
     def value(self, x: Any, s: Any) -> Any:
         return _in_s(self.powers, x, s)
 
-    def slopes(self, x: Any, s: Any) -> tuple[Any, Any]:
+    def slopes(self, x: arb, s: arb) -> tuple[arb, arb]:
         """Derivatives by x and by s."""
         by_x, by_s = self._slopes
         return _in_s(by_x, x, s), _in_s(by_s, x, s)
 
-    def bends(self, x: Any, s: Any) -> dict[tuple[int, int], Any]:
+    def bends(self, x: arb, s: arb) -> dict[tuple[int, int], arb]:
         """Second derivatives."""
         by_x, by_s = self._slopes
         mixed = _in_s([p.derivative() for p in by_s], x, s)
@@ -229,7 +233,7 @@ Terms = dict[tuple[int, int], int]
 """c of u^i s^j by (i, j)."""
 
 
-def sheets_of(body: Any, trims: Sequence[tuple[Sequence[Terms], Sequence[Terms]]]) -> list[Sheet]:
+def sheets_of(body: Ruled, trims: Sequence[tuple[Sequence[Terms], Sequence[Terms]]]) -> list[Sheet]:
     """All parts of all pieces of a ruled surface or strip.  Raises NotCharted.
 
     trims: for every piece its inequalities g >= 0, with s from 0 to 1, and the same in 1/u.
@@ -333,7 +337,7 @@ def _is_point(sheet: Sheet, which: int) -> bool:
 
 
 def ruled_tables(
-    ruled: Any, sheets: list[Sheet], model: CompositeQuadric, side: int, span: tuple[float, float]
+    ruled: RuledSurface, sheets: list[Sheet], model: CompositeQuadric, side: int, span: tuple[float, float]
 ) -> Tables:
     """The tables of a ruled surface, body `side`, with its sheets, and a model, over a span.  Raises NotCharted."""
     units = _units(ruled, span)
@@ -426,7 +430,7 @@ def _cut_row(feature: RuledFeature, cut: Cut, width: int) -> np.ndarray:
     return row
 
 
-def _units(ruled: Any, span: tuple[float, float]) -> np.ndarray:
+def _units(ruled: RuledSurface, span: tuple[float, float]) -> np.ndarray:
     lo, hi = ruled.bounds(span)
     size = 2.0 ** math.frexp(float(np.max(hi - lo)) / 2 * (1 + 1e-9))[1]
     middle = np.round((lo + hi) / 2 / size * 1024) / 1024 * size

@@ -14,7 +14,7 @@ from collections.abc import Iterator, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import arb, fmpq
@@ -66,6 +66,9 @@ from firstcontact.search.events.ruled_charts import Mixed, RuledFeature, Sheet, 
 from firstcontact.search.events.shared_points import BITS, RANKS, ball_pose, mapped, middles
 from firstcontact.work import WORTH
 
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
+
 STEP = fmpq(1, 2**80)
 """Of differences in place of derivatives."""
 REGULAR = 1e12
@@ -107,7 +110,7 @@ class RuledSearch(EventSearch):
     """
 
     def __init__(
-        self, a: Any, b: Any, tables: Tables, stretches: list[Window], tolerance: float, budget: int, side: int
+        self, a: Body, b: Body, tables: Tables, stretches: list[Window], tolerance: float, budget: int, side: int
     ) -> None:
         super().__init__(a, b, tables, stretches, tolerance, budget)
         self.side = side
@@ -327,7 +330,7 @@ class RuledSearch(EventSearch):
                 if near and all(abs(cut.value(x, s)) < exact_value(NEAR) * cut.size for cut in cuts):
                     yield chart, pair
 
-    def _rank(self, item: Any) -> tuple[int, ...]:
+    def _rank(self, item: tuple[tuple[int, int], np.ndarray | None]) -> tuple[int, ...]:
         (chart, pair), _ = item
         own: Any = self.tables.features[chart]
         other = self.tables.others[pair]
@@ -363,7 +366,9 @@ class Event:
     Call within `precision(BITS)`.
     """
 
-    def __init__(self, bodies: Any, side: int, tables: Tables, chart: int, pair: int, box: np.ndarray) -> None:
+    def __init__(
+        self, bodies: tuple[Body, Body], side: int, tables: Tables, chart: int, pair: int, box: np.ndarray
+    ) -> None:
         self.bodies, self.side = bodies, side
         self.own: RuledFeature = tables.features[chart]  # type: ignore[assignment]
         self.numbers = cuts_of(tables, side, pair)
@@ -386,7 +391,7 @@ class Event:
     def time(self) -> float:
         return to_double(self.moment)
 
-    def _surfaces(self) -> list[Any]:
+    def _surfaces(self) -> list[list[list[arb]]]:
         """The forms of the model's feature as balls."""
         if isinstance(self.other, Face):
             numbers: Sequence[int] = self.other.surfaces[:1]
@@ -434,7 +439,7 @@ class Event:
         slopes = [cut.slopes(x, s) for cut in self.cuts]
         return [cut.value(x, s) for cut in self.cuts], [[both[k] for k in self.free] for both in slopes]
 
-    def _equations(self, z: Sequence[fmpq]) -> list[Any]:
+    def _equations(self, z: Sequence[fmpq]) -> list[arb]:
         place = list(self.place)
         for k, c in zip(self.free, z, strict=False):
             place[k] = c
@@ -634,7 +639,7 @@ def _surfaces_near(model: CompositeQuadric, x: np.ndarray, size: float) -> np.nd
 
 
 def _sampled(
-    bodies: tuple[Any, Any], side: int, sheets: Sequence[Sheet], t: fmpq, within: bool
+    bodies: tuple[Body, Body], side: int, sheets: Sequence[Sheet], t: fmpq, within: bool
 ) -> np.ndarray | None:
     shapes: list[Any] = [shape_of(x) for x in bodies]
     model = shapes[1 - side]
@@ -658,7 +663,7 @@ def _sampled(
     return None
 
 
-def is_inside(model: CompositeQuadric, there: list[Any]) -> bool | None:
+def is_inside(model: CompositeQuadric, there: list[arb]) -> bool | None:
     """Whether the model holds the point, balls in its frame; None where a sign is not certain."""
     point = [*there, arb(1)]
     negative = []
@@ -680,7 +685,7 @@ def _in_doubles(sheet: Sheet | Mixed, x: float, s: float) -> np.ndarray:
     return np.array([to_double(c / point[3]) for c in point[:3]])
 
 
-def _scaled(rows: Any) -> list[list[arb]]:
+def _scaled(rows: Sequence[Sequence[fmpq]]) -> list[list[arb]]:
     """The form as balls, its largest entry 1."""
     largest = max(abs(c) for row in rows for c in row)
     return [[arb(c / largest) for c in row] for row in rows]

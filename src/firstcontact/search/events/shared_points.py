@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import arb, fmpq
@@ -28,6 +28,10 @@ from firstcontact.search.convex.advance import Advance, Feature
 from firstcontact.search.convex.convex import covering_pieces
 from firstcontact.search.events.event_tables import Tables, crossing_surfaces
 from firstcontact.search.events.instants import NEAR, Instant
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
+    from firstcontact.body.solid.carriers import Plane, Quadric
 
 BITS = 256
 TRIED = 8
@@ -51,7 +55,7 @@ class Shared:
     frames: list[list[float]]
 
 
-def ball_pose(body: Any, t: fmpq) -> Matrix:
+def ball_pose(body: Body, t: fmpq) -> Matrix:
     """The pose at t as (3, 4) balls, at the present precision; the first and the last step go on beyond the motion."""
     motion = body.motion if isinstance(body, Moving) else REST
     rows = step_near(known_steps(motion), t).pose(t).matrix()
@@ -59,7 +63,7 @@ def ball_pose(body: Any, t: fmpq) -> Matrix:
 
 
 def shared_point(
-    bodies: tuple[Any, Any], instant: Instant, boxes: np.ndarray, lo: float, hi: float, width: float, last: fmpq
+    bodies: tuple[Body, Body], instant: Instant, boxes: np.ndarray, lo: float, hi: float, width: float, last: fmpq
 ) -> Shared | None:
     """A common point at a time within `width` after lo and not after `last`, from boxes that survive [lo, hi]."""
     latest = lo + 0.98 * width
@@ -75,7 +79,7 @@ def shared_point(
 
 
 def proved_at(
-    bodies: tuple[Any, Any], instant: Instant, covers: Advance, times: Sequence[float], last: fmpq
+    bodies: tuple[Body, Body], instant: Instant, covers: Advance, times: Sequence[float], last: fmpq
 ) -> float | None:
     """The first of the times, none after `last`, at which a contact of pieces that cover the models is proved theirs.
 
@@ -134,7 +138,7 @@ def _shares(instant: Instant, event: Event, at: float) -> bool:
 class Event:
     """own: the body whose feature is parametrised; x: the event's place in its frame, local: in its units."""
 
-    bodies: tuple[Any, Any]
+    bodies: tuple[Body, Body]
     side: int
     own: Face | Edge | Vertex
     other: Face | Edge | Vertex
@@ -204,7 +208,7 @@ def _outward(body: CompositeQuadric, feature: Face | Edge | Vertex, x: np.ndarra
 
 
 def events_in(
-    bodies: tuple[Any, Any], instant: Instant, boxes: np.ndarray, earliest: float, latest: float
+    bodies: tuple[Body, Body], instant: Instant, boxes: np.ndarray, earliest: float, latest: float
 ) -> list[Event]:
     """The events in boxes that survive the search, precise in doubles where they can be, the earliest first."""
     with precision(BITS):
@@ -212,7 +216,7 @@ def events_in(
 
 
 def _all_events(
-    bodies: tuple[Any, Any], instant: Instant, boxes: np.ndarray, earliest: float, latest: float, in_doubles: bool
+    bodies: tuple[Body, Body], instant: Instant, boxes: np.ndarray, earliest: float, latest: float, in_doubles: bool
 ) -> list[Event]:
     """The events in the boxes, the earliest first, those at one time by their features; they may be that much later
     than the boxes."""
@@ -245,7 +249,7 @@ def _rank(tables: Tables, box: np.ndarray) -> tuple[int, ...]:
     return RANKS[type(first)], first.index, RANKS[type(second)], second.index
 
 
-def _event(bodies: tuple[Any, Any], tables: Tables, box: np.ndarray) -> Event:
+def _event(bodies: tuple[Body, Body], tables: Tables, box: np.ndarray) -> Event:
     chart = int(box[CHART])
     side = int(tables.info[chart, 0])
     u, v = box[2], box[4]
@@ -308,14 +312,14 @@ def _shortened(x: fmpq) -> fmpq:
     return fmpq((x * 2**200).floor()) / 2**200
 
 
-def middles(m: Any) -> np.ndarray:
+def middles(m: Sequence[Sequence[arb]]) -> np.ndarray:
     return np.array([[float(c.mid()) for c in row] for row in m])
 
 
 class _System:
     """The equations of an event in any numbers: forms of the own model, and of the other one, which is under a map."""
 
-    def __init__(self, mine: list[Any], theirs: list[Any]) -> None:
+    def __init__(self, mine: list[list[list[fmpq]]], theirs: list[list[list[fmpq]]]) -> None:
         self.mine, self.theirs = mine, theirs
         self.doubles = [[_doubles(m) for m in forms] for forms in (mine, theirs)]
         self.balls = [[[[arb(c) for c in row] for row in m] for m in forms] for forms in (mine, theirs)]
@@ -356,13 +360,13 @@ def _across(system: _System, x: np.ndarray) -> np.ndarray | None:
     return np.array([first, second / np.linalg.norm(second)])
 
 
-def _scaled(surface: Any) -> list[list[fmpq]]:
+def _scaled(surface: Plane | Quadric) -> list[list[fmpq]]:
     """The form, its largest entry 1."""
     largest = max(abs(c) for row in surface.matrix() for c in row)
     return [[c / largest for c in row] for row in surface.matrix()]
 
 
-def _doubles(form: Any) -> np.ndarray:
+def _doubles(form: Sequence[Sequence[fmpq]]) -> np.ndarray:
     return np.array([[to_double(c) for c in row] for row in form])
 
 

@@ -7,7 +7,7 @@ zeros in the boxes are isolated, and those that are not on both models dropped.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from flint import arb, arb_mat, fmpq
@@ -40,6 +40,9 @@ from firstcontact.motion.relative.stretches import Window
 from firstcontact.search.events.event_tables import Tables, crossing_surfaces
 from firstcontact.search.events.pose_jets import PoseJet, relative_jet
 
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
+
 BITS, TOLD = 192, 128
 """Of the balls, and of the zeros found with them."""
 MOST = 100
@@ -53,7 +56,7 @@ Feature = Face | Edge | Vertex
 
 
 def earliest_event(
-    bodies: tuple[Any, Any], tables: Tables, window: Window, boxes: np.ndarray, first: fmpq, last: fmpq, fine: fmpq,
+    bodies: tuple[Body, Body], tables: Tables, window: Window, boxes: np.ndarray, first: fmpq, last: fmpq, fine: fmpq,
     most: int,
 ) -> tuple[fmpq | None, int]:  # fmt: skip
     """(a time after `first` before which the boxes hold no event, `last` where they hold none up to then; how many
@@ -86,7 +89,7 @@ class EventPlace:
     """Where and when a pair of features may begin to touch."""
 
     def __init__(
-        self, bodies: tuple[Any, Any], tables: Tables, jets: tuple[PoseJet, PoseJet], chart: int, pair: int
+        self, bodies: tuple[Body, Body], tables: Tables, jets: tuple[PoseJet, PoseJet], chart: int, pair: int
     ) -> None:
         self.tables, self.chart = tables, chart
         self.side = int(tables.info[chart, BODY])

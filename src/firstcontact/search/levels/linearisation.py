@@ -14,9 +14,9 @@ Not covered are pairs in which the equations degenerate (`is_degenerate`): the p
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from flint import fmpq
@@ -28,26 +28,35 @@ from firstcontact.exact.vectors import Vector, cross, dot, sub
 from firstcontact.kernels import running
 from firstcontact.pairs.elements import line_line, line_line_rotation
 
+if TYPE_CHECKING:
+    from firstcontact.exact.ring import N, Number
+
+
+Floats = float | np.ndarray
+"""Several numbers at once, or one."""
+
 
 class Bounded:
     """Arrays of doubles with bounds on their errors (`kernels.running`); numbers without error mix freely."""
 
     __slots__ = ("error", "value")
+    value: Any
+    error: Any
     __array_ufunc__ = None  # arrays do not try to take this apart
 
-    def __init__(self, value: Any, error: Any = 0.0) -> None:
+    def __init__(self, value: Floats, error: Floats = 0.0) -> None:
         self.value, self.error = value, error
 
-    def __add__(self, other: Any) -> Bounded:
+    def __add__(self, other: Bounded | Floats) -> Bounded:
         return Bounded(*running.add.py_func(self.value, self.error, *_both(other)))
 
-    def __sub__(self, other: Any) -> Bounded:
+    def __sub__(self, other: Bounded | Floats) -> Bounded:
         return Bounded(*running.sub.py_func(self.value, self.error, *_both(other)))
 
-    def __mul__(self, other: Any) -> Bounded:
+    def __mul__(self, other: Bounded | Floats) -> Bounded:
         return Bounded(*running.mul.py_func(self.value, self.error, *_both(other)))
 
-    def __rsub__(self, other: Any) -> Bounded:
+    def __rsub__(self, other: Floats) -> Bounded:
         return -self + other
 
     def __neg__(self) -> Bounded:
@@ -55,12 +64,12 @@ class Bounded:
 
     __radd__, __rmul__ = __add__, __mul__
 
-    def signs(self) -> tuple[Any, Any]:
+    def signs(self) -> tuple[Floats, Floats]:
         """(signs, whether they are certain); a zero without error is certain."""
         return np.sign(self.value), (abs(self.value) > self.error) | ((self.value == 0) & (self.error == 0))
 
 
-def _both(x: Any) -> tuple[Any, Any]:
+def _both(x: Bounded | Floats) -> tuple[Floats, Floats]:
     return (x.value, x.error) if isinstance(x, Bounded) else (x, 0.0)
 
 
@@ -87,7 +96,7 @@ Conjunction = tuple[Conjunct, ...]
 Features = dict[str, tuple[Any, ...]]
 
 
-def _scaled(k: Any, x: tuple[Any, ...]) -> tuple[Any, ...]:
+def _scaled(k: int, x: Sequence[N]) -> tuple[N, ...]:
     return tuple(k * c for c in x)
 
 
@@ -100,7 +109,7 @@ def translation_features(c: Vector, d: Vector) -> Features:
     return {"line": (*f, *cross(c, f)), "start": (*c, 1), "end": (*d, 1)}
 
 
-def translation_conjunctions(a: Vector, b: Vector, v: Vector, last: Any) -> tuple[Conjunction, ...]:
+def translation_conjunctions(a: Vector, b: Vector, v: Vector, last: Number) -> tuple[Conjunction, ...]:
     """The edges cd that ab, moving by t v, meets at a time in [0, last], unless v.((b - a) x (d - c)) = 0.
 
     u0 + t u1 is the product of the lines of cd and of ab at the time t; D = u1.
@@ -150,7 +159,7 @@ def _squared_radius(e: Vector, m: Vector) -> tuple[Any, Any, Any]:
     return (e[0] * e[0] + e[1] * e[1], 2 * (e[1] * m[0] - e[0] * m[1]), m[0] * m[0] + m[1] * m[1])
 
 
-def rotation_conjunctions(a: Vector, b: Vector, tangent: Any) -> tuple[Conjunction, ...]:
+def rotation_conjunctions(a: Vector, b: Vector, tangent: Number) -> tuple[Conjunction, ...]:
     """The rising edges cd that the rising edge ab, turning about +z, meets within the angle 2 atan(tangent) < pi.
 
     Only pairs that share more than one height.
@@ -217,7 +226,7 @@ class Translated:
 
     features = staticmethod(translation_features)
 
-    def conjunctions(self, a: Vector, b: Vector, v: Any, last: Any) -> tuple[Conjunction, ...]:
+    def conjunctions(self, a: Vector, b: Vector, v: Vector, last: Number) -> tuple[Conjunction, ...]:
         return translation_conjunctions(a, b, v, last)
 
     def parameters(self) -> tuple[Any, ...]:
@@ -246,7 +255,7 @@ class Turned:
 
     features = staticmethod(rotation_features)
 
-    def conjunctions(self, a: Vector, b: Vector, tangent: Any) -> tuple[Conjunction, ...]:
+    def conjunctions(self, a: Vector, b: Vector, tangent: Number) -> tuple[Conjunction, ...]:
         return rotation_conjunctions(a, b, tangent)
 
     def parameters(self) -> tuple[Any, ...]:
@@ -289,7 +298,7 @@ class EdgeSet:
         c, d = (tuple(Bounded(oriented[:, k, j]) for j in range(3)) for k in range(2))
         self.features: Features = motion.features(c, d)  # type: ignore[arg-type]
 
-    def counts(self, a: Any, b: Any) -> np.ndarray:
+    def counts(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
         """Number of contacts of the moving edge from a to b (doubles) with every edge of the set."""
         motion, total = self.motion, np.zeros(len(self.ends), np.int64)
         unsure = np.zeros(len(self.ends), bool)
@@ -312,11 +321,11 @@ class EdgeSet:
             total[k] = count_exactly(motion, *map(_exact, (a, b, *self.ends[k])))
         return total
 
-    def hit(self, a: Any, b: Any) -> np.ndarray:
+    def hit(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
         """The edges that the moving edge meets."""
         return np.flatnonzero(self.counts(a, b))
 
-    def is_free(self, a: Any, b: Any) -> bool:
+    def is_free(self, a: np.ndarray, b: np.ndarray) -> bool:
         return not self.counts(a, b).any()
 
 
@@ -334,7 +343,7 @@ def count_exactly(motion: Translated | Turned, a: Vector, b: Vector, c: Vector, 
     )
 
 
-def _exact(point: Any) -> Vector:
+def _exact(point: Sequence[float]) -> Vector:
     x, y, z = (fmpq(*float(c).as_integer_ratio()) for c in point)
     return x, y, z
 

@@ -17,7 +17,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -62,7 +61,7 @@ def facets_of(tree: Tree) -> Elements:
     return Elements(chosen, np.ascontiguousarray(tree.xyz[parts]))
 
 
-def _elements(tree: Tree, bit: int, kinds: int, corners: Any) -> Elements:
+def _elements(tree: Tree, bit: int, kinds: int, corners: tuple[tuple[int, int, int], ...]) -> Elements:
     masks = tree.ids[:, 1]
     keys, parts, bits, places = [], [], [], []
     for s in range(3):

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -15,6 +15,9 @@ from firstcontact.search.lifted.facet_halving import Facets, Paths, halve_facets
 from firstcontact.search.lifted.halving import Edges, Room, halve
 from firstcontact.search.lifted.lifted_motion import arc_of
 from firstcontact.search.trees.state import ARC, BEST, DONE, KEY, LIFTED, PHASE, QUERY, STACK
+
+if TYPE_CHECKING:
+    from firstcontact.search.trees.state import WalkState
 
 # Phases: edges against facets at the start, then within each arc the three kinds of contact.
 EDGES_AT_START, FACETS_AT_START, EDGES, CORNERS, FACETS, PHASES = range(6)
@@ -32,7 +35,7 @@ class Body(NamedTuple):
 
 def lifted_walk(
     a: Body, b: Body, frame: tuple[np.ndarray, float], room: Room, motion: np.ndarray, reach: float,
-    errors: tuple[float, float], limit: int, state: Any,
+    errors: tuple[float, float], limit: int, state: WalkState,
     searches: Mapping[int, Callable[[int], int]] = MappingProxyType({}),
 ) -> int:  # fmt: skip
     """Go on with the walk until one of the reasons of `state` to come back; returns it.

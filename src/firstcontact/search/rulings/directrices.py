@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
-from flint import fmpq, fmpz_poly
+from flint import fmpq, fmpz_mpoly, fmpz_poly
 
 from firstcontact.body.ruled.rational_curve import RING, RationalCurve, lifted
 from firstcontact.body.ruled.surface import RuledSurface
@@ -16,6 +16,9 @@ from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.clocks import StraightClock
 from firstcontact.motion.relative.polynomial import PolynomialPiece, relative_pieces
 from firstcontact.motion.relative.projective import IDENTITY, Matrix
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
 
 Sides = tuple[RationalCurve, RationalCurve]
 
@@ -36,7 +39,7 @@ class DirectrixPiece:
     q: Sides
 
 
-def directrix_pieces(a: Any, b: Any, first: fmpq, last: fmpq | None) -> Iterator[DirectrixPiece]:
+def directrix_pieces(a: Body, b: Body, first: fmpq, last: fmpq | None) -> Iterator[DirectrixPiece]:
     """The pieces of two ruled surfaces, at rest or moving, over the closed [first, last], in time order.
 
     Both must be of one piece each (`RuledSurface.pieces`).  UnsupportedPair where the relative motion is no rational
@@ -70,7 +73,7 @@ def _middle(motion: PolynomialPiece) -> fmpq:
     return motion.u_lo if motion.u_hi is None else (motion.u_lo + motion.u_hi) / 2
 
 
-def _shape(body: Any) -> RuledSurface:
+def _shape(body: Body) -> RuledSurface:
     shape = shape_of(body)
     if not isinstance(shape, RuledSurface):
         raise TypeError(f"{shape!r} is no ruled surface")
@@ -90,5 +93,5 @@ def _moved(curve: RationalCurve, pose: Matrix) -> RationalCurve:
     return RationalCurve.of([sum((m * c for m, c in zip(row, x, strict=True)), RING.constant(0)) for row in rows])
 
 
-def _in_time(p: fmpz_poly) -> Any:
+def _in_time(p: fmpz_poly) -> fmpz_mpoly:
     return RING.from_dict({(0, j): c for j, c in enumerate(p.coeffs()) if c})

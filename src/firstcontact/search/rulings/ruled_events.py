@@ -11,7 +11,7 @@ import math
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 from itertools import combinations
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from flint import arb, fmpq
@@ -389,7 +389,7 @@ class Search:
                 return False
             return all(arb(limits[k][0]) <= x[k] <= arb(limits[k][1]) for k in system.free) or None
 
-    def _limits(self, kind: np.ndarray) -> tuple[tuple[Any, Any], ...]:
+    def _limits(self, kind: np.ndarray) -> tuple[tuple[fmpq, fmpq], ...]:
         part_p, part_q = self.p.parts[kind[PART_P]], self.q.parts[kind[PART_Q]]
         return (part_p.lowest, part_p.highest), (fmpq(0), fmpq(1)), (part_q.lowest, part_q.highest), (fmpq(0), fmpq(1))
 

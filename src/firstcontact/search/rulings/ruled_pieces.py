@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from flint import fmpq, fmpq_mat, fmpq_poly, fmpz, fmpz_poly
@@ -19,6 +19,9 @@ from firstcontact.errors import UnsupportedPair
 from firstcontact.exact.numbers import rational, to_double
 from firstcontact.exact.systems.ruled_systems import Curve
 from firstcontact.kernels.rulings.models import MOST_DEGREE
+
+if TYPE_CHECKING:
+    from fractions import Fraction
 
 Coefficients = Sequence[Sequence[fmpq | int]]
 """c[i][j]: that of u^i T^j, exactly."""
@@ -64,7 +67,7 @@ class RuledPiece:
     u: tuple[fmpq, fmpq] | None
 
     @classmethod
-    def of(cls, sides: tuple[RationalCurve, RationalCurve], u: tuple[Any, Any] | None) -> RuledPiece:
+    def of(cls, sides: tuple[RationalCurve, RationalCurve], u: tuple[Fraction, Fraction] | None) -> RuledPiece:
         """The piece between two curves (`RuledSurface.sides`, `DirectrixPiece.p`) over this range of u."""
         ends = None if u is None else (rational(u[0], "u"), rational(u[1], "u"))
         return cls(sides[0].coefficients, sides[1].coefficients, ends)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import weakref
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import fmpq
@@ -24,6 +24,9 @@ from firstcontact.kernels.verdict import DET_EPS, TINY, cross_size
 from firstcontact.kernels.verdict import cross as cross_f
 from firstcontact.search.trees.frame import tree_of
 from firstcontact.search.trees.tree import FACET, Tree
+
+if TYPE_CHECKING:
+    from firstcontact.body.polyhedron.polyhedron import Polyhedron
 
 # Boxes of components that are looked at one by one.
 _LEAF = 4
@@ -95,7 +98,8 @@ def ray_crossings(boxes, links, xyz, ids, p, axis, err, hits):
     return n
 
 
-def contains(solid: Any, tree: Tree, point: Vector, axis: int = 0, skip: Sequence[int] = ()) -> bool:
+
+def contains(solid: Polyhedron, tree: Tree, point: Vector, axis: int = 0, skip: Sequence[int] = ()) -> bool:
     """Whether the exact point lies inside the closed polyhedron.
 
     skip: the triangles that hold the point, if any; then what is told is whether points next to it are inside, those
@@ -180,7 +184,7 @@ def _shifted_side(q: Vector, r: Vector) -> int:
     return 0
 
 
-def component_labels(body: Any) -> np.ndarray:
+def component_labels(body: Polyhedron) -> np.ndarray:
     """(n,) for every vertex the smallest vertex of its component."""
     cached = body._search.get("labels")
     if cached is None:
@@ -188,7 +192,7 @@ def component_labels(body: Any) -> np.ndarray:
     return cached
 
 
-def component_vertices(body: Any) -> list[int]:
+def component_vertices(body: Polyhedron) -> list[int]:
     """One vertex of every connected component of the body."""
     cached = body._search.get("components")
     if cached is None:
@@ -201,7 +205,7 @@ def component_vertices(body: Any) -> list[int]:
     return cached
 
 
-def contained(a: Any, b: Any) -> tuple[str, int] | None:
+def contained(a: Polyhedron, b: Polyhedron) -> tuple[str, int] | None:
     """("a", vertex) when a component of a lies inside the solid b, ("b", vertex) the other way round, or None.
 
     The surfaces share no point.  The answer is kept for the next motion of the same two bodies.
@@ -213,7 +217,7 @@ def contained(a: Any, b: Any) -> tuple[str, int] | None:
     return known[1]
 
 
-def _find_contained(a: Any, b: Any) -> tuple[str, int] | None:
+def _find_contained(a: Polyhedron, b: Polyhedron) -> tuple[str, int] | None:
     """The answer of `contained`."""
     for inner, outer, side in ((a, b, "a"), (b, a, "b")):
         if not outer.solid:
@@ -230,7 +234,7 @@ def _find_contained(a: Any, b: Any) -> tuple[str, int] | None:
     return None
 
 
-def component_boxes(body: Any) -> np.ndarray:
+def component_boxes(body: Polyhedron) -> np.ndarray:
     """(k, 6) the box of each of `component_vertices`."""
     cached = body._search.get("component boxes")
     if cached is None:

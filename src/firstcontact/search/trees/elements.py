@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from flint import fmpz
+from flint import fmpq, fmpz
 
 from firstcontact.exact.numbers import Undecidable
 from firstcontact.exact.rigid import Matrix, apply
@@ -13,6 +13,10 @@ from firstcontact.pairs.elements.line_line import segments_meet
 from firstcontact.pairs.elements.segment_facet import APART, relation
 from firstcontact.search.trees.state import EDGE_EDGE, EDGE_FACE, FACE_EDGE, FACE_VERTEX, VERTEX_FACE
 from firstcontact.search.trees.tree import Tree
+
+if TYPE_CHECKING:
+    from firstcontact.body.polyhedron.polyhedron import Polyhedron
+    from firstcontact.exact.ring import VectorOf
 
 VERTEX, EDGE, FACE = range(3)
 KINDS = {
@@ -37,7 +41,7 @@ def feature(tree: Tree, kind: int, part: int, local: int) -> Feature:
     return FACE, primitive
 
 
-def vertices_of(body: Any, element: Feature) -> list[int]:
+def vertices_of(body: Polyhedron, element: Feature) -> list[int]:
     """Its corners: one of a vertex, two of an edge (both the same for a bare point), three of a triangle."""
     kind, index = element
     if kind == VERTEX:
@@ -49,13 +53,13 @@ def vertices_of(body: Any, element: Feature) -> list[int]:
     return body.triangles[index].tolist()
 
 
-def corners_of(body: Any, element: Feature) -> list[Any]:
+def corners_of(body: Polyhedron, element: Feature) -> list[VectorOf[fmpq]]:
     """The exact corners of the element."""
     return [body.exact_vertex(i) for i in vertices_of(body, element)]
 
 
 def whole_corners(
-    a: Any, element_a: Feature, b: Any, element_b: Feature, per: fmpz, vector: Vector, number: type = fmpz
+    a: Polyhedron, element_a: Feature, b: Polyhedron, element_b: Feature, per: fmpz, vector: Vector, number: type = fmpz
 ) -> tuple[Any, list[Vector], list[Vector], Vector]:
     """(scale > 0, scale times the corners of both elements, scale times vector / per), all whole numbers.
 
@@ -82,7 +86,7 @@ class Primitive:
     corners: Any
     sides: Any
 
-    def __init__(self, body: Any, tree: Tree, index: int) -> None:
+    def __init__(self, body: Polyhedron, tree: Tree, index: int) -> None:
         self.is_facet = index < len(body.triangles)
         corners = [body.exact_vertex(i) for i in tree.corners[index].tolist()]
         self.corners = corners if self.is_facet else corners[:2]
@@ -93,7 +97,7 @@ class Primitive:
         self.sides = [(c[0], c[1]), (c[1], c[2]), (c[2], c[0])] if self.is_facet else [(c[0], c[1])]
 
     @classmethod
-    def of(cls, corners: list[Any]) -> Primitive:
+    def of(cls, corners: list[VectorOf[fmpq]]) -> Primitive:
         """The primitive spanned by one, two or three corners."""
         other = object.__new__(cls)
         other.is_facet = len(corners) == 3

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import lru_cache
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from firstcontact.body.polyhedron.polyhedron import LEAST
 from firstcontact.kernels.jit import kernel
 from firstcontact.kernels.lifted.boxes import CLIP_EPS, clip_to_box
 from firstcontact.search.trees.tree import SPLIT, Tree, build
+
+if TYPE_CHECKING:
+    from firstcontact.body.polyhedron.polyhedron import Polyhedron
 
 Frame = tuple[tuple[float, float, float], ...]
 
@@ -57,13 +60,13 @@ NATURAL_SHARE = 0.1
 _SAMPLE = 4096
 
 
-def shared_frame(a: Any, b: Any) -> Frame | None:
+def shared_frame(a: Polyhedron, b: Polyhedron) -> Frame | None:
     """The frame natural to the body with the larger flat faces; None where the world's axes do as well."""
     (share_a, frame_a), (share_b, frame_b) = natural_frame(a), natural_frame(b)
     return frame_a if share_a > share_b else frame_b
 
 
-def natural_frame(body: Any) -> tuple[float, Frame | None]:
+def natural_frame(body: Polyhedron) -> tuple[float, Frame | None]:
     """(share of the area across the main direction, frame with that direction last); kept on the body.
 
     Boxes along the faces of a body are flat; in another frame they are fat.  Looks at some thousand triangles.
@@ -74,7 +77,7 @@ def natural_frame(body: Any) -> tuple[float, Frame | None]:
     return known
 
 
-def _find_natural_frame(body: Any) -> tuple[float, Frame | None]:
+def _find_natural_frame(body: Polyhedron) -> tuple[float, Frame | None]:
     normals, areas, weights = _sample(twice_area_vectors(body.vertices, body.triangles))
     if len(areas) == 0:
         return 0.0, None
@@ -139,7 +142,7 @@ def _main_direction(units: np.ndarray, areas: np.ndarray) -> tuple[float, np.nda
     return float(weights.max() / areas.sum()), direction / np.linalg.norm(direction)
 
 
-def tree_of(body: Any) -> Tree:
+def tree_of(body: Polyhedron) -> Tree:
     """The tree in the world's axes, its parts the doubles of the body; made on first use and kept on the body."""
     tree = body._search.get("tree")
     if tree is None:
@@ -148,7 +151,7 @@ def tree_of(body: Any) -> Tree:
     return tree
 
 
-def view_in(body: Any, frame: Frame) -> Tree:
+def view_in(body: Polyhedron, frame: Frame) -> Tree:
     """The body's tree with boxes and coordinates in the frame; kept on the body for the next query."""
     if frame == _WORLD:
         return tree_of(body)
@@ -161,7 +164,7 @@ def view_in(body: Any, frame: Frame) -> Tree:
     return cached[1]
 
 
-def _structure(body: Any) -> tuple[Frame | None, Tree]:
+def _structure(body: Polyhedron) -> tuple[Frame | None, Tree]:
     """The tree as it is built, in the body's natural frame (None: the world's axes): all views share its links."""
     built = body._search.get("structure")
     if built is None:
@@ -173,7 +176,7 @@ def _structure(body: Any) -> tuple[Frame | None, Tree]:
     return built
 
 
-def _framed_error(body: Any, frame: Frame) -> float:
+def _framed_error(body: Polyhedron, frame: Frame) -> float:
     """Bound on the error of the body's coordinates in the frame.
 
     Three products and two sums, 1-norm of a row at most sqrt(3), entries off by FRAME_EPS.
@@ -184,7 +187,7 @@ def _framed_error(body: Any, frame: Frame) -> float:
     return 1.8 * body.error + 3.0 * size * (FRAME_EPS + 4.0 * 2.0**-53) + LEAST
 
 
-def _refit_tree(body: Any, frame: Frame) -> Tree:
+def _refit_tree(body: Polyhedron, frame: Frame) -> Tree:
     natural, built = _structure(body)
     matrix = np.array(frame, float)
     xyz = body.vertices[built.corners[built.ids[:, 0]]].reshape(len(built.ids), 9)

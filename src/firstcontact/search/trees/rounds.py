@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
@@ -36,7 +36,7 @@ class Finds:
         """Room for twice as many candidates."""
         self.times, self.candidates = doubled(self.times, self.candidates)
 
-    def hand_to(self, state: Any) -> None:
+    def hand_to(self, state: WalkState) -> None:
         """Add all to the state and lower its best time."""
         state.floats[BEST] = min(state.floats[BEST], self.floats[BEST])
         found, at = int(self.integers[CANDIDATES]), int(state.integers[CANDIDATES])

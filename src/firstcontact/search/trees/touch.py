@@ -7,7 +7,8 @@ sign in doubt, balls decide, and what they cannot tell from zero is undefined (g
 from __future__ import annotations
 
 import math
-from typing import Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import arb, fmpq, fmpz
@@ -21,6 +22,10 @@ from firstcontact.pairs.elements import line_line
 from firstcontact.pairs.elements.point_line_rotation import Place
 from firstcontact.search.trees.elements import VERTEX, Feature
 
+if TYPE_CHECKING:
+    from firstcontact.exact.ring import Scalar
+    from firstcontact.exact.times.instants import TurnInstant
+
 Touch = tuple[np.ndarray, np.ndarray | None]
 Floats = tuple[float, float, float]
 
@@ -29,7 +34,13 @@ DOUBTFUL = 1e-3
 
 
 def translation_touch(
-    element_a: Feature, a: list[Vector], element_b: Feature, b: list[Vector], v: Vector, scale: Any, at: RationalInstant
+    element_a: Feature,
+    a: list[Vector],
+    element_b: Feature,
+    b: list[Vector],
+    v: Vector,
+    scale: fmpz,
+    at: RationalInstant,
 ) -> Touch:
     """(point, unit normal from b towards a or None); `scale` times the exact corners at time 0 and the velocity."""
     place: Place
@@ -90,7 +101,7 @@ def doubles(v: Vector) -> np.ndarray:
     return np.array([_double(x) for x in v])
 
 
-def _double(x: Any) -> float:
+def _double(x: arb | fmpq) -> float:
     return to_double(x) if type(x) is fmpq else place_doubles((x, x, x, 1))[0]
 
 
@@ -118,7 +129,7 @@ def place_ball(place: Place) -> Vector:
 
 
 def rotation_normal(
-    corners_a: list[Vector], corners_b: list[Vector], axis: Axis, place: Place, where: Any, at: Any
+    corners_a: list[Vector], corners_b: list[Vector], axis: Axis, place: Place, where: Sequence[float], at: TurnInstant
 ) -> np.ndarray | None:
     """The unit normal from b towards a; exact corners at angle 0, all about a point of the axis, in any unit.
 
@@ -155,11 +166,11 @@ def _turned_doubles(h: Floats, vectors: list[Floats], angle: float) -> list[Floa
     return out
 
 
-def _norm(v: Any) -> float:
+def _norm(v: Sequence[float]) -> float:
     return math.hypot(v[0], v[1], v[2])
 
 
-def as_ball(x: Any) -> arb:
+def as_ball(x: Scalar | Surd | int) -> arb:
     """An enclosure of a Surd, fmpq or ball at the present precision."""
     return x.ball() if isinstance(x, Surd) else ball(x)
 
