@@ -88,10 +88,10 @@ class Screw(Motion):
         """
         if self.advance == 0:
             return Rotation(self.axis, self.point, **{self.unit: self.angle})
+        if self.angle != 0:
+            return self
         length = rational_sqrt(dot(self.axis, self.axis))
-        if self.angle == 0 and length is not None:
-            return Translation(scaled(self.advance / length, self.axis))
-        return self
+        return self if length is None else Translation(scaled(self.advance / length, self.axis))
 
     def shifted(self, by: Vector) -> Screw:
         """The same motion in a world shifted by a vector."""
