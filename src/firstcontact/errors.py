@@ -2,7 +2,6 @@
 
 import re
 from fractions import Fraction
-from typing import Any
 
 # Letters of one word of a message, and of a message, that are shown; what is between the beginning and the end is not.
 LONGEST_WORD, LONGEST_LINE = 240, 2000
@@ -30,7 +29,7 @@ def one_line(text: str) -> str:
     return _shortened(line, LONGEST_LINE)
 
 
-def shown(value: Any) -> str:
+def shown(value: object) -> str:
     """`repr`, also of whole numbers with more digits than Python prints."""
     try:
         return str(value) if isinstance(value, Fraction) else repr(value)

@@ -399,7 +399,7 @@ def polynomial_text(coefficients: Sequence[int]) -> str:
     return text or "0"
 
 
-def written(x: Any) -> str:
+def written(x: Fraction | AlgebraicNumber | ExactAngle | float) -> str:
     """An exact number in full, as JSON has it."""
     return x.written() if isinstance(x, AlgebraicNumber | ExactAngle) else str(x)
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from enum import Enum
 from functools import cache, partial
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, Literal, Protocol, overload
+from typing import TYPE_CHECKING, Any, Literal, Protocol, TypeVar, overload
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact import centred, linked
@@ -75,6 +75,8 @@ INSTEAD = {
 MESHES = Kind.MESH, Kind.MESH
 _KINDS = {kind.value: kind for kind in Kind}
 _ORDER = list(Kind)
+
+R = TypeVar("R", FirstContact, ContactIntervals)
 
 
 def as_body(body: AnyBody) -> Any:
@@ -166,7 +168,7 @@ def _answer(verb: str, query: Query) -> Any:
     return _said(getattr(endless, verb)(near, query), query)
 
 
-def _said(answer: Any, query: Query) -> Any:
+def _said(answer: R, query: Query) -> R:
     """The answer, which names no budget but the caller's: one of a search's own is a limit to what it can tell."""
     own = answer.reason == "budget" and not query.is_spent(answer.reason)
     return replace(answer, reason="precision") if own else answer

@@ -9,12 +9,15 @@ from __future__ import annotations
 
 from fractions import Fraction
 from math import cos, pi, sin
-from typing import Any
+from typing import TYPE_CHECKING
 
 from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.body.solid.primitives import cylinder, frustum, half_space
 from firstcontact.motion.moving import Moving
 from firstcontact.motion.rational import RationalMotion
+
+if TYPE_CHECKING:
+    from firstcontact.exact.numbers import Given
 
 Point = tuple[int, int, int]
 
@@ -69,7 +72,7 @@ def _stepped_pin() -> CompositeQuadric:
     return pin.rotated((1, 0, 0), degrees=-90).named("pin")
 
 
-def _along_x(radius: Any, start: int, end: int) -> CompositeQuadric:
+def _along_x(radius: Given | tuple[Given, Given], start: int, end: int) -> CompositeQuadric:
     rod = cylinder(radius, end - start).rotated((0, 1, 0), degrees=90)
     return rod.translated((Fraction(start + end, 2), 0, 0))
 

@@ -199,7 +199,7 @@ def _doubles(values: Nested, shape: tuple[int, ...], what: str) -> np.ndarray:
     return array
 
 
-def _place(values: Any) -> str:
+def _place(values: Nested) -> str:
     """Which of nested lists of numbers is no number."""
     try:
         array = np.asarray(values, object)

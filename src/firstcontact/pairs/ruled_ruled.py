@@ -336,7 +336,7 @@ def _holds(lines: Rulings, root: AlgebraicRoot, point: Sequence[fmpz]) -> bool:
     return all(root.sign_of(_sum(x * y for x, y in zip(row, point, strict=True))) == 0 for row in rows)
 
 
-def rulings_through(lines: Rulings, point: Sequence[Any]) -> fmpz_poly:
+def rulings_through(lines: Rulings, point: Sequence[fmpz]) -> fmpz_poly:
     """Its zeros are the finite parameters of the rulings that hold the point; 0 where all do."""
     return _gcd(_sum(x * y for x, y in zip(row, point, strict=True)) for row in planes_through(lines.line))
 
@@ -373,7 +373,7 @@ def _vector(x: Sequence[N]) -> Vector:
     return x[0], x[1], x[2], x[3]
 
 
-def _sum(terms: Iterable[Any]) -> Any:
+def _sum(terms: Iterable[N]) -> N:
     return reduce(lambda x, y: x + y, terms)
 
 

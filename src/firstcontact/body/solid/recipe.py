@@ -17,7 +17,7 @@ from firstcontact.motion.value import numbers
 
 if TYPE_CHECKING:
     from firstcontact.body.solid.composite_quadric import CompositeQuadric
-    from firstcontact.result import Table
+    from firstcontact.result import Json, Table
 
 Arguments = ParamSpec("Arguments")
 # What binds first, as in Python: a chain of operations is written without parentheses while none binds more than the
@@ -83,7 +83,7 @@ def _plain(value: Any) -> Any:
 
 def _chain_table(chain: tuple[tuple[str, str | None, Recipe], ...]) -> Table:
     """An expression over parts that are called as the operands are, where that is possible."""
-    parts: dict[str, Any] = {}
+    parts: dict[str, Json] = {}
     words = []
     for k, (operator, name, recipe) in enumerate(chain):
         usable = name is not None and name.isidentifier() and not keyword.iskeyword(name) and name not in parts
@@ -93,7 +93,7 @@ def _chain_table(chain: tuple[tuple[str, str | None, Recipe], ...]) -> Table:
     return {"shape": "csg", "expression": " ".join(words), "part": parts}
 
 
-def _new_key(parts: dict[str, Any], names: list[str | None]) -> str:
+def _new_key(parts: dict[str, Json], names: list[str | None]) -> str:
     k = len(parts) + 1
     while f"part{k}" in parts or f"part{k}" in names:
         k += 1

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import reduce
 from itertools import combinations
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from flint import fmpq, fmpz, fmpz_mpoly, fmpz_poly
 
@@ -125,7 +125,12 @@ def _have_areas(kept: Sequence[fmpz_mpoly], ends: tuple[fmpq, fmpq]) -> bool:
     return True
 
 
-def _all_grow(slopes: Sequence[tuple[Any, bool]], index: int, sign: int, box: tuple[Any, Any]) -> bool:
+def _all_grow(
+    slopes: Sequence[tuple[tuple[dict[tuple[int, int], fmpz], tuple[int, int]], bool]],
+    index: int,
+    sign: int,
+    box: tuple[tuple[fmpq, fmpq], tuple[fmpq, fmpq]],
+) -> bool:
     """Whether no wall decreases along a parameter (or against it), and bent ones grow at the end; straight may stay.
 
     slopes: derivatives by that parameter, and whether the wall is bent.

@@ -181,14 +181,14 @@ class Joints:
             )
         return x, y
 
-    def isolate(self, node: Any) -> None:
+    def isolate(self, node: Node) -> None:
         """Adds a node on no branch, where it belongs to both pieces."""
         where = self.spot(node)
         if where.point is None or self.is_infinite(node) or not self.found.clip.keeps_node(node, where):  # type: ignore[union-attr]
             return
         self.found.add_isolated(doubles(where.coordinates()), node)
 
-    def turns_back(self, first: tuple[Any, int], second: tuple[Any, int]) -> bool:
+    def turns_back(self, first: tuple[Edge, int], second: tuple[Edge, int]) -> bool:
         """Whether two edges leave their common end in one direction."""
         edge, at_end = first
         node = self.graph.nodes[edge.end if at_end else edge.start]

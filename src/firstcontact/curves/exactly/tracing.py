@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import fmpq, fmpz_mpoly, fmpz_poly
@@ -22,6 +22,9 @@ from flint import fmpq, fmpz_mpoly, fmpz_poly
 from firstcontact.contact.signs.pieces import Piece
 from firstcontact.errors import InputError
 from firstcontact.exact.numbers import to_double
+
+if TYPE_CHECKING:
+    from firstcontact.curves.with_solids.solid_curve import _Sheet
 
 # Parts of an edge before any refinement.
 FIRST = 8
@@ -226,7 +229,7 @@ class Points:
 class Tracer:
     """Polylines of all strands of one graph at once: arrays hold one entry per point."""
 
-    def __init__(self, surfaces: Any, factors: Sequence[fmpz_mpoly], strands: Sequence[Strand]) -> None:
+    def __init__(self, surfaces: Surfaces | _Sheet, factors: Sequence[fmpz_mpoly], strands: Sequence[Strand]) -> None:
         self.surfaces, self.strands = surfaces, strands
         self.coefficients = [matrix(f) for f in factors]
         self.reverse_u, self.reverse_v = (np.array([s.chart[k] for s in strands]) for k in (0, 1))

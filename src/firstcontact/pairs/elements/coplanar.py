@@ -8,7 +8,7 @@ c0 + c1 cos(phi) + sqrt(K) c2 sin(phi) = 0 (Schoemer & Thiel 1995, equation (6))
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from flint import fmpq, fmpz
 
@@ -35,7 +35,7 @@ def translation_instant(a: list[Vector], b: list[Vector], v: Vector) -> fmpq | N
     return fmpq(gap, speed) if speed else None
 
 
-def translation_equation(a: list[Vector], b: list[Vector], v: Vector) -> tuple[Any, Any]:
+def translation_equation(a: list[VectorOf[N]], b: list[VectorOf[N]], v: VectorOf[N]) -> tuple[N, N]:
     """(gap, speed) of an equation gap = t speed for that time; coordinates may be arrays of whole numbers too."""
     x, y = [sub(p, a[0]) for p in a[1:]] + [sub(p, b[0]) for p in b[1:]]
     n = cross(x, y)

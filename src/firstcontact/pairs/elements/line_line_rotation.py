@@ -8,7 +8,7 @@ the equivalent time form, equation (6)).
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from firstcontact.exact.fields.surd import Surd
 from firstcontact.exact.numbers import sign
@@ -25,6 +25,8 @@ from firstcontact.pairs.elements.line_line import contact_point, segments_meet
 from firstcontact.pairs.elements.point_line_rotation import Contact, angle_between
 
 if TYPE_CHECKING:
+    from flint import arb, fmpq, fmpz
+
     from firstcontact.exact.ring import Scalar
 
 
@@ -336,7 +338,7 @@ def _angle_between(
     return AngleInstant(x, number(dot(hp, q), dot(hp, v) + dot(hu, q), dot(hu, v)), r, K)
 
 
-def _roots(a: Scalar, b: Scalar, c: Scalar) -> list[tuple[Surd, Any]]:
+def _roots(a: Scalar, b: Scalar, c: Scalar) -> list[tuple[Surd, fmpz | fmpq | arb]]:
     """Real roots of a s^2 + 2 b s + c, not constant, as (numerator, positive denominator)."""
     if sign(a) == 0:
         return [(Surd(-c * sign(b)), 2 * b * sign(b))]

@@ -6,7 +6,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import product
-from typing import Any
 
 import numpy as np
 from flint import arb, fmpq, fmpq_mat
@@ -171,7 +170,7 @@ def _of_clauses(body: CompositeQuadric, clauses: list[Clause]) -> ConvexPieces:
     return pieces
 
 
-def _tables(parts: Sequence[list[list[Any]]]) -> np.ndarray:
+def _tables(parts: Sequence[Sequence[Sequence[Sequence[float]]]]) -> np.ndarray:
     """The rows of the pieces first, then those of their parts."""
     rows: list[list[float]] = []
     heads = np.zeros((len(parts), WIDTH))

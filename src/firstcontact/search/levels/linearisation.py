@@ -29,7 +29,7 @@ from firstcontact.kernels import running
 from firstcontact.pairs.elements import line_line, line_line_rotation
 
 if TYPE_CHECKING:
-    from firstcontact.exact.ring import N, Number
+    from firstcontact.exact.ring import N, Number, VectorOf
 
 
 Floats = float | np.ndarray
@@ -154,7 +154,7 @@ def rotation_features(c: Vector, d: Vector) -> Features:
     }  # fmt: skip
 
 
-def _squared_radius(e: Vector, m: Vector) -> tuple[Any, Any, Any]:
+def _squared_radius(e: VectorOf[N], m: VectorOf[N]) -> VectorOf[N]:
     """(v2, v1, v0): the squared radius of a rising line (e; m) at the height z is (v2 z^2 + v1 z + v0) / e3^2."""
     return (e[0] * e[0] + e[1] * e[1], 2 * (e[1] * m[0] - e[0] * m[1]), m[0] * m[0] + m[1] * m[1])
 
