@@ -282,6 +282,7 @@ def test_roots_of_all_kinds_are_ordered(half_root_three):
     stretch = OpenRoot(below, above, "precision")
     assert stretch.compare(root) == -1 and root.compare(stretch) == 1 and equal.compare(stretch) == 1
     assert stretch.compare(OpenRoot(below, above, "")) == 0 and stretch.compare(AlgebraicRoot.of(below)) == -1
+    assert [stretch.compare(q) for q in (below - 1, below, above)] == [1, -1, -1]  # before what may be simultaneous
 
 
 def test_no_zero_is_proved_where_there_is_none_or_two(half_root_three):

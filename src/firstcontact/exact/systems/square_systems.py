@@ -308,7 +308,8 @@ class OpenRoot:
         if isinstance(other, OpenRoot):
             return (self.lo > other.lo) - (self.lo < other.lo)
         # before what it may be simultaneous with
-        return -1 if other.compare(self.lo) >= 0 else 1  # type: ignore[union-attr]  # times are asked of other roots
+        behind = other - self.lo if isinstance(other, fmpq) else other.compare(self.lo)
+        return -1 if behind >= 0 else 1
 
     def __float__(self) -> float:
         with precision(96):
