@@ -18,6 +18,7 @@ from flint import fmpq
 
 from firstcontact.exact.numbers import to_double
 from firstcontact.exact.vectors import Vector
+from firstcontact.motion.poses import BITS, sqrt_near
 from firstcontact.toolpath.blocks import INCH, Block, Fault, lines_of, number
 from firstcontact.toolpath.cycles import CYCLES, drilled
 from firstcontact.toolpath.moves import Arc, Bow, Line, Stretch, tangent_of_half
@@ -230,7 +231,7 @@ class _Reader:
         for letter in "PL":
             if letter in words and words[letter][1] != 1:
                 raise self.fault(f"{letter}{words[letter][0]}", "arcs of several turns are not read; write each turn")
-        a, b = (_angle(to_double(x[p] - centre[p]), to_double(x[q] - centre[q])) for x in (begin, end))
+        a, b = (math.atan2(to_double(x[q] - centre[q]), to_double(x[p] - centre[p])) for x in (begin, end))
         radius, other = (math.hypot(*(to_double(x[k] - centre[k]) for k in (p, q))) for x in (begin, end))
         word = next((f"{'IJK'[k]}{words['IJK'[k]][0]}" for k in out), f"R{words.get('R', ('',))[0]}")
         most = max(OFF * to_double(m.inch / INCH), OFF_PART * radius)
@@ -259,20 +260,10 @@ class _Reader:
             if -to_double(height) > 2 * OFF_PART * to_double(radius * radius):
                 raise self.fault(f"R{word[0]}", "the end is farther away than two radii; mend it")
             height = fmpq(0)
-        share = _root(height / square)
+        share = sqrt_near(height / square, BITS) if height else height
         if (radius > 0) == (m.mode == "2"):  # the centre is to the right of the way
             share = -share
         return begin[p] + x / 2 - share * y, begin[q] + y / 2 + share * x
-
-
-def _root(x: fmpq) -> fmpq:
-    from firstcontact.motion.poses import BITS, sqrt_near
-
-    return sqrt_near(x, BITS) if x else x
-
-
-def _angle(x: float, y: float) -> float:
-    return math.atan2(y, x)
 
 
 def _kind(mode: str | None, begin: Vector, end: Vector) -> str:
