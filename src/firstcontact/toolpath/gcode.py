@@ -23,7 +23,8 @@ from firstcontact.toolpath.blocks import INCH, Block, Fault, lines_of, number
 from firstcontact.toolpath.cycles import CYCLES, drilled
 from firstcontact.toolpath.moves import Arc, Bow, Line, Stretch, tangent_of_half
 
-WORD = re.compile(r"([A-Z])\s*([-+]?(?:\d+\.?\d*|\.\d+))")
+WORD = re.compile(r"([A-Z])\s*([-+]?(?:\d+\.?\d*|\.\d+))|(\S+)")
+"""A letter and its number; or else what no word is."""
 COMMENT = re.compile(r"\([^()]*\)|;.*")
 XYZ = "XYZ"
 STILL = {"4", "9", "40", "43", "49", "54", "55", "56", "57", "58", "59", "61", "64", "80", "94", "95", "96", "97"}
@@ -110,25 +111,19 @@ class _Reader:
             stretches = None if None in begin or None in end else self._way(words, tuple(begin), tuple(end))
         if stretches is None:
             return Block(line, text.strip(), (), m.tool, "it begins where the program does not tell")
-        return Block(line, text.strip(), tuple(x for x in stretches if x.length), m.tool)
+        moves = tuple(x for x in stretches if not isinstance(x, Line) or x.start != x.end)
+        return Block(line, text.strip(), moves, m.tool)
 
     def _words(self, text: str) -> tuple[dict[str, tuple[str, fmpq]], list[str]]:
         """Words but G by letter, as text and value, and the numbers of G words."""
-        plain = COMMENT.sub(" ", text).upper().strip()
+        plain = (COMMENT.sub(" ", text) if "(" in text or ";" in text else text).upper().strip().removeprefix("/")
         if plain.startswith("%") or not plain:
             return {}, []
         words: dict[str, tuple[str, fmpq]] = {}
         codes: list[str] = []
-        at = 1 if plain.startswith("/") else 0
-        while at < len(plain):
-            found = WORD.match(plain, at)
-            if found is None or found[1] not in ARGUMENTS:
-                word = plain[at:].split()[0] if plain[at:].strip() else plain
-                if plain[at].isspace():
-                    at += 1
-                    continue
-                raise self.fault(word if found is None else f"{found[1]}{found[2]}", "not read; see docs/toolpaths.md")
-            letter, digits = found.groups()
+        for letter, digits, other in WORD.findall(plain):
+            if other or letter not in ARGUMENTS:
+                raise self.fault(other or f"{letter}{digits}", "not read; see docs/toolpaths.md")
             if letter == "G":
                 codes.append(digits.lstrip("+0") or "0")
             elif letter == "M":
@@ -137,7 +132,6 @@ class _Reader:
                 raise self.fault(f"{letter}{digits}", f"a second {letter} in one block; give one")
             else:
                 words[letter] = digits, number(digits)
-            at = found.end()
         return words, codes
 
     def _miscellaneous(self, digits: str) -> list[str]:
