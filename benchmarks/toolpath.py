@@ -105,12 +105,12 @@ class Run:
     told: list[Verdict]
 
 
-def measured(name: str, program: Path, bar: float, setup: Setup, rounds: int) -> Run:
+def measured(name: str, program: Path, bar: float, tool: fc.Tool, part: fc.Polyhedron, rounds: int) -> Run:
     """Reading the file and all verdicts; kernels are warm, and the mesh's tree is made."""
     run = Run(name, bar, [], [], [])
     for _ in range(rounds + 1):
         begin, busy = time.perf_counter(), time.process_time()
-        run.told = list(setup.verdicts(fc.ToolPath(program)))
+        run.told = list(fc.ToolPath(program).verdicts(tool, {"part": part}, workers=1))
         run.walls.append(time.perf_counter() - begin)
         run.busy.append(time.process_time() - busy)
     run.walls, run.busy = run.walls[1:], run.busy[1:]  # the first one loads kernels
@@ -275,7 +275,7 @@ def lines_of(
     yield f"`python -m benchmarks.toolpath`, {platform.machine()}, one core, Python {platform.python_version()}."
     yield f"A relief of {triangles:,} triangles, with posts; a tool of {len(SEGMENTS)} segments, cutter and holder."
     yield ""
-    yield "Seconds contain reading the file and all verdicts, the contacts' places too; the mesh's tree is made before,"
+    yield "Seconds contain reading the file (twice) and all verdicts with their places; the mesh's tree is made before,"
     yield "and kernels are loaded. Contacts are pairs of a block and a segment; of these `at the start` of their block."
     yield "`early`: coal sees a polyhedron of 256 sides inside the segment overlap a micrometre of way before what is"
     yield "told; `late`: it does not see one about the segment overlap a micrometre after it; `wrong`: it does in"
@@ -318,7 +318,7 @@ def main() -> None:
         programs = write_programs(Path(folder), options.blocks)
         names = f"{options.blocks} G1, three axes", f"{options.blocks} GOTO, five axes"
         bars = 1.0, 3.0
-        runs = [measured(*x, setup, options.rounds) for x in zip(names, programs, bars, strict=True)]
+        runs = [measured(*x, tool, part, options.rounds) for x in zip(names, programs, bars, strict=True)]
         for run in runs:
             print(run.name, "clock", [f"{x:.2f}" for x in run.walls], "processor", [f"{x:.2f}" for x in run.busy])
         peers = [beside(run, coal, setup, options.every) for run in runs]

@@ -29,7 +29,7 @@ def found_in(tmp_path, text, bodies, start=(0, 0, 0), tool=MILL, name="job.nc", 
     """The findings of the last block."""
     file = tmp_path / name
     file.write_text(text, encoding="utf-8")
-    return list(fc.ToolPath(file, start=start).verdicts(tool, bodies, **given))[-1]
+    return list(fc.ToolPath(file, start=start).verdicts(tool, bodies, workers=1, **given))[-1]
 
 
 def only(verdict, part="flutes"):
@@ -134,6 +134,18 @@ def test_a_body_without_bounds_and_a_body_that_moves(tmp_path):
         found_in(tmp_path, "G1 X1", {"post": post((20, 0, 0)).moving(fc.Translation((1, 0, 0)))})
 
 
+@pytest.mark.parametrize(("body", "x"), [
+    (fc.torus(8, 2).translated((40, 0, 0)), 40 - 8 - 2 - 3),
+    (fc.sphere(5).translated((20, 0, 5)), 20 - 5 - 3),
+    (fc.Polyhedron([[20, -5, -1], [20, 5, 10]], [], edges=[[0, 1]]), 20 - 3),
+    (fc.Polyhedron([[20, 1, 5]], []), 20 - math.sqrt(8)),
+    (fc.RuledSurface("(20, 5*u, 0)", "(20, 5*u, 9)", u=(-1, 1)), 20 - 3),
+], ids=["torus", "sphere", "edge", "point", "ruled surface"])  # fmt: skip
+def test_bodies_of_all_kinds(tmp_path, body, x):
+    assert only(found_in(tmp_path, "G1 X40", {"body": body})).fraction == pytest.approx(x / 40, abs=1e-12)
+    assert found_in(tmp_path, "G1 X40\nG1 Y-90\nX0", {"body": body}).status == "FREE"
+
+
 def test_several_tools_are_called_by_number(tmp_path):
     thin = fc.Tool([("thin", "cutter", 2, 20)], "thin", number=1)
     wide = fc.Tool([("wide", "cutter", 20, 20)], "wide", number=2)
@@ -141,7 +153,7 @@ def test_several_tools_are_called_by_number(tmp_path):
     text = "T1 M6\nG1 X40\nT2\nX0\nM6\nX40"
     file = tmp_path / "job.nc"
     file.write_text(text)
-    told = list(fc.ToolPath(file, start=(0, 0, 0)).verdicts([thin, wide], body))
+    told = list(fc.ToolPath(file, start=(0, 0, 0)).verdicts([thin, wide], body, workers=1))
     assert [[x.part for x in verdict.findings] for verdict in told] == [[], [], ["wide"]]
     file.write_text("T3 M6\nG1 X40")
     with pytest.raises(fc.InputError, match="line 2: T3: there is no such tool; the tools are thin .number 1., wide"):
@@ -266,7 +278,7 @@ def test_free_and_contact_beside_points_of_the_tool(tmp_path):
         return ((x > lo + by) & (x < hi - by)).all(axis=1).any()
 
     statuses = set()
-    for verdict in fc.ToolPath(file, start=(0, 0, 5)).verdicts(tool, body):
+    for verdict in fc.ToolPath(file, start=(0, 0, 5)).verdicts(tool, body, workers=1):
         (way,) = verdict.block.stretches
         statuses.add(verdict.status)
         until = only(verdict).fraction if verdict.findings else 1.0

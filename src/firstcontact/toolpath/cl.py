@@ -11,7 +11,7 @@ from pathlib import Path
 
 from flint import fmpq
 
-from firstcontact.exact.vectors import Vector, add, scaled
+from firstcontact.exact.vectors import Vector, add
 from firstcontact.toolpath.blocks import INCH, Block, Fault, lines_of, number
 from firstcontact.toolpath.moves import UP, Line, Stretch, Swing, is_half_turn
 
@@ -46,7 +46,7 @@ def read_cl(path: Path, start: Vector | None = None, unit: str = "mm") -> Iterat
                 axis = _vector(numbers[3:])
                 if not any(axis):
                     raise Fault(path, line, word, "the tool axis is zero; give a direction")
-                if not five and scaled(1 / axis[2], axis) != UP if axis[2] > 0 else not five:
+                if not five and not _is_up(axis):
                     raise Fault(path, line, word, "a tool axis that is not +z without MULTAX; add MULTAX before")
             if word == "FROM":
                 continue
@@ -106,9 +106,12 @@ def _vector(numbers: list[fmpq]) -> Vector:
     return x, y, z
 
 
+def _is_up(axis: Vector) -> bool:
+    return axis[0] == axis[1] == 0 and axis[2] > 0
+
+
 def _way(kind: str, begin: Vector, end: Vector, old: Vector, axis: Vector) -> tuple[Stretch, ...]:
-    is_up = all(x[0] == x[1] == 0 and x[2] > 0 for x in (old, axis))
-    if is_up:
+    if _is_up(old) and _is_up(axis):
         if kind == "rapid" and begin[:2] == end[:2] and end[2] > begin[2]:
             kind = "back"
         return (Line(kind, begin, end),) if begin != end else ()

@@ -18,11 +18,13 @@ from flint import fmpq
 
 from firstcontact.exact.numbers import to_double
 from firstcontact.exact.vectors import Vector
+from firstcontact.motion.poses import BITS, sqrt_near
 from firstcontact.toolpath.blocks import INCH, Block, Fault, lines_of, number
 from firstcontact.toolpath.cycles import CYCLES, drilled
 from firstcontact.toolpath.moves import Arc, Bow, Line, Stretch, tangent_of_half
 
-WORD = re.compile(r"([A-Z])\s*([-+]?(?:\d+\.?\d*|\.\d+))")
+WORD = re.compile(r"([A-Z])\s*([-+]?(?:\d+\.?\d*|\.\d+))|(\S+)")
+"""A letter and its number; or else what no word is."""
 COMMENT = re.compile(r"\([^()]*\)|;.*")
 XYZ = "XYZ"
 STILL = {"4", "9", "40", "43", "49", "54", "55", "56", "57", "58", "59", "61", "64", "80", "94", "95", "96", "97"}
@@ -109,25 +111,19 @@ class _Reader:
             stretches = None if None in begin or None in end else self._way(words, tuple(begin), tuple(end))
         if stretches is None:
             return Block(line, text.strip(), (), m.tool, "it begins where the program does not tell")
-        return Block(line, text.strip(), tuple(x for x in stretches if x.length), m.tool)
+        moves = tuple(x for x in stretches if not isinstance(x, Line) or x.start != x.end)
+        return Block(line, text.strip(), moves, m.tool)
 
     def _words(self, text: str) -> tuple[dict[str, tuple[str, fmpq]], list[str]]:
         """Words but G by letter, as text and value, and the numbers of G words."""
-        plain = COMMENT.sub(" ", text).upper().strip()
+        plain = (COMMENT.sub(" ", text) if "(" in text or ";" in text else text).upper().strip().removeprefix("/")
         if plain.startswith("%") or not plain:
             return {}, []
         words: dict[str, tuple[str, fmpq]] = {}
         codes: list[str] = []
-        at = 1 if plain.startswith("/") else 0
-        while at < len(plain):
-            found = WORD.match(plain, at)
-            if found is None or found[1] not in ARGUMENTS:
-                word = plain[at:].split()[0] if plain[at:].strip() else plain
-                if plain[at].isspace():
-                    at += 1
-                    continue
-                raise self.fault(word if found is None else f"{found[1]}{found[2]}", "not read; see docs/toolpaths.md")
-            letter, digits = found.groups()
+        for letter, digits, other in WORD.findall(plain):
+            if other or letter not in ARGUMENTS:
+                raise self.fault(other or f"{letter}{digits}", "not read; see docs/toolpaths.md")
             if letter == "G":
                 codes.append(digits.lstrip("+0") or "0")
             elif letter == "M":
@@ -136,7 +132,6 @@ class _Reader:
                 raise self.fault(f"{letter}{digits}", f"a second {letter} in one block; give one")
             else:
                 words[letter] = digits, number(digits)
-            at = found.end()
         return words, codes
 
     def _miscellaneous(self, digits: str) -> list[str]:
@@ -230,7 +225,7 @@ class _Reader:
         for letter in "PL":
             if letter in words and words[letter][1] != 1:
                 raise self.fault(f"{letter}{words[letter][0]}", "arcs of several turns are not read; write each turn")
-        a, b = (_angle(to_double(x[p] - centre[p]), to_double(x[q] - centre[q])) for x in (begin, end))
+        a, b = (math.atan2(to_double(x[q] - centre[q]), to_double(x[p] - centre[p])) for x in (begin, end))
         radius, other = (math.hypot(*(to_double(x[k] - centre[k]) for k in (p, q))) for x in (begin, end))
         word = next((f"{'IJK'[k]}{words['IJK'[k]][0]}" for k in out), f"R{words.get('R', ('',))[0]}")
         most = max(OFF * to_double(m.inch / INCH), OFF_PART * radius)
@@ -259,20 +254,10 @@ class _Reader:
             if -to_double(height) > 2 * OFF_PART * to_double(radius * radius):
                 raise self.fault(f"R{word[0]}", "the end is farther away than two radii; mend it")
             height = fmpq(0)
-        share = _root(height / square)
+        share = sqrt_near(height / square, BITS) if height else height
         if (radius > 0) == (m.mode == "2"):  # the centre is to the right of the way
             share = -share
         return begin[p] + x / 2 - share * y, begin[q] + y / 2 + share * x
-
-
-def _root(x: fmpq) -> fmpq:
-    from firstcontact.motion.poses import BITS, sqrt_near
-
-    return sqrt_near(x, BITS) if x else x
-
-
-def _angle(x: float, y: float) -> float:
-    return math.atan2(y, x)
 
 
 def _kind(mode: str | None, begin: Vector, end: Vector) -> str:

@@ -60,7 +60,7 @@ class ToolPath:
         >>> import firstcontact as fc
         >>> mill = fc.Tool([("flutes", "cutter", 6, 20), ("collet", "holder", 30, 40)])
         >>> path = fc.ToolPath("examples/pocket.nc", start=(0, 0, 60))
-        >>> wall = fc.box((2, 90, 60)).translated((50, 0, 0))
+        >>> wall = fc.box((2, 90, 60)).translated((55, 0, 0))
         >>> {verdict.status for verdict in path.verdicts(mill, {"wall": wall})}
         {'FREE'}
         """

@@ -32,9 +32,8 @@ class Allowed:
         return rule
 
     def holds(self, segment: Segment, move: str, body: str) -> bool:
-        named = fnmatchcase(segment.kind, self.part) if self.part in KINDS else (
-            fnmatchcase(segment.name, self.part) or self.part == "*"
-        )
+        """Whether it is about this part, move and body."""
+        named = segment.kind == self.part if self.part in KINDS else fnmatchcase(segment.name, self.part)
         return named and fnmatchcase(move, self.move) and fnmatchcase(body, self.body)
 
 
