@@ -434,3 +434,11 @@ def test_bounds_of_a_body_at_rest():
     lo, hi = body.bounds()
     for p in fractions_of(body):
         assert all(Fraction(a) <= x <= Fraction(b) for a, x, b in zip(lo.tolist(), p, hi.tolist(), strict=True))
+
+
+def test_bounds_are_the_callers_own():
+    """They are kept on the body, and what a caller does to them is not."""
+    box = fc.examples.box((2, 2, 2))
+    before = [x.copy() for x in box.bounds()]
+    box.bounds()[0][:] = 7
+    assert all(np.array_equal(x, y) for x, y in zip(box.bounds(), before, strict=True))
