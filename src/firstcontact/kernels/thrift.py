@@ -6,12 +6,15 @@ Every name of Numba's used here is of 0.68, which the package is pinned to.
 from __future__ import annotations
 
 import gc
+from contextlib import nullcontext
+from functools import cache
 from typing import Any
 
+import numba
 from llvmlite.binding import create_new_function_pass_manager
-from numba.core import event, ir, postproc, types
+from numba.core import base, compiler_machinery, errors, event, ir, postproc
 from numba.core.codegen import CPUCodeLibrary
-from numba.core.targetconfig import TargetConfig
+from numba.core.targetconfig import ConfigStack, TargetConfig
 from numba.core.transforms import canonicalize_cfg
 from numba.core.types.functions import BaseFunction
 from numba.core.typing.templates import _OverloadFunctionTemplate
@@ -25,24 +28,32 @@ _decorator: Any = _OverloadFunctionTemplate._get_jit_decorator
 
 def apply() -> None:
     gc.disable()
-    config: Any = TargetConfig
-    library: Any = CPUCodeLibrary
-    overloads: Any = _OverloadFunctionTemplate
-    function: Any = BaseFunction
-    after: Any = postproc.PostProcessor
-    statement: Any = ir.Inst
-    config.__eq__, config.__hash__ = _equal_options, _hash_of_options
-    library._optimize_functions = _tidy
-    overloads._get_jit_decorator = _decorator_of_overloads
-    function.get_call_type = _call_type
-    after.run = _run_after
-    statement._rec_list_vars = _variables
-    told: Any = event
-    told.start_event = told.end_event = _tell_nobody
+    _set(TargetConfig, __eq__=_equal_options, __hash__=_hash_of_options)
+    _set(CPUCodeLibrary, _optimize_functions=_tidy)
+    _set(_OverloadFunctionTemplate, _get_jit_decorator=_decorator_of_overloads)
+    _set(BaseFunction, get_call_type=_call_type)
+    _set(postproc.PostProcessor, run=_run_after)
+    _set(ir.Inst, _rec_list_vars=_variables)
+    _set(base, _has_loc=cache(base._has_loc))
+    _set(vars(errors)["WarningsFixer"], catch_warnings=_as_they_come)
+    _set(event, start_event=_nothing, end_event=_nothing)  # of locks, whenever LLVM is called
+    _set(compiler_machinery, enforce_no_dels=_nothing)  # a check of Numba's own steps, after each of them
 
 
-def _tell_nobody(*_: Any, **__: Any) -> None:
-    """Of locks taken and given back, whenever LLVM is called."""
+def _set(place: object, **new: Any) -> None:
+    for name, value in new.items():
+        if name not in vars(place):
+            raise AttributeError(f"{place} of Numba {numba.__version__} has no {name}")
+        setattr(place, name, value)
+
+
+def _nothing(*_: Any, **__: Any) -> None:
+    pass
+
+
+def _as_they_come(*_: Any, **__: Any) -> nullcontext[None]:
+    """Warnings of a step of type inference, without the line that it is for."""
+    return nullcontext()
 
 
 def _equal_options(one: Any, other: Any) -> Any:
@@ -54,21 +65,27 @@ def _equal_options(one: Any, other: Any) -> Any:
 
 
 def _hash_of_options(one: Any) -> int:
-    """Numba's is of their names alone."""
-    return hash(type(one))
+    """Numba's is of their names alone.  Options that are equal are set by the same names, but for defaults."""
+    known = type(one).options
+    return hash(frozenset(n for n, value in one._values.items() if value is True and known[n].default is not True))
 
 
 def _tidy(library: Any, module: Any) -> None:
     """Functions before they are linked: they are optimized together, in what Python calls."""
     module.data_layout = library._codegen._data_layout
-    builder = library._codegen._pass_builder()
+    passes, builder = _tidying(library._codegen)
+    for function in module.functions:
+        if not function.is_declaration:
+            passes.run(function, builder)
+
+
+@cache
+def _tidying(codegen: Any) -> tuple[Any, Any]:
     passes = create_new_function_pass_manager()
     passes.add_sroa_pass()
     passes.add_simplify_cfg_pass()
     passes.add_aggressive_dce_pass()
-    for function in module.functions:
-        if not function.is_declaration:
-            passes.run(function, builder)
+    return passes, codegen._pass_builder()
 
 
 def _decorator_of_overloads(template: Any) -> Any:
@@ -77,18 +94,15 @@ def _decorator_of_overloads(template: Any) -> Any:
 
 
 def _call_type(function: Any, context: Any, args: Any, kws: Any) -> Any:
-    """What an operator makes of numbers is looked up among dozens of others once."""
-    if kws or not all(isinstance(kind, _NUMBERS) for kind in args):
+    """What an operator is for given types is looked up once, among dozens of others."""
+    if kws:
         return _typed(function, context, args, kws)
-    known = vars(function).setdefault("_known", {})
-    if (signature := known.get(args)) is None:
+    known, asked = vars(function).setdefault("_known", {}), (tuple(args), ConfigStack.top_or_none())
+    if (signature := known.get(asked)) is None:
         signature = _typed(function, context, args, kws)
-        if signature is not None and function._impl_keys[signature.args] == function.typing_key:  # made by no compiler
-            known[args] = signature
+        if function._impl_keys[signature.args] == function.typing_key:  # else it is compiled, which is remembered there
+            known[asked] = signature
     return signature
-
-
-_NUMBERS = types.Number, types.Boolean, types.Literal
 
 
 def _run_after(processor: Any, emit_dels: bool = False, extend_lifetimes: bool = False) -> None:
