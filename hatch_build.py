@@ -21,13 +21,6 @@ WITHIN = "firstcontact/kernels/compiled"
 # Bars of an ordinary laptop are a minute; a machine shared by many may take much longer.
 LIMIT = 1800.0
 COMPILE = "from firstcontact.warmup import cores, warm_together; warm_together(cores())"
-# What compiled kernels call is compiled into them: of all files those are shipped that questions read afterwards.
-ASK = """
-from firstcontact.kernels.cache import LOADED
-from firstcontact.warmup import warm
-assert not warm()
-print(*LOADED)
-"""
 
 
 class CompiledKernels(BuildHookInterface):  # type: ignore[type-arg]
@@ -39,14 +32,13 @@ class CompiledKernels(BuildHookInterface):  # type: ignore[type-arg]
             return
         try:
             self._run(COMPILE)
-            wanted = set(self._run(ASK).split())
         except (OSError, subprocess.SubprocessError) as error:
             said = getattr(error, "stderr", None) or ""
             self.app.display_error(f"{said}\nKERNELS NOT COMPILED, THIS WHEEL COMPILES THEM ON FIRST USE: {error}")
             return
-        for folder in Path(self._folder).iterdir():
-            for file in (folder / name for name in sorted(wanted)):
-                build_data["force_include"][str(file)] = f"{WITHIN}/{folder.name}/{file.name}"
+        # What Python calls: the kernels that those call are compiled into them.
+        for file in sorted(Path(self._folder).glob("*/*.nbc")):
+            build_data["force_include"][str(file)] = f"{WITHIN}/{file.parent.name}/{file.name}"
         # Compiled code is for one version of Numba and of Python, and one kind of machine.
         build_data["dependencies"] += [f"{name}=={importlib.metadata.version(name)}" for name in ("numba", "llvmlite")]
         build_data["pure_python"] = False
@@ -56,15 +48,14 @@ class CompiledKernels(BuildHookInterface):  # type: ignore[type-arg]
     def finalize(self, version: str, build_data: dict[str, Any], artifact_path: str) -> None:
         shutil.rmtree(self._folder, ignore_errors=True)
 
-    def _run(self, program: str) -> str:
-        """What it prints, compiling for any processor."""
+    def _run(self, program: str) -> None:
+        """Compile for any processor."""
         environment = {name: value for name, value in os.environ.items() if not name.startswith("NUMBA_")} | {
             "FIRSTCONTACT_CACHE": self._folder,
             "PYTHONPATH": os.pathsep.join([str(Path(self.root) / "src"), os.environ.get("PYTHONPATH", "")]),
             "NUMBA_CPU_NAME": "generic",
             "NUMBA_CPU_FEATURES": "",
         }
-        done = subprocess.run(
+        subprocess.run(
             [sys.executable, "-c", program], env=environment, capture_output=True, text=True, check=True, timeout=LIMIT
         )
-        return done.stdout

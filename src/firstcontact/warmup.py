@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
@@ -68,7 +69,8 @@ def warm(progress: Callable[[str], object] | None = None) -> int:
 def warm_together(processes: int, progress: Callable[[str], object] | None = None) -> int:
     """The same by several processes, which share what they compile; `progress` is told what is done.
 
-    Of a family one question is asked at a time: two would wait for each other at every kernel that both need.
+    Of a family one question is asked at a time: two would wait for each other at every kernel that both need.  Most
+    families need what the first one compiles first, so they begin afterwards.
     """
     # spawned: a fork would inherit threads and locks of whoever calls
     with ProcessPoolExecutor(processes, mp_context=get_context("spawn"), initializer=thrift.apply) as pool:
@@ -79,8 +81,9 @@ def warm_together(processes: int, progress: Callable[[str], object] | None = Non
                 asked[pool.submit(_ask, name)] = name, left
                 return
 
-        for family in _families():
-            ask_next(iter(dict(family)))
+        first, beside, *later = (iter(dict(family)) for family in _families())
+        ask_next(first)
+        ask_next(beside)
         compiled = 0
         while asked:
             for done in wait(asked, return_when=FIRST_COMPLETED).done:
@@ -88,7 +91,9 @@ def warm_together(processes: int, progress: Callable[[str], object] | None = Non
                 compiled += done.result()
                 if progress is not None:
                     progress(name)
-                ask_next(left)
+                for family in (left, *(later if left is first else ())):
+                    ask_next(family)
+                later = [] if left is first else later
     return compiled
 
 
@@ -100,15 +105,18 @@ def cores() -> int:
 def _ask(name: str) -> int:
     before = len(COMPILED)
     questions()[name]()
-    return len(COMPILED) - before
+    if compiled := len(COMPILED) - before:
+        gc.collect()  # not on the way, and what is left not again
+        gc.freeze()
+    return compiled
 
 
 def _families() -> Iterator[Iterator[tuple[str, Question]]]:
-    """Questions that share most of their kernels, those first that compile longest."""
-    yield _of_engine("lifted")
+    """Questions that share most of their kernels; the first two share none, those next compile longest."""
     yield _of_meshes()
-    yield _of_solids()
     yield _of_curves()
+    yield _of_engine("lifted")
+    yield _of_solids()
     yield _of_ruled_surfaces()
     yield _of_tool_paths()
     yield _of_engine("sweep")

@@ -272,3 +272,69 @@ def test_what_kernels_call_gets_no_code_of_its_own_until_python_calls_it(tmp_pat
     for file in (tmp_path / "cache").rglob("*outer*.nbc"):
         file.unlink()
     assert told() == ["outer.nbc", "8 4 1"]  # of parts from the disk, which raise what they raised
+
+
+OFTEN = """
+from firstcontact.kernels.cache import COMPILED
+from firstcontact.kernels.jit import kernel
+def called(x, k, turned):
+    return -x * k if turned else x * k
+called = kernel(called)
+def calls(x):
+    return called(x, 1, False) + called(x, 2, True) + called(x, int(x), x > 0)
+calls = kernel(calls)
+print(calls(3.0), *(name.split("-")[0].split(".")[-1] for name in COMPILED))
+"""
+
+
+def test_a_kernel_is_compiled_once_for_all_numbers_that_callers_write_out(tmp_path):
+    (tmp_path / "ask.py").write_text(OFTEN)
+    environment = os.environ | {"FIRSTCONTACT_CACHE": str(tmp_path / "cache")}
+    at = [sys.executable, str(tmp_path / "ask.py")]
+    done = subprocess.run(at, capture_output=True, text=True, check=True, env=environment)
+    assert done.stdout.split() == ["-12.0", "called", "calls"]
+
+
+THRIFTY = """
+import sys
+import numpy as np
+from firstcontact.kernels import thrift
+if sys.argv[1] == "thrifty":
+    thrift.apply()
+from firstcontact.kernels.cache import COMPILED
+from firstcontact.kernels.jit import kernel, uncounted
+def part(x, k):
+    if x[k] < 0.0:
+        raise ValueError("negative")
+    return x[k] * k
+part = uncounted(part)
+def whole(x, count):
+    total, low = 0.0, np.zeros(2)
+    for k in range(count):
+        total += max(part(x, k), round(x[k], 1)) ** 2 / 3.0
+        low[k % 2] -= x[k]
+    def twice(y):
+        return 2.0 * y
+    first = [part(x, k) for k in range(count) if x[k] > 0.1]
+    return twice(total), len(first), np.sort(np.concatenate((low, x[::-1] * 2.0 - x)))
+whole = kernel(whole)
+a, n, rows = whole(np.array([0.26, 0.74, 0.05]), 3)
+print(a.hex(), n, *map(float.hex, rows))
+try:
+    whole(np.array([-1.0]), 1)
+except ValueError as error:
+    print(error, len(COMPILED))
+"""
+
+
+def test_thrifty_compiling_makes_the_same_code(tmp_path):
+    """With what is left out for speed: overloads, closures, array expressions, exceptions, references to arrays."""
+    (tmp_path / "ask.py").write_text(THRIFTY)
+
+    def told(how):
+        environment = os.environ | {"FIRSTCONTACT_CACHE": str(tmp_path / how)}
+        at = [sys.executable, str(tmp_path / "ask.py"), how]
+        return subprocess.run(at, capture_output=True, text=True, check=True, env=environment).stdout
+
+    assert told("thrifty") == told("plain")
+    assert told("thrifty").splitlines()[1] == "negative 0"  # what one process kept serves another

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import uncounted
 
 TWO_PI = 6.283185307179586
 HALF_PI = 1.5707963267948966
@@ -12,7 +12,7 @@ HALF_PI = 1.5707963267948966
 ANGLE_EPS = 4e-15
 
 
-@kernel
+@uncounted
 def _atan(t):
     """atan for 0 <= t <= 1."""
     shift = 0.0
@@ -33,7 +33,7 @@ def _atan(t):
     return shift + (t + t * x * p)
 
 
-@kernel
+@uncounted
 def angle_of(x, y):
     """The angle of the vector (x, y), not (0, 0), in [0, 2 pi)."""
     ax, ay = abs(x), abs(y)
@@ -43,7 +43,7 @@ def angle_of(x, y):
     return TWO_PI - angle if y < 0.0 else angle
 
 
-@kernel
+@uncounted
 def angle_bounds(x, ex, y, ey):
     """(lo, hi) around the angle of the true vector; (0, 2 pi) when the errors reach around zero angle.
 

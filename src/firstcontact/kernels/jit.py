@@ -10,10 +10,11 @@ from typing import Any, cast
 from numba import njit
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.sigutils import normalize_signature
+from numba.core.types import unliteral
 from numba.extending import overload
 
 from firstcontact.kernels.cache import FOLDER, IMPLEMENTATIONS, KernelCache
-from firstcontact.kernels.parts import Part, PartOrWhole, compiling, within_another
+from firstcontact.kernels.parts import Part, PartOrWhole, compiling, keep_parts, within_another
 
 try:
     import fcntl
@@ -36,7 +37,7 @@ def kernel(function: Callable[..., Any], allocates: bool = True, inlined: bool =
     )(function)  # fmt: skip
     dispatcher._cache = KernelCache(dispatcher)
     name = f"{function.__module__}.{function.__qualname__}"
-    compile_or_load, add, known = dispatcher.compile, dispatcher.add_overload, dispatcher.overloads
+    compile_or_load, template, known = dispatcher.compile, dispatcher.get_call_template, dispatcher.overloads
 
     def alone(signature: Any) -> Any:
         # the lock of threads first: none of them waits for a file that another one of its process holds, and
@@ -47,14 +48,12 @@ def kernel(function: Callable[..., Any], allocates: bool = True, inlined: bool =
                 del known[arguments]
             return compile_or_load(signature)
 
-    def add_overload(result: Any) -> None:
-        if isinstance(result.library, Part):
-            known[tuple(result.signature.args)] = result  # for kernels: Python looks elsewhere
-        else:
-            add(result)
+    def of_numbers(arguments: Any, named: Any) -> Any:
+        """Once for all numbers that callers write out, not once for each."""
+        return template(tuple(map(unliteral, arguments)), {name: unliteral(kind) for name, kind in named.items()})
 
-    dispatcher.compile, dispatcher.add_overload = alone, add_overload
-    return dispatcher
+    dispatcher.compile, dispatcher.get_call_template = alone, of_numbers
+    return keep_parts(dispatcher)
 
 
 @contextmanager

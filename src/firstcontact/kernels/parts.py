@@ -10,12 +10,15 @@ from __future__ import annotations
 import gc
 from collections.abc import Iterator
 from contextlib import contextmanager
+from types import CodeType
 from typing import Any
 
 from llvmlite import binding
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler, CompileResult
 from numba.core.dispatcher import Dispatcher
+from numba.core.typed_passes import NopythonRewrites
+from numba.core.untyped_passes import InlineClosureLikes
 
 _begun: list[Dispatcher] = []
 """Kernels being compiled, each called by the one before it; under Numba's lock."""
@@ -43,9 +46,11 @@ def within_another() -> bool:
 class Part(JITCodeLibrary):  # type: ignore[misc]
     """Code for callers to link; nothing has an address."""
 
+    of_kernel = True
+
     def _optimize_final_module(self) -> None:
         """Of leaves alone: what they are linked into is optimized once more, with all that is inlined there."""
-        if not any(isinstance(library, Part) for library in self._linking_libraries):
+        if not any(isinstance(library, Part) and library.of_kernel for library in self._linking_libraries):
             super()._optimize_final_module()
 
     def _finalize_final_module(self) -> None:
@@ -64,17 +69,62 @@ class Part(JITCodeLibrary):  # type: ignore[misc]
 class PartOrWhole(Compiler):  # type: ignore[misc]
     """Compiles what a kernel calls to a part."""
 
+    whole_within = 1
+    """So many kernels are being compiled where this one is what Python calls."""
+
     def __init__(
         self, typingctx: Any, targetctx: Any, library: Any, args: Any, return_type: Any, flags: Any, locals: Any
     ) -> None:
-        part = within_another()
+        part = len(_begun) > self.whole_within
         if part:
             library = Part(targetctx.codegen(), "part")
+            library.of_kernel = self.whole_within == 1
             library.enable_object_caching()
         super().__init__(typingctx, targetctx, library, args, return_type, flags, locals)
         if part:  # of the context, which is this compilation's own copy: what Numba knows of +, * etc. is by flags
             self.state.targetctx.create_cpython_wrapper = _no_wrapper
             self.state.targetctx.get_executable = _nothing_to_call
+
+
+    def define_pipelines(self) -> list[Any]:
+        """Numba's, without steps that change nothing in a function that has no other in it and no array expressions."""
+        (steps,) = super().define_pipelines()
+        if not any(isinstance(constant, CodeType) for constant in self.state.func_id.code.co_consts):
+            steps.passes = [step for step in steps.passes if step[0] not in _OF_CLOSURES]
+        return [steps]
+
+
+class PartOfCallers(PartOrWhole):
+    """Compiles what is no kernel and called by one."""
+
+    whole_within = 0
+
+
+def keep_parts(dispatcher: Any) -> Any:
+    """Where kernels find them: Python looks elsewhere."""
+    add, known = dispatcher.add_overload, dispatcher.overloads
+
+    def add_overload(result: Any) -> None:
+        if isinstance(result.library, Part):
+            known[tuple(result.signature.args)] = result
+        else:
+            add(result)
+
+    dispatcher.add_overload = add_overload
+    return dispatcher
+
+
+def for_callers(decorator: Any) -> Any:
+    """`numba.jit`, for functions that are parts where kernels call them."""
+
+    def with_options(**options: Any) -> Any:
+        decorate = decorator(**options, pipeline_class=PartOfCallers)
+        return lambda function: keep_parts(decorate(function))
+
+    return with_options
+
+
+_OF_CLOSURES = {InlineClosureLikes, NopythonRewrites}
 
 
 def _no_wrapper(*_: Any, **__: Any) -> None:

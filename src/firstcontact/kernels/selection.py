@@ -1,9 +1,9 @@
 """The smallest of many keys, in time that grows with their number."""
 
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import uncounted
 
 
-@kernel
+@uncounted
 def select(keys, order, first, last, middle):
     """Rearrange so that the smallest keys of [first, last) stand before `middle` (quickselect, middle pivots)."""
     lo, hi = first, last - 1

@@ -1,36 +1,140 @@
-"""What Numba does in vain while it compiles, left out.  It is left out for the whole process: for those of our own."""
+"""What Numba does in vain while it compiles, left out.  It is left out for the whole process: for those of our own.
+
+Every name of Numba's used here is of 0.68, which the package is pinned to.
+"""
 
 from __future__ import annotations
 
+import gc
+from contextlib import nullcontext
+from functools import cache
 from typing import Any
 
+import numba
+from llvmlite.binding import create_new_function_pass_manager
+from numba.core import base, compiler_machinery, errors, event, ir, postproc
 from numba.core.codegen import CPUCodeLibrary
-from numba.core.targetconfig import TargetConfig
+from numba.core.targetconfig import ConfigStack, TargetConfig
+from numba.core.transforms import canonicalize_cfg
+from numba.core.types.functions import BaseFunction
+from numba.core.typing.templates import _OverloadFunctionTemplate
 
-_equal: Any = TargetConfig.__eq__
+from firstcontact.kernels.parts import for_callers
+
+_after: Any = postproc.PostProcessor.run
+_typed: Any = BaseFunction.get_call_type
+_decorator: Any = _OverloadFunctionTemplate._get_jit_decorator
 
 
 def apply() -> None:
-    config: Any = TargetConfig
-    library: Any = CPUCodeLibrary
-    config.__eq__, config.__hash__ = _equal_options, _hash_of_options
-    library._optimize_functions = _optimize_functions
+    gc.disable()
+    _set(TargetConfig, __eq__=_equal_options, __hash__=_hash_of_options)
+    _set(CPUCodeLibrary, _optimize_functions=_tidy)
+    _set(_OverloadFunctionTemplate, _get_jit_decorator=_decorator_of_overloads)
+    _set(BaseFunction, get_call_type=_call_type)
+    _set(postproc.PostProcessor, run=_run_after)
+    _set(ir.Inst, _rec_list_vars=_variables)
+    _set(base, _has_loc=cache(base._has_loc))
+    _set(vars(errors)["WarningsFixer"], catch_warnings=_as_they_come)
+    _set(event, start_event=_nothing, end_event=_nothing)  # of locks, whenever LLVM is called
+    _set(compiler_machinery, enforce_no_dels=_nothing)  # a check of Numba's own steps, after each of them
+
+
+def _set(place: object, **new: Any) -> None:
+    for name, value in new.items():
+        if name not in vars(place):
+            raise AttributeError(f"{place} of Numba {numba.__version__} has no {name}")
+        setattr(place, name, value)
+
+
+def _nothing(*_: Any, **__: Any) -> None:
+    pass
+
+
+def _as_they_come(*_: Any, **__: Any) -> nullcontext[None]:
+    """Warnings of a step of type inference, without the line that it is for."""
+    return nullcontext()
 
 
 def _equal_options(one: Any, other: Any) -> Any:
-    """Options are compared whenever an operator is looked up: by those that are set, where these agree."""
-    return (isinstance(other, TargetConfig) and one._values == other._values) or _equal(one, other)
+    """Options are compared whenever an operator is looked up: by those that are set."""
+    if type(one) is not type(other):
+        return NotImplemented
+    mine, its = one._values, other._values
+    return mine == its or all(getattr(one, name) == getattr(other, name) for name in mine.keys() | its.keys())
 
 
 def _hash_of_options(one: Any) -> int:
-    """Numba's is of their names alone."""
-    return hash(type(one))
+    """Numba's is of their names alone.  Options that are equal are set by the same names, but for defaults."""
+    known = type(one).options
+    return hash(frozenset(n for n, value in one._values.items() if value is True and known[n].default is not True))
 
 
-def _optimize_functions(library: Any, module: Any) -> None:
-    """Those that are there: Numba prepares as much for each that is only declared."""
+def _tidy(library: Any, module: Any) -> None:
+    """Functions before they are linked: they are optimized together, in what Python calls."""
     module.data_layout = library._codegen._data_layout
+    passes, builder = _tidying(library._codegen)
     for function in module.functions:
         if not function.is_declaration:
-            passes, builder = library._codegen._function_pass_manager()
             passes.run(function, builder)
+
+
+@cache
+def _tidying(codegen: Any) -> tuple[Any, Any]:
+    passes = create_new_function_pass_manager()
+    passes.add_sroa_pass()
+    passes.add_simplify_cfg_pass()
+    passes.add_aggressive_dce_pass()
+    return passes, codegen._pass_builder()
+
+
+def _decorator_of_overloads(template: Any) -> Any:
+    """What a kernel calls of Numba's own is linked into it, as are kernels."""
+    return for_callers(_decorator(template))
+
+
+def _call_type(function: Any, context: Any, args: Any, kws: Any) -> Any:
+    """What an operator is for given types is looked up once, among dozens of others."""
+    if kws:
+        return _typed(function, context, args, kws)
+    known, asked = vars(function).setdefault("_known", {}), (tuple(args), ConfigStack.top_or_none())
+    if (signature := known.get(asked)) is None:
+        signature = _typed(function, context, args, kws)
+        if function._impl_keys[signature.args] == function.typing_key:  # else it is compiled, which is remembered there
+            known[asked] = signature
+    return signature
+
+
+def _run_after(processor: Any, emit_dels: bool = False, extend_lifetimes: bool = False) -> None:
+    """How long variables live is asked once, before a function gets its code, not after each step."""
+    code = processor.func_ir
+    if emit_dels or code.is_generator:
+        _after(processor, emit_dels, extend_lifetimes)
+        return
+    code.blocks = canonicalize_cfg(code.blocks)
+    code.variable_lifetime = postproc.VariableLifetime(code.blocks)
+    code.generator_info = None
+
+
+def _variables(statement: Any, value: Any) -> list[Any]:
+    """Those of a statement's parts: most are words and places in files."""
+    found: list[Any] = []
+    kind = type(value)
+    if kind is dict:
+        value = value.values()
+    elif kind is not list and kind is not tuple:
+        value = (value,)
+    for part in value:
+        kind = type(part)
+        if kind in _PLAIN:
+            continue
+        if kind is ir.Var:
+            found.append(part)
+        elif isinstance(part, ir.Inst):
+            found += part.list_vars()
+        elif isinstance(part, (list, tuple, dict)):
+            found += _variables(statement, part)
+    return found
+
+
+_PLAIN = {str, int, bool, float, type(None), ir.Loc}

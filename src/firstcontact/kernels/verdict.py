@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import uncounted
 
 NONE, CERTAIN, UNSURE = 0, 1, 2
 
@@ -16,12 +16,12 @@ TINY = 2.0**-700
 LOST = 2.0**-960
 
 
-@kernel
+@uncounted
 def cross(x0, x1, x2, y0, y1, y2):
     return x1 * y2 - x2 * y1, x2 * y0 - x0 * y2, x0 * y1 - x1 * y0
 
 
-@kernel
+@uncounted
 def cross_size(x0, x1, x2, y0, y1, y2):
     """The cross product with absolute values and sums: what its rounding errors scale with."""
     return (
@@ -31,13 +31,13 @@ def cross_size(x0, x1, x2, y0, y1, y2):
     )
 
 
-@kernel
+@uncounted
 def slack3(x, y, z, dx, dy, dz):
     """Bound on the change of x.(y x z) when vectors of 1-norm x, y, z move by at most dx, dy, dz."""
     return 1.000001 * (dx * (y + dy) * (z + dz) + x * dy * (z + dz) + x * y * dz)
 
 
-@kernel
+@uncounted
 def quotient(n, n_err, d, d_err):
     """(lo, hi) around the true n/d; |d| > d_err."""
     t = n / d

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import kernel, uncounted
 
 
 @kernel
@@ -56,7 +56,7 @@ def derive_edges(triangles, n_vertices):
     return edges[:n_edges].copy(), side_edge, count[:n_edges].copy(), balance[:n_edges].copy()
 
 
-@kernel
+@uncounted
 def _sort_bucket(far, side, first, last):
     """Sort far[first:last] ascending and carry `side` along (Shell 1959): most buckets hold a few, some thousands."""
     gap = 1

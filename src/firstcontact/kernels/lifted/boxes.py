@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import uncounted
 
 # A clipped corner lies within CLIP_EPS * (largest coordinate) of its true place: one division, one product
 # and two sums of numbers no larger than that.  Smaller: parts of a triangle could leave their box.
 CLIP_EPS = 1e-15
 
 
-@kernel
+@uncounted
 def clip_to_box(xyz, box, polygon, scratch):
     """Corners of the triangle `xyz` (9,) inside `box` (6,): fills polygon (12, 3), returns their number."""
     for k in range(3):
@@ -47,7 +47,7 @@ def clip_to_box(xyz, box, polygon, scratch):
     return n
 
 
-@kernel
+@uncounted
 def segment_meets_box(p, q, box, pad):
     """False only when the segment between p and q (3,) certainly misses the box grown by `pad`."""
     t0, t1 = 0.0, 1.0

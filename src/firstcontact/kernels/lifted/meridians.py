@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import kernel, uncounted
 from firstcontact.kernels.lifted.swept_cell import between, slack_of
 
 # Looks at parts, per part; slabs; and parts that are so few that to drop some of them gains nothing.
@@ -72,7 +72,7 @@ def may_meet_turning(xyz, m, cx, cy, err):
     return meets
 
 
-@kernel
+@uncounted
 def _extent(xyz, m, cx, cy):
     """(largest coordinate, largest distance or a little more, bottom and top of the heights that both have)."""
     far, size = max(abs(cx), abs(cy)), 0.0
@@ -91,7 +91,7 @@ def _extent(xyz, m, cx, cy):
     return far, size, max(bottom, low), min(top, high)
 
 
-@kernel
+@uncounted
 def _keep(xyz, lists, first, middle, last, bottom, top, cx, cy, size, slack, ranges):
     """Move to the front of lists[first:last] what may meet the other body between two heights: (of a, of both)."""
     base, q0, q1, q2 = _reference(xyz, lists, first, last, bottom, top, cx, cy)
@@ -114,7 +114,7 @@ def _keep(xyz, lists, first, middle, last, bottom, top, cx, cy, size, slack, ran
     return end_a - first, end - first
 
 
-@kernel
+@uncounted
 def _hull(ranges, first, last):
     low, high = np.inf, -np.inf
     for k in range(first, last):
@@ -122,7 +122,7 @@ def _hull(ranges, first, last):
     return low, high
 
 
-@kernel
+@uncounted
 def _near(lists, ranges, base, first, last, low, high):
     """Move to the front what has a range (not an empty one) that meets [low, high]; where that ends."""
     end = first
@@ -135,7 +135,7 @@ def _near(lists, ranges, base, first, last, low, high):
     return end
 
 
-@kernel
+@uncounted
 def _reference(xyz, lists, first, last, bottom, top, cx, cy):
     """(base, q0, q1, q2): r^2 of a side that rises through most of the slab, by powers of z - base; else zeros."""
     base, longest = 0.5 * (bottom + top), 0.5 * (top - bottom)
@@ -154,7 +154,7 @@ def _reference(xyz, lists, first, last, bottom, top, cx, cy):
     return base, q0, q1, q2
 
 
-@kernel
+@uncounted
 def _range(x, bottom, top, cx, cy, base, q0, q1, q2):
     """Bounds of r^2 - q on the part between two heights; (inf, -inf) where it has no point there."""
     low, high = np.inf, -np.inf
@@ -173,7 +173,7 @@ def _range(x, bottom, top, cx, cy, base, q0, q1, q2):
     return low - 0.25 * _squared_chord(x), high
 
 
-@kernel
+@uncounted
 def _squared_chord(x):
     """Not less than that of the longest horizontal chord of a triangle but for rounding; 0 of an edge or a point."""
     if x[3] == x[6] and x[4] == x[7] and x[5] == x[8]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import uncounted
 
 RANK, RHO, CENTRE = 0, 1, 2
 _U = 2.0**-53
@@ -20,13 +20,13 @@ _SAMPLE = 64
 _FLAT = 1e-14
 
 
-@kernel
+@uncounted
 def box_columns(d):
     """Length of the row of a box of vectors with d entries."""
     return CENTRE + 2 * d + d * d
 
 
-@kernel
+@uncounted
 def fit_box(vectors, order, first, last, group, row, offset, moments, axes, weights):
     """Write the box of the vectors of the items order[first:last] into `row` from `offset` on.
 
@@ -87,7 +87,7 @@ def fit_box(vectors, order, first, last, group, row, offset, moments, axes, weig
     row[offset + RHO] = rho + 32.0 * _U * (size + d * widest)
 
 
-@kernel
+@uncounted
 def form_range(row, offset, form, d):
     """(v, r): the form (d,) takes values in [v - r, v + r] on the set of the box, but for the rounding of this sum."""
     centre, half, start = offset + CENTRE, offset + CENTRE + d, offset + CENTRE + 2 * d
@@ -104,7 +104,7 @@ def form_range(row, offset, form, d):
     return value, reach
 
 
-@kernel
+@uncounted
 def _covariance(vectors, order, first, last, group, moments, mean):
     """Mean and matrix of second moments of a sample, evenly spaced in the order."""
     d = vectors.shape[1]
@@ -133,7 +133,7 @@ def _covariance(vectors, order, first, last, group, moments, mean):
             moments[k, j] = moments[j, k]
 
 
-@kernel
+@uncounted
 def _jacobi(m, axes, d):
     """Eigenvectors of the symmetric matrix m (destroyed) as columns of axes, by cyclic Jacobi rotations."""
     total = 0.0

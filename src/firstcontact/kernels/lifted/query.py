@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import uncounted
 from firstcontact.kernels.lifted.principal import form_range
 from firstcontact.kernels.verdict import LOST
 
@@ -33,7 +33,7 @@ N_FORMS, N_SIDES, E_FORMS, E_SIDES, L_QUERY, HAS_SLAB = range(6)
 _U = 2.0**-53
 
 
-@kernel
+@uncounted
 def line_slack(far, reach, e, scale, err):
     """Bound on the rounding of a form in lines with |f| <= reach, coordinates <= far; e: the query's direction."""
     eps = 4.0 * _U * far + err
@@ -41,14 +41,14 @@ def line_slack(far, reach, e, scale, err):
     return 1024.0 * (eps * (far / scale) * (e + reach) + _U * mixed * mixed * e * reach) + LOST
 
 
-@kernel
+@uncounted
 def plane_slack(far, needle, scale, err):
     eps = 4.0 * _U * far + err
     mixed = 1.0 + 3.0 * far / scale
     return 1024.0 * (eps * (far / scale) * needle + _U * mixed * mixed)
 
 
-@kernel
+@uncounted
 def may_meet(row, query, facets, scale, origin, err):
     """False only when the query certainly meets no element of the cell."""
     if not _boxes_meet(row, query, err):
@@ -69,7 +69,7 @@ def may_meet(row, query, facets, scale, origin, err):
     return not one_sign(row, LINES, 6, query, SIDES, int(sizes[N_SIDES]), slack)
 
 
-@kernel
+@uncounted
 def one_sign(row, offset, d, query, first, count, slack):
     """Whether `count` > 0 forms all are positive, or all negative, on the box; false when anything is not a number."""
     sign = 0.0
@@ -84,7 +84,7 @@ def one_sign(row, offset, d, query, first, count, slack):
     return count > 0
 
 
-@kernel
+@uncounted
 def _boxes_meet(row, query, err):
     """The slab test over one unit of time, each time widened by the roundings it carries (4, relative)."""
     box, shift = query[BOX], query[SHIFT]
@@ -104,7 +104,7 @@ def _boxes_meet(row, query, err):
     return lo <= hi
 
 
-@kernel
+@uncounted
 def _misses_slab(row, query, origin, far, err):
     """Whether the box of the cell lies on one side of the plane of the parallelogram."""
     slab = query[SLAB]
@@ -116,7 +116,7 @@ def _misses_slab(row, query, origin, far, err):
     return abs(value) > reach * (1.0 + 1e-14) + 1024.0 * eps * far * slab[4] + LOST
 
 
-@kernel
+@uncounted
 def write_form(query, r, x0, x1, x2, e0, e1, e2, scale):
     """The form of the line through x along e: (moment / scale; direction)."""
     row = query[r]
@@ -126,17 +126,17 @@ def write_form(query, r, x0, x1, x2, e0, e1, e2, scale):
     row[3], row[4], row[5] = e0, e1, e2
 
 
-@kernel
+@uncounted
 def norm1(x, y, z):
     return abs(x) + abs(y) + abs(z)
 
 
-@kernel
+@uncounted
 def largest(x, y, z):
     return max(abs(x), abs(y), abs(z))
 
 
-@kernel
+@uncounted
 def write_swept_edge(query, x, y, start, shift, origin, scale):
     """The edge from x to y (3,), moved by `start` and then along `shift` (3,): a parallelogram.
 
@@ -164,7 +164,7 @@ def write_swept_edge(query, x, y, start, shift, origin, scale):
     _write_shift(query, d0, d1, d2, far)
 
 
-@kernel
+@uncounted
 def write_segment(query, x, start, shift, origin, scale):
     """The path of the point x (3,), moved by `start` and then along `shift` (3,), as a query for facets."""
     p0, p1, p2 = x[0] - origin[0] + start[0], x[1] - origin[1] + start[1], x[2] - origin[2] + start[2]
@@ -181,13 +181,13 @@ def write_segment(query, x, start, shift, origin, scale):
     _write_shift(query, d0, d1, d2, far)
 
 
-@kernel
+@uncounted
 def write_plane_form(query, r, p0, p1, p2, weight, scale):
     """The form n.p + weight (-n.a), divided by scale."""
     query[r, 0], query[r, 1], query[r, 2], query[r, 3] = p0 / scale, p1 / scale, p2 / scale, weight
 
 
-@kernel
+@uncounted
 def _write_shift(query, d0, d1, d2, far):
     shift = query[SHIFT]
     _write_rounding(query, norm1(d0, d1, d2))
@@ -201,7 +201,7 @@ def _write_shift(query, d0, d1, d2, far):
         shift[k + 3] = 1.0 / shift[k] if shift[k] != 0.0 else np.inf
 
 
-@kernel
+@uncounted
 def write_turned_edge(query, a, b, da, db, a_end, b_end, tc, origin, scale):
     """The edge ab turning about an axis along z: its ends (3,) at the beginning and the end of an arc, their
 
@@ -233,7 +233,7 @@ def write_turned_edge(query, a, b, da, db, a_end, b_end, tc, origin, scale):
     _write_arc_box(query, a, b, a_end, b_end, da, db, tc)
 
 
-@kernel
+@uncounted
 def write_turned_point(query, p, dp, p_end, tc, origin, scale):
     """The same for a point and the planes of facets."""
     p0, p1, p2 = p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]
@@ -248,7 +248,7 @@ def write_turned_point(query, p, dp, p_end, tc, origin, scale):
     _write_arc_box(query, p, p, p_end, p_end, dp, dp, tc)
 
 
-@kernel
+@uncounted
 def _write_arc_box(query, a, b, a_end, b_end, da, db, tc):
     """Chords of arcs are off by r (1 - cos(arc / 2)) <= r tc^2 / 2 at most."""
     bulge = 0.5 * tc * tc * 1.01 * max(norm1(da[0], da[1], 0.0), norm1(db[0], db[1], 0.0))
@@ -260,7 +260,7 @@ def _write_arc_box(query, a, b, a_end, b_end, da, db, tc):
     _write_rounding(query, 4.0 * max(norm1(da[0], da[1], 0.0), norm1(db[0], db[1], 0.0)))
 
 
-@kernel
+@uncounted
 def _write_rounding(query, size):
     """The box and what is added to it on the way are off by a few roundings of their size."""
     for k in range(6):

@@ -14,7 +14,7 @@ import math
 
 import numpy as np
 
-from firstcontact.kernels.jit import implements, kernel
+from firstcontact.kernels.jit import implements, kernel, uncounted
 from firstcontact.kernels.verdict import LOST
 
 # Rows: boxes of the corners of the hulls; the box of all; then the number of corners, whether paths are circles, axis,
@@ -36,7 +36,7 @@ def _axis_of(motion):
     return lambda motion: (True, motion[motion.shape[0] - 1, 0], motion[motion.shape[0] - 1, 1])
 
 
-@kernel
+@uncounted
 def begin_cell(cell, still, motion):
     turns, cx, cy = axis_of(motion)
     for r in range(4):
@@ -47,7 +47,7 @@ def begin_cell(cell, still, motion):
     cell[ROUND, 0], cell[ROUND, 1] = np.inf, 0.0
 
 
-@kernel
+@uncounted
 def put_path(cell, work, corners):
     """Add the path with so many corners of its hull, the first rows of work."""
     cell[HULLS, 0] = corners
@@ -65,12 +65,12 @@ def put_path(cell, work, corners):
         cell[ROUND, 0], cell[ROUND, 1] = min(cell[ROUND, 0], r), max(cell[ROUND, 1], r)
 
 
-@kernel
+@uncounted
 def slack_of(far, err):
     return 2.0 * err + 64.0 * _U * far
 
 
-@kernel
+@uncounted
 def facet_may_meet(cell, x, err):
     """False only when no path of the cell meets the triangle x (9,)."""
     whole = cell[WHOLE]
@@ -101,7 +101,7 @@ def facet_may_meet(cell, x, err):
     )  # fmt: skip
 
 
-@kernel
+@uncounted
 def _separates(cell, x, m0, m1, m2, slack):
     """Whether the triangle lies strictly on one side of all paths along the axis m; false when that is not a number."""
     p, q = (m0 * x[0] + m1 * x[1]) + m2 * x[2], (m0 * x[3] + m1 * x[4]) + m2 * x[5]
@@ -119,7 +119,7 @@ def _separates(cell, x, m0, m1, m2, slack):
     return above or below
 
 
-@kernel
+@uncounted
 def _distances_differ(cell, x, slack):
     """Whether, at the heights of the circles, the triangle is farther from the axis than all of them, or nearer.
 
@@ -150,7 +150,7 @@ def _distances_differ(cell, x, slack):
     return nearest > cell[ROUND, 1] + 2.0 * slack
 
 
-@kernel
+@uncounted
 def _clipped_side(x, s, bottom, top, cx, cy):
     """(whether there is any, p, q, p', q'): the ends, from the axis, of what of a side lies between two heights."""
     i, j = 3 * s, 3 * ((s + 1) % 3)
@@ -159,7 +159,7 @@ def _clipped_side(x, s, bottom, top, cx, cy):
     return lo <= hi, p + lo * d - cx, q + lo * e - cy, p + hi * d - cx, q + hi * e - cy
 
 
-@kernel
+@uncounted
 def edge_keeps_off(x, bottom, top, nearest, farthest, cx, cy, err):
     """Whether the edge x (9,), turning about the axis, meets nothing between two heights and two distances."""
     far = max(abs(cx), abs(cy), abs(bottom), abs(top))
@@ -173,7 +173,7 @@ def edge_keeps_off(x, bottom, top, nearest, farthest, cx, cy, err):
     return least > farthest + 2.0 * slack or most < nearest - 2.0 * slack
 
 
-@kernel
+@uncounted
 def _distances(x, lo, hi, cx, cy):
     """(least, largest) distance from the axis on the share [lo, hi] of the edge."""
     p, q, d, e = x[0] - cx, x[1] - cy, x[3] - x[0], x[4] - x[1]
@@ -194,7 +194,7 @@ def edge_distances(corners, motion):
     return out
 
 
-@kernel
+@uncounted
 def between(z0, z1, bottom, top):
     """The share [lo, hi] of a side from height z0 to z1 that lies between two heights; lo > hi where there is none."""
     if max(z0, z1) < bottom or min(z0, z1) > top:

@@ -6,7 +6,7 @@ after elimination cut the ranges of e (Hansen and Sengupta's step, with remainde
 
 from __future__ import annotations
 
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import uncounted
 from firstcontact.kernels.rulings.linear_models import MORE, REST, ROUND, slope_size
 from firstcontact.kernels.rulings.models import AXIS, GAP, WORK
 
@@ -21,7 +21,7 @@ LEAST_PIVOT = 1e-7
 """Of the sum of slopes of its equation; smaller ones are no help."""
 
 
-@kernel
+@uncounted
 def cut(w, row, e):
     """Narrow the ranges e by one equation; False proves that nothing is left."""
     low, high = w[row, 0] - w[row, REST], w[row, 0] + w[row, REST]
@@ -57,7 +57,7 @@ def cut(w, row, e):
     return True
 
 
-@kernel
+@uncounted
 def _along(w, n0, n1, n2):
     """The equation n.(P - Q) = 0 in row AXIS."""
     size = 0.0
@@ -69,7 +69,7 @@ def _along(w, n0, n1, n2):
     w[AXIS, REST] = rest * MORE + 2.0 * ROUND * size
 
 
-@kernel
+@uncounted
 def cut_by_directions(w, e, normal):
     """Narrow e by P = Q along the axes and across every two directions of motion in the box; False: nothing is left.
 
@@ -100,7 +100,7 @@ def cut_by_directions(w, e, normal):
     return True
 
 
-@kernel
+@uncounted
 def eliminate(w, minors, fixed, pivots):
     """Gauss-Jordan elimination of copies (rows from WORK on) of P - Q = 0 and of the determinants; the rank.
 
@@ -145,7 +145,7 @@ def eliminate(w, minors, fixed, pivots):
     return rank
 
 
-@kernel
+@uncounted
 def cut_by_elimination(w, minors, fixed, pivots, e):
     """Narrow e by the equations after elimination; False: nothing is left."""
     for i in range(minors):
@@ -158,7 +158,7 @@ def cut_by_elimination(w, minors, fixed, pivots, e):
     return True
 
 
-@kernel
+@uncounted
 def holds_zero(w, minors, fixed, pivots, image):
     """Whether P = Q has a solution in the box, by Brouwer's theorem; image: T of it lies in e_T of this range.
 
@@ -188,7 +188,7 @@ def holds_zero(w, minors, fixed, pivots, image):
     return True
 
 
-@kernel
+@uncounted
 def shrink(box, e):
     """Move the ranges e of the place in the box into the box; the largest of the ratios of widths, and the least."""
     most, least = 0.0, 1.0

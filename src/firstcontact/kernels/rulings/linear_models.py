@@ -7,7 +7,7 @@ may replace an operand.
 
 from __future__ import annotations
 
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import uncounted
 
 VARIABLES = 5
 REST = 6
@@ -18,13 +18,13 @@ MORE = 1.0 + 1e-14
 """Covers the rounding of sums of remainders."""
 
 
-@kernel
+@uncounted
 def slope_size(w, a):
     """Sum of |g|."""
     return abs(w[a, 1]) + abs(w[a, 2]) + abs(w[a, 3]) + abs(w[a, 4]) + abs(w[a, 5])
 
 
-@kernel
+@uncounted
 def difference(w, out, a, b):
     """a - b."""
     rest, size = w[a, REST] + w[b, REST], 0.0
@@ -34,7 +34,7 @@ def difference(w, out, a, b):
     w[out, REST] = rest * MORE + ROUND * size
 
 
-@kernel
+@uncounted
 def total(w, out, a, b):
     """a + b."""
     rest, size = w[a, REST] + w[b, REST], 0.0
@@ -44,7 +44,7 @@ def total(w, out, a, b):
     w[out, REST] = rest * MORE + ROUND * size
 
 
-@kernel
+@uncounted
 def product(w, out, a, b):
     """a b; the products of the linear parts go to the remainder."""
     x, y = w[a, 0], w[b, 0]
@@ -57,7 +57,7 @@ def product(w, out, a, b):
     w[out, REST] = (x * s + y * r + (p + r) * (q + s)) * MORE + 4.0 * ROUND * (x + p) * (y + q)
 
 
-@kernel
+@uncounted
 def quotient(w, out, a, b):
     """a / b; False where b may vanish."""
     p, q, r, s = slope_size(w, a), slope_size(w, b), w[a, REST], w[b, REST]
@@ -78,7 +78,7 @@ def quotient(w, out, a, b):
     return True
 
 
-@kernel
+@uncounted
 def inner(w, out, a, b, scratch):
     """a . b of rows a to a + 2 and b to b + 2."""
     product(w, out, a, b)
@@ -87,7 +87,7 @@ def inner(w, out, a, b, scratch):
         total(w, out, out, scratch)
 
 
-@kernel
+@uncounted
 def cross(w, out, a, b, scratch):
     """a x b, in rows out to out + 2, none of which is an operand."""
     for k in range(3):

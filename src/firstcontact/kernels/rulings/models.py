@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import uncounted
 from firstcontact.kernels.rulings.linear_models import (
     MORE,
     REST,
@@ -43,7 +43,7 @@ U_COLUMN, V_COLUMN = rows(0, 2)
 MOST_DEGREE = 31
 
 
-@kernel
+@uncounted
 def _polynomial(c, i_part, i_curve, i_component, column, box, w, table, row):
     """Models of a component X and of its derivative by the parameter in this column, in rows `row` and `row` + 1.
 
@@ -110,7 +110,7 @@ def _polynomial(c, i_part, i_curve, i_component, column, box, w, table, row):
     w[row + 1, REST] = max(rest_slope, 0.0) * MORE + rounding * size_slope
 
 
-@kernel
+@uncounted
 def _directrix(c, i_part, i_curve, column, box, w, table, points, slopes):
     """Models of x = X / W and of its derivative by the parameter; False where W may vanish."""
     _polynomial(c, i_part, i_curve, W_COMPONENT, column, box, w, table, WEIGHT)
@@ -137,7 +137,7 @@ def _directrix(c, i_part, i_curve, column, box, w, table, points, slopes):
     return True
 
 
-@kernel
+@uncounted
 def _ruled(c, i_part, column, box, w, table, points, by_u, by_s):
     """Models of a surface in rows `points` to `points` + 2, and of its derivatives; False where a weight may vanish."""
     for j in range(7):
@@ -155,7 +155,7 @@ def _ruled(c, i_part, column, box, w, table, points, by_u, by_s):
     return True
 
 
-@kernel
+@uncounted
 def _mixed(w, first, second, way):
     """The model of (1 - s) x1 + s x2 in place of that of x1, s in row AXIS; way: becomes that of x2 - x1.
 
@@ -172,7 +172,7 @@ def _mixed(w, first, second, way):
     w[way, REST] += (near + far) * MORE
 
 
-@kernel
+@uncounted
 def difference_models(p, i_part, q, j_part, box, w, table):
     """P - Q in the rows from GAP on, derivatives in the rows from BY_U on; False where a weight may vanish."""
     if not _ruled(p, i_part, U_COLUMN, box, w, table, POINTS, BY_U, BY_S):
@@ -187,7 +187,7 @@ def difference_models(p, i_part, q, j_part, box, w, table):
     return True
 
 
-@kernel
+@uncounted
 def minor_models(free, w):
     """Determinants of the derivatives by the free parameters, in the rows from MINORS on; their number."""
     if free & FREE_U and free & FREE_S:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from firstcontact.kernels.heap import heap_pop, heap_push
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import kernel, uncounted
 from firstcontact.kernels.rulings.boxes import cut_by_directions, cut_by_elimination, eliminate, holds_zero, shrink
 from firstcontact.kernels.rulings.linear_models import MORE, REST
 from firstcontact.kernels.rulings.models import (
@@ -47,7 +47,7 @@ READY = 0.7
 """Remainder, in units of the largest slope, below which a box is looked at for events."""
 
 
-@kernel
+@uncounted
 def _room(dom_p, dom_q, kind, k):
     """Lowest and highest value of a parameter."""
     if k == 0:
@@ -57,7 +57,7 @@ def _room(dom_p, dom_q, kind, k):
     return 0.0, 1.0
 
 
-@kernel
+@uncounted
 def _sure(p, dom_p, q, dom_q, kind, box, span, times, near, fixed, pivots, image, w, table):
     """Whether a contact in or near the box is certain; times: enclosure of its T.  (near, fixed, ..: scratch.)"""
     i, j, free = kind[PART_P], kind[PART_Q], kind[STRATUM]
@@ -97,7 +97,7 @@ def _sure(p, dom_p, q, dom_q, kind, box, span, times, near, fixed, pivots, image
     return True
 
 
-@kernel
+@uncounted
 def _heaviest(w, normal, box, at_rest, strata, least_time, span):
     """The column to split: what moves P - Q most along the normal, bending included; -1: nothing is wide enough."""
     best, column, bent, size = -1.0, -1, 0.0, 1e-300
@@ -129,7 +129,7 @@ def _heaviest(w, normal, box, at_rest, strata, least_time, span):
     return column
 
 
-@kernel
+@uncounted
 def _widest(box, at_rest, least_time, span):
     """The column to split where a weight may vanish: the widest of u, v and T; -1: none is wide enough."""
     best, column = LEAST, -1
@@ -142,7 +142,7 @@ def _widest(box, at_rest, least_time, span):
     return column
 
 
-@kernel
+@uncounted
 def _ready(w):
     """Whether linear parts rule P - Q over the box, so that events are worth a look."""
     slopes, rest = 0.0, 0.0
@@ -257,7 +257,7 @@ def search(p, dom_p, q, dom_q, mode, boxes, kinds, keys, heap, slots, n, span, t
     return DONE
 
 
-@kernel
+@uncounted
 def _rests(p, dom_p, q, dom_q, kind, box, near, fixed, pivots, image, w, table):
     """Whether a contact in the box is certain at all its times."""
     for k in range(5):
@@ -273,7 +273,7 @@ def _rests(p, dom_p, q, dom_q, kind, box, near, fixed, pivots, image, w, table):
     return holds_zero(w, NO_MINORS, fixed, pivots, image)
 
 
-@kernel
+@uncounted
 def _record(found, found_kinds, times, limit, counters, box, kind, sure, moment):
     row = counters[FOUND]
     counters[FOUND] += 1
@@ -288,7 +288,7 @@ def _record(found, found_kinds, times, limit, counters, box, kind, sure, moment)
         limit[1] = min(limit[1], moment[1])
 
 
-@kernel
+@uncounted
 def _strata(dom_p, dom_q, kind, box, boxes, kinds, keys, heap, slots, n, counters):
     """Push the box once for every stratum of at least two free parameters that it meets."""
     i, j = kind[PART_P], kind[PART_Q]
@@ -322,7 +322,7 @@ def _strata(dom_p, dom_q, kind, box, boxes, kinds, keys, heap, slots, n, counter
     return n
 
 
-@kernel
+@uncounted
 def _free_row(slots, n, counters):
     """The row that the next box pushed onto n others is to take."""
     if n == counters[USED]:

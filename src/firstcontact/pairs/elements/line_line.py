@@ -17,13 +17,13 @@ from flint import fmpz
 from firstcontact.exact.numbers import sign
 from firstcontact.exact.times.windows import ALWAYS, Window, hull
 from firstcontact.exact.vectors import Vector, along, cross, dot, ratio, scaled, sub
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import uncounted
 from firstcontact.kernels.verdict import CERTAIN, DET_EPS, NONE, TINY, UNSURE, cross_size, quotient, slack3
 from firstcontact.kernels.verdict import cross as cross_f
 from firstcontact.pairs.elements import point_line
 
 
-@kernel
+@uncounted
 def translation_filter(
     a0, a1, a2, b0, b1, b2, c0, c1, c2, d0, d1, d2, v0, v1, v2, t_first, t_last, err_a, err_b
 ):

@@ -16,7 +16,7 @@ from firstcontact.exact.times.instants import AngleInstant
 from firstcontact.exact.times.turning import Axis
 from firstcontact.exact.vectors import Vector, along, cross, divisible, dot, scaled, sub
 from firstcontact.kernels.angle import TWO_PI, angle_bounds
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import uncounted
 from firstcontact.kernels.running import add, cross2, div, dot2, mul, root
 from firstcontact.kernels.running import sub as minus
 from firstcontact.kernels.verdict import CERTAIN, NONE, UNSURE
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from firstcontact.exact.ring import Scalar
 
 
-@kernel
+@uncounted
 def rotation_filter(a0, a1, a2, b0, b1, b2, c0, c1, c2, d0, d1, d2, err_a, err_b):
     """Two (verdict, lo, hi) of the possible contacts of ab, turning about +z, with cd; angles in [0, 2 pi].
 
@@ -69,7 +69,7 @@ def rotation_filter(a0, a1, a2, b0, b1, b2, c0, c1, c2, d0, d1, d2, err_a, err_b
     return v0, lo0, hi0, v1, lo1, hi1
 
 
-@kernel
+@uncounted
 def _radii_differ(a0, a1, a2, b0, b1, b2, c0, c1, c2, d0, d1, d2, ez, fz, err_a, err_b):
     """Whether the radii of ab and cd certainly differ at all common heights: cheap, rejects most pairs.
 
@@ -100,7 +100,7 @@ def _radii_differ(a0, a1, a2, b0, b1, b2, c0, c1, c2, d0, d1, d2, ez, fz, err_a,
     return (first > 0.0) == (last > 0.0) and min(abs(first), abs(last)) > bow + margin
 
 
-@kernel
+@uncounted
 def _steeper_first(a0, a1, a2, b0, b1, b2, c0, c1, c2, d0, d1, d2, ez, eez, fz, efz, err_a, err_b):
     """The filter for |ez| >= |fz|, |ez| > its error: parametrised by mu on cd, lam = (wz + mu fz) / ez."""
     none = NONE, 0.0, 0.0, NONE, 0.0, 0.0
@@ -160,7 +160,7 @@ def _steeper_first(a0, a1, a2, b0, b1, b2, c0, c1, c2, d0, d1, d2, ez, eez, fz, 
     return v0, lo0, hi0, v1, lo1, hi1
 
 
-@kernel
+@uncounted
 def _at(mu, emu, lam0, elam0, slope, eslope, p0, p1, ep, g0, g1, eg, c0, c1, ec, f0, f1, ef):
     """(verdict, lo, hi) of the contact at parameter mu."""
     if mu + emu < 0.0 or mu - emu > 1.0:
@@ -184,7 +184,7 @@ def _at(mu, emu, lam0, elam0, slope, eslope, p0, p1, ep, g0, g1, eg, c0, c1, ec,
     return (CERTAIN if inside and hi < TWO_PI else UNSURE), lo, hi
 
 
-@kernel
+@uncounted
 def planar_bound(a0, a1, b0, b1, c0, c1, d0, d1, err_a, err_b):
     """A lower bound of the angles at which ab, turning about the origin of the plane, meets cd; 2 pi for never.
 
@@ -198,7 +198,7 @@ def planar_bound(a0, a1, b0, b1, c0, c1, d0, d1, err_a, err_b):
     return min(lo, planar_point_bound(d0, -d1, a0, -a1, b0, -b1, err_b, err_a))
 
 
-@kernel
+@uncounted
 def _may_cross(a0, a1, b0, b1, c0, c1, d0, d1, err):
     """False when the plane segments ab and cd certainly share no point."""
     s = planar_turn(a0, a1, b0, b1, c0, c1, err) * planar_turn(a0, a1, b0, b1, d0, d1, err)
@@ -211,7 +211,7 @@ def _may_cross(a0, a1, b0, b1, c0, c1, d0, d1, err):
     )  # fmt: skip
 
 
-@kernel
+@uncounted
 def planar_turn(a0, a1, b0, b1, p0, p1, err):
     """Certain sign of the turn a, b, p; 0 when unsure."""
     e0, ee0 = minus(b0, err, a0, err)
@@ -222,7 +222,7 @@ def planar_turn(a0, a1, b0, b1, p0, p1, err):
     return 1 if t > et else -1 if t < -et else 0
 
 
-@kernel
+@uncounted
 def planar_point_bound(p0, p1, c0, c1, d0, d1, err_p, err_c):
     """A lower bound of the angles at which p, turning about the origin, meets the segment cd; 2 pi: never."""
     f0, ef0 = minus(d0, err_c, c0, err_c)
@@ -254,7 +254,7 @@ def planar_point_bound(p0, p1, c0, c1, d0, d1, err_p, err_c):
     return min(lo, _bound_at(mu, emu, p0, p1, err_p, c0, c1, err_c, f0, f1, ef))
 
 
-@kernel
+@uncounted
 def _bound_at(mu, emu, p0, p1, ep, c0, c1, ec, f0, f1, ef):
     if mu + emu < 0.0 or mu - emu > 1.0:
         return TWO_PI

@@ -14,7 +14,7 @@ from firstcontact.exact.times.instants import AngleInstant
 from firstcontact.exact.times.turning import Axis
 from firstcontact.exact.vectors import Vector, along, cross, dot, scaled, sub
 from firstcontact.kernels.angle import TWO_PI, angle_bounds
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import uncounted
 from firstcontact.kernels.running import add, cross2, div, dot2, mul, root
 from firstcontact.kernels.running import sub as minus
 from firstcontact.kernels.verdict import CERTAIN, NONE, UNSURE
@@ -23,7 +23,7 @@ from firstcontact.pairs.elements.line_line_rotation import planar_point_bound, p
 from firstcontact.pairs.elements.point_line_rotation import Contact
 
 
-@kernel
+@uncounted
 def rotation_filter(p0, p1, p2, a0, a1, a2, b0, b1, b2, c0, c1, c2, err_p, err_f):
     """Two (verdict, lo, hi) of the possible contacts of p, turning about +z, with ABC; angles in [0, 2 pi].
 
@@ -70,7 +70,7 @@ def rotation_filter(p0, p1, p2, a0, a1, a2, b0, b1, b2, c0, c1, c2, err_p, err_f
     return v0, lo0, hi0, v1, lo1, hi1
 
 
-@kernel
+@uncounted
 def _slice_point(p2, a0, a1, a2, b0, b1, b2, z_err, err):
     """(x, y, its error) where ab has the height p2; error -1 where it has not, inf where that is unclear."""
     below, above = a2 - p2, b2 - p2
@@ -85,7 +85,7 @@ def _slice_point(p2, a0, a1, a2, b0, b1, b2, z_err, err):
     return a0 + s * e0, a1 + s * e1, delta + 4.0 * err
 
 
-@kernel
+@uncounted
 def _radius_misses(p0, p1, p2, a0, a1, a2, b0, b1, b2, c0, c1, c2, err_p, err_f):
     """Whether p's radius certainly lies outside the radii of the facet at p's height: cheap, rejects most pairs."""
     z_err = 8.0 * 2.0**-53 * (abs(p2) + abs(a2) + abs(b2) + abs(c2)) + 4.0 * (err_p + err_f)
@@ -114,7 +114,7 @@ def _radius_misses(p0, p1, p2, a0, a1, a2, b0, b1, b2, c0, c1, c2, err_p, err_f)
     return radius < near - margin
 
 
-@kernel
+@uncounted
 def _at(side, w, ew, h, eh, n0, n1, en, nn, enn, n2, en2,
         p0, p1, p2, ep, a0, a1, a2, b0, b1, b2, c0, c1, c2, ef):  # fmt: skip
     """(verdict, lo, hi) of the meeting point q = ((h n0 -+ n1 w), (h n1 +- n0 w)) / nn at the height of p."""
@@ -138,7 +138,7 @@ def _at(side, w, ew, h, eh, n0, n1, en, nn, enn, n2, en2,
     return (CERTAIN if ab > 0 and bc > 0 and ca > 0 and hi < TWO_PI else UNSURE), lo, hi
 
 
-@kernel
+@uncounted
 def _inside(q0, q1, q2, eq, eq2, a0, a1, a2, b0, b1, b2, ef, n0, n1, n2, en):
     """Certain sign of n.((b - a) x (q - a)), 0 when unsure."""
     e0, ee0 = minus(b0, ef, a0, ef)
@@ -157,7 +157,7 @@ def _inside(q0, q1, q2, eq, eq2, a0, a1, a2, b0, b1, b2, ef, n0, n1, n2, en):
     return 1 if t > et else -1 if t < -et else 0
 
 
-@kernel
+@uncounted
 def _flat_bound(p0, p1, a0, a1, b0, b1, c0, c1, err_p, err_f):
     """A lower bound of the contact angles with a facet (nearly) across the axis: p enters through a side."""
     err = err_p + err_f

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from firstcontact.exact.numbers import Undecidable, sign
 from firstcontact.exact.vectors import Vector, along, cross, dot, sub
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import uncounted
 from firstcontact.kernels.verdict import CERTAIN, DET_EPS, NONE, TINY, UNSURE, cross_size, slack3
 from firstcontact.kernels.verdict import cross as cross_f
 from firstcontact.pairs.elements.line_line import contact_point, segments_meet
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 APART, TOUCHING, CROSSING = 0, 1, 2
 
 
-@kernel
+@uncounted
 def _det(x0, x1, x2, y0, y1, y2, z0, z1, z2, dx, dy, dz):
     """det [x, y, z] and its error bound; dx, dy, dz bound the 1-norm errors of the vectors."""
     g0, g1, g2 = cross_f(y0, y1, y2, z0, z1, z2)
@@ -36,7 +36,7 @@ def _det(x0, x1, x2, y0, y1, y2, z0, z1, z2, dx, dy, dz):
     return x0 * g0 + x1 * g1 + x2 * g2, err
 
 
-@kernel
+@uncounted
 def crossing_filter(p0, p1, p2, q0, q1, q2, a0, a1, a2, b0, b1, b2, c0, c1, c2, err_e, err_f):
     """NONE: no shared point; CERTAIN: the segment crosses the facet transversally; UNSURE otherwise."""
     e0, e1, e2 = b0 - a0, b1 - a1, b2 - a2

@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import kernel, uncounted
 from firstcontact.kernels.lifted.principal import CENTRE, RANK, box_columns, fit_box, form_range
 from firstcontact.kernels.selection import select
 from firstcontact.search.trees.state import CANDIDATES, DONE, FULL, LEAF_ROOM, SLICE_SPENT, VISITS
@@ -116,7 +116,7 @@ def add_tree(vectors, first, last, levels):
     return root
 
 
-@kernel
+@uncounted
 def _longest_axis(box):
     """Where in the box the axis begins along which it is longest."""
     half, longest = CENTRE + WIDTH, 0
@@ -126,7 +126,7 @@ def _longest_axis(box):
     return half + WIDTH + WIDTH * longest
 
 
-@kernel
+@uncounted
 def _new_node(nodes, counts, first, last):
     node = counts[0]
     nodes[node, 0], nodes[node, 1], nodes[node, 2], nodes[node, 3] = first, last, -1, -1
@@ -195,7 +195,7 @@ def ask_levels(levels, vectors, plan, tops, questions, parts, motion, xyz_a, xyz
     return DONE
 
 
-@kernel
+@uncounted
 def _test_all(levels, node, vectors, steps, s, waiting, q, questions, parts, motion, xyz_a, xyz_b, err_a, err_b, sides,
               asked, floats, integers, times, candidates):  # fmt: skip
     """The pair test of question q with the edges of the node for which all conjuncts from step s on may hold.
@@ -220,7 +220,7 @@ def _test_all(levels, node, vectors, steps, s, waiting, q, questions, parts, mot
     return True
 
 
-@kernel
+@uncounted
 def _is_ruled_out(vectors, steps, s, waiting, questions, q, edge):
     """Whether every conjunction through step s has a conjunct from there on that the edge certainly violates."""
     waiting[0] = s

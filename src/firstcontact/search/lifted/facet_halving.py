@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import kernel, uncounted
 from firstcontact.kernels.lifted.principal import box_columns, fit_box
 from firstcontact.kernels.lifted.query import (
     LINES,
@@ -190,7 +190,7 @@ def halve_facets(paths, facets, origin, scale, room, still, swapped, motion, arc
     return DONE
 
 
-@kernel
+@uncounted
 def _begin(m, n, sampling, room, integers):
     """One frame of everything, and behind it, to be taken first, those of the first few paths."""
     for i in range(m + n):
@@ -210,7 +210,7 @@ def _begin(m, n, sampling, room, integers):
 # ------------------------------------------------------------------------------------------ cells of paths
 
 
-@kernel
+@uncounted
 def _lay(paths, i, still, motion, arc, sense, reach, floats, work):
     """Write the corners of the hull of path i into the first rows of work; their number."""
     x = paths.corners[i]
@@ -221,7 +221,7 @@ def _lay(paths, i, still, motion, arc, sense, reach, floats, work):
     return lay_path(motion, arc, x[0:3], sense, reach, floats, work)
 
 
-@kernel
+@uncounted
 def _write_path_cell(paths, order, first, last, still, motion, arc, sense, reach, floats, cell, work):
     begin_cell(cell, still, motion)
     for i in range(first, last):
@@ -229,7 +229,7 @@ def _write_path_cell(paths, order, first, last, still, motion, arc, sense, reach
         put_path(cell, work, corners)
 
 
-@kernel
+@uncounted
 def _cut_paths(paths, room, top, count, still, motion, arc, sense, reach, floats, cell, work):
     """Across the coordinate, of the first or the last corner of the hulls, in which they differ most."""
     arena, keys = room.arena, room.keys
@@ -246,7 +246,7 @@ def _cut_paths(paths, room, top, count, still, motion, arc, sense, reach, floats
     select(keys, arena[top : top + count], 0, count, count // 2)
 
 
-@kernel
+@uncounted
 def _passes_by(row, cell, facets, j, query, origin, scale, err):
     """Whether the lines of all edges of the cell pass both longer sides of the facet on one side."""
     e = 0.0
@@ -265,7 +265,7 @@ def _passes_by(row, cell, facets, j, query, origin, scale, err):
 # ----------------------------------------------------------------------------------------- cells of facets
 
 
-@kernel
+@uncounted
 def _write_facet_cell(facets, order, first, last, sided, row, scratch, planes):
     for k in range(3):
         row[k], row[k + 3], row[REACH + k] = np.inf, -np.inf, 0.0
@@ -279,7 +279,7 @@ def _write_facet_cell(facets, order, first, last, sided, row, scratch, planes):
     fit_box(facets.planes, order, first, last, np.int64(1), row, np.int64(PLANES), planes[0], planes[1], planes[2])
 
 
-@kernel
+@uncounted
 def _cut_facets(facets, paths, room, top, count, y0, y1, scale, origin, scratch):
     """Across the form in the planes that varies most for the places of the paths."""
     arena, keys = room.arena, room.keys
@@ -312,7 +312,7 @@ def _cut_facets(facets, paths, room, top, count, y0, y1, scale, origin, scratch)
     select(keys, arena[top : top + count], 0, count, count // 2)
 
 
-@kernel
+@uncounted
 def _moments_of_places(paths, order, first, last, origin, scale, moments, place):
     """Second moments of (x - origin, 1) / scale of a sample, as they stand."""
     step = max(1, (last - first) // 64)

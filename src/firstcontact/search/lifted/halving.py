@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import kernel, uncounted
 from firstcontact.kernels.lifted.principal import box_columns, fit_box
 from firstcontact.kernels.lifted.query import E_FORMS, L_QUERY, LINES, N_FORMS, REACH, ROWS, SIZES, line_slack, may_meet
 from firstcontact.kernels.lifted.swept_cell import axis_of, edge_keeps_off
@@ -132,7 +132,7 @@ def room_for(m: int, n: int) -> Room:
     )  # fmt: skip
 
 
-@kernel
+@uncounted
 def why_pause(integers, room, limit):
     """GO_ON, or the reason to come back before the next frame: no room for its candidates, doubts, the limit."""
     if integers[CANDIDATES] + 2 * FEW_PAIRS + LEAF_ROOM > room:
@@ -206,7 +206,7 @@ def halve(a, b, origin, scale, room, motion, arc, reach, xyz_a, xyz_b, err_a, er
     return DONE
 
 
-@kernel
+@uncounted
 def _test_pairs(a, b, room, here, origin, scale, query, work, motion, arc, reach,
                 xyz_a, xyz_b, err_a, err_b, limit, floats, integers, times, candidates):  # fmt: skip
     """Test the pairs of the frame but those whose lines pass on one side all the time; GO_ON, or why it stopped.
@@ -252,7 +252,7 @@ def _test_pairs(a, b, room, here, origin, scale, query, work, motion, arc, reach
     return GO_ON
 
 
-@kernel
+@uncounted
 def _products(block, query, count, forms):
     """Write the least and the largest product of each line with the forms, and 0 if all are finite."""
     low, high, finite = block[6], block[7], block[8]
@@ -269,7 +269,7 @@ def _products(block, query, count, forms):
             finite[j] += v - v
 
 
-@kernel
+@uncounted
 def _split(x, x_slot, y, y_slot, sense, origin, scale, room, row, scratch, query, work,
            motion, arc, reach, err, floats, integers):  # fmt: skip
     """Cut the set x of the frame taken last, and push one for each half with what of y may meet it.
@@ -307,7 +307,7 @@ def _split(x, x_slot, y, y_slot, sense, origin, scale, room, row, scratch, query
             integers[STACK] += 1
 
 
-@kernel
+@uncounted
 def _write_cell(x, order, first, last, row, scratch):
     """The cell of the edges order[first:last] in the form of a node of a lifted tree."""
     for k in range(3):
@@ -320,7 +320,7 @@ def _write_cell(x, order, first, last, row, scratch):
     fit_box(x.lines, order, first, last, np.int64(1), row, np.int64(LINES), scratch[0], scratch[1], scratch[2])
 
 
-@kernel
+@uncounted
 def _range_of_distances(x, order, first, last):
     """(least, largest) distance from the axis in order[first:last]; the largest is -1 where nothing turns."""
     nearest, farthest = np.inf, -1.0
@@ -331,7 +331,7 @@ def _range_of_distances(x, order, first, last):
     return nearest, farthest
 
 
-@kernel
+@uncounted
 def _cut_by_size(x, top, count, room):
     """Cut edges of very different length by length, and edges that are short beside their box across it; or neither.
 
@@ -361,7 +361,7 @@ def _cut_by_size(x, top, count, room):
     return True
 
 
-@kernel
+@uncounted
 def _cut(lines, top, count, others, y0, y1, room, scratch):
     """Put one half of arena[top : top + count] after the other.
 
@@ -399,7 +399,7 @@ def _cut(lines, top, count, others, y0, y1, room, scratch):
     select(keys, arena[top : top + count], 0, count, count // 2)
 
 
-@kernel
+@uncounted
 def second_moments(vectors, order, first, last, centred, moments, mean):
     """Those of a sample, evenly spaced in the order."""
     step = max(1, (last - first) // _SAMPLE)

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import kernel, uncounted
 from firstcontact.search.trees.tree import BARE, CORNER, FACET, FLAT_SIDE, POINT, SIDE, Tree
 
 # Lines and planes have no direction of their own: the one that points this way is taken.
@@ -115,7 +115,7 @@ def lift(corners, facets, origin, scale, way):
     return lines, boxes, sizes, planes
 
 
-@kernel
+@uncounted
 def _corner_between_longer_sides(x):
     best, apex = np.inf, 0
     for c in range(3):
@@ -126,7 +126,7 @@ def _corner_between_longer_sides(x):
     return apex
 
 
-@kernel
+@uncounted
 def _write_line(x, i, j, scale, out):
     for k in range(3):
         out[k] = x[j, k] - x[i, k]
@@ -135,7 +135,7 @@ def _write_line(x, i, j, scale, out):
         out[3 + k] = (x[i, p] * out[q] - x[i, q] * out[p]) / scale
 
 
-@kernel
+@uncounted
 def _write_plane(x, way, scale, out):
     """Write (n; -n.a / scale) with |n| = 1 in its largest entry; returns S / |n|, inf where there is no plane."""
     size = 0.0

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from firstcontact.kernels.angle import ANGLE_EPS
-from firstcontact.kernels.jit import implements, kernel
+from firstcontact.kernels.jit import implements, uncounted
 from firstcontact.kernels.lifted.query import write_segment, write_swept_edge, write_turned_edge, write_turned_point
 from firstcontact.search.trees.state import BEST, FIRST, KEY
 
@@ -127,7 +127,7 @@ def _lay_path(motion, arc, x, sense, reach, floats, work):
     return _lay_segment if motion.ndim == 1 else _lay_arc
 
 
-@kernel
+@uncounted
 def _shifts(motion, sense, reach, floats, work):
     """Write how far a moves until the window begins, and from there to its end."""
     lo = floats[KEY]
@@ -178,7 +178,7 @@ def _drift_turning(motion, box, duration, way):
     return d
 
 
-@kernel
+@uncounted
 def arc_tangent(arc, floats):
     """tan of half the angle from the start of the arc to its end or the best time: not less, at most 0.2 or so.
 
@@ -193,7 +193,7 @@ def arc_tangent(arc, floats):
     return x * p * (1.0 + 1e-13)
 
 
-@kernel
+@uncounted
 def _turned(x, c, s, cx, cy, place, out):
     """Write the point x, turned about (cx, cy), into row `place` of out, and its velocity there into the next."""
     p, q = x[0] - cx, x[1] - cy
@@ -201,7 +201,7 @@ def _turned(x, c, s, cx, cy, place, out):
     out[place + 1, 0], out[place + 1, 1], out[place + 1, 2] = -(s * p + c * q), c * p - s * q, 0.0
 
 
-@kernel
+@uncounted
 def _turns(motion, arc, sense, floats):
     """cx, cy of the axis; cosine and sine of the turn to the start of the arc; those of the turn from there; tan."""
     end = motion.shape[0] - 1

@@ -16,7 +16,7 @@ import math
 
 import numpy as np
 
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import kernel, uncounted
 from firstcontact.search.lifted.lifted_motion import PLACE, drift, place_at, times_of
 from firstcontact.search.trees.state import BEST, STACK, VISITS
 
@@ -63,7 +63,7 @@ def slack_of(a, b, motion, arc, reach, err, floats):
     return 2.0 * err + (_ROUNDING + (_TURNING if place[0] != 0.0 else 0.0)) * 8.0 * size
 
 
-@kernel
+@uncounted
 def begin_space(a, b, room, here, motion, arc, reach, slack, floats, integers):
     """Make the frame a cell of space, the box of its edges of b, unless they pass closely everywhere.
 
@@ -90,7 +90,7 @@ def begin_space(a, b, room, here, motion, arc, reach, slack, floats, integers):
                 room.ends[i, 0], room.ends[i, 1] = 0.0, 1.0
 
 
-@kernel
+@uncounted
 def _lengths_differ(x, order, first, last):
     shortest, longest = np.inf, 0.0
     for i in range(first, last):
@@ -99,7 +99,7 @@ def _lengths_differ(x, order, first, last):
     return longest > DIFFERENT * shortest
 
 
-@kernel
+@uncounted
 def _pass_closely(a, b, room, here, motion):
     """Whether many of some pairs are closer, or may come closer, than the cells that would tell them apart are wide."""
     arena, frame, cell = room.arena, room.frames[here], room.cells[here]
@@ -114,12 +114,12 @@ def _pass_closely(a, b, room, here, motion):
     return close > CLOSE * SAMPLE * SAMPLE
 
 
-@kernel
+@uncounted
 def _longest(cell):
     return max(cell[3] - cell[0], cell[4] - cell[1], cell[5] - cell[2])
 
 
-@kernel
+@uncounted
 def _ends(x, axis, place):
     """A coordinate of both ends of an edge (9,) of a in its place."""
     if place[0] == 0.0 or axis == 2:
@@ -130,7 +130,7 @@ def _ends(x, axis, place):
     return place[4] + (place[2] * p + place[1] * q), place[4] + (place[2] * r + place[1] * s)
 
 
-@kernel
+@uncounted
 def _distance(x, place, y):
     """That of two edges, nearly: the nearest places on both lines, one after the other cut to their edges."""
     x0, x3 = _ends(x, 0, place)
@@ -148,7 +148,7 @@ def _distance(x, place, y):
     return math.sqrt(w0 * w0 + w1 * w1 + w2 * w2)
 
 
-@kernel
+@uncounted
 def cut_space(a, b, room, motion, slack, floats, integers):
     """Put the parts of the cell of the frame taken last in its place; False when there is no room for their lists."""
     here = integers[STACK]
@@ -181,7 +181,7 @@ def cut_space(a, b, room, motion, slack, floats, integers):
     return True
 
 
-@kernel
+@uncounted
 def _divide(cell, room, slack):
     """Choose where the long sides are cut, and the limits of a and of b below and above; returns how many parts."""
     longest, parts = _longest(cell), 1
@@ -197,7 +197,7 @@ def _divide(cell, room, slack):
     return parts
 
 
-@kernel
+@uncounted
 def _share_out(corners, room, first, last, place, side, used):
     """Append the pieces of a list in each part to the spare list, from `used` on; returns where they end.
 

@@ -190,7 +190,7 @@ def order_of(cells, planes, tolerances):
     return loose | crosses, precedes
 
 
-@kernel
+@uncounted
 def at(arc, x):
     return arc[1] + (x - arc[0]) * (arc[2] + (x - arc[0]) * arc[3])
 
@@ -318,7 +318,7 @@ def _hang(trees, parent, on_right, node, root):
     return root
 
 
-@kernel
+@uncounted
 def with_cell(trees, order, facets, root, x):
     """The root of a tree that also holds cell x."""
     top, parent, on_right, node = NONE, NONE, False, root
@@ -346,7 +346,7 @@ def with_cell(trees, order, facets, root, x):
     return top
 
 
-@kernel
+@uncounted
 def without_cell(trees, order, facets, root, x, waiting):
     """The root of a tree that does not hold cell x.
 
@@ -648,7 +648,7 @@ def sweep_group(cells, starts, ends, order, tolerance, points, pace, askers, par
     return DONE
 
 
-@kernel
+@uncounted
 def _ask(trees, roots, order, cells, tolerance, point, pace, askers, parts, swapped, motion, xyz_a, xyz_b, err_a, err_b,
          waiting, floats, integers, times, candidates):  # fmt: skip
     """Put the point to the facets over its region that it may meet first; False when there is no room.

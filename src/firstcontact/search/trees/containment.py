@@ -17,7 +17,7 @@ from firstcontact.body.polyhedron.topology import component_of_vertices
 from firstcontact.exact.numbers import PRECISIONS, Undecidable, precision, sign, to_double
 from firstcontact.exact.rigid import apply, inverse_map
 from firstcontact.exact.vectors import Vector, cross, dot, sub
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import kernel, uncounted
 from firstcontact.kernels.selection import select
 from firstcontact.kernels.signs import cross_sign, det_sign, order
 from firstcontact.kernels.verdict import DET_EPS, TINY, cross_size
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 _LEAF = 4
 
 
-@kernel
+@uncounted
 def _side(ay, az, by, bz, err):
     """Certain sign of the turn of (a, b) about the origin, 0 when unsure."""
     left, right = ay * bz, az * by
@@ -295,7 +295,7 @@ def _fit_into(inner, outer, pad):
     return fits
 
 
-@kernel
+@uncounted
 def _push_halves(stack, depth, node, first, last):
     middle = (first + last) // 2
     stack[depth, 0], stack[depth, 1], stack[depth, 2] = 2 * node + 1, first, middle
@@ -303,7 +303,7 @@ def _push_halves(stack, depth, node, first, last):
     return depth + 2
 
 
-@kernel
+@uncounted
 def _fits(x, y, pad):
     for k in range(3):
         if y[k] > x[k] + pad or y[k + 3] < x[k + 3] - pad:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import kernel, uncounted
 
 _SAMPLE = 32
 
@@ -28,7 +28,7 @@ def crowding(boxes_a, links_a, boxes_b, links_b):
     return total / (_SAMPLE * _SAMPLE)
 
 
-@kernel
+@uncounted
 def _some_leaves(links, out):
     """Leaves spread evenly over the rows of a tree; the last row is one."""
     for k in range(_SAMPLE):

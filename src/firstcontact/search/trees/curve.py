@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from firstcontact.kernels.jit import implements, kernel
+from firstcontact.kernels.jit import implements, kernel, uncounted
 from firstcontact.kernels.verdict import CERTAIN, NONE, UNSURE
 from firstcontact.motion.relative.cells import (
     BACK,
@@ -66,7 +66,7 @@ FINEST, FINE = 2.0**-32, 2.0**-14
 # ------------------------------------------------------------------------------------------------------- boxes
 
 
-@kernel
+@uncounted
 def _free_share(motion, cell, row, shift, x0, x1, x2, middle, extent):
     """The share of the cell during which a centre stays further than `extent` from `middle` along one axis; 2: all.
 
@@ -92,7 +92,7 @@ def _free_share(motion, cell, row, shift, x0, x1, x2, middle, extent):
     return 0.0
 
 
-@kernel
+@uncounted
 def _spread(motion, cell, row, k, h0, h1, h2):
     """Bound of the half size, along axis k, of a box of half sizes h that is posed."""
     i = 3 * k
@@ -102,7 +102,7 @@ def _spread(motion, cell, row, k, h0, h1, h2):
     return a * h0 + b * h1 + c * h2
 
 
-@kernel
+@uncounted
 def boxes_free(motion, cell, boxes_a, a, boxes_b, b, pad):
     """The share of the cell, from its start, during which two boxes are certainly apart; 2: all of it."""
     c0, c1 = 0.5 * (boxes_a[a, 0] + boxes_a[a, 3]), 0.5 * (boxes_a[a, 1] + boxes_a[a, 4])
@@ -135,7 +135,7 @@ def boxes_free(motion, cell, boxes_a, a, boxes_b, b, pad):
     return free
 
 
-@kernel
+@uncounted
 def _finest_at(levels, length, time):
     """The last finest cell that starts, as `length * i / count`, no later than the time."""
     count = 1 << levels
@@ -145,7 +145,7 @@ def _finest_at(levels, length, time):
     return i + 1 if i + 1 < count and length * (i + 1) / count <= time else i
 
 
-@kernel
+@uncounted
 def next_meeting(motion, boxes_a, a, boxes_b, b, pad, first, last):
     """(time, cell): a time not before `first` up to which two boxes are apart, in that finest cell; cell -1: apart."""
     levels, length = int(motion[0, ERRORS, LEVELS]), motion[0, ERRORS, LENGTH]
@@ -175,7 +175,7 @@ def next_meeting(motion, boxes_a, a, boxes_b, b, pad, first, last):
 # ---------------------------------------------------------------------------------------------------- elements
 
 
-@kernel
+@uncounted
 def height(motion, slot, f, cell, row, shift, el, es, x0, x1, x2, rx, n0, n1, n2, dn, p0, p1, p2, rp):
     """Coefficients of n.(X(t) - p) into scratch row f, X the posed x; returns their error bound.
 
@@ -200,7 +200,7 @@ def height(motion, slot, f, cell, row, shift, el, es, x0, x1, x2, rx, n0, n1, n2
     return err * 1.000001
 
 
-@kernel
+@uncounted
 def side_product(motion, slot, f, cell, a0, a1, a2, e0, e1, e2, m0, m1, m2, ra, f0, f1, f2, df, c0, c1, c2, rc):
     """Coefficients of the side product of the posed line (e; m) through a with the line along f through c.
 
@@ -237,7 +237,7 @@ def side_product(motion, slot, f, cell, a0, a1, a2, e0, e1, e2, m0, m1, m2, ra, 
     return err * 1.000001
 
 
-@kernel
+@uncounted
 def _range(motion, slot, f):
     lo = hi = motion[slot, f, 0]
     for j in range(1, TERMS):
@@ -245,14 +245,14 @@ def _range(motion, slot, f):
     return lo, hi
 
 
-@kernel
+@uncounted
 def sign_of(motion, slot, f, err):
     """1 or -1 where the function certainly has one sign all along, else 0."""
     lo, hi = _range(motion, slot, f)
     return 1 if lo > err else -1 if hi < -err else 0
 
 
-@kernel
+@uncounted
 def _halve(motion, slot, count):
     """De Casteljau: slot becomes the right half, slot + 1 the left half, of the first `count` rows.
 
@@ -272,7 +272,7 @@ def _halve(motion, slot, count):
     motion[slot, 5, 0] = middle
 
 
-@kernel
+@uncounted
 def _sides_of(motion, slot, edges):
     """Where the zero lies: -1 certainly outside the elements, 1 certainly inside both, 0 unsure.
 
@@ -292,7 +292,7 @@ def _sides_of(motion, slot, edges):
     return 1 if s1 > 0 and s2 > 0 and s3 > 0 else 0
 
 
-@kernel
+@uncounted
 def _first_zero(motion, top, edges, e0, e1, e2, e3, e4, start, width, first, best):
     """(verdict, lo, hi) of the first contact in a cell; rows 0 to 4 of scratch slot `top` hold its functions.
 
@@ -330,7 +330,7 @@ def _first_zero(motion, top, edges, e0, e1, e2, e3, e4, start, width, first, bes
     return NONE, 0.0, 0.0
 
 
-@kernel
+@uncounted
 def _vertex_facet(motion, top, cell, back, x, i, rx, y, ry, n0, n1, n2, dn, start, width, first, best):
     """First contact in the cell of corner i of x with the facet y; back: y moves and x rests, seen from y."""
     row, shift, el, es = (BACK, BACK_SHIFT, E_BACK, E_BACK_SHIFT) if back else (LINEAR, SHIFT, E_LINEAR, E_SHIFT)
@@ -359,7 +359,7 @@ def _vertex_facet(motion, top, cell, back, x, i, rx, y, ry, n0, n1, n2, dn, star
     return _first_zero(motion, top, False, e0, e1, e2, e3, 0.0, start, width, first, best)
 
 
-@kernel
+@uncounted
 def _edge_edge(motion, top, cell, x, i, j, rx, y, k, m, ry, start, width, first, best):
     """First contact in the cell of edge ij of x, posed, with edge km of y."""
     a0, a1, a2 = x[i], x[i + 1], x[i + 2]
@@ -405,7 +405,7 @@ def _edge_edge(motion, top, cell, x, i, j, rx, y, k, m, ry, start, width, first,
     return _first_zero(motion, top, True, r0, r1, r2, r3, r4, start, width, first, best)
 
 
-@kernel
+@uncounted
 def normal_of(y, ry):
     """(n, error summed over coordinates) of the facet y (9,)."""
     e0, e1, e2 = y[3] - y[0], y[4] - y[1], y[5] - y[2]
@@ -415,7 +415,7 @@ def normal_of(y, ry):
     return e1 * f2 - e2 * f1, e2 * f0 - e0 * f2, e0 * f1 - e1 * f0, err
 
 
-@kernel
+@uncounted
 def _beside_plane(motion, top, cell, back, x, count, rx, y, ry, n0, n1, n2, dn):
     """Whether the corners of x stay on one side of the plane of y all through the cell."""
     row, shift, el, es = (BACK, BACK_SHIFT, E_BACK, E_BACK_SHIFT) if back else (LINEAR, SHIFT, E_LINEAR, E_SHIFT)
@@ -432,7 +432,7 @@ def _beside_plane(motion, top, cell, back, x, count, rx, y, ry, n0, n1, n2, dn):
     return True
 
 
-@kernel
+@uncounted
 def _note(floats, integers, times, candidates, kind, part_a, side_a, part_b, side_b, verdict, lo, hi):
     """Record a possible contact; whether the pair needs no further look."""
     if verdict == NONE:
@@ -441,7 +441,7 @@ def _note(floats, integers, times, candidates, kind, part_a, side_a, part_b, sid
     return True
 
 
-@kernel
+@uncounted
 def boxes_of(x, y, out):
     """The boxes of three corners each (9,) into rows 6 and 7 of `out`."""
     for k in range(3):

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from firstcontact.kernels.jit import implements, kernel
+from firstcontact.kernels.jit import implements, kernel, uncounted
 from firstcontact.motion.relative.cells import BACK, BACK_SHIFT, ERRORS, LENGTH, LEVELS, LINEAR, SCRATCH, SHIFT, TERMS
 from firstcontact.search.trees.curve import (
     E_BACK,
@@ -37,7 +37,7 @@ _FUNCTIONS, _STRETCH, _BOUNDS, _SIGNS = 15, 15, 16, 18
 _SHORTEST = 2.0**-14
 
 
-@kernel
+@uncounted
 def meeting_span(motion, boxes_a, a, boxes_b, b, pad, last):
     """(entry, exit) of the times in [0, last] at which two boxes may overlap; entry inf for none."""
     entry, cell = next_meeting(motion, boxes_a, a, boxes_b, b, pad, 0.0, last)
@@ -61,7 +61,7 @@ def meeting_span(motion, boxes_a, a, boxes_b, b, pad, last):
             level -= 1
 
 
-@kernel
+@uncounted
 def _fill(motion, slot, cell, xa, facet_a, err_a, xb, facet_b, err_b):
     """All functions of two parts over the cell, into a slot, with their bounds."""
     if facet_b:
@@ -93,7 +93,7 @@ def _fill(motion, slot, cell, xa, facet_a, err_a, xb, facet_b, err_b):
             )  # fmt: skip
 
 
-@kernel
+@uncounted
 def _halve_all(motion, slot):
     """De Casteljau: slot becomes the right half, slot + 1 the left half."""
     for f in range(_FUNCTIONS):
@@ -110,7 +110,7 @@ def _halve_all(motion, slot):
     motion[slot, _STRETCH, 0] = middle
 
 
-@kernel
+@uncounted
 def _edge_in_facet(motion, slot, h, k, f, step):
     """Signs in the slot's row: ends h, k over the plane, line against sides f, f + step, f + 2 step.
 
@@ -130,7 +130,7 @@ def _edge_in_facet(motion, slot, h, k, f, step):
     return 1 if ends < 0.0 and (lo > 0.0 or hi < 0.0) else 0
 
 
-@kernel
+@uncounted
 def _relation(motion, slot, facet_a, facet_b):
     """1: the parts share a point all through the stretch; -1: never; 0: unsure."""
     for f in range(_FUNCTIONS):
@@ -157,7 +157,7 @@ def _relation(motion, slot, facet_a, facet_b):
     return -1 if apart else 0
 
 
-@kernel
+@uncounted
 def _add_stretch(out, count, state, relation, t0, t1, length):
     """Carry the windows on by a stretch; state: open since, certain since, certain until, or -1 each.
 
@@ -180,7 +180,7 @@ def _add_stretch(out, count, state, relation, t0, t1, length):
     return count
 
 
-@kernel
+@uncounted
 def _close(out, count, state, length):
     """Write the window that is open, if one is.
 

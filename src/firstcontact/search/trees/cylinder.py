@@ -15,7 +15,7 @@ import math
 import numpy as np
 
 from firstcontact.kernels.angle import ANGLE_EPS, TWO_PI, angle_of
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import kernel, uncounted
 from firstcontact.kernels.lifted.boxes import CLIP_EPS, clip_to_box
 from firstcontact.search.trees.tree import SPLIT
 
@@ -24,7 +24,7 @@ COLUMNS = 8
 FULL_CIRCLE = 2.0 * TWO_PI  # width of a range around the axis: overlaps every range of angles
 
 
-@kernel
+@uncounted
 def learn(motion, offset, boxes, links, xyz, ids, node, pad):
     """Fill the node's row, `offset` rows behind its number, from two levels below it."""
     end = motion.shape[0] - 1
@@ -42,7 +42,7 @@ def learn(motion, offset, boxes, links, xyz, ids, node, pad):
     row[KNOWN] = 1.0
 
 
-@kernel
+@uncounted
 def _range_below(boxes, links, xyz, ids, node, cx, cy, pad):
     """The range of a node from one level below it."""
     if links[node, 1] < 0:
@@ -51,7 +51,7 @@ def _range_below(boxes, links, xyz, ids, node, cx, cy, pad):
     return unite(left, _range_of(boxes, links, xyz, ids, np.int64(links[node, 1]), cx, cy, pad))
 
 
-@kernel
+@uncounted
 def _range_of(boxes, links, xyz, ids, node, cx, cy, pad):
     if links[node, 1] < 0:
         return range_of_part(boxes[node], xyz[links[node, 0]], ids[links[node, 0], 1], cx, cy, pad)
@@ -104,7 +104,7 @@ def range_of_part(box, xyz, mask, cx, cy, pad):
     return near * near * (1.0 - 1e-15), far * far * (1.0 + 1e-15), first, width, box[2], box[5]
 
 
-@kernel
+@uncounted
 def range_of_box(box, cx, cy, pad):
     """The range of a box about (cx, cy), grown by `pad`."""
     x0, x1 = box[0] - cx - pad, box[3] - cx + pad
@@ -130,7 +130,7 @@ def range_of_box(box, cx, cy, pad):
     return near, far, first, width, box[2], box[5]
 
 
-@kernel
+@uncounted
 def unite(i, j):
     """The range of two ranges together; angles the shorter way round, a little wider than rounding makes them."""
     ahead = j[PHI] - i[PHI]

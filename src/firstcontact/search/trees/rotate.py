@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from firstcontact.kernels.angle import ANGLE_EPS, TWO_PI
-from firstcontact.kernels.jit import implements, kernel, uncounted
+from firstcontact.kernels.jit import implements, uncounted
 from firstcontact.kernels.verdict import CERTAIN, NONE, UNSURE
 from firstcontact.pairs.elements.line_line_rotation import rotation_filter as edge_edge
 from firstcontact.pairs.elements.point_plane_rotation import rotation_filter as vertex_facet
@@ -143,7 +143,7 @@ def _test_events(
     return None
 
 
-@kernel
+@uncounted
 def angle_window(motion, a, b, pad, last):
     """(entry, exit) of the angles in [0, last] at which the nodes may overlap; entry inf for none."""
     entry = entry_angle(motion, a, b, pad, 0.0, last)
@@ -159,7 +159,7 @@ def angle_window(motion, a, b, pad, last):
     return entry, min(leave, last)
 
 
-@kernel
+@uncounted
 def _add_event(scratch, n, verdict, lo, hi):
     """Note a certain event; -1 when the floats are unsure or there is no room."""
     if n < 0 or verdict == UNSURE or n == scratch.shape[0]:
@@ -174,7 +174,7 @@ def _add_event(scratch, n, verdict, lo, hi):
     return n + 1
 
 
-@kernel
+@uncounted
 def _crossing_at(angle, xa, sides_a, facet_a, xb, sides_b, facet_b, cx, cy, err_a, err_b, turned):
     """1: the parts certainly cross when a has turned by about `angle`; 0: certainly apart; -1: unsure.
 

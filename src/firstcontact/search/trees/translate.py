@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from firstcontact.kernels.jit import implements, inlined, kernel, uncounted
+from firstcontact.kernels.jit import implements, inlined, uncounted
 from firstcontact.kernels.verdict import NONE, UNSURE
 from firstcontact.pairs.elements.facet_facet import translation_window as both_straddle
 from firstcontact.pairs.elements.line_line import translation_filter as edge_edge
@@ -151,7 +151,7 @@ def _test_events(
     return None
 
 
-@kernel
+@uncounted
 def slab_window(box_a, box_b, motion, pad, last):
     """(entry, exit) of the slab test in [0, last]; entry inf when the boxes never overlap there."""
     lo, hi = 0.0, last

@@ -16,7 +16,7 @@ import numpy as np
 
 from firstcontact.body.polyhedron.polyhedron import LEAST
 from firstcontact.exact.rigid import compose
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import kernel, uncounted
 from firstcontact.kernels.lifted.boxes import CLIP_EPS, clip_to_box, segment_meets_box
 from firstcontact.kernels.verdict import CERTAIN, NONE, UNSURE
 
@@ -170,7 +170,7 @@ def _owners(corners, sides, kind, vertices, axes, is_exact, n_segments, n_given)
     return masks, doubtful[:n_doubtful].copy()
 
 
-@kernel
+@uncounted
 def _coplanar(vertices, corners, axes, is_exact, p, s, other):
     """Whether the triangles on both sides of a side lie in one plane across one of the axes, opposite each other.
 
@@ -281,7 +281,7 @@ def _parts(xyz, masks, wide, budget, max_parts):
     return box[:m].copy(), ids[:m].copy()
 
 
-@kernel
+@uncounted
 def _twice_area(xyz, p):
     e0, e1, e2 = xyz[p, 3] - xyz[p, 0], xyz[p, 4] - xyz[p, 1], xyz[p, 5] - xyz[p, 2]
     f0, f1, f2 = xyz[p, 6] - xyz[p, 0], xyz[p, 7] - xyz[p, 1], xyz[p, 8] - xyz[p, 2]
@@ -289,7 +289,7 @@ def _twice_area(xyz, p):
     return np.sqrt(x * x + y * y + z * z)
 
 
-@kernel
+@uncounted
 def _count_parts(width, limit, max_parts):
     """About how many parts boxes of those widths give: cutting into k divides the width by k squared or less."""
     total = 0.0
@@ -298,7 +298,7 @@ def _count_parts(width, limit, max_parts):
     return total
 
 
-@kernel
+@uncounted
 def _shrink(cell, polygon, count, pad):
     """Shrink the cell to the polygon's corners, `pad` wider."""
     for k in range(3):
@@ -309,7 +309,7 @@ def _shrink(cell, polygon, count, pad):
         cell[k + 3] = min(cell[k + 3], hi + pad)
 
 
-@kernel
+@uncounted
 def _clipped_mask(mask, xyz, cell, pad):
     """The mask without sides and corners that certainly miss the cell."""
     for s in range(3):
@@ -385,7 +385,7 @@ def _split(part_box):
     return boxes, links, order
 
 
-@kernel
+@uncounted
 def _bound(part_box, first, last, box, centres):
     """The box of the parts, and the range of their lo + hi."""
     lo0 = lo1 = lo2 = c_lo0 = c_lo1 = c_lo2 = np.inf
@@ -402,7 +402,7 @@ def _bound(part_box, first, last, box, centres):
     centres[3], centres[4], centres[5] = c_hi0, c_hi1, c_hi2
 
 
-@kernel
+@uncounted
 def _best_bin(part_box, first, last, centres, count, bins, area_right, sweep):
     """(axis, limit on lo + hi) of the cheapest split by surface area; axis -1 when nothing separates."""
     n_bins = _BINS if last - first > _BINS else _BINS // 2
@@ -441,7 +441,7 @@ def _best_bin(part_box, first, last, centres, count, bins, area_right, sweep):
     return best_axis, best_limit
 
 
-@kernel
+@uncounted
 def _scale(centres, axis, n_bins):
     """Bins per length; 0 where the centres have one place in the axis, or nearly so."""
     width = centres[axis + 3] - centres[axis]
@@ -449,26 +449,26 @@ def _scale(centres, axis, n_bins):
     return scale if scale < np.inf else 0.0
 
 
-@kernel
+@uncounted
 def _empty(box):
     for k in range(3):
         box[k], box[k + 3] = np.inf, -np.inf
 
 
-@kernel
+@uncounted
 def _widen(box, other):
     """Make the box hold the other one too."""
     for k in range(3):
         box[k], box[k + 3] = min(box[k], other[k]), max(box[k + 3], other[k + 3])
 
 
-@kernel
+@uncounted
 def _area(box):
     x, y, z = box[3] - box[0], box[4] - box[1], box[5] - box[2]
     return x * y + y * z + z * x if x >= 0.0 else 0.0
 
 
-@kernel
+@uncounted
 def _partition(part_box, order, first, last, axis, limit):
     i, j = first, last - 1
     while True:
@@ -481,7 +481,7 @@ def _partition(part_box, order, first, last, axis, limit):
         _swap(part_box, order, i, j)
 
 
-@kernel
+@uncounted
 def _insertion(part_box, order, first, last, axis):
     for i in range(first + 1, last):
         j = i
@@ -492,7 +492,7 @@ def _insertion(part_box, order, first, last, axis):
             j -= 1
 
 
-@kernel
+@uncounted
 def _swap(part_box, order, i, j):
     order[i], order[j] = order[j], order[i]
     for k in range(6):

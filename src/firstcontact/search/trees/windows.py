@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from firstcontact.kernels.jit import kernel
+from firstcontact.kernels.jit import kernel, uncounted
 from firstcontact.search.trees.walk import first_is_larger, get_ready, is_new
 
 # Slots of `integers`.
@@ -33,7 +33,7 @@ def part_windows(motion, mask_a, xa, mask_b, xb, err_a, err_b, last, scratch, ou
     raise NotImplementedError("compiled only, by the type of the motion")
 
 
-@kernel
+@uncounted
 def covered(cover, n, lo, hi):
     """Whether [lo, hi] lies strictly inside one interval of the cover."""
     for k in range(n):
@@ -42,7 +42,7 @@ def covered(cover, n, lo, hi):
     return False
 
 
-@kernel
+@uncounted
 def extend_cover(cover, n, lo, hi):
     """Join [lo, hi] to the cover; returns the number of its intervals.  Ignored when there is no room."""
     k = 0
