@@ -31,7 +31,7 @@ def judged(tree, hit):
         return None
     early, late = max(first, hit.time - NEAR), min(last, hit.time + NEAR)
     lo, at, hi = tree.gaps(a, b, [early, hit.time, late])
-    if lo > 0 > hi:  # they pass into each other: the time is a root
+    if lo > 0 and hi < -1e-10:  # they pass into each other, and do not slide: the time is a root
         root = brentq(lambda t: tree.gaps(a, b, t)[0], early, late, xtol=1e-15)
         return None if abs(root - hit.time) <= 1e-9 else f"they meet at {root}"
     return None if abs(at) <= 1e-9 else f"the gap is {at} then"
