@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from typing import Any
 
@@ -13,13 +13,14 @@ from flint import arb, fmpq, fmpz
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact.polyhedra.engines import ByEngine
-from firstcontact.exact.numbers import below, dyadic, exact_value, fraction, sign, to_double
+from firstcontact.exact.numbers import Undecidable, below, dyadic, exact_value, fraction, sign, to_double
 from firstcontact.exact.rigid import Matrix, shift
 from firstcontact.exact.times.instants import RationalInstant, enclose
 from firstcontact.exact.times.windows import ALWAYS, Window, clip, hull
 from firstcontact.exact.vectors import Vector, scaled, whole
 from firstcontact.motion.relative.pieces import Piece
 from firstcontact.pairs.elements import coplanar, line_line, point_plane, segment_facet
+from firstcontact.pairs.elements.separated import are_apart
 from firstcontact.search.trees import translate
 from firstcontact.search.trees.containment import contained
 from firstcontact.search.trees.elements import EDGE, VERTEX, Feature, Primitive, corners_of, whole_corners
@@ -110,8 +111,20 @@ class TranslationProblem(ByEngine):
     def contact(self, element_a: Feature, element_b: Feature) -> RationalInstant | None:
         """The earliest time of the window at which the two elements share a point; exact."""
         _, corners_a, corners_b, v = self._corners(element_a, element_b)
-        clipped = clip(_window(element_a, corners_a, element_b, corners_b, v), (ZERO, self.last))
+        elements = element_a, corners_a, element_b, corners_b, v
+        clipped = clip(self._unless_apart(lambda: _window(*elements), corners_a, corners_b, v), (ZERO, self.last))
         return None if clipped is None else RationalInstant(clipped[0])
+
+    def _unless_apart(
+        self, windows: Callable[[], Window | None], a: Sequence[Vector], b: Sequence[Vector], v: Vector
+    ) -> Window | None:
+        """The windows of convex elements; none where balls do not tell them, but a plane is between all the time."""
+        try:
+            return windows()
+        except Undecidable:
+            if self.last is None or not are_apart(a, b, v, self.last):
+                raise
+            return None
 
     def contact_within(self, element_a: Feature, element_b: Feature, lo: float, hi: float) -> RationalInstant | None:
         """The first contact of the two elements, of which floats have proved that it is in [lo, hi]; exact."""
@@ -149,11 +162,11 @@ class TranslationProblem(ByEngine):
         if not any(sign(x) for x in self.v):
             found: Window | None = ALWAYS if a.meets(b) else None
         else:
-            found = hull(
+            found = self._unless_apart(lambda: hull(
                 [_edge_window(x, y, self.v) for x in a.sides for y in b.sides]
                 + [_vertex_window(x, b.corners, self.v) for x in a.corners if b.is_facet]
                 + [_vertex_window(y, a.corners, back) for y in b.corners if a.is_facet]
-            )
+            ), a.corners, b.corners, self.v)  # fmt: skip
         clipped = clip(found, (ZERO, self.last))
         if clipped is None:
             return []

@@ -1,0 +1,50 @@
+"""Elements that shift are apart throughout where a plane is between all of what one of them sweeps and the other.
+
+For what no precision tells by the conditions of contact, as in irrational poses a vertex that stays in a facet's plane,
+far from the facet: doubles propose the plane, and balls bear it out.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from firstcontact.exact.numbers import exact_value, to_double
+from firstcontact.exact.vectors import Vector, add, dot, scaled
+
+
+def are_apart(a: Sequence[Vector], b: Sequence[Vector], v: Vector, last: Any) -> bool:
+    """Whether the hull of points a, on its way by t v, 0 <= t <= last, certainly shares no point with that of points b.
+
+    Coordinates are rational or balls; False where no plane is found.
+    """
+    swept = [*a, *(add(p, scaled(last, v)) for p in a)]
+    axis = _axis(np.array([_doubles(p) for p in swept]), np.array([_doubles(q) for q in b]))
+    if axis is None:
+        return False
+    exact = exact_value(float(axis[0])), exact_value(float(axis[1])), exact_value(float(axis[2]))
+    low, high = [dot(exact, p) for p in swept], [dot(exact, q) for q in b]
+    return all(p < q for p in low for q in high)
+
+
+def _doubles(point: Vector) -> list[float]:
+    return [float(x.mid()) if hasattr(x, "mid") else to_double(x) for x in point]
+
+
+def _axis(a: np.ndarray, b: np.ndarray) -> np.ndarray | None:
+    """A unit vector along which points b lie beyond points a, as far as doubles tell; None where there is none.
+
+    It is along a line through two of the points, across two such lines, or within the plane of two across a third.
+    """
+    sides = np.array([q - p for p, q in itertools.combinations(np.concatenate([a, b]), 2)])
+    across = np.cross(sides[:, None], sides[None]).reshape(-1, 3)
+    axes = np.concatenate([sides, across, np.cross(across[:, None], sides[None]).reshape(-1, 3)])
+    length = np.linalg.norm(axes, axis=1)
+    axes = axes[length > 1e-9 * length.max()]
+    axes = np.concatenate([axes, -axes]) / np.tile(np.linalg.norm(axes, axis=1), 2)[:, None]
+    gaps = (axes @ b.T).min(axis=1) - (axes @ a.T).max(axis=1)
+    best: np.ndarray = axes[int(gaps.argmax())]
+    return best if gaps.max() > 0.0 else None
