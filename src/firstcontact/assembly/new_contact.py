@@ -100,7 +100,10 @@ def first_new_contact(
     asking = Asking(*common_span(first.a, first.b, span), arguments)
     found = _new_contact(first.a, first.b, asking)
     work = first.stats + found.stats
-    return replace(found, a=first.a, b=first.b, span=first.span, stats=work, allowed=TOUCHING)
+    return replace(
+        found, a=first.a, b=first.b, span=first.span, stats=work, allowed=TOUCHING, unit=first.unit,
+        model_deviation=first.model_deviation,
+    )  # fmt: skip
 
 
 def _new_contact(a: Any, b: Any, asking: Asking) -> FirstContact:
@@ -125,8 +128,12 @@ def _new_contact(a: Any, b: Any, asking: Asking) -> FirstContact:
 def _at_once(a: Any, b: Any, asking: Asking) -> FirstContact:
     from firstcontact.assembly.faces import by_faces
     from firstcontact.assembly.parts import by_parts
+    from firstcontact.assembly.pieces import by_pieces
 
-    ways: tuple[Way, ...] = by_faces, by_parts, after_start
+    def of_pieces(a: Any, b: Any, asking: Asking) -> FirstContact | None:
+        return by_pieces(a, b, asking, _at_once)
+
+    ways: tuple[Way, ...] = of_pieces, by_faces, by_parts, after_start
     for way in ways:
         try:
             found = way(a, b, asking)
