@@ -124,9 +124,28 @@ def test_trees():
 def test_regions_of_a_box():
     box = fc.box((2, 2, 2))
     regions = Regions(box.surfaces, box._reaches)
-    assert len(list(regions.pairs())) == 12  # opposite sides do not meet
+    assert len(list(regions.pairs(box.tree))) == 12  # opposite sides do not meet
     signs = regions.signs((np.array([0.5, -3, -3]), np.array([3.0, 3, 3])))
     assert signs.count(0) == 5 and sorted(signs)[0] == -1
+
+
+@pytest.mark.parametrize("kind", ["sunk", "drill", "slot"])
+def test_where_the_boundary_passes_is_where_surfaces_are_looked_at(kind, monkeypatch):
+    """Pairs that do not meet on the boundary are left out, and nothing else."""
+    body = plate(kind, 1, 2)
+    assert len(body.surfaces) in regions._MANY
+    few = [(i, j) for i, j, _ in Regions(body.surfaces, body._reaches).pairs(body.tree)]
+    found = described(body)
+    monkeypatch.setattr(regions, "_MANY", ())
+    known = [(i, j) for i, j, _ in Regions(body.surfaces, body._reaches).pairs(body.tree)]
+    assert set(few) < set(known) if kind == "sunk" else set(few) <= set(known)
+    assert sorted(map(str, described(body._with()))) == sorted(map(str, found))
+
+
+def test_surfaces_that_make_no_difference_are_told():
+    same = Or(And(Leaf(0), Leaf(1)), And(Not(Leaf(0)), Leaf(1)))  # leaf 0 decides nothing
+    assert regions.deciding(same) == {1} and regions.deciding(And(same, Leaf(2))) == {1, 2}
+    assert regions.deciding(Or(Leaf(0), Not(Leaf(0)))) == set() == regions.deciding(True)
 
 
 @pytest.mark.parametrize("kind", ["sunk", "drill", "bore", "slot"])

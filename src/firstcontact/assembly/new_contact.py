@@ -114,7 +114,10 @@ def first_new_contact(
     work = first.stats + found.stats
     if first.initial is None and found.status is Status.UNDECIDED:  # they may as well overlap
         return replace(first, stats=work)
-    return replace(found, a=first.a, b=first.b, span=first.span, stats=work, allowed=TOUCHING)
+    return replace(
+        found, a=first.a, b=first.b, span=first.span, stats=work, allowed=TOUCHING, unit=first.unit,
+        model_deviation=first.model_deviation,
+    )  # fmt: skip
 
 
 def _new_contact(a: Any, b: Any, asking: Asking) -> FirstContact:
@@ -140,9 +143,15 @@ def _new_contact(a: Any, b: Any, asking: Asking) -> FirstContact:
 def _at_once(a: Any, b: Any, asking: Asking) -> FirstContact:
     from firstcontact.assembly.faces import by_faces
     from firstcontact.assembly.parts import by_parts
+    from firstcontact.assembly.pieces import by_pieces
 
-    ways: tuple[Way, ...] = by_faces, by_parts, after_start
-    for way in ways if asking.is_apart else ways[1:]:  # by_faces looks at surfaces alone, the others at all points
+    def of_pieces(a: Any, b: Any, asking: Asking) -> FirstContact | None:
+        return by_pieces(a, b, asking, _at_once)
+
+    ways: list[Way] = [of_pieces, by_parts, after_start]
+    if asking.is_apart:
+        ways.insert(1, by_faces)  # which looks at surfaces alone, the others at all points
+    for way in ways:
         try:
             found = tried(partial(way, a, b, asking))
         except Lasts:

@@ -14,30 +14,47 @@ from typing import Any
 
 import numpy as np
 
-from firstcontact.body.solid.carriers import Plane, Quadric, Surface, Vector, dot, doubles, primitive
+from firstcontact.body.solid.carriers import (
+    Plane,
+    Quadric,
+    QuarticCurve,
+    Surface,
+    Vector,
+    dot,
+    doubles,
+    primitive,
+)
 from firstcontact.body.solid.composite_quadric import CompositeQuadric, _key
 from firstcontact.body.solid.csg import And, Leaf, Not, Or, Tree, conjunction, renumbered, surfaces_of
-from firstcontact.errors import InputError, UnsupportedPair
-from firstcontact.exact.numbers import Undecidable, exact_value
+from firstcontact.body.solid.intersections import common_curves
+from firstcontact.body.solid.regions import halved
+from firstcontact.errors import InputError
+from firstcontact.exact.numbers import exact_value
 from firstcontact.step.carriers import Carrier, carrier_of
+from firstcontact.step.rims import rims
 from firstcontact.step.solids import Solid, explored
 from firstcontact.step.triangles import Net, triangulated
+from firstcontact.step.trims import Trims
 
-FEW, MOST, DEEPEST = 10, 26, 9
+FEW, MOST, DEEPEST = 6, 26, 9
 """Surfaces in a cell: what is asked for, and what is taken where halving does not help; how often cells are halved."""
+SHARES, MIDDLE = np.array([0.5, 0.4375, 0.5625, 0.375, 0.625]), 0.26
+"""Of a cell: where a wall may halve it, beside the places between faces; and how far from the middle at most."""
 SURELY = 1e-6
 """Of the solid's size: how far a point is from a surface whose side counts."""
 OFF = 2e-4
 """Of the solid's size: how far from a face the points are of which one is inside and one outside."""
-RANDOM = 60
+RANDOM = 24
 """Points of a cell at first that are asked of OpenCASCADE."""
 ROOM = 1e-3
 """Of the solid's size: how far the walls of the outermost cells are from it."""
 ROUGH = 2e-3
 TANGENT = 1e-3
 """Sine of the angle below which two surfaces count as tangent."""
-ROUNDS, NEAR, MOST_SAMPLES, EDGE_POINTS = 6, 24, 4000, 9
+ROUNDS, NEAR, MOST_SAMPLES, EDGE_POINTS = 6, 8, 4000, 9
 """How often pieces are corrected; points in each cell, and next to faces, that are asked each time; and on edges."""
+ENOUGH, HALVINGS = 12, 4
+"""Points of a face in a cell, below which it is looked at again; how often the cell is halved for that."""
 MOST_OFF = 1e-4
 """Of the solid's size: how far the file's edges may be from where surfaces meet."""
 
@@ -67,6 +84,7 @@ class _Problem:
     surfaces: list[Surface]
     nappes: dict[int, Carrier]
     forms: np.ndarray
+    round_: np.ndarray
     carriers: int
     faces_on: list[tuple[int, ...]]
     samples: np.ndarray
@@ -76,26 +94,42 @@ class _Problem:
     inside: np.ndarray
     classify: Any
     is_on_faces: Any
+    trims: Trims
     rng: Any = field(default_factory=lambda: np.random.default_rng(0))
 
-    def distances(self, points: np.ndarray) -> np.ndarray:
-        """(surfaces, n) signed distances, to first order; of cones positive on the side of the other nappe."""
-        found = _distances(self.forms, points)
-        for k, carrier in self.nappes.items():
+    def distances(self, points: np.ndarray, near: Sequence[int] | None = None) -> np.ndarray:
+        """(surfaces, n) signed distances, to first order, of those surfaces that are near, else 0; of cones positive on
+        the side of the other nappe."""
+        found = np.zeros((len(self.surfaces), len(points)))
+        own = np.arange(len(self.surfaces)) if near is None else np.array(near, int)
+        found[own] = _distances(self.forms[own], points, self.round_[own])
+        for k in set(own.tolist()) & self.nappes.keys():
+            carrier = self.nappes[k]
             assert carrier.nappe is not None
             n = np.array(doubles((carrier.nappe.normal,))[0])
             found[k] = np.maximum(found[k], (points @ n[:3] + n[3]) / np.linalg.norm(n[:3]))
         return found
 
+    def passing(self, lo: np.ndarray, hi: np.ndarray) -> list[int]:
+        """The surfaces that pass a box, or may do so."""
+        x, h = np.append(0.5 * (lo + hi), 1.0), np.append(0.5 * (hi - lo), 0.0) * 1.000001
+        image, sizes = self.forms @ x, np.abs(self.forms)
+        spread = 2.0 * np.abs(image) @ h + (sizes @ h) @ h + 1e-12 * (sizes @ np.abs(x)) @ np.abs(x)
+        return [int(k) for k in np.flatnonzero(np.abs(image @ x) <= spread)]
 
-def _distances(forms: np.ndarray, points: np.ndarray) -> np.ndarray:
+
+def _round(forms: np.ndarray) -> np.ndarray:
+    """Of each form the coefficient of the square of the distance from the axis: the middle eigenvalue is across it."""
+    found: np.ndarray = np.abs(np.linalg.eigvalsh(forms[:, :3, :3])[:, 1:2])
+    return found
+
+
+def _distances(forms: np.ndarray, points: np.ndarray, round_: np.ndarray) -> np.ndarray:
     x = np.column_stack([points, np.ones(len(points))])
-    image = np.einsum("sij,nj->sni", forms, x)
-    value = np.einsum("sni,ni->sn", image, x)
-    slope = np.linalg.norm(2.0 * image[:, :, :3], axis=2)
-    # |radius^2 - r^2| = c is |radius - r| <= sqrt(c), which is less near the tip of a cone, where the slope vanishes;
-    # the middle one of the eigenvalues is that across the axis
-    round_ = np.abs(np.linalg.eigvalsh(forms[:, :3, :3])[:, 1:2])
+    image = np.tensordot(forms, x, (2, 1))  # (surfaces, 4, n)
+    value = np.einsum("sin,ni->sn", image, x)
+    slope = np.linalg.norm(2.0 * image[:, :3], axis=1)
+    # |radius^2 - r^2| = c is |radius - r| <= sqrt(c), which is less near the tip of a cone, where the slope vanishes
     nearer = np.sqrt(np.abs(value) / np.maximum(round_, 1e-300))
     found: np.ndarray = np.sign(value) * np.minimum(np.abs(value) / np.maximum(slope, 1e-300), nearer)
     return found
@@ -116,17 +150,21 @@ def cells_of(solid: Solid) -> tuple[list[Cell], float, Net]:
     boxes = list(_boxes(problem, _even(lo - room, solid.size), _even(hi + room, solid.size), 0))
     solved: list[Cell | None] = [None] * len(boxes)
     todo = list(range(len(boxes)))
+    doubtful = set(todo)
     for _ in range(ROUNDS):
         for k in todo:
             solved[k] = _solved(problem, *boxes[k])
+            doubtful.add(k)
         cells = [cell for cell in solved if cell is not None]
         points, inside = _asked(problem, boxes)
         wrong = contains(cells, points) != inside
         points, inside = points[wrong], inside[wrong]
         if not wrong.any():
-            points = np.concatenate([_strays(problem, cell, off) for cell in cells])
-            if not len(points):
+            found = {k: _strays(problem, cell, off) for k in sorted(doubtful) if (cell := solved[k]) is not None}
+            doubtful = {k for k, strays in found.items() if len(strays)}
+            if not doubtful:
                 return cells, off, problem.net
+            points = np.concatenate([found[k] for k in sorted(doubtful)])
             points, inside = _around(problem, points)
         problem.labelled = np.concatenate([problem.labelled, points])
         problem.inside = np.concatenate([problem.inside, inside])
@@ -139,17 +177,14 @@ def _strays(problem: _Problem, cell: Cell, off: float) -> np.ndarray:
 
     What is added to the solid, or lost, has such edges, however narrow it is, unless all of them are the file's.
     """
-    walls, body = set(range(len(cell.own) - 6, len(cell.own))), cell.body
-    try:
-        points = [vertex.position for vertex in body.vertices if not walls.issuperset(vertex.surfaces)]
-        for edge in body.edges:
-            if not walls.issuperset(edge.surfaces):
-                for part in edge.pieces:
-                    points += edge.points(np.linspace(part.lo, part.hi, EDGE_POINTS)).tolist()
-    except (Undecidable, UnsupportedPair) as reason:
-        raise NotExact("surfaces that are tangent but for rounding errors") from reason
     near = 2.0 * off + SURELY * problem.solid.size
-    return np.array([p for p in points if not problem.is_on_faces(p, near)]).reshape(-1, 3)
+    found = [np.empty((0, 3))]
+    for pairs, points in rims(cell.body, *cell.box, 6):
+        for pair in np.unique(pairs, axis=0):
+            here = points[(pairs == pair).all(axis=1)]
+            left = problem.trims.outside(here, (face for k in pair for face in cell.own[k]))
+            found.append(np.array([p for p in left.tolist() if not problem.is_on_faces(p, near)]).reshape(-1, 3))
+    return np.concatenate(found)
 
 
 def _around(problem: _Problem, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -200,7 +235,7 @@ def _off_at_edges(problem: _Problem) -> float:
     """How far the file's edges are from where the surfaces on their sides meet, to first order."""
     from OCP.BRepAdaptor import BRepAdaptor_Curve
 
-    solid, worst = problem.solid, 0.0
+    solid, worst, seams = problem.solid, 0.0, set[tuple[int, int]]()
     on = {face: k for k, faces in enumerate(problem.faces_on) for face in faces}
     beside = [{on[face] for face in faces} for faces in solid.incidence[0]]
     for number, edge in enumerate(solid.edges):
@@ -210,14 +245,20 @@ def _off_at_edges(problem: _Problem) -> float:
         times = np.linspace(curve.FirstParameter(), curve.LastParameter(), EDGE_POINTS)
         points = np.array([_numbers(curve.Value(float(t))) for t in times])
         own = sorted(beside[number])
-        off = np.abs(_distances(problem.forms[own], points)).sum(axis=0)
+        off = np.abs(_distances(problem.forms[own], points, problem.round_[own])).sum(axis=0)
         if len(own) == 2:
             x = np.column_stack([points, np.ones(len(points))])
             n = np.einsum("sij,nj->sni", problem.forms[own], x)[..., :3]
             n /= np.maximum(np.linalg.norm(n, axis=2, keepdims=True), 1e-300)
             sine = np.linalg.norm(np.cross(n[0], n[1]), axis=1)
+            if (sine <= TANGENT).any():
+                seams.add((own[0], own[1]))
             off = np.where(sine > TANGENT, off / np.maximum(sine, TANGENT), off)
         worst = max(worst, float(off.max()))
+    for i, j in seams:
+        curves = common_curves(problem.surfaces[i], problem.surfaces[j])
+        if any(isinstance(curve, QuarticCurve) for curve in curves):  # a conic, twice, but for rounding errors
+            raise NotExact("surfaces that are tangent but for rounding errors")
     return worst * (1.0 + 1e-6)
 
 
@@ -259,8 +300,8 @@ def _problem(solid: Solid) -> _Problem:
     labelled = np.concatenate([samples - off * normals, samples + off * normals])
     inside = np.repeat([True, False], len(samples))
     return _Problem(
-        solid, net, surfaces, nappes, forms, count, faces_on, samples, normals, np.array(of_face)[faces], labelled,
-        inside, *_asking(solid),
+        solid, net, surfaces, nappes, forms, _round(forms), count, faces_on, samples, normals,
+        np.array(of_face)[faces], labelled, inside, *_asking(solid), Trims(solid),
     )  # fmt: skip
 
 
@@ -412,43 +453,84 @@ def _halving(problem: _Problem, lo: np.ndarray, hi: np.ndarray) -> tuple[int, fl
             n = np.array(doubles((surface.normal,))[0])
             if np.abs(n[:3]).argmax() == axis and np.delete(np.abs(n[:3]), axis).max() < 1e-6 * abs(n[axis]):
                 flat.append(-n[3] / n[axis])
-    shares = np.array([0.5, 0.4375, 0.5625, 0.375, 0.625])
-    places = _even(lo[axis] + shares * width, width)
-    gaps = [min((abs(x - f) for f in flat), default=width) for x in places]
-    best = next((k for k, gap in enumerate(gaps) if gap > 0.02 * width), int(np.argmax(gaps)))
+    here = ((problem.samples >= lo) & (problem.samples <= hi)).all(axis=1)
+    at, carrier = problem.samples[here, axis], problem.carrier[here]
+    ends = np.array([(at[carrier == k].min(), at[carrier == k].max()) for k in np.unique(carrier)])
+    edges = np.sort(ends.ravel())
+    shares = np.concatenate([SHARES, (0.5 * (edges[1:] + edges[:-1]) - lo[axis]) / width])
+    places = _even(lo[axis] + shares[np.abs(shares - 0.5) < MIDDLE] * width, width)
+    gaps = [min((abs(x - f) for f in flat), default=width) for x in places.tolist()]
+    cut = ((ends[:, 0] < places[:, None]) & (places[:, None] < ends[:, 1])).sum(axis=1)
+    middle = 0.5 * (lo[axis] + hi[axis])
+    best = min(range(len(places)), key=lambda k: (gaps[k] <= 0.02 * width, cut[k], abs(places[k] - middle)))
     return axis, float(places[best])
 
 
 def _solved(problem: _Problem, lo: np.ndarray, hi: np.ndarray) -> Cell | None:
     """The solid in a cell, None where there is none of it."""
-    here = np.flatnonzero(((problem.samples >= lo) & (problem.samples <= hi)).all(axis=1))
-    random = problem.rng.uniform(lo, hi, (RANDOM, 3))
+    here = ((problem.samples >= lo) & (problem.samples <= hi)).all(axis=1)
+    near = problem.passing(lo, hi)
+    more, of, beside = _missed(problem, lo, hi, near, problem.carrier[here])
+    samples, carrier = np.concatenate([problem.samples[here], more]), np.append(problem.carrier[here], of)
+    asked = np.concatenate([problem.rng.uniform(lo, hi, (RANDOM, 3)), beside])
     own = ((problem.labelled > lo) & (problem.labelled < hi)).all(axis=1)
-    points = np.concatenate([problem.labelled[own], random])
-    inside = np.concatenate([problem.inside[own], problem.classify(random)])
-    task = _Task(problem, lo, hi, problem.distances(problem.samples[here]), problem.carrier[here],
-                 problem.distances(points), inside)  # fmt: skip
-    tree = task.tree(np.ones(len(here), bool), np.ones(len(points), bool), frozenset(), 0)
+    points = np.concatenate([problem.labelled[own], asked])
+    inside = np.concatenate([problem.inside[own], problem.classify(asked)])
+    task = _Task(problem, near, problem.distances(samples, near), carrier, problem.distances(points, near), inside)
+    tree = task.tree(np.ones(len(samples), bool), np.ones(len(points), bool), frozenset(), 0)
     if tree is False:
         return None
     used = [] if isinstance(tree, bool) or tree is None else sorted(surfaces_of(tree))
     surfaces, leaves = _Surfaces(), {}
     for k in used:
-        carrier = problem.nappes.get(k)
+        cone = problem.nappes.get(k)
         leaves[k] = surfaces.leaf(problem.surfaces[k], problem.faces_on[k] if k < problem.carriers else ())
-        if carrier is not None and carrier.beyond(lo, hi):
-            assert carrier.nappe is not None
-            leaves[k] = And(leaves[k], surfaces.leaf(carrier.nappe))
+        if cone is not None and cone.beyond(lo, hi):
+            assert cone.nappe is not None
+            leaves[k] = And(leaves[k], surfaces.leaf(cone.nappe))
     whole: Tree = conjunction([surfaces.leaf(wall) for wall in _walls(lo, hi)])
     if used:
         assert tree is not None and not isinstance(tree, bool)
         whole = And(renumbered(tree, [leaves.get(k, Leaf(0)) for k in range(len(problem.surfaces))]), whole)
     corners = tuple(tuple(exact_value(x) for x in side.tolist()) for side in (lo, hi))
+    at = next((tuple(exact_value(x) for x in p) for p in points[inside][:1].tolist()), None)
     try:
-        body = CompositeQuadric(surfaces.known, whole, box=corners)  # type: ignore[arg-type]
+        body = CompositeQuadric(surfaces.known, whole, box=corners, witness=at)  # type: ignore[arg-type]
     except InputError:
         return None
     return Cell(body, surfaces.faces, (lo, hi))
+
+
+def _missed(
+    problem: _Problem, lo: np.ndarray, hi: np.ndarray, near: list[int], carrier: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Points of faces of which a cell has little more than a corner, their carriers, and points on both sides."""
+    found, of, beside = [np.empty((0, 3))], [np.empty(0, int)], [np.empty((0, 3))]
+    for k in near:
+        if k >= problem.carriers or (carrier == k).sum() >= ENOUGH:
+            continue
+        points = problem.trims.within(_on_surface(problem.forms[k], lo, hi), problem.faces_on[k])
+        x = np.column_stack([points, np.ones(len(points))])
+        normal = (x @ problem.forms[k])[:, :3]
+        step = OFF * problem.solid.size * normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
+        found.append(points)
+        of.append(np.full(len(points), k))
+        beside += [points[:ENOUGH] - step[:ENOUGH], points[:ENOUGH] + step[:ENOUGH]]
+    return np.concatenate(found), np.concatenate(of), np.concatenate(beside)
+
+
+def _on_surface(form: np.ndarray, lo: np.ndarray, hi: np.ndarray) -> np.ndarray:
+    """(n, 3) points of a surface in a box, all over it."""
+    centre, half = (0.5 * (lo + hi))[None], 0.5 * (hi - lo)
+    for _ in range(HALVINGS):
+        centre, half = halved(centre, half)
+        x, h = np.column_stack([centre, np.ones(len(centre))]), np.append(half, 0.0)
+        image = x @ form
+        spread = 2.0 * np.abs(image) @ h + (np.abs(form) @ h) @ h
+        centre = centre[np.abs(np.einsum("ni,ni->n", image, x)) <= spread]
+    points = _pulled(form, centre)
+    found: np.ndarray = points[((points >= lo) & (points <= hi)).all(axis=1)]
+    return found
 
 
 def _walls(lo: np.ndarray, hi: np.ndarray) -> Iterator[Plane]:
@@ -478,11 +560,10 @@ class _Surfaces:
 
 @dataclass
 class _Task:
-    """A cell: signed distances of samples (surfaces, n) and of labelled points (surfaces, m) from all surfaces."""
+    """A cell: the surfaces near it, and signed distances from them of samples (surfaces, n) and labelled points."""
 
     problem: _Problem
-    lo: np.ndarray
-    hi: np.ndarray
+    near: list[int]
     samples: np.ndarray
     carrier: np.ndarray
     points: np.ndarray
@@ -528,7 +609,7 @@ class _Task:
         """The cut that parts inside from outside best."""
         labels = self.inside[points]
         scores = []
-        for k in range(len(self.problem.surfaces)):
+        for k in self.near:
             if k in used:
                 continue
             side = self.points[k][points] < 0.0

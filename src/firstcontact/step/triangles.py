@@ -15,6 +15,7 @@ import numpy as np
 
 from firstcontact.errors import InputError
 from firstcontact.step.bounds import SAFE, Chart, Curve, NotBounded, chart_of
+from firstcontact.step.charts import Elementary, elementary
 from firstcontact.step.solids import Solid, forward
 
 COARSE, ANGLE = (0.4, 0.1, 0.02), 0.6
@@ -117,6 +118,14 @@ class _Face:
     flat: bool = False
     apart: float = 0.0
     """What corners are off the curves, in parameters, as a length."""
+    known: Elementary | None = None
+    """The chart, where it is a simple one."""
+
+    def places(self, uv: np.ndarray) -> np.ndarray:
+        """(n, 3) points of the surface at the (n, 2) parameters."""
+        if self.known is not None:
+            return self.known.at(uv)
+        return np.array([_at(self.surface, u, v) for u, v in uv.tolist()]).reshape(-1, 3)
 
 
 class _Builder:
@@ -188,13 +197,14 @@ class _Builder:
                 f"{self.solid.named('face', number)} is of kind {reason}, whose triangles have no proved bound"
             ) from reason
         face = _Face(number, surface, chart, flipped, uv, [-1] * len(uv), found, [None] * len(found))  # type: ignore[arg-type]
+        face.known = elementary(surface)
         face.flat = surface.DynamicType().Name() == "Geom_Plane"
         for use in self.solid.uses[number]:
             self._weld(number, face, use, net, location)
         for k, id_ in enumerate(face.ids):
             if id_ < 0:
                 face.ids[k] = self._number(("face", number, k), _at(surface, *uv[k]))
-        places = np.array([_at(surface, *x) for x in uv])
+        places = face.places(np.array(uv))
         off = np.linalg.norm(np.array([self.points[k] for k in face.ids]) - places, axis=1)
         face.off += float(off.max())
         return face
@@ -300,12 +310,13 @@ class _Builder:
         over = _bend(most, np.ptp(p, axis=1)) / 8
         ends = [(0, 1), (1, 2), (2, 0)]
         sides = np.column_stack([_bend(most, np.abs(p[:, i] - p[:, j])) for i, j in ends])
+        rough = over > OVER * self.wanted
+        if rough.any():
+            over[rough] = np.minimum(over[rough], over[rough] / PARTS**2 + _seen(face, p[rough]))
+        longest = [ends[k] for k in sides.argmax(axis=1).tolist()]
         found = []
-        for row, bound in enumerate(over.tolist()):
-            if bound > OVER * self.wanted:
-                bound = min(bound, bound / PARTS**2 + _seen(face, which[row]))
-            i, j = (int(corners[row, e]) for e in ends[int(sides[row].argmax())])
-            found.append((bound, (min(i, j), max(i, j))))
+        for corner, (i, j), bound in zip(corners.tolist(), longest, over.tolist(), strict=True):
+            found.append((bound, (min(corner[i], corner[j]), max(corner[i], corner[j]))))
         return found
 
     def _share(self, faces: list[_Face], marked: list[set[Segment]]) -> None:
@@ -416,12 +427,12 @@ def _chord(border: _Border) -> tuple[np.ndarray, float]:
 _SHARES = np.array([(i, j, PARTS - i - j) for i in range(PARTS + 1) for j in range(PARTS + 1 - i)]) / PARTS
 
 
-def _seen(face: _Face, k: int) -> float:
-    """How far a triangle is from the surface at the corners of its equal parts."""
-    uv = np.array([face.uv[i] for i in face.triangles[k]])
-    at = np.array([_at(face.surface, u, v) for u, v in (_SHARES @ uv).tolist()])
-    corners = np.array([_at(face.surface, u, v) for u, v in uv.tolist()])
-    return float(np.linalg.norm(at - _SHARES @ corners, axis=1).max())
+def _seen(face: _Face, uv: np.ndarray) -> np.ndarray:
+    """How far each of the triangles (n, 3, 2) is from the surface at the corners of its equal parts."""
+    at = face.places((_SHARES @ uv).reshape(-1, 2)).reshape(len(uv), -1, 3)
+    corners = face.places(uv.reshape(-1, 2)).reshape(-1, 3, 3)
+    found: np.ndarray = np.linalg.norm(at - _SHARES @ corners, axis=2).max(axis=1, initial=0.0)
+    return found
 
 
 def _check_tiling(solid: Solid, number: int, face: _Face) -> None:

@@ -214,7 +214,7 @@ def _traced_curves(
     """The lines and conics of all pairs, each once; and the pairs whose curve is of degree 4."""
     curves: dict[Line | Conic, Region] = {}
     quartics = []
-    for i, j, region in regions.pairs():
+    for i, j, region in regions.pairs(tree):
         for curve in common_curves(surfaces[i], surfaces[j]):
             if isinstance(curve, QuarticCurve):
                 quartics.append((i, j, region))
@@ -263,7 +263,9 @@ def _sides_of_whole_surfaces(
     for i, surface in enumerate(surfaces):
         if {(i, 1), (i, -1)} <= known | found or (i in met and _is_connected(surface)):
             continue
-        region = regions.of(i)
+        region = regions.bounding(tree, i)
+        if region is None:
+            continue
         near, signs = regions.seen_in(tree, region)
         if not isinstance(near, bool):
             for probe in _probes(surface):

@@ -159,29 +159,30 @@ def _in_pencil(first: Surface, second: Surface, other: Surface) -> bool:
 class PairF:
     """Both forms in doubles."""
 
-    def __init__(self, first: Quadric, second: Quadric) -> None:
-        forms = [np.array(doubles(s.form)) for s in (first, second)]
+    def __init__(self, first: Surface, second: Surface) -> None:
+        forms = [np.array(doubles(s.matrix())) for s in (first, second)]
         self.forms = np.array([f / np.linalg.norm(f) for f in forms])
 
-    def pulled(self, p: np.ndarray, steps: int = 6) -> np.ndarray:
-        """(n, 3) points taken onto the curve by Newton steps of least length."""
-        for _ in range(steps):
-            value, slope = self.value(p), self.gradients(p)
-            gram = np.einsum("nik,njk->nij", slope, slope)
-            gram += 1e-14 * np.trace(gram, axis1=1, axis2=2)[:, None, None] * np.eye(2)
-            p = p - np.einsum("nik,ni->nk", slope, np.linalg.solve(gram, value[..., None])[..., 0])
-        return p
+    def pulled(self, p: np.ndarray) -> np.ndarray:
+        """(n, 3) points taken onto the curve."""
+        return pulled(np.broadcast_to(self.forms, (len(p), 2, 4, 4)), p)
 
-    def value(self, p: np.ndarray) -> np.ndarray:
-        x = np.column_stack([p, np.ones(len(p))])
-        values: np.ndarray = np.einsum("ni,sij,nj->ns", x, self.forms, x)
-        return values
 
-    def gradients(self, p: np.ndarray) -> np.ndarray:
-        """(n, 2, 3)."""
-        x = np.column_stack([p, np.ones(len(p))])
-        slopes: np.ndarray = 2 * np.einsum("sij,nj->nsi", self.forms, x)[..., :3]
-        return slopes
+def pulled(forms: np.ndarray, p: np.ndarray, steps: int = 6) -> np.ndarray:
+    """(n, 3) points, each taken onto the common points of its forms (n, k, 4, 4) by Newton steps of least length."""
+    for _ in range(steps):
+        value, slope = value_and_slope(forms, p)
+        gram = np.einsum("nik,njk->nij", slope, slope)
+        gram += 1e-14 * np.trace(gram, axis1=1, axis2=2)[:, None, None] * np.eye(forms.shape[1])
+        p = p - np.einsum("nik,ni->nk", slope, np.linalg.solve(gram, value[..., None])[..., 0])
+    return p
+
+
+def value_and_slope(forms: np.ndarray, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(n, k) values of the forms (n, k, 4, 4) at (n, 3) points, and (n, k, 3) gradients."""
+    x = np.column_stack([p, np.ones(len(p))])
+    image = np.einsum("nsij,nj->nsi", forms, x)
+    return np.einsum("nsi,ni->ns", image, x), 2 * image[..., :3]
 
 
 # -- branches -----------------------------------------------------------------------------------------------

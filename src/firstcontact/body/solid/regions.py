@@ -16,7 +16,7 @@ import numpy as np
 from flint import arb
 
 from firstcontact.body.solid.carriers import Box, Plane, Surface, doubles
-from firstcontact.body.solid.csg import And, Leaf, Not, Or, Tree
+from firstcontact.body.solid.csg import And, Leaf, Not, Or, Tree, inside, possible, surfaces_of
 from firstcontact.exact.numbers import to_double
 
 Region = tuple[np.ndarray, np.ndarray]
@@ -27,6 +27,11 @@ _ROOM, _SLACK = 1e-6, 1e-9
 _ROUNDING = 2.0**-45
 # How often cells are halved at most.
 _LEVELS = 10
+# Numbers of surfaces of which it is sooner seen where the boundary is than which of all pairs meet: cells in which two
+# surfaces may meet are halved in each direction until they are too many.
+_MANY, _HALVINGS, _MOST_CELLS = range(12, 64), 6, 4000
+# Surfaces of a tree whose values are all looked at, to tell which of them make a difference.
+_MOST_TOLD = 6
 
 
 class Reach(NamedTuple):
@@ -65,6 +70,26 @@ def grows_with_leaves(tree: Tree) -> bool:
     return isinstance(tree, Leaf) or (grows_with_leaves(tree.first) and grows_with_leaves(tree.second))
 
 
+class _Cells(NamedTuple):
+    """Boxes with corners lo, hi (n, 3), and which surfaces may bound the solid there: passing (n, surfaces)."""
+
+    lo: np.ndarray
+    hi: np.ndarray
+    passing: np.ndarray
+
+
+_OCTANTS = np.array([(i, j, k) for i in (-1.0, 1.0) for j in (-1.0, 1.0) for k in (-1.0, 1.0)])
+
+
+def halved(centre: np.ndarray, half: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The eight parts of each of the cells centre (n, 3) +- half (3,)."""
+    return (centre[:, None] + _OCTANTS * (0.5 * half)).reshape(-1, 3), 0.5 * half
+
+
+def _hull_of(cells: _Cells, which: np.ndarray) -> Region | None:
+    return (cells.lo[which].min(axis=0), cells.hi[which].max(axis=0)) if which.any() else None
+
+
 class Regions:
     """Of all surfaces of one solid."""
 
@@ -75,6 +100,9 @@ class Regions:
         self.primitives = _corners(boxes)
         self.lo, self.hi = _corners(own)
         self.outside = np.array([reach.outside for reach in reaches], int)
+        self._bounds: _Cells | None = None
+        self._known = False
+        self._decides: dict[bytes, np.ndarray] = {}
         self._seen: dict[bytes, tuple[Tree | bool, tuple[int, ...]]] = {}
         self._cells: dict[tuple[int, ...], Tree | bool] = {}
         finite = np.isfinite(self.lo).all(axis=1) & np.isfinite(self.hi).all(axis=1)
@@ -84,12 +112,77 @@ class Regions:
     def of(self, i: int) -> Region:
         return self.lo[i], self.hi[i]
 
-    def pairs(self) -> Iterator[tuple[int, int, Region]]:
-        """The surfaces i < j that may both bound the solid somewhere, and where."""
+    def pairs(self, tree: Tree) -> Iterator[tuple[int, int, Region]]:
+        """The surfaces i < j that may both bound the solid somewhere, and where: a box that holds all such points."""
+        cells = self._boundary(tree)
         for i in range(len(self.lo)):
             lo, hi = np.maximum(self.lo[i], self.lo[i + 1 :]), np.minimum(self.hi[i], self.hi[i + 1 :])
-            for k in np.flatnonzero((lo <= hi).all(axis=1)):
-                yield i, i + 1 + int(k), (lo[k], hi[k])
+            for k in np.flatnonzero((lo <= hi).all(axis=1)).tolist():
+                j = i + 1 + k
+                both = None if cells is None else _hull_of(cells, cells.passing[:, i] & cells.passing[:, j])
+                if cells is None:
+                    yield i, j, (lo[k], hi[k])
+                elif both is not None:
+                    low, high = np.maximum(lo[k], both[0]), np.minimum(hi[k], both[1])
+                    if (low <= high).all():
+                        yield i, j, (low, high)
+
+    def bounding(self, tree: Tree, i: int) -> Region | None:
+        """Where a surface may bound the solid; None where it does nowhere."""
+        cells = self._boundary(tree)
+        if cells is None:
+            return self.of(i)
+        region = _hull_of(cells, cells.passing[:, i])
+        if region is None:
+            return None
+        return np.maximum(region[0], self.lo[i]), np.minimum(region[1], self.hi[i])
+
+    def _boundary(self, tree: Tree) -> _Cells | None:
+        """Cells that hold the whole boundary; None where that is not worth it, or the reaches are endless."""
+        if not self._known:
+            lo, hi = self.primitives
+            finite = bool(np.isfinite(lo).all() and np.isfinite(hi).all())
+            self._bounds = self._divided(tree) if finite and len(lo) in _MANY else None
+            self._known = True
+        return self._bounds
+
+    def _divided(self, tree: Tree) -> _Cells:
+        """All space in which surfaces may bound, halved where two of them may meet on the boundary."""
+        lo, hi = self.primitives[0].min(axis=0), self.primitives[1].max(axis=0)
+        centre, half = (0.5 * (lo + hi))[None], 0.5 * (hi - lo)
+        done: list[_Cells] = []
+        for level in range(_HALVINGS + 1):
+            passing = self.passing(tree, centre, half)
+            crowded = passing.sum(axis=1) > 1
+            last = level == _HALVINGS or 8 * crowded.sum() > _MOST_CELLS
+            room = half * (1.0 + _ROOM) + _SLACK * np.abs(centre)
+            kept = passing.any(axis=1) & (last | ~crowded)
+            done.append(_Cells((centre - room)[kept], (centre + room)[kept], passing[kept]))
+            if last or not crowded.any():
+                break
+            centre, half = halved(centre[crowded], half)
+        return _Cells(*(np.concatenate(x) for x in zip(*done, strict=True)))
+
+    def passing(self, tree: Tree, centre: np.ndarray, half: np.ndarray) -> np.ndarray:
+        """(cells, surfaces): which may bound the solid in the cells centre (n, 3) +- half (3,)."""
+        signs = self._signs(centre, half).astype(np.int8)
+        found = np.zeros(signs.shape, bool)
+        open_ = np.flatnonzero(np.logical_and(*possible(tree, list((signs <= 0).T), list((signs >= 0).T))))
+        rows: dict[bytes, list[int]] = {}
+        for k in open_.tolist():
+            rows.setdefault(signs[k].tobytes(), []).append(k)
+        for own in rows.values():
+            found[own] = self._deciding(tree, signs[own[0]])
+        return found
+
+    def _deciding(self, tree: Tree, signs: np.ndarray) -> np.ndarray:
+        """(surfaces,) those whose sides decide where the others have these signs, or may do so."""
+        key = signs.tobytes()
+        if key not in self._decides:
+            found = np.zeros(len(signs), bool)
+            found[list(deciding(simplified(tree, signs.tolist())))] = True
+            self._decides[key] = found
+        return self._decides[key]
 
     def seen_in(self, tree: Tree, region: Region) -> tuple[Tree | bool, tuple[int, ...]]:
         """The tree as it is in the region, and `signs` there; kept, as several curves have one region."""
@@ -140,15 +233,23 @@ class Regions:
         lo, hi = region
         if not (np.isfinite(lo).all() and np.isfinite(hi).all()):
             return (0,) * len(self.forms)
-        x, h = np.append(0.5 * (lo + hi), 1.0), np.append(0.5 * (hi - lo) * 1.0000001, 0.0)
-        image = self.forms @ x
+        return tuple(self._signs(0.5 * (lo + hi)[None], 0.5 * (hi - lo))[0].tolist())
+
+    def _signs(self, centre: np.ndarray, half: np.ndarray) -> np.ndarray:
+        """(n, surfaces) signs, as of `signs`, in the boxes centre (n, 3) +- half (3,)."""
+        x, h = np.column_stack([centre, np.ones(len(centre))]), np.append(half * 1.0000001, 0.0)
         sizes = np.abs(self.forms)
         reach = np.abs(x) + h
-        value, spread = image @ x, 2.0 * np.abs(image) @ h + (sizes @ h) @ h + _ROUNDING * ((sizes @ reach) @ reach)
+        image = np.tensordot(x, self.forms, (1, 2))  # (n, surfaces, 4)
+        value = np.einsum("nsi,ni->ns", image, x)
+        terms = np.einsum("nsi,ni->ns", np.tensordot(reach, sizes, (1, 2)), reach)
+        spread = 2.0 * np.abs(image) @ h + (sizes @ h) @ h + _ROUNDING * terms
         signs = (value > spread).astype(int) - (value < -spread)
         least, most = self.primitives
-        beyond = ((least > hi) | (most < lo)).any(axis=1)
-        return tuple(np.where(beyond & (self.outside != 0), self.outside, signs).tolist())
+        lo, hi = centre[:, None] - half, centre[:, None] + half
+        beyond = ((least > hi) | (most < lo)).any(axis=2)
+        found: np.ndarray = np.where(beyond & (self.outside != 0), self.outside, signs)
+        return found
 
 
 def holds(region: Region, point: Sequence[float]) -> bool:
@@ -182,6 +283,21 @@ def simplified(tree: Tree | bool, signs: Sequence[int]) -> Tree | bool:
     if isinstance(second, bool):
         return settles if second == settles else first
     return Or(first, second) if settles else And(first, second)
+
+
+def deciding(tree: Tree | bool) -> set[int]:
+    """The surfaces whose side makes a difference somewhere; of a tree of many, all of them."""
+    if isinstance(tree, bool):
+        return set()
+    known = sorted(surfaces_of(tree))
+    if len(known) > _MOST_TOLD:
+        return set(known)
+    # bit c of a number: what is so where of surface k the side is bit k of c
+    count = len(known)
+    sides = {x: sum(1 << c for c in range(1 << count) if c >> k & 1) for k, x in enumerate(known)}
+    value = inside(tree, sides)  # type: ignore[arg-type]
+    every = (1 << (1 << count)) - 1
+    return {x for k, x in enumerate(known) if (value ^ value >> (1 << k)) & ~sides[x] & every}
 
 
 def _enlarged(box: Box | None) -> Region:

@@ -1,0 +1,64 @@
+"""Whether points of surfaces are in the faces that a file has on them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from firstcontact.step.charts import Elementary
+from firstcontact.step.solids import Solid
+
+CLOSE = 1e-7
+"""How near to its border a point counts as one of the face, in its parameters."""
+
+
+class Trims:
+    """Of a solid of planes, cylinders, cones and spheres: its faces in their parameters, by OpenCASCADE."""
+
+    def __init__(self, solid: Solid) -> None:
+        self.solid = solid
+        self.faces: dict[int, _Face] = {}
+
+    def outside(self, points: np.ndarray, faces: Iterable[int]) -> np.ndarray:
+        """Those of the points (n, 3), on the surface of each of the faces, that are in none of these."""
+        left = points
+        for number in faces:
+            if len(left):
+                left = left[~self._face(number).holds(left)]
+        return left
+
+    def within(self, points: np.ndarray, faces: Iterable[int]) -> np.ndarray:
+        """Those that are in one of them."""
+        found = np.zeros(len(points), bool)
+        for number in faces:
+            found |= self._face(number).holds(points)
+        within: np.ndarray = points[found]
+        return within
+
+    def _face(self, number: int) -> _Face:
+        if number not in self.faces:
+            self.faces[number] = _Face(self.solid.faces[number])
+        return self.faces[number]
+
+
+class _Face:
+    def __init__(self, face: Any) -> None:
+        from OCP.BRep import BRep_Tool
+        from OCP.BRepTools import BRepTools
+        from OCP.IntTools import IntTools_FClass2d
+
+        self.chart = Elementary(BRep_Tool.Surface_s(face))
+        low, high = BRepTools.UVBounds_s(face)[:2]
+        self.least = 0.5 * (low + high) - np.pi
+        self.asked = IntTools_FClass2d(face, CLOSE)
+
+    def holds(self, points: np.ndarray) -> np.ndarray:
+        """(n,) of points of the surface, (n, 3): whether they are in the face or on its border."""
+        from OCP.gp import gp_Pnt2d
+        from OCP.TopAbs import TopAbs_State
+
+        parameters = self.chart.parameters(points, self.least).tolist()
+        told = [self.asked.Perform(gp_Pnt2d(u, v)) for u, v in parameters]
+        return np.array([state != TopAbs_State.TopAbs_OUT for state in told], bool)

@@ -1,0 +1,73 @@
+"""Parts of CAD shapes that share a sharp edge, about which one of them turns: the first new contact is decided."""
+
+import numpy as np
+import pytest
+
+pytest.importorskip("OCP")
+
+from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace, BRepBuilderAPI_MakePolygon  # noqa: E402
+from OCP.BRepPrimAPI import BRepPrimAPI_MakePrism  # noqa: E402
+from OCP.gp import gp_Pnt, gp_Vec  # noqa: E402
+
+import firstcontact as fc  # noqa: E402
+from step import shapes  # noqa: E402
+
+
+def prism(corners, lo, hi):
+    """Over a polygon in x and z, from y = lo to hi."""
+    outline = BRepBuilderAPI_MakePolygon()
+    for x, z in corners:
+        outline.Add(gp_Pnt(x, lo, z))
+    outline.Close()
+    return BRepPrimAPI_MakePrism(BRepBuilderAPI_MakeFace(outline.Wire()).Face(), gp_Vec(0, hi - lo, 0)).Shape()
+
+
+def turned(lid, frame, degrees):
+    """Of a lid that turns about y, from z to x."""
+    a, b = fc.from_shape(lid, name="lid", unit="mm"), fc.from_shape(frame, name="frame", unit="mm")
+    return fc.first_new_contact(a.moving(fc.Rotation((0, 1, 0), degrees=degrees)), b)
+
+
+FRAME = shapes.box((2, 2, 2), (0, 0, -2))
+LID = shapes.box((0.5, 2, 2), (-0.5, 0, 0))
+
+
+def test_a_box_shuts_on_the_box_that_it_is_hinged_to():
+    hit = turned(LID, FRAME, 120)
+    assert hit.status is fc.Status.CONTACT and hit.allowed == "touching at the start"
+    lo, hi = hit.time_interval
+    assert lo <= 0.75 <= hi and {hit.element_a.body, hit.element_b.body} == {"lid", "frame"}
+    assert hit.unit == "mm" and hit.model_deviation == 0.0
+    assert turned(LID, FRAME, 89).status is fc.Status.FREE
+
+
+WEDGES = [  # in x and z: the sides of the lid and of the frame, from z to x
+    [(-2, 1), (-1, 2), (2, -1), (1, -2)],
+    [(-1, 3), (1, 4), (3, 1), (2, -3)],
+    [(0, 2), (1, 1), (1, -3), (-1, -2)],
+]
+
+
+@pytest.mark.parametrize("sides", WEDGES)
+def test_wedges_meet_when_their_sides_do(sides):
+    """Of wedges with one edge in common, by the angles of their sides."""
+    lid, frame = (prism([(0, 0), *pair], 0, 2) for pair in (sides[:2], sides[2:]))
+    hit = turned(lid, frame, 200)
+    assert hit.status is fc.Status.CONTACT
+    end, start = (np.degrees(np.arctan2(*sides[k])) for k in (1, 2))
+    assert hit.time * 200 == pytest.approx(start - end, abs=1e-9)
+
+
+def test_parts_of_two_solids_are_looked_at_piece_by_piece(tmp_path):
+    """A lid with a handle that is a solid of its own, which meets a post on the frame before the lid shuts."""
+    both = shapes.write(tmp_path / "lid.stp", LID, shapes.box((0.2, 0.2, 0.2), (0, 0.9, 1.5)))
+    post = shapes.write(tmp_path / "frame.stp", FRAME, shapes.box((0.2, 0.2, 1), (1.5, 0.9, 0)))
+    lid, frame = fc.load_step(both).body, fc.load_step(post).body
+    swing = fc.Rotation((0, 1, 0), degrees=120)
+    hit = fc.first_new_contact(lid.moving(swing), frame)
+    assert len(lid.pieces) == len(frame.pieces) == 2 and hit.status is fc.Status.CONTACT
+    each = [
+        fc.first_contact(p.body.moving(swing), q.body) for p in lid.pieces for q in frame.pieces
+        if fc.first_contact(p.body, q.body).status is fc.Status.FREE
+    ]  # fmt: skip
+    assert hit.time == min(x.time for x in each if x.time is not None) < 0.75
