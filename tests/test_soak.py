@@ -15,7 +15,7 @@ import pytest
 import firstcontact as fc
 from amount import THOROUGH
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "benchmarks"))
+sys.path.append(str(Path(__file__).parents[1] / "benchmarks"))
 import soak  # noqa: E402
 from soaks.brute import Mesh, contact_times, inside, start_of  # noqa: E402
 from soaks.scene import Kind, Question, Scene  # noqa: E402

@@ -10,7 +10,7 @@ import pytest
 
 import firstcontact as fc
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
+sys.path.append(str(Path(__file__).resolve().parents[2] / "benchmarks"))
 
 from mechanism_forms import FORMS, error, four_bar, met, slider_crank  # noqa: E402
 from mechanism_forms import block as BOX  # noqa: E402, N812 - as a class of bodies

@@ -131,7 +131,7 @@ def test_a_deviation_that_is_asked_for_is_kept(tmp_path):
     assert not rough.exact and 0 < fine.deviation <= 0.01 < rough.deviation <= 0.1
     hit = fc.first_contact(fine.moving(fc.Translation((0, 0, -10))), fc.box((9, 9, 1)).translated((0, 0, -5)))
     assert abs(hit.time - 0.35) <= fine.deviation / 10 and hit.model_deviation == fine.deviation
-    assert hit.element_a.kind == "face" and "within 0.0" in str(hit)
+    assert hit.element_a.kind in ("face", "edge") and "within 0.0" in str(hit)  # the seam meets the lowest circle
 
 
 def broken(path, text, **changes):
