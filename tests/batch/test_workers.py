@@ -55,7 +55,7 @@ def test_any_number_of_threads_gives_the_answers_one_by_one(monkeypatch):
     assert sum(isinstance(row, str) for row in expected) >= 4
     monkeypatch.setattr(workers, "WORTH", math.inf)
     monkeypatch.setattr(workers, "THREAD_PART", 1e-9)
-    monkeypatch.setattr(workers, "FIRST_WALKED", (5, 3))  # so that there are parts for all of them
+    monkeypatch.setattr(workers, "FIRST_WALKED", 4)  # so that there are parts for all of them
     for n in (1, 2, 5):
         assert rows_of(fc.first_contacts(queries, workers=n)) == expected
 
@@ -252,11 +252,11 @@ def test_an_interrupt_ends_the_threads(monkeypatch):
     monkeypatch.setattr(workers, "THREAD_PART", 1e-9)  # parts of one question
 
     def interrupt(done, total):
-        if done > 576:
+        if done > 1024:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        fc.first_contacts((CUBE.moving(fc.Translations(vectors(900))), TETRA), workers=2, progress=interrupt)
+        fc.first_contacts((CUBE.moving(fc.Translations(vectors(1350))), TETRA), workers=2, progress=interrupt)
     assert 2 < len(begun) < 150
 
 

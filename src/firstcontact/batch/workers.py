@@ -45,10 +45,11 @@ WORTH = 10.0
 """Seconds of work from which on it is worth starting processes, which load the library first."""
 TRIED = 0.5
 """Seconds after which what the work will take is judged."""
-THREAD_PART, FIRST_WALKED = 0.1, (64, 512)
+THREAD_PART, FIRST_WALKED = 0.1, 512
 """Seconds of a part that is walked by a thread.
 
-And questions of the first ones, the first of which makes what the others share, and the last tells what one takes.
+And questions of the first one, which makes what the others share; a second one of as many tells what one takes, where
+the first does not show that one part for each thread will do.
 """
 RETRIES, HOPELESS = 3, 40
 """How often a part is done again beside others, and losses in a row from which on it is not the questions' fault."""
@@ -171,15 +172,14 @@ def _by_threads(n: int, questions: Questions, asking: Asking, rows: Rows, count:
         return int(np.count_nonzero(some))
 
     begun.set()
-    at, n_all = 0, len(questions)
-    for size in FIRST_WALKED:
-        begin, part = time.perf_counter(), slice(at, min(at + size, n_all))
-        if part.start < part.stop:
-            count.add(walk(part))
-            seconds, at = (time.perf_counter() - begin) / (part.stop - at), part.stop
+    at, n_all, n_parts = 0, len(questions), 0
+    while at < min(2 * FIRST_WALKED, n_all) and n_parts != n:
+        begin, part = time.perf_counter(), slice(at, min(at + FIRST_WALKED, n_all))
+        count.add(walk(part))
+        seconds, at = (time.perf_counter() - begin) / (part.stop - at), part.stop
+        n_parts = n * max(1, round(seconds * (n_all - at) / (n * THREAD_PART)))  # of one size, as many for each thread
     if at == n_all:
         return done
-    n_parts = n * max(1, round(seconds * (n_all - at) / (n * THREAD_PART)))  # of one size, as many for each thread
     size = -(-(n_all - at) // n_parts)
     pool = ThreadPoolExecutor(n)
     begun.clear()  # threads are slow to start beside one that is at work
