@@ -11,7 +11,7 @@ import pytest
 import firstcontact as fc
 from amount import amount
 from firstcontact.contact.mesh_model import by_triangles, mesh_intervals
-from firstcontact.contact.mesh_model.planar import planar
+from firstcontact.contact.mesh_model.planar_solid import planar
 from firstcontact.exact.numbers import exact_value
 from firstcontact.work import Query
 
@@ -125,3 +125,45 @@ def test_a_plate_with_windows_names_its_own_faces_and_edges():
     lowest = 2 + Fraction(float(ball.vertices[:, 2].min()))
     assert beside.time_exact == (lowest - Fraction(1, 2)) / 4
     assert beside.element_b.kind == "face" and plate.faces[beside.element_b.index].carrier.normal[2] > 0
+
+
+def deepest(box, triangles):
+    """How deep any of the triangles (n, 3, 3) is in a box (lo, hi); negative where axes separate all of them."""
+    lo, hi = np.array(box, float)
+    corners = np.array(list(itertools.product(*zip(lo, hi, strict=True))))
+    sides = np.roll(triangles, -1, axis=1) - triangles
+    axes = [np.broadcast_to(axis, (len(triangles), 3)) for axis in np.eye(3)]
+    axes += [np.cross(sides[:, 0], sides[:, 1]), *(np.cross(axis, sides[:, k]) for axis in np.eye(3) for k in range(3))]
+    depths = []
+    for axis in axes:
+        length = np.linalg.norm(axis, axis=1)
+        unit = axis / np.where(length > 1e-9, length, 1.0)[:, None]
+        p, q = unit @ corners.T, np.einsum("nki,ni->nk", triangles, unit)
+        depth = np.minimum(p.max(axis=1) - q.min(axis=1), q.max(axis=1) - p.min(axis=1))
+        depths.append(np.where(length > 1e-9, depth, np.inf))
+    return np.min(depths, axis=0).max()
+
+
+def test_separating_axes_part_boxes_from_the_mesh_until_they_meet():
+    """A truth that shares nothing with the library: boxes by their corners, triangles, and where a shift takes them."""
+    rng, seen, taken = np.random.default_rng(2011), [], 0
+    while seen.count(fc.Status.CONTACT) < amount(60, 12):
+        lows = rng.integers(-3, 3, (3, 3))
+        boxes = [(lo, lo + rng.integers(1, 4, 3)) for lo in lows]
+        parts = [fc.box((hi - lo).tolist()).translated([Fraction(int(x), 2) for x in lo + hi]) for lo, hi in boxes]
+        ball = mesh(rng).translated(rng.integers(-7, 8, 3).tolist())
+        vector = rng.integers(-9, 10, 3)
+        hit = fc.first_contact(ball.moving(fc.Translation(vector.tolist())), parts[0] | parts[1] | parts[2])
+
+        def depth(t, boxes=boxes, ball=ball, vector=vector):
+            return max(deepest(box, (ball.vertices + t * vector)[ball.triangles]) for box in boxes)
+
+        if hit.status is fc.Status.INITIAL_CONTACT:
+            continue
+        taken += "as polyhedra" in [way.way for way in hit.stats.ways]  # not where four faces have one edge
+        seen.append(hit.status)
+        until = 1.0 if hit.status is fc.Status.FREE else hit.time - 1e-9
+        assert max(map(depth, np.linspace(0.0, until, 40))) <= 1e-12
+        if hit.status is fc.Status.CONTACT:
+            assert depth(hit.time) >= -1e-9
+    assert fc.Status.FREE in seen and 2 * taken > len(seen)

@@ -11,7 +11,7 @@ import pytest
 
 import firstcontact as fc
 from firstcontact.batch import courses
-from firstcontact.batch.courses import Following
+from firstcontact.batch.courses import CourseSearch
 from firstcontact.cli import progress, run
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
@@ -48,7 +48,7 @@ def arm():
 def test_parts_tell_what_one_question_does():
     course, things = arm()
     whole = course.first_contacts(things)
-    following = Following(course, things)
+    following = CourseSearch(course, things)
     found = [x for part in following.parts() for x in part.found]
     times = [-1 if x.hit.time is None else x.hit.time for x in found]
     assert times == sorted(times) and {x.hit.status for x in found} >= {fc.Status.CONTACT, fc.Status.INITIAL_CONTACT}

@@ -69,6 +69,7 @@ class Mesh:
         self.is_in_place = self.stands is self.shape
         self.triangles: np.ndarray = self.shape.triangles
         self._exact: dict[int, Vector] = {}
+        self._planes: dict[int, Plane | None] = {}
         self._facets: dict[Plane, list[tuple[frozenset[int], int]]] = {}
 
     def point(self, vertex: int) -> Vector:
@@ -82,9 +83,11 @@ class Mesh:
 
     def plane(self, triangle: int) -> Plane | None:
         """By coprime integers, alike for all triangles in it; None of a triangle without area."""
-        p, q, r = map(self.point, self.corners(triangle))
-        n = cross(sub(q, p), sub(r, p))
-        return Plane(upright((*n, -dot(n, p)))) if any(n) else None
+        if triangle not in self._planes:
+            p, q, r = map(self.point, self.corners(triangle))
+            n = cross(sub(q, p), sub(r, p))
+            self._planes[triangle] = Plane(upright((*n, -dot(n, p)))) if any(n) else None
+        return self._planes[triangle]
 
     @cached_property
     def _around(self) -> dict[tuple[int, int], list[int]]:
@@ -243,10 +246,9 @@ def _stars(sides: tuple[Mesh, Mesh], met: set[tuple[int, int]], by: list[Rows] |
     if by is None:
         return []
     stars: dict[tuple[Plane, int], Star] = {}
-    planes = [{x: mesh.plane(x) for x in {pair[k] for pair in met}} for k, mesh in enumerate(sides)]
     for pair in sorted(met):
-        plane = planes[0][pair[0]]
-        if plane is None or plane != planes[1][pair[1]] or not is_kept(plane, by):
+        plane = sides[0].plane(pair[0])
+        if plane is None or plane != sides[1].plane(pair[1]) or not is_kept(plane, by):
             continue
         inner = [
             next(inner for facet, inner in mesh.facets(plane) if x in facet)

@@ -64,11 +64,14 @@ def by_parts(a: Any, b: Any, asking: Asking) -> FirstContact | None:
     own, other = (_parts(x, shape) for x, shape in zip((a, b), stands, strict=True))
     if own is None or other is None or not any(x.sides for x in (*own, *other)):
         return None
-    pairs = [(x, y, asking.at_start(x.body, y.body).status is Status.INITIAL_CONTACT) for x, y in product(own, other)]
-    seams = {side for x, y, touch in pairs if touch for side in _seams(x, y, by)}
+    pairs = []
+    for x, y in product(own, other):
+        touch = asking.at_start(x.body, y.body).status is Status.INITIAL_CONTACT
+        pairs.append((x, y, touch, set(_seams(x, y, by)) if touch else set()))
+    seams = {side for *_, between in pairs for side in between}
     found = []
-    for x, y, touch in pairs:
-        if touch and any(_separates(side, x, y) for side in seams):
+    for x, y, touch, between in pairs:
+        if between or touch and any(_separates(side, x, y) for side in seams):
             continue
         told = after_start(x.body, y.body, asking) if touch else asking.first_contact(x.body, y.body)
         if told.status is Status.FREE or not any(_separates(side, x, y) for side in seams):

@@ -18,23 +18,23 @@ STRETCHES = 512
 """Of a part: always as many, so that answers do not tell how fast the machine is."""
 
 
-class Found(NamedTuple):
+class MetPair(NamedTuple):
     """What a pair meets first; pair: its number among those of the course."""
 
     pair: int
     hit: FirstContact
 
 
-class Part(NamedTuple):
+class CoursePart(NamedTuple):
     """What was found from one waypoint to another, earliest first."""
 
     begin: int
     end: int
-    found: list[Found]
+    found: list[MetPair]
 
 
 @dataclass
-class Asked:
+class OpenPair:
     """A pair that has met nothing yet: its bodies along the whole course, the times that are asked about."""
 
     a: Any
@@ -57,7 +57,7 @@ class Asked:
         return replace(hit, a=self.a, b=self.b, span=whole, stats=replace(self.stats, ways=ways))
 
 
-class Following:
+class CourseSearch:
     """The first contacts of a course, part by part: those of `Course.first_contacts`, in the order of their times.
 
     against: other bodies.  begin: the waypoint from which on to ask.  settled: numbers of the pairs that need not be
@@ -78,26 +78,26 @@ class Following:
         """All pairs along the whole course."""
         return self.course.pairs(self.against)
 
-    def parts(self, progress: Callable[[int], None] | None = None) -> Iterator[Part]:
+    def parts(self, progress: Callable[[int], None] | None = None) -> Iterator[CoursePart]:
         """progress: called with the number of stretches that are behind."""
         last = len(self.course.times) - 1
         while self.begin < last:
             begin, end = self.begin, min(self.begin + STRETCHES, last)
-            part = Part(begin, end, self._met(begin, end, progress))
+            part = CoursePart(begin, end, self._met(begin, end, progress))
             self.begin = end
             yield part
         if progress is not None:
             progress(last)
 
-    def free(self) -> Iterator[Found]:
+    def free(self) -> Iterator[MetPair]:
         """What has met nothing until the end, when all parts have been asked."""
         for k, pair in self._open.items():
             hit = pair.free
             if hit is None:  # it has been asked about by a run that was interrupted
                 hit = query.first_contact(pair.a, pair.b, (pair.last, pair.last), **self.arguments)
-            yield Found(k, replace(pair.told(hit), free_until=to_double(pair.last)))
+            yield MetPair(k, replace(pair.told(hit), free_until=to_double(pair.last)))
 
-    def _met(self, begin: int, end: int, progress: Callable[[int], None] | None) -> list[Found]:
+    def _met(self, begin: int, end: int, progress: Callable[[int], None] | None) -> list[MetPair]:
         part = self.course.during(begin, end)
         times = part.times[0], part.times[-1]
         found, waiting = [], len(self._open)
@@ -113,7 +113,7 @@ class Following:
             if hit.status is Status.FREE:
                 pair.stats, pair.free = pair.stats + replace(hit.stats, ways=()), replace(hit, stats=Stats())
             else:
-                found.append(Found(k, pair.told(hit)))
+                found.append(MetPair(k, pair.told(hit)))
         for k, _ in found:
             del self._open[k]
         return sorted(found, key=lambda x: (_when(x.hit), x.pair))
@@ -125,7 +125,7 @@ def _when(hit: FirstContact) -> float:
     return float("-inf") if known is None else known
 
 
-def _asked(a: Any, b: Any) -> Asked:
+def _asked(a: Any, b: Any) -> OpenPair:
     first, last = common_span(a, b, None)
     assert last is not None  # a course ends
-    return Asked(a, b, first, last, Stats())
+    return OpenPair(a, b, first, last, Stats())

@@ -26,7 +26,7 @@ from firstcontact.errors import InputError
 NAME = re.compile(r"rows-(\d+)-(\d+)(\.\w+)")
 
 
-class Kept:
+class KeptFiles:
     """The finished parts of a job: whole files, each of the rows that its name tells."""
 
     suffix: str
@@ -122,7 +122,7 @@ class Kept:
             shutil.rmtree(self._done)
 
 
-class KeptParts(Kept):
+class KeptParts(KeptFiles):
     """Parts of a batch, as tables of answers."""
 
     suffix = ".parquet"
@@ -151,7 +151,7 @@ class KeptParts(Kept):
                 raise InputError(f"{path}: damaged, and removed; the same command does it again") from error
 
 
-class KeptLines(Kept):
+class KeptLines(KeptFiles):
     """Parts of a course: what was met from one waypoint to another, as JSON with its checksum."""
 
     suffix = ".json"

@@ -16,7 +16,7 @@ from firstcontact.cli.rows import row
 from firstcontact.errors import InputError
 
 if TYPE_CHECKING:
-    from firstcontact.batch.courses import Following, Found
+    from firstcontact.batch.courses import CourseSearch, MetPair
     from firstcontact.batch.kept_parts import KeptLines
     from firstcontact.cli.progress import RowsProgress
     from firstcontact.mechanism.course import Course
@@ -140,21 +140,21 @@ class Run:
                 raise KeyboardInterrupt(self._stopped(following.begin)) from None
         return results
 
-    def _begun(self) -> tuple[Following, list[Found]]:
+    def _begun(self) -> tuple[CourseSearch, list[MetPair]]:
         """What is left to ask, and what an earlier run has found."""
-        from firstcontact.batch.courses import Following, Found
+        from firstcontact.batch.courses import CourseSearch, MetPair
         from firstcontact.result import FirstContact
 
         done, rows = (0, []) if self.kept is None else self.kept.taken_over()
-        following = Following(self.course, self.cell.values(), begin=done, settled=[x["pair"] for x in rows])
+        following = CourseSearch(self.course, self.cell.values(), begin=done, settled=[x["pair"] for x in rows])
         pairs = list(following.pairs())
         before = []
         for x in rows:
             a, b = pairs[x["pair"]]
-            before.append(Found(x["pair"], replace(FirstContact.from_dict(x["hit"]), a=a, b=b)))
+            before.append(MetPair(x["pair"], replace(FirstContact.from_dict(x["hit"]), a=a, b=b)))
         return following, before
 
-    def _found(self, following: Following, before: list[Found], progress: RowsProgress) -> Iterator[Found]:
+    def _found(self, following: CourseSearch, before: list[MetPair], progress: RowsProgress) -> Iterator[MetPair]:
         from firstcontact.result import finite
 
         yield from before

@@ -40,7 +40,7 @@ def verdicts(
     for block in path:
         setup.check(block)
         total += 1
-    kept = None if resume is None else Kept(Path(resume), about(path, setup))
+    kept = None if resume is None else KeptChunks(Path(resume), about(path, setup))
     blocks, done = iter(path), 0
     if progress is not None:
         progress(0, total)
@@ -88,7 +88,7 @@ def about(path: ToolPath, setup: Setup) -> dict[str, Any]:
     }
 
 
-class Kept:
+class KeptChunks:
     """The file of finished chunks."""
 
     def __init__(self, path: Path, about: dict[str, Any]) -> None:

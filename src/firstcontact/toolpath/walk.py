@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from firstcontact.kernels.convex.flat import ONLY, ROWS, write_box, write_corners
+from firstcontact.kernels.convex.flat import ONLY, ROWS, across, write_box, write_corners
 from firstcontact.kernels.convex.separation import gap, separating_direction
 from firstcontact.kernels.convex.support import ARCS, BOX, VERTICES
 from firstcontact.kernels.jit import kernel, uncounted
@@ -31,12 +31,7 @@ SLACK = 1e-14
 @uncounted
 def _write_disc(q, k, c0, c1, c2, u0, u1, u2, r):
     """Row k of q is the disc about a centre, across the unit vector u."""
-    if abs(u0) <= abs(u1) and abs(u0) <= abs(u2):
-        a0, a1, a2 = 0.0, -u2, u1
-    elif abs(u1) <= abs(u2):
-        a0, a1, a2 = u2, 0.0, -u0
-    else:
-        a0, a1, a2 = -u1, u0, 0.0
+    a0, a1, a2 = across(u0, u1, u2)
     length = math.sqrt(a0 * a0 + a1 * a1 + a2 * a2)
     a0, a1, a2 = a0 / length, a1 / length, a2 / length
     b0, b1, b2 = u1 * a2 - u2 * a1, u2 * a0 - u0 * a2, u0 * a1 - u1 * a0

@@ -7,7 +7,7 @@ from functools import partial
 from typing import Any
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
-from firstcontact.contact.mesh_model.planar import planar
+from firstcontact.contact.mesh_model.planar_solid import planar
 from firstcontact.contact.models.answer import element as named
 from firstcontact.contact.polyhedra import first as polyhedra
 from firstcontact.contact.ways import Passed, decided

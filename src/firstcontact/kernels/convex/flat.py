@@ -88,6 +88,16 @@ def write_triangle(p, xyz, error):
 
 
 @uncounted
+def across(e0, e1, e2):
+    """A vector across another one, as far from zero as its length allows: by its least coordinate."""
+    if abs(e0) <= abs(e1) and abs(e0) <= abs(e2):
+        return 0.0, -e2, e1
+    if abs(e1) <= abs(e2):
+        return e2, 0.0, -e0
+    return -e1, e0, 0.0
+
+
+@uncounted
 def _normal(p):
     """Unit normal of the triangle; some direction across its longest side where it has no area."""
     best, m0, m1, m2, n0, n1, n2 = -1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0
@@ -100,12 +110,7 @@ def _normal(p):
             n0, n1, n2 = e1 * f2 - e2 * f1, e2 * f0 - e0 * f2, e0 * f1 - e1 * f0
         if square > best:
             best = square
-            if abs(e0) <= abs(e1) and abs(e0) <= abs(e2):
-                m0, m1, m2 = 0.0, -e2, e1
-            elif abs(e1) <= abs(e2):
-                m0, m1, m2 = e2, 0.0, -e0
-            else:
-                m0, m1, m2 = -e1, e0, 0.0
+            m0, m1, m2 = across(e0, e1, e2)
     length = math.sqrt(n0 * n0 + n1 * n1 + n2 * n2)
     if length <= 1e-14 * best:
         n0, n1, n2 = m0, m1, m2

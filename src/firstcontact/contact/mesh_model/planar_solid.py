@@ -26,11 +26,11 @@ MOST_VERTICES = 2000
 """Of a solid that is looked at as a polyhedron."""
 
 Ring = list[int]
-_PLANAR = Kept["Planar | None"]()
+_PLANAR = Kept["PlanarSolid | None"]()
 
 
 @dataclass(frozen=True)
-class Planar:
+class PlanarSolid:
     """A solid of planes and the polyhedron that is the same body, with its vertices by the same numbers.
 
     face_of: of each polygon the number of the solid's face; edge_of: of two vertices, ascending, that of its edge.
@@ -51,12 +51,12 @@ class Planar:
         return self.model.edges[self.edge_of[i, j]]
 
 
-def planar(model: CompositeQuadric) -> Planar | None:
+def planar(model: CompositeQuadric) -> PlanarSolid | None:
     """Kept on the model; None of others than bounded solids of planes, where edges are those of two faces each."""
     return _PLANAR.of(model, lambda: _planar(model))
 
 
-def _planar(model: CompositeQuadric) -> Planar | None:
+def _planar(model: CompositeQuadric) -> PlanarSolid | None:
     if not model.bounded or model.whole is not None or not all(isinstance(x, Plane) for x in model.surfaces):
         return None
     if len(model.vertices) > MOST_VERTICES or model.seams:
@@ -84,7 +84,7 @@ def _planar(model: CompositeQuadric) -> Planar | None:
     looks = zip(polyhedron.triangles.tolist(), polyhedron.triangle_face.tolist(), strict=True)
     if not polyhedron.solid or any(_turn([corners[i] for i in t], normals[face_of[f]]) <= 0 for t, f in looks):
         return None
-    return Planar(model, polyhedron, tuple(face_of), edge_of)
+    return PlanarSolid(model, polyhedron, tuple(face_of), edge_of)
 
 
 def _point(vertex: Vertex) -> Vector | None:
