@@ -90,3 +90,18 @@ def test_compounds_are_values_that_are_placed_and_pickled():
         Compound([])
     with pytest.raises(fc.InputError, match="row: piece 0 is .*; compounds are what load_step"):
         Compound([fc.box((1, 1, 1))], name="row")
+
+
+def test_pieces_within_others_are_never_free_of_new_contact():
+    """Two small meshes that stay inside one of two large ones: nothing touches, all is shared."""
+
+    class Own:
+        def of(self, kind, index, body):
+            return kind, index, ""
+
+    def meshes(size, *places):
+        return Compound([Piece(fc.examples.box(size).translated(p), Own()) for p in places])
+
+    small, large = meshes((1, 1, 1), (-1, 0, 0), (1, 0, 0)), meshes((8, 8, 8), (0, 0, 0), (0, 0, 20))
+    hit = fc.first_new_contact(small.moving(fc.Translation((0, 1, 0))), large)
+    assert hit.status is fc.Status.INITIAL_CONTACT and hit.allowed is None

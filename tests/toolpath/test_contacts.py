@@ -70,6 +70,45 @@ def test_along_an_arc_into_an_upright_edge(tmp_path, mesh, rest):
     assert finding.point[:2] == pytest.approx(corner)
 
 
+def spike(angle, reach):
+    """A long thin pyramid that points at the origin, its tip so far from it; its sides are no wider than 1/20."""
+    along, across = np.array([math.cos(angle), math.sin(angle), 0]), np.array([-math.sin(angle), math.cos(angle), 0])
+    base = [(reach + 10) * along + x * across + (0, 0, 5 + z) for x, z in ((-0.05, 0), (0.05, 0), (0, 0.05))]
+    tip = reach * along + (0, 0, 5)
+    return fc.Polyhedron([tip, *base], [[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]])
+
+
+def test_what_the_chords_of_an_arc_pass_by_is_met(tmp_path):
+    """Spikes from outside that reach a little into the ring that the cutter sweeps, at many angles of the arc.
+
+    Within a part of the arc the cutter goes beyond the hull of the part's ends.  Halves of a turn at the radius 50:
+    the ring ends at 53.
+    """
+    for angle in np.linspace(0.1, math.pi - 0.1, 41):
+        in_the_way = found_in(tmp_path, "G3 X-50 Y0 I-50", {"spike": spike(angle, 53 - 1e-4)}, start=(50, 0, 0))
+        assert only(in_the_way).fraction == pytest.approx(angle / math.pi, abs=1e-2)
+        beside = found_in(tmp_path, "G3 X-50 Y0 I-50", {"spike": spike(angle, 53 + 1e-4)}, start=(50, 0, 0))
+        assert beside.status == "FREE"
+
+
+def test_what_the_chords_of_a_swing_pass_by_is_met(tmp_path):
+    """The top of a tilting cutter goes around the tip: spikes reach into the ball of its rim, between hulls' ends.
+
+    The highest point of its upper end goes first.
+    """
+    text = "MULTAX/ON\nFROM/0,0,0,0,0,1\nGOTO/0,0,0,1,0,0"
+    flutes, rim = fc.Tool([("flutes", "cutter", 6, 20)]), math.hypot(3, 20)
+    for angle in np.linspace(0.2, 1.2, 21):
+        told = []
+        for reach in (rim - 1e-4, rim + 1e-4):
+            body = spike(0.0, reach)
+            turned = [math.cos(angle), 0, math.sin(angle)]
+            place = np.array([turned, [0, 1, 0], [-turned[2], 0, turned[0]]]).T
+            moved = fc.Polyhedron((body.vertices - (0, 0, 5)) @ place.T, body.triangles)
+            told.append(found_in(tmp_path, text, {"spike": moved}, tool=flutes, name="job.apt").status)
+        assert told == ["CONTACT", "FREE"]
+
+
 def test_down_an_arc_in_the_plane_of_the_axis(tmp_path):
     """From (0, 0, 10) about (10, 0, 10) downwards; the flat end comes to the height 4 of the top."""
     plate = {"plate": post((-50, -50, -6), (100, 100, 10))}
