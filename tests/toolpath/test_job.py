@@ -77,6 +77,19 @@ def test_a_torn_line_is_done_again(tmp_path, cut):
     assert list(job.verdicts(path, setup, resume=kept, chunk=16)) == whole and setup.asked == 12
 
 
+DAMAGED = ["{}", '{"blocks": 16}', "null", '{"blocks": 16, "found": {"0": [{"par', '{"blocks": 1, "found": []}']
+
+
+@pytest.mark.parametrize("damage", DAMAGED)
+def test_a_damaged_line_is_named(tmp_path, damage):
+    path, kept = program(tmp_path, 60), tmp_path / "kept.jsonl"
+    list(job.verdicts(path, counted(), resume=kept, chunk=16))
+    lines = kept.read_text().splitlines()
+    kept.write_text("\n".join([*lines[:2], damage, *lines[3:], ""]))
+    with pytest.raises(fc.InputError, match="kept.jsonl: line 3 is damaged; remove the file"):
+        list(job.verdicts(path, counted(), resume=kept, chunk=16))
+
+
 def test_the_blocks_of_another_job_are_refused(tmp_path):
     path, kept = program(tmp_path, 20), tmp_path / "kept.jsonl"
     list(job.verdicts(path, counted(), resume=kept))

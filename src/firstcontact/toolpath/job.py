@@ -129,9 +129,13 @@ class KeptChunks:
         """(number of blocks, what was found in which of them) of each chunk that is finished, in order."""
         with self.path.open(encoding="utf-8") as file:
             file.readline()
-            for line in file:
-                kept = json.loads(line)
-                yield kept["blocks"], {int(k): tuple(map(_finding, x)) for k, x in kept["found"].items()}
+            for number, line in enumerate(file, 2):
+                try:
+                    kept = json.loads(line)
+                    chunk = int(kept["blocks"]), {int(k): tuple(map(_finding, x)) for k, x in kept["found"].items()}
+                except (ValueError, TypeError, KeyError, AttributeError) as error:
+                    raise InputError(f"{self.path}: line {number} is damaged; remove the file to begin anew") from error
+                yield chunk
 
     def add(self, count: int, found: Found) -> None:
         """Keep a chunk."""
