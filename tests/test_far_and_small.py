@@ -54,7 +54,7 @@ def carried(body: object, motion: object) -> object:
     return body.translated(AWAY) if motion is None else body.translated(AWAY).moving(motion.shifted(by))
 
 
-@pytest.mark.share(3)
+@pytest.mark.share(5)
 @pytest.mark.parametrize("size", SIZES, ids=["1", "2^-30", "3/2^40"])
 @pytest.mark.parametrize("motion", list(motions(F(1))))
 @pytest.mark.parametrize("pair", list(bodies(F(1))))
@@ -109,6 +109,7 @@ def test_the_normal_of_a_small_ball_is_that_of_the_face_it_meets():
     assert hit.time_interval[0] <= F(2523131, 3538944) <= hit.time_interval[1]
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("swap", [False, True], ids=["", "swapped"])
 @pytest.mark.parametrize("spin", [False, True], ids=["shift", "screw"])
 @pytest.mark.parametrize("size", [F(1, 2**40), F(1, 2**30), F(1), F(2**30)], ids=["2^-40", "2^-30", "1", "2^30"])

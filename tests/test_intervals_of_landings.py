@@ -89,7 +89,7 @@ def check(found, gap_at):
         assert inside if deep < 0 else outside, (t, deep, ends)
 
 
-@pytest.mark.share(12)
+@pytest.mark.share(24)
 @pytest.mark.parametrize("seed", range(48))
 def test_lattices(seed):
     a, b, gap_at = scene(seed)
@@ -127,6 +127,7 @@ SETTLED = {
 }  # fmt: skip
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("name", SETTLED)
 @pytest.mark.parametrize("swap", [False, True])
 def test_doubts_beside_certain_contact(name, swap):

@@ -60,6 +60,7 @@ def looked_at_whole(body: CompositeQuadric) -> CompositeQuadric:
     return CompositeQuadric(body.surfaces, body.tree, body.parts, box=body._box, name=body.name)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("kind", ["sunk", "drill", "bore", "slot"])
 def test_a_row_of_holes(kind):
     body = plate(kind, 1, 3)
@@ -148,6 +149,7 @@ def test_surfaces_that_make_no_difference_are_told():
     assert regions.deciding(Or(Leaf(0), Not(Leaf(0)))) == set() == regions.deciding(True)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("kind", ["sunk", "drill", "bore", "slot"])
 def test_a_hundred_holes(kind):
     """Built and asked within seconds, again within milliseconds."""

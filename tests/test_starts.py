@@ -269,6 +269,7 @@ ABOVE = {
 """Solids in z >= 0 that hold the origin: there all terms of a form vanish, its rounding error too."""
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("name", ABOVE)
 def test_touching_at_the_origin_is_no_overlap(name):
     upside_down = [[1, 0, 0, 0], [0, -1, 0, 0], [0, 0, -1, 0], [0, 0, 0, 1]]

@@ -61,6 +61,7 @@ def test_the_picture_of_the_house_knows_all_rooms():
     assert rooms == set(drawn["SAYS"]) == {room for floor in drawn["FLOORS"].values() for room in floor}
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize(("kinds", "verb"), CASES)
 def test_what_is_proved_of_a_pair(kinds, verb):
     a, b = (BODIES[k] for k in kinds)

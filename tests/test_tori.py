@@ -49,7 +49,7 @@ def check(hit, truth):
 
 
 @pytest.mark.parametrize("y, z", [(0.0, 0.0), (-1.25, 0.5), (2.25, -0.125)])
-@pytest.mark.share(2)
+@pytest.mark.share(3)
 def test_a_ball_flies_at_a_ring(y, z):
     """Its centre, (8 - 8 t, y, z), comes as near as 3/4 to the circle: rho = 2 + sqrt(9/16 - z^2)."""
     ball = fc.sphere("1/4").translated((8, y, z)).moving(fc.Translation((-8, 0, 0)))
@@ -72,7 +72,7 @@ def test_a_ball_swings_into_a_ring():
 
 
 @pytest.mark.parametrize("degrees", [0, 30, 90])
-@pytest.mark.share(2)
+@pytest.mark.share(3)
 def test_a_ring_falls_on_half_spaces_boxes_and_meshes(degrees):
     """It reaches 2 |sin a| + 1/2 below its centre; flat it touches along a circle."""
     fallen = RING.rotated((1, 0, 0), degrees=degrees).translated((0, 0, 6)).moving(DOWN)
@@ -180,7 +180,7 @@ MOTIONS = [
 
 @pytest.mark.parametrize("motion", MOTIONS, ids=lambda m: type(m).__name__)
 @pytest.mark.parametrize("kind", ["model", "mesh", "torus", "ruled"])
-@pytest.mark.share(2)
+@pytest.mark.share(4)
 def test_first_contacts_are_those_of_sampled_distances(kind, motion):
     seed = 7 + MOTIONS.index(motion)
     rng = np.random.default_rng(seed)
@@ -216,7 +216,7 @@ def test_first_contacts_are_those_of_sampled_distances(kind, motion):
 
 
 @pytest.mark.parametrize("other", [fc.examples.box((3, 2, 1)), fc.torus(1, "1/4"), WIDE])
-@pytest.mark.share(2)
+@pytest.mark.share(3)
 def test_laws(other):
     """Swapped, scaled, seen from the other body, and under common motions the first contact is the same."""
     ring, way = RING.rotated((1, 2, 3), degrees=33).translated((1, 0.5, 5)), fc.Translation((-1, 0, -9))

@@ -146,6 +146,7 @@ def gap(p, q):
     return best
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("seed", range(6))
 def test_rotations_about_one_axis(seed):
     rng = Random(seed)

@@ -60,6 +60,7 @@ def test_any_number_of_threads_gives_the_answers_one_by_one(monkeypatch):
         assert rows_of(fc.first_contacts(queries, workers=n)) == expected
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("arguments", [{"exact": True}, {"budget": 5}, {"tolerance": 1e-3}, {"engine": "sweep"}])
 def test_arguments_are_those_of_first_contact(arguments):
     queries = many(12)

@@ -53,6 +53,7 @@ def test_first_contacts_of_random_trees(seed):
             assert joint.interval[0] <= joint.value <= joint.interval[1]
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("seed", SEEDS[::4])
 def test_intervals_of_random_trees(seed):
     tree = Tree(seed)

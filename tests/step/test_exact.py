@@ -78,6 +78,7 @@ def inside(shape, points):
     return np.array(found)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("name", SHAPES)
 def test_points_are_inside_as_open_cascade_has_it(name):
     shape, body = made(name)
