@@ -98,7 +98,7 @@ def scene(seed):
 
 
 @pytest.mark.share(2)
-@pytest.mark.parametrize("seed", [1, 14, 16, *range(20, 20 + amount(40, 20))])
+@pytest.mark.parametrize("seed", [14, 1, 16, *range(20, 20 + amount(40, 40))])
 def test_large_surfaces_and_small_solids(seed):
     """Contact is decided to 1e-12; an independent truth: sampled points before and after."""
     wing, motion, solid = scene(seed)
@@ -125,7 +125,7 @@ def test_large_surfaces_and_small_solids(seed):
 
 
 def test_laws():
-    wing, motion, solid = scene(1)
+    wing, motion, solid = scene(14)
     solid = solid.named("solid")
     hit = fc.first_contact(wing.moving(motion), solid)
     swapped = fc.first_contact(solid, wing.moving(motion))

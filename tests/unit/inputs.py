@@ -11,13 +11,15 @@ import math
 import numpy as np
 from flint import fmpq
 
+from amount import amount
+
 SHAKE = {"lattice": 0.0, "shaken": 2.0**-45, "hair": 2.0**-52, "scaled": 2.0**-50}
 FAMILIES = ("random", *SHAKE)
 
 
 def count(family: str) -> int:
     """How many inputs of the family a test takes."""
-    return 20_000 if family in ("random", "lattice", "shaken") else 3000
+    return amount(20_000, 2) if family in ("random", "lattice", "shaken") else amount(3000, 2)
 
 
 def points(family: str, rng, n: int, k: int) -> np.ndarray:

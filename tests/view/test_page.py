@@ -628,7 +628,7 @@ def test_playing_goes_back_to_the_path(opened, jointed):
     assert state(opened, "byHand") and joint_values(opened)["shoulder"] == 150
     press(opened, "play")
     wait_until(lambda: state(opened, "time") > 0.25)
-    press(opened, "play")
+    state(opened, "pause()")  # a press would begin anew where a slow browser has come to the end
     shoulder = CubicSpline([0, 1, 2], [0, 90, 120], bc_type="natural")(state(opened, "time"))
     assert not state(opened, "byHand") and joint_values(opened)["shoulder"] == pytest.approx(float(shoulder), abs=1e-9)
 

@@ -104,15 +104,18 @@ def _narrowed(system: Equations, box: Box) -> Box | Zero | None:
     if not all((v + d).contains(0) for v, d in zip(values, (slopes * column).entries(), strict=True)):
         return None
     box = _narrowed_by_each(values, slopes.tolist(), centre, offset, box)
-    moved = krawczyk_image(values, slopes, offset, _partial_inverse(slopes, offset))
-    if moved is None:
-        return box
-    if all(d.contains_interior(i) for d, i in zip(offset, moved, strict=True)):
-        return Zero(system, centre, [c.rad() for c in box], [c + i for c, i in zip(centre, moved, strict=True)])
-    image = [c + i for c, i in zip(centre, moved, strict=True)]
-    if not all(x.overlaps(c) for x, c in zip(image, box, strict=True)):
-        return None
-    return [x.intersection(c) if x.is_finite() else c for x, c in zip(image, box, strict=True)]
+    part = _partial_inverse(slopes, offset)
+    for y in (None,) if part is None else (None, part):
+        moved = krawczyk_image(values, slopes, offset, y)
+        if moved is None:
+            continue
+        image = [c + i for c, i in zip(centre, moved, strict=True)]
+        if all(d.contains_interior(i) for d, i in zip(offset, moved, strict=True)):
+            return Zero(system, centre, [d.rad() for d in offset], image)
+        if not all(x.overlaps(c) for x, c in zip(image, box, strict=True)):
+            return None
+        box = [x.intersection(c) if x.is_finite() else c for x, c in zip(image, box, strict=True)]
+    return box
 
 
 def _partial_inverse(slopes: arb_mat, offset: Box) -> arb_mat | None:
