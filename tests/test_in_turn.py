@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import firstcontact as fc
+from amount import THOROUGH
 
 BLADE = fc.RuledSurface("(u, 0, 0)", "(u, 1, u)", name="blade")
 PLATE = fc.RuledSurface("(0, -3, 2*u-1)", "(0, 3, 2*u-1)", name="plate")
@@ -111,6 +112,8 @@ def test_intervals_take_a_method(method):
     pair = fc.sphere(1).translated((-4, 0, 0)).moving(fc.Translation((8, 0, 0))), fc.sphere(2)
     (found,) = fc.contact_intervals(*pair, method=method)
     assert found.start == pytest.approx(1 / 8, abs=1e-11) and found.end == pytest.approx(7 / 8, abs=1e-11)
+    if method == "certified" and not THOROUGH:  # a face that lands flat takes balls ten seconds
+        return
     block = fc.box((2, 2, 2)).translated((-4, 0, 0)).moving(fc.Translation((8, 0, 0)))
     assert fc.contact_intervals(block, PLATE, method=method).intervals[0].start == pytest.approx(3 / 8, abs=1e-11)
 
