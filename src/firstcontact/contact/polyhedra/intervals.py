@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time as clock
 from dataclasses import dataclass, field
 from functools import cmp_to_key
 from itertools import pairwise
@@ -26,6 +27,10 @@ if TYPE_CHECKING:
 
 # Primitives that are in doubt for long, such as those that slide along each other: after so many no answer is expected.
 MOST_WIDE = 16
+
+# Visits of the first slice of a walk, and seconds that one should take: a visit may look at all the times of two
+# facets that slide in one another, so that slices adapt.
+FIRST_SLICE, SHORT = 1024, 0.1
 
 
 @dataclass(slots=True)
@@ -145,11 +150,17 @@ def _collect(
     stack = np.zeros((1024, 2), np.int32)
     cover = np.empty((64, 2))
     times, parts = np.empty((4096, 4)), np.empty((4096, 2), np.int32)
+    slice_ = FIRST_SLICE
     while True:
-        limit = int(integers[VISITS]) + SLICE
+        limit = int(integers[VISITS]) + slice_
         if budget is not None:
             limit = min(limit, int(integers[VISITS]) + share_of(budget - answer.visits - answer.tests))
+        begin = clock.perf_counter()
         reason = problem.collect(limit, integers, stack, cover, times, parts)
+        if clock.perf_counter() - begin < SHORT:
+            slice_ = min(2 * slice_, SLICE)
+        else:
+            slice_ = max(slice_ // 2, 1)
         answer.visits, answer.tests = int(integers[VISITS]), int(integers[TESTS])
         if reason == DONE:
             break
@@ -211,7 +222,7 @@ def _union(items: list[Window], problem: Problem) -> list[Window]:
 
 
 def _with_containment(problem: Problem, windows: list[Window], open_from: fmpq | None) -> list[Window]:
-    """The windows and those gaps between them in which a body lies inside the other, before what is open.
+    """The disjoint windows and those gaps between them in which a body lies inside the other, before what is open.
 
     The surfaces share no point in a gap, so one time in it decides the whole gap.
     """
@@ -221,8 +232,10 @@ def _with_containment(problem: Problem, windows: list[Window], open_from: fmpq |
     out: list[Window] = []
     for before, after in pairwise(ends):
         left, right = before[1], after[0]
-        if (windows or open_from is not None) and problem.order(left, right) >= 0:
-            continue
-        if contained_at(problem, left, right):
-            out.append((left, right))
-    return _union(windows + out, problem)
+        is_gap = not (windows or open_from is not None) or problem.order(left, right) < 0
+        inside = is_gap and contained_at(problem, left, right)
+        if inside:  # from the end of what came before, which needs no comparison: it may be a ball
+            out = [*out[:-1], (out[-1][0] if out else left, right)]
+        if after[1] is not None:
+            out = [*out[:-1], (out[-1][0], after[1])] if inside else [*out, after]
+    return out

@@ -4,13 +4,17 @@ Where level faces of both lie in one plane they slide in one another for ever, w
 from a touch.  Of convex prisms P x [a, b] and Q x [c, d] along the normal, which the motion keeps, all of that is idle:
 they are apart at all times where [a, b] and [c, d] are, and else share a point exactly when P and Q do.  So a taller
 prism stands for one of them, whose level faces lie beyond the other body: the question about the times is the same.
+
+Where the one lies on the other, so that the lowest points of the one are as high as the highest of the other, all they
+can share are points of that height: of a convex body these are a convex polygon, for which a prism stands.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numpy as np
 from flint import fmpq
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
@@ -26,6 +30,9 @@ from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.sequence import Sequence
 from firstcontact.work import Query
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
 
 MOST_VERTICES = 200
 """Of a prism that is looked at: each is put to each side of the outline."""
@@ -51,14 +58,53 @@ def in_one_plane(query: Query) -> Query | Apart | None:
     normal = _normal(query)
     if normal is None:
         return None
-    a, b = (_prism(shape_of(body), normal) for body in query.bodies)
+    bodies = shape_of(query.a), shape_of(query.b)
+    heights_a, heights_b = (_heights(body, normal) for body in bodies)
+    if heights_a is None or heights_b is None:
+        return None
+    if heights_a[1] < heights_b[0] or heights_b[1] < heights_a[0]:
+        return Apart()
+    for level, other in ((heights_a[0], heights_b[1]), (heights_a[1], heights_b[0])):
+        if level == other:
+            face_a, face_b = (_level_face(body, normal, level) for body in bodies)
+            if face_a is None or face_b is None:
+                return None
+            tall = _along(face_a, normal, level - 2, level + 2, query.a)
+            return replace(query, a=tall, b=_along(face_b, normal, level - 1, level + 1, query.b))
+    a, b = (_prism(body, normal) for body in bodies)
     if a is None or b is None:
         return None
-    if a.most < b.least or b.most < a.least:
-        return Apart()
     room = 1 + b.most - b.least
-    tall = _tall(a.outline, normal, b.least - room, b.most + room, query.a.name)
-    return replace(query, a=Moving(tall, query.a.motion) if isinstance(query.a, Moving) else tall)
+    return replace(query, a=_along(a.outline, normal, b.least - room, b.most + room, query.a))
+
+
+def _heights(body: Any, normal: Vector) -> tuple[fmpq, fmpq] | None:
+    """The least and the greatest height; None of bodies that are not looked at."""
+    if not isinstance(body, Polyhedron) or body._pose is not None or not 0 < len(body.vertices) <= MOST_VERTICES:
+        return None
+    heights = [dot(normal, body.exact_vertex(k)) for k in range(len(body.vertices))]
+    return min(heights), max(heights)
+
+
+def _level_face(body: Polyhedron, normal: Vector, level: fmpq) -> list[Vector] | None:
+    """The outline of all of the body's points of its least or greatest height; None where it is not told.
+
+    Those of the hull of some points are the hull of those among them.
+    """
+    prism = _prism(body, normal)
+    if prism is not None:
+        return prism.outline
+    if not _is_convex_solid(body):
+        return None
+    points = [body.exact_vertex(k) for k in range(len(body.vertices))]
+    outline = _outline([p for p in points if dot(normal, p) == level], normal)
+    return outline if len(outline) > 2 else None
+
+
+def _is_convex_solid(body: Polyhedron) -> bool:
+    """Whether it is the hull of its vertices, which is all that `as_model` takes."""
+    used = len(np.unique(body.triangles))
+    return body.solid and used == len(body.vertices) and not isinstance(tried(lambda: as_model(body)), Passed)
 
 
 def _normal(query: Query) -> Vector | None:
@@ -78,10 +124,8 @@ def _simple(motion: Any) -> list[Any]:
     return [motion]
 
 
-def _prism(body: Any, normal: Vector) -> Prism | None:
+def _prism(body: Polyhedron, normal: Vector) -> Prism | None:
     """The body as a prism, which may be flat; None where it is none."""
-    if not isinstance(body, Polyhedron) or body._pose is not None or not 0 < len(body.vertices) <= MOST_VERTICES:
-        return None
     used = sorted(set(body.triangles.ravel().tolist()))
     if not used or len(used) < len(body.vertices):
         return None
@@ -91,8 +135,8 @@ def _prism(body: Any, normal: Vector) -> Prism | None:
     outlines = [_outline([p for p, h in zip(points, heights, strict=True) if h == level], normal) for level in levels]
     if len(levels) == 1:
         return Prism(outlines[0], levels[0], levels[0]) if _is_filled(body, points, outlines[0], normal) else None
-    if len(levels) != 2 or not body.solid or isinstance(tried(lambda: as_model(body)), Passed):
-        return None  # as_model takes closed convex solids alone: they are the hulls of their vertices
+    if len(levels) != 2 or not _is_convex_solid(body):
+        return None
     low, high = ([_flat(p, normal) for p in outline] for outline in outlines)
     return Prism(outlines[0], levels[0], levels[1]) if low == high else None
 
@@ -152,12 +196,14 @@ def _on_hull(p: tuple[fmpq, fmpq], q: tuple[fmpq, fmpq], corners: list[tuple[fmp
     return all(_turn(p, q, r) >= 0 for r in corners)
 
 
-def _tall(outline: list[Vector], normal: Vector, least: fmpq, most: fmpq, name: str | None) -> Polyhedron:
-    """The prism of an outline from one height to another."""
+def _along(outline: list[Vector], normal: Vector, least: fmpq, most: fmpq, body: Body) -> Body:
+    """The prism of an outline from one height to another, with the name and the motion of a body."""
     n, square = len(outline), dot(normal, normal)
     vertices = [
         [fraction(x + (height - dot(normal, p)) / square * c) for x, c in zip(p, normal, strict=True)]
         for height in (least, most) for p in outline
     ]  # fmt: skip
     sides = [[k, (k + 1) % n, n + (k + 1) % n, n + k] for k in range(n)]
-    return Polyhedron(vertices, [list(range(n))[::-1], list(range(n, 2 * n)), *sides], solid=True, name=name)
+    faces = [list(range(n))[::-1], list(range(n, 2 * n)), *sides]
+    prism = Polyhedron(vertices, faces, solid=True, name=body.name)
+    return Moving(prism, body.motion) if isinstance(body, Moving) else prism
