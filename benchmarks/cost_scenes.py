@@ -87,7 +87,7 @@ def _sliding(parts: str) -> Question:
 
 
 row("a tetrahedron on a table, both turn about parallel axes, intervals", "9 s", 1)(lambda: _sliding("tetrahedron"))
-row("an angle on a table, both turn about parallel axes, intervals", "14 s, UNDECIDED", 5)(lambda: _sliding("angle"))
+row("an angle on a table, both turn about parallel axes, intervals", "14 s, UNDECIDED", 1)(lambda: _sliding("angle"))
 
 
 def _box(size: float = 1) -> Any:

@@ -142,6 +142,42 @@ def test_a_corner_lies_on_an_edge_at_the_start_and_goes_inwards():
     assert [(x.start, x.end) for x in found] == [(0, 0.1)]
 
 
+def of_cells(cells, low, high):
+    """The prism over unit squares of a grid, by the corners at which they begin."""
+    squares = [[(x, y), (x + 1, y), (x + 1, y + 1), (x, y + 1)] for x, y in cells]
+    corners = sorted({p for square in squares for p in square})
+    n, number = len(corners), {p: k for k, p in enumerate(corners)}
+    quads = [[number[p] for p in square] for square in squares]
+    sides = {(q[k - 1], q[k]) for q in quads for k in range(4)}
+    walls = [[i, j, j + n, i + n] for i, j in sides if (j, i) not in sides]
+    points = [(x, y, z) for z in (low, high) for x, y in corners]
+    return fc.Polyhedron(points, [*(q[::-1] for q in quads), *([v + n for v in q] for q in quads), *walls])
+
+
+@pytest.mark.share(2)
+@pytest.mark.parametrize("seed", range(amount(16)))
+def test_angles_that_slide_on_each_other(seed):
+    """Against the squares they are made of; trees left all of it open after 14 s."""
+    rng = np.random.default_rng(seed)
+    shapes = [(0, 0), (1, 0), (0, 1)], [(0, 0), (1, 0), (2, 0), (0, 1), (2, 1)], [(0, 0), (0, 1), (0, 2), (1, 1)]
+    one, other = (shapes[k] for k in rng.integers(0, 3, 2))
+    low, high = ((0, 2), (-1, 0), (1, 3))[seed % 3]
+    points = rng.integers(-8, 9, (2, 2)) / 4
+    ways = [fc.Rotation(UP, (*p, 0), degrees=float(d)) for p, d in zip(points, rng.integers(20, 200, 2), strict=True)]
+    found = fc.contact_intervals(of_cells(one, 0, 1).moving(ways[0]), of_cells(other, low, high).moving(ways[1]))
+    assert found.status is not fc.Status.UNDECIDED and [x.way for x in found.stats.ways] == ["in the plane"]
+
+    def meet(t):
+        corners = np.array([[0, 0], [1, 0], [1, 1], [0, 1]])
+        a, b = ([(corners + c) @ m[:2, :2].T + m[:2, 3] for c in cells]
+                for cells, m in zip((one, other), (way(t) for way in ways), strict=True))  # fmt: skip
+        return any(polygons_meet(p, q) for p in a for q in b)
+
+    for t in np.linspace(0, 1, 101):
+        if all(min(abs(t - x.start), abs(t - x.end)) > 1e-9 for x in found):
+            assert meet(t) == any(x.start < t < x.end for x in found), t
+
+
 def polygons_meet(one, other):
     """Whether convex polygons (n, 2) share a point: no side of either has them on both sides of it."""
     def apart(x, y):

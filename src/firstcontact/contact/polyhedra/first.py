@@ -30,8 +30,8 @@ from firstcontact.work import WORTH, NoMemory, Query, Spent
 
 NO_WORK = Stats()
 
-SOON = 500 * WORTH
-"""Work of trees on small convex parts, before solids are asked: about a third of a second in balls."""
+SOON = 2000 * WORTH
+"""Work of trees on small convex parts, before solids are asked: about a second in balls."""
 
 
 def first(query: Query) -> FirstContact:
@@ -88,12 +88,12 @@ def intervals(query: Query) -> ContactIntervals:
 
 
 def _in_the_plane(query: Query, _: None) -> ContactIntervals | Passed:
-    """Of prisms along the normal of a plane in which they move."""
-    other = in_one_plane(query)
-    if other is None:
-        return Passed("they are no convex prisms that move in one plane, nor is one on the other")
+    """Of prisms along the normal of a plane in which they move, and of parts that lie on each other there."""
     if not any(isinstance(piece, CurvedPiece) for piece in _pieces(query)):
         return Passed("shifts and turns are exact")
+    other = in_one_plane(query)
+    if other is None:
+        return Passed("they are no prisms that move in one plane, nor is one on the other")
     if isinstance(other, Apart):
         return ContactIntervals((), Status.FREE, query.span[1], None, _timed(NO_WORK, query.begin), **query.shared)
     return decided(replace(_contact_intervals(other), **query.shared), query)

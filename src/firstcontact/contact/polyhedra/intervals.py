@@ -68,8 +68,13 @@ def contact_windows(problem: Problem, budget: int | None, progress: Progress | N
         items = [problem.float_window(lo, hi) for lo, hi in cover if hi >= 0.0 and lo <= last]
         items = [(start, end) for start, end in items if problem.order(start, end) <= 0]
         doubts: list[Doubt] = []
+        known: list[Window] = []
+        for item in items:
+            known = _joined(problem, known, item)
         wide = 0
-        for part_a, part_b in parts:
+        for (part_a, part_b), spans in parts:
+            if all(_is_within(problem, span, known) for span in spans):
+                continue  # they meet at no other times
             if budget is not None and answer.work >= budget:
                 answer.open = "budget"
                 return answer
@@ -78,6 +83,8 @@ def contact_windows(problem: Problem, budget: int | None, progress: Progress | N
             answer.exact += 1
             certain, open_times = _counted(problem, part_a, part_b, answer, budget)
             items, doubts = items + certain, doubts + open_times
+            for item in certain:
+                known = _joined(problem, known, item)
             wide += any(doubt.is_wide(_in_balls(problem).length) for doubt in open_times)
             if wide == MOST_WIDE:
                 raise Undecidable
@@ -143,8 +150,11 @@ def _in_balls(problem: Problem) -> EnclosedProblem:
 
 def _collect(
     problem: Problem, answer: Windows, budget: int | None, progress: Progress | None
-) -> tuple[list[tuple[float, float]], list[tuple[int, int]]] | None:
-    """(certain cover, primitive pairs that matter at its ends); None when the budget is spent, or memory."""
+) -> tuple[list[tuple[float, float]], list[tuple[tuple[int, int], list[tuple[float, float]]]]] | None:
+    """(certain cover, primitive pairs that matter at its ends); None when the budget is spent, or memory.
+
+    Each pair with the times outside of which it does not meet, those with the longest ones first.
+    """
     integers = np.zeros(5, np.int64)
     integers[STACK] = 1
     stack = np.zeros((1024, 2), np.int32)
@@ -181,8 +191,38 @@ def _collect(
     n = int(integers[FOUND])
     answer.unsure = int(np.sum(times[:n, 0] > times[:n, 3]))
     ids_a, ids_b = problem.tree_a.ids[parts[:n, 0], 0], problem.tree_b.ids[parts[:n, 1], 0]
-    pairs = sorted(set(zip(ids_a.tolist(), ids_b.tolist(), strict=True)))
+    spans: dict[tuple[int, int], list[tuple[float, float]]] = {}
+    for pair, row in zip(zip(ids_a.tolist(), ids_b.tolist(), strict=True), times[:n].tolist(), strict=True):
+        spans.setdefault(pair, []).append((row[2] if row[0] == np.inf else row[0], row[3]))
+    pairs = sorted(spans.items(), key=lambda item: (-max(hi - lo for lo, hi in item[1]), item[0]))
     return [tuple(c) for c in cover[: int(integers[COVERS])].tolist()], pairs
+
+
+def _joined(problem: Problem, known: list[Window], window: Window) -> list[Window]:
+    """Windows of certain contact with one more; those that certainly share a time become one."""
+    apart = []
+    for other in known:
+        try:
+            if problem.order(window[0], other[1]) > 0 or problem.order(other[0], window[1]) > 0:
+                apart.append(other)
+                continue
+            start = window[0] if problem.order(window[0], other[0]) <= 0 else other[0]
+            window = start, window[1] if problem.order(window[1], other[1]) >= 0 else other[1]
+        except Undecidable:
+            apart.append(other)
+    return [*apart, window]
+
+
+def _is_within(problem: Problem, span: tuple[float, float], known: list[Window]) -> bool:
+    """Whether times, as far as they are of the piece, certainly lie within one of the windows."""
+    first, last = problem.float_window(max(span[0], 0.0), min(span[1], problem.window()[0]))
+    for start, end in known:
+        try:
+            if problem.order(start, first) <= 0 and problem.order(last, end) <= 0:
+                return True
+        except Undecidable:
+            continue
+    return False
 
 
 def _drop_covered(
