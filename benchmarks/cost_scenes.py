@@ -75,6 +75,21 @@ row("stretching motion after an irrational pose", "ValueError, 200 s", 30)(lambd
 row("stretching motion after an irrational pose, intervals", "ValueError, 200 s", 30)(lambda: intervals(*_stretching()))
 
 
+def _sliding(parts: str) -> Question:
+    corners = [(3, 0, 0), (2, 1, 0), (1, -1, 0), (2, 0, 1.5)]
+    part = fc.Polyhedron(corners, [(2, 1, 0), (0, 1, 3), (1, 2, 3), (2, 0, 3)])
+    if parts == "angle":
+        ring = [(1, -1), (3, -1), (3, 0), (2, 0), (2, 1), (1, 1)]
+        sides = [[k, (k + 1) % 6, 6 + (k + 1) % 6, 6 + k] for k in range(6)]
+        part = fc.Polyhedron([(*p, z) for z in (0, 1) for p in ring], [[5, 4, 3, 2, 1, 0], [*range(6, 12)], *sides])
+    table = fc.examples.box((6, 6, 1)).translated((0, 0, -0.5)).moving(fc.Rotation((0, 0, 1), degrees=100))
+    return intervals(part.moving(fc.Rotation((0, 0, 1), point=(5, 0, 0), degrees=170)), table)
+
+
+row("a tetrahedron on a table, both turn about parallel axes, intervals", "9 s", 1)(lambda: _sliding("tetrahedron"))
+row("an angle on a table, both turn about parallel axes, intervals", "14 s, UNDECIDED", 1)(lambda: _sliding("angle"))
+
+
 def _box(size: float = 1) -> Any:
     return fc.examples.box((size, size, size))
 

@@ -26,9 +26,12 @@ from firstcontact.motion.moving import shape_of
 from firstcontact.motion.relative.curved import CurvedPiece
 from firstcontact.motion.relative.pieces import Piece, curved_pieces, pieces
 from firstcontact.result import ContactIntervals, ContactPairs, FirstContact, Stats, Status
-from firstcontact.work import NoMemory, Query, Spent
+from firstcontact.work import WORTH, NoMemory, Query, Spent
 
 NO_WORK = Stats()
+
+SOON = 2000 * WORTH
+"""Work of trees on small convex parts, before solids are asked: about a second in balls."""
 
 
 def first(query: Query) -> FirstContact:
@@ -78,21 +81,32 @@ def intervals(query: Query) -> ContactIntervals:
     """All closed times of contact, with exact ends where these have an exact form."""
     return answered([
         Way("in the plane", _in_the_plane),
-        Way("by trees", lambda query, _: decided(_contact_intervals(query), query)),
+        Way("by trees, if soon", _by_trees_soon, lambda query, _: _are_small_and_convex(query)),
         Way("as convex solids", _as_solids, lambda query, _: _are_small_and_convex(query)),
+        Way("by trees", lambda query, _: decided(_contact_intervals(query), query), _is_left_to_trees),
     ], query)  # fmt: skip
 
 
 def _in_the_plane(query: Query, _: None) -> ContactIntervals | Passed:
-    """Of prisms along the normal of a plane in which they move."""
-    other = in_one_plane(query)
-    if other is None:
-        return Passed("they are no convex prisms that move in one plane")
+    """Of prisms along the normal of a plane in which they move, and of parts that lie on each other there."""
     if not any(isinstance(piece, CurvedPiece) for piece in _pieces(query)):
         return Passed("shifts and turns are exact")
+    other = in_one_plane(query)
+    if other is None:
+        return Passed("they are no prisms that move in one plane, nor is one on the other")
     if isinstance(other, Apart):
         return ContactIntervals((), Status.FREE, query.span[1], None, _timed(NO_WORK, query.begin), **query.shared)
     return decided(replace(_contact_intervals(other), **query.shared), query)
+
+
+def _by_trees_soon(query: Query, _: None) -> ContactIntervals | Passed:
+    """What trees tell with no more work than solids take, who follow parts that slide on each other sooner."""
+    return decided(_contact_intervals(query.limited(SOON)), query)
+
+
+def _is_left_to_trees(query: Query, proved: ContactIntervals | None) -> bool:
+    """Whether trees were not asked yet, or stopped before they had told all they can."""
+    return proved is None or proved.reason == "budget"
 
 
 def _are_small_and_convex(query: Query) -> bool:

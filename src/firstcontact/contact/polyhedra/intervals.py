@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time as clock
 from dataclasses import dataclass, field
 from functools import cmp_to_key
 from itertools import pairwise
@@ -26,6 +27,10 @@ if TYPE_CHECKING:
 
 # Primitives that are in doubt for long, such as those that slide along each other: after so many no answer is expected.
 MOST_WIDE = 16
+
+# Visits of the first slice of a walk, and seconds that one should take: a visit may look at all the times of two
+# facets that slide in one another, so that slices adapt.
+FIRST_SLICE, SHORT = 1024, 0.1
 
 
 @dataclass(slots=True)
@@ -63,8 +68,13 @@ def contact_windows(problem: Problem, budget: int | None, progress: Progress | N
         items = [problem.float_window(lo, hi) for lo, hi in cover if hi >= 0.0 and lo <= last]
         items = [(start, end) for start, end in items if problem.order(start, end) <= 0]
         doubts: list[Doubt] = []
+        known: list[Window] = []
+        for item in items:
+            known = _joined(problem, known, item)
         wide = 0
-        for part_a, part_b in parts:
+        for (part_a, part_b), spans in parts:
+            if all(_is_within(problem, span, known) for span in spans):
+                continue  # they meet at no other times
             if budget is not None and answer.work >= budget:
                 answer.open = "budget"
                 return answer
@@ -73,6 +83,8 @@ def contact_windows(problem: Problem, budget: int | None, progress: Progress | N
             answer.exact += 1
             certain, open_times = _counted(problem, part_a, part_b, answer, budget)
             items, doubts = items + certain, doubts + open_times
+            for item in certain:
+                known = _joined(problem, known, item)
             wide += any(doubt.is_wide(_in_balls(problem).length) for doubt in open_times)
             if wide == MOST_WIDE:
                 raise Undecidable
@@ -138,18 +150,27 @@ def _in_balls(problem: Problem) -> EnclosedProblem:
 
 def _collect(
     problem: Problem, answer: Windows, budget: int | None, progress: Progress | None
-) -> tuple[list[tuple[float, float]], list[tuple[int, int]]] | None:
-    """(certain cover, primitive pairs that matter at its ends); None when the budget is spent, or memory."""
+) -> tuple[list[tuple[float, float]], list[tuple[tuple[int, int], list[tuple[float, float]]]]] | None:
+    """(certain cover, primitive pairs that matter at its ends); None when the budget is spent, or memory.
+
+    Each pair with the times outside of which it does not meet, those with the longest ones first.
+    """
     integers = np.zeros(5, np.int64)
     integers[STACK] = 1
     stack = np.zeros((1024, 2), np.int32)
     cover = np.empty((64, 2))
     times, parts = np.empty((4096, 4)), np.empty((4096, 2), np.int32)
+    slice_ = FIRST_SLICE
     while True:
-        limit = int(integers[VISITS]) + SLICE
+        limit = int(integers[VISITS]) + slice_
         if budget is not None:
             limit = min(limit, int(integers[VISITS]) + share_of(budget - answer.visits - answer.tests))
+        begin = clock.perf_counter()
         reason = problem.collect(limit, integers, stack, cover, times, parts)
+        if clock.perf_counter() - begin < SHORT:
+            slice_ = min(2 * slice_, SLICE)
+        else:
+            slice_ = max(slice_ // 2, 1)
         answer.visits, answer.tests = int(integers[VISITS]), int(integers[TESTS])
         if reason == DONE:
             break
@@ -170,8 +191,38 @@ def _collect(
     n = int(integers[FOUND])
     answer.unsure = int(np.sum(times[:n, 0] > times[:n, 3]))
     ids_a, ids_b = problem.tree_a.ids[parts[:n, 0], 0], problem.tree_b.ids[parts[:n, 1], 0]
-    pairs = sorted(set(zip(ids_a.tolist(), ids_b.tolist(), strict=True)))
+    spans: dict[tuple[int, int], list[tuple[float, float]]] = {}
+    for pair, row in zip(zip(ids_a.tolist(), ids_b.tolist(), strict=True), times[:n].tolist(), strict=True):
+        spans.setdefault(pair, []).append((row[2] if row[0] == np.inf else row[0], row[3]))
+    pairs = sorted(spans.items(), key=lambda item: (-max(hi - lo for lo, hi in item[1]), item[0]))
     return [tuple(c) for c in cover[: int(integers[COVERS])].tolist()], pairs
+
+
+def _joined(problem: Problem, known: list[Window], window: Window) -> list[Window]:
+    """Windows of certain contact with one more; those that certainly share a time become one."""
+    apart = []
+    for other in known:
+        try:
+            if problem.order(window[0], other[1]) > 0 or problem.order(other[0], window[1]) > 0:
+                apart.append(other)
+                continue
+            start = window[0] if problem.order(window[0], other[0]) <= 0 else other[0]
+            window = start, window[1] if problem.order(window[1], other[1]) >= 0 else other[1]
+        except Undecidable:
+            apart.append(other)
+    return [*apart, window]
+
+
+def _is_within(problem: Problem, span: tuple[float, float], known: list[Window]) -> bool:
+    """Whether times, as far as they are of the piece, certainly lie within one of the windows."""
+    first, last = problem.float_window(max(span[0], 0.0), min(span[1], problem.window()[0]))
+    for start, end in known:
+        try:
+            if problem.order(start, first) <= 0 and problem.order(last, end) <= 0:
+                return True
+        except Undecidable:
+            continue
+    return False
 
 
 def _drop_covered(
@@ -211,7 +262,7 @@ def _union(items: list[Window], problem: Problem) -> list[Window]:
 
 
 def _with_containment(problem: Problem, windows: list[Window], open_from: fmpq | None) -> list[Window]:
-    """The windows and those gaps between them in which a body lies inside the other, before what is open.
+    """The disjoint windows and those gaps between them in which a body lies inside the other, before what is open.
 
     The surfaces share no point in a gap, so one time in it decides the whole gap.
     """
@@ -221,8 +272,10 @@ def _with_containment(problem: Problem, windows: list[Window], open_from: fmpq |
     out: list[Window] = []
     for before, after in pairwise(ends):
         left, right = before[1], after[0]
-        if (windows or open_from is not None) and problem.order(left, right) >= 0:
-            continue
-        if contained_at(problem, left, right):
-            out.append((left, right))
-    return _union(windows + out, problem)
+        is_gap = not (windows or open_from is not None) or problem.order(left, right) < 0
+        inside = is_gap and contained_at(problem, left, right)
+        if inside:  # from the end of what came before, which needs no comparison: it may be a ball
+            out = [*out[:-1], (out[-1][0] if out else left, right)]
+        if after[1] is not None:
+            out = [*out[:-1], (out[-1][0], after[1])] if inside else [*out, after]
+    return out

@@ -1,24 +1,26 @@
 """Parts that move in one plane, as flat links and plates on one table do, as prisms along its normal.
 
 Where level faces of both lie in one plane they slide in one another for ever, which no enclosure of the motion tells
-from a touch.  Of convex prisms P x [a, b] and Q x [c, d] along the normal, which the motion keeps, all of that is idle:
-they are apart at all times where [a, b] and [c, d] are, and else share a point exactly when P and Q do.  So a taller
-prism stands for one of them, whose level faces lie beyond the other body: the question about the times is the same.
+from a touch.  Of prisms P x [a, b] and Q x [c, d] along the normal, which the motion keeps, all of that is idle: they
+are apart at all times where [a, b] and [c, d] are, and else share a point exactly when P and Q do.  So a taller prism
+stands for one of them, whose level faces lie beyond the other body: the question about the times is the same.
+
+Where the one lies on the other, so that the lowest points of the one are as high as the highest of the other, all they
+can share are points of that height: prisms over these stand for both.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from flint import fmpq
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
+from firstcontact.contact.polyhedra.level_regions import Region, border_of, flat, region_at, turn
 from firstcontact.contact.polyhedra.planar import is_across
-from firstcontact.contact.reduce import as_model
-from firstcontact.contact.ways import Passed, tried
 from firstcontact.exact.numbers import fraction
-from firstcontact.exact.vectors import Vector, cross, dot
+from firstcontact.exact.vectors import Vector, dot
 from firstcontact.motion.linkage import Linkage
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.product import Product
@@ -27,23 +29,15 @@ from firstcontact.motion.screw import Screw
 from firstcontact.motion.sequence import Sequence
 from firstcontact.work import Query
 
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
+
 MOST_VERTICES = 200
-"""Of a prism that is looked at: each is put to each side of the outline."""
-
-
-class Prism(NamedTuple):
-    """A convex prism along a direction: its outline, points in order around it, and its least and greatest height.
-
-    Heights are products with the direction, which need not be a unit vector.
-    """
-
-    outline: list[Vector]
-    least: fmpq
-    most: fmpq
+"""Of a body that is looked at, exactly."""
 
 
 class Apart(NamedTuple):
-    """That the heights of two prisms do not meet."""
+    """That the heights of two bodies do not meet."""
 
 
 def in_one_plane(query: Query) -> Query | Apart | None:
@@ -51,14 +45,33 @@ def in_one_plane(query: Query) -> Query | Apart | None:
     normal = _normal(query)
     if normal is None:
         return None
-    a, b = (_prism(shape_of(body), normal) for body in query.bodies)
-    if a is None or b is None:
+    bodies = shape_of(query.a), shape_of(query.b)
+    heights_a, heights_b = (_heights(body, normal) for body in bodies)
+    if heights_a is None or heights_b is None:
         return None
-    if a.most < b.least or b.most < a.least:
+    if heights_a[1] < heights_b[0] or heights_b[1] < heights_a[0]:
         return Apart()
-    room = 1 + b.most - b.least
-    tall = _tall(a.outline, normal, b.least - room, b.most + room, query.a.name)
-    return replace(query, a=Moving(tall, query.a.motion) if isinstance(query.a, Moving) else tall)
+    for level, other in ((heights_a[0], heights_b[1]), (heights_a[1], heights_b[0])):
+        if level == other:
+            face_a, face_b = (region_at(body, normal, level) for body in bodies)
+            if face_a is None or face_b is None:
+                return None
+            tall = _along(face_a, normal, level - 2, level + 2, query.a)
+            return replace(query, a=tall, b=_along(face_b, normal, level - 1, level + 1, query.b))
+    base = region_at(bodies[0], normal, heights_a[0])
+    if base is None or not all(_is_prism(x, normal, *h) for x, h in zip(bodies, (heights_a, heights_b), strict=True)):
+        return None
+    low, high = heights_b
+    room = 1 + high - low
+    return replace(query, a=_along(base, normal, low - room, high + room, query.a))
+
+
+def _heights(body: Any, normal: Vector) -> tuple[fmpq, fmpq] | None:
+    """The least and the greatest height; None of bodies that are not looked at."""
+    if not isinstance(body, Polyhedron) or body._pose is not None or not 0 < len(body.vertices) <= MOST_VERTICES:
+        return None
+    heights = [dot(normal, body.exact_vertex(k)) for k in range(len(body.vertices))]
+    return min(heights), max(heights)
 
 
 def _normal(query: Query) -> Vector | None:
@@ -78,86 +91,50 @@ def _simple(motion: Any) -> list[Any]:
     return [motion]
 
 
-def _prism(body: Any, normal: Vector) -> Prism | None:
-    """The body as a prism, which may be flat; None where it is none."""
-    if not isinstance(body, Polyhedron) or body._pose is not None or not 0 < len(body.vertices) <= MOST_VERTICES:
-        return None
-    used = sorted(set(body.triangles.ravel().tolist()))
-    if not used or len(used) < len(body.vertices):
-        return None
-    points: list[Vector] = [body.exact_vertex(k) for k in used]
-    heights = [dot(normal, p) for p in points]
-    levels = sorted(set(heights))
-    outlines = [_outline([p for p, h in zip(points, heights, strict=True) if h == level], normal) for level in levels]
-    if len(levels) == 1:
-        return Prism(outlines[0], levels[0], levels[0]) if _is_filled(body, points, outlines[0], normal) else None
-    if len(levels) != 2 or not body.solid or isinstance(tried(lambda: as_model(body)), Passed):
-        return None  # as_model takes closed convex solids alone: they are the hulls of their vertices
-    low, high = ([_flat(p, normal) for p in outline] for outline in outlines)
-    return Prism(outlines[0], levels[0], levels[1]) if low == high else None
+def _is_prism(body: Polyhedron, normal: Vector, least: fmpq, most: fmpq) -> bool:
+    """Whether the body is all that stands between its level faces, or lies in one plane and has inner points there.
 
-
-def _flat(point: Vector, normal: Vector) -> tuple[fmpq, fmpq]:
-    """Coordinates of a point in the plane, along two directions across the normal."""
-    k = min(range(3), key=lambda i: abs(normal[i]))
-    first = cross(normal, [fmpq(int(k == i)) for i in range(3)])
-    return dot(first, point), dot(cross(normal, first), point)
-
-
-def _outline(points: list[Vector], normal: Vector) -> list[Vector]:
-    """The corners of the points' convex hull in the plane, counterclockwise from the least one (monotone chain)."""
-    ordered = sorted((_flat(p, normal), p) for p in points)
-
-    def half(chain: list[tuple[tuple[fmpq, fmpq], Vector]]) -> list[tuple[tuple[fmpq, fmpq], Vector]]:
-        kept: list[tuple[tuple[fmpq, fmpq], Vector]] = []
-        for corner in chain:
-            while len(kept) > 1 and _turn(kept[-2][0], kept[-1][0], corner[0]) <= 0:
-                kept.pop()
-            kept.append(corner)
-        return kept[:-1]
-
-    return [p for _, p in half(ordered) + half(ordered[::-1])]
-
-
-def _turn(p: tuple[fmpq, fmpq], q: tuple[fmpq, fmpq], r: tuple[fmpq, fmpq]) -> fmpq:
-    """Twice the area of a triangle, positive where it is counterclockwise."""
-    return (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
-
-
-def _is_filled(body: Polyhedron, points: list[Vector], outline: list[Vector], normal: Vector) -> bool:
-    """Whether the triangles of a flat surface cover the hull of its vertices.
-
-    All of them turned counterclockwise, a side that no other one has in the other direction is on the hull: then their
-    border goes once around it, and each point within is covered once.
+    Walls lie along the normal and go from the one level to the other; where a side of one is slanted, another goes on
+    beyond it in the same plane.  So what walls cover of a plane along the normal ends at lines along the normal alone,
+    and is the same at all heights: as at the least one, where it lies on sides of level faces.  Above a point that is
+    not below a wall nothing begins or ends between the levels, so a solid is there as it is at both level faces.
     """
-    flat = [_flat(p, normal) for p in points]
-    sides: set[tuple[int, int]] = set()
-    area = fmpq(0)
-    for i, j, k in body.triangles.tolist():
-        twice = _turn(flat[i], flat[j], flat[k])
-        if twice < 0:
-            j, k = k, j
-        area += abs(twice)
-        for side in ((i, j), (j, k), (k, i)):
-            if side in sides:
-                return False
-            sides.add(side)
-    corners = [_flat(p, normal) for p in outline]
-    whole = sum((_turn(corners[0], p, q) for p, q in zip(corners[1:], corners[2:], strict=False)), fmpq(0))
-    border = [(i, j) for i, j in sides if (j, i) not in sides]
-    return area == whole > 0 and all(_on_hull(flat[i], flat[j], corners) for i, j in border)
+    if any(region_at(body, normal, level) is None for level in {least, most}):
+        return False
+    height = [dot(normal, body.exact_vertex(k)) for k in range(len(body.vertices))]
+    if any(h not in (least, most) for h in height) or (least < most and not body.solid):
+        return False
+    beyond: dict[tuple[int, int], list[fmpq]] = {}
+    for triangle in body.triangles.tolist():
+        if len({height[v] for v in triangle}) == 1:
+            continue
+        p = [flat(body.exact_vertex(v), normal) for v in triangle]
+        if turn(*p) != 0 or len(set(p)) < 2:
+            return False
+        for k in range(3):
+            i, j = sorted((triangle[k], triangle[k - 1]))
+            (x, y), (u, v) = (flat(body.exact_vertex(n), normal) for n in (i, j))
+            if height[i] != height[j] and (x, y) != (u, v):
+                r, t = p[k - 2]
+                share = ((r - x) * (u - x) + (t - y) * (v - y)) / ((u - x) ** 2 + (v - y) ** 2)
+                rise = (height[triangle[k - 2]] - height[i]) / (height[j] - height[i])
+                beyond.setdefault((i, j), []).append(share - rise)
+    return all(len(x) == 2 and x[0] * x[1] < 0 for x in beyond.values()) and _has_no_bare_edges(body)
 
 
-def _on_hull(p: tuple[fmpq, fmpq], q: tuple[fmpq, fmpq], corners: list[tuple[fmpq, fmpq]]) -> bool:
-    return all(_turn(p, q, r) >= 0 for r in corners)
+def _has_no_bare_edges(body: Polyhedron) -> bool:
+    sides = {tuple(sorted((t[k], t[k - 1]))) for t in body.triangles.tolist() for k in range(3)}
+    return all(tuple(sorted(s)) in sides for s in body._segments.tolist())
 
 
-def _tall(outline: list[Vector], normal: Vector, least: fmpq, most: fmpq, name: str | None) -> Polyhedron:
-    """The prism of an outline from one height to another."""
-    n, square = len(outline), dot(normal, normal)
+def _along(region: Region, normal: Vector, least: fmpq, most: fmpq, body: Body) -> Body:
+    """The prism of a region from one height to another, with the name and the motion of a body."""
+    n, square = len(region.points), dot(normal, normal)
     vertices = [
         [fraction(x + (height - dot(normal, p)) / square * c) for x, c in zip(p, normal, strict=True)]
-        for height in (least, most) for p in outline
+        for height in (least, most) for p in region.points
     ]  # fmt: skip
-    sides = [[k, (k + 1) % n, n + (k + 1) % n, n + k] for k in range(n)]
-    return Polyhedron(vertices, [list(range(n))[::-1], list(range(n, 2 * n)), *sides], solid=True, name=name)
+    walls = [[i, j, n + j, n + i] for i, j in border_of(region.triangles)]
+    lower, upper = ([[n * k + v for v in t[::1 if k else -1]] for t in region.triangles] for k in (0, 1))
+    prism = Polyhedron(vertices, [*lower, *upper, *walls], solid=True, name=body.name)
+    return Moving(prism, body.motion) if isinstance(body, Moving) else prism

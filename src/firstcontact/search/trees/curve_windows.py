@@ -35,6 +35,8 @@ from firstcontact.search.trees.windows import PART_ROOM, meeting_window, part_wi
 _FUNCTIONS, _STRETCH, _BOUNDS, _SIGNS = 15, 15, 16, 18
 # Share of a cell at which halving stops: the rest is left to the exact face.
 _SHORTEST = 2.0**-14
+# Of `_relation`: over all of the stretch.
+_WHOLE = np.int64(-1)
 
 
 @uncounted
@@ -131,14 +133,23 @@ def _edge_in_facet(motion, slot, h, k, f, step):
 
 
 @uncounted
-def _relation(motion, slot, facet_a, facet_b):
-    """1: the parts share a point all through the stretch; -1: never; 0: unsure."""
+def _relation(motion, slot, facet_a, facet_b, at):
+    """1: the parts share a point all through the stretch; -1: never; 0: unsure.
+
+    at: of which Bernstein coefficient alone, those of the ends of the stretch being 0 and LAST; _WHOLE of all of them.
+    """
     for f in range(_FUNCTIONS):
         if (f < 3 and not facet_b) or (3 <= f < 6 and not facet_a):
             continue
         if f >= 6 and (((f - 6) // 3 > 0 and not facet_a) or ((f - 6) % 3 > 0 and not facet_b)):
             continue
-        motion[slot, _SIGNS + (f >> 3), f & 7] = sign_of(motion, slot, f, motion[slot, _BOUNDS + (f >> 3), f & 7])
+        err = motion[slot, _BOUNDS + (f >> 3), f & 7]
+        if at < 0:
+            sign = sign_of(motion, slot, f, err)
+        else:
+            value = motion[slot, f, at]
+            sign = 1 if value > err else -1 if value < -err else 0
+        motion[slot, _SIGNS + (f >> 3), f & 7] = sign
     if not (facet_a or facet_b):
         return -1 if motion[slot, _SIGNS, 6] != 0.0 else 0
     apart = True
@@ -155,6 +166,14 @@ def _relation(motion, slot, facet_a, facet_b):
                 return 1
             apart = apart and relation < 0
     return -1 if apart else 0
+
+
+@uncounted
+def _stays_open(motion, slot, facet_a, facet_b):
+    """Whether the relation is unsure at both ends of the stretch, as that of parts which slide in one plane is."""
+    if _relation(motion, slot, facet_a, facet_b, np.int64(LAST)) != 0:
+        return False
+    return _relation(motion, slot, facet_a, facet_b, np.int64(0)) == 0
 
 
 @uncounted
@@ -217,6 +236,8 @@ def _windows(motion, mask_a, xa, mask_b, xb, err_a, err_b, last, scratch, out):
     state = scratch[0:2].ravel()
     state[:] = -1.0
     found, time = np.int64(0), 0.0
+    # What is unsure for long is not cut finely: the stretch that need not be halved doubles with each open one.
+    shortest = _SHORTEST
     while True:
         before = time
         time, cell = next_meeting(motion, boxes, 6, boxes, 7, pad, time, last)
@@ -231,8 +252,13 @@ def _windows(motion, mask_a, xa, mask_b, xb, err_a, err_b, last, scratch, out):
         # Slots top .. slot hold stretches in descending order; all before them is in the windows.
         while slot >= top:
             s0, s1 = motion[slot, _STRETCH, 0], motion[slot, _STRETCH, 1]
-            relation = _relation(motion, slot, facet_a, facet_b)
-            if relation != 0 or s1 - s0 <= _SHORTEST:
+            relation = _relation(motion, slot, facet_a, facet_b, _WHOLE)
+            if (
+                relation != 0
+                or s1 - s0 <= _SHORTEST
+                or (s1 - s0 <= shortest and _stays_open(motion, slot, facet_a, facet_b))
+            ):
+                shortest = _SHORTEST if relation != 0 else min(1.0, 2.0 * shortest)
                 found = _add_stretch(out, found, state, relation, start + width * s0, start + width * s1, length)
                 slot -= 1
                 if found > PART_ROOM:
