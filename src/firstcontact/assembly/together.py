@@ -39,9 +39,9 @@ def answers(
 
     def here(k: int) -> Any:
         begin(k)
-        return known[k] if k in known else questions[k].asked(questions[k].a, questions[k].b, progress=report)
+        return questions[k].asked(questions[k].a, questions[k].b, progress=report)
 
-    for x, found in zip(asked, in_order(questions, here, begin, workers), strict=True):
+    for x, found in zip(asked, in_order(questions, known, here, begin, workers), strict=True):
         yield let_pass(found, x.rule) if isinstance(found, FirstContact) else found
 
 

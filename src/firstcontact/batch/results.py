@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import BrokenExecutor
 from dataclasses import dataclass, replace
 from importlib import import_module
@@ -48,24 +48,39 @@ def told_by_boxes(questions: Sequence[Question]) -> dict[int, Any]:
 
 
 def in_order(
-    questions: Sequence[Question], here: Callable[[int], Any], reached: Callable[[int], None], workers: int
+    questions: Sequence[Question], known: Mapping[int, Any], here: Callable[[int], Any], reached: Callable[[int], None],
+    workers: int,
 ) -> Iterator[Any]:
     """The results in order; `here` answers question k in this process, as long as what is left is soon done.
 
-    reached: told of each question that others have answered.  Raises what a question raised.
+    known: results that are there.  reached: told of each question that others have answered.  Raises what a question
+    raised.
     """
-    begin, n = time.thread_time(), len(questions)
-    for k in range(n):
-        passed = time.thread_time() - begin
-        if workers > 1 and is_worth_processes(passed, k, n - k):
-            yield from _elsewhere(questions, range(k, n), here, reached, workers, max(1, int(PART * k / passed)))
+    asking = _asked_in_order(questions, [k for k in range(len(questions)) if k not in known], here, reached, workers)
+    for k in range(len(questions)):
+        if k in known:
+            reached(k)
+        yield known[k] if k in known else next(asking)
+
+
+def _asked_in_order(
+    questions: Sequence[Question], left: Sequence[int], here: Callable[[int], Any], reached: Callable[[int], None],
+    workers: int,
+) -> Iterator[Any]:
+    begin, n = time.thread_time(), len(left)
+    for k, number in enumerate(left):
+        done, passed = k - 1, time.thread_time() - begin  # without the first one, which loads compiled code
+        if workers > 1 and is_worth_processes(passed, done, n - k):
+            yield from _elsewhere(questions, left[k:], here, reached, workers, max(1, int(PART * done / passed)))
             return
-        yield here(k)
+        yield here(number)
+        if k == 0:
+            begin = time.thread_time()
 
 
 def _elsewhere(
     questions: Sequence[Question],
-    left: range,
+    left: Sequence[int],
     here: Callable[[int], Any],
     reached: Callable[[int], None],
     workers: int,

@@ -167,15 +167,24 @@ def load_step(
     except (OSError, ValueError) as error:
         reason = (getattr(error, "strerror", None) or str(error)).lower()
         raise InputError(f"{path}: {reason}; give the path of a STEP file (.stp, .step)") from error
-    read = _read(path.resolve(), stat.st_mtime_ns, stat.st_size)
-    unit = read.unit if unit is None else units.checked(unit)
+    file = path.resolve(), stat.st_mtime_ns, stat.st_size
+    return _root(*file, str(path), None if unit is None else units.checked(unit), wanted)
+
+
+@lru_cache(maxsize=8)
+def _root(
+    path: Path, changed: int, size: int, called: str, unit: str | None, wanted: bodies.Wanted
+) -> Assembly:
+    """The tree of a file, until it changes: scenes name one file for each of their bodies."""
+    read = _read(path, changed, size)
+    unit = unit or read.unit
     scale = units.MILLIMETRES[read.unit] / units.MILLIMETRES[unit]
-    source: dict[str, Any] = {"shape": "step", "file": str(path), "unit": unit}
+    source: dict[str, Any] = {"shape": "step", "file": called, "unit": unit}
     source |= {} if wanted.deviation is None else {"deviation": wanted.deviation}
-    source |= {"surfaces": True} if surfaces else {}
+    source |= {"surfaces": True} if wanted.surfaces else {}
     roots = [node for root in read.roots if (node := _solid_nodes(root)) is not None]
     if not roots:
-        raise InputError(f"{path}: holds no solids, only curves or surfaces; export the model as solids")
+        raise InputError(f"{called}: holds no solids, only curves or surfaces; export the model as solids")
     if len(roots) > 1:
         roots = [Node(path.stem, path.stem, None, IDENTITY, None, tuple(roots))]
     start = tuple(tuple(x * scale for x in row) for row in IDENTITY)
@@ -216,7 +225,7 @@ def _length(deviation: Any) -> float | None:
 
 @lru_cache(maxsize=8)
 def _read(path: Path, changed: int, size: int) -> reader.Read:
-    """The file as it was last read, until it changes: scenes name one file many times."""
+    """The file as it was last read, whatever unit and deviation are asked for."""
     return reader.read(path)
 
 
