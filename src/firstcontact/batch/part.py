@@ -11,9 +11,10 @@ from firstcontact import query
 from firstcontact.batch.questions import Questions
 from firstcontact.errors import FirstContactError
 from firstcontact.result_table import IntervalRows, Rows
+from firstcontact.work import FirstArguments
 
 if TYPE_CHECKING:
-    from firstcontact.work import Arguments, FirstArguments
+    from firstcontact.work import Arguments
 
 
 @dataclass(frozen=True)
@@ -21,7 +22,7 @@ class Asking:
     """The verb, "first_contact" or "contact_intervals", and its arguments beside the bodies and the span."""
 
     verb: str
-    arguments: FirstArguments = field(default_factory=lambda: FirstArguments())
+    arguments: FirstArguments = field(default_factory=FirstArguments)
 
     @property
     def walks(self) -> bool:

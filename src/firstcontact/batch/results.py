@@ -43,7 +43,7 @@ def told_by_boxes(questions: Sequence[Question]) -> dict[int, Answer]:
     """Results of questions over the motions' own spans whose bodies are told to be apart by swept boxes."""
     able = [k for k, x in enumerate(questions) if x.arguments.get("span") is None and is_plain(x.arguments)]
     pairs = asked([(questions[k].a, questions[k].b) for k in able])
-    found = dict[int, Answer]()
+    found: dict[int, Answer] = {}
     for k in (able[row] for row in culling.free_by_boxes(pairs).tolist()):
         _, last = culling.SPAN
         shared: Shared = {"a": questions[k].a, "b": questions[k].b, "span": culling.SPAN}
@@ -105,7 +105,8 @@ def _answers(batch: str, part: list[tuple[Question, int, int]]) -> list[Answer |
     """The results, or what is raised instead; then it ends."""
     from firstcontact.batch.processes import kept_bodies
 
-    bodies, out = kept_bodies(batch), list[Answer | FirstContactError]()
+    bodies = kept_bodies(batch)
+    out: list[Answer | FirstContactError] = []
     for question, a, b in part:
         try:
             out.append(question.asked(bodies[a], bodies[b]))

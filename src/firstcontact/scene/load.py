@@ -283,6 +283,7 @@ if TYPE_CHECKING:
     from firstcontact.body.kinds import Shape
     from firstcontact.exact.numbers import Given
     from firstcontact.result import Json
+    from firstcontact.view.html import Frame
     from firstcontact.work import CheckArguments
     Body = Any
 else:
@@ -408,7 +409,7 @@ class Scene:
         ]
         return list(answers(asked, lambda k: None, None, workers or cores()))
 
-    def show(self, hits: Iterable[FirstContact], path: str | Path | None = None) -> Any:
+    def show(self, hits: Iterable[FirstContact], path: str | Path | None = None) -> Path | Frame:
         """Write the page that shows all bodies, and the contacts one after the other; without a path open it."""
         from firstcontact.view.assembly import Assembly
         from firstcontact.view.html import show_page

@@ -9,7 +9,7 @@ prism stands for one of them, whose level faces lie beyond the other body: the q
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from flint import fmpq
 
@@ -26,6 +26,9 @@ from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.screw import Screw
 from firstcontact.motion.sequence import Sequence
 from firstcontact.work import Query
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
 
 MOST_VERTICES = 200
 """Of a prism that is looked at: each is put to each side of the outline."""
@@ -78,7 +81,7 @@ def _simple(motion: Any) -> list[Any]:
     return [motion]
 
 
-def _prism(body: Any, normal: Vector) -> Prism | None:
+def _prism(body: Body, normal: Vector) -> Prism | None:
     """The body as a prism, which may be flat; None where it is none."""
     if not isinstance(body, Polyhedron) or body._pose is not None or not 0 < len(body.vertices) <= MOST_VERTICES:
         return None
