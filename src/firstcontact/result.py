@@ -17,9 +17,12 @@ from typing import TYPE_CHECKING, Any, Self, TypeAlias, overload
 import numpy as np
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from numpy.typing import ArrayLike
 
     from firstcontact.body.kinds import Body
+    from firstcontact.view.html import Frame
 
 TOLD_CORRECTION = 1e-9
 """Of rounded poses: from that on the text of an answer tells it."""
@@ -148,7 +151,7 @@ class Shown(Answer):
 
     __slots__ = ()
 
-    def show(self, path: str | None = None) -> Any:
+    def show(self, path: str | None = None) -> Path | Frame:
         """Write the page that shows this result; without a path show it in the notebook, or in the browser."""
         from firstcontact.view.html import show_page
 
@@ -156,11 +159,11 @@ class Shown(Answer):
         return show_page(path, [shown])
 
 
-def _restored(cls: type, values: dict[str, Any]) -> Any:
+def _restored(cls: type, values: dict[str, object]) -> Any:
     return cls(**values)
 
 
-def _absent(body: Body) -> Any:
+def _absent(body: Body) -> Body | Absent | None:
     return body if body is None or isinstance(body, Absent) else Absent(_name(body, "") or None, _correction(body))
 
 
@@ -754,7 +757,7 @@ class ContactPairs(_NoTruth, Answer, Sequence[ElementPair]):
         return f"{text}, {len(self.undecided)} undecided" if self.undecided else text
 
 
-def finite(value: Any) -> Any:
+def finite(value: object) -> Any:
     """The value with infinite numbers as strings ("inf") and None for nan: JSON has none of its own."""
     if isinstance(value, dict):
         return {k: finite(v) for k, v in value.items()}

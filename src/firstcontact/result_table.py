@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from functools import partial
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, Generic, Self, TypeVar
 
 import numpy as np
 
@@ -162,19 +162,23 @@ class IntervalRows(Rows):
         self.found |= {int(where[row]): found for row, found in rows.found.items()}
 
 
-class _Table:
+R = TypeVar("R", bound=Rows)
+A = TypeVar("A")
+
+
+class _Table(Generic[R, A]):
     """What tables have in common."""
 
     __slots__ = ("_ask", "_rows")
 
-    def __init__(self, rows: Any, ask: Callable[[int], Any]) -> None:
+    def __init__(self, rows: R, ask: Callable[[int], A]) -> None:
         """ask: answers one of the questions again."""
         self._rows, self._ask = rows, ask
 
     def __len__(self) -> int:
         return len(self._rows)
 
-    def __getitem__(self, row: int) -> Any:
+    def __getitem__(self, row: int) -> A:
         """The full result of one question: asked again, so that a table holds numbers only.
 
         Raises what the question raised.
@@ -183,12 +187,12 @@ class _Table:
             raise IndexError(f"question {row} of {len(self)}")
         return self._ask(int(row) % len(self))
 
-    def __iter__(self) -> Iterator[Any]:
+    def __iter__(self) -> Iterator[A]:
         return (self._ask(row) for row in range(len(self)))
 
     def column(self, name: str) -> np.ndarray:
         """One of the columns, as NumPy has them; do not write into it."""
-        names = self._rows.dtype.names
+        names = self._rows.dtype.names or ()
         if name == "error":
             texts = np.full(len(self), None, object)
             for row, text in self._rows.errors.items():
@@ -216,7 +220,7 @@ class _Table:
 
     def to_numpy(self) -> np.ndarray:
         """A structured array, with words for statuses, kinds and reasons; errors are left out."""
-        columns = {name: self.column(name) for name in self._rows.dtype.names if name != "error"}
+        columns = {name: self.column(name) for name in self._rows.dtype.names or () if name != "error"}
         dtype = np.dtype([(name, x.dtype, x.shape[1:]) for name, x in columns.items()])
         table = np.empty(len(self), dtype)
         for name, x in columns.items():
@@ -255,7 +259,7 @@ class _Table:
         return []
 
 
-class ContactTable(_Table):
+class ContactTable(_Table[Rows, FirstContact]):
     """The first contact of each question, in columns; `table[i]` is the full result of question i.
 
     status         FREE, CONTACT, INITIAL_CONTACT, UNDECIDED; "" where `error` says why there is no answer
@@ -279,7 +283,7 @@ class ContactTable(_Table):
         return [f"  first: question {row} at time {float(times[row])!r}"]
 
 
-class ContactIntervalTable(_Table):
+class ContactIntervalTable(_Table[IntervalRows, ContactIntervals]):
     """The contact intervals of each question, in columns; `table[i]` is the full result of question i.
 
     status, free_until, reason, work, error   as in ContactTable, of the intervals of the question

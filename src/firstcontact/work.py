@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypedDict
@@ -15,7 +15,10 @@ from firstcontact.exact.numbers import below, to_double
 from firstcontact.result import Stats
 
 if TYPE_CHECKING:
+    from fractions import Fraction
+
     from firstcontact.body.kinds import Body
+
 
 Progress = Callable[[float, int], None]
 """Called with the time before which all is proved, and how much was done."""
@@ -84,6 +87,29 @@ class Work:
         self.done += count
         if self.progress is not None:
             self.progress(self.free_until, self.done)
+
+
+class Arguments(TypedDict, total=False):
+    """What verbs take beside the bodies and the span of a question."""
+
+    exact: bool
+    method: str
+    tolerance: float
+    budget: int | None
+    progress: Progress | None
+
+
+class FirstArguments(Arguments, total=False):
+    """What `first_contact` takes."""
+
+    engine: str
+    threads: int
+
+
+class CheckArguments(Arguments, total=False):
+    """What a check of a scene says, its span with it."""
+
+    span: Sequence[float | Fraction] | None
 
 
 class Shared(TypedDict):

@@ -16,7 +16,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -33,13 +33,18 @@ from firstcontact.result import Element, FirstContact
 from firstcontact.search.trees.containment import contains
 from firstcontact.search.trees.frame import tree_of
 
+if TYPE_CHECKING:
+    from flint import fmpq
+
+    from firstcontact.body.kinds import Body
+
 MOST_PAIRS = 400
 """Pairs of triangles that are looked at one by one; more take too long."""
 ROUNDING = 1e-12
 """Of the coordinates: how far doubles may have points of a plane from it."""
 
 
-def by_faces(a: Any, b: Any, asking: Asking) -> FirstContact | None:
+def by_faces(a: Body, b: Body, asking: Asking) -> FirstContact | None:
     """None for other bodies, and where too many triangles touch.  Raises Lasts."""
     if not all(isinstance(shape_of(x), Polyhedron) and len(shape_of(x).triangles) for x in (a, b)):
         return None
@@ -151,7 +156,9 @@ class Mesh:
         near = np.flatnonzero(np.isin(self.triangles, list(vertices)).any(axis=1))
         return facet | {k for k in near.tolist() if self._is_within(k, vertices, edges, plane, side)}
 
-    def _is_within(self, triangle: int, vertices: set[int], edges: set[Any], plane: Plane, side: int) -> bool:
+    def _is_within(
+        self, triangle: int, vertices: set[int], edges: set[tuple[int, int]], plane: Plane, side: int
+    ) -> bool:
         corners = self.corners(triangle)
         heights = [side * sign(plane.value((*self.point(v), 1))) for v in corners]
         on = [v for v, height in zip(corners, heights, strict=True) if height == 0]
@@ -172,7 +179,10 @@ class Mesh:
         vertices, ends = np.unique(np.array(edges), return_inverse=True)
         return self._part(vertices, [], ends.reshape(-1, 2), np.empty(0, int))
 
-    def _part(self, vertices: np.ndarray, faces: Any, edges: Any, triangles: np.ndarray) -> Part:
+    def _part(
+        self, vertices: np.ndarray, faces: Sequence[Sequence[int]] | np.ndarray,
+        edges: Sequence[Sequence[int]] | np.ndarray | None, triangles: np.ndarray,
+    ) -> Part:  # fmt: skip
         shape = self.shape
         if shape.error == 0.0:
             places: Any = shape.vertices[vertices]
@@ -294,7 +304,7 @@ def _after_start(x: Part, y: Part, asking: Asking) -> list[FirstContact]:
     return [renamed(after_start(p.body, q.body, asking), p.element, q.element) for p, q in pairs]
 
 
-def _axis(a: Any, b: Any) -> Rotation | None:
+def _axis(a: Body, b: Body) -> Rotation | None:
     """The motion of one of them, if it is a rotation and the other one rests."""
     motions = [x.motion for x in (a, b) if isinstance(x, Moving)]
     return motions[0] if len(motions) == 1 and isinstance(motions[0], Rotation) else None
@@ -353,7 +363,7 @@ def _is_on(point: Vector, axis: Rotation) -> bool:
     return not any(cross(sub(point, axis.point), axis.axis))
 
 
-def _clipped(corners: Sequence[Vector], beside: Sequence[Any], side: int) -> list[Vector]:
+def _clipped(corners: Sequence[Vector], beside: Sequence[fmpq], side: int) -> list[Vector]:
     """The corners of what lies on one side of the axis."""
     kept: list[Vector] = []
     for k, (p, height) in enumerate(zip(corners, beside, strict=True)):

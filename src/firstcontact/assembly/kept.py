@@ -7,7 +7,7 @@ poses keep, those of sequences too.
 from __future__ import annotations
 
 from collections.abc import Sequence as Listing
-from typing import Any
+from typing import TYPE_CHECKING
 
 from flint import fmpq
 
@@ -19,11 +19,15 @@ from firstcontact.motion.screw import Screw
 from firstcontact.motion.steps import steps_of
 from firstcontact.motion.translation import Translation
 
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body, Shape
+    from firstcontact.motion.kinds import Single
+
 _0 = fmpq(0)
 NO_ROW: Vector = (_0, _0, _0, _0)
 
 
-def generators(bodies: Listing[Any], first: fmpq, last: fmpq | None) -> list[Rows] | None:
+def generators(bodies: Listing[Body], first: fmpq, last: fmpq | None) -> list[Rows] | None:
     """The G (4, 4) of all motions of the bodies from first to last; None where a motion is of no such kind."""
     found: list[Rows] = []
     for body in bodies:
@@ -37,13 +41,13 @@ def generators(bodies: Listing[Any], first: fmpq, last: fmpq | None) -> list[Row
     return found
 
 
-def step_ends(bodies: Listing[Any], first: fmpq, last: fmpq | None) -> list[fmpq]:
+def step_ends(bodies: Listing[Body], first: fmpq, last: fmpq | None) -> list[fmpq]:
     """The times between first and last at which a step of a motion ends, ascending."""
     ends = {step.end for body in bodies if isinstance(body, Moving) for step in steps_of(body.motion)}
     return sorted(t for t in ends if t is not None and first < t and (last is None or t < last))
 
 
-def standing(body: Any, time: fmpq) -> Any:
+def standing(body: Body, time: fmpq) -> Shape | None:
     """The shape of the body where it stands at that time; None where no rational numbers tell."""
     if not isinstance(body, Moving):
         return body
@@ -55,7 +59,7 @@ def standing(body: Any, time: fmpq) -> Any:
     return body.body._mapped(pose.matrix()) if pose.factors else body.body
 
 
-def _of_motion(motion: Any) -> list[Rows] | None:
+def _of_motion(motion: Single) -> list[Rows] | None:
     if isinstance(motion, Translation):
         return [_shift(motion.vector)]
     if isinstance(motion, Rotation):

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, TypeAlias
 
 from firstcontact import query
 from firstcontact.assembly.kept import step_ends
@@ -19,6 +19,16 @@ from firstcontact.exact.numbers import exact_value, fraction, to_double
 from firstcontact.motion.span import common_span
 from firstcontact.result import ContactIntervals, Element, ElementPair, FirstContact, Status
 from firstcontact.work import Progress
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from fractions import Fraction
+
+    from flint import fmpq
+
+    from firstcontact.body.kinds import AnyBody, Body
+    from firstcontact.exact.numbers import Given
+    from firstcontact.work import Arguments
 
 TOUCHING = "touching at the start"
 MOST_STEPS = 100
@@ -34,9 +44,9 @@ class Asking:
     is_apart: whether it is known that their interiors do not meet at the start.
     """
 
-    first: Any
-    last: Any
-    arguments: dict[str, Any]
+    first: fmpq
+    last: fmpq | None
+    arguments: Arguments
     is_apart: bool = True
 
     @property
@@ -44,19 +54,18 @@ class Asking:
         return to_double(self.first)
 
     @property
-    def span(self) -> tuple[Any, Any]:
+    def span(self) -> tuple[Fraction, Fraction | float]:
         return fraction(self.first), float("inf") if self.last is None else fraction(self.last)
 
-    def first_contact(self, a: Any, b: Any, since: Any = None) -> FirstContact:
+    def first_contact(self, a: Body, b: Body, since: Fraction | None = None) -> FirstContact:
         """Over the span, or from a later time on."""
         first, last = self.span
         return query.first_contact(a, b, (first if since is None else since, last), **self.arguments)
 
-    def intervals(self, a: Any, b: Any) -> ContactIntervals:
-        arguments = {key: value for key, value in self.arguments.items() if key != "engine"}
-        return query.contact_intervals(a, b, self.span, **arguments)
+    def intervals(self, a: Body, b: Body) -> ContactIntervals:
+        return query.contact_intervals(a, b, self.span, **self.arguments)
 
-    def at_start(self, a: Any, b: Any) -> FirstContact:
+    def at_start(self, a: Body, b: Body) -> FirstContact:
         first, _ = self.span
         return query.first_contact(a, b, (first, first))
 
@@ -68,14 +77,14 @@ class Lasts(Exception):
     """Contact lasts from the start on."""
 
 
-Way = Callable[[Any, Any, Asking], FirstContact | None]
+Way: TypeAlias = "Callable[[Body, Body, Asking], FirstContact | None]"
 """The first new contact of bodies that touch at the start; None where this way does not tell."""
 
 
 def first_new_contact(
-    a: Any,
-    b: Any,
-    span: Any = None,
+    a: AnyBody,
+    b: AnyBody,
+    span: Sequence[Given] | None = None,
     *,
     exact: bool = False,
     tolerance: float = 1e-12,
@@ -99,16 +108,16 @@ def first_new_contact(
     >>> hit.status.name, hit.time, hit.allowed
     ('CONTACT', 0.5, 'touching at the start')
     """
-    arguments = {"exact": exact, "tolerance": tolerance, "budget": budget, "progress": progress}
-    first = query.first_contact(a, b, span, **arguments)  # type: ignore[arg-type]
+    arguments: Arguments = {"exact": exact, "tolerance": tolerance, "budget": budget, "progress": progress}
+    first = query.first_contact(a, b, span, **arguments)
     if first.status is not Status.INITIAL_CONTACT or first.initial not in ("touching", None):
         return first
     from firstcontact.contact.mesh_model import as_polyhedra  # loads what solids need
 
     asking = Asking(*common_span(first.a, first.b, span), arguments, first.initial is not None)
     if as_polyhedra.are_taken(first.a, first.b):
-        a, b = (as_polyhedra.as_polyhedron(x) for x in (first.a, first.b))
-        found = as_polyhedra.in_own_elements(_new_contact(a, b, asking), first.a, first.b)
+        meshes = as_polyhedra.as_polyhedron(first.a), as_polyhedra.as_polyhedron(first.b)
+        found = as_polyhedra.in_own_elements(_new_contact(*meshes, asking), first.a, first.b)
     else:
         found = _new_contact(first.a, first.b, asking)
     work = first.stats + found.stats
@@ -120,7 +129,7 @@ def first_new_contact(
     )  # fmt: skip
 
 
-def _new_contact(a: Any, b: Any, asking: Asking) -> FirstContact:
+def _new_contact(a: Body, b: Body, asking: Asking) -> FirstContact:
     """All at once, or step by step: what touches as a step begins is old, where there was no new contact before."""
     found = _at_once(a, b, asking)
     ends = step_ends((a, b), asking.first, asking.last)
@@ -128,7 +137,7 @@ def _new_contact(a: Any, b: Any, asking: Asking) -> FirstContact:
         return found
     for end in [*ends, asking.last]:
         found = _at_once(a, b, replace(asking, last=end))
-        if found.status is not Status.FREE or end is asking.last:
+        if found.status is not Status.FREE or end is None or end is asking.last:
             return found
         asking = replace(asking, first=end)
         then = asking.at_start(a, b)
@@ -140,12 +149,12 @@ def _new_contact(a: Any, b: Any, asking: Asking) -> FirstContact:
     return found
 
 
-def _at_once(a: Any, b: Any, asking: Asking) -> FirstContact:
+def _at_once(a: Body, b: Body, asking: Asking) -> FirstContact:
     from firstcontact.assembly.faces import by_faces
     from firstcontact.assembly.parts import by_parts
     from firstcontact.assembly.pieces import by_pieces
 
-    def of_pieces(a: Any, b: Any, asking: Asking) -> FirstContact | None:
+    def of_pieces(a: Body, b: Body, asking: Asking) -> FirstContact | None:
         return by_pieces(a, b, asking, _at_once)
 
     ways: list[Way] = [of_pieces, by_parts, after_start]
@@ -161,7 +170,7 @@ def _at_once(a: Any, b: Any, asking: Asking) -> FirstContact:
     return asking.undecided(LASTING)
 
 
-def after_start(a: Any, b: Any, asking: Asking) -> FirstContact:
+def after_start(a: Body, b: Body, asking: Asking) -> FirstContact:
     """The first contact of bodies whose contact at the start, if any, ends at once.  Raises Lasts where it does not."""
     found, k, begin = asking.intervals(a, b), 0, asking.start
     if len(found) and found[0].start_interval[0] <= begin:
@@ -181,7 +190,7 @@ def after_start(a: Any, b: Any, asking: Asking) -> FirstContact:
     return asking.first_contact(a, b, fraction(free))
 
 
-def _lasting(a: Any, b: Any, asking: Asking) -> FirstContact:
+def _lasting(a: Body, b: Body, asking: Asking) -> FirstContact:
     """A new contact at once, where the bodies overlap soon after the start; else it is open."""
     length = exact_value(1.0) if asking.last is None else asking.last - asking.first
     soon = to_double(asking.first + length * exact_value(min(asking.arguments["tolerance"], 1e-12)))
@@ -223,4 +232,4 @@ def earliest(found: list[FirstContact], asking: Asking) -> FirstContact:
         return replace(min(open_ones, key=lambda x: x.free_until or 0.0), free_until=max(until, asking.start))
     if best is not None:
         return best
-    return FirstContact(Status.FREE, free_until=asking.span[1] if asking.last is None else to_double(asking.last))
+    return FirstContact(Status.FREE, free_until=float("inf") if asking.last is None else to_double(asking.last))

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from firstcontact.assembly.kept import generators, is_kept, standing
 from firstcontact.assembly.new_contact import Asking, after_start, earliest, renamed
@@ -21,6 +21,9 @@ from firstcontact.body.solid.csg import And, Leaf, Not, Or, Tree, conjunction, r
 from firstcontact.contact.models.answer import element as named
 from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.result import Element, FirstContact, Status
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
 
 MOST_PARTS = 200
 """Of a solid; pairs of them are asked about one by one."""
@@ -55,7 +58,7 @@ class Part:
         return named(self.whole, feature, element.body)
 
 
-def by_parts(a: Any, b: Any, asking: Asking) -> FirstContact | None:
+def by_parts(a: Body, b: Body, asking: Asking) -> FirstContact | None:
     """None for other bodies and motions, and where there are too many parts.  Raises Lasts."""
     by = generators((a, b), asking.first, asking.last)
     stands = [standing(x, asking.first) for x in (a, b)]
@@ -93,7 +96,7 @@ def _separates(side: Surface, x: Part, y: Part) -> bool:
     )
 
 
-def _is_beyond(shape: Any, side: Surface) -> bool:
+def _is_beyond(shape: Polyhedron | CompositeQuadric, side: Surface) -> bool:
     """Whether all of it lies where the surface's form is not negative."""
     if isinstance(shape, Polyhedron):
         points = (shape.exact_vertex(k) for k in range(len(shape.vertices)))

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from firstcontact.motion.moving import Moving, shape_of
 
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
 
-def moves(body: Any) -> bool:
+
+def moves(body: Body) -> bool:
     """Whether it moves, or its shape does: ruled surfaces may deform with the time."""
     return isinstance(body, Moving) or bool(getattr(body, "deforming", False))
 
 
-def pairs_that_move(bodies: Mapping[str, Any]) -> list[tuple[str, str]]:
+def pairs_that_move(bodies: Mapping[str, Body]) -> list[tuple[str, str]]:
     """The pairs of bodies that are not at rest with each other: at rest, or by equal motions; all, if nothing moves."""
     motions: list[Any] = []
     groups = {}

@@ -4,12 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from firstcontact.assembly.allowed import Rule, let_pass, rule_for
 from firstcontact.batch.results import Question, in_order, told_by_boxes
 from firstcontact.result import FirstContact
 from firstcontact.work import Progress
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
+    from firstcontact.contact.ways import Answer
+    from firstcontact.work import CheckArguments
 
 
 @dataclass(frozen=True)
@@ -21,13 +26,13 @@ class Asked:
 
     @classmethod
     def of(
-        cls, verb: str, bodies: Mapping[str, Any], a: str, b: str, arguments: dict[str, Any], rules: Sequence[Rule]
+        cls, verb: str, bodies: Mapping[str, Body], a: str, b: str, arguments: CheckArguments, rules: Sequence[Rule]
     ) -> Asked:
         rule = rule_for(rules, a, b) if verb == "first_contact" else None
         if rule is None:
             return cls(Question(verb, bodies[a], bodies[b], arguments), None)
-        new = "first_new_contact", bodies[a], bodies[b], arguments, "firstcontact.assembly.new_contact"
-        return cls(Question(*new), rule)
+        module = "firstcontact.assembly.new_contact"
+        return cls(Question("first_new_contact", bodies[a], bodies[b], arguments, module), rule)
 
 
 def answers(
@@ -37,7 +42,7 @@ def answers(
     questions = [x.question for x in asked]
     known = told_by_boxes(questions)
 
-    def here(k: int) -> Any:
+    def here(k: int) -> Answer:
         begin(k)
         return questions[k].asked(questions[k].a, questions[k].b, progress=report)
 

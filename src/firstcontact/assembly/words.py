@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from bisect import bisect_left
 from collections.abc import Iterable
-from typing import Any
+from typing import TYPE_CHECKING
 
 from firstcontact.exact.numbers import exact_value, to_double
 from firstcontact.motion.linkage import Linkage
@@ -17,8 +17,12 @@ from firstcontact.motion.trajectory import Trajectory
 from firstcontact.motion.translation import SPAN, Translation
 from firstcontact.result import ContactIntervals, FirstContact
 
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
+    from firstcontact.motion.kinds import AnyMotion
 
-def reading(bodies: Iterable[Any]) -> str:
+
+def reading(bodies: Iterable[Body]) -> str:
     """What `time` counts in these motions."""
     motions = [x.motion for x in bodies if isinstance(x, Moving)]
     spans = {motion.span for motion in motions}
@@ -49,7 +53,7 @@ def _told(body: Moving, time: float, unit: str) -> str:
     return f"{body.name or 'it'} {how}" if how else ""
 
 
-def _done(motion: Any, time: float, unit: str) -> str:
+def _done(motion: AnyMotion, time: float, unit: str) -> str:
     if isinstance(motion, Translation):
         length = math.hypot(*map(to_double, motion.vector))
         return f"has moved {_number(time * length)} of {_number(length)}{unit and ' ' + unit}"

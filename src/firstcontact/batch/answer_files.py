@@ -5,16 +5,21 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 from firstcontact.batch.arrow import pyarrow
 from firstcontact.errors import InputError
+
+if TYPE_CHECKING:
+    from pyarrow import Array, DataType, Schema, Table
+
+    from firstcontact.result import Json
 
 GROUP = 1 << 16
 """Rows of a row group, but for the last one: parts that are smaller are put together."""
 
 
-def writer(path: Path, kept: Any) -> Callable[[Path, Iterator[Any]], None]:
+def writer(path: Path, kept: Schema) -> Callable[[Path, Iterator[Table]], None]:
     """What writes tables to a file of the kind that the name tells.  kept: the schema of what is carried along."""
     write = WRITERS.get(path.suffix.lower())
     if write is None:
@@ -26,11 +31,11 @@ def writer(path: Path, kept: Any) -> Callable[[Path, Iterator[Any]], None]:
     return write
 
 
-def _is_nested(kind: Any) -> bool:
+def _is_nested(kind: DataType) -> bool:
     return bool(pyarrow().types.is_nested(kind))
 
 
-def _parquet(path: Path, tables: Iterator[Any]) -> None:
+def _parquet(path: Path, tables: Iterator[Table]) -> None:
     pa, pq = pyarrow(), pyarrow("parquet")
     first = next(tables)
     held, n = [first], len(first)
@@ -44,7 +49,7 @@ def _parquet(path: Path, tables: Iterator[Any]) -> None:
         file.write_table(pa.concat_tables(held), row_group_size=GROUP)
 
 
-def _csv(path: Path, tables: Iterator[Any]) -> None:
+def _csv(path: Path, tables: Iterator[Table]) -> None:
     csv = pyarrow("csv")
     first = _plain(next(tables))
     with csv.CSVWriter(path, first.schema) as file:
@@ -53,26 +58,26 @@ def _csv(path: Path, tables: Iterator[Any]) -> None:
             file.write_table(_plain(table))
 
 
-def _plain(table: Any) -> Any:
+def _plain(table: Table) -> Table:
     """Without dictionaries."""
     pa = pyarrow()
     plain = [(f.name, f.type.value_type if pa.types.is_dictionary(f.type) else f.type) for f in table.schema]
     return table.cast(pa.schema(plain))
 
 
-def _json_lines(path: Path, tables: Iterator[Any]) -> None:
+def _json_lines(path: Path, tables: Iterator[Table]) -> None:
     """A line for each row; numbers that JSON has not are texts, as `to_dict` of a result has them."""
     pc = pyarrow("compute")
     with path.open("w", encoding="utf-8") as file:
         for table in tables:
-            pieces: list[Any] = []
+            pieces: list[str | Array] = []
             for name, column in zip(table.column_names, table.columns, strict=True):
                 pieces += [f"{', ' if pieces else '{'}{json.dumps(name)}: ", _written(column.combine_chunks())]
             lines = pc.binary_join_element_wise(*pieces, "}\n", "")
             file.writelines(lines.to_pylist())
 
 
-def _written(column: Any) -> Any:
+def _written(column: Array) -> Array:
     """The values as JSON has them."""
     pa, pc = pyarrow(), pyarrow("compute")
     kind = column.type
@@ -90,11 +95,11 @@ def _written(column: Any) -> Any:
     return pc.fill_null(texts, "null")
 
 
-def _dumped(value: Any) -> str:
+def _dumped(value: Json) -> str:
     return json.dumps(value, default=str)
 
 
-WRITERS: dict[str, Callable[[Path, Iterator[Any]], None]] = {
+WRITERS: dict[str, Callable[[Path, Iterator[Table]], None]] = {
     ".parquet": _parquet,
     ".csv": _csv,
     ".jsonl": _json_lines,

@@ -7,23 +7,29 @@ from __future__ import annotations
 
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from firstcontact.errors import InputError
 from firstcontact.result_table import INTERVAL, ROW, WORDS, IntervalRows, Rows
 
+if TYPE_CHECKING:
+    from types import ModuleType
+
+    from pandas import DataFrame
+    from pyarrow import Array, Table
+
 XYZ = "x", "y", "z"
 ERROR = "error"
 
 
-def pyarrow(part: str = "") -> Any:
+def pyarrow(part: str = "") -> ModuleType:
     """The package, or a module of it."""
     return module(f"pyarrow{part and '.'}{part}")
 
 
-def module(name: str) -> Any:
+def module(name: str) -> ModuleType:
     """One that the extra batch brings.  InputError says what to install."""
     try:
         return import_module(name)
@@ -43,13 +49,13 @@ def answer_columns() -> list[str]:
     return [*(key for name in ROW.names or () if name != ERROR for key in columns_of(name)), ERROR]
 
 
-def table_of(rows: Rows) -> Any:
+def table_of(rows: Rows) -> Table:
     """A pyarrow.Table of settled rows: their columns, nulls for what is not there, words as dictionaries.
 
     Contact intervals stand in one more column, a list of structures for each row.
     """
     pa = pyarrow()
-    table: dict[str, Any] = {}
+    table: dict[str, Array] = {}
     for name in rows.dtype.names or ():
         if name != ERROR:
             values = rows.array[name]
@@ -64,7 +70,7 @@ def table_of(rows: Rows) -> Any:
     return pa.table({**table, ERROR: pa.array(texts, pa.string())})
 
 
-def _array(pa: Any, name: str, values: np.ndarray) -> Any:
+def _array(pa: ModuleType, name: str, values: np.ndarray) -> Array:
     if name in WORDS:
         words = values.astype(np.int8) - np.int8(1)
         return pa.DictionaryArray.from_arrays(pa.array(words, mask=values == 0), pa.array(WORDS[name][1:]))
@@ -72,7 +78,7 @@ def _array(pa: Any, name: str, values: np.ndarray) -> Any:
     return pa.array(np.ascontiguousarray(values), mask=missing)
 
 
-def _intervals(pa: Any, rows: IntervalRows) -> Any:
+def _intervals(pa: ModuleType, rows: IntervalRows) -> Array:
     found = np.concatenate([np.empty((0, 6)), *(rows.found[row] for row in sorted(rows.found))])
     names = [name for name in INTERVAL.names or () if name != "question"]
     values = pa.StructArray.from_arrays([pa.array(np.ascontiguousarray(x)) for x in found.T], names)
@@ -80,7 +86,7 @@ def _intervals(pa: Any, rows: IntervalRows) -> Any:
     return pa.ListArray.from_arrays(pa.array(ends), values)
 
 
-def frame_of(rows: Rows) -> Any:
+def frame_of(rows: Rows) -> DataFrame:
     """A pandas.DataFrame: words are categories, whole numbers stay whole beside missing ones."""
     pd, pa = module("pandas"), pyarrow()
     return table_of(rows).to_pandas(types_mapper={pa.int32(): pd.Int32Dtype(), pa.int64(): pd.Int64Dtype()}.get)

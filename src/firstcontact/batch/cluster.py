@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from concurrent.futures import Future
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING
 
 from distributed import CancelledError, Client, KilledWorker
 from distributed.comm import CommClosedError
@@ -14,6 +14,11 @@ from firstcontact.batch.questions import Questions
 from firstcontact.batch.workers import PART, RETRIES, Elsewhere, timed_answers
 from firstcontact.errors import InputError
 from firstcontact.result_table import Rows
+
+if TYPE_CHECKING:
+    import distributed
+
+    from firstcontact.body.kinds import Body
 
 LOST: tuple[type[Exception], ...] = (KilledWorker, CancelledError, CommClosedError)
 """What a part ends with whose worker was lost, with the part or with the bodies."""
@@ -26,7 +31,7 @@ RATE = 100
 class Cluster(Elsewhere):
     """The workers of a client, each of which is given the bodies once."""
 
-    def __init__(self, client: Client, bodies: tuple[Any, ...]) -> None:
+    def __init__(self, client: Client, bodies: tuple[Body, ...]) -> None:
         self.client, self.bodies = client, bodies
         self._place()
         workers = sum(client.nthreads().values())
@@ -54,7 +59,7 @@ class Cluster(Elsewhere):
             self._place()
 
 
-def _tell(told: Future[tuple[Rows, float]], part: Any) -> None:
+def _tell(told: Future[tuple[Rows, float]], part: distributed.Future) -> None:
     """How a part ended, unless nobody asks any longer."""
     if not told.set_running_or_notify_cancel():
         return

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from flint import fmpq
 
@@ -13,6 +13,12 @@ from firstcontact.exact.numbers import to_double
 from firstcontact.mechanism.course import Course
 from firstcontact.motion.span import common_span
 from firstcontact.result import FirstContact, Stats, Status
+
+if TYPE_CHECKING:
+    from typing import Unpack
+
+    from firstcontact.body.kinds import Body
+    from firstcontact.work import FirstArguments
 
 STRETCHES = 512
 """Of a part: always as many, so that answers do not tell how fast the machine is."""
@@ -37,8 +43,8 @@ class CoursePart(NamedTuple):
 class OpenPair:
     """A pair that has met nothing yet: its bodies along the whole course, the times that are asked about."""
 
-    a: Any
-    b: Any
+    a: Body
+    b: Body
     first: fmpq
     last: fmpq
     stats: Stats
@@ -65,8 +71,8 @@ class CourseSearch:
     """
 
     def __init__(
-        self, course: Course, against: Iterable[Any] = (), *, begin: int = 0, settled: Iterable[int] = (),
-        **arguments: Any,
+        self, course: Course, against: Iterable[Body] = (), *, begin: int = 0, settled: Iterable[int] = (),
+        **arguments: Unpack[FirstArguments],
     ) -> None:  # fmt: skip
         self.course, self.against, self.begin, self.arguments = course, list(against), begin, arguments
         self._open = {k: _asked(a, b) for k, (a, b) in enumerate(self.pairs())}
@@ -74,7 +80,7 @@ class CourseSearch:
         for k in settled:
             del self._open[k]
 
-    def pairs(self) -> Iterator[tuple[Any, Any]]:
+    def pairs(self) -> Iterator[tuple[Body, Body]]:
         """All pairs along the whole course."""
         return self.course.pairs(self.against)
 
@@ -125,7 +131,7 @@ def _when(hit: FirstContact) -> float:
     return float("-inf") if known is None else known
 
 
-def _asked(a: Any, b: Any) -> OpenPair:
+def _asked(a: Body, b: Body) -> OpenPair:
     first, last = common_span(a, b, None)
     assert last is not None  # a course ends
     return OpenPair(a, b, first, last, Stats())

@@ -5,13 +5,17 @@ Worth it where few bodies are asked about often, as the pairs of an assembly are
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from firstcontact.batch.questions import Questions
 from firstcontact.motion.arrays import Motions
 from firstcontact.motion.moving import Moving
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
+    from firstcontact.motion.kinds import AnyMotion
 
 PARTS = 8
 """Parts of the span; each body has a box in each of them."""
@@ -35,7 +39,7 @@ def free_by_boxes(questions: Questions, worth: bool | None = None) -> np.ndarray
     none = np.empty(0, np.int64)
     if questions.spans is not None or isinstance(questions.moves_a, Motions) or isinstance(questions.moves_b, Motions):
         return none
-    bodies: dict[tuple[int, int], tuple[Any, Any]] = {}
+    bodies: dict[tuple[int, int], tuple[Body, AnyMotion | None]] = {}
     numbers: dict[tuple[int, int], int] = {}
     sides = []
     for shapes, moves in ((questions.a, questions.moves_a), (questions.b, questions.moves_b)):
@@ -49,7 +53,7 @@ def free_by_boxes(questions: Questions, worth: bool | None = None) -> np.ndarray
     return np.flatnonzero(_apart(boxes, *map(np.array, sides)))
 
 
-def _boxes(shape: Any, motion: Any) -> np.ndarray:
+def _boxes(shape: Body, motion: AnyMotion | None) -> np.ndarray:
     """(PARTS, 6): lower and upper corners of boxes of the body in the parts of the span, or infinite ones."""
     cuts = np.linspace(*SPAN, PARTS + 1).tolist()
     everywhere = np.array([-np.inf] * 3 + [np.inf] * 3)

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from heapq import nlargest
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -28,6 +28,13 @@ from firstcontact.errors import InputError
 from firstcontact.query import check_arguments
 from firstcontact.result import finite
 from firstcontact.result_table import Rows
+
+if TYPE_CHECKING:
+    from pyarrow import BooleanArray, Schema, Table
+
+    from firstcontact.batch.workers import Executing
+    from firstcontact.body.kinds import Body
+    from firstcontact.work import FirstArguments
 
 SECONDS, FIRST_ROWS, MOST_ROWS = 20.0, 64, 1 << 18
 """A part takes about so long: what is lost, at most, where a job is killed.  Rows of the first part, and of any."""
@@ -49,7 +56,7 @@ class Summary:
     def rows(self) -> int:
         return self.counts.total()
 
-    def add(self, table: Any) -> None:
+    def add(self, table: Table) -> None:
         """Count a table of answers, the next one in order."""
         pc = pyarrow("compute")
         begin = self.rows
@@ -64,7 +71,7 @@ class Summary:
         self.work = nlargest(TOLD, [*self.work, *most], key=lambda x: (x[0], -x[1]))
 
 
-def _first(chosen: Any, n: int) -> list[int]:
+def _first(chosen: BooleanArray, n: int) -> list[int]:
     """The first n rows that are chosen."""
     rows: list[int] = np.flatnonzero(chosen.to_numpy())[:n].tolist()
     return rows
@@ -72,12 +79,12 @@ def _first(chosen: Any, n: int) -> list[int]:
 
 def answer_file(
     queries: str | Path,
-    bodies: Mapping[str, Any],
+    bodies: Mapping[str, Body],
     out: str | Path,
     *,
-    arguments: dict[str, Any],
+    arguments: FirstArguments,
     workers: int | None = None,
-    executor: Callable[[tuple[Any, ...]], Any] | None = None,
+    executor: Callable[[tuple[Body, ...]], Executing] | None = None,
     progress: Reached = None,
 ) -> Summary:
     """Answers all queries of a file about the bodies, and writes them to `out`.
@@ -116,7 +123,7 @@ def answer_file(
     return summary
 
 
-def _looked_through(file: QueryFile, bodies: Bodies) -> tuple[int, Any]:
+def _looked_through(file: QueryFile, bodies: Bodies) -> tuple[int, Schema]:
     """(how many queries there are, the schema of what is carried along); InputError names the first fault."""
     pa = pyarrow()
     total, schema = 0, pa.schema([])
@@ -134,7 +141,7 @@ def _looked_through(file: QueryFile, bodies: Bodies) -> tuple[int, Any]:
     return total, schema
 
 
-def _about(file: QueryFile, bodies: Mapping[str, Any], arguments: dict[str, Any]) -> dict[str, Any]:
+def _about(file: QueryFile, bodies: Mapping[str, Body], arguments: FirstArguments) -> dict[str, object]:
     """What two runs of one job have in common."""
     from firstcontact import __version__
 
@@ -148,13 +155,13 @@ def _about(file: QueryFile, bodies: Mapping[str, Any], arguments: dict[str, Any]
     }
 
 
-def digest(bodies: Mapping[str, Any]) -> str:
+def digest(bodies: Mapping[str, Body]) -> str:
     """The same for the same bodies alone."""
     tables = {key: finite(body.to_dict()) for key, body in bodies.items()}
     return hashlib.sha256(json.dumps(tables).encode()).hexdigest()
 
 
-def _counted(tables: Iterator[Any], summary: Summary) -> Iterator[Any]:
+def _counted(tables: Iterator[Table], summary: Summary) -> Iterator[Table]:
     for table in tables:
         summary.add(table)
         yield table
@@ -166,7 +173,7 @@ class _Job:
 
     file: QueryFile
     bodies: Bodies
-    schema: Any
+    schema: Schema
     kept: KeptParts
     ask: Callable[..., Rows]
     total: int
@@ -180,7 +187,7 @@ class _Job:
             self.kept.add(at, self._answers(at, table))
             self.size = next_size(self.size, len(table), time.monotonic() - since, SECONDS, MOST_ROWS)
 
-    def _answers(self, begin: int, table: Any) -> Any:
+    def _answers(self, begin: int, table: Table) -> Table:
         """What is carried along, and the answers beside it."""
         pa = pyarrow()
         rows, done = Rows(len(table)), self.kept.rows()

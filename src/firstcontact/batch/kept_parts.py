@@ -15,15 +15,27 @@ import json
 import os
 import re
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, TypedDict
 
 from firstcontact.batch.arrow import pyarrow
 from firstcontact.errors import InputError
 
+if TYPE_CHECKING:
+    from pyarrow import Table
+
+    from firstcontact.result import Json
+
 NAME = re.compile(r"rows-(\d+)-(\d+)(\.\w+)")
+
+
+class MetRow(TypedDict):
+    """A pair of a course, by its number, and what it meets, as `to_dict` has it."""
+
+    pair: int
+    hit: dict[str, Json]
 
 
 class KeptFiles:
@@ -32,7 +44,7 @@ class KeptFiles:
     suffix: str
     """Of a part's file."""
 
-    def __init__(self, out: Path, about: dict[str, Any]) -> None:
+    def __init__(self, out: Path, about: Mapping[str, object]) -> None:
         """about: what the job is about, by words that an error may name.  InputError where the folder is of another."""
         self.out, self.folder = out, self.folder_of(out)
         shutil.rmtree(self._done, ignore_errors=True)
@@ -57,7 +69,7 @@ class KeptFiles:
     def _done(self) -> Path:
         return self.folder.with_name(f"{self.folder.name}.done")
 
-    def _known(self) -> dict[str, Any] | None:
+    def _known(self) -> Mapping[str, object] | None:
         try:
             known = json.loads((self.folder / "job.json").read_text(encoding="utf-8"))
         except FileNotFoundError:
@@ -94,10 +106,10 @@ class KeptFiles:
     def rows(self) -> int:
         return sum(end - begin for begin, end in self.parts)
 
-    def _keep(self, begin: int, end: int, write: Callable[[Path], Any]) -> None:
+    def _keep(self, begin: int, end: int, write: Callable[[Path], object]) -> None:
         self.parts[begin, end] = self._write(f"rows-{begin:012}-{end:012}{self.suffix}", write)
 
-    def _write(self, name: str, write: Callable[[Path], Any]) -> Path:
+    def _write(self, name: str, write: Callable[[Path], object]) -> Path:
         """A file that is there whole or not at all."""
         path, torn = self.folder / name, self.folder / f"{name}.torn"
         with _faults(path):
@@ -134,12 +146,12 @@ class KeptParts(KeptFiles):
             return False
         return whole
 
-    def add(self, begin: int, table: Any) -> None:
+    def add(self, begin: int, table: Table) -> None:
         """Keep a part."""
         write = pyarrow("parquet").write_table
         self._keep(begin, begin + len(table), lambda path: write(table, path, write_page_checksum=True))
 
-    def tables(self) -> Iterator[Any]:
+    def tables(self) -> Iterator[Table]:
         """The parts in order; a damaged one is removed and named."""
         pa, pq = pyarrow(), pyarrow("parquet")
         for key in sorted(self.parts):
@@ -163,14 +175,14 @@ class KeptLines(KeptFiles):
         except (OSError, ValueError, TypeError, KeyError):
             return False
 
-    def add(self, begin: int, end: int, rows: list[dict[str, Any]]) -> None:
+    def add(self, begin: int, end: int, rows: list[MetRow]) -> None:
         """Keep a part."""
         text = json.dumps({"checksum": _checksum(rows), "rows": rows})
         self._keep(begin, end, lambda path: path.write_text(text, encoding="utf-8"))
 
-    def taken_over(self) -> tuple[int, list[dict[str, Any]]]:
+    def taken_over(self) -> tuple[int, list[MetRow]]:
         """To where all of it is finished, from the start on, and the rows of these parts; what lies beyond goes."""
-        done, rows = 0, list[dict[str, Any]]()
+        done, rows = 0, list[MetRow]()
         for (begin, end), path in sorted(self.parts.items()):
             if begin == done:
                 done, rows = end, rows + json.loads(path.read_bytes())["rows"]
@@ -180,7 +192,7 @@ class KeptLines(KeptFiles):
         return done, rows
 
 
-def _checksum(rows: Any) -> str:
+def _checksum(rows: list[MetRow]) -> str:
     return hashlib.sha256(json.dumps(rows).encode()).hexdigest()
 
 

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,6 +11,10 @@ from firstcontact import query
 from firstcontact.batch.questions import Questions
 from firstcontact.errors import FirstContactError
 from firstcontact.result_table import IntervalRows, Rows
+from firstcontact.work import FirstArguments
+
+if TYPE_CHECKING:
+    from firstcontact.work import Arguments
 
 
 @dataclass(frozen=True)
@@ -19,7 +22,7 @@ class Asking:
     """The verb, "first_contact" or "contact_intervals", and its arguments beside the bodies and the span."""
 
     verb: str
-    arguments: dict[str, Any] = field(default_factory=dict)
+    arguments: FirstArguments = field(default_factory=FirstArguments)
 
     @property
     def walks(self) -> bool:
@@ -32,8 +35,7 @@ class Asking:
 
     @property
     def budget(self) -> int | None:
-        found: int | None = self.arguments.get("budget")
-        return found
+        return self.arguments.get("budget")
 
     def one(self, questions: Questions, row: int) -> Any:
         """The answer to one question."""
@@ -41,7 +43,7 @@ class Asking:
         return getattr(query, self.verb)(a, b, span, **self.arguments)
 
 
-def is_plain(arguments: Mapping[str, Any]) -> bool:
+def is_plain(arguments: Arguments) -> bool:
     """Whether bodies that are apart all the time are FREE, whatever else is asked.
 
     Other questions may be refused, or spend their budget, first.

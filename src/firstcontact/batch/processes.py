@@ -12,14 +12,17 @@ import uuid
 from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor
 from multiprocessing import parent_process
 from multiprocessing.context import SpawnContext, SpawnProcess
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from firstcontact.batch.part import Asking
 from firstcontact.batch.questions import Questions
 from firstcontact.batch.workers import Elsewhere, cores, timed_answers
 from firstcontact.result_table import Rows
 
-_kept: dict[str, tuple[Any, ...]] = {}
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
+
+_kept: dict[str, tuple[Body, ...]] = {}
 """The bodies of the batch at which this process works, by its name."""
 
 
@@ -30,7 +33,7 @@ def keep(batch: str, bodies: bytes) -> None:
         _kept[batch] = pickle.loads(bodies)  # noqa: S301 - written by `pickle.dumps` in the process that asks
 
 
-def kept_bodies(batch: str) -> tuple[Any, ...]:
+def kept_bodies(batch: str) -> tuple[Body, ...]:
     """The bodies of the batch."""
     return _kept[batch]
 
@@ -45,7 +48,7 @@ def kept_answers(batch: str, bodies: bytes, questions: Questions, asking: Asking
 class Processes(Elsewhere):
     """Processes of this machine, each of which is given the bodies as it starts."""
 
-    def __init__(self, n: int, bodies: tuple[Any, ...]) -> None:
+    def __init__(self, n: int, bodies: tuple[Body, ...]) -> None:
         super().__init__(self._ask, n, self._renew)
         self.about = bodies
         self.batch, self.bodies = uuid.uuid4().hex, pickle.dumps(bodies)

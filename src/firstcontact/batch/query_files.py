@@ -11,10 +11,17 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from itertools import islice
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 from firstcontact.batch.arrow import pyarrow
 from firstcontact.errors import InputError, shown
+
+if TYPE_CHECKING:
+    from types import ModuleType
+
+    from pyarrow import Array, Table
+
+    from firstcontact.result import Json
 
 CHUNK = 1 << 14
 """Rows that are read at once."""
@@ -31,7 +38,7 @@ class QueryFile:
         if self._read is None:
             raise InputError(f"{path}: queries stand in files that end with {', '.join(FORMATS)}")
 
-    def tables(self, begin: int = 0) -> Iterator[tuple[int, Any]]:
+    def tables(self, begin: int = 0) -> Iterator[tuple[int, Table]]:
         """(number of the first row, pyarrow.Table) one after the other, from row `begin` on."""
         assert self._read is not None
         at = begin
@@ -41,10 +48,10 @@ class QueryFile:
                     yield at, table
                     at += len(table)
 
-    def pieces(self, begin: int, end: int, size: Callable[[], int]) -> Iterator[tuple[int, Any]]:
+    def pieces(self, begin: int, end: int, size: Callable[[], int]) -> Iterator[tuple[int, Table]]:
         """The same, to before row `end`, in tables of as many rows as `size` says when one begins."""
         pa = pyarrow()
-        held: list[Any] = []
+        held: list[Table] = []
         wanted = min(size(), end - begin)
         for _, table in self.tables(begin):
             held.append(table)
@@ -77,7 +84,7 @@ def _named(path: Path) -> Iterator[None]:
         raise InputError(f"{path}: no {path.suffix.lower()[1:]} file that can be read: {reason}") from error
 
 
-def _parquet(path: Path, begin: int) -> Iterator[Any]:
+def _parquet(path: Path, begin: int) -> Iterator[Table]:
     pa, pq = pyarrow(), pyarrow("parquet")
     with path.open("rb"):  # whose faults are plain
         pass
@@ -90,7 +97,7 @@ def _parquet(path: Path, begin: int) -> Iterator[Any]:
             begin = max(begin - len(batch), 0)
 
 
-def _csv(path: Path, begin: int) -> Iterator[Any]:
+def _csv(path: Path, begin: int) -> Iterator[Table]:
     """Texts alone: what is a number is told by what it stands for, what is carried along stays as it is written."""
     pa, csv = pyarrow(), pyarrow("csv")
     reading = csv.ReadOptions(block_size=BLOCK)
@@ -111,7 +118,7 @@ def _csv(path: Path, begin: int) -> Iterator[Any]:
             begin = max(begin - len(batch), 0)
 
 
-def _json_lines(path: Path, begin: int) -> Iterator[Any]:
+def _json_lines(path: Path, begin: int) -> Iterator[Table]:
     pa = pyarrow()
     with path.open(encoding="utf-8") as file:
         lines = islice((line for line in file if line.strip()), begin, None)
@@ -120,7 +127,7 @@ def _json_lines(path: Path, begin: int) -> Iterator[Any]:
             begin += len(some)
 
 
-def _json_rows(path: Path, begin: int, lines: list[str]) -> list[dict[str, Any]]:
+def _json_rows(path: Path, begin: int, lines: list[str]) -> list[dict[str, Json]]:
     """Read together, which is quicker, if they are what they should be."""
     try:
         rows = json.loads(f"[{','.join(lines)}]")
@@ -131,7 +138,7 @@ def _json_rows(path: Path, begin: int, lines: list[str]) -> list[dict[str, Any]]
     return [_json_row(path, begin + k, line) for k, line in enumerate(lines)]
 
 
-def _json_row(path: Path, number: int, line: str) -> dict[str, Any]:
+def _json_row(path: Path, number: int, line: str) -> dict[str, Json]:
     try:
         row = json.loads(line)
     except (ValueError, RecursionError) as error:
@@ -141,12 +148,12 @@ def _json_row(path: Path, number: int, line: str) -> dict[str, Any]:
     return row
 
 
-def _columns(pa: Any, path: Path, begin: int, rows: list[dict[str, Any]]) -> Any:
+def _columns(pa: ModuleType, path: Path, begin: int, rows: list[dict[str, Json]]) -> Table:
     names = dict.fromkeys(key for row in rows for key in row)
     return pa.table({name: _column(pa, path, begin, name, [row.get(name) for row in rows]) for name in names})
 
 
-def _column(pa: Any, path: Path, begin: int, name: str, values: list[Any]) -> Any:
+def _column(pa: ModuleType, path: Path, begin: int, name: str, values: list[Json]) -> Array:
     column = _array(pa, values)
     if column is None:
         row = first_wrong(len(values), lambda n: _array(pa, values[:n]) is not None)
@@ -155,7 +162,7 @@ def _column(pa: Any, path: Path, begin: int, name: str, values: list[Any]) -> An
     return column
 
 
-def _array(pa: Any, values: list[Any]) -> Any:
+def _array(pa: ModuleType, values: list[Json]) -> Array | None:
     """A column of the values; None where they do not go into one."""
     try:
         return pa.array(values)
@@ -172,7 +179,7 @@ def first_wrong(n: int, right: Callable[[int], bool]) -> int:
     return low
 
 
-FORMATS: dict[str, Callable[[Path, int], Iterator[Any]]] = {
+FORMATS: dict[str, Callable[[Path, int], Iterator[Table]]] = {
     ".parquet": _parquet,
     ".csv": _csv,
     ".jsonl": _json_lines,

@@ -15,7 +15,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -26,6 +26,13 @@ from firstcontact.batch.questions import Questions, columns
 from firstcontact.errors import InputError, shown
 from firstcontact.motion.arrays import Motions, Poses, Rotations, Translations
 from firstcontact.motion.moving import Moving
+
+if TYPE_CHECKING:
+    from types import ModuleType
+
+    from pyarrow import Array, DataType, Table
+
+    from firstcontact.body.kinds import Body
 
 KEYS = "a", "b"
 LISTS = {"vector": 3, "axis": 3, "point": 3, "pose0": 16, "pose1": 16, "span": 2}
@@ -67,7 +74,7 @@ def check_columns(file: QueryFile, names: Sequence[str]) -> None:
 class Bodies:
     """Bodies by their keys."""
 
-    def __init__(self, bodies: Mapping[str, Any]) -> None:
+    def __init__(self, bodies: Mapping[str, Body]) -> None:
         self.keys, self.all = list(bodies), list(bodies.values())
         self.moving = np.array([isinstance(body, Moving) for body in self.all], bool)
         self.shapes = columns(self.all, np.empty((0, 2), int)).bodies
@@ -76,7 +83,7 @@ class Bodies:
 class QueryRows:
     """A table of queries that begins with row `begin` of a file."""
 
-    def __init__(self, file: QueryFile, begin: int, table: Any, bodies: Bodies) -> None:
+    def __init__(self, file: QueryFile, begin: int, table: Table, bodies: Bodies) -> None:
         self.file, self.begin, self.table, self.bodies = file, begin, table, bodies
 
     def questions(self) -> list[tuple[np.ndarray, Questions]]:
@@ -133,7 +140,9 @@ class QueryRows:
             found.append((rows, None))
         return found
 
-    def _check_turns(self, axes: np.ndarray, turned: np.ndarray, angles: dict[str, tuple[Any, np.ndarray]]) -> None:
+    def _check_turns(
+        self, axes: np.ndarray, turned: np.ndarray, angles: dict[str, tuple[np.ndarray, np.ndarray]]
+    ) -> None:
         units = np.sum([given for _, given in angles.values()], axis=0)
         self._refuse(turned & (units != 1), "axis", "give one of degrees, radians, turns with it")
         for unit, (_, given) in angles.items():
@@ -190,9 +199,9 @@ class QueryRows:
         values[rows] = numbers.reshape(-1, width)
         return values, given
 
-    def _written(self, name: str, column: Any) -> Any:
+    def _written(self, name: str, column: Array) -> Array:
         """Lists that are written as texts, as CSV needs them."""
-        lists: list[Any] = []
+        lists: list[list[float] | None] = []
         for row, text in enumerate(column.to_pylist()):
             try:
                 lists.append(None if text is None else [float(x) for x in np.ravel(json.loads(text))])
@@ -206,7 +215,7 @@ class QueryRows:
             return np.full(len(self.table), np.nan), np.zeros(len(self.table), bool)
         return self._doubles(name, self._one(name), np.arange(len(self.table)), finite), self._given(name)
 
-    def _doubles(self, name: str, values: Any, rows: np.ndarray, finite: bool, nulls: bool = True) -> np.ndarray:
+    def _doubles(self, name: str, values: Array, rows: np.ndarray, finite: bool, nulls: bool = True) -> np.ndarray:
         """The values, of these rows, as doubles; nan where they are null, if they may be."""
         pa, pc = pyarrow(), pyarrow("compute")
         there = pc.is_valid(values).to_numpy(zero_copy_only=False)
@@ -222,7 +231,7 @@ class QueryRows:
             raise self._fault(int(rows[place]), name, f"{shown(values[place].as_py())} is no finite number")
         return np.asarray(doubles, float)
 
-    def _one(self, name: str) -> Any:
+    def _one(self, name: str) -> Array:
         """A column in one piece."""
         pa = pyarrow()
         column = self.table[name].combine_chunks()
@@ -238,15 +247,15 @@ class QueryRows:
         return self.file.fault(self.begin + row, column, text)
 
 
-def _is_list(pa: Any, kind: Any) -> bool:
+def _is_list(pa: ModuleType, kind: DataType) -> bool:
     return bool(pa.types.is_list(kind) or pa.types.is_large_list(kind) or pa.types.is_fixed_size_list(kind))
 
 
-def _is_text(pa: Any, kind: Any) -> bool:
+def _is_text(pa: ModuleType, kind: DataType) -> bool:
     return bool(pa.types.is_string(kind) or pa.types.is_large_string(kind))
 
 
-def _cast(pa: Any, pc: Any, values: Any) -> np.ndarray | None:
+def _cast(pa: ModuleType, pc: ModuleType, values: Array) -> np.ndarray | None:
     """The values as doubles; None where one is none."""
     if pa.types.is_boolean(values.type):
         return None if len(values) else np.empty(0)

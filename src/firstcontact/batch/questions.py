@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -16,8 +16,21 @@ from firstcontact.motion.arrays import Motions, MovingEach, Rotations, Translati
 from firstcontact.motion.moving import Moving
 from firstcontact.motion.translation import Translation
 
-Each = Motions | Sequence[Any] | None
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from firstcontact.body.kinds import AnyBody, Body
+    from firstcontact.exact.numbers import Given
+    from firstcontact.motion.kinds import AnyMotion
+
+Span: TypeAlias = "Sequence[Given]"
+Each: TypeAlias = "Motions | Sequence[AnyMotion | None] | None"
 """A motion, or None, for each question; None: nothing moves."""
+PairAsked: TypeAlias = (
+    "tuple[AnyBody | MovingEach, AnyBody | MovingEach] | tuple[AnyBody | MovingEach, AnyBody | MovingEach, Span | None]"
+)
+Queries: TypeAlias = "Questions | PairAsked | Iterable[PairAsked]"
+"""What is asked: questions one after the other, or one, of a body that moves by many motions."""
 
 
 @dataclass(frozen=True)
@@ -27,17 +40,17 @@ class Questions:
     moves_a, moves_b, spans: of each question; spans None: the motions' own.
     """
 
-    bodies: tuple[Any, ...]
+    bodies: tuple[Body, ...]
     a: np.ndarray
     b: np.ndarray
     moves_a: Each = None
     moves_b: Each = None
-    spans: Sequence[Any] | None = None
+    spans: Sequence[Span | None] | None = None
 
     def __len__(self) -> int:
         return len(self.a)
 
-    def __getitem__(self, row: int) -> tuple[Any, Any, Any]:
+    def __getitem__(self, row: int) -> tuple[Body, Body, Span | None]:
         """(a, b, span) of one question, as `first_contact` takes them."""
         a, b = (
             shape if moves is None or (motion := moves[row]) is None else Moving(shape, motion)
@@ -45,12 +58,12 @@ class Questions:
         )
         return a, b, None if self.spans is None else self.spans[row]
 
-    def part(self, rows: Any) -> Questions:
+    def part(self, rows: slice | np.ndarray) -> Questions:
         """Those of a slice, or of an array of rows, about the same bodies."""
         each = (_taken(x, rows) for x in (self.moves_a, self.moves_b, self.spans))
         return Questions(self.bodies, self.a[rows], self.b[rows], *each)
 
-    def about(self, bodies: tuple[Any, ...]) -> Questions:
+    def about(self, bodies: tuple[Body, ...]) -> Questions:
         """The same questions about other bodies, or without any."""
         return replace(self, bodies=bodies)
 
@@ -74,7 +87,7 @@ class Questions:
         return [(rows[known], Translations(list(vectors.values())), ends[known])] if vectors else []
 
 
-def asked(queries: Any) -> Questions:
+def asked(queries: Queries) -> Questions:
     """The questions of what `first_contacts` is given.  InputError names the one that is none."""
     if isinstance(queries, Questions):
         return queries
@@ -88,7 +101,9 @@ def asked(queries: Any) -> Questions:
 WANTED = "give pairs (a, b) or (a, b, span) one after the other, or (a.moving(fc.Translations(vectors)), b)"
 
 
-def columns(bodies: Sequence[Any], pairs: Any, motions: Motions | None = None, span: Any = None) -> Questions:
+def columns(
+    bodies: Sequence[AnyBody], pairs: ArrayLike, motions: Motions | None = None, span: Span | None = None
+) -> Questions:
     """Questions about pairs of a list of bodies.
 
     bodies: at rest or moving.  pairs (n, 2): numbers of bodies.  motions: one for each pair, by which its first body,
@@ -114,7 +129,7 @@ def columns(bodies: Sequence[Any], pairs: Any, motions: Motions | None = None, s
     return Questions(tuple(shapes), a, b, motions if motions is not None else moves[0], moves[1], spans)
 
 
-def _one_pair(query: tuple[Any, ...]) -> Questions:
+def _one_pair(query: PairAsked) -> Questions:
     if len(query) not in (2, 3):
         raise InputError(f"queries are a tuple of {len(query)}; {WANTED}")
     a, b, span = (*query, None)[:3]
@@ -122,7 +137,7 @@ def _one_pair(query: tuple[Any, ...]) -> Questions:
     if len(counts) > 1:
         raise InputError(f"a and b have {sorted(counts)} motions; give as many of both")
     n = counts.pop()
-    shapes: list[Any] = []
+    shapes: list[Body] = []
     moves: list[Each] = []
     for body in (a, b):
         if isinstance(body, MovingEach):
@@ -137,7 +152,7 @@ def _one_pair(query: tuple[Any, ...]) -> Questions:
     return Questions(tuple(shapes), ones, ones + 1, moves[0], moves[1], None if span is None else [span] * n)
 
 
-def _listed(queries: Iterable[Any]) -> Questions:
+def _listed(queries: Iterable[object]) -> Questions:
     numbers: dict[int, int] = {}
     shapes: list[Any] = []
     sides: tuple[list[int], list[int]] = [], []
@@ -162,13 +177,13 @@ def _listed(queries: Iterable[Any]) -> Questions:
     return Questions(tuple(map(as_body, shapes)), a, b, *spare)
 
 
-def _taken(values: Any, rows: Any) -> Any:
+def _taken(values: Any, rows: slice | np.ndarray) -> Any:
     if values is None or isinstance(values, Motions) or isinstance(rows, slice):
         return None if values is None else values[rows]
     return [values[k] for k in rows.tolist()]
 
 
-def _vector(motion: Any) -> list[float] | None:
+def _vector(motion: AnyMotion | None) -> list[float] | None:
     """The vector of a translation that doubles hold."""
     if not isinstance(motion, Translation):
         return None

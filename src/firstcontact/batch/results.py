@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import BrokenExecutor
 from dataclasses import dataclass, replace
 from importlib import import_module
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from firstcontact.batch import culling
 from firstcontact.batch.part import is_plain
@@ -15,6 +15,13 @@ from firstcontact.batch.questions import asked
 from firstcontact.batch.workers import PART, Spare, is_worth_processes
 from firstcontact.errors import FirstContactError
 from firstcontact.result import ContactIntervals, FirstContact, Status
+
+if TYPE_CHECKING:
+    from typing import Unpack
+
+    from firstcontact.body.kinds import Body
+    from firstcontact.contact.ways import Answer
+    from firstcontact.work import Arguments, CheckArguments, Shared
 
 
 @dataclass(frozen=True)
@@ -24,22 +31,22 @@ class Question:
     verb: str
     a: Any
     b: Any
-    arguments: dict[str, Any]
+    arguments: CheckArguments
     module: str = "firstcontact.query"
     """Where the verb is."""
 
-    def asked(self, a: Any, b: Any, **more: Any) -> Any:
+    def asked(self, a: Body, b: Body, **more: Unpack[Arguments]) -> Answer:
         return getattr(import_module(self.module), self.verb)(a, b, **self.arguments, **more)
 
 
-def told_by_boxes(questions: Sequence[Question]) -> dict[int, Any]:
+def told_by_boxes(questions: Sequence[Question]) -> dict[int, Answer]:
     """Results of questions over the motions' own spans whose bodies are told to be apart by swept boxes."""
     able = [k for k, x in enumerate(questions) if x.arguments.get("span") is None and is_plain(x.arguments)]
     pairs = asked([(questions[k].a, questions[k].b) for k in able])
-    found = dict[int, Any]()
+    found: dict[int, Answer] = {}
     for k in (able[row] for row in culling.free_by_boxes(pairs).tolist()):
         _, last = culling.SPAN
-        shared: dict[str, Any] = {"a": questions[k].a, "b": questions[k].b, "span": culling.SPAN}
+        shared: Shared = {"a": questions[k].a, "b": questions[k].b, "span": culling.SPAN}
         if questions[k].verb != "contact_intervals":
             found[k] = FirstContact(Status.FREE, free_until=last, **shared)
         else:
@@ -48,9 +55,9 @@ def told_by_boxes(questions: Sequence[Question]) -> dict[int, Any]:
 
 
 def in_order(
-    questions: Sequence[Question], known: Mapping[int, Any], here: Callable[[int], Any], reached: Callable[[int], None],
+    questions: Sequence[Question], known: Mapping[int, Answer], here: Callable[[int], Answer], reached: Callable[[int], None],
     workers: int,
-) -> Iterator[Any]:
+) -> Iterator[Answer]:
     """The results in order; `here` answers question k in this process, as long as what is left is soon done.
 
     known: results that are there.  reached: told of each question that others have answered.  Raises what a question
@@ -64,9 +71,9 @@ def in_order(
 
 
 def _asked_in_order(
-    questions: Sequence[Question], left: Sequence[int], here: Callable[[int], Any], reached: Callable[[int], None],
+    questions: Sequence[Question], left: Sequence[int], here: Callable[[int], Answer], reached: Callable[[int], None],
     workers: int,
-) -> Iterator[Any]:
+) -> Iterator[Answer]:
     begin, n = time.thread_time(), len(left)
     for k, number in enumerate(left):
         done, passed = k - 1, time.thread_time() - begin  # without the first one, which loads compiled code
@@ -81,11 +88,11 @@ def _asked_in_order(
 def _elsewhere(
     questions: Sequence[Question],
     left: Sequence[int],
-    here: Callable[[int], Any],
+    here: Callable[[int], Answer],
     reached: Callable[[int], None],
     workers: int,
     size: int,
-) -> Iterator[Any]:
+) -> Iterator[Answer]:
     """By processes; here, what a process that was lost leaves."""
     bodies = list({id(x): x for k in left for x in (questions[k].a, questions[k].b)}.values())
     numbers = {id(x): number for number, x in enumerate(bodies)}
@@ -109,11 +116,12 @@ def _elsewhere(
     yield from map(here, left[done:])
 
 
-def _answers(batch: str, part: list[tuple[Question, int, int]]) -> list[Any]:
+def _answers(batch: str, part: list[tuple[Question, int, int]]) -> list[Answer | FirstContactError]:
     """The results, or what is raised instead; then it ends."""
     from firstcontact.batch.processes import kept_bodies
 
-    bodies, out = kept_bodies(batch), list[Any]()
+    bodies = kept_bodies(batch)
+    out: list[Answer | FirstContactError] = []
     for question, a, b in part:
         try:
             out.append(question.asked(bodies[a], bodies[b]))

@@ -3,21 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING
 
 from firstcontact.batch import workers as work
 from firstcontact.batch.part import Asking
 from firstcontact.batch.questions import Questions, asked
 from firstcontact.errors import InputError, shown
 from firstcontact.query import check_arguments
-from firstcontact.result_table import ContactIntervalTable, ContactTable, Rows
+from firstcontact.result_table import ContactIntervalTable, ContactTable, IntervalRows, Rows
+
+if TYPE_CHECKING:
+    from firstcontact.batch.questions import Queries
+    from firstcontact.batch.workers import Executing, Reached
+    from firstcontact.work import FirstArguments
 
 
 def first_contacts(
-    queries: Any,
+    queries: Queries,
     *,
     workers: int | None = None,
-    executor: Any = None,
+    executor: Executing | None = None,
     exact: bool = False,
     method: str = "auto",
     engine: str = "auto",
@@ -51,17 +56,19 @@ def first_contacts(
     box vertex 4
     """
     check_arguments(method, engine, tolerance, budget)
-    arguments = {"exact": exact, "method": method, "engine": engine, "tolerance": tolerance, "budget": budget}
+    arguments: FirstArguments = {
+        "exact": exact, "method": method, "engine": engine, "tolerance": tolerance, "budget": budget,
+    }  # fmt: skip
     asking, questions = Asking("first_contact", arguments), asked(queries)
     rows = _rows(questions, asking, workers, executor, progress)
     return ContactTable(rows, lambda row: asking.one(questions, row))
 
 
 def many_contact_intervals(
-    queries: Any,
+    queries: Queries,
     *,
     workers: int | None = None,
-    executor: Any = None,
+    executor: Executing | None = None,
     exact: bool = False,
     method: str = "auto",
     tolerance: float = 1e-12,
@@ -80,13 +87,16 @@ def many_contact_intervals(
     ([1, 0], [(0, 0.25, 0.5)])
     """
     check_arguments(method, "auto", tolerance, budget)
-    arguments = {"exact": exact, "method": method, "tolerance": tolerance, "budget": budget}
+    arguments: FirstArguments = {"exact": exact, "method": method, "tolerance": tolerance, "budget": budget}
     asking, questions = Asking("contact_intervals", arguments), asked(queries)
     rows = _rows(questions, asking, workers, executor, progress)
+    assert isinstance(rows, IntervalRows)
     return ContactIntervalTable(rows, lambda row: asking.one(questions, row))
 
 
-def _rows(questions: Questions, asking: Asking, workers: Any, executor: Any, progress: Any) -> Rows:
+def _rows(
+    questions: Questions, asking: Asking, workers: int | None, executor: Executing | None, progress: Reached
+) -> Rows:
     """The answers, after a look at who is to give them."""
     if workers is not None and (not isinstance(workers, int) or not 1 <= workers <= work.MOST):
         raise InputError(f"workers is {shown(workers)}; give a whole number up to {work.MOST}, or None")

@@ -25,7 +25,7 @@ from concurrent.futures import (
     wait,
 )
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -35,7 +35,12 @@ from firstcontact.batch.questions import Questions
 from firstcontact.result_table import Rows
 
 if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
+    from distributed import Client
+
     from firstcontact.batch.processes import Processes
+    from firstcontact.body.kinds import Body
 
 MOST = 1024
 """Workers: more than any machine has cores."""
@@ -56,6 +61,8 @@ RETRIES, HOPELESS = 3, 40
 LOST = "the worker that looked at it was lost every time, as if it ran out of memory; ask it alone, with a budget"
 
 Reached = Callable[[int, int], None] | None
+Executing: TypeAlias = "Executor | Client | Elsewhere"
+"""Who takes parts of the questions."""
 
 
 def cores() -> int:
@@ -98,7 +105,7 @@ class Spare:
     def __init__(self) -> None:
         self.processes: Processes | None = None
 
-    def started(self, n: int, bodies: tuple[Any, ...]) -> Processes:
+    def started(self, n: int, bodies: tuple[Body, ...]) -> Processes:
         from firstcontact.batch.processes import Processes
 
         if self.processes is None or not _same(self.processes.about, bodies):
@@ -109,13 +116,13 @@ class Spare:
     def __enter__(self) -> Spare:
         return self
 
-    def __exit__(self, kind: Any = None, *_: Any) -> None:
+    def __exit__(self, kind: type[BaseException] | None = None, *_: object) -> None:
         if self.processes is not None:
             self.processes.stop(at_once=kind is not None)
             self.processes = None
 
 
-def _same(bodies: tuple[Any, ...], others: tuple[Any, ...]) -> bool:
+def _same(bodies: tuple[Body, ...], others: tuple[Body, ...]) -> bool:
     return len(bodies) == len(others) and all(x is y for x, y in zip(bodies, others, strict=True))
 
 
@@ -123,7 +130,7 @@ def answered(
     questions: Questions,
     asking: Asking,
     workers: int | None,
-    executor: Any,
+    executor: Executing | None,
     progress: Reached,
     spare: Spare,
     boxes: bool | None = None,
@@ -229,7 +236,7 @@ class _Spread:
 
     def over(self, others: Elsewhere, where: np.ndarray) -> None:
         """Answers the rows `where`."""
-        begun: dict[Future[Any], _Part] = {}
+        begun: dict[Future[tuple[Rows, float]], _Part] = {}
         at = 0
         try:
             while begun or self.waiting or self.suspects or at < len(where):
@@ -293,7 +300,7 @@ class _Part:
     alone: bool = False
 
 
-def timed_answers(bodies: tuple[Any, ...], questions: Questions, asking: Asking) -> tuple[Rows, float]:
+def timed_answers(bodies: tuple[Body, ...], questions: Questions, asking: Asking) -> tuple[Rows, float]:
     """Where it is answered: all that can be told of the questions, nothing put off, and the seconds it took."""
     begin = time.perf_counter()
     rows = answers(questions.about(bodies), asking).settle()

@@ -44,7 +44,7 @@ class Placing(Written):
     def _mapped(self, matrix: Matrix) -> Self:
         raise NotImplementedError
 
-    def _with(self, **changes: Any) -> Self:
+    def _with(self, **changes: object) -> Self:
         raise NotImplementedError
 
     def _facts(self) -> tuple[Hashable, ...]:

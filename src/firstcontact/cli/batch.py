@@ -6,7 +6,7 @@ import logging
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -14,7 +14,9 @@ from firstcontact.cli import common
 from firstcontact.errors import InputError
 
 if TYPE_CHECKING:
+    from firstcontact.batch.cluster import Cluster
     from firstcontact.batch.files import Summary
+    from firstcontact.body.kinds import Body
 
 REACHED_WITHIN = 15
 """Seconds in which a scheduler has to answer."""
@@ -71,7 +73,7 @@ def batch(
     return common.exit_code(["UNDECIDED" if status == "error" else status for status in summary.counts])
 
 
-def _cluster(address: str, stack: ExitStack) -> Callable[[tuple[Any, ...]], Any]:
+def _cluster(address: str, stack: ExitStack) -> Callable[[tuple[Body, ...]], Cluster]:
     """What makes the cluster's workers ready for bodies."""
     from firstcontact.batch import arrow
 

@@ -14,10 +14,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from firstcontact.cli.rows import More, comma_separated, json_lines, row, written
+from firstcontact.cli.rows import More, Put, comma_separated, json_lines, row, written
 from firstcontact.errors import FirstContactError, InputError
 
 if TYPE_CHECKING:
+    from contextlib import AbstractContextManager
     from fractions import Fraction
 
     from firstcontact.body.kinds import Body
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from firstcontact.result import Json
     from firstcontact.scene.load import Check, Curve, Scene
     from firstcontact.view.pair import Result
+    from firstcontact.work import CheckArguments
 
 FREE, CONTACT, UNDECIDED = 0, 1, 2
 
@@ -76,7 +78,7 @@ _TIMES = (
 )
 
 
-def outputs(command: Any) -> Any:
+def outputs(command: Callable[..., int]) -> Callable[..., int]:
     """The options of what is written besides text, and of progress."""
     for decorator in reversed(_OUTPUTS):
         command = decorator(command)
@@ -126,7 +128,7 @@ def answer_checks(files: tuple[str, ...], options: Options, verb_name: str) -> l
         )
     asked = []
     for check in scene.checks:
-        arguments = {**check.arguments(), "exact": check.exact or options.exact}
+        arguments: CheckArguments = {**check.arguments(), "exact": check.exact or options.exact}
         if span is not None:
             arguments["span"] = span
         asked.append(Asked.of(verb_name, scene.bodies, check.a, check.b, arguments, scene.allow))
@@ -148,7 +150,7 @@ def answer_checks(files: tuple[str, ...], options: Options, verb_name: str) -> l
 
 def row_files(
     options: Options, unit: str, columns: More = _NO_MORE, keys: More = _NO_MORE
-) -> Iterator[Any]:
+) -> Iterator[AbstractContextManager[Put]]:
     """Contexts of what takes results row by row; columns: further ones of CSV; keys: further ones of JSON lines."""
     if options.csv is not None:
         yield written(options.csv, comma_separated(unit, columns))
@@ -156,7 +158,7 @@ def row_files(
         yield written(options.jsonl, json_lines(keys))
 
 
-def _span_shown(span: Sequence[float] | None, a: Body, b: Body) -> tuple[float, float]:
+def _span_shown(span: Sequence[float | Fraction] | None, a: Body, b: Body) -> tuple[float, float]:
     """The times that are asked about, in doubles, where they are known before a verb has looked."""
     if span is not None:
         return float(span[0]), float(span[1])
@@ -181,7 +183,7 @@ def answer_all(
     from firstcontact.cli import text
     from firstcontact.cli.progress import Progress
 
-    results: list[Any] = []
+    results: list[Result] = []
     brief = scene is not None and len(questions) > text.FEW and not options.all
     with Progress(options.progress, len(questions)) as progress:
         try:
@@ -219,7 +221,7 @@ def deliver(
         write(options.html, lambda path: write_page(path, results, whole))
 
 
-def write_json(target: str | None, document: Callable[[], Any]) -> None:
+def write_json(target: str | None, document: Callable[[], object]) -> None:
     """Write what `document` gives, where it is wanted; "-": to standard output."""
     if target is None:
         return
@@ -303,7 +305,7 @@ def _document(results: Sequence[Result], scene: Scene | None, interrupted: bool)
     from firstcontact.result import SCHEMA
 
     checks = [row(result, {}) for result in results]
-    more: dict[str, Any] = {"interrupted": True} if interrupted else {}
+    more: dict[str, Json] = {"interrupted": True} if interrupted else {}
     if scene is not None and scene.unit:
         more["unit"] = scene.unit
     if scene is not None and scene.resting:

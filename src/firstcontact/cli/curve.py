@@ -58,7 +58,7 @@ def _curves(scene_file: str, options: common.Options, asked: dict[str, Any]) -> 
     return common.answer_all(scene.path, "curve", questions, answers, options)
 
 
-def _resting(body: Body, key: str, time: float | None) -> Any:
+def _resting(body: Body, key: str, time: float | None) -> Body:
     if time is not None:
         return body.at(time) if hasattr(body, "at") else body
     if hasattr(body, "motion") or getattr(body, "deforming", False):

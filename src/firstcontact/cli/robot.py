@@ -16,11 +16,15 @@ from firstcontact.cli.rows import row
 from firstcontact.errors import InputError
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from firstcontact.batch.courses import CourseSearch, MetPair
-    from firstcontact.batch.kept_parts import KeptLines
+    from firstcontact.batch.kept_parts import KeptLines, MetRow
+    from firstcontact.body.kinds import Body
     from firstcontact.cli.progress import RowsProgress
+    from firstcontact.cli.rows import More
     from firstcontact.mechanism.course import Course
-    from firstcontact.result import FirstContact
+    from firstcontact.result import FirstContact, Json
 
 
 @click.command()
@@ -71,7 +75,7 @@ def _pair(text: str) -> tuple[str, str]:
 
 
 def _kept(
-    out: Path, resume: bool, trajectory: str, course: Course, cell: Mapping[str, Any], cubic: bool
+    out: Path, resume: bool, trajectory: str, course: Course, cell: Mapping[str, Body], cubic: bool
 ) -> KeptLines:
     """What a run that was stopped has finished, to go on from; without `resume` nothing."""
     import hashlib
@@ -106,7 +110,7 @@ class Run:
     """A course gone through and told, part by part."""
 
     def __init__(
-        self, label: str, course: Course, cell: Mapping[str, Any], options: common.Options, kept: KeptLines | None,
+        self, label: str, course: Course, cell: Mapping[str, Body], options: common.Options, kept: KeptLines | None,
         unit: str,
     ) -> None:  # fmt: skip
         self.label, self.course, self.cell, self.options = label, course, cell, options
@@ -162,7 +166,7 @@ class Run:
         for part in following.parts(lambda done: progress.rows(done, self.total)):
             yield from part.found
             if self.kept is not None:
-                rows = [{"pair": pair, "hit": finite(hit.to_dict())} for pair, hit in part.found]
+                rows: list[MetRow] = [{"pair": pair, "hit": finite(hit.to_dict())} for pair, hit in part.found]
                 self.kept.add(part.begin, part.end, rows)
         yield from following.free()
 
@@ -177,16 +181,16 @@ class Run:
             from firstcontact.view.html import write_page
 
             links = [body for own in self.course.bodies.values() for body in own]
-            bodies = {body.name: body for body in (*links, *self.cell.values())}
+            bodies = {body.name or "": body for body in (*links, *self.cell.values())}
             common.write(self.options.html, lambda path: write_page(path, results, Assembly(bodies, self.unit)))
         if self.kept is not None:
             self.kept.remove()
 
-    def _document(self, results: list[FirstContact], **more: Any) -> dict[str, Any]:
+    def _document(self, results: list[FirstContact], **more: Json) -> dict[str, Json]:
         return {**more, "checks": [row(hit, self._keys) for hit in results]}
 
     @property
-    def _keys(self) -> dict[str, Any]:
+    def _keys(self) -> More:
         return {"waypoints": lambda hit: None if (k := self._waypoint(hit)) is None else [k, k + 1]}
 
     def _waypoint(self, hit: FirstContact) -> int | None:
@@ -207,6 +211,6 @@ class Run:
         return f"{told}, kept in {self.kept.folder}; the same command with --resume goes on from there"
 
 
-def _value_of(joint: str) -> Any:
+def _value_of(joint: str) -> Callable[[FirstContact], float | None]:
     """Where the joint stands at a contact."""
     return lambda hit: next((x.value for x in hit.joints if x.name == joint), None)

@@ -12,7 +12,8 @@ from typing import IO, TYPE_CHECKING, Any
 from firstcontact.errors import InputError
 
 if TYPE_CHECKING:
-    from firstcontact.result import FirstContact
+    from firstcontact.result import ContactIntervals, FirstContact, Json
+    from firstcontact.view.pair import Result
 
 COLUMNS = (
     "a", "b", "status", "time", "time_lo", "time_hi", "x", "y", "z", "nx", "ny", "nz", "element_a", "element_b",
@@ -39,7 +40,7 @@ def written(target: str, make: Callable[[IO[str]], Put]) -> Iterator[Put]:
         yield make(file)
 
 
-def row(result: Any, more: More) -> dict[str, Any]:
+def row(result: Result, more: More) -> dict[str, Json]:
     """A result as "checks" in the JSON output has it."""
     from firstcontact.result import finite
 
@@ -51,7 +52,7 @@ def json_lines(more: More) -> Callable[[IO[str]], Put]:
     """One object a line."""
 
     def make(file: IO[str]) -> Put:
-        def put(result: Any) -> None:
+        def put(result: Result) -> None:
             file.write(json.dumps(row(result, more)) + "\n")
             file.flush()
 
@@ -66,18 +67,22 @@ def comma_separated(unit: str, more: More) -> Callable[[IO[str]], Put]:
     more: of first contacts.
     """
 
+    from firstcontact.result import ContactIntervals
+
     def make(file: IO[str]) -> Put:
         writer = csv.writer(file, lineterminator="\n")
         begun = False
 
-        def put(result: Any) -> None:
+        def put(result: FirstContact | ContactIntervals) -> None:
             nonlocal begun
-            of_intervals = hasattr(result, "intervals")
+            of_intervals = isinstance(result, ContactIntervals)
             if not begun:
                 writer.writerow(INTERVAL_COLUMNS if of_intervals else (*COLUMNS, *more))
                 begun = True
-            told = [*_row(result, unit), *(of(result) for of in more.values())] if not of_intervals else []
-            writer.writerows(_interval_rows(result) if of_intervals else [told])
+            if isinstance(result, ContactIntervals):
+                writer.writerows(_interval_rows(result))
+            else:
+                writer.writerow([*_row(result, unit), *(of(result) for of in more.values())])
             file.flush()
 
         return put
@@ -97,6 +102,6 @@ def _row(x: FirstContact, unit: str) -> list[str | float | None]:
     ]  # fmt: skip
 
 
-def _interval_rows(x: Any) -> list[list[Any]]:
-    ends = [(i.start, i.end) for i in x] or [(None, None)]
+def _interval_rows(x: ContactIntervals) -> list[list[str | float | None]]:
+    ends: list[tuple[float | None, float | None]] = [(i.start, i.end) for i in x] or [(None, None)]
     return [[x.a.name, x.b.name, x.status.name, *end, x.free_until, x.reason] for end in ends]

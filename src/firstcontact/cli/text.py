@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from firstcontact.result import ContactIntervals, Element, FirstContact
     from firstcontact.scene.load import Scene
+    from firstcontact.view.pair import Result
 
 FEW = 8
 """Pairs whose answers are printed in full, as they come."""
@@ -17,12 +18,13 @@ MOST_CONTACTS, MOST_OPEN, MOST_ALLOWED, MOST_NAMED = 20, 5, 5, 3
 SAID = {"CONTACT": "in contact", "UNDECIDED": "undecided", "ALLOWED": "allowed", "FREE": "free"}
 
 
-def in_full(result: Any, scene: Scene) -> str:
+def in_full(result: Result, scene: Scene) -> str:
     """The answer; of a first contact also how far the bodies have moved, and what its time means."""
-    if hasattr(result, "intervals") or result.status.name == "FREE":
-        return str(result)
     from firstcontact.assembly.words import progress, reading
+    from firstcontact.result import FirstContact
 
+    if not isinstance(result, FirstContact) or result.status.name == "FREE":
+        return str(result)
     done = progress(result, scene.unit)
     return f"{result}\n  {done}: {reading((result.a, result.b))}" if done else str(result)
 

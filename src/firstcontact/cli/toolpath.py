@@ -6,13 +6,18 @@ import csv
 import json
 from collections import Counter
 from contextlib import ExitStack
-from typing import IO, Any
+from typing import IO, TYPE_CHECKING
 
 import click
 
 from firstcontact.cli import common
 from firstcontact.cli.rows import Put, written
 from firstcontact.errors import InputError
+
+if TYPE_CHECKING:
+    from fractions import Fraction
+
+    from firstcontact.toolpath.check import Verdict
 
 COLUMNS = (
     "line", "block", "status", "move", "part", "kind", "body", "contact", "fraction", "lo", "hi", "x", "y", "z",
@@ -82,7 +87,7 @@ def toolpath(
     return common.exit_code("UNDECIDED" if x == "UNKNOWN" else x for x in counts)
 
 
-def _numbers(text: str) -> list[Any]:
+def _numbers(text: str) -> list[float | int | Fraction]:
     from firstcontact.scene.values import parse_number
 
     try:
@@ -94,7 +99,7 @@ def _numbers(text: str) -> list[Any]:
     return numbers
 
 
-def _told(verdict: Any) -> str:
+def _told(verdict: Verdict) -> str:
     """The block, and a line for each pair that meets in it."""
     block = verdict.block
     lines = [f"line {block.line}: {block.text}: {verdict.status}{block.unknown and f' ({block.unknown})'}"]
@@ -130,7 +135,7 @@ def _lines(file: IO[str]) -> Put:
 
     from firstcontact.result import finite
 
-    def put(verdict: Any) -> None:
+    def put(verdict: Verdict) -> None:
         block = verdict.block
         table = {"line": block.line, "block": block.text, "status": verdict.status}
         if block.unknown:
@@ -147,7 +152,7 @@ def _rows(file: IO[str]) -> Put:
     writer = csv.writer(file, lineterminator="\n")
     writer.writerow(COLUMNS)
 
-    def put(verdict: Any) -> None:
+    def put(verdict: Verdict) -> None:
         block = verdict.block
         head = [block.line, block.text, verdict.status]
         if not verdict.findings:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from flint import fmpq
@@ -120,7 +120,7 @@ _PLACES = "point", "normal", "element_a", "element_b", "others", "multiplicity",
 
 def _told(found: FirstContact, query: Query, shared: Linkage | None, stats: Stats) -> FirstContact:
     """The answer as to the query itself, with the joints' values; of places it is as slow to tell as the answer."""
-    def places() -> dict[str, Any]:
+    def places() -> dict[str, object]:
         there = found if shared is None else carried(found, shared, query.a, query.b)
         return {key: getattr(there, key) for key in _PLACES}
 

@@ -41,7 +41,7 @@ class Placing:
     factor: fmpq
     by: Vector
 
-    def body(self, body: Shape) -> Any:
+    def body(self, body: Shape) -> Shape:
         k, nil = self.factor, fmpq(0)
         rows = [[k if i == j else nil for j in range(3)] + [k * self.by[i]] for i in range(3)]
         return body.transformed([*rows, [nil, nil, nil, fmpq(1)]])

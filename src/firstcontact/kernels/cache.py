@@ -166,7 +166,7 @@ def fingerprint(kernel: Dispatcher, dimensions: int) -> str:
     return _fingerprints.setdefault((kernel, dimensions), digest.hexdigest())
 
 
-def _parts(function: Any, dimensions: int) -> Iterator[str]:
+def _parts(function: Callable[..., object], dimensions: int) -> Iterator[str]:
     yield repr((function.__defaults__, function.__kwdefaults__))
     for cell in function.__closure__ or ():
         yield _told(cell.cell_contents, (), dimensions)
@@ -185,10 +185,10 @@ def _codes(code: types.CodeType) -> Iterator[types.CodeType]:
             yield from _codes(constant)
 
 
-def _told(value: Any, names: tuple[str, ...], dimensions: int) -> str:
+def _told(value: object, names: tuple[str, ...], dimensions: int) -> str:
     """A value that a kernel reads, as text; names: those that it may ask of a module."""
 
-    def told(item: Any) -> str:
+    def told(item: object) -> str:
         return _told(item, names, dimensions)
 
     if isinstance(value, Dispatcher):

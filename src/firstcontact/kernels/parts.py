@@ -117,7 +117,7 @@ def keep_parts(dispatcher: Any) -> Any:
 def for_callers(decorator: Any) -> Any:
     """`numba.jit`, for functions that are parts where kernels call them."""
 
-    def with_options(**options: Any) -> Any:
+    def with_options(**options: object) -> Any:
         decorate = decorator(**options, pipeline_class=PartOfCallers)
         return lambda function: keep_parts(decorate(function))
 
@@ -127,7 +127,7 @@ def for_callers(decorator: Any) -> Any:
 _OF_CLOSURES = {InlineClosureLikes, NopythonRewrites}
 
 
-def _no_wrapper(*_: Any, **__: Any) -> None:
+def _no_wrapper(*_: object, **__: object) -> None:
     pass
 
 

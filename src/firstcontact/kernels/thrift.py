@@ -8,7 +8,7 @@ from __future__ import annotations
 import gc
 from contextlib import nullcontext
 from functools import cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numba
 from llvmlite.binding import create_new_function_pass_manager
@@ -20,6 +20,10 @@ from numba.core.types.functions import BaseFunction
 from numba.core.typing.templates import _OverloadFunctionTemplate
 
 from firstcontact.kernels.parts import for_callers
+
+if TYPE_CHECKING:
+    from llvmlite.binding import ModulePassManager, ModuleRef, PassBuilder
+    from numba.core.codegen import CPUCodegen
 
 _after: Any = postproc.PostProcessor.run
 _typed: Any = BaseFunction.get_call_type
@@ -40,18 +44,18 @@ def apply() -> None:
     _set(compiler_machinery, enforce_no_dels=_nothing)  # a check of Numba's own steps, after each of them
 
 
-def _set(place: object, **new: Any) -> None:
+def _set(place: object, **new: object) -> None:
     for name, value in new.items():
         if name not in vars(place):
             raise AttributeError(f"{place} of Numba {numba.__version__} has no {name}")
         setattr(place, name, value)
 
 
-def _nothing(*_: Any, **__: Any) -> None:
+def _nothing(*_: object, **__: object) -> None:
     pass
 
 
-def _as_they_come(*_: Any, **__: Any) -> nullcontext[None]:
+def _as_they_come(*_: object, **__: object) -> nullcontext[None]:
     """Warnings of a step of type inference, without the line that it is for."""
     return nullcontext()
 
@@ -64,13 +68,13 @@ def _equal_options(one: Any, other: Any) -> Any:
     return mine == its or all(getattr(one, name) == getattr(other, name) for name in mine.keys() | its.keys())
 
 
-def _hash_of_options(one: Any) -> int:
+def _hash_of_options(one: TargetConfig) -> int:
     """Numba's is of their names alone.  Options that are equal are set by the same names, but for defaults."""
     known = type(one).options
     return hash(frozenset(n for n, value in one._values.items() if value is True and known[n].default is not True))
 
 
-def _tidy(library: Any, module: Any) -> None:
+def _tidy(library: CPUCodeLibrary, module: ModuleRef) -> None:
     """Functions before they are linked: they are optimized together, in what Python calls."""
     module.data_layout = library._codegen._data_layout
     passes, builder = _tidying(library._codegen)
@@ -80,7 +84,7 @@ def _tidy(library: Any, module: Any) -> None:
 
 
 @cache
-def _tidying(codegen: Any) -> tuple[Any, Any]:
+def _tidying(codegen: CPUCodegen) -> tuple[ModulePassManager, PassBuilder]:
     passes = create_new_function_pass_manager()
     passes.add_sroa_pass()
     passes.add_simplify_cfg_pass()
@@ -105,7 +109,7 @@ def _call_type(function: Any, context: Any, args: Any, kws: Any) -> Any:
     return signature
 
 
-def _run_after(processor: Any, emit_dels: bool = False, extend_lifetimes: bool = False) -> None:
+def _run_after(processor: postproc.PostProcessor, emit_dels: bool = False, extend_lifetimes: bool = False) -> None:
     """How long variables live is asked once, before a function gets its code, not after each step."""
     code = processor.func_ir
     if emit_dels or code.is_generator:
@@ -116,7 +120,7 @@ def _run_after(processor: Any, emit_dels: bool = False, extend_lifetimes: bool =
     code.generator_info = None
 
 
-def _variables(statement: Any, value: Any) -> list[Any]:
+def _variables(statement: ir.Inst, value: Any) -> list[ir.Var]:
     """Those of a statement's parts: most are words and places in files."""
     found: list[Any] = []
     kind = type(value)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from bisect import bisect_right
 from collections.abc import Iterable, Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from flint import fmpq
 
@@ -17,15 +17,21 @@ from firstcontact.motion.product import Value
 from firstcontact.result import ContactIntervals, FirstContact
 
 if TYPE_CHECKING:
+    from typing import Unpack
+
+    from firstcontact.body.kinds import Body, Shape
+    from firstcontact.exact.numbers import Given
     from firstcontact.mechanism.mechanism import Mechanism
+    from firstcontact.mechanism.values import JointValues
+    from firstcontact.work import Arguments, FirstArguments
 
 
 class Course:
     """Joint values over one clock; `bodies` are the mechanism's as they move, for every verb of the library."""
 
     def __init__(
-        self, mechanism: Mechanism, times: Any, values: Mapping[str, Any], interpolation: str = "linear",
-        velocities: Mapping[str, Any] | None = None,
+        self, mechanism: Mechanism, times: Iterable[Given], values: JointValues, interpolation: str = "linear",
+        velocities: Mapping[str, Iterable[Given]] | None = None,
     ) -> None:  # fmt: skip
         self.mechanism = mechanism
         self.times: tuple[fmpq, ...] = read_times(times)
@@ -67,15 +73,15 @@ class Course:
         return self._motions[link]
 
     @property
-    def bodies(self) -> dict[str, list[Any]]:
+    def bodies(self) -> dict[str, list[Body]]:
         """The bodies of each link as they move."""
         return {link: [self._moving(body, link) for body in own] for link, own in self.mechanism.links.items()}
 
-    def _moving(self, body: Any, link: str) -> Any:
+    def _moving(self, body: Shape, link: str) -> Body:
         motion = self._motions[link]
         return body if motion is None else body.moving(motion)
 
-    def pairs(self, against: Iterable[Any] = (), *, moving: bool = False) -> Iterator[tuple[Any, Any]]:
+    def pairs(self, against: Iterable[Body] = (), *, moving: bool = False) -> Iterator[tuple[Body, Body]]:
         """All pairs of bodies, as they move, of links with a joint between that is not fixed; moving: that moves.
 
         against: other bodies, each of which is paired with all that moves beside it.
@@ -91,11 +97,11 @@ class Course:
             if self._motions[link] is not None or hasattr(other, "motion"):
                 yield from ((body, other) for body in bodies[link])
 
-    def first_contacts(self, against: Iterable[Any] = (), **arguments: Any) -> list[FirstContact]:
+    def first_contacts(self, against: Iterable[Body] = (), **arguments: Unpack[FirstArguments]) -> list[FirstContact]:
         """The first contact of each pair, with the values of the joints; arguments as of `first_contact`."""
         return [query.first_contact(a, b, **arguments) for a, b in self.pairs(list(against))]
 
-    def contact_intervals(self, against: Iterable[Any] = (), **arguments: Any) -> list[ContactIntervals]:
+    def contact_intervals(self, against: Iterable[Body] = (), **arguments: Unpack[Arguments]) -> list[ContactIntervals]:
         """All times of contact of each pair; arguments as of `contact_intervals`."""
         return [query.contact_intervals(a, b, **arguments) for a, b in self.pairs(list(against))]
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from flint import fmpq
 
@@ -13,6 +13,11 @@ from firstcontact.motion.product import Simple
 from firstcontact.motion.rotation import Rotation, direction
 from firstcontact.motion.screw import Screw, simple
 from firstcontact.motion.translation import vector3
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from firstcontact.exact.numbers import Given
 
 KINDS = "fixed", "revolute", "prismatic", "screw"
 UNITS = {"deg": "degrees", "rad": "radians", "turn": "turns"}
@@ -54,12 +59,12 @@ class Joint:
         parent: str,
         child: str,
         *,
-        axis: Iterable[Any] = (0, 0, 1),
-        point: Iterable[Any] = (0, 0, 0),
+        axis: Iterable[Given] = (0, 0, 1),
+        point: Iterable[Given] = (0, 0, 0),
         unit: str | None = None,
-        lead: Any = None,
-        limits: Any = None,
-        mimic: Any = None,
+        lead: Given = None,
+        limits: Sequence[Given] | None = None,
+        mimic: Sequence[Given] | str | None = None,
     ) -> None:
         if kind not in KINDS:
             raise InputError(f"joint {name!r}: kind {shown(kind)} is unknown; give one of {', '.join(KINDS)}")
@@ -74,11 +79,11 @@ class Joint:
     def __repr__(self) -> str:
         return f"<Joint {self.name!r}: {self.kind}, from {self.parent!r} to {self.child!r}>"
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> tuple[Callable[..., Joint], tuple[object, ...]]:
         return _restored, tuple(getattr(self, key) for key in self.__slots__)
 
 
-def _restored(*values: Any) -> Joint:
+def _restored(*values: object) -> Joint:
     joint: Joint = object.__new__(Joint)
     for key, value in zip(Joint.__slots__, values, strict=True):
         setattr(joint, key, value)
@@ -97,7 +102,7 @@ def _unit(name: str, kind: str, unit: str | None) -> str:
     return unit
 
 
-def _motion(joint: Joint, axis: Iterable[Any], point: Iterable[Any], lead: Any) -> Simple:
+def _motion(joint: Joint, axis: Iterable[Given], point: Iterable[Given], lead: Given) -> Simple:
     line = direction(axis, f"joint {joint.name!r}: axis"), vector3(point, f"joint {joint.name!r}: point")
     if joint.kind == "prismatic":
         made: Simple = simple(Screw(*line, turns=0, advance=1))
@@ -112,7 +117,7 @@ def _motion(joint: Joint, axis: Iterable[Any], point: Iterable[Any], lead: Any) 
     return made
 
 
-def _limits(name: str, limits: Any) -> tuple[fmpq, fmpq]:
+def _limits(name: str, limits: Sequence[Given]) -> tuple[fmpq, fmpq]:
     try:
         lo, hi = limits
     except (TypeError, ValueError) as error:

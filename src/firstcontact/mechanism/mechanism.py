@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from firstcontact.contact.table import as_body, kind_of
 from firstcontact.errors import InputError, shown
@@ -14,6 +14,13 @@ from firstcontact.mechanism.course import Course
 from firstcontact.mechanism.joints import Joint
 from firstcontact.mechanism.sweep import Sweep, swept
 from firstcontact.motion.moving import Moving
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from firstcontact.body.kinds import AnyBody
+    from firstcontact.exact.numbers import Given
+    from firstcontact.mechanism.values import JointValues
 
 
 class Mechanism:
@@ -33,7 +40,10 @@ class Mechanism:
     hinge = 135.646980363 deg
     """
 
-    def __init__(self, links: Mapping[str, Any], joints: Iterable[Joint], *, skip: Iterable[Any] = ()) -> None:
+    def __init__(
+        self, links: Mapping[str, AnyBody | Sequence[AnyBody]], joints: Iterable[Joint], *,
+        skip: Iterable[Iterable[str]] = (),
+    ) -> None:  # fmt: skip
         self.links = {name: _bodies(name, given) for name, given in links.items()}
         self.joints = {joint.name: joint for joint in _joints(joints)}
         self.skip = frozenset(frozenset(pair) for pair in skip)
@@ -59,8 +69,8 @@ class Mechanism:
         return [name for name, joint in self.joints.items() if joint.motion is not None and joint.mimic is None]
 
     def course(
-        self, times: Any, values: Mapping[str, Any], *, interpolation: str = "linear",
-        velocities: Mapping[str, Any] | None = None,
+        self, times: Iterable[Given], values: JointValues, *, interpolation: str = "linear",
+        velocities: Mapping[str, Iterable[Given]] | None = None,
     ) -> Course:  # fmt: skip
         """The mechanism at work.
 
@@ -76,7 +86,7 @@ class Mechanism:
         velocities = read.velocities if interpolation == "cubic" else None
         return self.course(read.times, read.values, interpolation=interpolation, velocities=velocities)
 
-    def sweep(self, joint: str | None = None, *, at: Mapping[str, Any] | None = None) -> list[Sweep]:
+    def sweep(self, joint: str | None = None, *, at: JointValues | None = None) -> list[Sweep]:
         """The values of each joint, or of one, within its limits at which links share a point; others at `at`, or 0."""
         return swept(self, joint, at or {})
 

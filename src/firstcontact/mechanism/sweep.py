@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from firstcontact import query
 from firstcontact.errors import InputError
@@ -13,7 +12,10 @@ from firstcontact.mechanism.course import Course
 from firstcontact.result import ContactIntervals
 
 if TYPE_CHECKING:
+
     from firstcontact.mechanism.mechanism import Mechanism
+    from firstcontact.mechanism.values import JointValues
+    from firstcontact.result import Json
 
 
 @dataclass(frozen=True)
@@ -36,13 +38,13 @@ class Sweep:
             lines += [f"  {line}" for line in str(pair).splitlines()]
         return "\n".join(lines)
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Json]:
         """The joint, and the answers by pair; exact numbers are strings."""
         pairs = [pair.to_dict() for pair in self.found]
         return {"joint": self.joint, "unit": self.unit, "limits": list(self.limits), "pairs": pairs}
 
 
-def swept(mechanism: Mechanism, joint: str | None, at: Mapping[str, Any]) -> list[Sweep]:
+def swept(mechanism: Mechanism, joint: str | None, at: JointValues) -> list[Sweep]:
     """The sweeps of all joints with limits, or of one."""
     return [sweep_of(mechanism, name, at) for name in swept_joints(mechanism, joint)]
 
@@ -62,14 +64,14 @@ def swept_joints(mechanism: Mechanism, joint: str | None) -> list[str]:
     return found
 
 
-def course_over(mechanism: Mechanism, joint: str, at: Mapping[str, Any]) -> Course:
+def course_over(mechanism: Mechanism, joint: str, at: JointValues) -> Course:
     """The mechanism while the value of one joint goes through its limits: the time is that value."""
     limits = mechanism.joints[joint].limits
     assert limits is not None
     return Course(mechanism, limits, {**at, joint: limits})
 
 
-def sweep_of(mechanism: Mechanism, joint: str, at: Mapping[str, Any]) -> Sweep:
+def sweep_of(mechanism: Mechanism, joint: str, at: JointValues) -> Sweep:
     """The sweep of one joint."""
     course = course_over(mechanism, joint, at)
     found = tuple(query.contact_intervals(a, b) for a, b in course.pairs(moving=True))

@@ -4,15 +4,20 @@ from __future__ import annotations
 
 import csv
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from flint import fmpq
 
 from firstcontact.errors import InputError
 from firstcontact.exact.numbers import rational
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from firstcontact.exact.numbers import Given
 
 TIMES = "time", "t", "time_from_start"
 """Names of the column of times."""
@@ -21,9 +26,9 @@ TIMES = "time", "t", "time_from_start"
 class Columns(NamedTuple):
     """Times, values of joints by their names, and their velocities where these are known."""
 
-    times: list[Any]
-    values: dict[str, list[Any]]
-    velocities: dict[str, list[Any]] | None = None
+    times: Sequence[Given]
+    values: dict[str, list[Given]]
+    velocities: dict[str, list[Given]] | None = None
 
 
 def read(path: str | Path) -> Columns:
@@ -65,7 +70,7 @@ def _check_number(path: Path, number: int, name: str, text: str) -> None:
         raise InputError(f"{path}: line {number}: {error}") from error
 
 
-def _split(columns: dict[str, list[Any]]) -> Columns:
+def _split(columns: dict[str, list[Given]]) -> Columns:
     """Times apart; rows are a unit apart where there are none."""
     key = next((name for name in TIMES if name in columns), None)
     times = list(range(max(map(len, columns.values()), default=0))) if key is None else columns.pop(key)
@@ -87,7 +92,7 @@ def _npz(path: Path) -> Columns:
     return Columns(times, columns["positions"], columns.get("velocities"))
 
 
-def _by_name(path: Path, key: str, names: list[str], rows: Any) -> dict[str, list[Any]]:
+def _by_name(path: Path, key: str, names: list[str], rows: ArrayLike) -> dict[str, list[Given]]:
     array = np.asarray(rows, float)
     if array.ndim != 2 or array.shape[1] != len(names):
         raise InputError(f"{path}: {key} of the shape {array.shape} for {len(names)} joint_names; give each a column")

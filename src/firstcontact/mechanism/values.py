@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from flint import fmpq
 
@@ -12,10 +12,15 @@ from firstcontact.errors import InputError, shown
 from firstcontact.exact.numbers import exact_value, rational, to_double
 from firstcontact.motion.product import Value
 
+if TYPE_CHECKING:
+    from firstcontact.exact.numbers import Given
+
 INTERPOLATIONS = "linear", "cubic"
+JointValues: TypeAlias = "Mapping[str, Given | Iterable[Given]]"
+"""By the joints' names: one value that stays, or one for each time."""
 
 
-def read_times(values: Any) -> tuple[fmpq, ...]:
+def read_times(values: Iterable[Given]) -> tuple[fmpq, ...]:
     """Ascending exact times, two or more."""
     times = tuple(rational(t, f"times[{k}]") for k, t in enumerate(_listed(values, "times")))
     if len(times) < 2:
@@ -48,7 +53,7 @@ def polynomials(
     )
 
 
-def _exact(name: str, what: str, values: Any, times: tuple[fmpq, ...]) -> list[fmpq]:
+def _exact(name: str, what: str, values: Iterable[Given], times: tuple[fmpq, ...]) -> list[fmpq]:
     numbers = _listed(values, f"{what} of joint {name!r}")
     if len(numbers) != len(times):
         raise InputError(f"joint {name!r} has {len(numbers)} {what} but {len(times)} times; give one for each")
@@ -89,7 +94,7 @@ def _natural(times: tuple[fmpq, ...], points: list[fmpq]) -> list[fmpq]:
     return [exact_value(x) for x in right]
 
 
-def _listed(values: Any, what: str) -> list[Any]:
+def _listed(values: Iterable[Given], what: str) -> list[Given]:
     try:
         return list(values)
     except TypeError as error:
@@ -101,7 +106,7 @@ def followed(leader: tuple[Value, ...], ratio: fmpq, offset: fmpq) -> tuple[Valu
     return tuple(_trimmed((ratio * value[0] + offset, *(ratio * c for c in value[1:]))) for value in leader)
 
 
-def known(names: Iterable[str], wanted: Mapping[str, Any], what: str) -> None:
+def known(names: Iterable[str], wanted: Mapping[str, object], what: str) -> None:
     """InputError for values of what is no joint that takes one."""
     free = list(names)
     for name in wanted:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from copy import copy
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, Self, overload
 
 import numpy as np
 from flint import fmpq
@@ -16,8 +16,10 @@ from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.translation import Translation
 
 if TYPE_CHECKING:
+    from firstcontact.body.placing import Placing
     from firstcontact.exact.numbers import Given, Nested
     from firstcontact.motion.kinds import Single
+    from firstcontact.motion.moving import Moving
 
 
 class Motions:
@@ -37,11 +39,15 @@ class Motions:
         """Those of a slice or of an array of rows."""
         raise NotImplementedError
 
-    def of(self, body: Any) -> MovingEach:
+    def of(self, body: Placing) -> MovingEach:
         """The body under each of them."""
         return MovingEach(body, self)
 
-    def __getitem__(self, rows: Any) -> Any:
+    @overload
+    def __getitem__(self, rows: int | np.integer) -> Single: ...
+    @overload
+    def __getitem__(self, rows: slice | np.ndarray) -> Self: ...
+    def __getitem__(self, rows: int | np.integer | slice | np.ndarray) -> Single | Self:
         if not isinstance(rows, int | np.integer):
             return self.taken(rows)
         if not -len(self) <= rows < len(self):
@@ -166,7 +172,11 @@ class MovingEach:
 
     __slots__ = ("body", "motions")
 
-    def __init__(self, body: Any, motions: Motions) -> None:
+    body: Any
+    """At rest."""
+    motions: Motions
+
+    def __init__(self, body: Placing, motions: Motions) -> None:
         self.body, self.motions = body, motions
 
     @property
@@ -177,8 +187,9 @@ class MovingEach:
     def __len__(self) -> int:
         return len(self.motions)
 
-    def __getitem__(self, row: int) -> Any:
-        return self.body.moving(self.motions[row])
+    def __getitem__(self, row: int) -> Moving:
+        moving: Moving = self.body.moving(self.motions[row])
+        return moving
 
     def __repr__(self) -> str:
         return f"{self.body!r} moving by {self.motions!r}"

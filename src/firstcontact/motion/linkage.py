@@ -21,6 +21,7 @@ from firstcontact.motion.value import Motion, numbers
 from firstcontact.result import JointValue
 
 if TYPE_CHECKING:
+    from firstcontact.exact.numbers import Given
     from firstcontact.result import Table
 
 # Bits of joint values in answers.
@@ -252,7 +253,7 @@ def _times(motion: Simple, share: fmpq) -> Simple:
     return Screw(motion.axis, motion.point, **angle, advance=motion.advance * share)
 
 
-def _rebuilt(times: Any, rows: Any) -> Linkage:
+def _rebuilt(times: Iterable[Given], rows: Iterable[tuple[Any, ...]]) -> Linkage:
     return Linkage([rational(t, "time") for t in times], [drive(*row) for row in rows])
 
 

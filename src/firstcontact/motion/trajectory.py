@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Hashable, Iterable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from flint import arb, fmpq
@@ -20,6 +20,8 @@ from firstcontact.motion.translation import LARGEST, Translation, double_of
 from firstcontact.motion.value import Motion, numbers
 
 if TYPE_CHECKING:
+    from zz import T
+
     from firstcontact.exact.numbers import Given, Nested
     from firstcontact.result import Table
 
@@ -189,7 +191,7 @@ def _times(values: Iterable[Given]) -> tuple[fmpq, ...]:
     return times
 
 
-def _listed(values: Iterable[Any], key: str) -> list[Any]:
+def _listed(values: Iterable[T], key: str) -> list[T]:
     try:
         return list(values)
     except TypeError as error:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,6 +13,9 @@ from firstcontact.mechanism.joints import Joint
 from firstcontact.mechanism.mechanism import Mechanism
 from firstcontact.robot import srdf as semantic
 from firstcontact.robot import urdf
+
+if TYPE_CHECKING:
+    from firstcontact.exact.numbers import Nested
 
 
 class Robot(Mechanism):
@@ -24,7 +27,7 @@ class Robot(Mechanism):
     @classmethod
     def load(
         cls, path: str | Path, *, srdf: str | Path | None = None, packages: Mapping[str, str | Path] | None = None,
-        base: Any = None, skip: Iterable[Any] = (),
+        base: Nested | None = None, skip: Iterable[Iterable[str]] = (),
     ) -> Robot:  # fmt: skip
         """The robot of a URDF file.
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,6 +19,11 @@ from firstcontact.mechanism.joints import Joint
 from firstcontact.motion.poses import Pose, read_poses
 from firstcontact.robot import srdf as semantic
 from firstcontact.robot.packages import found
+
+if TYPE_CHECKING:
+    import yourdfpy
+
+    from firstcontact.body.solid.composite_quadric import CompositeQuadric
 
 KINDS = {"revolute": "revolute", "continuous": "revolute", "prismatic": "prismatic", "fixed": "fixed"}
 
@@ -50,7 +55,7 @@ def read(path: Path, packages: Mapping[str, str | Path], base: np.ndarray) -> De
     return Description(robot.name, links, [_joint(path, joint, homes[joint.child]) for joint in robot.joints])
 
 
-def _parsed(path: Path) -> Any:
+def _parsed(path: Path) -> yourdfpy.urdf.Robot:
     try:
         import yourdfpy
     except ImportError as error:
@@ -67,7 +72,7 @@ def _matrix(origin: np.ndarray | None) -> np.ndarray:
     return np.eye(4) if origin is None else np.asarray(origin, float)
 
 
-def _homes(path: Path, robot: Any, base: np.ndarray) -> dict[str, np.ndarray]:
+def _homes(path: Path, robot: yourdfpy.urdf.Robot, base: np.ndarray) -> dict[str, np.ndarray]:
     """The (4, 4) pose of each link."""
     above = {joint.child: joint for joint in robot.joints}
     homes: dict[str, np.ndarray] = {}
@@ -89,7 +94,7 @@ def _homes(path: Path, robot: Any, base: np.ndarray) -> dict[str, np.ndarray]:
     return homes
 
 
-def _joint(path: Path, joint: Any, home: np.ndarray) -> Joint:
+def _joint(path: Path, joint: yourdfpy.urdf.Joint, home: np.ndarray) -> Joint:
     if joint.type not in KINDS:
         raise InputError(f"{path}: joint {joint.name!r} is {joint.type!r}; {', '.join(KINDS)} are followed")
     kind = KINDS[joint.type]
@@ -112,8 +117,8 @@ def _joint(path: Path, joint: Any, home: np.ndarray) -> Joint:
 
 
 def _body(
-    path: Path, packages: Mapping[str, str | Path], link: str, k: int, shape: Any, place: np.ndarray
-) -> Any:
+    path: Path, packages: Mapping[str, str | Path], link: str, k: int, shape: yourdfpy.urdf.Collision, place: np.ndarray
+) -> Polyhedron | CompositeQuadric:
     """A shape of a link, by the link's name and, beyond the first, a number."""
     name = link if k == 0 else f"{link}.{k}"
     geometry = shape.geometry

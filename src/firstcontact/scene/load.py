@@ -276,11 +276,15 @@ def _solid_body(table: type[solids.Solid]) -> type[_Body]:
 
 
 if TYPE_CHECKING:
+    from fractions import Fraction
+
     from pydantic_core import ErrorDetails
 
     from firstcontact.body.kinds import Shape
     from firstcontact.exact.numbers import Given
     from firstcontact.result import Json
+    from firstcontact.view.html import Frame
+    from firstcontact.work import CheckArguments
     Body = Any
 else:
     BODIES = MeshBody, PolyhedronBody, *map(_solid_body, solids.SOLIDS), RuledBody, StepBody
@@ -337,14 +341,13 @@ class Check:
 
     a: str
     b: str
-    span: tuple[Any, Any] | None = None
+    span: tuple[float | Fraction, float | Fraction] | None = None
     exact: bool = False
     tolerance: float = 1e-12
     budget: int | None = None
 
-    def arguments(self) -> dict[str, Any]:
-        keys = ("span", "exact", "tolerance", "budget")
-        return {key: getattr(self, key) for key in keys}
+    def arguments(self) -> CheckArguments:
+        return {"span": self.span, "exact": self.exact, "tolerance": self.tolerance, "budget": self.budget}
 
 
 @dataclass(frozen=True)
@@ -406,7 +409,7 @@ class Scene:
         ]
         return list(answers(asked, lambda k: None, None, workers or cores()))
 
-    def show(self, hits: Iterable[FirstContact], path: str | Path | None = None) -> Any:
+    def show(self, hits: Iterable[FirstContact], path: str | Path | None = None) -> Path | Frame:
         """Write the page that shows all bodies, and the contacts one after the other; without a path open it."""
         from firstcontact.view.assembly import Assembly
         from firstcontact.view.html import show_page

@@ -59,12 +59,13 @@ class CourseTable(Table):
     def build(self, mechanism: Mechanism, folder: Path) -> Course:
         if (self.times is None) == (self.file is None):
             raise InputError("give times with values, or a file (CSV)")
-        if self.file is None:
+        if self.times is not None:
             return mechanism.course(
                 self.times, self.values, interpolation=self.interpolation, velocities=self.velocities
             )
         if self.values or self.velocities:
             raise InputError("values and velocities do not go with a file; leave them out")
+        assert self.file is not None
         return mechanism.read_course(folder / self.file, interpolation=self.interpolation)
 
 

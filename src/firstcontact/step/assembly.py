@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import fmpq
@@ -19,6 +19,14 @@ from firstcontact.exact.numbers import positive_double, rational, to_double
 from firstcontact.exact.rigid import IDENTITY, Matrix, compose
 from firstcontact.step import bodies, reader, units
 from firstcontact.step.reader import Node, Shape
+
+if TYPE_CHECKING:
+    from OCP.TopoDS import TopoDS_Shape
+
+    from firstcontact.body.kinds import CadShape
+    from firstcontact.exact.numbers import Given
+    from firstcontact.motion.kinds import AnyMotion
+    from firstcontact.motion.moving import Moving
 
 MOST_LISTED = 8
 
@@ -114,16 +122,16 @@ class Assembly:
     def named(self, name: str | None) -> Compound:
         return self.body.named(name)
 
-    def moving(self, motion: Any) -> Any:
+    def moving(self, motion: AnyMotion) -> Moving:
         return self.body.moving(motion)
 
-    def translated(self, v: Any) -> Compound:
+    def translated(self, v: Iterable[Given]) -> Compound:
         return self.body.translated(v)
 
-    def rotated(self, axis: Any, *, degrees: Any, point: Any = (0, 0, 0)) -> Compound:
+    def rotated(self, axis: Iterable[Given], *, degrees: Given, point: Iterable[Given] = (0, 0, 0)) -> Compound:
         return self.body.rotated(axis, degrees=degrees, point=point)
 
-    def transformed(self, matrix4: Any) -> Compound:
+    def transformed(self, matrix4: Iterable[Iterable[Given]]) -> Compound:
         return self.body.transformed(matrix4)
 
     def at(self, t: float) -> Compound:
@@ -142,7 +150,7 @@ class Assembly:
 
 
 def load_step(
-    path: str | Path, *, unit: str | None = None, deviation: Any = None, surfaces: bool = False
+    path: str | Path, *, unit: str | None = None, deviation: Given = None, surfaces: bool = False
 ) -> Assembly:
     """The tree of a STEP file: parts by name, in their places, with colours, in the file's unit.
 
@@ -193,8 +201,9 @@ def _root(
 
 
 def from_shape(
-    shape: Any, *, name: str | None = None, unit: str | None = None, deviation: Any = None, surfaces: bool = False
-) -> Compound:
+    shape: CadShape | TopoDS_Shape, *, name: str | None = None, unit: str | None = None, deviation: Given = None,
+    surfaces: bool = False,
+) -> Compound:  # fmt: skip
     """The body of a shape of build123d or CadQuery (anything with `.wrapped`), or of OpenCASCADE itself.
 
     deviation, surfaces: as for `load_step`; unit: what its numbers are, default none.
@@ -217,7 +226,7 @@ def from_shape(
     return _compound(bodies.built(part, wanted), IDENTITY, "", own).named(called)
 
 
-def _length(deviation: Any) -> float | None:
+def _length(deviation: Given) -> float | None:
     if deviation is None:
         return None
     return positive_double(to_double(rational(deviation, "deviation")), "deviation", "length")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import product
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,6 +15,9 @@ from firstcontact.step import cells, planar
 from firstcontact.step.reader import Shape
 from firstcontact.step.solids import Solid, explored
 from firstcontact.step.triangles import Net, triangulated
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
 
 DEVIATION = 1e-4
 """Of the size of a part: how far triangles are from its faces at most, unless it is said."""
@@ -124,7 +127,7 @@ class MeshNames:
     own: dict[str, list[tuple[str, int]]]
     labels: dict[str, list[str]]
 
-    def of(self, kind: str, index: int, body: Any) -> tuple[str, int, str] | None:
+    def of(self, kind: str, index: int, body: Body) -> tuple[str, int, str] | None:
         """As `Names`: an element within a face is the face, one within an edge the edge."""
         kind, number = self.own[kind][index]
         return kind, number, self.labels[kind][number]

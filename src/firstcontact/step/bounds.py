@@ -12,9 +12,15 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from OCP.collections import Array1_double
+    from OCP.Geom import Geom_BezierSurface, Geom_Curve, Geom_Surface
+    from OCP.Geom2d import Geom2d_Curve
+    from OCP.gp import gp_Ax1, gp_Pnt, gp_Pnt2d
 
 SAFE = 1.0 + 1e-9
 """Far more than the roundings of a bound."""
@@ -34,7 +40,7 @@ class Chart:
     over: Callable[[np.ndarray], np.ndarray]
 
 
-def chart_of(surface: Any, box: tuple[float, float, float, float]) -> Chart:
+def chart_of(surface: Geom_Surface, box: tuple[float, float, float, float]) -> Chart:
     """Bounds for a surface of OpenCASCADE over any boxes within `box` (u, u', v, v').  Raises NotBounded."""
     kind = surface.DynamicType().Name()
     if kind == "Geom_RectangularTrimmedSurface":
@@ -92,7 +98,7 @@ def _turned(curve: Curve, boxes: np.ndarray, radius: float) -> np.ndarray:
 class Curve:
     """Bounds of the first two derivatives of a curve of OpenCASCADE, in space or in parameters, on [lo, hi]."""
 
-    def __init__(self, curve: Any, lo: float, hi: float) -> None:
+    def __init__(self, curve: Geom_Curve | Geom2d_Curve, lo: float, hi: float) -> None:
         kind = curve.DynamicType().Name().removeprefix("Geom2d_").removeprefix("Geom_")
         while kind == "TrimmedCurve":
             curve = curve.BasisCurve()
@@ -114,7 +120,7 @@ class Curve:
             raise NotBounded(kind)
         self.lo, self.hi = lo, hi
 
-    def _from_nets(self, curve: Any, size: int) -> None:
+    def _from_nets(self, curve: Geom_Curve | Geom2d_Curve, size: int) -> None:
         nets, knots = _curve_nets(curve, size)
         self.nets = nets
         first, second, axes = [], [], []
@@ -147,7 +153,7 @@ class Curve:
         found: np.ndarray = self.axes[self._pieces(lo, hi)].max(axis=0)
         return found
 
-    def reach(self, axis: Any) -> float:
+    def reach(self, axis: gp_Ax1) -> float:
         """Bound of the distance of the curve's points on its stretch from an axis."""
         place, direction = axis.Location(), axis.Direction()
         p = np.array([place.X(), place.Y(), place.Z()])
@@ -165,7 +171,7 @@ class Curve:
         return float(np.linalg.norm(away - np.outer(away @ d, d), axis=1).max()) * SAFE + room
 
 
-def _curve_nets(curve: Any, size: int) -> tuple[list[np.ndarray], list[float]]:
+def _curve_nets(curve: Geom_Curve | Geom2d_Curve, size: int) -> tuple[list[np.ndarray], list[float]]:
     """Homogeneous nets (k, size + 1) of Bezier pieces, and the parameters between them."""
     if size == 2:
         from OCP.Geom2d import Geom2d_BSplineCurve
@@ -196,13 +202,13 @@ def _curve_nets(curve: Any, size: int) -> tuple[list[np.ndarray], list[float]]:
     return nets, inner
 
 
-def _real_array(count: int) -> Any:
+def _real_array(count: int) -> Array1_double:
     from OCP.collections import Array1_double
 
     return Array1_double(1, count)
 
 
-def _place(p: Any, size: int) -> list[float]:
+def _place(p: gp_Pnt | gp_Pnt2d, size: int) -> list[float]:
     return [p.X(), p.Y()] if size == 2 else [p.X(), p.Y(), p.Z()]
 
 
@@ -239,7 +245,7 @@ def _curve_bounds(net: np.ndarray, width: float) -> tuple[float, float, np.ndarr
 class _Patches:
     """Bounds for a B-spline surface, from the control nets of its Bezier patches and their parts."""
 
-    def __init__(self, surface: Any) -> None:
+    def __init__(self, surface: Geom_Surface) -> None:
         from OCP.Geom import Geom_BSplineSurface
         from OCP.GeomConvert import GeomConvert, GeomConvert_BSplineSurfaceToBezierSurface
 
@@ -287,7 +293,7 @@ def _ranges(knots: np.ndarray, spans: np.ndarray) -> np.ndarray:
     return np.column_stack([np.where(beyond, 0, lo), np.where(beyond, last, hi)])
 
 
-def _net(patch: Any) -> np.ndarray:
+def _net(patch: Geom_BezierSurface) -> np.ndarray:
     """(m, n, 4) homogeneous control points."""
     rows = []
     for i in range(1, patch.NbUPoles() + 1):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from flint import fmpq
@@ -22,6 +22,11 @@ from firstcontact.body.solid.carriers import (
     primitive_rows,
 )
 from firstcontact.exact.numbers import exact_value
+
+if TYPE_CHECKING:
+    from OCP.Geom import Geom_ConicalSurface
+    from OCP.gp import gp_Dir, gp_Pnt
+    from OCP.TopoDS import TopoDS_Face
 
 
 @dataclass(frozen=True)
@@ -44,7 +49,7 @@ class Carrier:
         return bool(n[:3] @ (0.5 * (lo + hi)) + n[3] + reach > -room)
 
 
-def carrier_of(face: Any) -> Carrier | None:
+def carrier_of(face: TopoDS_Face) -> Carrier | None:
     """None of faces on other surfaces than planes, cylinders, cones and spheres, and on both nappes of a cone."""
     from OCP.BRep import BRep_Tool
 
@@ -66,7 +71,7 @@ def carrier_of(face: Any) -> Carrier | None:
     return _cone(p, d, surface, face)
 
 
-def _cone(p: Vector, d: Vector, surface: Any, face: Any) -> Carrier | None:
+def _cone(p: Vector, d: Vector, surface: Geom_ConicalSurface, face: TopoDS_Face) -> Carrier | None:
     from OCP.BRepTools import BRepTools
 
     radius, slope = exact_value(surface.RefRadius()), exact_value(math.tan(surface.SemiAngle()))
@@ -81,7 +86,7 @@ def _cone(p: Vector, d: Vector, surface: Any, face: Any) -> Carrier | None:
     )
 
 
-def _exact(v: Any) -> Vector:
+def _exact(v: gp_Pnt | gp_Dir) -> Vector:
     return exact_value(v.X()), exact_value(v.Y()), exact_value(v.Z())
 
 

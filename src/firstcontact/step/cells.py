@@ -8,9 +8,9 @@ that nothing is lost, and nothing added, is asked again of many points afterward
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -35,6 +35,10 @@ from firstcontact.step.rims import rims
 from firstcontact.step.solids import Solid, explored
 from firstcontact.step.triangles import Net, triangulated
 from firstcontact.step.trims import Trims
+
+if TYPE_CHECKING:
+    from OCP.gp import gp_Dir, gp_Pnt
+    from OCP.TopAbs import TopAbs_State
 
 FEW, MOST, DEEPEST = 6, 26, 9
 """Surfaces in a cell: what is asked for, and what is taken where halving does not help; how often cells are halved."""
@@ -305,7 +309,7 @@ def _problem(solid: Solid) -> _Problem:
     )  # fmt: skip
 
 
-def _asking(solid: Solid) -> tuple[Any, Any]:
+def _asking(solid: Solid) -> tuple[Callable[[np.ndarray], np.ndarray], Callable[[Sequence[float], float], bool]]:
     """Questions to OpenCASCADE: which of points are inside, and whether one is within a distance of the faces."""
     from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeVertex
     from OCP.BRepClass3d import BRepClass3d_SolidClassifier
@@ -316,7 +320,7 @@ def _asking(solid: Solid) -> tuple[Any, Any]:
     asked = BRepClass3d_SolidClassifier(solid.shape)
     shells = list(explored(solid.shape, TopAbs_ShapeEnum.TopAbs_SHELL))
 
-    def state(point: Sequence[float], near: float) -> Any:
+    def state(point: Sequence[float], near: float) -> TopAbs_State:
         asked.Perform(gp_Pnt(*point), near)
         return asked.State()
 
@@ -413,7 +417,7 @@ def _cuts(solid: Solid, surfaces: list[Surface], of_face: list[int]) -> Iterator
                 yield _plane(np.cross(along, a - b), middle)
 
 
-def _numbers(p: Any) -> np.ndarray:
+def _numbers(p: gp_Pnt | gp_Dir) -> np.ndarray:
     return np.array([p.X(), p.Y(), p.Z()])
 
 
@@ -594,7 +598,7 @@ class _Task:
         )  # fmt: skip
         return _joined(best, below, above)
 
-    def _cost(self, k: int, faces: np.ndarray, points: np.ndarray, used: frozenset[int]) -> tuple[Any, ...]:
+    def _cost(self, k: int, faces: np.ndarray, points: np.ndarray, used: frozenset[int]) -> tuple[int, bool, int]:
         """How many faces a surface cuts in two, whether it is curved, and how badly it parts what is inside."""
         sure = SURELY * self.problem.solid.size
         own = self.samples[k][faces]

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+if TYPE_CHECKING:
+    from OCP.Geom import Geom_Surface
 
-def bare(surface: Any) -> Any:
+
+def bare(surface: Geom_Surface) -> Geom_Surface:
     """The surface without its trimming."""
     while surface.DynamicType().Name() == "Geom_RectangularTrimmedSurface":
         surface = surface.BasisSurface()
@@ -17,7 +20,7 @@ def bare(surface: Any) -> Any:
 class Elementary:
     """Parameters are those of OpenCASCADE."""
 
-    def __init__(self, surface: Any) -> None:
+    def __init__(self, surface: Geom_Surface) -> None:
         self.surface = bare(surface)
         self.kind = self.surface.DynamicType().Name().removeprefix("Geom_").removesuffix("Surface")
         place = self.surface.Position()
@@ -63,7 +66,7 @@ class Elementary:
         return np.column_stack([least + (np.arctan2(y, x) - least) % (2.0 * np.pi), v])
 
 
-def elementary(surface: Any) -> Elementary | None:
+def elementary(surface: Geom_Surface) -> Elementary | None:
     kinds = ("Plane", "CylindricalSurface", "ConicalSurface", "SphericalSurface", "ToroidalSurface")
     known = bare(surface).DynamicType().Name() in {f"Geom_{kind}" for kind in kinds}
     return Elementary(surface) if known else None

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from flint import fmpq, fmpq_mat
@@ -18,6 +18,10 @@ from firstcontact.errors import InputError
 from firstcontact.exact.numbers import exact_value, fraction, to_double
 from firstcontact.exact.vectors import dot
 from firstcontact.step.solids import Solid, forward
+
+if TYPE_CHECKING:
+    from OCP.gp import gp_Dir, gp_Pnt
+    from OCP.TopoDS import TopoDS_Edge, TopoDS_Face
 
 Point = tuple[fmpq, fmpq, fmpq]
 
@@ -59,7 +63,7 @@ def polyhedron_of(solid: Solid) -> Flat | None:
     return Flat(made, float(np.linalg.norm(moved, axis=1).max()) * (1 + 1e-9))
 
 
-def plane_of(face: Any) -> tuple[Point, fmpq] | None:
+def plane_of(face: TopoDS_Face) -> tuple[Point, fmpq] | None:
     """(n, d) of the plane n.x = d that a face lies on, from the numbers of the file; None of other faces."""
     from OCP.BRep import BRep_Tool
 
@@ -73,11 +77,11 @@ def plane_of(face: Any) -> tuple[Point, fmpq] | None:
     return n, dot(n, p)
 
 
-def _exact(v: Any) -> Point:
+def _exact(v: gp_Pnt | gp_Dir) -> Point:
     return exact_value(v.X()), exact_value(v.Y()), exact_value(v.Z())
 
 
-def _is_straight(edge: Any) -> bool:
+def _is_straight(edge: TopoDS_Edge) -> bool:
     from OCP.BRepAdaptor import BRepAdaptor_Curve
     from OCP.GeomAbs import GeomAbs_CurveType
 

@@ -12,7 +12,7 @@ import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from firstcontact.errors import InputError
 from firstcontact.exact.numbers import rational, to_double
@@ -20,6 +20,14 @@ from firstcontact.exact.rigid import IDENTITY, Matrix
 from firstcontact.motion.poses import SNAP, read_pose
 from firstcontact.step import text
 from firstcontact.step.units import MILLIMETRES, unit_of
+
+if TYPE_CHECKING:
+    from OCP.gp import gp_Trsf
+    from OCP.IFSelect import IFSelect_ReturnStatus
+    from OCP.STEPControl import STEPControl_Reader
+    from OCP.TDF import TDF_Label
+    from OCP.TDocStd import TDocStd_Document
+    from OCP.TopoDS import TopoDS_Shape, TopoDS_TShape
 
 MISSING = "STEP files and CAD shapes need OpenCASCADE; python -m pip install 'firstcontact[step]'"
 
@@ -39,9 +47,9 @@ class Shape:
     entity: the number of the file's entity of a face, edge, vertex, shell or solid, None where that is not known.
     """
 
-    shape: Any
+    shape: TopoDS_Shape
     name: str
-    entity: Callable[[Any], int | None] = lambda shape: None
+    entity: Callable[[TopoDS_Shape], int | None] = lambda shape: None
     made: dict[Any, Any] = field(default_factory=dict)
     """What was built of it, by how it was asked for."""
 
@@ -105,7 +113,7 @@ def try_apart(work: Callable[[], object], path: Path) -> None:
         raise InputError(f"{path}: OpenCASCADE breaks down over its entities; the file is damaged: export it again")
 
 
-def _transferred(path: Path) -> tuple[Any, Any, str]:
+def _transferred(path: Path) -> tuple[TDocStd_Document, STEPControl_Reader, str]:
     """(the document, the reader of entities, the unit)."""
     from OCP.Message import Message
     from OCP.STEPCAFControl import STEPCAFControl_Reader
@@ -129,13 +137,13 @@ def _transferred(path: Path) -> tuple[Any, Any, str]:
     return document, inner, unit
 
 
-def _is_done(status: Any) -> bool:
+def _is_done(status: IFSelect_ReturnStatus) -> bool:
     from OCP.IFSelect import IFSelect_ReturnStatus
 
     return bool(status == IFSelect_ReturnStatus.IFSelect_RetDone)
 
 
-def _unit(reader: Any, path: Path) -> str:
+def _unit(reader: STEPControl_Reader, path: Path) -> str:
     """The unit of the first of the file's representations; those in others are converted."""
     from OCP.collections import Sequence_TCollection_AsciiString
 
@@ -151,7 +159,7 @@ def _unit(reader: Any, path: Path) -> str:
 
 
 class _Tree:
-    def __init__(self, document: Any, reader: Any, kinds: dict[int, str]) -> None:
+    def __init__(self, document: TDocStd_Document, reader: STEPControl_Reader, kinds: dict[int, str]) -> None:
         from OCP.XCAFDoc import XCAFDoc_DocumentTool
 
         self.tool = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
@@ -166,7 +174,7 @@ class _Tree:
         self.tool.GetFreeShapes(labels)
         return tuple(self._node(labels.Value(k), None) for k in range(1, labels.Length() + 1))
 
-    def _node(self, label: Any, instance: Any) -> Node:
+    def _node(self, label: TDF_Label, instance: TDF_Label | None) -> Node:
         """label: of a product; instance: of its place in an assembly, None of a root."""
         name = self._name(label)
         own = name if instance is None else self._name(instance) or name
@@ -177,7 +185,7 @@ class _Tree:
             return Node(own or "assembly", name, colour, placement, None, self._children(label))
         return Node(own or "part", name, colour, placement, self._shape(label, name or own or "part"), ())
 
-    def _children(self, label: Any) -> tuple[Node, ...]:
+    def _children(self, label: TDF_Label) -> tuple[Node, ...]:
         from OCP.collections import Sequence_TDF_Label
         from OCP.TDF import TDF_Label
 
@@ -190,7 +198,7 @@ class _Tree:
                 found.append(self._node(product, instance))
         return tuple(found)
 
-    def _shape(self, label: Any, name: str) -> Shape:
+    def _shape(self, label: TDF_Label, name: str) -> Shape:
         from OCP.TCollection import TCollection_AsciiString
         from OCP.TDF import TDF_Tool
 
@@ -202,7 +210,7 @@ class _Tree:
             self.shapes[key] = Shape(shape, name, self.entities)
         return self.shapes[key]
 
-    def _name(self, label: Any) -> str:
+    def _name(self, label: TDF_Label) -> str:
         from OCP.TDataStd import TDataStd_Name
 
         name = TDataStd_Name()
@@ -211,7 +219,7 @@ class _Tree:
         given = str(name.Get().ToExtString()).strip()
         return "" if given.startswith("=>[") or given in ("SOLID", "COMPOUND", "SHELL") else given  # of OpenCASCADE
 
-    def _colour(self, label: Any) -> tuple[float, float, float] | None:
+    def _colour(self, label: TDF_Label | None) -> tuple[float, float, float] | None:
         from OCP.Quantity import Quantity_Color
         from OCP.XCAFDoc import XCAFDoc_ColorType
 
@@ -227,16 +235,16 @@ class _Tree:
 class _Entities:
     """The number of the entity that a shape was made of.  The model has the entities in the order of the file."""
 
-    def __init__(self, reader: Any, kinds: dict[int, str]) -> None:
+    def __init__(self, reader: STEPControl_Reader, kinds: dict[int, str]) -> None:
         self.reader, self.kinds = reader, kinds
-        self.numbers: dict[Any, int] | None = None
+        self.numbers: dict[TopoDS_TShape, int] | None = None
 
-    def __call__(self, shape: Any) -> int | None:
+    def __call__(self, shape: TopoDS_Shape) -> int | None:
         if self.numbers is None:
             self.numbers = self._all()
         return self.numbers.get(shape.TShape())
 
-    def _all(self) -> dict[Any, int]:
+    def _all(self) -> dict[TopoDS_TShape, int]:
         from OCP.STEPConstruct import STEPConstruct
 
         model = self.reader.StepModel()
@@ -264,7 +272,7 @@ TOPOLOGY = {
 """Entities of topology, as files and OpenCASCADE call them."""
 
 
-def _matrix(trsf: Any) -> Matrix:
+def _matrix(trsf: gp_Trsf) -> Matrix:
     """A placement as the nearest rational rotation, exact where it is one, and its shift; mirrors stay as they are."""
     rows = [[trsf.Value(i, j) for j in range(1, 5)] for i in range(1, 4)]
     try:

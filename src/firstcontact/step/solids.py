@@ -10,12 +10,17 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from firstcontact.errors import InputError
 from firstcontact.step.reader import Shape
+
+if TYPE_CHECKING:
+    from OCP.collections import IndexedMap_TopoDS_Shape_TopTools_ShapeMapHasher
+    from OCP.TopAbs import TopAbs_ShapeEnum
+    from OCP.TopoDS import TopoDS_Edge, TopoDS_Face, TopoDS_Shape, TopoDS_Vertex
 
 MOST_TOLERANCE = 1e-2
 """Of a solid's size: what edges and vertices may be off; beyond that they say nothing."""
@@ -26,7 +31,7 @@ class Use:
     """A face's use of an edge: `edge` as the face has it that is not turned over, its number, and whether the solid's
     face runs along it backwards."""
 
-    edge: Any
+    edge: TopoDS_Edge
     number: int
     reversed: bool
 
@@ -34,7 +39,7 @@ class Use:
 class Solid:
     """who: what errors call it, the part; shape: the solid of OpenCASCADE."""
 
-    def __init__(self, shape: Any, part: Shape) -> None:
+    def __init__(self, shape: TopoDS_Shape, part: Shape) -> None:
         from OCP.TopAbs import TopAbs_ShapeEnum as Kind
         from OCP.TopoDS import TopoDS
 
@@ -53,12 +58,12 @@ class Solid:
 
     # -- numbers ----------------------------------------------------------------------------------------------
 
-    def edge_number(self, edge: Any) -> int:
+    def edge_number(self, edge: TopoDS_Edge) -> int:
         from OCP.TopAbs import TopAbs_ShapeEnum as Kind
 
         return int(self._maps[Kind.TopAbs_EDGE].FindIndex(edge)) - 1
 
-    def vertex_number(self, vertex: Any) -> int:
+    def vertex_number(self, vertex: TopoDS_Vertex) -> int:
         from OCP.TopAbs import TopAbs_ShapeEnum as Kind
 
         return int(self._maps[Kind.TopAbs_VERTEX].FindIndex(vertex)) - 1
@@ -69,7 +74,7 @@ class Solid:
         kinds = {"face": self.faces, "edge": self.edges, "vertex": self.vertices}
         return {kind: [self.called(x) for x in shapes] for kind, shapes in kinds.items()}
 
-    def called(self, shape: Any) -> str:
+    def called(self, shape: TopoDS_Shape) -> str:
         number = self.part.entity(shape)
         return "" if number is None else f"#{number}"
 
@@ -194,7 +199,7 @@ class Solid:
                     )
 
 
-def forward(face: Any) -> Any:
+def forward(face: TopoDS_Face) -> TopoDS_Face:
     """The face as its surface lies, not turned over."""
     from OCP.TopAbs import TopAbs_Orientation
     from OCP.TopoDS import TopoDS
@@ -202,7 +207,7 @@ def forward(face: Any) -> Any:
     return TopoDS.Face(face.Oriented(TopAbs_Orientation.TopAbs_FORWARD))
 
 
-def explored(shape: Any, kind: Any) -> Iterator[Any]:
+def explored(shape: TopoDS_Shape, kind: TopAbs_ShapeEnum) -> Iterator[TopoDS_Shape]:
     """Parts of a shape of one kind, as often as they are there, in its order."""
     from OCP.TopExp import TopExp_Explorer
 
@@ -212,7 +217,7 @@ def explored(shape: Any, kind: Any) -> Iterator[Any]:
         walk.Next()
 
 
-def _mapped(shape: Any, kind: Any) -> Any:
+def _mapped(shape: TopoDS_Shape, kind: TopAbs_ShapeEnum) -> IndexedMap_TopoDS_Shape_TopTools_ShapeMapHasher:
     from OCP.collections import IndexedMap_TopoDS_Shape_TopTools_ShapeMapHasher
     from OCP.TopExp import TopExp
 
@@ -221,5 +226,5 @@ def _mapped(shape: Any, kind: Any) -> Any:
     return found
 
 
-def _all(found: Any) -> list[Any]:
+def _all(found: IndexedMap_TopoDS_Shape_TopTools_ShapeMapHasher) -> list[TopoDS_Shape]:
     return [found.FindKey(k) for k in range(1, found.Extent() + 1)]

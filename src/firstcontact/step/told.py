@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING
 
 from firstcontact.step.assembly import Assembly, load_step
+
+if TYPE_CHECKING:
+    from OCP.TopoDS import TopoDS_Face
 
 KINDS = {
     "Plane": ("plane", "planes"), "CylindricalSurface": ("cylinder", "cylinders"),
@@ -64,7 +67,7 @@ def _told(part: Assembly) -> str:
     return f"{solids}{count} face{'' if count == 1 else 's'} ({faces}), size {size}; {kind}"
 
 
-def _kind(face: Any) -> str:
+def _kind(face: TopoDS_Face) -> str:
     from OCP.BRep import BRep_Tool
 
     surface = BRep_Tool.Surface_s(face)

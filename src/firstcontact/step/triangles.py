@@ -9,14 +9,20 @@ meet in common corners, so that the triangles are closed where the solid is.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from firstcontact.errors import InputError
 from firstcontact.step.bounds import SAFE, Chart, Curve, NotBounded, chart_of
 from firstcontact.step.charts import Elementary, elementary
-from firstcontact.step.solids import Solid, forward
+from firstcontact.step.solids import Solid, Use, forward
+
+if TYPE_CHECKING:
+    from OCP.Geom import Geom_Surface
+    from OCP.Geom2d import Geom2d_Curve
+    from OCP.Poly import Poly_Triangulation
+    from OCP.TopLoc import TopLoc_Location
 
 COARSE, ANGLE = (0.4, 0.1, 0.02), 0.6
 """What OpenCASCADE is asked for: a part of the deviation, the next one where triangles could not be made finer; and the
@@ -216,7 +222,7 @@ class _Builder:
             self.points.append(self.solid.points[node[1]] if node[0] == "vertex" else place)
         return self.numbers[node]
 
-    def _weld(self, number: int, face: _Face, use: Any, net: Any, location: Any) -> None:
+    def _weld(self, number: int, face: _Face, use: Use, net: Poly_Triangulation, location: TopLoc_Location) -> None:
         """The corners of the face along one of its edges."""
         from OCP.BRep import BRep_Tool
         from OCP.TopExp import TopExp
@@ -243,14 +249,14 @@ class _Builder:
         else:
             self._note_borders(number, face, use, local.tolist(), times.tolist())
 
-    def _note_borders(self, number: int, face: _Face, use: Any, local: list[int], times: list[float]) -> None:
+    def _note_borders(self, number: int, face: _Face, use: Use, local: list[int], times: list[float]) -> None:
         from OCP.BRep import BRep_Tool
         from OCP.TopoDS import TopoDS
 
         who = self.solid.named("edge", use.number)
         corners = np.array([face.uv[k] for k in local])
 
-        def off_by(curve: Any) -> np.ndarray:
+        def off_by(curve: Geom2d_Curve) -> np.ndarray:
             at = np.array([(p.X(), p.Y()) for p in map(curve.Value, times)])
             away: np.ndarray = np.abs(at - corners).max(axis=0)
             return away
@@ -377,7 +383,7 @@ class _Builder:
         return (over + beside + face.apart + face.off) * SAFE
 
 
-def _at(surface: Any, u: float, v: float) -> np.ndarray:
+def _at(surface: Geom_Surface, u: float, v: float) -> np.ndarray:
     p = surface.Value(u, v)
     return np.array([p.X(), p.Y(), p.Z()])
 

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from firstcontact.step.charts import Elementary
 from firstcontact.step.solids import Solid
+
+if TYPE_CHECKING:
+    from OCP.TopoDS import TopoDS_Face
 
 CLOSE = 1e-7
 """How near to its border a point counts as one of the face, in its parameters."""
@@ -44,7 +47,7 @@ class Trims:
 
 
 class _Face:
-    def __init__(self, face: Any) -> None:
+    def __init__(self, face: TopoDS_Face) -> None:
         from OCP.BRep import BRep_Tool
         from OCP.BRepTools import BRepTools
         from OCP.IntTools import IntTools_FClass2d

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import islice
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,6 +22,9 @@ from firstcontact.toolpath.moves import Stretch
 from firstcontact.toolpath.rules import CUTTING, MOVES, Allowed
 from firstcontact.toolpath.tool import Segment, Tool
 from firstcontact.toolpath.walk import APART, OPEN, begun_inside, told_of_rows
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body, Shape
 
 CHUNK = 1024
 """Blocks that are looked at together."""
@@ -80,7 +83,7 @@ class Setup:
     """
 
     def __init__(
-        self, tools: Tool | Iterable[Tool], bodies: Mapping[str, Any], allow: Sequence[Allowed] = CUTTING,
+        self, tools: Tool | Iterable[Tool], bodies: Mapping[str, Body], allow: Sequence[Allowed] = CUTTING,
         workers: int | None = None,
     ) -> None:  # fmt: skip
         self.tools = [tools] if isinstance(tools, Tool) else list(tools)
@@ -178,7 +181,7 @@ class _Answer:
     reason: str = ""
 
 
-def _answers(queries: list[Any], workers: int) -> Iterator[_Answer]:
+def _answers(queries: list[tuple[Moving, Shape]], workers: int) -> Iterator[_Answer]:
     """The first contacts of exact solids, in order."""
     if not queries:
         return
@@ -192,7 +195,7 @@ def _answers(queries: list[Any], workers: int) -> Iterator[_Answer]:
             yield _Answer(str(status), float(time), float(lo), float(hi), place, str(reason))
 
 
-def _target(name: str, body: Any) -> _Target:
+def _target(name: str, body: Body) -> _Target:
     if isinstance(body, Moving):
         raise InputError(f"body {name!r} moves; tool paths are asked about bodies at rest")
     if isinstance(body, Polyhedron):

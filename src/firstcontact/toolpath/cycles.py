@@ -88,7 +88,7 @@ class _Ways:
         self.at = at
         self.made: list[Stretch] = []
 
-    def to(self, kind: str, x: Any = None, y: Any = None, z: Any = None) -> None:
+    def to(self, kind: str, x: fmpq | None = None, y: fmpq | None = None, z: fmpq | None = None) -> None:
         place: Vector = tuple(  # type: ignore[assignment]
             old if new is None else new for old, new in zip(self.at, (x, y, z), strict=True)
         )

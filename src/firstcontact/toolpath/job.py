@@ -21,6 +21,7 @@ from firstcontact.result import finite
 from firstcontact.toolpath.check import CHUNK, Finding, Setup, Verdict
 
 if TYPE_CHECKING:
+    from firstcontact.toolpath.block import Block
     from firstcontact.toolpath.program import ToolPath
 
 Found = dict[int, tuple[Finding, ...]]
@@ -63,11 +64,11 @@ def verdicts(
         raise KeyboardInterrupt(f"{done:,} of {total:,} blocks are done{where}") from None
 
 
-def _with(blocks: list[Any], found: Found) -> Iterator[Verdict]:
+def _with(blocks: list[Block], found: Found) -> Iterator[Verdict]:
     return (Verdict(block, found.get(k, ())) for k, block in enumerate(blocks))
 
 
-def about(path: ToolPath, setup: Setup) -> dict[str, Any]:
+def about(path: ToolPath, setup: Setup) -> dict[str, object]:
     """What two runs of one job have in common, by words that an error may name."""
     from firstcontact import __version__
 
@@ -91,7 +92,7 @@ def about(path: ToolPath, setup: Setup) -> dict[str, Any]:
 class KeptChunks:
     """The file of finished chunks."""
 
-    def __init__(self, path: Path, about: dict[str, Any]) -> None:
+    def __init__(self, path: Path, about: dict[str, object]) -> None:
         self.path, self.about = path, about
         try:
             if not path.exists():
@@ -106,7 +107,7 @@ class KeptChunks:
         except OSError as error:
             raise InputError(f"{path}: {(error.strerror or str(error)).lower()}; choose another file") from error
 
-    def _known(self) -> dict[str, Any]:
+    def _known(self) -> dict[str, object]:
         with self.path.open(encoding="utf-8") as file:
             line = file.readline()
         try:
@@ -141,7 +142,7 @@ class KeptChunks:
         """Keep a chunk."""
         self._append({"blocks": count, "found": {k: [asdict(x) for x in some] for k, some in found.items()}}, "a")
 
-    def _append(self, table: dict[str, Any], mode: str) -> None:
+    def _append(self, table: dict[str, object], mode: str) -> None:
         with self.path.open(mode, encoding="utf-8") as file:
             file.write(json.dumps(table) + "\n")
             file.flush()

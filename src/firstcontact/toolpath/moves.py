@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import fmpq
@@ -20,6 +20,9 @@ from firstcontact.motion.poses import BITS, sqrt_near
 from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.rotation import Rotation
 from firstcontact.motion.screw import Screw
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Shape
 
 ZERO, ONE = fmpq(0), fmpq(1)
 UP: Vector = (ZERO, ZERO, ONE)
@@ -57,7 +60,7 @@ class Line:
     def length(self) -> float:
         return _norm(sub(self.end, self.start))
 
-    def moving(self, solid: Any) -> Moving:
+    def moving(self, solid: Shape) -> Moving:
         """The solid, whose tip is at the origin, along the way over the time (0, 1)."""
         # not the solid placed at the start: what searches keep on it serves every block
         placed: Moving = solid.moving(RationalMotion(_shifts([self.start, sub(self.end, self.start)], [ONE, ZERO])))
@@ -100,7 +103,7 @@ class Arc:
     def length(self) -> float:
         return math.hypot(self.angle * self.radius, to_double(self.advance))
 
-    def moving(self, solid: Any) -> Moving:
+    def moving(self, solid: Shape) -> Moving:
         given: dict[str, Any] = {"turns": self.turns} if self.turns else {"radians": self.radians}
         motion: Any = Rotation(UP, self.centre, **given)
         if self.advance:
@@ -164,7 +167,7 @@ class Bow:
         shift = scaled(2 / (1 + k * k), add(scaled(-k * k, self._out), scaled(k, side)))
         return add(self.start, add(shift, scaled(self.advance, self.normal)))
 
-    def moving(self, solid: Any) -> Moving:
+    def moving(self, solid: Shape) -> Moving:
         k, out, side = self.tangent, self._out, cross(self.normal, self._out)
         places = [  # of 1, t, t^2, t^3, times the weight 1 + k^2 t^2
             self.start,
@@ -216,7 +219,7 @@ class Swing:
     def length(self) -> float:
         return _norm(sub(self.end, self.start))
 
-    def moving(self, solid: Any) -> Moving:
+    def moving(self, solid: Shape) -> Moving:
         first = _turn_between(UP, self.axis0)
         turns = [first, _product(_turn_between(self.axis0, self.axis1), first)]
         motion = RationalMotion.between(self.start, self.end, quat_wxyz=turns)
@@ -249,6 +252,8 @@ class Swing:
 
 
 Stretch = Line | Arc | Bow | Swing
+Quaternion = tuple[fmpq, fmpq, fmpq, fmpq]
+"""(w, x, y, z)."""
 
 
 def _parts(bend: float, fine: float) -> int:
@@ -256,7 +261,7 @@ def _parts(bend: float, fine: float) -> int:
     return min(max(1, math.ceil(math.sqrt(bend / fine))), MOST_PARTS)
 
 
-def _turn_between(u: Vector, v: Vector) -> tuple[fmpq, fmpq, fmpq, fmpq]:
+def _turn_between(u: Vector, v: Vector) -> Quaternion:
     """A quaternion (w, x, y, z) that turns the direction u the short way into v, within 2^-60."""
     x, y, z = cross(u, v)
     if dot(u, v) < 0 and not (x or y or z):  # only +z into -z: any way round does
@@ -265,7 +270,7 @@ def _turn_between(u: Vector, v: Vector) -> tuple[fmpq, fmpq, fmpq, fmpq]:
     return length + dot(u, v), x, y, z
 
 
-def _product(p: tuple[Any, ...], q: tuple[Any, ...]) -> tuple[Any, ...]:
+def _product(p: Quaternion, q: Quaternion) -> Quaternion:
     """Of quaternions: q first, then p."""
     a, x = p[0], p[1:]
     b, y = q[0], q[1:]

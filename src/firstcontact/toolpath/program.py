@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 from firstcontact.errors import InputError
 from firstcontact.motion.translation import vector3
@@ -15,6 +15,10 @@ from firstcontact.toolpath.cl import read_cl
 from firstcontact.toolpath.gcode import read_gcode
 from firstcontact.toolpath.rules import CUTTING, Allowed
 from firstcontact.toolpath.tool import Tool
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
+    from firstcontact.exact.numbers import Given
 
 READERS = {
     **dict.fromkeys((".nc", ".ngc", ".gcode", ".tap", ".cnc", ".ncc", ".gc", ".mpf", ".txt"), read_gcode),
@@ -30,7 +34,7 @@ class ToolPath:
     Raises InputError that names line and word, when it comes to what it does not read.
     """
 
-    def __init__(self, path: str | Path, *, start: Any = None, unit: str = "mm") -> None:
+    def __init__(self, path: str | Path, *, start: Iterable[Given] | None = None, unit: str = "mm") -> None:
         self.path, self.unit = Path(path), unit or "mm"
         if self.unit not in ("mm", "in", "inch"):
             raise InputError(f"{self.path}: lengths of the scene are in {unit!r}; tool paths are read in mm or inch")
@@ -44,7 +48,7 @@ class ToolPath:
         return self._read(self.path, self.start, self.unit)
 
     def verdicts(
-        self, tools: Tool | Iterable[Tool], bodies: Mapping[str, Any], *, allow: Iterable[Allowed] = CUTTING,
+        self, tools: Tool | Iterable[Tool], bodies: Mapping[str, Body], *, allow: Iterable[Allowed] = CUTTING,
         workers: int | None = None, resume: str | Path | None = None,
         progress: Callable[[int, int], None] | None = None,
     ) -> Iterator[Verdict]:  # fmt: skip

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import hypot
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from flint import fmpq
 
@@ -14,6 +14,9 @@ from firstcontact.body.solid.composite_quadric import CompositeQuadric
 from firstcontact.body.solid.primitives import frustum
 from firstcontact.errors import InputError, shown
 from firstcontact.exact.numbers import rational, to_double
+
+if TYPE_CHECKING:
+    from firstcontact.exact.numbers import Given
 
 KINDS = "cutter", "holder"
 
@@ -63,8 +66,9 @@ class Tool:
     """
 
     def __init__(
-        self, segments: Iterable[Sequence[Any]], name: str | None = None, *, number: int | None = None
-    ) -> None:
+        self, segments: Iterable[Sequence[Given | Sequence[Given]]], name: str | None = None, *,
+        number: int | None = None,
+    ) -> None:  # fmt: skip
         self.name, self.number = name, number
         who = name or "tool"
         made: list[Segment] = []
@@ -92,7 +96,7 @@ def _segment(given: Sequence[Any], low: fmpq, who: str) -> Segment:
     name, kind, diameter, length = given
     if not isinstance(name, str) or not name:
         raise InputError(f"{who}: its name is {shown(name)}; give a text")
-    if kind not in KINDS:
+    if not isinstance(kind, str) or kind not in KINDS:
         raise InputError(f"{who} ({name}): kind {shown(kind)} is unknown; give one of {', '.join(KINDS)}")
     pair = diameter if isinstance(diameter, tuple | list) else (diameter, diameter)
     if len(pair) != 2:

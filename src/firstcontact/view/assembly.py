@@ -5,13 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from firstcontact.result import FirstContact, Status
 from firstcontact.view.drawing import Drawing, drawing_alone
 from firstcontact.view.pair import at_rest
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
 
 MOST_PAIRS, MOST_FREE = 400, 40
 """Pairs of a page, and up to how many pairs in all those are on it of which nothing is to be seen."""
@@ -23,7 +26,7 @@ MOST_TRIANGLES = 350_000
 class Assembly:
     """All bodies of a scene by name, and the unit of its lengths."""
 
-    bodies: Mapping[str, Any]
+    bodies: Mapping[str, Body]
     unit: str = ""
 
 

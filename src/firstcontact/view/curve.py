@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, TypedDict
 
 import numpy as np
 
@@ -71,7 +71,16 @@ def _directrices(curve: IntersectionCurve) -> np.ndarray:
     return points[np.isfinite(points).all(axis=1)]
 
 
-def layers(curve: IntersectionCurve, drawn: tuple[Drawing, Drawing]) -> list[dict[str, Any]]:
+class Layer(TypedDict):
+    """What is drawn of a curve; points (n, 3)."""
+
+    name: str
+    colour: str
+    kind: str
+    points: np.ndarray
+
+
+def layers(curve: IntersectionCurve, drawn: tuple[Drawing, Drawing]) -> list[Layer]:
     """The layers: name, colour, points (n, 3), kind ("fill", "line", "thick line", "node", "cusp", "isolated", "open").
 
     Points of a fill are corners of triangles, those of lines the ends of segments.
@@ -105,7 +114,7 @@ def layers(curve: IntersectionCurve, drawn: tuple[Drawing, Drawing]) -> list[dic
     if curve.open_places:
         places = np.array([place.point for place in curve.open_places])
         found.append(("undecided places", UNDECIDED, "open", places))
-    return [dict(zip(("name", "colour", "kind", "points"), layer, strict=True)) for layer in found]
+    return [Layer(name=name, colour=colour, kind=kind, points=points) for name, colour, kind, points in found]
 
 
 def _lengthened(line: np.ndarray, centre: np.ndarray, reach: float) -> np.ndarray:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,6 +21,9 @@ from firstcontact.view import compound, ruled
 from firstcontact.view.curve import sight
 from firstcontact.view.geometry import element_vertices, face_outline, sharp_edges
 from firstcontact.view.pair import Pair, at_rest, pose
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body, Shape
 
 # Distance between a solid and its triangles, as a part of its size: half a pixel of a picture that it fills.
 TOLERANCE = 1 / 800
@@ -97,7 +101,7 @@ def drawings(pair: Pair, known: dict[int, Drawing] | None = None) -> tuple[Drawi
     return first, second
 
 
-def _drawing(pair: Pair, body: Any, other: Any, known: dict[int, Drawing]) -> Drawing:
+def _drawing(pair: Pair, body: Body, other: Body, known: dict[int, Drawing]) -> Drawing:
     rest = at_rest(body)
     drawing = drawing_alone(rest, known)
     if drawing is not None:
@@ -111,7 +115,7 @@ def _drawing(pair: Pair, body: Any, other: Any, known: dict[int, Drawing]) -> Dr
     return _solid(rest, *_box_near(pair, body, other))
 
 
-def drawing_alone(rest: Any, known: dict[int, Drawing]) -> Drawing | None:
+def drawing_alone(rest: Shape, known: dict[int, Drawing]) -> Drawing | None:
     """A body at rest, as it is drawn whatever it is beside; None of bodies without end, and of those that deform."""
     if id(rest) in known:
         return known[id(rest)]
@@ -131,7 +135,7 @@ def drawing_alone(rest: Any, known: dict[int, Drawing]) -> Drawing | None:
     return drawing
 
 
-def _box_near(pair: Pair, body: Any, other: Any) -> tuple[np.ndarray, np.ndarray]:
+def _box_near(pair: Pair, body: Body, other: Body) -> tuple[np.ndarray, np.ndarray]:
     """The part of an unbounded body that is drawn: near where the other one passes, in the body's frame."""
     lo, hi = other.bounds(pair.window)
     if not np.all(np.isfinite([lo, hi])) and pair.curve is not None:
@@ -209,7 +213,7 @@ def _segments(edge: Edge, centre: np.ndarray, reach: float) -> np.ndarray:
     return np.concatenate(found)
 
 
-def _parameters(edge: Edge, lo: float, hi: float, centre: np.ndarray, reach: float) -> Any:
+def _parameters(edge: Edge, lo: float, hi: float, centre: np.ndarray, reach: float) -> Sequence[float] | np.ndarray:
     if isinstance(edge.carrier, QuarticCurve):
         return np.linspace(lo, hi, min(int(hi - lo), 4 * CHORDS) + 1)
     if edge.frame.shape[1] == 2:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import partial
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -27,6 +27,12 @@ from firstcontact.view.joints import Joints, linkage_of
 from firstcontact.view.pair import Pair, Result, at_rest, is_moving, pairs_of, pose
 from firstcontact.view.picture import HEIGHT, WIDTH, picture
 from firstcontact.view.poses import sample_poses
+
+if TYPE_CHECKING:
+    from numpy.typing import DTypeLike
+
+    from firstcontact.body.kinds import Body
+    from firstcontact.result import Json
 
 # Most contact intervals written out as text; the timeline shows them all.
 MOST_LISTED = 6
@@ -68,7 +74,7 @@ class Frame:
 
 
 def show_page(
-    path: str | Path | None, results: Iterable[Any], assembly: Assembly | None = None
+    path: str | Path | None, results: Iterable[Result], assembly: Assembly | None = None
 ) -> Path | Frame:
     """As `write_page`; in a notebook, without a path, the page as its cell shows it."""
     if path is None and _in_notebook():
@@ -101,13 +107,14 @@ def page_text(results: Iterable[Result], assembly: Assembly | None = None) -> st
     pairs = pairs_of(results if assembly is None else shown(results))
     meshes, joints = _Meshes(), Joints(partial(_base64, dtype=np.float64))
     written = [_pair(pair, meshes, joints) for pair in pairs]
+    title = " and ".join(pairs[0].names)
     content: dict[str, Any] = {"meshes": meshes.written, "pairs": written}
     if assembly is not None:
         content |= {"unit": assembly.unit, "assembly": _whole(assembly, pairs, meshes, joints)}
     content |= joints.written()
     data = json.dumps(content, allow_nan=False)
     parts = {
-        "title": html.escape(written[0]["title"] + ("" if len(written) == 1 else f" and {len(written) - 1} more")),
+        "title": html.escape(title + ("" if len(written) == 1 else f" and {len(written) - 1} more")),
         "style": _asset("page.css"),
         "licence": html.escape(_asset("three.LICENSE.txt")),
         "three": _asset("three.js"),
@@ -128,7 +135,7 @@ class _Meshes:
     """The meshes of a page, each written once however many pairs name it."""
 
     def __init__(self) -> None:
-        self.written: list[dict[str, Any]] = []
+        self.written: list[dict[str, Json]] = []
         self.known: dict[int, Drawing] = {}  # of bodies by their ids, which it keeps alive
         self._index: dict[int, int] = {}
         self._alike: dict[str, int] = {}
@@ -144,12 +151,12 @@ class _Meshes:
         return self._index[id(drawing)]
 
 
-def _mesh(drawing: Drawing) -> dict[str, Any]:
+def _mesh(drawing: Drawing) -> dict[str, Json]:
     """Vertices about the body's centre in units of its size: float32 keeps what is small beside it."""
     centre, size = drawing.frame
     wide = len(drawing.vertices) > 65535  # index 65535 means "restart" to WebGL
     index_type = np.uint32 if wide else np.uint16
-    mesh = {
+    mesh: dict[str, Json] = {
         "vertices": _base64((drawing.vertices - centre) / size, np.float32),
         "triangles": _base64(drawing.triangles, index_type),
         "lines": _base64(drawing.lines, index_type),
@@ -164,7 +171,7 @@ def _mesh(drawing: Drawing) -> dict[str, Any]:
     return mesh
 
 
-def _base64(array: np.ndarray, dtype: Any) -> str:
+def _base64(array: np.ndarray, dtype: DTypeLike) -> str:
     return base64.b64encode(array.astype(np.dtype(dtype).newbyteorder("<")).tobytes()).decode("ascii")
 
 
@@ -185,7 +192,7 @@ class _View:
             origin = start[:3, :3] @ centre + start[:3, 3]
         return cls(origin, max(size_a, size_b))
 
-    def motion(self, body: Any, drawing: Drawing, times: Iterable[float], joints: Joints) -> dict[str, Any]:
+    def motion(self, body: Body, drawing: Drawing, times: Iterable[float], joints: Joints) -> dict[str, Json]:
         """How a body moves: by its joints, and where it is when all are 0; or by poses, at these times and more."""
         centre, size = drawing.frame
         linkage = linkage_of(body)
@@ -194,14 +201,14 @@ class _View:
         samples, poses = sample_poses(partial(self.pose, body, centre), sorted(set(times)), size / self.unit)
         return {"times": _base64(samples, np.float64), "poses": _base64(poses[:, :3, :], np.float64)}
 
-    def pose(self, body: Any, centre: np.ndarray, t: float) -> np.ndarray:
+    def pose(self, body: Body, centre: np.ndarray, t: float) -> np.ndarray:
         """(4, 4) from the frame at the body's centre to the page's frame, lengths in `unit` on both sides."""
         m = pose(body, t)
         m[:3, 3] = (m[:3, 3] + m[:3, :3] @ centre - self.origin) / self.unit
         return m
 
 
-def _pair(pair: Pair, meshes: _Meshes, joints: Joints) -> dict[str, Any]:
+def _pair(pair: Pair, meshes: _Meshes, joints: Joints) -> dict[str, Json]:
     """Everything the page needs about one pair."""
     first = pair.first
     drawn = drawings(pair, meshes.known)
@@ -231,7 +238,7 @@ def _pair(pair: Pair, meshes: _Meshes, joints: Joints) -> dict[str, Any]:
     }
 
 
-def _whole(assembly: Assembly, pairs: list[Pair], meshes: _Meshes, joints: Joints) -> dict[str, Any]:
+def _whole(assembly: Assembly, pairs: list[Pair], meshes: _Meshes, joints: Joints) -> dict[str, Json]:
     """Every body that can be drawn alone, in a frame of all; which of them each pair is about, by their numbers."""
     in_pairs = {id(at_rest(x)) for pair in pairs for x in (pair.a, pair.b)}
     found = drawn(assembly, in_pairs, meshes.known)
@@ -253,7 +260,7 @@ def _whole(assembly: Assembly, pairs: list[Pair], meshes: _Meshes, joints: Joint
     return {"bodies": bodies, "members": members, "origin": view.origin.tolist(), "unit": view.unit}
 
 
-def _within(body: Any, window: tuple[float, float]) -> tuple[float, float]:
+def _within(body: Body, window: tuple[float, float]) -> tuple[float, float]:
     """The part of the window in which the body has poses."""
     if not is_moving(body) or body.motion.extends:
         return window
@@ -267,17 +274,20 @@ def _status(pair: Pair) -> str:
     return "APART" if pair.curve.empty else "CURVE"
 
 
-def _layers(curve: IntersectionCurve, drawn: tuple[Drawing, Drawing], view: _View) -> list[dict[str, Any]]:
+def _layers(curve: IntersectionCurve, drawn: tuple[Drawing, Drawing], view: _View) -> list[dict[str, Json]]:
     """What lies on both surfaces, in the page's frame; what each of its items is says `firstcontact.view.curve`."""
     return [
-        {**layer, "points": ((layer["points"] - view.origin) / view.unit).ravel().tolist()}
+        {
+            "name": layer["name"], "colour": layer["colour"], "kind": layer["kind"],
+            "points": ((layer["points"] - view.origin) / view.unit).ravel().tolist(),
+        }
         for layer in layers(curve, drawn)
     ]
 
 
 def _body(
-    pair: Pair, body: Any, drawing: Drawing, elements: list[Element], view: _View, meshes: _Meshes, joints: Joints
-) -> dict[str, Any]:
+    pair: Pair, body: Body, drawing: Drawing, elements: list[Element], view: _View, meshes: _Meshes, joints: Joints
+) -> dict[str, Json]:
     centre, size = drawing.frame
     lo, hi = pair.window
     times = (lo, hi, *(t for t in pair.moments if lo <= t <= hi)) if is_moving(body) else (lo,)
@@ -291,7 +301,7 @@ def _body(
     }
 
 
-def _carried_point(pair: Pair, body: Any, centre: np.ndarray, view: _View) -> np.ndarray:
+def _carried_point(pair: Pair, body: Body, centre: np.ndarray, view: _View) -> np.ndarray:
     """The point of the body whose path is drawn, in its own frame: where it touches, or its centre."""
     if pair.first is None or pair.first.point is None or pair.contact_time is None:
         return np.zeros(3)
@@ -299,7 +309,7 @@ def _carried_point(pair: Pair, body: Any, centre: np.ndarray, view: _View) -> np
     return -m[:3, :3].T @ m[:3, 3]
 
 
-def _element(drawing: Drawing, element: Element, names: tuple[str, str]) -> dict[str, Any]:
+def _element(drawing: Drawing, element: Element, names: tuple[str, str]) -> dict[str, Json]:
     """Corners and, for a face, border of an element in the coordinates of its mesh."""
     centre, size = drawing.frame
     outline = drawing.outline(element.index) - centre if element.kind == "face" else np.empty((0, 3))

@@ -6,7 +6,7 @@ The page poses links by the product of their joints itself, so that joints can b
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,10 +14,16 @@ from firstcontact.exact.numbers import to_double
 from firstcontact.motion.linkage import Drive, Linkage
 from firstcontact.motion.relative.reach import line_of
 
+if TYPE_CHECKING:
+    from flint import fmpq
+
+    from firstcontact.body.kinds import Body
+    from firstcontact.result import Json
+
 Encoded = Callable[[np.ndarray], str]
 
 
-def linkage_of(body: Any) -> Linkage | None:
+def linkage_of(body: Body) -> Linkage | None:
     """The motion of a link, of a body that moves as one."""
     motion = getattr(body, "motion", None)
     return motion if isinstance(motion, Linkage) else None
@@ -32,7 +38,7 @@ class Joints:
     def __init__(self, encode: Encoded) -> None:
         self._encode = encode
         self._drives: list[tuple[Drive, int]] = []  # with the number of its clock
-        self._clocks: list[tuple[Any, ...]] = []
+        self._clocks: list[tuple[fmpq, ...]] = []
         self._known: dict[tuple[int, int], tuple[int, Drive]] = {}  # by the ids of drives, which it keeps alive
 
     def chain(self, linkage: Linkage) -> list[int]:
@@ -50,12 +56,12 @@ class Joints:
             self._known[key] = self._drives.index((drive, clock)), drive
         return self._known[key][0]
 
-    def written(self) -> dict[str, Any]:
+    def written(self) -> dict[str, Json]:
         """Clocks: times (n,).  Joints: axis, point, way in the world, and per stretch four coefficients."""
         clocks = [self._encode(np.array([to_double(t) for t in times])) for times in self._clocks]
         return {"clocks": clocks, "joints": [self._joint(drive, clock) for drive, clock in self._drives]}
 
-    def _joint(self, drive: Drive, clock: int) -> dict[str, Any]:
+    def _joint(self, drive: Drive, clock: int) -> dict[str, Json]:
         axis, point, angle, way = line_of(drive.motion)
         follows = self._followed(drive, clock)
         lo, hi = _range(drive)

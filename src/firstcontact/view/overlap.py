@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from firstcontact.body.ruled.surface import RuledSurface
 from firstcontact.view.ruled import nearest
 
 if TYPE_CHECKING:
+    from firstcontact.body.kinds import Ruled
     from firstcontact.view.drawing import Drawing
 
 COLUMNS, ROWS = 65, 17
@@ -33,21 +34,21 @@ def overlap_triangles(a: Drawing, b: Drawing) -> np.ndarray:
     return a.vertices[a.triangles[on[a.triangles].all(axis=1)]]
 
 
-def _on(body: Any, points: np.ndarray, near: float) -> np.ndarray:
+def _on(body: Ruled, points: np.ndarray, near: float) -> np.ndarray:
     return np.any([distances(piece, points) <= near for piece in body.pieces], axis=0)
 
 
 class _On:
     """Stands for an inequality in the parameters of a piece: whether its point lies on the other body."""
 
-    def __init__(self, piece: RuledSurface, other: Any, near: float) -> None:
+    def __init__(self, piece: RuledSurface, other: Ruled, near: float) -> None:
         self.piece, self.other, self.near = piece, other, near
 
     def values(self, u: np.ndarray, s: np.ndarray) -> np.ndarray:
         return np.where(_on(self.other, self.piece.points(u, s), self.near), 1.0, -1.0)
 
 
-def _part(piece: RuledSurface, other: Any, near: float) -> np.ndarray:
+def _part(piece: RuledSurface, other: Ruled, near: float) -> np.ndarray:
     """The part of a piece with bounded rulings, cut out of a grid of its parameters."""
     assert piece.s is not None
     x = np.linspace(*ends_of(piece), COLUMNS)

@@ -5,13 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeGuard
 
 import numpy as np
 
 from firstcontact.errors import InputError
+from firstcontact.motion.moving import Moving
 from firstcontact.result import Absent, ContactIntervals, Element, FirstContact, Status
 from firstcontact.result_curve import IntersectionCurve
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body, Shape
 
 # What a stretch of the timeline says about the two bodies.
 FREE, CONTACT, UNDECIDED, NOT_ASKED = "free", "contact", "undecided", "not asked"
@@ -23,8 +27,8 @@ Result = FirstContact | ContactIntervals | IntersectionCurve
 class Pair:
     """Two bodies and what is known about them: a first contact, the contact intervals, or both; or their curve."""
 
-    a: Any
-    b: Any
+    a: Body
+    b: Body
     span: tuple[float, float]
     first: FirstContact | None = None
     intervals: ContactIntervals | None = None
@@ -145,15 +149,16 @@ def pairs_of(results: Iterable[Result]) -> list[Pair]:
     return pairs
 
 
-def at_rest(body: Any) -> Any:
+def at_rest(body: Body) -> Shape:
     """The body itself, without its motion."""
-    return getattr(body, "body", body)
+    rest: Shape = body.body if isinstance(body, Moving) else body
+    return rest
 
 
-def is_moving(body: Any) -> bool:
+def is_moving(body: Body) -> TypeGuard[Moving]:
     return hasattr(body, "motion")
 
 
-def pose(body: Any, t: float) -> np.ndarray:
+def pose(body: Body, t: float) -> np.ndarray:
     """The (4, 4) float64 pose of a body at time t, resting or moving."""
     return np.asarray(body.motion(t), float) if is_moving(body) else np.eye(4)

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import struct
 import zlib
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from firstcontact.view.drawing import Drawing, drawings
 from firstcontact.view.pair import Pair, pose
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
 
 WIDTH, HEIGHT = 300, 210
 # Pixels of the drawing across one of the picture, and its empty border.
@@ -109,7 +113,7 @@ def picture(pair: Pair) -> bytes:
     return canvas.png()
 
 
-def _seen(body: object, drawing: Drawing, time: float) -> np.ndarray:
+def _seen(body: Body, drawing: Drawing, time: float) -> np.ndarray:
     """(n, 3) vertices as the eye sees them at that time."""
     m = pose(body, time)
     seen: np.ndarray = (drawing.vertices @ m[:3, :3].T + m[:3, 3]) @ EYE.T

@@ -8,7 +8,7 @@ import sys
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,6 +16,13 @@ from firstcontact.errors import InputError
 from firstcontact.result import ContactIntervals, Element, FirstContact
 from firstcontact.view.drawing import Drawing, contact_curve, drawings
 from firstcontact.view.pair import Pair, is_moving, pairs_of, pose
+
+if TYPE_CHECKING:
+    from types import ModuleType
+
+    from pyvista import Actor, Plotter, PolyData
+
+    from firstcontact.body.kinds import Body
 
 BODY_COLOURS = "#6f9cc2", "#e3b87c"
 LINE_COLOURS = "#1f3e5a", "#7c5217"
@@ -68,12 +75,12 @@ def _require_drawing() -> None:
             raise InputError(f"drawing a PNG needs {names}: apt-get install libegl1 libgl1")
 
 
-def _pyvista() -> Any:
+def _pyvista() -> ModuleType:
     """The module, imported when a picture is drawn: it takes a second."""
     return import_module("pyvista")
 
 
-def _draw(plotter: Any, pair: Pair) -> None:
+def _draw(plotter: Plotter, pair: Pair) -> None:
     t = pair.window[0] if pair.contact_time is None else pair.contact_time
     drawn = drawings(pair)
     posed = []
@@ -94,7 +101,7 @@ def _posed(points: np.ndarray, m: np.ndarray) -> np.ndarray:
     return points @ m[:3, :3].T + m[:3, 3]
 
 
-def _surface(drawing: Drawing, m: np.ndarray) -> Any:
+def _surface(drawing: Drawing, m: np.ndarray) -> PolyData:
     """The body in pose m (4, 4); smooth where the drawing has normals."""
     vertices = _posed(drawing.vertices, m)
     if not len(drawing.triangles):
@@ -107,13 +114,13 @@ def _surface(drawing: Drawing, m: np.ndarray) -> Any:
     return surface
 
 
-def _segments(points: np.ndarray, ends: np.ndarray) -> Any:
+def _segments(points: np.ndarray, ends: np.ndarray) -> PolyData:
     """Lines between points (n, 3); ends: (k, 2) indices."""
     lines = np.column_stack([np.full(len(ends), 2), ends]).ravel()
     return _pyvista().PolyData(points, lines=lines)
 
 
-def _draw_body(plotter: Any, drawing: Drawing, surface: Any, which: int) -> None:
+def _draw_body(plotter: Plotter, drawing: Drawing, surface: PolyData, which: int) -> None:
     actor = plotter.add_mesh(
         surface,
         color=BODY_COLOURS[which],
@@ -129,7 +136,7 @@ def _draw_body(plotter: Any, drawing: Drawing, surface: Any, which: int) -> None
         plotter.add_mesh(lines, color=LINE_COLOURS[which], opacity=0.6, line_width=1.5 * SAMPLES)
 
 
-def _draw_motion(plotter: Any, pair: Pair, body: Any, drawing: Drawing, which: int, t: float) -> None:
+def _draw_motion(plotter: Plotter, pair: Pair, body: Body, drawing: Drawing, which: int, t: float) -> None:
     """The start pose, faint, and the path of the touching point (of the centre when there is none)."""
     lo, hi = pair.window
     if t > lo:
@@ -146,7 +153,7 @@ def _draw_motion(plotter: Any, pair: Pair, body: Any, drawing: Drawing, which: i
     plotter.add_mesh(_segments(path, ends), color=LINE_COLOURS[which], line_width=2.5 * SAMPLES, opacity=0.7)
 
 
-def _draw_element(plotter: Any, drawing: Drawing, element: Element, m: np.ndarray, strong: bool) -> None:
+def _draw_element(plotter: Plotter, drawing: Drawing, element: Element, m: np.ndarray, strong: bool) -> None:
     """A touched element; of faces beside the reported one only the outline."""
     corners = _posed(drawing.corners(element), m)
     if element.kind == "face":
@@ -161,7 +168,7 @@ def _draw_element(plotter: Any, drawing: Drawing, element: Element, m: np.ndarra
         _in_front(plotter.add_mesh(lines, color=ACCENT, line_width=(4 if strong else 2) * SAMPLES), -4)
 
 
-def _in_front(actor: Any, units: float) -> None:
+def _in_front(actor: Actor, units: float) -> None:
     """Draw an actor as if it were a little nearer, so that it wins over the surface it lies in."""
     mapper = actor.mapper
     mapper.SetResolveCoincidentTopologyToPolygonOffset()
@@ -171,7 +178,7 @@ def _in_front(actor: Any, units: float) -> None:
 
 
 def _draw_contact(
-    plotter: Any, point: np.ndarray, normal: np.ndarray | None, curve: np.ndarray, length: float
+    plotter: Plotter, point: np.ndarray, normal: np.ndarray | None, curve: np.ndarray, length: float
 ) -> None:
     """The contact point, its normal and the shared curve (n, 3) on layers of their own, which nothing hides."""
     from vtkmodules.vtkRenderingCore import vtkRenderer
@@ -198,8 +205,9 @@ def _draw_contact(
 
 
 def _aim(
-    plotter: Any, pair: Pair, drawn: tuple[Drawing, Drawing], posed: list[Any], point: Any, normal: Any
-) -> float:
+    plotter: Plotter, pair: Pair, drawn: tuple[Drawing, Drawing], posed: list[PolyData],
+    point: np.ndarray | None, normal: np.ndarray | None,
+) -> float:  # fmt: skip
     """Look at both bodies, from where the contact point is in sight; the radius of what is looked at."""
     corners = [mesh.bounds for mesh in posed]
     for body, drawing in zip((pair.a, pair.b), drawn, strict=True):
@@ -226,7 +234,9 @@ def _diagonal(lower: np.ndarray, upper: np.ndarray) -> float:
     return float(np.linalg.norm(upper - lower))
 
 
-def _view_direction(solid: list[Any], point: Any, normal: Any, radius: float) -> np.ndarray:
+def _view_direction(
+    solid: list[PolyData], point: np.ndarray | None, normal: np.ndarray | None, radius: float
+) -> np.ndarray:
     """Unit vector to the eye: near the usual one, across the normal, the contact in sight if possible."""
     usual = np.array([0.5, -0.75, 0.45]) / np.linalg.norm([0.5, -0.75, 0.45])
     if point is None:

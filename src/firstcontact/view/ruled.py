@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,6 +10,9 @@ from firstcontact.body.ruled.mesh import clipped, ends_of, grid_triangles, param
 from firstcontact.body.ruled.surface import RuledSurface
 from firstcontact.errors import InputError
 from firstcontact.result import Element
+
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Ruled
 
 # Rulings drawn on a piece, and chords of a curve.
 RULINGS, CHORDS = 17, 128
@@ -22,17 +25,17 @@ Parts = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 """Vertices (n, 3), triangles (m, 3), the piece of each triangle (m,), and lines (k, 2) of vertex numbers."""
 
 
-def bounded_parts(body: Any, tolerance: float) -> Parts:
+def bounded_parts(body: Ruled, tolerance: float) -> Parts:
     """A RuledSurface or RuledStrip with bounded rulings, at rest."""
     return _joined([_piece(piece, *piece_triangles(piece, tolerance)) for piece in body.pieces])
 
 
-def parts_in_sight(body: Any, centre: np.ndarray, reach: float) -> Parts:
+def parts_in_sight(body: Ruled, centre: np.ndarray, reach: float) -> Parts:
     """Of whole rulings: of each that comes within `reach` of the centre, `reach` to both sides of its nearest point."""
     return _joined([_window(piece, centre, reach) for piece in body.pieces])
 
 
-def deforming_parts(body: Any, times: np.ndarray) -> tuple[np.ndarray, Parts]:
+def deforming_parts(body: Ruled, times: np.ndarray) -> tuple[np.ndarray, Parts]:
     """(k,) those of the times at which all of it is finite, and the parts, whose vertices are (k, n, 3)."""
     if not body.bounded:
         raise InputError(f"cannot draw {body.name or 'a ruled surface'} while its whole rulings deform; give .at(t)")
@@ -91,7 +94,7 @@ def _borders(triangles: np.ndarray) -> np.ndarray:
     return sides[count == 1]
 
 
-def element_corners(body: Any, parts: Parts, element: Element) -> np.ndarray:
+def element_corners(body: Ruled, parts: Parts, element: Element) -> np.ndarray:
     """(3 k, 3) triangles of a face, (2 k, 3) ends of segments along a directrix, ruling or edge, (1, 3) of a vertex."""
     vertices, triangles, owner, _ = parts
     if element.kind == "edge":

@@ -117,7 +117,7 @@ class Compound(Placing):
         told: np.ndarray = np.any(found, axis=0)
         return told
 
-    def _with(self, **changes: Any) -> Compound:
+    def _with(self, **changes: object) -> Compound:
         other = object.__new__(Compound)
         other.__dict__.update(self.__dict__)
         other.__dict__.update(changes)

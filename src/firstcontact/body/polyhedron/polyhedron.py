@@ -22,6 +22,8 @@ from firstcontact.exact.rigid import IDENTITY, Matrix, apply, compose
 from firstcontact.motion.value import numbers
 
 if TYPE_CHECKING:
+    import trimesh
+
     from firstcontact.exact.numbers import Given
     from firstcontact.exact.ring import VectorOf
     from firstcontact.motion.placement import Placement
@@ -96,7 +98,7 @@ class Polyhedron(Placing):
             raise InputError(f"{name or 'from_trimesh'}: {mesh!r} is no mesh; give a trimesh.Trimesh")
         return cls(np.asarray(mesh.vertices), np.asarray(mesh.faces), solid=solid, name=name)
 
-    def to_trimesh(self) -> Any:
+    def to_trimesh(self) -> trimesh.Trimesh:
         import trimesh
 
         return trimesh.Trimesh(self.vertices, self.triangles, process=False)
@@ -147,7 +149,7 @@ class Polyhedron(Placing):
             faces = *(x.tobytes() for x in self._rings), np.asarray(self._sides).tobytes()
         return self.solid, self._places(), faces, self.edges.tobytes()
 
-    def _places(self) -> Any:
+    def _places(self) -> Hashable:
         """The exact coordinates of the vertices, hashable: doubles where they are exact."""
         if self.error == 0.0:
             return (self.vertices + 0.0).tobytes()  # without -0.0
@@ -169,7 +171,7 @@ class Polyhedron(Placing):
 
     # -- inside ---------------------------------------------------------------------------------------------
 
-    def _with(self, **changes: Any) -> Polyhedron:
+    def _with(self, **changes: object) -> Polyhedron:
         """A copy with some attributes replaced; search structures are shared when geometry is."""
         other = object.__new__(Polyhedron)
         other.__dict__.update(self.__dict__)
@@ -324,7 +326,7 @@ def _read_faces(
     body.triangles.flags.writeable = False
 
 
-def _polygons(rings: tuple[np.ndarray, np.ndarray], sides: Any) -> list[Any]:
+def _polygons(rings: tuple[np.ndarray, np.ndarray], sides: Any) -> list[list[int] | list[list[int]]]:
     """The faces as they were given: a ring of vertices, or a list of rings where there are holes."""
     counts, sizes = rings
     parts = [ring.tolist() for ring in np.split(sides[:, 0], np.cumsum(sizes)[:-1])] if len(sizes) else []

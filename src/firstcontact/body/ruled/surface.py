@@ -320,7 +320,7 @@ class RuledSurface(Placing):
         inner |= {f"s{k}" for k in (0, 1) if self.s is None or s[k] != self.s[k]}
         return self._with(u=u, s=s, trim=(), joined=self.joined | inner)
 
-    def _with(self, **changes: Any) -> RuledSurface:
+    def _with(self, **changes: object) -> RuledSurface:
         other = object.__new__(RuledSurface)
         other.__dict__.update(self.__dict__)
         other.__dict__.update(_search={})

@@ -267,7 +267,7 @@ class CompositeQuadric(Placing):
 
     # -- placing --------------------------------------------------------------------------------------------
 
-    def _with(self, **changes: Any) -> CompositeQuadric:
+    def _with(self, **changes: object) -> CompositeQuadric:
         other = object.__new__(CompositeQuadric)
         other.__dict__.update(self.__dict__)
         other.__dict__.update(_search={}, whole=None, source=None)

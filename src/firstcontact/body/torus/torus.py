@@ -81,7 +81,7 @@ class Torus(Placing):
 
     # -- placing --------------------------------------------------------------------------------------------
 
-    def _with(self, **changes: Any) -> Torus:
+    def _with(self, **changes: object) -> Torus:
         own: dict[str, Any] = {"major": self.major, "minor": self.minor, "matrix": self.matrix, "name": self.name}
         return Torus(**own | changes)
 

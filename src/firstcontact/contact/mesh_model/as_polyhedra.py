@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact.mesh_model.planar_solid import planar
@@ -15,11 +15,14 @@ from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.result import ContactIntervals, ContactSet, Element, ElementPair, FirstContact, Status
 from firstcontact.work import Query
 
+if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
+
 LATER = "point", "normal", "element_a", "element_b", "others", "multiplicity", "contact_set"
 """What a contact tells of its place, worked out when it is asked for."""
 
 
-def are_taken(a: Any, b: Any) -> bool:
+def are_taken(a: Body, b: Body) -> bool:
     """Whether one of two bodies is a mesh, bare edges and points apart, and the other one a solid of planes."""
     mesh, solid = (a, b) if isinstance(shape_of(a), Polyhedron) else (b, a)
     if not isinstance(shape_of(mesh), Polyhedron) or isinstance(shape_of(solid), Polyhedron):
@@ -27,7 +30,7 @@ def are_taken(a: Any, b: Any) -> bool:
     return len(shape_of(mesh).triangles) > 0 and planar(shape_of(solid)) is not None
 
 
-def first(query: Query, _: Any = None) -> FirstContact | Passed:
+def first(query: Query, _: object = None) -> FirstContact | Passed:
     """The first contact of the two as polyhedra."""
     found = polyhedra.first(_asked(query))
     if found.status in (Status.CONTACT, Status.INITIAL_CONTACT):
@@ -35,7 +38,7 @@ def first(query: Query, _: Any = None) -> FirstContact | Passed:
     return decided(replace(found, **query.shared), query)
 
 
-def intervals(query: Query, _: Any = None) -> ContactIntervals | Passed:
+def intervals(query: Query, _: object = None) -> ContactIntervals | Passed:
     """All times of contact of the two as polyhedra."""
     return decided(replace(polyhedra.intervals(_asked(query)), **query.shared), query)
 
@@ -44,7 +47,7 @@ def _asked(query: Query) -> Query:
     return replace(query, a=as_polyhedron(query.a), b=as_polyhedron(query.b))
 
 
-def as_polyhedron(body: Any) -> Any:
+def as_polyhedron(body: Body) -> Body:
     """A solid of planes as a polyhedron, at rest or moving as it does; others as they are."""
     shape = shape_of(body)
     solid = None if isinstance(shape, Polyhedron) else planar(shape)
@@ -53,19 +56,19 @@ def as_polyhedron(body: Any) -> Any:
     return Moving(solid.polyhedron, body.motion) if isinstance(body, Moving) else solid.polyhedron
 
 
-def in_own_elements(found: FirstContact, a: Any, b: Any) -> FirstContact:
+def in_own_elements(found: FirstContact, a: Body, b: Body) -> FirstContact:
     """The answer about both as polyhedra as one about the bodies themselves; its place waits until it is asked for."""
     known = {x: getattr(found, x) for x in FirstContact.__dataclass_fields__ if x not in LATER}
     return FirstContact.deferring({**known, "a": a, "b": b}, partial(_place, found, a, b))
 
 
-def _place(found: FirstContact, a: Any, b: Any) -> dict[str, Any]:
+def _place(found: FirstContact, a: Body, b: Body) -> dict[str, object]:
     """The fields of LATER; each pair of elements once, of which the polyhedron may have several."""
     known: dict[str, Any] = {x: getattr(found, x) for x in LATER}
     if found.element_a is None or found.element_b is None:
         return known
 
-    def own(element: Element, body: Any, which: str) -> Element:
+    def own(element: Element, body: Body, which: str) -> Element:
         solid = None if isinstance(shape_of(body), Polyhedron) else planar(shape_of(body))
         return element if solid is None else named(solid.model, solid.own(element), which)
 

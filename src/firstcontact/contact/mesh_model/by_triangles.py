@@ -56,6 +56,7 @@ from firstcontact.work import Query, Spent
 
 if TYPE_CHECKING:
     from firstcontact.body.kinds import Body
+    from firstcontact.motion.relative.polynomial import PolynomialPiece
 
 MOST_PRISMS = 16
 """Triangles looked at one by one to tell touching from overlapping."""
@@ -476,7 +477,7 @@ class _Answer:
             self._apart_on_a_side(x, search.pair.piece) for k, x in seen.items() if k not in bare
         )
 
-    def _apart_on_a_side(self, x: Open, piece: Any) -> bool:
+    def _apart_on_a_side(self, x: Open, piece: PolynomialPiece) -> bool:
         points = [self.mesh.exact_vertex(i) for i in self.mesh.triangles[x.primitive].tolist()]
         pairs = ((solid, self.model) if self.mesh_is_a else (self.model, solid) for solid in prisms(points))
         return any(not overlap(Pair(*pair, piece), piece.u_lo) for pair in pairs)

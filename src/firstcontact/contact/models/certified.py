@@ -187,7 +187,7 @@ def contact(models: tuple[Model, Model], found: Advance, query: Query) -> tuple[
     return answer, shares is not None and not (len(named) == 1 and found.elsewhere)
 
 
-def _where(named: Named, normal: np.ndarray | None, shares: Shares | None) -> dict[str, Any]:
+def _where(named: Named, normal: np.ndarray | None, shares: Shares | None) -> dict[str, object]:
     """What a CONTACT result says of the place and of further pairs."""
     return {
         "point": np.array(named[0][2]),

@@ -63,7 +63,7 @@ def certified_intervals(
     return _with_landing(found, models, last, width)
 
 
-def _with_landing(found: Found, models: tuple[Any, Any], last: fmpq, width: float) -> Found:
+def _with_landing(found: Found, models: tuple[Model, Model], last: fmpq, width: float) -> Found:
     """With the contact of the last instant, where all before it is decided and they are proved to touch then."""
     follows = found.intervals and found.intervals[-1].open
     if found.reason != "precision" or follows or above(last) - found.until > width or landing(*models, last) is None:

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
 
 # How far beside an arc to look, as a share of the height of the arc's middle above its chord: of a whole circle of its
 # diameter.
@@ -34,7 +37,7 @@ def along_surface(form: np.ndarray, arc: np.ndarray) -> np.ndarray:
     return places
 
 
-def border(arcs: Sequence[np.ndarray], corners: Sequence[Any]) -> np.ndarray:
+def border(arcs: Sequence[np.ndarray], corners: ArrayLike) -> np.ndarray:
     """(n, 3) the points of the arcs and the corners of a plane patch, in order about their middle."""
     points = np.concatenate([*arcs, np.reshape(corners, (-1, 3))])
     away = points - points.mean(axis=0)

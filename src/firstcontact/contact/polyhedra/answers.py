@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from firstcontact.body.polyhedron.polyhedron import Polyhedron
 from firstcontact.contact.polyhedra.earliest import Found, Pair, Problem, Searched, Window, pairs_at_start
 from firstcontact.contact.polyhedra.facing import NEAR, best_apart
 from firstcontact.exact.numbers import PRECISIONS, Undecidable, precision
@@ -22,9 +21,9 @@ from firstcontact.search.trees.touch import carried_normal, doubles
 from firstcontact.work import Work
 
 if TYPE_CHECKING:
+    from firstcontact.body.kinds import Body
     from firstcontact.work import Shared
 
-Body = Polyhedron | Moving
 # Pairs at a contact whose normals are looked at.
 MOST_NORMALS = 64
 _NAMES = {VERTEX: "vertex", EDGE: "edge", FACE: "face"}
@@ -45,7 +44,7 @@ def _users(body: Any, found: Feature) -> Feature:
     return found
 
 
-def element_pairs(a: Any, b: Any, pairs: list[Pair]) -> list[tuple[ElementPair, Pair]]:
+def element_pairs(a: Body, b: Body, pairs: list[Pair]) -> list[tuple[ElementPair, Pair]]:
     """The pairs in users' terms with the search's own behind each, each once, lowest first.
 
     Of two triangles of one polygon the pair that comes first stands for it.  By the elements of the body that leads,
@@ -178,7 +177,7 @@ def initial_contact(
     return FirstContact.deferring(known, lambda: _where_at_start(problem, found, shared))
 
 
-def _where_at_start(problem: Searched, found: Found, shared: Shared) -> dict[str, Any]:
+def _where_at_start(problem: Searched, found: Found, shared: Shared) -> dict[str, object]:
     """What a result says of the elements that meet at the start: all of them, which the search has not looked for."""
     pairs = _pairs_at_start(problem) or [pair for pair, _ in found.start] or found.pairs
     named = element_pairs(shared["a"], shared["b"], pairs)

@@ -222,7 +222,9 @@ def rotation_groups(moving: Elements, resting: Elements, frame: Frame, tangent: 
     return groups
 
 
-def _turned(a: Point, b: Point, tangent: Callable[[int], float], full: bool) -> Callable[[slice, int], Any]:
+def _turned(
+    a: Point, b: Point, tangent: Callable[[int], float], full: bool
+) -> Callable[[slice, int], tuple[Conjunction, ...]]:
     def conjunctions(chosen: slice, arc: int) -> tuple[Conjunction, ...]:
         c, s = (Bounded(x, _U) for x in ARC_STARTS[arc].tolist())
         begin, end = ((c * x - s * y, s * x + c * y, z) for x, y, z in (_some(p, chosen) for p in (a, b)))

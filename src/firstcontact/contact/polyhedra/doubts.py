@@ -118,5 +118,5 @@ def _window(w: Certain) -> tuple[RationalInstant, RationalInstant]:
     return (start, start) if (w.start, w.begun) == (w.ending, w.end) else (start, end)
 
 
-def _instant(lo: fmpq, hi: fmpq) -> Any:
+def _instant(lo: fmpq, hi: fmpq) -> fmpq | arb:
     return lo if lo == hi else arb(lo).union(arb(hi))

@@ -10,11 +10,10 @@ import numpy as np
 from flint import fmpq
 
 from firstcontact.body.polyhedron.polyhedron import Polyhedron
-from firstcontact.contact.polyhedra.answers import Body
 from firstcontact.contact.polyhedra.earliest import Problem, Searched
 from firstcontact.contact.polyhedra.translation_problem import TranslationProblem
 from firstcontact.exact.numbers import below
-from firstcontact.motion.moving import shape_of
+from firstcontact.motion.moving import Moving, shape_of
 from firstcontact.motion.relative.balls_apart import Ball, are_apart
 from firstcontact.motion.relative.curved import CurvedPiece
 from firstcontact.motion.relative.pieces import Piece, by_motions, in_few_turns
@@ -22,6 +21,8 @@ from firstcontact.work import Work
 
 if TYPE_CHECKING:
     from firstcontact.contact.polyhedra.rotation_problem import RotationProblem
+
+Body = Polyhedron | Moving
 
 
 def problem_of(a: Body, b: Body, piece: Piece | CurvedPiece, engine: str = "boxes", threads: int = 1) -> Problem:

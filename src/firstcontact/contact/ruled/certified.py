@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from math import inf
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -20,6 +20,9 @@ from firstcontact.search.rulings.ruled_pieces import RuledPiece
 from firstcontact.search.trees.touch import carried_normal
 from firstcontact.timeline.answers import proved_intervals
 from firstcontact.work import Query, Work
+
+if TYPE_CHECKING:
+    from firstcontact.motion.moving import Moving
 
 BUDGET = 200_000
 
@@ -76,7 +79,7 @@ def pieces_of(query: Query) -> Pieces | None:
     return Pieces(steps[0], p, q)
 
 
-def _pose_of_b(step: DirectrixPiece, b: Any, time: float) -> np.ndarray:
+def _pose_of_b(step: DirectrixPiece, b: Moving, time: float) -> np.ndarray:
     frame = step.motion.frame
     if frame is None:
         return np.asarray(b.motion(time), float)
@@ -92,7 +95,7 @@ def described(
     shared: Mapping[str, Any],
     numbers: tuple[int, int] = (0, 0),
     joined: tuple[Collection[str], Collection[str]] = ((), ()),
-) -> dict[str, Any]:
+) -> dict[str, object]:
     """What meets, in the world; pose: of b; numbers: of the pieces, joined: their borders that belong to the face."""
     normal = None
     if with_normal and event.normal is not None:

@@ -36,7 +36,7 @@ from firstcontact.timeline.sweep import Sweep
 from firstcontact.work import Query, Work
 
 if TYPE_CHECKING:
-    from firstcontact.body.kinds import Body
+    from firstcontact.body.kinds import Body, Model
 
 
 class RuledAndSolid:
@@ -70,7 +70,7 @@ class RuledAndSolid:
         return RuledLasting(self.sheets, Solid(self.model), self.side, self.windows)
 
 
-def _as_model(body: Any) -> Any:
+def _as_model(body: Body) -> Model:
     """The solid as a model, moving if it was."""
     shape = shape_of(body)
     model = as_model(shape) if isinstance(shape, Polyhedron) else shape

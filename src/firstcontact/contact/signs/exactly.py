@@ -34,6 +34,7 @@ from firstcontact.timeline.answers import interval_of
 from firstcontact.work import Query, Spent, Work
 
 if TYPE_CHECKING:
+    from firstcontact.motion.moving import Moving
     from firstcontact.result import ExactTime
 
 BITS = 128
@@ -316,7 +317,7 @@ def _contact_set(points: np.ndarray) -> ContactSet:
     return ContactSet("point" if len(points) == 1 else "segment", points)
 
 
-def _pose_of_b(start: End, b: Any, time: float) -> np.ndarray:
+def _pose_of_b(start: End, b: Moving, time: float) -> np.ndarray:
     frame = start.motion.frame
     if frame is None:  # bodies that turn about one line at different speeds
         return np.asarray(b.motion(time), float)

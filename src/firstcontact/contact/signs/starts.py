@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from flint import fmpq
 
@@ -20,7 +20,7 @@ from firstcontact.result import FirstContact, Status
 from firstcontact.work import Query
 
 if TYPE_CHECKING:
-    from firstcontact.body.kinds import Body
+    from firstcontact.body.kinds import Body, Shape
 
 
 def with_start(query: Query, answer: Callable[[Query], FirstContact]) -> FirstContact:
@@ -53,8 +53,9 @@ def _at_rest(query: Query) -> Query:
     return replace(query, a=a, b=b, last=query.first, exact=False, method="algebraic")
 
 
-def _placed(body: Body, time: fmpq) -> Any:
+def _placed(body: Body, time: fmpq) -> Shape:
     pose = placement_at(body, time)
     if not pose.is_exact:
         raise UnsupportedPair("an irrational pose at the start")
-    return pose.place(shape_of(body))
+    placed: Shape = pose.place(shape_of(body))
+    return placed

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from firstcontact.motion.product import Product
 from firstcontact.motion.rational import RationalMotion
 from firstcontact.motion.relative.curved import CurvedPiece, Leg
 from firstcontact.motion.relative.local_poses import local_pose, own_pose
+
+if TYPE_CHECKING:
+    from firstcontact.motion.kinds import Single
 
 # Of the sizes met: far more than some dozen roundings.
 _SLACK = 1e-12
@@ -57,7 +60,7 @@ def _swept(leg: Leg, piece: CurvedPiece, ball: Ball) -> tuple[Corner, Corner]:
 
 
 @lru_cache(maxsize=4096)
-def _own_box(motion: Any, part: tuple[int, int, int, int], ball: Ball) -> tuple[Corner, Corner]:
+def _own_box(motion: Single, part: tuple[int, int, int, int], ball: Ball) -> tuple[Corner, Corner]:
     """The same of a part of the motion itself: a body that moves is asked about with many others."""
     return _box(own_pose(motion, *part), ball, not isinstance(motion, RationalMotion) or motion.rigid)
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypedDict
 
 import numpy as np
 from flint import fmpq
@@ -64,6 +64,16 @@ NEAR = 1e-9
 """Of the size of its coordinates: points nearer to each other than that are one."""
 MOST_LOOKS = 12
 """Times at which one pair of pieces is followed in balls."""
+
+
+class WorkDone(TypedDict):
+    """What an answer says of the steps taken."""
+
+    gap: float
+    steps: int
+    newton: int
+    gaps: int
+    spent: int
 
 
 @dataclass(slots=True)
@@ -357,7 +367,7 @@ class PieceSearch:
     def _answer(self, status: str, free_until: float, **fields: Any) -> Advance:
         return Advance(status, free_until, **self._work(), **fields)
 
-    def _work(self) -> dict[str, Any]:
+    def _work(self) -> WorkDone:
         c = self.counters.tolist()
         steps: int = c[STEPS]
         return {

@@ -100,7 +100,7 @@ def first_event(
 
 class EventSearch:
     def __init__(
-        self, a: Any, b: Any, tables: Tables, stretches: list[Window], tolerance: float, budget: int
+        self, a: Body, b: Body, tables: Tables, stretches: list[Window], tolerance: float, budget: int
     ) -> None:
         self.bodies = a, b
         self.tables = tables

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import weakref
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 import numpy as np
 from flint import fmpq
@@ -27,7 +27,10 @@ from firstcontact.search.trees.tree import FACET, Tree
 
 if TYPE_CHECKING:
     from firstcontact.body.polyhedron.polyhedron import Polyhedron
+    from firstcontact.exact.rigid import Matrix
 
+At = TypeVar("At")
+At_contra = TypeVar("At_contra", contravariant=True)
 # Boxes of components that are looked at one by one.
 _LEAF = 4
 
@@ -311,7 +314,16 @@ def _fits(x, y, pad):
     return True
 
 
-def contained_at(problem: Any, left: Any, right: Any) -> bool:
+class Posed(Protocol[At_contra]):
+    """Two bodies under a motion with instants of one kind."""
+
+    a: Polyhedron
+    b: Polyhedron
+
+    def pose_between(self, x: At_contra, y: At_contra, /) -> Matrix: ...
+
+
+def contained_at(problem: Posed[At], left: At, right: At) -> bool:
     """Whether one body lies inside the other at a time between two instants without surface contact.
 
     Raises Undecidable.
