@@ -1,16 +1,10 @@
-"""What Numba does in vain while it compiles, left out.  It is left out for the whole process: for those of our own.
-
-Every name of Numba's used here is of 0.68, which the package is pinned to.
-"""
+"""Steps of Numba's own that change nothing, left out or taken once."""
 
 from __future__ import annotations
 
-import gc
-from contextlib import nullcontext
 from functools import cache
 from typing import Any
 
-import numba
 from llvmlite.binding import create_new_function_pass_manager
 from numba.core import base, compiler_machinery, errors, event, ir, postproc
 from numba.core.codegen import CPUCodeLibrary
@@ -20,6 +14,7 @@ from numba.core.types.functions import BaseFunction
 from numba.core.typing.templates import _OverloadFunctionTemplate
 
 from firstcontact.kernels.parts import for_callers
+from firstcontact.kernels.thrift.replaced import no_context, nothing, put
 
 _after: Any = postproc.PostProcessor.run
 _typed: Any = BaseFunction.get_call_type
@@ -27,33 +22,16 @@ _decorator: Any = _OverloadFunctionTemplate._get_jit_decorator
 
 
 def apply() -> None:
-    gc.disable()
-    _set(TargetConfig, __eq__=_equal_options, __hash__=_hash_of_options)
-    _set(CPUCodeLibrary, _optimize_functions=_tidy)
-    _set(_OverloadFunctionTemplate, _get_jit_decorator=_decorator_of_overloads)
-    _set(BaseFunction, get_call_type=_call_type)
-    _set(postproc.PostProcessor, run=_run_after)
-    _set(ir.Inst, _rec_list_vars=_variables)
-    _set(base, _has_loc=cache(base._has_loc))
-    _set(vars(errors)["WarningsFixer"], catch_warnings=_as_they_come)
-    _set(event, start_event=_nothing, end_event=_nothing)  # of locks, whenever LLVM is called
-    _set(compiler_machinery, enforce_no_dels=_nothing)  # a check of Numba's own steps, after each of them
-
-
-def _set(place: object, **new: Any) -> None:
-    for name, value in new.items():
-        if name not in vars(place):
-            raise AttributeError(f"{place} of Numba {numba.__version__} has no {name}")
-        setattr(place, name, value)
-
-
-def _nothing(*_: Any, **__: Any) -> None:
-    pass
-
-
-def _as_they_come(*_: Any, **__: Any) -> nullcontext[None]:
-    """Warnings of a step of type inference, without the line that it is for."""
-    return nullcontext()
+    put(TargetConfig, __eq__=_equal_options, __hash__=_hash_of_options)
+    put(CPUCodeLibrary, _optimize_functions=_tidy)
+    put(_OverloadFunctionTemplate, _get_jit_decorator=_decorator_of_overloads)
+    put(BaseFunction, get_call_type=_call_type)
+    put(postproc.PostProcessor, run=_run_after)
+    put(ir.Inst, _rec_list_vars=_variables)
+    put(base, _has_loc=cache(base._has_loc))
+    put(vars(errors)["WarningsFixer"], catch_warnings=no_context)
+    put(event, start_event=nothing, end_event=nothing)  # of locks, whenever LLVM is called
+    put(compiler_machinery, enforce_no_dels=nothing)  # a check of Numba's own steps, after each of them
 
 
 def _equal_options(one: Any, other: Any) -> Any:
